@@ -1,0 +1,2 @@
+//! The `leadscrew` program.
+fn main() {}

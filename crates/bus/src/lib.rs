@@ -1,0 +1,230 @@
+//! What crosses the kernel's edge each servo period: the narrow waist between control and iron.
+//!
+//! ```text
+//!             Command (setpoints, force and torque references)
+//!   kernel ───────────────────────────────────────────────────► machine: simulated, or real drives
+//!          ◄───────────────────────────────────────────────────
+//!             Feedback (encoders, drive states, the time)
+//!
+//!   Sample = Feedback + Command + Report (the kernel's own view) + Truth (what only a simulator can know)
+//! ```
+//!
+//! One writer per datum: `Feedback` is the machine's, `Command` and `Report` the kernel's. Signs: an
+//! axis' force is positive along the axis; a spindle turns positive clockwise seen from behind (M3).
+#![no_std]
+use units::{Angle, Force, Length, Speed, Spin, Time, Torque};
+
+/// Axes a machine may have, in the order X Y Z A B C U V W.
+pub const AXES: usize = 9;
+/// Spindles a machine may have.
+pub const SPINDLES: usize = 2;
+
+/// What a machine says of one axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AxisFeedback {
+    /// Position by its encoder.
+    pub position: Length,
+    /// The drive is powered and has no fault.
+    pub ready: bool,
+}
+
+/// What a machine says of one spindle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SpindleFeedback {
+    /// Angle by its encoder, unwrapped: it goes on counting over turns.
+    pub angle: Angle,
+    /// Angle at which the index mark passed, if it did during the last period.
+    pub index: Option<Angle>,
+    /// The drive is powered and has no fault.
+    pub ready: bool,
+    /// The drive was at its torque or power limit during the last period.
+    pub saturated: bool,
+}
+
+/// What a machine says, once a period.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Feedback {
+    /// Time since the machine was started, at the moment the encoders were read.
+    pub time: Time,
+    /// By axis, X first.
+    pub axes: [AxisFeedback; AXES],
+    /// By spindle.
+    pub spindles: [SpindleFeedback; SPINDLES],
+    /// The tool in the spindle; `None` while the changer is at work.
+    pub tool: Option<u32>,
+    /// The emergency stop chain is open.
+    pub emergency_stop: bool,
+}
+
+/// What the kernel wants of one axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AxisCommand {
+    /// The drive shall be powered.
+    pub enable: bool,
+    /// Setpoint of position.
+    pub position: Length,
+    /// Setpoint of speed.
+    pub speed: Speed,
+    /// Force reference: the kernel's position and speed loops plus feed-forward. Drives that close
+    /// their own loops take position and speed instead.
+    pub force: Force,
+}
+
+/// What the kernel wants of one spindle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SpindleCommand {
+    /// The drive shall be powered.
+    pub enable: bool,
+    /// Setpoint of the angle; follows the actual angle while only the speed is controlled.
+    pub angle: Angle,
+    /// Setpoint of speed.
+    pub spin: Spin,
+    /// Torque reference.
+    pub torque: Torque,
+}
+
+/// What the kernel wants, once a period.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Command {
+    /// By axis, X first.
+    pub axes: [AxisCommand; AXES],
+    /// By spindle.
+    pub spindles: [SpindleCommand; SPINDLES],
+    /// The tool that shall be in the spindle; 0 is none.
+    pub tool: u32,
+    /// Flood coolant.
+    pub flood: bool,
+    /// Mist coolant.
+    pub mist: bool,
+}
+
+/// What the kernel is doing; one row of `state` in the trace.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub enum State {
+    /// Nothing to do.
+    #[default]
+    Idle,
+    /// A rapid move.
+    Rapid,
+    /// A cutting move.
+    Feed,
+    /// A programmed wait.
+    Dwell,
+    /// Waiting for the spindle to be at speed, oriented or at rest.
+    SpindleWait,
+    /// Waiting until the axes are in position.
+    Settle,
+    /// Changing the tool.
+    ToolChange,
+    /// Synchronised, going in.
+    TapIn,
+    /// Synchronised, at the bottom.
+    TapBottom,
+    /// Synchronised, coming out.
+    TapOut,
+    /// Waiting for the operator.
+    Paused,
+    /// Stopped by a fault.
+    Faulted,
+    /// The program has ended.
+    Ended,
+}
+
+impl State {
+    /// Its name in traces and reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Idle => "idle",
+            Self::Rapid => "rapid",
+            Self::Feed => "feed",
+            Self::Dwell => "dwell",
+            Self::SpindleWait => "spindle-wait",
+            Self::Settle => "settle",
+            Self::ToolChange => "tool-change",
+            Self::TapIn => "tap-in",
+            Self::TapBottom => "tap-bottom",
+            Self::TapOut => "tap-out",
+            Self::Paused => "paused",
+            Self::Faulted => "faulted",
+            Self::Ended => "ended",
+        }
+    }
+}
+
+/// The kernel's own view of the period.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Report {
+    /// What it is doing.
+    pub state: State,
+    /// Index of the op it works on, counted from 0 in the order of the program's ops.
+    pub op: u32,
+    /// Program line of that op.
+    pub line: u32,
+    /// Distance of the follower from its coupling, while one is engaged and the tool is in the
+    /// material: the kernel's own monitor, from encoders.
+    pub sync_error: Option<Length>,
+}
+
+/// What only a simulated machine can know, for the judge and for people.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Truth {
+    /// Where the tool side (table, ram, nose) of each axis really is.
+    pub axes: [Length; AXES],
+    /// Force of the drive on each axis.
+    pub axis_forces: [Force; AXES],
+    /// Where each spindle's nose really is.
+    pub spindles: [Angle; SPINDLES],
+    /// Real speed of each spindle.
+    pub spins: [Spin; SPINDLES],
+    /// Torque of each spindle's drive.
+    pub spindle_torques: [Torque; SPINDLES],
+    /// Axial offset of the tool's edges from where the axis holds them: the holder's deflection.
+    /// The cutting edges stand at `axis + tool_deflection` along the tool axis.
+    pub tool_deflection: Length,
+    /// Torque of the cut on the spindle.
+    pub cutting_torque: Torque,
+    /// Axial force of the cut on the tool.
+    pub cutting_force: Force,
+    /// The tool has broken.
+    pub tool_broken: bool,
+}
+
+/// One servo period, recorded: what the judge and the trace are made from.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// What the machine said at the period's start.
+    pub feedback: Feedback,
+    /// What the kernel answered.
+    pub command: Command,
+    /// The kernel's own view.
+    pub report: Report,
+    /// The world at the same moment as `feedback`, where it can be known.
+    pub truth: Option<Truth>,
+}
+
+impl Sample {
+    /// Where an axis really is: by the simulator if there is one, else by its encoder.
+    pub fn axis(&self, index: usize) -> Length {
+        self.truth.map_or(self.feedback.axes[index].position, |t| t.axes[index])
+    }
+
+    /// Where a spindle really is, likewise.
+    pub fn spindle(&self, index: usize) -> Angle {
+        self.truth.map_or(self.feedback.spindles[index].angle, |t| t.spindles[index])
+    }
+}
+
+/// Anything that obeys a `Command` for one servo period and then says where it is.
+pub trait Machine {
+    /// Length of the servo period.
+    fn period(&self) -> Time;
+    /// What it says now, before any command.
+    fn feedback(&self) -> Feedback;
+    /// Obey for one period; answer with what the encoders say at its end.
+    fn exchange(&mut self, command: &Command) -> Feedback;
+    /// The world at the moment of the last feedback, where it can be known.
+    fn truth(&self) -> Option<Truth> {
+        None
+    }
+}

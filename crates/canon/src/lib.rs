@@ -1,0 +1,28 @@
+//! What to machine: the narrow waist between programs and motion.
+//!
+//! An interpreter, whatever its dialect, ends in [`Op`]s; planner, kernel and judge begin with them.
+//! Everything the text could say in several ways is said here in one: millimetres, revolutions and
+//! seconds; *machine coordinates of the axes* (work offsets, rotation, tool length offset, diameter
+//! mode, G91 and inches are already applied); arcs with an absolute centre. What an op knows of its
+//! text is its [`Span`], and nothing else.
+//!
+//! ```text
+//!   Op ─┬─ motion     Rapid, Line, Arc, Tap
+//!       ├─ waiting    Dwell, Pause, End
+//!       ├─ switching  Spindle, Coolant, SelectTool, ChangeTool, PathMode, Overrides
+//!       └─ meaning    Hole (what the moves that follow are for), Message
+//! ```
+//!
+//! An axis coordinate is where the *axis* stands. The tool's tip is `axis − tool length offset` along
+//! the tool axis; the judge and the simulated workpiece know the mounted tool and do that subtraction.
+#![no_std]
+extern crate alloc;
+
+mod op;
+mod position;
+mod tool;
+
+pub use diag::Span;
+pub use op::{Arc, Feed, Hole, Op, OpKind, PathMode, SpindleOrder, Tap};
+pub use position::{Axis, Plane, Position};
+pub use tool::{Flute, Holder, TapTool, Tool, ToolKind, ToolLibrary};

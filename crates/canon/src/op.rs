@@ -1,0 +1,184 @@
+//! The operations.
+use crate::{Axis, Plane, Position, Span};
+use alloc::boxed::Box;
+use units::{Angle, Lead, Length, Speed, Spin, Time};
+
+/// One operation and the text it came from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Op {
+    /// The block that ordered it.
+    pub span: Span,
+    /// What it orders.
+    pub kind: OpKind,
+}
+
+/// What an operation orders.
+#[derive(Clone, Debug, PartialEq)]
+pub enum OpKind {
+    /// Move as fast as the axes allow, not cutting.
+    Rapid {
+        /// Where to.
+        to: Position,
+    },
+    /// Move in a straight line at a feed.
+    Line {
+        /// Where to.
+        to: Position,
+        /// How fast.
+        feed: Feed,
+    },
+    /// Move along a circle or helix at a feed.
+    Arc {
+        /// Where to.
+        to: Position,
+        /// Which circle.
+        arc: Arc,
+        /// How fast.
+        feed: Feed,
+    },
+    /// Tap a hole, synchronised with the spindle, in and out. The axes stand at the start already.
+    /// Afterwards the spindle stands still; an M3 or M4 in force is restored before the next cut.
+    Tap(Tap),
+    /// The moves that follow, up to the next op whose span differs or to the next `Hole`, make this hole.
+    Hole(Hole),
+    /// Wait.
+    Dwell {
+        /// How long.
+        time: Time,
+    },
+    /// Order a spindle.
+    Spindle {
+        /// Which, counted from 0.
+        spindle: u8,
+        /// What it shall do.
+        order: SpindleOrder,
+    },
+    /// Switch coolant.
+    Coolant {
+        /// M7.
+        mist: bool,
+        /// M8.
+        flood: bool,
+    },
+    /// Bring a tool to the changer (T).
+    SelectTool {
+        /// Its number.
+        number: u32,
+    },
+    /// Put the selected tool into the spindle (M6).
+    ChangeTool {
+        /// Its number; 0 empties the spindle.
+        number: u32,
+    },
+    /// How corners are taken from here on.
+    PathMode(PathMode),
+    /// Which overrides the operator has from here on.
+    Overrides {
+        /// Feed override.
+        feed: bool,
+        /// Spindle override.
+        spindle: bool,
+    },
+    /// Stop until the operator goes on (M0, M1).
+    Pause {
+        /// M1: only if the operator has set optional stop.
+        optional: bool,
+    },
+    /// Tell the operator something.
+    Message(Box<str>),
+    /// The program is over.
+    End,
+}
+
+/// How fast a cutting move goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Feed {
+    /// G94.
+    PerTime(Speed),
+    /// G95: path length per spindle revolution.
+    PerRevolution(Lead),
+    /// G93, and moves of rotary axes alone: the whole move takes this long.
+    Duration(Time),
+}
+
+/// Which circle, in the plane's first and second axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arc {
+    /// The plane.
+    pub plane: Plane,
+    /// Centre in machine coordinates, along the plane's first and second axis.
+    pub centre: [Length; 2],
+    /// Angle swept, counter-clockwise positive as seen against the normal; more than one turn is allowed.
+    pub sweep: Angle,
+}
+
+/// What a spindle is told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SpindleOrder {
+    /// M5.
+    Stop,
+    /// M3 (positive) and M4 (negative).
+    Turn(Spin),
+    /// G96: constant surface speed.
+    ConstantSurfaceSpeed {
+        /// Surface speed; negative turns counter-clockwise.
+        speed: Speed,
+        /// Never faster than this (D word), if stated.
+        limit: Option<Spin>,
+    },
+    /// M19.
+    Orient(Angle),
+}
+
+/// A synchronised tap. Coordinates are machine coordinates of the tapping axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tap {
+    /// The axis that follows the spindle.
+    pub axis: Axis,
+    /// Where synchronisation starts and ends (the R plane; for G33.1 where the axis stood).
+    pub start: Position,
+    /// Where the spindle turns back: the programmed depth, as a coordinate of `axis`.
+    pub bottom: Length,
+    /// Where the material is taken to begin, as a coordinate of `axis`: the work's zero if it lies
+    /// between start and bottom, else the start.
+    pub surface: Length,
+    /// Advance along the tap's own direction per revolution; positive right-hand, negative left-hand.
+    pub lead: Lead,
+    /// Spindle speed inwards (magnitude; the hand gives the sense).
+    pub spin: Spin,
+    /// Spindle speed outwards (magnitude).
+    pub return_spin: Spin,
+    /// Wait at the bottom.
+    pub dwell: Time,
+    /// Spindle angle at which the thread starts at `start`; `None`: wherever the spindle stands.
+    pub start_angle: Option<Angle>,
+}
+
+/// What a drilling cycle is about to make. Coordinates are machine coordinates of the axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hole {
+    /// The axis that drills.
+    pub axis: Axis,
+    /// Over the hole, at the R plane.
+    pub at: Position,
+    /// Programmed depth, as a coordinate of `axis`.
+    pub bottom: Length,
+    /// Where the material is taken to begin (as for [`Tap::surface`]).
+    pub surface: Length,
+}
+
+/// How corners are taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PathMode {
+    /// G61: the path is followed exactly; stop only where it must.
+    Exact,
+    /// G61.1: stop at the end of every move.
+    ExactStop,
+    /// G64: corners may be blended.
+    Blend {
+        /// P: how far from the programmed path, if stated.
+        tolerance: Option<Length>,
+        /// Q: how far collinear moves may be merged, if stated.
+        merge: Option<Length>,
+    },
+}

@@ -1,0 +1,113 @@
+//! Where the axes stand.
+use units::{Angle, Length};
+
+/// An axis by its letter, in the order used wherever axes are numbered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Axis {
+    /// First linear axis.
+    X,
+    /// Second linear axis.
+    Y,
+    /// Third linear axis, as a rule along the spindle.
+    Z,
+    /// Rotation about X.
+    A,
+    /// Rotation about Y.
+    B,
+    /// Rotation about Z.
+    C,
+    /// Parallel to X.
+    U,
+    /// Parallel to Y.
+    V,
+    /// Parallel to Z.
+    W,
+}
+
+impl Axis {
+    /// All of them, in order.
+    pub const ALL: [Self; 9] =
+        [Self::X, Self::Y, Self::Z, Self::A, Self::B, Self::C, Self::U, Self::V, Self::W];
+
+    /// Its place in [`Axis::ALL`].
+    pub const fn index(self) -> usize {
+        self as usize
+    }
+
+    /// Its letter.
+    pub const fn letter(self) -> char {
+        ['X', 'Y', 'Z', 'A', 'B', 'C', 'U', 'V', 'W'][self as usize]
+    }
+}
+
+/// Machine coordinates of all nine axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Position {
+    /// X, Y, Z.
+    pub linear: [Length; 3],
+    /// A, B, C.
+    pub rotary: [Angle; 3],
+    /// U, V, W.
+    pub parallel: [Length; 3],
+}
+
+impl Position {
+    /// A point of the three linear axes, in millimetres; the others at zero.
+    pub const fn xyz(x: f64, y: f64, z: f64) -> Self {
+        Self {
+            linear: [Length::mm(x), Length::mm(y), Length::mm(z)],
+            rotary: [Angle::ZERO; 3],
+            parallel: [Length::ZERO; 3],
+        }
+    }
+
+    /// Coordinate of a linear axis (X, Y, Z, U, V, W); zero for a rotary one.
+    pub const fn along(&self, axis: Axis) -> Length {
+        let i = axis.index();
+        match i {
+            0..=2 => self.linear[i],
+            6..=8 => self.parallel[i - 6],
+            _ => Length::ZERO,
+        }
+    }
+
+    /// The same point with one linear axis moved; unchanged for a rotary one.
+    #[must_use]
+    pub const fn with(mut self, axis: Axis, value: Length) -> Self {
+        let i = axis.index();
+        match i {
+            0..=2 => self.linear[i] = value,
+            6..=8 => self.parallel[i - 6] = value,
+            _ => {}
+        }
+        self
+    }
+}
+
+/// Working plane; a cycle drills along its normal.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Plane {
+    /// G17.
+    #[default]
+    XY,
+    /// G18.
+    ZX,
+    /// G19.
+    YZ,
+}
+
+impl Plane {
+    /// First axis, second axis, normal: a right-handed frame.
+    pub const fn axes(self) -> [Axis; 3] {
+        match self {
+            Self::XY => [Axis::X, Axis::Y, Axis::Z],
+            Self::ZX => [Axis::Z, Axis::X, Axis::Y],
+            Self::YZ => [Axis::Y, Axis::Z, Axis::X],
+        }
+    }
+
+    /// The axis along which a cycle drills.
+    pub const fn normal(self) -> Axis {
+        self.axes()[2]
+    }
+}

@@ -1,0 +1,133 @@
+//! The tools a program calls by number.
+use alloc::{string::String, vec::Vec};
+use units::{Angle, Lead, Length, Stiffness};
+
+/// A tool as the shop's table has it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tool {
+    /// T number.
+    pub number: u32,
+    /// Pocket in the magazine.
+    pub pocket: u32,
+    /// From the spindle's gauge line to the tip: the tool length offset of G43.
+    pub length: Length,
+    /// Cutting diameter.
+    pub diameter: Length,
+    /// What it is.
+    pub kind: ToolKind,
+    /// For people.
+    pub description: String,
+    /// True for a tool that the table lacks and the user let us assume.
+    pub stand_in: bool,
+}
+
+/// What a tool is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ToolKind {
+    /// Makes a round hole with a cone at its end.
+    Drill {
+        /// Full point angle, 118° as a rule.
+        point_angle: Angle,
+    },
+    /// Marks a hole.
+    SpotDrill {
+        /// Full point angle, 90° as a rule.
+        point_angle: Angle,
+    },
+    /// Cuts with its side.
+    EndMill,
+    /// Cuts an internal thread.
+    Tap(TapTool),
+    /// Anything else; it makes no feature that is judged.
+    Other,
+}
+
+/// A tap.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TapTool {
+    /// Thread it makes, such as "M6x1" or "1/4-20 UNC".
+    pub designation: String,
+    /// Lead of its helix; negative for a left-hand tap.
+    pub lead: Lead,
+    /// Length of its chamfer, in pitches (2–3 bottoming, 4–5 plug).
+    pub chamfer_pitches: f64,
+    /// Longest thread it can cut: its flutes end there.
+    pub thread_length: Length,
+    /// How its flutes carry chips.
+    pub flute: Flute,
+    /// Pitch diameter of the tap over the basic pitch diameter (tap class, ISO 2857).
+    pub oversize: Length,
+    /// What holds it.
+    pub holder: Holder,
+}
+
+/// Flute forms; they differ in torque.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Flute {
+    /// Chips come out upwards: blind holes.
+    SpiralFlute,
+    /// Chips go ahead: through holes.
+    SpiralPoint,
+    /// Chips stay.
+    Straight,
+}
+
+/// Tap holders: springs between spindle and tap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Holder {
+    /// Collet: 10–30 N/µm.
+    Rigid {
+        /// Axial stiffness.
+        stiffness: Stiffness,
+    },
+    /// Synchro holder with a little axial play: 0.2–1 N/µm over ±0.5 mm.
+    SoftSynchro {
+        /// Axial stiffness.
+        stiffness: Stiffness,
+        /// Travel each way.
+        travel: Length,
+    },
+    /// Tension/compression holder: 10–40 N/mm over ±8 mm.
+    TensionCompression {
+        /// Axial stiffness.
+        stiffness: Stiffness,
+        /// Travel each way.
+        travel: Length,
+    },
+}
+
+/// All tools, by number.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ToolLibrary {
+    tools: Vec<Tool>,
+}
+
+impl ToolLibrary {
+    /// From any order; of two tools with one number the later one counts.
+    pub fn new(tools: impl IntoIterator<Item = Tool>) -> Self {
+        let mut library = Self::default();
+        for tool in tools {
+            library.insert(tool);
+        }
+        library
+    }
+
+    /// Add a tool, or replace the one with its number.
+    pub fn insert(&mut self, tool: Tool) {
+        match self.tools.binary_search_by_key(&tool.number, |t| t.number) {
+            Ok(at) => self.tools[at] = tool,
+            Err(at) => self.tools.insert(at, tool),
+        }
+    }
+
+    /// The tool with this number.
+    pub fn get(&self, number: u32) -> Option<&Tool> {
+        let at = self.tools.binary_search_by_key(&number, |t| t.number).ok()?;
+        Some(&self.tools[at])
+    }
+
+    /// All tools, by rising number.
+    pub fn iter(&self) -> impl Iterator<Item = &Tool> {
+        self.tools.iter()
+    }
+}

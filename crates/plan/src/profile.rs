@@ -1,0 +1,107 @@
+//! A path parameter as a function of time, in pieces of constant jerk.
+//!
+//! ```text
+//!   s(t) = s₀ + v₀·t + ½·a₀·t² + ⅙·j·t³      within each piece, t from the piece's start
+//! ```
+//!
+//! | symbol | meaning | unit for a move | unit for a spindle |
+//! |---|---|---|---|
+//! | s | path parameter | mm | rev |
+//! | v, a, j | its rates | mm/s, mm/s², mm/s³ | rev/s, rev/s², rev/s³ |
+//! | t | time | s | s |
+
+/// Most pieces a profile may have: a spindle's run-up on a power curve needs the most.
+pub const MAX_PIECES: usize = 64;
+
+/// A stretch of constant jerk.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Piece {
+    /// How long it lasts, s.
+    pub duration: f64,
+    /// Path parameter at its start.
+    pub s: f64,
+    /// Speed at its start.
+    pub v: f64,
+    /// Acceleration at its start.
+    pub a: f64,
+    /// Jerk all along.
+    pub j: f64,
+}
+
+impl Piece {
+    /// State at a time after its start, s.
+    pub fn at(&self, t: f64) -> Instant {
+        Instant {
+            s: self.s + t * (self.v + t * (self.a / 2.0 + t * self.j / 6.0)),
+            v: self.v + t * (self.a + t * self.j / 2.0),
+            a: self.a + t * self.j,
+        }
+    }
+}
+
+/// State of a profile at one time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Instant {
+    /// Path parameter.
+    pub s: f64,
+    /// Its speed.
+    pub v: f64,
+    /// Its acceleration.
+    pub a: f64,
+}
+
+/// Pieces in a row, of fixed capacity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Profile {
+    pieces: [Piece; MAX_PIECES],
+    count: usize,
+    duration: f64,
+}
+
+impl Profile {
+    /// Nothing yet: stays at 0.
+    pub const EMPTY: Self = Self {
+        pieces: [Piece { duration: 0.0, s: 0.0, v: 0.0, a: 0.0, j: 0.0 }; MAX_PIECES],
+        count: 0,
+        duration: 0.0,
+    };
+
+    /// Append a piece; `false`, and nothing appended, when the profile is full.
+    #[must_use]
+    pub fn push(&mut self, piece: Piece) -> bool {
+        if self.count == MAX_PIECES {
+            return false;
+        }
+        self.pieces[self.count] = piece;
+        self.count += 1;
+        self.duration += piece.duration;
+        true
+    }
+
+    /// The pieces, in order.
+    pub fn pieces(&self) -> &[Piece] {
+        &self.pieces[..self.count]
+    }
+
+    /// How long it lasts, s.
+    pub const fn duration(&self) -> f64 {
+        self.duration
+    }
+
+    /// State at a time from its start, s: the first state before it, the last (at rest) after it.
+    pub fn at(&self, time: f64) -> Instant {
+        let mut t = time.max(0.0);
+        for piece in self.pieces() {
+            if t < piece.duration {
+                return piece.at(t);
+            }
+            t -= piece.duration;
+        }
+        self.end()
+    }
+
+    /// State at the end.
+    pub fn end(&self) -> Instant {
+        self.pieces().last().map_or(Instant::default(), |p| p.at(p.duration))
+    }
+}

@@ -1,0 +1,121 @@
+//! What the kernel executes, one after the other.
+use crate::{Path, Profile};
+use canon::{Axis, Position};
+use units::{Angle, Lead, Length, Spin, Time};
+
+/// One step and the operation it serves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// Index of the op, counted from 0.
+    pub op: u32,
+    /// Program line of the op.
+    pub line: u32,
+    /// What to do.
+    pub kind: StepKind,
+}
+
+/// What to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant)] // the queue is short and boxes would be freed in the servo thread
+pub enum StepKind {
+    /// Move along a path; rest to rest while there is no look-ahead.
+    Move(Move),
+    /// Wait.
+    Dwell(Time),
+    /// Order a spindle, and wait if the order says so.
+    Spindle {
+        /// Which, counted from 0.
+        spindle: u8,
+        /// What.
+        order: SpindleStep,
+    },
+    /// Tap.
+    Tap(TapPlan),
+    /// Change the tool; the planner has brought the axes to the change position before.
+    ChangeTool(u32),
+    /// Switch coolant.
+    Coolant {
+        /// M7.
+        mist: bool,
+        /// M8.
+        flood: bool,
+    },
+    /// Stop until told to go on.
+    Pause {
+        /// Only if optional stop is set.
+        optional: bool,
+    },
+    /// The program is over.
+    End,
+}
+
+/// A move with the time along it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Move {
+    /// Where.
+    pub path: Path,
+    /// When: path parameter over time. For `per_revolution` moves, over spindle revolutions instead.
+    pub profile: Profile,
+    /// Not cutting.
+    pub rapid: bool,
+    /// G95: the profile's time axis is revolutions of spindle 0 since the move began, not seconds.
+    pub per_revolution: bool,
+    /// At the end, wait until every axis is in position before the next step.
+    pub exact_stop: bool,
+}
+
+/// What a spindle is told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SpindleStep {
+    /// Turn at this speed (sign: sense; zero stops) along `ramp`, which runs from the speed that the
+    /// planner knows the spindle to be ordered to; go on to the next step at once.
+    Turn {
+        /// Speed to hold.
+        spin: Spin,
+        /// Speed over time, as the profile's `v`; its `s` is revolutions.
+        ramp: Profile,
+    },
+    /// Wait until the spindle is within its at-speed window of the ordered speed (or at rest).
+    AwaitSpeed,
+    /// Stop at this angle within a turn and hold it there.
+    Orient(Angle),
+}
+
+/// A synchronised tap, planned.
+///
+/// ```text
+///   θ │        bottom: dwell
+///     │          ┌────┐              z(θ) = start + lead·sense·θ   on the coupling, in and out
+///     │        ╱        ╲
+///     │     ╱  inward     ╲ outward  profiles: rest to rest, speed S at most, torque within the
+///     │──╱                  ╲──      spindle's curve, feed within the axis' limits
+///     └──────────────────────────► t
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TapPlan {
+    /// The axis that follows the spindle.
+    pub axis: Axis,
+    /// Which spindle leads.
+    pub spindle: u8,
+    /// Where the axes stand at the start.
+    pub start: Position,
+    /// Coordinate of `axis` at the turning point.
+    pub bottom: Length,
+    /// Coordinate of `axis` where the material begins.
+    pub surface: Length,
+    /// Axis travel per revolution of the spindle in its own positive sense (M3), so that
+    /// `z = start + lead·(θ − θ₀)`: a right-hand tap cutting towards −Z has a *negative* lead here.
+    pub lead: Lead,
+    /// Signed spindle speed inwards.
+    pub spin: Spin,
+    /// Signed spindle speed outwards.
+    pub return_spin: Spin,
+    /// Revolutions (magnitude) from start to bottom over time, rest to rest.
+    pub inward: Profile,
+    /// Wait at the bottom.
+    pub dwell: Time,
+    /// Revolutions (magnitude) from bottom back to start over time, rest to rest.
+    pub outward: Profile,
+    /// Spindle angle within a turn at the start; `None`: wherever it stands.
+    pub start_angle: Option<Angle>,
+}
