@@ -12,8 +12,9 @@ extern crate alloc;
 
 mod path;
 mod profile;
+mod ramp;
 mod step;
 
 pub use path::{Motion, Path};
-pub use profile::{Instant, Piece, Profile};
-pub use step::{Move, SpindleStep, Step, StepKind, TapPlan};
+pub use profile::{Instant, MAX_PIECES, Piece, Profile};
+pub use step::{Limiting, Move, SpindleStep, Step, StepKind, TapLimiting, TapPlan};

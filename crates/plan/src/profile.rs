@@ -9,6 +9,8 @@
 //! | s | path parameter | mm | rev |
 //! | v, a, j | its rates | mm/s, mm/s², mm/s³ | rev/s, rev/s², rev/s³ |
 //! | t | time | s | s |
+//!
+//! How profiles are made is in `ramp`; here is what the kernel evaluates each period.
 
 /// Most pieces a profile may have: a spindle's run-up on a power curve needs the most.
 pub const MAX_PIECES: usize = 64;
@@ -37,6 +39,11 @@ impl Piece {
             a: self.a + t * self.j,
         }
     }
+
+    /// State at its end.
+    pub fn end(&self) -> Instant {
+        self.at(self.duration)
+    }
 }
 
 /// State of a profile at one time.
@@ -56,6 +63,7 @@ pub struct Profile {
     pieces: [Piece; MAX_PIECES],
     count: usize,
     duration: f64,
+    end: Instant,
 }
 
 impl Profile {
@@ -64,6 +72,7 @@ impl Profile {
         pieces: [Piece { duration: 0.0, s: 0.0, v: 0.0, a: 0.0, j: 0.0 }; MAX_PIECES],
         count: 0,
         duration: 0.0,
+        end: Instant { s: 0.0, v: 0.0, a: 0.0 },
     };
 
     /// Append a piece; `false`, and nothing appended, when the profile is full.
@@ -75,7 +84,15 @@ impl Profile {
         self.pieces[self.count] = piece;
         self.count += 1;
         self.duration += piece.duration;
+        self.end = piece.end();
         true
+    }
+
+    /// State the end exactly: what rounding left of it in the last piece is not handed on.
+    #[must_use]
+    pub fn ending_at(mut self, end: Instant) -> Self {
+        self.end = end;
+        self
     }
 
     /// The pieces, in order.
@@ -88,7 +105,7 @@ impl Profile {
         self.duration
     }
 
-    /// State at a time from its start, s: the first state before it, the last (at rest) after it.
+    /// State at a time from its start, s: the first state before it, the last after it.
     pub fn at(&self, time: f64) -> Instant {
         let mut t = time.max(0.0);
         for piece in self.pieces() {
@@ -101,7 +118,12 @@ impl Profile {
     }
 
     /// State at the end.
-    pub fn end(&self) -> Instant {
-        self.pieces().last().map_or(Instant::default(), |p| p.at(p.duration))
+    pub const fn end(&self) -> Instant {
+        self.end
+    }
+
+    /// Largest speed in it.
+    pub fn peak(&self) -> f64 {
+        self.pieces().iter().map(|p| p.v.abs()).fold(self.end.v.abs(), f64::max)
     }
 }

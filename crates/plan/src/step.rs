@@ -118,4 +118,59 @@ pub struct TapPlan {
     pub outward: Profile,
     /// Spindle angle within a turn at the start; `None`: wherever it stands.
     pub start_angle: Option<Angle>,
+    /// What kept it from being faster.
+    pub limiting: TapLimiting,
+}
+
+/// What keeps a tap from being faster.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TapLimiting {
+    /// What bounds the highest speed inwards.
+    pub speed: Limiting,
+    /// What bounds the run-up inwards for the longest part of its time.
+    pub ramp: Limiting,
+}
+
+/// A bound on a motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Limiting {
+    /// The programmed S is reached.
+    #[default]
+    ProgrammedSpeed,
+    /// The spindle's highest speed for tapping.
+    TappingMaximum,
+    /// The spindle's peak torque.
+    SpindleTorque,
+    /// The spindle's peak power, above its base speed.
+    SpindlePower,
+    /// How fast the spindle's torque may rise.
+    SpindleJerk,
+    /// The feed axis' highest speed.
+    FeedSpeed,
+    /// The feed axis' acceleration.
+    FeedAcceleration,
+    /// The feed axis' jerk.
+    FeedJerk,
+    /// The stroke is too short to reach the programmed S.
+    StrokeLength,
+    /// A ramp that was asked for, whatever the spindle can do.
+    Forced,
+}
+
+impl Limiting {
+    /// For people: what bounded it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::ProgrammedSpeed => "programmed speed",
+            Self::TappingMaximum => "tapping maximum of the spindle",
+            Self::SpindleTorque => "spindle torque",
+            Self::SpindlePower => "spindle power",
+            Self::SpindleJerk => "rise of the spindle torque",
+            Self::FeedSpeed => "feed speed",
+            Self::FeedAcceleration => "feed acceleration",
+            Self::FeedJerk => "feed jerk",
+            Self::StrokeLength => "length of the stroke",
+            Self::Forced => "forced ramp",
+        }
+    }
 }
