@@ -1,0 +1,212 @@
+//! What users type.
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// An open numerical control for spindle-synchronised machining.
+#[derive(Parser, Debug)]
+#[command(name = "leadscrew", version, propagate_version = true, max_term_width = 100)]
+#[command(after_help = "Examples:
+  leadscrew run programs/plate-12xM6.ngc --out out/plate     prove a program, leave report and certificate
+  leadscrew check programs/*.ngc                             everything wrong with them, at once
+  leadscrew canon part.ngc --format linuxcnc                 compare with LinuxCNC's rs274 by diff
+  leadscrew machine show tapping-center                      the machine's values, with their sources")]
+pub(crate) struct Cli {
+    /// Say only what went wrong
+    #[arg(short, long, global = true)]
+    pub(crate) quiet: bool,
+    /// What to do
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+/// What to do.
+#[derive(Subcommand, Debug)]
+pub(crate) enum Command {
+    /// Run a program on the simulated machine and judge the workpiece
+    #[command(after_help = "Exit code: 0 the program ended and every feature is within tolerance; 1 a feature is out of
+tolerance; 2 the program or a file was refused; 3 an alarm on the machine.
+
+Examples:
+  leadscrew run programs/plate-12xM6.ngc
+  leadscrew run part.ngc --machine shop.toml --tools shop.tbl --out out/part
+  leadscrew run part.ngc --missing-tools stand-in --material 42CrMo4
+  leadscrew run part.ngc --force-ramp 0.12       what a spindle ramp steeper than the power curve does
+  leadscrew run part.ngc --synchronisation encoder-no-prediction   what a lagging feed does to a thread
+  generator | leadscrew run - --format json")]
+    Run(RunArgs),
+    /// Say everything that is wrong with programs, without moving anything
+    #[command(after_help = "Examples:
+  leadscrew check part.ngc
+  leadscrew check programs/ --format json")]
+    Check(CheckArgs),
+    /// Print the operations that a program means
+    #[command(after_help = "Examples:
+  leadscrew canon part.ngc                       operations in machine coordinates, mm
+  leadscrew canon part.ngc --format json         one JSON object a line
+  leadscrew canon part.ngc --format linuxcnc     the notation of LinuxCNC's rs274 -g")]
+    Canon(CanonArgs),
+    /// The machines Leadscrew knows, and files that describe others
+    #[command(subcommand)]
+    Machine(MachineCommand),
+    /// Write a shell's completion script to standard output
+    #[command(after_help = "Example: leadscrew completions bash > /etc/bash_completion.d/leadscrew")]
+    Completions {
+        /// For which shell
+        shell: clap_complete::Shell,
+    },
+}
+
+/// Where programs, machines, tools and parameters come from.
+#[derive(Args, Debug, Clone)]
+pub(crate) struct ProgramArgs {
+    /// The machine: a name from `leadscrew machine list`, or a file
+    #[arg(long, value_name = "NAME|FILE", default_value = "tapping-center")]
+    pub(crate) machine: String,
+    /// Tool table: TOML, or LinuxCNC's .tbl [default: tools.toml or tool.tbl beside the program, else the embedded one]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) tools: Option<PathBuf>,
+    /// Parameter file (.var) with work offsets [default: the machine's set-up]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) parameters: Option<PathBuf>,
+    /// What to do with tools that the table lacks
+    #[arg(long, value_enum, default_value_t = MissingTools::Refuse)]
+    pub(crate) missing_tools: MissingTools,
+    /// How programs are read
+    #[arg(long, value_enum, default_value_t = Dialect::Linuxcnc)]
+    pub(crate) dialect: Dialect,
+}
+
+/// `leadscrew run`.
+#[derive(Args, Debug, Clone)]
+pub(crate) struct RunArgs {
+    /// The program; `-` reads standard input
+    pub(crate) program: PathBuf,
+    #[command(flatten)]
+    pub(crate) source: ProgramArgs,
+    /// Folder for report.html, certificate.json and trace.parquet; written whole or not at all
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Seed of the machine's scatter (friction, backlash, material)
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+    /// Material of the workpiece [default: the machine's set-up]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) material: Option<String>,
+    /// How the summary is printed
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(crate) format: Format,
+    /// Also say how fast the simulation and the kernel's tick were
+    #[arg(long)]
+    pub(crate) timings: bool,
+    /// Also print what happened, a line an event
+    #[arg(long)]
+    pub(crate) log: bool,
+    /// Force the tapping ramp from rest to full speed into this time, against the power curve
+    #[arg(long, value_name = "SECONDS")]
+    pub(crate) force_ramp: Option<f64>,
+    /// How the feed is tied to the spindle [default: the machine's]
+    #[arg(long, value_enum)]
+    pub(crate) synchronisation: Option<Synchronisation>,
+}
+
+/// `leadscrew check`.
+#[derive(Args, Debug, Clone)]
+pub(crate) struct CheckArgs {
+    /// Programs, or folders of them; `-` reads standard input
+    #[arg(required = true)]
+    pub(crate) programs: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) source: ProgramArgs,
+    /// How findings are printed
+    #[arg(long, value_enum, default_value_t = FindingsFormat::Text)]
+    pub(crate) format: FindingsFormat,
+}
+
+/// `leadscrew canon`.
+#[derive(Args, Debug, Clone)]
+pub(crate) struct CanonArgs {
+    /// The program; `-` reads standard input
+    pub(crate) program: PathBuf,
+    #[command(flatten)]
+    pub(crate) source: ProgramArgs,
+    /// Which notation
+    #[arg(long, value_enum, default_value_t = CanonFormat::Text)]
+    pub(crate) format: CanonFormat,
+}
+
+/// `leadscrew machine`.
+#[derive(Subcommand, Debug)]
+pub(crate) enum MachineCommand {
+    /// The embedded machines
+    List,
+    /// Print a machine's file: every value with its unit and source
+    Show {
+        /// A name from `list`, or a file
+        machine: String,
+    },
+    /// Say everything that is wrong with a machine file
+    Check {
+        /// A name from `list`, or a file
+        machine: String,
+    },
+}
+
+/// What to do with tools that the table lacks.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum MissingTools {
+    /// Refuse the program and list them
+    Refuse,
+    /// Assume a tool of no length that cuts nothing judged, and say so
+    StandIn,
+}
+
+/// How programs are read.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Dialect {
+    /// RS-274/NGC as LinuxCNC 2.9 reads it
+    Linuxcnc,
+}
+
+/// How a summary is printed.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Format {
+    /// For people
+    Text,
+    /// For programs: the certificate
+    Json,
+}
+
+/// How findings are printed.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum FindingsFormat {
+    /// With carets
+    Text,
+    /// An array of objects
+    Json,
+    /// SARIF 2.1.0, which code hosts and editors read
+    Sarif,
+}
+
+/// Which notation.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum CanonFormat {
+    /// A line an operation
+    Text,
+    /// A JSON object a line
+    Json,
+    /// The notation of LinuxCNC's stand-alone interpreter
+    Linuxcnc,
+}
+
+/// How the feed is tied to the spindle.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Synchronisation {
+    /// Spindle and feed obey one planned trajectory
+    Command,
+    /// The feed follows the observed spindle, predicted to when the command acts
+    Encoder,
+    /// The feed follows the measured angle with speed feed-forward, not predicted: lags by v·Ts
+    EncoderNoPrediction,
+    /// The feed follows the measured angle by its position gain alone: lags by v/Kp + v·Ts
+    EncoderNoFeedForward,
+}

@@ -1,0 +1,244 @@
+//! Findings, for people (carets), programs (JSON) and code hosts (SARIF).
+//!
+//! A finding is shown with its own line only, cut to a width that fits a screen, so that a finding in a
+//! line of a hundred megabytes is as cheap and as readable as any other.
+use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet, renderer::DecorStyle};
+use diag::{Diagnostic, Severity, Span};
+use serde_json::{Value, json};
+use std::io::IsTerminal;
+
+/// Most characters of a source line that are shown.
+const WIDEST: usize = 160;
+
+/// A text that findings point into.
+pub(crate) struct Source<'a> {
+    /// Its name, as the user typed it.
+    pub(crate) name: &'a str,
+    /// Its bytes.
+    pub(crate) text: &'a [u8],
+}
+
+/// All findings with carets, one paragraph each.
+pub(crate) fn text(findings: &[Diagnostic], source: &Source<'_>) -> String {
+    let renderer = renderer();
+    let mut out = String::new();
+    for finding in findings {
+        out.push_str(&one(&renderer, finding, source));
+        out.push_str("\n\n");
+    }
+    out
+}
+
+fn renderer() -> Renderer {
+    let coloured = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+    let renderer = if coloured { Renderer::styled() } else { Renderer::plain() };
+    renderer.decor_style(DecorStyle::Ascii)
+}
+
+fn one(renderer: &Renderer, finding: &Diagnostic, source: &Source<'_>) -> String {
+    let level = match finding.severity {
+        Severity::Error => Level::ERROR,
+        Severity::Warning => Level::WARNING,
+        Severity::Note => Level::NOTE,
+    };
+    let title = level.primary_title(&*finding.message).id(finding.code);
+    let excerpt = Excerpt::of(source.text, finding.span);
+    let mut group = match &excerpt {
+        None => Group::with_title(title),
+        Some(excerpt) => {
+            let mut snippet = Snippet::source(&*excerpt.text)
+                .line_start(finding.span.line as usize)
+                .path(source.name)
+                .annotation(AnnotationKind::Primary.span(excerpt.range.clone()));
+            let same_line = finding.labels.iter().filter(|l| l.span.line == finding.span.line);
+            for label in same_line {
+                if let Some(at) = excerpt.locate(label.span) {
+                    snippet =
+                        snippet.annotation(AnnotationKind::Context.span(at).label(&*label.text));
+                }
+            }
+            title.element(snippet)
+        }
+    };
+    let elsewhere: Vec<_> = finding
+        .labels
+        .iter()
+        .filter(|l| l.span.line != finding.span.line)
+        .map(|l| format!("line {}: {}", l.span.line, l.text))
+        .collect();
+    for text in &elsewhere {
+        group = group.element(Level::NOTE.message(&**text));
+    }
+    if let Some(help) = &finding.help {
+        group = group.element(Level::HELP.message(&**help));
+    }
+    renderer.render(&[group])
+}
+
+/// The part of a line that is shown, as text, and the bytes of it that are marked.
+struct Excerpt {
+    text: String,
+    range: std::ops::Range<usize>,
+    first_byte: usize,
+}
+
+impl Excerpt {
+    fn of(source: &[u8], span: Span) -> Option<Self> {
+        if span.line == 0 || span.start as usize > source.len() {
+            return None;
+        }
+        let start = span.start as usize;
+        let line_start = source[..start].iter().rposition(|&b| b == b'\n').map_or(0, |at| at + 1);
+        let line_end =
+            source[start..].iter().position(|&b| b == b'\n').map_or(source.len(), |at| start + at);
+        let from = line_start.max(start.saturating_sub(WIDEST / 2));
+        let to = line_end.min(from + WIDEST);
+        let lossless = |bytes: &[u8]| -> String {
+            bytes.iter().map(|&b| if b.is_ascii_graphic() { b as char } else { ' ' }).collect()
+        };
+        let bytes = &source[from..to];
+        let text = std::str::from_utf8(bytes).map_or_else(|_| lossless(bytes), str::to_owned);
+        let text = text.trim_end_matches('\r').to_owned();
+        let mut excerpt = Self { text, range: 0..0, first_byte: from };
+        excerpt.range = excerpt.locate(span)?;
+        Some(excerpt)
+    }
+
+    fn locate(&self, span: Span) -> Option<std::ops::Range<usize>> {
+        let last = self.text.len();
+        let start = (span.start as usize).checked_sub(self.first_byte)?.min(last);
+        let end = (span.end as usize).saturating_sub(self.first_byte).clamp(start, last);
+        let floor = |mut at: usize| {
+            while !self.text.is_char_boundary(at) {
+                at -= 1;
+            }
+            at
+        };
+        Some(floor(start)..floor(end))
+    }
+}
+
+/// Columns of a span: first and one past the last, counted from 1, in bytes.
+fn columns(source: &[u8], span: Span) -> (usize, usize) {
+    let start = (span.start as usize).min(source.len());
+    let line_start = source[..start].iter().rposition(|&b| b == b'\n').map_or(0, |at| at + 1);
+    (start - line_start + 1, (span.end as usize).max(start) - line_start + 1)
+}
+
+fn severity_name(severity: Severity) -> &'static str {
+    match severity {
+        Severity::Error => "error",
+        Severity::Warning => "warning",
+        Severity::Note => "note",
+    }
+}
+
+/// One finding as a JSON object.
+pub(crate) fn json(finding: &Diagnostic, source: &Source<'_>) -> Value {
+    let place = |span: Span| {
+        let (column, end_column) = columns(source.text, span);
+        json!({ "line": span.line, "column": column, "end_column": end_column })
+    };
+    let labels: Vec<_> = finding
+        .labels
+        .iter()
+        .map(|l| json!({ "text": l.text, "place": place(l.span) }))
+        .collect();
+    json!({
+        "file": source.name,
+        "code": finding.code,
+        "severity": severity_name(finding.severity),
+        "message": finding.message,
+        "help": finding.help,
+        "place": if finding.span.line == 0 { Value::Null } else { place(finding.span) },
+        "labels": labels,
+    })
+}
+
+/// One finding as a SARIF result.
+pub(crate) fn sarif_result(finding: &Diagnostic, source: &Source<'_>) -> Value {
+    let (column, end_column) = columns(source.text, finding.span);
+    let text = match &finding.help {
+        Some(help) => format!("{} {help}", finding.message),
+        None => finding.message.clone(),
+    };
+    json!({
+        "ruleId": finding.code,
+        "level": severity_name(finding.severity),
+        "message": { "text": text },
+        "locations": [{ "physicalLocation": {
+            "artifactLocation": { "uri": source.name },
+            "region": {
+                "startLine": finding.span.line.max(1),
+                "startColumn": column,
+                "endColumn": end_column,
+            },
+        }}],
+    })
+}
+
+/// A SARIF 2.1.0 log of all results.
+pub(crate) fn sarif(results: Vec<Value>) -> Value {
+    let mut rules: Vec<_> = results.iter().map(|r| r["ruleId"].clone()).collect();
+    rules.sort_by_key(Value::to_string);
+    rules.dedup();
+    let rules: Vec<_> = rules.into_iter().map(|id| json!({ "id": id })).collect();
+    json!({
+        "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
+        "version": "2.1.0",
+        "runs": [{
+            "tool": { "driver": {
+                "name": "leadscrew",
+                "version": env!("CARGO_PKG_VERSION"),
+                "rules": rules,
+            }},
+            "results": results,
+        }],
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(line: u32, start: u32, end: u32) -> Span {
+        Span { file: 0, line, start, end }
+    }
+
+    #[test]
+    fn a_finding_shows_its_line_and_marks_its_word() {
+        let source = Source { name: "part.ngc", text: b"G21\nG1 X10 Q5\nM2\n" };
+        let finding = Diagnostic::error("I0001", at(2, 11, 13), "Q has no meaning here.");
+        let shown = text(&[finding], &source);
+        assert!(shown.contains("part.ngc:2:8"), "{shown}");
+        assert!(shown.contains("G1 X10 Q5"), "{shown}");
+        assert!(shown.contains("^^"), "{shown}");
+    }
+
+    #[test]
+    fn a_line_of_a_megabyte_is_cut_to_a_screen() {
+        let line = vec![b'X'; 1 << 20];
+        let source = Source { name: "long.ngc", text: &line };
+        let finding = Diagnostic::error("P0001", at(1, 500_000, 500_001), "too long.");
+        assert!(text(&[finding], &source).len() < 1000);
+    }
+
+    #[test]
+    fn a_span_inside_a_broken_character_does_not_panic() {
+        let source = Source { name: "b.ngc", text: "(é)\n".as_bytes() };
+        for start in 0..6 {
+            for end in start..7 {
+                let _ = text(&[Diagnostic::note("X", at(1, start, end), "n")], &source);
+            }
+        }
+    }
+
+    #[test]
+    fn json_counts_lines_and_columns_from_one() {
+        let source = Source { name: "part.ngc", text: b"G21\nG1 X10 Q5\n" };
+        let value = json(&Diagnostic::error("I0001", at(2, 11, 13), "m"), &source);
+        assert_eq!(value["place"]["line"], 2);
+        assert_eq!(value["place"]["column"], 8);
+        assert_eq!(value["place"]["end_column"], 10);
+    }
+}
