@@ -1,0 +1,112 @@
+//! The pages in `spec/` run: what they show is what the program does.
+//!
+//! `UPDATE_SPEC=1 cargo test -p leadscrew --test spec` writes the pages anew.
+use std::{
+    fs,
+    io::Write,
+    path::{Path, PathBuf},
+    process::{Command, Stdio},
+};
+
+#[test]
+fn every_page_shows_what_the_program_does() {
+    let mut wrong = Vec::new();
+    let mut blocks = 0;
+    for page in pages() {
+        let text = fs::read_to_string(&page).unwrap();
+        let (anew, checked) = rewritten(&text);
+        assert!(checked > 0, "{} shows no program", page.display());
+        blocks += checked;
+        if anew == text {
+            continue;
+        }
+        if std::env::var_os("UPDATE_SPEC").is_some() {
+            fs::write(&page, &anew).unwrap();
+        } else {
+            wrong.push(format!("{}\n{}", page.display(), difference(&text, &anew)));
+        }
+    }
+    assert!(blocks >= 4, "the pages were not found");
+    let hint = "UPDATE_SPEC=1 cargo test -p leadscrew --test spec";
+    assert!(wrong.is_empty(), "{}\nIf this is as it should be: {hint}", wrong.join("\n\n"));
+}
+
+/// The page with every output block as the program prints it now, and how many there are.
+fn rewritten(page: &str) -> (String, usize) {
+    let mut out = String::new();
+    let mut program = String::new();
+    let mut checked = 0;
+    let mut lines = page.lines();
+    while let Some(line) = lines.next() {
+        out.push_str(line);
+        out.push('\n');
+        let Some(kind) = line.strip_prefix("```").filter(|kind| !kind.is_empty()) else { continue };
+        let body: Vec<_> = lines.by_ref().take_while(|l| *l != "```").collect();
+        match kind {
+            "gcode" | "gcode refused" => program = body.join("\n") + "\n",
+            "log" => {
+                out.push_str(&run(&["run", "-", "--log", "-q"], &program, 0));
+                out.push_str("```\n");
+                checked += 1;
+                continue;
+            }
+            "diagnostics" => {
+                out.push_str(&run(&["check", "-"], &program, 2));
+                out.push_str("```\n");
+                checked += 1;
+                continue;
+            }
+            _ => {}
+        }
+        for line in body {
+            out.push_str(line);
+            out.push('\n');
+        }
+        out.push_str("```\n");
+    }
+    (out, checked)
+}
+
+/// What the program prints for a G-code program on its standard input.
+fn run(arguments: &[&str], program: &str, exit_code: i32) -> String {
+    let tools = root().join("programs/tools.toml");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_leadscrew"))
+        .args(arguments)
+        .arg("--tools")
+        .arg(tools)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    child.stdin.take().unwrap().write_all(program.as_bytes()).unwrap();
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8(output.stdout).unwrap();
+    let erred = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(exit_code), "{program}\n{said}\n{erred}");
+    let text = said + &erred;
+    text.lines().map(|line| line.trim_end().to_owned() + "\n").collect::<String>()
+}
+
+fn pages() -> Vec<PathBuf> {
+    let mut pages: Vec<_> = fs::read_dir(root().join("spec"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|p| p.extension().is_some_and(|e| e == "md"))
+        .filter(|p| p.file_name().is_some_and(|n| n != "README.md"))
+        .collect();
+    pages.sort();
+    pages
+}
+
+fn difference(old: &str, new: &str) -> String {
+    let changed = old.lines().zip(new.lines()).filter(|(a, b)| a != b).take(12);
+    let mut text: String = changed.map(|(a, b)| format!("- {a}\n+ {b}\n")).collect();
+    let (a, b) = (old.lines().count(), new.lines().count());
+    text.push_str(&format!("{a} lines before, {b} now"));
+    text
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
