@@ -1,1 +1,21 @@
-//! To be filled.
+//! The judge of the workpiece: from *recorded* motion, what was cut.
+//!
+//! The kernel says what it wanted and its monitor says what the encoders saw; neither decides
+//! whether a thread is good. This crate knows only what crossed the wire ([`bus::Sample`]) and what
+//! was asked ([`canon::Op`]), follows the tool's edges through the material, and measures the
+//! result as an inspector would: depth, position, gauges.
+//!
+//! ```text
+//!   canon::Op ────► which hole, where, how deep ─┐
+//!                                                ├─► Judge ─► Feature { Hole | Thread, Verdict }
+//!   bus::Sample ──► where the edges really were ─┘
+//! ```
+mod class;
+mod config;
+mod feature;
+mod judge;
+
+pub use class::{Family, ThreadClass, UnknownClass};
+pub use config::{Config, Material, Tolerances};
+pub use feature::{Feature, FeatureKind, Gauge, Hand, Hole, ProfilePoint, Thread, Verdict};
+pub use judge::Judge;

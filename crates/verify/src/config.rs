@@ -1,0 +1,140 @@
+//! What the judge is told beforehand: the tools, what was asked of the workpiece, the material.
+use crate::ThreadClass;
+use canon::{Flute, ToolLibrary};
+use units::{Angle, Length, Torque};
+
+/// What to judge by.
+#[derive(Clone, Debug)]
+pub struct Config {
+    /// The tools a program may call.
+    pub tools: ToolLibrary,
+    /// Class asked of threads, such as 6H; of inch threads the corresponding one is asked.
+    pub class: ThreadClass,
+    /// What may be off.
+    pub tolerances: Tolerances,
+    /// What is cut, for the torque a sharp tap would need; `None`: no expectation.
+    pub material: Option<Material>,
+    /// Machine coordinate of the tip when it touches the stock's top, where one top holds for the
+    /// whole program. With it, depth counts from the real stock, and a forgotten or wrong tool
+    /// length offset is found; without it the op's own surface is believed.
+    pub stock_top: Option<Length>,
+    /// Axial play, flank to flank, of the tap's *following* teeth in the groove that its leading
+    /// teeth have cut: back taper and relief make them thinner. The leading teeth have none.
+    pub flank_clearance: Length,
+    /// fα: what the tap's flank angle error takes from the virtual pitch diameter.
+    pub flank_angle_allowance: Length,
+}
+
+impl Config {
+    /// Class 6H, default tolerances, no material, stock where the program says, a tap whose
+    /// following teeth are as thick as its leading ones (the strictest assumption).
+    pub fn new(tools: ToolLibrary) -> Self {
+        Self {
+            tools,
+            class: ThreadClass::H6,
+            tolerances: Tolerances::default(),
+            material: None,
+            stock_top: None,
+            flank_clearance: Length::ZERO,
+            flank_angle_allowance: Length::ZERO,
+        }
+    }
+}
+
+/// What may be off.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerances {
+    /// Depth of a hole, each way.
+    pub hole_depth: Length,
+    /// Position of a hole or thread across the tool.
+    pub position: Length,
+    /// Depth of a thread, each way.
+    pub thread_depth: Length,
+    /// How far a tap may run beyond the programmed bottom: less than `thread_depth`, because below a
+    /// blind hole's thread there is its bottom.
+    pub thread_overrun: Length,
+    /// Largest sync error in the material; `None`: only its effect on the thread counts.
+    pub sync_error: Option<Length>,
+    /// Where a thread starts, if the program asks for an angle.
+    pub start_angle: Angle,
+}
+
+impl Default for Tolerances {
+    /// Usual shop practice for drilled and tapped holes: ±0.05 mm, threads ±0.1 mm.
+    fn default() -> Self {
+        Self {
+            hole_depth: Length::mm(0.05),
+            position: Length::mm(0.05),
+            thread_depth: Length::mm(0.1),
+            thread_overrun: Length::mm(0.02),
+            sync_error: None,
+            start_angle: Angle::deg(5.0),
+        }
+    }
+}
+
+/// What is cut.
+///
+/// Torque of a sharp tap in it, from the area of the thread's section and its lever arm:
+/// M = tan 30° · kc · K · (D − D₀)² · (D + 2·D₀) / 24000, with M in N·m, kc in N/mm², the nominal
+/// diameter D and the bored diameter D₀ in mm, K for the flute form.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Material {
+    /// C45, 1.0503.
+    CarbonSteel,
+    /// 42CrMo4, 1.7225.
+    AlloySteel,
+    /// Austenitic stainless steel.
+    Stainless,
+    /// Grey cast iron GG25.
+    CastIron,
+    /// `AlSi`.
+    Aluminium,
+    /// Free-cutting brass.
+    Brass,
+}
+
+impl Material {
+    /// Specific cutting force kc of tapping, N/mm².
+    pub const fn cutting_force_n_per_mm2(self) -> f64 {
+        match self {
+            Self::CarbonSteel => 3900.0,
+            Self::AlloySteel => 3600.0,
+            Self::Stainless => 4200.0,
+            Self::CastIron => 2900.0,
+            Self::Aluminium => 1300.0,
+            Self::Brass => 2300.0,
+        }
+    }
+
+    /// Torque of a sharp tap with all chamfer teeth engaged.
+    pub fn tapping_torque(self, nominal: Length, bored: Length, flute: Flute) -> Torque {
+        let (d, d0) = (nominal.value(), bored.value());
+        let k = match flute {
+            Flute::SpiralFlute if matches!(self, Self::Aluminium) => 1.05,
+            Flute::SpiralFlute => 1.15,
+            Flute::SpiralPoint => 0.95,
+            Flute::Straight => 1.35,
+        };
+        let tan30 = 1.0 / 3.0_f64.sqrt();
+        Torque::n_m(
+            tan30 * self.cutting_force_n_per_mm2() * k * (d - d0).powi(2) * (d + 2.0 * d0)
+                / 24_000.0,
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_m6_spiral_flute_tap_in_c45_takes_1_73_newton_metres() {
+        let torque = Material::CarbonSteel.tapping_torque(
+            Length::mm(6.0),
+            Length::mm(5.0),
+            Flute::SpiralFlute,
+        );
+        assert!((torque.value() - 1.73).abs() < 0.01, "{torque}");
+    }
+}

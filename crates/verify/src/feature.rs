@@ -1,0 +1,255 @@
+//! What came out of the cut: one [`Feature`] for each hole and thread, in the order cut.
+//!
+//! ```text
+//!                 y                         surface ──────┬─────────────┬──
+//!                 │   ○ ← x, y of the axes                │  ▒       ▒  │ ↑       ↑
+//!                 │                                       │  ▒ full  ▒  │ depth   │
+//!                 └────── x                               │  ▒ form  ▒  │ ↓       │ tip_depth
+//!                                                         │   ▒     ▒   │ chamfer │
+//!                                                         └────\___/────┘         ↓
+//! ```
+//!
+//! Positions are machine coordinates; depths count from the surface, positive into the material;
+//! errors are signed so that positive means *deeper* or *more*. Values keep their units here;
+//! the certificate's keys (`depth_error_um`, …) are made where the file is written.
+use crate::ThreadClass;
+use units::{Angle, Force, Lead, Length, Spin, Time, Torque};
+
+/// One thing cut into the workpiece, measured and judged.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Feature {
+    /// Index of the op that ordered it.
+    pub op: u32,
+    /// Program line of that op.
+    pub line: u32,
+    /// T number of the tool that cut it; `None` if the spindle was empty.
+    pub tool: Option<u32>,
+    /// When the tool first entered the material; when the op ended, if it never did.
+    pub time: Time,
+    /// From then until the tool was last in the material.
+    pub duration: Time,
+    /// Whether it is good.
+    pub verdict: Verdict,
+    /// What it is, with its measures.
+    pub kind: FeatureKind,
+}
+
+impl Feature {
+    /// `"hole"` or `"thread"`.
+    pub const fn kind_name(&self) -> &'static str {
+        match self.kind {
+            FeatureKind::Hole(_) => "hole",
+            FeatureKind::Thread(_) => "thread",
+        }
+    }
+
+    /// Where it is in the plane across the tool, as X and Y of the machine.
+    pub const fn position(&self) -> [Length; 2] {
+        match &self.kind {
+            FeatureKind::Hole(hole) => [hole.x, hole.y],
+            FeatureKind::Thread(thread) => [thread.x, thread.y],
+        }
+    }
+}
+
+/// Whether a feature is good.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Within every tolerance asked.
+    Pass,
+    /// Out of at least one.
+    Fail {
+        /// One sentence with the numbers: everything that is wrong, gravest first.
+        reason: String,
+    },
+}
+
+impl Verdict {
+    /// `Pass` if nothing was found, else all findings as one sentence.
+    pub(crate) fn from_findings(findings: &[String]) -> Self {
+        if findings.is_empty() { Self::Pass } else { Self::Fail { reason: findings.join("; ") } }
+    }
+
+    /// Good.
+    pub const fn is_pass(&self) -> bool {
+        matches!(self, Self::Pass)
+    }
+
+    /// `"pass"` or `"fail"`.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Pass => "pass",
+            Self::Fail { .. } => "fail",
+        }
+    }
+
+    /// Why it is not good.
+    pub fn reason(&self) -> Option<&str> {
+        match self {
+            Self::Pass => None,
+            Self::Fail { reason } => Some(reason),
+        }
+    }
+}
+
+/// What a feature is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FeatureKind {
+    /// Drilled, spotted or plunged.
+    Hole(Hole),
+    /// Tapped.
+    Thread(Box<Thread>),
+}
+
+/// A hole as it was made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hole {
+    /// Mean X of the axis while the tool was in the material.
+    pub x: Length,
+    /// Likewise Y.
+    pub y: Length,
+    /// Deepest point of the tool's tip below the surface.
+    pub depth: Length,
+    /// Down to here the hole has its diameter: `depth` less the drill's point.
+    pub full_diameter_depth: Length,
+    /// `depth` less the programmed depth.
+    pub depth_error: Length,
+    /// Largest distance from the programmed position while in the material.
+    pub position_error: Length,
+    /// The tool's diameter; for a spot drill the cone's diameter at the surface.
+    pub diameter: Length,
+}
+
+/// Which way a thread winds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Hand {
+    /// Screws in clockwise.
+    Right,
+    /// Screws in counter-clockwise.
+    Left,
+}
+
+impl Hand {
+    /// `"right"` or `"left"`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Right => "right",
+            Self::Left => "left",
+        }
+    }
+
+    /// +1 for right, −1 for left.
+    pub const fn sign(self) -> f64 {
+        match self {
+            Self::Right => 1.0,
+            Self::Left => -1.0,
+        }
+    }
+}
+
+/// Which gauge leaves the least margin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Gauge {
+    /// The full-form plug that must screw in: the thread is nearly too tight.
+    Go,
+    /// The plug that must not: the thread is nearly too wide.
+    NoGo,
+}
+
+impl Gauge {
+    /// `"Go"` or `"No-go"`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Go => "Go",
+            Self::NoGo => "No-go",
+        }
+    }
+}
+
+/// An internal thread as it was made. `docs/judging.md` has the equations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Thread {
+    /// Mean X of the axis while the tap was in the material.
+    pub x: Length,
+    /// Likewise Y.
+    pub y: Length,
+    /// Largest distance from the programmed position while in the material.
+    pub position_error: Length,
+    /// Designation of the size, such as `"M6x1"` or `"1/4-20 UNC"`.
+    pub size: String,
+    /// Which way it winds.
+    pub hand: Hand,
+    /// Lead of the thread asked (magnitude).
+    pub lead: Lead,
+    /// Length of full thread: the tip's depth less the tap's chamfer.
+    pub depth: Length,
+    /// Deepest point of the tap's tip below the surface.
+    pub tip_depth: Length,
+    /// The tip's depth less the programmed one; positive is an overrun.
+    pub depth_error: Length,
+    /// Fastest spindle speed in the material (magnitude).
+    pub spin_max: Spin,
+    /// Largest distance of the tap's edges from the fitted ideal helix, in the material, in and out.
+    pub sync_error_max: Length,
+    /// The same, root of the mean square over the spindle's path.
+    pub sync_error_rms: Length,
+    /// Depth of the tip at which `sync_error_max` occurred.
+    pub sync_error_depth: Length,
+    /// Largest cumulative pitch error |ΔPn| between two places within the engagement length.
+    pub lead_error: Length,
+    /// How much wider, axially, the widest groove place is than the tap's tooth.
+    pub groove_widening: Length,
+    /// Depth of that place.
+    pub widest_depth: Length,
+    /// Simple pitch diameter D2s = D2 of the tap + √3·widening.
+    pub pitch_diameter: Length,
+    /// Virtual pitch diameter D2v = D2s − √3·|ΔPn| − fα: what a full-form gauge feels.
+    pub virtual_pitch_diameter: Length,
+    /// Minor diameter: that of the drilled hole, or the tap drill's if the program drilled none.
+    pub minor_diameter: Length,
+    /// The minor diameter was measured on a hole of this program.
+    pub drilled: bool,
+    /// Finest class whose gauges all agree; `None` if not even the coarsest.
+    pub class: Option<ThreadClass>,
+    /// Class asked.
+    pub class_asked: ThreadClass,
+    /// The smaller of `go_margin` and `no_go_margin`; negative is out of tolerance.
+    pub margin: Length,
+    /// Which gauge that is.
+    pub limiting_gauge: Gauge,
+    /// D2v − D2: how loosely the Go gauge enters.
+    pub go_margin: Length,
+    /// D2 + TD2 − D2s: how surely the No-go gauge is refused.
+    pub no_go_margin: Length,
+    /// Distance of the minor diameter from the nearer of its limits; negative is outside.
+    pub minor_margin: Length,
+    /// TD2 of the class asked.
+    pub pitch_diameter_tolerance: Length,
+    /// Largest torque of the cut, where it can be known.
+    pub torque_max: Option<Torque>,
+    /// Torque the formula of [`Material`](crate::Material) expects of a sharp tap; `None` without a material.
+    pub torque_expected: Option<Torque>,
+    /// Largest axial force on the tap (magnitude), where it can be known.
+    pub axial_force_max: Option<Force>,
+    /// Spindle angle within a turn at which the fitted helix passes the start plane.
+    pub start_angle: Angle,
+    /// A chip-removal reversal came before it.
+    pub chip_removal: bool,
+    /// The motion was faulted in the thread and the tap was driven out of it afterwards.
+    pub recovered: bool,
+    /// Error of the cut over depth, for pictures; empty if nothing was cut.
+    pub profile: Vec<ProfilePoint>,
+}
+
+/// The cut at one depth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProfilePoint {
+    /// Depth of the tap's tip.
+    pub tip_depth: Length,
+    /// Least and largest distance from the fitted helix on the way in.
+    pub inward: Option<[Length; 2]>,
+    /// Least and largest distance from the fitted helix on the way out.
+    pub outward: Option<[Length; 2]>,
+    /// Widening of the groove at *this depth of thread*; `None` below the full form.
+    pub widening: Option<Length>,
+}
