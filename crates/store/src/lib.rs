@@ -1,1 +1,18 @@
-//! To be filled.
+//! Files that outlive a run: read with every mistake named at once, written whole or not at all.
+//!
+//! ```text
+//!   machine.toml ──► machine     tools.toml, tool.tbl ──► tools     parameters.var ◄─► parameters
+//!                                        run
+//!   bus::Sample  ──► trace ──┐
+//!   features     ──► certificate ──┴─► output::Folder ══ rename ══► out/   (complete, or not there)
+//! ```
+//!
+//! Units end at this edge: a key or column carries its unit in its name, a field its quantity.
+pub mod machine;
+
+mod error;
+mod keys;
+mod text;
+
+pub use error::{Error, Refusal};
+pub use text::{PROGRAM_LIMIT, SMALL_FILE_LIMIT, read_bytes, read_text};

@@ -1,0 +1,415 @@
+//! Reading TOML so that every mistake is found at once.
+//!
+//! Deriving a deserialiser stops at the first mistake. Here the document is first parsed as it stands,
+//! with the place of every value; then the reader asks for each key by name and bounds. A key that is
+//! missing, of the wrong type or out of bounds is noted and answered with a harmless value, and reading
+//! goes on; a key that nobody asked for is unknown, and its nearest neighbour in spelling is offered.
+//! Only if nothing was noted does the caller get what was read.
+//!
+//! | code | what was found |
+//! |---|---|
+//! | S0401 | not TOML |
+//! | S0402 | unknown key |
+//! | S0403 | missing key or section |
+//! | S0404 | wrong type |
+//! | S0405 | number not finite or out of bounds |
+//! | S0406 | values that contradict each other |
+//! | S0407 | unknown name where one of a list is expected |
+use crate::text::Lines;
+use diag::Diagnostic;
+use std::{
+    cell::RefCell,
+    ops::{Range, RangeInclusive},
+};
+use toml::{
+    Spanned,
+    de::{DeTable, DeValue},
+};
+
+/// Read a document whole: the value, or everything that is wrong with it in the order of the text.
+pub(crate) fn read<T>(
+    text: &str,
+    file: u16,
+    read: impl FnOnce(&mut Keys<'_>) -> T,
+) -> Result<T, Vec<Diagnostic>> {
+    let lines = Lines::of(text, file);
+    let (root, mistakes) = DeTable::parse_recoverable(text);
+    if !mistakes.is_empty() {
+        // what a broken text means is a guess: its other findings would be noise
+        let noted = |e: &toml::de::Error| {
+            let message = format!("not TOML: {}", e.message().replace('\n', ", "));
+            Diagnostic::error("S0401", lines.span(&e.span().unwrap_or(0..0)), message)
+        };
+        return Err(in_order(mistakes.iter().map(noted).collect()));
+    }
+    let findings = Findings { lines, list: RefCell::default() };
+    let mut keys = Keys::new("the file".into(), root.get_ref(), 0..0, Some(&findings));
+    let value = read(&mut keys);
+    keys.finish();
+    match findings.list.into_inner() {
+        list if list.is_empty() => Ok(value),
+        list => Err(in_order(list)),
+    }
+}
+
+fn in_order(mut findings: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    findings.sort_by_key(|d| d.span.start);
+    findings
+}
+
+struct Findings {
+    lines: Lines,
+    list: RefCell<Vec<Diagnostic>>,
+}
+
+/// One table of the document, and which of its keys were asked for.
+pub(crate) struct Keys<'d> {
+    name: String,
+    table: &'d DeTable<'d>,
+    place: Range<usize>,
+    asked: Vec<&'static str>,
+    /// `None` below a section that is missing: one finding for it is enough.
+    findings: Option<&'d Findings>,
+}
+
+impl<'d> Keys<'d> {
+    fn new(
+        name: String,
+        table: &'d DeTable<'d>,
+        place: Range<usize>,
+        findings: Option<&'d Findings>,
+    ) -> Self {
+        Self { name, table, place, asked: Vec::new(), findings }
+    }
+
+    /// A number within bounds.
+    pub(crate) fn number(&mut self, key: &'static str, bounds: RangeInclusive<f64>) -> f64 {
+        let harmless = *bounds.start();
+        self.required(key).and_then(|v| self.checked(key, v, &bounds)).unwrap_or(harmless)
+    }
+
+    /// A number within bounds, if it is stated.
+    pub(crate) fn optional(
+        &mut self,
+        key: &'static str,
+        bounds: RangeInclusive<f64>,
+    ) -> Option<f64> {
+        self.ask(key).and_then(|v| self.checked(key, v, &bounds))
+    }
+
+    /// A whole number within bounds.
+    pub(crate) fn whole(&mut self, key: &'static str, bounds: RangeInclusive<u32>) -> u32 {
+        let harmless = *bounds.start();
+        let Some(value) = self.required(key) else { return harmless };
+        self.checked_whole(key, value, &bounds).unwrap_or(harmless)
+    }
+
+    /// A whole number within bounds, if it is stated.
+    pub(crate) fn optional_whole(
+        &mut self,
+        key: &'static str,
+        bounds: RangeInclusive<u32>,
+    ) -> Option<u32> {
+        self.ask(key).and_then(|v| self.checked_whole(key, v, &bounds))
+    }
+
+    /// Yes or no.
+    pub(crate) fn flag(&mut self, key: &'static str) -> bool {
+        let Some(value) = self.required(key) else { return false };
+        value.get_ref().as_bool().unwrap_or_else(|| {
+            self.wrong_type(key, value, "true or false");
+            false
+        })
+    }
+
+    /// Text.
+    pub(crate) fn text(&mut self, key: &'static str) -> String {
+        self.required(key).and_then(|v| self.checked_text(key, v)).unwrap_or_default()
+    }
+
+    /// Text, if it is stated.
+    pub(crate) fn optional_text(&mut self, key: &'static str) -> Option<String> {
+        self.ask(key).and_then(|v| self.checked_text(key, v))
+    }
+
+    /// One of a list of names.
+    pub(crate) fn choice<T: Copy>(&mut self, key: &'static str, names: &[(&str, T)]) -> T {
+        self.required(key).and_then(|v| self.checked_choice(key, v, names)).unwrap_or(names[0].1)
+    }
+
+    /// One of a list of names, if it is stated.
+    pub(crate) fn optional_choice<T: Copy>(
+        &mut self,
+        key: &'static str,
+        names: &[(&str, T)],
+    ) -> Option<T> {
+        self.ask(key).and_then(|v| self.checked_choice(key, v, names))
+    }
+
+    /// A table within this one.
+    pub(crate) fn section<T>(
+        &mut self,
+        key: &'static str,
+        read: impl FnOnce(&mut Keys<'_>) -> T,
+    ) -> T {
+        if self.ask(key).is_some_and(|v| v.get_ref().is_table()) {
+            return self.within(key, read);
+        }
+        if let Some(value) = self.ask(key) {
+            self.wrong_type(key, value, "a table");
+        } else {
+            self.note("S0403", &self.place, format!("{} lacks the section [{key}]", self.name));
+        }
+        read(&mut Keys::new(String::new(), &DeTable::new(), 0..0, None))
+    }
+
+    /// A table within this one, if it is there.
+    pub(crate) fn optional_section<T>(
+        &mut self,
+        key: &'static str,
+        read: impl FnOnce(&mut Keys<'_>) -> T,
+    ) -> Option<T> {
+        self.ask(key)?;
+        Some(self.section(key, read))
+    }
+
+    fn within<T>(&self, key: &'static str, read: impl FnOnce(&mut Keys<'_>) -> T) -> T {
+        let value = self.table.get(key).map(|v| (v.get_ref(), v.span()));
+        let Some((DeValue::Table(table), place)) = value else {
+            return read(&mut Keys::new(String::new(), &DeTable::new(), 0..0, None));
+        };
+        let mut keys = Keys::new(self.path_to(key), table, place, self.findings);
+        let value = read(&mut keys);
+        keys.finish();
+        value
+    }
+
+    /// An array of tables: `[[key]]`, with at least one and at most `most` of them.
+    pub(crate) fn sections<T>(
+        &mut self,
+        key: &'static str,
+        most: usize,
+        mut read: impl FnMut(&mut Keys<'_>) -> T,
+    ) -> Vec<T> {
+        let Some(value) = self.required(key) else { return Vec::new() };
+        let Some(array) = value.get_ref().as_array() else {
+            self.wrong_type(key, value, &format!("tables headed [[{key}]]"));
+            return Vec::new();
+        };
+        if array.is_empty() || array.len() > most {
+            let found = array.len();
+            let message = format!("[[{key}]]: expected 1 to {most} of them, found {found}");
+            self.note("S0405", &value.span(), message);
+            return Vec::new();
+        }
+        let mut values = Vec::with_capacity(array.len());
+        for item in array {
+            let DeValue::Table(table) = item.get_ref() else {
+                self.wrong_type(key, item, &format!("a table headed [[{key}]]"));
+                continue;
+            };
+            let mut keys = Keys::new(format!("[[{key}]]"), table, item.span(), self.findings);
+            values.push(read(&mut keys));
+            keys.finish();
+        }
+        values
+    }
+
+    /// Note that a value contradicts another.
+    pub(crate) fn conflict(&self, key: &'static str, message: impl Into<String>) {
+        self.note("S0406", &self.place_of(key), message.into());
+    }
+
+    /// Note that a text is none of what is expected.
+    pub(crate) fn unknown_name(&self, key: &'static str, message: impl Into<String>) {
+        self.note("S0407", &self.place_of(key), message.into());
+    }
+
+    /// Whether a key is stated at all.
+    pub(crate) fn has(&self, key: &str) -> bool {
+        self.table.contains_key(key)
+    }
+
+    fn place_of(&self, key: &str) -> Range<usize> {
+        self.table.get(key).map_or_else(|| self.place.clone(), Spanned::span)
+    }
+
+    fn path_to(&self, key: &str) -> String {
+        match self.name.strip_prefix('[').and_then(|n| n.strip_suffix(']')) {
+            Some(parent) => format!("[{}.{key}]", parent.trim_matches(['[', ']'])),
+            None => format!("[{key}]"),
+        }
+    }
+
+    fn ask(&mut self, key: &'static str) -> Option<&'d Spanned<DeValue<'d>>> {
+        if !self.asked.contains(&key) {
+            self.asked.push(key);
+        }
+        self.table.get(key)
+    }
+
+    fn required(&mut self, key: &'static str) -> Option<&'d Spanned<DeValue<'d>>> {
+        let value = self.ask(key);
+        if value.is_none() {
+            self.note("S0403", &self.place, format!("{} lacks the key `{key}`", self.name));
+        }
+        value
+    }
+
+    fn checked(
+        &self,
+        key: &str,
+        value: &Spanned<DeValue<'_>>,
+        bounds: &RangeInclusive<f64>,
+    ) -> Option<f64> {
+        let Some(number) = as_number(value.get_ref()) else {
+            self.wrong_type(key, value, "a number");
+            return None;
+        };
+        if bounds.contains(&number) {
+            return Some(number);
+        }
+        let (low, high) = (bounds.start(), bounds.end());
+        let message = format!("`{key}` is {number}: expected a number from {low} to {high}");
+        self.note("S0405", &value.span(), message);
+        None
+    }
+
+    fn checked_whole(
+        &self,
+        key: &str,
+        value: &Spanned<DeValue<'_>>,
+        bounds: &RangeInclusive<u32>,
+    ) -> Option<u32> {
+        let Some(number) =
+            value.get_ref().is_integer().then(|| as_number(value.get_ref())).flatten()
+        else {
+            self.wrong_type(key, value, "a whole number");
+            return None;
+        };
+        let (low, high) = (*bounds.start(), *bounds.end());
+        if (f64::from(low)..=f64::from(high)).contains(&number) {
+            return Some(number as u32);
+        }
+        let message = format!("`{key}` is {number}: expected a whole number from {low} to {high}");
+        self.note("S0405", &value.span(), message);
+        None
+    }
+
+    fn checked_text(&self, key: &str, value: &Spanned<DeValue<'_>>) -> Option<String> {
+        let text = value.get_ref().as_str();
+        if text.is_none() {
+            self.wrong_type(key, value, "text in quotes");
+        }
+        text.map(str::to_owned)
+    }
+
+    fn checked_choice<T: Copy>(
+        &self,
+        key: &str,
+        value: &Spanned<DeValue<'_>>,
+        names: &[(&str, T)],
+    ) -> Option<T> {
+        let text = self.checked_text(key, value)?;
+        let found = names.iter().find(|(name, _)| *name == text);
+        if found.is_none() {
+            let all = names.iter().map(|(name, _)| format!("\"{name}\"")).collect::<Vec<_>>();
+            let message = format!("`{key}` is \"{text}\": expected {}", all.join(" or "));
+            self.note("S0407", &value.span(), message);
+        }
+        found.map(|(_, value)| *value)
+    }
+
+    fn wrong_type(&self, key: &str, value: &Spanned<DeValue<'_>>, expected: &str) {
+        let found = match value.get_ref().type_str() {
+            "integer" => "a whole number",
+            "float" => "a number",
+            "string" => "text",
+            "boolean" => "true or false",
+            "datetime" => "a date",
+            "array" => "a list",
+            _ => "a table",
+        };
+        let message = format!("`{key}` is {found}: expected {expected}");
+        self.note("S0404", &value.span(), message);
+    }
+
+    fn note(&self, code: &'static str, place: &Range<usize>, message: String) {
+        if let Some(findings) = self.findings {
+            let finding = Diagnostic::error(code, findings.lines.span(place), message);
+            findings.list.borrow_mut().push(finding);
+        }
+    }
+
+    /// Note the keys that nobody asked for.
+    fn finish(self) {
+        for key in self.table.keys() {
+            let name: &str = key.get_ref();
+            if self.asked.contains(&name) {
+                continue;
+            }
+            let message = match nearest(name, &self.asked) {
+                Some(near) => {
+                    format!("unknown key `{name}` in {}: did you mean `{near}`?", self.name)
+                }
+                None => format!("unknown key `{name}` in {}", self.name),
+            };
+            self.note("S0402", &key.span(), message);
+        }
+    }
+}
+
+fn as_number(value: &DeValue<'_>) -> Option<f64> {
+    match value {
+        DeValue::Float(f) => f.as_str().parse().ok(),
+        DeValue::Integer(i) => i128::from_str_radix(i.as_str(), i.radix())
+            .ok()
+            .map(|n| n as f64)
+            .or(Some(f64::INFINITY)),
+        _ => None,
+    }
+}
+
+/// The name spelled most like `word`, if a third of its letters or fewer differ.
+pub(crate) fn nearest<'n>(word: &str, names: &[&'n str]) -> Option<&'n str> {
+    let rated = names.iter().map(|name| (edits(word, name), *name));
+    let (distance, name) = rated.min_by_key(|(distance, _)| *distance)?;
+    (distance * 3 <= word.chars().count().max(name.chars().count())).then_some(name)
+}
+
+/// Letters to insert, delete or replace to make one word of the other (Levenshtein).
+fn edits(a: &str, b: &str) -> usize {
+    let b = b.chars().take(64).collect::<Vec<_>>();
+    let mut row = (0..=b.len()).collect::<Vec<_>>();
+    for (i, from) in a.chars().take(64).enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, to) in b.iter().enumerate() {
+            let replaced = diagonal + usize::from(from != *to);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_letter_too_few_is_one_edit() {
+        assert_eq!(edits("inerta_kg_m2", "inertia_kg_m2"), 1);
+        assert_eq!(edits("", "abc"), 3);
+        assert_eq!(edits("kitten", "sitting"), 3);
+    }
+
+    #[test]
+    fn a_word_unlike_all_others_has_no_neighbour() {
+        assert_eq!(nearest("colour", &["rapid_mm_per_min", "backlash_um"]), None);
+        assert_eq!(
+            nearest("backlash_mm", &["rapid_mm_per_min", "backlash_um"]),
+            Some("backlash_um")
+        );
+    }
+}

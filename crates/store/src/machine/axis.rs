@@ -1,0 +1,378 @@
+//! One linear axis: where it may go, what drives it, what it is made of, how it is controlled.
+//!
+//! ```text
+//!            lead               stiffness k, damping ζ, backlash
+//!   motor ─ screw ─── mm ───────/\/\/\──┤├─────── mt ── table, ram
+//!   torque, inertia                               friction (LuGre), weight, process
+//!
+//!   mm = (Jm + Jscrew)·(2π/lead)²        largest force = torque·2π/lead        [kg] [N]
+//! ```
+//!
+//! LuGre friction: dz/dt = v − σ0·|v|·z/g(v), F = σ0·z + σ1·ż + σ2·v, g = Fc + (Fs − Fc)·exp(−(v/vs)²);
+//! Canudas de Wit, Olsson, Åström, Lischinsky, IEEE Trans. Automatic Control 40 (1995) 419–425.
+use super::setup::percent;
+use crate::keys::Keys;
+use units::{Accel, Force, Inertia, Jerk, Lead, Length, Mass, Speed, Stiffness, Time, Torque};
+
+/// Farthest from zero that any coordinate may be, mm.
+pub(super) const FARTHEST_MM: f64 = 100_000.0;
+
+/// One linear axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// Which.
+    pub letter: canon::Axis,
+    /// Where it may go.
+    pub travel: Travel,
+    /// Speed of rapid moves.
+    pub rapid: Speed,
+    /// Fastest feed.
+    pub feed_most: Speed,
+    /// Largest acceleration.
+    pub acceleration: Accel,
+    /// Largest jerk on feeds.
+    pub jerk_feed: Jerk,
+    /// Largest jerk on rapids.
+    pub jerk_rapid: Jerk,
+    /// What it moves: table, column or ram.
+    pub moving_mass: Mass,
+    /// Share of its weight that the drive must hold: 0 for a horizontal or fully balanced axis.
+    pub weight_share: f64,
+    /// What drives it.
+    pub drive: Drive,
+    /// What lies between motor and mass.
+    pub structure: Structure,
+    /// What holds it back.
+    pub friction: Friction,
+    /// What tells its position.
+    pub position_from: PositionFrom,
+    /// How it is controlled.
+    pub loops: Loops,
+    /// What it is watched for.
+    pub windows: AxisWindows,
+}
+
+/// Where an axis may go, in machine coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Travel {
+    /// Negative end.
+    pub from: Length,
+    /// Positive end.
+    pub to: Length,
+}
+
+/// The motor, and what makes thrust of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive {
+    /// Kind of motor.
+    pub motor: Motor,
+    /// Fraction of its largest force that the planner may use up.
+    pub planned_share: f64,
+}
+
+/// Kinds of motor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Motor {
+    /// A motor on a ball screw.
+    BallScrew {
+        /// Travel per revolution.
+        lead: Lead,
+        /// Inertia of motor, coupling and screw.
+        rotating_inertia: Inertia,
+        /// Peak torque.
+        peak_torque: Torque,
+    },
+    /// A linear motor.
+    Linear {
+        /// Mass of its coil part.
+        motor_mass: Mass,
+        /// Peak force.
+        peak_force: Force,
+    },
+}
+
+/// What lies between motor and mass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Structure {
+    /// Axial stiffness of screw, nut and bearings.
+    pub stiffness: Stiffness,
+    /// Damping ratio of the axial mode.
+    pub damping_ratio: f64,
+    /// Lost motion.
+    pub backlash: Length,
+}
+
+/// LuGre friction of the guide.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Friction {
+    /// σ0, stiffness of the bristles.
+    pub bristle_stiffness: Stiffness,
+    /// σ1, damping of the bristles.
+    pub bristle_damping_n_s_per_m: f64,
+    /// σ2, viscous friction.
+    pub viscous_n_s_per_m: f64,
+    /// Fc.
+    pub coulomb: Force,
+    /// Fs, break-away force.
+    pub static_force: Force,
+    /// vs, where friction has fallen from Fs most of the way to Fc.
+    pub stribeck_speed: Speed,
+}
+
+/// What tells an axis' position, and in what steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PositionFrom {
+    /// The motor's encoder; the structure's deflection is not seen.
+    Motor {
+        /// One count, at the table.
+        resolution: Length,
+    },
+    /// A linear scale at the table.
+    Scale {
+        /// One count.
+        resolution: Length,
+    },
+}
+
+/// Cascade of position and velocity loop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Loops {
+    /// Position gain Kp, 1/s.
+    pub position_gain_per_s: f64,
+    /// Bandwidth of the velocity loop.
+    pub velocity_bandwidth_hz: f64,
+    /// Velocity feed-forward; 1 is full.
+    pub velocity_feed_forward_share: f64,
+    /// Acceleration feed-forward; 1 is full.
+    pub acceleration_feed_forward_share: f64,
+    /// Friction feed-forward; 1 is full.
+    pub friction_feed_forward_share: f64,
+}
+
+/// What an axis is watched for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisWindows {
+    /// In position: this near to the command …
+    pub in_position: Length,
+    /// … for this long.
+    pub settle: Time,
+    /// Following error that is reported.
+    pub following_error_warn: Length,
+    /// Following error that stops the machine.
+    pub following_error_stop: Length,
+}
+
+impl Travel {
+    /// Whether a coordinate lies within.
+    pub fn contains(&self, at: Length) -> bool {
+        (self.from..=self.to).contains(&at)
+    }
+
+    fn read(keys: &mut Keys<'_>) -> Self {
+        let mut end = |key| Length::mm(keys.number(key, -FARTHEST_MM..=FARTHEST_MM));
+        let travel = Self { from: end("travel_from_mm"), to: end("travel_to_mm") };
+        if keys.has("travel_from_mm") && travel.from >= travel.to {
+            keys.conflict(
+                "travel_from_mm",
+                format!(
+                    "`travel_from_mm` {} is not below `travel_to_mm` {}",
+                    travel.from.value(),
+                    travel.to.value()
+                ),
+            );
+        }
+        travel
+    }
+}
+
+impl Axis {
+    pub(super) fn read(letter: canon::Axis, keys: &mut Keys<'_>) -> Self {
+        const MM_PER_M: f64 = 1e3;
+        let drive = keys.section("drive", Drive::read);
+        Self {
+            letter,
+            travel: Travel::read(keys),
+            rapid: Speed::mm_per_min(keys.number("rapid_mm_per_min", 1.0..=1e6)),
+            feed_most: Speed::mm_per_min(keys.number("feed_most_mm_per_min", 1.0..=1e6)),
+            acceleration: Accel::mm_per_s2(
+                keys.number("acceleration_m_per_s2", 1e-3..=500.0) * MM_PER_M,
+            ),
+            jerk_feed: Jerk::mm_per_s3(keys.number("jerk_feed_m_per_s3", 0.01..=1e6) * MM_PER_M),
+            jerk_rapid: Jerk::mm_per_s3(keys.number("jerk_rapid_m_per_s3", 0.01..=1e6) * MM_PER_M),
+            moving_mass: Mass::kg(keys.number("moving_mass_kg", 0.01..=100_000.0)),
+            weight_share: percent(keys, "weight_percent", 0.0..=100.0),
+            structure: keys.section("structure", Structure::read),
+            friction: keys.section("friction", Friction::read),
+            position_from: keys.section("encoder", |k| PositionFrom::read(&drive.motor, k)),
+            drive,
+            loops: keys.section("loops", Loops::read),
+            windows: keys.section("windows", AxisWindows::read),
+        }
+    }
+}
+
+impl Drive {
+    fn read(keys: &mut Keys<'_>) -> Self {
+        #[derive(Clone, Copy)]
+        enum Kind {
+            BallScrew,
+            Linear,
+        }
+        let kinds = [("ball-screw", Kind::BallScrew), ("linear-motor", Kind::Linear)];
+        let motor = match keys.choice("kind", &kinds) {
+            Kind::BallScrew => Motor::BallScrew {
+                lead: Lead::mm_per_rev(keys.number("lead_mm_per_rev", 0.1..=1000.0)),
+                rotating_inertia: Inertia::kg_m2(
+                    keys.number("rotating_inertia_kg_m2", 1e-9..=100.0),
+                ),
+                peak_torque: Torque::n_m(keys.number("peak_torque_n_m", 1e-4..=1e5)),
+            },
+            Kind::Linear => Motor::Linear {
+                motor_mass: Mass::kg(keys.number("motor_mass_kg", 1e-3..=1e5)),
+                peak_force: Force::n(keys.number("peak_force_n", 0.1..=1e7)),
+            },
+        };
+        Self { motor, planned_share: percent(keys, "planned_percent", 1.0..=100.0) }
+    }
+
+    /// Largest force on the axis: F = M·2π/lead.
+    pub fn peak_force(&self) -> Force {
+        match self.motor {
+            Motor::BallScrew { lead, peak_torque, .. } => Force::n(
+                peak_torque.value() * std::f64::consts::TAU / (lead.value() * 1e-3), // mm/rev to m/rev
+            ),
+            Motor::Linear { peak_force, .. } => peak_force,
+        }
+    }
+
+    /// Mass on the motor's side: m = J·(2π/lead)².
+    pub fn motor_mass(&self) -> Mass {
+        match self.motor {
+            Motor::BallScrew { lead, rotating_inertia, .. } => {
+                let rad_per_m = std::f64::consts::TAU / (lead.value() * 1e-3);
+                Mass::kg(rotating_inertia.value() * rad_per_m * rad_per_m)
+            }
+            Motor::Linear { motor_mass, .. } => motor_mass,
+        }
+    }
+}
+
+impl Structure {
+    fn read(keys: &mut Keys<'_>) -> Self {
+        Self {
+            stiffness: n_per_um(keys.number("stiffness_n_per_um", 1e-3..=1e5)),
+            damping_ratio: keys.number("damping_ratio", 0.0..=2.0),
+            backlash: Length::um(keys.number("backlash_um", 0.0..=10_000.0)),
+        }
+    }
+}
+
+/// Stiffness as guides and holders state it.
+pub(crate) fn n_per_um(value: f64) -> Stiffness {
+    Stiffness::n_per_mm(value * 1e3)
+}
+
+impl Friction {
+    fn read(keys: &mut Keys<'_>) -> Self {
+        let friction = Self {
+            bristle_stiffness: n_per_um(keys.number("bristle_stiffness_n_per_um", 1e-3..=1e5)),
+            bristle_damping_n_s_per_m: keys.number("bristle_damping_n_s_per_m", 0.0..=1e8),
+            viscous_n_s_per_m: keys.number("viscous_n_s_per_m", 0.0..=1e7),
+            coulomb: Force::n(keys.number("coulomb_n", 0.0..=1e6)),
+            static_force: Force::n(keys.number("static_n", 0.0..=1e6)),
+            stribeck_speed: Speed::mm_per_s(keys.number("stribeck_speed_mm_per_s", 1e-3..=1000.0)),
+        };
+        if keys.has("static_n") && friction.static_force < friction.coulomb {
+            let least = friction.coulomb.value();
+            keys.conflict(
+                "static_n",
+                format!("`static_n` is below `coulomb_n`: expected {least} at least"),
+            );
+        }
+        friction
+    }
+}
+
+impl PositionFrom {
+    fn read(motor: &Motor, keys: &mut Keys<'_>) -> Self {
+        let scale = keys.choice("position_from", &[("motor", false), ("scale", true)]);
+        let counts = keys.optional_whole("motor_counts_per_rev", 16..=u32::MAX);
+        let scale_step = keys.optional("scale_resolution_nm", 0.01..=1e6);
+        let expected = |key, why: &str| {
+            keys.conflict("position_from", format!("position from the {why} needs `{key}`"));
+            Length::ZERO
+        };
+        if scale {
+            let resolution = scale_step.map_or_else(
+                || expected("scale_resolution_nm", "scale"),
+                |nm| Length::mm(nm * 1e-6),
+            );
+            return Self::Scale { resolution };
+        }
+        let Motor::BallScrew { lead, .. } = motor else {
+            keys.conflict(
+                "position_from",
+                "a linear motor has no encoder of its own: expected \"scale\"",
+            );
+            return Self::Scale { resolution: Length::ZERO };
+        };
+        let resolution = counts.map_or_else(
+            || expected("motor_counts_per_rev", "motor"),
+            |n| Length::mm(lead.value() / f64::from(n)),
+        );
+        Self::Motor { resolution }
+    }
+
+    /// One count.
+    pub const fn resolution(&self) -> Length {
+        match *self {
+            Self::Motor { resolution } | Self::Scale { resolution } => resolution,
+        }
+    }
+}
+
+impl Loops {
+    pub(super) fn read(keys: &mut Keys<'_>) -> Self {
+        let feed_forward = 0.0..=200.0;
+        Self {
+            position_gain_per_s: keys.number("position_gain_per_s", 0.1..=10_000.0),
+            velocity_bandwidth_hz: keys.number("velocity_bandwidth_hz", 0.1..=5000.0),
+            velocity_feed_forward_share: percent(
+                keys,
+                "velocity_feed_forward_percent",
+                feed_forward.clone(),
+            ),
+            acceleration_feed_forward_share: percent(
+                keys,
+                "acceleration_feed_forward_percent",
+                feed_forward.clone(),
+            ),
+            friction_feed_forward_share: percent(
+                keys,
+                "friction_feed_forward_percent",
+                feed_forward,
+            ),
+        }
+    }
+}
+
+impl AxisWindows {
+    fn read(keys: &mut Keys<'_>) -> Self {
+        let windows = Self {
+            in_position: Length::um(keys.number("in_position_um", 0.01..=10_000.0)),
+            settle: Time::s(keys.number("settle_ms", 0.0..=10_000.0) * 1e-3),
+            following_error_warn: Length::um(keys.number("following_error_warn_um", 0.1..=1e6)),
+            following_error_stop: Length::um(keys.number("following_error_stop_um", 0.1..=1e6)),
+        };
+        if windows.following_error_stop < windows.following_error_warn {
+            keys.conflict(
+                "following_error_stop_um",
+                format!(
+                    "`following_error_stop_um` is below the warning: expected {} at least",
+                    windows.following_error_warn.in_um()
+                ),
+            );
+        }
+        windows
+    }
+}

@@ -1,0 +1,182 @@
+//! The control: its clock, what follows what, how long it waits, and the tool changer.
+use super::setup::percent;
+use crate::keys::Keys;
+use units::{Length, Time};
+
+/// The control.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Control {
+    /// Servo period.
+    pub period: Time,
+    /// Periods between the encoders being read and the command taking effect.
+    pub command_delay_periods: u32,
+    /// How programs are read, unless the command line says otherwise.
+    pub dialect: Dialect,
+    /// Where a drilling cycle's depth is measured from.
+    pub cycle_depth: CycleDepth,
+    /// What follows what in a synchronised move.
+    pub synchronisation: Synchronisation,
+    /// How long each wait may last before it is an alarm.
+    pub waits: Waits,
+    /// What the operator may change.
+    pub overrides: Overrides,
+}
+
+/// Dialects of G-code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dialect {
+    /// RS-274/NGC as LinuxCNC reads it.
+    LinuxCnc,
+    /// Macro B.
+    Fanuc,
+    /// Z and R from the initial level, chip removal words.
+    Brother,
+    /// Cam grinding words.
+    Toyoda,
+}
+
+/// Where a drilling cycle's Z is measured from under G91.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CycleDepth {
+    /// From the R plane.
+    FromRPlane,
+    /// From the initial level.
+    FromInitialLevel,
+}
+
+/// What the follower of a synchronised move follows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Follows {
+    /// The one planned trajectory that the spindle is commanded to as well.
+    Command,
+    /// The spindle's encoder.
+    Encoder,
+}
+
+/// What follows what in a synchronised move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Synchronisation {
+    /// Command or encoder.
+    pub follows: Follows,
+    /// In encoder mode: an observer predicts the spindle over the lag, instead of taking the last count.
+    pub prediction: bool,
+    /// Bandwidth of that observer.
+    pub observer_bandwidth_hz: f64,
+}
+
+/// Time limits of the waits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Waits {
+    /// Until the spindle turns at its ordered speed, or stands.
+    pub at_speed: Time,
+    /// Until the index mark passes.
+    pub index: Time,
+    /// Until the spindle holds its ordered angle.
+    pub oriented: Time,
+    /// Until the axes are in position.
+    pub in_position: Time,
+    /// Until the tool is changed.
+    pub tool_change: Time,
+}
+
+/// What the operator may change, as factors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Overrides {
+    /// Largest feed override.
+    pub feed_most_share: f64,
+    /// Smallest spindle override.
+    pub spindle_least_share: f64,
+    /// Largest spindle override.
+    pub spindle_most_share: f64,
+}
+
+/// The tool changer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToolChange {
+    /// How long it takes once the axes are there, tool to tool.
+    pub time: Time,
+    /// Where Z must stand.
+    pub z: Length,
+    /// Where X must stand; anywhere, if not stated.
+    pub x: Option<Length>,
+    /// Where Y must stand; anywhere, if not stated.
+    pub y: Option<Length>,
+    /// Pockets of the magazine.
+    pub pockets: u32,
+}
+
+impl Control {
+    pub(super) fn read(keys: &mut Keys<'_>) -> Self {
+        Self {
+            period: Time::s(keys.number("period_us", 50.0..=10_000.0) * 1e-6),
+            command_delay_periods: keys.whole("command_delay_periods", 0..=16),
+            dialect: keys.choice(
+                "dialect",
+                &[
+                    ("linuxcnc", Dialect::LinuxCnc),
+                    ("fanuc", Dialect::Fanuc),
+                    ("brother", Dialect::Brother),
+                    ("toyoda", Dialect::Toyoda),
+                ],
+            ),
+            cycle_depth: keys.section("canned", |k| {
+                let names = [
+                    ("r_plane", CycleDepth::FromRPlane),
+                    ("initial", CycleDepth::FromInitialLevel),
+                ];
+                k.choice("z_reference", &names)
+            }),
+            synchronisation: keys.section("synchronisation", Synchronisation::read),
+            waits: keys.section("waits", Waits::read),
+            overrides: keys.section("overrides", Overrides::read),
+        }
+    }
+}
+
+impl Synchronisation {
+    fn read(keys: &mut Keys<'_>) -> Self {
+        Self {
+            follows: keys
+                .choice("follows", &[("command", Follows::Command), ("encoder", Follows::Encoder)]),
+            prediction: keys.flag("prediction"),
+            observer_bandwidth_hz: keys.number("observer_bandwidth_hz", 1.0..=2000.0),
+        }
+    }
+}
+
+impl Waits {
+    fn read(keys: &mut Keys<'_>) -> Self {
+        let mut limit = |key| Time::s(keys.number(key, 0.01..=600.0));
+        Self {
+            at_speed: limit("at_speed_s"),
+            index: limit("index_s"),
+            oriented: limit("oriented_s"),
+            in_position: limit("in_position_s"),
+            tool_change: limit("tool_change_s"),
+        }
+    }
+}
+
+impl Overrides {
+    fn read(keys: &mut Keys<'_>) -> Self {
+        Self {
+            feed_most_share: percent(keys, "feed_most_percent", 100.0..=400.0),
+            spindle_least_share: percent(keys, "spindle_least_percent", 1.0..=100.0),
+            spindle_most_share: percent(keys, "spindle_most_percent", 100.0..=400.0),
+        }
+    }
+}
+
+impl ToolChange {
+    pub(super) fn read(keys: &mut Keys<'_>) -> Self {
+        const FARTHEST_MM: f64 = 100_000.0;
+        let bounds = -FARTHEST_MM..=FARTHEST_MM;
+        Self {
+            time: Time::s(keys.number("time_s", 0.0..=600.0)),
+            z: Length::mm(keys.number("z_mm", bounds.clone())),
+            x: keys.optional("x_mm", bounds.clone()).map(Length::mm),
+            y: keys.optional("y_mm", bounds).map(Length::mm),
+            pockets: keys.whole("pockets", 0..=10_000),
+        }
+    }
+}

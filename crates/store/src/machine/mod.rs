@@ -1,0 +1,164 @@
+//! Machine files: everything that planner, kernel and simulated plant must know of one machine.
+//!
+//! ```text
+//!   [control]      servo period, synchronisation, waits, overrides, dialect      ─► kernel, interp
+//!   [axes.x] …     travel, speeds, drive, structure, friction, encoder, loops    ─► plan, kernel, sim
+//!   [[spindles]]   inertia, torque and power curve, friction, encoder, loops     ─► plan, kernel, sim
+//!   [tool_change]  where and how long                                            ─► plan, sim
+//!   [tapping]      windows of the synchronisation error, ramp                    ─► plan, kernel
+//!   [setup]        work offset G54, stock                                        ─► interp, verify
+//!   [simulation]   substep, seed, scatter, how a tap sits in its thread          ─► sim
+//! ```
+//!
+//! Every key carries its unit in its name, and becomes a quantity of `units` here and nowhere else.
+//! Machine coordinates: zero of each axis where the file's travel says; on the embedded machines it is
+//! the positive end of the travel, so Z0 is the top.
+//!
+//! Symbols without a quantity of their own, with the unit in the name of the field:
+//!
+//! | field ends in | unit |
+//! |---|---|
+//! | `_hz` | bandwidth, 1/s of a full cycle |
+//! | `_per_s` | position gain, 1/s |
+//! | `_n_s_per_m` | damping, N·s/m |
+//! | `_n_m_s_per_rad` | viscous friction of a spindle |
+//! | `_n_per_mm2` | specific cutting force kc |
+//! | `_share` | a fraction of one; the file has percent |
+mod axis;
+mod control;
+mod setup;
+mod spindle;
+
+pub use axis::{Axis, AxisWindows, Drive, Friction, Loops, Motor, PositionFrom, Structure, Travel};
+pub use control::{
+    Control, CycleDepth, Dialect, Follows, Overrides, Synchronisation, ToolChange, Waits,
+};
+pub use setup::{Material, Ramp, Setup, Simulation, Stock, TapSeat, Tapping};
+pub use spindle::{Spindle, SpindleFriction, SpindleWindows};
+
+use crate::{Error, SMALL_FILE_LIMIT, keys, keys::Keys, read_text};
+use diag::Diagnostic;
+use std::path::Path;
+
+/// A machine, as its file describes it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MachineFile {
+    /// Its name.
+    pub name: String,
+    /// What it is, in one sentence.
+    pub description: String,
+    /// The control.
+    pub control: Control,
+    /// The linear axes, by `canon::Axis` index: X Y Z A B C U V W. Rotary entries are `None`.
+    pub axes: [Option<Axis>; bus::AXES],
+    /// The spindles: the main one first.
+    pub spindles: Vec<Spindle>,
+    /// The tool changer.
+    pub tool_change: ToolChange,
+    /// Rigid tapping.
+    pub tapping: Tapping,
+    /// The workpiece, and where it is clamped.
+    pub setup: Setup,
+    /// The simulation.
+    pub simulation: Simulation,
+}
+
+/// Names of the embedded machines; the first is the default.
+pub const EMBEDDED: [&str; 3] = ["tapping-center", "polygon-lathe", "cam-grinder"];
+
+/// The text of an embedded machine's file.
+pub fn embedded(name: &str) -> Option<&'static str> {
+    match name {
+        "tapping-center" => Some(include_str!("../../../../machines/tapping-center.toml")),
+        "polygon-lathe" => Some(include_str!("../../../../machines/polygon-lathe.toml")),
+        "cam-grinder" => Some(include_str!("../../../../machines/cam-grinder.toml")),
+        _ => None,
+    }
+}
+
+/// Read a machine from its text; `file` is the number that spans carry.
+///
+/// # Errors
+/// Everything that is wrong with the text, in its order.
+pub fn parse(text: &str, file: u16) -> Result<MachineFile, Vec<Diagnostic>> {
+    keys::read(text, file, MachineFile::read)
+}
+
+/// Read a machine from its file.
+///
+/// # Errors
+/// When the file cannot be read, or [`Error::Refused`] with everything that is wrong with it.
+pub fn load(path: &Path) -> Result<MachineFile, Error> {
+    let text = read_text(path, "a machine file", SMALL_FILE_LIMIT)?;
+    parse(&text, 0).map_err(|findings| Error::refused(path, text, findings))
+}
+
+impl MachineFile {
+    /// A linear axis, if the machine has it.
+    pub fn axis(&self, letter: canon::Axis) -> Option<&Axis> {
+        self.axes[letter.index()].as_ref()
+    }
+
+    fn read(keys: &mut Keys<'_>) -> Self {
+        let file = Self {
+            name: keys.text("name"),
+            description: keys.text("description"),
+            control: keys.section("control", Control::read),
+            axes: keys.section("axes", read_axes),
+            spindles: keys.sections("spindles", bus::SPINDLES, Spindle::read),
+            tool_change: keys.section("tool_change", ToolChange::read),
+            tapping: keys.section("tapping", Tapping::read),
+            setup: keys.section("setup", Setup::read),
+            simulation: keys.section("simulation", Simulation::read),
+        };
+        file.refuse_contradictions(keys);
+        file
+    }
+
+    /// What no section can see alone.
+    fn refuse_contradictions(&self, keys: &Keys<'_>) {
+        if self.simulation.substep > self.control.period {
+            keys.conflict(
+                "simulation",
+                format!(
+                    "`substep_us` is longer than the servo period: expected {} µs at most",
+                    self.control.period.value() * 1e6
+                ),
+            );
+        }
+        for axis in self.axes.iter().flatten() {
+            let offset = self.setup.g54.along(axis.letter);
+            if !axis.travel.contains(offset) {
+                let (letter, travel) = (axis.letter.letter(), &axis.travel);
+                let message = format!(
+                    "work offset G54 {letter}{} lies outside the travel of {} to {} mm",
+                    offset.value(),
+                    travel.from.value(),
+                    travel.to.value()
+                );
+                keys.conflict("setup", message);
+            }
+        }
+        let names = self.spindles.iter().map(|s| s.name.as_str()).collect::<Vec<_>>();
+        if names.len() == 2 && names[0] == names[1] {
+            keys.conflict("spindles", format!("two spindles are named \"{}\"", names[0]));
+        }
+    }
+}
+
+/// `[axes.x]` … `[axes.w]`, whichever are there.
+fn read_axes(keys: &mut Keys<'_>) -> [Option<Axis>; bus::AXES] {
+    const LINEAR: [(&str, canon::Axis); 6] = [
+        ("x", canon::Axis::X),
+        ("y", canon::Axis::Y),
+        ("z", canon::Axis::Z),
+        ("u", canon::Axis::U),
+        ("v", canon::Axis::V),
+        ("w", canon::Axis::W),
+    ];
+    let mut axes = [const { None }; bus::AXES];
+    for (key, letter) in LINEAR {
+        axes[letter.index()] = keys.optional_section(key, |k| Axis::read(letter, k));
+    }
+    axes
+}

@@ -1,0 +1,174 @@
+//! What is clamped, how threads are watched, and how the machine is simulated.
+use super::axis::{FARTHEST_MM, n_per_um};
+use crate::keys::Keys;
+use canon::Position;
+use std::ops::RangeInclusive;
+use units::{Length, Stiffness, Time};
+
+/// A fraction of one, stated in percent.
+pub(super) fn percent(keys: &mut Keys<'_>, key: &'static str, bounds: RangeInclusive<f64>) -> f64 {
+    keys.number(key, bounds) / 100.0
+}
+
+/// Rigid tapping.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tapping {
+    /// Synchronisation error in the material that is reported.
+    pub sync_warn: Length,
+    /// Synchronisation error in the material that stops the machine.
+    pub sync_stop: Length,
+    /// How the spindle is brought to speed and back.
+    pub ramp: Ramp,
+}
+
+/// How the spindle is brought to speed in a tap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Ramp {
+    /// As fast as torque, power and the feed axis allow.
+    PowerCurve,
+    /// From rest to the programmed speed in a straight line in this time, whatever the power curve says.
+    Linear(Time),
+}
+
+/// The workpiece, and where it is clamped.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setup {
+    /// Work offset G54 that is in force when a program begins, in machine coordinates.
+    pub g54: Position,
+    /// The workpiece.
+    pub stock: Stock,
+}
+
+/// A block of material, in coordinates of G54.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stock {
+    /// What it is made of.
+    pub material: Material,
+    /// Corner at the negative ends.
+    pub from: [Length; 3],
+    /// Corner at the positive ends; its Z is the surface.
+    pub to: [Length; 3],
+}
+
+/// A material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    /// Its name.
+    pub name: &'static str,
+    /// Specific cutting force kc in tapping, N/mm².
+    pub cutting_force_n_per_mm2: f64,
+}
+
+/// The simulation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Simulation {
+    /// Integration step.
+    pub substep: Time,
+    /// Seed of everything that scatters.
+    pub seed: u32,
+    /// How far the plant's parameters scatter about the file's values, as a fraction.
+    pub scatter_share: f64,
+    /// How a tap sits in the thread that it cuts.
+    pub tap_seat: TapSeat,
+}
+
+/// How a tap sits in the thread that it cuts: free within the clearance, then on an elastic flank.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TapSeat {
+    /// Axial play between flanks.
+    pub flank_clearance: Length,
+    /// Axial stiffness of flank on flank.
+    pub flank_stiffness: Stiffness,
+}
+
+impl Material {
+    /// Materials known by name. kc of tapping: typical values of tool makers' tables.
+    pub const KNOWN: [Self; 6] = [
+        Self::of("C45", 3900.0),
+        Self::of("42CrMo4", 3600.0),
+        Self::of("stainless", 4200.0),
+        Self::of("GG25", 2900.0),
+        Self::of("AlSi", 1300.0),
+        Self::of("brass", 2300.0),
+    ];
+
+    const fn of(name: &'static str, cutting_force_n_per_mm2: f64) -> Self {
+        Self { name, cutting_force_n_per_mm2 }
+    }
+
+    fn read(keys: &mut Keys<'_>) -> Self {
+        let mut material = keys.choice("material", &Self::KNOWN.map(|m| (m.name, m)));
+        if let Some(kc) = keys.optional("cutting_force_n_per_mm2", 1.0..=20_000.0) {
+            material.cutting_force_n_per_mm2 = kc;
+        }
+        material
+    }
+}
+
+impl Tapping {
+    pub(super) fn read(keys: &mut Keys<'_>) -> Self {
+        let ramp_time = keys.optional("ramp_s", 1e-3..=60.0);
+        let linear = keys.choice("ramp", &[("power-curve", false), ("linear", true)]);
+        if linear && ramp_time.is_none() {
+            keys.conflict("ramp", "a linear ramp needs its time `ramp_s`");
+        }
+        let tapping = Self {
+            sync_warn: Length::um(keys.number("sync_warn_um", 0.1..=10_000.0)),
+            sync_stop: Length::um(keys.number("sync_stop_um", 0.1..=10_000.0)),
+            ramp: match ramp_time {
+                Some(s) if linear => Ramp::Linear(Time::s(s)),
+                _ => Ramp::PowerCurve,
+            },
+        };
+        if tapping.sync_stop < tapping.sync_warn {
+            let least = tapping.sync_warn.in_um();
+            keys.conflict(
+                "sync_stop_um",
+                format!("`sync_stop_um` is below the warning: expected {least} at least"),
+            );
+        }
+        tapping
+    }
+}
+
+impl Setup {
+    pub(super) fn read(keys: &mut Keys<'_>) -> Self {
+        Self {
+            g54: keys.section("g54", |k| {
+                let mut at = |key| k.number(key, -FARTHEST_MM..=FARTHEST_MM);
+                Position::xyz(at("x_mm"), at("y_mm"), at("z_mm"))
+            }),
+            stock: keys.section("stock", Stock::read),
+        }
+    }
+}
+
+impl Stock {
+    fn read(keys: &mut Keys<'_>) -> Self {
+        let mut at = |key| Length::mm(keys.number(key, -FARTHEST_MM..=FARTHEST_MM));
+        let from = [at("x_from_mm"), at("y_from_mm"), at("z_from_mm")];
+        let to = [at("x_to_mm"), at("y_to_mm"), at("z_to_mm")];
+        let keys_from = ["x_from_mm", "y_from_mm", "z_from_mm"];
+        for (i, key) in keys_from.into_iter().enumerate() {
+            if keys.has(key) && from[i] >= to[i] {
+                let most = to[i].value();
+                keys.conflict(key, format!("`{key}` is not below its other end at {most}"));
+            }
+        }
+        Self { material: Material::read(keys), from, to }
+    }
+}
+
+impl Simulation {
+    pub(super) fn read(keys: &mut Keys<'_>) -> Self {
+        Self {
+            substep: Time::s(keys.number("substep_us", 1.0..=1000.0) * 1e-6),
+            seed: keys.whole("seed", 0..=u32::MAX),
+            scatter_share: percent(keys, "scatter_percent", 0.0..=50.0),
+            tap_seat: keys.section("tap_seat", |k| TapSeat {
+                flank_clearance: Length::um(k.number("flank_clearance_um", 0.0..=1000.0)),
+                flank_stiffness: n_per_um(k.number("flank_stiffness_n_per_um", 0.1..=1e5)),
+            }),
+        }
+    }
+}

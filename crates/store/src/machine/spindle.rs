@@ -1,0 +1,155 @@
+//! One spindle: inertia, torque and power curve, friction, encoder, loops.
+//!
+//! ```text
+//!   M │ Mpeak                   |M| ≤ min(Mpeak, Ppeak/|ω|)
+//!     │──────────╮              friction: c0·tanh(ω/ω0) + c1·ω
+//!     │           ╲             torque lag: τ·dM/dt = Mref − M
+//!     │             ╲──────
+//!     └──────────┴──────────► ω
+//!              base speed Ppeak/Mpeak
+//! ```
+use super::{axis::Loops, setup::percent};
+use crate::keys::Keys;
+use units::{Angle, Inertia, Power, Spin, SpinJerk, Time, Torque};
+
+/// One spindle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spindle {
+    /// Its name, also in the trace's columns.
+    pub name: String,
+    /// Inertia of rotor, arbor and tool or chuck.
+    pub inertia: Inertia,
+    /// Peak torque.
+    pub peak_torque: Torque,
+    /// Torque it can hold for ever.
+    pub continuous_torque: Torque,
+    /// Peak power.
+    pub peak_power: Power,
+    /// Fastest speed.
+    pub max: Spin,
+    /// Fastest speed in a tap.
+    pub tapping_max: Spin,
+    /// First-order lag of the torque.
+    pub torque_lag: Time,
+    /// Counts of its encoder per revolution.
+    pub encoder_counts_per_rev: u32,
+    /// Fraction of the torque and power curve that the planner may use up.
+    pub planned_share: f64,
+    /// Largest jerk of planned ramps.
+    pub jerk: SpinJerk,
+    /// What holds it back.
+    pub friction: SpindleFriction,
+    /// How it is controlled.
+    pub loops: Loops,
+    /// What it is watched for.
+    pub windows: SpindleWindows,
+}
+
+/// Friction of a spindle: c0·tanh(ω/ω0) + c1·ω.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpindleFriction {
+    /// c0.
+    pub coulomb: Torque,
+    /// ω0, where the friction's sign is smoothed.
+    pub smoothing: Spin,
+    /// c1, N·m·s/rad.
+    pub viscous_n_m_s_per_rad: f64,
+}
+
+/// What a spindle is watched for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpindleWindows {
+    /// At speed: within this fraction of the ordered speed.
+    pub at_speed_share: f64,
+    /// At rest: slower than this.
+    pub at_rest: Spin,
+    /// Oriented: this near to the ordered angle.
+    pub oriented: Angle,
+    /// Following error of the angle that stops the machine.
+    pub following_error_stop: Angle,
+}
+
+impl Spindle {
+    pub(super) fn read(keys: &mut Keys<'_>) -> Self {
+        let spindle = Self {
+            name: read_name(keys),
+            inertia: Inertia::kg_m2(keys.number("inertia_kg_m2", 1e-6..=1e4)),
+            peak_torque: Torque::n_m(keys.number("peak_torque_n_m", 1e-3..=1e6)),
+            continuous_torque: Torque::n_m(keys.number("continuous_torque_n_m", 1e-3..=1e6)),
+            peak_power: Power::w(keys.number("peak_power_w", 1.0..=1e7)),
+            max: Spin::rpm(keys.number("max_rpm", 1.0..=500_000.0)),
+            tapping_max: Spin::rpm(keys.number("tapping_max_rpm", 1.0..=500_000.0)),
+            torque_lag: Time::s(keys.number("torque_lag_ms", 0.0..=1000.0) * 1e-3),
+            encoder_counts_per_rev: keys.whole("encoder_counts_per_rev", 16..=u32::MAX),
+            planned_share: percent(keys, "planned_percent", 1.0..=100.0),
+            jerk: SpinJerk::rev_per_s3(keys.number("jerk_rev_per_s3", 0.1..=1e9)),
+            friction: keys.section("friction", SpindleFriction::read),
+            loops: keys.section("loops", Loops::read),
+            windows: keys.section("windows", SpindleWindows::read),
+        };
+        spindle.refuse_contradictions(keys);
+        spindle
+    }
+
+    fn refuse_contradictions(&self, keys: &Keys<'_>) {
+        if keys.has("tapping_max_rpm") && self.tapping_max > self.max {
+            let most = self.max.in_rpm();
+            keys.conflict(
+                "tapping_max_rpm",
+                format!("`tapping_max_rpm` is above `max_rpm`: expected {most} at most"),
+            );
+        }
+        if keys.has("continuous_torque_n_m") && self.continuous_torque > self.peak_torque {
+            let most = self.peak_torque.value();
+            keys.conflict(
+                "continuous_torque_n_m",
+                format!(
+                    "`continuous_torque_n_m` is above `peak_torque_n_m`: expected {most} at most"
+                ),
+            );
+        }
+    }
+
+    /// Where the torque curve bends: Ppeak / (2π·Mpeak).
+    pub fn base_speed(&self) -> Spin {
+        let rad_per_s = self.peak_power.value() / self.peak_torque.value();
+        Spin::rev_per_s(rad_per_s / std::f64::consts::TAU)
+    }
+}
+
+/// The name becomes part of column names: small letters, digits, hyphen, underscore.
+fn read_name(keys: &mut Keys<'_>) -> String {
+    let name = keys.text("name");
+    let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-' || c == '_';
+    if keys.has("name") && (name.is_empty() || name.len() > 32 || !name.chars().all(plain)) {
+        keys.unknown_name(
+            "name",
+            "`name` of a spindle: expected 1 to 32 small letters, digits, - or _",
+        );
+    }
+    name
+}
+
+impl SpindleFriction {
+    fn read(keys: &mut Keys<'_>) -> Self {
+        let rad_per_s = keys.number("smoothing_rad_per_s", 1e-3..=1000.0);
+        Self {
+            coulomb: Torque::n_m(keys.number("coulomb_n_m", 0.0..=1e5)),
+            smoothing: Spin::rev_per_s(rad_per_s / std::f64::consts::TAU),
+            viscous_n_m_s_per_rad: keys.number("viscous_n_m_s_per_rad", 0.0..=1e4),
+        }
+    }
+}
+
+impl SpindleWindows {
+    fn read(keys: &mut Keys<'_>) -> Self {
+        Self {
+            at_speed_share: percent(keys, "at_speed_percent", 0.01..=50.0),
+            at_rest: Spin::rpm(keys.number("at_rest_rpm", 1e-3..=1000.0)),
+            oriented: Angle::deg(keys.number("oriented_deg", 1e-4..=90.0)),
+            following_error_stop: Angle::deg(
+                keys.number("following_error_stop_deg", 0.01..=36_000.0),
+            ),
+        }
+    }
+}

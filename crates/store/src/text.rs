@@ -1,0 +1,107 @@
+//! Text of bounded size from a file, and places in it.
+//!
+//! ```text
+//!   byte offset ──(line starts, binary search)──► diag::Span { line, start, end }
+//! ```
+//!
+//! Every reader here first takes the whole text, never more than its limit plus one byte: a device
+//! that never ends, or a file that grows while it is read, cannot fill the memory.
+use crate::Error;
+use diag::Span;
+use std::{fs::File, io::Read, ops::Range, path::Path};
+
+/// Bytes a machine file, tool table or parameter file may have.
+pub const SMALL_FILE_LIMIT: u64 = 1 << 20;
+/// Bytes a part program may have.
+pub const PROGRAM_LIMIT: u64 = 2 << 30;
+
+/// The bytes of a file, `what` it is (for the sentence), and how many it may have.
+///
+/// # Errors
+/// When the file cannot be opened or read, or is larger than `limit`.
+pub fn read_bytes(path: &Path, what: &'static str, limit: u64) -> Result<Vec<u8>, Error> {
+    let failed = |cause| Error::file("read", path, cause);
+    let file = File::open(path).map_err(failed)?;
+    let expected = file.metadata().map_err(failed)?.len().min(limit);
+    let mut bytes = Vec::with_capacity(usize::try_from(expected).unwrap_or(0));
+    file.take(limit + 1).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes.len() as u64 > limit {
+        return Err(Error::TooLarge { path: path.to_owned(), what, limit });
+    }
+    Ok(bytes)
+}
+
+/// The text of a file, as [`read_bytes`]; a byte order mark at its start is dropped.
+///
+/// # Errors
+/// As [`read_bytes`], and when the bytes are not UTF-8.
+pub fn read_text(path: &Path, what: &'static str, limit: u64) -> Result<String, Error> {
+    let text = String::from_utf8(read_bytes(path, what, limit)?).map_err(|e| Error::NotText {
+        path: path.to_owned(),
+        offset: e.utf8_error().valid_up_to(),
+    })?;
+    Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
+}
+
+/// Where the lines of a text begin.
+pub(crate) struct Lines {
+    starts: Vec<usize>,
+    file: u16,
+}
+
+impl Lines {
+    pub(crate) fn of(text: &str, file: u16) -> Self {
+        let after_newline =
+            text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(i, _)| i + 1);
+        Self { starts: std::iter::once(0).chain(after_newline).collect(), file }
+    }
+
+    /// The span of a stretch of bytes.
+    pub(crate) fn span(&self, bytes: &Range<usize>) -> Span {
+        let line = self.starts.partition_point(|start| *start <= bytes.start);
+        let small = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+        Span {
+            file: self.file,
+            line: small(line),
+            start: small(bytes.start),
+            end: small(bytes.end),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_span_knows_the_line_it_begins_on() {
+        let lines = Lines::of("ab\ncd\n", 0);
+        let at = |n: usize| lines.span(&(n..n)).line;
+        assert_eq!([at(0), at(2), at(3), at(5), at(6)], [1, 1, 2, 2, 3]);
+    }
+
+    #[test]
+    fn a_file_over_the_limit_is_refused_with_the_limit() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("long.toml");
+        std::fs::write(&path, "x".repeat(11)).unwrap();
+        let sentence = read_text(&path, "a machine file", 10).unwrap_err().to_string();
+        assert!(sentence.ends_with("is larger than the 10 bytes that a machine file may have"));
+        assert_eq!(read_text(&path, "a machine file", 11).unwrap().len(), 11);
+    }
+
+    #[test]
+    fn a_binary_file_is_refused_with_the_place() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("tool.toml");
+        std::fs::write(&path, b"ab\xff").unwrap();
+        let sentence = read_text(&path, "a tool table", 10).unwrap_err().to_string();
+        assert!(sentence.ends_with("is not text: byte 2 is not UTF-8"), "{sentence}");
+    }
+
+    #[test]
+    fn a_missing_file_is_named() {
+        let sentence = read_text(Path::new("/nowhere/m.toml"), "", 1).unwrap_err().to_string();
+        assert_eq!(sentence, "cannot read /nowhere/m.toml: there is no such file or folder");
+    }
+}
