@@ -1,1 +1,31 @@
-//! To be filled.
+//! Axes coupled to a spindle: the coupling, its measure, the master's observer, and the rigid tap.
+//!
+//! ```text
+//!    z │                          a follower axis is a function of a master angle:
+//!      │ start                        z = g(θ)
+//!   z₀ ┼──●                       tapping: a line.  Engage it, measure it (e = z − g(θ)),
+//!      │    ╲   e { ○ measured    obey it from a *commanded* or from a *measured* θ.
+//!      │      ╲
+//!      └──┼──────────► θ
+//!         θ₀
+//! ```
+//!
+//! Nothing here knows programs, clocks or drives: angles and positions come in, angles and positions
+//! go out, once a period.
+#![no_std]
+#[cfg(test)]
+extern crate std;
+
+mod blend;
+mod coupling;
+mod mode;
+mod monitor;
+mod observer;
+mod tapping;
+
+pub use blend::{Blend, BlendPoint};
+pub use coupling::{Coupling, Follower, Line, Rotation};
+pub use mode::{MAX_TRANSPORT, Prediction, SyncMode};
+pub use monitor::{Figures, Monitor, Verdict, Windows};
+pub use observer::{Observer, stopping_angle};
+pub use tapping::{Ask, Cycle, Phase, Stroke, StrokePoint, Tap, Tick};

@@ -1,0 +1,377 @@
+//! The rigid tap (G84, G74, G33.1): in along the coupling, back along the same coupling.
+//!
+//! ```text
+//!             spindle at rest       held at the start angle              inward stroke over
+//!   AwaitRest ───────┬────► Orient ───────────────────────► In ───────────────────────► Bottom
+//!                    │ encoder-following                    ▲                              │ dwell over
+//!                    └────► StepOn ─────────────────────────┘                              ▼
+//!                            axis on the coupling                                         Out
+//!                                                                       outward stroke over │
+//!                             Done ◄──── Leave ◄─────────── RunDown ◄───────────────────────┤
+//!                                at start      at rest         encoder-following            │
+//!                              ▲                                                            │
+//!                              └────────────────────────────────────────────────────────────┘
+//! ```
+//!
+//! From `In` to `Out` the axis obeys one [`Coupling`]; only the spindle's order changes, so reversal
+//! needs no special case. *Command-synchronised*, spindle and axis obey the planned strokes θ(t), and
+//! the depth is met because the plan ends there. *Encoder-following*, the spindle only obeys a speed:
+//! the stroke's clock waits at the top speed until the turns that are left are the turns that braking
+//! takes (the predicted stopping angle, ω²/2a for a constant a), then runs on. The order to turn back
+//! thus comes early, and the depth is met instead of overrun.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | clock | time within the stroke |
+//! | s | revolutions done in the stroke, magnitude |
+use units::{Accel, Angle, Lead, Length, Speed, Spin, SpinAccel, Time};
+
+use crate::{Blend, Coupling, Follower, Rotation};
+
+/// State of a stroke at one time; magnitudes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StrokePoint {
+    /// Revolutions done.
+    pub turned: Angle,
+    /// Speed.
+    pub spin: Spin,
+    /// Acceleration along the stroke.
+    pub accel: SpinAccel,
+}
+
+/// Revolutions over time, rest to rest.
+pub trait Stroke {
+    /// State at a time from the stroke's start; at rest before and after.
+    fn at(&self, time: Time) -> StrokePoint;
+    /// How long it lasts.
+    fn duration(&self) -> Time;
+    /// Revolutions in all.
+    fn length(&self) -> Angle;
+    /// When it begins to slow down for good.
+    fn brake(&self) -> Time;
+}
+
+/// What to tap. Coordinates are those of the following axis.
+#[derive(Debug, PartialEq)]
+pub struct Tap<'a, S> {
+    /// Axis travel per revolution of the spindle in its positive sense.
+    pub lead: Lead,
+    /// Where the coupling is engaged and left.
+    pub start: Length,
+    /// Where the spindle turns back.
+    pub bottom: Length,
+    /// The spindle's sense inwards: only the sign counts.
+    pub spin: Spin,
+    /// In.
+    pub inward: &'a S,
+    /// Wait at the bottom.
+    pub dwell: Time,
+    /// Out.
+    pub outward: &'a S,
+    /// Angle within a turn that belongs to `start`; `None`: wherever the spindle stands.
+    pub start_angle: Option<Angle>,
+    /// The axis obeys the encoder and the spindle only a speed.
+    pub encoder_following: bool,
+    /// Limits of the small moves onto the coupling and off it.
+    pub gentle: (Speed, Accel),
+}
+
+/// What the cycle is told each period.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tick {
+    /// Time since the last one.
+    pub elapsed: Time,
+    /// The measured master, predicted for the moment the setpoint is for.
+    pub master: Rotation,
+    /// The spindle stands.
+    pub at_rest: bool,
+    /// The angle at which the spindle is held, once it is held where it was asked to be.
+    pub held: Option<Angle>,
+}
+
+/// What the cycle asks of the spindle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Ask {
+    /// Come to rest.
+    Rest,
+    /// Hold an angle: the one within a turn, or wherever it stands.
+    Hold(Option<Angle>),
+    /// Obey this angle.
+    Angle(Rotation),
+    /// Obey this speed; the angle is free.
+    Speed(Rotation),
+}
+
+/// What the cycle is about, for people and reports.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Waiting for the spindle to stand, or to be oriented.
+    Prepare,
+    /// Going in.
+    In,
+    /// Standing at the bottom.
+    Bottom,
+    /// Coming out.
+    Out,
+    /// Over.
+    Done,
+}
+
+/// Time within a stroke.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clock {
+    at: Time,
+    /// Where the clock waits for the turns that are left to be those that braking takes.
+    wait_at: Option<Time>,
+}
+
+/// Where the cycle stands. Each state holds what is true in it, and no more.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cycle {
+    /// Waiting for the spindle to stand.
+    AwaitRest,
+    /// Turning the spindle to the start angle.
+    Orient,
+    /// Stepping the axis onto the coupling of a spindle that cannot be turned to an angle.
+    StepOn(Coupling, Blend, Time),
+    /// Going in.
+    In(Coupling, Clock),
+    /// Standing at the bottom since the time given.
+    Bottom(Coupling, Time),
+    /// Coming out.
+    Out(Coupling, Clock),
+    /// Following until the spindle stands.
+    RunDown(Coupling),
+    /// Bringing the axis from where the spindle left it to the start.
+    Leave(Blend, Time),
+    /// Over.
+    Done,
+}
+
+impl Cycle {
+    /// The cycle's beginning.
+    pub const fn new() -> Self {
+        Self::AwaitRest
+    }
+
+    /// The state after this period. One arm per arrow in the picture.
+    #[must_use]
+    pub fn next<S: Stroke>(self, tap: &Tap<S>, tick: &Tick) -> Self {
+        match self {
+            Self::AwaitRest if !tick.at_rest => self,
+            Self::AwaitRest if tap.encoder_following => step_on(tap, tick.master.angle),
+            Self::AwaitRest => Self::Orient,
+            Self::Orient => tick.held.map_or(self, |angle| {
+                Self::In(Coupling::line(tap.lead, angle, tap.start), clock(tap, tap.inward))
+            }),
+            Self::StepOn(coupling, blend, at) => {
+                let at = at + tick.elapsed;
+                if at.value() < blend.duration_s() {
+                    return Self::StepOn(coupling, blend, at);
+                }
+                Self::In(coupling, clock(tap, tap.inward))
+            }
+            Self::In(coupling, clock) => {
+                let left = turns_left(tap, &coupling, tap.bottom, tick, 1.0);
+                let clock = clock.advance(tap.inward, tick, left);
+                let over = clock.at - tap.inward.duration();
+                if over < Time::ZERO {
+                    return Self::In(coupling, clock);
+                }
+                bottom(tap, coupling, over)
+            }
+            Self::Bottom(coupling, waited) => bottom(tap, coupling, waited + tick.elapsed),
+            Self::Out(coupling, clock) => {
+                let left = turns_left(tap, &coupling, tap.start, tick, -1.0);
+                let clock = clock.advance(tap.outward, tick, left);
+                if clock.at < tap.outward.duration() {
+                    Self::Out(coupling, clock)
+                } else if tap.encoder_following {
+                    Self::RunDown(coupling)
+                } else {
+                    Self::Done
+                }
+            }
+            Self::RunDown(coupling) if tick.at_rest => {
+                let z = coupling.position(tick.master.angle);
+                Self::Leave(gentle(tap, z, tap.start), Time::ZERO)
+            }
+            Self::RunDown(_) | Self::Done => self,
+            Self::Leave(blend, at) if (at + tick.elapsed).value() < blend.duration_s() => {
+                Self::Leave(blend, at + tick.elapsed)
+            }
+            Self::Leave(..) => Self::Done,
+        }
+    }
+
+    /// What the spindle shall do, `ahead` of the present setpoint.
+    pub fn ask<S: Stroke>(&self, tap: &Tap<S>, ahead: Time) -> Ask {
+        let (coupling, leg, time) = match *self {
+            Self::AwaitRest | Self::StepOn(..) | Self::RunDown(_) | Self::Leave(..) => {
+                return Ask::Rest;
+            }
+            Self::Orient => return Ask::Hold(tap.start_angle),
+            Self::Done if tap.encoder_following => return Ask::Rest,
+            Self::Done => return Ask::Hold(None),
+            Self::In(coupling, clock) => (coupling, Leg::In, clock.seen(ahead)),
+            Self::Bottom(coupling, waited) => (coupling, Leg::Bottom, waited + ahead),
+            Self::Out(coupling, clock) => (coupling, Leg::Out, clock.seen(ahead)),
+        };
+        let rotation = planned(tap, &coupling, leg, time);
+        if tap.encoder_following { Ask::Speed(rotation) } else { Ask::Angle(rotation) }
+    }
+
+    /// Where the axis shall be, and how it moves. `master` is what it obeys: the order given to the
+    /// spindle, or the predicted reading.
+    pub fn axis<S: Stroke>(&self, tap: &Tap<S>, master: Rotation) -> Follower {
+        match self {
+            Self::AwaitRest | Self::Orient | Self::Done => {
+                Follower { position: tap.start, ..Follower::default() }
+            }
+            Self::StepOn(_, blend, at) | Self::Leave(blend, at) => {
+                let point = blend.at(at.value());
+                Follower {
+                    position: Length::mm(point.s),
+                    speed: Speed::mm_per_s(point.v),
+                    accel: Accel::mm_per_s2(point.a),
+                }
+            }
+            Self::In(coupling, _)
+            | Self::Bottom(coupling, _)
+            | Self::Out(coupling, _)
+            | Self::RunDown(coupling) => coupling.follow(master),
+        }
+    }
+
+    /// The coupling, while one is engaged.
+    pub const fn coupling(&self) -> Option<Coupling> {
+        match *self {
+            Self::In(coupling, _)
+            | Self::Bottom(coupling, _)
+            | Self::Out(coupling, _)
+            | Self::RunDown(coupling) => Some(coupling),
+            Self::AwaitRest | Self::Orient | Self::StepOn(..) | Self::Leave(..) | Self::Done => {
+                None
+            }
+        }
+    }
+
+    /// What it is about.
+    pub const fn phase(&self) -> Phase {
+        match self {
+            Self::AwaitRest | Self::Orient | Self::StepOn(..) => Phase::Prepare,
+            Self::In(..) => Phase::In,
+            Self::Bottom(..) => Phase::Bottom,
+            Self::Out(..) | Self::RunDown(_) | Self::Leave(..) => Phase::Out,
+            Self::Done => Phase::Done,
+        }
+    }
+}
+
+impl Default for Cycle {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Clock {
+    /// A period later. While it waits, `turns_left` decides.
+    fn advance<S: Stroke>(self, stroke: &S, tick: &Tick, turns_left: Angle) -> Self {
+        let at = self.at + tick.elapsed;
+        let Some(brake) = self.wait_at else { return Self { at, wait_at: None } };
+        let braking = stroke.length() - stroke.at(brake).turned;
+        if turns_left > braking {
+            return Self { at: at.min(brake), wait_at: Some(brake) };
+        }
+        // The moment fell between two periods: the clock goes on as if it had been hit exactly.
+        let spin = tick.master.spin.abs();
+        let late = if spin > Spin::ZERO { (braking - turns_left) / spin } else { Time::ZERO };
+        Self { at: brake + late.min(tick.elapsed), wait_at: None }
+    }
+
+    /// The time that will be seen a while later.
+    fn seen(self, ahead: Time) -> Time {
+        let at = self.at + ahead;
+        self.wait_at.map_or(at, |brake| at.min(brake))
+    }
+}
+
+/// A clock for a stroke: one that waits for the encoder, or one that only runs.
+fn clock<S: Stroke>(tap: &Tap<S>, stroke: &S) -> Clock {
+    Clock { at: Time::ZERO, wait_at: tap.encoder_following.then(|| stroke.brake()) }
+}
+
+/// At the bottom since a while: still there, or on the way out.
+fn bottom<S: Stroke>(tap: &Tap<S>, coupling: Coupling, waited: Time) -> Cycle {
+    if waited < tap.dwell {
+        return Cycle::Bottom(coupling, waited);
+    }
+    let fresh = clock(tap, tap.outward);
+    Cycle::Out(coupling, Clock { at: waited - tap.dwell, ..fresh })
+}
+
+/// +1 when the spindle turns in its positive sense inwards, else −1.
+fn sense<S>(tap: &Tap<S>) -> f64 {
+    if tap.spin < Spin::ZERO { -1.0 } else { 1.0 }
+}
+
+/// Turns of the master until the follower's place is reached; `leg` is +1 inwards, −1 outwards.
+fn turns_left<S>(tap: &Tap<S>, coupling: &Coupling, to: Length, tick: &Tick, leg: f64) -> Angle {
+    coupling.phase_difference(tick.master.angle, to) * (sense(tap) * leg)
+}
+
+/// Step the axis onto the coupling of a resting spindle, off the work by less than one lead.
+fn step_on<S: Stroke>(tap: &Tap<S>, angle: Angle) -> Cycle {
+    let sense = sense(tap);
+    let ahead = tap.start_angle.map_or(0.0, |start| {
+        let turns = (start - angle).value() * sense;
+        turns - libm::floor(turns)
+    });
+    let coupling = Coupling::line(tap.lead, angle + Angle::rev(sense * ahead), tap.start);
+    Cycle::StepOn(coupling, gentle(tap, tap.start, coupling.position(angle)), Time::ZERO)
+}
+
+fn gentle<S>(tap: &Tap<S>, from: Length, to: Length) -> Blend {
+    let (speed, accel) = tap.gentle;
+    Blend::new(from.value(), to.value(), speed.value(), accel.value())
+}
+
+/// The parts of the planned motion.
+#[derive(Clone, Copy)]
+enum Leg {
+    In,
+    Bottom,
+    Out,
+}
+
+/// The planned master, `time` after the beginning of a leg and possibly in a later one.
+fn planned<S: Stroke>(tap: &Tap<S>, coupling: &Coupling, leg: Leg, time: Time) -> Rotation {
+    let sense = sense(tap);
+    let theta0 = coupling.phase_difference(Angle::ZERO, tap.start);
+    let (turned, direction, point) = match leg {
+        Leg::In if time >= tap.inward.duration() => {
+            return planned(tap, coupling, Leg::Bottom, time - tap.inward.duration());
+        }
+        Leg::Bottom if time >= tap.dwell => {
+            return planned(tap, coupling, Leg::Out, time - tap.dwell);
+        }
+        Leg::In => {
+            let point = tap.inward.at(time);
+            (point.turned, sense, point)
+        }
+        Leg::Bottom => (tap.inward.length(), sense, StrokePoint::default()),
+        Leg::Out => {
+            let point = tap.outward.at(time);
+            (tap.inward.length() - point.turned, -sense, point)
+        }
+    };
+    Rotation {
+        angle: theta0 + turned * sense,
+        spin: point.spin * direction,
+        accel: point.accel * direction,
+    }
+}
+
+#[cfg(test)]
+#[path = "tapping_tests.rs"]
+mod tests;
