@@ -1,1 +1,42 @@
-//! To be filled.
+//! Machines made of equations: what the control moves when there is no iron.
+//!
+//! ```text
+//!              Command                          Feedback, Truth
+//!   control ────────────► SimulatedMachine ─────────────────────► control, judge
+//!                          │ axes      two masses, play, LuGre friction, encoder
+//!                          │ spindles  inertia, lag, torque and power limit, encoder
+//!                          │ changer   tools from a magazine
+//!                          └ work      drill and tap in it: holes, torque, force, breakage
+//! ```
+//!
+//! The crate knows the bus and quantities, nothing else: no program, no plan, no control. It is built from a
+//! plain [`Config`], it is seeded, and two runs of the same inputs are the same to the last bit. The closed
+//! forms it is tested against are public, in [`oracle`].
+
+mod axis;
+mod changer;
+mod config;
+mod encoder;
+mod friction;
+mod lag;
+mod machine;
+pub mod oracle;
+mod rng;
+mod spindle;
+mod tool;
+mod work;
+
+pub use axis::AxisModel;
+pub use config::Config;
+pub use encoder::{AxisEncoder, SpindleEncoder};
+pub use friction::Lugre;
+pub use machine::SimulatedMachine;
+pub use spindle::SpindleModel;
+pub use tool::{HOLDER_STOP, Holder, Tap, Tool, ToolKind};
+pub use work::{Bore, Hole, MATERIALS, Material, SAME_HOLE, Stock, Thread};
+
+#[cfg(test)]
+extern crate self as sim;
+#[cfg(test)]
+#[path = "../tests/fixtures/mod.rs"]
+mod fixtures;

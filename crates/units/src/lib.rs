@@ -76,6 +76,10 @@ impl Spin {
     pub const fn in_rpm(self) -> f64 {
         self.value() * 60.0
     }
+    /// In radians per second, for equations of motion.
+    pub const fn in_rad_per_s(self) -> f64 {
+        self.value() * core::f64::consts::TAU
+    }
 }
 
 impl Angle {

@@ -1,0 +1,307 @@
+//! A spindle: an inertia, a drive with a torque and a power limit, bearings that rub.
+//!
+//! ```text
+//!   Tref │▔▔▔▔▔▔▔╲ Ppeak/ω       J·dω/dt = Tm − Tf(ω) − Tload
+//!        │Tpeak    ╲____          dTm/dt  = (Tref − Tm)/τ         |Tref| ≤ min(Tpeak, Ppeak/|ω|)
+//!        └──────────────► ω      Tf(ω)   = c₀·tanh(ω/ω₀) + c₁·ω
+//!               base speed
+//! ```
+//!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | ω, θ | speed, angle | rad/s, rev |
+//! | J | inertia | kg·m² |
+//! | Tm, Tref, τ | torque of the motor, its reference, its lag | N·m, N·m, s |
+//! | Tf, c₀, c₁, ω₀ | friction, its constant and viscous part, the speed over which it changes sign | N·m, N·m, N·m·s/rad, rad/s |
+//! | h | physics step | s |
+//!
+//! The lag is integrated exactly, the motion under its mean torque exactly; the limit and the friction are
+//! taken at the beginning of the step (they change over milliseconds).
+use crate::SpindleEncoder;
+use crate::encoder::index_between;
+use crate::friction::smooth_sign;
+use crate::lag::Lag;
+use crate::rng::Rng;
+use core::f64::consts::TAU;
+use units::{Angle, Inertia, Power, Spin, Time, Torque};
+
+/// A spindle with its drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpindleModel {
+    /// Rotor, tool holder, and chuck if there is one.
+    pub inertia: Inertia,
+    /// Most torque, below the base speed.
+    pub peak_torque: Torque,
+    /// Most power, above the base speed.
+    pub peak_power: Power,
+    /// Time constant of the torque; zero for none.
+    pub torque_lag: Time,
+    /// Constant part c₀ of the friction.
+    pub coulomb: Torque,
+    /// Viscous part c₁ of the friction, N·m·s/rad.
+    pub viscous_n_m_s_per_rad: f64,
+    /// Speed ω₀ over which the constant part changes its sign.
+    pub rounding: Spin,
+    /// How it is measured.
+    pub encoder: SpindleEncoder,
+    /// Where it stands at the start.
+    pub start: Angle,
+}
+
+impl SpindleModel {
+    /// Speed above which power, not torque, is the limit.
+    pub fn base_speed(&self) -> Spin {
+        Spin::rev_per_s(self.peak_power.value() / self.peak_torque.value() / TAU)
+    }
+}
+
+/// A simulated spindle: its parameters made ready for one step size, and its state.
+#[derive(Clone, Debug)]
+pub(crate) struct Spindle {
+    h: f64,
+    half_step_rev: f64,
+    per_inertia: f64,
+    peak_torque: f64,
+    peak_power: f64,
+    coulomb: f64,
+    viscous: f64,
+    per_rounding: f64,
+    lag: Lag,
+    encoder: SpindleEncoder,
+    wanted: f64,
+    on: bool,
+    saturated: bool,
+    torque: f64,
+    omega: f64,
+    angle_rev: f64,
+    read_rev: f64,
+    index: Option<f64>,
+}
+
+impl Spindle {
+    /// At rest at its start.
+    pub(crate) fn new(model: &SpindleModel, scatter: f64, rng: &mut Rng, h: f64) -> Self {
+        let friction_scale = rng.factor(scatter);
+        let angle_rev = model.start.value();
+        Self {
+            h,
+            half_step_rev: h / 2.0 / TAU,
+            per_inertia: 1.0 / model.inertia.value(),
+            peak_torque: model.peak_torque.value(),
+            peak_power: model.peak_power.value(),
+            coulomb: model.coulomb.value() * friction_scale,
+            viscous: model.viscous_n_m_s_per_rad * friction_scale,
+            per_rounding: 1.0 / model.rounding.in_rad_per_s(),
+            lag: Lag::new(model.torque_lag.value(), h),
+            encoder: model.encoder,
+            wanted: 0.0,
+            on: false,
+            saturated: false,
+            torque: 0.0,
+            omega: 0.0,
+            angle_rev,
+            read_rev: model.encoder.read(angle_rev, rng),
+            index: None,
+        }
+    }
+
+    /// What the drive shall do for the coming period.
+    pub(crate) fn obey(&mut self, command: &bus::SpindleCommand) {
+        self.on = command.enable;
+        self.saturated = false;
+        // a reference that is no number is no reference
+        let torque = command.torque;
+        self.wanted = if self.on && torque.is_finite() { torque.value() } else { 0.0 };
+    }
+
+    /// One physics step against a load of `load` N·m, positive when it would turn the spindle backwards.
+    #[inline]
+    pub(crate) fn step(&mut self, load: f64) {
+        let limit = (self.peak_power / self.omega.abs()).min(self.peak_torque);
+        self.saturated |= self.wanted.abs() > limit;
+        let reference = self.wanted.max(-limit).min(limit);
+        let drive = self.lag.step(&mut self.torque, reference);
+        let rubbing =
+            self.coulomb * smooth_sign(self.omega * self.per_rounding) + self.viscous * self.omega;
+        let before = self.omega;
+        self.omega += self.h * self.per_inertia * (drive - rubbing - load);
+        self.angle_rev += self.half_step_rev * (before + self.omega);
+    }
+
+    /// Read the encoder at the end of a period.
+    pub(crate) fn read(&mut self, rng: &mut Rng) {
+        let before = self.read_rev;
+        self.read_rev = self.encoder.read(self.angle_rev, rng);
+        self.index = index_between(before, self.read_rev);
+    }
+
+    /// What the machine says of it.
+    pub(crate) fn feedback(&self) -> bus::SpindleFeedback {
+        bus::SpindleFeedback {
+            angle: Angle::rev(self.read_rev),
+            index: self.index.map(Angle::rev),
+            ready: self.on,
+            saturated: self.saturated,
+        }
+    }
+
+    /// Angle, rev.
+    #[inline]
+    pub(crate) const fn angle_rev(&self) -> f64 {
+        self.angle_rev
+    }
+
+    /// Speed, rad/s.
+    #[inline]
+    pub(crate) const fn omega(&self) -> f64 {
+        self.omega
+    }
+
+    /// Torque of the drive.
+    pub(crate) fn drive_torque(&self) -> Torque {
+        Torque::n_m(self.torque)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixtures::spindle;
+    use crate::oracle::spindle::{RunUp, coast_down};
+    use bus::SpindleCommand;
+
+    const H: f64 = 25e-6;
+
+    fn turning(model: &SpindleModel) -> Spindle {
+        Spindle::new(model, 0.0, &mut Rng::new(0), H)
+    }
+
+    fn full_torque() -> SpindleCommand {
+        SpindleCommand { enable: true, torque: Torque::n_m(1e6), ..Default::default() }
+    }
+
+    /// Time to reach a speed under full torque, s, interpolated within the last step.
+    fn run_up(model: &SpindleModel, to: Spin) -> f64 {
+        let mut spindle = turning(model);
+        spindle.obey(&full_torque());
+        let target = to.in_rad_per_s();
+        for i in 0.. {
+            let before = spindle.omega();
+            spindle.step(0.0);
+            if spindle.omega() >= target {
+                let share = (target - before) / (spindle.omega() - before);
+                return H * (f64::from(i) + share);
+            }
+        }
+        unreachable!("the loop has no end but the return")
+    }
+
+    fn frictionless() -> SpindleModel {
+        SpindleModel {
+            coulomb: Torque::ZERO,
+            viscous_n_m_s_per_rad: 0.0,
+            torque_lag: Time::ZERO,
+            ..spindle()
+        }
+    }
+
+    #[test]
+    fn running_up_to_6000_rpm_takes_the_time_of_the_power_curve() {
+        let model = frictionless();
+        let exact = RunUp::of(&model).time_to(Spin::rpm(6000.0)).value();
+        let simulated = run_up(&model, Spin::rpm(6000.0));
+        assert!((simulated - exact).abs() < 1e-4 * exact, "{simulated} s, exact {exact} s");
+    }
+
+    #[test]
+    fn below_the_base_speed_run_up_is_linear_in_time() {
+        let model = frictionless();
+        let simulated = run_up(&model, Spin::rpm(3000.0));
+        let exact = model.inertia.value() * Spin::rpm(3000.0).in_rad_per_s() / 42.0;
+        assert!((simulated - exact).abs() < 1e-9, "{simulated} s, exact {exact} s");
+    }
+
+    #[test]
+    fn a_lag_delays_the_run_up_by_its_time_constant() {
+        let lagging = SpindleModel { torque_lag: Time::s(0.8e-3), ..frictionless() };
+        let delay =
+            run_up(&lagging, Spin::rpm(3000.0)) - run_up(&frictionless(), Spin::rpm(3000.0));
+        assert!((delay - 0.8e-3).abs() < 1e-7, "{delay} s");
+    }
+
+    #[test]
+    fn without_its_drive_the_spindle_coasts_down_with_friction() {
+        let model = spindle();
+        let mut spindle = turning(&model);
+        let start = Spin::rpm(6000.0);
+        spindle.omega = start.in_rad_per_s();
+        spindle.obey(&SpindleCommand::default());
+        for i in 1..=80_000 {
+            spindle.step(0.0);
+            // while ω ≫ ω₀ the closed form with a constant c₀ holds
+            let exact = coast_down(&model, start, Time::s(f64::from(i) * H)).in_rad_per_s();
+            assert!((spindle.omega() - exact).abs() < 2e-4 * exact, "{i}: {}", spindle.omega());
+        }
+    }
+
+    #[test]
+    fn the_angle_under_constant_torque_is_a_parabola() {
+        let model = frictionless();
+        let mut spindle = turning(&model);
+        spindle.obey(&SpindleCommand {
+            enable: true,
+            torque: Torque::n_m(10.0),
+            ..Default::default()
+        });
+        for _ in 0..4000 {
+            spindle.step(0.0);
+        }
+        let exact = 10.0 / 0.010 * 0.1 * 0.1 / 2.0 / TAU;
+        assert!((spindle.angle_rev() - exact).abs() < 1e-9 * exact);
+    }
+
+    #[test]
+    fn saturation_is_told_only_when_the_reference_is_beyond_the_limit() {
+        let mut spindle = turning(&frictionless());
+        spindle.omega = Spin::rpm(6000.0).in_rad_per_s();
+        let at = |torque: f64| SpindleCommand {
+            enable: true,
+            torque: Torque::n_m(torque),
+            ..Default::default()
+        };
+        let limit = 15_000.0 / spindle.omega;
+        spindle.obey(&at(limit * 0.99));
+        spindle.step(0.0);
+        assert!(!spindle.feedback().saturated);
+        spindle.obey(&at(limit * 1.01));
+        spindle.step(0.0);
+        assert!(spindle.feedback().saturated);
+        assert!((spindle.drive_torque().value() - limit).abs() < 0.01 * limit);
+    }
+
+    #[test]
+    fn work_in_is_kinetic_energy_and_friction() {
+        let model = spindle();
+        let mut spindle = turning(&model);
+        let (mut work, mut heat) = (0.0, 0.0);
+        for i in 0..40_000 {
+            let torque = Torque::n_m(30.0 * (f64::from(i) * H * 20.0).sin());
+            spindle.obey(&SpindleCommand { enable: true, torque, ..Default::default() });
+            let before = spindle.clone();
+            spindle.step(0.5);
+            let mean = (before.omega + spindle.omega) / 2.0;
+            let mut lagging = before.torque;
+            let limit = (before.peak_power / before.omega.abs()).min(before.peak_torque);
+            let reference = torque.value().clamp(-limit, limit);
+            work += before.lag.step(&mut lagging, reference) * mean * H;
+            let rubbing = model.coulomb.value() * smooth_sign(before.omega * before.per_rounding)
+                + model.viscous_n_m_s_per_rad * before.omega;
+            heat += (rubbing + 0.5) * mean * H;
+        }
+        let kinetic = model.inertia.value() * spindle.omega.powi(2) / 2.0;
+        assert!(
+            (work - heat - kinetic).abs() < 1e-9 * work.abs().max(1.0),
+            "{work} {heat} {kinetic}"
+        );
+    }
+}

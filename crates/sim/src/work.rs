@@ -1,0 +1,109 @@
+//! The workpiece: a slab with a surface, made of something, with holes in it.
+//!
+//! ```text
+//!        top ───────┐ ╱ ┌──────┐     ┌─────     machine Z of the surface
+//!                   │   │      │▒   ▒│
+//!      full depth   │   │      │▒   ▒│          thread: helix fixed when the tap first bit
+//!                   │   │      │▒   ▒│
+//!        tip depth  └╲ ╱┘      │     │
+//!                     V        └╲ ╱─┘
+//!   thickness ───────────────────V──────
+//! ```
+//!
+//! A hole is what tools have made at one place, so it is a list of bores, each with its diameter and depth,
+//! and perhaps a thread. Depths count from the surface, positive downwards.
+use units::{Angle, Lead, Length};
+
+/// What the work is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    /// Specific cutting force kc, N/mm².
+    pub cutting_n_per_mm2: f64,
+}
+
+/// Materials with published cutting forces, N/mm² (tap makers' tables).
+pub const MATERIALS: [(&str, Material); 6] = [
+    ("C45", Material { cutting_n_per_mm2: 3900.0 }),
+    ("42CrMo4", Material { cutting_n_per_mm2: 3600.0 }),
+    ("stainless", Material { cutting_n_per_mm2: 4200.0 }),
+    ("GG25", Material { cutting_n_per_mm2: 2900.0 }),
+    ("AlSi", Material { cutting_n_per_mm2: 1300.0 }),
+    ("brass", Material { cutting_n_per_mm2: 2300.0 }),
+];
+
+impl Material {
+    /// By name, in any case.
+    pub fn named(name: &str) -> Option<Self> {
+        MATERIALS
+            .into_iter()
+            .find(|(n, _)| n.eq_ignore_ascii_case(name))
+            .map(|(_, material)| material)
+    }
+}
+
+/// The workpiece before the run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stock {
+    /// Machine Z of its surface.
+    pub top: Length,
+    /// From the surface to the lower side; `None` is thicker than any tool is long.
+    pub thickness: Option<Length>,
+    /// What it is made of.
+    pub material: Material,
+    /// Holes that are there already.
+    pub holes: Vec<Hole>,
+    /// A tap that finds no hole is taken to find one of diameter D − P, deep enough. Otherwise it finds
+    /// solid material and breaks.
+    pub assume_predrilled: bool,
+}
+
+/// A round hole, or a cone, coaxial with others at the same place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bore {
+    /// Of its cylinder.
+    pub diameter: Length,
+    /// Of the deepest point reached by the tip.
+    pub tip_depth: Length,
+    /// From the tip to where the diameter is full.
+    pub cone: Length,
+}
+
+impl Bore {
+    /// Down to where the diameter is full; negative while only the point has entered.
+    pub fn full_depth(&self) -> Length {
+        self.tip_depth - self.cone
+    }
+}
+
+/// A thread in a hole.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thread {
+    /// Nominal diameter of the tap.
+    pub diameter: Length,
+    /// Signed lead of the tap, right-hand positive.
+    pub lead: Lead,
+    /// A point on its helix: spindle angle …
+    pub phase_angle: Angle,
+    /// … and machine Z of the tap's tip there.
+    pub phase_tip: Length,
+    /// Deepest the tip of the tap has been.
+    pub tip_depth: Length,
+}
+
+/// What was made at one place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hole {
+    /// Centre, machine X.
+    pub x: Length,
+    /// Centre, machine Y.
+    pub y: Length,
+    /// By tool diameter, in the order they were made.
+    pub bores: Vec<Bore>,
+    /// The thread, if it was tapped.
+    pub thread: Option<Thread>,
+    /// The tap found no hole here, and one was assumed.
+    pub assumed: bool,
+}
+
+/// Tools closer than this to a hole's centre are in that hole.
+pub const SAME_HOLE: Length = Length::mm(0.1);
