@@ -137,15 +137,6 @@ impl<'d> Keys<'d> {
         self.required(key).and_then(|v| self.checked_choice(key, v, names)).unwrap_or(names[0].1)
     }
 
-    /// One of a list of names, if it is stated.
-    pub(crate) fn optional_choice<T: Copy>(
-        &mut self,
-        key: &'static str,
-        names: &[(&str, T)],
-    ) -> Option<T> {
-        self.ask(key).and_then(|v| self.checked_choice(key, v, names))
-    }
-
     /// A table within this one.
     pub(crate) fn section<T>(
         &mut self,
@@ -228,6 +219,11 @@ impl<'d> Keys<'d> {
     /// Whether a key is stated at all.
     pub(crate) fn has(&self, key: &str) -> bool {
         self.table.contains_key(key)
+    }
+
+    /// Where a key's value stands; the table itself where the key is missing.
+    pub(crate) fn span_of(&self, key: &str) -> diag::Span {
+        self.findings.map_or_else(diag::Span::default, |f| f.lines.span(&self.place_of(key)))
     }
 
     fn place_of(&self, key: &str) -> Range<usize> {

@@ -9,6 +9,7 @@
 //!
 //! Units end at this edge: a key or column carries its unit in its name, a field its quantity.
 pub mod machine;
+pub mod tools;
 
 mod error;
 mod keys;

@@ -29,6 +29,7 @@ mod control;
 mod setup;
 mod spindle;
 
+pub(crate) use axis::n_per_um;
 pub use axis::{Axis, AxisWindows, Drive, Friction, Loops, Motor, PositionFrom, Structure, Travel};
 pub use control::{
     Control, CycleDepth, Dialect, Follows, Overrides, Synchronisation, ToolChange, Waits,
@@ -128,7 +129,7 @@ impl MachineFile {
         }
         for axis in self.axes.iter().flatten() {
             let offset = self.setup.g54.along(axis.letter);
-            if !axis.travel.contains(offset) {
+            if axis.travel.from < axis.travel.to && !axis.travel.contains(offset) {
                 let (letter, travel) = (axis.letter.letter(), &axis.travel);
                 let message = format!(
                     "work offset G54 {letter}{} lies outside the travel of {} to {} mm",

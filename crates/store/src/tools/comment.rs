@@ -1,0 +1,154 @@
+//! What the comment of a `.tbl` line says the tool is, where it says so without ambiguity.
+//!
+//! | comment has | read as |
+//! |---|---|
+//! | "tap", not before "drill", and one thread: "M6 tap", "tap 1/4-20 UNC", "M8x1.25-LH tap" | tap, [usual](super::usual_tap) but for "spiral point", "straight", "plug" (4.5 pitches), "left" |
+//! | "spot", "centre drill", "center drill" | spot drill, 90° unless "… deg" is stated |
+//! | "drill", also "tap drill" | drill, 118° unless "… deg" is stated |
+//! | "mill", "endmill" | end mill |
+//! | none of these, or several, or "chuck" | other |
+use super::{Thread, usual_tap};
+use canon::{Flute, ToolKind};
+use units::{Angle, Length};
+
+/// What a comment says.
+#[derive(Debug, PartialEq)]
+pub(super) struct Understood {
+    pub(super) kind: ToolKind,
+    /// The thread's nominal diameter, or the one number followed by "mm".
+    pub(super) diameter: Option<Length>,
+    /// It speaks of a tap and does not say of which thread.
+    pub(super) thread_missing: bool,
+}
+
+pub(super) fn understand(comment: &str) -> Understood {
+    let lower = comment.to_lowercase();
+    let words = lower
+        .split(|c: char| c.is_whitespace() || ",()".contains(c))
+        .filter(|w| !w.is_empty())
+        .collect::<Vec<_>>();
+    let has = |wanted: &[&str]| words.iter().any(|w| wanted.contains(w));
+    let followed = |first: &str, second: &str| words.windows(2).any(|w| w == [first, second]);
+
+    let mut understood =
+        Understood { kind: ToolKind::Other, diameter: millimetres(&words), thread_missing: false };
+    if has(&["chuck", "mill-drill", "drill-mill"]) {
+        return understood;
+    }
+    let tap_drill = followed("tap", "drill") || has(&["tap-drill"]);
+    let tap = has(&["tap"]) && !tap_drill;
+    let spot = has(&["spot", "spot-drill", "spotdrill"])
+        || followed("center", "drill")
+        || followed("centre", "drill");
+    let drill = (has(&["drill"]) || tap_drill) && !spot;
+    let mill = has(&["mill", "endmill", "end-mill"]);
+    let degrees = |usual| Angle::deg(degrees(&words).unwrap_or(usual));
+    understood.kind = match (tap, spot, drill, mill) {
+        (true, false, false, false) => {
+            let tap = tap_of(&words);
+            understood.thread_missing = tap.is_none();
+            tap.map_or(ToolKind::Other, |(tap, nominal)| {
+                understood.diameter = Some(nominal);
+                tap
+            })
+        }
+        (false, true, false, false) => ToolKind::SpotDrill { point_angle: degrees(90.0) },
+        (false, false, true, false) => ToolKind::Drill { point_angle: degrees(118.0) },
+        (false, false, false, true) => ToolKind::EndMill,
+        _ => ToolKind::Other,
+    };
+    understood
+}
+
+/// The tap, if exactly one thread is named.
+fn tap_of(words: &[&str]) -> Option<(ToolKind, Length)> {
+    let pairs = words.windows(2).map(|w| w.join(" "));
+    let singles = words.iter().map(|w| (*w).to_owned());
+    let mut threads = pairs.chain(singles).filter_map(|t| Thread::parse(&t)).collect::<Vec<_>>();
+    threads.dedup_by(|a, b| a.nominal == b.nominal && a.lead.abs() == b.lead.abs());
+    let [thread] = threads.as_mut_slice() else { return None };
+    let has = |wanted: &[&str]| words.iter().any(|w| wanted.contains(w));
+    if has(&["left", "left-hand", "lh"]) {
+        thread.lead = -thread.lead.abs();
+    }
+    let mut tap = usual_tap(thread);
+    if has(&["point", "spiral-point", "gun"]) {
+        tap.flute = Flute::SpiralPoint;
+    } else if has(&["straight"]) {
+        tap.flute = Flute::Straight;
+    }
+    if has(&["plug"]) {
+        tap.chamfer_pitches = 4.5;
+    }
+    Some((ToolKind::Tap(tap), thread.nominal))
+}
+
+/// "140 deg", "140deg", "140°".
+fn degrees(words: &[&str]) -> Option<f64> {
+    number_before(words, &["deg", "degree", "degrees", "°"]).filter(|d| (10.0..=180.0).contains(d))
+}
+
+/// "5 mm", "5mm", if it comes once.
+fn millimetres(words: &[&str]) -> Option<Length> {
+    number_before(words, &["mm"]).filter(|d| (0.001..=10_000.0).contains(d)).map(Length::mm)
+}
+
+fn number_before(words: &[&str], units: &[&str]) -> Option<f64> {
+    let joined = words.iter().filter_map(|w| units.iter().find_map(|u| w.strip_suffix(u)));
+    let apart = words.windows(2).filter(|w| units.contains(&w[1])).map(|w| w[0]);
+    let mut numbers = joined.chain(apart).filter_map(|n| n.parse::<f64>().ok());
+    let first = numbers.next()?;
+    numbers.next().is_none().then_some(first)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn kind(comment: &str) -> String {
+        match understand(comment).kind {
+            ToolKind::Drill { point_angle } => format!("drill {}", point_angle.in_deg().round()),
+            ToolKind::SpotDrill { point_angle } => format!("spot {}", point_angle.in_deg().round()),
+            ToolKind::EndMill => "mill".into(),
+            ToolKind::Tap(tap) => format!("tap {} {}", tap.designation, tap.lead.value()),
+            ToolKind::Other => "other".into(),
+        }
+    }
+
+    #[test]
+    fn comments_of_real_tables_are_understood() {
+        assert_eq!(kind("1/8 end mill"), "mill");
+        assert_eq!(kind("#7 tap drill"), "drill 118");
+        assert_eq!(kind("5mm tap drill"), "drill 118");
+        assert_eq!(kind("spot drill 10 mm 90 deg"), "spot 90");
+        assert_eq!(kind("drill 5.0, 140°"), "drill 140");
+        assert_eq!(kind("M6 tap"), "tap M6x1 1");
+        assert_eq!(kind("M6x1 tap"), "tap M6x1 1");
+        assert_eq!(kind("1/4-20 UNC tap"), "tap 1/4-20 UNC 1.27");
+        assert_eq!(kind("M8x1.25-LH tap"), "tap M8x1.25 -1.25");
+        assert_eq!(kind("left-hand tap M8"), "tap M8x1.25 -1.25");
+    }
+
+    #[test]
+    fn what_is_ambiguous_stays_other() {
+        for comment in [
+            "",
+            "90 deg 3/8 mill-drill",
+            "big albrecht drill chuck .25 drill",
+            "tap",
+            "M6 M8 tap",
+            "M6",
+            "V engraving tool",
+        ] {
+            assert_eq!(kind(comment), "other", "{comment}");
+        }
+        assert!(understand("tap for the lid").thread_missing);
+    }
+
+    #[test]
+    fn a_diameter_in_millimetres_is_taken_from_the_comment() {
+        assert_eq!(understand("5mm drill").diameter, Some(Length::mm(5.0)));
+        assert_eq!(understand("16 mm mill").diameter, Some(Length::mm(16.0)));
+        assert_eq!(understand("drill 5mm or 6mm").diameter, None);
+    }
+}

@@ -1,0 +1,122 @@
+//! Tool tables: the shop's own TOML, which says what each tool is, and LinuxCNC's `.tbl`, which says
+//! only length and diameter and leaves the rest to a comment.
+//!
+//! ```text
+//!   tools.toml   [[tool]] number, length_mm, kind, thread, holder …  ─┐
+//!                                                                     ├─► canon::ToolLibrary
+//!   tool.tbl     T3 P3 Z105.25 D6 ;M6x1 tap                          ─┘
+//! ```
+//!
+//! Keys of a `[[tool]]`, with what stands in for those that may be left out:
+//!
+//! | key | of | |
+//! |---|---|---|
+//! | `number` | all | T number, from 1 |
+//! | `pocket` | all | else the number |
+//! | `length_mm` | all | gauge line to tip, G43's H |
+//! | `diameter_mm` | all | taps: else the thread's nominal diameter |
+//! | `kind` | all | drill, spot-drill, end-mill, tap, other |
+//! | `description` | all | else empty |
+//! | `point_angle_deg` | drill, spot-drill | else 118 and 90 |
+//! | `thread` | tap | "M6x1", "M6", "1/4-20 UNC", "#10-32", with "-LH" for left-hand |
+//! | `chamfer_pitches` | tap | 2–3 bottoming, 4–5 plug |
+//! | `thread_length_mm` | tap | where the flutes end |
+//! | `flute` | tap | spiral-flute, spiral-point, straight |
+//! | `oversize_um` | tap | else the middle of class ISO 2 |
+//! | `holder` | tap | `{ kind = "rigid", stiffness_n_per_um = 20 }`; soft-synchro and tension-compression also have `travel_mm` |
+mod comment;
+mod table;
+mod tbl;
+mod thread;
+
+pub use tbl::TableUnit;
+pub use thread::Thread;
+
+use crate::{Error, SMALL_FILE_LIMIT, read_text};
+use canon::{Flute, Holder, TapTool, Tool, ToolLibrary};
+use diag::Diagnostic;
+use std::path::Path;
+use units::{Length, Stiffness};
+
+/// Tools a table may have.
+pub const MOST_TOOLS: usize = 10_000;
+
+/// A table that was read, and what is worth knowing about it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ToolTable {
+    /// The tools.
+    pub library: ToolLibrary,
+    /// Warnings and notes: words without effect, comments that were not understood.
+    pub remarks: Vec<Diagnostic>,
+}
+
+/// Read a table in TOML; `file` is the number that spans carry.
+///
+/// # Errors
+/// Everything that is wrong with the text, in its order.
+pub fn parse_toml(text: &str, file: u16) -> Result<ToolTable, Vec<Diagnostic>> {
+    table::parse(text, file).map(|library| ToolTable { library, remarks: Vec::new() })
+}
+
+/// Read a table in LinuxCNC's notation, whose lengths are in the machine's unit.
+///
+/// # Errors
+/// Everything that is wrong with the text, in its order.
+pub fn parse_tbl(text: &str, file: u16, unit: TableUnit) -> Result<ToolTable, Vec<Diagnostic>> {
+    tbl::parse(text, file, unit)
+}
+
+/// Read a table from its file: `.tbl` in millimetres, anything else as TOML.
+///
+/// # Errors
+/// When the file cannot be read, or [`Error::Refused`] with everything that is wrong with it.
+pub fn load(path: &Path) -> Result<ToolTable, Error> {
+    let text = read_text(path, "a tool table", SMALL_FILE_LIMIT)?;
+    let table = match path.extension() {
+        Some(end) if end.eq_ignore_ascii_case("tbl") => parse_tbl(&text, 0, TableUnit::Millimetre),
+        _ => parse_toml(&text, 0),
+    };
+    table.map_err(|findings| Error::refused(path, text, findings))
+}
+
+/// The tap that a bare designation stands for: bottoming chamfer, spiral flutes, class ISO 2, in a rigid
+/// holder. Typical values; a TOML table states them.
+pub fn usual_tap(thread: &Thread) -> TapTool {
+    const CHAMFER_PITCHES: f64 = 2.5;
+    const LENGTH_IN_DIAMETERS: f64 = 3.5;
+    TapTool {
+        designation: thread.designation.clone(),
+        lead: thread.lead,
+        chamfer_pitches: CHAMFER_PITCHES,
+        thread_length: thread.nominal * LENGTH_IN_DIAMETERS,
+        flute: Flute::SpiralFlute,
+        oversize: thread.tap_oversize(),
+        holder: Holder::Rigid { stiffness: Stiffness::n_per_mm(20_000.0) },
+    }
+}
+
+/// Farthest that a tool length or diameter may be from zero.
+const LONGEST: Length = Length::mm(10_000.0);
+
+/// The tools by number, or where a number comes twice.
+fn without_doubles(
+    tools: Vec<(Tool, diag::Span)>,
+    code: &'static str,
+) -> Result<ToolLibrary, Vec<Diagnostic>> {
+    let mut seen = std::collections::BTreeMap::new();
+    let mut findings = Vec::new();
+    for (tool, place) in &tools {
+        if let Some(first) = seen.get(&tool.number) {
+            let message = format!("tool {} is there twice", tool.number);
+            let finding = Diagnostic::error(code, *place, message);
+            findings.push(finding.with_label(*first, "here for the first time"));
+        } else {
+            seen.insert(tool.number, *place);
+        }
+    }
+    if findings.is_empty() {
+        Ok(ToolLibrary::new(tools.into_iter().map(|(tool, _)| tool)))
+    } else {
+        Err(findings)
+    }
+}

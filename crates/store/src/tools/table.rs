@@ -1,0 +1,142 @@
+//! The table in TOML.
+use super::{LONGEST, MOST_TOOLS, Thread, without_doubles};
+use crate::{
+    keys::{self, Keys},
+    machine::n_per_um,
+};
+use canon::{Flute, Holder, TapTool, Tool, ToolKind, ToolLibrary};
+use diag::{Diagnostic, Span};
+use units::{Angle, Lead, Length, Stiffness};
+
+#[derive(Clone, Copy)]
+enum Kind {
+    Drill,
+    SpotDrill,
+    EndMill,
+    Tap,
+    Other,
+}
+
+pub(super) fn parse(text: &str, file: u16) -> Result<ToolLibrary, Vec<Diagnostic>> {
+    let tools = keys::read(text, file, |k| k.sections("tool", MOST_TOOLS, read_tool))?;
+    without_doubles(tools, "S0406")
+}
+
+fn read_tool(keys: &mut Keys<'_>) -> (Tool, Span) {
+    let number = keys.whole("number", 1..=u32::MAX);
+    let kinds = [
+        ("drill", Kind::Drill),
+        ("spot-drill", Kind::SpotDrill),
+        ("end-mill", Kind::EndMill),
+        ("tap", Kind::Tap),
+        ("other", Kind::Other),
+    ];
+    let (kind, nominal) = match keys.choice("kind", &kinds) {
+        Kind::Drill => (ToolKind::Drill { point_angle: point_angle(keys, 118.0) }, None),
+        Kind::SpotDrill => (ToolKind::SpotDrill { point_angle: point_angle(keys, 90.0) }, None),
+        Kind::EndMill => (ToolKind::EndMill, None),
+        Kind::Tap => {
+            let thread = read_thread(keys);
+            (ToolKind::Tap(read_tap(&thread, keys)), Some(thread.nominal))
+        }
+        Kind::Other => (ToolKind::Other, None),
+    };
+    let tool = Tool {
+        number,
+        pocket: keys.optional_whole("pocket", 0..=u32::MAX).unwrap_or(number),
+        length: Length::mm(keys.number("length_mm", 0.0..=LONGEST.value())),
+        diameter: read_diameter(nominal, keys),
+        kind,
+        description: keys.optional_text("description").unwrap_or_default(),
+        stand_in: false,
+    };
+    (tool, keys.span_of("number"))
+}
+
+fn point_angle(keys: &mut Keys<'_>, usual_deg: f64) -> Angle {
+    Angle::deg(keys.optional("point_angle_deg", 10.0..=180.0).unwrap_or(usual_deg))
+}
+
+/// A tap's diameter may be left out; stated, it must be its thread's.
+fn read_diameter(nominal: Option<Length>, keys: &mut Keys<'_>) -> Length {
+    const ALIKE: f64 = 0.05;
+    let bounds = 0.001..=LONGEST.value();
+    let Some(nominal) = nominal else { return Length::mm(keys.number("diameter_mm", bounds)) };
+    let Some(stated) = keys.optional("diameter_mm", bounds).map(Length::mm) else { return nominal };
+    if (stated - nominal).abs() > nominal * ALIKE {
+        keys.conflict(
+            "diameter_mm",
+            format!("`diameter_mm` is not the thread's: expected {}", nominal.value()),
+        );
+    }
+    stated
+}
+
+fn read_thread(keys: &mut Keys<'_>) -> Thread {
+    let text = keys.text("thread");
+    Thread::parse(&text).unwrap_or_else(|| {
+        if keys.has("thread") {
+            keys.unknown_name(
+                "thread",
+                format!(
+                    "\"{text}\" is no thread: expected one such as \"M6x1\", \"1/4-20 UNC\", \"#10-32\", \"M8x1.25-LH\""
+                ),
+            );
+        }
+        Thread { designation: text, nominal: Length::mm(1.0), lead: Lead::mm_per_rev(1.0) }
+    })
+}
+
+fn read_tap(thread: &Thread, keys: &mut Keys<'_>) -> TapTool {
+    let flutes = [
+        ("spiral-flute", Flute::SpiralFlute),
+        ("spiral-point", Flute::SpiralPoint),
+        ("straight", Flute::Straight),
+    ];
+    let oversize = keys.optional("oversize_um", -100.0..=1000.0).map(Length::um);
+    TapTool {
+        designation: thread.designation.clone(),
+        lead: thread.lead,
+        chamfer_pitches: keys.number("chamfer_pitches", 0.0..=20.0),
+        thread_length: Length::mm(keys.number("thread_length_mm", 0.1..=LONGEST.value())),
+        flute: keys.choice("flute", &flutes),
+        oversize: oversize.unwrap_or_else(|| thread.tap_oversize()),
+        holder: keys.section("holder", read_holder),
+    }
+}
+
+fn read_holder(keys: &mut Keys<'_>) -> Holder {
+    #[derive(Clone, Copy)]
+    enum Kind {
+        Rigid,
+        SoftSynchro,
+        TensionCompression,
+    }
+    let kinds = [
+        ("rigid", Kind::Rigid),
+        ("soft-synchro", Kind::SoftSynchro),
+        ("tension-compression", Kind::TensionCompression),
+    ];
+    let kind = keys.choice("kind", &kinds);
+    let stiffness = read_stiffness(keys);
+    let mut travel = || Length::mm(keys.number("travel_mm", 0.001..=100.0));
+    match kind {
+        Kind::Rigid => Holder::Rigid { stiffness },
+        Kind::SoftSynchro => Holder::SoftSynchro { stiffness, travel: travel() },
+        Kind::TensionCompression => Holder::TensionCompression { stiffness, travel: travel() },
+    }
+}
+
+/// In N/µm, or in N/mm as springs state it.
+fn read_stiffness(keys: &mut Keys<'_>) -> Stiffness {
+    let soft = keys.optional("stiffness_n_per_mm", 0.1..=1e6).map(Stiffness::n_per_mm);
+    match soft {
+        Some(stated) if !keys.has("stiffness_n_per_um") => stated,
+        Some(stated) => {
+            keys.conflict("stiffness_n_per_mm", "stiffness is stated twice: expected one of them");
+            keys.optional("stiffness_n_per_um", 1e-4..=1e3);
+            stated
+        }
+        None => n_per_um(keys.number("stiffness_n_per_um", 1e-4..=1e3)),
+    }
+}
