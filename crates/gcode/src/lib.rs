@@ -25,8 +25,15 @@
 //! NISTIR 6556 (2000), section 3; LinuxCNC 2.9 manual, "G-code overview" and "O codes".
 
 mod block;
+mod comment;
 mod expression;
+mod line;
+mod number;
+mod o_word;
 mod parser;
+mod print;
+mod problem;
+mod value;
 
 pub use block::{Assignment, Block, Comment, CommentKind, Keyword, Label, OWord, Text, Word};
 pub use expression::{Expr, ExprId, Function, Operator, Parameter, Value};

@@ -1,53 +1,286 @@
-//! Reads blocks one after another (the line rules are filled in next).
-use crate::Block;
-use diag::Diagnostic;
+//! From line to line: finds the lines, reads each into a block, keeps what was found wrong.
+//!
+//! ```text
+//!   line  = [ "/" [ level ] ] [ "N" number ] ( o-line | { word | setting | comment } )  |  "%"
+//!   word  = letter value              setting = "#" parameter "=" value
+//! ```
 
-/// Brackets inside brackets.
+use crate::Block;
+use crate::block::{Assignment, Word};
+use crate::expression::Value;
+use crate::line::{Line, Read};
+use crate::number;
+use crate::problem::{Fault, Problem};
+use diag::{Diagnostic, Span};
+
+/// Brackets inside brackets, and signs and `#` before a value, count as levels.
 pub const MAX_NESTING: u32 = 64;
-/// Operators, functions and parameters in one expression.
+/// Operators, functions, signs and parameters in one expression.
 pub const MAX_OPERATIONS: u32 = 256;
-/// Longest line.
+/// Longest line, in bytes.
 pub const MAX_LINE_BYTES: usize = 64 * 1024;
 /// Diagnostics kept of one file; the rest is counted.
 pub const MAX_DIAGNOSTICS: usize = 100;
 
-/// Reads the blocks of one file.
+/// Reads the blocks of one file, from memory.
 #[derive(Debug)]
 pub struct Parser<'a> {
     source: &'a [u8],
+    file: u16,
     offset: usize,
     line: u32,
     diagnostics: Vec<Diagnostic>,
+    /// First bytes of the lines already reported: a loop reads its lines many times.
+    reported: Vec<u32>,
+    /// How many findings were only counted, and up to which byte.
+    more: usize,
+    more_up_to: u32,
 }
 
 impl<'a> Parser<'a> {
-    /// A reader at the beginning of `source`, which diagnostics will call `file`.
+    /// A reader at the beginning of `source`, which spans will call `file`.
     #[must_use]
     pub fn new(source: &'a [u8], file: u16) -> Self {
-        let _ = file;
-        Self { source, offset: 0, line: 1, diagnostics: Vec::new() }
+        let mut parser = Self {
+            source,
+            file,
+            offset: 0,
+            line: 1,
+            diagnostics: Vec::new(),
+            reported: Vec::new(),
+            more: 0,
+            more_up_to: 0,
+        };
+        if u32::try_from(source.len()).is_err() {
+            parser.report(Problem::FileTooLong, &[], 0, parser.place(0, 0));
+            parser.source = &[];
+        }
+        if parser.source.starts_with(b"\xEF\xBB\xBF") {
+            parser.offset = 3; // the byte order mark some editors write
+        }
+        parser
     }
 
     /// Reads the next line into `block`; false at the end of the file.
     pub fn next(&mut self, block: &mut Block) -> bool {
         block.clear();
-        self.offset < self.source.len()
+        let rest = self.source.get(self.offset..).unwrap_or_default();
+        if rest.is_empty() {
+            return false;
+        }
+        let (length, step) = match memchr::memchr(b'\n', rest) {
+            Some(length) => (length, length + 1),
+            None => (rest.len(), rest.len()),
+        };
+        let mut text = &rest[..length];
+        if let [line @ .., b'\r'] = text {
+            text = line;
+        }
+        let place = self.place(self.offset, text.len());
+        self.offset += step;
+        self.line += 1;
+        self.read(text, place, block);
+        true
     }
 
-    /// Goes to the line that begins at byte `offset` (a block's `span.start`) and has number `line`.
+    /// Goes to the line that begins at byte `offset` and has the number `line`: a block's
+    /// `span.start` and `span.line`, or what [`Parser::position`] said.
     pub fn seek(&mut self, offset: u32, line: u32) {
         self.offset = (offset as usize).min(self.source.len());
         self.line = line;
     }
 
-    /// Where the next block begins: byte and line, to be given to [`Parser::seek`].
+    /// Where the next block begins: byte and line.
     #[must_use]
     pub fn position(&self) -> (u32, u32) {
         (self.offset as u32, self.line)
     }
 
-    /// Everything found so far, in the order found, and forgets it.
+    /// What was found so far, in the order found; at most [`MAX_DIAGNOSTICS`] and, as the last
+    /// one, how many more there were. A line is reported once, however often it is read.
     pub fn take_diagnostics(&mut self) -> Vec<Diagnostic> {
+        if self.more > 0 {
+            let place = Span { line: 0, ..self.place(self.source.len(), 0) };
+            self.diagnostics.push(Problem::More(self.more).diagnostic(&[], 0, place));
+            self.more = 0;
+        }
         core::mem::take(&mut self.diagnostics)
+    }
+
+    fn place(&self, start: usize, length: usize) -> Span {
+        Span { file: self.file, line: self.line, start: start as u32, end: (start + length) as u32 }
+    }
+
+    fn read(&mut self, text: &[u8], place: Span, block: &mut Block) {
+        block.span = place;
+        if text.len() > MAX_LINE_BYTES {
+            block.faulty = true;
+            let fault = Fault { problem: Problem::LineTooLong, from: 0, to: MAX_LINE_BYTES };
+            return self.fault(fault, &text[..MAX_LINE_BYTES], place);
+        }
+        let mut line = Line { text, at: 0, end: 0, place, block, nodes_before: 0, remark: None };
+        let result = line.read();
+        let remark = line.remark;
+        if let Err(fault) = result {
+            block.faulty = true;
+            self.fault(fault, text, place);
+        } else if let Some(fault) = remark {
+            self.fault(fault, text, place);
+        }
+    }
+
+    /// Reports what is wrong with a line; if it is no text at all, says that and reads no further.
+    #[cold]
+    fn fault(&mut self, fault: Fault, text: &[u8], place: Span) {
+        let found = text.get(fault.from).copied().unwrap_or(b' ');
+        let odd = !(found.is_ascii_graphic() || found == b' ');
+        let first = self.reported.is_empty();
+        let nul = match memchr::memchr(0, text) {
+            Some(at) => Some(place.start as usize + at),
+            None if odd && first => memchr::memchr(0, self.source),
+            None => None,
+        };
+        if let Some(at) = nul {
+            self.offset = self.source.len();
+            let span = Span { start: at as u32, end: at as u32 + 1, ..place };
+            return self.report(Problem::Binary, &[], 0, span);
+        }
+        let problem = match fault.problem {
+            Problem::WordExpected if found == b'\r' => Problem::LoneReturn,
+            Problem::WordExpected if odd => Problem::NotText,
+            problem => problem,
+        };
+        let span = Span {
+            start: place.start + fault.from as u32,
+            end: place.start + fault.to as u32,
+            ..place
+        };
+        self.report(problem, text, fault.from, span);
+    }
+
+    fn report(&mut self, problem: Problem, text: &[u8], from: usize, span: Span) {
+        let line_start = span.start - from as u32;
+        if self.reported.contains(&line_start) || line_start < self.more_up_to {
+            return;
+        }
+        let once = matches!(problem, Problem::NotText | Problem::CommentNotUtf8);
+        let again = once && self.diagnostics.iter().any(|d| d.code == problem.code());
+        if self.reported.len() < MAX_DIAGNOSTICS && !again {
+            self.reported.push(line_start);
+            self.diagnostics.push(problem.diagnostic(text, from, span));
+        } else if problem != Problem::CommentNotUtf8 {
+            self.more += 1;
+            self.more_up_to = span.end;
+        }
+    }
+}
+
+impl Line<'_, '_> {
+    fn read(&mut self) -> Read<()> {
+        if self.take_if(b'/') {
+            self.block.delete = Some(1);
+            if let level @ b'0'..=b'9' = self.peek() {
+                self.block.delete = Some(level - b'0');
+                self.take();
+            }
+        }
+        if self.peek() == b'N' {
+            self.take();
+            if !matches!(self.peek(), b'0'..=b'9' | b'.') {
+                return self.fault_here(Problem::NumberAfter(b'N'));
+            }
+            self.block.number = Some(self.number()?);
+        }
+        match self.peek() {
+            b'O' => {
+                self.o_word()?;
+                self.only_comments(Problem::EndAfterOWord)
+            }
+            b'%' => {
+                self.take();
+                self.block.percent = true;
+                self.only_comments(Problem::PercentNotAlone)
+            }
+            _ => self.items(),
+        }
+    }
+
+    fn items(&mut self) -> Read<()> {
+        let mut seen = 0u64;
+        loop {
+            match self.peek() {
+                b'N' => return self.fault_here(Problem::NumberNotFirst),
+                b'O' => return self.fault_here(Problem::OWordNotFirst),
+                letter @ (b'A'..=b'Z' | b'@' | b'^' | b'$') => self.word(letter, &mut seen)?,
+                b'#' => self.setting()?,
+                b'(' => self.bracket_comment()?,
+                b';' => return self.line_comment(),
+                0 if self.at >= self.text.len() => return Ok(()),
+                b')' => return self.fault_here(Problem::CommentNotOpen),
+                b'/' => return self.fault_here(Problem::DeleteNotFirst),
+                b'%' => return self.fault_here(Problem::PercentNotAlone),
+                _ => return self.fault_here(Problem::WordExpected),
+            }
+        }
+    }
+
+    fn word(&mut self, letter: u8, seen: &mut u64) -> Read<()> {
+        let from = self.at;
+        self.take();
+        let value = match self.peek() {
+            b'0'..=b'9' | b'.' => Value::Number(self.number()?),
+            b'-' | b'+' | b'[' | b'#' | b'A'..=b'Z' => match number::fast(self.text, self.at) {
+                Some((value, end)) => {
+                    (self.at, self.end) = (end, end);
+                    Value::Number(value)
+                }
+                None => self.word_value(letter)?,
+            },
+            _ => return self.fault_here(Problem::NumberAfter(letter)),
+        };
+        let span = self.span(from);
+        let bit = 1u64 << (letter & 63);
+        if *seen & bit != 0 && letter != b'G' && letter != b'M' {
+            return self.fault_since(Problem::LetterTwice(letter), from);
+        }
+        *seen |= bit;
+        self.block.words.push(Word { letter, value, span });
+        Ok(())
+    }
+
+    /// A value that is not a plain number; `G1 X Y2` is a missing number, not a function Y.
+    fn word_value(&mut self, letter: u8) -> Read<Value> {
+        let at = self.at;
+        match self.whole_value() {
+            Err(Fault { problem: Problem::UnknownFunction, .. }) => {
+                self.at = at;
+                self.fault_here(Problem::NumberAfter(letter))
+            }
+            result => result,
+        }
+    }
+
+    fn setting(&mut self) -> Read<()> {
+        let from = self.at;
+        self.nodes_before = self.block.nodes.len();
+        let target = self.parameter(0)?;
+        if !self.take_if(b'=') {
+            return self.fault_here(Problem::EqualsExpected);
+        }
+        let value = self.whole_value()?;
+        self.block.assignments.push(Assignment { target, value, span: self.span(from) });
+        Ok(())
+    }
+
+    /// Nothing but comments to the end of the line.
+    fn only_comments(&mut self, otherwise: Problem) -> Read<()> {
+        loop {
+            match self.peek() {
+                b'(' => self.bracket_comment()?,
+                b';' => return self.line_comment(),
+                0 if self.at >= self.text.len() => return Ok(()),
+                _ => return self.fault_here(otherwise),
+            }
+        }
     }
 }

@@ -1,0 +1,181 @@
+//! Blocks as text: the one way to write each.
+//!
+//! ```text
+//!   /2N10 o100 call [#1] [2]        /N10 G1 X[#1*2+1] F100 #2=5 (seen)
+//! ```
+//!
+//! In the order block delete, N, O-word or words, settings, comments; no bracket that is not
+//! needed; letters, functions and operators in upper case, names and O-words in lower case. Read
+//! again, the text gives the same block (spans apart).
+
+use crate::block::{Block, Comment, CommentKind, Label};
+use crate::comment::kind_of;
+use crate::expression::{Expr, ExprId, Operator, Parameter, Value};
+use core::fmt::{Display, Formatter, Result};
+
+impl Display for Block {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let mut gap = "";
+        if let Some(level) = self.delete {
+            f.write_str("/")?;
+            if level != 1 {
+                write!(f, "{level} ")?;
+            }
+        }
+        if let Some(number) = self.number {
+            write!(f, "N{number}")?;
+            gap = " ";
+        }
+        if self.percent {
+            write!(f, "{gap}%")?;
+            gap = " ";
+        }
+        if let Some(o) = self.o {
+            f.write_str(gap)?;
+            self.write_o_word(f, o.label, o.keyword.text())?;
+            gap = " ";
+        }
+        for word in &self.words {
+            write!(f, "{gap}{}", word.letter as char)?;
+            self.write_atom(f, word.value)?;
+            gap = " ";
+        }
+        for setting in &self.assignments {
+            write!(f, "{gap}")?;
+            self.write_parameter(f, setting.target)?;
+            f.write_str("=")?;
+            self.write_atom(f, setting.value)?;
+            gap = " ";
+        }
+        for comment in &self.comments {
+            f.write_str(gap)?;
+            self.write_comment(f, comment)?;
+            gap = " ";
+        }
+        Ok(())
+    }
+}
+
+impl Block {
+    fn write_o_word(&self, f: &mut Formatter<'_>, label: Label, keyword: &str) -> Result {
+        match label {
+            Label::Number(number) => write!(f, "o{number}")?,
+            Label::Name(name) => write!(f, "o<{}>", self.text(name))?,
+            Label::Computed(value @ Value::Number(_)) => {
+                f.write_str("o")?;
+                self.write_bracket(f, value)?;
+            }
+            Label::Computed(value @ Value::Expression(id)) => {
+                f.write_str("o")?;
+                match self.expr(id) {
+                    Expr::Parameter(_) => self.write_atom(f, value)?,
+                    _ => self.write_bracket(f, value)?,
+                }
+            }
+        }
+        if !keyword.is_empty() {
+            write!(f, " {keyword}")?;
+        }
+        for argument in &self.arguments {
+            f.write_str(" ")?;
+            self.write_bracket(f, *argument)?;
+        }
+        Ok(())
+    }
+
+    /// A comment in round brackets, or after a semicolon if only there it means the same.
+    fn write_comment(&self, f: &mut Formatter<'_>, comment: &Comment) -> Result {
+        let (text, keyword) = (self.text(comment.text), comment.kind.keyword());
+        let plain = comment.kind == CommentKind::Plain;
+        if text.contains(['(', ')']) || plain && kind_of(text).0 != CommentKind::Plain {
+            return write!(f, ";{keyword}{text}");
+        }
+        write!(f, "({keyword}{text})")
+    }
+
+    /// A value that needs no brackets around it where a word's number may stand.
+    fn write_atom(&self, f: &mut Formatter<'_>, value: Value) -> Result {
+        match value {
+            Value::Number(number) => write!(f, "{number}"),
+            Value::Expression(id) => match self.expr(id) {
+                Expr::Binary { .. } => self.write_bracket(f, value),
+                _ => self.write_expr(f, id),
+            },
+        }
+    }
+
+    fn write_bracket(&self, f: &mut Formatter<'_>, value: Value) -> Result {
+        f.write_str("[")?;
+        match value {
+            Value::Number(number) => write!(f, "{number}")?,
+            Value::Expression(id) => self.write_expr(f, id)?,
+        }
+        f.write_str("]")
+    }
+
+    fn write_parameter(&self, f: &mut Formatter<'_>, parameter: Parameter) -> Result {
+        match parameter {
+            Parameter::Numbered(value) => {
+                f.write_str("#")?;
+                self.write_atom(f, value)
+            }
+            Parameter::Named(name) => write!(f, "#<{}>", self.text(name)),
+        }
+    }
+
+    fn write_expr(&self, f: &mut Formatter<'_>, id: ExprId) -> Result {
+        match self.expr(id) {
+            Expr::Parameter(parameter) => self.write_parameter(f, parameter),
+            // -5 would be read as a literal
+            Expr::Negate(Value::Number(number)) if number.is_sign_positive() => {
+                write!(f, "-[{number}]")
+            }
+            Expr::Negate(operand) => {
+                f.write_str("-")?;
+                self.write_atom(f, operand)
+            }
+            Expr::Binary { operator, left, right } => {
+                self.write_side(f, left, operator.strength())?;
+                write_operator(f, operator)?;
+                self.write_side(f, right, operator.strength() + 1)
+            }
+            Expr::Function { function, argument } => {
+                f.write_str(function.text())?;
+                self.write_bracket(f, argument)
+            }
+            Expr::Atan { y, x } => {
+                f.write_str("ATAN")?;
+                self.write_bracket(f, y)?;
+                f.write_str("/")?;
+                self.write_bracket(f, x)
+            }
+            Expr::Exists(parameter) => {
+                f.write_str("EXISTS[")?;
+                self.write_parameter(f, parameter)?;
+                f.write_str("]")
+            }
+        }
+    }
+
+    /// One side of an operator, in brackets if it binds more weakly than `strength`.
+    fn write_side(&self, f: &mut Formatter<'_>, side: Value, strength: u8) -> Result {
+        if let Value::Expression(id) = side
+            && let Expr::Binary { operator, .. } = self.expr(id)
+        {
+            if operator.strength() >= strength {
+                return self.write_expr(f, id);
+            }
+            return self.write_bracket(f, side);
+        }
+        self.write_atom(f, side)
+    }
+}
+
+fn write_operator(f: &mut Formatter<'_>, operator: Operator) -> Result {
+    match operator {
+        Operator::Power | Operator::Times | Operator::Divide | Operator::Plus | Operator::Minus => {
+            f.write_str(operator.text())
+        }
+        _ => write!(f, " {} ", operator.text()),
+    }
+}

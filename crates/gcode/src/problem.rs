@@ -1,0 +1,214 @@
+//! What can be wrong with a line: the one home of this crate's codes and sentences.
+//!
+//! A problem is small and carries no text while it travels up through the parser; the sentence is
+//! made once, here, from the line it was found in. Codes are stable: people search for them.
+
+use crate::{MAX_DIAGNOSTICS, MAX_LINE_BYTES, MAX_NESTING, MAX_OPERATIONS};
+use diag::{Diagnostic, Span};
+
+/// One kind of problem.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Problem {
+    NumberAfter(u8),
+    BadNumber,
+    NumberTooLarge,
+    WordExpected,
+    LetterTwice(u8),
+    NumberNotFirst,
+    OWordNotFirst,
+    EndAfterOWord,
+    DeleteNotFirst,
+    PercentNotAlone,
+    CommentNotClosed,
+    CommentInComment,
+    CommentNotOpen,
+    ValueExpected,
+    OperatorExpected,
+    BracketAfter(&'static str),
+    UnknownFunction,
+    AtanNeedsTwo,
+    ExistsNeedsParameter,
+    TooDeep,
+    TooManyOperations,
+    NameNotClosed,
+    NameEmpty,
+    NameCharacter,
+    EqualsExpected,
+    LabelExpected,
+    LabelNotWhole,
+    KeywordUnknown,
+    LineTooLong,
+    Binary,
+    NotText,
+    LoneReturn,
+    CommentNotUtf8,
+    FileTooLong,
+    More(usize),
+}
+
+/// A problem and the bytes of the line it lies in.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fault {
+    pub(crate) problem: Problem,
+    pub(crate) from: usize,
+    pub(crate) to: usize,
+}
+
+impl Problem {
+    /// The stable code.
+    pub(crate) const fn code(self) -> &'static str {
+        match self {
+            Self::NumberAfter(_) => "P0101",
+            Self::BadNumber => "P0102",
+            Self::NumberTooLarge => "P0103",
+            Self::WordExpected => "P0104",
+            Self::LetterTwice(_) => "P0105",
+            Self::NumberNotFirst => "P0106",
+            Self::OWordNotFirst => "P0107",
+            Self::EndAfterOWord => "P0108",
+            Self::DeleteNotFirst => "P0109",
+            Self::PercentNotAlone => "P0110",
+            Self::CommentNotClosed => "P0111",
+            Self::CommentInComment => "P0112",
+            Self::CommentNotOpen => "P0113",
+            Self::ValueExpected => "P0120",
+            Self::OperatorExpected => "P0121",
+            Self::BracketAfter(_) => "P0122",
+            Self::UnknownFunction => "P0123",
+            Self::AtanNeedsTwo => "P0124",
+            Self::ExistsNeedsParameter => "P0125",
+            Self::TooDeep => "P0126",
+            Self::TooManyOperations => "P0127",
+            Self::NameNotClosed => "P0130",
+            Self::NameEmpty => "P0131",
+            Self::NameCharacter => "P0132",
+            Self::EqualsExpected => "P0133",
+            Self::LabelExpected => "P0140",
+            Self::LabelNotWhole => "P0141",
+            Self::KeywordUnknown => "P0142",
+            Self::LineTooLong => "P0190",
+            Self::Binary => "P0191",
+            Self::NotText => "P0192",
+            Self::LoneReturn => "P0193",
+            Self::CommentNotUtf8 => "P0194",
+            Self::FileTooLong => "P0195",
+            Self::More(_) => "P0199",
+        }
+    }
+
+    /// The sentence; `here` is the text that the fault marks, `found` what stands there.
+    fn message(self, here: &str, found: &str) -> String {
+        match self {
+            Self::NumberAfter(letter) => {
+                format!("expected a number after {}, found {found}", letter as char)
+            }
+            Self::BadNumber => {
+                format!("expected a number such as 1.5 or -.25, found \"{here}\"")
+            }
+            Self::NumberTooLarge => {
+                "this number is too large: the largest is about 1.8 times 10 to the 308th".into()
+            }
+            Self::WordExpected => {
+                format!("expected a word such as X1.5 or the end of the line, found {found}")
+            }
+            Self::LetterTwice(letter) => {
+                format!("{} is given twice in this block: leave one of them", letter as char)
+            }
+            Self::NumberNotFirst => "expected N only at the beginning of its line".into(),
+            Self::OWordNotFirst => {
+                "expected an O-word only at the beginning of its line, after N at most".into()
+            }
+            Self::EndAfterOWord => {
+                format!("expected the end of the line after the O-word, found {found}")
+            }
+            Self::DeleteNotFirst => "expected \"/\" only at the very beginning of a line".into(),
+            Self::PercentNotAlone => "expected \"%\" alone on its line".into(),
+            Self::CommentNotClosed => {
+                "expected \")\" before the end of the line: this comment is not closed".into()
+            }
+            Self::CommentInComment => {
+                "expected \")\" before the next \"(\": a comment holds no other comment".into()
+            }
+            Self::CommentNotOpen => "found \")\" without the \"(\" of a comment before it".into(),
+            Self::ValueExpected => {
+                format!("expected a number, a parameter (#), a function or \"[\", found {found}")
+            }
+            Self::OperatorExpected => format!("expected an operator or \"]\", found {found}"),
+            Self::BracketAfter(what) => format!("expected \"[\" after {what}, found {found}"),
+            Self::UnknownFunction => format!(
+                "expected ABS, ACOS, ASIN, ATAN, COS, EXISTS, EXP, FIX, FUP, LN, ROUND, SIN, SQRT \
+                 or TAN, found \"{here}\""
+            ),
+            Self::AtanNeedsTwo => format!("expected \"/[\" after ATAN[...], found {found}"),
+            Self::ExistsNeedsParameter => {
+                format!("expected a parameter such as #<name> in EXISTS[...], found {found}")
+            }
+            Self::TooDeep => format!("expected at most {MAX_NESTING} levels of nesting"),
+            Self::TooManyOperations => {
+                format!("expected at most {MAX_OPERATIONS} operations in one expression")
+            }
+            Self::NameNotClosed => "expected \">\" at the end of this name".into(),
+            Self::NameEmpty => "expected a name between \"<\" and \">\"".into(),
+            Self::NameCharacter => {
+                format!("expected letters, digits and \"_\" in a name, found {found}")
+            }
+            Self::EqualsExpected => {
+                format!("expected \"=\" after the parameter to be set, found {found}")
+            }
+            Self::LabelExpected => {
+                format!("expected a number, <name> or [expression] after O, found {found}")
+            }
+            Self::LabelNotWhole => {
+                format!("expected a whole number from 0 to {} after O, found \"{here}\"", u32::MAX)
+            }
+            Self::KeywordUnknown => format!(
+                "expected sub, endsub, return, call, if, elseif, else, endif, while, endwhile, do, \
+                 repeat, endrepeat, break or continue after the O-word, found {found}"
+            ),
+            Self::LineTooLong => {
+                format!("expected lines of at most {MAX_LINE_BYTES} bytes: this one is longer")
+            }
+            Self::Binary => "expected a text file, found a NUL byte: this is binary data".into(),
+            Self::NotText => format!("expected plain ASCII text outside comments, found {found}"),
+            Self::LoneReturn => {
+                "expected lines that end with LF or CR LF, found a CR in the middle".into()
+            }
+            Self::CommentNotUtf8 => {
+                "this comment is not UTF-8: its other characters are shown as \u{fffd}".into()
+            }
+            Self::FileTooLong => "expected a file of less than 4 GiB: this one is longer".into(),
+            Self::More(count) => format!("and {count} more; the first {MAX_DIAGNOSTICS} are shown"),
+        }
+    }
+
+    /// The finding, for people: `line` is the text of the whole line, `span` of its faulty part.
+    pub(crate) fn diagnostic(self, line: &[u8], from: usize, span: Span) -> Diagnostic {
+        let to = (from + (span.end - span.start) as usize).min(line.len());
+        let here = String::from_utf8_lossy(line.get(from..to.min(from + 40)).unwrap_or_default());
+        let message = self.message(&here, &found(line, from));
+        match self {
+            Self::CommentNotUtf8 => Diagnostic::note(self.code(), span, message),
+            Self::CommentNotClosed => Diagnostic::error(self.code(), span, message)
+                .with_help("a comment ends on the line it begins on; \";\" needs no end"),
+            _ => Diagnostic::error(self.code(), span, message),
+        }
+    }
+}
+
+/// What stands at `from`, in words: `"Y"`, `"foo"`, `byte 0xE9`, `the end of the line`.
+fn found(line: &[u8], from: usize) -> String {
+    let rest = line.get(from..).unwrap_or_default();
+    let Some(&first) = rest.first() else { return "the end of the line".into() };
+    let letters = rest.iter().take(16).take_while(|b| b.is_ascii_alphabetic()).count();
+    let valid = match core::str::from_utf8(&rest[..rest.len().min(4)]) {
+        Ok(text) => text,
+        Err(e) => core::str::from_utf8(&rest[..e.valid_up_to()]).unwrap_or(""),
+    };
+    match valid.chars().next() {
+        Some(_) if letters > 1 => {
+            format!("\"{}\"", String::from_utf8_lossy(&rest[..letters]))
+        }
+        Some(c) if !c.is_control() => format!("\"{c}\""),
+        _ => format!("byte 0x{first:02X}"),
+    }
+}
