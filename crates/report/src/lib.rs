@@ -1,1 +1,23 @@
-//! To be filled.
+//! The report of a run: one page that a process engineer can pin to the job.
+//!
+//! ```text
+//!   canon::Op ───┐
+//!   bus::Sample ─┴─► Recorder ─┐
+//!   verify::Feature ───────────┼─► html() ─► report.html   (self-contained; light, dark, print, phone)
+//!   Run (names, limits) ───────┘
+//! ```
+//!
+//! The [`Recorder`] listens while the machine runs and keeps, in a room that does not grow, what
+//! pictures need: every peak of the taps that matter, the path, where the time went. [`html`] writes
+//! the page: the verdict first, then figures, then pictures, each with the sentence that says what
+//! to look for. The pictures are drawn by this crate's own writer of SVG.
+
+mod page;
+mod pictures;
+mod record;
+mod run;
+mod svg;
+
+pub use page::html;
+pub use record::{Recorder, WORST_KEPT};
+pub use run::{Alarm, Limits, Note, Origin, Run};

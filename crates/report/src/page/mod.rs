@@ -1,0 +1,82 @@
+//! The page: one file without a single outside resource, the verdict first.
+//!
+//! ```text
+//!   verdict · key figures · alarms and notes
+//!   map of holes · table of features
+//!   the worst and the first thread: phase plane, sync error, speed and torque, operating points
+//!   tool path · the run over time · where the time went
+//! ```
+//!
+//! Whatever came from a program or a file is text here and cannot become markup: it is escaped where it is
+//! written, and the page's own policy forbids everything but its one style sheet and script.
+
+mod features;
+mod figures;
+mod notes;
+mod threads;
+mod verdict;
+
+use crate::Run;
+use crate::pictures;
+use crate::record::Recorder;
+use crate::svg::{Tag, fixed};
+use verify::Feature;
+
+const STYLE: &str = include_str!("style.css");
+const SORT: &str = include_str!("sort.js");
+
+/// The report of a run as one HTML page: equal input gives an equal page, byte for byte.
+pub fn html(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
+    let mut main = verdict::verdict(run, features);
+    main += &figures::figures(run, recorder, features);
+    main += &notes::notes(run, recorder);
+    let map = pictures::hole_map(run, features);
+    main += &section("Workpiece", &grid(&(map + &figures::sizes(features))));
+    main += &section("Features", &features::table(run, features));
+    main += &threads::threads(run, recorder, features);
+    let machine = pictures::tool_path(run, recorder)
+        + &pictures::timeline(run, recorder)
+        + &pictures::time_shares(run, recorder);
+    main += &section("Machine", &grid(&machine));
+    main += &footer(run, recorder);
+    page(run, &Tag::new("main").around(&main))
+}
+
+fn page(run: &Run, body: &str) -> String {
+    let policy = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; base-uri 'none'; form-action 'none'";
+    let policy =
+        Tag::new("meta").with("http-equiv", "Content-Security-Policy").with("content", policy);
+    let title = Tag::new("title").text(&format!("{} on {}", run.program, run.machine));
+    let width = "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>";
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>{width}{}{title}<style>{STYLE}</style></head>\n\
+         <body>{body}<script>{SORT}</script></body></html>\n",
+        policy.empty()
+    )
+}
+
+/// A section with its heading; nothing if it has nothing in it.
+fn section(heading: &str, content: &str) -> String {
+    if content.is_empty() {
+        return String::new();
+    }
+    Tag::new("section").around(&(Tag::new("h2").text(heading) + content))
+}
+
+fn grid(figures: &str) -> String {
+    if figures.is_empty() { String::new() } else { Tag::new("div").class("grid").around(figures) }
+}
+
+fn footer(run: &Run, recorder: &Recorder) -> String {
+    let words = format!(
+        "Leadscrew {}. Program {}, machine {}, seed {}; {} servo periods recorded. The same inputs give this page again, \
+         byte for byte. Threads are judged from recorded motion; the pictures of a tap show the axis and the \
+         spindle where they really were.",
+        run.version,
+        run.program,
+        run.machine,
+        run.seed,
+        fixed(recorder.periods() as f64, 0)
+    );
+    Tag::new("footer").text(&words)
+}

@@ -1,0 +1,85 @@
+//! The threads that deserve a closer look: the worst one, the first one, and the runners-up.
+use crate::Run;
+use crate::pictures::{self, ThreadView};
+use crate::record::{Recorder, TapTrace};
+use crate::svg::{Tag, fixed};
+use verify::{Feature, FeatureKind, Thread};
+
+fn judged(features: &[Feature], op: u32) -> Option<(usize, &Thread)> {
+    features.iter().enumerate().find_map(|(index, feature)| match &feature.kind {
+        FeatureKind::Thread(thread) if feature.op == op => Some((index + 1, thread.as_ref())),
+        _ => None,
+    })
+}
+
+/// Pictures of the worst and the first thread, and of others folded away; nothing without a tap.
+pub(super) fn threads(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
+    let mut kept = recorder.kept_taps();
+    // what the judge found bad stands before what merely had the larger error of the axis
+    let good = |trace: &TapTrace| {
+        features.iter().filter(|f| f.op == trace.op).all(|f| f.verdict.is_pass())
+    };
+    kept.sort_by_key(|trace| (trace.completed, good(trace)));
+    let first = recorder.first.as_ref().map(|trace| trace.op);
+    let (mut open, mut folded) = (String::new(), String::new());
+    for (rank, trace) in kept.iter().enumerate() {
+        let is_first = first == Some(trace.op);
+        let role = match (rank, is_first) {
+            (0, true) if recorder.taps <= 1 => "The thread",
+            (0, true) => "Worst thread, which is the first",
+            (0, false) => "Worst thread",
+            (_, true) => "First thread",
+            (_, false) => "Runner-up",
+        };
+        let one = thread(run, trace, judged(features, trace.op), role);
+        let place = if rank == 0 || is_first { &mut open } else { &mut folded };
+        *place += &one;
+    }
+    if !folded.is_empty() {
+        let summary = Tag::new("summary").text("The next worst threads");
+        open += &Tag::new("details").around(&(summary + &folded));
+    }
+    open
+}
+
+fn thread(run: &Run, trace: &TapTrace, judged: Option<(usize, &Thread)>, role: &str) -> String {
+    let name = judged.map_or_else(
+        || format!("line {}", trace.line),
+        |(number, t)| format!("{}, No. {number}, line {}", t.size, trace.line),
+    );
+    let view =
+        ThreadView { id: format!("t{}", trace.op), run, trace, thread: judged.map(|(_, t)| t) };
+    let pictures = pictures::sync_error(&view)
+        + &pictures::phase_plane(&view)
+        + &pictures::spindle_over_time(&view)
+        + &pictures::torque_plane(&view);
+    let facts = Tag::new("p").class("facts").text(&facts(&view));
+    super::section(&format!("{role}: {name}"), &(facts + &super::grid(&pictures)))
+}
+
+fn facts(view: &ThreadView) -> String {
+    let trace = view.trace;
+    let mut facts = vec![format!(
+        "{} mm/rev {}, {} mm deep, programmed {} rpm in and {} rpm out",
+        fixed(trace.tap.lead.value().abs(), 3),
+        if trace.tap.lead.value() < 0.0 { "left-hand" } else { "right-hand" },
+        fixed((trace.whole() - trace.clearance()).value(), 2),
+        fixed(trace.tap.spin.in_rpm(), 0),
+        fixed(trace.tap.return_spin.in_rpm(), 0)
+    )];
+    if let Some(thread) = view.thread {
+        facts.push(format!(
+            "sync error {} µm at most, {} µm rms; reached {} rpm in the material",
+            fixed(thread.sync_error_max.in_um(), 1),
+            fixed(thread.sync_error_rms.in_um(), 1),
+            fixed(thread.spin_max.in_rpm(), 0)
+        ));
+    }
+    if !trace.completed {
+        facts.push("it did not come out in step".into());
+    }
+    if let Some(limiting) = view.run.limiting.get(&trace.op) {
+        facts.push(format!("limited by: {limiting}"));
+    }
+    facts.join(" · ")
+}

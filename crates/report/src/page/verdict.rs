@@ -1,0 +1,82 @@
+//! The verdict: a sign, a word, a sentence.
+use crate::Run;
+use crate::svg::{Tag, escape};
+use verify::Feature;
+
+/// What the run came to.
+struct Outcome {
+    class: &'static str,
+    sign: &'static str,
+    word: String,
+    sentence: String,
+}
+
+fn outcome(run: &Run, features: &[Feature]) -> Outcome {
+    let bad = features.iter().filter(|f| !f.verdict.is_pass()).count();
+    let all = features.len();
+    let fail =
+        |word: String, sentence: String| Outcome { class: "fail", sign: "✗", word, sentence };
+    let judged = match (all, bad) {
+        (0, _) => "No hole or thread was cut.".to_owned(),
+        (1, 0) => "The one feature that was cut is within tolerance.".to_owned(),
+        (_, 0) => format!("All {all} features that were cut are within tolerance."),
+        _ => format!(
+            "{bad} of {all} features {} out of tolerance.",
+            if bad == 1 { "is" } else { "are" }
+        ),
+    };
+    if let Some(alarm) = run.alarms.first() {
+        let place = if alarm.line > 0 { format!(" in line {}", alarm.line) } else { String::new() };
+        return fail(
+            "STOPPED BY AN ALARM".into(),
+            format!("Alarm {}{place}: {} {judged}", alarm.number, alarm.text),
+        );
+    }
+    if !run.ended {
+        return fail(
+            "DID NOT END".into(),
+            format!("The program did not come to its end. {judged}"),
+        );
+    }
+    if bad > 0 {
+        let why = worst(features)
+            .and_then(|f| f.verdict.reason().map(|r| format!(" Worst: line {}, {r}.", f.line)));
+        return fail("OUT OF TOLERANCE".into(), judged + &why.unwrap_or_default());
+    }
+    if all == 0 {
+        let sentence =
+            "The program ran to its end; it made no hole or thread that could be judged.".into();
+        return Outcome { class: "none", sign: "○", word: "NOTHING TO JUDGE".into(), sentence };
+    }
+    let sentence = format!("{judged} The program ran to its end without an alarm.");
+    Outcome { class: "pass", sign: "✓", word: "GOOD".into(), sentence }
+}
+
+/// The feature that leaves the least of its tolerance: a bad one before all good ones.
+pub(super) fn worst(features: &[Feature]) -> Option<&Feature> {
+    features
+        .iter()
+        .min_by(|a, b| super::features::badness(b).total_cmp(&super::features::badness(a)))
+}
+
+/// The page's head: program and machine, then the verdict.
+pub(super) fn verdict(run: &Run, features: &[Feature]) -> String {
+    let Outcome { class, sign, word, sentence } = outcome(run, features);
+    let sign =
+        Tag::new("div").class(&format!("sign {class}")).with("aria-hidden", "true").text(sign);
+    let word = Tag::new("div").class(&format!("word {class}")).text(&word);
+    let words = Tag::new("div").around(&(word + &Tag::new("p").text(&sentence)));
+    let facts = format!(
+        "{} · {} · dialect {} · seed {}",
+        escape(&run.machine),
+        escape(&run.material),
+        escape(&run.dialect),
+        run.seed
+    );
+    Tag::new("h1").text(&run.program)
+        + &Tag::new("p").class("facts").around(&facts)
+        + &Tag::new("div")
+            .class(&format!("verdict {class}"))
+            .with("role", "status")
+            .around(&(sign + &words))
+}

@@ -1,0 +1,44 @@
+//! The report's pictures: one file each. A picture takes what was recorded and judged, and gives a
+//! figure: a heading, a drawing with axis titles and units, and a caption that says what to look for.
+
+mod hole_map;
+mod phase_plane;
+mod spindle_over_time;
+mod sync_error;
+mod time_shares;
+mod timeline;
+mod tool_path;
+mod torque_plane;
+
+pub(crate) use hole_map::hole_map;
+pub(crate) use phase_plane::phase_plane;
+pub(crate) use spindle_over_time::spindle_over_time;
+pub(crate) use sync_error::{sync_error, tolerance_share};
+pub(crate) use time_shares::time_shares;
+pub(crate) use timeline::timeline;
+pub(crate) use tool_path::tool_path;
+pub(crate) use torque_plane::torque_plane;
+
+use crate::Run;
+use crate::record::TapTrace;
+use crate::svg::Tag;
+use verify::Thread;
+
+/// A thread with everything there is to draw of it.
+pub(crate) struct ThreadView<'a> {
+    /// Unique on the page: `"t12"`.
+    pub(crate) id: String,
+    /// The run it belongs to.
+    pub(crate) run: &'a Run,
+    /// How it was driven.
+    pub(crate) trace: &'a TapTrace,
+    /// How it was judged; `None` if it never became a feature.
+    pub(crate) thread: Option<&'a Thread>,
+}
+
+/// A picture with its heading and caption. The drawing is finished markup, the rest is text.
+pub(crate) fn figure(heading: &str, drawing: &str, caption: &str) -> String {
+    let heading = Tag::new("h3").text(heading);
+    let caption = Tag::new("figcaption").text(caption);
+    Tag::new("figure").around(&(heading + drawing + &caption))
+}

@@ -1,0 +1,71 @@
+//! The phase plane: the tap's height over the spindle's angle, and below it how far it is off its line.
+//!
+//! ```text
+//!   z │╲             on scale of the thread the way in and the way out are one line;
+//!     │  ╲           the residual below, a thousand times enlarged, shows the difference
+//!     │    ╲
+//!   e │~~~~~~
+//!     └──────── θ
+//! ```
+use super::{ThreadView, figure};
+use crate::svg::{Chart, Range, Stroke, fixed};
+
+/// The tap's height and its residual over the spindle's angle.
+pub(crate) fn phase_plane(view: &ThreadView) -> String {
+    let heading = "z over spindle angle";
+    let caption = "Above: the tap's height over the turns of the spindle; in and out must lie on the dotted \
+        line, one lead per turn, with no hook at the bottom. Below: the distance of the axis from that line, \
+        enlarged. A step at the turning point is friction or backlash, a slope a wrong lead, a bulge at \
+        the ends a drive at its limit.";
+    figure(heading, &(height(view) + &residual(view)), caption)
+}
+
+fn height(view: &ThreadView) -> String {
+    let trace = view.trace;
+    let clearance = trace.clearance().value();
+    let lead = trace.tap.lead.value().abs();
+    let to_z = |(turns, stroke): (f64, f64)| (turns, clearance - stroke);
+    let [inward, outward] =
+        trace.stroke.each_ref().map(|s| s.points().into_iter().map(to_z).collect::<Vec<_>>());
+    let turns = trace.whole().value() / lead;
+    let ideal = [(0.0, clearance), (turns, clearance - trace.whole().value())];
+    let all = || inward.iter().chain(&outward).chain(&ideal);
+    let x = Range::of("spindle angle from the start, turns / rev", all().map(|p| p.0)).padded(0.03);
+    let y = Range::of("height of the tip over the surface / mm", all().map(|p| p.1)).padded(0.06);
+    let description = format!(
+        "The tap goes from {} mm over the surface to {} mm below it in {} turns, and back.",
+        fixed(clearance, 2),
+        fixed(trace.whole().value() - clearance, 2),
+        fixed(turns, 2)
+    );
+    let mut chart =
+        Chart::new("Height of the tap over the spindle angle", &description, x, y, 250.0);
+    chart.limit(Stroke::Capability, 0.0, "surface");
+    chart.line(Stroke::In, &inward, Some("in"));
+    chart.line(Stroke::Out, &outward, Some("out"));
+    chart.line(Stroke::Ideal, &ideal, Some("ideal: one lead per turn"));
+    chart.finish(&format!("{}-z", view.id))
+}
+
+fn residual(view: &ThreadView) -> String {
+    let trace = view.trace;
+    let [inward, outward] = trace.error.each_ref().map(super::super::record::Series::points);
+    let all = || inward.iter().chain(&outward);
+    let turns = trace.whole() / trace.tap.lead.abs();
+    let ends = [0.0, turns.value()];
+    let x = Range::of("spindle angle from the start, turns / rev", all().map(|p| p.0).chain(ends))
+        .padded(0.03);
+    let y = Range::of("off the line / µm", all().map(|p| p.1).chain([-1.0, 1.0])).padded(0.08);
+    let largest = all().map(|p| p.1.abs()).fold(0.0, f64::max);
+    let description = format!(
+        "The axis is off the line by {} µm at most, in air and material.",
+        fixed(largest, 1)
+    );
+    let mut chart = Chart::new("Distance of the axis from the line", &description, x, y, 180.0);
+    chart.band("air", f64::NEG_INFINITY, (trace.clearance() / trace.tap.lead.abs()).value());
+    chart.zero(false);
+    chart.line(Stroke::In, &inward, None);
+    chart.line(Stroke::Out, &outward, None);
+    chart.legend("air", "not yet in the material");
+    chart.finish(&format!("{}-r", view.id))
+}

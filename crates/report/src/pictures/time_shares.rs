@@ -1,0 +1,101 @@
+//! Where the time went: one bar for the run, one for each tool, all on one scale.
+use super::figure;
+use crate::Run;
+use crate::record::{Recorder, Shares};
+use crate::svg::{Tag, escape, fixed};
+use bus::State;
+use units::Time;
+
+/// What a stretch of a bar means, the states it sums up, its class.
+const KINDS: [(&str, &[State], &str); 8] = [
+    ("rapid", &[State::Rapid], "s0"),
+    ("cutting feed", &[State::Feed], "s1"),
+    ("tapping", &[State::TapIn, State::TapBottom, State::TapOut], "s2"),
+    ("tool change", &[State::ToolChange], "s3"),
+    ("waiting for the spindle", &[State::SpindleWait], "s4"),
+    ("waiting for position", &[State::Settle], "s5"),
+    ("dwell, operator, idle", &[State::Dwell, State::Paused, State::Idle], "s6"),
+    ("stopped by a fault", &[State::Faulted], "s7"),
+];
+
+/// Tools that get a bar.
+const MOST_BARS: usize = 16;
+const WIDTH: f64 = 480.0;
+const ROW: f64 = 44.0;
+
+fn seconds(shares: &Shares, states: &[State]) -> f64 {
+    states.iter().map(|&state| shares.of(state).value()).sum()
+}
+
+/// The bars, or nothing if no time has passed.
+pub(crate) fn time_shares(run: &Run, recorder: &Recorder) -> String {
+    let whole = recorder.shares.run.total();
+    if whole <= Time::ZERO {
+        return String::new();
+    }
+    let mut rows = vec![("whole run".to_owned(), &recorder.shares.run)];
+    let tools = recorder.shares.tools.iter().take(MOST_BARS);
+    rows.extend(
+        tools
+            .filter(|(_, s)| s.total() > Time::ZERO)
+            .map(|(number, shares)| (run.tool(*number), shares)),
+    );
+    let bars: String =
+        rows.iter().enumerate().map(|(row, (name, s))| bar(row, name, s, whole)).collect();
+    let head = Tag::new("title").with("id", "time-t").text("Time shares")
+        + &Tag::new("desc").with("id", "time-d").text(&in_words(&recorder.shares.run));
+    let svg =
+        Tag::new("svg").class("chart").with("role", "img").with("aria-labelledby", "time-t time-d");
+    let height = ROW * rows.len() as f64 + 6.0;
+    let svg = svg.with("viewBox", &format!("0 0 {WIDTH} {height:.0}")).around(&(head + &bars));
+    let caption = "Seconds per kind of work, for the run and while each tool was in the spindle, in the order of the legend. \
+        Waiting is what a better program or machine would save; a tool change counts for the tool that leaves.";
+    figure("Where the time went", &(svg + &legend(&recorder.shares.run)), caption)
+}
+
+fn bar(row: usize, name: &str, shares: &Shares, whole: Time) -> String {
+    let top = ROW * row as f64;
+    let total = shares.total();
+    let label = format!("{name}: {} s", fixed(total.value(), 2));
+    let mut out = Tag::new("text").at("x", 0.0).at("y", top + 15.0).text(&label);
+    let mut left = 0.0;
+    for (what, states, class) in KINDS {
+        let spent = seconds(shares, states);
+        let width = spent / whole.value() * WIDTH;
+        if width < 0.05 {
+            continue;
+        }
+        let title = Tag::new("title").text(&format!("{what}: {} s", fixed(spent, 2)));
+        let rect =
+            Tag::new("rect").class(&format!("{class} seam")).at("x", left).at("y", top + 21.0);
+        out += &rect.at("width", width).at("height", 17.0).around(&title);
+        left += width;
+    }
+    out
+}
+
+fn legend(shares: &Shares) -> String {
+    let mut list = String::from("<ul class=\"legend\">");
+    for (what, states, class) in KINDS {
+        let spent = seconds(shares, states);
+        if spent <= 0.0 {
+            continue;
+        }
+        let percent = fixed(spent / shares.total().value() * 100.0, 1);
+        let sign = format!(
+            "<svg viewBox=\"0 0 26 12\" aria-hidden=\"true\"><path class=\"{class}\" d=\"M4 0H22V12H4Z\"/></svg>"
+        );
+        let words = escape(&format!("{what} {} s ({percent} %)", fixed(spent, 2)));
+        list += &Tag::new("li").around(&(sign + &words));
+    }
+    list + "</ul>"
+}
+
+fn in_words(shares: &Shares) -> String {
+    let parts = KINDS
+        .iter()
+        .map(|(what, states, _)| (what, seconds(shares, states)))
+        .filter(|(_, s)| *s > 0.0);
+    let parts: Vec<_> = parts.map(|(what, s)| format!("{what} {} s", fixed(s, 2))).collect();
+    format!("Of {} s: {}.", fixed(shares.total().value(), 2), parts.join(", "))
+}

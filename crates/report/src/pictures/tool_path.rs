@@ -1,0 +1,88 @@
+//! The tool's path: where the tip went, in a view from the front right above and one from the front.
+//!
+//! ```text
+//!        z │  ╱ y          isometric:  u = (x − y)·cos 30°
+//!          │╱                          v = z + (x + y)·sin 30°
+//!           ╲ x
+//! ```
+//!
+//! The picture is as large as the cutting is; rapids that leave it for the tool change or the
+//! machine's zero are cut off at its edge.
+use super::figure;
+use crate::Run;
+use crate::record::{Point, Recorder};
+use crate::svg::{Chart, Range, Stroke};
+
+type Line = Vec<(f64, f64)>;
+type View = fn([f64; 3]) -> (f64, f64);
+
+fn isometric([x, y, z]: [f64; 3]) -> (f64, f64) {
+    let (sin, cos) = 30f64.to_radians().sin_cos();
+    ((x - y) * cos, z + (x + y) * sin)
+}
+
+const fn front([x, _, z]: [f64; 3]) -> (f64, f64) {
+    (x, z)
+}
+
+/// Both views of the path, or nothing if nothing moved.
+pub(crate) fn tool_path(run: &Run, recorder: &Recorder) -> String {
+    let zero = run.zero();
+    let relative = |p: Point| Point { at: std::array::from_fn(|i| p.at[i] - zero[i]), ..p };
+    let points: Vec<Point> = recorder.track.points().map(relative).collect();
+    if points.len() < 2 {
+        return String::new();
+    }
+    let frame = run.frame();
+    let above = draw(
+        "iso",
+        &points,
+        isometric,
+        ["(X − Y) · cos 30° / mm".into(), "Z + (X + Y) · sin 30° / mm".into()],
+    );
+    let front =
+        draw("front", &points, front, [format!("X in {frame} / mm"), format!("Z in {frame} / mm")]);
+    let caption = "Path of the tool's tip: cutting drawn through, rapids dashed. Look for rapids that pass lower than the \
+        work's clamps, and for returns that climb higher than they need: they are time. Rapids to the tool change \
+        leave the picture.";
+    let above = figure("Tool path, isometric", &above, caption);
+    above
+        + &figure(
+            "Tool path, from the front",
+            &front,
+            "The same path from the front, X to the right, Z up, to scale.",
+        )
+}
+
+fn draw(id: &str, points: &[Point], view: View, titles: [String; 2]) -> String {
+    let [rapids, feeds] = split(points, view);
+    let shown = if feeds.is_empty() { &rapids } else { &feeds };
+    let flat = || shown.iter().flatten();
+    let [across, up] = titles;
+    let (x, y) = (Range::of(&across, flat().map(|p| p.0)), Range::of(&up, flat().map(|p| p.1)));
+    let margin = (0.12 * f64::max(x.to - x.from, y.to - y.from)).max(2.0);
+    let grown = |r: Range| Range { from: r.from - margin, to: r.to + margin, ..r };
+    let title = format!("Tool path, {}", if id == "iso" { "isometric" } else { "from the front" });
+    let description = "Path of the tool's tip; rapids are dashed.";
+    let mut chart = Chart::to_scale(&title, description, grown(x), grown(y));
+    chart.lines(Stroke::Rapid, &rapids, Some("rapid"));
+    chart.lines(Stroke::Feed, &feeds, Some("cutting"));
+    chart.finish(&format!("path-{id}"))
+}
+
+/// Lines of rapids and lines of cuts. A line begins where the one before ended.
+fn split(points: &[Point], view: View) -> [Vec<Line>; 2] {
+    let mut lines: [Vec<Line>; 2] = [Vec::new(), Vec::new()];
+    let mut before: Option<Point> = None;
+    for &point in points {
+        let from = before.replace(point).filter(|_| !point.lifted);
+        let Some(from) = from else { continue };
+        let (a, b) = (view(from.at), view(point.at));
+        let kind = &mut lines[usize::from(!point.rapid)];
+        match kind.last_mut() {
+            Some(line) if line.last() == Some(&a) => line.push(b),
+            _ => kind.push(vec![a, b]),
+        }
+    }
+    lines
+}

@@ -1,0 +1,148 @@
+//! What a report needs to remember of a run: fed period by period, in a room that does not grow.
+//!
+//! ```text
+//!   canon::Op ──► taps still to come ─┐
+//!   bus::Sample ─┬────────────────────┴─► the tap in progress ─► kept: the first, the worst few
+//!                ├─► track: the tool's path, thinned
+//!                ├─► shares: seconds per state and tool
+//!                └─► timeline: spindle speed, lowest and highest per bin
+//! ```
+
+mod series;
+mod shares;
+mod tap;
+mod track;
+
+pub(crate) use series::Series;
+pub(crate) use shares::{Shares, SharesByTool};
+pub(crate) use tap::TapTrace;
+pub(crate) use track::{Point, Track};
+
+use bus::{Sample, State};
+use canon::{Axis, Op, OpKind, Tap, ToolLibrary};
+use std::collections::BTreeMap;
+use units::{Angle, Length, Time};
+
+/// Taps whose curves are kept beside the first's: those with the largest synchronisation error.
+pub const WORST_KEPT: usize = 3;
+/// Tool changes that are marked on the timeline.
+const CHANGES: usize = 200;
+
+/// Remembers of a run what its report shows.
+#[derive(Clone, Debug, Default)]
+pub struct Recorder {
+    /// Tool length by tool number.
+    lengths: BTreeMap<u32, Length>,
+    /// Taps that have been announced and not yet begun.
+    announced: BTreeMap<u32, Tap>,
+    current: Option<TapTrace>,
+    pub(crate) first: Option<TapTrace>,
+    pub(crate) worst: Vec<TapTrace>,
+    pub(crate) track: Track,
+    pub(crate) shares: SharesByTool,
+    pub(crate) spindle: Series,
+    pub(crate) changes: Vec<(Time, u32)>,
+    pub(crate) taps: usize,
+    periods: u64,
+    tool: Option<u32>,
+    previous: Option<(Time, Angle)>,
+}
+
+impl Recorder {
+    /// A recorder for a run with these tools: their lengths turn axis positions into those of the tip.
+    pub fn new(tools: &ToolLibrary) -> Self {
+        let lengths = tools.iter().map(|tool| (tool.number, tool.length)).collect();
+        Self { lengths, ..Self::default() }
+    }
+
+    /// Announce an operation, before the machine begins it. `index` counts from 0 in program order.
+    pub fn op(&mut self, index: u32, op: &Op) {
+        if let OpKind::Tap(tap) = &op.kind {
+            self.announced.insert(index, *tap);
+        }
+    }
+
+    /// Record a servo period.
+    pub fn sample(&mut self, sample: &Sample) {
+        self.periods += 1;
+        let now = sample.feedback.time;
+        let state = sample.report.state;
+        if let Some((before, was)) = self.previous {
+            let period = now - before;
+            self.shares.push(state, sample.feedback.tool, period);
+            if period > Time::ZERO {
+                let angle = sample.feedback.spindles[0].angle;
+                let spin = sample.truth.map_or((angle - was) / period, |t| t.spins[0]);
+                self.spindle.push(now.value(), spin.in_rpm());
+            }
+        }
+        self.previous = Some((now, sample.feedback.spindles[0].angle));
+        self.tip(sample);
+        if matches!(state, State::TapIn | State::TapBottom | State::TapOut) {
+            self.tapping(sample);
+        } else if self.current.is_some() && !matches!(state, State::Paused) {
+            self.end_tap(state != State::Faulted);
+        }
+    }
+
+    fn tip(&mut self, sample: &Sample) {
+        let Some(tool) = sample.feedback.tool else { return };
+        let lifted = self.tool != Some(tool);
+        if lifted {
+            self.tool = Some(tool);
+            if self.changes.len() < CHANGES {
+                self.changes.push((sample.feedback.time, tool));
+            }
+        }
+        let length = self.lengths.get(&tool).copied().unwrap_or(Length::ZERO);
+        let z = sample.axis(Axis::Z.index()) - length;
+        let at =
+            [sample.axis(Axis::X.index()).value(), sample.axis(Axis::Y.index()).value(), z.value()];
+        let rapid = sample.report.state == State::Rapid;
+        self.track.push(Point { at, rapid, lifted });
+    }
+
+    fn tapping(&mut self, sample: &Sample) {
+        let op = sample.report.op;
+        if self.current.as_ref().is_some_and(|trace| trace.op != op) {
+            self.end_tap(true);
+        }
+        if self.current.is_none() {
+            let Some(tap) = self.announced.remove(&op) else { return };
+            self.announced = self.announced.split_off(&op); // those before it will not come any more
+            self.current = Some(TapTrace::begin(op, &tap, sample));
+        }
+        if let Some(trace) = &mut self.current {
+            trace.push(sample);
+        }
+    }
+
+    fn end_tap(&mut self, in_step: bool) {
+        let Some(mut trace) = self.current.take() else { return };
+        trace.end(in_step);
+        self.taps += 1;
+        if self.first.is_none() {
+            self.first = Some(trace.clone());
+        }
+        let place = self.worst.iter().position(|kept| trace.is_worse_than(kept));
+        self.worst.insert(place.unwrap_or(self.worst.len()), trace);
+        self.worst.truncate(WORST_KEPT);
+    }
+
+    /// The taps whose curves were kept: the worst ones, worst first, and the first of the run at
+    /// the end if it is not among them. A tap in progress counts as one that did not come out.
+    pub(crate) fn kept_taps(&self) -> Vec<&TapTrace> {
+        let mut kept: Vec<&TapTrace> = self.current.iter().chain(&self.worst).collect();
+        if let Some(first) = &self.first
+            && kept.iter().all(|trace| trace.op != first.op)
+        {
+            kept.push(first);
+        }
+        kept
+    }
+
+    /// Servo periods recorded.
+    pub const fn periods(&self) -> u64 {
+        self.periods
+    }
+}

@@ -1,0 +1,364 @@
+//! A chart: two axes with titles and ticks, and lines, limits and marks between them.
+//!
+//! ```text
+//!        y title │          ┄┄┄┄┄┄┄┄┄┄ limit (dashed)
+//!                │     ╱╲      ●  mark
+//!                │ ╲╱╲╱  ╲╱╲   line
+//!                └──┴──┴──┴──┴─ x title
+//! ```
+//!
+//! Legends are HTML, below the drawing: there their words wrap on a phone.
+use super::{Tag, escape, fixed, path_data, ticks};
+use std::fmt::Write as _;
+
+/// Room for tick labels and titles around the plot, picture units.
+const LEFT: f64 = 60.0;
+const RIGHT: f64 = 14.0;
+const TOP: f64 = 12.0;
+const BOTTOM: f64 = 44.0;
+
+/// How a line looks; the style sheet says what that is in light, dark and print.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stroke {
+    /// On the way in.
+    In,
+    /// On the way out.
+    Out,
+    /// What should be.
+    Ideal,
+    /// What was commanded or is the main quantity.
+    Main,
+    /// A second quantity beside the main one.
+    Second,
+    /// What the machine can.
+    Capability,
+    /// A limit that warns.
+    Warn,
+    /// A limit that stops.
+    Stop,
+    /// A share of the tolerance.
+    Share,
+    /// A rapid move.
+    Rapid,
+    /// A cutting move.
+    Feed,
+    /// Where a quantity is zero.
+    Zero,
+}
+
+impl Stroke {
+    /// Its class in the style sheet.
+    pub(crate) const fn class(self) -> &'static str {
+        match self {
+            Self::In => "line in",
+            Self::Out => "line out",
+            Self::Ideal => "line ideal",
+            Self::Main => "line main",
+            Self::Second => "line second",
+            Self::Capability => "line capability",
+            Self::Warn => "line warn",
+            Self::Stop => "line stop",
+            Self::Share => "line share",
+            Self::Rapid => "line rapid",
+            Self::Feed => "line feed",
+            Self::Zero => "line zero",
+        }
+    }
+}
+
+/// What an axis shows.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Range {
+    /// Title with unit.
+    pub(crate) title: String,
+    /// Value at its left or lower end.
+    pub(crate) from: f64,
+    /// Value at its right or upper end.
+    pub(crate) to: f64,
+}
+
+impl Range {
+    /// The range of some values; those that are no numbers are passed over, and without any it is 0 to 1.
+    pub(crate) fn of(title: &str, values: impl IntoIterator<Item = f64>) -> Self {
+        let finite = values.into_iter().filter(|v| v.is_finite());
+        let (from, to) =
+            finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        let (from, to) = if from <= to { (from, to) } else { (0.0, 1.0) };
+        let (from, to) = if to - from > 1e-9 { (from, to) } else { (from - 0.5, to + 0.5) };
+        Self { title: title.into(), from, to }
+    }
+
+    /// With a share of its span added at each end.
+    pub(crate) fn padded(mut self, share: f64) -> Self {
+        let more = (self.to - self.from) * share;
+        self.from -= more;
+        self.to += more;
+        self
+    }
+
+    fn span(&self) -> f64 {
+        self.to - self.from
+    }
+}
+
+/// A sign at a point.
+pub(crate) struct Mark<'a> {
+    /// Where, in data.
+    pub(crate) at: (f64, f64),
+    /// Radius in picture units.
+    pub(crate) radius: f64,
+    /// Class in the style sheet.
+    pub(crate) class: &'a str,
+    /// What a pointer that rests on it reads.
+    pub(crate) title: &'a str,
+    /// Drawn as a cross in a square instead of a circle.
+    pub(crate) crossed: bool,
+}
+
+/// A chart being drawn.
+pub(crate) struct Chart {
+    title: String,
+    description: String,
+    x: Range,
+    y: Range,
+    width: f64,
+    height: f64,
+    body: String,
+    front: String,
+    legend: Vec<(&'static str, String)>,
+}
+
+impl Chart {
+    /// Width of every chart, picture units; the type is 13 of them high.
+    const WIDTH: f64 = 480.0;
+
+    /// A chart of this height. Title and description are read by those who do not see it.
+    pub(crate) fn new(title: &str, description: &str, x: Range, y: Range, height: f64) -> Self {
+        Self {
+            title: title.into(),
+            description: description.into(),
+            x,
+            y,
+            width: Self::WIDTH,
+            height,
+            body: String::new(),
+            front: String::new(),
+            legend: Vec::new(),
+        }
+    }
+
+    /// A chart in which a millimetre is as long along y as along x; as high as that asks for, within reason.
+    pub(crate) fn to_scale(title: &str, description: &str, mut x: Range, mut y: Range) -> Self {
+        let width = Self::WIDTH - LEFT - RIGHT;
+        let height = (width * y.span() / x.span()).clamp(130.0, 440.0);
+        let per_unit = f64::max(x.span() / width, y.span() / height);
+        for (range, room) in [(&mut x, width), (&mut y, height)] {
+            let more = (per_unit * room - range.span()) / 2.0;
+            range.from -= more;
+            range.to += more;
+        }
+        Self::new(title, description, x, y, height + TOP + BOTTOM)
+    }
+
+    /// Picture coordinates of a point.
+    fn place(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        let across = (x - self.x.from) / self.x.span();
+        let up = (y - self.y.from) / self.y.span();
+        (
+            LEFT + across * (self.width - LEFT - RIGHT),
+            self.height - BOTTOM - up * (self.height - TOP - BOTTOM),
+        )
+    }
+
+    /// A line through points, clipped to the plot; `label` goes into the legend.
+    pub(crate) fn line(&mut self, stroke: Stroke, points: &[(f64, f64)], label: Option<&str>) {
+        let data = path_data(points.iter().map(|&p| self.place(p)));
+        self.path(stroke.class(), &data, label);
+    }
+
+    /// Thin lines along which y, and if asked also x, is zero.
+    pub(crate) fn zero(&mut self, also_x: bool) {
+        let (from, to) = ((self.x.from, 0.0), (self.x.to, 0.0));
+        self.line(Stroke::Zero, &[from, to], None);
+        if also_x {
+            let (from, to) = ((0.0, self.y.from), (0.0, self.y.to));
+            self.line(Stroke::Zero, &[from, to], None);
+        }
+    }
+
+    /// A cloud of dots.
+    pub(crate) fn dots(&mut self, points: &[(f64, f64)], label: &str) {
+        let dots = points.iter().map(|&p| path_data([self.place(p)]));
+        let data: String = dots.filter(|d| !d.is_empty()).map(|d| d + "h0").collect();
+        self.path("dots", &data, Some(label));
+    }
+
+    /// The area between two curves over the same x.
+    pub(crate) fn area(
+        &mut self,
+        class: &'static str,
+        bounds: &[(f64, [f64; 2])],
+        label: Option<&str>,
+    ) {
+        for stretch in
+            bounds.split(|(x, b)| !(x.is_finite() && b[0].is_finite() && b[1].is_finite()))
+        {
+            let there = stretch.iter().map(|&(x, [low, _])| self.place((x, low)));
+            let back = stretch.iter().rev().map(|&(x, [_, high])| self.place((x, high)));
+            let data = path_data(there.chain(back));
+            if !data.is_empty() {
+                self.body += &Tag::new("path").class(class).with("d", &(data + "Z")).empty();
+            }
+        }
+        if let Some(label) = label
+            && !bounds.is_empty()
+        {
+            self.legend.push((class, label.into()));
+        }
+    }
+
+    /// Many lines of one kind, thinned to what can be seen.
+    pub(crate) fn lines(&mut self, stroke: Stroke, lines: &[Vec<(f64, f64)>], label: Option<&str>) {
+        let mut data = String::new();
+        for line in lines {
+            let placed: Vec<_> = line.iter().map(|&p| self.place(p)).collect();
+            data += &path_data(super::thinned(&placed, 0.25));
+        }
+        self.path(stroke.class(), &data, label);
+    }
+
+    fn path(&mut self, class: &'static str, data: &str, label: Option<&str>) {
+        if data.is_empty() {
+            return;
+        }
+        self.body += &Tag::new("path").class(class).with("d", data).empty();
+        if let Some(label) = label {
+            self.legend.push((class, label.into()));
+        }
+    }
+
+    /// A horizontal limit across the plot, named at its right end; it is drawn only where the plot shows its value.
+    pub(crate) fn limit(&mut self, stroke: Stroke, value: f64, name: &str) {
+        if !(self.y.from..=self.y.to).contains(&value) {
+            return;
+        }
+        self.line(stroke, &[(self.x.from, value), (self.x.to, value)], None);
+        let (x, y) = self.place((self.x.to, value));
+        self.front += &Tag::new("text").class("name").at("x", x - 4.0).at("y", y - 3.0).text(name);
+    }
+
+    /// A stretch of x filled from bottom to top.
+    pub(crate) fn band(&mut self, class: &'static str, from: f64, to: f64) {
+        let (left, top) = self.place((from.max(self.x.from), self.y.to));
+        let (right, bottom) = self.place((to.min(self.x.to), self.y.from));
+        let band = Tag::new("rect").class(class).at("x", left).at("y", top);
+        let (width, height) = (f64::max(right - left, 0.5), bottom - top);
+        self.body.insert_str(0, &band.at("width", width).at("height", height).empty());
+    }
+
+    /// A sign at a point.
+    pub(crate) fn mark(&mut self, mark: &Mark) {
+        let (x, y) = self.place(mark.at);
+        let r = mark.radius;
+        let mut shape = if mark.crossed {
+            let square = Tag::new("rect").at("x", x - r).at("y", y - r);
+            square.at("width", 2.0 * r).at("height", 2.0 * r).empty()
+        } else {
+            Tag::new("circle").at("cx", x).at("cy", y).at("r", r).empty()
+        };
+        if mark.crossed {
+            let a = r * 0.6;
+            let cross =
+                [(x - a, y - a), (x + a, y + a), (f64::NAN, 0.0), (x - a, y + a), (x + a, y - a)];
+            shape += &Tag::new("path").with("d", &path_data(cross)).empty();
+        }
+        if !mark.title.is_empty() {
+            shape.insert_str(0, &Tag::new("title").text(mark.title));
+        }
+        self.front += &Tag::new("g").class(mark.class).around(&shape);
+    }
+
+    /// A word beside a point, moved by picture units.
+    pub(crate) fn word(&mut self, at: (f64, f64), by: (f64, f64), class: &str, word: &str) {
+        let (x, y) = self.place(at);
+        self.front += &Tag::new("text").class(class).at("x", x + by.0).at("y", y + by.1).text(word);
+    }
+
+    /// An entry of the legend for what is not a line.
+    pub(crate) fn legend(&mut self, class: &'static str, label: &str) {
+        self.legend.push((class, label.into()));
+    }
+
+    /// Picture units that one data unit takes along x.
+    pub(crate) fn units_per_x(&self) -> f64 {
+        (self.width - LEFT - RIGHT) / self.x.span()
+    }
+
+    fn grid(&self) -> String {
+        let mut lines = Vec::new();
+        let mut labels = String::new();
+        let floor = self.height - BOTTOM;
+        let most_x = ((self.width - LEFT - RIGHT) / 62.0) as usize;
+        let most_y = (((self.height - TOP - BOTTOM) / 30.0) as usize).max(2);
+        let x = ticks(self.x.from, self.x.to, most_x);
+        for &value in &x.values {
+            let at = self.place((value, 0.0)).0;
+            lines.extend([(at, TOP), (at, floor + 4.0), (f64::NAN, 0.0)]);
+            let label = Tag::new("text").class("tick x").at("x", at).at("y", floor + 17.0);
+            labels += &label.text(&fixed(value, x.decimals));
+        }
+        let y = ticks(self.y.from, self.y.to, most_y);
+        for &value in &y.values {
+            let at = self.place((0.0, value)).1;
+            lines.extend([(LEFT - 4.0, at), (self.width - RIGHT, at), (f64::NAN, 0.0)]);
+            let label = Tag::new("text").class("tick y").at("x", LEFT - 7.0).at("y", at + 4.0);
+            labels += &label.text(&fixed(value, y.decimals));
+        }
+        Tag::new("path").class("grid").with("d", &path_data(lines)).empty() + &labels
+    }
+
+    fn titles(&self) -> String {
+        let middle = f64::midpoint(LEFT, self.width - RIGHT);
+        let x = Tag::new("text").class("axis").at("x", middle).at("y", self.height - 6.0);
+        let up = f64::midpoint(TOP, self.height - BOTTOM);
+        let y = Tag::new("text").class("axis").at("x", 0.0).at("y", 0.0);
+        let turned = format!("translate(13 {up:.1}) rotate(-90)");
+        x.text(&self.x.title) + &y.with("transform", &turned).text(&self.y.title)
+    }
+
+    /// The drawing and its legend. `id` must be unique on the page.
+    pub(crate) fn finish(self, id: &str) -> String {
+        let (right, floor) = (self.width - RIGHT, self.height - BOTTOM);
+        let frame = Tag::new("rect").class("frame").at("x", LEFT).at("y", TOP);
+        let frame = frame.at("width", right - LEFT).at("height", floor - TOP).empty();
+        // an inner svg clips what it holds, without an identifier that would have to be unique
+        let clip = Tag::new("svg").at("x", LEFT).at("y", TOP).at("width", right - LEFT);
+        let view = format!("{LEFT} {TOP} {:.1} {:.1}", right - LEFT, floor - TOP);
+        let clip = clip.at("height", floor - TOP).with("viewBox", &view).around(&self.body);
+        let head = Tag::new("title").with("id", &format!("{id}-t")).text(&self.title)
+            + &Tag::new("desc").with("id", &format!("{id}-d")).text(&self.description);
+        let inside = head + &self.grid() + &clip + &frame + &self.front + &self.titles();
+        let svg = Tag::new("svg")
+            .class("chart")
+            .with("role", "img")
+            .with("aria-labelledby", &format!("{id}-t {id}-d"))
+            .with("viewBox", &format!("0 0 {:.0} {:.0}", self.width, self.height));
+        svg.around(&inside) + &self.legend_list()
+    }
+
+    fn legend_list(&self) -> String {
+        if self.legend.is_empty() {
+            return String::new();
+        }
+        let mut list = String::from("<ul class=\"legend\">");
+        for (class, label) in &self.legend {
+            let sign = if class.starts_with("line") { "M0 6H26" } else { "M8 1H18V11H8Z" };
+            let _ = write!(
+                list,
+                "<li><svg viewBox=\"0 0 26 12\" aria-hidden=\"true\"><path class=\"{class}\" d=\"{sign}\"/></svg>{}</li>",
+                escape(label)
+            );
+        }
+        list + "</ul>"
+    }
+}
