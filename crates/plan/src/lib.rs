@@ -7,14 +7,37 @@
 //!
 //! A [`Step`] is plain data, `Copy`, and complete: whoever has it can say where every axis shall be at
 //! every instant of it, with velocity and acceleration, without asking anybody.
+//!
+//! | file | answers |
+//! |---|---|
+//! | `planner` | which steps an op becomes, in which order; what refuses it |
+//! | `motion`, `travel` | how fast a path may be run; whether it stays within the travel |
+//! | `stroke`, `curve` | a tap's spindle profile; the drive's torque and power curve |
+//! | `ramp` | the fastest change of speed under a ceiling and a jerk |
+//! | `tap_check`, `holes` | taps that cannot come out right |
+//! | `path`, `profile`, `step` | what the kernel evaluates |
 #![no_std]
+#![allow(clippy::large_types_passed_by_value)] // a step is moved once, into the queue
 extern crate alloc;
 
+mod curve;
+mod findings;
+mod holes;
+mod limits;
+mod motion;
+mod outbox;
 mod path;
+mod planner;
 mod profile;
 mod ramp;
 mod step;
+mod stroke;
+mod tap_check;
+mod travel;
 
+pub use limits::{AxisLimits, MachineLimits, Options, SpindleLimits, ToolChange};
 pub use path::{Motion, Path};
+pub use planner::{Planner, Preflight, Start, preflight};
 pub use profile::{Instant, MAX_PIECES, Piece, Profile};
 pub use step::{Limiting, Move, SpindleStep, Step, StepKind, TapLimiting, TapPlan};
+pub use stroke::{Stroke, StrokeRequest, tapping_torque};

@@ -18,7 +18,7 @@
 //! |---|---|---|
 //! | v, a, j | speed, acceleration, jerk | mm/s…; rev/s… |
 //! | y | a² | |
-//! | v_r, v_f | where the rise meets the ceiling, where the fall leaves it | |
+//! | `v_r`, `v_f` | where the rise meets the ceiling, where the fall leaves it | |
 //!
 //! Under a level ceiling this is the known seven-piece profile: a/j up, level, a/j down, cruise, and
 //! the same mirrored (Biagiotti, Melchiorri: Trajectory Planning for Automatic Machines, 3.4).
@@ -173,12 +173,7 @@ impl Ramp {
         self.end.s
     }
 
-    /// How long it takes.
-    pub(crate) fn duration(&self) -> f64 {
-        self.pieces().iter().map(|p| p.duration).sum()
-    }
-
-    /// The same ramp backwards in time, so that it ends at `s_end`: s(t) = s_end − s(T − t).
+    /// The same ramp backwards in time, so that it ends at `s_end`: s(t) = `s_end` − s(T − t).
     pub(crate) fn mirrored(&self, s_end: f64) -> impl Iterator<Item = Piece> + '_ {
         self.pieces().iter().rev().map(move |p| {
             let last = p.end();

@@ -66,6 +66,7 @@ pub struct Move {
 
 /// What a spindle is told.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant)] // as for `StepKind`
 pub enum SpindleStep {
     /// Turn at this speed (sign: sense; zero stops) along `ramp`, which runs from the speed that the
     /// planner knows the spindle to be ordered to; go on to the next step at once.

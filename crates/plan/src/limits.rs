@@ -1,0 +1,79 @@
+//! What a machine can do, as the planner needs to know it; the machine file fills it in.
+//!
+//! Rotary axes (A, B, C) use the same [`AxisLimits`]: read degrees where they say millimetres, as
+//! RS-274/NGC does for the feed of a rotary axis.
+use alloc::vec::Vec;
+use units::{Accel, Inertia, Jerk, Length, Power, Speed, Spin, Time, Torque};
+
+/// One axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisLimits {
+    /// Lowest and highest machine coordinate; `None`: endless, or not checked.
+    pub travel: Option<(Length, Length)>,
+    /// Highest speed of a rapid.
+    pub rapid_speed: Speed,
+    /// Highest speed while cutting.
+    pub feed_speed: Speed,
+    /// Highest acceleration.
+    pub accel: Accel,
+    /// Highest jerk of a rapid; may be infinite.
+    pub rapid_jerk: Jerk,
+    /// Highest jerk while cutting; may be infinite.
+    pub feed_jerk: Jerk,
+}
+
+/// One spindle with its drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpindleLimits {
+    /// Everything that turns.
+    pub inertia: Inertia,
+    /// Largest torque of the drive.
+    pub peak_torque: Torque,
+    /// Largest power of the drive: above `power / torque` the torque falls as power over speed.
+    pub peak_power: Power,
+    /// Friction that does not depend on speed.
+    pub friction: Torque,
+    /// Friction per speed, N·m·s/rad.
+    pub viscous_n_m_s_per_rad: f64,
+    /// Highest speed.
+    pub max_speed: Spin,
+    /// Highest speed while tapping.
+    pub tapping_max: Spin,
+    /// Share of the drive's torque and power that planned motion may use, 0…1; the rest is left to the
+    /// control loop. 0.9 as a rule.
+    pub margin: f64,
+    /// Time in which planned torque may rise from zero to its peak; zero: at once.
+    pub torque_rise: Time,
+}
+
+/// The tool changer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToolChange {
+    /// Machine coordinate of Z at which tools are changed; `None`: wherever it stands.
+    pub z: Option<Length>,
+    /// How long a change takes, for the estimate of the cycle time.
+    pub time: Time,
+}
+
+/// The whole machine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MachineLimits {
+    /// By axis, X first; `None`: the machine has no such axis.
+    pub axes: [Option<AxisLimits>; 9],
+    /// By spindle.
+    pub spindles: Vec<SpindleLimits>,
+    /// The tool changer.
+    pub tool_change: ToolChange,
+    /// Time that waiting for "in position" takes as a rule, for the estimate of the cycle time.
+    pub settling: Time,
+}
+
+/// What the user chooses for one run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Tap with a straight ramp from rest to the programmed speed in this time, whatever the spindle
+    /// can do: to show what becomes of the synchronism when the drive saturates.
+    pub force_ramp: Option<Time>,
+    /// Specific cutting force of the work's material, N/mm²: 3900 for C45, 1300 for `AlSi`.
+    pub cutting_pressure_n_per_mm2: f64,
+}

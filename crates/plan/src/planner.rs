@@ -1,0 +1,559 @@
+//! From operations to steps, one op at a time; what a machine cannot do is refused and named.
+//!
+//! ```text
+//!            ┌──────────────── Planner ────────────────┐
+//!   Op ────► │ judge (travel, feed, spindle, tool, tap) │──► Diagnostic, all of them
+//!            │ plan  (path × profile)                   │
+//!            │ outbox (order, waiting, planned time)    │──► Step
+//!            └──────────────────────────────────────────┘
+//! ```
+//!
+//! A program is planned twice: once by [`preflight`], which keeps the findings and the time and throws the steps
+//! away, and, if nothing is refused, again beside the running machine. An op that is refused makes no step; the
+//! planner goes on as though it had been done, so that one mistake does not hide the next.
+//!
+//! **Spindle.** An M3 or M4 stays in force over taps and orientations, which leave the spindle at rest; it is told
+//! to turn again as early as possible before the next cut, and the first cut awaits its speed.
+//!
+//! **Tool change.** The spindle is stopped, Z goes to the change position, the tool is changed. The program does
+//! not know that Z has moved: a rapid that leaves Z where the program has it stays at the change position; the first op that
+//! cuts brings Z back first.
+use crate::findings::{Findings, number};
+use crate::holes::Holes;
+use crate::limits::{MachineLimits, Options};
+use crate::motion::{Along, along, change};
+use crate::outbox::Outbox;
+use crate::path::Path;
+use crate::step::{Move, SpindleStep, Step, StepKind};
+use crate::stroke::{Stroke, StrokeRequest};
+use crate::travel::beyond;
+use alloc::{format, vec::Vec};
+use canon::{Arc, Axis, Feed, Op, OpKind, PathMode, Position, SpindleOrder, ToolLibrary};
+use diag::{Diagnostic, Span};
+use units::{Length, Spin, Time};
+
+mod tap;
+
+/// Coordinates beyond this are a mistake on any machine: a kilometre.
+const ABSURD: f64 = 1e6;
+/// Moves shorter than this are no moves: a picometre.
+const NOTHING: f64 = 1e-9;
+
+/// Where a machine stands when a program begins.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Start {
+    /// Machine coordinates of the axes.
+    pub position: Position,
+    /// The tool in the spindle; 0 is none.
+    pub tool: u32,
+}
+
+/// One spindle as the planner has ordered it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct SpindleState {
+    /// What the program wants: M3, M4, M5 with S.
+    ordered: Spin,
+    /// What the kernel has been told.
+    told: Spin,
+    /// Whether a step waits for `told` to be reached.
+    awaited: bool,
+}
+
+/// From operations to steps. See the module's header.
+#[derive(Clone, Debug)]
+pub struct Planner {
+    limits: MachineLimits,
+    options: Options,
+    tools: ToolLibrary,
+    /// Where the program has the axes.
+    programmed: Position,
+    /// Where Z really is, if a tool change has lifted it.
+    lifted: Option<Length>,
+    tool: u32,
+    spindles: Vec<SpindleState>,
+    mode: PathMode,
+    holes: Holes,
+    last_stroke: Option<(StrokeRequest, Stroke)>,
+    warned_still: bool,
+    findings: Findings,
+    outbox: Outbox,
+}
+
+/// What is known of a program before it runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Preflight {
+    /// All findings, in the order of the program.
+    pub findings: Vec<Diagnostic>,
+    /// Planned time from start to end.
+    pub duration: Time,
+}
+
+impl Preflight {
+    /// Whether the program is refused.
+    pub fn is_refused(&self) -> bool {
+        self.findings.iter().any(Diagnostic::is_error)
+    }
+}
+
+/// Plan a whole program without moving: everything that is wrong with it, and how long it takes.
+pub fn preflight<'a>(mut planner: Planner, ops: impl IntoIterator<Item = &'a Op>) -> Preflight {
+    let mut ignore = |_| {};
+    for (index, op) in (0..).zip(ops) {
+        planner.push(index, op, &mut ignore);
+    }
+    planner.finish(&mut ignore);
+    Preflight { findings: planner.take_findings(), duration: planner.duration() }
+}
+
+/// The op that is being planned, and where its steps go.
+struct Job<'a> {
+    index: u32,
+    span: Span,
+    emit: &'a mut dyn FnMut(Step),
+}
+
+impl Job<'_> {
+    fn step(&self, kind: StepKind) -> Step {
+        Step { op: self.index, line: self.span.line, kind }
+    }
+}
+
+impl Planner {
+    /// For a machine, its tools and the place where it stands.
+    pub fn new(limits: MachineLimits, tools: ToolLibrary, options: Options, start: Start) -> Self {
+        let spindles = limits
+            .spindles
+            .iter()
+            .map(|_| SpindleState { awaited: true, ..SpindleState::default() });
+        Self {
+            spindles: spindles.collect(),
+            limits,
+            options,
+            tools,
+            programmed: start.position,
+            lifted: None,
+            tool: start.tool,
+            mode: PathMode::Exact,
+            holes: Holes::default(),
+            last_stroke: None,
+            warned_still: false,
+            findings: Findings::default(),
+            outbox: Outbox::default(),
+        }
+    }
+
+    /// Plan one op. Steps of it, and of ops before it that had to wait for it, go to `emit`, in order.
+    pub fn push(&mut self, index: u32, op: &Op, emit: &mut impl FnMut(Step)) {
+        let mut job = Job { index, span: op.span, emit };
+        match &op.kind {
+            OpKind::Rapid { to } => self.rapid(&mut job, to),
+            OpKind::Line { to, feed } => {
+                self.cut(&mut job, to, *feed, |from| Path::Line { from, to: *to });
+            }
+            OpKind::Arc { to, arc, feed } => {
+                if self.arc_is_sound(&job, to, arc) {
+                    self.cut(&mut job, to, *feed, |from| Path::Arc { from, to: *to, arc: *arc });
+                }
+            }
+            OpKind::Tap(tap) => self.tap(&mut job, tap),
+            OpKind::Hole(hole) => {
+                if let Some(tool) = self.tools.get(self.tool) {
+                    self.holes.drill(hole, tool, op.span);
+                }
+            }
+            OpKind::Dwell { time } => self.dwell(&mut job, *time),
+            OpKind::Spindle { spindle, order } => self.spindle(&mut job, *spindle, order),
+            OpKind::Coolant { mist, flood } => {
+                let step = job.step(StepKind::Coolant { mist: *mist, flood: *flood });
+                self.after_spindle(&mut job, step);
+            }
+            OpKind::ChangeTool { number } => self.change_tool(&mut job, *number),
+            OpKind::PathMode(mode) => self.mode = *mode,
+            OpKind::Pause { optional } => {
+                self.tell_spindles(&mut job);
+                self.hand_on(&mut job, StepKind::Pause { optional: *optional });
+            }
+            OpKind::End => self.end(&mut job),
+            OpKind::SelectTool { .. } | OpKind::Overrides { .. } | OpKind::Message(_) => {}
+        }
+    }
+
+    /// The program is over: hand on what still waits.
+    pub fn finish(&mut self, emit: &mut impl FnMut(Step)) {
+        self.outbox.release(&[], &self.limits, emit);
+    }
+
+    /// What has been found since the last call.
+    pub fn take_findings(&mut self) -> Vec<Diagnostic> {
+        self.findings.take()
+    }
+
+    /// Planned time of all ops so far.
+    pub fn duration(&self) -> Time {
+        self.outbox.elapsed(&self.limits)
+    }
+
+    /// Where the axes are when all ops so far are done.
+    pub fn position(&self) -> Position {
+        match self.lifted {
+            Some(z) => self.programmed.with(Axis::Z, z),
+            None => self.programmed,
+        }
+    }
+
+    // --- motion ---
+
+    fn rapid(&mut self, job: &mut Job, to: &Position) {
+        let from = self.position();
+        let stays_up = self.lifted.filter(|_| to.linear[2] == self.programmed.linear[2]);
+        self.programmed = *to;
+        self.lifted = stays_up;
+        let path = Path::Line { from, to: self.position() };
+        if self.is_refused(job, &path) {
+            return;
+        }
+        self.rapid_along(job, path);
+    }
+
+    /// A rapid that has been judged; after a spindle order that is still open.
+    fn rapid_along(&mut self, job: &mut Job, path: Path) {
+        let length = path.length();
+        let Some(bound) = self.bound(job, &path, true, f64::INFINITY) else { return };
+        let profile = bound.profile(length, bound.speed);
+        let rapid = Move { path, profile, rapid: true, per_revolution: false, exact_stop: true };
+        let step = job.step(StepKind::Move(rapid));
+        self.after_spindle(job, step);
+    }
+
+    /// A cutting move; `make` builds its path from where the axes are.
+    fn cut(
+        &mut self,
+        job: &mut Job,
+        to: &Position,
+        feed: Feed,
+        make: impl FnOnce(Position) -> Path,
+    ) {
+        self.come_down(job);
+        let path = make(self.programmed);
+        self.programmed = *to;
+        let turning = self.spindles.first().map_or(Spin::ZERO, |s| s.ordered.abs());
+        let refused = self.is_refused(job, &path);
+        if self.feed_is_refused(job, feed, turning) || refused {
+            return;
+        }
+        let (length, n) = (path.length(), turning.value());
+        let wanted = match feed {
+            Feed::PerTime(speed) => speed.value(),
+            Feed::PerRevolution(lead) => lead.value() * n,
+            Feed::Duration(time) => length / time.value(),
+        };
+        let Some(bound) = self.bound(job, &path, false, wanted) else { return };
+        if wanted > bound.axis_speed * (1.0 + 1e-9) {
+            self.findings.add_once(clipped(job.span, wanted, bound.axis_speed));
+        }
+        let (profile, per_revolution) = match feed {
+            Feed::PerTime(_) => (bound.profile(length, wanted), false),
+            Feed::PerRevolution(lead) => {
+                (bound.profile_over_revolutions(length, lead.value(), n), true)
+            }
+            Feed::Duration(time) => (bound.profile_lasting(length, time.value()), false),
+        };
+        self.tell_spindles(job);
+        self.await_spindles(job);
+        let blend = matches!(self.mode, PathMode::Blend { .. });
+        self.outbox.end_cut(!blend, &self.limits, job.emit);
+        let exact_stop = matches!(self.mode, PathMode::ExactStop);
+        let cut = Move { path, profile, rapid: false, per_revolution, exact_stop };
+        self.outbox.hold_cut(job.step(StepKind::Move(cut)));
+    }
+
+    /// Limits along a path; `None` if there is nothing to move, or an axis is missing, which is a finding.
+    fn bound(&mut self, job: &Job, path: &Path, rapid: bool, wanted: f64) -> Option<Along> {
+        if path.length() < NOTHING {
+            return None;
+        }
+        match along(path, &self.limits, rapid, wanted) {
+            Ok(bound) => Some(bound),
+            Err(axis) => {
+                let text =
+                    format!("the machine has no {} axis, and the program moves it", axis.letter());
+                self.findings.add(Diagnostic::error("M0305", job.span, text));
+                None
+            }
+        }
+    }
+
+    /// Back from the change position, before something is cut.
+    fn come_down(&mut self, job: &mut Job) {
+        if self.lifted.is_some() {
+            let path = Path::Line { from: self.position(), to: self.programmed };
+            self.lifted = None;
+            self.rapid_along(job, path);
+        }
+    }
+
+    fn is_refused(&mut self, job: &Job, path: &Path) -> bool {
+        let to = path.to();
+        let wild = |axis: &Axis| {
+            let x = change(&Position::default(), to, *axis);
+            !x.is_finite() || (x.abs() > ABSURD && !matches!(axis, Axis::A | Axis::B | Axis::C))
+        };
+        if let Some(axis) = Axis::ALL.into_iter().find(wild) {
+            let x = change(&Position::default(), to, axis);
+            let text = format!(
+                "expected a coordinate within ±{ABSURD} mm, found {}{}",
+                axis.letter(),
+                number(x)
+            );
+            self.findings.add(Diagnostic::error("M0302", job.span, text));
+            // go on from a place that exists
+            self.programmed = *path.from();
+            return true;
+        }
+        let mut refused = false;
+        for out in beyond(path, &self.limits) {
+            refused = true;
+            let letter = out.axis.letter();
+            let text = format!(
+                "{letter} would go to {} mm (machine coordinate), {} mm beyond its travel of {} to {} mm: \
+                 {letter}{} is the nearest that works",
+                number(out.reaches),
+                number((out.reaches - out.nearest()).abs()),
+                number(out.travel.0),
+                number(out.travel.1),
+                number(out.nearest()),
+            );
+            let help = "shift the work offset or the work, or take a shorter tool if it is Z";
+            self.findings.add(Diagnostic::error("M0301", job.span, text).with_help(help));
+        }
+        refused
+    }
+
+    fn feed_is_refused(&mut self, job: &Job, feed: Feed, turning: Spin) -> bool {
+        let (value, what) = match feed {
+            Feed::PerTime(speed) => (speed.value(), "a feed above zero (F)"),
+            Feed::PerRevolution(lead) => {
+                (lead.value(), "a feed per revolution above zero (F with G95)")
+            }
+            Feed::Duration(time) => (time.value(), "a duration above zero (F with G93)"),
+        };
+        if !(value > 0.0 && value.is_finite()) {
+            let text = format!("expected {what}, found {}", number(value));
+            self.findings.add(Diagnostic::error("M0303", job.span, text));
+            return true;
+        }
+        if turning > Spin::ZERO {
+            return false;
+        }
+        if let Feed::PerRevolution(_) = feed {
+            let text = "a feed per revolution (G95) with the spindle at rest would never move: order M3 or M4 with an \
+                        S above zero first";
+            self.findings.add(Diagnostic::error("M0306", job.span, text));
+            return true;
+        }
+        if !self.warned_still && !self.spindles.is_empty() {
+            self.warned_still = true;
+            let text = "cutting feed with the spindle at rest";
+            let finding = Diagnostic::warning("M0307", job.span, text);
+            self.findings
+                .add(finding.with_help("order M3 or M4 with an S above zero before the first cut"));
+        }
+        false
+    }
+
+    fn arc_is_sound(&mut self, job: &Job, to: &Position, arc: &Arc) -> bool {
+        let from = self.programmed;
+        let [first, second, _] = arc.plane.axes();
+        let offset = |p: &Position| {
+            libm::hypot(
+                p.along(first).value() - arc.centre[0].value(),
+                p.along(second).value() - arc.centre[1].value(),
+            )
+        };
+        let (r, end) = (offset(&from), offset(to));
+        // as RS-274/NGC's interpreters allow, generously: what the interpreter let pass is not refused here
+        let sound = arc.sweep.is_finite() && r > 0.0 && (end - r).abs() <= 0.5_f64.max(0.01 * r);
+        if !sound {
+            let text = format!(
+                "expected an arc whose start and end are equally far from its centre, found radii of {} and {} mm",
+                number(r),
+                number(end),
+            );
+            self.findings.add(Diagnostic::error("M0311", job.span, text));
+        }
+        sound
+    }
+
+    fn dwell(&mut self, job: &mut Job, time: Time) {
+        if !(time >= Time::ZERO && time.is_finite()) {
+            let text =
+                format!("expected a dwell of zero seconds or more, found {}", number(time.value()));
+            self.findings.add(Diagnostic::error("M0312", job.span, text));
+            return;
+        }
+        self.tell_spindles(job);
+        self.hand_on(job, StepKind::Dwell(time));
+    }
+
+    // --- spindle ---
+
+    fn spindle(&mut self, job: &mut Job, index: u8, order: &SpindleOrder) {
+        let Some(limits) = self.limits.spindles.get(usize::from(index)).copied() else {
+            let text = format!(
+                "expected a spindle from 0 to {}, found {index}",
+                self.spindles.len().max(1) - 1
+            );
+            self.findings.add(Diagnostic::error("M0313", job.span, text));
+            return;
+        };
+        let spin = match order {
+            SpindleOrder::Stop => Spin::ZERO,
+            SpindleOrder::Turn(spin) => *spin,
+            SpindleOrder::Orient(angle) => {
+                self.rest(job, usize::from(index));
+                let order = SpindleStep::Orient(*angle);
+                return self.hand_on(job, StepKind::Spindle { spindle: index, order });
+            }
+            SpindleOrder::ConstantSurfaceSpeed { .. } => {
+                let text = "constant surface speed (G96) is not available on this machine: give rpm with G97 S";
+                return self.findings.add(Diagnostic::error("M0310", job.span, text));
+            }
+        };
+        let highest = limits.reachable(units::Torque::ZERO);
+        let bounded = spin.abs().min(highest);
+        if spin.abs().value() > highest.value() * (1.0 + 1e-9) || !spin.is_finite() {
+            let text = format!(
+                "S{} is above the spindle's highest speed: S{} works",
+                number(spin.abs().in_rpm()),
+                number(libm::floor(highest.in_rpm() + 1e-6)),
+            );
+            self.findings.add(Diagnostic::error("M0308", job.span, text));
+        }
+        if self.outbox.is_waiting() {
+            self.tell_spindles(job);
+        }
+        self.warned_still = false;
+        self.spindles[usize::from(index)].ordered =
+            if spin < Spin::ZERO { -bounded } else { bounded };
+    }
+
+    /// Whether an order has not reached the kernel yet.
+    fn is_open(&self) -> bool {
+        self.spindles.iter().any(|s| s.told != s.ordered)
+    }
+
+    /// A step that may go with a spindle order still open: waits behind it.
+    fn after_spindle(&mut self, job: &mut Job, step: Step) {
+        self.outbox.end_cut(true, &self.limits, job.emit);
+        if self.is_open() {
+            if self.outbox.is_full() {
+                self.tell_spindles(job);
+            }
+            self.outbox.wait(step);
+        } else {
+            self.outbox.release(&[], &self.limits, job.emit);
+            self.outbox.hand_on(step, &self.limits, job.emit);
+        }
+    }
+
+    /// Tell the kernel the speeds that are in force, ahead of the rapids that waited.
+    fn tell_spindles(&mut self, job: &mut Job) {
+        let mut steps = Vec::new();
+        for index in 0..self.spindles.len() {
+            let ordered = self.spindles[index].ordered;
+            steps.extend(self.turn(job, index, ordered));
+        }
+        if !steps.is_empty() || self.outbox.is_waiting() {
+            self.outbox.release(&steps, &self.limits, job.emit);
+        }
+    }
+
+    /// Steps that make a spindle turn at a speed. A ramp begins where the one before has ended, so that one
+    /// is awaited.
+    fn turn(&mut self, job: &Job, index: usize, spin: Spin) -> Vec<Step> {
+        let (state, limits) = (&mut self.spindles[index], &self.limits.spindles[index]);
+        let mut steps = Vec::new();
+        if state.told != spin {
+            let spindle = index as u8; // as many spindles as a machine file can name
+            let ramp = limits.ramp(state.told, spin);
+            if !state.awaited {
+                steps.push(job.step(StepKind::Spindle { spindle, order: SpindleStep::AwaitSpeed }));
+            }
+            steps.push(
+                job.step(StepKind::Spindle { spindle, order: SpindleStep::Turn { spin, ramp } }),
+            );
+            *state = SpindleState { told: spin, awaited: false, ..*state };
+        }
+        steps
+    }
+
+    fn await_spindles(&mut self, job: &mut Job) {
+        for index in 0..self.spindles.len() {
+            if !self.spindles[index].awaited {
+                self.spindles[index].awaited = true;
+                let (spindle, order) = (index as u8, SpindleStep::AwaitSpeed);
+                self.hand_on(job, StepKind::Spindle { spindle, order });
+            }
+        }
+    }
+
+    /// Bring a spindle to rest and wait for it; the order in force stays open.
+    fn rest(&mut self, job: &mut Job, index: usize) {
+        let steps = self.turn(job, index, Spin::ZERO);
+        self.outbox.release(&steps, &self.limits, job.emit);
+        self.await_spindles(job);
+    }
+
+    // --- the rest ---
+
+    fn change_tool(&mut self, job: &mut Job, number: u32) {
+        if number != 0 && self.tools.get(number).is_none() {
+            let text = format!("T{number} is not in the tool table");
+            let finding = Diagnostic::error("M0309", job.span, text);
+            self.findings.add(
+                finding.with_help("add it to the table, or let missing tools be stood in for"),
+            );
+        }
+        for state in &mut self.spindles {
+            state.ordered = Spin::ZERO;
+        }
+        self.tell_spindles(job);
+        if let Some(z) = self.limits.tool_change.z {
+            let from = self.position();
+            let path = Path::Line { from, to: from.with(Axis::Z, z) };
+            self.lifted = Some(z);
+            if !self.is_refused(job, &path) {
+                self.rapid_along(job, path);
+            }
+        }
+        self.outbox.release(&[], &self.limits, job.emit);
+        self.await_spindles(job);
+        self.hand_on(job, StepKind::ChangeTool(number));
+        self.tool = number;
+    }
+
+    fn end(&mut self, job: &mut Job) {
+        for state in &mut self.spindles {
+            state.ordered = Spin::ZERO;
+        }
+        self.tell_spindles(job);
+        self.hand_on(job, StepKind::End);
+    }
+
+    /// Hand on a step at once, after all that waits.
+    fn hand_on(&mut self, job: &mut Job, kind: StepKind) {
+        self.outbox.release(&[], &self.limits, job.emit);
+        let step = job.step(kind);
+        self.outbox.hand_on(step, &self.limits, job.emit);
+    }
+}
+
+fn clipped(span: Span, wanted: f64, possible: f64) -> Diagnostic {
+    let text = format!(
+        "F{} is faster than the axes feed along this path: it runs at {} mm/min",
+        number(wanted * 60.0),
+        number(libm::floor(possible * 60.0 + 1e-6)),
+    );
+    Diagnostic::warning("M0304", span, text)
+        .with_help("said once; later moves may be slowed down likewise")
+}

@@ -1,0 +1,248 @@
+//! Taps that cannot come out right, refused before anything moves.
+//!
+//! ```text
+//!   start ──┬─ R plane      in question: S against the spindle and lead·S against the feed axis,
+//!           │               depth against the tap's flutes and against the drilled hole,
+//!   surface ┼──┐ ┌──        hand and lead against the tap's own,
+//!           │  │ │          the drill's diameter against the thread's core:
+//!   bottom ─┴──│ │          D₁ = D − 1.0825·P … D₁ + TD1(6H)
+//!              └─┘
+//! ```
+//!
+//! The stroke is synchronised from rest to rest, so any run-in is long enough; none is asked for.
+//!
+//! Thread core: ISO 724 (basic dimensions), ISO 965-1 (tolerance TD1, here by its formula for grade 6:
+//! 230·P^0.7 µm, or 433·P − 190·P^1.22 below 0.8 mm).
+use crate::findings::number;
+use crate::holes::Drilled;
+use crate::limits::{AxisLimits, SpindleLimits};
+use crate::stroke::tapping_torque;
+use alloc::{format, string::String, vec::Vec};
+use canon::{Tap, TapTool, Tool};
+use diag::{Diagnostic, Span};
+use units::{Lead, Length, Spin, Torque};
+
+/// Lead of tap and program may differ by this share before the thread is spoilt.
+const LEAD_TOLERANCE: f64 = 0.01;
+/// Rounding of a program's numbers, mm.
+const ROUNDING: f64 = 1e-6;
+/// Height of the thread's core above its axis: D − D₁ = 1.0825·P (ISO 724).
+const CORE: f64 = 1.082_531_754_730_548_3;
+
+/// One tap and all that it is measured against.
+pub(crate) struct TapCheck<'a> {
+    pub(crate) tap: &'a Tap,
+    pub(crate) span: Span,
+    pub(crate) tool: &'a Tool,
+    pub(crate) tap_tool: &'a TapTool,
+    pub(crate) axis: &'a AxisLimits,
+    pub(crate) spindle: &'a SpindleLimits,
+    pub(crate) hole: Option<Drilled>,
+}
+
+impl TapCheck<'_> {
+    /// Everything that is wrong with it.
+    pub(crate) fn findings(&self, cut: Torque) -> Vec<Diagnostic> {
+        let mut all = Vec::new();
+        all.extend(self.hand_or_lead());
+        all.extend(self.speed(self.tap.spin, cut));
+        all.extend(self.flutes());
+        if let Some(hole) = &self.hole {
+            all.extend(self.hole_depth(hole));
+            all.extend(self.hole_diameter(hole));
+        }
+        all
+    }
+
+    /// Depth of the programmed bottom below the surface.
+    fn depth(&self) -> Length {
+        (self.tap.surface - self.tap.bottom).abs()
+    }
+
+    /// How to say a depth in the program's words, as far as they are known.
+    fn word(&self, depth: f64) -> String {
+        let letter = self.tap.axis.letter();
+        let start = self.tap.start.along(self.tap.axis);
+        if self.tap.surface == start {
+            format!("{} mm below the start of the tap", number(depth))
+        } else {
+            let sign = if self.tap.bottom < self.tap.surface { -1.0 } else { 1.0 };
+            format!("{letter}{}", number(sign * depth))
+        }
+    }
+
+    fn hand_or_lead(&self) -> Option<Diagnostic> {
+        let (programmed, own) = (self.tap.lead.value(), self.tap_tool.lead.value());
+        let name = &self.tap_tool.designation;
+        if programmed * own < 0.0 {
+            let (hand, instead) = if own < 0.0 {
+                ("left", "G74, or M4 before G33.1")
+            } else {
+                ("right", "G84, or M3 before G33.1")
+            };
+            let text = format!(
+                "expected a tap of the other hand: T{} {name} is {hand}-hand",
+                self.tool.number
+            );
+            return Some(
+                Diagnostic::error("M0327", self.span, text).with_help(format!("use {instead}")),
+            );
+        }
+        let off = (programmed.abs() - own.abs()).abs();
+        (off > LEAD_TOLERANCE * own.abs()).then(|| {
+            let rpm = self.tap.spin.in_rpm();
+            let text = format!(
+                "expected the tap's lead of {} mm per revolution ({name}), found {}: F{} with G94 and S{}, \
+                 F{} with G95, K{} with G33.1",
+                number(own.abs()),
+                number(programmed.abs()),
+                number(own.abs() * rpm),
+                number(rpm),
+                number(own.abs()),
+                number(own.abs()),
+            );
+            Diagnostic::error("M0326", self.span, text)
+        })
+    }
+
+    fn speed(&self, spin: Spin, cut: Torque) -> Vec<Diagnostic> {
+        let mut all = Vec::new();
+        let (highest, why) = self.highest_speed(cut);
+        if spin.value() > highest.0.value() * (1.0 + 1e-9) {
+            let text = format!(
+                "S{} is too fast for this tap: {why}; S{} works",
+                number(spin.in_rpm()),
+                rpm(highest.0)
+            );
+            all.push(Diagnostic::error(highest.1, self.span, text));
+        }
+        all
+    }
+
+    /// Highest speed that works, with the code of its reason and the reason.
+    fn highest_speed(&self, cut: Torque) -> ((Spin, &'static str), String) {
+        let lead = self.tap.lead.abs();
+        let by_axis = self.axis.feed_speed / lead;
+        let reachable = self.spindle.reachable(cut);
+        let axis = format!(
+            "{} feeds at {} mm/min at most, and {} mm per revolution at this S needs {}",
+            self.tap.axis.letter(),
+            number(self.axis.feed_speed.in_mm_per_min()),
+            number(lead.value()),
+            number((lead * self.tap.spin).in_mm_per_min()),
+        );
+        let tapping = format!(
+            "the spindle taps at {} rpm at most",
+            number(self.spindle.tapping_max.in_rpm())
+        );
+        let power =
+            format!("against {} N·m of cut the spindle does not reach it", number(cut.value()));
+        let mut lowest = ((by_axis, "M0320"), axis);
+        for candidate in
+            [((self.spindle.tapping_max, "M0321"), tapping), ((reachable, "M0331"), power)]
+        {
+            if candidate.0.0 < lowest.0.0 {
+                lowest = candidate;
+            }
+        }
+        lowest
+    }
+
+    fn flutes(&self) -> Option<Diagnostic> {
+        let (depth, flutes) = (self.depth().value(), self.tap_tool.thread_length.value());
+        (depth > flutes + ROUNDING).then(|| {
+            let text = format!(
+                "T{} {} can cut {} mm deep before its flutes end, found {} mm: {} is the deepest that works",
+                self.tool.number,
+                self.tap_tool.designation,
+                number(flutes),
+                number(depth),
+                self.word(flutes),
+            );
+            Diagnostic::error("M0322", self.span, text)
+        })
+    }
+
+    fn hole_depth(&self, hole: &Drilled) -> Option<Diagnostic> {
+        let tip = self.tap.bottom - self.tool.length;
+        let too_deep = (hole.full_bottom - tip).value();
+        (too_deep > ROUNDING).then(|| {
+            let depth = self.depth().value();
+            let full = depth - too_deep;
+            let text = format!(
+                "the tap goes {} mm deep, but the hole has its full diameter only down to {} mm: {} is the deepest \
+                 that works",
+                number(depth),
+                number(full),
+                self.word(floor_um(full)),
+            );
+            let label = format!(
+                "drilled {} mm deep here, of which {} mm is the drill's point",
+                number(full + hole.point.value()),
+                number(hole.point.value()),
+            );
+            Diagnostic::error("M0323", self.span, text).with_label(hole.span, label)
+        })
+    }
+
+    fn hole_diameter(&self, hole: &Drilled) -> Option<Diagnostic> {
+        let (nominal, pitch) = (self.tool.diameter.value(), self.tap_tool.lead.abs().value());
+        let core = core_range(nominal, pitch);
+        let drilled = hole.diameter.value();
+        if drilled >= core.0 - ROUNDING && drilled <= core.1 + ROUNDING {
+            return None;
+        }
+        let text = format!(
+            "expected a hole of {} to {} mm for {}, found {} mm",
+            number(core.0),
+            number(core.1),
+            self.tap_tool.designation,
+            number(drilled),
+        );
+        let finding = if drilled >= nominal {
+            Diagnostic::error("M0325", self.span, text)
+                .with_help("no thread is left to cut in this hole")
+        } else if drilled > core.1 {
+            Diagnostic::warning("M0325", self.span, text)
+                .with_help("the thread will be too shallow for 6H")
+        } else {
+            Diagnostic::warning("M0325", self.span, text)
+                .with_help("the tap cuts too much and may break")
+        };
+        Some(finding.with_label(hole.span, "drilled here"))
+    }
+}
+
+/// Smallest and largest core of a 6H internal thread, mm.
+fn core_range(nominal: f64, pitch: f64) -> (f64, f64) {
+    let tolerance = if pitch <= 0.8 {
+        433.0 * pitch - 190.0 * libm::pow(pitch, 1.22)
+    } else {
+        230.0 * libm::pow(pitch, 0.7)
+    };
+    let core = nominal - CORE * pitch;
+    (core, core + tolerance * 1e-3)
+}
+
+/// Torque of a tap in its hole, or in a hole of nominal diameter less pitch if it is not known.
+pub(crate) fn cutting_torque(
+    tool: &Tool,
+    tap: &TapTool,
+    hole: Option<Length>,
+    pressure: f64,
+) -> Torque {
+    let pitch: Lead = tap.lead.abs();
+    let drilled = hole.unwrap_or(tool.diameter - Length::mm(pitch.value()));
+    tapping_torque(tool.diameter, drilled, tap.flute, pressure)
+}
+
+/// A speed that still works, as a whole number of rpm.
+fn rpm(spin: Spin) -> String {
+    // a bound such as 6000 rpm may have become 5999.999… on its way through rev/s
+    number(libm::floor(spin.in_rpm() + 1e-6))
+}
+
+/// A depth that still works, rounded down to whole micrometres.
+fn floor_um(depth: f64) -> f64 {
+    libm::floor(depth * 1e3 + 1e-6) / 1e3
+}

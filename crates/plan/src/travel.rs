@@ -1,0 +1,84 @@
+//! Soft limits: does a path stay within each axis' travel?
+//!
+//! A line's extremes are its ends. An arc bulges beyond them wherever it passes one of the four points
+//! where an axis turns back:
+//!
+//! ```text
+//!         ╭──┴──╮ ¼ turn: highest Y
+//!        ┤   ┼   ├ 0 turn: highest X            extremes at whole quarter turns within the sweep
+//!         ╰──┬──╯
+//! ```
+use crate::Path;
+use crate::limits::MachineLimits;
+use crate::motion::coordinate;
+use crate::path::radius;
+use canon::{Arc, Axis, Position};
+use core::f64::consts::TAU;
+
+/// An axis that would leave its travel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Beyond {
+    pub(crate) axis: Axis,
+    /// Where the path would take it, mm or degrees.
+    pub(crate) reaches: f64,
+    /// Its travel.
+    pub(crate) travel: (f64, f64),
+}
+
+impl Beyond {
+    /// The coordinate nearest to the wanted one that works.
+    pub(crate) fn nearest(&self) -> f64 {
+        self.reaches.clamp(self.travel.0, self.travel.1)
+    }
+}
+
+/// Rounding of a program's numbers, mm: that far beyond the travel is not beyond it.
+const ROUNDING: f64 = 1e-6;
+
+/// All axes that leave their travel along a path.
+pub(crate) fn beyond<'a>(
+    path: &'a Path,
+    limits: &'a MachineLimits,
+) -> impl Iterator<Item = Beyond> + 'a {
+    Axis::ALL.into_iter().filter_map(move |axis| {
+        let (low, high) = limits.axes[axis.index()]?.travel?;
+        let travel = (low.value(), high.value());
+        let out = |x: f64| x < travel.0 - ROUNDING || x > travel.1 + ROUNDING;
+        let (lowest, highest) = extremes(path, axis);
+        let reaches = [lowest, highest].into_iter().find(|x| out(*x))?;
+        Some(Beyond { axis, reaches, travel })
+    })
+}
+
+/// Lowest and highest coordinate of an axis on the way and at the end. (The start is the end of the move
+/// before, which has been judged.)
+fn extremes(path: &Path, axis: Axis) -> (f64, f64) {
+    let end = coordinate(path.to(), axis);
+    let Path::Arc { from, arc, .. } = path else { return (end, end) };
+    let [first, second, _] = arc.plane.axes();
+    // angle, in turns, at which this axis is highest
+    let (index, top) = match axis {
+        a if a == first => (0, 0.0),
+        a if a == second => (1, 0.25),
+        _ => return (end, end),
+    };
+    let (r, centre) = (radius(from, arc), arc.centre[index].value());
+    let mut range = (end, end);
+    if passes(from, arc, top) {
+        range.1 = range.1.max(centre + r);
+    }
+    if passes(from, arc, top + 0.5) {
+        range.0 = range.0.min(centre - r);
+    }
+    range
+}
+
+/// Whether an arc passes an angle, in turns.
+fn passes(from: &Position, arc: &Arc, angle: f64) -> bool {
+    let [first, second, _] = arc.plane.axes();
+    let d = [first, second].map(|a| from.along(a).value());
+    let start = libm::atan2(d[1] - arc.centre[1].value(), d[0] - arc.centre[0].value()) / TAU;
+    let sweep = arc.sweep.value();
+    let ahead = if sweep >= 0.0 { angle - start } else { start - angle };
+    ahead - libm::floor(ahead) < sweep.abs()
+}

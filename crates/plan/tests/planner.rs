@@ -1,0 +1,173 @@
+//! From ops to steps: order, waiting, time.
+mod common;
+use canon::{Feed, OpKind, PathMode, Position};
+use common::{change, hole, line, planner_at, rapid, steps, steps_of, tap, turn};
+use plan::{SpindleStep, Step, StepKind};
+use units::{Lead, Time};
+
+/// One word a step, so that a program's plan is a sentence.
+fn words(steps: &[Step]) -> String {
+    let word = |step: &Step| match &step.kind {
+        StepKind::Move(m) => {
+            let kind = if m.rapid { "rapid" } else { "cut" };
+            let stop = if m.exact_stop { "" } else { "~" };
+            let to = m.path.to().linear;
+            format!("{kind}{stop}({},{},{})", to[0].value(), to[1].value(), to[2].value())
+        }
+        StepKind::Dwell(t) => format!("dwell({})", t.value()),
+        StepKind::Spindle { order: SpindleStep::Turn { spin, .. }, .. } => {
+            format!("turn({})", spin.in_rpm().round())
+        }
+        StepKind::Spindle { order: SpindleStep::AwaitSpeed, .. } => "await".into(),
+        StepKind::Spindle { order: SpindleStep::Orient(_), .. } => "orient".into(),
+        StepKind::Tap(t) => format!("tap({})", t.bottom.value()),
+        StepKind::ChangeTool(n) => format!("tool({n})"),
+        StepKind::Coolant { .. } => "coolant".into(),
+        StepKind::Pause { .. } => "pause".into(),
+        StepKind::End => "end".into(),
+    };
+    steps.iter().map(word).collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn the_spindle_starts_before_the_rapids_and_its_speed_is_awaited_before_the_first_cut() {
+    let steps = steps([
+        turn(1000.0),
+        rapid(10.0, 0.0, 0.0),
+        line(20.0, 0.0, 0.0, 600.0),
+        line(30.0, 0.0, 0.0, 600.0),
+    ]);
+    assert_eq!(words(&steps), "turn(1000) rapid(10,0,0) await cut(20,0,0) cut(30,0,0)");
+}
+
+#[test]
+fn a_tap_finds_the_spindle_at_rest_and_the_order_in_force_waits_for_the_next_cut() {
+    let t = tap(0.0, 0.0, 2.0, -20.0, 1.0, 600.0);
+    let steps = steps_of(
+        planner_at(t.start, 2),
+        [
+            turn(600.0),
+            OpKind::Tap(t),
+            rapid(10.0, 0.0, -148.0),
+            OpKind::Tap(tap(10.0, 0.0, 2.0, -20.0, 1.0, 600.0)),
+            rapid(20.0, 0.0, -148.0),
+            line(20.0, 0.0, -150.0, 600.0),
+            OpKind::End,
+        ],
+    );
+    assert_eq!(
+        words(&steps),
+        "tap(-170) rapid(10,0,-148) tap(-170) turn(600) rapid(20,0,-148) await cut(20,0,-150) turn(0) end"
+    );
+}
+
+#[test]
+fn a_spindle_that_turns_is_stopped_and_awaited_before_a_tap() {
+    let t = tap(0.0, 0.0, 2.0, -20.0, 1.0, 600.0);
+    let steps = steps_of(
+        planner_at(t.start, 2),
+        [turn(600.0), OpKind::Dwell { time: Time::s(1.0) }, OpKind::Tap(t)],
+    );
+    assert_eq!(words(&steps), "turn(600) dwell(1) await turn(0) await tap(-170)");
+}
+
+#[test]
+fn a_tool_change_lifts_z_and_the_first_cut_brings_it_back() {
+    let steps = steps([
+        rapid(0.0, 0.0, -100.0),
+        turn(1000.0),
+        line(5.0, 0.0, -100.0, 600.0),
+        change(1),
+        rapid(50.0, 20.0, -100.0),
+        line(60.0, 20.0, -100.0, 600.0),
+    ]);
+    assert_eq!(
+        words(&steps),
+        "rapid(0,0,-100) turn(1000) await cut(5,0,-100) turn(0) rapid(5,0,0) await tool(1) \
+         rapid(50,20,0) rapid(50,20,-100) cut(60,20,-100)"
+    );
+}
+
+#[test]
+fn under_g64_only_the_last_cut_of_a_row_waits_until_in_position() {
+    let blend = OpKind::PathMode(PathMode::Blend { tolerance: None, merge: None });
+    let steps = steps([
+        blend,
+        turn(1000.0),
+        line(1.0, 0.0, 0.0, 600.0),
+        line(2.0, 0.0, 0.0, 600.0),
+        rapid(3.0, 0.0, 0.0),
+    ]);
+    assert_eq!(words(&steps), "turn(1000) await cut~(1,0,0) cut(2,0,0) rapid(3,0,0)");
+}
+
+#[test]
+fn steps_carry_the_index_and_line_of_their_op_and_a_step_of_no_length_is_none() {
+    let steps =
+        steps([rapid(0.0, 0.0, 0.0), rapid(1.0, 0.0, 0.0), OpKind::Dwell { time: Time::s(0.5) }]);
+    let places: Vec<_> = steps.iter().map(|s| (s.op, s.line)).collect();
+    assert_eq!(places, [(1, 2), (2, 3)]);
+}
+
+/// 100 mm at 6000 mm/min is 1 s; the ramps of 100 mm/s at 10 m/s², 500 m/s³ add v/a + a/j = 0.01 + 0.02 s (reached:
+/// v·j = 5e7 < a² = 1e8, so 2·√(v/j) = 0.02828 s).
+#[test]
+fn the_time_of_a_cut_is_its_closed_form() {
+    let mut planner = planner_at(Position::default(), 0);
+    for (i, op) in (0..).zip(&common::program([line(100.0, 0.0, 0.0, 6000.0)])) {
+        planner.push(i, op, &mut |_| {});
+    }
+    let expected = 1.0 + 2.0 * (100.0_f64 / 5e5).sqrt();
+    assert!((planner.duration().value() - expected).abs() < 1e-12, "{}", planner.duration());
+}
+
+/// 50 revolutions at 0.2 mm each: at 1000 rpm 3 s and a little for the ramps.
+#[test]
+fn a_feed_per_revolution_is_planned_over_revolutions() {
+    let feed = Feed::PerRevolution(Lead::mm_per_rev(0.2));
+    let steps = steps([turn(1000.0), OpKind::Line { to: Position::xyz(10.0, 0.0, 0.0), feed }]);
+    let StepKind::Move(m) = steps.last().unwrap().kind else { panic!("{}", words(&steps)) };
+    assert!(m.per_revolution);
+    assert!((m.profile.peak() - 0.2).abs() < 1e-12);
+    assert!(
+        m.profile.duration() > 50.0 && m.profile.duration() < 50.2,
+        "{} rev",
+        m.profile.duration()
+    );
+}
+
+#[test]
+fn an_inverse_time_move_lasts_as_long_as_programmed_unless_the_axes_are_slower() {
+    for (seconds, lasts) in [(2.0, 2.0), (0.11, 0.11)] {
+        let feed = Feed::Duration(Time::s(seconds));
+        let steps = steps([turn(1.0), OpKind::Line { to: Position::xyz(10.0, 0.0, 0.0), feed }]);
+        let StepKind::Move(m) = steps.last().unwrap().kind else { panic!("{}", words(&steps)) };
+        assert!((m.profile.duration() - lasts).abs() < 1e-9, "{} s", m.profile.duration());
+    }
+    let feed = Feed::Duration(Time::s(1e-6));
+    let steps = steps([turn(1.0), OpKind::Line { to: Position::xyz(10.0, 0.0, 0.0), feed }]);
+    let StepKind::Move(m) = steps.last().unwrap().kind else { panic!("{}", words(&steps)) };
+    assert!(m.profile.duration() > 0.05, "{} s", m.profile.duration());
+}
+
+#[test]
+fn drilling_and_tapping_a_hole_end_to_end() {
+    let steps = steps([
+        change(1),
+        turn(2000.0),
+        rapid(10.0, 10.0, -128.0),
+        hole(10.0, 10.0, -25.0),
+        line(10.0, 10.0, -155.0, 300.0),
+        rapid(10.0, 10.0, -128.0),
+        change(2),
+        turn(1000.0),
+        rapid(10.0, 10.0, -148.0),
+        OpKind::Tap(tap(10.0, 10.0, 2.0, -20.0, 1.0, 1000.0)),
+        OpKind::End,
+    ]);
+    assert_eq!(
+        words(&steps),
+        "tool(1) turn(2000) rapid(10,10,-128) await cut(10,10,-155) rapid(10,10,-128) \
+         turn(0) rapid(10,10,0) await tool(2) rapid(10,10,-148) tap(-170) end"
+    );
+}
