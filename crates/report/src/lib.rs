@@ -17,6 +17,7 @@ mod pictures;
 mod record;
 mod run;
 mod svg;
+mod thin;
 
 pub use page::html;
 pub use record::{Recorder, WORST_KEPT};

@@ -45,6 +45,7 @@ pub struct Recorder {
     pub(crate) taps: usize,
     periods: u64,
     tool: Option<u32>,
+    rapid: bool,
     previous: Option<(Time, Angle)>,
 }
 
@@ -52,7 +53,7 @@ impl Recorder {
     /// A recorder for a run with these tools: their lengths turn axis positions into those of the tip.
     pub fn new(tools: &ToolLibrary) -> Self {
         let lengths = tools.iter().map(|tool| (tool.number, tool.length)).collect();
-        Self { lengths, ..Self::default() }
+        Self { lengths, rapid: true, ..Self::default() }
     }
 
     /// Announce an operation, before the machine begins it. `index` counts from 0 in program order.
@@ -98,8 +99,20 @@ impl Recorder {
         let z = sample.axis(Axis::Z.index()) - length;
         let at =
             [sample.axis(Axis::X.index()).value(), sample.axis(Axis::Y.index()).value(), z.value()];
-        let rapid = sample.report.state == State::Rapid;
-        self.track.push(Point { at, rapid, lifted });
+        match sample.report.state {
+            State::Rapid => self.rapid = true,
+            State::Feed | State::TapIn | State::TapBottom | State::TapOut => self.rapid = false,
+            // standing still belongs to the move before it
+            State::Idle
+            | State::Dwell
+            | State::SpindleWait
+            | State::Settle
+            | State::ToolChange
+            | State::Paused
+            | State::Faulted
+            | State::Ended => {}
+        }
+        self.track.push(Point { at, rapid: self.rapid, lifted });
     }
 
     fn tapping(&mut self, sample: &Sample) {

@@ -1,13 +1,15 @@
 //! The tool's path in a fixed room: where the tip went, and whether it went there rapidly.
 //!
 //! ```text
-//!   kept ●───────────────● kept      a tube of ± tolerance is laid from the last kept point along
-//!          ·  ·   ·   ·     ╲        the direction in which the path leaves it; the last point
-//!        within the tube     ● kept  inside the tube is kept when the path leaves the tube
+//!   rapid ╲  ╱ rapid      kept are the ends of straight stretches, and the points where the way of
+//!          ╲╱             moving or the tool changes
+//!           │ feed
 //! ```
 //!
 //! When the room is full the tolerance is doubled and what was kept passes through the same sieve
 //! again: a short program is drawn to 20 µm, a long one as finely as the room allows.
+
+use crate::thin::Sieve;
 
 /// Points kept at most.
 const POINTS: usize = 20_000;
@@ -29,25 +31,16 @@ pub(crate) struct Point {
 #[derive(Clone, Debug)]
 pub(crate) struct Track {
     points: Vec<Point>,
-    /// The last point inside the tube.
+    /// The last point that a straight line may still pass.
     last: Option<Point>,
-    direction: Option<[f64; 3]>,
-    reach: f64,
+    sieve: Sieve,
     tolerance: f64,
 }
 
 impl Default for Track {
     fn default() -> Self {
-        Self { points: Vec::new(), last: None, direction: None, reach: 0.0, tolerance: FINEST }
+        Self { points: Vec::new(), last: None, sieve: Sieve::default(), tolerance: FINEST }
     }
-}
-
-fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 impl Track {
@@ -56,71 +49,44 @@ impl Track {
         if !point.at.iter().all(|v| v.is_finite()) {
             return;
         }
-        self.sieve(point);
+        self.take(point);
         if self.points.len() >= POINTS {
             self.coarsen();
         }
     }
 
-    fn sieve(&mut self, point: Point) {
-        let Some(anchor) = self.points.last().map(|p| p.at) else {
-            self.points.push(Point { lifted: true, ..point });
+    fn take(&mut self, point: Point) {
+        let lifted = point.lifted || self.points.is_empty();
+        let changed = self.last.is_some_and(|last| last.rapid != point.rapid);
+        if lifted {
+            self.keep_last();
+            self.keep(Point { lifted, ..point });
             return;
-        };
-        let changed = point.lifted || self.last.is_some_and(|last| last.rapid != point.rapid);
-        if changed {
-            self.keep_last();
         }
-        if point.lifted {
-            self.points.push(point);
-            self.direction = None;
-            self.reach = 0.0;
-        } else if changed || !self.inside(anchor, point.at) {
+        if changed || !self.sieve.passes(point.at, self.tolerance) {
             self.keep_last();
-            let anchor = self.points.last().map_or(point.at, |p| p.at);
-            self.lay_tube(minus(point.at, anchor));
-            self.last = Some(point);
-        } else {
-            self.last = Some(point);
+            self.sieve.passes(point.at, self.tolerance); // the first one always does
         }
+        self.last = Some(point);
     }
 
-    /// Whether a point lies in the tube that leaves the anchor; lays the tube if there is none yet.
-    fn inside(&mut self, anchor: [f64; 3], at: [f64; 3]) -> bool {
-        let away = minus(at, anchor);
-        let Some(direction) = self.direction else {
-            self.lay_tube(away);
-            return true;
-        };
-        let along = dot(away, direction);
-        let off_squared = dot(away, away) - along * along;
-        let inside =
-            off_squared <= self.tolerance * self.tolerance && along >= self.reach - self.tolerance;
-        self.reach = f64::max(self.reach, along);
-        inside
-    }
-
-    fn lay_tube(&mut self, away: [f64; 3]) {
-        let distance = dot(away, away).sqrt();
-        let far = distance > self.tolerance;
-        self.direction = far.then(|| away.map(|v| v / distance));
-        self.reach = if far { distance } else { 0.0 };
+    fn keep(&mut self, point: Point) {
+        self.points.push(point);
+        self.sieve.begin(point.at);
     }
 
     fn keep_last(&mut self) {
-        self.points.extend(self.last.take());
-        self.direction = None;
-        self.reach = 0.0;
+        if let Some(last) = self.last.take() {
+            self.keep(last);
+        }
     }
 
     fn coarsen(&mut self) {
         let last = self.last.take();
         let points = std::mem::take(&mut self.points);
         self.tolerance *= 2.0;
-        self.direction = None;
-        self.reach = 0.0;
         for &point in &points {
-            self.sieve(point);
+            self.take(point);
         }
         self.keep_last();
         if self.points.len() > POINTS * 3 / 4 {
@@ -130,9 +96,11 @@ impl Track {
                 Point { lifted, ..pair[pair.len() - 1] }
             });
             self.points = pairs.collect();
+            let anchor = self.points[self.points.len() - 1].at; // it is far from empty
+            self.sieve.begin(anchor);
         }
         if let Some(last) = last {
-            self.sieve(last);
+            self.take(last);
         }
     }
 

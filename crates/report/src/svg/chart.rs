@@ -299,7 +299,7 @@ impl Chart {
         let mut labels = String::new();
         let floor = self.height - BOTTOM;
         let most_x = ((self.width - LEFT - RIGHT) / 62.0) as usize;
-        let most_y = (((self.height - TOP - BOTTOM) / 30.0) as usize).max(2);
+        let most_y = (((self.height - TOP - BOTTOM) / 30.0) as usize).max(5);
         let x = ticks(self.x.from, self.x.to, most_x);
         for &value in &x.values {
             let at = self.place((value, 0.0)).0;

@@ -164,11 +164,14 @@ fn speeds(turns: f64) -> impl Fn(f64) -> f64 {
         let accel = 0.85 * torque / (TAU * INERTIA);
         run_up.push((v * v + 2.0 * accel * step).sqrt().min(100.0));
     }
-    move |u: f64| {
-        let i = (u.clamp(0.0, turns) / step) as usize;
-        let j = ((turns - u).clamp(0.0, turns) / step) as usize;
-        run_up[i.min(steps as usize)].min(run_up[j.min(steps as usize)]).max(0.4)
-    }
+    let at = move |u: f64| {
+        let place = u.clamp(0.0, turns) / step;
+        let i = (place as usize).min(steps as usize - 1);
+        // v² is straight over the turns at constant acceleration
+        let (a, b) = (run_up[i].powi(2), run_up[i + 1].powi(2));
+        (a + (b - a) * (place - i as f64)).sqrt()
+    };
+    move |u: f64| at(u).min(at(turns - u)).max(0.4)
 }
 
 /// The axis' error, µm, after some turns.
