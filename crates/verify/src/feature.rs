@@ -195,7 +195,7 @@ pub struct Thread {
     pub sync_error_rms: Length,
     /// Depth of the tip at which `sync_error_max` occurred.
     pub sync_error_depth: Length,
-    /// Largest cumulative pitch error |ΔPn| between two places within the engagement length.
+    /// Largest cumulative pitch error between two places within the engagement length.
     pub lead_error: Length,
     /// How much wider, axially, the widest groove place is than the tap's tooth.
     pub groove_widening: Length,

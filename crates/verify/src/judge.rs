@@ -1,31 +1,177 @@
 //! The judge: takes ops and recorded samples in order, gives features.
-use crate::{Config, Feature};
+//!
+//! ```text
+//!   op(i)      ─► queue of what will be cut: ops first .. end, line, tool ordered
+//!   sample     ─► report.op before `first` of the queue's front: nothing is cut, return at once
+//!                 within first .. end: the front's track follows the edges
+//!                 at or past `end`: measure, judge, next
+//!   finish     ─► what is left in the queue was not cut to its end
+//! ```
+//!
+//! A sample between features costs a comparison; within one, memory is bounded by the bins of its depth.
+use crate::Config;
+use crate::feature::Feature;
+use crate::hole::{Drilled, HoleTrack};
+use crate::stroke::Stroke;
+use crate::thread::ThreadTrack;
 use bus::Sample;
-use canon::Op;
+use canon::{Hole, Op, OpKind, Span, Tap, Tool};
+use std::collections::VecDeque;
+use units::Time;
 
 /// Judges a workpiece from recorded motion.
 #[derive(Debug)]
 pub struct Judge {
-    #[allow(dead_code)] // read by the tracks
     config: Config,
+    /// Ordered and not yet judged, in order; the front is being cut once `track` is there.
+    orders: VecDeque<Order>,
+    track: Option<Track>,
+    /// The tool that the ops so far have put into the spindle.
+    tool_ordered: Option<u32>,
+    drilled: Vec<Drilled>,
     features: Vec<Feature>,
+    now: Time,
+}
+
+/// One feature that the program orders.
+#[derive(Clone, Debug)]
+struct Order {
+    first: u32,
+    /// First op that is no longer part of it; `None` while that is not known.
+    end: Option<u32>,
+    span: Span,
+    tool: Option<u32>,
+    what: What,
+}
+
+#[derive(Clone, Debug)]
+enum What {
+    Hole(Hole),
+    Tap(Tap),
+}
+
+#[derive(Debug)]
+enum Track {
+    Hole { track: HoleTrack, tool: Option<u32> },
+    Thread(Box<ThreadTrack>),
 }
 
 impl Judge {
     /// A judge who has seen nothing yet.
     pub fn new(config: Config) -> Self {
-        Self { config, features: Vec::new() }
+        Self {
+            config,
+            orders: VecDeque::new(),
+            track: None,
+            tool_ordered: None,
+            drilled: Vec::new(),
+            features: Vec::new(),
+            now: Time::ZERO,
+        }
     }
 
     /// What the program orders: each op once, in order, before its samples arrive.
-    pub fn op(&mut self, _index: u32, _op: &Op) {}
+    pub fn op(&mut self, index: u32, op: &Op) {
+        if let Some(open) = self.orders.back_mut().filter(|order| order.end.is_none()) {
+            let starts_another =
+                matches!(op.kind, OpKind::Hole(_) | OpKind::Tap(_) | OpKind::ChangeTool { .. });
+            if starts_another || op.span != open.span {
+                open.end = Some(index);
+            }
+        }
+        let (what, end) = match &op.kind {
+            OpKind::Hole(hole) => (What::Hole(*hole), None),
+            OpKind::Tap(tap) => (What::Tap(*tap), Some(index + 1)),
+            OpKind::ChangeTool { number } => {
+                self.tool_ordered = (*number != 0).then_some(*number);
+                return;
+            }
+            _ => return,
+        };
+        self.orders.push_back(Order {
+            first: index,
+            end,
+            span: op.span,
+            tool: self.tool_ordered,
+            what,
+        });
+    }
 
     /// What happened: every servo period, in order.
-    pub fn sample(&mut self, _sample: &Sample) {}
+    pub fn sample(&mut self, sample: &Sample) {
+        self.now = sample.feedback.time;
+        let op = sample.report.op;
+        while let Some(order) = self.orders.front() {
+            if op < order.first {
+                return;
+            }
+            if order.end.is_none_or(|end| op < end) {
+                break;
+            }
+            self.close();
+        }
+        let Some(order) = self.orders.front() else { return };
+        let config = &self.config;
+        let track = self
+            .track
+            .get_or_insert_with(|| Track::new(order, sample.feedback.tool.or(order.tool), config));
+        match track {
+            Track::Hole { track, .. } => track.sample(sample),
+            Track::Thread(track) => track.sample(sample),
+        }
+    }
 
-    /// The features, in the order cut.
+    /// The features judged so far, for a progress display.
+    pub fn features(&self) -> &[Feature] {
+        &self.features
+    }
+
+    /// The features, in the order cut. What was ordered and never cut is there too, failed.
     #[must_use]
-    pub fn finish(self) -> Vec<Feature> {
+    pub fn finish(mut self) -> Vec<Feature> {
+        while !self.orders.is_empty() {
+            self.close();
+        }
         self.features
+    }
+
+    /// Judge the front of the queue.
+    fn close(&mut self) {
+        let Some(order) = self.orders.pop_front() else { return };
+        let track =
+            self.track.take().unwrap_or_else(|| Track::new(&order, order.tool, &self.config));
+        let (op, line) = (order.first, order.span.line);
+        match track {
+            Track::Thread(track) => {
+                self.features.push(track.finish(op, line, self.now, &self.config, &self.drilled));
+            }
+            Track::Hole { track, tool } => {
+                let with = (tool, tool.and_then(|number| self.config.tools.get(number)));
+                if let Some((feature, drilled)) =
+                    track.finish(op, line, with, self.now, &self.config)
+                {
+                    self.features.push(feature);
+                    self.drilled.extend(drilled);
+                }
+            }
+        }
+    }
+}
+
+impl Track {
+    fn new(order: &Order, number: Option<u32>, config: &Config) -> Self {
+        let tool: Option<&Tool> = number.and_then(|number| config.tools.get(number));
+        let stroke = match &order.what {
+            What::Hole(hole) => Stroke::new(hole.axis, &hole.at, hole.surface, hole.bottom),
+            What::Tap(tap) => Stroke::new(tap.axis, &tap.start, tap.surface, tap.bottom),
+        };
+        let stroke = match (config.stock_top, tool) {
+            (Some(top), Some(tool)) => stroke.with_stock_top(top, tool.length),
+            _ => stroke,
+        };
+        match &order.what {
+            What::Hole(_) => Self::Hole { track: HoleTrack::new(stroke), tool: number },
+            What::Tap(tap) => Self::Thread(Box::new(ThreadTrack::new(tap, number, tool, stroke))),
+        }
     }
 }

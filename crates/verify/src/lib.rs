@@ -13,9 +13,19 @@
 mod class;
 mod config;
 mod feature;
+mod gauge;
+mod groove;
+mod hole;
 mod judge;
+mod size;
+mod stroke;
+mod thread;
+mod tolerance;
 
 pub use class::{Family, ThreadClass, UnknownClass};
 pub use config::{Config, Material, Tolerances};
 pub use feature::{Feature, FeatureKind, Gauge, Hand, Hole, ProfilePoint, Thread, Verdict};
+pub use gauge::{CutThread, Gauged};
 pub use judge::Judge;
+pub use size::{ThreadSize, UnknownSize};
+pub use tolerance::Limits;

@@ -1,0 +1,137 @@
+//! A hole, from the tip's path while its op was in force.
+//!
+//! ```text
+//!   surface ──┬───────────┬──    depth: deepest tip
+//!             │     D     │      full-diameter depth = depth − point
+//!             │           │      point of a drill = D/2 / tan(point angle / 2): 0.30·D at 118°
+//!             └─╲       ╱─┘
+//!                 ╲   ╱          a spot drill leaves the cone alone: its diameter at the surface
+//!                   V            is 2·depth·tan(point angle / 2), at most D
+//! ```
+use crate::Config;
+use crate::feature::{Feature, FeatureKind, Hole, Verdict};
+use crate::stroke::{Stroke, Visit};
+use bus::Sample;
+use canon::{Tool, ToolKind};
+use units::{Angle, Length, Time};
+
+/// Follows one hole.
+#[derive(Clone, Debug)]
+pub(crate) struct HoleTrack {
+    stroke: Stroke,
+    visit: Visit,
+}
+
+/// What a tap that comes later wants to know of a hole: where it is, how wide, how deep.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Drilled {
+    /// Across the tool.
+    pub(crate) at: [Length; 2],
+    /// Of the drill.
+    pub(crate) diameter: Length,
+    /// Coordinate of the *tip* to which the diameter is full.
+    pub(crate) bottom_mm: f64,
+}
+
+impl HoleTrack {
+    pub(crate) fn new(stroke: Stroke) -> Self {
+        Self { stroke, visit: Visit::new() }
+    }
+
+    pub(crate) fn sample(&mut self, sample: &Sample) {
+        let depth_mm = self.stroke.depth_mm(self.stroke.edge_mm(sample));
+        self.visit.sample(&self.stroke, sample, depth_mm);
+    }
+
+    /// Measure and judge. `None` for a tool that makes no feature.
+    pub(crate) fn finish(
+        &self,
+        op: u32,
+        line: u32,
+        tool: (Option<u32>, Option<&Tool>),
+        now: Time,
+        config: &Config,
+    ) -> Option<(Feature, Option<Drilled>)> {
+        let depth_mm = self.visit.deepest_mm.max(0.0);
+        let mut findings = Vec::new();
+        let (diameter_mm, point_mm) = match tool.1.map(|t| (&t.kind, t.diameter.value())) {
+            Some((ToolKind::Drill { point_angle }, d)) => (d, point_mm(d, *point_angle)),
+            Some((ToolKind::SpotDrill { point_angle }, d)) => {
+                (d.min(2.0 * depth_mm * half_tangent(*point_angle)), depth_mm)
+            }
+            Some((ToolKind::EndMill, d)) => (d, 0.0),
+            Some((ToolKind::Tap(_), d)) => {
+                findings.push("a tap was used as a drill".into());
+                (d, 0.0)
+            }
+            Some((ToolKind::Other, _)) => return None,
+            None => {
+                findings.push(match tool.0 {
+                    Some(number) => format!("T{number} is not in the tool table"),
+                    None => "there was no tool in the spindle".into(),
+                });
+                (0.0, 0.0)
+            }
+        };
+        findings.extend(self.visit.findings(&self.stroke, config.tolerances.position));
+        let depth_error = Length::mm(depth_mm - self.stroke.programmed_mm);
+        let allowed = config.tolerances.hole_depth;
+        if self.visit.times_s.is_some() && depth_error.abs() > allowed {
+            let word = if depth_error > Length::ZERO { "deep" } else { "shallow" };
+            findings.push(format!(
+                "{:.0} µm too {word}: {depth_mm:.3} mm instead of {:.3} mm, {:.0} µm allowed",
+                depth_error.abs().in_um(),
+                self.stroke.programmed_mm,
+                allowed.in_um()
+            ));
+        }
+        let [x, y] = self.visit.position(&self.stroke);
+        let hole = Hole {
+            x,
+            y,
+            depth: Length::mm(depth_mm),
+            full_diameter_depth: Length::mm((depth_mm - point_mm).max(0.0)),
+            depth_error,
+            position_error: self.visit.position_error(),
+            diameter: Length::mm(diameter_mm),
+        };
+        let drilled =
+            tool.1.filter(|t| matches!(t.kind, ToolKind::Drill { .. } | ToolKind::EndMill));
+        let drilled = drilled.filter(|_| self.visit.times_s.is_some()).map(|tool| Drilled {
+            at: [x, y],
+            diameter: hole.diameter,
+            bottom_mm: self.stroke.coordinate_mm(hole.full_diameter_depth.value())
+                - tool.length.value(),
+        });
+        let [time, duration] = times(&self.visit, now);
+        let verdict = Verdict::from_findings(&findings);
+        let kind = FeatureKind::Hole(hole);
+        Some((Feature { op, line, tool: tool.0, time, duration, verdict, kind }, drilled))
+    }
+}
+
+/// When the tool entered and how long it stayed.
+pub(crate) fn times(visit: &Visit, now: Time) -> [Time; 2] {
+    visit.times_s.map_or([now, Time::ZERO], |[first, last]| [Time::s(first), Time::s(last - first)])
+}
+
+/// tan(α/2), held away from the flat drill that would have no point and the needle without width.
+fn half_tangent(point_angle: Angle) -> f64 {
+    (point_angle.in_rad() / 2.0).clamp(0.01, 1.57).tan()
+}
+
+/// Length of a drill's point.
+fn point_mm(diameter_mm: f64, point_angle: Angle) -> f64 {
+    diameter_mm / 2.0 / half_tangent(point_angle)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_point_of_a_118_degree_drill_is_three_tenths_of_its_diameter() {
+        assert!((point_mm(5.0, Angle::deg(118.0)) - 1.502).abs() < 0.001);
+        assert!(point_mm(5.0, Angle::deg(180.0)) < 0.005, "a flat drill has none");
+    }
+}

@@ -1,0 +1,148 @@
+//! Holes judged from synthetic records.
+mod common;
+use canon::{Op, OpKind, Tool, ToolKind, ToolLibrary};
+use common::{drill, drilling, hole_ops};
+use units::{Angle, Length};
+use verify::{Config, Feature, FeatureKind, Hole, Judge};
+
+fn tools() -> ToolLibrary {
+    let spot = ToolKind::SpotDrill { point_angle: Angle::deg(90.0) };
+    ToolLibrary::new([
+        drill(1, 5.0),
+        Tool { kind: spot, ..drill(2, 10.0) },
+        Tool { kind: ToolKind::Other, ..drill(3, 8.0) },
+    ])
+}
+
+fn cut(
+    tool: u32,
+    at_mm: [f64; 2],
+    programmed_mm: f64,
+    depth_mm: f64,
+    config: Config,
+) -> Vec<Feature> {
+    let mut judge = Judge::new(config);
+    let programmed_at = [30.0, 20.0];
+    for (index, op) in hole_ops(7, programmed_at, programmed_mm).iter().enumerate() {
+        judge.op(index as u32, op);
+    }
+    for sample in drilling(0, tool, at_mm, depth_mm) {
+        judge.sample(&sample);
+    }
+    judge.finish()
+}
+
+fn one(tool: u32, at_mm: [f64; 2], depth_mm: f64) -> (Feature, Hole) {
+    let feature = cut(tool, at_mm, 12.0, depth_mm, Config::new(tools())).remove(0);
+    let FeatureKind::Hole(hole) = feature.kind.clone() else { panic!("{feature:?}") };
+    (feature, hole)
+}
+
+fn near(found: Length, expected_mm: f64) {
+    assert!((found.value() - expected_mm).abs() < 1e-3, "expected {expected_mm}, found {found}");
+}
+
+#[test]
+fn a_hole_is_as_deep_as_its_tip_went_and_full_down_to_the_point() {
+    let (feature, hole) = one(1, [30.0, 20.0], 12.0);
+    assert!(feature.verdict.is_pass(), "{:?}", feature.verdict);
+    assert_eq!((feature.kind_name(), feature.line, feature.tool), ("hole", 7, Some(1)));
+    near(hole.depth, 12.0);
+    near(hole.full_diameter_depth, 12.0 - 2.5 / 59.0_f64.to_radians().tan());
+    near(hole.diameter, 5.0);
+    near(hole.position_error, 0.0);
+}
+
+#[test]
+fn too_deep_and_too_shallow_say_by_how_much() {
+    assert!(one(1, [30.0, 20.0], 12.04).0.verdict.is_pass());
+    let (deep, hole) = one(1, [30.0, 20.0], 12.08);
+    near(hole.depth_error, 0.08);
+    assert_eq!(
+        deep.verdict.reason().unwrap(),
+        "80 µm too deep: 12.080 mm instead of 12.000 mm, 50 µm allowed"
+    );
+    let (shallow, _) = one(1, [30.0, 20.0], 11.8);
+    assert!(shallow.verdict.reason().unwrap().starts_with("200 µm too shallow"));
+}
+
+#[test]
+fn a_hole_beside_its_place_fails_by_the_distance() {
+    let (feature, hole) = one(1, [30.06, 20.08], 12.0);
+    near(hole.position_error, 0.1);
+    near(hole.x, 30.06);
+    assert_eq!(feature.verdict.reason().unwrap(), "100 µm off its position, 50 µm allowed");
+}
+
+#[test]
+fn a_spot_drill_leaves_a_cone_as_wide_as_twice_its_depth() {
+    let mut features = cut(2, [30.0, 20.0], 1.5, 1.5, Config::new(tools()));
+    let FeatureKind::Hole(hole) = features.remove(0).kind else { panic!("a hole") };
+    near(hole.diameter, 3.0);
+    near(hole.full_diameter_depth, 0.0);
+}
+
+#[test]
+fn a_tool_that_makes_no_feature_is_not_judged() {
+    assert!(cut(3, [30.0, 20.0], 12.0, 12.0, Config::new(tools())).is_empty());
+}
+
+#[test]
+fn a_hole_that_was_never_reached_says_how_near_the_tip_came() {
+    let (feature, _) = one(1, [30.0, 20.0], -0.5);
+    assert_eq!(
+        feature.verdict.reason().unwrap(),
+        "never cut: the tip came no nearer than 0.500 mm to the surface"
+    );
+}
+
+#[test]
+fn against_the_real_stock_a_forgotten_length_offset_is_found() {
+    // tip on the stock's top: axis −50 less the tool's 100 mm
+    let on = |top_mm| Config { stock_top: Some(Length::mm(top_mm)), ..Config::new(tools()) };
+    assert!(cut(1, [30.0, 20.0], 12.0, 12.0, on(-150.0))[0].verdict.is_pass());
+    let wrong = cut(1, [30.0, 20.0], 12.0, 12.0, on(-149.0));
+    assert!(wrong[0].verdict.reason().unwrap().starts_with("1000 µm too deep"), "{:?}", wrong[0]);
+}
+
+#[test]
+fn the_moves_of_the_next_block_are_no_part_of_a_hole() {
+    let mut judge = Judge::new(Config::new(tools()));
+    let ops = hole_ops(7, [30.0, 20.0], 12.0);
+    for (index, op) in ops.iter().enumerate() {
+        judge.op(index as u32, op);
+    }
+    judge.op(3, &Op { span: common::span(8), kind: OpKind::End });
+    for sample in drilling(0, 1, [30.0, 20.0], 12.0) {
+        judge.sample(&sample);
+    }
+    // line 8 goes far deeper, elsewhere
+    for mut sample in drilling(0, 1, [90.0, 20.0], 30.0) {
+        sample.report.op = 3;
+        judge.sample(&sample);
+    }
+    assert_eq!(judge.features().len(), 1, "judged as soon as its block is over");
+    assert!(judge.finish()[0].verdict.is_pass());
+}
+
+#[test]
+fn a_block_that_repeats_makes_one_hole_each_time() {
+    let mut judge = Judge::new(Config::new(tools()));
+    let places = [[30.0, 20.0], [40.0, 20.0], [50.0, 20.0]];
+    for (k, at) in places.into_iter().enumerate() {
+        for (index, op) in hole_ops(7, at, 12.0).iter().enumerate() {
+            judge.op((3 * k + index) as u32, op);
+        }
+    }
+    for (k, at) in places.into_iter().enumerate() {
+        for sample in drilling(3 * k as u32, 1, at, 12.0) {
+            judge.sample(&sample);
+        }
+    }
+    let features = judge.finish();
+    assert_eq!(features.len(), 3);
+    for (feature, at) in features.iter().zip(places) {
+        assert!(feature.verdict.is_pass(), "{:?}", feature.verdict);
+        near(feature.position()[0], at[0]);
+    }
+}
