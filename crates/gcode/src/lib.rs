@@ -33,6 +33,7 @@ mod o_word;
 mod parser;
 mod print;
 mod problem;
+mod same;
 mod value;
 
 pub use block::{Assignment, Block, Comment, CommentKind, Keyword, Label, OWord, Text, Word};

@@ -83,6 +83,34 @@ impl<'a> Parser<'a> {
         true
     }
 
+    /// Reads on to the next line with an O-word; false if there is none. The lines between are
+    /// only counted: what is wrong in them stays unsaid until they are read.
+    pub fn next_o_word(&mut self, block: &mut Block) -> bool {
+        loop {
+            let rest = self.source.get(self.offset..).unwrap_or_default();
+            let Some(at) = memchr::memchr2(b'o', b'O', rest) else {
+                self.line += memchr::memchr_iter(b'\n', rest).count() as u32;
+                self.offset = self.source.len();
+                block.clear();
+                return false;
+            };
+            let passed = &rest[..at];
+            self.line += memchr::memchr_iter(b'\n', passed).count() as u32;
+            let begin = memchr::memrchr(b'\n', passed).map_or(0, |newline| newline + 1);
+            self.offset += begin;
+            if begins_o_word(&passed[begin..]) {
+                if self.next(block) && block.o.is_some() {
+                    return true;
+                }
+            } else {
+                // some other O: past its line
+                let length = memchr::memchr(b'\n', &rest[at..]);
+                self.line += u32::from(length.is_some());
+                self.offset += length.map_or(rest.len(), |length| at + length + 1) - begin;
+            }
+        }
+    }
+
     /// Goes to the line that begins at byte `offset` and has the number `line`: a block's
     /// `span.start` and `span.line`, or what [`Parser::position`] said.
     pub fn seek(&mut self, offset: u32, line: u32) {
@@ -115,7 +143,7 @@ impl<'a> Parser<'a> {
         block.span = place;
         if text.len() > MAX_LINE_BYTES {
             block.faulty = true;
-            let fault = Fault { problem: Problem::LineTooLong, from: 0, to: MAX_LINE_BYTES };
+            let fault = Fault { problem: Problem::LineTooLong, from: 0, to: 1 };
             return self.fault(fault, &text[..MAX_LINE_BYTES], place);
         }
         let mut line = Line { text, at: 0, end: 0, place, block, nodes_before: 0, remark: None };
@@ -150,11 +178,11 @@ impl<'a> Parser<'a> {
             Problem::WordExpected if odd => Problem::NotText,
             problem => problem,
         };
-        let span = Span {
-            start: place.start + fault.from as u32,
-            end: place.start + fault.to as u32,
-            ..place
-        };
+        // whole characters: who draws the line cannot cut one
+        let continued = |byte: &&u8| (0x80..0xC0).contains(*byte);
+        let to = fault.to + text[fault.to..].iter().take(3).take_while(continued).count();
+        let start = place.start + fault.from as u32;
+        let span = Span { start, end: place.start + to as u32, ..place };
         self.report(problem, text, fault.from, span);
     }
 
@@ -252,7 +280,7 @@ impl Line<'_, '_> {
     fn word_value(&mut self, letter: u8) -> Read<Value> {
         let at = self.at;
         match self.whole_value() {
-            Err(Fault { problem: Problem::UnknownFunction, .. }) => {
+            Err(Fault { problem: Problem::UnknownFunction, from, .. }) if from == at => {
                 self.at = at;
                 self.fault_here(Problem::NumberAfter(letter))
             }
@@ -283,4 +311,10 @@ impl Line<'_, '_> {
             }
         }
     }
+}
+
+/// Whether an O after this beginning of a line is an O-word: blanks, block delete and N before it.
+fn begins_o_word(before: &[u8]) -> bool {
+    let before = before.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(before);
+    before.iter().all(|b| matches!(b, b' ' | b'\t' | b'/' | b'n' | b'N' | b'.' | b'0'..=b'9'))
 }

@@ -3,7 +3,7 @@
 //! A problem is small and carries no text while it travels up through the parser; the sentence is
 //! made once, here, from the line it was found in. Codes are stable: people search for them.
 
-use crate::{MAX_DIAGNOSTICS, MAX_LINE_BYTES, MAX_NESTING, MAX_OPERATIONS};
+use crate::{MAX_LINE_BYTES, MAX_NESTING, MAX_OPERATIONS};
 use diag::{Diagnostic, Span};
 
 /// One kind of problem.
@@ -177,7 +177,7 @@ impl Problem {
                 "this comment is not UTF-8: its other characters are shown as \u{fffd}".into()
             }
             Self::FileTooLong => "expected a file of less than 4 GiB: this one is longer".into(),
-            Self::More(count) => format!("and {count} more; the first {MAX_DIAGNOSTICS} are shown"),
+            Self::More(count) => format!("and {count} more, like these"),
         }
     }
 
