@@ -26,7 +26,7 @@
 //! guideway's own friction holds the axis.
 //!
 //! Source: the two-mass model is that of any text on feed drives, e.g. Altintas, *Manufacturing
-//! Automation*, 2nd ed. 2012, ch. 5; LuGre as in [`crate::Lugre`].
+//! Automation*, 2nd ed. 2012, ch. 5; friction as in [`crate::Lugre`].
 use crate::encoder::quantise;
 use crate::friction::Guideway;
 use crate::lag::Lag;
@@ -99,6 +99,7 @@ pub(crate) struct Axis {
     screw_lead_mm: f64,
     lag: Lag,
     guideway: Guideway,
+    process: f64,
     reference: f64,
     on: bool,
     force: f64,
@@ -141,6 +142,7 @@ impl Axis {
             screw_lead_mm: model.screw_lead.value(),
             lag: Lag::new(model.force_lag.value(), h),
             guideway: Guideway::new(&model.friction, friction_scale, h),
+            process: 0.0,
             reference: 0.0,
             on: false,
             force: 0.0,
@@ -159,9 +161,15 @@ impl Axis {
             if self.on { wanted.max(-self.peak_force).min(self.peak_force) } else { 0.0 };
     }
 
-    /// One physics step, `process` N pushing the table.
+    /// The process pushes the table with so many newtons from here on.
     #[inline]
-    pub(crate) fn step(&mut self, process: f64) {
+    pub(crate) const fn push(&mut self, process: f64) {
+        self.process = process;
+    }
+
+    /// One physics step.
+    #[inline]
+    pub(crate) fn step(&mut self) {
         let drive = self.lag.step(&mut self.force, self.reference);
         self.motor.x += self.half_step * self.motor.v;
         self.table.x += self.half_step * self.table.v;
@@ -170,7 +178,7 @@ impl Axis {
         let spring = self.stiffness * beyond_play + self.damping * (self.motor.v - self.table.v);
         let friction = self.guideway.step(&mut self.bristles, self.table.v);
         self.motor.v += self.motor_rate * (drive - spring);
-        self.table.v += self.table_rate * (spring - friction + process + self.weight);
+        self.table.v += self.table_rate * (spring - friction + self.process + self.weight);
         if self.brake && !self.on {
             self.motor.v = 0.0; // a brake holds more than the motor: it does not slip
         }
@@ -193,6 +201,12 @@ impl Axis {
     /// Where the table really is.
     pub(crate) fn position(&self) -> Length {
         Length::mm(self.table.x * 1e3)
+    }
+
+    /// Table position, mm.
+    #[inline]
+    pub(crate) const fn table_mm(&self) -> f64 {
+        self.table.x * 1e3
     }
 
     /// Force of the drive.
@@ -236,7 +250,7 @@ mod tests {
         // zero crossings of the stretch, each found by interpolation, over one second less decay
         let (mut crossings, mut last) = (Vec::new(), axis.motor.x - axis.table.x);
         for i in 1..2_000 {
-            axis.step(0.0);
+            axis.step();
             let now = axis.motor.x - axis.table.x;
             if last * now < 0.0 {
                 crossings.push(H * (f64::from(i) - now / (now - last)));
@@ -258,7 +272,7 @@ mod tests {
         axis.table.x += 10e-6;
         let (mut peaks, mut last, mut rising) = (Vec::new(), 0.0, false);
         for _ in 0..4_000 {
-            axis.step(0.0);
+            axis.step();
             let now = axis.motor.x - axis.table.x;
             if rising && now < last {
                 peaks.push(last);
@@ -277,7 +291,7 @@ mod tests {
         let mut axis = axis(&model);
         axis.obey(&on(10_000.0));
         for _ in 0..4000 {
-            axis.step(0.0);
+            axis.step();
         }
         let (mm, mt) = (model.motor_mass().value(), model.table.value());
         let centre = (mm * axis.motor.x + mt * axis.table.x) / (mm + mt);
@@ -295,11 +309,11 @@ mod tests {
             while (axis.motor.x - target).abs() > 1e-9 {
                 axis.motor.v = 0.5e-3 * (target - axis.motor.x).signum();
                 axis.motor_rate = 0.0;
-                axis.step(0.0);
+                axis.step();
             }
             for _ in 0..20_000 {
                 axis.motor.v = 0.0;
-                axis.step(0.0);
+                axis.step();
             }
             axis.motor.x - axis.table.x
         };
@@ -322,7 +336,8 @@ mod tests {
         let mut push = 0.0;
         while axis.table.v < 1e-3 {
             push += 50.0 * H; // 50 N/s
-            axis.step(push);
+            axis.push(push);
+            axis.step();
             assert!(push < 1000.0, "never broke away");
         }
         let exact = model.friction.breakaway.value();
@@ -335,8 +350,8 @@ mod tests {
         let mut falling = axis(&bare);
         let mut held = axis(&AxisModel { brake: true, ..bare });
         for _ in 0..8000 {
-            falling.step(0.0);
-            held.step(0.0);
+            falling.step();
+            held.step();
         }
         assert!(falling.table.x < -5e-3, "{}", falling.table.x);
         assert!(held.table.x.abs() < 1e-9, "{}", held.table.x); // the screw carries it from the start
@@ -352,9 +367,9 @@ mod tests {
         for i in 0..8000 {
             axis.obey(&on(8000.0 * (f64::from(i) * h * 60.0).sin()));
             let (before, bent) = (axis.clone(), axis.bristles);
-            axis.step(0.0);
-            let vm = (before.motor.v + axis.motor.v) / 2.0;
-            let vt = (before.table.v + axis.table.v) / 2.0;
+            axis.step();
+            let vm = f64::midpoint(before.motor.v, axis.motor.v);
+            let vt = f64::midpoint(before.table.v, axis.table.v);
             work += axis.reference * vm * h;
             damped += axis.damping * (before.motor.v - before.table.v) * (vm - vt) * h;
             let mut z = bent;
@@ -362,7 +377,7 @@ mod tests {
         }
         let stretch = axis.motor.x - axis.table.x;
         let beyond = stretch - stretch.clamp(-axis.half_play, axis.half_play);
-        let kinetic = (mm * axis.motor.v.powi(2) + mt * axis.table.v.powi(2)) / 2.0;
+        let kinetic = 0.5 * (mm * axis.motor.v.powi(2) + mt * axis.table.v.powi(2));
         let stored = kinetic + axis.stiffness * beyond.powi(2) / 2.0;
         let balance = work - damped - rubbed - stored;
         assert!(rubbed > 1.0 && damped > 0.0, "{rubbed} J, {damped} J");
@@ -376,11 +391,11 @@ mod tests {
     fn the_drive_gives_no_more_than_its_peak() {
         let mut axis = axis(&z_axis());
         axis.obey(&on(1e9));
-        axis.step(0.0);
+        axis.step();
         let peak = 60.0 * TAU / 0.016;
         assert!((axis.drive_force().value() - peak).abs() < 1e-6, "{}", axis.drive_force());
         axis.obey(&on(f64::NAN));
-        axis.step(0.0);
+        axis.step();
         assert_eq!(axis.drive_force(), Force::ZERO);
     }
 }

@@ -129,6 +129,11 @@ impl Config {
         if let Some(thickness) = stock.thickness {
             need.positive("thickness", thickness.value(), "mm");
         }
+        if let Some(s) = stock.sides {
+            let (x, y) = (s.x_to - s.x_from, s.y_to - s.y_from);
+            need.positive("extent in X", x.value(), "mm");
+            need.positive("extent in Y", y.value(), "mm");
+        }
         for hole in &stock.holes {
             need.finite("hole's x", hole.x.value(), "mm");
             need.finite("hole's y", hole.y.value(), "mm");

@@ -16,13 +16,17 @@
 mod axis;
 mod changer;
 mod config;
+mod cutting;
+mod drilling;
 mod encoder;
 mod friction;
 mod lag;
 mod machine;
 pub mod oracle;
 mod rng;
+mod seat;
 mod spindle;
+mod tapping;
 mod tool;
 mod work;
 
@@ -33,7 +37,7 @@ pub use friction::Lugre;
 pub use machine::SimulatedMachine;
 pub use spindle::SpindleModel;
 pub use tool::{HOLDER_STOP, Holder, Tap, Tool, ToolKind};
-pub use work::{Bore, Hole, MATERIALS, Material, SAME_HOLE, Stock, Thread};
+pub use work::{Bore, Hole, MATERIALS, Material, SAME_HOLE, Sides, Stock, Thread};
 
 #[cfg(test)]
 extern crate self as sim;

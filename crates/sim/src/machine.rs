@@ -11,11 +11,14 @@
 //! draws a number that the seed does not determine.
 use crate::axis::Axis;
 use crate::changer::Changer;
+use crate::cutting::Cutting;
 use crate::rng::Rng;
 use crate::spindle::Spindle;
+use crate::tapping::Load;
 use crate::{Config, Hole};
 use bus::{Command, Feedback, Truth};
-use units::{Spin, Time};
+use core::f64::consts::TAU;
+use units::{Angle, Force, Length, Spin, Time, Torque};
 
 /// A machine made of equations.
 #[derive(Clone, Debug)]
@@ -29,6 +32,9 @@ pub struct SimulatedMachine {
     axes: Vec<Axis>,
     spindles: Vec<Spindle>,
     changer: Changer,
+    cutting: Option<Cutting>,
+    /// Where X, Y and Z are among `axes`.
+    x_y_z: [Option<usize>; 3],
     feedback: Feedback,
     truth: Truth,
 }
@@ -49,6 +55,10 @@ impl SimulatedMachine {
         let axes = config.axes.iter().map(|(_, m)| Axis::new(m, scatter, &mut rng, h)).collect();
         let spindles =
             config.spindles.iter().map(|m| Spindle::new(m, scatter, &mut rng, h)).collect();
+        let place = |bus_index| config.axes.iter().position(|(index, _)| *index == bus_index);
+        let cutting = config.stock.clone().map(|stock| {
+            Cutting::new(stock, config.magazine.clone(), config.scatter, rng.branch())
+        });
         let mut machine = Self {
             substeps: config.substeps(),
             periods: 0,
@@ -60,6 +70,8 @@ impl SimulatedMachine {
             axes,
             spindles,
             changer: Changer::Holds(config.tool),
+            cutting,
+            x_y_z: [place(0), place(1), place(2)],
             feedback: Feedback::default(),
             truth: Truth::default(),
             config,
@@ -70,7 +82,7 @@ impl SimulatedMachine {
 
     /// The holes in the work, those that were there first.
     pub fn holes(&self) -> &[Hole] {
-        self.config.stock.as_ref().map_or(&[], |stock| &stock.holes)
+        self.cutting.as_ref().map_or(&[], Cutting::holes)
     }
 
     /// Send a command on its way; the one that arrives.
@@ -98,14 +110,32 @@ impl SimulatedMachine {
 
     /// The physics of one period.
     fn advance(&mut self) {
-        for _ in 0..self.substeps {
-            for axis in &mut self.axes {
-                axis.step(0.0);
+        let (Some(cutting), [x, y, Some(z)], false) =
+            (&mut self.cutting, self.x_y_z, self.spindles.is_empty())
+        else {
+            for _ in 0..self.substeps {
+                step_all(&mut self.axes, &mut self.spindles);
             }
-            for spindle in &mut self.spindles {
-                spindle.step(0.0);
+            return;
+        };
+        let over = [x, y].map(|at| at.map_or(Length::ZERO, |at| self.axes[at].position()));
+        cutting.begin_period(self.changer.tool(), over);
+        for _ in 0..self.substeps {
+            let Load { force, torque } = cutting.load();
+            self.axes[z].push(force);
+            self.spindles[0].resist(torque);
+            step_all(&mut self.axes, &mut self.spindles);
+            let axis_mm = self.axes[z].table_mm();
+            if !cutting.is_idle(axis_mm) {
+                let spindle = &self.spindles[0];
+                cutting.step(axis_mm, spindle.angle_rev(), spindle.omega());
             }
         }
+        let Load { force, torque } = cutting.load();
+        self.truth.tool_deflection = cutting.deflection();
+        self.truth.cutting_force = Force::n(force);
+        self.truth.cutting_torque = Torque::n_m(-torque);
+        self.truth.tool_broken = cutting.is_broken();
     }
 
     /// Read encoders, and the truth beside them.
@@ -120,10 +150,21 @@ impl SimulatedMachine {
         for (index, spindle) in self.spindles.iter_mut().enumerate() {
             spindle.read(&mut self.rng);
             self.feedback.spindles[index] = spindle.feedback();
-            self.truth.spindles[index] = units::Angle::rev(spindle.angle_rev());
-            self.truth.spins[index] = Spin::rev_per_s(spindle.omega() / core::f64::consts::TAU);
+            self.truth.spindles[index] = Angle::rev(spindle.angle_rev());
+            self.truth.spins[index] = Spin::rev_per_s(spindle.omega() / TAU);
             self.truth.spindle_torques[index] = spindle.drive_torque();
         }
+    }
+}
+
+/// One physics step of everything.
+#[inline]
+fn step_all(axes: &mut [Axis], spindles: &mut [Spindle]) {
+    for axis in axes {
+        axis.step();
+    }
+    for spindle in spindles {
+        spindle.step();
     }
 }
 

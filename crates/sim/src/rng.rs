@@ -16,6 +16,11 @@ impl Rng {
         Self { counter: seed }
     }
 
+    /// Another stream, for a part whose draws shall not depend on how often others draw.
+    pub(crate) fn branch(&mut self) -> Self {
+        Self::new(self.bits())
+    }
+
     /// The next 64 bits.
     fn bits(&mut self) -> u64 {
         self.counter = self.counter.wrapping_add(0x9E37_79B9_7F4A_7C15);

@@ -68,6 +68,7 @@ pub(crate) struct Spindle {
     per_rounding: f64,
     lag: Lag,
     encoder: SpindleEncoder,
+    load: f64,
     wanted: f64,
     on: bool,
     saturated: bool,
@@ -94,6 +95,7 @@ impl Spindle {
             per_rounding: 1.0 / model.rounding.in_rad_per_s(),
             lag: Lag::new(model.torque_lag.value(), h),
             encoder: model.encoder,
+            load: 0.0,
             wanted: 0.0,
             on: false,
             saturated: false,
@@ -114,9 +116,15 @@ impl Spindle {
         self.wanted = if self.on && torque.is_finite() { torque.value() } else { 0.0 };
     }
 
-    /// One physics step against a load of `load` N·m, positive when it would turn the spindle backwards.
+    /// The process loads the spindle with so many N·m from here on, positive when they would turn it backwards.
     #[inline]
-    pub(crate) fn step(&mut self, load: f64) {
+    pub(crate) const fn resist(&mut self, load: f64) {
+        self.load = load;
+    }
+
+    /// One physics step.
+    #[inline]
+    pub(crate) fn step(&mut self) {
         let limit = (self.peak_power / self.omega.abs()).min(self.peak_torque);
         self.saturated |= self.wanted.abs() > limit;
         let reference = self.wanted.max(-limit).min(limit);
@@ -124,7 +132,7 @@ impl Spindle {
         let rubbing =
             self.coulomb * smooth_sign(self.omega * self.per_rounding) + self.viscous * self.omega;
         let before = self.omega;
-        self.omega += self.h * self.per_inertia * (drive - rubbing - load);
+        self.omega += self.h * self.per_inertia * (drive - rubbing - self.load);
         self.angle_rev += self.half_step_rev * (before + self.omega);
     }
 
@@ -187,7 +195,7 @@ mod tests {
         let target = to.in_rad_per_s();
         for i in 0.. {
             let before = spindle.omega();
-            spindle.step(0.0);
+            spindle.step();
             if spindle.omega() >= target {
                 let share = (target - before) / (spindle.omega() - before);
                 return H * (f64::from(i) + share);
@@ -237,7 +245,7 @@ mod tests {
         spindle.omega = start.in_rad_per_s();
         spindle.obey(&SpindleCommand::default());
         for i in 1..=80_000 {
-            spindle.step(0.0);
+            spindle.step();
             // while ω ≫ ω₀ the closed form with a constant c₀ holds
             let exact = coast_down(&model, start, Time::s(f64::from(i) * H)).in_rad_per_s();
             assert!((spindle.omega() - exact).abs() < 2e-4 * exact, "{i}: {}", spindle.omega());
@@ -254,7 +262,7 @@ mod tests {
             ..Default::default()
         });
         for _ in 0..4000 {
-            spindle.step(0.0);
+            spindle.step();
         }
         let exact = 10.0 / 0.010 * 0.1 * 0.1 / 2.0 / TAU;
         assert!((spindle.angle_rev() - exact).abs() < 1e-9 * exact);
@@ -271,10 +279,10 @@ mod tests {
         };
         let limit = 15_000.0 / spindle.omega;
         spindle.obey(&at(limit * 0.99));
-        spindle.step(0.0);
+        spindle.step();
         assert!(!spindle.feedback().saturated);
         spindle.obey(&at(limit * 1.01));
-        spindle.step(0.0);
+        spindle.step();
         assert!(spindle.feedback().saturated);
         assert!((spindle.drive_torque().value() - limit).abs() < 0.01 * limit);
     }
@@ -288,8 +296,9 @@ mod tests {
             let torque = Torque::n_m(30.0 * (f64::from(i) * H * 20.0).sin());
             spindle.obey(&SpindleCommand { enable: true, torque, ..Default::default() });
             let before = spindle.clone();
-            spindle.step(0.5);
-            let mean = (before.omega + spindle.omega) / 2.0;
+            spindle.resist(0.5);
+            spindle.step();
+            let mean = f64::midpoint(before.omega, spindle.omega);
             let mut lagging = before.torque;
             let limit = (before.peak_power / before.omega.abs()).min(before.peak_torque);
             let reference = torque.value().clamp(-limit, limit);

@@ -15,6 +15,17 @@ pub struct Tool {
     pub kind: ToolKind,
 }
 
+impl Tool {
+    /// Cutting diameter; zero for what does not cut here.
+    pub fn diameter(&self) -> Length {
+        match &self.kind {
+            ToolKind::Drill { diameter, .. } => *diameter,
+            ToolKind::Tap(tap) => tap.diameter,
+            ToolKind::Other => Length::ZERO,
+        }
+    }
+}
+
 /// What a tool does to the work.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ToolKind {

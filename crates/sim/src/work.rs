@@ -48,6 +48,8 @@ pub struct Stock {
     pub top: Length,
     /// From the surface to the lower side; `None` is thicker than any tool is long.
     pub thickness: Option<Length>,
+    /// How far it reaches in X and Y; `None` is farther than any axis.
+    pub sides: Option<Sides>,
     /// What it is made of.
     pub material: Material,
     /// Holes that are there already.
@@ -55,6 +57,26 @@ pub struct Stock {
     /// A tap that finds no hole is taken to find one of diameter D − P, deep enough. Otherwise it finds
     /// solid material and breaks.
     pub assume_predrilled: bool,
+}
+
+/// A rectangle in machine X and Y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sides {
+    /// From here …
+    pub x_from: Length,
+    /// … to here in X,
+    pub x_to: Length,
+    /// from here …
+    pub y_from: Length,
+    /// … to here in Y.
+    pub y_to: Length,
+}
+
+impl Stock {
+    /// There is material below a place.
+    pub(crate) fn is_below(&self, [x, y]: [Length; 2]) -> bool {
+        self.sides.is_none_or(|s| x >= s.x_from && x <= s.x_to && y >= s.y_from && y <= s.y_to)
+    }
 }
 
 /// A round hole, or a cone, coaxial with others at the same place.
@@ -103,6 +125,13 @@ pub struct Hole {
     pub thread: Option<Thread>,
     /// The tap found no hole here, and one was assumed.
     pub assumed: bool,
+}
+
+impl Hole {
+    /// A place where nothing has been made yet.
+    pub const fn at(x: Length, y: Length) -> Self {
+        Self { x, y, bores: Vec::new(), thread: None, assumed: false }
+    }
 }
 
 /// Tools closer than this to a hole's centre are in that hole.

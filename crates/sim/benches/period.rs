@@ -1,0 +1,35 @@
+//! What one servo period of simulation costs: `cargo bench -p sim`.
+#![allow(missing_docs)] // criterion's macros make undocumented functions
+#[path = "../tests/fixtures/mod.rs"]
+mod fixtures;
+use bus::{Command, Machine};
+use criterion::{Criterion, criterion_group, criterion_main};
+use sim::{Config, SimulatedMachine};
+use std::hint::black_box;
+use units::{Force, Time, Torque};
+
+fn swing(machine: &mut SimulatedMachine, phase: &mut f64) {
+    *phase += 0.01;
+    let mut command = Command::default();
+    for axis in &mut command.axes[..3] {
+        axis.enable = true;
+        axis.force = Force::n(6000.0 * phase.sin());
+    }
+    command.spindles[0].enable = true;
+    command.spindles[0].torque = Torque::n_m(20.0 * phase.cos());
+    black_box(machine.exchange(&command));
+}
+
+fn period(criterion: &mut Criterion) {
+    for step_us in [25.0, 12.5] {
+        let config = Config { substep: Time::s(step_us * 1e-6), ..fixtures::tapping_center() };
+        let mut machine = SimulatedMachine::new(config).expect("the fixture is a machine");
+        let mut phase = 0.0;
+        let name =
+            format!("period of 250 µs, three axes and a spindle, {step_us} µs steps, in the air");
+        criterion.bench_function(&name, |b| b.iter(|| swing(&mut machine, &mut phase)));
+    }
+}
+
+criterion_group!(benches, period);
+criterion_main!(benches);
