@@ -107,6 +107,9 @@ impl Profile {
 
     /// State at a time from its start, s: the first state before it, the last after it.
     pub fn at(&self, time: f64) -> Instant {
+        if time >= self.duration {
+            return self.end;
+        }
         let mut t = time.max(0.0);
         for piece in self.pieces() {
             if t < piece.duration {
@@ -114,7 +117,7 @@ impl Profile {
             }
             t -= piece.duration;
         }
-        self.end()
+        self.end
     }
 
     /// State at the end.

@@ -35,6 +35,14 @@ pub(crate) struct Stretch {
     pub(crate) slope: f64,
 }
 
+impl Stretch {
+    /// Speed at which two lines cross; not finite if they are parallel.
+    fn crossing(self, other: Self) -> f64 {
+        (other.y - other.slope * other.v - self.y + self.slope * self.v)
+            / (self.slope - other.slope)
+    }
+}
+
 /// Most stretches of a ceiling. Two ramps, each with a rise and a fall, and a cruise: 2·(28 + 2) + 1 < 64.
 pub(crate) const MAX_STRETCHES: usize = 28;
 
@@ -53,12 +61,22 @@ impl Ceiling {
         Self { stretches, count: 1 }
     }
 
-    /// Go on, from speed `v`, with another slope; ignored when there is no room (the ceiling then goes
-    /// on with the slope it has, which the maker must have chosen to be safe).
-    pub(crate) fn bend(&mut self, stretch: Stretch) {
-        if self.count < MAX_STRETCHES {
-            self.stretches[self.count] = stretch;
-            self.count += 1;
+    /// Go on along another line from where it crosses the last one; stretches that begin beyond that are
+    /// forgotten. Ignored when the lines are parallel or there is no room (the last line then goes on).
+    pub(crate) fn bend_to(&mut self, line: Stretch) {
+        while self.count > 0 {
+            let last = self.stretches[self.count - 1];
+            let v = last.crossing(line);
+            if !v.is_finite() || self.count == MAX_STRETCHES {
+                return;
+            }
+            if v >= last.v || self.count == 1 {
+                self.stretches[self.count] =
+                    Stretch { v, y: line.y + line.slope * (v - line.v), ..line };
+                self.count += 1;
+                return;
+            }
+            self.count -= 1;
         }
     }
 

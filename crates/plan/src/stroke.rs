@@ -50,6 +50,10 @@ impl StrokeRequest {
     /// is heavier than the spindle.
     pub fn plan(&self, spindle: &SpindleLimits, axis: &AxisLimits) -> Stroke {
         let (top, speed_bound) = self.top_speed(spindle, axis);
+        if !(top > 0.0 && self.revolutions > Angle::ZERO) {
+            let limiting = TapLimiting { speed: speed_bound, ramp: Limiting::SpindleTorque };
+            return Stroke { profile: Profile::EMPTY, limiting };
+        }
         let ramps = match self.force_ramp {
             Some(time) => Ramps::forced(self.spin, time),
             None => Ramps::allowed(self, spindle, axis, Spin::rev_per_s(top)),
@@ -83,6 +87,8 @@ struct Ramps {
     up: Ceiling,
     down: Ceiling,
     jerk: f64,
+    /// Speed above which power is the limit, rev/s.
+    base: f64,
     level: Limiting,
     rise: Limiting,
 }
@@ -91,7 +97,8 @@ impl Ramps {
     fn forced(spin: Spin, time: Time) -> Self {
         let ceiling = Ceiling::level((spin / time).value());
         let forced = Limiting::Forced;
-        Self { up: ceiling, down: ceiling, jerk: f64::INFINITY, level: forced, rise: forced }
+        let (jerk, base) = (f64::INFINITY, f64::INFINITY);
+        Self { up: ceiling, down: ceiling, jerk, base, level: forced, rise: forced }
     }
 
     fn allowed(
@@ -104,13 +111,14 @@ impl Ramps {
         let feed_accel = (axis.accel / lead).value();
         let feed_jerk = (axis.feed_jerk / lead).value();
         let jerk = feed_jerk.min(spindle.jerk());
-        let up = spindle.speeding_up(request.cut, top);
+        let up = spindle.speeding_up(request.cut);
         let down = spindle.slowing_down();
         Self {
             up: up.ceiling(feed_accel, jerk, top.value()),
             down: down.ceiling(feed_accel, jerk, top.value()),
             jerk,
-            level: if feed_accel < up.level() {
+            base: up.base(),
+            level: if feed_accel < up.at_rest() {
                 Limiting::FeedAcceleration
             } else {
                 Limiting::SpindleTorque
@@ -145,15 +153,15 @@ impl Ramps {
         low
     }
 
-    /// What bounds a ramp for the longest part of its time: in the plane of speed and acceleration the jerk
-    /// bounds where it is used up, torque or feed acceleration where the line is level, power between.
+    /// What bounds a ramp for the longest part of its time: the jerk where it is used up, else torque or feed
+    /// acceleration where the speed is low or the line level, else power.
     fn bound_of(&self, ramp: &Ramp) -> Limiting {
         let (mut rising, mut level, mut falling) = (0.0, 0.0, 0.0);
         for piece in ramp.pieces() {
-            let time = if piece.j == 0.0 {
-                &mut level
-            } else if piece.j.abs() >= self.jerk {
+            let time = if piece.j.abs() >= self.jerk {
                 &mut rising
+            } else if piece.j == 0.0 || piece.v < self.base {
+                &mut level
             } else {
                 &mut falling
             };
