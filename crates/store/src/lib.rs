@@ -8,8 +8,12 @@
 //! ```
 //!
 //! Units end at this edge: a key or column carries its unit in its name, a field its quantity.
+pub mod certificate;
 pub mod machine;
+pub mod output;
+pub mod parameters;
 pub mod tools;
+pub mod trace;
 
 mod error;
 mod keys;

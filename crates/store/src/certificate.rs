@@ -1,0 +1,339 @@
+//! `certificate.json`: one record per feature that was cut, for other programs to rely on.
+//!
+//! ```text
+//!   { leadscrew, program, machine, seed, cycle_time_s, ended,
+//!     alarms:   [ { number, text, line, time_s } ],
+//!     features: [ { kind, line, verdict, reason, time_s, … by kind … } ] }      in the order cut
+//! ```
+//!
+//! Keys are only ever added. Every number is finite: what could not be measured is `null`. Numbers are
+//! rounded to six decimals: a micrometre of a micrometre is noise of the arithmetic.
+use crate::{Error, SMALL_FILE_LIMIT, output, read_text};
+use diag::{Diagnostic, Span};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::path::Path;
+use units::{Angle, Force, Lead, Length, Spin, Time, Torque};
+
+/// Bytes a certificate may have: a feature takes about 700.
+pub const CERTIFICATE_LIMIT: u64 = 256 * SMALL_FILE_LIMIT;
+
+/// A run, and what came of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Certificate {
+    /// Version of the program that wrote it.
+    pub leadscrew: String,
+    /// Name of the part program.
+    pub program: String,
+    /// Name of the machine.
+    pub machine: String,
+    /// Seed of everything that scattered.
+    pub seed: u64,
+    /// How long the program took on the machine.
+    pub cycle_time_s: Measured,
+    /// The program reached its end.
+    pub ended: bool,
+    /// What stopped or warned.
+    pub alarms: Vec<Alarm>,
+    /// What was cut, in that order.
+    pub features: Vec<Feature>,
+}
+
+/// An alarm.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Alarm {
+    /// Its number in the manual.
+    pub number: u32,
+    /// Its sentence.
+    pub text: String,
+    /// Program line at work, if there was one.
+    pub line: Option<u32>,
+    /// When, since the start.
+    pub time_s: Measured,
+}
+
+/// Something that was cut.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+pub enum Feature {
+    /// A drilled hole.
+    Hole(Hole),
+    /// A thread.
+    Thread(Box<Thread>),
+    /// A polygon.
+    Polygon(Polygon),
+    /// A cam.
+    Cam(Cam),
+}
+
+/// What every feature has.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Common {
+    /// Program line that cut it.
+    pub line: u32,
+    /// Within tolerance or not.
+    pub verdict: Verdict,
+    /// Why it is as it is, in one sentence; as a rule only of a fail.
+    pub reason: Option<String>,
+    /// When it was finished, since the start.
+    pub time_s: Measured,
+}
+
+/// Within tolerance or not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// Within.
+    Pass,
+    /// Not.
+    Fail,
+}
+
+impl Feature {
+    /// What every feature has.
+    pub const fn common(&self) -> &Common {
+        match self {
+            Self::Hole(hole) => &hole.common,
+            Self::Thread(thread) => &thread.common,
+            Self::Polygon(polygon) => &polygon.common,
+            Self::Cam(cam) => &cam.common,
+        }
+    }
+}
+
+/// A drilled hole.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Hole {
+    /// What every feature has.
+    #[serde(flatten)]
+    pub common: Common,
+    /// Where.
+    pub x_mm: Measured,
+    /// Where.
+    pub y_mm: Measured,
+    /// How deep.
+    pub depth_mm: Measured,
+    /// How wide.
+    pub diameter_mm: Measured,
+}
+
+/// A thread; errors and forces are those in the material.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Thread {
+    /// What every feature has.
+    #[serde(flatten)]
+    pub common: Common,
+    /// Where, on a mill.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub x_mm: Option<Measured>,
+    /// Where, on a mill.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub y_mm: Option<Measured>,
+    /// Where it starts, on a lathe.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub z_mm: Option<Measured>,
+    /// Such as "M6x1".
+    pub size: String,
+    /// Right or left.
+    pub hand: Hand,
+    /// Lead, without the sign of the hand.
+    pub lead_mm: Measured,
+    /// Depth of full thread.
+    pub depth_mm: Measured,
+    /// That depth less the programmed one.
+    pub depth_error_um: Measured,
+    /// Fastest that the spindle turned.
+    pub rpm_max: Measured,
+    /// Largest synchronisation error.
+    pub sync_error_max_um: Measured,
+    /// Its root mean square.
+    pub sync_error_rms_um: Measured,
+    /// Largest cumulative error of the lead over the engagement.
+    pub lead_error_um: Measured,
+    /// How much wider than the tool the groove is, along the axis.
+    pub groove_widening_um: Measured,
+    /// Simple pitch diameter.
+    pub pitch_diameter_mm: Measured,
+    /// Tolerance class, such as "6H".
+    pub class: String,
+    /// What is left to the nearer limit; negative outside.
+    pub margin_um: Measured,
+    /// Largest torque of the cut.
+    pub torque_max_n_m: Measured,
+    /// Largest axial force on the tool.
+    pub axial_force_max_n: Measured,
+    /// Spindle angle at which it starts.
+    pub start_angle_deg: Measured,
+    /// Chips were thrown off afterwards.
+    pub chip_removal: bool,
+    /// The tool was driven out of it by a recovery.
+    pub recovered: bool,
+}
+
+/// Hand of a thread.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Hand {
+    /// Clockwise goes in.
+    Right,
+    /// Counter-clockwise goes in.
+    Left,
+}
+
+/// A turned polygon.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Polygon {
+    /// What every feature has.
+    #[serde(flatten)]
+    pub common: Common,
+    /// How many.
+    pub sides: u32,
+    /// Across flats.
+    pub across_flats_mm: Measured,
+    /// Of the worst facet, by the minimum zone.
+    pub flatness_um: Measured,
+    /// Of the worst facet.
+    pub tilt_deg: Measured,
+    /// Between facets.
+    pub corner_angle_deg: Measured,
+    /// Where it begins.
+    pub z_from_mm: Measured,
+    /// Where it ends.
+    pub z_to_mm: Measured,
+    /// Speed of the work.
+    pub rpm: Measured,
+}
+
+/// A ground cam.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cam {
+    /// What every feature has.
+    #[serde(flatten)]
+    pub common: Common,
+    /// Name of the profile.
+    pub profile: String,
+    /// Speed of the work.
+    pub rpm: Measured,
+    /// Measured phase error.
+    pub phase_error_deg: Measured,
+    /// Largest contour error.
+    pub contour_error_max_um: Measured,
+    /// Its root mean square.
+    pub contour_error_rms_um: Measured,
+    /// Revolutions of the work.
+    pub revolutions: Measured,
+}
+
+/// A number that is finite, or not known. Constructors name the unit that the key has.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Measured(Option<f64>);
+
+impl Measured {
+    /// Not measured.
+    pub const UNKNOWN: Self = Self(None);
+
+    /// A bare number; unknown if it is not finite.
+    pub fn number(value: f64) -> Self {
+        Self(Some(value).filter(|v| v.is_finite()))
+    }
+    /// For a key that ends in `_mm`.
+    pub fn mm(value: Length) -> Self {
+        Self::number(value.value())
+    }
+    /// For a key that ends in `_um`.
+    pub fn um(value: Length) -> Self {
+        Self::number(value.in_um())
+    }
+    /// For `lead_mm`: without sign.
+    pub fn lead(value: Lead) -> Self {
+        Self::number(value.value().abs())
+    }
+    /// For a key that ends in `_deg`.
+    pub fn deg(value: Angle) -> Self {
+        Self::number(value.in_deg())
+    }
+    /// For a key with `rpm`.
+    pub fn rpm(value: Spin) -> Self {
+        Self::number(value.in_rpm())
+    }
+    /// For a key that ends in `_s`.
+    pub fn s(value: Time) -> Self {
+        Self::number(value.value())
+    }
+    /// For a key that ends in `_n_m`.
+    pub fn n_m(value: Torque) -> Self {
+        Self::number(value.value())
+    }
+    /// For a key that ends in `_n`.
+    pub fn n(value: Force) -> Self {
+        Self::number(value.value())
+    }
+    /// The number, in the key's unit.
+    pub const fn value(self) -> Option<f64> {
+        self.0
+    }
+}
+
+impl Serialize for Measured {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        const STEPS_PER_UNIT: f64 = 1e6;
+        const ROUNDED_BELOW: f64 = 1e9; // above, f64 has not many decimals left to round
+        let rounded = self.0.map(|v| {
+            let coarse = (v * STEPS_PER_UNIT).round() / STEPS_PER_UNIT;
+            if v.abs() < ROUNDED_BELOW { coarse + 0.0 } else { v } // + 0.0: no "-0.0"
+        });
+        rounded.serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Measured {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Option::deserialize(deserializer).map(Self)
+    }
+}
+
+impl Certificate {
+    /// Its text.
+    ///
+    /// # Panics
+    /// Never: it holds nothing that JSON cannot say.
+    pub fn to_json(&self) -> String {
+        #[allow(clippy::expect_used)] // maps have string keys and no Serialize of ours fails
+        let mut text = serde_json::to_string_pretty(self).expect("plain data serialises");
+        text.push('\n');
+        text
+    }
+
+    /// Write it, whole or not at all.
+    ///
+    /// # Errors
+    /// When the file system refuses.
+    pub fn save(&self, path: &Path) -> Result<(), Error> {
+        output::write_file(path, self.to_json().as_bytes())
+    }
+
+    /// Read it from its text. Keys of later versions are passed over.
+    ///
+    /// # Errors
+    /// S0701 with the place where it is not a certificate.
+    pub fn parse(text: &str) -> Result<Self, Diagnostic> {
+        serde_json::from_str(text).map_err(|e| {
+            let before = text.split_inclusive('\n').take(e.line().saturating_sub(1));
+            let start = before.map(str::len).sum::<usize>() + e.column().saturating_sub(1);
+            let small = |n: usize| u32::try_from(n.min(text.len())).unwrap_or(u32::MAX);
+            let line = small(e.line().max(1));
+            let place = Span { file: 0, line, start: small(start), end: small(start + 1) };
+            let message = e.to_string();
+            let sentence = message.split(" at line ").next().unwrap_or_default();
+            Diagnostic::error("S0701", place, format!("not a certificate: {sentence}"))
+        })
+    }
+
+    /// Read it from its file.
+    ///
+    /// # Errors
+    /// When the file cannot be read or is not a certificate.
+    pub fn load(path: &Path) -> Result<Self, Error> {
+        let text = read_text(path, "a certificate", CERTIFICATE_LIMIT)?;
+        Self::parse(&text).map_err(|finding| Error::refused(path, text, vec![finding]))
+    }
+}

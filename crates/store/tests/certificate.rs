@@ -1,0 +1,173 @@
+//! The certificate's keys are a promise to other programs: this is their list.
+use serde_json::{Value, json};
+use store::certificate::{
+    Alarm, Cam, Certificate, Common, Feature, Hand, Hole, Measured, Polygon, Thread, Verdict,
+};
+use units::{Angle, Force, Lead, Length, Spin, Time, Torque};
+
+fn common(line: u32) -> Common {
+    Common { line, verdict: Verdict::Pass, reason: None, time_s: Measured::s(Time::s(1.25)) }
+}
+
+fn thread() -> Thread {
+    Thread {
+        common: Common {
+            verdict: Verdict::Fail,
+            reason: Some("the tap broke".into()),
+            ..common(12)
+        },
+        x_mm: Some(Measured::mm(Length::mm(10.0))),
+        y_mm: Some(Measured::mm(Length::mm(20.0))),
+        z_mm: None,
+        size: "M6x1".into(),
+        hand: Hand::Left,
+        lead_mm: Measured::lead(Lead::mm_per_rev(-1.0)),
+        depth_mm: Measured::mm(Length::mm(12.0)),
+        depth_error_um: Measured::um(Length::um(-3.0)),
+        rpm_max: Measured::rpm(Spin::rpm(6000.0)),
+        sync_error_max_um: Measured::um(Length::um(4.2)),
+        sync_error_rms_um: Measured::number(f64::NAN),
+        lead_error_um: Measured::um(Length::um(1.0)),
+        groove_widening_um: Measured::um(Length::um(5.0)),
+        pitch_diameter_mm: Measured::mm(Length::mm(5.4)),
+        class: "6H".into(),
+        margin_um: Measured::UNKNOWN,
+        torque_max_n_m: Measured::n_m(Torque::n_m(1.73)),
+        axial_force_max_n: Measured::n(Force::n(120.0)),
+        start_angle_deg: Measured::deg(Angle::rev(0.25)),
+        chip_removal: false,
+        recovered: false,
+    }
+}
+
+fn certificate() -> Certificate {
+    let hole = Hole {
+        common: common(7),
+        x_mm: Measured::number(0.1 + 0.2),
+        y_mm: Measured::number(-0.0),
+        depth_mm: Measured::number(15.0),
+        diameter_mm: Measured::number(5.0),
+    };
+    let polygon = Polygon {
+        common: common(20),
+        sides: 6,
+        across_flats_mm: Measured::number(17.0),
+        flatness_um: Measured::number(2.0),
+        tilt_deg: Measured::number(0.01),
+        corner_angle_deg: Measured::number(120.0),
+        z_from_mm: Measured::number(0.0),
+        z_to_mm: Measured::number(-10.0),
+        rpm: Measured::number(2000.0),
+    };
+    let cam = Cam {
+        common: common(30),
+        profile: "harmonic".into(),
+        rpm: Measured::number(60.0),
+        phase_error_deg: Measured::number(-0.4),
+        contour_error_max_um: Measured::number(3.0),
+        contour_error_rms_um: Measured::number(1.0),
+        revolutions: Measured::number(5.0),
+    };
+    Certificate {
+        leadscrew: "0.1.0".into(),
+        program: "plate.ngc".into(),
+        machine: "tapping-center".into(),
+        seed: 1,
+        cycle_time_s: Measured::number(61.5),
+        ended: true,
+        alarms: vec![Alarm {
+            number: 301,
+            text: "the drive was at its limit".into(),
+            line: Some(12),
+            time_s: Measured::number(3.0),
+        }],
+        features: vec![
+            Feature::Hole(hole),
+            Feature::Thread(Box::new(thread())),
+            Feature::Polygon(polygon),
+            Feature::Cam(cam),
+        ],
+    }
+}
+
+fn keys(value: &Value) -> Vec<&str> {
+    let mut keys =
+        value.as_object().into_iter().flatten().map(|(k, _)| k.as_str()).collect::<Vec<_>>();
+    keys.sort_unstable();
+    keys
+}
+
+fn sorted(list: &'static str) -> Vec<&'static str> {
+    let mut keys = list.split_whitespace().collect::<Vec<_>>();
+    keys.sort_unstable();
+    keys
+}
+
+#[test]
+fn every_promised_key_is_there_and_no_other() {
+    let value: Value = serde_json::from_str(&certificate().to_json()).unwrap();
+    assert_eq!(
+        keys(&value),
+        sorted("leadscrew program machine seed cycle_time_s ended alarms features")
+    );
+    assert_eq!(keys(&value["alarms"][0]), sorted("number text line time_s"));
+    let features = [
+        "kind line verdict reason time_s x_mm y_mm depth_mm diameter_mm",
+        "kind line verdict reason time_s x_mm y_mm size hand lead_mm depth_mm depth_error_um rpm_max
+         sync_error_max_um sync_error_rms_um lead_error_um groove_widening_um pitch_diameter_mm class
+         margin_um torque_max_n_m axial_force_max_n start_angle_deg chip_removal recovered",
+        "kind line verdict reason time_s sides across_flats_mm flatness_um tilt_deg corner_angle_deg
+         z_from_mm z_to_mm rpm",
+        "kind line verdict reason time_s profile rpm phase_error_deg contour_error_max_um
+         contour_error_rms_um revolutions",
+    ];
+    for (feature, expected) in value["features"].as_array().unwrap().iter().zip(features) {
+        assert_eq!(keys(feature), sorted(expected));
+    }
+}
+
+#[test]
+fn values_have_the_units_of_their_keys_and_every_number_is_finite() {
+    let value: Value = serde_json::from_str(&certificate().to_json()).unwrap();
+    let hole = &value["features"][0];
+    assert_eq!((&hole["kind"], &hole["verdict"]), (&json!("hole"), &json!("pass")));
+    assert_eq!((&hole["x_mm"], &hole["y_mm"]), (&json!(0.3), &json!(0.0)));
+    let thread = &value["features"][1];
+    assert_eq!((&thread["verdict"], &thread["reason"]), (&json!("fail"), &json!("the tap broke")));
+    assert_eq!((&thread["hand"], &thread["lead_mm"]), (&json!("left"), &json!(1.0)));
+    assert_eq!((&thread["rpm_max"], &thread["start_angle_deg"]), (&json!(6000.0), &json!(90.0)));
+    assert_eq!((&thread["sync_error_rms_um"], &thread["margin_um"]), (&json!(null), &json!(null)));
+}
+
+#[test]
+fn a_thread_on_a_lathe_starts_at_a_z() {
+    let on_lathe = Thread { x_mm: None, y_mm: None, z_mm: Some(Measured::number(2.0)), ..thread() };
+    let value = serde_json::to_value(Feature::Thread(Box::new(on_lathe))).unwrap();
+    assert_eq!((value.get("x_mm"), &value["z_mm"]), (None, &json!(2.0)));
+}
+
+#[test]
+fn a_certificate_reads_back_as_it_was_written() {
+    let home = tempfile::tempdir().unwrap();
+    let path = home.path().join("certificate.json");
+    certificate().save(&path).unwrap();
+    let read = Certificate::load(&path).unwrap();
+    assert_eq!(read.to_json(), certificate().to_json());
+    assert_eq!(read.features[1].common().reason.as_deref(), Some("the tap broke"));
+}
+
+#[test]
+fn keys_of_later_versions_are_passed_over() {
+    let later = certificate().to_json().replacen('{', "{\"operator\": \"anna\",", 1);
+    assert_eq!(Certificate::parse(&later).unwrap().program, "plate.ngc");
+}
+
+#[test]
+fn what_is_no_certificate_is_refused_with_the_place() {
+    let finding = Certificate::parse("{\n\"leadscrew\": 1\n}").unwrap_err();
+    assert_eq!((finding.code, finding.span.line), ("S0701", 2));
+    assert_eq!(finding.message, "not a certificate: invalid type: integer `1`, expected a string");
+    for text in ["", "[", "{\"a\": \"\\u12", "nul"] {
+        assert_eq!(Certificate::parse(text).unwrap_err().code, "S0701");
+    }
+}
