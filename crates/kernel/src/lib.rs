@@ -1,1 +1,38 @@
-//! To be filled.
+//! The control: one function per servo period, from what the machine says to what it shall do.
+//!
+//! ```text
+//!            plan::Step (bounded queue)
+//!                  │
+//!   Feedback ─► tick ─► Command       1 readings, observers     4 setpoints of spindles
+//!                  │                  2 faults                  5 servo loops
+//!                  └─► Report, events 3 steps: moves, taps      6 report
+//! ```
+//!
+//! The kernel has no clock (time arrives in `Feedback`), no heap after [`Kernel::new`], no thread, no
+//! `Result` from the tick: what goes wrong is a [`Fault`], and the machine is stopped the way it asks
+//! for. Whoever can call a function can prove it: the same inputs give the same outputs, to the bit.
+#![no_std]
+extern crate alloc;
+
+mod axis;
+mod config;
+mod drives;
+mod event;
+mod execute;
+mod fault;
+mod friction;
+mod kernel;
+mod moving;
+mod servo;
+mod spindle;
+mod stroke;
+mod tapping;
+
+pub use config::{
+    AxisControl, AxisFriction, AxisWindows, Config, FeedForward, Pause, Problem, SpindleControl,
+    SpindleFriction, SpindleWindows, Subject, Waits,
+};
+pub use event::{EVENTS, Event, EventKind, TapFigures};
+pub use fault::{Fault, FaultKind, Reaction};
+pub use kernel::{FAULTS, Full, Kernel, QUEUE};
+pub use sync::{Figures, MAX_TRANSPORT, Prediction, SyncMode, Windows};

@@ -1,0 +1,224 @@
+//! An axis: from where its tool side shall be to the force of its drive.
+//!
+//! ```text
+//!   setpoint ─┬──────────────────► + ─► servo ─► + ─► force
+//!             │  stretch, play ──► ▲             ▲
+//!             │                                  │ mass·a + friction − weight,
+//!             └─ a moment ahead ─────────────────┘ as they will be when the force acts
+//! ```
+//!
+//! *Ahead*: a force ordered at the reading of the encoders acts after the command's delay d and the
+//! drive's own lag τ, and is held for a period h: the feed-forward is evaluated d + τ + h/2 later than the
+//! setpoint it accompanies.
+//!
+//! *Stretch*: with the encoder on the motor the screw between encoder and tool side is a spring that carries
+//! F = m·a + friction − weight, so the motor is led by F/k, and by half the play in the sense of F. What
+//! the control calls the axis' position is the tool side everywhere: reading − stretch.
+//!
+//! Numbers here are in mm, s, N; masses in N per mm/s² (kg·10⁻³).
+use crate::config::{AxisControl, Config, FeedForward};
+use crate::friction::Bristles;
+use crate::servo::{Gains, Input, Servo};
+use bus::{AxisCommand, AxisFeedback};
+use sync::Follower;
+use units::{Force, Length, Speed};
+
+/// Time in which a small jump of the setpoint is smoothed away, s.
+const GAP_DECAY_S: f64 = 0.02;
+/// Play changes sides over this share of the friction.
+const PLAY_CROSSING: f64 = 0.25;
+
+/// Where a tool side shall be, and how it moves there: mm and s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Target {
+    pub(crate) position: f64,
+    pub(crate) speed: f64,
+    pub(crate) accel: f64,
+    pub(crate) jerk: f64,
+}
+
+impl Target {
+    /// The same motion a moment later.
+    fn ahead(&self, t: f64) -> Self {
+        let Self { position, speed, accel, jerk } = *self;
+        Self {
+            position: position + t * (speed + t * (accel / 2.0 + t * jerk / 6.0)),
+            speed: speed + t * (accel + t * jerk / 2.0),
+            accel: accel + t * jerk,
+            jerk,
+        }
+    }
+}
+
+/// The stretch between encoder and tool side, mm.
+#[derive(Clone, Debug)]
+struct Screw {
+    per_stiffness: f64,
+    half_play: f64,
+    per_crossing: f64,
+}
+
+impl Screw {
+    fn new(control: &AxisControl) -> Self {
+        let crossing = PLAY_CROSSING * control.friction.coulomb.value().max(1.0);
+        Self {
+            per_stiffness: control.stiffness.map_or(0.0, |k| 1.0 / k.value()),
+            half_play: control.backlash.value() / 2.0,
+            per_crossing: 1.0 / crossing,
+        }
+    }
+
+    fn stretch(&self, force: f64) -> f64 {
+        force * self.per_stiffness + self.half_play * (force * self.per_crossing).clamp(-1.0, 1.0)
+    }
+}
+
+/// One axis' loop and its state.
+#[derive(Clone, Debug)]
+pub(crate) struct AxisLoop {
+    pub(crate) control: AxisControl,
+    servo: Servo,
+    screw: Screw,
+    /// Friction on the tool side now, and as it will be when the force acts.
+    friction: (Bristles, Bristles),
+    positions: (f64, f64),
+    period_s: f64,
+    lookahead_s: f64,
+    mass: f64,
+    table: f64,
+    /// The setpoint; whoever moves the axis writes it each period.
+    pub(crate) target: Target,
+    gap: f64,
+    reading: f64,
+    stretch: f64,
+    error: f64,
+    pub(crate) warned: bool,
+}
+
+impl AxisLoop {
+    pub(crate) fn new(control: AxisControl, config: &Config) -> Self {
+        let period_s = config.period.value();
+        let mass = (control.motor_mass + control.table_mass).value() * 1e-3;
+        let bristles = Bristles::new(&control.friction, period_s);
+        Self {
+            servo: Servo::new(Gains {
+                position_gain: control.position_gain,
+                bandwidth_hz: control.velocity_bandwidth_hz,
+                inertia: mass,
+                period_s,
+            }),
+            screw: Screw::new(&control),
+            friction: (bristles.clone(), bristles),
+            positions: (0.0, 0.0),
+            period_s,
+            lookahead_s: (config.command_delay + control.force_lag).value() + period_s / 2.0,
+            mass,
+            table: control.table_mass.value() * 1e-3,
+            target: Target::default(),
+            gap: 0.0,
+            reading: 0.0,
+            stretch: 0.0,
+            error: 0.0,
+            warned: false,
+            control,
+        }
+    }
+
+    /// How far ahead of the setpoint its feed-forward is taken.
+    pub(crate) const fn lookahead_s(&self) -> f64 {
+        self.lookahead_s
+    }
+
+    /// Take the reading as the present place: the drive has just come up, or is off.
+    pub(crate) fn adopt(&mut self, feedback: &AxisFeedback) {
+        self.reading = feedback.position.value();
+        self.target = Target { position: self.reading, ..Target::default() };
+        self.positions = (self.reading, self.reading);
+        self.stretch = self.screw.stretch(-self.control.weight.value());
+        // the motor stands where the tool side is taken to be; it is led by the stretch from here on
+        self.gap = -self.stretch;
+        self.error = 0.0;
+        self.servo.reset();
+    }
+
+    /// Take a reading.
+    pub(crate) const fn read(&mut self, feedback: &AxisFeedback) {
+        self.reading = feedback.position.value();
+    }
+
+    /// Where the tool side is, by reading and model.
+    pub(crate) fn position(&self) -> f64 {
+        self.reading - self.stretch
+    }
+
+    /// Following error of the last period.
+    pub(crate) const fn error(&self) -> f64 {
+        self.error
+    }
+
+    /// Move the setpoint a little without moving the axis: the difference is smoothed away.
+    pub(crate) fn rebase(&mut self, position: f64) {
+        let jump = self.target.position - position;
+        self.gap += jump;
+        self.target.position = position;
+        self.positions = (self.positions.0 - jump, self.positions.1 - jump);
+    }
+
+    /// Stand still from now on.
+    pub(crate) const fn rest(&mut self) {
+        self.target.speed = 0.0;
+        self.target.accel = 0.0;
+        self.target.jerk = 0.0;
+    }
+
+    /// Be where a coupling says.
+    pub(crate) const fn follow(&mut self, follower: &Follower) {
+        self.target = Target {
+            position: follower.position.value(),
+            speed: follower.speed.value(),
+            accel: follower.accel.value(),
+            jerk: 0.0,
+        };
+    }
+
+    /// Brake towards rest within the gentle acceleration.
+    pub(crate) fn brake(&mut self) {
+        let before = self.target.speed;
+        let most = self.control.gentle.1.value() * self.period_s;
+        let speed = before - before.clamp(-most, most);
+        self.target.position += self.period_s * (before + speed) / 2.0;
+        self.target.accel = (speed - before) / self.period_s;
+        self.target.speed = speed;
+        self.target.jerk = 0.0;
+    }
+
+    /// The command for this period, with the axis' own feed-forwards or others.
+    pub(crate) fn command(&mut self, others: Option<FeedForward>) -> AxisCommand {
+        let shares = others.unwrap_or(self.control.feed_forward);
+        let (now, ahead) = (self.target, self.target.ahead(self.lookahead_s));
+        let ways = (now.position - self.positions.0, ahead.position - self.positions.1);
+        self.positions = (now.position, ahead.position);
+        let friction_now = self.friction.0.slide(ways.0, now.speed);
+        let friction_ahead = self.friction.1.slide(ways.1, ahead.speed);
+        let weight = self.control.weight.value();
+        self.stretch = self.screw.stretch(self.table * now.accel + friction_now - weight);
+        self.gap -= self.gap * (self.period_s / GAP_DECAY_S).min(1.0);
+        let before = self.error;
+        self.error = now.position + self.stretch + self.gap - self.reading;
+        let force = self.servo.update(Input {
+            error: self.error,
+            error_rate: (self.error - before) / self.period_s,
+            speed_withheld: (1.0 - shares.speed) * now.speed,
+            feed_forward: shares.accel * self.mass * ahead.accel
+                + shares.friction * friction_ahead
+                - weight,
+            limit: self.control.peak_force.value(),
+        });
+        AxisCommand {
+            enable: true,
+            position: Length::mm(now.position),
+            speed: Speed::mm_per_s(now.speed),
+            force: Force::n(force),
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! All loops of the machine, and what is switched.
+//!
+//! ```text
+//!   steps ──► targets, orders ──► [ axis loops | spindle loops | tool, coolant ] ──► Command
+//! ```
+use crate::axis::AxisLoop;
+use crate::config::{Config, FeedForward, Subject};
+use crate::fault::FaultKind;
+use crate::spindle::SpindleLoop;
+use bus::{AXES, Command, Feedback, SPINDLES};
+use canon::Axis;
+
+/// Indices of the linear axes; the others are held where they stand.
+pub(crate) const LINEAR: [usize; 6] = [0, 1, 2, 6, 7, 8];
+
+/// The machine's loops.
+#[derive(Clone, Debug)]
+pub(crate) struct Drives {
+    pub(crate) axes: [Option<AxisLoop>; AXES],
+    pub(crate) spindles: [Option<SpindleLoop>; SPINDLES],
+    /// The axis that follows a master at present, and its feed-forwards if they are not its own.
+    pub(crate) follower: Option<(usize, Option<FeedForward>)>,
+    pub(crate) tool: u32,
+    pub(crate) mist: bool,
+    pub(crate) flood: bool,
+    lookahead_s: f64,
+}
+
+/// What is wrong with a reading or a loop: kind, on what, value, limit.
+pub(crate) type Finding = (FaultKind, Subject, f64, f64);
+
+impl Drives {
+    pub(crate) fn new(config: &Config) -> Self {
+        let axes = config.axes.map(|axis| axis.map(|control| AxisLoop::new(control, config)));
+        let spindles = config.spindles.map(|s| s.map(|control| SpindleLoop::new(control, config)));
+        let lookahead_s =
+            axes.iter().flatten().map(AxisLoop::lookahead_s).fold(config.period.value(), f64::max);
+        Self { axes, spindles, follower: None, tool: 0, mist: false, flood: false, lookahead_s }
+    }
+
+    /// How far ahead of their setpoint the axes' feed-forwards are taken at most.
+    pub(crate) const fn lookahead_s(&self) -> f64 {
+        self.lookahead_s
+    }
+
+    /// Take the readings as the present place.
+    pub(crate) fn adopt(&mut self, feedback: &Feedback, config: &Config) {
+        for (axis, reading) in self.axes.iter_mut().zip(&feedback.axes) {
+            if let Some(axis) = axis {
+                axis.adopt(reading);
+            }
+        }
+        for (spindle, reading) in self.spindles.iter_mut().zip(&feedback.spindles) {
+            if let Some(spindle) = spindle {
+                spindle.adopt(reading, config.period);
+            }
+        }
+        self.tool = feedback.tool.unwrap_or(self.tool);
+    }
+
+    /// Take the readings.
+    pub(crate) fn read(&mut self, feedback: &Feedback) {
+        for (axis, reading) in self.axes.iter_mut().zip(&feedback.axes) {
+            if let Some(axis) = axis {
+                axis.read(reading);
+            }
+        }
+        for (spindle, reading) in self.spindles.iter_mut().zip(&feedback.spindles) {
+            if let Some(spindle) = spindle {
+                spindle.read(reading);
+            }
+        }
+    }
+
+    /// All axes stand unless somebody moves them.
+    pub(crate) fn rest(&mut self) {
+        self.follower = None;
+        self.rest_axes();
+    }
+
+    /// All axes stand.
+    pub(crate) fn rest_axes(&mut self) {
+        for axis in self.axes.iter_mut().flatten() {
+            axis.rest();
+        }
+    }
+
+    /// All axes within their in-position window; else the one that is not.
+    pub(crate) fn in_position(&self) -> Result<(), Finding> {
+        for (index, axis) in self.axes.iter().enumerate() {
+            let Some(axis) = axis else { continue };
+            let window = axis.control.windows.in_position.value();
+            if axis.error().abs() > window {
+                let of = Subject::Axis(Axis::ALL[index]);
+                return Err((FaultKind::NotInPosition, of, axis.error(), window));
+            }
+        }
+        Ok(())
+    }
+
+    /// How long the axes have to be in position.
+    pub(crate) fn settle_s(&self) -> f64 {
+        let settle = |axis: &AxisLoop| axis.control.windows.settle.value();
+        self.axes.iter().flatten().map(settle).fold(0.0, f64::max)
+    }
+
+    /// Close all loops.
+    pub(crate) fn command(&mut self) -> Command {
+        let mut command = Command {
+            tool: self.tool,
+            flood: self.flood,
+            mist: self.mist,
+            ..Command::default()
+        };
+        for (index, axis) in self.axes.iter_mut().enumerate() {
+            let Some(axis) = axis else { continue };
+            let others = self.follower.and_then(|(i, others)| others.filter(|_| i == index));
+            command.axes[index] = axis.command(others);
+        }
+        for (index, spindle) in self.spindles.iter_mut().enumerate() {
+            let Some(spindle) = spindle else { continue };
+            command.spindles[index] = spindle.command();
+        }
+        command
+    }
+
+    /// Advance what spindles do by themselves.
+    pub(crate) fn advance_spindles(&mut self) {
+        for spindle in self.spindles.iter_mut().flatten() {
+            spindle.advance();
+        }
+    }
+
+    /// Whether all readings are numbers.
+    pub(crate) fn check_readings(&self, feedback: &Feedback) -> Result<(), Finding> {
+        let invalid = |of| Err((FaultKind::FeedbackInvalid, of, 0.0, 0.0));
+        if !feedback.time.is_finite() {
+            return invalid(Subject::Machine);
+        }
+        for index in self.configured_axes() {
+            if !feedback.axes[index].position.is_finite() {
+                return invalid(Subject::Axis(Axis::ALL[index]));
+            }
+        }
+        for index in self.configured_spindles() {
+            if !feedback.spindles[index].angle.is_finite() {
+                return invalid(Subject::Spindle(index as u8));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether all drives are ready; else the first that is not.
+    pub(crate) fn check_ready(&self, feedback: &Feedback) -> Result<(), Finding> {
+        let missing = |of| Err((FaultKind::DriveNotReady, of, 0.0, 0.0));
+        for index in self.configured_axes() {
+            if !feedback.axes[index].ready {
+                return missing(Subject::Axis(Axis::ALL[index]));
+            }
+        }
+        for index in self.configured_spindles() {
+            if !feedback.spindles[index].ready {
+                return missing(Subject::Spindle(index as u8));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether all loops follow; else the first that does not.
+    pub(crate) fn check_following(&self) -> Result<(), Finding> {
+        for (index, axis) in self.axes.iter().enumerate() {
+            let Some(axis) = axis else { continue };
+            let limit = axis.control.windows.following_stop.value();
+            if axis.error().abs() > limit {
+                let of = Subject::Axis(Axis::ALL[index]);
+                return Err((FaultKind::FollowingError, of, axis.error(), limit));
+            }
+        }
+        for (index, spindle) in self.spindles.iter().enumerate() {
+            let Some(spindle) = spindle else { continue };
+            let limit = spindle.control.windows.following_stop.value();
+            if spindle.error().abs() > limit {
+                let of = Subject::Spindle(index as u8);
+                return Err((FaultKind::SpindleFollowingError, of, spindle.error(), limit));
+            }
+        }
+        Ok(())
+    }
+
+    fn configured_axes(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..AXES).filter(|&i| self.axes[i].is_some())
+    }
+
+    fn configured_spindles(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..SPINDLES).filter(|&i| self.spindles[i].is_some())
+    }
+}

@@ -1,0 +1,133 @@
+//! What happened, for people: typed events in a ring of fixed size.
+//!
+//! ```text
+//!   tick ──► [ e₇ e₈ e₉ … ] ──► whoever asks next_event()
+//!             └ full: the oldest goes, and is counted
+//! ```
+use crate::fault::Fault;
+use alloc::collections::VecDeque;
+use canon::Axis;
+use sync::Figures;
+use units::{Length, Spin, Time};
+
+/// Events kept for who has not asked yet.
+pub const EVENTS: usize = 256;
+
+/// One event.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    /// When.
+    pub time: Time,
+    /// Index of the op that was being executed.
+    pub op: u32,
+    /// Its program line.
+    pub line: u32,
+    /// What.
+    pub kind: EventKind,
+}
+
+/// What happened.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum EventKind {
+    /// All drives are up.
+    DrivesReady,
+    /// An alarm.
+    FaultRaised(Fault),
+    /// An axis' following error has passed its warning window.
+    FollowingWarning {
+        /// Which axis.
+        axis: Axis,
+        /// How far.
+        error: Length,
+    },
+    /// A spindle has come within its at-speed window.
+    SpindleAtSpeed {
+        /// Which.
+        spindle: u8,
+        /// What it was ordered.
+        spin: Spin,
+    },
+    /// A spindle is held at the ordered angle.
+    SpindleOriented {
+        /// Which.
+        spindle: u8,
+    },
+    /// The tool is in the spindle.
+    ToolChanged {
+        /// Its number.
+        tool: u32,
+    },
+    /// Spindle and axis are engaged and begin to go in.
+    TapStarted,
+    /// The sync error in the material has passed its warning window.
+    SyncWarning {
+        /// How far.
+        error: Length,
+    },
+    /// Spindle and axis are out again.
+    TapEnded(TapFigures),
+    /// Waiting for the operator.
+    Paused,
+    /// The operator went on.
+    Resumed,
+    /// The program is over.
+    ProgramEnded,
+}
+
+/// What a tap came to, as the kernel saw it by its encoders.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TapFigures {
+    /// Sync error in the material.
+    pub sync: Figures,
+    /// Deepest coordinate reached, less the programmed one, along the way in: positive is an overrun.
+    pub depth_error: Length,
+    /// Highest speed of the spindle.
+    pub spin: Spin,
+    /// From engaging to leaving.
+    pub duration: Time,
+    /// The spindle's drive was at its limit.
+    pub saturated: bool,
+}
+
+/// The ring.
+#[derive(Clone, Debug)]
+pub(crate) struct Ring {
+    events: VecDeque<Event>,
+    lost: u64,
+}
+
+impl Ring {
+    pub(crate) fn new() -> Self {
+        Self { events: VecDeque::with_capacity(EVENTS), lost: 0 }
+    }
+
+    pub(crate) fn push(&mut self, event: Event) {
+        if self.events.len() == EVENTS {
+            self.events.pop_front();
+            self.lost += 1;
+        }
+        self.events.push_back(event);
+    }
+
+    pub(crate) fn pop(&mut self) -> Option<Event> {
+        self.events.pop_front()
+    }
+
+    pub(crate) const fn lost(&self) -> u64 {
+        self.lost
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_full_ring_loses_the_oldest_and_counts_it() {
+        let mut ring = Ring::new();
+        for line in 0..EVENTS as u32 + 3 {
+            ring.push(Event { time: Time::ZERO, op: 0, line, kind: EventKind::Paused });
+        }
+        assert_eq!((ring.lost(), ring.pop().map(|e| e.line)), (3, Some(3)));
+    }
+}

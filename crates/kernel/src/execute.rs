@@ -1,0 +1,256 @@
+//! Executing steps, one after the other.
+//!
+//! ```text
+//!            ┌──────────────── next step ◄───────────────────────────────┐
+//!            ▼                                                            │
+//!   Idle ─► begin ─┬─► Moving ──► Settling (exact stop) ──────────────────┤
+//!                  ├─► Dwelling, AwaitingSpeed, AwaitingAngle, Changing ──┤
+//!                  ├─► Tapping ───────────────────────────────────────────┤
+//!                  ├─► Pausing ─ resume ──────────────────────────────────┤
+//!                  ├─► (coolant, spindle order: at once) ─────────────────┘
+//!                  └─► Ended
+//! ```
+//!
+//! What a step leaves over of a period goes to the next one, so that motion has no gaps.
+use crate::config::{Config, Pause, Subject};
+use crate::drives::{Drives, Finding};
+use crate::event::{Event, EventKind, Ring};
+use crate::fault::FaultKind;
+use crate::moving::Moving;
+use crate::tapping::{Outcome, TapRun};
+use bus::{Feedback, State};
+use plan::{SpindleStep, StepKind};
+use sync::Phase;
+use units::Time;
+
+/// What an activity may look at and write to.
+pub(crate) struct Context<'a> {
+    pub(crate) config: &'a Config,
+    pub(crate) feedback: &'a Feedback,
+    pub(crate) events: &'a mut Ring,
+    pub(crate) op: u32,
+    pub(crate) line: u32,
+}
+
+impl Context<'_> {
+    pub(crate) fn note(&mut self, kind: EventKind) {
+        self.events.push(Event { time: self.feedback.time, op: self.op, line: self.line, kind });
+    }
+}
+
+/// What the kernel is doing.
+#[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant)] // one exists, and a box would be freed in the servo thread
+pub(crate) enum Activity {
+    /// Nothing.
+    Idle,
+    /// Along a path.
+    Moving(Moving, State),
+    /// Waiting until all axes are in position; for so long, and within the windows for so long.
+    Settling { waited_s: f64, inside_s: f64 },
+    /// A programmed wait; so much is left.
+    Dwelling { left_s: f64 },
+    /// Waiting for a spindle's speed.
+    AwaitingSpeed { spindle: u8, waited_s: f64 },
+    /// Waiting for a spindle's angle.
+    AwaitingAngle { spindle: u8, angle: units::Angle, waited_s: f64 },
+    /// Waiting for the tool.
+    Changing { tool: u32, waited_s: f64 },
+    /// Tapping.
+    Tapping(TapRun),
+    /// Waiting for the operator.
+    Pausing,
+    /// Done within the period in which it began.
+    AtOnce,
+    /// The program is over.
+    Ended,
+}
+
+/// Whether a step is done.
+pub(crate) enum Progress {
+    /// Not yet.
+    Busy,
+    /// Done, with so many seconds of the period left.
+    Done(f64),
+}
+
+impl Activity {
+    /// Begin a step.
+    pub(crate) fn begin(
+        step: &StepKind, drives: &mut Drives, context: &mut Context,
+    ) -> Result<Self, Finding> {
+        Ok(match step {
+            StepKind::Move(order) => {
+                let state = if order.rapid { State::Rapid } else { State::Feed };
+                Self::Moving(Moving::begin(order, drives)?, state)
+            }
+            StepKind::Dwell(time) => Self::Dwelling { left_s: time.value() },
+            StepKind::Spindle { spindle, order } => begin_spindle(*spindle, order, drives)?,
+            StepKind::Tap(plan) => Self::Tapping(TapRun::begin(plan, drives, context.config)?),
+            StepKind::ChangeTool(tool) => {
+                drives.tool = *tool;
+                Self::Changing { tool: *tool, waited_s: 0.0 }
+            }
+            StepKind::Coolant { mist, flood } => {
+                (drives.mist, drives.flood) = (*mist, *flood);
+                Self::AtOnce
+            }
+            StepKind::Pause { optional } => begin_pause(*optional, context),
+            StepKind::End => {
+                context.note(EventKind::ProgramEnded);
+                Self::Ended
+            }
+        })
+    }
+
+    /// Go on for `dt` seconds.
+    pub(crate) fn advance(
+        &mut self, step: &StepKind, dt: f64, drives: &mut Drives, context: &mut Context,
+    ) -> Result<Progress, Finding> {
+        let waits = context.config.waits;
+        match self {
+            Self::Idle | Self::Pausing | Self::Ended => Ok(Progress::Busy),
+            Self::AtOnce => Ok(Progress::Done(dt)),
+            Self::Moving(moving, _) => {
+                let StepKind::Move(order) = step else { return Ok(Progress::Done(dt)) };
+                match moving.advance(order, dt, drives) {
+                    None => Ok(Progress::Busy),
+                    Some(over) if !order.exact_stop => Ok(Progress::Done(over)),
+                    Some(_) => {
+                        *self = Self::Settling { waited_s: 0.0, inside_s: 0.0 };
+                        Ok(Progress::Busy)
+                    }
+                }
+            }
+            Self::Settling { waited_s, inside_s } => {
+                settle(dt, waited_s, inside_s, drives, waits.in_position)
+            }
+            Self::Dwelling { left_s } => {
+                *left_s -= dt;
+                Ok(if *left_s > 0.0 { Progress::Busy } else { Progress::Done(-*left_s) })
+            }
+            Self::AwaitingSpeed { spindle, waited_s } => {
+                *waited_s += dt;
+                await_speed(*spindle, *waited_s, drives, context)
+            }
+            Self::AwaitingAngle { spindle, angle, waited_s } => {
+                *waited_s += dt;
+                await_angle(*spindle, *angle, *waited_s, drives, context)
+            }
+            Self::Changing { tool, waited_s } => {
+                *waited_s += dt;
+                if context.feedback.tool == Some(*tool) {
+                    context.note(EventKind::ToolChanged { tool: *tool });
+                    return Ok(Progress::Done(0.0));
+                }
+                within(*waited_s, waits.tool_change, FaultKind::ToolNotChanged, Subject::Machine)
+            }
+            Self::Tapping(run) => {
+                let StepKind::Tap(plan) = step else { return Ok(Progress::Done(dt)) };
+                match run.advance(plan, dt, drives, context) {
+                    Outcome::Busy => Ok(Progress::Busy),
+                    Outcome::Done => Ok(Progress::Done(0.0)),
+                    Outcome::Failed(finding) => Err(finding),
+                }
+            }
+        }
+    }
+
+    /// What it is, for reports.
+    pub(crate) const fn state(&self) -> State {
+        match self {
+            Self::Idle | Self::AtOnce => State::Idle,
+            Self::Moving(_, state) => *state,
+            Self::Settling { .. } => State::Settle,
+            Self::Dwelling { .. } => State::Dwell,
+            Self::AwaitingSpeed { .. } | Self::AwaitingAngle { .. } => State::SpindleWait,
+            Self::Changing { .. } => State::ToolChange,
+            Self::Tapping(run) => match run.phase() {
+                Phase::Prepare => State::SpindleWait,
+                Phase::In => State::TapIn,
+                Phase::Bottom => State::TapBottom,
+                Phase::Out | Phase::Done => State::TapOut,
+            },
+            Self::Pausing => State::Paused,
+            Self::Ended => State::Ended,
+        }
+    }
+}
+
+fn begin_spindle(spindle: u8, order: &SpindleStep, drives: &mut Drives) -> Result<Activity, Finding> {
+    let Some(control) = drives.spindles.get_mut(usize::from(spindle)).and_then(Option::as_mut) else {
+        return Err((FaultKind::NotConfigured, Subject::Spindle(spindle), 0.0, 0.0));
+    };
+    Ok(match order {
+        SpindleStep::Turn { spin, ramp } => {
+            control.turn(*spin, ramp);
+            Activity::AtOnce
+        }
+        SpindleStep::AwaitSpeed => Activity::AwaitingSpeed { spindle, waited_s: 0.0 },
+        SpindleStep::Orient(angle) => {
+            Activity::AwaitingAngle { spindle, angle: *angle, waited_s: 0.0 }
+        }
+    })
+}
+
+fn begin_pause(optional: bool, context: &mut Context) -> Activity {
+    match context.config.pause {
+        Pause::GoOn => Activity::AtOnce,
+        Pause::Wait { optional_stop } if optional && !optional_stop => Activity::AtOnce,
+        Pause::Wait { .. } => {
+            context.note(EventKind::Paused);
+            Activity::Pausing
+        }
+    }
+}
+
+fn settle(
+    dt: f64, waited_s: &mut f64, inside_s: &mut f64, drives: &Drives, limit: Time,
+) -> Result<Progress, Finding> {
+    *waited_s += dt;
+    let outside = drives.in_position();
+    *inside_s = if outside.is_ok() { *inside_s + dt } else { 0.0 };
+    if *inside_s > drives.settle_s() {
+        return Ok(Progress::Done(0.0));
+    }
+    match outside {
+        Err(finding) if *waited_s > limit.value() => Err(finding),
+        _ => Ok(Progress::Busy),
+    }
+}
+
+fn await_speed(
+    spindle: u8, waited_s: f64, drives: &Drives, context: &mut Context,
+) -> Result<Progress, Finding> {
+    let Some(control) = &drives.spindles[usize::from(spindle)] else {
+        return Ok(Progress::Done(0.0));
+    };
+    if let Some(spin) = control.at_speed() {
+        context.note(EventKind::SpindleAtSpeed { spindle, spin });
+        return Ok(Progress::Done(0.0));
+    }
+    let (has, wanted) = (control.now().spin.value(), control.ordered().spin.value());
+    if waited_s > context.config.waits.at_speed.value() {
+        return Err((FaultKind::NotAtSpeed, Subject::Spindle(spindle), has, wanted));
+    }
+    Ok(Progress::Busy)
+}
+
+fn await_angle(
+    spindle: u8, angle: units::Angle, waited_s: f64, drives: &mut Drives, context: &mut Context,
+) -> Result<Progress, Finding> {
+    let Some(control) = &mut drives.spindles[usize::from(spindle)] else {
+        return Ok(Progress::Done(0.0));
+    };
+    control.hold(Some(angle));
+    if control.held().is_some() {
+        context.note(EventKind::SpindleOriented { spindle });
+        return Ok(Progress::Done(0.0));
+    }
+    let of = Subject::Spindle(spindle);
+    within(waited_s, context.config.waits.oriented, FaultKind::NotOriented, of)
+}
+
+fn within(waited_s: f64, limit: Time, kind: FaultKind, of: Subject) -> Result<Progress, Finding> {
+    if waited_s > limit.value() { Err((kind, of, waited_s, limit.value())) } else { Ok(Progress::Busy) }
+}

@@ -1,0 +1,256 @@
+//! What can go wrong on a machine, as states: each alarm has a number, a sentence, a cause and a remedy.
+//!
+//! ```text
+//!   1xx  the machine      emergency stop, drives
+//!   2xx  following        axis, spindle, sync error
+//!   3xx  waits            speed, angle, position, tool
+//!   4xx  orders           a step that this machine cannot execute
+//! ```
+//!
+//! The alarm list of the manual is made from [`FaultKind::ALL`].
+use crate::config::Subject;
+use core::fmt;
+use units::Time;
+
+/// A kind of alarm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum FaultKind {
+    /// The emergency stop chain is open.
+    EmergencyStop,
+    /// A drive is not ready.
+    DriveNotReady,
+    /// An encoder or the clock gave no usable number.
+    FeedbackInvalid,
+    /// An axis is too far from its setpoint.
+    FollowingError,
+    /// A spindle under position control is too far from its setpoint.
+    SpindleFollowingError,
+    /// A follower is too far from its coupling in the material.
+    SyncError,
+    /// A spindle did not reach its speed in time.
+    NotAtSpeed,
+    /// A spindle did not come to the ordered angle in time.
+    NotOriented,
+    /// An axis did not come into position in time.
+    NotInPosition,
+    /// The tool was not changed in time.
+    ToolNotChanged,
+    /// A step orders an axis or spindle that is not configured.
+    NotConfigured,
+    /// A step begins where the axes are not.
+    SetpointJump,
+}
+
+/// What the machine does at once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reaction {
+    /// Outputs off: the drives' own safety takes over.
+    Disable,
+    /// Brake axes and spindles under control, synchronised ones together, then hold.
+    Halt,
+}
+
+/// Number, sentence, unit of the value, reaction, cause, remedy.
+struct Text {
+    number: u16,
+    sentence: &'static str,
+    unit: &'static str,
+    reaction: Reaction,
+    cause: &'static str,
+    remedy: &'static str,
+}
+
+impl FaultKind {
+    /// All of them, by rising number.
+    pub const ALL: [Self; 12] = [
+        Self::EmergencyStop,
+        Self::DriveNotReady,
+        Self::FeedbackInvalid,
+        Self::FollowingError,
+        Self::SpindleFollowingError,
+        Self::SyncError,
+        Self::NotAtSpeed,
+        Self::NotOriented,
+        Self::NotInPosition,
+        Self::ToolNotChanged,
+        Self::NotConfigured,
+        Self::SetpointJump,
+    ];
+
+    /// Its number in the alarm list.
+    pub const fn number(self) -> u16 {
+        self.text().number
+    }
+
+    /// What has happened.
+    pub const fn sentence(self) -> &'static str {
+        self.text().sentence
+    }
+
+    /// What the value and the limit of such a fault are measured in.
+    pub const fn unit(self) -> &'static str {
+        self.text().unit
+    }
+
+    /// What the machine does at once.
+    pub const fn reaction(self) -> Reaction {
+        self.text().reaction
+    }
+
+    /// Why it happens.
+    pub const fn cause(self) -> &'static str {
+        self.text().cause
+    }
+
+    /// What to do.
+    pub const fn remedy(self) -> &'static str {
+        self.text().remedy
+    }
+
+    const fn text(self) -> Text {
+        match self {
+            Self::EmergencyStop => Text {
+                number: 101,
+                sentence: "the emergency stop chain is open",
+                unit: "",
+                reaction: Reaction::Disable,
+                cause: "An emergency stop button, a door switch or an over-travel switch.",
+                remedy: "Remove the danger, release the button, start the control again.",
+            },
+            Self::DriveNotReady => Text {
+                number: 102,
+                sentence: "the drive is not ready",
+                unit: "",
+                reaction: Reaction::Disable,
+                cause: "The drive has no power, or a fault of its own.",
+                remedy: "Read the drive's own alarm; restore its power.",
+            },
+            Self::FeedbackInvalid => Text {
+                number: 103,
+                sentence: "the encoder gives no usable reading",
+                unit: "",
+                reaction: Reaction::Disable,
+                cause: "A broken encoder line, or a fault of the field bus.",
+                remedy: "Check encoder, cable and bus.",
+            },
+            Self::FollowingError => Text {
+                number: 201,
+                sentence: "following error too large",
+                unit: "mm",
+                reaction: Reaction::Halt,
+                cause: "Collision, a jammed guideway, a drive at its force limit, or wrong loop data.",
+                remedy: "Look for an obstacle; compare force and acceleration with the machine file.",
+            },
+            Self::SpindleFollowingError => Text {
+                number: 202,
+                sentence: "following error of the spindle's angle too large",
+                unit: "rev",
+                reaction: Reaction::Halt,
+                cause: "The drive is at its torque or power limit, or the tool is stuck.",
+                remedy: "Use a longer ramp or a lower speed; check tool and bore.",
+            },
+            Self::SyncError => Text {
+                number: 203,
+                sentence: "the feed axis left the thread's helix in the material",
+                unit: "mm",
+                reaction: Reaction::Halt,
+                cause: "The spindle or the axis could not follow: drive limit, friction, a stuck tap.",
+                remedy: "Do not move the axis alone: the tap is in its thread. Drive it out synchronised.",
+            },
+            Self::NotAtSpeed => Text {
+                number: 301,
+                sentence: "the spindle did not reach its speed in time",
+                unit: "rev/s",
+                reaction: Reaction::Halt,
+                cause: "Too high a load, a slipping belt, or a speed that the drive cannot reach.",
+                remedy: "Check the load; lower S or lengthen control.waits.at_speed_s.",
+            },
+            Self::NotOriented => Text {
+                number: 302,
+                sentence: "the spindle did not come to its angle in time",
+                unit: "rev",
+                reaction: Reaction::Halt,
+                cause: "The spindle is held fast, or its position loop is not stable.",
+                remedy: "Turn the spindle by hand; check its loop data; lengthen control.waits.oriented_s.",
+            },
+            Self::NotInPosition => Text {
+                number: 303,
+                sentence: "the axis did not come into position in time",
+                unit: "mm",
+                reaction: Reaction::Halt,
+                cause: "A constant force, friction, or too narrow a window.",
+                remedy: "Check for contact; widen the axis' in_position_um.",
+            },
+            Self::ToolNotChanged => Text {
+                number: 304,
+                sentence: "the tool was not changed in time",
+                unit: "",
+                reaction: Reaction::Halt,
+                cause: "The changer is jammed, or the tool is not in the magazine.",
+                remedy: "Free the changer; load the tool; lengthen control.waits.tool_change_s.",
+            },
+            Self::NotConfigured => Text {
+                number: 401,
+                sentence: "ordered, but not configured on this machine",
+                unit: "",
+                reaction: Reaction::Halt,
+                cause: "The program was planned for another machine.",
+                remedy: "Plan the program with the machine file that the control runs.",
+            },
+            Self::SetpointJump => Text {
+                number: 402,
+                sentence: "a step begins away from where the axis stands",
+                unit: "mm",
+                reaction: Reaction::Halt,
+                cause: "The program was planned from another position.",
+                remedy: "Plan the program again from where the axes stand.",
+            },
+        }
+    }
+}
+
+/// An alarm that has happened.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fault {
+    /// Which.
+    pub kind: FaultKind,
+    /// On what.
+    pub subject: Subject,
+    /// What was measured, in [`FaultKind::unit`]; zero where nothing is.
+    pub value: f64,
+    /// What was allowed, likewise.
+    pub limit: f64,
+    /// When.
+    pub time: Time,
+    /// Index of the op that was being executed.
+    pub op: u32,
+    /// Its program line; 0 if there was none.
+    pub line: u32,
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (number, sentence, unit) =
+            (self.kind.number(), self.kind.sentence(), self.kind.unit());
+        write!(f, "alarm {number}: {}: {sentence}", self.subject)?;
+        if !unit.is_empty() {
+            write!(f, ": {:.4} {unit}, limit {:.4} {unit}", self.value, self.limit)?;
+        }
+        write!(f, " (line {}, {:.4} s)", self.line, self.time.value())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_alarm_has_its_own_number_and_says_what_to_do() {
+        for (i, kind) in FaultKind::ALL.iter().enumerate() {
+            assert!(FaultKind::ALL[..i].iter().all(|k| k.number() < kind.number()), "{kind:?}");
+            for text in [kind.sentence(), kind.cause(), kind.remedy()] {
+                assert!(text.len() > 10, "{kind:?}: {text}");
+            }
+        }
+    }
+}

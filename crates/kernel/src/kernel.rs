@@ -1,0 +1,341 @@
+//! The tick.
+//!
+//! ```text
+//!   Feedback ─► readings ─► faults? ─► steps ─► spindles ─► loops ─► Command
+//!                              │
+//!                              └─ yes: outputs off, or brake and hold
+//! ```
+//!
+//! A fault is a state, not a `Result`: the machine is stopped the way the fault asks for, and from then
+//! on the kernel only holds it.
+use crate::config::{Config, Subject};
+use crate::drives::{Drives, Finding};
+use crate::event::{Event, EventKind, Ring};
+use crate::execute::{Activity, Context, Progress};
+use crate::fault::{Fault, FaultKind, Reaction};
+use alloc::{collections::VecDeque, vec::Vec};
+use bus::{Command, Feedback, Report, State};
+use canon::Axis;
+use plan::Step;
+use sync::{Coupling, SyncMode};
+
+/// Steps that may wait.
+pub const QUEUE: usize = 32;
+/// Faults that are kept; the first ones tell why.
+pub const FAULTS: usize = 16;
+/// Steps that may be done within one period: what needs no time must not starve the loops.
+const STEPS_PER_TICK: usize = 8;
+
+/// The queue is full: try again after the next tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Full;
+
+impl core::fmt::Display for Full {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "the kernel's queue of {QUEUE} steps is full")
+    }
+}
+
+impl core::error::Error for Full {}
+
+/// How the machine is run at present.
+#[derive(Clone, Copy, Debug)]
+enum Mode {
+    /// The first tick has not been.
+    New,
+    /// Waiting for the drives, for so long.
+    Starting(f64),
+    /// Executing steps.
+    Running,
+    /// Braked under control and held; what was coupled stays coupled.
+    Halted(Option<Halt>),
+    /// Outputs off.
+    Disabled,
+}
+
+/// What stays coupled while it is braked.
+#[derive(Clone, Copy, Debug)]
+struct Halt {
+    coupling: Coupling,
+    axis: usize,
+    spindle: usize,
+}
+
+/// The control of one machine.
+#[derive(Clone, Debug)]
+pub struct Kernel {
+    config: Config,
+    drives: Drives,
+    queue: VecDeque<Step>,
+    activity: Activity,
+    /// The step at the queue's front has begun.
+    begun: bool,
+    mode: Mode,
+    faults: Vec<Fault>,
+    events: Ring,
+    report: Report,
+}
+
+impl Kernel {
+    /// A kernel for a machine. All memory it will ever need is taken here. What [`Config::problems`]
+    /// reports should have been mended before.
+    pub fn new(config: Config) -> Self {
+        Self {
+            drives: Drives::new(&config),
+            config,
+            queue: VecDeque::with_capacity(QUEUE),
+            activity: Activity::Idle,
+            begun: false,
+            mode: Mode::New,
+            faults: Vec::with_capacity(FAULTS),
+            events: Ring::new(),
+            report: Report::default(),
+        }
+    }
+
+    /// Append a step.
+    ///
+    /// # Errors
+    /// The queue is full.
+    pub fn push(&mut self, step: Step) -> Result<(), Full> {
+        if self.is_full() {
+            return Err(Full);
+        }
+        self.queue.push_back(step);
+        Ok(())
+    }
+
+    /// No step can be pushed now.
+    pub fn is_full(&self) -> bool {
+        self.queue.len() == QUEUE
+    }
+
+    /// Nothing left to do: no step waits or runs.
+    pub fn is_idle(&self) -> bool {
+        self.queue.is_empty()
+    }
+
+    /// The program has ended, or a fault has ended it: nothing more will happen.
+    pub fn is_over(&self) -> bool {
+        matches!(self.report.state, State::Ended | State::Faulted)
+    }
+
+    /// The kernel's view of the last period.
+    pub const fn report(&self) -> Report {
+        self.report
+    }
+
+    /// The faults that have happened, oldest first.
+    pub fn faults(&self) -> &[Fault] {
+        &self.faults
+    }
+
+    /// The oldest event that nobody has taken yet.
+    pub fn next_event(&mut self) -> Option<Event> {
+        self.events.pop()
+    }
+
+    /// Events that were lost because nobody took them in time.
+    pub const fn events_lost(&self) -> u64 {
+        self.events.lost()
+    }
+
+    /// Go on after a program's stop.
+    pub fn resume(&mut self) {
+        if matches!(self.activity, Activity::Pausing) {
+            self.activity = Activity::AtOnce;
+        }
+    }
+
+    /// One servo period: from what the machine says to what it shall do.
+    pub fn tick(&mut self, feedback: &Feedback) -> Command {
+        if let Err(finding) = self.check(feedback) {
+            self.raise(finding, feedback);
+        }
+        if !matches!(self.mode, Mode::Disabled) {
+            self.drives.read(feedback);
+        }
+        let command = match self.mode {
+            Mode::Disabled => Command { tool: self.drives.tool, ..Command::default() },
+            Mode::New | Mode::Starting(_) => self.start(feedback),
+            Mode::Running => self.run(feedback),
+            Mode::Halted(halt) => self.halt(halt.as_ref()),
+        };
+        self.summarise();
+        command
+    }
+
+    /// What is wrong before anything is done.
+    fn check(&self, feedback: &Feedback) -> Result<(), Finding> {
+        if feedback.emergency_stop {
+            return Err((FaultKind::EmergencyStop, Subject::Machine, 0.0, 0.0));
+        }
+        self.drives.check_readings(feedback)?;
+        match self.mode {
+            Mode::New | Mode::Starting(_) | Mode::Disabled => Ok(()),
+            Mode::Running => {
+                self.drives.check_ready(feedback)?;
+                self.drives.check_following()
+            }
+            Mode::Halted(_) => self.drives.check_ready(feedback),
+        }
+    }
+
+    /// Wait for the drives; hold every axis where it stands.
+    fn start(&mut self, feedback: &Feedback) -> Command {
+        let waited = match self.mode {
+            Mode::Starting(waited) => waited + self.config.period.value(),
+            Mode::New | Mode::Running | Mode::Halted(_) | Mode::Disabled => 0.0,
+        };
+        self.drives.adopt(feedback, &self.config);
+        self.mode = Mode::Starting(waited);
+        match self.drives.check_ready(feedback) {
+            Ok(()) => {
+                self.mode = Mode::Running;
+                self.note(feedback, EventKind::DrivesReady);
+            }
+            Err(finding) if waited > self.config.waits.ready.value() => {
+                self.raise(finding, feedback);
+                return Command { tool: self.drives.tool, ..Command::default() };
+            }
+            Err(_) => {}
+        }
+        self.drives.command()
+    }
+
+    /// Execute steps, then close the loops.
+    fn run(&mut self, feedback: &Feedback) -> Command {
+        self.drives.rest();
+        let mut left = self.config.period.value();
+        for _ in 0..STEPS_PER_TICK {
+            match self.step(left, feedback) {
+                Ok(Progress::Done(rest)) => left = rest,
+                Ok(Progress::Busy) => break,
+                Err(finding) => {
+                    self.raise(finding, feedback);
+                    break;
+                }
+            }
+        }
+        if let Mode::Halted(halt) = self.mode {
+            return self.halt(halt.as_ref());
+        }
+        self.warn(feedback);
+        self.drives.advance_spindles();
+        self.drives.command()
+    }
+
+    /// Go on with the step at the queue's front.
+    fn step(&mut self, dt: f64, feedback: &Feedback) -> Result<Progress, Finding> {
+        let Some(step) = self.queue.front() else {
+            return Ok(Progress::Busy);
+        };
+        let mut context = Context {
+            config: &self.config,
+            feedback,
+            events: &mut self.events,
+            op: step.op,
+            line: step.line,
+        };
+        if !self.begun {
+            (self.report.op, self.report.line) = (step.op, step.line);
+            self.activity = Activity::begin(&step.kind, &mut self.drives, &mut context)?;
+            self.begun = true;
+        }
+        let progress = self.activity.advance(&step.kind, dt, &mut self.drives, &mut context)?;
+        if let Progress::Done(_) = progress {
+            self.queue.pop_front();
+            self.begun = false;
+            self.activity = Activity::Idle;
+        }
+        Ok(progress)
+    }
+
+    /// Brake what moves, synchronised what is coupled, and hold.
+    fn halt(&mut self, halt: Option<&Halt>) -> Command {
+        self.drives.advance_spindles();
+        for (index, axis) in self.drives.axes.iter_mut().enumerate() {
+            let Some(axis) = axis else { continue };
+            let coupled = halt.filter(|halt| halt.axis == index);
+            let master = coupled.and_then(|halt| self.drives.spindles[halt.spindle].as_ref());
+            match (coupled, master) {
+                (Some(halt), Some(spindle)) => {
+                    let master = match self.config.synchronisation {
+                        SyncMode::CommandSynchronised => spindle.ordered(),
+                        SyncMode::EncoderFollowing { .. } => spindle.now(),
+                    };
+                    axis.follow(&halt.coupling.follow(master));
+                }
+                _ => axis.brake(),
+            }
+        }
+        self.drives.command()
+    }
+
+    /// A fault: remember it and stop the way it asks for.
+    fn raise(&mut self, (kind, subject, value, limit): Finding, feedback: &Feedback) {
+        if matches!(self.mode, Mode::Disabled) {
+            return;
+        }
+        let (op, line) = (self.report.op, self.report.line);
+        let fault = Fault { kind, subject, value, limit, time: feedback.time, op, line };
+        if self.faults.len() < FAULTS {
+            self.faults.push(fault);
+        }
+        self.note(feedback, EventKind::FaultRaised(fault));
+        self.mode = match kind.reaction() {
+            Reaction::Disable => Mode::Disabled,
+            Reaction::Halt => {
+                let halt = self.coupled();
+                for spindle in self.drives.spindles.iter_mut().flatten() {
+                    spindle.brake();
+                }
+                Mode::Halted(halt)
+            }
+        };
+        (self.drives.mist, self.drives.flood) = (false, false);
+    }
+
+    /// What is coupled at present.
+    fn coupled(&self) -> Option<Halt> {
+        let Activity::Tapping(run) = &self.activity else { return None };
+        let Some(Step { kind: plan::StepKind::Tap(plan), .. }) = self.queue.front() else {
+            return None;
+        };
+        let (axis, spindle) = (plan.axis.index(), usize::from(plan.spindle));
+        run.coupling().map(|coupling| Halt { coupling, axis, spindle })
+    }
+
+    /// Following errors worth an event.
+    fn warn(&mut self, feedback: &Feedback) {
+        for index in 0..bus::AXES {
+            let Some(axis) = &mut self.drives.axes[index] else { continue };
+            let (error, limit) = (axis.error(), axis.control.windows.following_warn.value());
+            if error.abs() <= limit / 2.0 {
+                axis.warned = false;
+            } else if error.abs() > limit && !axis.warned {
+                axis.warned = true;
+                let (axis, error) = (Axis::ALL[index], units::Length::mm(error));
+                self.note(feedback, EventKind::FollowingWarning { axis, error });
+            }
+        }
+    }
+
+    fn note(&mut self, feedback: &Feedback, kind: EventKind) {
+        let (op, line) = (self.report.op, self.report.line);
+        self.events.push(Event { time: feedback.time, op, line, kind });
+    }
+
+    /// The kernel's view of this period.
+    fn summarise(&mut self) {
+        self.report.state = match self.mode {
+            Mode::New | Mode::Starting(_) => State::Idle,
+            Mode::Running => self.activity.state(),
+            Mode::Halted(_) | Mode::Disabled => State::Faulted,
+        };
+        self.report.sync_error = match &self.activity {
+            Activity::Tapping(run) => run.sync_error(),
+            _ => None,
+        };
+    }
+}

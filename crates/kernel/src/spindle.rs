@@ -1,0 +1,342 @@
+//! A spindle: speed control while it only turns, position control while it is held, turned to an angle
+//! or leads a tap.
+//!
+//! ```text
+//!            ramp over                       ordered to an angle, at rest
+//!    Ramp ──────────────► Slew ◄──────────────────────────────┐
+//!     ▲                    │ at rest                          │
+//!     └── new speed ──── Held ──────► Turn ──────► Held       Led (a tap says angle or speed)
+//! ```
+//!
+//! The torque that the drive can give falls with speed: |M| ≤ min(M̂, P̂/2π|n|). What nobody planned (a stop
+//! before a tap, a speed that the plan did not foresee) runs on a share of that curve.
+//!
+//! Numbers here are in rev, s, N·m; inertia in N·m per rev/s² (J·2π).
+use crate::config::{Config, SpindleControl};
+use crate::friction::spindle_friction;
+use crate::servo::{Gains, Input, Servo};
+use bus::{SpindleCommand, SpindleFeedback};
+use core::f64::consts::TAU;
+use plan::Profile;
+use sync::{Blend, Observer, Rotation};
+use units::{Angle, Spin, SpinAccel, Time, Torque};
+
+/// Share of the torque curve that unplanned changes of speed use.
+const UNPLANNED: f64 = 0.75;
+/// A ramp fits if it begins this near to the speed that is ordered, rev/s.
+const RAMP_FITS: f64 = 1e-3;
+
+/// What a spindle is doing.
+#[derive(Clone, Copy, Debug)]
+enum Order {
+    /// Speed control towards a speed, rev/s, on its own ramp.
+    Slew(f64),
+    /// Speed control along a planned ramp, since a while, s, to a speed, rev/s.
+    Ramp(f64, f64),
+    /// Position control to an angle, since a while, s.
+    Turn(Blend, f64),
+    /// Position control where it stands.
+    Held,
+    /// Position control, braking a tap's master.
+    Brake,
+    /// A tap says the angle.
+    LedAngle,
+    /// A tap says the speed.
+    LedSpeed,
+}
+
+/// One spindle's loop and its state.
+#[derive(Clone, Debug)]
+pub(crate) struct SpindleLoop {
+    pub(crate) control: SpindleControl,
+    servo: Servo,
+    observer: Observer,
+    period_s: f64,
+    lookahead_s: f64,
+    inertia: f64,
+    order: Order,
+    ramp: Profile,
+    /// The setpoint now, before, and as it will be when the torque acts.
+    ordered: Rotation,
+    before: Rotation,
+    ahead: Rotation,
+    reading: f64,
+    reading_before: f64,
+    error: f64,
+    saturated: bool,
+}
+
+impl SpindleLoop {
+    pub(crate) fn new(control: SpindleControl, config: &Config) -> Self {
+        let period_s = config.period.value();
+        let inertia = control.inertia.value() * TAU;
+        let still = Rotation::default();
+        Self {
+            servo: Servo::new(Gains {
+                position_gain: control.position_gain,
+                bandwidth_hz: control.velocity_bandwidth_hz,
+                inertia,
+                period_s,
+            }),
+            observer: Observer::new(config.period, control.observer_bandwidth_hz, Angle::ZERO),
+            period_s,
+            lookahead_s: (config.command_delay + control.torque_lag).value() + period_s / 2.0,
+            inertia,
+            order: Order::Slew(0.0),
+            ramp: Profile::EMPTY,
+            ordered: still,
+            before: still,
+            ahead: still,
+            reading: 0.0,
+            reading_before: 0.0,
+            error: 0.0,
+            saturated: false,
+            control,
+        }
+    }
+
+    /// Take the reading as the present place: the drive has just come up, or is off.
+    pub(crate) fn adopt(&mut self, feedback: &SpindleFeedback, period: Time) {
+        self.reading = feedback.angle.value();
+        self.reading_before = self.reading;
+        self.observer =
+            Observer::new(period, self.control.observer_bandwidth_hz, feedback.angle);
+        let still = Rotation { angle: feedback.angle, ..Rotation::default() };
+        (self.ordered, self.before, self.ahead) = (still, still, still);
+        self.order = Order::Slew(0.0);
+        self.error = 0.0;
+        self.servo.reset();
+    }
+
+    /// Take a reading.
+    pub(crate) fn read(&mut self, feedback: &SpindleFeedback) {
+        self.reading_before = self.reading;
+        self.reading = feedback.angle.value();
+        self.saturated = feedback.saturated;
+        self.observer.update(feedback.angle, self.ordered.accel);
+    }
+
+    /// How it turns, by the observer.
+    pub(crate) fn now(&self) -> Rotation {
+        self.observer.now()
+    }
+
+    /// How it will turn.
+    pub(crate) fn predict(&self, horizon: Time) -> Rotation {
+        self.observer.predict(horizon)
+    }
+
+    /// The last reading.
+    pub(crate) const fn reading(&self) -> Angle {
+        Angle::rev(self.reading)
+    }
+
+    /// The setpoint.
+    pub(crate) const fn ordered(&self) -> Rotation {
+        self.ordered
+    }
+
+    /// How far ahead of the setpoint its feed-forward is taken.
+    pub(crate) const fn lookahead_s(&self) -> f64 {
+        self.lookahead_s
+    }
+
+    /// The drive was at its limit.
+    pub(crate) const fn saturated(&self) -> bool {
+        self.saturated
+    }
+
+    /// Following error under position control, rev; zero otherwise.
+    pub(crate) fn error(&self) -> f64 {
+        if self.position_controlled() { self.error } else { 0.0 }
+    }
+
+    /// It stands, by the observer, and is not ordered to turn.
+    pub(crate) fn at_rest(&self) -> bool {
+        self.ordered.spin == Spin::ZERO && self.now().spin.abs() < self.control.windows.at_rest
+    }
+
+    /// The angle at which it is held, once it is.
+    pub(crate) fn held(&self) -> Option<Angle> {
+        let within = self.error.abs() <= self.control.windows.oriented.value();
+        (matches!(self.order, Order::Held) && within && self.at_rest())
+            .then_some(self.ordered.angle)
+    }
+
+    /// The ordered speed, once the spindle has it.
+    pub(crate) fn at_speed(&self) -> Option<Spin> {
+        let to = match self.order {
+            Order::Slew(to) if self.ordered.spin.value() == to => to,
+            Order::Ramp(..) | Order::Slew(_) => return None,
+            Order::Turn(..) | Order::Held | Order::Brake | Order::LedAngle | Order::LedSpeed => 0.0,
+        };
+        let windows = &self.control.windows;
+        let window = (to.abs() * windows.at_speed).max(windows.at_rest.value());
+        ((self.now().spin.value() - to).abs() <= window).then_some(Spin::rev_per_s(to))
+    }
+
+    /// Run along a planned ramp to a speed; if it does not begin at the speed that is ordered, get there
+    /// all the same.
+    pub(crate) fn turn(&mut self, spin: Spin, ramp: &Profile) {
+        let begins = ramp.at(0.0).v;
+        let to = spin.value();
+        if (begins - self.ordered.spin.value()).abs() <= RAMP_FITS && ramp.duration() > 0.0 {
+            self.ramp = *ramp;
+            self.order = Order::Ramp(0.0, to);
+        } else {
+            self.order = Order::Slew(to);
+        }
+    }
+
+    /// Come to rest under speed control.
+    pub(crate) fn stop(&mut self) {
+        if !matches!(self.order, Order::Slew(0.0)) {
+            self.order = Order::Slew(0.0);
+        }
+    }
+
+    /// Come to rest in the kind of control that it is in: the stop of a fault.
+    pub(crate) fn brake(&mut self) {
+        self.order = if self.position_controlled() { Order::Brake } else { Order::Slew(0.0) };
+    }
+
+    /// Hold it, at an angle within a turn or where it stands. It should stand; if it does not, it is
+    /// stopped first and the call repeated.
+    pub(crate) fn hold(&mut self, angle: Option<Angle>) {
+        match self.order {
+            Order::Turn(..) => return,
+            Order::Held => {}
+            Order::LedAngle => self.order = Order::Held,
+            Order::Slew(_) | Order::Ramp(..) | Order::LedSpeed | Order::Brake => {
+                if !self.at_rest() {
+                    return self.stop();
+                }
+                self.ordered = Rotation { angle: self.now().angle, ..Rotation::default() };
+                self.before = self.ordered;
+                self.order = Order::Held;
+            }
+        }
+        let Some(angle) = angle else { return };
+        let from = self.ordered.angle.value();
+        let turns = angle.value() - from;
+        let to = from + turns - libm::round(turns);
+        if (to - from).abs() > 1e-9 {
+            let (spin, accel) = self.control.orient;
+            self.order = Order::Turn(Blend::new(from, to, spin.value(), accel.value()), 0.0);
+        }
+    }
+
+    /// A tap leads: the setpoint now, and when the torque acts.
+    pub(crate) fn lead(&mut self, now: Rotation, ahead: Rotation, by_angle: bool) {
+        self.order = if by_angle { Order::LedAngle } else { Order::LedSpeed };
+        self.ordered = now;
+        self.ahead = ahead;
+    }
+
+    /// Advance what the spindle does by itself by one period.
+    pub(crate) fn advance(&mut self) {
+        let h = self.period_s;
+        match self.order {
+            Order::Slew(to) => self.slew(to),
+            Order::Brake => {
+                let before = self.ordered.spin;
+                self.slew(0.0);
+                self.ordered.angle += (before + self.ordered.spin) * Time::s(h / 2.0);
+            }
+            Order::Ramp(at, to) => {
+                let at = at + h;
+                if at >= self.ramp.duration() {
+                    self.order = Order::Slew(to);
+                    self.slew(to);
+                } else {
+                    let (now, ahead) = (self.ramp.at(at), self.ramp.at(at + self.lookahead_s));
+                    self.set_speed(now.v, now.a);
+                    self.ahead = rotation(0.0, ahead.v, ahead.a);
+                    self.order = Order::Ramp(at, to);
+                }
+            }
+            Order::Turn(blend, at) => {
+                let at = at + h;
+                let (now, ahead) = (blend.at(at), blend.at(at + self.lookahead_s));
+                self.ordered = rotation(now.s, now.v, now.a);
+                self.ahead = rotation(ahead.s, ahead.v, ahead.a);
+                let over = at >= blend.duration_s();
+                self.order = if over { Order::Held } else { Order::Turn(blend, at) };
+            }
+            Order::Held => {
+                self.ordered.spin = Spin::ZERO;
+                self.ordered.accel = SpinAccel::ZERO;
+                self.ahead = self.ordered;
+            }
+            Order::LedAngle | Order::LedSpeed => {}
+        }
+    }
+
+    fn slew(&mut self, to: f64) {
+        let before = self.ordered.spin.value();
+        let most = UNPLANNED * self.limit(before) / self.inertia * self.period_s;
+        let spin = before + (to - before).clamp(-most, most);
+        self.set_speed(spin, (spin - before) / self.period_s);
+        self.ahead = self.ordered;
+    }
+
+    fn set_speed(&mut self, spin: f64, accel: f64) {
+        self.ordered.spin = Spin::rev_per_s(spin);
+        self.ordered.accel = SpinAccel::rev_per_s2(accel);
+    }
+
+    /// Most torque the drive can give at a speed.
+    fn limit(&self, spin: f64) -> f64 {
+        let peak = self.control.peak_torque.value();
+        let by_power = self.control.peak_power.value() / (TAU * spin.abs()).max(f64::MIN_POSITIVE);
+        peak.min(by_power)
+    }
+
+    const fn position_controlled(&self) -> bool {
+        match self.order {
+            Order::Turn(..) | Order::Held | Order::LedAngle | Order::Brake => true,
+            Order::Slew(_) | Order::Ramp(..) | Order::LedSpeed => false,
+        }
+    }
+
+    /// The command for this period.
+    pub(crate) fn command(&mut self) -> SpindleCommand {
+        let shares = self.control.feed_forward;
+        let by_angle = self.position_controlled();
+        if !by_angle {
+            self.ordered.angle = Angle::rev(self.reading);
+        }
+        let way = if by_angle {
+            (self.ordered.angle - self.before.angle).value()
+        } else {
+            (self.before.spin + self.ordered.spin).value() * self.period_s / 2.0
+        };
+        let turned = self.reading - self.reading_before;
+        self.error = (self.ordered.angle - Angle::rev(self.reading)).value();
+        self.before = self.ordered;
+        let spin = self.ordered.spin.value();
+        let friction = spindle_friction(&self.control.friction, self.ahead.spin).value();
+        let torque = self.servo.update(Input {
+            error: if by_angle { self.error } else { 0.0 },
+            error_rate: (way - turned) / self.period_s,
+            speed_withheld: if by_angle { (1.0 - shares.speed) * spin } else { 0.0 },
+            feed_forward: shares.accel * self.inertia * self.ahead.accel.value()
+                + shares.friction * friction,
+            limit: self.limit(self.now().spin.value()),
+        });
+        SpindleCommand {
+            enable: true,
+            angle: self.ordered.angle,
+            spin: self.ordered.spin,
+            torque: Torque::n_m(torque),
+        }
+    }
+}
+
+const fn rotation(angle: f64, spin: f64, accel: f64) -> Rotation {
+    Rotation {
+        angle: Angle::rev(angle),
+        spin: Spin::rev_per_s(spin),
+        accel: SpinAccel::rev_per_s2(accel),
+    }
+}

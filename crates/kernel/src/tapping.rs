@@ -1,0 +1,306 @@
+//! Running a planned tap on the loops: the cycle decides, this carries it out and watches it.
+//!
+//! ```text
+//!   TapPlan ─► sync::Cycle ─► ask ──────────────► spindle loop
+//!                  ▲           └─ order, or ─┐
+//!                  │    readings ─► age ─► prediction ─► coupling ─► axis loop
+//!                  └──────────── spindle                    │
+//!                                       monitor ◄── readings of both
+//! ```
+use crate::axis::Target;
+use crate::config::{Config, FeedForward, Subject};
+use crate::drives::{Drives, Finding};
+use crate::event::{EventKind, TapFigures};
+use crate::execute::Context;
+use crate::fault::FaultKind;
+use crate::moving::stand_at;
+use crate::spindle::SpindleLoop;
+use crate::stroke::{Mark, Planned};
+use plan::TapPlan;
+use sync::{
+    Ask, Coupling, Cycle, Follower, MAX_TRANSPORT, Monitor, Phase, Prediction, Rotation, SyncMode, Tap,
+    Tick, Verdict,
+};
+use units::{Angle, Length, Spin, Time};
+
+/// Readings of the master on their way to the follower.
+#[derive(Clone, Copy, Debug)]
+struct Transport {
+    readings: [Rotation; MAX_TRANSPORT as usize + 1],
+    age: usize,
+}
+
+impl Transport {
+    fn new(first: Rotation, age: u8) -> Self {
+        let age = usize::from(age.min(MAX_TRANSPORT));
+        Self { readings: [first; MAX_TRANSPORT as usize + 1], age }
+    }
+
+    /// Send one off; the one that arrives.
+    fn pass(&mut self, reading: Rotation) -> Rotation {
+        self.readings.rotate_right(1);
+        self.readings[0] = reading;
+        self.readings[self.age]
+    }
+}
+
+/// A tap under way.
+#[derive(Clone, Debug)]
+pub(crate) struct TapRun {
+    cycle: Cycle,
+    monitor: Monitor,
+    transport: Transport,
+    marks: [Mark; 2],
+    waited_s: f64,
+    engaged_s: f64,
+    deepest: Length,
+    fastest: Spin,
+    saturated: bool,
+    error: Option<Length>,
+}
+
+/// What one period of a tap came to.
+pub(crate) enum Outcome {
+    /// Go on.
+    Busy,
+    /// It is over.
+    Done,
+    /// It failed.
+    Failed(Finding),
+}
+
+impl TapRun {
+    /// Begin, if the axes stand at the start and the machine has what it takes.
+    pub(crate) fn begin(plan: &TapPlan, drives: &mut Drives, config: &Config) -> Result<Self, Finding> {
+        if drives.axes[plan.axis.index()].is_none() {
+            return Err((FaultKind::NotConfigured, Subject::Axis(plan.axis), 0.0, 0.0));
+        }
+        let master = drives.spindles.get(usize::from(plan.spindle)).and_then(Option::as_ref);
+        let Some(spindle) = master else {
+            return Err((FaultKind::NotConfigured, Subject::Spindle(plan.spindle), 0.0, 0.0));
+        };
+        let age = match config.synchronisation {
+            SyncMode::CommandSynchronised => 0,
+            SyncMode::EncoderFollowing { transport, .. } => transport,
+        };
+        let transport = Transport::new(spindle.now(), age);
+        stand_at(&plan.start, drives)?;
+        Ok(Self {
+            cycle: Cycle::new(),
+            monitor: Monitor::new(config.sync_windows, plan.surface, plan.bottom),
+            transport,
+            marks: [Mark::default(), Mark::default()],
+            waited_s: 0.0,
+            engaged_s: 0.0,
+            deepest: -(plan.bottom - plan.start.along(plan.axis)).abs(),
+            fastest: Spin::ZERO,
+            saturated: false,
+            error: None,
+        })
+    }
+
+    /// What it is about.
+    pub(crate) const fn phase(&self) -> Phase {
+        self.cycle.phase()
+    }
+
+    /// Distance from the coupling in the material, by this period's readings.
+    pub(crate) const fn sync_error(&self) -> Option<Length> {
+        self.error
+    }
+
+    /// The coupling that is engaged.
+    pub(crate) const fn coupling(&self) -> Option<Coupling> {
+        self.cycle.coupling()
+    }
+
+    /// Go on for `dt` seconds.
+    pub(crate) fn advance(
+        &mut self, plan: &TapPlan, dt: f64, drives: &mut Drives, context: &mut Context,
+    ) -> Outcome {
+        let (axis, spindle) = (plan.axis.index(), usize::from(plan.spindle));
+        let (Some(axis), Some(spindle)) = (&mut drives.axes[axis], &mut drives.spindles[spindle])
+        else {
+            return Outcome::Done; // begin() has seen to it that both are there
+        };
+        if let Err(finding) = self.watch(plan, Length::mm(axis.position()), spindle, context) {
+            return Outcome::Failed(finding);
+        }
+        let mode = context.config.synchronisation;
+        let following = mode != SyncMode::CommandSynchronised;
+        let marks = self.marks.clone();
+        let tap = Tap {
+            lead: plan.lead,
+            start: plan.start.along(plan.axis),
+            bottom: plan.bottom,
+            spin: plan.spin,
+            inward: &Planned { profile: &plan.inward, mark: &marks[0] },
+            dwell: plan.dwell,
+            outward: &Planned { profile: &plan.outward, mark: &marks[1] },
+            start_angle: plan.start_angle,
+            encoder_following: following,
+            gentle: axis.control.gentle,
+        };
+        let master = self.master(mode, spindle, context.config.period);
+        let tick =
+            Tick { elapsed: Time::s(dt), master, at_rest: spindle.at_rest(), held: spindle.held() };
+        let was = self.cycle.phase();
+        self.cycle = self.cycle.next(&tap, &tick);
+        let order = self.lead(&tap, spindle, axis.lookahead_s());
+        // what the axis obeys now, and when its force acts
+        let (now, ahead) = if following {
+            (master, master)
+        } else {
+            order.unwrap_or((spindle.ordered(), spindle.ordered()))
+        };
+        let (now, ahead) = (self.cycle.axis(&tap, now), self.cycle.axis(&tap, ahead));
+        axis.target = target(&now, &ahead, axis.lookahead_s());
+        self.marks = marks;
+        let engaged = self.cycle.coupling().is_some();
+        drives.follower = engaged.then_some((plan.axis.index(), feed_forwards(mode)));
+        self.note(was, context, dt);
+        match self.limits(plan, context) {
+            Err(finding) => Outcome::Failed(finding),
+            Ok(()) if self.cycle == Cycle::Done => {
+                context.note(EventKind::TapEnded(self.figures()));
+                Outcome::Done
+            }
+            Ok(()) => Outcome::Busy,
+        }
+    }
+
+    /// The master that an encoder-following axis obeys: the reading that has arrived, or what it predicts.
+    fn master(&mut self, mode: SyncMode, spindle: &SpindleLoop, period: Time) -> Rotation {
+        match mode {
+            SyncMode::CommandSynchronised => spindle.now(),
+            SyncMode::EncoderFollowing { prediction: Prediction::Observer, transport } => {
+                let arrived = self.transport.pass(spindle.now());
+                extrapolate(arrived, period * f64::from(transport))
+            }
+            SyncMode::EncoderFollowing { .. } => {
+                let raw = Rotation { angle: spindle.reading(), ..spindle.now() };
+                self.transport.pass(raw)
+            }
+        }
+    }
+
+    /// Hand the cycle's wish to the spindle; what it was ordered now and at the axis' lookahead.
+    fn lead(
+        &self, tap: &Tap<Planned>, spindle: &mut SpindleLoop, axis_ahead_s: f64,
+    ) -> Option<(Rotation, Rotation)> {
+        let rotation = |ahead: f64| match self.cycle.ask(tap, Time::s(ahead)) {
+            Ask::Angle(rotation) | Ask::Speed(rotation) => Some(rotation),
+            Ask::Rest | Ask::Hold(_) => None,
+        };
+        match self.cycle.ask(tap, Time::ZERO) {
+            Ask::Rest => spindle.stop(),
+            Ask::Hold(angle) => spindle.hold(angle),
+            Ask::Angle(now) => {
+                spindle.lead(now, rotation(spindle.lookahead_s()).unwrap_or(now), true);
+                return Some((now, rotation(axis_ahead_s).unwrap_or(now)));
+            }
+            Ask::Speed(now) => {
+                spindle.lead(now, rotation(spindle.lookahead_s()).unwrap_or(now), false);
+            }
+        }
+        None
+    }
+
+    /// Judge this period's readings.
+    fn watch(
+        &mut self, plan: &TapPlan, z: Length, spindle: &SpindleLoop, context: &mut Context,
+    ) -> Result<(), Finding> {
+        self.error = None;
+        let Some(coupling) = self.cycle.coupling() else { return Ok(()) };
+        let into = if plan.bottom < plan.start.along(plan.axis) { -1.0 } else { 1.0 };
+        self.deepest = self.deepest.max((z - plan.bottom) * into);
+        self.fastest = self.fastest.max(spindle.now().spin.abs());
+        self.saturated |= spindle.saturated();
+        let of = Subject::Axis(plan.axis);
+        match self.monitor.observe(&coupling, spindle.reading(), z) {
+            Verdict::Outside => {}
+            Verdict::Within(error) => self.error = Some(error),
+            Verdict::Warn(error) => {
+                self.error = Some(error);
+                context.note(EventKind::SyncWarning { error });
+            }
+            Verdict::Stop(error) => {
+                self.error = Some(error);
+                let limit = context.config.sync_windows.stop.value();
+                return Err((FaultKind::SyncError, of, error.value(), limit));
+            }
+        }
+        Ok(())
+    }
+
+    fn note(&mut self, was: Phase, context: &mut Context, dt: f64) {
+        let is = self.cycle.phase();
+        if was == Phase::Prepare && is != Phase::Prepare {
+            context.note(EventKind::TapStarted);
+        }
+        if is == Phase::Prepare || matches!(self.cycle, Cycle::RunDown(_)) {
+            self.waited_s += dt;
+        } else {
+            self.waited_s = 0.0;
+        }
+        if is != Phase::Prepare {
+            self.engaged_s += dt;
+        }
+    }
+
+    /// Its waits have limits.
+    fn limits(&self, plan: &TapPlan, context: &Context) -> Result<(), Finding> {
+        let waits = &context.config.waits;
+        let (kind, limit) = match self.cycle {
+            Cycle::AwaitRest | Cycle::RunDown(_) => (FaultKind::NotAtSpeed, waits.at_speed),
+            Cycle::Orient => (FaultKind::NotOriented, waits.oriented),
+            Cycle::StepOn(..)
+            | Cycle::In(..)
+            | Cycle::Bottom(..)
+            | Cycle::Out(..)
+            | Cycle::Leave(..)
+            | Cycle::Done => return Ok(()),
+        };
+        if self.waited_s <= limit.value() {
+            return Ok(());
+        }
+        Err((kind, Subject::Spindle(plan.spindle), 0.0, 0.0))
+    }
+
+    fn figures(&self) -> TapFigures {
+        TapFigures {
+            sync: self.monitor.figures(),
+            depth_error: self.deepest,
+            spin: self.fastest,
+            duration: Time::s(self.engaged_s),
+            saturated: self.saturated,
+        }
+    }
+}
+
+/// The feed-forwards that go with what is made of the readings; `None`: the axis' own.
+const fn feed_forwards(mode: SyncMode) -> Option<FeedForward> {
+    match mode {
+        SyncMode::CommandSynchronised
+        | SyncMode::EncoderFollowing { prediction: Prediction::Observer, .. } => None,
+        SyncMode::EncoderFollowing { prediction: Prediction::None, .. } => Some(FeedForward::NONE),
+        SyncMode::EncoderFollowing { prediction: Prediction::Speed, .. } => {
+            Some(FeedForward { speed: 1.0, ..FeedForward::NONE })
+        }
+    }
+}
+
+fn extrapolate(now: Rotation, t: Time) -> Rotation {
+    let angle: Angle = (now.spin + now.accel * t / 2.0) * t;
+    Rotation { angle: now.angle + angle, spin: now.spin + now.accel * t, accel: now.accel }
+}
+
+fn target(now: &Follower, ahead: &Follower, lookahead_s: f64) -> Target {
+    let accel = now.accel.value();
+    Target {
+        position: now.position.value(),
+        speed: now.speed.value(),
+        accel,
+        jerk: (ahead.accel.value() - accel) / lookahead_s,
+    }
+}
