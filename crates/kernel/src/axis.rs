@@ -132,11 +132,11 @@ impl AxisLoop {
     /// Take the reading as the present place: the drive has just come up, or is off.
     pub(crate) fn adopt(&mut self, feedback: &AxisFeedback) {
         self.reading = feedback.position.value();
-        self.target = Target { position: self.reading, ..Target::default() };
-        self.positions = (self.reading, self.reading);
         self.stretch = self.screw.stretch(-self.control.weight.value());
-        // the motor stands where the tool side is taken to be; it is led by the stretch from here on
-        self.gap = -self.stretch;
+        let position = self.position();
+        self.target = Target { position, ..Target::default() };
+        self.positions = (position, position);
+        self.gap = 0.0;
         self.error = 0.0;
         self.servo.reset();
     }
@@ -209,8 +209,7 @@ impl AxisLoop {
             error: self.error,
             error_rate: (self.error - before) / self.period_s,
             speed_withheld: (1.0 - shares.speed) * now.speed,
-            feed_forward: shares.accel * self.mass * ahead.accel
-                + shares.friction * friction_ahead
+            feed_forward: shares.accel * self.mass * ahead.accel + shares.friction * friction_ahead
                 - weight,
             limit: self.control.peak_force.value(),
         });

@@ -294,7 +294,12 @@ impl FeedForward {
 impl AxisControl {
     fn fields(&self, rate_hz: f64, mut check: impl FnMut(&'static str, f64, bool, &'static str)) {
         let band = self.velocity_bandwidth_hz;
-        check("velocity_bandwidth_hz", band, positive(band) && band < rate_hz / 10.0, SLOWER_THAN_SAMPLING);
+        check(
+            "velocity_bandwidth_hz",
+            band,
+            positive(band) && band < rate_hz / 10.0,
+            SLOWER_THAN_SAMPLING,
+        );
         self.feed_forward.fields(&mut check);
         let stiffness = self.stiffness.map_or(1.0, Stiffness::value);
         for (field, value) in [

@@ -106,12 +106,8 @@ impl Drives {
 
     /// Close all loops.
     pub(crate) fn command(&mut self) -> Command {
-        let mut command = Command {
-            tool: self.tool,
-            flood: self.flood,
-            mist: self.mist,
-            ..Command::default()
-        };
+        let mut command =
+            Command { tool: self.tool, flood: self.flood, mist: self.mist, ..Command::default() };
         for (index, axis) in self.axes.iter_mut().enumerate() {
             let Some(axis) = axis else { continue };
             let others = self.follower.and_then(|(i, others)| others.filter(|_| i == index));

@@ -77,7 +77,9 @@ pub(crate) enum Progress {
 impl Activity {
     /// Begin a step.
     pub(crate) fn begin(
-        step: &StepKind, drives: &mut Drives, context: &mut Context,
+        step: &StepKind,
+        drives: &mut Drives,
+        context: &mut Context,
     ) -> Result<Self, Finding> {
         Ok(match step {
             StepKind::Move(order) => {
@@ -105,7 +107,11 @@ impl Activity {
 
     /// Go on for `dt` seconds.
     pub(crate) fn advance(
-        &mut self, step: &StepKind, dt: f64, drives: &mut Drives, context: &mut Context,
+        &mut self,
+        step: &StepKind,
+        dt: f64,
+        drives: &mut Drives,
+        context: &mut Context,
     ) -> Result<Progress, Finding> {
         let waits = context.config.waits;
         match self {
@@ -177,8 +183,13 @@ impl Activity {
     }
 }
 
-fn begin_spindle(spindle: u8, order: &SpindleStep, drives: &mut Drives) -> Result<Activity, Finding> {
-    let Some(control) = drives.spindles.get_mut(usize::from(spindle)).and_then(Option::as_mut) else {
+fn begin_spindle(
+    spindle: u8,
+    order: &SpindleStep,
+    drives: &mut Drives,
+) -> Result<Activity, Finding> {
+    let Some(control) = drives.spindles.get_mut(usize::from(spindle)).and_then(Option::as_mut)
+    else {
         return Err((FaultKind::NotConfigured, Subject::Spindle(spindle), 0.0, 0.0));
     };
     Ok(match order {
@@ -205,7 +216,11 @@ fn begin_pause(optional: bool, context: &mut Context) -> Activity {
 }
 
 fn settle(
-    dt: f64, waited_s: &mut f64, inside_s: &mut f64, drives: &Drives, limit: Time,
+    dt: f64,
+    waited_s: &mut f64,
+    inside_s: &mut f64,
+    drives: &Drives,
+    limit: Time,
 ) -> Result<Progress, Finding> {
     *waited_s += dt;
     let outside = drives.in_position();
@@ -220,7 +235,10 @@ fn settle(
 }
 
 fn await_speed(
-    spindle: u8, waited_s: f64, drives: &Drives, context: &mut Context,
+    spindle: u8,
+    waited_s: f64,
+    drives: &Drives,
+    context: &mut Context,
 ) -> Result<Progress, Finding> {
     let Some(control) = &drives.spindles[usize::from(spindle)] else {
         return Ok(Progress::Done(0.0));
@@ -237,7 +255,11 @@ fn await_speed(
 }
 
 fn await_angle(
-    spindle: u8, angle: units::Angle, waited_s: f64, drives: &mut Drives, context: &mut Context,
+    spindle: u8,
+    angle: units::Angle,
+    waited_s: f64,
+    drives: &mut Drives,
+    context: &mut Context,
 ) -> Result<Progress, Finding> {
     let Some(control) = &mut drives.spindles[usize::from(spindle)] else {
         return Ok(Progress::Done(0.0));
@@ -252,5 +274,9 @@ fn await_angle(
 }
 
 fn within(waited_s: f64, limit: Time, kind: FaultKind, of: Subject) -> Result<Progress, Finding> {
-    if waited_s > limit.value() { Err((kind, of, waited_s, limit.value())) } else { Ok(Progress::Busy) }
+    if waited_s > limit.value() {
+        Err((kind, of, waited_s, limit.value()))
+    } else {
+        Ok(Progress::Busy)
+    }
 }

@@ -230,8 +230,7 @@ pub struct Fault {
 
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (number, sentence, unit) =
-            (self.kind.number(), self.kind.sentence(), self.kind.unit());
+        let (number, sentence, unit) = (self.kind.number(), self.kind.sentence(), self.kind.unit());
         write!(f, "alarm {number}: {}: {sentence}", self.subject)?;
         if !unit.is_empty() {
             write!(f, ": {:.4} {unit}, limit {:.4} {unit}", self.value, self.limit)?;

@@ -78,8 +78,7 @@ impl Bristles {
 pub(crate) fn spindle_friction(friction: &SpindleFriction, spin: Spin) -> Torque {
     let ratio = spin / friction.rounding;
     let sign = if ratio.abs() < SLIDING { libm::tanh(ratio) } else { ratio.signum() };
-    friction.coulomb * sign
-        + Torque::n_m(friction.viscous_n_m_s_per_rad * TAU * spin.value())
+    friction.coulomb * sign + Torque::n_m(friction.viscous_n_m_s_per_rad * TAU * spin.value())
 }
 
 #[cfg(test)]

@@ -10,11 +10,12 @@
 use crate::config::Subject;
 use crate::drives::{Drives, Finding, LINEAR};
 use crate::fault::FaultKind;
+use crate::spindle::SpindleLoop;
 use canon::{Axis, Position};
 use plan::{Instant, Motion, Move};
 
 /// A step may begin this far from where the axis stands, mm; the difference is smoothed away.
-pub(crate) const JUMP_MM: f64 = 0.010;
+pub(crate) const JUMP_MM: f64 = 0.050;
 
 /// A move under way.
 #[derive(Clone, Copy, Debug)]
@@ -50,7 +51,7 @@ impl Moving {
     pub(crate) fn advance(&mut self, order: &Move, dt: f64, drives: &mut Drives) -> Option<f64> {
         let lookahead = drives.lookahead_s();
         let spin = if order.per_revolution {
-            let now = drives.spindles[0].as_ref().map_or_else(Default::default, |s| s.now());
+            let now = drives.spindles[0].as_ref().map_or_else(Default::default, SpindleLoop::now);
             let turned = (now.angle.value() - self.origin_rev).abs();
             self.at = self.at.max(turned);
             now.spin.value().abs()

@@ -99,8 +99,7 @@ impl SpindleLoop {
     pub(crate) fn adopt(&mut self, feedback: &SpindleFeedback, period: Time) {
         self.reading = feedback.angle.value();
         self.reading_before = self.reading;
-        self.observer =
-            Observer::new(period, self.control.observer_bandwidth_hz, feedback.angle);
+        self.observer = Observer::new(period, self.control.observer_bandwidth_hz, feedback.angle);
         let still = Rotation { angle: feedback.angle, ..Rotation::default() };
         (self.ordered, self.before, self.ahead) = (still, still, still);
         self.order = Order::Slew(0.0);
@@ -119,11 +118,6 @@ impl SpindleLoop {
     /// How it turns, by the observer.
     pub(crate) fn now(&self) -> Rotation {
         self.observer.now()
-    }
-
-    /// How it will turn.
-    pub(crate) fn predict(&self, horizon: Time) -> Rotation {
-        self.observer.predict(horizon)
     }
 
     /// The last reading.

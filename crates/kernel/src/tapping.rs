@@ -18,10 +18,10 @@ use crate::spindle::SpindleLoop;
 use crate::stroke::{Mark, Planned};
 use plan::TapPlan;
 use sync::{
-    Ask, Coupling, Cycle, Follower, MAX_TRANSPORT, Monitor, Phase, Prediction, Rotation, SyncMode, Tap,
-    Tick, Verdict,
+    Ask, Coupling, Cycle, Follower, MAX_TRANSPORT, Monitor, Phase, Prediction, Rotation, SyncMode,
+    Tap, Tick, Verdict,
 };
-use units::{Angle, Length, Spin, Time};
+use units::{Length, Spin, Time};
 
 /// Readings of the master on their way to the follower.
 #[derive(Clone, Copy, Debug)]
@@ -71,7 +71,11 @@ pub(crate) enum Outcome {
 
 impl TapRun {
     /// Begin, if the axes stand at the start and the machine has what it takes.
-    pub(crate) fn begin(plan: &TapPlan, drives: &mut Drives, config: &Config) -> Result<Self, Finding> {
+    pub(crate) fn begin(
+        plan: &TapPlan,
+        drives: &mut Drives,
+        config: &Config,
+    ) -> Result<Self, Finding> {
         if drives.axes[plan.axis.index()].is_none() {
             return Err((FaultKind::NotConfigured, Subject::Axis(plan.axis), 0.0, 0.0));
         }
@@ -116,7 +120,11 @@ impl TapRun {
 
     /// Go on for `dt` seconds.
     pub(crate) fn advance(
-        &mut self, plan: &TapPlan, dt: f64, drives: &mut Drives, context: &mut Context,
+        &mut self,
+        plan: &TapPlan,
+        dt: f64,
+        drives: &mut Drives,
+        context: &mut Context,
     ) -> Outcome {
         let (axis, spindle) = (plan.axis.index(), usize::from(plan.spindle));
         let (Some(axis), Some(spindle)) = (&mut drives.axes[axis], &mut drives.spindles[spindle])
@@ -174,8 +182,7 @@ impl TapRun {
         match mode {
             SyncMode::CommandSynchronised => spindle.now(),
             SyncMode::EncoderFollowing { prediction: Prediction::Observer, transport } => {
-                let arrived = self.transport.pass(spindle.now());
-                extrapolate(arrived, period * f64::from(transport))
+                self.transport.pass(spindle.now()).after(period * f64::from(transport))
             }
             SyncMode::EncoderFollowing { .. } => {
                 let raw = Rotation { angle: spindle.reading(), ..spindle.now() };
@@ -186,7 +193,10 @@ impl TapRun {
 
     /// Hand the cycle's wish to the spindle; what it was ordered now and at the axis' lookahead.
     fn lead(
-        &self, tap: &Tap<Planned>, spindle: &mut SpindleLoop, axis_ahead_s: f64,
+        &self,
+        tap: &Tap<Planned>,
+        spindle: &mut SpindleLoop,
+        axis_ahead_s: f64,
     ) -> Option<(Rotation, Rotation)> {
         let rotation = |ahead: f64| match self.cycle.ask(tap, Time::s(ahead)) {
             Ask::Angle(rotation) | Ask::Speed(rotation) => Some(rotation),
@@ -208,7 +218,11 @@ impl TapRun {
 
     /// Judge this period's readings.
     fn watch(
-        &mut self, plan: &TapPlan, z: Length, spindle: &SpindleLoop, context: &mut Context,
+        &mut self,
+        plan: &TapPlan,
+        z: Length,
+        spindle: &SpindleLoop,
+        context: &mut Context,
     ) -> Result<(), Finding> {
         self.error = None;
         let Some(coupling) = self.cycle.coupling() else { return Ok(()) };
@@ -288,11 +302,6 @@ const fn feed_forwards(mode: SyncMode) -> Option<FeedForward> {
             Some(FeedForward { speed: 1.0, ..FeedForward::NONE })
         }
     }
-}
-
-fn extrapolate(now: Rotation, t: Time) -> Rotation {
-    let angle: Angle = (now.spin + now.accel * t / 2.0) * t;
-    Rotation { angle: now.angle + angle, spin: now.spin + now.accel * t, accel: now.accel }
 }
 
 fn target(now: &Follower, ahead: &Follower, lookahead_s: f64) -> Target {

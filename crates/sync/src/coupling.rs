@@ -15,7 +15,7 @@
 //! the axis, and the *phase difference* e/H, the angle by which the follower is ahead.
 //!
 //! Followed at speed, the chain rule gives the feed-forwards: ż = g′·ω and z̈ = g′·α + g″·ω².
-use units::{Accel, Angle, Lead, Length, Speed, Spin, SpinAccel};
+use units::{Accel, Angle, Lead, Length, Speed, Spin, SpinAccel, Time};
 
 /// How a master turns at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -26,6 +26,15 @@ pub struct Rotation {
     pub spin: Spin,
     /// The rate of that.
     pub accel: SpinAccel,
+}
+
+impl Rotation {
+    /// How it will turn a while later, if its acceleration stays as it is.
+    #[must_use]
+    pub fn after(self, time: Time) -> Self {
+        let turned: Angle = (self.spin + self.accel * time / 2.0) * time;
+        Self { angle: self.angle + turned, spin: self.spin + self.accel * time, accel: self.accel }
+    }
 }
 
 /// How its follower shall move at the same instant.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   ordered acceleration u ──►┌───────────────┐
-//!                             │ θ̂, ω̂, d̂ model │──► predict(T): θ̂ + ω̂T + ½(u+d̂)T²
+//!                             │ θ̂, ω̂, d̂ model │──► after T: θ̂ + ω̂T + ½(u+d̂)T²
 //!   encoder q·floor(θ/q) ───►└───────────────┘
 //!                  r = measured − predicted corrects all three
 //! ```
@@ -67,19 +67,12 @@ impl Observer {
         self.ordered_rev_per_s2 = ordered.value();
     }
 
-    /// How the master turns at the moment of the last reading.
-    pub fn now(&self) -> Rotation {
-        self.predict(Time::ZERO)
-    }
-
-    /// How it will turn a while later, if acceleration stays as it is.
-    pub fn predict(&self, horizon: Time) -> Rotation {
-        let t = horizon.value();
-        let a = self.ordered_rev_per_s2 + self.disturbance_rev_per_s2;
+    /// How the master turns at the moment of the last reading; [`Rotation::after`] predicts from there.
+    pub const fn now(&self) -> Rotation {
         Rotation {
-            angle: Angle::rev(self.theta_rev + t * (self.omega_rev_per_s + t * a / 2.0)),
-            spin: Spin::rev_per_s(self.omega_rev_per_s + t * a),
-            accel: SpinAccel::rev_per_s2(a),
+            angle: Angle::rev(self.theta_rev),
+            spin: Spin::rev_per_s(self.omega_rev_per_s),
+            accel: SpinAccel::rev_per_s2(self.ordered_rev_per_s2 + self.disturbance_rev_per_s2),
         }
     }
 }
@@ -108,7 +101,7 @@ mod tests {
         for k in 0..4000u32 {
             let measured = (theta(f64::from(k) * H.value()).0 * counts).floor() / counts;
             observer.update(Angle::rev(measured), SpinAccel::rev_per_s2(ordered));
-            let predicted = observer.predict(H * f64::from(ahead));
+            let predicted = observer.now().after(H * f64::from(ahead));
             let (real, rate) = theta(f64::from(k + ahead) * H.value());
             if k > 400 {
                 angle = angle.max((predicted.angle.value() - real).abs());

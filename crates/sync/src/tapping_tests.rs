@@ -94,7 +94,7 @@ fn run(tap: &Tap<Trapezoid>, first_angle: f64, factor: f64) -> Run {
         let next = cycle.next(tap, &Tick { elapsed: h, master, at_rest: spin.abs() < 1e-6, held });
         let name = |c: &Cycle| format!("{c:?}").split('(').next().unwrap().to_owned();
         if name(&next) != name(&cycle) {
-            seen.log += &format!("{} ", name(&next));
+            seen.log += &(name(&next) + " ");
         }
         if let (Cycle::In(_, was), Cycle::In(_, is)) = (&cycle, &next)
             && was.wait_at.is_some()
@@ -106,7 +106,7 @@ fn run(tap: &Tap<Trapezoid>, first_angle: f64, factor: f64) -> Run {
         let ordered = match cycle.ask(tap, Time::ZERO) {
             Ask::Rest => Rotation { angle: master.angle, ..Rotation::default() },
             Ask::Hold(to) => {
-                let to = to.map_or(angle, |a| a.value());
+                let to = to.map_or(angle, Angle::value);
                 held = Some(Angle::rev(to));
                 Rotation { angle: Angle::rev(to), ..Rotation::default() }
             }
@@ -184,7 +184,7 @@ fn the_order_ahead_of_the_reversal_already_turns_back() {
     let Ask::Angle(ahead) = Cycle::In(coupling, near).ask(&tap, Time::s(3e-3)) else {
         panic!("a commanded tap asks for an angle")
     };
-    assert!((ahead.spin.value() + 400.0 * 2e-3).abs() < 1e-9, "{:?}", ahead);
+    assert!((ahead.spin.value() + 400.0 * 2e-3).abs() < 1e-9, "{ahead:?}");
     // Slowing down inwards and speeding up outwards are the same acceleration.
     assert_eq!(ahead.accel, SpinAccel::rev_per_s2(-400.0));
 }
