@@ -1,28 +1,30 @@
 //! The table of features, worst first; a click on a column's head sorts by it.
 use crate::Run;
-use crate::svg::{Tag, fixed};
+use crate::svg::{Tag, escape, fixed};
 use units::{Length, Torque};
 use verify::{Feature, FeatureKind};
 
-/// Columns: head, and whether they hold words.
-const COLUMNS: [(&str, bool); 16] = [
-    ("No.", false),
-    ("verdict", true),
-    ("feature", true),
-    ("line", false),
-    ("X mm", false),
-    ("Y mm", false),
-    ("depth mm", false),
-    ("depth error µm", false),
-    ("sync max µm", false),
-    ("sync rms µm", false),
-    ("pitch ⌀ mm", false),
-    ("class", true),
-    ("margin µm", false),
-    ("cut N·m", false),
-    ("rpm", false),
-    ("why", true),
+/// Columns: name, unit, and whether they hold words.
+const COLUMNS: [(&str, &str, bool); 15] = [
+    ("No.", "", false),
+    ("verdict", "", true),
+    ("feature", "", true),
+    ("line", "", false),
+    ("X", "mm", false),
+    ("Y", "mm", false),
+    ("depth", "mm", false),
+    ("depth error", "µm", false),
+    ("sync error, max", "µm", false),
+    ("sync error, rms", "µm", false),
+    ("pitch ⌀", "mm", false),
+    ("class", "", true),
+    ("margin", "µm", false),
+    ("torque of the cut", "N·m", false),
+    ("speed", "rpm", false),
 ];
+/// Which of them hold the verdict and the feature's name.
+const VERDICT: usize = 1;
+const NAME: usize = 2;
 
 /// How little of its tolerance a feature leaves: bad ones before good ones; of threads the one with
 /// the smaller share of TD2 left, of holes the one with the larger depth error.
@@ -44,7 +46,8 @@ pub(super) fn table(run: &Run, features: &[Feature]) -> String {
     order.sort_by(|&a, &b| badness(&features[b]).total_cmp(&badness(&features[a])));
     let rows: String =
         order.into_iter().map(|index| row(run, index + 1, &features[index])).collect();
-    let heads: String = COLUMNS.iter().map(|&(name, words)| head(name, words)).collect();
+    let heads: String =
+        COLUMNS.iter().map(|&(name, unit, words)| head(name, unit, words)).collect();
     let head = Tag::new("thead").around(&Tag::new("tr").around(&heads));
     let table = Tag::new("table").around(&(head + &Tag::new("tbody").around(&rows)));
     let words = format!(
@@ -61,8 +64,9 @@ pub(super) fn table(run: &Run, features: &[Feature]) -> String {
     Tag::new("p").class("soft").text(&words) + &scroll.around(&table)
 }
 
-fn head(name: &str, words: bool) -> String {
-    let button = Tag::new("button").with("type", "button").text(name);
+fn head(name: &str, unit: &str, words: bool) -> String {
+    let unit = if unit.is_empty() { String::new() } else { Tag::new("small").text(unit) };
+    let button = Tag::new("button").with("type", "button").around(&(escape(name) + &unit));
     let head = Tag::new("th").with("scope", "col");
     if words { head.class("l").around(&button) } else { head.around(&button) }
 }
@@ -103,22 +107,20 @@ fn row(run: &Run, number: usize, feature: &Feature) -> String {
             ]);
         }
     }
-    cells.push(feature.verdict.reason().unwrap_or_default().into());
-    let cells: String = cells
-        .iter()
-        .zip(COLUMNS)
-        .enumerate()
-        .map(|(at, (cell, (_, words)))| data(at, cell, words))
-        .collect();
+    let why = feature.verdict.reason();
+    let cells: String =
+        cells.iter().enumerate().map(|(column, cell)| data(column, cell, why)).collect();
     Tag::new("tr").class(class).around(&cells)
 }
 
-fn data(column: usize, text: &str, words: bool) -> String {
+fn data(column: usize, text: &str, why: Option<&str>) -> String {
     let cell = Tag::new("td");
-    match column {
-        1 => cell.class("l verdict-cell").text(text),
-        _ if column == COLUMNS.len() - 1 => cell.class("wide").text(text),
-        _ if words => cell.class("l").text(text),
+    match (column, why) {
+        (VERDICT, _) => cell.class("l verdict-cell").text(text),
+        (NAME, Some(why)) => {
+            cell.class("l wide").around(&(escape(text) + &Tag::new("div").text(why)))
+        }
+        _ if COLUMNS[column].2 => cell.class("l").text(text),
         _ => cell.text(text),
     }
 }

@@ -58,10 +58,10 @@ fn count(name: &str, features: &[Feature], is: fn(&Feature) -> bool) -> String {
     let bad = features.iter().filter(|f| is(f) && !f.verdict.is_pass()).count();
     let why = match (all, bad) {
         (0, _) => "none cut".into(),
-        (_, 0) => "✓ all within tolerance".into(),
+        (_, 0) => "✓ all".into(),
         _ => format!("✗ {bad} out of tolerance"),
     };
-    card(name, &format!("{} of {all} good", all - bad), &why)
+    card(&format!("{name} within tolerance"), &format!("{} of {all}", all - bad), &why)
 }
 
 fn threads(features: &[Feature]) -> impl Iterator<Item = (usize, &Thread)> {
@@ -104,7 +104,7 @@ fn tightest(features: &[Feature]) -> Option<String> {
         }
     };
     let name = if feature.verdict.is_pass() { "Least margin" } else { "Worst feature" };
-    Some(card(name, &format!("No. {number}, line {}", feature.line), &why))
+    Some(card(name, &format!("No. {number}"), &format!("line {}: {why}", feature.line)))
 }
 
 /// One row per size of thread and diameter of hole: how many, and the spread of what matters.
@@ -121,7 +121,7 @@ pub(super) fn sizes(features: &[Feature]) -> String {
         return String::new();
     }
     let rows: String = by_size.iter().take(40).map(|(size, of_size)| row(size, of_size)).collect();
-    let head = "<thead><tr><th class=\"l\">size</th><th>good</th><th>depth error µm</th><th>sync error µm</th><th>margin µm</th></tr></thead>";
+    let head = "<thead><tr><th class=\"l\">size</th><th>good</th><th>depth error<small>µm</small></th><th>sync error, max<small>µm</small></th><th>margin<small>µm</small></th></tr></thead>";
     let table = Tag::new("table").around(&(head.to_owned() + &Tag::new("tbody").around(&rows)));
     let scroll = Tag::new("div").class("scroll").with("tabindex", "0").around(&table);
     let caption = "Least to largest over all of a size. Depth error: plus is too deep. A wide spread within one size points to \

@@ -31,12 +31,11 @@ pub fn html(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
     main += &figures::figures(run, recorder, features);
     main += &notes::notes(run, recorder);
     let map = pictures::hole_map(run, features);
-    main += &section("Workpiece", &grid(&(map + &figures::sizes(features))));
+    let beside = figures::sizes(features) + &pictures::time_shares(run, recorder);
+    main += &section("Workpiece and time", &grid(&(map + &column(&beside))));
     main += &section("Features", &features::table(run, features));
     main += &threads::threads(run, recorder, features);
-    let machine = pictures::tool_path(run, recorder)
-        + &pictures::timeline(run, recorder)
-        + &pictures::time_shares(run, recorder);
+    let machine = pictures::tool_path(run, recorder) + &pictures::timeline(run, recorder);
     main += &section("Machine", &grid(&machine));
     main += &footer(run, recorder);
     page(run, &Tag::new("main").around(&main))
@@ -65,6 +64,10 @@ fn section(heading: &str, content: &str) -> String {
 
 fn grid(figures: &str) -> String {
     if figures.is_empty() { String::new() } else { Tag::new("div").class("grid").around(figures) }
+}
+
+fn column(figures: &str) -> String {
+    if figures.is_empty() { String::new() } else { Tag::new("div").class("column").around(figures) }
 }
 
 fn footer(run: &Run, recorder: &Recorder) -> String {

@@ -76,7 +76,7 @@ pub(crate) fn hole_map(run: &Run, features: &[Feature]) -> String {
     let bad = places.iter().filter(|p| !p.good).count();
     let x = Range::of(&format!("X in {} / mm", run.frame()), places.iter().map(|p| p.at.0));
     let y = Range::of(&format!("Y in {} / mm", run.frame()), places.iter().map(|p| p.at.1));
-    let margin = (0.07 * f64::max(x.to - x.from, y.to - y.from)).max(6.0);
+    let margin = (0.1 * f64::max(x.to - x.from, y.to - y.from)).max(8.0);
     let grown = |r: Range| Range { from: r.from - margin, to: r.to + margin, ..r };
     let description = format!(
         "{} places seen from above, {bad} of them with something out of tolerance.",

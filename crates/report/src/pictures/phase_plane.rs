@@ -31,7 +31,7 @@ fn height(view: &ThreadView) -> String {
     let ideal = [(0.0, clearance), (turns, clearance - trace.whole().value())];
     let all = || inward.iter().chain(&outward).chain(&ideal);
     let x = Range::of("spindle angle from the start, turns / rev", all().map(|p| p.0)).padded(0.03);
-    let y = Range::of("height of the tip over the surface / mm", all().map(|p| p.1)).padded(0.06);
+    let y = Range::of("z over the surface / mm", all().map(|p| p.1)).padded(0.06);
     let description = format!(
         "The tap goes from {} mm over the surface to {} mm below it in {} turns, and back.",
         fixed(clearance, 2),
@@ -40,7 +40,7 @@ fn height(view: &ThreadView) -> String {
     );
     let mut chart =
         Chart::new("Height of the tap over the spindle angle", &description, x, y, 250.0);
-    chart.limit(Stroke::Capability, 0.0, "surface");
+    chart.level(Stroke::Capability, 0.0, "surface");
     chart.line(Stroke::In, &inward, Some("in"));
     chart.line(Stroke::Out, &outward, Some("out"));
     chart.line(Stroke::Ideal, &ideal, Some("ideal: one lead per turn"));

@@ -12,9 +12,9 @@ pub(crate) fn spindle_over_time(view: &ThreadView) -> String {
         "The drive never reached its limit.".into()
     };
     let caption = format!(
-        "{verdict} Look for torque that touches the dashed line: there the spindle can no longer follow, and the \
-         axis follows the spindle's plan alone. The dashed line comes nearer where the speed is high: power is \
-         torque times speed."
+        "{verdict} Look for torque that touches the dashed line: there the spindle leaves its plan \
+         and the thread suffers. The dashed line comes nearer where the speed is high, because power is torque \
+         times speed."
     );
     figure("Spindle speed and torque over time", &(speed(view) + &torque(view)), &caption)
 }

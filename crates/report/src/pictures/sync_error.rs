@@ -70,8 +70,7 @@ pub(crate) fn sync_error(view: &ThreadView) -> String {
     draw(&mut chart, &inward, ["area in", "line in"], Stroke::In, "in");
     draw(&mut chart, &outward, ["area out", "line out"], Stroke::Out, "out");
     for (stroke, limit, name) in &limits {
-        chart.limit(*stroke, *limit, name);
-        chart.limit(*stroke, -limit, "");
+        chart.limits(*stroke, *limit, name);
     }
     figure(
         "Sync error over depth",

@@ -11,7 +11,7 @@
 use super::figure;
 use crate::Run;
 use crate::record::{Point, Recorder};
-use crate::svg::{Chart, Range, Stroke};
+use crate::svg::{Chart, Range, Stroke, fixed, ticks};
 
 type Line = Vec<(f64, f64)>;
 type View = fn([f64; 3]) -> (f64, f64);
@@ -34,12 +34,8 @@ pub(crate) fn tool_path(run: &Run, recorder: &Recorder) -> String {
         return String::new();
     }
     let frame = run.frame();
-    let above = draw(
-        "iso",
-        &points,
-        isometric,
-        ["(X − Y) · cos 30° / mm".into(), "Z + (X + Y) · sin 30° / mm".into()],
-    );
+    let above =
+        draw("iso", &points, isometric, ["across the view / mm".into(), "up the view / mm".into()]);
     let front =
         draw("front", &points, front, [format!("X in {frame} / mm"), format!("Z in {frame} / mm")]);
     let caption = "Path of the tool's tip: cutting drawn through, rapids dashed. Look for rapids that pass lower than the \
@@ -67,7 +63,27 @@ fn draw(id: &str, points: &[Point], view: View, titles: [String; 2]) -> String {
     let mut chart = Chart::to_scale(&title, description, grown(x), grown(y));
     chart.lines(Stroke::Rapid, &rapids, Some("rapid"));
     chart.lines(Stroke::Feed, &feeds, Some("cutting"));
+    axes(&mut chart, view);
     chart.finish(&format!("path-{id}"))
+}
+
+/// The directions of the axes, in the lower left corner, each arm of one round length.
+fn axes(chart: &mut Chart, view: View) {
+    let wanted = chart.inside(0.12, 0.0).0 - chart.inside(0.0, 0.0).0;
+    let arm = ticks(0.0, wanted, 1).step;
+    let (left, low) = chart.inside(0.14, 0.07);
+    let ends = [("X", [arm, 0.0, 0.0]), ("Y", [0.0, arm, 0.0]), ("Z", [0.0, 0.0, arm])];
+    let seen =
+        ends.map(|(name, end)| (name, view(end))).into_iter().filter(|(_, at)| *at != (0.0, 0.0));
+    for (name, (across, up)) in seen {
+        let end = (left + across, low + up);
+        chart.line(Stroke::Axis, &[(left, low), end], None);
+        chart.word(end, (across / arm * 9.0, 4.0 - up / arm * 9.0), "axis", name);
+    }
+    chart.legend(
+        "line axes",
+        &format!("axes, {} mm long", fixed(arm, if arm < 1.0 { 2 } else { 0 })),
+    );
 }
 
 /// Lines of rapids and lines of cuts. A line begins where the one before ended.

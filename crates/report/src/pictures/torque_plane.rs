@@ -22,7 +22,8 @@ pub(crate) fn torque_plane(view: &ThreadView) -> String {
     upper.extend(&right);
     let lower: Vec<_> = upper.iter().map(|&(n, m)| (n, -m)).collect();
     let torques = points.iter().chain(&right).map(|p| p.1.abs()).fold(1.0, f64::max);
-    let x = Range::of("spindle speed / rpm (minus: outwards)", [-fastest, fastest]);
+    let outwards = if view.trace.tap.lead.value() < 0.0 { "plus" } else { "minus" };
+    let x = Range::of(&format!("spindle speed / rpm ({outwards}: outwards)"), [-fastest, fastest]);
     let y = Range::of("torque of the drive / N·m", [-torques, torques]).padded(0.08);
     let used = largest_share(view, &points);
     let description = match used {

@@ -12,7 +12,7 @@ use super::{Tag, escape, fixed, path_data, ticks};
 use std::fmt::Write as _;
 
 /// Room for tick labels and titles around the plot, picture units.
-const LEFT: f64 = 60.0;
+const LEFT: f64 = 66.0;
 const RIGHT: f64 = 14.0;
 const TOP: f64 = 12.0;
 const BOTTOM: f64 = 44.0;
@@ -44,6 +44,8 @@ pub(crate) enum Stroke {
     Feed,
     /// Where a quantity is zero.
     Zero,
+    /// A direction of the machine.
+    Axis,
 }
 
 impl Stroke {
@@ -62,6 +64,7 @@ impl Stroke {
             Self::Rapid => "line rapid",
             Self::Feed => "line feed",
             Self::Zero => "line zero",
+            Self::Axis => "line axes",
         }
     }
 }
@@ -126,6 +129,8 @@ pub(crate) struct Chart {
     body: String,
     front: String,
     legend: Vec<(&'static str, String)>,
+    /// Heights at which names stand already, picture units.
+    named: Vec<f64>,
 }
 
 impl Chart {
@@ -144,6 +149,7 @@ impl Chart {
             body: String::new(),
             front: String::new(),
             legend: Vec::new(),
+            named: Vec::new(),
         }
     }
 
@@ -237,14 +243,30 @@ impl Chart {
         }
     }
 
-    /// A horizontal limit across the plot, named at its right end; it is drawn only where the plot shows its value.
-    pub(crate) fn limit(&mut self, stroke: Stroke, value: f64, name: &str) {
+    /// Limits at plus and minus a value, where the plot shows them. The upper one is named at its end
+    /// unless that would cover another name; the legend names it in any case.
+    pub(crate) fn limits(&mut self, stroke: Stroke, value: f64, name: &str) {
         if !(self.y.from..=self.y.to).contains(&value) {
             return;
         }
+        self.line(stroke, &[(self.x.from, value), (self.x.to, value)], Some(name));
+        self.line(stroke, &[(self.x.from, -value), (self.x.to, -value)], None);
+        self.name_at(value, name);
+    }
+
+    /// A horizontal line across the plot, named at its end.
+    pub(crate) fn level(&mut self, stroke: Stroke, value: f64, name: &str) {
         self.line(stroke, &[(self.x.from, value), (self.x.to, value)], None);
+        self.name_at(value, name);
+    }
+
+    fn name_at(&mut self, value: f64, name: &str) {
         let (x, y) = self.place((self.x.to, value));
-        self.front += &Tag::new("text").class("name").at("x", x - 4.0).at("y", y - 3.0).text(name);
+        if self.named.iter().all(|other| (other - y).abs() > 14.0) {
+            self.named.push(y);
+            self.front +=
+                &Tag::new("text").class("name").at("x", x - 4.0).at("y", y - 3.0).text(name);
+        }
     }
 
     /// A stretch of x filled from bottom to top.
@@ -289,6 +311,11 @@ impl Chart {
         self.legend.push((class, label.into()));
     }
 
+    /// The point of the plot at these shares of its width and height, in data.
+    pub(crate) fn inside(&self, across: f64, up: f64) -> (f64, f64) {
+        (self.x.from + across * self.x.span(), self.y.from + up * self.y.span())
+    }
+
     /// Picture units that one data unit takes along x.
     pub(crate) fn units_per_x(&self) -> f64 {
         (self.width - LEFT - RIGHT) / self.x.span()
@@ -314,7 +341,7 @@ impl Chart {
             let label = Tag::new("text").class("tick y").at("x", LEFT - 7.0).at("y", at + 4.0);
             labels += &label.text(&fixed(value, y.decimals));
         }
-        Tag::new("path").class("grid").with("d", &path_data(lines)).empty() + &labels
+        Tag::new("path").class("mesh").with("d", &path_data(lines)).empty() + &labels
     }
 
     fn titles(&self) -> String {
@@ -352,7 +379,11 @@ impl Chart {
         }
         let mut list = String::from("<ul class=\"legend\">");
         for (class, label) in &self.legend {
-            let sign = if class.starts_with("line") { "M0 6H26" } else { "M8 1H18V11H8Z" };
+            let sign = match *class {
+                "dots" => "M5 6h0M13 6h0M21 6h0",
+                line if line.starts_with("line") => "M0 6H26",
+                _ => "M8 1H18V11H8Z",
+            };
             let _ = write!(
                 list,
                 "<li><svg viewBox=\"0 0 26 12\" aria-hidden=\"true\"><path class=\"{class}\" d=\"{sign}\"/></svg>{}</li>",
