@@ -35,7 +35,8 @@ pub fn html(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
     main += &section("Workpiece and time", &grid(&(map + &column(&beside))));
     main += &section("Features", &features::table(run, features));
     main += &threads::threads(run, recorder, features);
-    let machine = pictures::tool_path(run, recorder) + &pictures::timeline(run, recorder);
+    let [above, front] = pictures::tool_path(run, recorder);
+    let machine = above + &column(&(front + &pictures::timeline(run, recorder)));
     main += &section("Machine", &grid(&machine));
     main += &footer(run, recorder);
     page(run, &Tag::new("main").around(&main))

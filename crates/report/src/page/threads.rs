@@ -50,9 +50,9 @@ fn thread(run: &Run, trace: &TapTrace, judged: Option<(usize, &Thread)>, role: &
     let view =
         ThreadView { id: format!("t{}", trace.op), run, trace, thread: judged.map(|(_, t)| t) };
     let pictures = pictures::sync_error(&view)
+        + &pictures::torque_plane(&view)
         + &pictures::phase_plane(&view)
-        + &pictures::spindle_over_time(&view)
-        + &pictures::torque_plane(&view);
+        + &pictures::spindle_over_time(&view);
     let facts = Tag::new("p").class("facts").text(&facts(&view));
     super::section(&format!("{role}: {name}"), &(facts + &super::grid(&pictures)))
 }

@@ -25,13 +25,13 @@ const fn front([x, _, z]: [f64; 3]) -> (f64, f64) {
     (x, z)
 }
 
-/// Both views of the path, or nothing if nothing moved.
-pub(crate) fn tool_path(run: &Run, recorder: &Recorder) -> String {
+/// The two views of the path; empty if nothing moved.
+pub(crate) fn tool_path(run: &Run, recorder: &Recorder) -> [String; 2] {
     let zero = run.zero();
     let relative = |p: Point| Point { at: std::array::from_fn(|i| p.at[i] - zero[i]), ..p };
     let points: Vec<Point> = recorder.track.points().map(relative).collect();
     if points.len() < 2 {
-        return String::new();
+        return [String::new(), String::new()];
     }
     let frame = run.frame();
     let above =
@@ -42,12 +42,8 @@ pub(crate) fn tool_path(run: &Run, recorder: &Recorder) -> String {
         work's clamps, and for returns that climb higher than they need: they are time. Rapids to the tool change \
         leave the picture.";
     let above = figure("Tool path, isometric", &above, caption);
-    above
-        + &figure(
-            "Tool path, from the front",
-            &front,
-            "The same path from the front, X to the right, Z up, to scale.",
-        )
+    let of_front = "The same path from the front, X to the right, Z up, to scale.";
+    [above, figure("Tool path, from the front", &front, of_front)]
 }
 
 fn draw(id: &str, points: &[Point], view: View, titles: [String; 2]) -> String {

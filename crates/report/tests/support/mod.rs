@@ -93,6 +93,8 @@ pub fn run(program: &str) -> Run {
 /// A machine that goes from place to place and feeds its recorder.
 struct Machine {
     recorder: Recorder,
+    /// Everything the recorder was given, if that is wanted.
+    given: Given,
     now: f64,
     at: [f64; 3],
     theta: f64,
@@ -124,7 +126,17 @@ impl Machine {
 
     fn give(&mut self, sample: &Sample) {
         self.recorder.sample(sample);
+        if let Some((_, samples)) = &mut self.given {
+            samples.push(*sample);
+        }
         self.now += PERIOD;
+    }
+
+    fn announce(&mut self, op: &Op) {
+        self.recorder.op(self.op, op);
+        if let Some((ops, _)) = &mut self.given {
+            ops.push((self.op, op.clone()));
+        }
     }
 
     fn wait(&mut self, state: State, seconds: f64) {
@@ -320,9 +332,21 @@ pub fn thread(op: u32, line: u32, x: f64, y: f64, bad: bool) -> Feature {
 
 /// Drills and taps a grid of columns × rows holes.
 pub fn plate(columns: usize, rows: usize, mishap: Mishap) -> World {
+    cut(columns, rows, mishap, None).0
+}
+
+/// Ops, with their indices, and samples of a good plate.
+pub fn samples(columns: usize, rows: usize) -> (Vec<(u32, Op)>, Vec<Sample>) {
+    cut(columns, rows, Mishap::None, Some(Default::default())).1.expect("they were asked for")
+}
+
+type Given = Option<(Vec<(u32, Op)>, Vec<Sample>)>;
+
+fn cut(columns: usize, rows: usize, mishap: Mishap, given: Given) -> (World, Given) {
     let recorder = Recorder::new(&tools());
     let mut machine = Machine {
         recorder,
+        given,
         now: 0.0,
         at: [0.0, 0.0, -20.0],
         theta: 0.0,
@@ -359,7 +383,7 @@ pub fn plate(columns: usize, rows: usize, mishap: Mishap) -> World {
         machine.go(State::Rapid, [x, y, SURFACE + CLEARANCE], 600.0, 0.0);
         machine.wait(State::Settle, 0.02);
         let kind = OpKind::Tap(tap_op(x, y));
-        machine.recorder.op(machine.op, &Op { span: Span::default(), kind });
+        machine.announce(&Op { span: Span::default(), kind });
         let bad = mishap == Mishap::Saturated(i);
         run.limiting.insert(machine.op, "spindle power above 3410 rpm (15 kW); 6000 rpm are not reached in 18 turns, 5210 rpm are".into());
         stroke(&mut machine, x, y, false, bad, 1.0);
@@ -391,5 +415,5 @@ pub fn plate(columns: usize, rows: usize, mishap: Mishap) -> World {
         text: "Holes of T3 are drilled by T2 in this program; nothing was assumed.".into(),
         line: 0,
     });
-    World { run, recorder: machine.recorder, features }
+    (World { run, recorder: machine.recorder, features }, machine.given)
 }

@@ -1,0 +1,296 @@
+//! The page as a whole: well formed, harmless, self-contained, the same every time, and small.
+use report::{Alarm, Limits, Note, Recorder, Run};
+use roxmltree::{Document, Node, ParsingOptions};
+use std::collections::BTreeSet;
+use units::{Length, Spin, Time, Torque};
+use verify::{Feature, FeatureKind, Verdict};
+
+mod support;
+use support::{Mishap, World, plate, run};
+
+fn page(world: &World) -> String {
+    report::html(&world.run, &world.recorder, &world.features)
+}
+
+/// The page is written so that it is XML as well: every tag is closed, every attribute quoted.
+fn parsed(page: &str) -> Document<'_> {
+    let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
+    Document::parse_with_options(page, options).expect("the page is well formed")
+}
+
+fn words(document: &Document) -> String {
+    let text = document.descendants().filter(|n| n.is_text());
+    text.filter(|n| {
+        !n.parent().is_some_and(|p| p.has_tag_name("style") || p.has_tag_name("script"))
+    })
+    .filter_map(|n| n.text())
+    .collect::<Vec<_>>()
+    .join("\n")
+}
+
+fn charts<'a>(document: &'a Document) -> Vec<Node<'a, 'a>> {
+    document.descendants().filter(|n| n.attribute("class") == Some("chart")).collect()
+}
+
+/// What must hold for every page, whatever the run was.
+fn check(page: &str) -> Document<'_> {
+    let document = parsed(page);
+    let mut ids = BTreeSet::new();
+    for node in document.descendants() {
+        if let Some(id) = node.attribute("id") {
+            assert!(ids.insert(id), "the identifier {id} stands twice");
+        }
+        for attribute in node.attributes() {
+            let value = attribute.value();
+            let drawn = ["d", "x", "y", "cx", "cy", "r", "width", "height", "viewBox", "transform"];
+            if drawn.contains(&attribute.name()) && !node.has_tag_name("meta") {
+                let broken = value.contains("NaN") || value.contains("inf") || value.contains('–');
+                assert!(!broken, "{}={value}", attribute.name());
+            }
+            assert!(
+                !["src", "href", "onclick", "onload"].contains(&attribute.name()),
+                "{}",
+                attribute.name()
+            );
+        }
+    }
+    for chart in charts(&document) {
+        let named = chart.attribute("aria-labelledby").expect("each picture is named");
+        assert!(named.split(' ').all(|id| ids.contains(id)), "{named}");
+        for part in ["title", "desc"] {
+            let has = chart
+                .children()
+                .any(|n| n.has_tag_name(part) && n.text().is_some_and(|t| !t.is_empty()));
+            assert!(has, "each picture has a {part}");
+        }
+    }
+    for outside in ["http://", "https://", "url(", "@import", "<iframe", "<img"] {
+        assert!(!page.contains(outside), "{outside}");
+    }
+    document
+}
+
+#[test]
+fn a_good_plate_is_called_good_in_words_and_by_sign() {
+    let world = plate(4, 3, Mishap::None);
+    let page = page(&world);
+    let document = check(&page);
+    let words = words(&document);
+    assert!(
+        words.contains("✓\nGOOD\nAll 24 features that were cut are within tolerance."),
+        "{words}"
+    );
+    assert!(words.contains("Threads within tolerance\n12 of 12\n✓ all"));
+    // map, time, four pictures of a tap of which two have two panels, two paths, the run; the
+    // worst thread is the first, the runners-up are folded away
+    assert!(charts(&document).len() >= 2 + 6 + 3, "{}", charts(&document).len());
+}
+
+#[test]
+fn a_bad_thread_comes_first_with_its_reason() {
+    let world = plate(4, 3, Mishap::Saturated(6));
+    let page = page(&world);
+    let document = check(&page);
+    let words = words(&document);
+    assert!(
+        words.contains("✗\nOUT OF TOLERANCE\n1 of 24 features is out of tolerance. Worst: line 36"),
+        "{words}"
+    );
+    assert!(words.contains("Worst thread: M6x1, No. 19, line 36"));
+    assert!(words.contains("First thread: M6x1, No. 13, line 30"));
+    let rows: Vec<_> = document
+        .descendants()
+        .filter(|n| n.has_tag_name("tr"))
+        .filter_map(|n| n.attribute("class"))
+        .collect();
+    assert_eq!(rows[0], "fail");
+    assert_eq!(rows.iter().filter(|class| **class == "pass").count(), 23);
+    let crossed = document
+        .descendants()
+        .filter(|n| n.attribute("class") == Some("mark fail") && n.has_tag_name("g"));
+    assert_eq!(crossed.count(), 1, "one crossed square on the map");
+}
+
+#[test]
+fn a_run_that_faulted_says_so_before_anything_else() {
+    let world = plate(4, 3, Mishap::Faulted(2));
+    let page = page(&world);
+    let document = check(&page);
+    let words = words(&document);
+    assert!(
+        words.contains("✗\nSTOPPED BY AN ALARM\nAlarm 301 in line 32: The tap left its coupling"),
+        "{words}"
+    );
+    assert!(words.contains("✗ The tap of line 32 did not come out of its hole in step."));
+    assert!(words.contains("Worst thread: M6x1, No. 15, line 32"));
+}
+
+#[test]
+fn a_program_that_did_not_end_is_not_good_though_every_feature_is() {
+    let mut world = plate(2, 1, Mishap::None);
+    world.run.ended = false;
+    assert!(words(&check(&page(&world))).contains("✗\nDID NOT END"));
+}
+
+#[test]
+fn an_empty_run_is_a_page_that_says_there_is_nothing() {
+    let page = report::html(&run("empty.ngc"), &Recorder::default(), &[]);
+    let document = check(&page);
+    assert!(words(&document).contains("○\nNOTHING TO JUDGE"));
+    assert!(charts(&document).is_empty());
+}
+
+#[test]
+fn no_text_of_a_program_or_file_becomes_markup() {
+    let evil = "</title></script><script>alert(1)</script><img src=x onerror=alert(1)>\"'&\u{0}";
+    let mut world = plate(2, 1, Mishap::Saturated(1));
+    let run = &mut world.run;
+    for text in
+        [&mut run.program, &mut run.machine, &mut run.dialect, &mut run.material, &mut run.version]
+    {
+        *text = evil.into();
+    }
+    run.alarms.push(Alarm {
+        number: 1,
+        text: evil.into(),
+        remedy: Some(evil.into()),
+        line: 1,
+        time: Time::ZERO,
+    });
+    run.notes.push(Note { warning: true, text: evil.into(), line: 3 });
+    run.limiting.insert(3, evil.into());
+    run.origin.as_mut().expect("there is one").name = evil.into();
+    let mut tool = run.tools.get(3).expect("there is one").clone();
+    tool.description = evil.into();
+    run.tools.insert(tool);
+    for feature in &mut world.features {
+        feature.verdict = Verdict::Fail { reason: evil.into() };
+        if let FeatureKind::Thread(thread) = &mut feature.kind {
+            thread.size = evil.into();
+        }
+    }
+    let page = page(&world);
+    let document = check(&page);
+    let scripts = document.descendants().filter(|n| n.has_tag_name("script")).count();
+    assert_eq!(scripts, 1, "the page's own and no other");
+    assert!(!document.descendants().any(|n| n.has_tag_name("img")));
+    // 1 title, verdict, key figures, alarms, notes, map, table, threads, time, path: all say it literally
+    let said = words(&document).matches("<script>alert(1)</script>").count();
+    assert!(said > 20, "{said}");
+}
+
+#[test]
+fn figures_that_are_no_numbers_spoil_no_picture() {
+    let mut world = plate(2, 1, Mishap::None);
+    for feature in &mut world.features {
+        let nan = Length::mm(f64::NAN);
+        match &mut feature.kind {
+            FeatureKind::Hole(hole) => (hole.x, hole.diameter, hole.depth_error) = (nan, nan, nan),
+            FeatureKind::Thread(thread) => {
+                (thread.margin, thread.sync_error_max, thread.pitch_diameter_tolerance) =
+                    (nan, nan, nan);
+                thread.profile[3].inward = Some([nan, Length::mm(f64::INFINITY)]);
+            }
+        }
+    }
+    world.run.cycle_time = Time::s(f64::INFINITY);
+    world.run.limits = Limits {
+        torque: vec![(Spin::ZERO, Torque::n_m(f64::NAN))],
+        sync_warn: Length::mm(f64::NAN),
+        sync_stop: Length::mm(f64::INFINITY),
+    };
+    check(&page(&world));
+}
+
+#[test]
+fn equal_runs_give_equal_pages_byte_for_byte() {
+    let pages = [(); 2].map(|()| page(&plate(3, 2, Mishap::Saturated(4))));
+    assert!(pages[0] == pages[1]);
+}
+
+#[test]
+fn five_hundred_bad_features_stay_under_a_megabyte_and_a_half_and_a_thousand_are_well_formed() {
+    let mut world = plate(25, 10, Mishap::None);
+    let reason = "the groove is 20 µm wider than 6H allows: the No-go gauge enters; the thread is 0.12 mm too deep";
+    let fail = |feature: &Feature| Feature {
+        verdict: Verdict::Fail { reason: reason.into() },
+        ..feature.clone()
+    };
+    world.features = world.features.iter().map(fail).collect();
+    let size = page(&world).len();
+    assert!(size < 1_500_000, "{size}");
+    let shifted = world.features.clone().into_iter().map(|mut feature| {
+        if let FeatureKind::Thread(thread) = &mut feature.kind {
+            thread.x += Length::mm(0.7);
+        }
+        feature
+    });
+    world.features.extend(shifted.collect::<Vec<_>>());
+    assert_eq!(world.features.len(), 1000);
+    let page = page(&world);
+    let document = check(&page);
+    let rows = document
+        .descendants()
+        .filter(|n| n.has_tag_name("tr") && n.attribute("class") == Some("fail"));
+    assert_eq!(rows.count(), 1000);
+}
+
+#[test]
+fn a_run_without_a_torque_curve_or_work_offset_is_drawn_in_machine_coordinates() {
+    let world = plate(2, 1, Mishap::None);
+    let limits = Limits { torque: Vec::new(), ..world.run.limits.clone() };
+    let run = Run { origin: None, limits, ..world.run };
+    let page = report::html(&run, &world.recorder, &world.features);
+    let words = words(&check(&page));
+    assert!(words.contains("X in machine coordinates / mm"));
+    assert!(words.contains("its curve is not known"));
+}
+
+/// Contrast of two colours by WCAG 2.1: (L₁ + 0.05)/(L₂ + 0.05), L the relative luminance.
+fn contrast(a: &str, b: &str) -> f64 {
+    let luminance = |colour: &str| {
+        let digits: Vec<char> = colour.trim_start_matches('#').chars().collect();
+        let each = digits.len() / 3;
+        let part = |i: usize| {
+            let text: String = digits[i * each..(i + 1) * each].iter().cycle().take(2).collect();
+            let c = f64::from(u8::from_str_radix(&text, 16).expect("a hexadecimal colour")) / 255.0;
+            if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+        };
+        0.2126 * part(0) + 0.7152 * part(1) + 0.0722 * part(2)
+    };
+    let (a, b) = (luminance(a), luminance(b));
+    (a.max(b) + 0.05) / (a.min(b) + 0.05)
+}
+
+#[test]
+fn text_and_lines_stand_out_from_their_ground_in_light_and_dark() {
+    let style = include_str!("../src/page/style.css");
+    let schemes: Vec<_> = style.split("@media (prefers-color-scheme:dark)").collect();
+    for scheme in &schemes[..2] {
+        let colour = |name: &str| {
+            let at =
+                scheme.find(&format!("--{name}:")).unwrap_or_else(|| panic!("no colour {name}"));
+            let rest = &scheme[at + name.len() + 3..];
+            rest[..rest.find([';', '}']).expect("it ends")].to_owned()
+        };
+        for (front, ground, least) in [
+            ("ink", "paper", 7.0),
+            ("ink", "card", 7.0),
+            ("ink", "fail-bg", 7.0),
+            ("ink", "pass-bg", 7.0),
+            ("soft", "card", 4.5),
+            ("pass", "pass-bg", 4.5),
+            ("fail", "fail-bg", 4.5),
+            ("none", "none-bg", 4.5),
+            ("in", "card", 3.0),
+            ("out", "card", 3.0),
+            ("second", "card", 3.0),
+            ("warn", "card", 3.0),
+            ("stop", "card", 3.0),
+            ("share", "card", 3.0),
+        ] {
+            let found = contrast(&colour(front), &colour(ground));
+            assert!(found >= least, "{front} on {ground}: {found:.2}, at least {least}");
+        }
+    }
+}
