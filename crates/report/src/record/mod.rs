@@ -11,6 +11,8 @@
 mod series;
 mod shares;
 mod tap;
+#[cfg(test)]
+mod tests;
 mod track;
 
 pub(crate) use series::Series;
