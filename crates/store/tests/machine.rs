@@ -45,7 +45,9 @@ fn the_tapping_centers_z_axis_weighs_a_ton_at_the_screw_and_has_the_force_for_15
     assert_eq!(z.acceleration, Accel::mm_per_s2(15_000.0));
     assert_eq!(z.friction.static_force, Force::n(190.0));
     assert!(matches!(z.drive.motor, Motor::BallScrew { .. }));
-    let PositionFrom::Motor { resolution } = z.position_from else { panic!("a motor encoder") };
+    let PositionFrom::Motor { resolution, counts_per_rev: 1_048_576 } = z.position_from else {
+        panic!("a motor encoder")
+    };
     assert!((resolution.in_um() - 16_000.0 / 1_048_576.0).abs() < 1e-12);
 }
 
@@ -81,7 +83,8 @@ fn all_mistakes_are_told_at_once_in_the_order_of_the_text() {
         .replace("period_us = 250 ", "period_us = nan ")
         .replace("peak_power_w = 15_000", "peak_power_w = inf")
         .replace("damping_ratio = 0.04", "damping_ratio = \"low\"")
-        .replace("prediction = true", "prediction = 1")
+        .replace("prediction = \"observer\"", "prediction = true")
+        .replace("brake = true", "brake = 1")
         .replace("dialect = \"linuxcnc\"", "dialect = \"linux\"")
         .replace("seed = 1", "seed = -1")
         .replace("tapping_max_rpm = 6000", "tapping_max_rpm = 12_000");

@@ -34,6 +34,8 @@ pub struct Axis {
     pub jerk_feed: Jerk,
     /// Largest jerk on rapids.
     pub jerk_rapid: Jerk,
+    /// Limits of what nobody planned.
+    pub gentle: Gentle,
     /// What it moves: table, column or ram.
     pub moving_mass: Mass,
     /// Share of its weight that the drive must hold: 0 for a horizontal or fully balanced axis.
@@ -52,6 +54,15 @@ pub struct Axis {
     pub windows: AxisWindows,
 }
 
+/// Limits of small moves and of stops that nobody planned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gentle {
+    /// Speed.
+    pub speed: Speed,
+    /// Acceleration.
+    pub acceleration: Accel,
+}
+
 /// Where an axis may go, in machine coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Travel {
@@ -66,8 +77,10 @@ pub struct Travel {
 pub struct Drive {
     /// Kind of motor.
     pub motor: Motor,
-    /// Fraction of its largest force that the planner may use up.
-    pub planned_share: f64,
+    /// First-order lag of the force; zero where it is neglected.
+    pub force_lag: Time,
+    /// A brake clamps the motor while the drive is off.
+    pub brake: bool,
 }
 
 /// Kinds of motor.
@@ -124,6 +137,8 @@ pub struct Friction {
 pub enum PositionFrom {
     /// The motor's encoder; the structure's deflection is not seen.
     Motor {
+        /// Counts per revolution of the motor.
+        counts_per_rev: u32,
         /// One count, at the table.
         resolution: Length,
     },
@@ -199,6 +214,12 @@ impl Axis {
             ),
             jerk_feed: Jerk::mm_per_s3(keys.number("jerk_feed_m_per_s3", 0.01..=1e6) * MM_PER_M),
             jerk_rapid: Jerk::mm_per_s3(keys.number("jerk_rapid_m_per_s3", 0.01..=1e6) * MM_PER_M),
+            gentle: Gentle {
+                speed: Speed::mm_per_min(keys.number("gentle_mm_per_min", 1.0..=1e6)),
+                acceleration: Accel::mm_per_s2(
+                    keys.number("gentle_m_per_s2", 1e-3..=500.0) * MM_PER_M,
+                ),
+            },
             moving_mass: Mass::kg(keys.number("moving_mass_kg", 0.01..=100_000.0)),
             weight_share: percent(keys, "weight_percent", 0.0..=100.0),
             structure: keys.section("structure", Structure::read),
@@ -232,7 +253,11 @@ impl Drive {
                 peak_force: Force::n(keys.number("peak_force_n", 0.1..=1e7)),
             },
         };
-        Self { motor, planned_share: percent(keys, "planned_percent", 1.0..=100.0) }
+        Self {
+            motor,
+            force_lag: Time::s(keys.number("force_lag_ms", 0.0..=100.0) * 1e-3),
+            brake: keys.flag("brake"),
+        }
     }
 
     /// Largest force on the axis: F = M·2π/lead.
@@ -316,17 +341,18 @@ impl PositionFrom {
             );
             return Self::Scale { resolution: Length::ZERO };
         };
-        let resolution = counts.map_or_else(
-            || expected("motor_counts_per_rev", "motor"),
-            |n| Length::mm(lead.value() / f64::from(n)),
-        );
-        Self::Motor { resolution }
+        let Some(counts_per_rev) = counts else {
+            let resolution = expected("motor_counts_per_rev", "motor");
+            return Self::Motor { counts_per_rev: 1, resolution };
+        };
+        let resolution = Length::mm(lead.value() / f64::from(counts_per_rev));
+        Self::Motor { counts_per_rev, resolution }
     }
 
     /// One count.
     pub const fn resolution(&self) -> Length {
         match *self {
-            Self::Motor { resolution } | Self::Scale { resolution } => resolution,
+            Self::Motor { resolution, .. } | Self::Scale { resolution } => resolution,
         }
     }
 }

@@ -53,13 +53,26 @@ pub enum Follows {
     Encoder,
 }
 
+/// What an axis that follows an encoder makes of its readings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Prediction {
+    /// Position loop alone on the last angle.
+    None,
+    /// Velocity feed-forward as well.
+    Speed,
+    /// An observer predicts angle, speed and acceleration over the lag.
+    Observer,
+}
+
 /// What follows what in a synchronised move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Synchronisation {
     /// Command or encoder.
     pub follows: Follows,
-    /// In encoder mode: an observer predicts the spindle over the lag, instead of taking the last count.
-    pub prediction: bool,
+    /// In encoder mode: what is made of the spindle's readings.
+    pub prediction: Prediction,
+    /// In encoder mode: age of a reading when the axis' loop uses it.
+    pub encoder_age_periods: u32,
     /// Bandwidth of that observer.
     pub observer_bandwidth_hz: f64,
 }
@@ -67,10 +80,10 @@ pub struct Synchronisation {
 /// Time limits of the waits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Waits {
+    /// Until the drives are ready after the start.
+    pub ready: Time,
     /// Until the spindle turns at its ordered speed, or stands.
     pub at_speed: Time,
-    /// Until the index mark passes.
-    pub index: Time,
     /// Until the spindle holds its ordered angle.
     pub oriented: Time,
     /// Until the axes are in position.
@@ -138,7 +151,15 @@ impl Synchronisation {
         Self {
             follows: keys
                 .choice("follows", &[("command", Follows::Command), ("encoder", Follows::Encoder)]),
-            prediction: keys.flag("prediction"),
+            prediction: keys.choice(
+                "prediction",
+                &[
+                    ("none", Prediction::None),
+                    ("speed", Prediction::Speed),
+                    ("observer", Prediction::Observer),
+                ],
+            ),
+            encoder_age_periods: keys.whole("encoder_age_periods", 0..=4),
             observer_bandwidth_hz: keys.number("observer_bandwidth_hz", 1.0..=2000.0),
         }
     }
@@ -148,8 +169,8 @@ impl Waits {
     fn read(keys: &mut Keys<'_>) -> Self {
         let mut limit = |key| Time::s(keys.number(key, 0.01..=600.0));
         Self {
+            ready: limit("ready_s"),
             at_speed: limit("at_speed_s"),
-            index: limit("index_s"),
             oriented: limit("oriented_s"),
             in_position: limit("in_position_s"),
             tool_change: limit("tool_change_s"),

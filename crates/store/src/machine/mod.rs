@@ -30,9 +30,12 @@ mod setup;
 mod spindle;
 
 pub(crate) use axis::n_per_um;
-pub use axis::{Axis, AxisWindows, Drive, Friction, Loops, Motor, PositionFrom, Structure, Travel};
+pub use axis::{
+    Axis, AxisWindows, Drive, Friction, Gentle, Loops, Motor, PositionFrom, Structure, Travel,
+};
 pub use control::{
-    Control, CycleDepth, Dialect, Follows, Overrides, Synchronisation, ToolChange, Waits,
+    Control, CycleDepth, Dialect, Follows, Overrides, Prediction, Synchronisation, ToolChange,
+    Waits,
 };
 pub use setup::{Material, Ramp, Setup, Simulation, Stock, TapSeat, Tapping};
 pub use spindle::{Spindle, SpindleFriction, SpindleWindows};

@@ -10,7 +10,7 @@
 //! ```
 use super::{axis::Loops, setup::percent};
 use crate::keys::Keys;
-use units::{Angle, Inertia, Power, Spin, SpinJerk, Time, Torque};
+use units::{Angle, Inertia, Power, Spin, SpinAccel, Time, Torque};
 
 /// One spindle.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,8 +35,12 @@ pub struct Spindle {
     pub encoder_counts_per_rev: u32,
     /// Fraction of the torque and power curve that the planner may use up.
     pub planned_share: f64,
-    /// Largest jerk of planned ramps.
-    pub jerk: SpinJerk,
+    /// Time in which planned torque rises from nothing to its peak.
+    pub torque_rise: Time,
+    /// Fastest speed while it turns to an angle.
+    pub orient: Spin,
+    /// Acceleration while it turns to an angle.
+    pub orient_acceleration: SpinAccel,
     /// What holds it back.
     pub friction: SpindleFriction,
     /// How it is controlled.
@@ -82,7 +86,11 @@ impl Spindle {
             torque_lag: Time::s(keys.number("torque_lag_ms", 0.0..=1000.0) * 1e-3),
             encoder_counts_per_rev: keys.whole("encoder_counts_per_rev", 16..=u32::MAX),
             planned_share: percent(keys, "planned_percent", 1.0..=100.0),
-            jerk: SpinJerk::rev_per_s3(keys.number("jerk_rev_per_s3", 0.1..=1e9)),
+            torque_rise: Time::s(keys.number("torque_rise_ms", 0.0..=10_000.0) * 1e-3),
+            orient: Spin::rpm(keys.number("orient_rpm", 0.1..=10_000.0)),
+            orient_acceleration: SpinAccel::rev_per_s2(
+                keys.number("orient_rev_per_s2", 0.01..=1e6),
+            ),
             friction: keys.section("friction", SpindleFriction::read),
             loops: keys.section("loops", Loops::read),
             windows: keys.section("windows", SpindleWindows::read),
