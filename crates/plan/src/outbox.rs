@@ -57,7 +57,8 @@ impl Outbox {
         self.waiting.push(step);
     }
 
-    /// Hand on what waits; `before` goes ahead of it.
+    /// Hand on what waits; `before` goes ahead of it, and is booked on the op of the first that waits, so that the
+    /// ops of the steps never run backwards.
     pub(crate) fn release(
         &mut self,
         before: &[Step],
@@ -66,7 +67,11 @@ impl Outbox {
     ) {
         self.end_cut(true, limits, emit);
         let mut waiting = core::mem::take(&mut self.waiting);
-        for step in before.iter().copied().chain(waiting.drain(..)) {
+        for step in before {
+            let (op, line) = waiting.first().map_or((step.op, step.line), |w| (w.op, w.line));
+            self.hand_on(Step { op, line, ..*step }, limits, emit);
+        }
+        for step in waiting.drain(..) {
             self.hand_on(step, limits, emit);
         }
         self.waiting = waiting; // keeps its memory

@@ -21,21 +21,21 @@
 use crate::findings::{Findings, number};
 use crate::holes::Holes;
 use crate::limits::{MachineLimits, Options};
-use crate::motion::{Along, along, change};
+use crate::motion::{Along, along};
 use crate::outbox::Outbox;
 use crate::path::Path;
-use crate::step::{Move, SpindleStep, Step, StepKind};
+use crate::step::{Move, Step, StepKind};
 use crate::stroke::{Stroke, StrokeRequest};
-use crate::travel::beyond;
 use alloc::{format, vec::Vec};
-use canon::{Arc, Axis, Feed, Op, OpKind, PathMode, Position, SpindleOrder, ToolLibrary};
+use canon::{Axis, Feed, Op, OpKind, PathMode, Position, ToolLibrary};
 use diag::{Diagnostic, Span};
 use units::{Length, Spin, Time};
 
+mod refuse;
+mod spindle;
 mod tap;
+use refuse::clipped;
 
-/// Coordinates beyond this are a mistake on any machine: a kilometre.
-const ABSURD: f64 = 1e6;
 /// Moves shorter than this are no moves: a picometre.
 const NOTHING: f64 = 1e-9;
 
@@ -201,8 +201,6 @@ impl Planner {
         }
     }
 
-    // --- motion ---
-
     fn rapid(&mut self, job: &mut Job, to: &Position) {
         let from = self.position();
         let stays_up = self.lifted.filter(|_| to.linear[2] == self.programmed.linear[2]);
@@ -220,6 +218,9 @@ impl Planner {
         let length = path.length();
         let Some(bound) = self.bound(job, &path, true, f64::INFINITY) else { return };
         let profile = bound.profile(length, bound.speed);
+        if self.profile_is_refused(job, &profile, 1.0) {
+            return;
+        }
         let rapid = Move { path, profile, rapid: true, per_revolution: false, exact_stop: true };
         let step = job.step(StepKind::Move(rapid));
         self.after_spindle(job, step);
@@ -258,6 +259,9 @@ impl Planner {
             }
             Feed::Duration(time) => (bound.profile_lasting(length, time.value()), false),
         };
+        if self.profile_is_refused(job, &profile, if per_revolution { n } else { 1.0 }) {
+            return;
+        }
         self.tell_spindles(job);
         self.await_spindles(job);
         let blend = matches!(self.mode, PathMode::Blend { .. });
@@ -292,98 +296,6 @@ impl Planner {
         }
     }
 
-    fn is_refused(&mut self, job: &Job, path: &Path) -> bool {
-        let to = path.to();
-        let wild = |axis: &Axis| {
-            let x = change(&Position::default(), to, *axis);
-            !x.is_finite() || (x.abs() > ABSURD && !matches!(axis, Axis::A | Axis::B | Axis::C))
-        };
-        if let Some(axis) = Axis::ALL.into_iter().find(wild) {
-            let x = change(&Position::default(), to, axis);
-            let text = format!(
-                "expected a coordinate within ±{ABSURD} mm, found {}{}",
-                axis.letter(),
-                number(x)
-            );
-            self.findings.add(Diagnostic::error("M0302", job.span, text));
-            // go on from a place that exists
-            self.programmed = *path.from();
-            return true;
-        }
-        let mut refused = false;
-        for out in beyond(path, &self.limits) {
-            refused = true;
-            let letter = out.axis.letter();
-            let text = format!(
-                "{letter} would go to {} mm (machine coordinate), {} mm beyond its travel of {} to {} mm: \
-                 {letter}{} is the nearest that works",
-                number(out.reaches),
-                number((out.reaches - out.nearest()).abs()),
-                number(out.travel.0),
-                number(out.travel.1),
-                number(out.nearest()),
-            );
-            let help = "shift the work offset or the work, or take a shorter tool if it is Z";
-            self.findings.add(Diagnostic::error("M0301", job.span, text).with_help(help));
-        }
-        refused
-    }
-
-    fn feed_is_refused(&mut self, job: &Job, feed: Feed, turning: Spin) -> bool {
-        let (value, what) = match feed {
-            Feed::PerTime(speed) => (speed.value(), "a feed above zero (F)"),
-            Feed::PerRevolution(lead) => {
-                (lead.value(), "a feed per revolution above zero (F with G95)")
-            }
-            Feed::Duration(time) => (time.value(), "a duration above zero (F with G93)"),
-        };
-        if !(value > 0.0 && value.is_finite()) {
-            let text = format!("expected {what}, found {}", number(value));
-            self.findings.add(Diagnostic::error("M0303", job.span, text));
-            return true;
-        }
-        if turning > Spin::ZERO {
-            return false;
-        }
-        if let Feed::PerRevolution(_) = feed {
-            let text = "a feed per revolution (G95) with the spindle at rest would never move: order M3 or M4 with an \
-                        S above zero first";
-            self.findings.add(Diagnostic::error("M0306", job.span, text));
-            return true;
-        }
-        if !self.warned_still && !self.spindles.is_empty() {
-            self.warned_still = true;
-            let text = "cutting feed with the spindle at rest";
-            let finding = Diagnostic::warning("M0307", job.span, text);
-            self.findings
-                .add(finding.with_help("order M3 or M4 with an S above zero before the first cut"));
-        }
-        false
-    }
-
-    fn arc_is_sound(&mut self, job: &Job, to: &Position, arc: &Arc) -> bool {
-        let from = self.programmed;
-        let [first, second, _] = arc.plane.axes();
-        let offset = |p: &Position| {
-            libm::hypot(
-                p.along(first).value() - arc.centre[0].value(),
-                p.along(second).value() - arc.centre[1].value(),
-            )
-        };
-        let (r, end) = (offset(&from), offset(to));
-        // as RS-274/NGC's interpreters allow, generously: what the interpreter let pass is not refused here
-        let sound = arc.sweep.is_finite() && r > 0.0 && (end - r).abs() <= 0.5_f64.max(0.01 * r);
-        if !sound {
-            let text = format!(
-                "expected an arc whose start and end are equally far from its centre, found radii of {} and {} mm",
-                number(r),
-                number(end),
-            );
-            self.findings.add(Diagnostic::error("M0311", job.span, text));
-        }
-        sound
-    }
-
     fn dwell(&mut self, job: &mut Job, time: Time) {
         if !(time >= Time::ZERO && time.is_finite()) {
             let text =
@@ -391,120 +303,12 @@ impl Planner {
             self.findings.add(Diagnostic::error("M0312", job.span, text));
             return;
         }
+        if self.time_is_refused(job, time.value()) {
+            return;
+        }
         self.tell_spindles(job);
         self.hand_on(job, StepKind::Dwell(time));
     }
-
-    // --- spindle ---
-
-    fn spindle(&mut self, job: &mut Job, index: u8, order: &SpindleOrder) {
-        let Some(limits) = self.limits.spindles.get(usize::from(index)).copied() else {
-            let text = format!(
-                "expected a spindle from 0 to {}, found {index}",
-                self.spindles.len().max(1) - 1
-            );
-            self.findings.add(Diagnostic::error("M0313", job.span, text));
-            return;
-        };
-        let spin = match order {
-            SpindleOrder::Stop => Spin::ZERO,
-            SpindleOrder::Turn(spin) => *spin,
-            SpindleOrder::Orient(angle) => {
-                self.rest(job, usize::from(index));
-                let order = SpindleStep::Orient(*angle);
-                return self.hand_on(job, StepKind::Spindle { spindle: index, order });
-            }
-            SpindleOrder::ConstantSurfaceSpeed { .. } => {
-                let text = "constant surface speed (G96) is not available on this machine: give rpm with G97 S";
-                return self.findings.add(Diagnostic::error("M0310", job.span, text));
-            }
-        };
-        let highest = limits.reachable(units::Torque::ZERO);
-        let bounded = spin.abs().min(highest);
-        if spin.abs().value() > highest.value() * (1.0 + 1e-9) || !spin.is_finite() {
-            let text = format!(
-                "S{} is above the spindle's highest speed: S{} works",
-                number(spin.abs().in_rpm()),
-                number(libm::floor(highest.in_rpm() + 1e-6)),
-            );
-            self.findings.add(Diagnostic::error("M0308", job.span, text));
-        }
-        if self.outbox.is_waiting() {
-            self.tell_spindles(job);
-        }
-        self.warned_still = false;
-        self.spindles[usize::from(index)].ordered =
-            if spin < Spin::ZERO { -bounded } else { bounded };
-    }
-
-    /// Whether an order has not reached the kernel yet.
-    fn is_open(&self) -> bool {
-        self.spindles.iter().any(|s| s.told != s.ordered)
-    }
-
-    /// A step that may go with a spindle order still open: waits behind it.
-    fn after_spindle(&mut self, job: &mut Job, step: Step) {
-        self.outbox.end_cut(true, &self.limits, job.emit);
-        if self.is_open() {
-            if self.outbox.is_full() {
-                self.tell_spindles(job);
-            }
-            self.outbox.wait(step);
-        } else {
-            self.outbox.release(&[], &self.limits, job.emit);
-            self.outbox.hand_on(step, &self.limits, job.emit);
-        }
-    }
-
-    /// Tell the kernel the speeds that are in force, ahead of the rapids that waited.
-    fn tell_spindles(&mut self, job: &mut Job) {
-        let mut steps = Vec::new();
-        for index in 0..self.spindles.len() {
-            let ordered = self.spindles[index].ordered;
-            steps.extend(self.turn(job, index, ordered));
-        }
-        if !steps.is_empty() || self.outbox.is_waiting() {
-            self.outbox.release(&steps, &self.limits, job.emit);
-        }
-    }
-
-    /// Steps that make a spindle turn at a speed. A ramp begins where the one before has ended, so that one
-    /// is awaited.
-    fn turn(&mut self, job: &Job, index: usize, spin: Spin) -> Vec<Step> {
-        let (state, limits) = (&mut self.spindles[index], &self.limits.spindles[index]);
-        let mut steps = Vec::new();
-        if state.told != spin {
-            let spindle = index as u8; // as many spindles as a machine file can name
-            let ramp = limits.ramp(state.told, spin);
-            if !state.awaited {
-                steps.push(job.step(StepKind::Spindle { spindle, order: SpindleStep::AwaitSpeed }));
-            }
-            steps.push(
-                job.step(StepKind::Spindle { spindle, order: SpindleStep::Turn { spin, ramp } }),
-            );
-            *state = SpindleState { told: spin, awaited: false, ..*state };
-        }
-        steps
-    }
-
-    fn await_spindles(&mut self, job: &mut Job) {
-        for index in 0..self.spindles.len() {
-            if !self.spindles[index].awaited {
-                self.spindles[index].awaited = true;
-                let (spindle, order) = (index as u8, SpindleStep::AwaitSpeed);
-                self.hand_on(job, StepKind::Spindle { spindle, order });
-            }
-        }
-    }
-
-    /// Bring a spindle to rest and wait for it; the order in force stays open.
-    fn rest(&mut self, job: &mut Job, index: usize) {
-        let steps = self.turn(job, index, Spin::ZERO);
-        self.outbox.release(&steps, &self.limits, job.emit);
-        self.await_spindles(job);
-    }
-
-    // --- the rest ---
 
     fn change_tool(&mut self, job: &mut Job, number: u32) {
         if number != 0 && self.tools.get(number).is_none() {
@@ -546,14 +350,4 @@ impl Planner {
         let step = job.step(kind);
         self.outbox.hand_on(step, &self.limits, job.emit);
     }
-}
-
-fn clipped(span: Span, wanted: f64, possible: f64) -> Diagnostic {
-    let text = format!(
-        "F{} is faster than the axes feed along this path: it runs at {} mm/min",
-        number(wanted * 60.0),
-        number(libm::floor(possible * 60.0 + 1e-6)),
-    );
-    Diagnostic::warning("M0304", span, text)
-        .with_help("said once; later moves may be slowed down likewise")
 }

@@ -11,8 +11,8 @@
 //!
 //! The stroke is synchronised from rest to rest, so any run-in is long enough; none is asked for.
 //!
-//! Thread core: ISO 724 (basic dimensions), ISO 965-1 (tolerance TD1, here by its formula for grade 6:
-//! 230·P^0.7 µm, or 433·P − 190·P^1.22 below 0.8 mm).
+//! Thread core: ISO 724 (basic dimensions); its tolerance TD1 of grade 6 by the table of ISO 965-1, else by
+//! formula: 230·P^0.7 µm, or 433·P − 190·P^1.22 up to 0.8 mm.
 use crate::findings::number;
 use crate::holes::Drilled;
 use crate::limits::{AxisLimits, SpindleLimits};
@@ -213,15 +213,34 @@ impl TapCheck<'_> {
     }
 }
 
+/// Tolerance TD1 of the core, 6H, by pitch: µm by mm (ISO 965-1, table 3).
+const CORE_TOLERANCES: [(f64, f64); 9] = [
+    (0.5, 140.0),
+    (0.7, 180.0),
+    (0.8, 200.0),
+    (1.0, 236.0),
+    (1.25, 265.0),
+    (1.5, 300.0),
+    (1.75, 335.0),
+    (2.0, 375.0),
+    (2.5, 450.0),
+];
+
 /// Smallest and largest core of a 6H internal thread, mm.
 fn core_range(nominal: f64, pitch: f64) -> (f64, f64) {
-    let tolerance = if pitch <= 0.8 {
+    let listed = CORE_TOLERANCES.iter().find(|(p, _)| (p - pitch).abs() < 1e-3);
+    let tolerance = listed.map_or_else(|| core_tolerance(pitch), |(_, um)| *um);
+    let core = nominal - CORE * pitch;
+    (core, core + tolerance * 1e-3)
+}
+
+/// TD1 of grade 6 by formula, µm: for pitches that the table lacks, such as those in inches.
+fn core_tolerance(pitch: f64) -> f64 {
+    if pitch <= 0.8 {
         433.0 * pitch - 190.0 * libm::pow(pitch, 1.22)
     } else {
         230.0 * libm::pow(pitch, 0.7)
-    };
-    let core = nominal - CORE * pitch;
-    (core, core + tolerance * 1e-3)
+    }
 }
 
 /// Torque of a tap in its hole, or in a hole of nominal diameter less pitch if it is not known.

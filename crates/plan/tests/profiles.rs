@@ -24,7 +24,7 @@ fn assert_sound(profile: &Profile, length: f64, speed: f64, accel: f64, jerk: f6
             assert!((end.a - start.a).abs() <= 1e-6 * accel, "a gap in a: {} {}", end.a, start.a);
         }
     }
-    let last = profile.pieces().last().unwrap().end();
+    let last = profile.pieces().last().expect("a profile with a length has pieces").end();
     assert!((last.s - length).abs() <= 1e-12 * length && last.v.abs() <= 1e-9 * speed);
     assert_eq!(profile.end(), plan::Instant { s: length, v: 0.0, a: 0.0 });
     assert_eq!(profile.at(profile.duration()), profile.end());
@@ -34,7 +34,7 @@ fn assert_sound(profile: &Profile, length: f64, speed: f64, accel: f64, jerk: f6
 /// level, cruise as long as it takes.
 fn by_trying(length: f64, speed: f64, accel: f64, jerk: f64) -> f64 {
     let n = 120;
-    let tj_most = (accel / jerk).min((speed / jerk).sqrt());
+    let tj_most = (accel / jerk).min((speed / jerk).sqrt()).min((length / (2.0 * jerk)).cbrt());
     let ta_most = (speed / accel).min((length / accel).sqrt());
     let mut best = f64::INFINITY;
     for i in 1..=n {

@@ -1,7 +1,7 @@
 //! A tap's stroke against closed forms, lower bounds and the spindle's curve.
 mod common;
 use common::{SPINDLE, axis};
-use plan::{AxisLimits, Limiting, SpindleLimits, Stroke, StrokeRequest};
+use plan::{AxisLimits, Limiting, Limiting as L, SpindleLimits, Stroke, StrokeRequest};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
 use units::{Accel, Angle, Inertia, Jerk, Lead, Power, Speed, Spin, Time, Torque};
@@ -96,7 +96,6 @@ fn what_bounds_a_stroke_is_named() {
         let l = request.plan(spindle, axis).limiting;
         (l.speed, l.ramp)
     };
-    use Limiting as L;
     let heavy = SpindleLimits { inertia: Inertia::kg_m2(0.1), ..SPINDLE };
     assert_eq!(
         limiting(request(30.0, 2000.0, 1.0, 0.0), &heavy, &z),
@@ -204,7 +203,7 @@ fn assert_sound(
         );
     }
     assert_eq!(stroke.profile.end(), plan::Instant { s: turns, v: 0.0, a: 0.0 });
-    let last = stroke.profile.pieces().last().unwrap().end();
+    let last = stroke.profile.pieces().last().expect("a stroke has pieces").end();
     assert!((last.s - turns).abs() <= 1e-12 * turns, "{} of {turns}", last.s);
 }
 

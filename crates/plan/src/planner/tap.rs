@@ -8,6 +8,7 @@
 //! |---|---|
 //! | lead along the tap's own direction, + right-hand | axis travel per +1 rev: that times the direction of the stroke |
 //! | speeds without sign | + clockwise: a right-hand tap goes in with + and out with − |
+use super::refuse::wild;
 use super::{Job, Planner};
 use crate::findings::number;
 use crate::holes::Drilled;
@@ -17,9 +18,9 @@ use crate::step::{StepKind, TapPlan};
 use crate::stroke::{Stroke, StrokeRequest};
 use crate::tap_check::{TapCheck, cutting_torque};
 use alloc::{format, string::String};
-use canon::{Axis, Tap, Tool, ToolKind};
+use canon::{Axis, Tap, TapTool, Tool, ToolKind};
 use diag::Diagnostic;
-use units::{Angle, Lead, Length, Spin, Torque};
+use units::{Angle, Lead, Length, Time, Torque};
 
 /// The axes stand at the start if they are this near to it, mm.
 const AT_START: f64 = 1e-6;
@@ -40,37 +41,23 @@ impl Planner {
             let plan = self.tap_plan(job, tap, &means);
             self.hand_on(job, StepKind::Tap(plan));
         }
-        self.programmed = tap.start;
+        if wild(&tap.start).is_none() {
+            self.programmed = tap.start;
+        }
     }
 
     /// All findings about a tap; what to plan it with if none of them refuses it.
     fn judge(&mut self, job: &Job, tap: &Tap) -> Option<Means> {
-        let place = self.start_is_refused(job, tap);
-        let axis = self.limits.axes[tap.axis.index()];
-        let (Some(axis), Some(spindle)) = (axis, self.limits.spindles.first().copied()) else {
-            let text = format!(
-                "tapping needs a spindle and a {} axis, which this machine lacks",
-                tap.axis.letter()
-            );
-            self.findings.add(Diagnostic::error("M0305", job.span, text));
+        let turns = (tap.bottom - tap.start.along(tap.axis)) / tap.lead;
+        let seconds = (turns / tap.spin).abs() + (turns / tap.return_spin).abs() + tap.dwell;
+        if self.numbers_are_refused(job, tap) || self.time_is_refused(job, seconds.value()) {
             return None;
-        };
-        let Some(tool) = self.tools.get(self.tool) else {
-            let text: String = if self.tool == 0 {
-                "there is no tool in the spindle to tap with".into()
-            } else {
-                format!("T{} is in the spindle, but not in the tool table", self.tool)
-            };
-            self.findings.add(Diagnostic::error("M0329", job.span, text));
-            return None;
-        };
-        let ToolKind::Tap(tap_tool) = &tool.kind else {
-            let text = format!(
-                "expected a tap in the spindle, found T{} ({})",
-                tool.number,
-                kind_name(tool)
-            );
-            self.findings.add(Diagnostic::error("M0328", job.span, text));
+        }
+        let place = self.place_is_refused(job, tap);
+        let (axis, spindle) = self.drives(job, tap)?;
+        let Some((tool, tap_tool)) = self.tap_in_spindle() else {
+            let finding = self.not_a_tap(job);
+            self.findings.add(finding);
             return None;
         };
         let hole = self.drilled_hole(tap, tool);
@@ -83,11 +70,45 @@ impl Planner {
         for finding in found {
             self.findings.add(finding);
         }
-        if hole.is_none() && tap.axis == Axis::Z {
-            let text = "no hole was drilled here by this program: it is taken to be there, deep enough and of the right size";
+        if !refused && hole.is_none() && tap.axis == Axis::Z {
+            let text = "no hole was drilled here by this program: it is taken to be there, deep enough and of the \
+                        right size";
             self.findings.add_once(Diagnostic::note("M0324", job.span, text));
         }
         (!refused).then_some(Means { axis, spindle, cut })
+    }
+
+    /// The axis and the spindle that a tap needs.
+    fn drives(&mut self, job: &Job, tap: &Tap) -> Option<(AxisLimits, SpindleLimits)> {
+        let both = self.limits.axes[tap.axis.index()].zip(self.limits.spindles.first().copied());
+        if both.is_none() {
+            let letter = tap.axis.letter();
+            let text =
+                format!("tapping needs a spindle and a {letter} axis, which this machine lacks");
+            self.findings.add(Diagnostic::error("M0305", job.span, text));
+        }
+        both
+    }
+
+    fn tap_in_spindle(&self) -> Option<(&Tool, &TapTool)> {
+        let tool = self.tools.get(self.tool)?;
+        match &tool.kind {
+            ToolKind::Tap(tap_tool) => Some((tool, tap_tool)),
+            _ => None,
+        }
+    }
+
+    fn not_a_tap(&self, job: &Job) -> Diagnostic {
+        let number = self.tool;
+        let (code, text): (_, String) = match self.tools.get(number) {
+            Some(tool) => {
+                let kind = kind_name(tool);
+                ("M0328", format!("expected a tap in the spindle, found T{number} ({kind})"))
+            }
+            None if number == 0 => ("M0329", "there is no tool in the spindle to tap with".into()),
+            None => ("M0329", format!("T{number} is in the spindle, but not in the tool table")),
+        };
+        Diagnostic::error(code, job.span, text)
     }
 
     fn drilled_hole(&self, tap: &Tap, tool: &Tool) -> Option<Drilled> {
@@ -95,15 +116,19 @@ impl Planner {
         along_z.then(|| self.holes.at(&tap.start, tap.bottom - tool.length)).flatten()
     }
 
-    /// Numbers that make no tap, an axis that would have to move within it, or a depth beyond the travel.
-    fn start_is_refused(&mut self, job: &Job, tap: &Tap) -> bool {
-        let mut refused = false;
+    /// Numbers that make no tap.
+    fn numbers_are_refused(&mut self, job: &Job, tap: &Tap) -> bool {
         let stroke = tap.bottom - tap.start.along(tap.axis);
-        let numbers = [stroke.value(), tap.lead.value(), tap.spin.value(), tap.return_spin.value()];
-        if numbers.iter().any(|x| !x.is_finite() || *x == 0.0)
-            || tap.spin < Spin::ZERO
-            || tap.return_spin < Spin::ZERO
-        {
+        let positive = |x: f64| x.is_finite() && x > 0.0;
+        let numbers = [
+            stroke.value().abs(),
+            tap.lead.value().abs(),
+            tap.spin.value(),
+            tap.return_spin.value(),
+        ];
+        let others = tap.surface.is_finite() && tap.dwell.is_finite() && tap.dwell >= Time::ZERO;
+        let sound = numbers.into_iter().all(positive) && others && wild(&tap.start).is_none();
+        if !sound {
             let text = format!(
                 "a tap needs a depth, a lead and a speed above zero, found a stroke of {} mm, {} mm per revolution, S{}",
                 number(stroke.value()),
@@ -111,8 +136,13 @@ impl Planner {
                 number(tap.spin.in_rpm()),
             );
             self.findings.add(Diagnostic::error("M0333", job.span, text));
-            return true;
         }
+        !sound
+    }
+
+    /// An axis that would have to move within it, or a depth beyond the travel.
+    fn place_is_refused(&mut self, job: &Job, tap: &Tap) -> bool {
+        let mut refused = false;
         for axis in Axis::ALL {
             let off = change(&self.programmed, &tap.start, axis);
             if off.abs() > AT_START {

@@ -1,0 +1,153 @@
+//! Moves that a machine cannot make: coordinates, feeds and arcs, judged before anything is planned from them.
+//!
+//! Every refusal names what was found, what the machine can do, and the number that would work.
+use super::{Job, Planner};
+use crate::Profile;
+use crate::findings::number;
+use crate::motion::coordinate;
+use crate::path::{Path, radius};
+use crate::travel::beyond;
+use alloc::format;
+use canon::{Arc, Axis, Feed, Position};
+use diag::{Diagnostic, Span};
+use units::Spin;
+
+/// Coordinates beyond this are a mistake on any machine: a kilometre.
+const ABSURD: f64 = 1e6;
+
+/// Longest time that one block may take, s: a day.
+const LONGEST: f64 = 86_400.0;
+
+impl Planner {
+    pub(super) fn is_refused(&mut self, job: &Job, path: &Path) -> bool {
+        let to = path.to();
+        if let Some((axis, x)) = wild(to) {
+            let text = format!(
+                "expected a coordinate within ±{ABSURD} mm, found {} {}",
+                axis.letter(),
+                number(x)
+            );
+            self.findings.add(Diagnostic::error("M0302", job.span, text));
+            // go on from a place that exists
+            self.programmed = *path.from();
+            return true;
+        }
+        let mut refused = false;
+        for out in beyond(path, &self.limits) {
+            refused = true;
+            let letter = out.axis.letter();
+            let text = format!(
+                "{letter} would go to {} mm (machine coordinate), {} mm beyond its travel of {} to {} mm: \
+                 {letter}{} is the nearest that works",
+                number(out.reaches),
+                number((out.reaches - out.nearest()).abs()),
+                number(out.travel.0),
+                number(out.travel.1),
+                number(out.nearest()),
+            );
+            let help = match out.axis {
+                Axis::Z => {
+                    "shift the work offset, raise or lower the work, or take a tool of another length"
+                }
+                _ => "shift the work offset or the work",
+            };
+            self.findings.add(Diagnostic::error("M0301", job.span, text).with_help(help));
+        }
+        refused
+    }
+
+    pub(super) fn feed_is_refused(&mut self, job: &Job, feed: Feed, turning: Spin) -> bool {
+        let (value, what) = match feed {
+            Feed::PerTime(speed) => (speed.value(), "a feed above zero (F)"),
+            Feed::PerRevolution(lead) => {
+                (lead.value(), "a feed per revolution above zero (F with G95)")
+            }
+            Feed::Duration(time) => (time.value(), "a duration above zero (F with G93)"),
+        };
+        if !(value > 0.0 && value.is_finite()) {
+            let text = format!("expected {what}, found {}", number(value));
+            self.findings.add(Diagnostic::error("M0303", job.span, text));
+            return true;
+        }
+        if turning > Spin::ZERO {
+            return false;
+        }
+        if let Feed::PerRevolution(_) = feed {
+            let text = "a feed per revolution (G95) with the spindle at rest would never move: order M3 or M4 with an \
+                        S above zero first";
+            self.findings.add(Diagnostic::error("M0306", job.span, text));
+            return true;
+        }
+        if !self.warned_still && !self.spindles.is_empty() {
+            self.warned_still = true;
+            let text = "cutting feed with the spindle at rest";
+            let finding = Diagnostic::warning("M0307", job.span, text);
+            self.findings
+                .add(finding.with_help("order M3 or M4 with an S above zero before the first cut"));
+        }
+        false
+    }
+
+    /// A profile that moves nothing (limits of zero, or numbers out of all range) or lasts too long; its time is in
+    /// units of which `per_second` pass in a second.
+    pub(super) fn profile_is_refused(
+        &mut self,
+        job: &Job,
+        profile: &Profile,
+        per_second: f64,
+    ) -> bool {
+        let seconds = profile.duration() / per_second;
+        self.time_is_refused(job, if seconds > 0.0 { seconds } else { f64::INFINITY })
+    }
+
+    /// Nothing that one block orders lasts for days: a decimal point is missing somewhere.
+    pub(super) fn time_is_refused(&mut self, job: &Job, seconds: f64) -> bool {
+        let endless = seconds.is_nan() || seconds > LONGEST;
+        if endless {
+            let text =
+                format!("expected at most {LONGEST} s for one block, found {} s", number(seconds));
+            let help = "give a higher feed, speed or lead, or a shorter dwell";
+            self.findings.add(Diagnostic::error("M0314", job.span, text).with_help(help));
+        }
+        endless
+    }
+
+    pub(super) fn arc_is_sound(&mut self, job: &Job, to: &Position, arc: &Arc) -> bool {
+        let from = self.programmed;
+        let (r, end) = (radius(&from, arc), radius(to, arc));
+        // as RS-274/NGC's interpreters allow, generously: what the interpreter let pass is not refused here
+        let sound = arc.sweep.is_finite() && r > 0.0 && (end - r).abs() <= 0.5_f64.max(0.01 * r);
+        if !sound {
+            let text = format!(
+                "expected an arc whose start and end are equally far from its centre, found radii of {} and {} mm",
+                number(r),
+                number(end),
+            );
+            self.findings.add(Diagnostic::error("M0311", job.span, text));
+        }
+        sound
+    }
+}
+
+/// A coordinate that no machine has.
+pub(super) fn wild(position: &Position) -> Option<(Axis, f64)> {
+    let absurd = |axis: Axis, x: f64| {
+        let rotary = matches!(axis, Axis::A | Axis::B | Axis::C);
+        !x.is_finite() || (x.abs() > ABSURD && !rotary)
+    };
+    Axis::ALL
+        .into_iter()
+        .map(|axis| (axis, coordinate(position, axis)))
+        .find(|(axis, x)| absurd(*axis, *x))
+}
+
+/// A warning that a feed is not reached.
+pub(super) fn clipped(span: Span, wanted: f64, possible: f64) -> Diagnostic {
+    let text = format!(
+        "F{} is faster than the axes feed along this path: it runs at {} mm/min",
+        number(wanted * 60.0),
+        number(libm::floor(possible * 60.0 + 1e-6)),
+    );
+    Diagnostic::warning("M0304", span, text)
+        .with_help("said once; later moves may be slowed down likewise")
+}

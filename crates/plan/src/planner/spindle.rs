@@ -1,0 +1,126 @@
+//! Spindle orders: when they are told, when they are awaited.
+//!
+//! ```text
+//!   program:  M3 S1000      rapid        cut            M3 in force
+//!   kernel:   turn ───────► rapid ─────► await ► cut    told early, awaited late
+//! ```
+//!
+//! `ordered` is what the program has in force, `told` what the kernel has been told. While the two differ, rapids
+//! wait in the outbox, because only the op after them shows whether the spindle shall turn (a cut) or stand
+//! still (a tap). A ramp is planned from `told`, so a change of speed begins when the one before is reached.
+use super::{Job, Planner, SpindleState};
+use crate::findings::number;
+use crate::step::{SpindleStep, Step, StepKind};
+use alloc::{format, vec::Vec};
+use canon::SpindleOrder;
+use diag::Diagnostic;
+use units::Spin;
+
+impl Planner {
+    pub(super) fn spindle(&mut self, job: &mut Job, index: u8, order: &SpindleOrder) {
+        let Some(limits) = self.limits.spindles.get(usize::from(index)).copied() else {
+            let count = self.spindles.len();
+            let text = format!(
+                "the machine has {count} spindle(s), found an order for spindle {index}, counted from 0"
+            );
+            self.findings.add(Diagnostic::error("M0313", job.span, text));
+            return;
+        };
+        let spin = match order {
+            SpindleOrder::Stop => Spin::ZERO,
+            SpindleOrder::Turn(spin) => *spin,
+            SpindleOrder::Orient(angle) => {
+                self.rest(job, usize::from(index));
+                let order = SpindleStep::Orient(*angle);
+                return self.hand_on(job, StepKind::Spindle { spindle: index, order });
+            }
+            SpindleOrder::ConstantSurfaceSpeed { .. } => {
+                let text = "constant surface speed (G96) is not available on this machine: give rpm with G97 S";
+                return self.findings.add(Diagnostic::error("M0310", job.span, text));
+            }
+        };
+        let highest = limits.reachable(units::Torque::ZERO);
+        let bounded = spin.abs().min(highest);
+        if spin.abs().value() > highest.value() * (1.0 + 1e-9) || !spin.is_finite() {
+            let text = format!(
+                "S{} is above the spindle's highest speed: S{} works",
+                number(spin.abs().in_rpm()),
+                number(libm::floor(highest.in_rpm() + 1e-6)),
+            );
+            self.findings.add(Diagnostic::error("M0308", job.span, text));
+        }
+        if self.outbox.is_waiting() {
+            self.tell_spindles(job);
+        }
+        self.warned_still = false;
+        self.spindles[usize::from(index)].ordered =
+            if spin < Spin::ZERO { -bounded } else { bounded };
+    }
+
+    /// Whether an order has not reached the kernel yet.
+    pub(super) fn is_open(&self) -> bool {
+        self.spindles.iter().any(|s| s.told != s.ordered)
+    }
+
+    /// A step that may go with a spindle order still open: waits behind it.
+    pub(super) fn after_spindle(&mut self, job: &mut Job, step: Step) {
+        self.outbox.end_cut(true, &self.limits, job.emit);
+        if self.is_open() {
+            if self.outbox.is_full() {
+                self.tell_spindles(job);
+            }
+            self.outbox.wait(step);
+        } else {
+            self.outbox.release(&[], &self.limits, job.emit);
+            self.outbox.hand_on(step, &self.limits, job.emit);
+        }
+    }
+
+    /// Tell the kernel the speeds that are in force, ahead of the rapids that waited.
+    pub(super) fn tell_spindles(&mut self, job: &mut Job) {
+        let mut steps = Vec::new();
+        for index in 0..self.spindles.len() {
+            let ordered = self.spindles[index].ordered;
+            steps.extend(self.turn(job, index, ordered));
+        }
+        if !steps.is_empty() || self.outbox.is_waiting() {
+            self.outbox.release(&steps, &self.limits, job.emit);
+        }
+    }
+
+    /// Steps that make a spindle turn at a speed. A ramp begins where the one before has ended, so that one
+    /// is awaited.
+    pub(super) fn turn(&mut self, job: &Job, index: usize, spin: Spin) -> Vec<Step> {
+        let (state, limits) = (&mut self.spindles[index], &self.limits.spindles[index]);
+        let mut steps = Vec::new();
+        if state.told != spin {
+            let spindle = index as u8; // as many spindles as a machine file can name
+            let ramp = limits.ramp(state.told, spin);
+            if !state.awaited {
+                steps.push(job.step(StepKind::Spindle { spindle, order: SpindleStep::AwaitSpeed }));
+            }
+            steps.push(
+                job.step(StepKind::Spindle { spindle, order: SpindleStep::Turn { spin, ramp } }),
+            );
+            *state = SpindleState { told: spin, awaited: false, ..*state };
+        }
+        steps
+    }
+
+    pub(super) fn await_spindles(&mut self, job: &mut Job) {
+        for index in 0..self.spindles.len() {
+            if !self.spindles[index].awaited {
+                self.spindles[index].awaited = true;
+                let (spindle, order) = (index as u8, SpindleStep::AwaitSpeed);
+                self.hand_on(job, StepKind::Spindle { spindle, order });
+            }
+        }
+    }
+
+    /// Bring a spindle to rest and wait for it; the order in force stays open.
+    pub(super) fn rest(&mut self, job: &mut Job, index: usize) {
+        let steps = self.turn(job, index, Spin::ZERO);
+        self.outbox.release(&steps, &self.limits, job.emit);
+        self.await_spindles(job);
+    }
+}

@@ -1,0 +1,218 @@
+//! What is refused before motion: one sentence each, with the number that would work.
+mod common;
+use canon::{Arc, Feed, OpKind, Plane, Position, SpindleOrder};
+use common::{change, findings, findings_of, hole, line, mm, planner_at, rapid, tap, turn};
+use insta::assert_snapshot;
+use units::{Angle, Lead, Length, Speed, Spin, Time};
+
+/// Findings about a tap that stands ready over its hole.
+fn tap_findings(tool: u32, tap: canon::Tap) -> String {
+    findings_of(planner_at(tap.start, tool), [OpKind::Tap(tap)])
+}
+
+/// Drill with one tool, tap with another.
+fn drilled_and_tapped(drill: u32, drill_z: f64, tool: u32, tap: canon::Tap) -> String {
+    let start = tap.start.linear;
+    findings([
+        change(drill),
+        turn(2000.0),
+        rapid(start[0].value(), start[1].value(), -128.0),
+        hole(start[0].value(), start[1].value(), drill_z),
+        line(start[0].value(), start[1].value(), -130.0 + drill_z, 300.0),
+        rapid(start[0].value(), start[1].value(), -128.0),
+        change(tool),
+        rapid(start[0].value(), start[1].value(), start[2].value()),
+        OpKind::Tap(tap),
+    ])
+}
+
+#[test]
+fn a_sound_hole_and_tap_pass_without_a_word() {
+    assert_eq!(drilled_and_tapped(1, -25.0, 2, tap(10.0, 10.0, 2.0, -20.0, 1.0, 3000.0)), "");
+}
+
+#[test]
+fn a_coordinate_beyond_the_travel() {
+    assert_snapshot!(findings([rapid(312.4, 0.0, 0.0), rapid(0.0, -200.5, 1.0)]), @r"
+    M0301 Error line 1: X would go to 312.4 mm (machine coordinate), 62.4 mm beyond its travel of -250 to 250 mm: X250 is the nearest that works
+        help: shift the work offset or the work
+    M0301 Error line 2: Y would go to -200.5 mm (machine coordinate), 0.5 mm beyond its travel of -200 to 200 mm: Y-200 is the nearest that works
+        help: shift the work offset or the work
+    M0301 Error line 2: Z would go to 1 mm (machine coordinate), 1 mm beyond its travel of -300 to 0 mm: Z0 is the nearest that works
+        help: shift the work offset, raise or lower the work, or take a tool of another length
+    ");
+}
+
+#[test]
+fn an_arc_that_bulges_beyond_the_travel_though_its_ends_are_inside() {
+    let arc = Arc { plane: Plane::XY, centre: [mm(240.0), mm(0.0)], sweep: Angle::rev(0.5) };
+    let feed = Feed::PerTime(Speed::mm_per_min(500.0));
+    let ops = [turn(500.0), OpKind::Arc { to: Position::xyz(240.0, 20.0, 0.0), arc, feed }];
+    assert_snapshot!(findings_of(planner_at(Position::xyz(240.0, -20.0, 0.0), 0), ops), @r"
+    M0301 Error line 2: X would go to 260 mm (machine coordinate), 10 mm beyond its travel of -250 to 250 mm: X250 is the nearest that works
+        help: shift the work offset or the work
+    ");
+}
+
+#[test]
+fn numbers_that_are_none() {
+    let nan = OpKind::Line {
+        to: Position::xyz(f64::NAN, 0.0, 0.0),
+        feed: Feed::PerTime(Speed::mm_per_min(100.0)),
+    };
+    let never = OpKind::Line { to: Position::xyz(1.0, 0.0, 0.0), feed: Feed::PerTime(Speed::ZERO) };
+    let dwell = OpKind::Dwell { time: Time::s(-1.0) };
+    assert_snapshot!(findings([turn(500.0), nan, rapid(1e300, 0.0, 0.0), never, dwell]), @r"
+    M0302 Error line 2: expected a coordinate within ±1000000 mm, found X NaN
+    M0302 Error line 3: expected a coordinate within ±1000000 mm, found X 1e300
+    M0303 Error line 4: expected a feed above zero (F), found 0
+    M0312 Error line 5: expected a dwell of zero seconds or more, found -1
+    ");
+}
+
+#[test]
+fn an_axis_that_the_machine_lacks() {
+    let mut to = Position::default();
+    to.rotary[0] = Angle::deg(90.0);
+    assert_snapshot!(findings([OpKind::Rapid { to }]), @"M0305 Error line 1: the machine has no A axis, and the program moves it");
+}
+
+#[test]
+fn a_spindle_that_stands_still_while_cutting() {
+    let per_revolution = Feed::PerRevolution(Lead::mm_per_rev(0.1));
+    let ops = [
+        line(1.0, 0.0, 0.0, 100.0),
+        line(2.0, 0.0, 0.0, 100.0),
+        OpKind::Line { to: Position::xyz(3.0, 0.0, 0.0), feed: per_revolution },
+    ];
+    assert_snapshot!(findings(ops), @r"
+    M0307 Warning line 1: cutting feed with the spindle at rest
+        help: order M3 or M4 with an S above zero before the first cut
+    M0306 Error line 3: a feed per revolution (G95) with the spindle at rest would never move: order M3 or M4 with an S above zero first
+    ");
+}
+
+#[test]
+fn a_spindle_order_it_cannot_obey() {
+    let css = SpindleOrder::ConstantSurfaceSpeed { speed: Speed::mm_per_s(2000.0), limit: None };
+    let ops = [
+        turn(12_000.0),
+        OpKind::Spindle { spindle: 0, order: css },
+        OpKind::Spindle { spindle: 3, order: SpindleOrder::Stop },
+    ];
+    assert_snapshot!(findings(ops), @r"
+    M0308 Error line 1: S12000 is above the spindle's highest speed: S10000 works
+    M0310 Error line 2: constant surface speed (G96) is not available on this machine: give rpm with G97 S
+    M0313 Error line 3: the machine has 1 spindle(s), found an order for spindle 3, counted from 0
+    ");
+}
+
+#[test]
+fn a_feed_above_the_axes_is_said_once() {
+    assert_snapshot!(findings([turn(500.0), line(9.0, 0.0, 0.0, 9e4), line(0.0, 0.0, 0.0, 9e4)]), @r"
+    M0304 Warning line 2: F90000 is faster than the axes feed along this path: it runs at 50000 mm/min
+        help: said once; later moves may be slowed down likewise
+    ");
+}
+
+#[test]
+fn a_tool_that_the_table_lacks() {
+    assert_snapshot!(findings([change(77)]), @r"
+    M0309 Error line 1: T77 is not in the tool table
+        help: add it to the table, or let missing tools be stood in for
+    ");
+}
+
+#[test]
+fn a_lead_times_speed_that_the_axis_cannot_follow() {
+    let mut slow = common::machine();
+    let z = slow.axes[2].as_mut().unwrap();
+    z.feed_speed = Speed::mm_per_min(5000.0);
+    let t = tap(0.0, 0.0, 2.0, -20.0, 1.25, 5500.0);
+    let start = plan::Start { position: t.start, tool: 5 };
+    let planner = plan::Planner::new(slow, common::tools(), common::OPTIONS, start);
+    assert_snapshot!(findings_of(planner, [OpKind::Tap(t)]), @"M0320 Error line 1: S5500 is too fast for this tap: Z feeds at 5000 mm/min at most, and 1.25 mm per revolution at this S needs 6875; S4000 works");
+}
+
+#[test]
+fn a_speed_above_the_tapping_maximum() {
+    assert_snapshot!(tap_findings(2, tap(0.0, 0.0, 2.0, -20.0, 1.0, 6500.0)), @"M0321 Error line 1: S6500 is too fast for this tap: the spindle taps at 6000 rpm at most; S6000 works");
+}
+
+#[test]
+fn a_return_faster_than_possible_is_slowed_down() {
+    let fast_return =
+        canon::Tap { return_spin: Spin::rpm(9000.0), ..tap(0.0, 0.0, 2.0, -20.0, 1.0, 4500.0) };
+    assert_snapshot!(tap_findings(2, fast_return), @r"
+    M0324 Note line 1: no hole was drilled here by this program: it is taken to be there, deep enough and of the right size
+    M0332 Warning line 1: the return at S9000 is faster than spindle and axis can tap: it runs at S6000
+    ");
+}
+
+#[test]
+fn deeper_than_the_flutes() {
+    assert_snapshot!(tap_findings(2, tap(0.0, 0.0, 2.0, -40.0, 1.0, 600.0)), @"M0322 Error line 1: T2 M6x1 can cut 32 mm deep before its flutes end, found 40 mm: Z-32 is the deepest that works");
+}
+
+#[test]
+fn deeper_than_the_hole() {
+    assert_snapshot!(drilled_and_tapped(1, -20.0, 2, tap(10.0, 10.0, 2.0, -20.0, 1.0, 3000.0)), @"M0323 Error line 9: the tap goes 20 mm deep, but the hole has its full diameter only down to 18.498 mm: Z-18.497 is the deepest that works");
+}
+
+#[test]
+fn in_a_hole_of_the_wrong_diameter() {
+    assert_snapshot!(drilled_and_tapped(6, -25.0, 2, tap(10.0, 10.0, 2.0, -20.0, 1.0, 3000.0)), @r"
+    M0325 Warning line 9: expected a hole of 4.917 to 5.153 mm for M6x1, found 5.6 mm
+        help: the thread will be too shallow for 6H
+    ");
+    assert_snapshot!(drilled_and_tapped(4, -25.0, 2, tap(10.0, 10.0, 2.0, -20.0, 1.0, 3000.0)), @r"
+    M0325 Error line 9: expected a hole of 4.917 to 5.153 mm for M6x1, found 6.8 mm
+        help: no thread is left to cut in this hole
+    ");
+    assert_snapshot!(drilled_and_tapped(7, -25.0, 5, tap(10.0, 10.0, 2.0, -20.0, 1.25, 3000.0)), @r"
+    M0325 Warning line 9: expected a hole of 6.647 to 6.912 mm for M8x1.25, found 6.5 mm
+        help: the tap cuts too much and may break
+    ");
+}
+
+#[test]
+fn with_the_wrong_tool_hand_or_lead() {
+    assert_snapshot!(tap_findings(0, tap(0.0, 0.0, 2.0, -20.0, 1.0, 600.0)), @"M0329 Error line 1: there is no tool in the spindle to tap with");
+    assert_snapshot!(tap_findings(1, tap(0.0, 0.0, 2.0, -20.0, 1.0, 600.0)), @"M0328 Error line 1: expected a tap in the spindle, found T1 (a drill)");
+    assert_snapshot!(tap_findings(3, tap(0.0, 0.0, 2.0, -20.0, 1.0, 600.0)), @r"
+    M0327 Error line 1: expected a tap of the other hand: T3 M6x1 LH is left-hand
+        help: use G74, or M4 before G33.1
+    ");
+    assert_snapshot!(tap_findings(2, tap(0.0, 0.0, 2.0, -20.0, 1.25, 600.0)), @"M0326 Error line 1: expected the tap's lead of 1 mm per revolution (M6x1), found 1.25: F600 with G94 and S600, F1 with G95, K1 with G33.1");
+}
+
+#[test]
+fn with_another_axis_moving() {
+    let t = tap(5.0, 0.0, 2.0, -20.0, 1.0, 600.0);
+    let elsewhere = Position::xyz(0.0, 0.0, t.start.linear[2].value());
+    assert_snapshot!(findings_of(planner_at(elsewhere, 2), [OpKind::Tap(t)]), @"M0330 Error line 1: expected only Z to move in a tap, found X moving by 5 mm: move there in a block before");
+}
+
+#[test]
+fn a_tap_of_no_depth_lead_or_speed() {
+    let t = tap(0.0, 0.0, 2.0, -20.0, 1.0, 600.0);
+    let none = [
+        canon::Tap { bottom: t.start.linear[2], ..t },
+        canon::Tap { lead: Lead::ZERO, ..t },
+        canon::Tap { spin: Spin::ZERO, ..t },
+        canon::Tap { bottom: Length::mm(f64::NAN), ..t },
+    ];
+    assert_snapshot!(findings_of(planner_at(t.start, 2), none.map(OpKind::Tap)), @r"
+    M0333 Error line 1: a tap needs a depth, a lead and a speed above zero, found a stroke of 0 mm, 1 mm per revolution, S600
+    M0333 Error line 2: a tap needs a depth, a lead and a speed above zero, found a stroke of -22 mm, 0 mm per revolution, S600
+    M0333 Error line 3: a tap needs a depth, a lead and a speed above zero, found a stroke of -22 mm, 1 mm per revolution, S0
+    M0333 Error line 4: a tap needs a depth, a lead and a speed above zero, found a stroke of NaN mm, 1 mm per revolution, S600
+    ");
+}
+
+#[test]
+fn many_findings_of_a_kind_are_counted_after_the_fortieth() {
+    let text = findings((0..100).map(|i| rapid(300.0 + f64::from(i), 0.0, 0.0)));
+    assert_eq!(text.matches("M0301 Error").count(), 40);
+    assert!(text.contains("60 more findings of the kind M0301"), "{text}");
+}
