@@ -1,1 +1,58 @@
-//! To be filled.
+//! Blocks and modal state to operations.
+//!
+//! ```text
+//!               ┌──────────── Interpreter ────────────┐            ┌─► Listing   (LinuxCNC's notation)
+//!   gcode ─────►│ words → modes → motion, cycles, …   │── Call ──►─┤
+//!   Block       │ O-words: branches, loops, calls     │            └─► Resolver  ──► canon::Op
+//!               └──────────────┬──────────────────────┘                 offsets, inches, G91,
+//!                              ▼                                        diameters end here
+//!                          Diagnostics
+//! ```
+//!
+//! The [`Interpreter`] executes a program's blocks and says what they order, [`Call`] by call, in the
+//! program's own frame and units, to whoever listens ([`Sink`]). [`Resolver`] turns the calls into
+//! [`canon::Op`]: machine coordinates of the axes in millimetres, revolutions and seconds. This crate
+//! knows neither time nor machines.
+//!
+//! ```
+//! let setup = interp::Setup::default();
+//! let mut ops = interp::Ops::new(b"G20 G90\nF10\nG1 X2\nM2\n", &setup);
+//! let lines: Vec<_> = ops.by_ref().filter(|op| matches!(op.kind, canon::OpKind::Line { .. })).collect();
+//! let canon::OpKind::Line { to, .. } = lines[0].kind else { unreachable!() };
+//! assert_eq!(to.linear[0].value(), 50.8);
+//! assert!(ops.diagnostics().is_empty());
+//! ```
+
+mod arcs;
+mod call;
+mod codes;
+mod comments;
+mod cycles;
+mod decimal;
+mod eval;
+mod execute;
+mod fault;
+mod flow;
+mod frame;
+mod interpreter;
+mod listing;
+mod motion;
+mod names;
+mod offsets;
+mod ops;
+mod outline;
+mod resolve;
+mod setup;
+mod state;
+mod switch;
+mod taps;
+mod threads;
+mod words;
+
+pub use call::{Call, Corners, CycleHole, Place, Sense, Sink, Units};
+pub use frame::{Frame, Point};
+pub use interpreter::{Interpreter, Progress};
+pub use listing::Listing;
+pub use ops::{Ops, called_files, check};
+pub use resolve::Resolver;
+pub use setup::{Dialect, Limits, MAX_PARAMETER, Parameters, Setup, Subprogram};

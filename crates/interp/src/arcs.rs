@@ -1,0 +1,218 @@
+//! Arcs: G2, G3 with a centre (I, J, K) or a radius (R), turns (P), helices.
+//!
+//! ```text
+//!            e ● end                     centre from R:  m = (s + e)/2,  h = |e − s|/2
+//!             ╱ ╲
+//!            m───● c                     c = m ± √(R² − h²) · n,  n ⟂ (e − s)
+//!             ╲ ╱                        R > 0: the shorter way round; R < 0: the longer
+//!            s ● start
+//! ```
+//!
+//! With a centre, both ends must be as far from it: the difference may be 0.5 mm (0.05 inch) at most,
+//! and above 0.005 mm (0.0005 inch) not more than 0.1 % of the radius. A radius may be too short by
+//! 0.00127 mm·10 at most, and is then taken as half the distance.
+//!
+//! Source: LinuxCNC 2.9 manual, "G2, G3 Arc Move"; tolerances measured on its stand-alone interpreter.
+use crate::{
+    call::{Call, Sink, Units},
+    execute::Executor,
+    fault::{Fault, Outcome, error, refuse},
+    frame::Point,
+    state::Motion,
+};
+
+/// Relative difference of the two radii that is let through.
+const RELATIVE: f64 = 0.001;
+/// Two points nearer than this are one.
+const SAME_POINT: f64 = 1e-9;
+
+/// Differences let through, in program units.
+struct Tolerance {
+    /// Of the two radii, always.
+    fine: f64,
+    /// Of the two radii, if small against the radius.
+    coarse: f64,
+    /// Of R against half the distance.
+    radius: f64,
+}
+
+impl Tolerance {
+    const fn of(units: Units) -> Self {
+        match units {
+            Units::Millimetre => Self { fine: 0.005, coarse: 0.5, radius: 0.00127 },
+            Units::Inch => Self { fine: 0.0005, coarse: 0.05, radius: 0.00005 },
+        }
+    }
+}
+
+impl Executor {
+    pub(crate) fn arc<S: Sink>(&mut self, motion: Motion, sink: &mut S) -> Outcome {
+        let clockwise = motion == Motion::ArcClockwise;
+        let code = if clockwise { "G2" } else { "G3" };
+        let turns = match self.words.whole(b'P', 1_000_000)? {
+            Some(0) => return refuse("I0409", self.words.span(b'P'), "P counts turns: 1 or more"),
+            other => other.unwrap_or(1) as i32,
+        };
+        let to = self.destination(false)?;
+        let [a, b, n] = self.state.plane_axes();
+        let (start, end) = ([self.state.at[a], self.state.at[b]], [to[a], to[b]]);
+        let centre = if let Some(radius) = self.words.get(b'R') {
+            self.centre_by_radius(radius, start, end, clockwise)?
+        } else {
+            self.centre_by_offsets(start, end)?
+        };
+        let turns = if clockwise { -turns } else { turns };
+        let length = || {
+            let radius = (start[0] - centre[0]).hypot(start[1] - centre[1]);
+            (radius * sweep_rad(start, end, centre, turns)).hypot(to[n] - self.state.at[n])
+        };
+        self.say_feed(code, length, sink)?;
+        self.state.at = to;
+        self.say(sink, &Call::Arc { plane: self.state.plane, to, centre, turns });
+        Ok(())
+    }
+
+    /// Letters of the centre's offsets along the plane's axes, and the one that has no place in it.
+    fn centre_letters(&self) -> [u8; 3] {
+        self.state.plane_axes().map(|axis| b"IJK"[axis])
+    }
+
+    fn centre_by_offsets(&self, start: [f64; 2], end: [f64; 2]) -> Outcome<[f64; 2]> {
+        let [first, second, none] = self.centre_letters();
+        let span = self.words.place.span;
+        if self.words.get(none).is_some() {
+            let text = format!(
+                "{} has no effect: arcs of this plane have their centre at {} and {}",
+                none as char, first as char, second as char
+            );
+            return refuse("I0410", self.words.span(none), text);
+        }
+        let offsets = [first, second].map(|letter| self.words.get(letter));
+        let centre = match (offsets, self.state.absolute_centres) {
+            ([None, None], _) => {
+                let text = format!(
+                    "an arc needs its centre ({} and {}) or its radius (R)",
+                    first as char, second as char
+                );
+                return refuse("I0411", span, text);
+            }
+            ([Some(x), Some(y)], true) => [x, y],
+            (_, true) => {
+                let missing = if offsets[0].is_none() { first } else { second } as char;
+                return refuse(
+                    "I0412",
+                    span,
+                    format!(
+                        "{missing} is missing: with G90.1 both coordinates of the centre are needed"
+                    ),
+                );
+            }
+            ([x, y], false) => [start[0] + x.unwrap_or(0.0), start[1] + y.unwrap_or(0.0)],
+        };
+        let radius = (start[0] - centre[0]).hypot(start[1] - centre[1]);
+        let other = (end[0] - centre[0]).hypot(end[1] - centre[1]);
+        if radius < SAME_POINT || other < SAME_POINT {
+            return refuse(
+                "I0413",
+                span,
+                "the arc's centre lies on one of its ends: its radius would be zero",
+            );
+        }
+        let tolerance = Tolerance::of(self.state.units);
+        let off = (radius - other).abs();
+        if off > tolerance.coarse || off > tolerance.fine && off > RELATIVE * radius.max(other) {
+            return Err(self.uneven(radius, other));
+        }
+        Ok(centre)
+    }
+
+    fn uneven(&self, radius: f64, other: f64) -> Fault {
+        let text = format!(
+            "the arc's ends are {radius:.4} and {other:.4} from its centre: they differ by {:.4}",
+            (radius - other).abs()
+        );
+        let fault = error("I0414", self.words.place.span, text);
+        if self.state.absolute_centres {
+            return fault
+                .with_help(
+                    "G90.1 is in force: I, J, K are coordinates, not distances from the start",
+                )
+                .into();
+        }
+        fault
+            .with_help(
+                "I, J, K are distances from the start to the centre (G90.1 makes them coordinates)",
+            )
+            .into()
+    }
+
+    fn centre_by_radius(
+        &self,
+        radius: f64,
+        start: [f64; 2],
+        end: [f64; 2],
+        clockwise: bool,
+    ) -> Outcome<[f64; 2]> {
+        let span = self.words.place.span;
+        if self.words.any(crate::codes::CENTRE) {
+            return refuse(
+                "I0415",
+                span,
+                "an arc takes its centre (I, J, K) or its radius (R), not both",
+            );
+        }
+        let axes = self.state.plane_axes();
+        if self.axis_word(axes[0]).is_none() && self.axis_word(axes[1]).is_none() {
+            return refuse(
+                "I0416",
+                span,
+                "an arc with R needs its end: a full circle is written with its centre",
+            );
+        }
+        let chord = [end[0] - start[0], end[1] - start[1]];
+        let half = chord[0].hypot(chord[1]) / 2.0;
+        if half < SAME_POINT {
+            return refuse(
+                "I0417",
+                span,
+                "an arc with R must not end where it begins: write its centre for a full circle",
+            );
+        }
+        let size = radius.abs();
+        let tolerance = Tolerance::of(self.state.units);
+        if size < half - tolerance.radius {
+            let text =
+                format!("R{radius} is too small to reach the end: at least {half:.4} is needed");
+            return refuse("I0418", self.words.span(b'R'), text);
+        }
+        let height = (size * size - half * half).max(0.0).sqrt();
+        // The centre lies to the right of the chord for a clockwise arc of less than half a turn.
+        let side = if clockwise == (radius > 0.0) { -1.0 } else { 1.0 };
+        let along = side * height / (2.0 * half);
+        let middle = [(start[0] + end[0]) / 2.0, (start[1] + end[1]) / 2.0];
+        Ok([middle[0] - chord[1] * along, middle[1] + chord[0] * along])
+    }
+}
+
+/// Angle swept from start to end about a centre, radians, counter-clockwise positive; ends in the
+/// same direction mean a full turn.
+pub(crate) fn sweep_rad(start: [f64; 2], end: [f64; 2], centre: [f64; 2], turns: i32) -> f64 {
+    use core::f64::consts::TAU;
+    /// Less than this is a full turn, not none.
+    const FUZZ: f64 = 1e-6;
+    let angle = |p: [f64; 2]| (p[1] - centre[1]).atan2(p[0] - centre[0]);
+    let between = (angle(end) - angle(start)).rem_euclid(TAU);
+    let more = f64::from(turns.abs().max(1) - 1) * TAU;
+    if turns >= 0 {
+        (if between < FUZZ { between + TAU } else { between }) + more
+    } else {
+        (if between < FUZZ { between } else { between - TAU }).min(0.0)
+            - if between < FUZZ { TAU } else { 0.0 }
+            - more
+    }
+}
+
+/// Whether two points are one for a move.
+pub(crate) fn same(a: &Point, b: &Point) -> bool {
+    a.iter().zip(b).all(|(x, y)| (x - y).abs() < SAME_POINT)
+}

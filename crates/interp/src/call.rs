@@ -1,0 +1,233 @@
+//! What the interpreter says, call by call, in the program's own frame and units.
+//!
+//! These are the canonical machining functions of RS-274 (NISTIR 6556, section 4), as far as a
+//! program can cause them. Two listeners are here: [`Listing`](crate::Listing) prints them as
+//! LinuxCNC's stand-alone interpreter does, [`Resolver`](crate::Resolver) turns them into
+//! [`canon::Op`]. What the two need differently is kept whole in one call: a tapping cycle is one
+//! [`Call::Tap`], which the listing expands into LinuxCNC's moves and the resolver does not.
+use crate::frame::Point;
+use canon::Plane;
+use diag::Span;
+
+/// Where a call comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Place {
+    /// The block.
+    pub span: Span,
+    /// Its N word.
+    pub number: Option<u32>,
+}
+
+/// Who listens to an interpreter.
+pub trait Sink {
+    /// One call. Calls come in the order in which a machine would obey them.
+    fn call(&mut self, place: &Place, call: &Call<'_>);
+}
+
+/// Units of length.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Units {
+    /// G20.
+    Inch,
+    /// G21.
+    #[default]
+    Millimetre,
+}
+
+impl Units {
+    /// Millimetres in one unit.
+    pub const fn in_mm(self) -> f64 {
+        match self {
+            Self::Inch => units::MM_PER_INCH,
+            Self::Millimetre => 1.0,
+        }
+    }
+}
+
+/// Sense of rotation, seen from behind the spindle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sense {
+    /// M3.
+    Clockwise,
+    /// M4.
+    Counterclockwise,
+}
+
+impl Sense {
+    /// The other one.
+    #[must_use]
+    pub const fn reversed(self) -> Self {
+        match self {
+            Self::Clockwise => Self::Counterclockwise,
+            Self::Counterclockwise => Self::Clockwise,
+        }
+    }
+}
+
+/// How corners are taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Corners {
+    /// G61.
+    ExactPath,
+    /// G61.1.
+    ExactStop,
+    /// G64, with P in program units (0: not stated).
+    Continuous(f64),
+}
+
+/// A drilling, boring or tapping cycle at one hole, in the program's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CycleHole {
+    /// The plane; the cycle goes along its normal.
+    pub plane: Plane,
+    /// Over the hole at the R plane.
+    pub at: Point,
+    /// Z (or Y, X): how deep.
+    pub bottom: f64,
+    /// Where the cycle ends: R (G99) or the initial level (G98).
+    pub clear: f64,
+}
+
+/// One canonical machining function.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Call<'a> {
+    /// The interpreter begins or is reset.
+    Reset,
+    /// The machine's feed reference: the path of X, Y, Z.
+    FeedReference,
+    /// G20, G21.
+    UseUnits(Units),
+    /// G54 … G59.3 or a change of the one in force: number (1 is G54) and offset.
+    WorkOffset(u8, Point),
+    /// G92, G52.
+    AddedOffset(Point),
+    /// Rotation of the work offset, degrees.
+    Rotation(f64),
+    /// G43, G43.1, G43.2, G49.
+    ToolOffset(Point),
+    /// G17, G18, G19.
+    SelectPlane(Plane),
+    /// G93, G94 (false), G95 (true).
+    FeedMode {
+        /// F is a length per revolution.
+        per_revolution: bool,
+    },
+    /// Feed per minute or per revolution. With G93 also how long the next move takes, seconds.
+    FeedRate {
+        /// Feed.
+        rate: f64,
+        /// How long the move that follows takes.
+        duration_s: Option<f64>,
+    },
+    /// G61, G61.1, G64.
+    PathControl {
+        /// How corners are taken.
+        corners: Corners,
+        /// Q of G64, where it is said anew.
+        merge: Option<f64>,
+    },
+    /// G0.
+    Rapid(Point),
+    /// G1.
+    Line(Point),
+    /// G2, G3.
+    Arc {
+        /// The plane.
+        plane: Plane,
+        /// Where to.
+        to: Point,
+        /// Centre, along the plane's first and second axis.
+        centre: [f64; 2],
+        /// Turns begun: 1 or more counter-clockwise, −1 or less clockwise.
+        turns: i32,
+    },
+    /// A cycle is about to make a hole; its moves follow, up to the end of the cycle's block or the next hole.
+    Hole(CycleHole),
+    /// G84, G74: the tap stands at R. In and out again, up to the hole's clear level.
+    Tap {
+        /// Where.
+        hole: CycleHole,
+        /// Sense of rotation inwards.
+        sense: Sense,
+        /// Wait at the bottom, seconds.
+        dwell_s: f64,
+    },
+    /// G33.1.
+    RigidTap {
+        /// To here and back.
+        to: Point,
+        /// K.
+        lead: f64,
+        /// I: speed of the way out over that of the way in.
+        return_factor: f64,
+        /// Sense of rotation inwards.
+        sense: Sense,
+    },
+    /// G33, G76: what follows is synchronised with the spindle at this lead.
+    SyncStart(f64),
+    /// The end of that.
+    SyncStop,
+    /// G4, seconds.
+    Dwell(f64),
+    /// S.
+    SpindleSpeed(f64),
+    /// G96 (D; infinite if not stated), G97 (0): highest speed of constant surface speed.
+    SpindleMode(f64),
+    /// M3, M4.
+    SpindleTurn(Sense),
+    /// M5.
+    SpindleStop,
+    /// M19 R, P.
+    SpindleOrient {
+        /// Degrees.
+        angle: f64,
+        /// 0 shortest way, 1 clockwise, 2 counter-clockwise.
+        mode: u8,
+    },
+    /// M19 Q: longest wait for it, seconds.
+    WaitOriented(f64),
+    /// T.
+    SelectTool(u32),
+    /// M6 begins.
+    StartChange,
+    /// M6.
+    ChangeTool(u32),
+    /// M61: the spindle has had this tool all along.
+    ToolNumber(u32),
+    /// M7, M9.
+    Mist(bool),
+    /// M8, M9.
+    Flood(bool),
+    /// M48, M49, M50.
+    FeedOverride(bool),
+    /// M48, M49, M51.
+    SpeedOverride(bool),
+    /// M52.
+    AdaptiveFeed(bool),
+    /// M53.
+    FeedHold(bool),
+    /// M0, M60.
+    Stop,
+    /// M1.
+    OptionalStop,
+    /// M60, M30.
+    PalletShuttle,
+    /// M2, M30.
+    End,
+    /// The second `%`.
+    Finish,
+    /// A comment.
+    Comment(&'a str),
+    /// What the interpreter notes about itself; LinuxCNC prints it as a comment.
+    Note(&'a str),
+    /// (MSG,…), (DEBUG,…).
+    Message(&'a str),
+    /// (PRINT,…).
+    Print(&'a str),
+    /// (LOGOPEN,…), (LOGAPPEND,…).
+    LogOpen(&'a str),
+    /// (LOG,…).
+    Log(&'a str),
+    /// (LOGCLOSE).
+    LogClose,
+}

@@ -1,0 +1,317 @@
+//! The drilling, tapping and boring cycles, written once for the three planes.
+//!
+//! ```text
+//!   initial ┬ · · · ·●━━━━━━━━━━━┓ · · · · G98 returns here
+//!           │ rapid              ┃
+//!         R ┼ · · · · · · · · · ·┃ · · · · G99 returns here
+//!           │        │ feed      ↑
+//!    bottom ┴        ↓━━━━━━━━━━━┛
+//!
+//!   G81 out fast        G82 wait, out fast       G85 feed out
+//!   G73 back 0.254 mm after each Q               G86 wait, stop, out fast
+//!   G83 out to R after each Q                    G89 wait, feed out
+//!   G84, G74 tap: one call, because it is one motion with the spindle
+//! ```
+//!
+//! R and Z are kept as written for the blocks that repeat the cycle; L repeats it in place (G90) or
+//! step by step (G91, where R counts from the initial level and Z from R).
+//!
+//! Source: NISTIR 6556, section 3.5.16; LinuxCNC 2.9 manual, "Canned cycles".
+use crate::{
+    call::{Call, Corners, CycleHole, Sense, Sink, Units},
+    execute::Executor,
+    fault::{Outcome, error, refuse},
+    frame::Point,
+    state::{Cycle, FeedMode, Sticky},
+};
+use diag::Diagnostic;
+
+/// How far above the last depth the rapid back into the hole ends, and how far G73 backs off: 0.010 inch.
+const CLEARANCE_INCH: f64 = 0.010;
+/// More pecks than this in one hole are a slip of the pen.
+const MAX_PECKS: f64 = 10_000.0;
+
+/// A cycle with its words read and checked.
+struct Pattern {
+    cycle: Cycle,
+    r: f64,
+    bottom: f64,
+    clear: f64,
+    dwell: f64,
+    peck: f64,
+}
+
+impl Executor {
+    pub(crate) fn cycle<S: Sink>(&mut self, cycle: Cycle, sink: &mut S) -> Outcome {
+        let code = crate::codes::written(cycle.code());
+        let [a, b, n] = self.state.plane_axes();
+        self.check_cycle_feed(&code)?;
+        let repeats = self.repeats()?;
+        let sticky = self.sticky(cycle, &code)?;
+        let initial = *self.state.initial.get_or_insert(self.state.at[n]);
+        let pattern = self.pattern(cycle, &code, &sticky, initial)?;
+        self.check_spindle(cycle, &code)?;
+        self.state.sticky = Some(sticky);
+
+        if self.state.at[n] < pattern.r {
+            self.state.at[n] = pattern.r;
+            self.say(sink, &Call::Rapid(self.state.at));
+        }
+        let exact = self.state.corners == Corners::ExactPath;
+        if !exact {
+            self.say(sink, &Call::PathControl { corners: Corners::ExactPath, merge: None });
+        }
+        for _ in 0..repeats {
+            for axis in [a, b] {
+                if let Some(value) = self.axis_word(axis) {
+                    self.state.at[axis] =
+                        if self.state.incremental { self.state.at[axis] + value } else { value };
+                }
+            }
+            self.hole(&pattern, sink);
+        }
+        if !exact {
+            self.say(
+                sink,
+                &Call::PathControl { corners: self.state.corners, merge: Some(self.state.merge) },
+            );
+        }
+        Ok(())
+    }
+
+    fn check_cycle_feed(&self, code: &str) -> Outcome {
+        if self.state.feed_mode == FeedMode::InverseTime {
+            return refuse(
+                "I0501",
+                self.words.place.span,
+                format!("G{code} needs G94 or G95: G93 is in force"),
+            );
+        }
+        self.say_feed(&format!("G{code}"), || 0.0, &mut Silence)
+    }
+
+    /// L.
+    fn repeats(&mut self) -> Outcome<u32> {
+        let repeats = self.words.whole(b'L', 100_000)?.unwrap_or(1);
+        let span = self.words.span(b'L');
+        if repeats == 0 {
+            return refuse("I0502", span, "L0 makes no hole: L counts repetitions, 1 or more");
+        }
+        if repeats > 1 && !self.state.incremental {
+            let text = format!("L{repeats} with G90 makes the same hole {repeats} times");
+            self.remarks.push(
+                Diagnostic::warning("I0503", span, text).with_help("G91 steps from hole to hole"),
+            );
+        }
+        Ok(repeats)
+    }
+
+    /// R, Z, P, Q of this block, or those that the cycle kept.
+    fn sticky(&self, cycle: Cycle, code: &str) -> Outcome<Sticky> {
+        let [_, _, n] = self.state.plane_axes();
+        let axis = b"XYZ"[n] as char;
+        let kept = self.state.sticky.filter(|kept| kept.plane == self.state.plane);
+        let span = self.words.place.span;
+        let Some(r) = self.words.get(b'R').or(kept.map(|k| k.r)) else {
+            return refuse(
+                "I0504",
+                span,
+                format!("G{code} needs R, the level just above the work"),
+            );
+        };
+        let Some(bottom) = self.axis_word(n).or(kept.map(|k| k.bottom)) else {
+            return refuse("I0505", span, format!("G{code} needs {axis}, the depth"));
+        };
+        let dwell = self.words.get(b'P').or(kept.and_then(|k| k.dwell));
+        let peck = self.words.get(b'Q').or(kept.and_then(|k| k.peck));
+        if let Some(seconds) = dwell.filter(|p| *p < 0.0) {
+            return refuse(
+                "I0506",
+                self.words.span(b'P'),
+                format!("P is a time in seconds, 0 or more, found {seconds}"),
+            );
+        }
+        if matches!(cycle, Cycle::DrillDwell | Cycle::BoreStopOut | Cycle::BoreDwellFeedOut)
+            && dwell.is_none()
+        {
+            return refuse(
+                "I0507",
+                span,
+                format!("G{code} needs P, the seconds to wait at the bottom"),
+            );
+        }
+        if matches!(cycle, Cycle::ChipBreak | Cycle::Peck) {
+            match peck {
+                None => {
+                    return refuse(
+                        "I0508",
+                        span,
+                        format!("G{code} needs Q, the depth of each peck"),
+                    );
+                }
+                Some(q) if q <= 0.0 => {
+                    return refuse(
+                        "I0509",
+                        self.words.span(b'Q'),
+                        format!("Q is the depth of each peck, above 0, found {q}"),
+                    );
+                }
+                Some(_) => {}
+            }
+        }
+        Ok(Sticky { r, bottom, dwell, peck, plane: self.state.plane })
+    }
+
+    fn pattern(&self, cycle: Cycle, code: &str, sticky: &Sticky, initial: f64) -> Outcome<Pattern> {
+        let [_, _, n] = self.state.plane_axes();
+        let axis = b"XYZ"[n] as char;
+        let (r, bottom) = if self.state.incremental {
+            let r = initial + sticky.r;
+            (r, r + sticky.bottom)
+        } else {
+            (sticky.r, sticky.bottom)
+        };
+        if r < bottom {
+            let text =
+                format!("G{code} would end above where it begins: R is {r}, {axis} is {bottom}");
+            let fault = error("I0510", self.words.place.span, text);
+            return Err(fault
+                .with_help(format!(
+                    "R must be at or above {axis}; both count from the work's zero (G90)"
+                ))
+                .into());
+        }
+        let peck = sticky.peck.unwrap_or(f64::INFINITY);
+        if matches!(cycle, Cycle::ChipBreak | Cycle::Peck) && (r - bottom) / peck > MAX_PECKS {
+            let text = format!(
+                "Q{peck} would make more than {MAX_PECKS} pecks: at least {} is needed",
+                (r - bottom) / MAX_PECKS
+            );
+            return refuse("I0511", self.words.span(b'Q'), text);
+        }
+        let clear = if self.state.retract_to_initial { initial.max(r) } else { r };
+        Ok(Pattern { cycle, r, bottom, clear, dwell: sticky.dwell.unwrap_or(0.0), peck })
+    }
+
+    fn check_spindle(&self, cycle: Cycle, code: &str) -> Outcome {
+        let turning = self.state.spindle.turning;
+        let span = self.words.place.span;
+        match (cycle, turning) {
+            (Cycle::TapRight | Cycle::TapLeft, None) => {
+                let start = if cycle == Cycle::TapRight { "M3" } else { "M4" };
+                refuse(
+                    "I0512",
+                    span,
+                    format!("G{code} needs a turning spindle: write {start} and S before it"),
+                )
+            }
+            (Cycle::TapRight, Some(Sense::Counterclockwise)) => {
+                let fault = error(
+                    "I0513",
+                    span,
+                    "G84 taps right-hand threads and needs M3, but M4 is in force",
+                );
+                Err(fault.with_help("G74 taps left-hand threads with M4").into())
+            }
+            (Cycle::TapLeft, Some(Sense::Clockwise)) => {
+                let fault = error(
+                    "I0514",
+                    span,
+                    "G74 taps left-hand threads and needs M4, but M3 is in force",
+                );
+                Err(fault.with_help("G84 taps right-hand threads with M3").into())
+            }
+            (Cycle::BoreStopOut, None) => refuse(
+                "I0515",
+                span,
+                "G86 stops the spindle at the bottom and starts it again: it must turn before, write M3 or M4",
+            ),
+            _ => Ok(()),
+        }
+    }
+
+    /// One hole, at the place where the plane's two axes are to stand.
+    fn hole<S: Sink>(&mut self, pattern: &Pattern, sink: &mut S) {
+        let [_, _, n] = self.state.plane_axes();
+        let mut at = self.state.at;
+        at[n] = pattern.r;
+        let hole =
+            CycleHole { plane: self.state.plane, at, bottom: pattern.bottom, clear: pattern.clear };
+        let tap = pattern.cycle.tap_sense();
+        if tap.is_none() {
+            self.say(sink, &Call::Hole(hole));
+        }
+        self.say(sink, &Call::Rapid(self.state.at));
+        if self.state.at[n] != pattern.r {
+            self.say(sink, &Call::Rapid(at));
+        }
+        if let Some(sense) = tap {
+            self.say(sink, &Call::Tap { hole, sense, dwell_s: pattern.dwell });
+        } else {
+            self.down_and_out(pattern, at, n, sink);
+        }
+        self.state.at[n] = pattern.clear;
+    }
+
+    fn down_and_out<S: Sink>(&mut self, pattern: &Pattern, at: Point, n: usize, sink: &mut S) {
+        let level = |value: f64| {
+            let mut point = at;
+            point[n] = value;
+            point
+        };
+        if matches!(pattern.cycle, Cycle::ChipBreak | Cycle::Peck) {
+            self.peck(pattern, level, sink);
+        }
+        self.say(sink, &Call::Line(level(pattern.bottom)));
+        let out = level(pattern.clear);
+        match pattern.cycle {
+            Cycle::DrillDwell => {
+                self.say(sink, &Call::Dwell(pattern.dwell));
+                self.say(sink, &Call::Rapid(out));
+            }
+            Cycle::BoreFeedOut => {
+                self.say(sink, &Call::Line(level(pattern.r)));
+                self.say(sink, &Call::Rapid(out));
+            }
+            Cycle::BoreDwellFeedOut => {
+                self.say(sink, &Call::Dwell(pattern.dwell));
+                self.say(sink, &Call::Line(out));
+            }
+            Cycle::BoreStopOut => {
+                self.say(sink, &Call::Dwell(pattern.dwell));
+                self.say(sink, &Call::SpindleStop);
+                self.say(sink, &Call::Rapid(out));
+                if let Some(sense) = self.state.spindle.turning {
+                    self.say(sink, &Call::SpindleTurn(sense));
+                }
+            }
+            Cycle::ChipBreak | Cycle::Drill | Cycle::Peck | Cycle::TapLeft | Cycle::TapRight => {
+                self.say(sink, &Call::Rapid(out));
+            }
+        }
+    }
+
+    /// All pecks but the last.
+    fn peck<S: Sink>(&self, pattern: &Pattern, level: impl Fn(f64) -> Point, sink: &mut S) {
+        let clearance = match self.state.units {
+            Units::Inch => CLEARANCE_INCH,
+            Units::Millimetre => CLEARANCE_INCH * units::MM_PER_INCH,
+        };
+        let mut depth = pattern.r - pattern.peck;
+        while depth > pattern.bottom {
+            self.say(sink, &Call::Line(level(depth)));
+            if pattern.cycle == Cycle::Peck {
+                self.say(sink, &Call::Rapid(level(pattern.r)));
+            }
+            self.say(sink, &Call::Rapid(level(depth + clearance)));
+            depth -= pattern.peck;
+        }
+    }
+}
+
+/// Nobody listens.
+pub(crate) struct Silence;
+
+impl Sink for Silence {
+    fn call(&mut self, _: &crate::call::Place, _: &Call<'_>) {}
+}

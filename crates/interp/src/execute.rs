@@ -1,0 +1,321 @@
+//! One block, executed: what is done in which order.
+//!
+//! ```text
+//!   comments → F mode, F → S mode, S → T → M6 → M3 M4 M5 M19 → coolant → overrides → G4
+//!     → plane → units → G40 → tool length → work offset → path control → G90 G91 → G98 G99
+//!     → G10 G28 G30 G52 G92 → motion → M0 M1 M2 M30 M60
+//! ```
+//!
+//! The order is the language's, not the text's: `G1 X1 M3 S500` starts the spindle first.
+//! Source: NISTIR 6556 table 8; LinuxCNC 2.9 manual, "Order of execution".
+use crate::{
+    call::{Call, Sink},
+    codes::{AXES, CENTRE, GGroup, MGroup},
+    eval::Values,
+    fault::{Outcome, error, refuse},
+    names::Store,
+    setup::Setup,
+    state::{Cycle, Motion, State},
+    words::Words,
+};
+use canon::{Plane, ToolLibrary};
+use diag::Diagnostic;
+use gcode::Block;
+
+/// What happens after a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum After {
+    /// The next one.
+    Next,
+    /// M2, M30.
+    End,
+    /// M98: the subprogram's number and how often.
+    Call(u32, u32),
+    /// M99.
+    Return,
+}
+
+/// The interpreter without its text: modal state, parameters, the words at hand.
+pub(crate) struct Executor {
+    pub(crate) state: State,
+    pub(crate) store: Store,
+    pub(crate) words: Words,
+    pub(crate) tools: ToolLibrary,
+    /// Warnings and notes of the block at hand.
+    pub(crate) remarks: Vec<Diagnostic>,
+}
+
+impl Executor {
+    pub(crate) fn new(setup: &Setup) -> Self {
+        let mut new = Self {
+            state: State::new(),
+            store: Store::new(setup.parameters.clone()),
+            words: Words::new(),
+            tools: setup.tools.clone(),
+            remarks: Vec::new(),
+        };
+        new.load_offsets();
+        let machine = machine_point(&setup.start);
+        new.state.at = new.state.frame.to_program(&machine);
+        new
+    }
+
+    pub(crate) fn values(&self) -> Values<'_> {
+        Values { store: &self.store, state: &self.state }
+    }
+
+    #[inline]
+    pub(crate) fn say<S: Sink>(&self, sink: &mut S, call: &Call<'_>) {
+        sink.call(&self.words.place, call);
+    }
+
+    /// What is said before the first block.
+    pub(crate) fn begin<S: Sink>(&self, sink: &mut S) {
+        let frame = &self.state.frame;
+        self.say(sink, &Call::UseUnits(self.state.units));
+        self.say(sink, &Call::WorkOffset(self.state.system, frame.origin));
+        self.say(sink, &Call::AddedOffset(frame.added));
+        self.say(sink, &Call::Rotation(frame.rotation()));
+        self.say(sink, &Call::FeedReference);
+        self.say(sink, &Call::Reset);
+    }
+
+    /// Read a block's words.
+    pub(crate) fn read(&mut self, block: &Block) -> Outcome {
+        self.state.line = block.span.line;
+        let values = Values { store: &self.store, state: &self.state };
+        self.words.read(block, &values)
+    }
+
+    /// Execute the words read.
+    pub(crate) fn execute<S: Sink>(&mut self, sink: &mut S) -> Outcome<After> {
+        let motion = self.motion()?;
+        self.words.check_letters(motion.map_or(0, letters_of))?;
+        let words = &self.words;
+        if words.has_codes() || words.any(crate::codes::set("STF")) {
+            self.feed_mode(sink)?;
+            self.spindle_speed(sink)?;
+            self.tools_and_switches(sink)?;
+            self.modes(sink)?;
+            self.non_modal(sink)?;
+        }
+        if let Some(motion) = motion {
+            self.move_along(motion, sink)?;
+        }
+        self.stops(sink)
+    }
+
+    /// Which motion this block asks for: its own code, or the one in force if there are axis words for it.
+    fn motion(&self) -> Outcome<Option<Motion>> {
+        let words = &self.words;
+        let axes = words.any(AXES);
+        let uses_axes = matches!(words.g(GGroup::NonModal), Some(100 | 280 | 300 | 520 | 920))
+            || matches!(words.g(GGroup::ToolLength), Some(431 | 432));
+        if let Some(code) = words.g(GGroup::Motion) {
+            let motion = Motion::from_code(code);
+            if axes && uses_axes && motion != Motion::None {
+                let text = "two codes of this block both want the axis words";
+                let help = "write the offset or reference code in a block of its own";
+                return Err(error("I0111", words.place.span, text).with_help(help).into());
+            }
+            return Ok(Some(motion));
+        }
+        let arc = matches!(self.state.motion, Motion::ArcClockwise | Motion::ArcCounterclockwise);
+        let wanted = axes && !uses_axes || arc && words.any(CENTRE);
+        Ok((wanted && self.state.motion != Motion::None).then_some(self.state.motion))
+    }
+
+    fn move_along<S: Sink>(&mut self, motion: Motion, sink: &mut S) -> Outcome {
+        let machine_coordinates = self.words.g(GGroup::NonModal) == Some(530);
+        if machine_coordinates && !matches!(motion, Motion::Rapid | Motion::Feed) {
+            return refuse("I0401", self.words.place.span, "G53 goes with G0 or G1 only");
+        }
+        if !matches!(motion, Motion::Cycle(_)) {
+            self.state.sticky = None;
+            self.state.initial = None;
+        } else if motion != self.state.motion {
+            self.state.sticky = None;
+        }
+        match motion {
+            Motion::None => {
+                self.cycle_off(sink);
+                return Ok(());
+            }
+            Motion::Rapid | Motion::Feed => self.straight(motion, machine_coordinates, sink)?,
+            Motion::ArcClockwise | Motion::ArcCounterclockwise => self.arc(motion, sink)?,
+            Motion::Thread => self.thread(sink)?,
+            Motion::RigidTap => self.rigid_tap(sink)?,
+            Motion::ThreadCycle => self.thread_cycle(sink)?,
+            Motion::Cycle(cycle) => self.cycle(cycle, sink)?,
+        }
+        self.state.motion = motion;
+        Ok(())
+    }
+
+    fn cycle_off<S: Sink>(&mut self, sink: &mut S) {
+        self.say(sink, &Call::Note("motion mode set to none"));
+        self.state.motion = Motion::None;
+    }
+
+    /// Plane, units, offsets and the other modes, in order.
+    fn modes<S: Sink>(&mut self, sink: &mut S) -> Outcome {
+        if let Some(code) = self.words.g(GGroup::Plane) {
+            self.state.plane = match code {
+                180 => Plane::ZX,
+                190 => Plane::YZ,
+                _ => Plane::XY,
+            };
+            self.say(sink, &Call::SelectPlane(self.state.plane));
+        }
+        self.units(sink);
+        if self.words.g(GGroup::Compensation).is_some() {
+            self.say(sink, &Call::Note("cutter radius compensation off"));
+        }
+        self.tool_length(sink)?;
+        self.work_offset(sink);
+        self.path_control(sink)?;
+        self.distances(sink);
+        Ok(())
+    }
+
+    fn distances<S: Sink>(&mut self, sink: &mut S) {
+        if let Some(code) = self.words.g(GGroup::Distance) {
+            let incremental = code == 910;
+            if incremental != self.state.incremental {
+                self.say(
+                    sink,
+                    &Call::Note(if incremental {
+                        "distance mode changed to incremental"
+                    } else {
+                        "distance mode changed to absolute"
+                    }),
+                );
+                self.state.incremental = incremental;
+            }
+        }
+        if let Some(code) = self.words.g(GGroup::ArcDistance) {
+            self.state.absolute_centres = code == 901;
+            self.say(
+                sink,
+                &Call::Note(if code == 901 {
+                    "IJK distance mode changed to absolute"
+                } else {
+                    "IJK distance mode changed to incremental"
+                }),
+            );
+        }
+        if let Some(code) =
+            self.words.g(GGroup::Diameter).filter(|code| (*code == 70) != self.state.diameter)
+        {
+            self.state.diameter = code == 70;
+            self.say(
+                sink,
+                &Call::Note(if code == 70 {
+                    "Lathe diameter mode changed to diameter"
+                } else {
+                    "Lathe diameter mode changed to radius"
+                }),
+            );
+        }
+        if let Some(code) = self.words.g(GGroup::Retract) {
+            self.state.retract_to_initial = code == 980;
+            self.say(
+                sink,
+                &Call::Note(if code == 980 {
+                    "retract mode set to old_z"
+                } else {
+                    "retract mode set to r_plane"
+                }),
+            );
+        }
+    }
+
+    fn stops<S: Sink>(&mut self, sink: &mut S) -> Outcome<After> {
+        match self.words.m(MGroup::Stop) {
+            None => {}
+            Some(0) => self.say(sink, &Call::Stop),
+            Some(1) => self.say(sink, &Call::OptionalStop),
+            Some(60) => {
+                self.say(sink, &Call::PalletShuttle);
+                self.say(sink, &Call::Stop);
+            }
+            Some(98) => {
+                let Some(number) = self.words.whole(b'P', 999_999_999)? else {
+                    return refuse(
+                        "I0302",
+                        self.words.place.span,
+                        "M98 needs P, the number of the subprogram",
+                    );
+                };
+                let repeats = self.words.whole(b'L', 1_000_000)?.unwrap_or(1);
+                return Ok(After::Call(number, repeats));
+            }
+            Some(99) => return Ok(After::Return),
+            Some(end) => {
+                self.end(end == 30, sink);
+                return Ok(After::End);
+            }
+        }
+        Ok(After::Next)
+    }
+
+    /// M2, M30: modes go back to where a program begins.
+    fn end<S: Sink>(&mut self, rewind: bool, sink: &mut S) {
+        self.select_system(1);
+        let frame = self.state.frame;
+        self.say(sink, &Call::WorkOffset(1, frame.origin));
+        self.say(sink, &Call::Rotation(frame.rotation()));
+        if self.state.plane != Plane::XY {
+            self.state.plane = Plane::XY;
+            self.say(sink, &Call::SelectPlane(Plane::XY));
+        }
+        self.say(sink, &Call::FeedMode { per_revolution: false });
+        self.say(sink, &Call::FeedRate { rate: 0.0, duration_s: None });
+        if !self.state.feed_override {
+            self.say(sink, &Call::FeedOverride(true));
+        }
+        self.state.spindle.turning = None;
+        self.say(sink, &Call::SpindleStop);
+        self.say(sink, &Call::SpindleMode(0.0));
+        if self.state.mist {
+            self.say(sink, &Call::Mist(false));
+        }
+        if self.state.flood {
+            self.say(sink, &Call::Flood(false));
+        }
+        if rewind {
+            self.say(sink, &Call::PalletShuttle);
+        }
+        self.say(sink, &Call::End);
+    }
+}
+
+/// The letters that a motion in force takes from a block without its code.
+fn letters_of(motion: Motion) -> crate::codes::Letters {
+    match motion {
+        Motion::None => 0,
+        motion => crate::codes::g_code(motion.code()).map_or(0, |code| code.letters),
+    }
+}
+
+/// All coordinates of a position as a point in mm and degrees.
+pub(crate) fn machine_point(position: &canon::Position) -> crate::frame::Point {
+    let mut point = [0.0; 9];
+    for i in 0..3 {
+        point[i] = position.linear[i].value();
+        point[i + 3] = position.rotary[i].in_deg();
+        point[i + 6] = position.parallel[i].value();
+    }
+    point
+}
+
+impl Cycle {
+    /// Sense of rotation inwards of a tapping cycle.
+    pub(crate) const fn tap_sense(self) -> Option<crate::Sense> {
+        match self {
+            Self::TapRight => Some(crate::Sense::Clockwise),
+            Self::TapLeft => Some(crate::Sense::Counterclockwise),
+            _ => None,
+        }
+    }
+}

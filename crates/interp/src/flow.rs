@@ -1,0 +1,307 @@
+//! O-words executed: subprograms, branches, loops; M98 and M99.
+use crate::{
+    Sink,
+    fault::{Outcome, error, refuse},
+    interpreter::Interpreter,
+    outline::{self, At, Outline},
+    words::near_whole,
+};
+use gcode::{Keyword, Label, Value};
+
+/// A call that has not returned yet.
+#[derive(Debug)]
+pub(crate) struct Frame {
+    /// Where to go on: file and place.
+    file: usize,
+    back: At,
+    /// Loops of the caller that count.
+    repeats: Vec<(usize, u64)>,
+    /// Of M98: where the subprogram begins, and how often it is still to be executed after this.
+    again: Option<(At, u32)>,
+}
+
+impl Interpreter<'_> {
+    /// Execute the O-word of the block at hand.
+    pub(crate) fn o_word<S: Sink>(&mut self, _: &mut S) -> Outcome {
+        let Some(word) = self.block.o else { return Ok(()) };
+        if word.keyword == Keyword::Program {
+            return Ok(()); // the program's own number, or the begin of one that M98 calls
+        }
+        self.make_outline(self.file)?;
+        let Some(i) = self.outline().at(self.block.span.start) else { return Ok(()) };
+        let mark = self.outline().marks[i].clone();
+        match word.keyword {
+            Keyword::Sub => self.jump_after(mark.partner),
+            Keyword::EndSub | Keyword::Return => return self.give_back(),
+            Keyword::Call => return self.call(word.label),
+            Keyword::If => {
+                if self.argument()? == 0.0 {
+                    self.next_clause(mark.partner);
+                }
+            }
+            Keyword::ElseIf if self.choosing => {
+                self.choosing = false;
+                if self.argument()? == 0.0 {
+                    self.next_clause(mark.partner);
+                }
+            }
+            Keyword::ElseIf | Keyword::Else => self.jump_after(mark.end),
+            Keyword::While if mark.closes_do => {
+                if self.argument()? != 0.0 {
+                    self.jump_after(mark.partner);
+                }
+            }
+            Keyword::While => {
+                if self.argument()? == 0.0 {
+                    self.jump_after(mark.partner);
+                }
+            }
+            Keyword::EndWhile => self.jump_to(mark.partner),
+            Keyword::Repeat => self.repeat(i, mark.partner)?,
+            Keyword::EndRepeat => self.end_repeat(mark.partner),
+            Keyword::Break => {
+                self.forget_repeats(mark.partner);
+                self.jump_after(self.outline().marks[mark.partner].partner);
+            }
+            Keyword::Continue => {
+                self.forget_repeats(mark.partner + 1);
+                self.jump_to(self.outline().marks[mark.partner].partner);
+            }
+            Keyword::EndIf | Keyword::Do | Keyword::Program => {}
+        }
+        Ok(())
+    }
+
+    fn outline(&self) -> &Outline {
+        // Made before any O-word of the file is executed.
+        static NONE: Outline = Outline { marks: Vec::new() };
+        self.outlines[self.file].as_ref().unwrap_or(&NONE)
+    }
+
+    /// Read a file's O-words; if they do not fit together, nothing of it can be executed.
+    fn make_outline(&mut self, file: usize) -> Outcome {
+        if self.outlines[file].is_some() {
+            return Ok(());
+        }
+        let (outline, faults) = Outline::of(self.sources[file], file as u16);
+        self.outlines[file] = Some(outline);
+        let mut faults = faults.into_iter();
+        let Some(first) = faults.next() else { return Ok(()) };
+        self.report_all(faults);
+        self.ended = true;
+        Err(first.into())
+    }
+
+    fn jump(&mut self, at: At) {
+        self.parsers[self.file].seek(at.0, at.1);
+    }
+
+    fn jump_after(&mut self, mark: usize) {
+        if let Some(at) = self.outline().marks.get(mark).map(|m| m.after) {
+            self.jump(at);
+        }
+    }
+
+    fn jump_to(&mut self, mark: usize) {
+        if let Some(at) = self.outline().marks.get(mark).map(|m| m.at) {
+            self.jump(at);
+        }
+    }
+
+    /// The condition was false: on to `elseif` (which is then asked), or behind `else` or `endif`.
+    fn next_clause(&mut self, mark: usize) {
+        let Some(keyword) = self.outline().marks.get(mark).map(|m| m.keyword) else { return };
+        if keyword == Keyword::ElseIf {
+            self.choosing = true;
+            self.jump_to(mark);
+        } else {
+            self.jump_after(mark);
+        }
+    }
+
+    /// The first argument of the O-word. A fault here leaves no way to go on.
+    fn argument(&mut self) -> Outcome<f64> {
+        let span = self.block.o.map_or(self.block.span, |o| o.span);
+        let value = self.block.arguments.first().copied().unwrap_or(Value::Number(0.0));
+        self.executor.state.line = self.block.span.line;
+        let result = self.executor.values().evaluate(&self.block, value, span);
+        self.ended |= result.is_err();
+        result
+    }
+
+    fn repeat(&mut self, begin: usize, end: usize) -> Outcome {
+        let count = self.argument()?.round();
+        if count < 1.0 {
+            self.jump_after(end);
+        } else {
+            self.repeats.push((begin, count as u64));
+        }
+        Ok(())
+    }
+
+    fn end_repeat(&mut self, begin: usize) {
+        match self.repeats.last_mut() {
+            Some((mark, left)) if *mark == begin && *left > 1 => {
+                *left -= 1;
+                self.jump_after(begin);
+            }
+            Some((mark, _)) if *mark == begin => _ = self.repeats.pop(),
+            _ => {}
+        }
+    }
+
+    /// Loops begun at or after a mark are over.
+    fn forget_repeats(&mut self, mark: usize) {
+        while self.repeats.last().is_some_and(|(begin, _)| *begin >= mark) {
+            self.repeats.pop();
+        }
+    }
+
+    fn call(&mut self, label: Label) -> Outcome {
+        let span = self.block.o.map_or(self.block.span, |o| o.span);
+        self.executor.state.line = self.block.span.line;
+        let key = match outline::key(&self.block, label) {
+            Some(key) => key,
+            None => self.computed_key(label, span)?,
+        };
+        let (file, mark) = self.find_sub(&key, span)?;
+        let mut arguments = Vec::with_capacity(self.block.arguments.len());
+        for value in &self.block.arguments {
+            arguments.push(self.executor.values().evaluate(&self.block, *value, span)?);
+        }
+        if arguments.len() > 30 {
+            return refuse(
+                "I0309",
+                span,
+                format!("a call takes 30 arguments at most (#1 to #30), found {}", arguments.len()),
+            );
+        }
+        self.enter(file, mark, None, span)?;
+        self.executor.store.enter(&arguments);
+        Ok(())
+    }
+
+    fn computed_key(&self, label: Label, span: diag::Span) -> Outcome<Box<str>> {
+        let Label::Computed(value) = label else { return Ok("".into()) };
+        let number = self.executor.values().evaluate(&self.block, value, span)?;
+        match near_whole(number).filter(|n| *n >= 0) {
+            Some(number) => Ok(number.to_string().into()),
+            None => refuse("I0310", span, format!("O takes a whole number, found {number}")),
+        }
+    }
+
+    /// A subprogram: in this file, in the program, or in a file of its name.
+    fn find_sub(&mut self, key: &str, span: diag::Span) -> Outcome<(usize, usize)> {
+        let name = key.trim_start_matches('<').trim_end_matches('>');
+        let named = self.names.iter().position(|n| n == name);
+        for file in [Some(self.file), Some(0), named].into_iter().flatten() {
+            self.make_outline(file)?;
+            let found = self.outlines[file].as_ref().and_then(|o| o.find(key, Keyword::Sub));
+            if let Some(mark) = found {
+                return Ok((file, mark));
+            }
+        }
+        let known = self.outlines.iter().flatten().flat_map(|o| &o.marks);
+        let subs = known
+            .filter(|m| m.keyword == Keyword::Sub)
+            .map(|m| &*m.key)
+            .chain(self.names.iter().map(String::as_str));
+        let near = subs.filter(|k| !k.is_empty()).min_by_key(|k| crate::names::distance(k, key));
+        let mut fault = error("I0311", span, format!("there is no subprogram o{key}"));
+        if let Some(near) = near.filter(|k| crate::names::distance(k, key) <= 2) {
+            fault = fault.with_help(format!("did you mean o{near}?"));
+        } else if key.starts_with('<') {
+            fault = fault.with_help(format!(
+                "define it with `o{key} sub`, or in a file {name}.ngc beside the program"
+            ));
+        }
+        Err(fault.into())
+    }
+
+    fn enter(&mut self, file: usize, mark: usize, again: Option<u32>, span: diag::Span) -> Outcome {
+        if self.frames.len() >= self.limits.calls {
+            self.ended = true;
+            let text =
+                format!("subprograms call each other more than {} levels deep", self.limits.calls);
+            return refuse("I0801", span, text);
+        }
+        let Some(start) =
+            self.outlines[file].as_ref().and_then(|o| o.marks.get(mark)).map(|m| m.after)
+        else {
+            return Ok(());
+        };
+        let back = self.parsers[self.file].position();
+        let repeats = core::mem::take(&mut self.repeats);
+        let again = again.map(|times| (start, times));
+        self.frames.push(Frame { file: self.file, back, repeats, again });
+        self.file = file;
+        self.executor.state.call_level = self.frames.len();
+        self.jump(start);
+        Ok(())
+    }
+
+    /// `endsub`, `return`: with the value, if one is given.
+    fn give_back(&mut self) -> Outcome {
+        let value = if self.block.arguments.is_empty() { None } else { Some(self.argument()?) };
+        self.executor.state.returned = value;
+        self.executor.state.value = value.unwrap_or(0.0);
+        if self.frames.is_empty() {
+            let span = self.block.o.map_or(self.block.span, |o| o.span);
+            return refuse("I0312", span, "no subprogram is being executed here");
+        }
+        self.leave();
+        self.executor.store.leave();
+        Ok(())
+    }
+
+    fn leave(&mut self) {
+        if let Some(frame) = self.frames.pop() {
+            self.file = frame.file;
+            self.repeats = frame.repeats;
+            self.executor.state.call_level = self.frames.len();
+            self.jump(frame.back);
+        }
+    }
+
+    /// M98.
+    pub(crate) fn call_program(&mut self, number: u32, times: u32) -> Outcome {
+        let span = self.block.span;
+        self.make_outline(self.file)?;
+        let key = number.to_string();
+        let Some(mark) = self.outline().find(&key, Keyword::Program) else {
+            let fault = error("I0313", span, format!("there is no program O{number} in this file"));
+            return Err(fault
+                .with_help(format!(
+                    "write O{number} alone on a line, its blocks after it, and M99 at its end"
+                ))
+                .into());
+        };
+        if times == 0 { Ok(()) } else { self.enter(self.file, mark, Some(times - 1), span) }
+    }
+
+    /// M99.
+    pub(crate) fn return_from_program(&mut self) -> Outcome {
+        let Some(frame) = self.frames.last_mut() else {
+            self.ended = true;
+            let text = "M99 in the main program would repeat it for ever";
+            return Err(error("I0314", self.block.span, text).with_help("end it with M30").into());
+        };
+        match &mut frame.again {
+            Some((start, left)) if *left > 0 => {
+                *left -= 1;
+                let start = *start;
+                self.jump(start);
+                Ok(())
+            }
+            Some(_) => {
+                self.leave();
+                Ok(())
+            }
+            None => refuse(
+                "I0315",
+                self.block.span,
+                "M99 ends what M98 called; o… call is ended by endsub or return",
+            ),
+        }
+    }
+}

@@ -1,0 +1,279 @@
+//! The program, block by block: reads, follows O-words, executes, collects what was found.
+use crate::{
+    call::{Call, Sink},
+    execute::{After, Executor},
+    fault::{Outcome, error},
+    flow::Frame,
+    outline::Outline,
+    setup::{Limits, Parameters, Setup},
+};
+use diag::{Diagnostic, Span};
+use gcode::{Block, Parameter, Parser};
+use std::collections::HashSet;
+
+/// Whether there is more to execute.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    /// Call [`Interpreter::step`] again.
+    More,
+    /// The program is over: it ended, or nothing after its last error could be executed.
+    Ended,
+}
+
+/// Executes a program's blocks and says, call by call, what they order.
+///
+/// A block with an error is not executed, the error is kept, and the next block follows: so all
+/// errors of a program come at once. Whoever moves a machine asks [`Interpreter::has_errors`] first.
+pub struct Interpreter<'s> {
+    pub(crate) sources: Vec<&'s [u8]>,
+    /// Names of the files; the program's own is empty.
+    pub(crate) names: Vec<String>,
+    pub(crate) parsers: Vec<Parser<'s>>,
+    pub(crate) outlines: Vec<Option<Outline>>,
+    /// The file being read.
+    pub(crate) file: usize,
+    pub(crate) block: Block,
+    pub(crate) executor: Executor,
+    pub(crate) frames: Vec<Frame>,
+    /// Counting loops of this level: mark of their begin, rounds left.
+    pub(crate) repeats: Vec<(usize, u64)>,
+    /// The `elseif` ahead is to be asked.
+    pub(crate) choosing: bool,
+    pub(crate) ended: bool,
+    pub(crate) limits: Limits,
+    block_delete: bool,
+    begun: bool,
+    percent: bool,
+    executed: u64,
+    diagnostics: Vec<Diagnostic>,
+    seen: HashSet<(&'static str, Span)>,
+    errors: usize,
+}
+
+impl<'s> Interpreter<'s> {
+    /// At the beginning of a program.
+    pub fn new(source: &'s [u8], setup: &'s Setup) -> Self {
+        let mut sources = vec![source];
+        let mut names = vec![String::new()];
+        for subprogram in setup.subprograms.iter().take(usize::from(u16::MAX)) {
+            sources.push(&subprogram.source);
+            names.push(subprogram.name.clone());
+        }
+        let parsers = sources.iter().enumerate().map(|(i, s)| Parser::new(s, i as u16)).collect();
+        Self {
+            outlines: vec![None; sources.len()],
+            sources,
+            names,
+            parsers,
+            file: 0,
+            block: Block::new(),
+            executor: Executor::new(setup),
+            frames: Vec::new(),
+            repeats: Vec::new(),
+            choosing: false,
+            ended: false,
+            limits: setup.limits,
+            block_delete: setup.block_delete,
+            begun: false,
+            percent: false,
+            executed: 0,
+            diagnostics: Vec::new(),
+            seen: HashSet::new(),
+            errors: 0,
+        }
+    }
+
+    /// Execute one block.
+    #[inline]
+    pub fn step<S: Sink>(&mut self, sink: &mut S) -> Progress {
+        if !self.begun {
+            self.begun = true;
+            self.executor.begin(sink);
+        }
+        if self.ended {
+            return Progress::Ended;
+        }
+        if let Err(fault) = self.block(sink) {
+            self.report(*fault);
+        }
+        if !self.executor.remarks.is_empty() {
+            let remarks = core::mem::take(&mut self.executor.remarks);
+            self.report_all(remarks);
+        }
+        if self.ended {
+            self.finish();
+            return Progress::Ended;
+        }
+        Progress::More
+    }
+
+    /// Execute to the end.
+    pub fn run<S: Sink>(&mut self, sink: &mut S) {
+        while self.step(sink) == Progress::More {}
+    }
+
+    /// What was found so far.
+    pub fn diagnostics(&self) -> &[Diagnostic] {
+        &self.diagnostics
+    }
+
+    /// Whether the program is refused, as far as it was executed.
+    pub const fn has_errors(&self) -> bool {
+        self.errors > 0
+    }
+
+    /// The numbered parameters as the program has set them.
+    pub const fn parameters(&self) -> &Parameters {
+        &self.executor.store.numbered
+    }
+
+    /// The block executed last.
+    pub const fn place(&self) -> Span {
+        self.block.span
+    }
+
+    fn block<S: Sink>(&mut self, sink: &mut S) -> Outcome {
+        if !self.parsers[self.file].next(&mut self.block) {
+            return self.end_of_file();
+        }
+        self.executed += 1;
+        if self.executed > self.limits.blocks {
+            return self.too_long();
+        }
+        if self.block.faulty {
+            let found = self.parsers[self.file].take_diagnostics();
+            self.report_all(found);
+            return Ok(());
+        }
+        if self.block.delete.is_some() && self.block_delete {
+            return Ok(());
+        }
+        if self.block.o.is_some() {
+            return self.o_word(sink);
+        }
+        if self.block.percent {
+            self.percent_sign(sink);
+            return Ok(());
+        }
+        self.executor.read(&self.block)?;
+        if !self.block.assignments.is_empty() {
+            self.assign()?;
+        }
+        if !self.block.comments.is_empty() {
+            let result = self.executor.comments(&self.block, sink);
+            self.ended |= result.is_err();
+            result?;
+        }
+        if self.block.words.is_empty() {
+            return Ok(());
+        }
+        match self.executor.execute(sink)? {
+            After::Next => Ok(()),
+            After::End => {
+                self.ended = true;
+                Ok(())
+            }
+            After::Call(number, times) => self.call_program(number, times),
+            After::Return => self.return_from_program(),
+        }
+    }
+
+    /// Set the block's parameters: all values are computed before any is set.
+    fn assign(&mut self) -> Outcome {
+        let mut settings = Vec::with_capacity(self.block.assignments.len());
+        for assignment in &self.block.assignments {
+            let values = self.executor.values();
+            let value = values.evaluate(&self.block, assignment.value, assignment.span)?;
+            let number = match assignment.target {
+                Parameter::Numbered(number) => {
+                    Some(values.evaluate(&self.block, number, assignment.span)?)
+                }
+                Parameter::Named(_) => None,
+            };
+            settings.push((assignment, number, value));
+        }
+        for (assignment, number, value) in settings {
+            let span = assignment.span;
+            match (assignment.target, number) {
+                (Parameter::Numbered(_), Some(number)) => {
+                    let number = crate::names::number(number, span)?;
+                    crate::names::assign(&mut self.executor.store, number, value, span)?;
+                }
+                (Parameter::Named(name), _) => {
+                    if self.executor.store.names() >= self.limits.names {
+                        self.ended = true;
+                        let text = format!("more than {} named parameters", self.limits.names);
+                        return Err(error("I0802", span, text).into());
+                    }
+                    self.executor.store.set_named(self.block.text(name), value);
+                }
+                (Parameter::Numbered(_), None) => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn percent_sign<S: Sink>(&mut self, sink: &mut S) {
+        if self.percent || self.executed > 1 && self.file == 0 && self.executor.state.line > 0 {
+            self.executor.say(sink, &Call::Finish);
+            self.ended = true;
+        }
+        self.percent = true;
+    }
+
+    fn end_of_file(&mut self) -> Outcome {
+        self.ended = true;
+        let span = Span { start: self.block.span.start, ..self.block.span };
+        let source = self.sources[self.file];
+        let end = source.len().try_into().unwrap_or(u32::MAX);
+        let line = self.parsers[self.file].position().1.saturating_sub(1).max(1);
+        let span = Span {
+            file: self.file as u16,
+            line,
+            start: end.min(span.start.max(end.saturating_sub(1))),
+            end,
+        };
+        let fault =
+            error("I0301", span, "the program does not end: the file is over before M2 or M30");
+        Err(fault
+            .with_help(
+                "was it cut off? Else write M30 as its last block, or % as its first and last line",
+            )
+            .into())
+    }
+
+    #[cold]
+    fn too_long(&mut self) -> Outcome {
+        self.ended = true;
+        let text = format!("stopped after {} blocks: does this loop end?", self.limits.blocks);
+        Err(error("I0803", self.block.span, text).into())
+    }
+
+    pub(crate) fn report_all(&mut self, found: impl IntoIterator<Item = Diagnostic>) {
+        for diagnostic in found {
+            self.report(diagnostic);
+        }
+    }
+
+    /// Keep a finding; the same one at the same place once.
+    pub(crate) fn report(&mut self, diagnostic: Diagnostic) {
+        if !self.seen.insert((diagnostic.code, diagnostic.span)) {
+            return;
+        }
+        if diagnostic.is_error() {
+            self.errors += 1;
+            self.ended |= self.errors >= self.limits.errors;
+        }
+        if self.diagnostics.len() < 2 * self.limits.errors {
+            self.diagnostics.push(diagnostic);
+        }
+    }
+
+    /// What the parsers still keep: notes on lines that were read without an error.
+    fn finish(&mut self) {
+        for file in 0..self.parsers.len() {
+            let found = self.parsers[file].take_diagnostics();
+            self.report_all(found);
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! Parameters: numbered, named, and those the interpreter answers itself.
+use crate::{
+    call::Sense,
+    fault::{Outcome, error, refuse},
+    setup::{MAX_PARAMETER, Parameters},
+    state::{FeedMode, State},
+    words::near_whole,
+};
+use canon::{Axis, Plane};
+use diag::{Diagnostic, Span};
+use std::collections::HashMap;
+
+/// First and last of the parameters that only the interpreter sets.
+const READ_ONLY: core::ops::RangeInclusive<usize> = 5400..=5428;
+/// Parameters that belong to a subprogram's call.
+const ARGUMENTS: usize = 30;
+
+/// Values that programs set.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Store {
+    pub(crate) numbered: Parameters,
+    global: HashMap<Box<str>, f64>,
+    /// Innermost last; the first belongs to the main program.
+    local: Vec<HashMap<Box<str>, f64>>,
+    saved: Vec<[f64; ARGUMENTS]>,
+}
+
+impl Store {
+    pub(crate) fn new(numbered: Parameters) -> Self {
+        Self { numbered, global: HashMap::new(), local: vec![HashMap::new()], saved: Vec::new() }
+    }
+
+    /// A named parameter; one that begins with `_` is global.
+    pub(crate) fn named(&self, name: &str) -> Option<f64> {
+        if name.starts_with('_') { &self.global } else { self.local.last()? }.get(name).copied()
+    }
+
+    /// Set a named parameter.
+    pub(crate) fn set_named(&mut self, name: &str, value: f64) {
+        let scope =
+            if name.starts_with('_') { Some(&mut self.global) } else { self.local.last_mut() };
+        let Some(scope) = scope else { return };
+        match scope.get_mut(name) {
+            Some(slot) => *slot = value,
+            None => _ = scope.insert(name.into(), value),
+        }
+    }
+
+    /// How many named parameters are held.
+    pub(crate) fn names(&self) -> usize {
+        self.global.len() + self.local.iter().map(HashMap::len).sum::<usize>()
+    }
+
+    /// Enter a subprogram: #1 … #30 are its arguments, zero where it got none; names begin afresh.
+    pub(crate) fn enter(&mut self, arguments: &[f64]) {
+        self.saved.push(core::array::from_fn(|i| self.numbered.at(i + 1)));
+        for i in 0..ARGUMENTS {
+            self.numbered.set(i + 1, arguments.get(i).copied().unwrap_or(0.0));
+        }
+        self.local.push(HashMap::new());
+    }
+
+    /// Leave it: #1 … #30 are the caller's again.
+    pub(crate) fn leave(&mut self) {
+        if let Some(saved) = self.saved.pop() {
+            for (i, value) in saved.iter().enumerate() {
+                self.numbered.set(i + 1, *value);
+            }
+            self.local.pop();
+        }
+    }
+}
+
+/// A parameter's number, checked.
+pub(crate) fn number(value: f64, span: Span) -> Outcome<usize> {
+    match near_whole(value) {
+        Some(number) if exists(number) => Ok(number as usize),
+        _ => refuse(
+            "I0205",
+            span,
+            format!("parameters are numbered 1 to {MAX_PARAMETER}, found #{value}"),
+        ),
+    }
+}
+
+/// Whether there is a parameter of this number.
+pub(crate) fn exists(number: i64) -> bool {
+    usize::try_from(number).is_ok_and(|n| (1..=MAX_PARAMETER).contains(&n))
+}
+
+/// Set a numbered parameter, unless it is the interpreter's own.
+pub(crate) fn assign(store: &mut Store, number: usize, value: f64, span: Span) -> Outcome {
+    if READ_ONLY.contains(&number) {
+        return refuse(
+            "I0206",
+            span,
+            format!("#{number} tells where the machine stands and cannot be set"),
+        );
+    }
+    store.numbered.set(number, value);
+    Ok(())
+}
+
+/// Value of a numbered parameter.
+pub(crate) fn numbered(state: &State, store: &Store, number: usize) -> f64 {
+    match number {
+        5400 => f64::from(state.current_tool),
+        5401..=5409 => state.frame.tool[number - 5401],
+        5420..=5428 => state.at[number - 5420],
+        _ => store.numbered.at(number),
+    }
+}
+
+/// Value of a parameter that the interpreter answers itself.
+pub(crate) fn system(state: &State, name: &str) -> Option<f64> {
+    let name = name.strip_prefix('_')?;
+    let truth = |b: bool| Some(f64::from(u8::from(b)));
+    if let Some(axis) = name.strip_prefix("abs_") {
+        return axis_of(axis).map(|i| state.frame.to_machine(&state.at)[i]);
+    }
+    if let Some(axis) = axis_of(name) {
+        return Some(state.at[axis]);
+    }
+    let turning = state.spindle.turning;
+    match name {
+        "vmajor" => Some(2.9), // the language's version: programs ask for what LinuxCNC 2.9 can do
+        "vminor" | "task" | "remap_level" => Some(0.0),
+        "line" => Some(f64::from(state.line)),
+        "motion_mode" => Some(f64::from(state.motion.code())),
+        "plane" => Some(match state.plane {
+            Plane::XY => 170.0,
+            Plane::ZX => 180.0,
+            Plane::YZ => 190.0,
+        }),
+        "ccomp" => Some(400.0),
+        "metric" => truth(state.units == crate::Units::Millimetre),
+        "imperial" => truth(state.units == crate::Units::Inch),
+        "absolute" => truth(!state.incremental),
+        "incremental" => truth(state.incremental),
+        "inverse_time" => truth(state.feed_mode == FeedMode::InverseTime),
+        "units_per_minute" => truth(state.feed_mode == FeedMode::PerMinute),
+        "units_per_rev" => truth(state.feed_mode == FeedMode::PerRevolution),
+        "coord_system" => Some(match state.system {
+            n @ 1..=6 => 530.0 + 10.0 * f64::from(n),
+            n => 584.0 + f64::from(n),
+        }),
+        "tool_offset" => truth(state.frame.tool != [0.0; 9]),
+        "retract_r_plane" => truth(!state.retract_to_initial),
+        "retract_old_z" => truth(state.retract_to_initial),
+        "spindle_rpm_mode" => truth(!state.spindle.constant_surface_speed),
+        "spindle_css_mode" => truth(state.spindle.constant_surface_speed),
+        "ijk_absolute_mode" => truth(state.absolute_centres),
+        "lathe_diameter_mode" => truth(state.diameter),
+        "lathe_radius_mode" => truth(!state.diameter),
+        "spindle_on" => truth(turning.is_some()),
+        "spindle_cw" => truth(turning == Some(Sense::Clockwise)),
+        "mist" => truth(state.mist),
+        "flood" => truth(state.flood),
+        "speed_override" => truth(state.speed_override),
+        "feed_override" => truth(state.feed_override),
+        "adaptive_feed" => truth(state.adaptive_feed),
+        "feed_hold" => truth(state.feed_hold),
+        "feed" => Some(state.feed),
+        "rpm" => Some(state.spindle.speed),
+        "current_tool" => Some(f64::from(state.current_tool)),
+        "selected_tool" => Some(f64::from(state.selected_tool)),
+        "call_level" => Some(state.call_level as f64),
+        "value" => Some(state.value),
+        "value_returned" => truth(state.returned.is_some()),
+        _ => None,
+    }
+}
+
+fn axis_of(name: &str) -> Option<usize> {
+    Axis::ALL
+        .iter()
+        .position(|axis| name.len() == 1 && name.eq_ignore_ascii_case(&axis.letter().to_string()))
+}
+
+/// The diagnostic for a name that has no value.
+pub(crate) fn unknown(store: &Store, name: &str, span: Span) -> Diagnostic {
+    let fault = error("I0207", span, format!("#<{name}> has no value yet"));
+    if name.starts_with("_ini[") || name.starts_with("_hal[") {
+        return fault
+            .with_help("settings of a LinuxCNC machine are not known here: write the number");
+    }
+    let scope = store.local.last().into_iter().flat_map(HashMap::keys).chain(store.global.keys());
+    let near = scope
+        .filter(|known| distance(known, name) <= 1 + name.len() / 6)
+        .min_by_key(|k| distance(k, name));
+    match near {
+        Some(known) => fault.with_help(format!("did you mean #<{known}>?")),
+        None => fault.with_help("set it first, for instance `#<name> = 1`; names without a leading _ are known only in their own subprogram"),
+    }
+}
+
+/// How many letters must be inserted, removed or replaced to make one word of the other.
+pub(crate) fn distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().take(64).collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.chars().take(64).enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, y) in b.iter().enumerate() {
+            let replaced = diagonal + usize::from(x != *y);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
+}

@@ -1,0 +1,106 @@
+//! A program as a stream of operations, and a program's diagnostics alone.
+use crate::{
+    interpreter::{Interpreter, Progress},
+    resolve::Resolver,
+    setup::{Parameters, Setup},
+};
+use canon::Op;
+use diag::{Diagnostic, Span};
+use gcode::{Block, Keyword, Label, Parser};
+use std::collections::HashSet;
+
+/// The operations of a program, one after the other.
+///
+/// After an error in a block the stream goes on with the next block, so that all errors come; whoever
+/// moves a machine refuses the program if [`Ops::has_errors`].
+pub struct Ops<'s> {
+    interpreter: Interpreter<'s>,
+    resolver: Resolver,
+    ended: bool,
+}
+
+impl<'s> Ops<'s> {
+    /// At the beginning of a program.
+    pub fn new(source: &'s [u8], setup: &'s Setup) -> Self {
+        Self {
+            interpreter: Interpreter::new(source, setup),
+            resolver: Resolver::new(setup),
+            ended: false,
+        }
+    }
+
+    /// What was found so far, in the order of the text.
+    pub fn diagnostics(&self) -> Vec<Diagnostic> {
+        let both = self.interpreter.diagnostics().iter().chain(self.resolver.diagnostics());
+        in_order(both.cloned())
+    }
+
+    /// Whether the program is refused, as far as it was read.
+    pub fn has_errors(&self) -> bool {
+        self.interpreter.has_errors()
+            || self.resolver.diagnostics().iter().any(Diagnostic::is_error)
+    }
+
+    /// The numbered parameters as the program has set them.
+    pub const fn parameters(&self) -> &Parameters {
+        self.interpreter.parameters()
+    }
+}
+
+impl Iterator for Ops<'_> {
+    type Item = Op;
+
+    fn next(&mut self) -> Option<Op> {
+        loop {
+            if let Some(op) = self.resolver.pop() {
+                return Some(op);
+            }
+            if self.ended {
+                return None;
+            }
+            self.ended = self.interpreter.step(&mut self.resolver) == Progress::Ended;
+        }
+    }
+}
+
+/// Everything that is wrong with a program, also in lines that are never executed.
+pub fn check(source: &[u8], setup: &Setup) -> Vec<Diagnostic> {
+    let mut found = syntax(source);
+    let mut ops = Ops::new(source, setup);
+    for _ in ops.by_ref() {}
+    found.extend(ops.diagnostics());
+    in_order(found)
+}
+
+/// What the parser finds wrong, in all lines.
+fn syntax(source: &[u8]) -> Vec<Diagnostic> {
+    let (mut parser, mut block) = (Parser::new(source, 0), Block::new());
+    while parser.next(&mut block) {}
+    parser.take_diagnostics()
+}
+
+/// Each finding once, by its place.
+fn in_order(found: impl IntoIterator<Item = Diagnostic>) -> Vec<Diagnostic> {
+    let mut seen: HashSet<(&str, Span)> = HashSet::new();
+    let mut all: Vec<_> = found.into_iter().filter(|d| seen.insert((d.code, d.span))).collect();
+    all.sort_by_key(|d| (d.span.file, d.span.start));
+    all
+}
+
+/// Names of subprograms that a text calls and does not define: files to look for.
+pub fn called_files(source: &[u8]) -> Vec<String> {
+    let (mut parser, mut block) = (Parser::new(source, 0), Block::new());
+    let (mut called, mut defined) = (Vec::new(), HashSet::new());
+    while parser.next(&mut block) {
+        let Some(word) = block.o else { continue };
+        let Label::Name(name) = word.label else { continue };
+        let name = block.text(name).to_owned();
+        match word.keyword {
+            Keyword::Call if !called.contains(&name) => called.push(name),
+            Keyword::Sub => _ = defined.insert(name),
+            _ => {}
+        }
+    }
+    called.retain(|name| !defined.contains(name));
+    called
+}

@@ -1,0 +1,431 @@
+//! Calls to operations: from the program's frame and units to machine coordinates in mm.
+//!
+//! ```text
+//!   Call::Line(to)   ──► ×25.4 if inches ──► Frame::to_machine ──► Op::Line { to, feed }
+//!   Call::FeedRate   ──► feed, per minute or revolution or as the move's duration
+//!   Call::Tap        ──► lead = F/S (G94) or F (G95); start, bottom, surface on the tap's axis
+//! ```
+//!
+//! What cannot be said as an operation (a tap with an X word, an arc of a plane that the rotation
+//! tilts) is an error with its place. Moves of no length are left out.
+use crate::{
+    arcs::{same, sweep_rad},
+    call::{Call, Corners, CycleHole, Place, Sense, Sink, Units},
+    execute::machine_point,
+    frame::{self, Frame, Point},
+    setup::Setup,
+    switch::NO_SPEED_LIMIT,
+};
+use canon::{
+    Arc, Axis, Feed, Hole, Op, OpKind, PathMode, Plane, Position, SpindleOrder, ToolLibrary,
+};
+use diag::{Diagnostic, Span};
+use std::collections::VecDeque;
+use units::{Angle, Lead, Length, MM_PER_INCH, Speed, Spin, Time};
+
+/// No machine is larger, mm (or degrees): 10 km.
+const FARTHEST: f64 = 1e7;
+/// Millimetres in a foot, the unit of surface speed with G20.
+const MM_PER_FOOT: f64 = 12.0 * MM_PER_INCH;
+
+/// Turns calls into operations.
+pub struct Resolver {
+    ops: VecDeque<Op>,
+    diagnostics: Vec<Diagnostic>,
+    pub(crate) tools: ToolLibrary,
+    pub(crate) tool: u32,
+    units: Units,
+    /// Offsets, mm.
+    pub(crate) frame: Frame,
+    /// Where the axes stand, mm and degrees.
+    pub(crate) at: Point,
+    feed: FeedOrder,
+    pub(crate) spindle: SpindleState,
+    path: PathMode,
+    path_said: Option<PathMode>,
+    overrides: (bool, bool),
+    coolant: (bool, bool),
+}
+
+/// F and what it counts.
+#[derive(Clone, Copy)]
+struct FeedOrder {
+    /// Program units (or degrees) per minute or revolution.
+    rate: f64,
+    /// Millimetres in one program unit when it was given.
+    mm: f64,
+    per_revolution: bool,
+    duration_s: Option<f64>,
+}
+
+/// The spindle as ordered.
+#[derive(Clone, Copy)]
+pub(crate) struct SpindleState {
+    pub(crate) speed: f64,
+    sense: Option<Sense>,
+    /// G96: limit in rev/min, infinite if none was stated.
+    pub(crate) surface: Option<f64>,
+    said: Option<SpindleOrder>,
+}
+
+impl Resolver {
+    /// At the beginning of a program.
+    pub fn new(setup: &Setup) -> Self {
+        Self {
+            ops: VecDeque::new(),
+            diagnostics: Vec::new(),
+            tools: setup.tools.clone(),
+            tool: 0,
+            units: Units::Millimetre,
+            frame: Frame::default(),
+            at: machine_point(&setup.start),
+            feed: FeedOrder { rate: 0.0, mm: 1.0, per_revolution: false, duration_s: None },
+            spindle: SpindleState { speed: 0.0, sense: None, surface: None, said: None },
+            path: PathMode::Blend { tolerance: None, merge: None },
+            path_said: None,
+            overrides: (true, true),
+            coolant: (false, false),
+        }
+    }
+
+    /// The next operation, if one is ready.
+    pub fn pop(&mut self) -> Option<Op> {
+        self.ops.pop_front()
+    }
+
+    /// What was found.
+    pub fn diagnostics(&self) -> &[Diagnostic] {
+        &self.diagnostics
+    }
+
+    pub(crate) fn report(&mut self, diagnostic: Diagnostic) {
+        /// More than these, each at its own place, tell nothing new.
+        const MOST: usize = 400;
+        let known =
+            self.diagnostics.iter().any(|d| d.code == diagnostic.code && d.span == diagnostic.span);
+        if !known && self.diagnostics.len() < MOST {
+            self.diagnostics.push(diagnostic);
+        }
+    }
+
+    pub(crate) fn push(&mut self, span: Span, kind: OpKind) {
+        self.ops.push_back(Op { span, kind });
+    }
+
+    pub(crate) const fn mm(&self) -> f64 {
+        self.units.in_mm()
+    }
+
+    /// Machine coordinates of a point of the program.
+    #[inline]
+    pub(crate) fn machine(&self, program: &Point) -> Point {
+        let mut point = *program;
+        if self.units == Units::Inch {
+            frame::scale(&mut point, MM_PER_INCH);
+        }
+        self.frame.to_machine(&point)
+    }
+
+    fn in_mm(&self, mut point: Point) -> Point {
+        frame::scale(&mut point, self.mm());
+        point
+    }
+
+    /// Whether a move to this point is one to be made; remembers where it ends.
+    fn arrives(&mut self, to: &Point, span: Span) -> bool {
+        if let Some(i) = (0..9).find(|i| !(to[*i].abs() <= FARTHEST)) {
+            let text = format!(
+                "{} would go to {} mm: farther than any machine",
+                Axis::ALL[i].letter(),
+                to[i]
+            );
+            self.report(Diagnostic::error("I0701", span, text));
+            return false;
+        }
+        let moves = !same(&self.at, to);
+        if moves {
+            self.at = *to;
+            self.say_path(span);
+        }
+        moves
+    }
+
+    /// The path mode, where it has changed since the last move.
+    pub(crate) fn say_path(&mut self, span: Span) {
+        if self.path_said != Some(self.path) {
+            self.path_said = Some(self.path);
+            self.push(span, OpKind::PathMode(self.path));
+        }
+    }
+
+    pub(crate) fn rapid(&mut self, to: &Point, span: Span) {
+        if self.arrives(to, span) {
+            self.push(span, OpKind::Rapid { to: position(to) });
+        }
+    }
+
+    fn line(&mut self, program: &Point, span: Span) {
+        let to = self.machine(program);
+        let from = self.at;
+        if self.arrives(&to, span) {
+            let feed = self.feed(&from, &to, span);
+            self.push(span, OpKind::Line { to: position(&to), feed });
+        }
+    }
+
+    /// The lead that F means for a tap: F/S, or F itself with G95.
+    pub(crate) fn lead_by_feed(&self) -> f64 {
+        let rate = self.feed.rate * self.feed.mm;
+        if self.feed.per_revolution { rate } else { rate / self.spindle.speed }
+    }
+
+    /// F as it counts on this way.
+    fn feed(&mut self, from: &Point, to: &Point, span: Span) -> Feed {
+        if let Some(seconds) = self.feed.duration_s.take() {
+            return Feed::Duration(Time::s(seconds));
+        }
+        let linear = [0, 1, 2, 6, 7, 8].into_iter().any(|i| (to[i] - from[i]).abs() > 1e-9);
+        if self.feed.per_revolution && self.spindle.sense.is_none() {
+            let text =
+                "with G95 the feed follows the spindle, which does not turn: write M3 or M4 before";
+            self.report(Diagnostic::error("I0702", span, text));
+        }
+        if linear {
+            let rate = self.feed.rate * self.feed.mm;
+            return if self.feed.per_revolution {
+                Feed::PerRevolution(Lead::mm_per_rev(rate))
+            } else {
+                Feed::PerTime(Speed::mm_per_min(rate))
+            };
+        }
+        let degrees = (3..6).map(|i| (to[i] - from[i]).powi(2)).sum::<f64>().sqrt();
+        let per_minute = if self.feed.per_revolution {
+            self.feed.rate * self.spindle.speed
+        } else {
+            self.feed.rate
+        };
+        Feed::Duration(Time::s(60.0 * degrees / per_minute))
+    }
+
+    fn arc(&mut self, plane: Plane, program: &Point, centre: [f64; 2], turns: i32, span: Span) {
+        if !self.plane_is_straight(plane, span) {
+            return;
+        }
+        let [a, b, _] = plane.axes().map(Axis::index);
+        let mut middle = *program;
+        (middle[a], middle[b]) = (centre[0], centre[1]);
+        let (to, middle, from) = (self.machine(program), self.machine(&middle), self.at);
+        let centre = [middle[a], middle[b]];
+        let sweep = sweep_rad([from[a], from[b]], [to[a], to[b]], centre, turns);
+        if !self.arrives(&to, span) {
+            self.say_path(span); // a full circle ends where it began
+        }
+        let feed = self.feed(&[0.0; 9], &[1.0; 9], span);
+        let arc = Arc {
+            plane,
+            centre: centre.map(Length::mm),
+            sweep: Angle::rev(sweep / core::f64::consts::TAU),
+        };
+        self.push(span, OpKind::Arc { to: position(&to), arc, feed });
+    }
+
+    /// A rotation of X and Y tilts the other two planes, which no op can say.
+    pub(crate) fn plane_is_straight(&mut self, plane: Plane, span: Span) -> bool {
+        let straight = plane == Plane::XY || self.frame.rotation() == 0.0;
+        if !straight {
+            let text = format!(
+                "the work offset is turned by {}° about Z: arcs and cycles are possible in G17 only",
+                self.frame.rotation()
+            );
+            self.report(Diagnostic::error("I0706", span, text));
+        }
+        straight
+    }
+
+    /// The axis of a cycle, and its level in machine coordinates.
+    pub(crate) fn level(&self, hole: &CycleHole, level: f64) -> f64 {
+        let n = hole.plane.normal().index();
+        let mut point = hole.at;
+        point[n] = level;
+        self.machine(&point)[n]
+    }
+
+    /// Where the material is taken to begin: the work's zero if it lies in the stroke, else its start.
+    pub(crate) fn surface(start: f64, bottom: f64) -> f64 {
+        if start.min(bottom) <= 0.0 && 0.0 <= start.max(bottom) { 0.0 } else { start }
+    }
+
+    fn hole(&mut self, hole: &CycleHole, span: Span) {
+        if !self.plane_is_straight(hole.plane, span) {
+            return;
+        }
+        let axis = hole.plane.normal();
+        let surface = Self::surface(hole.at[axis.index()], hole.bottom);
+        self.say_path(span);
+        self.push(
+            span,
+            OpKind::Hole(Hole {
+                axis,
+                at: position(&self.machine(&hole.at)),
+                bottom: Length::mm(self.level(hole, hole.bottom)),
+                surface: Length::mm(self.level(hole, surface)),
+            }),
+        );
+    }
+
+    /// The spindle's order, where it has changed.
+    fn say_spindle(&mut self, span: Span) {
+        let sign = match self.spindle.sense {
+            None => 0.0,
+            Some(Sense::Clockwise) => 1.0,
+            Some(Sense::Counterclockwise) => -1.0,
+        };
+        let order = match self.spindle.surface {
+            _ if sign == 0.0 => SpindleOrder::Stop,
+            None => SpindleOrder::Turn(Spin::rpm(sign * self.spindle.speed)),
+            Some(limit) => {
+                let unit = if self.units == Units::Inch { MM_PER_FOOT } else { 1000.0 };
+                let speed = Speed::mm_per_min(sign * self.spindle.speed * unit);
+                let limit = limit.is_finite().then(|| Spin::rpm(limit));
+                SpindleOrder::ConstantSurfaceSpeed { speed, limit }
+            }
+        };
+        self.order(order, span);
+    }
+
+    fn order(&mut self, order: SpindleOrder, span: Span) {
+        if self.spindle.said != Some(order) {
+            self.spindle.said = Some(order);
+            self.push(span, OpKind::Spindle { spindle: 0, order });
+        }
+    }
+
+    fn say_overrides(&mut self, overrides: (bool, bool), span: Span) {
+        if self.overrides != overrides {
+            self.overrides = overrides;
+            self.push(span, OpKind::Overrides { feed: overrides.0, spindle: overrides.1 });
+        }
+    }
+
+    fn say_coolant(&mut self, coolant: (bool, bool), span: Span) {
+        if self.coolant != coolant {
+            self.coolant = coolant;
+            self.push(span, OpKind::Coolant { mist: coolant.0, flood: coolant.1 });
+        }
+    }
+
+    fn path_mode(&self, corners: Corners, merge: Option<f64>) -> PathMode {
+        let stated = |v: f64| (v > 0.0).then(|| Length::mm(v * self.mm()));
+        match corners {
+            Corners::ExactPath => PathMode::Exact,
+            Corners::ExactStop => PathMode::ExactStop,
+            Corners::Continuous(tolerance) => {
+                PathMode::Blend { tolerance: stated(tolerance), merge: merge.and_then(stated) }
+            }
+        }
+    }
+
+    /// Modes and offsets: nothing to machine yet.
+    fn mode(&mut self, call: &Call<'_>) {
+        match call {
+            Call::UseUnits(units) => self.units = *units,
+            Call::WorkOffset(_, offset) => self.frame.origin = self.in_mm(*offset),
+            Call::AddedOffset(offset) => self.frame.added = self.in_mm(*offset),
+            Call::ToolOffset(offset) => self.frame.tool = self.in_mm(*offset),
+            Call::Rotation(degrees) => self.frame.rotate(*degrees),
+            Call::FeedMode { per_revolution } => self.feed.per_revolution = *per_revolution,
+            Call::FeedRate { rate, duration_s } => {
+                self.feed.rate = *rate;
+                self.feed.mm = self.mm();
+                self.feed.duration_s = *duration_s;
+            }
+            Call::PathControl { corners, merge } => self.path = self.path_mode(*corners, *merge),
+            _ => {}
+        }
+    }
+}
+
+impl Sink for Resolver {
+    fn call(&mut self, place: &Place, call: &Call<'_>) {
+        let span = place.span;
+        match call {
+            Call::Rapid(to) => {
+                let to = self.machine(to);
+                self.rapid(&to, span);
+            }
+            Call::Line(to) => self.line(to, span),
+            Call::Arc { plane, to, centre, turns } => self.arc(*plane, to, *centre, *turns, span),
+            Call::Hole(hole) => self.hole(hole, span),
+            Call::Tap { hole, sense, dwell_s } => self.tap(hole, *sense, *dwell_s, span),
+            Call::RigidTap { to, lead, return_factor, sense } => {
+                self.rigid_tap(to, *lead, *return_factor, *sense, span);
+            }
+            Call::SyncStart(_) => {
+                let text =
+                    "threading with G33 and G76 is listed, but not machined by Leadscrew yet";
+                self.report(Diagnostic::error("I0704", span, text));
+            }
+            Call::Dwell(seconds) => self.push(span, OpKind::Dwell { time: Time::s(*seconds) }),
+            Call::SpindleSpeed(speed) => {
+                self.spindle.speed = *speed;
+                if self.spindle.sense.is_some() {
+                    self.say_spindle(span);
+                }
+            }
+            Call::SpindleMode(limit) => {
+                self.spindle.surface = match *limit {
+                    0.0 => None,
+                    limit if limit >= NO_SPEED_LIMIT => Some(f64::INFINITY),
+                    limit => Some(limit),
+                };
+            }
+            Call::SpindleTurn(sense) => {
+                self.spindle.sense = Some(*sense);
+                self.say_spindle(span);
+            }
+            Call::SpindleStop => {
+                self.spindle.sense = None;
+                self.say_spindle(span);
+            }
+            Call::SpindleOrient { angle, .. } => {
+                self.spindle.sense = None;
+                self.order(SpindleOrder::Orient(Angle::deg(*angle)), span);
+            }
+            Call::SelectTool(number) => self.push(span, OpKind::SelectTool { number: *number }),
+            Call::ChangeTool(number) => self.change_tool(*number, span),
+            Call::ToolNumber(number) => {
+                let text = "M61 says what the spindle holds; here the tool is changed as by M6";
+                self.report(Diagnostic::warning("I0707", span, text));
+                self.change_tool(*number, span);
+            }
+            Call::Mist(on) => self.say_coolant((*on, self.coolant.1), span),
+            Call::Flood(on) => self.say_coolant((self.coolant.0, *on), span),
+            Call::FeedOverride(on) => self.say_overrides((*on, self.overrides.1), span),
+            Call::SpeedOverride(on) => self.say_overrides((self.overrides.0, *on), span),
+            Call::Stop => self.push(span, OpKind::Pause { optional: false }),
+            Call::OptionalStop => self.push(span, OpKind::Pause { optional: true }),
+            Call::Message(text) | Call::Print(text) => {
+                self.push(span, OpKind::Message((*text).into()))
+            }
+            Call::End | Call::Finish => self.push(span, OpKind::End),
+            other => self.mode(other),
+        }
+    }
+}
+
+impl Resolver {
+    fn change_tool(&mut self, number: u32, span: Span) {
+        self.tool = number;
+        self.push(span, OpKind::ChangeTool { number });
+    }
+}
+
+/// A point in mm and degrees as a position.
+pub(crate) fn position(point: &Point) -> Position {
+    let [x, y, z, a, b, c, u, v, w] = *point;
+    Position {
+        linear: [x, y, z].map(Length::mm),
+        rotary: [a, b, c].map(Angle::deg),
+        parallel: [u, v, w].map(Length::mm),
+    }
+}

@@ -1,0 +1,122 @@
+//! What the interpreter is told before it begins: plain data, no files.
+use canon::{Position, ToolLibrary};
+
+/// Whose words a program uses.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Dialect {
+    /// RS-274/NGC as LinuxCNC 2.9 reads it, and M29 (rigid tapping follows) as Fanuc has it.
+    #[default]
+    LinuxCnc,
+}
+
+/// Everything a program meets that is not in its text.
+#[derive(Clone, Debug, Default)]
+pub struct Setup {
+    /// Whose words.
+    pub dialect: Dialect,
+    /// Tools that T, M6 and G43 may name.
+    pub tools: ToolLibrary,
+    /// Values of the numbered parameters.
+    pub parameters: Parameters,
+    /// Files that `o<name> call` may open.
+    pub subprograms: Vec<Subprogram>,
+    /// Where the axes stand when the program begins.
+    pub start: Position,
+    /// Whether blocks that begin with `/` are left out.
+    pub block_delete: bool,
+    /// What stops a program that does not stop by itself.
+    pub limits: Limits,
+}
+
+/// A file with a subprogram.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Subprogram {
+    /// Name in `o<name> call`: the file's name without its extension, in lower case.
+    pub name: String,
+    /// Its text.
+    pub source: Vec<u8>,
+}
+
+/// Bounds on what one program may use; each is named in the diagnostic that it causes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Subprograms called within each other.
+    pub calls: usize,
+    /// Blocks executed.
+    pub blocks: u64,
+    /// Errors after which reading on is of no use.
+    pub errors: usize,
+    /// Named parameters.
+    pub names: usize,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { calls: 64, blocks: 50_000_000, errors: 200, names: 10_000 }
+    }
+}
+
+/// Highest number of a parameter.
+pub const MAX_PARAMETER: usize = 5601;
+
+/// The numbered parameters as the parameter file (`.var`) keeps them: lengths in mm, angles in degrees.
+///
+/// Those that mean something: 5161–5169 where G28 goes, 5181–5189 where G30 goes (machine
+/// coordinates of X Y Z A B C U V W), 5210 whether the G92 offset is on, 5211–5219 that offset,
+/// 5220 the work offset in force (1 is G54), 5221–5230 the offsets of G54 and its rotation,
+/// 5241–5250 those of G55, and so on by twenties.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameters {
+    values: Vec<f64>,
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        let mut values = vec![0.0; MAX_PARAMETER + 1];
+        values[5220] = 1.0;
+        Self { values }
+    }
+}
+
+impl Parameters {
+    /// Value of `#number`; `None` if there is no such parameter.
+    pub fn get(&self, number: usize) -> Option<f64> {
+        if number == 0 { None } else { self.values.get(number).copied() }
+    }
+
+    /// Set `#number`. Returns false, and changes nothing, if there is no such parameter or the value is not finite.
+    pub fn set(&mut self, number: usize, value: f64) -> bool {
+        match self.values.get_mut(number) {
+            Some(slot) if number > 0 && value.is_finite() => {
+                *slot = value;
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// All that are not zero, by rising number.
+    pub fn iter(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.values.iter().copied().enumerate().filter(|(_, v)| *v != 0.0)
+    }
+
+    pub(crate) fn at(&self, number: usize) -> f64 {
+        self.values.get(number).copied().unwrap_or(0.0)
+    }
+
+    /// First parameter of a work offset (1 is G54, 9 is G59.3).
+    pub(crate) const fn work_offset(system: usize) -> usize {
+        5201 + 20 * system
+    }
+
+    /// Nine consecutive values.
+    pub(crate) fn point(&self, first: usize) -> [f64; 9] {
+        core::array::from_fn(|i| self.at(first + i))
+    }
+
+    pub(crate) fn set_point(&mut self, first: usize, point: &[f64; 9]) {
+        for (i, value) in point.iter().enumerate() {
+            self.set(first + i, *value);
+        }
+    }
+}

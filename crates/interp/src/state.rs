@@ -1,0 +1,238 @@
+//! What holds from block to block: the modal state.
+use crate::{
+    call::{Corners, Sense, Units},
+    frame::{Frame, Point},
+};
+use canon::Plane;
+
+/// The motion in force: what a block of axis words alone does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Motion {
+    /// G80, and the beginning.
+    None,
+    /// G0.
+    Rapid,
+    /// G1.
+    Feed,
+    /// G2.
+    ArcClockwise,
+    /// G3.
+    ArcCounterclockwise,
+    /// G33.
+    Thread,
+    /// G33.1.
+    RigidTap,
+    /// G76.
+    ThreadCycle,
+    /// G73, G74, G81 … G89.
+    Cycle(Cycle),
+}
+
+/// The drilling, tapping and boring cycles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Cycle {
+    /// G73: pecks, backs off a little, goes on.
+    ChipBreak,
+    /// G74.
+    TapLeft,
+    /// G81.
+    Drill,
+    /// G82: waits at the bottom.
+    DrillDwell,
+    /// G83: pecks, comes out, goes in again.
+    Peck,
+    /// G84.
+    TapRight,
+    /// G85: feeds out.
+    BoreFeedOut,
+    /// G86: waits, stops the spindle, comes out fast.
+    BoreStopOut,
+    /// G89: waits, feeds out.
+    BoreDwellFeedOut,
+}
+
+impl Motion {
+    /// From a code in tenths.
+    pub(crate) const fn from_code(tenths: u16) -> Self {
+        match tenths {
+            0 => Self::Rapid,
+            10 => Self::Feed,
+            20 => Self::ArcClockwise,
+            30 => Self::ArcCounterclockwise,
+            330 => Self::Thread,
+            331 => Self::RigidTap,
+            730 => Self::Cycle(Cycle::ChipBreak),
+            740 => Self::Cycle(Cycle::TapLeft),
+            760 => Self::ThreadCycle,
+            810 => Self::Cycle(Cycle::Drill),
+            820 => Self::Cycle(Cycle::DrillDwell),
+            830 => Self::Cycle(Cycle::Peck),
+            840 => Self::Cycle(Cycle::TapRight),
+            850 => Self::Cycle(Cycle::BoreFeedOut),
+            860 => Self::Cycle(Cycle::BoreStopOut),
+            890 => Self::Cycle(Cycle::BoreDwellFeedOut),
+            _ => Self::None, // G80
+        }
+    }
+
+    /// Its code in tenths, as `#<_motion_mode>` says it.
+    pub(crate) const fn code(self) -> u16 {
+        match self {
+            Self::None => 800,
+            Self::Rapid => 0,
+            Self::Feed => 10,
+            Self::ArcClockwise => 20,
+            Self::ArcCounterclockwise => 30,
+            Self::Thread => 330,
+            Self::RigidTap => 331,
+            Self::ThreadCycle => 760,
+            Self::Cycle(cycle) => cycle.code(),
+        }
+    }
+}
+
+impl Cycle {
+    /// Its code in tenths.
+    pub(crate) const fn code(self) -> u16 {
+        match self {
+            Self::ChipBreak => 730,
+            Self::TapLeft => 740,
+            Self::Drill => 810,
+            Self::DrillDwell => 820,
+            Self::Peck => 830,
+            Self::TapRight => 840,
+            Self::BoreFeedOut => 850,
+            Self::BoreStopOut => 860,
+            Self::BoreDwellFeedOut => 890,
+        }
+    }
+}
+
+/// What F means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FeedMode {
+    /// G93: moves per minute.
+    InverseTime,
+    /// G94.
+    PerMinute,
+    /// G95.
+    PerRevolution,
+}
+
+/// The spindle as the program has ordered it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Spindle {
+    /// S.
+    pub(crate) speed: f64,
+    /// M3, M4; none after M5.
+    pub(crate) turning: Option<Sense>,
+    /// G96.
+    pub(crate) constant_surface_speed: bool,
+}
+
+/// What a cycle keeps for the blocks that repeat it: the words as written, so that G91 reads them anew.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Sticky {
+    pub(crate) r: f64,
+    pub(crate) bottom: f64,
+    pub(crate) dwell: Option<f64>,
+    pub(crate) peck: Option<f64>,
+    /// The plane they were given in.
+    pub(crate) plane: Plane,
+}
+
+/// All of it.
+#[allow(clippy::struct_excessive_bools)] // each is a mode with two values and a code of its own
+#[derive(Clone, Debug)]
+pub(crate) struct State {
+    pub(crate) motion: Motion,
+    pub(crate) plane: Plane,
+    pub(crate) units: Units,
+    /// G91.
+    pub(crate) incremental: bool,
+    /// G90.1.
+    pub(crate) absolute_centres: bool,
+    pub(crate) feed_mode: FeedMode,
+    pub(crate) feed: f64,
+    /// G98.
+    pub(crate) retract_to_initial: bool,
+    pub(crate) corners: Corners,
+    /// Q of G64 in force.
+    pub(crate) merge: f64,
+    /// G7.
+    pub(crate) diameter: bool,
+    pub(crate) spindle: Spindle,
+    pub(crate) sticky: Option<Sticky>,
+    /// Level to which G98 returns: where the axis stood before the first hole of the series.
+    pub(crate) initial: Option<f64>,
+    /// Work offset in force, 1 is G54.
+    pub(crate) system: u8,
+    /// Offsets, in program units.
+    pub(crate) frame: Frame,
+    /// Where the program stands, in its frame and units.
+    pub(crate) at: Point,
+    pub(crate) selected_tool: u32,
+    pub(crate) current_tool: u32,
+    pub(crate) mist: bool,
+    pub(crate) flood: bool,
+    pub(crate) feed_override: bool,
+    pub(crate) speed_override: bool,
+    pub(crate) adaptive_feed: bool,
+    pub(crate) feed_hold: bool,
+    /// Block being executed, for `#<_line>`.
+    pub(crate) line: u32,
+    pub(crate) call_level: usize,
+    /// `#<_value>` and `#<_value_returned>`.
+    pub(crate) returned: Option<f64>,
+    pub(crate) value: f64,
+}
+
+impl State {
+    pub(crate) fn new() -> Self {
+        Self {
+            motion: Motion::None,
+            plane: Plane::XY,
+            units: Units::Millimetre,
+            incremental: false,
+            absolute_centres: false,
+            feed_mode: FeedMode::PerMinute,
+            feed: 0.0,
+            retract_to_initial: false,
+            corners: Corners::Continuous(0.0),
+            merge: 0.0,
+            diameter: false,
+            spindle: Spindle { speed: 0.0, turning: None, constant_surface_speed: false },
+            sticky: None,
+            initial: None,
+            system: 1,
+            frame: Frame::default(),
+            at: [0.0; 9],
+            selected_tool: 0,
+            current_tool: 0,
+            mist: false,
+            flood: false,
+            feed_override: true,
+            speed_override: true,
+            adaptive_feed: false,
+            feed_hold: true,
+            line: 0,
+            call_level: 0,
+            returned: None,
+            value: 0.0,
+        }
+    }
+
+    /// Indices of the plane's first axis, second axis and normal.
+    #[inline]
+    pub(crate) const fn plane_axes(&self) -> [usize; 3] {
+        let [a, b, c] = self.plane.axes();
+        [a.index(), b.index(), c.index()]
+    }
+
+    /// Change offsets while the axes stand still: the program's coordinates of that place change.
+    pub(crate) fn reframe(&mut self, change: impl FnOnce(&mut Frame)) {
+        let machine = self.frame.to_machine(&self.at);
+        change(&mut self.frame);
+        self.at = self.frame.to_program(&machine);
+    }
+}

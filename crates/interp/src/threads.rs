@@ -1,0 +1,90 @@
+//! Moves that follow the spindle: G33, G33.1, G76.
+use crate::{
+    call::{Call, Sense, Sink},
+    execute::Executor,
+    fault::{Outcome, error, refuse},
+};
+use diag::Diagnostic;
+
+impl Executor {
+    /// G33: a straight move of K per revolution.
+    pub(crate) fn thread<S: Sink>(&mut self, sink: &mut S) -> Outcome {
+        let (lead, _) = self.synchronised("G33")?;
+        if self.words.any(crate::codes::set("ABC")) {
+            return refuse(
+                "I0420",
+                self.words.place.span,
+                "G33 moves linear axes: A, B and C have no lead",
+            );
+        }
+        let to = self.destination(false)?;
+        self.say(sink, &Call::SyncStart(lead));
+        self.state.at = to;
+        self.say(sink, &Call::Line(to));
+        self.say(sink, &Call::SyncStop);
+        Ok(())
+    }
+
+    /// G33.1: in to the words' point and back to where it stood, of K per revolution.
+    pub(crate) fn rigid_tap<S: Sink>(&mut self, sink: &mut S) -> Outcome {
+        let (lead, sense) = self.synchronised("G33.1")?;
+        let to = self.destination(false)?;
+        let return_factor = self.words.get(b'I').unwrap_or(1.0);
+        if return_factor <= 0.0 {
+            let text =
+                format!("I multiplies the speed of the way out: above 0, found {return_factor}");
+            return refuse("I0421", self.words.span(b'I'), text);
+        }
+        let moved: Vec<usize> = (0..9).filter(|i| to[*i] != self.state.at[*i]).collect();
+        if let [_, stray, ..] = moved[..] {
+            let letter = b"XYZABCUVW"[moved[0].min(stray)];
+            let text =
+                format!("a tap moves along its own axis only, but {} moves too", letter as char);
+            let help = "move there with G0 before the tap";
+            self.remarks
+                .push(Diagnostic::warning("I0422", self.words.span(letter), text).with_help(help));
+        }
+        self.say(sink, &Call::RigidTap { to, lead, return_factor, sense });
+        Ok(())
+    }
+
+    /// What G33 and G33.1 have in common: K, a turning spindle, no F.
+    fn synchronised(&self, code: &str) -> Outcome<(f64, Sense)> {
+        let span = self.words.place.span;
+        if !self.words.any(crate::codes::AXES) {
+            return refuse("I0423", span, format!("{code} needs an axis word: where to"));
+        }
+        if self.words.get(b'F').is_some() {
+            let fault = error(
+                "I0424",
+                self.words.span(b'F'),
+                format!("{code} takes its feed from K and the spindle, not from F"),
+            );
+            return Err(fault.with_help("leave F out").into());
+        }
+        let Some(lead) = self.words.get(b'K') else {
+            return refuse("I0425", span, format!("{code} needs K, the advance per revolution"));
+        };
+        if lead <= 0.0 {
+            let text = format!("K is the advance per revolution, above 0, found {lead}");
+            return refuse("I0426", self.words.span(b'K'), text);
+        }
+        match self.state.spindle.turning {
+            Some(sense) => Ok((lead, sense)),
+            None => refuse(
+                "I0427",
+                span,
+                format!("{code} needs a turning spindle: write M3 or M4, and S, before it"),
+            ),
+        }
+    }
+
+    /// G76.
+    pub(crate) fn thread_cycle<S: Sink>(&mut self, _: &mut S) -> Outcome {
+        refuse(
+            "I0428",
+            self.words.place.span,
+            "G76 (threading cycle) is not executed by Leadscrew yet",
+        )
+    }
+}

@@ -1,0 +1,230 @@
+//! The words of one block as numbers: each letter once, each modal group once.
+use crate::{
+    call::Place,
+    codes::{self, AXES, CENTRE, FREE, G_GROUPS, GGroup, Letters, M_GROUPS, MGroup},
+    eval::Values,
+    fault::{Outcome, error},
+};
+use diag::Span;
+
+/// No code of the group in this block.
+const NONE: u16 = u16::MAX;
+
+/// The words of the block at hand; filled again for each block.
+pub(crate) struct Words {
+    /// The block.
+    pub(crate) place: Place,
+    present: Letters,
+    value: [f64; 29],
+    at: [Span; 29],
+    g: [u16; G_GROUPS],
+    m: [u16; M_GROUPS],
+    /// G80 beside another code of the motion group.
+    pub(crate) cycle_off: bool,
+    any_code: bool,
+}
+
+impl Words {
+    pub(crate) fn new() -> Self {
+        Self {
+            place: Place::default(),
+            present: 0,
+            value: [0.0; 29],
+            at: [Span::default(); 29],
+            g: [NONE; G_GROUPS],
+            m: [NONE; M_GROUPS],
+            cycle_off: false,
+            any_code: false,
+        }
+    }
+
+    /// Fill from a block, evaluating what is not a plain number.
+    pub(crate) fn read(&mut self, block: &gcode::Block, values: &Values) -> Outcome {
+        self.place = Place { span: block.span, number: block.number.map(|n| n as u32) };
+        self.present = 0;
+        self.cycle_off = false;
+        if self.any_code {
+            self.g = [NONE; G_GROUPS];
+            self.m = [NONE; M_GROUPS];
+            self.any_code = false;
+        }
+        for word in &block.words {
+            let value = match word.value {
+                gcode::Value::Number(number) => number,
+                gcode::Value::Expression(_) => values.evaluate(block, word.value, word.span)?,
+            };
+            match word.letter {
+                b'G' => self.take_g(value, word.span)?,
+                b'M' => self.take_m(value, word.span)?,
+                letter => {
+                    let i = codes::index(letter);
+                    if self.present & (1 << i) != 0 {
+                        let text = format!("{} occurs twice in one block", codes::letter(i));
+                        return Err(error("I0101", word.span, text)
+                            .with_label(self.at[i], "first here")
+                            .into());
+                    }
+                    self.present |= 1 << i;
+                    self.value[i] = value;
+                    self.at[i] = word.span;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn take_g(&mut self, value: f64, span: Span) -> Outcome {
+        let Some(code) = tenths(value).and_then(codes::g_code) else {
+            let mut fault = error("I0102", span, format!("G{value} is no known code"));
+            let guess = codes::similar_g(value);
+            if !guess.is_empty() {
+                fault = fault.with_help(guess);
+            }
+            return Err(fault.into());
+        };
+        let written = codes::written(code.tenths);
+        if !code.supported {
+            let text = format!("G{written} ({}) is not executed by Leadscrew yet", code.name);
+            return Err(error("I0103", span, text).into());
+        }
+        self.any_code = true;
+        let slot = &mut self.g[code.group as usize];
+        if *slot == NONE {
+            *slot = code.tenths;
+            return Ok(());
+        }
+        // G80 beside G0 … G3 only says that no cycle is meant.
+        let plain = |c: u16| c <= 30;
+        if code.group == GGroup::Motion
+            && (code.tenths == 800 && plain(*slot) || *slot == 800 && plain(code.tenths))
+        {
+            *slot = (*slot).min(code.tenths);
+            self.cycle_off = true;
+            return Ok(());
+        }
+        let text =
+            format!("G{written} and G{} exclude each other in one block", codes::written(*slot));
+        Err(error("I0104", span, text)
+            .with_help("both set the same mode: write one of them, or two blocks")
+            .into())
+    }
+
+    fn take_m(&mut self, value: f64, span: Span) -> Outcome {
+        let Some(code) = tenths(value).and_then(codes::m_code) else {
+            return Err(error("I0105", span, format!("M{value} is no known code")).into());
+        };
+        let written = codes::written(code.tenths);
+        if !code.supported {
+            let text = format!("M{value} ({}) is not executed by Leadscrew yet", code.name);
+            return Err(error("I0106", span, text).into());
+        }
+        self.any_code = true;
+        let slot = &mut self.m[code.group as usize];
+        if *slot != NONE {
+            let text = format!(
+                "M{written} and M{} exclude each other in one block",
+                codes::written(*slot)
+            );
+            return Err(error("I0107", span, text).with_help("write two blocks").into());
+        }
+        *slot = code.tenths;
+        Ok(())
+    }
+
+    /// The code of a group, in tenths.
+    #[inline]
+    pub(crate) fn g(&self, group: GGroup) -> Option<u16> {
+        let code = self.g[group as usize];
+        (code != NONE).then_some(code)
+    }
+
+    /// The code of a group, as written.
+    #[inline]
+    pub(crate) fn m(&self, group: MGroup) -> Option<u16> {
+        let code = self.m[group as usize];
+        (code != NONE).then_some(code / 10)
+    }
+
+    /// Whether there is any G or M code.
+    #[inline]
+    pub(crate) const fn has_codes(&self) -> bool {
+        self.any_code
+    }
+
+    /// The number after a letter.
+    #[inline]
+    pub(crate) fn get(&self, letter: u8) -> Option<f64> {
+        let i = codes::index(letter);
+        (self.present & (1 << i) != 0).then(|| self.value[i])
+    }
+
+    /// Where a letter's word is; the block if it is not there.
+    pub(crate) fn span(&self, letter: u8) -> Span {
+        let i = codes::index(letter);
+        if self.present & (1 << i) != 0 { self.at[i] } else { self.place.span }
+    }
+
+    /// Whether any of these letters is there.
+    #[inline]
+    pub(crate) const fn any(&self, letters: Letters) -> bool {
+        self.present & letters != 0
+    }
+
+    /// The number after a letter as a whole number from 0 to `most`.
+    pub(crate) fn whole(&self, letter: u8, most: u32) -> Outcome<Option<u32>> {
+        let Some(value) = self.get(letter) else { return Ok(None) };
+        match near_whole(value) {
+            Some(number) if (0..=i64::from(most)).contains(&number) => Ok(Some(number as u32)),
+            _ => {
+                let text = format!(
+                    "expected a whole number from 0 to {most} after {}, found {value}",
+                    letter as char
+                );
+                Err(error("I0108", self.span(letter), text).into())
+            }
+        }
+    }
+
+    /// Every word must belong to a code: the block's own, or the modal motion (whose letters are given).
+    pub(crate) fn check_letters(&self, modal: Letters) -> Outcome {
+        let mut allowed = FREE;
+        if self.any_code {
+            for code in self.g.iter().filter_map(|t| codes::g_code(*t)) {
+                allowed |= code.letters;
+            }
+            for code in self.m.iter().filter_map(|t| codes::m_code(*t)) {
+                allowed |= code.letters;
+            }
+        }
+        if self.any(AXES | CENTRE) {
+            allowed |= modal;
+        }
+        let stray = self.present & !allowed;
+        if stray == 0 { Ok(()) } else { Err(self.stray(stray).into()) }
+    }
+
+    fn stray(&self, stray: Letters) -> diag::Diagnostic {
+        let i = stray.trailing_zeros() as usize;
+        let letter = codes::letter(i);
+        if AXES & (1 << i) != 0 {
+            let text = format!(
+                "{letter} has no effect: no motion is in force and no code in this block takes it"
+            );
+            return error("I0109", self.at[i], text).with_help("write G0 or G1 before it");
+        }
+        error("I0110", self.at[i], format!("{letter} has no effect here: {}", codes::takers(i)))
+    }
+}
+
+/// A code's number in tenths, if it has one decimal at most.
+fn tenths(value: f64) -> Option<u16> {
+    let tenths = (value * 10.0).round();
+    let near = (value * 10.0 - tenths).abs() < 1e-3;
+    (near && (0.0..=20_000.0).contains(&tenths)).then_some(tenths as u16)
+}
+
+/// The whole number that a value is, as near as LinuxCNC asks (0.0001).
+pub(crate) fn near_whole(value: f64) -> Option<i64> {
+    let whole = value.round();
+    ((value - whole).abs() < 1e-4 && whole.abs() < 1e15).then_some(whole as i64)
+}
