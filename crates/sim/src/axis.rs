@@ -28,7 +28,7 @@
 //! Source: the two-mass model is that of any text on feed drives, e.g. Altintas, *Manufacturing
 //! Automation*, 2nd ed. 2012, ch. 5; friction as in [`crate::Lugre`].
 use crate::encoder::quantise;
-use crate::friction::Guideway;
+use crate::friction::{Guideway, between};
 use crate::lag::Lag;
 use crate::rng::Rng;
 use crate::{AxisEncoder, Lugre};
@@ -174,11 +174,13 @@ impl Axis {
         self.motor.x += self.half_step * self.motor.v;
         self.table.x += self.half_step * self.table.v;
         let stretch = self.motor.x - self.table.x;
-        let beyond_play = stretch - stretch.max(-self.half_play).min(self.half_play);
+        let beyond_play = stretch - between(stretch, -self.half_play, self.half_play);
         let spring = self.stiffness * beyond_play + self.damping * (self.motor.v - self.table.v);
         let friction = self.guideway.step(&mut self.bristles, self.table.v);
         self.motor.v += self.motor_rate * (drive - spring);
-        self.table.v += self.table_rate * (spring - friction + self.process + self.weight);
+        // friction comes last: it takes longest to compute
+        self.table.v += self.table_rate * (spring + self.process + self.weight);
+        self.table.v -= self.table_rate * friction;
         if self.brake && !self.on {
             self.motor.v = 0.0; // a brake holds more than the motor: it does not slip
         }

@@ -22,6 +22,9 @@ use units::Length;
 /// a step of 25 µs brings it 0.04 mm down.
 const ENTRY_DEPTH_MM: f64 = 0.5;
 
+/// Depth of an assumed hole in work without a lower side: more than any tap is long.
+const ASSUMED_DEPTH: Length = Length::mm(1000.0);
+
 /// What the tool is at.
 #[derive(Clone, Copy, Debug)]
 enum Engagement {
@@ -178,7 +181,7 @@ impl Cutting {
         let untouched = hole.bores.iter().all(|bore| bore.full_depth() <= Length::ZERO);
         if self.stock.assume_predrilled && untouched {
             let diameter = tap.diameter - Length::mm(tap.lead.value().abs());
-            let tip_depth = Length::mm(f64::INFINITY);
+            let tip_depth = self.stock.thickness.unwrap_or(ASSUMED_DEPTH);
             hole.bores.push(Bore { diameter, tip_depth, cone: Length::ZERO });
             hole.assumed = true;
         }

@@ -49,20 +49,24 @@ pub(crate) fn quantise(x: f64, count: f64) -> f64 {
 }
 
 impl SpindleEncoder {
-    /// What it reads at a true angle, in revolutions.
-    pub(crate) fn read(&self, angle_rev: f64, rng: &mut Rng) -> f64 {
-        let mut disk = angle_rev;
-        if self.eccentricity != Angle::ZERO {
-            disk += self.eccentricity.value() * Angle::rev(angle_rev).in_rad().sin();
+    /// Where its disk stands at a true angle, both in revolutions.
+    pub(crate) fn disk(&self, angle_rev: f64) -> f64 {
+        if self.eccentricity == Angle::ZERO {
+            return angle_rev;
         }
+        angle_rev + self.eccentricity.value() * Angle::rev(angle_rev).in_rad().sin()
+    }
+
+    /// What it reads of its disk.
+    pub(crate) fn read(&self, disk_rev: f64, rng: &mut Rng) -> f64 {
         let counts = f64::from(self.counts_per_rev);
         let noise = if self.noise_counts > 0.0 { self.noise_counts * rng.signed() } else { 0.0 };
         // divide by the whole number of counts rather than multiply by a rounded 1/counts
-        (disk * counts + noise).floor() / counts
+        (disk_rev * counts + noise).floor() / counts
     }
 }
 
-/// The index mark that lies between two readings, if one does; of several, the last one passed.
+/// The index mark that lies between two positions of the disk, if one does; of several, the last one passed.
 pub(crate) fn index_between(before_rev: f64, after_rev: f64) -> Option<f64> {
     let (from, to) = (before_rev.floor(), after_rev.floor());
     if to > from {
@@ -97,7 +101,7 @@ mod tests {
         let disk = SpindleEncoder { eccentricity: Angle::rev(1e-4), ..encoder(1 << 24) };
         let mut rng = Rng::new(0);
         for (angle, error) in [(0.0, 0.0), (0.25, 1e-4), (0.5, 0.0), (0.75, -1e-4)] {
-            let read = disk.read(angle, &mut rng) - angle;
+            let read = disk.read(disk.disk(angle), &mut rng) - angle;
             assert!((read - error).abs() < 1e-7, "{angle}: {read}");
         }
     }

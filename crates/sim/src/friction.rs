@@ -50,57 +50,76 @@ pub struct Lugre {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Guideway {
     h: f64,
-    per_h: f64,
-    sigma_0: f64,
-    sigma_1: f64,
-    sigma_2: f64,
     h_sigma_0: f64,
+    sigma_1_per_h: f64,
+    /// σ₀ + σ₁/h: what the bristles' new bending weighs in the force.
+    bent_weight: f64,
+    sigma_2: f64,
     coulomb: f64,
     excess: f64,
-    per_stribeck: f64,
+    fastest: f64,
+    /// ¼/vs² and 1/32 vs⁴.
+    square_share: f64,
+    fourth_share: f64,
 }
 
-/// Beyond this (v/vs)² the Stribeck term is below 3·10⁻⁹ of its height, and the polynomial stays small.
-const FAR_BEYOND_STRIBECK: f64 = 64.0;
+/// Beyond this |v|/vs the Stribeck term is below 3·10⁻⁹ of its height, and the polynomial stays small.
+const FAR_BEYOND_STRIBECK: f64 = 8.0;
 
 impl Guideway {
     /// `scale` multiplies the forces, not the bristles' stiffness: lubrication scatters, steel does not.
     pub(crate) fn new(model: &Lugre, scale: f64, h: f64) -> Self {
         let sigma_0 = model.bristle_stiffness.value() * 1e3;
+        let sigma_1_per_h = model.bristle_damping_n_s_per_m / h;
+        let stribeck = model.stribeck.value() * 1e-3;
         Self {
             h,
-            per_h: 1.0 / h,
-            sigma_0,
-            sigma_1: model.bristle_damping_n_s_per_m,
-            sigma_2: model.viscous_n_s_per_m * scale,
             h_sigma_0: h * sigma_0,
+            sigma_1_per_h,
+            bent_weight: sigma_0 + sigma_1_per_h,
+            sigma_2: model.viscous_n_s_per_m * scale,
             coulomb: model.coulomb.value() * scale,
             excess: (model.breakaway - model.coulomb).value() * scale,
-            per_stribeck: 1e3 / model.stribeck.value(),
+            fastest: FAR_BEYOND_STRIBECK * stribeck,
+            square_share: 0.25 / stribeck.powi(2),
+            fourth_share: 0.031_25 / stribeck.powi(4),
         }
     }
 
     /// Advance the bristles `z` (m) by one step at speed `v` (m/s); the force (N) that opposes `v`.
+    ///
+    /// Every operation waits for the one before it, and four bodies are stepped side by side: what counts is
+    /// the length of the chain, not the number of operations. So products are spread out rather than nested.
     #[inline]
     pub(crate) fn step(&self, z: &mut f64, v: f64) -> f64 {
-        let ratio = v * self.per_stribeck;
-        let u = (ratio * ratio).min(FAR_BEYOND_STRIBECK);
-        let root = 1.0 + u * (0.25 + u * 0.03125);
-        let square = root * root;
-        let quartic = square * square;
-        // g·quartic, so that one division serves both the Stribeck curve and the implicit rule
-        let g = self.coulomb * quartic + self.excess;
-        let bent = (*z + self.h * v) * g / (g + self.h_sigma_0 * v.abs() * quartic);
-        let rate = (bent - *z) * self.per_h;
+        let speed = v.abs();
+        let near = if speed < self.fastest { speed } else { self.fastest };
+        let square = near * near;
+        let root = (1.0 + self.square_share * square) + self.fourth_share * (square * square);
+        let root_square = root * root;
+        let quartic = root_square * root_square;
+        // numerator and denominator both times the quartic: one division serves Stribeck and the rule
+        let moved = *z + self.h * v;
+        let over = moved * self.coulomb * quartic + moved * self.excess;
+        let under = (self.coulomb + self.h_sigma_0 * speed) * quartic + self.excess;
+        let bent = over / under;
+        let rest = self.sigma_2 * v - self.sigma_1_per_h * *z;
         *z = bent;
-        self.sigma_0 * bent + self.sigma_1 * rate + self.sigma_2 * v
+        self.bent_weight * bent + rest
     }
+}
+
+/// Clamp in two instructions. The states it is used on are numbers: commands that are not are refused before.
+#[inline]
+pub(crate) fn between(x: f64, low: f64, high: f64) -> f64 {
+    let x = if x > low { x } else { low };
+    if x < high { x } else { high }
 }
 
 /// A smooth sign: tanh, nearly.
 #[inline]
 pub(crate) fn smooth_sign(x: f64) -> f64 {
-    let x = x.clamp(-3.0, 3.0);
+    let x = between(x, -3.0, 3.0);
     let square = x * x;
     x * (27.0 + square) / (27.0 + 9.0 * square)
 }

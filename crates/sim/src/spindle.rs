@@ -19,7 +19,7 @@
 //! taken at the beginning of the step (they change over milliseconds).
 use crate::SpindleEncoder;
 use crate::encoder::index_between;
-use crate::friction::smooth_sign;
+use crate::friction::{between, smooth_sign};
 use crate::lag::Lag;
 use crate::rng::Rng;
 use core::f64::consts::TAU;
@@ -75,6 +75,7 @@ pub(crate) struct Spindle {
     torque: f64,
     omega: f64,
     angle_rev: f64,
+    disk_rev: f64,
     read_rev: f64,
     index: Option<f64>,
 }
@@ -84,6 +85,7 @@ impl Spindle {
     pub(crate) fn new(model: &SpindleModel, scatter: f64, rng: &mut Rng, h: f64) -> Self {
         let friction_scale = rng.factor(scatter);
         let angle_rev = model.start.value();
+        let disk_rev = model.encoder.disk(angle_rev);
         Self {
             h,
             half_step_rev: h / 2.0 / TAU,
@@ -102,7 +104,8 @@ impl Spindle {
             torque: 0.0,
             omega: 0.0,
             angle_rev,
-            read_rev: model.encoder.read(angle_rev, rng),
+            disk_rev,
+            read_rev: model.encoder.read(disk_rev, rng),
             index: None,
         }
     }
@@ -125,9 +128,10 @@ impl Spindle {
     /// One physics step.
     #[inline]
     pub(crate) fn step(&mut self) {
-        let limit = (self.peak_power / self.omega.abs()).min(self.peak_torque);
+        let at_power = self.peak_power / self.omega.abs();
+        let limit = if at_power < self.peak_torque { at_power } else { self.peak_torque };
         self.saturated |= self.wanted.abs() > limit;
-        let reference = self.wanted.max(-limit).min(limit);
+        let reference = between(self.wanted, -limit, limit);
         let drive = self.lag.step(&mut self.torque, reference);
         let rubbing =
             self.coulomb * smooth_sign(self.omega * self.per_rounding) + self.viscous * self.omega;
@@ -138,9 +142,11 @@ impl Spindle {
 
     /// Read the encoder at the end of a period.
     pub(crate) fn read(&mut self, rng: &mut Rng) {
-        let before = self.read_rev;
-        self.read_rev = self.encoder.read(self.angle_rev, rng);
-        self.index = index_between(before, self.read_rev);
+        let before = self.disk_rev;
+        self.disk_rev = self.encoder.disk(self.angle_rev);
+        self.read_rev = self.encoder.read(self.disk_rev, rng);
+        // the mark has a track of its own: noise on the counts does not move it
+        self.index = index_between(before, self.disk_rev);
     }
 
     /// What the machine says of it.
@@ -175,8 +181,9 @@ impl Spindle {
 mod tests {
     use super::*;
     use crate::fixtures::spindle;
-    use crate::oracle::spindle::{RunUp, coast_down};
+    use crate::oracle::spindle::{RunUp, coast_down, overshoot};
     use bus::SpindleCommand;
+    use units::SpinAccel;
 
     const H: f64 = 25e-6;
 
@@ -250,6 +257,24 @@ mod tests {
             let exact = coast_down(&model, start, Time::s(f64::from(i) * H)).in_rad_per_s();
             assert!((spindle.omega() - exact).abs() < 2e-4 * exact, "{i}: {}", spindle.omega());
         }
+    }
+
+    #[test]
+    fn braked_at_constant_torque_it_turns_on_by_half_the_square_of_its_speed_over_its_braking() {
+        let model = frictionless();
+        let mut spindle = turning(&model);
+        let from = Spin::rpm(1000.0);
+        spindle.omega = from.in_rad_per_s();
+        let brake = Torque::n_m(-10.0);
+        spindle.obey(&SpindleCommand { enable: true, torque: brake, ..Default::default() });
+        let (mut before, mut omega) = (spindle.angle_rev(), spindle.omega());
+        while spindle.omega() > 0.0 {
+            (before, omega) = (spindle.angle_rev(), spindle.omega());
+            spindle.step();
+        }
+        let turned = before + omega * omega / (2.0 * 10.0 / 0.010) / TAU;
+        let exact = overshoot(from, SpinAccel::rev_per_s2(10.0 / 0.010 / TAU)).value();
+        assert!((turned - exact).abs() < 1e-9 * exact, "{turned} rev, exact {exact} rev");
     }
 
     #[test]

@@ -143,7 +143,54 @@ fn a_step_too_coarse_for_an_axis_is_refused_with_the_step_that_would_do() {
     assert!(SimulatedMachine::new(config).is_ok());
 }
 
+#[test]
+fn no_number_of_a_config_may_be_missing() {
+    let nan = f64::NAN;
+    let poison: [fn(&mut Config, f64); 14] = [
+        |c, x| c.period = Time::s(x),
+        |c, x| c.substep = Time::s(x),
+        |c, x| c.tool_change_time = Time::s(x),
+        |c, x| c.scatter = x,
+        |c, x| c.axes[0].1.table = units::Mass::kg(x),
+        |c, x| c.axes[0].1.stiffness = units::Stiffness::n_per_mm(x),
+        |c, x| c.axes[0].1.weight_share = x,
+        |c, x| c.axes[0].1.friction.breakaway = Force::n(x),
+        |c, x| c.spindles[0].inertia = units::Inertia::kg_m2(x),
+        |c, x| c.spindles[0].encoder.eccentricity = units::Angle::rev(x),
+        |c, x| c.magazine[0].length = Length::mm(x),
+        |c, x| c.stock.as_mut().unwrap().top = Length::mm(x),
+        |c, x| c.stock.as_mut().unwrap().thickness = Some(Length::mm(x)),
+        |c, x| c.stock.as_mut().unwrap().material.cutting_n_per_mm2 = x,
+    ];
+    for (at, put) in poison.iter().enumerate() {
+        let mut config = tapping_center();
+        put(&mut config, nan);
+        assert!(SimulatedMachine::new(config).is_err(), "number {at}");
+    }
+}
+
 proptest! {
+    #[test]
+    fn a_tool_in_the_work_bears_any_command_or_breaks(
+        steps in proptest::collection::vec((-3e4..3e4_f64, -60.0..60.0_f64), 1..400),
+        tool in 1..3_u32,
+    ) {
+        let mut config = Config { tool, ..tapping_center() };
+        config.axes[2].1.brake = false;
+        config.axes[2].1.start = Length::mm(if tool == 1 { -179.999 } else { -199.999 });
+        let mut machine = machine(config);
+        for (force, torque) in steps {
+            let mut order = Command { tool, ..command(0.0, torque) };
+            order.axes[2].force = Force::n(force - 8000.0); // downwards, more often than not
+            machine.exchange(&order);
+            let truth = machine.truth().unwrap();
+            prop_assert!(truth.tool_deflection.is_finite() && truth.axes[2].is_finite());
+            prop_assert!(truth.cutting_force.is_finite() && truth.cutting_torque.is_finite());
+            prop_assert!(truth.cutting_torque.abs() < Torque::n_m(20.0));
+            prop_assert!(!truth.tool_broken || truth.cutting_force == Force::ZERO);
+        }
+    }
+
     #[test]
     fn states_stay_finite_and_bounded_for_any_command(
         steps in proptest::collection::vec((-1e7..1e7_f64, -1e5..1e5_f64, proptest::bool::ANY), 1..200),

@@ -4,8 +4,9 @@ mod fixtures;
 use bus::{Command, Machine, Truth};
 use core::f64::consts::TAU;
 use fixtures::tapping_center;
+use sim::oracle::thread::helix;
 use sim::{Config, SimulatedMachine};
-use units::{Force, Length, Torque};
+use units::{Force, Lead, Length, Time, Torque};
 
 const PERIOD: f64 = 250e-6;
 const KP: f64 = 80.0;
@@ -128,7 +129,7 @@ fn widening(saw: &[Truth], lead: f64) -> f64 {
         .iter()
         .map(|t| (t.axes[2] + t.tool_deflection, t))
         .filter(|(z, _)| z.value() - 100.0 < -300.5)
-        .map(|(z, t)| z.value() - lead * t.spindles[0].value());
+        .map(|(z, t)| (z - helix(Length::ZERO, Lead::mm_per_rev(lead), t.spindles[0])).value());
     let (low, high) = deviations
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), d| (low.min(d), high.max(d)));
     high - low
@@ -178,6 +179,21 @@ fn a_ramp_beyond_the_power_curve_saturates_the_drive_and_spoils_the_thread() {
     let (steep_saturates, steep) = tapped(540.0); // 34 N·m at 5400 rpm would be 19 kW
     assert!(!sane_saturates && steep_saturates);
     assert!(steep > 3.0 * sane, "{steep} mm against {sane} mm");
+}
+
+#[test]
+fn a_finer_physics_step_changes_the_thread_by_less_than_a_tenth_of_a_micrometre() {
+    let tapped = |step_us: f64| {
+        let mut servo =
+            Servo::new(Config { substep: Time::s(step_us * 1e-6), ..over_the_work(100.0) });
+        servo.change_to(2);
+        servo.saw.clear();
+        servo.stroke(14.0, 50.0, 250.0, -1.0);
+        servo.stroke(-14.0, 50.0, 250.0, -1.0);
+        widening(&servo.saw, -1.0)
+    };
+    let (usual, fine) = (tapped(25.0), tapped(5.0));
+    assert!((usual - fine).abs() < 0.1e-3, "{usual} mm, {fine} mm");
 }
 
 #[test]
