@@ -189,7 +189,8 @@ pub struct Thread {
     pub depth_error: Length,
     /// Fastest spindle speed in the material (magnitude).
     pub spin_max: Spin,
-    /// Largest distance of the tap's edges from the fitted ideal helix, in the material, in and out.
+    /// Largest distance of the axis from the ideal helix fitted to it, in the material, in and out:
+    /// how well the machine kept step, before the holder gave way.
     pub sync_error_max: Length,
     /// The same, root of the mean square over the spindle's path.
     pub sync_error_rms: Length,
@@ -237,18 +238,18 @@ pub struct Thread {
     pub chip_removal: bool,
     /// The motion was faulted in the thread and the tap was driven out of it afterwards.
     pub recovered: bool,
-    /// Error of the cut over depth, for pictures; empty if nothing was cut.
+    /// Sync error and widening over depth, for pictures; empty if nothing was cut.
     pub profile: Vec<ProfilePoint>,
 }
 
-/// The cut at one depth.
+/// Sync error and cut at one depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProfilePoint {
     /// Depth of the tap's tip.
     pub tip_depth: Length,
-    /// Least and largest distance from the fitted helix on the way in.
+    /// Least and largest sync error on the way in; positive is deeper than the helix.
     pub inward: Option<[Length; 2]>,
-    /// Least and largest distance from the fitted helix on the way out.
+    /// Likewise on the way out.
     pub outward: Option<[Length; 2]>,
     /// Widening of the groove at *this depth of thread*; `None` below the full form.
     pub widening: Option<Length>,

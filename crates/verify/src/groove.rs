@@ -126,26 +126,36 @@ pub(crate) struct TapForm {
     pub(crate) engagement_mm: f64,
 }
 
-/// What was cut, mm and rev.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Measured {
-    pub(crate) sync_error_max_mm: f64,
-    pub(crate) sync_error_depth_mm: f64,
-    pub(crate) sync_error_rms_mm: f64,
-    pub(crate) lead_error_mm: f64,
-    pub(crate) widening_mm: f64,
-    pub(crate) widest_depth_mm: f64,
-    pub(crate) profile: Vec<Slice>,
+/// How far the edges were off the fitted helix, mm.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[allow(clippy::struct_field_names)] // the ending is the unit
+pub(crate) struct OffHelix {
+    pub(crate) largest_mm: f64,
+    /// Depth of the tip at the largest.
+    pub(crate) depth_mm: f64,
+    /// Root of the mean square over the spindle's path.
+    pub(crate) rms_mm: f64,
 }
 
-/// One depth of the profile, mm, e counted from the fitted helix.
+/// What that did to the thread, mm.
+#[derive(Clone, Debug, Default, PartialEq)]
 #[allow(clippy::struct_field_names)] // the ending is the unit
+pub(crate) struct Cut {
+    pub(crate) lead_error_mm: f64,
+    /// w of the widest place.
+    pub(crate) widening_mm: f64,
+    pub(crate) widest_depth_mm: f64,
+    /// w of each place of the full thread, by bin.
+    pub(crate) widenings_mm: Vec<f64>,
+}
+
+/// Error at one depth of the tip, mm: least and largest distance from the fitted helix.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(clippy::struct_field_names)] // the ending is the unit
 pub(crate) struct Slice {
     pub(crate) depth_mm: f64,
     pub(crate) inward_mm: Option<[f64; 2]>,
     pub(crate) outward_mm: Option<[f64; 2]>,
-    pub(crate) widening_mm: Option<f64>,
 }
 
 impl Groove {
@@ -215,7 +225,7 @@ impl Groove {
             self.bins.resize(high + 1, Bin::EMPTY);
         }
         for bin in low + 1..high {
-            let depth = (bin as f64 + 0.5) * self.bin_mm;
+            let depth = self.centre_mm(bin);
             let part = (depth - before.depth_mm) / (now.depth_mm - before.depth_mm);
             self.range_at(bin).take(a + (b - a) * part);
         }
@@ -232,33 +242,48 @@ impl Groove {
         Some(theta0 + (depth_mm - depth0 - self.fitted_mm()) / self.advance_mm_per_rev)
     }
 
-    /// Measure what was cut.
-    pub(crate) fn measure(&self, form: &TapForm, full_depth_mm: f64) -> Measured {
+    /// How far the edges were off the fitted helix.
+    pub(crate) fn off_helix(&self) -> OffHelix {
         if self.origin.is_none() {
-            return Measured::default();
+            return OffHelix::default();
         }
         let zero = self.fitted_mm();
         let (low, high) = (zero - self.least.0, self.largest.0 - zero);
         let mean_square = if self.sums[0] > 0.0 { self.sums[2] / self.sums[0] } else { 0.0 };
-        let widenings = self.widenings(form, full_depth_mm);
-        let widest =
-            (0..widenings.len()).rev().max_by(|a, b| widenings[*a].total_cmp(&widenings[*b]));
-        let centre = |bin: usize| (bin as f64 + 0.5) * self.bin_mm;
-        let slice = |(i, bin): (usize, &Bin)| Slice {
-            depth_mm: centre(i),
+        OffHelix {
+            largest_mm: low.max(high),
+            depth_mm: if low > high { self.least.1 } else { self.largest.1 },
+            rms_mm: (mean_square - zero * zero).max(0.0).sqrt(),
+        }
+    }
+
+    /// What that did to a thread of this full depth.
+    pub(crate) fn cut(&self, form: &TapForm, full_depth_mm: f64) -> Cut {
+        let widenings_mm = self.widenings(form, full_depth_mm);
+        // of equals the shallowest
+        let widest = (0..widenings_mm.len())
+            .rev()
+            .max_by(|a, b| widenings_mm[*a].total_cmp(&widenings_mm[*b]));
+        Cut {
+            lead_error_mm: self.lead_error_mm(form),
+            widening_mm: widest.map_or(0.0, |bin| widenings_mm[bin]),
+            widest_depth_mm: widest.map_or(0.0, |bin| self.centre_mm(bin)),
+            widenings_mm,
+        }
+    }
+
+    /// The error over depth, for pictures.
+    pub(crate) fn profile(&self) -> impl Iterator<Item = Slice> {
+        let zero = self.fitted_mm();
+        self.bins.iter().enumerate().map(move |(i, bin)| Slice {
+            depth_mm: self.centre_mm(i),
             inward_mm: bin.inward.relative_to(zero),
             outward_mm: bin.outward.relative_to(zero),
-            widening_mm: widenings.get(i).copied(),
-        };
-        Measured {
-            sync_error_max_mm: low.max(high),
-            sync_error_depth_mm: if low > high { self.least.1 } else { self.largest.1 },
-            sync_error_rms_mm: (mean_square - zero * zero).max(0.0).sqrt(),
-            lead_error_mm: self.lead_error_mm(form),
-            widening_mm: widest.map_or(0.0, |i| widenings[i]),
-            widest_depth_mm: widest.map_or(0.0, centre),
-            profile: self.bins.iter().enumerate().map(slice).collect(),
-        }
+        })
+    }
+
+    fn centre_mm(&self, bin: usize) -> f64 {
+        (bin as f64 + 0.5) * self.bin_mm
     }
 
     /// w of every place of the full thread, by bin.
@@ -299,5 +324,65 @@ impl Groove {
                 range.known().map_or(0.0, |r| r.largest - r.least)
             })
             .fold(0.0, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FORM: TapForm = TapForm { chamfer_mm: 2.5, clearance_mm: 0.0, engagement_mm: 10.0 };
+
+    /// In to 14 mm and out again on a lead of 1 mm, so many samples a turn, e in mm.
+    fn groove(samples_per_rev: f64, from_rev: f64, e: impl Fn(f64, bool) -> f64) -> Groove {
+        let mut groove = Groove::new(1.0, 1.0, 14.0);
+        let count = (14.0 * samples_per_rev) as i32;
+        for k in -count..=count {
+            let depth = 14.0 * (1.0 - f64::from(k.abs()) / f64::from(count)) + 0.05;
+            groove.sample(depth + e(depth, k > 0), from_rev + depth);
+        }
+        groove
+    }
+
+    #[test]
+    fn a_record_so_coarse_that_it_skips_bins_measures_the_same() {
+        let offset = |_: f64, out: bool| if out { 0.010 } else { 0.0 };
+        for samples_per_rev in [50.0, 8.0, 3.0] {
+            let groove = groove(samples_per_rev, 0.0, offset);
+            let cut = groove.cut(&FORM, 11.5);
+            assert!(
+                (cut.widening_mm - 0.010).abs() < 1e-9,
+                "{samples_per_rev}: {}",
+                cut.widening_mm
+            );
+            let mut filled = groove.profile().skip(1).take(100);
+            assert!(filled.all(|s| s.inward_mm.is_some() && s.outward_mm.is_some()));
+        }
+    }
+
+    #[test]
+    fn a_spindle_that_has_turned_a_day_is_as_exact_as_a_fresh_one() {
+        // 24 h at 10 000 rpm: 14.4 million turns
+        let cut = groove(40.0, 14.4e6, |_, out| if out { 0.010 } else { 0.0 }).cut(&FORM, 11.5);
+        assert!((cut.widening_mm - 0.010).abs() < 1e-8, "{}", cut.widening_mm);
+    }
+
+    #[test]
+    fn standing_still_weighs_nothing_in_the_fit() {
+        let mut waited = groove(40.0, 0.0, |depth, _| 0.004 * depth.sin());
+        let before = waited.off_helix();
+        for _ in 0..100_000 {
+            waited.sample(0.05 + 0.004 * 0.05_f64.sin(), 0.05);
+        }
+        assert!((waited.off_helix().rms_mm - before.rms_mm).abs() < 1e-12);
+    }
+
+    #[test]
+    fn memory_is_bounded_however_deep_or_fine_the_thread() {
+        let mut groove = Groove::new(0.001, 0.001, 1e9);
+        for k in 0..10_000 {
+            groove.sample(f64::from(k) * 1e6, f64::from(k));
+        }
+        assert!(groove.bins.len() <= MOST_BINS);
     }
 }

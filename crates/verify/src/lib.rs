@@ -16,9 +16,11 @@ mod feature;
 mod gauge;
 mod groove;
 mod hole;
+mod inspection;
 mod judge;
 mod size;
 mod stroke;
+mod summary;
 mod thread;
 mod tolerance;
 
@@ -28,4 +30,5 @@ pub use feature::{Feature, FeatureKind, Gauge, Hand, Hole, ProfilePoint, Thread,
 pub use gauge::{CutThread, Gauged};
 pub use judge::Judge;
 pub use size::{ThreadSize, UnknownSize};
+pub use summary::{Count, Criterion, Headroom, Summary};
 pub use tolerance::Limits;

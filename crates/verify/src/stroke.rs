@@ -64,13 +64,18 @@ impl Stroke {
         self
     }
 
+    /// Coordinate of the axis.
+    pub(crate) fn axis_mm(&self, sample: &Sample) -> f64 {
+        axis_mm(sample, self.axis)
+    }
+
     /// Coordinate of the axis plus the tool's deflection.
     pub(crate) fn edge_mm(&self, sample: &Sample) -> f64 {
         let deflection = sample.truth.as_ref().map_or(0.0, |t| t.tool_deflection.value());
         axis_mm(sample, self.axis) + deflection
     }
 
-    /// Depth below the surface of a coordinate from [`Self::edge_mm`].
+    /// Depth below the surface of such a coordinate.
     pub(crate) fn depth_mm(&self, edge_mm: f64) -> f64 {
         self.sense * (edge_mm - self.surface_mm)
     }

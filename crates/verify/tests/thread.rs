@@ -230,7 +230,7 @@ fn the_expected_torque_stands_beside_the_largest() {
 }
 
 #[test]
-fn the_holders_deflection_moves_the_edges() {
+fn the_holders_deflection_moves_the_edges_and_is_no_sync_error() {
     let record = Record::new(2, 1.0);
     let mut judge = Judge::new(Config::new(tools()));
     judge.op(0, &record.op(10));
@@ -239,7 +239,9 @@ fn the_holders_deflection_moves_the_edges() {
         sample.truth.as_mut().unwrap().tool_deflection = Length::um(if out { 15.0 } else { 0.0 });
         judge.sample(&sample);
     }
-    close(thread(&judge.finish()[0]).groove_widening, 15.0, 1e-6);
+    let features = judge.finish();
+    close(thread(&features[0]).groove_widening, 15.0, 1e-6);
+    close(thread(&features[0]).sync_error_max, 0.0, 1e-6);
 }
 
 #[test]
@@ -342,5 +344,33 @@ proptest! {
         prop_assert!(m6.groove_widening >= Length::ZERO);
         prop_assert!(m6.pitch_diameter >= Length::mm(5.350));
         prop_assert!(m6.profile.iter().filter_map(|p| p.widening).all(|w| w >= Length::ZERO));
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn no_record_however_mad_makes_the_judge_panic(
+        numbers in proptest::collection::vec((num::f64::ANY, num::f64::ANY, 0..6_u32), 1..40),
+        bottom in num::f64::ANY, lead in num::f64::ANY, tool in 0..7_u32,
+    ) {
+        let record = Record { lead_mm: lead, programmed_mm: bottom, ..Record::new(tool, 1.0) };
+        let mut judge = Judge::new(Config::new(tools()));
+        for (index, op) in common::hole_ops(7, [0.0, 0.0], bottom).iter().enumerate() {
+            judge.op(index as u32, op);
+        }
+        judge.op(3, &record.op(8));
+        for (z, theta, op) in numbers {
+            let mut sample = bus::Sample::default();
+            sample.feedback.axes[2].position = Length::mm(z);
+            sample.feedback.spindles[0].angle = Angle::rev(theta);
+            sample.feedback.tool = Some(tool);
+            sample.report.op = op;
+            judge.sample(&sample);
+        }
+        let features = judge.finish();
+        let tolerances = verify::Tolerances::default();
+        prop_assert_eq!(verify::Summary::of(&features, &tolerances).threads.total(), 1);
     }
 }

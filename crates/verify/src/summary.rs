@@ -1,0 +1,217 @@
+//! What to tell first: how many are good, and which one is nearest to its limit.
+//!
+//! ```text
+//!   headroom = what is left of a tolerance / the tolerance
+//!
+//!      1 ──┬── nothing used        0.4: 40 % left          0 ── at the limit        < 0: out
+//! ```
+//!
+//! A feature has as many headrooms as tolerances; its own is the least of them. Of gauges, the tolerance
+//! is TD2, so 0.4 means the same for an M3 and an M20.
+use crate::config::Tolerances;
+use crate::feature::{Feature, FeatureKind, Gauge, Hole, Thread};
+use std::fmt;
+use units::Length;
+
+/// How many, and how many of them good.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Count {
+    /// Within every tolerance.
+    pub passed: usize,
+    /// Out of at least one.
+    pub failed: usize,
+}
+
+impl Count {
+    /// All of them.
+    pub const fn total(self) -> usize {
+        self.passed + self.failed
+    }
+
+    fn add(&mut self, passed: bool) {
+        if passed {
+            self.passed += 1;
+        } else {
+            self.failed += 1;
+        }
+    }
+}
+
+/// Which tolerance is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Criterion {
+    /// Depth of the tip.
+    Depth,
+    /// Place across the tool.
+    Position,
+    /// Pitch diameter by one of the gauges.
+    PitchDiameter(Gauge),
+    /// The bore's diameter.
+    MinorDiameter,
+    /// Sync error in the material.
+    SyncError,
+    /// Something that has no measure: broken, never cut, wrong tool.
+    Whole,
+}
+
+impl Criterion {
+    /// Its name in a sentence.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Depth => "depth",
+            Self::Position => "position",
+            Self::PitchDiameter(Gauge::Go) => "Go gauge",
+            Self::PitchDiameter(Gauge::NoGo) => "No-go gauge",
+            Self::MinorDiameter => "minor diameter",
+            Self::SyncError => "sync error",
+            Self::Whole => "the whole feature",
+        }
+    }
+}
+
+/// What is left of one tolerance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Headroom {
+    /// Of which.
+    pub of: Criterion,
+    /// Length left; negative is out.
+    pub left: Length,
+    /// The tolerance.
+    pub tolerance: Length,
+}
+
+impl Headroom {
+    /// Left over tolerance; where nothing is allowed, anything left is enough and anything missing is not.
+    pub fn share(&self) -> f64 {
+        if self.tolerance > Length::ZERO {
+            self.left / self.tolerance
+        } else if self.left < Length::ZERO {
+            f64::NEG_INFINITY
+        } else {
+            1.0
+        }
+    }
+}
+
+impl fmt::Display for Headroom {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (left, tolerance) = (self.left.in_um(), self.tolerance.in_um());
+        match self.of {
+            Criterion::Whole => f.write_str("not made as ordered"),
+            of if left < 0.0 => {
+                write!(f, "{}: {:.0} µm out of {tolerance:.0} µm", of.name(), -left)
+            }
+            of => write!(f, "{}: {left:.0} of {tolerance:.0} µm left", of.name()),
+        }
+    }
+}
+
+impl Feature {
+    /// What is left of the tolerance that is nearest to its limit.
+    pub fn headroom(&self, tolerances: &Tolerances) -> Headroom {
+        let measured = match &self.kind {
+            FeatureKind::Hole(hole) => of_hole(hole, tolerances),
+            FeatureKind::Thread(thread) => of_thread(thread, tolerances),
+        };
+        let least = measured.into_iter().min_by(|a, b| a.share().total_cmp(&b.share()));
+        // a feature that failed for what has no measure must not look good by its measures
+        let whole =
+            Headroom { of: Criterion::Whole, left: -Length::um(1.0), tolerance: Length::ZERO };
+        least.filter(|least| self.verdict.is_pass() || least.share() < 0.0).unwrap_or(whole)
+    }
+}
+
+fn position_left(position_error: Length, tolerances: &Tolerances) -> Headroom {
+    Headroom {
+        of: Criterion::Position,
+        left: tolerances.position - position_error,
+        tolerance: tolerances.position,
+    }
+}
+
+fn of_hole(hole: &Hole, tolerances: &Tolerances) -> Vec<Headroom> {
+    let tolerance = tolerances.hole_depth;
+    let left = tolerance - hole.depth_error.abs();
+    let depth = Headroom { of: Criterion::Depth, left, tolerance };
+    vec![depth, position_left(hole.position_error, tolerances)]
+}
+
+fn of_thread(thread: &Thread, tolerances: &Tolerances) -> Vec<Headroom> {
+    let depth_tolerance = if thread.depth_error > Length::ZERO {
+        tolerances.thread_overrun.min(tolerances.thread_depth)
+    } else {
+        tolerances.thread_depth
+    };
+    let pitch_diameter = |gauge, left| Headroom {
+        of: Criterion::PitchDiameter(gauge),
+        left,
+        tolerance: thread.pitch_diameter_tolerance,
+    };
+    let mut all = vec![
+        pitch_diameter(Gauge::Go, thread.go_margin),
+        pitch_diameter(Gauge::NoGo, thread.no_go_margin),
+        position_left(thread.position_error, tolerances),
+        Headroom {
+            of: Criterion::Depth,
+            left: depth_tolerance - thread.depth_error.abs(),
+            tolerance: depth_tolerance,
+        },
+    ];
+    if let Some(tolerance) = tolerances.sync_error {
+        let left = tolerance - thread.sync_error_max;
+        all.push(Headroom { of: Criterion::SyncError, left, tolerance });
+    }
+    if thread.minor_margin < Length::ZERO {
+        let tolerance = thread.pitch_diameter_tolerance;
+        all.push(Headroom { of: Criterion::MinorDiameter, left: thread.minor_margin, tolerance });
+    }
+    all
+}
+
+/// A workpiece in a few numbers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Summary {
+    /// Holes.
+    pub holes: Count,
+    /// Threads.
+    pub threads: Count,
+    /// Index of the feature with the least headroom, and what is left of which tolerance.
+    pub worst: Option<(usize, Headroom)>,
+    /// Index of the thread with the largest sync error in the material, and that error.
+    pub sync_error_max: Option<(usize, Length)>,
+    /// Index of the thread with the largest depth error (magnitude), and that error, signed.
+    pub depth_error_max: Option<(usize, Length)>,
+}
+
+impl Summary {
+    /// Of these features, judged by these tolerances.
+    pub fn of(features: &[Feature], tolerances: &Tolerances) -> Self {
+        let mut summary = Self::default();
+        for (index, feature) in features.iter().enumerate() {
+            let headroom = feature.headroom(tolerances);
+            if summary.worst.is_none_or(|(_, worst)| headroom.share() < worst.share()) {
+                summary.worst = Some((index, headroom));
+            }
+            let passed = feature.verdict.is_pass();
+            match &feature.kind {
+                FeatureKind::Hole(_) => summary.holes.add(passed),
+                FeatureKind::Thread(thread) => {
+                    summary.threads.add(passed);
+                    let (sync, depth) = (thread.sync_error_max, thread.depth_error);
+                    if summary.sync_error_max.is_none_or(|(_, most)| sync > most) {
+                        summary.sync_error_max = Some((index, sync));
+                    }
+                    if summary.depth_error_max.is_none_or(|(_, most)| depth.abs() > most.abs()) {
+                        summary.depth_error_max = Some((index, depth));
+                    }
+                }
+            }
+        }
+        summary
+    }
+
+    /// Every feature is good.
+    pub const fn passes(&self) -> bool {
+        self.holes.failed == 0 && self.threads.failed == 0
+    }
+}
