@@ -1,0 +1,72 @@
+//! The tick takes no memory: an allocator that aborts when asked within a tick, over a whole program.
+mod common;
+use assert_no_alloc::{AllocDisabler, assert_no_alloc};
+use bus::Machine;
+use canon::Position;
+use common::{M6, TapOrder, await_speed, control, line, machine, tapping, turn};
+use kernel::{Kernel, Prediction, SyncMode};
+use plan::{Step, StepKind};
+use sim::SimulatedMachine;
+
+#[global_allocator]
+static ALLOCATOR: AllocDisabler = AllocDisabler;
+
+/// Run a program with the allocator shut during every tick and push; the number of ticks.
+fn ticks_without_memory(mode: SyncMode, steps: &[StepKind]) -> u32 {
+    let machine = machine(1);
+    let mut config = control(&machine);
+    config.synchronisation = mode;
+    let mut kernel = Kernel::new(config);
+    let mut machine = SimulatedMachine::new(machine).expect("the test's machine can be built");
+    let mut feedback = machine.feedback();
+    let mut waiting = steps.iter();
+    let mut ticks = 0;
+    while !kernel.is_over() && ticks < 40_000 {
+        while !kernel.is_full()
+            && let Some(kind) = waiting.next()
+        {
+            let step = Step { op: 0, line: 1, kind: *kind };
+            assert_no_alloc(|| kernel.push(step)).expect("there is room");
+        }
+        // nobody takes the events: the ring has to cope by itself
+        let command = assert_no_alloc(|| kernel.tick(&feedback));
+        feedback = machine.exchange(&command);
+        ticks += 1;
+    }
+    assert!(kernel.is_over() && kernel.faults().is_empty(), "{:?}", kernel.faults());
+    ticks
+}
+
+#[test]
+fn no_tick_of_a_whole_tapping_program_takes_memory() {
+    let (zero, corner) = (Position::default(), Position::xyz(50.0, 20.0, 0.0));
+    let mut steps = vec![turn(0.0, 3000.0), await_speed(), line(zero, corner, 100.0, true)];
+    steps.extend([line(corner, zero, 100.0, false), turn(3000.0, 0.0), await_speed()]);
+    for _ in 0..3 {
+        steps.extend(&tapping(&TapOrder { dwell_s: 0.1, ..M6 })[..2]);
+        steps.push(line(Position::xyz(0.0, 0.0, M6.from_mm), zero, 100.0, true));
+    }
+    steps.push(StepKind::End);
+    let ticks = ticks_without_memory(SyncMode::CommandSynchronised, &steps);
+    assert!(ticks > 10_000, "{ticks}");
+}
+
+#[test]
+fn no_tick_of_an_encoder_following_tap_takes_memory() {
+    let mode = SyncMode::EncoderFollowing { prediction: Prediction::Observer, transport: 1 };
+    assert!(ticks_without_memory(mode, &tapping(&M6)) > 4000);
+}
+
+#[test]
+fn a_fault_takes_no_memory_either() {
+    let machine = machine(0);
+    let mut kernel = Kernel::new(control(&machine));
+    let mut machine = SimulatedMachine::new(machine).expect("the test's machine can be built");
+    let mut feedback = machine.feedback();
+    for tick in 0..2000 {
+        feedback.emergency_stop = tick > 1000;
+        let command = assert_no_alloc(|| kernel.tick(&feedback));
+        feedback = machine.exchange(&command);
+    }
+    assert_eq!(kernel.faults().len(), 1);
+}
