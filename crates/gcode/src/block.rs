@@ -81,6 +81,8 @@ pub struct Comment {
     /// What stands after the keyword and its comma (all of it, for a plain comment), without the
     /// brackets; bytes that are not UTF-8 are replaced by U+FFFD.
     pub text: Text,
+    /// Written after a semicolon instead of in brackets. LinuxCNC passes only the bracketed on.
+    pub semicolon: bool,
     /// With its brackets, or from the semicolon to the end of the line.
     pub span: Span,
 }

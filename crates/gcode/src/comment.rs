@@ -32,7 +32,7 @@ impl CommentKind {
 }
 
 /// What the text in brackets asks for, and how many of its bytes say so.
-pub(crate) fn kind_of(text: &str) -> (CommentKind, usize) {
+fn kind_of(text: &str) -> (CommentKind, usize) {
     let words = text.trim_start_matches([' ', '\t']);
     let blanks = text.len() - words.len();
     for (keyword, kind) in KEYWORDS {
@@ -75,7 +75,7 @@ impl Line<'_, '_> {
         self.comment(open, self.at, self.text.len(), true)
     }
 
-    fn comment(&mut self, open: usize, from: usize, to: usize, to_end: bool) -> Read<()> {
+    fn comment(&mut self, open: usize, from: usize, to: usize, semicolon: bool) -> Read<()> {
         let bytes = &self.text[from..to];
         if let Some(at) = memchr::memchr2(0, b'\r', bytes) {
             let problem = if bytes[at] == 0 { Problem::Binary } else { Problem::LoneReturn };
@@ -86,7 +86,7 @@ impl Line<'_, '_> {
             self.remark = Some(Fault { problem: Problem::CommentNotUtf8, from: open, to });
         }
         let (kind, skip) = match kind_of(&text) {
-            (kind, _) if to_end && kind != CommentKind::Python => (CommentKind::Plain, 0),
+            (kind, _) if semicolon && kind != CommentKind::Python => (CommentKind::Plain, 0),
             found => found,
         };
         let start = self.block.texts.len() as u32;
@@ -94,8 +94,8 @@ impl Line<'_, '_> {
         let text = Text { start, end: self.block.texts.len() as u32 };
         (self.at, self.end) = (to, to);
         let mut span = self.span(open);
-        span.end += u32::from(!to_end);
-        self.block.comments.push(Comment { kind, text, span });
+        span.end += u32::from(!semicolon);
+        self.block.comments.push(Comment { kind, text, semicolon, span });
         Ok(())
     }
 }

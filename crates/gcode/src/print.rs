@@ -8,8 +8,7 @@
 //! needed; letters, functions and operators in upper case, names and O-words in lower case. Read
 //! again, the text gives the same block (spans apart).
 
-use crate::block::{Block, Comment, CommentKind, Label};
-use crate::comment::kind_of;
+use crate::block::{Block, Comment, Label};
 use crate::expression::{Expr, ExprId, Operator, Parameter, Value};
 use core::fmt::{Display, Formatter, Result};
 
@@ -83,11 +82,9 @@ impl Block {
         Ok(())
     }
 
-    /// A comment in round brackets, or after a semicolon if only there it means the same.
     fn write_comment(&self, f: &mut Formatter<'_>, comment: &Comment) -> Result {
         let (text, keyword) = (self.text(comment.text), comment.kind.keyword());
-        let plain = comment.kind == CommentKind::Plain;
-        if text.contains(['(', ')']) || plain && kind_of(text).0 != CommentKind::Plain {
+        if comment.semicolon {
             return write!(f, ";{keyword}{text}");
         }
         write!(f, "({keyword}{text})")

@@ -20,7 +20,7 @@ impl Block {
                 to.parameter(a.target, b.target) && to.value(a.value, b.value)
             })
             && all(&self.comments, &other.comments, |a, b| {
-                a.kind == b.kind && to.text(a.text, b.text)
+                (a.kind, a.semicolon) == (b.kind, b.semicolon) && to.text(a.text, b.text)
             })
     }
 }
