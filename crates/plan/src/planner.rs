@@ -34,7 +34,7 @@ use units::{Length, Spin, Time};
 mod refuse;
 mod spindle;
 mod tap;
-use refuse::clipped;
+use refuse::{clipped, wild};
 
 /// Moves shorter than this are no moves: a picometre.
 const NOTHING: f64 = 1e-9;
@@ -153,6 +153,8 @@ impl Planner {
             OpKind::Arc { to, arc, feed } => {
                 if self.arc_is_sound(&job, to, arc) {
                     self.cut(&mut job, to, *feed, |from| Path::Arc { from, to: *to, arc: *arc });
+                } else if wild(to).is_none() {
+                    self.programmed = *to;
                 }
             }
             OpKind::Tap(tap) => self.tap(&mut job, tap),
@@ -320,6 +322,9 @@ impl Planner {
         }
         for state in &mut self.spindles {
             state.ordered = Spin::ZERO;
+        }
+        if number == self.tool {
+            return; // it is there already
         }
         self.tell_spindles(job);
         if let Some(z) = self.limits.tool_change.z {
