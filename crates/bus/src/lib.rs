@@ -206,12 +206,12 @@ pub struct Sample {
 impl Sample {
     /// Where an axis really is: by the simulator if there is one, else by its encoder.
     pub fn axis(&self, index: usize) -> Length {
-        self.truth.map_or(self.feedback.axes[index].position, |t| t.axes[index])
+        self.truth.as_ref().map_or(self.feedback.axes[index].position, |t| t.axes[index])
     }
 
     /// Where a spindle really is, likewise.
     pub fn spindle(&self, index: usize) -> Angle {
-        self.truth.map_or(self.feedback.spindles[index].angle, |t| t.spindles[index])
+        self.truth.as_ref().map_or(self.feedback.spindles[index].angle, |t| t.spindles[index])
     }
 }
 

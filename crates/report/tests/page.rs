@@ -19,7 +19,7 @@ fn parsed(page: &str) -> Document<'_> {
 }
 
 fn words(document: &Document) -> String {
-    let text = document.descendants().filter(|n| n.is_text());
+    let text = document.descendants().filter(roxmltree::Node::is_text);
     text.filter(|n| {
         !n.parent().is_some_and(|p| p.has_tag_name("style") || p.has_tag_name("script"))
     })

@@ -47,6 +47,8 @@ pub struct Recorder {
     pub(crate) taps: usize,
     periods: u64,
     tool: Option<u32>,
+    /// Its length.
+    length: Length,
     rapid: bool,
     previous: Option<(Time, Angle)>,
 }
@@ -75,7 +77,7 @@ impl Recorder {
             self.shares.push(state, sample.feedback.tool, period);
             if period > Time::ZERO {
                 let angle = sample.feedback.spindles[0].angle;
-                let spin = sample.truth.map_or((angle - was) / period, |t| t.spins[0]);
+                let spin = sample.truth.as_ref().map_or((angle - was) / period, |t| t.spins[0]);
                 self.spindle.push(now.value(), spin.in_rpm());
             }
         }
@@ -93,12 +95,12 @@ impl Recorder {
         let lifted = self.tool != Some(tool);
         if lifted {
             self.tool = Some(tool);
+            self.length = self.lengths.get(&tool).copied().unwrap_or(Length::ZERO);
             if self.changes.len() < CHANGES {
                 self.changes.push((sample.feedback.time, tool));
             }
         }
-        let length = self.lengths.get(&tool).copied().unwrap_or(Length::ZERO);
-        let z = sample.axis(Axis::Z.index()) - length;
+        let z = sample.axis(Axis::Z.index()) - self.length;
         let at =
             [sample.axis(Axis::X.index()).value(), sample.axis(Axis::Y.index()).value(), z.value()];
         match sample.report.state {

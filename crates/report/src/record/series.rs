@@ -53,32 +53,43 @@ impl Bin {
 #[derive(Clone, Debug)]
 pub(crate) struct Series {
     bins: Vec<Bin>,
-    open: Option<Bin>,
+    /// The bin being filled; it counts only if there is something `in_open`.
+    open: Bin,
     in_open: u32,
     per_bin: u32,
-    ends: Option<[(f64, f64); 2]>,
+    first: (f64, f64),
+    last: (f64, f64),
 }
 
 impl Default for Series {
     fn default() -> Self {
-        Self { bins: Vec::new(), open: None, in_open: 0, per_bin: 1, ends: None }
+        let nowhere = (0.0, 0.0);
+        Self {
+            bins: Vec::new(),
+            open: Bin::of(nowhere),
+            in_open: 0,
+            per_bin: 1,
+            first: nowhere,
+            last: nowhere,
+        }
     }
 }
 
 impl Series {
     /// Record a sample. One that is no number is left out.
     pub(crate) fn push(&mut self, x: f64, y: f64) {
-        if !(x.is_finite() && y.is_finite()) {
-            return;
+        if !(x + y).is_finite() {
+            return; // what is no number or infinite keeps that in a sum
         }
         let point = (x, y);
-        match &mut self.ends {
-            Some([_, last]) => *last = point,
-            None => self.ends = Some([point, point]),
-        }
-        match &mut self.open {
-            Some(bin) => bin.take(point),
-            None => self.open = Some(Bin::of(point)),
+        self.last = point;
+        if self.in_open == 0 {
+            if self.bins.is_empty() {
+                self.first = point;
+            }
+            self.open = Bin::of(point);
+        } else {
+            self.open.take(point);
         }
         self.in_open += 1;
         if self.in_open >= self.per_bin {
@@ -87,7 +98,7 @@ impl Series {
     }
 
     fn close(&mut self) {
-        self.bins.extend(self.open.take());
+        self.bins.push(self.open);
         self.in_open = 0;
         if self.bins.len() >= BINS {
             let halved = self.bins.chunks(2).map(|pair| match pair {
@@ -101,13 +112,16 @@ impl Series {
 
     /// The curve's points in the order recorded: its ends, and the extremes of each stretch between.
     pub(crate) fn points(&self) -> Vec<(f64, f64)> {
-        let Some([first, last]) = self.ends else { return Vec::new() };
-        let mut points = vec![first];
-        for bin in self.bins.iter().chain(&self.open) {
+        let open = (self.in_open > 0).then_some(&self.open);
+        if self.bins.is_empty() && open.is_none() {
+            return Vec::new();
+        }
+        let mut points = vec![self.first];
+        for bin in self.bins.iter().chain(open) {
             let pair = if bin.low_came_first { [bin.low, bin.high] } else { [bin.high, bin.low] };
             points.extend(pair);
         }
-        points.push(last);
+        points.push(self.last);
         points.dedup();
         points
     }

@@ -119,6 +119,7 @@ impl TapTrace {
         let time = (now - self.began).value();
         let torque = sample
             .truth
+            .as_ref()
             .map_or(sample.command.spindles[SPINDLE].torque, |t| t.spindle_torques[SPINDLE]);
         self.torque.push(time, torque.value());
         if let Some(speed) = self.speed_at(sample, angle) {
