@@ -45,7 +45,7 @@ impl TapCheck<'_> {
     pub(crate) fn findings(&self, cut: Torque) -> Vec<Diagnostic> {
         let mut all = Vec::new();
         all.extend(self.hand_or_lead());
-        all.extend(self.speed(self.tap.spin, cut));
+        all.extend(self.speed(cut));
         all.extend(self.flutes());
         if let Some(hole) = &self.hole {
             all.extend(self.hole_depth(hole));
@@ -105,47 +105,56 @@ impl TapCheck<'_> {
         })
     }
 
-    fn speed(&self, spin: Spin, cut: Torque) -> Vec<Diagnostic> {
-        let mut all = Vec::new();
-        let (highest, why) = self.highest_speed(cut);
-        if spin.value() > highest.0.value() * (1.0 + 1e-9) {
-            let text = format!(
-                "S{} is too fast for this tap: {why}; S{} works",
-                number(spin.in_rpm()),
-                rpm(highest.0)
-            );
-            all.push(Diagnostic::error(highest.1, self.span, text));
+    fn speed(&self, cut: Torque) -> Option<Diagnostic> {
+        let lead = self.tap.lead.abs();
+        let reachable = self.spindle.reachable(cut);
+        if reachable == Spin::ZERO {
+            return Some(self.too_heavy(cut));
         }
-        all
+        let bounds = [
+            (self.axis.feed_speed / lead, "M0320"),
+            (self.spindle.tapping_max, "M0321"),
+            (reachable, "M0331"),
+        ];
+        let (highest, code) = bounds.into_iter().reduce(|a, b| if b.0 < a.0 { b } else { a })?;
+        let spin = self.tap.spin;
+        (spin.value() > highest.value() * (1.0 + ROUNDING)).then(|| {
+            let why = match code {
+                "M0320" => format!(
+                    "{} feeds at {} mm/min at most, and {} mm per revolution need {}",
+                    self.tap.axis.letter(),
+                    number(self.axis.feed_speed.in_mm_per_min()),
+                    number(lead.value()),
+                    number((lead * spin).in_mm_per_min()),
+                ),
+                "M0321" => format!("the spindle taps at {} rpm at most", number(highest.in_rpm())),
+                _ => format!(
+                    "against {} N·m of cut the spindle does not reach it",
+                    number(cut.value())
+                ),
+            };
+            let works = whole_rpm(highest);
+            let text = format!(
+                "S{} is too fast for this tap: {why}; S{} works (with G94: F{})",
+                number(spin.in_rpm()),
+                number(works),
+                number(works * lead.value()),
+            );
+            Diagnostic::error(code, self.span, text)
+        })
     }
 
-    /// Highest speed that works, with the code of its reason and the reason.
-    fn highest_speed(&self, cut: Torque) -> ((Spin, &'static str), String) {
-        let lead = self.tap.lead.abs();
-        let by_axis = self.axis.feed_speed / lead;
-        let reachable = self.spindle.reachable(cut);
-        let axis = format!(
-            "{} feeds at {} mm/min at most, and {} mm per revolution at this S needs {}",
-            self.tap.axis.letter(),
-            number(self.axis.feed_speed.in_mm_per_min()),
-            number(lead.value()),
-            number((lead * self.tap.spin).in_mm_per_min()),
+    fn too_heavy(&self, cut: Torque) -> Diagnostic {
+        let own = self.spindle.peak_torque * self.spindle.margin - self.spindle.friction;
+        let text = format!(
+            "{} needs {} N·m here, and the spindle has {} N·m for cutting",
+            self.tap_tool.designation,
+            number(cut.value()),
+            number(own.value()),
         );
-        let tapping = format!(
-            "the spindle taps at {} rpm at most",
-            number(self.spindle.tapping_max.in_rpm())
-        );
-        let power =
-            format!("against {} N·m of cut the spindle does not reach it", number(cut.value()));
-        let mut lowest = ((by_axis, "M0320"), axis);
-        for candidate in
-            [((self.spindle.tapping_max, "M0321"), tapping), ((reachable, "M0331"), power)]
-        {
-            if candidate.0.0 < lowest.0.0 {
-                lowest = candidate;
-            }
-        }
-        lowest
+        let help =
+            "drill a wider hole within the tolerance, or take a smaller tap or a stronger spindle";
+        Diagnostic::error("M0331", self.span, text).with_help(help)
     }
 
     fn flutes(&self) -> Option<Diagnostic> {
@@ -255,10 +264,10 @@ pub(crate) fn cutting_torque(
     tapping_torque(tool.diameter, drilled, tap.flute, pressure)
 }
 
-/// A speed that still works, as a whole number of rpm.
-fn rpm(spin: Spin) -> String {
+/// A speed that still works, in whole rpm.
+pub(crate) fn whole_rpm(spin: Spin) -> f64 {
     // a bound such as 6000 rpm may have become 5999.999… on its way through rev/s
-    number(libm::floor(spin.in_rpm() + 1e-6))
+    libm::floor(spin.in_rpm() + 1e-6)
 }
 
 /// A depth that still works, rounded down to whole micrometres.

@@ -171,3 +171,50 @@ fn drilling_and_tapping_a_hole_end_to_end() {
          turn(0) rapid(10,10,0) await tool(2) rapid(10,10,-148) tap(-170) end"
     );
 }
+
+#[test]
+fn in_and_out_are_alike_at_one_speed_and_a_left_hand_tap_turns_the_other_way() {
+    for (lead, tool, sense) in [(1.0, 2, 1.0), (-1.0, 3, -1.0)] {
+        let t = tap(0.0, 0.0, 2.0, -20.0, lead, 3000.0);
+        let steps = steps_of(planner_at(t.start, tool), [OpKind::Tap(t)]);
+        let [Step { kind: StepKind::Tap(plan), .. }] = steps[..] else {
+            panic!("{}", words(&steps))
+        };
+        assert_eq!(plan.inward, plan.outward);
+        assert_eq!(plan.inward.end().s, 22.0);
+        assert_eq!(plan.lead, Lead::mm_per_rev(-lead), "into -Z");
+        assert_eq!(
+            (plan.spin.in_rpm().round(), plan.return_spin.in_rpm().round()),
+            (3000.0 * sense, -3000.0 * sense)
+        );
+    }
+}
+
+#[test]
+fn a_faster_return_takes_less_time() {
+    let t = tap(0.0, 0.0, 2.0, -20.0, 1.0, 1500.0);
+    let t = canon::Tap { return_spin: units::Spin::rpm(3000.0), ..t };
+    let steps = steps_of(planner_at(t.start, 2), [OpKind::Tap(t)]);
+    let [Step { kind: StepKind::Tap(plan), .. }] = steps[..] else { panic!("{}", words(&steps)) };
+    assert!(plan.outward.duration() < 0.7 * plan.inward.duration());
+}
+
+#[test]
+fn a_tool_that_is_in_the_spindle_is_not_changed() {
+    let steps = steps([change(1), rapid(1.0, 0.0, -5.0), change(1), rapid(2.0, 0.0, -5.0)]);
+    assert_eq!(words(&steps), "tool(1) rapid(1,0,-5) rapid(2,0,-5)");
+}
+
+/// Turn to 1000 rpm takes longer than the short rapid; the cut waits for it, and the estimate with it.
+#[test]
+fn waiting_for_the_spindle_counts_in_the_planned_time() {
+    let ramp = common::SPINDLE.ramp(units::Spin::ZERO, units::Spin::rpm(9000.0)).duration();
+    let far = steps([turn(9000.0), rapid(1.0, 0.0, 0.0), line(2.0, 0.0, 0.0, 600.0)]);
+    let (StepKind::Move(way), StepKind::Move(cut)) = (far[1].kind, far[3].kind) else {
+        panic!("{}", words(&far))
+    };
+    assert!(way.profile.duration() < ramp);
+    let ops = common::program([turn(9000.0), rapid(1.0, 0.0, 0.0), line(2.0, 0.0, 0.0, 600.0)]);
+    let planned = plan::preflight(planner_at(Position::default(), 0), &ops).duration;
+    assert!((planned.value() - ramp - cut.profile.duration()).abs() < 1e-12, "{planned}");
+}

@@ -131,12 +131,30 @@ fn a_lead_times_speed_that_the_axis_cannot_follow() {
     let t = tap(0.0, 0.0, 2.0, -20.0, 1.25, 5500.0);
     let start = plan::Start { position: t.start, tool: 5 };
     let planner = plan::Planner::new(slow, common::tools(), common::OPTIONS, start);
-    assert_snapshot!(findings_of(planner, [OpKind::Tap(t)]), @"M0320 Error line 1: S5500 is too fast for this tap: Z feeds at 5000 mm/min at most, and 1.25 mm per revolution at this S needs 6875; S4000 works");
+    assert_snapshot!(findings_of(planner, [OpKind::Tap(t)]), @"M0320 Error line 1: S5500 is too fast for this tap: Z feeds at 5000 mm/min at most, and 1.25 mm per revolution need 6875; S4000 works (with G94: F5000)");
 }
 
 #[test]
 fn a_speed_above_the_tapping_maximum() {
-    assert_snapshot!(tap_findings(2, tap(0.0, 0.0, 2.0, -20.0, 1.0, 6500.0)), @"M0321 Error line 1: S6500 is too fast for this tap: the spindle taps at 6000 rpm at most; S6000 works");
+    assert_snapshot!(tap_findings(2, tap(0.0, 0.0, 2.0, -20.0, 1.0, 6500.0)), @"M0321 Error line 1: S6500 is too fast for this tap: the spindle taps at 6000 rpm at most; S6000 works (with G94: F6000)");
+}
+
+#[test]
+fn a_tap_that_is_too_heavy_for_the_spindle() {
+    let mut weak = common::machine();
+    weak.spindles[0].peak_torque = units::Torque::n_m(3.0);
+    weak.spindles[0].peak_power = units::Power::w(500.0);
+    let planner = |tool, t: canon::Tap| {
+        let start = plan::Start { position: t.start, tool };
+        plan::Planner::new(weak.clone(), common::tools(), common::OPTIONS, start)
+    };
+    let t = tap(0.0, 0.0, 2.0, -20.0, 1.25, 3000.0);
+    assert_snapshot!(findings_of(planner(5, t), [OpKind::Tap(t)]), @r"
+    M0331 Error line 1: M8x1.25 needs 3.625 N·m here, and the spindle has 2.4 N·m for cutting
+        help: drill a wider hole within the tolerance, or take a smaller tap or a stronger spindle
+    ");
+    let t = tap(0.0, 0.0, 2.0, -20.0, 1.0, 3000.0);
+    assert_snapshot!(findings_of(planner(2, t), [OpKind::Tap(t)]), @"M0331 Error line 1: S3000 is too fast for this tap: against 1.726 N·m of cut the spindle does not reach it; S1882 works (with G94: F1882)");
 }
 
 #[test]

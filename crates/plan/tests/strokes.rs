@@ -113,6 +113,18 @@ fn what_bounds_a_stroke_is_named() {
     assert_eq!(limiting(request(30.0, 2500.0, 1.0, 0.0), &slow_torque, &z).1, L::SpindleJerk);
 }
 
+/// M6 in C45 (3900 N/mm²) with a spiral flute in a 5 mm hole: 1.73 N·m.
+#[test]
+fn the_torque_of_an_m6_tap_in_steel_is_1_73_newton_metres() {
+    let torque = plan::tapping_torque(
+        units::Length::mm(6.0),
+        units::Length::mm(5.0),
+        canon::Flute::SpiralFlute,
+        3900.0,
+    );
+    assert!((torque.value() - 1.73).abs() < 0.005, "{torque}");
+}
+
 /// 0.22 s to 6000 rpm asks for 454 rev/s² up to the end: 18 kW of a 15 kW drive.
 #[test]
 fn a_forced_ramp_is_straight_and_goes_beyond_the_curve() {

@@ -11,6 +11,7 @@
 use super::{Job, Planner, SpindleState};
 use crate::findings::number;
 use crate::step::{SpindleStep, Step, StepKind};
+use crate::tap_check::whole_rpm;
 use alloc::{format, vec::Vec};
 use canon::SpindleOrder;
 use diag::Diagnostic;
@@ -45,7 +46,7 @@ impl Planner {
             let text = format!(
                 "S{} is above the spindle's highest speed: S{} works",
                 number(spin.abs().in_rpm()),
-                number(libm::floor(highest.in_rpm() + 1e-6)),
+                number(whole_rpm(highest)),
             );
             self.findings.add(Diagnostic::error("M0308", job.span, text));
         }

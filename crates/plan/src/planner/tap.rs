@@ -16,7 +16,7 @@ use crate::limits::{AxisLimits, SpindleLimits};
 use crate::motion::change;
 use crate::step::{StepKind, TapPlan};
 use crate::stroke::{Stroke, StrokeRequest};
-use crate::tap_check::{TapCheck, cutting_torque};
+use crate::tap_check::{TapCheck, cutting_torque, whole_rpm};
 use alloc::{format, string::String};
 use canon::{Axis, Tap, TapTool, Tool, ToolKind};
 use diag::Diagnostic;
@@ -180,7 +180,7 @@ impl Planner {
             let text = format!(
                 "the return at S{} is faster than spindle and axis can tap: it runs at S{}",
                 number(tap.return_spin.in_rpm()),
-                number(libm::floor(highest.in_rpm() + 1e-6)),
+                number(whole_rpm(highest)),
             );
             self.findings.add(Diagnostic::warning("M0332", job.span, text));
         }
