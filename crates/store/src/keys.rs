@@ -15,7 +15,8 @@
 //! | S0405 | number not finite or out of bounds |
 //! | S0406 | values that contradict each other |
 //! | S0407 | unknown name where one of a list is expected |
-use crate::text::Lines;
+//! | S0408 | how many findings are not shown (note) |
+use crate::text::{Lines, in_order};
 use diag::Diagnostic;
 use std::{
     cell::RefCell,
@@ -50,11 +51,6 @@ pub(crate) fn read<T>(
         list if list.is_empty() => Ok(value),
         list => Err(in_order(list)),
     }
-}
-
-fn in_order(mut findings: Vec<Diagnostic>) -> Vec<Diagnostic> {
-    findings.sort_by_key(|d| d.span.start);
-    findings
 }
 
 struct Findings {

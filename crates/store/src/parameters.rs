@@ -13,7 +13,10 @@
 //! | S0601 | a line that is not a number and a value |
 //! | S0602 | a number out of bounds |
 //! | S0603 | a number that comes twice |
-use crate::{Error, SMALL_FILE_LIMIT, output, read_text, text::Lines};
+use crate::{
+    Error, SMALL_FILE_LIMIT, output, read_text,
+    text::{Lines, in_order},
+};
 use diag::Diagnostic;
 use std::{
     collections::{BTreeMap, btree_map::Entry},
@@ -79,7 +82,7 @@ impl Parameters {
                 Err((code, message)) => findings.push(Diagnostic::error(code, place, message)),
             }
         }
-        if findings.is_empty() { Ok(Self { values }) } else { Err(findings) }
+        if findings.is_empty() { Ok(Self { values }) } else { Err(in_order(findings)) }
     }
 
     /// Their text: sorted, each value so that it reads back exactly.

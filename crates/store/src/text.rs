@@ -7,7 +7,7 @@
 //! Every reader here first takes the whole text, never more than its limit plus one byte: a device
 //! that never ends, or a file that grows while it is read, cannot fill the memory.
 use crate::Error;
-use diag::Span;
+use diag::{Diagnostic, Span};
 use std::{fs::File, io::Read, ops::Range, path::Path};
 
 /// Bytes a machine file, tool table or parameter file may have.
@@ -41,6 +41,20 @@ pub fn read_text(path: &Path, what: &'static str, limit: u64) -> Result<String, 
         offset: e.utf8_error().valid_up_to(),
     })?;
     Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
+}
+
+/// Findings that are shown of one file: a file of another kind would give thousands.
+pub const MOST_FINDINGS: usize = 100;
+
+/// The findings in the order of the text, [`MOST_FINDINGS`] at most and a word about the rest.
+pub(crate) fn in_order(mut findings: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    findings.sort_by_key(|d| d.span.start);
+    let rest = findings.len().saturating_sub(MOST_FINDINGS);
+    findings.truncate(MOST_FINDINGS);
+    if let Some(last) = findings.last().filter(|_| rest > 0) {
+        findings.push(Diagnostic::note("S0408", last.span, format!("{rest} more findings follow")));
+    }
+    findings
 }
 
 /// Where the lines of a text begin.
@@ -97,6 +111,18 @@ mod tests {
         std::fs::write(&path, b"ab\xff").unwrap();
         let sentence = read_text(&path, "a tool table", 10).unwrap_err().to_string();
         assert!(sentence.ends_with("is not text: byte 2 is not UTF-8"), "{sentence}");
+    }
+
+    #[test]
+    fn of_very_many_findings_the_first_are_shown_and_the_rest_counted() {
+        let found = (0..250).map(|n| {
+            let place = Span { start: 1000 - n, ..Span::default() };
+            Diagnostic::error("S0402", place, "unknown key")
+        });
+        let shown = in_order(found.collect());
+        assert_eq!(shown.len(), MOST_FINDINGS + 1);
+        assert_eq!(shown[0].span.start, 751);
+        assert_eq!(shown[MOST_FINDINGS].message, "150 more findings follow");
     }
 
     #[test]

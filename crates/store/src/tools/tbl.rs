@@ -21,7 +21,7 @@
 //! | S0506 | words without effect (warning) |
 //! | S0507 | a tap whose thread is not named (warning) |
 use super::{LONGEST, MOST_TOOLS, ToolTable, comment, without_doubles};
-use crate::text::Lines;
+use crate::text::{Lines, in_order};
 use canon::Tool;
 use diag::{Diagnostic, Span};
 use std::ops::Range;
@@ -68,11 +68,10 @@ pub(super) fn parse(text: &str, file: u16, unit: TableUnit) -> Result<ToolTable,
         findings.extend(doubles);
         canon::ToolLibrary::default()
     });
-    findings.sort_by_key(|d| d.span.start);
     if findings.iter().any(Diagnostic::is_error) {
-        return Err(findings);
+        return Err(in_order(findings));
     }
-    Ok(ToolTable { library, remarks: findings })
+    Ok(ToolTable { library, remarks: in_order(findings) })
 }
 
 struct Reader {

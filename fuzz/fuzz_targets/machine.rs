@@ -1,0 +1,24 @@
+//! Any text: a machine, or findings that a person can be shown.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|text: &str| {
+    match store::machine::parse(text, 0) {
+        Ok(machine) => assert!(machine.control.period.is_finite() && !machine.spindles.is_empty()),
+        Err(found) => {
+            assert!(!found.is_empty());
+            check(&found, text);
+        }
+    }
+});
+
+/// Findings are bounded, in order, and stand inside the text.
+fn check(found: &[diag::Diagnostic], text: &str) {
+    assert!(found.len() <= store::MOST_FINDINGS + 1);
+    assert!(found.windows(2).all(|w| w[0].span.start <= w[1].span.start));
+    for d in found {
+        assert!(d.span.start <= d.span.end && d.span.end as usize <= text.len(), "{d:?}");
+        assert!(!d.message.is_empty());
+    }
+}

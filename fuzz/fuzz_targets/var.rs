@@ -1,0 +1,23 @@
+//! Any text: parameters that survive being written, or findings that a person can be shown.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use store::parameters::Parameters;
+
+fuzz_target!(|text: &str| match Parameters::parse(text, 0) {
+    Ok(parameters) => {
+        let again = Parameters::parse(&parameters.to_text(), 0);
+        assert_eq!(again.as_ref(), Ok(&parameters));
+    }
+    Err(found) => check(&found, text),
+});
+
+/// Findings are bounded, in order, and stand inside the text.
+fn check(found: &[diag::Diagnostic], text: &str) {
+    assert!(found.len() <= store::MOST_FINDINGS + 1);
+    assert!(found.windows(2).all(|w| w[0].span.start <= w[1].span.start));
+    for d in found {
+        assert!(d.span.start <= d.span.end && d.span.end as usize <= text.len(), "{d:?}");
+        assert!(!d.message.is_empty());
+    }
+}
