@@ -20,4 +20,6 @@ mod keys;
 mod text;
 
 pub use error::{Error, Refusal};
-pub use text::{MOST_FINDINGS, PROGRAM_LIMIT, SMALL_FILE_LIMIT, read_bytes, read_text};
+pub use text::{
+    MOST_FINDINGS, PROGRAM_LIMIT, SMALL_FILE_LIMIT, read_bytes, read_stream, read_text,
+};

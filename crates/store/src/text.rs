@@ -20,11 +20,23 @@ pub const PROGRAM_LIMIT: u64 = 2 << 30;
 /// # Errors
 /// When the file cannot be opened or read, or is larger than `limit`.
 pub fn read_bytes(path: &Path, what: &'static str, limit: u64) -> Result<Vec<u8>, Error> {
-    let failed = |cause| Error::file("read", path, cause);
-    let file = File::open(path).map_err(failed)?;
-    let expected = file.metadata().map_err(failed)?.len().min(limit);
-    let mut bytes = Vec::with_capacity(usize::try_from(expected).unwrap_or(0));
-    file.take(limit + 1).read_to_end(&mut bytes).map_err(failed)?;
+    let file = File::open(path).map_err(|cause| Error::file("read", path, cause))?;
+    read_stream(file, path, what, limit)
+}
+
+/// The bytes of a stream such as standard input, as [`read_bytes`]; `path` names it in sentences.
+///
+/// # Errors
+/// When the stream cannot be read or is longer than `limit`.
+pub fn read_stream(
+    stream: impl Read,
+    path: &Path,
+    what: &'static str,
+    limit: u64,
+) -> Result<Vec<u8>, Error> {
+    let mut bytes = Vec::new();
+    let read = stream.take(limit.saturating_add(1)).read_to_end(&mut bytes);
+    read.map_err(|cause| Error::file("read", path, cause))?;
     if bytes.len() as u64 > limit {
         return Err(Error::TooLarge { path: path.to_owned(), what, limit });
     }
@@ -102,6 +114,16 @@ mod tests {
         let sentence = read_text(&path, "a machine file", 10).unwrap_err().to_string();
         assert!(sentence.ends_with("is larger than the 10 bytes that a machine file may have"));
         assert_eq!(read_text(&path, "a machine file", 11).unwrap().len(), 11);
+    }
+
+    #[test]
+    fn a_stream_that_never_ends_is_read_to_the_limit() {
+        let endless = std::io::repeat(b'G');
+        let refused = read_stream(endless, Path::new("<stdin>"), "a program", 1000).unwrap_err();
+        assert_eq!(
+            refused.to_string(),
+            "<stdin> is larger than the 1000 bytes that a program may have"
+        );
     }
 
     #[test]
