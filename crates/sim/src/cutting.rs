@@ -114,11 +114,11 @@ impl Cutting {
 
     /// The work's answer to a pose, for the coming physics step.
     pub(crate) fn step(&mut self, axis_mm: f64, angle: f64, omega: f64) -> Load {
-        let Some(tool) = self.mounted else { return Load::default() };
+        let Some(tool) = &self.mounted else { return Load::default() };
         let pose = Pose { tip: axis_mm - tool.length.value(), angle, omega };
         let depth = self.stock.top.value() - pose.tip;
         match &self.engagement {
-            Engagement::Air if depth > 0.0 => self.enter(&tool, &pose, depth),
+            Engagement::Air if depth > 0.0 => self.enter(*tool, &pose, depth),
             Engagement::Clear if depth <= 0.0 => self.engagement = Engagement::Air,
             Engagement::Drilling(drill) if drill.is_out(&pose) => self.leave(),
             Engagement::Tapping(tap) if tap.is_out(&pose) => self.leave(),
@@ -141,7 +141,7 @@ impl Cutting {
     }
 
     /// The tip goes through the surface.
-    fn enter(&mut self, tool: &Tool, pose: &Pose, depth: f64) {
+    fn enter(&mut self, tool: Tool, pose: &Pose, depth: f64) {
         let scale = self.rng.factor(self.scatter);
         self.entered = self.at;
         let from_above = depth <= ENTRY_DEPTH_MM && self.stock.is_below(self.at);

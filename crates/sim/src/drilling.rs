@@ -22,7 +22,7 @@
 //! Source: feed force Ff ≈ ½·kc·Dc/2·fn·sin κr and power Pc = fn·vc·Dc·kc/240·10³ (Sandvik Coromant, *Metal
 //! Cutting Technology*, drilling formulas); M follows from Pc = 2π·n·M. A hole opened before takes its share away.
 use crate::friction::smooth_sign;
-use crate::tapping::{Load, Pose, ROUNDING_RAD_PER_S, SHEAR_LIMIT_N_PER_MM2, core_stress};
+use crate::tapping::{Core, Load, Pose, ROUNDING_RAD_PER_S};
 use crate::work::{Bore, Hole, Stock};
 use units::{Angle, Length};
 
@@ -37,6 +37,7 @@ pub(crate) struct Drilling {
     /// Index of the hole.
     pub(crate) hole: usize,
     bore: usize,
+    core: Core,
     diameter: f64,
     cone: f64,
     sine: f64,
@@ -68,6 +69,7 @@ impl Drilling {
         Self {
             hole,
             bore,
+            core: Core::of(diameter.value()),
             diameter: diameter.value(),
             cone,
             sine: half_point.sin(),
@@ -106,7 +108,7 @@ impl Drilling {
         let inner = self.open_diameter(depth, hole).min(outer);
         let force = 0.5 * self.kc * chip * (outer - inner) / 2.0 * self.sine;
         let torque = self.kc * chip * (outer * outer - inner * inner) / 8000.0;
-        if core_stress(self.diameter, torque, force) > SHEAR_LIMIT_N_PER_MM2 {
+        if !self.core.bears(torque, force) {
             return None;
         }
         Some(Load { force, torque: torque * smooth_sign(pose.omega / ROUNDING_RAD_PER_S) })

@@ -32,7 +32,7 @@
 //! Source of Tc: the tap makers' torque formula (triangular chip of a 60° thread, sheared at kc). Estimates: the
 //! friction tail, the share on reversal (10–30 %), the spike.
 use crate::Tap;
-use crate::friction::smooth_sign;
+use crate::friction::{between, smooth_sign};
 use crate::seat::Seat;
 use crate::work::{Hole, Stock, Thread};
 use core::f64::consts::{PI, TAU};
@@ -78,12 +78,31 @@ pub(crate) fn plateau_torque(kc: f64, flute_factor: f64, diameter: f64, bored: f
     (PI / 6.0).tan() * kc * flute_factor * wall * wall * (diameter + 2.0 * bored) / 24_000.0
 }
 
-/// Shear stress by von Mises in a tap's core, N/mm².
-pub(crate) fn core_stress(diameter: f64, torque: f64, force: f64) -> f64 {
-    let core = CORE * diameter;
-    let shear = 16.0 * torque * 1e3 / (PI * core.powi(3));
-    let tension = 4.0 * force / (PI * core * core);
-    (shear * shear + tension * tension / 3.0).sqrt()
+/// The core of a tap or drill: what torque and pull stress.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Core {
+    /// τ for each N·m, N/mm².
+    shear_per_n_m: f64,
+    /// σ/√3 for each N, N/mm².
+    tension_per_n: f64,
+}
+
+impl Core {
+    /// Of a tool of this diameter, mm.
+    pub(crate) fn of(diameter: f64) -> Self {
+        let core = CORE * diameter;
+        Self {
+            shear_per_n_m: 16.0 * 1e3 / (PI * core.powi(3)),
+            tension_per_n: 4.0 / (PI * core * core * 3.0_f64.sqrt()),
+        }
+    }
+
+    /// It bears this torque and pull together.
+    #[inline]
+    pub(crate) fn bears(&self, torque: f64, force: f64) -> bool {
+        let (shear, tension) = (self.shear_per_n_m * torque, self.tension_per_n * force);
+        shear * shear + tension * tension <= SHEAR_LIMIT_N_PER_MM2 * SHEAR_LIMIT_N_PER_MM2
+    }
 }
 
 /// A tap in its hole. Lengths in mm, depths from the surface.
@@ -92,11 +111,16 @@ pub(crate) struct Tapping {
     /// Index of the hole.
     pub(crate) hole: usize,
     seat: Seat,
-    diameter: f64,
-    pitch: f64,
+    core: Core,
+    per_pitch: f64,
     /// Z travel per positive turn.
     lead: f64,
-    chamfer: f64,
+    /// Torque of an axial force on the helix, N·m/N.
+    screw: f64,
+    /// Torque of the friction of flanks pressed by a force, N·m/N.
+    rubbing: f64,
+    per_chamfer: f64,
+    tail_per_depth: f64,
     plateau: f64,
     top: f64,
     thickness: f64,
@@ -132,10 +156,14 @@ impl Tapping {
         Self {
             hole,
             seat: Seat::new(tap),
-            diameter,
-            pitch,
+            core: Core::of(diameter),
+            per_pitch: 1.0 / pitch,
             lead,
-            chamfer: tap.chamfer_pitches * pitch,
+            screw: lead / TAU * 1e-3,
+            // half the pitch diameter D − 0.6495·P (ISO 68-1)
+            rubbing: FLANK_FRICTION * (diameter - 0.6495 * pitch) / 2.0 * 1e-3,
+            per_chamfer: 1.0 / (tap.chamfer_pitches * pitch),
+            tail_per_depth: TAIL_PER_DIAMETER / diameter,
             plateau: plateau_torque(kc, tap.flute_factor, diameter, bored),
             top: stock.top.value(),
             thickness,
@@ -172,14 +200,12 @@ impl Tapping {
         self.deepest = self.deepest.max(depth);
         let jam = self.seat.flank_force((self.top - helix).min(depth) - self.ground);
 
-        let radius_m = self.pitch_radius() * 1e-3;
-        let against = self.cutting_torque(self.top - helix, depth, engaged)
-            + FLANK_FRICTION * (force.abs() + jam) * radius_m;
-        let screw_m = self.lead / TAU * 1e-3;
+        let pressed = force.abs() + jam;
+        let against =
+            self.cutting_torque(self.top - helix, depth, engaged) + self.rubbing * pressed;
         let torque =
-            against * smooth_sign(pose.omega / ROUNDING_RAD_PER_S) + (force - jam) * screw_m;
-        let stress = core_stress(self.diameter, torque, force.abs() + jam);
-        (stress <= SHEAR_LIMIT_N_PER_MM2).then_some(Load { force, torque })
+            against * smooth_sign(pose.omega / ROUNDING_RAD_PER_S) + (force - jam) * self.screw;
+        self.core.bears(torque, pressed).then_some(Load { force, torque })
     }
 
     /// Torque of chips and flanks, without what presses the flanks.
@@ -188,10 +214,10 @@ impl Tapping {
             self.cut_to = helix_depth;
             self.chip_root = true;
             let share = engaged - self.share_of_chamfer(depth - self.thickness);
-            let tail = TAIL_PER_DIAMETER * depth.clamp(0.0, self.thickness) / self.diameter;
+            let tail = self.tail_per_depth * depth.clamp(0.0, self.thickness);
             return self.plateau * (share + tail);
         }
-        let back = (self.cut_to - helix_depth) / self.pitch;
+        let back = (self.cut_to - helix_depth) * self.per_pitch;
         self.chip_root &= back < CHIP_ROOT_REV;
         let root =
             if self.chip_root { CHIP_ROOT_SHARE * (1.0 - back / CHIP_ROOT_REV) } else { 0.0 };
@@ -200,12 +226,7 @@ impl Tapping {
 
     /// How much of the chamfer lies above a depth.
     fn share_of_chamfer(&self, depth: f64) -> f64 {
-        (depth / self.chamfer).clamp(0.0, 1.0)
-    }
-
-    /// Half the pitch diameter D − 0.6495·P (ISO 68-1).
-    fn pitch_radius(&self) -> f64 {
-        (self.diameter - 0.6495 * self.pitch) / 2.0
+        between(depth * self.per_chamfer, 0.0, 1.0)
     }
 
     /// Offset of the cutting edges from where the axis holds them, mm.
@@ -264,8 +285,8 @@ mod tests {
             (10.0, 42.0),
             (12.0, 73.0),
         ] {
-            assert!(core_stress(size, known * 0.95, 0.0) < SHEAR_LIMIT_N_PER_MM2, "M{size}");
-            assert!(core_stress(size, known * 1.05, 0.0) > SHEAR_LIMIT_N_PER_MM2, "M{size}");
+            let core = Core::of(size);
+            assert!(core.bears(known * 0.95, 0.0) && !core.bears(known * 1.05, 0.0), "M{size}");
         }
     }
 
@@ -274,6 +295,7 @@ mod tests {
         // τ² + σ²/3 = 1: 60 % of the one goes with 80 % of the other
         let torque = 0.6 * 1000.0 * PI * 3.6_f64.powi(3) / 16.0 * 1e-3;
         let force = 0.8 * 1000.0 * 3.0_f64.sqrt() * PI * 3.6 * 3.6 / 4.0;
-        assert!((core_stress(6.0, torque, force) - 1000.0).abs() < 1e-9);
+        let core = Core::of(6.0);
+        assert!(core.bears(torque * 0.999_999, force) && !core.bears(torque * 1.000_001, force));
     }
 }
