@@ -117,6 +117,8 @@ pub(crate) struct Visit {
     pub(crate) times_s: Option<[f64; 2]>,
     /// Depth at which the tool broke.
     pub(crate) broken_at_mm: Option<f64>,
+    /// A recorded value was not a number: nothing measured here can be trusted.
+    unreadable: bool,
     sum_mm: [f64; 2],
     count: f64,
     position_error_mm: f64,
@@ -129,14 +131,25 @@ impl Visit {
             last_mm: f64::NEG_INFINITY,
             times_s: None,
             broken_at_mm: None,
+            unreadable: false,
             sum_mm: [0.0; 2],
             count: 0.0,
             position_error_mm: 0.0,
         }
     }
 
+    /// A sample with a value that is not a number.
+    pub(crate) const fn spoil(&mut self) {
+        self.unreadable = true;
+    }
+
     /// Take one sample; answers whether the tip was in the material.
     pub(crate) fn sample(&mut self, stroke: &Stroke, sample: &Sample, depth_mm: f64) -> bool {
+        let [x, y] = stroke.across_mm(sample);
+        if !(depth_mm.is_finite() && x.is_finite() && y.is_finite()) {
+            self.spoil();
+            return false;
+        }
         self.deepest_mm = self.deepest_mm.max(depth_mm);
         self.last_mm = depth_mm;
         if self.broken_at_mm.is_none() && sample.truth.as_ref().is_some_and(|t| t.tool_broken) {
@@ -147,7 +160,6 @@ impl Visit {
         }
         let now_s = sample.feedback.time.value();
         self.times_s = Some([self.times_s.map_or(now_s, |[first, _]| first), now_s]);
-        let [x, y] = stroke.across_mm(sample);
         let [px, py] = stroke.programmed_at_mm;
         self.sum_mm[0] += x - px;
         self.sum_mm[1] += y - py;
@@ -171,6 +183,9 @@ impl Visit {
     /// What is wrong with any feature whatever it is; empty if nothing.
     pub(crate) fn findings(&self, stroke: &Stroke, position_tolerance: Length) -> Vec<String> {
         let mut findings = Vec::new();
+        if self.unreadable {
+            findings.push("the record holds a position or angle that is not a number".into());
+        }
         if let Some(depth) = self.broken_at_mm {
             findings.push(if depth > 0.0 {
                 format!("the tool broke {depth:.2} mm deep")

@@ -78,6 +78,10 @@ impl ThreadTrack {
         let axis_depth_mm = self.stroke.depth_mm(self.stroke.axis_mm(sample));
         let theta_rev = spindle_rev(sample);
         let now_s = sample.feedback.time.value();
+        if !(theta_rev.is_finite() && axis_depth_mm.is_finite()) {
+            self.visit.spoil();
+            return;
+        }
         if self.visit.sample(&self.stroke, sample, depth_mm) {
             self.edges.sample(depth_mm, theta_rev);
             self.axis.sample(axis_depth_mm, theta_rev);

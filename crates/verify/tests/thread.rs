@@ -183,6 +183,43 @@ fn a_tap_that_broke_stayed_in_or_never_came_is_no_thread() {
 }
 
 #[test]
+fn a_record_with_a_hole_in_it_proves_nothing() {
+    let record = Record::new(2, 1.0);
+    let mut judge = Judge::new(Config::new(tools()));
+    judge.op(0, &record.op(10));
+    let mut samples = record.samples(0, |_, _| 0.0);
+    let middle = samples.len() / 3;
+    samples[middle].truth.as_mut().unwrap().spindles[0] = Angle::rev(f64::NAN);
+    for sample in &samples {
+        judge.sample(sample);
+    }
+    let features = judge.finish();
+    let reason = features[0].verdict.reason().unwrap();
+    assert_eq!(reason, "the record holds a position or angle that is not a number");
+}
+
+#[test]
+fn a_tap_pulled_straight_out_tears_its_thread() {
+    // in on the helix; then the spindle stands and the axis withdraws
+    let record = Record::new(2, 1.0);
+    let mut judge = Judge::new(Config::new(tools()));
+    judge.op(0, &record.op(10));
+    let samples = record.samples(0, |_, _| 0.0);
+    let bottom = samples.len() / 2;
+    for (k, mut sample) in samples.iter().copied().enumerate() {
+        if k > bottom {
+            let still = samples[bottom].truth.unwrap().spindles;
+            sample.truth.as_mut().unwrap().spindles = still;
+        }
+        judge.sample(&sample);
+    }
+    let features = judge.finish();
+    close(thread(&features[0]).sync_error_max, 14_000.0, 50.0);
+    assert!(features[0].verdict.reason().unwrap().contains("No-go gauge of 6H enters"));
+    assert_eq!(thread(&features[0]).class, None);
+}
+
+#[test]
 fn the_wrong_tool_is_named() {
     let reason = |tool, lead| {
         let feature = judge(&Record::new(tool, lead), |_, _| 0.0);
@@ -352,8 +389,8 @@ proptest! {
 
     #[test]
     fn no_record_however_mad_makes_the_judge_panic(
-        numbers in proptest::collection::vec((num::f64::ANY, num::f64::ANY, 0..6_u32), 1..40),
-        bottom in num::f64::ANY, lead in num::f64::ANY, tool in 0..7_u32,
+        numbers in proptest::collection::vec((prop::num::f64::ANY, prop::num::f64::ANY, 0..6_u32), 1..40),
+        bottom in prop::num::f64::ANY, lead in prop::num::f64::ANY, tool in 0..7_u32,
     ) {
         let record = Record { lead_mm: lead, programmed_mm: bottom, ..Record::new(tool, 1.0) };
         let mut judge = Judge::new(Config::new(tools()));
