@@ -38,7 +38,8 @@ const TANGENT_RATIO: f64 = 1.1;
 const TORQUE_TANGENTS: i32 = 5;
 /// Most tangents where power is the limit; one stretch is the level at the start.
 const POWER_TANGENTS: i32 = 22;
-const _: () = assert!(1 + TORQUE_TANGENTS + POWER_TANGENTS <= 28 && MAX_STRETCHES == 28);
+#[allow(clippy::cast_possible_wrap)] // a few dozen
+const _: () = assert!(1 + TORQUE_TANGENTS + POWER_TANGENTS <= MAX_STRETCHES as i32);
 /// Of the allowed jerk, the share that following the curve may use; the fall at the ramp's end must be steeper.
 const FOLLOW_SHARE: f64 = 0.9;
 /// Of the level acceleration, what must be left at the highest speed: below it a speed is not reached
