@@ -2,6 +2,7 @@
 use canon::{Position, ToolLibrary};
 use std::collections::BTreeMap;
 use units::{Angle, Length, Power, Spin, Time, Torque};
+use verify::Tolerances;
 
 /// A run, as the report tells it. All texts are taken literally: none of them can become markup.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +31,8 @@ pub struct Run {
     pub alarms: Vec<Alarm>,
     /// What a reader must know to trust the rest: stand-in tools, holes taken as drilled before.
     pub notes: Vec<Note>,
+    /// What the workpiece was judged by.
+    pub tolerances: Tolerances,
     /// What the machine can, for the pictures.
     pub limits: Limits,
     /// What kept a tap from being faster, in words, by the index of its op.

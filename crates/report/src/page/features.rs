@@ -2,7 +2,7 @@
 use crate::Run;
 use crate::svg::{Tag, escape, fixed};
 use units::{Length, Torque};
-use verify::{Feature, FeatureKind};
+use verify::{Criterion, Feature, FeatureKind, Headroom};
 
 /// Columns: name, unit, and whether they hold words.
 const COLUMNS: [(&str, &str, bool); 15] = [
@@ -15,26 +15,24 @@ const COLUMNS: [(&str, &str, bool); 15] = [
     ("depth", "mm", false),
     ("depth error", "µm", false),
     ("sync error, max", "µm", false),
-    ("sync error, rms", "µm", false),
     ("pitch ⌀", "mm", false),
     ("class", "", true),
-    ("margin", "µm", false),
+    ("gauge margin", "µm", false),
     ("torque of the cut", "N·m", false),
     ("speed", "rpm", false),
+    ("tolerance left", "%", false),
 ];
 /// Which of them hold the verdict and the feature's name.
 const VERDICT: usize = 1;
 const NAME: usize = 2;
 
-/// How little of its tolerance a feature leaves: bad ones before good ones; of threads the one with
-/// the smaller share of TD2 left, of holes the one with the larger depth error.
-pub(super) fn badness(feature: &Feature) -> f64 {
-    let failed = if feature.verdict.is_pass() { 0.0 } else { 1e6 };
-    let used = match &feature.kind {
-        FeatureKind::Hole(hole) => hole.depth_error.abs() / Length::mm(1.0),
-        FeatureKind::Thread(thread) => 1.0 - thread.margin / thread.pitch_diameter_tolerance,
-    };
-    failed + if used.is_finite() { used } else { 1e3 }
+/// The order of badness: what failed first, then by the share of the nearest tolerance that is left.
+pub(super) fn by_badness(run: &Run, features: &[Feature]) -> Vec<(usize, Headroom)> {
+    let mut order: Vec<_> =
+        features.iter().map(|f| f.headroom(&run.tolerances)).enumerate().collect();
+    let passed = |&(index, _): &(usize, Headroom)| features[index].verdict.is_pass();
+    order.sort_by(|a, b| passed(a).cmp(&passed(b)).then(a.1.share().total_cmp(&b.1.share())));
+    order
 }
 
 /// The table, or a sentence if there is nothing to put into it.
@@ -42,18 +40,17 @@ pub(super) fn table(run: &Run, features: &[Feature]) -> String {
     if features.is_empty() {
         return Tag::new("p").class("soft").text("The program cut no hole and no thread.");
     }
-    let mut order: Vec<usize> = (0..features.len()).collect();
-    order.sort_by(|&a, &b| badness(&features[b]).total_cmp(&badness(&features[a])));
+    let order = by_badness(run, features).into_iter();
     let rows: String =
-        order.into_iter().map(|index| row(run, index + 1, &features[index])).collect();
+        order.map(|(index, left)| row(run, index + 1, &features[index], &left)).collect();
     let heads: String =
         COLUMNS.iter().map(|&(name, unit, words)| head(name, unit, words)).collect();
     let head = Tag::new("thead").around(&Tag::new("tr").around(&heads));
     let table = Tag::new("table").around(&(head + &Tag::new("tbody").around(&rows)));
     let words = format!(
         "Worst first: what is out of tolerance, then by the share of the tolerance that is left. X and Y in {}; \
-         depths from the surface, plus is deeper; of a thread, the length of full thread. Sync: distance of the tap's edges from \
-         their ideal helix, in the material. A click on a head sorts.",
+         depths from the surface, plus is deeper; of a thread, the length of full thread. Sync error: distance of the axis from \
+         the ideal helix, in the material. Tolerance left: of the tolerance nearest to its limit. A click on a head sorts.",
         run.frame()
     );
     let scroll = Tag::new("div")
@@ -71,7 +68,7 @@ fn head(name: &str, unit: &str, words: bool) -> String {
     if words { head.class("l").around(&button) } else { head.around(&button) }
 }
 
-fn row(run: &Run, number: usize, feature: &Feature) -> String {
+fn row(run: &Run, number: usize, feature: &Feature, left: &Headroom) -> String {
     let [x0, y0, _] = run.zero();
     let [x, y] = feature.position().map(Length::value);
     let (class, verdict) =
@@ -89,16 +86,15 @@ fn row(run: &Run, number: usize, feature: &Feature) -> String {
         FeatureKind::Hole(hole) => {
             cells[2] = format!("hole ⌀{}", fixed(hole.diameter.value(), 2));
             cells.extend([fixed(hole.depth.value(), 3), um(hole.depth_error, 1)]);
-            cells.extend(std::iter::repeat_n(String::new(), 7));
+            cells.extend(std::iter::repeat_n(String::new(), 6));
         }
         FeatureKind::Thread(thread) => {
-            let left = if thread.hand.sign() < 0.0 { " left" } else { "" };
-            cells[2] = format!("{}{left}", thread.size);
+            let hand = if thread.hand.sign() < 0.0 { " left" } else { "" };
+            cells[2] = format!("{}{hand}", thread.size);
             cells.extend([
                 fixed(thread.depth.value(), 3),
                 um(thread.depth_error, 1),
                 um(thread.sync_error_max, 1),
-                um(thread.sync_error_rms, 1),
                 fixed(thread.pitch_diameter.value(), 3),
                 thread.class.map_or("none", |class| class.name()).into(),
                 um(thread.margin, 0),
@@ -107,10 +103,19 @@ fn row(run: &Run, number: usize, feature: &Feature) -> String {
             ]);
         }
     }
+    cells.push(share_left(left));
     let why = feature.verdict.reason();
     let cells: String =
         cells.iter().enumerate().map(|(column, cell)| data(column, cell, why)).collect();
     Tag::new("tr").class(class).around(&cells)
+}
+
+/// In percent; what has no measure has no share.
+fn share_left(left: &Headroom) -> String {
+    match left.of {
+        Criterion::Whole => "–".into(),
+        of => format!("{} {}", fixed(left.share() * 100.0, 0), of.name()),
+    }
 }
 
 fn data(column: usize, text: &str, why: Option<&str>) -> String {

@@ -1,27 +1,25 @@
 //! Key figures: what a reader looks for first, each with one line of why.
-use super::verdict::worst;
+use super::features::by_badness;
 use crate::Run;
 use crate::pictures::tolerance_share;
 use crate::record::Recorder;
 use crate::svg::{Tag, fixed};
-use std::collections::BTreeMap;
-use units::Time;
-use verify::{Feature, FeatureKind, Thread};
+use units::{Length, Time};
+use verify::{Count, Feature, FeatureKind, Summary, Thread};
 
 /// The figures as a row of cards.
 pub(super) fn figures(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
+    let summary = Summary::of(features, &run.tolerances);
     let mut cards = vec![
         card("Cycle time", &duration(run.cycle_time), &rate(run, recorder)),
-        count("Holes", features, |f| matches!(f.kind, FeatureKind::Hole(_))),
-        count("Threads", features, |f| matches!(f.kind, FeatureKind::Thread(_))),
+        count("Holes", summary.holes),
+        count("Threads", summary.threads),
     ];
     cards.extend(largest_error(run, features));
-    cards.extend(tightest(features));
-    cards.push(card(
-        "Alarms",
-        &run.alarms.len().to_string(),
-        if run.alarms.is_empty() { "none" } else { "see below" },
-    ));
+    cards.extend(depth_error(&summary));
+    cards.extend(tightest(run, features));
+    let see = if run.alarms.is_empty() { "none" } else { "see below" };
+    cards.push(card("Alarms", &run.alarms.len().to_string(), see));
     Tag::new("dl").class("figures").around(&cards.concat())
 }
 
@@ -53,15 +51,14 @@ fn rate(run: &Run, recorder: &Recorder) -> String {
     format!("{} s per tap, in and out", fixed(tapping / recorder.taps as f64, 3))
 }
 
-fn count(name: &str, features: &[Feature], is: fn(&Feature) -> bool) -> String {
-    let all = features.iter().filter(|f| is(f)).count();
-    let bad = features.iter().filter(|f| is(f) && !f.verdict.is_pass()).count();
-    let why = match (all, bad) {
+fn count(name: &str, count: Count) -> String {
+    let why = match (count.total(), count.failed) {
         (0, _) => "none cut".into(),
         (_, 0) => "✓ all".into(),
-        _ => format!("✗ {bad} out of tolerance"),
+        (_, bad) => format!("✗ {bad} out of tolerance"),
     };
-    card(&format!("{name} within tolerance"), &format!("{} of {all}", all - bad), &why)
+    let value = format!("{} of {}", count.passed, count.total());
+    card(&format!("{name} within tolerance"), &value, &why)
 }
 
 fn threads(features: &[Feature]) -> impl Iterator<Item = (usize, &Thread)> {
@@ -76,7 +73,7 @@ fn largest_error(run: &Run, features: &[Feature]) -> Option<String> {
     let (number, thread) =
         finite.max_by(|a, b| a.1.sync_error_max.value().total_cmp(&b.1.sync_error_max.value()))?;
     let why = format!(
-        "feature {number}, {} deep; warn {} µm, a quarter of TD2 is {} µm",
+        "No. {number}, {} deep; warn {} µm, a quarter of TD2 is {} µm",
         format_args!("{} mm", fixed(thread.sync_error_depth.value(), 1)),
         fixed(run.limits.sync_warn.in_um(), 0),
         fixed(tolerance_share(thread).in_um(), 0)
@@ -85,79 +82,17 @@ fn largest_error(run: &Run, features: &[Feature]) -> Option<String> {
     Some(card("Largest sync error in the material", &value, &why))
 }
 
-fn tightest(features: &[Feature]) -> Option<String> {
-    let feature = worst(features)?;
-    let number = features.iter().position(|f| std::ptr::eq(f, feature))? + 1;
-    let why = match (&feature.kind, feature.verdict.reason()) {
-        (_, Some(reason)) => reason.to_owned(),
-        (FeatureKind::Thread(thread), None) => {
-            format!(
-                "{} {}: {} µm left at the {} gauge",
-                thread.size,
-                thread.class_asked,
-                fixed(thread.margin.in_um(), 0),
-                thread.limiting_gauge.name()
-            )
-        }
-        (FeatureKind::Hole(hole), None) => {
-            format!("depth off by {} µm", fixed(hole.depth_error.in_um(), 1))
-        }
-    };
-    let name = if feature.verdict.is_pass() { "Least margin" } else { "Worst feature" };
-    Some(card(name, &format!("No. {number}"), &format!("line {}: {why}", feature.line)))
+fn depth_error(summary: &Summary) -> Option<String> {
+    let (index, error) = summary.depth_error_max?;
+    let sense = if error < Length::ZERO { "not deep enough" } else { "deeper than programmed" };
+    let value = format!("{} µm", fixed(error.abs().in_um(), 1));
+    Some(card("Largest depth error of a thread", &value, &format!("No. {}, {sense}", index + 1)))
 }
 
-/// One row per size of thread and diameter of hole: how many, and the spread of what matters.
-pub(super) fn sizes(features: &[Feature]) -> String {
-    let mut by_size: BTreeMap<String, Vec<&Feature>> = BTreeMap::new();
-    for feature in features {
-        let size = match &feature.kind {
-            FeatureKind::Hole(hole) => format!("hole ⌀{}", fixed(hole.diameter.value(), 2)),
-            FeatureKind::Thread(thread) => thread.size.clone(),
-        };
-        by_size.entry(size).or_default().push(feature);
-    }
-    if by_size.is_empty() {
-        return String::new();
-    }
-    let rows: String = by_size.iter().take(40).map(|(size, of_size)| row(size, of_size)).collect();
-    let head = "<thead><tr><th class=\"l\">size</th><th>good</th><th>depth error<small>µm</small></th><th>sync error, max<small>µm</small></th><th>margin<small>µm</small></th></tr></thead>";
-    let table = Tag::new("table").around(&(head.to_owned() + &Tag::new("tbody").around(&rows)));
-    let scroll = Tag::new("div").class("scroll").with("tabindex", "0").around(&table);
-    let caption = "Least to largest over all of a size. Depth error: plus is too deep. A wide spread within one size points to \
-        the machine, a common offset to the program or the tool table.";
-    crate::pictures::figure("By size", &scroll, caption)
-}
-
-fn row(size: &str, features: &[&Feature]) -> String {
-    let good = features.iter().filter(|f| f.verdict.is_pass()).count();
-    let depth = spread(features, |f| match &f.kind {
-        FeatureKind::Hole(hole) => Some(hole.depth_error.in_um()),
-        FeatureKind::Thread(thread) => Some(thread.depth_error.in_um()),
-    });
-    let of_thread = |value: fn(&Thread) -> f64| {
-        spread(features, move |f| match &f.kind {
-            FeatureKind::Hole(_) => None,
-            FeatureKind::Thread(thread) => Some(value(thread)),
-        })
-    };
-    let (sync, margin) = (of_thread(|t| t.sync_error_max.in_um()), of_thread(|t| t.margin.in_um()));
-    let sign = if good == features.len() { "✓" } else { "✗" };
-    let cells = [format!("{sign} {good}/{}", features.len()), depth, sync, margin];
-    let cells: String = cells.iter().map(|cell| Tag::new("td").text(cell)).collect();
-    Tag::new("tr").around(&(Tag::new("td").class("l").text(size) + &cells))
-}
-
-fn spread(features: &[&Feature], value: impl Fn(&Feature) -> Option<f64>) -> String {
-    let values = features.iter().filter_map(|f| value(f)).filter(|v| v.is_finite());
-    let (low, high) =
-        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
-    let (from, to) = (fixed(low, 1), fixed(high, 1));
-    if low > high {
-        "–".into()
-    } else if from == to {
-        from
-    } else {
-        format!("{from} … {to}")
-    }
+fn tightest(run: &Run, features: &[Feature]) -> Option<String> {
+    let (index, left) = *by_badness(run, features).first()?;
+    let feature = &features[index];
+    let why = feature.verdict.reason().map_or_else(|| left.to_string(), Into::into);
+    let name = if feature.verdict.is_pass() { "Nearest to its limit" } else { "Worst feature" };
+    Some(card(name, &format!("No. {}", index + 1), &format!("line {}: {why}", feature.line)))
 }

@@ -13,6 +13,7 @@
 mod features;
 mod figures;
 mod notes;
+mod sizes;
 mod threads;
 mod verdict;
 
@@ -31,7 +32,7 @@ pub fn html(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
     main += &figures::figures(run, recorder, features);
     main += &notes::notes(run, recorder);
     let map = pictures::hole_map(run, features);
-    let beside = figures::sizes(features) + &pictures::time_shares(run, recorder);
+    let beside = sizes::sizes(features) + &pictures::time_shares(run, recorder);
     main += &section("Workpiece and time", &grid(&(map + &column(&beside))));
     main += &section("Features", &features::table(run, features));
     main += &threads::threads(run, recorder, features);

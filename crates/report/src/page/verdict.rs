@@ -1,4 +1,5 @@
 //! The verdict: a sign, a word, a sentence.
+use super::features::by_badness;
 use crate::Run;
 use crate::svg::{Tag, escape};
 use verify::Feature;
@@ -39,7 +40,8 @@ fn outcome(run: &Run, features: &[Feature]) -> Outcome {
         );
     }
     if bad > 0 {
-        let why = worst(features)
+        let worst = by_badness(run, features).first().map(|&(index, _)| &features[index]);
+        let why = worst
             .and_then(|f| f.verdict.reason().map(|r| format!(" Worst: line {}, {r}.", f.line)));
         return fail("OUT OF TOLERANCE".into(), judged + &why.unwrap_or_default());
     }
@@ -50,13 +52,6 @@ fn outcome(run: &Run, features: &[Feature]) -> Outcome {
     }
     let sentence = format!("{judged} The program ran to its end without an alarm.");
     Outcome { class: "pass", sign: "✓", word: "GOOD".into(), sentence }
-}
-
-/// The feature that leaves the least of its tolerance: a bad one before all good ones.
-pub(super) fn worst(features: &[Feature]) -> Option<&Feature> {
-    features
-        .iter()
-        .min_by(|a, b| super::features::badness(b).total_cmp(&super::features::badness(a)))
 }
 
 /// The page's head: program and machine, then the verdict.

@@ -15,7 +15,7 @@ pub(crate) fn phase_plane(view: &ThreadView) -> String {
     let heading = "z over spindle angle";
     let caption = "Above: the tap's height over the turns of the spindle; in and out must lie on the dotted \
         line, one lead per turn, with no hook at the bottom. Below: the distance of the axis from that line, \
-        enlarged. A step at the turning point is friction or backlash, a slope a wrong lead, a bulge at \
+        enlarged; plus is deeper. A step at the turning point is friction or backlash, a slope a wrong lead, a bulge at \
         the ends a drive at its limit.";
     figure(heading, &(height(view) + &residual(view)), caption)
 }

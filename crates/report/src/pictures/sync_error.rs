@@ -24,41 +24,20 @@ pub(crate) fn tolerance_share(thread: &Thread) -> Length {
 /// The error on the way in or out: at each depth, mm, least and largest, µm.
 type Bounds = Vec<(f64, [f64; 2])>;
 
-/// The error over depth: at the tap's edges where they were judged, else of the axis.
+/// The error over depth: as it was judged, else as it was recorded.
 pub(crate) fn sync_error(view: &ThreadView) -> String {
     let judged = view.thread.filter(|thread| !thread.profile.is_empty());
-    let [inward, outward] = judged.map_or_else(
-        || of_axis(view),
-        |thread| {
-            let way = |way: fn(&ProfilePoint) -> Option<[Length; 2]>| {
-                thread
-                    .profile
-                    .iter()
-                    .map(|p| {
-                        (
-                            p.tip_depth.value(),
-                            way(p).map_or([f64::NAN; 2], |b| b.map(Length::in_um)),
-                        )
-                    })
-                    .collect()
-            };
-            [way(|p| p.inward), way(|p| p.outward)]
-        },
-    );
-    let errors = || inward.iter().chain(&outward).flat_map(|(_, b)| *b).filter(|e| e.is_finite());
-    let largest = errors().map(f64::abs).fold(0.0, f64::max);
+    let [inward, outward] = judged.map_or_else(|| recorded(view), of_judge);
+    let all = || inward.iter().chain(&outward);
+    let errors = all().flat_map(|(_, bounds)| *bounds).filter(|e| e.is_finite());
+    let largest = errors.map(f64::abs).fold(0.0, f64::max);
+    let widening = judged.map_or_else(Vec::new, widening);
     let limits = limits(view);
-    let reach = limits
-        .iter()
-        .map(|l| l.1)
-        .filter(|l| *l < 5.0 * largest.max(5.0))
-        .fold(largest, f64::max)
-        .max(1.0);
-    let x = Range::of(
-        "depth of the tip below the surface / mm",
-        inward.iter().chain(&outward).map(|p| p.0).chain([0.0]),
-    )
-    .padded(0.03);
+    // limits far beyond the curve would press it flat: the caption names them instead
+    let near = limits.iter().map(|l| l.1).filter(|l| *l < 5.0 * largest.max(5.0));
+    let reach = near.chain(widening.iter().map(|p| p.1)).fold(largest, f64::max).max(1.0);
+    let depths = all().map(|p| p.0).chain([0.0]);
+    let x = Range::of("depth of the tip below the surface / mm", depths).padded(0.03);
     let y = Range::of("sync error / µm", [-reach, reach]).padded(0.09);
     let description = format!(
         "Synchronisation error over depth, in and out: {} µm at most. Limits: {}.",
@@ -67,26 +46,34 @@ pub(crate) fn sync_error(view: &ThreadView) -> String {
     );
     let mut chart = Chart::new("Synchronisation error over depth", &description, x, y, 330.0);
     chart.zero(false);
-    draw(&mut chart, &inward, ["area in", "line in"], Stroke::In, "in");
-    draw(&mut chart, &outward, ["area out", "line out"], Stroke::Out, "out");
+    draw(&mut chart, &inward, "area in", Stroke::In, "in");
+    draw(&mut chart, &outward, "area out", Stroke::Out, "out");
+    chart.line(Stroke::Second, &widening, Some("widening of the groove"));
     for (stroke, limit, name) in &limits {
         chart.limits(*stroke, *limit, name);
     }
-    figure(
-        "Sync error over depth",
-        &chart.finish(&format!("{}-e", view.id)),
-        &caption(judged.is_some(), &limits, reach),
-    )
+    let caption = caption(judged.is_some(), &limits, reach);
+    figure("Sync error over depth", &chart.finish(&format!("{}-e", view.id)), &caption)
 }
 
-fn draw(
-    chart: &mut Chart,
-    bounds: &Bounds,
-    classes: [&'static str; 2],
-    stroke: Stroke,
-    name: &str,
-) {
-    chart.area(classes[0], bounds, None);
+/// What the judge found, in and out.
+fn of_judge(thread: &Thread) -> [Bounds; 2] {
+    let way = |way: fn(&ProfilePoint) -> Option<[Length; 2]>| {
+        let bounds = |p| way(p).map_or([f64::NAN; 2], |b| b.map(Length::in_um));
+        thread.profile.iter().map(|p| (p.tip_depth.value(), bounds(p))).collect()
+    };
+    [way(|p| p.inward), way(|p| p.outward)]
+}
+
+/// By how much the groove is wider than the tap's tooth.
+fn widening(thread: &Thread) -> Vec<(f64, f64)> {
+    let there =
+        thread.profile.iter().filter_map(|p| Some((p.tip_depth.value(), p.widening?.in_um())));
+    there.collect()
+}
+
+fn draw(chart: &mut Chart, bounds: &Bounds, class: &'static str, stroke: Stroke, name: &str) {
+    chart.area(class, bounds, None);
     let middle: Vec<_> = bounds.iter().map(|&(x, [a, b])| (x, f64::midpoint(a, b))).collect();
     chart.line(stroke, &middle, Some(name));
 }
@@ -117,8 +104,8 @@ fn in_words(limits: &[(Stroke, f64, String)]) -> String {
     limits.iter().map(|l| l.2.as_str()).collect::<Vec<_>>().join(", ")
 }
 
-/// Error of the axis, where no judge has seen the edges.
-fn of_axis(view: &ThreadView) -> [Bounds; 2] {
+/// What was recorded, where nothing was judged.
+fn recorded(view: &ThreadView) -> [Bounds; 2] {
     let trace = view.trace;
     let lead = trace.tap.lead.value().abs();
     let clearance = trace.clearance().value();
@@ -131,9 +118,9 @@ fn of_axis(view: &ThreadView) -> [Bounds; 2] {
 
 fn caption(judged: bool, limits: &[(Stroke, f64, String)], reach: f64) -> String {
     let what = if judged {
-        "How far the tap's edges left their ideal helix, in the material only: least to largest at each depth."
+        "How far the axis left the ideal helix, least to largest at each depth, in the material only; plus is deeper."
     } else {
-        "How far the axis left its line, in the material only; the judge saw no cut here."
+        "How far the axis left its line, in the material only; plus is deeper. The judge saw no cut here."
     };
     let outside: Vec<_> = limits.iter().filter(|l| l.1 > reach * 1.09).cloned().collect();
     let beyond = if outside.is_empty() {
@@ -142,7 +129,7 @@ fn caption(judged: bool, limits: &[(Stroke, f64, String)], reach: f64) -> String
         format!(" Beyond the picture: {}.", in_words(&outside))
     };
     format!(
-        "{what} The gap between in and out widens the groove: e µm of it open the pitch diameter by 1.73·e. \
-         Within the dotted lines it takes less than a quarter of the tolerance TD2.{beyond}"
+        "{what} A groove that is wider by e opens the pitch diameter by 1.73·e: up to the dotted lines that is \
+         less than a quarter of the tolerance TD2.{beyond}"
     )
 }

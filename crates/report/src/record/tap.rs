@@ -3,14 +3,14 @@
 //! ```text
 //!   stroke │            u = (θ − θ₀)·sign(lead)        turns inwards        [rev]
 //!    s     │      ╱     s = (z − z₀)·sign(bottom − z₀) stroke inwards       [mm]
-//!          │   ╱        e = (z − z₀) − slope·(θ − θ₀)  synchronisation error [mm]
-//!          │╱           slope = lead·sign(bottom − z₀) axis travel per +1 rev
+//!          │   ╱        e = s − |lead|·u          sync error, plus is deeper [mm]
+//!          │╱
 //!          └─────── u   material from u·|lead| = clearance on
 //! ```
 //!
-//! (θ₀, z₀) is the point on the coupling that was commanded when the cycle began. Positions are the real ones
-//! where a simulator knows them, else the encoders'. e is the axis' error; what the holder's spring
-//! then leaves of it at the cutting edges is the judge's business.
+//! (θ₀, z₀) is the point on the coupling that was commanded when the cycle began. Positions are the
+//! real ones where a simulator knows them, else the encoders'. e is the axis' error, from the first
+//! instant on; the judge's, in the material, is from the helix that fits best.
 use super::series::Series;
 use bus::{Sample, State};
 use canon::Tap;
@@ -34,7 +34,7 @@ pub(crate) struct TapTrace {
     pub(crate) began: Time,
     /// Turns → stroke, inwards and outwards.
     pub(crate) stroke: [Series; 2],
-    /// Turns → synchronisation error (µm), inwards and outwards.
+    /// Turns → synchronisation error (µm, plus is deeper), inwards and outwards.
     pub(crate) error: [Series; 2],
     /// Time from its beginning → spindle speed (rpm).
     pub(crate) speed: Series,
@@ -103,10 +103,11 @@ impl TapTrace {
         let (angle, z) = (sample.spindle(SPINDLE), sample.axis(self.tap.axis.index()));
         let turned = angle - self.origin.0;
         let travelled = z - self.origin.1;
-        let error = travelled - self.tap.lead * turned * self.inwards();
         let turns = turned.value() * self.tap.lead.value().signum();
+        let stroke = travelled * self.inwards();
+        let error = stroke - self.tap.lead.abs() * Angle::rev(turns);
         let side = usize::from(self.coming_out);
-        self.stroke[side].push(turns, travelled.value() * self.inwards());
+        self.stroke[side].push(turns, stroke.value());
         self.error[side].push(turns, error.in_um());
         if self.tap.lead.abs() * Angle::rev(turns) >= self.clearance() && error.is_finite() {
             self.worst = self.worst.max(error.abs());

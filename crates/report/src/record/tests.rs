@@ -88,13 +88,13 @@ fn a_tap_on_its_line_has_no_error_whatever_its_hand() {
 }
 
 #[test]
-fn an_axis_that_stays_five_micrometres_high_in_the_material_is_seen_to() {
+fn an_axis_that_stays_five_micrometres_high_in_the_material_is_not_deep_enough() {
     let mut tapper = Tapper::new(1.0);
     tapper.tap(1, Length::um(5.0), 6.0);
     let trace = tapper.recorder.kept_taps()[0];
     assert!((trace.worst.in_um() - 5.0).abs() < 1e-6, "{}", trace.worst);
     let inward = trace.error[0].points();
-    assert!(inward.iter().any(|p| (p.1 - 5.0).abs() < 1e-6 && p.0 > 6.0), "its sign and place");
+    assert!(inward.iter().any(|p| (p.1 + 5.0).abs() < 1e-6 && p.0 > 6.0), "its sign and place");
     assert!(
         trace.error[1].points().iter().all(|p| p.1.abs() < 1e-6),
         "the way out was on the line"

@@ -11,7 +11,9 @@ use report::{Alarm, Limits, Note, Origin, Recorder, Run};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use units::{Angle, Force, Lead, Length, Power, Spin, Time, Torque};
-use verify::{Feature, FeatureKind, Gauge, Hand, Hole, ProfilePoint, Thread, ThreadClass, Verdict};
+use verify::{
+    Feature, FeatureKind, Gauge, Hand, Hole, ProfilePoint, Thread, ThreadClass, Tolerances, Verdict,
+};
 
 const PERIOD: f64 = 250e-6;
 const INERTIA: f64 = 0.010;
@@ -81,6 +83,7 @@ pub fn run(program: &str) -> Run {
         ended: true,
         alarms: Vec::new(),
         notes: Vec::new(),
+        tolerances: Tolerances::default(),
         limits: Limits {
             torque: Limits::torque_curve(Torque::n_m(PEAK), Power::w(POWER), Spin::rpm(10_000.0)),
             sync_warn: Length::um(25.0),
@@ -186,7 +189,7 @@ fn speeds(turns: f64) -> impl Fn(f64) -> f64 {
     move |u: f64| at(u).min(at(turns - u)).max(0.4)
 }
 
-/// The axis' error, µm, after some turns.
+/// The axis' error, µm, plus is deeper, after some turns.
 pub fn error_um(u: f64, turns: f64, out: bool, saturated: bool) -> f64 {
     let ripple = 0.5 * (u * TAU * 3.0).sin();
     let hook = 5.0 * (-(turns - u) / 0.25).exp();
@@ -233,7 +236,7 @@ fn stroke(machine: &mut Machine, x: f64, y: f64, out: bool, saturated: bool, unt
         let wanted = accel * TAU * INERTIA * sense + cutting;
         let at_limit = saturated && wanted.abs() > 0.7 * limit;
         if let Some(truth) = &mut sample.truth {
-            truth.axes[2] += Length::um(error_um(u, turns, out, saturated));
+            truth.axes[2] -= Length::um(error_um(u, turns, out, saturated));
             truth.spins[0] = Spin::rev_per_s(v * sense);
             let factor = if at_limit { 1.0 / 0.85 } else { 1.0 };
             truth.spindle_torques[0] = Torque::n_m((wanted * factor).clamp(-limit, limit));
