@@ -319,7 +319,8 @@ impl Certificate {
         serde_json::from_str(text).map_err(|e| {
             let before = text.split_inclusive('\n').take(e.line().saturating_sub(1));
             let start = before.map(str::len).sum::<usize>() + e.column().saturating_sub(1);
-            let small = |n: usize| u32::try_from(n.min(text.len())).unwrap_or(u32::MAX);
+            // the parser counts bytes: a place within a letter would not be one
+            let small = |n| u32::try_from(text.floor_char_boundary(n)).unwrap_or(u32::MAX);
             let line = small(e.line().max(1));
             let place = Span { file: 0, line, start: small(start), end: small(start + 1) };
             let message = e.to_string();

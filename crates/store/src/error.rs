@@ -42,6 +42,14 @@ pub enum Error {
     /// The text was understood, and refused.
     #[error("{0}")]
     Refused(Box<Refusal>),
+    /// Neither an embedded machine nor a file.
+    #[error("there is no machine `{name}` and no file of that name: {remedy}")]
+    NoSuchMachine {
+        /// What was asked for.
+        name: String,
+        /// What could be meant, or what there is.
+        remedy: String,
+    },
     /// A trace that Parquet could not write or read.
     #[error("cannot {action} the trace {}: {cause}", path.display())]
     Trace {

@@ -1,4 +1,5 @@
 //! The certificate's keys are a promise to other programs: this is their list.
+use proptest::prelude::*;
 use serde_json::{Value, json};
 use store::certificate::{
     Alarm, Cam, Certificate, Common, Feature, Hand, Hole, Measured, Polygon, Thread, Verdict,
@@ -169,5 +170,23 @@ fn what_is_no_certificate_is_refused_with_the_place() {
     assert_eq!(finding.message, "not a certificate: invalid type: integer `1`, expected a string");
     for text in ["", "[", "{\"a\": \"\\u12", "nul"] {
         assert_eq!(Certificate::parse(text).unwrap_err().code, "S0701");
+    }
+}
+
+proptest! {
+    #[test]
+    fn no_change_to_a_good_certificate_makes_the_reader_panic(
+        at in 0_usize..4000, length in 0_usize..40, new in "[\\[\\]{}:\",\\\\ a-z0-9.é-]{0,8}"
+    ) {
+        let text = certificate().to_json();
+        let end = at.saturating_add(length).min(text.len());
+        if let (Some(head), Some(tail)) = (text.get(..at), text.get(end..)) {
+            let changed = format!("{head}{new}{tail}");
+            if let Err(finding) = Certificate::parse(&changed) {
+                prop_assert!(finding.span.start <= finding.span.end);
+                let place = finding.span.start as usize..finding.span.end as usize;
+                prop_assert!(changed.get(place).is_some());
+            }
+        }
     }
 }

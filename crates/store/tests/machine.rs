@@ -125,6 +125,32 @@ fn an_empty_file_lacks_every_section() {
 }
 
 #[test]
+fn a_machine_is_found_by_name_or_by_file() {
+    assert_eq!(machine::find("tapping-center").unwrap(), tapping_center());
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("mine.toml");
+    std::fs::write(&path, machine::embedded("cam-grinder").unwrap()).unwrap();
+    assert_eq!(machine::find(path.to_str().unwrap()).unwrap().name, "cam-grinder");
+    let sentence = |name| machine::find(name).unwrap_err().to_string();
+    assert_eq!(
+        sentence("tapping-centre"),
+        "there is no machine `tapping-centre` and no file of that name: did you mean `tapping-center`?"
+    );
+    assert_eq!(
+        sentence("robot"),
+        "there is no machine `robot` and no file of that name: \
+         expected a file or one of tapping-center, polygon-lathe, cam-grinder"
+    );
+    assert_eq!(sentence("no.toml"), "cannot read no.toml: there is no such file or folder");
+}
+
+#[test]
+fn materials_are_known_by_name() {
+    let kc = |name| machine::Material::named(name).map(|m| m.cutting_force_n_per_mm2);
+    assert_eq!([kc("C45"), kc("alsi"), kc("cheese")], [Some(3900.0), Some(1300.0), None]);
+}
+
+#[test]
 fn loading_a_bad_file_names_it_and_the_first_finding() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("mine.toml");
@@ -137,7 +163,11 @@ fn loading_a_bad_file_names_it_and_the_first_finding() {
 proptest! {
     #[test]
     fn no_bytes_make_the_reader_panic(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
-        let _ = machine::parse(&String::from_utf8_lossy(&bytes), 0);
+        let text = String::from_utf8_lossy(&bytes);
+        for finding in machine::parse(&text, 0).err().into_iter().flatten() {
+            let place = finding.span.start as usize..finding.span.end as usize;
+            prop_assert!(text.get(place).is_some(), "{:?}", finding);
+        }
     }
 
     #[test]

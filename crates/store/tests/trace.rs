@@ -148,6 +148,8 @@ fn what_is_no_trace_is_refused_in_one_sentence() {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))] // each writes and reads a file
+
     #[test]
     fn a_damaged_trace_is_refused_or_read_and_never_a_panic(
         at in 0_usize..10_000, byte in any::<u8>(), cut in 0_usize..2_000

@@ -97,6 +97,25 @@ pub fn load(path: &Path) -> Result<MachineFile, Error> {
     parse(&text, 0).map_err(|findings| Error::refused(path, text, findings))
 }
 
+/// The machine that a user means: the name of an embedded one, or the path of a file.
+///
+/// # Errors
+/// As [`load`], and [`Error::NoSuchMachine`] with the nearest name.
+pub fn find(name: &str) -> Result<MachineFile, Error> {
+    let path = Path::new(name);
+    if let Some(text) = embedded(name) {
+        return parse(text, 0).map_err(|found| Error::refused(path, text.to_owned(), found));
+    }
+    if path.exists() || path.extension().is_some() || path.components().count() > 1 {
+        return load(path);
+    }
+    let remedy = match keys::nearest(name, &EMBEDDED) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => format!("expected a file or one of {}", EMBEDDED.join(", ")),
+    };
+    Err(Error::NoSuchMachine { name: name.to_owned(), remedy })
+}
+
 impl MachineFile {
     /// A linear axis, if the machine has it.
     pub fn axis(&self, letter: canon::Axis) -> Option<&Axis> {

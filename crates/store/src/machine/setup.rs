@@ -92,6 +92,11 @@ impl Material {
         Self::of("brass", 2300.0),
     ];
 
+    /// The material of that name, in any case of letters.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::KNOWN.into_iter().find(|m| m.name.eq_ignore_ascii_case(name))
+    }
+
     const fn of(name: &'static str, cutting_force_n_per_mm2: f64) -> Self {
         Self { name, cutting_force_n_per_mm2 }
     }
