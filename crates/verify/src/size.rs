@@ -102,7 +102,7 @@ impl ThreadSize {
     }
 
     /// Longest engagement for which the tolerances of a normal length ("N") hold:
-    /// 6.7·P·d^0.2 (ISO 965-1, 5.2).
+    /// 6.7·P·d^0.2 (ISO 965-1; d taken as the nominal diameter).
     pub fn normal_engagement(&self) -> Length {
         self.pitch * (6.7 * self.nominal.value().powf(0.2))
     }

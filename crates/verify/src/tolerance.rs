@@ -14,7 +14,7 @@
 //! - Td2(6) = 90·P^0.4·d^0.1 µm;  TD2 = Td2(6) × 0.85 (4H), 1.06 (5H), 1.32 (6H), 1.7 (7H)
 //! - TD1(6) = 433·P − 190·P^1.22 µm (P ≤ 0.8), 230·P^0.7 µm (P ≥ 1); × 0.63, 0.8, 1, 1.25
 //!
-//! **Unified** (ASME B1.1, section 5; D, P, Le in inches, Le = D for the coarse and fine series):
+//! **Unified** (ASME B1.1; D, P, Le in inches, Le = D for the coarse and fine series):
 //!
 //! - Td2(2A) = 0.0015·D^⅓ + 0.0015·Le^½ + 0.015·P^⅔;  TD2 = Td2(2A) × 0.975 (3B), 1.3 (2B), 1.95 (1B)
 //! - TD1(1B, 2B) = 0.25·P − 0.4·P² for D ≥ ¼ in (0.15·P under 4 threads per inch); below ¼ in
@@ -48,7 +48,7 @@ const fn row(size: [f64; 2], basic: [f64; 2], td2_um: [f64; 4], td1_um: f64) -> 
     }
 }
 
-/// ISO 965-1:2013, tables 1 (basic sizes), 3 (TD1) and 5 (TD2).
+/// Basic sizes of ISO 724, tolerances of ISO 965-1.
 const TABLE: [Row; 10] = [
     row([3.0, 0.5], [2.675, 2.459], [63.0, 80.0, 100.0, 125.0], 140.0),
     row([4.0, 0.7], [3.545, 3.242], [75.0, 95.0, 118.0, 150.0], 180.0),
@@ -264,6 +264,11 @@ mod tests {
             ("1/2-13 UNC", ThreadClass::B2, 0.4500, 0.4565, 0.417, 0.434),
             ("#10-24 UNC", ThreadClass::B2, 0.1629, 0.1672, 0.145, 0.156),
             ("#8-32 UNC", ThreadClass::B2, 0.1437, 0.1475, 0.130, 0.139),
+            ("#6-32 UNC", ThreadClass::B2, 0.1177, 0.1214, 0.104, 0.114),
+            ("3/4-10 UNC", ThreadClass::B2, 0.6850, 0.6927, 0.642, 0.663),
+            ("1-8 UNC", ThreadClass::B2, 0.9188, 0.9276, 0.865, 0.890),
+            ("1 1/4-7 UNC", ThreadClass::B2, 1.1572, 1.1668, 1.095, 1.123),
+            ("2-4.5 UNC", ThreadClass::B2, 1.8557, 1.8681, 1.759, 1.795),
         ];
         for (text, class, d2_min, d2_max, d1_min, d1_max) in listed {
             let found = limits(text, class);
