@@ -175,11 +175,15 @@ impl Cutting {
         })
     }
 
-    /// Where nobody has drilled, and the user said that somebody has: D − P, through.
-    fn assume_bore(&mut self, tap: &Tap, hole: usize) {
-        let hole = &mut self.stock.holes[hole];
-        let untouched = hole.bores.iter().all(|bore| bore.full_depth() <= Length::ZERO);
-        if self.stock.assume_predrilled && untouched {
+    /// Where nobody has drilled, and the user said that somebody has: D − P, through. Beside a hole that was
+    /// drilled off its place nothing is assumed: there the tap meets the wall.
+    fn assume_bore(&mut self, tap: &Tap, index: usize) {
+        let drilled = |hole: &Hole| hole.bores.iter().any(|bore| bore.full_depth() > Length::ZERO);
+        let [x, y] = self.at;
+        let near = |hole: &Hole| distance([hole.x, hole.y], [x, y]) < tap.diameter;
+        let is_drilled = self.stock.holes.iter().any(|hole| near(hole) && drilled(hole));
+        if self.stock.assume_predrilled && !is_drilled {
+            let hole = &mut self.stock.holes[index];
             let diameter = tap.diameter - Length::mm(tap.lead.value().abs());
             let tip_depth = self.stock.thickness.unwrap_or(ASSUMED_DEPTH);
             hole.bores.push(Bore { diameter, tip_depth, cone: Length::ZERO });
@@ -429,6 +433,17 @@ mod tests {
             assert_eq!(hand.cutting.is_broken(), !assume_predrilled);
             assert_eq!(hand.cutting.holes()[0].assumed, assume_predrilled);
         }
+    }
+
+    #[test]
+    fn a_tap_set_beside_a_drilled_hole_breaks_even_where_holes_are_assumed() {
+        let mut hand = Hand::usual();
+        hand.take(DRILL, 5.0).lead(0.0, 0.0);
+        hand.lead(-20.0, 200.0);
+        hand.lead(1.0, 210.0);
+        hand.take(TAP, 5.5).lead(0.0, 210.0);
+        hand.lead(-5.0, 215.0);
+        assert!(hand.cutting.is_broken());
     }
 
     #[test]

@@ -85,11 +85,8 @@ impl SimulatedMachine {
         self.cutting.as_ref().map_or(&[], Cutting::holes)
     }
 
-    /// Send a command on its way; the one that arrives.
+    /// Send a command on its way; the one that arrives. There must be a way.
     fn transport(&mut self, command: &Command) -> Command {
-        if self.underway.is_empty() {
-            return *command;
-        }
         let oldest = (self.periods % self.underway.len() as u64) as usize;
         core::mem::replace(&mut self.underway[oldest], *command)
     }
@@ -178,8 +175,12 @@ impl bus::Machine for SimulatedMachine {
     }
 
     fn exchange(&mut self, command: &Command) -> Feedback {
-        let arrived = self.transport(command);
-        self.obey(&arrived);
+        if self.underway.is_empty() {
+            self.obey(command);
+        } else {
+            let arrived = self.transport(command);
+            self.obey(&arrived);
+        }
         self.advance();
         self.periods += 1;
         self.observe();
