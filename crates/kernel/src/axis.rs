@@ -16,7 +16,7 @@
 //! the control calls the axis' position is the tool side everywhere: reading − stretch.
 //!
 //! Numbers here are in mm, s, N; masses in N per mm/s² (kg·10⁻³).
-use crate::config::{AxisControl, Config, FeedForward};
+use crate::config::{AxisControl, Config, EncoderPlace, FeedForward};
 use crate::friction::Bristles;
 use crate::servo::{Gains, Input, Servo};
 use bus::{AxisCommand, AxisFeedback};
@@ -61,15 +61,37 @@ struct Screw {
 impl Screw {
     fn new(control: &AxisControl) -> Self {
         let crossing = PLAY_CROSSING * control.friction.coulomb.value().max(1.0);
+        // a scale sees the tool side itself
+        let seen = match control.encoder.place {
+            EncoderPlace::Motor => 1.0,
+            EncoderPlace::Scale => 0.0,
+        };
         Self {
-            per_stiffness: control.stiffness.map_or(0.0, |k| 1.0 / k.value()),
-            half_play: control.backlash.value() / 2.0,
+            per_stiffness: seen / control.stiffness.value(),
+            half_play: seen * control.backlash.value() / 2.0,
             per_crossing: 1.0 / crossing,
         }
     }
 
     fn stretch(&self, force: f64) -> f64 {
         force * self.per_stiffness + self.half_play * (force * self.per_crossing).clamp(-1.0, 1.0)
+    }
+}
+
+/// Behind the screw's spring a tracker must not take the resonance for motion: at this share of it, what
+/// the encoder says of the resonance is damped more than the resonance is sharp.
+const BELOW_RESONANCE: f64 = 0.15;
+
+/// The highest bandwidth of the servo's tracker, Hz: free with the encoder on the motor.
+fn tracker_most_hz(control: &AxisControl) -> f64 {
+    match control.encoder.place {
+        EncoderPlace::Motor => f64::INFINITY,
+        EncoderPlace::Scale => {
+            let per_mass = 1.0 / control.table_mass.value()
+                + 1.0 / control.motor_mass.value().max(f64::MIN_POSITIVE);
+            let stiffness_n_per_m = control.stiffness.value() * 1e3;
+            BELOW_RESONANCE * libm::sqrt(stiffness_n_per_m * per_mass) / core::f64::consts::TAU
+        }
     }
 }
 
@@ -106,6 +128,11 @@ impl AxisLoop {
                 bandwidth_hz: control.velocity_bandwidth_hz,
                 inertia: mass,
                 period_s,
+                delay_s: config.command_delay.value(),
+                lag_s: control.force_lag.value(),
+                count: control.encoder.count.value(),
+                peak: control.peak_force.value(),
+                tracker_most_hz: tracker_most_hz(&control),
             }),
             screw: Screw::new(&control),
             friction: (bristles.clone(), bristles),
@@ -207,11 +234,12 @@ impl AxisLoop {
         self.error = now.position + self.stretch + self.gap - self.reading;
         let force = self.servo.update(Input {
             error: self.error,
-            error_rate: (self.error - before) / self.period_s,
+            growth: self.error - before,
             speed_withheld: (1.0 - shares.speed) * now.speed,
             feed_forward: shares.accel * self.mass * ahead.accel + shares.friction * friction_ahead
                 - weight,
             limit: self.control.peak_force.value(),
+            position: true,
         });
         AxisCommand {
             enable: true,

@@ -105,6 +105,24 @@ pub struct AxisWindows {
     pub following_stop: Length,
 }
 
+/// Where an axis is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EncoderPlace {
+    /// On the motor.
+    Motor,
+    /// On the tool side: a linear scale.
+    Scale,
+}
+
+/// What the position of an axis is read from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisEncoder {
+    /// Where it sits.
+    pub place: EncoderPlace,
+    /// One count, as travel of the axis.
+    pub count: Length,
+}
+
 /// One linear axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisControl {
@@ -122,10 +140,13 @@ pub struct AxisControl {
     pub weight: Force,
     /// Friction of the guideway.
     pub friction: AxisFriction,
-    /// Between encoder and tool side: a motor encoder sees neither the stretch of the screw …
-    pub stiffness: Option<Stiffness>,
-    /// … nor its play. `None` and zero for a linear scale.
+    /// Axial stiffness between motor and tool side: a motor encoder sees neither the stretch of the
+    /// screw …
+    pub stiffness: Stiffness,
+    /// … nor its play.
     pub backlash: Length,
+    /// What the position is read from.
+    pub encoder: AxisEncoder,
     /// Most force the drive can give.
     pub peak_force: Force,
     /// Time constant of the drive's current loop.
@@ -179,6 +200,8 @@ pub struct SpindleControl {
     pub peak_power: Power,
     /// Time constant of the drive's current loop.
     pub torque_lag: Time,
+    /// One count of the encoder.
+    pub encoder_count: units::Angle,
     /// Bandwidth of the observer of its motion, Hz.
     pub observer_bandwidth_hz: f64,
     /// Limits of turning to an angle.
@@ -301,13 +324,13 @@ impl AxisControl {
             SLOWER_THAN_SAMPLING,
         );
         self.feed_forward.fields(&mut check);
-        let stiffness = self.stiffness.map_or(1.0, Stiffness::value);
         for (field, value) in [
             ("position_gain", self.position_gain),
             ("table_mass", self.table_mass.value()),
             ("friction.bristle_stiffness", self.friction.bristle_stiffness.value()),
             ("friction.stribeck", self.friction.stribeck.value()),
-            ("stiffness", stiffness),
+            ("stiffness", self.stiffness.value()),
+            ("encoder.count", self.encoder.count.value()),
             ("peak_force", self.peak_force.value()),
             ("gentle speed", self.gentle.0.value()),
             ("gentle acceleration", self.gentle.1.value()),
@@ -348,6 +371,7 @@ impl SpindleControl {
             ("friction.rounding", self.friction.rounding.value()),
             ("peak_torque", self.peak_torque.value()),
             ("peak_power", self.peak_power.value()),
+            ("encoder_count", self.encoder_count.value()),
             ("orient speed", self.orient.0.value()),
             ("orient acceleration", self.orient.1.value()),
             ("windows.at_speed", self.windows.at_speed),

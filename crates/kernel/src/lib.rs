@@ -13,6 +13,8 @@
 //! for. Whoever can call a function can prove it: the same inputs give the same outputs, to the bit.
 #![no_std]
 extern crate alloc;
+#[cfg(test)]
+extern crate std;
 
 mod axis;
 mod config;
@@ -29,8 +31,8 @@ mod stroke;
 mod tapping;
 
 pub use config::{
-    AxisControl, AxisFriction, AxisWindows, Config, FeedForward, Pause, Problem, SpindleControl,
-    SpindleFriction, SpindleWindows, Subject, Waits,
+    AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderPlace, FeedForward, Pause,
+    Problem, SpindleControl, SpindleFriction, SpindleWindows, Subject, Waits,
 };
 pub use event::{EVENTS, Event, EventKind, TapFigures};
 pub use fault::{Fault, FaultKind, Reaction};

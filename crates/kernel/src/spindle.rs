@@ -77,6 +77,11 @@ impl SpindleLoop {
                 bandwidth_hz: control.velocity_bandwidth_hz,
                 inertia,
                 period_s,
+                delay_s: config.command_delay.value(),
+                lag_s: control.torque_lag.value(),
+                count: control.encoder_count.value(),
+                peak: control.peak_torque.value(),
+                tracker_most_hz: f64::INFINITY,
             }),
             observer: Observer::new(config.period, control.observer_bandwidth_hz, Angle::ZERO),
             period_s,
@@ -311,12 +316,13 @@ impl SpindleLoop {
         let spin = self.ordered.spin.value();
         let friction = spindle_friction(&self.control.friction, self.ahead.spin).value();
         let torque = self.servo.update(Input {
-            error: if by_angle { self.error } else { 0.0 },
-            error_rate: (way - turned) / self.period_s,
+            error: self.error,
+            growth: way - turned,
             speed_withheld: if by_angle { (1.0 - shares.speed) * spin } else { 0.0 },
             feed_forward: shares.accel * self.inertia * self.ahead.accel.value()
                 + shares.friction * friction,
             limit: self.limit(self.now().spin.value()),
+            position: by_angle,
         });
         SpindleCommand {
             enable: true,

@@ -27,5 +27,5 @@ pub use blend::{Blend, BlendPoint};
 pub use coupling::{Coupling, Follower, Line, Rotation};
 pub use mode::{MAX_TRANSPORT, Prediction, SyncMode};
 pub use monitor::{Figures, Monitor, Verdict, Windows};
-pub use observer::{Observer, stopping_angle};
+pub use observer::{Observer, Tracker, stopping_angle};
 pub use tapping::{Ask, Cycle, Phase, Stroke, StrokePoint, Tap, Tick};

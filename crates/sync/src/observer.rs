@@ -24,55 +24,99 @@ use units::{Angle, Spin, SpinAccel, Time};
 
 use crate::Rotation;
 
-/// Estimates how a master turns.
+/// The filter itself, for whatever is measured: mm or rev, and their rates.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Observer {
+pub struct Tracker {
     period_s: f64,
-    alpha: f64,
-    beta: f64,
-    gamma: f64,
-    theta_rev: f64,
-    omega_rev_per_s: f64,
-    ordered_rev_per_s2: f64,
-    disturbance_rev_per_s2: f64,
+    gains: [f64; 3],
+    place: f64,
+    rate: f64,
+    ordered: f64,
+    disturbance: f64,
 }
 
-impl Observer {
-    /// An observer of a master at rest at `angle`, called once a `period`, that learns disturbances
-    /// with a bandwidth in Hz (well below half the sampling rate).
-    pub fn new(period: Time, bandwidth_hz: f64, angle: Angle) -> Self {
-        let xi = libm::exp(-core::f64::consts::TAU * bandwidth_hz * period.value());
+impl Tracker {
+    /// A tracker of something at rest at `place`, called once a period, that learns disturbances with
+    /// a bandwidth well below half the sampling rate.
+    pub fn new(period_s: f64, bandwidth_hz: f64, place: f64) -> Self {
+        let xi = libm::exp(-core::f64::consts::TAU * bandwidth_hz * period_s);
+        let alpha = 1.0 - xi * xi * xi;
+        let beta = 1.5 * (1.0 - xi) * (1.0 - xi) * (1.0 + xi);
+        let gamma = (1.0 - xi) * (1.0 - xi) * (1.0 - xi);
         Self {
-            period_s: period.value(),
-            alpha: 1.0 - xi * xi * xi,
-            beta: 1.5 * (1.0 - xi) * (1.0 - xi) * (1.0 + xi),
-            gamma: (1.0 - xi) * (1.0 - xi) * (1.0 - xi),
-            theta_rev: angle.value(),
-            omega_rev_per_s: 0.0,
-            ordered_rev_per_s2: 0.0,
-            disturbance_rev_per_s2: 0.0,
+            period_s,
+            gains: [alpha, beta / period_s, gamma / (period_s * period_s)],
+            place,
+            rate: 0.0,
+            ordered: 0.0,
+            disturbance: 0.0,
         }
+    }
+
+    /// The largest bandwidth, Hz, at which an encoder of a given count leaves no more noise on the rate
+    /// than is allowed (standard deviations). Quantisation is count/√12; of a variance σ² the filter
+    /// leaves σ²·(1−ξ)³·(49+50ξ+13ξ²)/(2h²·(1+ξ)⁵), which is 7/4·σ²(1−ξ)³/h² for ξ near 1.
+    pub fn bandwidth_for(period_s: f64, count: f64, rate_noise: f64) -> f64 {
+        let sigma = count / libm::sqrt(12.0);
+        let gap = libm::cbrt(4.0 / 7.0 * libm::pow(rate_noise * period_s / sigma, 2.0));
+        let xi = (1.0 - gap).max(f64::MIN_POSITIVE);
+        -libm::log(xi) / (core::f64::consts::TAU * period_s)
+    }
+
+    /// Take one reading.
+    pub fn read(&mut self, measured: f64) {
+        let h = self.period_s;
+        let accel = self.acceleration();
+        let place = self.place + h * (self.rate + h * accel / 2.0);
+        let residual = measured - place;
+        self.place = place + self.gains[0] * residual;
+        self.rate += h * accel + self.gains[1] * residual;
+        self.disturbance += self.gains[2] * residual;
+    }
+
+    /// Be told the acceleration that is ordered for the period now beginning.
+    pub const fn order(&mut self, accel: f64) {
+        self.ordered = accel;
+    }
+
+    /// Where it is.
+    pub const fn place(&self) -> f64 {
+        self.place
+    }
+
+    /// How fast it moves.
+    pub const fn rate(&self) -> f64 {
+        self.rate
+    }
+
+    /// Its acceleration, ordered or not.
+    pub fn acceleration(&self) -> f64 {
+        self.ordered + self.disturbance
+    }
+}
+
+/// Estimates how a master turns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Observer(Tracker);
+
+impl Observer {
+    /// An observer of a master at rest at `angle`; see [`Tracker::new`].
+    pub fn new(period: Time, bandwidth_hz: f64, angle: Angle) -> Self {
+        Self(Tracker::new(period.value(), bandwidth_hz, angle.value()))
     }
 
     /// Take one reading, and the acceleration ordered for the period now beginning.
     pub fn update(&mut self, measured: Angle, ordered: SpinAccel) {
-        let h = self.period_s;
-        let a = self.ordered_rev_per_s2 + self.disturbance_rev_per_s2;
-        let theta = self.theta_rev + h * (self.omega_rev_per_s + h * a / 2.0);
-        let omega = self.omega_rev_per_s + h * a;
-        let r = measured.value() - theta;
-        self.theta_rev = theta + self.alpha * r;
-        self.omega_rev_per_s = omega + self.beta / h * r;
-        self.disturbance_rev_per_s2 += self.gamma / (h * h) * r;
-        self.ordered_rev_per_s2 = ordered.value();
+        self.0.read(measured.value());
+        self.0.order(ordered.value());
     }
 
     /// How the master turns at the moment of the last reading; [`Rotation::after`] predicts from there.
-    pub const fn now(&self) -> Rotation {
+    pub fn now(&self) -> Rotation {
         Rotation {
-            angle: Angle::rev(self.theta_rev),
-            spin: Spin::rev_per_s(self.omega_rev_per_s),
-            accel: SpinAccel::rev_per_s2(self.ordered_rev_per_s2 + self.disturbance_rev_per_s2),
+            angle: Angle::rev(self.0.place()),
+            spin: Spin::rev_per_s(self.0.rate()),
+            accel: SpinAccel::rev_per_s2(self.0.acceleration()),
         }
     }
 }
@@ -132,6 +176,26 @@ mod tests {
         assert!(angle < 3e-6, "{angle} rev");
         let (ordered, _) = worst(1_048_576.0, 1, ramp, 100.0);
         assert!(ordered < 3e-6, "{ordered} rev");
+    }
+
+    #[test]
+    fn the_bandwidth_for_a_coarse_encoder_leaves_the_noise_that_is_allowed() {
+        let (h, count, allowed) = (H.value(), 1.0 / 4096.0, 0.02);
+        let bandwidth = Tracker::bandwidth_for(h, count, allowed);
+        let mut tracker = Tracker::new(h, bandwidth, 0.0);
+        let (mut squares, mut counted) = (0.0, 0.0);
+        for k in 0..200_000u32 {
+            // a speed whose way per period shares no period with the count: quantisation is noise
+            let place = f64::from(k) * 0.618_034 * 7.3 * count;
+            tracker.read((place / count).floor() * count);
+            if k > 4000 {
+                let off = tracker.rate() - 0.618_034 * 7.3 * count / h;
+                (squares, counted) = (squares + off * off, counted + 1.0);
+            }
+        }
+        let noise = f64::sqrt(squares / counted);
+        assert!(noise < 1.2 * allowed, "{noise} rev/s at {bandwidth} Hz");
+        assert!((50.0..200.0).contains(&bandwidth), "{bandwidth} Hz");
     }
 
     #[test]

@@ -5,8 +5,8 @@ use bus::{Machine, Sample};
 use canon::{Axis, Position};
 use core::f64::consts::TAU;
 use kernel::{
-    AxisControl, AxisFriction, AxisWindows, Config, Event, FeedForward, Kernel, Pause,
-    SpindleControl, SpindleFriction, SpindleWindows, SyncMode, Waits, Windows,
+    AxisControl, AxisFriction, AxisWindows, Config, EncoderPlace, Event, FeedForward, Kernel,
+    Pause, SpindleControl, SpindleFriction, SpindleWindows, SyncMode, Waits, Windows,
 };
 use plan::{
     AxisLimits, Limiting, Move, Path, Piece, Profile, SpindleLimits, SpindleStep, Step, StepKind,
@@ -78,6 +78,34 @@ pub fn machine(command_delay: usize) -> sim::Config {
     }
 }
 
+/// The machine with the tap of an order in its spindle, and C45 steel below it.
+pub fn machine_with_work(command_delay: usize, order: &TapOrder, diameter_mm: f64) -> sim::Config {
+    let mut machine = machine(command_delay);
+    let length = Length::mm(100.0);
+    let lead = if order.left { -order.lead_mm } else { order.lead_mm };
+    let tap = sim::Tap {
+        diameter: Length::mm(diameter_mm),
+        lead: Lead::mm_per_rev(lead),
+        chamfer_pitches: 2.5,
+        flute_factor: 1.15,
+        thread_length: Length::mm(40.0),
+        flank_play: Length::um(10.0),
+        flank_stiffness: Stiffness::n_per_mm(100_000.0),
+        holder: sim::Holder { stiffness: Stiffness::n_per_mm(20_000.0), travel: None },
+    };
+    machine.magazine = vec![sim::Tool { number: 1, length, kind: sim::ToolKind::Tap(tap) }];
+    machine.tool = 1;
+    machine.stock = Some(sim::Stock {
+        top: Length::mm(order.surface_mm) - length,
+        thickness: None,
+        sides: None,
+        material: sim::Material::named("C45").expect("it is in the table"),
+        holes: Vec::new(),
+        assume_predrilled: true,
+    });
+    machine
+}
+
 fn axis_control(model: &AxisModel) -> AxisControl {
     let friction = &model.friction;
     AxisControl {
@@ -95,8 +123,17 @@ fn axis_control(model: &AxisModel) -> AxisControl {
             bristle_damping_n_s_per_m: friction.bristle_damping_n_s_per_m,
             viscous_n_s_per_m: friction.viscous_n_s_per_m,
         },
-        stiffness: Some(model.stiffness),
+        stiffness: model.stiffness,
         backlash: model.backlash,
+        encoder: match model.encoder {
+            AxisEncoder::Motor { counts_per_rev } => kernel::AxisEncoder {
+                place: EncoderPlace::Motor,
+                count: model.screw_lead / f64::from(counts_per_rev),
+            },
+            AxisEncoder::Scale { resolution } => {
+                kernel::AxisEncoder { place: EncoderPlace::Scale, count: resolution }
+            }
+        },
         peak_force: model.peak_force(),
         force_lag: model.force_lag,
         gentle: (Speed::mm_per_s(50.0), Accel::mm_per_s2(2000.0)),
@@ -130,6 +167,7 @@ pub fn control(machine: &sim::Config) -> Config {
             peak_torque: model.peak_torque,
             peak_power: model.peak_power,
             torque_lag: model.torque_lag,
+            encoder_count: Angle::rev(1.0 / f64::from(model.encoder.counts_per_rev)),
             observer_bandwidth_hz: 200.0,
             orient: (Spin::rpm(300.0), SpinAccel::rev_per_s2(100.0)),
             windows: SpindleWindows {
