@@ -38,11 +38,11 @@ use core::f64::consts::TAU;
 use sync::Tracker;
 
 /// The tracker's bandwidth over the speed loop's, at most.
-const TRACKER_RATIO: f64 = 4.0;
+const TRACKER_RATIO: f64 = 8.0;
 /// Share of the drive's peak effort that quantisation may cost as noise.
 const NOISE_SHARE: f64 = 0.02;
 /// Share of the servo rate above which a tracker is no filter any more.
-const FASTEST_TRACKER: f64 = 0.1;
+const FASTEST_TRACKER: f64 = 0.2;
 /// Longest command delay that is compensated, in periods.
 pub(crate) const MAX_DELAY: usize = 16;
 

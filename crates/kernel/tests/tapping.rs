@@ -1,7 +1,9 @@
 //! Rigid taps on the simulated tapping centre, judged by the machine's truth.
 mod common;
 use common::*;
-use kernel::EventKind;
+use kernel::{EventKind, Prediction, SyncMode};
+use std::fmt::Write;
+use units::Length;
 
 #[test]
 fn an_m6_at_6000_rpm_stays_within_3_um_of_its_helix_and_meets_its_depth() {
@@ -29,4 +31,80 @@ fn a_ramp_steeper_than_the_power_curve_saturates_and_the_error_grows_several_tim
         _ => None,
     });
     assert!(ended.expect("the tap ended").saturated);
+}
+
+/// The largest true sync error in the material and the overrun at the bottom, both in µm.
+fn judged(machine: &sim::Config, control: &kernel::Config, order: &TapOrder) -> (f64, f64) {
+    let seen = run(machine, control, &tapping(order));
+    assert_eq!(seen.kernel.faults(), []);
+    let overrun_um = (order.to_mm - seen.deepest_mm()) * 1e3;
+    (largest(&seen.sync_errors_um(order)), overrun_um)
+}
+
+#[test]
+fn the_loops_bear_masses_that_the_machine_file_has_wrong_by_30_percent() {
+    let machine = machine_with_work(1, &M6, 6.0);
+    for (spindle, axis) in [(0.7, 1.0), (1.3, 1.0), (1.0, 0.7), (1.0, 1.3), (0.7, 1.3), (1.3, 0.7)]
+    {
+        let mut control = control(&machine);
+        let inertia = &mut control.spindles[0].as_mut().unwrap().inertia;
+        *inertia = *inertia * spindle;
+        let mass = &mut control.axes[2].as_mut().unwrap().motor_mass;
+        *mass = *mass * axis;
+        let (error, overrun) = judged(&machine, &control, &M6);
+        assert!(error < 5.0 && overrun.abs() < 3.0, "×{spindle} ×{axis}: {error} µm, {overrun} µm");
+    }
+}
+
+#[test]
+fn friction_play_and_cutting_force_may_scatter_by_30_percent() {
+    for seed in 1..8 {
+        let machine = sim::Config { scatter: 0.3, seed, ..machine_with_work(1, &M6, 6.0) };
+        let (error, overrun) = judged(&machine, &control(&machine), &M6);
+        assert!(error < 5.0 && overrun.abs() < 3.0, "seed {seed}: {error} µm, {overrun} µm");
+    }
+}
+
+/// What is varied: threads, and how spindle and Z are measured and coupled.
+#[test]
+fn sync_error_over_threads_and_encoders() {
+    let threads = [
+        ("M3x0.5 6000", TapOrder { lead_mm: 0.5, to_mm: -112.0, ..M6 }, 3.0),
+        ("M6x1 6000", M6, 6.0),
+        ("M6x1 3000 left", TapOrder { left: true, rpm: 3000.0, ..M6 }, 6.0),
+        ("M8x1.25 1000", TapOrder { lead_mm: 1.25, rpm: 1000.0, to_mm: -122.0, ..M6 }, 8.0),
+        ("M10x1.5 2500", TapOrder { lead_mm: 1.5, rpm: 2500.0, ..M6 }, 10.0),
+    ];
+    let mut table = String::from(
+        "largest sync error in C45, overrun at the bottom [µm]\n\
+         thread rpm      command     4096 counts Z on scale  encoder     encoder 4096\n",
+    );
+    for (name, order, diameter) in threads {
+        write!(table, "{name:<15}").unwrap();
+        for (counts, scale, follow) in [
+            (1 << 20, false, false),
+            (4096, false, false),
+            (1 << 20, true, false),
+            (1 << 20, false, true),
+            (4096, false, true),
+        ] {
+            let mut machine = machine_with_work(1, &order, diameter);
+            machine.spindles[0].encoder.counts_per_rev = counts;
+            if scale {
+                let resolution = Length::mm(50e-6);
+                machine.axes[2].1.encoder = sim::AxisEncoder::Scale { resolution };
+            }
+            let mut control = control(&machine);
+            if follow {
+                let prediction = Prediction::Observer;
+                control.synchronisation = SyncMode::EncoderFollowing { prediction, transport: 1 };
+            }
+            let (error, overrun) = judged(&machine, &control, &order);
+            let overrun = (overrun * 10.0).round() / 10.0 + 0.0; // no minus zero
+            write!(table, " {error:4.1} {overrun:4.1}  ").unwrap();
+        }
+        table.truncate(table.trim_end().len());
+        table.push('\n');
+    }
+    insta::assert_snapshot!(table);
 }
