@@ -15,8 +15,8 @@ pub struct Config {
     /// What is cut, for the torque a sharp tap would need; `None`: no expectation.
     pub material: Option<Material>,
     /// Machine coordinate of the tip when it touches the stock's top, where one top holds for the
-    /// whole program. With it, depth counts from the real stock, and a forgotten or wrong tool
-    /// length offset is found; without it the op's own surface is believed.
+    /// whole program. With it, depth counts from the real stock wherever the stroke passes it, and a
+    /// forgotten tool length offset is found; without it the op's own surface is believed.
     pub stock_top: Option<Length>,
     /// Axial play, flank to flank, of the tap's *following* teeth in the groove that its leading
     /// teeth have cut: back taper and relief make them thinner. The leading teeth have none.

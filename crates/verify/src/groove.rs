@@ -385,4 +385,40 @@ mod tests {
         }
         assert!(groove.bins.len() <= MOST_BINS);
     }
+
+    /// The definition, without bins: the range of e over all stands of the tap that touch place p,
+    /// following teeth only as far as they stand out of their play.
+    fn by_definition(stands: &[(f64, f64)], p: f64, form: &TapForm) -> f64 {
+        let (mut least, mut largest) = (f64::INFINITY, f64::NEG_INFINITY);
+        for &(depth, e) in stands.iter().filter(|(depth, _)| *depth >= p + form.chamfer_mm / 2.0) {
+            let follows = depth > p + form.chamfer_mm + 1.0;
+            let play = if follows { form.clearance_mm / 2.0 } else { 0.0 };
+            least = least.min(e + play);
+            largest = largest.max(e - play);
+        }
+        largest - least
+    }
+
+    #[test]
+    fn bins_measure_what_the_definition_says_to_within_their_width() {
+        let e = |depth: f64, out: bool| {
+            let way = if out { -0.6 } else { 1.0 };
+            0.02 * (0.7 * depth).sin() * way + 0.001 * depth
+        };
+        let steepest_mm_per_mm = 0.02 * 0.7 + 0.001;
+        let groove = groove(40.0, 0.0, e);
+        for clearance_mm in [0.0, 0.008, 0.030] {
+            let form = TapForm { clearance_mm, ..FORM };
+            let stands: Vec<_> = (0..=5600)
+                .map(|k| 14.0 * (1.0 - (f64::from(k) / 2800.0 - 1.0).abs()))
+                .enumerate()
+                .map(|(k, depth)| (depth, e(depth, k > 2800)))
+                .collect();
+            for (bin, w) in groove.cut(&form, 11.5).widenings_mm.into_iter().enumerate() {
+                let exact = by_definition(&stands, groove.centre_mm(bin), &form);
+                let within = 2.0 * 2.0 * steepest_mm_per_mm * groove.bin_mm;
+                assert!((w - exact).abs() < within, "bin {bin}: {w} for {exact}");
+            }
+        }
+    }
 }

@@ -9,13 +9,15 @@
 //! ```
 //!
 //! Op and sample both speak of the axis, so the tool's length cancels out, unless the stock's real
-//! top is known: then the tip is compared with that.
+//! top is known: then depth counts from there.
 use bus::Sample;
 use canon::{Axis, Position};
 use units::Length;
 
 /// Below this the tip counts as in the material: less is the axis' own noise at the R plane.
 const TOUCH_MM: f64 = 0.02;
+/// Coordinates nearer than this are one and the same, written twice.
+const SAME_MM: f64 = 1e-4;
 
 /// Straight in and out along one axis.
 #[derive(Clone, Debug)]
@@ -30,6 +32,8 @@ pub(crate) struct Stroke {
     /// Programmed depth of the tip.
     pub(crate) programmed_mm: f64,
     touch_mm: f64,
+    /// Length of the tool, if the program ran without its offset.
+    offset_forgotten_mm: Option<f64>,
 }
 
 impl Stroke {
@@ -52,14 +56,29 @@ impl Stroke {
             programmed_at_mm: across.map(|a| start.along(a).value()),
             programmed_mm,
             touch_mm: TOUCH_MM.min(programmed_mm.abs() * 0.1),
+            offset_forgotten_mm: None,
         }
     }
 
-    /// Count depth from the stock's real top, where the op took it from the work's zero. An op whose
-    /// surface is its start does not know the material, so nothing can be compared.
+    /// Count depth from the stock's real top where that lies in the stroke. Where the op takes its depth
+    /// from the stock's top as if the tool had no length, none was in force: then the tip really is
+    /// that much deeper than ordered.
     pub(crate) fn with_stock_top(mut self, top: Length, tool_length: Length) -> Self {
-        if self.axis == Axis::Z.index() && self.sense < 0.0 && self.surface_mm != self.start_mm {
-            self.surface_mm = (top + tool_length).value();
+        if self.axis != Axis::Z.index() || self.sense > 0.0 {
+            return self;
+        }
+        let bottom_mm = self.coordinate_mm(self.programmed_mm);
+        let real_mm = (top + tool_length).value();
+        let offset_mm = self.surface_mm - top.value();
+        let forgotten = self.surface_mm != self.start_mm
+            && offset_mm.abs() < SAME_MM
+            && tool_length.value() > SAME_MM;
+        if forgotten {
+            self.offset_forgotten_mm = Some(tool_length.value());
+            self.surface_mm = real_mm;
+        } else if bottom_mm < real_mm && real_mm < self.start_mm {
+            self.surface_mm = real_mm;
+            self.programmed_mm = real_mm - bottom_mm;
         }
         self
     }
@@ -183,6 +202,11 @@ impl Visit {
     /// What is wrong with any feature whatever it is; empty if nothing.
     pub(crate) fn findings(&self, stroke: &Stroke, position_tolerance: Length) -> Vec<String> {
         let mut findings = Vec::new();
+        if let Some(length_mm) = stroke.offset_forgotten_mm {
+            findings.push(format!(
+                "no tool length offset was in force (G43): the tip of a tool {length_mm:.3} mm long went that much deeper than ordered"
+            ));
+        }
         if self.unreadable {
             findings.push("the record holds a position or angle that is not a number".into());
         }

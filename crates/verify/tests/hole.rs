@@ -96,13 +96,34 @@ fn a_hole_that_was_never_reached_says_how_near_the_tip_came() {
     );
 }
 
+/// A hole 12 mm below the work's zero, with the stock's top at this coordinate of the tip.
+fn on_stock(top_mm: f64) -> (Feature, Hole) {
+    let config = Config { stock_top: Some(Length::mm(top_mm)), ..Config::new(tools()) };
+    let feature = cut(1, [30.0, 20.0], 12.0, 12.0, config).remove(0);
+    let FeatureKind::Hole(hole) = feature.kind.clone() else { panic!("{feature:?}") };
+    (feature, hole)
+}
+
 #[test]
-fn against_the_real_stock_a_forgotten_length_offset_is_found() {
-    // tip on the stock's top: axis −50 less the tool's 100 mm
-    let on = |top_mm| Config { stock_top: Some(Length::mm(top_mm)), ..Config::new(tools()) };
-    assert!(cut(1, [30.0, 20.0], 12.0, 12.0, on(-150.0))[0].verdict.is_pass());
-    let wrong = cut(1, [30.0, 20.0], 12.0, 12.0, on(-149.0));
-    assert!(wrong[0].verdict.reason().unwrap().starts_with("1000 µm too deep"), "{:?}", wrong[0]);
+fn depth_counts_from_the_real_stock_wherever_the_works_zero_is() {
+    // the tip is at −150 when the axis is at the work's zero
+    for (top_mm, depth_mm) in [(-150.0, 12.0), (-149.0, 13.0), (-151.0, 11.0)] {
+        let (feature, hole) = on_stock(top_mm);
+        assert!(feature.verdict.is_pass(), "{:?}", feature.verdict);
+        near(hole.depth, depth_mm);
+    }
+    // a start within the stock (a pocket) says nothing of it: the op's surface counts
+    near(on_stock(-120.0).1.depth, 12.0);
+}
+
+#[test]
+fn a_forgotten_tool_length_offset_is_found() {
+    // zero on the stock's top, and the axis goes there as if the tool had no length
+    let (feature, hole) = on_stock(-50.0);
+    near(hole.depth, 112.0);
+    let reason = feature.verdict.reason().unwrap();
+    assert!(reason.starts_with("no tool length offset was in force (G43)"), "{reason}");
+    assert!(reason.contains("100000 µm too deep"), "{reason}");
 }
 
 #[test]
