@@ -15,6 +15,7 @@ mod figures;
 mod notes;
 mod sizes;
 mod threads;
+mod tools;
 mod verdict;
 
 use crate::Run;
@@ -32,8 +33,9 @@ pub fn html(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
     main += &figures::figures(run, recorder, features);
     main += &notes::notes(run, recorder);
     let map = pictures::hole_map(run, features);
-    let beside = sizes::sizes(features) + &pictures::time_shares(run, recorder);
-    main += &section("Workpiece and time", &grid(&(map + &column(&beside))));
+    let left = map + &tools::tools(run, recorder);
+    let right = sizes::sizes(features) + &pictures::time_shares(run, recorder);
+    main += &section("Workpiece, tools, time", &grid(&(column(&left) + &column(&right))));
     main += &section("Features", &features::table(run, features));
     main += &threads::threads(run, recorder, features);
     let [above, front] = pictures::tool_path(run, recorder);

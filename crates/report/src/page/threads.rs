@@ -57,6 +57,18 @@ fn thread(run: &Run, trace: &TapTrace, judged: Option<(usize, &Thread)>, role: &
     super::section(&format!("{role}: {name}"), &(facts + &super::grid(&pictures)))
 }
 
+fn torque(thread: &Thread) -> Option<String> {
+    let found = fixed(thread.torque_max?.value(), 2);
+    let expected =
+        thread.torque_expected.map(|t| format!(" (a sharp tap: {} N·m)", fixed(t.value(), 2)));
+    let force = thread.axial_force_max.map(|f| format!(", axial force {} N", fixed(f.value(), 0)));
+    Some(format!(
+        "torque of the cut {found} N·m{}{}",
+        expected.unwrap_or_default(),
+        force.unwrap_or_default()
+    ))
+}
+
 fn facts(view: &ThreadView) -> String {
     let trace = view.trace;
     let mut facts = vec![format!(
@@ -75,6 +87,7 @@ fn facts(view: &ThreadView) -> String {
             fixed(thread.spin_max.in_rpm(), 0)
         ));
     }
+    facts.extend(view.thread.and_then(torque));
     if !trace.completed {
         facts.push("it did not come out in step".into());
     }

@@ -1,0 +1,39 @@
+//! The tools that were in the spindle: what the setter must have mounted for this report to hold.
+use crate::Run;
+use crate::pictures::figure;
+use crate::record::Recorder;
+use crate::svg::{Tag, fixed};
+use units::{Length, Time};
+
+/// The table, or nothing if no tool was used.
+pub(super) fn tools(run: &Run, recorder: &Recorder) -> String {
+    let used = recorder.shares.tools.iter().filter(|(number, _)| *number != 0);
+    let rows: String = used.map(|(number, shares)| row(run, *number, shares.total())).collect();
+    if rows.is_empty() {
+        return String::new();
+    }
+    let units = [("length", "mm"), ("⌀", "mm"), ("in spindle", "s")];
+    let heads: String = units
+        .map(|(name, unit)| {
+            Tag::new("th").around(&(name.to_owned() + &Tag::new("small").text(unit)))
+        })
+        .concat();
+    let first = Tag::new("th").class("l").text("tool");
+    let head = Tag::new("thead").around(&Tag::new("tr").around(&(first + &heads)));
+    let table = Tag::new("table").around(&(head + &Tag::new("tbody").around(&rows)));
+    let scroll = Tag::new("div").class("scroll").with("tabindex", "0").around(&table);
+    let caption = "Lengths from the gauge line to the tip, as the tool table has them. What is cut here is cut with these.";
+    figure("Tools", &scroll, caption)
+}
+
+fn row(run: &Run, number: u32, time: Time) -> String {
+    let tool = run.tools.get(number);
+    let assumed =
+        if tool.is_some_and(|t| t.stand_in) { " (assumed: the table lacks it)" } else { "" };
+    let size =
+        |of: fn(&canon::Tool) -> Length| tool.map_or("–".into(), |t| fixed(of(t).value(), 3));
+    let name = Tag::new("td").class("l wide").text(&(run.tool(number) + assumed));
+    let cells = [size(|t| t.length), size(|t| t.diameter), fixed(time.value(), 2)];
+    let cells: String = cells.iter().map(|cell| Tag::new("td").text(cell)).collect();
+    Tag::new("tr").around(&(name + &cells))
+}
