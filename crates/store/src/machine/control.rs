@@ -8,7 +8,7 @@ use units::{Length, Time};
 pub struct Control {
     /// Servo period.
     pub period: Time,
-    /// Periods between the encoders being read and the command taking effect.
+    /// Whole periods until a command takes effect, beside the one in which it is computed.
     pub command_delay_periods: u32,
     /// How programs are read, unless the command line says otherwise.
     pub dialect: Dialect,
