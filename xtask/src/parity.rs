@@ -130,3 +130,11 @@ fn read(path: &Path) -> Result<Vec<u8>, String> {
 fn read_text(path: &Path) -> Result<String, String> {
     fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
 }
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn what_leadscrew_accepts_of_the_recorded_programs_it_lists_as_linuxcnc_does() {
+        assert_eq!(super::recorded(), Ok(true));
+    }
+}
