@@ -22,8 +22,8 @@ pub struct Config {
     pub period: Time,
     /// Physics step; 10–25 µs as a rule. The period must be a whole number of them.
     pub substep: Time,
-    /// Whole periods from the feedback that a command answers until the drives obey it, less the one in
-    /// which it is computed: 0 is an ideal control, 1 is usual on a field bus.
+    /// Periods that a command is on its way: with 0 it is obeyed from the moment of the feedback that it
+    /// answers, which no real control can; 1 is usual on a field bus.
     pub command_delay: usize,
     /// Axes, each with its index on the bus (X is 0).
     pub axes: Vec<(usize, AxisModel)>,
@@ -68,7 +68,7 @@ impl Config {
             found.push(format!("{have} spindles: the bus has {most}"));
         }
         for (index, spindle) in self.spindles.iter().enumerate() {
-            check_spindle(index, spindle, &mut found);
+            check_spindle(index, spindle, self.substep, &mut found);
         }
         self.check_tools(&mut found);
         self.check_stock(&mut found);
@@ -225,7 +225,8 @@ fn check_stability(index: usize, axis: &AxisModel, step: Time, found: &mut Vec<S
     }
 }
 
-fn check_spindle(index: usize, spindle: &SpindleModel, found: &mut Vec<String>) {
+fn check_spindle(index: usize, spindle: &SpindleModel, step: Time, found: &mut Vec<String>) {
+    let before = found.len();
     let of = format!("spindle {index}");
     let mut need = Needs { of: &of, found };
     need.positive("inertia", spindle.inertia.value(), "kg·m²");
@@ -239,6 +240,19 @@ fn check_spindle(index: usize, spindle: &SpindleModel, found: &mut Vec<String>) 
     need.finite("encoder's eccentricity", spindle.encoder.eccentricity.value(), "rev");
     need.not_negative("encoder's noise", spindle.encoder.noise_counts, "counts");
     need.finite("start", spindle.start.value(), "rev");
+    if found.len() > before {
+        return;
+    }
+    // friction brakes the spindle at this rate while it turns slower than the rounding speed
+    let damping =
+        spindle.coulomb.value() / spindle.rounding.in_rad_per_s() + spindle.viscous_n_m_s_per_rad;
+    let fastest = damping / spindle.inertia.value();
+    if step.value() * fastest > COARSEST_STEP_RAD {
+        let works = Time::s(COARSEST_STEP_RAD / fastest);
+        found.push(format!(
+            "spindle {index}: a physics step of {step} is too coarse for its friction: {works} or less would do"
+        ));
+    }
 }
 
 fn check_tool(tool: &Tool, found: &mut Vec<String>) {

@@ -258,12 +258,15 @@ mod tests {
         z: f64,
         turns: f64,
         worst: Load,
+        /// Done on the tool since the beginning, J; and how far below zero that ever was.
+        work: f64,
+        returned: f64,
     }
 
     impl Hand {
         fn new(stock: Stock, magazine: Vec<Tool>) -> Self {
             let cutting = Cutting::new(stock, magazine, 0.0, Rng::new(1));
-            Self { cutting, z: 1.0, turns: 0.0, worst: Load::default() }
+            Self { cutting, z: 1.0, turns: 0.0, worst: Load::default(), work: 0.0, returned: 0.0 }
         }
 
         fn usual() -> Self {
@@ -289,6 +292,7 @@ mod tests {
             self.worst = Load::default();
             let tool_length = self.cutting.mounted.map_or(0.0, |t| t.length.value());
             for _ in 0..steps {
+                let before = self.cutting.load();
                 self.z += dz;
                 self.turns += dt;
                 let axis = self.cutting.stock.top.value() + tool_length + self.z;
@@ -298,6 +302,9 @@ mod tests {
                 let load = self.cutting.load();
                 self.worst.torque = self.worst.torque.max(load.torque.abs());
                 self.worst.force = self.worst.force.max(load.force.abs());
+                self.work += f64::midpoint(before.torque, load.torque) * dt * TAU
+                    - f64::midpoint(before.force, load.force) * dz * 1e-3;
+                self.returned = self.returned.max(-self.work);
             }
             (self.z, self.turns) = (z, turns); // without the rounding of the steps
             // the machine tells where it is once a period
@@ -382,6 +389,30 @@ mod tests {
         let screw = low.force * 1.0 / TAU * 1e-3;
         assert!((low.torque + screw).abs() < 1e-9, "{} {screw}", low.torque);
         assert!((low.torque + high.torque).abs() < 1e-9);
+    }
+
+    #[test]
+    fn over_a_way_in_and_out_the_work_takes_energy_and_never_gives_any() {
+        let soft = Holder { stiffness: Stiffness::n_per_mm(500.0), travel: Some(Length::mm(0.5)) };
+        for (holder, offset) in [(m6().holder, 0.0), (m6().holder, 0.03), (soft, -0.2)] {
+            let mut hand = Hand::with_tap(Tap { holder, ..m6() });
+            hand.take(TAP, 0.0).lead(0.0, 0.0);
+            for (z, turns) in [
+                (-3.0, 3.0),
+                (-6.0 + offset, 6.0),
+                (-6.0 - offset, 6.0),
+                (-5.0 + offset, 5.0),
+                (-7.0, 7.0 + offset),
+                (1.0 + offset, -1.0),
+            ] {
+                hand.lead(z, turns);
+            }
+            // at least the chips of seven turns: mean torque 1.73 N·m less the chamfer's way in
+            let chips = 1.73 * (7.0 - 1.25) * TAU;
+            assert!(!hand.cutting.is_broken());
+            assert!(hand.work > chips && hand.work < 2.0 * chips, "{} J, {chips} J", hand.work);
+            assert!(hand.returned < 1e-3 * chips, "{} J more than was stored", hand.returned);
+        }
     }
 
     #[test]

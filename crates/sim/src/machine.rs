@@ -7,8 +7,8 @@
 //! ```
 //!
 //! A command takes effect at the start of the period that follows it, or `command_delay` periods later. Until
-//! the first one has arrived the drives are off. Nothing here reads a clock or
-//! draws a number that the seed does not determine.
+//! the first one has arrived the drives are off. Nothing here reads a clock or draws a number that the seed
+//! does not determine.
 use crate::axis::Axis;
 use crate::changer::Changer;
 use crate::cutting::Cutting;

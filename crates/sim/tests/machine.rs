@@ -39,13 +39,19 @@ fn two_runs_of_the_same_inputs_are_equal_to_the_last_bit() {
     let run = || {
         let mut config = Config { scatter: 0.03, seed: 42, ..tapping_center() };
         config.spindles[0].encoder.noise_counts = 2.0;
+        config.tool = 2;
+        config.axes[2].1.start = Length::mm(-199.9); // a tenth of a millimetre over the work
         let mut machine = machine(config);
         let mut rows = Vec::new();
         for i in 0..2000 {
             let swing = (f64::from(i) * 0.01).sin();
-            let feedback = machine.exchange(&command(5000.0 * swing, 30.0 * swing));
+            let mut order = Command { tool: 2, ..command(5000.0 * swing, 30.0 * swing) };
+            order.axes[2].force = Force::n(-300.0);
+            let feedback = machine.exchange(&order);
             rows.push(format!("{feedback:?} {:?}", machine.truth()));
         }
+        assert_eq!(machine.holes().len(), 1);
+        rows.push(format!("{:?}", machine.holes()));
         rows
     };
     assert!(run() == run());
@@ -140,7 +146,10 @@ fn a_step_too_coarse_for_an_axis_is_refused_with_the_step_that_would_do() {
     let problems = SimulatedMachine::new(config.clone()).expect_err("it would explode");
     assert!(problems.iter().all(|p| p.contains("or less would do")), "{problems:?}");
     config.substep = Time::s(500e-6);
-    assert!(SimulatedMachine::new(config).is_ok());
+    assert!(SimulatedMachine::new(config.clone()).is_ok());
+    config.spindles[0].rounding = Spin::rev_per_s(1e-4);
+    let problems = SimulatedMachine::new(config).expect_err("its friction would ring");
+    assert!(problems.len() == 1 && problems[0].starts_with("spindle 0"), "{problems:?}");
 }
 
 #[test]
