@@ -16,10 +16,11 @@
 use crate::{
     call::{Call, Sink, Units},
     execute::Executor,
-    fault::{Fault, Outcome, error, refuse},
+    fault::{Outcome, error, refuse},
     frame::Point,
     state::Motion,
 };
+use diag::Diagnostic;
 
 /// Relative difference of the two radii that is let through.
 const RELATIVE: f64 = 0.001;
@@ -51,7 +52,7 @@ impl Executor {
         let code = if clockwise { "G2" } else { "G3" };
         let turns = match self.words.whole(b'P', 1_000_000)? {
             Some(0) => return refuse("I0409", self.words.span(b'P'), "P counts turns: 1 or more"),
-            other => other.unwrap_or(1) as i32,
+            other => other.unwrap_or(1).cast_signed(),
         };
         let to = self.destination(false)?;
         let [a, b, n] = self.state.plane_axes();
@@ -121,29 +122,21 @@ impl Executor {
         let tolerance = Tolerance::of(self.state.units);
         let off = (radius - other).abs();
         if off > tolerance.coarse || off > tolerance.fine && off > RELATIVE * radius.max(other) {
-            return Err(self.uneven(radius, other));
+            return Err(self.uneven(radius, other).into());
         }
         Ok(centre)
     }
 
-    fn uneven(&self, radius: f64, other: f64) -> Fault {
+    fn uneven(&self, radius: f64, other: f64) -> Diagnostic {
         let text = format!(
             "the arc's ends are {radius:.4} and {other:.4} from its centre: they differ by {:.4}",
             (radius - other).abs()
         );
-        let fault = error("I0414", self.words.place.span, text);
-        if self.state.absolute_centres {
-            return fault
-                .with_help(
-                    "G90.1 is in force: I, J, K are coordinates, not distances from the start",
-                )
-                .into();
-        }
-        fault
-            .with_help(
-                "I, J, K are distances from the start to the centre (G90.1 makes them coordinates)",
-            )
-            .into()
+        error("I0414", self.words.place.span, text).with_help(if self.state.absolute_centres {
+            "G90.1 is in force: I, J, K are coordinates, not distances from the start"
+        } else {
+            "I, J, K are distances from the start to the centre (G90.1 makes them coordinates)"
+        })
     }
 
     fn centre_by_radius(
@@ -189,7 +182,7 @@ impl Executor {
         // The centre lies to the right of the chord for a clockwise arc of less than half a turn.
         let side = if clockwise == (radius > 0.0) { -1.0 } else { 1.0 };
         let along = side * height / (2.0 * half);
-        let middle = [(start[0] + end[0]) / 2.0, (start[1] + end[1]) / 2.0];
+        let middle = [start[0].midpoint(end[0]), start[1].midpoint(end[1])];
         Ok([middle[0] - chord[1] * along, middle[1] + chord[0] * along])
     }
 }

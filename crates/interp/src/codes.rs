@@ -42,6 +42,8 @@ pub(crate) const fn set(letters: &str) -> Letters {
 
 /// The letters of the nine axes.
 pub(crate) const AXES: Letters = set("XYZABCUVW");
+/// A distance and an angle in the place of X and Y.
+pub(crate) const POLAR: Letters = set("@^");
 /// The centre of an arc.
 pub(crate) const CENTRE: Letters = set("IJK");
 /// Letters that need no code.
@@ -122,10 +124,10 @@ use MGroup::{Coolant, Outputs, Overrides, Rigid, Spindle, State, Stop, Tool, Use
 
 /// All G codes, by rising number.
 pub(crate) static G_CODES: [Code<GGroup>; 88] = [
-    g(0, Motion, "XYZABCUVW", "rapid move"),
-    g(10, Motion, "XYZABCUVW", "straight feed"),
-    g(20, Motion, "XYZABCUVWIJKRP", "clockwise arc"),
-    g(30, Motion, "XYZABCUVWIJKRP", "counter-clockwise arc"),
+    g(0, Motion, "XYZABCUVW@^", "rapid move"),
+    g(10, Motion, "XYZABCUVW@^", "straight feed"),
+    g(20, Motion, "XYZABCUVWIJKRP@^", "clockwise arc"),
+    g(30, Motion, "XYZABCUVWIJKRP@^", "counter-clockwise arc"),
     g(40, NonModal, "P", "dwell"),
     no_g(50, Motion, "cubic spline"),
     no_g(51, Motion, "quadratic spline"),
@@ -182,19 +184,19 @@ pub(crate) static G_CODES: [Code<GGroup>; 88] = [
     no_g(720, Motion, "lathe roughing"),
     no_g(721, Motion, "lathe roughing"),
     no_g(722, Motion, "lathe roughing"),
-    g(730, Motion, "XYZRLQ", "chip-breaking drilling"),
-    g(740, Motion, "XYZRLP$", "left-hand tapping"),
-    g(760, Motion, "XYZPIJKRQHEL$", "threading cycle"),
+    g(730, Motion, "XYZ@^RLQ", "chip-breaking drilling"),
+    g(740, Motion, "XYZ@^RLP$", "left-hand tapping"),
+    g(760, Motion, "ZPIJKRQHEL$", "threading cycle"),
     g(800, Motion, "", "no cycle"),
-    g(810, Motion, "XYZRL", "drilling"),
-    g(820, Motion, "XYZRLP", "drilling with dwell"),
-    g(830, Motion, "XYZRLQ", "deep-hole drilling"),
-    g(840, Motion, "XYZRLP$", "right-hand tapping"),
-    g(850, Motion, "XYZRL", "boring, feed out"),
-    g(860, Motion, "XYZRLP$", "boring, spindle stop, rapid out"),
+    g(810, Motion, "XYZ@^RL", "drilling"),
+    g(820, Motion, "XYZ@^RLP", "drilling with dwell"),
+    g(830, Motion, "XYZ@^RLQ", "deep-hole drilling"),
+    g(840, Motion, "XYZ@^RLP$", "right-hand tapping"),
+    g(850, Motion, "XYZ@^RL", "boring, feed out"),
+    g(860, Motion, "XYZ@^RLP$", "boring, spindle stop, rapid out"),
     no_g(870, Motion, "back boring"),
     no_g(880, Motion, "boring, manual out"),
-    g(890, Motion, "XYZRLP", "boring with dwell, feed out"),
+    g(890, Motion, "XYZ@^RLP", "boring with dwell, feed out"),
     g(900, Distance, "", "absolute"),
     g(901, ArcDistance, "", "absolute arc centres"),
     g(910, Distance, "", "incremental"),

@@ -11,15 +11,28 @@ use crate::{
 };
 use diag::Diagnostic;
 use gcode::{Block, CommentKind};
+use std::fmt::Write;
 
 impl Executor {
-    /// Say what the comments of a block ask for. ABORT comes back as a fault.
-    pub(crate) fn comments<S: Sink>(&mut self, block: &Block, sink: &mut S) -> Outcome {
-        for comment in &block.comments {
+    /// Say what the comments of a block ask for. ABORT comes back as a fault. Of comments that are only
+    /// for people the last one in brackets is said, as LinuxCNC does.
+    pub(crate) fn comments<S: Sink>(
+        &mut self,
+        block: &Block,
+        source: &[u8],
+        sink: &mut S,
+    ) -> Outcome {
+        for (i, comment) in block.comments.iter().enumerate() {
             let text = block.text(comment.text);
             match comment.kind {
-                CommentKind::Plain => self.say(sink, &Call::Comment(text)),
+                CommentKind::Plain => {
+                    let bracketed = source.get(comment.span.start as usize) == Some(&b'(');
+                    if bracketed && i + 1 == block.comments.len() {
+                        self.say(sink, &Call::Comment(text.trim_start()));
+                    }
+                }
                 CommentKind::Message => self.say(sink, &Call::Message(text)),
+                CommentKind::Debug if self.store.numbered.at(5599) == 0.0 => {}
                 CommentKind::Debug => {
                     let text = expand(text, &self.values());
                     self.say(sink, &Call::Message(&text));
@@ -33,7 +46,7 @@ impl Executor {
                     self.say(sink, &Call::Log(&text));
                 }
                 CommentKind::LogOpen | CommentKind::LogAppend => {
-                    self.say(sink, &Call::LogOpen(text))
+                    self.say(sink, &Call::LogOpen(text));
                 }
                 CommentKind::LogClose => self.say(sink, &Call::LogClose),
                 CommentKind::Abort => {
@@ -62,57 +75,47 @@ fn expand(text: &str, values: &Values) -> String {
     while let Some(at) = rest.find(['#', '%']) {
         out.push_str(&rest[..at]);
         rest = &rest[at..];
-        let (used, value) = if rest.starts_with('#') {
-            parameter(rest, values)
-        } else {
-            directive(rest, &mut decimals)
-        };
-        match (used, value) {
-            (0, _) => {
-                out.push_str(&rest[..1]);
-                rest = &rest[1..];
-                continue;
+        if let Some((used, new)) = directive(rest) {
+            decimals = new;
+            rest = &rest[used..];
+        } else if let Some((used, value)) = parameter(rest, values) {
+            match value {
+                Some(value) => _ = write!(out, "{value:.decimals$}"), // a String takes everything
+                None => out.push_str("######"),
             }
-            (_, Some(Some(value))) => out.push_str(&format!("{value:.decimals$}")),
-            (_, Some(None)) => out.push_str("######"),
-            (_, None) => {}
+            rest = &rest[used..];
+        } else {
+            out.push_str(&rest[..1]);
+            rest = &rest[1..];
         }
-        rest = &rest[used..];
     }
     out.push_str(rest);
     out
 }
 
 /// Length of the parameter that the text begins with, and its value if it has one.
-fn parameter(text: &str, values: &Values) -> (usize, Option<Option<f64>>) {
-    if let Some(inner) = text[1..].strip_prefix('<') {
-        let Some(end) = inner.find('>') else { return (0, None) };
-        let name: String =
-            inner[..end].chars().filter(|c| !c.is_whitespace()).collect::<String>().to_lowercase();
+fn parameter(text: &str, values: &Values) -> Option<(usize, Option<f64>)> {
+    let inner = text.strip_prefix('#')?;
+    if let Some(inner) = inner.strip_prefix('<') {
+        let end = inner.find('>')?;
+        let name: String = inner[..end].chars().filter(|c| !c.is_whitespace()).collect();
+        let name = name.to_lowercase();
         let value = values.store.named(&name).or_else(|| names::system(values.state, &name));
-        return (end + 3, Some(value));
+        return Some((end + 3, value));
     }
-    let digits = text[1..].bytes().take_while(u8::is_ascii_digit).count();
-    let Ok(number) = text[1..=digits].parse::<usize>() else { return (0, None) };
+    let digits = inner.bytes().take_while(u8::is_ascii_digit).count();
+    let number = inner[..digits].parse::<usize>().ok()?;
     let there = i64::try_from(number).is_ok_and(names::exists);
-    (digits + 1, Some(there.then(|| names::numbered(values.state, values.store, number))))
+    Some((digits + 1, there.then(|| names::numbered(values.state, values.store, number))))
 }
 
-/// Length of the format that the text begins with.
-fn directive(text: &str, decimals: &mut usize) -> (usize, Option<Option<f64>>) {
-    let bytes = text.as_bytes();
-    match bytes {
-        [b'%', b'd', ..] => *decimals = 0,
-        [b'%', b'f', ..] => *decimals = 6,
-        [b'%', b'l', b'f', ..] => {
-            *decimals = 6;
-            return (3, None);
-        }
-        [b'%', b'.', digit @ b'0'..=b'9', b'f', ..] => {
-            *decimals = usize::from(digit - b'0');
-            return (4, None);
-        }
-        _ => return (0, None),
+/// Length of the format that the text begins with, and the decimals it asks for.
+fn directive(text: &str) -> Option<(usize, usize)> {
+    match text.as_bytes() {
+        [b'%', b'd', ..] => Some((2, 0)),
+        [b'%', b'f', ..] => Some((2, 6)),
+        [b'%', b'l', b'f', ..] => Some((3, 6)),
+        [b'%', b'.', digit @ b'0'..=b'9', b'f', ..] => Some((4, usize::from(digit - b'0'))),
+        _ => None,
     }
-    (2, None)
 }

@@ -19,6 +19,7 @@
 //! Source: NISTIR 6556, section 3.5.16; LinuxCNC 2.9 manual, "Canned cycles".
 use crate::{
     call::{Call, Corners, CycleHole, Sense, Sink, Units},
+    codes::POLAR,
     execute::Executor,
     fault::{Outcome, error, refuse},
     frame::Point,
@@ -53,7 +54,7 @@ impl Executor {
         self.check_spindle(cycle, &code)?;
         self.state.sticky = Some(sticky);
 
-        if self.state.at[n] < pattern.r {
+        if self.state.at[n] < pattern.r || initial < pattern.r && self.state.at[n] == pattern.r {
             self.state.at[n] = pattern.r;
             self.say(sink, &Call::Rapid(self.state.at));
         }
@@ -62,12 +63,7 @@ impl Executor {
             self.say(sink, &Call::PathControl { corners: Corners::ExactPath, merge: None });
         }
         for _ in 0..repeats {
-            for axis in [a, b] {
-                if let Some(value) = self.axis_word(axis) {
-                    self.state.at[axis] =
-                        if self.state.incremental { self.state.at[axis] + value } else { value };
-                }
-            }
+            self.step_in_plane([a, b])?;
             self.hole(&pattern, sink);
         }
         if !exact {
@@ -75,6 +71,21 @@ impl Executor {
                 sink,
                 &Call::PathControl { corners: self.state.corners, merge: Some(self.state.merge) },
             );
+        }
+        Ok(())
+    }
+
+    /// Where the next hole is, along the plane's two axes.
+    fn step_in_plane(&mut self, axes: [usize; 2]) -> Outcome {
+        if self.words.any(POLAR) {
+            [self.state.at[0], self.state.at[1]] = self.polar()?;
+            return Ok(());
+        }
+        for axis in axes {
+            if let Some(value) = self.axis_word(axis) {
+                self.state.at[axis] =
+                    if self.state.incremental { self.state.at[axis] + value } else { value };
+            }
         }
         Ok(())
     }

@@ -27,7 +27,7 @@ const fn pairs() -> [u8; 200] {
 #[inline]
 pub(crate) fn push_fixed4(out: &mut Vec<u8>, value: f64) {
     let scaled = value.abs() * 1e4;
-    if !(scaled < LARGE * 1e4) {
+    if scaled.is_nan() || scaled >= LARGE * 1e4 {
         return exactly(out, value);
     }
     let whole = scaled as u64;
@@ -135,7 +135,7 @@ mod tests {
         #[test]
         fn it_agrees_near_ties(ten_thousandths in -1_000_000_000i64..1_000_000_000, ulps in -3i64..3) {
             let tie = (ten_thousandths as f64 + 0.5) / 1e4;
-            let value = f64::from_bits((tie.to_bits() as i64 + ulps) as u64);
+            let value = f64::from_bits(tie.to_bits().wrapping_add_signed(ulps));
             prop_assert_eq!(fixed4(value), format!("{value:.4}"));
         }
     }

@@ -59,7 +59,7 @@ impl Values<'_> {
                 }
                 Parameter::Numbered(number) => {
                     let number = value(number)?;
-                    let there = near_whole(number).is_some_and(|n| names::exists(n));
+                    let there = near_whole(number).is_some_and(names::exists);
                     Ok(f64::from(u8::from(there)))
                 }
             },

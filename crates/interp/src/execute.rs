@@ -10,7 +10,7 @@
 //! Source: NISTIR 6556 table 8; LinuxCNC 2.9 manual, "Order of execution".
 use crate::{
     call::{Call, Sink},
-    codes::{AXES, CENTRE, GGroup, MGroup},
+    codes::{AXES, CENTRE, GGroup, MGroup, POLAR},
     eval::Values,
     fault::{Outcome, error, refuse},
     names::Store,
@@ -108,7 +108,7 @@ impl Executor {
     /// Which motion this block asks for: its own code, or the one in force if there are axis words for it.
     fn motion(&self) -> Outcome<Option<Motion>> {
         let words = &self.words;
-        let axes = words.any(AXES);
+        let axes = words.any(AXES | POLAR);
         let uses_axes = matches!(words.g(GGroup::NonModal), Some(100 | 280 | 300 | 520 | 920))
             || matches!(words.g(GGroup::ToolLength), Some(431 | 432));
         if let Some(code) = words.g(GGroup::Motion) {
@@ -193,7 +193,11 @@ impl Executor {
                 self.state.incremental = incremental;
             }
         }
-        if let Some(code) = self.words.g(GGroup::ArcDistance) {
+        if let Some(code) = self
+            .words
+            .g(GGroup::ArcDistance)
+            .filter(|code| (*code == 901) != self.state.absolute_centres)
+        {
             self.state.absolute_centres = code == 901;
             self.say(
                 sink,

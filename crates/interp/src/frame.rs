@@ -68,8 +68,8 @@ impl Frame {
             at[0] = x * self.cos - y * self.sin;
             at[1] = x * self.sin + y * self.cos;
         }
-        for i in 0..9 {
-            at[i] += self.origin[i] + self.tool[i];
+        for (a, (origin, tool)) in at.iter_mut().zip(self.origin.iter().zip(&self.tool)) {
+            *a += origin + tool;
         }
         at
     }
@@ -78,8 +78,8 @@ impl Frame {
     #[inline]
     pub fn to_program(&self, machine: &Point) -> Point {
         let mut at = *machine;
-        for i in 0..9 {
-            at[i] -= self.origin[i] + self.tool[i];
+        for (a, (origin, tool)) in at.iter_mut().zip(self.origin.iter().zip(&self.tool)) {
+            *a -= origin + tool;
         }
         if self.rotation_deg != 0.0 {
             let [x, y] = [at[0], at[1]];

@@ -24,6 +24,7 @@ pub enum Progress {
 ///
 /// A block with an error is not executed, the error is kept, and the next block follows: so all
 /// errors of a program come at once. Whoever moves a machine asks [`Interpreter::has_errors`] first.
+#[allow(clippy::struct_excessive_bools)] // independent facts about where it is in the text
 pub struct Interpreter<'s> {
     pub(crate) sources: Vec<&'s [u8]>,
     /// Names of the files; the program's own is empty.
@@ -160,7 +161,7 @@ impl<'s> Interpreter<'s> {
             self.assign()?;
         }
         if !self.block.comments.is_empty() {
-            let result = self.executor.comments(&self.block, sink);
+            let result = self.executor.comments(&self.block, self.sources[self.file], sink);
             self.ended |= result.is_err();
             result?;
         }

@@ -46,6 +46,7 @@ mod setup;
 mod state;
 mod switch;
 mod taps;
+mod thread_cycle;
 mod threads;
 mod words;
 

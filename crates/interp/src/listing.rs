@@ -240,11 +240,11 @@ impl<W: Write> Listing<W> {
                 self.text(place, "STOP_SPEED_FEED_SYNCH()");
             }
             Call::SyncStart(lead) => {
-                self.text(place, &format!("START_SPEED_FEED_SYNC({lead:.6},0)"))
+                self.text(place, &format!("START_SPEED_FEED_SYNC({lead:.6},0)"));
             }
             Call::Dwell(seconds) => self.numbers(place, b"DWELL", &[*seconds]),
             Call::SpindleSpeed(speed) => {
-                self.text(place, &format!("SET_SPINDLE_SPEED(0, {speed:.4})"))
+                self.text(place, &format!("SET_SPINDLE_SPEED(0, {speed:.4})"));
             }
             Call::SpindleMode(limit) => {
                 let limit = limit.min(NO_SPEED_LIMIT);

@@ -1,17 +1,26 @@
 //! Straight moves: G0, G1, with G53, G90 or G91, and what F means for them.
+//!
+//! In G17 the place of X and Y can be taken by a distance from the origin (`@`) and an angle (`^`,
+//! degrees): with G90 the one that is missing stays, with G91 both are added to those of the place
+//! where the move begins.
 use crate::{
     call::{Call, Sink},
+    codes::{self, POLAR},
     execute::Executor,
     fault::{Outcome, error, refuse},
     frame::Point,
     state::{FeedMode, Motion},
 };
+use canon::Plane;
 
 impl Executor {
     /// Where the block's axis words lead.
     #[inline]
     pub(crate) fn destination(&self, machine_coordinates: bool) -> Outcome<Point> {
         if machine_coordinates {
+            if self.words.any(POLAR) {
+                return refuse("I0430", self.words.place.span, "@ and ^ cannot be used with G53");
+            }
             if self.state.incremental {
                 let fault = error(
                     "I0406",
@@ -29,7 +38,35 @@ impl Executor {
                 *slot = if self.state.incremental { *slot + value } else { value };
             }
         }
+        if self.words.any(POLAR) {
+            [to[0], to[1]] = self.polar()?;
+        }
         Ok(to)
+    }
+
+    /// X and Y by distance and angle.
+    pub(crate) fn polar(&self) -> Outcome<[f64; 2]> {
+        let span = self.words.place.span;
+        if self.state.plane != Plane::XY {
+            return refuse("I0431", span, "@ and ^ stand for X and Y: they need G17");
+        }
+        if self.words.any(codes::set("XY")) {
+            return refuse("I0432", span, "a point is given by X and Y or by @ and ^, not by both");
+        }
+        let [x, y] = [self.state.at[0], self.state.at[1]];
+        let (radius, angle) = (x.hypot(y), y.atan2(x).to_degrees());
+        let [distance, turn] = [b'@', b'^'].map(|letter| self.words.get(letter));
+        if radius == 0.0 && (self.state.incremental || turn.is_none()) {
+            let fault = error("I0433", span, "the move begins at the origin, which has no angle");
+            return Err(fault.with_help("write @ and ^ with G90").into());
+        }
+        let (radius, angle) = if self.state.incremental {
+            (radius + distance.unwrap_or(0.0), angle + turn.unwrap_or(0.0))
+        } else {
+            (distance.unwrap_or(radius), turn.unwrap_or(angle))
+        };
+        let (sin, cos) = angle.to_radians().sin_cos();
+        Ok([radius * cos, radius * sin])
     }
 
     pub(crate) fn straight<S: Sink>(

@@ -133,8 +133,14 @@ impl Executor {
             Some(100) => self.set_offset(sink),
             Some(280) => self.go_to_reference(5161, sink),
             Some(300) => self.go_to_reference(5181, sink),
-            Some(281) => self.set_reference(5161),
-            Some(301) => self.set_reference(5181),
+            Some(281) => {
+                self.set_reference(5161);
+                Ok(())
+            }
+            Some(301) => {
+                self.set_reference(5181);
+                Ok(())
+            }
             Some(520) => {
                 let added = self.with_words(self.state.frame.added);
                 self.set_added(added, sink);
@@ -143,9 +149,13 @@ impl Executor {
             Some(920) => self.set_position(sink),
             Some(921) => {
                 self.write_point(ADDED, [0.0; 9]);
-                self.suspend_added(sink)
+                self.suspend_added(sink);
+                Ok(())
             }
-            Some(922) => self.suspend_added(sink),
+            Some(922) => {
+                self.suspend_added(sink);
+                Ok(())
+            }
             Some(923) => {
                 let added = self.read_point(ADDED);
                 self.set_added(added, sink);
@@ -194,11 +204,10 @@ impl Executor {
         self.say(sink, &Call::AddedOffset(added));
     }
 
-    fn suspend_added<S: Sink>(&mut self, sink: &mut S) -> Outcome {
+    fn suspend_added<S: Sink>(&mut self, sink: &mut S) {
         self.store.numbered.set(ADDED_ON, 0.0);
         self.state.reframe(|frame| frame.added = [0.0; 9]);
         self.say(sink, &Call::AddedOffset([0.0; 9]));
-        Ok(())
     }
 
     /// G10 L2 (the offset itself) and L20 (this place shall be called what the words say).
@@ -291,9 +300,8 @@ impl Executor {
     }
 
     /// G28.1, G30.1: this place is the reference point from now on.
-    fn set_reference(&mut self, first: usize) -> Outcome {
+    fn set_reference(&mut self, first: usize) {
         let machine = self.state.frame.to_machine(&self.state.at);
         self.write_point(first, machine);
-        Ok(())
     }
 }

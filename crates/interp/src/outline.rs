@@ -127,7 +127,7 @@ impl Outline {
                 Keyword::EndWhile => self.close(i, &[Keyword::While], &mut open, faults),
                 Keyword::EndRepeat => self.close(i, &[Keyword::Repeat], &mut open, faults),
                 Keyword::ElseIf | Keyword::Else | Keyword::EndIf => {
-                    self.clause(i, &mut open, faults)
+                    self.clause(i, &mut open, faults);
                 }
                 Keyword::Break | Keyword::Continue => self.leave(i, &open, faults),
                 Keyword::Program | Keyword::Return | Keyword::Call => {}
@@ -216,12 +216,11 @@ impl Outline {
                 && mark.key == self.marks[i].key
         };
         let inside = open.iter().rev().take_while(|o| self.marks[**o].keyword != Keyword::Sub);
-        match inside.clone().find(is_loop) {
-            Some(begin) => self.marks[i].partner = *begin,
-            None => {
-                let text = format!("no loop o{} is open here", self.marks[i].key);
-                faults.push(error("I0307", self.marks[i].span, text));
-            }
+        if let Some(begin) = inside.copied().find(|o| is_loop(&o)) {
+            self.marks[i].partner = begin;
+        } else {
+            let text = format!("no loop o{} is open here", self.marks[i].key);
+            faults.push(error("I0307", self.marks[i].span, text));
         }
     }
 

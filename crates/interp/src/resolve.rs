@@ -133,7 +133,7 @@ impl Resolver {
 
     /// Whether a move to this point is one to be made; remembers where it ends.
     fn arrives(&mut self, to: &Point, span: Span) -> bool {
-        if let Some(i) = (0..9).find(|i| !(to[*i].abs() <= FARTHEST)) {
+        if let Some(i) = (0..9).find(|i| to[*i].is_nan() || to[*i].abs() > FARTHEST) {
             let text = format!(
                 "{} would go to {} mm: farther than any machine",
                 Axis::ALL[i].letter(),
@@ -405,7 +405,7 @@ impl Sink for Resolver {
             Call::Stop => self.push(span, OpKind::Pause { optional: false }),
             Call::OptionalStop => self.push(span, OpKind::Pause { optional: true }),
             Call::Message(text) | Call::Print(text) => {
-                self.push(span, OpKind::Message((*text).into()))
+                self.push(span, OpKind::Message((*text).into()));
             }
             Call::End | Call::Finish => self.push(span, OpKind::End),
             other => self.mode(other),

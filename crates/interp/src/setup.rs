@@ -64,7 +64,7 @@ pub const MAX_PARAMETER: usize = 5601;
 /// Those that mean something: 5161–5169 where G28 goes, 5181–5189 where G30 goes (machine
 /// coordinates of X Y Z A B C U V W), 5210 whether the G92 offset is on, 5211–5219 that offset,
 /// 5220 the work offset in force (1 is G54), 5221–5230 the offsets of G54 and its rotation,
-/// 5241–5250 those of G55, and so on by twenties.
+/// 5241–5250 those of G55, and so on by twenties; 5599 whether (DEBUG, …) is shown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameters {
     values: Vec<f64>,
@@ -74,6 +74,7 @@ impl Default for Parameters {
     fn default() -> Self {
         let mut values = vec![0.0; MAX_PARAMETER + 1];
         values[5220] = 1.0;
+        values[5599] = 1.0;
         Self { values }
     }
 }

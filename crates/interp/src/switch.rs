@@ -3,7 +3,7 @@ use crate::{
     call::{Call, Corners, Sense, Sink, Units},
     codes::{GGroup, MGroup},
     execute::Executor,
-    fault::{Fault, Outcome, error, refuse},
+    fault::{Outcome, error, refuse},
     frame,
     state::FeedMode,
 };
@@ -307,7 +307,7 @@ impl Executor {
                 if self.tools.get(number).is_some() {
                     Ok(number)
                 } else {
-                    Err(self.missing_tool(number, span))
+                    Err(self.missing_tool(number, span).into())
                 }
             }
             _ => refuse(
@@ -321,15 +321,13 @@ impl Executor {
         }
     }
 
-    fn missing_tool(&self, number: u32, span: Span) -> Fault {
+    fn missing_tool(&self, number: u32, span: Span) -> Diagnostic {
         let known: Vec<_> = self.tools.iter().map(|t| t.number.to_string()).collect();
         let help = match known.len() {
             0 => "the tool table is empty".to_owned(),
             1..=24 => format!("it has {}", known.join(", ")),
             n => format!("it has {} and {} more", known[..24].join(", "), n - 24),
         };
-        error("I0611", span, format!("tool {number} is not in the tool table"))
-            .with_help(help)
-            .into()
+        error("I0611", span, format!("tool {number} is not in the tool table")).with_help(help)
     }
 }

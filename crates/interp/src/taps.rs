@@ -61,7 +61,7 @@ impl Resolver {
             self.report(Diagnostic::error("I0708", span, text));
             return None;
         }
-        if !(self.spindle.speed > 0.0) {
+        if self.spindle.speed <= 0.0 {
             let text = "a tap needs a spindle speed: write S above 0 before it";
             self.report(Diagnostic::error("I0703", span, text));
             return None;
@@ -91,7 +91,7 @@ impl Resolver {
             }
             _ => return self.crooked(&moved, span),
         };
-        if !(self.spindle.speed > 0.0) || self.spindle.surface.is_some() {
+        if self.spindle.speed <= 0.0 || self.spindle.surface.is_some() {
             let text = "a tap needs a spindle speed in revolutions per minute: write G97 and S above 0 before it";
             self.report(Diagnostic::error("I0703", span, text));
             return;

@@ -1,4 +1,4 @@
-//! Moves that follow the spindle: G33, G33.1, G76.
+//! Moves that follow the spindle: G33, G33.1.
 use crate::{
     call::{Call, Sense, Sink},
     execute::Executor,
@@ -77,14 +77,5 @@ impl Executor {
                 format!("{code} needs a turning spindle: write M3 or M4, and S, before it"),
             ),
         }
-    }
-
-    /// G76.
-    pub(crate) fn thread_cycle<S: Sink>(&mut self, _: &mut S) -> Outcome {
-        refuse(
-            "I0428",
-            self.words.place.span,
-            "G76 (threading cycle) is not executed by Leadscrew yet",
-        )
     }
 }

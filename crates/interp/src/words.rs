@@ -1,7 +1,7 @@
 //! The words of one block as numbers: each letter once, each modal group once.
 use crate::{
     call::Place,
-    codes::{self, AXES, CENTRE, FREE, G_GROUPS, GGroup, Letters, M_GROUPS, MGroup},
+    codes::{self, AXES, CENTRE, FREE, G_GROUPS, GGroup, Letters, M_GROUPS, MGroup, POLAR},
     eval::Values,
     fault::{Outcome, error},
 };
@@ -196,7 +196,7 @@ impl Words {
                 allowed |= code.letters;
             }
         }
-        if self.any(AXES | CENTRE) {
+        if self.any(AXES | CENTRE | POLAR) {
             allowed |= modal;
         }
         let stray = self.present & !allowed;
