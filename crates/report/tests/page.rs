@@ -109,6 +109,10 @@ fn a_bad_thread_comes_first_with_its_reason() {
         .descendants()
         .filter(|n| n.attribute("class") == Some("mark fail") && n.has_tag_name("g"));
     assert_eq!(crossed.count(), 1, "one crossed square on the map");
+    assert!(words.contains("⚠ In 1 tap the spindle's drive was at its limit, for up to"));
+    assert!(
+        words.contains("⚠ In 1 thread the sync error passed the warning limit of 25 µm: No. 19.")
+    );
 }
 
 #[test]

@@ -10,11 +10,12 @@ use verify::{Count, Feature, FeatureKind, Summary, Thread};
 /// The figures as a row of cards.
 pub(super) fn figures(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
     let summary = Summary::of(features, &run.tolerances);
-    let mut cards = vec![
-        card("Cycle time", &duration(run.cycle_time), &rate(run, recorder)),
-        count("Holes", summary.holes),
-        count("Threads", summary.threads),
-    ];
+    let mut cards = vec![card("Cycle time", &duration(run.cycle_time), &rate(run, recorder))];
+    let nothing = features.is_empty();
+    let counts = [("Holes", summary.holes), ("Threads", summary.threads)];
+    cards.extend(
+        counts.iter().filter(|(_, c)| nothing || c.total() > 0).map(|(name, c)| count(name, *c)),
+    );
     cards.extend(largest_error(run, features));
     cards.extend(depth_error(&summary));
     cards.extend(tightest(run, features));
@@ -84,7 +85,11 @@ fn largest_error(run: &Run, features: &[Feature]) -> Option<String> {
 
 fn depth_error(summary: &Summary) -> Option<String> {
     let (index, error) = summary.depth_error_max?;
-    let sense = if error < Length::ZERO { "not deep enough" } else { "deeper than programmed" };
+    let sense = match error {
+        e if e.abs() < Length::um(0.05) => "as programmed",
+        e if e < Length::ZERO => "not deep enough",
+        _ => "deeper than programmed",
+    };
     let value = format!("{} µm", fixed(error.abs().in_um(), 1));
     Some(card("Largest depth error of a thread", &value, &format!("No. {}, {sense}", index + 1)))
 }

@@ -31,7 +31,7 @@ const SORT: &str = include_str!("sort.js");
 pub fn html(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
     let mut main = verdict::verdict(run, features);
     main += &figures::figures(run, recorder, features);
-    main += &notes::notes(run, recorder);
+    main += &notes::notes(run, recorder, features);
     let map = pictures::hole_map(run, features);
     let left = map + &tools::tools(run, recorder);
     let right = sizes::sizes(features) + &pictures::time_shares(run, recorder);

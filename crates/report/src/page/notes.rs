@@ -3,12 +3,13 @@ use crate::Run;
 use crate::record::Recorder;
 use crate::svg::{Tag, escape, fixed};
 use std::collections::BTreeMap;
+use verify::{Feature, FeatureKind};
 
 /// Items shown at most of each kind; the rest is counted.
 const MOST: usize = 40;
 
 /// Alarms and notes; nothing if there are none.
-pub(super) fn notes(run: &Run, recorder: &Recorder) -> String {
+pub(super) fn notes(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
     let alarms = run.alarms.iter().map(|alarm| {
         let place = place(alarm.line);
         let remedy = alarm.remedy.as_ref().map_or(String::new(), |r| format!(" {r}"));
@@ -24,10 +25,10 @@ pub(super) fn notes(run: &Run, recorder: &Recorder) -> String {
         }
     });
     let alarms = super::section("Alarms", &list(alarms.collect()));
-    let notes = super::section(
-        "To know",
-        &list(notes.chain(limiting(run)).chain(unfinished(recorder)).collect()),
-    );
+    let found = unfinished(recorder).into_iter().chain(saturated(recorder));
+    let found = found.chain(out_of_step(run, features));
+    let all = found.chain(notes).chain(limiting(run)).collect();
+    let notes = super::section("To know", &list(all));
     alarms + &notes
 }
 
@@ -41,10 +42,9 @@ fn limiting(run: &Run) -> Vec<(&'static str, String)> {
     for reason in run.limiting.values() {
         *counts.entry(reason).or_default() += 1;
     }
-    let words = counts.into_iter().map(|(reason, count)| {
-        let taps = if count == 1 { "1 tap".into() } else { format!("{count} taps") };
-        ("", format!("What limited {taps}: {reason}"))
-    });
+    let words = counts
+        .into_iter()
+        .map(|(reason, taps)| ("", format!("What limited {}: {reason}", count(taps, "tap"))));
     words.collect()
 }
 
@@ -52,6 +52,39 @@ fn unfinished(recorder: &Recorder) -> Option<(&'static str, String)> {
     let kept = recorder.kept_taps();
     let stuck = kept.iter().find(|trace| !trace.completed)?;
     Some(("bad", format!("✗ The tap of line {} did not come out of its hole in step.", stuck.line)))
+}
+
+/// Taps whose spindle could not give what the plan asked.
+fn saturated(recorder: &Recorder) -> Option<(&'static str, String)> {
+    let longest = fixed(recorder.saturated_longest.value() * 1e3, 1);
+    let taps = count(recorder.saturated, "tap");
+    let words = format!(
+        "⚠ In {taps} the spindle's drive was at its limit, for up to {longest} ms: the ramp is steeper than its torque and power allow."
+    );
+    (recorder.saturated > 0).then_some(("warning", words))
+}
+
+/// Threads whose sync error passed the warning limit.
+fn out_of_step(run: &Run, features: &[Feature]) -> Option<(&'static str, String)> {
+    let warn = run.limits.sync_warn;
+    let numbers: Vec<_> = features
+        .iter()
+        .enumerate()
+        .filter(|(_, f)| matches!(&f.kind, FeatureKind::Thread(t) if t.sync_error_max > warn))
+        .map(|(index, _)| (index + 1).to_string())
+        .collect();
+    let more = if numbers.len() > 10 { ", …" } else { "" };
+    let first = numbers.iter().take(10).map(String::as_str).collect::<Vec<_>>().join(", ");
+    let threads = count(numbers.len(), "thread");
+    let words = format!(
+        "⚠ In {threads} the sync error passed the warning limit of {} µm: No. {first}{more}.",
+        fixed(warn.in_um(), 0)
+    );
+    (!numbers.is_empty()).then_some(("warning", words))
+}
+
+fn count(number: usize, what: &str) -> String {
+    format!("{number} {what}{}", if number == 1 { "" } else { "s" })
 }
 
 fn list(items: Vec<(&str, String)>) -> String {

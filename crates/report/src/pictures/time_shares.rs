@@ -18,6 +18,8 @@ const KINDS: [(&str, &[State], &str); 8] = [
     ("stopped by a fault", &[State::Faulted], "s7"),
 ];
 
+/// Less than this, s, is not worth a word.
+const LEAST: f64 = 0.005;
 /// Tools that get a bar.
 const MOST_BARS: usize = 16;
 const WIDTH: f64 = 480.0;
@@ -78,7 +80,7 @@ fn legend(shares: &Shares) -> String {
     let mut list = String::from("<ul class=\"legend\">");
     for (what, states, class) in KINDS {
         let spent = seconds(shares, states);
-        if spent <= 0.0 {
+        if spent < LEAST {
             continue;
         }
         let percent = fixed(spent / shares.total().value() * 100.0, 1);
@@ -95,7 +97,7 @@ fn in_words(shares: &Shares) -> String {
     let parts = KINDS
         .iter()
         .map(|(what, states, _)| (what, seconds(shares, states)))
-        .filter(|(_, s)| *s > 0.0);
+        .filter(|(_, s)| *s >= LEAST);
     let parts: Vec<_> = parts.map(|(what, s)| format!("{what} {} s", fixed(s, 2))).collect();
     format!("Of {} s: {}.", fixed(shares.total().value(), 2), parts.join(", "))
 }

@@ -45,6 +45,10 @@ pub struct Recorder {
     pub(crate) spindle: Series,
     pub(crate) changes: Vec<(Time, u32)>,
     pub(crate) taps: usize,
+    /// Taps in which the spindle's drive was at its limit.
+    pub(crate) saturated: usize,
+    /// The longest time it was so in one of them.
+    pub(crate) saturated_longest: Time,
     periods: u64,
     tool: Option<u32>,
     /// Its length.
@@ -138,6 +142,8 @@ impl Recorder {
         let Some(mut trace) = self.current.take() else { return };
         trace.end(in_step);
         self.taps += 1;
+        self.saturated += usize::from(trace.saturated_for > Time::ZERO);
+        self.saturated_longest = self.saturated_longest.max(trace.saturated_for);
         if self.first.is_none() {
             self.first = Some(trace.clone());
         }

@@ -156,7 +156,7 @@ impl Chart {
     /// A chart in which a millimetre is as long along y as along x; as high as that asks for, within reason.
     pub(crate) fn to_scale(title: &str, description: &str, mut x: Range, mut y: Range) -> Self {
         let width = Self::WIDTH - LEFT - RIGHT;
-        let height = (width * y.span() / x.span()).clamp(130.0, 440.0);
+        let height = (width * y.span() / x.span()).clamp(130.0, 360.0);
         let per_unit = f64::max(x.span() / width, y.span() / height);
         for (range, room) in [(&mut x, width), (&mut y, height)] {
             let more = (per_unit * room - range.span()) / 2.0;
