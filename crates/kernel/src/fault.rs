@@ -239,6 +239,28 @@ impl fmt::Display for Fault {
     }
 }
 
+/// The alarm list of the manual, in Markdown: one section per kind, by number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AlarmList;
+
+impl fmt::Display for AlarmList {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for kind in FaultKind::ALL {
+            let reaction = match kind.reaction() {
+                Reaction::Disable => "All outputs go off; the drives' own safety takes over.",
+                Reaction::Halt => {
+                    "Axes and spindles brake under control, coupled ones together, and are held."
+                }
+            };
+            writeln!(f, "## {} {}\n", kind.number(), kind.sentence())?;
+            writeln!(f, "{reaction}\n")?;
+            writeln!(f, "Cause: {}\n", kind.cause())?;
+            writeln!(f, "Remedy: {}\n", kind.remedy())?;
+        }
+        Ok(())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -251,5 +273,14 @@ mod tests {
                 assert!(text.len() > 10, "{kind:?}: {text}");
             }
         }
+    }
+
+    #[test]
+    fn the_alarm_list_names_them_all() {
+        let list = std::string::ToString::to_string(&AlarmList);
+        for kind in FaultKind::ALL {
+            assert!(list.contains(kind.sentence()) && list.contains(kind.remedy()), "{list}");
+        }
+        assert!(list.starts_with("## 101 the emergency stop chain is open\n"), "{list}");
     }
 }

@@ -17,7 +17,7 @@ use alloc::{collections::VecDeque, vec::Vec};
 use bus::{Command, Feedback, Report, State};
 use canon::Axis;
 use plan::Step;
-use sync::{Coupling, SyncMode};
+use sync::{Coupling, Monitor, SyncMode};
 
 /// Steps that may wait.
 pub const QUEUE: usize = 32;
@@ -57,6 +57,8 @@ enum Mode {
 #[derive(Clone, Copy, Debug)]
 struct Halt {
     coupling: Coupling,
+    /// Says whether the tool is in the material still.
+    monitor: Monitor,
     axis: usize,
     spindle: usize,
 }
@@ -303,7 +305,7 @@ impl Kernel {
             return None;
         };
         let (axis, spindle) = (plan.axis.index(), usize::from(plan.spindle));
-        run.coupling().map(|coupling| Halt { coupling, axis, spindle })
+        run.coupling().map(|coupling| Halt { coupling, monitor: run.monitor(), axis, spindle })
     }
 
     /// Following errors worth an event.
@@ -333,9 +335,19 @@ impl Kernel {
             Mode::Running => self.activity.state(),
             Mode::Halted(_) | Mode::Disabled => State::Faulted,
         };
-        self.report.sync_error = match &self.activity {
-            Activity::Tapping(run) => run.sync_error(),
+        self.report.sync_error = match (&self.mode, &self.activity) {
+            (Mode::Running, Activity::Tapping(run)) => run.sync_error(),
+            (Mode::Halted(Some(halt)), _) => self.error_of(halt),
             _ => None,
         };
+    }
+
+    /// Distance from a coupling that stays engaged in a halt, in the material.
+    fn error_of(&self, halt: &Halt) -> Option<units::Length> {
+        let axis = self.drives.axes[halt.axis].as_ref()?;
+        let spindle = self.drives.spindles[halt.spindle].as_ref()?;
+        let z = units::Length::mm(axis.position());
+        let inside = halt.monitor.depth(z) >= units::Length::ZERO;
+        inside.then(|| halt.coupling.error(spindle.reading(), z))
     }
 }

@@ -35,6 +35,6 @@ pub use config::{
     Problem, SpindleControl, SpindleFriction, SpindleWindows, Subject, Waits,
 };
 pub use event::{EVENTS, Event, EventKind, TapFigures};
-pub use fault::{Fault, FaultKind, Reaction};
+pub use fault::{AlarmList, Fault, FaultKind, Reaction};
 pub use kernel::{FAULTS, Full, Kernel, QUEUE};
 pub use sync::{Figures, MAX_TRANSPORT, Prediction, SyncMode, Windows};

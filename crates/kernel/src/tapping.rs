@@ -113,6 +113,11 @@ impl TapRun {
         self.error
     }
 
+    /// What watches it.
+    pub(crate) const fn monitor(&self) -> Monitor {
+        self.monitor
+    }
+
     /// The coupling that is engaged.
     pub(crate) const fn coupling(&self) -> Option<Coupling> {
         self.cycle.coupling()

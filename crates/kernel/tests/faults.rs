@@ -156,6 +156,11 @@ fn a_tap_that_leaves_its_helix_stops_synchronised() {
     assert!(turned > 1.0, "it was turning: {turned} rev until rest");
     assert!((way + turned).abs() < 0.060, "{} µm off the helix at rest", (way + turned) * 1e3);
     assert!(last.truth.expect("simulated").spins[0].in_rpm().abs() < 1.0);
+    // and the control goes on measuring how far from the helix it stands
+    let (then, now) = (first.report.sync_error, last.report.sync_error);
+    let (then, now) = (then.expect("it was in the material"), now.expect("it still is"));
+    let moved_um = (now - then).in_um() - (way + turned) * 1e3;
+    assert!(moved_um.abs() < 3.0, "{then}, {now}, {moved_um} µm from the truth");
 }
 
 #[test]
