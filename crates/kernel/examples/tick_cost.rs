@@ -5,7 +5,7 @@
 //!   cargo run --release -p kernel --example tick_cost
 //! ```
 //!
-//! Only the kernel is timed, not the machine; the cost of reading the clock is measured first and
+//! Give a number to run the program so many times (20 otherwise). Only the kernel is timed, not the machine; the cost of reading the clock is measured first and
 //! subtracted. The worst of a computer with an ordinary operating system is the system's, not the tick's.
 #[path = "../tests/common/mod.rs"]
 mod common;
@@ -16,10 +16,11 @@ use kernel::{Kernel, Prediction, SyncMode};
 use plan::{Step, StepKind};
 use std::time::Instant;
 
-/// Runs of the program: enough for a 99.9th percentile.
+/// Runs of the program, unless told: enough for a 99.9th percentile.
 const RUNS: usize = 20;
 
 fn main() {
+    let runs = std::env::args().nth(1).and_then(|n| n.parse().ok()).unwrap_or(RUNS);
     let clock_ns = clock_cost();
     println!("clock {clock_ns} ns per reading, subtracted");
     let observer = SyncMode::EncoderFollowing { prediction: Prediction::Observer, transport: 1 };
@@ -29,7 +30,7 @@ fn main() {
         println!("{name}");
         println!("  {:<12} {:>8} {:>9} {:>9} {:>9}", "state", "ticks", "median", "p99.9", "worst");
         let mut costs: Vec<(State, u64)> = Vec::new();
-        for _ in 0..RUNS {
+        for _ in 0..runs {
             measure(mode, clock_ns, &mut costs);
         }
         for state in [State::Rapid, State::Feed, State::TapIn, State::TapOut, State::SpindleWait] {

@@ -18,11 +18,13 @@ use crate::servo::{Gains, Input, Servo};
 use bus::{SpindleCommand, SpindleFeedback};
 use core::f64::consts::TAU;
 use plan::Profile;
-use sync::{Blend, Observer, Rotation};
+use sync::{Blend, Observer, Rotation, Tracker};
 use units::{Angle, Spin, SpinAccel, Time, Torque};
 
 /// Share of the torque curve that unplanned changes of speed use.
 const UNPLANNED: f64 = 0.75;
+/// Share of the at-rest window that quantisation may cost the observer as noise.
+const REST_NOISE: f64 = 0.25;
 /// A ramp fits if it begins this near to the speed that is ordered, rev/s.
 const RAMP_FITS: f64 = 1e-3;
 
@@ -83,7 +85,7 @@ impl SpindleLoop {
                 peak: control.peak_torque.value(),
                 tracker_most_hz: f64::INFINITY,
             }),
-            observer: Observer::new(config.period, control.observer_bandwidth_hz, Angle::ZERO),
+            observer: observer(&control, config.period, Angle::ZERO),
             period_s,
             lookahead_s: (config.command_delay + control.torque_lag).value() + period_s / 2.0,
             inertia,
@@ -104,7 +106,7 @@ impl SpindleLoop {
     pub(crate) fn adopt(&mut self, feedback: &SpindleFeedback, period: Time) {
         self.reading = feedback.angle.value();
         self.reading_before = self.reading;
-        self.observer = Observer::new(period, self.control.observer_bandwidth_hz, feedback.angle);
+        self.observer = observer(&self.control, period, feedback.angle);
         let still = Rotation { angle: feedback.angle, ..Rotation::default() };
         (self.ordered, self.before, self.ahead) = (still, still, still);
         self.order = Order::Slew(0.0);
@@ -331,6 +333,14 @@ impl SpindleLoop {
             torque: Torque::n_m(torque),
         }
     }
+}
+
+/// An observer that is as fast as the machine file has it, but not so fast that the encoder's counts
+/// would blur what "at rest" means.
+fn observer(control: &SpindleControl, period: Time, angle: Angle) -> Observer {
+    let noise = control.windows.at_rest.value() * REST_NOISE;
+    let quiet = Tracker::bandwidth_for(period.value(), control.encoder_count.value(), noise);
+    Observer::new(period, control.observer_bandwidth_hz.min(quiet), angle)
 }
 
 const fn rotation(angle: f64, spin: f64, accel: f64) -> Rotation {
