@@ -298,3 +298,23 @@ fn text_and_lines_stand_out_from_their_ground_in_light_and_dark() {
         }
     }
 }
+
+#[test]
+fn an_engraving_that_never_is_straight_still_gives_a_small_page() {
+    let mut recorder = Recorder::default();
+    for k in 0..300_000u32 {
+        let t = f64::from(k) * 0.7;
+        let mut sample = bus::Sample::default();
+        sample.feedback.time = Time::s(f64::from(k) * 250e-6);
+        sample.feedback.tool = Some(1);
+        sample.report.state = if k % 5 == 0 { bus::State::Rapid } else { bus::State::Feed };
+        let at = [100.0 * t.sin(), 60.0 * (1.3 * t).cos(), 5.0 * (0.1 * t).sin()];
+        for (axis, value) in sample.feedback.axes.iter_mut().zip(at) {
+            axis.position = Length::mm(value);
+        }
+        recorder.sample(&sample);
+    }
+    let page = report::html(&run("engraving.ngc"), &recorder, &[]);
+    check(&page);
+    assert!(page.len() < 1_500_000, "{}", page.len());
+}
