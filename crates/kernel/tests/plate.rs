@@ -125,7 +125,7 @@ fn plate() -> sim::Config {
     let kind = sim::ToolKind::Drill { diameter, point_angle };
     machine.magazine.push(sim::Tool { number: 1, length: mm(DRILL), kind });
     machine.tool = 0;
-    machine.stock.as_mut().unwrap().assume_predrilled = false;
+    machine.stock.as_mut().expect("it has stock").assume_predrilled = false;
     machine
 }
 

@@ -1,3 +1,4 @@
+//! The cycle as a machinist would check it, on a spindle that does exactly what it is told.
 use super::*;
 use crate::stopping_angle;
 use std::{borrow::ToOwned, format, string::String};
