@@ -1,0 +1,69 @@
+//! `leadscrew machine`: what machines there are, and what is wrong with a file that describes one.
+use crate::args::MachineCommand;
+use crate::refused::Refused;
+use store::machine::{self, MachineFile};
+
+/// Do it.
+pub(crate) fn command(order: &MachineCommand) -> Result<(), Refused> {
+    match order {
+        MachineCommand::List => list(),
+        MachineCommand::Show { machine } => {
+            print!("{}", text(machine)?);
+            Ok(())
+        }
+        MachineCommand::Check { machine } => {
+            let file = load(machine)?;
+            println!("{}: in order. {}", file.name, file.description);
+            Ok(())
+        }
+    }
+}
+
+/// A machine by its embedded name, or from a file.
+pub(crate) fn load(name: &str) -> Result<MachineFile, Refused> {
+    match machine::embedded(name) {
+        None => Ok(machine::load(&path(name)?)?),
+        Some(text) => machine::parse(text, 0).map_err(|findings| Refused::Findings {
+            name: name.to_owned(),
+            text: text.as_bytes().to_vec(),
+            findings,
+        }),
+    }
+}
+
+fn text(name: &str) -> Result<String, Refused> {
+    match machine::embedded(name) {
+        Some(text) => Ok(text.to_owned()),
+        None => Ok(store::read_text(&path(name)?, "a machine file", store::SMALL_FILE_LIMIT)?),
+    }
+}
+
+/// A file's path, unless the name looks like that of a machine nobody knows.
+fn path(name: &str) -> Result<std::path::PathBuf, Refused> {
+    let path = std::path::PathBuf::from(name);
+    let is_file = path.exists() || path.extension().is_some() || name.contains(['/', '\\']);
+    if is_file {
+        return Ok(path);
+    }
+    let known = machine::EMBEDDED.join(", ");
+    Err(Refused::because(format!("there is no machine \"{name}\": expected {known}, or a file")))
+}
+
+fn list() -> Result<(), Refused> {
+    let mut table = comfy_table::Table::new();
+    table.load_preset(comfy_table::presets::UTF8_HORIZONTAL_ONLY);
+    table.set_header(["machine", "what it is", "axes", "spindles"]);
+    for name in machine::EMBEDDED {
+        let file = load(name)?;
+        let axes: String = file.axes.iter().flatten().map(|a| a.letter.letter()).collect();
+        let spindles: Vec<_> = file
+            .spindles
+            .iter()
+            .map(|s| format!("{} {:.0} rpm", s.name, s.max.in_rpm()))
+            .collect();
+        table.add_row([name, &file.description, &axes, &spindles.join(", ")]);
+    }
+    println!("{table}");
+    println!("\nThe first is the default. `leadscrew machine show NAME` prints its file to start your own from.");
+    Ok(())
+}

@@ -1,0 +1,52 @@
+//! What was refused, and how it is said: the program ends with exit code 2.
+use crate::render::{self, Source};
+use diag::Diagnostic;
+
+/// Why nothing was done.
+#[derive(Debug)]
+pub(crate) enum Refused {
+    /// One sentence.
+    Sentence(String),
+    /// Findings in a text.
+    Findings {
+        /// Name of the text, as the user typed it.
+        name: String,
+        /// The text.
+        text: Vec<u8>,
+        /// What is wrong with it.
+        findings: Vec<Diagnostic>,
+    },
+}
+
+impl Refused {
+    /// From anything that says what it is.
+    pub(crate) fn because(sentence: impl Into<String>) -> Self {
+        Self::Sentence(sentence.into())
+    }
+
+    /// Tell the user.
+    pub(crate) fn say(&self) {
+        match self {
+            Self::Sentence(sentence) => eprintln!("error: {sentence}"),
+            Self::Findings { name, text, findings } => {
+                eprint!("{}", render::text(findings, &Source { name, text }));
+                let errors = findings.iter().filter(|f| f.is_error()).count();
+                let plural = if errors == 1 { "error" } else { "errors" };
+                eprintln!("{name}: refused, {errors} {plural}");
+            }
+        }
+    }
+}
+
+impl From<store::Error> for Refused {
+    fn from(error: store::Error) -> Self {
+        match error {
+            store::Error::Refused(refusal) => Self::Findings {
+                name: refusal.path.display().to_string(),
+                text: refusal.text.into_bytes(),
+                findings: refusal.findings,
+            },
+            other => Self::Sentence(other.to_string()),
+        }
+    }
+}

@@ -1,0 +1,11 @@
+//! From the machine file's one description to what each crate asks for: the only place that knows all of them.
+//!
+//! ```text
+//!                      ┌─► simulator   sim::Config     the iron
+//!   store::MachineFile ┼─► control     kernel::Config  the loops
+//!   canon::ToolLibrary ┼─► planner     plan limits     what it may ask of the iron
+//!                      └─► judge       verify::Config  what was asked of the work
+//! ```
+mod simulator;
+
+pub(crate) use simulator::simulator;

@@ -1,0 +1,48 @@
+//! What the planner may ask of the machine.
+use plan::{AxisLimits, MachineLimits, SpindleLimits, ToolChange};
+use store::machine::{Axis, MachineFile, Spindle};
+use units::{Force, Time};
+
+/// Limits from the machine's file. An axis' acceleration is what its file says, but never more than the
+/// share of its drive's force that plans may use, less its weight, can give.
+pub(crate) fn planner(machine: &MachineFile) -> MachineLimits {
+    let windows = machine.axes.iter().flatten().map(|axis| axis.windows.settle);
+    MachineLimits {
+        axes: machine.axes.each_ref().map(|file| file.as_ref().map(axis)),
+        spindles: machine.spindles.iter().map(spindle).collect(),
+        tool_change: ToolChange { z: Some(machine.tool_change.z), time: machine.tool_change.time },
+        settling: windows.fold(Time::ZERO, Time::max),
+    }
+}
+
+fn axis(file: &Axis) -> AxisLimits {
+    const GRAVITY_M_PER_S2: f64 = 9.806_65;
+    let mass = file.drive.motor_mass() + file.moving_mass;
+    let weight = Force::n(file.weight_share * file.moving_mass.value() * GRAVITY_M_PER_S2);
+    let free = file.drive.peak_force() * file.drive.planned_share - weight - file.friction.static_force;
+    let possible = units::Accel::mm_per_s2(free.value() / mass.value() * 1e3);
+    AxisLimits {
+        travel: Some((file.travel.from, file.travel.to)),
+        rapid_speed: file.rapid,
+        feed_speed: file.feed_most,
+        accel: file.acceleration.min(possible),
+        rapid_jerk: file.jerk_rapid,
+        feed_jerk: file.jerk_feed,
+    }
+}
+
+fn spindle(file: &Spindle) -> SpindleLimits {
+    // jerk at full torque: α/t = M/(J·2π·t)
+    let full = file.peak_torque.value() / (file.inertia.value() * std::f64::consts::TAU);
+    SpindleLimits {
+        inertia: file.inertia,
+        peak_torque: file.peak_torque,
+        peak_power: file.peak_power,
+        friction: file.friction.coulomb,
+        viscous_n_m_s_per_rad: file.friction.viscous_n_m_s_per_rad,
+        max_speed: file.max,
+        tapping_max: file.tapping_max,
+        margin: file.planned_share,
+        torque_rise: Time::s(full / file.jerk.value()),
+    }
+}

@@ -1,0 +1,145 @@
+//! The iron: axes, spindles, magazine and workpiece for the simulator.
+use canon::{Flute, Holder, Tool, ToolKind, ToolLibrary};
+use store::machine::{Axis, MachineFile, Material, Motor, PositionFrom, Spindle, TapSeat};
+use units::{Angle, Inertia, Lead, Length, Time};
+
+/// Screw lead that stands in for a linear motor: one radian a millimetre, so that N·m and N agree by 10³.
+const DIRECT_LEAD: Lead = Lead::mm_per_rev(std::f64::consts::TAU);
+
+/// A simulated machine of this file, with these tools in its magazine and nothing in its spindle.
+pub(crate) fn simulator(
+    machine: &MachineFile,
+    tools: &ToolLibrary,
+    material: Material,
+    seed: u64,
+) -> sim::Config {
+    let axes = machine.axes.iter().enumerate();
+    let spindles = machine.spindles.iter().map(spindle).collect();
+    let stock = machine.setup.stock;
+    let origin = machine.setup.g54.linear[2];
+    sim::Config {
+        period: machine.control.period,
+        substep: machine.simulation.substep,
+        command_delay: machine.control.command_delay_periods as usize,
+        axes: axes.filter_map(|(at, file)| Some((at, axis(file.as_ref()?)))).collect(),
+        spindles,
+        magazine: tools
+            .iter()
+            .map(|t| tool(t, &machine.simulation.tap_seat, material))
+            .collect(),
+        tool: 0,
+        tool_change_time: machine.tool_change.time,
+        stock: Some(sim::Stock {
+            top: origin + stock.to[2],
+            thickness: Some(stock.to[2] - stock.from[2]),
+            material: sim::Material { cutting_n_per_mm2: material.cutting_force_n_per_mm2 },
+            holes: Vec::new(),
+            assume_predrilled: true,
+        }),
+        scatter: machine.simulation.scatter_share,
+        seed,
+    }
+}
+
+fn axis(file: &Axis) -> sim::AxisModel {
+    let (screw_lead, inertia) = match file.drive.motor {
+        Motor::BallScrew { lead, rotating_inertia, .. } => (lead, rotating_inertia),
+        Motor::Linear { motor_mass, .. } => {
+            // J = m·(lead/2π)², with the lead in metres
+            (DIRECT_LEAD, Inertia::kg_m2(motor_mass.value() * 1e-6))
+        }
+    };
+    let metres_per_rad = screw_lead.value() * 1e-3 / std::f64::consts::TAU;
+    let friction = &file.friction;
+    sim::AxisModel {
+        table: file.moving_mass,
+        inertia,
+        screw_lead,
+        peak_torque: units::Torque::n_m(file.drive.peak_force().value() * metres_per_rad),
+        force_lag: Time::ZERO,
+        stiffness: file.structure.stiffness,
+        damping_ratio: file.structure.damping_ratio,
+        backlash: file.structure.backlash,
+        friction: sim::Lugre {
+            bristle_stiffness: friction.bristle_stiffness,
+            bristle_damping_n_s_per_m: friction.bristle_damping_n_s_per_m,
+            viscous_n_s_per_m: friction.viscous_n_s_per_m,
+            coulomb: friction.coulomb,
+            breakaway: friction.static_force,
+            stribeck: friction.stribeck_speed,
+        },
+        weight_share: file.weight_share,
+        brake: file.weight_share > 0.0,
+        encoder: match file.position_from {
+            PositionFrom::Motor { resolution } => sim::AxisEncoder::Motor {
+                counts_per_rev: (screw_lead.value() / resolution.value()).round() as u32,
+            },
+            PositionFrom::Scale { resolution } => sim::AxisEncoder::Scale { resolution },
+        },
+        start: start(file),
+    }
+}
+
+/// Where an axis stands when the machine is switched on: at machine zero, or as near as its travel allows.
+pub(crate) fn start(file: &Axis) -> Length {
+    Length::ZERO.max(file.travel.from).min(file.travel.to)
+}
+
+fn spindle(file: &Spindle) -> sim::SpindleModel {
+    sim::SpindleModel {
+        inertia: file.inertia,
+        peak_torque: file.peak_torque,
+        peak_power: file.peak_power,
+        torque_lag: file.torque_lag,
+        coulomb: file.friction.coulomb,
+        viscous_n_m_s_per_rad: file.friction.viscous_n_m_s_per_rad,
+        rounding: file.friction.smoothing,
+        encoder: sim::SpindleEncoder {
+            counts_per_rev: file.encoder_counts_per_rev,
+            eccentricity: Angle::ZERO,
+            noise_counts: 0.0,
+        },
+        start: Angle::ZERO,
+    }
+}
+
+fn tool(tool: &Tool, seat: &TapSeat, material: Material) -> sim::Tool {
+    let kind = match &tool.kind {
+        ToolKind::Drill { point_angle } | ToolKind::SpotDrill { point_angle } => {
+            sim::ToolKind::Drill { diameter: tool.diameter, point_angle: *point_angle }
+        }
+        ToolKind::Tap(tap) => sim::ToolKind::Tap(sim::Tap {
+            diameter: tool.diameter,
+            lead: tap.lead,
+            chamfer_pitches: tap.chamfer_pitches,
+            flute_factor: flute_factor(tap.flute, material),
+            thread_length: tap.thread_length,
+            flank_play: seat.flank_clearance,
+            flank_stiffness: seat.flank_stiffness,
+            holder: holder(tap.holder),
+        }),
+        ToolKind::EndMill | ToolKind::Other => sim::ToolKind::Other,
+    };
+    sim::Tool { number: tool.number, length: tool.length, kind }
+}
+
+/// Torque of a flute form over the formula's (tap makers' tables).
+fn flute_factor(flute: Flute, material: Material) -> f64 {
+    let aluminium = material.name == "AlSi";
+    match flute {
+        Flute::SpiralFlute if aluminium => 1.05,
+        Flute::SpiralFlute => 1.15,
+        Flute::SpiralPoint => 0.95,
+        Flute::Straight => 1.35,
+    }
+}
+
+fn holder(holder: Holder) -> sim::Holder {
+    match holder {
+        Holder::Rigid { stiffness } => sim::Holder { stiffness, travel: None },
+        Holder::SoftSynchro { stiffness, travel }
+        | Holder::TensionCompression { stiffness, travel } => {
+            sim::Holder { stiffness, travel: Some(travel) }
+        }
+    }
+}
