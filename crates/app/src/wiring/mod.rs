@@ -6,6 +6,8 @@
 //!   canon::ToolLibrary ┼─► planner     plan limits     what it may ask of the iron
 //!                      └─► judge       verify::Config  what was asked of the work
 //! ```
+mod planner;
 mod simulator;
 
-pub(crate) use simulator::simulator;
+pub(crate) use planner::planner;
+pub(crate) use simulator::{simulator, start};

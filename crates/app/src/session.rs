@@ -1,0 +1,135 @@
+//! What a program meets: its text, the machine, the tools, the parameters; loaded once, from wherever they are.
+use crate::args::{Dialect, MissingTools, ProgramArgs};
+use crate::refused::Refused;
+use canon::ToolLibrary;
+use std::{
+    io::Read,
+    path::{Path, PathBuf},
+};
+use store::machine::MachineFile;
+
+/// The table that is used when none is named and none lies beside the program.
+const EMBEDDED_TOOLS: &str = include_str!("../../../programs/tools.toml");
+/// Tool tables looked for beside a program, in this order.
+const TOOLS_BESIDE: [&str; 2] = ["tools.toml", "tool.tbl"];
+
+/// Everything that is loaded before a program is read.
+pub(crate) struct Session {
+    /// The machine.
+    pub(crate) machine: MachineFile,
+    /// The tools.
+    pub(crate) tools: ToolLibrary,
+    /// Where the tools came from, for people.
+    pub(crate) tools_from: String,
+    /// Values of the numbered parameters when a program begins.
+    pub(crate) parameters: interp::Parameters,
+    /// What to do with tools that the table lacks.
+    pub(crate) missing_tools: MissingTools,
+    dialect: Dialect,
+}
+
+impl Session {
+    /// Load what the arguments name, for a program at `program`.
+    pub(crate) fn load(args: &ProgramArgs, program: &Path) -> Result<Self, Refused> {
+        let machine = crate::machine::load(&args.machine)?;
+        let (tools, tools_from) = tools(args.tools.as_deref(), program)?;
+        let parameters = parameters(args.parameters.as_deref(), &machine)?;
+        let (missing_tools, dialect) = (args.missing_tools, args.dialect);
+        Ok(Self { machine, tools, tools_from, parameters, missing_tools, dialect })
+    }
+
+    /// What the interpreter is told before it begins.
+    pub(crate) fn interp_setup(&self) -> interp::Setup {
+        let mut start = canon::Position::default();
+        for axis in self.machine.axes.iter().flatten() {
+            start = start.with(axis.letter, crate::wiring::start(axis));
+        }
+        interp::Setup {
+            dialect: match self.dialect {
+                Dialect::Linuxcnc => interp::Dialect::LinuxCnc,
+            },
+            tools: self.tools.clone(),
+            parameters: self.parameters.clone(),
+            start,
+            ..interp::Setup::default()
+        }
+    }
+}
+
+/// A program's bytes; `-` is standard input.
+pub(crate) fn read_program(path: &Path) -> Result<Vec<u8>, Refused> {
+    if path != Path::new("-") {
+        return Ok(store::read_bytes(path, "a program", store::PROGRAM_LIMIT)?);
+    }
+    let mut text = Vec::new();
+    let read = std::io::stdin().take(store::PROGRAM_LIMIT + 1).read_to_end(&mut text);
+    read.map_err(|e| Refused::because(format!("cannot read standard input: {e}")))?;
+    if text.len() as u64 > store::PROGRAM_LIMIT {
+        let limit = store::PROGRAM_LIMIT;
+        return Err(Refused::because(format!(
+            "standard input is larger than the {limit} bytes that a program may have"
+        )));
+    }
+    Ok(text)
+}
+
+fn tools(named: Option<&Path>, program: &Path) -> Result<(ToolLibrary, String), Refused> {
+    let beside = || -> Option<PathBuf> {
+        let folder = program.parent()?;
+        TOOLS_BESIDE.iter().map(|name| folder.join(name)).find(|path| path.is_file())
+    };
+    let is_stdin = program == Path::new("-");
+    let found = named.map(Path::to_owned).or_else(|| if is_stdin { None } else { beside() });
+    let Some(path) = found else {
+        let table = store::tools::parse_toml(EMBEDDED_TOOLS, 0).map_err(|findings| {
+            let text = EMBEDDED_TOOLS.as_bytes().to_vec();
+            Refused::Findings { name: "the embedded tools".into(), text, findings }
+        })?;
+        return Ok((table.library, "the embedded table".into()));
+    };
+    let table = store::tools::load(&path)?;
+    Ok((table.library, path.display().to_string()))
+}
+
+/// From a `.var` file, or from the machine's set-up.
+fn parameters(
+    named: Option<&Path>,
+    machine: &MachineFile,
+) -> Result<interp::Parameters, Refused> {
+    let mut parameters = interp::Parameters::default();
+    if let Some(path) = named {
+        for (number, value) in store::parameters::load(path)?.iter() {
+            if !parameters.set(number as usize, value) {
+                let most = interp::MAX_PARAMETER;
+                let path = path.display();
+                return Err(Refused::because(format!(
+                    "{path}: there is no parameter #{number}: they go from 1 to {most}"
+                )));
+            }
+        }
+        return Ok(parameters);
+    }
+    const G54: usize = 5221;
+    for axis in [canon::Axis::X, canon::Axis::Y, canon::Axis::Z] {
+        parameters.set(G54 + axis.index(), machine.setup.g54.along(axis).value());
+    }
+    Ok(parameters)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_embedded_tools_are_in_order() {
+        let table = store::tools::parse_toml(EMBEDDED_TOOLS, 0).unwrap();
+        assert!(table.library.get(3).is_some());
+    }
+
+    #[test]
+    fn every_embedded_machine_is_in_order() {
+        for name in store::machine::EMBEDDED {
+            assert!(crate::machine::load(name).is_ok(), "{name}");
+        }
+    }
+}
