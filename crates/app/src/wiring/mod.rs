@@ -1,13 +1,17 @@
 //! From the machine file's one description to what each crate asks for: the only place that knows all of them.
 //!
 //! ```text
-//!                      ┌─► simulator   sim::Config     the iron
-//!   store::MachineFile ┼─► control     kernel::Config  the loops
-//!   canon::ToolLibrary ┼─► planner     plan limits     what it may ask of the iron
-//!                      └─► judge       verify::Config  what was asked of the work
+//!                      ┌─► simulator   sim::Config          the iron
+//!   store::MachineFile ┼─► control     kernel::Config       the loops
+//!   canon::ToolLibrary ┼─► planner     plan::MachineLimits  what may be asked of the iron
+//!                      └─► judge       verify::Config       what was asked of the work
 //! ```
+mod control;
+mod judge;
 mod planner;
 mod simulator;
 
+pub(crate) use control::{control, encoder};
+pub(crate) use judge::judge;
 pub(crate) use planner::planner;
 pub(crate) use simulator::{simulator, start};

@@ -1,0 +1,62 @@
+//! From what the judge found to the certificate that other programs rely on.
+use store::certificate::{self as file, Common, Measured};
+use verify::{Feature, FeatureKind, Hand, Hole, Thread, Verdict};
+
+/// One feature, in the certificate's keys and units.
+pub(crate) fn feature(found: &Feature) -> file::Feature {
+    let common = Common {
+        line: found.line,
+        verdict: match found.verdict {
+            Verdict::Pass => file::Verdict::Pass,
+            Verdict::Fail { .. } => file::Verdict::Fail,
+        },
+        reason: found.verdict.reason().map(str::to_owned),
+        time_s: Measured::s(found.time),
+    };
+    match &found.kind {
+        FeatureKind::Hole(found) => file::Feature::Hole(hole(common, found)),
+        FeatureKind::Thread(found) => file::Feature::Thread(Box::new(thread(common, found))),
+    }
+}
+
+fn hole(common: Common, found: &Hole) -> file::Hole {
+    file::Hole {
+        common,
+        x_mm: Measured::mm(found.x),
+        y_mm: Measured::mm(found.y),
+        depth_mm: Measured::mm(found.depth),
+        diameter_mm: Measured::mm(found.diameter),
+    }
+}
+
+fn thread(common: Common, found: &Thread) -> file::Thread {
+    file::Thread {
+        common,
+        x_mm: Some(Measured::mm(found.x)),
+        y_mm: Some(Measured::mm(found.y)),
+        z_mm: None,
+        size: found.size.clone(),
+        hand: match found.hand {
+            Hand::Right => file::Hand::Right,
+            Hand::Left => file::Hand::Left,
+        },
+        lead_mm: Measured::lead(found.lead),
+        depth_mm: Measured::mm(found.depth),
+        depth_error_um: Measured::um(found.depth_error),
+        rpm_max: Measured::rpm(found.spin_max),
+        sync_error_max_um: Measured::um(found.sync_error_max),
+        sync_error_rms_um: Measured::um(found.sync_error_rms),
+        lead_error_um: Measured::um(found.lead_error),
+        groove_widening_um: Measured::um(found.groove_widening),
+        pitch_diameter_mm: Measured::mm(found.pitch_diameter),
+        class: found.class.map_or_else(|| "none".to_owned(), |c| c.name().to_owned()),
+        margin_um: Measured::um(found.margin),
+        torque_max_n_m: found.torque_max.map_or(Measured::UNKNOWN, |t| Measured::number(t.value())),
+        axial_force_max_n: found
+            .axial_force_max
+            .map_or(Measured::UNKNOWN, |f| Measured::number(f.value())),
+        start_angle_deg: Measured::deg(found.start_angle),
+        chip_removal: found.chip_removal,
+        recovered: found.recovered,
+    }
+}

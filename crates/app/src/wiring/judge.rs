@@ -1,0 +1,25 @@
+//! What the judge goes by.
+use canon::ToolLibrary;
+use store::machine::{MachineFile, Material};
+use verify::Config;
+
+/// Class 6H, the shop's usual tolerances, and the stock where the machine's set-up clamps it.
+pub(crate) fn judge(machine: &MachineFile, tools: &ToolLibrary, material: Material) -> Config {
+    Config {
+        material: known(material),
+        stock_top: Some(machine.setup.g54.linear[2] + machine.setup.stock.to[2]),
+        ..Config::new(tools.clone())
+    }
+}
+
+fn known(material: Material) -> Option<verify::Material> {
+    match material.name {
+        "C45" => Some(verify::Material::CarbonSteel),
+        "42CrMo4" => Some(verify::Material::AlloySteel),
+        "stainless" => Some(verify::Material::Stainless),
+        "GG25" => Some(verify::Material::CastIron),
+        "AlSi" => Some(verify::Material::Aluminium),
+        "brass" => Some(verify::Material::Brass),
+        _ => None,
+    }
+}
