@@ -1,2 +1,75 @@
-//! The `leadscrew` program.
-fn main() {}
+//! The `leadscrew` program: command line, threads, clock, wiring. The only crate that knows all the others.
+//!
+//! ```text
+//!   args ─► run       session ─► preflight ─► simulate ─► papers, summary
+//!        ├► check     session ─► preflight ─► render
+//!        ├► canon     session ─► interp, printed
+//!        └► machine   store
+//! ```
+#![forbid(unsafe_code)]
+
+mod args;
+mod canonical;
+mod certificate;
+mod check;
+mod log;
+mod machine;
+mod papers;
+mod preflight;
+mod program;
+mod refused;
+mod render;
+mod run;
+mod session;
+mod simulate;
+mod summary;
+mod timings;
+mod trace_thread;
+mod wiring;
+
+use args::{Cli, Command};
+use clap::{CommandFactory, Parser};
+use refused::Refused;
+use run::Ending;
+use std::process::ExitCode;
+
+/// A feature is out of tolerance.
+const OUT_OF_TOLERANCE: u8 = 1;
+/// The program or a file was refused.
+const REFUSED: u8 = 2;
+/// An alarm on the machine.
+const ALARM: u8 = 3;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    match execute(&cli) {
+        Ok(code) => code,
+        Err(refused) => {
+            refused.say();
+            ExitCode::from(REFUSED)
+        }
+    }
+}
+
+fn execute(cli: &Cli) -> Result<ExitCode, Refused> {
+    let accepted = |good| if good { ExitCode::SUCCESS } else { ExitCode::from(REFUSED) };
+    match &cli.command {
+        Command::Run(args) => Ok(match run::command(args, cli.quiet)? {
+            Ending::Good => ExitCode::SUCCESS,
+            Ending::OutOfTolerance => ExitCode::from(OUT_OF_TOLERANCE),
+            Ending::Alarm => ExitCode::from(ALARM),
+        }),
+        Command::Check(args) => Ok(accepted(check::command(args, cli.quiet)?)),
+        Command::Canon(args) => Ok(accepted(canonical::command(args)?)),
+        Command::Machine(order) => machine::command(order).map(|()| ExitCode::SUCCESS),
+        Command::Completions { shell } => {
+            clap_complete::generate(
+                *shell,
+                &mut Cli::command(),
+                "leadscrew",
+                &mut std::io::stdout().lock(),
+            );
+            Ok(ExitCode::SUCCESS)
+        }
+    }
+}

@@ -26,16 +26,26 @@ pub(crate) struct Session {
     /// What to do with tools that the table lacks.
     pub(crate) missing_tools: MissingTools,
     dialect: Dialect,
+    has_parameter_file: bool,
+    subprograms: Vec<interp::Subprogram>,
 }
 
 impl Session {
-    /// Load what the arguments name, for a program at `program`.
-    pub(crate) fn load(args: &ProgramArgs, program: &Path) -> Result<Self, Refused> {
+    /// Load what the arguments name, for a program at `program` with this text.
+    pub(crate) fn load(args: &ProgramArgs, program: &Path, text: &[u8]) -> Result<Self, Refused> {
         let machine = crate::machine::load(&args.machine)?;
         let (tools, tools_from) = tools(args.tools.as_deref(), program)?;
-        let parameters = parameters(args.parameters.as_deref(), &machine)?;
         let (missing_tools, dialect) = (args.missing_tools, args.dialect);
-        Ok(Self { machine, tools, tools_from, parameters, missing_tools, dialect })
+        Ok(Self {
+            parameters: parameters(args.parameters.as_deref(), &machine)?,
+            has_parameter_file: args.parameters.is_some(),
+            subprograms: subprograms(program, text)?,
+            machine,
+            tools,
+            tools_from,
+            missing_tools,
+            dialect,
+        })
     }
 
     /// What the interpreter is told before it begins.
@@ -49,10 +59,26 @@ impl Session {
                 Dialect::Linuxcnc => interp::Dialect::LinuxCnc,
             },
             tools: self.tools.clone(),
+            missing_tools: match self.missing_tools {
+                MissingTools::Refuse => interp::MissingTools::Refuse,
+                MissingTools::StandIn => interp::MissingTools::StandIn,
+            },
             parameters: self.parameters.clone(),
+            subprograms: self.subprograms.clone(),
             start,
             ..interp::Setup::default()
         }
+    }
+
+    /// The same as a stand-alone interpreter has it: no machine, so no work offsets but those of a parameter
+    /// file, and the axes at zero.
+    pub(crate) fn bare_setup(&self) -> interp::Setup {
+        let mut setup = self.interp_setup();
+        setup.start = canon::Position::default();
+        if !self.has_parameter_file {
+            setup.parameters = interp::Parameters::default();
+        }
+        setup
     }
 }
 
@@ -71,6 +97,31 @@ pub(crate) fn read_program(path: &Path) -> Result<Vec<u8>, Refused> {
         )));
     }
     Ok(text)
+}
+
+/// Subprogram files that the program calls by name and that lie beside it; what they call in turn, too.
+fn subprograms(program: &Path, text: &[u8]) -> Result<Vec<interp::Subprogram>, Refused> {
+    /// Most files one program may draw in.
+    const MOST_FILES: usize = 256;
+    let folder = program.parent().unwrap_or(Path::new(""));
+    let mut found: Vec<interp::Subprogram> = Vec::new();
+    let mut wanted = interp::called_files(text);
+    while let Some(name) = wanted.pop() {
+        let path = folder.join(format!("{name}.ngc"));
+        let is_name = !name.contains(['/', '\\']) && !name.contains("..");
+        if !is_name || found.iter().any(|sub| sub.name == name) || !path.is_file() {
+            continue;
+        }
+        if found.len() == MOST_FILES {
+            return Err(Refused::because(format!(
+                "the program calls more than {MOST_FILES} subprogram files"
+            )));
+        }
+        let source = store::read_bytes(&path, "a subprogram", store::PROGRAM_LIMIT)?;
+        wanted.extend(interp::called_files(&source));
+        found.push(interp::Subprogram { name, source });
+    }
+    Ok(found)
 }
 
 fn tools(named: Option<&Path>, program: &Path) -> Result<(ToolLibrary, String), Refused> {

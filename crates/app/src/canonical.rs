@@ -1,0 +1,191 @@
+//! `leadscrew canon`: the operations that a program means, in three notations.
+use crate::args::{CanonArgs, CanonFormat};
+use crate::refused::Refused;
+use crate::render::{self, Source};
+use crate::session::{Session, read_program};
+use canon::{Axis, Feed, Op, OpKind, PathMode, Position, SpindleOrder};
+use diag::Diagnostic;
+use serde_json::{Value, json};
+use std::io::{self, BufWriter, Write};
+
+/// Print them; true if the program is not refused.
+pub(crate) fn command(args: &CanonArgs) -> Result<bool, Refused> {
+    let text = read_program(&args.program)?;
+    let session = Session::load(&args.source, &args.program, &text)?;
+    let out = io::stdout().lock();
+    let (written, findings) = match args.format {
+        CanonFormat::Linuxcnc => listing(&session, &text, out),
+        CanonFormat::Text => operations(&session, &text, out, |op| line(op)),
+        CanonFormat::Json => operations(&session, &text, out, |op| object(op).to_string()),
+    };
+    match written {
+        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
+            return Err(Refused::because(format!("cannot write to standard output: {e}")));
+        }
+        _ => {}
+    }
+    let name = args.program.display().to_string();
+    eprint!("{}", render::text(&findings, &Source { name: &name, text: &text }));
+    Ok(!findings.iter().any(Diagnostic::is_error))
+}
+
+/// As rs274 does it: from machine zero, with no offsets unless a parameter file says so, up to the first error.
+fn listing(session: &Session, text: &[u8], out: impl Write) -> (io::Result<()>, Vec<Diagnostic>) {
+    let setup = session.bare_setup();
+    let mut interpreter = interp::Interpreter::new(text, &setup);
+    let mut listing = interp::Listing::new(out);
+    while interpreter.step(&mut listing) == interp::Progress::More {
+        if interpreter.has_errors() || listing.has_failed() {
+            break;
+        }
+    }
+    (listing.finish().map(drop), interpreter.diagnostics().to_vec())
+}
+
+fn operations(
+    session: &Session,
+    text: &[u8],
+    out: impl Write,
+    show: impl Fn(&Op) -> String,
+) -> (io::Result<()>, Vec<Diagnostic>) {
+    let setup = session.interp_setup();
+    let mut ops = interp::Ops::new(text, &setup);
+    let mut out = BufWriter::new(out);
+    let mut written = Ok(());
+    for op in ops.by_ref() {
+        written = writeln!(out, "{}", show(&op));
+        if written.is_err() {
+            break;
+        }
+    }
+    (written.and_then(|()| out.flush()), ops.diagnostics().to_vec())
+}
+
+/// One line for people.
+fn line(op: &Op) -> String {
+    let value = object(op);
+    let name = value["op"].as_str().unwrap_or_default();
+    let rest = value.as_object().into_iter().flatten().filter(|(k, _)| *k != "op" && *k != "line");
+    let words: Vec<_> = rest.map(|(key, value)| format!("{key}={}", plain(value))).collect();
+    format!("{:>5}  {name:<14} {}", op.span.line, words.join(" "))
+}
+
+fn plain(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        Value::Object(map) => {
+            map.iter().map(|(k, v)| format!("{k}{}", plain(v))).collect::<Vec<_>>().join(",")
+        }
+        Value::Number(number) => {
+            let text = format!("{:.4}", number.as_f64().unwrap_or_default());
+            text.trim_end_matches('0').trim_end_matches('.').to_owned()
+        }
+        other => other.to_string(),
+    }
+}
+
+/// One operation as a JSON object; every key carries its unit.
+fn object(op: &Op) -> Value {
+    let mut value = body(&op.kind);
+    value["line"] = json!(op.span.line);
+    value
+}
+
+fn body(kind: &OpKind) -> Value {
+    match kind {
+        OpKind::Rapid { to } => json!({ "op": "rapid", "to_mm": position(to) }),
+        OpKind::Line { to, feed: f } => json!({ "op": "line", "to_mm": position(to), "feed": feed(*f) }),
+        OpKind::Arc { to, arc, feed: f } => json!({
+            "op": "arc",
+            "to_mm": position(to),
+            "plane": format!("{:?}", arc.plane),
+            "centre_mm": arc.centre.map(units::Length::value),
+            "sweep_deg": arc.sweep.in_deg(),
+            "feed": feed(*f),
+        }),
+        OpKind::Tap(tap) => json!({
+            "op": "tap",
+            "start_mm": position(&tap.start),
+            "bottom_mm": tap.bottom.value(),
+            "surface_mm": tap.surface.value(),
+            "lead_mm": tap.lead.value(),
+            "rpm": tap.spin.in_rpm(),
+            "return_rpm": tap.return_spin.in_rpm(),
+            "dwell_s": tap.dwell.value(),
+            "start_angle_deg": tap.start_angle.map(units::Angle::in_deg),
+        }),
+        OpKind::Hole(hole) => json!({
+            "op": "hole",
+            "at_mm": position(&hole.at),
+            "bottom_mm": hole.bottom.value(),
+            "surface_mm": hole.surface.value(),
+        }),
+        OpKind::Dwell { time } => json!({ "op": "dwell", "time_s": time.value() }),
+        OpKind::Spindle { spindle, order } => spindle_order(*spindle, *order),
+        OpKind::Coolant { mist, flood } => json!({ "op": "coolant", "mist": mist, "flood": flood }),
+        OpKind::SelectTool { number } => json!({ "op": "select-tool", "tool": number }),
+        OpKind::ChangeTool { number } => json!({ "op": "change-tool", "tool": number }),
+        OpKind::PathMode(mode) => path_mode(*mode),
+        OpKind::Overrides { feed, spindle } => {
+            json!({ "op": "overrides", "feed": feed, "spindle": spindle })
+        }
+        OpKind::Pause { optional } => json!({ "op": "pause", "optional": optional }),
+        OpKind::Message(text) => json!({ "op": "message", "text": text }),
+        OpKind::End => json!({ "op": "end" }),
+    }
+}
+
+fn feed(feed: Feed) -> Value {
+    match feed {
+        Feed::PerTime(speed) => json!({ "mm_per_min": speed.in_mm_per_min() }),
+        Feed::PerRevolution(lead) => json!({ "mm_per_rev": lead.value() }),
+        Feed::Duration(time) => json!({ "duration_s": time.value() }),
+    }
+}
+
+fn spindle_order(spindle: u8, order: SpindleOrder) -> Value {
+    match order {
+        SpindleOrder::Stop => json!({ "op": "spindle-stop", "spindle": spindle }),
+        SpindleOrder::Turn(spin) => {
+            json!({ "op": "spindle", "spindle": spindle, "rpm": spin.in_rpm() })
+        }
+        SpindleOrder::ConstantSurfaceSpeed { speed, limit } => json!({
+            "op": "surface-speed",
+            "spindle": spindle,
+            "m_per_min": speed.in_mm_per_min() * 1e-3,
+            "limit_rpm": limit.map(units::Spin::in_rpm),
+        }),
+        SpindleOrder::Orient(angle) => {
+            json!({ "op": "orient", "spindle": spindle, "angle_deg": angle.in_deg() })
+        }
+    }
+}
+
+fn path_mode(mode: PathMode) -> Value {
+    match mode {
+        PathMode::Exact => json!({ "op": "path-mode", "mode": "exact" }),
+        PathMode::ExactStop => json!({ "op": "path-mode", "mode": "exact-stop" }),
+        PathMode::Blend { tolerance, merge } => json!({
+            "op": "path-mode",
+            "mode": "blend",
+            "tolerance_mm": tolerance.map(units::Length::value),
+            "merge_mm": merge.map(units::Length::value),
+        }),
+    }
+}
+
+/// X, Y, Z always; the others where they are not zero.
+fn position(at: &Position) -> Value {
+    let mut map = serde_json::Map::new();
+    for axis in Axis::ALL {
+        let i = axis.index();
+        let value = match i {
+            3..=5 => at.rotary[i - 3].in_deg(),
+            _ => at.along(axis).value(),
+        };
+        if i < 3 || value != 0.0 {
+            map.insert(axis.letter().to_string(), json!(value));
+        }
+    }
+    Value::Object(map)
+}

@@ -1,0 +1,76 @@
+//! `--log`: what happened, a line for each change of state, as a machinist would note it.
+//!
+//! Positions are the tool *tip's*, in the work's frame (machine position less G54 less the tool's length); the spindle
+//! angle is not shown modulo a turn, so that in a tap it can be checked against the lead by hand.
+use bus::{Sample, State};
+use canon::{Position, ToolLibrary};
+use kernel::{Event, EventKind};
+use units::Length;
+
+/// Prints to standard output.
+pub(crate) struct Log {
+    tools: ToolLibrary,
+    zero: Position,
+    last: Option<(State, u32)>,
+    length: Length,
+}
+
+impl Log {
+    /// A log for a workpiece whose zero is there.
+    pub(crate) fn new(tools: ToolLibrary, zero: Position) -> Self {
+        println!("     t s  line  state              x        y        z       rev     rpm");
+        Self { tools, zero, last: None, length: Length::ZERO }
+    }
+
+    /// A servo period.
+    pub(crate) fn sample(&mut self, sample: &Sample) {
+        if let Some(number) = sample.feedback.tool {
+            self.length = self.tools.get(number).map_or(Length::ZERO, |tool| tool.length);
+        }
+        let now = (sample.report.state, sample.report.line);
+        if self.last == Some(now) {
+            return;
+        }
+        self.last = Some(now);
+        let tip = |axis: usize| {
+            let tool = if axis == 2 { self.length } else { Length::ZERO };
+            (sample.axis(axis) - self.zero.linear[axis] - tool).value()
+        };
+        let spin = sample.truth.map_or(sample.command.spindles[0].spin, |t| t.spins[0]);
+        println!(
+            "{:8.3} {:5}  {:<12} {:>8} {:>8} {:>8} {:>9} {:>7}",
+            sample.feedback.time.value(),
+            now.1,
+            now.0.name(),
+            tidy(tip(0), 2),
+            tidy(tip(1), 2),
+            tidy(tip(2), 2),
+            tidy(sample.spindle(0).value(), 2),
+            tidy(spin.in_rpm(), 0),
+        );
+    }
+
+    /// Something that is no change of state.
+    pub(crate) fn event(&mut self, event: &Event) {
+        let text = match &event.kind {
+            EventKind::FaultRaised(fault) => fault.to_string(),
+            EventKind::FollowingWarning { axis, error } => {
+                format!("following error of {}: {:.0} µm", axis.letter(), error.in_um())
+            }
+            EventKind::SyncWarning { error } => format!("sync error {:.1} µm", error.in_um()),
+            EventKind::ToolChanged { tool } => format!("tool {tool} in the spindle"),
+            _ => return,
+        };
+        println!("{:8.3} {:5}  {text}", event.time.value(), event.line);
+    }
+}
+
+/// A number without "-0.00".
+fn tidy(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    if text.starts_with('-') && text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.')) {
+        text[1..].to_owned()
+    } else {
+        text
+    }
+}

@@ -1,0 +1,99 @@
+//! What a run leaves behind: the certificate for programs, the report for people.
+use crate::certificate;
+use crate::preflight::Preflight;
+use crate::run::Job;
+use crate::simulate::Outcome;
+use report::{Alarm, Limits, Note, Origin, Run};
+use store::certificate::{Certificate, Measured};
+use store::output::Folder;
+
+/// The certificate of a run.
+pub(crate) fn certificate(job: &Job, outcome: &Outcome) -> Certificate {
+    let alarms = outcome.faults.iter().map(|fault| store::certificate::Alarm {
+        number: u32::from(fault.kind.number()),
+        text: fault.to_string(),
+        line: (fault.line > 0).then_some(fault.line),
+        time_s: Measured::s(fault.time),
+    });
+    Certificate {
+        leadscrew: env!("CARGO_PKG_VERSION").to_owned(),
+        program: job.program.clone(),
+        machine: job.session.machine.name.clone(),
+        seed: job.seed,
+        cycle_time_s: Measured::s(outcome.cycle_time),
+        ended: outcome.ended,
+        alarms: alarms.collect(),
+        features: outcome.features.iter().map(certificate::feature).collect(),
+    }
+}
+
+/// As text, for standard output.
+pub(crate) fn certificate_text(certificate: &Certificate) -> Result<String, store::Error> {
+    Ok(certificate.to_json())
+}
+
+/// Into the folder of the run.
+pub(crate) fn write_certificate(
+    folder: &Folder,
+    certificate: &Certificate,
+) -> Result<(), store::Error> {
+    folder.write(store::output::CERTIFICATE, certificate.to_json().as_bytes())
+}
+
+/// The page that a process engineer pins to the job.
+pub(crate) fn report(job: &Job, outcome: &Outcome, known: &Preflight) -> String {
+    let machine = &job.session.machine;
+    let spindle = machine.spindles.first();
+    let torque = spindle.map_or_else(Vec::new, |s| {
+        Limits::torque_curve(s.peak_torque, s.peak_power, s.max)
+    });
+    let run = Run {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        program: job.program.clone(),
+        machine: machine.name.clone(),
+        dialect: "linuxcnc".to_owned(),
+        material: job.material.name.to_owned(),
+        seed: job.seed,
+        tools: job.session.tools.clone(),
+        origin: Some(Origin { name: "G54".to_owned(), at: machine.setup.g54 }),
+        cycle_time: outcome.cycle_time,
+        ended: outcome.ended,
+        alarms: outcome.faults.iter().map(alarm).collect(),
+        notes: notes(outcome, known),
+        limits: Limits {
+            torque,
+            sync_warn: machine.tapping.sync_warn,
+            sync_stop: machine.tapping.sync_stop,
+        },
+        limiting: outcome.limiting.clone(),
+    };
+    report::html(&run, &outcome.recorder, &outcome.features)
+}
+
+fn alarm(fault: &kernel::Fault) -> Alarm {
+    Alarm {
+        number: u32::from(fault.kind.number()),
+        text: fault.to_string(),
+        remedy: Some(fault.kind.remedy().to_owned()),
+        line: fault.line,
+        time: fault.time,
+    }
+}
+
+/// What a reader must know to trust the rest.
+pub(crate) fn notes(outcome: &Outcome, known: &Preflight) -> Vec<Note> {
+    let findings = known.findings.iter().map(|finding| Note {
+        warning: finding.severity == diag::Severity::Warning,
+        text: finding.message.clone(),
+        line: finding.span.line,
+    });
+    let assumed = (outcome.assumed_holes > 0).then(|| Note {
+        warning: false,
+        text: format!(
+            "{} tapped but not drilled by this program: taken as drilled with the tap drill, deep enough",
+            crate::check::plural(outcome.assumed_holes, "hole")
+        ),
+        line: 0,
+    });
+    findings.chain(assumed).collect()
+}

@@ -1,0 +1,206 @@
+//! `leadscrew run`: prove a program, run it on the simulated machine, judge the workpiece, leave the papers.
+use crate::args::{Format, RunArgs, Synchronisation};
+use crate::log::Log;
+use crate::preflight::{Preflight, planner, preflight};
+use crate::program::Ops;
+use crate::refused::Refused;
+use crate::render::{self, Source};
+use crate::session::{Session, read_program};
+use crate::simulate::{Outcome, Simulation};
+use crate::timings::Timings;
+use crate::trace_thread::TraceThread;
+use crate::{papers, summary, wiring};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::path::Path;
+use store::machine::Material;
+use store::output::Folder;
+use store::trace::{Columns, Writer};
+use sync::{Prediction, SyncMode};
+use units::Time;
+
+/// How a run ended, as the exit code says it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Ending {
+    /// The program ended and every feature is within tolerance.
+    Good,
+    /// A feature is out of tolerance.
+    OutOfTolerance,
+    /// An alarm on the machine.
+    Alarm,
+}
+
+/// What one run is told.
+pub(crate) struct Job {
+    /// Name of the program, as the user typed it.
+    pub(crate) program: String,
+    /// Its text.
+    pub(crate) text: Vec<u8>,
+    /// What it meets.
+    pub(crate) session: Session,
+    /// What the workpiece is made of.
+    pub(crate) material: Material,
+    /// Seed of the machine's scatter.
+    pub(crate) seed: u64,
+    options: plan::Options,
+    mode: Option<SyncMode>,
+}
+
+/// Do it.
+pub(crate) fn command(args: &RunArgs, quiet: bool) -> Result<Ending, Refused> {
+    let mut job = Job::load(args)?;
+    let known = preflight(&mut job.session, &job.text, job.options);
+    if known.is_refused() {
+        return Err(Refused::Findings {
+            name: job.program,
+            text: job.text,
+            findings: known.findings,
+        });
+    }
+    if !quiet {
+        let source = Source { name: &job.program, text: &job.text };
+        eprint!("{}", render::text(&known.findings, &source));
+    }
+    let folder = args.out.as_deref().map(begin_folder).transpose()?;
+    let progress = progress(&known, quiet || args.log || args.format == Format::Json);
+    let outcome = job.simulate(args, &known, folder.as_ref(), &progress)?;
+    progress.finish_and_clear();
+    let certificate = papers::certificate(&job, &outcome);
+    if let Some(folder) = folder {
+        let page = papers::report(&job, &outcome, &known);
+        folder.write("report.html", page.as_bytes())?;
+        papers::write_certificate(&folder, &certificate)?;
+        folder.finish()?;
+    }
+    match args.format {
+        Format::Json => println!("{}", papers::certificate_text(&certificate)?),
+        Format::Text => print!("{}", summary::text(&job, &outcome, args.out.as_deref(), quiet)),
+    }
+    if args.timings {
+        eprintln!("{}", outcome.timings.text());
+    }
+    Ok(ending(&outcome))
+}
+
+fn ending(outcome: &Outcome) -> Ending {
+    if !outcome.ended {
+        Ending::Alarm
+    } else if outcome.features.iter().any(|f| !f.verdict.is_pass()) {
+        Ending::OutOfTolerance
+    } else {
+        Ending::Good
+    }
+}
+
+impl Job {
+    fn load(args: &RunArgs) -> Result<Self, Refused> {
+        let text = read_program(&args.program)?;
+        let session = Session::load(&args.source, &args.program, &text)?;
+        let material = material(args.material.as_deref(), session.machine.setup.stock.material)?;
+        if let Some(ramp) = args.force_ramp
+            && !(ramp.is_finite() && (0.001..=60.0).contains(&ramp))
+        {
+            return Err(Refused::because(format!(
+                "--force-ramp {ramp}: expected a time from 0.001 to 60 seconds"
+            )));
+        }
+        let control = &session.machine.control;
+        let mode = args.synchronisation.map(|asked| match asked {
+            Synchronisation::Command => SyncMode::CommandSynchronised,
+            Synchronisation::Encoder => wiring::encoder(control, Prediction::Observer),
+            Synchronisation::EncoderNoPrediction => wiring::encoder(control, Prediction::Speed),
+            Synchronisation::EncoderNoFeedForward => wiring::encoder(control, Prediction::None),
+        });
+        let forced = match session.machine.tapping.ramp {
+            store::machine::Ramp::PowerCurve => None,
+            store::machine::Ramp::Linear(time) => Some(time),
+        };
+        Ok(Self {
+            program: args.program.display().to_string(),
+            text,
+            material,
+            seed: args.seed.unwrap_or(u64::from(session.machine.simulation.seed)),
+            options: plan::Options {
+                force_ramp: args.force_ramp.map(Time::s).or(forced),
+                cutting_pressure_n_per_mm2: material.cutting_force_n_per_mm2,
+            },
+            mode,
+            session,
+        })
+    }
+
+    fn simulate(
+        &self,
+        args: &RunArgs,
+        known: &Preflight,
+        folder: Option<&Folder>,
+        progress: &ProgressBar,
+    ) -> Result<Outcome, Refused> {
+        let Session { machine, tools, .. } = &self.session;
+        let setup = self.session.interp_setup();
+        let iron = wiring::simulator(machine, tools, self.material, self.seed);
+        let iron = sim::SimulatedMachine::new(iron).map_err(|problems| {
+            Refused::because(format!("the machine cannot be simulated: {}", problems.join("; ")))
+        })?;
+        let simulation = Simulation {
+            ops: Ops::new(&self.text, &setup),
+            planner: planner(&self.session, self.options),
+            kernel: kernel::Kernel::new(wiring::control(machine, self.mode)),
+            machine: iron,
+            judge: verify::Judge::new(wiring::judge(machine, tools, self.material)),
+            recorder: report::Recorder::new(tools),
+            trace: folder.map(|folder| self.trace(folder)).transpose()?,
+            log: args.log.then(|| Log::new(tools.clone(), machine.setup.g54)),
+            timings: Timings::new(args.timings),
+            planned: known.planned,
+        };
+        Ok(simulation.run(progress)?)
+    }
+
+    fn trace(&self, folder: &Folder) -> Result<TraceThread, Refused> {
+        let seed = self.seed.to_string();
+        let about = [
+            ("leadscrew", env!("CARGO_PKG_VERSION")),
+            ("program", self.program.as_str()),
+            ("machine", self.session.machine.name.as_str()),
+            ("seed", seed.as_str()),
+        ];
+        let columns = Columns::of(&self.session.machine);
+        let writer = Writer::create(&folder.path("trace.parquet"), columns, &about)?;
+        TraceThread::start(writer)
+            .map_err(|e| Refused::because(format!("cannot start the trace's thread: {e}")))
+    }
+}
+
+/// By name, or as the machine's set-up has it.
+fn material(named: Option<&str>, usual: Material) -> Result<Material, Refused> {
+    let Some(name) = named else { return Ok(usual) };
+    Material::KNOWN.iter().find(|m| m.name.eq_ignore_ascii_case(name)).copied().ok_or_else(|| {
+        let known = Material::KNOWN.map(|m| m.name).join(", ");
+        Refused::because(format!("there is no material \"{name}\": expected one of {known}"))
+    })
+}
+
+/// The folder for the papers; the folders above it are made if they are missing.
+fn begin_folder(path: &Path) -> Result<Folder, Refused> {
+    if let Some(parent) = path.parent() {
+        std::fs::create_dir_all(parent).map_err(|e| {
+            Refused::because(format!("cannot create the folder {}: {e}", parent.display()))
+        })?;
+    }
+    Ok(Folder::begin(path)?)
+}
+
+fn progress(known: &Preflight, hidden: bool) -> ProgressBar {
+    let bar = ProgressBar::new((known.planned.value() * 1e3) as u64);
+    bar.set_draw_target(if hidden {
+        ProgressDrawTarget::hidden()
+    } else {
+        ProgressDrawTarget::stderr()
+    });
+    let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {msg}");
+    if let Ok(style) = style {
+        bar.set_style(style);
+    }
+    bar.set_message("machining (simulated)");
+    bar
+}

@@ -1,0 +1,181 @@
+//! The run: kernel and machine hand each other a command and a feedback each servo period, and everybody
+//! who wants to know listens.
+//!
+//! ```text
+//!   Ops ─► Planner ─► queue ─► Kernel::tick ──Command──► SimulatedMachine
+//!    │                              ▲                          │
+//!    │                              └────────Feedback──────────┤ Sample
+//!    └──────────────► Judge, Recorder ◄────────────────────────┘──► trace, log
+//! ```
+//!
+//! One thread does all of it, period by period: two runs of the same inputs are the same to the last bit.
+use crate::log::Log;
+use crate::program::Ops;
+use crate::timings::Timings;
+use crate::trace_thread::TraceThread;
+use bus::{Machine, Sample};
+use indicatif::ProgressBar;
+use kernel::{Event, EventKind, Fault, Kernel};
+use plan::{Planner, Step, StepKind};
+use report::Recorder;
+use sim::SimulatedMachine;
+use std::collections::{BTreeMap, VecDeque};
+use units::Time;
+use verify::{Feature, Judge};
+
+/// Servo periods between two looks of the progress bar.
+const PROGRESS_EVERY: u64 = 4096;
+/// A run may take this much longer than planned before it is given up: waits differ from their estimates, but
+/// every one of them has its own limit.
+const PATIENCE: f64 = 3.0;
+const PATIENCE_AT_LEAST: Time = Time::s(60.0);
+
+/// Everything a run is made of.
+pub(crate) struct Simulation<'a> {
+    /// The program's operations.
+    pub(crate) ops: Ops<'a>,
+    /// Who plans them.
+    pub(crate) planner: Planner,
+    /// Who executes the plan.
+    pub(crate) kernel: Kernel,
+    /// Who obeys.
+    pub(crate) machine: SimulatedMachine,
+    /// Who judges.
+    pub(crate) judge: Judge,
+    /// Who keeps what pictures need.
+    pub(crate) recorder: Recorder,
+    /// Who keeps everything.
+    pub(crate) trace: Option<TraceThread>,
+    /// Who prints what happens.
+    pub(crate) log: Option<Log>,
+    /// Who measures how long it takes.
+    pub(crate) timings: Timings,
+    /// How long it is planned to take.
+    pub(crate) planned: Time,
+}
+
+/// What came of it.
+pub(crate) struct Outcome {
+    /// What was cut.
+    pub(crate) features: Vec<Feature>,
+    /// What pictures need.
+    pub(crate) recorder: Recorder,
+    /// How long the machine took.
+    pub(crate) cycle_time: Time,
+    /// The program came to its end.
+    pub(crate) ended: bool,
+    /// Alarms.
+    pub(crate) faults: Vec<Fault>,
+    /// Warnings at run time.
+    pub(crate) warnings: Vec<Event>,
+    /// What kept each tap from being faster, by the index of its op.
+    pub(crate) limiting: BTreeMap<u32, String>,
+    /// Drills and taps that were at the spindle drive's limit, by the index of their op.
+    pub(crate) saturated: BTreeMap<u32, u32>,
+    /// Holes that the program tapped but did not drill.
+    pub(crate) assumed_holes: usize,
+    /// How long it took here.
+    pub(crate) timings: Timings,
+}
+
+impl Simulation<'_> {
+    /// Run to the end of the program, or to the alarm that ends it.
+    pub(crate) fn run(mut self, progress: &ProgressBar) -> Result<Outcome, store::Error> {
+        let mut queue = VecDeque::new();
+        let mut limiting = BTreeMap::new();
+        let mut saturated = BTreeMap::new();
+        let mut warnings = Vec::new();
+        let give_up = PATIENCE_AT_LEAST.max(self.planned * PATIENCE);
+        let mut feedback = self.machine.feedback();
+        let mut periods: u64 = 0;
+        self.timings.start();
+        while !self.kernel.is_over() && feedback.time < give_up {
+            self.feed(&mut queue, &mut limiting);
+            let started = self.timings.tick_begins();
+            let command = self.kernel.tick(&feedback);
+            self.timings.tick_ends(started);
+            let report = self.kernel.report();
+            let sample = Sample { feedback, command, report, truth: self.machine.truth() };
+            self.listen(&sample);
+            if feedback.spindles[0].saturated {
+                *saturated.entry(report.op).or_insert(0) += 1;
+            }
+            while let Some(event) = self.kernel.next_event() {
+                self.note(&event, &mut warnings);
+            }
+            feedback = self.machine.exchange(&command);
+            periods += 1;
+            if periods.is_multiple_of(PROGRESS_EVERY) {
+                progress.set_position((feedback.time.value() * 1e3) as u64);
+            }
+        }
+        self.timings.stop(periods, feedback.time);
+        if let Some(trace) = self.trace {
+            trace.finish()?;
+        }
+        let faults = self.kernel.faults().to_vec();
+        Ok(Outcome {
+            features: self.judge.finish(),
+            recorder: self.recorder,
+            cycle_time: feedback.time,
+            ended: self.kernel.is_over() && faults.is_empty(),
+            faults,
+            warnings,
+            limiting,
+            saturated,
+            assumed_holes: self.machine.holes().iter().filter(|hole| hole.assumed).count(),
+            timings: self.timings,
+        })
+    }
+
+    /// Keep the kernel's queue full, as far as the program goes.
+    fn feed(&mut self, queue: &mut VecDeque<Step>, limiting: &mut BTreeMap<u32, String>) {
+        while !self.kernel.is_full() {
+            if let Some(step) = queue.pop_front() {
+                if let StepKind::Tap(tap) = &step.kind {
+                    let speed = tap.limiting.speed.name();
+                    limiting.insert(step.op, format!("{speed}; run-up: {}", tap.limiting.ramp.name()));
+                }
+                // there is room: it has just been asked
+                let _ = self.kernel.push(step);
+                continue;
+            }
+            let Some((index, op)) = self.ops.next() else {
+                self.planner.finish(&mut |step| queue.push_back(step));
+                if queue.is_empty() {
+                    return;
+                }
+                continue;
+            };
+            self.judge.op(index, &op);
+            self.recorder.op(index, &op);
+            self.planner.push(index, &op, &mut |step| queue.push_back(step));
+        }
+    }
+
+    fn listen(&mut self, sample: &Sample) {
+        self.judge.sample(sample);
+        self.recorder.sample(sample);
+        if let Some(trace) = &mut self.trace {
+            trace.push(sample);
+        }
+        if let Some(log) = &mut self.log {
+            log.sample(sample);
+        }
+    }
+
+    fn note(&mut self, event: &Event, warnings: &mut Vec<Event>) {
+        /// More warnings than a person reads.
+        const MOST_WARNINGS: usize = 100;
+        if let Some(log) = &mut self.log {
+            log.event(event);
+        }
+        let warns = matches!(
+            event.kind,
+            EventKind::FollowingWarning { .. } | EventKind::SyncWarning { .. }
+        );
+        if warns && warnings.len() < MOST_WARNINGS {
+            warnings.push(*event);
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! The short table at the end of a run.
+use crate::check::plural;
+use crate::run::Job;
+use crate::simulate::Outcome;
+use comfy_table::{Cell, CellAlignment, Table, presets};
+use std::path::Path;
+use verify::{Feature, FeatureKind, Thread};
+
+/// Most failures listed one by one.
+const MOST_FAILURES: usize = 20;
+
+/// For people. `quiet`: the verdicts only.
+pub(crate) fn text(job: &Job, outcome: &Outcome, out: Option<&Path>, quiet: bool) -> String {
+    let mut said = String::new();
+    if !quiet {
+        let (machine, material) = (&job.session.machine.name, job.material.name);
+        said += &format!("{} on {machine}, {material}, seed {}\n", job.program, job.seed);
+        said += &format!("tools from {}\n", job.session.tools_from);
+    }
+    if !outcome.features.is_empty() {
+        said += &format!("{}\n", table(outcome));
+    }
+    let bad: Vec<_> = outcome.features.iter().filter(|f| !f.verdict.is_pass()).collect();
+    for feature in bad.iter().take(MOST_FAILURES) {
+        let reason = feature.verdict.reason().unwrap_or_default();
+        said += &format!("line {}: {}: {reason}\n", feature.line, feature.kind_name());
+    }
+    if bad.len() > MOST_FAILURES {
+        said += &format!("and {} more\n", bad.len() - MOST_FAILURES);
+    }
+    said += &saturation(outcome);
+    for fault in &outcome.faults {
+        said += &format!("{fault}\n  {}\n", fault.kind.remedy());
+    }
+    said += &format!("{}, cycle time {}\n", verdict(outcome, bad.len()), clock(outcome));
+    if let Some(out) = out.filter(|_| !quiet) {
+        said += &format!("report: {}\n", out.join("report.html").display());
+    }
+    said
+}
+
+fn verdict(outcome: &Outcome, bad: usize) -> String {
+    if !outcome.ended {
+        return "STOPPED BY AN ALARM".to_owned();
+    }
+    match (bad, outcome.features.len()) {
+        (0, 0) => "ENDED, no holes or threads to judge".to_owned(),
+        (0, all) => format!("PASS: {} within tolerance", plural(all, "feature")),
+        (bad, all) => format!("FAIL: {bad} of {all} features out of tolerance"),
+    }
+}
+
+fn clock(outcome: &Outcome) -> String {
+    let seconds = outcome.cycle_time.value();
+    if seconds < 60.0 {
+        return format!("{seconds:.2} s");
+    }
+    format!("{seconds:.1} s ({} min {:04.1} s)", (seconds / 60.0) as u64, seconds % 60.0)
+}
+
+/// Drives that could not give what was asked of them: whoever reads a bad thread must know.
+fn saturation(outcome: &Outcome) -> String {
+    let limited: Vec<_> = outcome
+        .features
+        .iter()
+        .filter(|f| matches!(f.kind, FeatureKind::Thread(_)))
+        .filter_map(|f| outcome.saturated.get(&f.op).map(|periods| (f.line, *periods)))
+        .collect();
+    let Some((line, periods)) = limited.iter().max_by_key(|(_, periods)| *periods) else {
+        return String::new();
+    };
+    format!(
+        "the spindle drive was at its torque or power limit in {} (longest in line {line}, {periods} servo periods)\n",
+        plural(limited.len(), "tap")
+    )
+}
+
+/// A row for every kind and size.
+fn table(outcome: &Outcome) -> Table {
+    let mut table = Table::new();
+    table.load_preset(presets::UTF8_HORIZONTAL_ONLY);
+    table.set_header([
+        "feature", "good", "depth mm", "depth error", "sync error", "class", "margin", "rpm", "limited by",
+    ]);
+    for group in groups(&outcome.features) {
+        table.add_row(row(&group, outcome));
+    }
+    for column in 1..8 {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table
+}
+
+/// Features of one kind and size, in the order in which the first of each was cut.
+fn groups(features: &[Feature]) -> Vec<Vec<&Feature>> {
+    let mut groups: Vec<(String, Vec<&Feature>)> = Vec::new();
+    for feature in features {
+        let name = name(feature);
+        match groups.iter_mut().find(|(n, _)| *n == name) {
+            Some((_, group)) => group.push(feature),
+            None => groups.push((name, vec![feature])),
+        }
+    }
+    groups.into_iter().map(|(_, group)| group).collect()
+}
+
+fn name(feature: &Feature) -> String {
+    match &feature.kind {
+        FeatureKind::Hole(hole) => format!("hole Ø{:.3}", hole.diameter.value()),
+        FeatureKind::Thread(thread) => match thread.hand {
+            verify::Hand::Right => thread.size.clone(),
+            verify::Hand::Left if thread.size.ends_with("LH") => thread.size.clone(),
+            verify::Hand::Left => format!("{} left", thread.size),
+        },
+    }
+}
+
+fn row(group: &[&Feature], outcome: &Outcome) -> Vec<Cell> {
+    let good = group.iter().filter(|f| f.verdict.is_pass()).count();
+    let mut cells = vec![Cell::new(name(group[0])), Cell::new(format!("{good}/{}", group.len()))];
+    let worst = |value: &dyn Fn(&Feature) -> f64| {
+        group.iter().map(|f| value(f)).fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a })
+    };
+    let least = |value: &dyn Fn(&Feature) -> f64| {
+        group.iter().map(|f| value(f)).fold(f64::INFINITY, f64::min)
+    };
+    let FeatureKind::Thread(first) = &group[0].kind else {
+        cells.push(Cell::new(format!("{:.3}", worst(&|f| hole(f).0))));
+        cells.push(Cell::new(format!("{:+.1} µm", worst(&|f| hole(f).1))));
+        return cells;
+    };
+    let limited = outcome.limiting.get(&group[0].op).map_or("", String::as_str);
+    cells.extend([
+        Cell::new(format!("{:.3}", least(&|f| thread(f).map_or(f64::NAN, |t| t.depth.value())))),
+        Cell::new(format!("{:+.1} µm", worst(&|f| thread(f).map_or(0.0, |t| t.depth_error.in_um())))),
+        Cell::new(format!("{:.1} µm", worst(&|f| thread(f).map_or(0.0, |t| t.sync_error_max.in_um())))),
+        Cell::new(first.class.map_or("none", |c| c.name())),
+        Cell::new(format!("{:.0} µm", least(&|f| thread(f).map_or(f64::NAN, |t| t.margin.in_um())))),
+        Cell::new(format!("{:.0}", worst(&|f| thread(f).map_or(0.0, |t| t.spin_max.in_rpm())))),
+        Cell::new(limited),
+    ]);
+    cells
+}
+
+fn thread(feature: &Feature) -> Option<&Thread> {
+    match &feature.kind {
+        FeatureKind::Thread(thread) => Some(thread),
+        FeatureKind::Hole(_) => None,
+    }
+}
+
+/// Depth, mm, and its error, µm.
+fn hole(feature: &Feature) -> (f64, f64) {
+    match &feature.kind {
+        FeatureKind::Hole(hole) => (hole.depth.value(), hole.depth_error.in_um()),
+        FeatureKind::Thread(_) => (f64::NAN, 0.0),
+    }
+}

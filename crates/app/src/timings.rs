@@ -1,0 +1,98 @@
+//! How fast the simulation is, for `--timings`: measured only when asked for, shown as medians.
+use std::time::{Duration, Instant};
+use units::Time;
+
+/// A clock, for measuring ourselves: nothing that is simulated ever sees it.
+#[allow(clippy::disallowed_methods)] // the one place of the program that reads a clock
+fn now() -> Instant {
+    Instant::now()
+}
+
+/// Bins of the tick's histogram: 10 ns each, the last one for all that is longer.
+const BINS: usize = 2000;
+const BIN_NS: usize = 10;
+
+/// Measures a run.
+pub(crate) struct Timings {
+    asked: bool,
+    began: Option<Instant>,
+    took: Duration,
+    periods: u64,
+    simulated: Time,
+    ticks: Vec<u32>,
+    worst: Duration,
+}
+
+impl Timings {
+    /// Ready; `asked`: also time each tick, which costs some time itself.
+    pub(crate) fn new(asked: bool) -> Self {
+        Self {
+            asked,
+            began: None,
+            took: Duration::ZERO,
+            periods: 0,
+            simulated: Time::ZERO,
+            ticks: vec![0; if asked { BINS } else { 0 }],
+            worst: Duration::ZERO,
+        }
+    }
+
+    /// The run begins.
+    pub(crate) fn start(&mut self) {
+        self.began = Some(now());
+    }
+
+    /// The run has ended.
+    pub(crate) fn stop(&mut self, periods: u64, simulated: Time) {
+        self.took = self.began.map_or(Duration::ZERO, |began| now() - began);
+        (self.periods, self.simulated) = (periods, simulated);
+    }
+
+    /// A tick begins.
+    pub(crate) fn tick_begins(&self) -> Option<Instant> {
+        self.asked.then(now)
+    }
+
+    /// A tick has ended.
+    pub(crate) fn tick_ends(&mut self, began: Option<Instant>) {
+        let Some(began) = began else { return };
+        let took = now() - began;
+        self.worst = self.worst.max(took);
+        let bin = (took.as_nanos() as usize / BIN_NS).min(BINS - 1);
+        self.ticks[bin] += 1;
+    }
+
+    /// Simulated time over time.
+    pub(crate) fn ratio(&self) -> f64 {
+        self.simulated.value() / self.took.as_secs_f64().max(1e-9)
+    }
+
+    /// For people.
+    pub(crate) fn text(&self) -> String {
+        let rate = self.periods as f64 / self.took.as_secs_f64().max(1e-9);
+        let median = self.quantile(0.5);
+        let late = self.quantile(0.999);
+        format!(
+            "{} servo periods in {:.2} s: {:.0} periods/s, {:.0} times real time\n\
+             kernel tick: median {median} ns, p99.9 {late} ns, worst {:.1} µs (the clock's own cost included)",
+            self.periods,
+            self.took.as_secs_f64(),
+            rate,
+            self.ratio(),
+            self.worst.as_secs_f64() * 1e6,
+        )
+    }
+
+    /// Upper end of the bin below which this share of the ticks lies, ns.
+    fn quantile(&self, share: f64) -> usize {
+        let total: u64 = self.ticks.iter().map(|n| u64::from(*n)).sum();
+        let mut rest = (total as f64 * share) as u64;
+        for (bin, &count) in self.ticks.iter().enumerate() {
+            if u64::from(count) > rest {
+                return (bin + 1) * BIN_NS;
+            }
+            rest -= u64::from(count);
+        }
+        BINS * BIN_NS
+    }
+}
