@@ -23,7 +23,8 @@ pub(crate) struct Cli {
 #[derive(Subcommand, Debug)]
 pub(crate) enum Command {
     /// Run a program on the simulated machine and judge the workpiece
-    #[command(after_help = "Exit code: 0 the program ended and every feature is within tolerance; 1 a feature is out of
+    #[command(
+        after_help = "Exit code: 0 the program ended and every feature is within tolerance; 1 a feature is out of
 tolerance; 2 the program or a file was refused; 3 an alarm on the machine.
 
 Examples:
@@ -32,7 +33,8 @@ Examples:
   leadscrew run part.ngc --missing-tools stand-in --material 42CrMo4
   leadscrew run part.ngc --force-ramp 0.12       what a spindle ramp steeper than the power curve does
   leadscrew run part.ngc --synchronisation encoder-no-prediction   what a lagging feed does to a thread
-  generator | leadscrew run - --format json")]
+  generator | leadscrew run - --format json"
+    )]
     Run(RunArgs),
     /// Say everything that is wrong with programs, without moving anything
     #[command(after_help = "Examples:
@@ -49,7 +51,9 @@ Examples:
     #[command(subcommand)]
     Machine(MachineCommand),
     /// Write a shell's completion script to standard output
-    #[command(after_help = "Example: leadscrew completions bash > /etc/bash_completion.d/leadscrew")]
+    #[command(
+        after_help = "Example: leadscrew completions bash > /etc/bash_completion.d/leadscrew"
+    )]
     Completions {
         /// For which shell
         shell: clap_complete::Shell,

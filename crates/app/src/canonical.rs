@@ -94,7 +94,9 @@ fn object(op: &Op) -> Value {
 fn body(kind: &OpKind) -> Value {
     match kind {
         OpKind::Rapid { to } => json!({ "op": "rapid", "to_mm": position(to) }),
-        OpKind::Line { to, feed: f } => json!({ "op": "line", "to_mm": position(to), "feed": feed(*f) }),
+        OpKind::Line { to, feed: f } => {
+            json!({ "op": "line", "to_mm": position(to), "feed": feed(*f) })
+        }
         OpKind::Arc { to, arc, feed: f } => json!({
             "op": "arc",
             "to_mm": position(to),

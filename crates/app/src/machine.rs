@@ -51,19 +51,18 @@ fn path(name: &str) -> Result<std::path::PathBuf, Refused> {
 
 fn list() -> Result<(), Refused> {
     let mut table = comfy_table::Table::new();
-    table.load_preset(comfy_table::presets::UTF8_HORIZONTAL_ONLY);
+    table.load_style(comfy_table::presets::UTF8_HORIZONTAL_ONLY);
     table.set_header(["machine", "what it is", "axes", "spindles"]);
     for name in machine::EMBEDDED {
         let file = load(name)?;
         let axes: String = file.axes.iter().flatten().map(|a| a.letter.letter()).collect();
-        let spindles: Vec<_> = file
-            .spindles
-            .iter()
-            .map(|s| format!("{} {:.0} rpm", s.name, s.max.in_rpm()))
-            .collect();
+        let spindles: Vec<_> =
+            file.spindles.iter().map(|s| format!("{} {:.0} rpm", s.name, s.max.in_rpm())).collect();
         table.add_row([name, &file.description, &axes, &spindles.join(", ")]);
     }
     println!("{table}");
-    println!("\nThe first is the default. `leadscrew machine show NAME` prints its file to start your own from.");
+    println!(
+        "\nThe first is the default. `leadscrew machine show NAME` prints its file to start your own from."
+    );
     Ok(())
 }

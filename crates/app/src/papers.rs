@@ -44,9 +44,8 @@ pub(crate) fn write_certificate(
 pub(crate) fn report(job: &Job, outcome: &Outcome, known: &Preflight) -> String {
     let machine = &job.session.machine;
     let spindle = machine.spindles.first();
-    let torque = spindle.map_or_else(Vec::new, |s| {
-        Limits::torque_curve(s.peak_torque, s.peak_power, s.max)
-    });
+    let torque =
+        spindle.map_or_else(Vec::new, |s| Limits::torque_curve(s.peak_torque, s.peak_power, s.max));
     let run = Run {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         program: job.program.clone(),

@@ -139,11 +139,8 @@ pub(crate) fn json(finding: &Diagnostic, source: &Source<'_>) -> Value {
         let (column, end_column) = columns(source.text, span);
         json!({ "line": span.line, "column": column, "end_column": end_column })
     };
-    let labels: Vec<_> = finding
-        .labels
-        .iter()
-        .map(|l| json!({ "text": l.text, "place": place(l.span) }))
-        .collect();
+    let labels: Vec<_> =
+        finding.labels.iter().map(|l| json!({ "text": l.text, "place": place(l.span) })).collect();
     json!({
         "file": source.name,
         "code": finding.code,

@@ -143,13 +143,10 @@ fn tools(named: Option<&Path>, program: &Path) -> Result<(ToolLibrary, String), 
 }
 
 /// From a `.var` file, or from the machine's set-up.
-fn parameters(
-    named: Option<&Path>,
-    machine: &MachineFile,
-) -> Result<interp::Parameters, Refused> {
+fn parameters(named: Option<&Path>, machine: &MachineFile) -> Result<interp::Parameters, Refused> {
     let mut parameters = interp::Parameters::default();
     if let Some(path) = named {
-        for (number, value) in store::parameters::load(path)?.iter() {
+        for (number, value) in store::parameters::Parameters::load(path)?.iter() {
             if !parameters.set(number as usize, value) {
                 let most = interp::MAX_PARAMETER;
                 let path = path.display();

@@ -134,7 +134,8 @@ impl Simulation<'_> {
             if let Some(step) = queue.pop_front() {
                 if let StepKind::Tap(tap) = &step.kind {
                     let speed = tap.limiting.speed.name();
-                    limiting.insert(step.op, format!("{speed}; run-up: {}", tap.limiting.ramp.name()));
+                    limiting
+                        .insert(step.op, format!("{speed}; run-up: {}", tap.limiting.ramp.name()));
                 }
                 // there is room: it has just been asked
                 let _ = self.kernel.push(step);

@@ -78,9 +78,17 @@ fn saturation(outcome: &Outcome) -> String {
 /// A row for every kind and size.
 fn table(outcome: &Outcome) -> Table {
     let mut table = Table::new();
-    table.load_preset(presets::UTF8_HORIZONTAL_ONLY);
+    table.load_style(presets::UTF8_HORIZONTAL_ONLY);
     table.set_header([
-        "feature", "good", "depth mm", "depth error", "sync error", "class", "margin", "rpm", "limited by",
+        "feature",
+        "good",
+        "depth mm",
+        "depth error",
+        "sync error",
+        "class",
+        "margin",
+        "rpm",
+        "limited by",
     ]);
     for group in groups(&outcome.features) {
         table.add_row(row(&group, outcome));
@@ -134,10 +142,19 @@ fn row(group: &[&Feature], outcome: &Outcome) -> Vec<Cell> {
     let limited = outcome.limiting.get(&group[0].op).map_or("", String::as_str);
     cells.extend([
         Cell::new(format!("{:.3}", least(&|f| thread(f).map_or(f64::NAN, |t| t.depth.value())))),
-        Cell::new(format!("{:+.1} µm", worst(&|f| thread(f).map_or(0.0, |t| t.depth_error.in_um())))),
-        Cell::new(format!("{:.1} µm", worst(&|f| thread(f).map_or(0.0, |t| t.sync_error_max.in_um())))),
+        Cell::new(format!(
+            "{:+.1} µm",
+            worst(&|f| thread(f).map_or(0.0, |t| t.depth_error.in_um()))
+        )),
+        Cell::new(format!(
+            "{:.1} µm",
+            worst(&|f| thread(f).map_or(0.0, |t| t.sync_error_max.in_um()))
+        )),
         Cell::new(first.class.map_or("none", |c| c.name())),
-        Cell::new(format!("{:.0} µm", least(&|f| thread(f).map_or(f64::NAN, |t| t.margin.in_um())))),
+        Cell::new(format!(
+            "{:.0} µm",
+            least(&|f| thread(f).map_or(f64::NAN, |t| t.margin.in_um()))
+        )),
         Cell::new(format!("{:.0}", worst(&|f| thread(f).map_or(0.0, |t| t.spin_max.in_rpm())))),
         Cell::new(limited),
     ]);

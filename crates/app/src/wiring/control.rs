@@ -27,10 +27,7 @@ pub(crate) fn control(machine: &MachineFile, mode: Option<SyncMode>) -> Config {
         axes: machine.axes.each_ref().map(|file| file.as_ref().map(axis)),
         spindles,
         synchronisation: mode.unwrap_or_else(|| synchronisation(control)),
-        sync_windows: Windows {
-            warn: machine.tapping.sync_warn,
-            stop: machine.tapping.sync_stop,
-        },
+        sync_windows: Windows { warn: machine.tapping.sync_warn, stop: machine.tapping.sync_stop },
         waits: Waits {
             ready: control.waits.at_speed,
             at_speed: control.waits.at_speed,

@@ -19,7 +19,8 @@ fn axis(file: &Axis) -> AxisLimits {
     const GRAVITY_M_PER_S2: f64 = 9.806_65;
     let mass = file.drive.motor_mass() + file.moving_mass;
     let weight = Force::n(file.weight_share * file.moving_mass.value() * GRAVITY_M_PER_S2);
-    let free = file.drive.peak_force() * file.drive.planned_share - weight - file.friction.static_force;
+    let free =
+        file.drive.peak_force() * file.drive.planned_share - weight - file.friction.static_force;
     let possible = units::Accel::mm_per_s2(free.value() / mass.value() * 1e3);
     AxisLimits {
         travel: Some((file.travel.from, file.travel.to)),

@@ -15,23 +15,26 @@ pub(crate) fn simulator(
 ) -> sim::Config {
     let axes = machine.axes.iter().enumerate();
     let spindles = machine.spindles.iter().map(spindle).collect();
-    let stock = machine.setup.stock;
-    let origin = machine.setup.g54.linear[2];
+    let setup = &machine.setup;
+    let stock = setup.stock;
     sim::Config {
         period: machine.control.period,
         substep: machine.simulation.substep,
         command_delay: machine.control.command_delay_periods as usize,
         axes: axes.filter_map(|(at, file)| Some((at, axis(file.as_ref()?)))).collect(),
         spindles,
-        magazine: tools
-            .iter()
-            .map(|t| tool(t, &machine.simulation.tap_seat, material))
-            .collect(),
+        magazine: tools.iter().map(|t| tool(t, &machine.simulation.tap_seat, material)).collect(),
         tool: 0,
         tool_change_time: machine.tool_change.time,
         stock: Some(sim::Stock {
-            top: origin + stock.to[2],
+            top: setup.g54.linear[2] + stock.to[2],
             thickness: Some(stock.to[2] - stock.from[2]),
+            sides: Some(sim::Sides {
+                x_from: setup.g54.linear[0] + stock.from[0],
+                x_to: setup.g54.linear[0] + stock.to[0],
+                y_from: setup.g54.linear[1] + stock.from[1],
+                y_to: setup.g54.linear[1] + stock.to[1],
+            }),
             material: sim::Material { cutting_n_per_mm2: material.cutting_force_n_per_mm2 },
             holes: Vec::new(),
             assume_predrilled: true,
@@ -54,7 +57,7 @@ fn axis(file: &Axis) -> sim::AxisModel {
     sim::AxisModel {
         table: file.moving_mass,
         inertia,
-        screw_lead,
+        screw_lead: screw_lead * Angle::rev(1.0),
         peak_torque: units::Torque::n_m(file.drive.peak_force().value() * metres_per_rad),
         force_lag: Time::ZERO,
         stiffness: file.structure.stiffness,
