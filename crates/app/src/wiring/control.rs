@@ -1,18 +1,14 @@
 //! The control's loops, windows and waits.
 use kernel::{
-    AxisControl, AxisFriction, AxisWindows, Config, FeedForward, Pause, SpindleControl,
-    SpindleFriction, SpindleWindows, Waits,
+    AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderPlace, FeedForward, Pause,
+    SpindleControl, SpindleFriction, SpindleWindows, Waits,
 };
-use store::machine::{Axis, Control, Follows, Loops, MachineFile, PositionFrom, Spindle};
+use store::machine::{self, Axis, Control, Follows, Loops, MachineFile, PositionFrom, Spindle};
 use sync::{Prediction, SyncMode, Windows};
-use units::{Force, Length, Speed, Spin, SpinAccel, Time};
+use units::{Angle, Force};
 
 /// Standard gravity (CGPM 1901).
 const GRAVITY_M_PER_S2: f64 = 9.806_65;
-/// Speed of moves that nobody programmed, such as going back to a path.
-const GENTLE: Speed = Speed::mm_per_s(10.0);
-/// Speed of turning a spindle to an angle.
-const ORIENTING: Spin = Spin::rpm(300.0);
 
 /// The control of this machine, with its own way of synchronising unless another one is asked for.
 pub(crate) fn control(machine: &MachineFile, mode: Option<SyncMode>) -> Config {
@@ -29,7 +25,7 @@ pub(crate) fn control(machine: &MachineFile, mode: Option<SyncMode>) -> Config {
         synchronisation: mode.unwrap_or_else(|| synchronisation(control)),
         sync_windows: Windows { warn: machine.tapping.sync_warn, stop: machine.tapping.sync_stop },
         waits: Waits {
-            ready: control.waits.at_speed,
+            ready: control.waits.ready,
             at_speed: control.waits.at_speed,
             oriented: control.waits.oriented,
             in_position: control.waits.in_position,
@@ -43,17 +39,21 @@ pub(crate) fn control(machine: &MachineFile, mode: Option<SyncMode>) -> Config {
 fn synchronisation(control: &Control) -> SyncMode {
     match control.synchronisation.follows {
         Follows::Command => SyncMode::CommandSynchronised,
-        Follows::Encoder if control.synchronisation.prediction => {
-            encoder(control, Prediction::Observer)
-        }
-        Follows::Encoder => encoder(control, Prediction::Speed),
+        Follows::Encoder => encoder(
+            control,
+            match control.synchronisation.prediction {
+                machine::Prediction::None => Prediction::None,
+                machine::Prediction::Speed => Prediction::Speed,
+                machine::Prediction::Observer => Prediction::Observer,
+            },
+        ),
     }
 }
 
 /// Encoder-following, with readings as old as this control makes them.
 pub(crate) fn encoder(control: &Control, prediction: Prediction) -> SyncMode {
-    let transport = control.command_delay_periods.min(u32::from(sync::MAX_TRANSPORT));
-    SyncMode::EncoderFollowing { prediction, transport: transport as u8 }
+    let age = control.synchronisation.encoder_age_periods.min(u32::from(sync::MAX_TRANSPORT));
+    SyncMode::EncoderFollowing { prediction, transport: age as u8 }
 }
 
 fn feed_forward(loops: &Loops) -> FeedForward {
@@ -65,9 +65,9 @@ fn feed_forward(loops: &Loops) -> FeedForward {
 }
 
 fn axis(file: &Axis) -> AxisControl {
-    let (stiffness, backlash) = match file.position_from {
-        PositionFrom::Motor { .. } => (Some(file.structure.stiffness), file.structure.backlash),
-        PositionFrom::Scale { .. } => (None, Length::ZERO),
+    let place = match file.position_from {
+        PositionFrom::Motor { .. } => EncoderPlace::Motor,
+        PositionFrom::Scale { .. } => EncoderPlace::Scale,
     };
     let friction = &file.friction;
     AxisControl {
@@ -85,11 +85,12 @@ fn axis(file: &Axis) -> AxisControl {
             bristle_damping_n_s_per_m: friction.bristle_damping_n_s_per_m,
             viscous_n_s_per_m: friction.viscous_n_s_per_m,
         },
-        stiffness,
-        backlash,
+        stiffness: file.structure.stiffness,
+        backlash: file.structure.backlash,
+        encoder: AxisEncoder { place, count: file.position_from.resolution() },
         peak_force: file.drive.peak_force(),
-        force_lag: Time::ZERO,
-        gentle: (GENTLE, file.acceleration * 0.1),
+        force_lag: file.drive.force_lag,
+        gentle: (file.gentle.speed, file.gentle.acceleration),
         windows: AxisWindows {
             in_position: file.windows.in_position,
             settle: file.windows.settle,
@@ -100,10 +101,6 @@ fn axis(file: &Axis) -> AxisControl {
 }
 
 fn spindle(file: &Spindle, observer_bandwidth_hz: f64) -> SpindleControl {
-    // half of what the drive can hold for ever turns the spindle to an angle
-    let orienting = SpinAccel::rev_per_s2(
-        0.5 * file.continuous_torque.value() / (file.inertia.value() * std::f64::consts::TAU),
-    );
     SpindleControl {
         position_gain: file.loops.position_gain_per_s,
         velocity_bandwidth_hz: file.loops.velocity_bandwidth_hz,
@@ -117,8 +114,9 @@ fn spindle(file: &Spindle, observer_bandwidth_hz: f64) -> SpindleControl {
         peak_torque: file.peak_torque,
         peak_power: file.peak_power,
         torque_lag: file.torque_lag,
+        encoder_count: Angle::rev(1.0 / f64::from(file.encoder_counts_per_rev)),
         observer_bandwidth_hz,
-        orient: (ORIENTING.min(file.max), orienting),
+        orient: (file.orient, file.orient_acceleration),
         windows: SpindleWindows {
             at_speed: file.windows.at_speed_share,
             at_rest: file.windows.at_rest,

@@ -3,6 +3,9 @@ use plan::{AxisLimits, MachineLimits, SpindleLimits, ToolChange};
 use store::machine::{Axis, MachineFile, Spindle};
 use units::{Force, Time};
 
+/// Share of an axis drive's force that plans may use: the rest is for the cut and for control.
+const PLANNED_SHARE: f64 = 0.9;
+
 /// Limits from the machine's file. An axis' acceleration is what its file says, but never more than the
 /// share of its drive's force that plans may use, less its weight, can give.
 pub(crate) fn planner(machine: &MachineFile) -> MachineLimits {
@@ -19,8 +22,7 @@ fn axis(file: &Axis) -> AxisLimits {
     const GRAVITY_M_PER_S2: f64 = 9.806_65;
     let mass = file.drive.motor_mass() + file.moving_mass;
     let weight = Force::n(file.weight_share * file.moving_mass.value() * GRAVITY_M_PER_S2);
-    let free =
-        file.drive.peak_force() * file.drive.planned_share - weight - file.friction.static_force;
+    let free = file.drive.peak_force() * PLANNED_SHARE - weight - file.friction.static_force;
     let possible = units::Accel::mm_per_s2(free.value() / mass.value() * 1e3);
     AxisLimits {
         travel: Some((file.travel.from, file.travel.to)),
@@ -33,8 +35,6 @@ fn axis(file: &Axis) -> AxisLimits {
 }
 
 fn spindle(file: &Spindle) -> SpindleLimits {
-    // jerk at full torque: α/t = M/(J·2π·t)
-    let full = file.peak_torque.value() / (file.inertia.value() * std::f64::consts::TAU);
     SpindleLimits {
         inertia: file.inertia,
         peak_torque: file.peak_torque,
@@ -44,6 +44,6 @@ fn spindle(file: &Spindle) -> SpindleLimits {
         max_speed: file.max,
         tapping_max: file.tapping_max,
         margin: file.planned_share,
-        torque_rise: Time::s(full / file.jerk.value()),
+        torque_rise: file.torque_rise,
     }
 }

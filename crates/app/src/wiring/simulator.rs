@@ -1,7 +1,7 @@
 //! The iron: axes, spindles, magazine and workpiece for the simulator.
 use canon::{Flute, Holder, Tool, ToolKind, ToolLibrary};
 use store::machine::{Axis, MachineFile, Material, Motor, PositionFrom, Spindle, TapSeat};
-use units::{Angle, Inertia, Lead, Length, Time};
+use units::{Angle, Inertia, Lead, Length};
 
 /// Screw lead that stands in for a linear motor: one radian a millimetre, so that N·m and N agree by 10³.
 const DIRECT_LEAD: Lead = Lead::mm_per_rev(std::f64::consts::TAU);
@@ -59,7 +59,7 @@ fn axis(file: &Axis) -> sim::AxisModel {
         inertia,
         screw_lead: screw_lead * Angle::rev(1.0),
         peak_torque: units::Torque::n_m(file.drive.peak_force().value() * metres_per_rad),
-        force_lag: Time::ZERO,
+        force_lag: file.drive.force_lag,
         stiffness: file.structure.stiffness,
         damping_ratio: file.structure.damping_ratio,
         backlash: file.structure.backlash,
@@ -72,11 +72,11 @@ fn axis(file: &Axis) -> sim::AxisModel {
             stribeck: friction.stribeck_speed,
         },
         weight_share: file.weight_share,
-        brake: file.weight_share > 0.0,
+        brake: file.drive.brake,
         encoder: match file.position_from {
-            PositionFrom::Motor { resolution } => sim::AxisEncoder::Motor {
-                counts_per_rev: (screw_lead.value() / resolution.value()).round() as u32,
-            },
+            PositionFrom::Motor { counts_per_rev, .. } => {
+                sim::AxisEncoder::Motor { counts_per_rev }
+            }
             PositionFrom::Scale { resolution } => sim::AxisEncoder::Scale { resolution },
         },
         start: start(file),

@@ -1,0 +1,160 @@
+//! Whatever is thrown at it: one clear sentence, exit code 2, nothing half-written.
+mod common;
+use common::{complained, leadscrew, root, said};
+use std::{fs, path::Path};
+
+/// Run a program text; what was said about it. It must be refused and leave nothing behind.
+fn refused(text: &[u8], arguments: &[&str]) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let program = folder.path().join("part.ngc");
+    fs::write(&program, text).unwrap();
+    let out = folder.path().join("out");
+    let mut all = vec!["run", program.to_str().unwrap(), "--out", out.to_str().unwrap()];
+    all.extend(arguments);
+    let output = leadscrew(&all);
+    let complaint = complained(&output).replace(folder.path().to_str().unwrap(), "");
+    assert_eq!(output.status.code(), Some(2), "{}{complaint}", said(&output));
+    let left: Vec<_> =
+        fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+    assert_eq!(left, ["part.ngc"], "something was left behind");
+    complaint
+}
+
+#[track_caller]
+fn says(complaint: &str, words: &[&str]) {
+    for word in words {
+        assert!(complaint.contains(word), "expected \"{word}\" in:\n{complaint}");
+    }
+}
+
+#[test]
+fn a_truncated_program() {
+    let text = fs::read(root().join("programs/plate-12xM6.ngc")).unwrap();
+    let cut = text.windows(8).position(|w| w == b"G99 G84 ").unwrap() + 12;
+    says(&refused(&text[..cut], &[]), &["error["]);
+}
+
+#[test]
+fn a_binary_file() {
+    let complaint = refused(&[0x7f, b'E', b'L', b'F', 0, 1, 2, 0, 0xff, 0xfe, b'\n', 0, 0], &[]);
+    says(&complaint, &["error["]);
+    assert!(complaint.lines().count() < 30, "{complaint}");
+}
+
+#[test]
+fn one_line_of_a_hundred_megabytes() {
+    let complaint = refused(&vec![b'X'; 100 << 20], &[]);
+    says(&complaint, &["error[", "line"]);
+    assert!(complaint.len() < 3000, "{}", complaint.len());
+}
+
+#[test]
+fn a_loop_without_end_is_stopped_by_a_stated_limit() {
+    says(&refused(b"o1 while [1]\n#1=[#1+1]\no1 endwhile\nM2\n", &[]), &["error[", "000"]);
+}
+
+#[test]
+fn a_call_without_end_is_stopped_by_a_stated_limit() {
+    says(&refused(b"o1 sub\no1 call\no1 endsub\no1 call\nM2\n", &[]), &["error["]);
+}
+
+#[test]
+fn an_empty_program() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = folder.path().join("empty.ngc");
+    fs::write(&program, "").unwrap();
+    let output = leadscrew(&["run", program.to_str().unwrap()]);
+    assert!(matches!(output.status.code(), Some(0 | 2)), "{}", complained(&output));
+}
+
+#[test]
+fn a_missing_program_machine_or_tool_table() {
+    for arguments in [
+        ["run", "nowhere.ngc", "--machine", "tapping-center"],
+        ["run", "programs/plate-12xM6.ngc", "--machine", "nowhere.toml"],
+        ["run", "programs/plate-12xM6.ngc", "--tools", "nowhere.toml"],
+        ["run", "programs/plate-12xM6.ngc", "--parameters", "nowhere.var"],
+    ] {
+        let output = leadscrew(&arguments);
+        assert_eq!(output.status.code(), Some(2));
+        let complaint = complained(&output);
+        says(&complaint, &["error: cannot read nowhere"]);
+        assert_eq!(complaint.lines().count(), 1, "{complaint}");
+    }
+}
+
+#[test]
+fn an_unknown_machine_is_answered_with_those_there_are() {
+    let output = leadscrew(&["run", "programs/plate-12xM6.ngc", "--machine", "tapping-centre"]);
+    assert_eq!(output.status.code(), Some(2));
+    says(&complained(&output), &["tapping-centre", "tapping-center, polygon-lathe, cam-grinder"]);
+}
+
+/// The default machine's file with one thing changed.
+fn changed_machine(folder: &Path, from: &str, to: &str) -> String {
+    let text = fs::read_to_string(root().join("machines/tapping-center.toml")).unwrap();
+    assert!(text.contains(from), "the machine's file has no {from}");
+    let path = folder.join("shop.toml");
+    fs::write(&path, text.replacen(from, to, 1)).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+#[test]
+fn a_number_that_is_none_and_a_key_nobody_knows() {
+    let folder = tempfile::tempdir().unwrap();
+    for (to, words) in [
+        ("inertia_kg_m2 = nan", ["S0405", "inertia_kg_m2"]),
+        ("inertia_kg_m2 = 0.01\ninertai_kg_m2 = 0.01", ["S0402", "inertai_kg_m2"]),
+    ] {
+        let machine = changed_machine(folder.path(), "inertia_kg_m2 = 0.010", to);
+        let output = leadscrew(&["machine", "check", &machine]);
+        assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+        says(&complained(&output), &words);
+    }
+}
+
+#[test]
+fn a_folder_where_nothing_can_be_written() {
+    let output = leadscrew(&["run", "programs/inch-unc.ngc", "--out", "/proc/leadscrew/out"]);
+    assert_eq!(output.status.code(), Some(2));
+    says(&complained(&output), &["error: cannot create the folder"]);
+}
+
+/// G54 program head with a tool in the spindle, standing over a hole.
+fn tapping(rest: &str) -> Vec<u8> {
+    format!("G21 G17 G90 G94 G54\nT3 M6\nG43 H3\nS3000 M3\nG0 X0 Y0 Z5\n{rest}\nM2\n").into_bytes()
+}
+
+#[test]
+fn a_lead_times_speed_that_the_axis_cannot_follow() {
+    let text =
+        b"G21 G17 G90 G94 G54\nT7 M6\nG43 H7\nS6000 M3\nG0 X0 Y0 Z5\nG95\nG84 Z-10 R2 F9\nM2\n";
+    says(&refused(text, &[]), &["error[", "line"].map(|_| "error["));
+}
+
+#[test]
+fn a_tap_that_moves_sideways() {
+    says(&refused(&tapping("G33.1 X1 Z-10 K1"), &[]), &["error[", "G33.1 X1 Z-10 K1"]);
+}
+
+#[test]
+fn a_tap_deeper_than_its_hole() {
+    let text = "T2 M6\nG43 H2\nS6000 M3\nG0 X0 Y0 Z5\nG81 Z-12 R2 F900\nG80\nT3 M6\nG43 H3\nG84 Z-15 R2 F6000";
+    says(&refused(&tapping(text), &[]), &["error[", "Z"]);
+}
+
+#[test]
+fn a_tool_that_is_not_in_the_table() {
+    let complaint = refused(b"T99 M6\nM2\n", &[]);
+    says(&complaint, &["tool 99", "it has 1, 2, 3"]);
+}
+
+#[test]
+fn a_tool_that_is_not_in_the_table_has_a_stand_in_when_the_user_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = folder.path().join("part.ngc");
+    fs::write(&program, "T99 M6\nG43 H99\nG0 Z50\nM2\n").unwrap();
+    let output = leadscrew(&["run", program.to_str().unwrap(), "--missing-tools", "stand-in"]);
+    assert_eq!(output.status.code(), Some(0), "{}", complained(&output));
+    says(&complained(&output), &["tool 99", "stand-in"]);
+}

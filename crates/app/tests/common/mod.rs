@@ -1,0 +1,30 @@
+//! The program under test, run as a user runs it.
+use std::{
+    path::{Path, PathBuf},
+    process::{Command, Output},
+};
+
+/// Root of the tree.
+pub fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// Run `leadscrew` in the root of the tree.
+pub fn leadscrew(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_leadscrew"))
+        .args(arguments)
+        .current_dir(root())
+        .env("NO_COLOR", "1")
+        .output()
+        .unwrap()
+}
+
+/// What it wrote to standard output.
+pub fn said(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+/// What it wrote to standard error.
+pub fn complained(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}

@@ -1,0 +1,105 @@
+//! Whole runs of the shipped programs: what is judged, and that it is good.
+mod common;
+use common::{complained, leadscrew, said};
+use serde_json::Value;
+
+/// Every feature of a run in a line of figures that a person can check: rounded so that a change of tuning below the
+/// resolution of the question does not show, and no worse than the largest errors promised.
+fn verdicts(program: &str) -> String {
+    let output = leadscrew(&["run", program, "--format", "json", "-q"]);
+    assert_eq!(output.status.code(), Some(0), "{}{}", said(&output), complained(&output));
+    let certificate: Value = serde_json::from_str(&said(&output)).unwrap();
+    assert_eq!(certificate["ended"], true);
+    assert_eq!(certificate["alarms"], Value::Array(Vec::new()));
+    let mut lines = String::new();
+    for feature in certificate["features"].as_array().unwrap() {
+        let number = |key: &str| feature[key].as_f64().unwrap_or(f64::NAN);
+        let at = format!("line {:3}", feature["line"]);
+        let verdict = feature["verdict"].as_str().unwrap();
+        let depth = number("depth_mm");
+        lines += &match feature["kind"].as_str().unwrap() {
+            "hole" => {
+                format!("{at} hole Ø{:.3} depth {depth:.1} {verdict}\n", number("diameter_mm"))
+            }
+            "thread" => {
+                assert!(number("sync_error_max_um") <= 10.0, "{feature}");
+                assert!(number("depth_error_um").abs() <= 10.0, "{feature}");
+                format!(
+                    "{at} {} {} depth {depth:.2} class {} {verdict}\n",
+                    feature["size"].as_str().unwrap(),
+                    feature["hand"].as_str().unwrap(),
+                    feature["class"].as_str().unwrap(),
+                )
+            }
+            other => panic!("unexpected feature {other}"),
+        };
+    }
+    lines
+}
+
+#[test]
+fn the_plate_has_twelve_good_threads() {
+    insta::assert_snapshot!(verdicts("programs/plate-12xM6.ngc"));
+}
+
+#[test]
+fn the_bracket_has_small_and_large_threads() {
+    insta::assert_snapshot!(verdicts("programs/m3-and-m10.ngc"));
+}
+
+#[test]
+fn the_cover_is_tapped_in_inches() {
+    insta::assert_snapshot!(verdicts("programs/inch-unc.ngc"));
+}
+
+#[test]
+fn the_flange_has_left_hand_threads_beside_right_hand_ones() {
+    insta::assert_snapshot!(verdicts("programs/left-hand.ngc"));
+}
+
+#[test]
+fn the_bolt_circles_come_out_of_one_subroutine() {
+    insta::assert_snapshot!(verdicts("programs/bolt-circle.ngc"));
+}
+
+#[test]
+fn two_runs_are_the_same_to_the_last_bit_and_another_seed_is_not() {
+    let run = |seed: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("out");
+        let out_name = out.to_str().unwrap();
+        let program = "programs/inch-unc.ngc";
+        let output = leadscrew(&["run", program, "-q", "--seed", seed, "--out", out_name]);
+        assert_eq!(output.status.code(), Some(0), "{}", complained(&output));
+        let read = |name: &str| std::fs::read(out.join(name)).unwrap();
+        (read("certificate.json"), read("report.html"), read("trace.parquet"))
+    };
+    let first = run("7");
+    assert!(first == run("7"), "two runs of the same inputs differ");
+    assert!(first.2 != run("8").2, "the seed changes nothing");
+}
+
+#[test]
+fn both_tool_tables_describe_the_same_tools() {
+    let run = |table: &str| {
+        let output = leadscrew(&["canon", "programs/plate-12xM6.ngc", "--tools", table]);
+        assert!(output.status.success(), "{}", complained(&output));
+        said(&output)
+    };
+    assert_eq!(run("programs/tools.toml"), run("programs/tools.tbl"));
+}
+
+#[test]
+fn a_ramp_steeper_than_the_power_curve_saturates_the_drive_and_the_error_grows() {
+    let error = |arguments: &[&str]| {
+        let mut all = vec!["run", "programs/plate-12xM6.ngc", "--format", "json", "-q"];
+        all.extend(arguments);
+        let certificate: Value = serde_json::from_str(&said(&leadscrew(&all))).unwrap();
+        let features = certificate["features"].as_array().unwrap();
+        let errors = features.iter().filter_map(|f| f["sync_error_max_um"].as_f64());
+        errors.fold(0.0, f64::max)
+    };
+    let planned = error(&[]);
+    let forced = error(&["--force-ramp", "0.22"]);
+    assert!(forced > 5.0 * planned, "planned {planned} µm, forced {forced} µm");
+}
