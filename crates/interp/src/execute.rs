@@ -14,7 +14,7 @@ use crate::{
     eval::Values,
     fault::{Outcome, error, refuse},
     names::Store,
-    setup::Setup,
+    setup::{MissingTools, Setup},
     state::{Cycle, Motion, State},
     words::Words,
 };
@@ -41,6 +41,7 @@ pub(crate) struct Executor {
     pub(crate) store: Store,
     pub(crate) words: Words,
     pub(crate) tools: ToolLibrary,
+    pub(crate) missing_tools: MissingTools,
     /// Warnings and notes of the block at hand.
     pub(crate) remarks: Vec<Diagnostic>,
 }
@@ -52,6 +53,7 @@ impl Executor {
             store: Store::new(setup.parameters.clone()),
             words: Words::new(),
             tools: setup.tools.clone(),
+            missing_tools: setup.missing_tools,
             remarks: Vec::new(),
         };
         new.load_offsets();

@@ -56,4 +56,4 @@ pub use interpreter::{Interpreter, Progress};
 pub use listing::Listing;
 pub use ops::{Ops, called_files, check};
 pub use resolve::Resolver;
-pub use setup::{Dialect, Limits, MAX_PARAMETER, Parameters, Setup, Subprogram};
+pub use setup::{Dialect, Limits, MAX_PARAMETER, MissingTools, Parameters, Setup, Subprogram};

@@ -4,7 +4,7 @@ use crate::{
     resolve::Resolver,
     setup::{Parameters, Setup},
 };
-use canon::Op;
+use canon::{Op, ToolLibrary};
 use diag::{Diagnostic, Span};
 use gcode::{Block, Keyword, Label, Parser};
 use std::collections::HashSet;
@@ -39,6 +39,11 @@ impl<'s> Ops<'s> {
     pub fn has_errors(&self) -> bool {
         self.interpreter.has_errors()
             || self.resolver.diagnostics().iter().any(Diagnostic::is_error)
+    }
+
+    /// The tools, with the stand-ins for those that the program has called so far and the library lacks.
+    pub const fn tools(&self) -> &ToolLibrary {
+        &self.interpreter.executor.tools
     }
 
     /// The numbered parameters as the program has set them.

@@ -9,6 +9,16 @@ pub enum Dialect {
     LinuxCnc,
 }
 
+/// What becomes of a tool number that the library does not have.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MissingTools {
+    /// The program is refused.
+    #[default]
+    Refuse,
+    /// A tool of no length takes its place, marked as a stand-in.
+    StandIn,
+}
+
 /// Everything a program meets that is not in its text.
 #[derive(Clone, Debug, Default)]
 pub struct Setup {
@@ -16,6 +26,8 @@ pub struct Setup {
     pub dialect: Dialect,
     /// Tools that T, M6 and G43 may name.
     pub tools: ToolLibrary,
+    /// What becomes of a tool that is not among them.
+    pub missing_tools: MissingTools,
     /// Values of the numbered parameters.
     pub parameters: Parameters,
     /// Files that `o<name> call` may open.

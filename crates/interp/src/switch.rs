@@ -5,9 +5,12 @@ use crate::{
     execute::Executor,
     fault::{Outcome, error, refuse},
     frame,
+    setup::MissingTools,
     state::FeedMode,
 };
+use canon::{Tool, ToolKind};
 use diag::{Diagnostic, Span};
+use units::Length;
 
 /// G96 without D: no limit. LinuxCNC says it with this number.
 pub(crate) const NO_SPEED_LIMIT: f64 = 1e30;
@@ -297,7 +300,7 @@ impl Executor {
     }
 
     /// The number after a letter, which must be a tool of the table, or 0.
-    pub(crate) fn tool_word(&self, letter: u8) -> Outcome<u32> {
+    pub(crate) fn tool_word(&mut self, letter: u8) -> Outcome<u32> {
         let value = self.words.get(letter).unwrap_or(0.0);
         let span = self.words.span(letter);
         match crate::words::near_whole(value) {
@@ -305,9 +308,14 @@ impl Executor {
             Some(number) if number > 0 => {
                 let number = u32::try_from(number).unwrap_or(u32::MAX);
                 if self.tools.get(number).is_some() {
-                    Ok(number)
-                } else {
-                    Err(self.missing_tool(number, span).into())
+                    return Ok(number);
+                }
+                match self.missing_tools {
+                    MissingTools::Refuse => Err(self.missing_tool(number, span).into()),
+                    MissingTools::StandIn => {
+                        self.tools.insert(stand_in(number));
+                        Ok(number)
+                    }
                 }
             }
             _ => refuse(
@@ -329,5 +337,18 @@ impl Executor {
             n => format!("it has {} and {} more", known[..24].join(", "), n - 24),
         };
         error("I0611", span, format!("tool {number} is not in the tool table")).with_help(help)
+    }
+}
+
+/// A tool of no length that makes nothing judged.
+fn stand_in(number: u32) -> Tool {
+    Tool {
+        number,
+        pocket: number,
+        length: Length::ZERO,
+        diameter: Length::ZERO,
+        kind: ToolKind::Other,
+        description: "stand-in".into(),
+        stand_in: true,
     }
 }
