@@ -13,7 +13,9 @@
 //!
 //! *Stretch*: with the encoder on the motor the screw between encoder and tool side is a spring that carries
 //! F = m·a + friction − weight, so the motor is led by F/k, and by half the play in the sense of F. What
-//! the control calls the axis' position is the tool side everywhere: reading − stretch.
+//! the control calls the axis' position is the tool side everywhere: reading − stretch. Where friction
+//! changes its sign the stretch has to change within milliseconds; the motor's mass times that
+//! acceleration, m·F̈/k, is fed forward too. It halves the spike at the bottom of a tapped hole.
 //!
 //! Numbers here are in mm, s, N; masses in N per mm/s² (kg·10⁻³).
 use crate::config::{AxisControl, Config, EncoderPlace, FeedForward};
@@ -27,6 +29,9 @@ use units::{Force, Length, Speed};
 const GAP_DECAY_S: f64 = 0.02;
 /// Play changes sides over this share of the friction.
 const PLAY_CROSSING: f64 = 0.25;
+
+/// Bound of the force that stretches the screw at a reversal, over the breakaway force.
+const STRETCHING_MOST: f64 = 10.0;
 
 /// Where a tool side shall be, and how it moves there: mm and s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -104,6 +109,10 @@ pub(crate) struct AxisLoop {
     /// Friction on the tool side now, and as it will be when the force acts.
     friction: (Bristles, Bristles),
     positions: (f64, f64),
+    /// The friction ahead of the last two periods.
+    frictions: (f64, f64),
+    /// Motor mass over the screw's stiffness and the period's square.
+    per_friction_change: f64,
     period_s: f64,
     lookahead_s: f64,
     mass: f64,
@@ -137,6 +146,9 @@ impl AxisLoop {
             screw: Screw::new(&control),
             friction: (bristles.clone(), bristles),
             positions: (0.0, 0.0),
+            frictions: (0.0, 0.0),
+            per_friction_change: control.motor_mass.value() * 1e-3
+                / (control.stiffness.value() * period_s * period_s),
             period_s,
             lookahead_s: (config.command_delay + control.force_lag).value() + period_s / 2.0,
             mass,
@@ -219,6 +231,15 @@ impl AxisLoop {
         self.target.jerk = 0.0;
     }
 
+    /// Force that stretches the screw the other way while friction changes: the motor has to get ahead of
+    /// the tool side within milliseconds at a reversal, and it is the heavier part.
+    fn stretching(&mut self, friction: f64) -> f64 {
+        let (last, before) = self.frictions;
+        self.frictions = (friction, last);
+        let most = STRETCHING_MOST * self.control.friction.breakaway.value();
+        ((friction - 2.0 * last + before) * self.per_friction_change).clamp(-most, most)
+    }
+
     /// The command for this period, with the axis' own feed-forwards or others.
     pub(crate) fn command(&mut self, others: Option<FeedForward>) -> AxisCommand {
         let shares = others.unwrap_or(self.control.feed_forward);
@@ -229,6 +250,7 @@ impl AxisLoop {
         let friction_ahead = self.friction.1.slide(ways.1, ahead.speed);
         let weight = self.control.weight.value();
         self.stretch = self.screw.stretch(self.table * now.accel + friction_now - weight);
+        let stretching = self.stretching(friction_ahead);
         self.gap -= self.gap * (self.period_s / GAP_DECAY_S).min(1.0);
         let before = self.error;
         self.error = now.position + self.stretch + self.gap - self.reading;
@@ -236,7 +258,8 @@ impl AxisLoop {
             error: self.error,
             growth: self.error - before,
             speed_withheld: (1.0 - shares.speed) * now.speed,
-            feed_forward: shares.accel * self.mass * ahead.accel + shares.friction * friction_ahead
+            feed_forward: shares.accel * self.mass * ahead.accel
+                + shares.friction * (friction_ahead + stretching)
                 - weight,
             limit: self.control.peak_force.value(),
             position: true,

@@ -108,3 +108,75 @@ fn sync_error_over_threads_and_encoders() {
     }
     insta::assert_snapshot!(table);
 }
+
+#[test]
+fn an_m8_at_1000_rpm_is_in_and_out_in_less_than_three_seconds_without_overrun() {
+    // Z2 → Z−20, spindle 0 → 1000 rpm in 0.25 s: 17.6 revolutions take 17.6/n + 0.25 s each way
+    let order = TapOrder {
+        lead_mm: 1.25,
+        rpm: 1000.0,
+        surface_mm: M6.from_mm - 2.0,
+        to_mm: M6.from_mm - 22.0,
+        ramp_s: Some(0.25),
+        ..M6
+    };
+    let machine = machine_with_work(1, &order, 8.0);
+    let seen = run(&machine, &control(&machine), &tapping(&order));
+    assert_eq!(seen.kernel.faults(), []);
+    let took = seen.synchronised().count() as f64 * PERIOD.value();
+    let exact = 2.0 * (17.6 / (1000.0 / 60.0) + 0.25);
+    assert!((took - exact).abs() < 2e-3 && took < 2.98, "{took} s, by the closed form {exact} s");
+    let overrun_um = (order.to_mm - seen.deepest_mm()) * 1e3;
+    assert!(overrun_um.abs() < 3.0, "{overrun_um} µm");
+}
+
+#[test]
+fn a_hole_is_tapped_twice_on_the_same_helix_when_its_start_angle_is_given() {
+    let order = TapOrder { start_angle: Some(units::Angle::deg(30.0)), rpm: 3000.0, ..M6 };
+    let machine = machine(1);
+    let mut steps = tapping(&order);
+    let elsewhere = canon::Position::xyz(0.0, 0.0, -50.0);
+    let start = canon::Position::xyz(0.0, 0.0, order.from_mm);
+    steps.truncate(2);
+    steps.extend([line(start, elsewhere, 100.0, true), turn(0.0, 777.0), await_speed()]);
+    steps.extend([line(elsewhere, start, 100.0, true), plan::StepKind::Tap(order.plan())]);
+    steps.push(plan::StepKind::End);
+    let seen = run(&machine, &control(&machine), &steps);
+    assert_eq!(seen.kernel.faults(), []);
+    for s in seen.synchronised().filter(|s| s.axis(2).value() < order.surface_mm) {
+        let turns = s.spindle(0).value() - 30.0 / 360.0 - (order.from_mm - s.axis(2).value());
+        let off_um = (turns - turns.round()) * 1e3;
+        assert!(off_um.abs() < 4.0, "{off_um} µm at {}", s.feedback.time);
+    }
+}
+
+proptest::proptest! {
+    #![proptest_config(proptest::prelude::ProptestConfig::with_cases(32))]
+    #[test]
+    fn any_tap_that_was_planned_comes_out_on_its_helix(
+        lead_mm in 0.35..2.0f64, rpm in 600.0..6000.0f64, depth in 0.5..30.0f64, dwell_s in 0.0..0.05f64,
+        left: bool, transport in proptest::option::of(0u8..=2), scatter in 0.0..0.2f64, seed: u64,
+    ) {
+        let rpm = rpm.min(4000.0 / lead_mm); // what Z can follow and the run-up allows
+        let to_mm = M6.surface_mm - depth;
+        let order = TapOrder { lead_mm, rpm, to_mm, dwell_s, left, ..M6 };
+        let machine = sim::Config { scatter, seed, ..machine(1) };
+        let mut control = control(&machine);
+        if let Some(transport) = transport {
+            let prediction = Prediction::Observer;
+            control.synchronisation = SyncMode::EncoderFollowing { prediction, transport };
+        }
+        let (error, overrun) = judged(&machine, &control, &order);
+        proptest::prop_assert!(error < 10.0 && overrun.abs() < 5.0, "{error} µm, {overrun} µm");
+    }
+}
+
+#[test]
+fn the_reversal_at_the_bottom_is_what_friction_feed_forward_is_for() {
+    let machine = machine_with_work(1, &M6, 6.0);
+    let mut without = control(&machine);
+    without.axes[2].as_mut().unwrap().feed_forward.friction = 0.0;
+    let (with, _) = judged(&machine, &control(&machine), &M6);
+    let (error, _) = judged(&machine, &without, &M6);
+    assert!(error > 2.0 * with, "{with} µm with, {error} µm without");
+}
