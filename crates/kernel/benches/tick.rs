@@ -1,11 +1,12 @@
 //! What one tick costs: three axes and a spindle, over a program of moves and rigid taps, on this
-//! computer. Prints median, 99.9th percentile and worst, by what the kernel was doing.
+//! computer. Prints median, 99.9th percentile and worst, by what the kernel was doing, and how fast kernel
+//! and simulated machine run together.
 //!
 //! ```text
-//!   cargo run --release -p kernel --example tick_cost
+//!   cargo bench -p kernel
 //! ```
 //!
-//! Give a number to run the program so many times (20 otherwise). Only the kernel is timed, not the machine; the cost of reading the clock is measured first and
+//! The tick is timed by itself, without the machine; the cost of reading the clock is measured first and
 //! subtracted. The worst of a computer with an ordinary operating system is the system's, not the tick's.
 #[path = "../tests/common/mod.rs"]
 mod common;
@@ -14,13 +15,12 @@ use canon::Position;
 use common::{M6, TapOrder, await_speed, control, line, machine, tapping, turn};
 use kernel::{Kernel, Prediction, SyncMode};
 use plan::{Step, StepKind};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-/// Runs of the program, unless told: enough for a 99.9th percentile.
+/// Runs of the program: enough for a 99.9th percentile.
 const RUNS: usize = 20;
 
 fn main() {
-    let runs = std::env::args().nth(1).and_then(|n| n.parse().ok()).unwrap_or(RUNS);
     let clock_ns = clock_cost();
     println!("clock {clock_ns} ns per reading, subtracted");
     let observer = SyncMode::EncoderFollowing { prediction: Prediction::Observer, transport: 1 };
@@ -30,14 +30,17 @@ fn main() {
         println!("{name}");
         println!("  {:<12} {:>8} {:>9} {:>9} {:>9}", "state", "ticks", "median", "p99.9", "worst");
         let mut costs: Vec<(State, u64)> = Vec::new();
-        for _ in 0..runs {
-            measure(mode, clock_ns, &mut costs);
-        }
+        let all: Duration = (0..RUNS).map(|_| measure(mode, clock_ns, &mut costs)).sum();
         for state in [State::Rapid, State::Feed, State::TapIn, State::TapOut, State::SpindleWait] {
             let of_state = costs.iter().filter(|(s, _)| *s == state).map(|(_, ns)| *ns).collect();
             row(state.name(), of_state);
         }
         row("all", costs.iter().map(|(_, ns)| *ns).collect());
+        let per_s = costs.len() as f64 / all.as_secs_f64();
+        let ratio = per_s * common::PERIOD.value();
+        println!(
+            "  kernel and machine: {per_s:.0} servo periods per second, {ratio:.0} × real time"
+        );
     }
 }
 
@@ -69,7 +72,7 @@ fn program() -> Vec<StepKind> {
 }
 
 #[allow(clippy::disallowed_methods)] // measuring is what this program is for
-fn measure(mode: SyncMode, clock_ns: u64, costs: &mut Vec<(State, u64)>) {
+fn measure(mode: SyncMode, clock_ns: u64, costs: &mut Vec<(State, u64)>) -> Duration {
     let model = machine(1);
     let mut config = control(&model);
     config.synchronisation = mode;
@@ -78,6 +81,7 @@ fn measure(mode: SyncMode, clock_ns: u64, costs: &mut Vec<(State, u64)>) {
     let mut feedback = machine.feedback();
     let program = program();
     let mut waiting = program.iter();
+    let started = Instant::now();
     while !kernel.is_over() {
         while !kernel.is_full()
             && let Some(kind) = waiting.next()
@@ -92,6 +96,7 @@ fn measure(mode: SyncMode, clock_ns: u64, costs: &mut Vec<(State, u64)>) {
         while kernel.next_event().is_some() {}
     }
     assert!(kernel.faults().is_empty(), "{:?}", kernel.faults());
+    started.elapsed()
 }
 
 #[allow(clippy::disallowed_methods)]
