@@ -267,6 +267,17 @@ impl Config {
         machine("period", self.period.value(), positive(self.period.value()), POSITIVE);
         let delay = self.command_delay.value();
         machine("command_delay", delay, not_negative(delay), NOT_NEGATIVE);
+        for (field, value) in [
+            ("sync_windows.warn", self.sync_windows.warn.value()),
+            ("sync_windows.stop", self.sync_windows.stop.value()),
+            ("waits.ready", self.waits.ready.value()),
+            ("waits.at_speed", self.waits.at_speed.value()),
+            ("waits.oriented", self.waits.oriented.value()),
+            ("waits.in_position", self.waits.in_position.value()),
+            ("waits.tool_change", self.waits.tool_change.value()),
+        ] {
+            machine(field, value, positive(value), POSITIVE);
+        }
         if let SyncMode::EncoderFollowing { transport, .. } = self.synchronisation {
             let good = transport <= MAX_TRANSPORT;
             machine("transport", f64::from(transport), good, "4 periods at most");
@@ -335,6 +346,7 @@ impl AxisControl {
             ("gentle speed", self.gentle.0.value()),
             ("gentle acceleration", self.gentle.1.value()),
             ("windows.in_position", self.windows.in_position.value()),
+            ("windows.following_warn", self.windows.following_warn.value()),
             ("windows.following_stop", self.windows.following_stop.value()),
         ] {
             check(field, value, positive(value), POSITIVE);

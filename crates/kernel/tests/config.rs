@@ -48,6 +48,12 @@ fn a_loop_faster_than_the_sampling_allows_is_found() {
 }
 
 #[test]
+fn a_wait_without_end_is_found() {
+    let found = problems(|c| c.waits.at_speed = Time::s(f64::INFINITY));
+    assert_eq!(found, ["machine: waits.at_speed is inf, expected a finite number above zero"]);
+}
+
+#[test]
 fn a_reading_too_old_to_be_kept_is_found() {
     let found = problems(|c| {
         let prediction = Prediction::Observer;
