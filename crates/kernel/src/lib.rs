@@ -25,6 +25,7 @@ mod fault;
 mod friction;
 mod kernel;
 mod moving;
+mod problems;
 mod servo;
 mod spindle;
 mod stroke;
@@ -32,9 +33,10 @@ mod tapping;
 
 pub use config::{
     AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderPlace, FeedForward, Pause,
-    Problem, SpindleControl, SpindleFriction, SpindleWindows, Subject, Waits,
+    SpindleControl, SpindleFriction, SpindleWindows, Subject, Waits,
 };
 pub use event::{EVENTS, Event, EventKind, TapFigures};
 pub use fault::{AlarmList, Fault, FaultKind, Reaction};
 pub use kernel::{FAULTS, Full, Kernel, QUEUE};
+pub use problems::Problem;
 pub use sync::{Figures, MAX_TRANSPORT, Prediction, SyncMode, Windows};
