@@ -1,4 +1,5 @@
 //! What the documents promise about the tree is true.
+#![allow(clippy::unwrap_used)] // a test may panic
 use std::{
     collections::BTreeMap,
     fs,

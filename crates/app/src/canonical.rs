@@ -15,7 +15,7 @@ pub(crate) fn command(args: &CanonArgs) -> Result<bool, Refused> {
     let out = io::stdout().lock();
     let (written, findings) = match args.format {
         CanonFormat::Linuxcnc => listing(&session, &text, out),
-        CanonFormat::Text => operations(&session, &text, out, |op| line(op)),
+        CanonFormat::Text => operations(&session, &text, out, line),
         CanonFormat::Json => operations(&session, &text, out, |op| object(op).to_string()),
     };
     match written {
@@ -58,7 +58,7 @@ fn operations(
             break;
         }
     }
-    (written.and_then(|()| out.flush()), ops.diagnostics().to_vec())
+    (written.and_then(|()| out.flush()), ops.diagnostics())
 }
 
 /// One line for people.

@@ -32,7 +32,7 @@ pub(crate) fn command(args: &CheckArgs, quiet: bool) -> Result<bool, Refused> {
     match args.format {
         FindingsFormat::Text => {}
         FindingsFormat::Json => println!("{:#}", serde_json::Value::Array(results)),
-        FindingsFormat::Sarif => println!("{:#}", render::sarif(results)),
+        FindingsFormat::Sarif => println!("{:#}", render::sarif(&results)),
     }
     Ok(good)
 }

@@ -51,7 +51,7 @@ impl Log {
     }
 
     /// Something that is no change of state.
-    pub(crate) fn event(&mut self, event: &Event) {
+    pub(crate) fn event(event: &Event) {
         let text = match &event.kind {
             EventKind::FaultRaised(fault) => fault.to_string(),
             EventKind::FollowingWarning { axis, error } => {

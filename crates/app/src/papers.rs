@@ -27,11 +27,6 @@ pub(crate) fn certificate(job: &Job, outcome: &Outcome) -> Certificate {
     }
 }
 
-/// As text, for standard output.
-pub(crate) fn certificate_text(certificate: &Certificate) -> Result<String, store::Error> {
-    Ok(certificate.to_json())
-}
-
 /// Into the folder of the run.
 pub(crate) fn write_certificate(
     folder: &Folder,

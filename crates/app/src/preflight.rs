@@ -5,9 +5,10 @@
 //! allows them.
 use crate::args::MissingTools;
 use crate::session::Session;
+use canon::{OpKind, Tool, ToolKind};
 use diag::{Diagnostic, Severity};
 use plan::{Options, Planner, Start};
-use units::Time;
+use units::{Length, Time};
 
 /// What is known.
 pub(crate) struct Preflight {
@@ -50,24 +51,49 @@ pub(crate) fn planner(session: &Session, options: Options) -> Planner {
     Planner::new(limits, session.tools.clone(), options, start)
 }
 
-/// Add a tool of no length for every number that the program calls and the table lacks.
+/// Add a tool of no length for every number that the program calls and the table lacks, and for an empty spindle
+/// that drills.
 fn stand_in(session: &mut Session, source: &[u8]) -> Vec<Diagnostic> {
     let setup = session.interp_setup();
     let mut ops = interp::Ops::new(source, &setup);
-    ops.by_ref().for_each(drop);
-    let assumed: Vec<_> = ops.tools().iter().filter(|tool| tool.stand_in).cloned().collect();
-    let note = |tool: &canon::Tool| {
-        let number = tool.number;
-        Diagnostic::warning(
-            "A0101",
-            diag::Span::default(),
-            format!("tool {number} is not in the table: a stand-in of no length takes its place"),
-        )
-        .with_help("what it makes is not judged; add the tool to the table for a true answer")
-    };
-    let findings = assumed.iter().map(note).collect();
+    let mut mounted = 0;
+    let mut empty_drills = false;
+    for op in ops.by_ref() {
+        match op.kind {
+            OpKind::ChangeTool { number } => mounted = number,
+            OpKind::Hole(_) => empty_drills |= mounted == 0,
+            _ => {}
+        }
+    }
+    let mut assumed: Vec<_> = ops.tools().iter().filter(|tool| tool.stand_in).cloned().collect();
+    if empty_drills {
+        assumed.push(no_tool());
+    }
+    let findings = assumed.iter().map(assumption).collect();
     for tool in assumed {
         session.tools.insert(tool);
     }
     findings
+}
+
+fn assumption(tool: &Tool) -> Diagnostic {
+    let text = match tool.number {
+        0 => "holes are drilled with no tool in the spindle: a stand-in takes its place".to_owned(),
+        n => format!("tool {n} is not in the table: a stand-in of no length takes its place"),
+    };
+    Diagnostic::warning("A0101", diag::Span::default(), text)
+        .with_help("what it makes is not judged; add the tool to the table for a true answer")
+}
+
+/// What an empty spindle drills with, if the user allows it.
+fn no_tool() -> Tool {
+    Tool {
+        number: 0,
+        pocket: 0,
+        length: Length::ZERO,
+        diameter: Length::ZERO,
+        kind: ToolKind::Other,
+        description: "stand-in".into(),
+        stand_in: true,
+    }
 }

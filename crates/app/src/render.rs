@@ -175,7 +175,7 @@ pub(crate) fn sarif_result(finding: &Diagnostic, source: &Source<'_>) -> Value {
 }
 
 /// A SARIF 2.1.0 log of all results.
-pub(crate) fn sarif(results: Vec<Value>) -> Value {
+pub(crate) fn sarif(results: &[Value]) -> Value {
     let mut rules: Vec<_> = results.iter().map(|r| r["ruleId"].clone()).collect();
     rules.sort_by_key(Value::to_string);
     rules.dedup();

@@ -72,7 +72,7 @@ pub(crate) fn command(args: &RunArgs, quiet: bool) -> Result<Ending, Refused> {
         folder.finish()?;
     }
     match args.format {
-        Format::Json => println!("{}", papers::certificate_text(&certificate)?),
+        Format::Json => println!("{}", certificate.to_json()),
         Format::Text => print!("{}", summary::text(&job, &outcome, args.out.as_deref(), quiet)),
     }
     if args.timings {

@@ -13,6 +13,9 @@ const EMBEDDED_TOOLS: &str = include_str!("../../../programs/tools.toml");
 /// Tool tables looked for beside a program, in this order.
 const TOOLS_BESIDE: [&str; 2] = ["tools.toml", "tool.tbl"];
 
+/// Number of the parameter that holds X of the work offset G54.
+const G54: usize = 5221;
+
 /// Everything that is loaded before a program is read.
 pub(crate) struct Session {
     /// The machine.
@@ -157,7 +160,6 @@ fn parameters(named: Option<&Path>, machine: &MachineFile) -> Result<interp::Par
         }
         return Ok(parameters);
     }
-    const G54: usize = 5221;
     for axis in [canon::Axis::X, canon::Axis::Y, canon::Axis::Z] {
         parameters.set(G54 + axis.index(), machine.setup.g54.along(axis).value());
     }

@@ -165,11 +165,11 @@ impl Simulation<'_> {
         }
     }
 
-    fn note(&mut self, event: &Event, warnings: &mut Vec<Event>) {
+    fn note(&self, event: &Event, warnings: &mut Vec<Event>) {
         /// More warnings than a person reads.
         const MOST_WARNINGS: usize = 100;
-        if let Some(log) = &mut self.log {
-            log.event(event);
+        if self.log.is_some() {
+            Log::event(event);
         }
         let warns = matches!(
             event.kind,

@@ -3,11 +3,14 @@ use crate::check::plural;
 use crate::run::Job;
 use crate::simulate::Outcome;
 use comfy_table::{Cell, CellAlignment, Table, presets};
+use kernel::EventKind;
 use std::path::Path;
 use verify::{Feature, FeatureKind, Thread};
 
 /// Most failures listed one by one.
 const MOST_FAILURES: usize = 20;
+/// Most warnings listed one by one.
+const MOST_WARNINGS: usize = 5;
 
 /// For people. `quiet`: the verdicts only.
 pub(crate) fn text(job: &Job, outcome: &Outcome, out: Option<&Path>, quiet: bool) -> String {
@@ -29,6 +32,7 @@ pub(crate) fn text(job: &Job, outcome: &Outcome, out: Option<&Path>, quiet: bool
         said += &format!("and {} more\n", bad.len() - MOST_FAILURES);
     }
     said += &saturation(outcome);
+    said += &warnings(outcome);
     for fault in &outcome.faults {
         said += &format!("{fault}\n  {}\n", fault.kind.remedy());
     }
@@ -73,6 +77,33 @@ fn saturation(outcome: &Outcome) -> String {
         "the spindle drive was at its torque or power limit in {} (longest in line {line}, {periods} servo periods)\n",
         plural(limited.len(), "tap")
     )
+}
+
+/// Windows that were passed on the way, and did not stop the machine.
+fn warnings(outcome: &Outcome) -> String {
+    let mut said = String::new();
+    for event in outcome.warnings.iter().take(MOST_WARNINGS) {
+        let (line, time) = (event.line, event.time.value());
+        said += &match &event.kind {
+            EventKind::FollowingWarning { axis, error } => {
+                let (axis, um) = (axis.letter(), error.in_um());
+                format!(
+                    "line {line}: following error of {axis} reached {um:.0} µm at {time:.3} s\n"
+                )
+            }
+            EventKind::SyncWarning { error } => {
+                let um = error.in_um();
+                format!(
+                    "line {line}: sync error in the material reached {um:.1} µm at {time:.3} s\n"
+                )
+            }
+            _ => continue,
+        };
+    }
+    if outcome.warnings.len() > MOST_WARNINGS {
+        said += &format!("and {} more warnings\n", outcome.warnings.len() - MOST_WARNINGS);
+    }
+    said
 }
 
 /// A row for every kind and size.

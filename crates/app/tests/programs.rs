@@ -1,4 +1,5 @@
 //! Whole runs of the shipped programs: what is judged, and that it is good.
+#![allow(clippy::unwrap_used)] // a test may panic
 mod common;
 use common::{complained, leadscrew, said};
 use serde_json::Value;

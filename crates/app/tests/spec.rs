@@ -1,6 +1,7 @@
 //! The pages in `spec/` run: what they show is what the program does.
 //!
 //! `UPDATE_SPEC=1 cargo test -p leadscrew --test spec` writes the pages anew.
+#![allow(clippy::unwrap_used)] // a test may panic
 use std::{
     fs,
     io::Write,
@@ -101,9 +102,9 @@ fn pages() -> Vec<PathBuf> {
 
 fn difference(old: &str, new: &str) -> String {
     let changed = old.lines().zip(new.lines()).filter(|(a, b)| a != b).take(12);
-    let mut text: String = changed.map(|(a, b)| format!("- {a}\n+ {b}\n")).collect();
+    let mut text = changed.map(|(a, b)| format!("- {a}\n+ {b}")).collect::<Vec<_>>().join("\n");
     let (a, b) = (old.lines().count(), new.lines().count());
-    text.push_str(&format!("{a} lines before, {b} now"));
+    text.push_str(&format!("\n{a} lines before, {b} now"));
     text
 }
 

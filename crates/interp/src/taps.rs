@@ -117,7 +117,7 @@ impl Resolver {
                 spin,
                 return_spin: spin * return_factor,
                 dwell: Time::ZERO,
-                start_angle: None,
+                start_angle: Some(Angle::ZERO),
             }),
         );
     }

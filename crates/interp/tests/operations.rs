@@ -216,7 +216,7 @@ fn g84_with_feed_per_revolution_takes_f_as_its_lead_and_g74_is_left_hand() {
 }
 
 #[test]
-fn g33_1_starts_where_the_axis_stands_and_comes_back_there() {
+fn g33_1_starts_where_the_axis_stands_at_the_index_and_comes_back_there() {
     let ops = ops_of(&shop(), "G20 S500 M3\nG0 X1 Z0.2\nG33.1 Z-0.5 K0.05 I2\nG0 Z1");
     let tap = the_tap(&ops);
     assert!((tap.start.linear[2].value() - 5.08).abs() < 1e-12);
@@ -225,7 +225,7 @@ fn g33_1_starts_where_the_axis_stands_and_comes_back_there() {
     assert!((tap.lead.value() - 1.27).abs() < 1e-12);
     assert_eq!(
         (tap.spin, tap.return_spin, tap.start_angle),
-        (Spin::rpm(500.0), Spin::rpm(1000.0), None)
+        (Spin::rpm(500.0), Spin::rpm(1000.0), Some(Angle::ZERO))
     );
 }
 

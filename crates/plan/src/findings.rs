@@ -45,6 +45,13 @@ impl Findings {
     }
 }
 
+/// A drilling cycle with an empty spindle.
+pub(crate) fn no_drill(span: Span) -> Diagnostic {
+    let text = "a hole is drilled with no tool in the spindle";
+    Diagnostic::error("M0315", span, text)
+        .with_help("call one with T and M6, or allow stand-ins for missing tools")
+}
+
 /// A number for people: three decimals at most, no zeros at the end.
 pub(crate) fn number(value: f64) -> String {
     if value.abs() >= 1e9 {

@@ -161,6 +161,8 @@ impl Planner {
             OpKind::Hole(hole) => {
                 if let Some(tool) = self.tools.get(self.tool) {
                     self.holes.drill(hole, tool, op.span);
+                } else if self.tool == 0 {
+                    self.findings.add_once(crate::findings::no_drill(op.span));
                 }
             }
             OpKind::Dwell { time } => self.dwell(&mut job, *time),

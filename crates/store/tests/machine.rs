@@ -101,7 +101,7 @@ fn a_missing_section_is_one_finding() {
 fn values_that_contradict_each_other_are_refused() {
     let both = [
         refused("travel_from_mm = -400", "travel_from_mm = 400"),
-        refused("substep_us = 12.5", "substep_us = 300"),
+        refused("substep_us = 25 ", "substep_us = 300"),
         refused("following_error_stop_um = 2000", "following_error_stop_um = 20"),
         refused("motor_counts_per_rev = 1_048_576 ", "# "),
         refused("ramp = \"power-curve\"", "ramp = \"linear\""),

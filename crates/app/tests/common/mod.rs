@@ -5,12 +5,12 @@ use std::{
 };
 
 /// Root of the tree.
-pub fn root() -> PathBuf {
+pub(crate) fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
 /// Run `leadscrew` in the root of the tree.
-pub fn leadscrew(arguments: &[&str]) -> Output {
+pub(crate) fn leadscrew(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_leadscrew"))
         .args(arguments)
         .current_dir(root())
@@ -20,11 +20,11 @@ pub fn leadscrew(arguments: &[&str]) -> Output {
 }
 
 /// What it wrote to standard output.
-pub fn said(output: &Output) -> String {
+pub(crate) fn said(output: &Output) -> String {
     String::from_utf8(output.stdout.clone()).unwrap()
 }
 
 /// What it wrote to standard error.
-pub fn complained(output: &Output) -> String {
+pub(crate) fn complained(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).unwrap()
 }
