@@ -8,9 +8,9 @@
 //!            s ● start
 //! ```
 //!
-//! With a centre, both ends must be as far from it: the difference may be 0.5 mm (0.05 inch) at most,
-//! and above 0.005 mm (0.0005 inch) not more than 0.1 % of the radius. A radius may be too short by
-//! 0.00127 mm·10 at most, and is then taken as half the distance.
+//! With a centre, both ends must be as far from it: they may differ by 0.02·√2 mm (0.002·√2 inch), or
+//! by 0.1 % of the radius if that is more. A radius may be too short by 0.00127 mm (0.00005 inch), and is
+//! then taken as half the distance.
 //!
 //! Source: LinuxCNC 2.9 manual, "G2, G3 Arc Move"; tolerances measured on its stand-alone interpreter.
 use crate::{
@@ -29,19 +29,18 @@ const SAME_POINT: f64 = 1e-9;
 
 /// Differences let through, in program units.
 struct Tolerance {
-    /// Of the two radii, always.
-    fine: f64,
-    /// Of the two radii, if small against the radius.
-    coarse: f64,
+    /// Of the two radii, however small they are.
+    ends: f64,
     /// Of R against half the distance.
     radius: f64,
 }
 
 impl Tolerance {
     const fn of(units: Units) -> Self {
+        use core::f64::consts::SQRT_2;
         match units {
-            Units::Millimetre => Self { fine: 0.005, coarse: 0.5, radius: 0.00127 },
-            Units::Inch => Self { fine: 0.0005, coarse: 0.05, radius: 0.00005 },
+            Units::Millimetre => Self { ends: 0.02 * SQRT_2, radius: 0.00127 },
+            Units::Inch => Self { ends: 0.002 * SQRT_2, radius: 0.00005 },
         }
     }
 }
@@ -121,7 +120,7 @@ impl Executor {
         }
         let tolerance = Tolerance::of(self.state.units);
         let off = (radius - other).abs();
-        if off > tolerance.coarse || off > tolerance.fine && off > RELATIVE * radius.max(other) {
+        if off > tolerance.ends && off > RELATIVE * radius.max(other) {
             return Err(self.uneven(radius, other).into());
         }
         Ok(centre)

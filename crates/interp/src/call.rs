@@ -151,6 +151,8 @@ pub enum Call<'a> {
         sense: Sense,
         /// Wait at the bottom, seconds.
         dwell_s: f64,
+        /// Overrides of feed and spindle that are on, and are off while tapping.
+        overrides: (bool, bool),
     },
     /// G33.1.
     RigidTap {

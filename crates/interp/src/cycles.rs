@@ -19,7 +19,7 @@
 //! Source: NISTIR 6556, section 3.5.16; LinuxCNC 2.9 manual, "Canned cycles".
 use crate::{
     call::{Call, Corners, CycleHole, Sense, Sink, Units},
-    codes::POLAR,
+    codes::{AXES, POLAR},
     execute::Executor,
     fault::{Outcome, error, refuse},
     frame::Point,
@@ -46,6 +46,13 @@ impl Executor {
     pub(crate) fn cycle<S: Sink>(&mut self, cycle: Cycle, sink: &mut S) -> Outcome {
         let code = crate::codes::written(cycle.code());
         let [a, b, n] = self.state.plane_axes();
+        if !self.words.any(AXES | POLAR) {
+            return refuse(
+                "I0516",
+                self.words.place.span,
+                format!("G{code} needs an axis word: where to drill"),
+            );
+        }
         self.check_cycle_feed(&code)?;
         let repeats = self.repeats()?;
         let sticky = self.sticky(cycle, &code)?;
@@ -54,10 +61,12 @@ impl Executor {
         self.check_spindle(cycle, &code)?;
         self.state.sticky = Some(sticky);
 
-        if self.state.at[n] < pattern.r || initial < pattern.r && self.state.at[n] == pattern.r {
+        if initial < pattern.r {
             self.state.at[n] = pattern.r;
             self.say(sink, &Call::Rapid(self.state.at));
         }
+        // Where this cycle clears higher than the one before, that level is reached on the way.
+        self.state.at[n] = self.state.at[n].max(pattern.clear);
         let exact = self.state.corners == Corners::ExactPath;
         if !exact {
             self.say(sink, &Call::PathControl { corners: Corners::ExactPath, merge: None });
@@ -257,7 +266,8 @@ impl Executor {
             self.say(sink, &Call::Rapid(at));
         }
         if let Some(sense) = tap {
-            self.say(sink, &Call::Tap { hole, sense, dwell_s: pattern.dwell });
+            let overrides = (self.state.feed_override, self.state.speed_override);
+            self.say(sink, &Call::Tap { hole, sense, dwell_s: pattern.dwell, overrides });
         } else {
             self.down_and_out(pattern, at, n, sink);
         }

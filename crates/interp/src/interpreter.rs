@@ -20,6 +20,9 @@ pub enum Progress {
     Ended,
 }
 
+/// Blocks executed after the first error, to find more.
+const AFTER_ERROR: u64 = 1_000_000;
+
 /// Executes a program's blocks and says, call by call, what they order.
 ///
 /// A block with an error is not executed, the error is kept, and the next block follows: so all
@@ -46,6 +49,8 @@ pub struct Interpreter<'s> {
     begun: bool,
     percent: bool,
     executed: u64,
+    /// The block after which it is stopped.
+    last: u64,
     diagnostics: Vec<Diagnostic>,
     seen: HashSet<(&'static str, Span)>,
     errors: usize,
@@ -78,6 +83,7 @@ impl<'s> Interpreter<'s> {
             begun: false,
             percent: false,
             executed: 0,
+            last: setup.limits.blocks,
             diagnostics: Vec::new(),
             seen: HashSet::new(),
             errors: 0,
@@ -128,6 +134,11 @@ impl<'s> Interpreter<'s> {
         &self.executor.store.numbered
     }
 
+    /// Numbers of tools that the program named so far and the table has not.
+    pub fn missing_tools(&self) -> impl Iterator<Item = u32> {
+        self.executor.lacking.iter().copied()
+    }
+
     /// The block executed last.
     pub const fn place(&self) -> Span {
         self.block.span
@@ -138,7 +149,7 @@ impl<'s> Interpreter<'s> {
             return self.end_of_file();
         }
         self.executed += 1;
-        if self.executed > self.limits.blocks {
+        if self.executed > self.last {
             return self.too_long();
         }
         if self.block.faulty {
@@ -246,6 +257,9 @@ impl<'s> Interpreter<'s> {
     #[cold]
     fn too_long(&mut self) -> Outcome {
         self.ended = true;
+        if self.last < self.limits.blocks {
+            return Ok(()); // refused already: a loop whose counting failed
+        }
         let text = format!("stopped after {} blocks: does this loop end?", self.limits.blocks);
         Err(error("I0803", self.block.span, text).into())
     }
@@ -262,6 +276,7 @@ impl<'s> Interpreter<'s> {
             return;
         }
         if diagnostic.is_error() {
+            self.last = self.last.min(self.executed.saturating_add(AFTER_ERROR));
             self.errors += 1;
             self.ended |= self.errors >= self.limits.errors;
         }

@@ -156,7 +156,14 @@ impl<W: Write> Listing<W> {
     }
 
     /// G84, G74 as LinuxCNC has them: in, reverse, wait, out.
-    fn tap(&mut self, place: &Place, hole: &CycleHole, sense: Sense, dwell_s: f64) {
+    fn tap(
+        &mut self,
+        place: &Place,
+        hole: &CycleHole,
+        sense: Sense,
+        dwell_s: f64,
+        overrides: (bool, bool),
+    ) {
         let [a, b, _] = hole.plane.axes().map(canon::Axis::index);
         let (x, y) = (hole.at[a], hole.at[b]);
         let level = |value: f64| match hole.plane {
@@ -173,8 +180,12 @@ impl<W: Write> Listing<W> {
         self.numbers(place, b"STRAIGHT_FEED", &level(hole.clear));
         self.text(place, "STOP_SPINDLE_TURNING(0)");
         self.turn(place, sense);
-        self.feed_override(place, true);
-        self.speed_override(place, true);
+        if overrides.0 {
+            self.feed_override(place, true);
+        }
+        if overrides.1 {
+            self.speed_override(place, true);
+        }
     }
 
     fn arc(&mut self, place: &Place, plane: Plane, to: &Point, centre: [f64; 2], turns: i32) {
@@ -233,7 +244,9 @@ impl<W: Write> Listing<W> {
             Call::Rotation(degrees) => self.numbers(place, b"SET_XY_ROTATION", &[*degrees]),
             Call::ToolOffset(offset) => self.tool_offset(place, offset),
             Call::PathControl { corners, merge } => self.path_control(place, *corners, *merge),
-            Call::Tap { hole, sense, dwell_s } => self.tap(place, hole, *sense, *dwell_s),
+            Call::Tap { hole, sense, dwell_s, overrides } => {
+                self.tap(place, hole, *sense, *dwell_s, *overrides);
+            }
             Call::RigidTap { to, lead, .. } => {
                 self.text(place, &format!("START_SPEED_FEED_SYNC({lead:.6},0)"));
                 self.numbers(place, b"RIGID_TAP", &to[..3]);

@@ -103,9 +103,15 @@ impl Executor {
                     );
                     return refuse("I0407", self.words.place.span, text);
                 };
-                let rate = feed * length();
+                // LinuxCNC never says less than 0.1.
+                let rate = (feed * length()).max(0.1);
                 self.say(sink, &Call::FeedRate { rate, duration_s: Some(60.0 / feed) });
                 Ok(())
+            }
+            FeedMode::PerRevolution if feed > 0.0 && self.state.spindle.speed == 0.0 => {
+                let text =
+                    format!("{code} would never move: with G95 it follows the spindle, and S is 0");
+                refuse("I0434", self.words.place.span, text)
             }
             _ if feed > 0.0 => Ok(()),
             mode => {

@@ -141,6 +141,9 @@ impl Executor {
                 self.set_reference(5181);
                 Ok(())
             }
+            Some(520) if !self.words.any(crate::codes::AXES) => {
+                refuse("I0619", self.words.place.span, "G52 needs axis words: the offset to add")
+            }
             Some(520) => {
                 let added = self.with_words(self.state.frame.added);
                 self.set_added(added, sink);
@@ -286,16 +289,16 @@ impl Executor {
     fn go_to_reference<S: Sink>(&mut self, first: usize, sink: &mut S) -> Outcome {
         let by = self.destination(false)?;
         self.say(sink, &Call::Rapid(by));
-        let reference = self.read_point(first);
-        let mut machine = self.state.frame.to_machine(&by);
+        let reference = self.state.frame.to_program(&self.read_point(first));
+        let mut to = by;
         let all = !self.words.any(crate::codes::AXES);
         for axis in 0..9 {
             if all || self.axis_word(axis).is_some() {
-                machine[axis] = reference[axis];
+                to[axis] = reference[axis];
             }
         }
-        self.state.at = self.state.frame.to_program(&machine);
-        self.say(sink, &Call::Rapid(self.state.at));
+        self.state.at = to;
+        self.say(sink, &Call::Rapid(to));
         Ok(())
     }
 

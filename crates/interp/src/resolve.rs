@@ -356,7 +356,7 @@ impl Sink for Resolver {
             Call::Line(to) => self.line(to, span),
             Call::Arc { plane, to, centre, turns } => self.arc(*plane, to, *centre, *turns, span),
             Call::Hole(hole) => self.hole(hole, span),
-            Call::Tap { hole, sense, dwell_s } => self.tap(hole, *sense, *dwell_s, span),
+            Call::Tap { hole, sense, dwell_s, .. } => self.tap(hole, *sense, *dwell_s, span),
             Call::RigidTap { to, lead, return_factor, sense } => {
                 self.rigid_tap(to, *lead, *return_factor, *sense, span);
             }

@@ -206,6 +206,16 @@ impl Words {
     fn stray(&self, stray: Letters) -> diag::Diagnostic {
         let i = stray.trailing_zeros() as usize;
         let letter = codes::letter(i);
+        if let Some(code) = self.g(GGroup::Motion).and_then(codes::g_code)
+            && (AXES | CENTRE) & (1 << i) != 0
+        {
+            let text = format!(
+                "{letter} has no place in G{} ({})",
+                codes::written(code.tenths),
+                code.name
+            );
+            return error("I0112", self.at[i], text);
+        }
         if AXES & (1 << i) != 0 {
             let text = format!(
                 "{letter} has no effect: no motion is in force and no code in this block takes it"

@@ -257,6 +257,7 @@ fn a_missing_tool_is_refused_with_those_there_are() {
     let fault = refused(&shop(), "T7 M6", "I0611");
     assert_eq!(fault.message, "tool 7 is not in the tool table");
     assert_eq!(fault.help.as_deref(), Some("it has 1, 2"));
+    assert_eq!(interp::missing_tools(b"T9 M6\nT1 M6\nG43 H4\nT9\nM2\n", &shop()), [4, 9]);
 }
 
 #[test]
@@ -359,4 +360,50 @@ fn reference_points_are_machine_coordinates() {
 #[test]
 fn feed_in_the_block_that_changes_units_is_warned_about() {
     assert!(!refused(&shop(), "G20 G1 X1 F10", "I0403").is_error());
+}
+
+#[test]
+fn polar_words_place_a_bolt_circle() {
+    let half = 0.5 * 3f64.sqrt();
+    near(
+        &ends(&ops_of(&shop(), "G0 @10 ^30\n^90\n@5\nG91 ^90")),
+        &[[10.0 * half, 5.0, 0.0], [0.0, 10.0, 0.0], [0.0, 5.0, 0.0], [-5.0, 0.0, 0.0]],
+    );
+}
+
+#[test]
+fn a_loop_whose_counting_fails_does_not_run_for_ever() {
+    let found = interp::check(b"o1 while [#1 LT 5]\n#1=[#1+1/0]\no1 endwhile\nM2\n", &shop());
+    assert_eq!(found.iter().map(|d| d.code).collect::<Vec<_>>(), ["I0203"]);
+}
+
+#[test]
+fn a_cycle_in_a_turned_plane_other_than_g17_is_refused_where_it_is_machined() {
+    refused(&shop(), "G10 L2 P1 R30\nG18 F100\nG81 X1 Y-5 R1", "I0706");
+}
+
+#[test]
+fn feed_per_revolution_with_a_standing_spindle_is_refused() {
+    refused(&shop(), "S500\nG95 F0.1\nG1 X1", "I0702");
+    refused(&shop(), "M3\nG95 F0.1\nG1 X1", "I0434");
+}
+
+#[test]
+fn constant_surface_speed_is_in_metres_per_minute_and_keeps_its_limit() {
+    let ops = ops_of(&shop(), "G96 S120 D2500 M4");
+    let order = ops.iter().find_map(|op| {
+        if let OpKind::Spindle { order, .. } = op.kind { Some(order) } else { None }
+    });
+    let wanted = SpindleOrder::ConstantSurfaceSpeed {
+        speed: units::Speed::mm_per_s(-2000.0),
+        limit: Some(Spin::rpm(2500.0)),
+    };
+    assert_eq!(order, Some(wanted));
+}
+
+#[test]
+fn block_delete_leaves_out_what_begins_with_a_stroke() {
+    let program = "/G0 X1\nG0 X2";
+    near(&ends(&ops_of(&shop(), program)), &[[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]);
+    near(&ends(&ops_of(&Setup { block_delete: true, ..shop() }, program)), &[[2.0, 0.0, 0.0]]);
 }
