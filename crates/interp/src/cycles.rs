@@ -65,8 +65,10 @@ impl Executor {
             self.state.at[n] = pattern.r;
             self.say(sink, &Call::Rapid(self.state.at));
         }
-        // Where this cycle clears higher than the one before, that level is reached on the way.
-        self.state.at[n] = self.state.at[n].max(pattern.clear);
+        if self.state.at[n] <= pattern.r {
+            // To the next hole at the level where this one ends, which is not lower.
+            self.state.at[n] = pattern.clear;
+        }
         let exact = self.state.corners == Corners::ExactPath;
         if !exact {
             self.say(sink, &Call::PathControl { corners: Corners::ExactPath, merge: None });

@@ -232,12 +232,7 @@ impl State {
     /// Change offsets while the axes stand still: the program's coordinates of that place change.
     pub(crate) fn reframe(&mut self, change: impl FnOnce(&mut Frame)) {
         let machine = self.frame.to_machine(&self.at);
-        let normal = self.plane.normal().index();
-        let before = self.at[normal];
         change(&mut self.frame);
         self.at = self.frame.to_program(&machine);
-        if let Some(initial) = &mut self.initial {
-            *initial += self.at[normal] - before;
-        }
     }
 }

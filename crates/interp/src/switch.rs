@@ -264,9 +264,6 @@ impl Executor {
             };
             self.state.frame.scale(factor);
             frame::scale(&mut self.state.at, factor);
-            if let Some(initial) = &mut self.state.initial {
-                *initial *= factor;
-            }
             self.state.units = units;
         }
         self.say(sink, &Call::UseUnits(units));
