@@ -21,7 +21,6 @@ use crate::{
 use canon::{Plane, ToolLibrary};
 use diag::Diagnostic;
 use gcode::Block;
-use std::collections::BTreeSet;
 
 /// What happens after a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,8 +42,6 @@ pub(crate) struct Executor {
     pub(crate) words: Words,
     pub(crate) tools: ToolLibrary,
     pub(crate) missing_tools: MissingTools,
-    /// Tools that the program names and the table has not.
-    pub(crate) lacking: BTreeSet<u32>,
     /// Warnings and notes of the block at hand.
     pub(crate) remarks: Vec<Diagnostic>,
 }
@@ -57,7 +54,6 @@ impl Executor {
             words: Words::new(),
             tools: setup.tools.clone(),
             missing_tools: setup.missing_tools,
-            lacking: BTreeSet::new(),
             remarks: Vec::new(),
         };
         new.load_offsets();

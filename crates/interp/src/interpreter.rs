@@ -134,11 +134,6 @@ impl<'s> Interpreter<'s> {
         &self.executor.store.numbered
     }
 
-    /// Numbers of tools that the program named so far and the table has not.
-    pub fn missing_tools(&self) -> impl Iterator<Item = u32> {
-        self.executor.lacking.iter().copied()
-    }
-
     /// The block executed last.
     pub const fn place(&self) -> Span {
         self.block.span

@@ -54,6 +54,6 @@ pub use call::{Call, Corners, CycleHole, Place, Sense, Sink, Units};
 pub use frame::{Frame, Point};
 pub use interpreter::{Interpreter, Progress};
 pub use listing::Listing;
-pub use ops::{Ops, called_files, check, missing_tools};
+pub use ops::{Ops, called_files, check};
 pub use resolve::Resolver;
 pub use setup::{Dialect, Limits, MAX_PARAMETER, MissingTools, Parameters, Setup, Subprogram};

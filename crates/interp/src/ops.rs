@@ -77,13 +77,6 @@ pub fn check(source: &[u8], setup: &Setup) -> Vec<Diagnostic> {
     in_order(found)
 }
 
-/// Numbers of tools that a program names and the table of `setup` has not, rising.
-pub fn missing_tools(source: &[u8], setup: &Setup) -> Vec<u32> {
-    let mut interpreter = Interpreter::new(source, setup);
-    interpreter.run(&mut crate::cycles::Silence);
-    interpreter.missing_tools().collect()
-}
-
 /// What the parser finds wrong, in all lines.
 fn syntax(source: &[u8]) -> Vec<Diagnostic> {
     let (mut parser, mut block) = (Parser::new(source, 0), Block::new());

@@ -307,7 +307,6 @@ impl Executor {
                 if self.tools.get(number).is_some() {
                     return Ok(number);
                 }
-                self.lacking.insert(number);
                 match self.missing_tools {
                     MissingTools::Refuse => Err(self.missing_tool(number, span).into()),
                     MissingTools::StandIn => {

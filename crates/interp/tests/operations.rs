@@ -257,7 +257,6 @@ fn a_missing_tool_is_refused_with_those_there_are() {
     let fault = refused(&shop(), "T7 M6", "I0611");
     assert_eq!(fault.message, "tool 7 is not in the tool table");
     assert_eq!(fault.help.as_deref(), Some("it has 1, 2"));
-    assert_eq!(interp::missing_tools(b"T9 M6\nT1 M6\nG43 H4\nT9\nM2\n", &shop()), [4, 9]);
 }
 
 #[test]
