@@ -40,6 +40,7 @@ mod motion;
 mod names;
 mod offsets;
 mod ops;
+mod orders;
 mod outline;
 mod resolve;
 mod setup;

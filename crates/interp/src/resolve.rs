@@ -14,19 +14,16 @@ use crate::{
     execute::machine_point,
     frame::{self, Frame, Point},
     setup::Setup,
-    switch::NO_SPEED_LIMIT,
 };
 use canon::{
     Arc, Axis, Feed, Hole, Op, OpKind, PathMode, Plane, Position, SpindleOrder, ToolLibrary,
 };
 use diag::{Diagnostic, Span};
 use std::collections::VecDeque;
-use units::{Angle, Lead, Length, MM_PER_INCH, Speed, Spin, Time};
+use units::{Angle, Lead, Length, MM_PER_INCH, Speed, Time};
 
 /// No machine is larger, mm (or degrees): 10 km.
 const FARTHEST: f64 = 1e7;
-/// Millimetres in a foot, the unit of surface speed with G20.
-const MM_PER_FOOT: f64 = 12.0 * MM_PER_INCH;
 
 /// Turns calls into operations.
 pub struct Resolver {
@@ -34,7 +31,7 @@ pub struct Resolver {
     diagnostics: Vec<Diagnostic>,
     pub(crate) tools: ToolLibrary,
     pub(crate) tool: u32,
-    units: Units,
+    pub(crate) units: Units,
     /// Offsets, mm.
     pub(crate) frame: Frame,
     /// Where the axes stand, mm and degrees.
@@ -43,8 +40,8 @@ pub struct Resolver {
     pub(crate) spindle: SpindleState,
     path: PathMode,
     path_said: Option<PathMode>,
-    overrides: (bool, bool),
-    coolant: (bool, bool),
+    pub(crate) overrides: (bool, bool),
+    pub(crate) coolant: (bool, bool),
 }
 
 /// F and what it counts.
@@ -62,10 +59,10 @@ struct FeedOrder {
 #[derive(Clone, Copy)]
 pub(crate) struct SpindleState {
     pub(crate) speed: f64,
-    sense: Option<Sense>,
+    pub(crate) sense: Option<Sense>,
     /// G96: limit in rev/min, infinite if none was stated.
     pub(crate) surface: Option<f64>,
-    said: Option<SpindleOrder>,
+    pub(crate) said: Option<SpindleOrder>,
 }
 
 impl Resolver {
@@ -273,47 +270,6 @@ impl Resolver {
         );
     }
 
-    /// The spindle's order, where it has changed.
-    fn say_spindle(&mut self, span: Span) {
-        let sign = match self.spindle.sense {
-            None => 0.0,
-            Some(Sense::Clockwise) => 1.0,
-            Some(Sense::Counterclockwise) => -1.0,
-        };
-        let order = match self.spindle.surface {
-            _ if sign == 0.0 => SpindleOrder::Stop,
-            None => SpindleOrder::Turn(Spin::rpm(sign * self.spindle.speed)),
-            Some(limit) => {
-                let unit = if self.units == Units::Inch { MM_PER_FOOT } else { 1000.0 };
-                let speed = Speed::mm_per_min(sign * self.spindle.speed * unit);
-                let limit = limit.is_finite().then(|| Spin::rpm(limit));
-                SpindleOrder::ConstantSurfaceSpeed { speed, limit }
-            }
-        };
-        self.order(order, span);
-    }
-
-    fn order(&mut self, order: SpindleOrder, span: Span) {
-        if self.spindle.said != Some(order) {
-            self.spindle.said = Some(order);
-            self.push(span, OpKind::Spindle { spindle: 0, order });
-        }
-    }
-
-    fn say_overrides(&mut self, overrides: (bool, bool), span: Span) {
-        if self.overrides != overrides {
-            self.overrides = overrides;
-            self.push(span, OpKind::Overrides { feed: overrides.0, spindle: overrides.1 });
-        }
-    }
-
-    fn say_coolant(&mut self, coolant: (bool, bool), span: Span) {
-        if self.coolant != coolant {
-            self.coolant = coolant;
-            self.push(span, OpKind::Coolant { mist: coolant.0, flood: coolant.1 });
-        }
-    }
-
     fn path_mode(&self, corners: Corners, merge: Option<f64>) -> PathMode {
         let stated = |v: f64| (v > 0.0).then(|| Length::mm(v * self.mm()));
         match corners {
@@ -326,7 +282,7 @@ impl Resolver {
     }
 
     /// Modes and offsets: nothing to machine yet.
-    fn mode(&mut self, call: &Call<'_>) {
+    pub(crate) fn mode(&mut self, call: &Call<'_>) {
         match call {
             Call::UseUnits(units) => self.units = *units,
             Call::WorkOffset(_, offset) => self.frame.origin = self.in_mm(*offset),
@@ -366,57 +322,8 @@ impl Sink for Resolver {
                 self.report(Diagnostic::error("I0704", span, text));
             }
             Call::Dwell(seconds) => self.push(span, OpKind::Dwell { time: Time::s(*seconds) }),
-            Call::SpindleSpeed(speed) => {
-                self.spindle.speed = *speed;
-                if self.spindle.sense.is_some() {
-                    self.say_spindle(span);
-                }
-            }
-            Call::SpindleMode(limit) => {
-                self.spindle.surface = match *limit {
-                    0.0 => None,
-                    limit if limit >= NO_SPEED_LIMIT => Some(f64::INFINITY),
-                    limit => Some(limit),
-                };
-            }
-            Call::SpindleTurn(sense) => {
-                self.spindle.sense = Some(*sense);
-                self.say_spindle(span);
-            }
-            Call::SpindleStop => {
-                self.spindle.sense = None;
-                self.say_spindle(span);
-            }
-            Call::SpindleOrient { angle, .. } => {
-                self.spindle.sense = None;
-                self.order(SpindleOrder::Orient(Angle::deg(*angle)), span);
-            }
-            Call::SelectTool(number) => self.push(span, OpKind::SelectTool { number: *number }),
-            Call::ChangeTool(number) => self.change_tool(*number, span),
-            Call::ToolNumber(number) => {
-                let text = "M61 says what the spindle holds; here the tool is changed as by M6";
-                self.report(Diagnostic::warning("I0707", span, text));
-                self.change_tool(*number, span);
-            }
-            Call::Mist(on) => self.say_coolant((*on, self.coolant.1), span),
-            Call::Flood(on) => self.say_coolant((self.coolant.0, *on), span),
-            Call::FeedOverride(on) => self.say_overrides((*on, self.overrides.1), span),
-            Call::SpeedOverride(on) => self.say_overrides((self.overrides.0, *on), span),
-            Call::Stop => self.push(span, OpKind::Pause { optional: false }),
-            Call::OptionalStop => self.push(span, OpKind::Pause { optional: true }),
-            Call::Message(text) | Call::Print(text) => {
-                self.push(span, OpKind::Message((*text).into()));
-            }
-            Call::End | Call::Finish => self.push(span, OpKind::End),
-            other => self.mode(other),
+            other => self.order_or_mode(other, span),
         }
-    }
-}
-
-impl Resolver {
-    fn change_tool(&mut self, number: u32, span: Span) {
-        self.tool = number;
-        self.push(span, OpKind::ChangeTool { number });
     }
 }
 

@@ -1,0 +1,112 @@
+//! Orders that move no axis: spindle, tools, coolant, overrides, stops, messages.
+//!
+//! What the program says again without a change is not ordered again: `M3 S500` in every block is one
+//! order. The kernel restores a turning spindle after a tap by itself.
+use crate::{
+    call::{Call, Sense, Units},
+    resolve::Resolver,
+    switch::NO_SPEED_LIMIT,
+};
+use canon::{OpKind, SpindleOrder};
+use diag::{Diagnostic, Span};
+use units::{Angle, MM_PER_INCH, Speed, Spin};
+
+/// Millimetres in a foot, the unit of surface speed with G20.
+const MM_PER_FOOT: f64 = 12.0 * MM_PER_INCH;
+
+impl Resolver {
+    /// Calls that are neither moves nor waits.
+    pub(crate) fn order_or_mode(&mut self, call: &Call<'_>, span: Span) {
+        match call {
+            Call::SpindleSpeed(speed) => {
+                self.spindle.speed = *speed;
+                if self.spindle.sense.is_some() {
+                    self.say_spindle(span);
+                }
+            }
+            Call::SpindleMode(limit) => {
+                self.spindle.surface = match *limit {
+                    0.0 => None,
+                    limit if limit >= NO_SPEED_LIMIT => Some(f64::INFINITY),
+                    limit => Some(limit),
+                };
+            }
+            Call::SpindleTurn(sense) => {
+                self.spindle.sense = Some(*sense);
+                self.say_spindle(span);
+            }
+            Call::SpindleStop => {
+                self.spindle.sense = None;
+                self.say_spindle(span);
+            }
+            Call::SpindleOrient { angle, .. } => {
+                self.spindle.sense = None;
+                self.order(SpindleOrder::Orient(Angle::deg(*angle)), span);
+            }
+            Call::SelectTool(number) => self.push(span, OpKind::SelectTool { number: *number }),
+            Call::ChangeTool(number) => self.change_tool(*number, span),
+            Call::ToolNumber(number) => {
+                let text = "M61 says what the spindle holds; here the tool is changed as by M6";
+                self.report(Diagnostic::warning("I0707", span, text));
+                self.change_tool(*number, span);
+            }
+            Call::Mist(on) => self.say_coolant((*on, self.coolant.1), span),
+            Call::Flood(on) => self.say_coolant((self.coolant.0, *on), span),
+            Call::FeedOverride(on) => self.say_overrides((*on, self.overrides.1), span),
+            Call::SpeedOverride(on) => self.say_overrides((self.overrides.0, *on), span),
+            Call::Stop => self.push(span, OpKind::Pause { optional: false }),
+            Call::OptionalStop => self.push(span, OpKind::Pause { optional: true }),
+            Call::Message(text) | Call::Print(text) => {
+                self.push(span, OpKind::Message((*text).into()));
+            }
+            Call::End | Call::Finish => self.push(span, OpKind::End),
+            other => self.mode(other),
+        }
+    }
+
+    /// The spindle's order, where it has changed.
+    fn say_spindle(&mut self, span: Span) {
+        let sign = match self.spindle.sense {
+            None => 0.0,
+            Some(Sense::Clockwise) => 1.0,
+            Some(Sense::Counterclockwise) => -1.0,
+        };
+        let order = match self.spindle.surface {
+            _ if sign == 0.0 => SpindleOrder::Stop,
+            None => SpindleOrder::Turn(Spin::rpm(sign * self.spindle.speed)),
+            Some(limit) => {
+                let unit = if self.units == Units::Inch { MM_PER_FOOT } else { 1000.0 };
+                let speed = Speed::mm_per_min(sign * self.spindle.speed * unit);
+                let limit = limit.is_finite().then(|| Spin::rpm(limit));
+                SpindleOrder::ConstantSurfaceSpeed { speed, limit }
+            }
+        };
+        self.order(order, span);
+    }
+
+    fn order(&mut self, order: SpindleOrder, span: Span) {
+        if self.spindle.said != Some(order) {
+            self.spindle.said = Some(order);
+            self.push(span, OpKind::Spindle { spindle: 0, order });
+        }
+    }
+
+    fn say_overrides(&mut self, overrides: (bool, bool), span: Span) {
+        if self.overrides != overrides {
+            self.overrides = overrides;
+            self.push(span, OpKind::Overrides { feed: overrides.0, spindle: overrides.1 });
+        }
+    }
+
+    fn say_coolant(&mut self, coolant: (bool, bool), span: Span) {
+        if self.coolant != coolant {
+            self.coolant = coolant;
+            self.push(span, OpKind::Coolant { mist: coolant.0, flood: coolant.1 });
+        }
+    }
+
+    fn change_tool(&mut self, number: u32, span: Span) {
+        self.tool = number;
+        self.push(span, OpKind::ChangeTool { number });
+    }
+}
