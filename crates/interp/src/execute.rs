@@ -180,59 +180,49 @@ impl Executor {
         Ok(())
     }
 
+    /// G90 G91, G90.1 G91.1, G7 G8, G98 G99.
     fn distances<S: Sink>(&mut self, sink: &mut S) {
-        if let Some(code) = self.words.g(GGroup::Distance) {
-            let incremental = code == 910;
-            if incremental != self.state.incremental {
-                self.say(
-                    sink,
-                    &Call::Note(if incremental {
-                        "distance mode changed to incremental"
-                    } else {
-                        "distance mode changed to absolute"
-                    }),
-                );
-                self.state.incremental = incremental;
-            }
+        if let Some(code) = self.words.g(GGroup::Distance)
+            && (code == 910) != self.state.incremental
+        {
+            self.state.incremental = code == 910;
+            let note = if code == 910 {
+                "distance mode changed to incremental"
+            } else {
+                "distance mode changed to absolute"
+            };
+            self.say(sink, &Call::Note(note));
         }
-        if let Some(code) = self
-            .words
-            .g(GGroup::ArcDistance)
-            .filter(|code| (*code == 901) != self.state.absolute_centres)
+        if let Some(code) = self.words.g(GGroup::ArcDistance)
+            && (code == 901) != self.state.absolute_centres
         {
             self.state.absolute_centres = code == 901;
-            self.say(
-                sink,
-                &Call::Note(if code == 901 {
-                    "IJK distance mode changed to absolute"
-                } else {
-                    "IJK distance mode changed to incremental"
-                }),
-            );
+            let note = if code == 901 {
+                "IJK distance mode changed to absolute"
+            } else {
+                "IJK distance mode changed to incremental"
+            };
+            self.say(sink, &Call::Note(note));
         }
-        if let Some(code) =
-            self.words.g(GGroup::Diameter).filter(|code| (*code == 70) != self.state.diameter)
+        if let Some(code) = self.words.g(GGroup::Diameter)
+            && (code == 70) != self.state.diameter
         {
             self.state.diameter = code == 70;
-            self.say(
-                sink,
-                &Call::Note(if code == 70 {
-                    "Lathe diameter mode changed to diameter"
-                } else {
-                    "Lathe diameter mode changed to radius"
-                }),
-            );
+            let note = if code == 70 {
+                "Lathe diameter mode changed to diameter"
+            } else {
+                "Lathe diameter mode changed to radius"
+            };
+            self.say(sink, &Call::Note(note));
         }
         if let Some(code) = self.words.g(GGroup::Retract) {
             self.state.retract_to_initial = code == 980;
-            self.say(
-                sink,
-                &Call::Note(if code == 980 {
-                    "retract mode set to old_z"
-                } else {
-                    "retract mode set to r_plane"
-                }),
-            );
+            let note = if code == 980 {
+                "retract mode set to old_z"
+            } else {
+                "retract mode set to r_plane"
+            };
+            self.say(sink, &Call::Note(note));
         }
     }
 

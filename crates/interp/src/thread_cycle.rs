@@ -80,25 +80,7 @@ impl Executor {
                 "G76 needs a turning spindle: write M3 or M4, and S, before it",
             );
         }
-        let across = if self.state.diameter { 0.5 } else { 1.0 };
-        let [lead, peak, first, full] =
-            [b'P', b'I', b'J', b'K'].map(|letter| self.words.get(letter));
-        let lead = self.positive(b'P', lead, "the lead")?;
-        let first = self.positive(b'J', first, "the depth of the first pass")? * across;
-        let full = self.positive(b'K', full, "the full depth")? * across;
-        let peak = match peak {
-            Some(peak) if peak != 0.0 => peak * across,
-            _ => {
-                let text = "G76 needs I, from here to the thread's peak: negative for an external thread, not 0";
-                return refuse("I0524", self.words.span(b'I'), text);
-            }
-        };
-        if first >= full {
-            let text = format!(
-                "the first pass (J) must be less deep than the thread (K): {first} and {full}"
-            );
-            return refuse("I0525", self.words.span(b'J'), text);
-        }
+        let [lead, peak, first, full] = self.profile()?;
         if self.axis_word(2).is_none() {
             return refuse("I0526", block, "G76 needs Z, the end of the thread");
         }
@@ -134,6 +116,30 @@ impl Executor {
             to,
         };
         self.with_taper(thread, tapers)
+    }
+
+    /// P, I, J, K: lead, and as radii the peak, the first depth and the full depth.
+    fn profile(&self) -> Outcome<[f64; 4]> {
+        let across = if self.state.diameter { 0.5 } else { 1.0 };
+        let [lead, peak, first, full] =
+            [b'P', b'I', b'J', b'K'].map(|letter| self.words.get(letter));
+        let lead = self.positive(b'P', lead, "the lead")?;
+        let first = self.positive(b'J', first, "the depth of the first pass")? * across;
+        let full = self.positive(b'K', full, "the full depth")? * across;
+        let peak = match peak {
+            Some(peak) if peak != 0.0 => peak * across,
+            _ => {
+                let text = "G76 needs I, from here to the thread's peak: negative for an external thread, not 0";
+                return refuse("I0524", self.words.span(b'I'), text);
+            }
+        };
+        if first >= full {
+            let text = format!(
+                "the first pass (J) must be less deep than the thread (K): {first} and {full}"
+            );
+            return refuse("I0525", self.words.span(b'J'), text);
+        }
+        Ok([lead, peak, first, full])
     }
 
     fn positive(&self, letter: u8, value: Option<f64>, what: &str) -> Outcome<f64> {
