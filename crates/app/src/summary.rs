@@ -147,7 +147,7 @@ fn groups(features: &[Feature]) -> Vec<Vec<&Feature>> {
 
 fn name(feature: &Feature) -> String {
     match &feature.kind {
-        FeatureKind::Hole(hole) => format!("hole Ø{:.3}", hole.diameter.value()),
+        FeatureKind::Hole(hole) => format!("hole Ø{:.2}", hole.diameter.value()),
         FeatureKind::Thread(thread) => match thread.hand {
             verify::Hand::Right => thread.size.clone(),
             verify::Hand::Left if thread.size.ends_with("LH") => thread.size.clone(),

@@ -159,3 +159,15 @@ fn a_tool_that_is_not_in_the_table_has_a_stand_in_when_the_user_says_so() {
     assert_eq!(output.status.code(), Some(0), "{}", complained(&output));
     says(&complained(&output), &["tool 99", "stand-in"]);
 }
+
+#[test]
+fn a_hole_drilled_with_an_empty_spindle_is_refused_or_has_a_stand_in() {
+    let text = "G21 G90 G94 G54\nG0 X0 Y0 Z5\nG81 Z-5 R1 F100\nM2\n";
+    says(&refused(text.as_bytes(), &[]), &["no tool in the spindle", "stand-in"]);
+    let folder = tempfile::tempdir().unwrap();
+    let program = folder.path().join("part.ngc");
+    fs::write(&program, text).unwrap();
+    let output = leadscrew(&["run", program.to_str().unwrap(), "--missing-tools", "stand-in"]);
+    assert_eq!(output.status.code(), Some(0), "{}", complained(&output));
+    says(&said(&output), &["no holes or threads to judge"]);
+}

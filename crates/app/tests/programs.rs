@@ -20,7 +20,7 @@ fn verdicts(program: &str) -> String {
         let depth = number("depth_mm");
         lines += &match feature["kind"].as_str().unwrap() {
             "hole" => {
-                format!("{at} hole Ø{:.3} depth {depth:.1} {verdict}\n", number("diameter_mm"))
+                format!("{at} hole Ø{:.2} depth {depth:.1} {verdict}\n", number("diameter_mm"))
             }
             "thread" => {
                 assert!(number("sync_error_max_um") <= 10.0, "{feature}");

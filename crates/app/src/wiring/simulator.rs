@@ -23,7 +23,11 @@ pub(crate) fn simulator(
         command_delay: machine.control.command_delay_periods as usize,
         axes: axes.filter_map(|(at, file)| Some((at, axis(file.as_ref()?)))).collect(),
         spindles,
-        magazine: tools.iter().map(|t| tool(t, &machine.simulation.tap_seat, material)).collect(),
+        magazine: tools
+            .iter()
+            .filter(|t| t.number != 0) // 0 stands for an empty spindle
+            .map(|t| tool(t, &machine.simulation.tap_seat, material))
+            .collect(),
         tool: 0,
         tool_change_time: machine.tool_change.time,
         stock: Some(sim::Stock {
