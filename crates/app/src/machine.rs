@@ -1,6 +1,7 @@
 //! `leadscrew machine`: what machines there are, and what is wrong with a file that describes one.
 use crate::args::MachineCommand;
 use crate::refused::Refused;
+use crate::tables::table;
 use store::machine::{self, MachineFile};
 
 /// Do it.
@@ -50,9 +51,7 @@ fn path(name: &str) -> Result<std::path::PathBuf, Refused> {
 }
 
 fn list() -> Result<(), Refused> {
-    let mut table = comfy_table::Table::new();
-    table.load_style(comfy_table::presets::UTF8_HORIZONTAL_ONLY);
-    table.set_header(["machine", "what it is", "axes", "spindles"]);
+    let mut table = table(["machine", "what it is", "axes", "spindles"]);
     for name in machine::EMBEDDED {
         let file = load(name)?;
         let axes: String = file.axes.iter().flatten().map(|a| a.letter.letter()).collect();

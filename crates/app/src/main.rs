@@ -23,6 +23,7 @@ mod run;
 mod session;
 mod simulate;
 mod summary;
+mod tables;
 mod timings;
 mod trace_thread;
 mod wiring;

@@ -2,7 +2,8 @@
 use crate::check::plural;
 use crate::run::Job;
 use crate::simulate::Outcome;
-use comfy_table::{Cell, CellAlignment, Table, presets};
+use crate::tables;
+use comfy_table::{Cell, CellAlignment, Table};
 use kernel::EventKind;
 use std::path::Path;
 use verify::{Feature, FeatureKind, Thread};
@@ -108,9 +109,7 @@ fn warnings(outcome: &Outcome) -> String {
 
 /// A row for every kind and size.
 fn table(outcome: &Outcome) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::UTF8_HORIZONTAL_ONLY);
-    table.set_header([
+    let mut table = tables::table([
         "feature",
         "good",
         "depth mm",
