@@ -2,6 +2,7 @@
 use crate::args::{CanonArgs, CanonFormat};
 use crate::refused::Refused;
 use crate::render::{self, Source};
+use crate::say;
 use crate::session::{Session, read_program};
 use canon::{Axis, Feed, Op, OpKind, PathMode, Position, SpindleOrder};
 use diag::Diagnostic;
@@ -18,14 +19,9 @@ pub(crate) fn command(args: &CanonArgs) -> Result<bool, Refused> {
         CanonFormat::Text => operations(&session, &text, out, line),
         CanonFormat::Json => operations(&session, &text, out, |op| object(op).to_string()),
     };
-    match written {
-        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
-            return Err(Refused::because(format!("cannot write to standard output: {e}")));
-        }
-        _ => {}
-    }
+    say::written(written)?;
     let name = args.program.display().to_string();
-    eprint!("{}", render::text(&findings, &Source { name: &name, text: &text }));
+    say::err(&render::text(&findings, &Source { name: &name, text: &text }));
     Ok(!findings.iter().any(Diagnostic::is_error))
 }
 

@@ -2,6 +2,7 @@
 use crate::args::{CheckArgs, FindingsFormat};
 use crate::refused::Refused;
 use crate::render::{self, Source};
+use crate::say;
 use crate::session::{Session, read_program};
 use diag::Diagnostic;
 use std::path::{Path, PathBuf};
@@ -20,7 +21,7 @@ pub(crate) fn command(args: &CheckArgs, quiet: bool) -> Result<bool, Refused> {
         good &= !findings.iter().any(Diagnostic::is_error);
         let source = Source { name: &name, text: &text };
         match args.format {
-            FindingsFormat::Text => say(&findings, &source, quiet),
+            FindingsFormat::Text => tell(&findings, &source, quiet)?,
             FindingsFormat::Json => {
                 results.extend(findings.iter().map(|f| render::json(f, &source)));
             }
@@ -31,8 +32,8 @@ pub(crate) fn command(args: &CheckArgs, quiet: bool) -> Result<bool, Refused> {
     }
     match args.format {
         FindingsFormat::Text => {}
-        FindingsFormat::Json => println!("{:#}", serde_json::Value::Array(results)),
-        FindingsFormat::Sarif => println!("{:#}", render::sarif(&results)),
+        FindingsFormat::Json => say::out(&format!("{:#}\n", serde_json::Value::Array(results)))?,
+        FindingsFormat::Sarif => say::out(&format!("{:#}\n", render::sarif(&results)))?,
     }
     Ok(good)
 }
@@ -47,14 +48,15 @@ fn findings(args: &CheckArgs, path: &Path, text: &[u8]) -> Result<Vec<Diagnostic
     Ok(crate::preflight::preflight(&mut session, text, options).findings)
 }
 
-fn say(findings: &[Diagnostic], source: &Source<'_>, quiet: bool) {
-    print!("{}", render::text(findings, source));
+fn tell(findings: &[Diagnostic], source: &Source<'_>, quiet: bool) -> Result<(), Refused> {
+    let mut text = render::text(findings, source);
     let errors = findings.iter().filter(|f| f.is_error()).count();
     let others = findings.len() - errors;
     if errors > 0 || !quiet {
         let (e, o) = (plural(errors, "error"), plural(others, "remark"));
-        println!("{}: {e}, {o}", source.name);
+        text += &format!("{}: {e}, {o}\n", source.name);
     }
+    say::out(&text)
 }
 
 /// A count and its noun.

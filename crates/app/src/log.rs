@@ -2,6 +2,7 @@
 //!
 //! Positions are the tool *tip's*, in the work's frame (machine position less G54 less the tool's length); the spindle
 //! angle is not shown modulo a turn, so that in a tap it can be checked against the lead by hand.
+use crate::say;
 use bus::{Sample, State};
 use canon::{Position, ToolLibrary};
 use kernel::{Event, EventKind};
@@ -18,7 +19,7 @@ pub(crate) struct Log {
 impl Log {
     /// A log for a workpiece whose zero is there.
     pub(crate) fn new(tools: ToolLibrary, zero: Position) -> Self {
-        println!("     t s  line  state              x        y        z       rev     rpm");
+        line("     t s  line  state              x        y        z       rev     rpm");
         Self { tools, zero, last: None, length: Length::ZERO }
     }
 
@@ -37,7 +38,7 @@ impl Log {
             (sample.axis(axis) - self.zero.linear[axis] - tool).value()
         };
         let spin = sample.truth.map_or(sample.command.spindles[0].spin, |t| t.spins[0]);
-        println!(
+        line(&format!(
             "{:8.3} {:5}  {:<12} {:>8} {:>8} {:>8} {:>9} {:>7}",
             sample.feedback.time.value(),
             now.1,
@@ -47,7 +48,7 @@ impl Log {
             tidy(tip(2), 2),
             tidy(sample.spindle(0).value(), 2),
             tidy(spin.in_rpm(), 0),
-        );
+        ));
     }
 
     /// Something that is no change of state.
@@ -61,8 +62,13 @@ impl Log {
             EventKind::ToolChanged { tool } => format!("tool {tool} in the spindle"),
             _ => return,
         };
-        println!("{:8.3} {:5}  {text}", event.time.value(), event.line);
+        line(&format!("{:8.3} {:5}  {text}", event.time.value(), event.line));
     }
+}
+
+/// One line. A log that nobody can read stops no machine; what is said at the end tells why.
+fn line(text: &str) {
+    let _ = say::out(&format!("{text}\n"));
 }
 
 /// A number without "-0.00".

@@ -1,6 +1,7 @@
 //! `leadscrew machine`: what machines there are, and what is wrong with a file that describes one.
 use crate::args::MachineCommand;
 use crate::refused::Refused;
+use crate::say;
 use crate::tables::table;
 use store::machine::{self, MachineFile};
 
@@ -8,14 +9,10 @@ use store::machine::{self, MachineFile};
 pub(crate) fn command(order: &MachineCommand) -> Result<(), Refused> {
     match order {
         MachineCommand::List => list(),
-        MachineCommand::Show { machine } => {
-            print!("{}", text(machine)?);
-            Ok(())
-        }
+        MachineCommand::Show { machine } => say::out(&text(machine)?),
         MachineCommand::Check { machine } => {
             let file = load(machine)?;
-            println!("{}: in order. {}", file.name, file.description);
-            Ok(())
+            say::out(&format!("{}: in order. {}\n", file.name, file.description))
         }
     }
 }
@@ -59,9 +56,7 @@ fn list() -> Result<(), Refused> {
             file.spindles.iter().map(|s| format!("{} {:.0} rpm", s.name, s.max.in_rpm())).collect();
         table.add_row([name, &file.description, &axes, &spindles.join(", ")]);
     }
-    println!("{table}");
-    println!(
-        "\nThe first is the default. `leadscrew machine show NAME` prints its file to start your own from."
-    );
-    Ok(())
+    say::out(&format!(
+        "{table}\n\nThe first is the default. `leadscrew machine show NAME` prints its file to start your own from.\n"
+    ))
 }

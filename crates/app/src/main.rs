@@ -12,6 +12,7 @@ mod args;
 mod canonical;
 mod certificate;
 mod check;
+mod interrupt;
 mod log;
 mod machine;
 mod papers;
@@ -20,6 +21,7 @@ mod program;
 mod refused;
 mod render;
 mod run;
+mod say;
 mod session;
 mod simulate;
 mod summary;
@@ -38,6 +40,8 @@ use std::process::ExitCode;
 const OUT_OF_TOLERANCE: u8 = 1;
 /// The program or a file was refused.
 const REFUSED: u8 = 2;
+/// Ctrl-C: 128 and the number of the signal, as shells have it.
+const INTERRUPTED: u8 = 130;
 /// An alarm on the machine.
 const ALARM: u8 = 3;
 
@@ -47,7 +51,7 @@ fn main() -> ExitCode {
         Ok(code) => code,
         Err(refused) => {
             refused.say();
-            ExitCode::from(REFUSED)
+            ExitCode::from(if interrupt::came() { INTERRUPTED } else { REFUSED })
         }
     }
 }
@@ -64,12 +68,9 @@ fn execute(cli: &Cli) -> Result<ExitCode, Refused> {
         Command::Canon(args) => Ok(accepted(canonical::command(args)?)),
         Command::Machine(order) => machine::command(order).map(|()| ExitCode::SUCCESS),
         Command::Completions { shell } => {
-            clap_complete::generate(
-                *shell,
-                &mut Cli::command(),
-                "leadscrew",
-                &mut std::io::stdout().lock(),
-            );
+            let mut script = Vec::new();
+            clap_complete::generate(*shell, &mut Cli::command(), "leadscrew", &mut script);
+            say::out(&String::from_utf8_lossy(&script))?;
             Ok(ExitCode::SUCCESS)
         }
     }

@@ -1,5 +1,6 @@
 //! What was refused, and how it is said: the program ends with exit code 2.
 use crate::render::{self, Source};
+use crate::say;
 use diag::Diagnostic;
 
 /// Why nothing was done.
@@ -27,12 +28,12 @@ impl Refused {
     /// Tell the user.
     pub(crate) fn say(&self) {
         match self {
-            Self::Sentence(sentence) => eprintln!("error: {sentence}"),
+            Self::Sentence(sentence) => say::err(&format!("error: {sentence}\n")),
             Self::Findings { name, text, findings } => {
-                eprint!("{}", render::text(findings, &Source { name, text }));
+                say::err(&render::text(findings, &Source { name, text }));
                 let errors = findings.iter().filter(|f| f.is_error()).count();
                 let plural = if errors == 1 { "error" } else { "errors" };
-                eprintln!("{name}: refused, {errors} {plural}");
+                say::err(&format!("{name}: refused, {errors} {plural}\n"));
             }
         }
     }

@@ -9,7 +9,7 @@ use crate::session::{Session, read_program};
 use crate::simulate::{Outcome, Simulation};
 use crate::timings::Timings;
 use crate::trace_thread::TraceThread;
-use crate::{papers, summary, wiring};
+use crate::{interrupt, papers, say, summary, wiring};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::path::Path;
 use store::machine::Material;
@@ -58,25 +58,30 @@ pub(crate) fn command(args: &RunArgs, quiet: bool) -> Result<Ending, Refused> {
     }
     if !quiet {
         let source = Source { name: &job.program, text: &job.text };
-        eprint!("{}", render::text(&known.findings, &source));
+        say::err(&render::text(&known.findings, &source));
     }
     let folder = args.out.as_deref().map(begin_folder).transpose()?;
+    if folder.is_some() {
+        interrupt::watch()?;
+    }
     let progress = progress(&known, quiet || args.log || args.format == Format::Json);
     let outcome = job.simulate(args, &known, folder.as_ref(), &progress)?;
     progress.finish_and_clear();
+    interrupt::refuse()?;
     let certificate = papers::certificate(&job, &outcome);
     if let Some(folder) = folder {
         let page = papers::report(&job, &outcome, &known);
         folder.write("report.html", page.as_bytes())?;
         papers::write_certificate(&folder, &certificate)?;
+        interrupt::refuse()?;
         folder.finish()?;
     }
     match args.format {
-        Format::Json => println!("{}", certificate.to_json()),
-        Format::Text => print!("{}", summary::text(&job, &outcome, args.out.as_deref(), quiet)),
+        Format::Json => say::out(&format!("{}\n", certificate.to_json()))?,
+        Format::Text => say::out(&summary::text(&job, &outcome, args.out.as_deref(), quiet))?,
     }
     if args.timings {
-        eprintln!("{}", outcome.timings.text());
+        say::err(&format!("{}\n", outcome.timings.text()));
     }
     Ok(ending(&outcome))
 }

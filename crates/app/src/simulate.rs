@@ -9,6 +9,7 @@
 //! ```
 //!
 //! One thread does all of it, period by period: two runs of the same inputs are the same to the last bit.
+use crate::interrupt;
 use crate::log::Log;
 use crate::program::Ops;
 use crate::timings::Timings;
@@ -89,7 +90,7 @@ impl Simulation<'_> {
         let mut feedback = self.machine.feedback();
         let mut periods: u64 = 0;
         self.timings.start();
-        while !self.kernel.is_over() && feedback.time < give_up {
+        while !self.kernel.is_over() && feedback.time < give_up && !interrupt::came() {
             self.feed(&mut queue, &mut limiting);
             let started = self.timings.tick_begins();
             let command = self.kernel.tick(&feedback);

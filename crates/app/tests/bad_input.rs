@@ -2,7 +2,12 @@
 #![allow(clippy::unwrap_used)] // a test may panic
 mod common;
 use common::{complained, leadscrew, root, said};
-use std::{fs, path::Path};
+use std::{
+    fs,
+    io::{BufRead, BufReader},
+    path::Path,
+    process::{Command, Output, Stdio},
+};
 
 /// Run a program text; what was said about it. It must be refused and leave nothing behind.
 fn refused(text: &[u8], arguments: &[&str]) -> String {
@@ -151,6 +156,13 @@ fn a_tool_that_is_not_in_the_table() {
 }
 
 #[test]
+fn a_place_out_of_reach_is_said_once_a_block() {
+    let complaint =
+        refused(b"G21 G90 T2 M6\nG43 H2\nS1000 M3\nG0 X0 Y0 Z20\nG81 X999 Z-5 R2 F100\nM2\n", &[]);
+    assert_eq!(complaint.matches("X would go to").count(), 1, "{complaint}");
+}
+
+#[test]
 fn a_tool_that_is_not_in_the_table_has_a_stand_in_when_the_user_says_so() {
     let folder = tempfile::tempdir().unwrap();
     let program = folder.path().join("part.ngc");
@@ -170,4 +182,61 @@ fn a_hole_drilled_with_an_empty_spindle_is_refused_or_has_a_stand_in() {
     let output = leadscrew(&["run", program.to_str().unwrap(), "--missing-tools", "stand-in"]);
     assert_eq!(output.status.code(), Some(0), "{}", complained(&output));
     says(&said(&output), &["no holes or threads to judge"]);
+}
+
+#[cfg(unix)]
+const PLATE: &str = "programs/plate-12xM6.ngc";
+
+#[cfg(unix)]
+/// Run it with a standard output that nobody reads.
+fn cut_off(arguments: &[&str]) -> Output {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_leadscrew"))
+        .args(arguments)
+        .current_dir(root())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    child.wait_with_output().unwrap()
+}
+
+#[cfg(unix)]
+#[test]
+fn a_reader_that_goes_away_is_no_accident() {
+    for arguments in [
+        &["run", PLATE, "--log"][..],
+        &["run", PLATE, "--format", "json"],
+        &["check", PLATE, "--format", "sarif"],
+        &["canon", PLATE],
+        &["machine", "list"],
+        &["completions", "bash"],
+    ] {
+        let output = cut_off(arguments);
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", complained(&output));
+        assert!(!complained(&output).contains("panicked"), "{arguments:?}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_leaves_nothing_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_leadscrew"))
+        .args(["run", PLATE, "--log", "--out"])
+        .arg(folder.path().join("papers"))
+        .current_dir(root())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // the first line of the log: the folder is begun and the simulation runs
+    let mut log = BufReader::new(child.stdout.take().unwrap());
+    log.read_line(&mut String::new()).unwrap();
+    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+    drop(log);
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", complained(&output));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }

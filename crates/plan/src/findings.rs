@@ -16,7 +16,11 @@ pub(crate) struct Findings {
 }
 
 impl Findings {
+    /// Add it, unless the same has been said: a cycle passes a place more than once.
     pub(crate) fn add(&mut self, finding: Diagnostic) {
+        if self.kept.contains(&finding) {
+            return;
+        }
         let count = self.count.entry(finding.code).or_insert((0, finding.span));
         *count = (count.0 + 1, finding.span);
         if count.0 <= FINDINGS_PER_CODE {
