@@ -78,6 +78,9 @@ pub(crate) struct ProgramArgs {
     /// How programs are read
     #[arg(long, value_enum, default_value_t = Dialect::Linuxcnc)]
     pub(crate) dialect: Dialect,
+    /// How hard taps are driven [default: the machine's]
+    #[arg(long, value_enum, value_name = "PRESET")]
+    pub(crate) tapping_preset: Option<TappingPreset>,
 }
 
 /// `leadscrew run`.
@@ -162,6 +165,19 @@ pub(crate) enum MissingTools {
     Refuse,
     /// Assume a tool of no length that cuts nothing judged, and say so
     StandIn,
+}
+
+/// How hard taps are driven; the machine's file says what each means.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum TappingPreset {
+    /// Half the dynamics: for weak work, long tools and first parts
+    Gentle,
+    /// What the spindle is planned with otherwise
+    Standard,
+    /// A little of the control's reserve is spent
+    Fast,
+    /// Nearly all of it: only where the material is known
+    Max,
 }
 
 /// How programs are read.

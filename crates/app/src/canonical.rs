@@ -111,6 +111,7 @@ fn body(kind: &OpKind) -> Value {
             "return_rpm": tap.return_spin.in_rpm(),
             "dwell_s": tap.dwell.value(),
             "start_angle_deg": tap.start_angle.map(units::Angle::in_deg),
+            "peck_mm": tap.peck.map(units::Length::value),
         }),
         OpKind::Hole(hole) => json!({
             "op": "hole",

@@ -99,7 +99,7 @@ fn ending(outcome: &Outcome) -> Ending {
 impl Job {
     fn load(args: &RunArgs) -> Result<Self, Refused> {
         let text = read_program(&args.program)?;
-        let session = Session::load(&args.source, &args.program, &text)?;
+        let mut session = Session::load(&args.source, &args.program, &text)?;
         let material = material(args.material.as_deref(), session.machine.setup.stock.material)?;
         if let Some(ramp) = args.force_ramp
             && !(ramp.is_finite() && (0.001..=60.0).contains(&ramp))
@@ -115,6 +115,9 @@ impl Job {
             Synchronisation::EncoderNoPrediction => wiring::encoder(control, Prediction::Speed),
             Synchronisation::EncoderNoFeedForward => wiring::encoder(control, Prediction::None),
         });
+        if matches!(mode, Some(SyncMode::EncoderFollowing { .. })) {
+            session.machine.tapping.peck = store::machine::Peck::Full; // see wiring::planner
+        }
         let forced = match session.machine.tapping.ramp {
             store::machine::Ramp::PowerCurve => None,
             store::machine::Ramp::Linear(time) => Some(time),

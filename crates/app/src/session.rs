@@ -1,12 +1,12 @@
 //! What a program meets: its text, the machine, the tools, the parameters; loaded once, from wherever they are.
-use crate::args::{Dialect, MissingTools, ProgramArgs};
+use crate::args::{Dialect, MissingTools, ProgramArgs, TappingPreset};
 use crate::refused::Refused;
 use canon::ToolLibrary;
 use std::{
     io::Read,
     path::{Path, PathBuf},
 };
-use store::machine::MachineFile;
+use store::machine::{MachineFile, Preset};
 
 /// The table that is used when none is named and none lies beside the program.
 const EMBEDDED_TOOLS: &str = include_str!("../../../programs/tools.toml");
@@ -36,7 +36,15 @@ pub(crate) struct Session {
 impl Session {
     /// Load what the arguments name, for a program at `program` with this text.
     pub(crate) fn load(args: &ProgramArgs, program: &Path, text: &[u8]) -> Result<Self, Refused> {
-        let machine = crate::machine::load(&args.machine)?;
+        let mut machine = crate::machine::load(&args.machine)?;
+        if let Some(asked) = args.tapping_preset {
+            machine.tapping.preset = match asked {
+                TappingPreset::Gentle => Preset::Gentle,
+                TappingPreset::Standard => Preset::Standard,
+                TappingPreset::Fast => Preset::Fast,
+                TappingPreset::Max => Preset::Max,
+            };
+        }
         let (tools, tools_from) = tools(args.tools.as_deref(), program)?;
         let (missing_tools, dialect) = (args.missing_tools, args.dialect);
         Ok(Self {

@@ -152,6 +152,8 @@ pub struct Tap {
     pub dwell: Time,
     /// Spindle angle at which the thread starts at `start`; `None`: wherever the spindle stands.
     pub start_angle: Option<Angle>,
+    /// How deep each peck goes beyond the one before (Q); `None`: all the way at once.
+    pub peck: Option<Length>,
 }
 
 /// What a drilling cycle is about to make. Coordinates are machine coordinates of the axes.

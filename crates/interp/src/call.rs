@@ -88,6 +88,34 @@ pub struct CycleHole {
     pub clear: f64,
 }
 
+/// A tapping cycle at one hole.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CycleTap {
+    /// Where.
+    pub hole: CycleHole,
+    /// Sense of rotation inwards.
+    pub sense: Sense,
+    /// Wait at the bottom, seconds.
+    pub dwell_s: f64,
+    /// A: where in its turn the spindle stands when the thread begins, degrees.
+    pub start_angle_deg: f64,
+    /// J: how fast it comes out.
+    pub return_speed: ReturnSpeed,
+    /// Q: depth of each peck.
+    pub peck: Option<f64>,
+    /// Overrides of feed and spindle that are on, and are off while tapping.
+    pub overrides: (bool, bool),
+}
+
+/// How fast a tap comes out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ReturnSpeed {
+    /// So many times as fast as it goes in.
+    Times(f64),
+    /// At so many revolutions per minute.
+    Rpm(f64),
+}
+
 /// One canonical machining function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Call<'a> {
@@ -144,16 +172,7 @@ pub enum Call<'a> {
     /// A cycle is about to make a hole; its moves follow, up to the end of the cycle's block or the next hole.
     Hole(CycleHole),
     /// G84, G74: the tap stands at R. In and out again, up to the hole's clear level.
-    Tap {
-        /// Where.
-        hole: CycleHole,
-        /// Sense of rotation inwards.
-        sense: Sense,
-        /// Wait at the bottom, seconds.
-        dwell_s: f64,
-        /// Overrides of feed and spindle that are on, and are off while tapping.
-        overrides: (bool, bool),
-    },
+    Tap(CycleTap),
     /// G33.1.
     RigidTap {
         /// To here and back.

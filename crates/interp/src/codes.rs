@@ -123,7 +123,7 @@ use GGroup::{
 use MGroup::{Coolant, Outputs, Overrides, Rigid, Spindle, State, Stop, Tool, User};
 
 /// All G codes, by rising number.
-pub(crate) static G_CODES: [Code<GGroup>; 88] = [
+pub(crate) static G_CODES: [Code<GGroup>; 90] = [
     g(0, Motion, "XYZABCUVW@^", "rapid move"),
     g(10, Motion, "XYZABCUVW@^", "straight feed"),
     g(20, Motion, "XYZABCUVWIJKRP@^", "clockwise arc"),
@@ -185,13 +185,15 @@ pub(crate) static G_CODES: [Code<GGroup>; 88] = [
     no_g(721, Motion, "lathe roughing"),
     no_g(722, Motion, "lathe roughing"),
     g(730, Motion, "XYZ@^RLQ", "chip-breaking drilling"),
-    g(740, Motion, "XYZ@^RLP$", "left-hand tapping"),
+    g(740, Motion, "XYZ@^RLPQAJ$", "left-hand tapping"),
     g(760, Motion, "ZPIJKRQHEL$", "threading cycle"),
     g(800, Motion, "", "no cycle"),
     g(810, Motion, "XYZ@^RL", "drilling"),
     g(820, Motion, "XYZ@^RLP", "drilling with dwell"),
     g(830, Motion, "XYZ@^RLQ", "deep-hole drilling"),
-    g(840, Motion, "XYZ@^RLP$", "right-hand tapping"),
+    g(840, Motion, "XYZ@^RLPQAJ$", "right-hand tapping"),
+    g(842, Motion, "XYZ@^RLPQAJ$", "right-hand rigid tapping"),
+    g(843, Motion, "XYZ@^RLPQAJ$", "left-hand rigid tapping"),
     g(850, Motion, "XYZ@^RL", "boring, feed out"),
     g(860, Motion, "XYZ@^RLP$", "boring, spindle stop, rapid out"),
     no_g(870, Motion, "back boring"),
@@ -277,7 +279,7 @@ macro_rules! tenths {
     }};
 }
 
-static G_PLACES: [u8; 1000] = places(&tenths!(G_CODES, 88));
+static G_PLACES: [u8; 1000] = places(&tenths!(G_CODES, 90));
 static M_PLACES: [u8; 1000] = places(&tenths!(M_CODES, 35));
 
 /// The G code with this number.

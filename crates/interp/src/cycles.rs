@@ -10,7 +10,7 @@
 //!   G81 out fast        G82 wait, out fast       G85 feed out
 //!   G73 back 0.254 mm after each Q               G86 wait, stop, out fast
 //!   G83 out to R after each Q                    G89 wait, feed out
-//!   G84, G74 tap: one call, because it is one motion with the spindle
+//!   G84, G74, G84.2, G84.3 tap: one call, because it is one motion with the spindle
 //! ```
 //!
 //! R and Z are kept as written for the blocks that repeat the cycle; L repeats it in place (G90) or
@@ -23,6 +23,7 @@ use crate::{
     execute::Executor,
     fault::{Outcome, error, refuse},
     frame::Point,
+    rigid::{Rigid, TapWords},
     state::{Cycle, FeedMode, Sticky},
 };
 use diag::Diagnostic;
@@ -40,6 +41,7 @@ struct Pattern {
     clear: f64,
     dwell: f64,
     peck: f64,
+    tap: TapWords,
 }
 
 impl Executor {
@@ -53,7 +55,9 @@ impl Executor {
                 format!("G{code} needs an axis word: where to drill"),
             );
         }
-        self.check_cycle_feed(&code)?;
+        if !self.lead_is_the_taps(cycle) {
+            self.check_cycle_feed(&code)?;
+        }
         let repeats = self.repeats()?;
         let sticky = self.sticky(cycle, &code)?;
         let initial = *self.state.initial.get_or_insert(self.state.at[n]);
@@ -181,7 +185,11 @@ impl Executor {
                 Some(_) => {}
             }
         }
-        Ok(Sticky { r, bottom, dwell, peck, plane: self.state.plane })
+        let tap = match cycle.tap_sense() {
+            Some(_) => self.tap_words(kept.map(|k| k.tap))?,
+            None => TapWords::default(),
+        };
+        Ok(Sticky { r, bottom, dwell, peck, tap, plane: self.state.plane })
     }
 
     fn pattern(&self, cycle: Cycle, code: &str, sticky: &Sticky, initial: f64) -> Outcome<Pattern> {
@@ -211,38 +219,40 @@ impl Executor {
             );
             return refuse("I0511", self.words.span(b'Q'), text);
         }
+        self.check_pecks(&sticky.tap, r - bottom)?;
         let clear = if self.state.retract_to_initial { initial.max(r) } else { r };
-        Ok(Pattern { cycle, r, bottom, clear, dwell: sticky.dwell.unwrap_or(0.0), peck })
+        let dwell = sticky.dwell.unwrap_or(0.0);
+        Ok(Pattern { cycle, r, bottom, clear, dwell, peck, tap: sticky.tap })
     }
 
     fn check_spindle(&self, cycle: Cycle, code: &str) -> Outcome {
         let turning = self.state.spindle.turning;
         let span = self.words.place.span;
+        let rigid = self.state.rigid != Rigid::Off;
+        match (cycle.tap_sense(), turning) {
+            (Some(_), None) if rigid => return Ok(()),
+            (Some(sense), None) => {
+                let start = if sense == Sense::Clockwise { "M3" } else { "M4" };
+                let text =
+                    format!("G{code} needs a turning spindle: write {start} and S before it");
+                let fault = error("I0512", span, text);
+                return Err(fault.with_help("or M29 and S: the cycle turns it then").into());
+            }
+            (Some(Sense::Clockwise), Some(Sense::Counterclockwise)) => {
+                let text =
+                    format!("G{code} taps right-hand threads and needs M3, but M4 is in force");
+                let fault = error("I0513", span, text);
+                return Err(fault.with_help("G74 taps left-hand threads with M4").into());
+            }
+            (Some(Sense::Counterclockwise), Some(Sense::Clockwise)) => {
+                let text =
+                    format!("G{code} taps left-hand threads and needs M4, but M3 is in force");
+                let fault = error("I0514", span, text);
+                return Err(fault.with_help("G84 taps right-hand threads with M3").into());
+            }
+            _ => {}
+        }
         match (cycle, turning) {
-            (Cycle::TapRight | Cycle::TapLeft, None) => {
-                let start = if cycle == Cycle::TapRight { "M3" } else { "M4" };
-                refuse(
-                    "I0512",
-                    span,
-                    format!("G{code} needs a turning spindle: write {start} and S before it"),
-                )
-            }
-            (Cycle::TapRight, Some(Sense::Counterclockwise)) => {
-                let fault = error(
-                    "I0513",
-                    span,
-                    "G84 taps right-hand threads and needs M3, but M4 is in force",
-                );
-                Err(fault.with_help("G74 taps left-hand threads with M4").into())
-            }
-            (Cycle::TapLeft, Some(Sense::Clockwise)) => {
-                let fault = error(
-                    "I0514",
-                    span,
-                    "G74 taps left-hand threads and needs M4, but M3 is in force",
-                );
-                Err(fault.with_help("G84 taps right-hand threads with M3").into())
-            }
             (Cycle::BoreStopOut, None) => refuse(
                 "I0515",
                 span,
@@ -269,7 +279,8 @@ impl Executor {
         }
         if let Some(sense) = tap {
             let overrides = (self.state.feed_override, self.state.speed_override);
-            self.say(sink, &Call::Tap { hole, sense, dwell_s: pattern.dwell, overrides });
+            let call = pattern.tap.call(hole, sense, pattern.dwell, overrides);
+            self.say(sink, &Call::Tap(call));
         } else {
             self.down_and_out(pattern, at, n, sink);
         }
@@ -308,9 +319,13 @@ impl Executor {
                     self.say(sink, &Call::SpindleTurn(sense));
                 }
             }
-            Cycle::ChipBreak | Cycle::Drill | Cycle::Peck | Cycle::TapLeft | Cycle::TapRight => {
-                self.say(sink, &Call::Rapid(out));
-            }
+            Cycle::ChipBreak
+            | Cycle::Drill
+            | Cycle::Peck
+            | Cycle::TapLeft
+            | Cycle::TapRight
+            | Cycle::RigidLeft
+            | Cycle::RigidRight => self.say(sink, &Call::Rapid(out)),
         }
     }
 

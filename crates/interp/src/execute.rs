@@ -98,10 +98,12 @@ impl Executor {
             self.feed_mode(sink)?;
             self.spindle_speed(sink)?;
             self.tools_and_switches(sink)?;
+            self.rigid_mode(motion)?;
             self.modes(sink)?;
             self.non_modal(sink)?;
         }
         if let Some(motion) = motion {
+            self.rigid_motion(motion)?;
             self.move_along(motion, sink)?;
         }
         self.stops(sink)
@@ -309,8 +311,8 @@ impl Cycle {
     /// Sense of rotation inwards of a tapping cycle.
     pub(crate) const fn tap_sense(self) -> Option<crate::Sense> {
         match self {
-            Self::TapRight => Some(crate::Sense::Clockwise),
-            Self::TapLeft => Some(crate::Sense::Counterclockwise),
+            Self::TapRight | Self::RigidRight => Some(crate::Sense::Clockwise),
+            Self::TapLeft | Self::RigidLeft => Some(crate::Sense::Counterclockwise),
             _ => None,
         }
     }

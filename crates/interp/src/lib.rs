@@ -43,6 +43,7 @@ mod ops;
 mod orders;
 mod outline;
 mod resolve;
+mod rigid;
 mod setup;
 mod state;
 mod switch;
@@ -51,7 +52,7 @@ mod thread_cycle;
 mod threads;
 mod words;
 
-pub use call::{Call, Corners, CycleHole, Place, Sense, Sink, Units};
+pub use call::{Call, Corners, CycleHole, CycleTap, Place, ReturnSpeed, Sense, Sink, Units};
 pub use frame::{Frame, Point};
 pub use interpreter::{Interpreter, Progress};
 pub use listing::Listing;

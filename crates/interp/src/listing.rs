@@ -10,7 +10,7 @@
 //! coordinates of the feed moves in a rotated order, and so does this listing (the operations that
 //! Leadscrew machines from do not pass through here).
 use crate::{
-    call::{Call, Corners, CycleHole, Place, Sense, Sink, Units},
+    call::{Call, Corners, CycleTap, Place, Sense, Sink, Units},
     decimal::{push_aligned, push_fixed4},
     frame::Point,
     switch::NO_SPEED_LIMIT,
@@ -156,14 +156,8 @@ impl<W: Write> Listing<W> {
     }
 
     /// G84, G74 as LinuxCNC has them: in, reverse, wait, out.
-    fn tap(
-        &mut self,
-        place: &Place,
-        hole: &CycleHole,
-        sense: Sense,
-        dwell_s: f64,
-        overrides: (bool, bool),
-    ) {
+    fn tap(&mut self, place: &Place, tap: &CycleTap) {
+        let &CycleTap { hole, sense, dwell_s, overrides, .. } = tap;
         let [a, b, _] = hole.plane.axes().map(canon::Axis::index);
         let (x, y) = (hole.at[a], hole.at[b]);
         let level = |value: f64| match hole.plane {
@@ -244,9 +238,7 @@ impl<W: Write> Listing<W> {
             Call::Rotation(degrees) => self.numbers(place, b"SET_XY_ROTATION", &[*degrees]),
             Call::ToolOffset(offset) => self.tool_offset(place, offset),
             Call::PathControl { corners, merge } => self.path_control(place, *corners, *merge),
-            Call::Tap { hole, sense, dwell_s, overrides } => {
-                self.tap(place, hole, *sense, *dwell_s, *overrides);
-            }
+            Call::Tap(tap) => self.tap(place, tap),
             Call::RigidTap { to, lead, .. } => {
                 self.text(place, &format!("START_SPEED_FEED_SYNC({lead:.6},0)"));
                 self.numbers(place, b"RIGID_TAP", &to[..3]);

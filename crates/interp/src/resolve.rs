@@ -42,6 +42,8 @@ pub struct Resolver {
     path_said: Option<PathMode>,
     pub(crate) overrides: (bool, bool),
     pub(crate) coolant: (bool, bool),
+    /// The tool of which it was said that its own pitch counts.
+    pub(crate) pitch_said: Option<u32>,
 }
 
 /// F and what it counts.
@@ -82,6 +84,7 @@ impl Resolver {
             path_said: None,
             overrides: (true, true),
             coolant: (false, false),
+            pitch_said: None,
         }
     }
 
@@ -170,10 +173,11 @@ impl Resolver {
         }
     }
 
-    /// The lead that F means for a tap: F/S, or F itself with G95.
-    pub(crate) fn lead_by_feed(&self) -> f64 {
+    /// The lead that F means for a tap: F/S, or F itself with G95; `None` where no F is in force.
+    pub(crate) fn lead_by_feed(&self) -> Option<f64> {
         let rate = self.feed.rate * self.feed.mm;
-        if self.feed.per_revolution { rate } else { rate / self.spindle.speed }
+        (rate > 0.0)
+            .then(|| if self.feed.per_revolution { rate } else { rate / self.spindle.speed })
     }
 
     /// F as it counts on this way.
@@ -312,7 +316,7 @@ impl Sink for Resolver {
             Call::Line(to) => self.line(to, span),
             Call::Arc { plane, to, centre, turns } => self.arc(*plane, to, *centre, *turns, span),
             Call::Hole(hole) => self.hole(hole, span),
-            Call::Tap { hole, sense, dwell_s, .. } => self.tap(hole, *sense, *dwell_s, span),
+            Call::Tap(tap) => self.tap(tap, span),
             Call::RigidTap { to, lead, return_factor, sense } => {
                 self.rigid_tap(to, *lead, *return_factor, *sense, span);
             }

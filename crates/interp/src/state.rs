@@ -1,4 +1,5 @@
 //! What holds from block to block: the modal state.
+use crate::rigid::{Rigid, TapWords};
 use crate::{
     call::{Corners, Sense, Units},
     frame::{Frame, Point},
@@ -43,6 +44,10 @@ pub(crate) enum Cycle {
     Peck,
     /// G84.
     TapRight,
+    /// G84.2: as G84 after M29.
+    RigidRight,
+    /// G84.3: as G74 after M29.
+    RigidLeft,
     /// G85: feeds out.
     BoreFeedOut,
     /// G86: waits, stops the spindle, comes out fast.
@@ -68,6 +73,8 @@ impl Motion {
             820 => Self::Cycle(Cycle::DrillDwell),
             830 => Self::Cycle(Cycle::Peck),
             840 => Self::Cycle(Cycle::TapRight),
+            842 => Self::Cycle(Cycle::RigidRight),
+            843 => Self::Cycle(Cycle::RigidLeft),
             850 => Self::Cycle(Cycle::BoreFeedOut),
             860 => Self::Cycle(Cycle::BoreStopOut),
             890 => Self::Cycle(Cycle::BoreDwellFeedOut),
@@ -101,6 +108,8 @@ impl Cycle {
             Self::DrillDwell => 820,
             Self::Peck => 830,
             Self::TapRight => 840,
+            Self::RigidRight => 842,
+            Self::RigidLeft => 843,
             Self::BoreFeedOut => 850,
             Self::BoreStopOut => 860,
             Self::BoreDwellFeedOut => 890,
@@ -137,6 +146,7 @@ pub(crate) struct Sticky {
     pub(crate) bottom: f64,
     pub(crate) dwell: Option<f64>,
     pub(crate) peck: Option<f64>,
+    pub(crate) tap: TapWords,
     /// The plane they were given in.
     pub(crate) plane: Plane,
 }
@@ -162,6 +172,8 @@ pub(crate) struct State {
     /// G7.
     pub(crate) diameter: bool,
     pub(crate) spindle: Spindle,
+    /// M29, G84.2, G84.3.
+    pub(crate) rigid: Rigid,
     pub(crate) sticky: Option<Sticky>,
     /// Level to which G98 returns: where the axis stood before the first hole of the series.
     pub(crate) initial: Option<f64>,
@@ -202,6 +214,7 @@ impl State {
             merge: 0.0,
             diameter: false,
             spindle: Spindle { speed: 0.0, turning: None, constant_surface_speed: false },
+            rigid: Rigid::Off,
             sticky: None,
             initial: None,
             system: 1,

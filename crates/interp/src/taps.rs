@@ -1,14 +1,15 @@
 //! Tapping calls to one [`canon::Tap`] each.
 //!
 //! ```text
-//!   G84, G74   lead = F/S (G94), F (G95);  + for G84, − for G74;  starts at the spindle's zero angle
-//!   G33.1      lead = K;  + if M3 goes into the negative direction of its axis
+//!   G84, G84.2   lead = F/S (G94), F (G95), else the tap's pitch: right-hand; starts at the angle A
+//!   G74, G84.3   the same, left-hand
+//!   G33.1        lead = K;  right-hand if M3 goes into the negative direction of its axis; starts at 0°
 //! ```
 //!
-//! A G84 starts at the same spindle angle every time, so that a hole can be tapped again in its own
-//! thread; G33.1 starts wherever the spindle stands, as LinuxCNC's does.
+//! A tap starts at the same spindle angle every time, so that a hole can be tapped again in its own
+//! thread. Whether the lead is the tap's own is judged before motion, where the tool is known.
 use crate::{
-    call::{CycleHole, Sense},
+    call::{CycleTap, ReturnSpeed, Sense},
     frame::Point,
     resolve::{Resolver, position},
 };
@@ -16,21 +17,17 @@ use canon::{Axis, OpKind, Tap, ToolKind};
 use diag::{Diagnostic, Span};
 use units::{Angle, Lead, Length, Spin, Time};
 
-/// A programmed lead this much off the tap's own (as a fraction) is remarked on.
-const LEAD_TOLERANCE: f64 = 0.01;
-
 impl Resolver {
-    pub(crate) fn tap(&mut self, hole: &CycleHole, sense: Sense, dwell_s: f64, span: Span) {
+    pub(crate) fn tap(&mut self, tap: &CycleTap, span: Span) {
+        let hole = &tap.hole;
         if !self.plane_is_straight(hole.plane, span) {
             return;
         }
         let Some(lead_mm) = self.programmed_lead(span) else { return };
         let axis = hole.plane.normal();
-        let sign = if sense == Sense::Clockwise { 1.0 } else { -1.0 };
+        let sign = if tap.sense == Sense::Clockwise { 1.0 } else { -1.0 };
         let surface = Self::surface(hole.at[axis.index()], hole.bottom);
         let start = self.machine(&hole.at);
-        let lead = Lead::mm_per_rev(sign * lead_mm);
-        self.check_lead(lead, span);
         self.rapid(&start, span);
         self.say_path(span);
         let spin = Spin::rpm(self.spindle.speed);
@@ -41,11 +38,15 @@ impl Resolver {
                 start: position(&start),
                 bottom: Length::mm(self.level(hole, hole.bottom)),
                 surface: Length::mm(self.level(hole, surface)),
-                lead,
+                lead: Lead::mm_per_rev(sign * lead_mm),
                 spin,
-                return_spin: spin,
-                dwell: Time::s(dwell_s),
-                start_angle: Some(Angle::ZERO),
+                return_spin: match tap.return_speed {
+                    ReturnSpeed::Times(factor) => spin * factor,
+                    ReturnSpeed::Rpm(rpm) => Spin::rpm(rpm),
+                },
+                dwell: Time::s(tap.dwell_s),
+                start_angle: Some(Angle::deg(tap.start_angle_deg)),
+                peck: tap.peck.map(|depth| Length::mm(depth * self.mm())),
             }),
         );
         let mut clear = start;
@@ -53,7 +54,7 @@ impl Resolver {
         self.rapid(&clear, span);
     }
 
-    /// F/S, or F with G95.
+    /// F/S, or F with G95, or the pitch of the tap in the spindle where no F is in force.
     fn programmed_lead(&mut self, span: Span) -> Option<f64> {
         if self.spindle.surface.is_some() {
             let text =
@@ -66,7 +67,23 @@ impl Resolver {
             self.report(Diagnostic::error("I0703", span, text));
             return None;
         }
-        Some(self.lead_by_feed())
+        self.lead_by_feed().or_else(|| self.lead_of_the_tap(span))
+    }
+
+    /// The pitch of the tap in the spindle, said once for each tool.
+    fn lead_of_the_tap(&mut self, span: Span) -> Option<f64> {
+        let tool = self.tools.get(self.tool)?;
+        let ToolKind::Tap(tap) = &tool.kind else { return None };
+        let (number, lead) = (tool.number, tap.lead.value().abs());
+        if self.pitch_said != Some(number) {
+            let text = format!(
+                "no F is in force: the lead is that of T{number} ({}), {lead} mm per revolution",
+                tap.designation
+            );
+            self.pitch_said = Some(number);
+            self.report(Diagnostic::note("I0712", span, text));
+        }
+        Some(lead)
     }
 
     pub(crate) fn rigid_tap(
@@ -100,7 +117,6 @@ impl Resolver {
         let inwards_negative = end[i] < start[i];
         let right_hand = (sense == Sense::Clockwise) == inwards_negative;
         let lead = Lead::mm_per_rev(if right_hand { lead } else { -lead } * self.mm());
-        self.check_lead(lead, span);
         let program = self.frame.to_program(&start)[i];
         let zero = program + Self::surface(program, to[i] * self.mm()) - program;
         let surface = start[i] + (zero - program);
@@ -118,6 +134,7 @@ impl Resolver {
                 return_spin: spin * return_factor,
                 dwell: Time::ZERO,
                 start_angle: Some(Angle::ZERO),
+                peck: None,
             }),
         );
     }
@@ -128,39 +145,5 @@ impl Resolver {
             format!("a tap moves along one axis, but this one would move {}", names.join(" and "));
         let help = "move to the hole with G0 first, then tap with the axis word alone";
         self.report(Diagnostic::error("I0705", span, text).with_help(help));
-    }
-
-    /// Compare a lead with that of the mounted tap.
-    fn check_lead(&mut self, lead: Lead, span: Span) {
-        let Some(tool) = self.tools.get(self.tool) else { return };
-        let found = lead.value();
-        let remark = match &tool.kind {
-            ToolKind::Tap(tap) => {
-                let own = tap.lead.value();
-                if (found - own).abs() <= LEAD_TOLERANCE * own.abs() {
-                    return;
-                }
-                let wanted = own.abs() * self.spindle.speed;
-                let text = format!(
-                    "the programmed lead is {found:.4} mm, but T{} ({}) has {own} mm",
-                    tool.number, tap.designation
-                );
-                let warning = Diagnostic::warning("I0710", span, text);
-                if own.signum() == found.signum() {
-                    warning.with_help(format!(
-                        "at S{} the feed would be {wanted:.1} mm/min",
-                        self.spindle.speed
-                    ))
-                } else {
-                    warning.with_help("its hand is the other one: G84 and M3 for right-hand taps, G74 and M4 for left-hand ones")
-                }
-            }
-            _ if tool.stand_in => return,
-            _ => {
-                let text = format!("T{} is no tap: {}", tool.number, tool.description);
-                Diagnostic::warning("I0711", span, text)
-            }
-        };
-        self.report(remark);
     }
 }

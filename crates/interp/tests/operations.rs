@@ -246,10 +246,65 @@ fn an_xy_word_inside_a_tap_is_refused_with_its_place() {
 }
 
 #[test]
-fn a_lead_that_is_not_the_taps_is_remarked_on_with_the_feed_that_would_do() {
-    let found = refused(&shop(), "T2 M6\nS1000 M3 F1250\nG0 Z5\nG84 Z-10 R2", "I0710");
-    assert_eq!(found.message, "the programmed lead is 1.2500 mm, but T2 (M6x1) has 1 mm");
-    assert_eq!(found.help.as_deref(), Some("at S1000 the feed would be 1000.0 mm/min"));
+fn a_tap_without_f_takes_the_pitch_of_the_tap_and_says_so() {
+    let program = "T2 M6\nM29 S1000\nG0 Z5\nM29 S1000\nG84 Z-10 R2\nX10\nG80";
+    let found = refused(&shop(), program, "I0534");
+    assert_eq!(found.span.line, 3, "the move between M29 and its cycle");
+    let ops = ops_of(&shop(), "T2 M6\nG0 Z5\nM29 S1000\nG99 G84 Z-10 R2");
+    assert_eq!(the_tap(&ops).lead, Lead::mm_per_rev(1.0));
+    let note = refused(&shop(), "T2 M6\nG0 Z5\nM29 S1000\nG99 G84 Z-10 R2\nX3\nX6", "I0712");
+    assert_eq!(
+        (note.span.line, note.message.as_str()),
+        (4, "no F is in force: the lead is that of T2 (M6x1), 1 mm per revolution")
+    );
+    let inches = ops_of(&shop(), "G20 T2 M6\nG0 Z1\nM29 S1000\nG99 G84 Z-0.5 R0.1");
+    assert_eq!(the_tap(&inches).lead, Lead::mm_per_rev(1.0), "a pitch has its own unit");
+}
+
+#[test]
+fn m29_needs_no_m3_and_holds_for_the_holes_of_its_cycle() {
+    let program = "T2 M6\nG95 F1\nG0 Z5\nM29 S1000\nG99 G84 X0 Z-10 R2\nX10\nX20\nG80";
+    let taps = ops_of(&shop(), program).iter().filter(|o| matches!(o.kind, OpKind::Tap(_))).count();
+    assert_eq!(taps, 3);
+    refused(&shop(), "T2 M6\nG95 F1 S1000\nG0 Z5\nG99 G84 X0 Z-10 R2", "I0512");
+    let again = "T2 M6\nG95 F1\nG0 Z5\nM29 S1000\nG99 G84 X0 Z-10 R2\nG80\nG84 X10 Z-10 R2";
+    assert_eq!(refused(&shop(), again, "I0512").span.line, 7, "G80 ends rigid mode");
+}
+
+#[test]
+fn g84_2_and_g84_3_are_rigid_by_themselves_right_and_left_hand() {
+    let start = "G95 F1.25 S800\nG0 Z5\nG99";
+    let right = ops_of(&shop(), &format!("{start} G84.2 Z-10 R2"));
+    assert_eq!(the_tap(&right).lead, Lead::mm_per_rev(1.25));
+    let left = ops_of(&shop(), &format!("{start} G84.3 Z-10 R2"));
+    assert_eq!(the_tap(&left).lead, Lead::mm_per_rev(-1.25));
+}
+
+#[test]
+fn a_tap_takes_its_start_angle_its_return_speed_and_its_pecks_from_words() {
+    let program = |words: &str| format!("G95 F1.25 S800 M3\nG0 Z5\nG99 G84 Z-10 R2 {words}");
+    let tap = the_tap(&ops_of(&shop(), &program("A90 J2 Q4")));
+    assert_eq!(tap.start_angle, Some(Angle::rev(0.25)));
+    assert_eq!(tap.return_spin, Spin::rpm(1600.0));
+    assert_eq!(tap.peck, Some(Length::mm(4.0)));
+    assert_eq!(the_tap(&ops_of(&shop(), &program("J1500"))).return_spin, Spin::rpm(1500.0));
+    assert_eq!(the_tap(&ops_of(&shop(), &program(""))).peck, None);
+    refused(&shop(), &program("J0"), "I0535");
+    refused(&shop(), &program("Q-1"), "I0536");
+    let small = refused(&shop(), &program("Q0.01"), "I0538");
+    assert_eq!(small.message, "Q0.01 would make more than 200 pecks: at least 0.06 is needed");
+    let inch = "G20 G95 F0.05 S800 M3\nG0 Z1\nG99 G84 Z-0.5 R0.1 Q0.2";
+    assert!((the_tap(&ops_of(&shop(), inch)).peck.unwrap().value() - 5.08).abs() < 1e-12);
+}
+
+#[test]
+fn the_plane_cannot_change_in_rigid_mode_and_g96_has_no_place_in_it() {
+    let start = "G95 F1\nG0 X5 Y5 Z5\nM29 S1000\n";
+    assert_eq!(refused(&shop(), &format!("{start}G18\nG84 Z-10 R2"), "I0533").span.line, 4);
+    refused(&shop(), &format!("{start}G99 G84 Z-10 R2\nG18 Y-10 R2"), "I0533");
+    refused(&shop(), "G96 S100 M3\nM29 S1000", "I0531");
+    refused(&shop(), "M29", "I0532");
+    assert!(ops_of(&shop(), &format!("{start}G99 G84 Z-10 R2\nG80 G18")).len() > 3);
 }
 
 #[test]

@@ -146,6 +146,7 @@ impl TapRun {
             lead: plan.lead,
             start: plan.start.along(plan.axis),
             bottom: plan.bottom,
+            end: plan.end,
             spin: plan.spin,
             inward: &Planned { profile: &plan.inward, mark: &marks[0] },
             dwell: plan.dwell,

@@ -7,7 +7,7 @@ use canon::{
 };
 use common::*;
 use kernel::{EventKind, Kernel, TapFigures};
-use plan::{AxisLimits, MachineLimits, Options, Planner, Start, Step, ToolChange};
+use plan::{AxisLimits, MachineLimits, Options, Planner, Start, Step, Tapping, ToolChange};
 use sim::SimulatedMachine;
 use units::{Accel, Angle, Lead, Length, Speed, Spin, Stiffness, Time};
 
@@ -35,6 +35,7 @@ fn limits() -> MachineLimits {
         spindles: vec![SPINDLE_LIMITS],
         tool_change: ToolChange { z: Some(Length::ZERO), time: Time::s(0.9) },
         settling: Time::s(5e-3),
+        tapping: Tapping::along_z(SPINDLE_LIMITS.margin),
     }
 }
 
@@ -96,6 +97,7 @@ fn ops(places: &[(f64, f64)]) -> Vec<Op> {
             return_spin: Spin::rpm(6000.0),
             dwell: Time::ZERO,
             start_angle: None,
+            peck: None,
         }));
         kinds.push(OpKind::Rapid { to: at(x, y, 50.0, TAP) });
     }

@@ -41,7 +41,9 @@ mod stroke;
 mod tap_check;
 mod travel;
 
-pub use limits::{AxisLimits, MachineLimits, Options, SpindleLimits, ToolChange};
+pub use limits::{
+    AxisLimits, Effort, MachineLimits, Options, Retract, SpindleLimits, Tapping, ToolChange,
+};
 pub use path::{Motion, Path};
 pub use planner::{Planner, Preflight, Start, preflight};
 pub use profile::{Instant, MAX_PIECES, Piece, Profile};

@@ -3,6 +3,7 @@
 //! Rotary axes (A, B, C) use the same [`AxisLimits`]: read degrees where they say millimetres, as
 //! RS-274/NGC does for the feed of a rotary axis.
 use alloc::vec::Vec;
+use canon::Axis;
 use units::{Accel, Inertia, Jerk, Length, Power, Speed, Spin, Time, Torque};
 
 /// One axis.
@@ -55,6 +56,58 @@ pub struct ToolChange {
     pub time: Time,
 }
 
+/// How taps are planned on this machine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tapping {
+    /// The axis along which the spindle holds its tool.
+    pub axis: Axis,
+    /// What a peck does before the next one.
+    pub retract: Retract,
+    /// How hard the drives are driven on the way in.
+    pub inward: Effort,
+    /// The same on the way out.
+    pub outward: Effort,
+}
+
+/// What a peck does before the next one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Retract {
+    /// Comes out to the start, and enters again on the same helix: the chips come out with it.
+    Full,
+    /// Turns back by so much of the axis' way: the chip breaks.
+    By(Length),
+}
+
+/// How hard the drives are driven.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effort {
+    /// Share of the spindle drive's torque and power that planned motion may use, 0…1.
+    pub margin: f64,
+    /// Factor on how fast torque and acceleration may rise.
+    pub jerk: f64,
+}
+
+impl Tapping {
+    /// Along Z, out and in again for each peck, with this share of torque and power both ways.
+    pub const fn along_z(margin: f64) -> Self {
+        let effort = Effort { margin, jerk: 1.0 };
+        Self { axis: Axis::Z, retract: Retract::Full, inward: effort, outward: effort }
+    }
+}
+
+impl Effort {
+    /// Limits of axis and spindle when driven like this.
+    pub(crate) fn of(
+        self,
+        axis: &AxisLimits,
+        spindle: &SpindleLimits,
+    ) -> (AxisLimits, SpindleLimits) {
+        let axis = AxisLimits { feed_jerk: axis.feed_jerk * self.jerk, ..*axis };
+        let torque_rise = spindle.torque_rise / self.jerk;
+        (axis, SpindleLimits { margin: self.margin, torque_rise, ..*spindle })
+    }
+}
+
 /// The whole machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MachineLimits {
@@ -66,6 +119,8 @@ pub struct MachineLimits {
     pub tool_change: ToolChange,
     /// Time that waiting for "in position" takes as a rule, for the estimate of the cycle time.
     pub settling: Time,
+    /// How taps are planned.
+    pub tapping: Tapping,
 }
 
 /// What the user chooses for one run.

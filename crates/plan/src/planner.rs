@@ -73,7 +73,8 @@ pub struct Planner {
     spindles: Vec<SpindleState>,
     mode: PathMode,
     holes: Holes,
-    last_stroke: Option<(StrokeRequest, Stroke)>,
+    /// In and out.
+    last_strokes: [Option<(StrokeRequest, Stroke)>; 2],
     warned_still: bool,
     findings: Findings,
     outbox: Outbox,
@@ -135,7 +136,7 @@ impl Planner {
             tool: start.tool,
             mode: PathMode::Exact,
             holes: Holes::default(),
-            last_stroke: None,
+            last_strokes: [None; 2],
             warned_still: false,
             findings: Findings::default(),
             outbox: Outbox::default(),

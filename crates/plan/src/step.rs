@@ -102,6 +102,9 @@ pub struct TapPlan {
     pub start: Position,
     /// Coordinate of `axis` at the turning point.
     pub bottom: Length,
+    /// Coordinate of `axis` where it ends: the start, or inside the thread where a peck only breaks the
+    /// chip and the next one goes on from there.
+    pub end: Length,
     /// Coordinate of `axis` where the material begins.
     pub surface: Length,
     /// Axis travel per revolution of the spindle in its own positive sense (M3), so that
@@ -115,7 +118,7 @@ pub struct TapPlan {
     pub inward: Profile,
     /// Wait at the bottom.
     pub dwell: Time,
-    /// Revolutions (magnitude) from bottom back to start over time, rest to rest.
+    /// Revolutions (magnitude) from bottom back to the end over time, rest to rest.
     pub outward: Profile,
     /// Spindle angle within a turn at the start; `None`: wherever it stands.
     pub start_angle: Option<Angle>,

@@ -39,6 +39,7 @@ fn tap() -> impl Strategy<Value = Tap> {
         return_spin: Spin::rpm(back),
         dwell: Time::s(dwell),
         start_angle: None,
+        peck: None,
     })
 }
 

@@ -133,6 +133,15 @@ impl<'d> Keys<'d> {
         self.required(key).and_then(|v| self.checked_choice(key, v, names)).unwrap_or(names[0].1)
     }
 
+    /// One of a list of names, if it is stated.
+    pub(crate) fn optional_choice<T: Copy>(
+        &mut self,
+        key: &'static str,
+        names: &[(&str, T)],
+    ) -> Option<T> {
+        self.ask(key).and_then(|v| self.checked_choice(key, v, names))
+    }
+
     /// A table within this one.
     pub(crate) fn section<T>(
         &mut self,

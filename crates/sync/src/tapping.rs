@@ -60,6 +60,8 @@ pub struct Tap<'a, S> {
     pub start: Length,
     /// Where the spindle turns back.
     pub bottom: Length,
+    /// Where it is over: the start, or short of it where the next peck goes on.
+    pub end: Length,
     /// The spindle's sense inwards: only the sign counts.
     pub spin: Spin,
     /// In.
@@ -142,7 +144,7 @@ pub enum Cycle {
     Out(Coupling, Clock),
     /// Following until the spindle stands.
     RunDown(Coupling),
-    /// Bringing the axis from where the spindle left it to the start.
+    /// Bringing the axis from where the spindle left it to the end.
     Leave(Blend, Time),
     /// Over.
     Done,
@@ -182,7 +184,7 @@ impl Cycle {
             }
             Self::Bottom(coupling, waited) => bottom(tap, coupling, waited + tick.elapsed),
             Self::Out(coupling, clock) => {
-                let left = turns_left(tap, &coupling, tap.start, tick, -1.0);
+                let left = turns_left(tap, &coupling, tap.end, tick, -1.0);
                 let clock = clock.advance(tap.outward, tick, left);
                 if clock.at < tap.outward.duration() {
                     Self::Out(coupling, clock)
@@ -194,7 +196,7 @@ impl Cycle {
             }
             Self::RunDown(coupling) if tick.at_rest => {
                 let z = coupling.position(tick.master.angle);
-                Self::Leave(gentle(tap, z, tap.start), Time::ZERO)
+                Self::Leave(gentle(tap, z, tap.end), Time::ZERO)
             }
             Self::RunDown(_) | Self::Done => self,
             Self::Leave(blend, at) if (at + tick.elapsed).value() < blend.duration_s() => {
@@ -225,9 +227,10 @@ impl Cycle {
     /// spindle, or the predicted reading.
     pub fn axis<S: Stroke>(&self, tap: &Tap<S>, master: Rotation) -> Follower {
         match self {
-            Self::AwaitRest | Self::Orient | Self::Done => {
+            Self::AwaitRest | Self::Orient => {
                 Follower { position: tap.start, ..Follower::default() }
             }
+            Self::Done => Follower { position: tap.end, ..Follower::default() },
             Self::StepOn(_, blend, at) | Self::Leave(blend, at) => {
                 let point = blend.at(at.value());
                 Follower {

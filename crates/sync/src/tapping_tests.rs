@@ -55,6 +55,7 @@ fn m6(encoder_following: bool, start_angle: Option<Angle>) -> Tap<'static, Trape
         lead: Lead::mm_per_rev(-1.0),
         start: Length::mm(2.0),
         bottom: Length::mm(-30.0),
+        end: Length::mm(2.0),
         spin: Spin::rpm(6000.0),
         inward: &STROKE,
         dwell: Time::ZERO,

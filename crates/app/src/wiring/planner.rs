@@ -1,6 +1,6 @@
 //! What the planner may ask of the machine.
-use plan::{AxisLimits, MachineLimits, SpindleLimits, ToolChange};
-use store::machine::{Axis, MachineFile, Spindle};
+use plan::{AxisLimits, Effort, MachineLimits, Retract, SpindleLimits, Tapping, ToolChange};
+use store::machine::{Axis, Follows, MachineFile, Peck, Spindle};
 use units::{Force, Time};
 
 /// Share of an axis drive's force that plans may use: the rest is for the cut and for control.
@@ -15,6 +15,26 @@ pub(crate) fn planner(machine: &MachineFile) -> MachineLimits {
         spindles: machine.spindles.iter().map(spindle).collect(),
         tool_change: ToolChange { z: Some(machine.tool_change.z), time: machine.tool_change.time },
         settling: windows.fold(Time::ZERO, Time::max),
+        tapping: tapping(machine),
+    }
+}
+
+/// The preset in force, and what a peck does. A feed that only follows the spindle's encoder leaves the thread to
+/// find its phase again, so there a peck always comes out in full.
+fn tapping(machine: &MachineFile) -> Tapping {
+    let file = &machine.tapping;
+    let standard = machine.spindles.first().map_or(1.0, |spindle| spindle.planned_share);
+    let effort = file.effort(file.preset, standard);
+    let share = |margin| Effort { margin, jerk: effort.jerk_share };
+    let follows_encoder = machine.control.synchronisation.follows == Follows::Encoder;
+    Tapping {
+        axis: canon::Axis::Z,
+        retract: match file.peck {
+            Peck::ChipBreak(back) if !follows_encoder => Retract::By(back),
+            Peck::Full | Peck::ChipBreak(_) => Retract::Full,
+        },
+        inward: share(effort.planned_share),
+        outward: share(effort.return_planned_share),
     }
 }
 

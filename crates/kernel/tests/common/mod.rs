@@ -259,6 +259,7 @@ impl TapOrder {
             spindle: 0,
             start: Position::xyz(0.0, 0.0, self.from_mm),
             bottom: Length::mm(self.to_mm),
+            end: Length::mm(self.from_mm),
             surface: Length::mm(self.surface_mm),
             lead: Lead::mm_per_rev(-self.lead_mm * hand),
             spin: Spin::rpm(self.rpm * hand),

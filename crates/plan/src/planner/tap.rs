@@ -1,7 +1,13 @@
-//! A tap: judged, then planned as two strokes.
+//! A tap: judged, then planned as two strokes, or as two strokes for each peck.
 //!
 //! ```text
 //!   spindle at rest ─► [in: N rev, rest to rest] ─► dwell ─► [out: N rev, rest to rest] ─► at rest
+//!
+//!   Q, out in full        Q, chip broken
+//!   R ●╮ ╭●╮ ╭●           R ●╮              ╭●     every stroke lies on one helix: that of the
+//!      │ │ │ │               ╰╮             │      start angle at R. A peck begins where the one
+//!   q  ╰─╯ │ │            q   ╰╮╭╮          │      before ended, at the angle the helix has there.
+//!      2q  ╰─╯               2q ╰╯╰─────────╯
 //! ```
 //!
 //! | canon::Tap | TapPlan |
@@ -12,7 +18,7 @@ use super::refuse::wild;
 use super::{Job, Planner};
 use crate::findings::number;
 use crate::holes::Drilled;
-use crate::limits::{AxisLimits, SpindleLimits};
+use crate::limits::{AxisLimits, Retract, SpindleLimits};
 use crate::motion::change;
 use crate::step::{StepKind, TapPlan};
 use crate::stroke::{Stroke, StrokeRequest};
@@ -25,11 +31,22 @@ use units::{Angle, Lead, Length, Time, Torque};
 /// The axes stand at the start if they are this near to it, mm.
 const AT_START: f64 = 1e-6;
 
+/// What is left below this counts as no peck of its own, mm.
+const NO_PECK: f64 = 1e-6;
+
 /// What a sound tap is planned with.
 struct Means {
-    axis: AxisLimits,
-    spindle: SpindleLimits,
+    inward: (AxisLimits, SpindleLimits),
+    outward: (AxisLimits, SpindleLimits),
     cut: Torque,
+}
+
+/// One way in and the way back, as coordinates of the axis.
+#[derive(Clone, Copy)]
+struct Peck {
+    from: Length,
+    bottom: Length,
+    end: Length,
 }
 
 impl Planner {
@@ -38,8 +55,11 @@ impl Planner {
         let means = self.judge(job, tap);
         self.rest(job, 0);
         if let Some(means) = means {
-            let plan = self.tap_plan(job, tap, &means);
-            self.hand_on(job, StepKind::Tap(plan));
+            self.warn_of_slow_return(job, tap, &means);
+            for peck in pecks(tap, self.limits.tapping.retract) {
+                let plan = self.tap_plan(tap, &peck, &means);
+                self.hand_on(job, StepKind::Tap(plan));
+            }
         }
         if wild(&tap.start).is_none() {
             self.programmed = tap.start;
@@ -54,7 +74,11 @@ impl Planner {
             return None;
         }
         let place = self.place_is_refused(job, tap);
+        let place = self.axis_is_refused(job, tap) || place;
         let (axis, spindle) = self.drives(job, tap)?;
+        let tapping = &self.limits.tapping;
+        let inward = tapping.inward.of(&axis, &spindle);
+        let outward = tapping.outward.of(&axis, &spindle);
         let Some((tool, tap_tool)) = self.tap_in_spindle() else {
             let finding = self.not_a_tap(job);
             self.findings.add(finding);
@@ -63,8 +87,15 @@ impl Planner {
         let hole = self.drilled_hole(tap, tool);
         let pressure = self.options.cutting_pressure_n_per_mm2;
         let cut = cutting_torque(tool, tap_tool, hole.map(|h| h.diameter), pressure);
-        let check =
-            TapCheck { tap, span: job.span, tool, tap_tool, axis: &axis, spindle: &spindle, hole };
+        let check = TapCheck {
+            tap,
+            span: job.span,
+            tool,
+            tap_tool,
+            axis: &inward.0,
+            spindle: &inward.1,
+            hole,
+        };
         let found = check.findings(cut);
         let refused = place || found.iter().any(Diagnostic::is_error);
         for finding in found {
@@ -75,7 +106,7 @@ impl Planner {
                         right size";
             self.findings.add_once(Diagnostic::note("M0324", job.span, text));
         }
-        (!refused).then_some(Means { axis, spindle, cut })
+        (!refused).then_some(Means { inward, outward, cut })
     }
 
     /// The axis and the spindle that a tap needs.
@@ -126,7 +157,9 @@ impl Planner {
             tap.spin.value(),
             tap.return_spin.value(),
         ];
-        let others = tap.surface.is_finite() && tap.dwell.is_finite() && tap.dwell >= Time::ZERO;
+        let pecks = tap.peck.is_none_or(|peck| positive(peck.value()));
+        let others =
+            pecks && tap.surface.is_finite() && tap.dwell.is_finite() && tap.dwell >= Time::ZERO;
         let sound = numbers.into_iter().all(positive) && others && wild(&tap.start).is_none();
         if !sound {
             let text = format!(
@@ -160,22 +193,29 @@ impl Planner {
         self.is_refused(job, &path) || refused
     }
 
-    fn tap_plan(&mut self, job: &Job, tap: &Tap, means: &Means) -> TapPlan {
-        let start = tap.start.along(tap.axis);
-        let travel = tap.bottom - start;
-        let direction = if travel < Length::ZERO { -1.0 } else { 1.0 };
-        let sense = if tap.lead < Lead::ZERO { -1.0 } else { 1.0 };
-        let revolutions: Angle = travel.abs() / tap.lead.abs();
-        let request = StrokeRequest {
-            revolutions,
-            spin: tap.spin,
-            lead: tap.lead,
-            cut: means.cut,
-            force_ramp: self.options.force_ramp,
-        };
-        let inward = self.stroke(request, means);
-        let outward = self.stroke(StrokeRequest { spin: tap.return_spin, ..request }, means);
-        let highest = means.spindle.tapping_max.min(means.axis.feed_speed / tap.lead.abs());
+    /// A tap along an axis in which the spindle does not hold its tool.
+    fn axis_is_refused(&mut self, job: &Job, tap: &Tap) -> bool {
+        let own = self.limits.tapping.axis;
+        let refused = tap.axis != own;
+        if refused {
+            let plane = match own {
+                Axis::X => "G19",
+                Axis::Y => "G18",
+                _ => "G17",
+            };
+            let (found, own) = (tap.axis.letter(), own.letter());
+            let text = format!(
+                "the spindle of this machine holds its tap along {own}, and this block taps along {found}: \
+                 {plane} and a depth in {own} work"
+            );
+            self.findings.add(Diagnostic::error("M0334", job.span, text));
+        }
+        refused
+    }
+
+    fn warn_of_slow_return(&mut self, job: &Job, tap: &Tap, means: &Means) {
+        let (axis, spindle) = &means.outward;
+        let highest = spindle.tapping_max.min(axis.feed_speed / tap.lead.abs());
         if tap.return_spin.value() > highest.value() * (1.0 + 1e-9) {
             let text = format!(
                 "the return at S{} is faster than spindle and axis can tap: it runs at S{}",
@@ -184,34 +224,86 @@ impl Planner {
             );
             self.findings.add(Diagnostic::warning("M0332", job.span, text));
         }
+    }
+
+    fn tap_plan(&mut self, tap: &Tap, peck: &Peck, means: &Means) -> TapPlan {
+        let start = tap.start.along(tap.axis);
+        let direction = if tap.bottom < start { -1.0 } else { 1.0 };
+        let sense = if tap.lead < Lead::ZERO { -1.0 } else { 1.0 };
+        let turns = |from: Length, to: Length| -> Angle { (to - from).abs() / tap.lead.abs() };
+        let request = StrokeRequest {
+            revolutions: turns(peck.from, peck.bottom),
+            spin: tap.spin,
+            lead: tap.lead,
+            cut: means.cut,
+            force_ramp: self.options.force_ramp,
+        };
+        let revolutions = turns(peck.bottom, peck.end);
+        let back = StrokeRequest { revolutions, spin: tap.return_spin, ..request };
+        let inward = self.stroke(request, &means.inward, 0);
+        let outward = self.stroke(back, &means.outward, 1);
+        // on the helix through the start: where a peck begins deeper, the spindle stands that much further
+        let angle = |at: Angle| at + turns(start, peck.from) * sense;
+        let start_angle = match tap.start_angle {
+            None if tap.peck.is_some() => Some(angle(Angle::ZERO)),
+            asked => asked.map(angle),
+        };
         TapPlan {
             axis: tap.axis,
             spindle: 0,
-            start: tap.start,
-            bottom: tap.bottom,
+            start: tap.start.with(tap.axis, peck.from),
+            bottom: peck.bottom,
+            end: peck.end,
             surface: tap.surface,
             lead: tap.lead * direction,
             spin: tap.spin * sense,
             return_spin: tap.return_spin * -sense,
             inward: inward.profile,
-            dwell: tap.dwell,
+            dwell: if peck.bottom == tap.bottom { tap.dwell } else { Time::ZERO },
             outward: outward.profile,
-            start_angle: tap.start_angle,
+            start_angle,
             limiting: inward.limiting,
         }
     }
 
-    /// A stroke; holes of a pattern are alike, so the last one is remembered.
-    fn stroke(&mut self, request: StrokeRequest, means: &Means) -> Stroke {
-        match self.last_stroke {
+    /// A stroke in (0) or out (1); holes of a pattern are alike, so the last ones are remembered.
+    fn stroke(
+        &mut self,
+        request: StrokeRequest,
+        limits: &(AxisLimits, SpindleLimits),
+        way: usize,
+    ) -> Stroke {
+        match self.last_strokes[way] {
             Some((same, stroke)) if same == request => stroke,
             _ => {
-                let stroke = request.plan(&means.spindle, &means.axis);
-                self.last_stroke = Some((request, stroke));
+                let stroke = request.plan(&limits.1, &limits.0);
+                self.last_strokes[way] = Some((request, stroke));
                 stroke
             }
         }
     }
+}
+
+/// The pecks of a tap, the only one of a tap without Q. A chip is broken only where that leaves the tap on its
+/// way: a retract as long as the peck or longer comes out to the start.
+fn pecks(tap: &Tap, retract: Retract) -> impl Iterator<Item = Peck> {
+    let (start, to) = (tap.start.along(tap.axis), tap.bottom);
+    let stroke = (to - start).abs();
+    let into = if to < start { -1.0 } else { 1.0 };
+    let depth = tap.peck.map_or(stroke, |peck| peck.min(stroke));
+    let end_of = move |bottom: Length| match retract {
+        Retract::By(back) if bottom != to && back < depth => bottom - back * into,
+        _ => start,
+    };
+    let count = libm::ceil((stroke.value() - NO_PECK) / depth.value()).max(1.0);
+    let mut from = start;
+    (1..=count as u32).map(move |k| {
+        let last = f64::from(k) >= count;
+        let bottom = if last { to } else { start + depth * (into * f64::from(k)) };
+        let peck = Peck { from, bottom, end: end_of(bottom) };
+        from = peck.end;
+        peck
+    })
 }
 
 fn kind_name(tool: &Tool) -> &'static str {

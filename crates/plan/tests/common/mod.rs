@@ -4,7 +4,9 @@ use canon::{
     Axis, Feed, Flute, Holder, Hole, Op, OpKind, Position, Span, SpindleOrder, Tap, TapTool, Tool,
     ToolKind, ToolLibrary,
 };
-use plan::{AxisLimits, MachineLimits, Options, Planner, SpindleLimits, Start, Step, ToolChange};
+use plan::{
+    AxisLimits, MachineLimits, Options, Planner, SpindleLimits, Start, Step, Tapping, ToolChange,
+};
 use units::{
     Accel, Angle, Inertia, Jerk, Lead, Length, Power, Speed, Spin, Stiffness, Time, Torque,
 };
@@ -46,6 +48,7 @@ pub fn machine() -> MachineLimits {
         spindles: vec![SPINDLE],
         tool_change: ToolChange { z: Some(Length::ZERO), time: Time::s(1.5) },
         settling: Time::ZERO,
+        tapping: Tapping::along_z(SPINDLE.margin),
     }
 }
 
@@ -110,6 +113,7 @@ pub fn tap(x: f64, y: f64, r: f64, z: f64, lead: f64, rpm: f64) -> Tap {
         return_spin: Spin::rpm(rpm),
         dwell: Time::ZERO,
         start_angle: None,
+        peck: None,
     }
 }
 

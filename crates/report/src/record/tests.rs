@@ -30,6 +30,7 @@ impl Tapper {
             return_spin: Spin::rpm(1000.0),
             dwell: Time::ZERO,
             start_angle: None,
+            peck: None,
         };
         self.recorder.op(op, &Op { span: Span::default(), kind: OpKind::Tap(tap) });
     }

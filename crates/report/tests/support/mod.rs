@@ -208,6 +208,7 @@ fn tap_op(x: f64, y: f64) -> Tap {
         return_spin: Spin::rpm(6000.0),
         dwell: Time::ZERO,
         start_angle: None,
+        peck: None,
     }
 }
 

@@ -5,7 +5,7 @@
 //!   [axes.x] …     travel, speeds, drive, structure, friction, encoder, loops    ─► plan, kernel, sim
 //!   [[spindles]]   inertia, torque and power curve, friction, encoder, loops     ─► plan, kernel, sim
 //!   [tool_change]  where and how long                                            ─► plan, sim
-//!   [tapping]      windows of the synchronisation error, ramp                    ─► plan, kernel
+//!   [tapping]      windows of the sync error, ramp, presets, pecks                  ─► plan, kernel
 //!   [setup]        work offset G54, stock                                        ─► interp, verify
 //!   [simulation]   substep, seed, scatter, how a tap sits in its thread          ─► sim
 //! ```
@@ -28,6 +28,7 @@ mod axis;
 mod control;
 mod setup;
 mod spindle;
+mod tapping;
 
 pub(crate) use axis::n_per_um;
 pub use axis::{
@@ -37,8 +38,9 @@ pub use control::{
     Control, CycleDepth, Dialect, Follows, Overrides, Prediction, Synchronisation, ToolChange,
     Waits,
 };
-pub use setup::{Material, Ramp, Setup, Simulation, Stock, TapSeat, Tapping};
+pub use setup::{Material, Setup, Simulation, Stock, TapSeat};
 pub use spindle::{Spindle, SpindleFriction, SpindleWindows};
+pub use tapping::{Effort, Peck, Preset, Ramp, Tapping};
 
 use crate::{Error, SMALL_FILE_LIMIT, keys, keys::Keys, read_text};
 use diag::Diagnostic;

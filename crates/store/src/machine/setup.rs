@@ -1,4 +1,4 @@
-//! What is clamped, how threads are watched, and how the machine is simulated.
+//! What is clamped, and how the machine is simulated.
 use super::axis::{FARTHEST_MM, n_per_um};
 use crate::keys::Keys;
 use canon::Position;
@@ -8,26 +8,6 @@ use units::{Length, Stiffness, Time};
 /// A fraction of one, stated in percent.
 pub(super) fn percent(keys: &mut Keys<'_>, key: &'static str, bounds: RangeInclusive<f64>) -> f64 {
     keys.number(key, bounds) / 100.0
-}
-
-/// Rigid tapping.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tapping {
-    /// Synchronisation error in the material that is reported.
-    pub sync_warn: Length,
-    /// Synchronisation error in the material that stops the machine.
-    pub sync_stop: Length,
-    /// How the spindle is brought to speed and back.
-    pub ramp: Ramp,
-}
-
-/// How the spindle is brought to speed in a tap.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Ramp {
-    /// As fast as torque, power and the feed axis allow.
-    PowerCurve,
-    /// From rest to the programmed speed in a straight line in this time, whatever the power curve says.
-    Linear(Time),
 }
 
 /// The workpiece, and where it is clamped.
@@ -107,32 +87,6 @@ impl Material {
             material.cutting_force_n_per_mm2 = kc;
         }
         material
-    }
-}
-
-impl Tapping {
-    pub(super) fn read(keys: &mut Keys<'_>) -> Self {
-        let ramp_time = keys.optional("ramp_s", 1e-3..=60.0);
-        let linear = keys.choice("ramp", &[("power-curve", false), ("linear", true)]);
-        if linear && ramp_time.is_none() {
-            keys.conflict("ramp", "a linear ramp needs its time `ramp_s`");
-        }
-        let tapping = Self {
-            sync_warn: Length::um(keys.number("sync_warn_um", 0.1..=10_000.0)),
-            sync_stop: Length::um(keys.number("sync_stop_um", 0.1..=10_000.0)),
-            ramp: match ramp_time {
-                Some(s) if linear => Ramp::Linear(Time::s(s)),
-                _ => Ramp::PowerCurve,
-            },
-        };
-        if tapping.sync_stop < tapping.sync_warn {
-            let least = tapping.sync_warn.in_um();
-            keys.conflict(
-                "sync_stop_um",
-                format!("`sync_stop_um` is below the warning: expected {least} at least"),
-            );
-        }
-        tapping
     }
 }
 

@@ -103,6 +103,7 @@ impl Record {
             return_spin: Spin::rpm(self.rpm),
             dwell: Time::ZERO,
             start_angle: self.start_angle,
+            peck: None,
         }
     }
 

@@ -1,0 +1,198 @@
+//! Rigid tapping as a mode, and the words of a tapping cycle.
+//!
+//! ```text
+//!            M29 S…            G84, G74               X… Y…
+//!     Off ──────────► Ordered ──────────► Cycling ◄────────┐
+//!      ▲  G84.2, G84.3                    │  │  └──────────┘
+//!      ├──────────────────────────────────┼──┘ (to Cycling at once)
+//!      └── G80, another motion ◄──────────┘
+//! ```
+//!
+//! In rigid mode the cycle turns the spindle itself, so no M3 or M4 is asked for. Between M29 and its
+//! cycle nothing may move, and the plane stays as it is until the mode ends.
+//!
+//! | word | meaning | left out |
+//! |---|---|---|
+//! | `A` | spindle angle at which the thread begins at R, degrees | 0 |
+//! | `J` | way out: up to 20 so many times S, above 20 rev/min | as fast as in |
+//! | `Q` | depth of each peck, above 0; Q0 ends it | all the way at once |
+//!
+//! Source: Fanuc, operator's manual of series 0i, "Rigid tapping" (M29, G84.2, G84.3 and the alarms
+//! PS0203 to PS0206); J as a factor: Haas mill operator's manual, G84.
+use crate::{
+    call::{CycleHole, CycleTap, ReturnSpeed, Sense},
+    codes::{GGroup, MGroup},
+    execute::Executor,
+    fault::{Outcome, error, refuse},
+    state::{Cycle, Motion},
+};
+use canon::{Plane, ToolKind};
+use diag::Span;
+
+/// J up to this is a factor, above it a speed in rev/min.
+const LARGEST_FACTOR: f64 = 20.0;
+/// More pecks than this in one thread are a slip of the pen.
+const MAX_PECKS: f64 = 200.0;
+
+/// Whether the next tap, or this one, is rigid by M29 or by its code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Rigid {
+    /// It is not.
+    Off,
+    /// M29 was here; its cycle has not come yet.
+    Ordered(Span),
+    /// Its cycle is in force.
+    Cycling,
+}
+
+/// The words of a tapping cycle that no other cycle has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct TapWords {
+    start_angle_deg: f64,
+    return_speed: ReturnSpeed,
+    peck: Option<f64>,
+}
+
+impl Default for TapWords {
+    fn default() -> Self {
+        Self { start_angle_deg: 0.0, return_speed: ReturnSpeed::Times(1.0), peck: None }
+    }
+}
+
+impl TapWords {
+    /// One hole of the cycle.
+    pub(crate) const fn call(
+        &self,
+        hole: CycleHole,
+        sense: Sense,
+        dwell_s: f64,
+        overrides: (bool, bool),
+    ) -> CycleTap {
+        let &Self { start_angle_deg, return_speed, peck } = self;
+        CycleTap { hole, sense, dwell_s, start_angle_deg, return_speed, peck, overrides }
+    }
+}
+
+impl Executor {
+    /// M29, and what must not change in rigid mode; before the block's modes are set.
+    pub(crate) fn rigid_mode(&mut self, motion: Option<Motion>) -> Outcome {
+        if motion.is_some_and(|m| tap_cycle(m).is_none()) && self.state.rigid == Rigid::Cycling {
+            self.state.rigid = Rigid::Off;
+        }
+        let span = self.words.place.span;
+        if self.words.m(MGroup::Rigid).is_some() {
+            if self.state.spindle.constant_surface_speed {
+                let text = "M29 needs S in revolutions per minute, but G96 is in force";
+                return Err(error("I0531", span, text).with_help("write G97 S… before it").into());
+            }
+            if self.state.spindle.speed <= 0.0 {
+                return refuse("I0532", span, "M29 needs S, the speed of the taps that follow");
+            }
+            self.state.rigid = Rigid::Ordered(span);
+        }
+        let plane = match self.words.g(GGroup::Plane) {
+            Some(180) => Plane::ZX,
+            Some(190) => Plane::YZ,
+            Some(_) => Plane::XY,
+            None => self.state.plane,
+        };
+        let starts = motion.and_then(tap_cycle).is_some();
+        if plane != self.state.plane && self.state.rigid != Rigid::Off && !(starts && self.fresh())
+        {
+            let text = "the plane cannot change in rigid tapping";
+            let help = "end it with G80 first, or select the plane before M29";
+            return Err(error("I0533", span, text).with_help(help).into());
+        }
+        Ok(())
+    }
+
+    /// M29 in this very block.
+    fn fresh(&self) -> bool {
+        self.state.rigid == Rigid::Ordered(self.words.place.span)
+    }
+
+    /// What M29 waits for, and what ends it.
+    pub(crate) fn rigid_motion(&mut self, motion: Motion) -> Outcome {
+        let was = self.state.rigid;
+        self.state.rigid = match (tap_cycle(motion), was) {
+            (Some(Cycle::RigidRight | Cycle::RigidLeft), _)
+            | (Some(_), Rigid::Ordered(_) | Rigid::Cycling) => Rigid::Cycling,
+            (Some(_), Rigid::Off) | (None, _) => Rigid::Off,
+        };
+        match (motion, was) {
+            (Motion::None, _) => Ok(()),
+            (_, Rigid::Ordered(ordered)) if self.state.rigid == Rigid::Off => {
+                let code = crate::codes::written(motion.code());
+                let text = format!("expected G84 or G74 after M29, found a move with G{code}");
+                let fault = error("I0534", self.words.place.span, text)
+                    .with_label(ordered, "rigid tapping ordered here");
+                Err(fault
+                    .with_help("move first, then write M29 in the block before the cycle")
+                    .into())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// No F is in force, but the tap in the spindle has a pitch.
+    pub(crate) fn lead_is_the_taps(&self, cycle: Cycle) -> bool {
+        let tool = self.tools.get(self.state.current_tool);
+        cycle.tap_sense().is_some()
+            && self.state.feed == 0.0
+            && self.state.feed_mode != crate::state::FeedMode::InverseTime
+            && tool.is_some_and(|t| matches!(t.kind, ToolKind::Tap(_)))
+    }
+
+    /// A, J, Q of this block, or those that the cycle kept.
+    pub(crate) fn tap_words(&self, kept: Option<TapWords>) -> Outcome<TapWords> {
+        let kept = kept.unwrap_or_default();
+        let return_speed = match self.words.get(b'J') {
+            None => kept.return_speed,
+            Some(factor) if factor > 0.0 && factor <= LARGEST_FACTOR => ReturnSpeed::Times(factor),
+            Some(rpm) if rpm > LARGEST_FACTOR => ReturnSpeed::Rpm(rpm),
+            Some(other) => {
+                let text = format!(
+                    "J is the speed of the way out: up to {LARGEST_FACTOR} times S, or rev/min above that, found {other}"
+                );
+                return refuse("I0535", self.words.span(b'J'), text);
+            }
+        };
+        let peck = match self.words.get(b'Q') {
+            None => kept.peck,
+            Some(0.0) => None,
+            Some(depth) if depth > 0.0 => Some(depth),
+            Some(other) => {
+                let text = format!("Q is the depth of each peck, above 0, found {other}");
+                return refuse("I0536", self.words.span(b'Q'), text);
+            }
+        };
+        let start_angle_deg = self.words.get(b'A').unwrap_or(kept.start_angle_deg);
+        if start_angle_deg.abs() > 1e6 {
+            let text = format!("A is an angle within a turn, 0 to 360, found {start_angle_deg}");
+            return refuse("I0537", self.words.span(b'A'), text);
+        }
+        Ok(TapWords { start_angle_deg, return_speed, peck })
+    }
+
+    /// A peck so small that it is a slip of the pen.
+    pub(crate) fn check_pecks(&self, tap: &TapWords, stroke: f64) -> Outcome {
+        match tap.peck {
+            Some(peck) if stroke / peck > MAX_PECKS => {
+                let least = stroke / MAX_PECKS;
+                let text = format!(
+                    "Q{peck} would make more than {MAX_PECKS} pecks: at least {least} is needed"
+                );
+                refuse("I0538", self.words.span(b'Q'), text)
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The tapping cycle that a motion is.
+const fn tap_cycle(motion: Motion) -> Option<Cycle> {
+    match motion {
+        Motion::Cycle(cycle) if cycle.tap_sense().is_some() => Some(cycle),
+        _ => None,
+    }
+}
