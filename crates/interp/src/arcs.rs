@@ -67,6 +67,11 @@ impl Executor {
             (radius * sweep_rad(start, end, centre, turns)).hypot(to[n] - self.state.at[n])
         };
         self.say_feed(code, length, sink)?;
+        if self.compensating {
+            self.arc_beside(&to, centre, turns, sink)?;
+            self.state.at = to;
+            return Ok(());
+        }
         self.state.at = to;
         self.say(sink, &Call::Arc { plane: self.state.plane, to, centre, turns });
         Ok(())

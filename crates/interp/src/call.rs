@@ -5,7 +5,7 @@
 //! LinuxCNC's stand-alone interpreter does, [`Resolver`](crate::Resolver) turns them into
 //! [`canon::Op`]. What the two need differently is kept whole in one call: a tapping cycle is one
 //! [`Call::Tap`], which the listing expands into LinuxCNC's moves and the resolver does not.
-use crate::frame::Point;
+use crate::{frame::Point, tool_table::ToolEntry};
 use canon::Plane;
 use diag::Span;
 
@@ -215,6 +215,15 @@ pub enum Call<'a> {
     ChangeTool(u32),
     /// M61: the spindle has had this tool all along.
     ToolNumber(u32),
+    /// G10 L0.
+    ReloadTools,
+    /// G10 L1, L10, L11: what the control believes about a tool from here on.
+    ToolTableEntry {
+        /// Its place in the table, from 1; 0 is the spindle.
+        rank: u32,
+        /// What is written.
+        entry: ToolEntry,
+    },
     /// M7, M9.
     Mist(bool),
     /// M8, M9.

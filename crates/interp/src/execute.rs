@@ -9,16 +9,20 @@
 //! The order is the language's, not the text's: `G1 X1 M3 S500` starts the spindle first.
 //! Source: NISTIR 6556 table 8; LinuxCNC 2.9 manual, "Order of execution".
 use crate::{
-    call::{Call, Sink},
+    call::{Call, Place, Sink},
     codes::{AXES, CENTRE, GGroup, MGroup, POLAR},
+    context::Context,
     eval::Values,
     fault::{Outcome, error, refuse},
+    held::Held,
     names::Store,
     setup::{MissingTools, Setup},
     state::{Cycle, Motion, State},
+    tool_table::ToolTable,
     words::Words,
 };
 use canon::{Plane, ToolLibrary};
+use core::cell::RefCell;
 use diag::Diagnostic;
 use gcode::Block;
 
@@ -42,6 +46,13 @@ pub(crate) struct Executor {
     pub(crate) words: Words,
     pub(crate) tools: ToolLibrary,
     pub(crate) missing_tools: MissingTools,
+    /// What the tool table says, where a program has changed it.
+    pub(crate) tool_table: ToolTable,
+    /// Modes kept by M70 and M73, innermost subprogram last.
+    pub(crate) contexts: Vec<Context>,
+    /// Whether moves go beside the programmed ones, and what is held back meanwhile.
+    pub(crate) compensating: bool,
+    pub(crate) held: RefCell<Vec<(Place, Held)>>,
     /// Warnings and notes of the block at hand.
     pub(crate) remarks: Vec<Diagnostic>,
 }
@@ -54,6 +65,10 @@ impl Executor {
             words: Words::new(),
             tools: setup.tools.clone(),
             missing_tools: setup.missing_tools,
+            tool_table: ToolTable::default(),
+            contexts: vec![Context::default()],
+            compensating: false,
+            held: RefCell::default(),
             remarks: Vec::new(),
         };
         new.load_offsets();
@@ -68,7 +83,11 @@ impl Executor {
 
     #[inline]
     pub(crate) fn say<S: Sink>(&self, sink: &mut S, call: &Call<'_>) {
-        sink.call(&self.words.place, call);
+        if self.compensating {
+            self.say_behind(sink, call);
+        } else {
+            sink.call(&self.words.place, call);
+        }
     }
 
     /// What is said before the first block.
@@ -95,6 +114,9 @@ impl Executor {
         self.words.check_letters(motion.map_or(0, letters_of))?;
         let words = &self.words;
         if words.has_codes() || words.any(crate::codes::set("STF")) {
+            if self.compensating {
+                self.check_compensated()?;
+            }
             self.feed_mode(sink)?;
             self.spindle_speed(sink)?;
             self.tools_and_switches(sink)?;
@@ -140,6 +162,12 @@ impl Executor {
         } else if motion != self.state.motion {
             self.state.sticky = None;
         }
+        if self.compensating && !motion.is_plain() && motion != Motion::None {
+            return self.no_compensation();
+        }
+        if self.state.leaving_compensation {
+            self.leave_compensation(motion)?;
+        }
         match motion {
             Motion::None => {
                 self.cycle_off(sink);
@@ -172,9 +200,11 @@ impl Executor {
             self.say(sink, &Call::SelectPlane(self.state.plane));
         }
         self.units(sink);
-        if self.words.g(GGroup::Compensation).is_some() {
-            self.say(sink, &Call::Note("cutter radius compensation off"));
+        let diameter = self.words.g(GGroup::Diameter).map(|code| code == 70);
+        if let Some(diameter) = diameter.filter(|d| *d != self.state.diameter) {
+            self.set_diameter(diameter, sink);
         }
+        self.compensation(sink)?;
         self.tool_length(sink)?;
         self.work_offset(sink);
         self.path_control(sink)?;
@@ -182,53 +212,71 @@ impl Executor {
         Ok(())
     }
 
-    /// G90 G91, G90.1 G91.1, G7 G8, G98 G99.
+    /// G90 G91, G90.1 G91.1, G98 G99.
     fn distances<S: Sink>(&mut self, sink: &mut S) {
-        if let Some(code) = self.words.g(GGroup::Distance)
-            && (code == 910) != self.state.incremental
-        {
-            self.state.incremental = code == 910;
-            let note = if code == 910 {
+        let words = &self.words;
+        let incremental = words.g(GGroup::Distance).map_or(self.state.incremental, |c| c == 910);
+        let absolute_centres =
+            words.g(GGroup::ArcDistance).map_or(self.state.absolute_centres, |c| c == 901);
+        let retract = words.g(GGroup::Retract);
+        self.set_distances(incremental, absolute_centres, sink);
+        if let Some(code) = retract {
+            self.set_retract(code == 980, sink);
+        }
+    }
+
+    /// Where they differ from what is in force.
+    pub(crate) fn set_distances<S: Sink>(
+        &mut self,
+        incremental: bool,
+        absolute_centres: bool,
+        sink: &mut S,
+    ) {
+        if incremental != self.state.incremental {
+            self.state.incremental = incremental;
+            let note = if incremental {
                 "distance mode changed to incremental"
             } else {
                 "distance mode changed to absolute"
             };
             self.say(sink, &Call::Note(note));
         }
-        if let Some(code) = self.words.g(GGroup::ArcDistance)
-            && (code == 901) != self.state.absolute_centres
-        {
-            self.state.absolute_centres = code == 901;
-            let note = if code == 901 {
+        if absolute_centres != self.state.absolute_centres {
+            self.state.absolute_centres = absolute_centres;
+            let note = if absolute_centres {
                 "IJK distance mode changed to absolute"
             } else {
                 "IJK distance mode changed to incremental"
             };
             self.say(sink, &Call::Note(note));
         }
-        if let Some(code) = self.words.g(GGroup::Diameter)
-            && (code == 70) != self.state.diameter
-        {
-            self.state.diameter = code == 70;
-            let note = if code == 70 {
-                "Lathe diameter mode changed to diameter"
-            } else {
-                "Lathe diameter mode changed to radius"
-            };
-            self.say(sink, &Call::Note(note));
-        }
-        if let Some(code) = self.words.g(GGroup::Retract) {
-            self.state.retract_to_initial = code == 980;
-            let note = if code == 980 {
-                "retract mode set to old_z"
-            } else {
-                "retract mode set to r_plane"
-            };
-            self.say(sink, &Call::Note(note));
-        }
+    }
+
+    /// G7 (true), G8.
+    pub(crate) fn set_diameter<S: Sink>(&mut self, diameter: bool, sink: &mut S) {
+        self.state.diameter = diameter;
+        let note = if diameter {
+            "Lathe diameter mode changed to diameter"
+        } else {
+            "Lathe diameter mode changed to radius"
+        };
+        self.say(sink, &Call::Note(note));
+    }
+
+    /// G98 (true), G99.
+    pub(crate) fn set_retract<S: Sink>(&mut self, to_initial: bool, sink: &mut S) {
+        self.state.retract_to_initial = to_initial;
+        let note =
+            if to_initial { "retract mode set to old_z" } else { "retract mode set to r_plane" };
+        self.say(sink, &Call::Note(note));
     }
 
     fn stops<S: Sink>(&mut self, sink: &mut S) -> Outcome<After> {
+        match self.words.m(MGroup::Stop) {
+            Some(2 | 30) => self.compensation_off(sink)?,
+            Some(0 | 1 | 60) => self.let_go(sink),
+            _ => {}
+        }
         match self.words.m(MGroup::Stop) {
             None => {}
             Some(0) => self.say(sink, &Call::Stop),

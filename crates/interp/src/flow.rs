@@ -22,7 +22,7 @@ pub(crate) struct Frame {
 
 impl Interpreter<'_> {
     /// Execute the O-word of the block at hand.
-    pub(crate) fn o_word<S: Sink>(&mut self, _: &mut S) -> Outcome {
+    pub(crate) fn o_word<S: Sink>(&mut self, sink: &mut S) -> Outcome {
         let Some(word) = self.block.o else { return Ok(()) };
         if word.keyword == Keyword::Program {
             return Ok(()); // the program's own number, or the begin of one that M98 calls
@@ -32,7 +32,7 @@ impl Interpreter<'_> {
         let mark = self.outline().marks[i].clone();
         match word.keyword {
             Keyword::Sub => self.jump_after(mark.partner),
-            Keyword::EndSub | Keyword::Return => return self.give_back(),
+            Keyword::EndSub | Keyword::Return => return self.give_back(sink),
             Keyword::Call => return self.call(word.label),
             Keyword::If => {
                 if self.argument()? == 0.0 {
@@ -236,12 +236,13 @@ impl Interpreter<'_> {
         self.frames.push(Frame { file: self.file, back, repeats, again });
         self.file = file;
         self.executor.state.call_level = self.frames.len();
+        self.executor.enter_context();
         self.jump(start);
         Ok(())
     }
 
     /// `endsub`, `return`: with the value, if one is given.
-    fn give_back(&mut self) -> Outcome {
+    fn give_back<S: Sink>(&mut self, sink: &mut S) -> Outcome {
         let value = if self.block.arguments.is_empty() { None } else { Some(self.argument()?) };
         self.executor.state.returned = value;
         self.executor.state.value = value.unwrap_or(0.0);
@@ -249,18 +250,19 @@ impl Interpreter<'_> {
             let span = self.block.o.map_or(self.block.span, |o| o.span);
             return refuse("I0312", span, "no subprogram is being executed here");
         }
-        self.leave();
         self.executor.store.leave();
-        Ok(())
+        self.leave(sink)
     }
 
-    fn leave(&mut self) {
+    fn leave<S: Sink>(&mut self, sink: &mut S) -> Outcome {
         if let Some(frame) = self.frames.pop() {
             self.file = frame.file;
             self.repeats = frame.repeats;
             self.executor.state.call_level = self.frames.len();
             self.jump(frame.back);
+            return self.executor.leave_context(sink);
         }
+        Ok(())
     }
 
     /// M98.
@@ -280,7 +282,7 @@ impl Interpreter<'_> {
     }
 
     /// M99.
-    pub(crate) fn return_from_program(&mut self) -> Outcome {
+    pub(crate) fn return_from_program<S: Sink>(&mut self, sink: &mut S) -> Outcome {
         let Some(frame) = self.frames.last_mut() else {
             self.ended = true;
             let text = "M99 in the main program would repeat it for ever";
@@ -293,10 +295,7 @@ impl Interpreter<'_> {
                 self.jump(start);
                 Ok(())
             }
-            Some(_) => {
-                self.leave();
-                Ok(())
-            }
+            Some(_) => self.leave(sink),
             None => refuse(
                 "I0315",
                 self.block.span,

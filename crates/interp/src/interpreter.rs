@@ -181,7 +181,7 @@ impl<'s> Interpreter<'s> {
                 Ok(())
             }
             After::Call(number, times) => self.call_program(number, times),
-            After::Return => self.return_from_program(),
+            After::Return => self.return_from_program(sink),
         }
     }
 

@@ -202,6 +202,20 @@ impl<W: Write> Listing<W> {
         self.end();
     }
 
+    /// In inches, which LinuxCNC's table has where no machine is configured.
+    fn tool_entry(&mut self, place: &Place, rank: u32, entry: &crate::ToolEntry) {
+        let mut offset = entry.offset;
+        crate::frame::scale(&mut offset, 1.0 / units::MM_PER_INCH);
+        let offset = offset.map(|v| format!("{v:.4}")).join(" ");
+        self.text(
+            place,
+            &format!(
+                "SET_TOOL_TABLE_ENTRY({rank}, {}, {offset}, {:.4}, {:.4}, {})",
+                entry.number, entry.front_angle, entry.back_angle, entry.orientation
+            ),
+        );
+    }
+
     fn tool_offset(&mut self, place: &Place, p: &Point) {
         let triple = |i: usize| format!("{:.4} {:.4} {:.4}", p[i], p[i + 1], p[i + 2]);
         self.text(
@@ -265,6 +279,7 @@ impl<W: Write> Listing<W> {
             Call::SelectTool(number) => self.text(place, &format!("SELECT_TOOL({number})")),
             Call::ChangeTool(number) => self.text(place, &format!("CHANGE_TOOL({number})")),
             Call::ToolNumber(number) => self.text(place, &format!("CHANGE_TOOL_NUMBER({number})")),
+            Call::ToolTableEntry { rank, entry } => self.tool_entry(place, *rank, entry),
             Call::FeedOverride(on) => self.feed_override(place, *on),
             Call::SpeedOverride(on) => self.speed_override(place, *on),
             Call::Comment(text) => self.text(place, &format!("COMMENT(\"{text}\")")),
@@ -295,6 +310,7 @@ impl<W: Write> Listing<W> {
             Call::SyncStop => "STOP_SPEED_FEED_SYNCH()",
             Call::SpindleStop => "STOP_SPINDLE_TURNING(0)",
             Call::StartChange => "START_CHANGE()",
+            Call::ReloadTools => "RELOAD_TOOLDATA()",
             Call::Mist(true) => "MIST_ON()",
             Call::Mist(false) => "MIST_OFF()",
             Call::Flood(true) => "FLOOD_ON()",

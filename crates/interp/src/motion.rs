@@ -76,6 +76,14 @@ impl Executor {
         sink: &mut S,
     ) -> Outcome {
         let to = self.destination(machine_coordinates)?;
+        if self.compensating {
+            if motion == Motion::Feed {
+                self.say_feed("G1", || distance(&self.state.at, &to), sink)?;
+            }
+            self.straight_beside(motion == Motion::Rapid, &to, sink)?;
+            self.state.at = to;
+            return Ok(());
+        }
         if motion == Motion::Rapid {
             self.state.at = to;
             self.say(sink, &Call::Rapid(to));

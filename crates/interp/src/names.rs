@@ -106,7 +106,7 @@ pub(crate) fn numbered(state: &State, store: &Store, number: usize) -> f64 {
     match number {
         5400 => f64::from(state.current_tool),
         5401..=5409 => state.frame.tool[number - 5401],
-        5420..=5428 => state.at[number - 5420],
+        5420..=5428 => state.place()[number - 5420],
         _ => store.numbered.at(number),
     }
 }
@@ -116,10 +116,10 @@ pub(crate) fn system(state: &State, name: &str) -> Option<f64> {
     let name = name.strip_prefix('_')?;
     let truth = |b: bool| Some(f64::from(u8::from(b)));
     if let Some(axis) = name.strip_prefix("abs_") {
-        return axis_of(axis).map(|i| state.frame.to_machine(&state.at)[i]);
+        return axis_of(axis).map(|i| state.frame.to_machine(&state.place())[i]);
     }
     if let Some(axis) = axis_of(name) {
-        return Some(state.at[axis]);
+        return Some(state.place()[axis]);
     }
     let turning = state.spindle.turning;
     match name {
@@ -132,7 +132,7 @@ pub(crate) fn system(state: &State, name: &str) -> Option<f64> {
             Plane::ZX => 180.0,
             Plane::YZ => 190.0,
         }),
-        "ccomp" => Some(400.0),
+        "ccomp" => Some(state.compensation.as_ref().map_or(400.0, |c| f64::from(c.code))),
         "metric" => truth(state.units == crate::Units::Millimetre),
         "imperial" => truth(state.units == crate::Units::Inch),
         "absolute" => truth(!state.incremental),

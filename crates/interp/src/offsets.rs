@@ -41,7 +41,7 @@ impl Executor {
     }
 
     /// Offset (program units) and rotation (degrees) of a work offset.
-    fn system(&self, system: usize) -> (Point, f64) {
+    pub(crate) fn system(&self, system: usize) -> (Point, f64) {
         let first = Parameters::work_offset(system);
         (self.read_point(first), self.store.numbered.at(first + 9))
     }
@@ -92,9 +92,8 @@ impl Executor {
                 } else {
                     self.state.current_tool
                 };
-                if let Some(entry) = self.tools.get(number) {
-                    tool[2] = entry.length.value() / self.state.units.in_mm();
-                }
+                tool = self.tool_entry(number).offset;
+                frame::scale(&mut tool, 1.0 / self.state.units.in_mm());
                 if code == 432 {
                     for (sum, more) in tool.iter_mut().zip(&self.state.frame.tool) {
                         *sum += more;
@@ -109,17 +108,27 @@ impl Executor {
         Ok(())
     }
 
+    /// Number of a work offset by its code: 540 is 1.
+    pub(crate) const fn system_of(code: u16) -> u8 {
+        match code {
+            591..=593 => (code - 584) as u8,
+            _ => ((code - 530) / 10) as u8,
+        }
+    }
+
     /// G54 … G59.3.
     pub(crate) fn work_offset<S: Sink>(&mut self, sink: &mut S) {
         let Some(code) = self.words.g(GGroup::WorkOffset) else { return };
-        let system = match code {
-            591..=593 => code - 584,
-            _ => (code - 530) / 10,
-        } as u8;
+        let system = Self::system_of(code);
         if system == self.state.system {
             self.say(sink, &Call::Note("continuing to use same coordinate system"));
             return;
         }
+        self.change_system(system, sink);
+    }
+
+    /// Another work offset, and say so.
+    pub(crate) fn change_system<S: Sink>(&mut self, system: u8, sink: &mut S) {
         self.select_system(system);
         let frame = self.state.frame;
         self.say(sink, &Call::WorkOffset(system, frame.origin));
@@ -200,7 +209,7 @@ impl Executor {
         Ok(())
     }
 
-    fn set_added<S: Sink>(&mut self, added: Point, sink: &mut S) {
+    pub(crate) fn set_added<S: Sink>(&mut self, added: Point, sink: &mut S) {
         self.write_point(ADDED, added);
         self.store.numbered.set(ADDED_ON, 1.0);
         self.state.reframe(|frame| frame.added = added);
@@ -218,23 +227,13 @@ impl Executor {
         let span = self.words.place.span;
         let kind = match self.words.whole(b'L', 9999)? {
             Some(kind @ (2 | 20)) => kind,
-            Some(kind @ (0 | 1 | 10 | 11)) => {
-                let text =
-                    format!("G10 L{kind} changes the tool table, which Leadscrew does not do yet");
-                return refuse("I0614", self.words.span(b'L'), text);
-            }
-            Some(kind) => {
-                return refuse(
-                    "I0615",
-                    self.words.span(b'L'),
-                    format!("G10 takes L2 or L20, found L{kind}"),
-                );
-            }
+            Some(kind @ (0 | 1 | 10 | 11)) => return self.set_tool(kind, sink),
+            Some(kind) => self.unknown_g10(kind)?,
             None => {
                 return refuse(
                     "I0616",
                     span,
-                    "G10 needs L2 (work offset) or L20 (work offset by position)",
+                    "G10 needs L: 1, 10, 11 (tool table), 2 or 20 (work offset)",
                 );
             }
         };
@@ -246,6 +245,11 @@ impl Executor {
             );
         };
         let system = if p == 0 { self.state.system } else { p as u8 };
+        if self.compensating && system == self.state.system {
+            let text =
+                "the work offset in force cannot be changed while cutter radius compensation is on";
+            return Err(error("I0544", span, text).with_help("write G40 before").into());
+        }
         let (mut origin, mut rotation) = self.system(usize::from(system));
         if kind == 2 {
             origin = self.with_words(origin);

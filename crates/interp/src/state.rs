@@ -1,5 +1,6 @@
 //! What holds from block to block: the modal state.
 use crate::rigid::{Rigid, TapWords};
+use crate::compensation::Compensation;
 use crate::{
     call::{Corners, Sense, Units},
     frame::{Frame, Point},
@@ -82,6 +83,11 @@ impl Motion {
         }
     }
 
+    /// Whether it can be made with the tool beside it.
+    pub(crate) const fn is_plain(self) -> bool {
+        matches!(self, Self::Rapid | Self::Feed | Self::ArcClockwise | Self::ArcCounterclockwise)
+    }
+
     /// Its code in tenths, as `#<_motion_mode>` says it.
     pub(crate) const fn code(self) -> u16 {
         match self {
@@ -137,6 +143,8 @@ pub(crate) struct Spindle {
     pub(crate) turning: Option<Sense>,
     /// G96.
     pub(crate) constant_surface_speed: bool,
+    /// D of G96, rev/min.
+    pub(crate) limit: f64,
 }
 
 /// What a cycle keeps for the blocks that repeat it: the words as written, so that G91 reads them anew.
@@ -183,6 +191,10 @@ pub(crate) struct State {
     pub(crate) frame: Frame,
     /// Where the program stands, in its frame and units.
     pub(crate) at: Point,
+    /// G41, G42.
+    pub(crate) compensation: Option<Compensation>,
+    /// G40 was the last; the tool still stands beside the programmed point.
+    pub(crate) leaving_compensation: bool,
     pub(crate) selected_tool: u32,
     pub(crate) current_tool: u32,
     pub(crate) mist: bool,
@@ -213,13 +225,20 @@ impl State {
             corners: Corners::Continuous(0.0),
             merge: 0.0,
             diameter: false,
-            spindle: Spindle { speed: 0.0, turning: None, constant_surface_speed: false },
+            spindle: Spindle {
+                speed: 0.0,
+                turning: None,
+                constant_surface_speed: false,
+                limit: 0.0,
+            },
             rigid: Rigid::Off,
             sticky: None,
             initial: None,
             system: 1,
             frame: Frame::default(),
             at: [0.0; 9],
+            compensation: None,
+            leaving_compensation: false,
             selected_tool: 0,
             current_tool: 0,
             mist: false,
@@ -233,6 +252,16 @@ impl State {
             returned: None,
             value: 0.0,
         }
+    }
+
+    /// Where the tool is, as the program calls the place: beside `at` while it is compensated.
+    pub(crate) fn place(&self) -> Point {
+        let mut at = self.at;
+        if let Some(beside) = self.compensation.as_ref().and_then(Compensation::place) {
+            let [a, b, _] = self.plane_axes();
+            (at[a], at[b]) = (beside[0], beside[1]);
+        }
+        at
     }
 
     /// Indices of the plane's first axis, second axis and normal.

@@ -18,29 +18,13 @@ pub(crate) const NO_SPEED_LIMIT: f64 = 1e30;
 impl Executor {
     /// G93, G94, G95 and F.
     pub(crate) fn feed_mode<S: Sink>(&mut self, sink: &mut S) -> Outcome {
-        match self.words.g(GGroup::FeedMode) {
-            Some(930) => {
-                self.say(sink, &Call::Note("feed mode set to inverse time"));
-                self.say(sink, &Call::FeedMode { per_revolution: false });
-                self.state.feed_mode = FeedMode::InverseTime;
-            }
-            Some(code) => {
-                let per_revolution = code == 950;
-                self.say(
-                    sink,
-                    &Call::Note(if per_revolution {
-                        "feed mode set to units per revolution"
-                    } else {
-                        "feed mode set to units per minute"
-                    }),
-                );
-                self.say(sink, &Call::FeedMode { per_revolution });
-                self.say(sink, &Call::FeedRate { rate: 0.0, duration_s: None });
-                self.state.feed = 0.0; // a number per minute means nothing per revolution
-                self.state.feed_mode =
-                    if per_revolution { FeedMode::PerRevolution } else { FeedMode::PerMinute };
-            }
-            None => {}
+        if let Some(code) = self.words.g(GGroup::FeedMode) {
+            let mode = match code {
+                930 => FeedMode::InverseTime,
+                950 => FeedMode::PerRevolution,
+                _ => FeedMode::PerMinute,
+            };
+            self.set_feed_mode(mode, sink);
         }
         let Some(feed) = self.words.get(b'F') else { return Ok(()) };
         if feed < 0.0 {
@@ -71,6 +55,21 @@ impl Executor {
         Ok(())
     }
 
+    pub(crate) fn set_feed_mode<S: Sink>(&mut self, mode: FeedMode, sink: &mut S) {
+        self.state.feed_mode = mode;
+        let note = match mode {
+            FeedMode::InverseTime => "feed mode set to inverse time",
+            FeedMode::PerMinute => "feed mode set to units per minute",
+            FeedMode::PerRevolution => "feed mode set to units per revolution",
+        };
+        self.say(sink, &Call::Note(note));
+        self.say(sink, &Call::FeedMode { per_revolution: mode == FeedMode::PerRevolution });
+        if mode != FeedMode::InverseTime {
+            self.say(sink, &Call::FeedRate { rate: 0.0, duration_s: None });
+            self.state.feed = 0.0; // a number per minute means nothing per revolution
+        }
+    }
+
     /// G96, G97 and S.
     pub(crate) fn spindle_speed<S: Sink>(&mut self, sink: &mut S) -> Outcome {
         self.spindle_number()?;
@@ -87,6 +86,7 @@ impl Executor {
                 let limit = self.words.get(b'D').unwrap_or(NO_SPEED_LIMIT);
                 self.say(sink, &Call::SpindleMode(limit.abs()));
                 self.state.spindle.constant_surface_speed = true;
+                self.state.spindle.limit = limit.abs();
             }
             Some(_) => {
                 self.say(sink, &Call::SpindleMode(0.0));
@@ -154,6 +154,7 @@ impl Executor {
             None => {}
         }
         self.overrides(sink);
+        self.context(sink)?;
         self.dwell(sink)
     }
 
@@ -256,7 +257,10 @@ impl Executor {
     /// G20, G21.
     pub(crate) fn units<S: Sink>(&mut self, sink: &mut S) {
         let Some(code) = self.words.g(GGroup::Units) else { return };
-        let units = if code == 200 { Units::Inch } else { Units::Millimetre };
+        self.set_units(if code == 200 { Units::Inch } else { Units::Millimetre }, sink);
+    }
+
+    pub(crate) fn set_units<S: Sink>(&mut self, units: Units, sink: &mut S) {
         if units != self.state.units {
             let factor = match units {
                 Units::Inch => 1.0 / units::MM_PER_INCH,
@@ -264,6 +268,7 @@ impl Executor {
             };
             self.state.frame.scale(factor);
             frame::scale(&mut self.state.at, factor);
+            self.scale_compensation(factor);
             self.state.units = units;
         }
         self.say(sink, &Call::UseUnits(units));

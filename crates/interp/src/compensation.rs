@@ -1,0 +1,485 @@
+//! Cutter radius compensation: G40, G41, G41.1, G42, G42.1.
+//!
+//! ```text
+//!   G41: the tool is on the left           outer corner: an arc about it      inner corner: where the
+//!                                            ╭─ ─ ─ ─ →                       offset ways meet
+//!    ─ ─ ─ ─ ─ ─ ─ ─ ▷  centre               │ ┏━━━━━━                         ━━━━━━━━━┓
+//!    ━━━━━━━━━━━━━━━━▷  program              │ ┃                               ─ ─ ─ ┐ ┃
+//!                                              ┃                                     ▽ ┃
+//! ```
+//!
+//! The first move after G41 goes straight (or along an arc tangent to the offset one) from where the
+//! tool stands to beside the programmed end; it must be longer than the radius. From then on every
+//! move of the plane is held back until the next one tells where its end is to be. What is ordered
+//! meanwhile (spindle, coolant, feed) waits behind it. Two directions that differ by less than
+//! 0.05 rad (2.9°) count as one. With G40 the held move goes to its own end, and the next move must
+//! be straight.
+//!
+//! On a lathe (G18) the tool's orientation 1 to 9 shifts all of it, so that the imagined tip, and
+//! not the centre of the nose, is where the program says.
+//!
+//! A corner that the tool cannot reach without cutting into what was programmed before is an error.
+//!
+//! Source: LinuxCNC 2.9 manual, "Cutter compensation"; NISTIR 6556, appendix B. Angles, shifts and
+//! the order of what is held were measured on LinuxCNC's stand-alone interpreter.
+use crate::{
+    arcs::sweep_rad,
+    call::{Call, Sink},
+    codes::{GGroup, MGroup},
+    execute::Executor,
+    fault::{Outcome, error, refuse},
+    frame::Point,
+    held::Held,
+    offset_curve::{Curve, Flat, Way, dot, left, length, minus, plus, times, turn_rad},
+    state::Motion,
+};
+use canon::Plane;
+use core::f64::consts::PI;
+use diag::Diagnostic;
+
+/// Directions nearer than this are one: neither an arc is put in nor an end moved.
+const SAME_DIRECTION_RAD: f64 = 0.05;
+/// Turns nearer to half a revolution than this go round the corner, on either side.
+const HALF_TURN_RAD: f64 = 1e-9;
+/// A way back from the corner that decides between two points as near, in radii.
+const NEARER: f64 = 1e-3;
+
+/// What is remembered while G41 or G42 is in force.
+#[derive(Clone, Debug)]
+pub(crate) struct Compensation {
+    /// The code: 410, 411, 420, 421.
+    pub(crate) code: u16,
+    /// +1: the tool is on the left, −1: on the right.
+    side: f64,
+    /// Program units.
+    radius: f64,
+    /// Orientation of a lathe tool as a shift along the plane's axes, program units.
+    pub(crate) shift: Flat,
+    /// Where the tool's centre will be (less the shift); none before the first move.
+    at: Option<Flat>,
+    /// The move whose end is not settled.
+    last: Option<Curve>,
+}
+
+impl Compensation {
+    /// Where the tool is led to, for `#5420` and its kin.
+    pub(crate) fn place(&self) -> Option<Flat> {
+        self.at.map(|at| plus(at, self.shift))
+    }
+
+    pub(crate) fn scale(&mut self, factor: f64) {
+        self.radius *= factor;
+        self.shift = times(self.shift, factor);
+        self.at = self.at.map(|at| times(at, factor));
+        match &mut self.last {
+            Some(Curve::Line { from, through, .. }) => {
+                *from = times(*from, factor);
+                *through = times(*through, factor);
+            }
+            Some(Curve::Circle { from, centre, radius, .. }) => {
+                *from = times(*from, factor);
+                *centre = times(*centre, factor);
+                *radius *= factor;
+            }
+            None => {}
+        }
+    }
+
+    /// How much a way curves away from the tool, one over its radius.
+    fn bulge(&self, way: &Curve) -> f64 {
+        match way {
+            Curve::Line { .. } => 0.0,
+            Curve::Circle { radius, turns, .. } => -self.side * f64::from(turns.signum()) / radius,
+        }
+    }
+
+    /// Beside a point at which the program goes into this direction.
+    fn beside(&self, point: Flat, direction: Flat) -> Flat {
+        plus(point, times(left(direction), self.side * self.radius))
+    }
+}
+
+/// Shift of the centre for a lathe tool's orientation, in radii, along Z and X.
+const fn orientation_shift(orientation: u32) -> Flat {
+    match orientation {
+        1 => [1.0, -1.0],
+        2 => [-1.0, -1.0],
+        3 => [-1.0, 1.0],
+        4 => [1.0, 1.0],
+        5 => [1.0, 0.0],
+        6 => [0.0, -1.0],
+        7 => [-1.0, 0.0],
+        8 => [0.0, 1.0],
+        _ => [0.0, 0.0],
+    }
+}
+
+impl Executor {
+    /// G40, G41, G42 of the block at hand.
+    pub(crate) fn compensation<S: Sink>(&mut self, sink: &mut S) -> Outcome {
+        match self.words.g(GGroup::Compensation) {
+            None => Ok(()),
+            Some(400) => {
+                self.compensation_off(sink)?;
+                self.say(sink, &Call::Note("cutter radius compensation off"));
+                Ok(())
+            }
+            Some(code) => self.compensation_on(code, sink),
+        }
+    }
+
+    /// The tool goes on beside the last programmed point; the next move leads back onto the programmed way.
+    pub(crate) fn compensation_off<S: Sink>(&mut self, sink: &mut S) -> Outcome {
+        let settled = self.settle(None, sink);
+        if let Some(compensation) = self.state.compensation.take() {
+            self.state.leaving_compensation = compensation.at.is_some();
+        }
+        self.let_go(sink);
+        self.compensating = false;
+        settled
+    }
+
+    fn compensation_on<S: Sink>(&mut self, code: u16, sink: &mut S) -> Outcome {
+        let span = self.words.place.span;
+        if self.state.compensation.is_some() {
+            let fault = error("I0540", span, "cutter radius compensation is on already");
+            return Err(fault.with_help("write G40 before it is changed").into());
+        }
+        if self.state.plane == Plane::YZ {
+            let text = "cutter radius compensation works in G17 and G18, but G19 is in force";
+            return refuse("I0541", span, text);
+        }
+        let (diameter, orientation) = self.cutter(code)?;
+        let left_side = matches!(code, 410 | 411) == (diameter >= 0.0);
+        let radius = diameter.abs() / 2.0;
+        let left_text = matches!(code, 410 | 411);
+        self.say(
+            sink,
+            &Call::Note(if left_text {
+                "cutter radius compensation on left"
+            } else {
+                "cutter radius compensation on right"
+            }),
+        );
+        self.state.compensation = Some(Compensation {
+            code,
+            side: if left_side { 1.0 } else { -1.0 },
+            radius,
+            shift: times(orientation_shift(orientation), radius),
+            at: None,
+            last: None,
+        });
+        self.compensating = true;
+        Ok(())
+    }
+
+    /// Diameter (program units) and orientation: of the words with G41.1 and G42.1, else of a tool.
+    fn cutter(&mut self, code: u16) -> Outcome<(f64, u32)> {
+        if matches!(code, 411 | 421) {
+            let Some(diameter) = self.words.get(b'D') else {
+                let text =
+                    format!("G{} needs D, the cutter's diameter", crate::codes::written(code));
+                return refuse("I0542", self.words.place.span, text);
+            };
+            let orientation = self.words.whole(b'L', 9)?;
+            if orientation.is_some_and(|l| l > 0) && self.state.plane != Plane::ZX {
+                let text = "L is the orientation of a lathe tool: it needs G18";
+                return refuse("I0543", self.words.span(b'L'), text);
+            }
+            return Ok((diameter, orientation.unwrap_or(0)));
+        }
+        let number = match self.words.get(b'D') {
+            Some(0.0) | None => self.state.current_tool,
+            Some(_) => self.tool_word(b'D')?,
+        };
+        let entry = self.tool_entry(number);
+        let orientation = if self.state.plane == Plane::ZX { entry.orientation } else { 0 };
+        Ok((entry.diameter / self.state.units.in_mm(), orientation))
+    }
+
+    /// What cannot be ordered while the tool is kept beside the path.
+    pub(crate) fn check_compensated(&self) -> Outcome {
+        let span = self.words.place.span;
+        let no = |what: &str| {
+            let text = format!("{what} while cutter radius compensation is on");
+            Err(error("I0544", span, text)
+                .with_help("write G40 before, and G41 or G42 again after it")
+                .into())
+        };
+        let words = &self.words;
+        if words.g(GGroup::Compensation) == Some(400) {
+            return Ok(());
+        }
+        let plane = match words.g(GGroup::Plane) {
+            Some(170) => self.state.plane != Plane::XY,
+            Some(180) => self.state.plane != Plane::ZX,
+            other => other.is_some(),
+        };
+        match () {
+            () if plane => no("the plane cannot be changed"),
+            () if words.g(GGroup::ToolLength).is_some() => {
+                no("the tool length offset cannot be changed")
+            }
+            () if words.g(GGroup::PathControl).is_some() => {
+                no("the path control cannot be changed")
+            }
+            () if words
+                .g(GGroup::WorkOffset)
+                .is_some_and(|code| Self::system_of(code) != self.state.system) =>
+            {
+                no("the work offset cannot be changed")
+            }
+            () if words.m(MGroup::Tool).is_some() => no("the tool cannot be changed"),
+            () if words.m(MGroup::Overrides).is_some() => no("overrides cannot be switched"),
+            () if words.m(MGroup::Outputs).is_some_and(|code| code != 66) => {
+                no("outputs cannot be switched")
+            }
+            () => match words.g(GGroup::NonModal) {
+                Some(280 | 281 | 300 | 301) => no("the reference points cannot be used"),
+                Some(520 | 920..=923) => no("the offsets of G52 and G92 cannot be changed"),
+                Some(530) => no("G53 cannot be used"),
+                _ => Ok(()),
+            },
+        }
+    }
+
+    pub(crate) fn no_compensation(&self) -> Outcome {
+        let text = "this move cannot be made beside its way: only G0, G1, G2 and G3 can, while G41 or G42 is in force";
+        Err(error("I0544", self.words.place.span, text).with_help("write G40 before it").into())
+    }
+
+    /// The first move after G40 leads back onto the programmed way: not along an arc.
+    pub(crate) fn leave_compensation(&mut self, motion: Motion) -> Outcome {
+        if matches!(motion, Motion::ArcClockwise | Motion::ArcCounterclockwise) {
+            let text =
+                "the move after G40 leads the tool back to the programmed way: it must be straight";
+            return Err(error("I0550", self.words.place.span, text)
+                .with_help("write G0 or G1 before the arc")
+                .into());
+        }
+        self.state.leaving_compensation = motion == Motion::None;
+        Ok(())
+    }
+
+    /// A straight move with the tool beside it.
+    pub(crate) fn straight_beside<S: Sink>(
+        &mut self,
+        rapid: bool,
+        to: &Point,
+        sink: &mut S,
+    ) -> Outcome {
+        let [a, b, _] = self.state.plane_axes();
+        let way =
+            Way { from: [self.state.at[a], self.state.at[b]], to: [to[a], to[b]], circle: None };
+        let Some(compensation) = &self.state.compensation else { return Ok(()) };
+        let (radius, at) = (compensation.radius, compensation.at);
+        let distance = length(minus(way.to, way.from));
+        let Some(at) = at else {
+            if distance <= radius {
+                let text = format!(
+                    "the first move after G41 or G42 must be longer than the tool's radius: {distance:.4} is not above {radius:.4}"
+                );
+                return refuse("I0545", self.words.place.span, text);
+            }
+            self.begin_beside(&way, rapid, to);
+            return Ok(());
+        };
+        if distance == 0.0 {
+            self.push_line(rapid, to, at);
+            return Ok(());
+        }
+        let direction = way.direction(way.to);
+        let through = compensation.beside(way.to, direction);
+        let line = Curve::Line { from: through, through, direction };
+        let from = self.corner(&way, line, rapid, to, sink)?;
+        let Some(compensation) = &mut self.state.compensation else { return Ok(()) };
+        compensation.at = Some(through);
+        compensation.last = Some(Curve::Line { from, through, direction });
+        self.push_line(rapid, to, through);
+        Ok(())
+    }
+
+    fn begin_beside(&mut self, way: &Way, rapid: bool, to: &Point) {
+        let direction = way.direction(way.to);
+        let Some(compensation) = &mut self.state.compensation else { return };
+        let end = compensation.beside(way.to, direction);
+        compensation.at = Some(end);
+        compensation.last = Some(Curve::Line { from: way.from, through: end, direction });
+        self.push_line(rapid, to, end);
+    }
+
+    /// An arc with the tool beside it.
+    pub(crate) fn arc_beside<S: Sink>(
+        &mut self,
+        to: &Point,
+        centre: Flat,
+        turns: i32,
+        sink: &mut S,
+    ) -> Outcome {
+        let [a, b, _] = self.state.plane_axes();
+        let way = Way {
+            from: [self.state.at[a], self.state.at[b]],
+            to: [to[a], to[b]],
+            circle: Some((centre, turns)),
+        };
+        let Some(compensation) = self.state.compensation.clone() else { return Ok(()) };
+        let programmed = length(minus(way.to, centre));
+        let inside = compensation.side * f64::from(turns.signum()) > 0.0;
+        let first = compensation.at.is_none();
+        if programmed <= compensation.radius && (inside || first) {
+            let text = format!(
+                "the tool's radius, {:.4}, must be smaller than the arc's, {programmed:.4}",
+                compensation.radius
+            );
+            return refuse("I0546", self.words.place.span, text);
+        }
+        let direction = way.direction(way.to);
+        let end = compensation.beside(way.to, direction);
+        let sweep = sweep_rad(way.from, way.to, centre, turns);
+        let curve = if first {
+            let Some(centre) =
+                entry_centre(way.from, end, times(minus(way.to, centre), 1.0 / programmed))
+            else {
+                let text =
+                    "this arc cannot lead from here to beside its end: begin with a straight move";
+                return refuse("I0547", self.words.place.span, text);
+            };
+            let sweep_rad = sweep_rad(way.from, end, centre, turns);
+            Curve::Circle {
+                from: way.from,
+                centre,
+                radius: length(minus(end, centre)),
+                turns,
+                sweep_rad,
+            }
+        } else {
+            let radius = if inside {
+                programmed - compensation.radius
+            } else {
+                programmed + compensation.radius
+            };
+            let from = compensation.beside(way.from, way.direction(way.from));
+            let curve = Curve::Circle { from, centre, radius, turns, sweep_rad: sweep };
+            let from = self.corner(&way, curve, false, to, sink)?;
+            Curve::Circle { from, centre, radius, turns, sweep_rad: sweep }
+        };
+        let Curve::Circle { centre, .. } = curve else { return Ok(()) };
+        let Some(compensation) = &mut self.state.compensation else { return Ok(()) };
+        compensation.at = Some(end);
+        compensation.last = Some(curve);
+        self.push_arc(to, centre, turns, end);
+        Ok(())
+    }
+
+    /// Settle the end of the move held back by what follows it; where the next one begins.
+    fn corner<S: Sink>(
+        &mut self,
+        next: &Way,
+        curve: Curve,
+        rapid: bool,
+        to: &Point,
+        sink: &mut S,
+    ) -> Outcome<Flat> {
+        let Some(compensation) = self.state.compensation.clone() else { return Ok(next.from) };
+        let at = compensation.at.unwrap_or(next.from);
+        let Some(last) = compensation.last else { return Ok(at) };
+        // The offset end lies beside the corner: there the last move has the corner's direction.
+        let before = last.direction(at);
+        let after = next.direction(next.from);
+        let turn = turn_rad(before, after);
+        let half_turn = turn.abs() > PI - HALF_TURN_RAD;
+        let inner = if half_turn {
+            // Back the way it came: between two bumps the tool stops short, else it goes round.
+            compensation.bulge(&last) + compensation.bulge(&curve) > 0.0
+        } else {
+            turn * compensation.side > 0.0
+        };
+        if turn.abs() < SAME_DIRECTION_RAD {
+            if last.turns_back(at) {
+                let text = "this corner comes too soon after the one before it: the tool goes back a little and cuts into the part";
+                self.remarks.push(Diagnostic::warning("I0549", self.words.place.span, text));
+            }
+            self.let_go(sink);
+            return Ok(at);
+        }
+        if !inner {
+            self.settle(None, sink)?;
+            let round = compensation.beside(next.from, after);
+            self.go_round(&compensation, next.from, round, rapid, to, sink);
+            return Ok(round);
+        }
+        // Of two points as near, the one that the tool comes to before the corner.
+        let near = minus(next.from, times(before, NEARER * compensation.radius));
+        let Some(met) = last.meets(&curve, near) else {
+            if let Some(compensation) = &mut self.state.compensation {
+                compensation.last = None;
+            }
+            return Err(self.unreachable().into());
+        };
+        self.settle(Some(met), sink)?;
+        Ok(met)
+    }
+
+    fn unreachable(&self) -> Diagnostic {
+        let radius = self.state.compensation.as_ref().map_or(0.0, |c| c.radius);
+        let text = format!(
+            "a tool of radius {radius:.4} does not fit into the inner corner before this move"
+        );
+        error("I0548", self.words.place.span, text)
+            .with_help("it would cut into what was programmed before: take a smaller tool, or make the corner wider")
+    }
+
+    /// The held move ends here (or where it was to end); then everything held goes on its way.
+    fn settle<S: Sink>(&mut self, end: Option<Flat>, sink: &mut S) -> Outcome {
+        let unreachable = self.unreachable();
+        let Some(compensation) = &mut self.state.compensation else { return Ok(()) };
+        if let (Some(last), Some(at)) = (compensation.last, compensation.at)
+            && last.turns_back(end.unwrap_or(at))
+        {
+            compensation.last = None; // said once
+            return Err(unreachable.into());
+        }
+        if let Some(end) = end {
+            let shifted = plus(end, compensation.shift);
+            let [a, b, _] = self.state.plane_axes();
+            for (_, held) in self.held.borrow_mut().iter_mut() {
+                if let Held::Call(Call::Line(to) | Call::Rapid(to) | Call::Arc { to, .. }) = held {
+                    (to[a], to[b]) = (shifted[0], shifted[1]);
+                }
+            }
+        }
+        self.let_go(sink);
+        Ok(())
+    }
+
+    /// An arc about an outer corner; a rapid cuts it short.
+    fn go_round<S: Sink>(
+        &mut self,
+        compensation: &Compensation,
+        corner: Flat,
+        end: Flat,
+        rapid: bool,
+        next: &Point,
+        sink: &mut S,
+    ) {
+        let [a, b, n] = self.state.plane_axes();
+        let (end, centre) = (plus(end, compensation.shift), plus(corner, compensation.shift));
+        let mut to = *next;
+        (to[a], to[b], to[n]) = (end[0], end[1], self.state.at[n]);
+        let call = if rapid {
+            Call::Rapid(to)
+        } else {
+            let turns = if compensation.side > 0.0 { -1 } else { 1 };
+            Call::Arc { plane: self.state.plane, to, centre, turns }
+        };
+        sink.call(&self.words.place, &call);
+    }
+}
+
+/// Centre of the arc that begins at a point and ends at another with this direction from the centre outwards.
+fn entry_centre(from: Flat, end: Flat, outwards: Flat) -> Option<Flat> {
+    let chord = minus(from, end);
+    let along = dot(chord, outwards);
+    // |end − k·u − from| = |k|  ⇒  k = −|from − end|² / (2 (from − end)·u)
+    (along.abs() > 1e-9).then(|| plus(end, times(outwards, dot(chord, chord) / (2.0 * along))))
+}

@@ -1,0 +1,221 @@
+//! Lines and circles moved aside by the tool's radius, and where two of them meet: plane geometry.
+//!
+//! ```text
+//!            offset line                    a tool on the left (side = +1) of
+//!   ─ ─ ─ ─ ─ ─ ─ ─ ─ ─ ×  meets            a line:      start + r·n,  n = direction turned 90° left
+//!   ━━━━━━━━━━━━━━━━━━┓ ╎                    a circle:    R′ = R − side·sense·r
+//!        programmed   ┃ ╎ offset line          (sense +1: counter-clockwise)
+//! ```
+//!
+//! Lengths in the program's units, angles in radians; points along the plane's first and second axis.
+
+use crate::arcs::sweep_rad;
+
+/// A point, or a vector, of the plane.
+pub(crate) type Flat = [f64; 2];
+
+/// Nothing is nearer to zero than this and still a length.
+const NOTHING: f64 = 1e-9;
+
+pub(crate) fn plus(a: Flat, b: Flat) -> Flat {
+    [a[0] + b[0], a[1] + b[1]]
+}
+
+pub(crate) fn minus(a: Flat, b: Flat) -> Flat {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+pub(crate) fn times(a: Flat, k: f64) -> Flat {
+    [a[0] * k, a[1] * k]
+}
+
+pub(crate) fn dot(a: Flat, b: Flat) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+fn cross(a: Flat, b: Flat) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+pub(crate) fn length(a: Flat) -> f64 {
+    a[0].hypot(a[1])
+}
+
+/// Turned by 90° to the left.
+pub(crate) fn left(a: Flat) -> Flat {
+    [-a[1], a[0]]
+}
+
+/// Angle from one direction to another, −π to π, positive to the left.
+pub(crate) fn turn_rad(from: Flat, to: Flat) -> f64 {
+    cross(from, to).atan2(dot(from, to))
+}
+
+/// A move of the plane as programmed.
+pub(crate) struct Way {
+    pub(crate) from: Flat,
+    pub(crate) to: Flat,
+    /// The circle, if it is one: centre and turns.
+    pub(crate) circle: Option<(Flat, i32)>,
+}
+
+impl Way {
+    /// Unit vector along it, at one of its ends.
+    pub(crate) fn direction(&self, at: Flat) -> Flat {
+        match self.circle {
+            None => {
+                let way = minus(self.to, self.from);
+                times(way, 1.0 / length(way))
+            }
+            Some((centre, turns)) => {
+                let out = minus(at, centre);
+                times(left(out), f64::from(turns.signum()) / length(out))
+            }
+        }
+    }
+}
+
+/// The way the tool's centre goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Curve {
+    /// A straight way.
+    Line {
+        /// Where it begins.
+        from: Flat,
+        /// A point beside the programmed way: the first move reaches it only at its end.
+        through: Flat,
+        /// Unit vector.
+        direction: Flat,
+    },
+    /// Part of a circle.
+    Circle {
+        /// Where it begins.
+        from: Flat,
+        centre: Flat,
+        radius: f64,
+        /// Turns begun, as in [`Call::Arc`](crate::Call::Arc).
+        turns: i32,
+        /// Largest angle that it may sweep: that of the programmed arc.
+        sweep_rad: f64,
+    },
+}
+
+impl Curve {
+    /// Direction of travel at one of its points.
+    pub(crate) fn direction(&self, at: Flat) -> Flat {
+        match *self {
+            Self::Line { direction, .. } => direction,
+            Self::Circle { centre, turns, .. } => {
+                let out = minus(at, centre);
+                times(left(out), f64::from(turns.signum()) / length(out).max(NOTHING))
+            }
+        }
+    }
+
+    /// Whether the tool would go backwards to end here.
+    pub(crate) fn turns_back(&self, end: Flat) -> bool {
+        match *self {
+            Self::Line { from, direction, .. } => dot(minus(end, from), direction) <= 0.0,
+            Self::Circle { from, centre, turns, sweep_rad: most, .. } => {
+                // Inwards moves make the sweep shorter; past zero it is nearly a whole turn.
+                let between = f64::midpoint(most.abs(), core::f64::consts::TAU);
+                sweep_rad(from, end, centre, turns).abs() > between.max(most.abs() + 1e-3)
+            }
+        }
+    }
+
+    /// Where two curves meet, as near as possible to a point.
+    pub(crate) fn meets(&self, other: &Self, near: Flat) -> Option<Flat> {
+        let candidates = match (*self, *other) {
+            (
+                Self::Line { through: a, direction: u, .. },
+                Self::Line { through: b, direction: v, .. },
+            ) => {
+                let across = cross(u, v);
+                let met = plus(a, times(u, cross(minus(b, a), v) / across));
+                [Some(met).filter(|_| across.abs() > NOTHING), None]
+            }
+            (Self::Line { through, direction, .. }, Self::Circle { centre, radius, .. })
+            | (Self::Circle { centre, radius, .. }, Self::Line { through, direction, .. }) => {
+                line_and_circle(through, direction, centre, radius)
+            }
+            (
+                Self::Circle { centre, radius, .. },
+                Self::Circle { centre: centre_2, radius: radius_2, .. },
+            ) => two_circles(centre, radius, centre_2, radius_2),
+        };
+        let distance = |p: &Flat| length(minus(*p, near));
+        candidates.into_iter().flatten().min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    }
+}
+
+fn line_and_circle(through: Flat, direction: Flat, centre: Flat, radius: f64) -> [Option<Flat>; 2] {
+    let foot = plus(through, times(direction, dot(minus(centre, through), direction)));
+    around(foot, direction, radius, length(minus(foot, centre)))
+}
+
+fn two_circles(a: Flat, radius_a: f64, b: Flat, radius_b: f64) -> [Option<Flat>; 2] {
+    let between = minus(b, a);
+    let distance = length(between);
+    if distance < NOTHING {
+        return [None; 2];
+    }
+    let along = times(between, 1.0 / distance);
+    let to_foot =
+        (distance * distance + radius_a * radius_a - radius_b * radius_b) / (2.0 * distance);
+    around(plus(a, times(along, to_foot)), left(along), radius_a, to_foot.abs())
+}
+
+/// The two points of a chord: half as long as the radius and the distance of its foot from the centre leave.
+fn around(foot: Flat, along: Flat, radius: f64, distance: f64) -> [Option<Flat>; 2] {
+    let squared = radius * radius - distance * distance;
+    if squared < -NOTHING {
+        return [None; 2];
+    }
+    let half = squared.max(0.0).sqrt();
+    [half, -half].map(|k| Some(plus(foot, times(along, k))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn near(a: Flat, b: Flat) -> bool {
+        length(minus(a, b)) < 1e-12
+    }
+
+    #[test]
+    fn a_line_and_a_circle_meet_at_the_nearer_of_two_points() {
+        // y = 1 and a circle of radius 5 about (0, 4): x = ±4.
+        let line = Curve::Line { from: [-10.0, 1.0], through: [0.0, 1.0], direction: [1.0, 0.0] };
+        let circle = Curve::Circle {
+            from: [-5.0, 4.0],
+            centre: [0.0, 4.0],
+            radius: 5.0,
+            turns: 1,
+            sweep_rad: 3.0,
+        };
+        assert!(near(line.meets(&circle, [3.0, 0.0]).unwrap(), [4.0, 1.0]));
+        assert!(near(circle.meets(&line, [-3.0, 0.0]).unwrap(), [-4.0, 1.0]));
+    }
+
+    #[test]
+    fn circles_out_of_reach_do_not_meet() {
+        let circle = |centre| Curve::Circle {
+            from: [0.0; 2],
+            centre,
+            radius: 1.0,
+            turns: 1,
+            sweep_rad: 1.0,
+        };
+        assert_eq!(circle([0.0, 0.0]).meets(&circle([3.0, 0.0]), [0.0; 2]), None);
+        assert!(near(circle([0.0, 0.0]).meets(&circle([2.0, 0.0]), [0.0; 2]).unwrap(), [1.0, 0.0]));
+    }
+
+    #[test]
+    fn a_line_that_would_end_before_its_beginning_turns_back() {
+        let line = Curve::Line { from: [1.0, 0.0], through: [1.0, 0.0], direction: [1.0, 0.0] };
+        assert!(line.turns_back([0.5, 0.0]));
+        assert!(!line.turns_back([1.5, 0.0]));
+    }
+}

@@ -1,0 +1,96 @@
+//! Cutter radius compensation, kept modes and the tool table: what is ordered, against closed forms
+//! and what LinuxCNC's stand-alone interpreter printed.
+use interp::{Call, Interpreter, Place, Setup, Sink};
+
+/// Ends of the moves in X and Y.
+#[derive(Default)]
+struct Ends(Vec<[f64; 2]>);
+
+impl Sink for Ends {
+    fn call(&mut self, _: &Place, call: &Call<'_>) {
+        if let Call::Line(to) | Call::Rapid(to) | Call::Arc { to, .. } = call {
+            self.0.push([to[0], to[1]]);
+        }
+    }
+}
+
+fn ends(program: &str) -> (Vec<[f64; 2]>, Vec<&'static str>) {
+    let setup = Setup::default();
+    let mut interpreter = Interpreter::new(program.as_bytes(), &setup);
+    let mut ends = Ends::default();
+    interpreter.run(&mut ends);
+    let errors = interpreter.diagnostics().iter().filter(|d| d.is_error());
+    (ends.0, errors.map(|d| d.code).collect())
+}
+
+fn assert_ends(program: &str, wanted: &[[f64; 2]]) {
+    let (found, errors) = ends(program);
+    assert_eq!(errors, [""; 0]);
+    assert_eq!(found.len(), wanted.len(), "{found:?}");
+    for (found, wanted) in found.iter().flatten().zip(wanted.iter().flatten()) {
+        assert!((found - wanted).abs() < 1e-9, "{found} instead of {wanted}");
+    }
+}
+
+#[test]
+fn on_the_left_the_tool_goes_round_a_right_turn_and_cuts_a_left_turn_short() {
+    assert_ends(
+        "G41.1 D2\nG1 X10 F100\nY10\nX20\nY20\nG40\nX30\nM2\n",
+        &[[9., 1.], [9., 10.], [10., 11.], [19., 11.], [19., 20.], [30., 20.]],
+    );
+}
+
+#[test]
+fn a_line_ends_where_its_offset_meets_the_offset_circle() {
+    // y = 1 and a circle of radius 6 about (15, 0): x = 15 ∓ √35.
+    let x = 35f64.sqrt();
+    assert_ends(
+        "G41.1 D2\nG1 X10 F100\nG2 X20 Y0 I5 J0\nG1 X30\nG40\nM2\n",
+        &[[15. - x, 1.], [15. + x, 1.], [30., 1.]],
+    );
+}
+
+#[test]
+fn a_move_along_the_normal_keeps_the_corner_where_it_is() {
+    assert_ends("G41.1 D2\nG1 X10 F100\nZ-1\nY10\nG40\nM2\n", &[[9., 1.], [9., 1.], [9., 10.]]);
+}
+
+#[test]
+fn the_tool_stays_a_radius_away_from_every_line_of_a_closed_shape() {
+    let corners = [[0., 0.], [30., 5.], [25., 40.], [10., 20.], [-5., 38.]];
+    let mut program = String::from("G0 X-20 Y-20\nG42.1 D3\n");
+    for [x, y] in corners.iter().chain(&corners[..2]) {
+        program += &format!("G1 X{x} Y{y} F100\n");
+    }
+    let (found, errors) = ends(&(program + "G40\nM2\n"));
+    assert_eq!(errors, [""; 0]);
+    for end in &found[2..found.len() - 1] {
+        let distance = |i: usize| {
+            let (a, b): ([f64; 2], [f64; 2]) = (corners[i], corners[(i + 1) % corners.len()]);
+            let (along, to) = ([b[0] - a[0], b[1] - a[1]], [end[0] - a[0], end[1] - a[1]]);
+            let length = along[0].hypot(along[1]);
+            let t = ((to[0] * along[0] + to[1] * along[1]) / (length * length)).clamp(0., 1.);
+            (to[0] - t * along[0]).hypot(to[1] - t * along[1])
+        };
+        let nearest = (0..corners.len()).map(distance).fold(f64::INFINITY, f64::min);
+        assert!((nearest - 1.5).abs() < 1e-9, "{end:?} is {nearest} away");
+    }
+}
+
+#[test]
+fn what_would_cut_into_the_part_is_refused() {
+    assert_eq!(ends("G41.1 D2\nG1 X10 F100\nY0.5\nX20\nM2\n").1, ["I0548"]);
+    assert_eq!(ends("G41.1 D2\nG1 X0.9 F100\nM2\n").1, ["I0545"]);
+    assert_eq!(ends("G42.1 D2\nG1 X10 F100\nG2 X11 Y0 I.5 J0\nM2\n").1, ["I0546"]);
+    assert_eq!(ends("G41.1 D2\nG1 X10 F100\nG40\nG2 X20 I5 J0\nM2\n").1, ["I0550"]);
+    assert_eq!(ends("G41.1 D2\nG1 X10 F100\nG43.1 Z1\nM2\n").1, ["I0544"]);
+}
+
+#[test]
+fn a_subprogram_that_keeps_its_modes_leaves_none_behind() {
+    assert_ends(
+        "o1 sub\nM73\nG91 G1 X1 F100\nX1\no1 endsub\nG90\no1 call\nG1 X5 F50\nM2\n",
+        &[[1., 0.], [2., 0.], [5., 0.]],
+    );
+    assert_eq!(ends("M72\nM2\n").1, ["I0321"]);
+}
