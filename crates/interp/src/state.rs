@@ -1,6 +1,6 @@
 //! What holds from block to block: the modal state.
-use crate::rigid::{Rigid, TapWords};
 use crate::compensation::Compensation;
+use crate::rigid::{Rigid, TapWords};
 use crate::{
     call::{Corners, Sense, Units},
     frame::{Frame, Point},
