@@ -75,6 +75,12 @@ pub(crate) struct ProgramArgs {
     /// What to do with tools that the table lacks
     #[arg(long, value_enum, default_value_t = MissingTools::Refuse)]
     pub(crate) missing_tools: MissingTools,
+    /// How taps are driven that no clutch holder holds [default: the machine's]
+    #[arg(long, value_enum)]
+    pub(crate) tapping: Option<Tapping>,
+    /// What to do with a dwell (P) that a clutch holder does not work with
+    #[arg(long, value_enum, default_value_t = ClutchDwell::Refuse)]
+    pub(crate) clutch_dwell: ClutchDwell,
     /// How programs are read
     #[arg(long, value_enum, default_value_t = Dialect::Linuxcnc)]
     pub(crate) dialect: Dialect,
@@ -178,6 +184,24 @@ pub(crate) enum TappingPreset {
     Fast,
     /// Nearly all of it: only where the material is known
     Max,
+}
+
+/// How taps are driven.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Tapping {
+    /// The feed follows the spindle, in and out
+    Synchronised,
+    /// Feed and spindle only run at their speeds; a tension/compression holder takes the difference
+    Floating,
+}
+
+/// What to do with a dwell that a clutch holder does not work with.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum ClutchDwell {
+    /// Refuse the program and say which dwell works
+    Refuse,
+    /// Say so, and do it: to see what becomes of the thread
+    Warn,
 }
 
 /// How programs are read.

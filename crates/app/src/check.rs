@@ -44,6 +44,7 @@ fn findings(args: &CheckArgs, path: &Path, text: &[u8]) -> Result<Vec<Diagnostic
     let options = plan::Options {
         force_ramp: None,
         cutting_pressure_n_per_mm2: material.cutting_force_n_per_mm2,
+        taps: session.taps,
     };
     Ok(crate::preflight::preflight(&mut session, text, options).findings)
 }

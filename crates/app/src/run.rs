@@ -130,6 +130,7 @@ impl Job {
             options: plan::Options {
                 force_ramp: args.force_ramp.map(Time::s).or(forced),
                 cutting_pressure_n_per_mm2: material.cutting_force_n_per_mm2,
+                taps: session.taps,
             },
             mode,
             session,
@@ -154,7 +155,10 @@ impl Job {
             planner: planner(&self.session, self.options),
             kernel: kernel::Kernel::new(wiring::control(machine, self.mode)),
             machine: iron,
-            judge: verify::Judge::new(wiring::judge(machine, tools, self.material)),
+            judge: verify::Judge::new(verify::Config {
+                synchronised: self.session.taps.method == plan::TapMethod::Synchronised,
+                ..wiring::judge(machine, tools, self.material)
+            }),
             recorder: report::Recorder::new(tools),
             trace: folder.map(|folder| self.trace(folder)).transpose()?,
             log: args.log.then(|| Log::new(tools.clone(), machine.setup.g54)),

@@ -1,5 +1,5 @@
 //! What a program meets: its text, the machine, the tools, the parameters; loaded once, from wherever they are.
-use crate::args::{Dialect, MissingTools, ProgramArgs, TappingPreset};
+use crate::args::{ClutchDwell, Dialect, MissingTools, ProgramArgs, Tapping, TappingPreset};
 use crate::refused::Refused;
 use canon::ToolLibrary;
 use std::{
@@ -28,6 +28,8 @@ pub(crate) struct Session {
     pub(crate) parameters: interp::Parameters,
     /// What to do with tools that the table lacks.
     pub(crate) missing_tools: MissingTools,
+    /// How taps are driven that are not tied to the spindle.
+    pub(crate) taps: plan::Unsynchronised,
     dialect: Dialect,
     has_parameter_file: bool,
     subprograms: Vec<interp::Subprogram>,
@@ -51,6 +53,7 @@ impl Session {
             parameters: parameters(args.parameters.as_deref(), &machine)?,
             has_parameter_file: args.parameters.is_some(),
             subprograms: subprograms(program, text)?,
+            taps: taps(args, &machine),
             machine,
             tools,
             tools_from,
@@ -90,6 +93,22 @@ impl Session {
             setup.parameters = interp::Parameters::default();
         }
         setup
+    }
+}
+
+/// As the machine's file has it, unless the user says otherwise.
+fn taps(args: &ProgramArgs, machine: &MachineFile) -> plan::Unsynchronised {
+    let usual = if machine.tapping.floating { Tapping::Floating } else { Tapping::Synchronised };
+    plan::Unsynchronised {
+        method: match args.tapping.unwrap_or(usual) {
+            Tapping::Synchronised => plan::TapMethod::Synchronised,
+            Tapping::Floating => plan::TapMethod::Floating,
+        },
+        dwell: match args.clutch_dwell {
+            ClutchDwell::Refuse => plan::DwellCheck::Refuse,
+            ClutchDwell::Warn => plan::DwellCheck::Warn,
+        },
+        drive: None,
     }
 }
 

@@ -182,6 +182,8 @@ pub struct Truth {
     /// Axial offset of the tool's edges from where the axis holds them: the holder's deflection.
     /// The cutting edges stand at `axis + tool_deflection` along the tool axis.
     pub tool_deflection: Length,
+    /// How far the tool's edges stand ahead of the spindle's nose; zero unless a clutch holder has let go.
+    pub tool_turn: Angle,
     /// Torque of the cut on the spindle.
     pub cutting_torque: Torque,
     /// Axial force of the cut on the tool.

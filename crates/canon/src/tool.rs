@@ -94,6 +94,18 @@ pub enum Holder {
         /// Travel each way.
         travel: Length,
     },
+    /// Clutch (floating) holder: its splines part when the tap has pulled it out far enough, so that the tap stops at
+    /// a depth which the spindle's coasting does not change; a pawl drives it back out.
+    Clutch {
+        /// D: pulled out so far, the splines part.
+        spline_length: Length,
+        /// β: from the reversal until the pawl drives.
+        pawl_backlash: Angle,
+        /// Of the spring that brings it home: 2–20 N/mm.
+        stiffness: Stiffness,
+        /// Travel towards the spindle from home, on the same spring.
+        compression: Length,
+    },
 }
 
 /// All tools, by number.

@@ -105,6 +105,8 @@ pub struct CycleTap {
     pub peck: Option<f64>,
     /// Overrides of feed and spindle that are on, and are off while tapping.
     pub overrides: (bool, bool),
+    /// F stands in the tap's own block; in a clutch holder an older one is no order to the tap.
+    pub feed_stated: bool,
 }
 
 /// How fast a tap comes out.

@@ -18,7 +18,7 @@
 //!
 //! Source: NISTIR 6556, section 3.5.16; LinuxCNC 2.9 manual, "Canned cycles".
 use crate::{
-    call::{Call, Corners, CycleHole, Sense, Sink, Units},
+    call::{Call, Corners, CycleHole, CycleTap, Sense, Sink, Units},
     codes::{AXES, POLAR},
     execute::Executor,
     fault::{Outcome, error, refuse},
@@ -280,7 +280,8 @@ impl Executor {
         if let Some(sense) = tap {
             let overrides = (self.state.feed_override, self.state.speed_override);
             let call = pattern.tap.call(hole, sense, pattern.dwell, overrides);
-            self.say(sink, &Call::Tap(call));
+            let feed_stated = self.words.get(b'F').is_some();
+            self.say(sink, &Call::Tap(CycleTap { feed_stated, ..call }));
         } else {
             self.down_and_out(pattern, at, n, sink);
         }

@@ -69,7 +69,16 @@ impl TapWords {
         overrides: (bool, bool),
     ) -> CycleTap {
         let &Self { start_angle_deg, return_speed, peck } = self;
-        CycleTap { hole, sense, dwell_s, start_angle_deg, return_speed, peck, overrides }
+        CycleTap {
+            hole,
+            sense,
+            dwell_s,
+            start_angle_deg,
+            return_speed,
+            peck,
+            overrides,
+            feed_stated: false,
+        }
     }
 }
 

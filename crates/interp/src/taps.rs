@@ -7,15 +7,18 @@
 //! ```
 //!
 //! A tap starts at the same spindle angle every time, so that a hole can be tapped again in its own
-//! thread. Whether the lead is the tap's own is judged before motion, where the tool is known.
+//! thread; in a clutch holder nothing ties it to the spindle and no angle is asked. Whether the lead is the tap's own is judged before motion, where the tool is known.
 use crate::{
     call::{CycleTap, ReturnSpeed, Sense},
     frame::Point,
     resolve::{Resolver, position},
 };
-use canon::{Axis, OpKind, Tap, ToolKind};
+use canon::{Axis, Holder, OpKind, Tap, ToolKind};
 use diag::{Diagnostic, Span};
 use units::{Angle, Lead, Length, Spin, Time};
+
+/// An F of an earlier block whose lead is this much off the tap's own (as a fraction) was not meant for it.
+const LEAD_TOLERANCE: f64 = 0.01;
 
 impl Resolver {
     pub(crate) fn tap(&mut self, tap: &CycleTap, span: Span) {
@@ -23,7 +26,7 @@ impl Resolver {
         if !self.plane_is_straight(hole.plane, span) {
             return;
         }
-        let Some(lead_mm) = self.programmed_lead(span) else { return };
+        let Some(lead_mm) = self.programmed_lead(tap.feed_stated, span) else { return };
         let axis = hole.plane.normal();
         let sign = if tap.sense == Sense::Clockwise { 1.0 } else { -1.0 };
         let surface = Self::surface(hole.at[axis.index()], hole.bottom);
@@ -45,7 +48,10 @@ impl Resolver {
                     ReturnSpeed::Rpm(rpm) => Spin::rpm(rpm),
                 },
                 dwell: Time::s(tap.dwell_s),
-                start_angle: Some(Angle::deg(tap.start_angle_deg)),
+                start_angle: self
+                    .clutch_lead()
+                    .is_none()
+                    .then_some(Angle::deg(tap.start_angle_deg)),
                 peck: tap.peck.map(|depth| Length::mm(depth * self.mm())),
             }),
         );
@@ -54,8 +60,18 @@ impl Resolver {
         self.rapid(&clear, span);
     }
 
+    /// Lead of the mounted tap, without sign, if a clutch holder holds it.
+    fn clutch_lead(&self) -> Option<f64> {
+        match &self.tools.get(self.tool)?.kind {
+            ToolKind::Tap(tap) if matches!(tap.holder, Holder::Clutch { .. }) => {
+                Some(tap.lead.value().abs())
+            }
+            _ => None,
+        }
+    }
+
     /// F/S, or F with G95, or the pitch of the tap in the spindle where no F is in force.
-    fn programmed_lead(&mut self, span: Span) -> Option<f64> {
+    fn programmed_lead(&mut self, feed_stated: bool, span: Span) -> Option<f64> {
         if self.spindle.surface.is_some() {
             let text =
                 "a tap needs a speed in revolutions per minute, but G96 is in force: write G97 S…";
@@ -67,7 +83,13 @@ impl Resolver {
             self.report(Diagnostic::error("I0703", span, text));
             return None;
         }
-        self.lead_by_feed().or_else(|| self.lead_of_the_tap(span))
+        let by_feed = self.lead_by_feed();
+        let is_other =
+            |own: f64| by_feed.is_some_and(|lead| (lead - own).abs() > LEAD_TOLERANCE * own);
+        if !feed_stated && self.clutch_lead().is_some_and(is_other) {
+            return self.clutch_lead();
+        }
+        by_feed.or_else(|| self.lead_of_the_tap(span))
     }
 
     /// The pitch of the tap in the spindle, said once for each tool.

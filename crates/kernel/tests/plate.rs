@@ -107,7 +107,11 @@ fn ops(places: &[(f64, f64)]) -> Vec<Op> {
 }
 
 fn planned(places: &[(f64, f64)]) -> (Vec<Step>, Time) {
-    let options = Options { force_ramp: None, cutting_pressure_n_per_mm2: 3900.0 };
+    let options = Options {
+        force_ramp: None,
+        cutting_pressure_n_per_mm2: 3900.0,
+        taps: plan::Unsynchronised::default(),
+    };
     let start = Start { position: Position::default(), tool: 0 };
     let mut planner = Planner::new(limits(), tools(), options, start);
     let mut steps = Vec::new();

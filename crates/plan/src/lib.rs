@@ -26,6 +26,7 @@
 #![allow(clippy::large_types_passed_by_value)] // a step is moved once, into the queue
 extern crate alloc;
 
+mod clutch;
 mod curve;
 mod findings;
 mod holes;
@@ -41,8 +42,10 @@ mod stroke;
 mod tap_check;
 mod travel;
 
+pub use clutch::{ClutchCycle, DwellWindow};
 pub use limits::{
-    AxisLimits, Effort, MachineLimits, Options, Retract, SpindleLimits, Tapping, ToolChange,
+    AxisLimits, DwellCheck, Effort, MachineLimits, Options, PlainDrive, Retract, SpindleLimits,
+    TapMethod, Tapping, ToolChange, Unsynchronised,
 };
 pub use path::{Motion, Path};
 pub use planner::{Planner, Preflight, Start, preflight};

@@ -4,7 +4,7 @@
 //! RS-274/NGC does for the feed of a rotary axis.
 use alloc::vec::Vec;
 use canon::Axis;
-use units::{Accel, Inertia, Jerk, Length, Power, Speed, Spin, Time, Torque};
+use units::{Accel, Inertia, Jerk, Length, Power, Speed, Spin, SpinAccel, Time, Torque};
 
 /// One axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -131,4 +131,46 @@ pub struct Options {
     pub force_ramp: Option<Time>,
     /// Specific cutting force of the work's material, N/mm²: 3900 for C45, 1300 for `AlSi`.
     pub cutting_pressure_n_per_mm2: f64,
+    /// What becomes of taps that are not tied to the spindle.
+    pub taps: Unsynchronised,
+}
+
+/// How taps are driven that are not tied to the spindle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Unsynchronised {
+    /// Whether the feed is tied to the spindle. A tap in a clutch holder has its own cycle either way.
+    pub method: TapMethod,
+    /// What becomes of a dwell with which a clutch holder does not work.
+    pub dwell: DwellCheck,
+    /// A spindle whose drive makes its own ramps, as measured; `None`: planned ramps.
+    pub drive: Option<PlainDrive>,
+}
+
+/// Whether the feed of a tap is tied to the spindle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TapMethod {
+    /// The feed follows the spindle.
+    #[default]
+    Synchronised,
+    /// Both only run at their speeds, and a tension/compression holder takes the difference.
+    Floating,
+}
+
+/// What becomes of a dwell outside a clutch holder's window.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DwellCheck {
+    /// Refused, with the dwell that would work.
+    #[default]
+    Refuse,
+    /// Said, and done.
+    Warn,
+}
+
+/// A spindle drive that is only told a speed: a relay, and a ramp of its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlainDrive {
+    /// From an order until the drive obeys.
+    pub delay: Time,
+    /// Of its ramp.
+    pub accel: SpinAccel,
 }

@@ -34,6 +34,7 @@ use units::{Length, Spin, Time};
 mod refuse;
 mod spindle;
 mod tap;
+mod unsynchronised;
 use refuse::{clipped, wild};
 
 /// Moves shorter than this are no moves: a picometre.
@@ -76,6 +77,8 @@ pub struct Planner {
     /// In and out.
     last_strokes: [Option<(StrokeRequest, Stroke)>; 2],
     warned_still: bool,
+    /// The last tap left the spindle reversed: forward again after the rapid back.
+    reversed_along: Option<Axis>,
     findings: Findings,
     outbox: Outbox,
 }
@@ -138,6 +141,7 @@ impl Planner {
             holes: Holes::default(),
             last_strokes: [None; 2],
             warned_still: false,
+            reversed_along: None,
             findings: Findings::default(),
             outbox: Outbox::default(),
         }
@@ -208,6 +212,11 @@ impl Planner {
 
     fn rapid(&mut self, job: &mut Job, to: &Position) {
         let from = self.position();
+        let reversed = self.reversed_along.take();
+        let is_back = reversed.is_some_and(|axis| to.with(axis, from.along(axis)) == from);
+        if reversed.is_some() && !is_back {
+            self.tell_spindles(job);
+        }
         let stays_up = self.lifted.filter(|_| to.linear[2] == self.programmed.linear[2]);
         self.programmed = *to;
         self.lifted = stays_up;
@@ -215,20 +224,32 @@ impl Planner {
         if self.is_refused(job, &path) {
             return;
         }
-        self.rapid_along(job, path);
+        if !is_back {
+            return self.rapid_along(job, path);
+        }
+        // out of the work first, and only then forward again
+        if let Some(step) = self.rapid_step(job, path) {
+            self.hand_on(job, step.kind);
+        }
+        self.tell_spindles(job);
     }
 
     /// A rapid that has been judged; after a spindle order that is still open.
     fn rapid_along(&mut self, job: &mut Job, path: Path) {
+        if let Some(step) = self.rapid_step(job, path) {
+            self.after_spindle(job, step);
+        }
+    }
+
+    fn rapid_step(&mut self, job: &Job, path: Path) -> Option<Step> {
         let length = path.length();
-        let Some(bound) = self.bound(job, &path, true, f64::INFINITY) else { return };
+        let bound = self.bound(job, &path, true, f64::INFINITY)?;
         let profile = bound.profile(length, bound.speed);
         if self.profile_is_refused(job, &profile, 1.0) {
-            return;
+            return None;
         }
         let rapid = Move { path, profile, rapid: true, per_revolution: false, exact_stop: true };
-        let step = job.step(StepKind::Move(rapid));
-        self.after_spindle(job, step);
+        Some(job.step(StepKind::Move(rapid)))
     }
 
     /// A cutting move; `make` builds its path from where the axes are.

@@ -282,6 +282,11 @@ fn check_tool(tool: &Tool, found: &mut Vec<String>) {
                 tap.holder.travel.unwrap_or(Length::ZERO).value(),
                 "mm",
             );
+            if let Some(clutch) = &tap.clutch {
+                need.positive("splines' length", clutch.spline_length.value(), "mm");
+                need.not_negative("pawl's backlash", clutch.pawl_backlash.value(), "rev");
+                need.not_negative("compression", clutch.compression.value(), "mm");
+            }
         }
         ToolKind::Other => {}
     }

@@ -16,7 +16,7 @@ use crate::rng::Rng;
 use crate::tapping::{self, Load, Pose, Tapping, is_too_wide};
 use crate::work::{Bore, Hole, SAME_HOLE, Stock};
 use crate::{Tap, Tool, ToolKind};
-use units::Length;
+use units::{Angle, Length};
 
 /// A tip that is deeper than this when it is first seen below the surface has not come from above: at 100 m/min
 /// a step of 25 µs brings it 0.04 mm down.
@@ -53,6 +53,8 @@ pub(crate) struct Cutting {
     at: [Length; 2],
     entered: [Length; 2],
     load: Load,
+    /// How far a clutch has left the tap ahead of the spindle, rev.
+    slip: f64,
 }
 
 impl Cutting {
@@ -69,6 +71,7 @@ impl Cutting {
             at: [Length::ZERO; 2],
             entered: [Length::ZERO; 2],
             load: Load::default(),
+            slip: 0.0,
         }
     }
 
@@ -82,6 +85,7 @@ impl Cutting {
         self.at = at;
         if self.mounted.map(|t| t.number) != tool {
             self.leave();
+            self.slip = 0.0;
             self.mounted = self.magazine.iter().find(|t| Some(t.number) == tool).copied();
             let is_broken = self.mounted.is_some_and(|t| self.broken.contains(&t.number));
             self.engagement = if is_broken { Engagement::Broken } else { Engagement::Clear };
@@ -130,7 +134,11 @@ impl Cutting {
         }
         let answer = match &mut self.engagement {
             Engagement::Drilling(drill) => drill.step(&pose, &mut self.stock.holes[drill.hole]),
-            Engagement::Tapping(tap) => tap.step(&pose),
+            Engagement::Tapping(tap) => {
+                let load = tap.step(&pose);
+                self.slip = tap.slip();
+                load
+            }
             Engagement::Air | Engagement::Clear | Engagement::Broken => Some(Load::default()),
         };
         self.load = answer.unwrap_or_else(|| {
@@ -158,7 +166,14 @@ impl Cutting {
                 if is_too_wide(&self.stock.holes[hole], &tap) {
                     Engagement::Clear
                 } else {
-                    Engagement::Tapping(Tapping::begin(&tap, &self.stock, hole, pose, scale))
+                    Engagement::Tapping(Tapping::begin(
+                        &tap,
+                        &self.stock,
+                        hole,
+                        pose,
+                        scale,
+                        self.slip,
+                    ))
                 }
             }
             ToolKind::Drill { .. } | ToolKind::Tap(_) | ToolKind::Other => Engagement::Clear,
@@ -221,6 +236,11 @@ impl Cutting {
                 Length::ZERO
             }
         }
+    }
+
+    /// How far a clutch has left the tap ahead of the spindle.
+    pub(crate) const fn slip(&self) -> Angle {
+        Angle::rev(self.slip)
     }
 
     /// What the work does to the machine now.

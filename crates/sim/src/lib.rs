@@ -15,6 +15,7 @@
 
 mod axis;
 mod changer;
+mod clutch;
 mod config;
 mod cutting;
 mod drilling;
@@ -36,7 +37,7 @@ pub use encoder::{AxisEncoder, SpindleEncoder};
 pub use friction::Lugre;
 pub use machine::SimulatedMachine;
 pub use spindle::SpindleModel;
-pub use tool::{HOLDER_STOP, Holder, Tap, Tool, ToolKind};
+pub use tool::{CLUTCH_RUN_OUT, Clutch, HOLDER_STOP, Holder, Tap, Tool, ToolKind};
 pub use work::{Bore, Hole, MATERIALS, Material, SAME_HOLE, Sides, Stock, Thread};
 
 #[cfg(test)]

@@ -130,6 +130,7 @@ impl SimulatedMachine {
         }
         let Load { force, torque } = cutting.load();
         self.truth.tool_deflection = cutting.deflection();
+        self.truth.tool_turn = cutting.slip();
         self.truth.cutting_force = Force::n(force);
         self.truth.cutting_torque = Torque::n_m(-torque);
         self.truth.tool_broken = cutting.is_broken();

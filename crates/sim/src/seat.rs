@@ -23,14 +23,17 @@
 //! ```
 //!
 //! Rigid (10–30 N/µm), soft-synchro (0.2–1 N/µm over ±0.5 mm) and tension/compression holders (10–40 N/mm
-//! over ±8 mm) differ in numbers only. Source: springs in a row.
-use crate::{HOLDER_STOP, Tap};
+//! over ±8 mm) differ in numbers only. A clutch holder has another travel outwards (δ < 0: its splines and a
+//! little more) than inwards. Source: springs in a row.
+use crate::{CLUTCH_RUN_OUT, HOLDER_STOP, Tap};
 
 /// Holder and flanks, N/mm and mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Seat {
     holder: f64,
-    travel: f64,
+    /// How far the tap can be pulled out, and pushed in.
+    out: f64,
+    inward: f64,
     stop: f64,
     flank: f64,
     half_play: f64,
@@ -40,9 +43,14 @@ impl Seat {
     /// Of this tap.
     pub(crate) fn new(tap: &Tap) -> Self {
         let holder = tap.holder.stiffness.value();
+        let travel = tap.holder.travel.map_or(f64::INFINITY, units::Length::value);
+        let (out, inward) = tap.clutch.map_or((travel, travel), |clutch| {
+            ((clutch.spline_length + CLUTCH_RUN_OUT).value(), clutch.compression.value())
+        });
         Self {
             holder,
-            travel: tap.holder.travel.map_or(f64::INFINITY, units::Length::value),
+            out,
+            inward,
             stop: holder.max(HOLDER_STOP.value()),
             flank: tap.flank_stiffness.value(),
             half_play: tap.flank_play.value() / 2.0,
@@ -55,12 +63,21 @@ impl Seat {
         let flank = self.flank * share;
         let push = flank * (offset.abs() - self.half_play).max(0.0);
         let within = push / (flank + self.holder);
-        let size = if within <= self.travel {
+        // a spindle above the helix pulls the tap out
+        let travel = if offset > 0.0 { self.out } else { self.inward };
+        let size = if within <= travel {
             within
         } else {
-            (push + (self.stop - self.holder) * self.travel) / (flank + self.stop)
+            (push + (self.stop - self.holder) * travel) / (flank + self.stop)
         };
         -size.copysign(offset)
+    }
+
+    /// How much of an offset that presses the flanks goes into the holder, while it is within its travel.
+    #[inline]
+    pub(crate) fn holder_share(&self, share: f64) -> f64 {
+        let flank = self.flank * share;
+        flank / (flank + self.holder)
     }
 
     /// Force of flanks pressed together by so much, all of them engaged.
@@ -73,7 +90,8 @@ impl Seat {
     #[inline]
     pub(crate) fn force(&self, deflection: f64) -> f64 {
         let size = deflection.abs();
-        let beyond = (size - self.travel).max(0.0);
+        let travel = if deflection < 0.0 { self.out } else { self.inward };
+        let beyond = (size - travel).max(0.0);
         (self.holder * (size - beyond) + self.stop * beyond).copysign(deflection)
     }
 }

@@ -32,6 +32,7 @@
 //! Source of Tc: the tap makers' torque formula (triangular chip of a 60° thread, sheared at kc). Estimates: the
 //! friction tail, the share on reversal (10–30 %), the spike.
 use crate::Tap;
+use crate::clutch::Coupling;
 use crate::friction::{between, smooth_sign};
 use crate::seat::Seat;
 use crate::work::{Hole, Stock, Thread};
@@ -128,6 +129,10 @@ pub(crate) struct Tapping {
     ground: f64,
     helix_angle: f64,
     helix_tip: f64,
+    clutch: Option<Coupling>,
+    /// Where the spindle stood, and where the tap stands, rev; one and the same without a clutch.
+    spindle: f64,
+    angle: f64,
     /// Depth of the helix up to which the thread is cut.
     cut_to: f64,
     chip_root: bool,
@@ -136,8 +141,17 @@ pub(crate) struct Tapping {
 }
 
 impl Tapping {
-    /// The tap touches the surface over a hole. `scale` is this hole's scatter of the cutting force.
-    pub(crate) fn begin(tap: &Tap, stock: &Stock, hole: usize, pose: &Pose, scale: f64) -> Self {
+    /// The tap touches the surface over a hole. `scale` is this hole's scatter of the cutting force, `slip` how far
+    /// a clutch has left the tap ahead of the spindle, rev.
+    pub(crate) fn begin(
+        tap: &Tap,
+        stock: &Stock,
+        hole: usize,
+        pose: &Pose,
+        scale: f64,
+        slip: f64,
+    ) -> Self {
+        let tap_angle = pose.angle + slip;
         let (diameter, lead) = (tap.diameter.value(), -tap.lead.value());
         let pitch = lead.abs();
         let made = &stock.holes[hole];
@@ -147,10 +161,10 @@ impl Tapping {
         let ground = if bored_to >= thickness { f64::INFINITY } else { bored_to };
         // a thread shorter than one pitch guides nothing
         let guide = made.thread.filter(|t| t.lead == tap.lead && t.tip_depth.value() > pitch);
-        let (helix_angle, helix_tip) = guide.map_or((pose.angle, pose.tip), |t| {
+        let (helix_angle, helix_tip) = guide.map_or((tap_angle, pose.tip), |t| {
             let (angle, tip) = (t.phase_angle.value(), t.phase_tip.value());
             // of the helix' turns, the one nearest to the tap
-            let turns = ((pose.tip - tip) / lead - (pose.angle - angle)).round();
+            let turns = ((pose.tip - tip) / lead - (tap_angle - angle)).round();
             (angle - turns, tip)
         });
         Self {
@@ -170,6 +184,9 @@ impl Tapping {
             ground: ground.min(tap.thread_length.value()),
             helix_angle,
             helix_tip,
+            clutch: tap.clutch.as_ref().map(Coupling::new),
+            spindle: pose.angle,
+            angle: tap_angle,
             cut_to: guide.map_or(0.0, |t| t.tip_depth.value()),
             chip_root: false,
             deflection: 0.0,
@@ -180,7 +197,35 @@ impl Tapping {
     /// Both the tap and the spindle are clear of the work.
     #[inline]
     pub(crate) fn is_out(&self, pose: &Pose) -> bool {
-        pose.tip >= self.top && self.helix(pose.angle) >= self.top
+        let angle = if self.clutch.is_some() { self.angle } else { pose.angle };
+        pose.tip >= self.top && self.helix(angle) >= self.top
+    }
+
+    /// How far the tap stands ahead of the spindle, rev.
+    pub(crate) fn slip(&self) -> f64 {
+        self.angle - self.spindle
+    }
+
+    /// Turn the tap with the spindle, as far as a clutch lets it; whether it was driven.
+    fn follow(&mut self, pose: &Pose) -> bool {
+        let turned = pose.angle - self.spindle;
+        self.spindle = pose.angle;
+        let Some(mut clutch) = self.clutch else {
+            self.angle = pose.angle;
+            return true;
+        };
+        let engaged = |helix: f64| self.share_of_chamfer(self.top - helix.min(pose.tip));
+        let slide = |angle: f64| {
+            let helix = self.helix(angle);
+            -self.seat.deflection(pose.tip - helix, engaged(helix))
+        };
+        let share = self.seat.holder_share(engaged(self.helix(self.angle)));
+        let is_inward = turned * self.lead < 0.0;
+        let (angle, driven) =
+            clutch.follow(self.angle, turned, is_inward, slide, share * self.lead.abs());
+        self.angle = angle;
+        self.clutch = Some(clutch);
+        driven
     }
 
     /// Where the helix puts the tip at a spindle angle.
@@ -191,7 +236,8 @@ impl Tapping {
     /// The tap at this pose, after one physics step; `None` where it breaks.
     #[inline]
     pub(crate) fn step(&mut self, pose: &Pose) -> Option<Load> {
-        let helix = self.helix(pose.angle);
+        let driven = self.follow(pose);
+        let helix = self.helix(self.angle);
         // an extended holder leaves the tap in the thread after the spindle has gone up
         let engaged = self.share_of_chamfer(self.top - helix.min(pose.tip));
         self.deflection = self.seat.deflection(pose.tip - helix, engaged);
@@ -203,6 +249,10 @@ impl Tapping {
         let pressed = force.abs() + jam;
         let against =
             self.cutting_torque(self.top - helix, depth, engaged) + self.rubbing * pressed;
+        if !driven {
+            // the thread itself holds the tap: it is self-locking
+            return self.core.bears(0.0, pressed).then_some(Load { force, torque: 0.0 });
+        }
         let torque =
             against * smooth_sign(pose.omega / ROUNDING_RAD_PER_S) + (force - jam) * self.screw;
         self.core.bears(torque, pressed).then_some(Load { force, torque })

@@ -62,7 +62,24 @@ pub struct Tap {
     pub flank_stiffness: Stiffness,
     /// What holds it.
     pub holder: Holder,
+    /// What lets go of it, in a clutch holder; the holder's stiffness is then that of the spring which brings it
+    /// home, and its travel is not looked at.
+    pub clutch: Option<Clutch>,
 }
+
+/// What makes a tap holder a clutch: see the crate's `clutch` module.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clutch {
+    /// D: pulled out so far, the tap's splines leave the arbor's.
+    pub spline_length: Length,
+    /// β: from the reversal until the pawl drives.
+    pub pawl_backlash: Angle,
+    /// Travel towards the spindle from home, on the same spring.
+    pub compression: Length,
+}
+
+/// Room beyond the splines until a clutch holder is at its end (estimate).
+pub const CLUTCH_RUN_OUT: Length = Length::mm(1.0);
 
 /// A tap holder: a spring between spindle and tap, and a stop at the end of its travel.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -217,3 +217,21 @@ proptest! {
         let _ = tools::Thread::parse(&text);
     }
 }
+
+#[test]
+fn a_clutch_holder_has_splines_a_pawl_and_a_spring() {
+    let holder = "{ kind = \"clutch\", stiffness_n_per_mm = 10.0, spline_length_mm = 5.0, pawl_backlash_rev = 0.1, compression_mm = 3.0 }";
+    let text = SHOP.replace("{ kind = \"rigid\", stiffness_n_per_um = 20.0 }", holder);
+    let table = tools::parse_toml(&text, 0).unwrap();
+    let ToolKind::Tap(tap) = &table.library.get(3).unwrap().kind else { panic!("T3 is a tap") };
+    let clutch = Holder::Clutch {
+        spline_length: Length::mm(5.0),
+        pawl_backlash: Angle::rev(0.1),
+        stiffness: Stiffness::n_per_mm(10.0),
+        compression: Length::mm(3.0),
+    };
+    assert_eq!(tap.holder, clutch);
+    let without = SHOP.replace("{ kind = \"rigid\",", "{ kind = \"clutch\",");
+    let found = tools::parse_toml(&without, 0).unwrap_err();
+    assert!(found[0].message.contains("spline_length_mm"), "{found:?}");
+}

@@ -23,6 +23,8 @@ pub struct Config {
     pub flank_clearance: Length,
     /// fα: what the tap's flank angle error takes from the virtual pitch diameter.
     pub flank_angle_allowance: Length,
+    /// Taps were synchronised with the spindle, so that it can be asked where their threads start.
+    pub synchronised: bool,
 }
 
 impl Config {
@@ -37,6 +39,7 @@ impl Config {
             stock_top: None,
             flank_clearance: Length::ZERO,
             flank_angle_allowance: Length::ZERO,
+            synchronised: true,
         }
     }
 }

@@ -240,6 +240,9 @@ impl<'a> Inspection<'a> {
     }
 
     fn start_finding(&self) -> Option<String> {
+        if self.track.is_in_clutch() || !self.config.synchronised {
+            return None;
+        }
         let asked = self.track.tap.start_angle?;
         let off = self.track.start_rev()? - asked.value();
         let off_deg = (off - off.round()) * 360.0;

@@ -16,7 +16,7 @@ use crate::inspection::Inspection;
 use crate::size::ThreadSize;
 use crate::stroke::{Stroke, Visit};
 use bus::{Sample, State};
-use canon::{Tap, TapTool, Tool, ToolKind};
+use canon::{Holder, Tap, TapTool, Tool, ToolKind};
 use units::{Force, Length, Time, Torque};
 
 /// The spindle that turns the tap.
@@ -75,8 +75,13 @@ impl ThreadTrack {
 
     pub(crate) fn sample(&mut self, sample: &Sample) {
         let depth_mm = self.stroke.depth_mm(self.stroke.edge_mm(sample));
-        let axis_depth_mm = self.stroke.depth_mm(self.stroke.axis_mm(sample));
-        let theta_rev = spindle_rev(sample);
+        // a clutch holder has no step to keep: what counts is the tap on its own helix
+        let axis_depth_mm = if self.is_in_clutch() {
+            depth_mm
+        } else {
+            self.stroke.depth_mm(self.stroke.axis_mm(sample))
+        };
+        let theta_rev = tap_rev(sample);
         let now_s = sample.feedback.time.value();
         if !(theta_rev.is_finite() && axis_depth_mm.is_finite()) {
             self.visit.spoil();
@@ -141,6 +146,11 @@ impl ThreadTrack {
         }
     }
 
+    /// The tap is in a clutch holder: nothing is synchronised, and it is not asked where the thread starts.
+    pub(crate) fn is_in_clutch(&self) -> bool {
+        self.tap_tool().is_some_and(|tap| matches!(tap.holder, Holder::Clutch { .. }))
+    }
+
     /// Spindle angle at which the fitted helix passes the start plane.
     pub(crate) fn start_rev(&self) -> Option<f64> {
         self.edges.theta_rev_at(self.stroke.start_depth_mm())
@@ -194,8 +204,8 @@ fn mismatch(tap: &Tap, number: u32, size: &ThreadSize, ordered: Hand) -> Vec<Str
     findings
 }
 
-/// [`Sample::spindle`] without copying the whole truth.
-fn spindle_rev(sample: &Sample) -> f64 {
+/// Angle of the tap: [`Sample::spindle`] without copying the whole truth, and what a clutch has let it slip.
+fn tap_rev(sample: &Sample) -> f64 {
     let encoder = sample.feedback.spindles[SPINDLE].angle;
-    sample.truth.as_ref().map_or(encoder, |t| t.spindles[SPINDLE]).value()
+    sample.truth.as_ref().map_or(encoder, |t| t.spindles[SPINDLE] + t.tool_turn).value()
 }

@@ -282,6 +282,24 @@ fn the_holders_deflection_moves_the_edges_and_is_no_sync_error() {
 }
 
 #[test]
+fn a_tap_that_a_clutch_lets_slip_is_judged_by_its_own_angle_not_by_the_spindles() {
+    let record = Record::new(2, 1.0);
+    let mut judge = Judge::new(Config::new(tools()));
+    judge.op(0, &record.op(10));
+    for mut sample in record.samples(0, |_, _| 0.0) {
+        let out = sample.report.state == bus::State::TapOut;
+        let slip = units::Angle::rev(if out { 7.3 } else { 0.0 });
+        let truth = sample.truth.as_mut().unwrap();
+        truth.spindles[0] += slip;
+        truth.tool_turn = -slip;
+        judge.sample(&sample);
+    }
+    let features = judge.finish();
+    close(thread(&features[0]).groove_widening, 0.0, 1e-6);
+    close(thread(&features[0]).lead_error, 0.0, 1e-6);
+}
+
+#[test]
 fn without_a_simulator_the_encoders_are_believed() {
     let record = Record::new(2, 1.0);
     let mut judge = Judge::new(Config::new(tools()));

@@ -124,6 +124,7 @@ fn tool(tool: &Tool, seat: &TapSeat, material: Material) -> sim::Tool {
             flank_play: seat.flank_clearance,
             flank_stiffness: seat.flank_stiffness,
             holder: holder(tap.holder),
+            clutch: clutch(tap.holder),
         }),
         ToolKind::EndMill | ToolKind::Other => sim::ToolKind::Other,
     };
@@ -143,10 +144,24 @@ fn flute_factor(flute: Flute, material: Material) -> f64 {
 
 fn holder(holder: Holder) -> sim::Holder {
     match holder {
-        Holder::Rigid { stiffness } => sim::Holder { stiffness, travel: None },
+        Holder::Rigid { stiffness } | Holder::Clutch { stiffness, .. } => {
+            sim::Holder { stiffness, travel: None }
+        }
         Holder::SoftSynchro { stiffness, travel }
         | Holder::TensionCompression { stiffness, travel } => {
             sim::Holder { stiffness, travel: Some(travel) }
+        }
+    }
+}
+
+/// What lets go of a tap in a clutch holder.
+fn clutch(holder: Holder) -> Option<sim::Clutch> {
+    match holder {
+        Holder::Clutch { spline_length, pawl_backlash, compression, .. } => {
+            Some(sim::Clutch { spline_length, pawl_backlash, compression })
+        }
+        Holder::Rigid { .. } | Holder::SoftSynchro { .. } | Holder::TensionCompression { .. } => {
+            None
         }
     }
 }

@@ -92,6 +92,7 @@ pub fn machine_with_work(command_delay: usize, order: &TapOrder, diameter_mm: f6
         flank_play: Length::um(10.0),
         flank_stiffness: Stiffness::n_per_mm(100_000.0),
         holder: sim::Holder { stiffness: Stiffness::n_per_mm(20_000.0), travel: None },
+        clutch: None,
     };
     machine.magazine = vec![sim::Tool { number: 1, length, kind: sim::ToolKind::Tap(tap) }];
     machine.tool = 1;

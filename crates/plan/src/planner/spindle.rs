@@ -92,11 +92,12 @@ impl Planner {
     /// Steps that make a spindle turn at a speed. A ramp begins where the one before has ended, so that one
     /// is awaited.
     pub(super) fn turn(&mut self, job: &Job, index: usize, spin: Spin) -> Vec<Step> {
-        let (state, limits) = (&mut self.spindles[index], &self.limits.spindles[index]);
+        let told = self.spindles[index].told;
+        let ramp = (told != spin).then(|| self.told_ramp(&self.limits.spindles[index], told, spin));
+        let state = &mut self.spindles[index];
         let mut steps = Vec::new();
-        if state.told != spin {
+        if let Some(ramp) = ramp {
             let spindle = index as u8; // as many spindles as a machine file can name
-            let ramp = limits.ramp(state.told, spin);
             if !state.awaited {
                 steps.push(job.step(StepKind::Spindle { spindle, order: SpindleStep::AwaitSpeed }));
             }

@@ -15,16 +15,17 @@
 //! | lead along the tap's own direction, + right-hand | axis travel per +1 rev: that times the direction of the stroke |
 //! | speeds without sign | + clockwise: a right-hand tap goes in with + and out with − |
 use super::refuse::wild;
+use super::unsynchronised::Clutch;
 use super::{Job, Planner};
 use crate::findings::number;
 use crate::holes::Drilled;
-use crate::limits::{AxisLimits, Retract, SpindleLimits};
+use crate::limits::{AxisLimits, Retract, SpindleLimits, TapMethod};
 use crate::motion::change;
 use crate::step::{StepKind, TapPlan};
 use crate::stroke::{Stroke, StrokeRequest};
 use crate::tap_check::{TapCheck, cutting_torque, whole_rpm};
 use alloc::{format, string::String};
-use canon::{Axis, Tap, TapTool, Tool, ToolKind};
+use canon::{Axis, Holder, Tap, TapTool, Tool, ToolKind};
 use diag::Diagnostic;
 use units::{Angle, Lead, Length, Time, Torque};
 
@@ -35,8 +36,8 @@ const AT_START: f64 = 1e-6;
 const NO_PECK: f64 = 1e-6;
 
 /// What a sound tap is planned with.
-struct Means {
-    inward: (AxisLimits, SpindleLimits),
+pub(super) struct Means {
+    pub(super) inward: (AxisLimits, SpindleLimits),
     outward: (AxisLimits, SpindleLimits),
     cut: Torque,
 }
@@ -53,6 +54,21 @@ impl Planner {
     pub(super) fn tap(&mut self, job: &mut Job, tap: &Tap) {
         self.come_down(job);
         let means = self.judge(job, tap);
+        match (means, self.tap_in_spindle().map(|(_, tool)| tool.holder)) {
+            (Some(means), Some(Holder::Clutch { spline_length, pawl_backlash, .. })) => {
+                self.clutch_tap(job, tap, &means, Clutch { spline_length, pawl_backlash });
+            }
+            (Some(means), Some(holder)) if self.options.taps.method == TapMethod::Floating => {
+                self.floating_tap(job, tap, &means, holder);
+            }
+            (means, _) => self.synchronised_tap(job, tap, means),
+        }
+        if wild(&tap.start).is_none() {
+            self.programmed = tap.start;
+        }
+    }
+
+    fn synchronised_tap(&mut self, job: &mut Job, tap: &Tap, means: Option<Means>) {
         self.rest(job, 0);
         if let Some(means) = means {
             self.warn_of_slow_return(job, tap, &means);
@@ -60,9 +76,6 @@ impl Planner {
                 let plan = self.tap_plan(tap, &peck, &means);
                 self.hand_on(job, StepKind::Tap(plan));
             }
-        }
-        if wild(&tap.start).is_none() {
-            self.programmed = tap.start;
         }
     }
 

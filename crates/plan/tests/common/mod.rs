@@ -52,7 +52,15 @@ pub fn machine() -> MachineLimits {
     }
 }
 
-pub const OPTIONS: Options = Options { force_ramp: None, cutting_pressure_n_per_mm2: 3900.0 };
+pub const OPTIONS: Options = Options {
+    force_ramp: None,
+    cutting_pressure_n_per_mm2: 3900.0,
+    taps: plan::Unsynchronised {
+        method: plan::TapMethod::Synchronised,
+        dwell: plan::DwellCheck::Refuse,
+        drive: None,
+    },
+};
 
 pub fn drill(number: u32, diameter: f64, length: f64) -> Tool {
     let kind = ToolKind::Drill { point_angle: Angle::deg(118.0) };

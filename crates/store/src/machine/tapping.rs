@@ -20,6 +20,9 @@ pub struct Tapping {
     pub sync_stop: Length,
     /// How the spindle is brought to speed and back.
     pub ramp: Ramp,
+    /// The spindle cannot be synchronised: feed and spindle only run at their speeds, and a tension/compression
+    /// holder takes the difference.
+    pub floating: bool,
     /// The preset of a run that asks for none.
     pub preset: Preset,
     /// What each preset asks of the drives, where the file says it.
@@ -140,6 +143,9 @@ impl Tapping {
                 Some(s) if linear => Ramp::Linear(Time::s(s)),
                 _ => Ramp::PowerCurve,
             },
+            floating: keys
+                .optional_choice("method", &[("synchronised", false), ("floating", true)])
+                .unwrap_or(false),
             preset: keys.optional_choice("preset", &Preset::NAMES).unwrap_or(Preset::Standard),
             presets: keys
                 .optional_section("presets", |k| {

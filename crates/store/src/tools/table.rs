@@ -111,11 +111,13 @@ fn read_holder(keys: &mut Keys<'_>) -> Holder {
         Rigid,
         SoftSynchro,
         TensionCompression,
+        Clutch,
     }
     let kinds = [
         ("rigid", Kind::Rigid),
         ("soft-synchro", Kind::SoftSynchro),
         ("tension-compression", Kind::TensionCompression),
+        ("clutch", Kind::Clutch),
     ];
     let kind = keys.choice("kind", &kinds);
     let stiffness = read_stiffness(keys);
@@ -124,6 +126,12 @@ fn read_holder(keys: &mut Keys<'_>) -> Holder {
         Kind::Rigid => Holder::Rigid { stiffness },
         Kind::SoftSynchro => Holder::SoftSynchro { stiffness, travel: travel() },
         Kind::TensionCompression => Holder::TensionCompression { stiffness, travel: travel() },
+        Kind::Clutch => Holder::Clutch {
+            spline_length: Length::mm(keys.number("spline_length_mm", 0.1..=50.0)),
+            pawl_backlash: Angle::rev(keys.optional("pawl_backlash_rev", 0.0..=1.0).unwrap_or(0.0)),
+            stiffness,
+            compression: Length::mm(keys.optional("compression_mm", 0.0..=50.0).unwrap_or(0.0)),
+        },
     }
 }
 
