@@ -47,6 +47,24 @@ Examples:
   leadscrew canon part.ngc --format json         one JSON object a line
   leadscrew canon part.ngc --format linuxcnc     the notation of LinuxCNC's rs274 -g")]
     Canon(CanonArgs),
+    /// Write programs in canonical spacing; what they mean, and their comments, stay
+    #[command(after_help = "Examples:
+  leadscrew fmt part.ngc
+  leadscrew fmt --check programs/    exit code 2 if something is not in canonical spacing
+  leadscrew fmt - < part.ngc         standard input to standard output")]
+    Fmt(FormatArgs),
+    /// Serve an editor: the language server, on standard input and output
+    #[command(
+        after_help = "Findings as you type, what a word does and where the machine stands, the outline of tools and
+subprograms, definitions, renaming and formatting. An editor starts it; see docs/editors.md."
+    )]
+    Lsp(ProgramArgs),
+    /// List every G and M code, with what it takes and whether it is executed
+    Codes {
+        /// How they are printed
+        #[arg(long, value_enum, default_value_t = CodesFormat::Text)]
+        format: CodesFormat,
+    },
     /// The machines Leadscrew knows, and files that describe others
     #[command(subcommand)]
     Machine(MachineCommand),
@@ -135,6 +153,17 @@ pub(crate) struct CheckArgs {
     pub(crate) format: FindingsFormat,
 }
 
+/// `leadscrew fmt`.
+#[derive(Args, Debug, Clone)]
+pub(crate) struct FormatArgs {
+    /// Programs, or folders of them; `-` reads standard input and writes standard output
+    #[arg(required = true)]
+    pub(crate) programs: Vec<PathBuf>,
+    /// Change nothing; say what would change
+    #[arg(long)]
+    pub(crate) check: bool,
+}
+
 /// `leadscrew canon`.
 #[derive(Args, Debug, Clone)]
 pub(crate) struct CanonArgs {
@@ -217,6 +246,15 @@ pub(crate) enum Format {
     /// For people
     Text,
     /// For programs: the certificate
+    Json,
+}
+
+/// How the codes are printed.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum CodesFormat {
+    /// A table
+    Text,
+    /// An array of objects
     Json,
 }
 

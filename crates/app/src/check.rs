@@ -46,7 +46,14 @@ fn findings(args: &CheckArgs, path: &Path, text: &[u8]) -> Result<Vec<Diagnostic
         cutting_pressure_n_per_mm2: material.cutting_force_n_per_mm2,
         taps: session.taps,
     };
-    Ok(crate::preflight::preflight(&mut session, text, options).findings)
+    let mut found = crate::preflight::preflight(&mut session, text, options).findings;
+    for remark in interp::lint(text, &session.interp_setup()) {
+        if found.iter().all(|f| (f.code, f.span) != (remark.code, remark.span)) {
+            found.push(remark);
+        }
+    }
+    found.sort_by_key(|f| (f.span.file, f.span.start, !f.is_error()));
+    Ok(found)
 }
 
 fn tell(findings: &[Diagnostic], source: &Source<'_>, quiet: bool) -> Result<(), Refused> {
@@ -69,7 +76,7 @@ pub(crate) fn plural(count: usize, noun: &str) -> String {
 }
 
 /// The files named, and the programs in the folders named, in the order of their names.
-fn programs(named: &[PathBuf]) -> Result<Vec<PathBuf>, Refused> {
+pub(crate) fn programs(named: &[PathBuf]) -> Result<Vec<PathBuf>, Refused> {
     let mut found = Vec::new();
     for path in named {
         if !path.is_dir() {

@@ -4,6 +4,9 @@
 //!   args ─► run       session ─► preflight ─► simulate ─► papers, summary
 //!        ├► check     session ─► preflight ─► render
 //!        ├► canon     session ─► interp, printed
+//!        ├► fmt       gcode
+//!        ├► codes     interp's tables
+//!        ├► lsp       session ─► lsp
 //!        └► machine   store
 //! ```
 #![forbid(unsafe_code)]
@@ -12,8 +15,11 @@ mod args;
 mod canonical;
 mod certificate;
 mod check;
+mod codes;
+mod format;
 mod interrupt;
 mod log;
+mod lsp;
 mod machine;
 mod papers;
 mod preflight;
@@ -66,6 +72,12 @@ fn execute(cli: &Cli) -> Result<ExitCode, Refused> {
         }),
         Command::Check(args) => Ok(accepted(check::command(args, cli.quiet)?)),
         Command::Canon(args) => Ok(accepted(canonical::command(args)?)),
+        Command::Fmt(args) => Ok(accepted(format::command(args, cli.quiet)?)),
+        Command::Lsp(source) => Ok(accepted(lsp::command(source)?)),
+        Command::Codes { format } => {
+            codes::command(*format)?;
+            Ok(ExitCode::SUCCESS)
+        }
         Command::Machine(order) => machine::command(order).map(|()| ExitCode::SUCCESS),
         Command::Completions { shell } => {
             let mut script = Vec::new();

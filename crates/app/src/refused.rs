@@ -25,6 +25,17 @@ impl Refused {
         Self::Sentence(sentence.into())
     }
 
+    /// In one line.
+    pub(crate) fn sentence(&self) -> String {
+        match self {
+            Self::Sentence(sentence) => sentence.clone(),
+            Self::Findings { name, findings, .. } => match findings.first() {
+                Some(first) => format!("{name} is refused: {}", first.message),
+                None => format!("{name} is refused"),
+            },
+        }
+    }
+
     /// Tell the user.
     pub(crate) fn say(&self) {
         match self {

@@ -27,6 +27,7 @@
 mod block;
 mod comment;
 mod expression;
+mod format;
 mod line;
 mod number;
 mod o_word;
@@ -38,4 +39,5 @@ mod value;
 
 pub use block::{Assignment, Block, Comment, CommentKind, Keyword, Label, OWord, Text, Word};
 pub use expression::{Expr, ExprId, Function, Operator, Parameter, Value};
+pub use format::format;
 pub use parser::{MAX_DIAGNOSTICS, MAX_LINE_BYTES, MAX_NESTING, MAX_OPERATIONS, Parser};

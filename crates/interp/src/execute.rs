@@ -40,6 +40,7 @@ pub(crate) enum After {
 }
 
 /// The interpreter without its text: modal state, parameters, the words at hand.
+#[derive(Clone)]
 pub(crate) struct Executor {
     pub(crate) state: State,
     pub(crate) store: Store,

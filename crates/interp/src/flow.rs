@@ -9,7 +9,7 @@ use crate::{
 use gcode::{Keyword, Label, Value};
 
 /// A call that has not returned yet.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Frame {
     /// Where to go on: file and place.
     file: usize,

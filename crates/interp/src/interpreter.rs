@@ -46,14 +46,14 @@ pub struct Interpreter<'s> {
     pub(crate) ended: bool,
     pub(crate) limits: Limits,
     block_delete: bool,
-    begun: bool,
-    percent: bool,
-    executed: u64,
+    pub(crate) begun: bool,
+    pub(crate) percent: bool,
+    pub(crate) executed: u64,
     /// The block after which it is stopped.
-    last: u64,
-    diagnostics: Vec<Diagnostic>,
-    seen: HashSet<(&'static str, Span)>,
-    errors: usize,
+    pub(crate) last: u64,
+    pub(crate) diagnostics: Vec<Diagnostic>,
+    pub(crate) seen: HashSet<(&'static str, Span)>,
+    pub(crate) errors: usize,
 }
 
 impl<'s> Interpreter<'s> {
@@ -281,7 +281,7 @@ impl<'s> Interpreter<'s> {
     }
 
     /// What the parsers still keep: notes on lines that were read without an error.
-    fn finish(&mut self) {
+    pub(crate) fn finish(&mut self) {
         for file in 0..self.parsers.len() {
             let found = self.parsers[file].take_diagnostics();
             self.report_all(found);

@@ -25,6 +25,7 @@
 
 mod arcs;
 mod call;
+mod catalogue;
 mod codes;
 mod comments;
 mod compensation;
@@ -38,6 +39,7 @@ mod flow;
 mod frame;
 mod held;
 mod interpreter;
+mod lint;
 mod listing;
 mod motion;
 mod names;
@@ -49,6 +51,7 @@ mod outline;
 mod resolve;
 mod rigid;
 mod setup;
+mod snapshot;
 mod state;
 mod switch;
 mod taps;
@@ -58,10 +61,13 @@ mod tool_table;
 mod words;
 
 pub use call::{Call, Corners, CycleHole, CycleTap, Place, ReturnSpeed, Sense, Sink, Units};
+pub use catalogue::{CodeInfo, codes, describe};
 pub use frame::{Frame, Point};
 pub use interpreter::{Interpreter, Progress};
+pub use lint::lint;
 pub use listing::Listing;
 pub use ops::{Ops, called_files, check};
 pub use resolve::Resolver;
 pub use setup::{Dialect, Limits, MAX_PARAMETER, MissingTools, Parameters, Setup, Subprogram};
+pub use snapshot::{Snapshot, Standing};
 pub use tool_table::ToolEntry;

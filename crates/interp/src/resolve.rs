@@ -26,6 +26,7 @@ use units::{Angle, Lead, Length, MM_PER_INCH, Speed, Time};
 const FARTHEST: f64 = 1e7;
 
 /// Turns calls into operations.
+#[derive(Clone)]
 pub struct Resolver {
     ops: VecDeque<Op>,
     diagnostics: Vec<Diagnostic>,

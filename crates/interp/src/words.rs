@@ -11,6 +11,7 @@ use diag::Span;
 const NONE: u16 = u16::MAX;
 
 /// The words of the block at hand; filled again for each block.
+#[derive(Clone)]
 pub(crate) struct Words {
     /// The block.
     pub(crate) place: Place,
@@ -227,7 +228,7 @@ impl Words {
 }
 
 /// A code's number in tenths, if it has one decimal at most.
-fn tenths(value: f64) -> Option<u16> {
+pub(crate) fn tenths(value: f64) -> Option<u16> {
     let tenths = (value * 10.0).round();
     let near = (value * 10.0 - tenths).abs() < 1e-3;
     (near && (0.0..=20_000.0).contains(&tenths)).then_some(tenths as u16)

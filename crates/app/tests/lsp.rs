@@ -1,0 +1,248 @@
+//! The language server, spoken to as an editor speaks: JSON-RPC over the program's standard input and output.
+#![allow(clippy::unwrap_used)] // a test may panic
+use serde_json::{Value, json};
+use std::{
+    io::{BufRead, BufReader, Read, Write},
+    process::{Child, ChildStdin, ChildStdout, Command, Stdio},
+};
+
+const URI: &str = "file:///tmp/part.ngc";
+
+/// An editor with a scripted user.
+struct Editor {
+    child: Child,
+    to: ChildStdin,
+    from: BufReader<ChildStdout>,
+    next: i64,
+    told: Vec<Value>,
+}
+
+impl Editor {
+    fn start() -> Self {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_leadscrew"))
+            .arg("lsp")
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let to = child.stdin.take().unwrap();
+        let from = BufReader::new(child.stdout.take().unwrap());
+        let mut editor = Self { child, to, from, next: 0, told: Vec::new() };
+        let greeting = editor.ask("initialize", json!({ "capabilities": {} }));
+        assert_eq!(greeting["serverInfo"]["name"], "leadscrew");
+        editor.tell("initialized", json!({}));
+        editor
+    }
+
+    fn open(text: &str) -> Self {
+        let mut editor = Self::start();
+        let item = json!({ "uri": URI, "languageId": "gcode", "version": 1, "text": text });
+        editor.tell("textDocument/didOpen", json!({ "textDocument": item }));
+        editor
+    }
+
+    fn send(&mut self, message: &Value) {
+        let body = message.to_string();
+        write!(self.to, "Content-Length: {}\r\n\r\n{body}", body.len()).unwrap();
+        self.to.flush().unwrap();
+    }
+
+    fn tell(&mut self, method: &str, params: Value) {
+        self.send(&json!({ "jsonrpc": "2.0", "method": method, "params": params }));
+    }
+
+    fn receive(&mut self) -> Value {
+        let mut length = 0;
+        loop {
+            let mut line = String::new();
+            assert!(self.from.read_line(&mut line).unwrap() > 0, "the server has gone");
+            if let Some(number) = line.strip_prefix("Content-Length: ") {
+                length = number.trim().parse().unwrap();
+            }
+            if line.trim().is_empty() {
+                break;
+            }
+        }
+        let mut body = vec![0; length];
+        self.from.read_exact(&mut body).unwrap();
+        serde_json::from_slice(&body).unwrap()
+    }
+
+    /// Ask and wait; the result, or the error.
+    fn ask(&mut self, method: &str, params: Value) -> Value {
+        self.next += 1;
+        let id = self.next;
+        self.send(&json!({ "jsonrpc": "2.0", "id": id, "method": method, "params": params }));
+        loop {
+            let mut message = self.receive();
+            if message["id"] == id {
+                let key = if message["error"].is_null() { "result" } else { "error" };
+                return message[key].take();
+            }
+            self.told.push(message);
+        }
+    }
+
+    /// The findings, once the whole program is known.
+    fn findings(&mut self) -> Vec<Value> {
+        let message = match self.told.pop() {
+            Some(message) => message,
+            None => self.receive(),
+        };
+        assert_eq!(message["method"], "textDocument/publishDiagnostics");
+        message["params"]["diagnostics"].as_array().unwrap().clone()
+    }
+
+    fn at(&mut self, what: &str, line: u32, character: u32) -> Value {
+        let place = json!({ "line": line, "character": character });
+        let params = json!({ "textDocument": { "uri": URI }, "position": place });
+        self.ask(&format!("textDocument/{what}"), params)
+    }
+
+    fn hover(&mut self, line: u32, character: u32) -> String {
+        self.at("hover", line, character)["contents"]["value"].as_str().unwrap().to_owned()
+    }
+
+    fn replace(&mut self, line: u32, from: u32, to: u32, text: &str) {
+        let range = json!({
+            "start": { "line": line, "character": from },
+            "end": { "line": line, "character": to },
+        });
+        let changes = json!([{ "range": range, "text": text }]);
+        let item = json!({ "uri": URI, "version": 2 });
+        let params = json!({ "textDocument": item, "contentChanges": changes });
+        self.tell("textDocument/didChange", params);
+    }
+
+    fn leave(mut self) {
+        self.ask("shutdown", Value::Null);
+        self.tell("exit", Value::Null);
+        assert!(self.child.wait().unwrap().success());
+    }
+}
+
+const PART: &str = "\
+G21 G17 G40 G49 G80 G90 G94 G54
+o<hole> sub (drill one)
+  #<depth> = #1
+  G0 X#2 Y#3
+  G1 Z-#<depth> F300
+  G0 Z5
+o<hole> endsub
+T2 M6
+G43 H2
+S3000 M3
+G0 X0 Y0 Z5
+o<hole> call [4] [10] [20]
+G0 X1 Y2
+T3 M6
+G43 H3
+M2
+";
+
+#[test]
+fn findings_come_with_their_place_code_and_remedy() {
+    let mut editor = Editor::open("G21 G90\nG0 X1\nG331 Z-5 K1\nG4 P500\nM2\n");
+    let findings = editor.findings();
+    let codes: Vec<_> = findings.iter().map(|f| f["code"].as_str().unwrap()).collect();
+    assert_eq!(codes, ["I0102", "I0904"]);
+    assert_eq!(findings[0]["range"]["start"], json!({ "line": 2, "character": 0 }));
+    assert_eq!(findings[0]["range"]["end"], json!({ "line": 2, "character": 4 }));
+    assert!(findings[0]["message"].as_str().unwrap().contains("did you mean G33.1"));
+    assert_eq!(findings[1]["severity"], 2);
+    editor.leave();
+}
+
+#[test]
+fn a_correction_makes_the_finding_go() {
+    let mut editor = Editor::open("G21 G90\nG1 X1\nM2\n");
+    assert_eq!(editor.findings()[0]["code"], "I0408");
+    editor.replace(1, 5, 5, " F100");
+    assert!(editor.findings().is_empty());
+    editor.leave();
+}
+
+#[test]
+fn a_hover_says_what_the_word_does_and_where_the_machine_stands() {
+    let mut editor = Editor::open(PART);
+    let text = editor.hover(12, 1);
+    assert!(text.contains("**G0** rapid move"), "{text}");
+    assert!(text.contains("| X | 10 | 1 |"), "{text}");
+    assert!(text.contains("| Y | 20 | 2 |"), "{text}");
+    assert!(text.contains("G21 G90 G94 G54 G43"), "{text}");
+    assert!(text.contains("S3000 T2"), "{text}");
+    let text = editor.hover(4, 16);
+    assert!(text.contains("**F**") && text.contains("feed"), "{text}");
+    let text = editor.hover(4, 8);
+    assert!(text.contains("`#<depth>` = 4 before this block"), "{text}");
+    assert!(text.contains("| Z | 5 | -4 |"), "{text}");
+    editor.leave();
+}
+
+#[test]
+fn the_outline_shows_tools_and_subprograms() {
+    let mut editor = Editor::open(PART);
+    let symbols =
+        editor.ask("textDocument/documentSymbol", json!({ "textDocument": { "uri": URI } }));
+    let names: Vec<_> =
+        symbols.as_array().unwrap().iter().map(|s| s["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["o<hole>", "T2", "T3"]);
+    assert_eq!(symbols[0]["detail"], "drill one");
+    assert_eq!(symbols[0]["range"]["end"]["line"], 6);
+    assert_eq!(symbols[1]["range"]["start"]["line"], 7);
+    editor.leave();
+}
+
+#[test]
+fn a_call_leads_to_its_subprogram() {
+    let mut editor = Editor::open(PART);
+    let place = editor.at("definition", 11, 3);
+    assert_eq!(place["range"]["start"], json!({ "line": 1, "character": 2 }));
+    editor.leave();
+}
+
+#[test]
+fn renaming_a_parameter_changes_it_wherever_it_is_the_same_one() {
+    let mut editor = Editor::open(PART);
+    let place = json!({ "line": 4, "character": 9 });
+    let params = json!({ "textDocument": { "uri": URI }, "position": place, "newName": "bottom" });
+    let edits = editor.ask("textDocument/rename", params.clone());
+    let edits = edits["changes"][URI].as_array().unwrap().clone();
+    let lines: Vec<_> = edits.iter().map(|e| e["range"]["start"]["line"].as_u64()).collect();
+    assert_eq!(lines, [Some(2), Some(4)]);
+    assert!(edits.iter().all(|e| e["newText"] == "bottom"));
+    let mut params = params;
+    params["newName"] = json!("not-a-name");
+    let refused = editor.ask("textDocument/rename", params);
+    assert!(refused["message"].as_str().unwrap().contains("letters, digits and _"));
+    editor.leave();
+}
+
+#[test]
+fn formatting_touches_only_the_lines_that_change() {
+    let mut editor = Editor::open("G21 G90\ng0x1 y2 (there)\nM2\n");
+    let params = json!({
+        "textDocument": { "uri": URI },
+        "options": { "tabSize": 2, "insertSpaces": true },
+    });
+    let edits = editor.ask("textDocument/formatting", params);
+    assert_eq!(edits.as_array().unwrap().len(), 1);
+    assert_eq!(edits[0]["newText"], "G0 X1 Y2 (there)");
+    assert_eq!(edits[0]["range"]["start"]["line"], 1);
+    editor.leave();
+}
+
+#[test]
+fn what_is_not_served_is_refused_in_words() {
+    let mut editor = Editor::start();
+    let answer = editor.ask("textDocument/inlayHint", json!({}));
+    assert!(answer["message"].as_str().unwrap().contains("not served"));
+    assert!(editor.hover_of_nothing().is_null());
+    editor.leave();
+}
+
+impl Editor {
+    fn hover_of_nothing(&mut self) -> Value {
+        self.at("hover", 0, 0)
+    }
+}

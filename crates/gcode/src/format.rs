@@ -1,0 +1,126 @@
+//! A program in canonical spacing: one way to write each block, and what lies inside an O-word's pair moved in.
+//!
+//! ```text
+//!   o100 SUB                 o100 sub
+//!   g1x1.50 y[ #1 * 2 ](in)    G1 X1.5 Y[#1*2] (in)
+//!   O100endsub               o100 endsub
+//! ```
+//!
+//! What a line means never changes: each is printed from its block ([`Block`]'s `Display`). A line
+//! that cannot be read stays as it was, byte for byte, and so does all that follows a tape's second
+//! `%`. Line ends stay CR LF where the file's first line has them.
+
+use crate::{Block, Keyword, Label, Parser};
+
+/// Blanks a level is moved in by.
+const STEP: usize = 2;
+/// Levels that are moved in; what lies deeper stays there.
+const DEEPEST: usize = 20;
+
+/// The program anew. Formatting what was formatted changes nothing.
+#[must_use]
+pub fn format(source: &[u8]) -> Vec<u8> {
+    let line_end: &[u8] = match memchr::memchr(b'\n', source) {
+        Some(at) if at > 0 && source[at - 1] == b'\r' => b"\r\n",
+        _ => b"\n",
+    };
+    let (mut parser, mut block) = (Parser::new(source, 0), Block::new());
+    let mut out = Vec::with_capacity(source.len() + source.len() / 8);
+    let mut open: Vec<(Keyword, String)> = Vec::new();
+    let mut tape = 0;
+    while parser.next(&mut block) {
+        if block.faulty {
+            out.extend_from_slice(line_of(source, &block));
+        } else {
+            let depth = depth(&block, &mut open).min(DEEPEST);
+            let text = block.to_string();
+            if !text.is_empty() {
+                out.extend(std::iter::repeat_n(b' ', STEP * depth));
+                out.extend_from_slice(text.trim_end().as_bytes());
+            }
+        }
+        out.extend_from_slice(line_end);
+        tape += u8::from(block.percent);
+        if tape == 2 {
+            let rest = parser.position().0 as usize;
+            out.extend_from_slice(source.get(rest..).unwrap_or_default());
+            break;
+        }
+    }
+    out
+}
+
+fn line_of<'a>(source: &'a [u8], block: &Block) -> &'a [u8] {
+    source.get(block.span.start as usize..block.span.end as usize).unwrap_or_default()
+}
+
+/// Levels this block is moved in by, and what is open after it.
+fn depth(block: &Block, open: &mut Vec<(Keyword, String)>) -> usize {
+    let Some(word) = block.o else { return open.len() };
+    let label = match word.label {
+        Label::Number(number) => number.to_string(),
+        Label::Name(name) => block.text(name).to_owned(),
+        Label::Computed(_) => return open.len(),
+    };
+    match word.keyword {
+        Keyword::While if open.last().is_some_and(|o| *o == (Keyword::Do, label.clone())) => {
+            open.pop();
+            open.len()
+        }
+        Keyword::Sub | Keyword::If | Keyword::While | Keyword::Do | Keyword::Repeat => {
+            open.push((word.keyword, label));
+            open.len() - 1
+        }
+        Keyword::ElseIf | Keyword::Else => open.len().saturating_sub(1),
+        Keyword::EndSub | Keyword::EndIf | Keyword::EndWhile | Keyword::EndRepeat => {
+            open.pop();
+            open.len()
+        }
+        _ => open.len(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::format;
+
+    fn formatted(text: &str) -> String {
+        String::from_utf8(format(text.as_bytes())).unwrap_or_default()
+    }
+
+    #[test]
+    fn blanks_and_case_become_one_way_to_write_it() {
+        assert_eq!(formatted("n10g1x1.50 y[ #1 * 2 ](in)\n"), "N10 G1 X1.5 Y[#1*2] (in)\n");
+    }
+
+    #[test]
+    fn what_lies_inside_a_pair_is_moved_in() {
+        let text = "o1 sub\no2 if [#1 gt 2]\nx1\no2 else\nx2\no2 endif\no3 do\nx3\no3 while [0]\no1 endsub\nM2\n";
+        let wanted = "o1 sub\n  o2 if [#1 GT 2]\n    X1\n  o2 else\n    X2\n  o2 endif\n  o3 do\n    X3\n  o3 while [0]\no1 endsub\nM2\n";
+        assert_eq!(formatted(text), wanted);
+        assert_eq!(formatted(wanted), wanted);
+    }
+
+    #[test]
+    fn a_line_that_cannot_be_read_stays_as_it_is() {
+        assert_eq!(formatted("g1  x1 yy\n  hello?\n"), "g1  x1 yy\n  hello?\n");
+    }
+
+    #[test]
+    fn comments_and_empty_lines_stay() {
+        assert_eq!(
+            formatted(";  head \n\n( a )\ng0 x0 ; end\n"),
+            ";  head\n\n( a )\nG0 X0 ; end\n"
+        );
+    }
+
+    #[test]
+    fn line_ends_stay_those_of_the_file() {
+        assert_eq!(formatted("g0x0\r\nm2\r\n"), "G0 X0\r\nM2\r\n");
+    }
+
+    #[test]
+    fn what_follows_the_tape_stays() {
+        assert_eq!(formatted("%\ng0x0\n%\nany thing  at all"), "%\nG0 X0\n%\nany thing  at all");
+    }
+}

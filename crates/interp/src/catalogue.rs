@@ -1,0 +1,133 @@
+//! What each code means, for people and for programs that show it: `leadscrew codes`, the editor's hover.
+//!
+//! Nothing is told here that the interpreter does not use itself: a [`CodeInfo`] is a view of a row of
+//! the tables by which words are read, checked and executed.
+use crate::codes::{self, Code, GGroup, Letters, MGroup};
+use crate::setup::Dialect;
+
+/// One G or M code.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CodeInfo {
+    /// As it is written: `G33.1`, `M3`; `M100–M199` for the user's.
+    pub code: String,
+    /// What it does, in a few words.
+    pub name: &'static str,
+    /// Codes of one group exclude each other in a block; those of a modal group stay in force.
+    pub group: &'static str,
+    /// Whether it stays in force after its block.
+    pub modal: bool,
+    /// Letters it takes beside F, S and T, such as `XYZRQ`.
+    pub letters: String,
+    /// Whether Leadscrew executes it; if not, a program with it is refused.
+    pub executed: bool,
+    /// The dialects that have it.
+    pub dialects: &'static [Dialect],
+}
+
+impl Dialect {
+    /// Its name on the command line and in machine files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::LinuxCnc => "linuxcnc",
+        }
+    }
+}
+
+/// All of them, G before M, by rising number.
+pub fn codes() -> impl Iterator<Item = CodeInfo> {
+    let g = codes::G_CODES.iter().map(of_g);
+    g.chain(codes::M_CODES.iter().map(of_m))
+}
+
+/// The code that a word means: `describe(b'G', 33.1)`.
+pub fn describe(letter: u8, value: f64) -> Option<CodeInfo> {
+    let tenths = crate::words::tenths(value)?;
+    match letter {
+        b'G' => codes::g_code(tenths).map(of_g),
+        b'M' => codes::m_code(tenths).map(of_m),
+        _ => None,
+    }
+}
+
+fn of_g(code: &'static Code<GGroup>) -> CodeInfo {
+    let (group, modal) = match code.group {
+        GGroup::NonModal => ("not modal", false),
+        GGroup::Motion => ("motion", true),
+        GGroup::Plane => ("plane", true),
+        GGroup::Distance => ("distance mode", true),
+        GGroup::ArcDistance => ("arc distance mode", true),
+        GGroup::FeedMode => ("feed mode", true),
+        GGroup::Units => ("units", true),
+        GGroup::Compensation => ("cutter compensation", true),
+        GGroup::ToolLength => ("tool length offset", true),
+        GGroup::Retract => ("retract level", true),
+        GGroup::WorkOffset => ("work offset", true),
+        GGroup::PathControl => ("path control", true),
+        GGroup::SpindleMode => ("spindle mode", true),
+        GGroup::Diameter => ("lathe diameter mode", true),
+    };
+    info('G', code, group, modal)
+}
+
+fn of_m(code: &'static Code<MGroup>) -> CodeInfo {
+    let (group, modal) = match code.group {
+        MGroup::Stop => ("stop", false),
+        MGroup::Outputs => ("outputs", false),
+        MGroup::Tool => ("tool", false),
+        MGroup::Spindle => ("spindle", true),
+        MGroup::Coolant => ("coolant", true),
+        MGroup::Overrides => ("overrides", true),
+        MGroup::State => ("saved state", false),
+        MGroup::Rigid => ("rigid tapping", false),
+        MGroup::User => ("user", false),
+    };
+    info('M', code, group, modal)
+}
+
+fn info<G>(letter: char, code: &Code<G>, group: &'static str, modal: bool) -> CodeInfo {
+    let written = match (letter, code.tenths) {
+        ('M', 1000) => "M100–M199".to_owned(),
+        (_, tenths) => format!("{letter}{}", codes::written(tenths)),
+    };
+    let letters = if code.supported { letters_of(code.letters) } else { String::new() };
+    CodeInfo {
+        code: written,
+        name: code.name,
+        group,
+        modal,
+        letters,
+        executed: code.supported,
+        dialects: &[Dialect::LinuxCnc],
+    }
+}
+
+/// A set of letters in the order in which people write them.
+fn letters_of(set: Letters) -> String {
+    const ORDER: &[u8] = b"XYZABCUVW@^IJKRPQLDEHFST$";
+    let has = |letter: &&u8| set & (1 << codes::index(**letter)) != 0;
+    ORDER.iter().filter(has).map(|letter| *letter as char).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_code_is_described_by_its_word() {
+        let tap = describe(b'G', 33.1).map(|c| (c.code, c.name, c.modal, c.executed));
+        assert_eq!(tap, Some(("G33.1".to_owned(), "rigid tapping", true, true)));
+        assert_eq!(describe(b'G', 12.0), None);
+        assert_eq!(describe(b'M', 150.0).map(|c| c.code), Some("M100–M199".to_owned()));
+    }
+
+    #[test]
+    fn every_code_has_a_name_and_appears_once() {
+        let all: Vec<_> = codes().collect();
+        assert!(all.len() > 100);
+        assert!(all.iter().all(|c| !c.name.is_empty()));
+        let mut names: Vec<_> = all.iter().map(|c| &c.code).collect();
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), all.len());
+    }
+}

@@ -1,0 +1,217 @@
+//! An interpretation that stops and goes on later, perhaps in a text that was edited behind that place.
+//!
+//! ```text
+//!   text    ──────●────────●────────●─── ✎ edit ────────►     snapshots every thousand blocks;
+//!                 s₁       s₂       s₃        s₄ ✗            after an edit, those before it still hold
+//! ```
+//!
+//! A [`Snapshot`] owns what an [`Interpreter`] knows, and borrows nothing: an editor keeps the snapshots while
+//! the text changes. It holds for every text that agrees with the old one up to the
+//! furthest byte that had been executed; and, if O-words had been executed
+//! ([`Snapshot::has_o_words`]), whose O-words behind that place are the same and in the same order.
+use crate::{
+    execute::Executor, flow::Frame, interpreter::Interpreter, names, outline::At, setup::Setup,
+};
+use canon::Position;
+use diag::{Diagnostic, Span};
+use std::collections::HashSet;
+
+/// What an interpreter knows between two blocks.
+#[allow(clippy::struct_excessive_bools)] // the interpreter's own
+#[derive(Clone)]
+pub struct Snapshot {
+    executor: Executor,
+    frames: Vec<Frame>,
+    repeats: Vec<(usize, u64)>,
+    file: usize,
+    positions: Vec<At>,
+    place: Span,
+    choosing: bool,
+    ended: bool,
+    begun: bool,
+    percent: bool,
+    has_o_words: bool,
+    executed: u64,
+    last: u64,
+    diagnostics: Vec<Diagnostic>,
+    seen: HashSet<(&'static str, Span)>,
+    errors: usize,
+}
+
+impl Snapshot {
+    /// Blocks executed before it.
+    pub const fn executed(&self) -> u64 {
+        self.executed
+    }
+
+    /// Whether O-words were executed, so that the outline of the whole text mattered.
+    pub const fn has_o_words(&self) -> bool {
+        self.has_o_words
+    }
+
+    /// Whether the program was over.
+    pub const fn has_ended(&self) -> bool {
+        self.ended
+    }
+
+    /// What was found up to here.
+    pub fn diagnostics(&self) -> &[Diagnostic] {
+        &self.diagnostics
+    }
+}
+
+impl<'s> Interpreter<'s> {
+    /// What it knows now.
+    pub fn snapshot(&mut self) -> Snapshot {
+        self.finish();
+        Snapshot {
+            executor: self.executor.clone(),
+            frames: self.frames.clone(),
+            repeats: self.repeats.clone(),
+            file: self.file,
+            positions: self.parsers.iter().map(gcode::Parser::position).collect(),
+            place: self.block.span,
+            choosing: self.choosing,
+            ended: self.ended,
+            begun: self.begun,
+            percent: self.percent,
+            has_o_words: self.outlines.iter().any(Option::is_some),
+            executed: self.executed,
+            last: self.last,
+            diagnostics: self.diagnostics.clone(),
+            seen: self.seen.clone(),
+            errors: self.errors,
+        }
+    }
+
+    /// Go on from a snapshot. The set-up must be the one with which it was made.
+    pub fn resume(source: &'s [u8], setup: &'s Setup, from: &Snapshot) -> Self {
+        let mut new = Self::new(source, setup);
+        for (parser, at) in new.parsers.iter_mut().zip(&from.positions) {
+            parser.seek(at.0, at.1);
+        }
+        new.executor = from.executor.clone();
+        new.frames.clone_from(&from.frames);
+        new.repeats.clone_from(&from.repeats);
+        new.file = from.file;
+        new.block.span = from.place;
+        new.choosing = from.choosing;
+        new.ended = from.ended;
+        new.begun = from.begun;
+        new.percent = from.percent;
+        new.executed = from.executed;
+        new.last = from.last;
+        new.diagnostics.clone_from(&from.diagnostics);
+        new.seen.clone_from(&from.seen);
+        new.errors = from.errors;
+        new
+    }
+
+    /// Blocks executed so far.
+    pub const fn executed(&self) -> u64 {
+        self.executed
+    }
+
+    /// Whether the program is over.
+    pub const fn has_ended(&self) -> bool {
+        self.ended
+    }
+
+    /// Value of a parameter, written `#5` or `#<name>`, if it has one.
+    pub fn parameter(&self, written: &str) -> Option<f64> {
+        let Executor { state, store, .. } = &self.executor;
+        let inner = written.strip_prefix('#')?;
+        if let Some(name) = inner.strip_prefix('<').and_then(|name| name.strip_suffix('>')) {
+            return store.named(name).or_else(|| names::system(state, name));
+        }
+        let number: usize = inner.parse().ok()?;
+        let there = i64::try_from(number).is_ok_and(names::exists);
+        there.then(|| names::numbered(state, store, number))
+    }
+
+    /// Where the program stands: what is in force, and the position.
+    pub fn standing(&self) -> Standing {
+        Standing::of(&self.executor)
+    }
+}
+
+/// What is in force at a place of a program, and where the machine stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Standing {
+    /// The codes in force, one of each group, motion first: `G1`, `G17`, `G21`, ….
+    pub codes: Vec<String>,
+    /// Position in the program's own frame and units: X Y Z A B C U V W.
+    pub program: crate::Point,
+    /// Position of the axes.
+    pub machine: Position,
+    /// Units of the program's coordinates.
+    pub units: crate::Units,
+    /// F, in program units per minute or revolution, or moves per minute (G93).
+    pub feed: f64,
+    /// S.
+    pub speed: f64,
+    /// Tool in the spindle.
+    pub tool: u32,
+    /// Tool that the next M6 brings.
+    pub selected_tool: u32,
+    /// Subprograms that have not returned yet.
+    pub call_level: usize,
+}
+
+impl Standing {
+    fn of(executor: &Executor) -> Self {
+        let state = &executor.state;
+        let mut machine = state.frame.to_machine(&state.at);
+        crate::frame::scale(&mut machine, state.units.in_mm());
+        Self {
+            codes: in_force(executor),
+            program: state.at,
+            machine: crate::resolve::position(&machine),
+            units: state.units,
+            feed: state.feed,
+            speed: state.spindle.speed,
+            tool: state.current_tool,
+            selected_tool: state.selected_tool,
+            call_level: state.call_level,
+        }
+    }
+}
+
+/// One code of each group, as the interpreter answers programs that ask.
+fn in_force(executor: &Executor) -> Vec<String> {
+    let value = |name: &str| names::system(&executor.state, name).unwrap_or(0.0);
+    let is = |name: &str| value(name) != 0.0;
+    let numbered = |name: &str| format!("G{}", crate::codes::written(value(name) as u16));
+    let either = |name: &str, yes: &str, no: &str| (if is(name) { yes } else { no }).to_owned();
+    let mut codes = vec![
+        numbered("_motion_mode"),
+        numbered("_plane"),
+        either("_metric", "G21", "G20"),
+        either("_incremental", "G91", "G90"),
+        if is("_inverse_time") { "G93".to_owned() } else { either("_units_per_rev", "G95", "G94") },
+        numbered("_coord_system"),
+        either("_tool_offset", "G43", "G49"),
+        numbered("_ccomp"),
+        match executor.state.corners {
+            crate::Corners::ExactPath => "G61".to_owned(),
+            crate::Corners::ExactStop => "G61.1".to_owned(),
+            crate::Corners::Continuous(0.0) => "G64".to_owned(),
+            crate::Corners::Continuous(tolerance) => format!("G64 P{tolerance}"),
+        },
+        either("_retract_r_plane", "G99", "G98"),
+    ];
+    let unusual = [
+        ("_ijk_absolute_mode", "G90.1"),
+        ("_lathe_diameter_mode", "G7"),
+        ("_spindle_css_mode", "G96"),
+    ];
+    codes.extend(unusual.iter().filter(|(name, _)| is(name)).map(|(_, code)| (*code).to_owned()));
+    codes.push(if is("_spindle_on") { either("_spindle_cw", "M3", "M4") } else { "M5".to_owned() });
+    let coolant = [("_mist", "M7"), ("_flood", "M8")];
+    let on: Vec<_> = coolant.iter().filter(|(name, _)| is(name)).collect();
+    codes.extend(on.iter().map(|(_, code)| (*code).to_owned()));
+    if on.is_empty() {
+        codes.push("M9".to_owned());
+    }
+    codes
+}

@@ -1,0 +1,160 @@
+//! An open file: its text, its lines, and places as the editor counts them.
+//!
+//! Editors count lines from 0 and columns in UTF-16 units (or bytes, if both sides agree on UTF-8);
+//! spans count bytes. This is the only place where the two meet.
+use diag::Span;
+use lsp_types::{Position, PositionEncodingKind, Range, TextDocumentContentChangeEvent};
+
+/// A text and where its lines begin.
+pub(crate) struct Document {
+    pub(crate) text: Vec<u8>,
+    starts: Vec<u32>,
+    utf8: bool,
+}
+
+/// What an edit touched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Edit {
+    /// First byte that is not as it was.
+    pub(crate) from: u32,
+    /// Whether lines with O-words may have come, gone or changed.
+    pub(crate) o_words: bool,
+}
+
+impl Document {
+    pub(crate) fn new(text: String, encoding: &PositionEncodingKind) -> Self {
+        let mut new = Self {
+            text: text.into_bytes(),
+            starts: Vec::new(),
+            utf8: *encoding == PositionEncodingKind::UTF8,
+        };
+        new.find_lines();
+        new
+    }
+
+    fn find_lines(&mut self) {
+        self.starts.clear();
+        self.starts.push(0);
+        self.starts.extend(memchr::memchr_iter(b'\n', &self.text).map(|at| at as u32 + 1));
+    }
+
+    /// How many lines there are.
+    pub(crate) fn lines(&self) -> usize {
+        self.starts.len()
+    }
+
+    /// First byte of a line counted from 0, and one past its last, without the line's end.
+    pub(crate) fn line(&self, line: usize) -> (usize, usize) {
+        let at = |line: usize| self.starts.get(line).map_or(self.text.len(), |s| *s as usize);
+        let (from, mut to) = (at(line), at(line + 1));
+        while to > from && matches!(self.text[to - 1], b'\n' | b'\r') {
+            to -= 1;
+        }
+        (from, to)
+    }
+
+    /// Take in one change.
+    pub(crate) fn apply(&mut self, change: TextDocumentContentChangeEvent) -> Edit {
+        let Some(range) = change.range else {
+            self.text = change.text.into_bytes();
+            self.find_lines();
+            return Edit { from: 0, o_words: true };
+        };
+        let from = self.byte(range.start);
+        let to = self.byte(range.end).max(from);
+        let before = self.o_word_near(from, to);
+        let length = change.text.len();
+        self.text.splice(from..to, change.text.into_bytes());
+        self.find_lines();
+        let o_words = before || self.o_word_near(from, from + length);
+        Edit { from: from as u32, o_words }
+    }
+
+    /// Whether the lines that these bytes lie in have a letter O at all.
+    fn o_word_near(&self, from: usize, to: usize) -> bool {
+        let first = self.text[..from].iter().rposition(|b| *b == b'\n').map_or(0, |at| at + 1);
+        let last = memchr::memchr(b'\n', &self.text[to..]).map_or(self.text.len(), |at| to + at);
+        memchr::memchr2(b'o', b'O', &self.text[first..last]).is_some()
+    }
+
+    /// The byte at a place of the editor's; a place behind the line's end is its end.
+    pub(crate) fn byte(&self, place: Position) -> usize {
+        let (from, to) = self.line(place.line as usize);
+        if self.utf8 {
+            return (from + place.character as usize).min(to);
+        }
+        let line = String::from_utf8_lossy(&self.text[from..to]);
+        let mut units = place.character as usize;
+        let mut bytes = 0;
+        for c in line.chars() {
+            if units < c.len_utf16() {
+                break;
+            }
+            units -= c.len_utf16();
+            bytes += c.len_utf8();
+        }
+        (from + bytes).min(to)
+    }
+
+    /// The editor's place for a byte.
+    pub(crate) fn place(&self, byte: usize) -> Position {
+        let byte = byte.min(self.text.len());
+        let line = self.starts.partition_point(|start| *start as usize <= byte).saturating_sub(1);
+        let from = self.starts[line] as usize;
+        let column = if self.utf8 {
+            byte - from
+        } else {
+            let before = String::from_utf8_lossy(&self.text[from..byte]);
+            before.chars().map(char::len_utf16).sum()
+        };
+        Position { line: line as u32, character: column as u32 }
+    }
+
+    /// The editor's range for a span.
+    pub(crate) fn range(&self, span: Span) -> Range {
+        Range {
+            start: self.place(span.start as usize),
+            end: self.place((span.end as usize).max(span.start as usize)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn open(text: &str) -> Document {
+        Document::new(text.to_owned(), &PositionEncodingKind::UTF16)
+    }
+
+    fn change(from: (u32, u32), to: (u32, u32), text: &str) -> TextDocumentContentChangeEvent {
+        let range = Range { start: Position::new(from.0, from.1), end: Position::new(to.0, to.1) };
+        TextDocumentContentChangeEvent { range: Some(range), range_length: None, text: text.into() }
+    }
+
+    #[test]
+    fn columns_count_utf16_units() {
+        let document = open("(𝛼é) G1\n");
+        let byte = document.byte(Position::new(0, 6));
+        assert_eq!(&document.text[byte..byte + 2], b"G1");
+        assert_eq!(document.place(byte), Position::new(0, 6));
+    }
+
+    #[test]
+    fn an_edit_says_from_where_the_text_is_new() {
+        let mut document = open("G21\nX1\nX2\n");
+        let edit = document.apply(change((1, 1), (1, 2), "77"));
+        assert_eq!(document.text, b"G21\nX77\nX2\n");
+        assert_eq!(edit, Edit { from: 5, o_words: false });
+        assert!(document.apply(change((2, 0), (2, 0), "o1 sub\n")).o_words);
+        assert_eq!(document.lines(), 5);
+    }
+
+    #[test]
+    fn places_outside_the_text_do_not_panic() {
+        let mut document = open("G1");
+        assert_eq!(document.byte(Position::new(9, 9)), 2);
+        document.apply(change((5, 5), (1, 0), "X"));
+        assert_eq!(document.place(1000).line, 0);
+    }
+}

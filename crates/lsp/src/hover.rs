@@ -1,0 +1,153 @@
+//! What the word under the pointer does here, what is in force, and where the machine stands before and after.
+use crate::analysis::{Analysis, Visit};
+use crate::document::Document;
+use crate::{names, roles};
+use canon::{Axis, Position};
+use gcode::{Block, Parser, Word};
+use interp::{CodeInfo, Standing};
+use std::fmt::Write;
+
+/// Shown text, in Markdown, and the bytes it is about.
+pub(crate) struct Hover {
+    pub(crate) markdown: String,
+    pub(crate) from: usize,
+    pub(crate) to: usize,
+}
+
+/// At a byte of a line (from 0).
+pub(crate) fn at(
+    document: &Document,
+    analysis: &mut Analysis,
+    line: usize,
+    byte: usize,
+) -> Option<Hover> {
+    let (from, to) = document.line(line);
+    let mut parser = Parser::new(&document.text, 0);
+    let number = line as u32 + 1;
+    parser.seek(from as u32, number);
+    let mut block = Block::new();
+    if !parser.next(&mut block) || block.is_blank() {
+        return None;
+    }
+    let name = names::in_line(document, line).into_iter().find(|n| n.holds(byte));
+    let shown = name.as_ref().and_then(names::Name::as_parameter);
+    let visit = analysis.visit(document, number, shown.as_deref());
+    let word = block.words.iter().find(|w| span_holds(w, byte));
+    let mut markdown = String::new();
+    let (mut first, mut last) = (from, to);
+    if let (Some(shown), Some(name)) = (&shown, &name) {
+        let value = visit.as_ref().and_then(|visit| visit.parameter);
+        let value =
+            value.map_or("has no value yet".to_owned(), |v| format!("= {v} before this block"));
+        _ = writeln!(markdown, "`{shown}` {value}\n"); // a String takes everything
+        (first, last) = (name.from, name.to);
+    } else if let Some(word) = word {
+        markdown.push_str(&about(word, &block, visit.as_ref()));
+        (first, last) = (word.span.start as usize, word.span.end as usize);
+    }
+    match &visit {
+        Some(visit) => markdown.push_str(&around(visit)),
+        None => markdown.push_str("This block is never executed.\n"),
+    }
+    Some(Hover { markdown, from: first, to: last })
+}
+
+fn span_holds(word: &Word, byte: usize) -> bool {
+    (word.span.start as usize..word.span.end as usize).contains(&byte)
+}
+
+/// What a word does.
+fn about(word: &Word, block: &Block, visit: Option<&Visit>) -> String {
+    let letter = word.letter as char;
+    if let Some(code) = meaning(word) {
+        return describe(&code);
+    }
+    let own = block.words.iter().filter_map(meaning);
+    let motion = visit.and_then(|v| v.before.codes.first().cloned());
+    let codes = own.map(|c| c.code).chain(motion);
+    let taken = codes.filter_map(|code| roles::role(word.letter, &code).map(|role| (role, code)));
+    // A role that only this code has says more than one that all have.
+    let general = roles::role(word.letter, "");
+    let mut taken: Vec<_> = taken.collect();
+    taken.sort_by_key(|(role, _)| Some(*role) == general);
+    match taken.first() {
+        Some((role, _)) if Some(*role) == general => format!("**{letter}** {role}\n\n"),
+        Some((role, code)) => format!("**{letter}** of {code}: {role}\n\n"),
+        None => match general {
+            Some(role) => format!("**{letter}** {role}\n\n"),
+            None => format!("**{letter}** has no effect here\n\n"),
+        },
+    }
+}
+
+fn meaning(word: &Word) -> Option<CodeInfo> {
+    match word.value {
+        gcode::Value::Number(value) => interp::describe(word.letter, value),
+        gcode::Value::Expression(_) => None,
+    }
+}
+
+fn describe(code: &CodeInfo) -> String {
+    let mut text = format!("**{}** {}", code.code, code.name);
+    let lasting = if code.modal { "stays in force" } else { "this block only" };
+    _ = write!(text, " — {}, {lasting}", code.group);
+    if !code.letters.is_empty() {
+        let spaced: Vec<_> = code.letters.chars().map(String::from).collect();
+        _ = write!(text, "; takes {}", spaced.join(" "));
+    }
+    if !code.executed {
+        text.push_str("; **Leadscrew refuses it**");
+    }
+    text.push_str("\n\n");
+    text
+}
+
+/// Position and modes before and after.
+fn around(visit: &Visit) -> String {
+    let (before, after) = (&visit.before, &visit.after);
+    let unit = match after.units {
+        interp::Units::Inch => "inch",
+        interp::Units::Millimetre => "mm",
+    };
+    let mut text = format!("| | program, {unit} | | machine, mm | |\n|---|---:|---:|---:|---:|\n");
+    text.push_str("| | before | after | before | after |\n");
+    for axis in Axis::ALL {
+        let i = axis.index();
+        let program = [before.program[i], after.program[i]];
+        let machine = [along(&before.machine, axis), along(&after.machine, axis)];
+        if i < 3 || program.iter().chain(&machine).any(|value| *value != 0.0) {
+            let [a, b, c, d] = [program[0], program[1], machine[0], machine[1]].map(shown);
+            _ = writeln!(text, "| {} | {a} | {b} | {c} | {d} |", axis.letter());
+        }
+    }
+    _ = write!(text, "\nIn force: {}", in_force(after));
+    let gone: Vec<_> = before.codes.iter().filter(|c| !after.codes.contains(c)).cloned().collect();
+    if !gone.is_empty() {
+        _ = write!(text, "\n\nBefore: {}", gone.join(" "));
+    }
+    text.push('\n');
+    text
+}
+
+fn in_force(standing: &Standing) -> String {
+    let mut text = standing.codes.join(" ");
+    _ = write!(text, " F{} S{} T{}", standing.feed, standing.speed, standing.tool);
+    if standing.selected_tool != standing.tool {
+        _ = write!(text, " (T{} is next)", standing.selected_tool);
+    }
+    text
+}
+
+fn along(position: &Position, axis: Axis) -> f64 {
+    match axis.index() {
+        i @ 3..=5 => position.rotary[i - 3].in_deg(),
+        _ => position.along(axis).value(),
+    }
+}
+
+/// Four decimals, as few as it takes.
+fn shown(value: f64) -> String {
+    let text = format!("{value:.4}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+}

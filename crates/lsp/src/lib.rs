@@ -1,0 +1,27 @@
+//! The language server: what an editor shows of a program while it is being written.
+//!
+//! ```text
+//!   editor ══ JSON-RPC ══► server ──► Document   text, lines, edits
+//!                            │           │
+//!                            │           ▼
+//!                            │        Analysis   snapshots of the interpretation, every so many blocks
+//!                            ▼           │
+//!             hover, outline, names ◄────┘ findings, positions before and after a block
+//! ```
+//!
+//! One thread, no locks: between two messages the server interprets on, a slice at a time, and an edit throws away
+//! only the snapshots behind it. A hover runs from the nearest snapshot to the block pointed at.
+//! This crate knows programs, not machines: what a program meets (tools, offsets, subprogram
+//! files) comes from a [`Host`].
+//!
+//! Source: Language Server Protocol 3.17, Microsoft.
+
+mod analysis;
+mod document;
+mod hover;
+mod names;
+mod outline;
+mod roles;
+mod server;
+
+pub use server::{Host, serve};

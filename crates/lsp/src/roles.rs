@@ -1,0 +1,69 @@
+//! What a letter does beside a code: `P` is seconds to G4 and turns to G2.
+//!
+//! Source: LinuxCNC 2.9 manual, "G codes" and "M codes".
+
+/// What the word says to the code (such as `G83`), in a few words.
+pub(crate) fn role(letter: u8, code: &str) -> Option<&'static str> {
+    let cycle = matches!(
+        code,
+        "G73" | "G74" | "G81" | "G82" | "G83" | "G84" | "G85" | "G86" | "G87" | "G88" | "G89"
+    );
+    let arc = matches!(code, "G2" | "G3");
+    Some(match (letter, code) {
+        (b'F', _) => {
+            "feed: units per minute (G94), per revolution (G95), or moves per minute (G93)"
+        }
+        (b'S', "G96") => "surface speed: metres (feet, in inches) per minute",
+        (b'S', _) => {
+            "spindle speed: revolutions per minute, or the surface speed with G96 in force"
+        }
+        (b'T', _) => "tool that the next M6 brings",
+        (b'N', _) => "number of the block, for people",
+        (b'Z', _) if cycle => "bottom of the hole",
+        (b'R', _) if cycle => "level to which the tool goes fast, and from which it feeds",
+        (b'Q', "G73" | "G83") => "depth of one peck",
+        (b'P', _) if cycle => "wait at the bottom, seconds",
+        (b'L', _) if cycle => "how many holes in a row",
+        (b'X' | b'Y' | b'Z' | b'A' | b'B' | b'C' | b'U' | b'V' | b'W', "G92") => {
+            "what the axis's place shall be called from now on"
+        }
+        (b'X' | b'Y' | b'Z' | b'A' | b'B' | b'C' | b'U' | b'V' | b'W', "G10") => {
+            "value of the offset"
+        }
+        (b'X' | b'Y' | b'Z' | b'U' | b'V' | b'W', _) => "where to along this axis",
+        (b'A' | b'B' | b'C', _) => "where to about this axis, degrees",
+        (b'I' | b'J' | b'K', _) if arc => "centre of the arc, from its start (G91.1) along X, Y, Z",
+        (b'R', _) if arc => "radius; negative for the arc of more than half a turn",
+        (b'P', _) if arc => "turns",
+        (b'K', "G33" | "G33.1") => "lead: travel in one revolution of the spindle",
+        (b'I', "G33.1") => "how many times faster the tap comes out",
+        (b'P', "G76") => "lead of the thread",
+        (b'I', "G76") => "from the drive line to the thread's crest",
+        (b'J', "G76") => "depth of the first cut",
+        (b'K', "G76") => "full depth of the thread",
+        (b'R', "G76") => "degression of the depth",
+        (b'Q', "G76") => "angle of the compound slide",
+        (b'H', "G76") => "spring passes",
+        (b'E', "G76") => "length of the taper",
+        (b'L', "G76") => "which ends are tapered",
+        (b'P', "G4") => "seconds to wait",
+        (b'L', "G10") => "which table: 2 work offset, 20 work offset by position",
+        (b'P', "G10") => "which offset: 1 to 9 for G54 to G59.3, 0 for the one in force",
+        (b'R', "G10") => "rotation of the offset about Z, degrees",
+        (b'P', "G64") => "farthest that the path may stray from the programmed one",
+        (b'Q', "G64") => "tolerance within which short moves are taken as one",
+        (b'D', "G96") => "highest spindle speed, revolutions per minute",
+        (b'R', "M19") => "angle, degrees",
+        (b'P', "M19") => "0 the shortest way, 1 clockwise, 2 counter-clockwise",
+        (b'Q', "M19") => "longest wait, seconds",
+        (b'Q', "M61") => "number of the tool that is in the spindle",
+        (b'P', "M98") => "number of the subprogram",
+        (b'L', "M98") => "how often",
+        (b'P', "M50" | "M51" | "M52" | "M53") => "0 off, otherwise on",
+        (b'H', _) => "tool whose length is taken",
+        (b'@', _) => "distance from the origin",
+        (b'^', _) => "angle about the origin, degrees",
+        (b'$', _) => "which spindle",
+        _ => return None,
+    })
+}

@@ -1,0 +1,391 @@
+//! The conversation: what the editor says, what is answered, and what is done while it says nothing.
+use crate::analysis::Analysis;
+use crate::document::Document;
+use crate::{hover, names, outline};
+use diag::{Diagnostic, Severity, Span};
+use lsp_server::{Connection, ErrorCode, Message, Notification, ProtocolError, Request, Response};
+use lsp_types as lsp;
+use lsp_types::notification::{
+    DidChangeTextDocument, DidCloseTextDocument, DidOpenTextDocument, Notification as _,
+    PublishDiagnostics,
+};
+use lsp_types::request::{
+    DocumentSymbolRequest, Formatting, GotoDefinition, HoverRequest, PrepareRenameRequest,
+    References, Rename, Request as _,
+};
+use lsp_types::{InitializeParams, PositionEncodingKind, Uri};
+use serde_json::{Value, json};
+use std::collections::HashMap;
+
+/// What the server asks of the program it runs in: what a G-code program meets outside its text.
+pub trait Host {
+    /// Tools, offsets, start and subprogram files for the program at this URI.
+    ///
+    /// # Errors
+    /// With a sentence, if they cannot be had.
+    fn setup(&self, uri: &str, text: &[u8]) -> Result<interp::Setup, String>;
+    /// The URI of the file that `o<name> call` opens from this program, if it exists.
+    fn subprogram(&self, uri: &str, name: &str) -> Option<String>;
+}
+
+/// Serve one editor until it says goodbye. True if it took leave in order.
+///
+/// # Errors
+/// When the editor breaks the protocol or vanishes before the greeting is over.
+pub fn serve(connection: &Connection, host: &dyn Host) -> Result<bool, ProtocolError> {
+    let (id, greeting) = connection.initialize_start()?;
+    let encoding = encoding(&greeting);
+    let capabilities = json!({
+        "positionEncoding": encoding,
+        "textDocumentSync": { "openClose": true, "change": lsp::TextDocumentSyncKind::INCREMENTAL },
+        "hoverProvider": true,
+        "documentSymbolProvider": true,
+        "definitionProvider": true,
+        "referencesProvider": true,
+        "renameProvider": { "prepareProvider": true },
+        "documentFormattingProvider": true,
+    });
+    let answer = json!({
+        "capabilities": capabilities,
+        "serverInfo": { "name": "leadscrew", "version": env!("CARGO_PKG_VERSION") },
+    });
+    connection.initialize_finish(id, answer)?;
+    let mut server = Server { connection, host, encoding, open: HashMap::new() };
+    server.converse()
+}
+
+/// Bytes, if the editor counts in them too; else UTF-16 units.
+fn encoding(greeting: &Value) -> PositionEncodingKind {
+    let params: Option<InitializeParams> = serde_json::from_value(greeting.clone()).ok();
+    let offered = params.and_then(|p| p.capabilities.general?.position_encodings);
+    if offered.is_some_and(|all| all.contains(&PositionEncodingKind::UTF8)) {
+        PositionEncodingKind::UTF8
+    } else {
+        PositionEncodingKind::UTF16
+    }
+}
+
+/// An open file.
+struct Open {
+    document: Document,
+    analysis: Analysis,
+    version: i32,
+    /// Why the program's surroundings could not be loaded.
+    trouble: Option<String>,
+    /// Its findings are shown as they are.
+    told: bool,
+}
+
+struct Server<'a> {
+    connection: &'a Connection,
+    host: &'a dyn Host,
+    encoding: PositionEncodingKind,
+    open: HashMap<Uri, Open>,
+}
+
+/// Answer to a request: a value, or why there is none.
+type Answer = Result<Value, String>;
+
+impl Server<'_> {
+    fn converse(&mut self) -> Result<bool, ProtocolError> {
+        loop {
+            let busy = self.open.values().any(|open| !open.told);
+            let message = if busy {
+                match self.connection.receiver.try_recv() {
+                    Ok(message) => Some(message),
+                    Err(e) if e.is_disconnected() => return Ok(false),
+                    Err(_) => None,
+                }
+            } else {
+                match self.connection.receiver.recv() {
+                    Ok(message) => Some(message),
+                    Err(_) => return Ok(false),
+                }
+            };
+            match message {
+                None => self.work(),
+                Some(Message::Request(request)) => {
+                    if self.connection.handle_shutdown(&request)? {
+                        return Ok(true);
+                    }
+                    self.answer(request);
+                }
+                Some(Message::Notification(told)) => self.hear(told),
+                Some(Message::Response(_)) => {}
+            }
+        }
+    }
+
+    /// A slice of what is still to be found out.
+    fn work(&mut self) {
+        let Some((uri, open)) = self.open.iter_mut().find(|(_, open)| !open.told) else { return };
+        if !open.analysis.is_done() {
+            open.analysis.advance(&open.document);
+            return;
+        }
+        open.told = true;
+        let findings = open.findings();
+        let params = lsp::PublishDiagnosticsParams {
+            diagnostics: findings.iter().map(|finding| open.shown(uri, finding)).collect(),
+            uri: uri.clone(),
+            version: Some(open.version),
+        };
+        self.tell(PublishDiagnostics::METHOD, params);
+    }
+
+    fn tell(&self, method: &str, params: impl serde::Serialize) {
+        let message = Notification::new(method.to_owned(), params);
+        // A vanished editor is noticed at the next reading.
+        _ = self.connection.sender.send(Message::Notification(message));
+    }
+
+    fn hear(&mut self, told: Notification) {
+        match &*told.method {
+            DidOpenTextDocument::METHOD => {
+                if let Ok(params) =
+                    serde_json::from_value::<lsp::DidOpenTextDocumentParams>(told.params)
+                {
+                    let item = params.text_document;
+                    let document = Document::new(item.text, &self.encoding);
+                    let (analysis, trouble) = self.begin(&item.uri, &document);
+                    let version = item.version;
+                    let open = Open { document, analysis, version, trouble, told: false };
+                    self.open.insert(item.uri, open);
+                }
+            }
+            DidChangeTextDocument::METHOD => {
+                if let Ok(params) =
+                    serde_json::from_value::<lsp::DidChangeTextDocumentParams>(told.params)
+                {
+                    self.change(params);
+                }
+            }
+            DidCloseTextDocument::METHOD => {
+                if let Ok(params) =
+                    serde_json::from_value::<lsp::DidCloseTextDocumentParams>(told.params)
+                {
+                    let uri = params.text_document.uri;
+                    self.open.remove(&uri);
+                    let none = lsp::PublishDiagnosticsParams::new(uri, Vec::new(), None);
+                    self.tell(PublishDiagnostics::METHOD, none);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn begin(&self, uri: &Uri, document: &Document) -> (Analysis, Option<String>) {
+        match self.host.setup(uri.as_str(), &document.text) {
+            Ok(setup) => (Analysis::new(setup), None),
+            Err(trouble) => (Analysis::new(interp::Setup::default()), Some(trouble)),
+        }
+    }
+
+    fn change(&mut self, params: lsp::DidChangeTextDocumentParams) {
+        let uri = params.text_document.uri;
+        let Some(open) = self.open.get_mut(&uri) else { return };
+        let mut o_words = false;
+        for change in params.content_changes {
+            let edit = open.document.apply(change);
+            open.analysis.edited(edit);
+            o_words |= edit.o_words;
+        }
+        open.version = params.text_document.version;
+        open.told = false;
+        if !o_words {
+            return;
+        }
+        // Other files may be called now: they belong to the set-up.
+        let called = interp::called_files(&open.document.text);
+        let known = &open.analysis.setup.subprograms;
+        if called.iter().any(|name| known.iter().all(|sub| sub.name != *name)) {
+            let Some(mut open) = self.open.remove(&uri) else { return };
+            (open.analysis, open.trouble) = self.begin(&uri, &open.document);
+            self.open.insert(uri, open);
+        }
+    }
+
+    fn answer(&mut self, request: Request) {
+        let Request { id, method, params } = request;
+        let answer = match &*method {
+            HoverRequest::METHOD => self.hover(params),
+            DocumentSymbolRequest::METHOD => self.symbols(params),
+            GotoDefinition::METHOD => self.definition(params),
+            References::METHOD => self.references(params),
+            PrepareRenameRequest::METHOD => self.prepare_rename(params),
+            Rename::METHOD => self.rename(params),
+            Formatting::METHOD => self.format(params),
+            _ => {
+                let text = format!("{method} is not served");
+                self.send(Response::new_err(id, ErrorCode::MethodNotFound as i32, text));
+                return;
+            }
+        };
+        self.send(match answer {
+            Ok(value) => Response::new_ok(id, value),
+            Err(text) => Response::new_err(id, ErrorCode::InvalidParams as i32, text),
+        });
+    }
+
+    fn send(&self, response: Response) {
+        // A vanished editor is noticed at the next reading.
+        _ = self.connection.sender.send(Message::Response(response));
+    }
+
+    fn hover(&mut self, params: Value) -> Answer {
+        let params: lsp::HoverParams = parsed(params)?;
+        let place = params.text_document_position_params;
+        let Some(open) = self.open.get_mut(&place.text_document.uri) else {
+            return Ok(Value::Null);
+        };
+        let byte = open.document.byte(place.position);
+        let line = place.position.line as usize;
+        let Some(hover) = hover::at(&open.document, &mut open.analysis, line, byte) else {
+            return Ok(Value::Null);
+        };
+        let start = open.document.place(hover.from);
+        let end = open.document.place(hover.to);
+        Ok(json!({
+            "contents": { "kind": "markdown", "value": hover.markdown },
+            "range": { "start": start, "end": end },
+        }))
+    }
+
+    fn symbols(&self, params: Value) -> Answer {
+        let params: lsp::DocumentSymbolParams = parsed(params)?;
+        let Some(open) = self.open.get(&params.text_document.uri) else { return Ok(Value::Null) };
+        Ok(json!(outline::symbols(&open.document, &open.analysis.setup.tools)))
+    }
+
+    fn definition(&self, params: Value) -> Answer {
+        let params: lsp::GotoDefinitionParams = parsed(params)?;
+        let place = params.text_document_position_params;
+        let uri = place.text_document.uri;
+        let Some(open) = self.open.get(&uri) else { return Ok(Value::Null) };
+        let byte = open.document.byte(place.position);
+        let line = place.position.line as usize;
+        if let Some(name) = names::definition(&open.document, line, byte) {
+            return Ok(json!({ "uri": uri, "range": open.range(&name.inner) }));
+        }
+        let here = names::in_line(&open.document, line).into_iter().find(|name| name.holds(byte));
+        let file = here
+            .filter(|name| matches!(name.kind, names::Kind::O(_)))
+            .and_then(|name| self.host.subprogram(uri.as_str(), &name.text));
+        let top = lsp::Range::default();
+        Ok(file.map_or(Value::Null, |file| json!({ "uri": file, "range": top })))
+    }
+
+    fn references(&self, params: Value) -> Answer {
+        let params: lsp::ReferenceParams = parsed(params)?;
+        let place = params.text_document_position;
+        let uri = place.text_document.uri;
+        let Some(open) = self.open.get(&uri) else { return Ok(Value::Null) };
+        let byte = open.document.byte(place.position);
+        let all = names::same(&open.document, place.position.line as usize, byte);
+        let location = |name: &names::Name| json!({ "uri": uri, "range": open.range(&name.inner) });
+        Ok(all.iter().map(location).collect())
+    }
+
+    fn prepare_rename(&self, params: Value) -> Answer {
+        let place: lsp::TextDocumentPositionParams = parsed(params)?;
+        let Some(open) = self.open.get(&place.text_document.uri) else { return Ok(Value::Null) };
+        let byte = open.document.byte(place.position);
+        let here = names::in_line(&open.document, place.position.line as usize)
+            .into_iter()
+            .find(|name| name.holds(byte));
+        Ok(here.map_or(
+            Value::Null,
+            |name| json!({ "range": open.range(&name.inner), "placeholder": name.text }),
+        ))
+    }
+
+    fn rename(&self, params: Value) -> Answer {
+        let params: lsp::RenameParams = parsed(params)?;
+        let place = params.text_document_position;
+        let uri = place.text_document.uri;
+        let Some(open) = self.open.get(&uri) else { return Ok(Value::Null) };
+        let byte = open.document.byte(place.position);
+        let all = names::same(&open.document, place.position.line as usize, byte);
+        let Some(first) = all.first() else {
+            return Err("there is no parameter or O-word here".to_owned());
+        };
+        let new = names::acceptable(first, &params.new_name)?;
+        let edit = |name: &names::Name| json!({ "range": open.range(&name.inner), "newText": new });
+        let edits: Vec<_> = all.iter().map(edit).collect();
+        Ok(json!({ "changes": { uri.as_str(): edits } }))
+    }
+
+    fn format(&self, params: Value) -> Answer {
+        let params: lsp::DocumentFormattingParams = parsed(params)?;
+        let Some(open) = self.open.get(&params.text_document.uri) else { return Ok(Value::Null) };
+        Ok(json!(open.format()))
+    }
+}
+
+impl Open {
+    fn range(&self, bytes: &std::ops::Range<usize>) -> lsp::Range {
+        let (start, end) = (bytes.start as u32, bytes.end as u32);
+        self.document.range(Span { start, end, ..Span::default() })
+    }
+
+    /// Everything found: by executing, by reading what is never executed, and what is legal but hurts.
+    fn findings(&self) -> Vec<Diagnostic> {
+        let mut all = self.analysis.findings();
+        all.retain(|finding| finding.span.file == 0);
+        for finding in interp::lint(&self.document.text, &self.analysis.setup) {
+            if all.iter().all(|f| (f.code, f.span) != (finding.code, finding.span)) {
+                all.push(finding);
+            }
+        }
+        if let Some(trouble) = &self.trouble {
+            all.push(Diagnostic::error("A0102", Span::default(), trouble.clone()));
+        }
+        all.sort_by_key(|finding| finding.span.start);
+        all
+    }
+
+    fn shown(&self, uri: &Uri, finding: &Diagnostic) -> lsp::Diagnostic {
+        let severity = match finding.severity {
+            Severity::Error => lsp::DiagnosticSeverity::ERROR,
+            Severity::Warning => lsp::DiagnosticSeverity::WARNING,
+            Severity::Note => lsp::DiagnosticSeverity::INFORMATION,
+        };
+        let related = finding.labels.iter().map(|label| lsp::DiagnosticRelatedInformation {
+            location: lsp::Location::new(uri.clone(), self.document.range(label.span)),
+            message: label.text.clone(),
+        });
+        let message = match &finding.help {
+            Some(help) => format!("{}\n{help}", finding.message),
+            None => finding.message.clone(),
+        };
+        lsp::Diagnostic {
+            range: self.document.range(finding.span),
+            severity: Some(severity),
+            code: Some(lsp::NumberOrString::String(finding.code.to_owned())),
+            source: Some("leadscrew".to_owned()),
+            message,
+            related_information: Some(related.collect()),
+            ..lsp::Diagnostic::default()
+        }
+    }
+
+    /// The lines that change, each as an edit: formatting keeps the number of lines.
+    fn format(&self) -> Vec<lsp::TextEdit> {
+        let anew = gcode::format(&self.document.text);
+        let lines = anew.split(|b| *b == b'\n').enumerate();
+        let mut edits = Vec::new();
+        for (i, line) in lines.take(self.document.lines()) {
+            let line = line.strip_suffix(b"\r").unwrap_or(line);
+            let (from, to) = self.document.line(i);
+            if &self.document.text[from..to] != line {
+                let range = self.range(&(from..to));
+                edits.push(lsp::TextEdit::new(range, String::from_utf8_lossy(line).into_owned()));
+            }
+        }
+        edits
+    }
+}
+
+fn parsed<T: serde::de::DeserializeOwned>(params: Value) -> Result<T, String> {
+    serde_json::from_value(params).map_err(|e| e.to_string())
+}
