@@ -239,23 +239,25 @@ impl fmt::Display for Fault {
     }
 }
 
-/// The alarm list of the manual, in Markdown: one section per kind, by number.
+/// The alarm list of the manual, in Markdown: a row of a table for each kind, by number (`docs/alarms.md`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AlarmList;
 
 impl fmt::Display for AlarmList {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("# Alarms\n\n")?;
+        f.write_str("What can stop a running machine. `Disable`: all outputs go off, the drives' own safety takes over. ")?;
+        f.write_str("`Halt`: axes and spindles brake under control, coupled ones together, and are held.\n\n")?;
+        f.write_str("What is wrong with a *program* is found before anything moves; `leadscrew check` says it with its code.\n\n")?;
+        f.write_str("| number | alarm | reaction | cause | remedy |\n|---|---|---|---|---|\n")?;
         for kind in FaultKind::ALL {
             let reaction = match kind.reaction() {
-                Reaction::Disable => "All outputs go off; the drives' own safety takes over.",
-                Reaction::Halt => {
-                    "Axes and spindles brake under control, coupled ones together, and are held."
-                }
+                Reaction::Disable => "Disable",
+                Reaction::Halt => "Halt",
             };
-            writeln!(f, "## {} {}\n", kind.number(), kind.sentence())?;
-            writeln!(f, "{reaction}\n")?;
-            writeln!(f, "Cause: {}\n", kind.cause())?;
-            writeln!(f, "Remedy: {}\n", kind.remedy())?;
+            let (number, sentence) = (kind.number(), kind.sentence());
+            let (cause, remedy) = (kind.cause(), kind.remedy());
+            writeln!(f, "| {number} | {sentence} | {reaction} | {cause} | {remedy} |")?;
         }
         Ok(())
     }
@@ -281,6 +283,23 @@ mod tests {
         for kind in FaultKind::ALL {
             assert!(list.contains(kind.sentence()) && list.contains(kind.remedy()), "{list}");
         }
-        assert!(list.starts_with("## 101 the emergency stop chain is open\n"), "{list}");
+        let row = "| 101 | the emergency stop chain is open | Disable | ";
+        assert!(list.contains(row), "{list}");
+        assert!(
+            !FaultKind::ALL
+                .iter()
+                .any(|k| [k.sentence(), k.cause(), k.remedy()].concat().contains('|'))
+        );
+    }
+
+    #[test]
+    fn the_manuals_page_of_alarms_is_this_list() {
+        let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/alarms.md");
+        let list = std::string::ToString::to_string(&AlarmList);
+        if std::env::var_os("UPDATE_ALARMS").is_some() {
+            std::fs::write(page, &list).unwrap();
+        }
+        let written = std::fs::read_to_string(page).unwrap_or_default();
+        assert!(written == list, "UPDATE_ALARMS=1 cargo test -p kernel writes docs/alarms.md anew");
     }
 }
