@@ -126,21 +126,36 @@ impl Executor {
         let tolerance = Tolerance::of(self.state.units);
         let off = (radius - other).abs();
         if off > tolerance.ends && off > RELATIVE * radius.max(other) {
-            return Err(self.uneven(radius, other).into());
+            return Err(self.uneven(start, end, centre).into());
         }
         Ok(centre)
     }
 
-    fn uneven(&self, radius: f64, other: f64) -> Diagnostic {
+    /// The centre is not as far from one end as from the other; the nearest one that is, for the help.
+    fn uneven(&self, start: [f64; 2], end: [f64; 2], centre: [f64; 2]) -> Diagnostic {
+        let from = |p: [f64; 2]| (p[0] - centre[0]).hypot(p[1] - centre[1]);
+        let (radius, other) = (from(start), from(end));
         let text = format!(
             "the arc's ends are {radius:.4} and {other:.4} from its centre: they differ by {:.4}",
             (radius - other).abs()
         );
-        error("I0414", self.words.place.span, text).with_help(if self.state.absolute_centres {
-            "G90.1 is in force: I, J, K are coordinates, not distances from the start"
+        let chord = [end[0] - start[0], end[1] - start[1]];
+        let length_squared = chord[0] * chord[0] + chord[1] * chord[1];
+        let middle = [start[0].midpoint(end[0]), start[1].midpoint(end[1])];
+        // On the chord's bisector every point is as far from one end as from the other.
+        let along = (centre[0] - middle[0]) * chord[0] + (centre[1] - middle[1]) * chord[1];
+        let fits: [f64; 2] =
+            core::array::from_fn(|i| centre[i] - along / length_squared.max(1e-300) * chord[i]);
+        let [first, second, _] = self.centre_letters().map(char::from);
+        let (shown, meant) = if self.state.absolute_centres {
+            (fits, "coordinates, because G90.1 is in force")
         } else {
-            "I, J, K are distances from the start to the centre (G90.1 makes them coordinates)"
-        })
+            ([fits[0] - start[0], fits[1] - start[1]], "distances from the start of the arc")
+        };
+        let (x, y) = (shown[0] + 0.0, shown[1] + 0.0);
+        error("I0414", self.words.place.span, text).with_help(format!(
+            "{first}{x:.4} {second}{y:.4} would fit; {first} and {second} are {meant}"
+        ))
     }
 
     fn centre_by_radius(

@@ -328,6 +328,15 @@ mod tests {
     }
 
     #[test]
+    fn an_arc_that_does_not_close_gets_the_centre_that_would_fit() {
+        // From (0, 0) to (10, 0) about (4, 0): the nearest centre as far from both ends is (5, 0).
+        let text = b"G21 G90\nG0 X0 Y0\nG2 X10 I4 F100\nM2\n";
+        let found = crate::check(text, &Setup::default());
+        assert_eq!(found[0].code, "I0414");
+        assert!(found[0].help.as_ref().is_some_and(|help| help.starts_with("I5.0000 J0.0000 ")));
+    }
+
+    #[test]
     fn other_habits_that_hurt() {
         assert_eq!(codes("G4 P500\nM2\n"), ["I0904"]);
         assert_eq!(codes("M2\nG0 X1\nG0 X2\n"), ["I0906"]);
