@@ -5,7 +5,7 @@
 //! LinuxCNC's stand-alone interpreter does, [`Resolver`](crate::Resolver) turns them into
 //! [`canon::Op`]. What the two need differently is kept whole in one call: a tapping cycle is one
 //! [`Call::Tap`], which the listing expands into LinuxCNC's moves and the resolver does not.
-use crate::{frame::Point, tool_table::ToolEntry};
+use crate::{frame::Point, splines::ControlPoint, tool_table::ToolEntry};
 use canon::Plane;
 use diag::Span;
 
@@ -171,6 +171,15 @@ pub enum Call<'a> {
         /// Turns begun: 1 or more counter-clockwise, −1 or less clockwise.
         turns: i32,
     },
+    /// G5, G5.1, G5.2 … G5.3: a NURBS from where it stands, in X and Y.
+    Spline {
+        /// Order, the degree plus one.
+        order: usize,
+        /// Control points; the first is where it stands.
+        points: &'a [ControlPoint],
+    },
+    /// G38.2 … G38.5: to here, or to where the probe touches.
+    Probe(Point),
     /// A cycle is about to make a hole; its moves follow, up to the end of the cycle's block or the next hole.
     Hole(CycleHole),
     /// G84, G74: the tap stands at R. In and out again, up to the hole's clear level.

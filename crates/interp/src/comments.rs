@@ -58,6 +58,10 @@ impl Executor {
                     );
                 }
                 CommentKind::ProbeOpen | CommentKind::ProbeClose | CommentKind::Python => {
+                    if comment.kind != CommentKind::Python {
+                        let text = format!("{}{text}", comment.kind.keyword());
+                        self.say(sink, &Call::Comment(&text));
+                    }
                     let text = "this comment asks for something that Leadscrew does not do: it is passed over";
                     self.remarks.push(Diagnostic::warning("I0317", comment.span, text));
                 }

@@ -166,6 +166,12 @@ impl Executor {
         if self.compensating && !motion.is_plain() && motion != Motion::None {
             return self.no_compensation();
         }
+        if !matches!(motion, Motion::Nurbs | Motion::NurbsEnd) {
+            self.check_nurbs_ended()?;
+        }
+        if motion != Motion::CubicSpline {
+            self.state.spline_leaves = None;
+        }
         if self.state.leaving_compensation {
             self.leave_compensation(motion)?;
         }
@@ -176,6 +182,10 @@ impl Executor {
             }
             Motion::Rapid | Motion::Feed => self.straight(motion, machine_coordinates, sink)?,
             Motion::ArcClockwise | Motion::ArcCounterclockwise => self.arc(motion, sink)?,
+            Motion::CubicSpline | Motion::QuadraticSpline => self.spline(motion, sink)?,
+            Motion::Nurbs => self.nurbs_point(sink)?,
+            Motion::NurbsEnd => return self.nurbs_end(sink),
+            Motion::Probe(_) => self.probe(sink)?,
             Motion::Thread => self.thread(sink)?,
             Motion::RigidTap => self.rigid_tap(sink)?,
             Motion::ThreadCycle => self.thread_cycle(sink)?,
@@ -274,7 +284,10 @@ impl Executor {
 
     fn stops<S: Sink>(&mut self, sink: &mut S) -> Outcome<After> {
         match self.words.m(MGroup::Stop) {
-            Some(2 | 30) => self.compensation_off(sink)?,
+            Some(2 | 30) => {
+                self.check_nurbs_ended()?;
+                self.compensation_off(sink)?;
+            }
             Some(0 | 1 | 60) => self.let_go(sink),
             _ => {}
         }

@@ -279,6 +279,14 @@ impl<W: Write> Listing<W> {
             Call::SelectTool(number) => self.text(place, &format!("SELECT_TOOL({number})")),
             Call::ChangeTool(number) => self.text(place, &format!("CHANGE_TOOL({number})")),
             Call::ToolNumber(number) => self.text(place, &format!("CHANGE_TOOL_NUMBER({number})")),
+            Call::Spline { points, .. } => {
+                self.text(place, &format!("NURBS_FEED({}, ...)", points.len()));
+            }
+            Call::Probe(to) => {
+                self.text(place, "TURN_PROBE_ON()");
+                self.point(place, b"STRAIGHT_PROBE", to);
+                self.text(place, "TURN_PROBE_OFF()");
+            }
             Call::ToolTableEntry { rank, entry } => self.tool_entry(place, *rank, entry),
             Call::FeedOverride(on) => self.feed_override(place, *on),
             Call::SpeedOverride(on) => self.speed_override(place, *on),

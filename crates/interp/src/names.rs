@@ -105,7 +105,11 @@ pub(crate) fn assign(store: &mut Store, number: usize, value: f64, span: Span) -
 pub(crate) fn numbered(state: &State, store: &Store, number: usize) -> f64 {
     match number {
         5400 => f64::from(state.current_tool),
-        5401..=5409 => state.frame.tool[number - 5401],
+        5401..=5409 => state.loaded.offset[number - 5401],
+        5410 => state.loaded.diameter,
+        5411 => state.loaded.front_angle,
+        5412 => state.loaded.back_angle,
+        5413 => f64::from(state.loaded.orientation),
         5420..=5428 => state.place()[number - 5420],
         _ => store.numbered.at(number),
     }

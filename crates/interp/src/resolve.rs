@@ -165,7 +165,7 @@ impl Resolver {
         }
     }
 
-    fn line(&mut self, program: &Point, span: Span) {
+    pub(crate) fn line(&mut self, program: &Point, span: Span) {
         let to = self.machine(program);
         let from = self.at;
         if self.arrives(&to, span) {
@@ -315,6 +315,13 @@ impl Sink for Resolver {
                 self.rapid(&to, span);
             }
             Call::Line(to) => self.line(to, span),
+            Call::Spline { order, points } => self.spline(*order, points, span),
+            Call::Probe(to) => {
+                let text =
+                    "no probe is simulated: contact is taken to come at the programmed end point";
+                self.report(Diagnostic::warning("I0713", span, text));
+                self.line(to, span);
+            }
             Call::Arc { plane, to, centre, turns } => self.arc(*plane, to, *centre, *turns, span),
             Call::Hole(hole) => self.hole(hole, span),
             Call::Tap(tap) => self.tap(tap, span),

@@ -1,6 +1,8 @@
 //! What holds from block to block: the modal state.
 use crate::compensation::Compensation;
 use crate::rigid::{Rigid, TapWords};
+use crate::splines::Nurbs;
+use crate::tool_table::ToolEntry;
 use crate::{
     call::{Corners, Sense, Units},
     frame::{Frame, Point},
@@ -20,6 +22,16 @@ pub(crate) enum Motion {
     ArcClockwise,
     /// G3.
     ArcCounterclockwise,
+    /// G5.
+    CubicSpline,
+    /// G5.1.
+    QuadraticSpline,
+    /// G5.2.
+    Nurbs,
+    /// G5.3.
+    NurbsEnd,
+    /// G38.2 … G38.5: the digit.
+    Probe(u16),
     /// G33.
     Thread,
     /// G33.1.
@@ -65,6 +77,11 @@ impl Motion {
             10 => Self::Feed,
             20 => Self::ArcClockwise,
             30 => Self::ArcCounterclockwise,
+            50 => Self::CubicSpline,
+            51 => Self::QuadraticSpline,
+            52 => Self::Nurbs,
+            53 => Self::NurbsEnd,
+            382..=385 => Self::Probe(tenths - 380),
             330 => Self::Thread,
             331 => Self::RigidTap,
             730 => Self::Cycle(Cycle::ChipBreak),
@@ -96,6 +113,11 @@ impl Motion {
             Self::Feed => 10,
             Self::ArcClockwise => 20,
             Self::ArcCounterclockwise => 30,
+            Self::CubicSpline => 50,
+            Self::QuadraticSpline => 51,
+            Self::Nurbs => 52,
+            Self::NurbsEnd => 53,
+            Self::Probe(digit) => 380 + digit,
             Self::Thread => 330,
             Self::RigidTap => 331,
             Self::ThreadCycle => 760,
@@ -191,10 +213,16 @@ pub(crate) struct State {
     pub(crate) frame: Frame,
     /// Where the program stands, in its frame and units.
     pub(crate) at: Point,
+    /// Control points since G5.2.
+    pub(crate) nurbs: Option<Nurbs>,
+    /// Direction in which the last G5 left, as I and J of the next one.
+    pub(crate) spline_leaves: Option<[f64; 2]>,
     /// G41, G42.
     pub(crate) compensation: Option<Compensation>,
     /// G40 was the last; the tool still stands beside the programmed point.
     pub(crate) leaving_compensation: bool,
+    /// What the table says about the tool in the spindle.
+    pub(crate) loaded: ToolEntry,
     pub(crate) selected_tool: u32,
     pub(crate) current_tool: u32,
     pub(crate) mist: bool,
@@ -237,8 +265,11 @@ impl State {
             system: 1,
             frame: Frame::default(),
             at: [0.0; 9],
+            nurbs: None,
+            spline_leaves: None,
             compensation: None,
             leaving_compensation: false,
+            loaded: ToolEntry::default(),
             selected_tool: 0,
             current_tool: 0,
             mist: false,

@@ -128,6 +128,7 @@ impl Executor {
                 self.state.spindle.turning = None;
                 self.say(sink, &Call::SpindleStop);
                 self.state.current_tool = self.state.selected_tool;
+                self.state.loaded = self.tool_entry(self.state.current_tool);
                 self.say(sink, &Call::ChangeTool(self.state.current_tool));
             }
             Some(_) => {
@@ -139,6 +140,7 @@ impl Executor {
                     );
                 }
                 self.state.current_tool = self.tool_word(b'Q')?;
+                self.state.loaded = self.tool_entry(self.state.current_tool);
                 self.say(sink, &Call::ToolNumber(self.state.current_tool));
             }
             None => {}

@@ -100,6 +100,7 @@ impl Executor {
         let rank = self.tools.iter().position(|t| t.number == number).map_or(0, |i| i as u32 + 1);
         self.say(sink, &Call::ToolTableEntry { rank, entry });
         if number == self.state.current_tool {
+            self.state.loaded = entry;
             self.say(sink, &Call::ToolTableEntry { rank: 0, entry });
         }
         Ok(())

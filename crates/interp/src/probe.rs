@@ -1,0 +1,54 @@
+//! Probing: G38.2 … G38.5.
+//!
+//! Where the probe will touch, only the machine knows. Here a rule stands for it: **contact comes at
+//! the programmed end point**. `#5061` to `#5069` are that point, in the program's coordinates; the
+//! axes then stand 0.01 inch (0.254 mm) back towards the start, and `#5070` is 0, as in LinuxCNC's
+//! stand-alone interpreter.
+//!
+//! Source: LinuxCNC 2.9 manual, "G38.n Straight Probe"; the rule was measured on its stand-alone interpreter.
+use crate::{
+    call::{Call, Sink, Units},
+    execute::Executor,
+    fault::{Outcome, refuse},
+    state::FeedMode,
+};
+
+/// First parameter of the place of contact, and the one that says whether there was one.
+const CONTACT: usize = 5061;
+const TOUCHED: usize = 5070;
+/// How far back from the contact the axes then stand: 0.01 inch.
+const BACK_INCH: f64 = 0.01;
+
+impl Executor {
+    /// G38.2 … G38.5.
+    pub(crate) fn probe<S: Sink>(&mut self, sink: &mut S) -> Outcome {
+        let span = self.words.place.span;
+        if !self.words.any(crate::codes::AXES | crate::codes::POLAR) {
+            return refuse("I0570", span, "probing needs an axis word: where to");
+        }
+        if self.state.feed_mode == FeedMode::InverseTime || self.state.feed <= 0.0 {
+            return refuse("I0571", span, "probing needs a feed: write G94 and F above 0");
+        }
+        let to = self.destination(false)?;
+        let from = self.state.at;
+        let back = match self.state.units {
+            Units::Inch => BACK_INCH,
+            Units::Millimetre => BACK_INCH * units::MM_PER_INCH,
+        };
+        let length = (0..3).map(|i| (to[i] - from[i]).powi(2)).sum::<f64>().sqrt();
+        if length < back {
+            let text = format!(
+                "probing needs a way of at least {back:.4} along X, Y, Z, found {length:.4}"
+            );
+            return refuse("I0572", span, text);
+        }
+        self.say(sink, &Call::Probe(to));
+        self.store.numbered.set_point(CONTACT, &to);
+        self.store.numbered.set(TOUCHED, 0.0);
+        self.state.at = to;
+        for i in 0..3 {
+            self.state.at[i] = to[i] - (to[i] - from[i]) * back / length;
+        }
+        Ok(())
+    }
+}
