@@ -185,7 +185,7 @@ impl Executor {
             Motion::CubicSpline | Motion::QuadraticSpline => self.spline(motion, sink)?,
             Motion::Nurbs => self.nurbs_point(sink)?,
             Motion::NurbsEnd => return self.nurbs_end(sink),
-            Motion::Probe(_) => self.probe(sink)?,
+            Motion::Probe(digit) => self.probe(digit, sink)?,
             Motion::Thread => self.thread(sink)?,
             Motion::RigidTap => self.rigid_tap(sink)?,
             Motion::ThreadCycle => self.thread_cycle(sink)?,

@@ -21,7 +21,7 @@ const BACK_INCH: f64 = 0.01;
 
 impl Executor {
     /// G38.2 … G38.5.
-    pub(crate) fn probe<S: Sink>(&mut self, sink: &mut S) -> Outcome {
+    pub(crate) fn probe<S: Sink>(&mut self, digit: u16, sink: &mut S) -> Outcome {
         let span = self.words.place.span;
         if !self.words.any(crate::codes::AXES | crate::codes::POLAR) {
             return refuse("I0570", span, "probing needs an axis word: where to");
@@ -36,7 +36,8 @@ impl Executor {
             Units::Millimetre => BACK_INCH * units::MM_PER_INCH,
         };
         let length = (0..3).map(|i| (to[i] - from[i]).powi(2)).sum::<f64>().sqrt();
-        if length < back {
+        let must_touch = matches!(digit, 2 | 4);
+        if must_touch && length < back {
             let text = format!(
                 "probing needs a way of at least {back:.4} along X, Y, Z, found {length:.4}"
             );
@@ -46,7 +47,7 @@ impl Executor {
         self.store.numbered.set_point(CONTACT, &to);
         self.store.numbered.set(TOUCHED, 0.0);
         self.state.at = to;
-        for i in 0..3 {
+        for i in (0..3).filter(|_| length > 0.0) {
             self.state.at[i] = to[i] - (to[i] - from[i]) * back / length;
         }
         Ok(())

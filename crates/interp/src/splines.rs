@@ -198,8 +198,9 @@ fn point(order: usize, points: &[ControlPoint], u: f64) -> [f64; 2] {
             let i = span - degree + j;
             let (low, high) = (knot(i), knot(i + degree + 1 - r));
             let t = (u - low) / (high - low);
-            for k in 0..3 {
-                d[j][k] = d[j - 1][k] * (1.0 - t) + d[j][k] * t;
+            let before = d[j - 1];
+            for (here, before) in d[j].iter_mut().zip(before) {
+                *here = before * (1.0 - t) + *here * t;
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Cutter radius compensation, kept modes and the tool table: what is ordered, against closed forms
+//! Cutter radius compensation, kept modes, probing and splines: what is ordered, against closed forms
 //! and what LinuxCNC's stand-alone interpreter printed.
 use interp::{Call, Interpreter, Place, Setup, Sink};
 
@@ -93,4 +93,34 @@ fn a_subprogram_that_keeps_its_modes_leaves_none_behind() {
         &[[1., 0.], [2., 0.], [5., 0.]],
     );
     assert_eq!(ends("M72\nM2\n").1, ["I0321"]);
+}
+
+#[test]
+fn a_probe_touches_at_the_programmed_end_and_stands_a_little_back() {
+    let (found, errors) = ends("G38.2 X10 F100\nG1 X#5061\nG1 Y#<_x>\nM2\n");
+    assert_eq!(errors, [""; 0]);
+    assert_eq!(found, [[10., 0.], [10., 10.]]); // the probing itself is no plain move
+    assert_eq!(ends("G38.2 X0 F100\nM2\n").1, ["I0572"]);
+}
+
+#[test]
+fn the_machine_follows_a_spline_within_a_micrometre() {
+    // A quadratic Bézier curve over (0, 0), (10, 20), (20, 0) is the parabola y = 2x(1 − x/20).
+    let setup = Setup::default();
+    let program = b"G5.1 I10 J20 X20 Y0 F100\nM2\n";
+    let mut at = [0.0, 0.0];
+    let mut pieces = 0;
+    for op in interp::Ops::new(program, &setup) {
+        let canon::OpKind::Line { to, .. } = op.kind else { continue };
+        let to = [to.linear[0].value(), to.linear[1].value()];
+        assert!((to[1] - 2.0 * to[0] * (1.0 - to[0] / 20.0)).abs() < 1e-9, "{to:?}");
+        let middle = f64::midpoint(at[0], to[0]);
+        let chord = f64::midpoint(at[1], to[1]);
+        assert!((chord - 2.0 * middle * (1.0 - middle / 20.0)).abs() < 0.002, "{at:?} {to:?}");
+        at = to;
+        pieces += 1;
+    }
+    assert_eq!(at, [20.0, 0.0]);
+    assert!(pieces > 20);
+    assert_eq!(ends("G5.2 P1 X1 Y1 F10\nP1 X2 Y0\nG1 X3\nM2\n").1, ["I0558"]);
 }
