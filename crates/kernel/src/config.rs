@@ -28,6 +28,8 @@ pub struct Config {
     pub waits: Waits,
     /// What a program's stop does.
     pub pause: Pause,
+    /// Repeated taps learn from one another; `None`: they do not.
+    pub learning: Option<sync::Learning>,
 }
 
 /// Longest duration of each wait; beyond it is an alarm.

@@ -6,6 +6,7 @@
 use crate::axis::AxisLoop;
 use crate::config::{Config, FeedForward, Subject};
 use crate::fault::FaultKind;
+use crate::lessons::Lessons;
 use crate::spindle::SpindleLoop;
 use bus::{AXES, Command, Feedback, SPINDLES};
 use canon::Axis;
@@ -20,6 +21,8 @@ pub(crate) struct Drives {
     pub(crate) spindles: [Option<SpindleLoop>; SPINDLES],
     /// The axis that follows a master at present, and its feed-forwards if they are not its own.
     pub(crate) follower: Option<(usize, Option<FeedForward>)>,
+    /// What taps have learnt.
+    pub(crate) lessons: Lessons,
     pub(crate) tool: u32,
     pub(crate) mist: bool,
     pub(crate) flood: bool,
@@ -35,7 +38,17 @@ impl Drives {
         let spindles = config.spindles.map(|s| s.map(|control| SpindleLoop::new(control, config)));
         let lookahead_s =
             axes.iter().flatten().map(AxisLoop::lookahead_s).fold(config.period.value(), f64::max);
-        Self { axes, spindles, follower: None, tool: 0, mist: false, flood: false, lookahead_s }
+        let lessons = Lessons::new(config.learning);
+        Self {
+            axes,
+            spindles,
+            follower: None,
+            lessons,
+            tool: 0,
+            mist: false,
+            flood: false,
+            lookahead_s,
+        }
     }
 
     /// How far ahead of their setpoint the axes' feed-forwards are taken at most.

@@ -142,6 +142,16 @@ impl Kernel {
         self.events.lost()
     }
 
+    /// What repeated taps have learnt so far.
+    pub fn lessons(&self) -> &[sync::Lesson] {
+        self.drives.lessons.list()
+    }
+
+    /// Begin with what was learnt before; ignored where learning is off. Not during a tap.
+    pub fn recall(&mut self, lessons: Vec<sync::Lesson>) {
+        self.drives.lessons.recall(lessons);
+    }
+
     /// Go on after a program's stop.
     pub fn resume(&mut self) {
         if matches!(self.activity, Activity::Pausing) {

@@ -24,6 +24,7 @@ mod execute;
 mod fault;
 mod friction;
 mod kernel;
+mod lessons;
 mod moving;
 mod problems;
 mod servo;
@@ -38,5 +39,9 @@ pub use config::{
 pub use event::{EVENTS, Event, EventKind, TapFigures};
 pub use fault::{AlarmList, Fault, FaultKind, Reaction};
 pub use kernel::{FAULTS, Full, Kernel, QUEUE};
+pub use lessons::LESSONS;
 pub use problems::Problem;
-pub use sync::{Figures, MAX_TRANSPORT, Prediction, SyncMode, Windows};
+pub use sync::{
+    CELLS, Correction, Figures, Learning, Lesson, MAX_TRANSPORT, Prediction, StrokeKey, SyncMode,
+    Windows,
+};

@@ -18,10 +18,10 @@ use crate::spindle::SpindleLoop;
 use crate::stroke::{Mark, Planned};
 use plan::TapPlan;
 use sync::{
-    Ask, Coupling, Cycle, Follower, MAX_TRANSPORT, Monitor, Phase, Prediction, Rotation, SyncMode,
-    Tap, Tick, Verdict,
+    Ask, Correction, Coupling, Cycle, Follower, MAX_TRANSPORT, Monitor, Phase, Prediction,
+    Rotation, SyncMode, Tap, Tick, Verdict,
 };
-use units::{Length, Spin, Time};
+use units::{Accel, Angle, Length, Speed, Spin, SpinAccel, Time};
 
 /// Readings of the master on their way to the follower.
 #[derive(Clone, Copy, Debug)]
@@ -89,6 +89,9 @@ impl TapRun {
         };
         let transport = Transport::new(spindle.now(), age);
         stand_at(&plan.start, drives)?;
+        if config.synchronisation == SyncMode::CommandSynchronised {
+            drives.lessons.begin(drives.tool, plan);
+        }
         Ok(Self {
             cycle: Cycle::new(),
             monitor: Monitor::new(config.sync_windows, plan.surface, plan.bottom),
@@ -160,14 +163,28 @@ impl TapRun {
             Tick { elapsed: Time::s(dt), master, at_rest: spindle.at_rest(), held: spindle.held() };
         let was = self.cycle.phase();
         self.cycle = self.cycle.next(&tap, &tick);
-        let order = self.lead(&tap, spindle, axis.lookahead_s());
+        let lessons = &mut drives.lessons;
+        let moment = self.cycle.moment(&tap);
+        let standing = self.cycle.phase() == Phase::Bottom;
+        let learnt = |ahead: f64| match moment {
+            Some(at) if standing => held(lessons.correction(at)),
+            Some(at) => lessons.correction(at + Time::s(ahead)),
+            None => Default::default(),
+        };
+        let order = self.lead(&tap, spindle, axis.lookahead_s(), &learnt);
         // what the axis obeys now, and when its force acts
         let (now, ahead) = if following {
             (master, master)
         } else {
             order.unwrap_or((spindle.ordered(), spindle.ordered()))
         };
-        let (now, ahead) = (self.cycle.axis(&tap, now), self.cycle.axis(&tap, ahead));
+        let planned = (self.cycle.axis(&tap, now), now.angle);
+        let ahead = corrected(self.cycle.axis(&tap, ahead), learnt(axis.lookahead_s()).0);
+        let now = corrected(planned.0, learnt(0.0).0);
+        if let Some(at) = moment {
+            let feed = planned.0.position - Length::mm(axis.position());
+            lessons.note(at, feed, planned.1 - spindle.reading());
+        }
         axis.target = target(&now, &ahead, axis.lookahead_s());
         self.marks = marks;
         let engaged = self.cycle.coupling().is_some();
@@ -176,7 +193,9 @@ impl TapRun {
         match self.limits(plan, context) {
             Err(finding) => Outcome::Failed(finding),
             Ok(()) if self.cycle == Cycle::Done => {
-                context.note(EventKind::TapEnded(self.figures()));
+                let figures = self.figures();
+                drives.lessons.finish(&figures);
+                context.note(EventKind::TapEnded(figures));
                 Outcome::Done
             }
             Ok(()) => Outcome::Busy,
@@ -203,6 +222,7 @@ impl TapRun {
         tap: &Tap<Planned>,
         spindle: &mut SpindleLoop,
         axis_ahead_s: f64,
+        learnt: &impl Fn(f64) -> (Correction, Correction),
     ) -> Option<(Rotation, Rotation)> {
         let rotation = |ahead: f64| match self.cycle.ask(tap, Time::s(ahead)) {
             Ask::Angle(rotation) | Ask::Speed(rotation) => Some(rotation),
@@ -212,7 +232,9 @@ impl TapRun {
             Ask::Rest => spindle.stop(),
             Ask::Hold(angle) => spindle.hold(angle),
             Ask::Angle(now) => {
-                spindle.lead(now, rotation(spindle.lookahead_s()).unwrap_or(now), true);
+                let s = spindle.lookahead_s();
+                let ahead = turned(rotation(s).unwrap_or(now), learnt(s).1);
+                spindle.lead(turned(now, learnt(0.0).1), ahead, true);
                 return Some((now, rotation(axis_ahead_s).unwrap_or(now)));
             }
             Ask::Speed(now) => {
@@ -307,6 +329,28 @@ const fn feed_forwards(mode: SyncMode) -> Option<FeedForward> {
         SyncMode::EncoderFollowing { prediction: Prediction::Speed, .. } => {
             Some(FeedForward { speed: 1.0, ..FeedForward::NONE })
         }
+    }
+}
+
+/// A correction held where it stands.
+fn held((feed, spindle): (Correction, Correction)) -> (Correction, Correction) {
+    let still = |c: Correction| Correction { u: c.u, rate: 0.0, accel: 0.0 };
+    (still(feed), still(spindle))
+}
+
+fn corrected(follower: Follower, by: Correction) -> Follower {
+    Follower {
+        position: follower.position + Length::mm(by.u),
+        speed: follower.speed + Speed::mm_per_s(by.rate),
+        accel: follower.accel + Accel::mm_per_s2(by.accel),
+    }
+}
+
+fn turned(rotation: Rotation, by: Correction) -> Rotation {
+    Rotation {
+        angle: rotation.angle + Angle::rev(by.u),
+        spin: rotation.spin + Spin::rev_per_s(by.rate),
+        accel: rotation.accel + SpinAccel::rev_per_s2(by.accel),
     }
 }
 

@@ -18,6 +18,7 @@ extern crate std;
 
 mod blend;
 mod coupling;
+mod learning;
 mod mode;
 mod monitor;
 mod observer;
@@ -25,6 +26,7 @@ mod tapping;
 
 pub use blend::{Blend, BlendPoint};
 pub use coupling::{Coupling, Follower, Line, Rotation};
+pub use learning::{CELLS, Channel, Correction, Learning, Learnt, Lesson, StrokeKey};
 pub use mode::{MAX_TRANSPORT, Prediction, SyncMode};
 pub use monitor::{Figures, Monitor, Verdict, Windows};
 pub use observer::{Observer, Tracker, stopping_angle};

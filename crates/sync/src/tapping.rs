@@ -259,6 +259,21 @@ impl Cycle {
         }
     }
 
+    /// How far the planned strokes have gone: in, and on from there out. `None` outside of them.
+    pub fn moment<S: Stroke>(&self, tap: &Tap<S>) -> Option<Time> {
+        match self {
+            Self::In(_, clock) => Some(clock.at),
+            Self::Bottom(..) => Some(tap.inward.duration()),
+            Self::Out(_, clock) => Some(tap.inward.duration() + clock.at),
+            Self::AwaitRest
+            | Self::Orient
+            | Self::StepOn(..)
+            | Self::RunDown(_)
+            | Self::Leave(..)
+            | Self::Done => None,
+        }
+    }
+
     /// What it is about.
     pub const fn phase(&self) -> Phase {
         match self {

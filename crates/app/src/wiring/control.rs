@@ -32,6 +32,7 @@ pub(crate) fn control(machine: &MachineFile, mode: Option<SyncMode>) -> Config {
             tool_change: control.waits.tool_change,
         },
         pause: Pause::GoOn,
+        learning: None,
     }
 }
 

@@ -194,6 +194,7 @@ pub fn control(machine: &sim::Config) -> Config {
             tool_change: Time::s(30.0),
         },
         pause: Pause::GoOn,
+        learning: None,
     }
 }
 
@@ -380,6 +381,12 @@ impl Run {
                 (s.axis(2).value() - order.from_mm - lead * (s.spindle(0).value() - theta0)) * 1e3
             })
             .collect()
+    }
+
+    /// The same for whoever knows no sample.
+    pub fn theta0(&self) -> f64 {
+        let first = self.samples.iter().find(|s| s.report.state == bus::State::TapIn);
+        self.anchor(first.expect("a tap began"))
     }
 
     /// The commanded angle at the R plane: the last one before the tap went in.

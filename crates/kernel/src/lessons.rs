@@ -1,0 +1,97 @@
+//! What repeated taps have learnt: one lesson for each kind of stroke, a fixed number of them.
+//!
+//! ```text
+//!   tap begins ──► the lesson of its tool, lead, speeds and stroke ──► corrections, errors
+//!                  none: a free place, or that of the lesson longest unused
+//! ```
+use crate::event::TapFigures;
+use alloc::vec::Vec;
+use plan::TapPlan;
+use sync::{Correction, Learning, Learnt, Lesson, StrokeKey};
+use units::{Angle, Length, Time};
+
+/// Kinds of strokes that are remembered at once.
+pub const LESSONS: usize = 8;
+
+/// All lessons; the one used last stands last.
+#[derive(Clone, Debug)]
+pub(crate) struct Lessons {
+    learning: Option<Learning>,
+    list: Vec<Lesson>,
+    /// A tap is learning, with the lesson that stands last.
+    active: bool,
+}
+
+impl Lessons {
+    /// With room for all that will ever be kept.
+    pub(crate) fn new(learning: Option<Learning>) -> Self {
+        let room = if learning.is_some() { LESSONS } else { 0 };
+        Self { learning, list: Vec::with_capacity(room), active: false }
+    }
+
+    /// What was learnt before; lessons beyond the room are left out.
+    pub(crate) fn recall(&mut self, lessons: Vec<Lesson>) {
+        if self.learning.is_some() {
+            self.list.clear();
+            self.list.extend(lessons.into_iter().take(LESSONS));
+        }
+    }
+
+    /// All of them.
+    pub(crate) fn list(&self) -> &[Lesson] {
+        &self.list
+    }
+
+    /// A tap begins.
+    pub(crate) fn begin(&mut self, tool: u32, plan: &TapPlan) {
+        let Some(learning) = self.learning else { return };
+        let key = StrokeKey {
+            tool,
+            lead: plan.lead,
+            spin: plan.spin,
+            return_spin: plan.return_spin,
+            turns: Angle::rev(plan.inward.end().s),
+            times: (Time::s(plan.inward.duration()), Time::s(plan.outward.duration())),
+        };
+        match self.list.iter().position(|lesson| lesson.key.is_like(&key)) {
+            Some(index) => self.list[index..].rotate_left(1),
+            None if self.list.len() < LESSONS => self.list.push(Lesson::new(key, learning.gain)),
+            None => {
+                self.list.rotate_left(1);
+                if let Some(lesson) = self.list.last_mut() {
+                    lesson.reset(key, learning.gain);
+                }
+            }
+        }
+        self.active = true;
+        if let Some(lesson) = self.list.last_mut() {
+            lesson.begin();
+        }
+    }
+
+    /// Corrections of feed and spindle at a time of the stroke.
+    pub(crate) fn correction(&self, at: Time) -> (Correction, Correction) {
+        match self.list.last() {
+            Some(lesson) if self.active => lesson.correction(at),
+            _ => Default::default(),
+        }
+    }
+
+    /// What this period missed.
+    pub(crate) fn note(&mut self, at: Time, feed: Length, spindle: Angle) {
+        if let Some(lesson) = self.list.last_mut().filter(|_| self.active) {
+            lesson.note(at, feed, spindle);
+        }
+    }
+
+    /// A tap has ended as it should.
+    pub(crate) fn finish(&mut self, figures: &TapFigures) -> Option<Learnt> {
+        let learning = self.learning.filter(|_| self.active)?;
+        self.active = false;
+        // a drive at its limit cannot answer: nothing of this stroke would help the next one
+        if figures.saturated {
+            return None;
+        }
+        Some(self.list.last_mut()?.finish(figures.sync.rms, &learning))
+    }
+}
