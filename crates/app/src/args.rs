@@ -135,6 +135,9 @@ pub(crate) struct RunArgs {
     /// Force the tapping ramp from rest to full speed into this time, against the power curve
     #[arg(long, value_name = "SECONDS")]
     pub(crate) force_ramp: Option<f64>,
+    /// Learn from tap to tap, and keep what was learnt in this file; `off`: do not [default: as the machine's file says]
+    #[arg(long, value_name = "FILE|off")]
+    pub(crate) learning: Option<PathBuf>,
     /// How the feed is tied to the spindle [default: the machine's]
     #[arg(long, value_enum)]
     pub(crate) synchronisation: Option<Synchronisation>,

@@ -18,6 +18,7 @@ mod check;
 mod codes;
 mod format;
 mod interrupt;
+mod learning;
 mod log;
 mod lsp;
 mod machine;

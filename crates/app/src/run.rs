@@ -1,5 +1,6 @@
 //! `leadscrew run`: prove a program, run it on the simulated machine, judge the workpiece, leave the papers.
 use crate::args::{Format, RunArgs, Synchronisation};
+use crate::learning::Memory;
 use crate::log::Log;
 use crate::preflight::{Preflight, planner, preflight};
 use crate::program::Ops;
@@ -43,6 +44,7 @@ pub(crate) struct Job {
     pub(crate) seed: u64,
     options: plan::Options,
     mode: Option<SyncMode>,
+    memory: Option<Memory>,
 }
 
 /// Do it.
@@ -68,6 +70,9 @@ pub(crate) fn command(args: &RunArgs, quiet: bool) -> Result<Ending, Refused> {
     let outcome = job.simulate(args, &known, folder.as_ref(), &progress)?;
     progress.finish_and_clear();
     interrupt::refuse()?;
+    if let Some(memory) = job.memory.as_ref().filter(|_| outcome.ended) {
+        memory.save(&outcome.lessons)?;
+    }
     let certificate = papers::certificate(&job, &outcome);
     if let Some(folder) = folder {
         let page = papers::report(&job, &outcome, &known);
@@ -108,6 +113,7 @@ impl Job {
                 "--force-ramp {ramp}: expected a time from 0.001 to 60 seconds"
             )));
         }
+        let memory = Memory::load(args.learning.as_deref(), &session.machine)?;
         let control = &session.machine.control;
         let mode = args.synchronisation.map(|asked| match asked {
             Synchronisation::Command => SyncMode::CommandSynchronised,
@@ -133,6 +139,7 @@ impl Job {
                 taps: session.taps,
             },
             mode,
+            memory,
             session,
         })
     }
@@ -150,10 +157,13 @@ impl Job {
         let iron = sim::SimulatedMachine::new(iron).map_err(|problems| {
             Refused::because(format!("the machine cannot be simulated: {}", problems.join("; ")))
         })?;
+        let learns = self.memory.is_some();
+        let mut kernel = kernel::Kernel::new(wiring::control(machine, self.mode, learns));
+        kernel.recall(self.memory.as_ref().map_or_else(Vec::new, |m| m.lessons.clone()));
         let simulation = Simulation {
             ops: Ops::new(&self.text, &setup),
             planner: planner(&self.session, self.options),
-            kernel: kernel::Kernel::new(wiring::control(machine, self.mode)),
+            kernel,
             machine: iron,
             judge: verify::Judge::new(verify::Config {
                 synchronised: self.session.taps.method == plan::TapMethod::Synchronised,

@@ -75,6 +75,8 @@ pub(crate) struct Outcome {
     pub(crate) saturated: BTreeMap<u32, u32>,
     /// Holes that the program tapped but did not drill.
     pub(crate) assumed_holes: usize,
+    /// What repeated taps have learnt.
+    pub(crate) lessons: Vec<sync::Lesson>,
     /// How long it took here.
     pub(crate) timings: Timings,
 }
@@ -125,6 +127,7 @@ impl Simulation<'_> {
             limiting,
             saturated,
             assumed_holes: self.machine.holes().iter().filter(|hole| hole.assumed).count(),
+            lessons: self.kernel.lessons().to_vec(),
             timings: self.timings,
         })
     }

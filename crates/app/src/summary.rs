@@ -34,6 +34,7 @@ pub(crate) fn text(job: &Job, outcome: &Outcome, out: Option<&Path>, quiet: bool
     }
     said += &saturation(outcome);
     said += &warnings(outcome);
+    said += &crate::learning::text(&outcome.lessons);
     for fault in &outcome.faults {
         said += &format!("{fault}\n  {}\n", fault.kind.remedy());
     }

@@ -9,6 +9,7 @@
 //!
 //! Units end at this edge: a key or column carries its unit in its name, a field its quantity.
 pub mod certificate;
+pub mod learning;
 pub mod machine;
 pub mod output;
 pub mod parameters;

@@ -21,7 +21,7 @@
 //! of Q nothing is learnt. What is left is (1 − Q)/(1 − Q(1 − γT)) of the first error.
 //!
 //! **Storage.** u is a uniform cubic B-spline: twice differentiable, so that speed and force can be fed
-//! forward. Q is two second-order Butterworth sections each way, |Q| = 1/(1 + (f/f_Q)⁸).
+//! forward. Q is two second-order Butterworth sections each way, |Q| = 1/(1 + (f/f₀)⁸).
 //!
 //! **Guard.** The score of a stroke is the rms of the sync error in the material. The correction with the
 //! best score is kept. A score that is worse than the best by more than a share and a floor brings the best one
@@ -305,7 +305,8 @@ impl Lesson {
             return Learnt::Frozen;
         }
         let best = self.best.unwrap_or(score);
-        if !(score.value() <= best.value() * WORSE + FLOOR_MM) {
+        let good = score.value() <= best.value() * WORSE + FLOOR_MM;
+        if !good {
             return self.roll_back();
         }
         if score <= best {

@@ -11,7 +11,7 @@ use units::{Angle, Force};
 const GRAVITY_M_PER_S2: f64 = 9.806_65;
 
 /// The control of this machine, with its own way of synchronising unless another one is asked for.
-pub(crate) fn control(machine: &MachineFile, mode: Option<SyncMode>) -> Config {
+pub(crate) fn control(machine: &MachineFile, mode: Option<SyncMode>, learns: bool) -> Config {
     let control = &machine.control;
     let mut spindles = [None; bus::SPINDLES];
     for (slot, file) in spindles.iter_mut().zip(&machine.spindles) {
@@ -32,7 +32,7 @@ pub(crate) fn control(machine: &MachineFile, mode: Option<SyncMode>) -> Config {
             tool_change: control.waits.tool_change,
         },
         pause: Pause::GoOn,
-        learning: None,
+        learning: learns.then(|| crate::learning::how(machine)),
     }
 }
 

@@ -20,6 +20,19 @@ pub struct Control {
     pub waits: Waits,
     /// What the operator may change.
     pub overrides: Overrides,
+    /// How repeated taps learn, if it is stated.
+    pub learning: Option<Learning>,
+}
+
+/// How repeated taps learn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Learning {
+    /// Share of an error that is corrected in the next stroke.
+    pub gain: f64,
+    /// Bandwidth of what is learnt, Hz.
+    pub bandwidth_hz: f64,
+    /// The file that keeps it; without one learning is off unless the command line names one.
+    pub file: Option<String>,
 }
 
 /// Dialects of G-code.
@@ -142,6 +155,11 @@ impl Control {
             synchronisation: keys.section("synchronisation", Synchronisation::read),
             waits: keys.section("waits", Waits::read),
             overrides: keys.section("overrides", Overrides::read),
+            learning: keys.optional_section("learning", |k| Learning {
+                gain: k.number("gain", 0.0..=1.5),
+                bandwidth_hz: k.number("bandwidth_hz", 1.0..=1000.0),
+                file: k.optional_text("file"),
+            }),
         }
     }
 }

@@ -35,8 +35,8 @@ pub use axis::{
     Axis, AxisWindows, Drive, Friction, Gentle, Loops, Motor, PositionFrom, Structure, Travel,
 };
 pub use control::{
-    Control, CycleDepth, Dialect, Follows, Overrides, Prediction, Synchronisation, ToolChange,
-    Waits,
+    Control, CycleDepth, Dialect, Follows, Learning, Overrides, Prediction, Synchronisation,
+    ToolChange, Waits,
 };
 pub use setup::{Material, Setup, Simulation, Stock, TapSeat};
 pub use spindle::{Spindle, SpindleFriction, SpindleWindows};
