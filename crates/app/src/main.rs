@@ -36,6 +36,7 @@ mod tables;
 mod timings;
 mod trace_thread;
 mod wiring;
+mod worst;
 
 use args::{Cli, Command};
 use clap::{CommandFactory, Parser};

@@ -32,6 +32,9 @@ pub(crate) fn text(job: &Job, outcome: &Outcome, out: Option<&Path>, quiet: bool
     if bad.len() > MOST_FAILURES {
         said += &format!("and {} more\n", bad.len() - MOST_FAILURES);
     }
+    if !quiet {
+        said += &crate::worst::text(&outcome.features);
+    }
     said += &saturation(outcome);
     said += &warnings(outcome);
     said += &crate::learning::text(&outcome.lessons);
