@@ -3,6 +3,7 @@
 //! ```text
 //!   args ─► run       session ─► preflight ─► simulate ─► papers, summary
 //!        ├► check     session ─► preflight ─► render
+//!        ├► compare   the same holes with a clutch holder and without, on a spindle that scatters
 //!        ├► canon     session ─► interp, printed
 //!        ├► fmt       gcode
 //!        ├► codes     interp's tables
@@ -16,6 +17,7 @@ mod canonical;
 mod certificate;
 mod check;
 mod codes;
+mod compare;
 mod format;
 mod interrupt;
 mod learning;
@@ -72,6 +74,7 @@ fn execute(cli: &Cli) -> Result<ExitCode, Refused> {
             Ending::OutOfTolerance => ExitCode::from(OUT_OF_TOLERANCE),
             Ending::Alarm => ExitCode::from(ALARM),
         }),
+        Command::Compare(args) => compare::command(args, cli.quiet).map(|()| ExitCode::SUCCESS),
         Command::Check(args) => Ok(accepted(check::command(args, cli.quiet)?)),
         Command::Canon(args) => Ok(accepted(canonical::command(args)?)),
         Command::Fmt(args) => Ok(accepted(format::command(args, cli.quiet)?)),

@@ -177,3 +177,13 @@ fn a_floating_holder_must_have_the_travel_that_coast_and_run_up_take() {
     let rigid = Holder::Rigid { stiffness: Stiffness::n_per_mm(20_000.0) };
     assert!(findings_of(planner(rigid, tapping), order(0.0)).contains("M0342 Error"));
 }
+
+#[test]
+fn pecks_and_a_faster_return_are_refused_where_nothing_ties_the_tap_to_the_spindle() {
+    let mut pecked = tap(10.0, 10.0, 5.0, -15.0, 1.0, 3000.0);
+    pecked.peck = Some(Length::mm(5.0));
+    pecked.return_spin = Spin::rpm(4000.0);
+    let ops = [turn(3000.0), OpKind::Tap(pecked)];
+    let found = findings_of(planner(CLUTCH, Unsynchronised::default()), ops);
+    assert!(found.contains("pecks (Q)") && found.contains("a return speed (J)"), "{found}");
+}

@@ -19,6 +19,6 @@ mod run;
 mod svg;
 mod thin;
 
-pub use page::html;
+pub use page::{Comparison, Way, comparison_html, html};
 pub use record::{Recorder, WORST_KEPT};
 pub use run::{Alarm, Limits, Note, Origin, Run};

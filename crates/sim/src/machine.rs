@@ -15,7 +15,7 @@ use crate::cutting::Cutting;
 use crate::rng::Rng;
 use crate::spindle::Spindle;
 use crate::tapping::Load;
-use crate::{Config, Hole};
+use crate::{Config, Hole, PlainDrive};
 use bus::{Command, Feedback, Truth};
 use core::f64::consts::TAU;
 use units::{Angle, Force, Length, Spin, Time, Torque};
@@ -78,6 +78,15 @@ impl SimulatedMachine {
         };
         machine.observe();
         Ok(machine)
+    }
+
+    /// The same machine whose spindles have drives that are only told a speed, each with its own draws.
+    #[must_use]
+    pub fn with_plain_drive(mut self, drive: PlainDrive) -> Self {
+        for spindle in &mut self.spindles {
+            spindle.drive_plainly(drive, self.rng.branch());
+        }
+        self
     }
 
     /// The holes in the work, those that were there first.

@@ -40,6 +40,12 @@ impl Rng {
         2.0 * self.unit() - 1.0
     }
 
+    /// Normally distributed, mean 0 and standard deviation 1 (Box and Muller 1958).
+    pub(crate) fn normal(&mut self) -> f64 {
+        let (u, v) = (1.0 - self.unit(), self.unit());
+        (-2.0 * u.ln()).sqrt() * (core::f64::consts::TAU * v).cos()
+    }
+
     /// A factor near one: what scatters by `share` (0.03 is ±3 %).
     pub(crate) fn factor(&mut self, share: f64) -> f64 {
         1.0 + share * self.signed()

@@ -21,6 +21,7 @@ use crate::SpindleEncoder;
 use crate::encoder::index_between;
 use crate::friction::{between, smooth_sign};
 use crate::lag::Lag;
+use crate::plain_drive::{PlainDrive, Relay};
 use crate::rng::Rng;
 use core::f64::consts::TAU;
 use units::{Angle, Inertia, Power, Spin, Time, Torque};
@@ -78,6 +79,8 @@ pub(crate) struct Spindle {
     disk_rev: f64,
     read_rev: f64,
     index: Option<f64>,
+    /// A drive that makes its own ramps, instead of the torque that it is told.
+    relay: Option<Relay>,
 }
 
 impl Spindle {
@@ -107,13 +110,22 @@ impl Spindle {
             disk_rev,
             read_rev: model.encoder.read(disk_rev, rng),
             index: None,
+            relay: None,
         }
+    }
+
+    /// Give it a drive that is only told a speed.
+    pub(crate) fn drive_plainly(&mut self, drive: PlainDrive, rng: Rng) {
+        self.relay = Some(Relay::new(drive, rng));
     }
 
     /// What the drive shall do for the coming period.
     pub(crate) fn obey(&mut self, command: &bus::SpindleCommand) {
         self.on = command.enable;
         self.saturated = false;
+        if let Some(relay) = &mut self.relay {
+            relay.obey(if self.on { command.spin.in_rad_per_s() } else { 0.0 });
+        }
         // a reference that is no number is no reference
         let torque = command.torque;
         self.wanted = if self.on && torque.is_finite() { torque.value() } else { 0.0 };
@@ -128,6 +140,9 @@ impl Spindle {
     /// One physics step.
     #[inline]
     pub(crate) fn step(&mut self) {
+        if self.relay.is_some() {
+            return self.step_plainly();
+        }
         let at_power = self.peak_power / self.omega.abs();
         let limit = if at_power < self.peak_torque { at_power } else { self.peak_torque };
         self.saturated |= self.wanted.abs() > limit;
@@ -137,6 +152,17 @@ impl Spindle {
             self.coulomb * smooth_sign(self.omega * self.per_rounding) + self.viscous * self.omega;
         let before = self.omega;
         self.omega += self.h * self.per_inertia * (drive - rubbing - self.load);
+        self.angle_rev += self.half_step_rev * (before + self.omega);
+    }
+
+    /// One physics step of a drive that makes its own ramps; the torque it needed is what it gave.
+    fn step_plainly(&mut self) {
+        let Some(relay) = &mut self.relay else { return };
+        let before = self.omega;
+        self.omega = relay.step(before, self.h);
+        let rubbing =
+            self.coulomb * smooth_sign(before * self.per_rounding) + self.viscous * before;
+        self.torque = (self.omega - before) / (self.h * self.per_inertia) + rubbing + self.load;
         self.angle_rev += self.half_step_rev * (before + self.omega);
     }
 

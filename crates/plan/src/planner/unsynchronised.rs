@@ -47,6 +47,9 @@ pub(super) struct Clutch {
 impl Planner {
     /// Step 3 to 6 with a clutch holder.
     pub(super) fn clutch_tap(&mut self, job: &mut Job, tap: &Tap, means: &Means, clutch: Clutch) {
+        if self.words_are_refused(job, tap) {
+            return;
+        }
         let start = tap.start.along(tap.axis);
         let stroke = tap.bottom - start;
         if stroke.abs() <= clutch.spline_length {
@@ -89,6 +92,9 @@ impl Planner {
 
     /// The conventional cycle: all the way down, stop, reverse.
     pub(super) fn floating_tap(&mut self, job: &mut Job, tap: &Tap, means: &Means, holder: Holder) {
+        if self.words_are_refused(job, tap) {
+            return;
+        }
         let Some((there, back)) = self.ways(job, tap, tap.bottom) else { return };
         if self.holder_is_too_short(job, tap, means, holder) {
             return;
@@ -104,6 +110,26 @@ impl Planner {
         self.turn_now(job, -spin);
         self.feed(job, &back, true);
         self.reversed_along = Some(tap.axis);
+    }
+
+    /// Pecks and a return of another speed need a synchronised spindle.
+    fn words_are_refused(&mut self, job: &Job, tap: &Tap) -> bool {
+        let words = [
+            (tap.peck.is_some(), "pecks (Q)"),
+            (tap.return_spin != tap.spin, "a return speed (J)"),
+        ];
+        let mut refused = false;
+        for (stated, what) in words {
+            if stated {
+                refused = true;
+                let text = format!(
+                    "{what} need a tap that is synchronised with the spindle; this one is not: leave the word out, or take \
+                     a rigid holder and `--tapping synchronised`"
+                );
+                self.findings.add(Diagnostic::error("M0343", job.span, text));
+            }
+        }
+        refused
     }
 
     /// Down to a coordinate at S·H and back; `None` if the axis cannot.

@@ -10,6 +10,7 @@
 //! Whatever came from a program or a file is text here and cannot become markup: it is escaped where it is
 //! written, and the page's own policy forbids everything but its one style sheet and script.
 
+mod comparison;
 mod features;
 mod figures;
 mod notes;
@@ -17,6 +18,8 @@ mod sizes;
 mod threads;
 mod tools;
 mod verdict;
+
+pub use comparison::{Comparison, Way, comparison_html};
 
 use crate::Run;
 use crate::pictures;

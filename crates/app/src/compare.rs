@@ -1,0 +1,312 @@
+//! `leadscrew compare`: what a clutch holder is for, shown. The same holes are tapped twice on a spindle whose speed,
+//! stopping time and relay scatter: with a clutch holder, and conventionally with a tension/compression holder.
+//!
+//! ```text
+//!   program ─► tools in a clutch holder ───► run on a scattered spindle ─► depth of each hole ─► mean, 1σ
+//!           └► tools in a floating holder ─► run on the same spindle ────► depth of each hole ─► mean, 1σ
+//! ```
+//!
+//! Expected of the conventional cycle: 1σ = H·n·√(σd² + (σs·t/2)²), with the scatters σd of the relay's delay and σs of
+//! the stopping time t; that of the speed comes on top, over the whole way in.
+use crate::args::CompareArgs;
+use crate::preflight::{planner, preflight};
+use crate::program::Ops;
+use crate::refused::Refused;
+use crate::session::{Session, read_program};
+use crate::simulate::Simulation;
+use crate::timings::Timings;
+use crate::{say, tables, wiring};
+use canon::{Holder, Tool, ToolKind, ToolLibrary};
+use comfy_table::{Cell, CellAlignment};
+use indicatif::ProgressBar;
+use plan::{PlainDrive, TapMethod, Unsynchronised};
+use report::{Comparison, Way};
+use std::path::Path;
+use store::tools::Thread;
+use units::{Angle, Length, Spin, Stiffness, Time};
+use verify::{Feature, FeatureKind};
+
+/// Mean time from an order to the drive's obeying, s: a contactor and a scan of its logic.
+const RELAY_DELAY: Time = Time::s(0.020);
+/// A spindle without synchronisation is at speed when it is this near, as a share.
+const AT_SPEED: f64 = 0.10;
+/// Holes of one run of the program made for a size: 20 mm apart within the machine's stock.
+const HOLES_A_RUN: usize = 200;
+/// Runs that a comparison may take.
+const MOST_RUNS: u64 = 10_000;
+
+/// Both holders, and the drive that they meet.
+struct Case {
+    name: &'static str,
+    holder: Holder,
+    method: TapMethod,
+}
+
+const CASES: [Case; 2] = [
+    Case {
+        name: "clutch holder",
+        holder: Holder::Clutch {
+            spline_length: Length::mm(5.0),
+            pawl_backlash: Angle::rev(0.1),
+            stiffness: Stiffness::n_per_mm(10.0),
+            compression: Length::mm(3.0),
+        },
+        method: TapMethod::Synchronised,
+    },
+    Case {
+        name: "conventional, tension/compression holder",
+        holder: Holder::TensionCompression {
+            stiffness: Stiffness::n_per_mm(25.0),
+            travel: Length::mm(15.0),
+        },
+        method: TapMethod::Floating,
+    },
+];
+
+/// Do it.
+pub(crate) fn command(args: &CompareArgs, quiet: bool) -> Result<(), Refused> {
+    let (name, text) = match (&args.program, &args.size) {
+        (Some(path), None) => (path.display().to_string(), read_program(path)?),
+        (_, size) => {
+            let size = size.as_deref().unwrap_or("M6");
+            (size.to_owned(), program_for(size, args)?)
+        }
+    };
+    let drive = drive(args)?;
+    let mut ways = Vec::new();
+    for case in &CASES {
+        ways.push(way(args, case, &text, drive)?);
+    }
+    let mut said = summary(&ways);
+    let comparison = Comparison {
+        title: format!("{name}: clutch holder and conventional cycle"),
+        scatter: scatter_sentence(args, &drive),
+        ways,
+    };
+    if !quiet {
+        said += &format!("{}\n", comparison.scatter);
+    }
+    if let Some(out) = &args.out {
+        let page = report::comparison_html(&comparison);
+        std::fs::write(out, page)
+            .map_err(|e| Refused::because(format!("cannot write {}: {e}", out.display())))?;
+        said += &format!("report: {}\n", out.display());
+    }
+    say::out(&said)
+}
+
+/// The drive that scatters; its ramp is as long as the machine's own from the speed of the comparison to rest.
+fn drive(args: &CompareArgs) -> Result<sim::PlainDrive, Refused> {
+    let machine = crate::machine::load(&args.source.machine)?;
+    let limits = wiring::planner(&machine);
+    let Some(spindle) = limits.spindles.first() else {
+        return Err(Refused::because("this machine has no spindle to tap with".to_owned()));
+    };
+    let speed = Spin::rpm(args.speed);
+    let stopping = match args.stopping_time {
+        Some(seconds) => Time::s(seconds),
+        None => Time::s(spindle.ramp(speed, Spin::ZERO).duration()),
+    };
+    let numbers = [args.speed, stopping.value(), f64::from(args.samples)];
+    let scatters = [args.speed_scatter, args.stopping_scatter, args.relay_scatter];
+    let sound = numbers.into_iter().all(|x| x.is_finite() && x > 0.0)
+        && scatters.into_iter().all(|x| (0.0..=50.0).contains(&x));
+    if !sound {
+        return Err(Refused::because(
+            "expected a speed, a stopping time and samples above 0, and scatters from 0 to 50"
+                .to_owned(),
+        ));
+    }
+    Ok(sim::PlainDrive {
+        delay: RELAY_DELAY,
+        delay_scatter: Time::s(args.relay_scatter * 1e-3),
+        accel: speed / stopping,
+        ramp_scatter: args.stopping_scatter / 100.0,
+        speed_scatter: args.speed_scatter / 100.0,
+    })
+}
+
+fn scatter_sentence(args: &CompareArgs, drive: &sim::PlainDrive) -> String {
+    let stopping = Spin::rpm(args.speed) / drive.accel;
+    format!(
+        "1σ of the spindle: speed {} %, stopping time {} % of {:.3} s, relay {} ms about {:.0} ms; seed {}",
+        args.speed_scatter,
+        args.stopping_scatter,
+        stopping.value(),
+        args.relay_scatter,
+        drive.delay.value() * 1e3,
+        args.seed,
+    )
+}
+
+/// Run the program until there are enough holes.
+fn way(
+    args: &CompareArgs,
+    case: &Case,
+    text: &[u8],
+    drive: sim::PlainDrive,
+) -> Result<Way, Refused> {
+    let mut way = Way { name: case.name.to_owned(), depth_errors_mm: Vec::new(), failed: 0 };
+    let wanted = args.samples as usize;
+    for run in 0..MOST_RUNS {
+        if way.depth_errors_mm.len() >= wanted {
+            break;
+        }
+        let threads = run_once(args, case, text, drive, args.seed + run)?;
+        if threads.is_empty() {
+            return Err(Refused::because(
+                "the program taps no hole: there is nothing to compare".to_owned(),
+            ));
+        }
+        for feature in &threads {
+            if let FeatureKind::Thread(thread) = &feature.kind
+                && way.depth_errors_mm.len() < wanted
+            {
+                way.depth_errors_mm.push(thread.depth_error.value());
+                way.failed += usize::from(!feature.verdict.is_pass());
+            }
+        }
+    }
+    Ok(way)
+}
+
+/// One run of the program; its threads.
+fn run_once(
+    args: &CompareArgs,
+    case: &Case,
+    text: &[u8],
+    drive: sim::PlainDrive,
+    seed: u64,
+) -> Result<Vec<Feature>, Refused> {
+    let path = args.program.as_deref().unwrap_or(Path::new("-"));
+    let mut session = Session::load(&args.source, path, text)?;
+    if let Some(size) = args.size.as_deref().or(args.program.is_none().then_some("M6")) {
+        session.tools.insert(tap_of(size)?);
+    }
+    session.tools = held(&session.tools, case.holder);
+    let told = PlainDrive { delay: drive.delay, accel: drive.accel };
+    session.taps = Unsynchronised { method: case.method, drive: Some(told), ..session.taps };
+    for spindle in &mut session.machine.spindles {
+        spindle.windows.at_speed_share = AT_SPEED;
+    }
+    let material = session.machine.setup.stock.material;
+    let options = plan::Options {
+        force_ramp: None,
+        cutting_pressure_n_per_mm2: material.cutting_force_n_per_mm2,
+        taps: session.taps,
+    };
+    let known = preflight(&mut session, text, options);
+    if known.is_refused() {
+        let name = args
+            .program
+            .as_ref()
+            .map_or("the program for this size".into(), |p| p.display().to_string());
+        return Err(Refused::Findings { name, text: text.to_vec(), findings: known.findings });
+    }
+    let setup = session.interp_setup();
+    let iron = wiring::simulator(&session.machine, &session.tools, material, seed);
+    let iron = sim::SimulatedMachine::new(iron)
+        .map_err(|problems| {
+            Refused::because(format!("the machine cannot be simulated: {}", problems.join("; ")))
+        })?
+        .with_plain_drive(drive);
+    let judge = verify::Config {
+        synchronised: false,
+        ..wiring::judge(&session.machine, &session.tools, material)
+    };
+    let simulation = Simulation {
+        ops: Ops::new(text, &setup),
+        planner: planner(&session, options),
+        kernel: kernel::Kernel::new(wiring::control(&session.machine, None)),
+        machine: iron,
+        judge: verify::Judge::new(judge),
+        recorder: report::Recorder::new(&session.tools),
+        trace: None,
+        log: None,
+        timings: Timings::new(false),
+        planned: known.planned,
+    };
+    let outcome = simulation.run(&ProgressBar::hidden())?;
+    if let Some(fault) = outcome.faults.first() {
+        return Err(Refused::because(format!("{}: {fault}", case.name)));
+    }
+    let is_thread = |f: &Feature| matches!(f.kind, FeatureKind::Thread(_));
+    Ok(outcome.features.into_iter().filter(is_thread).collect())
+}
+
+/// The same tools, with every tap in this holder.
+fn held(tools: &ToolLibrary, holder: Holder) -> ToolLibrary {
+    ToolLibrary::new(tools.iter().cloned().map(|mut tool| {
+        if let ToolKind::Tap(tap) = &mut tool.kind {
+            tap.holder = holder;
+        }
+        tool
+    }))
+}
+
+/// Number of the tap made for a size: no table has it.
+const TAP: u32 = 9001;
+
+fn thread_of(size: &str) -> Result<Thread, Refused> {
+    Thread::parse(size).ok_or_else(|| {
+        Refused::because(format!(
+            "\"{size}\" is no thread: expected one such as M6, M8x1 or \"1/4-20 UNC\""
+        ))
+    })
+}
+
+fn tap_of(size: &str) -> Result<Tool, Refused> {
+    let thread = thread_of(size)?;
+    let tap = store::tools::usual_tap(&thread);
+    Ok(Tool {
+        number: TAP,
+        pocket: TAP,
+        length: Length::mm(150.0),
+        diameter: thread.nominal,
+        kind: ToolKind::Tap(tap),
+        description: format!("{size} for the comparison"),
+        stand_in: false,
+    })
+}
+
+/// Holes of 1.5 diameters and the splines' length, on a grid in the middle of the stock.
+fn program_for(size: &str, args: &CompareArgs) -> Result<Vec<u8>, Refused> {
+    let thread = thread_of(size)?;
+    let depth = 5.0 + 1.5 * thread.nominal.value();
+    let cycle = if thread.lead.value() < 0.0 { ("G74", "M4") } else { ("G84", "M3") };
+    let feed = thread.lead.value().abs() * args.speed;
+    let (code, turn) = cycle;
+    let mut text = format!(
+        "G21 G17 G40 G49 G80 G90 G94 G54\nT{TAP} M6\nG43 H{TAP}\nS{} {turn}\nG0 X-180 Y-130 Z10\n",
+        args.speed
+    );
+    let holes = HOLES_A_RUN.min(args.samples as usize);
+    for hole in 0..holes {
+        let (x, y) = (hole % 19, hole / 19);
+        let words =
+            if hole == 0 { format!("G98 {code} Z-{depth} R5 F{feed} ") } else { String::new() };
+        text += &format!("{words}X{} Y{}\n", x as f64 * 20.0 - 180.0, y as f64 * 20.0 - 130.0);
+    }
+    text += "G80\nM2\n";
+    Ok(text.into_bytes())
+}
+
+fn summary(ways: &[Way]) -> String {
+    let heads =
+        ["cycle", "holes", "depth error mm", "1σ µm", "least mm", "largest mm", "out of tolerance"];
+    let mut table = tables::table(heads);
+    for way in ways {
+        let of = |f: fn(f64, f64) -> f64, from| way.depth_errors_mm.iter().copied().fold(from, f);
+        let cells = [
+            way.depth_errors_mm.len().to_string(),
+            format!("{:+.3}", way.mean_mm()),
+            format!("{:.2}", way.sigma_mm() * 1e3),
+            format!("{:+.3}", of(f64::min, f64::INFINITY)),
+            format!("{:+.3}", of(f64::max, f64::NEG_INFINITY)),
+            way.failed.to_string(),
+        ];
+        let right = |cell: String| Cell::new(cell).set_alignment(CellAlignment::Right);
+        table.add_row(std::iter::once(Cell::new(&way.name)).chain(cells.map(right)));
+    }
+    format!("{table}\n")
+}
