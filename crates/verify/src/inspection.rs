@@ -69,14 +69,19 @@ impl<'a> Inspection<'a> {
         self.track.visit.times_s.is_some()
     }
 
+    /// There is a length of full thread that a gauge could be tried on.
+    fn is_thread(&self) -> bool {
+        self.is_cut() && self.track.visit.broken_at_mm.is_none() && self.full_mm > 0.0
+    }
+
     /// Everything measured. Of a thread that was never cut, nothing is.
     pub(crate) fn thread(&self) -> Thread {
         let Self { track, gauged, flanks, .. } = self;
         let [x, y] = track.visit.position(&track.stroke);
         let (margin, limiting_gauge) =
-            if self.is_cut() { gauged.margin() } else { (Length::ZERO, Gauge::Go) };
-        let if_cut = |value: Length| if self.is_cut() { value } else { Length::ZERO };
-        let class = self.is_cut().then(|| Gauged::finest_class(&track.size, flanks)).flatten();
+            if self.is_thread() { gauged.margin() } else { (Length::ZERO, Gauge::Go) };
+        let if_cut = |value: Length| if self.is_thread() { value } else { Length::ZERO };
+        let class = self.is_thread().then(|| Gauged::finest_class(&track.size, flanks)).flatten();
         let flute = track.tap_tool().map(|tap| tap.flute);
         Thread {
             x,

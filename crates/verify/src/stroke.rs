@@ -169,11 +169,12 @@ impl Visit {
             self.spoil();
             return false;
         }
-        self.deepest_mm = self.deepest_mm.max(depth_mm);
         self.last_mm = depth_mm;
-        if self.broken_at_mm.is_none() && sample.truth.as_ref().is_some_and(|t| t.tool_broken) {
-            self.broken_at_mm = Some(depth_mm);
+        if sample.truth.as_ref().is_some_and(|t| t.tool_broken) {
+            self.broken_at_mm.get_or_insert(depth_mm);
+            return false; // what is left of the tool cuts nothing that could be measured
         }
+        self.deepest_mm = self.deepest_mm.max(depth_mm);
         if !stroke.cuts(depth_mm) {
             return false;
         }
