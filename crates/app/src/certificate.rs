@@ -1,9 +1,11 @@
 //! From what the judge found to the certificate that other programs rely on.
+use canon::Position;
 use store::certificate::{self as file, Common, Measured};
+use units::Length;
 use verify::{Feature, FeatureKind, Hand, Hole, Thread, Verdict};
 
-/// One feature, in the certificate's keys and units.
-pub(crate) fn feature(found: &Feature) -> file::Feature {
+/// One feature, in the certificate's keys and units; places in the frame of the workpiece, whose zero is there.
+pub(crate) fn feature(found: &Feature, zero: &Position) -> file::Feature {
     let common = Common {
         line: found.line,
         verdict: match found.verdict {
@@ -14,26 +16,26 @@ pub(crate) fn feature(found: &Feature) -> file::Feature {
         time_s: Measured::s(found.time),
     };
     match &found.kind {
-        FeatureKind::Hole(found) => file::Feature::Hole(hole(common, found)),
-        FeatureKind::Thread(found) => file::Feature::Thread(Box::new(thread(common, found))),
+        FeatureKind::Hole(found) => file::Feature::Hole(hole(common, found, zero)),
+        FeatureKind::Thread(found) => file::Feature::Thread(Box::new(thread(common, found, zero))),
     }
 }
 
-fn hole(common: Common, found: &Hole) -> file::Hole {
+fn hole(common: Common, found: &Hole, zero: &Position) -> file::Hole {
     file::Hole {
         common,
-        x_mm: Measured::mm(found.x),
-        y_mm: Measured::mm(found.y),
+        x_mm: Measured::mm(found.x - zero.linear[0]),
+        y_mm: Measured::mm(found.y - zero.linear[1]),
         depth_mm: Measured::mm(found.depth),
         diameter_mm: Measured::mm(found.diameter),
     }
 }
 
-fn thread(common: Common, found: &Thread) -> file::Thread {
+fn thread(common: Common, found: &Thread, zero: &Position) -> file::Thread {
     file::Thread {
         common,
-        x_mm: Some(Measured::mm(found.x)),
-        y_mm: Some(Measured::mm(found.y)),
+        x_mm: Some(Measured::mm(found.x - zero.linear[0])),
+        y_mm: Some(Measured::mm(found.y - zero.linear[1])),
         z_mm: None,
         size: found.size.clone(),
         hand: match found.hand {
@@ -49,8 +51,12 @@ fn thread(common: Common, found: &Thread) -> file::Thread {
         lead_error_um: Measured::um(found.lead_error),
         groove_widening_um: Measured::um(found.groove_widening),
         pitch_diameter_mm: Measured::mm(found.pitch_diameter),
-        class: found.class.map_or_else(|| "none".to_owned(), |c| c.name().to_owned()),
-        margin_um: Measured::um(found.margin),
+        class: found.class_name().to_owned(),
+        margin_um: if found.class.is_none() && found.margin == Length::ZERO {
+            Measured::UNKNOWN // nothing that a gauge could be tried on
+        } else {
+            Measured::um(found.margin)
+        },
         torque_max_n_m: found.torque_max.map_or(Measured::UNKNOWN, |t| Measured::number(t.value())),
         axial_force_max_n: found
             .axial_force_max

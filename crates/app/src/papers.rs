@@ -15,6 +15,7 @@ pub(crate) fn certificate(job: &Job, outcome: &Outcome) -> Certificate {
         line: (fault.line > 0).then_some(fault.line),
         time_s: Measured::s(fault.time),
     });
+    let zero = job.session.work_zero();
     Certificate {
         leadscrew: env!("CARGO_PKG_VERSION").to_owned(),
         program: job.program.clone(),
@@ -23,7 +24,7 @@ pub(crate) fn certificate(job: &Job, outcome: &Outcome) -> Certificate {
         cycle_time_s: Measured::s(outcome.cycle_time),
         ended: outcome.ended,
         alarms: alarms.collect(),
-        features: outcome.features.iter().map(certificate::feature).collect(),
+        features: outcome.features.iter().map(|f| certificate::feature(f, &zero)).collect(),
     }
 }
 
@@ -49,7 +50,7 @@ pub(crate) fn report(job: &Job, outcome: &Outcome, known: &Preflight) -> String 
         material: job.material.name.to_owned(),
         seed: job.seed,
         tools: job.session.tools.clone(),
-        origin: Some(Origin { name: "G54".to_owned(), at: machine.setup.g54 }),
+        origin: Some(Origin { name: "G54".to_owned(), at: job.session.work_zero() }),
         cycle_time: outcome.cycle_time,
         ended: outcome.ended,
         alarms: outcome.faults.iter().map(alarm).collect(),

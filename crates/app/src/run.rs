@@ -153,7 +153,8 @@ impl Job {
     ) -> Result<Outcome, Refused> {
         let Session { machine, tools, .. } = &self.session;
         let setup = self.session.interp_setup();
-        let iron = wiring::simulator(machine, tools, self.material, self.seed);
+        let zero = self.session.work_zero();
+        let iron = wiring::simulator(machine, tools, self.material, self.seed, &zero);
         let iron = sim::SimulatedMachine::new(iron).map_err(|problems| {
             Refused::because(format!("the machine cannot be simulated: {}", problems.join("; ")))
         })?;
@@ -167,11 +168,11 @@ impl Job {
             machine: iron,
             judge: verify::Judge::new(verify::Config {
                 synchronised: self.session.taps.method == plan::TapMethod::Synchronised,
-                ..wiring::judge(machine, tools, self.material)
+                ..wiring::judge(machine, tools, self.material, &zero)
             }),
             recorder: report::Recorder::new(tools),
             trace: folder.map(|folder| self.trace(folder)).transpose()?,
-            log: args.log.then(|| Log::new(tools.clone(), machine.setup.g54)),
+            log: args.log.then(|| Log::new(tools.clone(), zero)),
             timings: Timings::new(args.timings),
             planned: known.planned,
         };

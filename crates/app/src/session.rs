@@ -84,6 +84,17 @@ impl Session {
         }
     }
 
+    /// Zero of the workpiece in machine coordinates: the work offset G54 that is in force when the program begins.
+    /// The stock is clamped there.
+    pub(crate) fn work_zero(&self) -> canon::Position {
+        let mut zero = canon::Position::default();
+        for axis in [canon::Axis::X, canon::Axis::Y, canon::Axis::Z] {
+            let value = self.parameters.get(G54 + axis.index()).unwrap_or(0.0);
+            zero = zero.with(axis, units::Length::mm(value));
+        }
+        zero
+    }
+
     /// The same as a stand-alone interpreter has it: no machine, so no work offsets but those of a parameter
     /// file, and the axes at zero.
     pub(crate) fn bare_setup(&self) -> interp::Setup {

@@ -184,7 +184,7 @@ fn row(group: &[&Feature], outcome: &Outcome) -> Vec<Cell> {
             "{:.1} µm",
             worst(&|f| thread(f).map_or(0.0, |t| t.sync_error_max.in_um()))
         )),
-        Cell::new(first.class.map_or("none", |c| c.name())),
+        Cell::new(first.class_name()),
         Cell::new(format!(
             "{:.0} µm",
             least(&|f| thread(f).map_or(f64::NAN, |t| t.margin.in_um()))

@@ -242,6 +242,18 @@ pub struct Thread {
     pub profile: Vec<ProfilePoint>,
 }
 
+impl Thread {
+    /// Name of the class asked if the thread is within it, else of the finest that it is within, else `"none"`.
+    pub fn class_name(&self) -> &'static str {
+        let within = self.margin >= Length::ZERO && self.minor_margin >= Length::ZERO;
+        match self.class {
+            Some(_) if within => self.class_asked.name(),
+            Some(reached) => reached.name(),
+            None => "none",
+        }
+    }
+}
+
 /// Sync error and cut at one depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProfilePoint {

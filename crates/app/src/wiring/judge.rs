@@ -1,13 +1,18 @@
 //! What the judge goes by.
-use canon::ToolLibrary;
+use canon::{Position, ToolLibrary};
 use store::machine::{MachineFile, Material};
 use verify::Config;
 
-/// Class 6H, the shop's usual tolerances, and the stock where the machine's set-up clamps it.
-pub(crate) fn judge(machine: &MachineFile, tools: &ToolLibrary, material: Material) -> Config {
+/// Class 6H, the shop's usual tolerances, and the stock clamped at the workpiece's zero.
+pub(crate) fn judge(
+    machine: &MachineFile,
+    tools: &ToolLibrary,
+    material: Material,
+    zero: &Position,
+) -> Config {
     Config {
         material: known(material),
-        stock_top: Some(machine.setup.g54.linear[2] + machine.setup.stock.to[2]),
+        stock_top: Some(zero.linear[2] + machine.setup.stock.to[2]),
         ..Config::new(tools.clone())
     }
 }

@@ -1,22 +1,23 @@
 //! The iron: axes, spindles, magazine and workpiece for the simulator.
-use canon::{Flute, Holder, Tool, ToolKind, ToolLibrary};
+use canon::{Flute, Holder, Position, Tool, ToolKind, ToolLibrary};
 use store::machine::{Axis, MachineFile, Material, Motor, PositionFrom, Spindle, TapSeat};
 use units::{Angle, Inertia, Lead, Length};
 
 /// Screw lead that stands in for a linear motor: one radian a millimetre, so that N·m and N agree by 10³.
 const DIRECT_LEAD: Lead = Lead::mm_per_rev(std::f64::consts::TAU);
 
-/// A simulated machine of this file, with these tools in its magazine and nothing in its spindle.
+/// A simulated machine of this file, with these tools in its magazine and nothing in its spindle; the stock is
+/// clamped at `zero`.
 pub(crate) fn simulator(
     machine: &MachineFile,
     tools: &ToolLibrary,
     material: Material,
     seed: u64,
+    zero: &Position,
 ) -> sim::Config {
     let axes = machine.axes.iter().enumerate();
     let spindles = machine.spindles.iter().map(spindle).collect();
-    let setup = &machine.setup;
-    let stock = setup.stock;
+    let stock = machine.setup.stock;
     sim::Config {
         period: machine.control.period,
         substep: machine.simulation.substep,
@@ -31,13 +32,13 @@ pub(crate) fn simulator(
         tool: 0,
         tool_change_time: machine.tool_change.time,
         stock: Some(sim::Stock {
-            top: setup.g54.linear[2] + stock.to[2],
+            top: zero.linear[2] + stock.to[2],
             thickness: Some(stock.to[2] - stock.from[2]),
             sides: Some(sim::Sides {
-                x_from: setup.g54.linear[0] + stock.from[0],
-                x_to: setup.g54.linear[0] + stock.to[0],
-                y_from: setup.g54.linear[1] + stock.from[1],
-                y_to: setup.g54.linear[1] + stock.to[1],
+                x_from: zero.linear[0] + stock.from[0],
+                x_to: zero.linear[0] + stock.to[0],
+                y_from: zero.linear[1] + stock.from[1],
+                y_to: zero.linear[1] + stock.to[1],
             }),
             material: sim::Material { cutting_n_per_mm2: material.cutting_force_n_per_mm2 },
             holes: Vec::new(),

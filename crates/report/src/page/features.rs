@@ -96,7 +96,7 @@ fn row(run: &Run, number: usize, feature: &Feature, left: &Headroom) -> String {
                 um(thread.depth_error, 1),
                 um(thread.sync_error_max, 1),
                 fixed(thread.pitch_diameter.value(), 3),
-                thread.class.map_or("none", |class| class.name()).into(),
+                thread.class_name().into(),
                 um(thread.margin, 0),
                 thread.torque_max.map_or(String::new(), |torque: Torque| fixed(torque.value(), 2)),
                 fixed(thread.spin_max.in_rpm(), 0),
