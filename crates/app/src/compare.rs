@@ -204,7 +204,8 @@ fn run_once(
         return Err(Refused::Findings { name, text: text.to_vec(), findings: known.findings });
     }
     let setup = session.interp_setup();
-    let iron = wiring::simulator(&session.machine, &session.tools, material, seed);
+    let zero = session.work_zero();
+    let iron = wiring::simulator(&session.machine, &session.tools, material, seed, &zero);
     let iron = sim::SimulatedMachine::new(iron)
         .map_err(|problems| {
             Refused::because(format!("the machine cannot be simulated: {}", problems.join("; ")))
@@ -212,12 +213,12 @@ fn run_once(
         .with_plain_drive(drive);
     let judge = verify::Config {
         synchronised: false,
-        ..wiring::judge(&session.machine, &session.tools, material)
+        ..wiring::judge(&session.machine, &session.tools, material, &zero)
     };
     let simulation = Simulation {
         ops: Ops::new(text, &setup),
         planner: planner(&session, options),
-        kernel: kernel::Kernel::new(wiring::control(&session.machine, None)),
+        kernel: kernel::Kernel::new(wiring::control(&session.machine, None, false)),
         machine: iron,
         judge: verify::Judge::new(judge),
         recorder: report::Recorder::new(&session.tools),
