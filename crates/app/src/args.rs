@@ -105,9 +105,9 @@ pub(crate) struct ProgramArgs {
     /// What to do with a dwell (P) that a clutch holder does not work with
     #[arg(long, value_enum, default_value_t = ClutchDwell::Refuse)]
     pub(crate) clutch_dwell: ClutchDwell,
-    /// How programs are read
-    #[arg(long, value_enum, default_value_t = Dialect::Linuxcnc)]
-    pub(crate) dialect: Dialect,
+    /// How programs are read [default: as the machine's file says]
+    #[arg(long, value_enum)]
+    pub(crate) dialect: Option<Dialect>,
     /// How hard taps are driven [default: the machine's]
     #[arg(long, value_enum, value_name = "PRESET")]
     pub(crate) tapping_preset: Option<TappingPreset>,
@@ -283,6 +283,8 @@ pub(crate) enum ClutchDwell {
 pub(crate) enum Dialect {
     /// RS-274/NGC as LinuxCNC 2.9 reads it
     Linuxcnc,
+    /// Cycles as Brother's tapping centres have them: K repeats, U and E throw chips off
+    Brother,
 }
 
 /// How a summary is printed.

@@ -154,6 +154,14 @@ fn spindle_order(spindle: u8, order: SpindleOrder) -> Value {
             "m_per_min": speed.in_mm_per_min() * 1e-3,
             "limit_rpm": limit.map(units::Spin::in_rpm),
         }),
+        SpindleOrder::ThrowChips(chips) => json!({
+            "op": "throw-chips",
+            "spindle": spindle,
+            "rpm": chips.throw.in_rpm(),
+            "then_rpm": chips.then.in_rpm(),
+            "axis": chips.axis.letter().to_string(),
+            "from_mm": chips.level.value(),
+        }),
         SpindleOrder::Orient(angle) => {
             json!({ "op": "orient", "spindle": spindle, "angle_deg": angle.in_deg() })
         }

@@ -28,6 +28,7 @@ fn hole(common: Common, found: &Hole, zero: &Position) -> file::Hole {
         y_mm: Measured::mm(found.y - zero.linear[1]),
         depth_mm: Measured::mm(found.depth),
         diameter_mm: Measured::mm(found.diameter),
+        chip_removal: found.chip_removal,
     }
 }
 

@@ -59,6 +59,15 @@ impl Log {
                 format!("following error of {}: {:.0} µm", axis.letter(), error.in_um())
             }
             EventKind::SyncWarning { error } => format!("sync error {:.1} µm", error.in_um()),
+            EventKind::ChipRemovalBegun { spin, .. } => {
+                format!("chip removal: told {:.0} rpm", spin.in_rpm())
+            }
+            EventKind::ChipsThrown { spin, .. } => {
+                format!("chip removal: {:.0} rpm reached, turned round", spin.in_rpm())
+            }
+            EventKind::ChipRemovalEnded { spin, .. } => {
+                format!("chip removal: over, {:.0} rpm", spin.in_rpm())
+            }
             EventKind::ToolChanged { tool } => format!("tool {tool} in the spindle"),
             _ => return,
         };

@@ -18,6 +18,7 @@ mod certificate;
 mod check;
 mod codes;
 mod compare;
+mod dialect;
 mod format;
 mod interrupt;
 mod learning;

@@ -46,7 +46,7 @@ pub(crate) fn report(job: &Job, outcome: &Outcome, known: &Preflight) -> String 
         version: env!("CARGO_PKG_VERSION").to_owned(),
         program: job.program.clone(),
         machine: machine.name.clone(),
-        dialect: "linuxcnc".to_owned(),
+        dialect: job.session.dialect.name().to_owned(),
         material: job.material.name.to_owned(),
         seed: job.seed,
         tools: job.session.tools.clone(),

@@ -1,5 +1,6 @@
 //! What a program meets: its text, the machine, the tools, the parameters; loaded once, from wherever they are.
-use crate::args::{ClutchDwell, Dialect, MissingTools, ProgramArgs, Tapping, TappingPreset};
+use crate::args::{ClutchDwell, MissingTools, ProgramArgs, Tapping, TappingPreset};
+use crate::dialect;
 use crate::refused::Refused;
 use canon::ToolLibrary;
 use std::{
@@ -30,7 +31,8 @@ pub(crate) struct Session {
     pub(crate) missing_tools: MissingTools,
     /// How taps are driven that are not tied to the spindle.
     pub(crate) taps: plan::Unsynchronised,
-    dialect: Dialect,
+    /// How the program is read.
+    pub(crate) dialect: interp::Dialect,
     has_parameter_file: bool,
     subprograms: Vec<interp::Subprogram>,
 }
@@ -48,7 +50,8 @@ impl Session {
             };
         }
         let (tools, tools_from) = tools(args.tools.as_deref(), program)?;
-        let (missing_tools, dialect) = (args.missing_tools, args.dialect);
+        let missing_tools = args.missing_tools;
+        let dialect = dialect::of(args.dialect, &machine)?;
         Ok(Self {
             parameters: parameters(args.parameters.as_deref(), &machine)?,
             has_parameter_file: args.parameters.is_some(),
@@ -69,9 +72,8 @@ impl Session {
             start = start.with(axis.letter, crate::wiring::start(axis));
         }
         interp::Setup {
-            dialect: match self.dialect {
-                Dialect::Linuxcnc => interp::Dialect::LinuxCnc,
-            },
+            dialect: self.dialect,
+            cycles: dialect::cycles(self.dialect, &self.machine.control),
             tools: self.tools.clone(),
             missing_tools: match self.missing_tools {
                 MissingTools::Refuse => interp::MissingTools::Refuse,

@@ -36,6 +36,7 @@ fn every_page_shows_what_the_program_does() {
 fn rewritten(page: &str) -> (String, usize) {
     let mut out = String::new();
     let mut program = String::new();
+    let mut options = Vec::new();
     let mut checked = 0;
     let mut lines = page.lines();
     while let Some(line) = lines.next() {
@@ -44,15 +45,19 @@ fn rewritten(page: &str) -> (String, usize) {
         let Some(kind) = line.strip_prefix("```").filter(|kind| !kind.is_empty()) else { continue };
         let body: Vec<_> = lines.by_ref().take_while(|l| *l != "```").collect();
         match kind {
-            "gcode" | "gcode refused" => program = body.join("\n") + "\n",
+            gcode if gcode == "gcode" || gcode.starts_with("gcode ") => {
+                program = body.join("\n") + "\n";
+                options = gcode.split(' ').skip(1).filter(|word| *word != "refused").collect();
+            }
             "log" => {
-                out.push_str(&run(&["run", "-", "--log", "-q"], &program, 0));
+                let arguments = [&["run", "-", "--log", "-q"], &options[..]].concat();
+                out.push_str(&run(&arguments, &program, 0));
                 out.push_str("```\n");
                 checked += 1;
                 continue;
             }
             "diagnostics" => {
-                out.push_str(&run(&["check", "-"], &program, 2));
+                out.push_str(&run(&[&["check", "-"], &options[..]].concat(), &program, 2));
                 out.push_str("```\n");
                 checked += 1;
                 continue;

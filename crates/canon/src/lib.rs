@@ -23,6 +23,6 @@ mod position;
 mod tool;
 
 pub use diag::Span;
-pub use op::{Arc, Feed, Hole, Op, OpKind, PathMode, SpindleOrder, Tap};
+pub use op::{Arc, ChipRemoval, Feed, Hole, Op, OpKind, PathMode, SpindleOrder, Tap};
 pub use position::{Axis, Plane, Position};
 pub use tool::{Flute, Holder, TapTool, Tool, ToolKind, ToolLibrary};

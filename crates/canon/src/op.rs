@@ -128,6 +128,29 @@ pub enum SpindleOrder {
     },
     /// M19.
     Orient(Angle),
+    /// Throw the chips off the tool on the way from this hole to the next.
+    ThrowChips(ChipRemoval),
+}
+
+/// Chips wound around a tool are thrown off by turning it backwards while the axes travel.
+///
+/// ```text
+///   spindle  then ──╲                 ╱── then      the axes rise, move and come down meanwhile;
+///                     ╲             ╱               the next cut waits for `then`
+///              0 ───────╲─────────╱──────
+///          throw          ╲_____╱   turned round as soon as it is reached
+///                 ▲ `axis` passes `level` on the way out of the hole
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChipRemoval {
+    /// The speed that throws them off; its sign is against the cut.
+    pub throw: Spin,
+    /// The speed to have before the next cut: that of the cut after drilling, zero after a tap.
+    pub then: Spin,
+    /// The axis that leaves the hole.
+    pub axis: Axis,
+    /// Machine coordinate of `axis` from which on it happens: the R plane.
+    pub level: Length,
 }
 
 /// A synchronised tap. Coordinates are machine coordinates of the tapping axis.

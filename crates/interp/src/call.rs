@@ -86,6 +86,8 @@ pub struct CycleHole {
     pub bottom: f64,
     /// Where the cycle ends: R (G99) or the initial level (G98).
     pub clear: f64,
+    /// Chips are thrown off on the way out, from R on, by turning against the cut at this speed.
+    pub throw_rpm: Option<f64>,
 }
 
 /// A tapping cycle at one hole.
@@ -182,6 +184,8 @@ pub enum Call<'a> {
     Probe(Point),
     /// A cycle is about to make a hole; its moves follow, up to the end of the cycle's block or the next hole.
     Hole(CycleHole),
+    /// Chip removal: from R on, on the rapid out of this hole that follows. For a tap its hole says it.
+    ThrowChips(CycleHole),
     /// G84, G74: the tap stands at R. In and out again, up to the hole's clear level.
     Tap(CycleTap),
     /// G33.1.

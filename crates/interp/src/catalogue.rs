@@ -29,6 +29,7 @@ impl Dialect {
     pub const fn name(self) -> &'static str {
         match self {
             Self::LinuxCnc => "linuxcnc",
+            Self::Brother => "brother",
         }
     }
 }

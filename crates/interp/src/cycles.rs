@@ -14,16 +14,18 @@
 //! ```
 //!
 //! R and Z are kept as written for the blocks that repeat the cycle; L repeats it in place (G90) or
-//! step by step (G91, where R counts from the initial level and Z from R).
+//! step by step (G91, where R counts from the initial level and Z from R or, as the machine is set, from the
+//! initial level too).
 //!
 //! Source: NISTIR 6556, section 3.5.16; LinuxCNC 2.9 manual, "Canned cycles".
 use crate::{
     call::{Call, Corners, CycleHole, CycleTap, Sense, Sink, Units},
-    codes::{AXES, POLAR},
+    codes::{AXES, GGroup, POLAR},
     execute::Executor,
     fault::{Outcome, error, refuse},
     frame::Point,
     rigid::{Rigid, TapWords},
+    setup::{DepthFrom, Dialect},
     state::{Cycle, FeedMode, Sticky},
 };
 use diag::Diagnostic;
@@ -59,10 +61,14 @@ impl Executor {
             self.check_cycle_feed(&code)?;
         }
         let repeats = self.repeats()?;
-        let sticky = self.sticky(cycle, &code)?;
+        let mut sticky = self.sticky(cycle, &code)?;
+        sticky.chips = self.chips(cycle, &code, sticky.chips)?;
         let initial = *self.state.initial.get_or_insert(self.state.at[n]);
         let pattern = self.pattern(cycle, &code, &sticky, initial)?;
         self.check_spindle(cycle, &code)?;
+        if self.state.sticky.is_none() || self.words.g(GGroup::Motion).is_some() {
+            self.state.repetition = 0;
+        }
         self.state.sticky = Some(sticky);
 
         if initial < pattern.r {
@@ -79,7 +85,8 @@ impl Executor {
         }
         for _ in 0..repeats {
             self.step_in_plane([a, b])?;
-            self.hole(&pattern, sink);
+            let throw_rpm = self.throw_after_this(sticky.chips);
+            self.hole(&pattern, throw_rpm, sink);
         }
         if !exact {
             self.say(
@@ -116,15 +123,22 @@ impl Executor {
         self.say_feed(&format!("G{code}"), || 0.0, &mut Silence)
     }
 
-    /// L.
+    /// L, in Brother's dialect K.
     fn repeats(&mut self) -> Outcome<u32> {
-        let repeats = self.words.whole(b'L', 100_000)?.unwrap_or(1);
-        let span = self.words.span(b'L');
+        let letter = if self.dialect == Dialect::Brother { b'K' } else { b'L' };
+        let name = letter as char;
+        if letter == b'K' && self.words.get(b'L').is_some() {
+            let text = "L has no effect here: in this dialect K counts repetitions";
+            return refuse("I0517", self.words.span(b'L'), text);
+        }
+        let repeats = self.words.whole(letter, 100_000)?.unwrap_or(1);
+        let span = self.words.span(letter);
         if repeats == 0 {
-            return refuse("I0502", span, "L0 makes no hole: L counts repetitions, 1 or more");
+            let text = format!("{name}0 makes no hole: {name} counts repetitions, 1 or more");
+            return refuse("I0502", span, text);
         }
         if repeats > 1 && !self.state.incremental {
-            let text = format!("L{repeats} with G90 makes the same hole {repeats} times");
+            let text = format!("{name}{repeats} with G90 makes the same hole {repeats} times");
             self.remarks.push(
                 Diagnostic::warning("I0503", span, text).with_help("G91 steps from hole to hole"),
             );
@@ -189,7 +203,8 @@ impl Executor {
             Some(_) => self.tap_words(kept.map(|k| k.tap))?,
             None => TapWords::default(),
         };
-        Ok(Sticky { r, bottom, dwell, peck, tap, plane: self.state.plane })
+        let chips = kept.and_then(|k| k.chips);
+        Ok(Sticky { r, bottom, dwell, peck, tap, chips, plane: self.state.plane })
     }
 
     fn pattern(&self, cycle: Cycle, code: &str, sticky: &Sticky, initial: f64) -> Outcome<Pattern> {
@@ -197,7 +212,10 @@ impl Executor {
         let axis = b"XYZ"[n] as char;
         let (r, bottom) = if self.state.incremental {
             let r = initial + sticky.r;
-            (r, r + sticky.bottom)
+            match self.cycles.depth_from {
+                DepthFrom::RPlane => (r, r + sticky.bottom),
+                DepthFrom::InitialLevel => (r, initial + sticky.bottom),
+            }
         } else {
             (sticky.r, sticky.bottom)
         };
@@ -206,9 +224,17 @@ impl Executor {
                 format!("G{code} would end above where it begins: R is {r}, {axis} is {bottom}");
             let fault = error("I0510", self.words.place.span, text);
             return Err(fault
-                .with_help(format!(
-                    "R must be at or above {axis}; both count from the work's zero (G90)"
-                ))
+                .with_help(match (self.state.incremental, self.cycles.depth_from) {
+                    (false, _) => {
+                        format!("R must be at or above {axis}; both count from the work's zero (G90)")
+                    }
+                    (true, DepthFrom::RPlane) => {
+                        format!("R counts from the initial level, {axis} from R (G91): {axis} must be negative")
+                    }
+                    (true, DepthFrom::InitialLevel) => format!(
+                        "R and {axis} both count from the initial level (G91): {axis} must be below R"
+                    ),
+                })
                 .into());
         }
         let peck = sticky.peck.unwrap_or(f64::INFINITY);
@@ -263,12 +289,17 @@ impl Executor {
     }
 
     /// One hole, at the place where the plane's two axes are to stand.
-    fn hole<S: Sink>(&mut self, pattern: &Pattern, sink: &mut S) {
+    fn hole<S: Sink>(&mut self, pattern: &Pattern, throw_rpm: Option<f64>, sink: &mut S) {
         let [_, _, n] = self.state.plane_axes();
         let mut at = self.state.at;
         at[n] = pattern.r;
-        let hole =
-            CycleHole { plane: self.state.plane, at, bottom: pattern.bottom, clear: pattern.clear };
+        let hole = CycleHole {
+            plane: self.state.plane,
+            at,
+            bottom: pattern.bottom,
+            clear: pattern.clear,
+            throw_rpm,
+        };
         let tap = pattern.cycle.tap_sense();
         if tap.is_none() {
             self.say(sink, &Call::Hole(hole));
@@ -283,14 +314,20 @@ impl Executor {
             let feed_stated = self.words.get(b'F').is_some();
             self.say(sink, &Call::Tap(CycleTap { feed_stated, ..call }));
         } else {
-            self.down_and_out(pattern, at, n, sink);
+            self.down_and_out(pattern, &hole, n, sink);
         }
         self.state.at[n] = pattern.clear;
     }
 
-    fn down_and_out<S: Sink>(&mut self, pattern: &Pattern, at: Point, n: usize, sink: &mut S) {
-        let level = |value: f64| {
-            let mut point = at;
+    fn down_and_out<S: Sink>(
+        &mut self,
+        pattern: &Pattern,
+        hole: &CycleHole,
+        n: usize,
+        sink: &mut S,
+    ) {
+        let level = |value: f64| -> Point {
+            let mut point = hole.at;
             point[n] = value;
             point
         };
@@ -300,8 +337,13 @@ impl Executor {
         self.say(sink, &Call::Line(level(pattern.bottom)));
         let out = level(pattern.clear);
         match pattern.cycle {
-            Cycle::DrillDwell => {
-                self.say(sink, &Call::Dwell(pattern.dwell));
+            Cycle::Drill | Cycle::DrillDwell => {
+                if pattern.cycle == Cycle::DrillDwell || pattern.dwell > 0.0 {
+                    self.say(sink, &Call::Dwell(pattern.dwell));
+                }
+                if hole.throw_rpm.is_some() {
+                    self.say(sink, &Call::ThrowChips(*hole));
+                }
                 self.say(sink, &Call::Rapid(out));
             }
             Cycle::BoreFeedOut => {
@@ -321,7 +363,6 @@ impl Executor {
                 }
             }
             Cycle::ChipBreak
-            | Cycle::Drill
             | Cycle::Peck
             | Cycle::TapLeft
             | Cycle::TapRight

@@ -16,7 +16,7 @@ use crate::{
     fault::{Outcome, error, refuse},
     held::Held,
     names::Store,
-    setup::{MissingTools, Setup},
+    setup::{Cycles, Dialect, MissingTools, Setup},
     state::{Cycle, Motion, State},
     tool_table::ToolTable,
     words::Words,
@@ -54,6 +54,9 @@ pub(crate) struct Executor {
     /// Whether moves go beside the programmed ones, and what is held back meanwhile.
     pub(crate) compensating: bool,
     pub(crate) held: RefCell<Vec<(Place, Held)>>,
+    pub(crate) dialect: Dialect,
+    /// The machine's settings for cycles.
+    pub(crate) cycles: Cycles,
     /// Warnings and notes of the block at hand.
     pub(crate) remarks: Vec<Diagnostic>,
 }
@@ -70,8 +73,11 @@ impl Executor {
             contexts: vec![Context::default()],
             compensating: false,
             held: RefCell::default(),
+            dialect: setup.dialect,
+            cycles: setup.cycles,
             remarks: Vec::new(),
         };
+        new.state.retract_to_initial = setup.dialect == Dialect::Brother;
         new.load_offsets();
         let machine = machine_point(&setup.start);
         new.state.at = new.state.frame.to_program(&machine);
@@ -112,7 +118,7 @@ impl Executor {
     /// Execute the words read.
     pub(crate) fn execute<S: Sink>(&mut self, sink: &mut S) -> Outcome<After> {
         let motion = self.motion()?;
-        self.words.check_letters(motion.map_or(0, letters_of))?;
+        self.words.check_letters(motion.map_or(0, letters_of), self.letters_beside(motion))?;
         let words = &self.words;
         if words.has_codes() || words.any(crate::codes::set("STF")) {
             if self.compensating {

@@ -26,6 +26,7 @@
 mod arcs;
 mod call;
 mod catalogue;
+mod chips;
 mod codes;
 mod comments;
 mod compensation;
@@ -70,7 +71,10 @@ pub use lint::lint;
 pub use listing::Listing;
 pub use ops::{Ops, called_files, check};
 pub use resolve::Resolver;
-pub use setup::{Dialect, Limits, MAX_PARAMETER, MissingTools, Parameters, Setup, Subprogram};
+pub use setup::{
+    Chips, Cycles, DepthFrom, Dialect, Limits, MAX_PARAMETER, MissingTools, Parameters, Setup,
+    Subprogram,
+};
 pub use snapshot::{Snapshot, Standing};
 pub use splines::ControlPoint;
 pub use tool_table::ToolEntry;

@@ -239,6 +239,13 @@ impl<W: Write> Sink for Listing<W> {
 }
 
 impl<W: Write> Listing<W> {
+    /// LinuxCNC has no call for it.
+    fn throw_chips(&mut self, place: &Place, hole: &crate::call::CycleHole) {
+        if let Some(rpm) = hole.throw_rpm {
+            self.text(place, &format!("COMMENT(\"throw chips off at {rpm} rpm\")"));
+        }
+    }
+
     /// What is not on the fast path.
     fn seldom(&mut self, place: &Place, call: &Call<'_>) {
         match call {
@@ -252,7 +259,10 @@ impl<W: Write> Listing<W> {
             Call::Rotation(degrees) => self.numbers(place, b"SET_XY_ROTATION", &[*degrees]),
             Call::ToolOffset(offset) => self.tool_offset(place, offset),
             Call::PathControl { corners, merge } => self.path_control(place, *corners, *merge),
-            Call::Tap(tap) => self.tap(place, tap),
+            Call::Tap(tap) => {
+                self.tap(place, tap);
+                self.throw_chips(place, &tap.hole);
+            }
             Call::RigidTap { to, lead, .. } => {
                 self.text(place, &format!("START_SPEED_FEED_SYNC({lead:.6},0)"));
                 self.numbers(place, b"RIGID_TAP", &to[..3]);
@@ -261,6 +271,7 @@ impl<W: Write> Listing<W> {
             Call::SyncStart(lead) => {
                 self.text(place, &format!("START_SPEED_FEED_SYNC({lead:.6},0)"));
             }
+            Call::ThrowChips(hole) => self.throw_chips(place, hole),
             Call::Dwell(seconds) => self.numbers(place, b"DWELL", &[*seconds]),
             Call::SpindleSpeed(speed) => {
                 self.text(place, &format!("SET_SPINDLE_SPEED(0, {speed:.4})"));

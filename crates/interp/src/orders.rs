@@ -3,7 +3,7 @@
 //! What the program says again without a change is not ordered again: `M3 S500` in every block is one
 //! order. The kernel restores a turning spindle after a tap by itself.
 use crate::{
-    call::{Call, Sense, Units},
+    call::{Call, CycleHole, Sense, Units},
     resolve::Resolver,
     switch::NO_SPEED_LIMIT,
 };
@@ -64,13 +64,24 @@ impl Resolver {
         }
     }
 
-    /// The spindle's order, where it has changed.
-    fn say_spindle(&mut self, span: Span) {
-        let sign = match self.spindle.sense {
+    /// From R on, on the rapid out of a drilled hole; the program's speed is in force again afterwards.
+    pub(crate) fn throw_chips_after_drilling(&mut self, hole: &CycleHole, span: Span) {
+        let sign = self.sign();
+        self.throw_chips(hole, sign, Spin::rpm(sign * self.spindle.speed), span);
+    }
+
+    /// Sense of the spindle in force: +1 clockwise, −1 counter-clockwise, 0 still.
+    fn sign(&self) -> f64 {
+        match self.spindle.sense {
             None => 0.0,
             Some(Sense::Clockwise) => 1.0,
             Some(Sense::Counterclockwise) => -1.0,
-        };
+        }
+    }
+
+    /// The spindle's order, where it has changed.
+    fn say_spindle(&mut self, span: Span) {
+        let sign = self.sign();
         let order = match self.spindle.surface {
             _ if sign == 0.0 => SpindleOrder::Stop,
             None => SpindleOrder::Turn(Spin::rpm(sign * self.spindle.speed)),

@@ -324,6 +324,7 @@ impl Sink for Resolver {
             }
             Call::Arc { plane, to, centre, turns } => self.arc(*plane, to, *centre, *turns, span),
             Call::Hole(hole) => self.hole(hole, span),
+            Call::ThrowChips(hole) => self.throw_chips_after_drilling(hole, span),
             Call::Tap(tap) => self.tap(tap, span),
             Call::RigidTap { to, lead, return_factor, sense } => {
                 self.rigid_tap(to, *lead, *return_factor, *sense, span);

@@ -7,6 +7,48 @@ pub enum Dialect {
     /// RS-274/NGC as LinuxCNC 2.9 reads it, and M29 (rigid tapping follows) as Fanuc has it.
     #[default]
     LinuxCnc,
+    /// The same core with the cycles of Brother's tapping centres: K counts repetitions, P waits at the
+    /// bottom in G81 too, U and E throw chips off on the way; G98 at the start of a program.
+    Brother,
+}
+
+impl Dialect {
+    /// Where its cycles measure Z from under G91, unless the machine says otherwise.
+    pub const fn depth_from(self) -> DepthFrom {
+        match self {
+            Self::LinuxCnc => DepthFrom::RPlane,
+            Self::Brother => DepthFrom::InitialLevel,
+        }
+    }
+}
+
+/// Where a cycle's Z counts from under G91.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DepthFrom {
+    /// The R plane.
+    #[default]
+    RPlane,
+    /// The level where the axis stood before the cycle, like R.
+    InitialLevel,
+}
+
+/// What a machine has set for its drilling and tapping cycles.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cycles {
+    /// Where Z counts from under G91.
+    pub depth_from: DepthFrom,
+    /// Chip removal in G81, G82, G84 and G74 of programs that do not say U and E. Where it is set, every dialect
+    /// knows those words.
+    pub chip_removal: Option<Chips>,
+}
+
+/// Chips are thrown off by turning the spindle backwards between two holes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Chips {
+    /// U: how fast, rev/min.
+    pub rpm: f64,
+    /// E: after each repetition whose number is a multiple of this; 0 is never.
+    pub every: u32,
 }
 
 /// What becomes of a tool number that the library does not have.
@@ -24,6 +66,8 @@ pub enum MissingTools {
 pub struct Setup {
     /// Whose words.
     pub dialect: Dialect,
+    /// What the machine has set for its cycles.
+    pub cycles: Cycles,
     /// Tools that T, M6 and G43 may name.
     pub tools: ToolLibrary,
     /// What becomes of a tool that is not among them.

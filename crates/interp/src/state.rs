@@ -3,6 +3,7 @@ use crate::compensation::Compensation;
 use crate::rigid::{Rigid, TapWords};
 use crate::splines::Nurbs;
 use crate::tool_table::ToolEntry;
+use crate::setup::Chips;
 use crate::{
     call::{Corners, Sense, Units},
     frame::{Frame, Point},
@@ -177,6 +178,8 @@ pub(crate) struct Sticky {
     pub(crate) dwell: Option<f64>,
     pub(crate) peck: Option<f64>,
     pub(crate) tap: TapWords,
+    /// U and E, or the machine's setting.
+    pub(crate) chips: Option<Chips>,
     /// The plane they were given in.
     pub(crate) plane: Plane,
 }
@@ -205,6 +208,8 @@ pub(crate) struct State {
     /// M29, G84.2, G84.3.
     pub(crate) rigid: Rigid,
     pub(crate) sticky: Option<Sticky>,
+    /// Holes made since the block that named the cycle.
+    pub(crate) repetition: u32,
     /// Level to which G98 returns: where the axis stood before the first hole of the series.
     pub(crate) initial: Option<f64>,
     /// Work offset in force, 1 is G54.
@@ -261,6 +266,7 @@ impl State {
             },
             rigid: Rigid::Off,
             sticky: None,
+            repetition: 0,
             initial: None,
             system: 1,
             frame: Frame::default(),

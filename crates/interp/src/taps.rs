@@ -55,6 +55,7 @@ impl Resolver {
                 peck: tap.peck.map(|depth| Length::mm(depth * self.mm())),
             }),
         );
+        self.throw_chips(hole, sign, Spin::ZERO, span);
         let mut clear = start;
         clear[axis.index()] = self.level(hole, hole.clear);
         self.rapid(&clear, span);

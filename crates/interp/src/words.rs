@@ -187,8 +187,9 @@ impl Words {
     }
 
     /// Every word must belong to a code: the block's own, or the modal motion (whose letters are given).
-    pub(crate) fn check_letters(&self, modal: Letters) -> Outcome {
-        let mut allowed = FREE;
+    /// `beside` are those that the dialect or the machine adds.
+    pub(crate) fn check_letters(&self, modal: Letters, beside: Letters) -> Outcome {
+        let mut allowed = FREE | beside;
         if self.any_code {
             for code in self.g.iter().filter_map(|t| codes::g_code(*t)) {
                 allowed |= code.letters;

@@ -4,12 +4,14 @@
 //!   steps ──► targets, orders ──► [ axis loops | spindle loops | tool, coolant ] ──► Command
 //! ```
 use crate::axis::AxisLoop;
+use crate::chips::Removal;
 use crate::config::{Config, FeedForward, Subject};
 use crate::fault::FaultKind;
 use crate::lessons::Lessons;
 use crate::spindle::SpindleLoop;
 use bus::{AXES, Command, Feedback, SPINDLES};
 use canon::Axis;
+use units::Spin;
 
 /// Indices of the linear axes; the others are held where they stand.
 pub(crate) const LINEAR: [usize; 6] = [0, 1, 2, 6, 7, 8];
@@ -23,6 +25,10 @@ pub(crate) struct Drives {
     pub(crate) follower: Option<(usize, Option<FeedForward>)>,
     /// What taps have learnt.
     pub(crate) lessons: Lessons,
+    /// Chip removals under way.
+    pub(crate) removals: [Option<Removal>; SPINDLES],
+    /// The speeds that a cut needs, as the steps have ordered them; zero: none was ordered.
+    pub(crate) in_force: [Spin; SPINDLES],
     pub(crate) tool: u32,
     pub(crate) mist: bool,
     pub(crate) flood: bool,
@@ -39,11 +45,14 @@ impl Drives {
         let lookahead_s =
             axes.iter().flatten().map(AxisLoop::lookahead_s).fold(config.period.value(), f64::max);
         let lessons = Lessons::new(config.learning);
+        let (removals, in_force) = ([None; SPINDLES], [Spin::ZERO; SPINDLES]);
         Self {
             axes,
             spindles,
             follower: None,
             lessons,
+            removals,
+            in_force,
             tool: 0,
             mist: false,
             flood: false,

@@ -52,6 +52,27 @@ pub enum EventKind {
         /// Which.
         spindle: u8,
     },
+    /// The axis has left the hole, and the spindle is told to run against the cut.
+    ChipRemovalBegun {
+        /// Which.
+        spindle: u8,
+        /// At what speed.
+        spin: Spin,
+    },
+    /// That speed is reached, and the spindle is told what it shall do before the next cut.
+    ChipsThrown {
+        /// Which.
+        spindle: u8,
+        /// At what speed.
+        spin: Spin,
+    },
+    /// It does that.
+    ChipRemovalEnded {
+        /// Which.
+        spindle: u8,
+        /// At what speed; zero is at rest.
+        spin: Spin,
+    },
     /// The tool is in the spindle.
     ToolChanged {
         /// Its number.

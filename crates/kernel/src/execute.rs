@@ -12,6 +12,7 @@
 //! ```
 //!
 //! What a step leaves over of a period goes to the next one, so that motion has no gaps.
+use crate::chips::Removal;
 use crate::config::{Config, Pause, Subject};
 use crate::drives::{Drives, Finding};
 use crate::event::{Event, EventKind, Ring};
@@ -21,7 +22,7 @@ use crate::tapping::{Outcome, TapRun};
 use bus::{Feedback, State};
 use plan::{SpindleStep, StepKind};
 use sync::Phase;
-use units::Time;
+use units::{Spin, Time};
 
 /// What an activity may look at and write to.
 pub(crate) struct Context<'a> {
@@ -117,7 +118,10 @@ impl Activity {
         match self {
             Self::Idle | Self::Pausing | Self::Ended => Ok(Progress::Busy),
             Self::AtOnce => Ok(Progress::Done(dt)),
-            Self::Moving(moving, _) => {
+            Self::Moving(moving, state) => {
+                if *state == State::Feed {
+                    drives.check_cut()?;
+                }
                 let StepKind::Move(order) = step else { return Ok(Progress::Done(dt)) };
                 match moving.advance(order, dt, drives) {
                     None => Ok(Progress::Busy),
@@ -188,17 +192,26 @@ fn begin_spindle(
     order: &SpindleStep,
     drives: &mut Drives,
 ) -> Result<Activity, Finding> {
-    let Some(control) = drives.spindles.get_mut(usize::from(spindle)).and_then(Option::as_mut)
-    else {
+    let index = usize::from(spindle);
+    let Some(control) = drives.spindles.get_mut(index).and_then(Option::as_mut) else {
         return Err((FaultKind::NotConfigured, Subject::Spindle(spindle), 0.0, 0.0));
     };
     Ok(match order {
         SpindleStep::Turn { spin, ramp } => {
             control.turn(*spin, ramp);
+            drives.in_force[index] = *spin;
+            drives.removals[index] = None;
+            Activity::AtOnce
+        }
+        SpindleStep::Throw(order) => {
+            drives.in_force[index] = order.then;
+            drives.removals[index] = Some(Removal::new(order));
             Activity::AtOnce
         }
         SpindleStep::AwaitSpeed => Activity::AwaitingSpeed { spindle, waited_s: 0.0 },
         SpindleStep::Orient(angle) => {
+            drives.in_force[index] = Spin::ZERO;
+            drives.removals[index] = None;
             Activity::AwaitingAngle { spindle, angle: *angle, waited_s: 0.0 }
         }
     })
@@ -243,7 +256,8 @@ fn await_speed(
     let Some(control) = &drives.spindles[usize::from(spindle)] else {
         return Ok(Progress::Done(0.0));
     };
-    if let Some(spin) = control.at_speed() {
+    let throwing = drives.removals[usize::from(spindle)].is_some();
+    if let Some(spin) = control.at_speed().filter(|_| !throwing) {
         context.note(EventKind::SpindleAtSpeed { spindle, spin });
         return Ok(Progress::Done(0.0));
     }

@@ -27,6 +27,8 @@ pub enum FaultKind {
     SpindleFollowingError,
     /// A follower is too far from its coupling in the material.
     SyncError,
+    /// A cut goes on with the spindle far from its speed, or turning the wrong way.
+    WrongSpinInCut,
     /// A spindle did not reach its speed in time.
     NotAtSpeed,
     /// A spindle did not come to the ordered angle in time.
@@ -62,13 +64,14 @@ struct Text {
 
 impl FaultKind {
     /// All of them, by rising number.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::EmergencyStop,
         Self::DriveNotReady,
         Self::FeedbackInvalid,
         Self::FollowingError,
         Self::SpindleFollowingError,
         Self::SyncError,
+        Self::WrongSpinInCut,
         Self::NotAtSpeed,
         Self::NotOriented,
         Self::NotInPosition,
@@ -156,6 +159,14 @@ impl FaultKind {
                 reaction: Reaction::Halt,
                 cause: "The spindle or the axis could not follow: drive limit, friction, a stuck tap.",
                 remedy: "Do not move the axis alone: the tap is in its thread. Drive it out synchronised.",
+            },
+            Self::WrongSpinInCut => Text {
+                number: 204,
+                sentence: "the spindle cuts at the wrong speed or in the wrong sense",
+                unit: "rev/s",
+                reaction: Reaction::Halt,
+                cause: "The load has pulled the spindle away from its speed, or it was reversed during the cut.",
+                remedy: "Withdraw the tool; check its edges, feed and depth of cut against the drive's torque.",
             },
             Self::NotAtSpeed => Text {
                 number: 301,

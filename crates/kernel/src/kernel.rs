@@ -234,6 +234,11 @@ impl Kernel {
         }
         self.warn(feedback);
         self.drives.advance_spindles();
+        for index in 0..bus::SPINDLES {
+            if let Some(event) = self.drives.throw_chips(index) {
+                self.note(feedback, event);
+            }
+        }
         self.drives.command()
     }
 

@@ -17,6 +17,7 @@ extern crate alloc;
 extern crate std;
 
 mod axis;
+mod chips;
 mod config;
 mod drives;
 mod event;
@@ -32,6 +33,7 @@ mod spindle;
 mod stroke;
 mod tapping;
 
+pub use chips::CUT_SHARE;
 pub use config::{
     AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderPlace, FeedForward, Pause,
     SpindleControl, SpindleFriction, SpindleWindows, Subject, Waits,

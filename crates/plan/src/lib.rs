@@ -50,5 +50,5 @@ pub use limits::{
 pub use path::{Motion, Path};
 pub use planner::{Planner, Preflight, Start, preflight};
 pub use profile::{Instant, MAX_PIECES, Piece, Profile};
-pub use step::{Limiting, Move, SpindleStep, Step, StepKind, TapLimiting, TapPlan};
+pub use step::{ChipThrow, Limiting, Move, SpindleStep, Step, StepKind, TapLimiting, TapPlan};
 pub use stroke::{Stroke, StrokeRequest, tapping_torque};

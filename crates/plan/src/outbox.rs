@@ -12,7 +12,7 @@
 //! So rapids wait while a spindle order is open, and the last cut waits for its successor. Look-ahead will
 //! widen this to many cuts; the planner's interface does not change with it.
 use crate::limits::MachineLimits;
-use crate::{SpindleStep, Step, StepKind};
+use crate::{ChipThrow, SpindleStep, Step, StepKind};
 use alloc::vec::Vec;
 use units::Time;
 
@@ -32,6 +32,8 @@ pub(crate) struct Outbox {
     ready_at: f64,
     /// Speed of spindle 0 that was handed on last, rev/s, without sign.
     speed: f64,
+    /// Chips that are to be thrown off once a move passes their level.
+    throw: Option<ChipThrow>,
 }
 
 impl Outbox {
@@ -111,6 +113,10 @@ impl Outbox {
     fn count(&mut self, step: &Step, limits: &MachineLimits) {
         match &step.kind {
             StepKind::Move(m) => {
+                if let Some((throw, at)) = self.throw.and_then(|t| Some((t, t.passed_by(m)?))) {
+                    self.ready_at = self.ready_at.max(self.elapsed + at + throw.duration());
+                    self.throw = None;
+                }
                 let speed = if m.per_revolution { self.speed } else { 1.0 };
                 self.elapsed += m.profile.duration() / speed;
                 if m.exact_stop {
@@ -127,6 +133,13 @@ impl Outbox {
                 }
                 SpindleStep::AwaitSpeed => self.elapsed = self.elapsed.max(self.ready_at),
                 SpindleStep::Orient(_) => {}
+                SpindleStep::Throw(throw) => {
+                    self.throw = Some(*throw);
+                    self.ready_at = self.ready_at.max(self.elapsed + throw.duration());
+                    if *spindle == 0 {
+                        self.speed = throw.then.abs().value();
+                    }
+                }
             },
             StepKind::Tap(tap) => {
                 let stroke = tap.inward.duration() + tap.outward.duration() + tap.dwell.value();

@@ -31,6 +31,7 @@ use canon::{Axis, Feed, Op, OpKind, PathMode, Position, ToolLibrary};
 use diag::{Diagnostic, Span};
 use units::{Length, Spin, Time};
 
+mod chips;
 mod refuse;
 mod spindle;
 mod tap;
@@ -58,6 +59,8 @@ struct SpindleState {
     told: Spin,
     /// Whether a step waits for `told` to be reached.
     awaited: bool,
+    /// Chips are being thrown off until then.
+    throwing: bool,
 }
 
 /// From operations to steps. See the module's header.
@@ -370,6 +373,9 @@ impl Planner {
             state.ordered = Spin::ZERO;
         }
         self.tell_spindles(job);
+        if self.spindles.iter().any(|state| state.throwing) {
+            self.await_spindles(job); // the last hole's chips too
+        }
         self.hand_on(job, StepKind::End);
     }
 

@@ -80,6 +80,28 @@ pub enum SpindleStep {
     AwaitSpeed,
     /// Stop at this angle within a turn and hold it there.
     Orient(Angle),
+    /// Throw chips off while the axes go on; go on to the next step at once.
+    Throw(ChipThrow),
+}
+
+/// Chip removal: wait until an axis passes a level, run against the cut, turn round as soon as that speed is
+/// reached.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChipThrow {
+    /// The speed that throws chips off.
+    pub throw: Spin,
+    /// From the speed that the spindle has been told to that one, as in [`SpindleStep::Turn`].
+    pub against: Profile,
+    /// The speed afterwards.
+    pub then: Spin,
+    /// From `throw` to `then`.
+    pub back: Profile,
+    /// The axis that leaves the hole.
+    pub axis: Axis,
+    /// Where on it the manoeuvre begins.
+    pub level: Length,
+    /// The axis passes it upwards.
+    pub upwards: bool,
 }
 
 /// A synchronised tap, planned.

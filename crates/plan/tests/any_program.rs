@@ -116,6 +116,10 @@ fn assert_hangs_together(steps: &[Step]) {
             }
             StepKind::Spindle { order: SpindleStep::AwaitSpeed, .. } => awaited = true,
             StepKind::Spindle { order: SpindleStep::Orient(_), .. } => assert_eq!(spin, Spin::ZERO),
+            StepKind::Spindle { order: SpindleStep::Throw(throw), .. } => {
+                assert!(awaited, "a ramp begins before the last one is over");
+                (spin, awaited) = (throw.then, false);
+            }
             StepKind::ChangeTool(_) => {
                 assert_eq!((spin, awaited, at.linear[2]), (Spin::ZERO, true, mm(0.0)));
             }

@@ -20,6 +20,9 @@ fn words(steps: &[Step]) -> String {
         }
         StepKind::Spindle { order: SpindleStep::AwaitSpeed, .. } => "await".into(),
         StepKind::Spindle { order: SpindleStep::Orient(_), .. } => "orient".into(),
+        StepKind::Spindle { order: SpindleStep::Throw(throw), .. } => {
+            format!("throw {:.0} then {:.0}", throw.throw.in_rpm(), throw.then.in_rpm())
+        }
         StepKind::Tap(t) => format!("tap({})", t.bottom.value()),
         StepKind::ChangeTool(n) => format!("tool({n})"),
         StepKind::Coolant { .. } => "coolant".into(),

@@ -114,6 +114,9 @@ pub struct Hole {
     pub depth_mm: Measured,
     /// How wide.
     pub diameter_mm: Measured,
+    /// Chips were thrown off afterwards.
+    #[serde(default)]
+    pub chip_removal: bool,
 }
 
 /// A thread; errors and forces are those in the material.

@@ -48,6 +48,7 @@ fn certificate() -> Certificate {
         y_mm: Measured::number(-0.0),
         depth_mm: Measured::number(15.0),
         diameter_mm: Measured::number(5.0),
+        chip_removal: true,
     };
     let polygon = Polygon {
         common: common(20),
@@ -113,7 +114,7 @@ fn every_promised_key_is_there_and_no_other() {
     );
     assert_eq!(keys(&value["alarms"][0]), sorted("number text line time_s"));
     let features = [
-        "kind line verdict reason time_s x_mm y_mm depth_mm diameter_mm",
+        "kind line verdict reason time_s x_mm y_mm depth_mm diameter_mm chip_removal",
         "kind line verdict reason time_s x_mm y_mm size hand lead_mm depth_mm depth_error_um rpm_max
          sync_error_max_um sync_error_rms_um lead_error_um groove_widening_um pitch_diameter_mm class
          margin_um torque_max_n_m axial_force_max_n start_angle_deg chip_removal recovered",

@@ -43,6 +43,14 @@ impl Feature {
         }
     }
 
+    /// Chips were thrown off the tool after it.
+    pub(crate) const fn chips_were_thrown(&mut self) {
+        match &mut self.kind {
+            FeatureKind::Hole(hole) => hole.chip_removal = true,
+            FeatureKind::Thread(thread) => thread.chip_removal = true,
+        }
+    }
+
     /// Where it is in the plane across the tool, as X and Y of the machine.
     pub const fn position(&self) -> [Length; 2] {
         match &self.kind {
@@ -118,6 +126,8 @@ pub struct Hole {
     pub position_error: Length,
     /// The tool's diameter; for a spot drill the cone's diameter at the surface.
     pub diameter: Length,
+    /// Chips were thrown off the tool after it, on the way to the next hole: seen, not only ordered.
+    pub chip_removal: bool,
 }
 
 /// Which way a thread winds.
@@ -234,7 +244,7 @@ pub struct Thread {
     pub axial_force_max: Option<Force>,
     /// Spindle angle within a turn at which the fitted helix passes the start plane.
     pub start_angle: Angle,
-    /// A chip-removal reversal came before it.
+    /// Chips were thrown off the tap after it, on the way to the next hole: seen, not only ordered.
     pub chip_removal: bool,
     /// The motion was faulted in the thread and the tap was driven out of it afterwards.
     pub recovered: bool,

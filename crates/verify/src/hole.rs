@@ -94,6 +94,7 @@ impl HoleTrack {
             depth_error,
             position_error: self.visit.position_error(),
             diameter: Length::mm(diameter_mm),
+            chip_removal: false, // the judge sees that later
         };
         let drilled =
             tool.1.filter(|t| matches!(t.kind, ToolKind::Drill { .. } | ToolKind::EndMill));

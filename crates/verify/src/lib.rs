@@ -10,6 +10,7 @@
 //!                                                ├─► Judge ─► Feature { Hole | Thread, Verdict }
 //!   bus::Sample ──► where the edges really were ─┘
 //! ```
+mod chips;
 mod class;
 mod config;
 mod feature;

@@ -35,6 +35,9 @@ impl Planner {
                 let order = SpindleStep::Orient(*angle);
                 return self.hand_on(job, StepKind::Spindle { spindle: index, order });
             }
+            SpindleOrder::ThrowChips(chips) => {
+                return self.throw_chips(job, usize::from(index), chips);
+            }
             SpindleOrder::ConstantSurfaceSpeed { .. } => {
                 let text = "constant surface speed (G96) is not available on this machine: give rpm with G97 S";
                 return self.findings.add(Diagnostic::error("M0310", job.span, text));
@@ -104,7 +107,7 @@ impl Planner {
             steps.push(
                 job.step(StepKind::Spindle { spindle, order: SpindleStep::Turn { spin, ramp } }),
             );
-            *state = SpindleState { told: spin, awaited: false, ..*state };
+            *state = SpindleState { told: spin, awaited: false, throwing: false, ..*state };
         }
         steps
     }
@@ -113,6 +116,7 @@ impl Planner {
         for index in 0..self.spindles.len() {
             if !self.spindles[index].awaited {
                 self.spindles[index].awaited = true;
+                self.spindles[index].throwing = false;
                 let (spindle, order) = (index as u8, SpindleStep::AwaitSpeed);
                 self.hand_on(job, StepKind::Spindle { spindle, order });
             }

@@ -258,6 +258,7 @@ pub fn hole(op: u32, line: u32, x: f64, y: f64) -> Feature {
         depth_error: Length::um(3.0),
         position_error: Length::um(2.0),
         diameter: Length::mm(5.0),
+        chip_removal: false,
     };
     let kind = FeatureKind::Hole(hole);
     let (time, duration) = (Time::s(1.0), Time::s(0.8));

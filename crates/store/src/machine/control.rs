@@ -1,7 +1,7 @@
 //! The control: its clock, what follows what, how long it waits, and the tool changer.
 use super::setup::percent;
 use crate::keys::Keys;
-use units::{Length, Time};
+use units::{Length, Spin, Time};
 
 /// The control.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,8 +12,10 @@ pub struct Control {
     pub command_delay_periods: u32,
     /// How programs are read, unless the command line says otherwise.
     pub dialect: Dialect,
-    /// Where a drilling cycle's depth is measured from.
-    pub cycle_depth: CycleDepth,
+    /// Where a drilling cycle's depth is measured from; as the dialect has it, if not stated.
+    pub cycle_depth: Option<CycleDepth>,
+    /// Chip removal in cycles whose blocks do not say it, if stated.
+    pub chip_removal: Option<ChipRemoval>,
     /// What follows what in a synchronised move.
     pub synchronisation: Synchronisation,
     /// How long each wait may last before it is an alarm.
@@ -55,6 +57,15 @@ pub enum CycleDepth {
     FromRPlane,
     /// From the initial level.
     FromInitialLevel,
+}
+
+/// Chips are thrown off by turning the spindle backwards between two holes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChipRemoval {
+    /// How fast; below the speed of the cut.
+    pub spin: Spin,
+    /// After each hole of a cycle whose number is a multiple of this; 0 is never.
+    pub every: u32,
 }
 
 /// What the follower of a synchronised move follows.
@@ -133,6 +144,7 @@ pub struct ToolChange {
 
 impl Control {
     pub(super) fn read(keys: &mut Keys<'_>) -> Self {
+        let canned = keys.optional_section("canned", Canned::read);
         Self {
             period: Time::s(keys.number("period_us", 50.0..=10_000.0) * 1e-6),
             command_delay_periods: keys.whole("command_delay_periods", 0..=16),
@@ -145,13 +157,8 @@ impl Control {
                     ("toyoda", Dialect::Toyoda),
                 ],
             ),
-            cycle_depth: keys.section("canned", |k| {
-                let names = [
-                    ("r_plane", CycleDepth::FromRPlane),
-                    ("initial", CycleDepth::FromInitialLevel),
-                ];
-                k.choice("z_reference", &names)
-            }),
+            cycle_depth: canned.and_then(|canned| canned.depth),
+            chip_removal: canned.and_then(|canned| canned.chips),
             synchronisation: keys.section("synchronisation", Synchronisation::read),
             waits: keys.section("waits", Waits::read),
             overrides: keys.section("overrides", Overrides::read),
@@ -161,6 +168,26 @@ impl Control {
                 file: k.optional_text("file"),
             }),
         }
+    }
+}
+
+/// `[control.canned]`.
+#[derive(Clone, Copy)]
+struct Canned {
+    depth: Option<CycleDepth>,
+    chips: Option<ChipRemoval>,
+}
+
+impl Canned {
+    fn read(keys: &mut Keys<'_>) -> Self {
+        let names =
+            [("r_plane", CycleDepth::FromRPlane), ("initial", CycleDepth::FromInitialLevel)];
+        let depth = keys.has("z_reference").then(|| keys.choice("z_reference", &names));
+        let chips = keys.optional_section("chip_removal", |k| ChipRemoval {
+            spin: Spin::rpm(k.number("rpm", 1.0..=200_000.0)),
+            every: k.whole("every", 0..=100_000),
+        });
+        Self { depth, chips }
     }
 }
 

@@ -35,6 +35,7 @@ pub use axis::{
     Axis, AxisWindows, Drive, Friction, Gentle, Loops, Motor, PositionFrom, Structure, Travel,
 };
 pub use control::{
+    ChipRemoval,
     Control, CycleDepth, Dialect, Follows, Learning, Overrides, Prediction, Synchronisation,
     ToolChange, Waits,
 };

@@ -1,0 +1,42 @@
+//! How a program is read: by the command line, else by the machine's file; and what the machine has set for cycles.
+use crate::args;
+use crate::refused::Refused;
+use store::machine::{self, Control, CycleDepth, MachineFile};
+
+/// The dialect asked for, or the machine's own.
+pub(crate) fn of(
+    asked: Option<args::Dialect>,
+    machine: &MachineFile,
+) -> Result<interp::Dialect, Refused> {
+    match asked {
+        Some(args::Dialect::Linuxcnc) => Ok(interp::Dialect::LinuxCnc),
+        Some(args::Dialect::Brother) => Ok(interp::Dialect::Brother),
+        None => match machine.control.dialect {
+            machine::Dialect::LinuxCnc => Ok(interp::Dialect::LinuxCnc),
+            machine::Dialect::Brother => Ok(interp::Dialect::Brother),
+            machine::Dialect::Fanuc => Err(unknown("fanuc", machine)),
+            machine::Dialect::Toyoda => Err(unknown("toyoda", machine)),
+        },
+    }
+}
+
+fn unknown(name: &str, machine: &MachineFile) -> Refused {
+    let machine = &machine.name;
+    Refused::because(format!(
+        "{machine} reads programs in the dialect {name}, which is not there yet: choose one with --dialect"
+    ))
+}
+
+/// What `[control.canned]` sets; where it is silent, the dialect decides.
+pub(crate) fn cycles(dialect: interp::Dialect, control: &Control) -> interp::Cycles {
+    interp::Cycles {
+        depth_from: match control.cycle_depth {
+            Some(CycleDepth::FromRPlane) => interp::DepthFrom::RPlane,
+            Some(CycleDepth::FromInitialLevel) => interp::DepthFrom::InitialLevel,
+            None => dialect.depth_from(),
+        },
+        chip_removal: control
+            .chip_removal
+            .map(|chips| interp::Chips { rpm: chips.spin.in_rpm(), every: chips.every }),
+    }
+}

@@ -1,0 +1,91 @@
+//! Chip removal on the way to the next hole: two ramps, and where they begin.
+//!
+//! ```text
+//!   n │ told ╲                   ╱ then        t_chip = 2(S+U)/A after drilling, 2U/A after a tap,
+//!     │        ╲               ╱               with a constant acceleration A
+//!   0 ├──────────╲───────────╱───── t
+//!     │            ╲_______╱
+//!     │           −U reached: turned round at once
+//! ```
+//!
+//! Both ramps use the torque and power curve. The order goes ahead of the rapid out of the hole, and the kernel
+//! obeys it when the axis passes the R plane; the next cut or tap awaits the spindle as after any other order.
+use super::{Job, Planner, SpindleState};
+use crate::findings::number;
+use crate::motion::coordinate;
+use crate::step::{ChipThrow, Move, SpindleStep, StepKind};
+use crate::tap_check::whole_rpm;
+use alloc::format;
+use canon::ChipRemoval;
+use diag::Diagnostic;
+use units::{Spin, Torque};
+
+/// Halvings of a move's time until the place is found: 2⁻⁴⁰ of it.
+const HALVINGS: u32 = 40;
+
+impl Planner {
+    pub(super) fn throw_chips(&mut self, job: &mut Job, index: usize, chips: &ChipRemoval) {
+        let (limits, state) = (self.limits.spindles[index], self.spindles[index]);
+        let highest = limits.reachable(Torque::ZERO);
+        let sound = chips.throw.is_finite() && chips.then.is_finite() && chips.level.is_finite();
+        let fastest = chips.throw.abs().max(chips.then.abs());
+        if !sound || fastest.value() > highest.value() * (1.0 + 1e-9) {
+            let text = format!(
+                "chips would be thrown off at S{}, which the spindle does not reach: S{} works",
+                number(fastest.in_rpm()),
+                number(whole_rpm(highest)),
+            );
+            return self.findings.add(Diagnostic::error("M0340", job.span, text));
+        }
+        if chips.throw.value() * state.told.value() > 0.0 || chips.throw == Spin::ZERO {
+            let text = format!(
+                "chips are thrown off against the cut: S{} is not against S{}",
+                number(chips.throw.in_rpm()),
+                number(state.told.in_rpm()),
+            );
+            return self.findings.add(Diagnostic::error("M0341", job.span, text));
+        }
+        let here = coordinate(&self.position(), chips.axis);
+        let order = SpindleStep::Throw(ChipThrow {
+            throw: chips.throw,
+            against: limits.ramp(state.told, chips.throw),
+            then: chips.then,
+            back: limits.ramp(chips.throw, chips.then),
+            axis: chips.axis,
+            level: chips.level,
+            upwards: chips.level.value() >= here,
+        });
+        self.outbox.release(&[], &self.limits, job.emit);
+        self.await_spindles(job); // a ramp begins where the one before has ended
+        self.hand_on(job, StepKind::Spindle { spindle: index as u8, order });
+        self.spindles[index] =
+            SpindleState { told: chips.then, awaited: false, throwing: true, ..state };
+    }
+}
+
+impl ChipThrow {
+    /// When a move passes the level, s after its start; `None` if it stays before it.
+    pub(crate) fn passed_by(&self, order: &Move) -> Option<f64> {
+        let beyond = |t: f64| {
+            let at = order.path.motion(order.profile.at(t)).position[self.axis.index()];
+            (at - self.level).value() * if self.upwards { 1.0 } else { -1.0 } >= -super::NOTHING
+        };
+        let (mut low, mut high) = (0.0, order.profile.duration());
+        if beyond(low) {
+            return Some(low);
+        }
+        if !beyond(high) {
+            return None;
+        }
+        for _ in 0..HALVINGS {
+            let middle = f64::midpoint(low, high);
+            if beyond(middle) { high = middle } else { low = middle }
+        }
+        Some(high)
+    }
+
+    /// How long it takes, s.
+    pub(crate) fn duration(&self) -> f64 {
+        self.against.duration() + self.back.duration()
+    }
+}
