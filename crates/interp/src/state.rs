@@ -1,9 +1,9 @@
 //! What holds from block to block: the modal state.
 use crate::compensation::Compensation;
 use crate::rigid::{Rigid, TapWords};
+use crate::setup::Chips;
 use crate::splines::Nurbs;
 use crate::tool_table::ToolEntry;
-use crate::setup::Chips;
 use crate::{
     call::{Corners, Sense, Units},
     frame::{Frame, Point},

@@ -35,9 +35,8 @@ pub use axis::{
     Axis, AxisWindows, Drive, Friction, Gentle, Loops, Motor, PositionFrom, Structure, Travel,
 };
 pub use control::{
-    ChipRemoval,
-    Control, CycleDepth, Dialect, Follows, Learning, Overrides, Prediction, Synchronisation,
-    ToolChange, Waits,
+    ChipRemoval, Control, CycleDepth, Dialect, Follows, Learning, Overrides, Prediction,
+    Synchronisation, ToolChange, Waits,
 };
 pub use setup::{Material, Setup, Simulation, Stock, TapSeat};
 pub use spindle::{Spindle, SpindleFriction, SpindleWindows};
