@@ -61,7 +61,7 @@ pub(crate) fn how(machine: &MachineFile) -> Learning {
 /// What was learnt, a line for each kind of stroke.
 pub(crate) fn text(lessons: &[Lesson]) -> String {
     let mut said = String::new();
-    for lesson in lessons {
+    for lesson in lessons.iter().filter(|lesson| lesson.strokes > 0) {
         let um = |score: Option<Length>| score.map_or(f64::NAN, Length::in_um);
         let end = if lesson.is_frozen() { ", frozen" } else { "" };
         said += &format!(

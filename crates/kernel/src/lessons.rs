@@ -84,6 +84,20 @@ impl Lessons {
         }
     }
 
+    /// Turns by which the spindle is braked earlier than planned.
+    pub(crate) fn early(&self) -> Angle {
+        self.list.last().filter(|_| self.active).map_or(Angle::ZERO, |lesson| lesson.early)
+    }
+
+    /// An encoder-following tap has ended as it should.
+    pub(crate) fn finish_following(&mut self, figures: &TapFigures) {
+        if core::mem::take(&mut self.active)
+            && let Some(lesson) = self.list.last_mut()
+        {
+            lesson.overran(figures.depth_error);
+        }
+    }
+
     /// A tap has ended as it should.
     pub(crate) fn finish(&mut self, figures: &TapFigures) -> Option<Learnt> {
         let learning = self.learning.filter(|_| self.active)?;

@@ -89,9 +89,7 @@ impl TapRun {
         };
         let transport = Transport::new(spindle.now(), age);
         stand_at(&plan.start, drives)?;
-        if config.synchronisation == SyncMode::CommandSynchronised {
-            drives.lessons.begin(drives.tool, plan);
-        }
+        drives.lessons.begin(drives.tool, plan);
         Ok(Self {
             cycle: Cycle::new(),
             monitor: Monitor::new(config.sync_windows, plan.surface, plan.bottom),
@@ -156,6 +154,7 @@ impl TapRun {
             outward: &Planned { profile: &plan.outward, mark: &marks[1] },
             start_angle: plan.start_angle,
             encoder_following: following,
+            early: drives.lessons.early(),
             gentle: axis.control.gentle,
         };
         let master = self.master(mode, spindle, context.config.period);
@@ -164,7 +163,8 @@ impl TapRun {
         let was = self.cycle.phase();
         self.cycle = self.cycle.next(&tap, &tick);
         let lessons = &mut drives.lessons;
-        let moment = self.cycle.moment(&tap);
+        // how long an encoder-following stroke takes is not known beforehand
+        let moment = self.cycle.moment(&tap).filter(|_| !following);
         let standing = self.cycle.phase() == Phase::Bottom;
         let learnt = |ahead: f64| match moment {
             Some(at) if standing => held(lessons.correction(at)),
@@ -194,7 +194,11 @@ impl TapRun {
             Err(finding) => Outcome::Failed(finding),
             Ok(()) if self.cycle == Cycle::Done => {
                 let figures = self.figures();
-                drives.lessons.finish(&figures);
+                if following {
+                    drives.lessons.finish_following(&figures);
+                } else {
+                    drives.lessons.finish(&figures);
+                }
                 context.note(EventKind::TapEnded(figures));
                 Outcome::Done
             }

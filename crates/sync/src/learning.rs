@@ -227,6 +227,8 @@ pub struct Lesson {
     pub gain: f64,
     /// Times that a correction made it worse.
     pub strikes: u8,
+    /// Turns by which an encoder-following spindle must be braked earlier than planned.
+    pub early: Angle,
 }
 
 /// What became of a stroke.
@@ -252,6 +254,7 @@ impl Lesson {
             first: None,
             gain,
             strikes: 0,
+            early: Angle::ZERO,
         }
     }
 
@@ -264,7 +267,7 @@ impl Lesson {
             channel.forget_errors();
         }
         (self.strokes, self.best, self.first) = (0, None, None);
-        (self.gain, self.strikes) = (gain, 0);
+        (self.gain, self.strikes, self.early) = (gain, 0, Angle::ZERO);
     }
 
     /// Time that one cell stands for.
@@ -323,6 +326,15 @@ impl Lesson {
         self.feed.update(used, self.gain, &filter, MOST_LEADS * lead);
         self.spindle.update(used, self.gain, &filter, MOST_LEADS);
         Learnt::Updated
+    }
+
+    /// An encoder-following stroke went beyond its bottom by so much (negative: it fell short): the stopping
+    /// angle of this spindle at this speed is longer than planned by as many turns. What braking overruns
+    /// does not depend on when it begins, so one stroke teaches all of it.
+    pub fn overran(&mut self, by: Length) {
+        const MOST: Angle = Angle::rev(10.0);
+        let turns: Angle = by / self.key.lead.abs();
+        self.early = (self.early + turns).max(-MOST).min(MOST);
     }
 
     fn roll_back(&mut self) -> Learnt {

@@ -74,6 +74,8 @@ pub struct Tap<'a, S> {
     pub start_angle: Option<Angle>,
     /// The axis obeys the encoder and the spindle only a speed.
     pub encoder_following: bool,
+    /// Turns by which an encoder-following spindle is braked earlier than planned: what it overran before.
+    pub early: Angle,
     /// Limits of the small moves onto the coupling and off it.
     pub gentle: (Speed, Accel),
 }
@@ -174,7 +176,7 @@ impl Cycle {
                 Self::In(coupling, clock(tap, tap.inward))
             }
             Self::In(coupling, clock) => {
-                let left = turns_left(tap, &coupling, tap.bottom, tick, 1.0);
+                let left = turns_left(tap, &coupling, tap.bottom, tick, 1.0) - tap.early;
                 let clock = clock.advance(tap.inward, tick, left);
                 let over = clock.at - tap.inward.duration();
                 if over < Time::ZERO {

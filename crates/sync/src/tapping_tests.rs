@@ -62,6 +62,7 @@ fn m6(encoder_following: bool, start_angle: Option<Angle>) -> Tap<'static, Trape
         outward: &STROKE,
         start_angle,
         encoder_following,
+        early: Angle::ZERO,
         gentle: (Speed::mm_per_s(50.0), Accel::mm_per_s2(500.0)),
     }
 }
@@ -176,6 +177,14 @@ fn an_encoder_following_tap_meets_its_depth_with_a_spindle_slower_than_ordered()
     // stopping angle is short by half a percent of 12.5 turns.
     let seen = run(&m6(true, None), 0.0, 0.995);
     assert!((seen.deepest + 30.0).abs() < 0.005 * 12.5 + 0.03, "{}", seen.deepest);
+}
+
+#[test]
+fn what_was_overrun_is_braked_for_earlier_the_next_time() {
+    let planned = run(&m6(true, None), 0.0, 1.0);
+    let early = run(&Tap { early: Angle::rev(0.5), ..m6(true, None) }, 0.0, 1.0);
+    assert!((early.braked_at - planned.braked_at - 0.5).abs() < 100.0 * 250e-6);
+    assert!((early.deepest - planned.deepest - 0.5).abs() < 1e-3);
 }
 
 #[test]
