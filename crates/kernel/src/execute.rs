@@ -119,10 +119,10 @@ impl Activity {
             Self::Idle | Self::Pausing | Self::Ended => Ok(Progress::Busy),
             Self::AtOnce => Ok(Progress::Done(dt)),
             Self::Moving(moving, state) => {
-                if *state == State::Feed {
+                let StepKind::Move(order) = step else { return Ok(Progress::Done(dt)) };
+                if *state == State::Feed && !order.floats {
                     drives.check_cut()?;
                 }
-                let StepKind::Move(order) = step else { return Ok(Progress::Done(dt)) };
                 match moving.advance(order, dt, drives) {
                     None => Ok(Progress::Busy),
                     Some(over) if !order.exact_stop => Ok(Progress::Done(over)),

@@ -351,6 +351,7 @@ fn careless(then_rpm: f64) -> Vec<StepKind> {
         rapid: false,
         per_revolution: false,
         exact_stop: true,
+        floats: false,
     };
     vec![spindle(turn), await_speed(), spindle(throw), StepKind::Move(cut), StepKind::End]
 }

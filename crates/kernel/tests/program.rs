@@ -135,7 +135,14 @@ fn a_move_per_revolution_follows_the_real_spindle() {
     let mut profile = Profile::EMPTY;
     assert!(profile.push(Piece { duration: 50.0, s: 0.0, v: 0.2, a: 0.0, j: 0.0 }));
     let path = Path::Line { from: ZERO, to: Position::xyz(10.0, 0.0, 0.0) };
-    let feed = Move { path, profile, rapid: false, per_revolution: true, exact_stop: false };
+    let feed = Move {
+        path,
+        profile,
+        rapid: false,
+        per_revolution: true,
+        exact_stop: false,
+        floats: false,
+    };
     let seen = run_here(&[turn(0.0, 600.0), await_speed(), StepKind::Move(feed), StepKind::End]);
     // 50 revolutions at 10 rev/s
     assert!((lasted(&seen, State::Feed) - 5.0).abs() < 0.02, "{}", lasted(&seen, State::Feed));

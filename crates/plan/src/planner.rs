@@ -251,7 +251,14 @@ impl Planner {
         if self.profile_is_refused(job, &profile, 1.0) {
             return None;
         }
-        let rapid = Move { path, profile, rapid: true, per_revolution: false, exact_stop: true };
+        let rapid = Move {
+            path,
+            profile,
+            rapid: true,
+            per_revolution: false,
+            exact_stop: true,
+            floats: false,
+        };
         Some(job.step(StepKind::Move(rapid)))
     }
 
@@ -296,7 +303,7 @@ impl Planner {
         let blend = matches!(self.mode, PathMode::Blend { .. });
         self.outbox.end_cut(!blend, &self.limits, job.emit);
         let exact_stop = matches!(self.mode, PathMode::ExactStop);
-        let cut = Move { path, profile, rapid: false, per_revolution, exact_stop };
+        let cut = Move { path, profile, rapid: false, per_revolution, exact_stop, floats: false };
         self.outbox.hold_cut(job.step(StepKind::Move(cut)));
     }
 

@@ -62,6 +62,8 @@ pub struct Move {
     pub per_revolution: bool,
     /// At the end, wait until every axis is in position before the next step.
     pub exact_stop: bool,
+    /// A tap's holder takes whatever spindle and feed differ by: nothing is wrong while the spindle is not at speed.
+    pub floats: bool,
 }
 
 /// What a spindle is told.

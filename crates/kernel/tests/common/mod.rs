@@ -295,7 +295,14 @@ pub fn line(from: Position, to: Position, speed: f64, exact_stop: bool) -> StepK
         (s, v, a) = (end.s, end.v, if j == 0.0 { 0.0 } else { end.a });
         assert!(profile.push(piece));
     }
-    StepKind::Move(Move { path, profile, rapid: true, per_revolution: false, exact_stop })
+    StepKind::Move(Move {
+        path,
+        profile,
+        rapid: true,
+        per_revolution: false,
+        exact_stop,
+        floats: false,
+    })
 }
 
 /// A straight ramp of the spindle from one speed to another, at an acceleration the drive has anywhere.

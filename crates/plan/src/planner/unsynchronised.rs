@@ -288,7 +288,8 @@ impl Planner {
 
     fn feed(&mut self, job: &mut Job, way: &Way, exact_stop: bool) {
         let Way { path, profile, .. } = *way;
-        let cut = Move { path, profile, rapid: false, per_revolution: false, exact_stop };
+        let cut =
+            Move { path, profile, rapid: false, per_revolution: false, exact_stop, floats: true };
         self.hand_on(job, StepKind::Move(cut));
     }
 }
