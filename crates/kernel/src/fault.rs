@@ -110,6 +110,7 @@ impl FaultKind {
         self.text().remedy
     }
 
+    #[allow(clippy::too_many_lines)] // a table: an entry for each alarm
     const fn text(self) -> Text {
         match self {
             Self::EmergencyStop => Text {

@@ -164,7 +164,8 @@ fn steps(ops: &[Op], accel: f64) -> Vec<StepKind> {
         planner.push(index, op, &mut |step| steps.push(step.kind));
     }
     planner.finish(&mut |step| steps.push(step.kind));
-    let refused: Vec<_> = planner.take_findings().into_iter().filter(|f| f.is_error()).collect();
+    let mut refused = planner.take_findings();
+    refused.retain(|finding| finding.is_error());
     assert!(refused.is_empty(), "{refused:?}");
     steps
 }
