@@ -51,6 +51,7 @@ pub enum StepKind {
 
 /// A move with the time along it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(clippy::struct_excessive_bools)] // four yes-or-no words of one order, each on its own
 pub struct Move {
     /// Where.
     pub path: Path,
