@@ -3,19 +3,24 @@
 #![no_main]
 
 use canon::OpKind;
-use interp::{Interpreter, Limits, Listing, Ops, Setup};
+use interp::{Dialect, Interpreter, Limits, Listing, Ops, Setup};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|program: &[u8]| {
     let limits = Limits { blocks: 5_000, ..Limits::default() };
-    let setup = Setup { limits, ..Setup::default() };
-    for op in Ops::new(program, &setup).take(100_000) {
+    for dialect in [Dialect::LinuxCnc, Dialect::Brother, Dialect::Fanuc, Dialect::FanucLatheA, Dialect::FanucLatheB] {
+        try_in(program, &Setup { dialect, limits, ..Setup::default() });
+    }
+});
+
+fn try_in(program: &[u8], setup: &Setup) {
+    for op in Ops::new(program, setup).take(100_000) {
         if let OpKind::Rapid { to } | OpKind::Line { to, .. } | OpKind::Arc { to, .. } = op.kind {
             assert!(to.linear.iter().chain(&to.parallel).all(|l| l.is_finite()));
             assert!(to.rotary.iter().all(|a| a.is_finite()));
         }
     }
-    let findings = interp::check(program, &setup);
+    let findings = interp::check(program, setup);
     assert!(findings.len() <= 1_500);
     for finding in &findings {
         assert!(
@@ -24,6 +29,6 @@ fuzz_target!(|program: &[u8]| {
         );
     }
     let mut listing = Listing::new(std::io::sink());
-    Interpreter::new(program, &setup).run(&mut listing);
+    Interpreter::new(program, setup).run(&mut listing);
     assert!(listing.finish().is_ok());
-});
+}

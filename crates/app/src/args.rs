@@ -108,6 +108,12 @@ pub(crate) struct ProgramArgs {
     /// How programs are read [default: as the machine's file says]
     #[arg(long, value_enum)]
     pub(crate) dialect: Option<Dialect>,
+    /// What a number without a decimal point counts in Fanuc's dialects
+    #[arg(long, value_enum, default_value_t = DecimalPoint::Increments)]
+    pub(crate) decimal_point: DecimalPoint,
+    /// Leave out blocks that begin with `/` of these levels (1 is `/` alone), as in --block-skip 1,2
+    #[arg(long, value_delimiter = ',', value_name = "LEVEL", value_parser = clap::value_parser!(u8).range(1..=9))]
+    pub(crate) block_skip: Vec<u8>,
     /// How hard taps are driven [default: the machine's]
     #[arg(long, value_enum, value_name = "PRESET")]
     pub(crate) tapping_preset: Option<TappingPreset>,
@@ -285,6 +291,21 @@ pub(crate) enum Dialect {
     Linuxcnc,
     /// Cycles as Brother's tapping centres have them: K repeats, U and E throw chips off
     Brother,
+    /// Fanuc's machining centres: custom macro B, least input increments
+    Fanuc,
+    /// Fanuc's lathes, G code system A
+    FanucLatheA,
+    /// Fanuc's lathes, G code system B
+    FanucLatheB,
+}
+
+/// What a number without a decimal point counts in Fanuc's dialects.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum DecimalPoint {
+    /// Least input increments: X10 is 0.010 mm
+    Increments,
+    /// Whole units, as on a pocket calculator: X10 is 10 mm
+    Calculator,
 }
 
 /// How a summary is printed.

@@ -11,10 +11,13 @@ pub(crate) fn of(
     match asked {
         Some(args::Dialect::Linuxcnc) => Ok(interp::Dialect::LinuxCnc),
         Some(args::Dialect::Brother) => Ok(interp::Dialect::Brother),
+        Some(args::Dialect::Fanuc) => Ok(interp::Dialect::Fanuc),
+        Some(args::Dialect::FanucLatheA) => Ok(interp::Dialect::FanucLatheA),
+        Some(args::Dialect::FanucLatheB) => Ok(interp::Dialect::FanucLatheB),
         None => match machine.control.dialect {
             machine::Dialect::LinuxCnc => Ok(interp::Dialect::LinuxCnc),
             machine::Dialect::Brother => Ok(interp::Dialect::Brother),
-            machine::Dialect::Fanuc => Err(unknown("fanuc", machine)),
+            machine::Dialect::Fanuc => Ok(interp::Dialect::Fanuc),
             machine::Dialect::Toyoda => Err(unknown("toyoda", machine)),
         },
     }

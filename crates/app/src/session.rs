@@ -1,5 +1,5 @@
 //! What a program meets: its text, the machine, the tools, the parameters; loaded once, from wherever they are.
-use crate::args::{ClutchDwell, MissingTools, ProgramArgs, Tapping, TappingPreset};
+use crate::args::{ClutchDwell, DecimalPoint, MissingTools, ProgramArgs, Tapping, TappingPreset};
 use crate::dialect;
 use crate::refused::Refused;
 use canon::ToolLibrary;
@@ -33,6 +33,8 @@ pub(crate) struct Session {
     pub(crate) taps: plan::Unsynchronised,
     /// How the program is read.
     pub(crate) dialect: interp::Dialect,
+    decimal_point: DecimalPoint,
+    block_skip: Vec<u8>,
     has_parameter_file: bool,
     subprograms: Vec<interp::Subprogram>,
 }
@@ -62,6 +64,8 @@ impl Session {
             tools_from,
             missing_tools,
             dialect,
+            decimal_point: args.decimal_point,
+            block_skip: args.block_skip.clone(),
         })
     }
 
@@ -73,6 +77,9 @@ impl Session {
         }
         interp::Setup {
             dialect: self.dialect,
+            block_delete: self.block_skip.contains(&1),
+            block_delete_levels: self.block_skip.iter().fold(0, |mask, level| mask | 1 << level),
+            whole_units_without_point: self.decimal_point == DecimalPoint::Calculator,
             cycles: dialect::cycles(self.dialect, &self.machine.control),
             tools: self.tools.clone(),
             missing_tools: match self.missing_tools {

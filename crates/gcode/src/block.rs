@@ -12,6 +12,7 @@
 //! nested (expressions, names, texts) lies in the block's own arenas and is reached by index.
 
 use crate::expression::{Expr, ExprId, Node, Parameter, Value};
+use crate::fanuc::Control;
 use diag::Span;
 
 /// A stretch of text kept by the block: a name or a comment. Read it with [`Block::text`].
@@ -163,6 +164,8 @@ pub struct Block {
     pub number: Option<f64>,
     /// The O-word.
     pub o: Option<OWord>,
+    /// IF, GOTO, WHILE, DO, END of Fanuc's grammar.
+    pub control: Option<Control>,
     /// The words in the order written; no letter but `G` and `M` occurs twice.
     pub words: Vec<Word>,
     /// The parameter settings in the order written.
@@ -216,7 +219,11 @@ impl Block {
     /// Whether the line says nothing at all (comments apart).
     #[must_use]
     pub fn is_blank(&self) -> bool {
-        self.o.is_none() && self.words.is_empty() && self.assignments.is_empty() && !self.percent
+        self.o.is_none()
+            && self.control.is_none()
+            && self.words.is_empty()
+            && self.assignments.is_empty()
+            && !self.percent
     }
 
     /// Empties the block and keeps its memory.
@@ -227,6 +234,7 @@ impl Block {
         self.faulty = false;
         self.number = None;
         self.o = None;
+        self.control = None;
         self.words.clear();
         self.assignments.clear();
         self.comments.clear();

@@ -5,6 +5,7 @@
 //! only `py,` is a keyword; the rest of such a line is for people.
 
 use crate::block::{Comment, CommentKind, Text};
+use crate::fanuc::Grammar;
 use crate::line::{Line, Read};
 use crate::problem::{Fault, Problem};
 
@@ -86,6 +87,7 @@ impl Line<'_, '_> {
             self.remark = Some(Fault { problem: Problem::CommentNotUtf8, from: open, to });
         }
         let (kind, skip) = match kind_of(&text) {
+            _ if self.grammar == Grammar::Fanuc => (CommentKind::Plain, 0),
             (kind, _) if semicolon && kind != CommentKind::Python => (CommentKind::Plain, 0),
             found => found,
         };

@@ -177,6 +177,12 @@ pub enum Function {
     Sqrt,
     /// Tangent.
     Tan,
+    /// Fanuc: inverse tangent of one argument, -90 to 90.
+    Atan,
+    /// Fanuc: from binary-coded decimal, 18 (0x12) to 12.
+    Bin,
+    /// Fanuc: to binary-coded decimal, 12 to 18 (0x12).
+    Bcd,
 }
 
 impl Function {
@@ -196,10 +202,19 @@ impl Function {
         ("TAN", Self::Tan),
     ];
 
+    /// What Fanuc's grammar has besides, and its other names.
+    pub const FANUC: [(&'static str, Self); 5] = [
+        ("BIN", Self::Bin),
+        ("BCD", Self::Bcd),
+        ("SQR", Self::Sqrt),
+        ("RND", Self::Round),
+        ("ATAN", Self::Atan),
+    ];
+
     /// As it is written.
     #[must_use]
     pub fn text(self) -> &'static str {
-        Self::ALL.iter().find(|(_, f)| *f == self).map_or("", |(name, _)| name)
+        Self::ALL.iter().chain(&Self::FANUC).find(|(_, f)| *f == self).map_or("", |(name, _)| name)
     }
 }
 

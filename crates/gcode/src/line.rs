@@ -3,12 +3,13 @@
 //! Blanks (space, tab) and case mean nothing outside comments, so there are no tokens: the reader
 //! looks at the next byte that is not blank, in upper case, and every rule of the grammar is
 //! written in terms of [`Line::peek`] and [`Line::take`]. `M O D` is `MOD`, and `X 1 . 5` is
-//! `X1.5`, without either having to be said again. A dialect with other rules (Fanuc's `IF` and
-//! `GOTO`, `:1234`) is another set of rules over these same few functions.
+//! `X1.5`, without either having to be said again. Fanuc's `IF`, `GOTO` and `:1234` are another set of
+//! rules over these same few functions.
 
 use crate::Block;
 use crate::block::Text;
 use crate::expression::{Expr, ExprId, Node, Value};
+use crate::fanuc::Grammar;
 use crate::problem::{Fault, Problem};
 use crate::{MAX_OPERATIONS, number};
 use diag::Span;
@@ -28,6 +29,8 @@ pub(crate) struct Line<'a, 'b> {
     pub(crate) place: Span,
     /// What is being filled.
     pub(crate) block: &'b mut Block,
+    /// Whose rules.
+    pub(crate) grammar: Grammar,
     /// Number of nodes before the value being read: bounds the operations in it.
     pub(crate) nodes_before: usize,
     /// A finding that does not spoil the block.

@@ -50,7 +50,7 @@ impl Line<'_, '_> {
         Ok(())
     }
 
-    fn label(&mut self) -> Read<Label> {
+    pub(crate) fn label(&mut self) -> Read<Label> {
         let from = self.start();
         match self.peek() {
             b'<' => Ok(Label::Name(self.name()?)),

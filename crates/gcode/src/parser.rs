@@ -8,6 +8,7 @@
 use crate::Block;
 use crate::block::{Assignment, Word};
 use crate::expression::Value;
+use crate::fanuc::Grammar;
 use crate::line::{Line, Read};
 use crate::number;
 use crate::problem::{Fault, Problem};
@@ -27,6 +28,7 @@ pub const MAX_DIAGNOSTICS: usize = 100;
 pub struct Parser<'a> {
     source: &'a [u8],
     file: u16,
+    grammar: Grammar,
     offset: usize,
     line: u32,
     diagnostics: Vec<Diagnostic>,
@@ -41,9 +43,16 @@ impl<'a> Parser<'a> {
     /// A reader at the beginning of `source`, which spans will call `file`.
     #[must_use]
     pub fn new(source: &'a [u8], file: u16) -> Self {
+        Self::with_grammar(source, file, Grammar::Rs274)
+    }
+
+    /// The same, by other rules.
+    #[must_use]
+    pub fn with_grammar(source: &'a [u8], file: u16, grammar: Grammar) -> Self {
         let mut parser = Self {
             source,
             file,
+            grammar,
             offset: 0,
             line: 1,
             diagnostics: Vec::new(),
@@ -76,9 +85,16 @@ impl<'a> Parser<'a> {
         if let [line @ .., b'\r'] = text {
             text = line;
         }
+        let (mut step, mut lines) = (step, 1);
+        if let Some((end, next)) = self.grammar.end_of_block(text) {
+            // what follows in the line is a block of its own, unless it is blank
+            let blank = text[next..].iter().all(|b| matches!(b, b' ' | b'\t'));
+            (step, lines) = if blank { (step, 1) } else { (next, 0) };
+            text = &text[..end];
+        }
         let place = self.place(self.offset, text.len());
         self.offset += step;
-        self.line += 1;
+        self.line += lines;
         self.read(text, place, block);
         true
     }
@@ -146,7 +162,16 @@ impl<'a> Parser<'a> {
             let fault = Fault { problem: Problem::LineTooLong, from: 0, to: 1 };
             return self.fault(fault, &text[..MAX_LINE_BYTES], place);
         }
-        let mut line = Line { text, at: 0, end: 0, place, block, nodes_before: 0, remark: None };
+        let mut line = Line {
+            text,
+            at: 0,
+            end: 0,
+            place,
+            block,
+            grammar: self.grammar,
+            nodes_before: 0,
+            remark: None,
+        };
         let result = line.read();
         let remark = line.remark;
         if let Err(fault) = result {
@@ -219,6 +244,9 @@ impl Line<'_, '_> {
             }
             self.block.number = Some(self.number()?);
         }
+        if self.grammar == Grammar::Fanuc {
+            return self.fanuc_block();
+        }
         match self.peek() {
             b'O' => {
                 self.o_word()?;
@@ -233,7 +261,7 @@ impl Line<'_, '_> {
         }
     }
 
-    fn items(&mut self) -> Read<()> {
+    pub(crate) fn items(&mut self) -> Read<()> {
         let mut seen = 0u64;
         loop {
             match self.peek() {
@@ -268,12 +296,18 @@ impl Line<'_, '_> {
         };
         let span = self.span(from);
         let bit = 1u64 << (letter & 63);
-        if *seen & bit != 0 && letter != b'G' && letter != b'M' {
+        if *seen & bit != 0 && letter != b'G' && letter != b'M' && !self.may_repeat(letter) {
             return self.fault_since(Problem::LetterTwice(letter), from);
         }
         *seen |= bit;
         self.block.words.push(Word { letter, value, span });
         Ok(())
+    }
+
+    /// I, J and K of G65.
+    #[cold]
+    fn may_repeat(&self, letter: u8) -> bool {
+        self.grammar == Grammar::Fanuc && matches!(letter, b'I' | b'J' | b'K')
     }
 
     /// A value that is not a plain number; `G1 X Y2` is a missing number, not a function Y.
@@ -295,13 +329,13 @@ impl Line<'_, '_> {
         if !self.take_if(b'=') {
             return self.fault_here(Problem::EqualsExpected);
         }
-        let value = self.whole_value()?;
+        let value = self.setting_value()?;
         self.block.assignments.push(Assignment { target, value, span: self.span(from) });
         Ok(())
     }
 
     /// Nothing but comments to the end of the line.
-    fn only_comments(&mut self, otherwise: Problem) -> Read<()> {
+    pub(crate) fn only_comments(&mut self, otherwise: Problem) -> Read<()> {
         loop {
             match self.peek() {
                 b'(' => self.bracket_comment()?,

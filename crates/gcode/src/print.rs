@@ -10,6 +10,7 @@
 
 use crate::block::{Block, Comment, Label};
 use crate::expression::{Expr, ExprId, Operator, Parameter, Value};
+use crate::fanuc::Control;
 use core::fmt::{Display, Formatter, Result};
 
 impl Display for Block {
@@ -32,6 +33,11 @@ impl Display for Block {
         if let Some(o) = self.o {
             f.write_str(gap)?;
             self.write_o_word(f, o.label, o.keyword.text())?;
+            gap = " ";
+        }
+        if let Some(control) = self.control {
+            f.write_str(gap)?;
+            self.write_control(f, control)?;
             gap = " ";
         }
         for word in &self.words {
@@ -80,6 +86,34 @@ impl Block {
             self.write_bracket(f, *argument)?;
         }
         Ok(())
+    }
+
+    fn write_control(&self, f: &mut Formatter<'_>, control: Control) -> Result {
+        match control {
+            Control::GoTo(to) => {
+                f.write_str("GOTO")?;
+                self.write_atom(f, to)
+            }
+            Control::IfGoTo { condition, to } => {
+                f.write_str("IF")?;
+                self.write_bracket(f, condition)?;
+                f.write_str("GOTO")?;
+                self.write_atom(f, to)
+            }
+            Control::IfThen(condition) => {
+                f.write_str("IF")?;
+                self.write_bracket(f, condition)?;
+                f.write_str("THEN")
+            }
+            Control::While { condition, level } => {
+                if let Some(condition) = condition {
+                    f.write_str("WHILE")?;
+                    self.write_bracket(f, condition)?;
+                }
+                write!(f, "DO{level}")
+            }
+            Control::End(level) => write!(f, "END{level}"),
+        }
     }
 
     fn write_comment(&self, f: &mut Formatter<'_>, comment: &Comment) -> Result {

@@ -17,6 +17,10 @@ pub(crate) enum Problem {
     NumberNotFirst,
     OWordNotFirst,
     EndAfterOWord,
+    EndAfterControl,
+    ThenExpected,
+    DoExpected,
+    LevelExpected,
     DeleteNotFirst,
     PercentNotAlone,
     CommentNotClosed,
@@ -86,6 +90,10 @@ impl Problem {
             Self::LabelExpected => "P0140",
             Self::LabelNotWhole => "P0141",
             Self::KeywordUnknown => "P0142",
+            Self::EndAfterControl => "P0150",
+            Self::ThenExpected => "P0151",
+            Self::DoExpected => "P0152",
+            Self::LevelExpected => "P0153",
             Self::LineTooLong => "P0190",
             Self::Binary => "P0191",
             Self::NotText => "P0192",
@@ -121,6 +129,14 @@ impl Problem {
             Self::EndAfterOWord => {
                 format!("expected the end of the line after the O-word, found {found}")
             }
+            Self::EndAfterControl => {
+                format!("expected the end of the block after GOTO, WHILE, DO or END, found {found}")
+            }
+            Self::ThenExpected => format!("expected GOTO or THEN after IF [...], found {found}"),
+            Self::DoExpected => {
+                format!("expected DO1, DO2 or DO3 after WHILE [...], found {found}")
+            }
+            Self::LevelExpected => format!("expected 1, 2 or 3 after DO and END, found {found}"),
             Self::DeleteNotFirst => "expected \"/\" only at the very beginning of a line".into(),
             Self::PercentNotAlone => "expected \"%\" alone on its line".into(),
             Self::CommentNotClosed => {

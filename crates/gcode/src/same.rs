@@ -2,6 +2,7 @@
 
 use crate::block::{Block, Label, Text};
 use crate::expression::{Expr, Parameter, Value};
+use crate::fanuc::Control;
 
 impl Block {
     /// Whether the two blocks say the same: words, settings, O-word, comments and arguments in
@@ -12,6 +13,7 @@ impl Block {
         (self.delete, self.percent, self.faulty) == (other.delete, other.percent, other.faulty)
             && self.number == other.number
             && to.o_word()
+            && to.control()
             && all(&self.arguments, &other.arguments, |a, b| to.value(*a, *b))
             && all(&self.words, &other.words, |a, b| {
                 a.letter == b.letter && to.value(a.value, b.value)
@@ -49,6 +51,23 @@ impl Pair<'_> {
             (a, b) => a == b,
         };
         label && a.keyword == b.keyword
+    }
+
+    fn control(&self) -> bool {
+        let parts = |control: Option<Control>| match control {
+            None => (0, None, None),
+            Some(Control::GoTo(to)) => (1, None, Some(to)),
+            Some(Control::IfGoTo { condition, to }) => (2, Some(condition), Some(to)),
+            Some(Control::IfThen(condition)) => (3, Some(condition), None),
+            Some(Control::While { condition, level }) => (10 + level, condition, None),
+            Some(Control::End(level)) => (20 + level, None, None),
+        };
+        let (a, b) = (parts(self.a.control), parts(self.b.control));
+        let same = |a: Option<Value>, b: Option<Value>| match (a, b) {
+            (Some(a), Some(b)) => self.value(a, b),
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        a.0 == b.0 && same(a.1, b.1) && same(a.2, b.2)
     }
 
     fn value(&self, a: Value, b: Value) -> bool {

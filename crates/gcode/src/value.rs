@@ -12,6 +12,7 @@
 
 use crate::MAX_NESTING;
 use crate::expression::{Expr, Function, Operator, Parameter, Value};
+use crate::fanuc::Grammar;
 use crate::line::{Line, Read};
 use crate::problem::Problem;
 
@@ -20,6 +21,17 @@ impl Line<'_, '_> {
     pub(crate) fn whole_value(&mut self) -> Read<Value> {
         self.nodes_before = self.block.nodes.len();
         self.value(0)
+    }
+
+    /// What a setting sets: Fanuc needs no brackets around `#1=#1+1`.
+    pub(crate) fn setting_value(&mut self) -> Read<Value> {
+        match self.grammar {
+            Grammar::Rs274 => self.whole_value(),
+            Grammar::Fanuc => {
+                self.nodes_before = self.block.nodes.len();
+                self.expression(1, 0)
+            }
+        }
     }
 
     /// A value, `depth` levels below the word it belongs to.
@@ -77,11 +89,12 @@ impl Line<'_, '_> {
         loop {
             let before = (self.at, self.end);
             let Some(operator) = self.operator()? else { return Ok(left) };
-            if operator.strength() < weakest {
+            let strength = self.grammar.strength(operator);
+            if strength < weakest {
                 (self.at, self.end) = before;
                 return Ok(left);
             }
-            let right = self.expression(operator.strength() + 1, depth)?;
+            let right = self.expression(strength + 1, depth)?;
             left = self.keep(Expr::Binary { operator, left, right }, from)?;
         }
     }
@@ -91,6 +104,7 @@ impl Line<'_, '_> {
         let from = self.start();
         let simple = match self.peek() {
             b']' => return Ok(None),
+            0 | b'(' if self.grammar == Grammar::Fanuc => return Ok(None), // `#1=#1+1`
             b'+' => Operator::Plus,
             b'-' => Operator::Minus,
             b'/' => Operator::Divide,
@@ -135,7 +149,7 @@ impl Line<'_, '_> {
         let count = self.letters(&mut buffer);
         match &buffer[..count] {
             b"ATAN" => self.atan(from, depth),
-            b"EXISTS" => {
+            b"EXISTS" if self.grammar == Grammar::Rs274 => {
                 self.open("EXISTS")?;
                 if self.peek() != b'#' {
                     return self.fault_here(Problem::ExistsNeedsParameter);
@@ -147,7 +161,12 @@ impl Line<'_, '_> {
                 self.keep(Expr::Exists(parameter), from)
             }
             name => {
-                let known = Function::ALL.iter().find(|(text, _)| text.as_bytes() == name);
+                let more: &[_] = match self.grammar {
+                    Grammar::Rs274 => &[],
+                    Grammar::Fanuc => &Function::FANUC,
+                };
+                let known =
+                    Function::ALL.iter().chain(more).find(|(text, _)| text.as_bytes() == name);
                 let Some(&(text, function)) = known else {
                     return self.fault_since(Problem::UnknownFunction, from);
                 };
@@ -159,7 +178,13 @@ impl Line<'_, '_> {
 
     fn atan(&mut self, from: usize, depth: u32) -> Read<Value> {
         let y = self.argument("ATAN", depth)?;
+        let before = (self.at, self.end);
         if !self.take_if(b'/') || self.peek() != b'[' {
+            if self.grammar == Grammar::Fanuc {
+                // of one argument
+                (self.at, self.end) = before;
+                return self.keep(Expr::Function { function: Function::Atan, argument: y }, from);
+            }
             return self.fault_here(Problem::AtanNeedsTwo);
         }
         let x = self.bracket(depth)?;

@@ -30,6 +30,9 @@ impl Dialect {
         match self {
             Self::LinuxCnc => "linuxcnc",
             Self::Brother => "brother",
+            Self::Fanuc => "fanuc",
+            Self::FanucLatheA => "fanuc-lathe-a",
+            Self::FanucLatheB => "fanuc-lathe-b",
         }
     }
 }

@@ -83,7 +83,7 @@ impl Values<'_> {
     }
 }
 
-fn binary(operator: Operator, left: f64, right: f64, span: Span) -> Outcome<f64> {
+pub(crate) fn binary(operator: Operator, left: f64, right: f64, span: Span) -> Outcome<f64> {
     let truth = |b: bool| Ok(f64::from(u8::from(b)));
     let equal = (left - right).abs() < EQUAL;
     match operator {
@@ -111,7 +111,7 @@ fn binary(operator: Operator, left: f64, right: f64, span: Span) -> Outcome<f64>
     }
 }
 
-fn apply(function: Function, x: f64, span: Span) -> Outcome<f64> {
+pub(crate) fn apply(function: Function, x: f64, span: Span) -> Outcome<f64> {
     let outside =
         |name: &str, range: &str| refuse("I0204", span, format!("{name} takes {range}, found {x}"));
     match function {
@@ -131,5 +131,7 @@ fn apply(function: Function, x: f64, span: Span) -> Outcome<f64> {
         Function::Sqrt if x < 0.0 => outside("SQRT", "0 or more"),
         Function::Sqrt => Ok(x.sqrt()),
         Function::Tan => Ok(x.to_radians().tan()),
+        Function::Atan => Ok(x.atan().to_degrees()),
+        Function::Bin | Function::Bcd => crate::fanuc::binary_coded(function, x, span),
     }
 }

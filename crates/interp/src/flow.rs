@@ -92,7 +92,7 @@ impl Interpreter<'_> {
         Err(first.into())
     }
 
-    fn jump(&mut self, at: At) {
+    pub(crate) fn jump(&mut self, at: At) {
         self.parsers[self.file].seek(at.0, at.1);
     }
 

@@ -2,6 +2,7 @@
 use crate::{
     call::{Call, Sink},
     execute::{After, Executor},
+    fanuc::Fanuc,
     fault::{Outcome, error},
     flow::Frame,
     outline::Outline,
@@ -45,6 +46,8 @@ pub struct Interpreter<'s> {
     pub(crate) choosing: bool,
     pub(crate) ended: bool,
     pub(crate) limits: Limits,
+    /// The front end of Fanuc's dialect.
+    fanuc: Option<Box<Fanuc>>,
     block_delete: bool,
     pub(crate) begun: bool,
     pub(crate) percent: bool,
@@ -65,7 +68,9 @@ impl<'s> Interpreter<'s> {
             sources.push(&subprogram.source);
             names.push(subprogram.name.clone());
         }
-        let parsers = sources.iter().enumerate().map(|(i, s)| Parser::new(s, i as u16)).collect();
+        let grammar = setup.dialect.grammar();
+        let parser = |(i, s): (usize, &&'s [u8])| Parser::with_grammar(s, i as u16, grammar);
+        let parsers = sources.iter().enumerate().map(parser).collect();
         Self {
             outlines: vec![None; sources.len()],
             sources,
@@ -79,6 +84,7 @@ impl<'s> Interpreter<'s> {
             choosing: false,
             ended: false,
             limits: setup.limits,
+            fanuc: Fanuc::of(setup),
             block_delete: setup.block_delete,
             begun: false,
             percent: false,
@@ -96,6 +102,9 @@ impl<'s> Interpreter<'s> {
         if !self.begun {
             self.begun = true;
             self.executor.begin(sink);
+            if let Some(fanuc) = &self.fanuc {
+                fanuc.begin(&mut self.executor, sink);
+            }
         }
         if self.ended {
             return Progress::Ended;
@@ -151,6 +160,11 @@ impl<'s> Interpreter<'s> {
             let found = self.parsers[self.file].take_diagnostics();
             self.report_all(found);
             return Ok(());
+        }
+        if let Some(mut fanuc) = self.fanuc.take() {
+            let result = fanuc.block(self, sink);
+            self.fanuc = Some(fanuc);
+            return result;
         }
         if self.block.delete.is_some() && self.block_delete {
             return Ok(());
@@ -220,7 +234,7 @@ impl<'s> Interpreter<'s> {
         Ok(())
     }
 
-    fn percent_sign<S: Sink>(&mut self, sink: &mut S) {
+    pub(crate) fn percent_sign<S: Sink>(&mut self, sink: &mut S) {
         if self.percent || self.executed > 1 && self.file == 0 && self.executor.state.line > 0 {
             self.executor.say(sink, &Call::Finish);
             self.ended = true;

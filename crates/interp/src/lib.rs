@@ -35,6 +35,7 @@ mod cycles;
 mod decimal;
 mod eval;
 mod execute;
+mod fanuc;
 mod fault;
 mod flow;
 mod frame;

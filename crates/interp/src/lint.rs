@@ -9,7 +9,7 @@
 //! what it does, they keep silent. What is an error is found by executing, not here.
 use crate::setup::Setup;
 use diag::{Diagnostic, Span};
-use gcode::{Block, Expr, Keyword, Label, Parameter, Parser, Value};
+use gcode::{Block, Expr, Grammar, Keyword, Label, Parameter, Parser, Value};
 use std::collections::{HashMap, HashSet};
 
 /// Parameters up to this one belong to a subprogram's call.
@@ -23,7 +23,13 @@ const MANY_SLOPES: u32 = 20;
 
 /// What is legal but hurts, and what the parser finds wrong in any line, by place.
 pub fn lint(source: &[u8], setup: &Setup) -> Vec<Diagnostic> {
-    let (mut parser, mut block) = (Parser::new(source, 0), Block::new());
+    let grammar = setup.dialect.grammar();
+    let (mut parser, mut block) = (Parser::with_grammar(source, 0, grammar), Block::new());
+    if grammar == Grammar::Fanuc {
+        // the remarks know the words of RS-274 only
+        while parser.next(&mut block) {}
+        return parser.take_diagnostics();
+    }
     let mut reader = Reader::new(setup);
     while parser.next(&mut block) {
         if !block.faulty {

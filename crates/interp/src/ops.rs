@@ -70,7 +70,7 @@ impl Iterator for Ops<'_> {
 
 /// Everything that is wrong with a program, also in lines that are never executed.
 pub fn check(source: &[u8], setup: &Setup) -> Vec<Diagnostic> {
-    let mut found = syntax(source);
+    let mut found = syntax(source, setup);
     let mut ops = Ops::new(source, setup);
     for _ in ops.by_ref() {}
     found.extend(ops.diagnostics());
@@ -78,8 +78,9 @@ pub fn check(source: &[u8], setup: &Setup) -> Vec<Diagnostic> {
 }
 
 /// What the parser finds wrong, in all lines.
-fn syntax(source: &[u8]) -> Vec<Diagnostic> {
-    let (mut parser, mut block) = (Parser::new(source, 0), Block::new());
+fn syntax(source: &[u8], setup: &Setup) -> Vec<Diagnostic> {
+    let mut parser = Parser::with_grammar(source, 0, setup.dialect.grammar());
+    let mut block = Block::new();
     while parser.next(&mut block) {}
     parser.take_diagnostics()
 }

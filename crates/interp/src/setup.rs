@@ -1,5 +1,6 @@
 //! What the interpreter is told before it begins: plain data, no files.
 use canon::{Position, ToolLibrary};
+use gcode::Grammar;
 
 /// Whose words a program uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -10,13 +11,29 @@ pub enum Dialect {
     /// The same core with the cycles of Brother's tapping centres: K counts repetitions, P waits at the
     /// bottom in G81 too, U and E throw chips off on the way; G98 at the start of a program.
     Brother,
+    /// Fanuc's machining centres: custom macro B, least input increments, milliseconds.
+    Fanuc,
+    /// Fanuc's lathes, G code system A.
+    FanucLatheA,
+    /// Fanuc's lathes, G code system B.
+    FanucLatheB,
 }
 
 impl Dialect {
+    /// How its text is read.
+    pub const fn grammar(self) -> Grammar {
+        match self {
+            Self::Fanuc | Self::FanucLatheA | Self::FanucLatheB => Grammar::Fanuc,
+            Self::LinuxCnc | Self::Brother => Grammar::Rs274,
+        }
+    }
+
     /// Where its cycles measure Z from under G91, unless the machine says otherwise.
     pub const fn depth_from(self) -> DepthFrom {
         match self {
-            Self::LinuxCnc => DepthFrom::RPlane,
+            Self::LinuxCnc | Self::Fanuc | Self::FanucLatheA | Self::FanucLatheB => {
+                DepthFrom::RPlane
+            }
             Self::Brother => DepthFrom::InitialLevel,
         }
     }
@@ -80,6 +97,11 @@ pub struct Setup {
     pub start: Position,
     /// Whether blocks that begin with `/` are left out.
     pub block_delete: bool,
+    /// Fanuc: levels of block skip that are on besides, bit 2 for `/2` up to bit 9.
+    pub block_delete_levels: u16,
+    /// Fanuc: a number without a point counts whole millimetres, inches or degrees (calculator type), not
+    /// least input increments.
+    pub whole_units_without_point: bool,
     /// What stops a program that does not stop by itself.
     pub limits: Limits,
 }

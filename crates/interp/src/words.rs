@@ -39,8 +39,9 @@ impl Words {
         }
     }
 
-    /// Fill from a block, evaluating what is not a plain number.
-    pub(crate) fn read(&mut self, block: &gcode::Block, values: &Values) -> Outcome {
+    /// Empty, for this block.
+    #[inline]
+    pub(crate) fn begin(&mut self, block: &gcode::Block) {
         self.place = Place { span: block.span, number: block.number.map(|n| n as u32) };
         self.present = 0;
         self.cycle_off = false;
@@ -49,6 +50,11 @@ impl Words {
             self.m = [NONE; M_GROUPS];
             self.any_code = false;
         }
+    }
+
+    /// Fill from a block, evaluating what is not a plain number.
+    pub(crate) fn read(&mut self, block: &gcode::Block, values: &Values) -> Outcome {
+        self.begin(block);
         for word in &block.words {
             let value = match word.value {
                 gcode::Value::Number(number) => number,
@@ -57,24 +63,47 @@ impl Words {
             match word.letter {
                 b'G' => self.take_g(value, word.span)?,
                 b'M' => self.take_m(value, word.span)?,
-                letter => {
-                    let i = codes::index(letter);
-                    if self.present & (1 << i) != 0 {
-                        let text = format!("{} occurs twice in one block", codes::letter(i));
-                        return Err(error("I0101", word.span, text)
-                            .with_label(self.at[i], "first here")
-                            .into());
-                    }
-                    self.present |= 1 << i;
-                    self.value[i] = value;
-                    self.at[i] = word.span;
-                }
+                letter => self.put(letter, value, word.span)?,
             }
         }
         Ok(())
     }
 
-    fn take_g(&mut self, value: f64, span: Span) -> Outcome {
+    /// Add a word that is no code.
+    #[inline]
+    pub(crate) fn put(&mut self, letter: u8, value: f64, span: Span) -> Outcome {
+        let i = codes::index(letter);
+        if self.present & (1 << i) != 0 {
+            return Err(self.twice(i, span).into());
+        }
+        self.present |= 1 << i;
+        self.value[i] = value;
+        self.at[i] = span;
+        Ok(())
+    }
+
+    #[cold]
+    fn twice(&self, i: usize, span: Span) -> diag::Diagnostic {
+        let text = format!("{} occurs twice in one block", codes::letter(i));
+        error("I0101", span, text).with_label(self.at[i], "first here")
+    }
+
+    /// Take a word away.
+    pub(crate) fn take(&mut self, letter: u8) -> Option<f64> {
+        let value = self.get(letter)?;
+        self.present &= !(1 << codes::index(letter));
+        Some(value)
+    }
+
+    /// Raise a word's value, if it is there.
+    pub(crate) fn add(&mut self, letter: u8, more: f64) {
+        if self.get(letter).is_some() {
+            self.value[codes::index(letter)] += more;
+        }
+    }
+
+    /// Add a G code of the shared table.
+    pub(crate) fn take_g(&mut self, value: f64, span: Span) -> Outcome {
         let Some(code) = tenths(value).and_then(codes::g_code) else {
             let mut fault = error("I0102", span, format!("G{value} is no known code"));
             let guess = codes::similar_g(value);
@@ -110,7 +139,8 @@ impl Words {
             .into())
     }
 
-    fn take_m(&mut self, value: f64, span: Span) -> Outcome {
+    /// Add an M code of the shared table.
+    pub(crate) fn take_m(&mut self, value: f64, span: Span) -> Outcome {
         let Some(code) = tenths(value).and_then(codes::m_code) else {
             return Err(error("I0105", span, format!("M{value} is no known code")).into());
         };

@@ -1,0 +1,170 @@
+//! The words that steer a Fanuc custom macro, and what else its tapes write differently.
+//!
+//! ```text
+//!   line    = [ "/" [ level ] ] [ "N" number ] ( program | steer | { word | setting | comment } ) [ ";" ]
+//!   program = ( "O" | ":" ) number
+//!   steer   = "GOTO" value
+//!           | "IF" "[" condition "]" ( "GOTO" value | "THEN" { setting | word } )
+//!           | [ "WHILE" "[" condition "]" ] "DO" level   |   "END" level
+//! ```
+//!
+//! A semicolon ends a block, so that one line can hold several; I, J and K may stand several times in a
+//! block (the arguments of G65); `AND` binds like a product, `OR` and `XOR` like a sum.
+//!
+//! Source: Fanuc, operator's manual of series 30i/0i, "Custom macro" and "Program configuration".
+
+use crate::block::{Keyword, OWord};
+use crate::expression::{Operator, Value};
+use crate::line::{Line, Read};
+use crate::problem::Problem;
+
+/// Whose rules the text follows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Grammar {
+    /// RS-274/NGC as LinuxCNC reads it.
+    #[default]
+    Rs274,
+    /// Fanuc's tapes and custom macros.
+    Fanuc,
+}
+
+/// What a block does to the order of execution, in Fanuc's grammar.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Control {
+    /// `GOTO n`.
+    GoTo(Value),
+    /// `IF [condition] GOTO n`.
+    IfGoTo {
+        /// Above zero: go.
+        condition: Value,
+        /// The N word of the block to go to.
+        to: Value,
+    },
+    /// `IF [condition] THEN …`: what else the block says is done only if it holds.
+    IfThen(Value),
+    /// `WHILE [condition] DO m`; without a condition for ever.
+    While {
+        /// Asked before each round.
+        condition: Option<Value>,
+        /// Which `END` belongs to it.
+        level: u8,
+    },
+    /// `END m`.
+    End(u8),
+}
+
+impl Grammar {
+    /// How strongly an operator binds.
+    pub(crate) const fn strength(self, operator: Operator) -> u8 {
+        match (self, operator) {
+            (Self::Fanuc, Operator::And) => Operator::Times.strength(),
+            (Self::Fanuc, Operator::Or | Operator::Xor) => Operator::Plus.strength(),
+            _ => operator.strength(),
+        }
+    }
+
+    /// Where the block at the beginning of `text` ends, and the next one begins if it is in the same line.
+    pub(crate) fn end_of_block(self, text: &[u8]) -> Option<(usize, usize)> {
+        if self == Self::Rs274 {
+            return None;
+        }
+        let mut inside = false;
+        let mark = text.iter().position(|byte| match byte {
+            b'(' => {
+                inside = true;
+                false
+            }
+            b')' => {
+                inside = false;
+                false
+            }
+            b';' => !inside,
+            _ => false,
+        })?;
+        Some((mark, mark + 1))
+    }
+}
+
+impl Line<'_, '_> {
+    /// A block of Fanuc's, after block delete and N.
+    pub(crate) fn fanuc_block(&mut self) -> Read<()> {
+        match self.peek() {
+            b'O' | b':' => {
+                let from = self.start();
+                self.take();
+                let label = self.label()?;
+                self.block.o =
+                    Some(OWord { label, keyword: Keyword::Program, span: self.span(from) });
+                return self.only_comments(Problem::EndAfterOWord);
+            }
+            b'%' => {
+                self.take();
+                self.block.percent = true;
+                return self.only_comments(Problem::PercentNotAlone);
+            }
+            b'G' | b'I' | b'W' | b'D' | b'E' => self.control()?,
+            _ => {}
+        }
+        match self.block.control {
+            None | Some(Control::IfThen(_)) => self.items(),
+            Some(_) => self.only_comments(Problem::EndAfterControl),
+        }
+    }
+
+    fn control(&mut self) -> Read<()> {
+        let control = if self.take_text("GOTO") {
+            Control::GoTo(self.whole_value()?)
+        } else if self.take_text("IF[") {
+            let condition = self.condition()?;
+            if self.take_text("GOTO") {
+                Control::IfGoTo { condition, to: self.whole_value()? }
+            } else if self.take_text("THEN") {
+                Control::IfThen(condition)
+            } else {
+                return self.fault_here(Problem::ThenExpected);
+            }
+        } else if self.take_text("WHILE[") {
+            let condition = Some(self.condition()?);
+            if !self.take_text("DO") {
+                return self.fault_here(Problem::DoExpected);
+            }
+            Control::While { condition, level: self.level()? }
+        } else if self.take_text("DO") {
+            Control::While { condition: None, level: self.level()? }
+        } else if self.take_text("END") {
+            Control::End(self.level()?)
+        } else {
+            return Ok(());
+        };
+        self.block.control = Some(control);
+        Ok(())
+    }
+
+    /// The rest of a condition whose `[` was taken with its keyword.
+    fn condition(&mut self) -> Read<Value> {
+        self.at -= 1;
+        self.whole_value()
+    }
+
+    /// 1, 2 or 3.
+    fn level(&mut self) -> Read<u8> {
+        let from = self.start();
+        if !self.peek().is_ascii_digit() {
+            return self.fault_here(Problem::LevelExpected);
+        }
+        match self.number()? {
+            level @ (1.0 | 2.0 | 3.0) => Ok(level as u8),
+            _ => self.fault_since(Problem::LevelExpected, from),
+        }
+    }
+
+    /// Takes these bytes if they come next, blanks between them or not.
+    fn take_text(&mut self, text: &str) -> bool {
+        let before = (self.at, self.end);
+        let taken = text.bytes().all(|byte| self.take_if(byte));
+        if !taken {
+            (self.at, self.end) = before;
+        }
+        taken
+    }
+}

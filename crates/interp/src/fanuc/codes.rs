@@ -1,0 +1,100 @@
+//! Fanuc's G and M codes, and which shared code each of them is.
+use super::Kind;
+
+/// What a G code is in the shared language.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Meaning {
+    /// This code, in tenths.
+    Shared(u16),
+    /// It ends something that Leadscrew does not begin: nothing is to be done.
+    Off,
+    /// G33, G32.
+    Thread,
+    /// G77, G78, G79 of lathes (A: G90, G92, G94): a cycle of four moves.
+    Box(u16),
+    /// Known, and not executed.
+    NotYet(&'static str),
+    /// No code.
+    Unknown,
+}
+
+/// A lathe's code in system B, in tenths; system A writes some of them differently.
+const fn system_b(tenths: u16) -> u16 {
+    match tenths {
+        320 => 330,
+        500 => 920,
+        900 => 770,
+        920 => 780,
+        940 => 790,
+        980 => 940,
+        990 => 950,
+        other => other,
+    }
+}
+
+/// What G means, in tenths.
+pub(super) fn meaning(kind: Kind, tenths: u16) -> Meaning {
+    use Meaning::{Box, NotYet, Off, Shared, Thread, Unknown};
+    if kind == Kind::LatheA && matches!(tenths, 330 | 770..=790 | 910 | 950) {
+        return Unknown;
+    }
+    let code = if kind == Kind::LatheA { system_b(tenths) } else { tenths };
+    if kind != Kind::Mill {
+        match code {
+            700 => return NotYet("finishing cycle"),
+            710 | 720 | 730 => return NotYet("roughing cycle"),
+            740 | 750 => return NotYet("pecking and grooving cycle"),
+            760 => return NotYet("multiple threading cycle"),
+            770..=790 => return Box(code),
+            810..=890 => return NotYet("drilling cycle of lathes"),
+            340 => return NotYet("thread of variable lead"),
+            _ => {}
+        }
+    }
+    match code {
+        0 | 10 | 20 | 30 | 40 | 100 | 170 | 180 | 190 | 200 | 210 | 280 | 300 => Shared(code),
+        400 | 410 | 420 | 430 | 490 | 520 | 530 | 540 | 550 | 560 | 570 | 580 | 590 => Shared(code),
+        640
+        | 730
+        | 740
+        | 800..=860
+        | 890
+        | 900
+        | 910
+        | 920
+        | 930
+        | 940
+        | 950
+        | 960
+        | 970
+        | 980
+        | 990
+            if code != 842 && code != 843 || kind == Kind::Mill =>
+        {
+            Shared(code)
+        }
+        541 => Shared(541),
+        610 => Shared(611),
+        330 => Thread,
+        150 | 500 | 501 | 690 | 131 | 230 | 250 | 670 | 502 => Off,
+        90 => NotYet("exact stop for one block"),
+        160 => NotYet("polar coordinates"),
+        270 | 290 => NotYet("return from the reference point"),
+        310 => NotYet("skip"),
+        440 => NotYet("tool length offset, negative"),
+        510 | 511 => NotYet("scaling and mirroring"),
+        512 => NotYet("polygon turning"),
+        600 => NotYet("positioning from one side"),
+        620 | 630 => NotYet("corner override and tapping mode"),
+        680 => NotYet("coordinate rotation"),
+        760 => NotYet("fine boring"),
+        870 => NotYet("back boring"),
+        880 => NotYet("boring, manual out"),
+        _ => Unknown,
+    }
+}
+
+/// M codes that are the same in the shared language.
+pub(super) const fn is_shared_m(number: u16) -> bool {
+    matches!(number, 0..=9 | 19 | 29 | 30 | 48 | 49 | 60)
+}
