@@ -1,5 +1,5 @@
 //! The language server, spoken to as an editor speaks: JSON-RPC over the program's standard input and output.
-#![allow(clippy::unwrap_used)] // a test may panic
+#![allow(clippy::unwrap_used, clippy::needless_pass_by_value)] // a test may panic
 use serde_json::{Value, json};
 use std::{
     io::{BufRead, BufReader, Read, Write},

@@ -91,7 +91,7 @@ impl DwellWindow {
 mod tests {
     use super::*;
 
-    /// D 5 mm, S3000, M6: t_d 0.1 s; stopping in 0.08 s along a straight ramp; a tenth of a turn of backlash.
+    /// D 5 mm, S3000, M6: `t_d` 0.1 s; stopping in 0.08 s along a straight ramp; a tenth of a turn of backlash.
     fn m6(clearance_mm: f64) -> ClutchCycle {
         ClutchCycle {
             spline_length: Length::mm(5.0),

@@ -91,11 +91,11 @@ fn a_dwell_that_is_left_out_is_the_middle_of_the_window_of_the_measured_spindle(
     let tapping = Unsynchronised { drive: Some(DRIVE), ..Unsynchronised::default() };
     let steps = steps_of(planner(CLUTCH, tapping), order(0.0));
     // the way back: 15 mm at 50 mm/s; what it takes longer than 0.3 s is lost half at each end
-    let back = steps.iter().filter_map(|s| match &s.kind {
+    let mut back = steps.iter().filter_map(|s| match &s.kind {
         StepKind::Move(m) if !m.rapid => Some(m.profile.duration()),
         _ => None,
     });
-    let lag_s = (back.last().expect("it comes back") - 0.3) / 2.0;
+    let lag_s = (back.next_back().expect("it comes back") - 0.3) / 2.0;
     assert!(lag_s > 0.0 && lag_s < 0.02, "{lag_s}");
     // t_d + delay + 1.5·t_stop + β/n − lag, less clr/(n·H) = 0.1 at the lower end
     let most = 0.1 + 0.02 + 0.12 + 0.002 - lag_s;
