@@ -73,6 +73,16 @@ impl Holes {
         self.by_cell.entry((cell(x), cell(y))).or_default().push(drilled);
     }
 
+    /// A hole that a tool of this diameter would meet off its centre, and how far off.
+    pub(crate) fn beside(&self, at: &Position, diameter: Length) -> Option<(Drilled, Length)> {
+        let (x, y) = place(at);
+        let off = |d: &Drilled| libm::hypot(d.x - x, d.y - y);
+        let meets = |d: &&Drilled| off(d) < (d.diameter + diameter).value() / 2.0;
+        let holes = self.by_cell.values().flatten().filter(meets);
+        let nearest = holes.min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        Some((*nearest, Length::mm(off(nearest))))
+    }
+
     /// The hole at a place that matters to a tap whose tip goes down to `tip`: the widest of those that reach that
     /// deep, else the deepest.
     pub(crate) fn at(&self, at: &Position, tip: Length) -> Option<Drilled> {

@@ -21,7 +21,9 @@
 //! M0306 G95 at rest, M0307 cutting at rest, M0308 spindle speed, M0309 tool missing, M0310 G96, M0311 arc, M0312
 //! dwell, M0313 spindle missing, M0314 endless block, M0315 no drill; taps: M0320 feed axis too slow, M0321 tapping maximum, M0322
 //! flutes, M0323 hole depth, M0324 hole not drilled here, M0325 hole diameter, M0326 lead, M0327 hand, M0328 no tap,
-//! M0329 no tool, M0330 another axis moves, M0331 spindle too weak, M0332 return slowed, M0333 no tap at all.
+//! M0329 no tool, M0330 another axis moves, M0331 spindle too weak, M0332 return slowed, M0333 no tap at all, M0334
+//! not along the tool axis, M0335 beside its hole; clutch and floating holders: M0340 dwell, M0341 stroke, M0342 travel,
+//! M0343 words; chip removal: M0350 too fast for the spindle, M0351 not against the cut.
 #![no_std]
 #![allow(clippy::large_types_passed_by_value)] // a step is moved once, into the queue
 extern crate alloc;

@@ -214,12 +214,20 @@ impl TapCheck<'_> {
         } else if drilled > core.1 {
             Diagnostic::warning("M0325", self.span, text)
                 .with_help("the thread will be too shallow for 6H")
+        } else if drilled < tap_core(nominal, pitch) {
+            Diagnostic::error("M0325", self.span, text)
+                .with_help("the tap's own core does not go into this hole")
         } else {
             Diagnostic::warning("M0325", self.span, text)
                 .with_help("the tap cuts too much and may break")
         };
         Some(finding.with_label(hole.span, "drilled here"))
     }
+}
+
+/// Core of a tap: d3 = d − 1.226869·P (ISO 724, the root of the external thread).
+fn tap_core(nominal_mm: f64, pitch_mm: f64) -> f64 {
+    nominal_mm - 1.226_869 * pitch_mm
 }
 
 /// Tolerance TD1 of the core, 6H, by pitch: µm by mm (ISO 965-1, table 3).

@@ -178,6 +178,35 @@ fn deeper_than_the_hole() {
 }
 
 #[test]
+fn beside_its_hole() {
+    let tap = tap(10.4, 10.3, 2.0, -20.0, 1.0, 3000.0);
+    let [x, y, z] = tap.start.linear.map(units::Length::value);
+    let found = findings([
+        change(1),
+        turn(2000.0),
+        rapid(10.0, 10.0, -128.0),
+        hole(10.0, 10.0, -30.0),
+        line(10.0, 10.0, -160.0, 300.0),
+        rapid(10.0, 10.0, -128.0),
+        change(2),
+        rapid(x, y, z),
+        OpKind::Tap(tap),
+    ]);
+    assert_snapshot!(found, @r"
+    M0335 Error line 9: the tap would meet the hole of 5 mm drilled here 0.5 mm off its centre
+        help: tap at the place that was drilled
+    ");
+}
+
+#[test]
+fn in_a_hole_that_the_taps_own_core_does_not_enter() {
+    assert_snapshot!(drilled_and_tapped(1, -30.0, 5, tap(10.0, 10.0, 2.0, -20.0, 1.25, 3000.0)), @r"
+    M0325 Error line 9: expected a hole of 6.647 to 6.912 mm for M8x1.25, found 5 mm
+        help: the tap's own core does not go into this hole
+    ");
+}
+
+#[test]
 fn in_a_hole_of_the_wrong_diameter() {
     assert_snapshot!(drilled_and_tapped(6, -25.0, 2, tap(10.0, 10.0, 2.0, -20.0, 1.0, 3000.0)), @r"
     M0325 Warning line 9: expected a hole of 4.917 to 5.153 mm for M6x1, found 5.6 mm

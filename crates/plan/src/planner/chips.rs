@@ -35,7 +35,7 @@ impl Planner {
                 number(fastest.in_rpm()),
                 number(whole_rpm(highest)),
             );
-            return self.findings.add(Diagnostic::error("M0340", job.span, text));
+            return self.findings.add(Diagnostic::error("M0350", job.span, text));
         }
         if chips.throw.value() * state.told.value() > 0.0 || chips.throw == Spin::ZERO {
             let text = format!(
@@ -43,7 +43,7 @@ impl Planner {
                 number(chips.throw.in_rpm()),
                 number(state.told.in_rpm()),
             );
-            return self.findings.add(Diagnostic::error("M0341", job.span, text));
+            return self.findings.add(Diagnostic::error("M0351", job.span, text));
         }
         let here = coordinate(&self.position(), chips.axis);
         let order = SpindleStep::Throw(ChipThrow {

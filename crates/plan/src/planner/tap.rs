@@ -26,7 +26,7 @@ use crate::stroke::{Stroke, StrokeRequest};
 use crate::tap_check::{TapCheck, cutting_torque, whole_rpm};
 use alloc::{format, string::String};
 use canon::{Axis, Holder, Tap, TapTool, Tool, ToolKind};
-use diag::Diagnostic;
+use diag::{Diagnostic, Span};
 use units::{Angle, Lead, Length, Time, Torque};
 
 /// The axes stand at the start if they are this near to it, mm.
@@ -109,7 +109,11 @@ impl Planner {
             spindle: &inward.1,
             hole,
         };
-        let found = check.findings(cut);
+        let mut found = check.findings(cut);
+        if hole.is_none() && tap.axis == Axis::Z {
+            let beside = self.holes.beside(&tap.start, tool.diameter);
+            found.extend(beside.map(|(hole, off)| beside_its_hole(job.span, &hole, off)));
+        }
         let refused = place || found.iter().any(Diagnostic::is_error);
         for finding in found {
             self.findings.add(finding);
@@ -317,6 +321,18 @@ fn pecks(tap: &Tap, retract: Retract) -> impl Iterator<Item = Peck> {
         from = peck.end;
         peck
     })
+}
+
+/// A tap that would meet a drilled hole off its centre: it would be bent and break.
+fn beside_its_hole(span: Span, hole: &Drilled, off: Length) -> Diagnostic {
+    let text = format!(
+        "the tap would meet the hole of {} mm drilled here {} mm off its centre",
+        number(hole.diameter.value()),
+        number(off.value()),
+    );
+    Diagnostic::error("M0335", span, text)
+        .with_label(hole.span, "drilled here")
+        .with_help("tap at the place that was drilled")
 }
 
 fn kind_name(tool: &Tool) -> &'static str {
