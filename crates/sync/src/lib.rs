@@ -13,6 +13,7 @@
 //! Nothing here knows programs, clocks or drives: angles and positions come in, angles and positions
 //! go out, once a period.
 #![no_std]
+extern crate alloc;
 #[cfg(test)]
 extern crate std;
 
@@ -22,6 +23,7 @@ mod learning;
 mod mode;
 mod monitor;
 mod observer;
+mod periodic;
 mod tapping;
 
 pub use blend::{Blend, BlendPoint};
@@ -30,4 +32,5 @@ pub use learning::{CELLS, Channel, Correction, Learning, Learnt, Lesson, StrokeK
 pub use mode::{MAX_TRANSPORT, Prediction, SyncMode};
 pub use monitor::{Figures, Monitor, Verdict, Windows};
 pub use observer::{Observer, Tracker, stopping_angle};
+pub use periodic::{FEWEST_NODES, MOST_NODES, Periodic, PeriodicError, PeriodicPoint};
 pub use tapping::{Ask, Cycle, Phase, Stroke, StrokePoint, Tap, Tick};
