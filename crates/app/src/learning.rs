@@ -90,6 +90,7 @@ fn unpacked(filed: &Filed) -> Lesson {
     let [first, best] = filed.scores;
     (lesson.first, lesson.best) = (Some(Length::mm(first)), Some(Length::mm(best)));
     (lesson.strokes, lesson.strikes) = (filed.strokes, filed.strikes);
+    lesson.early = Angle::rev(filed.early);
     for (channel, cells) in [(&mut lesson.feed, &filed.feed), (&mut lesson.spindle, &filed.spindle)]
     {
         for (slot, value) in channel.best.iter_mut().zip(cells) {
@@ -122,6 +123,7 @@ fn packed(lesson: &Lesson) -> Filed {
         gain: lesson.gain,
         strikes: lesson.strikes,
         scores: [mm(lesson.first), mm(lesson.best)],
+        early: lesson.early.value(),
         feed: cells(&lesson.feed.best),
         spindle: cells(&lesson.spindle.best),
     }

@@ -112,18 +112,11 @@ fn overruns(rpm: f64, slower: f64, holes: usize) -> Vec<f64> {
 
 #[test]
 fn a_spindle_that_brakes_slower_than_planned_meets_the_depth_after_one_learning_stroke() {
-    for (rpm, slower) in [(1000.0, 1.0), (2000.0, 1.0), (1000.0, 3.0), (2000.0, 3.0), (3000.0, 3.0)]
-    {
-        let seen = overruns(rpm, slower, 2);
-        assert!(seen[0] > 50.0, "{rpm} rpm, ramp x{slower}: {seen:.1?} µm overrun");
-        assert!(seen[1].abs() <= 50.0, "{rpm} rpm, ramp x{slower}: {seen:.1?} µm overrun");
+    for rpm in [1000.0, 2000.0, 3000.0] {
+        for slower in [1.0, 3.0] {
+            let seen = overruns(rpm, slower, 2);
+            assert!(seen[0] > 50.0, "{rpm} rpm, ramp x{slower}: {seen:.1?} µm overrun");
+            assert!(seen[1].abs() <= 25.0, "{rpm} rpm, ramp x{slower}: {seen:.1?} µm overrun");
+        }
     }
-}
-
-#[test]
-fn where_the_drive_saturates_hardest_a_second_learning_stroke_is_needed_and_the_first_falls_short()
-{
-    let seen = overruns(3000.0, 1.0, 3);
-    assert!(seen[0] > 500.0 && (-100.0..0.0).contains(&seen[1]), "{seen:.1?} µm overrun");
-    assert!(seen[2].abs() <= 50.0, "{seen:.1?} µm overrun");
 }

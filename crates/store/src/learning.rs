@@ -1,16 +1,18 @@
 //! What a control has learnt, from run to run: a file that a person can read, whole or not there.
 //!
 //! ```text
-//!   leadscrew-learning 1
+//!   leadscrew-learning 2
 //!   machine tapping-center 5bd1e995          name, and a mark of the file that described it
 //!   stroke tool 3 lead -1 spin 100 return -100 turns 30 in 0.61 out 0.61
-//!   state strokes 12 gain 0.7 strikes 0 first 0.0009 best 0.0003
+//!   state strokes 12 gain 0.7 strikes 0 first 0.0009 best 0.0003 early 0
 //!   feed 0 0 1.25 …                          nm, a cell after the other, in and then out
 //!   spindle 0 0 …                            10⁻⁹ rev
 //!   end 7a1b2c3d                             mark of all that stands above
 //! ```
 //!
-//! Units of `stroke`: mm/rev, rev/s, rev, s; of `state`: mm. The marks are FNV-1a of 32 bits (Fowler, Noll, Vo):
+//! Units of `stroke`: mm/rev, rev/s, rev, s; of `state`: mm, and rev for `early`: the turns by which a spindle that is
+//! followed by its encoder must be told to turn back earlier than its machine's file makes one think. Version 1 had no
+//! `early`; it is read as 0. The marks are FNV-1a of 32 bits (Fowler, Noll, Vo):
 //! they recognise a file that was cut short or edited, and a machine that is another one or has been
 //! changed since: what was learnt on it is no longer true.
 use crate::{Error, SMALL_FILE_LIMIT, output, read_text, text::Lines};
@@ -41,6 +43,8 @@ pub struct Lesson {
     pub strikes: u8,
     /// First and best score, mm.
     pub scores: [f64; 2],
+    /// Turns by which an encoder-following spindle is turned back earlier than planned.
+    pub early: f64,
     /// Correction of the feed, mm.
     pub feed: Vec<f64>,
     /// Correction of the spindle, rev.
@@ -67,16 +71,17 @@ impl Lessons {
     /// Their text.
     pub fn to_text(&self) -> String {
         let mut text =
-            format!("leadscrew-learning 1\nmachine {} {:08x}\n", self.machine, self.mark);
+            format!("leadscrew-learning 2\nmachine {} {:08x}\n", self.machine, self.mark);
         for lesson in &self.list {
             let [lead, spin, back, turns, into, out] = lesson.stroke;
             let [first, best] = lesson.scores;
             let (strokes, gain, strikes) = (lesson.strokes, lesson.gain, lesson.strikes);
+            let early = lesson.early;
             // writing to a String cannot fail
             let _ = writeln!(
                 text,
                 "stroke tool {} lead {lead} spin {spin} return {back} turns {turns} in {into} out {out}\n\
-                 state strokes {strokes} gain {gain} strikes {strikes} first {first} best {best}",
+                 state strokes {strokes} gain {gain} strikes {strikes} first {first} best {best} early {early}",
                 lesson.tool
             );
             cells(&mut text, "feed", &lesson.feed, NANO);
@@ -110,7 +115,7 @@ impl Lessons {
             let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
             let good = match word {
                 "leadscrew-learning" => {
-                    header = rest == "1";
+                    header = rest == "1" || rest == "2";
                     header.then_some(())
                 }
                 _ if !header => None,
@@ -134,7 +139,7 @@ impl Lessons {
                 let sentence = if header {
                     format!("expected a line of a learning file, found `{}`", clip(line))
                 } else {
-                    "expected a learning file, which begins with `leadscrew-learning 1`".into()
+                    "expected a learning file, which begins with `leadscrew-learning 2`".into()
                 };
                 return Err(wrong(start, sentence));
             }
@@ -197,9 +202,16 @@ impl Lessons {
 
 impl Lesson {
     fn state_line(&mut self, rest: &str) -> Option<()> {
-        let [strokes, gain, strikes, scores @ ..] =
-            named(rest, ["strokes", "gain", "strikes", "first", "best"])?;
+        let of_version_1 = ["strokes", "gain", "strikes", "first", "best"];
+        let ([strokes, gain, strikes, scores @ ..], early) = match named(rest, of_version_1) {
+            Some(values) => (values, 0.0),
+            None => {
+                let (rest, early) = rest.rsplit_once(" early ")?;
+                (named(rest, of_version_1)?, early.parse().ok().filter(|v: &f64| v.is_finite())?)
+            }
+        };
         (self.strokes, self.gain, self.scores) = (whole(strokes)?, gain, scores);
+        self.early = early;
         self.strikes = u8::try_from(whole(strikes)?).ok()?;
         ((0.0..=2.0).contains(&gain)).then_some(())
     }
@@ -257,6 +269,7 @@ mod tests {
             gain: 0.7,
             strikes: 1,
             scores: [9e-4, 3e-4],
+            early: 0.25,
             feed: vec![0.0, 1.25e-6, -3e-6],
             spindle: vec![0.0, 2e-9],
         };
@@ -279,6 +292,15 @@ mod tests {
         let read = Lessons::parse(&lessons().to_text()).unwrap();
         assert_eq!(read.to_text(), lessons().to_text());
         assert_eq!(read.list[0].stroke, lessons().list[0].stroke);
+        assert_eq!(read.list[0].early, 0.25);
+    }
+
+    #[test]
+    fn a_file_of_the_first_version_knows_no_stopping_angle() {
+        let body = lessons().to_text().replace("learning 2", "learning 1").replace(" early 0.25", "");
+        let body = &body[..body.find("end ").unwrap()];
+        let read = Lessons::parse(&format!("{body}end {:08x}\n", mark(body))).unwrap();
+        assert_eq!((read.list[0].strokes, read.list[0].early), (12, 0.0));
     }
 
     #[test]

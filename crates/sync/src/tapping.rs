@@ -210,7 +210,7 @@ impl Cycle {
 
     /// What the spindle shall do, `ahead` of the present setpoint.
     pub fn ask<S: Stroke>(&self, tap: &Tap<S>, ahead: Time) -> Ask {
-        let (coupling, leg, time) = match *self {
+        let (coupling, leg, (time, waits)) = match *self {
             Self::AwaitRest | Self::StepOn(..) | Self::RunDown(_) | Self::Leave(..) => {
                 return Ask::Rest;
             }
@@ -218,10 +218,14 @@ impl Cycle {
             Self::Done if tap.encoder_following => return Ask::Rest,
             Self::Done => return Ask::Hold(None),
             Self::In(coupling, clock) => (coupling, Leg::In, clock.seen(ahead)),
-            Self::Bottom(coupling, waited) => (coupling, Leg::Bottom, waited + ahead),
+            Self::Bottom(coupling, waited) => (coupling, Leg::Bottom, (waited + ahead, false)),
             Self::Out(coupling, clock) => (coupling, Leg::Out, clock.seen(ahead)),
         };
-        let rotation = planned(tap, &coupling, leg, time);
+        let mut rotation = planned(tap, &coupling, leg, time);
+        if waits {
+            // the profile already brakes at this time; the spindle shall not yet
+            rotation.accel = SpinAccel::ZERO;
+        }
         if tap.encoder_following { Ask::Speed(rotation) } else { Ask::Angle(rotation) }
     }
 
@@ -309,10 +313,13 @@ impl Clock {
         Self { at: brake + late.min(tick.elapsed), wait_at: None }
     }
 
-    /// The time that will be seen a while later.
-    fn seen(self, ahead: Time) -> Time {
+    /// The time that will be seen a while later, and whether it waits there.
+    fn seen(self, ahead: Time) -> (Time, bool) {
         let at = self.at + ahead;
-        self.wait_at.map_or(at, |brake| at.min(brake))
+        match self.wait_at {
+            Some(brake) if at >= brake => (brake, true),
+            Some(_) | None => (at, false),
+        }
     }
 }
 
