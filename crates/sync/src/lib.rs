@@ -18,19 +18,29 @@ extern crate alloc;
 extern crate std;
 
 mod blend;
+mod compensate;
 mod coupling;
 mod learning;
+mod measure;
 mod mode;
 mod monitor;
 mod observer;
 mod periodic;
+mod repetition;
+mod spectrum;
 mod tapping;
 
 pub use blend::{Blend, BlendPoint};
+pub use compensate::{
+    MOST_BOOST, NotMeasured, Response, ShiftOverSpeed, advanced, whole_addresses,
+};
 pub use coupling::{Coupling, Follower, Line, Rotation};
 pub use learning::{CELLS, Channel, Correction, Learning, Learnt, Lesson, StrokeKey};
+pub use measure::{Estimate, HARMONICS, MeasureError, Pair, PhaseError, fold, phase_error};
 pub use mode::{MAX_TRANSPORT, Prediction, SyncMode};
 pub use monitor::{Figures, Monitor, Verdict, Windows};
 pub use observer::{Observer, Tracker, stopping_angle};
 pub use periodic::{FEWEST_NODES, MOST_NODES, Periodic, PeriodicError, PeriodicPoint};
+pub use repetition::{Repetition, RepetitionOptions, Taught};
+pub use spectrum::{Complex, Spectrum};
 pub use tapping::{Ask, Cycle, Phase, Stroke, StrokePoint, Tap, Tick};

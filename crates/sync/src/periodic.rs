@@ -152,7 +152,9 @@ fn filter(x: &mut [f64], z: f64) {
     for k in (0..n - 1).rev() {
         x[k] = z * (x[k + 1] - x[k]);
     }
-    x.iter_mut().for_each(|v| *v *= gain);
+    for v in x.iter_mut() {
+        *v *= gain;
+    }
 }
 
 /// The polynomial between two nodes, by powers of the fraction of the way, from the coefficients c₋₂ … c₃ around.

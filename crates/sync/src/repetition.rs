@@ -1,0 +1,258 @@
+//! Learning over revolutions: what a turn missed is sent in advance with the next one, harmonic by harmonic.
+//!
+//! ```text
+//!   turn 0      U = D               M measured          H_k = M_k / U_k            what the machine does to a sine
+//!   turn j      U_k ← U_k + γ_k·(D_k − M_k)/H_k          γ = 1 first, then 0.7
+//!
+//!   guard of a harmonic: it got worse ──► its best command again, γ_k halved; three times ──► left alone
+//!   guard of the turn:   it got worse ──► the best table again, all γ halved;  three times ──► finished
+//!   floor: nothing gained any more, or as good as the sensors ──► finished, with the best table
+//! ```
+//!
+//! With H known to within ε the error of a harmonic shrinks by |1 − γ(1 + ε)| a turn. A law that only leads (γ·E sent
+//! earlier by a time) diverges where the phase of H is off by more than a quarter turn, which on a real cam is a dozen
+//! harmonics; so a harmonic whose H is not known is not learnt: one that the command excites too little gets its H
+//! from its neighbours, one beyond all that are excited stays as it is.
+//!
+//! What is kept is the best turn that was *measured*, and the first one was without compensation: learning is never
+//! worse than not learning by more than the noise of the sensors.
+//!
+//! Source: the compensation of JPH0622778B2, from one shift to all harmonics; Bristow, Tharayil, Alleyne: A survey
+//! of iterative learning control, IEEE Control Systems 26(3), 2006.
+use crate::compensate::{MOST_BOOST, Response};
+use crate::measure::noise_of;
+use crate::spectrum::{Complex, Spectrum};
+use alloc::vec::Vec;
+use units::{Length, Spin};
+
+/// Strikes that end it, of a harmonic and of all.
+const STRIKES: u8 = 3;
+/// γ after the first turn.
+const GAIN: f64 = 0.7;
+/// A harmonic of the command must be so many times the noise to tell H.
+const HEARD: f64 = 12.0;
+/// An error of a harmonic below so many times its noise teaches nothing.
+const SPEAKS: f64 = 1.5;
+/// A turn is worse than the best one beyond this share …
+const WORSE: f64 = 1.15;
+/// A turn that gains less than this share gains nothing.
+const GAINS: f64 = 0.98;
+/// Turns without gain that end it.
+const IDLE_TURNS: u8 = 3;
+
+/// How far learning may go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RepetitionOptions {
+    /// Highest frequency that is learnt, Hz: where the drive still answers.
+    pub highest_hz: f64,
+    /// What the sensors cannot tell: an rms error below this is good enough.
+    pub floor: Length,
+}
+
+/// What a turn taught.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Taught {
+    /// The table has changed: send the new one.
+    Updated,
+    /// It got worse: the best table so far is sent again.
+    RolledBack,
+    /// Nothing more to gain: the best table stays.
+    Finished,
+}
+
+/// One harmonic's state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Harmonic {
+    answer: Option<Complex>,
+    gain: f64,
+    command: Complex,
+    best: Complex,
+    best_error: f64,
+    strikes: u8,
+}
+
+/// What is learnt of one profile at one speed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Repetition {
+    ideal: Vec<f64>,
+    wanted: Spectrum,
+    spin: Spin,
+    options: RepetitionOptions,
+    harmonics: Vec<Harmonic>,
+    best: Vec<Complex>,
+    best_rms: f64,
+    turns: u32,
+    strikes: u8,
+    idle: u8,
+    finished: bool,
+}
+
+impl Repetition {
+    /// For an ideal profile, given by nodes, at a speed. `known`: an answer measured before, to begin with.
+    pub fn new(
+        ideal: &[f64],
+        spin: Spin,
+        options: RepetitionOptions,
+        known: Option<&Response>,
+    ) -> Self {
+        let highest = options.highest_hz / spin.abs().value().max(1e-9);
+        let wanted = Spectrum::of(ideal, highest.clamp(1.0, 4096.0) as usize);
+        let sent =
+            known.map_or_else(|| wanted.clone(), |known| known.precompensated(&wanted, spin));
+        let harmonic = |command: &Complex| Harmonic {
+            answer: None,
+            gain: 1.0,
+            command: *command,
+            best: *command,
+            best_error: f64::INFINITY,
+            strikes: 0,
+        };
+        Self {
+            ideal: ideal.to_vec(),
+            harmonics: sent.harmonics.iter().map(harmonic).collect(),
+            best: sent.harmonics,
+            wanted,
+            spin,
+            options,
+            best_rms: f64::INFINITY,
+            turns: 0,
+            strikes: 0,
+            idle: 0,
+            finished: false,
+        }
+    }
+
+    /// The table to send, as nodes. What is beyond the highest harmonic is sent as it is.
+    pub fn table(&self) -> Vec<f64> {
+        let change = |(h, d): (&Harmonic, &Complex)| h.command - *d;
+        let changes = self.harmonics.iter().zip(&self.wanted.harmonics).map(change).collect();
+        let change = Spectrum { harmonics: changes }.values(self.ideal.len());
+        self.ideal.iter().zip(&change).map(|(d, c)| d + c).collect()
+    }
+
+    /// Root mean square of the error of the best turn so far; infinite before the first.
+    pub const fn best_rms(&self) -> Length {
+        Length::mm(self.best_rms)
+    }
+
+    /// Turns that were measured.
+    pub const fn turns(&self) -> u32 {
+        self.turns
+    }
+
+    /// Harmonics that are left alone because they got worse.
+    pub fn left_alone(&self) -> usize {
+        self.harmonics.iter().filter(|h| h.strikes >= STRIKES).count()
+    }
+
+    /// What the machine makes of each frequency, as far as it is known: to begin with at another speed.
+    pub fn response(&self) -> Response {
+        let known =
+            self.harmonics.iter().enumerate().skip(1).filter_map(|(k, h)| Some((k, h.answer?)));
+        let hz = |k: usize| k as f64 * self.spin.abs().value();
+        Response::from_points(known.map(|(k, h)| (hz(k), h.size(), -h.turn())))
+    }
+
+    /// Learn from the profile that the table gave, measured at the same nodes.
+    pub fn learn(&mut self, measured: &[f64]) -> Taught {
+        if self.finished
+            || measured.len() != self.ideal.len()
+            || measured.iter().any(|x| !x.is_finite())
+        {
+            return Taught::Finished;
+        }
+        let errors: Vec<f64> = self.ideal.iter().zip(measured).map(|(d, m)| d - m).collect();
+        let noise = noise_of(&errors);
+        let n = errors.len() as f64;
+        let rms = libm::sqrt(errors.iter().map(|e| e * e).sum::<f64>() / n);
+        let quiet = noise / libm::sqrt(n); // of one harmonic
+        let answer = Spectrum::of(measured, self.harmonics.len() - 1);
+        self.turns += 1;
+        self.identify(&answer, quiet);
+        if let Some(ended) = self.judge(rms, noise) {
+            return ended;
+        }
+        self.update(&answer, quiet);
+        Taught::Updated
+    }
+
+    /// H of each harmonic that is heard for the first time; between them by interpolation.
+    fn identify(&mut self, answer: &Spectrum, quiet: f64) {
+        let command = Spectrum { harmonics: self.harmonics.iter().map(|h| h.command).collect() };
+        let response = Response::of(&command, answer, self.spin, HEARD * quiet + 1e-9);
+        let unknown = self.harmonics.iter_mut().enumerate().filter(|(_, h)| h.answer.is_none());
+        for (k, harmonic) in unknown {
+            let known = if k == 0 {
+                Some(Complex::ONE)
+            } else {
+                response.at(k as f64 * self.spin.abs().value())
+            };
+            harmonic.answer = known.filter(|h| h.size() > 1.0 / MOST_BOOST);
+        }
+    }
+
+    /// Whether the turn was worse than the best, or as good as it gets.
+    fn judge(&mut self, rms: f64, noise: f64) -> Option<Taught> {
+        if rms > self.best_rms * WORSE + noise {
+            self.strikes += 1;
+            for (harmonic, best) in self.harmonics.iter_mut().zip(&self.best) {
+                (harmonic.command, harmonic.gain) = (*best, harmonic.gain / 2.0);
+            }
+            return Some(self.end_if(self.strikes >= STRIKES).unwrap_or(Taught::RolledBack));
+        }
+        self.idle = if rms < self.best_rms * GAINS { 0 } else { self.idle + 1 };
+        if rms < self.best_rms {
+            self.best_rms = rms;
+            self.best = self.harmonics.iter().map(|h| h.command).collect();
+        }
+        self.end_if(rms <= self.options.floor.value() || self.idle >= IDLE_TURNS)
+    }
+
+    fn end_if(&mut self, over: bool) -> Option<Taught> {
+        if !over {
+            return None;
+        }
+        self.finished = true;
+        for (harmonic, best) in self.harmonics.iter_mut().zip(&self.best) {
+            harmonic.command = *best;
+        }
+        Some(Taught::Finished)
+    }
+
+    fn update(&mut self, answer: &Spectrum, quiet: f64) {
+        let pairs = self.wanted.harmonics.iter().zip(&answer.harmonics);
+        for ((wanted, came), harmonic) in pairs.zip(&mut self.harmonics) {
+            let Some(h) = harmonic.answer else { continue };
+            let error = *wanted - *came;
+            let size = error.size();
+            if size < harmonic.best_error {
+                (harmonic.best, harmonic.best_error) = (harmonic.command, size);
+            } else if size > 1.5 * harmonic.best_error + 3.0 * quiet {
+                harmonic.strikes = harmonic.strikes.saturating_add(1);
+                harmonic.command = harmonic.best;
+                harmonic.gain /= 2.0;
+                continue;
+            }
+            if harmonic.strikes >= STRIKES || size < SPEAKS * quiet {
+                continue;
+            }
+            let most = MOST_BOOST * (wanted.size() + 0.02);
+            let next = harmonic.command + error / h * harmonic.gain;
+            if next.size() <= most {
+                harmonic.command = next;
+            }
+            harmonic.gain = harmonic.gain.min(GAIN);
+        }
+    }
+}
+
+/// Nothing is learnt yet of a profile that is not there.
+impl Default for RepetitionOptions {
+    fn default() -> Self {
+        Self { highest_hz: 100.0, floor: Length::ZERO }
+    }
+}
+
+#[cfg(test)]
+#[path = "repetition_tests.rs"]
+mod tests;
