@@ -10,5 +10,6 @@
 extern crate alloc;
 
 pub mod geometry;
+pub mod law;
 
 pub use geometry::{AXES, Bounds, Curve, Derivatives, Entry, Limits, Piece, Shape};

@@ -1,0 +1,230 @@
+//! Stretches of the path that are short enough to be seen as simple: the grid that time is planned on.
+//!
+//! ```text
+//!   |q′·a + q″·b| ≤ A                      at both ends,  b = ṡ², a = s̈
+//!   |q′·u + 3·q″·a + q‴·b|·√b ≤ J          in the middle, u = da/ds
+//! ```
+//!
+//! A line is one cell, whatever its length: q″ = q‴ = 0, and one acceleration and one jerk hold all along it. A curve
+//! has as many cells as keep q′ and q″ from changing much in any one.
+use crate::{AXES, Bounds, Derivatives, Entry, Limits, Piece, Shape};
+use alloc::boxed::Box;
+
+/// Where nothing else limits it, ṡ stays under this, mm/s: faster than any machine, slow enough for arithmetic.
+pub(crate) const TOP_SPEED: f64 = 1e7;
+
+/// How far the tangent may turn within a cell, as a share of its length.
+const TURN_PER_CELL: f64 = 0.12;
+
+/// How far q″ may change within a cell, as a share of its largest value in the piece.
+const BEND_PER_CELL: f64 = 0.2;
+
+/// One axis' demands at one place, over its limits.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Row {
+    /// q′ / A.
+    pub(crate) a1: f64,
+    /// q″ / A.
+    pub(crate) a2: f64,
+    /// q′ / J.
+    pub(crate) j1: f64,
+    /// q″ / J.
+    pub(crate) j2: f64,
+    /// q‴ / J.
+    pub(crate) j3: f64,
+}
+
+/// All moving axes' demands at one place.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rows {
+    count: usize,
+    rows: [Row; AXES],
+    /// ṡ² where an axis' speed or the feed ends it.
+    pub(crate) cap: f64,
+}
+
+impl Rows {
+    fn new(d: &Derivatives, bounds: &Bounds, feed: f64) -> Self {
+        let mut rows =
+            Self { count: 0, rows: [Row::default(); AXES], cap: speed_cap(d, bounds, feed) };
+        for k in 0..AXES {
+            if d.q1[k] == 0.0 && d.q2[k] == 0.0 && d.q3[k] == 0.0 {
+                continue;
+            }
+            let (a, j) = (bounds.accel[k], bounds.jerk[k]);
+            let row = Row {
+                a1: d.q1[k] / a,
+                a2: d.q2[k] / a,
+                j1: d.q1[k] / j,
+                j2: d.q2[k] / j,
+                j3: d.q3[k] / j,
+            };
+            rows.rows[rows.count] = row;
+            rows.count += 1;
+        }
+        rows
+    }
+
+    pub(crate) fn all(&self) -> &[Row] {
+        &self.rows[..self.count]
+    }
+}
+
+/// ṡ² that the feed and the axes' speeds leave.
+fn speed_cap(d: &Derivatives, bounds: &Bounds, feed: f64) -> f64 {
+    let mut v = feed.min(TOP_SPEED);
+    for k in 0..AXES {
+        let slope = d.q1[k].abs();
+        if slope * v > bounds.speed[k] {
+            v = bounds.speed[k] / slope;
+        }
+    }
+    v * v
+}
+
+/// What is demanded along a cell.
+#[derive(Clone, Debug)]
+pub(crate) enum Demand {
+    /// A straight line: largest |s̈| and |s⃛|, either may be infinite.
+    Line { accel: f64, jerk: f64 },
+    /// A curve: at its beginning, in its middle, at its end.
+    Curve(Box<[Rows; 3]>),
+}
+
+/// How a cell begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Start {
+    /// Goes on from the cell before, with ṡ² at most this (infinite as a rule).
+    On(f64),
+    /// At rest.
+    Rest,
+}
+
+/// A stretch of a piece.
+#[derive(Clone, Debug)]
+pub(crate) struct Cell {
+    /// Number of the piece.
+    pub(crate) piece: u64,
+    /// Where in the piece it begins.
+    pub(crate) from: f64,
+    /// Its length; above zero.
+    pub(crate) h: f64,
+    /// ṡ² all along it is at most this.
+    pub(crate) cap: f64,
+    pub(crate) start: Start,
+    pub(crate) demand: Demand,
+}
+
+/// Cuts a piece into cells, one at a time.
+#[derive(Clone, Debug)]
+pub(crate) struct Sampler {
+    piece: Piece,
+    number: u64,
+    /// Where the first cell begins.
+    from: f64,
+    length: f64,
+    start: Start,
+    count: u64,
+    next: u64,
+    last: Derivatives,
+}
+
+impl Sampler {
+    /// `before`: derivatives at the end of the piece before, `period`: s between two setpoints.
+    pub(crate) fn new(
+        piece: Piece,
+        number: u64,
+        from: f64,
+        before: Option<&Derivatives>,
+        limits: &Limits,
+        period: f64,
+    ) -> Self {
+        let (length, last) = (piece.curve.length(), piece.curve.at(from));
+        let start = match (piece.entry, before) {
+            (Entry::Smooth, _) | (_, None) => Start::On(f64::INFINITY),
+            (Entry::Rest, Some(_)) => Start::Rest,
+            (Entry::Tangent, Some(before)) => {
+                bend_cap(before, &last, bounds(&piece, limits), period)
+            }
+        };
+        let count = cells_for(&piece, from, length);
+        Self { piece, number, from, length, start, count, next: 0, last }
+    }
+
+    /// Derivatives at the end of the piece.
+    pub(crate) fn end(&self) -> Derivatives {
+        self.piece.curve.at(self.length)
+    }
+
+    /// The next cell.
+    pub(crate) fn next(&mut self, limits: &Limits) -> Option<Cell> {
+        if self.next >= self.count {
+            return None;
+        }
+        let step = (self.length - self.from) / self.count as f64;
+        let at = |k: f64| self.from + step * k;
+        let from = at(self.next as f64);
+        let start = if self.next == 0 { self.start } else { Start::On(f64::INFINITY) };
+        let bounds = bounds(&self.piece, limits);
+        let (demand, cap) = if self.is_line() {
+            let cap = speed_cap(&self.last, bounds, self.piece.feed);
+            let least = |limit: &[f64; AXES]| {
+                let over = |k: usize| limit[k] / self.last.q1[k].abs();
+                (0..AXES)
+                    .filter(|k| self.last.q1[*k] != 0.0)
+                    .map(over)
+                    .fold(f64::INFINITY, f64::min)
+            };
+            (Demand::Line { accel: least(&bounds.accel), jerk: least(&bounds.jerk) }, cap)
+        } else {
+            let middle = self.piece.curve.at(at(self.next as f64 + 0.5));
+            let end = self.piece.curve.at(at(self.next as f64 + 1.0));
+            let rows = [self.last, middle, end].map(|d| Rows::new(&d, bounds, self.piece.feed));
+            let cap = rows[0].cap.min(rows[1].cap).min(rows[2].cap);
+            self.last = end;
+            (Demand::Curve(Box::new(rows)), cap)
+        };
+        self.next += 1;
+        Some(Cell { piece: self.number, from, h: step, cap, start, demand })
+    }
+
+    fn is_line(&self) -> bool {
+        is_line(&self.piece)
+    }
+}
+
+fn is_line(piece: &Piece) -> bool {
+    matches!(piece.curve, crate::Curve::Line(_))
+}
+
+pub(crate) fn bounds<'a>(piece: &Piece, limits: &'a Limits) -> &'a Bounds {
+    if piece.rapid { &limits.rapid } else { &limits.feed }
+}
+
+/// Where q″ jumps the acceleration does; within a period that is a jerk, and it shall be within the limit too.
+fn bend_cap(before: &Derivatives, after: &Derivatives, bounds: &Bounds, period: f64) -> Start {
+    let cap = |k: usize| bounds.jerk[k] * period / (after.q2[k] - before.q2[k]).abs();
+    let jumps = (0..AXES).filter(|k| after.q2[*k] != before.q2[*k]);
+    Start::On(jumps.map(cap).fold(f64::INFINITY, f64::min))
+}
+
+fn cells_for(piece: &Piece, from: f64, length: f64) -> u64 {
+    if is_line(piece) {
+        return u64::from(length > from);
+    }
+    let span = length - from;
+    let largest = |p: &[f64; AXES]| p.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let (mut slope, mut bend, mut twist) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for k in 0..5 {
+        let d = piece.curve.at(from + span * f64::from(k) / 4.0);
+        slope = slope.max(largest(&d.q1));
+        bend = bend.max(largest(&d.q2));
+        twist = twist.max(largest(&d.q3));
+    }
+    let turn = if slope > 0.0 { bend * span / (slope * TURN_PER_CELL) } else { 1.0 };
+    // a bend that is hardly one need not be followed closely
+    let weight = (turn / 2.0).min(1.0);
+    let change = if bend > 0.0 { weight * twist * span / (bend * BEND_PER_CELL) } else { 0.0 };
+    let least = if piece.entry == Entry::Rest { 2.0 } else { 1.0 };
+    libm::ceil(turn.max(change)).clamp(least, 1e15) as u64
+}

@@ -1,0 +1,213 @@
+//! Time along the path: how fast, where.
+//!
+//! ```text
+//!   pieces ─► cells ─► reach (speed, acceleration) ─► smooth (jerk) ─► phases of constant s⃛
+//!             a window of them; what cannot change any more, whatever follows, is handed out
+//! ```
+//!
+//! For every axis, with the derivatives of its position by the path's parameter (`geometry`):
+//!
+//! ```text
+//!   |q′·ṡ| ≤ V      |q′·s̈ + q″·ṡ²| ≤ A      |q′·s⃛ + 3·q″·ṡ·s̈ + q‴·ṡ³| ≤ J      ṡ ≤ feed
+//! ```
+//!
+//! The law is as fast as these leave room for, with as many pieces of look-ahead as the braking distance needs. At any
+//! time it ends at rest within what is known of the path: when no more pieces arrive, the motion that was planned stops.
+//! Nothing in here depends on a clock: the same pieces give the same phases to the last bit, however they arrive.
+mod cell;
+mod phase;
+mod reach;
+mod refusal;
+
+use crate::{Derivatives, Limits, Piece};
+use alloc::collections::VecDeque;
+use alloc::vec::Vec;
+use cell::{Cell, Demand, Sampler, Start};
+pub use phase::{Phase, Timed};
+pub use refusal::Refusal;
+
+/// Fewest cells that are planned together, unless the path ends.
+const LEAST: usize = 1024;
+
+/// Most cells that are planned together: braking takes less than these.
+const MOST: usize = 1 << 16;
+
+/// What the law needs to know beside the path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Config {
+    /// What the axes can do.
+    pub limits: Limits,
+    /// Servo period, s: a jump of q″ between two pieces is a jerk over this time.
+    pub period: f64,
+}
+
+/// Where along a piece, and how fast, motion is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct State {
+    /// Parameter of the piece, mm.
+    pub s: f64,
+    /// ṡ, mm/s; not negative.
+    pub v: f64,
+    /// s̈, mm/s².
+    pub a: f64,
+}
+
+/// Plans time along pieces that arrive one after another.
+///
+/// Push pieces while [`Law::wants_more`], take phases with [`Law::next`]; [`Law::close`] when the path ends. Memory is
+/// bounded by the window, not by the path.
+#[derive(Clone, Debug)]
+pub struct Law {
+    config: Config,
+    /// Pieces not yet cut into cells.
+    pending: VecDeque<Piece>,
+    /// The piece that is being cut.
+    sampler: Option<Sampler>,
+    /// Derivatives at the end of the piece before, and how many pieces were cut.
+    before: Option<Derivatives>,
+    count: u64,
+    /// The window.
+    cells: VecDeque<Cell>,
+    /// How many cells to gather before planning.
+    target: usize,
+    /// Motion at the window's start.
+    state: State,
+    closed: bool,
+    ready: VecDeque<Timed>,
+    beta: Vec<f64>,
+}
+
+impl Law {
+    /// From rest.
+    pub fn new(config: Config) -> Self {
+        Self::resuming(config, State::default())
+    }
+
+    /// From motion that is under way: the first piece to be pushed is at `state.s`, and goes on from there. For changes
+    /// of the feed, and for holding it, at any instant: push the rest of the path again, with another feed.
+    pub fn resuming(config: Config, state: State) -> Self {
+        Self {
+            config,
+            pending: VecDeque::new(),
+            sampler: None,
+            before: None,
+            count: 0,
+            cells: VecDeque::new(),
+            target: LEAST,
+            state,
+            closed: false,
+            ready: VecDeque::new(),
+            beta: Vec::new(),
+        }
+    }
+
+    /// The next piece of the path.
+    ///
+    /// # Errors
+    /// When no motion along it is possible: an axis that must move and may not, a length without meaning.
+    pub fn push(&mut self, piece: Piece) -> Result<(), Refusal> {
+        refusal::check(&piece, &self.config.limits)?;
+        self.pending.push_back(piece);
+        Ok(())
+    }
+
+    /// The path ends with the last piece, at rest.
+    pub fn close(&mut self) {
+        self.closed = true;
+    }
+
+    /// Whether [`Law::next`] would need more pieces, or the end of the path, before it can answer.
+    pub fn wants_more(&self) -> bool {
+        !self.closed && self.ready.is_empty() && self.pending.is_empty()
+    }
+
+    /// The next phase; `None`: more pieces are needed, or the path has ended.
+    #[allow(clippy::should_implement_trait)] // `None` is not the end
+    pub fn next(&mut self) -> Option<Timed> {
+        loop {
+            if let Some(timed) = self.ready.pop_front() {
+                return Some(timed);
+            }
+            self.gather();
+            let enough = self.closed || self.cells.len() >= self.target;
+            if !enough || self.cells.is_empty() {
+                return None;
+            }
+            self.plan();
+        }
+    }
+
+    /// Cut pieces into cells until the window is full.
+    fn gather(&mut self) {
+        while self.cells.len() < self.target {
+            if let Some(sampler) = &mut self.sampler {
+                if let Some(cell) = sampler.next(&self.config.limits) {
+                    self.cells.push_back(cell);
+                    continue;
+                }
+                self.before = Some(sampler.end());
+                self.sampler = None;
+            }
+            let Some(piece) = self.pending.pop_front() else { return };
+            let from = if self.count == 0 { self.state.s } else { 0.0 };
+            let (limits, period) = (&self.config.limits, self.config.period);
+            self.sampler =
+                Some(Sampler::new(piece, self.count, from, self.before.as_ref(), limits, period));
+            self.count += 1;
+        }
+    }
+
+    /// Plan the window and hand out what is settled.
+    fn plan(&mut self) {
+        // up to the next rest the path is on its own
+        let rest = self.cells.iter().skip(1).position(|cell| cell.start == Start::Rest);
+        let ends = rest.is_some() || (self.closed && self.exhausted());
+        let count = rest.map_or(self.cells.len(), |k| k + 1);
+        self.beta.resize(count + 1, 0.0);
+        let settled = reach::backwards(self.cells.range(..count), &mut self.beta);
+        let commit = match (ends, settled) {
+            (true, _) => count,
+            // braking takes more than is known: look further, if that is allowed
+            (false, 0) if self.target < MOST => {
+                self.target *= 2;
+                return;
+            }
+            (false, 0) => count / 2,
+            (false, settled) => settled,
+        };
+        if !ends {
+            self.target = (4 * (count - commit)).clamp(LEAST, MOST);
+        }
+        self.hand_out(commit);
+    }
+
+    /// Whether all pieces are in the window.
+    fn exhausted(&self) -> bool {
+        self.pending.is_empty() && self.sampler.is_none()
+    }
+
+    /// Without a limit of jerk: the first cells of the window, as fast as β allows.
+    fn hand_out(&mut self, commit: usize) {
+        let mut b = self.state.v * self.state.v;
+        for (i, cell) in self.cells.drain(..commit).enumerate() {
+            let end = reach::forwards(&cell, b, self.beta[i + 1]);
+            let ready = &mut self.ready;
+            let mut give = |phase: Phase| {
+                let phase = Phase { s: phase.s + cell.from, ..phase };
+                ready.push_back(Timed { piece: cell.piece, phase });
+            };
+            match cell.demand {
+                Demand::Line { accel, .. } => {
+                    phase::over_line(cell.h, accel, cell.cap, b, end, give)
+                }
+                Demand::Curve(_) => {
+                    if let Some(phase) = phase::over_cell(cell.h, b, end) {
+                        give(phase);
+                    }
+                }
+            }
+            b = end;
+        }
+        self.state = State { s: 0.0, v: libm::sqrt(b), a: 0.0 };
+    }
+}

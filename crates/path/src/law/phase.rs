@@ -1,0 +1,81 @@
+//! What the kernel evaluates: stretches of constant s⃛ along one piece.
+
+/// A stretch of constant third derivative by time, along one piece of the path.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Phase {
+    /// How long it lasts, s; above zero.
+    pub duration: f64,
+    /// Parameter of the piece at its start, mm.
+    pub s: f64,
+    /// ṡ at its start, mm/s; never negative.
+    pub v: f64,
+    /// s̈ at its start, mm/s².
+    pub a: f64,
+    /// s⃛ all along, mm/s³.
+    pub j: f64,
+}
+
+impl Phase {
+    /// s, ṡ, s̈ at a time after its start, s.
+    pub fn at(&self, t: f64) -> (f64, f64, f64) {
+        let s = self.s + t * (self.v + t * (self.a / 2.0 + t * self.j / 6.0));
+        (s, self.v + t * (self.a + t * self.j / 2.0), self.a + t * self.j)
+    }
+}
+
+/// A phase, and the piece along which it goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Timed {
+    /// Number of the piece, counted from the first that was pushed, 0.
+    pub piece: u64,
+    /// The phase.
+    pub phase: Phase,
+}
+
+/// Phases of constant s̈ over a line that is begun with ṡ² = `b0` and ended with `b1`.
+pub(crate) fn over_line(
+    h: f64,
+    accel: f64,
+    cap: f64,
+    b0: f64,
+    b1: f64,
+    mut give: impl FnMut(Phase),
+) {
+    let (mut at, mut b) = (0.0, b0);
+    let mut ramp = |at: &mut f64, b: &mut f64, to: f64, length: f64| {
+        let (v0, v1) = (libm::sqrt(*b), libm::sqrt(to));
+        if length > 0.0 && v0 + v1 > 0.0 {
+            let duration = 2.0 * length / (v0 + v1);
+            give(Phase { duration, s: *at, v: v0, a: (v1 - v0) / duration, j: 0.0 });
+            *at += length;
+        }
+        *b = to;
+    };
+    if b > cap {
+        // a feed that was lowered on the way
+        let to = cap.max(b1);
+        let length = ((b - to) / (2.0 * accel)).min(h);
+        ramp(&mut at, &mut b, to, length);
+    }
+    let left = h - at;
+    let top = (f64::midpoint(b, b1) + accel * left).min(cap).max(b).max(b1);
+    let (up, down) = ((top - b) / (2.0 * accel), (top - b1) / (2.0 * accel));
+    let up = up.min(left);
+    let down = down.min(left - up);
+    ramp(&mut at, &mut b, top, up);
+    ramp(&mut at, &mut b, top, left - up - down);
+    ramp(&mut at, &mut b, b1, down);
+}
+
+/// The one phase of constant s̈ over a cell of a curve.
+pub(crate) fn over_cell(h: f64, b0: f64, b1: f64) -> Option<Phase> {
+    let (v0, v1) = (libm::sqrt(b0), libm::sqrt(b1));
+    let duration = 2.0 * h / (v0 + v1);
+    duration.is_finite().then_some(Phase {
+        duration,
+        s: 0.0,
+        v: v0,
+        a: (v1 - v0) / duration,
+        j: 0.0,
+    })
+}

@@ -1,0 +1,158 @@
+//! What the law of time promises, checked on the setpoints that a machine would get.
+use path::geometry::Line;
+use path::law::{Config, Law, Timed};
+use path::{AXES, Bounds, Curve, Entry, Limits, Piece, Shape};
+use proptest::prelude::*;
+
+/// Servo period of the checks, s.
+const PERIOD: f64 = 1e-3;
+
+fn bounds(speed: f64, accel: f64, jerk: f64) -> Bounds {
+    Bounds { speed: [speed; AXES], accel: [accel; AXES], jerk: [jerk; AXES] }
+}
+
+fn config(b: Bounds) -> Config {
+    Config { limits: Limits { feed: b, rapid: b }, period: PERIOD }
+}
+
+fn line(from: [f64; 3], to: [f64; 3], feed: f64, entry: Entry) -> Piece {
+    let wide = |p: [f64; 3]| core::array::from_fn(|k| if k < 3 { p[k] } else { 0.0 });
+    let d: f64 = (0..3).map(|k| (to[k] - from[k]).powi(2)).sum();
+    let curve = Curve::Line(Line { from: wide(from), to: wide(to), length: d.sqrt() });
+    Piece { curve, feed, rapid: false, entry, op: 0, line: 0 }
+}
+
+fn timed(pieces: &[Piece], config: Config) -> Vec<Timed> {
+    let mut law = Law::new(config);
+    let mut phases = Vec::new();
+    for piece in pieces {
+        law.push(*piece).unwrap();
+        phases.extend(std::iter::from_fn(|| law.next()));
+    }
+    law.close();
+    phases.extend(std::iter::from_fn(|| law.next()));
+    phases
+}
+
+fn duration(phases: &[Timed]) -> f64 {
+    phases.iter().map(|t| t.phase.duration).sum()
+}
+
+/// Positions of the axes at each period; at rest before and after.
+fn setpoints(pieces: &[Piece], phases: &[Timed]) -> Vec<[f64; AXES]> {
+    let mut points = vec![pieces[0].curve.at(0.0).q; 4];
+    let mut t = 0.0;
+    for Timed { piece, phase } in phases {
+        while t < phase.duration {
+            points.push(pieces[*piece as usize].curve.at(phase.at(t).0).q);
+            t += PERIOD;
+        }
+        t -= phase.duration;
+    }
+    let last = pieces[pieces.len() - 1].curve;
+    points.extend([last.at(last.length()).q; 4]);
+    points
+}
+
+/// Largest |speed|, |acceleration|, |jerk| of any axis over its limit, by differences.
+fn loads(points: &[[f64; AXES]], b: &Bounds) -> [f64; 3] {
+    let mut most = [0.0_f64; 3];
+    for k in 0..AXES {
+        for w in points.windows(4) {
+            let d1 = (w[1][k] - w[0][k]) / PERIOD;
+            let d2 = (w[2][k] - 2.0 * w[1][k] + w[0][k]) / PERIOD.powi(2);
+            let d3 = (w[3][k] - 3.0 * w[2][k] + 3.0 * w[1][k] - w[0][k]) / PERIOD.powi(3);
+            for (m, x) in most.iter_mut().zip([d1 / b.speed[k], d2 / b.accel[k], d3 / b.jerk[k]]) {
+                *m = m.max(x.abs());
+            }
+        }
+    }
+    most
+}
+
+fn joined(phases: &[Timed]) {
+    for w in phases.windows(2) {
+        let (a, b) = (&w[0], &w[1]);
+        let (s, v, _) = a.phase.at(a.phase.duration);
+        assert!((v - b.phase.v).abs() < 1e-6 * (1.0 + v), "speed jumps: {a:?} {b:?}");
+        if a.piece == b.piece {
+            assert!((s - b.phase.s).abs() < 1e-9 * (1.0 + s), "place jumps: {a:?} {b:?}");
+        }
+    }
+}
+
+#[test]
+fn a_single_line_is_a_trapezoid() {
+    // 100 mm at 50 mm/s and 500 mm/s²: 2.5 mm and 0.1 s at each end, 95 mm in 1.9 s between
+    let piece = line([0.0; 3], [100.0, 0.0, 0.0], 50.0, Entry::Rest);
+    let phases = timed(&[piece], config(bounds(200.0, 500.0, f64::INFINITY)));
+    assert_eq!(phases.len(), 3);
+    assert!((duration(&phases) - 2.1).abs() < 1e-12);
+}
+
+#[test]
+fn a_line_in_ten_thousand_parts_takes_as_long_as_the_line() {
+    let at = |k: f64| [k * 0.06, k * 0.08, 0.0];
+    let parts: Vec<Piece> = (0..10_000)
+        .map(|k| line(at(f64::from(k)), at(f64::from(k + 1)), 150.0, Entry::Smooth))
+        .collect();
+    let whole = line(at(0.0), at(10_000.0), 150.0, Entry::Rest);
+    let config = config(bounds(200.0, 1000.0, f64::INFINITY));
+    let (a, b) = (duration(&timed(&parts, config)), duration(&timed(&[whole], config)));
+    assert!((a - b).abs() < 1e-9 * b, "{a} {b}");
+}
+
+#[test]
+fn an_axis_that_may_not_move_is_named() {
+    let mut b = bounds(200.0, 1000.0, f64::INFINITY);
+    b.accel[1] = 0.0;
+    let mut law = Law::new(config(b));
+    assert!(law.push(line([0.0; 3], [1.0, 0.0, 0.0], 1.0, Entry::Rest)).is_ok());
+    let refused = law.push(line([1.0, 0.0, 0.0], [1.0, 1.0, 0.0], 1.0, Entry::Rest)).unwrap_err();
+    assert!(refused.to_string().starts_with("Y must move"), "{refused}");
+}
+
+fn any_lines() -> impl Strategy<Value = Vec<Piece>> {
+    let step = (prop::array::uniform3(-20.0..20.0_f64), 1..5_usize, 1.0..300.0_f64, any::<bool>());
+    prop::collection::vec(step, 1..20).prop_map(|steps| {
+        let mut at = [0.0; 3];
+        let mut pieces = Vec::new();
+        for (step, parts, feed, tiny) in steps {
+            let scale = if tiny { 1e-3 } else { 1.0 };
+            for part in 0..parts {
+                let to = core::array::from_fn(|k| at[k] + scale * step[k] / parts as f64);
+                let entry = if part == 0 { Entry::Rest } else { Entry::Smooth };
+                pieces.push(line(at, to, feed * (1.0 + part as f64), entry));
+                at = to;
+            }
+        }
+        pieces
+    })
+}
+
+fn any_bounds() -> impl Strategy<Value = Bounds> {
+    let axis = (10.0..500.0_f64, 100.0..10_000.0_f64);
+    prop::array::uniform3(axis).prop_map(|axes| {
+        let mut b = bounds(100.0, 1000.0, f64::INFINITY);
+        for (k, (speed, accel)) in axes.into_iter().enumerate() {
+            (b.speed[k], b.accel[k]) = (speed, accel);
+        }
+        b
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn without_a_limit_of_jerk_no_axis_exceeds_its_speed_and_acceleration(
+        pieces in any_lines(),
+        b in any_bounds(),
+    ) {
+        let phases = timed(&pieces, config(b));
+        joined(&phases);
+        let [speed, accel, _] = loads(&setpoints(&pieces, &phases), &b);
+        prop_assert!(speed < 1.0 + 1e-6, "{speed}");
+        prop_assert!(accel < 1.0 + 1e-4, "{accel}");
+    }
+}
