@@ -4,7 +4,9 @@ use crate::refused::Refused;
 use crate::render::{self, Source};
 use crate::say;
 use crate::session::{Session, read_program};
-use canon::{Axis, Feed, Op, OpKind, PathMode, Position, SpindleOrder};
+use canon::{
+    Axis, Feed, Op, OpKind, Oscillating, PathMode, Polygon, Position, SpindleOrder,
+};
 use diag::Diagnostic;
 use serde_json::{Value, json};
 use std::io::{self, BufWriter, Write};
@@ -121,6 +123,8 @@ fn body(kind: &OpKind) -> Value {
         }),
         OpKind::Dwell { time } => json!({ "op": "dwell", "time_s": time.value() }),
         OpKind::Spindle { spindle, order } => spindle_order(*spindle, *order),
+        OpKind::Polygon(polygon) => polygon_op(polygon),
+        OpKind::PolygonEnd => json!({ "op": "polygon-end" }),
         OpKind::Coolant { mist, flood } => json!({ "op": "coolant", "mist": mist, "flood": flood }),
         OpKind::SelectTool { number } => json!({ "op": "select-tool", "tool": number }),
         OpKind::ChangeTool { number } => json!({ "op": "change-tool", "tool": number }),
@@ -166,6 +170,29 @@ fn spindle_order(spindle: u8, order: SpindleOrder) -> Value {
             json!({ "op": "orient", "spindle": spindle, "angle_deg": angle.in_deg() })
         }
     }
+}
+
+fn polygon_op(polygon: &Polygon) -> Value {
+    let swings = polygon.oscillations.iter().map(|oscillation| {
+        let on = match oscillation.on {
+            Oscillating::Axis(axis) => axis.letter().to_string(),
+            Oscillating::ToolPhase => "tool-phase".to_owned(),
+        };
+        let harmonics = oscillation.harmonics.iter();
+        let harmonics: Vec<_> = harmonics
+            .map(|h| json!({ "per_turn": h.per_turn, "cosine": h.cosine, "sine": h.sine }))
+            .collect();
+        json!({ "on": on, "harmonics": harmonics })
+    });
+    json!({
+        "op": "polygon",
+        "work_spindle": polygon.work,
+        "tool_spindle": polygon.tool,
+        "tool_turns": polygon.ratio.follower,
+        "work_turns": polygon.ratio.master,
+        "phase_deg": polygon.phase.in_deg(),
+        "oscillations": swings.collect::<Vec<_>>(),
+    })
 }
 
 fn path_mode(mode: PathMode) -> Value {

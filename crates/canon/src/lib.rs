@@ -9,6 +9,7 @@
 //! ```text
 //!   Op ─┬─ motion     Rapid, Line, Arc, Tap
 //!       ├─ waiting    Dwell, Pause, End
+//!       ├─ coupling   Polygon, PolygonEnd
 //!       ├─ switching  Spindle, Coolant, SelectTool, ChangeTool, PathMode, Overrides
 //!       └─ meaning    Hole (what the moves that follow are for), Message
 //! ```
@@ -18,10 +19,12 @@
 #![no_std]
 extern crate alloc;
 
+mod coupling;
 mod op;
 mod position;
 mod tool;
 
+pub use coupling::{Harmonic, Oscillating, Oscillation, Polygon, Ratio};
 pub use diag::Span;
 pub use op::{Arc, ChipRemoval, Feed, Hole, Op, OpKind, PathMode, SpindleOrder, Tap};
 pub use position::{Axis, Plane, Position};

@@ -1,5 +1,5 @@
 //! The operations.
-use crate::{Axis, Plane, Position, Span};
+use crate::{Axis, Plane, Polygon, Position, Span};
 use alloc::boxed::Box;
 use units::{Angle, Lead, Length, Speed, Spin, Time};
 
@@ -53,6 +53,10 @@ pub enum OpKind {
         /// What it shall do.
         order: SpindleOrder,
     },
+    /// Gear the tool spindle to the work spindle (G51.2); the work spindle turns already.
+    Polygon(Polygon),
+    /// End of it (G50.2): what swings comes to rest, then the tool spindle stops.
+    PolygonEnd,
     /// Switch coolant.
     Coolant {
         /// M7.

@@ -28,6 +28,11 @@ impl Findings {
         }
     }
 
+    /// How many are kept so far.
+    pub(crate) const fn len(&self) -> usize {
+        self.kept.len()
+    }
+
     /// Add it unless one of its code is there already.
     pub(crate) fn add_once(&mut self, finding: Diagnostic) {
         if !self.count.contains_key(finding.code) {

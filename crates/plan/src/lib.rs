@@ -14,6 +14,7 @@
 //! | `motion`, `travel` | how fast a path may be run; whether it stays within the travel |
 //! | `stroke`, `curve` | a tap's spindle profile; the drive's torque and power curve |
 //! | `ramp` | the fastest change of speed under a ceiling and a jerk |
+//! | `coupled` | gears between spindles, and what is superposed on an axis |
 //! | `tap_check`, `holes` | taps that cannot come out right |
 //! | `path`, `profile`, `step` | what the kernel evaluates |
 //!
@@ -23,12 +24,14 @@
 //! flutes, M0323 hole depth, M0324 hole not drilled here, M0325 hole diameter, M0326 lead, M0327 hand, M0328 no tap,
 //! M0329 no tool, M0330 another axis moves, M0331 spindle too weak, M0332 return slowed, M0333 no tap at all, M0334
 //! not along the tool axis, M0335 beside its hole; clutch and floating holders: M0340 dwell, M0341 stroke, M0342 travel,
-//! M0343 words; chip removal: M0350 too fast for the spindle, M0351 not against the cut.
+//! M0343 words; chip removal: M0350 too fast for the spindle, M0351 not against the cut;
+//! polygon turning: M0401 spindles missing, M0402 ratio, M0403 work spindle at rest, M0404 tool spindle too fast.
 #![no_std]
 #![allow(clippy::large_types_passed_by_value)] // a step is moved once, into the queue
 extern crate alloc;
 
 mod clutch;
+mod coupled;
 mod curve;
 mod findings;
 mod holes;
@@ -45,6 +48,7 @@ mod tap_check;
 mod travel;
 
 pub use clutch::{ClutchCycle, DwellWindow};
+pub use coupled::{GearStep, Superpose, Superposed, Table, TableId};
 pub use limits::{
     AxisLimits, DwellCheck, Effort, MachineLimits, Options, PlainDrive, Retract, SpindleLimits,
     TapMethod, Tapping, ToolChange, Unsynchronised,

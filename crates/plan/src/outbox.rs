@@ -145,6 +145,19 @@ impl Outbox {
                 let stroke = tap.inward.duration() + tap.outward.duration() + tap.dwell.value();
                 self.elapsed += stroke + limits.settling.value();
             }
+            StepKind::Revolve { spindle: _, turns } if self.speed > 0.0 => {
+                self.elapsed += turns.abs().value() / self.speed;
+            }
+            StepKind::Superpose(order) if self.speed > 0.0 => {
+                self.ready_at =
+                    self.ready_at.max(self.elapsed + order.over.abs().value() / self.speed);
+            }
+            StepKind::AwaitFades => self.elapsed = self.elapsed.max(self.ready_at),
+            StepKind::Engage(_)
+            | StepKind::Release { .. }
+            | StepKind::Superpose(_)
+            | StepKind::Revolve { .. }
+            | StepKind::Consult(_) => {}
             StepKind::ChangeTool(_) => self.elapsed += limits.tool_change.time.value(),
             StepKind::Coolant { .. } | StepKind::Pause { .. } | StepKind::End => {}
         }

@@ -26,12 +26,14 @@ use crate::outbox::Outbox;
 use crate::path::Path;
 use crate::step::{Move, Step, StepKind};
 use crate::stroke::{Stroke, StrokeRequest};
+use crate::coupled::Table;
 use alloc::{format, vec::Vec};
 use canon::{Axis, Feed, Op, OpKind, PathMode, Position, ToolLibrary};
 use diag::{Diagnostic, Span};
 use units::{Length, Spin, Time};
 
 mod chips;
+mod coupled;
 mod refuse;
 mod spindle;
 mod tap;
@@ -82,6 +84,10 @@ pub struct Planner {
     warned_still: bool,
     /// The last tap left the spindle reversed: forward again after the rapid back.
     reversed_along: Option<Axis>,
+    coupled: coupled::Coupled,
+    /// Tables that steps name and nobody has taken yet.
+    tables: Vec<Table>,
+    next_table: u16,
     findings: Findings,
     outbox: Outbox,
 }
@@ -145,6 +151,9 @@ impl Planner {
             last_strokes: [None; 2],
             warned_still: false,
             reversed_along: None,
+            coupled: coupled::Coupled::default(),
+            tables: Vec::new(),
+            next_table: 0,
             findings: Findings::default(),
             outbox: Outbox::default(),
         }
@@ -175,6 +184,8 @@ impl Planner {
             }
             OpKind::Dwell { time } => self.dwell(&mut job, *time),
             OpKind::Spindle { spindle, order } => self.spindle(&mut job, *spindle, order),
+            OpKind::Polygon(polygon) => self.polygon(&mut job, polygon),
+            OpKind::PolygonEnd => self.polygon_end(&mut job),
             OpKind::Coolant { mist, flood } => {
                 let step = job.step(StepKind::Coolant { mist: *mist, flood: *flood });
                 self.after_spindle(&mut job, step);
@@ -193,6 +204,11 @@ impl Planner {
     /// The program is over: hand on what still waits.
     pub fn finish(&mut self, emit: &mut impl FnMut(Step)) {
         self.outbox.release(&[], &self.limits, emit);
+    }
+
+    /// The tables that steps so far have named, each once: the kernel needs them before the steps.
+    pub fn take_tables(&mut self) -> Vec<Table> {
+        core::mem::take(&mut self.tables)
     }
 
     /// What has been found since the last call.

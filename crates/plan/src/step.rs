@@ -1,5 +1,5 @@
 //! What the kernel executes, one after the other.
-use crate::{Path, Profile};
+use crate::{GearStep, Path, Profile, Superpose};
 use canon::{Axis, Position};
 use units::{Angle, Lead, Length, Spin, Time};
 
@@ -31,6 +31,27 @@ pub enum StepKind {
     },
     /// Tap.
     Tap(TapPlan),
+    /// Gear a spindle to another one, and wait until it is locked.
+    Engage(GearStep),
+    /// Let go of a geared spindle: it comes to rest under its own control.
+    Release {
+        /// Which, counted from 0.
+        follower: u8,
+    },
+    /// Superpose a function of a spindle's turn; go on to the next step at once.
+    Superpose(Superpose),
+    /// Wait until all that was superposed has faded in or out.
+    AwaitFades,
+    /// Wait for turns of a spindle (spark-out).
+    Revolve {
+        /// Which, counted from 0.
+        spindle: u8,
+        /// How many turns from now.
+        turns: Angle,
+    },
+    /// Wait, with spindles turning and couplings engaged, until whoever runs the kernel has done what this number
+    /// stands for, and answers.
+    Consult(u16),
     /// Change the tool; the planner has brought the axes to the change position before.
     ChangeTool(u32),
     /// Switch coolant.

@@ -1,0 +1,71 @@
+//! Spindles geared to one another, and motions that repeat with a spindle's turn.
+//!
+//! ```text
+//!   work spindle θ ──┬── × tool/work + phase ──────────────► tool spindle     (an electronic gear)
+//!                    └── Σ a·cos(2π·m·θ) + b·sin(2π·m·θ) ──► an axis, or the tool spindle's phase
+//! ```
+//!
+//! Source: `G51.2`/`G50.2` of polygon turning (P:Q ratio, R phase), and the oscillation of JP7525593B2.
+use crate::Axis;
+use alloc::vec::Vec;
+use units::Angle;
+
+/// Turns of the follower in so many turns of the master, in whole numbers, so that nothing drifts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Ratio {
+    /// Turns of the follower; negative turns it the other way.
+    pub follower: i32,
+    /// Turns of the master meanwhile; above zero.
+    pub master: i32,
+}
+
+impl Ratio {
+    /// Turns of the follower per turn of the master.
+    pub fn value(self) -> f64 {
+        f64::from(self.follower) / f64::from(self.master)
+    }
+}
+
+/// Polygon turning: a tool spindle geared to the work spindle, with or without oscillation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Polygon {
+    /// The work spindle, which leads; counted from 0.
+    pub work: u8,
+    /// The tool spindle, which follows.
+    pub tool: u8,
+    /// Tool turns per work turns.
+    pub ratio: Ratio,
+    /// Angle of the tool spindle while the work spindle's is zero.
+    pub phase: Angle,
+    /// What swings with the work spindle; none: nothing does.
+    pub oscillations: Vec<Oscillation>,
+}
+
+/// A motion that repeats with the work spindle's turn, on top of every other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Oscillation {
+    /// What swings.
+    pub on: Oscillating,
+    /// How: the sum of these.
+    pub harmonics: Vec<Harmonic>,
+}
+
+/// What can swing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Oscillating {
+    /// A linear axis; amplitudes are millimetres.
+    Axis(Axis),
+    /// The tool spindle's phase; amplitudes are revolutions of it.
+    ToolPhase,
+}
+
+/// One harmonic, `cosine·cos(2π·m·θ) + sine·sin(2π·m·θ)`; with m = 0 the cosine is a constant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Harmonic {
+    /// Periods per turn of the work spindle, m.
+    pub per_turn: u32,
+    /// Amplitude of the cosine, mm or rev.
+    pub cosine: f64,
+    /// Amplitude of the sine, mm or rev.
+    pub sine: f64,
+}

@@ -1,0 +1,108 @@
+//! Steps that couple: an electronic gear between spindles, and what is superposed on an axis by a spindle's turn.
+//!
+//! ```text
+//!   Engage   follower = ratio·θ (+ axis/lead) + phase     coarse: same speed; fine: same phase; then locked
+//!   Superpose   axis or spindle += g(θ)                   faded in, exchanged and faded out smoothly
+//!   Release  the follower is a spindle of its own again
+//! ```
+//!
+//! The functions g are tables over one turn of the master. A step is `Copy` and short, so it names its table by a
+//! number; whoever feeds the kernel hands it the tables themselves ([`Table`]) before the steps.
+use alloc::vec::Vec;
+use canon::{Axis, Harmonic, Ratio};
+use core::f64::consts::TAU;
+use units::{Angle, Lead};
+
+/// Nodes of a table that is made from harmonics: a cubic through 720 of them errs by 4·10⁻⁹ of the amplitude of
+/// the fourth harmonic.
+const NODES: usize = 720;
+/// Nodes for each period of the highest harmonic, at least.
+const NODES_PER_PERIOD: usize = 90;
+/// Most nodes of a table.
+const MOST_NODES: usize = 7200;
+
+/// Names a table that the kernel has been given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct TableId(pub u16);
+
+/// A function of one turn of a master, at equal steps from 0: mm on an axis, rev on a spindle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// Its name.
+    pub id: TableId,
+    /// Its values.
+    pub nodes: Vec<f64>,
+}
+
+/// A spindle that follows another one, and an axis beside it where a helix is cut.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GearStep {
+    /// The spindle that follows.
+    pub follower: u8,
+    /// The spindle that leads.
+    pub master: u8,
+    /// Follower's turns per master's turns.
+    pub ratio: Ratio,
+    /// A second master: the follower turns once more for each lead that this axis travels from zero.
+    pub axis: Option<(Axis, Lead)>,
+    /// Angle of the follower while the masters are at zero.
+    pub phase: Angle,
+}
+
+/// What a superposition moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Superposed {
+    /// A linear axis.
+    Axis(Axis),
+    /// A geared spindle's phase.
+    Spindle(u8),
+}
+
+/// Begin, exchange or end what is superposed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Superpose {
+    /// On what.
+    pub on: Superposed,
+    /// The spindle whose angle is the table's argument.
+    pub master: u8,
+    /// Which function from now on; `None`: none.
+    pub table: Option<TableId>,
+    /// Turns of the master over which it fades in or out, at least; the limits of gentle moves may ask for more.
+    pub over: Angle,
+}
+
+/// A table of a sum of harmonics.
+pub(crate) fn sampled(id: TableId, harmonics: &[Harmonic]) -> Table {
+    let highest = harmonics.iter().map(|h| h.per_turn as usize).max().unwrap_or(0);
+    let count = NODES.max(highest.saturating_mul(NODES_PER_PERIOD)).min(MOST_NODES);
+    let at = |node: usize| {
+        let turn = node as f64 / count as f64;
+        let of = |h: &Harmonic| {
+            let angle = TAU * libm::fmod(f64::from(h.per_turn) * turn, 1.0);
+            h.cosine * libm::cos(angle) + h.sine * libm::sin(angle)
+        };
+        harmonics.iter().map(of).sum()
+    };
+    Table { id, nodes: (0..count).map(at).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_of_a_cosine_has_its_amplitude_at_zero_and_its_opposite_half_a_period_later() {
+        let table = sampled(TableId(0), &[Harmonic { per_turn: 4, cosine: 0.3, sine: 0.0 }]);
+        assert_eq!(table.nodes[0], 0.3);
+        assert!((table.nodes[table.nodes.len() / 8] + 0.3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn higher_harmonics_get_more_nodes_up_to_the_bound() {
+        let of = |per_turn| {
+            let harmonic = Harmonic { per_turn, cosine: 1.0, sine: 0.0 };
+            sampled(TableId(0), &[harmonic]).nodes.len()
+        };
+        assert_eq!((of(4), of(24), of(4000)), (720, 2160, 7200));
+    }
+}

@@ -1,0 +1,127 @@
+//! Polygon turning: the order of gearing up and down.
+//!
+//! ```text
+//!   G51.2   work spindle at speed ─► engage, locked ─► fade the oscillation in ─► cuts
+//!   G50.2                       tool spindle at rest ◄─ release ◄─ fade it out ◄──┘
+//! ```
+use super::{Job, Planner};
+use crate::coupled::{GearStep, Superpose, Superposed, TableId, sampled};
+use crate::findings::number;
+use crate::step::StepKind;
+use crate::tap_check::whole_rpm;
+use alloc::{format, vec::Vec};
+use canon::{Oscillating, Polygon};
+use diag::Diagnostic;
+use units::{Angle, Spin};
+
+/// Turns of the work spindle over which an oscillation fades in and out.
+const FADE: Angle = Angle::rev(2.0);
+
+/// What is coupled at present.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Coupled {
+    gear: Option<GearStep>,
+    superposed: Vec<Superposed>,
+}
+
+impl Planner {
+    pub(super) fn polygon(&mut self, job: &mut Job, polygon: &Polygon) {
+        if self.polygon_is_refused(job, polygon) {
+            return;
+        }
+        if self.coupled.gear.is_some() {
+            self.polygon_end(job);
+        }
+        self.tell_spindles(job);
+        self.await_spindles(job);
+        let gear = GearStep {
+            follower: polygon.tool,
+            master: polygon.work,
+            ratio: polygon.ratio,
+            axis: None,
+            phase: polygon.phase,
+        };
+        self.hand_on(job, StepKind::Engage(gear));
+        self.coupled.gear = Some(gear);
+        for oscillation in &polygon.oscillations {
+            let on = match oscillation.on {
+                Oscillating::Axis(axis) => Superposed::Axis(axis),
+                Oscillating::ToolPhase => Superposed::Spindle(polygon.tool),
+            };
+            let id = self.next_table();
+            self.tables.push(sampled(id, &oscillation.harmonics));
+            let order = Superpose { on, master: polygon.work, table: Some(id), over: FADE };
+            self.hand_on(job, StepKind::Superpose(order));
+            self.coupled.superposed.push(on);
+        }
+        if !self.coupled.superposed.is_empty() {
+            self.hand_on(job, StepKind::AwaitFades);
+        }
+    }
+
+    pub(super) fn polygon_end(&mut self, job: &mut Job) {
+        let Some(gear) = self.coupled.gear.take() else { return };
+        let superposed = core::mem::take(&mut self.coupled.superposed);
+        for on in superposed.iter().copied() {
+            let order = Superpose { on, master: gear.master, table: None, over: FADE };
+            self.hand_on(job, StepKind::Superpose(order));
+        }
+        if !superposed.is_empty() {
+            self.hand_on(job, StepKind::AwaitFades);
+        }
+        self.hand_on(job, StepKind::Release { follower: gear.follower });
+    }
+
+    /// The next free table's name.
+    pub(super) const fn next_table(&mut self) -> TableId {
+        self.next_table = self.next_table.wrapping_add(1);
+        TableId(self.next_table)
+    }
+
+    fn polygon_is_refused(&mut self, job: &Job, polygon: &Polygon) -> bool {
+        let before = self.findings.len();
+        let most = self.limits.spindles.get(usize::from(polygon.tool)).map(|s| s.max_speed);
+        let work = self.spindles.get(usize::from(polygon.work)).map(|s| s.ordered);
+        match (work, most) {
+            (Some(work), Some(most)) if polygon.work != polygon.tool => {
+                self.check_gear(job, polygon, work, most);
+            }
+            _ => {
+                let count = self.limits.spindles.len();
+                let text = format!(
+                    "polygon turning needs a work spindle and a tool spindle, and the machine has {count} spindle(s)"
+                );
+                self.findings.add(Diagnostic::error("M0401", job.span, text));
+            }
+        }
+        self.findings.len() > before
+    }
+
+    fn check_gear(&mut self, job: &Job, polygon: &Polygon, work: Spin, most: Spin) {
+        if polygon.ratio.master <= 0 || polygon.ratio.follower == 0 {
+            let text = format!(
+                "expected a ratio of whole numbers above zero, found P{} Q{}: P1 Q2 cuts a square with two inserts",
+                polygon.ratio.master, polygon.ratio.follower
+            );
+            self.findings.add(Diagnostic::error("M0402", job.span, text));
+            return;
+        }
+        if work == Spin::ZERO {
+            let text = "the work spindle stands, and the tool spindle shall follow it: order M3 S… before G51.2";
+            self.findings.add(Diagnostic::error("M0403", job.span, text));
+            return;
+        }
+        let ratio = polygon.ratio.value().abs();
+        if work.abs().value() * ratio > most.value() * (1.0 + 1e-9) {
+            let works = Spin::rev_per_s(most.value() / ratio);
+            let text = format!(
+                "S{} of the work spindle needs {} rpm of the tool spindle, whose highest is {}: S{} works",
+                number(work.abs().in_rpm()),
+                number(work.abs().in_rpm() * ratio),
+                number(most.in_rpm()),
+                number(whole_rpm(works)),
+            );
+            self.findings.add(Diagnostic::error("M0404", job.span, text));
+        }
+    }
+}
