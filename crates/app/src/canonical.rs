@@ -4,9 +4,7 @@ use crate::refused::Refused;
 use crate::render::{self, Source};
 use crate::say;
 use crate::session::{Session, read_program};
-use canon::{
-    Axis, Feed, Op, OpKind, Oscillating, PathMode, Polygon, Position, SpindleOrder,
-};
+use canon::{Axis, Feed, Op, OpKind, Oscillating, PathMode, Polygon, Position, SpindleOrder};
 use diag::Diagnostic;
 use serde_json::{Value, json};
 use std::io::{self, BufWriter, Write};

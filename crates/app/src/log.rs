@@ -69,6 +69,9 @@ impl Log {
                 format!("chip removal: over, {:.0} rpm", spin.in_rpm())
             }
             EventKind::ToolChanged { tool } => format!("tool {tool} in the spindle"),
+            EventKind::SpindlesCoupled { follower } => {
+                format!("spindle {follower} follows, speed and phase are reached")
+            }
             _ => return,
         };
         line(&format!("{:8.3} {:5}  {text}", event.time.value(), event.line));

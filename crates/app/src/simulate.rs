@@ -155,6 +155,12 @@ impl Simulation<'_> {
             self.judge.op(index, &op);
             self.recorder.op(index, &op);
             self.planner.push(index, &op, &mut |step| queue.push_back(step));
+            for table in self.planner.take_tables() {
+                // the planner's tables are finite, and a step without its table is an alarm
+                if let Ok(function) = kernel::Periodic::new(&table.nodes) {
+                    let _ = self.kernel.put_table(table.id, function);
+                }
+            }
         }
     }
 

@@ -123,6 +123,10 @@ pub enum State {
     TapBottom,
     /// Synchronised, coming out.
     TapOut,
+    /// Coupling a spindle or an axis, or letting go of it.
+    Couple,
+    /// Couplings are engaged, and what was measured is being made use of.
+    Measure,
     /// Waiting for the operator.
     Paused,
     /// Stopped by a fault.
@@ -145,6 +149,8 @@ impl State {
             Self::TapIn => "tap-in",
             Self::TapBottom => "tap-bottom",
             Self::TapOut => "tap-out",
+            Self::Couple => "couple",
+            Self::Measure => "measure",
             Self::Paused => "paused",
             Self::Faulted => "faulted",
             Self::Ended => "ended",

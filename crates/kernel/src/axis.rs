@@ -43,6 +43,16 @@ pub(crate) struct Target {
 }
 
 impl Target {
+    /// Both motions at once.
+    fn with(&self, other: &Self) -> Self {
+        Self {
+            position: self.position + other.position,
+            speed: self.speed + other.speed,
+            accel: self.accel + other.accel,
+            jerk: self.jerk + other.jerk,
+        }
+    }
+
     /// The same motion a moment later.
     fn ahead(&self, t: f64) -> Self {
         let Self { position, speed, accel, jerk } = *self;
@@ -119,6 +129,8 @@ pub(crate) struct AxisLoop {
     table: f64,
     /// The setpoint; whoever moves the axis writes it each period.
     pub(crate) target: Target,
+    /// What couplings put on top of it.
+    pub(crate) superposed: Target,
     gap: f64,
     reading: f64,
     stretch: f64,
@@ -154,6 +166,7 @@ impl AxisLoop {
             mass,
             table: control.table_mass.value() * 1e-3,
             target: Target::default(),
+            superposed: Target::default(),
             gap: 0.0,
             reading: 0.0,
             stretch: 0.0,
@@ -174,6 +187,7 @@ impl AxisLoop {
         self.stretch = self.screw.stretch(-self.control.weight.value());
         let position = self.position();
         self.target = Target { position, ..Target::default() };
+        self.superposed = Target::default();
         self.positions = (position, position);
         self.gap = 0.0;
         self.error = 0.0;
@@ -243,7 +257,8 @@ impl AxisLoop {
     /// The command for this period, with the axis' own feed-forwards or others.
     pub(crate) fn command(&mut self, others: Option<FeedForward>) -> AxisCommand {
         let shares = others.unwrap_or(self.control.feed_forward);
-        let (now, ahead) = (self.target, self.target.ahead(self.lookahead_s));
+        let now = self.target.with(&self.superposed);
+        let ahead = now.ahead(self.lookahead_s);
         let ways = (now.position - self.positions.0, ahead.position - self.positions.1);
         self.positions = (now.position, ahead.position);
         let friction_now = self.friction.0.slide(ways.0, now.speed);

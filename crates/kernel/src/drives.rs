@@ -6,6 +6,7 @@
 use crate::axis::AxisLoop;
 use crate::chips::Removal;
 use crate::config::{Config, FeedForward, Subject};
+use crate::coupled::Coupled;
 use crate::fault::FaultKind;
 use crate::lessons::Lessons;
 use crate::spindle::SpindleLoop;
@@ -23,6 +24,8 @@ pub(crate) struct Drives {
     pub(crate) spindles: [Option<SpindleLoop>; SPINDLES],
     /// The axis that follows a master at present, and its feed-forwards if they are not its own.
     pub(crate) follower: Option<(usize, Option<FeedForward>)>,
+    /// What is coupled in the background of the steps.
+    pub(crate) coupled: Coupled,
     /// What taps have learnt.
     pub(crate) lessons: Lessons,
     /// Chip removals under way.
@@ -50,6 +53,7 @@ impl Drives {
             axes,
             spindles,
             follower: None,
+            coupled: Coupled::new(),
             lessons,
             removals,
             in_force,
@@ -67,6 +71,7 @@ impl Drives {
 
     /// Take the readings as the present place.
     pub(crate) fn adopt(&mut self, feedback: &Feedback, config: &Config) {
+        self.coupled.reset();
         for (axis, reading) in self.axes.iter_mut().zip(&feedback.axes) {
             if let Some(axis) = axis {
                 axis.adopt(reading);

@@ -52,6 +52,11 @@ pub enum EventKind {
         /// Which.
         spindle: u8,
     },
+    /// A spindle is on its gear.
+    SpindlesCoupled {
+        /// Which follows.
+        follower: u8,
+    },
     /// The axis has left the hole, and the spindle is told to run against the cut.
     ChipRemovalBegun {
         /// Which.

@@ -6,6 +6,7 @@
 //!   Idle ─► begin ─┬─► Moving ──► Settling (exact stop) ──────────────────┤
 //!                  ├─► Dwelling, AwaitingSpeed, AwaitingAngle, Changing ──┤
 //!                  ├─► Tapping ───────────────────────────────────────────┤
+//!                  ├─► Engaging, Fading, Revolving, Consulting ───────────────────────────┤
 //!                  ├─► Pausing ─ resume ──────────────────────────────────┤
 //!                  ├─► (coolant, spindle order: at once) ─────────────────┘
 //!                  └─► Ended
@@ -18,6 +19,7 @@ use crate::drives::{Drives, Finding};
 use crate::event::{Event, EventKind, Ring};
 use crate::fault::FaultKind;
 use crate::moving::Moving;
+use crate::spindle::SpindleLoop;
 use crate::tapping::{Outcome, TapRun};
 use bus::{Feedback, State};
 use plan::{SpindleStep, StepKind};
@@ -59,6 +61,14 @@ pub(crate) enum Activity {
     Changing { tool: u32, waited_s: f64 },
     /// Tapping.
     Tapping(TapRun),
+    /// Waiting until a spindle is on its gear.
+    Engaging(u8),
+    /// Waiting until one superposition can begin, or all have faded.
+    Fading,
+    /// Waiting for a spindle's turns: where it began.
+    Revolving(units::Angle),
+    /// Waiting for whoever runs the kernel.
+    Consulting,
     /// Waiting for the operator.
     Pausing,
     /// Done within the period in which it began.
@@ -90,6 +100,22 @@ impl Activity {
             StepKind::Dwell(time) => Self::Dwelling { left_s: time.value() },
             StepKind::Spindle { spindle, order } => begin_spindle(*spindle, order, drives)?,
             StepKind::Tap(plan) => Self::Tapping(TapRun::begin(plan, drives, context.config)?),
+            StepKind::Engage(gear) => {
+                drives.engage(gear)?;
+                Self::Engaging(gear.follower)
+            }
+            StepKind::Release { follower } => {
+                drives.release(*follower);
+                Self::AtOnce
+            }
+            StepKind::Superpose(_) | StepKind::AwaitFades => Self::Fading,
+            StepKind::Revolve { spindle, .. } => match drives.spindles.get(usize::from(*spindle)) {
+                Some(Some(control)) => Self::Revolving(control.now().angle),
+                _ => {
+                    return Err((FaultKind::NotConfigured, Subject::Spindle(*spindle), 0.0, 0.0));
+                }
+            },
+            StepKind::Consult(_) => Self::Consulting,
             StepKind::ChangeTool(tool) => {
                 drives.tool = *tool;
                 Self::Changing { tool: *tool, waited_s: 0.0 }
@@ -116,7 +142,23 @@ impl Activity {
     ) -> Result<Progress, Finding> {
         let waits = context.config.waits;
         match self {
-            Self::Idle | Self::Pausing | Self::Ended => Ok(Progress::Busy),
+            Self::Idle | Self::Pausing | Self::Consulting | Self::Ended => Ok(Progress::Busy),
+            Self::Engaging(follower) => {
+                if !drives.coupled.is_locked(*follower) {
+                    return Ok(Progress::Busy);
+                }
+                context.note(EventKind::SpindlesCoupled { follower: *follower });
+                Ok(Progress::Done(0.0))
+            }
+            Self::Fading => fade(step, dt, drives),
+            Self::Revolving(from) => {
+                let StepKind::Revolve { spindle, turns } = step else {
+                    return Ok(Progress::Done(dt));
+                };
+                let now = drives.spindles[usize::from(*spindle)].as_ref().map(SpindleLoop::now);
+                let turned = now.map_or(*turns, |now| now.angle - *from);
+                Ok(if turned.abs() < turns.abs() { Progress::Busy } else { Progress::Done(0.0) })
+            }
             Self::AtOnce => Ok(Progress::Done(dt)),
             Self::Moving(moving, state) => {
                 let StepKind::Move(order) = step else { return Ok(Progress::Done(dt)) };
@@ -172,7 +214,9 @@ impl Activity {
             Self::Idle | Self::AtOnce => State::Idle,
             Self::Moving(_, state) => *state,
             Self::Settling { .. } => State::Settle,
-            Self::Dwelling { .. } => State::Dwell,
+            Self::Dwelling { .. } | Self::Revolving(_) => State::Dwell,
+            Self::Engaging(_) | Self::Fading => State::Couple,
+            Self::Consulting => State::Measure,
             Self::AwaitingSpeed { .. } | Self::AwaitingAngle { .. } => State::SpindleWait,
             Self::Changing { .. } => State::ToolChange,
             Self::Tapping(run) => match run.phase() {
@@ -245,6 +289,18 @@ fn settle(
         Err(finding) if *waited_s > limit.value() => Err(finding),
         _ => Ok(Progress::Busy),
     }
+}
+
+/// A superposition begins when the one before has faded; all are awaited where a step says so.
+fn fade(step: &StepKind, dt: f64, drives: &mut Drives) -> Result<Progress, Finding> {
+    if let StepKind::Superpose(order) = step {
+        if drives.coupled.is_fading(order.on) {
+            return Ok(Progress::Busy);
+        }
+        drives.superpose(order)?;
+        return Ok(Progress::Done(dt));
+    }
+    Ok(if drives.coupled.has_faded() { Progress::Done(dt) } else { Progress::Busy })
 }
 
 fn await_speed(

@@ -29,6 +29,8 @@ pub enum FaultKind {
     SyncError,
     /// A cut goes on with the spindle far from its speed, or turning the wrong way.
     WrongSpinInCut,
+    /// A geared spindle is too far from its gear.
+    CouplingLost,
     /// A spindle did not reach its speed in time.
     NotAtSpeed,
     /// A spindle did not come to the ordered angle in time.
@@ -37,6 +39,14 @@ pub enum FaultKind {
     NotInPosition,
     /// The tool was not changed in time.
     ToolNotChanged,
+    /// A geared spindle did not reach the gear's speed in time.
+    RatioNotHeld,
+    /// A geared spindle does not turn at all.
+    StillClamped,
+    /// A geared spindle did not reach its phase in time.
+    PhaseNotReached,
+    /// A step superposes a function that the kernel has not been given.
+    TableMissing,
     /// A step orders an axis or spindle that is not configured.
     NotConfigured,
     /// A step begins where the axes are not.
@@ -64,7 +74,7 @@ struct Text {
 
 impl FaultKind {
     /// All of them, by rising number.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 18] = [
         Self::EmergencyStop,
         Self::DriveNotReady,
         Self::FeedbackInvalid,
@@ -72,12 +82,17 @@ impl FaultKind {
         Self::SpindleFollowingError,
         Self::SyncError,
         Self::WrongSpinInCut,
+        Self::CouplingLost,
         Self::NotAtSpeed,
         Self::NotOriented,
         Self::NotInPosition,
         Self::ToolNotChanged,
+        Self::RatioNotHeld,
+        Self::StillClamped,
+        Self::PhaseNotReached,
         Self::NotConfigured,
         Self::SetpointJump,
+        Self::TableMissing,
     ];
 
     /// Its number in the alarm list.
@@ -169,6 +184,14 @@ impl FaultKind {
                 cause: "The load has pulled the spindle away from its speed, or it was reversed during the cut.",
                 remedy: "Withdraw the tool; check its edges, feed and depth of cut against the drive's torque.",
             },
+            Self::CouplingLost => Text {
+                number: 205,
+                sentence: "the geared spindle has lost its phase",
+                unit: "rev",
+                reaction: Reaction::Halt,
+                cause: "Too much torque of the cut, a spindle drive at its limit, or a slipping encoder.",
+                remedy: "Retreat from the work; reduce infeed or speed; check the encoders of both spindles.",
+            },
             Self::NotAtSpeed => Text {
                 number: 301,
                 sentence: "the spindle did not reach its speed in time",
@@ -201,6 +224,30 @@ impl FaultKind {
                 cause: "The changer is jammed, or the tool is not in the magazine.",
                 remedy: "Free the changer; load the tool; lengthen control.waits.tool_change_s.",
             },
+            Self::RatioNotHeld => Text {
+                number: 305,
+                sentence: "the geared spindle does not reach the speed of its gear: the ratio cannot be held",
+                unit: "rev/s",
+                reaction: Reaction::Halt,
+                cause: "The ratio asks for more speed than the spindle has, or the drive is too weak.",
+                remedy: "Reduce the master's speed; compare the spindle with the machine file.",
+            },
+            Self::StillClamped => Text {
+                number: 306,
+                sentence: "the geared spindle does not turn: it is still clamped",
+                unit: "rev/s",
+                reaction: Reaction::Halt,
+                cause: "A clamp, a brake or a lock pin holds the spindle.",
+                remedy: "Release the clamp before the gear is engaged.",
+            },
+            Self::PhaseNotReached => Text {
+                number: 307,
+                sentence: "the geared spindle has not reached its phase in time",
+                unit: "rev",
+                reaction: Reaction::Halt,
+                cause: "A load on the spindle, loops that differ too much, or a window that is too narrow.",
+                remedy: "Engage outside the work; compare window and loop data with the machine file.",
+            },
             Self::NotConfigured => Text {
                 number: 401,
                 sentence: "ordered, but not configured on this machine",
@@ -216,6 +263,14 @@ impl FaultKind {
                 reaction: Reaction::Halt,
                 cause: "The program was planned from another position.",
                 remedy: "Plan the program again from where the axes stand.",
+            },
+            Self::TableMissing => Text {
+                number: 403,
+                sentence: "a step superposes a function that the control has not been given",
+                unit: "",
+                reaction: Reaction::Halt,
+                cause: "The table of a cam or an oscillation was not loaded before the step.",
+                remedy: "Start the program again; report it if it comes back.",
             },
         }
     }

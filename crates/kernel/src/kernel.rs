@@ -16,8 +16,8 @@ use crate::fault::{Fault, FaultKind, Reaction};
 use alloc::{collections::VecDeque, vec::Vec};
 use bus::{Command, Feedback, Report, State};
 use canon::Axis;
-use plan::Step;
-use sync::{Coupling, Monitor, SyncMode};
+use plan::{Step, StepKind, Superpose, TableId};
+use sync::{Coupling, Monitor, Periodic, SyncMode};
 
 /// Steps that may wait.
 pub const QUEUE: usize = 32;
@@ -152,6 +152,46 @@ impl Kernel {
         self.drives.lessons.recall(lessons);
     }
 
+    /// Keep the table of a function that steps superpose. What it replaces comes back.
+    ///
+    /// # Errors
+    /// All [`crate::TABLES`] places hold tables that are in use; the table comes back.
+    pub fn put_table(
+        &mut self,
+        id: TableId,
+        table: Periodic,
+    ) -> Result<Option<Periodic>, Periodic> {
+        self.drives.coupled.put(id, table)
+    }
+
+    /// What the step in work waits for from outside, if it does: see [`plan::StepKind::Consult`].
+    pub fn consulted(&self) -> Option<u16> {
+        match self.queue.front() {
+            Some(Step { kind: StepKind::Consult(what), .. }) if self.begun => Some(*what),
+            _ => None,
+        }
+    }
+
+    /// While it is consulted: begin, exchange or end a superposition.
+    ///
+    /// # Errors
+    /// The spindle, the axis or the table is missing.
+    pub fn superpose(&mut self, order: &Superpose) -> Result<(), FaultKind> {
+        self.drives.superpose(order).map_err(|(kind, ..)| kind)
+    }
+
+    /// All that was superposed has faded in or out.
+    pub fn has_faded(&self) -> bool {
+        self.drives.coupled.has_faded()
+    }
+
+    /// Go on after a consultation.
+    pub fn answer(&mut self) {
+        if matches!(self.activity, Activity::Consulting) {
+            self.activity = Activity::AtOnce;
+        }
+    }
+
     /// Go on after a program's stop.
     pub fn resume(&mut self) {
         if matches!(self.activity, Activity::Pausing) {
@@ -187,6 +227,8 @@ impl Kernel {
             Mode::New | Mode::Starting(_) | Mode::Disabled => Ok(()),
             Mode::Running => {
                 self.drives.check_ready(feedback)?;
+                let waits = &self.config.waits;
+                self.drives.check_coupled(waits.at_speed, waits.oriented)?;
                 self.drives.check_following()
             }
             Mode::Halted(_) => self.drives.check_ready(feedback),
@@ -234,6 +276,7 @@ impl Kernel {
         }
         self.warn(feedback);
         self.drives.advance_spindles();
+        self.drives.couple(self.config.period);
         for index in 0..bus::SPINDLES {
             if let Some(event) = self.drives.throw_chips(index) {
                 self.note(feedback, event);
@@ -286,6 +329,7 @@ impl Kernel {
                 _ => axis.brake(),
             }
         }
+        self.drives.couple(self.config.period);
         self.drives.command()
     }
 

@@ -19,6 +19,7 @@ extern crate std;
 mod axis;
 mod chips;
 mod config;
+mod coupled;
 mod drives;
 mod event;
 mod execute;
@@ -38,12 +39,13 @@ pub use config::{
     AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderPlace, FeedForward, Pause,
     SpindleControl, SpindleFriction, SpindleWindows, Subject, Waits,
 };
+pub use coupled::TABLES;
 pub use event::{EVENTS, Event, EventKind, TapFigures};
 pub use fault::{AlarmList, Fault, FaultKind, Reaction};
 pub use kernel::{FAULTS, Full, Kernel, QUEUE};
 pub use lessons::LESSONS;
 pub use problems::Problem;
 pub use sync::{
-    CELLS, Correction, Figures, Learning, Lesson, MAX_TRANSPORT, Prediction, StrokeKey, SyncMode,
-    Windows,
+    CELLS, Correction, Figures, Learning, Lesson, MAX_TRANSPORT, Periodic, Prediction, StrokeKey,
+    SyncMode, Windows,
 };

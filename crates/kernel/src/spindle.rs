@@ -58,6 +58,9 @@ pub(crate) struct SpindleLoop {
     inertia: f64,
     order: Order,
     ramp: Profile,
+    /// It leads a gear: position-controlled also while it only turns, and changes its speed no faster than this,
+    /// rev/s².
+    pace: Option<f64>,
     /// The setpoint now, before, and as it will be when the torque acts.
     ordered: Rotation,
     before: Rotation,
@@ -91,6 +94,7 @@ impl SpindleLoop {
             inertia,
             order: Order::Slew(0.0),
             ramp: Profile::EMPTY,
+            pace: None,
             ordered: still,
             before: still,
             ahead: still,
@@ -110,8 +114,28 @@ impl SpindleLoop {
         let still = Rotation { angle: feedback.angle, ..Rotation::default() };
         (self.ordered, self.before, self.ahead) = (still, still, still);
         self.order = Order::Slew(0.0);
+        self.pace = None;
         self.error = 0.0;
         self.servo.reset();
+    }
+
+    /// Be position-controlled while turning, or no longer.
+    pub(crate) fn pace(&mut self, most: Option<f64>) {
+        if most.is_some() && !self.position_controlled() {
+            self.ordered.angle = self.now().angle;
+            self.before = self.ordered;
+        }
+        self.pace = most;
+    }
+
+    /// The acceleration that a share of its torque gives at its present speed, rev/s².
+    pub(crate) fn accel_at_most(&self, share: f64) -> f64 {
+        share * self.limit(self.ordered.spin.value()) / self.inertia
+    }
+
+    /// Turn at a speed that may change each period.
+    pub(crate) fn slew_to(&mut self, spin: Spin) {
+        self.order = Order::Slew(spin.value());
     }
 
     /// Take a reading.
@@ -181,7 +205,8 @@ impl SpindleLoop {
     pub(crate) fn turn(&mut self, spin: Spin, ramp: &Profile) {
         let begins = ramp.at(0.0).v;
         let to = spin.value();
-        if (begins - self.ordered.spin.value()).abs() <= RAMP_FITS && ramp.duration() > 0.0 {
+        let fits = (begins - self.ordered.spin.value()).abs() <= RAMP_FITS;
+        if fits && ramp.duration() > 0.0 && self.pace.is_none() {
             self.ramp = *ramp;
             self.order = Order::Ramp(0.0, to);
         } else {
@@ -238,12 +263,9 @@ impl SpindleLoop {
     pub(crate) fn advance(&mut self) {
         let h = self.period_s;
         match self.order {
-            Order::Slew(to) => self.slew(to),
-            Order::Brake => {
-                let before = self.ordered.spin;
-                self.slew(0.0);
-                self.ordered.angle += (before + self.ordered.spin) * Time::s(h / 2.0);
-            }
+            Order::Slew(to) if self.pace.is_none() => self.slew(to),
+            Order::Slew(to) => self.slew_by_angle(to),
+            Order::Brake => self.slew_by_angle(0.0),
             Order::Ramp(at, to) => {
                 let at = at + h;
                 if at >= self.ramp.duration() {
@@ -273,9 +295,17 @@ impl SpindleLoop {
         }
     }
 
+    fn slew_by_angle(&mut self, to: f64) {
+        let before = self.ordered.spin;
+        self.slew(to);
+        self.ordered.angle += (before + self.ordered.spin) * Time::s(self.period_s / 2.0);
+        self.ahead = self.ordered;
+    }
+
     fn slew(&mut self, to: f64) {
         let before = self.ordered.spin.value();
-        let most = UNPLANNED * self.limit(before) / self.inertia * self.period_s;
+        let pace = self.pace.unwrap_or(f64::INFINITY);
+        let most = pace.min(UNPLANNED * self.limit(before) / self.inertia) * self.period_s;
         let spin = before + (to - before).clamp(-most, most);
         self.set_speed(spin, (spin - before) / self.period_s);
         self.ahead = self.ordered;
@@ -293,10 +323,12 @@ impl SpindleLoop {
         peak.min(by_power)
     }
 
-    const fn position_controlled(&self) -> bool {
+    /// Its angle is controlled, not only its speed.
+    pub(crate) const fn position_controlled(&self) -> bool {
         match self.order {
             Order::Turn(..) | Order::Held | Order::LedAngle | Order::Brake => true,
-            Order::Slew(_) | Order::Ramp(..) | Order::LedSpeed => false,
+            Order::Slew(_) => self.pace.is_some(),
+            Order::Ramp(..) | Order::LedSpeed => false,
         }
     }
 

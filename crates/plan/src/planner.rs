@@ -18,6 +18,7 @@
 //! **Tool change.** The spindle is stopped, Z goes to the change position, the tool is changed. The program does
 //! not know that Z has moved: a rapid that leaves Z where the program has it stays at the change position; the first op that
 //! cuts brings Z back first.
+use crate::coupled::Table;
 use crate::findings::{Findings, number};
 use crate::holes::Holes;
 use crate::limits::{MachineLimits, Options};
@@ -26,7 +27,6 @@ use crate::outbox::Outbox;
 use crate::path::Path;
 use crate::step::{Move, Step, StepKind};
 use crate::stroke::{Stroke, StrokeRequest};
-use crate::coupled::Table;
 use alloc::{format, vec::Vec};
 use canon::{Axis, Feed, Op, OpKind, PathMode, Position, ToolLibrary};
 use diag::{Diagnostic, Span};

@@ -28,6 +28,13 @@ fn words(steps: &[Step]) -> String {
         StepKind::Coolant { .. } => "coolant".into(),
         StepKind::Pause { .. } => "pause".into(),
         StepKind::End => "end".into(),
+        StepKind::Engage(gear) => format!("engage({}:{})", gear.ratio.follower, gear.ratio.master),
+        StepKind::Release { .. } => "release".into(),
+        StepKind::Superpose(order) if order.table.is_some() => "superpose".into(),
+        StepKind::Superpose(_) => "fade".into(),
+        StepKind::AwaitFades => "faded".into(),
+        StepKind::Revolve { turns, .. } => format!("revolve({})", turns.value()),
+        StepKind::Consult(what) => format!("consult({what})"),
     };
     steps.iter().map(word).collect::<Vec<_>>().join(" ")
 }

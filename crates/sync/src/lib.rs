@@ -20,6 +20,7 @@ extern crate std;
 mod blend;
 mod compensate;
 mod coupling;
+mod gear;
 mod learning;
 mod measure;
 mod mode;
@@ -28,6 +29,7 @@ mod observer;
 mod periodic;
 mod repetition;
 mod spectrum;
+mod superposed;
 mod tapping;
 
 pub use blend::{Blend, BlendPoint};
@@ -35,6 +37,7 @@ pub use compensate::{
     MOST_BOOST, NotMeasured, Response, ShiftOverSpeed, advanced, whole_addresses,
 };
 pub use coupling::{Coupling, Follower, Line, Rotation};
+pub use gear::{Engagement, Engaging, Gear, Travel};
 pub use learning::{CELLS, Channel, Correction, Learning, Learnt, Lesson, StrokeKey};
 pub use measure::{Estimate, HARMONICS, MeasureError, Pair, PhaseError, fold, phase_error};
 pub use mode::{MAX_TRANSPORT, Prediction, SyncMode};
@@ -43,4 +46,5 @@ pub use observer::{Observer, Tracker, stopping_angle};
 pub use periodic::{FEWEST_NODES, MOST_NODES, Periodic, PeriodicError, PeriodicPoint};
 pub use repetition::{Repetition, RepetitionOptions, Taught};
 pub use spectrum::{Complex, Spectrum};
+pub use superposed::{Fade, Swing};
 pub use tapping::{Ask, Cycle, Phase, Stroke, StrokePoint, Tap, Tick};

@@ -345,7 +345,15 @@ pub fn run_on(
     steps: &[StepKind],
     ticks: usize,
 ) -> Run {
-    let mut kernel = Kernel::new(control.clone());
+    run_kernel_on(Kernel::new(control.clone()), machine, steps, ticks)
+}
+
+pub fn run_kernel_on(
+    mut kernel: Kernel,
+    machine: &mut dyn Machine,
+    steps: &[StepKind],
+    ticks: usize,
+) -> Run {
     let mut waiting = steps.iter().enumerate();
     let (mut samples, mut events) = (Vec::new(), Vec::new());
     let mut next = waiting.next();

@@ -12,7 +12,7 @@ const KINDS: [(&str, &[State], &str); 8] = [
     ("cutting feed", &[State::Feed], "s1"),
     ("tapping", &[State::TapIn, State::TapBottom, State::TapOut], "s2"),
     ("tool change", &[State::ToolChange], "s3"),
-    ("waiting for the spindle", &[State::SpindleWait], "s4"),
+    ("waiting for the spindle", &[State::SpindleWait, State::Couple, State::Measure], "s4"),
     ("waiting for position", &[State::Settle], "s5"),
     ("dwell, operator, idle", &[State::Dwell, State::Paused, State::Idle], "s6"),
     ("stopped by a fault", &[State::Faulted], "s7"),

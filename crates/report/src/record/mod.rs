@@ -116,6 +116,8 @@ impl Recorder {
             | State::SpindleWait
             | State::Settle
             | State::ToolChange
+            | State::Couple
+            | State::Measure
             | State::Paused
             | State::Faulted
             | State::Ended => {}

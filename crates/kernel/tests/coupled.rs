@@ -1,0 +1,168 @@
+//! Spindles that follow one another, and what is superposed on axes, on simulated machines with all their physics.
+mod common;
+use canon::{Axis, Position, Ratio};
+use common::{Run, await_speed, control, line, machine, run_kernel_on, turn};
+use core::f64::consts::TAU;
+use kernel::{FaultKind, Kernel, Periodic};
+use plan::{GearStep, StepKind, Superpose, Superposed, TableId};
+use sim::SimulatedMachine;
+use units::{Angle, Inertia, Power, Torque};
+
+/// The tapping centre with a second, light spindle.
+fn two_spindles() -> sim::Config {
+    let mut machine = machine(1);
+    let tool = sim::SpindleModel {
+        inertia: Inertia::kg_m2(0.003),
+        peak_torque: Torque::n_m(20.0),
+        peak_power: Power::w(5500.0),
+        start: Angle::rev(0.7),
+        ..machine.spindles[0]
+    };
+    machine.spindles.push(tool);
+    machine
+}
+
+const GEAR: GearStep = GearStep {
+    follower: 1,
+    master: 0,
+    ratio: Ratio { follower: 2, master: 1 },
+    axis: None,
+    phase: Angle::deg(30.0),
+};
+
+fn wave(amplitude: f64, per_turn: u32) -> Periodic {
+    let at = |k: u32| amplitude * (TAU * f64::from(per_turn * k) / 720.0).cos();
+    Periodic::new(&(0..720).map(at).collect::<Vec<_>>()).expect("a cosine is a table")
+}
+
+fn swing(on: Superposed, table: Option<u16>) -> StepKind {
+    let over = Angle::rev(2.0);
+    StepKind::Superpose(Superpose { on, master: 0, table: table.map(TableId), over })
+}
+
+/// Run with tables, 16 seconds at most.
+fn run(machine: &sim::Config, steps: &[StepKind], tables: &[(u16, Periodic)]) -> Run {
+    let mut kernel = Kernel::new(control(machine));
+    for (id, table) in tables {
+        kernel.put_table(TableId(*id), table.clone()).expect("there is room");
+    }
+    let mut machine = SimulatedMachine::new(machine.clone()).expect("it can be built");
+    run_kernel_on(kernel, &mut machine, steps, 64_000)
+}
+
+fn wrapped(turns: f64) -> f64 {
+    turns - turns.round()
+}
+
+#[test]
+fn a_geared_spindle_engages_at_speed_and_holds_its_phase_to_a_few_seconds_of_arc() {
+    let travel = line(Position::default(), Position::xyz(0.0, 0.0, -20.0), 10.0, true);
+    let steps = [turn(0.0, 600.0), await_speed(), StepKind::Engage(GEAR), travel, StepKind::End];
+    let run = run(&two_spindles(), &steps, &[]);
+    assert!(run.kernel.faults().is_empty(), "{:?}", run.kernel.faults());
+    let moving: Vec<_> =
+        run.samples.iter().filter(|s| s.report.state == bus::State::Rapid).collect();
+    assert!(moving.len() > 4000);
+    let worst = moving
+        .iter()
+        .map(|s| wrapped(s.spindle(1).value() - 2.0 * s.spindle(0).value() - 30.0 / 360.0).abs());
+    let worst_arc_s = worst.fold(0.0, f64::max) * 360.0 * 3600.0;
+    assert!(worst_arc_s < 20.0, "{worst_arc_s} seconds of arc");
+}
+
+#[test]
+fn a_change_of_the_masters_speed_takes_the_follower_along() {
+    let steps = [
+        turn(0.0, 300.0),
+        await_speed(),
+        StepKind::Engage(GEAR),
+        turn(300.0, 900.0),
+        await_speed(),
+        StepKind::End,
+    ];
+    let run = run(&two_spindles(), &steps, &[]);
+    assert!(run.kernel.faults().is_empty(), "{:?}", run.kernel.faults());
+    let locked = run
+        .samples
+        .iter()
+        .skip_while(|s| s.report.state != bus::State::Couple)
+        .skip_while(|s| s.report.state == bus::State::Couple);
+    let errors = locked
+        .map(|s| wrapped(s.spindle(1).value() - 2.0 * s.spindle(0).value() - 30.0 / 360.0).abs());
+    let worst_deg = errors.fold(0.0, f64::max) * 360.0;
+    assert!(worst_deg > 0.0 && worst_deg < 0.05, "{worst_deg}°");
+}
+
+#[test]
+fn an_oscillation_is_superposed_on_a_feed_and_is_gone_after_its_end() {
+    let on = Superposed::Axis(Axis::X);
+    let travel =
+        |from, to| line(Position::xyz(0.0, 0.0, from), Position::xyz(0.0, 0.0, to), 10.0, true);
+    let steps = [
+        turn(0.0, 300.0),
+        await_speed(),
+        swing(on, Some(1)),
+        StepKind::AwaitFades,
+        travel(0.0, -10.0),
+        swing(on, None),
+        StepKind::AwaitFades,
+        travel(-10.0, -15.0),
+        StepKind::End,
+    ];
+    let run = run(&two_spindles(), &steps, &[(1, wave(0.1, 4))]);
+    assert!(run.kernel.faults().is_empty(), "{:?}", run.kernel.faults());
+    let during =
+        run.samples.iter().filter(|s| s.report.op == 4 && s.report.state == bus::State::Rapid);
+    let errors = during.map(|s| {
+        let wanted = 0.1 * (4.0 * TAU * s.spindle(0).value()).cos();
+        (s.axis(0).value() - wanted).abs() * 1e3
+    });
+    let worst_um = errors.fold(0.0, f64::max);
+    assert!(worst_um > 0.0 && worst_um < 5.0, "{worst_um} µm");
+    let after =
+        run.samples.iter().filter(|s| s.report.op == 7 && s.report.state == bus::State::Rapid);
+    let left_um = after.map(|s| s.axis(0).value().abs() * 1e3).fold(0.0, f64::max);
+    assert!(left_um < 3.0, "{left_um} µm");
+}
+
+#[test]
+fn the_phase_of_the_follower_can_swing_too() {
+    let steps = [
+        turn(0.0, 300.0),
+        await_speed(),
+        StepKind::Engage(GEAR),
+        swing(Superposed::Spindle(1), Some(3)),
+        StepKind::AwaitFades,
+        StepKind::Revolve { spindle: 0, turns: Angle::rev(5.0) },
+        StepKind::End,
+    ];
+    let run = run(&two_spindles(), &steps, &[(3, wave(0.01, 4))]);
+    assert!(run.kernel.faults().is_empty(), "{:?}", run.kernel.faults());
+    let during: Vec<_> = run.samples.iter().filter(|s| s.report.op == 5).collect();
+    let turned = during[during.len() - 1].spindle(0).value() - during[0].spindle(0).value();
+    assert!((turned - 5.0).abs() < 0.02, "{turned} turns");
+    let errors = during.iter().map(|s| {
+        let theta = s.spindle(0).value();
+        let wanted = 2.0 * theta + 30.0 / 360.0 + 0.01 * (4.0 * TAU * theta).cos();
+        wrapped(s.spindle(1).value() - wanted).abs() * 360.0
+    });
+    let worst_deg = errors.fold(0.0, f64::max);
+    assert!(worst_deg < 0.2, "{worst_deg}°");
+}
+
+#[test]
+fn a_clamped_follower_is_an_alarm_of_its_own() {
+    let mut machine = two_spindles();
+    // a pin: no torque that the drive has moves it
+    machine.spindles[1].coulomb = Torque::n_m(500.0);
+    let steps = [turn(0.0, 300.0), await_speed(), StepKind::Engage(GEAR), StepKind::End];
+    let run = run(&machine, &steps, &[]);
+    assert_eq!(run.kernel.faults()[0].kind, FaultKind::StillClamped);
+}
+
+#[test]
+fn a_function_that_nobody_gave_is_an_alarm_and_no_motion() {
+    let steps = [swing(Superposed::Axis(Axis::X), Some(9)), StepKind::End];
+    let run = run(&two_spindles(), &steps, &[]);
+    assert_eq!(run.kernel.faults()[0].kind, FaultKind::TableMissing);
+}
