@@ -123,7 +123,15 @@ fn assert_hangs_together(steps: &[Step]) {
             StepKind::ChangeTool(_) => {
                 assert_eq!((spin, awaited, at.linear[2]), (Spin::ZERO, true, mm(0.0)));
             }
-            StepKind::Dwell(_)
+            StepKind::Engage(gear) => {
+                assert!(gear.follower != gear.master && awaited && spin != Spin::ZERO);
+            }
+            StepKind::Release { .. }
+            | StepKind::Superpose(_)
+            | StepKind::AwaitFades
+            | StepKind::Revolve { .. }
+            | StepKind::Consult(_)
+            | StepKind::Dwell(_)
             | StepKind::Coolant { .. }
             | StepKind::Pause { .. }
             | StepKind::End => {}
