@@ -68,6 +68,7 @@ impl Log {
             EventKind::ChipRemovalEnded { spin, .. } => {
                 format!("chip removal: over, {:.0} rpm", spin.in_rpm())
             }
+            EventKind::Operator(notice) => notice.sentence().to_owned(),
             EventKind::ToolChanged { tool } => format!("tool {tool} in the spindle"),
             EventKind::SpindlesCoupled { follower } => {
                 format!("spindle {follower} follows, speed and phase are reached")

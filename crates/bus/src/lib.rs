@@ -127,8 +127,10 @@ pub enum State {
     Couple,
     /// Couplings are engaged, and what was measured is being made use of.
     Measure,
-    /// Waiting for the operator.
+    /// Waiting for the operator: a program's stop.
     Paused,
+    /// Held by the operator: everything that was to stop stands, or slows down.
+    Held,
     /// Stopped by a fault.
     Faulted,
     /// The program has ended.
@@ -152,6 +154,7 @@ impl State {
             Self::Couple => "couple",
             Self::Measure => "measure",
             Self::Paused => "paused",
+            Self::Held => "held",
             Self::Faulted => "faulted",
             Self::Ended => "ended",
         }

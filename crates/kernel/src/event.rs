@@ -5,6 +5,7 @@
 //!             └ full: the oldest goes, and is counted
 //! ```
 use crate::fault::Fault;
+use crate::operator::Notice;
 use alloc::collections::VecDeque;
 use canon::Axis;
 use sync::Figures;
@@ -92,6 +93,8 @@ pub enum EventKind {
     },
     /// Spindle and axis are out again.
     TapEnded(TapFigures),
+    /// What the operator should know of an order.
+    Operator(Notice),
     /// Waiting for the operator.
     Paused,
     /// The operator went on.

@@ -19,6 +19,7 @@ use crate::drives::{Drives, Finding};
 use crate::event::{Event, EventKind, Ring};
 use crate::fault::FaultKind;
 use crate::moving::Moving;
+use crate::operator::Operator;
 use crate::spindle::SpindleLoop;
 use crate::tapping::{Outcome, TapRun};
 use bus::{Feedback, State};
@@ -31,6 +32,8 @@ pub(crate) struct Context<'a> {
     pub(crate) config: &'a Config,
     pub(crate) feedback: &'a Feedback,
     pub(crate) events: &'a mut Ring,
+    /// What the operator has ordered.
+    pub(crate) operator: &'a Operator,
     pub(crate) op: u32,
     pub(crate) line: u32,
 }
@@ -177,6 +180,7 @@ impl Activity {
             Self::Settling { waited_s, inside_s } => {
                 settle(dt, waited_s, inside_s, drives, waits.in_position)
             }
+            Self::Dwelling { .. } if context.operator.wants_rest() => Ok(Progress::Busy),
             Self::Dwelling { left_s } => {
                 *left_s -= dt;
                 Ok(if *left_s > 0.0 { Progress::Busy } else { Progress::Done(-*left_s) })
@@ -205,6 +209,25 @@ impl Activity {
                     Outcome::Failed(finding) => Err(finding),
                 }
             }
+        }
+    }
+
+    /// The operator's hold has come into force in the middle of it: it stands, and goes on from there.
+    pub(crate) const fn is_held(&self, operator: &Operator) -> bool {
+        match self {
+            Self::Idle | Self::Pausing | Self::Dwelling { .. } => operator.wants_rest(),
+            Self::Moving(moving, _) => moving.is_held(),
+            Self::Settling { .. }
+            | Self::AwaitingSpeed { .. }
+            | Self::AwaitingAngle { .. }
+            | Self::Changing { .. }
+            | Self::Tapping(_)
+            | Self::Engaging(_)
+            | Self::Fading
+            | Self::Revolving(_)
+            | Self::Consulting
+            | Self::AtOnce
+            | Self::Ended => false,
         }
     }
 

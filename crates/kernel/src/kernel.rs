@@ -13,11 +13,14 @@ use crate::drives::{Drives, Finding};
 use crate::event::{Event, EventKind, Ring};
 use crate::execute::{Activity, Context, Progress};
 use crate::fault::{Fault, FaultKind, Reaction};
+use crate::operator::{Notice, Operator, Order};
+use crate::spindle::SpindleLoop;
 use alloc::{collections::VecDeque, vec::Vec};
 use bus::{Command, Feedback, Report, State};
 use canon::Axis;
 use plan::{Step, StepKind, Superpose, TableId};
 use sync::{Coupling, Monitor, Periodic, SyncMode};
+use units::Time;
 
 /// Steps that may wait.
 pub const QUEUE: usize = 32;
@@ -76,6 +79,11 @@ pub struct Kernel {
     faults: Vec<Fault>,
     events: Ring,
     report: Report,
+    operator: Operator,
+    /// The operator has given the program up, and everything stands.
+    aborted: bool,
+    /// Time of the last reading.
+    now: Time,
 }
 
 impl Kernel {
@@ -92,6 +100,9 @@ impl Kernel {
             faults: Vec::with_capacity(FAULTS),
             events: Ring::new(),
             report: Report::default(),
+            operator: Operator::new(),
+            aborted: false,
+            now: Time::ZERO,
         }
     }
 
@@ -117,9 +128,9 @@ impl Kernel {
         self.queue.is_empty()
     }
 
-    /// The program has ended, or a fault has ended it: nothing more will happen.
+    /// The program has ended, or a fault or the operator has ended it: nothing more will happen.
     pub fn is_over(&self) -> bool {
-        matches!(self.report.state, State::Ended | State::Faulted)
+        self.aborted || matches!(self.report.state, State::Ended | State::Faulted)
     }
 
     /// The kernel's view of the last period.
@@ -192,15 +203,33 @@ impl Kernel {
         }
     }
 
+    /// Take an order of the operator; it acts from the next tick on.
+    pub fn order(&mut self, order: Order) {
+        let synchronised =
+            matches!(&self.activity, Activity::Tapping(run) if run.coupling().is_some());
+        let paused = matches!(self.activity, Activity::Pausing);
+        if let Some(notice) = self.operator.take(order, synchronised, paused) {
+            self.note(EventKind::Operator(notice));
+        }
+        if order == Order::Resume && paused && !self.operator.wants_rest() {
+            self.activity = Activity::AtOnce;
+            self.note(EventKind::Resumed);
+        }
+    }
+
+    /// What the operator's orders have left behind.
+    pub const fn operator(&self) -> &Operator {
+        &self.operator
+    }
+
     /// Go on after a program's stop.
     pub fn resume(&mut self) {
-        if matches!(self.activity, Activity::Pausing) {
-            self.activity = Activity::AtOnce;
-        }
+        self.order(Order::Resume);
     }
 
     /// One servo period: from what the machine says to what it shall do.
     pub fn tick(&mut self, feedback: &Feedback) -> Command {
+        self.now = feedback.time;
         if let Err(finding) = self.check(feedback) {
             self.raise(finding, feedback);
         }
@@ -246,7 +275,7 @@ impl Kernel {
         match self.drives.check_ready(feedback) {
             Ok(()) => {
                 self.mode = Mode::Running;
-                self.note(feedback, EventKind::DrivesReady);
+                self.note(EventKind::DrivesReady);
             }
             Err(finding) if waited > self.config.waits.ready.value() => {
                 self.raise(finding, feedback);
@@ -274,12 +303,13 @@ impl Kernel {
         if let Mode::Halted(halt) = self.mode {
             return self.halt(halt.as_ref());
         }
-        self.warn(feedback);
+        self.hold();
+        self.warn();
         self.drives.advance_spindles();
         self.drives.couple(self.config.period);
         for index in 0..bus::SPINDLES {
             if let Some(event) = self.drives.throw_chips(index) {
-                self.note(feedback, event);
+                self.note(event);
             }
         }
         self.drives.command()
@@ -290,10 +320,17 @@ impl Kernel {
         let Some(step) = self.queue.front() else {
             return Ok(Progress::Busy);
         };
+        if !self.begun && self.holds_before(step.line) {
+            return Ok(Progress::Busy);
+        }
+        let Some(step) = self.queue.front() else {
+            return Ok(Progress::Busy);
+        };
         let mut context = Context {
             config: &self.config,
             feedback,
             events: &mut self.events,
+            operator: &self.operator,
             op: step.op,
             line: step.line,
         };
@@ -309,6 +346,32 @@ impl Kernel {
             self.activity = Activity::Idle;
         }
         Ok(progress)
+    }
+
+    /// No step begins now: the operator holds, and the axes stand. A move that flows on into the next one
+    /// slows down in it.
+    fn holds_before(&mut self, line: u32) -> bool {
+        if self.drives.axes.iter().flatten().any(|axis| axis.target.speed != 0.0) {
+            return false;
+        }
+        self.operator.holds_line(line, self.report.line) || self.operator.wants_rest()
+    }
+
+    /// The operator's hold, once everything stands: it is said, and an abort forgets the rest.
+    fn hold(&mut self) {
+        let stands = self.operator.wants_rest() && self.activity.is_held(&self.operator);
+        if !stands || self.aborted {
+            return;
+        }
+        if self.operator.wants_abort() {
+            self.queue.clear();
+            (self.activity, self.begun, self.aborted) = (Activity::Idle, false, true);
+            self.drives.spindles.iter_mut().flatten().for_each(SpindleLoop::stop);
+            (self.drives.mist, self.drives.flood) = (false, false);
+            self.note(EventKind::Operator(Notice::Aborted));
+        } else if let Some(notice) = self.operator.standing(false) {
+            self.note(EventKind::Operator(notice));
+        }
     }
 
     /// Brake what moves, synchronised what is coupled, and hold.
@@ -343,7 +406,7 @@ impl Kernel {
         if self.faults.len() < FAULTS {
             self.faults.push(fault);
         }
-        self.note(feedback, EventKind::FaultRaised(fault));
+        self.note(EventKind::FaultRaised(fault));
         self.mode = match kind.reaction() {
             Reaction::Disable => Mode::Disabled,
             Reaction::Halt => {
@@ -368,7 +431,7 @@ impl Kernel {
     }
 
     /// Following errors worth an event.
-    fn warn(&mut self, feedback: &Feedback) {
+    fn warn(&mut self) {
         for index in 0..bus::AXES {
             let Some(axis) = &mut self.drives.axes[index] else { continue };
             let (error, limit) = (axis.error(), axis.control.windows.following_warn.value());
@@ -377,20 +440,26 @@ impl Kernel {
             } else if error.abs() > limit && !axis.warned {
                 axis.warned = true;
                 let (axis, error) = (Axis::ALL[index], units::Length::mm(error));
-                self.note(feedback, EventKind::FollowingWarning { axis, error });
+                self.note(EventKind::FollowingWarning { axis, error });
             }
         }
     }
 
-    fn note(&mut self, feedback: &Feedback, kind: EventKind) {
+    fn note(&mut self, kind: EventKind) {
         let (op, line) = (self.report.op, self.report.line);
-        self.events.push(Event { time: feedback.time, op, line, kind });
+        self.events.push(Event { time: self.now, op, line, kind });
     }
 
     /// The kernel's view of this period.
     fn summarise(&mut self) {
         self.report.state = match self.mode {
             Mode::New | Mode::Starting(_) => State::Idle,
+            Mode::Running if self.aborted => State::Idle,
+            Mode::Running
+                if self.operator.wants_rest() && self.activity.is_held(&self.operator) =>
+            {
+                State::Held
+            }
             Mode::Running => self.activity.state(),
             Mode::Halted(_) | Mode::Disabled => State::Faulted,
         };

@@ -28,6 +28,7 @@ mod friction;
 mod kernel;
 mod lessons;
 mod moving;
+mod operator;
 mod problems;
 mod servo;
 mod spindle;
@@ -44,6 +45,7 @@ pub use event::{EVENTS, Event, EventKind, TapFigures};
 pub use fault::{AlarmList, Fault, FaultKind, Reaction};
 pub use kernel::{FAULTS, Full, Kernel, QUEUE};
 pub use lessons::LESSONS;
+pub use operator::{FEED_MOST, Notice, Operator, Order};
 pub use problems::Problem;
 pub use sync::{
     CELLS, Correction, Figures, Learning, Lesson, MAX_TRANSPORT, Periodic, Prediction, StrokeKey,

@@ -27,6 +27,11 @@ pub(crate) struct Moving {
 }
 
 impl Moving {
+    /// It stands by the operator's hold, somewhere along its path.
+    pub(crate) const fn is_held(&self) -> bool {
+        false
+    }
+
     /// Begin, if the axes stand where the move begins.
     pub(crate) fn begin(order: &Move, drives: &mut Drives) -> Result<Self, Finding> {
         stand_at(order.path.from(), drives)?;

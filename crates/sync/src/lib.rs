@@ -27,6 +27,7 @@ mod mode;
 mod monitor;
 mod observer;
 mod periodic;
+pub mod recovery;
 mod repetition;
 mod spectrum;
 mod superposed;

@@ -14,7 +14,7 @@ const KINDS: [(&str, &[State], &str); 8] = [
     ("tool change", &[State::ToolChange], "s3"),
     ("waiting for the spindle", &[State::SpindleWait, State::Couple, State::Measure], "s4"),
     ("waiting for position", &[State::Settle], "s5"),
-    ("dwell, operator, idle", &[State::Dwell, State::Paused, State::Idle], "s6"),
+    ("dwell, operator, idle", &[State::Dwell, State::Paused, State::Held, State::Idle], "s6"),
     ("stopped by a fault", &[State::Faulted], "s7"),
 ];
 

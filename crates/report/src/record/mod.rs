@@ -89,7 +89,7 @@ impl Recorder {
         self.tip(sample);
         if matches!(state, State::TapIn | State::TapBottom | State::TapOut) {
             self.tapping(sample);
-        } else if self.current.is_some() && !matches!(state, State::Paused) {
+        } else if self.current.is_some() && !matches!(state, State::Paused | State::Held) {
             self.end_tap(state != State::Faulted);
         }
     }
@@ -119,6 +119,7 @@ impl Recorder {
             | State::Couple
             | State::Measure
             | State::Paused
+            | State::Held
             | State::Faulted
             | State::Ended => {}
         }

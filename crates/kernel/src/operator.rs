@@ -1,0 +1,287 @@
+//! What the operator orders while a program runs: hold, resume, abort, retract, overrides, single block.
+//!
+//! ```text
+//!                hold                  standing           resume
+//!   running ───────────► slowing down ─────────► held ──────────────► running
+//!                                                 │ abort ──────────► the rest of the program is forgotten
+//!                                                 │ retract (a tap) ► back out along the thread, then held or over
+//! ```
+//!
+//! This is only the state that the orders leave behind. Who moves something asks it every period:
+//!
+//! | who | asks | and then |
+//! |---|---|---|
+//! | a move | [`Operator::wants_rest`], [`Operator::share`] | slows down along its path; goes slower or faster |
+//! | a dwell | [`Operator::wants_rest`] | its clock stands |
+//! | a tap | [`Operator::wants_rest`], [`Operator::wants_out`] | stops on its coupling, all of it together; backs out |
+//! | between steps | [`Operator::wants_rest`] | no step begins |
+//!
+//! In a synchronised move overrides are locked: they are remembered, and act after it. What the operator may
+//! wonder about is said as a [`Notice`].
+
+/// An order, at any time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Order {
+    /// Stop what moves as soon as it can be, without leaving path or coupling. The spindle goes on turning
+    /// unless it is coupled.
+    FeedHold,
+    /// Go on after a hold, a program's stop or a single block.
+    Resume,
+    /// Stop as for a hold, then forget the rest of the program. A tap in its hole waits for `Retract`.
+    Abort,
+    /// Back a held tap out of its hole along its thread.
+    Retract,
+    /// Share of the programmed feed, 0 to [`FEED_MOST`].
+    FeedOverride(f64),
+    /// Share of the rapids' speed, 0 to 1.
+    RapidOverride(f64),
+    /// Hold before each program line.
+    SingleBlock(bool),
+}
+
+/// The highest feed override.
+pub const FEED_MOST: f64 = 2.0;
+
+/// Something that the operator should know of an order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Notice {
+    /// Everything that was to stop stands.
+    Held,
+    /// The same, in a thread.
+    HeldInThread,
+    /// An override was turned during a synchronised move.
+    OverrideLocked,
+    /// A share that is no number or out of its range was taken as the nearest one that is.
+    OverrideOutOfRange,
+    /// A hold came where the planned stroke stands sooner than any stop could.
+    StopsAtBottom,
+    /// The tap backs out.
+    BackingOut,
+    /// It is out, after a stop.
+    Out,
+    /// A retract was ordered with no tap held in a hole.
+    NothingToRetract,
+    /// A resume was ordered with nothing held.
+    NothingHeld,
+    /// A program that was aborted cannot go on.
+    NothingToResume,
+    /// The program was given up.
+    Aborted,
+}
+
+impl Notice {
+    /// What is said.
+    pub const fn sentence(self) -> &'static str {
+        match self {
+            Self::Held => "held: resume goes on, abort gives the program up",
+            Self::HeldInThread => {
+                "held in the thread, spindle and feed stopped together: resume goes on, retract backs out along the thread"
+            }
+            Self::OverrideLocked => {
+                "overrides are locked while spindle and feed are synchronised; the new one acts after the thread"
+            }
+            Self::OverrideOutOfRange => {
+                "an override goes from 0 to 200 % (rapids: to 100 %); the nearest possible one is taken"
+            }
+            Self::StopsAtBottom => {
+                "the spindle is already braking towards the end of its stroke: it stops there, on the coupling"
+            }
+            Self::BackingOut => "backing out along the thread",
+            Self::Out => "the tap is out of its hole",
+            Self::NothingToRetract => "nothing to retract: no tap is held in a hole",
+            Self::NothingHeld => "nothing is held",
+            Self::NothingToResume => "the program was aborted: start it again, or from a line",
+            Self::Aborted => "aborted: the rest of the program is forgotten",
+        }
+    }
+}
+
+/// What the orders have left behind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Operator {
+    held: bool,
+    aborting: bool,
+    retract: bool,
+    feed: f64,
+    rapid: f64,
+    single_block: bool,
+    /// The line that single block has let pass.
+    admitted: Option<u32>,
+    /// The hold has been said.
+    said: bool,
+}
+
+impl Operator {
+    pub(crate) const fn new() -> Self {
+        Self {
+            held: false,
+            aborting: false,
+            retract: false,
+            feed: 1.0,
+            rapid: 1.0,
+            single_block: false,
+            admitted: None,
+            said: false,
+        }
+    }
+
+    /// Take an order; what is to be said about it. `synchronised`: a coupling is engaged; `paused`: the
+    /// program has a stop of its own.
+    pub(crate) fn take(
+        &mut self,
+        order: Order,
+        synchronised: bool,
+        paused: bool,
+    ) -> Option<Notice> {
+        match order {
+            Order::FeedHold => {
+                self.held = true;
+                None
+            }
+            Order::Resume if self.aborting => Some(Notice::NothingToResume),
+            Order::Resume => {
+                let nothing = !self.held && !paused;
+                (self.held, self.retract, self.said) = (false, false, false);
+                nothing.then_some(Notice::NothingHeld)
+            }
+            Order::Abort => {
+                self.aborting = true;
+                None
+            }
+            Order::Retract if synchronised && self.wants_rest() => {
+                self.retract = true;
+                None
+            }
+            Order::Retract => Some(Notice::NothingToRetract),
+            Order::FeedOverride(share) => {
+                let before = self.feed;
+                self.feed = within(share, FEED_MOST, before);
+                override_notice(share, self.feed, synchronised)
+            }
+            Order::RapidOverride(share) => {
+                let before = self.rapid;
+                self.rapid = within(share, 1.0, before);
+                override_notice(share, self.rapid, synchronised)
+            }
+            Order::SingleBlock(on) => {
+                self.single_block = on;
+                None
+            }
+        }
+    }
+
+    /// What moves shall come to rest, and nothing new begin.
+    pub const fn wants_rest(&self) -> bool {
+        self.held || self.aborting
+    }
+
+    /// The program shall be given up.
+    pub const fn wants_abort(&self) -> bool {
+        self.aborting
+    }
+
+    /// A tap that is held shall back out.
+    pub const fn wants_out(&self) -> bool {
+        self.retract
+    }
+
+    /// The override for a move: of rapids, or of feeds. Whoever is synchronised does not ask.
+    pub const fn share(&self, rapid: bool) -> f64 {
+        if rapid { self.rapid } else { self.feed }
+    }
+
+    /// Each program line shall be followed by a hold: a move must come to rest at its end.
+    pub const fn single_block(&self) -> bool {
+        self.single_block
+    }
+
+    /// A step of another line is about to begin, with everything at rest: whether single block holds it.
+    pub(crate) fn holds_line(&mut self, line: u32, last: u32) -> bool {
+        if !self.single_block || line == last || self.admitted == Some(line) {
+            return false;
+        }
+        self.admitted = Some(line);
+        self.held = true;
+        true
+    }
+
+    /// Everything stands: what is to be said, once.
+    pub(crate) const fn standing(&mut self, in_thread: bool) -> Option<Notice> {
+        if self.said {
+            return None;
+        }
+        self.said = true;
+        Some(if in_thread { Notice::HeldInThread } else { Notice::Held })
+    }
+
+    /// The tap is out: the retract is done, the hold remains.
+    pub(crate) const fn is_out(&mut self) {
+        self.retract = false;
+        self.said = true;
+    }
+}
+
+/// The nearest share that can be meant; a number that is none changes nothing.
+fn within(share: f64, most: f64, before: f64) -> f64 {
+    if share.is_nan() { before } else { share.clamp(0.0, most) }
+}
+
+fn override_notice(wanted: f64, taken: f64, synchronised: bool) -> Option<Notice> {
+    if wanted.is_nan() || (wanted - taken).abs() > 1e-12 {
+        Some(Notice::OverrideOutOfRange)
+    } else {
+        synchronised.then_some(Notice::OverrideLocked)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn overrides_are_kept_within_their_range_and_said_when_locked() {
+        let mut operator = Operator::new();
+        assert_eq!(operator.take(Order::FeedOverride(0.5), false, false), None);
+        assert_eq!(operator.share(false), 0.5);
+        let notice = operator.take(Order::FeedOverride(9.0), false, false);
+        assert_eq!((notice, operator.share(false)), (Some(Notice::OverrideOutOfRange), FEED_MOST));
+        let notice = operator.take(Order::RapidOverride(f64::NAN), false, false);
+        assert_eq!((notice, operator.share(true)), (Some(Notice::OverrideOutOfRange), 1.0));
+        let notice = operator.take(Order::RapidOverride(0.25), true, false);
+        assert_eq!((notice, operator.share(true)), (Some(Notice::OverrideLocked), 0.25));
+    }
+
+    #[test]
+    fn a_hold_ends_with_resume_and_an_abort_does_not() {
+        let mut operator = Operator::new();
+        assert_eq!(operator.take(Order::Resume, false, false), Some(Notice::NothingHeld));
+        operator.take(Order::FeedHold, false, false);
+        assert!(operator.wants_rest() && !operator.wants_abort());
+        assert_eq!(operator.take(Order::Resume, false, false), None);
+        assert!(!operator.wants_rest());
+        operator.take(Order::Abort, false, false);
+        assert_eq!(operator.take(Order::Resume, false, false), Some(Notice::NothingToResume));
+        assert!(operator.wants_rest() && operator.wants_abort());
+    }
+
+    #[test]
+    fn only_a_tap_that_is_held_can_be_retracted() {
+        let mut operator = Operator::new();
+        assert_eq!(operator.take(Order::Retract, true, false), Some(Notice::NothingToRetract));
+        operator.take(Order::FeedHold, true, false);
+        assert_eq!(operator.take(Order::Retract, false, false), Some(Notice::NothingToRetract));
+        assert_eq!(operator.take(Order::Retract, true, false), None);
+        assert!(operator.wants_out());
+    }
+
+    #[test]
+    fn single_block_holds_each_line_once() {
+        let mut operator = Operator::new();
+        assert!(!operator.holds_line(2, 1));
+        operator.take(Order::SingleBlock(true), false, false);
+        assert!(!operator.holds_line(1, 1));
+        assert!(operator.holds_line(2, 1) && operator.wants_rest());
+        operator.take(Order::Resume, false, false);
+        assert!(!operator.holds_line(2, 1) && operator.holds_line(3, 2));
+    }
+}
