@@ -28,4 +28,4 @@ pub use coupling::{Harmonic, Oscillating, Oscillation, Polygon, Ratio};
 pub use diag::Span;
 pub use op::{Arc, ChipRemoval, Feed, Hole, Op, OpKind, PathMode, SpindleOrder, Tap};
 pub use position::{Axis, Plane, Position};
-pub use tool::{Flute, Holder, TapTool, Tool, ToolKind, ToolLibrary};
+pub use tool::{Flute, Holder, PolygonCutter, TapTool, Tool, ToolKind, ToolLibrary};

@@ -38,8 +38,22 @@ pub enum ToolKind {
     EndMill,
     /// Cuts an internal thread.
     Tap(TapTool),
+    /// Cuts flats beside a turning workpiece.
+    PolygonCutter(PolygonCutter),
     /// Anything else; it makes no feature that is judged.
     Other,
+}
+
+/// A cutter head for polygon turning: a few inserts on a circle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PolygonCutter {
+    /// From the tool spindle's axis to an insert's tip.
+    pub radius: Length,
+    /// Where each insert stands in the head, rising from zero. At zero of the tool spindle the first one
+    /// points to −X, where the work is.
+    pub inserts: Vec<Angle>,
+    /// Radius of the inserts' noses, in the plane of the axis.
+    pub nose_radius: Length,
 }
 
 /// A tap.

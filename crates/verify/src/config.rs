@@ -18,6 +18,10 @@ pub struct Config {
     /// whole program. With it, depth counts from the real stock wherever the stroke passes it, and a
     /// forgotten tool length offset is found; without it the op's own surface is believed.
     pub stock_top: Option<Length>,
+    /// Machine coordinates, X and Y, of the axis about which the work turns.
+    pub work_axis: [Length; 2],
+    /// Radius of the bar that is turned; `None`: nothing limits what is cut.
+    pub stock_radius: Option<Length>,
     /// Axial play, flank to flank, of the tap's *following* teeth in the groove that its leading
     /// teeth have cut: back taper and relief make them thinner. The leading teeth have none.
     pub flank_clearance: Length,
@@ -37,6 +41,8 @@ impl Config {
             tolerances: Tolerances::default(),
             material: None,
             stock_top: None,
+            work_axis: [Length::ZERO; 2],
+            stock_radius: None,
             flank_clearance: Length::ZERO,
             flank_angle_allowance: Length::ZERO,
             synchronised: true,
@@ -60,10 +66,17 @@ pub struct Tolerances {
     pub sync_error: Option<Length>,
     /// Where a thread starts, if the program asks for an angle.
     pub start_angle: Angle,
+    /// Flatness of a polygon's facets, minimum zone.
+    pub facet_flatness: Length,
+    /// Tilt of a facet, each way.
+    pub facet_tilt: Angle,
+    /// Size across flats, each way.
+    pub across_flats: Length,
 }
 
 impl Default for Tolerances {
-    /// Usual shop practice for drilled and tapped holes: ±0.05 mm, threads ±0.1 mm.
+    /// Usual shop practice for drilled and tapped holes: ±0.05 mm, threads ±0.1 mm. Polygons: ISO 2768-1 f for
+    /// 6 to 30 mm, ISO 2768-2 H for facets up to 10 mm.
     fn default() -> Self {
         Self {
             hole_depth: Length::mm(0.05),
@@ -72,6 +85,9 @@ impl Default for Tolerances {
             thread_overrun: Length::mm(0.02),
             sync_error: None,
             start_angle: Angle::deg(5.0),
+            facet_flatness: Length::mm(0.02),
+            facet_tilt: Angle::deg(0.5),
+            across_flats: Length::mm(0.1),
         }
     }
 }

@@ -35,11 +35,12 @@ pub struct Feature {
 }
 
 impl Feature {
-    /// `"hole"` or `"thread"`.
+    /// `"hole"`, `"thread"` or `"polygon"`.
     pub const fn kind_name(&self) -> &'static str {
         match self.kind {
             FeatureKind::Hole(_) => "hole",
             FeatureKind::Thread(_) => "thread",
+            FeatureKind::Polygon(_) => "polygon",
         }
     }
 
@@ -48,14 +49,17 @@ impl Feature {
         match &mut self.kind {
             FeatureKind::Hole(hole) => hole.chip_removal = true,
             FeatureKind::Thread(thread) => thread.chip_removal = true,
+            FeatureKind::Polygon(_) => {} // no chips wind around a polygon cutter
         }
     }
 
-    /// Where it is in the plane across the tool, as X and Y of the machine.
-    pub const fn position(&self) -> [Length; 2] {
+    /// Where it is in the plane across the tool, as X and Y of the machine; what is turned around the
+    /// work's own axis has no place.
+    pub const fn position(&self) -> Option<[Length; 2]> {
         match &self.kind {
-            FeatureKind::Hole(hole) => [hole.x, hole.y],
-            FeatureKind::Thread(thread) => [thread.x, thread.y],
+            FeatureKind::Hole(hole) => Some([hole.x, hole.y]),
+            FeatureKind::Thread(thread) => Some([thread.x, thread.y]),
+            FeatureKind::Polygon(_) => None,
         }
     }
 }
@@ -107,6 +111,8 @@ pub enum FeatureKind {
     Hole(Hole),
     /// Tapped.
     Thread(Box<Thread>),
+    /// Turned with a cutter geared to the work.
+    Polygon(Box<crate::Polygon>),
 }
 
 /// A hole as it was made.

@@ -13,6 +13,7 @@ use crate::Config;
 use crate::chips::Removals;
 use crate::feature::Feature;
 use crate::hole::{Drilled, HoleTrack};
+use crate::polygon::{Ordered, PolygonTrack};
 use crate::stroke::Stroke;
 use crate::thread::ThreadTrack;
 use bus::Sample;
@@ -54,12 +55,14 @@ struct Order {
 enum What {
     Hole(Hole),
     Tap(Tap),
+    Polygon(Box<Ordered>),
 }
 
 #[derive(Debug)]
 enum Track {
     Hole { track: HoleTrack, tool: Option<u32> },
     Thread(Box<ThreadTrack>),
+    Polygon(Box<PolygonTrack>),
 }
 
 impl Judge {
@@ -82,6 +85,13 @@ impl Judge {
     /// What the program orders: each op once, in order, before its samples arrive.
     pub fn op(&mut self, index: u32, op: &Op) {
         if let Some(open) = self.orders.back_mut().filter(|order| order.end.is_none()) {
+            if let What::Polygon(ordered) = &mut open.what {
+                ordered.see(&op.kind);
+                if matches!(op.kind, OpKind::PolygonEnd | OpKind::End) {
+                    open.end = Some(index);
+                }
+                return;
+            }
             let starts_another =
                 matches!(op.kind, OpKind::Hole(_) | OpKind::Tap(_) | OpKind::ChangeTool { .. });
             if starts_another || op.span != open.span {
@@ -91,6 +101,7 @@ impl Judge {
         let (what, end) = match &op.kind {
             OpKind::Hole(hole) => (What::Hole(*hole), None),
             OpKind::Tap(tap) => (What::Tap(*tap), Some(index + 1)),
+            OpKind::Polygon(polygon) => (What::Polygon(Box::new(Ordered::new(polygon))), None),
             OpKind::Spindle { order: SpindleOrder::ThrowChips(chips), .. } => {
                 if let Some(feature) = self.last_ordered {
                     self.removals.order(index, feature, chips.throw);
@@ -140,6 +151,7 @@ impl Judge {
         match track {
             Track::Hole { track, .. } => track.sample(sample),
             Track::Thread(track) => track.sample(sample),
+            Track::Polygon(track) => track.sample(sample),
         }
     }
 
@@ -167,6 +179,11 @@ impl Judge {
             Track::Thread(track) => {
                 self.features.push(track.finish(op, line, self.now, &self.config, &self.drilled));
             }
+            Track::Polygon(track) => {
+                if let What::Polygon(ordered) = &order.what {
+                    self.features.push(track.finish(op, line, ordered, &self.config, self.now));
+                }
+            }
             Track::Hole { track, tool } => {
                 let with = (tool, tool.and_then(|number| self.config.tools.get(number)));
                 if let Some((feature, drilled)) =
@@ -192,6 +209,9 @@ impl Track {
         let stroke = match &order.what {
             What::Hole(hole) => Stroke::new(hole.axis, &hole.at, hole.surface, hole.bottom),
             What::Tap(tap) => Stroke::new(tap.axis, &tap.start, tap.surface, tap.bottom),
+            What::Polygon(ordered) => {
+                return Self::Polygon(Box::new(PolygonTrack::new(ordered, number, tool, config)));
+            }
         };
         let stroke = match (config.stock_top, tool) {
             (Some(top), Some(tool)) => stroke.with_stock_top(top, tool.length),
@@ -200,6 +220,9 @@ impl Track {
         match &order.what {
             What::Hole(_) => Self::Hole { track: HoleTrack::new(stroke), tool: number },
             What::Tap(tap) => Self::Thread(Box::new(ThreadTrack::new(tap, number, tool, stroke))),
+            What::Polygon(ordered) => {
+                Self::Polygon(Box::new(PolygonTrack::new(ordered, number, tool, config)))
+            }
         }
     }
 }

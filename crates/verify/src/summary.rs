@@ -50,6 +50,10 @@ pub enum Criterion {
     MinorDiameter,
     /// Sync error in the material.
     SyncError,
+    /// Flatness of facets.
+    Flatness,
+    /// Distance of opposite facets.
+    AcrossFlats,
     /// Something that has no measure: broken, never cut, wrong tool.
     Whole,
 }
@@ -64,6 +68,8 @@ impl Criterion {
             Self::PitchDiameter(Gauge::NoGo) => "No-go gauge",
             Self::MinorDiameter => "minor diameter",
             Self::SyncError => "sync error",
+            Self::Flatness => "flatness",
+            Self::AcrossFlats => "across flats",
             Self::Whole => "the whole feature",
         }
     }
@@ -112,6 +118,7 @@ impl Feature {
         let measured = match &self.kind {
             FeatureKind::Hole(hole) => of_hole(hole, tolerances),
             FeatureKind::Thread(thread) => of_thread(thread, tolerances),
+            FeatureKind::Polygon(polygon) => of_polygon(polygon, tolerances),
         };
         let least = measured.into_iter().min_by(|a, b| a.share().total_cmp(&b.share()));
         // a feature that failed for what has no measure must not look good by its measures
@@ -168,6 +175,25 @@ fn of_thread(thread: &Thread, tolerances: &Tolerances) -> Vec<Headroom> {
     all
 }
 
+fn of_polygon(polygon: &crate::Polygon, tolerances: &Tolerances) -> Vec<Headroom> {
+    if polygon.sections.is_empty() {
+        return Vec::new(); // nothing could be measured
+    }
+    let off = (polygon.across_flats - polygon.across_flats_ordered).abs();
+    vec![
+        Headroom {
+            of: Criterion::Flatness,
+            left: tolerances.facet_flatness - polygon.flatness,
+            tolerance: tolerances.facet_flatness,
+        },
+        Headroom {
+            of: Criterion::AcrossFlats,
+            left: tolerances.across_flats - off,
+            tolerance: tolerances.across_flats,
+        },
+    ]
+}
+
 /// A workpiece in a few numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
@@ -175,6 +201,8 @@ pub struct Summary {
     pub holes: Count,
     /// Threads.
     pub threads: Count,
+    /// Polygons.
+    pub polygons: Count,
     /// Index of the feature with the least headroom, and what is left of which tolerance.
     pub worst: Option<(usize, Headroom)>,
     /// Index of the thread with the largest sync error in the material, and that error.
@@ -195,6 +223,7 @@ impl Summary {
             let passed = feature.verdict.is_pass();
             match &feature.kind {
                 FeatureKind::Hole(_) => summary.holes.add(passed),
+                FeatureKind::Polygon(_) => summary.polygons.add(passed),
                 FeatureKind::Thread(thread) => {
                     summary.threads.add(passed);
                     let (sync, depth) = (thread.sync_error_max, thread.depth_error);
@@ -212,6 +241,6 @@ impl Summary {
 
     /// Every feature is good.
     pub const fn passes(&self) -> bool {
-        self.holes.failed == 0 && self.threads.failed == 0
+        self.holes.failed == 0 && self.threads.failed == 0 && self.polygons.failed == 0
     }
 }

@@ -15,8 +15,11 @@
 //! | `pocket` | all | else the number |
 //! | `length_mm` | all | gauge line to tip, G43's H |
 //! | `diameter_mm` | all | taps: else the thread's nominal diameter |
-//! | `kind` | all | drill, spot-drill, end-mill, tap, other |
+//! | `kind` | all | drill, spot-drill, end-mill, tap, polygon-cutter, other |
 //! | `description` | all | else empty |
+//! | `tip_radius_mm` | polygon-cutter | from the spindle's axis to an insert's tip |
+//! | `inserts`, or `insert_angles_deg` | polygon-cutter | how many, equally spaced; or where, `[0, 90]` |
+//! | `nose_radius_mm` | polygon-cutter | else 0.8 |
 //! | `point_angle_deg` | drill, spot-drill | else 118 and 90 |
 //! | `thread` | tap | "M6x1", "M6", "1/4-20 UNC", "#10-32", with "-LH" for left-hand |
 //! | `chamfer_pitches` | tap | 2–3 bottoming, 4–5 plug |

@@ -4,7 +4,7 @@ use crate::{
     keys::{self, Keys},
     machine::n_per_um,
 };
-use canon::{Flute, Holder, TapTool, Tool, ToolKind, ToolLibrary};
+use canon::{Flute, Holder, PolygonCutter, TapTool, Tool, ToolKind, ToolLibrary};
 use diag::{Diagnostic, Span};
 use units::{Angle, Lead, Length, Stiffness};
 
@@ -14,6 +14,7 @@ enum Kind {
     SpotDrill,
     EndMill,
     Tap,
+    PolygonCutter,
     Other,
 }
 
@@ -29,6 +30,7 @@ fn read_tool(keys: &mut Keys<'_>) -> (Tool, Span) {
         ("spot-drill", Kind::SpotDrill),
         ("end-mill", Kind::EndMill),
         ("tap", Kind::Tap),
+        ("polygon-cutter", Kind::PolygonCutter),
         ("other", Kind::Other),
     ];
     let (kind, nominal) = match keys.choice("kind", &kinds) {
@@ -38,6 +40,11 @@ fn read_tool(keys: &mut Keys<'_>) -> (Tool, Span) {
         Kind::Tap => {
             let thread = read_thread(keys);
             (ToolKind::Tap(read_tap(&thread, keys)), Some(thread.nominal))
+        }
+        Kind::PolygonCutter => {
+            let cutter = read_polygon_cutter(keys);
+            let diameter = cutter.radius * 2.0;
+            (ToolKind::PolygonCutter(cutter), Some(diameter))
         }
         Kind::Other => (ToolKind::Other, None),
     };
@@ -57,6 +64,35 @@ fn point_angle(keys: &mut Keys<'_>, usual_deg: f64) -> Angle {
     Angle::deg(keys.optional("point_angle_deg", 10.0..=180.0).unwrap_or(usual_deg))
 }
 
+/// Inserts by their number, or by the angles at which they stand.
+fn read_polygon_cutter(keys: &mut Keys<'_>) -> PolygonCutter {
+    const MOST_INSERTS: u32 = 64;
+    let radius = Length::mm(keys.number("tip_radius_mm", 0.1..=LONGEST.value()));
+    let angles = keys.optional_numbers("insert_angles_deg", 0.0..=359.999);
+    let inserts = match angles {
+        Some(angles) => {
+            if keys.has("inserts") {
+                keys.conflict("inserts", "the inserts are stated twice: expected one of them");
+                keys.optional_whole("inserts", 1..=MOST_INSERTS);
+            }
+            let rising = angles.windows(2).all(|pair| pair[0] < pair[1]);
+            if angles.first() != Some(&0.0) || !rising || angles.len() > MOST_INSERTS as usize {
+                keys.conflict(
+                    "insert_angles_deg",
+                    format!("expected at most {MOST_INSERTS} rising angles, the first of them 0"),
+                );
+            }
+            angles.into_iter().map(Angle::deg).collect()
+        }
+        None => {
+            let count = keys.whole("inserts", 1..=MOST_INSERTS);
+            (0..count).map(|n| Angle::rev(f64::from(n) / f64::from(count))).collect()
+        }
+    };
+    let nose_radius = Length::mm(keys.optional("nose_radius_mm", 0.0..=100.0).unwrap_or(0.8));
+    PolygonCutter { radius, inserts, nose_radius }
+}
+
 /// A tap's diameter may be left out; stated, it must be its thread's.
 fn read_diameter(nominal: Option<Length>, keys: &mut Keys<'_>) -> Length {
     const ALIKE: f64 = 0.05;
@@ -66,7 +102,7 @@ fn read_diameter(nominal: Option<Length>, keys: &mut Keys<'_>) -> Length {
     if (stated - nominal).abs() > nominal * ALIKE {
         keys.conflict(
             "diameter_mm",
-            format!("`diameter_mm` is not the thread's: expected {}", nominal.value()),
+            format!("`diameter_mm` is not the tool's: expected {}", nominal.value()),
         );
     }
     stated

@@ -1,0 +1,319 @@
+//! From passes to a judged polygon.
+use super::passes::{Pass, Passes, Place};
+use super::section::{Cutters, measure, surface};
+use super::{Facet, Polygon, Section};
+use crate::Config;
+use crate::feature::{Feature, FeatureKind, Verdict};
+use bus::{Sample, State};
+use canon::{OpKind, PolygonCutter, Tool, ToolKind};
+use core::f64::consts::TAU;
+use units::{Angle, Length, Spin, Time};
+
+/// Cross-sections of a part.
+const SECTIONS: u32 = 9;
+/// More kinds of facets than this are a polygon that winds along Z.
+const MOST_SIDES: usize = 64;
+
+/// What the program ordered.
+#[derive(Clone, Debug)]
+pub(crate) struct Ordered {
+    pub(crate) polygon: canon::Polygon,
+    /// Least machine X that the program asks for while it is geared; `None` before the first cut.
+    pub(crate) least_x: Option<Length>,
+}
+
+impl Ordered {
+    pub(crate) fn new(polygon: &canon::Polygon) -> Self {
+        Self { polygon: polygon.clone(), least_x: None }
+    }
+
+    /// An operation while it is geared: how close does the tool come?
+    pub(crate) fn see(&mut self, kind: &OpKind) {
+        if let OpKind::Line { to, .. } | OpKind::Arc { to, .. } = kind {
+            let x = to.linear[0];
+            self.least_x = Some(self.least_x.map_or(x, |least| least.min(x)));
+        }
+    }
+}
+
+/// Follows the cutter.
+#[derive(Debug)]
+pub(crate) struct PolygonTrack {
+    tool: Option<(u32, PolygonCutter)>,
+    passes: Option<Passes>,
+    first: Option<(Time, f64)>,
+    last: (Time, f64),
+    faulted: bool,
+    place: Place,
+}
+
+impl PolygonTrack {
+    pub(crate) fn new(ordered: &Ordered, number: Option<u32>, tool: Option<&Tool>, config: &Config) -> Self {
+        let place = Place {
+            axis: config.work_axis.map(Length::value),
+            stock_radius: config.stock_radius.map_or(f64::INFINITY, Length::value),
+            stock_top: config.stock_top.map_or(f64::INFINITY, Length::value),
+            tool_length: tool.map_or(0.0, |t| t.length.value()),
+            spindles: [usize::from(ordered.polygon.work), usize::from(ordered.polygon.tool)],
+        };
+        let cutter = tool.and_then(|tool| match &tool.kind {
+            ToolKind::PolygonCutter(cutter) => Some(cutter.clone()),
+            _ => None,
+        });
+        Self {
+            passes: cutter.as_ref().map(|cutter| Passes::new(cutter, place)),
+            tool: number.zip(cutter),
+            first: None,
+            last: (Time::ZERO, 0.0),
+            faulted: false,
+            place,
+        }
+    }
+
+    pub(crate) fn sample(&mut self, sample: &Sample) {
+        let now = (sample.feedback.time, sample.spindle(self.place.spindles[0]).value());
+        self.first.get_or_insert(now);
+        self.last = now;
+        self.faulted |= matches!(sample.report.state, State::Faulted);
+        if let Some(passes) = &mut self.passes {
+            passes.sample(sample);
+        }
+    }
+
+    pub(crate) fn finish(self, op: u32, line: u32, ordered: &Ordered, config: &Config, now: Time) -> Feature {
+        let (time, turned) = self.first.unwrap_or((now, 0.0));
+        let duration = self.last.0 - time;
+        let spin = if duration > Time::ZERO {
+            Angle::rev((self.last.1 - turned).abs()) / duration
+        } else {
+            Spin::ZERO
+        };
+        let number = self.tool.as_ref().map(|(number, _)| *number);
+        let mut findings = Vec::new();
+        let polygon = match (self.tool, self.passes) {
+            (Some((_, cutter)), Some(passes)) => {
+                let part = Part { cutter, passes: passes.finish(), place: self.place, ordered };
+                part.judge(spin, self.faulted, config, &mut findings)
+            }
+            _ => {
+                findings.push("no polygon cutter was in the tool spindle".to_owned());
+                empty(spin, self.faulted)
+            }
+        };
+        Feature {
+            op,
+            line,
+            tool: number,
+            time,
+            duration,
+            verdict: Verdict::from_findings(&findings),
+            kind: FeatureKind::Polygon(Box::new(polygon)),
+        }
+    }
+}
+
+fn empty(spin: Spin, broken_off: bool) -> Polygon {
+    Polygon {
+        sides: 0,
+        across_flats: Length::ZERO,
+        across_flats_ordered: Length::ZERO,
+        flatness: Length::ZERO,
+        tilt: Angle::ZERO,
+        corner_angle: Angle::ZERO,
+        facet_difference: Length::ZERO,
+        lay: Length::ZERO,
+        z_from: Length::ZERO,
+        z_to: Length::ZERO,
+        spin,
+        sections: Vec::new(),
+        broken_off,
+    }
+}
+
+/// A part that was cut.
+struct Part<'o> {
+    cutter: PolygonCutter,
+    passes: Vec<Pass>,
+    place: Place,
+    ordered: &'o Ordered,
+}
+
+impl Part<'_> {
+    /// Normals of the facets ordered, rad, rising from −π; they wind along Z if the gearing does.
+    fn normals(&self) -> Vec<f64> {
+        let polygon = &self.ordered.polygon;
+        let ratio = polygon.ratio.value();
+        let contacts = polygon.ratio.follower.unsigned_abs().min(1000);
+        let mut all: Vec<f64> = self
+            .cutter
+            .inserts
+            .iter()
+            .flat_map(|insert| {
+                (0..contacts).map(move |k| {
+                    let work = (f64::from(k) - polygon.phase.value() - insert.value()) / ratio;
+                    let normal = -work;
+                    (normal - normal.round()) * TAU
+                })
+            })
+            .collect();
+        all.sort_by(f64::total_cmp);
+        all.dedup_by(|b, a| (*b - *a).abs() < 1e-5);
+        if all.len() > 1 && (all[all.len() - 1] - all[0] - TAU).abs() < 1e-5 {
+            all.pop();
+        }
+        all
+    }
+
+    fn judge(&self, spin: Spin, faulted: bool, config: &Config, findings: &mut Vec<String>) -> Polygon {
+        let mut polygon = empty(spin, faulted);
+        let normals = self.normals();
+        polygon.sides = normals.len() as u32;
+        if faulted {
+            findings.push("the machine stopped while the cutter was geared to the work".to_owned());
+        }
+        if normals.len() > MOST_SIDES {
+            findings.push(format!(
+                "{} different facets are ordered: a polygon that winds along Z is not judged",
+                normals.len()
+            ));
+            return polygon;
+        }
+        let Some([low, high]) = self.heights() else {
+            findings.push("the cutter never touched the stock".to_owned());
+            return polygon;
+        };
+        (polygon.z_from, polygon.z_to) = (Length::mm(low), Length::mm(high));
+        let least = self.ordered.least_x.map_or(0.0, |x| x.value() - self.place.axis[0]);
+        polygon.across_flats_ordered = Length::mm(2.0 * (least - self.cutter.radius.value()));
+        let margin = (0.5 * (high - low)).min(0.5);
+        let at = |i: u32| high - margin - (high - low - 2.0 * margin) * f64::from(i) / f64::from(SECTIONS - 1);
+        let nose = self.cutter.nose_radius.value();
+        for z in (0..SECTIONS).map(at) {
+            let facets = self.cutters(&normals, z);
+            match measure(z, &facets, nose, self.place.stock_radius) {
+                Some(section) => polygon.sections.push(section),
+                None => {
+                    let below = self.place.stock_top - z;
+                    findings.push(format!("{below:.1} mm below the face not every facet was cut"));
+                    break;
+                }
+            }
+        }
+        if !polygon.sections.is_empty() {
+            self.measure(&mut polygon, &normals);
+            judge_sizes(&polygon, config, findings);
+        }
+        polygon
+    }
+
+    /// Where the stock was cut, tip's machine coordinate: lowest and highest.
+    fn heights(&self) -> Option<[f64; 2]> {
+        let low = self.passes.iter().map(Pass::z).fold(f64::INFINITY, f64::min);
+        let high = self.passes.iter().map(Pass::z).fold(f64::NEG_INFINITY, f64::max);
+        let high = high.min(self.place.stock_top);
+        (low < high).then_some([low, high])
+    }
+
+    /// The passes that reached a height, by facet.
+    fn cutters(&self, normals: &[f64], z: f64) -> Vec<Cutters<'_>> {
+        let nose = self.cutter.nose_radius.value();
+        let mut all: Vec<Cutters<'_>> =
+            normals.iter().map(|n| Cutters { normal_rad: *n, passes: Vec::new() }).collect();
+        for pass in &self.passes {
+            if super::section::nose_height(nose, z - pass.z()).is_none() {
+                continue;
+            }
+            let stands = -(pass.turn - pass.turn.round()) * TAU;
+            let off = |n: f64| ((stands - n) / TAU - ((stands - n) / TAU).round()).abs();
+            let nearest = all.iter_mut().min_by(|a, b| off(a.normal_rad).total_cmp(&off(b.normal_rad)));
+            if let Some(cutters) = nearest {
+                cutters.passes.push(pass);
+            }
+        }
+        all
+    }
+
+    fn measure(&self, polygon: &mut Polygon, normals: &[f64]) {
+        let facets = || polygon.sections.iter().flat_map(|s| &s.facets);
+        let flatness = facets().map(|f| f.flatness).fold(Length::ZERO, Length::max);
+        let tilt = facets().map(|f| f.tilt).max_by(|a, b| a.abs().value().total_cmp(&b.abs().value()));
+        let flats = polygon.sections.iter().map(across_flats);
+        let across = flats.sum::<f64>() / polygon.sections.len() as f64;
+        let difference = polygon.sections.iter().map(spread).fold(0.0, f64::max);
+        let corner = polygon.sections.iter().map(corner_angle).sum::<f64>() / polygon.sections.len() as f64;
+        polygon.flatness = flatness;
+        polygon.tilt = tilt.unwrap_or(Angle::ZERO);
+        polygon.across_flats = Length::mm(across);
+        polygon.facet_difference = Length::mm(difference);
+        polygon.corner_angle = Angle::rev(corner / TAU);
+        polygon.lay = Length::mm(self.lay(normals, polygon));
+    }
+
+    /// Peak to valley along Z in the middle of the first facet, over a millimetre in the middle of the part.
+    fn lay(&self, normals: &[f64], polygon: &Polygon) -> f64 {
+        let middle = f64::midpoint(polygon.z_from.value(), polygon.z_to.value());
+        let span = (polygon.z_to - polygon.z_from).value().min(1.0) / 2.0;
+        let nose = self.cutter.nose_radius.value();
+        let heights = (-100..=100).filter_map(|i| {
+            let z = middle + span * f64::from(i) / 100.0;
+            let facets = self.cutters(normals, z);
+            surface(facets.first()?, z, nose, &[0.0]).first().copied().filter(|h| !h.is_nan())
+        });
+        let (low, high) = heights
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
+        (high - low).max(0.0)
+    }
+}
+
+/// Mean over opposite pairs, which is twice the mean over all; what has no opposite is stated likewise.
+fn across_flats(section: &Section) -> f64 {
+    let distance = |f: &Facet| f.distance.value();
+    2.0 * section.facets.iter().map(distance).sum::<f64>() / section.facets.len() as f64
+}
+
+fn spread(section: &Section) -> f64 {
+    let all = || section.facets.iter().map(|f| f.distance.value());
+    all().fold(f64::NEG_INFINITY, f64::max) - all().fold(f64::INFINITY, f64::min)
+}
+
+/// Inner angle between neighbours, rad: of a regular polygon the mean of all, else of the sharpest.
+fn corner_angle(section: &Section) -> f64 {
+    let stands = |f: &Facet| f.normal.in_rad() + f.tilt.in_rad();
+    let count = section.facets.len();
+    let angles = (0..count).map(|k| {
+        let turn = stands(&section.facets[(k + 1) % count]) - stands(&section.facets[k]);
+        TAU / 2.0 - turn.rem_euclid(TAU)
+    });
+    let angles: Vec<f64> = angles.collect();
+    let least = angles.iter().copied().fold(f64::INFINITY, f64::min);
+    let alike: Vec<f64> = angles.into_iter().filter(|a| a - least < 0.02).collect();
+    alike.iter().sum::<f64>() / alike.len() as f64
+}
+
+fn judge_sizes(polygon: &Polygon, config: &Config, findings: &mut Vec<String>) {
+    let tolerances = &config.tolerances;
+    let allowed = tolerances.facet_flatness;
+    if polygon.flatness > allowed {
+        findings.push(format!(
+            "the facets are flat to {:.1} µm only, {:.0} µm allowed",
+            polygon.flatness.in_um(),
+            allowed.in_um()
+        ));
+    }
+    if polygon.tilt.abs() > tolerances.facet_tilt {
+        findings.push(format!(
+            "a facet is tilted by {:.3}°, {:.2}° allowed",
+            polygon.tilt.in_deg(),
+            tolerances.facet_tilt.in_deg()
+        ));
+    }
+    let off = polygon.across_flats - polygon.across_flats_ordered;
+    if off.abs() > tolerances.across_flats {
+        findings.push(format!(
+            "{:.3} mm across flats instead of {:.3} mm, {:.0} µm allowed",
+            polygon.across_flats.value(),
+            polygon.across_flats_ordered.value(),
+            tolerances.across_flats.in_um()
+        ));
+    }
+}
