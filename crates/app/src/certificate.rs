@@ -2,7 +2,7 @@
 use canon::Position;
 use store::certificate::{self as file, Common, Measured};
 use units::Length;
-use verify::{Feature, FeatureKind, Hand, Hole, Thread, Verdict};
+use verify::{Feature, FeatureKind, Hand, Hole, Polygon, Thread, Verdict};
 
 /// One feature, in the certificate's keys and units; places in the frame of the workpiece, whose zero is there.
 pub(crate) fn feature(found: &Feature, zero: &Position) -> file::Feature {
@@ -18,6 +18,28 @@ pub(crate) fn feature(found: &Feature, zero: &Position) -> file::Feature {
     match &found.kind {
         FeatureKind::Hole(found) => file::Feature::Hole(hole(common, found, zero)),
         FeatureKind::Thread(found) => file::Feature::Thread(Box::new(thread(common, found, zero))),
+        FeatureKind::Polygon(found) => file::Feature::Polygon(polygon(common, found, zero)),
+    }
+}
+
+fn polygon(common: Common, found: &Polygon, zero: &Position) -> file::Polygon {
+    let measured = |value| if found.sections.is_empty() { Measured::UNKNOWN } else { value };
+    file::Polygon {
+        common,
+        sides: found.sides,
+        across_flats_mm: measured(Measured::mm(found.across_flats)),
+        flatness_um: measured(Measured::um(found.flatness)),
+        tilt_deg: measured(Measured::deg(found.tilt)),
+        corner_angle_deg: measured(Measured::deg(found.corner_angle)),
+        z_from_mm: Measured::mm(found.z_from - zero.linear[2]),
+        z_to_mm: Measured::mm(found.z_to - zero.linear[2]),
+        rpm: Measured::rpm(found.spin),
+        across_flats_error_um: measured(Measured::um(
+            found.across_flats - found.across_flats_ordered,
+        )),
+        facet_difference_um: measured(Measured::um(found.facet_difference)),
+        lay_um: measured(Measured::um(found.lay)),
+        broken_off: found.broken_off,
     }
 }
 

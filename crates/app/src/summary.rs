@@ -156,6 +156,7 @@ fn name(feature: &Feature) -> String {
             verify::Hand::Left if thread.size.ends_with("LH") => thread.size.clone(),
             verify::Hand::Left => format!("{} left", thread.size),
         },
+        FeatureKind::Polygon(polygon) => polygon.name(),
     }
 }
 
@@ -198,7 +199,7 @@ fn row(group: &[&Feature], outcome: &Outcome) -> Vec<Cell> {
 fn thread(feature: &Feature) -> Option<&Thread> {
     match &feature.kind {
         FeatureKind::Thread(thread) => Some(thread),
-        FeatureKind::Hole(_) => None,
+        FeatureKind::Hole(_) | FeatureKind::Polygon(_) => None,
     }
 }
 
@@ -207,5 +208,9 @@ fn hole(feature: &Feature) -> (f64, f64) {
     match &feature.kind {
         FeatureKind::Hole(hole) => (hole.depth.value(), hole.depth_error.in_um()),
         FeatureKind::Thread(_) => (f64::NAN, 0.0),
+        FeatureKind::Polygon(polygon) => {
+            let over = polygon.across_flats - polygon.across_flats_ordered;
+            ((polygon.z_to - polygon.z_from).value(), over.in_um())
+        }
     }
 }

@@ -204,6 +204,18 @@ pub struct Polygon {
     pub z_to_mm: Measured,
     /// Speed of the work.
     pub rpm: Measured,
+    /// Across flats less what was programmed.
+    #[serde(default)]
+    pub across_flats_error_um: Measured,
+    /// Largest distance of a facet from the axis less the smallest.
+    #[serde(default)]
+    pub facet_difference_um: Measured,
+    /// Height of the feed's marks along Z, peak to valley.
+    #[serde(default)]
+    pub lay_um: Measured,
+    /// The machine stopped while the cutter was geared to the work.
+    #[serde(default)]
+    pub broken_off: bool,
 }
 
 /// A ground cam.

@@ -93,6 +93,20 @@ impl<'d> Keys<'d> {
         self.ask(key).and_then(|v| self.checked(key, v, &bounds))
     }
 
+    /// A list of numbers within bounds, if it is stated.
+    pub(crate) fn optional_numbers(
+        &mut self,
+        key: &'static str,
+        bounds: RangeInclusive<f64>,
+    ) -> Option<Vec<f64>> {
+        let value = self.ask(key)?;
+        let Some(list) = value.get_ref().as_array() else {
+            self.wrong_type(key, value, "a list of numbers");
+            return None;
+        };
+        list.iter().map(|item| self.checked(key, item, &bounds)).collect()
+    }
+
     /// A whole number within bounds.
     pub(crate) fn whole(&mut self, key: &'static str, bounds: RangeInclusive<u32>) -> u32 {
         let harmless = *bounds.start();

@@ -60,6 +60,10 @@ fn certificate() -> Certificate {
         z_from_mm: Measured::number(0.0),
         z_to_mm: Measured::number(-10.0),
         rpm: Measured::number(2000.0),
+        across_flats_error_um: Measured::number(1.5),
+        facet_difference_um: Measured::number(0.2),
+        lay_um: Measured::number(1.6),
+        broken_off: false,
     };
     let cam = Cam {
         common: common(30),

@@ -83,14 +83,30 @@ pub struct Facet {
     pub profile: Vec<[Length; 2]>,
 }
 
+impl Polygon {
+    /// Such as "hexagon 17.000" or "9 sides 30.000".
+    pub fn name(&self) -> String {
+        let form = match self.sides {
+            0 => return "polygon, not cut".to_owned(),
+            2 => "two flats",
+            3 => "triangle",
+            4 => "square",
+            5 => "pentagon",
+            6 => "hexagon",
+            8 => "octagon",
+            n => return format!("{n} sides {:.3}", self.across_flats_ordered.value()),
+        };
+        format!("{form} {:.3}", self.across_flats_ordered.value())
+    }
+}
+
 impl Section {
     /// The outline in the work's frame, counter-clockwise.
     pub fn outline(&self) -> Vec<[Length; 2]> {
         let of = |facet: &Facet| {
             let (sine, cosine) = facet.normal.in_rad().sin_cos();
-            let turn = move |[s, n]: &[Length; 2]| {
-                [*n * cosine - *s * sine, *n * sine + *s * cosine]
-            };
+            let turn =
+                move |[s, n]: &[Length; 2]| [*n * cosine - *s * sine, *n * sine + *s * cosine];
             facet.profile.iter().map(turn).collect::<Vec<_>>()
         };
         self.facets.iter().flat_map(of).collect()

@@ -164,6 +164,6 @@ fn a_block_that_repeats_makes_one_hole_each_time() {
     assert_eq!(features.len(), 3);
     for (feature, at) in features.iter().zip(places) {
         assert!(feature.verdict.is_pass(), "{:?}", feature.verdict);
-        near(feature.position()[0], at[0]);
+        near(feature.position().unwrap()[0], at[0]);
     }
 }

@@ -13,6 +13,8 @@ pub(crate) fn judge(
     Config {
         material: known(material),
         stock_top: Some(zero.linear[2] + machine.setup.stock.to[2]),
+        work_axis: [zero.linear[0], zero.linear[1]],
+        stock_radius: Some(machine.setup.stock.to[0]), // a bar, where it is turned
         ..Config::new(tools.clone())
     }
 }

@@ -127,7 +127,7 @@ fn tool(tool: &Tool, seat: &TapSeat, material: Material) -> sim::Tool {
             holder: holder(tap.holder),
             clutch: clutch(tap.holder),
         }),
-        ToolKind::EndMill | ToolKind::Other => sim::ToolKind::Other,
+        ToolKind::EndMill | ToolKind::PolygonCutter(_) | ToolKind::Other => sim::ToolKind::Other,
     };
     sim::Tool { number: tool.number, length: tool.length, kind }
 }

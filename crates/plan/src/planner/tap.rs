@@ -341,6 +341,7 @@ fn kind_name(tool: &Tool) -> &'static str {
         ToolKind::SpotDrill { .. } => "a spot drill",
         ToolKind::EndMill => "an end mill",
         ToolKind::Tap(_) => "a tap",
+        ToolKind::PolygonCutter(_) => "a polygon cutter",
         ToolKind::Other if tool.stand_in => "a stand-in that the table does not describe",
         ToolKind::Other => "another tool",
     }

@@ -70,7 +70,6 @@ fn head(name: &str, unit: &str, words: bool) -> String {
 
 fn row(run: &Run, number: usize, feature: &Feature, left: &Headroom) -> String {
     let [x0, y0, _] = run.zero();
-    let [x, y] = feature.position().map(Length::value);
     let (class, verdict) =
         if feature.verdict.is_pass() { ("pass", "✓ pass") } else { ("fail", "✗ fail") };
     let um = |value: Length, decimals| fixed(value.in_um(), decimals);
@@ -79,14 +78,20 @@ fn row(run: &Run, number: usize, feature: &Feature, left: &Headroom) -> String {
         verdict.into(),
         String::new(),
         feature.line.to_string(),
-        fixed(x - x0, 3),
-        fixed(y - y0, 3),
+        feature.position().map_or_else(String::new, |[x, _]| fixed(x.value() - x0, 3)),
+        feature.position().map_or_else(String::new, |[_, y]| fixed(y.value() - y0, 3)),
     ];
     match &feature.kind {
         FeatureKind::Hole(hole) => {
             cells[2] = format!("hole ⌀{}", fixed(hole.diameter.value(), 2));
             cells.extend([fixed(hole.depth.value(), 3), um(hole.depth_error, 1)]);
             cells.extend(std::iter::repeat_n(String::new(), 6));
+        }
+        FeatureKind::Polygon(polygon) => {
+            cells[2] = polygon.name();
+            cells.extend([fixed((polygon.z_to - polygon.z_from).value(), 3), String::new()]);
+            cells.extend(std::iter::repeat_n(String::new(), 5));
+            cells.push(fixed(polygon.spin.in_rpm(), 0));
         }
         FeatureKind::Thread(thread) => {
             let hand = if thread.hand.sign() < 0.0 { " left" } else { "" };

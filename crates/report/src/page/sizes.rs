@@ -14,6 +14,7 @@ pub(super) fn sizes(features: &[Feature]) -> String {
         let size = match &feature.kind {
             FeatureKind::Hole(hole) => format!("hole ⌀{}", fixed(hole.diameter.value(), 2)),
             FeatureKind::Thread(thread) => thread.size.clone(),
+            FeatureKind::Polygon(polygon) => polygon.name(),
         };
         by_size.entry(size).or_default().push(feature);
     }
@@ -35,10 +36,11 @@ fn row(size: &str, features: &[&Feature]) -> String {
     let depth = spread(features, |f| match &f.kind {
         FeatureKind::Hole(hole) => Some(hole.depth_error.in_um()),
         FeatureKind::Thread(thread) => Some(thread.depth_error.in_um()),
+        FeatureKind::Polygon(_) => None,
     });
     let of_thread = |value: fn(&Thread) -> f64| {
         spread(features, move |f| match &f.kind {
-            FeatureKind::Hole(_) => None,
+            FeatureKind::Hole(_) | FeatureKind::Polygon(_) => None,
             FeatureKind::Thread(thread) => Some(value(thread)),
         })
     };

@@ -30,7 +30,9 @@ fn places(run: &Run, features: &[Feature]) -> Vec<Place> {
     let mut by_cell: BTreeMap<(i64, i64), usize> = BTreeMap::new();
     let mut places: Vec<Place> = Vec::new();
     for (index, feature) in features.iter().enumerate() {
-        let [x, y] = feature.position().map(units::Length::value);
+        let Some([x, y]) = feature.position().map(|at| at.map(units::Length::value)) else {
+            continue;
+        };
         if !(x.is_finite() && y.is_finite()) {
             continue;
         }
@@ -52,6 +54,7 @@ fn places(run: &Run, features: &[Feature]) -> Vec<Place> {
                 (format!("hole ⌀{}", fixed(hole.diameter.value(), 2)), hole.diameter.value())
             }
             FeatureKind::Thread(thread) => (thread.size.clone(), thread.pitch_diameter.value()),
+            FeatureKind::Polygon(polygon) => (polygon.name(), polygon.across_flats.value()),
         };
         place.good &= feature.verdict.is_pass();
         if diameter.is_finite() && diameter >= place.diameter {

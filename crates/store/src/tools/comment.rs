@@ -111,6 +111,7 @@ mod tests {
             ToolKind::SpotDrill { point_angle } => format!("spot {}", point_angle.in_deg().round()),
             ToolKind::EndMill => "mill".into(),
             ToolKind::Tap(tap) => format!("tap {} {}", tap.designation, tap.lead.value()),
+            ToolKind::PolygonCutter(_) => "polygon cutter".into(),
             ToolKind::Other => "other".into(),
         }
     }

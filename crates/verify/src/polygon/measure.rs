@@ -1,6 +1,6 @@
 //! From passes to a judged polygon.
 use super::passes::{Pass, Passes, Place};
-use super::section::{Cutters, measure, surface};
+use super::section::{Cutters, measure, nose_height, surface};
 use super::{Facet, Polygon, Section};
 use crate::Config;
 use crate::feature::{Feature, FeatureKind, Verdict};
@@ -48,7 +48,12 @@ pub(crate) struct PolygonTrack {
 }
 
 impl PolygonTrack {
-    pub(crate) fn new(ordered: &Ordered, number: Option<u32>, tool: Option<&Tool>, config: &Config) -> Self {
+    pub(crate) fn new(
+        ordered: &Ordered,
+        number: Option<u32>,
+        tool: Option<&Tool>,
+        config: &Config,
+    ) -> Self {
         let place = Place {
             axis: config.work_axis.map(Length::value),
             stock_radius: config.stock_radius.map_or(f64::INFINITY, Length::value),
@@ -80,7 +85,14 @@ impl PolygonTrack {
         }
     }
 
-    pub(crate) fn finish(self, op: u32, line: u32, ordered: &Ordered, config: &Config, now: Time) -> Feature {
+    pub(crate) fn finish(
+        self,
+        op: u32,
+        line: u32,
+        ordered: &Ordered,
+        config: &Config,
+        now: Time,
+    ) -> Feature {
         let (time, turned) = self.first.unwrap_or((now, 0.0));
         let duration = self.last.0 - time;
         let spin = if duration > Time::ZERO {
@@ -164,7 +176,13 @@ impl Part<'_> {
         all
     }
 
-    fn judge(&self, spin: Spin, faulted: bool, config: &Config, findings: &mut Vec<String>) -> Polygon {
+    fn judge(
+        &self,
+        spin: Spin,
+        faulted: bool,
+        config: &Config,
+        findings: &mut Vec<String>,
+    ) -> Polygon {
         let mut polygon = empty(spin, faulted);
         let normals = self.normals();
         polygon.sides = normals.len() as u32;
@@ -186,7 +204,9 @@ impl Part<'_> {
         let least = self.ordered.least_x.map_or(0.0, |x| x.value() - self.place.axis[0]);
         polygon.across_flats_ordered = Length::mm(2.0 * (least - self.cutter.radius.value()));
         let margin = (0.5 * (high - low)).min(0.5);
-        let at = |i: u32| high - margin - (high - low - 2.0 * margin) * f64::from(i) / f64::from(SECTIONS - 1);
+        let at = |i: u32| {
+            high - margin - (high - low - 2.0 * margin) * f64::from(i) / f64::from(SECTIONS - 1)
+        };
         let nose = self.cutter.nose_radius.value();
         for z in (0..SECTIONS).map(at) {
             let facets = self.cutters(&normals, z);
@@ -220,12 +240,13 @@ impl Part<'_> {
         let mut all: Vec<Cutters<'_>> =
             normals.iter().map(|n| Cutters { normal_rad: *n, passes: Vec::new() }).collect();
         for pass in &self.passes {
-            if super::section::nose_height(nose, z - pass.z()).is_none() {
+            if nose_height(nose, z - pass.z()).is_none() {
                 continue;
             }
             let stands = -(pass.turn - pass.turn.round()) * TAU;
             let off = |n: f64| ((stands - n) / TAU - ((stands - n) / TAU).round()).abs();
-            let nearest = all.iter_mut().min_by(|a, b| off(a.normal_rad).total_cmp(&off(b.normal_rad)));
+            let nearest =
+                all.iter_mut().min_by(|a, b| off(a.normal_rad).total_cmp(&off(b.normal_rad)));
             if let Some(cutters) = nearest {
                 cutters.passes.push(pass);
             }
@@ -236,11 +257,13 @@ impl Part<'_> {
     fn measure(&self, polygon: &mut Polygon, normals: &[f64]) {
         let facets = || polygon.sections.iter().flat_map(|s| &s.facets);
         let flatness = facets().map(|f| f.flatness).fold(Length::ZERO, Length::max);
-        let tilt = facets().map(|f| f.tilt).max_by(|a, b| a.abs().value().total_cmp(&b.abs().value()));
+        let tilt =
+            facets().map(|f| f.tilt).max_by(|a, b| a.abs().value().total_cmp(&b.abs().value()));
         let flats = polygon.sections.iter().map(across_flats);
         let across = flats.sum::<f64>() / polygon.sections.len() as f64;
         let difference = polygon.sections.iter().map(spread).fold(0.0, f64::max);
-        let corner = polygon.sections.iter().map(corner_angle).sum::<f64>() / polygon.sections.len() as f64;
+        let corner =
+            polygon.sections.iter().map(corner_angle).sum::<f64>() / polygon.sections.len() as f64;
         polygon.flatness = flatness;
         polygon.tilt = tilt.unwrap_or(Angle::ZERO);
         polygon.across_flats = Length::mm(across);
@@ -254,10 +277,24 @@ impl Part<'_> {
         let middle = f64::midpoint(polygon.z_from.value(), polygon.z_to.value());
         let span = (polygon.z_to - polygon.z_from).value().min(1.0) / 2.0;
         let nose = self.cutter.nose_radius.value();
-        let heights = (-100..=100).filter_map(|i| {
-            let z = middle + span * f64::from(i) / 100.0;
-            let facets = self.cutters(normals, z);
-            surface(facets.first()?, z, nose, &[0.0]).first().copied().filter(|h| !h.is_nan())
+        let facets = self.cutters(normals, middle);
+        let Some(first) = facets.into_iter().next() else { return 0.0 };
+        // each pass alone at its own height: where it stands and how far in
+        let marks: Vec<[f64; 2]> = first
+            .passes
+            .iter()
+            .filter_map(|pass| {
+                let alone = Cutters { normal_rad: first.normal_rad, passes: vec![*pass] };
+                let n = *surface(&alone, pass.z(), nose, &[0.0]).first()?;
+                (!n.is_nan()).then(|| [pass.z(), n])
+            })
+            .collect();
+        let ends = marks.iter().map(|m| (m[0] - middle).abs()).fold(0.0, f64::max);
+        let span = span.min(0.7 * ends); // the outermost marks have no neighbour beyond them
+        let heights = (-1000..=1000).filter_map(|i| {
+            let z = middle + span * f64::from(i) / 1000.0;
+            let above = marks.iter().filter_map(|m| Some(m[1] + nose_height(nose, z - m[0])?));
+            above.min_by(f64::total_cmp)
         });
         let (low, high) = heights
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));

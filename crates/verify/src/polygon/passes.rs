@@ -179,7 +179,8 @@ fn cubic(all: &[State; 4], t: f64) -> State {
         let [a, b, c, d] = [all[0].0[i], all[1].0[i], all[2].0[i], all[3].0[i]];
         let (ab, bc, cd) = (b - a, c - b, d - c);
         let (second, third) = (bc - ab, cd - 2.0 * bc + ab);
-        *value = b + t * bc + t * (t - 1.0) / 2.0 * second + (t + 1.0) * t * (t - 1.0) / 6.0 * third;
+        *value =
+            b + t * bc + t * (t - 1.0) / 2.0 * second + (t + 1.0) * t * (t - 1.0) / 6.0 * third;
     }
     State(at)
 }

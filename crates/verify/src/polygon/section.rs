@@ -81,14 +81,18 @@ pub(super) fn surface(cutters: &Cutters<'_>, z: f64, nose: f64, places: &[f64]) 
 }
 
 /// Measure a height. Facets in the order of their normals; `None` if one of them was not cut.
-pub(super) fn measure(z: f64, facets: &[Cutters<'_>], nose: f64, stock_radius: f64) -> Option<Section> {
+pub(super) fn measure(
+    z: f64,
+    facets: &[Cutters<'_>],
+    nose: f64,
+    stock_radius: f64,
+) -> Option<Section> {
     let raws: Vec<Raw> = facets
         .iter()
         .map(|cutters| {
             let half = stock_radius;
-            let places: Vec<f64> = (0..PLACES)
-                .map(|i| half * (2.0 * i as f64 / (PLACES - 1) as f64 - 1.0))
-                .collect();
+            let places: Vec<f64> =
+                (0..PLACES).map(|i| half * (2.0 * i as f64 / (PLACES - 1) as f64 - 1.0)).collect();
             let rough = surface(cutters, z, nose, &places);
             Raw { normal: cutters.normal_rad, heights: rough, half }
         })
@@ -101,11 +105,8 @@ pub(super) fn measure(z: f64, facets: &[Cutters<'_>], nose: f64, stock_radius: f
         let half = ends[0].abs().max(ends[1].abs()) * 1.02;
         let places: Vec<f64> =
             (0..PLACES).map(|i| half * (2.0 * i as f64 / (PLACES - 1) as f64 - 1.0)).collect();
-        let raw = Raw {
-            normal: cutters.normal_rad,
-            heights: surface(cutters, z, nose, &places),
-            half,
-        };
+        let raw =
+            Raw { normal: cutters.normal_rad, heights: surface(cutters, z, nose, &places), half };
         measured.push((raw, ends));
     }
     let facets = measured.iter().map(|(raw, ends)| facet(raw, *ends)).collect::<Option<_>>()?;
@@ -114,10 +115,8 @@ pub(super) fn measure(z: f64, facets: &[Cutters<'_>], nose: f64, stock_radius: f
 
 /// The line through the middle of a rough profile.
 fn middle_zone(raw: &Raw) -> Option<Zone> {
-    let known: Vec<[f64; 2]> = (0..PLACES)
-        .map(|i| [raw.place(i), raw.heights[i]])
-        .filter(|p| !p[1].is_nan())
-        .collect();
+    let known: Vec<[f64; 2]> =
+        (0..PLACES).map(|i| [raw.place(i), raw.heights[i]]).filter(|p| !p[1].is_nan()).collect();
     let lowest = known.iter().min_by(|a, b| a[1].total_cmp(&b[1]))?;
     Some(Zone { middle: lowest[1], slope: 0.0, width: 0.0 })
 }

@@ -182,7 +182,7 @@ pub fn judge(record: &Record, error_mm: impl Fn(f64, bool) -> f64) -> Feature {
 pub fn thread(feature: &Feature) -> &Thread {
     match &feature.kind {
         FeatureKind::Thread(thread) => thread,
-        FeatureKind::Hole(hole) => panic!("expected a thread, found {hole:?}"),
+        other => panic!("expected a thread, found {other:?}"),
     }
 }
 

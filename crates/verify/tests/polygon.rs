@@ -1,0 +1,276 @@
+//! Polygons cut by tips whose paths are known in closed form, and judged from samples alone.
+#![allow(clippy::unwrap_used)] // a test may panic
+use bus::{Sample, State, Truth};
+use canon::{
+    Axis, Feed, Harmonic, Op, OpKind, Oscillating, Oscillation, PolygonCutter, Position, Ratio,
+    Span, Tool, ToolKind, ToolLibrary,
+};
+use core::f64::consts::{PI, TAU};
+use units::{Angle, Lead, Length, Spin, Time};
+use verify::{Config, Feature, FeatureKind, Judge, Polygon};
+
+/// A cut as the equations have it: mm, rad, turns.
+struct Cut {
+    inserts: Vec<f64>,
+    radius: f64,
+    centres: f64,
+    ratio: Ratio,
+    phase: f64,
+    /// dx, dy (mm) and the tool's advance (rev) by the work's angle (rad).
+    swing: fn(f64) -> [f64; 3],
+    /// mm per turn of the work.
+    feed: f64,
+    nose: f64,
+    stock: f64,
+}
+
+const RPM: f64 = 500.0;
+
+impl Cut {
+    fn hexagon() -> Self {
+        Self {
+            inserts: vec![0.0, 1.0 / 3.0, 2.0 / 3.0],
+            radius: 50.0,
+            centres: 58.5,
+            ratio: Ratio { follower: 2, master: 1 },
+            phase: 0.0,
+            swing: |_| [0.0; 3],
+            feed: 0.1,
+            nose: 0.0,
+            stock: 12.0,
+        }
+    }
+
+    /// The document's square: N = 2, l = 10, r = 5.
+    fn document(swing: fn(f64) -> [f64; 3]) -> Self {
+        Self {
+            inserts: vec![0.0, 0.5],
+            radius: 5.0,
+            centres: 10.0,
+            swing,
+            stock: 12.0,
+            ..Self::hexagon()
+        }
+    }
+
+    fn judged(&self) -> Feature {
+        let tool = Tool {
+            number: 9,
+            pocket: 9,
+            length: Length::mm(40.0),
+            diameter: Length::mm(2.0 * self.radius),
+            kind: ToolKind::PolygonCutter(PolygonCutter {
+                radius: Length::mm(self.radius),
+                inserts: self.inserts.iter().map(|d| Angle::rev(*d)).collect(),
+                nose_radius: Length::mm(self.nose),
+            }),
+            description: String::new(),
+            stand_in: false,
+        };
+        let mut judge = Judge::new(Config {
+            work_axis: [Length::mm(-150.0), Length::mm(-60.0)],
+            stock_radius: Some(Length::mm(self.stock)),
+            stock_top: Some(Length::mm(-350.0)),
+            ..Config::new(ToolLibrary::new([tool]))
+        });
+        let op = |line, kind| Op { span: Span { line, ..Span::default() }, kind };
+        let polygon = canon::Polygon {
+            work: 0,
+            tool: 1,
+            ratio: self.ratio,
+            phase: Angle::rev(self.phase),
+            oscillations: vec![Oscillation {
+                on: Oscillating::Axis(Axis::X),
+                harmonics: vec![Harmonic { per_turn: 6, cosine: 0.0, sine: 0.0 }],
+            }],
+        };
+        judge.op(0, &op(1, OpKind::ChangeTool { number: 9 }));
+        judge.op(1, &op(2, OpKind::Polygon(polygon)));
+        let to = Position::xyz(-150.0 + self.centres, -60.0, -330.0);
+        let feed = Feed::PerRevolution(Lead::mm_per_rev(self.feed));
+        judge.op(2, &op(3, OpKind::Line { to, feed }));
+        judge.op(3, &op(4, OpKind::PolygonEnd));
+        judge.op(4, &op(5, OpKind::End));
+        let spin = Spin::rpm(RPM);
+        for step in 0..12_000_u32 {
+            let time = Time::s(f64::from(step) * 250e-6);
+            let work = (spin * time).value();
+            let [dx, dy, ahead] = (self.swing)(work * TAU);
+            let mut sample = Sample::default();
+            sample.feedback.time = time;
+            sample.feedback.tool = Some(9);
+            sample.report.op = 2;
+            sample.report.state = State::Feed;
+            let mut truth = Truth::default();
+            truth.axes[0] = Length::mm(-150.0 + self.centres + dx);
+            truth.axes[1] = Length::mm(-60.0 + dy);
+            truth.axes[2] = Length::mm(-350.0 + 40.0 + 0.3 - self.feed * work);
+            truth.spindles =
+                [Angle::rev(work), Angle::rev(work * self.ratio.value() + self.phase + ahead)];
+            sample.truth = Some(truth);
+            judge.sample(&sample);
+        }
+        judge.finish().remove(0)
+    }
+
+    fn polygon(&self) -> Polygon {
+        let FeatureKind::Polygon(polygon) = self.judged().kind else { panic!("a polygon") };
+        *polygon
+    }
+
+    /// Independent of facets, passes and grids: on each ray from the work's axis, every crossing of every insert's
+    /// path is found by bisection and the innermost counts; then the minimum zone is searched for.
+    fn flatness_um(&self, normal: f64, half: f64) -> f64 {
+        const RAYS: i32 = 90;
+        let tip = |insert: f64, phi: f64| {
+            let [dx, dy, ahead] = (self.swing)(phi);
+            let (l, r) = (self.centres + dx, self.radius);
+            let psi = (self.ratio.value() - 1.0) * phi + TAU * (insert + self.phase + ahead);
+            [
+                l * phi.cos() + dy * phi.sin() - r * psi.cos(),
+                -l * phi.sin() + dy * phi.cos() - r * psi.sin(),
+            ]
+        };
+        let innermost = |ray: f64| {
+            // distance across the ray; a crossing in front of the axis is one of this ray
+            let across = |p: [f64; 2]| p[1] * ray.cos() - p[0] * ray.sin();
+            let along = |p: [f64; 2]| p[0] * ray.cos() + p[1] * ray.sin();
+            let steps = 4000 * self.ratio.master;
+            let mut least = f64::INFINITY;
+            for insert in &self.inserts {
+                for i in 0..steps {
+                    let at = |i: i32| {
+                        TAU * f64::from(self.ratio.master) * (f64::from(i) + 0.1) / f64::from(steps)
+                    };
+                    let (mut a, mut b) = (at(i), at(i + 1));
+                    let (fa, fb) = (across(tip(*insert, a)), across(tip(*insert, b)));
+                    if fa * fb > 0.0 || along(tip(*insert, a)) < 0.0 {
+                        continue;
+                    }
+                    for _ in 0..50 {
+                        let c = f64::midpoint(a, b);
+                        if across(tip(*insert, c)) * fa > 0.0 { a = c } else { b = c }
+                    }
+                    least = least.min(along(tip(*insert, a)));
+                }
+            }
+            least
+        };
+        let facet: Vec<[f64; 2]> = (-RAYS..=RAYS)
+            .map(|i| {
+                let off = half * f64::from(i) / f64::from(RAYS);
+                let r = innermost(normal + off);
+                [r * off.sin(), r * off.cos()]
+            })
+            .collect();
+        let width = |slope: f64| {
+            let above = facet.iter().map(|[s, n]| n - slope * s);
+            let (low, high) =
+                above.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+            high - low
+        };
+        (-200..=200).map(|i| width(f64::from(i) * 1e-5)).fold(f64::INFINITY, f64::min) * 1e3
+    }
+}
+
+#[track_caller]
+fn near(found: f64, expected: f64, by: f64) {
+    assert!((found - expected).abs() <= by, "found {found}, expected {expected} ± {by}");
+}
+
+#[test]
+fn a_hexagon_without_oscillation_bulges_by_what_the_ellipse_says() {
+    // y² /(l+r)² + x²/(l−r)² = 1 at the corner, y = 17/2·tan 30°, about 8.7 µm
+    let polygon = Cut::hexagon().polygon();
+    let (a, b): (f64, f64) = (8.5, 108.5);
+    let corner = {
+        // where ellipse and its neighbour meet: on the ray at 30°
+        let (c, s) = (30_f64.to_radians().cos(), 30_f64.to_radians().sin());
+        1.0 / ((c / a).powi(2) + (s / b).powi(2)).sqrt() * c
+    };
+    let bulge = (a - corner) * 1e3;
+    near(bulge, 8.7, 0.1);
+    near(polygon.flatness.in_um(), bulge, 0.1);
+    assert_eq!(polygon.sides, 6);
+    near(polygon.across_flats.value(), 17.0 - bulge * 1e-3, 1e-4);
+    near(polygon.across_flats_ordered.value(), 17.0, 1e-9);
+    near(polygon.corner_angle.in_deg(), 120.0, 1e-3);
+    near(polygon.tilt.in_deg(), 0.0, 1e-3);
+    near(polygon.facet_difference.in_um(), 0.0, 0.01);
+    near(polygon.spin.in_rpm(), 500.0, 0.01);
+}
+
+#[test]
+fn the_documents_squares_are_measured_to_a_tenth_of_a_micrometre() {
+    let cases: [(&str, fn(f64) -> [f64; 3]); 7] = [
+        ("none", |_| [0.0; 3]),
+        ("X 0.03", |t| [0.03 * 10.0 * (1.0 - (4.0 * t).cos()), 0.0, 0.0]),
+        ("X 0.06", |t| [0.06 * 10.0 * (1.0 - (4.0 * t).cos()), 0.0, 0.0]),
+        ("X 0.15", |t| [0.15 * 10.0 * (1.0 - (4.0 * t).cos()), 0.0, 0.0]),
+        ("Y 0.06", |t| [0.0, 0.06 * 10.0 * (4.0 * t).sin(), 0.0]),
+        ("Y 0.12", |t| [0.0, 0.12 * 10.0 * (4.0 * t).sin(), 0.0]),
+        ("Y 0.18", |t| [0.0, 0.18 * 10.0 * (4.0 * t).sin(), 0.0]),
+    ];
+    for (name, swing) in cases {
+        let cut = Cut::document(swing);
+        let found = cut.polygon().flatness.in_um();
+        let expected = cut.flatness_um(0.0, PI / 4.0);
+        println!("{name}: {found:.3} µm, by brute force {expected:.3} µm");
+        assert!(
+            (found - expected).abs() < 0.1 + 2e-3 * expected,
+            "{name}: {found} instead of {expected}"
+        );
+    }
+}
+
+#[test]
+fn a_nose_leaves_the_lay_of_the_feed() {
+    let cut = Cut { nose: 0.8, ..Cut::hexagon() };
+    near(cut.polygon().lay.in_um(), 0.1_f64.powi(2) / (8.0 * 0.8) * 1e3, 0.05);
+}
+
+#[test]
+fn a_phase_that_lags_tilts_every_facet() {
+    // the tool a hundredth of a degree late and the work where it was: the facets stand otherwise
+    let polygon = Cut { swing: |_| [0.0, 0.0, -0.1 / 360.0], ..Cut::hexagon() }.polygon();
+    // R·θ + phase whole: the contact comes Δ/R later, so the normal stands Δ/R further back
+    near(polygon.tilt.in_deg(), -0.05, 0.001);
+}
+
+#[test]
+fn two_and_a_half_to_one_is_a_pentagon() {
+    let cut = Cut {
+        inserts: vec![0.0],
+        ratio: Ratio { follower: 5, master: 2 },
+        radius: 20.0,
+        centres: 30.0,
+        stock: 15.0,
+        ..Cut::hexagon()
+    };
+    let polygon = cut.polygon();
+    assert_eq!(polygon.sides, 5);
+    near(polygon.corner_angle.in_deg(), 108.0, 1e-3);
+    let expected = cut.flatness_um(0.0, PI / 5.0);
+    near(polygon.flatness.in_um(), expected, 0.1);
+}
+
+#[test]
+fn inserts_at_a_right_angle_give_a_rhombus() {
+    let cut = Cut { inserts: vec![0.0, 0.25], stock: 30.0, ..Cut::hexagon() };
+    let polygon = cut.polygon();
+    assert_eq!(polygon.sides, 4);
+    // its facets bulge, and lie to one side of where they are cut: their zones incline a little
+    near(polygon.corner_angle.in_deg(), 45.0, 1.0);
+}
+
+#[test]
+fn a_polygon_that_was_never_cut_fails_and_says_so() {
+    let mut cut = Cut::hexagon();
+    cut.centres = 90.0;
+    let feature = cut.judged();
+    assert!(
+        feature.verdict.reason().unwrap().contains("never touched the stock"),
+        "{:?}",
+        feature.verdict
+    );
+}
