@@ -12,7 +12,7 @@
 //! One writer per datum: `Feedback` is the machine's, `Command` and `Report` the kernel's. Signs: an
 //! axis' force is positive along the axis; a spindle turns positive clockwise seen from behind (M3).
 #![no_std]
-use units::{Angle, Force, Length, Speed, Spin, Time, Torque};
+use units::{Angle, Force, Lead, Length, Speed, Spin, Time, Torque};
 
 /// Axes a machine may have, in the order X Y Z A B C U V W.
 pub const AXES: usize = 9;
@@ -96,6 +96,24 @@ pub struct Command {
     pub flood: bool,
     /// Mist coolant.
     pub mist: bool,
+    /// What the drives shall keep together, should they be left alone.
+    pub coupled: Option<Coupled>,
+}
+
+/// An axis tied to a spindle: `place + lead·(θ − angle)`. Drives that can, brake both together on this line when the
+/// control falls silent or the power fails.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Coupled {
+    /// Index of the axis.
+    pub axis: u8,
+    /// Index of the spindle.
+    pub spindle: u8,
+    /// Angle of the spindle …
+    pub angle: Angle,
+    /// … to which this place of the axis belongs.
+    pub place: Length,
+    /// Travel of the axis per positive turn of the spindle.
+    pub lead: Lead,
 }
 
 /// What the kernel is doing; one row of `state` in the trace.

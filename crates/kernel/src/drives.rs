@@ -9,6 +9,7 @@ use crate::config::{Config, FeedForward, Subject};
 use crate::coupled::Coupled;
 use crate::fault::FaultKind;
 use crate::lessons::Lessons;
+use crate::scribe::Scribe;
 use crate::spindle::SpindleLoop;
 use bus::{AXES, Command, Feedback, SPINDLES};
 use canon::Axis;
@@ -28,6 +29,8 @@ pub(crate) struct Drives {
     pub(crate) coupled: Coupled,
     /// What taps have learnt.
     pub(crate) lessons: Lessons,
+    /// What is written down of taps.
+    pub(crate) scribe: Scribe,
     /// Chip removals under way.
     pub(crate) removals: [Option<Removal>; SPINDLES],
     /// The speeds that a cut needs, as the steps have ordered them; zero: none was ordered.
@@ -55,6 +58,7 @@ impl Drives {
             follower: None,
             coupled: Coupled::new(),
             lessons,
+            scribe: Scribe::new(),
             removals,
             in_force,
             tool: 0,

@@ -47,6 +47,8 @@ pub enum FaultKind {
     PhaseNotReached,
     /// A step superposes a function that the kernel has not been given.
     TableMissing,
+    /// What must be known to take a tap out again could not be written down.
+    RecordNotWritten,
     /// A step orders an axis or spindle that is not configured.
     NotConfigured,
     /// A step begins where the axes are not.
@@ -74,7 +76,7 @@ struct Text {
 
 impl FaultKind {
     /// All of them, by rising number.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::EmergencyStop,
         Self::DriveNotReady,
         Self::FeedbackInvalid,
@@ -90,6 +92,7 @@ impl FaultKind {
         Self::RatioNotHeld,
         Self::StillClamped,
         Self::PhaseNotReached,
+        Self::RecordNotWritten,
         Self::NotConfigured,
         Self::SetpointJump,
         Self::TableMissing,
@@ -247,6 +250,14 @@ impl FaultKind {
                 reaction: Reaction::Halt,
                 cause: "A load on the spindle, loops that differ too much, or a window that is too narrow.",
                 remedy: "Engage outside the work; compare window and loop data with the machine file.",
+            },
+            Self::RecordNotWritten => Text {
+                number: 308,
+                sentence: "the sync record is not on the disk, so the tap does not go in",
+                unit: "",
+                reaction: Reaction::Halt,
+                cause: "The disk with the state folder is full, read-only or too slow.",
+                remedy: "Free the disk or name another folder with --state; then start again, from this hole.",
             },
             Self::NotConfigured => Text {
                 number: 401,

@@ -15,6 +15,7 @@ use crate::execute::{Activity, Context, Progress};
 use crate::fault::{Fault, FaultKind, Reaction};
 use crate::operator::{Notice, Operator, Order};
 use crate::spindle::SpindleLoop;
+use crate::scribe::{TapRecord, Wish};
 use alloc::{collections::VecDeque, vec::Vec};
 use bus::{Command, Feedback, Report, State};
 use canon::Axis;
@@ -203,6 +204,50 @@ impl Kernel {
         }
     }
 
+    /// From now on somebody writes down what taking a tap out needs, and no tap goes in before it is.
+    pub const fn keep_records(&mut self) {
+        self.drives.scribe.begin();
+    }
+
+    /// What shall be written down next.
+    pub fn next_wish(&mut self) -> Option<Wish> {
+        self.drives.scribe.take()
+    }
+
+    /// The wish of this number is on the disk.
+    pub fn acknowledge(&mut self, number: u32) {
+        self.drives.scribe.acknowledge(number);
+    }
+
+    /// The disk refuses: no further tap goes in.
+    pub const fn not_written(&mut self) {
+        self.drives.scribe.refuse();
+    }
+
+    /// Take an order of the operator; it acts from the next tick on.
+    pub fn order(&mut self, order: Order) {
+        let synchronised =
+            matches!(&self.activity, Activity::Tapping(run) if run.coupling().is_some());
+        let paused = matches!(self.activity, Activity::Pausing);
+        if let Some(notice) = self.operator.take(order, synchronised, paused) {
+            self.note(EventKind::Operator(notice));
+        }
+        if order == Order::Resume && paused && !self.operator.wants_rest() {
+            self.activity = Activity::AtOnce;
+            self.note(EventKind::Resumed);
+        }
+    }
+
+    /// What the operator's orders have left behind.
+    pub const fn operator(&self) -> &Operator {
+        &self.operator
+    }
+
+    /// Go on after a program's stop.
+    pub fn resume(&mut self) {
+        self.order(Order::Resume);
+    }
+
     /// Take an order of the operator; it acts from the next tick on.
     pub fn order(&mut self, order: Order) {
         let synchronised =
@@ -236,12 +281,13 @@ impl Kernel {
         if !matches!(self.mode, Mode::Disabled) {
             self.drives.read(feedback);
         }
-        let command = match self.mode {
+        let mut command = match self.mode {
             Mode::Disabled => Command { tool: self.drives.tool, ..Command::default() },
             Mode::New | Mode::Starting(_) => self.start(feedback),
             Mode::Running => self.run(feedback),
             Mode::Halted(halt) => self.halt(halt.as_ref()),
         };
+        command.coupled = self.kept_together();
         self.summarise();
         command
     }
@@ -340,7 +386,9 @@ impl Kernel {
             self.begun = true;
         }
         let progress = self.activity.advance(&step.kind, dt, &mut self.drives, &mut context)?;
+        self.foresee();
         if let Progress::Done(_) = progress {
+            self.leave_hole();
             self.queue.pop_front();
             self.begun = false;
             self.activity = Activity::Idle;
@@ -428,6 +476,54 @@ impl Kernel {
         };
         let (axis, spindle) = (plan.axis.index(), usize::from(plan.spindle));
         run.coupling().map(|coupling| Halt { coupling, monitor: run.monitor(), axis, spindle })
+    }
+
+    /// What the drives shall keep together, should they be left alone: the coupling's tangent.
+    fn kept_together(&self) -> Option<bus::Coupled> {
+        let halt = match self.mode {
+            Mode::Running => self.coupled()?,
+            Mode::Halted(halt) => halt?,
+            Mode::New | Mode::Starting(_) | Mode::Disabled => return None,
+        };
+        let angle = self.drives.spindles[halt.spindle].as_ref()?.reading();
+        Some(bus::Coupled {
+            axis: halt.axis as u8,
+            spindle: halt.spindle as u8,
+            angle,
+            place: halt.coupling.position(angle),
+            lead: halt.coupling.slope(angle),
+        })
+    }
+
+    /// While the axes are on their way to a tap and its spindle stands already: ask for its record now.
+    fn foresee(&mut self) {
+        let following = self.config.synchronisation != SyncMode::CommandSynchronised;
+        let travels = matches!(self.activity, Activity::Moving(..) | Activity::Settling { .. });
+        if !self.drives.scribe.is_on() || following || !travels {
+            return;
+        }
+        let mut steps = self.queue.iter().skip(1);
+        let next = steps.find(|step| !matches!(step.kind, plan::StepKind::Move(_)));
+        let Some(Step { op, line, kind: plan::StepKind::Tap(plan) }) = next else { return };
+        let spindle = self.drives.spindles.get(usize::from(plan.spindle)).and_then(Option::as_ref);
+        let Some(held) = spindle.and_then(crate::spindle::SpindleLoop::held) else { return };
+        let turns = plan.start_angle.map_or(0.0, |angle| (angle - held).value());
+        let theta0 = held + units::Angle::rev(turns - libm::round(turns));
+        let record = TapRecord::of(plan, *op, *line, self.drives.tool, theta0);
+        self.drives.scribe.ask(&record);
+    }
+
+    /// The tap at the queue's front is done: out of its hole, unless the next stroke goes on in it.
+    fn leave_hole(&mut self) {
+        let Some(Step { op, kind: plan::StepKind::Tap(plan), .. }) = self.queue.front() else { return };
+        let goes_on = self.queue.get(1).is_some_and(|next| {
+            next.op == *op && matches!(next.kind, plan::StepKind::Tap(_))
+        });
+        let inward = (plan.bottom - plan.surface).value();
+        let is_outside = (plan.end - plan.surface).value() * inward <= 0.0;
+        if is_outside && !goes_on {
+            self.drives.scribe.out();
+        }
     }
 
     /// Following errors worth an event.

@@ -30,6 +30,7 @@ mod lessons;
 mod moving;
 mod operator;
 mod problems;
+mod scribe;
 mod servo;
 mod spindle;
 mod stroke;
@@ -47,6 +48,7 @@ pub use kernel::{FAULTS, Full, Kernel, QUEUE};
 pub use lessons::LESSONS;
 pub use operator::{FEED_MOST, Notice, Operator, Order};
 pub use problems::Problem;
+pub use scribe::{RECORD_WAIT, TapRecord, Wish};
 pub use sync::{
     CELLS, Correction, Figures, Learning, Lesson, MAX_TRANSPORT, Periodic, Prediction, StrokeKey,
     SyncMode, Windows,

@@ -15,6 +15,7 @@ use crate::execute::Context;
 use crate::fault::FaultKind;
 use crate::moving::stand_at;
 use crate::spindle::SpindleLoop;
+use crate::scribe::{Leave, RECORD_WAIT, TapRecord};
 use crate::stroke::{Mark, Planned};
 use plan::TapPlan;
 use sync::{
@@ -52,6 +53,8 @@ pub(crate) struct TapRun {
     transport: Transport,
     marks: [Mark; 2],
     waited_s: f64,
+    /// For so long the record has kept it from going in.
+    unwritten_s: f64,
     engaged_s: f64,
     deepest: Length,
     fastest: Spin,
@@ -96,6 +99,7 @@ impl TapRun {
             transport,
             marks: [Mark::default(), Mark::default()],
             waited_s: 0.0,
+            unwritten_s: 0.0,
             engaged_s: 0.0,
             deepest: -(plan.bottom - plan.start.along(plan.axis)).abs(),
             fastest: Spin::ZERO,
@@ -161,7 +165,21 @@ impl TapRun {
         let tick =
             Tick { elapsed: Time::s(dt), master, at_rest: spindle.at_rest(), held: spindle.held() };
         let was = self.cycle.phase();
-        self.cycle = self.cycle.next(&tap, &tick);
+        let engages = self.engages(&tap, &tick);
+        let record = engages.map(|theta0| {
+            TapRecord::of(plan, context.op, context.line, drives.tool, theta0)
+        });
+        match record.map_or(Leave::Granted, |record| drives.scribe.ask(&record)) {
+            Leave::Granted => self.cycle = self.cycle.next(&tap, &tick),
+            Leave::Waiting => {
+                self.waited_s = 0.0; // the spindle is where it should be
+                self.unwritten_s += dt;
+            }
+            Leave::Refused => self.unwritten_s = f64::INFINITY,
+        }
+        if was != Phase::Out && self.cycle.phase() == Phase::Out {
+            drives.scribe.turned();
+        }
         let lessons = &mut drives.lessons;
         // how long an encoder-following stroke takes is not known beforehand
         let moment = self.cycle.moment(&tap).filter(|_| !following);
@@ -203,6 +221,24 @@ impl TapRun {
                 Outcome::Done
             }
             Ok(()) => Outcome::Busy,
+        }
+    }
+
+    /// The angle that belongs to the start, where the next period would couple the axis.
+    fn engages(&self, tap: &Tap<Planned>, tick: &Tick) -> Option<Angle> {
+        match self.cycle {
+            Cycle::Orient => tick.held,
+            Cycle::StepOn(coupling, _, Time::ZERO) => {
+                Some(coupling.phase_difference(Angle::ZERO, tap.start))
+            }
+            Cycle::AwaitRest
+            | Cycle::StepOn(..)
+            | Cycle::In(..)
+            | Cycle::Bottom(..)
+            | Cycle::Out(..)
+            | Cycle::RunDown(_)
+            | Cycle::Leave(..)
+            | Cycle::Done => None,
         }
     }
 
@@ -297,6 +333,9 @@ impl TapRun {
     /// Its waits have limits.
     fn limits(&self, plan: &TapPlan, context: &Context) -> Result<(), Finding> {
         let waits = &context.config.waits;
+        if self.unwritten_s > RECORD_WAIT.value() {
+            return Err((FaultKind::RecordNotWritten, Subject::Machine, 0.0, 0.0));
+        }
         let (kind, limit) = match self.cycle {
             Cycle::AwaitRest | Cycle::RunDown(_) => (FaultKind::NotAtSpeed, waits.at_speed),
             Cycle::Orient => (FaultKind::NotOriented, waits.oriented),

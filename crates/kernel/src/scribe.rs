@@ -1,0 +1,295 @@
+//! What somebody must write down before a tap may touch the work.
+//!
+//! ```text
+//!   positioning          at the hole, spindle held           in            bottom        out
+//!   ── wish Inward ──►   acknowledged? ── yes ─────────────► In ─ Outward ──► … ── Out ──►
+//!      (θ₀ foreseen)          │ no: wait, alarm after RECORD_WAIT
+//!                             └ not written: alarm at once
+//! ```
+//!
+//! The kernel has no files. It says what to write as a [`Wish`] and goes in only after [`crate::Kernel::acknowledge`].
+//! Between two holes the spindle is held at the angle at which the last tap left it, so θ₀ of the next one is known while the
+//! axes are still on their way, and nobody waits. Where it comes otherwise, the wish is renewed at the hole.
+use alloc::collections::VecDeque;
+use plan::TapPlan;
+use units::{Angle, Lead, Length, Spin, Time};
+
+/// How long a tap waits for its record.
+pub const RECORD_WAIT: Time = Time::s(2.0);
+/// Wishes that nobody has taken yet; there are never more than three.
+const WISHES: usize = 8;
+/// A foreseen angle is right within this, rev.
+const SAME_ANGLE: f64 = 1e-6;
+/// Two strokes lie on one line within this, mm.
+const SAME_LINE: f64 = 1e-6;
+
+/// A coupled stroke, as it must be known to take the tap out. Coordinates are those of the axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TapRecord {
+    /// Index of the op.
+    pub op: u32,
+    /// Its program line.
+    pub line: u32,
+    /// The tool in the spindle.
+    pub tool: u32,
+    /// Index of the following axis.
+    pub axis: u8,
+    /// Which spindle leads.
+    pub spindle: u8,
+    /// Angle of the spindle …
+    pub theta0: Angle,
+    /// … to which this place of the axis belongs.
+    pub z0: Length,
+    /// Axis travel per positive turn.
+    pub lead: Lead,
+    /// Where the way out ends.
+    pub start: Length,
+    /// Where the spindle turns back.
+    pub bottom: Length,
+    /// Where the material begins.
+    pub surface: Length,
+    /// Highest speed, signed as on the way in.
+    pub spin: Spin,
+}
+
+/// What shall be written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wish {
+    /// The tap is about to go in; to be acknowledged by this number.
+    Inward(u32, TapRecord),
+    /// It has turned round.
+    Outward,
+    /// It is out.
+    Out,
+}
+
+/// Keeps the wishes.
+#[derive(Clone, Debug)]
+pub(crate) struct Scribe {
+    on: bool,
+    wishes: VecDeque<Wish>,
+    asked: Option<TapRecord>,
+    number: u32,
+    acknowledged: bool,
+    refused: bool,
+}
+
+/// Whether a tap may go in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Leave {
+    /// It may.
+    Granted,
+    /// Not yet.
+    Waiting,
+    /// Never: the record could not be written.
+    Refused,
+}
+
+impl TapRecord {
+    /// Of a plan, for a coupling that has the axis at the plan's start when the spindle is at this angle.
+    pub(crate) fn of(plan: &TapPlan, op: u32, line: u32, tool: u32, theta0: Angle) -> Self {
+        let start = plan.start.along(plan.axis);
+        Self {
+            op,
+            line,
+            tool,
+            axis: plan.axis.index() as u8,
+            spindle: plan.spindle,
+            theta0,
+            z0: start,
+            lead: plan.lead,
+            start,
+            bottom: plan.bottom,
+            surface: plan.surface,
+            spin: plan.spin,
+        }
+    }
+
+    fn is_like(&self, other: &Self) -> bool {
+        let near = (self.theta0 - other.theta0).value().abs() < SAME_ANGLE;
+        near && Self { theta0: other.theta0, ..*self } == *other
+    }
+
+    /// On the same line of the same operation.
+    fn continues(&self, other: &Self) -> bool {
+        let off = other.z0 + other.lead * (self.theta0 - other.theta0) - self.z0;
+        self.op == other.op && self.lead == other.lead && off.value().abs() < SAME_LINE
+    }
+}
+
+impl Scribe {
+    pub(crate) fn new() -> Self {
+        Self {
+            on: false,
+            wishes: VecDeque::with_capacity(WISHES),
+            asked: None,
+            number: 0,
+            acknowledged: false,
+            refused: false,
+        }
+    }
+
+    pub(crate) const fn begin(&mut self) {
+        self.on = true;
+    }
+
+    pub(crate) const fn is_on(&self) -> bool {
+        self.on
+    }
+
+    pub(crate) fn take(&mut self) -> Option<Wish> {
+        self.wishes.pop_front()
+    }
+
+    pub(crate) fn acknowledge(&mut self, number: u32) {
+        self.acknowledged |= number == self.number && self.asked.is_some();
+    }
+
+    pub(crate) const fn refuse(&mut self) {
+        self.refused = true;
+    }
+
+    /// Ask for a record, if it is not the one that was asked for already; whether the tap may go in.
+    pub(crate) fn ask(&mut self, record: &TapRecord) -> Leave {
+        if !self.on {
+            return Leave::Granted;
+        }
+        if self.refused {
+            return Leave::Refused;
+        }
+        let mut record = *record;
+        let before = self.asked;
+        if let Some(before) = before.filter(|before| record.continues(before)) {
+            // a further peck: the way out ends where the first one began
+            record.start = before.start;
+            record.z0 = before.z0;
+            record.theta0 = before.theta0;
+        }
+        if !before.is_some_and(|before| record.is_like(&before)) {
+            self.number = self.number.wrapping_add(1);
+            // what is on the disk already leads out on the same line
+            self.acknowledged &= before.is_some_and(|before| record.continues(&before));
+            self.asked = Some(record);
+            self.wish(Wish::Inward(self.number, record));
+        }
+        if self.acknowledged { Leave::Granted } else { Leave::Waiting }
+    }
+
+    /// The tap has turned round.
+    pub(crate) fn turned(&mut self) {
+        if self.on {
+            self.wish(Wish::Outward);
+        }
+    }
+
+    /// The tap is out.
+    pub(crate) fn out(&mut self) {
+        if self.on && self.asked.is_some() {
+            self.asked = None;
+            self.acknowledged = false;
+            self.wish(Wish::Out);
+        }
+    }
+
+    fn wish(&mut self, wish: Wish) {
+        if self.wishes.len() == WISHES {
+            self.wishes.pop_front();
+        }
+        self.wishes.push_back(wish);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record(op: u32, start: f64, bottom: f64) -> TapRecord {
+        TapRecord {
+            op,
+            line: 7,
+            tool: 3,
+            axis: 2,
+            spindle: 0,
+            theta0: Angle::rev(5.0),
+            z0: Length::mm(start),
+            lead: Lead::mm_per_rev(-1.0),
+            start: Length::mm(start),
+            bottom: Length::mm(bottom),
+            surface: Length::ZERO,
+            spin: Spin::rpm(1000.0),
+        }
+    }
+
+    fn scribe() -> Scribe {
+        let mut scribe = Scribe::new();
+        scribe.begin();
+        scribe
+    }
+
+    #[test]
+    fn nobody_who_writes_means_nobody_who_waits() {
+        assert_eq!(Scribe::new().ask(&record(1, 5.0, -10.0)), Leave::Granted);
+    }
+
+    #[test]
+    fn a_tap_waits_for_its_own_acknowledgement() {
+        let mut scribe = scribe();
+        let first = record(1, 5.0, -10.0);
+        assert_eq!(scribe.ask(&first), Leave::Waiting);
+        assert_eq!(scribe.take(), Some(Wish::Inward(1, first)));
+        scribe.acknowledge(9);
+        assert_eq!(scribe.ask(&first), Leave::Waiting);
+        scribe.acknowledge(1);
+        assert_eq!(scribe.ask(&first), Leave::Granted);
+        assert_eq!(scribe.take(), None);
+    }
+
+    #[test]
+    fn an_angle_that_was_not_foreseen_is_asked_for_anew() {
+        let mut scribe = scribe();
+        let first = record(1, 5.0, -10.0);
+        scribe.ask(&first);
+        scribe.acknowledge(1);
+        let other = TapRecord { theta0: Angle::rev(6.0), ..first };
+        assert_eq!(scribe.ask(&other), Leave::Waiting);
+        scribe.acknowledge(1);
+        assert_eq!(scribe.ask(&other), Leave::Waiting);
+        scribe.acknowledge(2);
+        assert_eq!(scribe.ask(&other), Leave::Granted);
+    }
+
+    #[test]
+    fn a_further_peck_on_the_same_line_does_not_wait_and_leads_out_to_the_first_ones_start() {
+        let mut scribe = scribe();
+        let first = record(1, 5.0, -4.0);
+        scribe.ask(&first);
+        scribe.acknowledge(1);
+        scribe.take();
+        let second = TapRecord { theta0: Angle::rev(13.0), ..record(1, -3.0, -8.0) };
+        assert_eq!(scribe.ask(&second), Leave::Granted);
+        let Some(Wish::Inward(2, written)) = scribe.take() else { panic!("nothing to write") };
+        let expected = TapRecord { bottom: Length::mm(-8.0), ..first };
+        assert_eq!(written, expected);
+    }
+
+    #[test]
+    fn what_could_not_be_written_is_never_granted() {
+        let mut scribe = scribe();
+        scribe.ask(&record(1, 5.0, -10.0));
+        scribe.refuse();
+        scribe.acknowledge(1);
+        assert_eq!(scribe.ask(&record(1, 5.0, -10.0)), Leave::Refused);
+    }
+
+    #[test]
+    fn after_a_hole_the_next_one_asks_again() {
+        let mut scribe = scribe();
+        scribe.ask(&record(1, 5.0, -10.0));
+        scribe.acknowledge(1);
+        scribe.out();
+        scribe.out();
+        scribe.take();
+        assert_eq!((scribe.take(), scribe.take()), (Some(Wish::Out), None));
+        assert_eq!(scribe.ask(&record(2, 5.0, -10.0)), Leave::Waiting);
+    }
+}

@@ -1,0 +1,34 @@
+//! The bus over a stream of bytes: control and iron in two processes.
+//!
+//! ```text
+//!   control                                                   iron
+//!     Hello ───────────────────────────────────────────────────►
+//!     ◄─────────────────────── Welcome: which machine, which encoders, where it stands
+//!     Command ─────────────────────────────────────────────────►   each servo period
+//!     ◄──────────────────────────────── Observed: feedback, and the truth where it is known
+//!                        …
+//!     the stream ends, or nothing comes: the drives' own watchdog stops the iron
+//! ```
+//!
+//! A frame, little-endian:
+//!
+//! | bytes | what |
+//! |---|---|
+//! | 2 | `LS` |
+//! | 1 | version |
+//! | 1 | kind |
+//! | 4 | sequence number |
+//! | 2 | length of the payload |
+//! | … | payload |
+//! | 4 | CRC-32 of all before it |
+//!
+//! A frame that is not whole, not this version's, or not in sequence ends the connection: what a drive is told is
+//! certain, or it is not told. Axes and spindles that say nothing are left out by a mask.
+mod bytes;
+mod frame;
+mod message;
+mod remote;
+
+pub use frame::{LONGEST, VERSION, decode, encode};
+pub use message::{Hello, Message, Observed, Order, Stop, Welcome};
+pub use remote::{Error, Port, Remote, order};

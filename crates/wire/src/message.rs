@@ -1,0 +1,354 @@
+//! What is said.
+use crate::bytes::{Reader, Writer};
+use bus::{
+    AXES, AxisCommand, AxisFeedback, Command, Feedback, SPINDLES, SpindleCommand, SpindleFeedback,
+    Truth,
+};
+use units::{Angle, Force, Length, Speed, Spin, Time, Torque};
+
+/// Longest name.
+const LONGEST_NAME: usize = 255;
+/// Longest text.
+const LONGEST_TEXT: usize = 8192;
+
+/// A frame's content.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant)] // one at a time, on the stack; boxes would be made each period
+pub enum Message {
+    /// A control reports.
+    Hello(Hello),
+    /// The iron takes it.
+    Welcome(Welcome),
+    /// The iron does not, or has stopped: one sentence.
+    Refused(String),
+    /// What the iron shall do for a period.
+    Command(Command),
+    /// What came of it.
+    Observed(Observed),
+    /// Something for the iron itself, instead of a session.
+    Order(Order),
+    /// Its answer, as JSON.
+    Told(String),
+}
+
+/// Who controls.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Hello {
+    /// For people.
+    pub name: String,
+    /// The machine it is set up for.
+    pub machine: String,
+}
+
+/// How drives came to rest that were left alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Stop {
+    /// They have not been left alone since the iron was switched on.
+    None = 0,
+    /// Axes clamped, spindles coasted.
+    Coasted = 1,
+    /// Each drive braked by itself.
+    QuickStop = 2,
+    /// Coupled drives braked together.
+    Coupled = 3,
+}
+
+/// Which machine it is, and what its encoders know.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Welcome {
+    /// Name in its file.
+    pub machine: String,
+    /// Number of this very machine.
+    pub serial: u64,
+    /// Changes whenever an encoder loses its reference.
+    pub epoch: u64,
+    /// Servo period.
+    pub period: Time,
+    /// By spindle: it has lost count of its turns; the angle within a turn is right.
+    pub turns_lost: [bool; SPINDLES],
+    /// By axis, likewise: the turns of its motor.
+    pub axis_turns_lost: [bool; AXES],
+    /// How the drives came to rest the last time that they were left alone.
+    pub stop: Stop,
+    /// Where everything stands.
+    pub observed: Observed,
+}
+
+/// One period, as the iron has it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Observed {
+    /// What it says.
+    pub feedback: Feedback,
+    /// What it knows besides, if it is simulated.
+    pub truth: Option<Truth>,
+}
+
+/// Something for the iron itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Order {
+    /// Say how it is.
+    Status = 1,
+    /// Cut the power and give it back.
+    PowerCut = 2,
+    /// End.
+    Quit = 3,
+}
+
+impl Message {
+    pub(crate) const fn kind(&self) -> u8 {
+        match self {
+            Self::Hello(_) => 1,
+            Self::Welcome(_) => 2,
+            Self::Refused(_) => 3,
+            Self::Command(_) => 4,
+            Self::Observed(_) => 5,
+            Self::Order(_) => 6,
+            Self::Told(_) => 7,
+        }
+    }
+
+    /// For people.
+    pub(crate) const fn name(&self) -> &'static str {
+        match self {
+            Self::Hello(_) => "a greeting",
+            Self::Welcome(_) => "a welcome",
+            Self::Refused(_) => "a refusal",
+            Self::Command(_) => "a command",
+            Self::Observed(_) => "feedback",
+            Self::Order(_) => "an order",
+            Self::Told(_) => "an answer",
+        }
+    }
+
+    pub(crate) fn write(&self, w: &mut Writer<'_>) {
+        match self {
+            Self::Hello(hello) => {
+                w.text(&hello.name, LONGEST_NAME);
+                w.text(&hello.machine, LONGEST_NAME);
+            }
+            Self::Welcome(welcome) => write_welcome(w, welcome),
+            Self::Refused(text) | Self::Told(text) => w.text(text, LONGEST_TEXT),
+            Self::Command(command) => write_command(w, command),
+            Self::Observed(observed) => write_observed(w, observed),
+            Self::Order(order) => w.u8(*order as u8),
+        }
+    }
+
+    pub(crate) fn read(kind: u8, r: &mut Reader<'_>) -> Option<Self> {
+        Some(match kind {
+            1 => Self::Hello(Hello { name: r.text()?, machine: r.text()? }),
+            2 => Self::Welcome(read_welcome(r)?),
+            3 => Self::Refused(r.text()?),
+            4 => Self::Command(read_command(r)?),
+            5 => Self::Observed(read_observed(r)?),
+            6 => Self::Order(match r.u8()? {
+                1 => Order::Status,
+                2 => Order::PowerCut,
+                3 => Order::Quit,
+                _ => return None,
+            }),
+            7 => Self::Told(r.text()?),
+            _ => return None,
+        })
+    }
+}
+
+/// A bit for each that is not its default.
+fn mask<T: PartialEq + Default>(all: &[T]) -> u16 {
+    let nothing = T::default();
+    all.iter().enumerate().filter(|(_, one)| **one != nothing).fold(0, |m, (i, _)| m | 1 << i)
+}
+
+/// The indices in a mask; `None` if it has others.
+fn indices(mask: u16, of: usize) -> Option<impl Iterator<Item = usize>> {
+    (u32::from(mask) < 1 << of).then(|| (0..of).filter(move |i| mask & (1 << i) != 0))
+}
+
+fn write_welcome(w: &mut Writer<'_>, welcome: &Welcome) {
+    w.text(&welcome.machine, LONGEST_NAME);
+    w.u64(welcome.serial);
+    w.u64(welcome.epoch);
+    w.f64(welcome.period.value());
+    w.u16(mask(&welcome.turns_lost));
+    w.u16(mask(&welcome.axis_turns_lost));
+    w.u8(welcome.stop as u8);
+    write_observed(w, &welcome.observed);
+}
+
+fn read_welcome(r: &mut Reader<'_>) -> Option<Welcome> {
+    Some(Welcome {
+        machine: r.text()?,
+        serial: r.u64()?,
+        epoch: r.u64()?,
+        period: Time::s(r.f64()?),
+        turns_lost: flags(r)?,
+        axis_turns_lost: flags(r)?,
+        stop: match r.u8()? {
+            0 => Stop::None,
+            1 => Stop::Coasted,
+            2 => Stop::QuickStop,
+            3 => Stop::Coupled,
+            _ => return None,
+        },
+        observed: read_observed(r)?,
+    })
+}
+
+fn flags<const N: usize>(r: &mut Reader<'_>) -> Option<[bool; N]> {
+    let mut flags = [false; N];
+    for index in indices(r.u16()?, N)? {
+        flags[index] = true;
+    }
+    Some(flags)
+}
+
+fn write_command(w: &mut Writer<'_>, command: &Command) {
+    w.u16(mask(&command.axes));
+    for axis in command.axes.iter().filter(|axis| **axis != AxisCommand::default()) {
+        w.u8(axis.enable.into());
+        w.f64s([axis.position.value(), axis.speed.value(), axis.force.value()]);
+    }
+    w.u16(mask(&command.spindles));
+    for spindle in command.spindles.iter().filter(|one| **one != SpindleCommand::default()) {
+        w.u8(spindle.enable.into());
+        w.f64s([spindle.angle.value(), spindle.spin.value(), spindle.torque.value()]);
+    }
+    w.u32(command.tool);
+    w.u8(command.flood.into());
+    w.u8(command.mist.into());
+    w.u8(command.coupled.is_some().into());
+    if let Some(coupled) = &command.coupled {
+        w.u8(coupled.axis);
+        w.u8(coupled.spindle);
+        w.f64s([coupled.angle.value(), coupled.place.value(), coupled.lead.value()]);
+    }
+}
+
+fn read_command(r: &mut Reader<'_>) -> Option<Command> {
+    let mut command = Command::default();
+    for index in indices(r.u16()?, AXES)? {
+        command.axes[index] = AxisCommand {
+            enable: r.flag()?,
+            position: Length::mm(r.f64()?),
+            speed: Speed::mm_per_s(r.f64()?),
+            force: Force::n(r.f64()?),
+        };
+    }
+    for index in indices(r.u16()?, SPINDLES)? {
+        command.spindles[index] = SpindleCommand {
+            enable: r.flag()?,
+            angle: Angle::rev(r.f64()?),
+            spin: Spin::rev_per_s(r.f64()?),
+            torque: Torque::n_m(r.f64()?),
+        };
+    }
+    command.tool = r.u32()?;
+    command.flood = r.flag()?;
+    command.mist = r.flag()?;
+    command.coupled = match r.flag()? {
+        true => Some(bus::Coupled {
+            axis: r.u8()?,
+            spindle: r.u8()?,
+            angle: Angle::rev(r.f64()?),
+            place: Length::mm(r.f64()?),
+            lead: units::Lead::mm_per_rev(r.f64()?),
+        }),
+        false => None,
+    };
+    Some(command)
+}
+
+fn write_observed(w: &mut Writer<'_>, observed: &Observed) {
+    let feedback = &observed.feedback;
+    w.f64(feedback.time.value());
+    w.u16(mask(&feedback.axes));
+    for axis in feedback.axes.iter().filter(|axis| **axis != AxisFeedback::default()) {
+        w.u8(axis.ready.into());
+        w.f64(axis.position.value());
+    }
+    w.u16(mask(&feedback.spindles));
+    for spindle in feedback.spindles.iter().filter(|one| **one != SpindleFeedback::default()) {
+        let flags = [spindle.ready, spindle.saturated, spindle.index.is_some()];
+        w.u8(mask(&flags) as u8);
+        w.f64(spindle.angle.value());
+        if let Some(index) = spindle.index {
+            w.f64(index.value());
+        }
+    }
+    w.u8(feedback.tool.is_some().into());
+    w.u32(feedback.tool.unwrap_or(0));
+    w.u8(feedback.emergency_stop.into());
+    w.u8(observed.truth.is_some().into());
+    if let Some(truth) = &observed.truth {
+        write_truth(w, truth);
+    }
+}
+
+fn read_observed(r: &mut Reader<'_>) -> Option<Observed> {
+    let mut feedback = Feedback { time: Time::s(r.f64()?), ..Feedback::default() };
+    for index in indices(r.u16()?, AXES)? {
+        feedback.axes[index] =
+            AxisFeedback { ready: r.flag()?, position: Length::mm(r.f64()?) };
+    }
+    for index in indices(r.u16()?, SPINDLES)? {
+        let flags = r.u8()?;
+        if flags > 7 {
+            return None;
+        }
+        feedback.spindles[index] = SpindleFeedback {
+            ready: flags & 1 != 0,
+            saturated: flags & 2 != 0,
+            angle: Angle::rev(r.f64()?),
+            index: if flags & 4 == 0 { None } else { Some(Angle::rev(r.f64()?)) },
+        };
+    }
+    let (has_tool, tool) = (r.flag()?, r.u32()?);
+    feedback.tool = has_tool.then_some(tool);
+    feedback.emergency_stop = r.flag()?;
+    let truth = if r.flag()? { Some(read_truth(r)?) } else { None };
+    Some(Observed { feedback, truth })
+}
+
+fn write_truth(w: &mut Writer<'_>, truth: &Truth) {
+    let axes: [(Length, Force); AXES] =
+        core::array::from_fn(|i| (truth.axes[i], truth.axis_forces[i]));
+    w.u16(mask(&axes));
+    for (place, force) in axes.iter().filter(|one| **one != Default::default()) {
+        w.f64s([place.value(), force.value()]);
+    }
+    let spindles: [(Angle, Spin, Torque); SPINDLES] = core::array::from_fn(|i| {
+        (truth.spindles[i], truth.spins[i], truth.spindle_torques[i])
+    });
+    w.u16(mask(&spindles));
+    for (angle, spin, torque) in spindles.iter().filter(|one| **one != Default::default()) {
+        w.f64s([angle.value(), spin.value(), torque.value()]);
+    }
+    w.f64s([
+        truth.tool_deflection.value(),
+        truth.tool_turn.value(),
+        truth.cutting_torque.value(),
+        truth.cutting_force.value(),
+    ]);
+    w.u8(truth.tool_broken.into());
+}
+
+fn read_truth(r: &mut Reader<'_>) -> Option<Truth> {
+    let mut truth = Truth::default();
+    for index in indices(r.u16()?, AXES)? {
+        truth.axes[index] = Length::mm(r.f64()?);
+        truth.axis_forces[index] = Force::n(r.f64()?);
+    }
+    for index in indices(r.u16()?, SPINDLES)? {
+        truth.spindles[index] = Angle::rev(r.f64()?);
+        truth.spins[index] = Spin::rev_per_s(r.f64()?);
+        truth.spindle_torques[index] = Torque::n_m(r.f64()?);
+    }
+    truth.tool_deflection = Length::mm(r.f64()?);
+    truth.tool_turn = Angle::rev(r.f64()?);
+    truth.cutting_torque = Torque::n_m(r.f64()?);
+    truth.cutting_force = Force::n(r.f64()?);
+    truth.tool_broken = r.flag()?;
+    Some(truth)
+}

@@ -1,0 +1,219 @@
+//! The two ends of the stream.
+use crate::frame::{HEAD, decode, encode, head};
+use crate::message::{Hello, Message, Observed, Order, Welcome};
+use bus::{Command, Feedback, Truth};
+use std::io::{self, Read, Write};
+use units::Time;
+
+/// Why a frame, or the connection, is no good.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The stream is.
+    #[error("the connection is gone: {0}")]
+    Gone(#[from] io::Error),
+    /// The frame begins with other bytes.
+    #[error("a frame is foreign: it does not begin as one")]
+    Foreign,
+    /// Another layout.
+    #[error("a frame has layout {0}, and this version speaks layout {VERSION}", VERSION = crate::VERSION)]
+    Version(u8),
+    /// Its length is beyond all bounds.
+    #[error("a frame says that it is {0} bytes long: at most {LONGEST} are allowed", LONGEST = crate::LONGEST)]
+    TooLong(u16),
+    /// Its end is missing, or something follows it.
+    #[error("a frame is torn")]
+    Torn,
+    /// The checksum does not fit.
+    #[error("a frame has changed on its way: its checksum does not fit")]
+    Checksum,
+    /// The checksum fits, the content cannot be.
+    #[error("a frame has its checksum right and says what cannot be")]
+    Senseless,
+    /// Not the next one.
+    #[error("frame {found} came, and {expected} was expected")]
+    Sequence {
+        /// Which came.
+        found: u32,
+        /// Which should have come.
+        expected: u32,
+    },
+    /// Another message than this one was due.
+    #[error("{found} came, and {expected} was expected")]
+    Unexpected {
+        /// What came.
+        found: &'static str,
+        /// What was due.
+        expected: &'static str,
+    },
+    /// The other end says no, and why.
+    #[error("{0}")]
+    Refused(String),
+}
+
+/// One end: sends frames and takes frames, each in sequence.
+#[derive(Debug)]
+pub struct Port<S> {
+    stream: S,
+    sent: u32,
+    taken: u32,
+    buffer: Vec<u8>,
+}
+
+impl<S: Read + Write> Port<S> {
+    /// On a fresh stream.
+    pub fn new(stream: S) -> Self {
+        Self { stream, sent: 0, taken: 0, buffer: Vec::with_capacity(1024) }
+    }
+
+    /// The stream itself.
+    pub const fn stream(&self) -> &S {
+        &self.stream
+    }
+
+    /// Send.
+    ///
+    /// # Errors
+    /// The stream refuses.
+    pub fn send(&mut self, message: &Message) -> Result<(), Error> {
+        encode(message, self.sent, &mut self.buffer);
+        self.sent = self.sent.wrapping_add(1);
+        self.stream.write_all(&self.buffer)?;
+        Ok(self.stream.flush()?)
+    }
+
+    /// Wait for the next one.
+    ///
+    /// # Errors
+    /// The stream ends, or what comes is no frame.
+    pub fn take(&mut self) -> Result<Message, Error> {
+        self.buffer.resize(HEAD, 0);
+        self.stream.read_exact(&mut self.buffer)?;
+        self.take_rest()
+    }
+
+    /// Wait for the next one, for as long as the stream is willing; `None`: nothing has begun to come.
+    ///
+    /// # Errors
+    /// As [`Port::take`].
+    pub fn take_soon(&mut self) -> Result<Option<Message>, Error> {
+        self.buffer.resize(HEAD, 0);
+        let first = match self.stream.read(&mut self.buffer[..HEAD]) {
+            Ok(0) => return Err(Error::Gone(io::ErrorKind::UnexpectedEof.into())),
+            Ok(n) => n,
+            Err(e) if matches!(e.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut) => {
+                return Ok(None);
+            }
+            Err(e) => return Err(Error::Gone(e)),
+        };
+        self.stream.read_exact(&mut self.buffer[first..HEAD])?;
+        self.take_rest().map(Some)
+    }
+
+    fn take_rest(&mut self) -> Result<Message, Error> {
+        let mut first = [0; HEAD];
+        first.copy_from_slice(&self.buffer[..HEAD]);
+        let (_, _, follow) = head(&first)?;
+        self.buffer.resize(HEAD + follow, 0);
+        self.stream.read_exact(&mut self.buffer[HEAD..])?;
+        let (message, sequence) = decode(&self.buffer)?;
+        if sequence != self.taken {
+            return Err(Error::Sequence { found: sequence, expected: self.taken });
+        }
+        self.taken = self.taken.wrapping_add(1);
+        Ok(message)
+    }
+}
+
+/// The iron, seen from the control.
+#[derive(Debug)]
+pub struct Remote<S> {
+    port: Port<S>,
+    welcome: Welcome,
+    last: Observed,
+    lost: Option<Error>,
+}
+
+impl<S: Read + Write> Remote<S> {
+    /// Greet the iron at the other end.
+    ///
+    /// # Errors
+    /// It does not answer, or refuses.
+    pub fn connect(stream: S, hello: Hello) -> Result<Self, Error> {
+        let mut port = Port::new(stream);
+        port.send(&Message::Hello(hello))?;
+        match port.take()? {
+            Message::Welcome(welcome) => {
+                Ok(Self { port, last: welcome.observed, welcome, lost: None })
+            }
+            Message::Refused(why) => Err(Error::Refused(why)),
+            other => Err(Error::Unexpected { found: other.name(), expected: "a welcome" }),
+        }
+    }
+
+    /// What the iron said first.
+    pub const fn welcome(&self) -> &Welcome {
+        &self.welcome
+    }
+
+    /// Why the connection ended, once it has.
+    pub const fn lost(&self) -> Option<&Error> {
+        self.lost.as_ref()
+    }
+
+    fn ask(&mut self, command: &Command) -> Result<Observed, Error> {
+        self.port.send(&Message::Command(*command))?;
+        match self.port.take()? {
+            Message::Observed(observed) => Ok(observed),
+            Message::Refused(why) => Err(Error::Refused(why)),
+            other => Err(Error::Unexpected { found: other.name(), expected: "feedback" }),
+        }
+    }
+}
+
+/// Tell the iron at the other end something, instead of controlling it; its answer.
+///
+/// # Errors
+/// It does not answer, or refuses.
+pub fn order(stream: impl Read + Write, order: Order) -> Result<String, Error> {
+    let mut port = Port::new(stream);
+    port.send(&Message::Order(order))?;
+    match port.take()? {
+        Message::Told(answer) => Ok(answer),
+        Message::Refused(why) => Err(Error::Refused(why)),
+        other => Err(Error::Unexpected { found: other.name(), expected: "an answer" }),
+    }
+}
+
+/// An iron whose connection is gone says that no drive is ready, for ever.
+impl<S: Read + Write> bus::Machine for Remote<S> {
+    fn period(&self) -> Time {
+        self.welcome.period
+    }
+
+    fn feedback(&self) -> Feedback {
+        self.last.feedback
+    }
+
+    fn exchange(&mut self, command: &Command) -> Feedback {
+        if self.lost.is_none() {
+            match self.ask(command) {
+                Ok(observed) => self.last = observed,
+                Err(why) => self.lost = Some(why),
+            }
+        }
+        if self.lost.is_some() {
+            let feedback = &mut self.last.feedback;
+            feedback.time += self.welcome.period;
+            feedback.axes.iter_mut().for_each(|axis| axis.ready = false);
+            feedback.spindles.iter_mut().for_each(|spindle| spindle.ready = false);
+        }
+        self.last.feedback
+    }
+
+    fn truth(&self) -> Option<Truth> {
+        self.last.truth
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,217 @@
+//! Both ends, in one process.
+use super::*;
+use crate::{LONGEST, VERSION};
+use bus::{AXES, Machine, SPINDLES};
+use proptest::prelude::*;
+use std::collections::VecDeque;
+use units::{Angle, Force, Lead, Length, Speed, Spin, Torque};
+
+/// A stream whose other end was written beforehand.
+#[derive(Debug, Default)]
+struct Script {
+    comes: VecDeque<u8>,
+    sent: Vec<u8>,
+}
+
+impl Read for Script {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.comes.read(buffer)
+    }
+}
+
+impl Write for Script {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.sent.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+fn script(messages: &[Message]) -> Script {
+    let mut script = Script::default();
+    let mut frame = Vec::new();
+    for (sequence, message) in (0..).zip(messages) {
+        encode(message, sequence, &mut frame);
+        script.comes.extend(&frame);
+    }
+    script
+}
+
+fn observed(time: f64) -> Observed {
+    let mut observed = Observed::default();
+    observed.feedback.time = Time::s(time);
+    observed.feedback.axes[2] =
+        bus::AxisFeedback { position: Length::mm(-151.25), ready: true };
+    observed.feedback.spindles[0] = bus::SpindleFeedback {
+        angle: Angle::rev(12.5),
+        index: Some(Angle::rev(12.0)),
+        ready: true,
+        saturated: true,
+    };
+    observed.feedback.tool = Some(11);
+    let mut truth = Truth::default();
+    truth.axes[2] = Length::mm(-151.249);
+    truth.spins[0] = Spin::rpm(1000.0);
+    truth.tool_broken = true;
+    observed.truth = Some(truth);
+    observed
+}
+
+fn command() -> Command {
+    let mut command = Command { tool: 11, flood: true, ..Command::default() };
+    command.axes[8] = bus::AxisCommand {
+        enable: true,
+        position: Length::mm(1.5),
+        speed: Speed::mm_per_s(-20.0),
+        force: Force::n(f64::INFINITY),
+    };
+    command.spindles[1] = bus::SpindleCommand {
+        enable: false,
+        angle: Angle::rev(-3.25),
+        spin: Spin::rpm(-1000.0),
+        torque: Torque::n_m(4.5),
+    };
+    command.coupled = Some(bus::Coupled {
+        axis: 2,
+        spindle: 0,
+        angle: Angle::rev(7.0),
+        place: Length::mm(-5.0),
+        lead: Lead::mm_per_rev(-1.25),
+    });
+    command
+}
+
+fn welcome() -> Welcome {
+    Welcome {
+        machine: "tapping-center".into(),
+        serial: 7,
+        epoch: u64::MAX,
+        period: Time::s(250e-6),
+        turns_lost: [true, false],
+        axis_turns_lost: [false; AXES],
+        stop: crate::Stop::QuickStop,
+        observed: observed(1.0),
+    }
+}
+
+fn hello() -> Hello {
+    Hello { name: "test".into(), machine: "tapping-center".into() }
+}
+
+fn every_message() -> Vec<Message> {
+    vec![
+        Message::Hello(hello()),
+        Message::Welcome(welcome()),
+        Message::Refused("no".into()),
+        Message::Command(command()),
+        Message::Observed(observed(2.0)),
+        Message::Observed(Observed::default()),
+        Message::Order(Order::PowerCut),
+        Message::Told("{}".into()),
+    ]
+}
+
+#[test]
+fn what_is_sent_is_taken() {
+    let mut port = Port::new(script(&every_message()));
+    for message in every_message() {
+        assert_eq!(port.take().unwrap(), message);
+    }
+    assert!(matches!(port.take(), Err(Error::Gone(_))));
+}
+
+#[test]
+fn every_bit_that_flips_on_the_way_is_found() {
+    let mut frame = Vec::new();
+    for message in every_message() {
+        encode(&message, 3, &mut frame);
+        for bit in 0..frame.len() * 8 {
+            frame[bit / 8] ^= 1 << (bit % 8);
+            assert!(decode(&frame).is_err(), "{}: bit {bit}", message.name());
+            frame[bit / 8] ^= 1 << (bit % 8);
+        }
+        for end in 0..frame.len() {
+            assert!(decode(&frame[..end]).is_err(), "{}: cut at {end}", message.name());
+        }
+    }
+}
+
+#[test]
+fn a_frame_too_many_or_too_few_ends_the_connection() {
+    let mut script = Script::default();
+    let mut frame = Vec::new();
+    for sequence in [0, 2] {
+        encode(&Message::Order(Order::Status), sequence, &mut frame);
+        script.comes.extend(&frame);
+    }
+    let mut port = Port::new(script);
+    port.take().unwrap();
+    assert_eq!(port.take().unwrap_err().to_string(), "frame 2 came, and 1 was expected");
+}
+
+#[test]
+fn another_version_and_a_length_beyond_bounds_are_named() {
+    let mut frame = Vec::new();
+    encode(&Message::Order(Order::Status), 0, &mut frame);
+    frame[2] = VERSION + 1;
+    assert!(decode(&frame).unwrap_err().to_string().contains("layout 2"));
+    frame[2] = VERSION;
+    frame[8..10].copy_from_slice(&(LONGEST as u16 + 1).to_le_bytes());
+    assert!(matches!(decode(&frame), Err(Error::TooLong(_))));
+}
+
+#[test]
+fn an_iron_that_vanishes_has_no_ready_drive_and_time_goes_on() {
+    let answers = [Message::Welcome(welcome()), Message::Observed(observed(1.000_25))];
+    let mut iron = Remote::connect(script(&answers), hello()).unwrap();
+    assert_eq!(iron.feedback(), observed(1.0).feedback);
+    assert_eq!(iron.exchange(&command()), observed(1.000_25).feedback);
+    assert!(iron.lost().is_none());
+    let after = iron.exchange(&command());
+    assert!(!after.axes[2].ready && !after.spindles[0].ready);
+    assert_eq!(after.axes[2].position, Length::mm(-151.25));
+    assert!(after.time > Time::s(1.000_25) && iron.lost().is_some());
+}
+
+#[test]
+fn a_refusal_is_handed_on() {
+    let no = [Message::Refused("the iron is a lathe".into())];
+    let refused = Remote::connect(script(&no), hello()).unwrap_err();
+    assert_eq!(refused.to_string(), "the iron is a lathe");
+}
+
+proptest! {
+    #[test]
+    fn any_bytes_are_a_frame_or_refused(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
+        prop_assert!(decode(&bytes).is_err());
+    }
+
+    #[test]
+    fn any_payload_is_a_message_or_refused(kind in 0u8..9, payload in proptest::collection::vec(any::<u8>(), 0..300)) {
+        let mut r = crate::bytes::Reader(&payload);
+        if let Some(message) = Message::read(kind, &mut r) {
+            let rest = r.0.len();
+            let mut again = Vec::new();
+            message.write(&mut crate::bytes::Writer(&mut again));
+            prop_assert!(again.len() <= payload.len() - rest + 1024);
+        }
+    }
+
+    #[test]
+    fn numbers_pass_unchanged(angle in any::<f64>(), place in any::<f64>(), tool in any::<u32>()) {
+        // minus zero is zero: it may be left out
+        let (angle, place) = (angle + 0.0, place + 0.0);
+        let mut said = observed(0.0);
+        said.feedback.spindles[SPINDLES - 1].angle = Angle::rev(angle);
+        said.feedback.axes[AXES - 1].position = Length::mm(place);
+        said.feedback.tool = Some(tool);
+        let mut frame = Vec::new();
+        encode(&Message::Observed(said), 9, &mut frame);
+        let (Message::Observed(read), 9) = decode(&frame).unwrap() else { panic!("another message") };
+        let bits = |o: &Observed| (o.feedback.spindles[SPINDLES - 1].angle.value().to_bits(), o.feedback.axes[AXES - 1].position.value().to_bits());
+        prop_assert_eq!(bits(&read), bits(&said));
+        prop_assert_eq!(read.feedback.tool, Some(tool));
+    }
+}
