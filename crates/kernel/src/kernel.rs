@@ -515,10 +515,13 @@ impl Kernel {
 
     /// The tap at the queue's front is done: out of its hole, unless the next stroke goes on in it.
     fn leave_hole(&mut self) {
-        let Some(Step { op, kind: plan::StepKind::Tap(plan), .. }) = self.queue.front() else { return };
-        let goes_on = self.queue.get(1).is_some_and(|next| {
-            next.op == *op && matches!(next.kind, plan::StepKind::Tap(_))
-        });
+        let Some(Step { op, kind: plan::StepKind::Tap(plan), .. }) = self.queue.front() else {
+            return;
+        };
+        let goes_on = self
+            .queue
+            .get(1)
+            .is_some_and(|next| next.op == *op && matches!(next.kind, plan::StepKind::Tap(_)));
         let inward = (plan.bottom - plan.surface).value();
         let is_outside = (plan.end - plan.surface).value() * inward <= 0.0;
         if is_outside && !goes_on {

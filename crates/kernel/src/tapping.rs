@@ -14,8 +14,8 @@ use crate::event::{EventKind, TapFigures};
 use crate::execute::Context;
 use crate::fault::FaultKind;
 use crate::moving::stand_at;
-use crate::spindle::SpindleLoop;
 use crate::scribe::{Leave, RECORD_WAIT, TapRecord};
+use crate::spindle::SpindleLoop;
 use crate::stroke::{Mark, Planned};
 use plan::TapPlan;
 use sync::{
@@ -166,9 +166,8 @@ impl TapRun {
             Tick { elapsed: Time::s(dt), master, at_rest: spindle.at_rest(), held: spindle.held() };
         let was = self.cycle.phase();
         let engages = self.engages(&tap, &tick);
-        let record = engages.map(|theta0| {
-            TapRecord::of(plan, context.op, context.line, drives.tool, theta0)
-        });
+        let record = engages
+            .map(|theta0| TapRecord::of(plan, context.op, context.line, drives.tool, theta0));
         match record.map_or(Leave::Granted, |record| drives.scribe.ask(&record)) {
             Leave::Granted => self.cycle = self.cycle.next(&tap, &tick),
             Leave::Waiting => {

@@ -67,8 +67,6 @@ pub struct Welcome {
     pub period: Time,
     /// By spindle: it has lost count of its turns; the angle within a turn is right.
     pub turns_lost: [bool; SPINDLES],
-    /// By axis, likewise: the turns of its motor.
-    pub axis_turns_lost: [bool; AXES],
     /// How the drives came to rest the last time that they were left alone.
     pub stop: Stop,
     /// Where everything stands.
@@ -172,7 +170,6 @@ fn write_welcome(w: &mut Writer<'_>, welcome: &Welcome) {
     w.u64(welcome.epoch);
     w.f64(welcome.period.value());
     w.u16(mask(&welcome.turns_lost));
-    w.u16(mask(&welcome.axis_turns_lost));
     w.u8(welcome.stop as u8);
     write_observed(w, &welcome.observed);
 }
@@ -184,7 +181,6 @@ fn read_welcome(r: &mut Reader<'_>) -> Option<Welcome> {
         epoch: r.u64()?,
         period: Time::s(r.f64()?),
         turns_lost: flags(r)?,
-        axis_turns_lost: flags(r)?,
         stop: match r.u8()? {
             0 => Stop::None,
             1 => Stop::Coasted,
@@ -289,8 +285,7 @@ fn write_observed(w: &mut Writer<'_>, observed: &Observed) {
 fn read_observed(r: &mut Reader<'_>) -> Option<Observed> {
     let mut feedback = Feedback { time: Time::s(r.f64()?), ..Feedback::default() };
     for index in indices(r.u16()?, AXES)? {
-        feedback.axes[index] =
-            AxisFeedback { ready: r.flag()?, position: Length::mm(r.f64()?) };
+        feedback.axes[index] = AxisFeedback { ready: r.flag()?, position: Length::mm(r.f64()?) };
     }
     for index in indices(r.u16()?, SPINDLES)? {
         let flags = r.u8()?;
@@ -318,9 +313,8 @@ fn write_truth(w: &mut Writer<'_>, truth: &Truth) {
     for (place, force) in axes.iter().filter(|one| **one != Default::default()) {
         w.f64s([place.value(), force.value()]);
     }
-    let spindles: [(Angle, Spin, Torque); SPINDLES] = core::array::from_fn(|i| {
-        (truth.spindles[i], truth.spins[i], truth.spindle_torques[i])
-    });
+    let spindles: [(Angle, Spin, Torque); SPINDLES] =
+        core::array::from_fn(|i| (truth.spindles[i], truth.spins[i], truth.spindle_torques[i]));
     w.u16(mask(&spindles));
     for (angle, spin, torque) in spindles.iter().filter(|one| **one != Default::default()) {
         w.f64s([angle.value(), spin.value(), torque.value()]);

@@ -42,8 +42,7 @@ fn script(messages: &[Message]) -> Script {
 fn observed(time: f64) -> Observed {
     let mut observed = Observed::default();
     observed.feedback.time = Time::s(time);
-    observed.feedback.axes[2] =
-        bus::AxisFeedback { position: Length::mm(-151.25), ready: true };
+    observed.feedback.axes[2] = bus::AxisFeedback { position: Length::mm(-151.25), ready: true };
     observed.feedback.spindles[0] = bus::SpindleFeedback {
         angle: Angle::rev(12.5),
         index: Some(Angle::rev(12.0)),
@@ -90,7 +89,6 @@ fn welcome() -> Welcome {
         epoch: u64::MAX,
         period: Time::s(250e-6),
         turns_lost: [true, false],
-        axis_turns_lost: [false; AXES],
         stop: crate::Stop::QuickStop,
         observed: observed(1.0),
     }

@@ -1,0 +1,106 @@
+//! Drives that are left alone come to rest, together where they can.
+mod fixtures;
+use bus::{Command, Coupled, Feedback, Machine};
+use core::f64::consts::TAU;
+use fixtures::tapping_center;
+use sim::{Bus, Reaction, RunDown, SimulatedMachine};
+use units::{Force, Lead, Speed, Spin, Time, Torque};
+
+/// Spindle at 1000 rpm and Z at 1.25 mm per turn, driven there by hand; in the air.
+fn moving() -> (SimulatedMachine, Command, Feedback) {
+    let mut machine = SimulatedMachine::new(tapping_center()).expect("the fixture is a machine");
+    let wanted = (Spin::rpm(1000.0), Speed::mm_per_s(-1.25 * 1000.0 / 60.0));
+    let (mut before, mut command) = (machine.feedback(), Command::default());
+    for i in 0..4000 {
+        let now = machine.feedback();
+        let rate = |a: f64, b: f64| (a - b) / 250e-6;
+        let v = rate(now.axes[2].position.value(), before.axes[2].position.value());
+        let spin = rate(now.spindles[0].angle.value(), before.spindles[0].angle.value());
+        let share = (f64::from(i) / 2000.0).min(1.0);
+        command.axes[2].enable = true;
+        command.axes[2].force = Force::n(400.0 * (share * wanted.1.value() - v));
+        command.axes[2].speed = wanted.1;
+        command.spindles[0].enable = true;
+        command.spindles[0].torque = Torque::n_m(20.0 * (share * wanted.0.value() - spin));
+        command.spindles[0].spin = wanted.0;
+        before = now;
+        machine.exchange(&command);
+    }
+    let now = machine.feedback();
+    command.coupled = Some(Coupled {
+        axis: 2,
+        spindle: 0,
+        angle: now.spindles[0].angle,
+        place: now.axes[2].position,
+        lead: Lead::mm_per_rev(-1.25),
+    });
+    (machine, command, now)
+}
+
+/// Distance from the line at rest and at the worst, mm; turns run down; time taken.
+fn run_down(reaction: Reaction, bus: Option<Bus>) -> (f64, f64, f64, Time) {
+    let (mut machine, command, begin) = moving();
+    let mut drives = RunDown::new(&tapping_center(), reaction, bus, &command, &begin);
+    let mut worst = 0.0_f64;
+    loop {
+        let now = machine.feedback();
+        let turned = (now.spindles[0].angle - begin.spindles[0].angle).value();
+        let off = (now.axes[2].position - begin.axes[2].position).value() + 1.25 * turned;
+        worst = worst.max(off.abs());
+        assert!(now.time - begin.time < RunDown::LONGEST, "it never stands");
+        if drives.is_over() {
+            return (off, worst, turned, now.time - begin.time);
+        }
+        let order = drives.command(&now);
+        machine.exchange(&order);
+    }
+}
+
+#[test]
+fn coasting_takes_the_turns_that_friction_allows() {
+    // J·ω·dω/dθ = −(c₀ + c₁ω), integrated from ω₀ to 0
+    let (c0, c1, j, w0): (f64, f64, f64, f64) = (0.3, 0.0012, 0.010, 1000.0 / 60.0 * TAU);
+    let exact = j / c1 * (w0 - c0 / c1 * (1.0 + c1 * w0 / c0).ln()) / TAU;
+    let (_, _, turned, _) = run_down(Reaction::Coast, None);
+    assert!((turned - exact).abs() < 0.03 * exact, "{turned} turns, exact {exact}");
+}
+
+#[test]
+fn a_quick_stop_takes_the_turns_of_the_drives_torque() {
+    let exact = 0.010 * (1000.0 / 60.0 * TAU).powi(2) / 2.0 / (0.95 * 42.0) / TAU;
+    let (off, _, turned, time) = run_down(Reaction::QuickStop, None);
+    assert!((turned - exact).abs() < 0.25 * exact, "{turned} turns, exact {exact}");
+    assert!((0.1..0.4).contains(&off), "spindle and feed stop apart: {off} mm");
+    assert!(time < Time::s(0.3), "{time}");
+}
+
+#[test]
+fn a_coupled_stop_stays_on_the_line() {
+    let (off, worst, turned, _) = run_down(Reaction::CoupledStop, None);
+    assert!(worst < 0.020, "{worst} mm at the worst, {off} mm at rest");
+    assert!(turned > 0.1, "it stopped at once: {turned}");
+}
+
+#[test]
+fn the_braking_spindle_pays_for_a_coupled_stop_without_mains() {
+    let bus = Bus { farad: 820e-6, volt: 565.0, trip_volt: 250.0 };
+    let (_, worst, ..) = run_down(Reaction::CoupledStop, Some(bus));
+    assert!(worst < 0.020, "{worst} mm");
+}
+
+#[test]
+fn an_empty_bus_ends_in_coasting() {
+    let bus = Bus { farad: 1e-9, volt: 565.0, trip_volt: 564.0 };
+    let (_, worst, turned, _) = run_down(Reaction::CoupledStop, Some(bus));
+    assert!(turned > 0.1 && worst > 0.0, "{turned} {worst}");
+}
+
+#[test]
+fn drives_that_are_off_already_stay_off() {
+    let config = tapping_center();
+    let machine = SimulatedMachine::new(config.clone()).expect("the fixture is a machine");
+    let nothing = Command::default();
+    let mut drives =
+        RunDown::new(&config, Reaction::QuickStop, None, &nothing, &machine.feedback());
+    assert_eq!(drives.command(&machine.feedback()), nothing);
+}
