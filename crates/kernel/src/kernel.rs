@@ -248,30 +248,6 @@ impl Kernel {
         self.order(Order::Resume);
     }
 
-    /// Take an order of the operator; it acts from the next tick on.
-    pub fn order(&mut self, order: Order) {
-        let synchronised =
-            matches!(&self.activity, Activity::Tapping(run) if run.coupling().is_some());
-        let paused = matches!(self.activity, Activity::Pausing);
-        if let Some(notice) = self.operator.take(order, synchronised, paused) {
-            self.note(EventKind::Operator(notice));
-        }
-        if order == Order::Resume && paused && !self.operator.wants_rest() {
-            self.activity = Activity::AtOnce;
-            self.note(EventKind::Resumed);
-        }
-    }
-
-    /// What the operator's orders have left behind.
-    pub const fn operator(&self) -> &Operator {
-        &self.operator
-    }
-
-    /// Go on after a program's stop.
-    pub fn resume(&mut self) {
-        self.order(Order::Resume);
-    }
-
     /// One servo period: from what the machine says to what it shall do.
     pub fn tick(&mut self, feedback: &Feedback) -> Command {
         self.now = feedback.time;
