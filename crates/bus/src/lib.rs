@@ -207,7 +207,8 @@ pub struct Truth {
     /// Torque of each spindle's drive.
     pub spindle_torques: [Torque; SPINDLES],
     /// Axial offset of the tool's edges from where the axis holds them: the holder's deflection.
-    /// The cutting edges stand at `axis + tool_deflection` along the tool axis.
+    /// The cutting edges stand at `axis + tool_deflection` along the tool axis; on a grinder the wheel does, along
+    /// its infeed axis, pressed back by the work.
     pub tool_deflection: Length,
     /// How far the tool's edges stand ahead of the spindle's nose; zero unless a clutch holder has let go.
     pub tool_turn: Angle,

@@ -168,10 +168,7 @@ impl Drives {
         let can = |index: usize| {
             self.spindles[index].as_ref().map_or(f64::INFINITY, |s| s.accel_at_most(PACED))
         };
-        let pace = can(master).min(can(follower) / ratio);
-        if let Some(spindle) = &mut self.spindles[master] {
-            spindle.pace(Some(pace));
-        }
+        self.pace(master, can(follower) / ratio);
         let state = Engagement::Spinning;
         let (turns, waited) = (Angle::ZERO, Time::ZERO);
         self.coupled.gears[follower] = Some(GearRun { gear, master, axis, state, turns, waited });
@@ -185,8 +182,23 @@ impl Drives {
         if let Some(spindle) = &mut self.spindles[follower] {
             spindle.stop();
         }
-        let still_leads = self.coupled.gears.iter().flatten().any(|g| g.master == run.master);
-        if let Some(spindle) = self.spindles[run.master].as_mut().filter(|_| !still_leads) {
+        self.leave(run.master);
+    }
+
+    /// Lead a master by angle from now on, if the machine's spindles can be; its speed changes no faster than a
+    /// share of its torque, and than `most`, rev/s², allow.
+    fn pace(&mut self, master: usize, most: f64) {
+        if let Some(spindle) = self.spindles[master].as_mut().filter(|_| self.paces) {
+            let most = most.min(spindle.accel_at_most(PACED));
+            spindle.pace(Some(most));
+        }
+    }
+
+    /// A master that nothing follows any more only turns.
+    fn leave(&mut self, master: usize) {
+        let geared = self.coupled.gears.iter().flatten().any(|run| run.master == master);
+        let superposed = self.coupled.slots.iter().flatten().any(|slot| slot.master == master);
+        if let Some(spindle) = self.spindles[master].as_mut().filter(|_| !geared && !superposed) {
             spindle.pace(None);
         }
     }
@@ -230,6 +242,7 @@ impl Drives {
         let turning_s = if spin > 0.0 { order.over.abs().value() / spin } else { 0.0 };
         let fade = Fade::lasting(turning_s.max(gentle_s).max(SHORTEST_FADE_S));
         self.coupled.slots[index] = Some(Slot { master, from, to, fade });
+        self.pace(master, f64::INFINITY);
         Ok(())
     }
 
@@ -244,6 +257,9 @@ impl Drives {
                 axis.superposed = if ended { Target::default() } else { target(swing) };
             }
             self.coupled.slots[axis] = (!ended).then_some(slot);
+            if ended {
+                self.leave(slot.master);
+            }
         }
         for follower in 0..SPINDLES {
             if let Some(mut run) = self.coupled.gears[follower] {
@@ -259,7 +275,7 @@ impl Drives {
         if let Some(slot) = &mut self.coupled.slots[index] {
             slot.fade.advance(period.value());
             if slot.to.is_none() && slot.fade.is_over() {
-                self.coupled.slots[index] = None;
+                self.coupled.slots[index] = None; // the gear itself still leads its master
             }
         }
         let lookahead = self.spindles[follower].as_ref().map_or(0.0, |s| s.lookahead_s());

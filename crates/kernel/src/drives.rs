@@ -13,6 +13,7 @@ use crate::scribe::Scribe;
 use crate::spindle::SpindleLoop;
 use bus::{AXES, Command, Feedback, SPINDLES};
 use canon::Axis;
+use sync::SyncMode;
 use units::Spin;
 
 /// Indices of the linear axes; the others are held where they stand.
@@ -27,6 +28,8 @@ pub(crate) struct Drives {
     pub(crate) follower: Option<(usize, Option<FeedForward>)>,
     /// What is coupled in the background of the steps.
     pub(crate) coupled: Coupled,
+    /// Masters are led by angle, where the machine's spindles can.
+    pub(crate) paces: bool,
     /// What taps have learnt.
     pub(crate) lessons: Lessons,
     /// What is written down of taps.
@@ -57,6 +60,7 @@ impl Drives {
             spindles,
             follower: None,
             coupled: Coupled::new(),
+            paces: matches!(config.synchronisation, SyncMode::CommandSynchronised),
             lessons,
             scribe: Scribe::new(),
             removals,

@@ -6,7 +6,8 @@
 //!                          │ axes      two masses, play, LuGre friction, encoder
 //!                          │ spindles  inertia, lag, torque and power limit, encoder
 //!                          │ changer   tools from a magazine
-//!                          └ work      drill and tap in it: holes, torque, force, breakage
+//!                          ├ work      drill and tap in it: holes, torque, force, breakage
+//!                          └ grinder   a wheel against a cam's blank: force, deflection, spark-out, wear
 //! ```
 //!
 //! The crate knows the bus and quantities, nothing else: no program, no plan, no control. It is built from a
@@ -21,6 +22,7 @@ mod cutting;
 mod drilling;
 mod encoder;
 mod friction;
+mod grinding;
 mod lag;
 mod machine;
 pub mod oracle;
@@ -37,6 +39,7 @@ pub use axis::AxisModel;
 pub use config::Config;
 pub use encoder::{AxisEncoder, SpindleEncoder};
 pub use friction::Lugre;
+pub use grinding::{Blank, Grinding, NODES, Wheel};
 pub use machine::SimulatedMachine;
 pub use plain_drive::PlainDrive;
 pub use run_down::{Bus, Reaction, RunDown};

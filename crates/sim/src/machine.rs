@@ -12,10 +12,11 @@
 use crate::axis::Axis;
 use crate::changer::Changer;
 use crate::cutting::Cutting;
+use crate::grinding::Grinder;
 use crate::rng::Rng;
 use crate::spindle::Spindle;
 use crate::tapping::Load;
-use crate::{Config, Hole, PlainDrive};
+use crate::{Config, Grinding, Hole, PlainDrive};
 use bus::{Command, Feedback, Truth};
 use core::f64::consts::TAU;
 use units::{Angle, Force, Length, Spin, Time, Torque};
@@ -33,6 +34,7 @@ pub struct SimulatedMachine {
     spindles: Vec<Spindle>,
     changer: Changer,
     cutting: Option<Cutting>,
+    grinder: Option<Grinder>,
     /// Where X, Y and Z are among `axes`.
     x_y_z: [Option<usize>; 3],
     feedback: Feedback,
@@ -71,6 +73,7 @@ impl SimulatedMachine {
             spindles,
             changer: Changer::Holds(config.tool),
             cutting,
+            grinder: None,
             x_y_z: [place(0), place(1), place(2)],
             feedback: Feedback::default(),
             truth: Truth::default(),
@@ -87,6 +90,31 @@ impl SimulatedMachine {
             spindle.drive_plainly(drive, self.rng.branch());
         }
         self
+    }
+
+    /// The same machine with a grinding wheel, and blanks on its work spindle; nothing is drilled or tapped on it.
+    ///
+    /// # Errors
+    /// One sentence for each number that cannot be meant, and for an axis or spindle that is missing.
+    pub fn with_grinding(mut self, grinding: Grinding) -> Result<Self, Vec<String>> {
+        let mut found = Vec::new();
+        grinding.problems(&mut found);
+        let has = |axis: usize| self.config.axes.iter().any(|(index, _)| *index == axis);
+        if !has(grinding.infeed) || !has(grinding.along) || grinding.work >= self.spindles.len() {
+            found.push("grinding: the machine lacks its infeed axis, its axis along the work or its work spindle".into());
+        }
+        if !found.is_empty() {
+            return Err(found);
+        }
+        let energy = self.rng.branch().factor(self.config.scatter);
+        self.grinder = Some(Grinder::new(grinding, energy));
+        self.cutting = None;
+        Ok(self)
+    }
+
+    /// How much of the grinding wheel's radius is worn off.
+    pub fn wheel_wear(&self) -> Length {
+        Length::mm(self.grinder.as_ref().map_or(0.0, Grinder::worn_mm))
     }
 
     /// The holes in the work, those that were there first.
@@ -116,6 +144,34 @@ impl SimulatedMachine {
 
     /// The physics of one period.
     fn advance(&mut self) {
+        self.cut();
+        self.grind();
+    }
+
+    /// Wheel and work, once a period: the contact changes little within one.
+    fn grind(&mut self) {
+        let Some(grinder) = &mut self.grinder else { return };
+        let (infeed, along, work) = grinder.members();
+        let place = |bus| self.config.axes.iter().position(|(index, _)| *index == bus);
+        let (Some(infeed), Some(along)) = (place(infeed), place(along)) else { return };
+        let spindle = &mut self.spindles[work];
+        let omega = spindle.omega();
+        grinder.step(
+            spindle.angle_rev(),
+            self.axes[infeed].table_mm(),
+            self.axes[along].table_mm(),
+            omega,
+        );
+        let contact = grinder.contact();
+        self.axes[infeed].push(contact.normal);
+        spindle.resist(contact.torque.copysign(omega));
+        self.truth.tool_deflection = Length::mm(contact.deflection);
+        self.truth.cutting_force = Force::n(contact.normal);
+        self.truth.cutting_torque = Torque::n_m(contact.torque);
+    }
+
+    /// Drills and taps, and all axes and spindles.
+    fn cut(&mut self) {
         let (Some(cutting), [x, y, Some(z)], false) =
             (&mut self.cutting, self.x_y_z, self.spindles.is_empty())
         else {

@@ -297,7 +297,8 @@ mod tests {
 
     #[test]
     fn a_file_of_the_first_version_knows_no_stopping_angle() {
-        let body = lessons().to_text().replace("learning 2", "learning 1").replace(" early 0.25", "");
+        let body =
+            lessons().to_text().replace("learning 2", "learning 1").replace(" early 0.25", "");
         let body = &body[..body.find("end ").unwrap()];
         let read = Lessons::parse(&format!("{body}end {:08x}\n", mark(body))).unwrap();
         assert_eq!((read.list[0].strokes, read.list[0].early), (12, 0.0));
