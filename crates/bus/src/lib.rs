@@ -208,7 +208,7 @@ pub struct Truth {
     pub spindle_torques: [Torque; SPINDLES],
     /// Axial offset of the tool's edges from where the axis holds them: the holder's deflection.
     /// The cutting edges stand at `axis + tool_deflection` along the tool axis; on a grinder the wheel does, along
-    /// its infeed axis, pressed back by the work.
+    /// its infeed axis, pressed back by the work and worn off.
     pub tool_deflection: Length,
     /// How far the tool's edges stand ahead of the spindle's nose; zero unless a clutch holder has let go.
     pub tool_turn: Angle,

@@ -165,7 +165,7 @@ impl SimulatedMachine {
         let contact = grinder.contact();
         self.axes[infeed].push(contact.normal);
         spindle.resist(contact.torque.copysign(omega));
-        self.truth.tool_deflection = Length::mm(contact.deflection);
+        self.truth.tool_deflection = Length::mm(contact.deflection + grinder.worn_mm());
         self.truth.cutting_force = Force::n(contact.normal);
         self.truth.cutting_torque = Torque::n_m(contact.torque);
     }
