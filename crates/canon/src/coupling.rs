@@ -39,6 +39,23 @@ pub struct Polygon {
     pub phase: Angle,
     /// What swings with the work spindle; none: nothing does.
     pub oscillations: Vec<Oscillation>,
+    /// The control computes what swings, within the limits of the machine; `oscillations` is empty then.
+    pub auto: Option<Actuator>,
+}
+
+/// What the control may let swing, where it computes the oscillation itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Actuator {
+    /// Whatever is flattest.
+    Any,
+    /// X, along the line of centres.
+    CentreLine,
+    /// Y, across it.
+    Across,
+    /// X and Y.
+    Both,
+    /// The tool spindle's phase.
+    ToolPhase,
 }
 
 /// A motion that repeats with the work spindle's turn, on top of every other.

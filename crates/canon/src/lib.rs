@@ -24,7 +24,7 @@ mod op;
 mod position;
 mod tool;
 
-pub use coupling::{Harmonic, Oscillating, Oscillation, Polygon, Ratio};
+pub use coupling::{Actuator, Harmonic, Oscillating, Oscillation, Polygon, Ratio};
 pub use diag::Span;
 pub use op::{Arc, ChipRemoval, Feed, Hole, Op, OpKind, PathMode, SpindleOrder, Tap};
 pub use position::{Axis, Plane, Position};

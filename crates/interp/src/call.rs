@@ -5,7 +5,7 @@
 //! LinuxCNC's stand-alone interpreter does, [`Resolver`](crate::Resolver) turns them into
 //! [`canon::Op`]. What the two need differently is kept whole in one call: a tapping cycle is one
 //! [`Call::Tap`], which the listing expands into LinuxCNC's moves and the resolver does not.
-use crate::{frame::Point, splines::ControlPoint, tool_table::ToolEntry};
+use crate::{frame::Point, polygon::PolygonOrder, splines::ControlPoint, tool_table::ToolEntry};
 use canon::Plane;
 use diag::Span;
 
@@ -205,6 +205,10 @@ pub enum Call<'a> {
     SyncStop,
     /// G4, seconds.
     Dwell(f64),
+    /// G51.2: the tool spindle is geared to the work spindle.
+    Polygon(&'a PolygonOrder),
+    /// G50.2.
+    PolygonEnd,
     /// S.
     SpindleSpeed(f64),
     /// G96 (D; infinite if not stated), G97 (0): highest speed of constant surface speed.

@@ -123,7 +123,7 @@ use GGroup::{
 use MGroup::{Coolant, Outputs, Overrides, Rigid, Spindle, State, Stop, Tool, User};
 
 /// All G codes, by rising number.
-pub(crate) static G_CODES: [Code<GGroup>; 90] = [
+pub(crate) static G_CODES: [Code<GGroup>; 93] = [
     g(0, Motion, "XYZABCUVW@^", "rapid move"),
     g(10, Motion, "XYZABCUVW@^", "straight feed"),
     g(20, Motion, "XYZABCUVWIJKRP@^", "clockwise arc"),
@@ -163,6 +163,9 @@ pub(crate) static G_CODES: [Code<GGroup>; 90] = [
     g(431, ToolLength, "XYZABCUVW", "tool length offset by words"),
     g(432, ToolLength, "XYZABCUVWH", "additional tool length offset"),
     g(490, ToolLength, "", "tool length offset off"),
+    g(502, NonModal, "", "end of polygon turning"),
+    g(512, NonModal, "PQRIJKD", "polygon turning"),
+    g(513, NonModal, "XYABIJL", "harmonic of a polygon's oscillation"),
     g(520, NonModal, "XYZABCUVW", "local offset"),
     g(530, NonModal, "", "machine coordinates"),
     g(540, WorkOffset, "", "work offset 1"),
@@ -279,7 +282,7 @@ macro_rules! tenths {
     }};
 }
 
-static G_PLACES: [u8; 1000] = places(&tenths!(G_CODES, 90));
+static G_PLACES: [u8; 1000] = places(&tenths!(G_CODES, 93));
 static M_PLACES: [u8; 1000] = places(&tenths!(M_CODES, 35));
 
 /// The G code with this number.

@@ -142,8 +142,9 @@ impl Executor {
     fn motion(&self) -> Outcome<Option<Motion>> {
         let words = &self.words;
         let axes = words.any(AXES | POLAR);
-        let uses_axes = matches!(words.g(GGroup::NonModal), Some(100 | 280 | 300 | 520 | 920))
-            || matches!(words.g(GGroup::ToolLength), Some(431 | 432));
+        let uses_axes =
+            matches!(words.g(GGroup::NonModal), Some(100 | 280 | 300 | 513 | 520 | 920))
+                || matches!(words.g(GGroup::ToolLength), Some(431 | 432));
         if let Some(code) = words.g(GGroup::Motion) {
             let motion = Motion::from_code(code);
             if axes && uses_axes && motion != Motion::None {

@@ -50,6 +50,7 @@ mod offsets;
 mod ops;
 mod orders;
 mod outline;
+mod polygon;
 mod probe;
 mod resolve;
 mod rigid;
@@ -71,6 +72,7 @@ pub use interpreter::{Interpreter, Progress};
 pub use lint::lint;
 pub use listing::Listing;
 pub use ops::{Ops, called_files, check};
+pub use polygon::PolygonOrder;
 pub use resolve::Resolver;
 pub use setup::{
     Chips, Cycles, DepthFrom, Dialect, Limits, MAX_PARAMETER, MissingTools, Parameters, Setup,

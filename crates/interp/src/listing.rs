@@ -298,6 +298,14 @@ impl<W: Write> Listing<W> {
                 self.point(place, b"STRAIGHT_PROBE", to);
                 self.text(place, "TURN_PROBE_OFF()");
             }
+            Call::Polygon(order) => self.text(
+                place,
+                &format!(
+                    "COMMENT(\"polygon turning {}:{} at {:.4} degrees\")",
+                    order.ratio.master, order.ratio.follower, order.phase_deg
+                ),
+            ),
+            Call::PolygonEnd => self.text(place, "COMMENT(\"end of polygon turning\")"),
             Call::ToolTableEntry { rank, entry } => self.tool_entry(place, *rank, entry),
             Call::FeedOverride(on) => self.feed_override(place, *on),
             Call::SpeedOverride(on) => self.speed_override(place, *on),

@@ -334,6 +334,8 @@ impl Sink for Resolver {
                     "threading with G33 and G76 is listed, but not machined by Leadscrew yet";
                 self.report(Diagnostic::error("I0704", span, text));
             }
+            Call::Polygon(order) => self.polygon(order, span),
+            Call::PolygonEnd => self.push(span, OpKind::PolygonEnd),
             Call::Dwell(seconds) => self.push(span, OpKind::Dwell { time: Time::s(*seconds) }),
             other => self.order_or_mode(other, span),
         }

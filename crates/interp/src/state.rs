@@ -242,6 +242,10 @@ pub(crate) struct State {
     /// `#<_value>` and `#<_value_returned>`.
     pub(crate) returned: Option<f64>,
     pub(crate) value: f64,
+    /// Harmonics of G51.3 that wait for G51.2.
+    pub(crate) swings: Vec<canon::Oscillation>,
+    /// Between G51.2 and G50.2.
+    pub(crate) polygon: bool,
 }
 
 impl State {
@@ -288,6 +292,8 @@ impl State {
             call_level: 0,
             returned: None,
             value: 0.0,
+            swings: Vec::new(),
+            polygon: false,
         }
     }
 

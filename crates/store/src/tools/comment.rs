@@ -6,9 +6,10 @@
 //! | "spot", "centre drill", "center drill" | spot drill, 90° unless "… deg" is stated |
 //! | "drill", also "tap drill" | drill, 118° unless "… deg" is stated |
 //! | "mill", "endmill" | end mill |
+//! | "polygon" and "… inserts" | polygon cutter whose diameter is that of its tips, nose radius 0.8 |
 //! | none of these, or several, or "chuck" | other |
 use super::{Thread, usual_tap};
-use canon::{Flute, ToolKind};
+use canon::{Flute, PolygonCutter, ToolKind};
 use units::{Angle, Length};
 
 /// What a comment says.
@@ -35,6 +36,16 @@ pub(super) fn understand(comment: &str) -> Understood {
     if has(&["chuck", "mill-drill", "drill-mill"]) {
         return understood;
     }
+    if has(&["polygon"])
+        && let Some(inserts) = inserts(&words)
+    {
+        understood.kind = ToolKind::PolygonCutter(PolygonCutter {
+            radius: Length::ZERO, // the table's D says it
+            inserts: (0..inserts).map(|n| Angle::rev(f64::from(n) / f64::from(inserts))).collect(),
+            nose_radius: Length::mm(0.8),
+        });
+        return understood;
+    }
     let tap_drill = followed("tap", "drill") || has(&["tap-drill"]);
     let tap = has(&["tap"]) && !tap_drill;
     let spot = has(&["spot", "spot-drill", "spotdrill"])
@@ -58,6 +69,12 @@ pub(super) fn understand(comment: &str) -> Understood {
         _ => ToolKind::Other,
     };
     understood
+}
+
+/// The number before "inserts".
+fn inserts(words: &[&str]) -> Option<u32> {
+    let pair = words.windows(2).find(|w| matches!(w[1], "insert" | "inserts"))?;
+    pair[0].parse().ok().filter(|count| (1..=64).contains(count))
 }
 
 /// The tap, if exactly one thread is named.

@@ -22,7 +22,7 @@
 //! | S0507 | a tap whose thread is not named (warning) |
 use super::{LONGEST, MOST_TOOLS, ToolTable, comment, without_doubles};
 use crate::text::{Lines, in_order};
-use canon::Tool;
+use canon::{PolygonCutter, Tool, ToolKind};
 use diag::{Diagnostic, Span};
 use std::ops::Range;
 use units::{Length, MM_PER_INCH};
@@ -154,13 +154,19 @@ impl Reader {
             let message = "the comment says tap and no thread: expected one such as `M6x1 tap`";
             self.findings.push(Diagnostic::warning("S0507", place, message));
         }
+        let kind = match understood.kind {
+            ToolKind::PolygonCutter(cutter) => {
+                ToolKind::PolygonCutter(PolygonCutter { radius: diameter / 2.0, ..cutter })
+            }
+            kind => kind,
+        };
         let stated = Some(diameter).filter(|d| *d > Length::ZERO);
         Some(Tool {
             number,
             pocket,
             length,
             diameter: stated.or(understood.diameter).unwrap_or(Length::ZERO),
-            kind: understood.kind,
+            kind,
             description: remark.to_owned(),
             stand_in: false,
         })

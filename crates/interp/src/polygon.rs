@@ -1,0 +1,235 @@
+//! Polygon turning: G51.2, G51.3, G50.2 (in the Fanuc dialects also G251 and G250).
+//!
+//! ```text
+//!   G51.3 L6 A0.81 B-0.02   one harmonic of an oscillation, here of the tool spindle's phase (as many as wanted)
+//!   G51.2 P1 Q2 R0          work : tool turns 1 : 2; the tool's angle is R degrees where the work's is zero
+//!   …cuts…
+//!   G50.2                   the oscillation fades, the tool spindle stops
+//! ```
+//!
+//! G51.2 takes the source's own form as well: I is the parameter a of dx = a·l·(1 − cos Mφ), J that of
+//! dy = a·l·sin Mφ, K the amplitude d in degrees of the tool's phase, d·sin Mφ; l is the work coordinate X where
+//! the block stands, M = N·Q/P, N the inserts of the cutter in the spindle. D asks the control to choose: D0 the
+//! actuator too, D1 X, D2 Y, D3 X and Y, D4 the tool's phase.
+//!
+//! Source: JP7525593B2; words P Q R as on Fanuc's lathes.
+use crate::{
+    call::{Call, Sink},
+    execute::Executor,
+    fault::{Outcome, error, refuse},
+    resolve::Resolver,
+};
+use canon::{Axis, Harmonic, OpKind, Oscillating, Oscillation, Polygon, Ratio, ToolKind};
+use diag::{Diagnostic, Span};
+use units::Angle;
+
+/// Harmonics of one oscillation.
+const MOST_HARMONICS: usize = 64;
+/// Highest harmonic: periods per turn of the work.
+const HIGHEST: u32 = 1000;
+/// Turns on either side of a ratio.
+const MOST_TURNS: f64 = 1_000_000.0;
+/// The work spindle, and the tool spindle.
+const SPINDLES: [u8; 2] = [0, 1];
+
+/// What G51.2 says, in the program's units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PolygonOrder {
+    /// P, Q.
+    pub ratio: Ratio,
+    /// R, degrees.
+    pub phase_deg: f64,
+    /// What swings: program units, or revolutions of the tool.
+    pub oscillations: Vec<Oscillation>,
+    /// D: the control chooses, and what.
+    pub auto: Option<canon::Actuator>,
+}
+
+impl Executor {
+    /// G51.3: a harmonic for the next G51.2; alone, none.
+    pub(crate) fn harmonic(&mut self) -> Outcome {
+        let span = self.words.place.span;
+        let words = &self.words;
+        let values = [b'X', b'I', b'Y', b'J', b'A', b'B'].map(|letter| words.get(letter));
+        let stated = values.iter().any(Option::is_some);
+        let Some(per_turn) = words.whole(b'L', HIGHEST)? else {
+            if stated {
+                let text = "G51.3 needs L, the periods of this harmonic per turn of the work";
+                return refuse("I0801", span, text);
+            }
+            self.state.swings.clear();
+            return Ok(());
+        };
+        if !stated {
+            let text = "G51.3 needs amplitudes: X I along X, Y J along Y, A B of the tool spindle in degrees; the first is the cosine's, the second the sine's";
+            return refuse("I0802", span, text);
+        }
+        let [x, i, y, j, a, b] = values.map(|value| value.unwrap_or(0.0));
+        let swings = [
+            (Oscillating::Axis(Axis::X), x, i),
+            (Oscillating::Axis(Axis::Y), y, j),
+            (Oscillating::ToolPhase, a / 360.0, b / 360.0),
+        ];
+        for (on, cosine, sine) in swings {
+            if cosine == 0.0 && sine == 0.0 {
+                continue;
+            }
+            add(&mut self.state.swings, on, Harmonic { per_turn, cosine, sine });
+        }
+        if self.state.swings.iter().any(|swing| swing.harmonics.len() > MOST_HARMONICS) {
+            let text = format!("an oscillation has at most {MOST_HARMONICS} harmonics");
+            return refuse("I0803", span, text);
+        }
+        Ok(())
+    }
+
+    /// G51.2.
+    pub(crate) fn polygon<S: Sink>(&mut self, sink: &mut S) -> Outcome {
+        if self.compensating {
+            return self.no_compensation();
+        }
+        let span = self.words.place.span;
+        let (Some(p), Some(q)) = (self.words.get(b'P'), self.words.get(b'Q')) else {
+            let text = "G51.2 needs P and Q, turns of the work and of the tool: P1 Q2 with three inserts cuts a hexagon";
+            return refuse("I0804", span, text);
+        };
+        let ratio = Ratio { follower: self.turns(b'Q', q)?, master: self.turns(b'P', p)? };
+        if ratio.master <= 0 || ratio.follower == 0 {
+            let text = format!(
+                "the turns of G51.2 are whole numbers, P above 0 and Q not 0 (its sign is the tool's sense), found P{p} Q{q}: P1 Q2 works"
+            );
+            return refuse("I0805", span, text);
+        }
+        let mut oscillations = core::mem::take(&mut self.state.swings);
+        let written: Vec<u8> =
+            b"IJK".iter().copied().filter(|letter| self.words.get(*letter).is_some()).collect();
+        let auto = self.actuator()?;
+        if auto.is_some() && (!written.is_empty() || !oscillations.is_empty()) {
+            let text = "D lets the control choose the oscillation, but one is written too: leave out D, or I, J, K and G51.3";
+            return refuse("I0806", self.words.span(b'D'), text);
+        }
+        if !written.is_empty() {
+            self.written_form(ratio, &mut oscillations)?;
+        }
+        let order = PolygonOrder {
+            ratio,
+            phase_deg: self.words.get(b'R').unwrap_or(0.0),
+            oscillations,
+            auto,
+        };
+        self.state.polygon = true;
+        self.say(sink, &Call::Polygon(&order));
+        Ok(())
+    }
+
+    /// G50.2.
+    pub(crate) fn polygon_end<S: Sink>(&mut self, sink: &mut S) -> Outcome {
+        if !self.state.polygon {
+            let text = "G50.2 ends polygon turning, which is not begun: it has no effect";
+            self.remarks.push(Diagnostic::warning("I0807", self.words.place.span, text));
+            return Ok(());
+        }
+        self.state.polygon = false;
+        self.say(sink, &Call::PolygonEnd);
+        Ok(())
+    }
+
+    /// a of X and Y, and d of the tool's phase, as the source writes them.
+    fn written_form(&self, ratio: Ratio, oscillations: &mut Vec<Oscillation>) -> Outcome {
+        let span = self.words.place.span;
+        let inserts = match self.tools.get(self.state.current_tool).map(|tool| &tool.kind) {
+            Some(ToolKind::PolygonCutter(cutter)) => cutter.inserts.len(),
+            _ => {
+                let text = "I, J and K of G51.2 count facets by the inserts of the cutter, but no polygon cutter is in the spindle";
+                let help = "call one of kind \"polygon-cutter\" with T and M6 before, or write the oscillation with G51.3";
+                return Err(error("I0808", span, text).with_help(help).into());
+            }
+        };
+        let facets = inserts as f64 * ratio.value().abs();
+        if (facets - facets.round()).abs() > 1e-9 || facets > f64::from(HIGHEST) {
+            let text = format!(
+                "{inserts} inserts at {}:{} pass the work {facets} times a turn: an oscillation repeats with the turn, so that number must be whole",
+                ratio.master, ratio.follower
+            );
+            return refuse("I0809", span, text);
+        }
+        let per_turn = facets.round() as u32;
+        let l = self.state.at[0];
+        let [a_x, a_y, d] = [b'I', b'J', b'K'].map(|letter| self.words.get(letter).unwrap_or(0.0));
+        if (a_x != 0.0 || a_y != 0.0) && l <= 0.0 {
+            let text = format!(
+                "I and J count in the distance of the axes, the work coordinate X, which is {l} here: move there before G51.2"
+            );
+            return refuse("I0810", span, text);
+        }
+        if a_x != 0.0 {
+            let on = Oscillating::Axis(Axis::X);
+            add(oscillations, on, Harmonic { per_turn: 0, cosine: a_x * l, sine: 0.0 });
+            add(oscillations, on, Harmonic { per_turn, cosine: -a_x * l, sine: 0.0 });
+        }
+        if a_y != 0.0 {
+            let on = Oscillating::Axis(Axis::Y);
+            add(oscillations, on, Harmonic { per_turn, cosine: 0.0, sine: a_y * l });
+        }
+        if d != 0.0 {
+            let sine = d / 360.0;
+            add(oscillations, Oscillating::ToolPhase, Harmonic { per_turn, cosine: 0.0, sine });
+        }
+        Ok(())
+    }
+
+    fn actuator(&self) -> Outcome<Option<canon::Actuator>> {
+        use canon::Actuator::{Across, Any, Both, CentreLine, ToolPhase};
+        let choice = self.words.whole(b'D', 4)?;
+        Ok(choice.map(|d| [Any, CentreLine, Across, Both, ToolPhase][d as usize]))
+    }
+
+    fn turns(&self, letter: u8, value: f64) -> Outcome<i32> {
+        match crate::words::near_whole(value).filter(|_| value.abs() <= MOST_TURNS) {
+            Some(whole) => Ok(whole as i32),
+            None => refuse(
+                "I0805",
+                self.words.span(letter),
+                format!(
+                    "the turns of G51.2 are whole numbers up to {MOST_TURNS}, found {}{value}",
+                    letter as char
+                ),
+            ),
+        }
+    }
+}
+
+fn add(oscillations: &mut Vec<Oscillation>, on: Oscillating, harmonic: Harmonic) {
+    match oscillations.iter_mut().find(|oscillation| oscillation.on == on) {
+        Some(oscillation) => oscillation.harmonics.push(harmonic),
+        None => oscillations.push(Oscillation { on, harmonics: vec![harmonic] }),
+    }
+}
+
+impl Resolver {
+    /// From the program's units to the machine's.
+    pub(crate) fn polygon(&mut self, order: &PolygonOrder, span: Span) {
+        let mm = self.mm();
+        let resolved = |swing: &Oscillation| {
+            let factor = match swing.on {
+                Oscillating::Axis(_) => mm,
+                Oscillating::ToolPhase => 1.0,
+            };
+            let scaled = |h: &Harmonic| Harmonic {
+                per_turn: h.per_turn,
+                cosine: h.cosine * factor,
+                sine: h.sine * factor,
+            };
+            Oscillation { on: swing.on, harmonics: swing.harmonics.iter().map(scaled).collect() }
+        };
+        let polygon = Polygon {
+            work: SPINDLES[0],
+            tool: SPINDLES[1],
+            ratio: order.ratio,
+            phase: Angle::deg(order.phase_deg),
+            oscillations: order.oscillations.iter().map(resolved).collect(),
+            auto: order.auto,
+        };
+        self.push(span, OpKind::Polygon(polygon));
+    }
+}

@@ -1,0 +1,16 @@
+%
+(square, 30 mm across flats, 20 mm long, from a bar of 50 mm; machine polygon-lathe)
+G21 G90 G94 G17
+T22 M6
+G43 H22
+G0 X85 Y0 Z5
+M3 S500
+G51.2 P1 Q2 R0 K2.15     (two turns of the cutter for one of the work; its phase swings)
+G0 X65 Z2
+G1 Z-20 F50
+G0 X85
+G50.2
+M5
+G0 Z100
+M30
+%
