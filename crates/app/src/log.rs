@@ -68,6 +68,20 @@ impl Log {
             EventKind::ChipRemovalEnded { spin, .. } => {
                 format!("chip removal: over, {:.0} rpm", spin.in_rpm())
             }
+            EventKind::RecoveryBegun { error, mover } => format!(
+                "recovery: {:.1} µm off the coupling, {}",
+                error.in_um(),
+                match mover {
+                    Some(sync::recovery::Mover::Feed) => "the feed overran and goes back",
+                    Some(sync::recovery::Mover::Spindle) => "the spindle overran and turns back",
+                    None => "nobody overran",
+                }
+            ),
+            EventKind::OnCoupling => "recovery: on the coupling, coming out along it".to_owned(),
+            EventKind::RecoveryEnded(figures) => format!(
+                "recovery: out, at most {:.1} µm off the helix on the way",
+                figures.helix_error_max.in_um()
+            ),
             EventKind::Operator(notice) => notice.sentence().to_owned(),
             EventKind::ToolChanged { tool } => format!("tool {tool} in the spindle"),
             EventKind::SpindlesCoupled { follower } => {

@@ -149,6 +149,8 @@ pub enum State {
     Paused,
     /// Held by the operator: everything that was to stop stands, or slows down.
     Held,
+    /// Taking a tool out after a stop.
+    Recovering,
     /// Stopped by a fault.
     Faulted,
     /// The program has ended.
@@ -173,6 +175,7 @@ impl State {
             Self::Measure => "measure",
             Self::Paused => "paused",
             Self::Held => "held",
+            Self::Recovering => "recovering",
             Self::Faulted => "faulted",
             Self::Ended => "ended",
         }

@@ -22,7 +22,6 @@ use crate::config::{AxisControl, Config, EncoderPlace, FeedForward};
 use crate::friction::Bristles;
 use crate::servo::{Gains, Input, Servo};
 use bus::{AxisCommand, AxisFeedback};
-use sync::Follower;
 use units::{Force, Length, Speed};
 
 /// Time in which a small jump of the setpoint is smoothed away, s.
@@ -176,6 +175,11 @@ impl AxisLoop {
         }
     }
 
+    /// Deceleration that a stop which nobody planned may ask of it, mm/s²: half of what its drive can give.
+    pub(crate) fn braking(&self) -> f64 {
+        0.5 * self.control.peak_force.value() / self.mass
+    }
+
     /// How far ahead of the setpoint its feed-forward is taken.
     pub(crate) const fn lookahead_s(&self) -> f64 {
         self.lookahead_s
@@ -222,16 +226,6 @@ impl AxisLoop {
         self.target.speed = 0.0;
         self.target.accel = 0.0;
         self.target.jerk = 0.0;
-    }
-
-    /// Be where a coupling says.
-    pub(crate) const fn follow(&mut self, follower: &Follower) {
-        self.target = Target {
-            position: follower.position.value(),
-            speed: follower.speed.value(),
-            accel: follower.accel.value(),
-            jerk: 0.0,
-        };
     }
 
     /// Brake towards rest within the gentle acceleration.

@@ -113,6 +113,11 @@ impl Drives {
         self.rest_axes();
     }
 
+    /// Nobody follows a master unless somebody says so.
+    pub(crate) const fn rest_follower(&mut self) {
+        self.follower = None;
+    }
+
     /// All axes stand.
     pub(crate) fn rest_axes(&mut self) {
         for axis in self.axes.iter_mut().flatten() {

@@ -93,6 +93,17 @@ pub enum EventKind {
     },
     /// Spindle and axis are out again.
     TapEnded(TapFigures),
+    /// A tool is about to be taken out after a stop: how far from its coupling it stands, and who goes back.
+    RecoveryBegun {
+        /// Along the follower.
+        error: Length,
+        /// `None`: it is on the coupling.
+        mover: Option<sync::recovery::Mover>,
+    },
+    /// It is back on its coupling, and comes out along it.
+    OnCoupling,
+    /// It is out.
+    RecoveryEnded(RecoveryFigures),
     /// What the operator should know of an order.
     Operator(Notice),
     /// Waiting for the operator.
@@ -116,6 +127,19 @@ pub struct TapFigures {
     pub duration: Time,
     /// The spindle's drive was at its limit.
     pub saturated: bool,
+}
+
+/// What a recovery came to, by the encoders.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RecoveryFigures {
+    /// Distance from the coupling before anything moved, along the follower.
+    pub error_before: Length,
+    /// Who went back onto the coupling.
+    pub mover: Option<sync::recovery::Mover>,
+    /// Largest distance from the coupling on the way out.
+    pub helix_error_max: Length,
+    /// From the start to being out.
+    pub duration: Time,
 }
 
 /// The ring.

@@ -34,6 +34,8 @@ pub(crate) struct Context<'a> {
     pub(crate) events: &'a mut Ring,
     /// What the operator has ordered.
     pub(crate) operator: &'a Operator,
+    /// An alarm has stopped the machine: what is coupled stops together, and stays.
+    pub(crate) halted: bool,
     pub(crate) op: u32,
     pub(crate) line: u32,
 }
@@ -217,11 +219,11 @@ impl Activity {
         match self {
             Self::Idle | Self::Pausing | Self::Dwelling { .. } => operator.wants_rest(),
             Self::Moving(moving, _) => moving.is_held(),
+            Self::Tapping(run) => operator.wants_rest() && run.is_standing(),
             Self::Settling { .. }
             | Self::AwaitingSpeed { .. }
             | Self::AwaitingAngle { .. }
             | Self::Changing { .. }
-            | Self::Tapping(_)
             | Self::Engaging(_)
             | Self::Fading
             | Self::Revolving(_)

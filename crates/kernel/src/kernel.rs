@@ -14,13 +14,14 @@ use crate::event::{Event, EventKind, Ring};
 use crate::execute::{Activity, Context, Progress};
 use crate::fault::{Fault, FaultKind, Reaction};
 use crate::operator::{Notice, Operator, Order};
-use crate::spindle::SpindleLoop;
+use crate::recovering::{Recovering, RecoveryPlan};
 use crate::scribe::{TapRecord, Wish};
+use crate::spindle::SpindleLoop;
 use alloc::{collections::VecDeque, vec::Vec};
 use bus::{Command, Feedback, Report, State};
 use canon::Axis;
 use plan::{Step, StepKind, Superpose, TableId};
-use sync::{Coupling, Monitor, Periodic, SyncMode};
+use sync::{Coupling, Periodic, SyncMode};
 use units::Time;
 
 /// Steps that may wait.
@@ -51,20 +52,10 @@ enum Mode {
     Starting(f64),
     /// Executing steps.
     Running,
-    /// Braked under control and held; what was coupled stays coupled.
-    Halted(Option<Halt>),
+    /// Stopped under control and held; what was coupled stops together and stays coupled.
+    Halted,
     /// Outputs off.
     Disabled,
-}
-
-/// What stays coupled while it is braked.
-#[derive(Clone, Copy, Debug)]
-struct Halt {
-    coupling: Coupling,
-    /// Says whether the tool is in the material still.
-    monitor: Monitor,
-    axis: usize,
-    spindle: usize,
 }
 
 /// The control of one machine.
@@ -81,6 +72,8 @@ pub struct Kernel {
     events: Ring,
     report: Report,
     operator: Operator,
+    /// A tool is being taken out; nothing else is done.
+    recovering: Option<Recovering>,
     /// The operator has given the program up, and everything stands.
     aborted: bool,
     /// Time of the last reading.
@@ -102,6 +95,7 @@ impl Kernel {
             events: Ring::new(),
             report: Report::default(),
             operator: Operator::new(),
+            recovering: None,
             aborted: false,
             now: Time::ZERO,
         }
@@ -131,7 +125,8 @@ impl Kernel {
 
     /// The program has ended, or a fault or the operator has ended it: nothing more will happen.
     pub fn is_over(&self) -> bool {
-        self.aborted || matches!(self.report.state, State::Ended | State::Faulted)
+        let recovered = self.recovering.as_ref().is_some_and(Recovering::is_done);
+        recovered || self.aborted || matches!(self.report.state, State::Ended | State::Faulted)
     }
 
     /// The kernel's view of the last period.
@@ -229,12 +224,41 @@ impl Kernel {
         let synchronised =
             matches!(&self.activity, Activity::Tapping(run) if run.coupling().is_some());
         let paused = matches!(self.activity, Activity::Pausing);
+        let alarm = matches!(self.mode, Mode::Halted | Mode::Disabled);
+        if alarm && matches!(order, Order::Resume | Order::FeedHold) {
+            return self.note(EventKind::Operator(Notice::NothingToResume));
+        }
+        if order == Order::Retract && synchronised && self.operator.wants_rest() {
+            self.note(EventKind::Operator(Notice::BackingOut));
+        }
         if let Some(notice) = self.operator.take(order, synchronised, paused) {
             self.note(EventKind::Operator(notice));
         }
         if order == Order::Resume && paused && !self.operator.wants_rest() {
             self.activity = Activity::AtOnce;
             self.note(EventKind::Resumed);
+        }
+    }
+
+    /// Take a tool out of the work, and do nothing else: what waited is forgotten, what stopped the machine before
+    /// has had its answer. The drives come up, each where it stands.
+    pub fn recover(&mut self, plan: RecoveryPlan) {
+        self.queue.clear();
+        self.faults.clear();
+        (self.activity, self.begun, self.mode) = (Activity::Idle, false, Mode::New);
+        (self.operator, self.aborted) = (Operator::new(), false);
+        self.recovering = Some(Recovering::new(plan, self.now));
+    }
+
+    /// Nothing moves any more, by the setpoints, and nothing is about to.
+    pub fn is_standing(&self) -> bool {
+        let axes = self.drives.axes.iter().flatten().all(|axis| axis.target.speed == 0.0);
+        let spindles = self.drives.spindles.iter().flatten();
+        let still = axes && spindles.map(SpindleLoop::ordered).all(|r| r.spin.value() == 0.0);
+        match self.mode {
+            Mode::Disabled => true,
+            Mode::New | Mode::Starting(_) => false,
+            Mode::Running | Mode::Halted => still && !self.operator.wants_out(),
         }
     }
 
@@ -261,7 +285,7 @@ impl Kernel {
             Mode::Disabled => Command { tool: self.drives.tool, ..Command::default() },
             Mode::New | Mode::Starting(_) => self.start(feedback),
             Mode::Running => self.run(feedback),
-            Mode::Halted(halt) => self.halt(halt.as_ref()),
+            Mode::Halted => self.halt(feedback),
         };
         command.coupled = self.kept_together();
         self.summarise();
@@ -282,7 +306,7 @@ impl Kernel {
                 self.drives.check_coupled(waits.at_speed, waits.oriented)?;
                 self.drives.check_following()
             }
-            Mode::Halted(_) => self.drives.check_ready(feedback),
+            Mode::Halted => self.drives.check_ready(feedback),
         }
     }
 
@@ -290,7 +314,7 @@ impl Kernel {
     fn start(&mut self, feedback: &Feedback) -> Command {
         let waited = match self.mode {
             Mode::Starting(waited) => waited + self.config.period.value(),
-            Mode::New | Mode::Running | Mode::Halted(_) | Mode::Disabled => 0.0,
+            Mode::New | Mode::Running | Mode::Halted | Mode::Disabled => 0.0,
         };
         self.drives.adopt(feedback, &self.config);
         self.mode = Mode::Starting(waited);
@@ -322,8 +346,8 @@ impl Kernel {
                 }
             }
         }
-        if let Mode::Halted(halt) = self.mode {
-            return self.halt(halt.as_ref());
+        if matches!(self.mode, Mode::Halted) {
+            return self.halt(feedback);
         }
         self.hold();
         self.warn();
@@ -337,8 +361,21 @@ impl Kernel {
         self.drives.command()
     }
 
-    /// Go on with the step at the queue's front.
+    /// Go on with the recovery, if there is one, else with the step at the queue's front.
     fn step(&mut self, dt: f64, feedback: &Feedback) -> Result<Progress, Finding> {
+        if let Some(recovering) = &mut self.recovering {
+            let mut context = Context {
+                config: &self.config,
+                feedback,
+                events: &mut self.events,
+                operator: &self.operator,
+                halted: false,
+                op: self.report.op,
+                line: self.report.line,
+            };
+            recovering.advance(dt, &mut self.drives, &mut context)?;
+            return Ok(Progress::Busy);
+        }
         let Some(step) = self.queue.front() else {
             return Ok(Progress::Busy);
         };
@@ -353,6 +390,7 @@ impl Kernel {
             feedback,
             events: &mut self.events,
             operator: &self.operator,
+            halted: false,
             op: step.op,
             line: step.line,
         };
@@ -381,39 +419,84 @@ impl Kernel {
         self.operator.holds_line(line, self.report.line) || self.operator.wants_rest()
     }
 
-    /// The operator's hold, once everything stands: it is said, and an abort forgets the rest.
+    /// The operator's hold, once everything stands: it is said, and an abort forgets the rest. A tap that
+    /// stands in its thread stays there until it is told to go on, or out.
     fn hold(&mut self) {
-        let stands = self.operator.wants_rest() && self.activity.is_held(&self.operator);
-        if !stands || self.aborted {
+        if !self.operator.wants_rest() || self.aborted || !self.activity.is_held(&self.operator) {
             return;
         }
-        if self.operator.wants_abort() {
+        let in_thread = self.is_in_thread();
+        if self.operator.wants_out() && !in_thread {
+            self.operator.is_out();
+            self.note(EventKind::Operator(Notice::Out));
+        }
+        if self.operator.wants_abort() && !in_thread {
+            if matches!(self.activity, Activity::Tapping(_)) {
+                self.drives.scribe.out();
+            }
             self.queue.clear();
             (self.activity, self.begun, self.aborted) = (Activity::Idle, false, true);
             self.drives.spindles.iter_mut().flatten().for_each(SpindleLoop::stop);
             (self.drives.mist, self.drives.flood) = (false, false);
             self.note(EventKind::Operator(Notice::Aborted));
-        } else if let Some(notice) = self.operator.standing(false) {
+        } else if let Some(notice) = self.operator.standing(in_thread) {
             self.note(EventKind::Operator(notice));
         }
     }
 
-    /// Brake what moves, synchronised what is coupled, and hold.
-    fn halt(&mut self, halt: Option<&Halt>) -> Command {
+    /// A tap stands in its thread.
+    fn is_in_thread(&self) -> bool {
+        match (&self.activity, self.queue.front()) {
+            (Activity::Tapping(run), Some(Step { kind: StepKind::Tap(plan), .. })) => {
+                run.is_in_thread(plan, &self.drives)
+            }
+            _ => false,
+        }
+    }
+
+    /// Brake what moves, synchronised what is coupled, and hold. A tap that was stopped in its thread comes out
+    /// when it is told to.
+    fn halt(&mut self, feedback: &Feedback) -> Command {
+        self.drives.rest_follower();
+        let tapping = match (&mut self.activity, self.queue.front()) {
+            (Activity::Tapping(run), Some(step)) if run.coupling().is_some() => {
+                let mut context = Context {
+                    config: &self.config,
+                    feedback,
+                    events: &mut self.events,
+                    operator: &self.operator,
+                    halted: true,
+                    op: step.op,
+                    line: step.line,
+                };
+                match &step.kind {
+                    StepKind::Tap(plan) => {
+                        // what it failed of has been said
+                        let _ = run.advance(
+                            plan,
+                            self.config.period.value(),
+                            &mut self.drives,
+                            &mut context,
+                        );
+                        Some(plan.axis.index())
+                    }
+                    _ => None,
+                }
+            }
+            _ => None,
+        };
+        if self.operator.wants_out()
+            && self.activity.is_held(&self.operator)
+            && !self.is_in_thread()
+        {
+            self.operator.is_out();
+            self.drives.scribe.out();
+            self.note(EventKind::Operator(Notice::Out));
+        }
         self.drives.advance_spindles();
         for (index, axis) in self.drives.axes.iter_mut().enumerate() {
-            let Some(axis) = axis else { continue };
-            let coupled = halt.filter(|halt| halt.axis == index);
-            let master = coupled.and_then(|halt| self.drives.spindles[halt.spindle].as_ref());
-            match (coupled, master) {
-                (Some(halt), Some(spindle)) => {
-                    let master = match self.config.synchronisation {
-                        SyncMode::CommandSynchronised => spindle.ordered(),
-                        SyncMode::EncoderFollowing { .. } => spindle.now(),
-                    };
-                    axis.follow(&halt.coupling.follow(master));
-                }
-                _ => axis.brake(),
+            if let Some(axis) = axis.as_mut().filter(|_| tapping != Some(index)) {
+                axis.brake();
             }
         }
         self.drives.couple(self.config.period);
@@ -434,41 +517,60 @@ impl Kernel {
         self.mode = match kind.reaction() {
             Reaction::Disable => Mode::Disabled,
             Reaction::Halt => {
-                let halt = self.coupled();
-                for spindle in self.drives.spindles.iter_mut().flatten() {
-                    spindle.brake();
+                self.operator.alarm();
+                let coupled =
+                    matches!(&self.activity, Activity::Tapping(run) if run.coupling().is_some());
+                // a tap's master is slowed down by the tap itself
+                let led = self.queue.front().and_then(|step| match &step.kind {
+                    StepKind::Tap(plan) if coupled => Some(usize::from(plan.spindle)),
+                    _ => None,
+                });
+                for (index, spindle) in self.drives.spindles.iter_mut().enumerate() {
+                    if let Some(spindle) = spindle.as_mut().filter(|_| led != Some(index)) {
+                        spindle.brake();
+                    }
                 }
-                Mode::Halted(halt)
+                Mode::Halted
             }
         };
         (self.drives.mist, self.drives.flood) = (false, false);
     }
 
-    /// What is coupled at present.
-    fn coupled(&self) -> Option<Halt> {
+    /// What is coupled at present: axis, spindle, and how.
+    fn coupled(&self) -> Option<(usize, usize, Coupling)> {
         let Activity::Tapping(run) = &self.activity else { return None };
         let Some(Step { kind: plan::StepKind::Tap(plan), .. }) = self.queue.front() else {
             return None;
         };
-        let (axis, spindle) = (plan.axis.index(), usize::from(plan.spindle));
-        run.coupling().map(|coupling| Halt { coupling, monitor: run.monitor(), axis, spindle })
+        Some((plan.axis.index(), usize::from(plan.spindle), run.coupling()?))
     }
 
     /// What the drives shall keep together, should they be left alone: the coupling's tangent.
     fn kept_together(&self) -> Option<bus::Coupled> {
-        let halt = match self.mode {
-            Mode::Running => self.coupled()?,
-            Mode::Halted(halt) => halt?,
-            Mode::New | Mode::Starting(_) | Mode::Disabled => return None,
+        let (axis, spindle, coupling) = match (&self.mode, &self.recovering) {
+            (Mode::Running | Mode::Halted, None) => self.coupled()?,
+            (Mode::Running, Some(recovering)) => recovering.coupled()?,
+            (Mode::Halted | Mode::New | Mode::Starting(_) | Mode::Disabled, _) => return None,
         };
-        let angle = self.drives.spindles[halt.spindle].as_ref()?.reading();
+        let angle = self.drives.spindles[spindle].as_ref()?.reading();
         Some(bus::Coupled {
-            axis: halt.axis as u8,
-            spindle: halt.spindle as u8,
+            axis: axis as u8,
+            spindle: spindle as u8,
             angle,
-            place: halt.coupling.position(angle),
-            lead: halt.coupling.slope(angle),
+            place: coupling.position(angle),
+            lead: coupling.slope(angle),
         })
+    }
+
+    /// The coupling of the tap that is in work, from where the tap is clear of the work to where it turns back, with
+    /// the sense in which it goes; `None` while none is engaged. What a recovery has to know if everything stops now.
+    pub fn engaged(&self) -> Option<sync::recovery::Stored> {
+        match (&self.activity, self.queue.front()) {
+            (Activity::Tapping(run), Some(Step { kind: StepKind::Tap(plan), .. })) => {
+                run.stored(plan)
+            }
+            _ => None,
+        }
     }
 
     /// While the axes are on their way to a tap and its spindle stands already: ask for its record now.
@@ -527,30 +629,19 @@ impl Kernel {
 
     /// The kernel's view of this period.
     fn summarise(&mut self) {
-        self.report.state = match self.mode {
-            Mode::New | Mode::Starting(_) => State::Idle,
-            Mode::Running if self.aborted => State::Idle,
-            Mode::Running
-                if self.operator.wants_rest() && self.activity.is_held(&self.operator) =>
-            {
-                State::Held
-            }
-            Mode::Running => self.activity.state(),
-            Mode::Halted(_) | Mode::Disabled => State::Faulted,
+        let held = self.operator.wants_rest() && self.activity.is_held(&self.operator);
+        self.report.state = match (&self.mode, &self.recovering) {
+            (Mode::Halted | Mode::Disabled, _) => State::Faulted,
+            (Mode::New | Mode::Starting(_), _) => State::Idle,
+            (Mode::Running, Some(_)) => State::Recovering,
+            (Mode::Running, None) if self.aborted => State::Idle,
+            (Mode::Running, None) if held => State::Held,
+            (Mode::Running, None) => self.activity.state(),
         };
-        self.report.sync_error = match (&self.mode, &self.activity) {
-            (Mode::Running, Activity::Tapping(run)) => run.sync_error(),
-            (Mode::Halted(Some(halt)), _) => self.error_of(halt),
+        self.report.sync_error = match (&self.mode, &self.recovering, &self.activity) {
+            (Mode::Running, Some(recovering), _) => recovering.sync_error(),
+            (Mode::Running | Mode::Halted, None, Activity::Tapping(run)) => run.sync_error(),
             _ => None,
         };
-    }
-
-    /// Distance from a coupling that stays engaged in a halt, in the material.
-    fn error_of(&self, halt: &Halt) -> Option<units::Length> {
-        let axis = self.drives.axes[halt.axis].as_ref()?;
-        let spindle = self.drives.spindles[halt.spindle].as_ref()?;
-        let z = units::Length::mm(axis.position());
-        let inside = halt.monitor.depth(z) >= units::Length::ZERO;
-        inside.then(|| halt.coupling.error(spindle.reading(), z))
     }
 }

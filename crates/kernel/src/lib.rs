@@ -30,6 +30,7 @@ mod lessons;
 mod moving;
 mod operator;
 mod problems;
+mod recovering;
 mod scribe;
 mod servo;
 mod spindle;
@@ -42,12 +43,13 @@ pub use config::{
     SpindleControl, SpindleFriction, SpindleWindows, Subject, Waits,
 };
 pub use coupled::TABLES;
-pub use event::{EVENTS, Event, EventKind, TapFigures};
+pub use event::{EVENTS, Event, EventKind, RecoveryFigures, TapFigures};
 pub use fault::{AlarmList, Fault, FaultKind, Reaction};
 pub use kernel::{FAULTS, Full, Kernel, QUEUE};
 pub use lessons::LESSONS;
 pub use operator::{FEED_MOST, Notice, Operator, Order};
 pub use problems::Problem;
+pub use recovering::RecoveryPlan;
 pub use scribe::{RECORD_WAIT, TapRecord, Wish};
 pub use sync::{
     CELLS, Correction, Figures, Learning, Lesson, MAX_TRANSPORT, Periodic, Prediction, StrokeKey,

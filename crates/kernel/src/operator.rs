@@ -53,8 +53,6 @@ pub enum Notice {
     OverrideLocked,
     /// A share that is no number or out of its range was taken as the nearest one that is.
     OverrideOutOfRange,
-    /// A hold came where the planned stroke stands sooner than any stop could.
-    StopsAtBottom,
     /// The tap backs out.
     BackingOut,
     /// It is out, after a stop.
@@ -63,7 +61,7 @@ pub enum Notice {
     NothingToRetract,
     /// A resume was ordered with nothing held.
     NothingHeld,
-    /// A program that was aborted cannot go on.
+    /// A program that an abort or an alarm has ended cannot go on.
     NothingToResume,
     /// The program was given up.
     Aborted,
@@ -83,14 +81,13 @@ impl Notice {
             Self::OverrideOutOfRange => {
                 "an override goes from 0 to 200 % (rapids: to 100 %); the nearest possible one is taken"
             }
-            Self::StopsAtBottom => {
-                "the spindle is already braking towards the end of its stroke: it stops there, on the coupling"
-            }
             Self::BackingOut => "backing out along the thread",
             Self::Out => "the tap is out of its hole",
             Self::NothingToRetract => "nothing to retract: no tap is held in a hole",
             Self::NothingHeld => "nothing is held",
-            Self::NothingToResume => "the program was aborted: start it again, or from a line",
+            Self::NothingToResume => {
+                "the program was ended by an abort or an alarm: start it again, or from a line"
+            }
             Self::Aborted => "aborted: the rest of the program is forgotten",
         }
     }
@@ -135,7 +132,7 @@ impl Operator {
     ) -> Option<Notice> {
         match order {
             Order::FeedHold => {
-                self.held = true;
+                (self.held, self.retract) = (true, false);
                 None
             }
             Order::Resume if self.aborting => Some(Notice::NothingToResume),
@@ -212,6 +209,11 @@ impl Operator {
         }
         self.said = true;
         Some(if in_thread { Notice::HeldInThread } else { Notice::Held })
+    }
+
+    /// An alarm stops everything as a hold does.
+    pub(crate) const fn alarm(&mut self) {
+        (self.held, self.retract) = (true, false);
     }
 
     /// The tap is out: the retract is done, the hold remains.

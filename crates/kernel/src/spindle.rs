@@ -161,6 +161,13 @@ impl SpindleLoop {
         self.ordered
     }
 
+    /// Deceleration that a stop which nobody planned may ask of it: rev/s² while torque is the limit, and times
+    /// speed, rev²/s³, while power is.
+    pub(crate) fn braking(&self) -> (f64, f64) {
+        let share = UNPLANNED / self.inertia;
+        (share * self.control.peak_torque.value(), share * self.control.peak_power.value() / TAU)
+    }
+
     /// How far ahead of the setpoint its feed-forward is taken.
     pub(crate) const fn lookahead_s(&self) -> f64 {
         self.lookahead_s

@@ -7,7 +7,7 @@
 //!                  └──────────── spindle                    │
 //!                                       monitor ◄── readings of both
 //! ```
-use crate::axis::Target;
+use crate::axis::{AxisLoop, Target};
 use crate::config::{Config, FeedForward, Subject};
 use crate::drives::{Drives, Finding};
 use crate::event::{EventKind, TapFigures};
@@ -18,11 +18,19 @@ use crate::scribe::{Leave, RECORD_WAIT, TapRecord};
 use crate::spindle::SpindleLoop;
 use crate::stroke::{Mark, Planned};
 use plan::TapPlan;
+use sync::recovery::{Direction, Stored};
 use sync::{
-    Ask, Correction, Coupling, Cycle, Follower, MAX_TRANSPORT, Monitor, Phase, Prediction,
+    Ask, Correction, Coupling, Cycle, Follower, Halt, MAX_TRANSPORT, Monitor, Phase, Prediction,
     Rotation, SyncMode, Tap, Tick, Verdict,
 };
-use units::{Accel, Angle, Length, Speed, Spin, SpinAccel, Time};
+use units::{Accel, Angle, Length, Speed, Spin, SpinAccel, SpinJerk, Time};
+
+/// Time in which a stop's deceleration rises where the plan's jerk does not say, s.
+const STOP_RISE_S: f64 = 0.01;
+/// Share of a stop's deceleration with which a tap that was held goes on.
+const ON_SHARE: f64 = 0.3;
+/// A tap that began in its thread is clear of the work so many turns above it.
+const CLEAR_TURNS: f64 = 2.0;
 
 /// Readings of the master on their way to the follower.
 #[derive(Clone, Copy, Debug)]
@@ -118,9 +126,26 @@ impl TapRun {
         self.error
     }
 
-    /// What watches it.
-    pub(crate) const fn monitor(&self) -> Monitor {
-        self.monitor
+    /// It was stopped on the way, and stands; or it had not begun.
+    pub(crate) const fn is_standing(&self) -> bool {
+        matches!(self.cycle, Cycle::AwaitRest | Cycle::Orient) || self.cycle.is_standing()
+    }
+
+    /// It was stopped on the way, and stands in the material.
+    pub(crate) fn is_in_thread(&self, plan: &TapPlan, drives: &Drives) -> bool {
+        let z = drives.axes[plan.axis.index()].as_ref().map(|axis| Length::mm(axis.position()));
+        self.coupling().is_some() && z.is_some_and(|z| self.monitor.depth(z) >= Length::ZERO)
+    }
+
+    /// The coupling that is engaged, from the clear place to the bottom, with the sense of travel.
+    pub(crate) fn stored(&self, plan: &TapPlan) -> Option<Stored> {
+        let coupling = self.coupling()?;
+        let at = |place: Length| coupling.phase_difference(Angle::ZERO, place);
+        let direction = match self.cycle.phase() {
+            Phase::Prepare | Phase::In | Phase::Bottom => Direction::Inward,
+            Phase::Out | Phase::Done => Direction::Outward,
+        };
+        Some(Stored::on(coupling, at(clear(plan)), at(plan.bottom), direction))
     }
 
     /// The coupling that is engaged.
@@ -141,7 +166,8 @@ impl TapRun {
         else {
             return Outcome::Done; // begin() has seen to it that both are there
         };
-        if let Err(finding) = self.watch(plan, Length::mm(axis.position()), spindle, context) {
+        let seen = self.watch(plan, Length::mm(axis.position()), spindle, context);
+        if let (Err(finding), false) = (seen, context.halted) {
             return Outcome::Failed(finding);
         }
         let mode = context.config.synchronisation;
@@ -160,10 +186,17 @@ impl TapRun {
             encoder_following: following,
             early: drives.lessons.early(),
             gentle: axis.control.gentle,
+            halt: halt(plan, axis, spindle),
         };
         let master = self.master(mode, spindle, context.config.period);
-        let tick =
-            Tick { elapsed: Time::s(dt), master, at_rest: spindle.at_rest(), held: spindle.held() };
+        let tick = Tick {
+            elapsed: Time::s(dt),
+            master,
+            at_rest: spindle.at_rest(),
+            held: spindle.held(),
+            rest: context.halted || context.operator.wants_rest(),
+            out: context.operator.wants_out(),
+        };
         let was = self.cycle.phase();
         let engages = self.engages(&tap, &tick);
         let record = engages
@@ -235,6 +268,7 @@ impl TapRun {
             | Cycle::In(..)
             | Cycle::Bottom(..)
             | Cycle::Out(..)
+            | Cycle::Halted(..)
             | Cycle::RunDown(_)
             | Cycle::Leave(..)
             | Cycle::Done => None,
@@ -342,6 +376,7 @@ impl TapRun {
             | Cycle::In(..)
             | Cycle::Bottom(..)
             | Cycle::Out(..)
+            | Cycle::Halted(..)
             | Cycle::Leave(..)
             | Cycle::Done => return Ok(()),
         };
@@ -360,6 +395,38 @@ impl TapRun {
             saturated: self.saturated,
         }
     }
+}
+
+/// How this tap is stopped: with what is left of the drive when nothing is planned, no more jerk than its own
+/// strokes, and never beyond what the axis can follow.
+fn halt(plan: &TapPlan, axis: &AxisLoop, spindle: &SpindleLoop) -> Halt {
+    let lead = plan.lead.value().abs();
+    let (level, power) = spindle.braking();
+    let level = level.min(axis.braking() / lead);
+    let jerk = plan.inward.pieces().iter().map(|piece| piece.j.abs()).fold(0.0, f64::max);
+    // a stroke of straight ramps has none
+    let jerk = if jerk.is_finite() && jerk > 0.0 { jerk } else { level / STOP_RISE_S };
+    Halt {
+        level: SpinAccel::rev_per_s2(level),
+        power,
+        jerk: SpinJerk::rev_per_s3(jerk),
+        slow: spindle.control.orient,
+        on: (
+            plan.spin.abs().min(Spin::rev_per_s(power / level)),
+            SpinAccel::rev_per_s2(ON_SHARE * level),
+        ),
+        clear: clear(plan),
+    }
+}
+
+/// Where the tap is clear of the work: at its start; of a peck that begins in the thread, above the surface.
+fn clear(plan: &TapPlan) -> Length {
+    let start = plan.start.along(plan.axis);
+    let into = if plan.bottom < start { -1.0 } else { 1.0 };
+    if (plan.surface - start).value() * into > 0.0 {
+        return start;
+    }
+    plan.surface - Length::mm(CLEAR_TURNS * plan.lead.value().abs() * into)
 }
 
 /// The feed-forwards that go with what is made of the readings; `None`: the axis' own.

@@ -21,6 +21,7 @@ mod blend;
 mod compensate;
 mod coupling;
 mod gear;
+mod halting;
 mod learning;
 mod measure;
 mod mode;
@@ -39,6 +40,7 @@ pub use compensate::{
 };
 pub use coupling::{Coupling, Follower, Line, Rotation};
 pub use gear::{Engagement, Engaging, Gear, Travel};
+pub use halting::{Braking, Course, Goal, Halt, Halting};
 pub use learning::{CELLS, Channel, Correction, Learning, Learnt, Lesson, StrokeKey};
 pub use measure::{Estimate, HARMONICS, MeasureError, Pair, PhaseError, fold, phase_error};
 pub use mode::{MAX_TRANSPORT, Prediction, SyncMode};

@@ -13,6 +13,8 @@
 //!                              └────────────────────────────────────────────────────────────┘
 //! ```
 //!
+//! From `In`, `Bottom` and `Out` a stop leads to `Halted`, which stays on the coupling ([`Halting`]).
+//!
 //! From `In` to `Out` the axis obeys one [`Coupling`]; only the spindle's order changes, so reversal
 //! needs no special case. *Command-synchronised*, spindle and axis obey the planned strokes θ(t), and
 //! the depth is met because the plan ends there. *Encoder-following*, the spindle only obeys a speed:
@@ -26,7 +28,8 @@
 //! | s | revolutions done in the stroke, magnitude |
 use units::{Accel, Angle, Lead, Length, Speed, Spin, SpinAccel, Time};
 
-use crate::{Blend, Coupling, Follower, Rotation};
+use crate::halting::{After, sense};
+use crate::{Blend, Coupling, Course, Follower, Halt, Halting, Rotation};
 
 /// State of a stroke at one time; magnitudes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -78,6 +81,8 @@ pub struct Tap<'a, S> {
     pub early: Angle,
     /// Limits of the small moves onto the coupling and off it.
     pub gentle: (Speed, Accel),
+    /// How it is stopped on the way.
+    pub halt: Halt,
 }
 
 /// What the cycle is told each period.
@@ -91,6 +96,10 @@ pub struct Tick {
     pub at_rest: bool,
     /// The angle at which the spindle is held, once it is held where it was asked to be.
     pub held: Option<Angle>,
+    /// It shall come to rest, and stay so.
+    pub rest: bool,
+    /// Once it stands, it shall come out of the work.
+    pub out: bool,
 }
 
 /// What the cycle asks of the spindle.
@@ -144,6 +153,8 @@ pub enum Cycle {
     Bottom(Coupling, Time),
     /// Coming out.
     Out(Coupling, Clock),
+    /// Stopped on the way, on the coupling.
+    Halted(Coupling, Halting),
     /// Following until the spindle stands.
     RunDown(Coupling),
     /// Bringing the axis from where the spindle left it to the end.
@@ -162,9 +173,10 @@ impl Cycle {
     #[must_use]
     pub fn next<S: Stroke>(self, tap: &Tap<S>, tick: &Tick) -> Self {
         match self {
-            Self::AwaitRest if !tick.at_rest => self,
+            Self::AwaitRest if !tick.at_rest || tick.rest => self,
             Self::AwaitRest if tap.encoder_following => step_on(tap, tick.master.angle),
             Self::AwaitRest => Self::Orient,
+            Self::Orient if tick.rest => self,
             Self::Orient => tick.held.map_or(self, |angle| {
                 Self::In(Coupling::line(tap.lead, angle, tap.start), clock(tap, tap.inward))
             }),
@@ -175,6 +187,7 @@ impl Cycle {
                 }
                 Self::In(coupling, clock(tap, tap.inward))
             }
+            Self::In(coupling, clock) if tick.rest => clock.halt(Course::In, tap, coupling, tick),
             Self::In(coupling, clock) => {
                 let left = turns_left(tap, &coupling, tap.bottom, tick, 1.0) - tap.early;
                 let clock = clock.advance(tap.inward, tick, left);
@@ -184,7 +197,13 @@ impl Cycle {
                 }
                 bottom(tap, coupling, over)
             }
+            Self::Bottom(coupling, _) if tick.rest => {
+                let s = tap.inward.length();
+                halted(tap, coupling, Halting::Standing(Course::In, s), tick)
+            }
             Self::Bottom(coupling, waited) => bottom(tap, coupling, waited + tick.elapsed),
+            Self::Out(coupling, clock) if tick.rest => clock.halt(Course::Out, tap, coupling, tick),
+            Self::Halted(coupling, halting) => halted(tap, coupling, halting, tick),
             Self::Out(coupling, clock) => {
                 let left = turns_left(tap, &coupling, tap.end, tick, -1.0);
                 let clock = clock.advance(tap.outward, tick, left);
@@ -220,6 +239,11 @@ impl Cycle {
             Self::In(coupling, clock) => (coupling, Leg::In, clock.seen(ahead)),
             Self::Bottom(coupling, waited) => (coupling, Leg::Bottom, (waited + ahead, false)),
             Self::Out(coupling, clock) => (coupling, Leg::Out, clock.seen(ahead)),
+            Self::Halted(coupling, halting) => {
+                let rotation = halting.rotation(tap, &coupling, ahead);
+                let by_speed = tap.encoder_following;
+                return if by_speed { Ask::Speed(rotation) } else { Ask::Angle(rotation) };
+            }
         };
         let mut rotation = planned(tap, &coupling, leg, time);
         if waits {
@@ -248,6 +272,7 @@ impl Cycle {
             Self::In(coupling, _)
             | Self::Bottom(coupling, _)
             | Self::Out(coupling, _)
+            | Self::Halted(coupling, _)
             | Self::RunDown(coupling) => coupling.follow(master),
         }
     }
@@ -258,6 +283,7 @@ impl Cycle {
             Self::In(coupling, _)
             | Self::Bottom(coupling, _)
             | Self::Out(coupling, _)
+            | Self::Halted(coupling, _)
             | Self::RunDown(coupling) => Some(coupling),
             Self::AwaitRest | Self::Orient | Self::StepOn(..) | Self::Leave(..) | Self::Done => {
                 None
@@ -274,10 +300,16 @@ impl Cycle {
             Self::AwaitRest
             | Self::Orient
             | Self::StepOn(..)
+            | Self::Halted(..)
             | Self::RunDown(_)
             | Self::Leave(..)
             | Self::Done => None,
         }
+    }
+
+    /// It was stopped, and stands.
+    pub const fn is_standing(&self) -> bool {
+        matches!(self, Self::Halted(_, halting) if halting.is_standing())
     }
 
     /// What it is about.
@@ -286,7 +318,8 @@ impl Cycle {
             Self::AwaitRest | Self::Orient | Self::StepOn(..) => Phase::Prepare,
             Self::In(..) => Phase::In,
             Self::Bottom(..) => Phase::Bottom,
-            Self::Out(..) | Self::RunDown(_) | Self::Leave(..) => Phase::Out,
+            Self::Halted(_, halting) if !halting.is_outward() => Phase::In,
+            Self::Halted(..) | Self::Out(..) | Self::RunDown(_) | Self::Leave(..) => Phase::Out,
             Self::Done => Phase::Done,
         }
     }
@@ -299,6 +332,18 @@ impl Default for Cycle {
 }
 
 impl Clock {
+    /// A stop begins.
+    fn halt<S: Stroke>(
+        self,
+        course: Course,
+        tap: &Tap<S>,
+        coupling: Coupling,
+        tick: &Tick,
+    ) -> Cycle {
+        let (at, waits) = self.seen(Time::ZERO);
+        halted(tap, coupling, Halting::leave(course, tap, at, waits), tick)
+    }
+
     /// A period later. While it waits, `turns_left` decides.
     fn advance<S: Stroke>(self, stroke: &S, tick: &Tick, turns_left: Angle) -> Self {
         let at = self.at + tick.elapsed;
@@ -337,9 +382,14 @@ fn bottom<S: Stroke>(tap: &Tap<S>, coupling: Coupling, waited: Time) -> Cycle {
     Cycle::Out(coupling, Clock { at: waited - tap.dwell, ..fresh })
 }
 
-/// +1 when the spindle turns in its positive sense inwards, else −1.
-fn sense<S>(tap: &Tap<S>) -> f64 {
-    if tap.spin < Spin::ZERO { -1.0 } else { 1.0 }
+/// A stop on the coupling goes on for a period.
+fn halted<S: Stroke>(tap: &Tap<S>, coupling: Coupling, halting: Halting, tick: &Tick) -> Cycle {
+    match halting.next(tap, &coupling, tick) {
+        After::Halting(halting) => Cycle::Halted(coupling, halting),
+        After::Bottom => bottom(tap, coupling, Time::ZERO),
+        After::End if tap.encoder_following => Cycle::RunDown(coupling),
+        After::End => Cycle::Done,
+    }
 }
 
 /// Turns of the master until the follower's place is reached; `leg` is +1 inwards, −1 outwards.

@@ -64,6 +64,14 @@ fn m6(encoder_following: bool, start_angle: Option<Angle>) -> Tap<'static, Trape
         encoder_following,
         early: Angle::ZERO,
         gentle: (Speed::mm_per_s(50.0), Accel::mm_per_s2(500.0)),
+        halt: Halt {
+            level: SpinAccel::rev_per_s2(400.0),
+            power: 20_000.0,
+            jerk: units::SpinJerk::rev_per_s3(50_000.0),
+            slow: (Spin::rpm(300.0), SpinAccel::rev_per_s2(100.0)),
+            on: (Spin::rpm(3000.0), SpinAccel::rev_per_s2(150.0)),
+            clear: Length::mm(2.0),
+        },
     }
 }
 
@@ -94,7 +102,10 @@ fn run(tap: &Tap<Trapezoid>, first_angle: f64, factor: f64) -> Run {
             spin: Spin::rev_per_s(spin),
             accel: SpinAccel::ZERO,
         };
-        let next = cycle.next(tap, &Tick { elapsed: h, master, at_rest: spin.abs() < 1e-6, held });
+        let next = cycle.next(
+            tap,
+            &Tick { elapsed: h, master, at_rest: spin.abs() < 1e-6, held, rest: false, out: false },
+        );
         let name = |c: &Cycle| format!("{c:?}").split('(').next().unwrap().to_owned();
         if name(&next) != name(&cycle) {
             seen.log += &(name(&next) + " ");

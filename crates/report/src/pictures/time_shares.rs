@@ -15,7 +15,7 @@ const KINDS: [(&str, &[State], &str); 8] = [
     ("waiting for the spindle", &[State::SpindleWait, State::Couple, State::Measure], "s4"),
     ("waiting for position", &[State::Settle], "s5"),
     ("dwell, operator, idle", &[State::Dwell, State::Paused, State::Held, State::Idle], "s6"),
-    ("stopped by a fault", &[State::Faulted], "s7"),
+    ("stopped by a fault, recovering", &[State::Faulted, State::Recovering], "s7"),
 ];
 
 /// Less than this, s, is not worth a word.

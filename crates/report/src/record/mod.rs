@@ -120,6 +120,7 @@ impl Recorder {
             | State::Measure
             | State::Paused
             | State::Held
+            | State::Recovering
             | State::Faulted
             | State::Ended => {}
         }
