@@ -121,6 +121,7 @@ fn drive(args: &CompareArgs) -> Result<sim::PlainDrive, Refused> {
         delay: RELAY_DELAY,
         delay_scatter: Time::s(args.relay_scatter * 1e-3),
         accel: speed / stopping,
+        decel: speed / stopping,
         ramp_scatter: args.stopping_scatter / 100.0,
         speed_scatter: args.speed_scatter / 100.0,
     })

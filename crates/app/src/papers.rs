@@ -55,7 +55,7 @@ pub(crate) fn report(job: &Job, outcome: &Outcome, known: &Preflight) -> String 
         ended: outcome.ended,
         alarms: outcome.faults.iter().map(alarm).collect(),
         notes: notes(outcome, known),
-        tolerances: verify::Tolerances::default(),
+        tolerances: job.tolerances(),
         limits: Limits {
             torque,
             sync_warn: machine.tapping.sync_warn,

@@ -121,6 +121,14 @@ impl Job {
             Synchronisation::EncoderNoPrediction => wiring::encoder(control, Prediction::Speed),
             Synchronisation::EncoderNoFeedForward => wiring::encoder(control, Prediction::None),
         });
+        if mode == Some(SyncMode::CommandSynchronised)
+            && wiring::plain_drive(&session.machine).is_some()
+        {
+            return Err(Refused::because(format!(
+                "the spindle drive of {} is only told a speed and obeys no trajectory: --synchronisation encoder works",
+                session.machine.name
+            )));
+        }
         if matches!(mode, Some(SyncMode::EncoderFollowing { .. })) {
             session.machine.tapping.peck = store::machine::Peck::Full; // see wiring::planner
         }
@@ -144,6 +152,14 @@ impl Job {
         })
     }
 
+    /// What the workpiece is judged by.
+    pub(crate) fn tolerances(&self) -> verify::Tolerances {
+        let follows = store::machine::Follows::Encoder;
+        let own = self.session.machine.control.synchronisation.follows == follows;
+        let encoder = self.mode.map_or(own, |mode| mode != SyncMode::CommandSynchronised);
+        wiring::tolerances(encoder)
+    }
+
     fn simulate(
         &self,
         args: &RunArgs,
@@ -158,7 +174,13 @@ impl Job {
         let iron = sim::SimulatedMachine::new(iron).map_err(|problems| {
             Refused::because(format!("the machine cannot be simulated: {}", problems.join("; ")))
         })?;
-        let learns = self.memory.is_some();
+        let iron = match wiring::plain_drive(machine) {
+            Some(drive) => iron.with_plain_drive(drive),
+            None => iron,
+        };
+        // a spindle that makes its own ramps shows in the first hole how it stops: what it shows is used, and kept
+        // if there is a file for it
+        let learns = self.memory.is_some() || wiring::plain_drive(machine).is_some();
         let mut kernel = kernel::Kernel::new(wiring::control(machine, self.mode, learns));
         kernel.recall(self.memory.as_ref().map_or_else(Vec::new, |m| m.lessons.clone()));
         let simulation = Simulation {
@@ -168,6 +190,7 @@ impl Job {
             machine: iron,
             judge: verify::Judge::new(verify::Config {
                 synchronised: self.session.taps.method == plan::TapMethod::Synchronised,
+                tolerances: self.tolerances(),
                 ..wiring::judge(machine, tools, self.material, &zero)
             }),
             recorder: report::Recorder::new(tools),

@@ -128,7 +128,9 @@ fn taps(args: &ProgramArgs, machine: &MachineFile) -> plan::Unsynchronised {
             ClutchDwell::Refuse => plan::DwellCheck::Refuse,
             ClutchDwell::Warn => plan::DwellCheck::Warn,
         },
-        drive: None,
+        drive: machine.spindles.first().and_then(|spindle| spindle.own_ramps).map(|own| {
+            plan::PlainDrive { delay: own.delay, accel: own.acceleration.min(own.deceleration) }
+        }),
     }
 }
 

@@ -33,7 +33,7 @@ pub(crate) fn text(job: &Job, outcome: &Outcome, out: Option<&Path>, quiet: bool
         said += &format!("and {} more\n", bad.len() - MOST_FAILURES);
     }
     if !quiet {
-        said += &crate::worst::text(&outcome.features);
+        said += &crate::worst::text(&outcome.features, &job.tolerances());
     }
     said += &saturation(outcome);
     said += &warnings(outcome);

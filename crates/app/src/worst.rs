@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 use verify::{Feature, FeatureKind, Summary, Thread, Tolerances};
 
 /// A line for the worst feature, and one for each tap that cut two threads or more of one size.
-pub(crate) fn text(features: &[Feature]) -> String {
-    let summary = Summary::of(features, &Tolerances::default());
+pub(crate) fn text(features: &[Feature], tolerances: &Tolerances) -> String {
+    let summary = Summary::of(features, tolerances);
     let mut said = String::new();
     if let Some((index, left)) = summary.worst {
         let feature = &features[index];

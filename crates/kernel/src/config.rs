@@ -183,6 +183,19 @@ pub struct SpindleWindows {
     pub following_stop: units::Angle,
 }
 
+/// A spindle drive that is only told a speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OwnRamps {
+    /// From an order until it obeys.
+    pub delay: Time,
+    /// Its deceleration, as far as it is known.
+    pub decel: SpinAccel,
+    /// Share by which its stopping angle may be longer.
+    pub uncertainty: f64,
+    /// Share of a tap's speed from which that does not matter.
+    pub creep: f64,
+}
+
 /// One spindle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpindleControl {
@@ -208,6 +221,8 @@ pub struct SpindleControl {
     pub observer_bandwidth_hz: f64,
     /// Limits of turning to an angle.
     pub orient: (Spin, SpinAccel),
+    /// The drive is only told a speed and makes its own ramps; `None`: it is told a torque.
+    pub own_ramps: Option<OwnRamps>,
     /// What is watched.
     pub windows: SpindleWindows,
 }

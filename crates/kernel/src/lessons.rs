@@ -89,12 +89,21 @@ impl Lessons {
         self.list.last().filter(|_| self.active).map_or(Angle::ZERO, |lesson| lesson.early)
     }
 
-    /// An encoder-following tap has ended as it should.
-    pub(crate) fn finish_following(&mut self, figures: &TapFigures) {
+    /// Strokes of this kind have taught how the spindle stops.
+    pub(crate) fn know(&self) -> bool {
+        self.list.last().is_some_and(|lesson| self.active && lesson.strokes > 0)
+    }
+
+    /// An encoder-following tap has ended as it should; `taught`: by how much longer than planned the stopping
+    /// angle showed itself, if the spindle slowed down to a creep on the way.
+    pub(crate) fn finish_following(&mut self, figures: &TapFigures, taught: Option<Angle>) {
         if core::mem::take(&mut self.active)
             && let Some(lesson) = self.list.last_mut()
         {
-            lesson.overran(figures.depth_error);
+            match taught {
+                Some(late) => lesson.stopped_late(late, figures.depth_error),
+                None => lesson.overran(figures.depth_error),
+            }
         }
     }
 

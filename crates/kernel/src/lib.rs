@@ -39,8 +39,8 @@ mod tapping;
 
 pub use chips::CUT_SHARE;
 pub use config::{
-    AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderPlace, FeedForward, Pause,
-    SpindleControl, SpindleFriction, SpindleWindows, Subject, Waits,
+    AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderPlace, FeedForward,
+    OwnRamps, Pause, SpindleControl, SpindleFriction, SpindleWindows, Subject, Waits,
 };
 pub use coupled::TABLES;
 pub use event::{EVENTS, Event, EventKind, RecoveryFigures, TapFigures};

@@ -176,5 +176,13 @@ impl SpindleControl {
         ] {
             check(field, value, not_negative(value), NOT_NEGATIVE);
         }
+        if let Some(own) = self.own_ramps {
+            let (delay, decel) = (own.delay.value(), own.decel.value());
+            check("own_ramps.delay", delay, not_negative(delay), NOT_NEGATIVE);
+            check("own_ramps.decel", decel, positive(decel), POSITIVE);
+            let uncertainty = own.uncertainty;
+            check("own_ramps.uncertainty", uncertainty, not_negative(uncertainty), NOT_NEGATIVE);
+            check("own_ramps.creep", own.creep, positive(own.creep), POSITIVE);
+        }
     }
 }

@@ -280,7 +280,8 @@ impl SpindleLoop {
                     self.slew(to);
                 } else {
                     let (now, ahead) = (self.ramp.at(at), self.ramp.at(at + self.lookahead_s));
-                    self.set_speed(now.v, now.a);
+                    let told = self.control.own_ramps.is_some();
+                    self.set_speed(now.v, if told { 0.0 } else { now.a });
                     self.ahead = rotation(0.0, ahead.v, ahead.a);
                     self.order = Order::Ramp(at, to);
                 }
@@ -310,6 +311,11 @@ impl SpindleLoop {
     }
 
     fn slew(&mut self, to: f64) {
+        if self.control.own_ramps.is_some() {
+            self.set_speed(to, 0.0);
+            self.ahead = self.ordered;
+            return;
+        }
         let before = self.ordered.spin.value();
         let pace = self.pace.unwrap_or(f64::INFINITY);
         let most = pace.min(UNPLANNED * self.limit(before) / self.inertia) * self.period_s;

@@ -8,7 +8,7 @@
 //!                                       monitor ◄── readings of both
 //! ```
 use crate::axis::{AxisLoop, Target};
-use crate::config::{Config, FeedForward, Subject};
+use crate::config::{Config, FeedForward, SpindleControl, Subject};
 use crate::drives::{Drives, Finding};
 use crate::event::{EventKind, TapFigures};
 use crate::execute::Context;
@@ -21,7 +21,7 @@ use plan::TapPlan;
 use sync::recovery::{Direction, Stored};
 use sync::{
     Ask, Correction, Coupling, Cycle, Follower, Halt, MAX_TRANSPORT, Monitor, Phase, Prediction,
-    Rotation, SyncMode, Tap, Tick, Verdict,
+    Rotation, Spoken, Stopping, SyncMode, Tap, Tick, Verdict,
 };
 use units::{Accel, Angle, Length, Speed, Spin, SpinAccel, SpinJerk, Time};
 
@@ -68,6 +68,8 @@ pub(crate) struct TapRun {
     fastest: Spin,
     saturated: bool,
     error: Option<Length>,
+    /// By how much longer than planned the spindle has shown to stop.
+    taught: Option<Angle>,
 }
 
 /// What one period of a tap came to.
@@ -113,6 +115,7 @@ impl TapRun {
             fastest: Spin::ZERO,
             saturated: false,
             error: None,
+            taught: None,
         })
     }
 
@@ -185,6 +188,8 @@ impl TapRun {
             start_angle: plan.start_angle,
             encoder_following: following,
             early: drives.lessons.early(),
+            spoken: spoken(plan, &spindle.control, context.config, drives.lessons.know())
+                .filter(|_| following),
             gentle: axis.control.gentle,
             halt: halt(plan, axis, spindle),
         };
@@ -212,6 +217,7 @@ impl TapRun {
         if was != Phase::Out && self.cycle.phase() == Phase::Out {
             drives.scribe.turned();
         }
+        self.taught = self.taught.or(self.cycle.taught());
         let lessons = &mut drives.lessons;
         // how long an encoder-following stroke takes is not known beforehand
         let moment = self.cycle.moment(&tap).filter(|_| !following);
@@ -245,7 +251,7 @@ impl TapRun {
             Ok(()) if self.cycle == Cycle::Done => {
                 let figures = self.figures();
                 if following {
-                    drives.lessons.finish_following(&figures);
+                    drives.lessons.finish_following(&figures, self.taught);
                 } else {
                     drives.lessons.finish(&figures);
                 }
@@ -269,6 +275,7 @@ impl TapRun {
             | Cycle::Bottom(..)
             | Cycle::Out(..)
             | Cycle::Halted(..)
+            | Cycle::Told(..)
             | Cycle::RunDown(_)
             | Cycle::Leave(..)
             | Cycle::Done => None,
@@ -377,6 +384,7 @@ impl TapRun {
             | Cycle::Bottom(..)
             | Cycle::Out(..)
             | Cycle::Halted(..)
+            | Cycle::Told(..)
             | Cycle::Leave(..)
             | Cycle::Done => return Ok(()),
         };
@@ -427,6 +435,23 @@ fn clear(plan: &TapPlan) -> Length {
         return start;
     }
     plan.surface - Length::mm(CLEAR_TURNS * plan.lead.value().abs() * into)
+}
+
+/// What the cycle must know of a spindle whose drive makes its own ramps. An order given in this period takes effect
+/// after the command's delay.
+fn spoken(
+    plan: &TapPlan,
+    control: &SpindleControl,
+    config: &Config,
+    known: bool,
+) -> Option<Spoken> {
+    control.own_ramps.map(|own| Spoken {
+        speeds: (plan.spin, plan.return_spin),
+        stopping: Stopping { delay: own.delay + config.command_delay, decel: own.decel },
+        uncertainty: own.uncertainty,
+        creep: plan.spin.abs() * own.creep,
+        known,
+    })
 }
 
 /// The feed-forwards that go with what is made of the readings; `None`: the axis' own.

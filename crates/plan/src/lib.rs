@@ -23,7 +23,8 @@
 //! dwell, M0313 spindle missing, M0314 endless block, M0315 no drill; taps: M0320 feed axis too slow, M0321 tapping maximum, M0322
 //! flutes, M0323 hole depth, M0324 hole not drilled here, M0325 hole diameter, M0326 lead, M0327 hand, M0328 no tap,
 //! M0329 no tool, M0330 another axis moves, M0331 spindle too weak, M0332 return slowed, M0333 no tap at all, M0334
-//! not along the tool axis, M0335 beside its hole; clutch and floating holders: M0340 dwell, M0341 stroke, M0342 travel,
+//! not along the tool axis, M0335 beside its hole, M0336 blind hole too near for this spindle,
+//! M0337 no angle; clutch and floating holders: M0340 dwell, M0341 stroke, M0342 travel,
 //! M0343 words; chip removal: M0350 too fast for the spindle, M0351 not against the cut;
 //! polygon turning: M0401 spindles missing, M0402 ratio, M0403 work spindle at rest, M0404 tool spindle too fast.
 #![no_std]
@@ -50,8 +51,8 @@ mod travel;
 pub use clutch::{ClutchCycle, DwellWindow};
 pub use coupled::{GearStep, Superpose, Superposed, Table, TableId};
 pub use limits::{
-    AxisLimits, DwellCheck, Effort, MachineLimits, Options, PlainDrive, Retract, SpindleLimits,
-    TapMethod, Tapping, ToolChange, Unsynchronised,
+    AxisLimits, DwellCheck, Effort, MachineLimits, Options, OwnRamps, PlainDrive, Retract,
+    SpindleLimits, TapMethod, Tapping, ToolChange, Unsynchronised,
 };
 pub use path::{Motion, Path};
 pub use planner::{Planner, Preflight, Start, preflight};

@@ -4,7 +4,7 @@
 //! RS-274/NGC does for the feed of a rotary axis.
 use alloc::vec::Vec;
 use canon::Axis;
-use units::{Accel, Inertia, Jerk, Length, Power, Speed, Spin, SpinAccel, Time, Torque};
+use units::{Accel, Angle, Inertia, Jerk, Length, Power, Speed, Spin, SpinAccel, Time, Torque};
 
 /// One axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,6 +67,46 @@ pub struct Tapping {
     pub inward: Effort,
     /// The same on the way out.
     pub outward: Effort,
+    /// The spindle's drive is only told a speed and makes its own ramps.
+    pub own_ramps: Option<OwnRamps>,
+}
+
+/// A spindle drive that is only told a speed, with what is known of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OwnRamps {
+    /// From an order until it obeys.
+    pub delay: Time,
+    /// Of its ramp up.
+    pub accel: SpinAccel,
+    /// Of its ramp down.
+    pub decel: SpinAccel,
+    /// Share by which its stopping angle may differ from what delay and deceleration make it.
+    pub uncertainty: f64,
+    /// The same once it has been learnt: how well it repeats.
+    pub repeats: f64,
+    /// Share of a tap's speed at which the first stroke of a kind creeps to its bottom.
+    pub creep: f64,
+}
+
+impl OwnRamps {
+    /// Turns from an order to rest: n·τ + n²/2a.
+    pub fn stopping_angle(&self, spin: Spin) -> Angle {
+        let n = spin.value().abs();
+        spin.abs() * self.delay + Angle::rev(n * n / (2.0 * self.decel.value()))
+    }
+
+    /// By how much a turning point may be missed: by the stroke that creeps, for want of knowledge, or by a later
+    /// one that turns back at speed, because nothing repeats exactly.
+    pub fn miss(&self, spin: Spin) -> Angle {
+        let creeps = self.stopping_angle(spin * self.creep) * self.uncertainty;
+        creeps.max(self.stopping_angle(spin) * self.repeats)
+    }
+
+    /// The fastest that such a spindle gets in a stroke of so many turns: n²/2a + n²/2d = N.
+    pub fn fastest_within(&self, turns: Angle) -> Spin {
+        let (a, d) = (self.accel.value(), self.decel.value());
+        Spin::rev_per_s(libm::sqrt(2.0 * turns.value().abs() * a * d / (a + d)))
+    }
 }
 
 /// What a peck does before the next one.
@@ -91,7 +131,8 @@ impl Tapping {
     /// Along Z, out and in again for each peck, with this share of torque and power both ways.
     pub const fn along_z(margin: f64) -> Self {
         let effort = Effort { margin, jerk: 1.0 };
-        Self { axis: Axis::Z, retract: Retract::Full, inward: effort, outward: effort }
+        let (inward, outward) = (effort, effort);
+        Self { axis: Axis::Z, retract: Retract::Full, inward, outward, own_ramps: None }
     }
 }
 

@@ -15,7 +15,7 @@
 //! formula: 230·P^0.7 µm, or 433·P − 190·P^1.22 up to 0.8 mm.
 use crate::findings::number;
 use crate::holes::Drilled;
-use crate::limits::{AxisLimits, SpindleLimits};
+use crate::limits::{AxisLimits, OwnRamps, SpindleLimits};
 use crate::stroke::tapping_torque;
 use alloc::{format, string::String, vec::Vec};
 use canon::{Tap, TapTool, Tool};
@@ -38,6 +38,7 @@ pub(crate) struct TapCheck<'a> {
     pub(crate) axis: &'a AxisLimits,
     pub(crate) spindle: &'a SpindleLimits,
     pub(crate) hole: Option<Drilled>,
+    pub(crate) own_ramps: Option<OwnRamps>,
 }
 
 impl TapCheck<'_> {
@@ -49,6 +50,7 @@ impl TapCheck<'_> {
         all.extend(self.flutes());
         if let Some(hole) = &self.hole {
             all.extend(self.hole_depth(hole));
+            all.extend(self.stopping_margin(hole));
             all.extend(self.hole_diameter(hole));
         }
         all
@@ -194,6 +196,38 @@ impl TapCheck<'_> {
         })
     }
 
+    /// A spindle that cannot be stopped at an angle misses its turning point by some of its stopping angle: a blind
+    /// hole must have as much below the tap.
+    fn stopping_margin(&self, hole: &Drilled) -> Option<Diagnostic> {
+        let own = self.own_ramps?;
+        let lead = self.tap.lead.abs();
+        let stroke = (self.tap.bottom - self.tap.start.along(self.tap.axis)).abs();
+        let fastest = own.fastest_within(stroke / lead);
+        let miss = |spin: Spin| (own.miss(spin.min(fastest)) * lead).value();
+        let needed = ceil_um(miss(self.tap.spin));
+        let margin = (self.tap.bottom - self.tool.length - hole.full_bottom).value();
+        if margin < -ROUNDING || margin >= needed - ROUNDING {
+            return None; // hole_depth() has refused it, or there is room
+        }
+        let text = format!(
+            "S{} may turn back up to {} mm too deep, and the hole has {} mm below the tap: {} works, or a hole {} mm \
+             deeper{}",
+            number(self.tap.spin.in_rpm()),
+            number(needed),
+            number(floor_um(margin)),
+            self.word(floor_um(self.depth().value() - (needed - margin))),
+            number(ceil_um(needed - margin)),
+            slower_that_works(self.tap.spin, |spin| miss(spin) <= margin),
+        );
+        let help = "this spindle's drive is only told a speed: its stopping angle is known within uncertainty_percent, \
+                    and learnt within repeats_percent, of [spindles.drive]";
+        Some(
+            Diagnostic::error("M0336", self.span, text)
+                .with_help(help)
+                .with_label(hole.span, "drilled here"),
+        )
+    }
+
     fn hole_diameter(&self, hole: &Drilled) -> Option<Diagnostic> {
         let (nominal, pitch) = (self.tool.diameter.value(), self.tap_tool.lead.abs().value());
         let core = core_range(nominal, pitch);
@@ -272,6 +306,14 @@ pub(crate) fn cutting_torque(
     tapping_torque(tool.diameter, drilled, tap.flute, pressure)
 }
 
+/// The highest speed below this one, in tens of rpm, that works; nothing where none does.
+fn slower_that_works(spin: Spin, works: impl Fn(Spin) -> bool) -> String {
+    let tens = libm::floor(spin.in_rpm() / 10.0) as u32;
+    let slower = (1..tens).rev().map(|ten| f64::from(ten) * 10.0);
+    let found = slower.into_iter().find(|rpm| works(Spin::rpm(*rpm)));
+    found.map_or_else(String::new, |rpm| format!(", or S{}", number(rpm)))
+}
+
 /// A speed that still works, in whole rpm.
 pub(crate) fn whole_rpm(spin: Spin) -> f64 {
     // a bound such as 6000 rpm may have become 5999.999… on its way through rev/s
@@ -281,4 +323,9 @@ pub(crate) fn whole_rpm(spin: Spin) -> f64 {
 /// A depth that still works, rounded down to whole micrometres.
 fn floor_um(depth: f64) -> f64 {
     libm::floor(depth * 1e3 + 1e-6) / 1e3
+}
+
+/// A depth that is needed, rounded up to whole micrometres.
+fn ceil_um(depth: f64) -> f64 {
+    libm::ceil(depth * 1e3 - 1e-6) / 1e3
 }

@@ -23,8 +23,10 @@ pub struct PlainDrive {
     pub delay: Time,
     /// Scatter of the delay.
     pub delay_scatter: Time,
-    /// Of the ramp, up and down.
+    /// Of the ramp up.
     pub accel: SpinAccel,
+    /// Of the ramp down.
+    pub decel: SpinAccel,
     /// Scatter of the time that a ramp takes, as a share.
     pub ramp_scatter: f64,
     /// Scatter of the speed, as a share.
@@ -47,6 +49,7 @@ pub(crate) struct Relay {
     since_s: f64,
     delay_s: f64,
     accel: f64,
+    decel: f64,
     speed_factor: f64,
     target: f64,
 }
@@ -61,6 +64,7 @@ impl Relay {
             since_s: f64::INFINITY,
             delay_s: 0.0,
             accel: 0.0,
+            decel: 0.0,
             speed_factor: 1.0,
             target: 0.0,
         }
@@ -84,6 +88,7 @@ impl Relay {
         let longest = 1.0 + model.ramp_scatter * self.rng.normal();
         let longest = longest.clamp(1.0 / MOST_FACTOR, MOST_FACTOR);
         self.accel = model.accel.value() * TAU / longest;
+        self.decel = model.decel.value() * TAU / longest;
         let delay = model.delay.value() + model.delay_scatter.value() * self.rng.normal();
         self.delay_s = delay.max(0.0);
         self.speed_factor = 1.0 + model.speed_scatter * self.rng.normal();
@@ -96,7 +101,8 @@ impl Relay {
         if self.since_s > self.delay_s {
             self.target = self.ordered * self.speed_factor;
         }
-        let most = self.accel * h;
+        let slows_down = omega * self.target < 0.0 || self.target.abs() < omega.abs();
+        let most = if slows_down { self.decel } else { self.accel } * h;
         omega + (self.target - omega).clamp(-most, most)
     }
 }
@@ -112,6 +118,7 @@ mod tests {
             delay: Time::s(0.02),
             delay_scatter: Time::ZERO,
             accel: SpinAccel::rev_per_s2(50.0 / 0.08),
+            decel: SpinAccel::rev_per_s2(50.0 / 0.08),
             ramp_scatter: 0.0,
             speed_scatter: 0.0,
         }

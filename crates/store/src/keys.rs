@@ -33,6 +33,19 @@ pub(crate) fn read<T>(
     file: u16,
     read: impl FnOnce(&mut Keys<'_>) -> T,
 ) -> Result<T, Vec<Diagnostic>> {
+    read_over(text, file, "", &|_| None, read)
+}
+
+/// Read a document whole that may say with the key `extends` on which other one it is based: `base_of` knows the
+/// texts by name. What the document does not state is as the base has it, table by table; `[[tables]]` are paired in their
+/// order. A base may extend another one.
+pub(crate) fn read_over<T>(
+    text: &str,
+    file: u16,
+    extends: &'static str,
+    base_of: &dyn Fn(&str) -> Option<&'static str>,
+    read: impl FnOnce(&mut Keys<'_>) -> T,
+) -> Result<T, Vec<Diagnostic>> {
     let lines = Lines::of(text, file);
     let (root, mistakes) = DeTable::parse_recoverable(text);
     if !mistakes.is_empty() {
@@ -43,14 +56,47 @@ pub(crate) fn read<T>(
         };
         return Err(in_order(mistakes.iter().map(noted).collect()));
     }
+    let bases = bases(root.get_ref(), extends, base_of)
+        .map_err(|(at, message)| vec![Diagnostic::error("S0407", lines.span(&at), message)])?;
     let findings = Findings { lines, list: RefCell::default() };
-    let mut keys = Keys::new("the file".into(), root.get_ref(), 0..0, Some(&findings));
+    let below = bases.iter().collect();
+    let mut keys = Keys::new("the file".into(), root.get_ref(), 0..0, Some(&findings), below);
+    if !extends.is_empty() {
+        keys.ask(extends);
+    }
     let value = read(&mut keys);
     keys.finish();
     match findings.list.into_inner() {
         list if list.is_empty() => Ok(value),
         list => Err(in_order(list)),
     }
+}
+
+/// The documents that one is based on, the nearest first.
+fn bases(
+    root: &DeTable<'_>,
+    extends: &str,
+    base_of: &dyn Fn(&str) -> Option<&'static str>,
+) -> Result<Vec<DeTable<'static>>, (Range<usize>, String)> {
+    /// Bases of bases.
+    const MOST: usize = 8;
+    let named = |table: &DeTable<'_>| {
+        table.get(extends).map(|v| (v.span(), v.get_ref().as_str().map(str::to_owned)))
+    };
+    let mut found: Vec<DeTable<'static>> = Vec::new();
+    let Some((at, mut name)) = named(root) else { return Ok(found) };
+    while found.len() < MOST {
+        let Some(text) = name.as_deref().and_then(base_of) else {
+            let name = name.unwrap_or_default();
+            return Err((at, format!("`{extends}`: there is no machine \"{name}\" to extend")));
+        };
+        found.push(DeTable::parse_recoverable(text).0.into_inner());
+        match found.last().and_then(named) {
+            Some((_, next)) => name = next,
+            None => return Ok(found),
+        }
+    }
+    Err((at, format!("`{extends}`: more than {MOST} machines extend one another")))
 }
 
 struct Findings {
@@ -62,6 +108,8 @@ struct Findings {
 pub(crate) struct Keys<'d> {
     name: String,
     table: &'d DeTable<'d>,
+    /// The same table in the documents that this one is based on, the nearest first.
+    bases: Vec<&'d DeTable<'d>>,
     place: Range<usize>,
     asked: Vec<&'static str>,
     /// `None` below a section that is missing: one finding for it is enough.
@@ -74,8 +122,19 @@ impl<'d> Keys<'d> {
         table: &'d DeTable<'d>,
         place: Range<usize>,
         findings: Option<&'d Findings>,
+        bases: Vec<&'d DeTable<'d>>,
     ) -> Self {
-        Self { name, table, place, asked: Vec::new(), findings }
+        Self { name, table, bases, place, asked: Vec::new(), findings }
+    }
+
+    /// A table that is missing: nothing is found in it, and one finding for that is enough.
+    fn missing(empty: &'d DeTable<'d>) -> Self {
+        Self::new(String::new(), empty, 0..0, None, Vec::new())
+    }
+
+    /// What a key is, here or in the nearest base that states it.
+    fn get(&self, key: &str) -> Option<&'d Spanned<DeValue<'d>>> {
+        self.table.get(key).or_else(|| self.bases.iter().find_map(|base| base.get(key)))
     }
 
     /// A number within bounds.
@@ -170,7 +229,7 @@ impl<'d> Keys<'d> {
         } else {
             self.note("S0403", &self.place, format!("{} lacks the section [{key}]", self.name));
         }
-        read(&mut Keys::new(String::new(), &DeTable::new(), 0..0, None))
+        read(&mut Keys::missing(&DeTable::new()))
     }
 
     /// A table within this one, if it is there.
@@ -184,11 +243,16 @@ impl<'d> Keys<'d> {
     }
 
     fn within<T>(&self, key: &'static str, read: impl FnOnce(&mut Keys<'_>) -> T) -> T {
-        let value = self.table.get(key).map(|v| (v.get_ref(), v.span()));
-        let Some((DeValue::Table(table), place)) = value else {
-            return read(&mut Keys::new(String::new(), &DeTable::new(), 0..0, None));
+        let empty = DeTable::new();
+        let bases: Vec<_> =
+            self.bases.iter().filter_map(|base| base.get(key)?.get_ref().as_table()).collect();
+        let (table, place) = match self.table.get(key).map(|v| (v.get_ref(), v.span())) {
+            Some((DeValue::Table(table), place)) => (table, place),
+            // stated by a base alone: its place in this text is where it could have been stated
+            None if !bases.is_empty() => (&empty, self.place.clone()),
+            Some(_) | None => return read(&mut Keys::missing(&empty)),
         };
-        let mut keys = Keys::new(self.path_to(key), table, place, self.findings);
+        let mut keys = Keys::new(self.path_to(key), table, place, self.findings, bases);
         let value = read(&mut keys);
         keys.finish();
         value
@@ -213,12 +277,18 @@ impl<'d> Keys<'d> {
             return Vec::new();
         }
         let mut values = Vec::with_capacity(array.len());
-        for item in array {
+        let own = self.table.contains_key(key);
+        for (at, item) in array.iter().enumerate() {
+            let below = |base: &&'d DeTable<'d>| -> Option<&'d DeTable<'d>> {
+                base.get(key)?.get_ref().as_array()?.get(at)?.get_ref().as_table()
+            };
+            let bases = self.bases.iter().filter(|_| own).filter_map(below).collect();
             let DeValue::Table(table) = item.get_ref() else {
                 self.wrong_type(key, item, &format!("a table headed [[{key}]]"));
                 continue;
             };
-            let mut keys = Keys::new(format!("[[{key}]]"), table, item.span(), self.findings);
+            let mut keys =
+                Keys::new(format!("[[{key}]]"), table, item.span(), self.findings, bases);
             values.push(read(&mut keys));
             keys.finish();
         }
@@ -237,7 +307,7 @@ impl<'d> Keys<'d> {
 
     /// Whether a key is stated at all.
     pub(crate) fn has(&self, key: &str) -> bool {
-        self.table.contains_key(key)
+        self.get(key).is_some()
     }
 
     /// Where a key's value stands; the table itself where the key is missing.
@@ -260,7 +330,7 @@ impl<'d> Keys<'d> {
         if !self.asked.contains(&key) {
             self.asked.push(key);
         }
-        self.table.get(key)
+        self.get(key)
     }
 
     fn required(&mut self, key: &'static str) -> Option<&'d Spanned<DeValue<'d>>> {

@@ -38,6 +38,8 @@ const STRIKES: u8 = 3;
 const WORSE: f64 = 1.25;
 /// … and this floor, mm.
 const FLOOR_MM: f64 = 0.1e-3;
+/// Share of an overrun that strokes after the first one teach.
+const LATER: f64 = 0.5;
 /// Cells over which a correction fades at the stroke's two ends, where spindle and axis stand.
 const FADE: usize = 16;
 /// No correction is larger than this share of a lead.
@@ -332,9 +334,20 @@ impl Lesson {
     /// angle of this spindle at this speed is longer than planned by as many turns. What braking overruns
     /// does not depend on when it begins, so one stroke teaches all of it.
     pub fn overran(&mut self, by: Length) {
-        const MOST: Angle = Angle::rev(10.0);
+        // the first stroke teaches all of it, later ones only what is not their own chance
+        let share = if self.strokes == 0 { 1.0 } else { LATER };
         let turns: Angle = by / self.key.lead.abs();
-        self.early = (self.early + turns).max(-MOST).min(MOST);
+        self.stopped_late(self.early + turns * share, by);
+    }
+
+    /// A stroke of a spindle that slowed down to a creep on its way has shown how much longer than planned its
+    /// stopping angle is, and went beyond its bottom by so much.
+    pub fn stopped_late(&mut self, by: Angle, overrun: Length) {
+        const MOST: Angle = Angle::rev(20.0);
+        self.early = by.max(-MOST).min(MOST);
+        self.strokes += 1;
+        self.first.get_or_insert(overrun.abs());
+        self.best = Some(self.best.map_or(overrun.abs(), |best| best.min(overrun.abs())));
     }
 
     fn roll_back(&mut self) -> Learnt {

@@ -31,8 +31,10 @@ mod periodic;
 pub mod recovery;
 mod repetition;
 mod spectrum;
+mod stopping;
 mod superposed;
 mod tapping;
+mod told;
 
 pub use blend::{Blend, BlendPoint};
 pub use compensate::{
@@ -45,9 +47,11 @@ pub use learning::{CELLS, Channel, Correction, Learning, Learnt, Lesson, StrokeK
 pub use measure::{Estimate, HARMONICS, MeasureError, Pair, PhaseError, fold, phase_error};
 pub use mode::{MAX_TRANSPORT, Prediction, SyncMode};
 pub use monitor::{Figures, Monitor, Verdict, Windows};
-pub use observer::{Observer, Tracker, stopping_angle};
+pub use observer::{Observer, Tracker};
 pub use periodic::{FEWEST_NODES, MOST_NODES, Periodic, PeriodicError, PeriodicPoint};
 pub use repetition::{Repetition, RepetitionOptions, Taught};
 pub use spectrum::{Complex, Spectrum};
+pub use stopping::{Stopping, stopping_angle};
 pub use superposed::{Fade, Swing};
 pub use tapping::{Ask, Cycle, Phase, Stroke, StrokePoint, Tap, Tick};
+pub use told::{Slowing, Spoken, Told};

@@ -18,8 +18,6 @@
 //! Steady-state gains of an α-β-γ filter with a triple real pole (Morrison's fading-memory filter of
 //! second degree): α = 1−ξ³, β = 3/2(1−ξ)²(1+ξ), γ = (1−ξ)³. With u known, a planned ramp leaves no
 //! residual; the bandwidth only decides how fast d is learnt against how much quantisation passes.
-//!
-//! The stopping angle at a constant deceleration is ω²/2a.
 use units::{Angle, Spin, SpinAccel, Time};
 
 use crate::Rotation;
@@ -121,11 +119,6 @@ impl Observer {
     }
 }
 
-/// Angle a master turns until it stands, at a constant deceleration: ω²/2a.
-pub fn stopping_angle(spin: Spin, deceleration: SpinAccel) -> Angle {
-    Angle::rev(spin.value() * spin.value() / (2.0 * deceleration.value().abs()))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -196,11 +189,5 @@ mod tests {
         let noise = f64::sqrt(squares / counted);
         assert!(noise < 1.2 * allowed, "{noise} rev/s at {bandwidth} Hz");
         assert!((50.0..200.0).contains(&bandwidth), "{bandwidth} Hz");
-    }
-
-    #[test]
-    fn a_spindle_at_6000_rpm_braked_at_400_rev_per_s2_turns_twelve_and_a_half_times() {
-        let angle = stopping_angle(Spin::rpm(6000.0), SpinAccel::rev_per_s2(-400.0));
-        assert_eq!(angle, Angle::rev(12.5));
     }
 }

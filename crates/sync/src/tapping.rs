@@ -20,7 +20,8 @@
 //! the depth is met because the plan ends there. *Encoder-following*, the spindle only obeys a speed:
 //! the stroke's clock waits at the top speed until the turns that are left are the turns that braking
 //! takes (the predicted stopping angle, ω²/2a for a constant a), then runs on. The order to turn back
-//! thus comes early, and the depth is met instead of overrun.
+//! thus comes early, and the depth is met instead of overrun. A spindle whose drive makes its own ramps is only
+//! [told](crate::told) speeds: its strokes are no planned strokes at all.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -29,6 +30,7 @@
 use units::{Accel, Angle, Lead, Length, Speed, Spin, SpinAccel, Time};
 
 use crate::halting::{After, sense};
+use crate::told::{Spoken, Told};
 use crate::{Blend, Coupling, Course, Follower, Halt, Halting, Rotation};
 
 /// State of a stroke at one time; magnitudes.
@@ -79,6 +81,8 @@ pub struct Tap<'a, S> {
     pub encoder_following: bool,
     /// Turns by which an encoder-following spindle is braked earlier than planned: what it overran before.
     pub early: Angle,
+    /// Its drive makes its own ramps.
+    pub spoken: Option<Spoken>,
     /// Limits of the small moves onto the coupling and off it.
     pub gentle: (Speed, Accel),
     /// How it is stopped on the way.
@@ -155,6 +159,8 @@ pub enum Cycle {
     Out(Coupling, Clock),
     /// Stopped on the way, on the coupling.
     Halted(Coupling, Halting),
+    /// In, and out again, on the ramps of the spindle's own drive.
+    Told(Coupling, Told),
     /// Following until the spindle stands.
     RunDown(Coupling),
     /// Bringing the axis from where the spindle left it to the end.
@@ -184,6 +190,9 @@ impl Cycle {
                 let at = at + tick.elapsed;
                 if at.value() < blend.duration_s() {
                     return Self::StepOn(coupling, blend, at);
+                }
+                if tap.spoken.is_some() {
+                    return Self::Told(coupling, Told::In);
                 }
                 Self::In(coupling, clock(tap, tap.inward))
             }
@@ -215,6 +224,9 @@ impl Cycle {
                     Self::Done
                 }
             }
+            Self::Told(coupling, told) => {
+                tap.spoken.map_or(self, |spoken| told.next(coupling, tap, &spoken, tick))
+            }
             Self::RunDown(coupling) if tick.at_rest => {
                 let z = coupling.position(tick.master.angle);
                 Self::Leave(gentle(tap, z, tap.end), Time::ZERO)
@@ -232,6 +244,9 @@ impl Cycle {
         let (coupling, leg, (time, waits)) = match *self {
             Self::AwaitRest | Self::StepOn(..) | Self::RunDown(_) | Self::Leave(..) => {
                 return Ask::Rest;
+            }
+            Self::Told(_, told) => {
+                return tap.spoken.map_or(Ask::Rest, |spoken| told.ask(tap, &spoken));
             }
             Self::Orient => return Ask::Hold(tap.start_angle),
             Self::Done if tap.encoder_following => return Ask::Rest,
@@ -273,6 +288,7 @@ impl Cycle {
             | Self::Bottom(coupling, _)
             | Self::Out(coupling, _)
             | Self::Halted(coupling, _)
+            | Self::Told(coupling, _)
             | Self::RunDown(coupling) => coupling.follow(master),
         }
     }
@@ -284,6 +300,7 @@ impl Cycle {
             | Self::Bottom(coupling, _)
             | Self::Out(coupling, _)
             | Self::Halted(coupling, _)
+            | Self::Told(coupling, _)
             | Self::RunDown(coupling) => Some(coupling),
             Self::AwaitRest | Self::Orient | Self::StepOn(..) | Self::Leave(..) | Self::Done => {
                 None
@@ -301,6 +318,24 @@ impl Cycle {
             | Self::Orient
             | Self::StepOn(..)
             | Self::Halted(..)
+            | Self::Told(..)
+            | Self::RunDown(_)
+            | Self::Leave(..)
+            | Self::Done => None,
+        }
+    }
+
+    /// Turns by which this stroke has shown the stopping angle to be longer than by the machine's file.
+    pub const fn taught(&self) -> Option<Angle> {
+        match self {
+            Self::Told(_, told) => told.taught(),
+            Self::AwaitRest
+            | Self::Orient
+            | Self::StepOn(..)
+            | Self::In(..)
+            | Self::Bottom(..)
+            | Self::Out(..)
+            | Self::Halted(..)
             | Self::RunDown(_)
             | Self::Leave(..)
             | Self::Done => None,
@@ -309,7 +344,19 @@ impl Cycle {
 
     /// It was stopped, and stands.
     pub const fn is_standing(&self) -> bool {
-        matches!(self, Self::Halted(_, halting) if halting.is_standing())
+        match self {
+            Self::Halted(_, halting) => halting.is_standing(),
+            Self::Told(_, told) => told.is_standing(),
+            Self::AwaitRest
+            | Self::Orient
+            | Self::StepOn(..)
+            | Self::In(..)
+            | Self::Bottom(..)
+            | Self::Out(..)
+            | Self::RunDown(_)
+            | Self::Leave(..)
+            | Self::Done => false,
+        }
     }
 
     /// What it is about.
@@ -318,6 +365,7 @@ impl Cycle {
             Self::AwaitRest | Self::Orient | Self::StepOn(..) => Phase::Prepare,
             Self::In(..) => Phase::In,
             Self::Bottom(..) => Phase::Bottom,
+            Self::Told(_, told) => told.phase(),
             Self::Halted(_, halting) if !halting.is_outward() => Phase::In,
             Self::Halted(..) | Self::Out(..) | Self::RunDown(_) | Self::Leave(..) => Phase::Out,
             Self::Done => Phase::Done,

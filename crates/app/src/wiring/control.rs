@@ -1,7 +1,7 @@
 //! The control's loops, windows and waits.
 use kernel::{
-    AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderPlace, FeedForward, Pause,
-    SpindleControl, SpindleFriction, SpindleWindows, Waits,
+    AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderPlace, FeedForward,
+    OwnRamps, Pause, SpindleControl, SpindleFriction, SpindleWindows, Waits,
 };
 use store::machine::{self, Axis, Control, Follows, Loops, MachineFile, PositionFrom, Spindle};
 use sync::{Prediction, SyncMode, Windows};
@@ -118,6 +118,12 @@ fn spindle(file: &Spindle, observer_bandwidth_hz: f64) -> SpindleControl {
         encoder_count: Angle::rev(1.0 / f64::from(file.encoder_counts_per_rev)),
         observer_bandwidth_hz,
         orient: (file.orient, file.orient_acceleration),
+        own_ramps: file.own_ramps.map(|own| OwnRamps {
+            delay: own.delay,
+            decel: own.deceleration,
+            uncertainty: own.uncertainty_share,
+            creep: own.creep_share,
+        }),
         windows: SpindleWindows {
             at_speed: file.windows.at_speed_share,
             at_rest: file.windows.at_rest,

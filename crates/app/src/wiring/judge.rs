@@ -1,7 +1,8 @@
 //! What the judge goes by.
 use canon::{Position, ToolLibrary};
 use store::machine::{MachineFile, Material};
-use verify::Config;
+use units::Length;
+use verify::{Config, Tolerances};
 
 /// Class 6H, the shop's usual tolerances, and the stock clamped at the workpiece's zero.
 pub(crate) fn judge(
@@ -16,6 +17,17 @@ pub(crate) fn judge(
         work_axis: [zero.linear[0], zero.linear[1]],
         stock_radius: Some(machine.setup.stock.to[0]), // a bar, where it is turned
         ..Config::new(tools.clone())
+    }
+}
+
+/// The shop's usual tolerances. Where the spindle turns back by itself and the feed only follows it, a thread may
+/// run as much beyond its bottom as such a spindle repeats its stop.
+pub(crate) fn tolerances(follows_encoder: bool) -> Tolerances {
+    const TURNS_BACK_WITHIN: Length = Length::mm(0.05);
+    let usual = Tolerances::default();
+    Tolerances {
+        thread_overrun: if follows_encoder { TURNS_BACK_WITHIN } else { usual.thread_overrun },
+        ..usual
     }
 }
 

@@ -12,6 +12,6 @@ mod planner;
 mod simulator;
 
 pub(crate) use control::{control, encoder};
-pub(crate) use judge::judge;
+pub(crate) use judge::{judge, tolerances};
 pub(crate) use planner::planner;
-pub(crate) use simulator::{simulator, start};
+pub(crate) use simulator::{plain_drive, simulator, start};

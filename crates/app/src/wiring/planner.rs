@@ -1,5 +1,7 @@
 //! What the planner may ask of the machine.
-use plan::{AxisLimits, Effort, MachineLimits, Retract, SpindleLimits, Tapping, ToolChange};
+use plan::{
+    AxisLimits, Effort, MachineLimits, OwnRamps, Retract, SpindleLimits, Tapping, ToolChange,
+};
 use store::machine::{Axis, Follows, MachineFile, Peck, Spindle};
 use units::{Force, Time};
 
@@ -35,6 +37,18 @@ fn tapping(machine: &MachineFile) -> Tapping {
         },
         inward: share(effort.planned_share),
         outward: share(effort.return_planned_share),
+        own_ramps: machine.spindles.first().and_then(|spindle| spindle.own_ramps).map(own_ramps),
+    }
+}
+
+fn own_ramps(file: store::machine::OwnRamps) -> OwnRamps {
+    OwnRamps {
+        delay: file.delay,
+        accel: file.acceleration,
+        decel: file.deceleration,
+        uncertainty: file.uncertainty_share,
+        repeats: file.repeats_share,
+        creep: file.creep_share,
     }
 }
 

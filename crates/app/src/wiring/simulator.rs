@@ -111,6 +111,21 @@ fn spindle(file: &Spindle) -> sim::SpindleModel {
     }
 }
 
+/// The drive of the first spindle, if it makes its own ramps: as its file says, but for what the simulation knows
+/// better.
+pub(crate) fn plain_drive(machine: &MachineFile) -> Option<sim::PlainDrive> {
+    let own = machine.spindles.first()?.own_ramps?;
+    let real = machine.simulation.spindle_drive;
+    Some(sim::PlainDrive {
+        delay: own.delay,
+        delay_scatter: real.delay_scatter,
+        accel: own.acceleration,
+        decel: own.deceleration * real.deceleration_share,
+        ramp_scatter: real.ramp_scatter_share,
+        speed_scatter: real.speed_scatter_share,
+    })
+}
+
 fn tool(tool: &Tool, seat: &TapSeat, material: Material) -> sim::Tool {
     let kind = match &tool.kind {
         ToolKind::Drill { point_angle } | ToolKind::SpotDrill { point_angle } => {

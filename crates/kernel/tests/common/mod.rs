@@ -171,6 +171,7 @@ pub fn control(machine: &sim::Config) -> Config {
             encoder_count: Angle::rev(1.0 / f64::from(model.encoder.counts_per_rev)),
             observer_bandwidth_hz: 200.0,
             orient: (Spin::rpm(300.0), SpinAccel::rev_per_s2(100.0)),
+            own_ramps: None,
             windows: SpindleWindows {
                 at_speed: 0.02,
                 at_rest: Spin::rpm(3.0),

@@ -30,6 +30,10 @@ impl Planner {
         let spin = match order {
             SpindleOrder::Stop => Spin::ZERO,
             SpindleOrder::Turn(spin) => *spin,
+            SpindleOrder::Orient(_) if self.limits.tapping.own_ramps.is_some() => {
+                let text = "expected M3, M4 or M5: the drive of this spindle is only told a speed, and cannot stop at an angle";
+                return self.findings.add(Diagnostic::error("M0337", job.span, text));
+            }
             SpindleOrder::Orient(angle) => {
                 self.rest(job, usize::from(index));
                 let order = SpindleStep::Orient(*angle);

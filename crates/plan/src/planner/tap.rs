@@ -27,10 +27,16 @@ use crate::tap_check::{TapCheck, cutting_torque, whole_rpm};
 use alloc::{format, string::String};
 use canon::{Axis, Holder, Tap, TapTool, Tool, ToolKind};
 use diag::{Diagnostic, Span};
-use units::{Angle, Lead, Length, Time, Torque};
+use units::{Angle, Lead, Length, Spin, Time, Torque};
 
 /// The axes stand at the start if they are this near to it, mm.
 const AT_START: f64 = 1e-6;
+
+/// The fastest way out that spindle and axis can tap.
+fn highest_return(tap: &Tap, means: &Means) -> Spin {
+    let (axis, spindle) = &means.outward;
+    spindle.tapping_max.min(axis.feed_speed / tap.lead.abs())
+}
 
 /// What is left below this counts as no peck of its own, mm.
 const NO_PECK: f64 = 1e-6;
@@ -108,6 +114,7 @@ impl Planner {
             axis: &inward.0,
             spindle: &inward.1,
             hole,
+            own_ramps: self.limits.tapping.own_ramps,
         };
         let mut found = check.findings(cut);
         if hole.is_none() && tap.axis == Axis::Z {
@@ -231,8 +238,7 @@ impl Planner {
     }
 
     fn warn_of_slow_return(&mut self, job: &Job, tap: &Tap, means: &Means) {
-        let (axis, spindle) = &means.outward;
-        let highest = spindle.tapping_max.min(axis.feed_speed / tap.lead.abs());
+        let highest = highest_return(tap, means);
         if tap.return_spin.value() > highest.value() * (1.0 + 1e-9) {
             let text = format!(
                 "the return at S{} is faster than spindle and axis can tap: it runs at S{}",
@@ -253,10 +259,12 @@ impl Planner {
             spin: tap.spin,
             lead: tap.lead,
             cut: means.cut,
-            force_ramp: self.options.force_ramp,
+            force_ramp: self.ramp_of_stroke(tap.spin),
         };
         let revolutions = turns(peck.bottom, peck.end);
-        let back = StrokeRequest { revolutions, spin: tap.return_spin, ..request };
+        let return_spin = tap.return_spin.min(highest_return(tap, means));
+        let force_ramp = self.ramp_of_stroke(return_spin);
+        let back = StrokeRequest { revolutions, spin: return_spin, force_ramp, ..request };
         let inward = self.stroke(request, &means.inward, 0);
         let outward = self.stroke(back, &means.outward, 1);
         // on the helix through the start: where a peck begins deeper, the spindle stands that much further
@@ -274,13 +282,20 @@ impl Planner {
             surface: tap.surface,
             lead: tap.lead * direction,
             spin: tap.spin * sense,
-            return_spin: tap.return_spin * -sense,
+            return_spin: return_spin * -sense,
             inward: inward.profile,
             dwell: if peck.bottom == tap.bottom { tap.dwell } else { Time::ZERO },
             outward: outward.profile,
             start_angle,
             limiting: inward.limiting,
         }
+    }
+
+    /// How long the run-up of a stroke takes where torque and power do not say it: as the user asked, or as the
+    /// drive makes it.
+    fn ramp_of_stroke(&self, spin: Spin) -> Option<Time> {
+        let own = self.limits.tapping.own_ramps;
+        self.options.force_ramp.or_else(|| own.map(|own| spin / own.accel.min(own.decel)))
     }
 
     /// A stroke in (0) or out (1); holes of a pattern are alike, so the last ones are remembered.

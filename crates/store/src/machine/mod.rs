@@ -14,6 +14,9 @@
 //! Machine coordinates: zero of each axis where the file's travel says; on the embedded machines it is
 //! the positive end of the travel, so Z0 is the top.
 //!
+//! `extends = "NAME"` at the top bases a file on an embedded machine: it then states only what differs. What
+//! a base states cannot be taken away, only changed; `[[spindles]]` are paired in their order.
+//!
 //! Symbols without a quantity of their own, with the unit in the name of the field:
 //!
 //! | field ends in | unit |
@@ -38,8 +41,8 @@ pub use control::{
     ChipRemoval, Control, CycleDepth, Dialect, Follows, Learning, Overrides, Prediction,
     Synchronisation, ToolChange, Waits,
 };
-pub use setup::{Material, Setup, Simulation, Stock, TapSeat};
-pub use spindle::{Spindle, SpindleFriction, SpindleWindows};
+pub use setup::{Material, Setup, Simulation, SpindleDrive, Stock, TapSeat};
+pub use spindle::{OwnRamps, Spindle, SpindleFriction, SpindleWindows};
 pub use tapping::{Effort, Peck, Preset, Ramp, Tapping};
 
 use crate::{Error, SMALL_FILE_LIMIT, keys, keys::Keys, read_text};
@@ -70,13 +73,18 @@ pub struct MachineFile {
 }
 
 /// Names of the embedded machines; the first is the default.
-pub const EMBEDDED: [&str; 3] = ["tapping-center", "polygon-lathe", "cam-grinder"];
+pub const EMBEDDED: [&str; 5] =
+    ["tapping-center", "polygon-lathe", "cam-grinder", "tapping-center-scale", "vfd-mill"];
 
 /// The text of an embedded machine's file.
 pub fn embedded(name: &str) -> Option<&'static str> {
     match name {
         "tapping-center" => Some(include_str!("../../../../machines/tapping-center.toml")),
         "polygon-lathe" => Some(include_str!("../../../../machines/polygon-lathe.toml")),
+        "tapping-center-scale" => {
+            Some(include_str!("../../../../machines/tapping-center-scale.toml"))
+        }
+        "vfd-mill" => Some(include_str!("../../../../machines/vfd-mill.toml")),
         "cam-grinder" => Some(include_str!("../../../../machines/cam-grinder.toml")),
         _ => None,
     }
@@ -87,7 +95,7 @@ pub fn embedded(name: &str) -> Option<&'static str> {
 /// # Errors
 /// Everything that is wrong with the text, in its order.
 pub fn parse(text: &str, file: u16) -> Result<MachineFile, Vec<Diagnostic>> {
-    keys::read(text, file, MachineFile::read)
+    keys::read_over(text, file, "extends", &embedded, MachineFile::read)
 }
 
 /// Read a machine from its file.

@@ -50,6 +50,40 @@ pub struct Simulation {
     pub scatter_share: f64,
     /// How a tap sits in the thread that it cuts.
     pub tap_seat: TapSeat,
+    /// What the spindle's own drive really does, where that differs from what `[spindles.drive]` says.
+    pub spindle_drive: SpindleDrive,
+}
+
+/// What a spindle drive that makes its own ramps really does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpindleDrive {
+    /// Its deceleration, as a share of what the file says.
+    pub deceleration_share: f64,
+    /// 1σ of its delay.
+    pub delay_scatter: Time,
+    /// 1σ of the time that its ramps take, as a share.
+    pub ramp_scatter_share: f64,
+    /// 1σ of its speed, as a share.
+    pub speed_scatter_share: f64,
+}
+
+impl SpindleDrive {
+    /// One that does what the file says.
+    const EXACT: Self = Self {
+        deceleration_share: 1.0,
+        delay_scatter: Time::ZERO,
+        ramp_scatter_share: 0.0,
+        speed_scatter_share: 0.0,
+    };
+
+    fn read(keys: &mut Keys<'_>) -> Self {
+        Self {
+            deceleration_share: percent(keys, "deceleration_percent", 10.0..=1000.0),
+            delay_scatter: Time::s(keys.number("delay_scatter_ms", 0.0..=1000.0) * 1e-3),
+            ramp_scatter_share: percent(keys, "ramp_scatter_percent", 0.0..=50.0),
+            speed_scatter_share: percent(keys, "speed_scatter_percent", 0.0..=50.0),
+        }
+    }
 }
 
 /// How a tap sits in the thread that it cuts: free within the clearance, then on an elastic flank.
@@ -128,6 +162,9 @@ impl Simulation {
                 flank_clearance: Length::um(k.number("flank_clearance_um", 0.0..=1000.0)),
                 flank_stiffness: n_per_um(k.number("flank_stiffness_n_per_um", 0.1..=1e5)),
             }),
+            spindle_drive: keys
+                .optional_section("spindle_drive", SpindleDrive::read)
+                .unwrap_or(SpindleDrive::EXACT),
         }
     }
 }

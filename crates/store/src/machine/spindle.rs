@@ -43,10 +43,29 @@ pub struct Spindle {
     pub orient_acceleration: SpinAccel,
     /// What holds it back.
     pub friction: SpindleFriction,
+    /// Its drive is only told a speed and makes its own ramps; `None`: it is told a torque.
+    pub own_ramps: Option<OwnRamps>,
     /// How it is controlled.
     pub loops: Loops,
     /// What it is watched for.
     pub windows: SpindleWindows,
+}
+
+/// A drive that is only told a speed: `[spindles.drive]` of the kind "speed".
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OwnRamps {
+    /// From an order until it obeys.
+    pub delay: Time,
+    /// Of its ramp up.
+    pub acceleration: SpinAccel,
+    /// Of its ramp down.
+    pub deceleration: SpinAccel,
+    /// How far its stopping angle may be from what these make it.
+    pub uncertainty_share: f64,
+    /// How far it may be once a stroke has taught it.
+    pub repeats_share: f64,
+    /// Share of a tap's speed at which the first stroke of a kind creeps to its bottom.
+    pub creep_share: f64,
 }
 
 /// Friction of a spindle: c0·tanh(ω/ω0) + c1·ω.
@@ -92,6 +111,7 @@ impl Spindle {
                 keys.number("orient_rev_per_s2", 0.01..=1e6),
             ),
             friction: keys.section("friction", SpindleFriction::read),
+            own_ramps: keys.optional_section("drive", OwnRamps::read).flatten(),
             loops: keys.section("loops", Loops::read),
             windows: keys.section("windows", SpindleWindows::read),
         };
@@ -136,6 +156,26 @@ fn read_name(keys: &mut Keys<'_>) -> String {
         );
     }
     name
+}
+
+impl OwnRamps {
+    fn read(keys: &mut Keys<'_>) -> Option<Self> {
+        let told_a_speed = keys.choice("kind", &[("torque", false), ("speed", true)]);
+        if !told_a_speed {
+            return None;
+        }
+        let accel = 0.1..=1e5;
+        Some(Self {
+            delay: Time::s(keys.number("delay_ms", 0.0..=1000.0) * 1e-3),
+            acceleration: SpinAccel::rev_per_s2(
+                keys.number("acceleration_rev_per_s2", accel.clone()),
+            ),
+            deceleration: SpinAccel::rev_per_s2(keys.number("deceleration_rev_per_s2", accel)),
+            uncertainty_share: percent(keys, "uncertainty_percent", 0.0..=100.0),
+            repeats_share: percent(keys, "repeats_percent", 0.0..=100.0),
+            creep_share: percent(keys, "creep_percent", 1.0..=100.0),
+        })
+    }
 }
 
 impl SpindleFriction {

@@ -1,0 +1,247 @@
+//! The tap of a spindle whose drive is only told a speed: it is told early, and what it does is watched.
+//!
+//! ```text
+//!        told S               turns left = N·(1 + u)           slow: its deceleration has shown itself
+//!   In ─────────► at speed ─────────────────────────► Slow ────────────────────────────────────────────┐
+//!                    │            nothing learnt yet    told to creep      turns left = N as it showed  │
+//!                    │ turns left = N + early                                                          ▼
+//!                    └───────────────── learnt ─────────────────────────────────────────────────────► Turn
+//!                                                          told to turn back, still going in            │
+//!       RunDown ◄──────────────────── Out ◄──────── Bottom ◄──────── dwell ─────────────────────────────┤
+//!                 turns left = N       ▲                                          it stands             │
+//!                                      └──────────────────────────────────────────────────────────────┘
+//! ```
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | N | stopping angle at the present speed, by the machine's file ([`Stopping`]) |
+//! | u | share by which it may be longer |
+//! | early | turns that it was longer at the programmed speed, learnt from the strokes before; it goes with the square of the speed |
+//!
+//! The first stroke of a kind is on the safe side: it leaves the speed so early that even a stopping angle longer by u
+//! would not pass the bottom, and creeps on to it. From the second stroke on the spindle is told to turn back straight from its speed.
+//! A stop on the way tells it to stand; the feed stays on its helix meanwhile, and the stroke goes on, or out, from there.
+//! An order is given in a period, so the turning point is met within half a period's way.
+use crate::stopping::{Stopping, stopping_angle};
+use crate::tapping::{Cycle, Phase, Stroke, Tap, Tick};
+use crate::{Ask, Coupling, Rotation};
+use units::{Angle, Spin, SpinAccel, Time};
+
+/// The deceleration has shown itself once the spindle is as slow as this many times its creep …
+const SHOWN: f64 = 1.5;
+/// … where it shall stay for so long before it is told to turn back.
+const CREEPS_FOR: Time = Time::s(0.02);
+/// What an observer of an encoder of a thousand lines is late by when a ramp sets in.
+const SEEN_LATE: Time = Time::s(4e-3);
+
+/// A spindle that is told speeds, in one tap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spoken {
+    /// Speeds in and out, signed.
+    pub speeds: (Spin, Spin),
+    /// How it stops, by the machine's file, from the moment at which the control decides.
+    pub stopping: Stopping,
+    /// Share by which the stopping angle may be longer.
+    pub uncertainty: f64,
+    /// A speed from which that does not matter.
+    pub creep: Spin,
+    /// Strokes of this kind have taught the stopping angle.
+    pub known: bool,
+}
+
+/// Where such a tap stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Told {
+    /// Told its speed inwards.
+    In,
+    /// Told to creep.
+    Slow(Slowing),
+    /// Told to turn back, or to stand for the dwell; still going in. With what the stroke has taught.
+    Turn(Option<Angle>),
+    /// Standing at the bottom since the time given.
+    Bottom(Option<Angle>, Time),
+    /// Told its speed outwards.
+    Out(Option<Angle>),
+    /// Held: told to stand, wherever that is, and whether it does. With the way to go on, and what was taught.
+    Held {
+        /// On inwards.
+        inward: bool,
+        /// As in `Turn`.
+        taught: Option<Angle>,
+        /// It stands.
+        stands: bool,
+    },
+    /// Told its speed outwards by whoever holds it: at the start it is held again.
+    Clear(Option<Angle>),
+}
+
+/// On the way to the creep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slowing {
+    /// Where it began to slow down, and its speed then.
+    from: (Angle, Spin),
+    /// How it really stops, once that is seen.
+    shown: Option<Stopping>,
+}
+
+impl Spoken {
+    /// How fast it gains speed, from rest to `to` over the turns that it has done: n²/2N, which is far steadier than
+    /// what an observer sees of a coarse encoder's acceleration. That one only tells whether it does.
+    fn rises(&self, spin: Spin, seen: SpinAccel, turned: Angle, to: Spin) -> SpinAccel {
+        let n = spin.value();
+        let mean = SpinAccel::rev_per_s2(n * n / (2.0 * turned.value().max(f64::MIN_POSITIVE)));
+        let missing = (to.abs() - spin).max(Spin::ZERO);
+        if seen < mean / 2.0 || self.stopping.delay <= Time::ZERO {
+            return SpinAccel::ZERO;
+        }
+        mean.min(missing / self.stopping.delay)
+    }
+}
+
+impl Told {
+    /// The state after this period.
+    pub(crate) fn next<S: Stroke>(
+        self,
+        coupling: Coupling,
+        tap: &Tap<S>,
+        spoken: &Spoken,
+        tick: &Tick,
+    ) -> Cycle {
+        let inwards = if spoken.speeds.0 < Spin::ZERO { -1.0 } else { 1.0 };
+        let spin = tick.master.spin * inwards;
+        // the period in which an order comes nearest to its moment
+        let half = spin.abs() * tick.elapsed / 2.0;
+        let left = coupling.phase_difference(tick.master.angle, tap.bottom) * inwards - half;
+        // it may still gain speed while the drive has not obeyed yet
+        let turned = (tap.bottom - tap.start).abs() / tap.lead.abs() - left;
+        let rises = spoken.rises(spin, tick.master.accel * inwards, turned, spoken.speeds.0);
+        let share = square((spin + rises * spoken.stopping.delay) / spoken.speeds.0);
+        let is = match self {
+            Self::Held { inward, taught, .. } => Self::held(inward, taught, tick),
+            _ if tick.rest && !tick.out => Self::Held {
+                inward: self.phase() == Phase::In,
+                taught: self.taught(),
+                stands: false,
+            },
+            Self::In if spoken.known => {
+                let early = spoken.stopping.angle_while(spin, rises) + tap.early * share;
+                if left > early { self } else { Self::Turn(None) }
+            }
+            Self::In => {
+                let longest = spoken.stopping.slower_by(spoken.uncertainty);
+                let creeping = spoken.creep * (CREEPS_FOR + longest.delay) + spin * SEEN_LATE;
+                if left > longest.angle_while(spin, rises) + creeping {
+                    self
+                } else {
+                    // how far it turns on, and how fast, before the drive obeys
+                    let delay = spoken.stopping.delay;
+                    let rotation = Rotation { accel: rises * inwards, ..tick.master }.after(delay);
+                    let from = (rotation.angle, rotation.spin * inwards);
+                    Self::Slow(Slowing { from, shown: None })
+                }
+            }
+            Self::Slow(slowing) => slowing.next(spoken, spin, left, tick.master.angle, inwards),
+            Self::Turn(_) if spin > Spin::ZERO && !tick.at_rest => self,
+            Self::Turn(taught) if tap.dwell > Time::ZERO => Self::Bottom(taught, Time::ZERO),
+            Self::Turn(taught) => Self::Out(taught),
+            Self::Bottom(taught, waited) if waited + tick.elapsed < tap.dwell => {
+                Self::Bottom(taught, waited + tick.elapsed)
+            }
+            Self::Bottom(taught, _) => Self::Out(taught),
+            Self::Out(taught) | Self::Clear(taught) => {
+                let left = coupling.phase_difference(tick.master.angle, tap.end) * -inwards - half;
+                // what was learnt of this speed inwards holds for the way out as far as the speeds are alike
+                let more = taught.unwrap_or(tap.early) * square(spin / spoken.speeds.0);
+                let turned = (tap.bottom - tap.end).abs() / tap.lead.abs() - left;
+                let accel = tick.master.accel * -inwards;
+                let rises = spoken.rises(-spin, accel, turned, spoken.speeds.1);
+                if left <= spoken.stopping.angle_while(spin, rises) + more {
+                    if let Self::Clear(taught) = self {
+                        let held = Self::Held { inward: true, taught, stands: false };
+                        return Cycle::Told(coupling, held);
+                    }
+                    return Cycle::RunDown(coupling);
+                }
+                self
+            }
+        };
+        Cycle::Told(coupling, is)
+    }
+
+    /// Held: out as soon as that is asked, on as soon as nobody holds it any more.
+    fn held(inward: bool, taught: Option<Angle>, tick: &Tick) -> Self {
+        match (tick.out, tick.rest) {
+            (true, _) => Self::Clear(taught),
+            (false, true) => Self::Held { inward, taught, stands: tick.at_rest },
+            (false, false) if inward => Self::In,
+            (false, false) => Self::Out(taught),
+        }
+    }
+
+    /// It is held, and stands.
+    pub(crate) const fn is_standing(self) -> bool {
+        matches!(self, Self::Held { stands: true, .. })
+    }
+
+    /// What it is about.
+    pub(crate) const fn phase(self) -> Phase {
+        match self {
+            Self::In | Self::Slow(_) | Self::Turn(_) | Self::Held { inward: true, .. } => Phase::In,
+            Self::Bottom(..) => Phase::Bottom,
+            Self::Out(_) | Self::Clear(_) | Self::Held { inward: false, .. } => Phase::Out,
+        }
+    }
+
+    /// What the spindle is told.
+    pub(crate) fn ask<S: Stroke>(self, tap: &Tap<S>, spoken: &Spoken) -> Ask {
+        let (inwards, outwards) = spoken.speeds;
+        let spin = match self {
+            Self::In => inwards,
+            Self::Slow(_) if inwards < Spin::ZERO => -spoken.creep,
+            Self::Slow(_) => spoken.creep,
+            Self::Turn(_) if tap.dwell > Time::ZERO => Spin::ZERO,
+            Self::Bottom(..) | Self::Held { .. } => Spin::ZERO,
+            Self::Turn(_) | Self::Out(_) | Self::Clear(_) => outwards,
+        };
+        Ask::Speed(Rotation { spin, ..Rotation::default() })
+    }
+
+    /// Turns by which the stopping angle at the speed of this tap is longer than by the machine's file.
+    pub(crate) const fn taught(self) -> Option<Angle> {
+        match self {
+            Self::In | Self::Slow(_) => None,
+            Self::Turn(taught)
+            | Self::Bottom(taught, _)
+            | Self::Out(taught)
+            | Self::Held { taught, .. }
+            | Self::Clear(taught) => taught,
+        }
+    }
+}
+
+impl Slowing {
+    fn next(self, spoken: &Spoken, spin: Spin, left: Angle, angle: Angle, inwards: f64) -> Told {
+        let (at, from) = self.from;
+        let shown = self.shown.or_else(|| {
+            let slow = spin <= spoken.creep * SHOWN;
+            slow.then(|| spoken.stopping.shown(from, spin, (angle - at) * inwards)).flatten()
+        });
+        // until then it is on its way down already: there is no delay to come
+        let longest = spoken.stopping.slower_by(spoken.uncertainty);
+        let needed =
+            shown.map_or_else(|| stopping_angle(spin, longest.decel), |shown| shown.angle(spin));
+        if left > needed {
+            return Told::Slow(Self { shown, ..self });
+        }
+        let at_speed = spoken.speeds.0;
+        Told::Turn(shown.map(|shown| shown.angle(at_speed) - spoken.stopping.angle(at_speed)))
+    }
+}
+
+fn square(x: f64) -> f64 {
+    x * x
+}
+
+#[cfg(test)]
+#[path = "told_tests.rs"]
+mod tests;

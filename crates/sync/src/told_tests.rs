@@ -1,0 +1,178 @@
+//! A drive with a delay and a ramp of its own, which brakes slower than its file says.
+use super::*;
+use crate::Halt;
+use crate::tapping::StrokePoint;
+use units::{Accel, Lead, Length, Speed, SpinAccel};
+
+const PERIOD: f64 = 250e-6;
+
+/// The planned stroke is of no use to such a spindle.
+struct Unplanned;
+
+impl Stroke for Unplanned {
+    fn at(&self, _: Time) -> StrokePoint {
+        StrokePoint::default()
+    }
+    fn duration(&self) -> Time {
+        Time::ZERO
+    }
+    fn length(&self) -> Angle {
+        Angle::ZERO
+    }
+    fn brake(&self) -> Time {
+        Time::ZERO
+    }
+}
+
+fn tap_at(rpm: f64, early: Angle, known: bool, dwell: Time, sense: f64) -> Tap<'static, Unplanned> {
+    let stopping = Stopping { delay: Time::s(0.01), decel: SpinAccel::rev_per_s2(67.0) };
+    let spin = Spin::rpm(rpm * sense);
+    Tap {
+        lead: Lead::mm_per_rev(-1.25 * sense),
+        start: Length::mm(5.0),
+        bottom: Length::mm(-25.0),
+        end: Length::mm(5.0),
+        spin,
+        inward: &Unplanned,
+        dwell,
+        outward: &Unplanned,
+        start_angle: None,
+        encoder_following: true,
+        early,
+        spoken: Some(Spoken {
+            speeds: (spin, -spin),
+            stopping,
+            uncertainty: 0.2,
+            creep: Spin::rpm(0.1 * rpm),
+            known,
+        }),
+        gentle: (Speed::mm_per_s(50.0), Accel::mm_per_s2(500.0)),
+        halt: Halt {
+            level: SpinAccel::rev_per_s2(67.0),
+            power: f64::INFINITY,
+            jerk: units::SpinJerk::rev_per_s3(1e4),
+            slow: (Spin::rpm(300.0), SpinAccel::rev_per_s2(67.0)),
+            on: (spin.abs(), SpinAccel::rev_per_s2(67.0)),
+            clear: Length::mm(5.0),
+        },
+    }
+}
+
+fn tap(early: Angle, known: bool, dwell: Time, sense: f64) -> Tap<'static, Unplanned> {
+    tap_at(2000.0, early, known, dwell, sense)
+}
+
+/// What became of a tap: turns beyond the bottom, turns beyond the start on the way out, what was taught, time.
+struct Seen {
+    beyond_bottom: f64,
+    beyond_start: f64,
+    taught: Option<Angle>,
+    seconds: f64,
+}
+
+/// Run it on a drive whose deceleration is 85 % of what its file says.
+fn run(tap: &Tap<Unplanned>) -> Seen {
+    run_held(tap, 0.0..0.0)
+}
+
+/// The same, held for a while.
+fn run_held(tap: &Tap<Unplanned>, holds: core::ops::Range<f64>) -> Seen {
+    let (decel, accel, delay) = (0.85 * 67.0, 67.0, 40);
+    let mut orders = std::collections::VecDeque::from(std::vec![0.0; delay]);
+    let (mut angle, mut spin, mut cycle) = (0.0_f64, 0.0_f64, Cycle::new());
+    let mut seen = Seen { beyond_bottom: -100.0, beyond_start: -100.0, taught: None, seconds: 0.0 };
+    let sense = tap.spin.value().signum();
+    let turns = ((tap.bottom - tap.start) / tap.lead).value();
+    while cycle != Cycle::Done && seen.seconds < 20.0 {
+        let ask = cycle.ask(tap, Time::ZERO);
+        let wanted = match ask {
+            Ask::Speed(rotation) => rotation.spin.value(),
+            Ask::Rest => 0.0,
+            Ask::Hold(_) | Ask::Angle(_) => panic!("it cannot be held"),
+        };
+        orders.push_back(wanted);
+        let told = orders.pop_front().unwrap();
+        let falls = told.abs() < spin.abs() || told * spin < 0.0;
+        let most = if falls { decel } else { accel } * PERIOD;
+        let before = spin;
+        spin += (told - spin).clamp(-most, most);
+        angle += f64::midpoint(before, spin) * PERIOD;
+        let master = Rotation {
+            angle: Angle::rev(angle),
+            spin: Spin::rev_per_s(spin),
+            accel: SpinAccel::rev_per_s2((spin - before) / PERIOD),
+        };
+        let tick = Tick {
+            elapsed: Time::s(PERIOD),
+            master,
+            at_rest: wanted == 0.0 && spin == 0.0,
+            held: None,
+            rest: holds.contains(&seen.seconds),
+            out: false,
+        };
+        cycle = cycle.next(tap, &tick);
+        seen.taught = seen.taught.or(cycle.taught());
+        seen.seconds += PERIOD;
+        if cycle.phase() != Phase::Prepare {
+            seen.beyond_bottom = seen.beyond_bottom.max(angle * sense - turns * sense);
+            seen.beyond_start = seen.beyond_start.max(-angle * sense);
+        }
+    }
+    assert_eq!(cycle, Cycle::Done);
+    seen
+}
+
+/// Half of the way in a period at creep, and at speed.
+const AT_CREEP: f64 = 200.0 / 60.0 * PERIOD;
+const AT_SPEED: f64 = 2000.0 / 60.0 * PERIOD;
+
+#[test]
+fn the_first_stroke_creeps_to_the_bottom_and_teaches_how_the_drive_really_stops() {
+    for (dwell, sense) in [(0.0, 1.0), (0.1, 1.0), (0.0, -1.0)] {
+        let seen = run(&tap(Angle::ZERO, false, Time::s(dwell), sense));
+        assert!(seen.beyond_bottom.abs() < 2.0 * AT_CREEP, "{} rev", seen.beyond_bottom);
+        // n²/2a with 0.85·a is longer by 0.176 of it
+        let n = 2000.0 / 60.0;
+        let longer = n * n / (2.0 * 67.0) * (1.0 / 0.85 - 1.0);
+        let taught = seen.taught.expect("it slowed down").value();
+        assert!((taught - longer).abs() < 0.02, "{taught} rev taught, {longer} rev longer");
+        assert!(seen.beyond_start.abs() < 0.1, "{} rev", seen.beyond_start);
+    }
+}
+
+#[test]
+fn the_second_stroke_turns_back_straight_from_its_speed_and_meets_the_bottom() {
+    let first = run(&tap(Angle::ZERO, false, Time::ZERO, 1.0));
+    let second = run(&tap(first.taught.unwrap(), true, Time::ZERO, 1.0));
+    // 1.25 mm a turn: within 25 µm
+    assert!(second.beyond_bottom.abs() < 2.0 * AT_SPEED + 0.01, "{} rev", second.beyond_bottom);
+    assert!(second.seconds < first.seconds - 0.05, "{} s, {} s", first.seconds, second.seconds);
+}
+
+#[test]
+fn a_drive_believed_without_learning_would_overrun_by_its_error() {
+    let believed = run(&tap(Angle::ZERO, true, Time::ZERO, 1.0));
+    assert!(believed.beyond_bottom > 1.0, "{} rev", believed.beyond_bottom);
+}
+
+#[test]
+fn whatever_the_speed_the_second_stroke_meets_the_bottom_even_if_the_stroke_is_too_short_for_it() {
+    for rpm in [500.0, 1000.0, 2000.0, 3000.0] {
+        let first = run(&tap_at(rpm, Angle::ZERO, false, Time::ZERO, 1.0));
+        let taught = first.taught.expect("it slowed down");
+        let second = run(&tap_at(rpm, taught, true, Time::ZERO, 1.0));
+        for beyond in [first.beyond_bottom, second.beyond_bottom] {
+            assert!(beyond.abs() * 1.25 < 0.025, "{rpm} rpm: {beyond} rev");
+        }
+    }
+}
+
+#[test]
+fn a_stroke_that_is_held_on_its_way_in_goes_on_to_its_bottom() {
+    for at in [0.1, 0.6, 1.0] {
+        let seen = run_held(&tap(Angle::ZERO, false, Time::ZERO, 1.0), at..at + 1.5);
+        // too little way is left for the drive to show how it stops: short of the bottom, then, never beyond
+        let beyond = seen.beyond_bottom;
+        assert!((-0.1..0.01).contains(&beyond), "held at {at} s: {beyond} rev");
+    }
+}
