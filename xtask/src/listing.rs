@@ -44,7 +44,7 @@ pub(crate) fn positive_zeros(line: &str) -> String {
 
 /// What Leadscrew's interpreter makes of a program.
 pub(crate) fn ours(program: &[u8], tools: ToolLibrary) -> Outcome {
-    let setup = Setup { tools, ..Setup::default() };
+    let setup = Setup { tools, stand_alone: true, ..Setup::default() };
     let mut interpreter = Interpreter::new(program, &setup);
     let mut listing = Listing::new(Vec::new());
     interpreter.run(&mut listing);

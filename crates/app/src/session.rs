@@ -109,6 +109,7 @@ impl Session {
     pub(crate) fn bare_setup(&self) -> interp::Setup {
         let mut setup = self.interp_setup();
         setup.start = canon::Position::default();
+        setup.stand_alone = true;
         if !self.has_parameter_file {
             setup.parameters = interp::Parameters::default();
         }

@@ -131,8 +131,9 @@ impl Executor {
     /// The tool goes on beside the last programmed point; the next move leads back onto the programmed way.
     pub(crate) fn compensation_off<S: Sink>(&mut self, sink: &mut S) -> Outcome {
         let settled = self.settle(None, sink);
-        if let Some(compensation) = self.state.compensation.take() {
-            self.state.leaving_compensation = compensation.at.is_some();
+        let place = self.state.place();
+        if self.state.compensation.take().is_some_and(|compensation| compensation.at.is_some()) {
+            self.state.left_beside = Some(self.state.frame.to_machine(&place));
         }
         self.let_go(sink);
         self.compensating = false;
@@ -257,7 +258,9 @@ impl Executor {
                 .with_help("write G0 or G1 before the arc")
                 .into());
         }
-        self.state.leaving_compensation = motion == Motion::None;
+        if motion != Motion::None {
+            self.state.left_beside = None;
+        }
         Ok(())
     }
 

@@ -55,6 +55,7 @@ pub(crate) struct Executor {
     pub(crate) compensating: bool,
     pub(crate) held: RefCell<Vec<(Place, Held)>>,
     pub(crate) dialect: Dialect,
+    pub(crate) stand_alone: bool,
     /// The machine's settings for cycles.
     pub(crate) cycles: Cycles,
     /// Warnings and notes of the block at hand.
@@ -74,6 +75,7 @@ impl Executor {
             compensating: false,
             held: RefCell::default(),
             dialect: setup.dialect,
+            stand_alone: setup.stand_alone,
             cycles: setup.cycles,
             remarks: Vec::new(),
         };
@@ -118,6 +120,7 @@ impl Executor {
     /// Execute the words read.
     pub(crate) fn execute<S: Sink>(&mut self, sink: &mut S) -> Outcome<After> {
         let motion = self.motion()?;
+        let before = self.state.place();
         self.words.check_letters(motion.map_or(0, letters_of), self.letters_beside(motion))?;
         let words = &self.words;
         if words.has_codes() || words.any(crate::codes::set("STF")) {
@@ -134,6 +137,9 @@ impl Executor {
         if let Some(motion) = motion {
             self.rigid_motion(motion)?;
             self.move_along(motion, sink)?;
+        }
+        if self.words.m(MGroup::Tool).is_some() {
+            self.ask_where(motion, &before);
         }
         self.stops(sink)
     }
@@ -179,7 +185,7 @@ impl Executor {
         if motion != Motion::CubicSpline {
             self.state.spline_leaves = None;
         }
-        if self.state.leaving_compensation {
+        if self.state.left_beside.is_some() {
             self.leave_compensation(motion)?;
         }
         match motion {
@@ -200,6 +206,17 @@ impl Executor {
         }
         self.state.motion = motion;
         Ok(())
+    }
+
+    /// After a tool change the machine is asked where it stands, beside its way or not. A machine knows its
+    /// offsets; what answers LinuxCNC's stand-alone interpreter knows the words of the last move only.
+    fn ask_where(&mut self, motion: Option<Motion>, before: &crate::frame::Point) {
+        if self.stand_alone && motion.is_none_or(|motion| motion == Motion::None) {
+            self.state.at = *before;
+        } else {
+            self.state.at = self.state.place();
+        }
+        self.state.left_beside = None;
     }
 
     fn cycle_off<S: Sink>(&mut self, sink: &mut S) {

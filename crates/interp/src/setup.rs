@@ -95,6 +95,9 @@ pub struct Setup {
     pub subprograms: Vec<Subprogram>,
     /// Where the axes stand when the program begins.
     pub start: Position,
+    /// No machine is there to be asked: tool changes, inputs and positions are answered as LinuxCNC's stand-alone
+    /// interpreter answers itself. For comparisons with its listings.
+    pub stand_alone: bool,
     /// Whether blocks that begin with `/` are left out.
     pub block_delete: bool,
     /// Fanuc: levels of block skip that are on besides, bit 2 for `/2` up to bit 9.

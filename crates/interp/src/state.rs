@@ -224,8 +224,9 @@ pub(crate) struct State {
     pub(crate) spline_leaves: Option<[f64; 2]>,
     /// G41, G42.
     pub(crate) compensation: Option<Compensation>,
-    /// G40 was the last; the tool still stands beside the programmed point.
-    pub(crate) leaving_compensation: bool,
+    /// G40 was the last, and the tool still stands beside the programmed point: here, in machine coordinates
+    /// of program units.
+    pub(crate) left_beside: Option<Point>,
     /// What the table says about the tool in the spindle.
     pub(crate) loaded: ToolEntry,
     pub(crate) selected_tool: u32,
@@ -278,7 +279,7 @@ impl State {
             nurbs: None,
             spline_leaves: None,
             compensation: None,
-            leaving_compensation: false,
+            left_beside: None,
             loaded: ToolEntry::default(),
             selected_tool: 0,
             current_tool: 0,
@@ -299,6 +300,9 @@ impl State {
 
     /// Where the tool is, as the program calls the place: beside `at` while it is compensated.
     pub(crate) fn place(&self) -> Point {
+        if let Some(machine) = &self.left_beside {
+            return self.frame.to_program(machine);
+        }
         let mut at = self.at;
         if let Some(beside) = self.compensation.as_ref().and_then(Compensation::place) {
             let [a, b, _] = self.plane_axes();

@@ -128,7 +128,9 @@ impl Executor {
                 self.state.spindle.turning = None;
                 self.say(sink, &Call::SpindleStop);
                 self.state.current_tool = self.state.selected_tool;
-                self.state.loaded = self.tool_entry(self.state.current_tool);
+                if !self.stand_alone || self.state.current_tool != 0 {
+                    self.state.loaded = self.tool_entry(self.state.current_tool);
+                }
                 self.say(sink, &Call::ChangeTool(self.state.current_tool));
             }
             Some(_) => {
@@ -140,7 +142,9 @@ impl Executor {
                     );
                 }
                 self.state.current_tool = self.tool_word(b'Q')?;
-                self.state.loaded = self.tool_entry(self.state.current_tool);
+                if !self.stand_alone {
+                    self.state.loaded = self.tool_entry(self.state.current_tool);
+                }
                 self.say(sink, &Call::ToolNumber(self.state.current_tool));
             }
             None => {}
@@ -270,6 +274,9 @@ impl Executor {
             };
             self.state.frame.scale(factor);
             frame::scale(&mut self.state.at, factor);
+            if let Some(beside) = &mut self.state.left_beside {
+                frame::scale(beside, factor);
+            }
             self.scale_compensation(factor);
             self.state.units = units;
         }
