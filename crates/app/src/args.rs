@@ -114,6 +114,10 @@ pub(crate) struct ProgramArgs {
     /// Leave out blocks that begin with `/` of these levels (1 is `/` alone), as in --block-skip 1,2
     #[arg(long, value_delimiter = ',', value_name = "LEVEL", value_parser = clap::value_parser!(u8).range(1..=9))]
     pub(crate) block_skip: Vec<u8>,
+    /// Folder in which subprogram files are looked for, besides the program's own and those of the machine's file;
+    /// may be given more than once
+    #[arg(long, value_name = "DIR")]
+    pub(crate) subprograms: Vec<PathBuf>,
     /// How hard taps are driven [default: the machine's]
     #[arg(long, value_enum, value_name = "PRESET")]
     pub(crate) tapping_preset: Option<TappingPreset>,

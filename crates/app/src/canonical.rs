@@ -1,16 +1,28 @@
 //! `leadscrew canon`: the operations that a program means, in three notations.
 use crate::args::{CanonArgs, CanonFormat};
+use crate::pieces;
 use crate::refused::Refused;
 use crate::render::{self, Source};
 use crate::say;
 use crate::session::{Session, read_program};
-use canon::{Axis, Feed, Op, OpKind, Oscillating, PathMode, Polygon, Position, SpindleOrder};
+use canon::{
+    Await, Axis, Feed, Op, OpKind, Oscillating, Output, PathMode, Polygon, Position, Signal, SpindleOrder,
+};
 use diag::Diagnostic;
 use serde_json::{Value, json};
 use std::io::{self, BufWriter, Write};
 
 /// Print them; true if the program is not refused.
 pub(crate) fn command(args: &CanonArgs) -> Result<bool, Refused> {
+    if args.format == CanonFormat::Linuxcnc
+        && let Some(session) = pieces::session(&args.source, &args.program)?
+    {
+        let name = args.program.display().to_string();
+        let show = |findings: &[Diagnostic], text: &[u8]| {
+            say::err(&render::text(findings, &Source { name: &name, text }));
+        };
+        return pieces::listing(&args.program, &session.bare_setup(), show);
+    }
     let text = read_program(&args.program)?;
     let session = Session::load(&args.source, &args.program, &text)?;
     let out = io::stdout().lock();
@@ -131,9 +143,44 @@ fn body(kind: &OpKind) -> Value {
             json!({ "op": "overrides", "feed": feed, "spindle": spindle })
         }
         OpKind::Pause { optional } => json!({ "op": "pause", "optional": optional }),
+        OpKind::Output(output) => output_object(output),
+        OpKind::Input(wait) => json!({
+            "op": "input",
+            "kind": if wait.digital { "digital" } else { "analogue" },
+            "number": wait.number,
+            "until": match wait.until {
+                Await::Nothing => "read",
+                Await::Rise => "rise",
+                Await::Fall => "fall",
+                Await::On => "on",
+                Await::Off => "off",
+            },
+            "longest_s": wait.longest.value(),
+        }),
+        OpKind::UserCode(code) => json!({
+            "op": "user-code",
+            "code": format!("M{}", code.number),
+            "name": code.name,
+            "p": code.p,
+            "q": code.q,
+        }),
         OpKind::Message(text) => json!({ "op": "message", "text": text }),
         OpKind::End => json!({ "op": "end" }),
     }
+}
+
+fn output_object(output: &Output) -> Value {
+    let (kind, value) = match output.signal {
+        Signal::Digital { on } => ("digital", json!(on)),
+        Signal::Analogue { value } => ("analogue", json!(value)),
+    };
+    json!({
+        "op": "output",
+        "kind": kind,
+        "number": output.number,
+        "value": value,
+        "with_motion": output.with_motion,
+    })
 }
 
 fn feed(feed: Feed) -> Value {

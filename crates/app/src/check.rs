@@ -1,70 +1,179 @@
 //! `leadscrew check`: everything that is wrong with programs, at once, without moving anything.
-use crate::args::{CheckArgs, FindingsFormat};
+use crate::args::{CheckArgs, FindingsFormat, MissingTools};
+use crate::pieces::{self, Pieces};
 use crate::refused::Refused;
 use crate::render::{self, Source};
 use crate::say;
 use crate::session::{Session, read_program};
 use diag::Diagnostic;
-use std::path::{Path, PathBuf};
+use std::{
+    collections::HashSet,
+    path::{Path, PathBuf},
+};
 
 /// Endings of files that are taken for programs in a folder.
 const PROGRAM_ENDINGS: [&str; 6] = ["ngc", "nc", "tap", "gcode", "cnc", "mpf"];
 
+/// Most findings of one program that are shown; the others are counted.
+const MOST_SHOWN: usize = 1000;
+
 /// Check them all; true if none is refused.
 pub(crate) fn command(args: &CheckArgs, quiet: bool) -> Result<bool, Refused> {
-    let mut good = true;
     let mut results = Vec::new();
-    for path in programs(&args.programs)? {
-        let text = read_program(&path)?;
+    let (mut refused, mut remarks) = (0, 0);
+    let programs = programs(&args.programs)?;
+    for path in &programs {
         let name = path.display().to_string();
-        let findings = findings(args, &path, &text)?;
-        good &= !findings.iter().any(Diagnostic::is_error);
-        let source = Source { name: &name, text: &text };
-        match args.format {
-            FindingsFormat::Text => tell(&findings, &source, quiet)?,
-            FindingsFormat::Json => {
-                results.extend(findings.iter().map(|f| render::json(f, &source)));
-            }
-            FindingsFormat::Sarif => {
-                results.extend(findings.iter().map(|f| render::sarif_result(f, &source)));
+        let mut told = Told { format: args.format, quiet, results, errors: 0, others: 0 };
+        match long_session(args, path)? {
+            Some(session) => in_pieces(&session, path, &name, &mut told)?,
+            None => {
+                let text = read_program(path)?;
+                let found = findings(args, path, &text)?;
+                told.tell(&found, &Source { name: &name, text: &text })?;
             }
         }
+        told.sum_up(&name)?;
+        refused += usize::from(told.errors > 0);
+        remarks += told.others;
+        results = told.results;
     }
     match args.format {
+        FindingsFormat::Text if programs.len() > 1 && !quiet => say::out(&format!(
+            "{}: {refused} refused, {}\n",
+            plural(programs.len(), "program"),
+            plural(remarks, "remark")
+        ))?,
         FindingsFormat::Text => {}
         FindingsFormat::Json => say::out(&format!("{:#}\n", serde_json::Value::Array(results)))?,
         FindingsFormat::Sarif => say::out(&format!("{:#}\n", render::sarif(&results)))?,
     }
-    Ok(good)
+    Ok(refused == 0)
+}
+
+/// What was found in one program, as it is told.
+struct Told {
+    format: FindingsFormat,
+    quiet: bool,
+    results: Vec<serde_json::Value>,
+    errors: usize,
+    others: usize,
+}
+
+impl Told {
+    fn tell(&mut self, found: &[Diagnostic], source: &Source<'_>) -> Result<(), Refused> {
+        let left = MOST_SHOWN.saturating_sub(self.errors + self.others);
+        let shown = &found[..found.len().min(left)];
+        let errors = found.iter().filter(|finding| finding.is_error()).count();
+        self.errors += errors;
+        self.others += found.len() - errors;
+        match self.format {
+            FindingsFormat::Text => say::out(&render::text(shown, source)),
+            FindingsFormat::Json => {
+                self.results.extend(shown.iter().map(|f| render::json(f, source)));
+                Ok(())
+            }
+            FindingsFormat::Sarif => {
+                self.results.extend(shown.iter().map(|f| render::sarif_result(f, source)));
+                Ok(())
+            }
+        }
+    }
+
+    fn sum_up(&self, name: &str) -> Result<(), Refused> {
+        if self.format != FindingsFormat::Text || self.errors == 0 && self.quiet {
+            return Ok(());
+        }
+        let (e, o) = (plural(self.errors, "error"), plural(self.others, "remark"));
+        let all = self.errors + self.others;
+        let hidden = if all > MOST_SHOWN {
+            format!(" (the first {MOST_SHOWN} are shown)")
+        } else {
+            String::new()
+        };
+        say::out(&format!("{name}: {e}, {o}{hidden}\n"))
+    }
+}
+
+fn options(session: &Session) -> plan::Options {
+    let material = session.machine.setup.stock.material;
+    plan::Options {
+        force_ramp: None,
+        cutting_pressure_n_per_mm2: material.cutting_force_n_per_mm2,
+        taps: session.taps,
+    }
 }
 
 fn findings(args: &CheckArgs, path: &Path, text: &[u8]) -> Result<Vec<Diagnostic>, Refused> {
     let mut session = Session::load(&args.source, path, text)?;
-    let material = session.machine.setup.stock.material;
-    let options = plan::Options {
-        force_ramp: None,
-        cutting_pressure_n_per_mm2: material.cutting_force_n_per_mm2,
-        taps: session.taps,
-    };
+    let options = options(&session);
     let mut found = crate::preflight::preflight(&mut session, text, options).findings;
-    for remark in interp::lint(text, &session.interp_setup()) {
-        if found.iter().all(|f| (f.code, f.span) != (remark.code, remark.span)) {
-            found.push(remark);
-        }
-    }
-    found.sort_by_key(|f| (f.span.file, f.span.start, !f.is_error()));
+    add(&mut found, interp::lint(text, &session.interp_setup()));
     Ok(found)
 }
 
-fn tell(findings: &[Diagnostic], source: &Source<'_>, quiet: bool) -> Result<(), Refused> {
-    let mut text = render::text(findings, source);
-    let errors = findings.iter().filter(|f| f.is_error()).count();
-    let others = findings.len() - errors;
-    if errors > 0 || !quiet {
-        let (e, o) = (plural(errors, "error"), plural(others, "remark"));
-        text += &format!("{}: {e}, {o}\n", source.name);
+/// Add what is not there yet, by place.
+fn add(found: &mut Vec<Diagnostic>, more: impl IntoIterator<Item = Diagnostic>) {
+    let mut known: HashSet<_> = found.iter().map(|f| (f.code, f.span)).collect();
+    found.extend(more.into_iter().filter(|finding| known.insert((finding.code, finding.span))));
+    found.sort_by_key(|f| (f.span.file, f.span.start, !f.is_error()));
+}
+
+/// The session of a program that is read in pieces. To find the tools that are to be stood in for, the whole program
+/// is needed.
+fn long_session(args: &CheckArgs, path: &Path) -> Result<Option<Session>, Refused> {
+    match args.source.missing_tools {
+        MissingTools::Refuse => pieces::session(&args.source, path),
+        MissingTools::StandIn => Ok(None),
     }
-    say::out(&text)
+}
+
+/// Interpreter, planner and remarks, piece by piece; what is found in a piece is told before the next one is read.
+fn in_pieces(session: &Session, path: &Path, name: &str, told: &mut Told) -> Result<(), Refused> {
+    let setup = session.interp_setup();
+    let mut planner = crate::preflight::planner(session, options(session));
+    let mut linter = interp::Linter::new(&setup);
+    let (mut rest, mut index, mut first_line) = (None, 0, 1);
+    let mut late = Vec::new();
+    let mut pieces = Pieces::open(path)?;
+    while let Some(piece) = pieces.next()? {
+        let mut ops = interp::Ops::of_piece(piece.text, &setup, rest.take(), piece.more_follows);
+        for op in ops.by_ref() {
+            planner.push(index, &op, &mut |_| ());
+            index += 1;
+        }
+        if !piece.more_follows {
+            planner.finish(&mut |_| ());
+        }
+        let mut found = ops.diagnostics();
+        add(&mut found, linter.piece(piece.text));
+        // of what the planner held back, the bytes are those of a piece that is gone
+        let (now, before): (Vec<_>, Vec<_>) =
+            planner.take_findings().into_iter().partition(|f| f.span.line >= first_line);
+        add(&mut found, now);
+        late.extend(before);
+        told.tell(&found, &Source { name, text: piece.text })?;
+        first_line += memchr::memchr_iter(b'\n', piece.text).count() as u32;
+        rest = Some(ops.rest());
+    }
+    late.extend(linter.finish());
+    tell_late(late, path, name, told)
+}
+
+/// What only the end of a program shows: its lines are read once more.
+fn tell_late(
+    mut late: Vec<Diagnostic>,
+    path: &Path,
+    name: &str,
+    told: &mut Told,
+) -> Result<(), Refused> {
+    late.sort_by_key(|finding| finding.span.line);
+    let numbers: Vec<_> = late.iter().map(|finding| finding.span.line).collect();
+    for (mut finding, text) in late.into_iter().zip(pieces::lines(path, &numbers)?) {
+        finding.span = diag::Span { start: 0, end: text.len() as u32, ..finding.span };
+        told.tell(&[finding], &Source { name, text: &text })?;
+    }
+    Ok(())
 }
 
 /// A count and its noun.

@@ -4,7 +4,7 @@
 //! angle is not shown modulo a turn, so that in a tap it can be checked against the lead by hand.
 use crate::say;
 use bus::{Sample, State};
-use canon::{Position, ToolLibrary};
+use canon::{Await, InputWait, Output, Position, Signal, ToolLibrary};
 use kernel::{Event, EventKind};
 use units::Length;
 
@@ -83,6 +83,22 @@ impl Log {
                 figures.helix_error_max.in_um()
             ),
             EventKind::Operator(notice) => notice.sentence().to_owned(),
+            EventKind::OutputSet(Output { number, signal: Signal::Digital { on }, .. }) => {
+                format!("digital output {number} {}", if *on { "on" } else { "off" })
+            }
+            EventKind::OutputSet(Output { number, signal: Signal::Analogue { value }, .. }) => {
+                format!("analogue output {number} at {value}")
+            }
+            EventKind::InputRead(InputWait { number, digital, until, .. }) => {
+                let kind = if *digital { "digital" } else { "analogue" };
+                match until {
+                    Await::Nothing => format!("{kind} input {number} read"),
+                    Await::Rise | Await::Fall | Await::On | Await::Off => {
+                        format!("{kind} input {number}: what was waited for has come")
+                    }
+                }
+            }
+            EventKind::UserCode { number } => format!("M{number} done"),
             EventKind::ToolChanged { tool } => format!("tool {tool} in the spindle"),
             EventKind::SpindlesCoupled { follower } => {
                 format!("spindle {follower} follows, speed and phase are reached")

@@ -57,7 +57,7 @@ impl Session {
         Ok(Self {
             parameters: parameters(args.parameters.as_deref(), &machine)?,
             has_parameter_file: args.parameters.is_some(),
-            subprograms: subprograms(program, text)?,
+            subprograms: crate::subprograms::find(args, &machine, program, text)?,
             taps: taps(args, &machine),
             machine,
             tools,
@@ -88,6 +88,12 @@ impl Session {
             },
             parameters: self.parameters.clone(),
             subprograms: self.subprograms.clone(),
+            user_codes: self
+                .machine
+                .user_codes
+                .iter()
+                .map(|(number, name)| interp::UserCode { number: *number, name: name.clone() })
+                .collect(),
             start,
             ..interp::Setup::default()
         }
@@ -150,31 +156,6 @@ pub(crate) fn read_program(path: &Path) -> Result<Vec<u8>, Refused> {
         )));
     }
     Ok(text)
-}
-
-/// Subprogram files that the program calls by name and that lie beside it; what they call in turn, too.
-fn subprograms(program: &Path, text: &[u8]) -> Result<Vec<interp::Subprogram>, Refused> {
-    /// Most files one program may draw in.
-    const MOST_FILES: usize = 256;
-    let folder = program.parent().unwrap_or(Path::new(""));
-    let mut found: Vec<interp::Subprogram> = Vec::new();
-    let mut wanted = interp::called_files(text);
-    while let Some(name) = wanted.pop() {
-        let path = folder.join(format!("{name}.ngc"));
-        let is_name = !name.contains(['/', '\\']) && !name.contains("..");
-        if !is_name || found.iter().any(|sub| sub.name == name) || !path.is_file() {
-            continue;
-        }
-        if found.len() == MOST_FILES {
-            return Err(Refused::because(format!(
-                "the program calls more than {MOST_FILES} subprogram files"
-            )));
-        }
-        let source = store::read_bytes(&path, "a subprogram", store::PROGRAM_LIMIT)?;
-        wanted.extend(interp::called_files(&source));
-        found.push(interp::Subprogram { name, source });
-    }
-    Ok(found)
 }
 
 fn tools(named: Option<&Path>, program: &Path) -> Result<(ToolLibrary, String), Refused> {

@@ -68,8 +68,12 @@ fn meaning(program: &str) -> String {
 
 /// The calls in LinuxCNC's notation without their numbers, and the code of the first error.
 fn listing(program: &str) -> (Vec<String>, Option<&'static str>) {
-    let setup =
-        interp::Setup { missing_tools: interp::MissingTools::StandIn, ..Default::default() };
+    let clamp = interp::UserCode { number: 101, name: "clamp the vice".into() };
+    let setup = interp::Setup {
+        missing_tools: interp::MissingTools::StandIn,
+        user_codes: vec![clamp],
+        ..Default::default()
+    };
     let mut interpreter = interp::Interpreter::new(program.as_bytes(), &setup);
     let mut listing = interp::Listing::new(Vec::new());
     interpreter.run(&mut listing);

@@ -10,7 +10,7 @@
 //!   Op ─┬─ motion     Rapid, Line, Arc, Tap
 //!       ├─ waiting    Dwell, Pause, End
 //!       ├─ coupling   Polygon, PolygonEnd
-//!       ├─ switching  Spindle, Coolant, SelectTool, ChangeTool, PathMode, Overrides
+//!       ├─ switching  Spindle, Coolant, SelectTool, ChangeTool, PathMode, Overrides, Output, Input, UserCode
 //!       └─ meaning    Hole (what the moves that follow are for), Message
 //! ```
 //!
@@ -26,6 +26,9 @@ mod tool;
 
 pub use coupling::{Actuator, Harmonic, Oscillating, Oscillation, Polygon, Ratio};
 pub use diag::Span;
-pub use op::{Arc, ChipRemoval, Feed, Hole, Op, OpKind, PathMode, SpindleOrder, Tap};
+pub use op::{
+    Arc, Await, ChipRemoval, Feed, Hole, InputWait, Op, OpKind, Output, PathMode, Signal,
+    SpindleOrder, Tap, UserCode,
+};
 pub use position::{Axis, Plane, Position};
 pub use tool::{Flute, Holder, PolygonCutter, TapTool, Tool, ToolKind, ToolLibrary};

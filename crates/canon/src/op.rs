@@ -90,8 +90,81 @@ pub enum OpKind {
     },
     /// Tell the operator something.
     Message(Box<str>),
+    /// Switch an output (M62 … M65, M67, M68).
+    Output(Output),
+    /// Read an input or wait for it (M66). No inputs are simulated: what is waited for comes at once.
+    Input(InputWait),
+    /// A code of the machine's own (M100 … M199): what its file says that it does.
+    UserCode(Box<UserCode>),
     /// The program is over.
     End,
+}
+
+/// An output and what it is switched to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Output {
+    /// Which of its kind, counted from 0.
+    pub number: u8,
+    /// What it is to be.
+    pub signal: Signal,
+    /// When the next move begins, not at once. The operation then comes right before that move.
+    pub with_motion: bool,
+}
+
+/// What an output is to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Signal {
+    /// On or off.
+    Digital {
+        /// On.
+        on: bool,
+    },
+    /// A value in the machine's own unit.
+    Analogue {
+        /// The value.
+        value: f64,
+    },
+}
+
+/// An input, and what is waited for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InputWait {
+    /// Which of its kind, counted from 0.
+    pub number: u8,
+    /// On or off; else a value.
+    pub digital: bool,
+    /// What ends the wait.
+    pub until: Await,
+    /// How long it lasts at most.
+    pub longest: Time,
+}
+
+/// What a wait for an input waits for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Await {
+    /// Nothing: the input is only read.
+    Nothing,
+    /// That it turns on.
+    Rise,
+    /// That it turns off.
+    Fall,
+    /// That it is on.
+    On,
+    /// That it is off.
+    Off,
+}
+
+/// A code of the machine's own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UserCode {
+    /// Its number after M.
+    pub number: u16,
+    /// What it does, by the machine's file.
+    pub name: Box<str>,
+    /// Its P word.
+    pub p: Option<f64>,
+    /// Its Q word.
+    pub q: Option<f64>,
 }
 
 /// How fast a cutting move goes.

@@ -6,7 +6,7 @@
 //! [`canon::Op`]. What the two need differently is kept whole in one call: a tapping cycle is one
 //! [`Call::Tap`], which the listing expands into LinuxCNC's moves and the resolver does not.
 use crate::{frame::Point, polygon::PolygonOrder, splines::ControlPoint, tool_table::ToolEntry};
-use canon::Plane;
+use canon::{InputWait, Output, Plane};
 use diag::Span;
 
 /// Where a call comes from.
@@ -243,6 +243,21 @@ pub enum Call<'a> {
         /// What is written.
         entry: ToolEntry,
     },
+    /// M62 … M65, M67, M68.
+    Output(Output),
+    /// M66.
+    Input(InputWait),
+    /// M100 … M199.
+    User {
+        /// The number after M.
+        number: u16,
+        /// What it does, by the machine's file.
+        name: &'a str,
+        /// P.
+        p: Option<f64>,
+        /// Q.
+        q: Option<f64>,
+    },
     /// M7, M9.
     Mist(bool),
     /// M8, M9.
@@ -259,6 +274,8 @@ pub enum Call<'a> {
     Stop,
     /// M1.
     OptionalStop,
+    /// G88: after the stop for the operator, out to here, wherever he left the axis.
+    OutByHand(Point),
     /// M60, M30.
     PalletShuttle,
     /// M2, M30.

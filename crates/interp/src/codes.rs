@@ -112,10 +112,6 @@ const fn m(number: u16, group: MGroup, letters: &str, name: &'static str) -> Cod
     Code { tenths: number * 10, group, letters: set(letters), name, supported: true }
 }
 
-const fn no_m(number: u16, group: MGroup, name: &'static str) -> Code<MGroup> {
-    Code { tenths: number * 10, group, letters: !0, name, supported: false }
-}
-
 use GGroup::{
     ArcDistance, Compensation, Diameter, Distance, FeedMode, Motion, NonModal, PathControl, Plane,
     Retract, SpindleMode, ToolLength, Units, WorkOffset,
@@ -199,8 +195,8 @@ pub(crate) static G_CODES: [Code<GGroup>; 93] = [
     g(843, Motion, "XYZ@^RLPQAJ$", "left-hand rigid tapping"),
     g(850, Motion, "XYZ@^RL", "boring, feed out"),
     g(860, Motion, "XYZ@^RLP$", "boring, spindle stop, rapid out"),
-    no_g(870, Motion, "back boring"),
-    no_g(880, Motion, "boring, manual out"),
+    g(870, Motion, "XYZ@^RLIJK", "back boring"),
+    g(880, Motion, "XYZ@^RLP", "boring, manual out"),
     g(890, Motion, "XYZ@^RLP", "boring with dwell, feed out"),
     g(900, Distance, "", "absolute"),
     g(901, ArcDistance, "", "absolute arc centres"),
@@ -242,20 +238,20 @@ pub(crate) static M_CODES: [Code<MGroup>; 35] = [
     m(53, Overrides, "P", "feed hold"),
     m(60, Stop, "", "pallet change and stop"),
     m(61, Tool, "Q", "set the tool number"),
-    no_m(62, Outputs, "digital output"),
-    no_m(63, Outputs, "digital output"),
-    no_m(64, Outputs, "digital output"),
-    no_m(65, Outputs, "digital output"),
-    no_m(66, Outputs, "wait on input"),
-    no_m(67, Outputs, "analogue output"),
-    no_m(68, Outputs, "analogue output"),
+    m(62, Outputs, "P", "digital output on with the next move"),
+    m(63, Outputs, "P", "digital output off with the next move"),
+    m(64, Outputs, "P", "digital output on at once"),
+    m(65, Outputs, "P", "digital output off at once"),
+    m(66, Outputs, "PELQ", "read an input or wait for it"),
+    m(67, Outputs, "EQ", "analogue output with the next move"),
+    m(68, Outputs, "EQ", "analogue output at once"),
     m(70, State, "", "save modal state"),
     m(71, State, "", "invalidate saved state"),
     m(72, State, "", "restore modal state"),
     m(73, State, "", "save and auto-restore modal state"),
     m(98, Stop, "PL", "call a subprogram"),
     m(99, Stop, "", "return from a subprogram"),
-    no_m(100, User, "user's M code"),
+    m(100, User, "PQ", "the machine's own code"),
 ];
 
 /// Where a code stands in a table whose numbers are below `N` tenths; 255 means nowhere.

@@ -19,6 +19,7 @@
 //!
 //! Source: NISTIR 6556, section 3.5.16; LinuxCNC 2.9 manual, "Canned cycles".
 use crate::{
+    boring::Shift,
     call::{Call, Corners, CycleHole, CycleTap, Sense, Sink, Units},
     codes::{AXES, GGroup, POLAR},
     execute::Executor,
@@ -44,6 +45,8 @@ struct Pattern {
     dwell: f64,
     peck: f64,
     tap: TapWords,
+    shift: Option<Shift>,
+    counterbore: f64,
 }
 
 impl Executor {
@@ -171,9 +174,14 @@ impl Executor {
                 format!("P is a time in seconds, 0 or more, found {seconds}"),
             );
         }
-        if matches!(cycle, Cycle::DrillDwell | Cycle::BoreStopOut | Cycle::BoreDwellFeedOut)
-            && dwell.is_none()
-        {
+        let waits = matches!(
+            cycle,
+            Cycle::DrillDwell
+                | Cycle::BoreStopOut
+                | Cycle::BoreManualOut
+                | Cycle::BoreDwellFeedOut
+        );
+        if waits && dwell.is_none() {
             return refuse(
                 "I0507",
                 span,
@@ -204,7 +212,8 @@ impl Executor {
             None => TapWords::default(),
         };
         let chips = kept.and_then(|k| k.chips);
-        Ok(Sticky { r, bottom, dwell, peck, tap, chips, plane: self.state.plane })
+        let shift = self.shift_words(cycle, kept.and_then(|k| k.shift))?;
+        Ok(Sticky { r, bottom, dwell, peck, tap, shift, chips, plane: self.state.plane })
     }
 
     fn pattern(&self, cycle: Cycle, code: &str, sticky: &Sticky, initial: f64) -> Outcome<Pattern> {
@@ -248,7 +257,9 @@ impl Executor {
         self.check_pecks(&sticky.tap, r - bottom)?;
         let clear = if self.state.retract_to_initial { initial.max(r) } else { r };
         let dwell = sticky.dwell.unwrap_or(0.0);
-        Ok(Pattern { cycle, r, bottom, clear, dwell, peck, tap: sticky.tap })
+        let counterbore = self.counterbore(sticky.shift, bottom)?;
+        let (tap, shift) = (sticky.tap, sticky.shift);
+        Ok(Pattern { cycle, r, bottom, clear, dwell, peck, tap, shift, counterbore })
     }
 
     fn check_spindle(&self, cycle: Cycle, code: &str) -> Outcome {
@@ -279,11 +290,12 @@ impl Executor {
             _ => {}
         }
         match (cycle, turning) {
-            (Cycle::BoreStopOut, None) => refuse(
-                "I0515",
-                span,
-                "G86 stops the spindle at the bottom and starts it again: it must turn before, write M3 or M4",
-            ),
+            (Cycle::BoreStopOut | Cycle::BackBore | Cycle::BoreManualOut, None) => {
+                let text = format!(
+                    "G{code} stops the spindle and starts it again: it must turn before, write M3 or M4"
+                );
+                refuse("I0515", span, text)
+            }
             _ => Ok(()),
         }
     }
@@ -301,14 +313,17 @@ impl Executor {
             throw_rpm,
         };
         let tap = pattern.cycle.tap_sense();
-        if tap.is_none() {
+        if tap.is_none() && pattern.shift.is_none() {
             self.say(sink, &Call::Hole(hole));
         }
         self.say(sink, &Call::Rapid(self.state.at));
         if self.state.at[n] != pattern.r {
             self.say(sink, &Call::Rapid(at));
         }
-        if let Some(sense) = tap {
+        if let Some(shift) = pattern.shift {
+            let levels = [pattern.bottom, pattern.counterbore, pattern.clear];
+            self.back_bore(&at, levels, shift, sink);
+        } else if let Some(sense) = tap {
             let overrides = (self.state.feed_override, self.state.speed_override);
             let call = pattern.tap.call(hole, sense, pattern.dwell, overrides);
             let feed_stated = self.words.get(b'F').is_some();
@@ -358,12 +373,18 @@ impl Executor {
                 self.say(sink, &Call::Dwell(pattern.dwell));
                 self.say(sink, &Call::SpindleStop);
                 self.say(sink, &Call::Rapid(out));
-                if let Some(sense) = self.state.spindle.turning {
-                    self.say(sink, &Call::SpindleTurn(sense));
-                }
+                self.turn_again(sink);
+            }
+            Cycle::BoreManualOut => {
+                self.say(sink, &Call::Dwell(pattern.dwell));
+                self.say(sink, &Call::SpindleStop);
+                self.say(sink, &Call::Stop);
+                self.say(sink, &Call::OutByHand(out));
+                self.turn_again(sink);
             }
             Cycle::ChipBreak
             | Cycle::Peck
+            | Cycle::BackBore
             | Cycle::TapLeft
             | Cycle::TapRight
             | Cycle::RigidLeft

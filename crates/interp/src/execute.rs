@@ -16,7 +16,7 @@ use crate::{
     fault::{Outcome, error, refuse},
     held::Held,
     names::Store,
-    setup::{Cycles, Dialect, MissingTools, Setup},
+    setup::{Cycles, Dialect, MissingTools, Setup, UserCode},
     state::{Cycle, Motion, State},
     tool_table::ToolTable,
     words::Words,
@@ -56,6 +56,7 @@ pub(crate) struct Executor {
     pub(crate) held: RefCell<Vec<(Place, Held)>>,
     pub(crate) dialect: Dialect,
     pub(crate) stand_alone: bool,
+    pub(crate) user_codes: Vec<UserCode>,
     /// The machine's settings for cycles.
     pub(crate) cycles: Cycles,
     /// Warnings and notes of the block at hand.
@@ -76,6 +77,7 @@ impl Executor {
             held: RefCell::default(),
             dialect: setup.dialect,
             stand_alone: setup.stand_alone,
+            user_codes: setup.user_codes.clone(),
             cycles: setup.cycles,
             remarks: Vec::new(),
         };
@@ -120,7 +122,7 @@ impl Executor {
     /// Execute the words read.
     pub(crate) fn execute<S: Sink>(&mut self, sink: &mut S) -> Outcome<After> {
         let motion = self.motion()?;
-        let before = self.state.place();
+        let before = self.words.m(MGroup::Tool).map(|_| self.state.place());
         self.words.check_letters(motion.map_or(0, letters_of), self.letters_beside(motion))?;
         let words = &self.words;
         if words.has_codes() || words.any(crate::codes::set("STF")) {
@@ -138,8 +140,8 @@ impl Executor {
             self.rigid_motion(motion)?;
             self.move_along(motion, sink)?;
         }
-        if self.words.m(MGroup::Tool).is_some() {
-            self.ask_where(motion, &before);
+        if let Some(before) = &before {
+            self.ask_where(motion, before);
         }
         self.stops(sink)
     }

@@ -3,10 +3,11 @@ use crate::{
     Sink,
     fault::{Outcome, error, refuse},
     interpreter::Interpreter,
-    outline::{self, At, Outline},
+    outline::{self, At, Mark, Outline},
     words::near_whole,
 };
 use gcode::{Keyword, Label, Value};
+use std::sync::LazyLock;
 
 /// A call that has not returned yet.
 #[derive(Clone, Debug)]
@@ -28,53 +29,61 @@ impl Interpreter<'_> {
             return Ok(()); // the program's own number, or the begin of one that M98 calls
         }
         self.make_outline(self.file)?;
-        let Some(i) = self.outline().at(self.block.span.start) else { return Ok(()) };
-        let mark = self.outline().marks[i].clone();
         match word.keyword {
-            Keyword::Sub => self.jump_after(mark.partner),
-            Keyword::EndSub | Keyword::Return => return self.give_back(sink),
             Keyword::Call => return self.call(word.label),
+            Keyword::EndSub | Keyword::Return => return self.give_back(sink),
+            _ => {}
+        }
+        let Some(i) = self.outline().at(self.block.span.start) else { return Ok(()) };
+        let Mark { partner, end, closes_do, .. } = self.outline().marks[i];
+        match word.keyword {
+            Keyword::Sub => self.jump_after(partner),
             Keyword::If => {
                 if self.argument()? == 0.0 {
-                    self.next_clause(mark.partner);
+                    self.next_clause(partner);
                 }
             }
             Keyword::ElseIf if self.choosing => {
                 self.choosing = false;
                 if self.argument()? == 0.0 {
-                    self.next_clause(mark.partner);
+                    self.next_clause(partner);
                 }
             }
-            Keyword::ElseIf | Keyword::Else => self.jump_after(mark.end),
-            Keyword::While if mark.closes_do => {
+            Keyword::ElseIf | Keyword::Else => self.jump_after(end),
+            Keyword::While if closes_do => {
                 if self.argument()? != 0.0 {
-                    self.jump_after(mark.partner);
+                    self.jump_after(partner);
                 }
             }
             Keyword::While => {
                 if self.argument()? == 0.0 {
-                    self.jump_after(mark.partner);
+                    self.jump_after(partner);
                 }
             }
-            Keyword::EndWhile => self.jump_to(mark.partner),
-            Keyword::Repeat => self.repeat(i, mark.partner)?,
-            Keyword::EndRepeat => self.end_repeat(mark.partner),
+            Keyword::EndWhile => self.jump_to(partner),
+            Keyword::Repeat => self.repeat(i, partner)?,
+            Keyword::EndRepeat => self.end_repeat(partner),
             Keyword::Break => {
-                self.forget_repeats(mark.partner);
-                self.jump_after(self.outline().marks[mark.partner].partner);
+                self.forget_repeats(partner);
+                self.jump_after(self.outline().marks[partner].partner);
             }
             Keyword::Continue => {
-                self.forget_repeats(mark.partner + 1);
-                self.jump_to(self.outline().marks[mark.partner].partner);
+                self.forget_repeats(partner + 1);
+                self.jump_to(self.outline().marks[partner].partner);
             }
-            Keyword::EndIf | Keyword::Do | Keyword::Program => {}
+            Keyword::EndIf
+            | Keyword::Do
+            | Keyword::Program
+            | Keyword::Call
+            | Keyword::EndSub
+            | Keyword::Return => {}
         }
         Ok(())
     }
 
     fn outline(&self) -> &Outline {
         // Made before any O-word of the file is executed.
-        static NONE: Outline = Outline { marks: Vec::new() };
+        static NONE: LazyLock<Outline> = LazyLock::new(Outline::default);
         self.outlines[self.file].as_ref().unwrap_or(&NONE)
     }
 

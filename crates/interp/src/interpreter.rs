@@ -57,6 +57,12 @@ pub struct Interpreter<'s> {
     pub(crate) diagnostics: Vec<Diagnostic>,
     pub(crate) seen: HashSet<(&'static str, Span)>,
     pub(crate) errors: usize,
+    /// Numbers and values of the block's settings, before any is set.
+    settings: Vec<(Option<f64>, f64)>,
+    /// More of the program follows this piece of it.
+    more_follows: bool,
+    /// The piece is over.
+    piece_over: bool,
 }
 
 impl<'s> Interpreter<'s> {
@@ -93,6 +99,9 @@ impl<'s> Interpreter<'s> {
             diagnostics: Vec::new(),
             seen: HashSet::new(),
             errors: 0,
+            settings: Vec::new(),
+            more_follows: false,
+            piece_over: false,
         }
     }
 
@@ -106,7 +115,7 @@ impl<'s> Interpreter<'s> {
                 fanuc.begin(&mut self.executor, sink);
             }
         }
-        if self.ended {
+        if self.ended || self.piece_over {
             return Progress::Ended;
         }
         if let Err(fault) = self.block(sink) {
@@ -116,11 +125,15 @@ impl<'s> Interpreter<'s> {
             let remarks = core::mem::take(&mut self.executor.remarks);
             self.report_all(remarks);
         }
-        if self.ended {
+        if self.ended || self.piece_over {
             self.finish();
             return Progress::Ended;
         }
         Progress::More
+    }
+
+    pub(crate) fn expect_more(&mut self, more_follows: bool) {
+        self.more_follows = more_follows;
     }
 
     /// Execute to the end.
@@ -150,6 +163,10 @@ impl<'s> Interpreter<'s> {
 
     fn block<S: Sink>(&mut self, sink: &mut S) -> Outcome {
         if !self.parsers[self.file].next(&mut self.block) {
+            if self.more_follows {
+                self.piece_over = true;
+                return Ok(());
+            }
             return self.end_of_file();
         }
         self.executed += 1;
@@ -201,7 +218,7 @@ impl<'s> Interpreter<'s> {
 
     /// Set the block's parameters: all values are computed before any is set.
     fn assign(&mut self) -> Outcome {
-        let mut settings = Vec::with_capacity(self.block.assignments.len());
+        self.settings.clear();
         for assignment in &self.block.assignments {
             let values = self.executor.values();
             let value = values.evaluate(&self.block, assignment.value, assignment.span)?;
@@ -211,11 +228,11 @@ impl<'s> Interpreter<'s> {
                 }
                 Parameter::Named(_) => None,
             };
-            settings.push((assignment, number, value));
+            self.settings.push((number, value));
         }
-        for (assignment, number, value) in settings {
-            let span = assignment.span;
-            match (assignment.target, number) {
+        for (assignment, (number, value)) in self.block.assignments.iter().zip(&self.settings) {
+            let (span, value) = (assignment.span, *value);
+            match (assignment.target, *number) {
                 (Parameter::Numbered(_), Some(number)) => {
                     let number = crate::names::number(number, span)?;
                     crate::names::assign(&mut self.executor.store, number, value, span)?;

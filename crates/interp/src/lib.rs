@@ -24,6 +24,7 @@
 //! ```
 
 mod arcs;
+mod boring;
 mod call;
 mod catalogue;
 mod chips;
@@ -50,6 +51,8 @@ mod offsets;
 mod ops;
 mod orders;
 mod outline;
+mod outputs;
+mod pieces;
 mod polygon;
 mod probe;
 mod resolve;
@@ -72,11 +75,12 @@ pub use interpreter::{Interpreter, Progress};
 pub use lint::lint;
 pub use listing::Listing;
 pub use ops::{Ops, called_files, check};
+pub use pieces::{Linter, OpsRest, Rest, can_be_read_in_pieces};
 pub use polygon::PolygonOrder;
 pub use resolve::Resolver;
 pub use setup::{
     Chips, Cycles, DepthFrom, Dialect, Limits, MAX_PARAMETER, MissingTools, Parameters, Setup,
-    Subprogram,
+    Subprogram, UserCode,
 };
 pub use snapshot::{Snapshot, Standing};
 pub use splines::ControlPoint;

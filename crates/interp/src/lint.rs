@@ -45,7 +45,7 @@ pub fn lint(source: &[u8], setup: &Setup) -> Vec<Diagnostic> {
 /// What is remembered from line to line.
 #[allow(clippy::struct_excessive_bools)] // independent facts about the text so far
 #[derive(Default)]
-struct Reader {
+pub(crate) struct Reader {
     found: Vec<Diagnostic>,
     /// Subprograms by label, and where they begin.
     subs: Vec<(String, Span)>,
@@ -67,12 +67,12 @@ struct Reader {
 }
 
 impl Reader {
-    fn new(setup: &Setup) -> Self {
+    pub(crate) fn new(setup: &Setup) -> Self {
         let known = setup.parameters.iter().map(|(number, _)| number as u32).collect();
         Self { set: known, ..Self::default() }
     }
 
-    fn block(&mut self, block: &Block) {
+    pub(crate) fn block(&mut self, block: &Block) {
         if let Some(o) = block.o {
             self.o_word(block, o);
         } else if block.percent {
@@ -225,7 +225,12 @@ impl Reader {
         }
     }
 
-    fn finish(mut self, setup: &Setup) -> Vec<Diagnostic> {
+    /// What was found since the last time.
+    pub(crate) fn take(&mut self) -> Vec<Diagnostic> {
+        core::mem::take(&mut self.found)
+    }
+
+    pub(crate) fn finish(mut self, setup: &Setup) -> Vec<Diagnostic> {
         self.uncalled_subs(setup);
         self.unset_parameters(setup);
         if self.slopes >= MANY_SLOPES && !self.path_control {

@@ -182,6 +182,19 @@ impl<W: Write> Listing<W> {
         }
     }
 
+    fn output(&mut self, place: &Place, output: &canon::Output) {
+        let kind = if output.with_motion { "MOTION" } else { "AUX" };
+        let number = output.number;
+        let text = match output.signal {
+            canon::Signal::Digital { on: true } => format!("SET_{kind}_OUTPUT_BIT({number})"),
+            canon::Signal::Digital { on: false } => format!("CLEAR_{kind}_OUTPUT_BIT({number})"),
+            canon::Signal::Analogue { value } => {
+                format!("SET_{kind}_OUTPUT_VALUE({number},{value:.6})")
+            }
+        };
+        self.text(place, &text);
+    }
+
     fn arc(&mut self, place: &Place, plane: Plane, to: &Point, centre: [f64; 2], turns: i32) {
         let [a, b, n] = plane.axes().map(canon::Axis::index);
         self.begin(place);
@@ -253,7 +266,9 @@ impl<W: Write> Listing<W> {
             | Call::Rapid(_)
             | Call::Arc { .. }
             | Call::FeedRate { .. }
-            | Call::Hole(_) => {}
+            | Call::Hole(_)
+            | Call::OutByHand(_)
+            | Call::Input(_) => {}
             Call::WorkOffset(system, offset) => self.work_offset(place, *system, offset),
             Call::AddedOffset(offset) => self.point(place, b"SET_G92_OFFSET", offset),
             Call::Rotation(degrees) => self.numbers(place, b"SET_XY_ROTATION", &[*degrees]),
@@ -307,6 +322,11 @@ impl<W: Write> Listing<W> {
             ),
             Call::PolygonEnd => self.text(place, "COMMENT(\"end of polygon turning\")"),
             Call::ToolTableEntry { rank, entry } => self.tool_entry(place, *rank, entry),
+            Call::Output(output) => self.output(place, output),
+            Call::User { number, p, q, .. } => {
+                let [p, q] = [*p, *q].map(|value| value.unwrap_or(-1.0));
+                self.text(place, &format!("USER_DEFINED_FUNCTION({number}, {p:.4}, {q:.4})"));
+            }
             Call::FeedOverride(on) => self.feed_override(place, *on),
             Call::SpeedOverride(on) => self.speed_override(place, *on),
             Call::Comment(text) => self.text(place, &format!("COMMENT(\"{text}\")")),

@@ -29,6 +29,14 @@ impl<'s> Ops<'s> {
         }
     }
 
+    pub(crate) const fn with(interpreter: Interpreter<'s>, resolver: Resolver) -> Self {
+        Self { interpreter, resolver, ended: false }
+    }
+
+    pub(crate) fn parts(self) -> (Interpreter<'s>, Resolver) {
+        (self.interpreter, self.resolver)
+    }
+
     /// What was found so far, in the order of the text.
     pub fn diagnostics(&self) -> Vec<Diagnostic> {
         let both = self.interpreter.diagnostics().iter().chain(self.resolver.diagnostics());
@@ -103,8 +111,11 @@ pub fn called_files(source: &[u8]) -> Vec<String> {
     let (mut called, mut defined) = (Vec::new(), HashSet::new());
     while parser.next(&mut block) {
         let Some(word) = block.o else { continue };
-        let Label::Name(name) = word.label else { continue };
-        let name = block.text(name).to_owned();
+        let name = match word.label {
+            Label::Name(name) => block.text(name).to_owned(),
+            Label::Number(number) => number.to_string(),
+            Label::Computed(_) => continue,
+        };
         match word.keyword {
             Keyword::Call if !called.contains(&name) => called.push(name),
             Keyword::Sub => _ = defined.insert(name),

@@ -7,7 +7,7 @@ use crate::{
     resolve::Resolver,
     switch::NO_SPEED_LIMIT,
 };
-use canon::{OpKind, SpindleOrder};
+use canon::{Await, InputWait, OpKind, SpindleOrder, UserCode};
 use diag::{Diagnostic, Span};
 use units::{Angle, MM_PER_INCH, Speed, Spin};
 
@@ -59,8 +59,39 @@ impl Resolver {
             Call::Message(text) | Call::Print(text) => {
                 self.push(span, OpKind::Message((*text).into()));
             }
-            Call::End | Call::Finish => self.push(span, OpKind::End),
+            Call::Output(output) if output.with_motion => self.with_motion.push((span, *output)),
+            Call::Output(output) => self.push(span, OpKind::Output(*output)),
+            Call::Input(wait) => self.input(*wait, span),
+            Call::User { number, name, p, q } => {
+                let code = UserCode { number: *number, name: (*name).into(), p: *p, q: *q };
+                self.push(span, OpKind::UserCode(code.into()));
+            }
+            Call::End | Call::Finish => {
+                self.forget_outputs();
+                self.push(span, OpKind::End);
+            }
             other => self.mode(other),
+        }
+    }
+
+    fn input(&mut self, wait: InputWait, span: Span) {
+        let text = match (wait.until, wait.digital) {
+            (Await::Nothing, true) => "no inputs are simulated: this one reads 0, off",
+            (Await::Nothing, false) => "no inputs are simulated: this one reads 0",
+            (Await::Rise | Await::Fall | Await::On | Await::Off, _) => {
+                "no inputs are simulated: what is waited for comes at once"
+            }
+        };
+        self.report(Diagnostic::warning("I0714", span, text));
+        self.push(span, OpKind::Input(wait));
+    }
+
+    /// Outputs that were to change with a move that never came.
+    fn forget_outputs(&mut self) {
+        for (span, _) in core::mem::take(&mut self.with_motion) {
+            let text = "this output never changes: it waits for the next move, and none follows";
+            let finding = Diagnostic::warning("I0715", span, text);
+            self.report(finding.with_help("M64, M65 and M68 change it at once"));
         }
     }
 

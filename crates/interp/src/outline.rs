@@ -12,6 +12,7 @@
 use crate::fault::error;
 use diag::{Diagnostic, Span};
 use gcode::{Block, Keyword, Label, Parser};
+use std::collections::HashMap;
 
 /// A place in a file: byte and line.
 pub(crate) type At = (u32, u32);
@@ -40,6 +41,8 @@ pub(crate) struct Mark {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Outline {
     pub(crate) marks: Vec<Mark>,
+    /// The subprograms by key.
+    subs: HashMap<Box<str>, usize>,
 }
 
 /// How an O-word's label is written in the tables.
@@ -65,6 +68,9 @@ impl Outline {
                 faults.push(fault.with_help("write the number itself"));
                 continue;
             }
+            if matches!(word.keyword, Keyword::Call | Keyword::Return) {
+                continue; // there may be millions, and nothing belongs to them
+            }
             let at = (block.span.start, block.span.line);
             let (partner, end) = (usize::MAX, usize::MAX);
             let after = parser.position();
@@ -79,8 +85,13 @@ impl Outline {
                 closes_do: false,
             });
         }
-        let mut outline = Self { marks };
+        let mut outline = Self { marks, subs: HashMap::new() };
         outline.join(&mut faults);
+        for (i, mark) in outline.marks.iter().enumerate() {
+            if mark.keyword == Keyword::Sub {
+                outline.subs.entry(mark.key.clone()).or_insert(i);
+            }
+        }
         (outline, faults)
     }
 
@@ -91,6 +102,9 @@ impl Outline {
 
     /// The begin of a subprogram (or of a numbered program, for M98).
     pub(crate) fn find(&self, key: &str, keyword: Keyword) -> Option<usize> {
+        if keyword == Keyword::Sub {
+            return self.subs.get(key).copied();
+        }
         self.marks.iter().position(|mark| mark.keyword == keyword && &*mark.key == key)
     }
 

@@ -16,7 +16,7 @@ use crate::{
     setup::Setup,
 };
 use canon::{
-    Arc, Axis, Feed, Hole, Op, OpKind, PathMode, Plane, Position, SpindleOrder, ToolLibrary,
+    Arc, Axis, Feed, Hole, Op, OpKind, Output, PathMode, Plane, Position, SpindleOrder, ToolLibrary,
 };
 use diag::{Diagnostic, Span};
 use std::collections::VecDeque;
@@ -45,6 +45,8 @@ pub struct Resolver {
     pub(crate) coolant: (bool, bool),
     /// The tool of which it was said that its own pitch counts.
     pub(crate) pitch_said: Option<u32>,
+    /// Outputs that change when the next move begins.
+    pub(crate) with_motion: Vec<(Span, Output)>,
 }
 
 /// F and what it counts.
@@ -86,6 +88,7 @@ impl Resolver {
             overrides: (true, true),
             coolant: (false, false),
             pitch_said: None,
+            with_motion: Vec::new(),
         }
     }
 
@@ -99,6 +102,10 @@ impl Resolver {
         &self.diagnostics
     }
 
+    pub(crate) fn forget_findings(&mut self) {
+        self.diagnostics.clear();
+    }
+
     pub(crate) fn report(&mut self, diagnostic: Diagnostic) {
         /// More than these, each at its own place, tell nothing new.
         const MOST: usize = 400;
@@ -110,6 +117,16 @@ impl Resolver {
     }
 
     pub(crate) fn push(&mut self, span: Span, kind: OpKind) {
+        if !self.with_motion.is_empty()
+            && matches!(
+                kind,
+                OpKind::Rapid { .. } | OpKind::Line { .. } | OpKind::Arc { .. } | OpKind::Tap(_)
+            )
+        {
+            for (span, output) in self.with_motion.drain(..) {
+                self.ops.push_back(Op { span, kind: OpKind::Output(output) });
+            }
+        }
         self.ops.push_back(Op { span, kind });
     }
 
@@ -311,6 +328,10 @@ impl Sink for Resolver {
         let span = place.span;
         match call {
             Call::Rapid(to) => {
+                let to = self.machine(to);
+                self.rapid(&to, span);
+            }
+            Call::OutByHand(to) => {
                 let to = self.machine(to);
                 self.rapid(&to, span);
             }

@@ -93,6 +93,8 @@ pub struct Setup {
     pub parameters: Parameters,
     /// Files that `o<name> call` may open.
     pub subprograms: Vec<Subprogram>,
+    /// What the machine's own M codes do.
+    pub user_codes: Vec<UserCode>,
     /// Where the axes stand when the program begins.
     pub start: Position,
     /// No machine is there to be asked: tool changes, inputs and positions are answered as LinuxCNC's stand-alone
@@ -107,6 +109,15 @@ pub struct Setup {
     pub whole_units_without_point: bool,
     /// What stops a program that does not stop by itself.
     pub limits: Limits,
+}
+
+/// An M code of the machine's own.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UserCode {
+    /// The number after M.
+    pub number: u16,
+    /// What it does.
+    pub name: String,
 }
 
 /// A file with a subprogram.

@@ -54,6 +54,13 @@ impl Snapshot {
         self.ended
     }
 
+    /// The same without what was found, of which only the errors are still counted.
+    pub(crate) fn without_findings(mut self) -> Self {
+        self.diagnostics.clear();
+        self.seen.clear();
+        self
+    }
+
     /// What was found up to here.
     pub fn diagnostics(&self) -> &[Diagnostic] {
         &self.diagnostics

@@ -1,4 +1,5 @@
 //! What holds from block to block: the modal state.
+use crate::boring::Shift;
 use crate::compensation::Compensation;
 use crate::rigid::{Rigid, TapWords};
 use crate::setup::Chips;
@@ -66,6 +67,10 @@ pub(crate) enum Cycle {
     BoreFeedOut,
     /// G86: waits, stops the spindle, comes out fast.
     BoreStopOut,
+    /// G87: from below.
+    BackBore,
+    /// G88: waits, stops, comes out by hand.
+    BoreManualOut,
     /// G89: waits, feeds out.
     BoreDwellFeedOut,
 }
@@ -96,6 +101,8 @@ impl Motion {
             843 => Self::Cycle(Cycle::RigidLeft),
             850 => Self::Cycle(Cycle::BoreFeedOut),
             860 => Self::Cycle(Cycle::BoreStopOut),
+            870 => Self::Cycle(Cycle::BackBore),
+            880 => Self::Cycle(Cycle::BoreManualOut),
             890 => Self::Cycle(Cycle::BoreDwellFeedOut),
             _ => Self::None, // G80
         }
@@ -141,6 +148,8 @@ impl Cycle {
             Self::RigidLeft => 843,
             Self::BoreFeedOut => 850,
             Self::BoreStopOut => 860,
+            Self::BackBore => 870,
+            Self::BoreManualOut => 880,
             Self::BoreDwellFeedOut => 890,
         }
     }
@@ -178,6 +187,8 @@ pub(crate) struct Sticky {
     pub(crate) dwell: Option<f64>,
     pub(crate) peck: Option<f64>,
     pub(crate) tap: TapWords,
+    /// I, J, K of G87.
+    pub(crate) shift: Option<Shift>,
     /// U and E, or the machine's setting.
     pub(crate) chips: Option<Chips>,
     /// The plane they were given in.

@@ -122,6 +122,7 @@ impl Executor {
             self.state.selected_tool = number;
             self.say(sink, &Call::SelectTool(number));
         }
+        self.outputs(sink)?;
         match self.words.m(MGroup::Tool) {
             Some(6) => {
                 self.say(sink, &Call::StartChange);
@@ -161,6 +162,7 @@ impl Executor {
         }
         self.overrides(sink);
         self.context(sink)?;
+        self.user_code(sink)?;
         self.dwell(sink)
     }
 

@@ -145,10 +145,6 @@ impl Words {
             return Err(error("I0105", span, format!("M{value} is no known code")).into());
         };
         let written = codes::written(code.tenths);
-        if !code.supported {
-            let text = format!("M{value} ({}) is not executed by Leadscrew yet", code.name);
-            return Err(error("I0106", span, text).into());
-        }
         self.any_code = true;
         let slot = &mut self.m[code.group as usize];
         if *slot != NONE {
@@ -158,7 +154,7 @@ impl Words {
             );
             return Err(error("I0107", span, text).with_help("write two blocks").into());
         }
-        *slot = code.tenths;
+        *slot = tenths(value).unwrap_or(code.tenths);
         Ok(())
     }
 

@@ -7,7 +7,7 @@
 use crate::fault::Fault;
 use crate::operator::Notice;
 use alloc::collections::VecDeque;
-use canon::Axis;
+use canon::{Axis, InputWait, Output};
 use sync::Figures;
 use units::{Length, Spin, Time};
 
@@ -78,6 +78,15 @@ pub enum EventKind {
         spindle: u8,
         /// At what speed; zero is at rest.
         spin: Spin,
+    },
+    /// An output is switched.
+    OutputSet(Output),
+    /// An input is read, or what was waited for has come.
+    InputRead(InputWait),
+    /// A code of the machine's own is done.
+    UserCode {
+        /// Its number after M.
+        number: u16,
     },
     /// The tool is in the spindle.
     ToolChanged {

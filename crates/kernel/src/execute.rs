@@ -129,6 +129,19 @@ impl Activity {
                 (drives.mist, drives.flood) = (*mist, *flood);
                 Self::AtOnce
             }
+            StepKind::Output(output) => {
+                context.note(EventKind::OutputSet(*output));
+                Self::AtOnce
+            }
+            // no inputs are simulated: what is waited for comes at once
+            StepKind::Input(wait) => {
+                context.note(EventKind::InputRead(*wait));
+                Self::AtOnce
+            }
+            StepKind::UserCode(number) => {
+                context.note(EventKind::UserCode { number: *number });
+                Self::AtOnce
+            }
             StepKind::Pause { optional } => begin_pause(*optional, context),
             StepKind::End => {
                 context.note(EventKind::ProgramEnded);

@@ -159,7 +159,12 @@ impl Outbox {
             | StepKind::Revolve { .. }
             | StepKind::Consult(_) => {}
             StepKind::ChangeTool(_) => self.elapsed += limits.tool_change.time.value(),
-            StepKind::Coolant { .. } | StepKind::Pause { .. } | StepKind::End => {}
+            StepKind::Coolant { .. }
+            | StepKind::Output(_)
+            | StepKind::Input(_)
+            | StepKind::UserCode(_)
+            | StepKind::Pause { .. }
+            | StepKind::End => {}
         }
     }
 }

@@ -190,6 +190,18 @@ impl Planner {
                 let step = job.step(StepKind::Coolant { mist: *mist, flood: *flood });
                 self.after_spindle(&mut job, step);
             }
+            OpKind::Output(output) => {
+                let step = job.step(StepKind::Output(*output));
+                self.after_spindle(&mut job, step);
+            }
+            OpKind::Input(wait) => {
+                self.tell_spindles(&mut job);
+                self.hand_on(&mut job, StepKind::Input(*wait));
+            }
+            OpKind::UserCode(code) => {
+                self.tell_spindles(&mut job);
+                self.hand_on(&mut job, StepKind::UserCode(code.number));
+            }
             OpKind::ChangeTool { number } => self.change_tool(&mut job, *number),
             OpKind::PathMode(mode) => self.mode = *mode,
             OpKind::Pause { optional } => {

@@ -1,6 +1,6 @@
 //! What the kernel executes, one after the other.
 use crate::{GearStep, Path, Profile, Superpose};
-use canon::{Axis, Position};
+use canon::{Axis, InputWait, Output, Position};
 use units::{Angle, Lead, Length, Spin, Time};
 
 /// One step and the operation it serves.
@@ -61,6 +61,12 @@ pub enum StepKind {
         /// M8.
         flood: bool,
     },
+    /// Switch an output.
+    Output(Output),
+    /// Read an input or wait for it.
+    Input(InputWait),
+    /// A code of the machine's own, by its number after M.
+    UserCode(u16),
     /// Stop until told to go on.
     Pause {
         /// Only if optional stop is set.

@@ -133,6 +133,9 @@ fn assert_hangs_together(steps: &[Step]) {
             | StepKind::Consult(_)
             | StepKind::Dwell(_)
             | StepKind::Coolant { .. }
+            | StepKind::Output(_)
+            | StepKind::Input(_)
+            | StepKind::UserCode(_)
             | StepKind::Pause { .. }
             | StepKind::End => {}
         }

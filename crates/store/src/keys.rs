@@ -111,7 +111,7 @@ pub(crate) struct Keys<'d> {
     /// The same table in the documents that this one is based on, the nearest first.
     bases: Vec<&'d DeTable<'d>>,
     place: Range<usize>,
-    asked: Vec<&'static str>,
+    asked: Vec<&'d str>,
     /// `None` below a section that is missing: one finding for it is enough.
     findings: Option<&'d Findings>,
 }
@@ -199,6 +199,18 @@ impl<'d> Keys<'d> {
     /// Text, if it is stated.
     pub(crate) fn optional_text(&mut self, key: &'static str) -> Option<String> {
         self.ask(key).and_then(|v| self.checked_text(key, v))
+    }
+
+    /// All entries of this table as text, whose keys its reader accepts; the others are unknown keys.
+    pub(crate) fn texts<T>(&mut self, accept: impl Fn(&str) -> Option<T>) -> Vec<(T, String)> {
+        let mut found = Vec::new();
+        for (key, value) in self.table {
+            let name: &'d str = key.get_ref();
+            let Some(accepted) = accept(name) else { continue };
+            self.asked.push(name);
+            found.extend(self.checked_text(name, value).map(|text| (accepted, text)));
+        }
+        found
     }
 
     /// One of a list of names.

@@ -16,6 +16,8 @@ pub struct Control {
     pub cycle_depth: Option<CycleDepth>,
     /// Chip removal in cycles whose blocks do not say it, if stated.
     pub chip_removal: Option<ChipRemoval>,
+    /// Folders in which subprogram files are looked for, beside the program's own; separated by `:`.
+    pub subprogram_path: Option<String>,
     /// What follows what in a synchronised move.
     pub synchronisation: Synchronisation,
     /// How long each wait may last before it is an alarm.
@@ -159,6 +161,7 @@ impl Control {
             ),
             cycle_depth: canned.and_then(|canned| canned.depth),
             chip_removal: canned.and_then(|canned| canned.chips),
+            subprogram_path: keys.optional_text("subprogram_path"),
             synchronisation: keys.section("synchronisation", Synchronisation::read),
             waits: keys.section("waits", Waits::read),
             overrides: keys.section("overrides", Overrides::read),

@@ -7,6 +7,7 @@
 //!   [tool_change]  where and how long                                            ─► plan, sim
 //!   [tapping]      windows of the sync error, ramp, presets, pecks                  ─► plan, kernel
 //!   [setup]        work offset G54, stock                                        ─► interp, verify
+//!   [user_codes]   M100 to M199: what each does                                 ─► interp
 //!   [simulation]   substep, seed, scatter, how a tap sits in its thread          ─► sim
 //! ```
 //!
@@ -70,6 +71,8 @@ pub struct MachineFile {
     pub setup: Setup,
     /// The simulation.
     pub simulation: Simulation,
+    /// The machine's own M codes by number, and what they do.
+    pub user_codes: Vec<(u16, String)>,
 }
 
 /// Names of the embedded machines; the first is the default.
@@ -143,6 +146,9 @@ impl MachineFile {
             tapping: keys.section("tapping", Tapping::read),
             setup: keys.section("setup", Setup::read),
             simulation: keys.section("simulation", Simulation::read),
+            user_codes: keys
+                .optional_section("user_codes", |k| k.texts(user_code))
+                .unwrap_or_default(),
         };
         file.refuse_contradictions(keys);
         file
@@ -177,6 +183,12 @@ impl MachineFile {
             keys.conflict("spindles", format!("two spindles are named \"{}\"", names[0]));
         }
     }
+}
+
+/// `M101` of `[user_codes]`.
+fn user_code(key: &str) -> Option<u16> {
+    let number = key.strip_prefix('M')?.parse().ok()?;
+    (100..=199).contains(&number).then_some(number)
 }
 
 /// `[axes.x]` … `[axes.w]`, whichever are there.

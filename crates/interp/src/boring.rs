@@ -1,0 +1,113 @@
+//! Boring cycles in which the spindle stands while the tool passes: G87 and G88.
+//!
+//! ```text
+//!   G87  back boring: the bit passes the bore beside its axis and cuts upwards, from below
+//!
+//!        R ┼──┐1 shift by I, J     6 ┌──┼      1  at R: stop at angle 0, aside by the shift
+//!          │  │2                     │  │      2  down beside the axis to Z, 3 back onto it, turn
+//!        K ┼ ·│· ┬ · counterbore     │5        4  feed up to K and back down to Z
+//!        Z ┼  └3─┘4 ─────────────────┘         5  stop, aside, up, 6 back onto the axis, turn
+//!
+//!   G88  boring, out by hand: feed down, wait, stop the spindle, stop the program; then out and turn
+//! ```
+//!
+//! LinuxCNC leaves the way out of G88 to the operator and goes on from the clear level as if he had been there;
+//! here the axis is brought there after the stop, straight up, wherever he left it.
+//!
+//! Source: NISTIR 6556, section 3.5.16.7 and 3.5.16.8; the order of the calls was measured on LinuxCNC 2.9.
+use crate::{
+    call::{Call, Sense, Sink},
+    execute::Executor,
+    fault::{Outcome, refuse},
+    frame::Point,
+    state::Cycle,
+};
+
+/// Letters of the shift and of the counterbore, by axis.
+const LETTERS: [u8; 3] = *b"IJK";
+
+/// What only G87 has: the shift along X, Y, Z (one of which is where the counterbore ends).
+pub(crate) type Shift = [f64; 3];
+
+impl Executor {
+    /// I, J and K of G87, or those that the cycle kept.
+    pub(crate) fn shift_words(&self, cycle: Cycle, kept: Option<Shift>) -> Outcome<Option<Shift>> {
+        if cycle != Cycle::BackBore {
+            return Ok(None);
+        }
+        let mut shift = [0.0; 3];
+        for (axis, letter) in LETTERS.into_iter().enumerate() {
+            let Some(value) = self.words.get(letter).or(kept.map(|kept| kept[axis])) else {
+                let text = format!(
+                    "G87 needs I, J and K: how far aside the tool passes, and where the counterbore ends; {} is missing",
+                    letter as char
+                );
+                return refuse("I0518", self.words.place.span, text);
+            };
+            shift[axis] = value;
+        }
+        Ok(Some(shift))
+    }
+
+    /// Where the counterbore ends, which is above where it begins.
+    pub(crate) fn counterbore(&self, shift: Option<Shift>, bottom: f64) -> Outcome<f64> {
+        let [_, _, n] = self.state.plane_axes();
+        let Some(shift) = shift else { return Ok(bottom) };
+        let end = if self.state.incremental { bottom + shift[n] } else { shift[n] };
+        if end < bottom {
+            let letter = LETTERS[n] as char;
+            let text = format!(
+                "G87 bores upwards: {letter} must be at or above the depth {bottom}, found {end}"
+            );
+            return refuse("I0519", self.words.place.span, text);
+        }
+        Ok(end)
+    }
+
+    /// G87: the tool stands over the hole at R.
+    pub(crate) fn back_bore<S: Sink>(
+        &self,
+        at: &Point,
+        levels: [f64; 3],
+        shift: Shift,
+        sink: &mut S,
+    ) {
+        let [a, b, n] = self.state.plane_axes();
+        let [bottom, counterbore, clear] = levels;
+        let point = |aside: bool, level: f64| {
+            let mut point = *at;
+            if aside {
+                point[a] += shift[a];
+                point[b] += shift[b];
+            }
+            point[n] = level;
+            point
+        };
+        self.say(sink, &Call::Rapid(point(true, at[n])));
+        self.hold_spindle(sink);
+        self.say(sink, &Call::Rapid(point(true, bottom)));
+        self.say(sink, &Call::Rapid(point(false, bottom)));
+        self.turn_again(sink);
+        self.say(sink, &Call::Line(point(false, counterbore)));
+        self.say(sink, &Call::Line(point(false, bottom)));
+        self.hold_spindle(sink);
+        self.say(sink, &Call::Rapid(point(true, bottom)));
+        self.say(sink, &Call::Rapid(point(true, clear)));
+        self.say(sink, &Call::Rapid(point(false, clear)));
+        self.turn_again(sink);
+    }
+
+    /// The spindle stops at angle 0, turning on in its sense.
+    pub(crate) fn hold_spindle<S: Sink>(&self, sink: &mut S) {
+        let mode = if self.state.spindle.turning == Some(Sense::Clockwise) { 2 } else { 3 };
+        self.say(sink, &Call::SpindleStop);
+        self.say(sink, &Call::SpindleOrient { angle: 0.0, mode });
+    }
+
+    /// It turns as it did before.
+    pub(crate) fn turn_again<S: Sink>(&self, sink: &mut S) {
+        if let Some(sense) = self.state.spindle.turning {
+            self.say(sink, &Call::SpindleTurn(sense));
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! Outputs, inputs and the machine's own codes: M62 … M68, M100 … M199.
+//!
+//! ```text
+//!   M62 M63 P     a digital output on, off: when the next move begins     M64 M65 P     at once
+//!   M67 E Q       an analogue output at Q: when the next move begins      M68 E Q       at once
+//!   M66 P L Q     wait Q seconds at most for a digital input: L1 rise, L2 fall, L3 on, L4 off; L0 only read it
+//!   M66 E         read an analogue input
+//!   M100 … M199   what the machine's file says they do, with P and Q
+//! ```
+//!
+//! `#5399` is what M66 has read. Where there is no machine, a rule stands for it: **what is waited for comes at
+//! once**, so `#5399` is 1 after L1 and L3; inputs that are only read are 0.
+//!
+//! Source: LinuxCNC 2.9 manual, "M62 - M65", "M66", "M67", "M68", "M100 - M199".
+use crate::{
+    call::{Call, Sink},
+    codes::MGroup,
+    execute::Executor,
+    fault::{Outcome, error, refuse},
+};
+use canon::{Await, InputWait, Output, Signal};
+use diag::Diagnostic;
+use units::Time;
+
+/// Highest number of an output or input of each kind.
+const LAST: u32 = 63;
+/// What M66 has read.
+const READ: usize = 5399;
+
+impl Executor {
+    /// M62 … M68 of the block at hand.
+    pub(crate) fn outputs<S: Sink>(&mut self, sink: &mut S) -> Outcome {
+        let Some(code) = self.words.m(MGroup::Outputs) else { return Ok(()) };
+        match code {
+            62..=65 => {
+                let number = self.signal(code, b'P', "a digital output")?;
+                let signal = Signal::Digital { on: code % 2 == 0 };
+                self.say(
+                    sink,
+                    &Call::Output(Output { number, signal, with_motion: code <= 63 }),
+                );
+                Ok(())
+            }
+            66 => self.input(sink),
+            _ => {
+                let number = self.signal(code, b'E', "an analogue output")?;
+                let Some(value) = self.words.get(b'Q') else {
+                    let text = format!("M{code} needs Q, the value to put out");
+                    return refuse("I0642", self.words.place.span, text);
+                };
+                let signal = Signal::Analogue { value };
+                self.say(sink, &Call::Output(Output { number, signal, with_motion: code == 67 }));
+                Ok(())
+            }
+        }
+    }
+
+    /// The number of an output or input.
+    fn signal(&self, code: u16, letter: u8, what: &str) -> Outcome<u8> {
+        match self.words.whole(letter, LAST)? {
+            Some(number) => Ok(number as u8),
+            None => {
+                let text =
+                    format!("M{code} needs {}, the number of {what}: 0 to {LAST}", letter as char);
+                refuse("I0640", self.words.place.span, text)
+            }
+        }
+    }
+
+    /// M66.
+    fn input<S: Sink>(&mut self, sink: &mut S) -> Outcome {
+        let span = self.words.place.span;
+        let digital = self.words.get(b'P').is_some();
+        if digital == self.words.get(b'E').is_some() {
+            let text = "M66 needs one input: P for a digital one, or E for an analogue one";
+            return refuse("I0641", span, text);
+        }
+        let letter = if digital { b'P' } else { b'E' };
+        let number = self.signal(66, letter, "an input")?;
+        let until = match self.words.whole(b'L', 4)?.unwrap_or(0) {
+            0 => Await::Nothing,
+            1 => Await::Rise,
+            2 => Await::Fall,
+            3 => Await::On,
+            _ => Await::Off,
+        };
+        if until != Await::Nothing && !digital {
+            let text = "an analogue input is read, not waited for: L0, or no L";
+            return refuse("I0643", self.words.span(b'L'), text);
+        }
+        let longest = self.words.get(b'Q').unwrap_or(0.0);
+        if until != Await::Nothing && longest <= 0.0 {
+            let text = "M66 with L1 to L4 needs Q above 0, the longest wait in seconds";
+            return refuse("I0644", span, text);
+        }
+        let comes = matches!(until, Await::Rise | Await::On) && !self.stand_alone;
+        self.store.numbered.set(READ, f64::from(u8::from(comes)));
+        let wait = InputWait { number, digital, until, longest: Time::s(longest.max(0.0)) };
+        self.say(sink, &Call::Input(wait));
+        Ok(())
+    }
+
+    /// M100 … M199 of the block at hand, and what else the machine's file names.
+    pub(crate) fn user_code<S: Sink>(&mut self, sink: &mut S) -> Outcome {
+        let Some(number) = self.words.m(MGroup::User) else { return Ok(()) };
+        let Some(code) = self.user_codes.iter().find(|code| code.number == number) else {
+            return Err(self.unnamed(number).into());
+        };
+        let (p, q) = (self.words.get(b'P'), self.words.get(b'Q'));
+        self.say(sink, &Call::User { number, name: &code.name, p, q });
+        Ok(())
+    }
+
+    fn unnamed(&self, number: u16) -> Diagnostic {
+        let known: Vec<_> = self
+            .user_codes
+            .iter()
+            .take(12)
+            .map(|code| format!("M{} ({})", code.number, code.name))
+            .collect();
+        let text = format!("M{number} is the machine's own, and its file does not say what it does");
+        let help = format!("write M{number} = \"what it does\" under [user_codes] of the machine's file");
+        let help = match known.len() {
+            0 => help,
+            _ => format!("{help}; it has {}", known.join(", ")),
+        };
+        error("I0645", self.words.place.span, text).with_help(help)
+    }
+}
