@@ -94,7 +94,8 @@ mod tests {
         assert_eq!(within(&inside, ".."), None);
         #[cfg(unix)]
         {
-            std::os::unix::fs::symlink(outside.join("secret.ngc"), inside.join("link.ngc")).unwrap();
+            std::os::unix::fs::symlink(outside.join("secret.ngc"), inside.join("link.ngc"))
+                .unwrap();
             assert_eq!(within(&inside, "link"), None);
         }
     }

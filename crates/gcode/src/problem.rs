@@ -204,11 +204,71 @@ impl Problem {
         let message = self.message(&here, &found(line, from));
         match self {
             Self::CommentNotUtf8 => Diagnostic::note(self.code(), span, message),
+            Self::UnknownFunction | Self::KeywordUnknown => {
+                let finding = Diagnostic::error(self.code(), span, message);
+                let names = if self == Self::UnknownFunction { FUNCTIONS } else { KEYWORDS };
+                match nearest(&letters_at(line, from), names) {
+                    Some(near) => finding.with_help(format!("did you mean {near}?")),
+                    None => finding,
+                }
+            }
             Self::CommentNotClosed => Diagnostic::error(self.code(), span, message)
                 .with_help("a comment ends on the line it begins on; \";\" needs no end"),
             _ => Diagnostic::error(self.code(), span, message),
         }
     }
+}
+
+/// Functions, for who has misspelled one.
+const FUNCTIONS: &[&str] = &[
+    "ABS", "ACOS", "ASIN", "ATAN", "COS", "EXISTS", "EXP", "FIX", "FUP", "LN", "ROUND", "SIN",
+    "SQRT", "TAN",
+];
+/// What O-words do, for who has misspelled it.
+const KEYWORDS: &[&str] = &[
+    "sub",
+    "endsub",
+    "return",
+    "call",
+    "if",
+    "elseif",
+    "else",
+    "endif",
+    "while",
+    "endwhile",
+    "do",
+    "repeat",
+    "endrepeat",
+    "break",
+    "continue",
+];
+
+/// The letters at a place.
+fn letters_at(line: &[u8], from: usize) -> String {
+    let rest = line.get(from..).unwrap_or_default();
+    rest.iter().take(16).take_while(|b| b.is_ascii_alphabetic()).map(|b| *b as char).collect()
+}
+
+/// The name that a misspelled one is nearest to: two letters inserted, deleted or replaced at most, one in a short name.
+fn nearest(word: &str, names: &[&'static str]) -> Option<&'static str> {
+    let rated = names.iter().map(|name| (edits(word, name), *name));
+    let (distance, name) = rated.min_by_key(|(distance, _)| *distance)?;
+    (distance * 3 <= name.len() && distance < word.len()).then_some(name)
+}
+
+/// Letters to insert, delete or replace to make one word of the other, whatever their case (Levenshtein).
+fn edits(a: &str, b: &str) -> usize {
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, from) in a.bytes().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, to) in b.bytes().enumerate() {
+            let replaced = diagonal + usize::from(!from.eq_ignore_ascii_case(&to));
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
 }
 
 /// What stands at `from`, in words: `"Y"`, `"foo"`, `byte 0xE9`, `the end of the line`.

@@ -146,3 +146,16 @@ fn a_line_read_again_in_a_loop_is_reported_once() {
     }
     assert_eq!(parser.take_diagnostics().len(), 1);
 }
+
+#[test]
+fn a_misspelled_function_or_o_word_gets_the_one_that_was_meant() {
+    let help = |program: &str| {
+        let (mut parser, mut block) = (Parser::new(program.as_bytes(), 0), Block::new());
+        while parser.next(&mut block) {}
+        parser.take_diagnostics().remove(0).help
+    };
+    assert_eq!(help("G0 X[SINE[30]]\n").as_deref(), Some("did you mean SIN?"));
+    assert_eq!(help("G0 X[SQR[30]]\n").as_deref(), Some("did you mean SQRT?"));
+    assert_eq!(help("o1 endwile\n").as_deref(), Some("did you mean endwhile?"));
+    assert_eq!(help("o1 foo\n"), None);
+}

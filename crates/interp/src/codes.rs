@@ -320,6 +320,35 @@ pub(crate) fn similar_g(value: f64) -> String {
     if names.is_empty() { String::new() } else { format!("did you mean {}?", names.join(" or ")) }
 }
 
+/// What an unknown M number was perhaps meant to be: a digit typed twice, left out, or exchanged with its neighbour.
+pub(crate) fn similar_m(value: f64) -> String {
+    let written = format!("{value}");
+    let sorted = |text: &str| {
+        let mut digits: Vec<_> = text.bytes().filter(u8::is_ascii_digit).collect();
+        digits.sort_unstable();
+        digits
+    };
+    let found = sorted(&written);
+    let near = |code: &&Code<MGroup>| {
+        let number = (code.tenths / 10).to_string();
+        let exchanged = sorted(&number) == found;
+        let twice = written.len() == number.len() + 1
+            && (0..written.len()).any(|i| {
+                let mut shorter = written.clone();
+                shorter.remove(i);
+                shorter == number
+            });
+        code.group != MGroup::User && (exchanged || twice && written.starts_with(&number[..1]))
+    };
+    let names: Vec<_> = M_CODES
+        .iter()
+        .filter(near)
+        .take(3)
+        .map(|c| format!("M{} ({})", c.tenths / 10, c.name))
+        .collect();
+    if names.is_empty() { String::new() } else { format!("did you mean {}?", names.join(" or ")) }
+}
+
 /// The codes that take a letter, as one phrase.
 pub(crate) fn takers(letter_index: usize) -> String {
     let bit = 1 << letter_index;
@@ -354,5 +383,8 @@ mod tests {
     fn a_lost_point_is_guessed() {
         assert_eq!(similar_g(331.0), "did you mean G33.1 (rigid tapping)?");
         assert_eq!(similar_g(12.3), "");
+        assert_eq!(similar_m(33.0), "did you mean M3 (spindle clockwise)?");
+        assert_eq!(similar_m(91.0), "did you mean M9 (coolant off) or M19 (orient the spindle)?");
+        assert_eq!(similar_m(77.0), "did you mean M7 (mist coolant on)?");
     }
 }

@@ -176,10 +176,7 @@ impl Executor {
         }
         let waits = matches!(
             cycle,
-            Cycle::DrillDwell
-                | Cycle::BoreStopOut
-                | Cycle::BoreManualOut
-                | Cycle::BoreDwellFeedOut
+            Cycle::DrillDwell | Cycle::BoreStopOut | Cycle::BoreManualOut | Cycle::BoreDwellFeedOut
         );
         if waits && dwell.is_none() {
             return refuse(

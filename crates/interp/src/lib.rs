@@ -36,6 +36,7 @@ mod cycles;
 mod decimal;
 mod eval;
 mod execute;
+mod explain;
 mod fanuc;
 mod fault;
 mod flow;
@@ -70,6 +71,7 @@ mod words;
 
 pub use call::{Call, Corners, CycleHole, CycleTap, Place, ReturnSpeed, Sense, Sink, Units};
 pub use catalogue::{CodeInfo, codes, describe};
+pub use explain::{Finding, example_setup, explain, findings};
 pub use frame::{Frame, Point};
 pub use interpreter::{Interpreter, Progress};
 pub use lint::lint;

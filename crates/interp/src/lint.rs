@@ -60,6 +60,8 @@ pub(crate) struct Reader {
     slopes: u32,
     first_slope: Span,
     path_control: bool,
+    /// G94 or G95 that has just cleared the feed, while no F followed.
+    cleared: Option<Span>,
     selected: Option<(u32, Span)>,
     spindle: Option<u32>,
     ended: bool,
@@ -165,6 +167,7 @@ impl Reader {
         };
         let has = |letter: u8| block.word(letter).is_some();
         let mut dwells = false;
+        self.feed_cleared(block);
         for word in &block.words {
             let Value::Number(value) = word.value else { continue };
             match (word.letter, (value * 10.0).round() as i64) {
@@ -187,6 +190,20 @@ impl Reader {
             self.long_dwell(block, seconds);
         }
         self.tools(block, number(b'T'), number(b'H'));
+    }
+
+    /// G94 and G95 clear the feed, also where they were in force: said where no F comes before the program ends.
+    fn feed_cleared(&mut self, block: &Block) {
+        let is = |code: f64| {
+            block.words.iter().find(|w| w.letter == b'G' && w.value == Value::Number(code))
+        };
+        if block.word(b'F').is_some() {
+            self.cleared = None;
+        } else if let Some(word) = is(95.0) {
+            self.cleared = Some(word.span);
+        } else if is(93.0).or(is(94.0)).is_some() {
+            self.cleared = None;
+        }
     }
 
     fn long_dwell(&mut self, block: &Block, seconds: f64) {
@@ -238,6 +255,11 @@ impl Reader {
             let help =
                 "write G64 P0.01 (in program units) at its beginning, or G61 for the exact path";
             self.found.push(Diagnostic::warning("I0903", self.first_slope, text).with_help(help));
+        }
+        if let Some(span) = self.cleared {
+            let text = "G95 clears the feed, and no F follows it";
+            let help = "write F, the feed per revolution, in this block: G95 F0.1";
+            self.found.push(Diagnostic::warning("I0908", span, text).with_help(help));
         }
         if let Some((number, span)) = self.selected.filter(|(number, _)| *number > 0) {
             let text = format!("T{number} is selected, and no M6 after it brings it");

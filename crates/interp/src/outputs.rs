@@ -35,10 +35,7 @@ impl Executor {
             62..=65 => {
                 let number = self.signal(code, b'P', "a digital output")?;
                 let signal = Signal::Digital { on: code % 2 == 0 };
-                self.say(
-                    sink,
-                    &Call::Output(Output { number, signal, with_motion: code <= 63 }),
-                );
+                self.say(sink, &Call::Output(Output { number, signal, with_motion: code <= 63 }));
                 Ok(())
             }
             66 => self.input(sink),
@@ -118,8 +115,10 @@ impl Executor {
             .take(12)
             .map(|code| format!("M{} ({})", code.number, code.name))
             .collect();
-        let text = format!("M{number} is the machine's own, and its file does not say what it does");
-        let help = format!("write M{number} = \"what it does\" under [user_codes] of the machine's file");
+        let text =
+            format!("M{number} is the machine's own, and its file does not say what it does");
+        let help =
+            format!("write M{number} = \"what it does\" under [user_codes] of the machine's file");
         let help = match known.len() {
             0 => help,
             _ => format!("{help}; it has {}", known.join(", ")),

@@ -142,7 +142,12 @@ impl Words {
     /// Add an M code of the shared table.
     pub(crate) fn take_m(&mut self, value: f64, span: Span) -> Outcome {
         let Some(code) = tenths(value).and_then(codes::m_code) else {
-            return Err(error("I0105", span, format!("M{value} is no known code")).into());
+            let mut fault = error("I0105", span, format!("M{value} is no known code"));
+            let guess = codes::similar_m(value);
+            if !guess.is_empty() {
+                fault = fault.with_help(guess);
+            }
+            return Err(fault.into());
         };
         let written = codes::written(code.tenths);
         self.any_code = true;

@@ -42,7 +42,10 @@ fn order(kinds: &[OpKind]) -> String {
 fn an_output_of_m62_waits_for_the_next_move_and_one_of_m64_does_not() {
     let setup = Setup::default();
     assert_eq!(order(&kinds(&setup, "M62 P1\nM65 P2\nG1 X1\nX2")), "off on line line spindle end");
-    assert_eq!(order(&kinds(&setup, "M67 E0 Q2.5\nM68 E1 Q3\nG0 X1")), "value value rapid spindle end");
+    assert_eq!(
+        order(&kinds(&setup, "M67 E0 Q2.5\nM68 E1 Q3\nG0 X1")),
+        "value value rapid spindle end"
+    );
 }
 
 #[test]
@@ -85,7 +88,10 @@ fn a_code_of_the_machines_own_is_refused_unless_the_machine_names_it() {
     let setup = Setup { user_codes: vec![clamp], ..Setup::default() };
     let kinds = kinds(&setup, "M101 P2");
     let OpKind::UserCode(code) = &kinds[0] else { panic!("{kinds:?}") };
-    assert_eq!((code.number, &*code.name, code.p, code.q), (101, "clamp the vice", Some(2.0), None));
+    assert_eq!(
+        (code.number, &*code.name, code.p, code.q),
+        (101, "clamp the vice", Some(2.0), None)
+    );
     let found = check(b"M102\nM2\n", &setup);
     assert!(found[0].help.as_ref().unwrap().contains("M101 (clamp the vice)"));
 }
@@ -109,5 +115,9 @@ fn back_boring_passes_the_bore_aside_and_cuts_upwards() {
 #[test]
 fn boring_out_by_hand_stops_and_is_out_before_the_spindle_turns_again() {
     let kinds = kinds(&Setup::default(), "S500 M3\nG0 Z5\nG88 X10 Z-5 R2 P1");
-    assert!(order(&kinds).ends_with("line spindle pause rapid spindle spindle end"), "{}", order(&kinds));
+    assert!(
+        order(&kinds).ends_with("line spindle pause rapid spindle spindle end"),
+        "{}",
+        order(&kinds)
+    );
 }

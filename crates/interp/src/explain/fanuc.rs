@@ -1,0 +1,94 @@
+//! I10: Fanuc's dialect.
+use super::{Finding, row};
+use crate::Dialect::Fanuc;
+
+const fn f(
+    code: &'static str,
+    sentence: &'static str,
+    wrong: &'static str,
+    right: &'static str,
+) -> Finding {
+    row(code, sentence, wrong, right).of(Fanuc)
+}
+
+pub(super) const ROWS: &[Finding] = &[
+    f("I1001", "O is followed by the number of a program.", "O[1+1]\nM30", "O2\nM30"),
+    f(
+        "I1002",
+        "Loops of one level do not lie inside each other.",
+        "O1\nWHILE [1 EQ 2] DO1\nWHILE [1 EQ 2] DO1\nEND1\nEND1\nM30",
+        "O1\nWHILE [1 EQ 2] DO1\nWHILE [1 EQ 2] DO2\nEND2\nEND1\nM30",
+    ),
+    f(
+        "I1003",
+        "DO and END of a loop belong together.",
+        "O1\nDO1\nEND2\nM30",
+        "O1\nWHILE [1 EQ 2] DO1\nEND1\nM30",
+    ),
+    f(
+        "I1004",
+        "A loop is not closed.",
+        "O1\nWHILE [1 EQ 2] DO1\nM30",
+        "O1\nWHILE [1 EQ 2] DO1\nEND1\nM30",
+    ),
+    f("I1005", "The tape was not read.", "", ""),
+    f(
+        "I1006",
+        "GOTO leads to a block of this program.",
+        "O1\nGOTO 77\nM30",
+        "O1\nGOTO 77\nN77 M30",
+    ),
+    f(
+        "I1007",
+        "G67 stands alone in its block.",
+        "O1\nG66 P2\nG67 G0 X1.\nM30\nO2\nM99",
+        "O1\nG66 P2\nG67\nM30\nO2\nM99",
+    ),
+    f(
+        "I1008",
+        "The arguments of a macro follow its G code.",
+        "O1\nA1. G65 P2\nM30\nO2\nM99",
+        "O1\nG65 P2 A1.\nM30\nO2\nM99",
+    ),
+    f(
+        "I1009",
+        "This letter cannot be an argument of a macro.",
+        "O1\nG65 P2 G1 A1.\nM30\nO2\nM99",
+        "O1\nG65 P2 A1.\nM30\nO2\nM99",
+    ),
+    f(
+        "I1010",
+        "A macro call needs P, the number of the macro.",
+        "O1\nG65 A1.\nM30",
+        "O1\nG65 P2 A1.\nM30\nO2\nM99",
+    ),
+    f("I1011", "Variables have numbers.", "O1\n#<name>=1\nM30", "O1\n#100=1\nM30"),
+    f("I1012", "This variable cannot be set.", "O1\n#5021=1\nM30", "O1\n#100=1\nM30"),
+    f("I1013", "This system variable is not known.", "O1\n#100=#4999\nM30", "O1\n#100=#5021\nM30"),
+    f(
+        "I1014",
+        "AND, OR and XOR take whole numbers.",
+        "O1\n#100=[1.5 AND 3]\nM30",
+        "O1\n#100=[1 AND 3]\nM30",
+    ),
+    f(
+        "I1015",
+        "BIN and BCD take up to eight decimal digits.",
+        "O1\n#100=BCD[-5]\nM30",
+        "O1\n#100=BCD[5]\nM30",
+    ),
+    f("I1020", "P counts milliseconds.", "O1\nG4 P1.5\nM30", "O1\nG4 P1500\nM30"),
+    f("I1021", "G54.1 takes P1 to P3 here.", "O1\nG54.1 P9\nM30", "O1\nG54.1 P1\nM30"),
+    f(
+        "I1022",
+        "G10 of a tool needs R, its offset.",
+        "O1\nG10 L10 P1\nM30",
+        "O1\nG10 L10 P1 R100.\nM30",
+    ),
+    f(
+        "I1023",
+        "A number without a point counts thousandths.",
+        "O1\nG0 X10\nM30",
+        "O1\nG0 X10.\nM30",
+    ),
+];

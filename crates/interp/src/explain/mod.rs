@@ -1,0 +1,88 @@
+//! Every finding about a program: its code, what it means, a program that causes it and one that does not.
+//!
+//! The page `docs/diagnostics.md` is made from this list, SARIF takes its rules from it, and a test runs every
+//! program of it: the wrong one must give the code, the right one must not. A code that is used and not in the
+//! list fails that test.
+mod cycles;
+mod fanuc;
+mod flow;
+mod machine;
+mod text;
+mod words;
+
+use crate::setup::{Dialect, Limits, Setup};
+use canon::{Flute, Holder, TapTool, Tool, ToolKind, ToolLibrary};
+use units::{Lead, Length, Stiffness};
+
+/// One kind of finding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Finding {
+    /// Its stable code.
+    pub code: &'static str,
+    /// What it means, for every program that causes it.
+    pub sentence: &'static str,
+    /// A program that causes it; empty where none fits on a page.
+    pub wrong: &'static str,
+    /// One that does what was meant.
+    pub right: &'static str,
+    /// The dialect of both.
+    pub dialect: Dialect,
+}
+
+const fn row(
+    code: &'static str,
+    sentence: &'static str,
+    wrong: &'static str,
+    right: &'static str,
+) -> Finding {
+    Finding { code, sentence, wrong, right, dialect: Dialect::LinuxCnc }
+}
+
+impl Finding {
+    const fn of(mut self, dialect: Dialect) -> Self {
+        self.dialect = dialect;
+        self
+    }
+}
+
+/// All of them, by rising code.
+pub fn findings() -> impl Iterator<Item = &'static Finding> {
+    let all = [text::ROWS, words::ROWS, flow::ROWS, cycles::ROWS, machine::ROWS, fanuc::ROWS];
+    all.into_iter().flatten()
+}
+
+/// The one with this code.
+pub fn explain(code: &str) -> Option<&'static Finding> {
+    findings().find(|finding| finding.code == code)
+}
+
+/// What the programs of the list meet: T1 is an end mill of 10 mm, T2 a tap M6; loops end after 20,000 blocks.
+pub fn example_setup(dialect: Dialect) -> Setup {
+    let tool = |number, length, diameter, kind| Tool {
+        number,
+        pocket: number,
+        length: Length::mm(length),
+        diameter: Length::mm(diameter),
+        kind,
+        description: String::new(),
+        stand_in: false,
+    };
+    let tap = TapTool {
+        designation: "M6".into(),
+        lead: Lead::mm_per_rev(1.0),
+        chamfer_pitches: 3.0,
+        thread_length: Length::mm(20.0),
+        flute: Flute::SpiralFlute,
+        oversize: Length::ZERO,
+        holder: Holder::Rigid { stiffness: Stiffness::n_per_mm(20_000.0) },
+    };
+    Setup {
+        dialect,
+        tools: ToolLibrary::new([
+            tool(1, 100.0, 10.0, ToolKind::EndMill),
+            tool(2, 120.0, 6.0, ToolKind::Tap(tap)),
+        ]),
+        limits: Limits { blocks: 20_000, names: 100, ..Limits::default() },
+        ..Setup::default()
+    }
+}
