@@ -21,6 +21,8 @@ pub enum FaultKind {
     DriveNotReady,
     /// An encoder or the clock gave no usable number.
     FeedbackInvalid,
+    /// A drive reports an alarm, and can still brake.
+    DriveAlarm,
     /// An axis is too far from its setpoint.
     FollowingError,
     /// A spindle under position control is too far from its setpoint.
@@ -76,10 +78,11 @@ struct Text {
 
 impl FaultKind {
     /// All of them, by rising number.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::EmergencyStop,
         Self::DriveNotReady,
         Self::FeedbackInvalid,
+        Self::DriveAlarm,
         Self::FollowingError,
         Self::SpindleFollowingError,
         Self::SyncError,
@@ -154,6 +157,14 @@ impl FaultKind {
                 reaction: Reaction::Disable,
                 cause: "A broken encoder line, or a fault of the field bus.",
                 remedy: "Check encoder, cable and bus.",
+            },
+            Self::DriveAlarm => Text {
+                number: 104,
+                sentence: "a drive reports an alarm and asks for a stop",
+                unit: "",
+                reaction: Reaction::Halt,
+                cause: "The drive is too hot, its bus is low, or it has another complaint with which it can still brake.",
+                remedy: "A tap in its hole comes out with a retract. Then read the drive's own alarm.",
             },
             Self::FollowingError => Text {
                 number: 201,

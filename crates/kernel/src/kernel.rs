@@ -72,6 +72,8 @@ pub struct Kernel {
     events: Ring,
     report: Report,
     operator: Operator,
+    /// An alarm from outside that the next tick will find.
+    reported: Option<Subject>,
     /// A tool is being taken out; nothing else is done.
     recovering: Option<Recovering>,
     /// The operator has given the program up, and everything stands.
@@ -95,6 +97,7 @@ impl Kernel {
             events: Ring::new(),
             report: Report::default(),
             operator: Operator::new(),
+            reported: None,
             recovering: None,
             aborted: false,
             now: Time::ZERO,
@@ -240,13 +243,18 @@ impl Kernel {
         }
     }
 
+    /// A drive reports an alarm with which it can still brake.
+    pub const fn report_alarm(&mut self, of: Subject) {
+        self.reported = Some(of);
+    }
+
     /// Take a tool out of the work, and do nothing else: what waited is forgotten, what stopped the machine before
     /// has had its answer. The drives come up, each where it stands.
     pub fn recover(&mut self, plan: RecoveryPlan) {
         self.queue.clear();
         self.faults.clear();
         (self.activity, self.begun, self.mode) = (Activity::Idle, false, Mode::New);
-        (self.operator, self.aborted) = (Operator::new(), false);
+        (self.operator, self.aborted, self.reported) = (Operator::new(), false, None);
         self.recovering = Some(Recovering::new(plan, self.now));
     }
 
@@ -301,6 +309,9 @@ impl Kernel {
         match self.mode {
             Mode::New | Mode::Starting(_) | Mode::Disabled => Ok(()),
             Mode::Running => {
+                if let Some(of) = self.reported {
+                    return Err((FaultKind::DriveAlarm, of, 0.0, 0.0));
+                }
                 self.drives.check_ready(feedback)?;
                 let waits = &self.config.waits;
                 self.drives.check_coupled(waits.at_speed, waits.oriented)?;

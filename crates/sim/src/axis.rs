@@ -22,8 +22,9 @@
 //! Each step drifts half a step, kicks once, drifts half a step (position Verlet): exact under constant
 //! force, second order and free of numerical damping on the spring, one evaluation of the forces.
 //!
-//! A drive that is off gives no force. Where there is a brake it then clamps the motor; elsewhere the
-//! guideway's own friction holds the axis.
+//! A drive that is off gives no force. Where there is a brake it then clamps the motor as soon as it stands: a
+//! holding brake is no working brake. One that falls, or has run down for [`BRAKE_LATEST_S`], is clamped all the same.
+//! Elsewhere the guideway's own friction holds the axis.
 //!
 //! Source: the two-mass model is that of any text on feed drives, e.g. Altintas, *Manufacturing
 //! Automation*, 2nd ed. 2012, ch. 5; friction as in [`crate::Lugre`].
@@ -37,6 +38,13 @@ use units::{Force, Inertia, Length, Mass, Stiffness, Time, Torque};
 
 /// Standard gravity, m/s² (CGPM 1901).
 const GRAVITY: f64 = 9.806_65;
+
+/// Slower than this a motor stands, for its brake, m/s (estimate).
+const BRAKE_STANDS: f64 = 0.5e-3;
+/// A motor that runs faster than when it was switched off, and faster than this, falls, m/s (estimate).
+const BRAKE_FALLS: f64 = 0.05;
+/// A brake closes after this time at the latest, s (estimate: supervision of the drive).
+const BRAKE_LATEST_S: f64 = 3.0;
 
 /// A ball-screw axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,6 +110,9 @@ pub(crate) struct Axis {
     process: f64,
     reference: f64,
     on: bool,
+    clamped: bool,
+    /// Since the drive went off, s, and how fast it ran then, m/s.
+    off: (f64, f64),
     force: f64,
     motor: Body,
     table: Body,
@@ -145,6 +156,8 @@ impl Axis {
             process: 0.0,
             reference: 0.0,
             on: false,
+            clamped: model.brake,
+            off: (0.0, 0.0),
             force: 0.0,
             motor: Body { x: start + hang, v: 0.0 },
             table: Body { x: start, v: 0.0 },
@@ -154,7 +167,11 @@ impl Axis {
 
     /// What the drive shall do for the coming period.
     pub(crate) fn obey(&mut self, command: &bus::AxisCommand) {
+        if self.on && !command.enable {
+            self.off = (0.0, self.motor.v.abs());
+        }
         self.on = command.enable;
+        self.clamped &= !self.on;
         // a reference that is no number is no reference
         let wanted = if command.force.is_finite() { command.force.value() } else { 0.0 };
         self.reference =
@@ -182,10 +199,22 @@ impl Axis {
         self.table.v += self.table_rate * (spring + self.process + self.weight);
         self.table.v -= self.table_rate * friction;
         if self.brake && !self.on {
-            self.motor.v = 0.0; // a brake holds more than the motor: it does not slip
+            self.clamp();
         }
         self.motor.x += self.half_step * self.motor.v;
         self.table.x += self.half_step * self.table.v;
+    }
+
+    /// The brake, once it is closed, holds more than the motor: it does not slip.
+    fn clamp(&mut self) {
+        let (since, then) = self.off;
+        self.off.0 = since + 2.0 * self.half_step;
+        let v = self.motor.v.abs();
+        let falls = v > BRAKE_FALLS && v > 1.2 * then;
+        self.clamped |= v < BRAKE_STANDS || falls || since > BRAKE_LATEST_S;
+        if self.clamped {
+            self.motor.v = 0.0;
+        }
     }
 
     /// What the machine says of it.

@@ -22,7 +22,7 @@ use std::collections::VecDeque;
 use units::Time;
 
 /// Judges a workpiece from recorded motion.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Judge {
     config: Config,
     /// Ordered and not yet judged, in order; the front is being cut once `track` is there.
@@ -58,7 +58,7 @@ enum What {
     Polygon(Box<Ordered>),
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 enum Track {
     Hole { track: HoleTrack, tool: Option<u32> },
     Thread(Box<ThreadTrack>),

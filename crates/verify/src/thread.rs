@@ -91,7 +91,7 @@ impl ThreadTrack {
             self.edges.sample(depth_mm, theta_rev);
             self.axis.sample(axis_depth_mm, theta_rev);
             self.measure_effort(sample, theta_rev, now_s);
-            self.faulted |= sample.report.state == State::Faulted;
+            self.faulted |= matches!(sample.report.state, State::Faulted | State::Recovering);
         } else {
             self.edges.leave();
             self.axis.leave();

@@ -37,7 +37,7 @@ impl Ordered {
 }
 
 /// Follows the cutter.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct PolygonTrack {
     tool: Option<(u32, PolygonCutter)>,
     passes: Option<Passes>,

@@ -36,7 +36,7 @@ impl Pass {
 struct State([f64; 5]);
 
 /// Collects passes.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Passes {
     radius_mm: f64,
     inserts: Vec<f64>,

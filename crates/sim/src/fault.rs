@@ -1,0 +1,342 @@
+//! Faults as wrappers of a machine: what happens to iron, seeded and to the point.
+//!
+//! ```text
+//!             Command                       Command, or none
+//!   control ─────────► Faulty ─────────────────────────────► machine
+//!           ◄───────── │    ◄─────────────────────────────
+//!             Feedback │ trigger: time, angle, depth, or whenever the seed wants
+//!                      └ power cut, kill, drive fault · lost index, slip, dropout, stuck, jump · late, missed · torque
+//! ```
+//!
+//! A wrapper knows the bus only, so any [`Machine`] can be spoiled. Without a controller, or without mains, the drives
+//! do by themselves what [`LeftAlone`] says ([`crate::RunDown`]): coast, brake each by itself, or stop coupled.
+//!
+//! | fault | what happens |
+//! |---|---|
+//! | power cut | mains and controller are gone; what the drives still do lives on the DC bus and on what turns |
+//! | kill | no command arrives any more; after their watchdog's time the drives stop by themselves |
+//! | emergency stop | its chain opens |
+//! | drive fault | one drive is off from then on |
+//! | lost index | the index mark is never seen |
+//! | encoder slip | the spindle's reading is off by so much from then on |
+//! | feedback jump | an axis' reading is off by so much from then on |
+//! | dropout | the spindle's encoder gives no number for so long |
+//! | stuck | an axis' encoder says the same from then on |
+//! | late, missed | a command arrives one period late from then on; a single one is lost |
+//! | torque loss | the spindle gives only a share of what is ordered |
+use crate::rng::Rng;
+use crate::{Bus, Config, Reaction, RunDown};
+use bus::{Command, Feedback, Machine, Truth};
+use units::{Angle, Length, Time, Torque};
+
+/// What the drives do by themselves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeftAlone {
+    /// The machine that they drive.
+    pub config: Config,
+    /// After so long without a command they take the control for dead.
+    pub watchdog: Time,
+    /// What they do then.
+    pub on_silence: Reaction,
+    /// What they do when the mains fail.
+    pub on_power_loss: Reaction,
+    /// What they live on meanwhile; without, outputs are off at once.
+    pub bus: Option<Bus>,
+}
+
+/// When something happens.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Trigger {
+    /// At a time since the machine was started.
+    At(Time),
+    /// When the first spindle has turned this far in all, either way.
+    Turned(Angle),
+    /// When an axis passes a coordinate, by its encoder: bus index, coordinate.
+    Passes(usize, Length),
+    /// With the same chance in each period of a span of time.
+    Random(Time, Time),
+}
+
+/// What happens.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fault {
+    /// The mains fail.
+    PowerCut,
+    /// The controller vanishes.
+    Kill,
+    /// The chain opens.
+    EmergencyStop,
+    /// The drive of an axis is off from then on.
+    AxisDrive(usize),
+    /// The drive of a spindle is off from then on.
+    SpindleDrive(usize),
+    /// No index is seen any more.
+    LostIndex,
+    /// The first spindle's reading is off by so much.
+    Slip(Angle),
+    /// The first spindle's encoder gives no number for so long.
+    Dropout(Time),
+    /// An axis' encoder is stuck.
+    Stuck(usize),
+    /// An axis' reading jumps.
+    Jump(usize, Length),
+    /// Commands arrive a period late.
+    Late,
+    /// One command is lost: the one before it stands.
+    Missed,
+    /// The first spindle gives this share of what is ordered.
+    TorqueLoss(f64),
+}
+
+impl Fault {
+    /// Its name, as it is typed.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::PowerCut => "power-cut",
+            Self::Kill => "kill",
+            Self::EmergencyStop => "emergency-stop",
+            Self::AxisDrive(_) | Self::SpindleDrive(_) => "drive-fault",
+            Self::LostIndex => "lost-index",
+            Self::Slip(_) => "encoder-slip",
+            Self::Dropout(_) => "dropout",
+            Self::Stuck(_) => "stuck",
+            Self::Jump(..) => "feedback-jump",
+            Self::Late => "late",
+            Self::Missed => "missed",
+            Self::TorqueLoss(_) => "torque-loss",
+        }
+    }
+}
+
+/// A fault and when it comes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Planned {
+    /// When.
+    pub trigger: Trigger,
+    /// What.
+    pub fault: Fault,
+}
+
+/// One that waits, or has come.
+#[derive(Clone, Debug)]
+struct Pending {
+    planned: Planned,
+    came: Option<Time>,
+    /// What was read when it came.
+    then: Feedback,
+}
+
+/// A machine to which things happen.
+#[derive(Clone, Debug)]
+pub struct Faulty<M> {
+    machine: M,
+    alone: Option<LeftAlone>,
+    /// The drives on their own; and since when nobody commands them.
+    run_down: Option<RunDown>,
+    silent: Time,
+    pending: Vec<Pending>,
+    last: Command,
+    said: Feedback,
+    first_angle: Angle,
+}
+
+impl<M: Machine> Faulty<M> {
+    /// Wrap a machine. The seed decides what is left to chance.
+    pub fn new(machine: M, planned: &[Planned], seed: u64) -> Self {
+        let said = machine.feedback();
+        let mut rng = Rng::new(seed);
+        let pending = planned
+            .iter()
+            .map(|planned| {
+                let trigger = match planned.trigger {
+                    Trigger::Random(from, to) => Trigger::At(from + (to - from) * rng.unit()),
+                    given @ (Trigger::At(_) | Trigger::Turned(_) | Trigger::Passes(..)) => given,
+                };
+                let planned = Planned { trigger, ..*planned };
+                Pending { planned, came: None, then: said }
+            })
+            .collect();
+        Self {
+            machine,
+            alone: None,
+            run_down: None,
+            silent: Time::ZERO,
+            pending,
+            last: Command::default(),
+            said,
+            first_angle: said.spindles[0].angle,
+        }
+    }
+
+    /// Drives that do something by themselves; without this their outputs go off.
+    #[must_use]
+    pub fn left_alone(mut self, alone: LeftAlone) -> Self {
+        self.alone = Some(alone);
+        self
+    }
+
+    /// The machine inside.
+    pub const fn machine(&self) -> &M {
+        &self.machine
+    }
+
+    /// Let a fault come now.
+    pub fn strike(&mut self, fault: Fault) {
+        let now = self.machine.feedback();
+        let planned = Planned { trigger: Trigger::At(now.time), fault };
+        self.pending.push(Pending { planned, came: Some(now.time), then: now });
+    }
+
+    /// The faults that have come, each with its time, in the order in which they were planned.
+    pub fn came(&self) -> impl Iterator<Item = (Fault, Time)> + '_ {
+        self.pending.iter().filter_map(|p| Some((p.planned.fault, p.came?)))
+    }
+
+    /// The controller is gone, by a kill or with the mains: nobody should tick.
+    pub fn is_abandoned(&self) -> bool {
+        self.has(|fault| matches!(fault, Fault::Kill | Fault::PowerCut))
+    }
+
+    /// Mend everything: power and controller are back, encoders say what is. Faults still to come stay.
+    pub fn mend(&mut self) {
+        self.pending.retain(|pending| pending.came.is_none());
+        (self.run_down, self.silent) = (None, Time::ZERO);
+        self.said = self.machine.feedback();
+    }
+
+    /// A period without a controller.
+    pub fn wait(&mut self) -> Feedback {
+        let now = self.machine.feedback();
+        let no_power = self.has(|fault| matches!(fault, Fault::PowerCut));
+        let off = Command { tool: self.last.tool, ..Command::default() };
+        let order = match (&mut self.run_down, &self.alone) {
+            (Some(run_down), _) => run_down.command(&now),
+            (None, Some(alone)) if no_power || self.silent >= alone.watchdog => {
+                let reaction = match (no_power, alone.bus) {
+                    (true, None) => Reaction::Coast,
+                    (true, Some(_)) => alone.on_power_loss,
+                    (false, _) => alone.on_silence,
+                };
+                let bus = alone.bus.filter(|_| no_power);
+                let mut run_down = RunDown::new(&alone.config, reaction, bus, &self.last, &now);
+                let order = run_down.command(&now);
+                self.run_down = Some(run_down);
+                order
+            }
+            (None, Some(_)) => self.last,
+            (None, None) => off,
+        };
+        self.silent += self.machine.period();
+        let said = self.machine.exchange(&order);
+        self.hear(said)
+    }
+
+    fn has(&self, what: impl Fn(&Fault) -> bool) -> bool {
+        self.pending.iter().any(|p| p.came.is_some() && what(&p.planned.fault))
+    }
+
+    /// What comes now.
+    fn trip(&mut self) {
+        let now = self.machine.feedback();
+        let turned = (now.spindles[0].angle - self.first_angle).abs();
+        for pending in &mut self.pending {
+            let comes = match pending.planned.trigger {
+                Trigger::At(time) | Trigger::Random(time, _) => now.time >= time,
+                Trigger::Turned(angle) => turned >= angle,
+                Trigger::Passes(axis, place) => {
+                    let (was, is) = (pending.then.axes[axis].position, now.axes[axis].position);
+                    (was - place).value() * (is - place).value() <= 0.0 && was != is
+                }
+            };
+            if pending.came.is_none() {
+                pending.then = now;
+                if comes {
+                    pending.came = Some(now.time);
+                }
+            }
+        }
+    }
+
+    /// The command as it arrives.
+    fn order(&mut self, command: &Command) -> Command {
+        let mut order = *command;
+        for pending in &self.pending {
+            let Some(came) = pending.came else { continue };
+            let fresh = self.said.time <= came;
+            match pending.planned.fault {
+                Fault::AxisDrive(axis) => order.axes[axis].enable = false,
+                Fault::SpindleDrive(spindle) => order.spindles[spindle].enable = false,
+                Fault::TorqueLoss(share) => {
+                    order.spindles[0].torque =
+                        Torque::n_m(order.spindles[0].torque.value() * share);
+                }
+                Fault::Late => order = self.last,
+                Fault::Missed if fresh => order = self.last,
+                Fault::Missed
+                | Fault::PowerCut
+                | Fault::Kill
+                | Fault::EmergencyStop
+                | Fault::LostIndex
+                | Fault::Slip(_)
+                | Fault::Dropout(_)
+                | Fault::Stuck(_)
+                | Fault::Jump(..) => {}
+            }
+        }
+        self.last = *command;
+        order
+    }
+
+    /// The feedback as it is heard.
+    fn hear(&mut self, real: Feedback) -> Feedback {
+        let mut said = real;
+        for pending in &self.pending {
+            let Some(came) = pending.came else { continue };
+            let spindle = &mut said.spindles[0];
+            match pending.planned.fault {
+                Fault::EmergencyStop => said.emergency_stop = true,
+                Fault::LostIndex => spindle.index = None,
+                Fault::Slip(by) => spindle.angle += by,
+                Fault::Dropout(lasts) if real.time - came < lasts => {
+                    spindle.angle = Angle::rev(f64::NAN);
+                }
+                Fault::Stuck(axis) => said.axes[axis].position = pending.then.axes[axis].position,
+                Fault::Jump(axis, by) => said.axes[axis].position += by,
+                Fault::Dropout(_)
+                | Fault::PowerCut
+                | Fault::Kill
+                | Fault::AxisDrive(_)
+                | Fault::SpindleDrive(_)
+                | Fault::Late
+                | Fault::Missed
+                | Fault::TorqueLoss(_) => {}
+            }
+        }
+        self.said = said;
+        said
+    }
+}
+
+impl<M: Machine> Machine for Faulty<M> {
+    fn period(&self) -> Time {
+        self.machine.period()
+    }
+
+    fn feedback(&self) -> Feedback {
+        self.said
+    }
+
+    fn exchange(&mut self, command: &Command) -> Feedback {
+        self.trip();
+        if self.is_abandoned() {
+            return self.wait();
+        }
+        let order = self.order(command);
+        let real = self.machine.exchange(&order);
+        self.hear(real)
+    }
+
+    fn truth(&self) -> Option<Truth> {
+        self.machine.truth()
+    }
+}
