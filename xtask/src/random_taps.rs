@@ -8,6 +8,9 @@
 //!   broken    anything else: a thread out of class that nobody predicted, an alarm, a thread too few
 //! ```
 //!
+//! `leadscrew run` itself looks in every servo period for what may never happen (a tap driven against its way, moved
+//! sideways in its thread, beyond its bottom, a broken tool, a cut at the wrong speed); its certificate says how often.
+//!
 //! Drawn: size, hand, depth, speed, holder, units, plane, cycle (G84 and G74, M29, G84.2 and G84.3, G33.1), where the
 //! lead comes from, pecks of both kinds, start angle, return speed, dwell, preset; one in eight has a mistake.
 use std::{
@@ -333,6 +336,12 @@ impl Case {
         }
         if !certificate.contains("\"alarms\": []") {
             return Err(format!("an alarm\n{certificate}"));
+        }
+        let violations: Vec<_> = figures(certificate, "violations").collect();
+        if violations != [0.0] {
+            return Err(format!(
+                "invariants broken in {violations:?} servo periods\n{certificate}"
+            ));
         }
         let too_deep = figures(certificate, "depth_error_um").find(|um| um.abs() > DEPTH_UM);
         if let Some(um) = too_deep {

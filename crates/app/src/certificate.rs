@@ -80,7 +80,16 @@ fn thread(common: Common, found: &Thread, zero: &Position) -> file::Thread {
         } else {
             Measured::um(found.margin)
         },
-        torque_max_n_m: found.torque_max.map_or(Measured::UNKNOWN, |t| Measured::number(t.value())),
+        torque_max_n_m: torque(found.torque_max),
+        torque_in_n_m: torque(found.torque_in),
+        torque_out_n_m: torque(found.torque_out),
+        torque_model_n_m: torque(found.torque_expected),
+        torque_model_band_percent: if found.torque_expected.is_some() {
+            Measured::number(Thread::TORQUE_BAND * 100.0)
+        } else {
+            Measured::UNKNOWN
+        },
+        torque_expected: found.torque_is_expected(),
         axial_force_max_n: found
             .axial_force_max
             .map_or(Measured::UNKNOWN, |f| Measured::number(f.value())),
@@ -88,4 +97,8 @@ fn thread(common: Common, found: &Thread, zero: &Position) -> file::Thread {
         chip_removal: found.chip_removal,
         recovered: found.recovered,
     }
+}
+
+fn torque(known: Option<units::Torque>) -> Measured {
+    known.map_or(Measured::UNKNOWN, |t| Measured::number(t.value()))
 }

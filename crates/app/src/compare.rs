@@ -78,6 +78,12 @@ pub(crate) fn command(args: &CompareArgs, quiet: bool) -> Result<(), Refused> {
         ways.push(way(args, case, &text, drive)?);
     }
     let mut said = summary(&ways);
+    if let (None, Some(sigma)) = (&args.program, expected_sigma(args, &drive)?) {
+        said += &format!(
+            "conventional cycle by the closed form: 1σ {:.0} µm = √((H·n·σd)² + (H·n·σs·t/2)² + (σn·way in the work)²)\n",
+            sigma.in_um()
+        );
+    }
     let comparison = Comparison {
         title: format!("{name}: clutch holder and conventional cycle"),
         scatter: scatter_sentence(args, &drive),
@@ -221,12 +227,14 @@ fn run_once(
         planner: planner(&session, options),
         kernel: kernel::Kernel::new(wiring::control(&session.machine, None, false)),
         machine: iron,
+        watch: verify::Watch::new(judge.clone()),
         judge: verify::Judge::new(judge),
         recorder: report::Recorder::new(&session.tools),
         trace: None,
         log: None,
         timings: Timings::new(false),
         planned: known.planned,
+        taps: std::collections::BTreeSet::new(),
     };
     let outcome = simulation.run(&ProgressBar::hidden())?;
     if let Some(fault) = outcome.faults.first() {
@@ -271,10 +279,38 @@ fn tap_of(size: &str) -> Result<Tool, Refused> {
     })
 }
 
-/// Holes of 1.5 diameters and the splines' length, on a grid in the middle of the stock.
+/// Depth of the holes: as asked, or 1.5 diameters and the splines' length.
+fn depth(args: &CompareArgs, thread: &Thread) -> Length {
+    args.depth.map_or_else(|| Length::mm(5.0) + thread.nominal * 1.5, Length::mm)
+}
+
+/// What the depth of the conventional cycle must scatter by, from the scatter of its causes: the relay's delay and the
+/// stopping time make the tap coast, and a spindle that is faster by a share cuts deeper by that share of its way.
+fn expected_sigma(args: &CompareArgs, drive: &sim::PlainDrive) -> Result<Option<Length>, Refused> {
+    let thread = thread_of(args.size.as_deref().unwrap_or("M6"))?;
+    let n = Spin::rpm(args.speed);
+    let stopping = n / drive.accel;
+    let turns = |time: Time| (thread.lead.abs() * (n * time)).value();
+    let coast = turns(drive.delay + stopping / 2.0);
+    let way = depth(args, &thread).value() + coast;
+    let causes = [
+        turns(drive.delay_scatter),
+        turns(stopping * (drive.ramp_scatter / 2.0)),
+        way * drive.speed_scatter,
+    ];
+    let sigma = causes.iter().map(|c| c * c).sum::<f64>().sqrt();
+    Ok(sigma.is_finite().then_some(Length::mm(sigma)))
+}
+
+/// Holes on a grid in the middle of the stock.
 fn program_for(size: &str, args: &CompareArgs) -> Result<Vec<u8>, Refused> {
     let thread = thread_of(size)?;
-    let depth = 5.0 + 1.5 * thread.nominal.value();
+    let depth = depth(args, &thread).value();
+    if !(depth > 5.0 && depth <= 35.0) {
+        return Err(Refused::because(format!(
+            "--depth {depth}: expected more than the 5 mm of the splines, and 35 mm at most"
+        )));
+    }
     let cycle = if thread.lead.value() < 0.0 { ("G74", "M4") } else { ("G84", "M3") };
     let feed = thread.lead.value().abs() * args.speed;
     let (code, turn) = cycle;

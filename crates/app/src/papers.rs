@@ -24,8 +24,18 @@ pub(crate) fn certificate(job: &Job, outcome: &Outcome) -> Certificate {
         cycle_time_s: Measured::s(outcome.cycle_time),
         ended: outcome.ended,
         alarms: alarms.collect(),
+        invariants: store::certificate::Invariants {
+            periods: outcome.watch.periods(),
+            violations: outcome.watch.violations(),
+            breaches: outcome.watch.breaches().iter().map(breach).collect(),
+        },
         features: outcome.features.iter().map(|f| certificate::feature(f, &zero)).collect(),
     }
+}
+
+/// What may never happen, in one sentence.
+pub(crate) fn breach(breach: &verify::Breach) -> String {
+    format!("line {}, {:.3} s: {}", breach.line, breach.time.value(), breach.what)
 }
 
 /// Into the folder of the run.

@@ -178,6 +178,14 @@ impl Job {
             Some(drive) => iron.with_plain_drive(drive),
             None => iron,
         };
+        let iron = match machine.simulation.tap_wear {
+            Some(wear) => iron.with_tap_wear(sim::TapWear {
+                life: wear.life,
+                rise: wear.rise_share,
+                scatter: wear.scatter_share,
+            }),
+            None => iron,
+        };
         // a spindle that makes its own ramps shows in the first hole how it stops: what it shows is used, and kept
         // if there is a file for it
         let learns = self.memory.is_some() || wiring::plain_drive(machine).is_some();
@@ -188,6 +196,10 @@ impl Job {
             planner: planner(&self.session, self.options),
             kernel,
             machine: iron,
+            watch: verify::Watch::new(verify::Config {
+                synchronised: self.session.taps.method == plan::TapMethod::Synchronised,
+                ..wiring::judge(machine, tools, self.material, &zero)
+            }),
             judge: verify::Judge::new(verify::Config {
                 synchronised: self.session.taps.method == plan::TapMethod::Synchronised,
                 tolerances: self.tolerances(),
@@ -198,6 +210,7 @@ impl Job {
             log: args.log.then(|| Log::new(tools.clone(), zero)),
             timings: Timings::new(args.timings),
             planned: known.planned,
+            taps: std::collections::BTreeSet::new(),
         };
         Ok(simulation.run(progress)?)
     }

@@ -20,9 +20,9 @@ use kernel::{Event, EventKind, Fault, Kernel};
 use plan::{Planner, Step, StepKind};
 use report::Recorder;
 use sim::SimulatedMachine;
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use units::Time;
-use verify::{Feature, Judge};
+use verify::{Feature, Judge, Watch};
 
 /// Servo periods between two looks of the progress bar.
 const PROGRESS_EVERY: u64 = 4096;
@@ -43,6 +43,8 @@ pub(crate) struct Simulation<'a> {
     pub(crate) machine: SimulatedMachine,
     /// Who judges.
     pub(crate) judge: Judge,
+    /// Who looks for what may never happen.
+    pub(crate) watch: Watch,
     /// Who keeps what pictures need.
     pub(crate) recorder: Recorder,
     /// Who keeps everything.
@@ -53,6 +55,8 @@ pub(crate) struct Simulation<'a> {
     pub(crate) timings: Timings,
     /// How long it is planned to take.
     pub(crate) planned: Time,
+    /// Indices of the ops that tap.
+    pub(crate) taps: BTreeSet<u32>,
 }
 
 /// What came of it.
@@ -61,6 +65,8 @@ pub(crate) struct Outcome {
     pub(crate) features: Vec<Feature>,
     /// What pictures need.
     pub(crate) recorder: Recorder,
+    /// What may never happen, and whether it did.
+    pub(crate) watch: Watch,
     /// How long the machine took.
     pub(crate) cycle_time: Time,
     /// The program came to its end.
@@ -120,6 +126,7 @@ impl Simulation<'_> {
         Ok(Outcome {
             features: self.judge.finish(),
             recorder: self.recorder,
+            watch: self.watch,
             cycle_time: feedback.time,
             ended: self.kernel.is_over() && faults.is_empty(),
             faults,
@@ -136,11 +143,7 @@ impl Simulation<'_> {
     fn feed(&mut self, queue: &mut VecDeque<Step>, limiting: &mut BTreeMap<u32, String>) {
         while !self.kernel.is_full() {
             if let Some(step) = queue.pop_front() {
-                if let StepKind::Tap(tap) = &step.kind {
-                    let speed = tap.limiting.speed.name();
-                    limiting
-                        .insert(step.op, format!("{speed}; run-up: {}", tap.limiting.ramp.name()));
-                }
+                self.limits_of(&step, limiting);
                 // there is room: it has just been asked
                 let _ = self.kernel.push(step);
                 continue;
@@ -152,7 +155,11 @@ impl Simulation<'_> {
                 }
                 continue;
             };
+            if let canon::OpKind::Tap(_) = &op.kind {
+                self.taps.insert(index);
+            }
             self.judge.op(index, &op);
+            self.watch.op(index, &op);
             self.recorder.op(index, &op);
             self.planner.push(index, &op, &mut |step| queue.push_back(step));
             for table in self.planner.take_tables() {
@@ -164,8 +171,30 @@ impl Simulation<'_> {
         }
     }
 
+    /// What keeps a tap from being faster. One that is not tied to the spindle is a feed in and out at the programmed
+    /// speed; in a clutch holder it also waits until the splines have let go and the spindle has turned round.
+    fn limits_of(&self, step: &Step, limiting: &mut BTreeMap<u32, String>) {
+        match &step.kind {
+            StepKind::Tap(tap) => {
+                let speed = tap.limiting.speed.name();
+                limiting.insert(step.op, format!("{speed}; run-up: {}", tap.limiting.ramp.name()));
+            }
+            StepKind::Dwell(time) if self.taps.contains(&step.op) => {
+                let text = format!("programmed speed; dwell {:.3} s each way", time.value());
+                limiting.insert(step.op, text);
+            }
+            StepKind::Move(_) if self.taps.contains(&step.op) => {
+                limiting
+                    .entry(step.op)
+                    .or_insert_with(|| "programmed speed; reversal: the spindle's own".to_owned());
+            }
+            _ => {}
+        }
+    }
+
     fn listen(&mut self, sample: &Sample) {
         self.judge.sample(sample);
+        self.watch.sample(sample);
         self.recorder.sample(sample);
         if let Some(trace) = &mut self.trace {
             trace.push(sample);

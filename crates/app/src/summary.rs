@@ -35,6 +35,9 @@ pub(crate) fn text(job: &Job, outcome: &Outcome, out: Option<&Path>, quiet: bool
     if !quiet {
         said += &crate::worst::text(&outcome.features, &job.tolerances());
     }
+    for breach in outcome.watch.breaches().iter().take(MOST_FAILURES) {
+        said += &format!("INVARIANT BROKEN: {}\n", crate::papers::breach(breach));
+    }
     said += &saturation(outcome);
     said += &warnings(outcome);
     said += &crate::learning::text(&outcome.lessons);

@@ -2,46 +2,70 @@
 //!
 //! ```text
 //!   headroom   least share of a tolerance that is left, over all features and tolerances
-//!   torque     of the first and the last thread of each tap, against the tap makers' formula
+//!   torque     of each tap over the thread that it cut: wear; and against the tap makers' formula
 //! ```
 use crate::check::plural;
-use std::collections::BTreeMap;
-use verify::{Feature, FeatureKind, Summary, Thread, Tolerances};
+use verify::{Feature, FeatureKind, Summary, Tolerances, TorqueTrend};
 
-/// A line for the worst feature, and one for each tap that cut two threads or more of one size.
+/// A line for the worst feature and why, one for each tap that cut two threads or more of one size, and one for torques that
+/// the formula does not explain.
 pub(crate) fn text(features: &[Feature], tolerances: &Tolerances) -> String {
     let summary = Summary::of(features, tolerances);
     let mut said = String::new();
     if let Some((index, left)) = summary.worst {
         let feature = &features[index];
         said += &format!(
-            "nearest to its limit: line {}, {}: {left}\n",
+            "nearest to its limit: line {}, {}: {left}{}\n",
             feature.line,
-            feature.kind_name()
+            feature.kind_name(),
+            feature.why(&left).map_or_else(String::new, |why| format!(", because: {why}")),
         );
     }
-    let mut taps: BTreeMap<u32, Vec<&Thread>> = BTreeMap::new();
-    for feature in features {
-        if let (FeatureKind::Thread(thread), Some(tool)) = (&feature.kind, feature.tool) {
-            taps.entry(tool).or_default().push(thread);
-        }
+    for trend in TorqueTrend::of(features) {
+        said += &torque(&trend).unwrap_or_default();
     }
-    for (tool, threads) in taps {
-        said += &torque(tool, &threads).unwrap_or_default();
-    }
+    said += &unexpected(features);
     said
 }
 
-/// How the torque of a tap has gone from its first thread to its last.
-fn torque(tool: u32, threads: &[&Thread]) -> Option<String> {
-    let [first, .., last] = threads else { return None };
-    let (from, to) = (first.torque_max?.value(), last.torque_max?.value());
-    let formula = last
-        .torque_expected
-        .map_or(String::new(), |t| format!(", {:.2} N·m by the tap makers' formula", t.value()));
+/// How the torque of a tap has gone over the thread that it cut.
+fn torque(trend: &TorqueTrend) -> Option<String> {
+    let [first, .., last] = trend.threads.as_slice() else { return None };
+    let wear = match trend.rise_per_m {
+        Some(rise) => {
+            let (rise, doubt) = (rise * 100.0, trend.uncertainty_per_m * 100.0);
+            let called = if trend.is_wear() { "wear" } else { "no wear to be told from chance" };
+            format!("; {rise:+.1} ± {doubt:.1} % by metre of thread: {called}")
+        }
+        None => String::new(),
+    };
     Some(format!(
-        "torque of T{tool} over {}: {from:.2} N·m in the first, {to:.2} N·m in the last ({:+.0} %){formula}\n",
-        plural(threads.len(), "thread"),
-        (to / from - 1.0) * 100.0
+        "torque of T{} over {}, {:.2} m: in {:.2} N·m in the first, {:.2} N·m in the last, out {}{wear}\n",
+        trend.tool,
+        plural(trend.threads.len(), "thread"),
+        last.0.value() * 1e-3,
+        first.1.value(),
+        last.1.value(),
+        last.2.map_or("not known".to_owned(), |out| format!("{:.2} N·m", out.value())),
     ))
+}
+
+/// Threads whose torque the tap makers' formula does not explain.
+fn unexpected(features: &[Feature]) -> String {
+    let threads = features.iter().filter_map(|f| match &f.kind {
+        FeatureKind::Thread(thread) => Some((f.line, thread)),
+        _ => None,
+    });
+    let odd: Vec<_> = threads.filter(|(_, t)| t.torque_is_expected() == Some(false)).collect();
+    let Some((line, thread)) = odd.first() else { return String::new() };
+    let known = |torque: Option<units::Torque>| torque.map_or(f64::NAN, units::Torque::value);
+    format!(
+        "torque outside of what the tap makers' formula expects in {}: line {line}, in {:.2} N·m, out {:.2} N·m, \
+         formula {:.2} N·m ± {:.0} % in and 10 to 30 % of that out\n",
+        plural(odd.len(), "thread"),
+        known(thread.torque_in),
+        known(thread.torque_out),
+        known(thread.torque_expected),
+        verify::Thread::TORQUE_BAND * 100.0,
+    )
 }

@@ -1,7 +1,9 @@
 //! The pages in `spec/` run: what they show is what the program does.
 //!
-//! `UPDATE_SPEC=1 cargo test -p leadscrew --test spec` writes the pages anew.
+//! `UPDATE_SPEC=1 cargo test -p leadscrew --test spec` writes the pages anew, and the pictures of the steps: a page that shows
+//! `../docs/pictures/spec-NAME.svg` gets it from its own first log.
 #![allow(clippy::unwrap_used)] // a test may panic
+mod spec_pictures;
 use std::{
     fs,
     io::Write,
@@ -17,6 +19,7 @@ fn every_page_shows_what_the_program_does() {
         let text = fs::read_to_string(&page).unwrap();
         let (anew, checked) = rewritten(&text);
         assert!(checked > 0, "{} shows no program", page.display());
+        wrong.extend(picture_of(&page, &anew));
         blocks += checked;
         if anew == text {
             continue;
@@ -71,6 +74,26 @@ fn rewritten(page: &str) -> (String, usize) {
         out.push_str("```\n");
     }
     (out, checked)
+}
+
+/// The picture of the steps, which must be that of the page's first log; what is wrong with it.
+fn picture_of(page: &Path, text: &str) -> Option<String> {
+    let name = page.file_stem().unwrap().to_str().unwrap();
+    let file = format!("docs/pictures/spec-{name}.svg");
+    if !text.contains(&format!("../{file}")) {
+        return None;
+    }
+    let log = text.split("```log\n").nth(1).and_then(|rest| rest.split("```").next());
+    let anew = spec_pictures::picture(name, log.unwrap_or_default()).expect("a log with steps");
+    let path = root().join(&file);
+    if fs::read_to_string(&path).is_ok_and(|old| old == anew) {
+        return None;
+    }
+    if std::env::var_os("UPDATE_SPEC").is_some() {
+        fs::write(&path, &anew).unwrap();
+        return None;
+    }
+    Some(format!("{file} is not the picture of the page's log"))
 }
 
 /// What the program prints for a G-code program on its standard input.

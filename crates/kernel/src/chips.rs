@@ -9,16 +9,13 @@
 //! ([`plan::SpindleStep::AwaitSpeed`]) waits until there is none left, so the cut waits at R if it must.
 //!
 //! **The watch.** While a cutting move goes on the spindle must turn in the sense that is in force, within
-//! [`CUT_SHARE`] of its speed, with no chip removal open. It is checked every period, and a breach is alarm 204.
+//! the window `in_cut` of its speed, with no chip removal open. It is checked every period, and a breach is alarm 204.
 use crate::config::Subject;
 use crate::drives::{Drives, Finding};
 use crate::event::EventKind;
 use crate::fault::FaultKind;
 use plan::ChipThrow;
 use units::Spin;
-
-/// By how much of the ordered speed a load may pull the spindle down, or drive it, before the cut is stopped.
-pub const CUT_SHARE: f64 = 0.25;
 
 /// How far a chip removal is.
 #[derive(Clone, Copy, Debug)]
@@ -86,7 +83,8 @@ impl Drives {
         for (index, spindle) in self.spindles.iter().enumerate() {
             let Some(spindle) = spindle else { continue };
             let (has, wanted) = (spindle.now().spin, self.in_force[index]);
-            let astray = wanted != Spin::ZERO && (has - wanted).abs() > wanted.abs() * CUT_SHARE;
+            let astray = wanted != Spin::ZERO
+                && (has - wanted).abs() > wanted.abs() * spindle.control.windows.in_cut;
             if astray || self.removals[index].is_some() {
                 let of = Subject::Spindle(index as u8);
                 return Err((FaultKind::WrongSpinInCut, of, has.value(), wanted.value()));

@@ -175,6 +175,8 @@ pub struct SpindleFriction {
 pub struct SpindleWindows {
     /// At speed within this share of the ordered speed.
     pub at_speed: f64,
+    /// In a cut within this share of the ordered speed: by how much a load may pull it down, or drive it.
+    pub in_cut: f64,
     /// At rest below this speed.
     pub at_rest: Spin,
     /// Oriented within this angle.

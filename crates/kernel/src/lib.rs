@@ -37,7 +37,6 @@ mod spindle;
 mod stroke;
 mod tapping;
 
-pub use chips::CUT_SHARE;
 pub use config::{
     AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderPlace, FeedForward,
     OwnRamps, Pause, SpindleControl, SpindleFriction, SpindleWindows, Subject, Waits,

@@ -163,6 +163,7 @@ impl SpindleControl {
             ("orient speed", self.orient.0.value()),
             ("orient acceleration", self.orient.1.value()),
             ("windows.at_speed", self.windows.at_speed),
+            ("windows.in_cut", self.windows.in_cut),
             ("windows.at_rest", self.windows.at_rest.value()),
             ("windows.oriented", self.windows.oriented.value()),
             ("windows.following_stop", self.windows.following_stop.value()),

@@ -152,13 +152,24 @@ fn ops(s_rpm: f64, repetitions: &[Repetition]) -> Vec<Op> {
 }
 
 fn steps(ops: &[Op], accel: f64) -> Vec<StepKind> {
+    steps_within(limits(accel), ops)
+}
+
+/// What the embedded tapping centre may be asked: jerk, power, friction and all.
+fn real_limits() -> MachineLimits {
+    let mut axes = [None; 9];
+    axes[..3].fill(Some(Z_LIMITS));
+    MachineLimits { axes, spindles: vec![SPINDLE_LIMITS], ..limits(1.0) }
+}
+
+fn steps_within(limits: MachineLimits, ops: &[Op]) -> Vec<StepKind> {
     let options = Options {
         force_ramp: None,
         cutting_pressure_n_per_mm2: 1300.0,
         taps: plan::Unsynchronised::default(),
     };
     let start = Start { position: Position::default(), tool: 1 };
-    let mut planner = Planner::new(limits(accel), tools(), options, start);
+    let mut planner = Planner::new(limits, tools(), options, start);
     let mut steps = Vec::new();
     for (index, op) in (0..).zip(ops) {
         planner.push(index, op, &mut |step| steps.push(step.kind));
@@ -328,6 +339,32 @@ proptest! {
         prop_assert_eq!(thrown, repetitions.iter().filter(|r| r.throw_rpm > 0.0).count());
         let drilled = run.samples.windows(2).filter(|p| p[0].report.state != State::Feed && p[1].report.state == State::Feed);
         prop_assert_eq!(drilled.count(), repetitions.iter().filter(|r| !r.tap).count());
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 10, ..ProptestConfig::default() })]
+
+    /// With friction, lag, power curve, backlash, and axes that bend: every servo period of every cut is looked at.
+    #[test]
+    fn no_program_cuts_with_the_spindle_wrong_on_the_real_machine_either(
+        s_rpm in 400.0..9000.0f64,
+        mut repetitions in prop::collection::vec(repetition(), 1..4),
+    ) {
+        for r in &mut repetitions {
+            r.throw_rpm *= if r.tap { s_rpm.min(3000.0) } else { s_rpm };
+        }
+        let machine = machine(1);
+        let steps = steps_within(real_limits(), &ops(s_rpm, &repetitions));
+        let run = run(&machine, &control(&machine), &steps);
+        prop_assert!(run.kernel.faults().is_empty(), "{:?}", run.kernel.faults());
+        let cuts = run.samples.iter().filter(|s| s.report.state == State::Feed);
+        for sample in cuts {
+            let spin = sample.truth.expect("simulated").spins[0].in_rpm();
+            prop_assert!((spin - s_rpm).abs() < 0.05 * s_rpm, "{spin} rpm in a cut at S{s_rpm}");
+        }
+        let thrown = when(&run.events, |e| matches!(e, EventKind::ChipsThrown { .. })).len();
+        prop_assert_eq!(thrown, repetitions.iter().filter(|r| r.throw_rpm > 0.0).count());
     }
 }
 

@@ -4,7 +4,7 @@ use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use bus::Machine;
 use canon::Position;
 use common::{M6, TapOrder, await_speed, control, line, machine, tapping, turn};
-use kernel::{Kernel, Prediction, SyncMode};
+use kernel::{Kernel, Learning, Prediction, SyncMode};
 use plan::{Step, StepKind};
 use sim::SimulatedMachine;
 
@@ -13,9 +13,15 @@ static ALLOCATOR: AllocDisabler = AllocDisabler;
 
 /// Run a program with the allocator shut during every tick and push; the number of ticks.
 fn ticks_without_memory(mode: SyncMode, steps: &[StepKind]) -> u32 {
+    ticks_learning(mode, steps, None)
+}
+
+/// The same, with taps that may learn from one another.
+fn ticks_learning(mode: SyncMode, steps: &[StepKind], learning: Option<Learning>) -> u32 {
     let machine = machine(1);
     let mut config = control(&machine);
     config.synchronisation = mode;
+    config.learning = learning;
     let mut kernel = Kernel::new(config);
     let mut machine = SimulatedMachine::new(machine).expect("the test's machine can be built");
     let mut feedback = machine.feedback();
@@ -55,6 +61,21 @@ fn no_tick_of_a_whole_tapping_program_takes_memory() {
 fn no_tick_of_an_encoder_following_tap_takes_memory() {
     let mode = SyncMode::EncoderFollowing { prediction: Prediction::Observer, transport: 1 };
     assert!(ticks_without_memory(mode, &tapping(&M6)) > 4000);
+}
+
+#[test]
+fn no_tick_takes_memory_while_taps_learn_even_where_a_lesson_makes_room_for_another() {
+    let learning = Some(Learning { gain: 0.7, bandwidth_hz: 70.0 });
+    let mut steps = tapping(&TapOrder { to_mm: -105.0, ..M6 })[..2].to_vec();
+    // more kinds of strokes than are kept
+    for kind in 0..10 {
+        let to_mm = -105.0 - f64::from(kind);
+        steps.push(StepKind::Tap(TapOrder { to_mm, ..M6 }.plan()));
+    }
+    steps.push(StepKind::End);
+    assert!(ticks_learning(SyncMode::CommandSynchronised, &steps, learning) > 10_000);
+    let following = SyncMode::EncoderFollowing { prediction: Prediction::Observer, transport: 1 };
+    assert!(ticks_learning(following, &tapping(&M6), learning) > 4000);
 }
 
 #[test]

@@ -14,6 +14,7 @@
 use crate::drilling::{self, Drilling};
 use crate::rng::Rng;
 use crate::tapping::{self, Load, Pose, Tapping, is_too_wide};
+use crate::wear::{TapWear, Worn};
 use crate::work::{Bore, Hole, SAME_HOLE, Stock};
 use crate::{Tap, Tool, ToolKind};
 use units::{Angle, Length};
@@ -55,6 +56,8 @@ pub(crate) struct Cutting {
     load: Load,
     /// How far a clutch has left the tap ahead of the spindle, rev.
     slip: f64,
+    /// Taps wear, if they do.
+    worn: Option<Worn>,
 }
 
 impl Cutting {
@@ -72,7 +75,13 @@ impl Cutting {
             entered: [Length::ZERO; 2],
             load: Load::default(),
             slip: 0.0,
+            worn: None,
         }
+    }
+
+    /// From here on taps wear.
+    pub(crate) fn wear(&mut self, wear: TapWear, rng: Rng) {
+        self.worn = Some(Worn::new(wear, rng));
     }
 
     /// What the work looks like.
@@ -166,6 +175,8 @@ impl Cutting {
                 if is_too_wide(&self.stock.holes[hole], &tap) {
                     Engagement::Clear
                 } else {
+                    let dull = self.worn.as_mut().map_or(1.0, |worn| worn.factor(tool.number));
+                    let scale = scale * dull;
                     Engagement::Tapping(Tapping::begin(
                         &tap,
                         &self.stock,
@@ -209,6 +220,11 @@ impl Cutting {
     /// The tool is out of the work, or out of the spindle.
     fn leave(&mut self) {
         self.record();
+        if let (Engagement::Tapping(tapping), Some(tool), Some(worn)) =
+            (&self.engagement, &self.mounted, &mut self.worn)
+        {
+            worn.cut(tool.number, tapping.newly_cut());
+        }
         self.engagement = Engagement::Air;
         self.load = Load::default();
     }

@@ -34,6 +34,7 @@ mod seat;
 mod spindle;
 mod tapping;
 mod tool;
+mod wear;
 mod work;
 
 pub use axis::AxisModel;
@@ -47,6 +48,7 @@ pub use plain_drive::PlainDrive;
 pub use run_down::{Bus, Reaction, RunDown};
 pub use spindle::SpindleModel;
 pub use tool::{CLUTCH_RUN_OUT, Clutch, HOLDER_STOP, Holder, Tap, Tool, ToolKind};
+pub use wear::TapWear;
 pub use work::{Bore, Hole, MATERIALS, Material, SAME_HOLE, Sides, Stock, Thread};
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ use crate::grinding::Grinder;
 use crate::rng::Rng;
 use crate::spindle::Spindle;
 use crate::tapping::Load;
+use crate::wear::TapWear;
 use crate::{Config, Grinding, Hole, PlainDrive};
 use bus::{Command, Feedback, Truth};
 use core::f64::consts::TAU;
@@ -115,6 +116,16 @@ impl SimulatedMachine {
     /// How much of the grinding wheel's radius is worn off.
     pub fn wheel_wear(&self) -> Length {
         Length::mm(self.grinder.as_ref().map_or(0.0, Grinder::worn_mm))
+    }
+
+    /// The same machine whose taps wear.
+    #[must_use]
+    pub fn with_tap_wear(mut self, wear: TapWear) -> Self {
+        let rng = self.rng.branch();
+        if let Some(cutting) = &mut self.cutting {
+            cutting.wear(wear, rng);
+        }
+        self
     }
 
     /// The holes in the work, those that were there first.

@@ -133,8 +133,9 @@ pub(crate) struct Tapping {
     /// Where the spindle stood, and where the tap stands, rev; one and the same without a clutch.
     spindle: f64,
     angle: f64,
-    /// Depth of the helix up to which the thread is cut.
+    /// Depth of the helix up to which the thread is cut, and was when the tap came.
     cut_to: f64,
+    cut_before: f64,
     chip_root: bool,
     deflection: f64,
     deepest: f64,
@@ -188,6 +189,7 @@ impl Tapping {
             spindle: pose.angle,
             angle: tap_angle,
             cut_to: guide.map_or(0.0, |t| t.tip_depth.value()),
+            cut_before: guide.map_or(0.0, |t| t.tip_depth.value()),
             chip_root: false,
             deflection: 0.0,
             deepest: 0.0,
@@ -199,6 +201,11 @@ impl Tapping {
     pub(crate) fn is_out(&self, pose: &Pose) -> bool {
         let angle = if self.clutch.is_some() { self.angle } else { pose.angle };
         pose.tip >= self.top && self.helix(angle) >= self.top
+    }
+
+    /// Depth of thread that this tap has cut here, mm.
+    pub(crate) fn newly_cut(&self) -> f64 {
+        self.cut_to - self.cut_before
     }
 
     /// How far the tap stands ahead of the spindle, rev.

@@ -34,8 +34,22 @@ pub struct Certificate {
     pub ended: bool,
     /// What stopped or warned.
     pub alarms: Vec<Alarm>,
+    /// What may never happen, and whether it did.
+    #[serde(default)]
+    pub invariants: Invariants,
     /// What was cut, in that order.
     pub features: Vec<Feature>,
+}
+
+/// What was looked for in every servo period.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Invariants {
+    /// Periods looked at.
+    pub periods: u64,
+    /// Periods in which something was wrong.
+    pub violations: u64,
+    /// What, each once when it began.
+    pub breaches: Vec<String>,
 }
 
 /// An alarm.
@@ -162,6 +176,21 @@ pub struct Thread {
     pub margin_um: Measured,
     /// Largest torque of the cut.
     pub torque_max_n_m: Measured,
+    /// Largest torque on the way in.
+    #[serde(default)]
+    pub torque_in_n_m: Measured,
+    /// Largest torque on the way out, once the chip's root is sheared.
+    #[serde(default)]
+    pub torque_out_n_m: Measured,
+    /// Torque that the tap makers' formula expects on the way in.
+    #[serde(default)]
+    pub torque_model_n_m: Measured,
+    /// How far the formula is believed, each way, in percent of it.
+    #[serde(default)]
+    pub torque_model_band_percent: Measured,
+    /// Both ways are within what the formula expects.
+    #[serde(default)]
+    pub torque_expected: Option<bool>,
     /// Largest axial force on the tool.
     pub axial_force_max_n: Measured,
     /// Spindle angle at which it starts.

@@ -34,6 +34,11 @@ fn thread() -> Thread {
         class: "6H".into(),
         margin_um: Measured::UNKNOWN,
         torque_max_n_m: Measured::n_m(Torque::n_m(1.73)),
+        torque_in_n_m: Measured::n_m(Torque::n_m(1.73)),
+        torque_out_n_m: Measured::n_m(Torque::n_m(0.34)),
+        torque_model_n_m: Measured::n_m(Torque::n_m(1.73)),
+        torque_model_band_percent: Measured::number(25.0),
+        torque_expected: Some(true),
         axial_force_max_n: Measured::n(Force::n(120.0)),
         start_angle_deg: Measured::deg(Angle::rev(0.25)),
         chip_removal: false,
@@ -87,6 +92,7 @@ fn certificate() -> Certificate {
             line: Some(12),
             time_s: Measured::number(3.0),
         }],
+        invariants: Default::default(),
         features: vec![
             Feature::Hole(hole),
             Feature::Thread(Box::new(thread())),
@@ -121,7 +127,8 @@ fn every_promised_key_is_there_and_no_other() {
         "kind line verdict reason time_s x_mm y_mm depth_mm diameter_mm chip_removal",
         "kind line verdict reason time_s x_mm y_mm size hand lead_mm depth_mm depth_error_um rpm_max
          sync_error_max_um sync_error_rms_um lead_error_um groove_widening_um pitch_diameter_mm class
-         margin_um torque_max_n_m axial_force_max_n start_angle_deg chip_removal recovered",
+         margin_um torque_max_n_m torque_in_n_m torque_out_n_m torque_model_n_m \
+         torque_model_band_percent torque_expected axial_force_max_n start_angle_deg chip_removal recovered",
         "kind line verdict reason time_s sides across_flats_mm flatness_um tilt_deg corner_angle_deg
          z_from_mm z_to_mm rpm",
         "kind line verdict reason time_s profile rpm phase_error_deg contour_error_max_um

@@ -244,6 +244,10 @@ pub struct Thread {
     pub pitch_diameter_tolerance: Length,
     /// Largest torque of the cut, where it can be known.
     pub torque_max: Option<Torque>,
+    /// Largest torque on the way in.
+    pub torque_in: Option<Torque>,
+    /// Largest torque on the way out, once the chip's root is sheared: from half a turn back on.
+    pub torque_out: Option<Torque>,
     /// Torque the formula of [`Material`](crate::Material) expects of a sharp tap; `None` without a material.
     pub torque_expected: Option<Torque>,
     /// Largest axial force on the tap (magnitude), where it can be known.
@@ -259,6 +263,33 @@ pub struct Thread {
 }
 
 impl Thread {
+    /// How far the tap makers' formula is believed, as a share of it: they call it a guide value, and charges of a
+    /// steel differ by as much (estimate).
+    pub const TORQUE_BAND: f64 = 0.25;
+    /// Torque of flanks in a thread that is cut, as shares of the formula (published: 10 to 30 %).
+    pub const TORQUE_OUT_SHARES: [f64; 2] = [0.1, 0.3];
+
+    /// What the formula expects on the way in, from and to.
+    pub fn torque_in_band(&self) -> Option<[Torque; 2]> {
+        let band = |t: Torque| [t * (1.0 - Self::TORQUE_BAND), t * (1.0 + Self::TORQUE_BAND)];
+        self.torque_expected.map(band)
+    }
+
+    /// What it expects on the way out, with the same doubt.
+    pub fn torque_out_band(&self) -> Option<[Torque; 2]> {
+        let [least, most] = Self::TORQUE_OUT_SHARES;
+        let band = |[low, high]: [Torque; 2]| [low * least, high * most];
+        self.torque_in_band().map(band)
+    }
+
+    /// Whether both ways are within what the formula expects; `None` where that cannot be said.
+    pub fn torque_is_expected(&self) -> Option<bool> {
+        let within = |m: Torque, [low, high]: [Torque; 2]| low <= m && m <= high;
+        let inward = within(self.torque_in?, self.torque_in_band()?);
+        let outward = self.torque_out.zip(self.torque_out_band());
+        Some(inward && outward.is_none_or(|(m, band)| within(m, band)))
+    }
+
     /// Name of the class asked if the thread is within it, else of the finest that it is within, else `"none"`.
     pub fn class_name(&self) -> &'static str {
         let within = self.margin >= Length::ZERO && self.minor_margin >= Length::ZERO;

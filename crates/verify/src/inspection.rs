@@ -113,6 +113,8 @@ impl<'a> Inspection<'a> {
             minor_margin: gauged.minor_margin,
             pitch_diameter_tolerance: gauged.limits.pitch_tolerance,
             torque_max: track.torque_max,
+            torque_in: track.torque_in,
+            torque_out: track.torque_out,
             torque_expected: self.config.material.zip(flute).map(|(material, flute)| {
                 material.tapping_torque(track.size.nominal, flanks.minor_diameter, flute)
             }),

@@ -25,6 +25,8 @@ mod stroke;
 mod summary;
 mod thread;
 mod tolerance;
+mod trend;
+mod watch;
 
 pub use class::{Family, ThreadClass, UnknownClass};
 pub use config::{Config, Material, Tolerances};
@@ -35,3 +37,5 @@ pub use polygon::{Facet, Polygon, Section};
 pub use size::{ThreadSize, UnknownSize};
 pub use summary::{Count, Criterion, Headroom, Summary};
 pub use tolerance::Limits;
+pub use trend::TorqueTrend;
+pub use watch::{ACROSS_MM, BEYOND_MM, Breach, Watch};

@@ -112,7 +112,60 @@ impl fmt::Display for Headroom {
     }
 }
 
+/// Where in a thread a depth is.
+fn place(depth: Length, thread: &Thread) -> &'static str {
+    let bottom = thread.tip_depth.value();
+    match depth.value() {
+        d if d > 0.9 * bottom => "at the reversal",
+        d if d < 0.1 * bottom => "at the entry",
+        _ => "on the way",
+    }
+}
+
 impl Feature {
+    /// Why it is as near to its limit as it is: what the motion, the tool and the hole had to do with it.
+    pub fn why(&self, headroom: &Headroom) -> Option<String> {
+        let FeatureKind::Thread(thread) = &self.kind else { return None };
+        let um = |length: Length| length.in_um();
+        Some(match headroom.of {
+            Criterion::Depth if thread.depth_error > Length::ZERO => {
+                format!("the tap turned back {:.1} µm beyond the bottom", um(thread.depth_error))
+            }
+            Criterion::Depth => {
+                format!("the tap turned back {:.1} µm short of the bottom", -um(thread.depth_error))
+            }
+            Criterion::PitchDiameter(gauge) => {
+                let (widening, lead) = (um(thread.groove_widening), um(thread.lead_error));
+                let by = match gauge {
+                    Gauge::Go => format!("lead error of {lead:.1} µm"),
+                    Gauge::NoGo => format!(
+                        "groove {widening:.1} µm wider than the tap, {}",
+                        place(thread.widest_depth, thread)
+                    ),
+                };
+                format!(
+                    "{by}; sync error {:.1} µm, largest {:.1} mm deep, {}",
+                    um(thread.sync_error_max),
+                    thread.sync_error_depth.value(),
+                    place(thread.sync_error_depth, thread)
+                )
+            }
+            Criterion::SyncError => format!(
+                "sync error largest {:.1} mm deep, {}",
+                thread.sync_error_depth.value(),
+                place(thread.sync_error_depth, thread)
+            ),
+            Criterion::MinorDiameter => {
+                format!("the bore has {:.3} mm", thread.minor_diameter.value())
+            }
+            Criterion::Position => {
+                format!("{:.1} µm off its place", um(thread.position_error))
+            }
+            Criterion::Flatness | Criterion::AcrossFlats => return None, // no thread has one
+            Criterion::Whole => return self.verdict.reason().map(str::to_owned),
+        })
+    }
+
     /// What is left of the tolerance that is nearest to its limit.
     pub fn headroom(&self, tolerances: &Tolerances) -> Headroom {
         let measured = match &self.kind {

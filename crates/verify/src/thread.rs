@@ -40,6 +40,10 @@ pub(crate) struct ThreadTrack {
     before: Option<(f64, f64)>,
     pub(crate) spin_max_rev_per_s: f64,
     pub(crate) torque_max: Option<Torque>,
+    pub(crate) torque_in: Option<Torque>,
+    pub(crate) torque_out: Option<Torque>,
+    /// Farthest turn inwards, rev.
+    farthest_rev: f64,
     pub(crate) force_max: Option<Force>,
     pub(crate) faulted: bool,
 }
@@ -68,6 +72,9 @@ impl ThreadTrack {
             before: None,
             spin_max_rev_per_s: 0.0,
             torque_max: None,
+            torque_in: None,
+            torque_out: None,
+            farthest_rev: f64::NEG_INFINITY,
             force_max: None,
             faulted: false,
         }
@@ -105,6 +112,7 @@ impl ThreadTrack {
             let torque = truth.cutting_torque.abs();
             let force = truth.cutting_force.abs();
             self.torque_max = Some(self.torque_max.map_or(torque, |most| most.max(torque)));
+            self.measure_ways(torque, theta_rev);
             self.force_max = Some(self.force_max.map_or(force, |most| most.max(force)));
             let spin = truth.spins[SPINDLE].abs().value();
             self.spin_max_rev_per_s = self.spin_max_rev_per_s.max(spin);
@@ -114,6 +122,22 @@ impl ThreadTrack {
             let spin = ((theta_rev - then_rev) / (now_s - then_s)).abs();
             self.spin_max_rev_per_s = self.spin_max_rev_per_s.max(spin);
         }
+    }
+
+    /// Torque in and out apart. Behind the farthest turn the thread is cut already; the first half turn back shears
+    /// the chip's root and is neither.
+    fn measure_ways(&mut self, torque: Torque, theta_rev: f64) {
+        const CHIP_ROOT_REV: f64 = 0.5;
+        let inward = theta_rev * self.size.hand.sign();
+        let way = if inward >= self.farthest_rev {
+            &mut self.torque_in
+        } else if inward < self.farthest_rev - CHIP_ROOT_REV {
+            &mut self.torque_out
+        } else {
+            return;
+        };
+        *way = Some(way.map_or(torque, |most| most.max(torque)));
+        self.farthest_rev = self.farthest_rev.max(inward);
     }
 
     /// Measure, gauge, judge.

@@ -126,6 +126,7 @@ fn spindle(file: &Spindle, observer_bandwidth_hz: f64) -> SpindleControl {
         }),
         windows: SpindleWindows {
             at_speed: file.windows.at_speed_share,
+            in_cut: file.windows.in_cut_share,
             at_rest: file.windows.at_rest,
             oriented: file.windows.oriented,
             following_stop: file.windows.following_error_stop,

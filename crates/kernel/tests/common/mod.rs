@@ -174,6 +174,7 @@ pub fn control(machine: &sim::Config) -> Config {
             own_ramps: None,
             windows: SpindleWindows {
                 at_speed: 0.02,
+                in_cut: 0.25,
                 at_rest: Spin::rpm(3.0),
                 oriented: Angle::deg(0.1),
                 following_stop: Angle::deg(90.0),

@@ -3,6 +3,7 @@
 //! ```text
 //!   verdict · key figures · alarms and notes
 //!   map of holes · table of features
+//!   hole by hole: sync error and torque · chip removal
 //!   the worst and the first thread: phase plane, sync error, speed and torque, operating points
 //!   tool path · the run over time · where the time went
 //! ```
@@ -40,6 +41,8 @@ pub fn html(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
     let right = sizes::sizes(features) + &pictures::time_shares(run, recorder);
     main += &section("Workpiece, tools, time", &grid(&(column(&left) + &column(&right))));
     main += &section("Features", &features::table(run, features));
+    main += &section("Hole by hole", &grid(&pictures::hole_by_hole(run, features)));
+    main += &section("Chip removal", &grid(&pictures::chip_removal(recorder)));
     main += &threads::threads(run, recorder, features);
     let [above, front] = pictures::tool_path(run, recorder);
     let machine = above + &column(&(front + &pictures::timeline(run, recorder)));

@@ -1,6 +1,8 @@
 //! The report's pictures: one file each. A picture takes what was recorded and judged, and gives a
 //! figure: a heading, a drawing with axis titles and units, and a caption that says what to look for.
 
+mod chip_removal;
+mod hole_by_hole;
 mod hole_map;
 mod phase_plane;
 mod spindle_over_time;
@@ -10,6 +12,8 @@ mod timeline;
 mod tool_path;
 mod torque_plane;
 
+pub(crate) use chip_removal::chip_removal;
+pub(crate) use hole_by_hole::hole_by_hole;
 pub(crate) use hole_map::hole_map;
 pub(crate) use phase_plane::phase_plane;
 pub(crate) use spindle_over_time::spindle_over_time;

@@ -8,6 +8,7 @@
 //!                └─► timeline: spindle speed, lowest and highest per bin
 //! ```
 
+mod chips;
 mod series;
 mod shares;
 mod tap;
@@ -15,6 +16,7 @@ mod tap;
 mod tests;
 mod track;
 
+pub(crate) use chips::{Chips, Hop, Row};
 pub(crate) use series::Series;
 pub(crate) use shares::{Shares, SharesByTool};
 pub(crate) use tap::TapTrace;
@@ -44,6 +46,8 @@ pub struct Recorder {
     pub(crate) shares: SharesByTool,
     pub(crate) spindle: Series,
     pub(crate) changes: Vec<(Time, u32)>,
+    /// Chip removals.
+    pub(crate) chips: Chips,
     pub(crate) taps: usize,
     /// Taps in which the spindle's drive was at its limit.
     pub(crate) saturated: usize,
@@ -66,6 +70,7 @@ impl Recorder {
 
     /// Announce an operation, before the machine begins it. `index` counts from 0 in program order.
     pub fn op(&mut self, index: u32, op: &Op) {
+        self.chips.op(index, op);
         if let OpKind::Tap(tap) = &op.kind {
             self.announced.insert(index, *tap);
         }
@@ -87,6 +92,7 @@ impl Recorder {
         }
         self.previous = Some((now, sample.feedback.spindles[0].angle));
         self.tip(sample);
+        self.chips.sample(sample, self.length);
         if matches!(state, State::TapIn | State::TapBottom | State::TapOut) {
             self.tapping(sample);
         } else if self.current.is_some() && !matches!(state, State::Paused | State::Held) {

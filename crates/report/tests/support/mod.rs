@@ -323,6 +323,8 @@ pub fn thread(op: u32, line: u32, x: f64, y: f64, bad: bool) -> Feature {
         minor_margin: Length::um(83.0),
         pitch_diameter_tolerance: Length::um(150.0),
         torque_max: Some(Torque::n_m(2.06)),
+        torque_in: Some(Torque::n_m(2.06 + 0.01 * f64::from(line % 7))),
+        torque_out: Some(Torque::n_m(0.35)),
         torque_expected: Some(Torque::n_m(1.73)),
         axial_force_max: Some(Force::n(30.0)),
         start_angle: Angle::deg(12.0),

@@ -42,7 +42,7 @@ pub use control::{
     ChipRemoval, Control, CycleDepth, Dialect, Follows, Learning, Overrides, Prediction,
     Synchronisation, ToolChange, Waits,
 };
-pub use setup::{Material, Setup, Simulation, SpindleDrive, Stock, TapSeat};
+pub use setup::{Material, Setup, Simulation, SpindleDrive, Stock, TapSeat, TapWear};
 pub use spindle::{OwnRamps, Spindle, SpindleFriction, SpindleWindows};
 pub use tapping::{Effort, Peck, Preset, Ramp, Tapping};
 

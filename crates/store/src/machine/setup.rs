@@ -50,8 +50,31 @@ pub struct Simulation {
     pub scatter_share: f64,
     /// How a tap sits in the thread that it cuts.
     pub tap_seat: TapSeat,
+    /// How taps wear; `None`: they do not.
+    pub tap_wear: Option<TapWear>,
     /// What the spindle's own drive really does, where that differs from what `[spindles.drive]` says.
     pub spindle_drive: SpindleDrive,
+}
+
+/// How taps wear: torque rises with the thread cut.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TapWear {
+    /// Length of thread in the life of a tap.
+    pub life: Length,
+    /// By how much its torque has risen by then.
+    pub rise_share: f64,
+    /// How much the lives of taps differ.
+    pub scatter_share: f64,
+}
+
+impl TapWear {
+    fn read(keys: &mut Keys<'_>) -> Self {
+        Self {
+            life: Length::mm(keys.number("life_m", 0.01..=1e6) * 1e3),
+            rise_share: percent(keys, "torque_rise_percent", 0.0..=1000.0),
+            scatter_share: percent(keys, "scatter_percent", 0.0..=90.0),
+        }
+    }
 }
 
 /// What a spindle drive that makes its own ramps really does.
@@ -162,6 +185,7 @@ impl Simulation {
                 flank_clearance: Length::um(k.number("flank_clearance_um", 0.0..=1000.0)),
                 flank_stiffness: n_per_um(k.number("flank_stiffness_n_per_um", 0.1..=1e5)),
             }),
+            tap_wear: keys.optional_section("tap_wear", TapWear::read),
             spindle_drive: keys
                 .optional_section("spindle_drive", SpindleDrive::read)
                 .unwrap_or(SpindleDrive::EXACT),

@@ -84,6 +84,8 @@ pub struct SpindleFriction {
 pub struct SpindleWindows {
     /// At speed: within this fraction of the ordered speed.
     pub at_speed_share: f64,
+    /// In a cut: within this fraction of the ordered speed, else alarm 204.
+    pub in_cut_share: f64,
     /// At rest: slower than this.
     pub at_rest: Spin,
     /// Oriented: this near to the ordered angle.
@@ -193,6 +195,7 @@ impl SpindleWindows {
     fn read(keys: &mut Keys<'_>) -> Self {
         Self {
             at_speed_share: percent(keys, "at_speed_percent", 0.01..=50.0),
+            in_cut_share: keys.optional("in_cut_percent", 1.0..=100.0).unwrap_or(25.0) / 100.0,
             at_rest: Spin::rpm(keys.number("at_rest_rpm", 1e-3..=1000.0)),
             oriented: Angle::deg(keys.number("oriented_deg", 1e-4..=90.0)),
             following_error_stop: Angle::deg(

@@ -1,0 +1,285 @@
+//! What may never happen while a tool is in the work, looked for in every servo period.
+//!
+//! ```text
+//!   ops     ─► speed in force, hole or thread in work ─┐
+//!                                                      ├─► breaches: what, where, when
+//!   samples ─► state, real places, real speeds ────────┘
+//! ```
+//!
+//! | invariant | looked for while |
+//! |---|---|
+//! | the spindle turns in the sense in force, within a quarter of its speed | a drill is fed into the material |
+//! | the spindle does not turn against the tap's way | a tap is fed into, or out of, the material by its lead |
+//! | nothing moves across the tool by more than [`ACROSS_MM`] | a tap is in the material |
+//! | the tip is not more than [`BEYOND_MM`] beyond the programmed bottom | a drill or tap is in the material |
+//! | the tool is whole | always |
+//!
+//! The judge grades what was cut; this one says whether it was ever cut in a way that no program may ask for. It
+//! believes real positions and speeds only, and knows neither plan nor kernel.
+use crate::config::Config;
+use bus::{Sample, State};
+use canon::{Axis, Holder, Op, OpKind, SpindleOrder, ToolKind};
+use std::collections::{BTreeMap, VecDeque};
+use units::{Angle, Length, Spin, Time};
+
+/// Most that a tap in its thread is moved sideways, mm: encoders and feeds that stand still do less.
+pub const ACROSS_MM: f64 = 0.05;
+/// Most that a tip goes beyond the bottom, mm: what a hole's point leaves, and twice what a thread may overrun.
+pub const BEYOND_MM: f64 = 0.1;
+/// By how much of the ordered speed a drill may be pulled down.
+const SPEED_SHARE: f64 = 0.25;
+/// Slower than this a spindle stands, rev/s.
+const STANDS: f64 = 0.5;
+/// Slower than this an axis stands, mm/s.
+const AXIS_STANDS: f64 = 0.5;
+/// The tip is in the material from here on, mm.
+const TOUCH_MM: f64 = 0.05;
+/// Breaches that are kept.
+const MOST: usize = 100;
+
+/// Something that may never happen did.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Breach {
+    /// What.
+    pub what: String,
+    /// Program line.
+    pub line: u32,
+    /// When it began.
+    pub time: Time,
+}
+
+/// What is in work.
+#[derive(Clone, Copy, Debug)]
+struct Work {
+    axis: Axis,
+    at: [Length; 3],
+    surface: Length,
+    bottom: Length,
+    /// Lead of a tap that is tied to the spindle, as travel by positive turn, mm/rev.
+    lead: Option<f64>,
+}
+
+/// Looks on.
+#[derive(Debug)]
+pub struct Watch {
+    config: Config,
+    works: BTreeMap<u32, Work>,
+    speeds: VecDeque<(u32, Spin)>,
+    in_force: Spin,
+    tool: Option<u32>,
+    before: Option<(Time, Angle, Length)>,
+    /// The breach that goes on.
+    open: Option<String>,
+    periods: u64,
+    breaches: Vec<Breach>,
+    count: u64,
+}
+
+impl Watch {
+    /// One who has seen nothing yet.
+    pub fn new(config: Config) -> Self {
+        Self {
+            config,
+            works: BTreeMap::new(),
+            speeds: VecDeque::new(),
+            in_force: Spin::ZERO,
+            tool: None,
+            before: None,
+            open: None,
+            periods: 0,
+            breaches: Vec::new(),
+            count: 0,
+        }
+    }
+
+    /// What the program orders: each op once, in order, before its samples arrive.
+    pub fn op(&mut self, index: u32, op: &Op) {
+        match &op.kind {
+            OpKind::ChangeTool { number } => self.tool = (*number != 0).then_some(*number),
+            OpKind::Spindle { spindle: 0, order } => match order {
+                SpindleOrder::Turn(spin) => self.speeds.push_back((index, *spin)),
+                SpindleOrder::Stop => self.speeds.push_back((index, Spin::ZERO)),
+                _ => {}
+            },
+            OpKind::Hole(hole) => {
+                let work = Work {
+                    axis: hole.axis,
+                    at: place(&hole.at),
+                    surface: hole.surface,
+                    bottom: hole.bottom,
+                    lead: None,
+                };
+                self.works.insert(index, work);
+            }
+            OpKind::Tap(tap) => {
+                let into = if tap.bottom < tap.start.along(tap.axis) { -1.0 } else { 1.0 };
+                let lead = self.is_tied().then_some(tap.lead.value() * into);
+                let work = Work {
+                    axis: tap.axis,
+                    at: place(&tap.start),
+                    surface: tap.surface,
+                    bottom: tap.bottom,
+                    lead,
+                };
+                self.works.insert(index, work);
+            }
+            _ => {}
+        }
+    }
+
+    /// The tap is in a holder that ties it to the spindle.
+    fn is_tied(&self) -> bool {
+        let tool = self.tool.and_then(|number| self.config.tools.get(number));
+        self.config.synchronised
+            && tool.is_some_and(|tool| match &tool.kind {
+                ToolKind::Tap(tap) => !matches!(tap.holder, Holder::Clutch { .. }),
+                _ => false,
+            })
+    }
+
+    /// What happened: every servo period, in order.
+    pub fn sample(&mut self, sample: &Sample) {
+        self.periods += 1;
+        let op = sample.report.op;
+        while self.speeds.front().is_some_and(|(at, _)| *at <= op) {
+            self.in_force = self.speeds.pop_front().map_or(self.in_force, |(_, spin)| spin);
+        }
+        let found = self.look(sample, op);
+        if found.is_some() {
+            self.count += 1;
+        }
+        if let Some(what) = found.as_ref().filter(|what| self.open.as_ref() != Some(*what))
+            && self.breaches.len() < MOST
+        {
+            let (line, time) = (sample.report.line, sample.feedback.time);
+            self.breaches.push(Breach { what: what.clone(), line, time });
+        }
+        self.open = found;
+    }
+
+    /// Servo periods looked at.
+    pub const fn periods(&self) -> u64 {
+        self.periods
+    }
+
+    /// Servo periods in which something was wrong.
+    pub const fn violations(&self) -> u64 {
+        self.count
+    }
+
+    /// What was wrong, each once when it began.
+    pub fn breaches(&self) -> &[Breach] {
+        &self.breaches
+    }
+
+    fn look(&mut self, sample: &Sample, op: u32) -> Option<String> {
+        if sample.truth.as_ref().is_some_and(|truth| truth.tool_broken) {
+            return Some("the tool is broken".into());
+        }
+        let (&first, &work) = self.works.range(..=op).next_back()?;
+        if self.works.len() > 2 {
+            self.works = self.works.split_off(&first);
+        }
+        let now = sample.feedback.time;
+        let (angle, z) = (sample.spindle(0), sample.axis(work.axis.index()));
+        let (then, was, z_was) = self.before.replace((now, angle, z))?;
+        if now <= then {
+            return None;
+        }
+        let into = if work.bottom < work.surface { -1.0 } else { 1.0 };
+        let depth = (z - work.surface).value() * into;
+        if depth < TOUCH_MM {
+            return None;
+        }
+        let spin = sample.truth.as_ref().map_or((angle - was) / (now - then), |t| t.spins[0]);
+        let feed = (z - z_was).value() / (now - then).value();
+        let beyond = (z - work.bottom).value() * into;
+        if beyond > BEYOND_MM {
+            return Some("the tip is beyond the programmed bottom".into());
+        }
+        let state = sample.report.state;
+        let taps = matches!(state, State::TapIn | State::TapBottom | State::TapOut);
+        match work.lead {
+            Some(lead) if taps => {
+                let across = self.across(sample, &work);
+                let against = feed * spin.value() * lead < 0.0
+                    && feed.abs() > AXIS_STANDS
+                    && spin.value().abs() > STANDS;
+                if against {
+                    return Some("the spindle turns against the tap's way in the material".into());
+                }
+                (across > ACROSS_MM).then(|| "a tap is moved sideways in its thread".into())
+            }
+            None if state == State::Feed && self.in_force != Spin::ZERO && feed * into > 0.0 => {
+                let off = (spin - self.in_force).abs();
+                let wrong = off > self.in_force.abs() * SPEED_SHARE;
+                (wrong && !self.is_tap(sample)).then(|| {
+                    "a cut with the spindle at the wrong speed or in the wrong sense".into()
+                })
+            }
+            Some(_) | None => None,
+        }
+    }
+
+    /// A tap in a holder of its own way: its spindle turns round on purpose.
+    fn is_tap(&self, sample: &Sample) -> bool {
+        let tool = sample.feedback.tool.and_then(|number| self.config.tools.get(number));
+        tool.is_some_and(|tool| matches!(tool.kind, ToolKind::Tap(_)))
+    }
+
+    fn across(&self, sample: &Sample, work: &Work) -> f64 {
+        [Axis::X, Axis::Y, Axis::Z]
+            .into_iter()
+            .filter(|axis| *axis != work.axis)
+            .map(|axis| (sample.axis(axis.index()) - work.at[axis.index()]).value().abs())
+            .fold(0.0, f64::max)
+    }
+}
+
+fn place(at: &canon::Position) -> [Length; 3] {
+    [Axis::X, Axis::Y, Axis::Z].map(|axis| at.along(axis))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use canon::{Position, Span};
+    use units::Speed;
+
+    /// A hole 20 mm deep, drilled at this spindle speed, rpm, where 5000 is in force.
+    fn breaches(rpm: f64, to_mm: f64) -> Vec<String> {
+        let mut watch = Watch::new(Config::new(canon::ToolLibrary::new([])));
+        let op = |kind| Op { kind, span: Span::default() };
+        let order = SpindleOrder::Turn(Spin::rpm(5000.0));
+        watch.op(0, &op(OpKind::Spindle { spindle: 0, order }));
+        let hole = canon::Hole {
+            axis: Axis::Z,
+            at: Position::xyz(0.0, 0.0, 5.0),
+            bottom: Length::mm(-20.0),
+            surface: Length::ZERO,
+        };
+        watch.op(1, &op(OpKind::Hole(hole)));
+        let mut sample = Sample::default();
+        (sample.report.op, sample.report.state) = (2, State::Feed);
+        let feed = Speed::mm_per_s(50.0);
+        while sample.feedback.axes[2].position.value() > to_mm {
+            sample.feedback.time += Time::s(1e-3);
+            sample.feedback.spindles[0].angle += Spin::rpm(rpm) * Time::s(1e-3);
+            sample.feedback.axes[2].position -= feed * Time::s(1e-3);
+            watch.sample(&sample);
+        }
+        watch.breaches().iter().map(|breach| breach.what.clone()).collect()
+    }
+
+    #[test]
+    fn a_hole_drilled_as_ordered_breaks_nothing() {
+        assert_eq!(breaches(4990.0, -20.0), Vec::<String>::new());
+    }
+
+    #[test]
+    fn a_cut_in_reverse_or_too_slow_or_too_deep_is_seen_once() {
+        assert_eq!(breaches(-2000.0, -20.0).len(), 1);
+        assert_eq!(breaches(3000.0, -20.0).len(), 1);
+        assert_eq!(breaches(5000.0, -20.2), ["the tip is beyond the programmed bottom"]);
+    }
+}
