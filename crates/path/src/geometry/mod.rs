@@ -16,11 +16,21 @@
 //!   v = q′·ṡ      a = q″·ṡ² + q′·s̈      j = q‴·ṡ³ + 3·q″·ṡ·s̈ + q′·s⃛
 //! ```
 
+mod arc;
+mod bezier;
+mod fit;
+mod join;
+mod knots;
 mod line;
 mod piece;
+mod polynomial;
 
+pub use arc::Arc;
+pub use bezier::Bezier;
+pub use join::{Joiner, Segment};
 pub use line::Line;
 pub use piece::{Bounds, Curve, Entry, Limits, Piece};
+pub use polynomial::Polynomial;
 
 /// Axes, in the order X Y Z A B C U V W.
 pub const AXES: usize = 9;

@@ -1,5 +1,5 @@
 //! What geometry hands to the law of time.
-use super::{AXES, Derivatives, Line, Shape};
+use super::{AXES, Arc, Bezier, Derivatives, Line, Polynomial, Shape};
 
 /// A curve of one of the kinds there are. Plain data, so that it can lie in a queue.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -7,18 +7,30 @@ use super::{AXES, Derivatives, Line, Shape};
 pub enum Curve {
     /// A straight line.
     Line(Line),
+    /// A circle or helix.
+    Arc(Arc),
+    /// A programmed spline, or a part of one.
+    Bezier(Bezier),
+    /// A blend, or part of a fitted curve.
+    Polynomial(Polynomial),
 }
 
 impl Shape for Curve {
     fn length(&self) -> f64 {
         match self {
             Self::Line(line) => line.length(),
+            Self::Arc(arc) => arc.length(),
+            Self::Bezier(bezier) => bezier.length(),
+            Self::Polynomial(polynomial) => polynomial.length(),
         }
     }
 
     fn at(&self, s: f64) -> Derivatives {
         match self {
             Self::Line(line) => line.at(s),
+            Self::Arc(arc) => arc.at(s),
+            Self::Bezier(bezier) => bezier.at(s),
+            Self::Polynomial(polynomial) => polynomial.at(s),
         }
     }
 }
@@ -34,11 +46,15 @@ pub enum Entry {
     Tangent,
 }
 
-/// A piece of the joined path.
+/// A piece of the joined path: as a [`Shape`] of its own it runs from 0 to its length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
     /// Where.
     pub curve: Curve,
+    /// Parameter of the curve where the piece begins: what lies before has been blended away.
+    pub begin: f64,
+    /// How far it runs from there.
+    pub length: f64,
     /// ṡ is never above this: the programmed feed; infinite for a rapid.
     pub feed: f64,
     /// Which of the two sets of [`Limits`] counts.
@@ -49,6 +65,16 @@ pub struct Piece {
     pub op: u32,
     /// Line of the program.
     pub line: u32,
+}
+
+impl Shape for Piece {
+    fn length(&self) -> f64 {
+        self.length
+    }
+
+    fn at(&self, s: f64) -> Derivatives {
+        self.curve.at(self.begin + s.clamp(0.0, self.length))
+    }
 }
 
 /// What the axes can do; infinity where there is no limit, and for axes that never move.

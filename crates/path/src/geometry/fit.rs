@@ -1,0 +1,285 @@
+//! One curve through many short moves.
+//!
+//! ```text
+//!    ●╶╶╶●                 q(u) = Σ Nⱼ(u)·Pⱼ       a cubic spline: q, q′, q″ go on over its knots, q‴ is constant
+//!   ╱ ~~~~ ╲ ~~                                    between them
+//!  ●         ●──●          |q(u) − p(u)| ≤ P       at every programmed point, and between them
+//! ```
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | u | length along the programmed path p |
+//! | Nⱼ, Pⱼ | the spline's basis (de Boor) and its control points |
+//!
+//! Control points begin on the programmed path (which makes the spline smoother than the path, whatever the way it was
+//! chopped). Then, over and over, two things are done: they are pulled towards a smoother curve (one whose third derivative
+//! changes less), and each sample that is too far off moves the four control points that have a say in it by the least that brings it
+//! back: projections onto convex sets, which end in a point that is in all of them, if there is one. If there is none, knots are
+//! halved where it fails; with knots close enough there always is one.
+//! Position, slope and bend at both ends are given, which fixes three control points each.
+use super::join::{SHARE, Segment, Waiting, distance};
+use super::knots::{self, Way};
+use super::{AXES, Derivatives, Point, Polynomial};
+use alloc::vec::Vec;
+
+/// Sweeps over all samples before knots are halved.
+const SWEEPS: usize = 40;
+/// Sweeps that also smooth.
+const SMOOTHING: usize = 0;
+/// How often knots may be halved.
+const HALVINGS: usize = 12;
+
+/// A place where the distance is looked at.
+#[derive(Clone, Copy, Debug)]
+struct Sample {
+    /// First of its four control points.
+    first: usize,
+    basis: [f64; 4],
+    p: Point,
+    tolerance: f64,
+    /// One over the sum of squares of the basis over free control points; zero: none is free.
+    per_square: f64,
+}
+
+/// Fits curves; keeps its memory from one to the next.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Fitter {
+    starts: Vec<f64>,
+    /// Without the repetition at the ends.
+    knots: Vec<f64>,
+    control: Vec<Point>,
+    samples: Vec<Sample>,
+    /// By span: first sample of it.
+    bad: Vec<usize>,
+    total: f64,
+}
+
+impl Fitter {
+    /// Fit: from `begun` mm into the first move to `end` mm into the last.
+    pub(crate) fn fit(
+        &mut self,
+        moves: &[Waiting],
+        begun: f64,
+        end: f64,
+        from: &Derivatives,
+        to: &Derivatives,
+    ) {
+        self.starts.clear();
+        let mut u = -begun;
+        for one in moves {
+            self.starts.push(u);
+            u += one.length();
+        }
+        self.total = self.starts[moves.len() - 1] + end;
+        let starts = core::mem::take(&mut self.starts);
+        let way = Way { moves, starts: &starts, total: self.total };
+        knots::choose(&way, &mut self.knots);
+        for _ in 0..HALVINGS {
+            self.begin(&way, from, to);
+            if self.settle() {
+                break;
+            }
+            self.halve();
+        }
+        self.starts = starts;
+    }
+
+    /// How many pieces there are.
+    pub(crate) fn spans(&self) -> usize {
+        self.knots.len() - 1
+    }
+
+    pub(crate) fn knot(&self, index: usize) -> f64 {
+        self.knots[index]
+    }
+
+    /// Where a move begins.
+    pub(crate) fn start_of(&self, index: usize) -> f64 {
+        self.starts[index]
+    }
+
+    /// Move at a parameter, and how far into it.
+    pub(crate) fn place(&self, u: f64) -> (usize, f64) {
+        let i = self.starts.partition_point(|start| *start <= u).max(1) - 1;
+        (i, u - self.starts[i])
+    }
+
+    /// A piece, and what it serves.
+    pub(crate) fn span(&self, span: usize, moves: &[Waiting]) -> (Segment, Polynomial) {
+        let (a, b) = (self.knots[span], self.knots[span + 1]);
+        let slack = (b - a) * 1e-6;
+        let (first, last) = (self.place(a + slack).0, self.place(b - slack).0);
+        let mut of = moves[first].segment;
+        for one in &moves[first..=last.min(moves.len() - 1)] {
+            of.feed = of.feed.min(one.segment.feed);
+            of.rapid &= one.segment.rapid;
+        }
+        (of, self.polynomial(span))
+    }
+
+    /// Knot with the repetition at the ends.
+    fn t(&self, index: usize) -> f64 {
+        let at = index.saturating_sub(3).min(self.knots.len() - 1);
+        self.knots[at]
+    }
+
+    fn begin(&mut self, way: &Way, from: &Derivatives, to: &Derivatives) {
+        let count = self.knots.len() + 2;
+        self.control.clear();
+        for j in 0..count {
+            let greville = (self.t(j + 1) + self.t(j + 2) + self.t(j + 3)) / 3.0;
+            self.control.push(way.at(greville));
+        }
+        let ends = [(from, 0, 1, 2, 1.0, self.knots[1], self.knots[2]), {
+            let n = self.knots.len();
+            let back = |i: usize| self.knots[n - 1] - self.knots[n - 1 - i];
+            (to, count - 1, count - 2, count - 3, -1.0, back(1), back(2))
+        }];
+        for (at, p0, p1, p2, sign, t1, t2) in ends {
+            for i in 0..AXES {
+                let (v, a) = (sign * at.q1[i], at.q2[i]);
+                self.control[p0][i] = at.q[i];
+                self.control[p1][i] = at.q[i] + v * t1 / 3.0;
+                self.control[p2][i] = self.control[p1][i] + (v + a * t1 / 2.0) * t2 / 3.0;
+            }
+        }
+        self.sample(way);
+    }
+
+    fn sample(&mut self, way: &Way) {
+        self.samples.clear();
+        let mut span = 0;
+        for i in 0..way.moves.len() {
+            let segment = &way.moves[i].segment;
+            let (from, to) = (
+                way.starts[i].max(0.0),
+                way.starts.get(i + 1).copied().unwrap_or(way.total).min(way.total),
+            );
+            if i > 0 {
+                let tolerance = segment.tolerance.min(way.moves[i - 1].segment.tolerance);
+                self.add(way, i, from, tolerance, &mut span);
+            }
+            while span + 2 < self.knots.len() && self.knots[span + 1] <= from {
+                span += 1;
+            }
+            let h = self.knots[span + 1] - self.knots[span];
+            let gap = to - from;
+            let inner = if gap < h / 4.0 { 0 } else { 1 + libm::floor(gap / h * 3.0).min(4096.0) as usize };
+            for n in 1..=inner {
+                let u = from + gap * n as f64 / (inner + 1) as f64;
+                self.add(way, i, u, segment.tolerance, &mut span);
+            }
+        }
+    }
+
+    fn add(&mut self, way: &Way, i: usize, u: f64, tolerance: f64, span: &mut usize) {
+        while *span + 2 < self.knots.len() && self.knots[*span + 1] <= u {
+            *span += 1;
+        }
+        let basis = self.basis(*span, u);
+        let free = 3..self.control.len() - 3;
+        let square: f64 =
+            (0..4).filter(|j| free.contains(&(*span + j))).map(|j| basis[j] * basis[j]).sum();
+        let per_square = if square > 1e-6 { 1.0 / square } else { 0.0 };
+        self.samples.push(Sample { first: *span, basis, p: way.on(i, u), tolerance, per_square });
+    }
+
+    /// The four functions that are not zero in a span (de Boor, Cox).
+    fn basis(&self, span: usize, u: f64) -> [f64; 4] {
+        let i = span + 3;
+        let mut n = [1.0, 0.0, 0.0, 0.0];
+        for degree in 1..4 {
+            let mut saved = 0.0;
+            for r in 0..degree {
+                let (right, left) = (self.t(i + r + 1), self.t(i + 1 + r - degree));
+                let share = n[r] / (right - left);
+                n[r] = saved + (right - u) * share;
+                saved = (u - left) * share;
+            }
+            n[degree] = saved;
+        }
+        n
+    }
+
+    /// Smooth, and bring samples back until all are near enough. `false`: some are not; their spans are in `bad`.
+    fn settle(&mut self) -> bool {
+        let free = 3..self.control.len() - 3;
+        for sweep in 0..SWEEPS {
+            if sweep < SMOOTHING {
+                self.smooth();
+            }
+            self.bad.clear();
+            for sample in &self.samples {
+                let mut q = [0.0; AXES];
+                for (j, n) in sample.basis.iter().enumerate() {
+                    let p = &self.control[sample.first + j];
+                    for i in 0..AXES {
+                        q[i] += n * p[i];
+                    }
+                }
+                let off = distance(&q, &sample.p);
+                if off <= sample.tolerance * SHARE {
+                    continue;
+                }
+                if self.bad.last() != Some(&sample.first) {
+                    self.bad.push(sample.first);
+                }
+                let back = (1.0 - sample.tolerance * SHARE * 0.98 / off) * sample.per_square;
+                for (j, n) in sample.basis.iter().enumerate() {
+                    if free.contains(&(sample.first + j)) {
+                        let p = &mut self.control[sample.first + j];
+                        for i in 0..AXES {
+                            p[i] += back * n * (sample.p[i] - q[i]);
+                        }
+                    }
+                }
+            }
+            if self.bad.is_empty() && sweep >= SMOOTHING {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Towards a curve whose third derivative changes less.
+    fn smooth(&mut self) {}
+
+    /// Halve the spans that failed, and their neighbours.
+    fn halve(&mut self) {
+        let spans = self.spans();
+        let mut knots = Vec::with_capacity(self.knots.len() + 3 * self.bad.len());
+        let mut bad = self.bad.iter().peekable();
+        for span in 0..spans {
+            knots.push(self.knots[span]);
+            while bad.next_if(|b| **b + 1 < span).is_some() {}
+            if bad.peek().is_some_and(|b| **b <= span + 1) {
+                knots.push(f64::midpoint(self.knots[span], self.knots[span + 1]));
+            }
+        }
+        knots.push(self.knots[spans]);
+        self.knots = knots;
+    }
+
+    /// A span as a polynomial from its beginning.
+    fn polynomial(&self, span: usize) -> Polynomial {
+        let i = span + 3;
+        let t = |k: usize| self.t(k);
+        let (a, length) = (t(i), t(i + 1) - t(i));
+        let basis = self.basis(span, a);
+        let mut c = [[0.0; AXES]; 6];
+        for axis in 0..AXES {
+            let p = |j: usize| self.control[span + j][axis];
+            // control points of the derivatives: Q of the first, R of the second
+            let q = |j: usize| 3.0 * (p(j + 1) - p(j)) / (t(i + 1 + j) - t(i - 2 + j));
+            let (q0, q1, q2) = (q(0), q(1), q(2));
+            let r0 = 2.0 * (q1 - q0) / (t(i + 1) - t(i - 1));
+            let r1 = 2.0 * (q2 - q1) / (t(i + 2) - t(i));
+            c[0][axis] = (0..4).map(|j| basis[j] * p(j)).sum();
+            c[1][axis] =
+                ((t(i + 1) - t(i)) * q0 + (t(i) - t(i - 1)) * q1) / (t(i + 1) - t(i - 1));
+            c[2][axis] = r0 / 2.0;
+            c[3][axis] = (r1 - r0) / length / 6.0;
+        }
+        Polynomial { c, length }
+    }
+}

@@ -1,0 +1,362 @@
+//! Joining what is programmed into one path.
+//!
+//! ```text
+//!   long ────────┐            long moves keep their middle; each corner between two of them gets one blend;
+//!        zone  ╭─╯            where moves are short, one curve is fitted through many of them
+//!       ╭──────╯
+//!  long │                     P: the joined path is nowhere farther than P from the programmed one
+//! ```
+//!
+//! A corner's slopes differ by |t₁ − t₀| = 2·k (k = sin(θ/2) for two lines that turn by θ). The blend is the polynomial of
+//! the fifth degree from h before the corner to h after it, with the position, slope and bend that the path has there. On two lines
+//! it passes the corner at a distance of ⅜·h·k, so h = P / (⅜·k). A jump of the bend by Δ costs about Δ·h²/17 more.
+//!
+//! A move is long if three blends of such h fit into it at both of its ends; a curve that was chopped finely has small
+//! corners, which would allow blends much longer than its moves, and therefore none of them is.
+use super::bezier::measure;
+use super::{AXES, Curve, Derivatives, Entry, Line, Piece, Point, Polynomial, Shape, fit};
+use alloc::vec::Vec;
+
+/// A programmed move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Segment {
+    /// Where, from beginning to end.
+    pub curve: Curve,
+    /// Programmed feed; infinite for a rapid.
+    pub feed: f64,
+    /// Not cutting.
+    pub rapid: bool,
+    /// How far the path may be from it (P); zero: not at all.
+    pub tolerance: f64,
+    /// How far points between collinear moves may be from the line that replaces them (Q).
+    pub merge: f64,
+    /// Index of the operation.
+    pub op: u32,
+    /// Line of the program.
+    pub line: u32,
+}
+
+/// Most moves that are fitted at once.
+const MAX_ZONE: usize = 256;
+/// Of these, so many wait for what comes next.
+const KEPT: usize = 64;
+/// Share of the tolerance that blends use; the rest is for what their distance is not sampled at.
+pub(crate) const SHARE: f64 = 0.97;
+/// Slopes that differ by less are one slope.
+const SAME_SLOPE: f64 = 1e-7;
+/// Bends that differ by less are one bend, 1/mm.
+const SAME_BEND: f64 = 1e-6;
+
+/// A move in waiting.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Waiting {
+    pub(crate) segment: Segment,
+    /// Where it begins and ends.
+    pub(crate) start: Derivatives,
+    pub(crate) end: Derivatives,
+    /// The joint with the move before.
+    pub(crate) joint: Joint,
+}
+
+/// How two moves meet.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Joint {
+    /// Half the difference of the slopes.
+    pub(crate) k: f64,
+    /// How far its blend would reach if there were room; zero: there is none.
+    pub(crate) reach: f64,
+    /// What there is instead.
+    entry: Entry,
+    /// P there.
+    pub(crate) tolerance: f64,
+}
+
+impl Waiting {
+    pub(crate) fn length(&self) -> f64 {
+        self.segment.curve.length()
+    }
+}
+
+/// From programmed moves to pieces, as they come. See the module's header.
+#[derive(Clone, Debug, Default)]
+pub struct Joiner {
+    /// From the last long move on: it is the first, its part up to `begun` has been handed on.
+    waiting: Vec<Waiting>,
+    begun: f64,
+    /// Where the path is, if it left the programmed one within a zone.
+    at: Option<Derivatives>,
+    /// How the next piece joins the one before; `None`: smoothly.
+    entry: Option<Entry>,
+    /// A line that may still be merged with the next one, and how far off its inner points are.
+    line: Option<(Segment, f64)>,
+    fitter: fit::Fitter,
+}
+
+impl Joiner {
+    /// Nothing yet, at rest.
+    pub fn new() -> Self {
+        Self { entry: Some(Entry::Rest), ..Self::default() }
+    }
+
+    /// Go on with a move that begins where the last one ended. Pieces that are decided go to `emit`, in order.
+    pub fn push(&mut self, segment: Segment, emit: &mut impl FnMut(Piece)) {
+        if let Some((line, off)) = self.line.take() {
+            match merged(&line, &segment, off) {
+                Some(merged) => {
+                    self.line = Some(merged);
+                    return;
+                }
+                None => self.append(line, emit),
+            }
+        }
+        if matches!(segment.curve, Curve::Line(_)) && segment.tolerance > 0.0 {
+            self.line = Some((segment, 0.0));
+        } else {
+            self.append(segment, emit);
+        }
+    }
+
+    /// The path stops at the end of the last move, exactly. What comes next begins from rest.
+    pub fn finish(&mut self, emit: &mut impl FnMut(Piece)) {
+        if let Some((line, _)) = self.line.take() {
+            self.append(line, emit);
+        }
+        if !self.waiting.is_empty() {
+            self.decide(0.0, emit);
+            let last = self.waiting.len() - 1;
+            if last > 0 {
+                self.zone(last, self.waiting[last].length(), emit);
+            } else {
+                self.middle(self.waiting[0].length(), emit);
+            }
+            self.waiting.clear();
+        }
+        self.begun = 0.0;
+        self.at = None;
+        self.entry = Some(Entry::Rest);
+    }
+
+    /// Whether pieces wait for what comes next.
+    pub fn is_empty(&self) -> bool {
+        self.waiting.is_empty() && self.line.is_none()
+    }
+
+    fn append(&mut self, segment: Segment, emit: &mut impl FnMut(Piece)) {
+        let length = segment.curve.length();
+        let (start, end) = (segment.curve.at(0.0), segment.curve.at(length));
+        let rest = Joint { k: 0.0, reach: 0.0, entry: Entry::Rest, tolerance: 0.0 };
+        let joint = self.waiting.last().map_or(rest, |last| joint(last, &segment, &start));
+        if !self.waiting.is_empty() {
+            self.decide(joint.reach, emit);
+            if joint.reach == 0.0 {
+                self.meet(joint.entry, emit);
+            }
+        }
+        self.waiting.push(Waiting { segment, start, end, joint });
+        if self.waiting.len() > MAX_ZONE {
+            self.part(emit);
+        }
+    }
+
+    /// The last move's both joints are known: if it is long, what lies before is decided.
+    fn decide(&mut self, reach: f64, emit: &mut impl FnMut(Piece)) {
+        let last = self.waiting.len() - 1;
+        let (length, before) = (self.waiting[last].length(), self.waiting[last].joint.reach);
+        if last == 0 || length < 3.0 * (before + reach) {
+            return;
+        }
+        let begins = if last == 1 { before } else { before.min(length / 3.0) };
+        self.zone(last, begins, emit);
+        self.waiting.drain(..last);
+        self.begun = begins;
+        self.at = None;
+    }
+
+    /// No blend with the next move: hand on all that waits.
+    fn meet(&mut self, entry: Entry, emit: &mut impl FnMut(Piece)) {
+        let last = self.waiting.len() - 1;
+        let length = self.waiting[last].length();
+        if last > 0 {
+            self.zone(last, length, emit);
+        } else {
+            self.middle(length, emit);
+        }
+        self.waiting.clear();
+        (self.begun, self.at, self.entry) = (0.0, None, (entry != Entry::Smooth).then_some(entry));
+    }
+
+    /// Hand on the first move as it is, up to a parameter.
+    fn middle(&mut self, to: f64, emit: &mut impl FnMut(Piece)) {
+        let first = self.waiting[0].segment;
+        if to > self.begun {
+            let (begin, length) = (self.begun, to - self.begun);
+            self.hand_on(first, first.curve, (begin, length), emit);
+        }
+        self.begun = to;
+    }
+
+    fn hand_on(
+        &mut self,
+        of: Segment,
+        curve: Curve,
+        (begin, length): (f64, f64),
+        emit: &mut impl FnMut(Piece),
+    ) {
+        let entry = self.entry.take().unwrap_or(Entry::Smooth);
+        let Segment { feed, rapid, op, line, .. } = of;
+        emit(Piece { curve, begin, length, feed, rapid, entry, op, line });
+    }
+
+    /// From the first move to so far into move `last`.
+    fn zone(&mut self, last: usize, end: f64, emit: &mut impl FnMut(Piece)) {
+        let length = self.waiting[0].length();
+        let reach = self.waiting[1].joint.reach;
+        let whole = end >= self.waiting[last].length();
+        if self.at.is_none() && length - self.begun > reach {
+            // of a short first move, too, keep what the blend leaves
+            self.middle(length - reach.min((length - self.begun) * 0.5), emit);
+        }
+        if last == 1 && self.at.is_none() && !whole && (length - self.begun - end).abs() < 1e-9 {
+            return self.corner(end, emit);
+        }
+        let from = self.at.unwrap_or_else(|| self.waiting[0].segment.curve.at(self.begun));
+        let to = self.waiting[last].segment.curve.at(end);
+        self.fitter.fit(&self.waiting[..=last], self.begun, end, &from, &to);
+        for span in 0..self.fitter.spans() {
+            let (of, curve) = self.fitter.span(span, &self.waiting);
+            self.hand_on(of, Curve::Polynomial(curve), (0.0, curve.length), emit);
+        }
+    }
+
+    /// One blend between two long moves.
+    fn corner(&mut self, reach: f64, emit: &mut impl FnMut(Piece)) {
+        let [before, after] = [self.waiting[0], self.waiting[1]];
+        let length = before.length();
+        let tolerance = after.joint.tolerance * SHARE;
+        let mut h = reach;
+        let curve = loop {
+            let (from, to) = (before.segment.curve.at(length - h), after.segment.curve.at(h));
+            let blend = Polynomial::between(&from, &to, 2.0 * h);
+            let straight = matches!(before.segment.curve, Curve::Line(_))
+                && matches!(after.segment.curve, Curve::Line(_));
+            if straight || far(&blend, &before, &after, h) <= tolerance {
+                break blend;
+            }
+            h *= 0.8;
+        };
+        if h < reach {
+            let of = before.segment;
+            self.hand_on(of, of.curve, (length - reach, reach - h), emit);
+        }
+        let of = Segment {
+            feed: before.segment.feed.min(after.segment.feed),
+            rapid: before.segment.rapid && after.segment.rapid,
+            ..before.segment
+        };
+        self.hand_on(of, Curve::Polynomial(curve), (0.0, 2.0 * h), emit);
+        if h < reach {
+            let of = after.segment;
+            self.hand_on(of, of.curve, (h, reach - h), emit);
+        }
+    }
+
+    /// A long row of short moves: hand on the first part of the curve through them.
+    fn part(&mut self, emit: &mut impl FnMut(Piece)) {
+        let last = self.waiting.len() - 2; // the last one's end is not known to be good
+        let from = self.at.unwrap_or_else(|| self.waiting[0].segment.curve.at(self.begun));
+        let end = self.waiting[last].length();
+        let to = self.waiting[last].end;
+        self.fitter.fit(&self.waiting[..=last], self.begun, end, &from, &to);
+        let keep = self.fitter.start_of(last + 1 - KEPT.min(last));
+        let mut count = 0;
+        while count < self.fitter.spans() && self.fitter.knot(count + 1) < keep {
+            count += 1;
+        }
+        // something must go: else the first moves would wait for ever
+        let count = count.max(self.fitter.spans() / 2).max(1);
+        let mut at = from;
+        for span in 0..count {
+            let (of, curve) = self.fitter.span(span, &self.waiting);
+            at = curve.at(curve.length);
+            self.hand_on(of, Curve::Polynomial(curve), (0.0, curve.length), emit);
+        }
+        let (done, begun) = self.fitter.place(self.fitter.knot(count));
+        self.waiting.drain(..done);
+        self.begun = begun;
+        self.at = Some(at);
+    }
+}
+
+/// Distance of a blend from the two moves that it joins.
+fn far(blend: &Polynomial, before: &Waiting, after: &Waiting, h: f64) -> f64 {
+    let length = before.length();
+    (1..16)
+        .map(|n| {
+            let s = f64::from(n) / 8.0 * h;
+            let p = if s < h {
+                before.segment.curve.at(length - h + s).q
+            } else {
+                after.segment.curve.at(s - h).q
+            };
+            distance(&blend.position(s), &p)
+        })
+        .fold(0.0, f64::max)
+}
+
+/// The joint of a move with the one before.
+fn joint(before: &Waiting, segment: &Segment, start: &Derivatives) -> Joint {
+    let k = norm(&difference(&start.q1, &before.end.q1)) / 2.0;
+    let bend = norm(&difference(&start.q2, &before.end.q2));
+    let tolerance = before.segment.tolerance.min(segment.tolerance);
+    let entry = match (2.0 * k < SAME_SLOPE, bend < SAME_BEND) {
+        (true, true) => Entry::Smooth,
+        (true, false) => Entry::Tangent,
+        (false, _) => Entry::Rest,
+    };
+    let blended = tolerance > 0.0 && entry != Entry::Smooth;
+    // ⅜·k·h + Δ·h²/17 = P
+    let (slope, square) = (0.375 * k, bend / 17.0);
+    let p = tolerance * SHARE;
+    let reach = 2.0 * p / (slope + libm::sqrt(slope * slope + 4.0 * square * p));
+    Joint { k, reach: if blended { reach } else { 0.0 }, entry, tolerance }
+}
+
+/// Two lines as one, if what lies between them is near enough to it.
+fn merged(first: &Segment, second: &Segment, off: f64) -> Option<(Segment, f64)> {
+    let (Curve::Line(a), Curve::Line(b)) = (&first.curve, &second.curve) else { return None };
+    let same = first.feed == second.feed
+        && first.rapid == second.rapid
+        && first.tolerance == second.tolerance
+        && first.merge == second.merge;
+    if !same {
+        return None;
+    }
+    let way = difference(&b.to, &a.from);
+    let length = measure(&way);
+    let whole = a.length + b.length;
+    if length < 0.5 * whole {
+        return None;
+    }
+    let f = a.length / whole;
+    let between: Point = core::array::from_fn(|i| a.from[i] + f * way[i]);
+    let off = off + distance(&between, &a.to);
+    let line = Line { from: a.from, to: b.to, length };
+    (off <= first.merge).then(|| (Segment { curve: Curve::Line(line), ..*first }, off))
+}
+
+pub(crate) fn difference(a: &Point, b: &Point) -> Point {
+    core::array::from_fn(|i| a[i] - b[i])
+}
+
+pub(crate) fn norm(a: &Point) -> f64 {
+    libm::sqrt(a.iter().map(|x| x * x).sum())
+}
+
+/// How far apart: in X Y Z, in U V W, or in degrees, whichever is most.
+pub(crate) fn distance(a: &Point, b: &Point) -> f64 {
+    let d = difference(a, b);
+    let square = |at: usize| d[at] * d[at] + d[at + 1] * d[at + 1] + d[at + 2] * d[at + 2];
+    libm::sqrt(square(0).max(square(3)).max(square(6)))
+}
+
+const _: () = assert!(AXES == 9);
