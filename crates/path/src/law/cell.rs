@@ -139,7 +139,7 @@ impl Sampler {
         limits: &Limits,
         period: f64,
     ) -> Self {
-        let (length, last) = (piece.curve.length(), piece.curve.at(from));
+        let (length, last) = (piece.length(), piece.at(from));
         let start = match (piece.entry, before) {
             (Entry::Smooth, _) | (_, None) => Start::On(f64::INFINITY),
             (Entry::Rest, Some(_)) => Start::Rest,
@@ -153,7 +153,7 @@ impl Sampler {
 
     /// Derivatives at the end of the piece.
     pub(crate) fn end(&self) -> Derivatives {
-        self.piece.curve.at(self.length)
+        self.piece.at(self.length)
     }
 
     /// The next cell.
@@ -177,8 +177,8 @@ impl Sampler {
             };
             (Demand::Line { accel: least(&bounds.accel), jerk: least(&bounds.jerk) }, cap)
         } else {
-            let middle = self.piece.curve.at(at(self.next as f64 + 0.5));
-            let end = self.piece.curve.at(at(self.next as f64 + 1.0));
+            let middle = self.piece.at(at(self.next as f64 + 0.5));
+            let end = self.piece.at(at(self.next as f64 + 1.0));
             let rows = [self.last, middle, end].map(|d| Rows::new(&d, bounds, self.piece.feed));
             let cap = rows[0].cap.min(rows[1].cap).min(rows[2].cap);
             self.last = end;
@@ -216,7 +216,7 @@ fn cells_for(piece: &Piece, from: f64, length: f64) -> u64 {
     let largest = |p: &[f64; AXES]| p.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     let (mut slope, mut bend, mut twist) = (0.0_f64, 0.0_f64, 0.0_f64);
     for k in 0..5 {
-        let d = piece.curve.at(from + span * f64::from(k) / 4.0);
+        let d = piece.at(from + span * f64::from(k) / 4.0);
         slope = slope.max(largest(&d.q1));
         bend = bend.max(largest(&d.q2));
         twist = twist.max(largest(&d.q3));

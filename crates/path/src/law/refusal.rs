@@ -40,7 +40,7 @@ impl core::fmt::Display for Refusal {
 impl core::error::Error for Refusal {}
 
 pub(super) fn check(piece: &Piece, limits: &Limits) -> Result<(), Refusal> {
-    let length = piece.curve.length();
+    let length = piece.length();
     if !(length > 0.0 && length <= LONGEST) {
         return Err(Refusal::Length(length));
     }
@@ -48,7 +48,7 @@ pub(super) fn check(piece: &Piece, limits: &Limits) -> Result<(), Refusal> {
         return Err(Refusal::Feed(piece.feed));
     }
     let bounds = bounds(piece, limits);
-    let ends = [piece.curve.at(0.0), piece.curve.at(length / 2.0), piece.curve.at(length)];
+    let ends = [piece.at(0.0), piece.at(length / 2.0), piece.at(length)];
     for k in 0..AXES {
         let moves = ends.iter().any(|d| d.q1[k] != 0.0 || d.q2[k] != 0.0);
         let sound = [bounds.speed[k], bounds.accel[k], bounds.jerk[k]].iter().all(|x| *x > 0.0);
