@@ -23,9 +23,13 @@ use super::{AXES, Derivatives, Point, Polynomial};
 use alloc::vec::Vec;
 
 /// Sweeps over all samples before knots are halved.
-const SWEEPS: usize = 40;
-/// Sweeps that also smooth.
-const SMOOTHING: usize = 0;
+const SWEEPS: usize = 64;
+/// Sweeps to bring samples back after smoothing.
+const BACK: usize = 12;
+/// How far beyond the least a smoothed point goes, which spreads it sooner.
+const RELAXED: f64 = 1.6;
+/// Rounds of smoothing.
+const SMOOTHING: usize = 16;
 /// How often knots may be halved.
 const HALVINGS: usize = 12;
 
@@ -51,6 +55,11 @@ pub(crate) struct Fitter {
     samples: Vec<Sample>,
     /// By span: first sample of it.
     bad: Vec<usize>,
+    /// Axes from this one on do not move.
+    axes: usize,
+    spare: Vec<Point>,
+    /// See `twist`.
+    bends: Vec<([f64; 3], f64)>,
     total: f64,
 }
 
@@ -71,12 +80,14 @@ impl Fitter {
             u += one.length();
         }
         self.total = self.starts[moves.len() - 1] + end;
+        let moves_at_all = |i: usize| moves.iter().any(|one| one.start.q1[i] != 0.0 || one.start.q2[i] != 0.0);
+        self.axes = (0..AXES).rev().find(|i| moves_at_all(*i)).map_or(0, |i| i + 1);
         let starts = core::mem::take(&mut self.starts);
         let way = Way { moves, starts: &starts, total: self.total };
         knots::choose(&way, &mut self.knots);
-        for _ in 0..HALVINGS {
+        for halvings in 0..=HALVINGS {
             self.begin(&way, from, to);
-            if self.settle() {
+            if self.settle() || halvings == HALVINGS {
                 break;
             }
             self.halve();
@@ -144,6 +155,7 @@ impl Fitter {
             }
         }
         self.sample(way);
+        self.twist();
     }
 
     fn sample(&mut self, way: &Way) {
@@ -164,7 +176,7 @@ impl Fitter {
             }
             let h = self.knots[span + 1] - self.knots[span];
             let gap = to - from;
-            let inner = if gap < h / 4.0 { 0 } else { 1 + libm::floor(gap / h * 3.0).min(4096.0) as usize };
+            let inner = if gap < h / 12.0 { 0 } else { 1 + libm::floor(gap / h * 3.0).min(4096.0) as usize };
             for n in 1..=inner {
                 let u = from + gap * n as f64 / (inner + 1) as f64;
                 self.add(way, i, u, segment.tolerance, &mut span);
@@ -201,19 +213,33 @@ impl Fitter {
         n
     }
 
-    /// Smooth, and bring samples back until all are near enough. `false`: some are not; their spans are in `bad`.
+    /// Bring samples back until all are near enough, then smooth as long as they can be kept so. `false`: some are not;
+    /// their spans are in `bad`.
     fn settle(&mut self) -> bool {
-        let free = 3..self.control.len() - 3;
-        for sweep in 0..SWEEPS {
-            if sweep < SMOOTHING {
-                self.smooth();
+        if !self.project(SWEEPS) {
+            return false;
+        }
+        for _ in 0..SMOOTHING {
+            self.spare.clone_from(&self.control);
+            self.smooth();
+            if !self.project(BACK) {
+                core::mem::swap(&mut self.spare, &mut self.control);
+                break;
             }
+        }
+        true
+    }
+
+    fn project(&mut self, sweeps: usize) -> bool {
+        let free = 3..self.control.len() - 3;
+        for _ in 0..sweeps {
             self.bad.clear();
             for sample in &self.samples {
-                let mut q = [0.0; AXES];
+                let mut q = sample.p;
+                q[..self.axes].fill(0.0);
                 for (j, n) in sample.basis.iter().enumerate() {
                     let p = &self.control[sample.first + j];
-                    for i in 0..AXES {
+                    for i in 0..self.axes {
                         q[i] += n * p[i];
                     }
                 }
@@ -228,21 +254,54 @@ impl Fitter {
                 for (j, n) in sample.basis.iter().enumerate() {
                     if free.contains(&(sample.first + j)) {
                         let p = &mut self.control[sample.first + j];
-                        for i in 0..AXES {
+                        for i in 0..self.axes {
                             p[i] += back * n * (sample.p[i] - q[i]);
                         }
                     }
                 }
             }
-            if self.bad.is_empty() && sweep >= SMOOTHING {
+            if self.bad.is_empty() {
                 return true;
             }
         }
         false
     }
 
-    /// Towards a curve whose third derivative changes less.
-    fn smooth(&mut self) {}
+    /// Towards a curve that bends less: each free control point where ∫|q″|² is least, the others held.
+    fn smooth(&mut self) {
+        for j in 3..self.control.len() - 3 {
+            let mut pull = [0.0; AXES];
+            let mut weight = 0.0;
+            for knot in j - 2..=j {
+                let bend = &self.bends[knot];
+                let own = bend.0[j - knot];
+                weight += bend.1 * own * own;
+                for i in 0..self.axes {
+                    let second: f64 = (0..3).map(|n| bend.0[n] * self.control[knot + n][i]).sum();
+                    pull[i] += bend.1 * own * second;
+                }
+            }
+            for i in 0..self.axes {
+                self.control[j][i] -= RELAXED * pull[i] / weight;
+            }
+        }
+    }
+
+    /// By knot: shares of its three control points in the second derivative there, and the length that it stands for.
+    fn twist(&mut self) {
+        self.bends.clear();
+        for knot in 0..self.knots.len() {
+            let i = knot + 3;
+            let t = |k: usize| self.t(k);
+            let mut shares = [0.0; 3];
+            for (n, share) in shares.iter_mut().enumerate() {
+                let p = |j: usize| f64::from(u8::from(j == n));
+                let q = |j: usize| 3.0 * (p(j + 1) - p(j)) / (t(i + 1 + j) - t(i - 2 + j));
+                *share = 2.0 * (q(1) - q(0)) / (t(i + 1) - t(i - 1));
+            }
+            self.bends.push((shares, (t(i + 1) - t(i - 1)) / 2.0));
+        }
+    }
 
     /// Halve the spans that failed, and their neighbours.
     fn halve(&mut self) {

@@ -313,7 +313,11 @@ fn joint(before: &Waiting, segment: &Segment, start: &Derivatives) -> Joint {
         (true, false) => Entry::Tangent,
         (false, _) => Entry::Rest,
     };
-    let blended = tolerance > 0.0 && entry != Entry::Smooth;
+    if tolerance > 0.0 && entry == Entry::Smooth {
+        // nothing to blend, but on a chopped curve two slopes may be the same by rounding
+        return Joint { k, reach: f64::INFINITY, entry, tolerance };
+    }
+    let blended = tolerance > 0.0;
     // ⅜·k·h + Δ·h²/17 = P
     let (slope, square) = (0.375 * k, bend / 17.0);
     let p = tolerance * SHARE;
