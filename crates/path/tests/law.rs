@@ -19,7 +19,8 @@ fn line(from: [f64; 3], to: [f64; 3], feed: f64, entry: Entry) -> Piece {
     let wide = |p: [f64; 3]| core::array::from_fn(|k| if k < 3 { p[k] } else { 0.0 });
     let d: f64 = (0..3).map(|k| (to[k] - from[k]).powi(2)).sum();
     let curve = Curve::Line(Line { from: wide(from), to: wide(to), length: d.sqrt() });
-    Piece { curve, feed, rapid: false, entry, op: 0, line: 0 }
+    let (begin, length) = (0.0, d.sqrt());
+    Piece { curve, begin, length, feed, rapid: false, entry, op: 0, line: 0 }
 }
 
 fn timed(pieces: &[Piece], config: Config) -> Vec<Timed> {
