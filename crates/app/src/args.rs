@@ -41,6 +41,11 @@ Examples:
   leadscrew check part.ngc
   leadscrew check programs/ --format json")]
     Check(CheckArgs),
+    /// Say how long a program takes, by the planner that would run it
+    #[command(after_help = "Examples:
+  leadscrew time part.ngc
+  leadscrew time part.ngc --machine bench-xyz --format json     key motion_time_s: from first to last motion")]
+    Time(TimeArgs),
     /// Tap the same holes with a clutch holder and conventionally, on a spindle that scatters
     #[command(after_help = "Examples:
   leadscrew compare --size M6                    100 holes each at S2000
@@ -171,6 +176,21 @@ pub(crate) struct CheckArgs {
     /// How findings are printed
     #[arg(long, value_enum, default_value_t = FindingsFormat::Text)]
     pub(crate) format: FindingsFormat,
+}
+
+/// `leadscrew time`.
+#[derive(Args, Debug, Clone)]
+pub(crate) struct TimeArgs {
+    /// The program; `-` reads standard input
+    pub(crate) program: PathBuf,
+    #[command(flatten)]
+    pub(crate) source: ProgramArgs,
+    /// How it is printed
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(crate) format: Format,
+    /// In JSON: every operation, not only the longest
+    #[arg(long)]
+    pub(crate) operations: bool,
 }
 
 /// `leadscrew fmt`.

@@ -3,6 +3,7 @@
 //! ```text
 //!   args ─► run       session ─► preflight ─► simulate ─► papers, summary
 //!        ├► check     session ─► preflight ─► render
+//!        ├► time      session ─► preflight, its steps added up
 //!        ├► compare   the same holes with a clutch holder and without, on a spindle that scatters
 //!        ├► canon     session ─► interp, printed
 //!        ├► fmt       gcode
@@ -38,6 +39,7 @@ mod simulate;
 mod subprograms;
 mod summary;
 mod tables;
+mod time;
 mod timings;
 mod trace_thread;
 mod wiring;
@@ -78,6 +80,7 @@ fn execute(cli: &Cli) -> Result<ExitCode, Refused> {
             Ending::Alarm => ExitCode::from(ALARM),
         }),
         Command::Compare(args) => compare::command(args, cli.quiet).map(|()| ExitCode::SUCCESS),
+        Command::Time(args) => Ok(accepted(time::command(args, cli.quiet)?)),
         Command::Check(args) => Ok(accepted(check::command(args, cli.quiet)?)),
         Command::Canon(args) => Ok(accepted(canonical::command(args)?)),
         Command::Fmt(args) => Ok(accepted(format::command(args, cli.quiet)?)),

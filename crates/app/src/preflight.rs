@@ -27,6 +27,16 @@ impl Preflight {
 
 /// Interpret and plan a program without moving. Stand-ins are added to the session's tools.
 pub(crate) fn preflight(session: &mut Session, source: &[u8], options: Options) -> Preflight {
+    preflight_with(session, source, options, &mut |_| ())
+}
+
+/// The same, with a look at every step.
+pub(crate) fn preflight_with(
+    session: &mut Session,
+    source: &[u8],
+    options: Options,
+    look: &mut impl FnMut(plan::Step),
+) -> Preflight {
     let mut findings = Vec::new();
     if session.missing_tools == MissingTools::StandIn {
         findings.extend(stand_in(session, source));
@@ -35,9 +45,9 @@ pub(crate) fn preflight(session: &mut Session, source: &[u8], options: Options) 
     let mut planner = planner(session, options);
     let mut ops = interp::Ops::new(source, &setup);
     for (index, op) in ops.by_ref().enumerate() {
-        planner.push(index as u32, &op, &mut |_| ());
+        planner.push(index as u32, &op, look);
     }
-    planner.finish(&mut |_| ());
+    planner.finish(look);
     findings.extend(ops.diagnostics().iter().cloned());
     findings.extend(planner.take_findings());
     findings.sort_by_key(|f| (f.span.file, f.span.start, f.severity != Severity::Error));

@@ -16,7 +16,7 @@ pub struct Config {
     /// From the moment encoders are read to the moment the command takes effect, without the drives'
     /// own lags. Feed-forwards are given that much earlier.
     pub command_delay: Time,
-    /// By axis, X first. Rotary axes are held where they stand.
+    /// By axis, X first; of rotary axes read degrees where it says millimetres.
     pub axes: [Option<AxisControl>; AXES],
     /// By spindle.
     pub spindles: [Option<SpindleControl>; SPINDLES],
@@ -26,6 +26,8 @@ pub struct Config {
     pub sync_windows: Windows,
     /// How long each wait may last.
     pub waits: Waits,
+    /// What the axes can do: overrides and holds keep it, as the plan does.
+    pub motion: path::Limits,
     /// What a program's stop does.
     pub pause: Pause,
     /// Repeated taps learn from one another; `None`: they do not.

@@ -11,13 +11,14 @@ use crate::fault::FaultKind;
 use crate::lessons::Lessons;
 use crate::scribe::Scribe;
 use crate::spindle::SpindleLoop;
+use crate::tempo::Tempo;
 use bus::{AXES, Command, Feedback, SPINDLES};
 use canon::Axis;
 use sync::SyncMode;
 use units::Spin;
 
-/// Indices of the linear axes; the others are held where they stand.
-pub(crate) const LINEAR: [usize; 6] = [0, 1, 2, 6, 7, 8];
+/// Indices of the axes that moves move: all. Of A, B, C read degrees where it says millimetres.
+pub(crate) const MOVING: core::ops::Range<usize> = 0..AXES;
 
 /// The machine's loops.
 #[derive(Clone, Debug)]
@@ -38,6 +39,10 @@ pub(crate) struct Drives {
     pub(crate) removals: [Option<Removal>; SPINDLES],
     /// The speeds that a cut needs, as the steps have ordered them; zero: none was ordered.
     pub(crate) in_force: [Spin; SPINDLES],
+    /// How fast planned time passes.
+    pub(crate) tempo: Tempo,
+    /// A move is under way: the axes need not stand where the next step begins.
+    pub(crate) flowing: bool,
     pub(crate) tool: u32,
     pub(crate) mist: bool,
     pub(crate) flood: bool,
@@ -65,6 +70,8 @@ impl Drives {
             scribe: Scribe::new(),
             removals,
             in_force,
+            tempo: Tempo::FULL,
+            flowing: false,
             tool: 0,
             mist: false,
             flood: false,

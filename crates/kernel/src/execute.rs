@@ -18,7 +18,7 @@ use crate::config::{Config, Pause, Subject};
 use crate::drives::{Drives, Finding};
 use crate::event::{Event, EventKind, Ring};
 use crate::fault::FaultKind;
-use crate::moving::Moving;
+use crate::moving::{Moving, Track};
 use crate::operator::Operator;
 use crate::spindle::SpindleLoop;
 use crate::tapping::{Outcome, TapRun};
@@ -100,7 +100,11 @@ impl Activity {
         Ok(match step {
             StepKind::Move(order) => {
                 let state = if order.rapid { State::Rapid } else { State::Feed };
-                Self::Moving(Moving::begin(order, drives)?, state)
+                Self::Moving(Moving::begin(Track::Move(order), drives)?, state)
+            }
+            StepKind::Follow(order) => {
+                let state = if order.piece.rapid { State::Rapid } else { State::Feed };
+                Self::Moving(Moving::begin(Track::Follow(order), drives)?, state)
             }
             StepKind::Dwell(time) => Self::Dwelling { left_s: time.value() },
             StepKind::Spindle { spindle, order } => begin_spindle(*spindle, order, drives)?,
@@ -178,14 +182,19 @@ impl Activity {
                 Ok(if turned.abs() < turns.abs() { Progress::Busy } else { Progress::Done(0.0) })
             }
             Self::AtOnce => Ok(Progress::Done(dt)),
-            Self::Moving(moving, state) => {
-                let StepKind::Move(order) = step else { return Ok(Progress::Done(dt)) };
-                if *state == State::Feed && !order.floats {
+            Self::Moving(moving, _) => {
+                let (track, exact_stop) = match step {
+                    StepKind::Move(order) => (Track::Move(order), order.exact_stop),
+                    StepKind::Follow(order) => (Track::Follow(order), order.exact_stop),
+                    _ => return Ok(Progress::Done(dt)),
+                };
+                if Moving::checks_cut(track) {
                     drives.check_cut()?;
                 }
-                match moving.advance(order, dt, drives) {
+                let orders = (context.operator, &context.config.motion);
+                match moving.advance(track, dt, drives, orders) {
                     None => Ok(Progress::Busy),
-                    Some(over) if !order.exact_stop => Ok(Progress::Done(over)),
+                    Some(over) if !exact_stop => Ok(Progress::Done(over)),
                     Some(_) => {
                         *self = Self::Settling { waited_s: 0.0, inside_s: 0.0 };
                         Ok(Progress::Busy)

@@ -25,11 +25,11 @@ use sync::{Coupling, Periodic, SyncMode};
 use units::Time;
 
 /// Steps that may wait.
-pub const QUEUE: usize = 32;
+pub const QUEUE: usize = 64;
 /// Faults that are kept; the first ones tell why.
 pub const FAULTS: usize = 16;
 /// Steps that may be done within one period: what needs no time must not starve the loops.
-const STEPS_PER_TICK: usize = 8;
+const STEPS_PER_TICK: usize = 32;
 
 /// The queue is full: try again after the next tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -424,7 +424,7 @@ impl Kernel {
     /// No step begins now: the operator holds, and the axes stand. A move that flows on into the next one
     /// slows down in it.
     fn holds_before(&mut self, line: u32) -> bool {
-        if self.drives.axes.iter().flatten().any(|axis| axis.target.speed != 0.0) {
+        if self.drives.flowing {
             return false;
         }
         self.operator.holds_line(line, self.report.line) || self.operator.wants_rest()
@@ -447,6 +447,7 @@ impl Kernel {
             }
             self.queue.clear();
             (self.activity, self.begun, self.aborted) = (Activity::Idle, false, true);
+            self.drives.flowing = false;
             self.drives.spindles.iter_mut().flatten().for_each(SpindleLoop::stop);
             (self.drives.mist, self.drives.flood) = (false, false);
             self.note(EventKind::Operator(Notice::Aborted));

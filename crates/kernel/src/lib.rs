@@ -36,6 +36,7 @@ mod servo;
 mod spindle;
 mod stroke;
 mod tapping;
+mod tempo;
 
 pub use config::{
     AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderPlace, FeedForward,

@@ -13,7 +13,7 @@ use crate::drives::{Drives, Finding};
 use crate::event::{EventKind, TapFigures};
 use crate::execute::Context;
 use crate::fault::FaultKind;
-use crate::moving::stand_at;
+use crate::moving::{point, stand_at};
 use crate::scribe::{Leave, RECORD_WAIT, TapRecord};
 use crate::spindle::SpindleLoop;
 use crate::stroke::{Mark, Planned};
@@ -101,7 +101,7 @@ impl TapRun {
             SyncMode::EncoderFollowing { transport, .. } => transport,
         };
         let transport = Transport::new(spindle.now(), age);
-        stand_at(&plan.start, drives)?;
+        stand_at(&point(&plan.start), drives)?;
         drives.lessons.begin(drives.tool, plan);
         Ok(Self {
             cycle: Cycle::new(),

@@ -60,6 +60,7 @@ fn limits(accel: f64) -> MachineLimits {
         tool_change: ToolChange { z: None, time: Time::s(0.9) },
         settling: Time::s(5e-3),
         tapping: Tapping::along_z(SPINDLE_LIMITS.margin),
+        joining: plan::Joining::EXACT,
     }
 }
 

@@ -36,6 +36,7 @@ fn limits() -> MachineLimits {
         tool_change: ToolChange { z: Some(Length::ZERO), time: Time::s(0.9) },
         settling: Time::s(5e-3),
         tapping: Tapping::along_z(SPINDLE_LIMITS.margin),
+        joining: plan::Joining::EXACT,
     }
 }
 

@@ -13,3 +13,4 @@ pub mod geometry;
 pub mod law;
 
 pub use geometry::{AXES, Bounds, Curve, Derivatives, Entry, Limits, Piece, Shape};
+pub use law::Phase;

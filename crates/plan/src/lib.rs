@@ -16,7 +16,9 @@
 //! | `ramp` | the fastest change of speed under a ceiling and a jerk |
 //! | `coupled` | gears between spindles, and what is superposed on an axis |
 //! | `tap_check`, `holes` | taps that cannot come out right |
+//! | `run` | moves that go on into one another (crate `path`) |
 //! | `path`, `profile`, `step` | what the kernel evaluates |
+//! | `clock` | how long steps will take |
 //!
 //! Findings have codes that stay: M0301 travel, M0302 coordinate, M0303 feed, M0304 feed clipped, M0305 axis missing,
 //! M0306 G95 at rest, M0307 cutting at rest, M0308 spindle speed, M0309 tool missing, M0310 G96, M0311 arc, M0312
@@ -31,6 +33,7 @@
 #![allow(clippy::large_types_passed_by_value)] // a step is moved once, into the queue
 extern crate alloc;
 
+mod clock;
 mod clutch;
 mod coupled;
 mod curve;
@@ -43,19 +46,24 @@ mod path;
 mod planner;
 mod profile;
 mod ramp;
+mod run;
 mod step;
 mod stroke;
 mod tap_check;
 mod travel;
 
+pub use crate::motion::coordinate;
+pub use crate::path::{Motion, Path};
+pub use clock::Clock;
 pub use clutch::{ClutchCycle, DwellWindow};
 pub use coupled::{GearStep, Superpose, Superposed, Table, TableId};
 pub use limits::{
-    AxisLimits, DwellCheck, Effort, MachineLimits, Options, OwnRamps, PlainDrive, Retract,
+    AxisLimits, DwellCheck, Effort, Joining, MachineLimits, Options, OwnRamps, PlainDrive, Retract,
     SpindleLimits, TapMethod, Tapping, ToolChange, Unsynchronised,
 };
-pub use path::{Motion, Path};
 pub use planner::{Planner, Preflight, Start, preflight};
 pub use profile::{Instant, MAX_PIECES, Piece, Profile};
-pub use step::{ChipThrow, Limiting, Move, SpindleStep, Step, StepKind, TapLimiting, TapPlan};
+pub use step::{
+    ChipThrow, Follow, Limiting, Move, PHASES, SpindleStep, Step, StepKind, TapLimiting, TapPlan,
+};
 pub use stroke::{Stroke, StrokeRequest, tapping_torque};

@@ -3,7 +3,8 @@
 //! Rotary axes (A, B, C) use the same [`AxisLimits`]: read degrees where they say millimetres, as
 //! RS-274/NGC does for the feed of a rotary axis.
 use alloc::vec::Vec;
-use canon::Axis;
+use canon::{Axis, PathMode};
+use path::{AXES, Bounds, Limits};
 use units::{Accel, Angle, Inertia, Jerk, Length, Power, Speed, Spin, SpinAccel, Time, Torque};
 
 /// One axis.
@@ -162,6 +163,48 @@ pub struct MachineLimits {
     pub settling: Time,
     /// How taps are planned.
     pub tapping: Tapping,
+    /// How moves go on into one another.
+    pub joining: Joining,
+}
+
+impl MachineLimits {
+    /// What the axes can do, by a time of which `n` units pass in a second: revolutions, for a feed per revolution.
+    /// Speed over n, acceleration over n², jerk over n³.
+    pub fn motion(&self, n: f64) -> Limits {
+        let none = [f64::INFINITY; AXES];
+        let bounds = |of: fn(&AxisLimits) -> (f64, f64)| {
+            let mut bounds = Bounds { speed: none, accel: none, jerk: none };
+            for (index, axis) in self.axes.iter().enumerate() {
+                let Some(axis) = axis else { continue };
+                let (speed, jerk) = of(axis);
+                bounds.speed[index] = speed / n;
+                bounds.accel[index] = axis.accel.value() / (n * n);
+                bounds.jerk[index] = jerk / (n * n * n);
+            }
+            bounds
+        };
+        Limits {
+            feed: bounds(|axis| (axis.feed_speed.value(), axis.feed_jerk.value())),
+            rapid: bounds(|axis| (axis.rapid_speed.value(), axis.rapid_jerk.value())),
+        }
+    }
+}
+
+/// How moves go on into one another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Joining {
+    /// Servo period: where the bend of the path jumps, acceleration may change within one.
+    pub period: Time,
+    /// How far the path may be from the programmed one where G64 has no P.
+    pub tolerance: Length,
+    /// What holds before the program has said G61, G61.1 or G64.
+    pub mode: PathMode,
+}
+
+impl Joining {
+    /// Exactly along the path until the program says otherwise; P is 0.01 mm where it is not stated.
+    pub const EXACT: Self =
+        Self { period: Time::s(250e-6), tolerance: Length::mm(0.01), mode: PathMode::Exact };
 }
 
 /// What the user chooses for one run.

@@ -5,14 +5,15 @@
 //! ```text
 //!   M3 ─ rapid ─ rapid ─ ?    a cut follows: turn the spindle first, then the rapids, then await its speed
 //!                             a tap follows: it must stand still; the M3 is kept for later
-//!   cut ─ ?                   a cut follows under G64: need not wait until in position
-//!                             anything else: must
+//!   cut ─ ?                   a cut follows: goes on, as the path mode has it
+//!                             anything else: stops, in position
 //! ```
 //!
-//! So rapids wait while a spindle order is open, and the last cut waits for its successor. Look-ahead will
-//! widen this to many cuts; the planner's interface does not change with it.
+//! So rapids wait while a spindle order is open, and cuts are gathered in a [`Run`] until something else comes.
+use crate::Step;
+use crate::clock::Clock;
 use crate::limits::MachineLimits;
-use crate::{ChipThrow, SpindleStep, Step, StepKind};
+use crate::run::{Order, Run};
 use alloc::vec::Vec;
 use units::Time;
 
@@ -22,26 +23,20 @@ const MAX_WAITING: usize = 16;
 /// See the module's header.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Outbox {
-    /// The last cut, not yet handed on; nothing waits while there is one.
-    cut: Option<Step>,
+    /// Moves that go on into one another, not yet handed on; nothing waits while there are any.
+    run: Run,
     /// Steps behind an open spindle order.
     waiting: Vec<Step>,
-    /// Planned time of all that was handed on, s.
-    elapsed: f64,
-    /// When the ordered spindle ramp is over, s.
-    ready_at: f64,
-    /// Speed of spindle 0 that was handed on last, rev/s, without sign.
-    speed: f64,
-    /// Chips that are to be thrown off once a move passes their level.
-    throw: Option<ChipThrow>,
+    /// Planned time of all that was handed on.
+    clock: Clock,
 }
 
 impl Outbox {
-    /// Planned time of what was handed on and what waits.
+    /// Planned time of what was handed on and what waits; moves that still go on do not count yet.
     pub(crate) fn elapsed(&self, limits: &MachineLimits) -> Time {
-        let mut all = Self { cut: None, waiting: Vec::new(), ..*self };
-        self.cut.iter().chain(&self.waiting).for_each(|step| all.count(step, limits));
-        Time::s(all.elapsed)
+        let mut clock = self.clock;
+        self.waiting.iter().for_each(|step| clock.count(step, limits));
+        clock.elapsed()
     }
 
     /// Whether steps wait.
@@ -67,7 +62,7 @@ impl Outbox {
         limits: &MachineLimits,
         emit: &mut dyn FnMut(Step),
     ) {
-        self.end_cut(true, limits, emit);
+        self.end_run(limits, emit);
         let mut waiting = core::mem::take(&mut self.waiting);
         for step in before {
             let (op, line) = waiting.first().map_or((step.op, step.line), |w| (w.op, w.line));
@@ -79,24 +74,35 @@ impl Outbox {
         self.waiting = waiting; // keeps its memory
     }
 
-    /// Hand on the last cut; `stop`: the axes must be in position at its end.
-    pub(crate) fn end_cut(
+    /// Moves that go on into one another stop here, in position.
+    pub(crate) fn end_run(&mut self, limits: &MachineLimits, emit: &mut dyn FnMut(Step)) {
+        let Self { run, clock, .. } = self;
+        run.finish(&mut |step| {
+            clock.count(&step, limits);
+            emit(step);
+        });
+    }
+
+    /// Go on with a move, without a stop if there can be none.
+    pub(crate) fn run_on(
         &mut self,
-        stop: bool,
+        order: Order,
         limits: &MachineLimits,
         emit: &mut dyn FnMut(Step),
     ) {
-        if let Some(mut step) = self.cut.take() {
-            if let StepKind::Move(cut) = &mut step.kind {
-                cut.exact_stop |= stop;
-            }
-            self.hand_on(step, limits, emit);
+        if !self.run.takes(&order) {
+            self.end_run(limits, emit);
         }
+        let Self { run, clock, .. } = self;
+        run.push(order, limits, &mut |step| {
+            clock.count(&step, limits);
+            emit(step);
+        });
     }
 
-    /// Keep a cut until its successor is known.
-    pub(crate) fn hold_cut(&mut self, step: Step) {
-        self.cut = Some(step);
+    /// A move of a run that no law of time exists for, with its line.
+    pub(crate) fn take_refusal(&mut self) -> Option<(u32, path::law::Refusal)> {
+        self.run.take_refusal()
     }
 
     /// Hand on a step.
@@ -106,65 +112,7 @@ impl Outbox {
         limits: &MachineLimits,
         emit: &mut dyn FnMut(Step),
     ) {
-        self.count(&step, limits);
+        self.clock.count(&step, limits);
         emit(step);
-    }
-
-    fn count(&mut self, step: &Step, limits: &MachineLimits) {
-        match &step.kind {
-            StepKind::Move(m) => {
-                if let Some((throw, at)) = self.throw.and_then(|t| Some((t, t.passed_by(m)?))) {
-                    self.ready_at = self.ready_at.max(self.elapsed + at + throw.duration());
-                    self.throw = None;
-                }
-                let speed = if m.per_revolution { self.speed } else { 1.0 };
-                self.elapsed += m.profile.duration() / speed;
-                if m.exact_stop {
-                    self.elapsed += limits.settling.value();
-                }
-            }
-            StepKind::Dwell(time) => self.elapsed += time.value(),
-            StepKind::Spindle { spindle, order } => match order {
-                SpindleStep::Turn { spin, ramp } => {
-                    self.ready_at = self.ready_at.max(self.elapsed + ramp.duration());
-                    if *spindle == 0 {
-                        self.speed = spin.abs().value();
-                    }
-                }
-                SpindleStep::AwaitSpeed => self.elapsed = self.elapsed.max(self.ready_at),
-                SpindleStep::Orient(_) => {}
-                SpindleStep::Throw(throw) => {
-                    self.throw = Some(*throw);
-                    self.ready_at = self.ready_at.max(self.elapsed + throw.duration());
-                    if *spindle == 0 {
-                        self.speed = throw.then.abs().value();
-                    }
-                }
-            },
-            StepKind::Tap(tap) => {
-                let stroke = tap.inward.duration() + tap.outward.duration() + tap.dwell.value();
-                self.elapsed += stroke + limits.settling.value();
-            }
-            StepKind::Revolve { spindle: _, turns } if self.speed > 0.0 => {
-                self.elapsed += turns.abs().value() / self.speed;
-            }
-            StepKind::Superpose(order) if self.speed > 0.0 => {
-                self.ready_at =
-                    self.ready_at.max(self.elapsed + order.over.abs().value() / self.speed);
-            }
-            StepKind::AwaitFades => self.elapsed = self.elapsed.max(self.ready_at),
-            StepKind::Engage(_)
-            | StepKind::Release { .. }
-            | StepKind::Superpose(_)
-            | StepKind::Revolve { .. }
-            | StepKind::Consult(_) => {}
-            StepKind::ChangeTool(_) => self.elapsed += limits.tool_change.time.value(),
-            StepKind::Coolant { .. }
-            | StepKind::Output(_)
-            | StepKind::Input(_)
-            | StepKind::UserCode(_)
-            | StepKind::Pause { .. }
-            | StepKind::End => {}
-        }
     }
 }

@@ -21,6 +21,7 @@
 //! Length follows RS-274/NGC (NIST IR 6556, 2.1.2.5): along X Y Z if one of them moves, else along
 //! U V W, else the turn of the rotary axes in degrees; all others arrive at the same time.
 use crate::Instant;
+use crate::motion::coordinate;
 use canon::{Arc, Axis, Position};
 use units::{Accel, Length, Speed};
 
@@ -45,8 +46,8 @@ pub enum Path {
     },
 }
 
-/// Where the linear axes shall be, and how they move: X, Y, Z, U, V, W by `canon::Axis` index; the
-/// entries of rotary axes stay zero.
+/// Where the axes shall be, and how they move, by `canon::Axis` index. Of rotary axes (A, B, C) read degrees where it
+/// says millimetres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
     /// Position.
@@ -56,9 +57,6 @@ pub struct Motion {
     /// Acceleration, with the centripetal part on arcs.
     pub accel: [Accel; 9],
 }
-
-/// Indices of X, Y, Z, U, V, W.
-const LINEAR: [usize; 6] = [0, 1, 2, 6, 7, 8];
 
 impl Path {
     /// Where it begins.
@@ -101,12 +99,12 @@ impl Path {
     }
 }
 
-/// All linear axes in proportion; exact at both ends.
+/// All axes in proportion; exact at both ends.
 fn linear(from: &Position, to: &Position, at: Instant, per_length: f64) -> Motion {
     let fraction = (at.s * per_length).clamp(0.0, 1.0);
     let mut motion = Motion::default();
-    for i in LINEAR {
-        let (a, b) = (from.along(Axis::ALL[i]), to.along(Axis::ALL[i]));
+    for (i, axis) in Axis::ALL.into_iter().enumerate() {
+        let [a, b] = [from, to].map(|place| Length::mm(coordinate(place, axis)));
         let slope = (b - a).value() * per_length;
         motion.position[i] = a * (1.0 - fraction) + b * fraction;
         motion.speed[i] = Speed::mm_per_s(slope * at.v);

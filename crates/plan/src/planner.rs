@@ -22,14 +22,16 @@ use crate::coupled::Table;
 use crate::findings::{Findings, number};
 use crate::holes::Holes;
 use crate::limits::{MachineLimits, Options};
-use crate::motion::{Along, along};
+use crate::motion::{Along, along, coordinate};
 use crate::outbox::Outbox;
 use crate::path::Path;
+use crate::run::{Alone, Order};
 use crate::step::{Move, Step, StepKind};
 use crate::stroke::{Stroke, StrokeRequest};
 use alloc::{format, vec::Vec};
 use canon::{Axis, Feed, Op, OpKind, PathMode, Position, ToolLibrary};
 use diag::{Diagnostic, Span};
+use path::geometry::{self, Segment};
 use units::{Length, Spin, Time};
 
 mod chips;
@@ -39,6 +41,10 @@ mod spindle;
 mod tap;
 mod unsynchronised;
 use refuse::{clipped, wild};
+
+/// Share of P for merging collinear moves, where Q is not stated, and the most of it that Q may take.
+const MERGED: f64 = 0.02;
+const MERGED_MOST: f64 = 0.3;
 
 /// Moves shorter than this are no moves: a picometre.
 const NOTHING: f64 = 1e-9;
@@ -118,6 +124,26 @@ pub fn preflight<'a>(mut planner: Planner, ops: impl IntoIterator<Item = &'a Op>
     Preflight { findings: planner.take_findings(), duration: planner.duration() }
 }
 
+/// A path as the crate `path` has it.
+fn curves(path: &Path) -> impl Iterator<Item = geometry::Curve> {
+    let point = |position: &Position| Axis::ALL.map(|axis| coordinate(position, axis));
+    let (from, to, length) = (point(path.from()), point(path.to()), path.length());
+    core::iter::once(match path {
+        Path::Line { .. } => geometry::Curve::Line(geometry::Line { from, to, length }),
+        Path::Arc { arc, .. } => {
+            let [first, second, _] = arc.plane.axes().map(Axis::index);
+            geometry::Curve::Arc(geometry::Arc {
+                from,
+                to,
+                plane: [first, second],
+                centre: arc.centre.map(Length::value),
+                sweep: arc.sweep.in_rad(),
+                length,
+            })
+        }
+    })
+}
+
 /// The op that is being planned, and where its steps go.
 struct Job<'a> {
     index: u32,
@@ -138,6 +164,7 @@ impl Planner {
             .spindles
             .iter()
             .map(|_| SpindleState { awaited: true, ..SpindleState::default() });
+        let mode = limits.joining.mode;
         Self {
             spindles: spindles.collect(),
             limits,
@@ -146,7 +173,7 @@ impl Planner {
             programmed: start.position,
             lifted: None,
             tool: start.tool,
-            mode: PathMode::Exact,
+            mode,
             holes: Holes::default(),
             last_strokes: [None; 2],
             warned_still: false,
@@ -265,9 +292,18 @@ impl Planner {
         self.tell_spindles(job);
     }
 
-    /// A rapid that has been judged; after a spindle order that is still open.
+    /// A rapid that has been judged; after a spindle order that is still open. Where paths are blended it is a part of them.
     fn rapid_along(&mut self, job: &mut Job, path: Path) {
-        if let Some(step) = self.rapid_step(job, path) {
+        let busy = self.is_open()
+            || self.outbox.is_waiting()
+            || self.spindles.iter().any(|state| state.throwing);
+        if self.joins_rapids() && !busy {
+            let Some(bound) = self.bound(job, &path, true, f64::INFINITY) else { return };
+            if !self.motion_is_refused(job, &bound, path.length(), bound.speed) {
+                let alone = Alone::PerTime(bound.speed);
+                self.run_on(job, path, bound, alone, (f64::INFINITY, true));
+            }
+        } else if let Some(step) = self.rapid_step(job, path) {
             self.after_spindle(job, step);
         }
     }
@@ -316,23 +352,61 @@ impl Planner {
         if wanted > bound.axis_speed * (1.0 + 1e-9) {
             self.findings.add_once(clipped(job.span, wanted, bound.axis_speed));
         }
-        let (profile, per_revolution) = match feed {
-            Feed::PerTime(_) => (bound.profile(length, wanted), false),
-            Feed::PerRevolution(lead) => {
-                (bound.profile_over_revolutions(length, lead.value(), n), true)
-            }
-            Feed::Duration(time) => (bound.profile_lasting(length, time.value()), false),
-        };
-        if self.profile_is_refused(job, &profile, if per_revolution { n } else { 1.0 }) {
+        if self.motion_is_refused(job, &bound, length, wanted) {
             return;
         }
         self.tell_spindles(job);
         self.await_spindles(job);
-        let blend = matches!(self.mode, PathMode::Blend { .. });
-        self.outbox.end_cut(!blend, &self.limits, job.emit);
-        let exact_stop = matches!(self.mode, PathMode::ExactStop);
-        let cut = Move { path, profile, rapid: false, per_revolution, exact_stop, floats: false };
-        self.outbox.hold_cut(job.step(StepKind::Move(cut)));
+        let alone = match feed {
+            Feed::PerTime(_) => Alone::PerTime(wanted),
+            Feed::PerRevolution(lead) => Alone::PerRevolution(lead.value(), n),
+            Feed::Duration(time) => Alone::Lasting(time.value()),
+        };
+        let along = match alone {
+            Alone::PerRevolution(lead, _) => lead,
+            Alone::PerTime(_) | Alone::Lasting(_) => wanted,
+        };
+        self.run_on(job, path, bound, alone, (along, false));
+    }
+
+    /// Go on with a move: `feed` per second or revolution, and whether it is a rapid.
+    fn run_on(
+        &mut self,
+        job: &mut Job,
+        path: Path,
+        bound: Along,
+        alone: Alone,
+        (feed, rapid): (f64, bool),
+    ) {
+        let (tolerance, merge) = self.joined_within();
+        for curve in curves(&path) {
+            let (op, line) = (job.index, job.span.line);
+            let segment = Segment { curve, feed, rapid, tolerance, merge, op, line };
+            self.outbox.run_on(Order { segment, path, bound, alone }, &self.limits, job.emit);
+        }
+        if matches!(self.mode, PathMode::ExactStop) {
+            self.outbox.end_run(&self.limits, job.emit);
+        }
+        if let Some((line, why)) = self.outbox.take_refusal() {
+            let text = format!("line {line}: {why}");
+            self.findings.add(Diagnostic::error("M0316", job.span, text));
+        }
+    }
+
+    /// Rapids are part of a blended path where a tolerance is stated: by G64 P, or by the machine for programs that say
+    /// nothing.
+    fn joins_rapids(&self) -> bool {
+        let PathMode::Blend { tolerance, .. } = self.mode else { return false };
+        let always = matches!(self.limits.joining.mode, PathMode::Blend { .. });
+        (always || tolerance.is_some()) && self.joined_within().0 > 0.0
+    }
+
+    /// How far the joined path may be from the programmed one, and how far merged points from their line.
+    fn joined_within(&self) -> (f64, f64) {
+        let PathMode::Blend { tolerance, merge } = self.mode else { return (0.0, 0.0) };
+        let whole = tolerance.unwrap_or(self.limits.joining.tolerance).value().max(0.0);
+        let merge = merge.map_or(MERGED * whole, |q| q.value().clamp(0.0, MERGED_MOST * whole));
+        (whole - merge, merge)
     }
 
     /// Limits along a path; `None` if there is nothing to move, or an axis is missing, which is a finding.

@@ -1,6 +1,7 @@
 //! What the kernel executes, one after the other.
 use crate::{GearStep, Path, Profile, Superpose};
 use canon::{Axis, InputWait, Output, Position};
+use path::{Phase, Piece};
 use units::{Angle, Lead, Length, Spin, Time};
 
 /// One step and the operation it serves.
@@ -20,6 +21,8 @@ pub struct Step {
 pub enum StepKind {
     /// Move along a path; rest to rest while there is no look-ahead.
     Move(Move),
+    /// Go on along a joined path.
+    Follow(Follow),
     /// Wait.
     Dwell(Time),
     /// Order a spindle, and wait if the order says so.
@@ -74,6 +77,47 @@ pub enum StepKind {
     },
     /// The program is over.
     End,
+}
+
+/// Most phases in one [`Follow`] step.
+pub const PHASES: usize = 6;
+
+/// A stretch of a joined path: it goes on where the step before ended, as fast.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Follow {
+    /// Where.
+    pub piece: Piece,
+    /// When: stretches of constant jerk along it, one after the other.
+    pub phases: [Phase; PHASES],
+    /// How many of them there are; at least one.
+    pub count: u8,
+    /// G95: time is revolutions of spindle 0, not seconds.
+    pub per_revolution: bool,
+    /// It ends at rest; wait until every axis is in position before the next step.
+    pub exact_stop: bool,
+}
+
+impl Follow {
+    /// How long it lasts, s (or revolutions).
+    pub fn duration(&self) -> f64 {
+        self.phases[..usize::from(self.count)].iter().map(|phase| phase.duration).sum()
+    }
+
+    /// Parameter of the piece and its rates (speed, acceleration, jerk) at a time from its start.
+    pub fn at(&self, time: f64) -> (f64, f64, f64, f64) {
+        let phases = &self.phases[..usize::from(self.count)];
+        let mut t = time.max(0.0);
+        for phase in phases {
+            if t < phase.duration {
+                let (s, v, a) = phase.at(t);
+                return (s, v, a, phase.j);
+            }
+            t -= phase.duration;
+        }
+        let last = phases.last().copied().unwrap_or_default();
+        let (s, v, a) = last.at(last.duration);
+        (if self.exact_stop { self.piece.length } else { s }, v, a, last.j)
+    }
 }
 
 /// A move with the time along it.

@@ -143,6 +143,23 @@ impl<'d> Keys<'d> {
         self.required(key).and_then(|v| self.checked(key, v, &bounds)).unwrap_or(harmless)
     }
 
+    /// A number within bounds, or "unlimited".
+    pub(crate) fn limit(&mut self, key: &'static str, bounds: RangeInclusive<f64>) -> f64 {
+        match self.table.get(key).map(Spanned::get_ref) {
+            Some(value) if value.as_str() == Some("unlimited") => {
+                self.ask(key);
+                f64::INFINITY
+            }
+            Some(value) if value.as_str().is_some() => {
+                if let Some(value) = self.ask(key) {
+                    self.wrong_type(key, value, "a number, or \"unlimited\"");
+                }
+                *bounds.start()
+            }
+            Some(_) | None => self.number(key, bounds),
+        }
+    }
+
     /// A number within bounds, if it is stated.
     pub(crate) fn optional(
         &mut self,

@@ -31,6 +31,7 @@ pub(crate) fn control(machine: &MachineFile, mode: Option<SyncMode>, learns: boo
             in_position: control.waits.in_position,
             tool_change: control.waits.tool_change,
         },
+        motion: super::planner(machine).motion(1.0),
         pause: Pause::GoOn,
         learning: learns.then(|| crate::learning::how(machine)),
     }

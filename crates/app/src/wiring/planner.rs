@@ -1,6 +1,7 @@
 //! What the planner may ask of the machine.
+use canon::PathMode;
 use plan::{
-    AxisLimits, Effort, MachineLimits, OwnRamps, Retract, SpindleLimits, Tapping, ToolChange,
+    AxisLimits, Effort, Joining, MachineLimits, OwnRamps, Retract, SpindleLimits, Tapping, ToolChange,
 };
 use store::machine::{Axis, Follows, MachineFile, Peck, Spindle};
 use units::{Force, Time};
@@ -18,7 +19,17 @@ pub(crate) fn planner(machine: &MachineFile) -> MachineLimits {
         tool_change: ToolChange { z: Some(machine.tool_change.z), time: machine.tool_change.time },
         settling: windows.fold(Time::ZERO, Time::max),
         tapping: tapping(machine),
+        joining: joining(machine),
     }
+}
+
+/// Exactly along the path, unless the file says otherwise.
+fn joining(machine: &MachineFile) -> Joining {
+    let period = machine.control.period;
+    let Some(path) = machine.control.path else { return Joining { period, ..Joining::EXACT } };
+    let blend = PathMode::Blend { tolerance: None, merge: None };
+    let mode = if path.blends { blend } else { PathMode::Exact };
+    Joining { period, tolerance: path.tolerance, mode }
 }
 
 /// The preset in force, and what a peck does. A feed that only follows the spindle's encoder leaves the thread to

@@ -148,6 +148,10 @@ fn axis_control(model: &AxisModel) -> AxisControl {
 }
 
 /// The control of a machine.
+/// No limit that an override could break.
+pub const UNLIMITED: path::Bounds =
+    path::Bounds { speed: [f64::INFINITY; 9], accel: [f64::INFINITY; 9], jerk: [f64::INFINITY; 9] };
+
 pub fn control(machine: &sim::Config) -> Config {
     let mut axes = [None; bus::AXES];
     for (index, model) in &machine.axes {
@@ -195,6 +199,7 @@ pub fn control(machine: &sim::Config) -> Config {
             in_position: Time::s(2.0),
             tool_change: Time::s(30.0),
         },
+        motion: path::Limits { feed: UNLIMITED, rapid: UNLIMITED },
         pause: Pause::GoOn,
         learning: None,
     }

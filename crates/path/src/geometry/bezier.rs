@@ -67,10 +67,11 @@ impl Bezier {
     fn with_length(control: [Point; 6]) -> Self {
         let speed = |t: f64| measure(&derivatives(&control, t).q1);
         // Gauss' rule with five points on both halves
-        let nodes = [(0.0, 128.0 / 225.0), (0.538_469_310_105_683, 0.478_628_670_499_366), (
-            0.906_179_845_938_664,
-            0.236_926_885_056_189,
-        )];
+        let nodes = [
+            (0.0, 128.0 / 225.0),
+            (0.538_469_310_105_683, 0.478_628_670_499_366),
+            (0.906_179_845_938_664, 0.236_926_885_056_189),
+        ];
         let half = |mid: f64| -> f64 {
             nodes
                 .iter()

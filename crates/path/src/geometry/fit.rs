@@ -17,11 +17,13 @@
 //! back: projections onto convex sets, which end in a point that is in all of them, if there is one. If there is none, knots are
 //! halved where it fails; with knots close enough there always is one.
 //! Position, slope and bend at both ends are given, which fixes three control points each.
-use super::join::{SHARE, Segment, Waiting, distance};
+use super::join::{Segment, Waiting, distance};
 use super::knots::{self, Way};
 use super::{AXES, Derivatives, Point, Polynomial};
 use alloc::vec::Vec;
 
+/// Share of the tolerance that samples keep: between them there is a little more.
+const NEAR: f64 = 0.95;
 /// Sweeps over all samples before knots are halved.
 const SWEEPS: usize = 64;
 /// Sweeps to bring samples back after smoothing.
@@ -80,7 +82,8 @@ impl Fitter {
             u += one.length();
         }
         self.total = self.starts[moves.len() - 1] + end;
-        let moves_at_all = |i: usize| moves.iter().any(|one| one.start.q1[i] != 0.0 || one.start.q2[i] != 0.0);
+        let moves_at_all =
+            |i: usize| moves.iter().any(|one| one.start.q1[i] != 0.0 || one.start.q2[i] != 0.0);
         self.axes = (0..AXES).rev().find(|i| moves_at_all(*i)).map_or(0, |i| i + 1);
         let starts = core::mem::take(&mut self.starts);
         let way = Way { moves, starts: &starts, total: self.total };
@@ -171,15 +174,25 @@ impl Fitter {
                 let tolerance = segment.tolerance.min(way.moves[i - 1].segment.tolerance);
                 self.add(way, i, from, tolerance, &mut span);
             }
-            while span + 2 < self.knots.len() && self.knots[span + 1] <= from {
-                span += 1;
-            }
-            let h = self.knots[span + 1] - self.knots[span];
-            let gap = to - from;
-            let inner = if gap < h / 12.0 { 0 } else { 1 + libm::floor(gap / h * 3.0).min(4096.0) as usize };
-            for n in 1..=inner {
-                let u = from + gap * n as f64 / (inner + 1) as f64;
-                self.add(way, i, u, segment.tolerance, &mut span);
+            let mut begin = from;
+            while begin < to {
+                while span + 2 < self.knots.len() && self.knots[span + 1] <= begin {
+                    span += 1;
+                }
+                let last = span + 2 >= self.knots.len();
+                let end = if last { to } else { self.knots[span + 1].min(to) };
+                let (gap, h) = (end - begin, self.knots[span + 1] - self.knots[span]);
+                let inner =
+                    if gap < h / 12.0 { 0 } else { 1 + libm::floor(gap / h * 4.0) as usize };
+                let mut within = span;
+                for n in 1..=inner {
+                    let u = begin + gap * n as f64 / (inner + 1) as f64;
+                    self.add(way, i, u, segment.tolerance, &mut within);
+                }
+                if end < to {
+                    self.add(way, i, end, segment.tolerance, &mut within);
+                }
+                begin = end;
             }
         }
     }
@@ -244,13 +257,13 @@ impl Fitter {
                     }
                 }
                 let off = distance(&q, &sample.p);
-                if off <= sample.tolerance * SHARE {
+                if off <= sample.tolerance * NEAR {
                     continue;
                 }
                 if self.bad.last() != Some(&sample.first) {
                     self.bad.push(sample.first);
                 }
-                let back = (1.0 - sample.tolerance * SHARE * 0.98 / off) * sample.per_square;
+                let back = (1.0 - sample.tolerance * NEAR * 0.98 / off) * sample.per_square;
                 for (j, n) in sample.basis.iter().enumerate() {
                     if free.contains(&(sample.first + j)) {
                         let p = &mut self.control[sample.first + j];
@@ -334,8 +347,7 @@ impl Fitter {
             let r0 = 2.0 * (q1 - q0) / (t(i + 1) - t(i - 1));
             let r1 = 2.0 * (q2 - q1) / (t(i + 2) - t(i));
             c[0][axis] = (0..4).map(|j| basis[j] * p(j)).sum();
-            c[1][axis] =
-                ((t(i + 1) - t(i)) * q0 + (t(i) - t(i - 1)) * q1) / (t(i + 1) - t(i - 1));
+            c[1][axis] = ((t(i + 1) - t(i)) * q0 + (t(i) - t(i - 1)) * q1) / (t(i + 1) - t(i - 1));
             c[2][axis] = r0 / 2.0;
             c[3][axis] = (r1 - r0) / length / 6.0;
         }

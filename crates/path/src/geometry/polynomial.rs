@@ -54,8 +54,8 @@ impl Shape for Polynomial {
         let [_, c1, c2, c3, c4, c5] = &self.c;
         let mut d = Derivatives { q: self.position(s), ..Derivatives::default() };
         for i in 0..AXES {
-            d.q1[i] = c1[i]
-                + s * (2.0 * c2[i] + s * (3.0 * c3[i] + s * (4.0 * c4[i] + s * 5.0 * c5[i])));
+            d.q1[i] =
+                c1[i] + s * (2.0 * c2[i] + s * (3.0 * c3[i] + s * (4.0 * c4[i] + s * 5.0 * c5[i])));
             d.q2[i] = 2.0 * c2[i] + s * (6.0 * c3[i] + s * (12.0 * c4[i] + s * 20.0 * c5[i]));
             d.q3[i] = 6.0 * c3[i] + s * (24.0 * c4[i] + s * 60.0 * c5[i]);
         }

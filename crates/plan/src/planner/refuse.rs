@@ -4,7 +4,7 @@
 use super::{Job, Planner};
 use crate::Profile;
 use crate::findings::number;
-use crate::motion::coordinate;
+use crate::motion::{Along, coordinate};
 use crate::path::{Path, radius};
 use crate::travel::beyond;
 use alloc::format;
@@ -98,6 +98,19 @@ impl Planner {
     ) -> bool {
         let seconds = profile.duration() / per_second;
         self.time_is_refused(job, if seconds > 0.0 { seconds } else { f64::INFINITY })
+    }
+
+    /// A move that goes nowhere (limits of zero, or numbers out of all range) or lasts too long.
+    pub(super) fn motion_is_refused(
+        &mut self,
+        job: &Job,
+        bound: &Along,
+        length: f64,
+        wanted: f64,
+    ) -> bool {
+        let moves = bound.speed > 0.0 && bound.accel > 0.0 && bound.jerk > 0.0;
+        let seconds = length / wanted.min(bound.speed);
+        self.time_is_refused(job, if moves { seconds } else { f64::INFINITY })
     }
 
     /// Nothing that one block orders lasts for days: a decimal point is missing somewhere.

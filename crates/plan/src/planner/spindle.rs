@@ -72,7 +72,7 @@ impl Planner {
 
     /// A step that may go with a spindle order still open: waits behind it.
     pub(super) fn after_spindle(&mut self, job: &mut Job, step: Step) {
-        self.outbox.end_cut(true, &self.limits, job.emit);
+        self.outbox.end_run(&self.limits, job.emit);
         if self.is_open() {
             if self.outbox.is_full() {
                 self.tell_spindles(job);

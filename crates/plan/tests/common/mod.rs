@@ -49,6 +49,7 @@ pub fn machine() -> MachineLimits {
         tool_change: ToolChange { z: Some(Length::ZERO), time: Time::s(1.5) },
         settling: Time::ZERO,
         tapping: Tapping::along_z(SPINDLE.margin),
+        joining: plan::Joining::EXACT,
     }
 }
 

@@ -28,11 +28,11 @@ pub struct Axis {
     pub rapid: Speed,
     /// Fastest feed.
     pub feed_most: Speed,
-    /// Largest acceleration.
+    /// Largest acceleration; infinite: what the drive gives.
     pub acceleration: Accel,
-    /// Largest jerk on feeds.
+    /// Largest jerk on feeds; may be infinite.
     pub jerk_feed: Jerk,
-    /// Largest jerk on rapids.
+    /// Largest jerk on rapids; may be infinite.
     pub jerk_rapid: Jerk,
     /// Limits of what nobody planned.
     pub gentle: Gentle,
@@ -210,10 +210,10 @@ impl Axis {
             rapid: Speed::mm_per_min(keys.number("rapid_mm_per_min", 1.0..=1e6)),
             feed_most: Speed::mm_per_min(keys.number("feed_most_mm_per_min", 1.0..=1e6)),
             acceleration: Accel::mm_per_s2(
-                keys.number("acceleration_m_per_s2", 1e-3..=500.0) * MM_PER_M,
+                keys.limit("acceleration_m_per_s2", 1e-3..=500.0) * MM_PER_M,
             ),
-            jerk_feed: Jerk::mm_per_s3(keys.number("jerk_feed_m_per_s3", 0.01..=1e6) * MM_PER_M),
-            jerk_rapid: Jerk::mm_per_s3(keys.number("jerk_rapid_m_per_s3", 0.01..=1e6) * MM_PER_M),
+            jerk_feed: Jerk::mm_per_s3(keys.limit("jerk_feed_m_per_s3", 0.01..=1e6) * MM_PER_M),
+            jerk_rapid: Jerk::mm_per_s3(keys.limit("jerk_rapid_m_per_s3", 0.01..=1e6) * MM_PER_M),
             gentle: Gentle {
                 speed: Speed::mm_per_min(keys.number("gentle_mm_per_min", 1.0..=1e6)),
                 acceleration: Accel::mm_per_s2(

@@ -24,8 +24,19 @@ pub struct Control {
     pub waits: Waits,
     /// What the operator may change.
     pub overrides: Overrides,
+    /// How moves go on into one another, if it is stated.
+    pub path: Option<PathControl>,
     /// How repeated taps learn, if it is stated.
     pub learning: Option<Learning>,
+}
+
+/// How moves go on into one another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathControl {
+    /// Corners may be blended before the program has said G61 or G64.
+    pub blends: bool,
+    /// How far the path may be from the programmed one where G64 has no P.
+    pub tolerance: Length,
 }
 
 /// How repeated taps learn.
@@ -165,6 +176,7 @@ impl Control {
             synchronisation: keys.section("synchronisation", Synchronisation::read),
             waits: keys.section("waits", Waits::read),
             overrides: keys.section("overrides", Overrides::read),
+            path: keys.optional_section("path", PathControl::read),
             learning: keys.optional_section("learning", |k| Learning {
                 gain: k.number("gain", 0.0..=1.5),
                 bandwidth_hz: k.number("bandwidth_hz", 1.0..=1000.0),
@@ -222,6 +234,15 @@ impl Waits {
             oriented: limit("oriented_s"),
             in_position: limit("in_position_s"),
             tool_change: limit("tool_change_s"),
+        }
+    }
+}
+
+impl PathControl {
+    fn read(keys: &mut Keys<'_>) -> Self {
+        Self {
+            blends: keys.choice("corners", &[("exact", false), ("blend", true)]),
+            tolerance: Length::mm(keys.number("tolerance_mm", 0.0001..=10.0)),
         }
     }
 }

@@ -39,8 +39,8 @@ pub use axis::{
     Axis, AxisWindows, Drive, Friction, Gentle, Loops, Motor, PositionFrom, Structure, Travel,
 };
 pub use control::{
-    ChipRemoval, Control, CycleDepth, Dialect, Follows, Learning, Overrides, Prediction,
-    Synchronisation, ToolChange, Waits,
+    ChipRemoval, Control, CycleDepth, Dialect, Follows, Learning, Overrides, PathControl,
+    Prediction, Synchronisation, ToolChange, Waits,
 };
 pub use setup::{Material, Setup, Simulation, SpindleDrive, Stock, TapSeat, TapWear};
 pub use spindle::{OwnRamps, Spindle, SpindleFriction, SpindleWindows};
@@ -76,8 +76,8 @@ pub struct MachineFile {
 }
 
 /// Names of the embedded machines; the first is the default.
-pub const EMBEDDED: [&str; 5] =
-    ["tapping-center", "polygon-lathe", "cam-grinder", "tapping-center-scale", "vfd-mill"];
+pub const EMBEDDED: [&str; 7] =
+    ["tapping-center", "polygon-lathe", "cam-grinder", "tapping-center-scale", "vfd-mill", "bench-xyz", "bench-xyz-jerk20"];
 
 /// The text of an embedded machine's file.
 pub fn embedded(name: &str) -> Option<&'static str> {
@@ -89,6 +89,8 @@ pub fn embedded(name: &str) -> Option<&'static str> {
         }
         "vfd-mill" => Some(include_str!("../../../../machines/vfd-mill.toml")),
         "cam-grinder" => Some(include_str!("../../../../machines/cam-grinder.toml")),
+        "bench-xyz" => Some(include_str!("../../../../machines/bench-xyz.toml")),
+        "bench-xyz-jerk20" => Some(include_str!("../../../../machines/bench-xyz-jerk20.toml")),
         _ => None,
     }
 }

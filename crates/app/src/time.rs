@@ -1,0 +1,200 @@
+//! `leadscrew time`: how long a program takes, by the planner that would run it, and what it asks of the axes.
+//!
+//! Times are added up from the planner's own steps: motion, spindle ramps, waits, tool changes. Peaks are taken from the
+//! setpoints as a drive would get them: differences at the servo period.
+use crate::args::{Format, TimeArgs};
+use crate::refused::Refused;
+use crate::session::{Session, read_program};
+use crate::{render, say};
+use diag::Diagnostic;
+use plan::{Clock, MachineLimits, Step, StepKind};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+
+mod peaks;
+use peaks::Peaks;
+
+/// Operations that are listed without `--operations`: the longest.
+const LONGEST: usize = 10;
+
+/// What takes time, in the order of the report.
+#[derive(Clone, Copy, Debug, Default)]
+struct Shares {
+    feed: f64,
+    rapid: f64,
+    tap: f64,
+    wait: f64,
+    dwell: f64,
+    tool_change: f64,
+}
+
+impl Shares {
+    fn add(&mut self, step: &StepKind, time: f64) {
+        let share = match step {
+            StepKind::Move(order) if order.rapid => &mut self.rapid,
+            StepKind::Follow(order) if order.piece.rapid => &mut self.rapid,
+            StepKind::Move(_) | StepKind::Follow(_) => &mut self.feed,
+            StepKind::Tap(_) => &mut self.tap,
+            StepKind::Dwell(_) => &mut self.dwell,
+            StepKind::ChangeTool(_) => &mut self.tool_change,
+            _ => &mut self.wait,
+        };
+        *share += time;
+    }
+
+    fn motion(&self) -> f64 {
+        self.feed + self.rapid + self.tap
+    }
+
+    fn total(&self) -> f64 {
+        self.motion() + self.wait + self.dwell + self.tool_change
+    }
+
+    fn json(&self) -> Value {
+        json!({
+            "total_time_s": rounded(self.total()),
+            "motion_time_s": rounded(self.motion()),
+            "feed_time_s": rounded(self.feed),
+            "rapid_time_s": rounded(self.rapid),
+            "tapping_time_s": rounded(self.tap),
+            "waiting_time_s": rounded(self.wait),
+            "dwell_time_s": rounded(self.dwell),
+            "tool_change_time_s": rounded(self.tool_change),
+        })
+    }
+}
+
+/// To a microsecond.
+fn rounded(seconds: f64) -> f64 {
+    (seconds * 1e6).round() / 1e6
+}
+
+/// What was added up.
+struct Tally<'a> {
+    limits: &'a MachineLimits,
+    clock: Clock,
+    all: Shares,
+    tool: u32,
+    by_tool: BTreeMap<u32, Shares>,
+    /// By operation: its line and its time.
+    by_op: BTreeMap<u32, (u32, f64)>,
+    peaks: Peaks,
+    steps: u64,
+}
+
+impl Tally<'_> {
+    fn step(&mut self, step: &Step) {
+        let before = self.clock.elapsed().value();
+        self.clock.count(step, self.limits);
+        let time = self.clock.elapsed().value() - before;
+        if let StepKind::ChangeTool(number) = step.kind {
+            self.tool = number;
+        }
+        self.all.add(&step.kind, time);
+        self.by_tool.entry(self.tool).or_default().add(&step.kind, time);
+        self.by_op.entry(step.op).or_insert((step.line, 0.0)).1 += time;
+        self.peaks.step(&step.kind);
+        self.steps += 1;
+    }
+}
+
+/// Say how long it takes.
+pub(crate) fn command(args: &TimeArgs, quiet: bool) -> Result<bool, Refused> {
+    let text = read_program(&args.program)?;
+    let mut session = Session::load(&args.source, &args.program, &text)?;
+    let options = plan::Options {
+        force_ramp: None,
+        cutting_pressure_n_per_mm2: session.machine.setup.stock.material.cutting_force_n_per_mm2,
+        taps: session.taps,
+    };
+    let limits = crate::wiring::planner(&session.machine);
+    let mut tally = Tally {
+        limits: &limits,
+        clock: Clock::default(),
+        all: Shares::default(),
+        tool: 0,
+        by_tool: BTreeMap::new(),
+        by_op: BTreeMap::new(),
+        peaks: Peaks::new(session.machine.control.period.value()),
+        steps: 0,
+    };
+    let known =
+        crate::preflight::preflight_with(&mut session, &text, options, &mut |s| tally.step(&s));
+    let name = args.program.display().to_string();
+    if known.is_refused() {
+        return Err(Refused::Findings { name, text, findings: known.findings });
+    }
+    match args.format {
+        Format::Text => {
+            if !quiet {
+                remark(&known.findings, &name, &text);
+            }
+            say::out(&people(&tally, &name))?;
+        }
+        Format::Json => {
+            let value = programs(&tally, &name, &session.machine.name, args.operations);
+            say::out(&format!("{value:#}\n"))?;
+        }
+    }
+    Ok(true)
+}
+
+fn remark(findings: &[Diagnostic], name: &str, text: &[u8]) {
+    say::err(&render::text(findings, &render::Source { name, text }));
+}
+
+fn operations(tally: &Tally, most: usize) -> Vec<Value> {
+    let mut list: Vec<_> = tally.by_op.iter().collect();
+    if most < list.len() {
+        list.sort_by(|a, b| b.1.1.total_cmp(&a.1.1));
+        list.truncate(most);
+        list.sort_by_key(|(op, _)| **op);
+    }
+    let of = |(op, (line, time)): (&u32, &(u32, f64))| json!({ "operation": op, "line": line, "time_s": rounded(*time) });
+    list.into_iter().map(of).collect()
+}
+
+fn programs(tally: &Tally, name: &str, machine: &str, every: bool) -> Value {
+    let mut value = tally.all.json();
+    let tools: Vec<Value> = tally
+        .by_tool
+        .iter()
+        .map(|(tool, shares)| {
+            let mut value = shares.json();
+            value["tool"] = json!(tool);
+            value
+        })
+        .collect();
+    value["program"] = json!(name);
+    value["machine"] = json!(machine);
+    value["steps"] = json!(tally.steps);
+    value["peaks"] = tally.peaks.json();
+    value["tools"] = json!(tools);
+    let most = if every { usize::MAX } else { LONGEST };
+    value[if every { "operations" } else { "longest_operations" }] = json!(operations(tally, most));
+    value
+}
+
+fn people(tally: &Tally, name: &str) -> String {
+    let all = &tally.all;
+    let mut text =
+        format!("{name}: {:.3} s, of which {:.3} s in motion\n", all.total(), all.motion());
+    for (what, time) in [
+        ("feed", all.feed),
+        ("rapids", all.rapid),
+        ("tapping", all.tap),
+        ("waiting for the spindle", all.wait),
+        ("dwells", all.dwell),
+        ("tool changes", all.tool_change),
+    ] {
+        if time > 0.0 {
+            text += &format!("  {what:<24} {time:>10.3} s\n");
+        }
+    }
+    if tally.by_tool.len() > 1 {
+        for (tool, shares) in &tally.by_tool {
+            text += &format!("  T{tool:<23} {:>10.3} s\n", shares.total());
+        }
+    }
+    text + &tally.peaks.text()
+}

@@ -1,0 +1,107 @@
+//! The highest speed, acceleration and jerk of any axis, from setpoints at the servo period.
+use path::{AXES, Shape};
+use plan::{StepKind, coordinate};
+use serde_json::{Value, json};
+
+/// Of one axis.
+#[derive(Clone, Copy, Debug, Default)]
+struct Peak {
+    speed: f64,
+    accel: f64,
+    jerk: f64,
+}
+
+/// Samples what steps order, one after another.
+pub(super) struct Peaks {
+    period: f64,
+    /// From the step's start to its first sample.
+    next: f64,
+    /// The last setpoints.
+    last: Vec<[f64; AXES]>,
+    axes: [Peak; AXES],
+}
+
+impl Peaks {
+    pub(super) fn new(period: f64) -> Self {
+        Self { period, next: 0.0, last: Vec::new(), axes: [Peak::default(); AXES] }
+    }
+
+    pub(super) fn step(&mut self, kind: &StepKind) {
+        match kind {
+            StepKind::Follow(order) if !order.per_revolution => {
+                self.sample(order.duration(), |t| order.piece.at(order.at(t).0).q);
+                if order.exact_stop {
+                    self.rest();
+                }
+            }
+            StepKind::Move(order) if !order.per_revolution => {
+                let place =
+                    |t| order.path.motion(order.profile.at(t)).position.map(units::Length::value);
+                let start = canon::Axis::ALL.map(|axis| coordinate(order.path.from(), axis));
+                self.last.resize(3, start);
+                self.sample(order.profile.duration(), place);
+                self.rest();
+            }
+            _ => self.rest(),
+        }
+    }
+
+    fn sample(&mut self, duration: f64, place: impl Fn(f64) -> [f64; AXES]) {
+        while self.next < duration {
+            let q = place(self.next);
+            self.next += self.period;
+            self.point(q);
+        }
+        self.next -= duration;
+    }
+
+    /// Everything stands: what comes next begins from here.
+    fn rest(&mut self) {
+        if let Some(last) = self.last.last().copied() {
+            (0..3).for_each(|_| self.point(last));
+        }
+        self.last.clear();
+        self.next = 0.0;
+    }
+
+    fn point(&mut self, q: [f64; AXES]) {
+        if self.last.is_empty() {
+            self.last = vec![q; 3];
+        }
+        let [a, b, c] = [self.last[0], self.last[1], self.last[2]];
+        let t = self.period;
+        for (i, peak) in self.axes.iter_mut().enumerate() {
+            let (x, y, z) = (q[i] - c[i], c[i] - b[i], b[i] - a[i]);
+            peak.speed = peak.speed.max((x / t).abs());
+            peak.accel = peak.accel.max(((x - y) / (t * t)).abs());
+            peak.jerk = peak.jerk.max(((x - 2.0 * y + z) / (t * t * t)).abs());
+        }
+        self.last = vec![b, c, q];
+    }
+
+    fn moved(&self) -> impl Iterator<Item = (char, &Peak)> {
+        let letters = canon::Axis::ALL.map(canon::Axis::letter);
+        letters.into_iter().zip(&self.axes).filter(|(_, peak)| peak.speed > 0.0)
+    }
+
+    pub(super) fn json(&self) -> Value {
+        let of = |(letter, peak): (char, &Peak)| {
+            json!({
+                "axis": letter.to_string(),
+                "speed_mm_per_s": peak.speed,
+                "acceleration_mm_per_s2": peak.accel,
+                "jerk_m_per_s3": peak.jerk / 1e3,
+            })
+        };
+        self.moved().map(of).collect()
+    }
+
+    pub(super) fn text(&self) -> String {
+        let of = |(letter, peak): (char, &Peak)| {
+            let Peak { speed, accel, jerk } = peak;
+            let jerk = jerk / 1e3;
+            format!("  {letter} at most {speed:.1} mm/s, {accel:.0} mm/s², {jerk:.1} m/s³\n")
+        };
+        self.moved().map(of).collect()
+    }
+}

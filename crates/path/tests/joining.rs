@@ -1,0 +1,234 @@
+//! What joining promises: near enough to what was programmed, exact at its ends, and smooth where it says so.
+use path::geometry::{Arc, Bezier, Joiner, Line, Segment};
+use path::{AXES, Curve, Derivatives, Entry, Piece, Shape};
+use proptest::prelude::*;
+
+type Point = [f64; AXES];
+
+/// Curves are compared with 400 chords, which are so far from them, mm.
+const CHORDS: f64 = 2e-5;
+
+fn at(x: f64, y: f64, z: f64) -> Point {
+    [x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+}
+
+fn apart(a: &Point, b: &Point) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+}
+
+fn segment(curve: Curve, tolerance: f64) -> Segment {
+    Segment { curve, feed: 100.0, rapid: false, tolerance, merge: 0.0, op: 0, line: 0 }
+}
+
+fn line(from: Point, to: Point) -> Curve {
+    Curve::Line(Line { from, to, length: apart(&from, &to) })
+}
+
+fn lines(points: &[Point], tolerance: f64) -> Vec<Segment> {
+    points.windows(2).map(|w| segment(line(w[0], w[1]), tolerance)).collect()
+}
+
+fn joined(segments: &[Segment]) -> Vec<Piece> {
+    let (mut joiner, mut pieces) = (Joiner::new(), Vec::new());
+    for segment in segments {
+        joiner.push(*segment, &mut |piece| pieces.push(piece));
+    }
+    joiner.finish(&mut |piece| pieces.push(piece));
+    pieces
+}
+
+fn end(piece: &Piece) -> Derivatives {
+    piece.at(piece.length())
+}
+
+/// Position goes on everywhere, slope and bend where the entry says so.
+fn check_joints(pieces: &[Piece]) {
+    assert_eq!(pieces[0].entry, Entry::Rest);
+    for pair in pieces.windows(2) {
+        let (before, after) = (end(&pair[0]), pair[1].at(0.0));
+        assert!(apart(&before.q, &after.q) < 1e-9, "a gap of {}", apart(&before.q, &after.q));
+        let scale = 1.0 + apart(&before.q2, &[0.0; AXES]);
+        if pair[1].entry != Entry::Rest {
+            assert!(apart(&before.q1, &after.q1) < 1e-6, "a corner {before:?} {after:?}");
+        }
+        if pair[1].entry == Entry::Smooth {
+            assert!(apart(&before.q2, &after.q2) < 1e-5 * scale, "a jump of the bend");
+        }
+    }
+}
+
+/// Farthest that the joined path is from the programmed one. Both run over nearly the same length, so the nearest
+/// point is looked for around there.
+fn farthest(pieces: &[Piece], segments: &[Segment]) -> f64 {
+    let step = |length: f64| (length / 0.02).ceil().clamp(8.0, 400.0) as usize;
+    let mut programmed: Vec<(f64, Point)> = Vec::new();
+    let mut begin = 0.0;
+    for segment in segments {
+        let length = segment.curve.length();
+        let fine = match segment.curve {
+            Curve::Line(_) => 1,
+            _ => 400,
+        };
+        for k in 0..=fine {
+            let s = length * f64::from(k) / f64::from(fine);
+            programmed.push((begin + s, segment.curve.at(s).q));
+        }
+        begin += length;
+    }
+    let (mut worst, mut u) = (0.0_f64, 0.0);
+    for piece in pieces {
+        let count = step(piece.length());
+        for k in 0..=count {
+            let s = piece.length() * k as f64 / count as f64;
+            let q = piece.at(s).q;
+            let near = programmed
+                .windows(2)
+                .filter(|w| w[1].0 >= u + s - 1.0 && w[0].0 <= u + s + 1.0)
+                .map(|w| from_chord(&q, &w[0].1, &w[1].1))
+                .fold(f64::INFINITY, f64::min);
+            worst = worst.max(near);
+        }
+        u += piece.length();
+    }
+    worst
+}
+
+fn from_chord(q: &Point, a: &Point, b: &Point) -> f64 {
+    let along: f64 = (0..AXES).map(|i| (b[i] - a[i]).powi(2)).sum();
+    let dot: f64 = (0..AXES).map(|i| (q[i] - a[i]) * (b[i] - a[i])).sum();
+    let f = if along > 0.0 { (dot / along).clamp(0.0, 1.0) } else { 0.0 };
+    (0..AXES).map(|i| (q[i] - a[i] - f * (b[i] - a[i])).powi(2)).sum::<f64>().sqrt()
+}
+
+fn check(segments: &[Segment], tolerance: f64) -> Vec<Piece> {
+    let pieces = joined(segments);
+    check_joints(&pieces);
+    let (first, last) = (segments[0].curve, segments[segments.len() - 1].curve);
+    assert!(apart(&pieces[0].at(0.0).q, &first.at(0.0).q) < 1e-9);
+    assert!(apart(&end(&pieces[pieces.len() - 1]).q, &last.at(last.length()).q) < 1e-9);
+    let far = farthest(&pieces, segments);
+    assert!(far <= tolerance * 1.001 + CHORDS, "{far} mm from the path with P {tolerance}");
+    pieces
+}
+
+#[test]
+fn a_corner_of_two_long_lines_is_passed_at_p() {
+    let points = [at(0.0, 0.0, 0.0), at(10.0, 0.0, 0.0), at(10.0, 10.0, 0.0)];
+    let pieces = check(&lines(&points, 0.1), 0.1);
+    assert_eq!(pieces.len(), 3);
+    // ⅜·h·k at the corner, 97 % of P, by symmetry at the middle of the blend
+    let corner = pieces[1].at(pieces[1].length() / 2.0).q;
+    assert!((apart(&corner, &points[1]) - 0.097).abs() < 1e-9);
+}
+
+#[test]
+fn without_tolerance_a_corner_is_a_stop_and_a_tangent_joint_is_none() {
+    let points = [at(0.0, 0.0, 0.0), at(10.0, 0.0, 0.0), at(10.0, 10.0, 0.0)];
+    let pieces = check(&lines(&points, 0.0), 0.0);
+    assert_eq!(pieces.iter().map(|p| p.entry).collect::<Vec<_>>(), [Entry::Rest, Entry::Rest]);
+    let arc = Curve::Arc(Arc {
+        from: points[1],
+        to: at(15.0, 5.0, 0.0),
+        plane: [0, 1],
+        centre: [10.0, 5.0],
+        sweep: std::f64::consts::FRAC_PI_2,
+        length: 2.5 * std::f64::consts::PI,
+    });
+    let pieces = check(&[segment(line(points[0], points[1]), 0.0), segment(arc, 0.0)], 0.0);
+    assert_eq!(pieces[1].entry, Entry::Tangent);
+}
+
+#[test]
+fn a_line_and_an_arc_are_joined_with_one_bend_flowing_into_the_other() {
+    let (a, b) = (at(0.0, 0.0, 0.0), at(10.0, 0.0, 0.0));
+    let arc = Curve::Arc(Arc {
+        from: b,
+        to: at(15.0, 5.0, 2.0),
+        plane: [0, 1],
+        centre: [10.0, 5.0],
+        sweep: std::f64::consts::FRAC_PI_2,
+        length: (2.5 * std::f64::consts::PI).hypot(2.0),
+    });
+    let pieces = check(&[segment(line(a, b), 0.01), segment(arc, 0.01)], 0.01);
+    assert!(pieces.iter().skip(1).all(|piece| piece.entry == Entry::Smooth));
+}
+
+#[test]
+fn a_spline_is_run_by_its_length() {
+    let mut parts = Vec::new();
+    Bezier::cubic(
+        [at(0.0, 0.0, 0.0), at(1.0, 30.0, 0.0), at(40.0, -20.0, 5.0), at(50.0, 0.0, 0.0)],
+        &mut parts,
+    );
+    let segments: Vec<_> = parts.iter().map(|p| segment(Curve::Bezier(*p), 0.0)).collect();
+    for piece in check(&segments, 0.0) {
+        for k in 0..=10 {
+            let slope = piece.at(piece.length() * f64::from(k) / 10.0).q1;
+            assert!((apart(&slope, &[0.0; AXES]) - 1.0).abs() < 0.02);
+        }
+    }
+}
+
+#[test]
+fn a_circle_chopped_ten_times_finer_bends_the_same() {
+    let bends = [0.1, 0.01].map(|length| {
+        let count = (20.0 * std::f64::consts::PI / length) as usize;
+        let points: Vec<Point> = (0..=count)
+            .map(|k| {
+                let (sin, cos) = (k as f64 * length / 10.0).sin_cos();
+                at(10.0 * cos, 10.0 * sin, 0.0)
+            })
+            .collect();
+        let pieces = check(&lines(&points, 0.01), 0.01);
+        let inner = &pieces[pieces.len() / 4..pieces.len() * 3 / 4];
+        let bend = inner.iter().map(|p| apart(&p.at(p.length() / 2.0).q2, &[0.0; AXES]));
+        bend.sum::<f64>() / inner.len() as f64
+    });
+    // the circle's own bend is 0.1 per mm
+    assert!(bends.iter().all(|bend| (bend - 0.1).abs() < 0.003), "{bends:?}");
+}
+
+#[test]
+fn reversals_duplicates_and_segments_of_a_nanometre_are_joined_too() {
+    let spike = [at(0.0, 0.0, 0.0), at(10.0, 0.0, 0.0), at(0.0, 0.0, 0.0), at(5.0, 0.0, 0.0)];
+    check(&lines(&spike, 0.01), 0.01);
+    let mut dust = vec![at(0.0, 0.0, 0.0), at(5.0, 0.0, 0.0)];
+    dust.extend((1..50).map(|k| at(5.0 + 1e-6 * f64::from(k % 3), 1e-6 * f64::from(k), 0.0)));
+    dust.push(at(5.0, 5.0, 0.0));
+    check(&lines(&dust, 0.01), 0.01);
+}
+
+fn steps() -> impl Strategy<Value = Vec<(f64, f64, f64)>> {
+    let size = prop_oneof![0.01..0.3_f64, 0.3..20.0_f64];
+    prop::collection::vec((size, -1.6..1.6_f64, -0.5..0.5_f64), 2..60)
+}
+
+/// A walk: length, turn and climb of each step.
+fn walk(steps: &[(f64, f64, f64)]) -> Vec<Point> {
+    let (mut here, mut heading) = (at(0.0, 0.0, 0.0), 0.0_f64);
+    let mut points = vec![here];
+    for &(length, turn, climb) in steps {
+        heading += turn;
+        here = at(
+            here[0] + length * heading.cos(),
+            here[1] + length * heading.sin(),
+            here[2] + length * climb,
+        );
+        points.push(here);
+    }
+    points
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_walk_is_joined_within_p(steps in steps(), p in prop_oneof![Just(0.001), Just(0.01), Just(0.2)]) {
+        check(&lines(&walk(&steps), p), p);
+    }
+
+    #[test]
+    fn any_walk_without_tolerance_is_followed_exactly(steps in steps()) {
+        check(&lines(&walk(&steps), 0.0), 0.0);
+    }
+}
