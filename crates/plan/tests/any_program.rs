@@ -2,6 +2,7 @@
 mod common;
 use canon::{Arc, Feed, Hole, OpKind, PathMode, Plane, Position, SpindleOrder, Tap};
 use common::{OPTIONS, machine, mm, program, tools};
+use path::Shape;
 use plan::{Planner, SpindleStep, Start, Step, StepKind, preflight};
 use proptest::prelude::*;
 use units::{Angle, Lead, Speed, Spin, Time};
@@ -92,6 +93,16 @@ fn assert_hangs_together(steps: &[Step]) {
                 assert_eq!(m.profile.end().s, m.path.length());
                 assert!(m.rapid || awaited, "a cut before the spindle is at speed");
                 at = *m.path.to();
+            }
+            StepKind::Follow(m) => {
+                let place = |s: f64| {
+                    let q = m.piece.at(s).q;
+                    Position::xyz(q[0], q[1], q[2])
+                };
+                assert!(near(place(m.phases[0].s), at), "goes on from elsewhere");
+                assert!(m.duration() > 0.0 && m.duration().is_finite());
+                assert!(m.piece.rapid || awaited, "a cut before the spindle is at speed");
+                at = place(m.at(m.duration()).0);
             }
             StepKind::Tap(t) => {
                 assert!(

@@ -1,7 +1,8 @@
 //! What the planner may ask of the machine.
 use canon::PathMode;
 use plan::{
-    AxisLimits, Effort, Joining, MachineLimits, OwnRamps, Retract, SpindleLimits, Tapping, ToolChange,
+    AxisLimits, Effort, Joining, MachineLimits, OwnRamps, Retract, SpindleLimits, Tapping,
+    ToolChange,
 };
 use store::machine::{Axis, Follows, MachineFile, Peck, Spindle};
 use units::{Force, Time};

@@ -76,8 +76,15 @@ pub struct MachineFile {
 }
 
 /// Names of the embedded machines; the first is the default.
-pub const EMBEDDED: [&str; 7] =
-    ["tapping-center", "polygon-lathe", "cam-grinder", "tapping-center-scale", "vfd-mill", "bench-xyz", "bench-xyz-jerk20"];
+pub const EMBEDDED: [&str; 7] = [
+    "tapping-center",
+    "polygon-lathe",
+    "cam-grinder",
+    "tapping-center-scale",
+    "vfd-mill",
+    "bench-xyz",
+    "bench-xyz-jerk20",
+];
 
 /// The text of an embedded machine's file.
 pub fn embedded(name: &str) -> Option<&'static str> {
