@@ -2,9 +2,9 @@
 #[allow(unreachable_pub)] // as in every module that tests share
 mod campaign;
 mod common;
-use bus::Machine as _;
 use campaign::*;
 use common::TapOrder;
+use bus::Machine as _;
 use sim::{Fault, Reaction};
 use sync::recovery::Way;
 use units::Angle;

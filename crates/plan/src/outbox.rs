@@ -32,9 +32,10 @@ pub(crate) struct Outbox {
 }
 
 impl Outbox {
-    /// Planned time of what was handed on and what waits; moves that still go on do not count yet.
+    /// Planned time of what was handed on and what waits; of moves that go on into one another, only what is decided.
     pub(crate) fn elapsed(&self, limits: &MachineLimits) -> Time {
         let mut clock = self.clock;
+        self.run.alone().iter().for_each(|step| clock.count(step, limits));
         self.waiting.iter().for_each(|step| clock.count(step, limits));
         clock.elapsed()
     }

@@ -101,6 +101,11 @@ impl Run {
         self.first.is_none() && self.law.is_none()
     }
 
+    /// The one move there is, if no second one has come.
+    pub(crate) fn alone(&self) -> Option<Step> {
+        self.first.as_ref().map(Order::step)
+    }
+
     /// Whether a move can go on from the ones before without a stop.
     pub(crate) fn takes(&self, order: &Order) -> bool {
         let spin = self.first.as_ref().map_or(self.spin, Order::spin);

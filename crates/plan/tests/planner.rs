@@ -2,6 +2,7 @@
 mod common;
 use canon::{Feed, OpKind, PathMode, Position};
 use common::{change, hole, line, planner_at, rapid, steps, steps_of, tap, turn};
+use path::Shape;
 use plan::{SpindleStep, Step, StepKind};
 use units::{Lead, Time};
 
@@ -13,6 +14,12 @@ fn words(steps: &[Step]) -> String {
             let stop = if m.exact_stop { "" } else { "~" };
             let to = m.path.to().linear;
             format!("{kind}{stop}({},{},{})", to[0].value(), to[1].value(), to[2].value())
+        }
+        StepKind::Follow(m) => {
+            let kind = if m.piece.rapid { "rapid" } else { "cut" };
+            let stop = if m.exact_stop { "" } else { "~" };
+            let to = m.piece.at(m.at(m.duration()).0).q;
+            format!("{kind}{stop}({},{},{})", to[0], to[1], to[2])
         }
         StepKind::Dwell(t) => format!("dwell({})", t.value()),
         StepKind::Spindle { order: SpindleStep::Turn { spin, .. }, .. } => {
@@ -50,7 +57,7 @@ fn the_spindle_starts_before_the_rapids_and_its_speed_is_awaited_before_the_firs
         line(20.0, 0.0, 0.0, 600.0),
         line(30.0, 0.0, 0.0, 600.0),
     ]);
-    assert_eq!(words(&steps), "turn(1000) rapid(10,0,0) await cut(20,0,0) cut(30,0,0)");
+    assert_eq!(words(&steps), "turn(1000) rapid(10,0,0) await cut~(20,0,0) cut(30,0,0)");
 }
 
 #[test]
@@ -102,7 +109,7 @@ fn a_tool_change_lifts_z_and_the_first_cut_brings_it_back() {
 }
 
 #[test]
-fn under_g64_only_the_last_cut_of_a_row_waits_until_in_position() {
+fn under_g64_collinear_cuts_are_one_that_waits_until_in_position_at_its_end() {
     let blend = OpKind::PathMode(PathMode::Blend { tolerance: None, merge: None });
     let steps = steps([
         blend,
@@ -111,7 +118,7 @@ fn under_g64_only_the_last_cut_of_a_row_waits_until_in_position() {
         line(2.0, 0.0, 0.0, 600.0),
         rapid(3.0, 0.0, 0.0),
     ]);
-    assert_eq!(words(&steps), "turn(1000) await cut~(1,0,0) cut(2,0,0) rapid(3,0,0)");
+    assert_eq!(words(&steps), "turn(1000) await cut(2,0,0) rapid(3,0,0)");
 }
 
 #[test]
