@@ -25,7 +25,12 @@ pub(crate) enum Command {
     /// Run a program on the simulated machine and judge the workpiece
     #[command(
         after_help = "Exit code: 0 the program ended and every feature is within tolerance; 1 a feature is out of
-tolerance; 2 the program or a file was refused; 3 an alarm on the machine.
+tolerance; 2 the program or a file was refused, or a tap is in the work and nothing but `leadscrew recover` may
+move; 3 an alarm on the machine.
+
+With --iron the sync record, which recovery needs, is kept in the state folder: by default
+$XDG_STATE_HOME/leadscrew/MACHINE-NUMBER, or ~/.local/state/leadscrew/MACHINE-NUMBER. Without --iron there is one only
+if --state names its folder.
 
 Examples:
   leadscrew run programs/plate-12xM6.ngc
@@ -46,6 +51,28 @@ Examples:
   leadscrew time part.ngc
   leadscrew time part.ngc --machine bench-xyz --format json     key motion_time_s: from first to last motion")]
     Time(TimeArgs),
+    /// Run the simulated machine, its drives and encoders as a process of its own
+    #[command(after_help = "A control that connects drives it; when the control dies, the drives stop by themselves and the
+encoders keep the truth. In lock-step (the default) time waits for the control.
+
+Examples:
+  leadscrew iron --listen /tmp/iron &                      then: leadscrew run part.ngc --iron /tmp/iron
+  leadscrew iron --listen /tmp/iron --real-time            time as on the wall
+  leadscrew iron --listen /tmp/iron --power-cut-at 7.2     the mains fail after 7.2 s of machine time
+  leadscrew iron --status /tmp/iron                        how it is, as JSON
+  leadscrew iron --quit /tmp/iron")]
+    Iron(IronArgs),
+    /// Take a tap out of its hole after the control died, or say why that is not safe
+    #[command(after_help = "The sync record and the encoders tell where the tap stands off its thread; spindle or feed goes back onto
+it, then both come out along it together. Killed on the way, it is begun again in the same way.
+
+Exit code: 0 recovered, or nothing to do; 2 refused, with the reason.
+
+Examples:
+  leadscrew recover --iron /tmp/iron --dry-run --picture way.svg   rehearse it
+  leadscrew recover --iron /tmp/iron
+  leadscrew recover --iron /tmp/iron --format json")]
+    Recover(RecoverArgs),
     /// Tap the same holes with a clutch holder and conventionally, on a spindle that scatters
     #[command(after_help = "Examples:
   leadscrew compare --size M6                    100 holes each at S2000
@@ -154,6 +181,16 @@ pub(crate) struct RunArgs {
     /// Also print what happened, a line an event
     #[arg(long)]
     pub(crate) log: bool,
+    /// Control the iron that listens here, instead of simulating one
+    #[arg(long, value_name = "PATH")]
+    pub(crate) iron: Option<PathBuf>,
+    /// Folder of the sync record [default with --iron: see below; else none is kept]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) state: Option<PathBuf>,
+    /// Begin at a line, as in 27, or at a hole, as in "hole 5": tool, spindle and modes as they would be there; never
+    /// within a cycle
+    #[arg(long, value_name = "LINE|hole N")]
+    pub(crate) from: Option<crate::restart::From>,
     /// Force the tapping ramp from rest to full speed into this time, against the power curve
     #[arg(long, value_name = "SECONDS")]
     pub(crate) force_ramp: Option<f64>,
@@ -163,6 +200,82 @@ pub(crate) struct RunArgs {
     /// How the feed is tied to the spindle [default: the machine's]
     #[arg(long, value_enum)]
     pub(crate) synchronisation: Option<Synchronisation>,
+}
+
+/// `leadscrew iron`.
+#[derive(Args, Debug, Clone)]
+#[command(group = clap::ArgGroup::new("what").required(true).args(["listen", "status", "power_cut", "quit"]))]
+pub(crate) struct IronArgs {
+    /// Listen here, a Unix socket, for one control after the other
+    #[arg(long, value_name = "PATH")]
+    pub(crate) listen: Option<PathBuf>,
+    /// Ask the iron that listens here how it is
+    #[arg(long, value_name = "PATH")]
+    pub(crate) status: Option<PathBuf>,
+    /// Cut the power of the iron that listens here, and give it back
+    #[arg(long, value_name = "PATH")]
+    pub(crate) power_cut: Option<PathBuf>,
+    /// End the iron that listens here
+    #[arg(long, value_name = "PATH")]
+    pub(crate) quit: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) source: ProgramArgs,
+    /// Seed of the machine's scatter (friction, backlash, material)
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+    /// Material of the workpiece [default: the machine's set-up]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) material: Option<String>,
+    /// Let time pass as on the wall, instead of waiting for the control
+    #[arg(long)]
+    pub(crate) real_time: bool,
+    /// The mains fail at this machine time, seconds; several separated by commas. They come back for the next control
+    #[arg(long, value_name = "SECONDS", value_delimiter = ',')]
+    pub(crate) power_cut_at: Vec<f64>,
+    /// What the drives do when the control falls silent [default: the machine's]
+    #[arg(long, value_enum)]
+    pub(crate) on_link_loss: Option<DriveReaction>,
+    /// What they do when the mains fail [default: the machine's]
+    #[arg(long, value_enum)]
+    pub(crate) on_power_loss: Option<DriveReaction>,
+    /// The spindle's encoder does not count turns without power [default: the machine's]
+    #[arg(long)]
+    pub(crate) single_turn: bool,
+    /// Number of this very machine
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) serial: u64,
+    /// Epoch of its encoders [default: a new one, as for new encoders]
+    #[arg(long, value_name = "N")]
+    pub(crate) epoch: Option<u64>,
+}
+
+/// `leadscrew recover`.
+#[derive(Args, Debug, Clone)]
+pub(crate) struct RecoverArgs {
+    /// The iron
+    #[arg(long, value_name = "PATH")]
+    pub(crate) iron: PathBuf,
+    /// The machine: a name from `leadscrew machine list`, or a file [default: tapping-center]
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(crate) machine: Option<String>,
+    /// Folder of the sync record [default: $XDG_STATE_HOME/leadscrew/MACHINE-NUMBER, or below ~/.local/state]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) state: Option<PathBuf>,
+    /// Rehearse: say what would be done, and move nothing
+    #[arg(long)]
+    pub(crate) dry_run: bool,
+    /// Draw where the tap stands and the way back
+    #[arg(long, value_name = "FILE.svg")]
+    pub(crate) picture: Option<PathBuf>,
+    /// Who moves back onto the thread
+    #[arg(long, value_enum, default_value_t = RecoveryWay::UnloadFirst)]
+    pub(crate) way: RecoveryWay,
+    /// How the answer is printed
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(crate) format: Format,
+    /// Forget the record: you have seen that no tool is in the work
+    #[arg(long, conflicts_with_all = ["dry_run", "picture"])]
+    pub(crate) discard_record: bool,
 }
 
 /// `leadscrew check`.
@@ -279,6 +392,36 @@ pub(crate) enum MissingTools {
     Refuse,
     /// Assume a tool of no length that cuts nothing judged, and say so
     StandIn,
+}
+
+/// What drives do that are left alone.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum DriveReaction {
+    /// Outputs off: brakes clamp, spindles coast
+    Coast,
+    /// Each brakes by itself
+    QuickStop,
+    /// Coupled ones brake together
+    CoupledStop,
+}
+
+impl From<DriveReaction> for store::machine::Reaction {
+    fn from(reaction: DriveReaction) -> Self {
+        match reaction {
+            DriveReaction::Coast => Self::Coast,
+            DriveReaction::QuickStop => Self::QuickStop,
+            DriveReaction::CoupledStop => Self::CoupledStop,
+        }
+    }
+}
+
+/// Who moves back onto the thread.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum RecoveryWay {
+    /// In a stiff holder the feed, to where nothing presses; then the axis that overran
+    UnloadFirst,
+    /// The axis that overran
+    Direct,
 }
 
 /// How hard taps are driven; the machine's file says what each means.

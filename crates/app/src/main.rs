@@ -4,6 +4,8 @@
 //!   args ─► run       session ─► preflight ─► simulate ─► papers, summary
 //!        ├► check     session ─► preflight ─► render
 //!        ├► time      session ─► preflight, its steps added up
+//!        ├► iron      the simulated machine as a process of its own
+//!        ├► recover   what is known of a tap in the work, and the way out
 //!        ├► compare   the same holes with a clutch holder and without, on a spindle that scatters
 //!        ├► canon     session ─► interp, printed
 //!        ├► fmt       gcode
@@ -17,21 +19,27 @@ mod args;
 mod canonical;
 mod certificate;
 mod check;
+mod clock;
 mod codes;
 mod compare;
 mod dialect;
 mod format;
 mod interrupt;
+mod iron;
+mod keeper;
 mod learning;
 mod log;
 mod lsp;
 mod machine;
 mod papers;
 mod pieces;
+mod plant;
 mod preflight;
 mod program;
+mod recover;
 mod refused;
 mod render;
+mod restart;
 mod run;
 mod say;
 mod session;
@@ -79,6 +87,8 @@ fn execute(cli: &Cli) -> Result<ExitCode, Refused> {
             Ending::OutOfTolerance => ExitCode::from(OUT_OF_TOLERANCE),
             Ending::Alarm => ExitCode::from(ALARM),
         }),
+        Command::Iron(args) => iron::command(args).map(|()| ExitCode::SUCCESS),
+        Command::Recover(args) => Ok(accepted(recover::command(args)?)),
         Command::Compare(args) => compare::command(args, cli.quiet).map(|()| ExitCode::SUCCESS),
         Command::Time(args) => Ok(accepted(time::command(args, cli.quiet)?)),
         Command::Check(args) => Ok(accepted(check::command(args, cli.quiet)?)),

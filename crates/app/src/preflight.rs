@@ -56,7 +56,7 @@ pub(crate) fn preflight_with(
 
 /// A planner for this session's machine, standing where the machine stands when it is switched on.
 pub(crate) fn planner(session: &Session, options: Options) -> Planner {
-    let start = Start { position: session.interp_setup().start, tool: 0 };
+    let start = Start { position: session.interp_setup().start, tool: session.tool() };
     let limits = crate::wiring::planner(&session.machine);
     Planner::new(limits, session.tools.clone(), options, start)
 }

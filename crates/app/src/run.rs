@@ -1,23 +1,31 @@
 //! `leadscrew run`: prove a program, run it on the simulated machine, judge the workpiece, leave the papers.
 use crate::args::{Format, RunArgs, Synchronisation};
+use crate::keeper::{self, Keeper};
 use crate::learning::Memory;
 use crate::log::Log;
+use crate::plant::{self, Plant};
 use crate::preflight::{Preflight, planner, preflight};
 use crate::program::Ops;
 use crate::refused::Refused;
 use crate::render::{self, Source};
+use crate::restart::Restart;
 use crate::session::{Session, read_program};
 use crate::simulate::{Outcome, Simulation};
 use crate::timings::Timings;
 use crate::trace_thread::TraceThread;
-use crate::{interrupt, papers, say, summary, wiring};
+use crate::{interrupt, iron, papers, say, summary, wiring};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use bus::Machine;
+use std::os::unix::net::UnixStream;
 use std::path::Path;
 use store::machine::Material;
 use store::output::Folder;
+use store::sync_record::Identity;
+use store::sync_record::slots::{Slots, StateFolder};
 use store::trace::{Columns, Writer};
 use sync::{Prediction, SyncMode};
 use units::Time;
+use wire::{Hello, Remote};
 
 /// How a run ended, as the exit code says it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,11 +53,14 @@ pub(crate) struct Job {
     options: plan::Options,
     mode: Option<SyncMode>,
     memory: Option<Memory>,
+    restart: Option<Restart>,
 }
 
 /// Do it.
 pub(crate) fn command(args: &RunArgs, quiet: bool) -> Result<Ending, Refused> {
     let mut job = Job::load(args)?;
+    let link = Link::open(args, &mut job)?;
+    job.begin_at(args, quiet)?;
     let known = preflight(&mut job.session, &job.text, job.options);
     if known.is_refused() {
         return Err(Refused::Findings {
@@ -67,9 +78,12 @@ pub(crate) fn command(args: &RunArgs, quiet: bool) -> Result<Ending, Refused> {
         interrupt::watch()?;
     }
     let progress = progress(&known, quiet || args.log || args.format == Format::Json);
-    let outcome = job.simulate(args, &known, folder.as_ref(), &progress)?;
+    let outcome = job.simulate(args, link, &known, folder.as_ref(), &progress)?;
     progress.finish_and_clear();
     interrupt::refuse()?;
+    for why in &outcome.broke_off {
+        say::err(&format!("error: {why}\n"));
+    }
     if let Some(memory) = job.memory.as_ref().filter(|_| outcome.ended) {
         memory.save(&outcome.lessons)?;
     }
@@ -148,6 +162,7 @@ impl Job {
             },
             mode,
             memory,
+            restart: None,
             session,
         })
     }
@@ -160,9 +175,31 @@ impl Job {
         wiring::tolerances(encoder)
     }
 
+    /// Find out where the program is begun, and say so.
+    fn begin_at(&mut self, args: &RunArgs, quiet: bool) -> Result<(), Refused> {
+        let Some(from) = args.from else { return Ok(()) };
+        let setup = self.session.interp_setup();
+        let top = self.session.machine.tool_change.z;
+        let ops = interp::Ops::new(&self.text, &setup);
+        let restart = crate::restart::find(ops, from, &setup.start, top)
+            .map_err(|why| Refused::because(format!("--from: {why}")))?;
+        if !quiet {
+            say::err(&format!(
+                "begins at line {} with tool {} and the spindle at {:.0} rpm; {} of the program's holes are left out\n",
+                restart.line,
+                restart.tool,
+                restart.spin.in_rpm(),
+                restart.holes
+            ));
+        }
+        self.restart = Some(restart);
+        Ok(())
+    }
+
     fn simulate(
         &self,
         args: &RunArgs,
+        link: Link,
         known: &Preflight,
         folder: Option<&Folder>,
         progress: &ProgressBar,
@@ -170,32 +207,18 @@ impl Job {
         let Session { machine, tools, .. } = &self.session;
         let setup = self.session.interp_setup();
         let zero = self.session.work_zero();
-        let iron = wiring::simulator(machine, tools, self.material, self.seed, &zero);
-        let iron = sim::SimulatedMachine::new(iron).map_err(|problems| {
-            Refused::because(format!("the machine cannot be simulated: {}", problems.join("; ")))
-        })?;
-        let iron = match wiring::plain_drive(machine) {
-            Some(drive) => iron.with_plain_drive(drive),
-            None => iron,
-        };
-        let iron = match machine.simulation.tap_wear {
-            Some(wear) => iron.with_tap_wear(sim::TapWear {
-                life: wear.life,
-                rise: wear.rise_share,
-                scatter: wear.scatter_share,
-            }),
-            None => iron,
-        };
+        let (plant, keeper) = link.join(self)?;
         // a spindle that makes its own ramps shows in the first hole how it stops: what it shows is used, and kept
         // if there is a file for it
         let learns = self.memory.is_some() || wiring::plain_drive(machine).is_some();
         let mut kernel = kernel::Kernel::new(wiring::control(machine, self.mode, learns));
         kernel.recall(self.memory.as_ref().map_or_else(Vec::new, |m| m.lessons.clone()));
         let simulation = Simulation {
-            ops: Ops::new(&self.text, &setup),
+            ops: Ops::new(&self.text, &setup).begun_at(self.restart.as_ref()),
             planner: planner(&self.session, self.options),
             kernel,
-            machine: iron,
+            machine: plant,
+            keeper,
             watch: verify::Watch::new(verify::Config {
                 synchronised: self.session.taps.method == plan::TapMethod::Synchronised,
                 ..wiring::judge(machine, tools, self.material, &zero)
@@ -230,8 +253,65 @@ impl Job {
     }
 }
 
+/// The machine that is controlled, and the state that is kept of it, before the program is known to be in order.
+struct Link {
+    remote: Option<Remote<UnixStream>>,
+    state: Option<(Slots<StateFolder>, Identity)>,
+}
+
+impl Link {
+    /// Connect to the iron, if one is named; refuse where a tap may be in the work.
+    fn open(args: &RunArgs, job: &mut Job) -> Result<Self, Refused> {
+        let Some(path) = &args.iron else {
+            let Some(folder) = &args.state else { return Ok(Self { remote: None, state: None }) };
+            // a machine within this process begins anew each time: nothing can be in its work
+            let machine = job.session.machine.name.clone();
+            let identity = Identity { machine, serial: 0, epoch: 0 };
+            let (slots, _) = keeper::open(folder, &identity)?
+                .map_err(|why| Refused::because(why.to_string()))?;
+            return Ok(Self { remote: None, state: Some((slots, identity)) });
+        };
+        let machine = job.session.machine.name.clone();
+        let hello = Hello { name: "leadscrew run".into(), machine };
+        let remote =
+            Remote::connect(iron::connect(path)?, hello).map_err(|e| iron::gone(path, &e))?;
+        let feedback = remote.feedback();
+        job.session.stands(&feedback);
+        let identity = plant::identity(remote.welcome());
+        let named = args.state.as_deref();
+        let folder = keeper::folder(named, &identity)?;
+        let (slots, kept) = keeper::open(&folder, &identity)?
+            .map_err(|why| keeper::unsure(&why, path, named))?;
+        if let Some(record) = kept.record.filter(|record| keeper::in_work(record, &feedback)) {
+            return Err(keeper::interlock(&record, path, named));
+        }
+        Ok(Self { remote: Some(remote), state: Some((slots, identity)) })
+    }
+
+    /// The plant, and who keeps its record.
+    fn join(self, job: &Job) -> Result<(Plant, Option<Keeper>), Refused> {
+        let Session { machine, tools, .. } = &job.session;
+        let real_time = self.remote.as_ref().is_some_and(|remote| remote.welcome().real_time);
+        let before = job.restart.as_ref().map_or(0, |restart| restart.holes);
+        let program = (job.program.as_str(), &job.text[..]);
+        let keeper = self.state.map(|(slots, identity)| {
+            Keeper::start(slots, identity, program, tools, real_time, before)
+        });
+        let plant = match self.remote {
+            Some(remote) => Plant::Outside(Box::new(remote)),
+            None => {
+                let zero = job.session.work_zero();
+                let config = wiring::simulator(machine, tools, job.material, job.seed, &zero);
+                let machine = plant::simulated(machine, config)?;
+                Plant::Inside(Box::new(machine))
+            }
+        };
+        Ok((plant, keeper.transpose()?))
+    }
+}
+
 /// By name, or as the machine's set-up has it.
-fn material(named: Option<&str>, usual: Material) -> Result<Material, Refused> {
+pub(crate) fn material(named: Option<&str>, usual: Material) -> Result<Material, Refused> {
     let Some(name) = named else { return Ok(usual) };
     Material::KNOWN.iter().find(|m| m.name.eq_ignore_ascii_case(name)).copied().ok_or_else(|| {
         let known = Material::KNOWN.map(|m| m.name).join(", ");

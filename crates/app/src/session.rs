@@ -36,6 +36,8 @@ pub(crate) struct Session {
     decimal_point: DecimalPoint,
     block_skip: Vec<u8>,
     has_parameter_file: bool,
+    /// Where the machine stands and which tool it holds, if it was not switched on just now.
+    standing: Option<(canon::Position, u32)>,
     subprograms: Vec<interp::Subprogram>,
 }
 
@@ -63,10 +65,25 @@ impl Session {
             tools,
             tools_from,
             missing_tools,
+            standing: None,
             dialect,
             decimal_point: args.decimal_point,
             block_skip: args.block_skip.clone(),
         })
+    }
+
+    /// The machine stands where its encoders say.
+    pub(crate) fn stands(&mut self, feedback: &bus::Feedback) {
+        let mut place = canon::Position::default();
+        for axis in self.machine.axes.iter().flatten() {
+            place = place.with(axis.letter, feedback.axes[axis.letter.index()].position);
+        }
+        self.standing = Some((place, feedback.tool.unwrap_or(0)));
+    }
+
+    /// The tool in the spindle when a program begins.
+    pub(crate) fn tool(&self) -> u32 {
+        self.standing.map_or(0, |(_, tool)| tool)
     }
 
     /// What the interpreter is told before it begins.
@@ -74,6 +91,9 @@ impl Session {
         let mut start = canon::Position::default();
         for axis in self.machine.axes.iter().flatten() {
             start = start.with(axis.letter, crate::wiring::start(axis));
+        }
+        if let Some((place, _)) = self.standing {
+            start = place;
         }
         interp::Setup {
             dialect: self.dialect,

@@ -10,7 +10,9 @@
 //!
 //! One thread does all of it, period by period: two runs of the same inputs are the same to the last bit.
 use crate::interrupt;
+use crate::keeper::Keeper;
 use crate::log::Log;
+use crate::plant::Plant;
 use crate::program::Ops;
 use crate::timings::Timings;
 use crate::trace_thread::TraceThread;
@@ -19,7 +21,6 @@ use indicatif::ProgressBar;
 use kernel::{Event, EventKind, Fault, Kernel};
 use plan::{Planner, Step, StepKind};
 use report::Recorder;
-use sim::SimulatedMachine;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use units::Time;
 use verify::{Feature, Judge, Watch};
@@ -40,7 +41,9 @@ pub(crate) struct Simulation<'a> {
     /// Who executes the plan.
     pub(crate) kernel: Kernel,
     /// Who obeys.
-    pub(crate) machine: SimulatedMachine,
+    pub(crate) machine: Plant,
+    /// Who writes down what taking a tap out needs.
+    pub(crate) keeper: Option<Keeper>,
     /// Who judges.
     pub(crate) judge: Judge,
     /// Who looks for what may never happen.
@@ -85,6 +88,8 @@ pub(crate) struct Outcome {
     pub(crate) lessons: Vec<sync::Lesson>,
     /// How long it took here.
     pub(crate) timings: Timings,
+    /// Why the iron is gone, if it is; why the record is not on the disk, if it is not.
+    pub(crate) broke_off: Vec<String>,
 }
 
 impl Simulation<'_> {
@@ -96,9 +101,13 @@ impl Simulation<'_> {
         let mut warnings = Vec::new();
         let give_up = PATIENCE_AT_LEAST.max(self.planned * PATIENCE);
         let mut feedback = self.machine.feedback();
+        let begun = feedback.time;
         let mut periods: u64 = 0;
+        if self.keeper.is_some() {
+            self.kernel.keep_records();
+        }
         self.timings.start();
-        while !self.kernel.is_over() && feedback.time < give_up && !interrupt::came() {
+        while !self.kernel.is_over() && feedback.time - begun < give_up && !interrupt::came() {
             self.feed(&mut queue, &mut limiting);
             let started = self.timings.tick_begins();
             let command = self.kernel.tick(&feedback);
@@ -109,6 +118,9 @@ impl Simulation<'_> {
             if feedback.spindles[0].saturated {
                 *saturated.entry(report.op).or_insert(0) += 1;
             }
+            if let Some(keeper) = &mut self.keeper {
+                keeper.serve(&mut self.kernel, feedback.time);
+            }
             while let Some(event) = self.kernel.next_event() {
                 self.note(&event, &mut warnings);
             }
@@ -118,7 +130,10 @@ impl Simulation<'_> {
                 progress.set_position((feedback.time.value() * 1e3) as u64);
             }
         }
-        self.timings.stop(periods, feedback.time);
+        self.timings.stop(periods, feedback.time - begun);
+        let lost = self.machine.lost().map(|why| format!("the iron is gone: {why}"));
+        let unwritten = self.keeper.and_then(Keeper::finish);
+        let unwritten = unwritten.map(|why| format!("the sync record cannot be written: {why}"));
         if let Some(trace) = self.trace {
             trace.finish()?;
         }
@@ -127,15 +142,16 @@ impl Simulation<'_> {
             features: self.judge.finish(),
             recorder: self.recorder,
             watch: self.watch,
-            cycle_time: feedback.time,
+            cycle_time: feedback.time - begun,
             ended: self.kernel.is_over() && faults.is_empty(),
             faults,
             warnings,
             limiting,
             saturated,
-            assumed_holes: self.machine.holes().iter().filter(|hole| hole.assumed).count(),
+            assumed_holes: self.machine.assumed_holes(),
             lessons: self.kernel.lessons().to_vec(),
             timings: self.timings,
+            broke_off: lost.into_iter().chain(unwritten).collect(),
         })
     }
 
@@ -157,6 +173,9 @@ impl Simulation<'_> {
             };
             if let canon::OpKind::Tap(_) = &op.kind {
                 self.taps.insert(index);
+            }
+            if let Some(keeper) = &mut self.keeper {
+                keeper.op(index, &op);
             }
             self.judge.op(index, &op);
             self.watch.op(index, &op);

@@ -1,12 +1,7 @@
 //! How fast the simulation is, for `--timings`: measured only when asked for, shown as medians.
+use crate::clock::now;
 use std::time::{Duration, Instant};
 use units::Time;
-
-/// A clock, for measuring ourselves: nothing that is simulated ever sees it.
-#[allow(clippy::disallowed_methods)] // the one place of the program that reads a clock
-fn now() -> Instant {
-    Instant::now()
-}
 
 /// Bins of the tick's histogram: 10 ns each, the last one for all that is longer.
 const BINS: usize = 2000;

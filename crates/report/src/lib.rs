@@ -15,10 +15,12 @@
 mod page;
 mod pictures;
 mod record;
+mod recovery;
 mod run;
 mod svg;
 mod thin;
 
 pub use page::{Comparison, Way, comparison_html, html};
+pub use recovery::{Recovery, recovery_svg};
 pub use record::{Recorder, WORST_KEPT};
 pub use run::{Alarm, Limits, Note, Origin, Run};

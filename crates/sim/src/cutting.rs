@@ -254,6 +254,15 @@ impl Cutting {
         }
     }
 
+    /// While a tap is in its thread: how far the axis holds its tip off the helix that was cut.
+    pub(crate) fn off_helix(&self, axis_mm: f64, angle: f64) -> Option<Length> {
+        let tip = axis_mm - self.mounted?.length.value();
+        match &self.engagement {
+            Engagement::Tapping(tap) => Some(Length::mm(tap.off_helix(tip, angle))),
+            Engagement::Air | Engagement::Clear | Engagement::Drilling(_) | Engagement::Broken => None,
+        }
+    }
+
     /// How far a clutch has left the tap ahead of the spindle.
     pub(crate) const fn slip(&self) -> Angle {
         Angle::rev(self.slip)

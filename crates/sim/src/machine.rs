@@ -133,6 +133,13 @@ impl SimulatedMachine {
         self.cutting.as_ref().map_or(&[], Cutting::holes)
     }
 
+    /// While a tap is in its thread: how far the axis holds its tip off the helix that was cut, along the axis.
+    pub fn off_helix(&self) -> Option<Length> {
+        let z = self.x_y_z[2]?;
+        let (axis, spindle) = (&self.axes[z], self.spindles.first()?);
+        self.cutting.as_ref()?.off_helix(axis.table_mm(), spindle.angle_rev())
+    }
+
     /// Send a command on its way; the one that arrives. There must be a way.
     fn transport(&mut self, command: &Command) -> Command {
         let oldest = (self.periods % self.underway.len() as u64) as usize;

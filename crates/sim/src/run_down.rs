@@ -142,6 +142,11 @@ impl RunDown {
         self.off && self.still_s > STILL_S
     }
 
+    /// The bus was empty before everything stood.
+    pub fn has_tripped(&self) -> bool {
+        self.energy.is_some_and(|left| left < 0.0)
+    }
+
     /// What the drives do in the coming period.
     pub fn command(&mut self, feedback: &Feedback) -> Command {
         self.read(feedback);

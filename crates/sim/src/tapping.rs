@@ -235,6 +235,11 @@ impl Tapping {
         driven
     }
 
+    /// How far the axis holds the tip off the helix that was cut, mm.
+    pub(crate) fn off_helix(&self, tip: f64, angle: f64) -> f64 {
+        tip - self.helix(angle)
+    }
+
     /// Where the helix puts the tip at a spindle angle.
     fn helix(&self, angle: f64) -> f64 {
         self.helix_tip + self.lead * (angle - self.helix_angle)

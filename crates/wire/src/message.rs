@@ -65,6 +65,8 @@ pub struct Welcome {
     pub epoch: u64,
     /// Servo period.
     pub period: Time,
+    /// Time passes by the clock on the wall; otherwise it waits for the control.
+    pub real_time: bool,
     /// By spindle: it has lost count of its turns; the angle within a turn is right.
     pub turns_lost: [bool; SPINDLES],
     /// How the drives came to rest the last time that they were left alone.
@@ -169,6 +171,7 @@ fn write_welcome(w: &mut Writer<'_>, welcome: &Welcome) {
     w.u64(welcome.serial);
     w.u64(welcome.epoch);
     w.f64(welcome.period.value());
+    w.u8(welcome.real_time.into());
     w.u16(mask(&welcome.turns_lost));
     w.u8(welcome.stop as u8);
     write_observed(w, &welcome.observed);
@@ -180,6 +183,7 @@ fn read_welcome(r: &mut Reader<'_>) -> Option<Welcome> {
         serial: r.u64()?,
         epoch: r.u64()?,
         period: Time::s(r.f64()?),
+        real_time: r.flag()?,
         turns_lost: flags(r)?,
         stop: match r.u8()? {
             0 => Stop::None,

@@ -6,6 +6,7 @@
 //!   [[spindles]]   inertia, torque and power curve, friction, encoder, loops     ─► plan, kernel, sim
 //!   [tool_change]  where and how long                                            ─► plan, sim
 //!   [tapping]      windows of the sync error, ramp, presets, pecks                  ─► plan, kernel
+//!   [drives]       what the drives do when the control or the mains fail          ─► sim, app
 //!   [setup]        work offset G54, stock                                        ─► interp, verify
 //!   [user_codes]   M100 to M199: what each does                                 ─► interp
 //!   [simulation]   substep, seed, scatter, how a tap sits in its thread          ─► sim
@@ -30,6 +31,7 @@
 //! | `_share` | a fraction of one; the file has percent |
 mod axis;
 mod control;
+mod drives;
 mod setup;
 mod spindle;
 mod tapping;
@@ -42,6 +44,7 @@ pub use control::{
     ChipRemoval, Control, CycleDepth, Dialect, Follows, Learning, Overrides, PathControl,
     Prediction, Synchronisation, ToolChange, Waits,
 };
+pub use drives::{DcBus, Drives, Reaction};
 pub use setup::{Material, Setup, Simulation, SpindleDrive, Stock, TapSeat, TapWear};
 pub use spindle::{OwnRamps, Spindle, SpindleFriction, SpindleWindows};
 pub use tapping::{Effort, Peck, Preset, Ramp, Tapping};
@@ -67,6 +70,8 @@ pub struct MachineFile {
     pub tool_change: ToolChange,
     /// Rigid tapping.
     pub tapping: Tapping,
+    /// What the drives do by themselves.
+    pub drives: Drives,
     /// The workpiece, and where it is clamped.
     pub setup: Setup,
     /// The simulation.
@@ -153,6 +158,7 @@ impl MachineFile {
             spindles: keys.sections("spindles", bus::SPINDLES, Spindle::read),
             tool_change: keys.section("tool_change", ToolChange::read),
             tapping: keys.section("tapping", Tapping::read),
+            drives: keys.optional_section("drives", Drives::read).unwrap_or_default(),
             setup: keys.section("setup", Setup::read),
             simulation: keys.section("simulation", Simulation::read),
             user_codes: keys

@@ -33,6 +33,8 @@ pub struct Spindle {
     pub torque_lag: Time,
     /// Counts of its encoder per revolution.
     pub encoder_counts_per_rev: u32,
+    /// Its encoder counts turns while it is without power.
+    pub encoder_keeps_turns: bool,
     /// Fraction of the torque and power curve that the planner may use up.
     pub planned_share: f64,
     /// Time in which planned torque rises from nothing to its peak.
@@ -106,6 +108,9 @@ impl Spindle {
             tapping_max: Spin::rpm(keys.number("tapping_max_rpm", 1.0..=500_000.0)),
             torque_lag: Time::s(keys.number("torque_lag_ms", 0.0..=1000.0) * 1e-3),
             encoder_counts_per_rev: keys.whole("encoder_counts_per_rev", 16..=u32::MAX),
+            encoder_keeps_turns: keys
+                .optional_choice("encoder_turns", &[("multi-turn", true), ("single-turn", false)])
+                .unwrap_or(true),
             planned_share: percent(keys, "planned_percent", 1.0..=100.0),
             torque_rise: Time::s(keys.number("torque_rise_ms", 0.0..=10_000.0) * 1e-3),
             orient: Spin::rpm(keys.number("orient_rpm", 0.1..=10_000.0)),

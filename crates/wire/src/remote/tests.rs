@@ -88,6 +88,7 @@ fn welcome() -> Welcome {
         serial: 7,
         epoch: u64::MAX,
         period: Time::s(250e-6),
+        real_time: true,
         turns_lost: [true, false],
         stop: crate::Stop::QuickStop,
         observed: observed(1.0),

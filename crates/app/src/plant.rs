@@ -1,0 +1,97 @@
+//! What the kernel controls: a simulated machine within this process, or an iron in another one.
+use bus::{Command, Feedback, Machine, Truth};
+use sim::SimulatedMachine;
+use std::os::unix::net::UnixStream;
+use units::Time;
+use wire::{Remote, Welcome};
+
+/// A machine.
+pub(crate) enum Plant {
+    /// Within this process.
+    Inside(Box<SimulatedMachine>),
+    /// At the other end of a socket.
+    Outside(Box<Remote<UnixStream>>),
+}
+
+impl Plant {
+    /// Holes that somebody tapped and nobody drilled, as far as is known.
+    pub(crate) fn assumed_holes(&self) -> usize {
+        match self {
+            Self::Inside(machine) => machine.holes().iter().filter(|hole| hole.assumed).count(),
+            Self::Outside(_) => 0,
+        }
+    }
+
+    /// Why the connection is gone, once it is.
+    pub(crate) fn lost(&self) -> Option<String> {
+        match self {
+            Self::Inside(_) => None,
+            Self::Outside(remote) => remote.lost().map(ToString::to_string),
+        }
+    }
+}
+
+/// A simulated machine of this file.
+///
+/// # Errors
+/// It has numbers that no machine can have.
+pub(crate) fn simulated(
+    file: &store::machine::MachineFile,
+    config: sim::Config,
+) -> Result<SimulatedMachine, crate::refused::Refused> {
+    let iron = SimulatedMachine::new(config).map_err(|problems| {
+        let problems = problems.join("; ");
+        crate::refused::Refused::because(format!("the machine cannot be simulated: {problems}"))
+    })?;
+    let iron = match crate::wiring::plain_drive(file) {
+        Some(drive) => iron.with_plain_drive(drive),
+        None => iron,
+    };
+    Ok(match file.simulation.tap_wear {
+        Some(wear) => iron.with_tap_wear(sim::TapWear {
+            life: wear.life,
+            rise: wear.rise_share,
+            scatter: wear.scatter_share,
+        }),
+        None => iron,
+    })
+}
+
+/// Which machine, which encoders: for the sync record.
+pub(crate) fn identity(welcome: &Welcome) -> store::sync_record::Identity {
+    store::sync_record::Identity {
+        machine: welcome.machine.clone(),
+        serial: welcome.serial,
+        epoch: welcome.epoch,
+    }
+}
+
+impl Machine for Plant {
+    fn period(&self) -> Time {
+        match self {
+            Self::Inside(machine) => machine.period(),
+            Self::Outside(remote) => remote.period(),
+        }
+    }
+
+    fn feedback(&self) -> Feedback {
+        match self {
+            Self::Inside(machine) => machine.feedback(),
+            Self::Outside(remote) => remote.feedback(),
+        }
+    }
+
+    fn exchange(&mut self, command: &Command) -> Feedback {
+        match self {
+            Self::Inside(machine) => machine.exchange(command),
+            Self::Outside(remote) => remote.exchange(command),
+        }
+    }
+
+    fn truth(&self) -> Option<Truth> {
+        match self {
+            Self::Inside(machine) => machine.truth(),
+            Self::Outside(remote) => remote.truth(),
+        }
+    }
+}

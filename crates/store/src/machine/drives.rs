@@ -1,0 +1,79 @@
+//! What the drives do by themselves when the control falls silent or the mains fail.
+use crate::keys::Keys;
+use units::Time;
+
+/// `[drives]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drives {
+    /// After so long without a command they take the control for dead.
+    pub watchdog: Time,
+    /// What they do then.
+    pub on_link_loss: Reaction,
+    /// What they do when the mains fail.
+    pub on_power_loss: Reaction,
+    /// Their DC bus, without which a stop needs mains.
+    pub bus: Option<DcBus>,
+}
+
+/// What drives do by themselves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reaction {
+    /// Outputs off: brakes clamp, spindles coast.
+    Coast,
+    /// Each brakes by itself.
+    QuickStop,
+    /// Coupled ones brake together.
+    CoupledStop,
+}
+
+/// The bus that all drives are fed from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DcBus {
+    /// Capacitance, F.
+    pub capacitance_f: f64,
+    /// Voltage in operation, V.
+    pub voltage_v: f64,
+    /// Voltage below which the drives trip, V.
+    pub trip_v: f64,
+}
+
+const REACTIONS: [(&str, Reaction); 3] = [
+    ("coast", Reaction::Coast),
+    ("quick-stop", Reaction::QuickStop),
+    ("coupled-stop", Reaction::CoupledStop),
+];
+
+impl Default for Drives {
+    /// Drives of which nothing is known can brake while they have mains.
+    fn default() -> Self {
+        Self {
+            watchdog: Time::s(5e-3),
+            on_link_loss: Reaction::QuickStop,
+            on_power_loss: Reaction::Coast,
+            bus: None,
+        }
+    }
+}
+
+impl Drives {
+    pub(super) fn read(keys: &mut Keys<'_>) -> Self {
+        let drives = Self {
+            watchdog: Time::s(keys.number("watchdog_ms", 0.1..=10_000.0) * 1e-3),
+            on_link_loss: keys.choice("on_link_loss", &REACTIONS),
+            on_power_loss: keys.choice("on_power_loss", &REACTIONS),
+            bus: keys.optional_section("bus", |k| DcBus {
+                capacitance_f: k.number("capacitance_uf", 1.0..=1e6) * 1e-6,
+                voltage_v: k.number("voltage_v", 24.0..=2000.0),
+                trip_v: k.number("trip_v", 1.0..=2000.0),
+            }),
+        };
+        if drives.bus.is_some_and(|bus| bus.trip_v >= bus.voltage_v) {
+            keys.conflict("bus", "`trip_v` must be below `voltage_v`");
+        }
+        if drives.bus.is_none() && drives.on_power_loss != Reaction::Coast {
+            let message = "a stop without mains lives on the DC bus: expected [drives.bus], or `on_power_loss = \"coast\"`";
+            keys.conflict("on_power_loss", message);
+        }
+        drives
+    }
+}
