@@ -53,9 +53,7 @@ impl Iron {
         let seed = args.seed.unwrap_or(u64::from(file.simulation.seed));
         let zero = session.work_zero();
         let config = wiring::simulator(file, &session.tools, material, seed, &zero);
-        let machine = SimulatedMachine::new(config.clone()).map_err(|problems| {
-            Refused::because(format!("the machine cannot be simulated: {}", problems.join("; ")))
-        })?;
+        let machine = crate::plant::simulated(file, config.clone())?;
         let mut keeps_turns = [true; SPINDLES];
         for (keeps, spindle) in keeps_turns.iter_mut().zip(&file.spindles) {
             *keeps = spindle.encoder_keeps_turns && !args.single_turn;
