@@ -52,7 +52,8 @@ Examples:
   leadscrew time part.ngc --machine bench-xyz --format json     key motion_time_s: from first to last motion")]
     Time(TimeArgs),
     /// Run the simulated machine, its drives and encoders as a process of its own
-    #[command(after_help = "A control that connects drives it; when the control dies, the drives stop by themselves and the
+    #[command(
+        after_help = "A control that connects drives it; when the control dies, the drives stop by themselves and the
 encoders keep the truth. In lock-step (the default) time waits for the control.
 
 Examples:
@@ -60,10 +61,12 @@ Examples:
   leadscrew iron --listen /tmp/iron --real-time            time as on the wall
   leadscrew iron --listen /tmp/iron --power-cut-at 7.2     the mains fail after 7.2 s of machine time
   leadscrew iron --status /tmp/iron                        how it is, as JSON
-  leadscrew iron --quit /tmp/iron")]
+  leadscrew iron --quit /tmp/iron"
+    )]
     Iron(IronArgs),
     /// Take a tap out of its hole after the control died, or say why that is not safe
-    #[command(after_help = "The sync record and the encoders tell where the tap stands off its thread; spindle or feed goes back onto
+    #[command(
+        after_help = "The sync record and the encoders tell where the tap stands off its thread; spindle or feed goes back onto
 it, then both come out along it together. Killed on the way, it is begun again in the same way.
 
 Exit code: 0 recovered, or nothing to do; 2 refused, with the reason.
@@ -71,7 +74,8 @@ Exit code: 0 recovered, or nothing to do; 2 refused, with the reason.
 Examples:
   leadscrew recover --iron /tmp/iron --dry-run --picture way.svg   rehearse it
   leadscrew recover --iron /tmp/iron
-  leadscrew recover --iron /tmp/iron --format json")]
+  leadscrew recover --iron /tmp/iron --format json"
+    )]
     Recover(RecoverArgs),
     /// Tap the same holes with a clutch holder and conventionally, on a spindle that scatters
     #[command(after_help = "Examples:
@@ -232,6 +236,9 @@ pub(crate) struct IronArgs {
     /// The mains fail at this machine time, seconds; several separated by commas. They come back for the next control
     #[arg(long, value_name = "SECONDS", value_delimiter = ',')]
     pub(crate) power_cut_at: Vec<f64>,
+    /// Kill the control (SIGKILL) at this machine time, seconds; several separated by commas
+    #[arg(long, value_name = "SECONDS", value_delimiter = ',')]
+    pub(crate) kill_control_at: Vec<f64>,
     /// What the drives do when the control falls silent [default: the machine's]
     #[arg(long, value_enum)]
     pub(crate) on_link_loss: Option<DriveReaction>,

@@ -34,7 +34,9 @@ pub(crate) fn folder(named: Option<&Path>, identity: &Identity) -> Result<PathBu
     let state = variable("XDG_STATE_HOME")
         .or_else(|| Some(variable("HOME")?.join(".local/state")))
         .ok_or_else(|| {
-            Refused::because("neither XDG_STATE_HOME nor HOME is set: name a state folder with --state")
+            Refused::because(
+                "neither XDG_STATE_HOME nor HOME is set: name a state folder with --state",
+            )
         })?;
     let machine: String = identity
         .machine
@@ -160,7 +162,9 @@ impl Keeper {
             };
             match answer {
                 Err(TryRecvError::Empty) => return,
-                Err(TryRecvError::Disconnected) => return self.fail(kernel, "its thread has ended"),
+                Err(TryRecvError::Disconnected) => {
+                    return self.fail(kernel, "its thread has ended");
+                }
                 Ok((_, Err(e))) => return self.fail(kernel, &e.to_string()),
                 Ok((Some(done), Ok(()))) if done == number => {
                     self.underway.pop_front();

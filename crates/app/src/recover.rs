@@ -86,7 +86,11 @@ fn answer(args: &RecoverArgs) -> Result<Answer, Refused> {
     let stream = iron::connect(&args.iron)?;
     let name = args.machine.clone().unwrap_or_else(|| "tapping-center".into());
     let file = crate::machine::load(&name)?;
-    let hello = Hello { name: "leadscrew recover".into(), machine: file.name.clone() };
+    let hello = Hello {
+        name: "leadscrew recover".into(),
+        machine: file.name.clone(),
+        process: std::process::id(),
+    };
     let remote = Remote::connect(stream, hello).map_err(|e| iron::gone(&args.iron, &e))?;
     let welcome = remote.welcome().clone();
     let identity = identity(&welcome);
@@ -103,32 +107,45 @@ fn answer(args: &RecoverArgs) -> Result<Answer, Refused> {
     let note = kept.beside.map(|why| format!("the other generation does not count: {why}"));
     let feedback = welcome.observed.feedback;
     let Some(record) = kept.record.filter(|record| record.stage != Stage::Out) else {
-        return Ok(Answer::plain(Outcome::Nothing, "the sync record says that no tap is in the work"));
+        return Ok(Answer::plain(
+            Outcome::Nothing,
+            "the sync record says that no tap is in the work",
+        ));
     };
     if !keeper::in_work(&record, &feedback) {
         if !args.dry_run {
             forget(&mut slots, &record)?;
         }
         let reason = "the sync record tells of a tap, and the encoders that it is out of the work";
-        return Ok(Answer { record: Some(record), note, ..Answer::plain(Outcome::Nothing, reason) });
+        return Ok(Answer {
+            record: Some(record),
+            note,
+            ..Answer::plain(Outcome::Nothing, reason)
+        });
     }
     if feedback.tool != Some(record.stroke.tool) {
         let reason = wrong_tool(&record, &feedback);
-        return Ok(Answer { record: Some(record), note, ..Answer::plain(Outcome::Refused, reason) });
+        return Ok(Answer {
+            record: Some(record),
+            note,
+            ..Answer::plain(Outcome::Refused, reason)
+        });
     }
     let findings = match find(&record.stroke, record.stage, &welcome, &file, args.way) {
         Ok(findings) => findings,
         Err(reason) => {
-            return Ok(Answer { record: Some(record), note, ..Answer::plain(Outcome::Refused, reason) });
+            return Ok(Answer {
+                record: Some(record),
+                note,
+                ..Answer::plain(Outcome::Refused, reason)
+            });
         }
     };
     if let Some(path) = &args.picture {
         store::output::write_file(path, picture(&record, &findings).as_bytes())?;
     }
-    let mut answer = Answer {
-        note,
-        ..Answer::plain(Outcome::Recovered, "out of the work along its thread")
-    };
+    let mut answer =
+        Answer { note, ..Answer::plain(Outcome::Recovered, "out of the work along its thread") };
     if args.dry_run {
         "rehearsed: nothing has moved".clone_into(&mut answer.reason);
     } else {
@@ -187,9 +204,15 @@ fn nobody(identity: &store::sync_record::Identity) -> SyncRecord {
 fn wrong_tool(record: &SyncRecord, feedback: &Feedback) -> String {
     let wanted = record.stroke.tool;
     match feedback.tool {
-        Some(0) => format!("the spindle holds no tool, and tool {wanted} is in the work by the sync record"),
-        Some(other) => format!("the spindle holds tool {other}, and the sync record is tool {wanted}'s"),
-        None => format!("the tool changer is at work, and tool {wanted} is in the work by the sync record"),
+        Some(0) => format!(
+            "the spindle holds no tool, and tool {wanted} is in the work by the sync record"
+        ),
+        Some(other) => {
+            format!("the spindle holds tool {other}, and the sync record is tool {wanted}'s")
+        }
+        None => format!(
+            "the tool changer is at work, and tool {wanted} is in the work by the sync record"
+        ),
     }
 }
 
@@ -252,7 +275,8 @@ fn shown(stroke: &Stroke, spindle: &Spindle, window: Length, stop: Stop) -> (Len
     let (turns, how) = match stop {
         Stop::Coupled => (0.0, "the drives stopped together"),
         Stop::QuickStop => {
-            let torque = 0.9 * spindle.peak_torque.value().min(spindle.peak_power.value() / omega.max(1e-9));
+            let torque =
+                0.9 * spindle.peak_torque.value().min(spindle.peak_power.value() / omega.max(1e-9));
             (inertia * omega * omega / 2.0 / torque / TAU, "the spindle braked by itself")
         }
         Stop::Coasted | Stop::None => {
@@ -343,7 +367,8 @@ fn first(findings: &Findings) -> &'static str {
 
 /// The command that goes on with the rest.
 fn go_on(args: &RecoverArgs, record: &SyncRecord) -> String {
-    let state = args.state.as_ref().map_or_else(String::new, |s| format!(" --state {}", s.display()));
+    let state =
+        args.state.as_ref().map_or_else(String::new, |s| format!(" --state {}", s.display()));
     format!(
         "leadscrew run {} --iron {}{state} --from \"hole {}\"",
         record.place.program,

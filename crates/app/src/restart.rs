@@ -110,27 +110,31 @@ pub(crate) fn find(
         in_polygon |= matches!(op.kind, OpKind::Polygon(_));
         in_polygon &= !matches!(op.kind, OpKind::PolygonEnd);
         hole = if is_drilled { Some(op.span) } else { hole.filter(|span| *span == op.span) };
-        let is_rapid =
-            matches!(op.kind, OpKind::Rapid { .. }) && hole.is_none() && !in_polygon;
+        let is_rapid = matches!(op.kind, OpKind::Rapid { .. }) && hole.is_none() && !in_polygon;
         if is_drilled || is_rapid && !travels {
             begin = Some((index, op.clone(), in_force.clone()));
         }
         travels = is_rapid;
         let is_feature = matches!(op.kind, OpKind::Tap(_) | OpKind::Hole(_));
-        let moves = is_rapid
-            || is_feature
-            || matches!(op.kind, OpKind::Line { .. } | OpKind::Arc { .. });
+        let moves =
+            is_rapid || is_feature || matches!(op.kind, OpKind::Line { .. } | OpKind::Arc { .. });
         let found = match from {
             From::Hole(number) => is_feature && in_force.holes + 1 == number,
             From::Line(line) => moves && op.span.line >= line,
         };
-        if is_rapid && found && let From::Line(_) = from {
+        if is_rapid
+            && found
+            && let From::Line(_) = from
+        {
             // the line begins here, whatever rapid led to the place before
             begin = Some((index, op.clone(), in_force.clone()));
         }
         if found {
             let (skip, op, in_force) = begin.ok_or_else(|| {
-                format!("line {} cuts before anything has been approached: begin at its start", op.span.line)
+                format!(
+                    "line {} cuts before anything has been approached: begin at its start",
+                    op.span.line
+                )
             })?;
             return Ok(restart(skip, &op, &in_force, at, top));
         }
@@ -140,7 +144,9 @@ pub(crate) fn find(
         From::Hole(number) => {
             format!("there is no hole {number}: the program makes {}", in_force.holes)
         }
-        From::Line(line) => format!("nothing moves at line {line} or after it: the last line is {lines}"),
+        From::Line(line) => {
+            format!("nothing moves at line {line} or after it: the last line is {lines}")
+        }
     })
 }
 
@@ -157,7 +163,9 @@ fn restart(skip: usize, first: &Op, in_force: &InForce, at: &Position, top: Leng
     ];
     prelude.extend(in_force.mode.clone());
     let orders = in_force.spindles.iter();
-    prelude.extend(orders.map(|(spindle, order, _)| OpKind::Spindle { spindle: *spindle, order: *order }));
+    prelude.extend(
+        orders.map(|(spindle, order, _)| OpKind::Spindle { spindle: *spindle, order: *order }),
+    );
     prelude.extend(in_force.coolant.clone());
     prelude.push(OpKind::Rapid { to: over });
     let spin = in_force.spindles.iter().find_map(|(spindle, order, _)| match order {
@@ -200,7 +208,8 @@ M2
 ";
 
     fn at(from: From) -> Result<Restart, String> {
-        let tools = store::tools::parse_toml(include_str!("../../../programs/tools.toml"), 0).unwrap();
+        let tools =
+            store::tools::parse_toml(include_str!("../../../programs/tools.toml"), 0).unwrap();
         let setup = interp::Setup { tools: tools.library, ..interp::Setup::default() };
         let ops = interp::Ops::new(PROGRAM.as_bytes(), &setup);
         find(ops, from, &Position::default(), Length::mm(300.0))

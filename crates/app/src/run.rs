@@ -14,8 +14,8 @@ use crate::simulate::{Outcome, Simulation};
 use crate::timings::Timings;
 use crate::trace_thread::TraceThread;
 use crate::{interrupt, iron, papers, say, summary, wiring};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use bus::Machine;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::os::unix::net::UnixStream;
 use std::path::Path;
 use store::machine::Material;
@@ -272,7 +272,7 @@ impl Link {
             return Ok(Self { remote: None, state: Some((slots, identity)) });
         };
         let machine = job.session.machine.name.clone();
-        let hello = Hello { name: "leadscrew run".into(), machine };
+        let hello = Hello { name: "leadscrew run".into(), machine, process: std::process::id() };
         let remote =
             Remote::connect(iron::connect(path)?, hello).map_err(|e| iron::gone(path, &e))?;
         let feedback = remote.feedback();
@@ -280,8 +280,8 @@ impl Link {
         let identity = plant::identity(remote.welcome());
         let named = args.state.as_deref();
         let folder = keeper::folder(named, &identity)?;
-        let (slots, kept) = keeper::open(&folder, &identity)?
-            .map_err(|why| keeper::unsure(&why, path, named))?;
+        let (slots, kept) =
+            keeper::open(&folder, &identity)?.map_err(|why| keeper::unsure(&why, path, named))?;
         if let Some(record) = kept.record.filter(|record| keeper::in_work(record, &feedback)) {
             return Err(keeper::interlock(&record, path, named));
         }

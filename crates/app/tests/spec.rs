@@ -6,7 +6,7 @@
 mod spec_pictures;
 use std::{
     fs,
-    io::Write,
+    io::{BufRead, BufReader, Write},
     path::{Path, PathBuf},
     process::{Command, Stdio},
 };
@@ -55,6 +55,12 @@ fn rewritten(page: &str) -> (String, usize) {
             "log" => {
                 let arguments = [&["run", "-", "--log", "-q"], &options[..]].concat();
                 out.push_str(&run(&arguments, &program, 0));
+                out.push_str("```\n");
+                checked += 1;
+                continue;
+            }
+            "session" => {
+                out.push_str(&session(&body, &program));
                 out.push_str("```\n");
                 checked += 1;
                 continue;
@@ -115,6 +121,48 @@ fn run(arguments: &[&str], program: &str, exit_code: i32) -> String {
     assert_eq!(output.status.code(), Some(exit_code), "{program}\n{said}\n{erred}");
     let text = said + &erred;
     text.lines().map(|line| line.trim_end().to_owned() + "\n").collect::<String>()
+}
+
+/// A session in a folder that holds the program as `part.ngc`: each line that begins with `$` is typed, and what it
+/// prints stands below it. What ends in `&` goes on until the session is over.
+fn session(lines: &[&str], program: &str) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("part.ngc"), program).unwrap();
+    fs::copy(root().join("programs/tools.toml"), folder.path().join("tools.toml")).unwrap();
+    let mut behind = Vec::new();
+    let mut out = String::new();
+    for line in lines.iter().filter_map(|line| line.strip_prefix("$ leadscrew ")) {
+        out.push_str(&format!("$ leadscrew {line}\n"));
+        let (typed, stays) = line.strip_suffix(" &").map_or((line, false), |typed| (typed, true));
+        let quoted = typed.split('"').enumerate();
+        let words = quoted.flat_map(|(at, part)| match at % 2 {
+            0 => part.split_whitespace().map(str::to_owned).collect::<Vec<_>>(),
+            _ => vec![part.to_owned()],
+        });
+        let mut command = Command::new(env!("CARGO_BIN_EXE_leadscrew"));
+        command.args(words).current_dir(folder.path()).env("NO_COLOR", "1");
+        if stays {
+            let mut process = command.stdout(Stdio::piped()).spawn().unwrap();
+            let mut first = String::new();
+            BufReader::new(process.stdout.take().unwrap()).read_line(&mut first).unwrap();
+            out.push_str(&first);
+            behind.push(process);
+            continue;
+        }
+        let output = command.output().unwrap();
+        let said = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+        out.extend(said.concat().lines().map(|line| line.trim_end().to_owned() + "\n"));
+        match output.status.code() {
+            Some(0) => {}
+            Some(code) => out.push_str(&format!("exit code {code}\n")),
+            None => out.push_str("killed\n"),
+        }
+    }
+    for mut process in behind {
+        process.kill().unwrap();
+        process.wait().unwrap();
+    }
+    out
 }
 
 fn pages() -> Vec<PathBuf> {

@@ -596,7 +596,10 @@ impl Kernel {
         let next = steps.find(|step| !matches!(step.kind, plan::StepKind::Move(_)));
         let Some(Step { op, line, kind: plan::StepKind::Tap(plan) }) = next else { return };
         let spindle = self.drives.spindles.get(usize::from(plan.spindle)).and_then(Option::as_ref);
-        let Some(held) = spindle.and_then(crate::spindle::SpindleLoop::held) else { return };
+        // one that only stands will be turned to the start angle by the shorter way
+        let stands =
+            |s: &SpindleLoop| (s.at_rest() && plan.start_angle.is_some()).then(|| s.now().angle);
+        let Some(held) = spindle.and_then(|s| s.held().or_else(|| stands(s))) else { return };
         let turns = plan.start_angle.map_or(0.0, |angle| (angle - held).value());
         let theta0 = held + units::Angle::rev(turns - libm::round(turns));
         let record = TapRecord::of(plan, *op, *line, self.drives.tool, theta0);

@@ -21,6 +21,6 @@ mod svg;
 mod thin;
 
 pub use page::{Comparison, Way, comparison_html, html};
-pub use recovery::{Recovery, recovery_svg};
 pub use record::{Recorder, WORST_KEPT};
+pub use recovery::{Recovery, recovery_svg};
 pub use run::{Alarm, Limits, Note, Origin, Run};

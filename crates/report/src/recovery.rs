@@ -45,7 +45,8 @@ impl Panel {
     fn around(points: &[[f64; 2]], left: f64) -> Self {
         let range = |i: usize| {
             let values = points.iter().map(|p| p[i]);
-            let (from, to) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+            let (from, to) =
+                values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
             let more = ((to - from) * 0.12).max(1e-3);
             [from - more, to + more]
         };
@@ -86,12 +87,23 @@ impl Panel {
         for (vertical, range) in [(false, self.x), (true, self.y)] {
             let ticks = ticks(range[0], range[1], 5);
             for value in ticks.values {
-                let [x, y] = self.place(if vertical { [self.x[0], value] } else { [value, self.y[0]] });
+                let [x, y] =
+                    self.place(if vertical { [self.x[0], value] } else { [value, self.y[0]] });
                 let label = fixed(value, ticks.decimals);
                 let _ = if vertical {
-                    write!(out, "<text x='{}' y='{}' {FONT} text-anchor='end'>{label}</text>", fixed(x - 6.0, 1), fixed(y + 4.0, 1))
+                    write!(
+                        out,
+                        "<text x='{}' y='{}' {FONT} text-anchor='end'>{label}</text>",
+                        fixed(x - 6.0, 1),
+                        fixed(y + 4.0, 1)
+                    )
                 } else {
-                    write!(out, "<text x='{}' y='{}' {FONT} text-anchor='middle'>{label}</text>", fixed(x, 1), fixed(y + 18.0, 1))
+                    write!(
+                        out,
+                        "<text x='{}' y='{}' {FONT} text-anchor='middle'>{label}</text>",
+                        fixed(x, 1),
+                        fixed(y + 18.0, 1)
+                    )
                 };
             }
         }
@@ -131,7 +143,18 @@ pub fn recovery_svg(r: &Recovery) -> String {
     near.extend(ends);
     let close = Panel::around(&near, WIDTH + 10.0);
     close.axes(&mut out, "where it stands, enlarged");
-    for (panel, thread, back) in [(&whole, [r.start, r.end], r.start), (&close, ends, if (ends[0][1] - r.start[1]).abs() < (ends[1][1] - r.start[1]).abs() { ends[0] } else { ends[1] })] {
+    for (panel, thread, back) in [
+        (&whole, [r.start, r.end], r.start),
+        (
+            &close,
+            ends,
+            if (ends[0][1] - r.start[1]).abs() < (ends[1][1] - r.start[1]).abs() {
+                ends[0]
+            } else {
+                ends[1]
+            },
+        ),
+    ] {
         panel.line(&mut out, &thread, THREAD);
         panel.line(&mut out, &[on, back], OUT);
         panel.line(&mut out, &[r.stop, r.direct], OTHER);
@@ -148,7 +171,12 @@ pub fn recovery_svg(r: &Recovery) -> String {
     for (at, (style, words)) in legend.iter().enumerate() {
         let x = LEFT + 460.0 * (at % 2) as f64;
         let y = TOP + HEIGHT + 70.0 + 22.0 * (at / 2) as f64;
-        let _ = write!(out, "<path d='M{x} {}h34' fill='none' {style}/><text x='{}' y='{y}' {FONT}>{words}</text>", y - 4.0, x + 44.0);
+        let _ = write!(
+            out,
+            "<path d='M{x} {}h34' fill='none' {style}/><text x='{}' y='{y}' {FONT}>{words}</text>",
+            y - 4.0,
+            x + 44.0
+        );
     }
     out + "</svg>\n"
 }

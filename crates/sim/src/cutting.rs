@@ -259,7 +259,9 @@ impl Cutting {
         let tip = axis_mm - self.mounted?.length.value();
         match &self.engagement {
             Engagement::Tapping(tap) => Some(Length::mm(tap.off_helix(tip, angle))),
-            Engagement::Air | Engagement::Clear | Engagement::Drilling(_) | Engagement::Broken => None,
+            Engagement::Air | Engagement::Clear | Engagement::Drilling(_) | Engagement::Broken => {
+                None
+            }
         }
     }
 

@@ -26,13 +26,26 @@ pub(super) struct Iron {
     turns_lost: [bool; SPINDLES],
     stop: Stop,
     last: Command,
+    /// The latest first.
     cuts: Vec<Time>,
+    kills: Vec<Time>,
     sessions: u64,
     /// Since the session began: of the axis from the helix while tied to the spindle; of the force on the tap.
     off_helix: Length,
     force_n: f64,
     pub(super) real_time: bool,
     pub(super) watchdog: Time,
+}
+
+/// What came of a period.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Obeyed {
+    /// It was obeyed.
+    Done,
+    /// The power was cut.
+    PowerCut,
+    /// The control shall be killed.
+    Kill,
 }
 
 /// Why the drives are alone.
@@ -58,8 +71,11 @@ impl Iron {
         for (keeps, spindle) in keeps_turns.iter_mut().zip(&file.spindles) {
             *keeps = spindle.encoder_keeps_turns && !args.single_turn;
         }
-        let mut cuts: Vec<_> = args.power_cut_at.iter().copied().map(Time::s).collect();
-        cuts.sort_by(|a, b| b.value().total_cmp(&a.value()));
+        let latest_first = |times: &[f64]| {
+            let mut times: Vec<_> = times.iter().copied().map(Time::s).collect();
+            times.sort_by(|a, b| b.value().total_cmp(&a.value()));
+            times
+        };
         let drives = &file.drives;
         Ok(Self {
             name: file.name.clone(),
@@ -80,7 +96,8 @@ impl Iron {
             turns_lost: [false; SPINDLES],
             stop: Stop::None,
             last: Command::default(),
-            cuts,
+            cuts: latest_first(&args.power_cut_at),
+            kills: latest_first(&args.kill_control_at),
             sessions: 0,
             off_helix: Length::ZERO,
             force_n: 0.0,
@@ -129,11 +146,15 @@ impl Iron {
         Observed { feedback, truth }
     }
 
-    /// Obey for a period; false: the power was cut instead.
-    pub(super) fn obey(&mut self, command: &Command) -> bool {
-        if self.cuts.last().is_some_and(|at| *at <= self.machine.feedback().time) {
-            self.cuts.pop();
-            return false;
+    /// Obey for a period, unless something happens instead.
+    pub(super) fn obey(&mut self, command: &Command) -> Obeyed {
+        let now = self.machine.feedback().time;
+        let due = |times: &mut Vec<Time>| times.pop_if(|at| *at <= now).is_some();
+        if due(&mut self.cuts) {
+            return Obeyed::PowerCut;
+        }
+        if due(&mut self.kills) {
+            return Obeyed::Kill;
         }
         self.last = *command;
         self.machine.exchange(command);
@@ -143,7 +164,7 @@ impl Iron {
         if let Some(off) = self.machine.off_helix().filter(|_| command.coupled.is_some()) {
             self.off_helix = self.off_helix.max(off.abs());
         }
-        true
+        Obeyed::Done
     }
 
     /// The drives are alone: until everything stands. What an encoder does not keep without power is gone then.

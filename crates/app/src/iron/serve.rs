@@ -1,5 +1,5 @@
 //! One control after the other.
-use super::machine::{Alone, Iron};
+use super::machine::{Alone, Iron, Obeyed};
 use crate::refused::Refused;
 use crate::{clock, say};
 use std::os::unix::net::{UnixListener, UnixStream};
@@ -54,6 +54,7 @@ fn session(iron: &mut Iron, stream: UnixStream) -> Result<After, Error> {
     stream.set_read_timeout(Some(PATIENCE))?;
     let pace = stream.try_clone()?;
     let mut port = Port::new(stream);
+    let control;
     match port.take()? {
         Message::Order(order) => {
             if order == Order::PowerCut {
@@ -70,7 +71,10 @@ fn session(iron: &mut Iron, stream: UnixStream) -> Result<After, Error> {
             )))?;
             return Ok(After::Next);
         }
-        Message::Hello(_) => port.send(&Message::Welcome(iron.welcome()))?,
+        Message::Hello(hello) => {
+            control = hello.process;
+            port.send(&Message::Welcome(iron.welcome()))?;
+        }
         Message::Welcome(_)
         | Message::Refused(_)
         | Message::Command(_)
@@ -81,10 +85,10 @@ fn session(iron: &mut Iron, stream: UnixStream) -> Result<After, Error> {
         }
     }
     let ended = if iron.real_time {
-        in_real_time(iron, &mut port, &pace)
+        in_real_time(iron, &mut port, &pace, control)
     } else {
         pace.set_read_timeout(None)?;
-        in_lock_step(iron, &mut port)
+        in_lock_step(iron, &mut port, control)
     };
     iron.leave_alone(if matches!(ended, Ok(())) { Alone::Power } else { Alone::Link });
     match ended {
@@ -111,12 +115,25 @@ fn command(message: Message) -> Result<bus::Command, Error> {
     }
 }
 
+/// Kill the control as nobody can prevent; what the drives see of it.
+fn kill(control: u32) -> Result<(), Error> {
+    let pid = control.to_string();
+    let killed =
+        std::process::Command::new("sh").args(["-c", "kill -KILL \"$0\"", &pid]).status()?;
+    if !killed.success() {
+        return Err(Error::Refused(format!("the control, process {pid}, cannot be killed")));
+    }
+    Err(Error::Gone(std::io::ErrorKind::UnexpectedEof.into()))
+}
+
 /// Time waits for the control. Returns when the power is cut.
-fn in_lock_step(iron: &mut Iron, port: &mut Port<UnixStream>) -> Result<(), Error> {
+fn in_lock_step(iron: &mut Iron, port: &mut Port<UnixStream>, control: u32) -> Result<(), Error> {
     loop {
         let order = command(port.take()?)?;
-        if !iron.obey(&order) {
-            return Ok(());
+        match iron.obey(&order) {
+            Obeyed::Done => {}
+            Obeyed::PowerCut => return Ok(()),
+            Obeyed::Kill => return kill(control),
         }
         port.send(&Message::Observed(iron.observed()))?;
     }
@@ -127,6 +144,7 @@ fn in_real_time(
     iron: &mut Iron,
     port: &mut Port<UnixStream>,
     pace: &UnixStream,
+    control: u32,
 ) -> Result<(), Error> {
     let period = Duration::from_secs_f64(iron.period().value());
     let mut last = bus::Command::default();
@@ -151,8 +169,10 @@ fn in_real_time(
         if silent.as_secs_f64() > iron.watchdog.value() {
             return Err(Error::Refused("silent for longer than the drives' watchdog".into()));
         }
-        if !iron.obey(&last) {
-            return Ok(());
+        match iron.obey(&last) {
+            Obeyed::Done => {}
+            Obeyed::PowerCut => return Ok(()),
+            Obeyed::Kill => return kill(control),
         }
         if answer {
             port.send(&Message::Observed(iron.observed()))?;

@@ -96,7 +96,7 @@ fn welcome() -> Welcome {
 }
 
 fn hello() -> Hello {
-    Hello { name: "test".into(), machine: "tapping-center".into() }
+    Hello { name: "test".into(), machine: "tapping-center".into(), process: 99 }
 }
 
 fn every_message() -> Vec<Message> {

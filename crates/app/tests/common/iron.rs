@@ -1,0 +1,139 @@
+//! An iron as a process of its own, a folder for its state, and programs for it.
+use super::root;
+use serde_json::Value;
+use std::io::{BufRead, BufReader};
+use std::path::PathBuf;
+use std::process::{Child, Command, Output, Stdio};
+use tempfile::TempDir;
+
+/// A running iron; it ends with the test.
+pub(crate) struct Iron {
+    process: Child,
+    pub(crate) folder: TempDir,
+}
+
+/// One M8 tap, 20 mm deep at 1000 rpm; `hand` is the cycle.
+pub(crate) fn one_tap(hand: &str, tool: u32) -> String {
+    let turn = if hand == "G74" { "M4" } else { "M3" };
+    format!(
+        "G21 G90 G54 G17\nT{tool} M6\nS1000 {turn}\nG0 X0 Y0\nG43 H{tool} Z20\nG99 {hand} X0 Y0 Z-20 R5 F1250\nG80\nG0 Z50\nM2\n"
+    )
+}
+
+/// The shop's tools, and a left-hand M8.
+pub(crate) fn tools() -> String {
+    let left = r#"
+[[tool]]
+number = 41
+pocket = 41
+kind = "tap"
+description = "M8 left hand, rigid collet"
+diameter_mm = 8.0
+length_mm = 115.0
+thread = "M8x1.25-LH"
+chamfer_pitches = 2.5
+thread_length_mm = 30.0
+flute = "spiral-flute"
+oversize_um = 45.0
+holder = { kind = "rigid", stiffness_n_per_um = 20.0 }
+"#;
+    std::fs::read_to_string(root().join("programs/tools.toml")).unwrap() + left
+}
+
+impl Iron {
+    /// Start one, with these options beside its socket.
+    pub(crate) fn start(options: &[&str]) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("tools.toml"), tools()).unwrap();
+        let mut process = Command::new(env!("CARGO_BIN_EXE_leadscrew"))
+            .args(["iron", "--listen"])
+            .arg(folder.path().join("iron"))
+            .arg("--tools")
+            .arg(folder.path().join("tools.toml"))
+            .args(options)
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut line = String::new();
+        BufReader::new(process.stdout.take().unwrap()).read_line(&mut line).unwrap();
+        assert!(line.starts_with("listening at"), "{line}");
+        Self { process, folder }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn leadscrew(&self, arguments: &[&str]) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_leadscrew"))
+            .args(arguments)
+            .env("NO_COLOR", "1")
+            .output()
+            .unwrap()
+    }
+
+    /// Run a program on it, with further options.
+    pub(crate) fn run(&self, program: &str, options: &[&str]) -> Output {
+        let file = self.path("part.ngc");
+        std::fs::write(&file, program).unwrap();
+        let (iron, state, tools) = (self.path("iron"), self.path("state"), self.path("tools.toml"));
+        let mut arguments = vec![
+            "run",
+            file.to_str().unwrap(),
+            "--iron",
+            iron.to_str().unwrap(),
+            "--state",
+            state.to_str().unwrap(),
+            "--tools",
+            tools.to_str().unwrap(),
+            "-q",
+            "--format",
+            "json",
+        ];
+        arguments.extend(options);
+        self.leadscrew(&arguments)
+    }
+
+    /// Recover; the answer.
+    pub(crate) fn recover(&self, options: &[&str]) -> Value {
+        let (iron, state) = (self.path("iron"), self.path("state"));
+        let mut arguments = vec![
+            "recover",
+            "--iron",
+            iron.to_str().unwrap(),
+            "--state",
+            state.to_str().unwrap(),
+            "--format",
+            "json",
+        ];
+        arguments.extend(options);
+        let output = self.leadscrew(&arguments);
+        serde_json::from_slice(&output.stdout).unwrap_or_else(|e| {
+            panic!("{e}: {}{}", super::said(&output), super::complained(&output))
+        })
+    }
+
+    /// How it is.
+    pub(crate) fn status(&self) -> Value {
+        let output = self.leadscrew(&["iron", "--status", self.path("iron").to_str().unwrap()]);
+        serde_json::from_slice(&output.stdout).unwrap()
+    }
+
+    /// Where its state is kept.
+    pub(crate) fn state(&self) -> PathBuf {
+        self.path("state")
+    }
+}
+
+impl Drop for Iron {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+/// A number of an answer.
+#[track_caller]
+pub(crate) fn number(value: &Value, key: &str) -> f64 {
+    value[key].as_f64().unwrap_or_else(|| panic!("no number {key} in {value:#}"))
+}
