@@ -59,9 +59,10 @@ pub(crate) fn run(binary: &Path, count: u32, seed: u64) -> Result<bool, String> 
                 // the tap is in its cycle from 1.75 s to 4.3 s
                 let part = 2.55 / f64::from(count);
                 let at = 1.75 + part * (f64::from(case) + (random % 1000) as f64 / 1000.0);
-                let stop = [&[option, &format!("{at:.6}")][..], options].concat();
+                let at = format!("{at:.6}");
+                let stop = [&[option, &at][..], options].concat();
                 trial(binary, &stop, tool, turn, &mut row).unwrap_or_else(|why| {
-                    row.problems.push(format!("{name}, {hand}, {at:.6} s: {why}"))
+                    row.problems.push(format!("{name}, {hand}, {at} s: {why}"))
                 });
             }
             println!(

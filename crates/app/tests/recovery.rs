@@ -82,3 +82,123 @@ fn a_control_that_is_killed_in_a_left_hand_tap_is_recovered_at_any_instant() {
         assert!(answer["hand"] == "left", "{answer:#}");
     }
 }
+
+#[test]
+fn drives_that_stop_apart_leave_an_error_that_recovery_mends() {
+    let (from, to) = stroke("G84", 11);
+    let at = from + 0.3 * (to - from);
+    let quick = killed("G84", 11, at, &["--on-link-loss", "quick-stop"]);
+    let before = number(&quick, "phase_error_before_um").abs();
+    assert!((50.0..600.0).contains(&before), "{quick:#}");
+    let coupled = killed("G84", 11, at, &[]);
+    assert!(number(&coupled, "phase_error_before_um").abs() < 40.0, "{coupled:#}");
+}
+
+#[test]
+fn a_power_cut_is_recovered_and_without_turns_only_where_the_turn_can_be_shown() {
+    let (from, to) = stroke("G84", 11);
+    let at = format!("{:.6}", from + 0.3 * (to - from));
+    let cut = ["--power-cut-at", &at];
+    recovered(&Iron::start(&cut), "G84", 11, &at);
+    let shown = recovered(&Iron::start(&[&cut[..], &["--single-turn"]].concat()), "G84", 11, &at);
+    assert_eq!(number(&shown, "phase_error_bound_um"), 300.0);
+    let coasting = ["--single-turn", "--on-power-loss", "coast"];
+    let iron = Iron::start(&[&cut[..], &coasting].concat());
+    iron.run(&one_tap("G84", 11), &[]);
+    let refused = iron.recover(&[]);
+    assert_eq!(refused["outcome"], "refused");
+    let reason = refused["reason"].as_str().unwrap();
+    assert!(reason.contains("half a lead, 0.625 mm") && reason.contains("coasted"), "{reason}");
+    let still = iron.status();
+    assert!(still["tap_in_thread"] == true && still["tool_broken"] == false, "{still:#}");
+}
+
+#[test]
+fn while_a_tap_is_in_its_hole_nothing_but_recovery_moves() {
+    let (from, to) = stroke("G84", 11);
+    let iron = Iron::start(&["--kill-control-at", &format!("{:.6}", from + 0.4 * (to - from))]);
+    iron.run(&one_tap("G84", 11), &[]);
+    let before = iron.status();
+    let refused = iron.run(&one_tap("G84", 11), &[]);
+    let said = complained(&refused);
+    assert_eq!(refused.status.code(), Some(2), "{said}");
+    assert!(
+        said.contains("tool 11 is in hole 1") && said.contains("leadscrew recover --iron"),
+        "{said}"
+    );
+    assert_eq!(iron.recover(&["--dry-run"])["outcome"], "recovered");
+    assert_eq!(before["spindle_rev"], iron.status()["spindle_rev"], "something has moved");
+    assert_eq!(iron.recover(&[])["outcome"], "recovered");
+    assert_eq!(iron.recover(&[])["outcome"], "nothing-to-do");
+    let again = iron.run(&one_tap("G84", 11), &["--from", "hole 1"]);
+    let said_again = common::said(&again);
+    assert_eq!(again.status.code(), Some(0), "{}{}", said_again, complained(&again));
+}
+
+#[test]
+fn a_recovery_that_is_killed_is_begun_again() {
+    let (from, to) = stroke("G84", 11);
+    let first = from + 0.4 * (to - from);
+    // the iron runs down within a tenth of a second; the way out takes several
+    let times = [first, first + 0.8, first + 1.6].map(|t| format!("{t:.6}")).join(",");
+    let iron = Iron::start(&["--kill-control-at", &times, "--on-link-loss", "quick-stop"]);
+    iron.run(&one_tap("G84", 11), &[]);
+    for _ in 0..2 {
+        assert!(iron.recover_killed(), "it was not killed");
+        assert_eq!(iron.status()["tap_in_thread"], true);
+    }
+    let answer = iron.recover(&[]);
+    let after = iron.status();
+    assert_eq!(answer["outcome"], "recovered", "{answer:#}");
+    assert!(after["tool_broken"] == false && after["tap_in_thread"] == false, "{after:#}");
+}
+
+#[test]
+fn a_record_that_is_damaged_stops_everything_until_somebody_has_looked() {
+    let (from, to) = stroke("G84", 11);
+    let iron = Iron::start(&["--kill-control-at", &format!("{:.6}", from + 0.4 * (to - from))]);
+    iron.run(&one_tap("G84", 11), &[]);
+    for name in ["sync-record.a", "sync-record.b"] {
+        let path = iron.state().join(name);
+        if let Ok(mut bytes) = std::fs::read(&path) {
+            bytes[40] ^= 4;
+            std::fs::write(&path, bytes).unwrap();
+        }
+    }
+    let run = iron.run(&one_tap("G84", 11), &[]);
+    assert_eq!(run.status.code(), Some(2));
+    assert!(complained(&run).contains("its checksum does not fit"), "{}", complained(&run));
+    assert_eq!(iron.recover(&[])["outcome"], "refused");
+    assert_eq!(iron.recover(&["--discard-record"])["outcome"], "nothing-to-do");
+    assert_eq!(iron.recover(&[])["outcome"], "nothing-to-do");
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_keeps_the_tap_out_of_the_work() {
+    let iron = Iron::start(&[]);
+    std::fs::create_dir(iron.state()).unwrap();
+    std::os::unix::fs::symlink("/dev/full", iron.state().join("sync-record.new")).unwrap();
+    let output = iron.run(&one_tap("G84", 11), &[]);
+    assert_eq!(output.status.code(), Some(3), "{}", complained(&output));
+    assert!(complained(&output).contains("No space left on device"), "{}", complained(&output));
+    assert!(said(&output).contains("308"), "{}", said(&output));
+    let after = iron.status();
+    assert!(after["threads"].as_array().unwrap().is_empty(), "{after:#}");
+}
+
+#[test]
+fn what_the_iron_cuts_is_what_the_machine_within_the_process_cuts() {
+    let features = |output: &std::process::Output| -> Value {
+        let mut value: Value = serde_json::from_slice(&output.stdout).unwrap();
+        value["features"].take()
+    };
+    let iron = Iron::start(&[]);
+    let outside = iron.run(&one_tap("G84", 11), &[]);
+    let file = iron.folder.path().join("part.ngc");
+    let inside = common::leadscrew(&["run", file.to_str().unwrap(), "-q", "--format", "json"]);
+    let depth = |features: &Value| number(&features[0], "depth_error_um");
+    let (a, b) = (features(&outside), features(&inside));
+    assert_eq!(a[0]["verdict"], "pass");
+    assert!((depth(&a) - depth(&b)).abs() < 0.5, "{a:#} {b:#}");
+}

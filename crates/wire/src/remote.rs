@@ -9,7 +9,7 @@ use units::Time;
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The stream is.
-    #[error("the connection is gone: {0}")]
+    #[error("the connection is gone: {}", in_words(.0))]
     Gone(#[from] io::Error),
     /// The frame begins with other bytes.
     #[error("a frame is foreign: it does not begin as one")]
@@ -48,6 +48,19 @@ pub enum Error {
     /// The other end says no, and why.
     #[error("{0}")]
     Refused(String),
+}
+
+/// What the system says, where that is not what people say.
+fn in_words(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::UnexpectedEof
+        | io::ErrorKind::BrokenPipe
+        | io::ErrorKind::ConnectionReset => "the other end has closed it".into(),
+        io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut => {
+            "the other end does not answer".into()
+        }
+        _ => error.to_string(),
+    }
 }
 
 /// One end: sends frames and takes frames, each in sequence.

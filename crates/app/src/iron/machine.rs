@@ -158,13 +158,18 @@ impl Iron {
         }
         self.last = *command;
         self.machine.exchange(command);
-        if let Some(truth) = self.machine.truth() {
-            self.force_n = self.force_n.max(truth.cutting_force.value().abs());
-        }
+        self.feel();
         if let Some(off) = self.machine.off_helix().filter(|_| command.coupled.is_some()) {
             self.off_helix = self.off_helix.max(off.abs());
         }
         Obeyed::Done
+    }
+
+    /// Remember the largest force on the tap.
+    fn feel(&mut self) {
+        if let Some(truth) = self.machine.truth() {
+            self.force_n = self.force_n.max(truth.cutting_force.value().abs());
+        }
     }
 
     /// The drives are alone: until everything stands. What an encoder does not keep without power is gone then.
@@ -185,6 +190,7 @@ impl Iron {
             }
             let command = drives.command(&now);
             self.machine.exchange(&command);
+            self.feel();
         }
         if moved {
             self.stop = match reaction {

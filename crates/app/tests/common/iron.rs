@@ -1,5 +1,5 @@
 //! An iron as a process of its own, a folder for its state, and programs for it.
-use super::root;
+use crate::common::{complained, root, said};
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
@@ -109,8 +109,15 @@ impl Iron {
         arguments.extend(options);
         let output = self.leadscrew(&arguments);
         serde_json::from_slice(&output.stdout).unwrap_or_else(|e| {
-            panic!("{e}: {}{}", super::said(&output), super::complained(&output))
+            panic!("{e}: {}{}", said(&output), complained(&output))
         })
+    }
+
+    /// Recover, and be killed at it.
+    pub(crate) fn recover_killed(&self) -> bool {
+        let (iron, state) = (self.path("iron"), self.path("state"));
+        let [iron, state] = [&iron, &state].map(|path| path.to_str().unwrap());
+        self.leadscrew(&["recover", "--iron", iron, "--state", state]).status.code().is_none()
     }
 
     /// How it is.
