@@ -108,9 +108,8 @@ impl Iron {
         ];
         arguments.extend(options);
         let output = self.leadscrew(&arguments);
-        serde_json::from_slice(&output.stdout).unwrap_or_else(|e| {
-            panic!("{e}: {}{}", said(&output), complained(&output))
-        })
+        serde_json::from_slice(&output.stdout)
+            .unwrap_or_else(|e| panic!("{e}: {}{}", said(&output), complained(&output)))
     }
 
     /// Recover, and be killed at it.
