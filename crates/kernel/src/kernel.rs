@@ -255,7 +255,15 @@ impl Kernel {
         self.faults.clear();
         (self.activity, self.begun, self.mode) = (Activity::Idle, false, Mode::New);
         (self.operator, self.aborted, self.reported) = (Operator::new(), false, None);
+        self.report.state = State::Idle;
         self.recovering = Some(Recovering::new(plan, self.now));
+    }
+
+    /// After a recovery: execute steps again, from where everything stands.
+    pub fn go_on(&mut self) {
+        if self.recovering.take_if(|recovering| recovering.is_done()).is_some() {
+            self.operator = Operator::new();
+        }
     }
 
     /// Nothing moves any more, by the setpoints, and nothing is about to.

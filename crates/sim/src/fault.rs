@@ -15,7 +15,7 @@
 //! |---|---|
 //! | power cut | mains and controller are gone; what the drives still do lives on the DC bus and on what turns |
 //! | kill | no command arrives any more; after their watchdog's time the drives stop by themselves |
-//! | emergency stop | its chain opens |
+//! | emergency stop | its chain opens: the drives stop by themselves, as in a kill, then their outputs are off |
 //! | drive fault | one drive is off from then on |
 //! | lost index | the index mark is never seen |
 //! | encoder slip | the spindle's reading is off by so much from then on |
@@ -328,7 +328,8 @@ impl<M: Machine> Machine for Faulty<M> {
 
     fn exchange(&mut self, command: &Command) -> Feedback {
         self.trip();
-        if self.is_abandoned() {
+        // a chain that opens has the drives stop by themselves, whatever the control says
+        if self.is_abandoned() || self.has(|fault| matches!(fault, Fault::EmergencyStop)) {
             return self.wait();
         }
         let order = self.order(command);

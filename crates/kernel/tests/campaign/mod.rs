@@ -89,7 +89,7 @@ impl Bench {
             watchdog: Time::s(5e-3),
             on_silence: reaction,
             on_power_loss: reaction,
-            bus: (reaction == Reaction::CoupledStop).then_some(bus),
+            bus: (reaction != Reaction::Coast).then_some(bus),
         };
         let mut kernel = Kernel::new(control(&model));
         for kind in tapping(&work.order).into_iter().skip(1) {
