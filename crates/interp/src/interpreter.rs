@@ -6,6 +6,7 @@ use crate::{
     fault::{Outcome, error},
     flow::Frame,
     outline::Outline,
+    reread::Reread,
     setup::{Limits, Parameters, Setup},
 };
 use diag::{Diagnostic, Span};
@@ -59,6 +60,7 @@ pub struct Interpreter<'s> {
     pub(crate) errors: usize,
     /// Numbers and values of the block's settings, before any is set.
     settings: Vec<(Option<f64>, f64)>,
+    reread: Reread,
     /// More of the program follows this piece of it.
     more_follows: bool,
     /// The piece is over.
@@ -100,6 +102,7 @@ impl<'s> Interpreter<'s> {
             seen: HashSet::new(),
             errors: 0,
             settings: Vec::new(),
+            reread: Reread::default(),
             more_follows: false,
             piece_over: false,
         }
@@ -162,7 +165,7 @@ impl<'s> Interpreter<'s> {
     }
 
     fn block<S: Sink>(&mut self, sink: &mut S) -> Outcome {
-        if !self.parsers[self.file].next(&mut self.block) {
+        if !self.next_block() {
             if self.more_follows {
                 self.piece_over = true;
                 return Ok(());
@@ -214,6 +217,15 @@ impl<'s> Interpreter<'s> {
             After::Call(number, times) => self.call_program(number, times),
             After::Return => self.return_from_program(sink),
         }
+    }
+
+    /// Read on; what has O-words is perhaps read again.
+    fn next_block(&mut self) -> bool {
+        let parser = &mut self.parsers[self.file];
+        if self.outlines[self.file].is_none() {
+            return parser.next(&mut self.block);
+        }
+        self.reread.next(self.file, parser, &mut self.block)
     }
 
     /// Set the block's parameters: all values are computed before any is set.

@@ -56,6 +56,7 @@ mod outputs;
 mod pieces;
 mod polygon;
 mod probe;
+mod reread;
 mod resolve;
 mod rigid;
 mod setup;
