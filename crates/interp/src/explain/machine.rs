@@ -84,6 +84,38 @@ pub(super) const ROWS: &[Finding] = &[
         "o1 while [#1 LT 5]\n#1=[#1+1]\no1 endwhile",
     ),
     row(
+        "I0804",
+        "Polygon turning needs the turns of the work and of the tool.",
+        "G51.2 P1",
+        "G51.2 P1 Q2\nG50.2",
+    ),
+    row(
+        "I0805",
+        "The turns of polygon turning are whole numbers.",
+        "G51.2 P0 Q2",
+        "G51.2 P1 Q2\nG50.2",
+    ),
+    row(
+        "I0806",
+        "The control chooses the oscillation, or the program writes it.",
+        "G51.2 P1 Q2 D0 K5",
+        "G51.2 P1 Q2\nG50.2",
+    ),
+    row("I0807", "Polygon turning ends that was not begun.", "G50.2", "G51.2 P1 Q2\nG50.2"),
+    row(
+        "I0808",
+        "The oscillation is counted by the inserts of a polygon cutter, and none is in the spindle.",
+        "G51.2 P1 Q2 K5",
+        "G51.2 P1 Q2\nG50.2",
+    ),
+    row("I0809", "The inserts do not pass the work a whole number of times a turn.", "", ""),
+    row(
+        "I0810",
+        "The oscillation counts in the distance of the axes, which is not above zero here.",
+        "",
+        "",
+    ),
+    row(
         "I0901",
         "A subprogram is never called.",
         "o<a> sub\no<a> endsub\nG0 X1",

@@ -1,7 +1,7 @@
 //! What is found beside the program's own meaning: by the planner (M), in files (S), by command line and editor (A).
 
 /// Code and sentence, by rising code.
-pub const SENTENCES: &[(&str, &str)] = &[
+pub(crate) const SENTENCES: &[(&str, &str)] = &[
     (
         "A0101",
         "A tool is not in the table: a stand-in of no length takes its place (`--missing-tools stand-in`).",
@@ -41,12 +41,21 @@ pub const SENTENCES: &[(&str, &str)] = &[
     ("M0333", "A tap needs a depth, a lead and a speed above zero."),
     ("M0334", "The tap lies along another axis than the spindle holds it."),
     ("M0335", "The tap would meet a drilled hole beside its centre."),
+    (
+        "M0336",
+        "The spindle's drive is only told a speed: where it stops is not known well enough for this hole.",
+    ),
+    ("M0337", "The drive of this spindle is only told a speed, and cannot stop at an angle."),
     ("M0340", "A clutch holder does not work with this dwell; the dwell that works is said."),
     ("M0341", "A clutch holder pulls the tap in farther than the stroke is long."),
     ("M0342", "An unsynchronised tap pulls its holder out farther than it gives."),
     ("M0343", "A word that only a synchronised tap can obey."),
     ("M0350", "Chips would be thrown off at a speed that the spindle does not reach."),
     ("M0351", "Chips are thrown off against the cut."),
+    ("M0401", "Polygon turning needs a work spindle and a tool spindle."),
+    ("M0402", "The ratio of polygon turning is not of whole numbers above zero."),
+    ("M0403", "The work spindle stands, and the tool spindle shall follow it."),
+    ("M0404", "The tool spindle would turn faster than it can; the speed that works is said."),
     ("S0401", "The file is not TOML."),
     ("S0402", "An unknown key, and the one that was perhaps meant."),
     ("S0403", "A key or a section is missing."),
