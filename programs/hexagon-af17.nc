@@ -6,7 +6,7 @@ T21 M6
 G43 H21
 G0 X75 Y0 Z5
 M3 S500
-G51.2 P1 Q2 R0 K0.81     (two turns of the cutter for one of the work; its phase swings)
+G51.2 P1 Q2 R0 D0     (two turns of the cutter for one of the work; D0: the control chooses what swings)
 G0 X58.5 Z2
 G1 Z-20 F50
 G0 X75

@@ -5,7 +5,7 @@ T22 M6
 G43 H22
 G0 X85 Y0 Z5
 M3 S500
-G51.2 P1 Q2 R0 K2.15     (two turns of the cutter for one of the work; its phase swings)
+G51.2 P1 Q2 R0 D0     (two turns of the cutter for one of the work; D0: the control chooses what swings)
 G0 X65 Z2
 G1 Z-20 F50
 G0 X85

@@ -223,7 +223,7 @@ fn run_once(
         ..wiring::judge(&session.machine, &session.tools, material, &zero)
     };
     let simulation = Simulation {
-        ops: Ops::new(text, &setup),
+        ops: Ops::new(text, &setup, session.auto()),
         planner: planner(&session, options),
         kernel: kernel::Kernel::new(wiring::control(&session.machine, None, false)),
         machine: crate::plant::Plant::Inside(Box::new(iron)),

@@ -7,6 +7,7 @@
 //!        ├► iron      the simulated machine as a process of its own
 //!        ├► recover   what is known of a tap in the work, and the way out
 //!        ├► compare   the same holes with a clutch holder and without, on a spindle that scatters
+//!        ├► polygon   forms: from a form to the block that cuts it
 //!        ├► canon     session ─► interp, printed
 //!        ├► fmt       gcode
 //!        ├► codes     interp's tables
@@ -34,6 +35,7 @@ mod machine;
 mod papers;
 mod pieces;
 mod plant;
+mod polygon;
 mod preflight;
 mod program;
 mod recover;
@@ -91,6 +93,7 @@ fn execute(cli: &Cli) -> Result<ExitCode, Refused> {
         Command::Recover(args) => Ok(accepted(recover::command(args)?)),
         Command::Compare(args) => compare::command(args, cli.quiet).map(|()| ExitCode::SUCCESS),
         Command::Time(args) => Ok(accepted(time::command(args, cli.quiet)?)),
+        Command::Polygon(args) => polygon::command(args, cli.quiet).map(|()| ExitCode::SUCCESS),
         Command::Check(args) => Ok(accepted(check::command(args, cli.quiet)?)),
         Command::Canon(args) => Ok(accepted(canonical::command(args)?)),
         Command::Fmt(args) => Ok(accepted(format::command(args, cli.quiet)?)),

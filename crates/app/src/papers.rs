@@ -6,6 +6,7 @@ use crate::simulate::Outcome;
 use report::{Alarm, Limits, Note, Origin, Run};
 use store::certificate::{Certificate, Measured};
 use store::output::Folder;
+use store::solid::{Slice, dxf, radii, stl};
 
 /// The certificate of a run.
 pub(crate) fn certificate(job: &Job, outcome: &Outcome) -> Certificate {
@@ -44,6 +45,32 @@ pub(crate) fn write_certificate(
     certificate: &Certificate,
 ) -> Result<(), store::Error> {
     folder.write(store::output::CERTIFICATE, certificate.to_json().as_bytes())
+}
+
+/// Each polygon as a solid and as a cross-section: `polygon-1.stl`, `polygon-1.dxf`.
+pub(crate) fn write_solids(
+    folder: &Folder,
+    job: &Job,
+    outcome: &Outcome,
+) -> Result<(), store::Error> {
+    /// Directions in which a solid's radius is stated: half a degree.
+    const DIRECTIONS: usize = 720;
+    let zero = job.session.work_zero().linear[2];
+    let polygons = outcome.features.iter().filter_map(|f| match &f.kind {
+        verify::FeatureKind::Polygon(polygon) if polygon.sections.len() > 1 => Some(polygon),
+        _ => None, // no other feature has an outline
+    });
+    for (number, polygon) in (1..).zip(polygons) {
+        let slices: Vec<Slice> = polygon
+            .sections
+            .iter()
+            .filter_map(|s| Some(Slice { z: s.z - zero, radii: radii(&s.outline(), DIRECTIONS)? }))
+            .collect();
+        folder.write(&format!("polygon-{number}.stl"), &stl(&slices))?;
+        let middle = &polygon.sections[polygon.sections.len() / 2];
+        folder.write(&format!("polygon-{number}.dxf"), dxf(&middle.outline()).as_bytes())?;
+    }
+    Ok(())
 }
 
 /// The page that a process engineer pins to the job.

@@ -4,6 +4,7 @@
 //! come out at once, with the planned time; tools that the table lacks get their stand-ins here if the user
 //! allows them.
 use crate::args::MissingTools;
+use crate::program::Ops;
 use crate::session::Session;
 use canon::{OpKind, Tool, ToolKind};
 use diag::{Diagnostic, Severity};
@@ -43,12 +44,12 @@ pub(crate) fn preflight_with(
     }
     let setup = session.interp_setup();
     let mut planner = planner(session, options);
-    let mut ops = interp::Ops::new(source, &setup);
-    for (index, op) in ops.by_ref().enumerate() {
-        planner.push(index as u32, &op, look);
+    let mut ops = Ops::new(source, &setup, session.auto());
+    for (index, op) in ops.by_ref() {
+        planner.push(index, &op, look);
     }
     planner.finish(look);
-    findings.extend(ops.diagnostics().iter().cloned());
+    findings.extend(ops.diagnostics());
     findings.extend(planner.take_findings());
     findings.sort_by_key(|f| (f.span.file, f.span.start, f.severity != Severity::Error));
     Preflight { findings, planned: planner.duration() }

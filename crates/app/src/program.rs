@@ -1,28 +1,56 @@
-//! A program's operations, numbered in the order in which they come.
-use canon::Op;
+//! A program's operations, numbered in the order in which they come; what G51.2 leaves to the control is filled in.
+use crate::polygon::auto::Auto;
+use canon::{Op, OpKind};
+use diag::Diagnostic;
+use std::collections::VecDeque;
+
+/// Operations that are looked at ahead for where a polygon is cut.
+const LOOK_AHEAD: usize = 1000;
 
 /// Operations with their index.
 pub(crate) struct Ops<'a> {
     ops: interp::Ops<'a>,
+    ahead: VecDeque<Op>,
+    auto: Auto<'a>,
     next: u32,
     prelude: std::vec::IntoIter<Op>,
 }
 
 impl<'a> Ops<'a> {
     /// Of a program.
-    pub(crate) fn new(source: &'a [u8], setup: &'a interp::Setup) -> Self {
-        Self { ops: interp::Ops::new(source, setup), next: 0, prelude: Vec::new().into_iter() }
+    pub(crate) fn new(source: &'a [u8], setup: &'a interp::Setup, auto: Auto<'a>) -> Self {
+        let ops = interp::Ops::new(source, setup);
+        Self { ops, ahead: VecDeque::new(), auto, next: 0, prelude: Vec::new().into_iter() }
     }
 
     /// The same, begun in the middle.
     pub(crate) fn begun_at(mut self, restart: Option<&crate::restart::Restart>) -> Self {
         if let Some(restart) = restart {
             for _ in 0..restart.skip {
-                self.ops.next();
+                if let Some(op) = self.ops.next() {
+                    self.auto.see(&op.kind);
+                }
             }
             self.prelude = restart.prelude.clone().into_iter();
         }
         self
+    }
+
+    /// What was found so far.
+    pub(crate) fn diagnostics(&self) -> Vec<Diagnostic> {
+        self.ops.diagnostics().iter().chain(self.auto.findings()).cloned().collect()
+    }
+
+    /// The operations up to the first cut after a polygon's beginning.
+    fn look_ahead(&mut self) {
+        while self.ahead.len() < LOOK_AHEAD {
+            let Some(op) = self.ops.next() else { return };
+            let is_cut = matches!(op.kind, OpKind::Line { .. } | OpKind::PolygonEnd | OpKind::End);
+            self.ahead.push_back(op);
+            if is_cut {
+                return;
+            }
+        }
     }
 }
 
@@ -30,7 +58,18 @@ impl Iterator for Ops<'_> {
     type Item = (u32, Op);
 
     fn next(&mut self) -> Option<Self::Item> {
-        let op = self.prelude.next().or_else(|| self.ops.next())?;
+        let mut op = self.prelude.next().or_else(|| self.ahead.pop_front()).or_else(|| self.ops.next())?;
+        self.auto.see(&op.kind);
+        if let OpKind::Polygon(polygon) = &mut op.kind
+            && polygon.auto.is_some()
+        {
+            self.look_ahead();
+            let cut = self.ahead.iter().find_map(|op| match op.kind {
+                OpKind::Line { to, .. } => Some(to.linear[0]),
+                _ => None,
+            });
+            self.auto.fill(polygon, cut, op.span);
+        }
         let index = self.next;
         self.next += 1;
         Some((index, op))

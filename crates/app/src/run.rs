@@ -92,6 +92,7 @@ pub(crate) fn command(args: &RunArgs, quiet: bool) -> Result<Ending, Refused> {
         let page = papers::report(&job, &outcome, &known);
         folder.write("report.html", page.as_bytes())?;
         papers::write_certificate(&folder, &certificate)?;
+        papers::write_solids(&folder, &job, &outcome)?;
         interrupt::refuse()?;
         folder.finish()?;
     }
@@ -214,7 +215,7 @@ impl Job {
         let mut kernel = kernel::Kernel::new(wiring::control(machine, self.mode, learns));
         kernel.recall(self.memory.as_ref().map_or_else(Vec::new, |m| m.lessons.clone()));
         let simulation = Simulation {
-            ops: Ops::new(&self.text, &setup).begun_at(self.restart.as_ref()),
+            ops: Ops::new(&self.text, &setup, self.session.auto()).begun_at(self.restart.as_ref()),
             planner: planner(&self.session, self.options),
             kernel,
             machine: plant,

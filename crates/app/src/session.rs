@@ -130,6 +130,12 @@ impl Session {
         zero
     }
 
+    /// Who computes the oscillations that a program leaves to the control.
+    pub(crate) fn auto(&self) -> crate::polygon::auto::Auto<'_> {
+        let axis = self.work_zero().linear[0];
+        crate::polygon::auto::Auto::new(&self.machine, &self.tools, axis)
+    }
+
     /// The same as a stand-alone interpreter has it: no machine, so no work offsets but those of a parameter
     /// file, and the axes at zero.
     pub(crate) fn bare_setup(&self) -> interp::Setup {

@@ -13,6 +13,7 @@ pub mod learning;
 pub mod machine;
 pub mod output;
 pub mod parameters;
+pub mod solid;
 pub mod sync_record;
 pub mod tools;
 pub mod trace;

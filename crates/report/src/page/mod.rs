@@ -15,18 +15,20 @@ mod comparison;
 mod features;
 mod figures;
 mod notes;
+mod polygon;
 mod sizes;
 mod threads;
 mod tools;
 mod verdict;
 
 pub use comparison::{Comparison, Way, comparison_html};
+pub use polygon::{Named, PolygonPlan, polygon_html};
 
 use crate::Run;
 use crate::pictures;
 use crate::record::Recorder;
 use crate::svg::{Tag, fixed};
-use verify::Feature;
+use verify::{Feature, FeatureKind};
 
 const STYLE: &str = include_str!("style.css");
 const SORT: &str = include_str!("sort.js");
@@ -43,6 +45,11 @@ pub fn html(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
     main += &section("Features", &features::table(run, features));
     main += &section("Hole by hole", &grid(&pictures::hole_by_hole(run, features)));
     main += &section("Chip removal", &grid(&pictures::chip_removal(recorder)));
+    let polygons = features.iter().enumerate().filter_map(|(i, f)| match &f.kind {
+        FeatureKind::Polygon(polygon) => Some(pictures::polygon(i + 1, polygon)),
+        FeatureKind::Hole(_) | FeatureKind::Thread(_) => None,
+    });
+    main += &section("Polygons", &grid(&polygons.collect::<String>()));
     main += &threads::threads(run, recorder, features);
     let [above, front] = pictures::tool_path(run, recorder);
     let machine = above + &column(&(front + &pictures::timeline(run, recorder)));

@@ -1,0 +1,96 @@
+//! What a machine's file says of the actuators that may swing.
+use forms::polygon::{Actuator, Drive, Effort, Form, Limits, Loop};
+use std::f64::consts::TAU;
+use store::machine::{Axis, MachineFile, Spindle};
+use units::Spin;
+
+/// Share of an axis' force that an oscillation may use: the rest is for the cut and for control.
+const PLANNED_SHARE: f64 = 0.9;
+
+/// An actuator of this machine, swinging at this speed of the work; `None` if the machine lacks it.
+pub(super) fn drive(
+    machine: &MachineFile,
+    actuator: Actuator,
+    form: &Form,
+    work: Spin,
+    harmonics: usize,
+) -> Option<Drive> {
+    let frequency = |h: usize| work.value().abs() * form.base() * (h + 1) as f64;
+    let (limits, answer): (Limits, Box<dyn Fn(f64) -> [f64; 2]>) = match actuator {
+        Actuator::CentreLine | Actuator::Across => {
+            let letter =
+                if actuator == Actuator::CentreLine { canon::Axis::X } else { canon::Axis::Y };
+            let axis = machine.axes.iter().flatten().find(|axis| axis.letter == letter)?.clone();
+            let middle = match actuator {
+                Actuator::CentreLine => machine.setup.g54.along(letter) + form.centres(),
+                Actuator::Across | Actuator::ToolPhase => machine.setup.g54.along(letter),
+            };
+            let travel = (middle - axis.travel.from).min(axis.travel.to - middle).value();
+            (slide(&axis, travel), Box::new(move |f| structure(&axis, f)))
+        }
+        Actuator::ToolPhase => {
+            let spindle = machine.spindles.get(1)?.clone();
+            let tool = work * form.ratio();
+            (turning(&spindle, tool), Box::new(move |f| answer(&spindle, f)))
+        }
+    };
+    let response = (0..harmonics).map(|h| answer(frequency(h))).collect();
+    Some(Drive { actuator, limits, response })
+}
+
+fn slide(axis: &Axis, travel: f64) -> Limits {
+    let mass = axis.drive.motor_mass() + axis.moving_mass;
+    Limits {
+        travel: travel.max(0.0),
+        speed: axis.feed_most.value(),
+        acceleration: axis.acceleration.value(),
+        jerk: axis.jerk_feed.value(),
+        effort: Some(Effort {
+            per_acceleration: mass.value() * 1e-3,
+            per_speed: axis.friction.viscous_n_s_per_m * 1e-3,
+            constant: axis.friction.coulomb.value(),
+            most: axis.drive.peak_force().value() * PLANNED_SHARE,
+        }),
+    }
+}
+
+fn turning(spindle: &Spindle, tool: Spin) -> Limits {
+    let viscous = spindle.friction.viscous_n_m_s_per_rad;
+    let power = spindle.peak_power.value() / tool.in_rad_per_s().abs().max(1e-9);
+    let most = spindle.peak_torque.value().min(power) * spindle.planned_share;
+    let rise = spindle.peak_torque.value() / spindle.torque_rise.value().max(1e-6);
+    Limits {
+        travel: 0.25,
+        speed: (spindle.max - tool.abs()).value().max(0.0),
+        acceleration: f64::INFINITY,
+        jerk: rise / (spindle.inertia.value() * TAU),
+        effort: Some(Effort {
+            per_acceleration: spindle.inertia.value() * TAU,
+            per_speed: viscous * TAU,
+            constant: spindle.friction.coulomb.value() + viscous * tool.in_rad_per_s().abs(),
+            most,
+        }),
+    }
+}
+
+/// The slide behind a screw that is held at the motor: it answers like a mass on a spring.
+fn structure(axis: &Axis, frequency: f64) -> [f64; 2] {
+    let natural = (axis.structure.stiffness.value() * 1e3 / axis.moving_mass.value()).sqrt() / TAU;
+    let r = frequency / natural;
+    let damping = 2.0 * axis.structure.damping_ratio * r;
+    // (1 + jd)/(1 − r² + jd)
+    let (re, size) = (1.0 - r * r, (1.0 - r * r).powi(2) + damping * damping);
+    [(re + damping * damping) / size, damping * (re - 1.0) / size]
+}
+
+/// The spindle's loop; the control takes delay and lag of the torque off beforehand.
+fn answer(spindle: &Spindle, frequency: f64) -> [f64; 2] {
+    Loop {
+        position_gain: spindle.loops.position_gain_per_s,
+        velocity_bandwidth: spindle.loops.velocity_bandwidth_hz,
+        damping: 0.0,
+        torque_lag: 0.0,
+        delay: 0.0,
+    }
+    .at(frequency)
+}

@@ -1,0 +1,271 @@
+//! `leadscrew polygon`: from the form wanted to the block that cuts it, on this machine.
+//!
+//! ```text
+//!   form, cutter ─► refusals ─► every actuator: flattest within its limits ─► the best one ─► table, page, G-code
+//! ```
+pub(crate) mod auto;
+mod drives;
+mod words;
+
+use crate::args::{ActuatorChoice, Format, PolygonArgs};
+use crate::refused::Refused;
+use crate::say;
+use forms::polygon::{Actuator, Form, Problem, Solution, Swings, insert_phases};
+use store::machine::MachineFile;
+use units::{Angle, Length, Spin};
+
+/// Actuators within this of the flattest are as good; the first of the list is taken.
+const AS_FLAT: Length = Length::um(0.2);
+/// Slowest work spindle that is looked at.
+const SLOWEST_RPM: f64 = 10.0;
+
+/// Who may swing, in the order of preference among equals: a spindle's phase costs a few newton metres.
+const CANDIDATES: [(&str, &[Actuator]); 4] = [
+    ("tool phase", &[Actuator::ToolPhase]),
+    ("Y", &[Actuator::Across]),
+    ("X", &[Actuator::CentreLine]),
+    ("X and Y", &[Actuator::CentreLine, Actuator::Across]),
+];
+
+/// Everything that was asked, checked.
+struct Design {
+    machine: MachineFile,
+    form: Form,
+    work: Spin,
+    harmonics: usize,
+    wanted: Option<Length>,
+    length: Length,
+    feed_per_rev: Length,
+    tool: u32,
+}
+
+/// One way, solved.
+struct Way {
+    name: &'static str,
+    solution: Solution,
+}
+
+/// Do it.
+pub(crate) fn command(args: &PolygonArgs, quiet: bool) -> Result<(), Refused> {
+    let design = Design::of(args)?;
+    let chosen: Vec<_> = CANDIDATES.into_iter().filter(|c| asked(args.actuator, c.1)).collect();
+    let ways: Vec<Way> =
+        chosen.iter().filter_map(|(name, who)| design.solve(name, who, design.work)).collect();
+    let Some(best) = best(&ways) else {
+        return Err(Refused::because(format!(
+            "{} has none of the actuators asked: --actuator auto takes what is there",
+            design.machine.name
+        )));
+    };
+    let fastest = design.wanted.map(|wanted| design.fastest(best, wanted));
+    let told = words::Told { design: &design, ways: &ways, best, fastest };
+    if let Some(out) = &args.out {
+        let page = report::polygon_html(&told.page());
+        std::fs::write(out, page)
+            .map_err(|e| Refused::because(format!("cannot write {}: {e}", out.display())))?;
+    }
+    match args.format {
+        Format::Json => say::out(&format!("{:#}\n", told.json())),
+        Format::Text => {
+            let report = args.out.as_ref().filter(|_| !quiet);
+            let written = report.map_or(String::new(), |out| format!("page: {}\n", out.display()));
+            say::out(&(told.text() + &written))
+        }
+    }
+}
+
+fn asked(choice: ActuatorChoice, who: &[Actuator]) -> bool {
+    match choice {
+        ActuatorChoice::Auto => true,
+        ActuatorChoice::Phase => who == [Actuator::ToolPhase],
+        ActuatorChoice::X => who == [Actuator::CentreLine],
+        ActuatorChoice::Y => who == [Actuator::Across],
+        ActuatorChoice::Xy => who.len() == 2,
+    }
+}
+
+fn best(ways: &[Way]) -> Option<&Way> {
+    let flattest = ways.iter().map(|w| w.solution.flatness.value()).fold(f64::INFINITY, f64::min);
+    ways.iter().find(|w| w.solution.flatness.value() <= flattest + AS_FLAT.value())
+}
+
+impl Design {
+    fn of(args: &PolygonArgs) -> Result<Self, Refused> {
+        let machine = crate::machine::load(&args.machine)?;
+        let mut wrong = Vec::new();
+        if args.internal {
+            wrong.push(
+                "internal polygons cannot be turned so: the tip circle would have to fit into the corner, and a tip that comes from outside never reaches a wall that is behind it; broach them or slot them"
+                    .to_owned(),
+            );
+        }
+        let numbers = [
+            ("--across-flats", args.across_flats, 0.01, 1000.0),
+            ("--tip-radius", args.tip_radius, 0.1, 1000.0),
+            ("--speed", args.speed, 1.0, 100_000.0),
+            ("--length", args.length, 0.01, 10_000.0),
+            ("--feed", args.feed, 0.0001, 10.0),
+        ];
+        for (name, value, low, high) in numbers {
+            if !(low..=high).contains(&value) {
+                wrong.push(format!("{name} {value}: expected a number from {low} to {high}"));
+            }
+        }
+        let turns = turns(&args.ratio, &mut wrong);
+        let inserts = inserts(args, turns, &mut wrong);
+        if !wrong.is_empty() {
+            return Err(Refused::because(wrong.join("; ")));
+        }
+        let stock = args.stock.map_or(machine.setup.stock.to[0], |d| Length::mm(d / 2.0));
+        let form = Form {
+            inserts,
+            turns,
+            across_flats: Length::mm(args.across_flats),
+            tip_radius: Length::mm(args.tip_radius),
+            stock_radius: stock,
+        };
+        let design = Self {
+            work: Spin::rpm(args.speed),
+            harmonics: args.harmonics as usize,
+            wanted: args.flatness.map(Length::um),
+            length: Length::mm(args.length),
+            feed_per_rev: Length::mm(args.feed),
+            tool: args.tool,
+            machine,
+            form,
+        };
+        design.check()?;
+        Ok(design)
+    }
+
+    fn check(&self) -> Result<(), Refused> {
+        let mut wrong: Vec<String> = match self.form.check() {
+            Ok(()) => Vec::new(),
+            Err(found) => found.into_iter().map(|r| r.0).collect(),
+        };
+        if wrong.is_empty() {
+            self.check_machine(&mut wrong);
+        }
+        if wrong.is_empty() { Ok(()) } else { Err(Refused::because(wrong.join("; "))) }
+    }
+
+    fn check_machine(&self, wrong: &mut Vec<String>) {
+        let name = &self.machine.name;
+        let [Some(work), Some(tool)] = [0, 1].map(|i| self.machine.spindles.get(i)) else {
+            wrong.push(format!(
+                "{name} has {} spindle, polygon turning needs a work spindle and a tool spindle: --machine polygon-lathe has both",
+                self.machine.spindles.len()
+            ));
+            return;
+        };
+        let ratio = self.form.ratio();
+        let most = work.max.value().min(tool.max.value() / ratio);
+        if self.work.value() > most {
+            wrong.push(format!(
+                "{:.0} rpm of the work are {:.0} rpm of the tool; the spindles go to {:.0} and {:.0} rpm: --speed {:.0} works",
+                self.work.in_rpm(),
+                self.work.in_rpm() * ratio,
+                work.max.in_rpm(),
+                tool.max.in_rpm(),
+                (most * 60.0).floor()
+            ));
+        }
+        let x = self.machine.setup.g54.along(canon::Axis::X) + self.form.centres();
+        let travel = self.machine.axes.iter().flatten().find(|a| a.letter == canon::Axis::X);
+        if let Some(axis) = travel
+            && !(axis.travel.from.value()..=axis.travel.to.value()).contains(&x.value())
+        {
+            let room = axis.travel.to - self.machine.setup.g54.along(canon::Axis::X);
+            wrong.push(format!(
+                "the axes would be {:.3} mm apart, X goes to {:.3} mm from the work's axis: --tip-radius {:.3} works",
+                self.form.centres().value(),
+                room.value(),
+                (room - self.form.across_flats / 2.0).value()
+            ));
+        }
+    }
+
+    fn swings(&self) -> bool {
+        (self.form.base() - self.form.base().round()).abs() < 1e-9
+    }
+
+    fn solve(&self, name: &'static str, who: &[Actuator], work: Spin) -> Option<Way> {
+        if !self.swings() {
+            return self.still(name);
+        }
+        let drive =
+            |a: &Actuator| drives::drive(&self.machine, *a, &self.form, work, self.harmonics);
+        let drives = who.iter().map(drive).collect::<Option<Vec<_>>>()?;
+        let problem = Problem { form: &self.form, spin: work, drives, harmonics: self.harmonics };
+        Some(Way { name, solution: problem.solve()? })
+    }
+
+    /// Nothing swings: where the passes do not repeat with the turn, an oscillation cannot.
+    fn still(&self, name: &'static str) -> Option<Way> {
+        let problem =
+            Problem { form: &self.form, spin: self.work, drives: Vec::new(), harmonics: 1 };
+        let mut solution = problem.solve()?;
+        solution.flatness = self.form.flatness(&Swings::default());
+        Some(Way { name, solution })
+    }
+
+    /// The fastest work spindle at which it is as flat as wanted, if any is.
+    fn fastest(&self, way: &Way, wanted: Length) -> Option<Spin> {
+        let who = CANDIDATES.iter().find(|c| c.0 == way.name)?.1;
+        let flat = |rpm: f64| {
+            let way = self.solve(way.name, who, Spin::rpm(rpm));
+            way.is_some_and(|way| way.solution.flatness <= wanted)
+        };
+        let [work, tool] = [0, 1].map(|i| self.machine.spindles[i].max.in_rpm());
+        let (mut low, mut high) = (SLOWEST_RPM, work.min(tool / self.form.ratio()));
+        if flat(high) {
+            return Some(Spin::rpm(high));
+        }
+        if !flat(low) {
+            return None;
+        }
+        while high - low > 1.0 {
+            let middle = f64::midpoint(low, high);
+            if flat(middle) { low = middle } else { high = middle }
+        }
+        Some(Spin::rpm(low.floor()))
+    }
+}
+
+/// Work and tool, as in "1:2".
+fn turns(text: &str, wrong: &mut Vec<String>) -> [i32; 2] {
+    let parsed = text.split_once(':').and_then(|(work, tool)| {
+        Some([tool.trim().parse::<i32>().ok()?, work.trim().parse::<i32>().ok()?])
+    });
+    let small = parsed.filter(|turns| turns.iter().all(|t| (-1000..=1000).contains(t)));
+    small.unwrap_or_else(|| {
+        wrong.push(format!(
+            "--ratio {text}: expected whole turns of work and tool up to 1000, such as 1:2"
+        ));
+        [2, 1]
+    })
+}
+
+/// By their angles, their number, or the sides wanted.
+fn inserts(args: &PolygonArgs, [tool, work]: [i32; 2], wrong: &mut Vec<String>) -> Vec<Angle> {
+    if !args.insert_angles.is_empty() {
+        let angles = &args.insert_angles;
+        let rising = angles.windows(2).all(|p| p[0] < p[1]);
+        if angles[0] != 0.0 || !rising || angles.iter().any(|a| !(0.0..360.0).contains(a)) {
+            wrong.push("--insert-angles: expected rising angles from 0 to below 360, the first of them 0, such as 0,90".to_owned());
+        }
+        return angles.iter().map(|a| Angle::deg(*a)).collect();
+    }
+    if let Some(count) = args.inserts {
+        return insert_phases(count);
+    }
+    let sides = args.sides;
+    let turns = tool.unsigned_abs().max(1);
+    if !sides.is_multiple_of(turns) || sides == 0 {
+        let works = (sides / turns + 1) * turns;
+        wrong.push(format!(
+            "{sides} sides cannot be cut at {work}:{tool}: the tool makes {tool} passes with each insert, so {works} sides work, or --ratio 2:{sides} with one insert"
+        ));
+    }
+    insert_phases((sides / turns).max(1))
+}

@@ -1,0 +1,300 @@
+//! What the document says, and what is beyond it.
+#![allow(clippy::unwrap_used)] // a test may panic
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{
+    DefaultSettings, DefaultSolver, IPSolver, SupportedConeT,
+    SupportedConeT::{NonnegativeConeT, ZeroConeT},
+};
+use forms::polygon::{
+    Actuator, Drive, Effort, Form, Limits, Problem, Solution, Swings, insert_phases,
+};
+use units::{Angle, Length, Spin};
+
+fn hexagon() -> Form {
+    Form {
+        inserts: insert_phases(3),
+        turns: [2, 1],
+        across_flats: Length::mm(17.0),
+        tip_radius: Length::mm(50.0),
+        stock_radius: Length::mm(12.0),
+    }
+}
+
+/// N = 2, l = 10, r = 5.
+fn document() -> Form {
+    Form {
+        inserts: insert_phases(2),
+        turns: [2, 1],
+        across_flats: Length::mm(10.0),
+        tip_radius: Length::mm(5.0),
+        stock_radius: Length::mm(12.0),
+    }
+}
+
+fn free(actuator: Actuator) -> Drive {
+    let limits = Limits {
+        travel: f64::INFINITY,
+        speed: f64::INFINITY,
+        acceleration: f64::INFINITY,
+        jerk: f64::INFINITY,
+        effort: None,
+    };
+    Drive { actuator, limits, response: Vec::new() }
+}
+
+fn solve(form: &Form, drives: Vec<Drive>, harmonics: usize) -> Solution {
+    Problem { form, spin: Spin::rpm(500.0), drives, harmonics }.solve().unwrap()
+}
+
+#[test]
+fn the_largest_a_without_concavity_is_the_closed_form() {
+    let form = document();
+    // aX* = (l−r)/(l·M²), aY* = (l−r)/(2·l·M)
+    assert!((form.largest_convex_along() - 5.0 / (10.0 * 16.0)).abs() < 1e-15);
+    assert!((form.largest_convex_across() - 5.0 / (2.0 * 10.0 * 4.0)).abs() < 1e-15);
+    let height = |swings: &Swings, at: f64| {
+        let profile = form.profile(&form.kinds()[0], swings);
+        let nearest = profile
+            .points
+            .iter()
+            .min_by(|a, b| (a[0].value() - at).abs().total_cmp(&(b[0].value() - at).abs()));
+        nearest.unwrap()[1].value()
+    };
+    // just below it the middle stands out, just above it is hollow
+    type Make = fn(&Form, f64) -> Swings;
+    let both: [(Make, f64); 2] = [
+        (Swings::along_centres, form.largest_convex_along()),
+        (Swings::across, form.largest_convex_across()),
+    ];
+    for (make, a) in both {
+        let bulge = |a: f64| height(&make(&form, a), 0.0) - height(&make(&form, a), 0.3);
+        assert!(bulge(0.98 * a) > 0.0 && bulge(1.02 * a) < 0.0);
+    }
+}
+
+#[test]
+fn the_flattest_a_is_another_one() {
+    let form = document();
+    let (convex, (flattest, flat)) = (
+        form.largest_convex_along(),
+        form.flattest(Swings::along_centres, form.largest_convex_along()),
+    );
+    assert!(flattest > 1.1 * convex, "{flattest} {convex}");
+    let at_convex = form.flatness(&Swings::along_centres(&form, convex));
+    assert!(flat.value() < 0.7 * at_convex.value(), "{flat} {at_convex}");
+    let (across, _) = form.flattest(Swings::across, form.largest_convex_across());
+    assert!(across > 1.01 * form.largest_convex_across());
+}
+
+#[test]
+fn one_harmonic_each_of_x_and_y_is_flat_to_less_than_a_tenth_of_a_micrometre() {
+    let both = solve(&hexagon(), vec![free(Actuator::CentreLine), free(Actuator::Across)], 1);
+    assert!(both.flatness.in_um() < 0.1, "{} µm", both.flatness.in_um());
+}
+
+#[test]
+fn enough_harmonics_are_exactly_flat() {
+    for actuator in Actuator::ALL {
+        let exact = solve(&hexagon(), vec![free(actuator)], 6);
+        assert!(exact.flatness.in_um() < 0.001, "{actuator:?}: {} µm", exact.flatness.in_um());
+    }
+}
+
+#[test]
+fn the_phase_that_the_seed_lacks_is_about_l_less_r_over_two_m_r() {
+    let one = solve(&hexagon(), vec![free(Actuator::ToolPhase)], 1);
+    let d = one.command.0[0].terms[0].sine * core::f64::consts::TAU;
+    let expected = 8.5 / (2.0 * 6.0 * 50.0);
+    assert!((d / expected - 1.0).abs() < 0.1, "{d} {expected}");
+    assert!(one.flatness.in_um() < 0.3, "{} µm", one.flatness.in_um());
+}
+
+fn slide() -> Limits {
+    Limits {
+        travel: 20.0,
+        speed: 200.0,
+        acceleration: 8000.0,
+        jerk: 500e3,
+        effort: Some(Effort {
+            per_acceleration: 0.12,
+            per_speed: 0.6,
+            constant: 150.0,
+            most: 9000.0,
+        }),
+    }
+}
+
+/// The same problem without harmonics: jerk is free in each of many steps, speed and place follow from it exactly. A
+/// fine convex optimum that shares nothing with the series; the kinematics are written out for R = 2. By the angle
+/// ψ = M·φ all derivatives are about as large.
+fn fine_optimum_um(form: &Form, rpm: f64, limits: &Limits) -> f64 {
+    const N: usize = 360;
+    let (l, r, m) = (form.centres().value(), form.tip_radius.value(), form.base());
+    let half = 8.5 * (std::f64::consts::PI / 6.0).tan();
+    let omega = m * rpm / 60.0 * std::f64::consts::TAU;
+    let step = std::f64::consts::TAU / N as f64;
+    // unknowns: place and three derivatives of each step, t, offset
+    let at = |order: usize, i: usize| 4 * (i % N) + order;
+    let (t, offset) = (4 * N, 4 * N + 1);
+    let mut rows: Vec<(Vec<(usize, f64)>, f64)> = Vec::new();
+    for i in 0..N {
+        for order in 0..3 {
+            let mut row = vec![(at(order, i + 1), -1.0)];
+            let mut weight = 1.0;
+            for higher in order..4 {
+                row.push((at(higher, i), weight));
+                weight *= step / (higher - order + 1) as f64;
+            }
+            rows.push((row, 0.0));
+        }
+    }
+    // a swing about a middle: else the axes would come nearer, and the part smaller
+    rows.push(((0..N).map(|i| (at(0, i), 1.0)).collect(), 0.0));
+    let equalities = rows.len();
+    let corner = (half / (l + r)).asin() * m;
+    for i in 0..N {
+        let psi = (i as f64 - (N / 2) as f64) * step;
+        let mut flat = |psi: f64, part: f64| {
+            let u = psi / m;
+            let e = (l - r) * u.cos() - (l - r);
+            for sign in [1.0, -1.0] {
+                let mut row = vec![(t, -1.0), (offset, -sign)];
+                let mut weight = sign * u.cos();
+                for order in 0..4 {
+                    row.push((at(order, i), weight));
+                    weight *= part / (order + 1) as f64;
+                }
+                rows.push((row, -sign * e));
+            }
+        };
+        if psi.abs() <= corner {
+            flat(psi, 0.0);
+        }
+        for end in [-corner, corner] {
+            if (0.0..step).contains(&(end - psi)) {
+                flat(end, end - psi);
+            }
+        }
+        let most = [limits.speed, limits.acceleration, limits.jerk];
+        for (order, most) in (1..4).zip(most) {
+            for sign in [1.0, -1.0] {
+                rows.push((vec![(at(order, i), sign)], most / omega.powi(order as i32)));
+            }
+        }
+    }
+    let columns = 4 * N + 2;
+    let mut entries: Vec<(usize, usize, f64)> = rows
+        .iter()
+        .enumerate()
+        .flat_map(|(i, (row, _))| row.iter().map(move |(c, a)| (*c, i, *a)))
+        .collect();
+    entries.sort_by_key(|e| (e.0, e.1));
+    let mut starts = vec![0; columns + 1];
+    for entry in &entries {
+        starts[entry.0 + 1] += 1;
+    }
+    for column in 0..columns {
+        starts[column + 1] += starts[column];
+    }
+    let a = CscMatrix::new(
+        rows.len(),
+        columns,
+        starts,
+        entries.iter().map(|e| e.1).collect(),
+        entries.iter().map(|e| e.2).collect(),
+    );
+    let b: Vec<f64> = rows.iter().map(|r| r.1).collect();
+    let mut q = vec![0.0; columns];
+    q[t] = 1.0;
+    let cones: [SupportedConeT<f64>; 2] =
+        [ZeroConeT(equalities), NonnegativeConeT(rows.len() - equalities)];
+    let settings = DefaultSettings { verbose: false, ..DefaultSettings::default() };
+    let p = CscMatrix::zeros((columns, columns));
+    let mut solver = DefaultSolver::new(&p, &q, &a, &b, &cones, settings).unwrap();
+    solver.solve();
+    2.0 * solver.solution.x[t] * 1e3
+}
+
+#[test]
+fn where_a_limit_binds_the_series_takes_away_what_a_fine_optimum_does_within_three_percent() {
+    let form = hexagon();
+    let drive = Drive { actuator: Actuator::CentreLine, limits: slide(), response: Vec::new() };
+    let problem =
+        Problem { form: &form, spin: Spin::rpm(250.0), drives: vec![drive], harmonics: 24 };
+    let found = problem.solve().unwrap();
+    let bulge = form.flatness(&Swings::default()).in_um();
+    let (series, fine) = (found.flatness.in_um(), fine_optimum_um(&form, 250.0, &slide()));
+    println!(
+        "{bulge:.3} µm without, {series:.3} µm by the series, {fine:.3} µm at the fine optimum"
+    );
+    assert!(found.binding.is_some(), "nothing binds");
+    assert!(bulge - series > 0.97 * (bulge - fine), "{bulge} {series} {fine}");
+    assert!(series > fine - 0.01, "better than the optimum: {series} {fine}");
+    let [travel, speed, acceleration, jerk, force] = found.peaks[0];
+    assert!(travel <= 20.0 && speed <= 200.0 && acceleration <= 8000.0, "{:?}", found.peaks);
+    assert!(jerk <= 500e3 && force <= 9000.0, "{:?}", found.peaks);
+}
+
+#[test]
+fn a_loop_that_lags_is_taken_into_account() {
+    // gain 0.9, 10° late: commanded so much more and earlier, unless a limit forbids
+    let late = (-10_f64).to_radians();
+    let lag = [0.9 * late.cos(), 0.9 * late.sin()];
+    let plain = solve(&hexagon(), vec![free(Actuator::ToolPhase)], 1);
+    let lagging = Drive { response: vec![lag], ..free(Actuator::ToolPhase) };
+    let led = solve(&hexagon(), vec![lagging], 1);
+    assert!((plain.flatness - led.flatness).in_um().abs() < 0.01);
+    let amplitude =
+        |s: &Solution| s.command.0[0].terms[0].sine.hypot(s.command.0[0].terms[0].cosine);
+    assert!((amplitude(&led) / amplitude(&plain) - 1.0 / 0.9).abs() < 1e-3);
+}
+
+#[test]
+fn inserts_at_a_right_angle_are_a_rhombus_with_a_series_of_its_own() {
+    let form = Form {
+        inserts: vec![Angle::ZERO, Angle::rev(0.25)],
+        stock_radius: Length::mm(25.0),
+        ..hexagon()
+    };
+    let facets = form.facets();
+    assert_eq!(facets.len(), 4);
+    assert_eq!(form.base(), 2.0);
+    assert!((facets[0].to.value() - facets[0].from.value().abs()).abs() > 1.0, "{facets:?}");
+    let none = form.flatness(&Swings::default());
+    let swung = solve(&form, vec![free(Actuator::ToolPhase)], 12);
+    assert!(swung.flatness.value() < 0.02 * none.value(), "{} {none}", swung.flatness);
+}
+
+#[test]
+fn a_pentagon_at_five_to_two_is_flat_by_its_radius_alone() {
+    let mut form = Form { inserts: insert_phases(1), turns: [5, 2], ..hexagon() };
+    assert_eq!(form.facets().len(), 5);
+    // r = l/(R−1)², l = AF/2 + r
+    form.tip_radius = Length::mm(8.5 / (1.5_f64.powi(2) - 1.0));
+    let natural = form.flatness(&Swings::default());
+    form.tip_radius = form.tip_radius * 2.0;
+    let other = form.flatness(&Swings::default());
+    assert!(natural.value() < 0.2 * other.value(), "{natural} {other}");
+}
+
+#[test]
+fn two_flats_end_at_the_bar() {
+    let form = Form { inserts: insert_phases(1), ..hexagon() };
+    let facets = form.facets();
+    assert_eq!(facets.len(), 2);
+    assert!((facets[0].to.value() - (12.0_f64.powi(2) - 8.5_f64.powi(2)).sqrt()).abs() < 1e-9);
+}
+
+#[test]
+fn what_cannot_be_cut_is_refused_with_what_works() {
+    let said = |form: Form| {
+        form.check().unwrap_err().iter().map(|r| r.0.clone()).collect::<Vec<_>>().join("; ")
+    };
+    assert!(said(Form { turns: [-2, 1], ..hexagon() }).contains("1:2, works"));
+    assert!(said(Form { turns: [1, 1], ..hexagon() }).contains("1:2 works"));
+    assert!(
+        said(Form { stock_radius: Length::mm(9.0), ..hexagon() })
+            .contains("19.630 mm across corners")
+    );
+    assert!(said(Form { inserts: vec![], ..hexagon() }).contains("no insert"));
+}
