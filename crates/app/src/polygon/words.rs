@@ -216,6 +216,10 @@ impl Told<'_> {
             })
             .collect();
         outline.dedup_by(|a, b| (a.0 - b.0).hypot(a.1 - b.1) < 1e-6);
+        let closed = |a: &(f64, f64), b: &(f64, f64)| (a.0 - b.0).hypot(a.1 - b.1) < 1e-6;
+        if outline.len() > 1 && closed(&outline[0], &outline[outline.len() - 1]) {
+            outline.pop();
+        }
         outline.extend(outline.first().copied());
         let cutter = form.cutter();
         let swings = &self.best.solution.actual;

@@ -179,7 +179,7 @@ impl Problem<'_> {
             ];
             for n in 0..5 {
                 let used = peak[n] / most[n];
-                if used > 0.97 && binding.as_ref().is_none_or(|(worst, _)| used > *worst) {
+                if used > 0.95 && binding.as_ref().is_none_or(|(worst, _)| used > *worst) {
                     binding = Some((used, format!("{} of {}", NAMES[n], drive.actuator.name())));
                 }
             }
@@ -248,7 +248,7 @@ impl Lp {
             Some(least) => {
                 let mut row = vec![0.0; n + 3];
                 row[n] = 1.0;
-                lp.rows.push((row, least * 1.002 + AS_FLAT_MM));
+                lp.rows.push((row, least * 1.0002 + AS_FLAT_MM));
                 lp.cost[n + 2] = 1.0;
             }
         }

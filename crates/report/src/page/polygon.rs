@@ -81,13 +81,13 @@ fn paths(plan: &PolygonPlan) -> String {
         "What each tip draws, seen from the work: only what lies inside the bar cuts.";
     let mut chart = Chart::to_scale("Paths of the tips", description, x, y);
     chart.line(Stroke::Ideal, &circle(plan.stock_radius), Some("bar"));
-    let inside = |path: &Vec<(f64, f64)>| {
-        let near = |p: &(f64, f64)| {
-            if p.0.abs().max(p.1.abs()) < half { *p } else { (f64::NAN, f64::NAN) }
-        };
-        path.iter().map(near).collect::<Vec<_>>()
-    };
-    let tips: Vec<_> = plan.tips.iter().map(inside).collect();
+    let near = |p: &(f64, f64)| p.0.abs().max(p.1.abs()) < half;
+    let mut tips: Vec<Vec<(f64, f64)>> = Vec::new();
+    for path in &plan.tips {
+        // the pieces that lie inside the picture
+        let pieces = path.split(|p| !near(p)).filter(|piece| piece.len() > 1);
+        tips.extend(pieces.map(<[_]>::to_vec));
+    }
     chart.lines(Stroke::Main, &tips, Some("tips"));
     chart.line(Stroke::Second, &plan.outline, Some("polygon"));
     figure("Paths of the tips", &chart.finish("tips"), description)
@@ -148,7 +148,7 @@ fn speeds(plan: &PolygonPlan) -> String {
     let y = Range::of("flatness / µm", all().map(|p| p.1).chain([0.0])).padded(0.05);
     let description = "The flattest that each actuator can follow within its limits.";
     let mut chart = Chart::new("Flatness over speed", description, x, y, 300.0);
-    let strokes = [Stroke::Main, Stroke::In, Stroke::Out, Stroke::Feed, Stroke::Second];
+    let strokes = [Stroke::Main, Stroke::Out, Stroke::Second, Stroke::Capability, Stroke::Ideal];
     for (stroke, (name, line)) in strokes.into_iter().zip(&plan.speeds) {
         chart.line(stroke, line, Some(name));
     }
