@@ -10,6 +10,7 @@ pub(crate) const SENTENCES: &[(&str, &str)] = &[
         "A0102",
         "The editor's server cannot load the machine, the tools or a file beside the program.",
     ),
+    ("A0401", "The oscillation that D asks of the control cannot be computed; why is said."),
     ("M0301", "A move would end outside an axis' travel; the work offset that would fit is said."),
     ("M0302", "A coordinate is absurd."),
     ("M0303", "A feed is no number above zero."),
