@@ -64,6 +64,19 @@ pub(crate) fn text(lessons: &[Lesson]) -> String {
     for lesson in lessons.iter().filter(|lesson| lesson.strokes > 0) {
         let um = |score: Option<Length>| score.map_or(f64::NAN, Length::in_um);
         let end = if lesson.is_frozen() { ", frozen" } else { "" };
+        if lesson.early != Angle::ZERO {
+            said += &format!(
+                "learning: T{} at {:.0} rpm, {} strokes: the spindle is turned back {:+.2} turns earlier than its file makes one think; \
+                 bottom missed by {:.1} µm in the first, {:.1} µm in the best\n",
+                lesson.key.tool,
+                lesson.key.spin.abs().in_rpm(),
+                lesson.strokes,
+                lesson.early.value(),
+                um(lesson.first),
+                um(lesson.best),
+            );
+            continue;
+        }
         said += &format!(
             "learning: T{} at {:.0} rpm, {} strokes: rms by the encoders {:.2} µm in the first, {:.2} µm in the best{end}\n",
             lesson.key.tool,

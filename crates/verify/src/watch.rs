@@ -55,6 +55,8 @@ struct Work {
     at: [Length; 3],
     surface: Length,
     bottom: Length,
+    /// Program line: what another line does is none of this one's work.
+    line: u32,
     /// Lead of a tap that is tied to the spindle, as travel by positive turn, mm/rev.
     lead: Option<f64>,
 }
@@ -107,6 +109,7 @@ impl Watch {
                     at: place(&hole.at),
                     surface: hole.surface,
                     bottom: hole.bottom,
+                    line: op.span.line,
                     lead: None,
                 };
                 self.works.insert(index, work);
@@ -119,6 +122,7 @@ impl Watch {
                     at: place(&tap.start),
                     surface: tap.surface,
                     bottom: tap.bottom,
+                    line: op.span.line,
                     lead,
                 };
                 self.works.insert(index, work);
@@ -183,7 +187,7 @@ impl Watch {
         let now = sample.feedback.time;
         let (angle, z) = (sample.spindle(0), sample.axis(work.axis.index()));
         let (then, was, z_was) = self.before.replace((now, angle, z))?;
-        if now <= then {
+        if now <= then || sample.report.line != work.line {
             return None;
         }
         let into = if work.bottom < work.surface { -1.0 } else { 1.0 };
@@ -248,6 +252,11 @@ mod tests {
 
     /// A hole 20 mm deep, drilled at this spindle speed, rpm, where 5000 is in force.
     fn breaches(rpm: f64, to_mm: f64) -> Vec<String> {
+        breaches_in_line(0, rpm, to_mm)
+    }
+
+    /// The same, while a block of some line is in work; the hole's is line 0.
+    fn breaches_in_line(line: u32, rpm: f64, to_mm: f64) -> Vec<String> {
         let mut watch = Watch::new(Config::new(canon::ToolLibrary::new([])));
         let op = |kind| Op { kind, span: Span::default() };
         let order = SpindleOrder::Turn(Spin::rpm(5000.0));
@@ -260,7 +269,7 @@ mod tests {
         };
         watch.op(1, &op(OpKind::Hole(hole)));
         let mut sample = Sample::default();
-        (sample.report.op, sample.report.state) = (2, State::Feed);
+        (sample.report.op, sample.report.line, sample.report.state) = (2, line, State::Feed);
         let feed = Speed::mm_per_s(50.0);
         while sample.feedback.axes[2].position.value() > to_mm {
             sample.feedback.time += Time::s(1e-3);
@@ -274,6 +283,12 @@ mod tests {
     #[test]
     fn a_hole_drilled_as_ordered_breaks_nothing() {
         assert_eq!(breaches(4990.0, -20.0), Vec::<String>::new());
+    }
+
+    #[test]
+    fn what_another_block_does_is_not_held_against_the_hole() {
+        // another tool of another length, another pocket: deeper is none of the hole's business
+        assert_eq!(breaches_in_line(7, 5000.0, -60.0), Vec::<String>::new());
     }
 
     #[test]

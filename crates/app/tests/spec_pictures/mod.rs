@@ -26,7 +26,7 @@ const LEFT: f64 = 62.0;
 const RIGHT: f64 = 12.0;
 const Z_BAND: [f64; 2] = [18.0, 208.0];
 const N_BAND: [f64; 2] = [236.0, 322.0];
-/// Shorter than this, s, a step gets no number.
+/// Shorter than this, s, a step gets no number; nor does the settling of the axes.
 const SHORTEST_S: f64 = 0.012;
 /// Steps that are shown at most: those of the last cycle before the end.
 const MOST: usize = 24;
@@ -39,7 +39,7 @@ pub(crate) fn picture(title: &str, log: &str) -> Option<String> {
     let rows = rows.get(begin..=end)?;
     // the way to the first hole is no step of the cycle
     let cut = |row: &Row| ["feed", "tap-in"].contains(&row.state.as_str());
-    let first = rows.iter().position(cut)?.saturating_sub(4);
+    let first = rows.iter().position(cut)?.saturating_sub(3);
     let rows = &rows[first..rows.len().min(first + MOST + 1)];
     let steps: Vec<Step> = rows.windows(2).map(|w| Step { from: &w[0], to: &w[1] }).collect();
     (steps.len() > 1).then(|| draw(title, &steps))
@@ -78,7 +78,6 @@ impl Step<'_> {
             "tap-out" => "tap out",
             "tap-bottom" => "stand at the bottom",
             "spindle-wait" => "wait for the spindle",
-            "settle" => "in position",
             other => other,
         };
         format!("{what} {:.3} s", self.seconds())
@@ -93,7 +92,7 @@ fn draw(title: &str, steps: &[Step]) -> String {
     let n = band(steps.iter().map(Step::rpm).chain([0.0]), N_BAND);
     let mut out = String::new();
     grid(&mut out, zs(), &z, "Z of the tip / mm", Z_BAND);
-    grid(&mut out, steps.iter().map(Step::rpm).chain([0.0]), &n, "spindle / rpm", N_BAND);
+    grid(&mut out, steps.iter().map(Step::rpm).chain([0.0]), &n, "mean / rpm", N_BAND);
     let mut speed = String::new();
     let mut names = Vec::new();
     let mut last = f64::NEG_INFINITY;
@@ -107,7 +106,7 @@ fn draw(title: &str, steps: &[Step]) -> String {
             step.class()
         );
         let _ = write!(speed, "M{a:.1} {0:.1}H{b:.1}", n(step.rpm()));
-        if step.seconds() >= SHORTEST_S {
+        if step.seconds() >= SHORTEST_S && step.from.state != "settle" {
             names.push(step.name());
             let middle = f64::midpoint(a, b);
             down = if middle - last < 15.0 { 12.0 - down } else { 0.0 };
