@@ -11,7 +11,9 @@ pub(crate) fn command(format: CodesFormat) -> Result<(), Refused> {
     match format {
         CodesFormat::Text => say::out(&format!("{}\n", table())),
         CodesFormat::Json => {
-            let all = Value::Array(interp::codes().map(|code| object(&code)).collect());
+            let all = Value::Array(
+                interp::codes().chain(interp::fanuc_codes()).map(|code| object(&code)).collect(),
+            );
             say::out(&format!("{all:#}\n"))
         }
     }
@@ -22,7 +24,7 @@ fn table() -> Table {
     table.load_style(presets::UTF8_HORIZONTAL_ONLY);
     table.set_content_arrangement(ContentArrangement::Dynamic);
     table.set_header(["code", "what it does", "takes", "group", "status", "dialects"]);
-    for code in interp::codes() {
+    for code in interp::codes().chain(interp::fanuc_codes()) {
         let dialects = dialects(&code).join(", ");
         table.add_row([
             &*code.code,

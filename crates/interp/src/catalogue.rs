@@ -3,6 +3,7 @@
 //! Nothing is told here that the interpreter does not use itself: a [`CodeInfo`] is a view of a row of
 //! the tables by which words are read, checked and executed.
 use crate::codes::{self, Code, GGroup, Letters, MGroup};
+use crate::fanuc::{self, Kind};
 use crate::setup::Dialect;
 
 /// One G or M code.
@@ -21,7 +22,7 @@ pub struct CodeInfo {
     /// Whether Leadscrew executes it; if not, a program with it is refused.
     pub executed: bool,
     /// The dialects that have it.
-    pub dialects: &'static [Dialect],
+    pub dialects: Vec<Dialect>,
 }
 
 impl Dialect {
@@ -101,8 +102,58 @@ fn info<G>(letter: char, code: &Code<G>, group: &'static str, modal: bool) -> Co
         modal,
         letters,
         executed: code.supported,
-        dialects: &[Dialect::LinuxCnc],
+        dialects: dialects_of(letter, code.tenths),
     }
+}
+
+/// Fanuc's dialects and their kinds.
+const FANUC: [(Dialect, Kind); 3] = [
+    (Dialect::Fanuc, Kind::Mill),
+    (Dialect::FanucLatheA, Kind::LatheA),
+    (Dialect::FanucLatheB, Kind::LatheB),
+];
+
+/// The dialects in which a code means what it means in the shared language.
+fn dialects_of(letter: char, tenths: u16) -> Vec<Dialect> {
+    let same = |kind: Kind| match letter {
+        'G' => fanuc::told(kind, tenths).is_some_and(|(shared, _, _)| shared == Some(tenths)),
+        _ => tenths % 10 == 0 && fanuc::has_m(tenths / 10),
+    };
+    let more = FANUC.into_iter().filter(|(_, kind)| same(*kind)).map(|(dialect, _)| dialect);
+    [Dialect::LinuxCnc, Dialect::Brother].into_iter().chain(more).collect()
+}
+
+/// The code that a word means in a dialect.
+pub fn describe_in(dialect: Dialect, letter: u8, value: f64) -> Option<CodeInfo> {
+    let Some((_, kind)) = FANUC.into_iter().find(|(fanuc, _)| *fanuc == dialect) else {
+        return describe(letter, value);
+    };
+    let tenths = crate::words::tenths(value)?;
+    if letter != b'G' {
+        return describe(letter, value).filter(|_| fanuc::has_m(tenths / 10));
+    }
+    let (shared, name, executed) = fanuc::told(kind, tenths)?;
+    let code = format!("G{}", codes::written(tenths));
+    if let Some(shared) = shared.and_then(codes::g_code) {
+        return Some(CodeInfo { code, ..of_g(shared) });
+    }
+    let (group, letters, dialects) = ("Fanuc's own", String::new(), vec![dialect]);
+    Some(CodeInfo { code, name, group, modal: false, letters, executed, dialects })
+}
+
+/// What Fanuc's dialects have beside the shared codes, or with another meaning, dialect by dialect.
+pub fn fanuc_codes() -> impl Iterator<Item = CodeInfo> {
+    FANUC.into_iter().flat_map(|(dialect, _)| {
+        let described = move |tenths| describe_in(dialect, b'G', f64::from(tenths) / 10.0);
+        let own = move |info: &CodeInfo| {
+            let shared = codes().find(|code| code.code == info.code);
+            shared.is_none_or(|shared| shared.name != info.name)
+        };
+        (0..1000u16)
+            .filter_map(described)
+            .filter(own)
+            .map(move |info| CodeInfo { dialects: vec![dialect], ..info })
+    })
 }
 
 /// A set of letters in the order in which people write them.
@@ -122,6 +173,23 @@ mod tests {
         assert_eq!(tap, Some(("G33.1".to_owned(), "rigid tapping", true, true)));
         assert_eq!(describe(b'G', 12.0), None);
         assert_eq!(describe(b'M', 150.0).map(|c| c.code), Some("M100–M199".to_owned()));
+    }
+
+    #[test]
+    fn a_code_means_something_else_on_a_lathe() {
+        let name = |dialect, value| describe_in(dialect, b'G', value).map(|code| code.name);
+        assert_eq!(name(Dialect::LinuxCnc, 90.0), Some("absolute"));
+        assert_eq!(name(Dialect::Fanuc, 90.0), Some("absolute"));
+        assert_eq!(name(Dialect::FanucLatheA, 90.0), Some("turning cycle"));
+        assert_eq!(name(Dialect::FanucLatheB, 92.0), name(Dialect::LinuxCnc, 92.0));
+        assert_eq!(name(Dialect::FanucLatheB, 71.0), Some("roughing cycle"));
+        assert_eq!(name(Dialect::Fanuc, 333.0), None);
+        let of = |value| describe(b'G', value).map(|code| code.dialects.len());
+        assert_eq!((of(0.0), of(33.1)), (Some(5), Some(2)));
+        let own = |dialect, code: &str| {
+            fanuc_codes().any(|info| info.dialects == [dialect] && info.code == code)
+        };
+        assert!(own(Dialect::FanucLatheA, "G90") && !own(Dialect::Fanuc, "G90"));
     }
 
     #[test]

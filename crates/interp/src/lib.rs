@@ -71,7 +71,7 @@ mod tool_table;
 mod words;
 
 pub use call::{Call, Corners, CycleHole, CycleTap, Place, ReturnSpeed, Sense, Sink, Units};
-pub use catalogue::{CodeInfo, codes, describe};
+pub use catalogue::{CodeInfo, codes, describe, describe_in, fanuc_codes};
 pub use explain::{Finding, example_setup, explain, findings};
 pub use frame::{Frame, Point};
 pub use interpreter::{Interpreter, Progress};

@@ -4,7 +4,7 @@ use crate::document::Document;
 use crate::{names, roles};
 use canon::{Axis, Position};
 use gcode::{Block, Parser, Word};
-use interp::{CodeInfo, Standing};
+use interp::{CodeInfo, Dialect, Standing};
 use std::fmt::Write;
 
 /// Shown text, in Markdown, and the bytes it is about.
@@ -22,7 +22,8 @@ pub(crate) fn at(
     byte: usize,
 ) -> Option<Hover> {
     let (from, to) = document.line(line);
-    let mut parser = Parser::new(&document.text, 0);
+    let dialect = analysis.setup.dialect;
+    let mut parser = Parser::with_grammar(&document.text, 0, dialect.grammar());
     let number = line as u32 + 1;
     parser.seek(from as u32, number);
     let mut block = Block::new();
@@ -42,7 +43,7 @@ pub(crate) fn at(
         _ = writeln!(markdown, "`{shown}` {value}\n"); // a String takes everything
         (first, last) = (name.from, name.to);
     } else if let Some(word) = word {
-        markdown.push_str(&about(word, &block, visit.as_ref()));
+        markdown.push_str(&about(word, &block, visit.as_ref(), dialect));
         (first, last) = (word.span.start as usize, word.span.end as usize);
     }
     match &visit {
@@ -57,12 +58,12 @@ fn span_holds(word: &Word, byte: usize) -> bool {
 }
 
 /// What a word does.
-fn about(word: &Word, block: &Block, visit: Option<&Visit>) -> String {
+fn about(word: &Word, block: &Block, visit: Option<&Visit>, dialect: Dialect) -> String {
     let letter = word.letter as char;
-    if let Some(code) = meaning(word) {
+    if let Some(code) = meaning(word, dialect) {
         return describe(&code);
     }
-    let own = block.words.iter().filter_map(meaning);
+    let own = block.words.iter().filter_map(|word| meaning(word, dialect));
     let motion = visit.and_then(|v| v.before.codes.first().cloned());
     let codes = own.map(|c| c.code).chain(motion);
     let taken = codes.filter_map(|code| roles::role(word.letter, &code).map(|role| (role, code)));
@@ -80,9 +81,9 @@ fn about(word: &Word, block: &Block, visit: Option<&Visit>) -> String {
     }
 }
 
-fn meaning(word: &Word) -> Option<CodeInfo> {
+fn meaning(word: &Word, dialect: Dialect) -> Option<CodeInfo> {
     match word.value {
-        gcode::Value::Number(value) => interp::describe(word.letter, value),
+        gcode::Value::Number(value) => interp::describe_in(dialect, word.letter, value),
         gcode::Value::Expression(_) => None,
     }
 }

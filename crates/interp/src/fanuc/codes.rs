@@ -100,3 +100,23 @@ pub(super) fn meaning(kind: Kind, tenths: u16) -> Meaning {
 pub(super) const fn is_shared_m(number: u16) -> bool {
     matches!(number, 0..=9 | 19 | 29 | 30 | 48 | 49 | 60)
 }
+
+/// A G code of a Fanuc machine, for people: what it is in the shared language, or its name and whether it is executed.
+pub(crate) fn told(kind: Kind, tenths: u16) -> Option<(Option<u16>, &'static str, bool)> {
+    match meaning(kind, tenths) {
+        Meaning::Shared(541) => Some((None, "more work offsets", true)),
+        Meaning::Shared(code) => Some((Some(code), "", true)),
+        Meaning::Thread => Some((None, "thread cutting", true)),
+        Meaning::Box(770) => Some((None, "turning cycle", true)),
+        Meaning::Box(780) => Some((None, "threading cycle", true)),
+        Meaning::Box(_) => Some((None, "facing cycle", true)),
+        Meaning::Off => Some((None, "the end of what Leadscrew does not begin: no effect", true)),
+        Meaning::NotYet(name) => Some((None, name, false)),
+        Meaning::Unknown => None,
+    }
+}
+
+/// Whether this M code is the one of the shared language.
+pub(crate) const fn has_m(number: u16) -> bool {
+    is_shared_m(number) || matches!(number, 98 | 99)
+}

@@ -33,6 +33,7 @@ use crate::{
     state::Motion,
 };
 use calls::Level;
+pub(crate) use codes::{has_m, told};
 use diag::Span;
 use gcode::Control;
 use tape::Tape;
