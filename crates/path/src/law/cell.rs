@@ -16,8 +16,8 @@ pub(crate) const TOP_SPEED: f64 = 1e7;
 /// How far the tangent may turn within a cell, as a share of its length.
 const TURN_PER_CELL: f64 = 0.12;
 
-/// How far q″ may change within a cell, as a share of its largest value in the piece.
-const BEND_PER_CELL: f64 = 0.2;
+/// How far the share of the acceleration that the bend takes may change within a cell.
+const LOAD_PER_CELL: f64 = 0.15;
 
 /// One axis' demands at one place, over its limits.
 #[derive(Clone, Copy, Debug, Default)]
@@ -44,22 +44,19 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
-    fn new(d: &Derivatives, bounds: &Bounds, feed: f64) -> Self {
-        let mut rows =
-            Self { count: 0, rows: [Row::default(); AXES], cap: speed_cap(d, bounds, feed) };
-        for k in 0..AXES {
-            if d.q1[k] == 0.0 && d.q2[k] == 0.0 && d.q3[k] == 0.0 {
-                continue;
-            }
-            let (a, j) = (bounds.accel[k], bounds.jerk[k]);
-            let row = Row {
-                a1: d.q1[k] / a,
-                a2: d.q2[k] / a,
-                j1: d.q1[k] / j,
-                j2: d.q2[k] / j,
-                j3: d.q3[k] / j,
+    /// Rows of the axes that are asked for.
+    fn new(d: &Derivatives, axes: [bool; AXES], bounds: &Bounds, feed: f64) -> Self {
+        let cap = speed_cap(d, bounds, feed);
+        let mut rows = Self { count: 0, rows: [Row::default(); AXES], cap };
+        for k in (0..AXES).filter(|k| axes[*k]) {
+            let (a, j) = (1.0 / bounds.accel[k], 1.0 / bounds.jerk[k]);
+            rows.rows[rows.count] = Row {
+                a1: d.q1[k] * a,
+                a2: d.q2[k] * a,
+                j1: d.q1[k] * j,
+                j2: d.q2[k] * j,
+                j3: d.q3[k] * j,
             };
-            rows.rows[rows.count] = row;
             rows.count += 1;
         }
         rows
@@ -147,7 +144,7 @@ impl Sampler {
                 bend_cap(before, &last, bounds(&piece, limits), period)
             }
         };
-        let count = cells_for(&piece, from, length);
+        let count = cells_for(&piece, from, length, bounds(&piece, limits));
         Self { piece, number, from, length, start, count, next: 0, last }
     }
 
@@ -179,7 +176,10 @@ impl Sampler {
         } else {
             let middle = self.piece.at(at(self.next as f64 + 0.5));
             let end = self.piece.at(at(self.next as f64 + 1.0));
-            let rows = [self.last, middle, end].map(|d| Rows::new(&d, bounds, self.piece.feed));
+            let three = [self.last, middle, end];
+            let moves = |k: usize| three.iter().any(|d| d.q1[k] != 0.0 || d.q2[k] != 0.0);
+            let axes = core::array::from_fn(moves);
+            let rows = three.map(|d| Rows::new(&d, axes, bounds, self.piece.feed));
             let cap = rows[0].cap.min(rows[1].cap).min(rows[2].cap);
             self.last = end;
             (Demand::Curve(Box::new(rows)), cap)
@@ -208,23 +208,44 @@ fn bend_cap(before: &Derivatives, after: &Derivatives, bounds: &Bounds, period: 
     Start::On(jumps.map(cap).fold(f64::INFINITY, f64::min))
 }
 
-fn cells_for(piece: &Piece, from: f64, length: f64) -> u64 {
+/// Places at which a piece is looked at to know how many cells it needs.
+const LOOKS: usize = 9;
+
+/// How many cells keep the tangent's turn, and the change of the share of the acceleration that the bend takes, small.
+fn cells_for(piece: &Piece, from: f64, length: f64, bounds: &Bounds) -> u64 {
     if is_line(piece) {
         return u64::from(length > from);
     }
-    let span = length - from;
-    let largest = |p: &[f64; AXES]| p.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-    let (mut slope, mut bend, mut twist) = (0.0_f64, 0.0_f64, 0.0_f64);
-    for k in 0..5 {
-        let d = piece.at(from + span * f64::from(k) / 4.0);
-        slope = slope.max(largest(&d.q1));
-        bend = bend.max(largest(&d.q2));
-        twist = twist.max(largest(&d.q3));
+    let look = |k: usize| piece.at(from + (length - from) * k as f64 / (LOOKS - 1) as f64);
+    let all: [Derivatives; LOOKS] = core::array::from_fn(look);
+    // as fast as the feed, and the bend where it is least, allow
+    let cap = all.iter().map(|d| speed_cap(d, bounds, piece.feed)).fold(f64::INFINITY, f64::min);
+    let (mut turn, mut change, mut twist) = (0.0_f64, 0.0_f64, 0.0_f64);
+    let slope = all.iter().flat_map(|d| d.q1).fold(0.0, |m: f64, x| m.max(x.abs()));
+    for k in 0..AXES {
+        let bend = all.iter().fold(0.0, |m: f64, d| m.max(d.q2[k].abs()));
+        let fastest = cap.min(bounds.accel[k] / bend);
+        let (mut turned, mut changed, mut twisted) = (0.0, 0.0, 0.0);
+        for pair in all.windows(2) {
+            turned += (pair[1].q1[k] - pair[0].q1[k]).abs();
+            changed += (pair[1].q2[k] - pair[0].q2[k]).abs();
+            twisted += (pair[1].q3[k] - pair[0].q3[k]).abs();
+        }
+        // an arc of many turns comes back to where it was: what its bend says counts too
+        turned = turned.max((length - from) * bend);
+        if slope > 0.0 {
+            turn = turn.max(turned / slope);
+        }
+        if changed > 0.0 {
+            change = change.max(changed * fastest / bounds.accel[k]);
+        }
+        if twisted > 0.0 && bounds.jerk[k].is_finite() {
+            let most = all.iter().fold(0.0, |m: f64, d| m.max(d.q3[k].abs()));
+            let v3 = (fastest * libm::sqrt(fastest)).min(bounds.jerk[k] / most);
+            twist = twist.max(twisted * v3 / bounds.jerk[k]);
+        }
     }
-    let turn = if slope > 0.0 { bend * span / (slope * TURN_PER_CELL) } else { 1.0 };
-    // a bend that is hardly one need not be followed closely
-    let weight = (turn / 2.0).min(1.0);
-    let change = if bend > 0.0 { weight * twist * span / (bend * BEND_PER_CELL) } else { 0.0 };
     let least = if piece.entry == Entry::Rest { 2.0 } else { 1.0 };
-    libm::ceil(turn.max(change)).clamp(least, 1e15) as u64
+    libm::ceil((turn / TURN_PER_CELL).max(change.max(twist) / LOAD_PER_CELL)).clamp(least, 1e15)
+        as u64
 }

@@ -14,17 +14,21 @@
 //! The law is as fast as these leave room for, with as many pieces of look-ahead as the braking distance needs. At any
 //! time it ends at rest within what is known of the path: when no more pieces arrive, the motion that was planned stops.
 //! Nothing in here depends on a clock: the same pieces give the same phases to the last bit, however they arrive.
+mod band;
 mod cell;
+mod interior;
 mod phase;
 mod reach;
 mod refusal;
+mod smooth;
 
-use crate::{Derivatives, Limits, Piece};
+use crate::{AXES, Bounds, Derivatives, Limits, Piece};
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 use cell::{Cell, Demand, Sampler, Start};
 pub use phase::{Phase, Timed};
 pub use refusal::Refusal;
+use smooth::{From, Smooth};
 
 /// Fewest cells that are planned together, unless the path ends.
 const LEAST: usize = 1024;
@@ -75,6 +79,16 @@ pub struct Law {
     closed: bool,
     ready: VecDeque<Timed>,
     beta: Vec<f64>,
+    fast: Vec<f64>,
+    /// Whether any axis has a limit of jerk.
+    jerky: bool,
+    /// Smallest acceleration and smallest jerk of all axes.
+    slowest: (f64, f64),
+    /// Time between two knots of the jerk-limited plan, s.
+    tau: f64,
+    /// Width of the plan's next cell, in motion.
+    width: Option<f64>,
+    smooth: Smooth,
 }
 
 impl Law {
@@ -86,6 +100,15 @@ impl Law {
     /// From motion that is under way: the first piece to be pushed is at `state.s`, and goes on from there. For changes
     /// of the feed, and for holding it, at any instant: push the rest of the path again, with another feed.
     pub fn resuming(config: Config, state: State) -> Self {
+        let both = [&config.limits.feed, &config.limits.rapid];
+        let least = |of: fn(&Bounds) -> &[f64; AXES]| {
+            both.iter()
+                .flat_map(|b| of(b))
+                .filter(|x| **x > 0.0)
+                .fold(f64::INFINITY, |m, x| m.min(*x))
+        };
+        let slowest = (least(|b| &b.accel), least(|b| &b.jerk));
+        let tau = (slowest.0 / slowest.1 / 8.0).clamp(config.period, 0.02);
         Self {
             config,
             pending: VecDeque::new(),
@@ -98,6 +121,13 @@ impl Law {
             closed: false,
             ready: VecDeque::new(),
             beta: Vec::new(),
+            fast: Vec::new(),
+            jerky: slowest.1.is_finite(),
+            slowest,
+            tau,
+            width: (state.v > 0.0)
+                .then_some((tau * state.v).min(0.5 * state.v * state.v / state.a.abs())),
+            smooth: Smooth::default(),
         }
     }
 
@@ -165,20 +195,116 @@ impl Law {
         let count = rest.map_or(self.cells.len(), |k| k + 1);
         self.beta.resize(count + 1, 0.0);
         let settled = reach::backwards(self.cells.range(..count), &mut self.beta);
-        let commit = match (ends, settled) {
-            (true, _) => count,
+        let commit = match (ends, self.jerky) {
+            (true, _) => Some(count),
+            (false, true) => self.foreseen(count),
+            (false, false) => (settled > 0).then_some(settled),
+        };
+        let commit = match commit {
+            Some(commit) => commit,
             // braking takes more than is known: look further, if that is allowed
-            (false, 0) if self.target < MOST => {
+            None if self.target < MOST => {
                 self.target *= 2;
                 return;
             }
-            (false, 0) => count / 2,
-            (false, settled) => settled,
+            None => count / 2,
         };
+        if self.jerky {
+            self.plan_smoothly(count, commit, ends);
+        } else {
+            self.hand_out(commit);
+        }
         if !ends {
             self.target = (4 * (count - commit)).clamp(LEAST, MOST);
         }
-        self.hand_out(commit);
+    }
+
+    /// How many cells of a window that does not end the path may be handed out: those that lie further from its end than
+    /// braking takes; `None` when that is less than half of them.
+    fn foreseen(&mut self, count: usize) -> Option<usize> {
+        self.forwards(count);
+        let mut left = 0.0;
+        let top = self.fast.iter().fold(0.0, |m: f64, b| m.max(*b));
+        let enough =
+            2.0 * (libm::sqrt(top) / self.slowest.0 + 2.0 * self.slowest.0 / self.slowest.1);
+        for i in (0..count).rev() {
+            let sum = libm::sqrt(self.fast[i]) + libm::sqrt(self.fast[i + 1]);
+            left += 2.0 * self.cells[i].h / sum.max(1e-9);
+            if left >= enough {
+                return (i > count / 2).then_some(i);
+            }
+        }
+        None
+    }
+
+    /// ṡ² at the first cells' beginnings, and the last one's end, without a limit of jerk.
+    fn forwards(&mut self, count: usize) {
+        self.fast.clear();
+        let mut b = self.state.v * self.state.v;
+        self.fast.push(b);
+        for (i, cell) in self.cells.range(..count).enumerate() {
+            b = reach::forwards(cell, b, self.beta[i + 1]);
+            self.fast.push(b);
+        }
+    }
+
+    /// With a limit of jerk: plan `count` cells to rest, and hand out the first `commit` of them.
+    fn plan_smoothly(&mut self, count: usize, commit: usize, ends: bool) {
+        self.forwards(count);
+        let from = match self.width {
+            None => From::Rest,
+            Some(h) => From::Moving(self.state, h),
+        };
+        let cells: Vec<&Cell> = self.cells.range(..count).collect();
+        let found = self.smooth.plan(&cells, &self.fast, from, self.tau);
+        if !found {
+            self.finish_old(count);
+            return;
+        }
+        let first = self.smooth.grid.iter().position(|fine| fine.cell >= commit);
+        let first = first.unwrap_or(self.smooth.grid.len());
+        for fine in &self.smooth.grid[..first] {
+            let cell = &self.cells[fine.cell];
+            fine.phases(|phase| {
+                let phase = Phase { s: phase.s + cell.from, ..phase };
+                self.ready.push_back(Timed { piece: cell.piece, phase });
+            });
+        }
+        self.cells.drain(..commit);
+        match self.smooth.grid.get(first) {
+            Some(fine) if !(ends && commit == count) => {
+                self.state = State { s: 0.0, v: fine.v, a: fine.a };
+                self.width = Some(fine.h);
+                self.smooth.keep(first, commit);
+            }
+            _ => {
+                self.state = State::default();
+                self.width = None;
+                self.smooth.keep(self.smooth.grid.len(), 0);
+            }
+        }
+    }
+
+    /// No better plan was found: go on with the one before, which ends at rest within what was known then.
+    fn finish_old(&mut self, count: usize) {
+        let Some(last) = self.smooth.old.last() else {
+            // there is none: motion was under way when planning began. Brake as the accelerations allow
+            self.hand_out(count);
+            self.width = None;
+            return;
+        };
+        let covered = last.cell + 1;
+        for fine in &self.smooth.old {
+            let cell = &self.cells[fine.cell];
+            fine.phases(|phase| {
+                let phase = Phase { s: phase.s + cell.from, ..phase };
+                self.ready.push_back(Timed { piece: cell.piece, phase });
+            });
+        }
+        self.cells.drain(..covered);
+        self.smooth.old.clear();
+        self.state = State::default();
+        self.width = None;
     }
 
     /// Whether all pieces are in the window.

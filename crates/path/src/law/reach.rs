@@ -7,11 +7,11 @@
 //!    ╱  forwards │ backwards
 //! ```
 //!
-//! At each end of a cell every axis demands −1 ≤ (q′·a + q″·b)/A ≤ 1. With b₁ = b₀ + 2ha all of these, and b₁ ≤ β₁, are
+//! At both ends of a cell, and in its middle, every axis demands −1 ≤ (q′·a + q″·b)/A ≤ 1. With b₁ = b₀ + 2ha all of these, and b₁ ≤ β₁, are
 //! bounds on a that are linear in b₀; the largest b₀ that leaves room between the highest lower bound and the lowest
 //! upper one is found with Newton's method on a concave function of straight parts, in two or three steps, exactly.
 //! (Reachability analysis: Pham and Pham, *A new approach to time-optimal path parameterization*, 2018. Demanding it at
-//! both ends of a cell is what keeps places with q′ ≈ 0 from oscillating.)
+//! several places of a cell is what keeps places with q′ ≈ 0 from oscillating.)
 use super::cell::{Cell, Demand, Rows, Start};
 
 /// A straight bound on a: `at + slope·b`.
@@ -21,8 +21,8 @@ struct Bound {
     slope: f64,
 }
 
-/// Largest number of bounds of one kind: two ends of nine axes, and the neighbour's.
-const MOST: usize = 2 * crate::AXES + 1;
+/// Largest number of bounds of one kind: three places of nine axes, and the neighbour's.
+const MOST: usize = 3 * crate::AXES + 1;
 
 struct Bounds {
     upper: [Bound; MOST],
@@ -65,6 +65,9 @@ impl Bounds {
         let mut all = Self::new(cap);
         for row in rows[0].all() {
             all.strip(row.a1, row.a2);
+        }
+        for row in rows[1].all() {
+            all.strip(row.a1 + h * row.a2, row.a2);
         }
         for row in rows[2].all() {
             all.strip(row.a1 + 2.0 * h * row.a2, row.a2);

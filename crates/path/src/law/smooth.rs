@@ -1,0 +1,568 @@
+//! Jerk: the fastest law with a limit on s⃛ as well.
+//!
+//! ```text
+//!   b = ṡ²        ●───────●                 c: control values; b is a curve of second degree in each cell, with
+//!             ●───┈┈┈╮ ╭┈┈┈───●             b₍knot₎ between two c, a = ½·db/ds the slope of the line that joins them,
+//!        ●──┈┈│      │ │          ●         u = da/ds constant in a cell
+//!      knots  ┊  h   ┊ h ┊
+//! ```
+//!
+//! With b as unknown, speed and acceleration are straight bounds and jerk is q′·u + 3·q″·a + q‴·b ≤ J/√b; the whole is a
+//! chain on which each bound meets three neighbours, and `interior` finds the fastest.
+//!
+//! The grid has knots about τ apart in time, as fast as a jerk-limited motion may at most be: from a place where it goes at
+//! v it can be at most at w = v^{3/2} + 2.12·√J·Δs later, since from rest s = J·t³/6 and ṡ = J·t²/2. At rest the
+//! first cell is that motion itself: b ~ s^{4/3}, whose tangent at its end, d, meets zero at d/4: seen from the next cell
+//! it is a cell of width 3d/2 with the value 0.
+use super::State;
+use super::cell::{Cell, Demand, Rows};
+use super::interior::{Chain, Pair};
+use super::phase::Phase;
+use alloc::vec::Vec;
+
+/// Share of the limits that the plan uses; the rest is for what happens between the places that are looked at.
+const ACCEL_SHARE: f64 = 0.995;
+const JERK_SHARE: f64 = 0.99;
+
+/// w = ṡ^{3/2} grows by this times √J per length at most: (½·6^{2/3})^{3/2}.
+const GROWTH: f64 = 2.121_320_343_559_643;
+
+/// From rest, b = this · J^{2/3} · s^{4/3}.
+const FROM_REST: f64 = 2.725_681_118_082_556;
+
+/// By how much the bounds may be exceeded where the search begins, and where it must begin within them.
+const START: f64 = f64::INFINITY;
+const WITHIN: f64 = -0.02;
+
+/// How often a plan is corrected, and from what share of the jerk's limit on.
+const REFINEMENTS: usize = 4;
+const TOLERANCE: f64 = 1.01;
+
+/// Longest cell near rest, as a share of the distance from rest.
+const NEAR_REST: f64 = 0.4;
+
+/// A cell of the grid.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fine {
+    /// Which cell of the path, and where in it this one begins.
+    pub(super) cell: usize,
+    pub(super) from: f64,
+    pub(super) h: f64,
+    /// Motion at its beginning.
+    pub(super) v: f64,
+    pub(super) a: f64,
+    /// At its end.
+    pub(super) v1: f64,
+    pub(super) a1: f64,
+    /// Share of the jerk's limit that the plan uses here.
+    share: f64,
+}
+
+/// Reusable memory of the planner.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Smooth {
+    pub(super) grid: Vec<Fine>,
+    chain: Chain,
+    /// Fastest ṡ^{3/2} at each cell's beginning.
+    w: Vec<f64>,
+    /// Widths of the chain's cells.
+    width: Vec<f64>,
+    /// What is left of the plan before, from where this window begins.
+    pub(super) old: Vec<Fine>,
+    guess: Vec<f64>,
+    spare: Vec<f64>,
+}
+
+/// How the window begins.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum From {
+    Rest,
+    /// In motion; with the width of the first cell.
+    Moving(State, f64),
+}
+
+impl Smooth {
+    /// Plan cells from `from` to rest; `fast` is ṡ² at the cells' beginnings and the last one's end without a limit of jerk.
+    ///
+    /// `false`: nothing within the limits was found.
+    pub(super) fn plan(&mut self, cells: &[&Cell], fast: &[f64], from: From, tau: f64) -> bool {
+        self.speeds(cells, fast, from);
+        self.lay(cells, from, tau);
+        self.pose(cells, from, START);
+        let found = self.chain.solve();
+        if found.is_none() {
+            if matches!(from, From::Moving(..)) {
+                return false;
+            }
+            // where the search began is slow, but within the limits
+            self.pose(cells, from, WITHIN);
+        }
+        self.read(from);
+        if found.is_some() {
+            self.refine(cells, from);
+        }
+        true
+    }
+
+    /// The jerk of the motion at the knots may be a little more than it was in the equations, where the speed changes much
+    /// within a cell: there, plan with less.
+    fn refine(&mut self, cells: &[&Cell], from: From) {
+        for _ in 0..REFINEMENTS {
+            if !self.tighten(cells) {
+                return;
+            }
+            core::mem::swap(&mut self.spare, &mut self.chain.c);
+            self.pose(cells, from, START);
+            for i in self.chain.given[0]..self.chain.c.len() - 1 {
+                self.chain.c[i] = self.spare[i];
+            }
+            if self.chain.solve().is_none() {
+                return;
+            }
+            self.read(from);
+        }
+    }
+
+    /// Less of the jerk for cells that have too much of it; whether there were any.
+    fn tighten(&mut self, cells: &[&Cell]) -> bool {
+        let mut any = false;
+        for k in 0..self.grid.len() {
+            let most = self.grid[k].jerk(cells[self.grid[k].cell]);
+            if most > TOLERANCE {
+                any = true;
+                for near in &mut self.grid[k.saturating_sub(1)..=k] {
+                    near.share = near.share.min(near.share / most).max(0.05);
+                }
+            }
+        }
+        any
+    }
+
+    /// Upper bounds of speed.
+    fn speeds(&mut self, cells: &[&Cell], fast: &[f64], from: From) {
+        self.w.clear();
+        self.w.extend(fast.iter().map(|b| libm::pow(*b, 0.75)));
+        let n = cells.len();
+        for (i, cell) in cells.iter().enumerate() {
+            // where q‴ takes all the jerk
+            if let Demand::Curve(rows) = &cell.demand {
+                let twist = |r: &Rows| r.all().iter().fold(0.0, |m: f64, row| m.max(row.j3.abs()));
+                self.w[i] = self.w[i].min(libm::sqrt(1.5 / twist(&rows[0]).max(1e-300)));
+                self.w[i + 1] = self.w[i + 1].min(libm::sqrt(1.5 / twist(&rows[2]).max(1e-300)));
+            }
+        }
+        if let From::Moving(state, _) = from {
+            self.w[0] = libm::pow(state.v, 1.5);
+        }
+        for i in 0..n {
+            self.w[i + 1] = self.w[i + 1].min(self.w[i] + growth(cells[i]) * cells[i].h);
+        }
+        for i in (0..n).rev() {
+            self.w[i] = self.w[i].min(self.w[i + 1] + growth(cells[i]) * cells[i].h);
+        }
+    }
+
+    /// Fastest ṡ^{3/2} within a cell.
+    fn w_at(&self, cells: &[&Cell], i: usize, x: f64) -> f64 {
+        let (cell, k) = (cells[i], growth(cells[i]));
+        let cap = libm::pow(cell.cap, 0.75);
+        (self.w[i] + k * x).min(self.w[i + 1] + k * (cell.h - x)).min(cap)
+    }
+
+    /// From where to where in a line its highest speed is surely held, if there is such a part.
+    fn level(&self, i: usize, cell: &Cell) -> [f64; 2] {
+        let Demand::Line { accel, jerk } = &cell.demand else { return [cell.h, 0.0] };
+        let (k, v) = (growth(cell), libm::sqrt(cell.cap));
+        let top = libm::pow(cell.cap, 0.75);
+        let reached = |w: f64| {
+            if w >= top || k.is_infinite() {
+                0.0
+            } else {
+                v * v / accel + 2.0 * v * accel / jerk + 4.0 * (top - w) / k
+            }
+        };
+        [reached(self.w[i]), cell.h - reached(self.w[i + 1])]
+    }
+
+    /// Lay the knots.
+    fn lay(&mut self, cells: &[&Cell], from: From, tau: f64) {
+        self.grid.clear();
+        let last = cells.len() - 1;
+        for (i, cell) in cells.iter().enumerate() {
+            let (mut x, mut end) = (0.0, cell.h);
+            let mut push = |x: f64, h: f64| {
+                self.grid.push(Fine {
+                    cell: i,
+                    from: x,
+                    h,
+                    v: 0.0,
+                    a: 0.0,
+                    v1: 0.0,
+                    a1: 0.0,
+                    share: JERK_SHARE,
+                })
+            };
+            let rest = |cell: &Cell| {
+                let j = jerk_along(cell);
+                let d = if j.is_finite() { j * tau * tau * tau / 6.0 } else { f64::INFINITY };
+                d.min(0.2 * cell.h)
+            };
+            if i == last {
+                end -= rest(cell);
+            }
+            match from {
+                From::Rest if i == 0 => {
+                    x = rest(cell);
+                    push(0.0, x);
+                }
+                From::Moving(_, h) if i == 0 => {
+                    x = if 1.5 * h > end { end } else { h };
+                    push(0.0, x);
+                }
+                From::Rest | From::Moving(..) => {}
+            }
+            let k = growth(cell);
+            let level = self.level(i, cell);
+            while x < end {
+                let step = |w: f64| {
+                    let v = libm::cbrt(w * w);
+                    let near = if k.is_finite() { NEAR_REST * w / k } else { f64::INFINITY };
+                    (tau * v).min(near).max(1e-7 * cell.h)
+                };
+                let w = self.w_at(cells, i, x);
+                let mut h = step(w).min(end - x);
+                for _ in 0..2 {
+                    h = h.min(step(self.w_at(cells, i, x + h)) * 1.2);
+                }
+                // at the feed, far from where it is reached and left, nothing happens
+                h = h.max(0.3 * (x - level[0]).min(level[1] - x)).min(end - x);
+                // no crumbs
+                if end - x < 1.5 * h {
+                    h = end - x;
+                }
+                self.grid.push(Fine {
+                    cell: i,
+                    from: x,
+                    h,
+                    v: 0.0,
+                    a: 0.0,
+                    v1: 0.0,
+                    a1: 0.0,
+                    share: JERK_SHARE,
+                });
+                x = if h >= end - x { end } else { x + h };
+            }
+            if i == last {
+                self.grid.push(Fine {
+                    cell: i,
+                    from: end,
+                    h: cell.h - end,
+                    v: 0.0,
+                    a: 0.0,
+                    v1: 0.0,
+                    a1: 0.0,
+                    share: JERK_SHARE,
+                });
+            }
+        }
+    }
+
+    /// Write the problem down.
+    fn pose(&mut self, cells: &[&Cell], from: From, enough: f64) {
+        let n = self.grid.len();
+        let chain = &mut self.chain;
+        chain.clear();
+        self.width.clear();
+        let rest_left = matches!(from, From::Rest);
+        // the chain's unknowns: one per cell of the grid, with a cell at rest seen as in the header; in motion one before
+        if let From::Moving(state, _) = from {
+            let h = self.grid[0].h;
+            chain.c.push(state.v * state.v - h * state.a);
+            chain.weight.push(0.0);
+            chain.cap.push(f64::INFINITY);
+            self.width.push(h);
+        }
+        for (k, fine) in self.grid.iter().enumerate() {
+            let at_rest = (k == 0 && rest_left) || k == n - 1;
+            let cell = cells[fine.cell];
+            if at_rest {
+                chain.c.push(0.0);
+                chain.weight.push(0.0);
+                chain.cap.push(f64::INFINITY);
+                self.width.push(1.5 * fine.h);
+                continue;
+            }
+            chain.weight.push(fine.h);
+            chain.cap.push(cell.cap);
+            self.width.push(fine.h);
+            chain.c.push(0.0);
+        }
+        chain.given = [if rest_left { 1 } else { 2 }, 1];
+        let shift = usize::from(!rest_left);
+        if let From::Moving(state, _) = from {
+            chain.c[1] = state.v * state.v + self.grid[0].h * state.a;
+        }
+        // rest cells: their time, and what their jerk allows
+        let mut at_rest = |rest: usize, next: usize, k: usize| {
+            let d = self.grid[k].h;
+            let share = self.width[rest] / (self.width[rest] + self.width[next]);
+            let j = self.grid[k].share * jerk_along(cells[self.grid[k].cell]);
+            chain.weight[next] += 3.0 * d / libm::sqrt(share);
+            if j.is_finite() {
+                let b = FROM_REST * libm::pow(j * d * d, 2.0 / 3.0);
+                chain.cap[next] = chain.cap[next].min(b / share);
+            }
+        };
+        if rest_left {
+            at_rest(0, 1, 0);
+        }
+        let m = self.width.len();
+        at_rest(m - 1, m - 2, n - 1);
+        self.guess(cells);
+        self.begin(shift, 1.0);
+        self.bound_accelerations(cells, shift);
+        self.bound_jerks(cells, shift);
+        self.calm(shift, enough);
+    }
+
+    /// Where the search begins: about half of the speed that may be reached at most.
+    fn guess(&mut self, cells: &[&Cell]) {
+        self.guess.clear();
+        for fine in &self.grid {
+            let w = self.w_at(cells, fine.cell, fine.from + fine.h / 2.0);
+            self.guess.push(0.3 * libm::pow(w, 4.0 / 3.0));
+        }
+    }
+
+    /// Begin the search with the guess, made slower.
+    fn begin(&mut self, shift: usize, scale: f64) {
+        for k in 0..self.grid.len() {
+            let i = k + shift;
+            if i >= self.chain.given[0] && i + 1 < self.chain.c.len() {
+                self.chain.c[i] = scale * self.guess[k];
+            }
+        }
+    }
+
+    /// Slower, until it is within the limits; in motion at least nearly.
+    fn calm(&mut self, shift: usize, enough: f64) {
+        let mut scale = 1.0;
+        for _ in 0..20 {
+            let excess = self.chain.excess();
+            if excess <= enough || scale < 1e-9 {
+                return;
+            }
+            scale *= 0.9 * libm::pow((1.0 + excess).clamp(0.9, 30.0), -2.0 / 3.0);
+            self.begin(shift, scale);
+        }
+    }
+
+    /// Keep what is left of the plan from cell `commit` on, for the next.
+    pub(super) fn keep(&mut self, first: usize, commit: usize) {
+        self.old.clear();
+        self.old.extend(
+            self.grid[first..].iter().map(|fine| Fine { cell: fine.cell - commit, ..*fine }),
+        );
+    }
+
+    fn bound_accelerations(&mut self, cells: &[&Cell], shift: usize) {
+        let n = self.grid.len();
+        for k in 1..n {
+            let i = k + shift; // the knot lies between unknowns i−1 and i
+            if i < self.chain.given[0] {
+                continue;
+            }
+            let (left, right) = (&self.grid[k - 1], &self.grid[k]);
+            let both = self.width[i - 1] + self.width[i];
+            let b = [self.width[i] / both, self.width[i - 1] / both];
+            let a = [-1.0 / both, 1.0 / both];
+            // three unknowns from where there are three
+            let at = (i - 1).min(self.chain.c.len() - 3);
+            let place = |p: f64, q: f64| if at == i - 1 { [p, q, 0.0] } else { [0.0, p, q] };
+            let mut add = |a1: f64, a2: f64| {
+                let g = [a1 * a[0] + a2 * b[0], a1 * a[1] + a2 * b[1]];
+                self.chain.pairs.push(Pair::new(at, place(g[0], g[1]), 0.0));
+            };
+            let joint = left.cell != right.cell;
+            let level = |cell: &Cell| match &cell.demand {
+                Demand::Line { accel, .. } => 1.0 / (ACCEL_SHARE * accel),
+                Demand::Curve(_) => 0.0,
+            };
+            let straight = level(cells[left.cell]).max(level(cells[right.cell]));
+            if straight > 0.0 {
+                add(straight, 0.0);
+            }
+            if let Demand::Curve(rows) = &cells[right.cell].demand {
+                let x = right.from / cells[right.cell].h;
+                each(rows, x, |r| add(r.a1 / ACCEL_SHARE, r.a2 / ACCEL_SHARE));
+            }
+            if joint && cells[left.cell].piece != cells[right.cell].piece {
+                if let Demand::Curve(rows) = &cells[left.cell].demand {
+                    each(rows, 1.0, |r| add(r.a1 / ACCEL_SHARE, r.a2 / ACCEL_SHARE));
+                }
+            }
+            if joint {
+                let caps = [cells[left.cell].cap, cells[right.cell].cap];
+                let own = match cells[right.cell].start {
+                    super::Start::On(cap) => cap,
+                    super::Start::Rest => 0.0,
+                };
+                let cap = caps[0].min(caps[1]).min(own);
+                if cap < caps[0].max(caps[1]) {
+                    self.chain.pairs.push(Pair::new(at, place(b[0] / cap, b[1] / cap), 0.0));
+                }
+            }
+        }
+    }
+
+    fn bound_jerks(&mut self, cells: &[&Cell], shift: usize) {
+        let n = self.grid.len();
+        let count = self.chain.c.len();
+        for k in 0..n {
+            let i = k + shift;
+            if i == 0 || i == count - 1 || (i < self.chain.given[0] && shift == 0) {
+                continue;
+            }
+            let fine = &self.grid[k];
+            let cell = cells[fine.cell];
+            let (h0, h, h1) = (self.width[i - 1], self.width[i], self.width[i + 1]);
+            let (p, q) = (1.0 / (h0 + h), 1.0 / (h + h1));
+            // a and b at both ends, u between them
+            let a0 = [-p, p, 0.0];
+            let a1 = [0.0, -q, q];
+            let u = [p / h, -(p + q) / h, q / h];
+            let mean: [f64; 3] = core::array::from_fn(|k| f64::midpoint(a0[k], a1[k]));
+            let scale = 1.0 / libm::sqrt(1.0 / (0.01 + self.chain.c[i] / 0.3));
+            let scale = if scale > 0.0 { scale } else { 1.0 };
+            let (b0, b1) = ([h * p, h0 * p, 0.0], [0.0, h1 * q, h * q]);
+            let mut add = |j: [f64; 3], a: [f64; 3], b: [f64; 3]| {
+                let sum = |k: usize| j[0] * u[k] + 3.0 * j[1] * a[k] + j[2] * b[k];
+                let g = core::array::from_fn(|k| scale * sum(k) / fine.share);
+                self.chain.pairs.push(Pair::new(i - 1, g, scale));
+            };
+            match &cell.demand {
+                Demand::Line { jerk, .. } => {
+                    if jerk.is_finite() {
+                        add([1.0 / jerk, 0.0, 0.0], mean, [0.0, 1.0, 0.0]);
+                    }
+                }
+                Demand::Curve(rows) => {
+                    let ends = [(fine.from, a0, b0), (fine.from + fine.h, a1, b1)];
+                    for (x, a, b) in ends {
+                        each(rows, x / cell.h, |r| {
+                            if r.j1 != 0.0 || r.j2 != 0.0 || r.j3 != 0.0 {
+                                add([r.j1, r.j2, r.j3], a, b);
+                            }
+                        });
+                    }
+                }
+            }
+        }
+    }
+
+    /// Motion at the knots.
+    fn read(&mut self, from: From) {
+        let n = self.grid.len();
+        let shift = usize::from(matches!(from, From::Moving(..)));
+        let (c, width) = (&self.chain.c, &self.width);
+        let mut before = match from {
+            From::Rest => (0.0, 0.0),
+            From::Moving(state, _) => (state.v, state.a),
+        };
+        for k in 0..n {
+            let after = if k == n - 1 {
+                (0.0, 0.0)
+            } else {
+                let i = k + shift;
+                let both = width[i] + width[i + 1];
+                let b = (c[i] * width[i + 1] + c[i + 1] * width[i]) / both;
+                (libm::sqrt(b.max(0.0)), (c[i + 1] - c[i]) / both)
+            };
+            let fine = &mut self.grid[k];
+            (fine.v, fine.a) = before;
+            (fine.v1, fine.a1) = after;
+            before = after;
+        }
+    }
+}
+
+/// Largest s⃛ at rest.
+fn jerk_along(cell: &Cell) -> f64 {
+    match &cell.demand {
+        Demand::Line { jerk, .. } => *jerk,
+        Demand::Curve(rows) => {
+            let of = |r: &Rows| {
+                r.all().iter().fold(f64::INFINITY, |m: f64, row| m.min(1.0 / row.j1.abs()))
+            };
+            of(&rows[0]).min(of(&rows[1])).min(of(&rows[2]))
+        }
+    }
+}
+
+/// Growth of ṡ^{3/2} by length.
+fn growth(cell: &Cell) -> f64 {
+    GROWTH * libm::sqrt(jerk_along(cell))
+}
+
+/// The demands at a share of a cell.
+fn each(rows: &[Rows; 3], x: f64, mut give: impl FnMut(super::cell::Row)) {
+    use super::cell::Row;
+    let (p, q, f) =
+        if x < 0.5 { (&rows[0], &rows[1], 2.0 * x) } else { (&rows[1], &rows[2], 2.0 * x - 1.0) };
+    let mix = |a: f64, b: f64| a + (b - a) * f;
+    for (p, q) in p.all().iter().zip(q.all()) {
+        give(Row {
+            a1: mix(p.a1, q.a1),
+            a2: mix(p.a2, q.a2),
+            j1: mix(p.j1, q.j1),
+            j2: mix(p.j2, q.j2),
+            j3: mix(p.j3, q.j3),
+        });
+    }
+}
+
+impl Fine {
+    /// Largest jerk of an axis in it, over its limit.
+    fn jerk(&self, cell: &Cell) -> f64 {
+        let mut most = 0.0_f64;
+        self.phases(|phase| {
+            let most = &mut most;
+            match &cell.demand {
+                Demand::Line { jerk, .. } => *most = most.max(phase.j.abs() / jerk),
+                Demand::Curve(rows) => {
+                    let (s, v, a) = phase.at(phase.duration);
+                    for (s, v, a) in [(phase.s, phase.v, phase.a), (s, v, a)] {
+                        each(rows, (s / cell.h).clamp(0.0, 1.0), |r| {
+                            let j = r.j1 * phase.j + 3.0 * r.j2 * v * a + r.j3 * v * v * v;
+                            *most = most.max(j.abs());
+                        });
+                    }
+                }
+            }
+        });
+        most
+    }
+
+    /// Phases of constant s⃛ that join the motion at both ends, over exactly its length.
+    pub(super) fn phases(&self, mut give: impl FnMut(Phase)) {
+        let Self { from: s, h, v, a, v1, a1, .. } = *self;
+        if v == 0.0 || v1 == 0.0 {
+            // from rest, or to it: one jerk, h = v·t/3
+            let t = 3.0 * h / (v + v1);
+            let j = 6.0 * h / (t * t * t);
+            let a = if v == 0.0 { 0.0 } else { -j * t };
+            give(Phase { duration: t, s, v, a, j });
+            return;
+        }
+        // two of equal duration: h = (v + v₁)·t − (a₁ − a)·t²/3
+        let (sum, d) = (v + v1, (a1 - a) / 3.0);
+        let root = libm::sqrt((sum * sum - 4.0 * d * h).max(0.0));
+        let t = 2.0 * h / (sum + root);
+        let turn = (a1 - a) / t;
+        let j = (v1 - v - 2.0 * a * t) / (t * t) - turn / 2.0;
+        let first = Phase { duration: t, s, v, a, j };
+        let (s, v, a) = first.at(t);
+        give(first);
+        give(Phase { duration: t, s, v, a, j: turn - j });
+    }
+}
