@@ -35,8 +35,9 @@ const START: f64 = f64::INFINITY;
 const WITHIN: f64 = -0.02;
 
 /// How often a plan is corrected, and from what share of the jerk's limit on.
-const REFINEMENTS: usize = 4;
+const REFINEMENTS: usize = 8;
 const TOLERANCE: f64 = 1.01;
+const ENOUGH: f64 = 1.03;
 
 /// Longest cell near rest, as a share of the distance from rest.
 const NEAR_REST: f64 = 0.4;
@@ -89,27 +90,26 @@ impl Smooth {
         self.speeds(cells, fast, from);
         self.lay(cells, from, tau);
         self.pose(cells, from, START);
-        let found = self.chain.solve();
-        if found.is_none() {
-            if matches!(from, From::Moving(..)) {
-                return false;
-            }
-            // where the search began is slow, but within the limits
-            self.pose(cells, from, WITHIN);
+        let mut found = self.chain.solve().is_some();
+        if found {
+            self.read(from);
+            found = self.refine(cells, from);
         }
-        self.read(from);
-        if found.is_some() {
-            self.refine(cells, from);
+        if !found && matches!(from, From::Rest) {
+            self.slow_down(cells, from);
+            found = true;
         }
-        true
+        found
     }
 
     /// The jerk of the motion at the knots may be a little more than it was in the equations, where the speed changes much
     /// within a cell: there, plan with less.
-    fn refine(&mut self, cells: &[&Cell], from: From) {
-        for _ in 0..REFINEMENTS {
-            if !self.tighten(cells) {
-                return;
+    fn refine(&mut self, cells: &[&Cell], from: From) -> bool {
+        for round in 0..REFINEMENTS {
+            // a little is corrected twice, much until it is gone
+            let most = self.tighten(cells);
+            if most <= TOLERANCE || (round > 1 && most <= ENOUGH) {
+                return true;
             }
             core::mem::swap(&mut self.spare, &mut self.chain.c);
             self.pose(cells, from, START);
@@ -117,25 +117,41 @@ impl Smooth {
                 self.chain.c[i] = self.spare[i];
             }
             if self.chain.solve().is_none() {
-                return;
+                return false;
             }
             self.read(from);
         }
+        self.tighten(cells) <= ENOUGH
     }
 
-    /// Less of the jerk for cells that have too much of it; whether there were any.
-    fn tighten(&mut self, cells: &[&Cell]) -> bool {
-        let mut any = false;
+    /// Slower all along, until the motion at the knots is within the limits of jerk; from rest to rest.
+    fn slow_down(&mut self, cells: &[&Cell], from: From) {
+        for fine in &mut self.grid {
+            fine.share = JERK_SHARE;
+        }
+        self.pose(cells, from, WITHIN);
+        for _ in 0..20 {
+            self.read(from);
+            if self.tighten(cells) <= ENOUGH {
+                return;
+            }
+            self.chain.c.iter_mut().for_each(|c| *c *= 0.7);
+        }
+    }
+
+    /// Less of the jerk for cells that have too much of it; the most that any has, over its limit.
+    fn tighten(&mut self, cells: &[&Cell]) -> f64 {
+        let mut all = 0.0_f64;
         for k in 0..self.grid.len() {
             let most = self.grid[k].jerk(cells[self.grid[k].cell]);
+            all = all.max(most);
             if most > TOLERANCE {
-                any = true;
                 for near in &mut self.grid[k.saturating_sub(1)..=k] {
                     near.share = near.share.min(near.share / most).max(0.05);
                 }
             }
         }
-        any
+        all
     }
 
     /// Upper bounds of speed.
