@@ -58,7 +58,8 @@ impl Iterator for Ops<'_> {
     type Item = (u32, Op);
 
     fn next(&mut self) -> Option<Self::Item> {
-        let mut op = self.prelude.next().or_else(|| self.ahead.pop_front()).or_else(|| self.ops.next())?;
+        let mut op =
+            self.prelude.next().or_else(|| self.ahead.pop_front()).or_else(|| self.ops.next())?;
         self.auto.see(&op.kind);
         if let OpKind::Polygon(polygon) = &mut op.kind
             && polygon.auto.is_some()
