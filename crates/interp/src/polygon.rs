@@ -55,14 +55,14 @@ impl Executor {
         let Some(per_turn) = words.whole(b'L', HIGHEST)? else {
             if stated {
                 let text = "G51.3 needs L, the periods of this harmonic per turn of the work";
-                return refuse("I0801", span, text);
+                return refuse("I0811", span, text);
             }
             self.state.swings.clear();
             return Ok(());
         };
         if !stated {
             let text = "G51.3 needs amplitudes: X I along X, Y J along Y, A B of the tool spindle in degrees; the first is the cosine's, the second the sine's";
-            return refuse("I0802", span, text);
+            return refuse("I0812", span, text);
         }
         let [x, i, y, j, a, b] = values.map(|value| value.unwrap_or(0.0));
         let swings = [
@@ -78,7 +78,7 @@ impl Executor {
         }
         if self.state.swings.iter().any(|swing| swing.harmonics.len() > MOST_HARMONICS) {
             let text = format!("an oscillation has at most {MOST_HARMONICS} harmonics");
-            return refuse("I0803", span, text);
+            return refuse("I0813", span, text);
         }
         Ok(())
     }

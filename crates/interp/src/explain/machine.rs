@@ -115,6 +115,9 @@ pub(super) const ROWS: &[Finding] = &[
         "",
         "",
     ),
+    row("I0811", "A harmonic of G51.3 needs its periods per turn.", "G51.3 A1", "G51.3 L6 A1"),
+    row("I0812", "A harmonic of G51.3 needs amplitudes.", "G51.3 L6", "G51.3 L6 A1"),
+    row("I0813", "An oscillation has too many harmonics.", "", ""),
     row(
         "I0901",
         "A subprogram is never called.",
