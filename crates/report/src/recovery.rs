@@ -129,7 +129,7 @@ pub fn recovery_svg(r: &Recovery) -> String {
     let (width, height) = (2.0 * WIDTH + 10.0, TOP + HEIGHT + 116.0);
     let _ = write!(
         out,
-        "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {width} {height}' width='{width}' height='{height}'><rect width='100%' height='100%' fill='#fff'/><text x='{LEFT}' y='26' {FONT} font-size='16' font-weight='600'>{}</text>",
+        "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {width} {height}' width='{width}' height='{height}'><rect width='100%' height='100%' fill='#fff'/><text x='{LEFT}' y='26' font-family='system-ui,sans-serif' font-size='16' fill='#333' font-weight='600'>{}</text>",
         escape(&r.title)
     );
     let whole = Panel::around(&[r.start, r.end, r.stop], 0.0);
