@@ -91,6 +91,13 @@ Examples:
   leadscrew polygon --insert-angles 0,90 --across-flats 20 --actuator x --format json
   leadscrew polygon --sides 5 --ratio 2:5 --across-flats 17 --tip-radius 6.8   a pentagon")]
     Polygon(PolygonArgs),
+    /// From a cam's lift to the path of the grinding wheel: checks, highest speed, table, G-code, pictures
+    #[command(after_help = "Examples:
+  leadscrew cam --form automotive --base 34 --lift 9 --half-angle 65       an engine's cam for a flat follower
+  leadscrew cam lift.csv --base 18 --follower roller --roller-radius 10    a table of angle and lift, degrees and mm
+  leadscrew cam lift.csv --base 18 --wheel-wear 12.5 --format table        C, X and work speed for a worn wheel
+  leadscrew cam --form lobes --lift 3 --lobes 3 --out lobes.html           lift, speed, acceleration, curvature drawn")]
+    Cam(CamArgs),
     /// Print the operations that a program means
     #[command(after_help = "Examples:
   leadscrew canon part.ngc                       operations in machine coordinates, mm
@@ -162,6 +169,18 @@ pub(crate) struct ProgramArgs {
     /// may be given more than once
     #[arg(long, value_name = "DIR")]
     pub(crate) subprograms: Vec<PathBuf>,
+    /// Cam library (TOML) [default: cams.toml beside the program]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) cams: Option<PathBuf>,
+    /// Table of measured phase errors: read if it is there, written when a program has measured
+    #[arg(long, value_name = "FILE")]
+    pub(crate) phase_table: Option<PathBuf>,
+    /// How a cam is compensated after G50 (G150)
+    #[arg(long, value_enum, default_value_t = Compensation::Shift)]
+    pub(crate) compensation: Compensation,
+    /// Feed-forward of the axes (spindles keep theirs): `off` shows the lag of their loops
+    #[arg(long, value_enum)]
+    pub(crate) feed_forward: Option<Switch>,
     /// How hard taps are driven [default: the machine's]
     #[arg(long, value_enum, value_name = "PRESET")]
     pub(crate) tapping_preset: Option<TappingPreset>,
@@ -445,6 +464,107 @@ pub(crate) enum ActuatorChoice {
     Phase,
 }
 
+/// `leadscrew cam`.
+#[derive(Args, Debug, Clone)]
+pub(crate) struct CamArgs {
+    /// Lift table: a row each angle, `angle,lift` in degrees and millimetres, over a whole turn
+    pub(crate) table: Option<PathBuf>,
+    /// Instead of a table: a closed form [default: automotive]
+    #[arg(long, value_enum, conflicts_with = "table")]
+    pub(crate) form: Option<CamFormName>,
+    /// Radius of the base circle (eccentric, lobes: mean radius), mm [default without a table: 25]
+    #[arg(long, value_name = "MM")]
+    pub(crate) base: Option<f64>,
+    /// Lift of a closed form, mm
+    #[arg(long, value_name = "MM", default_value_t = 8.0)]
+    pub(crate) lift: f64,
+    /// Half of the angle over which a valve is open; angle of rise and of fall of a polynomial
+    #[arg(long, value_name = "DEG", default_value_t = 65.0)]
+    pub(crate) half_angle: f64,
+    /// Lobes of a lobed cam
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    pub(crate) lobes: u32,
+    /// What runs on the cam
+    #[arg(long, value_enum, default_value_t = CamFollower::Flat)]
+    pub(crate) follower: CamFollower,
+    /// Radius of a roller follower, mm
+    #[arg(long, value_name = "MM")]
+    pub(crate) roller_radius: Option<f64>,
+    /// Radius of the new wheel, mm
+    #[arg(long, value_name = "MM", default_value_t = 200.0)]
+    pub(crate) wheel_radius: f64,
+    /// What the wheel has lost of its radius, mm
+    #[arg(long, value_name = "MM", default_value_t = 0.0)]
+    pub(crate) wheel_wear: f64,
+    /// Speed of the work, rev/min
+    #[arg(long, value_name = "RPM", default_value_t = 60.0)]
+    pub(crate) speed: f64,
+    /// Steps of a turn of the wheel's table
+    #[arg(long, value_name = "N", default_value_t = 720)]
+    pub(crate) nodes: usize,
+    /// The machine whose limits count
+    #[arg(long, value_name = "NAME|FILE", default_value = "cam-grinder")]
+    pub(crate) machine: String,
+    /// Number of the profile in the G-code
+    #[arg(long, value_name = "P", default_value_t = 1)]
+    pub(crate) number: u32,
+    /// What is printed
+    #[arg(long, value_enum, default_value_t = CamOutput::Text)]
+    pub(crate) format: CamOutput,
+    /// A page with figures and pictures
+    #[arg(long, value_name = "FILE.html")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+/// Closed forms.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum CamFormName {
+    /// A circle off its axis by half the lift
+    Eccentric,
+    /// A harmonic lift over the whole turn
+    Harmonic,
+    /// Equal lobes
+    Lobes,
+    /// Rise and fall by 10u³ − 15u⁴ + 6u⁵
+    Polynomial,
+    /// L·(1 − u²)³ over ± the half angle
+    Automotive,
+}
+
+/// Followers.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum CamFollower {
+    /// A flat face
+    Flat,
+    /// A roller
+    Roller,
+    /// An edge: the lift is the contour's
+    Knife,
+}
+
+impl From<CamFollower> for store::cams::FollowerKind {
+    fn from(follower: CamFollower) -> Self {
+        match follower {
+            CamFollower::Flat => Self::Flat,
+            CamFollower::Roller => Self::Roller,
+            CamFollower::Knife => Self::Knife,
+        }
+    }
+}
+
+/// What `leadscrew cam` prints.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum CamOutput {
+    /// Figures and the G-code block
+    Text,
+    /// CSV: C, X, work speed
+    Table,
+    /// The G-code block alone
+    Gcode,
+    /// One JSON object
+    Json,
+}
+
 /// `leadscrew canon`.
 #[derive(Args, Debug, Clone)]
 pub(crate) struct CanonArgs {
@@ -535,6 +655,32 @@ pub(crate) enum Tapping {
     Floating,
 }
 
+/// How a cam is compensated.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Compensation {
+    /// Not at all
+    Off,
+    /// By the measured phase error in whole addresses of the table
+    Address,
+    /// By the measured phase error as it is
+    Shift,
+    /// By the measured phase error with the wrong sign: what a mistake looks like
+    Wrong,
+    /// By gain and phase of every harmonic that was measured
+    Harmonics,
+    /// By harmonics, and by what sampled turns with compensation on have taught
+    Learn,
+}
+
+/// On or off.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Switch {
+    /// As the machine's file says
+    On,
+    /// None
+    Off,
+}
+
 /// What to do with a dwell that a clutch holder does not work with.
 #[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ClutchDwell {
@@ -557,6 +703,8 @@ pub(crate) enum Dialect {
     FanucLatheA,
     /// Fanuc's lathes, G code system B
     FanucLatheB,
+    /// The cam grinding words of Toyoda's grinders: G50 to G53, G55, and G01 and G04 in cam mode
+    Toyoda,
 }
 
 /// What a number without a decimal point counts in Fanuc's dialects.

@@ -6,7 +6,7 @@ use crate::render::{self, Source};
 use crate::say;
 use crate::session::{Session, read_program};
 use canon::{
-    Await, Axis, Feed, Op, OpKind, Oscillating, Output, PathMode, Polygon, Position, Signal,
+    Await, Axis, CamOrder, Feed, Op, OpKind, Oscillating, Output, PathMode, Polygon, Position, Signal,
     SpindleOrder,
 };
 use diag::Diagnostic;
@@ -135,6 +135,7 @@ fn body(kind: &OpKind) -> Value {
         OpKind::Dwell { time } => json!({ "op": "dwell", "time_s": time.value() }),
         OpKind::Spindle { spindle, order } => spindle_order(*spindle, *order),
         OpKind::Polygon(polygon) => polygon_op(polygon),
+        OpKind::Cam(order) => cam_op(order),
         OpKind::PolygonEnd => json!({ "op": "polygon-end" }),
         OpKind::Coolant { mist, flood } => json!({ "op": "coolant", "mist": mist, "flood": flood }),
         OpKind::SelectTool { number } => json!({ "op": "select-tool", "tool": number }),
@@ -214,6 +215,29 @@ fn spindle_order(spindle: u8, order: SpindleOrder) -> Value {
         }),
         SpindleOrder::Orient(angle) => {
             json!({ "op": "orient", "spindle": spindle, "angle_deg": angle.in_deg() })
+        }
+    }
+}
+
+fn cam_op(order: &CamOrder) -> Value {
+    match *order {
+        CamOrder::Select { profile, phase, centre } => json!({
+            "op": "cam-select", "profile": profile, "phase_deg": phase.in_deg(), "centre_mm": centre.value(),
+        }),
+        CamOrder::Deselect => json!({ "op": "cam-end" }),
+        CamOrder::Compensate => json!({ "op": "cam-compensate" }),
+        CamOrder::ResetSampling => json!({ "op": "cam-sampling", "order": "reset" }),
+        CamOrder::StartSampling => json!({ "op": "cam-sampling", "order": "start" }),
+        CamOrder::StorePhase => json!({ "op": "cam-sampling", "order": "store" }),
+        CamOrder::Grind { stock, per_turn, rate, spin } => json!({
+            "op": "cam-grind",
+            "stock_mm": stock.value(),
+            "infeed_mm_per_rev": per_turn.value(),
+            "rate_mm_per_rev": rate.value(),
+            "rpm": spin.in_rpm(),
+        }),
+        CamOrder::SparkOut { spin, turns } => {
+            json!({ "op": "cam-spark-out", "turns": turns, "rpm": spin.in_rpm() })
         }
     }
 }

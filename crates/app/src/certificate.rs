@@ -2,7 +2,7 @@
 use canon::Position;
 use store::certificate::{self as file, Common, Measured};
 use units::Length;
-use verify::{Feature, FeatureKind, Hand, Hole, Polygon, Thread, Verdict};
+use verify::{Feature, FeatureKind, GroundCam, Hand, Hole, Polygon, Thread, Verdict};
 
 /// One feature, in the certificate's keys and units; places in the frame of the workpiece, whose zero is there.
 pub(crate) fn feature(found: &Feature, zero: &Position) -> file::Feature {
@@ -18,7 +18,25 @@ pub(crate) fn feature(found: &Feature, zero: &Position) -> file::Feature {
     match &found.kind {
         FeatureKind::Hole(found) => file::Feature::Hole(hole(common, found, zero)),
         FeatureKind::Thread(found) => file::Feature::Thread(Box::new(thread(common, found, zero))),
+        FeatureKind::Cam(found) => file::Feature::Cam(cam(common, found)),
         FeatureKind::Polygon(found) => file::Feature::Polygon(polygon(common, found, zero)),
+    }
+}
+
+fn cam(common: Common, found: &GroundCam) -> file::Cam {
+    let measured = |value| if found.errors.is_empty() { Measured::UNKNOWN } else { value };
+    file::Cam {
+        common,
+        profile: found.name.clone(),
+        rpm: Measured::rpm(found.spin),
+        phase_error_deg: measured(Measured::deg(found.phase_error)),
+        contour_error_max_um: measured(Measured::um(found.contour_error_max)),
+        contour_error_rms_um: measured(Measured::um(found.contour_error_rms)),
+        revolutions: Measured::number(found.turns.value()),
+        run_out_um: found.run_out.map_or(Measured::UNKNOWN, Measured::um),
+        speed_error_um_per_deg: measured(Measured::um(found.speed_error_per_deg)),
+        waviness_um: measured(Measured::um(found.waviness.0)),
+        waves_per_rev: measured(Measured::number(found.waviness.1 as f64)),
     }
 }
 

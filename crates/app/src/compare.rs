@@ -9,6 +9,7 @@
 //! Expected of the conventional cycle: 1σ = H·n·√(σd² + (σs·t/2)²), with the scatters σd of the relay's delay and σs of
 //! the stopping time t; that of the speed comes on top, over the whole way in.
 use crate::args::CompareArgs;
+use crate::cam_host::CamHost;
 use crate::preflight::{planner, preflight};
 use crate::program::Ops;
 use crate::refused::Refused;
@@ -229,6 +230,8 @@ fn run_once(
         machine: crate::plant::Plant::Inside(Box::new(iron)),
         keeper: None,
         watch: verify::Watch::new(judge.clone()),
+        cams: CamHost::new(session.cams.clone()),
+        waiting: None,
         judge: verify::Judge::new(judge),
         recorder: report::Recorder::new(&session.tools),
         trace: None,

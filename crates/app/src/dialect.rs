@@ -14,20 +14,14 @@ pub(crate) fn of(
         Some(args::Dialect::Fanuc) => Ok(interp::Dialect::Fanuc),
         Some(args::Dialect::FanucLatheA) => Ok(interp::Dialect::FanucLatheA),
         Some(args::Dialect::FanucLatheB) => Ok(interp::Dialect::FanucLatheB),
+        Some(args::Dialect::Toyoda) => Ok(interp::Dialect::Toyoda),
         None => match machine.control.dialect {
             machine::Dialect::LinuxCnc => Ok(interp::Dialect::LinuxCnc),
             machine::Dialect::Brother => Ok(interp::Dialect::Brother),
             machine::Dialect::Fanuc => Ok(interp::Dialect::Fanuc),
-            machine::Dialect::Toyoda => Err(unknown("toyoda", machine)),
+            machine::Dialect::Toyoda => Ok(interp::Dialect::Toyoda),
         },
     }
-}
-
-fn unknown(name: &str, machine: &MachineFile) -> Refused {
-    let machine = &machine.name;
-    Refused::because(format!(
-        "{machine} reads programs in the dialect {name}, which is not there yet: choose one with --dialect"
-    ))
 }
 
 /// What `[control.canned]` sets; where it is silent, the dialect decides.

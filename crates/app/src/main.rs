@@ -8,6 +8,7 @@
 //!        ├► recover   what is known of a tap in the work, and the way out
 //!        ├► compare   the same holes with a clutch holder and without, on a spindle that scatters
 //!        ├► polygon   forms: from a form to the block that cuts it
+//!        ├► cam       forms::cam, printed and drawn
 //!        ├► canon     session ─► interp, printed
 //!        ├► fmt       gcode
 //!        ├► codes     interp's tables
@@ -17,6 +18,9 @@
 #![forbid(unsafe_code)]
 
 mod args;
+mod cam;
+mod cam_host;
+mod cams;
 mod canonical;
 mod certificate;
 mod check;
@@ -94,6 +98,7 @@ fn execute(cli: &Cli) -> Result<ExitCode, Refused> {
         Command::Compare(args) => compare::command(args, cli.quiet).map(|()| ExitCode::SUCCESS),
         Command::Time(args) => Ok(accepted(time::command(args, cli.quiet)?)),
         Command::Polygon(args) => polygon::command(args, cli.quiet).map(|()| ExitCode::SUCCESS),
+        Command::Cam(args) => cam::command(args).map(|()| ExitCode::SUCCESS),
         Command::Check(args) => Ok(accepted(check::command(args, cli.quiet)?)),
         Command::Canon(args) => Ok(accepted(canonical::command(args)?)),
         Command::Fmt(args) => Ok(accepted(format::command(args, cli.quiet)?)),

@@ -59,7 +59,9 @@ pub(crate) fn preflight_with(
 pub(crate) fn planner(session: &Session, options: Options) -> Planner {
     let start = Start { position: session.interp_setup().start, tool: session.tool() };
     let limits = crate::wiring::planner(&session.machine);
-    Planner::new(limits, session.tools.clone(), options, start)
+    let mut planner = Planner::new(limits, session.tools.clone(), options, start);
+    *planner.cams() = session.cams.for_planner();
+    planner
 }
 
 /// Add a tool of no length for every number that the program calls and the table lacks, and for an empty spindle

@@ -1,5 +1,6 @@
 //! `leadscrew run`: prove a program, run it on the simulated machine, judge the workpiece, leave the papers.
 use crate::args::{Format, RunArgs, Synchronisation};
+use crate::cam_host::CamHost;
 use crate::keeper::{self, Keeper};
 use crate::learning::Memory;
 use crate::log::Log;
@@ -86,6 +87,9 @@ pub(crate) fn command(args: &RunArgs, quiet: bool) -> Result<Ending, Refused> {
     }
     if let Some(memory) = job.memory.as_ref().filter(|_| outcome.ended) {
         memory.save(&outcome.lessons)?;
+    }
+    if outcome.ended {
+        outcome.cams.save()?;
     }
     let certificate = papers::certificate(&job, &outcome);
     if let Some(folder) = folder {
@@ -224,9 +228,12 @@ impl Job {
                 synchronised: self.session.taps.method == plan::TapMethod::Synchronised,
                 ..wiring::judge(machine, tools, self.material, &zero)
             }),
+            cams: CamHost::new(self.session.cams.clone()),
+            waiting: None,
             judge: verify::Judge::new(verify::Config {
                 synchronised: self.session.taps.method == plan::TapMethod::Synchronised,
                 tolerances: self.tolerances(),
+                cams: self.session.cams.library.clone(),
                 ..wiring::judge(machine, tools, self.material, &zero)
             }),
             recorder: report::Recorder::new(tools),
@@ -304,6 +311,13 @@ impl Link {
                 let zero = job.session.work_zero();
                 let config = wiring::simulator(machine, tools, job.material, job.seed, &zero);
                 let machine = plant::simulated(machine, config)?;
+                let machine = match job.session.cams.grinding() {
+                    None => machine,
+                    Some(grinding) => machine.with_grinding(grinding).map_err(|problems| {
+                        let problems = problems.join("; ");
+                        Refused::because(format!("cams cannot be ground here: {problems}"))
+                    })?,
+                };
                 Plant::Inside(Box::new(machine))
             }
         };

@@ -1,5 +1,8 @@
 //! What a program meets: its text, the machine, the tools, the parameters; loaded once, from wherever they are.
-use crate::args::{ClutchDwell, DecimalPoint, MissingTools, ProgramArgs, Tapping, TappingPreset};
+use crate::args::{
+    ClutchDwell, DecimalPoint, MissingTools, ProgramArgs, Switch, Tapping, TappingPreset,
+};
+use crate::cams::CamSetup;
 use crate::dialect;
 use crate::refused::Refused;
 use canon::ToolLibrary;
@@ -33,6 +36,8 @@ pub(crate) struct Session {
     pub(crate) taps: plan::Unsynchronised,
     /// How the program is read.
     pub(crate) dialect: interp::Dialect,
+    /// The cams that the program may grind.
+    pub(crate) cams: CamSetup,
     decimal_point: DecimalPoint,
     block_skip: Vec<u8>,
     has_parameter_file: bool,
@@ -53,10 +58,19 @@ impl Session {
                 TappingPreset::Max => Preset::Max,
             };
         }
+        if args.feed_forward == Some(Switch::Off) {
+            for loops in machine.axes.iter_mut().flatten().map(|axis| &mut axis.loops) {
+                loops.velocity_feed_forward_share = 0.0;
+                loops.acceleration_feed_forward_share = 0.0;
+                loops.friction_feed_forward_share = 0.0;
+            }
+        }
         let (tools, tools_from) = tools(args.tools.as_deref(), program)?;
         let missing_tools = args.missing_tools;
         let dialect = dialect::of(args.dialect, &machine)?;
-        Ok(Self {
+        let cams = CamSetup::load(args, program, &machine)?;
+        let mut session = Self {
+            cams,
             parameters: parameters(args.parameters.as_deref(), &machine)?,
             has_parameter_file: args.parameters.is_some(),
             subprograms: crate::subprograms::find(args, &machine, program, text)?,
@@ -69,7 +83,12 @@ impl Session {
             dialect,
             decimal_point: args.decimal_point,
             block_skip: args.block_skip.clone(),
-        })
+        };
+        if session.cams.library.iter().next().is_some() {
+            let setup = session.interp_setup();
+            session.cams.look_ahead(interp::Ops::new(text, &setup));
+        }
+        Ok(session)
     }
 
     /// The machine stands where its encoders say.

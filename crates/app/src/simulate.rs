@@ -9,6 +9,7 @@
 //! ```
 //!
 //! One thread does all of it, period by period: two runs of the same inputs are the same to the last bit.
+use crate::cam_host::CamHost;
 use crate::interrupt;
 use crate::keeper::Keeper;
 use crate::log::Log;
@@ -17,6 +18,7 @@ use crate::program::Ops;
 use crate::timings::Timings;
 use crate::trace_thread::TraceThread;
 use bus::{Machine, Sample};
+use canon::Op;
 use indicatif::ProgressBar;
 use kernel::{Event, EventKind, Fault, Kernel};
 use plan::{Planner, Step, StepKind};
@@ -44,6 +46,10 @@ pub(crate) struct Simulation<'a> {
     pub(crate) machine: Plant,
     /// Who writes down what taking a tap out needs.
     pub(crate) keeper: Option<Keeper>,
+    /// Who measures and teaches cams.
+    pub(crate) cams: CamHost,
+    /// An op that waits for a measurement.
+    pub(crate) waiting: Option<(u32, Op)>,
     /// Who judges.
     pub(crate) judge: Judge,
     /// Who looks for what may never happen.
@@ -86,6 +92,8 @@ pub(crate) struct Outcome {
     pub(crate) assumed_holes: usize,
     /// What repeated taps have learnt.
     pub(crate) lessons: Vec<sync::Lesson>,
+    /// What was measured and taught of cams.
+    pub(crate) cams: CamHost,
     /// How long it took here.
     pub(crate) timings: Timings,
     /// Why the iron is gone, if it is; why the record is not on the disk, if it is not.
@@ -121,6 +129,7 @@ impl Simulation<'_> {
             if let Some(keeper) = &mut self.keeper {
                 keeper.serve(&mut self.kernel, feedback.time);
             }
+            self.cams.consult(&mut self.kernel, &mut self.planner);
             while let Some(event) = self.kernel.next_event() {
                 self.note(&event, &mut warnings);
             }
@@ -150,6 +159,7 @@ impl Simulation<'_> {
             saturated,
             assumed_holes: self.machine.assumed_holes(),
             lessons: self.kernel.lessons().to_vec(),
+            cams: self.cams,
             timings: self.timings,
             broke_off: lost.into_iter().chain(unwritten).collect(),
         })
@@ -164,13 +174,21 @@ impl Simulation<'_> {
                 let _ = self.kernel.push(step);
                 continue;
             }
-            let Some((index, op)) = self.ops.next() else {
+            let next = match self.waiting.take() {
+                Some(waiting) => Some(waiting),
+                None => self.ops.next().inspect(|(index, op)| self.cams.op(*index, op)),
+            };
+            let Some((index, op)) = next else {
                 self.planner.finish(&mut |step| queue.push_back(step));
                 if queue.is_empty() {
                     return;
                 }
                 continue;
             };
+            if self.cams.is_early(&op) {
+                self.waiting = Some((index, op));
+                return;
+            }
             if let canon::OpKind::Tap(_) = &op.kind {
                 self.taps.insert(index);
             }
@@ -212,6 +230,7 @@ impl Simulation<'_> {
     }
 
     fn listen(&mut self, sample: &Sample) {
+        self.cams.sample(sample);
         self.judge.sample(sample);
         self.watch.sample(sample);
         self.recorder.sample(sample);

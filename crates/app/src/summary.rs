@@ -41,6 +41,10 @@ pub(crate) fn text(job: &Job, outcome: &Outcome, out: Option<&Path>, quiet: bool
     said += &saturation(outcome);
     said += &warnings(outcome);
     said += &crate::learning::text(&outcome.lessons);
+    for line in &outcome.cams.said {
+        said += line;
+        said.push('\n');
+    }
     for fault in &outcome.faults {
         said += &format!("{fault}\n  {}\n", fault.kind.remedy());
     }
@@ -160,6 +164,7 @@ fn name(feature: &Feature) -> String {
             verify::Hand::Left => format!("{} left", thread.size),
         },
         FeatureKind::Polygon(polygon) => polygon.name(),
+        FeatureKind::Cam(cam) => format!("cam {} at {:.0} rpm", cam.name, cam.spin.in_rpm()),
     }
 }
 
@@ -202,7 +207,7 @@ fn row(group: &[&Feature], outcome: &Outcome) -> Vec<Cell> {
 fn thread(feature: &Feature) -> Option<&Thread> {
     match &feature.kind {
         FeatureKind::Thread(thread) => Some(thread),
-        FeatureKind::Hole(_) | FeatureKind::Polygon(_) => None,
+        FeatureKind::Hole(_) | FeatureKind::Polygon(_) | FeatureKind::Cam(_) => None,
     }
 }
 
@@ -211,6 +216,10 @@ fn hole(feature: &Feature) -> (f64, f64) {
     match &feature.kind {
         FeatureKind::Hole(hole) => (hole.depth.value(), hole.depth_error.in_um()),
         FeatureKind::Thread(_) => (f64::NAN, 0.0),
+        FeatureKind::Cam(cam) => {
+            let lift = cam.lift.iter().map(|l| l.value()).fold(0.0, f64::max);
+            (lift, cam.contour_error_max.in_um())
+        }
         FeatureKind::Polygon(polygon) => {
             let over = polygon.across_flats - polygon.across_flats_ordered;
             ((polygon.z_to - polygon.z_from).value(), over.in_um())

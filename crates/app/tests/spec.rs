@@ -109,6 +109,7 @@ fn run(arguments: &[&str], program: &str, exit_code: i32) -> String {
         .args(arguments)
         .arg("--tools")
         .arg(tools)
+        .current_dir(root())
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())

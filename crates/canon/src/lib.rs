@@ -9,7 +9,7 @@
 //! ```text
 //!   Op ─┬─ motion     Rapid, Line, Arc, Tap
 //!       ├─ waiting    Dwell, Pause, End
-//!       ├─ coupling   Polygon, PolygonEnd
+//!       ├─ coupling   Polygon, PolygonEnd, Cam
 //!       ├─ switching  Spindle, Coolant, SelectTool, ChangeTool, PathMode, Overrides, Output, Input, UserCode
 //!       └─ meaning    Hole (what the moves that follow are for), Message
 //! ```
@@ -19,11 +19,13 @@
 #![no_std]
 extern crate alloc;
 
+mod cam;
 mod coupling;
 mod op;
 mod position;
 mod tool;
 
+pub use cam::{CamLibrary, CamOrder, CamProfile};
 pub use coupling::{Actuator, Harmonic, Oscillating, Oscillation, Polygon, Ratio};
 pub use diag::Span;
 pub use op::{

@@ -1,5 +1,5 @@
 //! The operations.
-use crate::{Axis, Plane, Polygon, Position, Span};
+use crate::{Axis, CamOrder, Plane, Polygon, Position, Span};
 use alloc::boxed::Box;
 use units::{Angle, Lead, Length, Speed, Spin, Time};
 
@@ -57,6 +57,8 @@ pub enum OpKind {
     Polygon(Polygon),
     /// End of it (G50.2): what swings comes to rest, then the tool spindle stops.
     PolygonEnd,
+    /// Grind a cam: the wheel follows the work's angle by a profile.
+    Cam(CamOrder),
     /// Switch coolant.
     Coolant {
         /// M7.

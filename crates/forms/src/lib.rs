@@ -10,4 +10,5 @@
 //! ```
 //!
 //! It knows no program text, no control and no files.
+pub mod cam;
 pub mod polygon;

@@ -203,6 +203,8 @@ pub enum Call<'a> {
     SyncStart(f64),
     /// The end of that.
     SyncStop,
+    /// G150 … G155.
+    Cam(crate::cam::CamCall),
     /// G4, seconds.
     Dwell(f64),
     /// G51.2: the tool spindle is geared to the work spindle.

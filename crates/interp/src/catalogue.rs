@@ -34,6 +34,7 @@ impl Dialect {
             Self::Fanuc => "fanuc",
             Self::FanucLatheA => "fanuc-lathe-a",
             Self::FanucLatheB => "fanuc-lathe-b",
+            Self::Toyoda => "toyoda",
         }
     }
 }
@@ -70,6 +71,7 @@ fn of_g(code: &'static Code<GGroup>) -> CodeInfo {
         GGroup::PathControl => ("path control", true),
         GGroup::SpindleMode => ("spindle mode", true),
         GGroup::Diameter => ("lathe diameter mode", true),
+        GGroup::Cam => ("cam grinding", false),
     };
     info('G', code, group, modal)
 }

@@ -66,6 +66,7 @@ pub(crate) enum GGroup {
     PathControl,
     SpindleMode,
     Diameter,
+    Cam,
 }
 
 /// Modal groups of M codes.
@@ -83,7 +84,7 @@ pub(crate) enum MGroup {
 }
 
 /// Numbers of groups, for arrays.
-pub(crate) const G_GROUPS: usize = GGroup::Diameter as usize + 1;
+pub(crate) const G_GROUPS: usize = GGroup::Cam as usize + 1;
 /// Numbers of groups, for arrays.
 pub(crate) const M_GROUPS: usize = MGroup::User as usize + 1;
 
@@ -113,13 +114,13 @@ const fn m(number: u16, group: MGroup, letters: &str, name: &'static str) -> Cod
 }
 
 use GGroup::{
-    ArcDistance, Compensation, Diameter, Distance, FeedMode, Motion, NonModal, PathControl, Plane,
-    Retract, SpindleMode, ToolLength, Units, WorkOffset,
+    ArcDistance, Cam, Compensation, Diameter, Distance, FeedMode, Motion, NonModal, PathControl,
+    Plane, Retract, SpindleMode, ToolLength, Units, WorkOffset,
 };
 use MGroup::{Coolant, Outputs, Overrides, Rigid, Spindle, State, Stop, Tool, User};
 
 /// All G codes, by rising number.
-pub(crate) static G_CODES: [Code<GGroup>; 93] = [
+pub(crate) static G_CODES: [Code<GGroup>; 99] = [
     g(0, Motion, "XYZABCUVW@^", "rapid move"),
     g(10, Motion, "XYZABCUVW@^", "straight feed"),
     g(20, Motion, "XYZABCUVWIJKRP@^", "clockwise arc"),
@@ -213,6 +214,12 @@ pub(crate) static G_CODES: [Code<GGroup>; 93] = [
     g(970, SpindleMode, "$", "revolutions per minute"),
     g(980, Retract, "", "retract to the initial level"),
     g(990, Retract, "", "retract to R"),
+    g(1500, Cam, "", "cam grinding: compensate what is sent"),
+    g(1510, Cam, "PR", "cam grinding: follow a profile"),
+    g(1520, Cam, "", "cam grinding: forget the samples"),
+    g(1530, Cam, "", "cam grinding: take samples"),
+    g(1540, Cam, "XRP", "cam grinding: infeed (X) or spark-out (P)"),
+    g(1550, Cam, "", "cam grinding: compute and keep the phase error"),
 ];
 
 /// All M codes, by rising number; 100 stands for all the user's.
@@ -278,7 +285,7 @@ macro_rules! tenths {
     }};
 }
 
-static G_PLACES: [u8; 1000] = places(&tenths!(G_CODES, 93));
+static G_PLACES: [u8; 1600] = places(&tenths!(G_CODES, 99));
 static M_PLACES: [u8; 1000] = places(&tenths!(M_CODES, 35));
 
 /// The G code with this number.
@@ -369,7 +376,7 @@ mod tests {
 
     #[test]
     fn every_code_is_found_by_its_number() {
-        for code in G_CODES.iter().filter(|c| c.tenths < 1000) {
+        for code in G_CODES.iter().filter(|c| c.tenths < 1600) {
             assert_eq!(g_code(code.tenths).map(|c| c.tenths), Some(code.tenths));
         }
         for code in M_CODES.iter().filter(|c| c.tenths < 1000) {

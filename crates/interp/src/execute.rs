@@ -68,7 +68,7 @@ impl Executor {
         let mut new = Self {
             state: State::new(),
             store: Store::new(setup.parameters.clone()),
-            words: Words::new(),
+            words: Words::new(setup.dialect),
             tools: setup.tools.clone(),
             missing_tools: setup.missing_tools,
             tool_table: ToolTable::default(),
@@ -121,6 +121,9 @@ impl Executor {
 
     /// Execute the words read.
     pub(crate) fn execute<S: Sink>(&mut self, sink: &mut S) -> Outcome<After> {
+        if self.cam(sink)? {
+            return self.stops(sink);
+        }
         let motion = self.motion()?;
         let before = self.words.m(MGroup::Tool).map(|_| self.state.place());
         self.words.check_letters(motion.map_or(0, letters_of), self.letters_beside(motion))?;

@@ -26,6 +26,7 @@
 mod arcs;
 mod boring;
 mod call;
+mod cam;
 mod catalogue;
 mod chips;
 mod codes;
@@ -71,6 +72,7 @@ mod tool_table;
 mod words;
 
 pub use call::{Call, Corners, CycleHole, CycleTap, Place, ReturnSpeed, Sense, Sink, Units};
+pub use cam::CamCall;
 pub use catalogue::{CodeInfo, codes, describe, describe_in, fanuc_codes};
 pub use explain::{Finding, example_setup, explain, findings};
 pub use frame::{Frame, Point};

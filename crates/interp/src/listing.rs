@@ -287,6 +287,7 @@ impl<W: Write> Listing<W> {
                 self.text(place, &format!("START_SPEED_FEED_SYNC({lead:.6},0)"));
             }
             Call::ThrowChips(hole) => self.throw_chips(place, hole),
+            Call::Cam(order) => self.text(place, &format!("CAM({order:?})")),
             Call::Dwell(seconds) => self.numbers(place, b"DWELL", &[*seconds]),
             Call::SpindleSpeed(speed) => {
                 self.text(place, &format!("SET_SPINDLE_SPEED(0, {speed:.4})"));

@@ -357,6 +357,7 @@ impl Sink for Resolver {
             }
             Call::Polygon(order) => self.polygon(order, span),
             Call::PolygonEnd => self.push(span, OpKind::PolygonEnd),
+            Call::Cam(order) => self.cam(*order, span),
             Call::Dwell(seconds) => self.push(span, OpKind::Dwell { time: Time::s(*seconds) }),
             other => self.order_or_mode(other, span),
         }

@@ -17,6 +17,8 @@ pub enum Dialect {
     FanucLatheA,
     /// Fanuc's lathes, G code system B.
     FanucLatheB,
+    /// The same core with the cam grinding words of Toyoda's grinders: G50 to G53 and G55, and in cam mode G01 and G04.
+    Toyoda,
 }
 
 impl Dialect {
@@ -24,14 +26,14 @@ impl Dialect {
     pub const fn grammar(self) -> Grammar {
         match self {
             Self::Fanuc | Self::FanucLatheA | Self::FanucLatheB => Grammar::Fanuc,
-            Self::LinuxCnc | Self::Brother => Grammar::Rs274,
+            Self::LinuxCnc | Self::Brother | Self::Toyoda => Grammar::Rs274,
         }
     }
 
     /// Where its cycles measure Z from under G91, unless the machine says otherwise.
     pub const fn depth_from(self) -> DepthFrom {
         match self {
-            Self::LinuxCnc | Self::Fanuc | Self::FanucLatheA | Self::FanucLatheB => {
+            Self::LinuxCnc | Self::Fanuc | Self::FanucLatheA | Self::FanucLatheB | Self::Toyoda => {
                 DepthFrom::RPlane
             }
             Self::Brother => DepthFrom::InitialLevel,

@@ -258,6 +258,10 @@ pub(crate) struct State {
     pub(crate) swings: Vec<canon::Oscillation>,
     /// Between G51.2 and G50.2.
     pub(crate) polygon: bool,
+    /// G151: a cam's profile is in force.
+    pub(crate) cam: bool,
+    /// S of the last grinding block.
+    pub(crate) cam_rpm: f64,
 }
 
 impl State {
@@ -306,6 +310,8 @@ impl State {
             value: 0.0,
             swings: Vec::new(),
             polygon: false,
+            cam: false,
+            cam_rpm: 0.0,
         }
     }
 

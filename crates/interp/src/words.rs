@@ -1,9 +1,11 @@
 //! The words of one block as numbers: each letter once, each modal group once.
 use crate::{
     call::Place,
+    cam::shared_code,
     codes::{self, AXES, CENTRE, FREE, G_GROUPS, GGroup, Letters, M_GROUPS, MGroup, POLAR},
     eval::Values,
     fault::{Outcome, error},
+    setup::Dialect,
 };
 use diag::Span;
 
@@ -23,10 +25,11 @@ pub(crate) struct Words {
     /// G80 beside another code of the motion group.
     pub(crate) cycle_off: bool,
     any_code: bool,
+    dialect: Dialect,
 }
 
 impl Words {
-    pub(crate) fn new() -> Self {
+    pub(crate) fn new(dialect: Dialect) -> Self {
         Self {
             place: Place::default(),
             present: 0,
@@ -36,6 +39,7 @@ impl Words {
             m: [NONE; M_GROUPS],
             cycle_off: false,
             any_code: false,
+            dialect,
         }
     }
 
@@ -61,7 +65,7 @@ impl Words {
                 gcode::Value::Expression(_) => values.evaluate(block, word.value, word.span)?,
             };
             match word.letter {
-                b'G' => self.take_g(value, word.span)?,
+                b'G' => self.take_g(shared_code(self.dialect, value), word.span)?,
                 b'M' => self.take_m(value, word.span)?,
                 letter => self.put(letter, value, word.span)?,
             }

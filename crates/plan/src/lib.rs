@@ -28,11 +28,13 @@
 //! not along the tool axis, M0335 beside its hole, M0336 blind hole too near for this spindle,
 //! M0337 no angle; clutch and floating holders: M0340 dwell, M0341 stroke, M0342 travel,
 //! M0343 words; chip removal: M0350 too fast for the spindle, M0351 not against the cut;
-//! polygon turning: M0401 spindles missing, M0402 ratio, M0403 work spindle at rest, M0404 tool spindle too fast.
+//! polygon turning: M0401 spindles missing, M0402 ratio, M0403 work spindle at rest, M0404 tool spindle too fast;
+//! cam grinding: M0411 no such profile, M0412 nothing sampled, M0413 not measured, M0414 too fast, M0415 wheel too near.
 #![no_std]
 #![allow(clippy::large_types_passed_by_value)] // a step is moved once, into the queue
 extern crate alloc;
 
+mod cams;
 mod clock;
 mod clutch;
 mod coupled;
@@ -54,6 +56,7 @@ mod travel;
 
 pub use crate::motion::coordinate;
 pub use crate::path::{Motion, Path};
+pub use cams::{CamCommand, Cams, TURN_ENDED, turned};
 pub use clock::Clock;
 pub use clutch::{ClutchCycle, DwellWindow};
 pub use coupled::{GearStep, Superpose, Superposed, Table, TableId};

@@ -18,6 +18,7 @@
 //! **Tool change.** The spindle is stopped, Z goes to the change position, the tool is changed. The program does
 //! not know that Z has moved: a rapid that leaves Z where the program has it stays at the change position; the first op that
 //! cuts brings Z back first.
+use crate::cams::Cams;
 use crate::coupled::Table;
 use crate::findings::{Findings, number};
 use crate::holes::Holes;
@@ -34,6 +35,7 @@ use diag::{Diagnostic, Span};
 use path::geometry::{self, Segment};
 use units::{Length, Spin, Time};
 
+mod cam;
 mod chips;
 mod coupled;
 mod refuse;
@@ -91,11 +93,39 @@ pub struct Planner {
     /// The last tap left the spindle reversed: forward again after the rapid back.
     reversed_along: Option<Axis>,
     coupled: coupled::Coupled,
+    cams: Cams,
+    cam: Option<cam::Cam>,
+    /// Profiles and speeds whose phase error the program measures.
+    will_measure: Vec<(u32, Spin)>,
     /// Tables that steps name and nobody has taken yet.
     tables: Vec<Table>,
     next_table: u16,
     findings: Findings,
     outbox: Outbox,
+}
+
+/// Whether a wheel that follows a cam goes back before this.
+const fn leaves_cam(kind: &OpKind) -> bool {
+    match kind {
+        OpKind::Rapid { .. }
+        | OpKind::Line { .. }
+        | OpKind::Arc { .. }
+        | OpKind::Tap(_)
+        | OpKind::Hole(_)
+        | OpKind::Spindle { .. }
+        | OpKind::Polygon(_)
+        | OpKind::PolygonEnd
+        | OpKind::ChangeTool { .. }
+        | OpKind::Pause { .. }
+        | OpKind::End => true,
+        OpKind::Cam(_)
+        | OpKind::Dwell { .. }
+        | OpKind::Coolant { .. }
+        | OpKind::SelectTool { .. }
+        | OpKind::PathMode(_)
+        | OpKind::Overrides { .. }
+        | OpKind::Message(_) => false,
+    }
 }
 
 /// What is known of a program before it runs.
@@ -179,6 +209,9 @@ impl Planner {
             warned_still: false,
             reversed_along: None,
             coupled: coupled::Coupled::default(),
+            cams: Cams::default(),
+            cam: None,
+            will_measure: Vec::new(),
             tables: Vec::new(),
             next_table: 0,
             findings: Findings::default(),
@@ -189,6 +222,9 @@ impl Planner {
     /// Plan one op. Steps of it, and of ops before it that had to wait for it, go to `emit`, in order.
     pub fn push(&mut self, index: u32, op: &Op, emit: &mut impl FnMut(Step)) {
         let mut job = Job { index, span: op.span, emit };
+        if leaves_cam(&op.kind) {
+            self.cam_end(&mut job);
+        }
         match &op.kind {
             OpKind::Rapid { to } => self.rapid(&mut job, to),
             OpKind::Line { to, feed } => {
@@ -213,6 +249,7 @@ impl Planner {
             OpKind::Spindle { spindle, order } => self.spindle(&mut job, *spindle, order),
             OpKind::Polygon(polygon) => self.polygon(&mut job, polygon),
             OpKind::PolygonEnd => self.polygon_end(&mut job),
+            OpKind::Cam(order) => self.cam(&mut job, order),
             OpKind::Coolant { mist, flood } => {
                 let step = job.step(StepKind::Coolant { mist: *mist, flood: *flood });
                 self.after_spindle(&mut job, step);
@@ -243,6 +280,11 @@ impl Planner {
     /// The program is over: hand on what still waits.
     pub fn finish(&mut self, emit: &mut impl FnMut(Step)) {
         self.outbox.release(&[], &self.limits, emit);
+    }
+
+    /// The cams that programs may call, and what is sent of them.
+    pub const fn cams(&mut self) -> &mut Cams {
+        &mut self.cams
     }
 
     /// The tables that steps so far have named, each once: the kernel needs them before the steps.

@@ -20,7 +20,9 @@ mod run;
 mod svg;
 mod thin;
 
-pub use page::{Comparison, Named, PolygonPlan, Way, comparison_html, html, polygon_html};
+pub use page::{
+    CamPage, Comparison, Named, PolygonPlan, Way, cam_html, comparison_html, html, polygon_html,
+};
 pub use record::{Recorder, WORST_KEPT};
 pub use recovery::{Recovery, recovery_svg};
 pub use run::{Alarm, Limits, Note, Origin, Run};

@@ -265,6 +265,18 @@ pub struct Cam {
     pub contour_error_rms_um: Measured,
     /// Revolutions of the work.
     pub revolutions: Measured,
+    /// Spread of the contour error on the base circle.
+    #[serde(default)]
+    pub run_out_um: Measured,
+    /// Largest change of the contour error for each degree.
+    #[serde(default)]
+    pub speed_error_um_per_deg: Measured,
+    /// Largest wave in the band of chatter.
+    #[serde(default)]
+    pub waviness_um: Measured,
+    /// How many of it a turn.
+    #[serde(default)]
+    pub waves_per_rev: Measured,
 }
 
 /// A number that is finite, or not known. Constructors name the unit that the key has.

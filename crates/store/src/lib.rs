@@ -8,12 +8,14 @@
 //! ```
 //!
 //! Units end at this edge: a key or column carries its unit in its name, a field its quantity.
+pub mod cams;
 pub mod certificate;
 pub mod learning;
 pub mod machine;
 pub mod output;
 pub mod parameters;
 pub mod solid;
+pub mod phases;
 pub mod sync_record;
 pub mod tools;
 pub mod trace;

@@ -78,6 +78,10 @@ fn certificate() -> Certificate {
         contour_error_max_um: Measured::number(3.0),
         contour_error_rms_um: Measured::number(1.0),
         revolutions: Measured::number(5.0),
+        run_out_um: Measured::UNKNOWN,
+        speed_error_um_per_deg: Measured::number(0.2),
+        waviness_um: Measured::number(0.1),
+        waves_per_rev: Measured::number(60.0),
     };
     Certificate {
         leadscrew: "0.1.0".into(),

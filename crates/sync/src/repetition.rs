@@ -122,6 +122,17 @@ impl Repetition {
         }
     }
 
+    /// The same, beginning with a table that was sent before.
+    pub fn resumed(ideal: &[f64], spin: Spin, options: RepetitionOptions, sent: &[f64]) -> Self {
+        let mut new = Self::new(ideal, spin, options, None);
+        let sent = Spectrum::of(sent, new.harmonics.len() - 1).harmonics;
+        for (harmonic, sent) in new.harmonics.iter_mut().zip(&sent) {
+            (harmonic.command, harmonic.best) = (*sent, *sent);
+        }
+        new.best = sent;
+        new
+    }
+
     /// The table to send, as nodes. What is beyond the highest harmonic is sent as it is.
     pub fn table(&self) -> Vec<f64> {
         let change = |(h, d): (&Harmonic, &Complex)| h.command - *d;

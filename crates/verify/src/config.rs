@@ -1,6 +1,6 @@
 //! What the judge is told beforehand: the tools, what was asked of the workpiece, the material.
 use crate::ThreadClass;
-use canon::{Flute, ToolLibrary};
+use canon::{CamLibrary, Flute, ToolLibrary};
 use units::{Angle, Length, Torque};
 
 /// What to judge by.
@@ -8,6 +8,8 @@ use units::{Angle, Length, Torque};
 pub struct Config {
     /// The tools a program may call.
     pub tools: ToolLibrary,
+    /// The cams a program may grind.
+    pub cams: CamLibrary,
     /// Class asked of threads, such as 6H; of inch threads the corresponding one is asked.
     pub class: ThreadClass,
     /// What may be off.
@@ -37,6 +39,7 @@ impl Config {
     pub fn new(tools: ToolLibrary) -> Self {
         Self {
             tools,
+            cams: CamLibrary::default(),
             class: ThreadClass::H6,
             tolerances: Tolerances::default(),
             material: None,
@@ -64,6 +67,8 @@ pub struct Tolerances {
     pub thread_overrun: Length,
     /// Largest sync error in the material; `None`: only its effect on the thread counts.
     pub sync_error: Option<Length>,
+    /// Contour of a ground cam, each way.
+    pub cam_contour: Length,
     /// Where a thread starts, if the program asks for an angle.
     pub start_angle: Angle,
     /// Flatness of a polygon's facets, minimum zone.
@@ -84,6 +89,7 @@ impl Default for Tolerances {
             thread_depth: Length::mm(0.1),
             thread_overrun: Length::mm(0.02),
             sync_error: None,
+            cam_contour: Length::um(10.0),
             start_angle: Angle::deg(5.0),
             facet_flatness: Length::mm(0.02),
             facet_tilt: Angle::deg(0.5),

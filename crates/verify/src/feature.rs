@@ -41,6 +41,7 @@ impl Feature {
             FeatureKind::Hole(_) => "hole",
             FeatureKind::Thread(_) => "thread",
             FeatureKind::Polygon(_) => "polygon",
+            FeatureKind::Cam(_) => "cam",
         }
     }
 
@@ -49,6 +50,7 @@ impl Feature {
         match &mut self.kind {
             FeatureKind::Hole(hole) => hole.chip_removal = true,
             FeatureKind::Thread(thread) => thread.chip_removal = true,
+            FeatureKind::Cam(_) => {}
             FeatureKind::Polygon(_) => {} // no chips wind around a polygon cutter
         }
     }
@@ -59,7 +61,7 @@ impl Feature {
         match &self.kind {
             FeatureKind::Hole(hole) => Some([hole.x, hole.y]),
             FeatureKind::Thread(thread) => Some([thread.x, thread.y]),
-            FeatureKind::Polygon(_) => None,
+            FeatureKind::Polygon(_) | FeatureKind::Cam(_) => None,
         }
     }
 }
@@ -113,6 +115,8 @@ pub enum FeatureKind {
     Thread(Box<Thread>),
     /// Turned with a cutter geared to the work.
     Polygon(Box<crate::Polygon>),
+    /// Ground.
+    Cam(Box<crate::GroundCam>),
 }
 
 /// A hole as it was made.

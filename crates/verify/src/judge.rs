@@ -10,6 +10,7 @@
 //!
 //! A sample between features costs a comparison; within one, memory is bounded by the bins of its depth.
 use crate::Config;
+use crate::cam::{self, CamTrack};
 use crate::chips::Removals;
 use crate::feature::Feature;
 use crate::hole::{Drilled, HoleTrack};
@@ -17,7 +18,7 @@ use crate::polygon::{Ordered, PolygonTrack};
 use crate::stroke::Stroke;
 use crate::thread::ThreadTrack;
 use bus::Sample;
-use canon::{Hole, Op, OpKind, Span, SpindleOrder, Tap, Tool};
+use canon::{CamOrder, Hole, Op, OpKind, Span, SpindleOrder, Tap, Tool};
 use std::collections::VecDeque;
 use units::Time;
 
@@ -33,6 +34,8 @@ pub struct Judge {
     drilled: Vec<Drilled>,
     features: Vec<Feature>,
     removals: Removals,
+    /// The cam's profile in force.
+    selected: cam::Selected,
     /// Features not yet judged after which chips were thrown off, by their first op.
     thrown: Vec<u32>,
     /// First op of the feature ordered last.
@@ -56,6 +59,7 @@ enum What {
     Hole(Hole),
     Tap(Tap),
     Polygon(Box<Ordered>),
+    Cam(Box<cam::Ordered>),
 }
 
 #[derive(Clone, Debug)]
@@ -63,6 +67,7 @@ enum Track {
     Hole { track: HoleTrack, tool: Option<u32> },
     Thread(Box<ThreadTrack>),
     Polygon(Box<PolygonTrack>),
+    Cam(CamTrack),
 }
 
 impl Judge {
@@ -76,6 +81,7 @@ impl Judge {
             drilled: Vec::new(),
             features: Vec::new(),
             removals: Removals::default(),
+            selected: cam::Selected::default(),
             thrown: Vec::new(),
             last_ordered: None,
             now: Time::ZERO,
@@ -92,15 +98,33 @@ impl Judge {
                 }
                 return;
             }
+            if let What::Cam(_) = open.what {
+                // spark-out belongs to the grinding before it, and sampling moves nothing
+                let goes_on = match &op.kind {
+                    OpKind::Cam(order) => !matches!(
+                        order,
+                        CamOrder::Select { .. } | CamOrder::Deselect | CamOrder::Grind { .. }
+                    ),
+                    kind => matches!(kind, OpKind::Coolant { .. } | OpKind::Message(_)),
+                };
+                if goes_on {
+                    return;
+                }
+                open.end = Some(index);
+            }
             let starts_another =
                 matches!(op.kind, OpKind::Hole(_) | OpKind::Tap(_) | OpKind::ChangeTool { .. });
-            if starts_another || op.span != open.span {
+            if open.end.is_none() && (starts_another || op.span != open.span) {
                 open.end = Some(index);
             }
         }
         let (what, end) = match &op.kind {
             OpKind::Hole(hole) => (What::Hole(*hole), None),
             OpKind::Tap(tap) => (What::Tap(*tap), Some(index + 1)),
+            OpKind::Cam(order) => match self.selected.see(order) {
+                Some(ordered) => (What::Cam(Box::new(ordered)), None),
+                None => return,
+            },
             OpKind::Polygon(polygon) => (What::Polygon(Box::new(Ordered::new(polygon))), None),
             OpKind::Spindle { order: SpindleOrder::ThrowChips(chips), .. } => {
                 if let Some(feature) = self.last_ordered {
@@ -152,6 +176,7 @@ impl Judge {
             Track::Hole { track, .. } => track.sample(sample),
             Track::Thread(track) => track.sample(sample),
             Track::Polygon(track) => track.sample(sample),
+            Track::Cam(track) => track.sample(sample),
         }
     }
 
@@ -184,6 +209,11 @@ impl Judge {
                     self.features.push(track.finish(op, line, ordered, &self.config, self.now));
                 }
             }
+            Track::Cam(track) => {
+                if let What::Cam(ordered) = &order.what {
+                    self.features.push(track.finish(op, line, ordered, &self.config, self.now));
+                }
+            }
             Track::Hole { track, tool } => {
                 let with = (tool, tool.and_then(|number| self.config.tools.get(number)));
                 if let Some((feature, drilled)) =
@@ -209,6 +239,7 @@ impl Track {
         let stroke = match &order.what {
             What::Hole(hole) => Stroke::new(hole.axis, &hole.at, hole.surface, hole.bottom),
             What::Tap(tap) => Stroke::new(tap.axis, &tap.start, tap.surface, tap.bottom),
+            What::Cam(ordered) => return Self::Cam(CamTrack::new(ordered)),
             What::Polygon(ordered) => {
                 return Self::Polygon(Box::new(PolygonTrack::new(ordered, number, tool, config)));
             }
@@ -220,6 +251,7 @@ impl Track {
         match &order.what {
             What::Hole(_) => Self::Hole { track: HoleTrack::new(stroke), tool: number },
             What::Tap(tap) => Self::Thread(Box::new(ThreadTrack::new(tap, number, tool, stroke))),
+            What::Cam(ordered) => Self::Cam(CamTrack::new(ordered)),
             What::Polygon(ordered) => {
                 Self::Polygon(Box::new(PolygonTrack::new(ordered, number, tool, config)))
             }

@@ -10,6 +10,7 @@
 //!                                                ├─► Judge ─► Feature { Hole | Thread, Verdict }
 //!   bus::Sample ──► where the edges really were ─┘
 //! ```
+mod cam;
 mod chips;
 mod class;
 mod config;
@@ -28,6 +29,7 @@ mod tolerance;
 mod trend;
 mod watch;
 
+pub use cam::GroundCam;
 pub use class::{Family, ThreadClass, UnknownClass};
 pub use config::{Config, Material, Tolerances};
 pub use feature::{Feature, FeatureKind, Gauge, Hand, Hole, ProfilePoint, Thread, Verdict};

@@ -54,6 +54,8 @@ pub enum Criterion {
     Flatness,
     /// Distance of opposite facets.
     AcrossFlats,
+    /// Contour of a cam.
+    Contour,
     /// Something that has no measure: broken, never cut, wrong tool.
     Whole,
 }
@@ -70,6 +72,7 @@ impl Criterion {
             Self::SyncError => "sync error",
             Self::Flatness => "flatness",
             Self::AcrossFlats => "across flats",
+            Self::Contour => "contour",
             Self::Whole => "the whole feature",
         }
     }
@@ -172,6 +175,7 @@ impl Feature {
             FeatureKind::Hole(hole) => of_hole(hole, tolerances),
             FeatureKind::Thread(thread) => of_thread(thread, tolerances),
             FeatureKind::Polygon(polygon) => of_polygon(polygon, tolerances),
+            FeatureKind::Cam(cam) => of_cam(cam, tolerances),
         };
         let least = measured.into_iter().min_by(|a, b| a.share().total_cmp(&b.share()));
         // a feature that failed for what has no measure must not look good by its measures
@@ -179,6 +183,11 @@ impl Feature {
             Headroom { of: Criterion::Whole, left: -Length::um(1.0), tolerance: Length::ZERO };
         least.filter(|least| self.verdict.is_pass() || least.share() < 0.0).unwrap_or(whole)
     }
+}
+
+fn of_cam(cam: &crate::GroundCam, tolerances: &Tolerances) -> Vec<Headroom> {
+    let tolerance = tolerances.cam_contour;
+    vec![Headroom { of: Criterion::Contour, left: tolerance - cam.contour_error_max, tolerance }]
 }
 
 fn position_left(position_error: Length, tolerances: &Tolerances) -> Headroom {
@@ -256,6 +265,8 @@ pub struct Summary {
     pub threads: Count,
     /// Polygons.
     pub polygons: Count,
+    /// Cams.
+    pub cams: Count,
     /// Index of the feature with the least headroom, and what is left of which tolerance.
     pub worst: Option<(usize, Headroom)>,
     /// Index of the thread with the largest sync error in the material, and that error.
@@ -277,6 +288,7 @@ impl Summary {
             match &feature.kind {
                 FeatureKind::Hole(_) => summary.holes.add(passed),
                 FeatureKind::Polygon(_) => summary.polygons.add(passed),
+                FeatureKind::Cam(_) => summary.cams.add(passed),
                 FeatureKind::Thread(thread) => {
                     summary.threads.add(passed);
                     let (sync, depth) = (thread.sync_error_max, thread.depth_error);
@@ -294,6 +306,7 @@ impl Summary {
 
     /// Every feature is good.
     pub const fn passes(&self) -> bool {
-        self.holes.failed == 0 && self.threads.failed == 0 && self.polygons.failed == 0
+        let failed = [self.holes, self.threads, self.polygons, self.cams];
+        failed[0].failed + failed[1].failed + failed[2].failed + failed[3].failed == 0
     }
 }

@@ -97,7 +97,7 @@ impl Fanuc {
             Dialect::Fanuc => Kind::Mill,
             Dialect::FanucLatheA => Kind::LatheA,
             Dialect::FanucLatheB => Kind::LatheB,
-            Dialect::LinuxCnc | Dialect::Brother => return None,
+            Dialect::LinuxCnc | Dialect::Brother | Dialect::Toyoda => return None,
         };
         Some(Box::new(Self {
             kind,

@@ -87,6 +87,13 @@ fn row(run: &Run, number: usize, feature: &Feature, left: &Headroom) -> String {
             cells.extend([fixed(hole.depth.value(), 3), um(hole.depth_error, 1)]);
             cells.extend(std::iter::repeat_n(String::new(), 6));
         }
+        FeatureKind::Cam(cam) => {
+            cells[2] = format!("cam {}", cam.name);
+            let lift = cam.lift.iter().map(|l| l.value()).fold(0.0, f64::max);
+            cells.extend([fixed(lift, 3), um(cam.contour_error_max, 1)]);
+            cells.extend(std::iter::repeat_n(String::new(), 5));
+            cells.push(fixed(cam.spin.in_rpm(), 0));
+        }
         FeatureKind::Polygon(polygon) => {
             cells[2] = polygon.name();
             cells.extend([fixed((polygon.z_to - polygon.z_from).value(), 3), String::new()]);

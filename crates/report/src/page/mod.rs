@@ -11,6 +11,7 @@
 //! Whatever came from a program or a file is text here and cannot become markup: it is escaped where it is
 //! written, and the page's own policy forbids everything but its one style sheet and script.
 
+mod cams;
 mod comparison;
 mod features;
 mod figures;
@@ -21,6 +22,7 @@ mod threads;
 mod tools;
 mod verdict;
 
+pub use cams::{CamPage, cam_html};
 pub use comparison::{Comparison, Way, comparison_html};
 pub use polygon::{Named, PolygonPlan, polygon_html};
 
@@ -38,6 +40,7 @@ pub fn html(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
     let mut main = verdict::verdict(run, features);
     main += &figures::figures(run, recorder, features);
     main += &notes::notes(run, recorder, features);
+    main += &cams::cams(features);
     let map = pictures::hole_map(run, features);
     let left = map + &tools::tools(run, recorder);
     let right = sizes::sizes(features) + &pictures::time_shares(run, recorder);

@@ -15,6 +15,7 @@ pub(super) fn sizes(features: &[Feature]) -> String {
             FeatureKind::Hole(hole) => format!("hole ⌀{}", fixed(hole.diameter.value(), 2)),
             FeatureKind::Thread(thread) => thread.size.clone(),
             FeatureKind::Polygon(polygon) => polygon.name(),
+            FeatureKind::Cam(cam) => format!("cam {}", cam.name),
         };
         by_size.entry(size).or_default().push(feature);
     }
@@ -37,10 +38,11 @@ fn row(size: &str, features: &[&Feature]) -> String {
         FeatureKind::Hole(hole) => Some(hole.depth_error.in_um()),
         FeatureKind::Thread(thread) => Some(thread.depth_error.in_um()),
         FeatureKind::Polygon(_) => None,
+        FeatureKind::Cam(cam) => Some(cam.contour_error_max.in_um()),
     });
     let of_thread = |value: fn(&Thread) -> f64| {
         spread(features, move |f| match &f.kind {
-            FeatureKind::Hole(_) | FeatureKind::Polygon(_) => None,
+            FeatureKind::Hole(_) | FeatureKind::Polygon(_) | FeatureKind::Cam(_) => None,
             FeatureKind::Thread(thread) => Some(value(thread)),
         })
     };

@@ -55,6 +55,7 @@ fn places(run: &Run, features: &[Feature]) -> Vec<Place> {
             }
             FeatureKind::Thread(thread) => (thread.size.clone(), thread.pitch_diameter.value()),
             FeatureKind::Polygon(polygon) => (polygon.name(), polygon.across_flats.value()),
+            FeatureKind::Cam(cam) => (cam.name.clone(), 0.0), // not in the map: it has no place in it
         };
         place.good &= feature.verdict.is_pass();
         if diameter.is_finite() && diameter >= place.diameter {

@@ -1,0 +1,203 @@
+//! Cam grinding: the neutral codes G150 to G155, and the words of Toyoda's grinders that mean the same.
+//!
+//! ```text
+//!   toyoda               neutral                 what it orders
+//!   G51 P1234 [R30]      G151 P1234 [R30]        follow profile 1234, turned by 30° on the shaft; P0 ends it
+//!   G52, G53, G55        G152, G153, G155        forget samples, take samples, compute and keep the phase error
+//!   G50                  G150                    compensate what is sent
+//!   G01 X-0.1 F R S      G154 X-0.1 F R S        grind: X all told, F a turn at a rate of R a turn, work at S rpm
+//!   G04 S P              G154 S P                turn on P times: spark out, or idle in the air
+//! ```
+//!
+//! In cam mode X is what the wheel takes off, so it is negative whatever G90 or G91 say. R is F if it is not stated,
+//! and S stays in force from one grinding block to the next.
+//!
+//! Source: JPH0622778B2, figures 8 and 9.
+use crate::{
+    call::{Call, Sink},
+    codes::GGroup,
+    execute::Executor,
+    fault::{Outcome, refuse},
+    resolve::Resolver,
+    setup::Dialect,
+    state::Motion,
+};
+use canon::{CamOrder, OpKind};
+use diag::{Diagnostic, Span};
+use units::{Angle, Lead, Length, Spin};
+
+/// Most turns of one spark-out.
+const MOST_TURNS: u32 = 10_000;
+
+/// What is ordered, in the program's units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CamCall {
+    /// G151: profile and angle on the shaft in degrees.
+    Select(u32, f64),
+    /// G151 P0.
+    Deselect,
+    /// G150.
+    Compensate,
+    /// G152.
+    ResetSampling,
+    /// G153.
+    StartSampling,
+    /// G155.
+    StorePhase,
+    /// G154 X: what is taken off, a turn, its rate a turn, rpm.
+    Grind {
+        /// All told.
+        stock: f64,
+        /// F.
+        per_turn: f64,
+        /// R.
+        rate: f64,
+        /// S.
+        rpm: f64,
+    },
+    /// G154 P: turns and rpm.
+    SparkOut(u32, f64),
+}
+
+/// A word of Toyoda's dialect as the shared code that it means.
+pub(crate) fn shared_code(dialect: Dialect, value: f64) -> f64 {
+    let cam = dialect == Dialect::Toyoda && [50.0, 51.0, 52.0, 53.0, 55.0].contains(&value);
+    if cam { value + 100.0 } else { value }
+}
+
+impl Executor {
+    /// The cam code of the block at hand, in tenths, if it has one.
+    fn cam_code(&self) -> Option<u16> {
+        let words = &self.words;
+        if let Some(code) = words.g(GGroup::Cam) {
+            return Some(code);
+        }
+        if self.dialect != Dialect::Toyoda || !self.state.cam {
+            return None;
+        }
+        let dwell = words.g(GGroup::NonModal) == Some(40);
+        let code = words.g(GGroup::Motion).map(Motion::from_code);
+        let feed =
+            code == Some(Motion::Feed) || code.is_none() && self.state.motion == Motion::Feed;
+        (dwell || feed && words.get(b'X').is_some()).then_some(1540)
+    }
+
+    /// Execute the block if it is one of cam grinding. Whether it was.
+    pub(crate) fn cam<S: Sink>(&mut self, sink: &mut S) -> Outcome<bool> {
+        let Some(code) = self.cam_code() else { return Ok(false) };
+        let allowed = crate::codes::g_code(code).map_or(0, |code| code.letters);
+        let sampled = self.words.g(GGroup::NonModal) == Some(40);
+        if self.words.g(GGroup::Cam).is_some() && !sampled {
+            self.words.check_letters(0, allowed)?;
+        }
+        let call = match code {
+            1500 => CamCall::Compensate,
+            1510 => self.select()?,
+            1520 => CamCall::ResetSampling,
+            1530 => CamCall::StartSampling,
+            1550 => CamCall::StorePhase,
+            _ => self.grind()?,
+        };
+        let place = self.words.place.span;
+        if !self.state.cam && !matches!(call, CamCall::Select(..) | CamCall::Deselect) {
+            let (word, code) = match self.dialect {
+                Dialect::Toyoda => ("G51 P…", code / 10 - 100),
+                _ => ("G151 P…", code / 10),
+            };
+            let text = format!("G{code} needs a profile: write {word} before it");
+            return refuse("I0901", place, text);
+        }
+        self.state.cam = !matches!(call, CamCall::Deselect);
+        self.state.motion = Motion::None;
+        self.say(sink, &Call::Cam(call));
+        if call == CamCall::StartSampling && self.words.g(GGroup::NonModal) == Some(40) {
+            // G53 G04 S P: the turns that are sampled stand in the same block
+            let turns = self.grind()?;
+            self.say(sink, &Call::Cam(turns));
+        }
+        Ok(true)
+    }
+
+    fn select(&self) -> Outcome<CamCall> {
+        let place = self.words.place.span;
+        match self.words.whole(b'P', 999_999)? {
+            None => refuse(
+                "I0902",
+                place,
+                "expected P, the number of the profile (P0 ends cam grinding)",
+            ),
+            Some(0) => Ok(CamCall::Deselect),
+            Some(number) => Ok(CamCall::Select(number, self.words.get(b'R').unwrap_or(0.0))),
+        }
+    }
+
+    fn grind(&mut self) -> Outcome<CamCall> {
+        let words = &self.words;
+        if let Some(rpm) = words.get(b'S') {
+            self.state.cam_rpm = rpm;
+        }
+        let rpm = self.state.cam_rpm;
+        if !(rpm > 0.0) {
+            let text = format!("expected S, the speed of the work in rpm, above 0, found {rpm}");
+            return refuse("I0903", words.span(b'S'), text);
+        }
+        let Some(x) = words.get(b'X') else {
+            return match words.whole(b'P', MOST_TURNS)? {
+                Some(turns) if turns > 0 => Ok(CamCall::SparkOut(turns, rpm)),
+                _ => refuse(
+                    "I0904",
+                    words.place.span,
+                    "expected X, what to take off, or P, whole turns to spark out",
+                ),
+            };
+        };
+        if !(x < 0.0) {
+            let text = format!("expected X below 0, towards the work, found X{x}");
+            return refuse("I0905", words.span(b'X'), text);
+        }
+        let per_turn = words.get(b'F').unwrap_or(0.0);
+        if !(per_turn > 0.0) {
+            let text = format!("expected F, the infeed of each turn, above 0, found {per_turn}");
+            return refuse("I0906", words.span(b'F'), text);
+        }
+        let rate = words.get(b'R').unwrap_or(per_turn);
+        if !(rate >= per_turn) {
+            let text = format!(
+                "R{rate} a turn cannot make an infeed of F{per_turn} within the turn: R{per_turn} works"
+            );
+            return refuse("I0907", words.span(b'R'), text);
+        }
+        Ok(CamCall::Grind { stock: -x, per_turn, rate, rpm })
+    }
+}
+
+impl Resolver {
+    /// In machine coordinates and mm.
+    pub(crate) fn cam(&mut self, call: CamCall, span: Span) {
+        let mm = |value: f64| Length::mm(value * self.mm());
+        let order = match call {
+            CamCall::Select(profile, degrees) => {
+                let centre = Length::mm(self.machine(&[0.0; 9])[0]);
+                if self.frame.rotation() != 0.0 {
+                    let text =
+                        "the work offset is turned about Z: a cam is ground along X of the machine";
+                    self.report(Diagnostic::error("I0908", span, text));
+                }
+                CamOrder::Select { profile, phase: Angle::deg(degrees), centre }
+            }
+            CamCall::Deselect => CamOrder::Deselect,
+            CamCall::Compensate => CamOrder::Compensate,
+            CamCall::ResetSampling => CamOrder::ResetSampling,
+            CamCall::StartSampling => CamOrder::StartSampling,
+            CamCall::StorePhase => CamOrder::StorePhase,
+            CamCall::Grind { stock, per_turn, rate, rpm } => CamOrder::Grind {
+                stock: mm(stock),
+                per_turn: mm(per_turn),
+                rate: Lead::mm_per_rev(rate * self.mm()),
+                spin: Spin::rpm(rpm),
+            },
+            CamCall::SparkOut(turns, rpm) => CamOrder::SparkOut { spin: Spin::rpm(rpm), turns },
+        };
+        self.push(span, OpKind::Cam(order));
+    }
+}

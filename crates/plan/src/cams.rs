@@ -1,0 +1,105 @@
+//! What the planner knows of cams: the profiles, and what is sent instead of them where it has been compensated.
+use alloc::vec::Vec;
+use canon::CamLibrary;
+use units::Spin;
+
+/// The number by which a step asks whoever runs the kernel to look at the turn of a cam that has just ended.
+pub const TURN_ENDED: u16 = 151;
+
+/// A compensated table of one profile at one speed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CamCommand {
+    /// The profile.
+    pub profile: u32,
+    /// Speed of the work.
+    pub spin: Spin,
+    /// What is sent, at the nodes of the profile, mm.
+    pub nodes: Vec<f64>,
+}
+
+/// Profiles and compensations.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cams {
+    /// The profiles that programs may call.
+    pub library: CamLibrary,
+    /// What is sent with compensation on.
+    pub commands: Vec<CamCommand>,
+}
+
+impl Cams {
+    /// What is sent of a profile at a speed with compensation on; `None`: it has not been measured.
+    pub fn command(&self, profile: u32, spin: Spin) -> Option<&CamCommand> {
+        let same =
+            |c: &&CamCommand| c.profile == profile && (c.spin - spin).abs() <= spin.abs() * 1e-9;
+        self.commands.iter().rev().find(same)
+    }
+
+    /// Keep what is sent from here on.
+    pub fn set(&mut self, command: CamCommand) {
+        self.commands.retain(|c| c.profile != command.profile || c.spin != command.spin);
+        self.commands.push(command);
+    }
+}
+
+/// Node values of the same function later by a part of a turn: a cubic through the four nodes around.
+pub fn turned(nodes: &[f64], turn: f64) -> Vec<f64> {
+    let n = nodes.len();
+    let by = (turn - libm::floor(turn)) * n as f64;
+    let (whole, f) = (libm::floor(by) as usize, by - libm::floor(by));
+    let at = |i: usize, back: usize| nodes[(i + 2 * n - whole - back) % n];
+    let value = |i: usize| {
+        if f == 0.0 {
+            return at(i, 0);
+        }
+        // between the node before, at the fraction f back from here
+        let (a, b, c, d) = (at(i, 2), at(i, 1), at(i, 0), nodes[(i + 2 * n - whole + 1) % n]);
+        let g = 1.0 - f;
+        -g * (g - 1.0) * (g - 2.0) / 6.0 * a + (g + 1.0) * (g - 1.0) * (g - 2.0) / 2.0 * b
+            - (g + 1.0) * g * (g - 2.0) / 2.0 * c
+            + (g + 1.0) * g * (g - 1.0) / 6.0 * d
+    };
+    (0..n).map(value).collect()
+}
+
+/// Largest first three derivatives by the turn, by differences.
+pub(crate) fn steepest(nodes: &[f64]) -> [f64; 3] {
+    let n = nodes.len();
+    let at = |i: usize| nodes[i % n];
+    let per = n as f64;
+    (0..n).fold([0.0; 3], |[a, b, c], i| {
+        let first = (at(i + 2) - at(i)) * per / 2.0;
+        let second = (at(i + 2) - 2.0 * at(i + 1) + at(i)) * per * per;
+        // over four nodes: a table's rounding would dominate over three
+        let third =
+            (at(i + 8) - 2.0 * at(i + 6) + 2.0 * at(i + 2) - at(i)) * per * per * per / 16.0;
+        [f64::max(a, first.abs()), f64::max(b, second.abs()), f64::max(c, third.abs())]
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::TAU;
+
+    fn wave(phase: f64) -> Vec<f64> {
+        (0..720).map(|i| libm::cos(TAU * (3.0 * f64::from(i) / 720.0 - phase))).collect()
+    }
+
+    #[test]
+    fn a_profile_turned_on_its_shaft_comes_later_by_that_angle() {
+        for turn in [0.0, 1.0 / 720.0, 0.1234, -0.25, 7.3] {
+            let expected = wave(3.0 * turn);
+            for (a, b) in turned(&wave(0.0), turn).iter().zip(&expected) {
+                assert!((a - b).abs() < 1e-7, "{turn}: {a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn derivatives_of_a_cosine() {
+        let w = 3.0 * TAU;
+        let [a, b, c] = steepest(&wave(0.0));
+        assert!((a / w - 1.0).abs() < 1e-3 && (b / w.powi(2) - 1.0).abs() < 1e-3);
+        assert!((c / w.powi(3) - 1.0).abs() < 0.01);
+    }
+}

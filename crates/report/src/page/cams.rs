@@ -1,0 +1,174 @@
+//! Cams: what a profile asks of its machine, and the ground cam as an inspector draws it.
+//!
+//! ```text
+//!   unrolled   e │ ~~~╮╭~~~      polar      ╭ ‑ ‑ ╮      the contour, with its error magnified
+//!                └──────── θ                 ╰ ‑ ‑ ╯
+//! ```
+use super::{STYLE, section};
+use crate::pictures::figure;
+use crate::svg::{Chart, Range, Stroke, Tag, fixed};
+use std::f64::consts::TAU;
+use verify::{Feature, FeatureKind, GroundCam};
+
+/// Radius at which the base circle of a polar picture is drawn, mm.
+const POLAR_BASE: f64 = 20.0;
+/// Height of the largest error in a polar picture, mm.
+const POLAR_ERROR: f64 = 6.0;
+
+/// What is drawn of a cam before it is ground. All curves over degrees.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CamPage {
+    /// Heading.
+    pub title: String,
+    /// Rows of figures: what, and how much.
+    pub figures: Vec<(String, String)>,
+    /// The contour, mm.
+    pub contour: Vec<(f64, f64)>,
+    /// Lift of the follower, mm.
+    pub lift: Vec<(f64, f64)>,
+    /// Speed of X at the speed asked, mm/s.
+    pub speed: Vec<(f64, f64)>,
+    /// Acceleration of X, m/s².
+    pub accel: Vec<(f64, f64)>,
+    /// Curvature of the contour, 1/mm; negative in a hollow.
+    pub curvature: Vec<(f64, f64)>,
+    /// Work speed for an even removal rate, rev/min.
+    pub work_speed: Vec<(f64, f64)>,
+}
+
+/// The page of a cam: equal input gives an equal page.
+pub fn cam_html(page: &CamPage) -> String {
+    let rows: String = page
+        .figures
+        .iter()
+        .map(|(what, value)| {
+            let cells = Tag::new("td").class("l").text(what) + &Tag::new("td").text(value);
+            Tag::new("tr").around(&cells)
+        })
+        .collect();
+    let table = Tag::new("table").around(&Tag::new("tbody").around(&rows));
+    let curve = |id, heading: &str, title: &str, points: &[(f64, f64)], caption: &str| {
+        let y = Range::of(title, points.iter().map(|p| p.1).chain([0.0])).padded(0.06);
+        let mut chart = Chart::new(heading, caption, degrees(), y, 230.0);
+        chart.zero(false);
+        chart.line(Stroke::Main, points, None);
+        figure(heading, &chart.finish(id), caption)
+    };
+    let outline = {
+        let all = || page.contour.iter();
+        let x = Range::of("mm", all().map(|p| p.0)).padded(0.05);
+        let y = Range::of("mm", all().map(|p| p.1)).padded(0.05);
+        let mut chart = Chart::to_scale("Contour", "The contour of the cam, to scale.", x, y);
+        chart.zero(true);
+        chart.line(Stroke::Main, &page.contour, None);
+        figure("Contour", &chart.finish("contour"), "To scale; the follower stands at 0° along +x.")
+    };
+    let mut pictures = outline;
+    pictures +=
+        &curve("lift", "Lift", "lift / mm", &page.lift, "Of the follower above the base circle.");
+    pictures += &curve(
+        "speed",
+        "Speed of X",
+        "speed / mm/s",
+        &page.speed,
+        "Of the wheelhead while the work turns at the speed asked.",
+    );
+    pictures +=
+        &curve("accel", "Acceleration of X", "acceleration / m/s²", &page.accel, "Likewise.");
+    pictures += &curve(
+        "curvature",
+        "Curvature",
+        "curvature / 1/mm",
+        &page.curvature,
+        "Of the contour over the follower's angle; below zero it is hollow, and the wheel must be smaller than the hollow.",
+    );
+    if !page.work_speed.is_empty() {
+        pictures += &curve(
+            "work",
+            "Work speed for an even removal rate",
+            "work speed / rev/min",
+            &page.work_speed,
+            "Slow where the contact runs fast along the contour, within the limits of both axes.",
+        );
+    }
+    let main = Tag::new("h1").text(&page.title)
+        + &section("Figures", &Tag::new("div").class("scroll").around(&table))
+        + &section("Pictures", &Tag::new("div").class("grid").around(&pictures));
+    let title = Tag::new("title").text(&page.title);
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>{title}<style>{STYLE}</style></head>\n\
+         <body>{}</body></html>\n",
+        Tag::new("main").around(&main)
+    )
+}
+
+fn degrees() -> Range {
+    Range { title: "angle / °".into(), from: 0.0, to: 360.0 }
+}
+
+/// Ground cams, each unrolled and polar; nothing if there are none.
+pub(super) fn cams(features: &[Feature]) -> String {
+    let ground = features.iter().filter_map(|f| match &f.kind {
+        FeatureKind::Cam(cam) if !cam.errors.is_empty() => Some(cam.as_ref()),
+        FeatureKind::Cam(_)
+        | FeatureKind::Hole(_)
+        | FeatureKind::Thread(_)
+        | FeatureKind::Polygon(_) => None,
+    });
+    let pictures: String =
+        ground.take(12).enumerate().map(|(i, cam)| unrolled(i, cam) + &polar(i, cam)).collect();
+    if pictures.is_empty() {
+        return pictures;
+    }
+    section("Ground cams", &Tag::new("div").class("grid").around(&pictures))
+}
+
+fn unrolled(index: usize, cam: &GroundCam) -> String {
+    let step = 360.0 / cam.errors.len() as f64;
+    let points: Vec<_> =
+        (0..).zip(&cam.errors).map(|(i, e)| (f64::from(i) * step, e.in_um())).collect();
+    let most = points.iter().map(|p| p.1.abs()).fold(0.1, f64::max);
+    let y = Range::of("contour error / µm", [-most, most]).padded(0.08);
+    let heading = format!("{} at {} rpm, unrolled", cam.name, fixed(cam.spin.in_rpm(), 0));
+    let caption = format!(
+        "The wheel's edge less the profile over the last turn: {} µm at most, {} µm rms; all of it late by {}°. Largest wave from 30 to 180 a turn: {} µm, {} a turn.",
+        fixed(cam.contour_error_max.in_um(), 2),
+        fixed(cam.contour_error_rms.in_um(), 2),
+        fixed(cam.phase_error.in_deg(), 4),
+        fixed(cam.waviness.0.in_um(), 3),
+        cam.waviness.1
+    );
+    let mut chart = Chart::new(&heading, &caption, degrees(), y, 260.0);
+    chart.zero(false);
+    chart.line(Stroke::Main, &points, None);
+    figure(&heading, &chart.finish(&format!("cu{index}")), &caption)
+}
+
+fn polar(index: usize, cam: &GroundCam) -> String {
+    let count = cam.errors.len() as f64;
+    let most = cam.errors.iter().map(|e| e.value().abs()).fold(1e-6, f64::max);
+    let times = POLAR_ERROR / most;
+    let ring = |with_error: f64| -> Vec<(f64, f64)> {
+        let point = |i: usize| {
+            let k = i % cam.errors.len();
+            let r = POLAR_BASE + cam.lift[k].value() + with_error * cam.errors[k].value() * times;
+            let (sin, cos) = (TAU * k as f64 / count).sin_cos();
+            (r * cos, r * sin)
+        };
+        (0..=cam.errors.len()).map(point).collect()
+    };
+    let (ideal, real) = (ring(0.0), ring(1.0));
+    let all = || ideal.iter().chain(&real);
+    let x = Range::of("mm", all().map(|p| p.0)).padded(0.05);
+    let y = Range::of("mm", all().map(|p| p.1)).padded(0.05);
+    let heading = format!("{}, polar", cam.name);
+    let caption = format!(
+        "Stroke of the wheel about a circle, and the same with its error {} times as large; outside of the ideal line material is left.",
+        fixed(times, 0)
+    );
+    let mut chart = Chart::to_scale(&heading, &caption, x, y);
+    chart.line(Stroke::Ideal, &ideal, Some("profile"));
+    chart.line(Stroke::Main, &real, Some("as ground, error magnified"));
+    figure(&heading, &chart.finish(&format!("cp{index}")), &caption)
+}

@@ -1,0 +1,223 @@
+//! The table of phase errors of periodic couplings, Δθ over profile and speed, with what was learnt.
+//!
+//! ```text
+//!   version = 1
+//!   machine = "cam-grinder"
+//!   mark = "5bd1e995"                 of the machine's drives and loops: another mark, and the table is stale
+//!   [[measured]]
+//!   profile = 1234
+//!   form = "0c55aa01"                 mark of the profile's nodes
+//!   rpm = 10.0
+//!   phase_error_deg = 0.4971          θ measured less θ ideal: positive, the follower is late
+//!   response = [[0.1667, 0.9999, 0.00138], …]     Hz, gain, delay in turns of the wave
+//! ```
+//!
+//! The file is written beside its name and renamed: a reader finds the old table or the new one. What is known of a
+//! machine that has been changed since is refused, since it would be compensated with somebody else's lag.
+use crate::{Error, SMALL_FILE_LIMIT, learning::mark, output, read_text, text::Lines};
+use diag::Diagnostic;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// The version that is written.
+const VERSION: u32 = 1;
+/// Entries a table may have.
+const MOST: usize = 4096;
+
+/// What was measured of one profile at one speed.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Measured {
+    /// The profile's number.
+    pub profile: u32,
+    /// Mark of its nodes: another form under the same number is another profile.
+    pub form: String,
+    /// Speed of the work, rev/min.
+    pub rpm: f64,
+    /// By least squares.
+    pub phase_error_deg: f64,
+    /// Its standard deviation.
+    pub sigma_deg: f64,
+    /// By the places of the maxima.
+    pub by_maximum_deg: f64,
+    /// By the mean shift of the flanks.
+    pub by_flanks_deg: f64,
+    /// Frequency in Hz, gain, delay in turns of the wave.
+    #[serde(default)]
+    pub response: Vec<[f64; 3]>,
+    /// What learning adds to each node, nm.
+    #[serde(default)]
+    pub learnt_nm: Vec<f64>,
+}
+
+/// The table.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Phases {
+    version: u32,
+    /// Name of the machine.
+    pub machine: String,
+    /// Mark of its drives and loops.
+    pub mark: String,
+    /// What was measured.
+    #[serde(default)]
+    pub measured: Vec<Measured>,
+}
+
+/// The mark of a profile's nodes.
+pub fn form_mark(nodes: &[f64]) -> String {
+    let text: String = nodes.iter().map(|x| format!("{x:.6} ")).collect();
+    format!("{:08x}", mark(&text))
+}
+
+impl Phases {
+    /// Nothing measured yet on this machine.
+    pub fn new(machine: &str, mark: u32) -> Self {
+        Self {
+            version: VERSION,
+            machine: machine.into(),
+            mark: format!("{mark:08x}"),
+            measured: Vec::new(),
+        }
+    }
+
+    /// Read a table for this machine; `None` if there is no file.
+    ///
+    /// # Errors
+    /// It cannot be read, is damaged, or belongs to another machine or to other servo parameters.
+    pub fn load(path: &Path, machine: &str, mark: u32) -> Result<Option<Self>, Error> {
+        if !path.exists() {
+            return Ok(None);
+        }
+        let text = read_text(path, "a table of phase errors", SMALL_FILE_LIMIT * 16)?;
+        let read = Self::parse(&text).and_then(|table| table.is_for(machine, mark, &text));
+        read.map(Some).map_err(|findings| Error::refused(path, text, findings))
+    }
+
+    /// Read a table from text.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn parse(text: &str) -> Result<Self, Vec<Diagnostic>> {
+        let wrong = |at: std::ops::Range<usize>, sentence: String| {
+            vec![Diagnostic::error("S1101", Lines::of(text, 0).span(&at), sentence)]
+        };
+        let table: Self = toml::from_str(text)
+            .map_err(|e| wrong(e.span().unwrap_or(0..0), e.message().to_owned()))?;
+        if table.version != VERSION {
+            return Err(wrong(
+                0..0,
+                format!("expected version {VERSION}, found {}", table.version),
+            ));
+        }
+        if table.measured.len() > MOST {
+            return Err(wrong(0..0, format!("more than {MOST} measurements")));
+        }
+        let finite = |m: &Measured| {
+            let figures =
+                [m.rpm, m.phase_error_deg, m.sigma_deg, m.by_maximum_deg, m.by_flanks_deg];
+            let all = figures.iter().chain(m.response.iter().flatten()).chain(&m.learnt_nm);
+            m.rpm > 0.0 && all.into_iter().all(|x| x.is_finite())
+        };
+        if let Some(bad) = table.measured.iter().find(|m| !finite(m)) {
+            let sentence =
+                format!("profile {} at {} rpm: expected finite numbers", bad.profile, bad.rpm);
+            return Err(wrong(0..0, sentence));
+        }
+        Ok(table)
+    }
+
+    fn is_for(self, machine: &str, mark: u32, text: &str) -> Result<Self, Vec<Diagnostic>> {
+        let mark = format!("{mark:08x}");
+        let key = if self.machine != machine {
+            "machine"
+        } else if self.mark != mark {
+            "mark"
+        } else {
+            return Ok(self);
+        };
+        let at = text.find(key).unwrap_or(0);
+        let sentence = if key == "machine" {
+            format!("measured on {}, and this is {machine}", self.machine)
+        } else {
+            format!("stale: measured with other drives or loops (mark {}, now {mark})", self.mark)
+        };
+        let finding =
+            Diagnostic::error("S1102", Lines::of(text, 0).span(&(at..at + key.len())), sentence);
+        Err(vec![finding.with_help("measure again, into a new file or after removing this one")])
+    }
+
+    /// Write it, whole or not at all.
+    ///
+    /// # Errors
+    /// The file system refuses.
+    pub fn save(&self, path: &Path) -> Result<(), Error> {
+        let text = toml::to_string(self).unwrap_or_default(); // tables of numbers and words: always possible
+        output::write_file(path, text.as_bytes())
+    }
+
+    /// Keep a measurement in the place of an older one of the same profile and speed.
+    pub fn keep(&mut self, new: Measured) {
+        let same = |m: &Measured| m.profile == new.profile && (m.rpm - new.rpm).abs() < 1e-6;
+        self.measured.retain(|m| !same(m));
+        self.measured.push(new);
+        let key = |m: &Measured| (m.profile, m.rpm);
+        self.measured
+            .sort_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal));
+    }
+
+    /// What was measured of this form, by rising speed.
+    pub fn of<'a>(&'a self, profile: u32, form: &'a str) -> impl Iterator<Item = &'a Measured> {
+        self.measured.iter().filter(move |m| m.profile == profile && m.form == form)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table() -> Phases {
+        let mut table = Phases::new("cam-grinder", 0x5bd1_e995);
+        for rpm in [60.0, 10.0] {
+            let response = vec![[rpm / 60.0, 0.99, 0.01]];
+            table.keep(Measured {
+                profile: 1234,
+                form: "0c55aa01".into(),
+                rpm,
+                phase_error_deg: 0.5,
+                response,
+                ..Measured::default()
+            });
+        }
+        table
+    }
+
+    #[test]
+    fn a_table_reads_as_it_was_written_sorted_by_speed() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("phases.toml");
+        table().save(&path).unwrap();
+        let read = Phases::load(&path, "cam-grinder", 0x5bd1_e995).unwrap().unwrap();
+        assert_eq!(read, table());
+        let speeds: Vec<f64> = read.of(1234, "0c55aa01").map(|m| m.rpm).collect();
+        assert_eq!(speeds, [10.0, 60.0]);
+        assert_eq!(read.of(1234, "another").count(), 0);
+    }
+
+    #[test]
+    fn a_stale_a_foreign_a_newer_and_a_damaged_table_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("phases.toml");
+        table().save(&path).unwrap();
+        let stale = Phases::load(&path, "cam-grinder", 1).unwrap_err().to_string();
+        assert!(stale.contains("stale"), "{stale}");
+        let foreign = Phases::load(&path, "another", 0x5bd1_e995).unwrap_err().to_string();
+        assert!(foreign.contains("measured on cam-grinder"), "{foreign}");
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(Phases::parse(&text.replace("version = 1", "version = 2")).is_err());
+        assert!(Phases::parse(&text.replace("rpm = 60.0", "rpm = nan")).is_err());
+        for cut in [0, text.len() / 2, text.len() - 3] {
+            assert!(Phases::parse(&text[..cut]).is_err(), "cut at {cut}");
+        }
+    }
+}
