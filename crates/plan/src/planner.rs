@@ -117,10 +117,13 @@ const fn leaves_cam(kind: &OpKind) -> bool {
         | OpKind::PolygonEnd
         | OpKind::ChangeTool { .. }
         | OpKind::Pause { .. }
+        | OpKind::UserCode(_)
         | OpKind::End => true,
         OpKind::Cam(_)
         | OpKind::Dwell { .. }
         | OpKind::Coolant { .. }
+        | OpKind::Output(_)
+        | OpKind::Input(_)
         | OpKind::SelectTool { .. }
         | OpKind::PathMode(_)
         | OpKind::Overrides { .. }

@@ -90,7 +90,7 @@ impl Selected {
 }
 
 /// Where the wheel's edge came nearest to the work's axis, at each step of the turn.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct CamTrack {
     phase: f64,
     began: Option<(Time, Angle)>,
