@@ -6,8 +6,8 @@ use crate::render::{self, Source};
 use crate::say;
 use crate::session::{Session, read_program};
 use canon::{
-    Await, Axis, CamOrder, Feed, Op, OpKind, Oscillating, Output, PathMode, Polygon, Position, Signal,
-    SpindleOrder,
+    Await, Axis, CamOrder, Feed, Op, OpKind, Oscillating, Output, PathMode, Polygon, Position,
+    Signal, SpindleOrder,
 };
 use diag::Diagnostic;
 use serde_json::{Value, json};

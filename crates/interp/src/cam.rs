@@ -105,7 +105,7 @@ impl Executor {
                 _ => ("G151 P…", code / 10),
             };
             let text = format!("G{code} needs a profile: write {word} before it");
-            return refuse("I0901", place, text);
+            return refuse("I1101", place, text);
         }
         self.state.cam = !matches!(call, CamCall::Deselect);
         self.state.motion = Motion::None;
@@ -122,7 +122,7 @@ impl Executor {
         let place = self.words.place.span;
         match self.words.whole(b'P', 999_999)? {
             None => refuse(
-                "I0902",
+                "I1102",
                 place,
                 "expected P, the number of the profile (P0 ends cam grinding)",
             ),
@@ -139,13 +139,13 @@ impl Executor {
         let rpm = self.state.cam_rpm;
         if !(rpm > 0.0) {
             let text = format!("expected S, the speed of the work in rpm, above 0, found {rpm}");
-            return refuse("I0903", words.span(b'S'), text);
+            return refuse("I1103", words.span(b'S'), text);
         }
         let Some(x) = words.get(b'X') else {
             return match words.whole(b'P', MOST_TURNS)? {
                 Some(turns) if turns > 0 => Ok(CamCall::SparkOut(turns, rpm)),
                 _ => refuse(
-                    "I0904",
+                    "I1104",
                     words.place.span,
                     "expected X, what to take off, or P, whole turns to spark out",
                 ),
@@ -153,19 +153,19 @@ impl Executor {
         };
         if !(x < 0.0) {
             let text = format!("expected X below 0, towards the work, found X{x}");
-            return refuse("I0905", words.span(b'X'), text);
+            return refuse("I1105", words.span(b'X'), text);
         }
         let per_turn = words.get(b'F').unwrap_or(0.0);
         if !(per_turn > 0.0) {
             let text = format!("expected F, the infeed of each turn, above 0, found {per_turn}");
-            return refuse("I0906", words.span(b'F'), text);
+            return refuse("I1106", words.span(b'F'), text);
         }
         let rate = words.get(b'R').unwrap_or(per_turn);
         if !(rate >= per_turn) {
             let text = format!(
                 "R{rate} a turn cannot make an infeed of F{per_turn} within the turn: R{per_turn} works"
             );
-            return refuse("I0907", words.span(b'R'), text);
+            return refuse("I1107", words.span(b'R'), text);
         }
         Ok(CamCall::Grind { stock: -x, per_turn, rate, rpm })
     }
@@ -181,7 +181,7 @@ impl Resolver {
                 if self.frame.rotation() != 0.0 {
                     let text =
                         "the work offset is turned about Z: a cam is ground along X of the machine";
-                    self.report(Diagnostic::error("I0908", span, text));
+                    self.report(Diagnostic::error("I1108", span, text));
                 }
                 CamOrder::Select { profile, phase: Angle::deg(degrees), centre }
             }

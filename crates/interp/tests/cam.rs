@@ -90,11 +90,11 @@ fn outside_of_cam_mode_g01_and_g04_are_what_they_always_are() {
 #[test]
 fn what_cannot_be_meant_is_refused() {
     let of = |block: &str| story(&format!("G151 P7\n{block}\nM30\n"), Dialect::LinuxCnc).1;
-    assert_eq!(of("G154 X-0.1 F0.05"), ["I0903"]); // no speed
-    assert_eq!(of("G154 S60"), ["I0904"]); // neither X nor P
-    assert_eq!(of("G154 X0.1 F0.05 S60"), ["I0905"]); // away from the work
-    assert_eq!(of("G154 X-0.1 S60"), ["I0906"]); // no infeed
-    assert_eq!(of("G154 X-0.1 F0.1 R0.05 S60"), ["I0907"]); // not within a turn
-    assert_eq!(of("G151"), ["I0902"]);
-    assert_eq!(story("G150\nM30\n", Dialect::LinuxCnc).1, ["I0901"]);
+    assert_eq!(of("G154 X-0.1 F0.05"), ["I1103"]); // no speed
+    assert_eq!(of("G154 S60"), ["I1104"]); // neither X nor P
+    assert_eq!(of("G154 X0.1 F0.05 S60"), ["I1105"]); // away from the work
+    assert_eq!(of("G154 X-0.1 S60"), ["I1106"]); // no infeed
+    assert_eq!(of("G154 X-0.1 F0.1 R0.05 S60"), ["I1107"]); // not within a turn
+    assert_eq!(of("G151"), ["I1102"]);
+    assert_eq!(story("G150\nM30\n", Dialect::LinuxCnc).1, ["I1101"]);
 }

@@ -164,7 +164,7 @@ impl Feature {
             Criterion::Position => {
                 format!("{:.1} µm off its place", um(thread.position_error))
             }
-            Criterion::Flatness | Criterion::AcrossFlats => return None, // no thread has one
+            Criterion::Flatness | Criterion::AcrossFlats | Criterion::Contour => return None, // no thread has one
             Criterion::Whole => return self.verdict.reason().map(str::to_owned),
         })
     }

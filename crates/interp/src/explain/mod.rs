@@ -3,6 +3,7 @@
 //! The page `docs/diagnostics.md` is made from this list, SARIF takes its rules from it, and a test runs every
 //! program of it: the wrong one must give the code, the right one must not. A code that is used and not in the
 //! list fails that test.
+mod cam;
 mod cycles;
 mod fanuc;
 mod flow;
@@ -47,7 +48,8 @@ impl Finding {
 
 /// All of them, by rising code.
 pub fn findings() -> impl Iterator<Item = &'static Finding> {
-    let all = [text::ROWS, words::ROWS, flow::ROWS, cycles::ROWS, machine::ROWS, fanuc::ROWS];
+    let all =
+        [text::ROWS, words::ROWS, flow::ROWS, cycles::ROWS, machine::ROWS, fanuc::ROWS, cam::ROWS];
     all.into_iter().flatten()
 }
 
