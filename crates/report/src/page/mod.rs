@@ -50,7 +50,7 @@ pub fn html(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
     main += &section("Chip removal", &grid(&pictures::chip_removal(recorder)));
     let polygons = features.iter().enumerate().filter_map(|(i, f)| match &f.kind {
         FeatureKind::Polygon(polygon) => Some(pictures::polygon(i + 1, polygon)),
-        FeatureKind::Hole(_) | FeatureKind::Thread(_) => None,
+        FeatureKind::Hole(_) | FeatureKind::Thread(_) | FeatureKind::Cam(_) => None,
     });
     main += &section("Polygons", &grid(&polygons.collect::<String>()));
     main += &threads::threads(run, recorder, features);
