@@ -25,13 +25,15 @@ use alloc::vec::Vec;
 /// Share of the tolerance that samples keep: between them there is a little more.
 const NEAR: f64 = 0.95;
 /// Sweeps over all samples before knots are halved.
-const SWEEPS: usize = 64;
+const SWEEPS: usize = 24;
 /// Sweeps to bring samples back after smoothing.
-const BACK: usize = 12;
+const BACK: usize = 32;
 /// How far beyond the least a smoothed point goes, which spreads it sooner.
 const RELAXED: f64 = 1.6;
 /// Rounds of smoothing.
-const SMOOTHING: usize = 16;
+const SMOOTHING: usize = 96;
+/// Rounds go on as long as each takes so much of ∫|q″|² away.
+const WORTHWHILE: f64 = 0.004;
 /// How often knots may be halved.
 const HALVINGS: usize = 12;
 
@@ -232,6 +234,7 @@ impl Fitter {
         if !self.project(SWEEPS) {
             return false;
         }
+        let mut before = self.energy();
         for _ in 0..SMOOTHING {
             self.spare.clone_from(&self.control);
             self.smooth();
@@ -239,8 +242,22 @@ impl Fitter {
                 core::mem::swap(&mut self.spare, &mut self.control);
                 break;
             }
+            let after = self.energy();
+            if after > before * (1.0 - WORTHWHILE) {
+                break;
+            }
+            before = after;
         }
         true
+    }
+
+    /// ∫|q″|² over the curve.
+    fn energy(&self) -> f64 {
+        let bend = |(knot, (shares, length)): (usize, &([f64; 3], f64))| -> f64 {
+            let second = |i: usize| (0..3).map(|n| shares[n] * self.control[knot + n][i]).sum();
+            length * (0..self.axes).map(second).map(|x: f64| x * x).sum::<f64>()
+        };
+        self.bends.iter().enumerate().map(bend).sum()
     }
 
     fn project(&mut self, sweeps: usize) -> bool {
