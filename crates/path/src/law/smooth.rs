@@ -37,7 +37,7 @@ const WITHIN: f64 = -0.02;
 /// How often a plan is corrected, and from what share of the jerk's limit on.
 const REFINEMENTS: usize = 8;
 const TOLERANCE: f64 = 1.01;
-const ENOUGH: f64 = 1.03;
+const ENOUGH: f64 = 1.08;
 
 /// Longest cell near rest, as a share of the distance from rest.
 const NEAR_REST: f64 = 0.4;
