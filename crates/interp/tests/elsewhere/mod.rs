@@ -27,6 +27,7 @@ pub(crate) const SENTENCES: &[(&str, &str)] = &[
     ("M0313", "An order for a spindle that the machine does not have."),
     ("M0314", "The program would take absurdly long."),
     ("M0315", "A hole is drilled with no tool in the spindle."),
+    ("M0316", "No time law was found for a path; the line and the reason are said."),
     ("M0320", "At this speed a tap's axis would have to feed faster than it can."),
     ("M0321", "The speed is above the spindle's highest for tapping."),
     ("M0322", "The hole is deeper than the tap's flutes reach."),
