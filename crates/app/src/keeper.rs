@@ -58,9 +58,12 @@ pub(crate) fn open(
 pub(crate) fn in_work(record: &SyncRecord, feedback: &bus::Feedback) -> bool {
     /// An axis that stands at PS within this is out.
     const AT_START: Length = Length::um(20.0);
+    /// A tap whose tip stands higher over the surface than its holder gives is in the air: there its angle does not matter.
+    const CLEAR: Length = Length::mm(1.0);
     let stroke = &record.stroke;
     let z = feedback.axes[usize::from(stroke.axis)].position;
-    record.stage != Stage::Out && stroke.inside(z) > AT_START
+    let below = if stroke.bottom < stroke.start { stroke.surface - z } else { z - stroke.surface };
+    record.stage != Stage::Out && stroke.inside(z) > AT_START && below > -CLEAR
 }
 
 /// See the module's header.
