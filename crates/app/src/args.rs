@@ -28,6 +28,11 @@ pub(crate) enum Command {
 tolerance; 2 the program or a file was refused, or a tap is in the work and nothing but `leadscrew recover` may
 move; 3 an alarm on the machine.
 
+--fault takes power-cut, kill, emergency-stop, drive-fault spindle|AXIS, lost-index, encoder-slip ANGLE, dropout TIME,
+stuck AXIS, feedback-jump AXIS LENGTH, late, missed, torque-loss PERCENT; --operator takes hold, resume, abort, retract,
+override PERCENT, rapid-override PERCENT, single-block on|off. A MOMENT is a time (1.5s, 250ms), line N, depth 8mm [out]
+(of the tip below the work's zero), angle 12rev (turned since the start), random; or between 1s and 2s.
+
 With --iron the sync record, which recovery needs, is kept in the state folder: by default
 $XDG_STATE_HOME/leadscrew/MACHINE-NUMBER, or ~/.local/state/leadscrew/MACHINE-NUMBER. Without --iron there is one only
 if --state names its folder.
@@ -36,6 +41,8 @@ Examples:
   leadscrew run programs/plate-12xM6.ngc
   leadscrew run part.ngc --machine shop.toml --tools shop.tbl --out out/part
   leadscrew run part.ngc --missing-tools stand-in --material 42CrMo4
+  leadscrew run part.ngc --fault 'power-cut at depth 8mm' --recover   and the way out along the thread
+  leadscrew run part.ngc --operator 'hold at 2.5s; resume at 4s; override 50 at line 30'
   leadscrew run part.ngc --force-ramp 0.12       what a spindle ramp steeper than the power curve does
   leadscrew run part.ngc --synchronisation encoder-no-prediction   what a lagging feed does to a thread
   generator | leadscrew run - --format json"
@@ -221,6 +228,15 @@ pub(crate) struct RunArgs {
     /// within a cycle
     #[arg(long, value_name = "LINE|hole N")]
     pub(crate) from: Option<crate::restart::From>,
+    /// Let the iron fail: WHAT at MOMENT; several parted by `;`, see below
+    #[arg(long, value_name = "WHAT at MOMENT", conflicts_with = "iron")]
+    pub(crate) fault: Vec<crate::script::Items<sim::Fault>>,
+    /// What the operator orders: WHAT at MOMENT; several parted by `;`, see below
+    #[arg(long, value_name = "WHAT at MOMENT", conflicts_with = "iron")]
+    pub(crate) operator: Vec<crate::script::Items<kernel::Order>>,
+    /// After a stop in a thread: take the tap out along it, and end there, or continue with the remaining holes
+    #[arg(long, value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "out", conflicts_with = "iron")]
+    pub(crate) recover: Option<AfterStop>,
     /// Force the tapping ramp from rest to full speed into this time, against the power curve
     #[arg(long, value_name = "SECONDS")]
     pub(crate) force_ramp: Option<f64>,
@@ -601,6 +617,15 @@ pub(crate) enum MissingTools {
     Refuse,
     /// Assume a tool of no length that cuts nothing judged, and say so
     StandIn,
+}
+
+/// What comes after a tap has been taken out.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum AfterStop {
+    /// The end
+    Out,
+    /// The remaining holes
+    Continue,
 }
 
 /// What drives do that are left alone.

@@ -99,6 +99,7 @@ pub(crate) fn report(job: &Job, outcome: &Outcome, known: &Preflight) -> String 
             sync_stop: machine.tapping.sync_stop,
         },
         limiting: outcome.limiting.clone(),
+        stops: outcome.stops.clone(),
     };
     report::html(&run, &outcome.recorder, &outcome.features)
 }

@@ -1,6 +1,6 @@
 //! What the kernel controls: a simulated machine within this process, or an iron in another one.
 use bus::{Command, Feedback, Machine, Truth};
-use sim::SimulatedMachine;
+use sim::{Fault, Faulty, SimulatedMachine};
 use std::os::unix::net::UnixStream;
 use units::Time;
 use wire::{Remote, Welcome};
@@ -8,7 +8,7 @@ use wire::{Remote, Welcome};
 /// A machine.
 pub(crate) enum Plant {
     /// Within this process.
-    Inside(Box<SimulatedMachine>),
+    Inside(Box<Faulty<SimulatedMachine>>),
     /// At the other end of a socket.
     Outside(Box<Remote<UnixStream>>),
 }
@@ -17,8 +17,44 @@ impl Plant {
     /// Holes that somebody tapped and nobody drilled, as far as is known.
     pub(crate) fn assumed_holes(&self) -> usize {
         match self {
-            Self::Inside(machine) => machine.holes().iter().filter(|hole| hole.assumed).count(),
+            Self::Inside(machine) => {
+                machine.machine().holes().iter().filter(|hole| hole.assumed).count()
+            }
             Self::Outside(_) => 0,
+        }
+    }
+
+    /// Let a fault of the iron come now.
+    pub(crate) fn strike(&mut self, fault: Fault) {
+        if let Self::Inside(machine) = self {
+            machine.strike(fault);
+        }
+    }
+
+    /// The control is gone: nobody should tick.
+    pub(crate) fn is_abandoned(&self) -> bool {
+        matches!(self, Self::Inside(machine) if machine.is_abandoned())
+    }
+
+    /// A period without a control.
+    pub(crate) fn wait(&mut self) {
+        if let Self::Inside(machine) = self {
+            machine.wait();
+        }
+    }
+
+    /// Power and control are back.
+    pub(crate) fn mend(&mut self) {
+        if let Self::Inside(machine) = self {
+            machine.mend();
+        }
+    }
+
+    /// The same machine in the same state, to try something on; another process has no copy.
+    pub(crate) fn copy(&self) -> Option<Self> {
+        match self {
+            Self::Inside(machine) => Some(Self::Inside(machine.clone())),
+            Self::Outside(_) => None,
         }
     }
 

@@ -12,11 +12,13 @@ use crate::render::{self, Source};
 use crate::restart::Restart;
 use crate::session::{Session, read_program};
 use crate::simulate::{Outcome, Simulation};
+use crate::stops::Stops;
 use crate::timings::Timings;
 use crate::trace_thread::TraceThread;
 use crate::{interrupt, iron, papers, say, summary, wiring};
 use bus::Machine;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use sim::Faulty;
 use std::os::unix::net::UnixStream;
 use std::path::Path;
 use store::machine::Material;
@@ -239,6 +241,8 @@ impl Job {
             recorder: report::Recorder::new(tools),
             trace: folder.map(|folder| self.trace(folder)).transpose()?,
             log: args.log.then(|| Log::new(tools.clone(), zero)),
+            sent: std::collections::VecDeque::new(),
+            stops: Stops::new(args, &self.session, self.seed, known.planned),
             timings: Timings::new(args.timings),
             planned: known.planned,
             taps: std::collections::BTreeSet::new(),
@@ -310,6 +314,7 @@ impl Link {
             None => {
                 let zero = job.session.work_zero();
                 let config = wiring::simulator(machine, tools, job.material, job.seed, &zero);
+                let alone = wiring::left_alone(machine, &config);
                 let machine = plant::simulated(machine, config)?;
                 let machine = match job.session.cams.grinding() {
                     None => machine,
@@ -318,7 +323,7 @@ impl Link {
                         Refused::because(format!("cams cannot be ground here: {problems}"))
                     })?,
                 };
-                Plant::Inside(Box::new(machine))
+                Plant::Inside(Box::new(Faulty::new(machine, &[], job.seed).left_alone(alone)))
             }
         };
         Ok((plant, keeper.transpose()?))

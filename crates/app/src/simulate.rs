@@ -15,6 +15,7 @@ use crate::keeper::Keeper;
 use crate::log::Log;
 use crate::plant::Plant;
 use crate::program::Ops;
+use crate::stops::Stops;
 use crate::timings::Timings;
 use crate::trace_thread::TraceThread;
 use bus::{Machine, Sample};
@@ -60,6 +61,10 @@ pub(crate) struct Simulation<'a> {
     pub(crate) trace: Option<TraceThread>,
     /// Who prints what happens.
     pub(crate) log: Option<Log>,
+    /// What comes from outside to stop it.
+    pub(crate) stops: Stops,
+    /// Steps that the kernel has and has not done.
+    pub(crate) sent: VecDeque<Step>,
     /// Who measures how long it takes.
     pub(crate) timings: Timings,
     /// How long it is planned to take.
@@ -96,6 +101,10 @@ pub(crate) struct Outcome {
     pub(crate) cams: CamHost,
     /// How long it took here.
     pub(crate) timings: Timings,
+    /// What stopped it from outside, and what became of that.
+    pub(crate) happened: Vec<String>,
+    /// Stops in a thread, and the ways out.
+    pub(crate) stops: Vec<report::ThreadStop>,
     /// Why the iron is gone, if it is; why the record is not on the disk, if it is not.
     pub(crate) broke_off: Vec<String>,
 }
@@ -111,11 +120,25 @@ impl Simulation<'_> {
         let mut feedback = self.machine.feedback();
         let begun = feedback.time;
         let mut periods: u64 = 0;
+        let mut broke_off = Vec::new();
         if self.keeper.is_some() {
             self.kernel.keep_records();
         }
         self.timings.start();
-        while !self.kernel.is_over() && feedback.time - begun < give_up && !interrupt::came() {
+        let mut faults = Vec::new();
+        while feedback.time - begun < give_up && !interrupt::came() {
+            if self.is_stopped() {
+                faults.extend_from_slice(self.kernel.faults());
+                match self.deal_with_stop(&mut queue) {
+                    Ok(true) => {}
+                    Ok(false) => break,
+                    Err(why) => {
+                        broke_off.push(format!("the tap could not be taken out: {why}"));
+                        break;
+                    }
+                }
+                feedback = self.machine.feedback();
+            }
             self.feed(&mut queue, &mut limiting);
             let started = self.timings.tick_begins();
             let command = self.kernel.tick(&feedback);
@@ -123,6 +146,7 @@ impl Simulation<'_> {
             let report = self.kernel.report();
             let sample = Sample { feedback, command, report, truth: self.machine.truth() };
             self.listen(&sample);
+            self.stops.act(&sample, &mut self.kernel, &mut self.machine);
             if feedback.spindles[0].saturated {
                 *saturated.entry(report.op).or_insert(0) += 1;
             }
@@ -146,13 +170,17 @@ impl Simulation<'_> {
         if let Some(trace) = self.trace {
             trace.finish()?;
         }
-        let faults = self.kernel.faults().to_vec();
+        broke_off.extend(lost.into_iter().chain(unwritten));
+        if faults.is_empty() {
+            faults.extend_from_slice(self.kernel.faults());
+        }
+        let ended = self.kernel.report().state == bus::State::Ended;
         Ok(Outcome {
             features: self.judge.finish(),
             recorder: self.recorder,
             watch: self.watch,
             cycle_time: feedback.time - begun,
-            ended: self.kernel.is_over() && faults.is_empty(),
+            ended,
             faults,
             warnings,
             limiting,
@@ -161,8 +189,44 @@ impl Simulation<'_> {
             lessons: self.kernel.lessons().to_vec(),
             cams: self.cams,
             timings: self.timings,
-            broke_off: lost.into_iter().chain(unwritten).collect(),
+            happened: self.stops.happened,
+            stops: self.stops.threads,
+            broke_off,
         })
+    }
+
+    /// Nothing more will happen by itself: the program is over, the control is gone, or it is held and nobody resumes.
+    fn is_stopped(&self) -> bool {
+        let held = self.kernel.report().state == bus::State::Held && self.kernel.is_standing();
+        self.kernel.is_over() || self.machine.is_abandoned() || held && self.stops.no_orders_left()
+    }
+
+    /// Let the machine run down, take a tap out if that is asked for; whether the program goes on.
+    fn deal_with_stop(&mut self, queue: &mut VecDeque<Step>) -> Result<bool, String> {
+        if matches!(self.kernel.report().state, bus::State::Ended) {
+            return Ok(false);
+        }
+        let stopped = self.kernel.report().op;
+        let Self { stops, kernel, machine, judge, recorder, trace, log, .. } = self;
+        let goes_on = stops.deal_with(kernel, machine, judge, &mut |sample| {
+            recorder.sample(sample);
+            if let Some(trace) = trace {
+                trace.push(sample);
+            }
+            if let Some(log) = log {
+                log.sample(sample);
+            }
+        })?;
+        if !goes_on || !kernel.is_over() {
+            return Ok(false);
+        }
+        kernel.go_on();
+        // what waited, without the rest of the tap that was stopped
+        self.sent.retain(|step| step.op > stopped);
+        for step in self.sent.drain(..).rev() {
+            queue.push_front(step);
+        }
+        Ok(true)
     }
 
     /// Keep the kernel's queue full, as far as the program goes.
@@ -170,6 +234,9 @@ impl Simulation<'_> {
         while !self.kernel.is_full() {
             if let Some(step) = queue.pop_front() {
                 self.limits_of(&step, limiting);
+                let done = self.kernel.report().op;
+                self.sent.retain(|step| step.op >= done);
+                self.sent.push_back(step);
                 // there is room: it has just been asked
                 let _ = self.kernel.push(step);
                 continue;

@@ -45,6 +45,7 @@ pub(crate) fn text(job: &Job, outcome: &Outcome, out: Option<&Path>, quiet: bool
         said += line;
         said.push('\n');
     }
+    said += &crate::stops::text(&outcome.stops, &outcome.happened);
     for fault in &outcome.faults {
         said += &format!("{fault}\n  {}\n", fault.kind.remedy());
     }
@@ -57,7 +58,9 @@ pub(crate) fn text(job: &Job, outcome: &Outcome, out: Option<&Path>, quiet: bool
 
 fn verdict(outcome: &Outcome, bad: usize) -> String {
     if !outcome.ended {
-        return "STOPPED BY AN ALARM".to_owned();
+        let recovered = !outcome.stops.is_empty();
+        let what = if outcome.faults.is_empty() { "STOPPED" } else { "STOPPED BY AN ALARM" };
+        return if recovered { format!("{what}, THE TAP IS OUT") } else { what.to_owned() };
     }
     match (bad, outcome.features.len()) {
         (0, 0) => "ENDED, no holes or threads to judge".to_owned(),

@@ -17,6 +17,7 @@ mod pictures;
 mod record;
 mod recovery;
 mod run;
+mod stops;
 mod svg;
 mod thin;
 
@@ -26,3 +27,4 @@ pub use page::{
 pub use record::{Recorder, WORST_KEPT};
 pub use recovery::{Recovery, recovery_svg};
 pub use run::{Alarm, Limits, Note, Origin, Run};
+pub use stops::{PlanePoint, ThreadStop, WayBack};

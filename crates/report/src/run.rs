@@ -37,6 +37,8 @@ pub struct Run {
     pub limits: Limits,
     /// What kept a tap from being faster, in words, by the index of its op.
     pub limiting: BTreeMap<u32, String>,
+    /// Stops in a thread, and the ways out.
+    pub stops: Vec<crate::ThreadStop>,
 }
 
 /// The zero of the coordinates shown.

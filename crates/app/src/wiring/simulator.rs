@@ -1,6 +1,8 @@
 //! The iron: axes, spindles, magazine and workpiece for the simulator.
 use canon::{Flute, Holder, Position, Tool, ToolKind, ToolLibrary};
-use store::machine::{Axis, MachineFile, Material, Motor, PositionFrom, Spindle, TapSeat};
+use store::machine::{
+    Axis, MachineFile, Material, Motor, PositionFrom, Reaction, Spindle, TapSeat,
+};
 use units::{Angle, Inertia, Lead, Length};
 
 /// Screw lead that stands in for a linear motor: one radian a millimetre, so that N·m and N agree by 10³.
@@ -46,6 +48,30 @@ pub(crate) fn simulator(
         }),
         scatter: machine.simulation.scatter_share,
         seed,
+    }
+}
+
+/// What the drives of that machine do by themselves.
+pub(crate) fn left_alone(machine: &MachineFile, config: &sim::Config) -> sim::LeftAlone {
+    let drives = &machine.drives;
+    sim::LeftAlone {
+        config: config.clone(),
+        watchdog: drives.watchdog,
+        on_silence: reaction(drives.on_link_loss),
+        on_power_loss: reaction(drives.on_power_loss),
+        bus: drives.bus.map(|bus| sim::Bus {
+            farad: bus.capacitance_f,
+            volt: bus.voltage_v,
+            trip_volt: bus.trip_v,
+        }),
+    }
+}
+
+const fn reaction(file: Reaction) -> sim::Reaction {
+    match file {
+        Reaction::Coast => sim::Reaction::Coast,
+        Reaction::QuickStop => sim::Reaction::QuickStop,
+        Reaction::CoupledStop => sim::Reaction::CoupledStop,
     }
 }
 

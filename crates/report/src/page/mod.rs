@@ -18,6 +18,7 @@ mod figures;
 mod notes;
 mod polygon;
 mod sizes;
+mod stops;
 mod threads;
 mod tools;
 mod verdict;
@@ -41,6 +42,7 @@ pub fn html(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
     main += &figures::figures(run, recorder, features);
     main += &notes::notes(run, recorder, features);
     main += &cams::cams(features);
+    main += &stops::recoveries(&run.stops);
     let map = pictures::hole_map(run, features);
     let left = map + &tools::tools(run, recorder);
     let right = sizes::sizes(features) + &pictures::time_shares(run, recorder);

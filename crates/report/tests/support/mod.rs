@@ -90,6 +90,7 @@ pub fn run(program: &str) -> Run {
             sync_stop: Length::um(100.0),
         },
         limiting: BTreeMap::new(),
+        stops: Vec::new(),
     }
 }
 

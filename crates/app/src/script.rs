@@ -1,0 +1,332 @@
+//! What happens to a run from outside: faults of the iron, orders of the operator, each with its moment.
+//!
+//! ```text
+//!   --fault     'power-cut at 1.234s; encoder-slip 0.1rev at depth 8mm'
+//!   --operator  'hold at 2.5s; resume at 4s; override 50 at line 30'
+//!
+//!   item    = what moment          items are parted by ;
+//!   moment  = at TIME | at line N | at depth LENGTH [out] | at angle ANGLE | at random | between TIME and TIME
+//!   TIME    = 1.5s | 250ms     LENGTH = 8mm | 40um | 0.3in     ANGLE = 12.5rev | 90deg
+//! ```
+//!
+//! A *line* is reached when its first step begins. A *depth* is that of the tool's tip below the work's zero, on the way
+//! in (or, with `out`, on the way back). An *angle* is what the first spindle has turned since the start. *At random* is
+//! anywhere in the time that the program is planned to take, by the run's seed.
+use bus::Sample;
+use kernel::Order;
+use sim::Fault;
+use std::str::FromStr;
+use units::{Angle, Length, Time};
+
+/// When something comes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Moment {
+    /// At a time.
+    Time(Time),
+    /// When a program line begins.
+    Line(u32),
+    /// When the tool's tip is this deep; on the way out if `out`.
+    Depth { below: Length, out: bool },
+    /// When the first spindle has turned this far.
+    Turned(Angle),
+    /// Between two times, by chance; `None`: anywhere in the run.
+    Random(Option<(Time, Time)>),
+}
+
+/// Something and its moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Item<T> {
+    pub(crate) what: T,
+    pub(crate) moment: Moment,
+}
+
+/// A list of them, as it is typed.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Items<T>(pub(crate) Vec<Item<T>>);
+
+/// What can be told to come.
+pub(crate) trait What: Sized {
+    /// What `words` order, all words before the moment.
+    fn read(words: &[&str]) -> Result<Self, String>;
+}
+
+impl<T: What> FromStr for Items<T> {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let items = text.split(';').map(str::trim).filter(|item| !item.is_empty());
+        let items: Vec<_> = items.map(item).collect::<Result<_, _>>()?;
+        if items.is_empty() {
+            return Err("expected something and its moment, as in \"power-cut at 1.5s\"".into());
+        }
+        Ok(Self(items))
+    }
+}
+
+fn item<T: What>(text: &str) -> Result<Item<T>, String> {
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let split = words.iter().position(|word| matches!(*word, "at" | "between"));
+    let Some(split) = split else {
+        return Err(format!("\"{text}\" has no moment: expected one as in \"{text} at 1.5s\""));
+    };
+    let (what, moment) = words.split_at(split);
+    let what = T::read(what).map_err(|why| format!("\"{text}\": {why}"))?;
+    let moment = read_moment(moment).map_err(|why| format!("\"{text}\": {why}"))?;
+    Ok(Item { what, moment })
+}
+
+fn read_moment(words: &[&str]) -> Result<Moment, String> {
+    match words {
+        ["at", "random"] => Ok(Moment::Random(None)),
+        ["at", "line", number] => match number.parse() {
+            Ok(line) if line > 0 => Ok(Moment::Line(line)),
+            _ => Err(format!("expected a program line from 1 on, found \"{number}\"")),
+        },
+        ["at", "depth", depth] => Ok(Moment::Depth { below: length(depth)?, out: false }),
+        ["at", "depth", depth, "out"] => Ok(Moment::Depth { below: length(depth)?, out: true }),
+        ["at", "angle", angle] => Ok(Moment::Turned(self::angle(angle)?)),
+        ["at", at] => Ok(Moment::Time(time(at)?)),
+        ["between", from, "and", to] => {
+            let (from, to) = (time(from)?, time(to)?);
+            if from >= to {
+                return Err(format!(
+                    "expected two times, the earlier one first, found {from} and {to}"
+                ));
+            }
+            Ok(Moment::Random(Some((from, to))))
+        }
+        _ => Err(format!(
+            "expected a moment such as at 1.5s, at line 30, at depth 8mm, at depth 8mm out, at angle 12rev, at random, \
+             between 1s and 2s; found \"{}\"",
+            words.join(" ")
+        )),
+    }
+}
+
+/// A number and its unit.
+fn measure(text: &str, units: &[(&str, f64)], example: &str) -> Result<f64, String> {
+    for (unit, factor) in units {
+        if let Some(number) = text.strip_suffix(unit)
+            && let Ok(number) = number.trim().parse::<f64>()
+            && number.is_finite()
+        {
+            return Ok(number * factor);
+        }
+    }
+    let known: Vec<_> = units.iter().map(|(unit, _)| *unit).collect();
+    Err(format!(
+        "expected a number with its unit ({}), as in {example}, found \"{text}\"",
+        known.join(", ")
+    ))
+}
+
+fn time(text: &str) -> Result<Time, String> {
+    let seconds = measure(text, &[("ms", 1e-3), ("us", 1e-6), ("s", 1.0)], "1.5s")?;
+    if seconds < 0.0 {
+        return Err(format!("expected a time from the start on, found {text}"));
+    }
+    Ok(Time::s(seconds))
+}
+
+fn length(text: &str) -> Result<Length, String> {
+    measure(text, &[("mm", 1.0), ("um", 1e-3), ("in", units::MM_PER_INCH)], "8mm").map(Length::mm)
+}
+
+fn angle(text: &str) -> Result<Angle, String> {
+    measure(text, &[("rev", 1.0), ("deg", 1.0 / 360.0)], "0.25rev").map(Angle::rev)
+}
+
+fn percent(text: &str) -> Result<f64, String> {
+    let number = text.strip_suffix('%').unwrap_or(text).parse::<f64>();
+    number
+        .ok()
+        .filter(|n| (0.0..=1000.0).contains(n))
+        .map(|n| n / 100.0)
+        .ok_or_else(|| format!("expected a percentage, as in 50%, found \"{text}\""))
+}
+
+/// Index of an axis on the bus.
+fn axis(text: &str) -> Result<usize, String> {
+    let mut letters = text.chars();
+    let found = match (letters.next(), letters.next()) {
+        (Some(letter), None) => {
+            canon::Axis::ALL.iter().position(|a| a.letter() == letter.to_ascii_uppercase())
+        }
+        _ => None,
+    };
+    found.ok_or_else(|| format!("expected an axis such as Z, found \"{text}\""))
+}
+
+impl What for Fault {
+    fn read(words: &[&str]) -> Result<Self, String> {
+        match words {
+            ["power-cut"] => Ok(Self::PowerCut),
+            ["kill"] => Ok(Self::Kill),
+            ["emergency-stop"] => Ok(Self::EmergencyStop),
+            ["drive-fault", "spindle"] => Ok(Self::SpindleDrive(0)),
+            ["drive-fault", letter] => axis(letter).map(Self::AxisDrive),
+            ["lost-index"] => Ok(Self::LostIndex),
+            ["encoder-slip", by] => angle(by).map(Self::Slip),
+            ["dropout", lasts] => time(lasts).map(Self::Dropout),
+            ["stuck", letter] => axis(letter).map(Self::Stuck),
+            ["feedback-jump", letter, by] => Ok(Self::Jump(axis(letter)?, length(by)?)),
+            ["late"] => Ok(Self::Late),
+            ["missed"] => Ok(Self::Missed),
+            ["torque-loss", left] => {
+                percent(left).map(|lost| Self::TorqueLoss((1.0 - lost).max(0.0)))
+            }
+            _ => Err(format!(
+                "expected power-cut, kill, emergency-stop, drive-fault spindle|AXIS, lost-index, encoder-slip ANGLE, \
+                 dropout TIME, stuck AXIS, feedback-jump AXIS LENGTH, late, missed or torque-loss PERCENT, found \"{}\"",
+                words.join(" ")
+            )),
+        }
+    }
+}
+
+impl What for Order {
+    fn read(words: &[&str]) -> Result<Self, String> {
+        match words {
+            ["hold"] => Ok(Self::FeedHold),
+            ["resume"] => Ok(Self::Resume),
+            ["abort"] => Ok(Self::Abort),
+            ["retract"] => Ok(Self::Retract),
+            ["override", share] => percent(share).map(Self::FeedOverride),
+            ["rapid-override", share] => percent(share).map(Self::RapidOverride),
+            ["single-block", "on"] => Ok(Self::SingleBlock(true)),
+            ["single-block", "off"] => Ok(Self::SingleBlock(false)),
+            _ => Err(format!(
+                "expected hold, resume, abort, retract, override PERCENT, rapid-override PERCENT or single-block on|off, \
+                 found \"{}\"",
+                words.join(" ")
+            )),
+        }
+    }
+}
+
+/// Items that wait for their moments.
+#[derive(Clone, Debug)]
+pub(crate) struct Script<T> {
+    waiting: Vec<Item<T>>,
+    first_angle: Option<Angle>,
+    /// Depth of the tip in the last period.
+    before: Option<Length>,
+}
+
+impl<T: Copy> Script<T> {
+    /// Chance is drawn from the seed; anywhere is within `whole`.
+    pub(crate) fn new(items: &[Items<T>], seed: u64, whole: Time) -> Self {
+        let mut waiting: Vec<Item<T>> =
+            items.iter().flat_map(|list| list.0.iter().copied()).collect();
+        let mut chance = seed;
+        for item in &mut waiting {
+            if let Moment::Random(span) = item.moment {
+                let (from, to) = span.unwrap_or((Time::ZERO, whole));
+                item.moment = Moment::Time(from + (to - from) * unit(&mut chance));
+            }
+        }
+        Self { waiting, first_angle: None, before: None }
+    }
+
+    /// Nothing is left to come.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.waiting.is_empty()
+    }
+
+    /// What comes in this period. `tip`: how deep the tool's tip is below the work's zero.
+    pub(crate) fn due(&mut self, sample: &Sample, tip: Length) -> Vec<T> {
+        if self.waiting.is_empty() {
+            return Vec::new();
+        }
+        let angle = sample.feedback.spindles[0].angle;
+        let turned = (angle - *self.first_angle.get_or_insert(angle)).abs();
+        let before = self.before.replace(tip).unwrap_or(tip);
+        let comes = |moment: Moment| match moment {
+            Moment::Time(time) => sample.feedback.time >= time,
+            Moment::Line(line) => sample.report.line == line,
+            Moment::Turned(angle) => turned >= angle,
+            Moment::Depth { below, out: false } => before < below && tip >= below,
+            Moment::Depth { below, out: true } => before > below && tip <= below,
+            Moment::Random(_) => false, // drawn in the beginning
+        };
+        let now =
+            self.waiting.iter().filter(|item| comes(item.moment)).map(|item| item.what).collect();
+        self.waiting.retain(|item| !comes(item.moment));
+        now
+    }
+}
+
+/// `SplitMix64` (Steele, Lea, Flood 2014), from 0 to 1.
+fn unit(state: &mut u64) -> f64 {
+    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let mut z = *state;
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn faults(text: &str) -> Result<Vec<Item<Fault>>, String> {
+        text.parse::<Items<Fault>>().map(|items| items.0)
+    }
+
+    #[test]
+    fn faults_and_their_moments_are_read_as_they_are_typed() {
+        let items =
+            faults("power-cut at 1.234s; feedback-jump Z 50um at depth 8mm out;kill at random")
+                .unwrap();
+        assert_eq!(items[0], Item { what: Fault::PowerCut, moment: Moment::Time(Time::s(1.234)) });
+        let jump = Fault::Jump(2, Length::um(50.0));
+        assert_eq!(
+            items[1],
+            Item { what: jump, moment: Moment::Depth { below: Length::mm(8.0), out: true } }
+        );
+        assert_eq!(items[2].moment, Moment::Random(None));
+    }
+
+    #[test]
+    fn orders_are_read_likewise() {
+        let items = "hold at 2.5s; resume at 4000ms; override 50% at line 30"
+            .parse::<Items<Order>>()
+            .unwrap()
+            .0;
+        assert_eq!(items[1], Item { what: Order::Resume, moment: Moment::Time(Time::s(4.0)) });
+        assert_eq!(items[2], Item { what: Order::FeedOverride(0.5), moment: Moment::Line(30) });
+    }
+
+    #[test]
+    fn what_cannot_be_meant_is_said_with_what_would_do() {
+        for (text, expected) in [
+            ("power-cut", "as in \"power-cut at 1.5s\""),
+            (
+                "power-cut at noon",
+                "expected a number with its unit (ms, us, s), as in 1.5s, found \"noon\"",
+            ),
+            ("power-cat at 1s", "expected power-cut, kill"),
+            ("stuck Q at 1s", "expected an axis such as Z, found \"Q\""),
+            ("kill at line 0", "expected a program line from 1 on"),
+            ("kill between 2s and 1s", "the earlier one first"),
+            ("", "expected something and its moment"),
+        ] {
+            let why = faults(text).unwrap_err();
+            assert!(why.contains(expected), "{text}: {why}");
+        }
+    }
+
+    #[test]
+    fn a_depth_is_passed_once_inwards_and_once_outwards() {
+        let items = "hold at depth 5mm; retract at depth 5mm out".parse::<Items<Order>>().unwrap();
+        let mut script = Script::new(&[items], 1, Time::s(1.0));
+        let mut seen = Vec::new();
+        for depth in [0.0, 4.9, 5.1, 8.0, 5.2, 4.8, 0.0] {
+            seen.extend(
+                script.due(&Sample::default(), Length::mm(depth)).into_iter().map(|o| (o, depth)),
+            );
+        }
+        assert_eq!(seen, [(Order::FeedHold, 5.1), (Order::Retract, 4.8)]);
+        assert!(script.is_empty());
+    }
+}

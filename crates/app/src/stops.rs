@@ -1,0 +1,342 @@
+//! What stops a run in the middle, and the way out of a thread after it.
+//!
+//! ```text
+//!   --fault, --operator ─► Script ─┬─► the iron fails, the operator orders
+//!                                  ▼
+//!   a tap in its thread ── runs down ── mended ─► kernel: back onto the coupling, out ─► end, or the remaining holes
+//!                              │
+//!                              └─ a copy of the machine takes the other way, for the report
+//! ```
+use crate::args::{AfterStop, RunArgs};
+use crate::plant::Plant;
+use crate::script::Script;
+use crate::session::Session;
+use bus::{Machine, Sample, State};
+use canon::{Holder, ToolKind};
+use kernel::{EventKind, Kernel, Notice, Order, RecoveryFigures, RecoveryPlan};
+use report::{PlanePoint, ThreadStop, WayBack};
+use sim::Fault;
+use sync::recovery::{Mover, Point, Seat, Way};
+use units::{Angle, Length, Spin, SpinAccel, Stiffness, Time};
+use verify::{FeatureKind, Judge};
+
+/// The spindle turns no faster on the way out.
+const OUT: (Spin, SpinAccel) = (Spin::rpm(300.0), SpinAccel::rev_per_s2(40.0));
+/// From here on a holder is stiff: an error of a tenth of a millimetre presses with half a kilonewton.
+const STIFF: Stiffness = Stiffness::n_per_mm(5000.0);
+/// Whatever was switched off stands by then: somebody switches it on again.
+const RUN_DOWN: Time = Time::s(10.0);
+/// A way out that takes longer has gone wrong.
+const LONGEST_WAY_OUT: Time = Time::s(300.0);
+
+/// What is to come, and what has come.
+pub(crate) struct Stops {
+    faults: Script<Fault>,
+    orders: Script<Order>,
+    recover: Option<AfterStop>,
+    lengths: Vec<(u32, Length)>,
+    zero: Length,
+    seats: Vec<(u32, Seat)>,
+    feed: (units::Speed, units::Accel),
+    /// What has come, for people.
+    pub(crate) happened: Vec<String>,
+    /// Stops in a thread.
+    pub(crate) threads: Vec<ThreadStop>,
+    /// Of the last fault: its name and when.
+    last: Option<(String, Time)>,
+}
+
+/// What the machine does while a stop is dealt with.
+pub(crate) type Ears<'a> = &'a mut dyn FnMut(&Sample);
+
+impl Stops {
+    /// As the arguments have it.
+    pub(crate) fn new(args: &RunArgs, session: &Session, seed: u64, planned: Time) -> Self {
+        let play = session.machine.simulation.tap_seat.flank_clearance;
+        let seats = session.tools.iter().filter_map(|tool| match &tool.kind {
+            ToolKind::Tap(tap) => {
+                Some((tool.number, Seat { play, is_stiff: stiffness(tap.holder) >= STIFF }))
+            }
+            _ => None,
+        });
+        let gentle = session.machine.axis(canon::Axis::Z).map(|z| z.gentle);
+        let slow = units::Speed::mm_per_s(2.0);
+        Self {
+            faults: Script::new(&args.fault, seed, planned),
+            orders: Script::new(&args.operator, seed ^ 1, planned),
+            recover: args.recover,
+            lengths: session.tools.iter().map(|tool| (tool.number, tool.length)).collect(),
+            zero: session.work_zero().linear[2],
+            seats: seats.collect(),
+            feed: gentle.map_or((slow, units::Accel::mm_per_s2(100.0)), |g| {
+                (g.speed.min(slow), g.acceleration * 0.1)
+            }),
+            happened: Vec::new(),
+            threads: Vec::new(),
+            last: None,
+        }
+    }
+
+    /// Nothing comes.
+    pub(crate) fn none() -> Self {
+        Self {
+            faults: Script::new(&[], 0, Time::ZERO),
+            orders: Script::new(&[], 0, Time::ZERO),
+            recover: None,
+            lengths: Vec::new(),
+            zero: Length::ZERO,
+            seats: Vec::new(),
+            feed: (units::Speed::ZERO, units::Accel::ZERO),
+            happened: Vec::new(),
+            threads: Vec::new(),
+            last: None,
+        }
+    }
+
+    /// Nothing was told to come.
+    pub(crate) fn is_quiet(&self) -> bool {
+        self.faults.is_empty() && self.orders.is_empty()
+    }
+
+    /// The operator has nothing more to say.
+    pub(crate) fn no_orders_left(&self) -> bool {
+        self.orders.is_empty()
+    }
+
+    /// Let come what comes in this period.
+    pub(crate) fn act(&mut self, sample: &Sample, kernel: &mut Kernel, plant: &mut Plant) {
+        if self.is_quiet() {
+            return;
+        }
+        let tool = sample.feedback.tool.unwrap_or(0);
+        let length = self.lengths.iter().find(|(number, _)| *number == tool);
+        let length = length.map_or(Length::ZERO, |(_, length)| *length);
+        let below = self.zero - (sample.axis(2) - length);
+        let now = sample.feedback.time;
+        for order in self.orders.due(sample, below) {
+            self.happened.push(format!("operator at {:.3} s: {}", now.value(), name(order)));
+            kernel.order(order);
+        }
+        for fault in self.faults.due(sample, below) {
+            self.happened.push(format!("fault at {:.3} s: {}", now.value(), fault.name()));
+            self.last = Some((fault.name().to_owned(), now));
+            plant.strike(fault);
+        }
+    }
+
+    /// A run that has stopped: run down, and out of the thread if that is asked for. Whether the program goes on.
+    pub(crate) fn deal_with(
+        &mut self,
+        kernel: &mut Kernel,
+        plant: &mut Plant,
+        judge: &mut Judge,
+        hear: Ears<'_>,
+    ) -> Result<bool, String> {
+        let Some(stored) = kernel.engaged() else { return Ok(false) };
+        let line = kernel.report().line;
+        let alarm = kernel.faults().first().map(|f| (f.kind.sentence().to_owned(), f.time));
+        let (cause, time) =
+            self.last.take().or(alarm).unwrap_or_else(|| ("a stop".into(), plant.feedback().time));
+        let mut stop = Vec::new();
+        run_down(kernel, plant, &mut |sample| {
+            stop.push(point(sample));
+            judge.sample(sample);
+            hear(sample);
+        });
+        let Some(after) = self.recover else { return Ok(false) };
+        let tool = plant.feedback().tool.unwrap_or(0);
+        let seat = self.seats.iter().find(|(number, _)| *number == tool).map(|(_, seat)| *seat);
+        let preferred = seat.map_or(Way::Direct, Way::UnloadFirst);
+        plant.mend();
+        let plan = RecoveryPlan {
+            axis: canon::Axis::Z,
+            spindle: 0,
+            stored,
+            turn: Angle::ZERO,
+            way: preferred,
+            spin: OUT,
+            feed: self.feed,
+            retreat: None,
+        };
+        let mut ways = Vec::new();
+        if let Some(mut copy) = plant.copy() {
+            let (mut kernel, mut judge) = (kernel.clone(), judge.clone());
+            let plan = RecoveryPlan { way: Way::Direct, ..plan };
+            let track = drive_out(&mut kernel, &mut copy, plan, &mut |sample| judge.sample(sample));
+            ways.extend(track.map(|track| way_back("the document's way", false, &track, &judge)));
+        }
+        let track = drive_out(kernel, plant, plan, &mut |sample| {
+            judge.sample(sample);
+            hear(sample);
+        })?;
+        ways.insert(0, way_back("unloaded first", true, &track, judge));
+        let start = stored.start();
+        self.threads.push(ThreadStop {
+            line,
+            cause,
+            time,
+            coupling: ((start.angle, start.place), stored.lead() * Angle::rev(1.0)),
+            stop,
+            ways,
+        });
+        Ok(after == AfterStop::Continue)
+    }
+}
+
+fn stiffness(holder: Holder) -> Stiffness {
+    match holder {
+        Holder::Rigid { stiffness }
+        | Holder::SoftSynchro { stiffness, .. }
+        | Holder::TensionCompression { stiffness, .. }
+        | Holder::Clutch { stiffness, .. } => stiffness,
+    }
+}
+
+fn name(order: Order) -> String {
+    match order {
+        Order::FeedHold => "hold".into(),
+        Order::Resume => "resume".into(),
+        Order::Abort => "abort".into(),
+        Order::Retract => "retract".into(),
+        Order::FeedOverride(share) => format!("override {:.0} %", share * 100.0),
+        Order::RapidOverride(share) => format!("rapid override {:.0} %", share * 100.0),
+        Order::SingleBlock(on) => format!("single block {}", if on { "on" } else { "off" }),
+    }
+}
+
+fn point(sample: &Sample) -> PlanePoint {
+    (sample.spindle(0), sample.axis(2))
+}
+
+/// One period without orders: the drives alone, or a control that has stopped.
+fn period(kernel: &mut Kernel, plant: &mut Plant) -> Sample {
+    let feedback = plant.feedback();
+    let mut sample = Sample { feedback, truth: plant.truth(), ..Sample::default() };
+    if plant.is_abandoned() {
+        sample.report = kernel.report();
+        sample.report.state = State::Faulted;
+        plant.wait();
+    } else {
+        sample.command = kernel.tick(&feedback);
+        sample.report = kernel.report();
+        plant.exchange(&sample.command);
+    }
+    sample
+}
+
+/// Until nothing turns or moves.
+fn run_down(kernel: &mut Kernel, plant: &mut Plant, hear: Ears<'_>) {
+    /// What stands, and for how many periods.
+    const STANDS: (Spin, Length, u32) = (Spin::rpm(1.0), Length::mm(2.5e-5), 200);
+    let end = plant.feedback().time + RUN_DOWN;
+    let (mut still, mut before) = (0, None);
+    while plant.feedback().time < end && still < STANDS.2 {
+        let sample = period(kernel, plant);
+        let (angle, place) = point(&sample);
+        let stands = before.replace((angle, place)).is_some_and(|(a, z): PlanePoint| {
+            ((angle - a) / plant.period()).abs() < STANDS.0 && (place - z).abs() < STANDS.1
+        });
+        still = if stands { still + 1 } else { 0 };
+        hear(&sample);
+    }
+}
+
+/// What a way out came to.
+struct Track {
+    points: Vec<PlanePoint>,
+    mover: Option<Mover>,
+    helix: Length,
+    force_n: f64,
+}
+
+/// Take the tap out along its thread: by the control that stopped coupled and still has its drives, or by a recovery.
+fn drive_out(
+    kernel: &mut Kernel,
+    plant: &mut Plant,
+    plan: RecoveryPlan,
+    hear: Ears<'_>,
+) -> Result<Track, String> {
+    let alive =
+        kernel.is_standing() && kernel.engaged().is_some() && plant.feedback().axes[2].ready;
+    let stored = plan.stored;
+    if alive {
+        kernel.order(Order::Retract);
+    } else {
+        kernel.recover(plan);
+    }
+    let end = plant.feedback().time + LONGEST_WAY_OUT;
+    let mut track = Track { points: Vec::new(), mover: None, helix: Length::ZERO, force_n: 0.0 };
+    let (mut on, mut out) = (alive, None);
+    while out.is_none() {
+        if plant.feedback().time > end {
+            return Err("the tap is not out after five minutes".into());
+        }
+        let sample = period(kernel, plant);
+        let (angle, place) = point(&sample);
+        track.points.push((angle, place));
+        if let Some(truth) = &sample.truth {
+            track.force_n = track.force_n.max(truth.cutting_force.value().abs());
+            let touches = truth.cutting_torque.value() != 0.0;
+            let off = stored.error(Point { angle, place }).abs();
+            if on && touches {
+                track.helix = track.helix.max(off);
+            }
+        }
+        while let Some(event) = kernel.next_event() {
+            match event.kind {
+                EventKind::RecoveryBegun { mover, .. } => track.mover = mover,
+                EventKind::OnCoupling => on = true,
+                EventKind::RecoveryEnded(RecoveryFigures { .. })
+                | EventKind::Operator(Notice::Out) => out = Some(()),
+                EventKind::FaultRaised(fault) => return Err(fault.to_string()),
+                _ => {}
+            }
+        }
+        hear(&sample);
+    }
+    Ok(track)
+}
+
+fn way_back(name: &str, taken: bool, track: &Track, judge: &Judge) -> WayBack {
+    let features = judge.clone().finish();
+    let class = features.iter().rev().find_map(|f| match &f.kind {
+        FeatureKind::Thread(thread) if thread.recovered => Some(match f.verdict.reason() {
+            Some(reason) => format!("{}: {reason}", thread.class_name()),
+            None => thread.class_name().to_owned(),
+        }),
+        _ => None,
+    });
+    WayBack {
+        name: name.to_owned(),
+        taken,
+        track: track.points.clone(),
+        mover: match track.mover {
+            Some(Mover::Feed) => "the feed".into(),
+            Some(Mover::Spindle) => "the spindle".into(),
+            None => "nobody".into(),
+        },
+        helix_error: track.helix,
+        force_n: track.force_n,
+        class: class.unwrap_or_else(|| "none".into()),
+    }
+}
+
+/// For people: what happened, and what came of it.
+pub(crate) fn text(stops: &[ThreadStop], happened: &[String]) -> String {
+    let mut said: String = happened.iter().map(|line| format!("{line}\n")).collect();
+    for stop in stops {
+        let Some(way) = stop.ways.first() else { continue };
+        said += &format!(
+            "line {}: {} at {:.3} s left the tap {:.1} µm off its helix; recovered: {} went back, then out with at most {:.1} µm, \
+             damage index {:.2} µm·rev\n",
+            stop.line,
+            stop.cause,
+            stop.time.value(),
+            stop.rest_um().abs(),
+            way.mover,
+            way.helix_error.in_um(),
+            stop.damage_um_rev(way),
+        );
+    }
+    said
+}
