@@ -132,6 +132,9 @@ impl Stops {
         judge: &mut Judge,
         hear: Ears<'_>,
     ) -> Result<bool, String> {
+        if matches!(plant, Plant::Outside(_)) {
+            return Ok(false); // its drives and `leadscrew recover` see to that
+        }
         let Some(stored) = kernel.engaged() else { return Ok(false) };
         let line = kernel.report().line;
         let alarm = kernel.faults().first().map(|f| (f.kind.sentence().to_owned(), f.time));
