@@ -197,7 +197,8 @@ impl Simulation<'_> {
 
     /// Nothing more will happen by itself: the program is over, the control is gone, or it is held and nobody resumes.
     fn is_stopped(&self) -> bool {
-        let held = self.kernel.report().state == bus::State::Held && self.kernel.is_standing();
+        let rests = self.kernel.operator().wants_rest() && self.kernel.is_standing();
+        let held = rests && self.kernel.report().state == bus::State::Held;
         self.kernel.is_over() || self.machine.is_abandoned() || held && self.stops.no_orders_left()
     }
 
