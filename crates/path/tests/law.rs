@@ -22,11 +22,11 @@ fn line(from: [f64; 3], to: [f64; 3], feed: f64, entry: Entry) -> Piece {
     Piece { curve, begin: 0.0, length: curve.length(), feed, rapid: false, entry, op: 0, line: 0 }
 }
 
-fn timed(pieces: &[Piece], config: Config) -> Vec<Timed> {
-    let mut law = Law::new(config);
+fn timed(pieces: &[Piece], config: &Config) -> Vec<Timed> {
+    let mut law = Law::new(*config);
     let mut phases = Vec::new();
     for piece in pieces {
-        law.push(*piece).unwrap();
+        law.push(*piece).expect("a piece that can be moved along");
         phases.extend(std::iter::from_fn(|| law.next()));
     }
     law.close();
@@ -85,9 +85,21 @@ fn joined(phases: &[Timed]) {
 fn a_single_line_is_a_trapezoid() {
     // 100 mm at 50 mm/s and 500 mm/s²: 2.5 mm and 0.1 s at each end, 95 mm in 1.9 s between
     let piece = line([0.0; 3], [100.0, 0.0, 0.0], 50.0, Entry::Rest);
-    let phases = timed(&[piece], config(bounds(200.0, 500.0, f64::INFINITY)));
+    let phases = timed(&[piece], &config(bounds(200.0, 500.0, f64::INFINITY)));
     assert_eq!(phases.len(), 3);
     assert!((duration(&phases) - 2.1).abs() < 1e-12);
+}
+
+/// Over revolutions of a fast spindle, a servo period is more of a revolution than the longest step between two knots.
+#[test]
+fn a_period_longer_than_the_longest_step_is_no_panic() {
+    let piece = line([0.0; 3], [10.0, 0.0, 0.0], 5.0, Entry::Rest);
+    let limits = config(bounds(20.0, 50.0, 500.0));
+    for period in [0.0226979681592755, 0.5, 10.0] {
+        let phases = timed(&[piece], &Config { period, ..limits });
+        let (s, v, _) = phases[phases.len() - 1].phase.at(phases[phases.len() - 1].phase.duration);
+        assert!((s - 10.0).abs() < 1e-9 && v.abs() < 1e-6, "{period}: ends at {s} with {v}");
+    }
 }
 
 #[test]
@@ -98,7 +110,7 @@ fn a_line_in_ten_thousand_parts_takes_as_long_as_the_line() {
         .collect();
     let whole = line(at(0.0), at(10_000.0), 150.0, Entry::Rest);
     let config = config(bounds(200.0, 1000.0, f64::INFINITY));
-    let (a, b) = (duration(&timed(&parts, config)), duration(&timed(&[whole], config)));
+    let (a, b) = (duration(&timed(&parts, &config)), duration(&timed(&[whole], &config)));
     assert!((a - b).abs() < 1e-9 * b, "{a} {b}");
 }
 
@@ -159,7 +171,7 @@ fn with_jerk_a_line_takes_at_most_three_percent_longer_than_its_closed_form() {
         [(0.01, 100.0), (1.0, 100.0), (10.0, 200.0), (100.0, 100.0), (1000.0, 200.0)]
     {
         let piece = line([0.0; 3], [length, 0.0, 0.0], feed, Entry::Rest);
-        let took = duration(&timed(&[piece], config(bounds(200.0, 1000.0, 20e3))));
+        let took = duration(&timed(&[piece], &config(bounds(200.0, 1000.0, 20e3))));
         let ratio = took / rest_to_rest(length, feed, 1000.0, 20e3);
         assert!((0.995..1.03).contains(&ratio), "{length} mm: {ratio}");
     }
@@ -172,7 +184,7 @@ fn with_jerk_ten_thousand_parts_of_a_line_take_hardly_longer_than_the_line() {
         .map(|k| line(at(f64::from(k)), at(f64::from(k + 1)), 150.0, Entry::Smooth))
         .collect();
     let config = config(bounds(200.0, 1000.0, 50e3));
-    let phases = timed(&parts, config);
+    let phases = timed(&parts, &config);
     joined(&phases);
     // 1250 mm/s² and 62.5 m/s³ along (3, 4)
     let ratio = duration(&phases) / rest_to_rest(1000.0, 150.0, 1250.0, 62.5e3);
@@ -206,7 +218,7 @@ proptest! {
         pieces in any_joined(),
         b in any_bounds(),
     ) {
-        let phases = timed(&pieces, config(b));
+        let phases = timed(&pieces, &config(b));
         joined(&phases);
         let [speed, accel, _] = loads(&setpoints(&pieces, &phases), &b);
         prop_assert!(speed < 1.01, "{speed}");
@@ -220,7 +232,7 @@ proptest! {
         jerk in 5e3..500e3_f64,
     ) {
         let b = Bounds { jerk: [jerk; AXES], ..b };
-        let phases = timed(&pieces, config(b));
+        let phases = timed(&pieces, &config(b));
         joined(&phases);
         let [speed, accel, jerk] = loads(&setpoints(&pieces, &phases), &b);
         prop_assert!(speed < 1.01, "{speed}");
@@ -235,7 +247,7 @@ proptest! {
         jerk in 5e3..500e3_f64,
     ) {
         let b = Bounds { jerk: [jerk; AXES], ..b };
-        let phases = timed(&pieces, config(b));
+        let phases = timed(&pieces, &config(b));
         joined(&phases);
         let [speed, accel, jerk] = loads(&setpoints(&pieces, &phases), &b);
         prop_assert!(speed < 1.01, "{speed}");
@@ -248,7 +260,7 @@ proptest! {
         pieces in any_lines(),
         b in any_bounds(),
     ) {
-        let phases = timed(&pieces, config(b));
+        let phases = timed(&pieces, &config(b));
         joined(&phases);
         let [speed, accel, _] = loads(&setpoints(&pieces, &phases), &b);
         prop_assert!(speed < 1.0 + 1e-6, "{speed}");

@@ -6,7 +6,17 @@ use path::Shape;
 use plan::{SpindleStep, Step, StepKind};
 use units::{Lead, Time};
 
-/// One word a step, so that a program's plan is a sentence.
+/// Whether a step goes on with the one before, along the same straight line and without a stop between them: a law with
+/// a limit of jerk has more phases than one step holds.
+fn goes_on(before: &Step, step: &Step) -> bool {
+    let (StepKind::Follow(a), StepKind::Follow(b)) = (&before.kind, &step.kind) else {
+        return false;
+    };
+    let straight = matches!(a.piece.curve, path::Curve::Line(_));
+    straight && a.piece == b.piece && before.op == step.op && !a.exact_stop
+}
+
+/// One word a step, so that a program's plan is a sentence; one word for all steps along one straight line.
 fn words(steps: &[Step]) -> String {
     let word = |step: &Step| match &step.kind {
         StepKind::Move(m) => {
@@ -46,7 +56,8 @@ fn words(steps: &[Step]) -> String {
         StepKind::Revolve { turns, .. } => format!("revolve({})", turns.value()),
         StepKind::Consult(what) => format!("consult({what})"),
     };
-    steps.iter().map(word).collect::<Vec<_>>().join(" ")
+    let ends = steps.chunk_by(goes_on).filter_map(<[Step]>::last);
+    ends.map(word).collect::<Vec<_>>().join(" ")
 }
 
 #[test]

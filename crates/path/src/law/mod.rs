@@ -36,6 +36,9 @@ const LEAST: usize = 1024;
 /// Most cells that are planned together: braking takes less than these.
 const MOST: usize = 1 << 16;
 
+/// Longest time between two knots of a jerk-limited plan, s, unless the servo period is longer.
+const LONGEST_STEP: f64 = 0.02;
+
 /// What the law needs to know beside the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Config {
@@ -108,7 +111,8 @@ impl Law {
                 .fold(f64::INFINITY, |m, x| m.min(*x))
         };
         let slowest = (least(|b| &b.accel), least(|b| &b.jerk));
-        let tau = (slowest.0 / slowest.1 / 8.0).clamp(config.period, 0.02);
+        // over revolutions a period may be longer than the longest step
+        let tau = (slowest.0 / slowest.1 / 8.0).min(LONGEST_STEP).max(config.period);
         Self {
             config,
             pending: VecDeque::new(),
@@ -324,7 +328,7 @@ impl Law {
             };
             match cell.demand {
                 Demand::Line { accel, .. } => {
-                    phase::over_line(cell.h, accel, cell.cap, b, end, give)
+                    phase::over_line(cell.h, accel, cell.cap, b, end, give);
                 }
                 Demand::Curve(_) => {
                     if let Some(phase) = phase::over_cell(cell.h, b, end) {
