@@ -14,6 +14,7 @@ use crate::axis::Target;
 use crate::config::Subject;
 use crate::drives::{Drives, Finding};
 use crate::fault::FaultKind;
+use crate::spindle::SpindleLoop;
 use alloc::vec::Vec;
 use bus::{AXES, SPINDLES};
 use plan::{GearStep, Superpose, Superposed, TableId};
@@ -222,13 +223,11 @@ impl Drives {
         };
         let to = match order.table {
             None => None,
-            Some(id) => match self.coupled.index_of(id) {
-                Some(index) => Some(index),
-                None => {
-                    let name = f64::from(id.0);
-                    return Err((FaultKind::TableMissing, Subject::Machine, name, 0.0));
-                }
-            },
+            Some(id) => {
+                let index = self.coupled.index_of(id);
+                let name = f64::from(id.0);
+                Some(index.ok_or((FaultKind::TableMissing, Subject::Machine, name, 0.0))?)
+            }
         };
         let index = slot_index(order.on);
         let from = self.coupled.slots[index].and_then(|slot| slot.to);
@@ -278,7 +277,7 @@ impl Drives {
                 self.coupled.slots[index] = None; // the gear itself still leads its master
             }
         }
-        let lookahead = self.spindles[follower].as_ref().map_or(0.0, |s| s.lookahead_s());
+        let lookahead = self.spindles[follower].as_ref().map_or(0.0, SpindleLoop::lookahead_s);
         let master = self.master(run.master);
         let (now, ahead) = (
             self.belongs(index, run, master, Time::ZERO),
@@ -351,7 +350,7 @@ impl Drives {
                     return Err((FaultKind::PhaseNotReached, of, spindle.error(), window));
                 }
                 Engagement::Locked => {
-                    let master = self.spindles[run.master].as_ref().map_or(0.0, |s| s.error());
+                    let master = self.spindles[run.master].as_ref().map_or(0.0, SpindleLoop::error);
                     let lost = spindle.error() - run.gear.ratio() * master;
                     let window = spindle.control.windows.following_stop.value();
                     if lost.abs() > window {
@@ -372,7 +371,7 @@ impl Drives {
     }
 }
 
-fn engaging(spindle: &crate::spindle::SpindleLoop) -> Engaging {
+fn engaging(spindle: &SpindleLoop) -> Engaging {
     let control = &spindle.control;
     Engaging {
         spin: control.orient.0,

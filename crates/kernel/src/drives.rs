@@ -22,6 +22,7 @@ pub(crate) const MOVING: core::ops::Range<usize> = 0..AXES;
 
 /// The machine's loops.
 #[derive(Clone, Debug)]
+#[allow(clippy::struct_excessive_bools)] // two outputs and two facts, each on its own
 pub(crate) struct Drives {
     pub(crate) axes: [Option<AxisLoop>; AXES],
     pub(crate) spindles: [Option<SpindleLoop>; SPINDLES],

@@ -8,20 +8,21 @@
 //!
 //! A fault is a state, not a `Result`: the machine is stopped the way the fault asks for, and from then
 //! on the kernel only holds it.
+mod exchange;
+mod faults;
+mod orders;
+mod tap;
+
 use crate::config::{Config, Subject};
 use crate::drives::{Drives, Finding};
 use crate::event::{Event, EventKind, Ring};
 use crate::execute::{Activity, Context, Progress};
-use crate::fault::{Fault, FaultKind, Reaction};
-use crate::operator::{Notice, Operator, Order};
-use crate::recovering::{Recovering, RecoveryPlan};
-use crate::scribe::{TapRecord, Wish};
-use crate::spindle::SpindleLoop;
+use crate::fault::Fault;
+use crate::operator::{Notice, Operator};
+use crate::recovering::Recovering;
 use alloc::{collections::VecDeque, vec::Vec};
 use bus::{Command, Feedback, Report, State};
-use canon::Axis;
-use plan::{Step, StepKind, Superpose, TableId};
-use sync::{Coupling, Periodic, SyncMode};
+use plan::{Step, StepKind};
 use units::Time;
 
 /// Steps that may wait.
@@ -152,142 +153,6 @@ impl Kernel {
         self.events.lost()
     }
 
-    /// What repeated taps have learnt so far.
-    pub fn lessons(&self) -> &[sync::Lesson] {
-        self.drives.lessons.list()
-    }
-
-    /// Begin with what was learnt before; ignored where learning is off. Not during a tap.
-    pub fn recall(&mut self, lessons: Vec<sync::Lesson>) {
-        self.drives.lessons.recall(lessons);
-    }
-
-    /// Keep the table of a function that steps superpose. What it replaces comes back.
-    ///
-    /// # Errors
-    /// All [`crate::TABLES`] places hold tables that are in use; the table comes back.
-    pub fn put_table(
-        &mut self,
-        id: TableId,
-        table: Periodic,
-    ) -> Result<Option<Periodic>, Periodic> {
-        self.drives.coupled.put(id, table)
-    }
-
-    /// What the step in work waits for from outside, if it does: see [`plan::StepKind::Consult`].
-    pub fn consulted(&self) -> Option<u16> {
-        match self.queue.front() {
-            Some(Step { kind: StepKind::Consult(what), .. }) if self.begun => Some(*what),
-            _ => None,
-        }
-    }
-
-    /// While it is consulted: begin, exchange or end a superposition.
-    ///
-    /// # Errors
-    /// The spindle, the axis or the table is missing.
-    pub fn superpose(&mut self, order: &Superpose) -> Result<(), FaultKind> {
-        self.drives.superpose(order).map_err(|(kind, ..)| kind)
-    }
-
-    /// All that was superposed has faded in or out.
-    pub fn has_faded(&self) -> bool {
-        self.drives.coupled.has_faded()
-    }
-
-    /// Go on after a consultation.
-    pub fn answer(&mut self) {
-        if matches!(self.activity, Activity::Consulting) {
-            self.activity = Activity::AtOnce;
-        }
-    }
-
-    /// From now on somebody writes down what taking a tap out needs, and no tap goes in before it is.
-    pub const fn keep_records(&mut self) {
-        self.drives.scribe.begin();
-    }
-
-    /// What shall be written down next.
-    pub fn next_wish(&mut self) -> Option<Wish> {
-        self.drives.scribe.take()
-    }
-
-    /// The wish of this number is on the disk.
-    pub fn acknowledge(&mut self, number: u32) {
-        self.drives.scribe.acknowledge(number);
-    }
-
-    /// The disk refuses: no further tap goes in.
-    pub const fn not_written(&mut self) {
-        self.drives.scribe.refuse();
-    }
-
-    /// Take an order of the operator; it acts from the next tick on.
-    pub fn order(&mut self, order: Order) {
-        let synchronised =
-            matches!(&self.activity, Activity::Tapping(run) if run.coupling().is_some());
-        let paused = matches!(self.activity, Activity::Pausing);
-        let alarm = matches!(self.mode, Mode::Halted | Mode::Disabled);
-        if alarm && matches!(order, Order::Resume | Order::FeedHold) {
-            return self.note(EventKind::Operator(Notice::NothingToResume));
-        }
-        if order == Order::Retract && synchronised && self.operator.wants_rest() {
-            self.note(EventKind::Operator(Notice::BackingOut));
-        }
-        if let Some(notice) = self.operator.take(order, synchronised, paused) {
-            self.note(EventKind::Operator(notice));
-        }
-        if order == Order::Resume && paused && !self.operator.wants_rest() {
-            self.activity = Activity::AtOnce;
-            self.note(EventKind::Resumed);
-        }
-    }
-
-    /// A drive reports an alarm with which it can still brake.
-    pub const fn report_alarm(&mut self, of: Subject) {
-        self.reported = Some(of);
-    }
-
-    /// Take a tool out of the work, and do nothing else: what waited is forgotten, what stopped the machine before
-    /// has had its answer. The drives come up, each where it stands.
-    pub fn recover(&mut self, plan: RecoveryPlan) {
-        self.queue.clear();
-        self.faults.clear();
-        (self.activity, self.begun, self.mode) = (Activity::Idle, false, Mode::New);
-        (self.operator, self.aborted, self.reported) = (Operator::new(), false, None);
-        self.report.state = State::Idle;
-        self.recovering = Some(Recovering::new(plan, self.now));
-    }
-
-    /// After a recovery: execute steps again, from where everything stands.
-    pub fn go_on(&mut self) {
-        if self.recovering.take_if(|recovering| recovering.is_done()).is_some() {
-            self.operator = Operator::new();
-        }
-    }
-
-    /// Nothing moves any more, by the setpoints, and nothing is about to.
-    pub fn is_standing(&self) -> bool {
-        let axes = self.drives.axes.iter().flatten().all(|axis| axis.target.speed == 0.0);
-        let spindles = self.drives.spindles.iter().flatten();
-        let still = axes && spindles.map(SpindleLoop::ordered).all(|r| r.spin.value() == 0.0);
-        match self.mode {
-            Mode::Disabled => true,
-            Mode::New | Mode::Starting(_) => false,
-            Mode::Running | Mode::Halted => still && !self.operator.wants_out(),
-        }
-    }
-
-    /// What the operator's orders have left behind.
-    pub const fn operator(&self) -> &Operator {
-        &self.operator
-    }
-
-    /// Go on after a program's stop.
-    pub fn resume(&mut self) {
-        self.order(Order::Resume);
-    }
-
     /// One servo period: from what the machine says to what it shall do.
     pub fn tick(&mut self, feedback: &Feedback) -> Command {
         self.now = feedback.time;
@@ -306,27 +171,6 @@ impl Kernel {
         command.coupled = self.kept_together();
         self.summarise();
         command
-    }
-
-    /// What is wrong before anything is done.
-    fn check(&self, feedback: &Feedback) -> Result<(), Finding> {
-        if feedback.emergency_stop {
-            return Err((FaultKind::EmergencyStop, Subject::Machine, 0.0, 0.0));
-        }
-        self.drives.check_readings(feedback)?;
-        match self.mode {
-            Mode::New | Mode::Starting(_) | Mode::Disabled => Ok(()),
-            Mode::Running => {
-                if let Some(of) = self.reported {
-                    return Err((FaultKind::DriveAlarm, of, 0.0, 0.0));
-                }
-                self.drives.check_ready(feedback)?;
-                let waits = &self.config.waits;
-                self.drives.check_coupled(waits.at_speed, waits.oriented)?;
-                self.drives.check_following()
-            }
-            Mode::Halted => self.drives.check_ready(feedback),
-        }
     }
 
     /// Wait for the drives; hold every axis where it stands.
@@ -429,51 +273,6 @@ impl Kernel {
         Ok(progress)
     }
 
-    /// No step begins now: the operator holds, and the axes stand. A move that flows on into the next one
-    /// slows down in it.
-    fn holds_before(&mut self, line: u32) -> bool {
-        if self.drives.flowing {
-            return false;
-        }
-        self.operator.holds_line(line, self.report.line) || self.operator.wants_rest()
-    }
-
-    /// The operator's hold, once everything stands: it is said, and an abort forgets the rest. A tap that
-    /// stands in its thread stays there until it is told to go on, or out.
-    fn hold(&mut self) {
-        if !self.operator.wants_rest() || self.aborted || !self.activity.is_held(&self.operator) {
-            return;
-        }
-        let in_thread = self.is_in_thread();
-        if self.operator.wants_out() && !in_thread {
-            self.operator.is_out();
-            self.note(EventKind::Operator(Notice::Out));
-        }
-        if self.operator.wants_abort() && !in_thread {
-            if matches!(self.activity, Activity::Tapping(_)) {
-                self.drives.scribe.out();
-            }
-            self.queue.clear();
-            (self.activity, self.begun, self.aborted) = (Activity::Idle, false, true);
-            self.drives.flowing = false;
-            self.drives.spindles.iter_mut().flatten().for_each(SpindleLoop::stop);
-            (self.drives.mist, self.drives.flood) = (false, false);
-            self.note(EventKind::Operator(Notice::Aborted));
-        } else if let Some(notice) = self.operator.standing(in_thread) {
-            self.note(EventKind::Operator(notice));
-        }
-    }
-
-    /// A tap stands in its thread.
-    fn is_in_thread(&self) -> bool {
-        match (&self.activity, self.queue.front()) {
-            (Activity::Tapping(run), Some(Step { kind: StepKind::Tap(plan), .. })) => {
-                run.is_in_thread(plan, &self.drives)
-            }
-            _ => false,
-        }
-    }
-
     /// Brake what moves, synchronised what is coupled, and hold. A tap that was stopped in its thread comes out
     /// when it is told to.
     fn halt(&mut self, feedback: &Feedback) -> Command {
@@ -521,128 +320,6 @@ impl Kernel {
         }
         self.drives.couple(self.config.period);
         self.drives.command()
-    }
-
-    /// A fault: remember it and stop the way it asks for.
-    fn raise(&mut self, (kind, subject, value, limit): Finding, feedback: &Feedback) {
-        if matches!(self.mode, Mode::Disabled) {
-            return;
-        }
-        let (op, line) = (self.report.op, self.report.line);
-        let fault = Fault { kind, subject, value, limit, time: feedback.time, op, line };
-        if self.faults.len() < FAULTS {
-            self.faults.push(fault);
-        }
-        self.note(EventKind::FaultRaised(fault));
-        self.mode = match kind.reaction() {
-            Reaction::Disable => Mode::Disabled,
-            Reaction::Halt => {
-                self.operator.alarm();
-                let coupled =
-                    matches!(&self.activity, Activity::Tapping(run) if run.coupling().is_some());
-                // a tap's master is slowed down by the tap itself
-                let led = self.queue.front().and_then(|step| match &step.kind {
-                    StepKind::Tap(plan) if coupled => Some(usize::from(plan.spindle)),
-                    _ => None,
-                });
-                for (index, spindle) in self.drives.spindles.iter_mut().enumerate() {
-                    if let Some(spindle) = spindle.as_mut().filter(|_| led != Some(index)) {
-                        spindle.brake();
-                    }
-                }
-                Mode::Halted
-            }
-        };
-        (self.drives.mist, self.drives.flood) = (false, false);
-    }
-
-    /// What is coupled at present: axis, spindle, and how.
-    fn coupled(&self) -> Option<(usize, usize, Coupling)> {
-        let Activity::Tapping(run) = &self.activity else { return None };
-        let Some(Step { kind: plan::StepKind::Tap(plan), .. }) = self.queue.front() else {
-            return None;
-        };
-        Some((plan.axis.index(), usize::from(plan.spindle), run.coupling()?))
-    }
-
-    /// What the drives shall keep together, should they be left alone: the coupling's tangent.
-    fn kept_together(&self) -> Option<bus::Coupled> {
-        let (axis, spindle, coupling) = match (&self.mode, &self.recovering) {
-            (Mode::Running | Mode::Halted, None) => self.coupled()?,
-            (Mode::Running, Some(recovering)) => recovering.coupled()?,
-            (Mode::Halted | Mode::New | Mode::Starting(_) | Mode::Disabled, _) => return None,
-        };
-        let angle = self.drives.spindles[spindle].as_ref()?.reading();
-        Some(bus::Coupled {
-            axis: axis as u8,
-            spindle: spindle as u8,
-            angle,
-            place: coupling.position(angle),
-            lead: coupling.slope(angle),
-        })
-    }
-
-    /// The coupling of the tap that is in work, from where the tap is clear of the work to where it turns back, with
-    /// the sense in which it goes; `None` while none is engaged. What a recovery has to know if everything stops now.
-    pub fn engaged(&self) -> Option<sync::recovery::Stored> {
-        match (&self.activity, self.queue.front()) {
-            (Activity::Tapping(run), Some(Step { kind: StepKind::Tap(plan), .. })) => {
-                run.stored(plan)
-            }
-            _ => None,
-        }
-    }
-
-    /// While the axes are on their way to a tap and its spindle stands already: ask for its record now.
-    fn foresee(&mut self) {
-        let following = self.config.synchronisation != SyncMode::CommandSynchronised;
-        let travels = matches!(self.activity, Activity::Moving(..) | Activity::Settling { .. });
-        if !self.drives.scribe.is_on() || following || !travels {
-            return;
-        }
-        let mut steps = self.queue.iter().skip(1);
-        let next = steps.find(|step| !matches!(step.kind, plan::StepKind::Move(_)));
-        let Some(Step { op, line, kind: plan::StepKind::Tap(plan) }) = next else { return };
-        let spindle = self.drives.spindles.get(usize::from(plan.spindle)).and_then(Option::as_ref);
-        // one that only stands will be turned to the start angle by the shorter way
-        let stands =
-            |s: &SpindleLoop| (s.at_rest() && plan.start_angle.is_some()).then(|| s.now().angle);
-        let Some(held) = spindle.and_then(|s| s.held().or_else(|| stands(s))) else { return };
-        let turns = plan.start_angle.map_or(0.0, |angle| (angle - held).value());
-        let theta0 = held + units::Angle::rev(turns - libm::round(turns));
-        let record = TapRecord::of(plan, *op, *line, self.drives.tool, theta0);
-        self.drives.scribe.ask(&record);
-    }
-
-    /// The tap at the queue's front is done: out of its hole, unless the next stroke goes on in it.
-    fn leave_hole(&mut self) {
-        let Some(Step { op, kind: plan::StepKind::Tap(plan), .. }) = self.queue.front() else {
-            return;
-        };
-        let goes_on = self
-            .queue
-            .get(1)
-            .is_some_and(|next| next.op == *op && matches!(next.kind, plan::StepKind::Tap(_)));
-        let inward = (plan.bottom - plan.surface).value();
-        let is_outside = (plan.end - plan.surface).value() * inward <= 0.0;
-        if is_outside && !goes_on {
-            self.drives.scribe.out();
-        }
-    }
-
-    /// Following errors worth an event.
-    fn warn(&mut self) {
-        for index in 0..bus::AXES {
-            let Some(axis) = &mut self.drives.axes[index] else { continue };
-            let (error, limit) = (axis.error(), axis.control.windows.following_warn.value());
-            if error.abs() <= limit / 2.0 {
-                axis.warned = false;
-            } else if error.abs() > limit && !axis.warned {
-                axis.warned = true;
-                let (axis, error) = (Axis::ALL[index], units::Length::mm(error));
-                self.note(EventKind::FollowingWarning { axis, error });
-            }
-        }
     }
 
     fn note(&mut self, kind: EventKind) {

@@ -95,6 +95,7 @@ impl Notice {
 
 /// What the orders have left behind.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(clippy::struct_excessive_bools)] // independent orders: any of them may be in force with any other
 pub struct Operator {
     held: bool,
     aborting: bool,

@@ -33,7 +33,7 @@ fn a_tap_comes_out_along_its_helix_after_a_power_cut_or_a_kill() {
 #[test]
 fn a_stop_with_the_drives_alive_stays_on_the_coupling() {
     let mut bench = Bench::new(&M8, Reaction::CoupledStop, 1);
-    bench.into_tap();
+    bench.go_into_tap();
     let mut how = [Stop::Hold, Stop::Abort, Stop::Alarm].into_iter().cycle();
     while bench.is_tapping() {
         let how = how.next().unwrap();
@@ -102,7 +102,7 @@ fn two_thousand_stops_with_the_drives_alive() {
         let mut dice = Dice(7 ^ (number << 32));
         let work = dice.work();
         let mut bench = Bench::new(&work, Reaction::CoupledStop, number);
-        bench.into_tap();
+        bench.go_into_tap();
         let plan = work.order.plan();
         let whole = plan.inward.duration() + plan.outward.duration();
         for _ in 0..4 {

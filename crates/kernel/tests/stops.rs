@@ -1,4 +1,5 @@
 //! Stops in the middle of a tap with the drives alive, what may follow them, and the way out after a stop without.
+#![allow(clippy::unwrap_used)] // a test may panic
 mod common;
 use bus::{Command, Machine, Sample, State};
 use common::*;

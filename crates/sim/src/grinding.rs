@@ -151,6 +151,7 @@ impl Grinder {
     }
 
     /// A period has passed: the work stands at `turn` rev, the wheel at `infeed` and `along`, mm; `omega` in rad/s.
+    #[allow(clippy::cast_possible_wrap)] // nodes are far below 2⁶³
     pub(crate) fn step(&mut self, turn: f64, infeed: f64, along: f64, omega: f64) {
         let (turn_before, infeed_before) =
             self.before.replace((turn, infeed)).unwrap_or((turn, infeed));

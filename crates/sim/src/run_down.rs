@@ -7,9 +7,9 @@
 //!                                  that line; everything else brakes by itself; then off
 //! ```
 //!
-//! The drives close their own loops here on their own encoders, as servo drives do in a quick stop (CiA 402) or an
+//! The drives close their own loops here on their own encoders, as servo drives do in a quick stop (`CiA` 402) or an
 //! extended stop. Without mains the energy is what the DC bus holds and the braking spindle gives back:
-//! C·V·dV/dt = P_back − P_drives; below the trip voltage all outputs go off and the rest is coasting.
+//! `C·V·dV/dt = P_back − P_drives`; below the trip voltage all outputs go off and the rest is coasting.
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|

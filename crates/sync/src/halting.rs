@@ -22,7 +22,7 @@
 //! | σ | time within the stroke that is being left | s |
 //!
 //! Braking aims at a = −min(A(v), √(2·J·v)): as hard as allowed, and early enough to let go without a jolt. The way
-//! is that of the plan, s = plan(σ) with dσ/dt = v/v_plan, and v never exceeds the plan's speed there.
+//! is that of the plan, s = plan(σ) with dσ/dt = `v/v_plan`, and v never exceeds the plan's speed there.
 use units::{Angle, Length, Spin, SpinAccel, SpinJerk, Time};
 
 use crate::{Blend, Coupling, Rotation, Stroke, StrokePoint, Tap, Tick};
@@ -158,10 +158,9 @@ impl Halting {
             return self;
         } else {
             match course {
-                Course::In => Goal::Bottom,
-                Course::Out => Goal::End,
                 // who was taken out begins again
-                Course::Again(_, Goal::Clear) => Goal::Bottom,
+                Course::In | Course::Again(_, Goal::Clear) => Goal::Bottom,
+                Course::Out => Goal::End,
                 Course::Again(_, goal) => goal,
             }
         };
@@ -256,13 +255,14 @@ fn stop<S: Stroke>(course: Course, braking: Braking, tap: &Tap<S>, h: Time) -> A
     if v_next <= STANDS && a <= 0.0 || planned.spin.value() <= 0.0 && at.value() > 0.0 {
         return over(at);
     }
-    let rate = (v + v_next) / 2.0 / planned.spin.value().max(STANDS);
+    let rate = f64::midpoint(v, v_next) / planned.spin.value().max(STANDS);
     let on = at + h * rate.min(1.0);
     if on >= duration(course, tap) {
         return match course {
-            Course::In => over(duration(course, tap)),
             Course::Out | Course::Again(_, Goal::End) => After::End,
-            Course::Again(_, Goal::Bottom | Goal::Clear) => over(duration(course, tap)),
+            Course::In | Course::Again(_, Goal::Bottom | Goal::Clear) => {
+                over(duration(course, tap))
+            }
         };
     }
     let there = plan(course, tap, on);

@@ -32,6 +32,7 @@ pub mod recovery;
 mod repetition;
 mod spectrum;
 mod stopping;
+mod strokes;
 mod superposed;
 mod tapping;
 mod told;
@@ -52,6 +53,7 @@ pub use periodic::{FEWEST_NODES, MOST_NODES, Periodic, PeriodicError, PeriodicPo
 pub use repetition::{Repetition, RepetitionOptions, Taught};
 pub use spectrum::{Complex, Spectrum};
 pub use stopping::{Stopping, stopping_angle};
+pub use strokes::{Stroke, StrokePoint};
 pub use superposed::{Fade, Swing};
-pub use tapping::{Ask, Cycle, Phase, Stroke, StrokePoint, Tap, Tick};
+pub use tapping::{Ask, Cycle, Phase, Tap, Tick};
 pub use told::{Slowing, Spoken, Told};

@@ -30,31 +30,9 @@
 use units::{Accel, Angle, Lead, Length, Speed, Spin, SpinAccel, Time};
 
 use crate::halting::{After, sense};
+use crate::strokes::{Leg, Stroke, planned};
 use crate::told::{Spoken, Told};
 use crate::{Blend, Coupling, Course, Follower, Halt, Halting, Rotation};
-
-/// State of a stroke at one time; magnitudes.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct StrokePoint {
-    /// Revolutions done.
-    pub turned: Angle,
-    /// Speed.
-    pub spin: Spin,
-    /// Acceleration along the stroke.
-    pub accel: SpinAccel,
-}
-
-/// Revolutions over time, rest to rest.
-pub trait Stroke {
-    /// State at a time from the stroke's start; at rest before and after.
-    fn at(&self, time: Time) -> StrokePoint;
-    /// How long it lasts.
-    fn duration(&self) -> Time;
-    /// Revolutions in all.
-    fn length(&self) -> Angle;
-    /// When it begins to slow down for good.
-    fn brake(&self) -> Time;
-}
 
 /// What to tap. Coordinates are those of the following axis.
 #[derive(Debug, PartialEq)]
@@ -459,42 +437,6 @@ fn step_on<S: Stroke>(tap: &Tap<S>, angle: Angle) -> Cycle {
 fn gentle<S>(tap: &Tap<S>, from: Length, to: Length) -> Blend {
     let (speed, accel) = tap.gentle;
     Blend::new(from.value(), to.value(), speed.value(), accel.value())
-}
-
-/// The parts of the planned motion.
-#[derive(Clone, Copy)]
-enum Leg {
-    In,
-    Bottom,
-    Out,
-}
-
-/// The planned master, `time` after the beginning of a leg and possibly in a later one.
-fn planned<S: Stroke>(tap: &Tap<S>, coupling: &Coupling, leg: Leg, time: Time) -> Rotation {
-    let sense = sense(tap);
-    let theta0 = coupling.phase_difference(Angle::ZERO, tap.start);
-    let (turned, direction, point) = match leg {
-        Leg::In if time >= tap.inward.duration() => {
-            return planned(tap, coupling, Leg::Bottom, time - tap.inward.duration());
-        }
-        Leg::Bottom if time >= tap.dwell => {
-            return planned(tap, coupling, Leg::Out, time - tap.dwell);
-        }
-        Leg::In => {
-            let point = tap.inward.at(time);
-            (point.turned, sense, point)
-        }
-        Leg::Bottom => (tap.inward.length(), sense, StrokePoint::default()),
-        Leg::Out => {
-            let point = tap.outward.at(time);
-            (tap.inward.length() - point.turned, -sense, point)
-        }
-    };
-    Rotation {
-        angle: theta0 + turned * sense,
-        spin: point.spin * direction,
-        accel: point.accel * direction,
-    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The cycle as a machinist would check it, on a spindle that does exactly what it is told.
 use super::*;
-use crate::stopping_angle;
+use crate::{StrokePoint, stopping_angle};
 use std::{borrow::ToOwned, format, string::String};
 
 /// Constant acceleration, constant speed, constant deceleration.

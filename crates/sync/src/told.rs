@@ -23,7 +23,8 @@
 //! A stop on the way tells it to stand; the feed stays on its helix meanwhile, and the stroke goes on, or out, from there.
 //! An order is given in a period, so the turning point is met within half a period's way.
 use crate::stopping::{Stopping, stopping_angle};
-use crate::tapping::{Cycle, Phase, Stroke, Tap, Tick};
+use crate::strokes::Stroke;
+use crate::tapping::{Cycle, Phase, Tap, Tick};
 use crate::{Ask, Coupling, Rotation};
 use units::{Angle, Spin, SpinAccel, Time};
 
@@ -143,11 +144,10 @@ impl Told {
             Self::Slow(slowing) => slowing.next(spoken, spin, left, tick.master.angle, inwards),
             Self::Turn(_) if spin > Spin::ZERO && !tick.at_rest => self,
             Self::Turn(taught) if tap.dwell > Time::ZERO => Self::Bottom(taught, Time::ZERO),
-            Self::Turn(taught) => Self::Out(taught),
             Self::Bottom(taught, waited) if waited + tick.elapsed < tap.dwell => {
                 Self::Bottom(taught, waited + tick.elapsed)
             }
-            Self::Bottom(taught, _) => Self::Out(taught),
+            Self::Turn(taught) | Self::Bottom(taught, _) => Self::Out(taught),
             Self::Out(taught) | Self::Clear(taught) => {
                 let left = coupling.phase_difference(tick.master.angle, tap.end) * -inwards - half;
                 // what was learnt of this speed inwards holds for the way out as far as the speeds are alike

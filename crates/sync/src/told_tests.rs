@@ -1,7 +1,7 @@
 //! A drive with a delay and a ramp of its own, which brakes slower than its file says.
 use super::*;
 use crate::Halt;
-use crate::tapping::StrokePoint;
+use crate::strokes::StrokePoint;
 use units::{Accel, Lead, Length, Speed, SpinAccel};
 
 const PERIOD: f64 = 250e-6;

@@ -250,15 +250,16 @@ fn read_command(r: &mut Reader<'_>) -> Option<Command> {
     command.tool = r.u32()?;
     command.flood = r.flag()?;
     command.mist = r.flag()?;
-    command.coupled = match r.flag()? {
-        true => Some(bus::Coupled {
+    command.coupled = if r.flag()? {
+        Some(bus::Coupled {
             axis: r.u8()?,
             spindle: r.u8()?,
             angle: Angle::rev(r.f64()?),
             place: Length::mm(r.f64()?),
             lead: units::Lead::mm_per_rev(r.f64()?),
-        }),
-        false => None,
+        })
+    } else {
+        None
     };
     Some(command)
 }

@@ -8,6 +8,7 @@
 //!
 //! Measured by the machine's truth: the distance of the axis from the coupling's line while the recovery takes the tap
 //! out through the work, whether the tap broke, and the class of what was cut, at the stop and after the recovery.
+#![allow(clippy::unwrap_used)] // a test may panic
 use crate::common::*;
 use bus::{Machine, Sample, Truth};
 use canon::{Flute, Op, OpKind, Span, TapTool, Tool, ToolKind, ToolLibrary};
@@ -167,7 +168,7 @@ impl Bench {
     }
 
     /// The tap is coupled.
-    pub fn into_tap(&mut self) {
+    pub fn go_into_tap(&mut self) {
         assert!(self.until(10.0, |b| b.kernel.engaged().is_some()), "the tap begins");
         self.tick();
     }
@@ -278,6 +279,7 @@ pub enum Stop {
 
 /// What became of one case.
 #[derive(Clone, Debug)]
+#[allow(clippy::struct_excessive_bools)] // independent facts, each counted on its own
 pub struct Fate {
     pub off_um: f64,
     pub helix_um: f64,
@@ -378,7 +380,7 @@ impl Tally {
 /// A stop at every so many periods of a tap.
 pub fn sweep(work: &Work, fault: Fault, reaction: Reaction, every: usize, way: Way) -> Tally {
     let (mut bench, mut tally) = (Bench::new(work, reaction, 1), Tally::default());
-    bench.into_tap();
+    bench.go_into_tap();
     while bench.is_tapping() {
         let time = bench.machine.feedback().time;
         tally.add(&bench.clone().strike(fault, way), &format!("{} at {time}", fault.name()));
@@ -452,7 +454,7 @@ pub fn random(count: u32, seed: u64, reaction: Reaction, faults: &[Fault]) -> Ta
         let (work, fault) = (dice.work(), dice.one_of(faults));
         let way = if dice.unit() < 0.5 { Way::Direct } else { unload(&work) };
         let mut bench = Bench::new(&work, reaction, u64::from(number));
-        bench.into_tap();
+        bench.go_into_tap();
         // somewhere between the beginning and the end of it, by its planned time
         let plan = work.order.plan();
         let whole = plan.inward.duration() + plan.outward.duration() + work.order.dwell_s;

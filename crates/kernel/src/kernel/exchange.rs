@@ -1,0 +1,83 @@
+//! What the kernel exchanges with those around it between two ticks: lessons, tables, records of taps.
+//!
+//! It has no disk and no files: what it has learnt is read from it, what it shall know is given to it, and what has
+//! to be written down is a [`Wish`] until somebody says that it is.
+use super::Kernel;
+use crate::execute::Activity;
+use crate::fault::FaultKind;
+use crate::scribe::Wish;
+use alloc::vec::Vec;
+use plan::{Step, StepKind, Superpose, TableId};
+use sync::Periodic;
+
+impl Kernel {
+    /// What repeated taps have learnt so far.
+    pub fn lessons(&self) -> &[sync::Lesson] {
+        self.drives.lessons.list()
+    }
+
+    /// Begin with what was learnt before; ignored where learning is off. Not during a tap.
+    pub fn recall(&mut self, lessons: Vec<sync::Lesson>) {
+        self.drives.lessons.recall(lessons);
+    }
+
+    /// Keep the table of a function that steps superpose. What it replaces comes back.
+    ///
+    /// # Errors
+    /// All [`crate::TABLES`] places hold tables that are in use; the table comes back.
+    pub fn put_table(
+        &mut self,
+        id: TableId,
+        table: Periodic,
+    ) -> Result<Option<Periodic>, Periodic> {
+        self.drives.coupled.put(id, table)
+    }
+
+    /// What the step in work waits for from outside, if it does: see [`StepKind::Consult`].
+    pub fn consulted(&self) -> Option<u16> {
+        match self.queue.front() {
+            Some(Step { kind: StepKind::Consult(what), .. }) if self.begun => Some(*what),
+            _ => None,
+        }
+    }
+
+    /// While it is consulted: begin, exchange or end a superposition.
+    ///
+    /// # Errors
+    /// The spindle, the axis or the table is missing.
+    pub fn superpose(&mut self, order: &Superpose) -> Result<(), FaultKind> {
+        self.drives.superpose(order).map_err(|(kind, ..)| kind)
+    }
+
+    /// All that was superposed has faded in or out.
+    pub fn has_faded(&self) -> bool {
+        self.drives.coupled.has_faded()
+    }
+
+    /// Go on after a consultation.
+    pub fn answer(&mut self) {
+        if matches!(self.activity, Activity::Consulting) {
+            self.activity = Activity::AtOnce;
+        }
+    }
+
+    /// From now on somebody writes down what taking a tap out needs, and no tap goes in before it is.
+    pub const fn keep_records(&mut self) {
+        self.drives.scribe.begin();
+    }
+
+    /// What shall be written down next.
+    pub fn next_wish(&mut self) -> Option<Wish> {
+        self.drives.scribe.take()
+    }
+
+    /// The wish of this number is on the disk.
+    pub fn acknowledge(&mut self, number: u32) {
+        self.drives.scribe.acknowledge(number);
+    }
+
+    /// The disk refuses: no further tap goes in.
+    pub const fn not_written(&mut self) {
+        self.drives.scribe.refuse();
+    }
+}

@@ -1,0 +1,105 @@
+//! What the operator orders, and where it holds the machine.
+//!
+//! An order is taken between two ticks and acts from the next one on; what it has led to is said in a [`Notice`].
+use super::{Kernel, Mode};
+use crate::config::Subject;
+use crate::event::EventKind;
+use crate::execute::Activity;
+use crate::operator::{Notice, Operator, Order};
+use crate::spindle::SpindleLoop;
+use plan::{Step, StepKind};
+
+impl Kernel {
+    /// Take an order of the operator; it acts from the next tick on.
+    pub fn order(&mut self, order: Order) {
+        let synchronised =
+            matches!(&self.activity, Activity::Tapping(run) if run.coupling().is_some());
+        let paused = matches!(self.activity, Activity::Pausing);
+        let alarm = matches!(self.mode, Mode::Halted | Mode::Disabled);
+        if alarm && matches!(order, Order::Resume | Order::FeedHold) {
+            return self.note(EventKind::Operator(Notice::NothingToResume));
+        }
+        if order == Order::Retract && synchronised && self.operator.wants_rest() {
+            self.note(EventKind::Operator(Notice::BackingOut));
+        }
+        if let Some(notice) = self.operator.take(order, synchronised, paused) {
+            self.note(EventKind::Operator(notice));
+        }
+        if order == Order::Resume && paused && !self.operator.wants_rest() {
+            self.activity = Activity::AtOnce;
+            self.note(EventKind::Resumed);
+        }
+    }
+
+    /// Go on after a program's stop.
+    pub fn resume(&mut self) {
+        self.order(Order::Resume);
+    }
+
+    /// A drive reports an alarm with which it can still brake.
+    pub const fn report_alarm(&mut self, of: Subject) {
+        self.reported = Some(of);
+    }
+
+    /// What the operator's orders have left behind.
+    pub const fn operator(&self) -> &Operator {
+        &self.operator
+    }
+
+    /// Nothing moves any more, by the setpoints, and nothing is about to.
+    pub fn is_standing(&self) -> bool {
+        let axes = self.drives.axes.iter().flatten().all(|axis| axis.target.speed == 0.0);
+        let spindles = self.drives.spindles.iter().flatten();
+        let still = axes && spindles.map(SpindleLoop::ordered).all(|r| r.spin.value() == 0.0);
+        match self.mode {
+            Mode::Disabled => true,
+            Mode::New | Mode::Starting(_) => false,
+            Mode::Running | Mode::Halted => still && !self.operator.wants_out(),
+        }
+    }
+
+    /// No step begins now: the operator holds, and the axes stand. A move that flows on into the next one
+    /// slows down in it.
+    pub(super) fn holds_before(&mut self, line: u32) -> bool {
+        if self.drives.flowing {
+            return false;
+        }
+        self.operator.holds_line(line, self.report.line) || self.operator.wants_rest()
+    }
+
+    /// The operator's hold, once everything stands: it is said, and an abort forgets the rest. A tap that
+    /// stands in its thread stays there until it is told to go on, or out.
+    pub(super) fn hold(&mut self) {
+        if !self.operator.wants_rest() || self.aborted || !self.activity.is_held(&self.operator) {
+            return;
+        }
+        let in_thread = self.is_in_thread();
+        if self.operator.wants_out() && !in_thread {
+            self.operator.is_out();
+            self.note(EventKind::Operator(Notice::Out));
+        }
+        if self.operator.wants_abort() && !in_thread {
+            if matches!(self.activity, Activity::Tapping(_)) {
+                self.drives.scribe.out();
+            }
+            self.queue.clear();
+            (self.activity, self.begun, self.aborted) = (Activity::Idle, false, true);
+            self.drives.flowing = false;
+            self.drives.spindles.iter_mut().flatten().for_each(SpindleLoop::stop);
+            (self.drives.mist, self.drives.flood) = (false, false);
+            self.note(EventKind::Operator(Notice::Aborted));
+        } else if let Some(notice) = self.operator.standing(in_thread) {
+            self.note(EventKind::Operator(notice));
+        }
+    }
+
+    /// A tap stands in its thread.
+    pub(super) fn is_in_thread(&self) -> bool {
+        match (&self.activity, self.queue.front()) {
+            (Activity::Tapping(run), Some(Step { kind: StepKind::Tap(plan), .. })) => {
+                run.is_in_thread(plan, &self.drives)
+            }
+            _ => false,
+        }
+    }
+}
