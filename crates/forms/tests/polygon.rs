@@ -48,6 +48,7 @@ fn solve(form: &Form, drives: Vec<Drive>, harmonics: usize) -> Solution {
 
 #[test]
 fn the_largest_a_without_concavity_is_the_closed_form() {
+    type Make = fn(&Form, f64) -> Swings;
     let form = document();
     // aX* = (l−r)/(l·M²), aY* = (l−r)/(2·l·M)
     assert!((form.largest_convex_along() - 5.0 / (10.0 * 16.0)).abs() < 1e-15);
@@ -61,7 +62,6 @@ fn the_largest_a_without_concavity_is_the_closed_form() {
         nearest.unwrap()[1].value()
     };
     // just below it the middle stands out, just above it is hollow
-    type Make = fn(&Form, f64) -> Swings;
     let both: [(Make, f64); 2] = [
         (Swings::along_centres, form.largest_convex_along()),
         (Swings::across, form.largest_convex_across()),
@@ -176,9 +176,9 @@ fn fine_optimum_um(form: &Form, rpm: f64, limits: &Limits) -> f64 {
             }
         }
         let most = [limits.speed, limits.acceleration, limits.jerk];
-        for (order, most) in (1..4).zip(most) {
+        for ((order, power), most) in (1..4).zip(1..).zip(most) {
             for sign in [1.0, -1.0] {
-                rows.push((vec![(at(order, i), sign)], most / omega.powi(order as i32)));
+                rows.push((vec![(at(order, i), sign)], most / omega.powi(power)));
             }
         }
     }

@@ -40,7 +40,7 @@ fn piece(k: u32) -> Piece {
         core::array::from_fn(|i| [0.06, 0.08, 0.0].get(i).map_or(0.0, |d| d * f64::from(k)))
     };
     let curve = Curve::Line(Line { from: at(k), to: at(k + 1), length: 0.1 });
-    let feed = if k / 40 % 2 == 0 { 60.0 } else { 120.0 };
+    let feed = if (k / 40).is_multiple_of(2) { 60.0 } else { 120.0 };
     Piece {
         curve,
         begin: 0.0,

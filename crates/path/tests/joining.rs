@@ -16,8 +16,8 @@ fn apart(a: &Point, b: &Point) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }
 
-fn segment(curve: Curve, tolerance: f64) -> Segment {
-    Segment { curve, feed: 100.0, rapid: false, tolerance, merge: 0.0, op: 0, line: 0 }
+fn segment(curve: &Curve, tolerance: f64) -> Segment {
+    Segment { curve: *curve, feed: 100.0, rapid: false, tolerance, merge: 0.0, op: 0, line: 0 }
 }
 
 fn line(from: Point, to: Point) -> Curve {
@@ -25,7 +25,7 @@ fn line(from: Point, to: Point) -> Curve {
 }
 
 fn lines(points: &[Point], tolerance: f64) -> Vec<Segment> {
-    points.windows(2).map(|w| segment(line(w[0], w[1]), tolerance)).collect()
+    points.windows(2).map(|w| segment(&line(w[0], w[1]), tolerance)).collect()
 }
 
 fn joined(segments: &[Segment]) -> Vec<Piece> {
@@ -134,7 +134,7 @@ fn without_tolerance_a_corner_is_a_stop_and_a_tangent_joint_is_none() {
         sweep: std::f64::consts::FRAC_PI_2,
         length: 2.5 * std::f64::consts::PI,
     });
-    let pieces = check(&[segment(line(points[0], points[1]), 0.0), segment(arc, 0.0)], 0.0);
+    let pieces = check(&[segment(&line(points[0], points[1]), 0.0), segment(&arc, 0.0)], 0.0);
     assert_eq!(pieces[1].entry, Entry::Tangent);
 }
 
@@ -149,7 +149,7 @@ fn a_line_and_an_arc_are_joined_with_one_bend_flowing_into_the_other() {
         sweep: std::f64::consts::FRAC_PI_2,
         length: (2.5 * std::f64::consts::PI).hypot(2.0),
     });
-    let pieces = check(&[segment(line(a, b), 0.01), segment(arc, 0.01)], 0.01);
+    let pieces = check(&[segment(&line(a, b), 0.01), segment(&arc, 0.01)], 0.01);
     assert!(pieces.iter().skip(1).all(|piece| piece.entry == Entry::Smooth));
 }
 
@@ -160,7 +160,7 @@ fn a_spline_is_run_by_its_length() {
         [at(0.0, 0.0, 0.0), at(1.0, 30.0, 0.0), at(40.0, -20.0, 5.0), at(50.0, 0.0, 0.0)],
         &mut parts,
     );
-    let segments: Vec<_> = parts.iter().map(|p| segment(Curve::Bezier(*p), 0.0)).collect();
+    let segments: Vec<_> = parts.iter().map(|p| segment(&Curve::Bezier(*p), 0.0)).collect();
     for piece in check(&segments, 0.0) {
         for k in 0..=10 {
             let slope = piece.at(piece.length() * f64::from(k) / 10.0).q1;

@@ -65,13 +65,13 @@ impl Clock {
                     self.ready_at.max(self.elapsed + order.over.abs().value() / self.speed);
             }
             StepKind::AwaitFades => self.elapsed = self.elapsed.max(self.ready_at),
+            StepKind::ChangeTool(_) => self.elapsed += limits.tool_change.time.value(),
             StepKind::Engage(_)
             | StepKind::Release { .. }
             | StepKind::Superpose(_)
             | StepKind::Revolve { .. }
-            | StepKind::Consult(_) => {}
-            StepKind::ChangeTool(_) => self.elapsed += limits.tool_change.time.value(),
-            StepKind::Coolant { .. }
+            | StepKind::Consult(_)
+            | StepKind::Coolant { .. }
             | StepKind::Output(_)
             | StepKind::Input(_)
             | StepKind::UserCode(_)

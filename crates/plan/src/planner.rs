@@ -23,30 +23,24 @@ use crate::coupled::Table;
 use crate::findings::{Findings, number};
 use crate::holes::Holes;
 use crate::limits::{MachineLimits, Options};
-use crate::motion::{Along, along, coordinate};
 use crate::outbox::Outbox;
 use crate::path::Path;
-use crate::run::{Alone, Order};
-use crate::step::{Move, Step, StepKind};
+use crate::step::{Step, StepKind};
 use crate::stroke::{Stroke, StrokeRequest};
 use alloc::{format, vec::Vec};
-use canon::{Axis, Feed, Op, OpKind, PathMode, Position, ToolLibrary};
+use canon::{Axis, Op, OpKind, PathMode, Position, ToolLibrary};
 use diag::{Diagnostic, Span};
-use path::geometry::{self, Segment};
 use units::{Length, Spin, Time};
 
 mod cam;
 mod chips;
 mod coupled;
+mod moves;
 mod refuse;
 mod spindle;
 mod tap;
 mod unsynchronised;
-use refuse::{clipped, wild};
-
-/// Share of P for merging collinear moves, where Q is not stated, and the most of it that Q may take.
-const MERGED: f64 = 0.02;
-const MERGED_MOST: f64 = 0.3;
+use refuse::wild;
 
 /// Moves shorter than this are no moves: a picometre.
 const NOTHING: f64 = 1e-9;
@@ -155,26 +149,6 @@ pub fn preflight<'a>(mut planner: Planner, ops: impl IntoIterator<Item = &'a Op>
     }
     planner.finish(&mut ignore);
     Preflight { findings: planner.take_findings(), duration: planner.duration() }
-}
-
-/// A path as the crate `path` has it.
-fn curves(path: &Path) -> impl Iterator<Item = geometry::Curve> {
-    let point = |position: &Position| Axis::ALL.map(|axis| coordinate(position, axis));
-    let (from, to, length) = (point(path.from()), point(path.to()), path.length());
-    core::iter::once(match path {
-        Path::Line { .. } => geometry::Curve::Line(geometry::Line { from, to, length }),
-        Path::Arc { arc, .. } => {
-            let [first, second, _] = arc.plane.axes().map(Axis::index);
-            geometry::Curve::Arc(geometry::Arc {
-                from,
-                to,
-                plane: [first, second],
-                centre: arc.centre.map(Length::value),
-                sweep: arc.sweep.in_rad(),
-                length,
-            })
-        }
-    })
 }
 
 /// The op that is being planned, and where its steps go.
@@ -310,172 +284,6 @@ impl Planner {
         match self.lifted {
             Some(z) => self.programmed.with(Axis::Z, z),
             None => self.programmed,
-        }
-    }
-
-    fn rapid(&mut self, job: &mut Job, to: &Position) {
-        let from = self.position();
-        let reversed = self.reversed_along.take();
-        let is_back = reversed.is_some_and(|axis| to.with(axis, from.along(axis)) == from);
-        if reversed.is_some() && !is_back {
-            self.tell_spindles(job);
-        }
-        let stays_up = self.lifted.filter(|_| to.linear[2] == self.programmed.linear[2]);
-        self.programmed = *to;
-        self.lifted = stays_up;
-        let path = Path::Line { from, to: self.position() };
-        if self.is_refused(job, &path) {
-            return;
-        }
-        if !is_back {
-            return self.rapid_along(job, path);
-        }
-        // out of the work first, and only then forward again
-        if let Some(step) = self.rapid_step(job, path) {
-            self.hand_on(job, step.kind);
-        }
-        self.tell_spindles(job);
-    }
-
-    /// A rapid that has been judged; after a spindle order that is still open. Where paths are blended it is a part of them.
-    fn rapid_along(&mut self, job: &mut Job, path: Path) {
-        let busy = self.is_open()
-            || self.outbox.is_waiting()
-            || self.spindles.iter().any(|state| state.throwing);
-        if self.joins_rapids() && !busy {
-            let Some(bound) = self.bound(job, &path, true, f64::INFINITY) else { return };
-            if !self.motion_is_refused(job, &bound, path.length(), bound.speed) {
-                let alone = Alone::PerTime(bound.speed);
-                self.run_on(job, path, bound, alone, (f64::INFINITY, true));
-            }
-        } else if let Some(step) = self.rapid_step(job, path) {
-            self.after_spindle(job, step);
-        }
-    }
-
-    fn rapid_step(&mut self, job: &Job, path: Path) -> Option<Step> {
-        let length = path.length();
-        let bound = self.bound(job, &path, true, f64::INFINITY)?;
-        let profile = bound.profile(length, bound.speed);
-        if self.profile_is_refused(job, &profile, 1.0) {
-            return None;
-        }
-        let rapid = Move {
-            path,
-            profile,
-            rapid: true,
-            per_revolution: false,
-            exact_stop: true,
-            floats: false,
-        };
-        Some(job.step(StepKind::Move(rapid)))
-    }
-
-    /// A cutting move; `make` builds its path from where the axes are.
-    fn cut(
-        &mut self,
-        job: &mut Job,
-        to: &Position,
-        feed: Feed,
-        make: impl FnOnce(Position) -> Path,
-    ) {
-        self.come_down(job);
-        let path = make(self.programmed);
-        self.programmed = *to;
-        let turning = self.spindles.first().map_or(Spin::ZERO, |s| s.ordered.abs());
-        let refused = self.is_refused(job, &path);
-        if self.feed_is_refused(job, feed, turning) || refused {
-            return;
-        }
-        let (length, n) = (path.length(), turning.value());
-        let wanted = match feed {
-            Feed::PerTime(speed) => speed.value(),
-            Feed::PerRevolution(lead) => lead.value() * n,
-            Feed::Duration(time) => length / time.value(),
-        };
-        let Some(bound) = self.bound(job, &path, false, wanted) else { return };
-        if wanted > bound.axis_speed * (1.0 + 1e-9) {
-            self.findings.add_once(clipped(job.span, wanted, bound.axis_speed));
-        }
-        if self.motion_is_refused(job, &bound, length, wanted) {
-            return;
-        }
-        self.tell_spindles(job);
-        self.await_spindles(job);
-        let alone = match feed {
-            Feed::PerTime(_) => Alone::PerTime(wanted),
-            Feed::PerRevolution(lead) => Alone::PerRevolution(lead.value(), n),
-            Feed::Duration(time) => Alone::Lasting(time.value()),
-        };
-        let along = match alone {
-            Alone::PerRevolution(lead, _) => lead,
-            Alone::PerTime(_) | Alone::Lasting(_) => wanted,
-        };
-        self.run_on(job, path, bound, alone, (along, false));
-    }
-
-    /// Go on with a move: `feed` per second or revolution, and whether it is a rapid.
-    fn run_on(
-        &mut self,
-        job: &mut Job,
-        path: Path,
-        bound: Along,
-        alone: Alone,
-        (feed, rapid): (f64, bool),
-    ) {
-        let (tolerance, merge) = self.joined_within();
-        for curve in curves(&path) {
-            let (op, line) = (job.index, job.span.line);
-            let segment = Segment { curve, feed, rapid, tolerance, merge, op, line };
-            self.outbox.run_on(Order { segment, path, bound, alone }, &self.limits, job.emit);
-        }
-        if matches!(self.mode, PathMode::ExactStop) {
-            self.outbox.end_run(&self.limits, job.emit);
-        }
-        if let Some((line, why)) = self.outbox.take_refusal() {
-            let text = format!("line {line}: {why}");
-            self.findings.add(Diagnostic::error("M0316", job.span, text));
-        }
-    }
-
-    /// Rapids are part of a blended path where a tolerance is stated: by G64 P, or by the machine for programs that say
-    /// nothing.
-    fn joins_rapids(&self) -> bool {
-        let PathMode::Blend { tolerance, .. } = self.mode else { return false };
-        let always = matches!(self.limits.joining.mode, PathMode::Blend { .. });
-        (always || tolerance.is_some()) && self.joined_within().0 > 0.0
-    }
-
-    /// How far the joined path may be from the programmed one, and how far merged points from their line.
-    fn joined_within(&self) -> (f64, f64) {
-        let PathMode::Blend { tolerance, merge } = self.mode else { return (0.0, 0.0) };
-        let whole = tolerance.unwrap_or(self.limits.joining.tolerance).value().max(0.0);
-        let merge = merge.map_or(MERGED * whole, |q| q.value().clamp(0.0, MERGED_MOST * whole));
-        (whole - merge, merge)
-    }
-
-    /// Limits along a path; `None` if there is nothing to move, or an axis is missing, which is a finding.
-    fn bound(&mut self, job: &Job, path: &Path, rapid: bool, wanted: f64) -> Option<Along> {
-        if path.length() < NOTHING {
-            return None;
-        }
-        match along(path, &self.limits, rapid, wanted) {
-            Ok(bound) => Some(bound),
-            Err(axis) => {
-                let text =
-                    format!("the machine has no {} axis, and the program moves it", axis.letter());
-                self.findings.add(Diagnostic::error("M0305", job.span, text));
-                None
-            }
-        }
-    }
-
-    /// Back from the change position, before something is cut.
-    fn come_down(&mut self, job: &mut Job) {
-        if self.lifted.is_some() {
-            let path = Path::Line { from: self.position(), to: self.programmed };
-            self.lifted = None;
-            self.rapid_along(job, path);
         }
     }
 

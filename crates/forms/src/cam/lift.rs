@@ -208,7 +208,7 @@ mod tests {
     fn a_table_that_begins_at_minus_half_a_turn_is_the_same_cam() {
         let mut table = rows(720, |t| eccentric(t - 0.5));
         for row in &mut table {
-            row.angle = row.angle - Angle::rev(0.5);
+            row.angle -= Angle::rev(0.5);
         }
         let cam = Cam::from_rows(&table, Length::mm(20.0), Follower::Flat).unwrap();
         assert!((cam.lift(Angle::rev(0.3))[0] - eccentric(0.3)).abs() < 1e-9);

@@ -118,10 +118,10 @@ impl WheelPath {
 
     /// A speed over the turn that removes as evenly as the axes allow, at a mean of `mean`.
     pub fn even_removal(&self, mean: Spin, bounds: &AxisBounds) -> WorkSpeed {
-        let n = self.centre.len();
-        let points: Vec<_> = (0..n).map(|k| self.at(Angle::rev(k as f64 / n as f64))).collect();
         // the share of X's acceleration that C's own leaves
         const FOR_BEND: f64 = 0.7;
+        let n = self.centre.len();
+        let points: Vec<_> = (0..n).map(|k| self.at(Angle::rev(k as f64 / n as f64))).collect();
         let ceiling: Vec<f64> = points
             .iter()
             .map(|p| {
@@ -145,9 +145,9 @@ impl WheelPath {
             spin = self.speeds(rate, &ceiling, &accel);
             let time: f64 = spin.iter().map(|s| 1.0 / (s * n as f64)).sum();
             if time > 1.0 / mean.abs().value() {
-                low = rate
+                low = rate;
             } else {
-                high = rate
+                high = rate;
             }
             if low >= 1e12 || (high - low) < 1e-9 * high {
                 break;

@@ -51,7 +51,7 @@ pub struct Limits {
     pub effort: Option<Effort>,
 }
 
-/// Force or torque = per_acceleration·ẍ + per_speed·ẋ + constant, within ±most.
+/// Force or torque = `per_acceleration`·ẍ + `per_speed`·ẋ + `constant`, within ±most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort {
     /// Mass or inertia, in the units of the amplitude.
@@ -160,7 +160,8 @@ impl Problem<'_> {
             for i in 0..count {
                 let work = Angle::rev(i as f64 / count as f64 / self.form.base());
                 let d = series.at(work);
-                let by_time: Vec<f64> = (0..4).map(|n| d[n] * omega.powi(n as i32)).collect();
+                let by_time: Vec<f64> =
+                    d.iter().zip(0..4).map(|(d, n)| d * omega.powi(n)).collect();
                 for n in 0..4 {
                     peak[n] = peak[n].max(by_time[n].abs());
                 }
@@ -297,7 +298,7 @@ impl Lp {
                             Actuator::Across => now.dy.value(),
                             Actuator::ToolPhase => now.phase.value(),
                         };
-                    self.fill(problem, k, drive, &facet, u, slope, &mut row);
+                    Self::fill(problem, k, drive, &facet, u, slope, &mut row);
                 }
                 for sign in [1.0, -1.0] {
                     let mut signed: Vec<f64> = row.iter().map(|a| a * sign).collect();
@@ -309,9 +310,7 @@ impl Lp {
         }
     }
 
-    #[allow(clippy::too_many_arguments)] // one call, one row
     fn fill(
-        &self,
         problem: &Problem<'_>,
         k: usize,
         drive: &Drive,
@@ -340,9 +339,9 @@ impl Lp {
             let l = &drive.limits;
             let mut wanted: Vec<([f64; 4], f64)> = Vec::new();
             let orders = [l.travel, l.speed, l.acceleration, l.jerk];
-            for (order, most) in orders.into_iter().enumerate() {
+            for ((order, most), power) in orders.into_iter().enumerate().zip(0..) {
                 let mut weights = [0.0; 4];
-                weights[order] = omega.powi(order as i32);
+                weights[order] = omega.powi(power);
                 wanted.push((weights, most));
             }
             if let Some(e) = l.effort {

@@ -44,10 +44,10 @@ impl Bezier {
 
     /// A curve of the fifth degree, in sixteen parts or fewer.
     pub fn parts(control: [Point; 6], parts: &mut Vec<Self>) {
-        Self::cut(control, 5, parts);
+        Self::cut(&control, 5, parts);
     }
 
-    fn cut(control: [Point; 6], depth: u32, parts: &mut Vec<Self>) {
+    fn cut(control: &[Point; 6], depth: u32, parts: &mut Vec<Self>) {
         let whole = Self::with_length(control);
         let even = [0.25, 0.5, 0.75].iter().all(|f| {
             let slope = whole.at(f * whole.length).q1;
@@ -60,12 +60,12 @@ impl Bezier {
             return;
         }
         let (left, right) = halves(control);
-        Self::cut(left, depth - 1, parts);
-        Self::cut(right, depth - 1, parts);
+        Self::cut(&left, depth - 1, parts);
+        Self::cut(&right, depth - 1, parts);
     }
 
-    fn with_length(control: [Point; 6]) -> Self {
-        let speed = |t: f64| measure(&derivatives(&control, t).q1);
+    fn with_length(control: &[Point; 6]) -> Self {
+        let speed = |t: f64| measure(&derivatives(control, t).q1);
         // Gauss' rule with five points on both halves
         let nodes = [
             (0.0, 128.0 / 225.0),
@@ -83,13 +83,13 @@ impl Bezier {
                 * 0.25
         };
         let length = half(0.25) + half(0.75);
-        let mut bezier = Self { control, t: [0.0; 6], length };
+        let mut bezier = Self { control: *control, t: [0.0; 6], length };
         if length <= 0.0 {
             return bezier;
         }
         // t′ and t″ at an end, per unit of length
         let end = |t: f64| {
-            let d = derivatives(&control, t);
+            let d = derivatives(control, t);
             let v = measure(&d.q1);
             if v < STILL * length {
                 return (1.0 / length, 0.0);
@@ -132,8 +132,8 @@ pub(crate) fn measure(way: &Point) -> f64 {
     libm::sqrt(x * x + y * y + z * z)
 }
 
-fn halves(control: [Point; 6]) -> ([Point; 6], [Point; 6]) {
-    let (mut row, mut left, mut right) = (control, control, control);
+fn halves(control: &[Point; 6]) -> ([Point; 6], [Point; 6]) {
+    let (mut row, mut left, mut right) = (*control, *control, *control);
     for level in 0..6 {
         left[level] = row[0];
         right[5 - level] = row[5 - level];
@@ -152,13 +152,15 @@ fn derivatives(control: &[Point; 6], t: f64) -> Derivatives {
     let u = 1.0 - t;
     for level in 0..5 {
         let left = 6 - level;
-        for i in 0..AXES {
-            match left {
-                4 => d.q3[i] = 60.0 * (row[3][i] - 3.0 * row[2][i] + 3.0 * row[1][i] - row[0][i]),
-                3 => d.q2[i] = 20.0 * (row[2][i] - 2.0 * row[1][i] + row[0][i]),
-                2 => d.q1[i] = 5.0 * (row[1][i] - row[0][i]),
-                _ => {}
+        match left {
+            4 => {
+                d.q3 = core::array::from_fn(|i| {
+                    60.0 * (row[3][i] - 3.0 * row[2][i] + 3.0 * row[1][i] - row[0][i])
+                });
             }
+            3 => d.q2 = core::array::from_fn(|i| 20.0 * (row[2][i] - 2.0 * row[1][i] + row[0][i])),
+            2 => d.q1 = core::array::from_fn(|i| 5.0 * (row[1][i] - row[0][i])),
+            _ => {}
         }
         for j in 0..left - 1 {
             row[j] = core::array::from_fn(|i| u * row[j][i] + t * row[j + 1][i]);

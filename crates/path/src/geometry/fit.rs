@@ -217,10 +217,10 @@ impl Fitter {
         let mut n = [1.0, 0.0, 0.0, 0.0];
         for degree in 1..4 {
             let mut saved = 0.0;
-            for r in 0..degree {
+            for (r, value) in n.iter_mut().enumerate().take(degree) {
                 let (right, left) = (self.t(i + r + 1), self.t(i + 1 + r - degree));
-                let share = n[r] / (right - left);
-                n[r] = saved + (right - u) * share;
+                let share = *value / (right - left);
+                *value = saved + (right - u) * share;
                 saved = (u - left) * share;
             }
             n[degree] = saved;
@@ -306,13 +306,13 @@ impl Fitter {
                 let bend = &self.bends[knot];
                 let own = bend.0[j - knot];
                 weight += bend.1 * own * own;
-                for i in 0..self.axes {
+                for (i, pull) in pull.iter_mut().enumerate().take(self.axes) {
                     let second: f64 = (0..3).map(|n| bend.0[n] * self.control[knot + n][i]).sum();
-                    pull[i] += bend.1 * own * second;
+                    *pull += bend.1 * own * second;
                 }
             }
-            for i in 0..self.axes {
-                self.control[j][i] -= RELAXED * pull[i] / weight;
+            for (place, pull) in self.control[j].iter_mut().zip(pull).take(self.axes) {
+                *place -= RELAXED * pull / weight;
             }
         }
     }
@@ -356,6 +356,7 @@ impl Fitter {
         let (a, length) = (t(i), t(i + 1) - t(i));
         let basis = self.basis(span, a);
         let mut c = [[0.0; AXES]; 6];
+        let [c0, c1, c2, c3, ..] = &mut c;
         for axis in 0..AXES {
             let p = |j: usize| self.control[span + j][axis];
             // control points of the derivatives: Q of the first, R of the second
@@ -363,10 +364,10 @@ impl Fitter {
             let (q0, q1, q2) = (q(0), q(1), q(2));
             let r0 = 2.0 * (q1 - q0) / (t(i + 1) - t(i - 1));
             let r1 = 2.0 * (q2 - q1) / (t(i + 2) - t(i));
-            c[0][axis] = (0..4).map(|j| basis[j] * p(j)).sum();
-            c[1][axis] = ((t(i + 1) - t(i)) * q0 + (t(i) - t(i - 1)) * q1) / (t(i + 1) - t(i - 1));
-            c[2][axis] = r0 / 2.0;
-            c[3][axis] = (r1 - r0) / length / 6.0;
+            c0[axis] = (0..4).map(|j| basis[j] * p(j)).sum();
+            c1[axis] = ((t(i + 1) - t(i)) * q0 + (t(i) - t(i - 1)) * q1) / (t(i + 1) - t(i - 1));
+            c2[axis] = r0 / 2.0;
+            c3[axis] = (r1 - r0) / length / 6.0;
         }
         Polynomial { c, length }
     }

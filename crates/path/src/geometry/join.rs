@@ -106,20 +106,20 @@ impl Joiner {
                     self.line = Some(merged);
                     return;
                 }
-                None => self.append(line, emit),
+                None => self.append(&line, emit),
             }
         }
         if matches!(segment.curve, Curve::Line(_)) && segment.tolerance > 0.0 {
             self.line = Some((segment, 0.0));
         } else {
-            self.append(segment, emit);
+            self.append(&segment, emit);
         }
     }
 
     /// The path stops at the end of the last move, exactly. What comes next begins from rest.
     pub fn finish(&mut self, emit: &mut impl FnMut(Piece)) {
         if let Some((line, _)) = self.line.take() {
-            self.append(line, emit);
+            self.append(&line, emit);
         }
         if !self.waiting.is_empty() {
             self.decide(0.0, emit);
@@ -141,18 +141,18 @@ impl Joiner {
         self.waiting.is_empty() && self.line.is_none()
     }
 
-    fn append(&mut self, segment: Segment, emit: &mut impl FnMut(Piece)) {
+    fn append(&mut self, segment: &Segment, emit: &mut impl FnMut(Piece)) {
         let length = segment.curve.length();
         let (start, end) = (segment.curve.at(0.0), segment.curve.at(length));
         let rest = Joint { k: 0.0, reach: 0.0, entry: Entry::Rest, tolerance: 0.0 };
-        let joint = self.waiting.last().map_or(rest, |last| joint(last, &segment, &start));
+        let joint = self.waiting.last().map_or(rest, |last| joint(last, segment, &start));
         if !self.waiting.is_empty() {
             self.decide(joint.reach, emit);
             if joint.reach == 0.0 {
                 self.meet(joint.entry, emit);
             }
         }
-        self.waiting.push(Waiting { segment, start, end, joint });
+        self.waiting.push(Waiting { segment: *segment, start, end, joint });
         if self.waiting.len() > MAX_ZONE {
             self.part(emit);
         }
@@ -190,21 +190,21 @@ impl Joiner {
         let first = self.waiting[0].segment;
         if to > self.begun {
             let (begin, length) = (self.begun, to - self.begun);
-            self.hand_on(first, first.curve, (begin, length), emit);
+            self.hand_on(&first, &first.curve, (begin, length), emit);
         }
         self.begun = to;
     }
 
     fn hand_on(
         &mut self,
-        of: Segment,
-        curve: Curve,
+        of: &Segment,
+        curve: &Curve,
         (begin, length): (f64, f64),
         emit: &mut impl FnMut(Piece),
     ) {
         let entry = self.entry.take().unwrap_or(Entry::Smooth);
-        let Segment { feed, rapid, op, line, .. } = of;
-        emit(Piece { curve, begin, length, feed, rapid, entry, op, line });
+        let Segment { feed, rapid, op, line, .. } = *of;
+        emit(Piece { curve: *curve, begin, length, feed, rapid, entry, op, line });
     }
 
     /// From the first move to so far into move `last`.
@@ -224,7 +224,7 @@ impl Joiner {
         self.fitter.fit(&self.waiting[..=last], self.begun, end, &from, &to);
         for span in 0..self.fitter.spans() {
             let (of, curve) = self.fitter.span(span, &self.waiting);
-            self.hand_on(of, Curve::Polynomial(curve), (0.0, curve.length), emit);
+            self.hand_on(&of, &Curve::Polynomial(curve), (0.0, curve.length), emit);
         }
     }
 
@@ -246,17 +246,17 @@ impl Joiner {
         };
         if h < reach {
             let of = before.segment;
-            self.hand_on(of, of.curve, (length - reach, reach - h), emit);
+            self.hand_on(&of, &of.curve, (length - reach, reach - h), emit);
         }
         let of = Segment {
             feed: before.segment.feed.min(after.segment.feed),
             rapid: before.segment.rapid && after.segment.rapid,
             ..before.segment
         };
-        self.hand_on(of, Curve::Polynomial(curve), (0.0, 2.0 * h), emit);
+        self.hand_on(&of, &Curve::Polynomial(curve), (0.0, 2.0 * h), emit);
         if h < reach {
             let of = after.segment;
-            self.hand_on(of, of.curve, (h, reach - h), emit);
+            self.hand_on(&of, &of.curve, (h, reach - h), emit);
         }
     }
 
@@ -278,7 +278,7 @@ impl Joiner {
         for span in 0..count {
             let (of, curve) = self.fitter.span(span, &self.waiting);
             at = curve.at(curve.length);
-            self.hand_on(of, Curve::Polynomial(curve), (0.0, curve.length), emit);
+            self.hand_on(&of, &Curve::Polynomial(curve), (0.0, curve.length), emit);
         }
         let (done, begun) = self.fitter.place(self.fitter.knot(count));
         self.waiting.drain(..done);
@@ -345,7 +345,7 @@ fn merged(first: &Segment, second: &Segment, off: f64) -> Option<(Segment, f64)>
     let between: Point = core::array::from_fn(|i| a.from[i] + f * way[i]);
     let off = off + distance(&between, &a.to);
     let line = Line { from: a.from, to: b.to, length };
-    (off <= first.merge).then(|| (Segment { curve: Curve::Line(line), ..*first }, off))
+    (off <= first.merge).then_some((Segment { curve: Curve::Line(line), ..*first }, off))
 }
 
 pub(crate) fn difference(a: &Point, b: &Point) -> Point {

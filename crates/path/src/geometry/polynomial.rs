@@ -19,18 +19,19 @@ impl Polynomial {
     pub fn between(from: &Derivatives, to: &Derivatives, length: f64) -> Self {
         let l = length;
         let mut c = [[0.0; AXES]; 6];
+        let [c0, c1, c2, c3, c4, c5] = &mut c;
         for i in 0..AXES {
             let (p, v, a) = (from.q[i], from.q1[i], from.q2[i]);
             // what position, slope and bend at the end still lack
             let dp = to.q[i] - (p + l * (v + l * a / 2.0));
             let dv = to.q1[i] - (v + l * a);
             let da = to.q2[i] - a;
-            c[0][i] = p;
-            c[1][i] = v;
-            c[2][i] = a / 2.0;
-            c[3][i] = (10.0 * dp - l * (4.0 * dv - l * da / 2.0)) / (l * l * l);
-            c[4][i] = (-15.0 * dp + l * (7.0 * dv - l * da)) / (l * l * l * l);
-            c[5][i] = (6.0 * dp - l * (3.0 * dv - l * da / 2.0)) / (l * l * l * l * l);
+            c0[i] = p;
+            c1[i] = v;
+            c2[i] = a / 2.0;
+            c3[i] = (10.0 * dp - l * (4.0 * dv - l * da / 2.0)) / (l * l * l);
+            c4[i] = (-15.0 * dp + l * (7.0 * dv - l * da)) / (l * l * l * l);
+            c5[i] = (6.0 * dp - l * (3.0 * dv - l * da / 2.0)) / (l * l * l * l * l);
         }
         Self { c, length }
     }

@@ -38,7 +38,7 @@ pub(crate) struct Row {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rows {
     count: usize,
-    rows: [Row; AXES],
+    by_axis: [Row; AXES],
     /// ṡ² where an axis' speed or the feed ends it.
     pub(crate) cap: f64,
 }
@@ -47,10 +47,10 @@ impl Rows {
     /// Rows of the axes that are asked for.
     fn new(d: &Derivatives, axes: [bool; AXES], bounds: &Bounds, feed: f64) -> Self {
         let cap = speed_cap(d, bounds, feed);
-        let mut rows = Self { count: 0, rows: [Row::default(); AXES], cap };
+        let mut rows = Self { count: 0, by_axis: [Row::default(); AXES], cap };
         for k in (0..AXES).filter(|k| axes[*k]) {
             let (a, j) = (1.0 / bounds.accel[k], 1.0 / bounds.jerk[k]);
-            rows.rows[rows.count] = Row {
+            rows.by_axis[rows.count] = Row {
                 a1: d.q1[k] * a,
                 a2: d.q2[k] * a,
                 j1: d.q1[k] * j,
@@ -63,7 +63,7 @@ impl Rows {
     }
 
     pub(crate) fn all(&self) -> &[Row] {
-        &self.rows[..self.count]
+        &self.by_axis[..self.count]
     }
 }
 
@@ -129,7 +129,7 @@ pub(crate) struct Sampler {
 impl Sampler {
     /// `before`: derivatives at the end of the piece before, `period`: s between two setpoints.
     pub(crate) fn new(
-        piece: Piece,
+        piece: &Piece,
         number: u64,
         from: f64,
         before: Option<&Derivatives>,
@@ -141,11 +141,11 @@ impl Sampler {
             (Entry::Smooth, _) | (_, None) => Start::On(f64::INFINITY),
             (Entry::Rest, Some(_)) => Start::Rest,
             (Entry::Tangent, Some(before)) => {
-                bend_cap(before, &last, bounds(&piece, limits), period)
+                bend_cap(before, &last, bounds(piece, limits), period)
             }
         };
-        let count = cells_for(&piece, from, length, bounds(&piece, limits));
-        Self { piece, number, from, length, start, count, next: 0, last }
+        let count = cells_for(piece, from, length, bounds(piece, limits));
+        Self { piece: *piece, number, from, length, start, count, next: 0, last }
     }
 
     /// Derivatives at the end of the piece.

@@ -44,11 +44,6 @@ impl Pair {
         self.g[0] * c[self.at] + self.g[1] * c[self.at + 1] + self.g[2] * c[self.at + 2]
     }
 
-    /// r ∓ g·c.
-    fn left(&self, side: usize, r: f64, sum: f64) -> f64 {
-        if side == 0 { r - sum } else { r + sum }
-    }
-
     /// How that changes with the three unknowns, if r does by `dr` with the middle one.
     fn slope(&self, side: usize, dr: f64) -> [f64; 3] {
         let [a, b, c] = self.g;
@@ -63,6 +58,11 @@ impl Pair {
         let r = self.scale * root[self.at + 1];
         (r, -0.5 * r / c[self.at + 1])
     }
+}
+
+/// r ∓ g·c.
+fn left(side: usize, r: f64, sum: f64) -> f64 {
+    if side == 0 { r - sum } else { r + sum }
 }
 
 /// The problem and its solution.
@@ -188,12 +188,13 @@ impl Chain {
             self.step[p.at + 1] += p.scale * (p.price[0] + p.price[1]);
         }
         let rows = &mut self.band.rows;
-        for i in self.given[0]..n - self.given[1] {
+        let free = rows.iter_mut().enumerate().take(n - self.given[1]).skip(self.given[0]);
+        for (i, row) in free {
             let y = self.root[i] * self.root[i];
             let weight = (self.weight[i] - self.step[i]).max(0.1 * self.weight[i]);
-            rows[i][0] += 0.75 * weight * self.root[i] * y * y;
+            row[0] += 0.75 * weight * self.root[i] * y * y;
             if self.cap[i].is_finite() {
-                rows[i][0] += self.cap_price[i] / (self.cap_slack[i] * self.cap[i] * self.cap[i]);
+                row[0] += self.cap_price[i] / (self.cap_slack[i] * self.cap[i] * self.cap[i]);
             }
         }
         for p in &self.pairs {
@@ -237,10 +238,10 @@ impl Chain {
             for side in 0..2 {
                 let g = p.slope(side, dr);
                 let (s, l) = (p.slack[side], p.price[side]);
-                let miss = p.left(side, r, sum) - s;
+                let miss = left(side, r, sum) - s;
                 let pull = (mu - l * miss) / s;
-                for k in 0..3 {
-                    self.step[p.at + k] += g[k] * pull;
+                for (step, g) in self.step[p.at..].iter_mut().zip(g) {
+                    *step += g * pull;
                 }
             }
         }
@@ -274,7 +275,7 @@ impl Chain {
             let (r, dr) = p.room(&self.c, &self.root);
             let d = dr * self.step[p.at + 1];
             for side in 0..2 {
-                let ds = p.left(side, d, turn) + p.left(side, r, sum) - p.slack[side];
+                let ds = left(side, d, turn) + left(side, r, sum) - p.slack[side];
                 limit(p.slack[side], p.price[side], ds);
             }
         }
@@ -325,8 +326,8 @@ impl Chain {
             };
             let sum_new = sum + primal * turn;
             for side in 0..2 {
-                let ds = p.left(side, d, turn) + p.left(side, r, sum) - p.slack[side];
-                let now = p.left(side, new, sum_new);
+                let ds = left(side, d, turn) + left(side, r, sum) - p.slack[side];
+                let now = left(side, new, sum_new);
                 go(&mut p.slack[side], &mut p.price[side], ds, now);
             }
         }

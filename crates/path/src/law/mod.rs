@@ -16,6 +16,7 @@
 //! Nothing in here depends on a clock: the same pieces give the same phases to the last bit, however they arrive.
 mod band;
 mod cell;
+mod fine;
 mod interior;
 mod phase;
 mod reach;
@@ -186,7 +187,7 @@ impl Law {
             let from = if self.count == 0 { self.state.s } else { 0.0 };
             let (limits, period) = (&self.config.limits, self.config.period);
             self.sampler =
-                Some(Sampler::new(piece, self.count, from, self.before.as_ref(), limits, period));
+                Some(Sampler::new(&piece, self.count, from, self.before.as_ref(), limits, period));
             self.count += 1;
         }
     }

@@ -16,16 +16,12 @@
 //! it is a cell of width 3d/2 with the value 0.
 use super::State;
 use super::cell::{Cell, Demand, Rows};
+use super::fine::{Fine, JERK_SHARE, each, growth, jerk_along};
 use super::interior::{Chain, Pair};
-use super::phase::Phase;
 use alloc::vec::Vec;
 
-/// Share of the limits that the plan uses; the rest is for what happens between the places that are looked at.
+/// Share of the accelerations that the plan uses; the rest is for what happens between the places that are looked at.
 const ACCEL_SHARE: f64 = 0.995;
-const JERK_SHARE: f64 = 0.99;
-
-/// w = ṡ^{3/2} grows by this times √J per length at most: (½·6^{2/3})^{3/2}.
-const GROWTH: f64 = 2.121_320_343_559_643;
 
 /// From rest, b = this · J^{2/3} · s^{4/3}.
 const FROM_REST: f64 = 2.725_681_118_082_556;
@@ -41,23 +37,6 @@ const ENOUGH: f64 = 1.08;
 
 /// Longest cell near rest, as a share of the distance from rest.
 const NEAR_REST: f64 = 0.4;
-
-/// A cell of the grid.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Fine {
-    /// Which cell of the path, and where in it this one begins.
-    pub(super) cell: usize,
-    pub(super) from: f64,
-    pub(super) h: f64,
-    /// Motion at its beginning.
-    pub(super) v: f64,
-    pub(super) a: f64,
-    /// At its end.
-    pub(super) v1: f64,
-    pub(super) a1: f64,
-    /// Share of the jerk's limit that the plan uses here.
-    share: f64,
-}
 
 /// Reusable memory of the planner.
 #[derive(Clone, Debug, Default)]
@@ -170,8 +149,8 @@ impl Smooth {
         if let From::Moving(state, _) = from {
             self.w[0] = libm::pow(state.v, 1.5);
         }
-        for i in 0..n {
-            self.w[i + 1] = self.w[i + 1].min(self.w[i] + growth(cells[i]) * cells[i].h);
+        for (i, cell) in cells.iter().enumerate() {
+            self.w[i + 1] = self.w[i + 1].min(self.w[i] + growth(cell) * cell.h);
         }
         for i in (0..n).rev() {
             self.w[i] = self.w[i].min(self.w[i + 1] + growth(cells[i]) * cells[i].h);
@@ -206,18 +185,7 @@ impl Smooth {
         let last = cells.len() - 1;
         for (i, cell) in cells.iter().enumerate() {
             let (mut x, mut end) = (0.0, cell.h);
-            let mut push = |x: f64, h: f64| {
-                self.grid.push(Fine {
-                    cell: i,
-                    from: x,
-                    h,
-                    v: 0.0,
-                    a: 0.0,
-                    v1: 0.0,
-                    a1: 0.0,
-                    share: JERK_SHARE,
-                })
-            };
+            let mut push = |x: f64, h: f64| self.grid.push(Fine::new(i, x, h));
             let rest = |cell: &Cell| {
                 let j = jerk_along(cell);
                 let d = if j.is_finite() { j * tau * tau * tau / 6.0 } else { f64::INFINITY };
@@ -256,29 +224,11 @@ impl Smooth {
                 if end - x < 1.5 * h {
                     h = end - x;
                 }
-                self.grid.push(Fine {
-                    cell: i,
-                    from: x,
-                    h,
-                    v: 0.0,
-                    a: 0.0,
-                    v1: 0.0,
-                    a1: 0.0,
-                    share: JERK_SHARE,
-                });
+                self.grid.push(Fine::new(i, x, h));
                 x = if h >= end - x { end } else { x + h };
             }
             if i == last {
-                self.grid.push(Fine {
-                    cell: i,
-                    from: end,
-                    h: cell.h - end,
-                    v: 0.0,
-                    a: 0.0,
-                    v1: 0.0,
-                    a1: 0.0,
-                    share: JERK_SHARE,
-                });
+                self.grid.push(Fine::new(i, end, cell.h - end));
             }
         }
     }
@@ -412,10 +362,11 @@ impl Smooth {
                 let x = right.from / cells[right.cell].h;
                 each(rows, x, |r| add(r.a1 / ACCEL_SHARE, r.a2 / ACCEL_SHARE));
             }
-            if joint && cells[left.cell].piece != cells[right.cell].piece {
-                if let Demand::Curve(rows) = &cells[left.cell].demand {
-                    each(rows, 1.0, |r| add(r.a1 / ACCEL_SHARE, r.a2 / ACCEL_SHARE));
-                }
+            if joint
+                && cells[left.cell].piece != cells[right.cell].piece
+                && let Demand::Curve(rows) = &cells[left.cell].demand
+            {
+                each(rows, 1.0, |r| add(r.a1 / ACCEL_SHARE, r.a2 / ACCEL_SHARE));
             }
             if joint {
                 let caps = [cells[left.cell].cap, cells[right.cell].cap];
@@ -499,86 +450,5 @@ impl Smooth {
             (fine.v1, fine.a1) = after;
             before = after;
         }
-    }
-}
-
-/// Largest s⃛ at rest.
-fn jerk_along(cell: &Cell) -> f64 {
-    match &cell.demand {
-        Demand::Line { jerk, .. } => *jerk,
-        Demand::Curve(rows) => {
-            let of = |r: &Rows| {
-                r.all().iter().fold(f64::INFINITY, |m: f64, row| m.min(1.0 / row.j1.abs()))
-            };
-            of(&rows[0]).min(of(&rows[1])).min(of(&rows[2]))
-        }
-    }
-}
-
-/// Growth of ṡ^{3/2} by length.
-fn growth(cell: &Cell) -> f64 {
-    GROWTH * libm::sqrt(jerk_along(cell))
-}
-
-/// The demands at a share of a cell.
-fn each(rows: &[Rows; 3], x: f64, mut give: impl FnMut(super::cell::Row)) {
-    use super::cell::Row;
-    let (p, q, f) =
-        if x < 0.5 { (&rows[0], &rows[1], 2.0 * x) } else { (&rows[1], &rows[2], 2.0 * x - 1.0) };
-    let mix = |a: f64, b: f64| a + (b - a) * f;
-    for (p, q) in p.all().iter().zip(q.all()) {
-        give(Row {
-            a1: mix(p.a1, q.a1),
-            a2: mix(p.a2, q.a2),
-            j1: mix(p.j1, q.j1),
-            j2: mix(p.j2, q.j2),
-            j3: mix(p.j3, q.j3),
-        });
-    }
-}
-
-impl Fine {
-    /// Largest jerk of an axis in it, over its limit.
-    fn jerk(&self, cell: &Cell) -> f64 {
-        let mut most = 0.0_f64;
-        self.phases(|phase| {
-            let most = &mut most;
-            match &cell.demand {
-                Demand::Line { jerk, .. } => *most = most.max(phase.j.abs() / jerk),
-                Demand::Curve(rows) => {
-                    let (s, v, a) = phase.at(phase.duration);
-                    for (s, v, a) in [(phase.s, phase.v, phase.a), (s, v, a)] {
-                        each(rows, (s / cell.h).clamp(0.0, 1.0), |r| {
-                            let j = r.j1 * phase.j + 3.0 * r.j2 * v * a + r.j3 * v * v * v;
-                            *most = most.max(j.abs());
-                        });
-                    }
-                }
-            }
-        });
-        most
-    }
-
-    /// Phases of constant s⃛ that join the motion at both ends, over exactly its length.
-    pub(super) fn phases(&self, mut give: impl FnMut(Phase)) {
-        let Self { from: s, h, v, a, v1, a1, .. } = *self;
-        if v == 0.0 || v1 == 0.0 {
-            // from rest, or to it: one jerk, h = v·t/3
-            let t = 3.0 * h / (v + v1);
-            let j = 6.0 * h / (t * t * t);
-            let a = if v == 0.0 { 0.0 } else { -j * t };
-            give(Phase { duration: t, s, v, a, j });
-            return;
-        }
-        // two of equal duration: h = (v + v₁)·t − (a₁ − a)·t²/3
-        let (sum, d) = (v + v1, (a1 - a) / 3.0);
-        let root = libm::sqrt((sum * sum - 4.0 * d * h).max(0.0));
-        let t = 2.0 * h / (sum + root);
-        let turn = (a1 - a) / t;
-        let j = (v1 - v - 2.0 * a * t) / (t * t) - turn / 2.0;
-        let first = Phase { duration: t, s, v, a, j };
-        let (s, v, a) = first.at(t);
-        give(first);
-        give(Phase { duration: t, s, v, a, j: turn - j });
     }
 }

@@ -224,7 +224,7 @@ impl Planner {
             } else {
                 left
             };
-            left = left - bite;
+            left -= bite;
             self.infeed(job, bite, rate, spin);
             let rest = 1.0 - bite.value() / rate.value();
             if rate.value() > per_turn.value() * (1.0 + 1e-9) && left.value() > 1e-9 {
