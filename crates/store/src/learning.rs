@@ -203,13 +203,13 @@ impl Lessons {
 impl Lesson {
     fn state_line(&mut self, rest: &str) -> Option<()> {
         let of_version_1 = ["strokes", "gain", "strikes", "first", "best"];
-        let ([strokes, gain, strikes, scores @ ..], early) = match named(rest, of_version_1) {
-            Some(values) => (values, 0.0),
-            None => {
+        let ([strokes, gain, strikes, scores @ ..], early) =
+            if let Some(values) = named(rest, of_version_1) {
+                (values, 0.0)
+            } else {
                 let (rest, early) = rest.rsplit_once(" early ")?;
                 (named(rest, of_version_1)?, early.parse().ok().filter(|v: &f64| v.is_finite())?)
-            }
-        };
+            };
         (self.strokes, self.gain, self.scores) = (whole(strokes)?, gain, scores);
         self.early = early;
         self.strikes = u8::try_from(whole(strikes)?).ok()?;

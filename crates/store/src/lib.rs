@@ -12,6 +12,7 @@ pub mod cams;
 pub mod certificate;
 pub mod learning;
 pub mod machine;
+mod nearest;
 pub mod output;
 pub mod parameters;
 pub mod phases;

@@ -66,7 +66,10 @@ pub struct Phases {
 
 /// The mark of a profile's nodes.
 pub fn form_mark(nodes: &[f64]) -> String {
-    let text: String = nodes.iter().map(|x| format!("{x:.6} ")).collect();
+    let mut text = String::new();
+    for node in nodes {
+        text += &format!("{node:.6} ");
+    }
     format!("{:08x}", mark(&text))
 }
 
@@ -90,7 +93,7 @@ impl Phases {
             return Ok(None);
         }
         let text = read_text(path, "a table of phase errors", SMALL_FILE_LIMIT * 16)?;
-        let read = Self::parse(&text).and_then(|table| table.is_for(machine, mark, &text));
+        let read = Self::parse(&text).and_then(|table| table.checked_for(machine, mark, &text));
         read.map(Some).map_err(|findings| Error::refused(path, text, findings))
     }
 
@@ -127,7 +130,7 @@ impl Phases {
         Ok(table)
     }
 
-    fn is_for(self, machine: &str, mark: u32, text: &str) -> Result<Self, Vec<Diagnostic>> {
+    fn checked_for(self, machine: &str, mark: u32, text: &str) -> Result<Self, Vec<Diagnostic>> {
         let mark = format!("{mark:08x}");
         let key = if self.machine != machine {
             "machine"

@@ -96,7 +96,7 @@ fn certificate() -> Certificate {
             line: Some(12),
             time_s: Measured::number(3.0),
         }],
-        invariants: Default::default(),
+        invariants: store::certificate::Invariants::default(),
         features: vec![
             Feature::Hole(hole),
             Feature::Thread(Box::new(thread())),
@@ -124,7 +124,7 @@ fn every_promised_key_is_there_and_no_other() {
     let value: Value = serde_json::from_str(&certificate().to_json()).unwrap();
     assert_eq!(
         keys(&value),
-        sorted("leadscrew program machine seed cycle_time_s ended alarms features")
+        sorted("leadscrew program machine seed cycle_time_s ended alarms features invariants")
     );
     assert_eq!(keys(&value["alarms"][0]), sorted("number text line time_s"));
     let features = [
@@ -134,9 +134,9 @@ fn every_promised_key_is_there_and_no_other() {
          margin_um torque_max_n_m torque_in_n_m torque_out_n_m torque_model_n_m \
          torque_model_band_percent torque_expected axial_force_max_n start_angle_deg chip_removal recovered",
         "kind line verdict reason time_s sides across_flats_mm flatness_um tilt_deg corner_angle_deg
-         z_from_mm z_to_mm rpm",
+         z_from_mm z_to_mm rpm across_flats_error_um facet_difference_um lay_um broken_off",
         "kind line verdict reason time_s profile rpm phase_error_deg contour_error_max_um
-         contour_error_rms_um revolutions",
+         contour_error_rms_um revolutions run_out_um speed_error_um_per_deg waviness_um waves_per_rev",
     ];
     for (feature, expected) in value["features"].as_array().unwrap().iter().zip(features) {
         assert_eq!(keys(feature), sorted(expected));

@@ -163,7 +163,7 @@ impl CamTrack {
         let whole = self.nearest.iter().all(|x| x.is_finite());
         match config.cams.get(ordered.profile) {
             None => {
-                findings.push(format!("profile P{} is not known to the judge", ordered.profile))
+                findings.push(format!("profile P{} is not known to the judge", ordered.profile));
             }
             Some(_) if !whole => {
                 findings.push("the work did not turn once while the wheel was in".to_owned());
@@ -300,7 +300,7 @@ mod tests {
 
     #[test]
     fn a_lag_is_a_phase_error_and_a_contour_error_of_slope_times_lag() {
-        let lag = 0.05;
+        let lag = 0.2;
         let (feature, cam) = judged(|turn| ideal(turn - lag / 360.0));
         assert!((cam.phase_error.in_deg() - lag).abs() < 1e-4, "{}", cam.phase_error.in_deg());
         let expected = 4.0 * TAU * lag / 360.0;

@@ -50,8 +50,7 @@ impl Feature {
         match &mut self.kind {
             FeatureKind::Hole(hole) => hole.chip_removal = true,
             FeatureKind::Thread(thread) => thread.chip_removal = true,
-            FeatureKind::Cam(_) => {}
-            FeatureKind::Polygon(_) => {} // no chips wind around a polygon cutter
+            FeatureKind::Cam(_) | FeatureKind::Polygon(_) => {} // no chips wind around their tools
         }
     }
 

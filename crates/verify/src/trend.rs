@@ -46,13 +46,12 @@ impl TorqueTrend {
                 && let Some(torque) = thread.torque_in
             {
                 let same = |t: &&mut Self| t.tool == tool && t.size == thread.size;
-                match trends.iter_mut().find(same) {
-                    Some(trend) => trend.take(thread, torque),
-                    None => {
-                        let mut trend = Self::begin(tool, thread);
-                        trend.take(thread, torque);
-                        trends.push(trend);
-                    }
+                if let Some(trend) = trends.iter_mut().find(same) {
+                    trend.take(thread, torque);
+                } else {
+                    let mut trend = Self::begin(tool, thread);
+                    trend.take(thread, torque);
+                    trends.push(trend);
                 }
             }
         }

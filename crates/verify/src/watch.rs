@@ -205,7 +205,7 @@ impl Watch {
         let taps = matches!(state, State::TapIn | State::TapBottom | State::TapOut);
         match work.lead {
             Some(lead) if taps => {
-                let across = self.across(sample, &work);
+                let across = across(sample, &work);
                 let against = feed * spin.value() * lead < 0.0
                     && feed.abs() > AXIS_STANDS
                     && spin.value().abs() > STANDS;
@@ -230,14 +230,15 @@ impl Watch {
         let tool = sample.feedback.tool.and_then(|number| self.config.tools.get(number));
         tool.is_some_and(|tool| matches!(tool.kind, ToolKind::Tap(_)))
     }
+}
 
-    fn across(&self, sample: &Sample, work: &Work) -> f64 {
-        [Axis::X, Axis::Y, Axis::Z]
-            .into_iter()
-            .filter(|axis| *axis != work.axis)
-            .map(|axis| (sample.axis(axis.index()) - work.at[axis.index()]).value().abs())
-            .fold(0.0, f64::max)
-    }
+/// How far the axes across the tool stand from the work's place, mm.
+fn across(sample: &Sample, work: &Work) -> f64 {
+    [Axis::X, Axis::Y, Axis::Z]
+        .into_iter()
+        .filter(|axis| *axis != work.axis)
+        .map(|axis| (sample.axis(axis.index()) - work.at[axis.index()]).value().abs())
+        .fold(0.0, f64::max)
 }
 
 fn place(at: &canon::Position) -> [Length; 3] {

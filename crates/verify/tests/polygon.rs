@@ -203,7 +203,8 @@ fn a_hexagon_without_oscillation_bulges_by_what_the_ellipse_says() {
 
 #[test]
 fn the_documents_squares_are_measured_to_a_tenth_of_a_micrometre() {
-    let cases: [(&str, fn(f64) -> [f64; 3]); 7] = [
+    type Swing = fn(f64) -> [f64; 3];
+    let cases: [(&str, Swing); 7] = [
         ("none", |_| [0.0; 3]),
         ("X 0.03", |t| [0.03 * 10.0 * (1.0 - (4.0 * t).cos()), 0.0, 0.0]),
         ("X 0.06", |t| [0.06 * 10.0 * (1.0 - (4.0 * t).cos()), 0.0, 0.0]),

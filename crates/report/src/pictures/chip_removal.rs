@@ -3,6 +3,9 @@ use super::figure;
 use crate::record::{Hop, Recorder, Row};
 use crate::svg::{Chart, Range, Stroke, Tag, fixed};
 
+/// How it looks, its points, its name in the legend.
+type Curve<'a> = (Stroke, Vec<(f64, f64)>, Option<&'a str>);
+
 /// What is shown before and after the manoeuvre, s.
 const AROUND_S: f64 = 0.12;
 
@@ -24,7 +27,7 @@ pub(crate) fn chip_removal(recorder: &Recorder) -> String {
     let speed = [(Stroke::Main, line(|r| r.rpm), None)];
     let z = [(Stroke::Main, line(|r| r.at[2]), None)];
     let first = rows[0].at;
-    let xy: [(Stroke, Vec<(f64, f64)>, Option<&str>); 2] = [
+    let xy: [Curve; 2] = [
         (Stroke::Main, shifted(&rows, begin, 0, first[0]), Some("X")),
         (Stroke::Capability, shifted(&rows, begin, 1, first[1]), Some("Y")),
     ];
@@ -92,7 +95,7 @@ fn events(hop: &Hop, begin: f64) -> Vec<(f64, usize, String)> {
 fn chart(
     title: &str,
     axis: &str,
-    lines: &[(Stroke, Vec<(f64, f64)>, Option<&str>)],
+    lines: &[Curve],
     marks: &[(f64, String)],
     holes: &[(f64, String)],
     id: &str,

@@ -223,7 +223,8 @@ impl Chips {
         self.rows.push_back(Row { time: now, rpm: spin.in_rpm(), at });
     }
 
-    /// The first removal, and what there is to draw around it.
+    /// The first removal, and what there is to draw around it: rows, and which hole was cut when.
+    #[allow(clippy::type_complexity)] // three things that are drawn together, once
     pub(crate) fn shown(&self) -> Option<(Hop, &VecDeque<Row>, &VecDeque<(usize, f64)>)> {
         let hop = self.hops.iter().find(|hop| hop.removal.is_some())?;
         Some((*hop, &self.rows, &self.cuts))

@@ -136,7 +136,7 @@ pub fn find(name: &str) -> Result<MachineFile, Error> {
     if path.exists() || path.extension().is_some() || path.components().count() > 1 {
         return load(path);
     }
-    let remedy = match keys::nearest(name, &EMBEDDED) {
+    let remedy = match crate::nearest::nearest(name, &EMBEDDED) {
         Some(near) => format!("did you mean `{near}`?"),
         None => format!("expected a file or one of {}", EMBEDDED.join(", ")),
     };

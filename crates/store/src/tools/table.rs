@@ -69,25 +69,22 @@ fn read_polygon_cutter(keys: &mut Keys<'_>) -> PolygonCutter {
     const MOST_INSERTS: u32 = 64;
     let radius = Length::mm(keys.number("tip_radius_mm", 0.1..=LONGEST.value()));
     let angles = keys.optional_numbers("insert_angles_deg", 0.0..=359.999);
-    let inserts = match angles {
-        Some(angles) => {
-            if keys.has("inserts") {
-                keys.conflict("inserts", "the inserts are stated twice: expected one of them");
-                keys.optional_whole("inserts", 1..=MOST_INSERTS);
-            }
-            let rising = angles.windows(2).all(|pair| pair[0] < pair[1]);
-            if angles.first() != Some(&0.0) || !rising || angles.len() > MOST_INSERTS as usize {
-                keys.conflict(
-                    "insert_angles_deg",
-                    format!("expected at most {MOST_INSERTS} rising angles, the first of them 0"),
-                );
-            }
-            angles.into_iter().map(Angle::deg).collect()
+    let inserts = if let Some(angles) = angles {
+        if keys.has("inserts") {
+            keys.conflict("inserts", "the inserts are stated twice: expected one of them");
+            keys.optional_whole("inserts", 1..=MOST_INSERTS);
         }
-        None => {
-            let count = keys.whole("inserts", 1..=MOST_INSERTS);
-            (0..count).map(|n| Angle::rev(f64::from(n) / f64::from(count))).collect()
+        let rising = angles.windows(2).all(|pair| pair[0] < pair[1]);
+        if angles.first() != Some(&0.0) || !rising || angles.len() > MOST_INSERTS as usize {
+            keys.conflict(
+                "insert_angles_deg",
+                format!("expected at most {MOST_INSERTS} rising angles, the first of them 0"),
+            );
         }
+        angles.into_iter().map(Angle::deg).collect()
+    } else {
+        let count = keys.whole("inserts", 1..=MOST_INSERTS);
+        (0..count).map(|n| Angle::rev(f64::from(n) / f64::from(count))).collect()
     };
     let nose_radius = Length::mm(keys.optional("nose_radius_mm", 0.0..=100.0).unwrap_or(0.8));
     PolygonCutter { radius, inserts, nose_radius }

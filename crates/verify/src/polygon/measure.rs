@@ -102,15 +102,12 @@ impl PolygonTrack {
         };
         let number = self.tool.as_ref().map(|(number, _)| *number);
         let mut findings = Vec::new();
-        let polygon = match (self.tool, self.passes) {
-            (Some((_, cutter)), Some(passes)) => {
-                let part = Part { cutter, passes: passes.finish(), place: self.place, ordered };
-                part.judge(spin, self.faulted, config, &mut findings)
-            }
-            _ => {
-                findings.push("no polygon cutter was in the tool spindle".to_owned());
-                empty(spin, self.faulted)
-            }
+        let polygon = if let (Some((_, cutter)), Some(passes)) = (self.tool, self.passes) {
+            let part = Part { cutter, passes: passes.finish(), place: self.place, ordered };
+            part.judge(spin, self.faulted, config, &mut findings)
+        } else {
+            findings.push("no polygon cutter was in the tool spindle".to_owned());
+            empty(spin, self.faulted)
         };
         Feature {
             op,
@@ -210,13 +207,12 @@ impl Part<'_> {
         let nose = self.cutter.nose_radius.value();
         for z in (0..SECTIONS).map(at) {
             let facets = self.cutters(&normals, z);
-            match measure(z, &facets, nose, self.place.stock_radius) {
-                Some(section) => polygon.sections.push(section),
-                None => {
-                    let below = self.place.stock_top - z;
-                    findings.push(format!("{below:.1} mm below the face not every facet was cut"));
-                    break;
-                }
+            if let Some(section) = measure(z, &facets, nose, self.place.stock_radius) {
+                polygon.sections.push(section);
+            } else {
+                let below = self.place.stock_top - z;
+                findings.push(format!("{below:.1} mm below the face not every facet was cut"));
+                break;
             }
         }
         if !polygon.sections.is_empty() {

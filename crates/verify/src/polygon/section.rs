@@ -32,7 +32,7 @@ impl Raw {
     }
 
     fn at(&self, s: f64) -> Option<f64> {
-        let x = (s / self.half + 1.0) / 2.0 * (PLACES - 1) as f64;
+        let x = f64::midpoint(s / self.half, 1.0) * (PLACES - 1) as f64;
         let i = (x.floor().max(0.0) as usize).min(PLACES - 2);
         let n = self.heights[i] + (x - i as f64) * (self.heights[i + 1] - self.heights[i]);
         (!n.is_nan() && (-1e-6..=(PLACES - 1) as f64 + 1e-6).contains(&x)).then_some(n)
