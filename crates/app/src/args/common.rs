@@ -1,0 +1,155 @@
+//! Arguments that several commands take: where programs, machines and tools come from, and how answers are printed.
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// Where programs, machines, tools and parameters come from.
+#[derive(Args, Debug, Clone)]
+pub(crate) struct ProgramArgs {
+    /// The machine: a name from `leadscrew machine list`, or a file
+    #[arg(long, value_name = "NAME|FILE", default_value = "tapping-center")]
+    pub(crate) machine: String,
+    /// Tool table: TOML, or LinuxCNC's .tbl [default: tools.toml or tool.tbl beside the program, else the embedded one]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) tools: Option<PathBuf>,
+    /// Parameter file (.var) with work offsets [default: the machine's set-up]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) parameters: Option<PathBuf>,
+    /// What to do with tools that the table lacks
+    #[arg(long, value_enum, default_value_t = MissingTools::Refuse)]
+    pub(crate) missing_tools: MissingTools,
+    /// How taps are driven that no clutch holder holds [default: the machine's]
+    #[arg(long, value_enum)]
+    pub(crate) tapping: Option<Tapping>,
+    /// What to do with a dwell (P) that a clutch holder does not work with
+    #[arg(long, value_enum, default_value_t = ClutchDwell::Refuse)]
+    pub(crate) clutch_dwell: ClutchDwell,
+    /// How programs are read [default: as the machine's file says]
+    #[arg(long, value_enum)]
+    pub(crate) dialect: Option<Dialect>,
+    /// What a number without a decimal point counts in Fanuc's dialects
+    #[arg(long, value_enum, default_value_t = DecimalPoint::Increments)]
+    pub(crate) decimal_point: DecimalPoint,
+    /// Leave out blocks that begin with `/` of these levels (1 is `/` alone), as in --block-skip 1,2
+    #[arg(long, value_delimiter = ',', value_name = "LEVEL", value_parser = clap::value_parser!(u8).range(1..=9))]
+    pub(crate) block_skip: Vec<u8>,
+    /// Folder in which subprogram files are looked for, besides the program's own and those of the machine's file;
+    /// may be given more than once
+    #[arg(long, value_name = "DIR")]
+    pub(crate) subprograms: Vec<PathBuf>,
+    /// Cam library (TOML) [default: cams.toml beside the program]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) cams: Option<PathBuf>,
+    /// Table of measured phase errors: read if it is there, written when a program has measured
+    #[arg(long, value_name = "FILE")]
+    pub(crate) phase_table: Option<PathBuf>,
+    /// How a cam is compensated after G50 (G150)
+    #[arg(long, value_enum, default_value_t = Compensation::Shift)]
+    pub(crate) compensation: Compensation,
+    /// Feed-forward of the axes (spindles keep theirs): `off` shows the lag of their loops
+    #[arg(long, value_enum)]
+    pub(crate) feed_forward: Option<Switch>,
+    /// How hard taps are driven [default: the machine's]
+    #[arg(long, value_enum, value_name = "PRESET")]
+    pub(crate) tapping_preset: Option<TappingPreset>,
+}
+
+/// What to do with tools that the table lacks.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum MissingTools {
+    /// Refuse the program and list them
+    Refuse,
+    /// Assume a tool of no length that cuts nothing judged, and say so
+    StandIn,
+}
+
+/// How taps are driven.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Tapping {
+    /// The feed follows the spindle, in and out
+    Synchronised,
+    /// Feed and spindle only run at their speeds; a tension/compression holder takes the difference
+    Floating,
+}
+
+/// What to do with a dwell that a clutch holder does not work with.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum ClutchDwell {
+    /// Refuse the program and say which dwell works
+    Refuse,
+    /// Say so, and do it: to see what becomes of the thread
+    Warn,
+}
+
+/// How programs are read.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Dialect {
+    /// RS-274/NGC as LinuxCNC 2.9 reads it
+    Linuxcnc,
+    /// Cycles as Brother's tapping centres have them: K repeats, U and E throw chips off
+    Brother,
+    /// Fanuc's machining centres: custom macro B, least input increments
+    Fanuc,
+    /// Fanuc's lathes, G code system A
+    FanucLatheA,
+    /// Fanuc's lathes, G code system B
+    FanucLatheB,
+    /// The cam grinding words of Toyoda's grinders: G50 to G53, G55, and G01 and G04 in cam mode
+    Toyoda,
+}
+
+/// What a number without a decimal point counts in Fanuc's dialects.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum DecimalPoint {
+    /// Least input increments: X10 is 0.010 mm
+    Increments,
+    /// Whole units, as on a pocket calculator: X10 is 10 mm
+    Calculator,
+}
+
+/// How a cam is compensated.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Compensation {
+    /// Not at all
+    Off,
+    /// By the measured phase error in whole addresses of the table
+    Address,
+    /// By the measured phase error as it is
+    Shift,
+    /// By the measured phase error with the wrong sign: what a mistake looks like
+    Wrong,
+    /// By gain and phase of every harmonic that was measured
+    Harmonics,
+    /// By harmonics, and by what sampled turns with compensation on have taught
+    Learn,
+}
+
+/// On or off.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Switch {
+    /// As the machine's file says
+    On,
+    /// None
+    Off,
+}
+
+/// How hard taps are driven; the machine's file says what each means.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum TappingPreset {
+    /// Half the dynamics: for weak work, long tools and first parts
+    Gentle,
+    /// What the spindle is planned with otherwise
+    Standard,
+    /// A little of the control's reserve is spent
+    Fast,
+    /// Nearly all of it: only where the material is known
+    Max,
+}
+
+/// How a summary is printed.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Format {
+    /// For people
+    Text,
+    /// For programs: the certificate
+    Json,
+}

@@ -1,0 +1,77 @@
+//! The arguments of the commands that read programs and move nothing: check, time, fmt, canon.
+use super::{Format, ProgramArgs};
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// `leadscrew check`.
+#[derive(Args, Debug, Clone)]
+pub(crate) struct CheckArgs {
+    /// Programs, or folders of them; `-` reads standard input
+    #[arg(required = true)]
+    pub(crate) programs: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) source: ProgramArgs,
+    /// How findings are printed
+    #[arg(long, value_enum, default_value_t = FindingsFormat::Text)]
+    pub(crate) format: FindingsFormat,
+}
+
+/// How findings are printed.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum FindingsFormat {
+    /// With carets
+    Text,
+    /// An array of objects
+    Json,
+    /// SARIF 2.1.0, which code hosts and editors read
+    Sarif,
+}
+
+/// `leadscrew time`.
+#[derive(Args, Debug, Clone)]
+pub(crate) struct TimeArgs {
+    /// The program; `-` reads standard input
+    pub(crate) program: PathBuf,
+    #[command(flatten)]
+    pub(crate) source: ProgramArgs,
+    /// How it is printed
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(crate) format: Format,
+    /// In JSON: every operation, not only the longest
+    #[arg(long)]
+    pub(crate) operations: bool,
+}
+
+/// `leadscrew fmt`.
+#[derive(Args, Debug, Clone)]
+pub(crate) struct FormatArgs {
+    /// Programs, or folders of them; `-` reads standard input and writes standard output
+    #[arg(required = true)]
+    pub(crate) programs: Vec<PathBuf>,
+    /// Change nothing; say what would change
+    #[arg(long)]
+    pub(crate) check: bool,
+}
+
+/// `leadscrew canon`.
+#[derive(Args, Debug, Clone)]
+pub(crate) struct CanonArgs {
+    /// The program; `-` reads standard input
+    pub(crate) program: PathBuf,
+    #[command(flatten)]
+    pub(crate) source: ProgramArgs,
+    /// Which notation
+    #[arg(long, value_enum, default_value_t = CanonFormat::Text)]
+    pub(crate) format: CanonFormat,
+}
+
+/// Which notation.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum CanonFormat {
+    /// A line an operation
+    Text,
+    /// A JSON object a line
+    Json,
+    /// The notation of LinuxCNC's stand-alone interpreter
+    Linuxcnc,
+}
