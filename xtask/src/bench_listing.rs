@@ -139,7 +139,7 @@ fn watch(mut command: Command) -> Result<Seen, String> {
     let mut child = command.spawn().map_err(|e| shown(&command, &e))?;
     let mut out = child.stdout.take().ok_or("no output")?;
     let reader = std::thread::spawn(move || {
-        let (mut bytes, mut first) = ([0; 1 << 16], None);
+        let (mut bytes, mut first) = (vec![0; 1 << 16], None);
         while let Ok(count @ 1..) = out.read(&mut bytes) {
             let _ = count;
             first.get_or_insert_with(|| start.elapsed().as_secs_f64());

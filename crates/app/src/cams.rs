@@ -173,7 +173,7 @@ impl CamSetup {
                 let add = |m: &&Measured| {
                     ideal.iter().zip(&m.learnt_nm).map(|(d, nm)| d + nm * 1e-6).collect()
                 };
-                learnt.map(|m| add(m)).or_else(|| Some(self.begin(profile, spin).table()))
+                learnt.map(add).or_else(|| Some(self.begin(profile, spin).table()))
             }
         }
     }

@@ -25,13 +25,12 @@ pub(crate) fn command(args: &CheckArgs, quiet: bool) -> Result<bool, Refused> {
     for path in &programs {
         let name = path.display().to_string();
         let mut told = Told { format: args.format, quiet, results, errors: 0, others: 0 };
-        match long_session(args, path)? {
-            Some(session) => in_pieces(&session, path, &name, &mut told)?,
-            None => {
-                let text = read_program(path)?;
-                let found = findings(args, path, &text)?;
-                told.tell(&found, &Source { name: &name, text: &text })?;
-            }
+        if let Some(session) = long_session(args, path)? {
+            in_pieces(&session, path, &name, &mut told)?;
+        } else {
+            let text = read_program(path)?;
+            let found = findings(args, path, &text)?;
+            told.tell(&found, &Source { name: &name, text: &text })?;
         }
         told.sum_up(&name)?;
         refused += usize::from(told.errors > 0);

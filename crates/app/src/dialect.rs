@@ -1,25 +1,21 @@
 //! How a program is read: by the command line, else by the machine's file; and what the machine has set for cycles.
 use crate::args;
-use crate::refused::Refused;
 use store::machine::{self, Control, CycleDepth, MachineFile};
 
 /// The dialect asked for, or the machine's own.
-pub(crate) fn of(
-    asked: Option<args::Dialect>,
-    machine: &MachineFile,
-) -> Result<interp::Dialect, Refused> {
+pub(crate) fn of(asked: Option<args::Dialect>, machine: &MachineFile) -> interp::Dialect {
     match asked {
-        Some(args::Dialect::Linuxcnc) => Ok(interp::Dialect::LinuxCnc),
-        Some(args::Dialect::Brother) => Ok(interp::Dialect::Brother),
-        Some(args::Dialect::Fanuc) => Ok(interp::Dialect::Fanuc),
-        Some(args::Dialect::FanucLatheA) => Ok(interp::Dialect::FanucLatheA),
-        Some(args::Dialect::FanucLatheB) => Ok(interp::Dialect::FanucLatheB),
-        Some(args::Dialect::Toyoda) => Ok(interp::Dialect::Toyoda),
+        Some(args::Dialect::Linuxcnc) => interp::Dialect::LinuxCnc,
+        Some(args::Dialect::Brother) => interp::Dialect::Brother,
+        Some(args::Dialect::Fanuc) => interp::Dialect::Fanuc,
+        Some(args::Dialect::FanucLatheA) => interp::Dialect::FanucLatheA,
+        Some(args::Dialect::FanucLatheB) => interp::Dialect::FanucLatheB,
+        Some(args::Dialect::Toyoda) => interp::Dialect::Toyoda,
         None => match machine.control.dialect {
-            machine::Dialect::LinuxCnc => Ok(interp::Dialect::LinuxCnc),
-            machine::Dialect::Brother => Ok(interp::Dialect::Brother),
-            machine::Dialect::Fanuc => Ok(interp::Dialect::Fanuc),
-            machine::Dialect::Toyoda => Ok(interp::Dialect::Toyoda),
+            machine::Dialect::LinuxCnc => interp::Dialect::LinuxCnc,
+            machine::Dialect::Brother => interp::Dialect::Brother,
+            machine::Dialect::Fanuc => interp::Dialect::Fanuc,
+            machine::Dialect::Toyoda => interp::Dialect::Toyoda,
         },
     }
 }

@@ -9,7 +9,7 @@ const LOOK_AHEAD: usize = 1000;
 
 /// Operations with their index.
 pub(crate) struct Ops<'a> {
-    ops: interp::Ops<'a>,
+    read: interp::Ops<'a>,
     ahead: VecDeque<Op>,
     auto: Auto<'a>,
     next: u32,
@@ -19,15 +19,15 @@ pub(crate) struct Ops<'a> {
 impl<'a> Ops<'a> {
     /// Of a program.
     pub(crate) fn new(source: &'a [u8], setup: &'a interp::Setup, auto: Auto<'a>) -> Self {
-        let ops = interp::Ops::new(source, setup);
-        Self { ops, ahead: VecDeque::new(), auto, next: 0, prelude: Vec::new().into_iter() }
+        let read = interp::Ops::new(source, setup);
+        Self { read, ahead: VecDeque::new(), auto, next: 0, prelude: Vec::new().into_iter() }
     }
 
     /// The same, begun in the middle.
     pub(crate) fn begun_at(mut self, restart: Option<&crate::restart::Restart>) -> Self {
         if let Some(restart) = restart {
             for _ in 0..restart.skip {
-                if let Some(op) = self.ops.next() {
+                if let Some(op) = self.read.next() {
                     self.auto.see(&op.kind);
                 }
             }
@@ -38,13 +38,13 @@ impl<'a> Ops<'a> {
 
     /// What was found so far.
     pub(crate) fn diagnostics(&self) -> Vec<Diagnostic> {
-        self.ops.diagnostics().iter().chain(self.auto.findings()).cloned().collect()
+        self.read.diagnostics().iter().chain(self.auto.findings()).cloned().collect()
     }
 
     /// The operations up to the first cut after a polygon's beginning.
     fn look_ahead(&mut self) {
         while self.ahead.len() < LOOK_AHEAD {
-            let Some(op) = self.ops.next() else { return };
+            let Some(op) = self.read.next() else { return };
             let is_cut = matches!(op.kind, OpKind::Line { .. } | OpKind::PolygonEnd | OpKind::End);
             self.ahead.push_back(op);
             if is_cut {
@@ -59,7 +59,7 @@ impl Iterator for Ops<'_> {
 
     fn next(&mut self) -> Option<Self::Item> {
         let mut op =
-            self.prelude.next().or_else(|| self.ahead.pop_front()).or_else(|| self.ops.next())?;
+            self.prelude.next().or_else(|| self.ahead.pop_front()).or_else(|| self.read.next())?;
         self.auto.see(&op.kind);
         if let OpKind::Polygon(polygon) = &mut op.kind
             && polygon.auto.is_some()

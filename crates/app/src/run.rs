@@ -309,22 +309,21 @@ impl Link {
         let keeper = self.state.map(|(slots, identity)| {
             Keeper::start(slots, identity, program, tools, real_time, before)
         });
-        let plant = match self.remote {
-            Some(remote) => Plant::Outside(Box::new(remote)),
-            None => {
-                let zero = job.session.work_zero();
-                let config = wiring::simulator(machine, tools, job.material, job.seed, &zero);
-                let alone = wiring::left_alone(machine, &config);
-                let machine = plant::simulated(machine, config)?;
-                let machine = match job.session.cams.grinding() {
-                    None => machine,
-                    Some(grinding) => machine.with_grinding(grinding).map_err(|problems| {
-                        let problems = problems.join("; ");
-                        Refused::because(format!("cams cannot be ground here: {problems}"))
-                    })?,
-                };
-                Plant::Inside(Box::new(Faulty::new(machine, &[], job.seed).left_alone(alone)))
-            }
+        let plant = if let Some(remote) = self.remote {
+            Plant::Outside(Box::new(remote))
+        } else {
+            let zero = job.session.work_zero();
+            let config = wiring::simulator(machine, tools, job.material, job.seed, &zero);
+            let alone = wiring::left_alone(machine, &config);
+            let machine = plant::simulated(machine, config)?;
+            let machine = match job.session.cams.grinding() {
+                None => machine,
+                Some(grinding) => machine.with_grinding(grinding).map_err(|problems| {
+                    let problems = problems.join("; ");
+                    Refused::because(format!("cams cannot be ground here: {problems}"))
+                })?,
+            };
+            Plant::Inside(Box::new(Faulty::new(machine, &[], job.seed).left_alone(alone)))
         };
         Ok((plant, keeper.transpose()?))
     }

@@ -67,7 +67,7 @@ impl Session {
         }
         let (tools, tools_from) = tools(args.tools.as_deref(), program)?;
         let missing_tools = args.missing_tools;
-        let dialect = dialect::of(args.dialect, &machine)?;
+        let dialect = dialect::of(args.dialect, &machine);
         let cams = CamSetup::load(args, program, &machine)?;
         let mut session = Self {
             cams,

@@ -326,7 +326,11 @@ fn way_back(name: &str, taken: bool, track: &Track, judge: &Judge) -> WayBack {
 
 /// For people: what happened, and what came of it.
 pub(crate) fn text(stops: &[ThreadStop], happened: &[String]) -> String {
-    let mut said: String = happened.iter().map(|line| format!("{line}\n")).collect();
+    let mut said = String::new();
+    for line in happened {
+        said += line;
+        said.push('\n');
+    }
     for stop in stops {
         let Some(way) = stop.ways.first() else { continue };
         said += &format!(

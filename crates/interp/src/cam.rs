@@ -137,7 +137,7 @@ impl Executor {
             self.state.cam_rpm = rpm;
         }
         let rpm = self.state.cam_rpm;
-        if !(rpm > 0.0) {
+        if rpm.is_nan() || rpm <= 0.0 {
             let text = format!("expected S, the speed of the work in rpm, above 0, found {rpm}");
             return refuse("I1103", words.span(b'S'), text);
         }
@@ -151,17 +151,17 @@ impl Executor {
                 ),
             };
         };
-        if !(x < 0.0) {
+        if x.is_nan() || x >= 0.0 {
             let text = format!("expected X below 0, towards the work, found X{x}");
             return refuse("I1105", words.span(b'X'), text);
         }
         let per_turn = words.get(b'F').unwrap_or(0.0);
-        if !(per_turn > 0.0) {
+        if per_turn.is_nan() || per_turn <= 0.0 {
             let text = format!("expected F, the infeed of each turn, above 0, found {per_turn}");
             return refuse("I1106", words.span(b'F'), text);
         }
         let rate = words.get(b'R').unwrap_or(per_turn);
-        if !(rate >= per_turn) {
+        if rate.is_nan() || rate < per_turn {
             let text = format!(
                 "R{rate} a turn cannot make an infeed of F{per_turn} within the turn: R{per_turn} works"
             );

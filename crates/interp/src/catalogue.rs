@@ -119,7 +119,7 @@ const FANUC: [(Dialect, Kind); 3] = [
 fn dialects_of(letter: char, tenths: u16) -> Vec<Dialect> {
     let same = |kind: Kind| match letter {
         'G' => fanuc::told(kind, tenths).is_some_and(|(shared, _, _)| shared == Some(tenths)),
-        _ => tenths % 10 == 0 && fanuc::has_m(tenths / 10),
+        _ => tenths.is_multiple_of(10) && fanuc::has_m(tenths / 10),
     };
     let more = FANUC.into_iter().filter(|(_, kind)| same(*kind)).map(|(dialect, _)| dialect);
     [Dialect::LinuxCnc, Dialect::Brother].into_iter().chain(more).collect()

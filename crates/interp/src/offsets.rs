@@ -173,7 +173,10 @@ impl Executor {
                 self.set_added(added, sink);
                 Ok(())
             }
-            Some(502) => self.polygon_end(sink),
+            Some(502) => {
+                self.polygon_end(sink);
+                Ok(())
+            }
             Some(512) => self.polygon(sink),
             Some(513) => self.harmonic(),
             Some(530) if self.words.g(GGroup::Motion).is_none() => self.lonely_g53(),

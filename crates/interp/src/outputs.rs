@@ -54,14 +54,12 @@ impl Executor {
 
     /// The number of an output or input.
     fn signal(&self, code: u16, letter: u8, what: &str) -> Outcome<u8> {
-        match self.words.whole(letter, LAST)? {
-            Some(number) => Ok(number as u8),
-            None => {
-                let text =
-                    format!("M{code} needs {}, the number of {what}: 0 to {LAST}", letter as char);
-                refuse("I0640", self.words.place.span, text)
-            }
-        }
+        let Some(number) = self.words.whole(letter, LAST)? else {
+            let text =
+                format!("M{code} needs {}, the number of {what}: 0 to {LAST}", letter as char);
+            return refuse("I0640", self.words.place.span, text);
+        };
+        Ok(number as u8)
     }
 
     /// M66.

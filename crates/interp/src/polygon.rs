@@ -123,28 +123,26 @@ impl Executor {
     }
 
     /// G50.2.
-    pub(crate) fn polygon_end<S: Sink>(&mut self, sink: &mut S) -> Outcome {
+    pub(crate) fn polygon_end<S: Sink>(&mut self, sink: &mut S) {
         if !self.state.polygon {
             let text = "G50.2 ends polygon turning, which is not begun: it has no effect";
             self.remarks.push(Diagnostic::warning("I0807", self.words.place.span, text));
-            return Ok(());
+            return;
         }
         self.state.polygon = false;
         self.say(sink, &Call::PolygonEnd);
-        Ok(())
     }
 
     /// a of X and Y, and d of the tool's phase, as the source writes them.
     fn written_form(&self, ratio: Ratio, oscillations: &mut Vec<Oscillation>) -> Outcome {
         let span = self.words.place.span;
-        let inserts = match self.tools.get(self.state.current_tool).map(|tool| &tool.kind) {
-            Some(ToolKind::PolygonCutter(cutter)) => cutter.inserts.len(),
-            _ => {
-                let text = "I, J and K of G51.2 count facets by the inserts of the cutter, but no polygon cutter is in the spindle";
-                let help = "call one of kind \"polygon-cutter\" with T and M6 before, or write the oscillation with G51.3";
-                return Err(error("I0808", span, text).with_help(help).into());
-            }
+        let tool = self.tools.get(self.state.current_tool).map(|tool| &tool.kind);
+        let Some(ToolKind::PolygonCutter(cutter)) = tool else {
+            let text = "I, J and K of G51.2 count facets by the inserts of the cutter, but no polygon cutter is in the spindle";
+            let help = "call one of kind \"polygon-cutter\" with T and M6 before, or write the oscillation with G51.3";
+            return Err(error("I0808", span, text).with_help(help).into());
         };
+        let inserts = cutter.inserts.len();
         let facets = inserts as f64 * ratio.value().abs();
         if (facets - facets.round()).abs() > 1e-9 || facets > f64::from(HIGHEST) {
             let text = format!(

@@ -65,7 +65,8 @@ mod tests {
 
     #[test]
     fn a_block_read_again_is_the_same_block() {
-        let text: String = (0..3000).map(|i| format!("G1 X{i} Y[#1+{i}] (c{i})\n")).collect();
+        let blocks = (0..3000).map(|i| format!("G1 X{i} Y[#1+{i}] (c{i})\n"));
+        let text = blocks.collect::<Vec<_>>().concat();
         let mut reread = Reread::default();
         let mut parser = Parser::new(text.as_bytes(), 0);
         let mut block = Block::new();

@@ -327,11 +327,7 @@ impl Sink for Resolver {
     fn call(&mut self, place: &Place, call: &Call<'_>) {
         let span = place.span;
         match call {
-            Call::Rapid(to) => {
-                let to = self.machine(to);
-                self.rapid(&to, span);
-            }
-            Call::OutByHand(to) => {
+            Call::Rapid(to) | Call::OutByHand(to) => {
                 let to = self.machine(to);
                 self.rapid(&to, span);
             }

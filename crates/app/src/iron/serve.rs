@@ -101,9 +101,9 @@ fn session(iron: &mut Iron, stream: UnixStream) -> Result<After, Error> {
 }
 
 /// A command, as something that may be due.
-fn command(message: Message) -> Result<bus::Command, Error> {
+fn command(message: &Message) -> Result<bus::Command, Error> {
     match message {
-        Message::Command(command) => Ok(command),
+        Message::Command(command) => Ok(*command),
         Message::Hello(_)
         | Message::Welcome(_)
         | Message::Refused(_)
@@ -129,7 +129,7 @@ fn kill(control: u32) -> Result<(), Error> {
 /// Time waits for the control. Returns when the power is cut.
 fn in_lock_step(iron: &mut Iron, port: &mut Port<UnixStream>, control: u32) -> Result<(), Error> {
     loop {
-        let order = command(port.take()?)?;
+        let order = command(&port.take()?)?;
         match iron.obey(&order) {
             Obeyed::Done => {}
             Obeyed::PowerCut => return Ok(()),
@@ -153,16 +153,13 @@ fn in_real_time(
     loop {
         let left = due.saturating_duration_since(clock::now());
         pace.set_read_timeout(Some(left.max(Duration::from_micros(1))))?;
-        let answer = match port.take_soon()? {
-            Some(message) => {
-                last = command(message)?;
-                silent = Duration::ZERO;
-                true
-            }
-            None => {
-                silent += period;
-                false
-            }
+        let answer = if let Some(message) = port.take_soon()? {
+            last = command(&message)?;
+            silent = Duration::ZERO;
+            true
+        } else {
+            silent += period;
+            false
         };
         std::thread::sleep(due.saturating_duration_since(clock::now()));
         due += period;

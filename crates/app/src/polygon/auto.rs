@@ -58,11 +58,9 @@ impl<'a> Auto<'a> {
     }
 
     fn solve(&self, polygon: &Polygon, cut: Option<Length>) -> Result<Solution, String> {
-        let cutter = match self.tools.get(self.tool).map(|tool| &tool.kind) {
-            Some(ToolKind::PolygonCutter(cutter)) => cutter,
-            _ => {
-                return Err("D lets the control compute the oscillation, but no polygon cutter is in the spindle: call one with T and M6 before G51.2".to_owned());
-            }
+        let tool = self.tools.get(self.tool).map(|tool| &tool.kind);
+        let Some(ToolKind::PolygonCutter(cutter)) = tool else {
+            return Err("D lets the control compute the oscillation, but no polygon cutter is in the spindle: call one with T and M6 before G51.2".to_owned());
         };
         let Some(cut) = cut else {
             return Err("D lets the control compute the oscillation, but no cut follows that says the distance of the axes: write the G1 after G51.2, or G51.3 instead of D".to_owned());

@@ -57,7 +57,7 @@ pub(crate) fn command(args: &PolygonArgs, quiet: bool) -> Result<(), Refused> {
             design.machine.name
         )));
     };
-    let fastest = design.wanted.map(|wanted| design.fastest(best, wanted));
+    let fastest = design.wanted.and_then(|wanted| design.fastest(best, wanted));
     let told = words::Told { design: &design, ways: &ways, best, fastest };
     if let Some(out) = &args.out {
         let page = report::polygon_html(&told.page());

@@ -16,8 +16,8 @@ pub(super) struct Told<'d> {
     pub(super) design: &'d Design,
     pub(super) ways: &'d [Way],
     pub(super) best: &'d Way,
-    /// Asked for, and found or not.
-    pub(super) fastest: Option<Option<Spin>>,
+    /// At which it is as flat as wanted, if a flatness is wanted and it is ever reached.
+    pub(super) fastest: Option<Spin>,
 }
 
 impl Told<'_> {
@@ -76,8 +76,8 @@ impl Told<'_> {
                 form.base()
             ));
         }
-        if let (Some(found), Some(wanted)) = (self.fastest, self.design.wanted) {
-            words.push(match found {
+        if let Some(wanted) = self.design.wanted {
+            words.push(match self.fastest {
                 Some(spin) => format!(
                     "{:.2} µm by {} up to {:.0} rpm",
                     wanted.in_um(),
@@ -197,7 +197,7 @@ impl Told<'_> {
             "rpm": work.in_rpm(),
             "flatness_without_um": form.flatness(&Swings::default()).in_um(),
             "flatness_um": self.best.solution.flatness.in_um(),
-            "fastest_rpm": self.fastest.flatten().map(Spin::in_rpm),
+            "fastest_rpm": self.fastest.map(Spin::in_rpm),
             "ways": ways.collect::<Vec<_>>(),
             "gcode": self.gcode(),
         })

@@ -64,7 +64,7 @@ impl Iron {
         self.folder.path().join(name)
     }
 
-    fn leadscrew(&self, arguments: &[&str]) -> Output {
+    fn leadscrew(arguments: &[&str]) -> Output {
         Command::new(env!("CARGO_BIN_EXE_leadscrew"))
             .args(arguments)
             .env("NO_COLOR", "1")
@@ -91,7 +91,7 @@ impl Iron {
             "json",
         ];
         arguments.extend(options);
-        self.leadscrew(&arguments)
+        Self::leadscrew(&arguments)
     }
 
     /// Recover; the answer.
@@ -107,7 +107,7 @@ impl Iron {
             "json",
         ];
         arguments.extend(options);
-        let output = self.leadscrew(&arguments);
+        let output = Self::leadscrew(&arguments);
         serde_json::from_slice(&output.stdout)
             .unwrap_or_else(|e| panic!("{e}: {}{}", said(&output), complained(&output)))
     }
@@ -116,12 +116,12 @@ impl Iron {
     pub(crate) fn recover_killed(&self) -> bool {
         let (iron, state) = (self.path("iron"), self.path("state"));
         let [iron, state] = [&iron, &state].map(|path| path.to_str().unwrap());
-        self.leadscrew(&["recover", "--iron", iron, "--state", state]).status.code().is_none()
+        Self::leadscrew(&["recover", "--iron", iron, "--state", state]).status.code().is_none()
     }
 
     /// How it is.
     pub(crate) fn status(&self) -> Value {
-        let output = self.leadscrew(&["iron", "--status", self.path("iron").to_str().unwrap()]);
+        let output = Self::leadscrew(&["iron", "--status", self.path("iron").to_str().unwrap()]);
         serde_json::from_slice(&output.stdout).unwrap()
     }
 
