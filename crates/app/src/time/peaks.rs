@@ -31,16 +31,16 @@ impl Peaks {
             StepKind::Follow(order) if !order.per_revolution => {
                 self.sample(order.duration(), |t| order.piece.at(order.at(t).0).q);
                 if order.exact_stop {
-                    self.rest();
+                    self.stop(order.piece.at(order.piece.length).q);
                 }
             }
             StepKind::Move(order) if !order.per_revolution => {
-                let place =
+                let place = |p: &canon::Position| canon::Axis::ALL.map(|axis| coordinate(p, axis));
+                let motion =
                     |t| order.path.motion(order.profile.at(t)).position.map(units::Length::value);
-                let start = canon::Axis::ALL.map(|axis| coordinate(order.path.from(), axis));
-                self.last.resize(3, start);
-                self.sample(order.profile.duration(), place);
-                self.rest();
+                self.last.resize(3, place(order.path.from()));
+                self.sample(order.profile.duration(), motion);
+                self.stop(place(order.path.to()));
             }
             _ => self.rest(),
         }
@@ -55,13 +55,18 @@ impl Peaks {
         self.next -= duration;
     }
 
+    /// Motion has ended here: the setpoint of the next period, and of those after it.
+    fn stop(&mut self, end: [f64; AXES]) {
+        (0..3).for_each(|_| self.point(end));
+        self.last.clear();
+        self.next = 0.0;
+    }
+
     /// Everything stands: what comes next begins from here.
     fn rest(&mut self) {
         if let Some(last) = self.last.last().copied() {
-            (0..3).for_each(|_| self.point(last));
+            self.stop(last);
         }
-        self.last.clear();
-        self.next = 0.0;
     }
 
     fn point(&mut self, q: [f64; AXES]) {
@@ -103,5 +108,33 @@ impl Peaks {
             format!("  {letter} at most {speed:.1} mm/s, {accel:.0} mm/s², {jerk:.1} m/s³\n")
         };
         self.moved().map(of).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use canon::Position;
+    use plan::{Move, Path, Profile};
+
+    /// 10 mm from rest to rest at 1000 mm/s²: 0.1 s up, 0.1 s down, wherever a period ends.
+    #[test]
+    fn a_move_that_ends_between_two_setpoints_has_no_more_acceleration_than_its_profile() {
+        for length in [10.0, 10.01, 10.03, 10.05, 10.07] {
+            let path =
+                Path::Line { from: Position::default(), to: Position::xyz(length, 0.0, 0.0) };
+            let profile = Profile::rest_to_rest(length, 1e3, 1e3, f64::INFINITY);
+            let mut peaks = Peaks::new(1e-3);
+            peaks.step(&StepKind::Move(Move {
+                path,
+                profile,
+                rapid: true,
+                per_revolution: false,
+                exact_stop: true,
+                floats: false,
+            }));
+            let accel = peaks.axes[0].accel;
+            assert!((999.0..1000.0 + 1e-3).contains(&accel), "{length}: {accel}");
+        }
     }
 }

@@ -19,6 +19,9 @@ const TURN_PER_CELL: f64 = 0.12;
 /// How far the share of the acceleration that the bend takes may change within a cell.
 const LOAD_PER_CELL: f64 = 0.15;
 
+/// By how much, as a share of its limit, an axis' acceleration may be higher between the places of a cell than at them.
+const BETWEEN: f64 = 0.005;
+
 /// One axis' demands at one place, over its limits.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Row {
@@ -246,6 +249,28 @@ fn cells_for(piece: &Piece, from: f64, length: f64, bounds: &Bounds) -> u64 {
         }
     }
     let least = if piece.entry == Entry::Rest { 2.0 } else { 1.0 };
-    libm::ceil((turn / TURN_PER_CELL).max(change.max(twist) / LOAD_PER_CELL)).clamp(least, 1e15)
-        as u64
+    let count = (turn / TURN_PER_CELL).max(change.max(twist) / LOAD_PER_CELL);
+    libm::ceil(count.max(cells_for_sag(&all, bounds))).clamp(least, 1e15) as u64
+}
+
+/// How many cells keep each axis' acceleration q′·s̈ + q″·ṡ² between two places near the straight line that joins it at both.
+///
+/// Where an axis is much slower than others, these allow an s̈ at which the turn of its slope is many times its limit, held
+/// by its bend. Over half a cell the second difference of the sum is that of q′ times 5·s̈ (two by two from q″ and ṡ², which
+/// both change); D over looks becomes D·(8/2n)², and the curve is an eighth of that from its chord.
+fn cells_for_sag(all: &[Derivatives; LOOKS], bounds: &Bounds) -> f64 {
+    let mut most = 0.0_f64;
+    for near in all.windows(3) {
+        let slope = |k: usize| near.iter().fold(0.0, |m: f64, d| m.max(d.q1[k].abs()));
+        let fastest = (0..AXES).map(|k| 2.0 * bounds.accel[k] / slope(k));
+        let fastest = fastest.fold(f64::INFINITY, f64::min);
+        for k in 0..AXES {
+            let second = near[0].q1[k] - 2.0 * near[1].q1[k] + near[2].q1[k];
+            if second != 0.0 {
+                most = most.max(5.0 * second.abs() * fastest / bounds.accel[k]);
+            }
+        }
+    }
+    let looks = (LOOKS - 1) as f64;
+    libm::sqrt(most * looks * looks / 32.0 / BETWEEN)
 }

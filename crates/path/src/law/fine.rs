@@ -5,6 +5,9 @@ use super::phase::Phase;
 /// Share of the limit of jerk that the plan uses; the rest is for what happens between the places that are looked at.
 pub(super) const JERK_SHARE: f64 = 0.99;
 
+/// Share of the accelerations that the plan uses.
+const ACCEL_SHARE: f64 = 0.995;
+
 /// w = ṡ^{3/2} grows by this times √J per length at most: (½·6^{2/3})^{3/2}.
 const GROWTH: f64 = 2.121_320_343_559_643;
 
@@ -21,35 +24,48 @@ pub(super) struct Fine {
     /// At its end.
     pub(super) v1: f64,
     pub(super) a1: f64,
-    /// Share of the jerk's limit that the plan uses here.
+    /// Share of the acceleration's limit that the plan uses here.
+    pub(super) accel_share: f64,
+    /// Share of the jerk's limit.
     pub(super) share: f64,
 }
 
 impl Fine {
     /// At rest, until a plan is read.
     pub(super) const fn new(cell: usize, from: f64, h: f64) -> Self {
-        Self { cell, from, h, v: 0.0, a: 0.0, v1: 0.0, a1: 0.0, share: JERK_SHARE }
+        Self {
+            cell,
+            from,
+            h,
+            v: 0.0,
+            a: 0.0,
+            v1: 0.0,
+            a1: 0.0,
+            accel_share: ACCEL_SHARE,
+            share: JERK_SHARE,
+        }
     }
 
-    /// Largest jerk of an axis in it, over its limit.
-    pub(super) fn jerk(&self, cell: &Cell) -> f64 {
-        let mut most = 0.0_f64;
-        self.phases(|phase| {
-            let most = &mut most;
-            match &cell.demand {
-                Demand::Line { jerk, .. } => *most = most.max(phase.j.abs() / jerk),
-                Demand::Curve(rows) => {
-                    let (s, v, a) = phase.at(phase.duration);
-                    for (s, v, a) in [(phase.s, phase.v, phase.a), (s, v, a)] {
-                        each(rows, (s / cell.h).clamp(0.0, 1.0), |r| {
-                            let j = r.j1 * phase.j + 3.0 * r.j2 * v * a + r.j3 * v * v * v;
-                            *most = most.max(j.abs());
-                        });
-                    }
+    /// Largest acceleration and largest jerk of an axis in it, over their limits.
+    pub(super) fn loads(&self, cell: &Cell) -> (f64, f64) {
+        let (mut accel, mut jerk) = (0.0_f64, 0.0_f64);
+        self.phases(|phase| match &cell.demand {
+            Demand::Line { accel: a, jerk: j } => {
+                accel = accel.max(phase.a.abs() / a);
+                jerk = jerk.max(phase.j.abs() / j);
+            }
+            Demand::Curve(rows) => {
+                for share in [0.0, 0.5, 1.0] {
+                    let (s, v, a) = phase.at(share * phase.duration);
+                    each(rows, (s / cell.h).clamp(0.0, 1.0), |r| {
+                        let j = r.j1 * phase.j + 3.0 * r.j2 * v * a + r.j3 * v * v * v;
+                        jerk = jerk.max(j.abs());
+                        accel = accel.max((r.a1 * a + r.a2 * v * v).abs());
+                    });
                 }
             }
         });
-        most
+        (accel, jerk)
     }
 
     /// Phases of constant s⃛ that join the motion at both ends, over exactly its length.
@@ -65,14 +81,41 @@ impl Fine {
         }
         // two of equal duration: h = (v + v₁)·t − (a₁ − a)·t²/3
         let (sum, d) = (v + v1, (a1 - a) / 3.0);
-        let root = libm::sqrt((sum * sum - 4.0 * d * h).max(0.0));
-        let t = 2.0 * h / (sum + root);
+        let square = sum * sum - 4.0 * d * h;
+        if square < 0.0 {
+            return self.crawl(&mut give);
+        }
+        let t = 2.0 * h / (sum + libm::sqrt(square));
         let turn = (a1 - a) / t;
         let j = (v1 - v - 2.0 * a * t) / (t * t) - turn / 2.0;
         let first = Phase { duration: t, s, v, a, j };
         let (s, v, a) = first.at(t);
         give(first);
         give(Phase { duration: t, s, v, a, j: turn - j });
+    }
+
+    /// Slowing down nearly to rest and speeding up again within the cell: in parts, that meet where it is slowest, and
+    /// where it is as much faster than that as it is slower than at the end. All of them lie on ṡ² = v² + 2·a·s + u·s².
+    fn crawl(&self, give: &mut dyn FnMut(Phase)) {
+        let Self { from, h, v, a, v1, a1, .. } = *self;
+        let u = (a1 - a) / h;
+        let at = if a < 0.0 && a1 > 0.0 {
+            -a / u
+        } else {
+            // u·s² + 2·a·s = v·v₁ − v²
+            let c = v * (v1 - v);
+            let root = libm::sqrt((a * a + u * c).max(0.0));
+            if a < 0.0 { c / (a - root) } else { c / (a + root) }
+        };
+        let square = v * v + at * (2.0 * a + u * at);
+        if !(at > 1e-9 * h && at < h * (1.0 - 1e-9) && square > 0.0) {
+            // rounding is all that is left
+            return give(Phase { duration: 2.0 * h / (v + v1), s: from, v, a: 0.0, j: 0.0 });
+        }
+        let (middle, slope) = (libm::sqrt(square), a + u * at);
+        Self { h: at, v1: middle, a1: slope, ..*self }.phases(&mut *give);
+        let rest = Self { from: from + at, h: h - at, v: middle, a: slope, ..*self };
+        rest.phases(give);
     }
 }
 
@@ -107,5 +150,33 @@ pub(super) fn each(rows: &[Rows; 3], x: f64, mut give: impl FnMut(Row)) {
             j2: mix(p.j2, q.j2),
             j3: mix(p.j3, q.j3),
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alloc::vec::Vec;
+
+    /// Through 0.1 mm/s with ±100 mm/s² at the ends of 2 µm: ṡ² = v² + 2·a·s + u·s².
+    #[test]
+    fn slowing_down_nearly_to_rest_covers_the_cell_exactly_without_going_back() {
+        for least in [0.2_f64, 0.05, 0.01, 1e-4] {
+            let (h, a) = (2e-3, 100.0);
+            let v = (least * least + a * h / 2.0).sqrt();
+            let fine = Fine { v, a: -a, v1: v, a1: a, ..Fine::new(0, 0.5, h) };
+            let mut phases = Vec::new();
+            fine.phases(|phase| phases.push(phase));
+            let last = phases[phases.len() - 1];
+            let (s, v1, a1) = last.at(last.duration);
+            assert!((s - 0.5 - h).abs() < 1e-12, "ends {} off", s - 0.5 - h);
+            assert!((v1 - v).abs() < 1e-9 && (a1 - a).abs() < 1e-6, "{v1} {a1}");
+            for phase in &phases {
+                for n in 0..=4 {
+                    let (_, v, _) = phase.at(phase.duration * f64::from(n) / 4.0);
+                    assert!(v >= -1e-9, "{v} mm/s at {least}");
+                }
+            }
+        }
     }
 }

@@ -32,6 +32,9 @@ pub struct Timed {
     pub phase: Phase,
 }
 
+/// Shorter phases are rounding, s.
+const SHORTEST: f64 = 1e-13;
+
 /// Phases of constant s̈ over a line that is begun with ṡ² = `b0` and ended with `b1`.
 pub(crate) fn over_line(
     h: f64,
@@ -44,8 +47,8 @@ pub(crate) fn over_line(
     let (mut at, mut b) = (0.0, b0);
     let mut ramp = |at: &mut f64, b: &mut f64, to: f64, length: f64| {
         let (v0, v1) = (libm::sqrt(*b), libm::sqrt(to));
-        if length > 0.0 && v0 + v1 > 0.0 {
-            let duration = 2.0 * length / (v0 + v1);
+        let duration = 2.0 * length / (v0 + v1);
+        if duration > SHORTEST && duration.is_finite() {
             give(Phase { duration, s: *at, v: v0, a: (v1 - v0) / duration, j: 0.0 });
             *at += length;
         }

@@ -155,7 +155,7 @@ pub(crate) fn forwards(cell: &Cell, b: f64, beta: f64) -> f64 {
             beta.min(b + reach).max(b - reach).max(0.0)
         }
         Demand::Curve(rows) => {
-            let bounds = Bounds::of(rows, cell.h, f64::INFINITY);
+            let bounds = Bounds::of(rows, cell.h, cell.cap.max(b));
             let (high, low) = (bounds.highest(b), bounds.lowest(b));
             let (high, low) = (high.at + high.slope * b, low.at + low.slope * b);
             let wanted = (beta - b) * 0.5 / cell.h;

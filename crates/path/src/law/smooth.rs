@@ -20,9 +20,6 @@ use super::fine::{Fine, JERK_SHARE, each, growth, jerk_along};
 use super::interior::{Chain, Pair};
 use alloc::vec::Vec;
 
-/// Share of the accelerations that the plan uses; the rest is for what happens between the places that are looked at.
-const ACCEL_SHARE: f64 = 0.995;
-
 /// From rest, b = this · J^{2/3} · s^{4/3}.
 const FROM_REST: f64 = 2.725_681_118_082_556;
 
@@ -30,10 +27,11 @@ const FROM_REST: f64 = 2.725_681_118_082_556;
 const START: f64 = f64::INFINITY;
 const WITHIN: f64 = -0.02;
 
-/// How often a plan is corrected, and from what share of the jerk's limit on.
+/// How often a plan is corrected, and from what share of the limits of acceleration and jerk on.
 const REFINEMENTS: usize = 8;
+const ACCEL_TOLERANCE: f64 = 1.005;
 const TOLERANCE: f64 = 1.01;
-const ENOUGH: f64 = 1.08;
+const ENOUGH: f64 = 1.03;
 
 /// Longest cell near rest, as a share of the distance from rest.
 const NEAR_REST: f64 = 0.4;
@@ -118,15 +116,19 @@ impl Smooth {
         }
     }
 
-    /// Less of the jerk for cells that have too much of it; the most that any has, over its limit.
+    /// Less of the acceleration and of the jerk for cells that have too much of it; the most that any has, over its limit.
     fn tighten(&mut self, cells: &[&Cell]) -> f64 {
         let mut all = 0.0_f64;
         for k in 0..self.grid.len() {
-            let most = self.grid[k].jerk(cells[self.grid[k].cell]);
-            all = all.max(most);
-            if most > TOLERANCE {
+            let (accel, jerk) = self.grid[k].loads(cells[self.grid[k].cell]);
+            all = all.max(jerk).max(accel + TOLERANCE - ACCEL_TOLERANCE);
+            if accel > ACCEL_TOLERANCE {
+                let fine = &mut self.grid[k];
+                fine.accel_share = (fine.accel_share / accel).max(0.05);
+            }
+            if jerk > TOLERANCE {
                 for near in &mut self.grid[k.saturating_sub(1)..=k] {
-                    near.share = near.share.min(near.share / most).max(0.05);
+                    near.share = near.share.min(near.share / jerk).max(0.05);
                 }
             }
         }
@@ -350,8 +352,10 @@ impl Smooth {
                 self.chain.pairs.push(Pair::new(at, place(g[0], g[1]), 0.0));
             };
             let joint = left.cell != right.cell;
+            // what is between two knots counts at both
+            let share = left.accel_share.min(right.accel_share);
             let level = |cell: &Cell| match &cell.demand {
-                Demand::Line { accel, .. } => 1.0 / (ACCEL_SHARE * accel),
+                Demand::Line { accel, .. } => 1.0 / (share * accel),
                 Demand::Curve(_) => 0.0,
             };
             let straight = level(cells[left.cell]).max(level(cells[right.cell]));
@@ -360,13 +364,13 @@ impl Smooth {
             }
             if let Demand::Curve(rows) = &cells[right.cell].demand {
                 let x = right.from / cells[right.cell].h;
-                each(rows, x, |r| add(r.a1 / ACCEL_SHARE, r.a2 / ACCEL_SHARE));
+                each(rows, x, |r| add(r.a1 / share, r.a2 / share));
             }
             if joint
                 && cells[left.cell].piece != cells[right.cell].piece
                 && let Demand::Curve(rows) = &cells[left.cell].demand
             {
-                each(rows, 1.0, |r| add(r.a1 / ACCEL_SHARE, r.a2 / ACCEL_SHARE));
+                each(rows, 1.0, |r| add(r.a1 / share, r.a2 / share));
             }
             if joint {
                 let caps = [cells[left.cell].cap, cells[right.cell].cap];
