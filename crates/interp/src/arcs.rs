@@ -56,11 +56,7 @@ impl Executor {
         let to = self.destination(false)?;
         let [a, b, n] = self.state.plane_axes();
         let (start, end) = ([self.state.at[a], self.state.at[b]], [to[a], to[b]]);
-        let centre = if let Some(radius) = self.words.get(b'R') {
-            self.centre_by_radius(radius, start, end, clockwise)?
-        } else {
-            self.centre_by_offsets(start, end)?
-        };
+        let centre = self.centre(start, end, clockwise)?;
         let turns = if clockwise { -turns } else { turns };
         let length = || {
             let radius = (start[0] - centre[0]).hypot(start[1] - centre[1]);
@@ -75,6 +71,19 @@ impl Executor {
         self.state.at = to;
         self.say(sink, &Call::Arc { plane: self.state.plane, to, centre, turns });
         Ok(())
+    }
+
+    /// By R, or by I, J, K.
+    pub(crate) fn centre(
+        &self,
+        start: [f64; 2],
+        end: [f64; 2],
+        clockwise: bool,
+    ) -> Outcome<[f64; 2]> {
+        match self.words.get(b'R') {
+            Some(radius) => self.centre_by_radius(radius, start, end, clockwise),
+            None => self.centre_by_offsets(start, end),
+        }
     }
 
     /// Letters of the centre's offsets along the plane's axes, and the one that has no place in it.
@@ -174,7 +183,8 @@ impl Executor {
             );
         }
         let axes = self.state.plane_axes();
-        if self.axis_word(axes[0]).is_none() && self.axis_word(axes[1]).is_none() {
+        let named = self.axis_word(axes[0]).or(self.axis_word(axes[1]));
+        if named.is_none() && self.recording.is_none() {
             return refuse(
                 "I0416",
                 span,

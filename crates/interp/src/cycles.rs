@@ -115,7 +115,7 @@ impl Executor {
         Ok(())
     }
 
-    fn check_cycle_feed(&self, code: &str) -> Outcome {
+    pub(crate) fn check_cycle_feed(&self, code: &str) -> Outcome {
         if self.state.feed_mode == FeedMode::InverseTime {
             return refuse(
                 "I0501",

@@ -16,6 +16,7 @@ use crate::{
     fault::{Outcome, error, refuse},
     held::Held,
     names::Store,
+    profile::Recording,
     setup::{Cycles, Dialect, MissingTools, Setup, UserCode},
     state::{Cycle, Motion, State},
     tool_table::ToolTable,
@@ -37,6 +38,8 @@ pub(crate) enum After {
     Call(u32, u32),
     /// M99.
     Return,
+    /// G70 to G72: the subprogram with the profile.
+    Profile(u32),
 }
 
 /// The interpreter without its text: modal state, parameters, the words at hand.
@@ -59,6 +62,8 @@ pub(crate) struct Executor {
     pub(crate) user_codes: Vec<UserCode>,
     /// The machine's settings for cycles.
     pub(crate) cycles: Cycles,
+    /// A profile being taken down.
+    pub(crate) recording: Option<Box<Recording>>,
     /// Warnings and notes of the block at hand.
     pub(crate) remarks: Vec<Diagnostic>,
 }
@@ -79,6 +84,7 @@ impl Executor {
             stand_alone: setup.stand_alone,
             user_codes: setup.user_codes.clone(),
             cycles: setup.cycles,
+            recording: None,
             remarks: Vec::new(),
         };
         new.state.retract_to_initial = setup.dialect == Dialect::Brother;
@@ -146,6 +152,9 @@ impl Executor {
         if let Some(before) = &before {
             self.ask_where(motion, before);
         }
+        if self.recording.is_some() {
+            return Ok(After::Profile(self.words.whole(b'Q', 999_999_999)?.unwrap_or(0)));
+        }
         self.stops(sink)
     }
 
@@ -181,7 +190,7 @@ impl Executor {
         } else if motion != self.state.motion {
             self.state.sticky = None;
         }
-        if self.compensating && !motion.is_plain() && motion != Motion::None {
+        if self.compensating && !motion.can_be_beside() && motion != Motion::None {
             return self.no_compensation();
         }
         if !matches!(motion, Motion::Nurbs | Motion::NurbsEnd) {
@@ -207,6 +216,7 @@ impl Executor {
             Motion::Thread => self.thread(sink)?,
             Motion::RigidTap => self.rigid_tap(sink)?,
             Motion::ThreadCycle => self.thread_cycle(sink)?,
+            Motion::Turning(code) => return self.turning(code, sink),
             Motion::Cycle(cycle) => self.cycle(cycle, sink)?,
         }
         self.state.motion = motion;

@@ -29,6 +29,11 @@ impl Interpreter<'_> {
             return Ok(()); // the program's own number, or the begin of one that M98 calls
         }
         self.make_outline(self.file)?;
+        let ends = matches!(word.keyword, Keyword::EndSub | Keyword::Return);
+        let depth = self.executor.recording.as_ref().map(|recording| recording.depth);
+        if ends && depth == Some(self.frames.len()) {
+            return self.end_of_profile(sink);
+        }
         match word.keyword {
             Keyword::Call => return self.call(word.label),
             Keyword::EndSub | Keyword::Return => return self.give_back(sink),
@@ -272,6 +277,32 @@ impl Interpreter<'_> {
             return self.executor.leave_context(sink);
         }
         Ok(())
+    }
+
+    /// G70 to G72: the blocks of this subprogram are the profile.
+    pub(crate) fn take_down_profile(&mut self, number: u32) -> Outcome {
+        let span = self.block.span;
+        let entered = match self.find_sub(&number.to_string(), span) {
+            Ok((file, mark)) => self.enter(file, mark, None, span),
+            Err(fault) => Err(fault),
+        };
+        match &mut self.executor.recording {
+            Some(recording) if entered.is_ok() => {
+                (recording.errors, recording.depth) = (self.errors, self.frames.len());
+            }
+            recording => *recording = None,
+        }
+        entered
+    }
+
+    /// Its subprogram is over: cut it.
+    fn end_of_profile<S: Sink>(&mut self, sink: &mut S) -> Outcome {
+        let recording = self.executor.recording.take();
+        self.leave(sink)?;
+        match recording.filter(|recording| recording.errors == self.errors) {
+            Some(recording) => self.executor.cut_profile(&recording, sink),
+            None => Ok(()),
+        }
     }
 
     /// M98.

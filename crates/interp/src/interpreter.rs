@@ -200,6 +200,9 @@ impl<'s> Interpreter<'s> {
         if !self.block.assignments.is_empty() {
             self.assign()?;
         }
+        if self.executor.recording.is_some() {
+            return self.executor.record();
+        }
         if !self.block.comments.is_empty() {
             let result = self.executor.comments(&self.block, self.sources[self.file], sink);
             self.ended |= result.is_err();
@@ -216,6 +219,7 @@ impl<'s> Interpreter<'s> {
             }
             After::Call(number, times) => self.call_program(number, times),
             After::Return => self.return_from_program(sink),
+            After::Profile(number) => self.take_down_profile(number),
         }
     }
 

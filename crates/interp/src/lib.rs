@@ -57,6 +57,7 @@ mod outputs;
 mod pieces;
 mod polygon;
 mod probe;
+mod profile;
 mod reread;
 mod resolve;
 mod rigid;

@@ -168,6 +168,9 @@ impl Reader {
         let has = |letter: u8| block.word(letter).is_some();
         let mut dwells = false;
         self.feed_cleared(block);
+        if let (Some(70.0..=72.9), Some(profile)) = (number(b'G'), number(b'Q')) {
+            self.called.insert(format!("{profile}"));
+        }
         for word in &block.words {
             let Value::Number(value) = word.value else { continue };
             match (word.letter, (value * 10.0).round() as i64) {

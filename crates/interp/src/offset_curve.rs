@@ -52,6 +52,7 @@ pub(crate) fn turn_rad(from: Flat, to: Flat) -> f64 {
 }
 
 /// A move of the plane as programmed.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Way {
     pub(crate) from: Flat,
     pub(crate) to: Flat,
@@ -72,6 +73,25 @@ impl Way {
                 times(left(out), f64::from(turns.signum()) / length(out))
             }
         }
+    }
+
+    /// How far along it a point of its line or circle lies, if it lies between its ends: a length, or radians.
+    pub(crate) fn reaches(&self, point: Flat) -> Option<f64> {
+        const SLACK: f64 = 1e-9;
+        let (along, whole) = match self.circle {
+            None => {
+                let way = minus(self.to, self.from);
+                (dot(minus(point, self.from), way) / length(way).max(NOTHING), length(way))
+            }
+            Some((centre, turns)) => {
+                if length(minus(point, self.from)) < SLACK {
+                    return Some(0.0);
+                }
+                let sweep = |to: Flat| sweep_rad(self.from, to, centre, turns.signum()).abs();
+                (sweep(point), sweep(self.to))
+            }
+        };
+        (-SLACK..=whole + SLACK).contains(&along).then_some(along)
     }
 }
 
@@ -112,6 +132,14 @@ impl Curve {
         }
     }
 
+    /// Of its circle; of a line, 0.
+    pub(crate) const fn radius(&self) -> f64 {
+        match *self {
+            Self::Line { .. } => 0.0,
+            Self::Circle { radius, .. } => radius,
+        }
+    }
+
     /// Whether the tool would go backwards to end here.
     pub(crate) fn turns_back(&self, end: Flat) -> bool {
         match *self {
@@ -126,7 +154,15 @@ impl Curve {
 
     /// Where two curves meet, as near as possible to a point.
     pub(crate) fn meets(&self, other: &Self, near: Flat) -> Option<Flat> {
-        let candidates = match (*self, *other) {
+        let distance = |p: &Flat| length(minus(*p, near));
+        let candidates = self.crossings(other, NOTHING).into_iter().flatten();
+        candidates.min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    }
+
+    /// The points, two at most, that two curves have in common; circles may miss by `slack`, the square of the
+    /// missing half chord.
+    pub(crate) fn crossings(&self, other: &Self, slack: f64) -> [Option<Flat>; 2] {
+        match (*self, *other) {
             (
                 Self::Line { through: a, direction: u, .. },
                 Self::Line { through: b, direction: v, .. },
@@ -137,24 +173,28 @@ impl Curve {
             }
             (Self::Line { through, direction, .. }, Self::Circle { centre, radius, .. })
             | (Self::Circle { centre, radius, .. }, Self::Line { through, direction, .. }) => {
-                line_and_circle(through, direction, centre, radius)
+                line_and_circle(through, direction, centre, radius, slack)
             }
             (
                 Self::Circle { centre, radius, .. },
                 Self::Circle { centre: centre_2, radius: radius_2, .. },
-            ) => two_circles(centre, radius, centre_2, radius_2),
-        };
-        let distance = |p: &Flat| length(minus(*p, near));
-        candidates.into_iter().flatten().min_by(|a, b| distance(a).total_cmp(&distance(b)))
+            ) => two_circles(centre, radius, centre_2, radius_2, slack),
+        }
     }
 }
 
-fn line_and_circle(through: Flat, direction: Flat, centre: Flat, radius: f64) -> [Option<Flat>; 2] {
+fn line_and_circle(
+    through: Flat,
+    direction: Flat,
+    centre: Flat,
+    radius: f64,
+    slack: f64,
+) -> [Option<Flat>; 2] {
     let foot = plus(through, times(direction, dot(minus(centre, through), direction)));
-    around(foot, direction, radius, length(minus(foot, centre)))
+    around(foot, direction, radius, length(minus(foot, centre)), slack)
 }
 
-fn two_circles(a: Flat, radius_a: f64, b: Flat, radius_b: f64) -> [Option<Flat>; 2] {
+fn two_circles(a: Flat, radius_a: f64, b: Flat, radius_b: f64, slack: f64) -> [Option<Flat>; 2] {
     let between = minus(b, a);
     let distance = length(between);
     if distance < NOTHING {
@@ -163,13 +203,13 @@ fn two_circles(a: Flat, radius_a: f64, b: Flat, radius_b: f64) -> [Option<Flat>;
     let along = times(between, 1.0 / distance);
     let to_foot =
         (distance * distance + radius_a * radius_a - radius_b * radius_b) / (2.0 * distance);
-    around(plus(a, times(along, to_foot)), left(along), radius_a, to_foot.abs())
+    around(plus(a, times(along, to_foot)), left(along), radius_a, to_foot.abs(), slack)
 }
 
 /// The two points of a chord: half as long as the radius and the distance of its foot from the centre leave.
-fn around(foot: Flat, along: Flat, radius: f64, distance: f64) -> [Option<Flat>; 2] {
+fn around(foot: Flat, along: Flat, radius: f64, distance: f64, slack: f64) -> [Option<Flat>; 2] {
     let squared = radius * radius - distance * distance;
-    if squared < -NOTHING {
+    if squared < -slack {
         return [None; 2];
     }
     let half = squared.max(0.0).sqrt();

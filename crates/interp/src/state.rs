@@ -40,6 +40,8 @@ pub(crate) enum Motion {
     RigidTap,
     /// G76.
     ThreadCycle,
+    /// G70 … G72.2: the code in tenths.
+    Turning(u16),
     /// G73, G74, G81 … G89.
     Cycle(Cycle),
 }
@@ -92,6 +94,7 @@ impl Motion {
             331 => Self::RigidTap,
             730 => Self::Cycle(Cycle::ChipBreak),
             740 => Self::Cycle(Cycle::TapLeft),
+            700..=722 => Self::Turning(tenths),
             760 => Self::ThreadCycle,
             810 => Self::Cycle(Cycle::Drill),
             820 => Self::Cycle(Cycle::DrillDwell),
@@ -109,8 +112,15 @@ impl Motion {
     }
 
     /// Whether it can be made with the tool beside it.
-    pub(crate) const fn is_plain(self) -> bool {
-        matches!(self, Self::Rapid | Self::Feed | Self::ArcClockwise | Self::ArcCounterclockwise)
+    pub(crate) const fn can_be_beside(self) -> bool {
+        matches!(
+            self,
+            Self::Rapid
+                | Self::Feed
+                | Self::ArcClockwise
+                | Self::ArcCounterclockwise
+                | Self::Turning(_)
+        )
     }
 
     /// Its code in tenths, as `#<_motion_mode>` says it.
@@ -129,6 +139,7 @@ impl Motion {
             Self::Thread => 330,
             Self::RigidTap => 331,
             Self::ThreadCycle => 760,
+            Self::Turning(tenths) => tenths,
             Self::Cycle(cycle) => cycle.code(),
         }
     }

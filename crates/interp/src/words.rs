@@ -187,6 +187,11 @@ impl Words {
         self.any_code
     }
 
+    /// Whether there is any M code.
+    pub(crate) fn has_m(&self) -> bool {
+        self.m.iter().any(|code| *code != NONE)
+    }
+
     /// The number after a letter.
     #[inline]
     pub(crate) fn get(&self, letter: u8) -> Option<f64> {

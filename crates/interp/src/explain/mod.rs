@@ -9,6 +9,8 @@ mod fanuc;
 mod flow;
 mod machine;
 mod text;
+mod tools;
+mod turning;
 mod words;
 
 use crate::setup::{Dialect, Limits, Setup};
@@ -48,8 +50,17 @@ impl Finding {
 
 /// All of them, by rising code.
 pub fn findings() -> impl Iterator<Item = &'static Finding> {
-    let all =
-        [text::ROWS, words::ROWS, flow::ROWS, cycles::ROWS, machine::ROWS, fanuc::ROWS, cam::ROWS];
+    let all = [
+        text::ROWS,
+        words::ROWS,
+        flow::ROWS,
+        cycles::ROWS,
+        turning::ROWS,
+        tools::ROWS,
+        machine::ROWS,
+        fanuc::ROWS,
+        cam::ROWS,
+    ];
     all.into_iter().flatten()
 }
 

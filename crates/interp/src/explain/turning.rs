@@ -1,0 +1,59 @@
+//! I058: lathe cycles that cut a profile.
+use super::{Finding, row};
+
+pub(super) const ROWS: &[Finding] = &[
+    row(
+        "I0580",
+        "The cycle needs the subprogram with its profile.",
+        "G18 F100\no1 sub\nG0 X10 Z0\nG1 Z-10\no1 endsub\nG71 X20 Z2",
+        "G18 F100\no1 sub\nG0 X10 Z0\nG1 Z-10\no1 endsub\nG71 Q1 X20 Z2",
+    ),
+    row(
+        "I0581",
+        "A profile is one of X and Z.",
+        "F100\no1 sub\nG0 X10 Z0\nG1 Z-10\no1 endsub\nG71 Q1 X20 Z2",
+        "G18 F100\no1 sub\nG0 X10 Z0\nG1 Z-10\no1 endsub\nG71 Q1 X20 Z2",
+    ),
+    row(
+        "I0582",
+        "Roughing is done without cutter compensation.",
+        "G18 F100\no1 sub\nG0 X10 Z0\nG1 Z-10\no1 endsub\nG42.1 D1\nG71 Q1 X20 Z2\nG40",
+        "G18 F100\no1 sub\nG0 X10 Z0\nG1 Z-10\no1 endsub\nG71 Q1 X20 Z2",
+    ),
+    row(
+        "I0583",
+        "The cycle's passes need a depth and a number.",
+        "G18 F100\no1 sub\nG0 X10 Z0\nG1 Z-10\no1 endsub\nG71 Q1 X20 Z2 I0",
+        "G18 F100\no1 sub\nG0 X10 Z0\nG1 Z-10\no1 endsub\nG71 Q1 X20 Z2 I1.5",
+    ),
+    row(
+        "I0584",
+        "A profile has moves.",
+        "G18 F100\no1 sub\nG0 X10 Z0\no1 endsub\nG71 Q1 X20 Z2",
+        "G18 F100\no1 sub\nG0 X10 Z0\nG1 Z-10\no1 endsub\nG71 Q1 X20 Z2",
+    ),
+    row(
+        "I0585",
+        "A profile does not run back.",
+        "G18 F100\no1 sub\nG0 X10 Z0\nG1 Z-10\nX14\nZ-8\no1 endsub\nG71 Q1 X20 Z2",
+        "G18 F100\no1 sub\nG0 X10 Z0\nG1 Z-10\nX14\nZ-18\no1 endsub\nG71 Q1 X20 Z2",
+    ),
+    row(
+        "I0586",
+        "A fillet or chamfer fits between its moves.",
+        "G18 F100\no1 sub\nG0 X10 Z0\nG1 Z-10\nX14 A5\nZ-11\no1 endsub\nG71 Q1 X20 Z2",
+        "G18 F100\no1 sub\nG0 X10 Z0\nG1 Z-10\nX14 A0.5\nZ-11\no1 endsub\nG71 Q1 X20 Z2",
+    ),
+    row(
+        "I0587",
+        "The material left does not fit into the profile.",
+        "G18 F100\no1 sub\nG0 X10 Z0\nG1 Z-10\nX5\nZ-10.5\nX14\no1 endsub\nG71 Q1 X20 Z2 D1",
+        "G18 F100\no1 sub\nG0 X10 Z0\nG1 Z-10\nX5\nZ-10.5\nX14\no1 endsub\nG71 Q1 X20 Z2 D0.1",
+    ),
+    row(
+        "I0589",
+        "This word has no effect in a profile.",
+        "G18 F100\no1 sub\nG0 X10 Z0 M8\nG1 Z-10\no1 endsub\nG71 Q1 X20 Z2",
+        "G18 F100 M8\no1 sub\nG0 X10 Z0\nG1 Z-10\no1 endsub\nG71 Q1 X20 Z2",
+    ),
+];

@@ -1,0 +1,197 @@
+//! G70, G71, G72 with the profile in a subprogram.
+//!
+//! | word | G70 | G71, G72 |
+//! |---|---|---|
+//! | Q | the subprogram | the subprogram |
+//! | X Z | where the cycle begins | the same |
+//! | D | distance of the first pass | what is left on the profile |
+//! | E, P | distance of the last pass; passes | |
+//! | I, R | | from level to level (1); how far a pass comes away (0.5) |
+use super::{Facing, Part, Profile, Recording, Roughing, Stroke, Unfit, parallel, rough};
+use crate::{
+    call::{Call, Sink},
+    execute::Executor,
+    fault::{Outcome, error, refuse},
+    frame::Point,
+    offset_curve::Flat,
+    state::Motion,
+};
+use canon::Plane;
+
+/// More passes than this are a slip of the pen.
+const MAX_PASSES: f64 = 10_000.0;
+
+/// What is to be done with a profile.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Order {
+    /// Along it, at distances that shrink from `first` towards `last`.
+    Finish { first: f64, last: f64, passes: u32 },
+    /// Clear what lies over it.
+    Rough { across: bool, leave: f64, how: Roughing },
+}
+
+impl Executor {
+    /// G70 … G72.2: the tool goes to the begin, and the profile's blocks are taken down. Which subprogram they are in.
+    pub(crate) fn turning<S: Sink>(&mut self, tenths: u16, sink: &mut S) -> Outcome {
+        let code = crate::codes::written(tenths);
+        let span = self.words.place.span;
+        if self.state.plane != Plane::ZX {
+            let text = format!("G{code} cuts a profile of X and Z: write G18 before");
+            return refuse("I0581", span, text);
+        }
+        if tenths != 700 && self.compensating {
+            let text = format!("G{code} cannot be used with G41 or G42: roughing leaves material");
+            let fault = error("I0582", span, text);
+            return Err(fault.with_help("write G40 before it, and G42 before G70").into());
+        }
+        self.check_cycle_feed(&code)?;
+        if self.words.get(b'Q').is_none() {
+            let text = format!("G{code} needs Q, the number of the subprogram with the profile");
+            return refuse("I0580", span, text);
+        }
+        let order = if tenths == 700 { self.finishing()? } else { self.roughing(tenths)? };
+        let to = self.destination(false)?;
+        self.go_straight(true, &to, sink)?;
+        self.recording = Some(Box::new(Recording::new(order, self.words.place, to)));
+        Ok(())
+    }
+
+    fn finishing(&self) -> Outcome<Order> {
+        let passes = self.words.whole(b'P', 1_000)?.unwrap_or(1);
+        if passes == 0 {
+            return refuse("I0583", self.words.span(b'P'), "P counts passes: 1 or more");
+        }
+        let [first, last] = [b'D', b'E'].map(|letter| self.words.get(letter).unwrap_or(0.0));
+        Ok(Order::Finish { first, last, passes })
+    }
+
+    fn roughing(&self, tenths: u16) -> Outcome<Order> {
+        let [step, retract] = [(b'I', 1.0), (b'R', 0.5)]
+            .map(|(letter, usual)| self.words.get(letter).unwrap_or(usual));
+        if step <= 0.0 {
+            let text = format!("I is the depth of each pass, above 0, found {step}");
+            return refuse("I0583", self.words.span(b'I'), text);
+        }
+        if retract < 0.0 {
+            let text = format!("R is how far a pass comes away, 0 or more, found {retract}");
+            return refuse("I0583", self.words.span(b'R'), text);
+        }
+        let part = match tenths % 10 {
+            1 => Part::FirstPocket,
+            2 => Part::LaterPockets,
+            _ => Part::All,
+        };
+        let how = Roughing { part, step, retract };
+        let leave = self.words.get(b'D').unwrap_or(0.0);
+        Ok(Order::Rough { across: tenths >= 720, leave, how })
+    }
+
+    /// The profile is known: cut it.
+    pub(crate) fn cut_profile<S: Sink>(&mut self, recording: &Recording, sink: &mut S) -> Outcome {
+        self.words.place = recording.place;
+        self.state.at = recording.start;
+        let Some(profile) = recording.profile() else {
+            let text =
+                "the profile has no moves: its first block leads to its begin, the others along it";
+            return refuse("I0584", recording.place.span, text);
+        };
+        let start = [recording.start[2], recording.start[0]];
+        let strokes = profile.and_then(|profile| match recording.order {
+            Order::Finish { first, last, passes } => finish(start, &profile, first, last, passes),
+            Order::Rough { across, leave, how } => roughed(start, &profile, across, leave, how),
+        });
+        let strokes = match strokes {
+            Ok(strokes) => strokes,
+            Err(why) => return Err(self.unfit(&why).into()),
+        };
+        if strokes.is_empty() {
+            let text = format!("I would make more than {MAX_PASSES} passes");
+            return refuse("I0583", recording.place.span, text);
+        }
+        self.state.motion = Motion::Feed;
+        for stroke in strokes {
+            self.stroke(stroke, sink)?;
+        }
+        Ok(())
+    }
+
+    fn stroke<S: Sink>(&mut self, stroke: Stroke, sink: &mut S) -> Outcome {
+        let point = |at: &Point, [z, x]: Flat| -> Point {
+            let mut to = *at;
+            (to[0], to[2]) = (x, z);
+            to
+        };
+        match stroke {
+            Stroke::Rapid(to) => self.go_straight(true, &point(&self.state.at, to), sink),
+            Stroke::Line(to) => self.go_straight(false, &point(&self.state.at, to), sink),
+            Stroke::Arc { to, centre, turns } => {
+                let to = point(&self.state.at, to);
+                if self.compensating {
+                    self.arc_beside(&to, centre, turns, sink)?;
+                } else {
+                    self.say(sink, &Call::Arc { plane: Plane::ZX, to, centre, turns });
+                }
+                self.state.at = to;
+                Ok(())
+            }
+        }
+    }
+
+    fn go_straight<S: Sink>(&mut self, rapid: bool, to: &Point, sink: &mut S) -> Outcome {
+        if self.compensating {
+            self.straight_beside(rapid, to, sink)?;
+        } else {
+            self.say(sink, &if rapid { Call::Rapid(*to) } else { Call::Line(*to) });
+        }
+        self.state.at = *to;
+        Ok(())
+    }
+}
+
+/// Along the profile, pass by pass, each from the start.
+fn finish(
+    start: Flat,
+    profile: &Profile,
+    first: f64,
+    last: f64,
+    passes: u32,
+) -> Result<Vec<Stroke>, Unfit> {
+    let along_z = Facing::of(profile, false);
+    let one_way = profile.seen(along_z).parted().is_ok();
+    let facing = if one_way { along_z } else { Facing::of(profile, true) };
+    let (profile, start) = (profile.seen(facing), facing.to(start));
+    let start = [start[0].min(profile.begin[0]), start[1]];
+    let side = profile.side_of(start);
+    let mut strokes = Vec::new();
+    for pass in 1..=passes {
+        let left = f64::from(passes - pass) / f64::from(passes);
+        let beside = parallel(&profile, side * (last + left * (first - last)))?;
+        strokes.extend([Stroke::Rapid(start), Stroke::Rapid(beside.begin)]);
+        strokes.extend(beside.ways.iter().map(|way| match way.circle {
+            None => Stroke::Line(way.to),
+            Some((centre, turns)) => Stroke::Arc { to: way.to, centre, turns },
+        }));
+    }
+    Ok(strokes.into_iter().map(|stroke| facing.stroke(stroke)).collect())
+}
+
+/// The strokes that leave so much on the profile; none if they are too many.
+fn roughed(
+    start: Flat,
+    profile: &Profile,
+    across: bool,
+    leave: f64,
+    how: Roughing,
+) -> Result<Vec<Stroke>, Unfit> {
+    let facing = Facing::of(profile, across);
+    let profile = profile.seen(facing);
+    let start = facing.to(start);
+    let start = [start[0].min(profile.begin[0]), start[1]];
+    let profile = parallel(&profile, profile.side_of(start) * leave)?.parted()?;
+    let lowest = profile.ways.iter().map(|way| way.to[1]).fold(profile.begin[1], f64::min);
+    if (start[1] - lowest) / how.step > MAX_PASSES {
+        return Ok(Vec::new());
+    }
+    let strokes = std::iter::once(Stroke::Rapid(start)).chain(rough(start, &profile, how));
+    Ok(strokes.map(|stroke| facing.stroke(stroke)).collect())
+}

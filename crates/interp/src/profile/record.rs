@@ -1,0 +1,194 @@
+//! A profile taken down from its blocks instead of being moved along.
+//!
+//! The first straight move leads to the profile's begin. `A` rounds the corner at a move's end, `C` cuts it off; `U` and
+//! `W` are increments of X and Z. What else a block says has no effect, as on LinuxCNC, and a warning says so.
+use super::{
+    Order, Profile, Unfit,
+    corner::{self, Corner},
+};
+use crate::{
+    call::Place,
+    codes::{GGroup, set},
+    execute::Executor,
+    fault::{Outcome, error, refuse},
+    frame::Point,
+    offset_curve::{Flat, Way, length, minus},
+    state::Motion,
+};
+use diag::Diagnostic;
+
+/// What has been taken down.
+#[derive(Clone)]
+pub(crate) struct Recording {
+    /// What to do with it.
+    pub(crate) order: Order,
+    /// The cycle's block.
+    pub(crate) place: Place,
+    /// Where the cycle begins: while a profile is taken down, the state's position is the profile's.
+    pub(crate) start: Point,
+    /// Errors found before it.
+    pub(crate) errors: usize,
+    /// How deep the calls are where it is taken down.
+    pub(crate) depth: usize,
+    motion: Motion,
+    begin: Option<Flat>,
+    moves: Vec<(Way, Corner)>,
+    warned: bool,
+}
+
+/// More moves than this are no profile.
+const MAX_MOVES: usize = 10_000;
+
+impl Recording {
+    pub(crate) fn new(order: Order, place: Place, start: Point) -> Self {
+        Self {
+            order,
+            place,
+            start,
+            errors: 0,
+            depth: 0,
+            motion: Motion::Feed,
+            begin: None,
+            moves: Vec::new(),
+            warned: false,
+        }
+    }
+
+    /// All of it; none if it has no move.
+    pub(crate) fn profile(&self) -> Option<Result<Profile, Unfit>> {
+        let begin = self.begin.filter(|_| !self.moves.is_empty())?;
+        Some(corner::profile(begin, &self.moves))
+    }
+
+    fn go(&mut self, way: Way, corner: Corner) {
+        if self.begin.is_none() {
+            self.begin = Some(if way.circle.is_some() { way.from } else { way.to });
+            if way.circle.is_none() {
+                return;
+            }
+        }
+        if way.circle.is_some() || length(minus(way.to, way.from)) > 0.0 {
+            self.moves.push((way, corner));
+        }
+    }
+}
+
+impl Executor {
+    /// Take down the block whose words were read.
+    pub(crate) fn record(&mut self) -> Outcome {
+        let Some(mut recording) = self.recording.take() else { return Ok(()) };
+        let result = self.take_down(&mut recording);
+        self.recording = Some(recording);
+        result
+    }
+
+    fn take_down(&mut self, recording: &mut Recording) -> Outcome {
+        let motion = match self.words.g(GGroup::Motion) {
+            Some(code @ 0..=30) => {
+                recording.motion = Motion::from_code(code);
+                Some(recording.motion)
+            }
+            Some(_) => None,
+            None => Some(recording.motion),
+        };
+        let Some(motion) = motion.filter(|_| self.words.any(set("XZUW"))) else {
+            self.warn_of_idle_words(recording, u32::MAX);
+            return Ok(());
+        };
+        let corner = match (self.words.take(b'A'), self.words.take(b'C')) {
+            (None, None) => Corner::Sharp,
+            (Some(radius), None) if radius > 0.0 => Corner::Fillet(radius),
+            (None, Some(size)) if size > 0.0 => Corner::Chamfer(size),
+            _ => {
+                let text =
+                    "a corner of a profile is rounded (A) or cut off (C), by a length above 0";
+                return refuse("I0586", self.words.place.span, text);
+            }
+        };
+        let to = self.profile_point()?;
+        self.warn_of_idle_words(recording, !set("XZIKRGF"));
+        let way = self.profile_way(motion, &to)?;
+        recording.go(way, corner);
+        self.state.at = to;
+        if recording.moves.len() > MAX_MOVES {
+            let text = format!("a profile has {MAX_MOVES} moves at most");
+            return refuse("I0584", self.words.place.span, text);
+        }
+        Ok(())
+    }
+
+    /// Where X, Z, U, W lead.
+    fn profile_point(&mut self) -> Outcome<Point> {
+        let span = self.words.place.span;
+        let steps = [(b'U', b'X'), (b'W', b'Z')].map(|(step, letter)| {
+            let twice = self.words.get(letter).is_some();
+            self.words.take(step).map(|value| (value, twice, letter))
+        });
+        let mut to = self.destination(false)?;
+        for (axis, step) in [0, 2].into_iter().zip(steps) {
+            let Some((value, twice, letter)) = step else { continue };
+            if twice {
+                let text = format!(
+                    "{} is given twice, as a coordinate and as an increment",
+                    letter as char
+                );
+                return refuse("I0101", span, text);
+            }
+            let halved = axis == 0 && self.state.diameter;
+            to[axis] = self.state.at[axis] + if halved { value / 2.0 } else { value };
+        }
+        Ok(to)
+    }
+
+    fn profile_way(&self, motion: Motion, to: &Point) -> Outcome<Way> {
+        let flat = |point: &Point| -> Flat { [point[2], point[0]] };
+        let (from, to) = (flat(&self.state.at), flat(to));
+        let turns = match motion {
+            Motion::ArcClockwise => -1,
+            Motion::ArcCounterclockwise => 1,
+            _ => return Ok(Way { from, to, circle: None }),
+        };
+        let centre = self.centre(from, to, turns < 0)?;
+        Ok(Way { from, to, circle: Some((centre, turns)) })
+    }
+
+    /// Once for each profile: words that it does not take.
+    fn warn_of_idle_words(&mut self, recording: &mut Recording, idle: u32) {
+        let stray = self.words.has_m() || self.words.any(idle & !set("GF"));
+        if recording.warned || !stray {
+            return;
+        }
+        recording.warned = true;
+        let text = "only G0 to G3 with X, Z, U, W, I, K, R, A and C have an effect in a profile";
+        self.remarks.push(Diagnostic::warning("I0589", self.words.place.span, text).with_help(
+            "write the other words before or after the cycle. Said once for each profile",
+        ));
+    }
+
+    /// The sentence for a profile that cannot be cut.
+    pub(crate) fn unfit(&self, why: &Unfit) -> Diagnostic {
+        let span = self.words.place.span;
+        let at = |[z, x]: Flat| {
+            let (letter, x) = if self.state.diameter { ("diameter ", 2.0 * x) } else { ("X", x) };
+            format!("{letter}{x:.4} Z{z:.4}")
+        };
+        match *why {
+            Unfit::Back(point) => {
+                let text = format!("the profile runs back at {}", at(point));
+                error("I0585", span, text).with_help(
+                    "from its begin to its end it must go one way only: along Z for G71 and G73, along X for G72",
+                )
+            }
+            Unfit::Corner(size, point) => {
+                let text = format!("a corner of {size} does not fit at {}", at(point));
+                error("I0586", span, text).with_help("the moves before and after it must be longer")
+            }
+            Unfit::Parallel(distance, point) => {
+                let text =
+                    format!("there is no room for a distance of {distance} at {}", at(point));
+                error("I0587", span, text)
+                    .with_help("leave less material, or make the groove there wider")
+            }
+        }
+    }
+}
