@@ -181,8 +181,8 @@ impl Watch {
             return Some("the tool is broken".into());
         }
         let (&first, &work) = self.works.range(..=op).next_back()?;
-        if self.works.len() > 2 {
-            self.works = self.works.split_off(&first);
+        while self.works.first_key_value().is_some_and(|(&done, _)| done < first) {
+            self.works.pop_first();
         }
         let now = sample.feedback.time;
         let (angle, z) = (sample.spindle(0), sample.axis(work.axis.index()));

@@ -140,7 +140,9 @@ impl Recorder {
         }
         if self.current.is_none() {
             let Some(tap) = self.announced.remove(&op) else { return };
-            self.announced = self.announced.split_off(&op); // those before it will not come any more
+            while self.announced.first_key_value().is_some_and(|(&before, _)| before < op) {
+                self.announced.pop_first(); // it will not come any more
+            }
             self.current = Some(TapTrace::begin(op, &tap, sample));
         }
         if let Some(trace) = &mut self.current {
