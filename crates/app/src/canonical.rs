@@ -126,6 +126,14 @@ fn body(kind: &OpKind) -> Value {
             "start_angle_deg": tap.start_angle.map(units::Angle::in_deg),
             "peck_mm": tap.peck.map(units::Length::value),
         }),
+        OpKind::Threading(stretch) => json!({
+            "op": "threading",
+            "to_mm": position(&stretch.to),
+            "lead_mm": stretch.lead.value(),
+            "start_angle_deg": stretch.start_angle.in_deg(),
+            "axis": stretch.axis.letter().to_string(),
+            "surface_mm": stretch.surface.value(),
+        }),
         OpKind::Hole(hole) => json!({
             "op": "hole",
             "at_mm": position(&hole.at),

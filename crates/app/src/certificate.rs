@@ -2,7 +2,7 @@
 use canon::Position;
 use store::certificate::{self as file, Common, Measured};
 use units::Length;
-use verify::{Feature, FeatureKind, GroundCam, Hand, Hole, Polygon, Thread, Verdict};
+use verify::{Feature, FeatureKind, GroundCam, Hand, Hole, Polygon, Thread, TurnedThread, Verdict};
 
 /// One feature, in the certificate's keys and units; places in the frame of the workpiece, whose zero is there.
 pub(crate) fn feature(found: &Feature, zero: &Position) -> file::Feature {
@@ -19,6 +19,7 @@ pub(crate) fn feature(found: &Feature, zero: &Position) -> file::Feature {
         FeatureKind::Hole(found) => file::Feature::Hole(hole(common, found, zero)),
         FeatureKind::Thread(found) => file::Feature::Thread(Box::new(thread(common, found, zero))),
         FeatureKind::Cam(found) => file::Feature::Cam(cam(common, found)),
+        FeatureKind::Turned(found) => file::Feature::Turned(turned(common, found, zero)),
         FeatureKind::Polygon(found) => file::Feature::Polygon(polygon(common, found, zero)),
     }
 }
@@ -37,6 +38,31 @@ fn cam(common: Common, found: &GroundCam) -> file::Cam {
         speed_error_um_per_deg: measured(Measured::um(found.speed_error_per_deg)),
         waviness_um: measured(Measured::um(found.waviness.0)),
         waves_per_rev: measured(Measured::number(found.waviness.1 as f64)),
+    }
+}
+
+fn turned(common: Common, found: &TurnedThread, zero: &Position) -> file::TurnedThread {
+    let measured = |value| if found.passes == 0 { Measured::UNKNOWN } else { value };
+    let um = |value| measured(Measured::um(value));
+    let zero = zero.along(found.axis);
+    file::TurnedThread {
+        common,
+        hand: match found.hand {
+            Hand::Right => file::Hand::Right,
+            Hand::Left => file::Hand::Left,
+        },
+        lead_mm: Measured::lead(found.lead),
+        axis: found.axis.letter().to_string(),
+        from_mm: Measured::mm(found.surface - zero),
+        to_mm: Measured::mm(found.end - zero),
+        passes: found.passes,
+        passes_ordered: found.passes_ordered,
+        rpm_max: measured(Measured::rpm(found.spin_max)),
+        sync_error_max_um: um(found.sync_error_max),
+        sync_error_rms_um: um(found.sync_error_rms),
+        lead_error_um: um(found.lead_error),
+        pass_spread_um: um(found.pass_spread),
+        infeed_error_um: um(found.infeed_error),
     }
 }
 

@@ -116,8 +116,9 @@ pub(crate) fn find(
         }
         travels = is_rapid;
         let is_feature = matches!(op.kind, OpKind::Tap(_) | OpKind::Hole(_));
-        let moves =
-            is_rapid || is_feature || matches!(op.kind, OpKind::Line { .. } | OpKind::Arc { .. });
+        let cuts =
+            matches!(op.kind, OpKind::Line { .. } | OpKind::Arc { .. } | OpKind::Threading(_));
+        let moves = is_rapid || is_feature || cuts;
         let found = match from {
             From::Hole(number) => is_feature && in_force.holes + 1 == number,
             From::Line(line) => moves && op.span.line >= line,

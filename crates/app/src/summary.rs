@@ -168,6 +168,7 @@ fn name(feature: &Feature) -> String {
         },
         FeatureKind::Polygon(polygon) => polygon.name(),
         FeatureKind::Cam(cam) => format!("cam {} at {:.0} rpm", cam.name, cam.spin.in_rpm()),
+        FeatureKind::Turned(thread) => thread.name(),
     }
 }
 
@@ -180,6 +181,10 @@ fn row(group: &[&Feature], outcome: &Outcome) -> Vec<Cell> {
     let least = |value: &dyn Fn(&Feature) -> f64| {
         group.iter().map(|f| value(f)).fold(f64::INFINITY, f64::min)
     };
+    if let FeatureKind::Turned(_) = &group[0].kind {
+        cells.extend(turned_cells(group));
+        return cells;
+    }
     let FeatureKind::Thread(first) = &group[0].kind else {
         cells.push(Cell::new(format!("{:.3}", worst(&|f| hole(f).0))));
         cells.push(Cell::new(format!("{:+.1} µm", worst(&|f| hole(f).1))));
@@ -207,10 +212,32 @@ fn row(group: &[&Feature], outcome: &Outcome) -> Vec<Cell> {
     cells
 }
 
+/// Length, error of the infeed, sync error, and the speed of turned threads.
+fn turned_cells(group: &[&Feature]) -> Vec<Cell> {
+    let threads = || {
+        group.iter().filter_map(|feature| match &feature.kind {
+            FeatureKind::Turned(thread) => Some(thread.as_ref()),
+            _ => None,
+        })
+    };
+    let most = |value: fn(&verify::TurnedThread) -> f64| threads().map(value).fold(0.0, f64::max);
+    vec![
+        Cell::new(format!("{:.3}", most(|t| t.length().value()))),
+        Cell::new(format!("{:.1} µm", most(|t| t.infeed_error.in_um()))),
+        Cell::new(format!("{:.1} µm", most(|t| t.sync_error_max.in_um()))),
+        Cell::new(""),
+        Cell::new(""),
+        Cell::new(format!("{:.0}", most(|t| t.spin_max.in_rpm()))),
+    ]
+}
+
 fn thread(feature: &Feature) -> Option<&Thread> {
     match &feature.kind {
         FeatureKind::Thread(thread) => Some(thread),
-        FeatureKind::Hole(_) | FeatureKind::Polygon(_) | FeatureKind::Cam(_) => None,
+        FeatureKind::Hole(_)
+        | FeatureKind::Polygon(_)
+        | FeatureKind::Cam(_)
+        | FeatureKind::Turned(_) => None,
     }
 }
 
@@ -218,7 +245,7 @@ fn thread(feature: &Feature) -> Option<&Thread> {
 fn hole(feature: &Feature) -> (f64, f64) {
     match &feature.kind {
         FeatureKind::Hole(hole) => (hole.depth.value(), hole.depth_error.in_um()),
-        FeatureKind::Thread(_) => (f64::NAN, 0.0),
+        FeatureKind::Thread(_) | FeatureKind::Turned(_) => (f64::NAN, 0.0),
         FeatureKind::Cam(cam) => {
             let lift = cam.lift.iter().map(|l| l.value()).fold(0.0, f64::max);
             (lift, cam.contour_error_max.in_um())

@@ -93,7 +93,10 @@ fn a_missing_program_machine_or_tool_table() {
 fn an_unknown_machine_is_answered_with_those_there_are() {
     let output = leadscrew(&["run", "programs/plate-12xM6.ngc", "--machine", "tapping-centre"]);
     assert_eq!(output.status.code(), Some(2));
-    says(&complained(&output), &["tapping-centre", "tapping-center, polygon-lathe, cam-grinder"]);
+    says(
+        &complained(&output),
+        &["tapping-centre", "tapping-center, polygon-lathe, lathe, cam-grinder"],
+    );
 }
 
 /// The default machine's file with one thing changed.

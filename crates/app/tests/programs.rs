@@ -58,6 +58,26 @@ fn the_flange_has_left_hand_threads_beside_right_hand_ones() {
     insta::assert_snapshot!(verdicts("programs/left-hand.ngc"));
 }
 
+/// A turned thread, on its machine: the helix is the judge's, from the program's words.
+#[test]
+fn the_bolt_gets_its_thread_in_sixteen_passes() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let program = "programs/thread-m20x1.5.ngc";
+    let args = ["run", program, "--machine", "lathe", "-q", "--out", out.to_str().unwrap()];
+    let output = leadscrew(&args);
+    assert_eq!(output.status.code(), Some(0), "{}", complained(&output));
+    let text = std::fs::read_to_string(out.join("certificate.json")).unwrap();
+    let certificate: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let thread = &certificate["features"][0];
+    let number = |key: &str| thread[key].as_f64().unwrap();
+    assert_eq!(thread["kind"], "turned-thread");
+    // 0.25·n^½ ≥ 0.92 at n = 14, and two spring passes
+    assert_eq!((number("passes"), number("passes_ordered")), (16.0, 16.0));
+    assert_eq!((number("from_mm"), number("to_mm")), (0.0, -23.5));
+    assert!(number("sync_error_max_um") < 10.0 && number("pass_spread_um") < 5.0, "{thread}");
+}
+
 #[test]
 fn the_bolt_circles_come_out_of_one_subroutine() {
     insta::assert_snapshot!(verdicts("programs/bolt-circle.ngc"));

@@ -7,7 +7,7 @@
 //! text is its [`Span`], and nothing else.
 //!
 //! ```text
-//!   Op ─┬─ motion     Rapid, Line, Arc, Tap
+//!   Op ─┬─ motion     Rapid, Line, Arc, Tap, Threading
 //!       ├─ waiting    Dwell, Pause, End
 //!       ├─ coupling   Polygon, PolygonEnd, Cam
 //!       ├─ switching  Spindle, Coolant, SelectTool, ChangeTool, PathMode, Overrides, Output, Input, UserCode
@@ -30,7 +30,7 @@ pub use coupling::{Actuator, Harmonic, Oscillating, Oscillation, Polygon, Ratio}
 pub use diag::Span;
 pub use op::{
     Arc, Await, ChipRemoval, Feed, Hole, InputWait, Op, OpKind, Output, PathMode, Signal,
-    SpindleOrder, Tap, UserCode,
+    SpindleOrder, Tap, Threading, UserCode,
 };
 pub use position::{Axis, Plane, Position};
 pub use tool::{Flute, Holder, PolygonCutter, TapTool, Tool, ToolKind, ToolLibrary};

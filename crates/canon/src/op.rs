@@ -39,6 +39,8 @@ pub enum OpKind {
     /// Tap a hole, synchronised with the spindle, in and out. The axes stand at the start already.
     /// Afterwards the spindle stands still; an M3 or M4 in force is restored before the next cut.
     Tap(Tap),
+    /// Turn a straight stretch of a thread; stretches one after another go on into one another without a stop.
+    Threading(Threading),
     /// The moves that follow, up to the next op whose span differs or to the next `Hole`, make this hole.
     Hole(Hole),
     /// Wait.
@@ -256,6 +258,26 @@ pub struct Tap {
     pub start_angle: Option<Angle>,
     /// How deep each peck goes beyond the one before (Q); `None`: all the way at once.
     pub peck: Option<Length>,
+}
+
+/// A straight stretch of a thread turned with a single point (G33, G32, G76). Coordinates are machine coordinates.
+///
+/// The stretches of a chain are one function of the spindle's angle: where the first one starts, the spindle stands at
+/// `start_angle`, and from there on the tool goes `lead` along the path with each revolution. So passes over the same
+/// thread find the same groove, at any speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Threading {
+    /// Where it ends.
+    pub to: Position,
+    /// Length of path per revolution.
+    pub lead: Lead,
+    /// Spindle angle at which the chain's first stretch starts.
+    pub start_angle: Angle,
+    /// The axis along which the thread runs: the one that goes farthest.
+    pub axis: Axis,
+    /// Where the material is taken to begin, as a coordinate of `axis`: the work's zero if it lies between start and
+    /// end, else the start.
+    pub surface: Length,
 }
 
 /// What a drilling cycle is about to make. Coordinates are machine coordinates of the axes.

@@ -3,6 +3,7 @@
 //! ```text
 //!   Call::Line(to)   ──► ×25.4 if inches ──► Frame::to_machine ──► Op::Line { to, feed }
 //!   Call::FeedRate   ──► feed, per minute or revolution or as the move's duration
+//!   Call::SyncStart  ──► the lines that follow are Op::Threading
 //!   Call::Tap        ──► lead = F/S (G94) or F (G95); start, bottom, surface on the tap's axis
 //! ```
 //!
@@ -16,7 +17,8 @@ use crate::{
     setup::Setup,
 };
 use canon::{
-    Arc, Axis, Feed, Hole, Op, OpKind, Output, PathMode, Plane, Position, SpindleOrder, ToolLibrary,
+    Arc, Axis, Feed, Hole, Op, OpKind, Output, PathMode, Plane, Position, SpindleOrder, Threading,
+    ToolLibrary,
 };
 use diag::{Diagnostic, Span};
 use std::collections::VecDeque;
@@ -38,6 +40,8 @@ pub struct Resolver {
     /// Where the axes stand, mm and degrees.
     pub(crate) at: Point,
     feed: FeedOrder,
+    /// Lead of the thread that lines turn, mm.
+    threading: Option<f64>,
     pub(crate) spindle: SpindleState,
     path: PathMode,
     path_said: Option<PathMode>,
@@ -82,6 +86,7 @@ impl Resolver {
             frame: Frame::default(),
             at: machine_point(&setup.start),
             feed: FeedOrder { rate: 0.0, mm: 1.0, per_revolution: false, duration_s: None },
+            threading: None,
             spindle: SpindleState { speed: 0.0, sense: None, surface: None, said: None },
             path: PathMode::Blend { tolerance: None, merge: None },
             path_said: None,
@@ -120,7 +125,11 @@ impl Resolver {
         if !self.with_motion.is_empty()
             && matches!(
                 kind,
-                OpKind::Rapid { .. } | OpKind::Line { .. } | OpKind::Arc { .. } | OpKind::Tap(_)
+                OpKind::Rapid { .. }
+                    | OpKind::Line { .. }
+                    | OpKind::Arc { .. }
+                    | OpKind::Tap(_)
+                    | OpKind::Threading(_)
             )
         {
             for (span, output) in self.with_motion.drain(..) {
@@ -186,8 +195,27 @@ impl Resolver {
         let to = self.machine(program);
         let from = self.at;
         if self.arrives(&to, span) {
-            let feed = self.feed(&from, &to, span);
-            self.push(span, OpKind::Line { to: position(&to), feed });
+            let kind = match self.threading {
+                Some(lead) => OpKind::Threading(self.stretch(&from, &to, lead)),
+                None => OpKind::Line { to: position(&to), feed: self.feed(&from, &to, span) },
+            };
+            self.push(span, kind);
+        }
+    }
+
+    /// A stretch of a turned thread, all in machine coordinates.
+    fn stretch(&self, from: &Point, to: &Point, lead: f64) -> Threading {
+        let way = |i: usize| (to[i] - from[i]).abs();
+        let farthest = (0..3).fold(2, |most, i| if way(i) > way(most) { i } else { most });
+        let zero = self.machine(&[0.0; 9])[farthest];
+        let within =
+            (from[farthest].min(to[farthest])..=from[farthest].max(to[farthest])).contains(&zero);
+        Threading {
+            to: position(to),
+            lead: Lead::mm_per_rev(lead),
+            start_angle: Angle::ZERO,
+            axis: Axis::ALL[farthest],
+            surface: Length::mm(if within { zero } else { from[farthest] }),
         }
     }
 
@@ -346,11 +374,8 @@ impl Sink for Resolver {
             Call::RigidTap { to, lead, return_factor, sense } => {
                 self.rigid_tap(to, *lead, *return_factor, *sense, span);
             }
-            Call::SyncStart(_) => {
-                let text =
-                    "threading with G33 and G76 is listed, but not machined by Leadscrew yet";
-                self.report(Diagnostic::error("I0704", span, text));
-            }
+            Call::SyncStart(lead) => self.threading = Some(lead * self.mm()),
+            Call::SyncStop => self.threading = None,
             Call::Polygon(order) => self.polygon(order, span),
             Call::PolygonEnd => self.push(span, OpKind::PolygonEnd),
             Call::Cam(order) => self.cam(*order, span),

@@ -289,14 +289,27 @@ fn systems_a_and_b_say_the_same_in_other_codes() {
 }
 
 #[test]
-fn threads_of_a_lathe_are_read_and_clearly_refused() {
-    for program in [
-        "O1\nG97 S500 M3\nG0 X22. Z3.\nG92 X19. Z-20. F1.5\nX18.6\nM30\n",
-        "O1\nG97 S500 M3\nG0 X19. Z3.\nG32 Z-20. F1.5\nM30\n",
+fn threads_of_a_lathe_follow_the_spindle_from_the_index_on() {
+    for (program, passes) in [
+        ("O1\nG97 S500 M3\nG0 X22. Z3.\nG92 X19. Z-20. F1.5\nX18.6\nM30\n", 2),
+        ("O1\nG97 S500 M3\nG0 X19. Z3.\nG32 Z-20. F1.5\nM30\n", 1),
     ] {
-        let (_, findings) = ops_with(program, &setup(Dialect::FanucLatheA));
-        assert!(findings.iter().all(|f| f.starts_with("I0704")), "{findings:#?}");
-        assert!(!findings.is_empty());
+        let (ops, findings) = ops_with(program, &setup(Dialect::FanucLatheA));
+        assert!(findings.is_empty(), "{findings:#?}");
+        let threads: Vec<_> = ops
+            .iter()
+            .filter_map(|op| match op {
+                OpKind::Threading(stretch) => Some(stretch),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(threads.len(), passes);
+        for stretch in threads {
+            assert_eq!((stretch.lead.value(), stretch.start_angle.value()), (1.5, 0.0));
+            // the work begins at its own zero, Z3 lies before it
+            assert_eq!((stretch.axis, stretch.surface.value()), (canon::Axis::Z, 0.0));
+            assert!((stretch.to.linear[2].value() - -20.0).abs() < 1e-9);
+        }
     }
     let (_, findings) = ops_with("O1\nG71 U2. R1.\nM30\n", &setup(Dialect::FanucLatheA));
     assert!(findings[0].starts_with("I0103"), "{findings:#?}");

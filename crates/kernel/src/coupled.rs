@@ -188,7 +188,7 @@ impl Drives {
 
     /// Lead a master by angle from now on, if the machine's spindles can be; its speed changes no faster than a
     /// share of its torque, and than `most`, rev/s², allow.
-    fn pace(&mut self, master: usize, most: f64) {
+    pub(crate) fn pace(&mut self, master: usize, most: f64) {
         if let Some(spindle) = self.spindles[master].as_mut().filter(|_| self.paces) {
             let most = most.min(spindle.accel_at_most(PACED));
             spindle.pace(Some(most));
@@ -196,7 +196,7 @@ impl Drives {
     }
 
     /// A master that nothing follows any more only turns.
-    fn leave(&mut self, master: usize) {
+    pub(crate) fn leave(&mut self, master: usize) {
         let geared = self.coupled.gears.iter().flatten().any(|run| run.master == master);
         let superposed = self.coupled.slots.iter().flatten().any(|slot| slot.master == master);
         if let Some(spindle) = self.spindles[master].as_mut().filter(|_| !geared && !superposed) {
@@ -325,10 +325,17 @@ impl Drives {
     }
 
     /// How a master turns: by its setpoint where it has one, else by its observer.
-    fn master(&self, index: usize) -> Rotation {
+    pub(crate) fn master(&self, index: usize) -> Rotation {
         self.spindles[index].as_ref().map_or_else(Rotation::default, |spindle| {
             if spindle.position_controlled() { spindle.ordered() } else { spindle.now() }
         })
+    }
+
+    /// The same as it will be once the spindles have advanced, for steps: they come before them in a period.
+    pub(crate) fn master_after_steps(&self, index: usize, period: Time) -> Rotation {
+        let led = self.spindles[index].as_ref().is_some_and(SpindleLoop::position_controlled);
+        let master = self.master(index);
+        if led { master.after(period) } else { master }
     }
 
     /// Whether all geared spindles get and stay on their gears.

@@ -12,6 +12,7 @@ use crate::lessons::Lessons;
 use crate::scribe::Scribe;
 use crate::spindle::SpindleLoop;
 use crate::tempo::Tempo;
+use crate::threading::Chain;
 use bus::{AXES, Command, Feedback, SPINDLES};
 use canon::Axis;
 use sync::SyncMode;
@@ -30,6 +31,8 @@ pub(crate) struct Drives {
     pub(crate) follower: Option<(usize, Option<FeedForward>)>,
     /// What is coupled in the background of the steps.
     pub(crate) coupled: Coupled,
+    /// The turned thread under way.
+    pub(crate) chain: Option<Chain>,
     /// Masters are led by angle, where the machine's spindles can.
     pub(crate) paces: bool,
     /// What taps have learnt.
@@ -66,6 +69,7 @@ impl Drives {
             spindles,
             follower: None,
             coupled: Coupled::new(),
+            chain: None,
             paces: matches!(config.synchronisation, SyncMode::CommandSynchronised),
             lessons,
             scribe: Scribe::new(),
@@ -88,6 +92,7 @@ impl Drives {
     /// Take the readings as the present place.
     pub(crate) fn adopt(&mut self, feedback: &Feedback, config: &Config) {
         self.coupled.reset();
+        self.chain = None;
         for (axis, reading) in self.axes.iter_mut().zip(&feedback.axes) {
             if let Some(axis) = axis {
                 axis.adopt(reading);

@@ -5,7 +5,7 @@
 //!            ▼                                                            │
 //!   Idle ─► begin ─┬─► Moving ──► Settling (exact stop) ──────────────────┤
 //!                  ├─► Dwelling, AwaitingSpeed, AwaitingAngle, Changing ──┤
-//!                  ├─► Tapping ───────────────────────────────────────────┤
+//!                  ├─► Tapping, Threading ────────────────────────────────┤
 //!                  ├─► Engaging, Fading, Revolving, Consulting ───────────────────────────┤
 //!                  ├─► Pausing ─ resume ──────────────────────────────────┤
 //!                  ├─► (coolant, spindle order: at once) ─────────────────┘
@@ -22,6 +22,7 @@ use crate::moving::{Moving, Track};
 use crate::operator::Operator;
 use crate::spindle::SpindleLoop;
 use crate::tapping::{Outcome, TapRun};
+use crate::threading;
 use bus::{Feedback, State};
 use plan::{SpindleStep, StepKind};
 use sync::Phase;
@@ -66,6 +67,8 @@ pub(crate) enum Activity {
     Changing { tool: u32, waited_s: f64 },
     /// Tapping.
     Tapping(TapRun),
+    /// Turning a thread.
+    Threading,
     /// Waiting until a spindle is on its gear.
     Engaging(u8),
     /// Waiting until one superposition can begin, or all have faded.
@@ -109,6 +112,10 @@ impl Activity {
             StepKind::Dwell(time) => Self::Dwelling { left_s: time.value() },
             StepKind::Spindle { spindle, order } => begin_spindle(*spindle, order, drives)?,
             StepKind::Tap(plan) => Self::Tapping(TapRun::begin(plan, drives, context.config)?),
+            StepKind::Thread(stretch) => {
+                threading::begin(stretch, drives)?;
+                Self::Threading
+            }
             StepKind::Engage(gear) => {
                 drives.engage(gear)?;
                 Self::Engaging(gear.follower)
@@ -201,6 +208,19 @@ impl Activity {
                     }
                 }
             }
+            Self::Threading => {
+                let StepKind::Thread(stretch) = step else { return Ok(Progress::Done(dt)) };
+                drives.check_cut()?;
+                let period = context.config.period;
+                if !threading::advance(stretch, period, drives) {
+                    return Ok(Progress::Busy);
+                }
+                if stretch.ends {
+                    *self = Self::Settling { waited_s: 0.0, inside_s: 0.0 };
+                    return Ok(Progress::Busy);
+                }
+                Ok(Progress::Done(0.0))
+            }
             Self::Settling { waited_s, inside_s } => {
                 settle(dt, waited_s, inside_s, drives, waits.in_position)
             }
@@ -246,6 +266,7 @@ impl Activity {
             | Self::AwaitingSpeed { .. }
             | Self::AwaitingAngle { .. }
             | Self::Changing { .. }
+            | Self::Threading
             | Self::Engaging(_)
             | Self::Fading
             | Self::Revolving(_)
@@ -260,6 +281,7 @@ impl Activity {
         match self {
             Self::Idle | Self::AtOnce => State::Idle,
             Self::Moving(_, state) => *state,
+            Self::Threading => State::Feed,
             Self::Settling { .. } => State::Settle,
             Self::Dwelling { .. } | Self::Revolving(_) => State::Dwell,
             Self::Engaging(_) | Self::Fading => State::Couple,

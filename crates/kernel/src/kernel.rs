@@ -304,6 +304,7 @@ impl Kernel {
             }
             _ => None,
         };
+        let threading = self.stay_on_thread();
         if self.operator.wants_out()
             && self.activity.is_held(&self.operator)
             && !self.is_in_thread()
@@ -314,12 +315,29 @@ impl Kernel {
         }
         self.drives.advance_spindles();
         for (index, axis) in self.drives.axes.iter_mut().enumerate() {
-            if let Some(axis) = axis.as_mut().filter(|_| tapping != Some(index)) {
+            let coupled = tapping == Some(index) || threading && index < plan::THREADING_AXES;
+            if let Some(axis) = axis.as_mut().filter(|_| !coupled) {
                 axis.brake();
             }
         }
         self.drives.couple(self.config.period);
         self.drives.command()
+    }
+
+    /// A thread that is being turned keeps its coupling until the spindle stands, or the chain is over.
+    fn stay_on_thread(&mut self) -> bool {
+        let (Activity::Threading, Some(step)) = (&self.activity, self.queue.front()) else {
+            return false;
+        };
+        let StepKind::Thread(stretch) = step.kind else { return false };
+        if crate::threading::advance(&stretch, self.config.period, &mut self.drives) {
+            self.queue.pop_front();
+            let goes_on = matches!(self.queue.front(), Some(step) if matches!(step.kind, StepKind::Thread(next) if next.start.is_none()));
+            if !goes_on {
+                self.activity = Activity::Idle;
+            }
+        }
+        true
     }
 
     fn note(&mut self, kind: EventKind) {

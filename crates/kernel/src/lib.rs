@@ -37,6 +37,7 @@ mod spindle;
 mod stroke;
 mod tapping;
 mod tempo;
+mod threading;
 
 pub use config::{
     AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderPlace, FeedForward,

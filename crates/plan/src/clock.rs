@@ -57,6 +57,12 @@ impl Clock {
                 let stroke = tap.inward.duration() + tap.outward.duration() + tap.dwell.value();
                 self.elapsed += stroke + limits.settling.value();
             }
+            // the spindle comes round to the start angle after half a turn, on average
+            StepKind::Thread(stretch) if self.speed > 0.0 => {
+                let wait = if stretch.start.is_some() { 0.5 } else { 0.0 };
+                let turns = stretch.is_over_at() - stretch.begins() + wait;
+                self.elapsed += turns / self.speed;
+            }
             StepKind::Revolve { spindle: _, turns } if self.speed > 0.0 => {
                 self.elapsed += turns.abs().value() / self.speed;
             }
@@ -69,6 +75,7 @@ impl Clock {
             StepKind::Engage(_)
             | StepKind::Release { .. }
             | StepKind::Superpose(_)
+            | StepKind::Thread(_)
             | StepKind::Revolve { .. }
             | StepKind::Consult(_)
             | StepKind::Coolant { .. }

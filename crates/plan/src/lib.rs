@@ -29,7 +29,9 @@
 //! M0337 no angle; clutch and floating holders: M0340 dwell, M0341 stroke, M0342 travel,
 //! M0343 words; chip removal: M0350 too fast for the spindle, M0351 not against the cut;
 //! polygon turning: M0401 spindles missing, M0402 ratio, M0403 work spindle at rest, M0404 tool spindle too fast;
-//! cam grinding: M0411 no such profile, M0412 nothing sampled, M0413 not measured, M0414 too fast, M0415 wheel too near.
+//! cam grinding: M0411 no such profile, M0412 nothing sampled, M0413 not measured, M0414 too fast, M0415 wheel too near;
+//! turned threads: M0421 spindle at rest, M0422 stretch too short, M0423 axis too slow, M0424 lead, M0425 another axis,
+//! M0426 run-in too short.
 #![no_std]
 #![allow(clippy::large_types_passed_by_value)] // a step is moved once, into the queue
 extern crate alloc;
@@ -52,6 +54,7 @@ mod run;
 mod step;
 mod stroke;
 mod tap_check;
+mod thread;
 mod travel;
 
 pub use crate::motion::coordinate;
@@ -70,3 +73,4 @@ pub use step::{
     ChipThrow, Follow, Limiting, Move, PHASES, SpindleStep, Step, StepKind, TapLimiting, TapPlan,
 };
 pub use stroke::{Stroke, StrokeRequest, tapping_torque};
+pub use thread::{Corner, OnThread, THREADING_AXES, ThreadStretch};

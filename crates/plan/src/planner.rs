@@ -39,6 +39,7 @@ mod moves;
 mod refuse;
 mod spindle;
 mod tap;
+mod thread;
 mod unsynchronised;
 use refuse::wild;
 
@@ -86,6 +87,8 @@ pub struct Planner {
     warned_still: bool,
     /// The last tap left the spindle reversed: forward again after the rapid back.
     reversed_along: Option<Axis>,
+    /// Stretches of a turned thread that has not ended.
+    chain: Vec<thread::Waiting>,
     coupled: coupled::Coupled,
     cams: Cams,
     cam: Option<cam::Cam>,
@@ -105,6 +108,7 @@ const fn leaves_cam(kind: &OpKind) -> bool {
         | OpKind::Line { .. }
         | OpKind::Arc { .. }
         | OpKind::Tap(_)
+        | OpKind::Threading(_)
         | OpKind::Hole(_)
         | OpKind::Spindle { .. }
         | OpKind::Polygon(_)
@@ -185,6 +189,7 @@ impl Planner {
             last_strokes: [None; 2],
             warned_still: false,
             reversed_along: None,
+            chain: Vec::new(),
             coupled: coupled::Coupled::default(),
             cams: Cams::default(),
             cam: None,
@@ -202,6 +207,9 @@ impl Planner {
         if leaves_cam(&op.kind) {
             self.cam_end(&mut job);
         }
+        if !matches!(op.kind, OpKind::Threading(_)) {
+            self.end_thread(job.emit);
+        }
         match &op.kind {
             OpKind::Rapid { to } => self.rapid(&mut job, to),
             OpKind::Line { to, feed } => {
@@ -215,6 +223,7 @@ impl Planner {
                 }
             }
             OpKind::Tap(tap) => self.tap(&mut job, tap),
+            OpKind::Threading(order) => self.threading(&mut job, order),
             OpKind::Hole(hole) => {
                 if let Some(tool) = self.tools.get(self.tool) {
                     self.holes.drill(hole, tool, op.span);
@@ -256,6 +265,7 @@ impl Planner {
 
     /// The program is over: hand on what still waits.
     pub fn finish(&mut self, emit: &mut impl FnMut(Step)) {
+        self.end_thread(emit);
         self.outbox.release(&[], &self.limits, emit);
     }
 

@@ -1,5 +1,5 @@
 //! What the kernel executes, one after the other.
-use crate::{GearStep, Path, Profile, Superpose};
+use crate::{GearStep, Path, Profile, Superpose, ThreadStretch};
 use canon::{Axis, InputWait, Output, Position};
 use path::{Phase, Piece};
 use units::{Angle, Lead, Length, Spin, Time};
@@ -34,6 +34,8 @@ pub enum StepKind {
     },
     /// Tap.
     Tap(TapPlan),
+    /// Turn a stretch of a thread.
+    Thread(ThreadStretch),
     /// Gear a spindle to another one, and wait until it is locked.
     Engage(GearStep),
     /// Let go of a geared spindle: it comes to rest under its own control.

@@ -104,6 +104,20 @@ fn assert_hangs_together(steps: &[Step]) {
                 assert!(m.piece.rapid || awaited, "a cut before the spindle is at speed");
                 at = place(m.at(m.duration()).0);
             }
+            StepKind::Thread(stretch) => {
+                let at_turn = |turn: f64| {
+                    let q = stretch.at(turn).q;
+                    Position::xyz(q[0], q[1], q[2])
+                };
+                if stretch.start.is_some() {
+                    assert!(near(at_turn(stretch.begins()), at), "a thread from elsewhere");
+                }
+                assert!(
+                    spin != Spin::ZERO && awaited,
+                    "a thread with a spindle that is not at speed"
+                );
+                at = at_turn(stretch.is_over_at());
+            }
             StepKind::Tap(t) => {
                 assert!(
                     near(t.start, at) && spin == Spin::ZERO && awaited,

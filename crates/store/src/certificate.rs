@@ -14,6 +14,9 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::path::Path;
 use units::{Angle, Force, Lead, Length, Spin, Time, Torque};
 
+mod turned;
+pub use turned::TurnedThread;
+
 /// Bytes a certificate may have: a feature takes about 700.
 pub const CERTIFICATE_LIMIT: u64 = 256 * SMALL_FILE_LIMIT;
 
@@ -77,6 +80,9 @@ pub enum Feature {
     Polygon(Polygon),
     /// A cam.
     Cam(Cam),
+    /// A thread turned with a single point.
+    #[serde(rename = "turned-thread")]
+    Turned(TurnedThread),
 }
 
 /// What every feature has.
@@ -110,6 +116,7 @@ impl Feature {
             Self::Thread(thread) => &thread.common,
             Self::Polygon(polygon) => &polygon.common,
             Self::Cam(cam) => &cam.common,
+            Self::Turned(thread) => &thread.common,
         }
     }
 }

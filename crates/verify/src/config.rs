@@ -67,6 +67,8 @@ pub struct Tolerances {
     pub thread_overrun: Length,
     /// Largest sync error in the material; `None`: only its effect on the thread counts.
     pub sync_error: Option<Length>,
+    /// Of a turned thread: distance from its helix, error of the lead over its length, and passes beside one another.
+    pub turned_thread: Length,
     /// Contour of a ground cam, each way.
     pub cam_contour: Length,
     /// Where a thread starts, if the program asks for an angle.
@@ -81,7 +83,7 @@ pub struct Tolerances {
 
 impl Default for Tolerances {
     /// Usual shop practice for drilled and tapped holes: ±0.05 mm, threads ±0.1 mm. Polygons: ISO 2768-1 f for
-    /// 6 to 30 mm, ISO 2768-2 H for facets up to 10 mm.
+    /// 6 to 30 mm, ISO 2768-2 H for facets up to 10 mm. Turned threads: what lathe builders promise of their leads, typical.
     fn default() -> Self {
         Self {
             hole_depth: Length::mm(0.05),
@@ -89,6 +91,7 @@ impl Default for Tolerances {
             thread_depth: Length::mm(0.1),
             thread_overrun: Length::mm(0.02),
             sync_error: None,
+            turned_thread: Length::um(10.0),
             cam_contour: Length::um(10.0),
             start_angle: Angle::deg(5.0),
             facet_flatness: Length::mm(0.02),

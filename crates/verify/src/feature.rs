@@ -35,13 +35,14 @@ pub struct Feature {
 }
 
 impl Feature {
-    /// `"hole"`, `"thread"` or `"polygon"`.
+    /// `"hole"`, `"thread"`, `"polygon"`, `"cam"` or `"turned thread"`.
     pub const fn kind_name(&self) -> &'static str {
         match self.kind {
             FeatureKind::Hole(_) => "hole",
             FeatureKind::Thread(_) => "thread",
             FeatureKind::Polygon(_) => "polygon",
             FeatureKind::Cam(_) => "cam",
+            FeatureKind::Turned(_) => "turned thread",
         }
     }
 
@@ -50,7 +51,7 @@ impl Feature {
         match &mut self.kind {
             FeatureKind::Hole(hole) => hole.chip_removal = true,
             FeatureKind::Thread(thread) => thread.chip_removal = true,
-            FeatureKind::Cam(_) | FeatureKind::Polygon(_) => {} // no chips wind around their tools
+            FeatureKind::Cam(_) | FeatureKind::Polygon(_) | FeatureKind::Turned(_) => {} // no chips wind around their tools
         }
     }
 
@@ -60,7 +61,7 @@ impl Feature {
         match &self.kind {
             FeatureKind::Hole(hole) => Some([hole.x, hole.y]),
             FeatureKind::Thread(thread) => Some([thread.x, thread.y]),
-            FeatureKind::Polygon(_) | FeatureKind::Cam(_) => None,
+            FeatureKind::Polygon(_) | FeatureKind::Cam(_) | FeatureKind::Turned(_) => None,
         }
     }
 }
@@ -116,6 +117,8 @@ pub enum FeatureKind {
     Polygon(Box<crate::Polygon>),
     /// Ground.
     Cam(Box<crate::GroundCam>),
+    /// A thread turned with a single point.
+    Turned(Box<crate::TurnedThread>),
 }
 
 /// A hole as it was made.

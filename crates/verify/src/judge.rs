@@ -17,8 +17,9 @@ use crate::hole::{Drilled, HoleTrack};
 use crate::polygon::{Ordered, PolygonTrack};
 use crate::stroke::Stroke;
 use crate::thread::ThreadTrack;
+use crate::turned::{self, TurnedTrack};
 use bus::Sample;
-use canon::{CamOrder, Hole, Op, OpKind, Span, SpindleOrder, Tap, Tool};
+use canon::{CamOrder, Hole, Op, OpKind, Position, Span, SpindleOrder, Tap, Tool};
 use std::collections::VecDeque;
 use units::Time;
 
@@ -34,6 +35,8 @@ pub struct Judge {
     drilled: Vec<Drilled>,
     features: Vec<Feature>,
     removals: Removals,
+    /// Where the ops so far have brought the axes.
+    at: Position,
     /// The cam's profile in force.
     selected: cam::Selected,
     /// Features not yet judged after which chips were thrown off, by their first op.
@@ -60,6 +63,7 @@ enum What {
     Tap(Tap),
     Polygon(Box<Ordered>),
     Cam(Box<cam::Ordered>),
+    Turned(turned::Ordered),
 }
 
 #[derive(Clone, Debug)]
@@ -68,6 +72,7 @@ enum Track {
     Thread(Box<ThreadTrack>),
     Polygon(Box<PolygonTrack>),
     Cam(CamTrack),
+    Turned(TurnedTrack),
 }
 
 impl Judge {
@@ -81,6 +86,7 @@ impl Judge {
             drilled: Vec::new(),
             features: Vec::new(),
             removals: Removals::default(),
+            at: Position::default(),
             selected: cam::Selected::default(),
             thrown: Vec::new(),
             last_ordered: None,
@@ -90,6 +96,18 @@ impl Judge {
 
     /// What the program orders: each op once, in order, before its samples arrive.
     pub fn op(&mut self, index: u32, op: &Op) {
+        let from = self.at;
+        match &op.kind {
+            OpKind::Rapid { to } | OpKind::Line { to, .. } | OpKind::Arc { to, .. } => {
+                self.at = *to
+            }
+            OpKind::Threading(order) => self.at = order.to,
+            _ => {}
+        }
+        self.order(index, op, &from);
+    }
+
+    fn order(&mut self, index: u32, op: &Op, from: &Position) {
         if let Some(open) = self.orders.back_mut().filter(|order| order.end.is_none()) {
             if let What::Polygon(ordered) = &mut open.what {
                 ordered.see(&op.kind);
@@ -97,6 +115,12 @@ impl Judge {
                     open.end = Some(index);
                 }
                 return;
+            }
+            if let What::Turned(ordered) = &mut open.what {
+                if ordered.see(index, from, &op.kind) {
+                    return;
+                }
+                open.end = Some(index);
             }
             if let What::Cam(_) = open.what {
                 // spark-out belongs to the grinding before it, and sampling moves nothing
@@ -125,6 +149,11 @@ impl Judge {
                 Some(ordered) => (What::Cam(Box::new(ordered)), None),
                 None => return,
             },
+            OpKind::Threading(_) => {
+                let mut ordered = turned::Ordered::default();
+                ordered.see(index, from, &op.kind);
+                (What::Turned(ordered), None)
+            }
             OpKind::Polygon(polygon) => (What::Polygon(Box::new(Ordered::new(polygon))), None),
             OpKind::Spindle { order: SpindleOrder::ThrowChips(chips), .. } => {
                 if let Some(feature) = self.last_ordered {
@@ -177,6 +206,11 @@ impl Judge {
             Track::Thread(track) => track.sample(sample),
             Track::Polygon(track) => track.sample(sample),
             Track::Cam(track) => track.sample(sample),
+            Track::Turned(track) => {
+                if let What::Turned(ordered) = &order.what {
+                    track.sample(sample, ordered);
+                }
+            }
         }
     }
 
@@ -214,6 +248,11 @@ impl Judge {
                     self.features.push(track.finish(op, line, ordered, &self.config, self.now));
                 }
             }
+            Track::Turned(track) => {
+                if let What::Turned(ordered) = &order.what {
+                    self.features.push(track.finish(op, line, ordered, &self.config, self.now));
+                }
+            }
             Track::Hole { track, tool } => {
                 let with = (tool, tool.and_then(|number| self.config.tools.get(number)));
                 if let Some((feature, drilled)) =
@@ -240,6 +279,7 @@ impl Track {
             What::Hole(hole) => Stroke::new(hole.axis, &hole.at, hole.surface, hole.bottom),
             What::Tap(tap) => Stroke::new(tap.axis, &tap.start, tap.surface, tap.bottom),
             What::Cam(ordered) => return Self::Cam(CamTrack::new(ordered)),
+            What::Turned(_) => return Self::Turned(TurnedTrack::default()),
             What::Polygon(ordered) => {
                 return Self::Polygon(Box::new(PolygonTrack::new(ordered, number, tool, config)));
             }
@@ -252,6 +292,7 @@ impl Track {
             What::Hole(_) => Self::Hole { track: HoleTrack::new(stroke), tool: number },
             What::Tap(tap) => Self::Thread(Box::new(ThreadTrack::new(tap, number, tool, stroke))),
             What::Cam(ordered) => Self::Cam(CamTrack::new(ordered)),
+            What::Turned(_) => Self::Turned(TurnedTrack::default()),
             What::Polygon(ordered) => {
                 Self::Polygon(Box::new(PolygonTrack::new(ordered, number, tool, config)))
             }

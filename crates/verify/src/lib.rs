@@ -27,6 +27,7 @@ mod summary;
 mod thread;
 mod tolerance;
 mod trend;
+mod turned;
 mod watch;
 
 pub use cam::GroundCam;
@@ -40,4 +41,5 @@ pub use size::{ThreadSize, UnknownSize};
 pub use summary::{Count, Criterion, Headroom, Summary};
 pub use tolerance::Limits;
 pub use trend::TorqueTrend;
+pub use turned::TurnedThread;
 pub use watch::{ACROSS_MM, BEYOND_MM, Breach, Watch};

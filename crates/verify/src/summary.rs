@@ -176,6 +176,7 @@ impl Feature {
             FeatureKind::Thread(thread) => of_thread(thread, tolerances),
             FeatureKind::Polygon(polygon) => of_polygon(polygon, tolerances),
             FeatureKind::Cam(cam) => of_cam(cam, tolerances),
+            FeatureKind::Turned(thread) => of_turned(thread, tolerances),
         };
         let least = measured.into_iter().min_by(|a, b| a.share().total_cmp(&b.share()));
         // a feature that failed for what has no measure must not look good by its measures
@@ -188,6 +189,12 @@ impl Feature {
 fn of_cam(cam: &crate::GroundCam, tolerances: &Tolerances) -> Vec<Headroom> {
     let tolerance = tolerances.cam_contour;
     vec![Headroom { of: Criterion::Contour, left: tolerance - cam.contour_error_max, tolerance }]
+}
+
+fn of_turned(thread: &crate::TurnedThread, tolerances: &Tolerances) -> Vec<Headroom> {
+    let tolerance = tolerances.turned_thread;
+    let off = thread.sync_error_max.max(thread.pass_spread).max(thread.lead_error.abs());
+    vec![Headroom { of: Criterion::SyncError, left: tolerance - off, tolerance }]
 }
 
 fn position_left(position_error: Length, tolerances: &Tolerances) -> Headroom {
@@ -289,6 +296,7 @@ impl Summary {
                 FeatureKind::Hole(_) => summary.holes.add(passed),
                 FeatureKind::Polygon(_) => summary.polygons.add(passed),
                 FeatureKind::Cam(_) => summary.cams.add(passed),
+                FeatureKind::Turned(_) => summary.threads.add(passed),
                 FeatureKind::Thread(thread) => {
                     summary.threads.add(passed);
                     let (sync, depth) = (thread.sync_error_max, thread.depth_error);

@@ -21,12 +21,6 @@ pub(super) const ROWS: &[Finding] = &[
         "S100 M3 F100\nG84 X1 Z-5 R2",
     ),
     row(
-        "I0704",
-        "This thread is listed, and not machined.",
-        "S500 M3\nG33 Z-9 K1",
-        "S500 M3\nG33.1 Z-9 K1",
-    ),
-    row(
         "I0705",
         "A tap moves along one axis.",
         "S500 M3\nG33.1 X1 Z-9 K1",

@@ -70,6 +70,18 @@ pub(crate) const SENTENCES: &[(&str, &str)] = &[
         "M0415",
         "The wheel stands where it would cut while the profile is taken up; a place that is clear is said.",
     ),
+    ("M0421", "A thread follows a spindle that stands."),
+    (
+        "M0422",
+        "The stretch is shorter than the axes need to come up to the lead and down again at this speed; the speed that works is said.",
+    ),
+    ("M0423", "The lead at this speed is more than an axis feeds; the speed that works is said."),
+    ("M0424", "The lead is not a number above zero."),
+    ("M0425", "A rotary or a parallel axis moves with the thread."),
+    (
+        "M0426",
+        "The run-in ends in the material: the first turns of the thread will be wrong; how much farther away to start is said.",
+    ),
     ("S0401", "The file is not TOML."),
     ("S0402", "An unknown key, and the one that was perhaps meant."),
     ("S0403", "A key or a section is missing."),

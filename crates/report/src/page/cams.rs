@@ -114,7 +114,8 @@ pub(super) fn cams(features: &[Feature]) -> String {
         FeatureKind::Cam(_)
         | FeatureKind::Hole(_)
         | FeatureKind::Thread(_)
-        | FeatureKind::Polygon(_) => None,
+        | FeatureKind::Polygon(_)
+        | FeatureKind::Turned(_) => None,
     });
     let pictures: String =
         ground.take(12).enumerate().map(|(i, cam)| unrolled(i, cam) + &polar(i, cam)).collect();

@@ -94,6 +94,16 @@ fn row(run: &Run, number: usize, feature: &Feature, left: &Headroom) -> String {
             cells.extend(std::iter::repeat_n(String::new(), 5));
             cells.push(fixed(cam.spin.in_rpm(), 0));
         }
+        FeatureKind::Turned(thread) => {
+            cells[2] = thread.name();
+            cells.extend([
+                fixed(thread.length().value(), 3),
+                um(thread.infeed_error, 1),
+                um(thread.sync_error_max, 1),
+            ]);
+            cells.extend(std::iter::repeat_n(String::new(), 4));
+            cells.push(fixed(thread.spin_max.in_rpm(), 0));
+        }
         FeatureKind::Polygon(polygon) => {
             cells[2] = polygon.name();
             cells.extend([fixed((polygon.z_to - polygon.z_from).value(), 3), String::new()]);

@@ -65,7 +65,10 @@ fn count(name: &str, count: Count) -> String {
 fn threads(features: &[Feature]) -> impl Iterator<Item = (usize, &Thread)> {
     features.iter().enumerate().filter_map(|(index, feature)| match &feature.kind {
         FeatureKind::Thread(thread) => Some((index + 1, thread.as_ref())),
-        FeatureKind::Hole(_) | FeatureKind::Polygon(_) | FeatureKind::Cam(_) => None,
+        FeatureKind::Hole(_)
+        | FeatureKind::Polygon(_)
+        | FeatureKind::Cam(_)
+        | FeatureKind::Turned(_) => None,
     })
 }
 

@@ -21,6 +21,7 @@ mod sizes;
 mod stops;
 mod threads;
 mod tools;
+mod turned;
 mod verdict;
 
 pub use cams::{CamPage, cam_html};
@@ -52,9 +53,13 @@ pub fn html(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
     main += &section("Chip removal", &grid(&pictures::chip_removal(recorder)));
     let polygons = features.iter().enumerate().filter_map(|(i, f)| match &f.kind {
         FeatureKind::Polygon(polygon) => Some(pictures::polygon(i + 1, polygon)),
-        FeatureKind::Hole(_) | FeatureKind::Thread(_) | FeatureKind::Cam(_) => None,
+        FeatureKind::Hole(_)
+        | FeatureKind::Thread(_)
+        | FeatureKind::Cam(_)
+        | FeatureKind::Turned(_) => None,
     });
     main += &section("Polygons", &grid(&polygons.collect::<String>()));
+    main += &section("Turned threads", &grid(&turned::pictures(features)));
     main += &threads::threads(run, recorder, features);
     let [above, front] = pictures::tool_path(run, recorder);
     let machine = above + &column(&(front + &pictures::timeline(run, recorder)));

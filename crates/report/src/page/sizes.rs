@@ -16,6 +16,7 @@ pub(super) fn sizes(features: &[Feature]) -> String {
             FeatureKind::Thread(thread) => thread.size.clone(),
             FeatureKind::Polygon(polygon) => polygon.name(),
             FeatureKind::Cam(cam) => format!("cam {}", cam.name),
+            FeatureKind::Turned(thread) => thread.name(),
         };
         by_size.entry(size).or_default().push(feature);
     }
@@ -37,12 +38,15 @@ fn row(size: &str, features: &[&Feature]) -> String {
     let depth = spread(features, |f| match &f.kind {
         FeatureKind::Hole(hole) => Some(hole.depth_error.in_um()),
         FeatureKind::Thread(thread) => Some(thread.depth_error.in_um()),
-        FeatureKind::Polygon(_) => None,
+        FeatureKind::Polygon(_) | FeatureKind::Turned(_) => None,
         FeatureKind::Cam(cam) => Some(cam.contour_error_max.in_um()),
     });
     let of_thread = |value: fn(&Thread) -> f64| {
         spread(features, move |f| match &f.kind {
-            FeatureKind::Hole(_) | FeatureKind::Polygon(_) | FeatureKind::Cam(_) => None,
+            FeatureKind::Hole(_)
+            | FeatureKind::Polygon(_)
+            | FeatureKind::Cam(_)
+            | FeatureKind::Turned(_) => None,
             FeatureKind::Thread(thread) => Some(value(thread)),
         })
     };

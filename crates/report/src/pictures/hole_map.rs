@@ -55,7 +55,9 @@ fn places(run: &Run, features: &[Feature]) -> Vec<Place> {
             }
             FeatureKind::Thread(thread) => (thread.size.clone(), thread.pitch_diameter.value()),
             FeatureKind::Polygon(polygon) => (polygon.name(), polygon.across_flats.value()),
-            FeatureKind::Cam(cam) => (cam.name.clone(), 0.0), // not in the map: it has no place in it
+            // not in the map: they have no place in it
+            FeatureKind::Cam(cam) => (cam.name.clone(), 0.0),
+            FeatureKind::Turned(thread) => (thread.name(), 0.0),
         };
         place.good &= feature.verdict.is_pass();
         if diameter.is_finite() && diameter >= place.diameter {

@@ -81,9 +81,10 @@ pub struct MachineFile {
 }
 
 /// Names of the embedded machines; the first is the default.
-pub const EMBEDDED: [&str; 7] = [
+pub const EMBEDDED: [&str; 8] = [
     "tapping-center",
     "polygon-lathe",
+    "lathe",
     "cam-grinder",
     "tapping-center-scale",
     "vfd-mill",
@@ -96,6 +97,7 @@ pub fn embedded(name: &str) -> Option<&'static str> {
     match name {
         "tapping-center" => Some(include_str!("../../../../machines/tapping-center.toml")),
         "polygon-lathe" => Some(include_str!("../../../../machines/polygon-lathe.toml")),
+        "lathe" => Some(include_str!("../../../../machines/lathe.toml")),
         "tapping-center-scale" => {
             Some(include_str!("../../../../machines/tapping-center-scale.toml"))
         }

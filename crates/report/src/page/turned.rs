@@ -1,0 +1,37 @@
+//! Turned threads: how far the tool was from the helix, along the thread.
+use crate::pictures::figure;
+use crate::svg::{Chart, Range, Stroke, fixed};
+use verify::{Feature, FeatureKind, TurnedThread};
+
+/// Pictures at most.
+const MOST: usize = 12;
+
+/// A picture for each; nothing if there are none.
+pub(super) fn pictures(features: &[Feature]) -> String {
+    let turned = features.iter().enumerate().filter_map(|(index, feature)| match &feature.kind {
+        FeatureKind::Turned(thread) if !thread.profile.is_empty() => Some((index, thread)),
+        _ => None,
+    });
+    turned.take(MOST).map(|(index, thread)| picture(index, thread)).collect()
+}
+
+fn picture(index: usize, thread: &TurnedThread) -> String {
+    let points: Vec<_> = thread.profile.iter().map(|[w, e]| (w.value(), e.in_um())).collect();
+    let most = points.iter().map(|p| p.1.abs()).fold(0.1, f64::max);
+    let y = Range::of("distance from the helix / µm", [-most, most]).padded(0.08);
+    let x = Range::of("depth along the thread / mm", points.iter().map(|p| p.0).chain([0.0]));
+    let heading = format!("{}: {}", index + 1, thread.name());
+    let caption = format!(
+        "The worst of {} passes: {} µm at most, {} µm rms over all. The lead is {} µm off over the thread's length; the passes lie \
+         within {} µm of one another.",
+        thread.passes,
+        fixed(thread.sync_error_max.in_um(), 2),
+        fixed(thread.sync_error_rms.in_um(), 2),
+        fixed(thread.lead_error.in_um(), 2),
+        fixed(thread.pass_spread.in_um(), 2),
+    );
+    let mut chart = Chart::new(&heading, &caption, x, y, 230.0);
+    chart.zero(false);
+    chart.line(Stroke::Main, &points, None);
+    figure(&heading, &chart.finish(&format!("tt{index}")), &caption)
+}
