@@ -95,9 +95,9 @@ impl ThreadStretch {
         let (x, y) = (turn - self.from_turn, turn - self.to_turn);
         let (into, out_of) = (rounded(x, self.entry.half), rounded(y, self.exit.half));
         let mut on = OnThread::default();
-        for i in 0..THREADING_AXES {
+        for (i, slope) in slope.into_iter().enumerate() {
             let before = self.entry.beyond[i];
-            let (first, second) = (slope[i] - before, self.exit.beyond[i] - slope[i]);
+            let (first, second) = (slope - before, self.exit.beyond[i] - slope);
             let [q, rate, bend, third] =
                 core::array::from_fn(|k| first * into[k] + second * out_of[k]);
             on.q[i] = self.from[i] + before * x + q;

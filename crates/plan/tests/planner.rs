@@ -40,6 +40,10 @@ fn words(steps: &[Step]) -> String {
         StepKind::Spindle { order: SpindleStep::Throw(throw), .. } => {
             format!("throw {:.0} then {:.0}", throw.throw.in_rpm(), throw.then.in_rpm())
         }
+        StepKind::Thread(stretch) => {
+            let sign = if stretch.ends { "" } else { "~" };
+            format!("thread{sign}({},{},{})", stretch.to[0], stretch.to[1], stretch.to[2])
+        }
         StepKind::Tap(t) => format!("tap({})", t.bottom.value()),
         StepKind::ChangeTool(n) => format!("tool({n})"),
         StepKind::Coolant { .. } => "coolant".into(),

@@ -99,7 +99,7 @@ impl Judge {
         let from = self.at;
         match &op.kind {
             OpKind::Rapid { to } | OpKind::Line { to, .. } | OpKind::Arc { to, .. } => {
-                self.at = *to
+                self.at = *to;
             }
             OpKind::Threading(order) => self.at = order.to,
             _ => {}
