@@ -5,7 +5,7 @@ use proptest::prelude::*;
 
 type Point = [f64; AXES];
 
-/// Curves are compared with 400 chords, which are so far from them, mm.
+/// Curves are compared with 1000 chords, which are so far from them, mm.
 const CHORDS: f64 = 2e-5;
 
 fn at(x: f64, y: f64, z: f64) -> Point {
@@ -57,47 +57,68 @@ fn check_joints(pieces: &[Piece]) {
     }
 }
 
-/// Farthest that the joined path is from the programmed one. Both run over nearly the same length, so the nearest
-/// point is looked for around there.
-fn farthest(pieces: &[Piece], segments: &[Segment]) -> f64 {
-    let step = |length: f64| (length / 0.02).ceil().clamp(8.0, 400.0) as usize;
-    let mut programmed: Vec<(f64, Point)> = Vec::new();
+/// The programmed path as chords, each with the way to its beginning.
+fn programmed(segments: &[Segment]) -> Vec<(f64, Point)> {
+    let mut points = Vec::new();
     let mut begin = 0.0;
     for segment in segments {
         let length = segment.curve.length();
         let fine = match segment.curve {
             Curve::Line(_) => 1,
-            _ => 400,
+            _ => 1000,
         };
         for k in 0..=fine {
             let s = length * f64::from(k) / f64::from(fine);
-            programmed.push((begin + s, segment.curve.at(s).q));
+            points.push((begin + s, segment.curve.at(s).q));
         }
         begin += length;
     }
-    let (mut worst, mut u) = (0.0_f64, 0.0);
+    points
+}
+
+/// The joined path as points at most 0.02 mm apart (blends: a hundredth of their length).
+fn followed(pieces: &[Piece]) -> Vec<(f64, Point)> {
+    let mut points: Vec<(f64, Point)> = Vec::new();
     for piece in pieces {
-        let count = step(piece.length());
+        let length = piece.length();
+        let count = (length / 0.02).ceil().max(100.0) as usize;
         for k in 0..=count {
-            let s = piece.length() * k as f64 / count as f64;
-            let q = piece.at(s).q;
-            let near = programmed
-                .windows(2)
-                .filter(|w| w[1].0 >= u + s - 1.0 && w[0].0 <= u + s + 1.0)
-                .map(|w| from_chord(&q, &w[0].1, &w[1].1))
-                .fold(f64::INFINITY, f64::min);
-            worst = worst.max(near);
+            let q = piece.at(length * k as f64 / count as f64).q;
+            let way = points.last().map_or(0.0, |(u, last)| u + apart(last, &q));
+            points.push((way, q));
         }
-        u += piece.length();
+    }
+    points
+}
+
+/// Farthest that points are from a path of chords. Both run over nearly the same way, so the nearest chord is looked for
+/// around the one of the point before.
+fn farthest(points: &[(f64, Point)], path: &[(f64, Point)]) -> f64 {
+    let (mut worst, mut at) = (0.0_f64, 0.0);
+    let mut before = 0.0;
+    for (way, q) in points {
+        at += way - before;
+        before = *way;
+        let first = path.partition_point(|(u, _)| *u < at - 1.0).max(1) - 1;
+        let (mut near, mut place) = (f64::INFINITY, at);
+        for w in path[first..].windows(2).take_while(|w| w[0].0 <= at + 1.0) {
+            let (off, share) = from_chord(q, &w[0].1, &w[1].1);
+            if off < near {
+                (near, place) = (off, w[0].0 + share * (w[1].0 - w[0].0));
+            }
+        }
+        worst = worst.max(near);
+        at = f64::midpoint(at, place);
     }
     worst
 }
 
-fn from_chord(q: &Point, a: &Point, b: &Point) -> f64 {
+/// How far a point is from a chord, and where along it.
+fn from_chord(q: &Point, a: &Point, b: &Point) -> (f64, f64) {
     let along: f64 = (0..AXES).map(|i| (b[i] - a[i]).powi(2)).sum();
     let dot: f64 = (0..AXES).map(|i| (q[i] - a[i]) * (b[i] - a[i])).sum();
     let f = if along > 0.0 { (dot / along).clamp(0.0, 1.0) } else { 0.0 };
-    (0..AXES).map(|i| (q[i] - a[i] - f * (b[i] - a[i])).powi(2)).sum::<f64>().sqrt()
+    ((0..AXES).map(|i| (q[i] - a[i] - f * (b[i] - a[i])).powi(2)).sum::<f64>().sqrt(), f)
 }
 
 fn check(segments: &[Segment], tolerance: f64) -> Vec<Piece> {
@@ -106,8 +127,12 @@ fn check(segments: &[Segment], tolerance: f64) -> Vec<Piece> {
     let (first, last) = (segments[0].curve, segments[segments.len() - 1].curve);
     assert!(apart(&pieces[0].at(0.0).q, &first.at(0.0).q) < 1e-9);
     assert!(apart(&end(&pieces[pieces.len() - 1]).q, &last.at(last.length()).q) < 1e-9);
-    let far = farthest(&pieces, segments);
+    let (path, curve) = (programmed(segments), followed(&pieces));
+    let far = farthest(&curve, &path);
     assert!(far <= tolerance * 1.001 + CHORDS, "{far} mm from the path with P {tolerance}");
+    // nor does it cut a place off
+    let far = farthest(&path, &curve);
+    assert!(far <= tolerance * 1.001 + CHORDS, "{far} mm are cut off with P {tolerance}");
     pieces
 }
 

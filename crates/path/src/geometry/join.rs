@@ -8,12 +8,14 @@
 //! ```
 //!
 //! A corner's slopes differ by |t₁ − t₀| = 2·k (k = sin(θ/2) for two lines that turn by θ). The blend is the polynomial of
-//! the fifth degree from h before the corner to h after it, with the position, slope and bend that the path has there. On two lines
-//! it passes the corner at a distance of ⅜·h·k, so h = P / (⅜·k). A jump of the bend by Δ costs about Δ·h²/17 more.
+//! the fifth degree from h before the corner to h after it, with the position, slope and bend that the path has there; between
+//! two lines as `corner` has it, else with a length of 2·h: it passes the corner at a distance of ⅜·h·k, and a jump of the
+//! bend by Δ costs about Δ·h²/17 more.
 //!
 //! A move is long if three blends of such h fit into it at both of its ends; a curve that was chopped finely has small
 //! corners, which would allow blends much longer than its moves, and therefore none of them is.
 use super::bezier::measure;
+use super::corner::{Corner, INNER};
 use super::{AXES, Curve, Derivatives, Entry, Line, Piece, Point, Polynomial, Shape, fit};
 use alloc::vec::Vec;
 
@@ -42,6 +44,8 @@ const MAX_ZONE: usize = 256;
 const KEPT: usize = 64;
 /// Share of the tolerance that blends use; the rest is for what their distance is not sampled at.
 pub(crate) const SHARE: f64 = 0.97;
+/// A blend may swing out where its reach is less than the shorter move over this.
+const ROOM: f64 = 6.0;
 /// Slopes that differ by less are one slope.
 const SAME_SLOPE: f64 = 1e-7;
 /// Bends that differ by less are one bend, 1/mm.
@@ -65,10 +69,19 @@ pub(crate) struct Joint {
     pub(crate) k: f64,
     /// How far its blend would reach if there were room; zero: there is none.
     pub(crate) reach: f64,
+    /// Length of its blend, over its reach.
+    ratio: f64,
     /// What there is instead.
     entry: Entry,
     /// P there.
     pub(crate) tolerance: f64,
+}
+
+impl Joint {
+    /// Without a blend.
+    fn none(entry: Entry) -> Self {
+        Self { k: 0.0, reach: 0.0, ratio: INNER, entry, tolerance: 0.0 }
+    }
 }
 
 impl Waiting {
@@ -144,7 +157,7 @@ impl Joiner {
     fn append(&mut self, segment: &Segment, emit: &mut impl FnMut(Piece)) {
         let length = segment.curve.length();
         let (start, end) = (segment.curve.at(0.0), segment.curve.at(length));
-        let rest = Joint { k: 0.0, reach: 0.0, entry: Entry::Rest, tolerance: 0.0 };
+        let rest = Joint::none(Entry::Rest);
         let joint = self.waiting.last().map_or(rest, |last| joint(last, segment, &start));
         if !self.waiting.is_empty() {
             self.decide(joint.reach, emit);
@@ -236,7 +249,7 @@ impl Joiner {
         let mut h = reach;
         let curve = loop {
             let (from, to) = (before.segment.curve.at(length - h), after.segment.curve.at(h));
-            let blend = Polynomial::between(&from, &to, 2.0 * h);
+            let blend = Polynomial::between(&from, &to, after.joint.ratio * h);
             let straight = matches!(before.segment.curve, Curve::Line(_))
                 && matches!(after.segment.curve, Curve::Line(_));
             if straight || far(&blend, &before, &after, h) <= tolerance {
@@ -253,7 +266,7 @@ impl Joiner {
             rapid: before.segment.rapid && after.segment.rapid,
             ..before.segment
         };
-        self.hand_on(&of, &Curve::Polynomial(curve), (0.0, 2.0 * h), emit);
+        self.hand_on(&of, &Curve::Polynomial(curve), (0.0, curve.length), emit);
         if h < reach {
             let of = after.segment;
             self.hand_on(&of, &of.curve, (h, reach - h), emit);
@@ -313,16 +326,25 @@ fn joint(before: &Waiting, segment: &Segment, start: &Derivatives) -> Joint {
         (true, false) => Entry::Tangent,
         (false, _) => Entry::Rest,
     };
-    if tolerance > 0.0 && entry == Entry::Smooth {
-        // nothing to blend, but on a chopped curve two slopes may be the same by rounding
-        return Joint { k, reach: f64::INFINITY, entry, tolerance };
+    let joint = Joint { k, tolerance, ..Joint::none(entry) };
+    if tolerance <= 0.0 {
+        return joint;
     }
-    let blended = tolerance > 0.0;
-    // ⅜·k·h + Δ·h²/17 = P
-    let (slope, square) = (0.375 * k, bend / 17.0);
+    if entry == Entry::Smooth {
+        // nothing to blend, but on a chopped curve two slopes may be the same by rounding
+        return Joint { reach: f64::INFINITY, ..joint };
+    }
     let p = tolerance * SHARE;
-    let reach = 2.0 * p / (slope + libm::sqrt(slope * slope + 4.0 * square * p));
-    Joint { k, reach: if blended { reach } else { 0.0 }, entry, tolerance }
+    let curves = (&before.segment.curve, &segment.curve);
+    let Corner { reach, ratio } = if let (Curve::Line(a), Curve::Line(b)) = curves {
+        Corner::of(k, p, a.length.min(b.length) / ROOM)
+    } else {
+        // ⅜·k·h + Δ·h²/17 = P
+        let (slope, square) = (0.375 * k, bend / 17.0);
+        let reach = 2.0 * p / (slope + libm::sqrt(slope * slope + 4.0 * square * p));
+        Corner { reach, ratio: INNER }
+    };
+    Joint { reach, ratio, ..joint }
 }
 
 /// Two lines as one, if what lies between them is near enough to it.

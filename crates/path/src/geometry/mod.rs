@@ -18,6 +18,7 @@
 
 mod arc;
 mod bezier;
+mod corner;
 mod fit;
 mod join;
 mod knots;
