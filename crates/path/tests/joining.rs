@@ -213,6 +213,20 @@ fn a_circle_chopped_ten_times_finer_bends_the_same() {
     assert!(bends.iter().all(|bend| (bend - 0.1).abs() < 0.003), "{bends:?}");
 }
 
+/// Every second point is 4 µm beside a line, P is 10 µm: the line itself is within P of all of them.
+#[test]
+fn what_lies_within_p_of_a_straight_line_becomes_one() {
+    let points: Vec<Point> = (0..=400)
+        .map(|k| at(0.1 * f64::from(k), if k % 2 == 0 { 0.0 } else { 4e-3 }, 0.0))
+        .collect();
+    let pieces = check(&lines(&points, 0.01), 0.01);
+    let inner = &pieces[pieces.len() / 4..pieces.len() * 3 / 4];
+    let bend = |p: &Piece| apart(&p.at(p.length() / 2.0).q2, &[0.0; AXES]);
+    let most = inner.iter().map(bend).fold(0.0, f64::max);
+    // a wave through the points bends by 2e-3·(π/0.1)² = 2 per mm
+    assert!(most < 2e-3, "{most}");
+}
+
 #[test]
 fn reversals_duplicates_and_segments_of_a_nanometre_are_joined_too() {
     let spike = [at(0.0, 0.0, 0.0), at(10.0, 0.0, 0.0), at(0.0, 0.0, 0.0), at(5.0, 0.0, 0.0)];

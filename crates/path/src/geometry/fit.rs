@@ -12,41 +12,36 @@
 //! | Nⱼ, Pⱼ | the spline's basis (de Boor) and its control points |
 //!
 //! Control points begin on the programmed path (which makes the spline smoother than the path, whatever the way it was
-//! chopped). Then, over and over, two things are done: they are pulled towards a smoother curve (one whose third derivative
-//! changes less), and each sample that is too far off moves the four control points that have a say in it by the least that brings it
+//! chopped). Each sample that is too far off moves the four control points that have a say in it by the least that brings it
 //! back: projections onto convex sets, which end in a point that is in all of them, if there is one. If there is none, knots are
-//! halved where it fails; with knots close enough there always is one.
+//! halved where it fails; with knots close enough there always is one. Of all such curves, `tube` then finds the one that
+//! bends least.
 //! Position, slope and bend at both ends are given, which fixes three control points each.
 use super::join::{Segment, Waiting, distance};
 use super::knots::{self, Way};
+use super::tube::Tube;
 use super::{AXES, Derivatives, Point, Polynomial};
 use alloc::vec::Vec;
 
 /// Share of the tolerance that samples keep: between them there is a little more.
-const NEAR: f64 = 0.95;
+pub(crate) const NEAR: f64 = 0.95;
 /// Sweeps over all samples before knots are halved.
 const SWEEPS: usize = 24;
 /// Sweeps to bring samples back after smoothing.
 const BACK: usize = 32;
-/// How far beyond the least a smoothed point goes, which spreads it sooner.
-const RELAXED: f64 = 1.6;
-/// Rounds of smoothing.
-const SMOOTHING: usize = 96;
-/// Rounds go on as long as each takes so much of ∫|q″|² away.
-const WORTHWHILE: f64 = 0.004;
 /// How often knots may be halved.
 const HALVINGS: usize = 12;
 
 /// A place where the distance is looked at.
 #[derive(Clone, Copy, Debug)]
-struct Sample {
+pub(crate) struct Sample {
     /// First of its four control points.
-    first: usize,
-    basis: [f64; 4],
-    p: Point,
-    tolerance: f64,
+    pub(crate) first: usize,
+    pub(crate) basis: [f64; 4],
+    pub(crate) p: Point,
+    pub(crate) tolerance: f64,
     /// One over the sum of squares of the basis over free control points; zero: none is free.
-    per_square: f64,
+    pub(crate) per_square: f64,
 }
 
 /// Fits curves; keeps its memory from one to the next.
@@ -62,6 +57,9 @@ pub(crate) struct Fitter {
     /// Axes from this one on do not move.
     axes: usize,
     spare: Vec<Point>,
+    /// For X Y Z alone, and with all others.
+    linear: Tube<3>,
+    all: Tube<AXES>,
     /// See `twist`.
     bends: Vec<([f64; 3], f64)>,
     total: f64,
@@ -228,36 +226,23 @@ impl Fitter {
         n
     }
 
-    /// Bring samples back until all are near enough, then smooth as long as they can be kept so. `false`: some are not;
+    /// Bring samples back until all are near enough, then find the curve that bends least. `false`: some are not;
     /// their spans are in `bad`.
     fn settle(&mut self) -> bool {
         if !self.project(SWEEPS) {
             return false;
         }
-        let mut before = self.energy();
-        for _ in 0..SMOOTHING {
-            self.spare.clone_from(&self.control);
-            self.smooth();
-            if !self.project(BACK) {
-                core::mem::swap(&mut self.spare, &mut self.control);
-                break;
-            }
-            let after = self.energy();
-            if after > before * (1.0 - WORTHWHILE) {
-                break;
-            }
-            before = after;
+        self.spare.clone_from(&self.control);
+        let (control, samples, bends) = (&mut self.control, &self.samples, &self.bends);
+        if self.axes <= 3 {
+            self.linear.smooth(control, samples, bends);
+        } else {
+            self.all.smooth(control, samples, bends);
+        }
+        if !self.project(BACK) {
+            core::mem::swap(&mut self.spare, &mut self.control);
         }
         true
-    }
-
-    /// ∫|q″|² over the curve.
-    fn energy(&self) -> f64 {
-        let bend = |(knot, (shares, length)): (usize, &([f64; 3], f64))| -> f64 {
-            let second = |i: usize| (0..3).map(|n| shares[n] * self.control[knot + n][i]).sum();
-            length * (0..self.axes).map(second).map(|x: f64| x * x).sum::<f64>()
-        };
-        self.bends.iter().enumerate().map(bend).sum()
     }
 
     fn project(&mut self, sweeps: usize) -> bool {
@@ -295,26 +280,6 @@ impl Fitter {
             }
         }
         false
-    }
-
-    /// Towards a curve that bends less: each free control point where ∫|q″|² is least, the others held.
-    fn smooth(&mut self) {
-        for j in 3..self.control.len() - 3 {
-            let mut pull = [0.0; AXES];
-            let mut weight = 0.0;
-            for knot in j - 2..=j {
-                let bend = &self.bends[knot];
-                let own = bend.0[j - knot];
-                weight += bend.1 * own * own;
-                for (i, pull) in pull.iter_mut().enumerate().take(self.axes) {
-                    let second: f64 = (0..3).map(|n| bend.0[n] * self.control[knot + n][i]).sum();
-                    *pull += bend.1 * own * second;
-                }
-            }
-            for (place, pull) in self.control[j].iter_mut().zip(pull).take(self.axes) {
-                *place -= RELAXED * pull / weight;
-            }
-        }
     }
 
     /// By knot: shares of its three control points in the second derivative there, and the length that it stands for.

@@ -25,6 +25,7 @@ mod knots;
 mod line;
 mod piece;
 mod polynomial;
+mod tube;
 
 pub use arc::Arc;
 pub use bezier::Bezier;

@@ -110,7 +110,8 @@ impl Fine {
         let square = v * v + at * (2.0 * a + u * at);
         if !(at > 1e-9 * h && at < h * (1.0 - 1e-9) && square > 0.0) {
             // rounding is all that is left
-            return give(Phase { duration: 2.0 * h / (v + v1), s: from, v, a: 0.0, j: 0.0 });
+            let t = 2.0 * h / (v + v1);
+            return give(Phase { duration: t, s: from, v, a: (v1 - v) / t, j: 0.0 });
         }
         let (middle, slope) = (libm::sqrt(square), a + u * at);
         Self { h: at, v1: middle, a1: slope, ..*self }.phases(&mut *give);
@@ -178,5 +179,16 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn ends_that_lie_on_no_such_motion_still_cover_the_cell_exactly() {
+        let fine = Fine { v: 0.03, a: -3.0, v1: 0.002, a1: 4.0, ..Fine::new(0, 1.0, 2e-3) };
+        let (mut at, mut speed) = (1.0, 0.03);
+        fine.phases(|phase| {
+            assert!((phase.s - at).abs() < 1e-12 && (phase.v - speed).abs() < 1e-9);
+            (at, speed, _) = phase.at(phase.duration);
+        });
+        assert!((at - 1.002).abs() < 1e-12 && (speed - 0.002).abs() < 1e-9, "{at} {speed}");
     }
 }

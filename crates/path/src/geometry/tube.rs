@@ -1,0 +1,224 @@
+//! The curve of a given basis that bends least within the tolerance.
+//!
+//! ```text
+//!   minimise ½·Σ lₖ·|q″ₖ|²    so that    |Bᵢ·c − pᵢ| ≤ r·Pᵢ  at every sample i
+//! ```
+//!
+//! By the alternating direction method of multipliers (Boyd et al., *Distributed Optimization and Statistical Learning via
+//! ADMM*, 2011, ch. 3): zᵢ stands for Bᵢ·c and stays within the tolerance, uᵢ gathers what keeps them apart. Each round solves
+//!
+//! ```text
+//!   (H + Σ ρᵢ·Bᵢᵀ·Bᵢ)·c = Σ ρᵢ·Bᵢᵀ·(zᵢ − uᵢ)
+//! ```
+//!
+//! whose matrix, a band of four, is factored once. ρᵢ goes with 1/h³ of the sample's span, as H does, so that short spans beside
+//! long ones are as quick.
+use super::Point;
+use super::fit::Sample;
+use alloc::vec::Vec;
+use core::ops::Range;
+
+/// r of the header; samples are good up to [`super::fit::NEAR`].
+const RADIUS: f64 = 0.93;
+/// Rounds at most, and at least.
+const ROUNDS: usize = 48;
+const LEAST: usize = 12;
+/// How far beyond the solution a round goes, which ends the search sooner.
+const RELAXED: f64 = 1.6;
+/// Of ρ over 1/h³.
+const STIFF: f64 = 0.3;
+/// Control points at each end that are given.
+const GIVEN: usize = 3;
+
+/// Position of the axes that take part.
+type Place<const N: usize> = [f64; N];
+
+/// Memory of the method, for N axes; kept from one curve to the next.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tube<const N: usize> {
+    /// The matrix: the diagonal, and up to three before it; then its factors.
+    rows: Vec<[f64; 4]>,
+    control: Vec<Place<N>>,
+    /// What the given control points put on the right-hand side.
+    base: Vec<Place<N>>,
+    right: Vec<Place<N>>,
+    held: Vec<Held<N>>,
+}
+
+/// A sample in the search.
+#[derive(Clone, Copy, Debug)]
+struct Held<const N: usize> {
+    first: usize,
+    basis: [f64; 4],
+    p: Place<N>,
+    tolerance: f64,
+    rho: f64,
+    z: Place<N>,
+    u: Place<N>,
+}
+
+impl<const N: usize> Held<N> {
+    fn at(&self, control: &[Place<N>]) -> Place<N> {
+        let mut q = [0.0; N];
+        for (control, n) in control[self.first..self.first + 4].iter().zip(self.basis) {
+            subtract(&mut q, -n, control);
+        }
+        q
+    }
+
+    /// How far off, over the tolerance: along X Y Z, U V W, or in degrees, whichever is most.
+    fn off(&self, q: &Place<N>) -> f64 {
+        let mut most = 0.0_f64;
+        for (q, p) in q.chunks(3).zip(self.p.chunks(3)) {
+            most = most.max(q.iter().zip(p).map(|(q, p)| (q - p) * (q - p)).sum());
+        }
+        libm::sqrt(most) / self.tolerance
+    }
+
+    /// The nearest place within the tolerance.
+    fn within(&self, q: &Place<N>) -> Place<N> {
+        let share = RADIUS / self.off(q);
+        if share >= 1.0 {
+            return *q;
+        }
+        core::array::from_fn(|i| self.p[i] + (q[i] - self.p[i]) * share)
+    }
+}
+
+impl<const N: usize> Tube<N> {
+    /// Move the free control points to where the curve bends least. `bends`, by knot: shares of its three control points in
+    /// q″, and the length it stands for.
+    pub(crate) fn smooth(
+        &mut self,
+        control: &mut [Point],
+        samples: &[Sample],
+        bends: &[([f64; 3], f64)],
+    ) {
+        let free = GIVEN..control.len() - GIVEN;
+        if free.is_empty() {
+            return;
+        }
+        let narrow = |p: &Point| core::array::from_fn(|i| p[i]);
+        self.control.clear();
+        self.control.extend(control.iter().map(narrow));
+        self.held.clear();
+        for sample in samples.iter().filter(|sample| sample.per_square > 0.0) {
+            let Sample { first, basis, tolerance, .. } = *sample;
+            // a span's own bends say how long it is: 1/h³ is length times the square of a share
+            let stiff = |(shares, length): &([f64; 3], f64)| {
+                shares.iter().fold(0.0, |m: f64, x| m.max(x * x)) * length
+            };
+            let rho = STIFF * stiff(&bends[first]).max(stiff(&bends[first + 1]));
+            let (z, u) = ([0.0; N], [0.0; N]);
+            let mut held = Held { first, basis, p: narrow(&sample.p), tolerance, rho, z, u };
+            held.z = held.within(&held.at(&self.control));
+            self.held.push(held);
+        }
+        self.assemble(bends);
+        self.factor(&free);
+        for round in 1..=ROUNDS {
+            self.solve(&free);
+            if self.keep() <= super::fit::NEAR && round >= LEAST {
+                break;
+            }
+        }
+        for (wide, place) in control.iter_mut().zip(&self.control) {
+            wide[..N].copy_from_slice(place);
+        }
+    }
+
+    fn assemble(&mut self, bends: &[([f64; 3], f64)]) {
+        self.rows.clear();
+        self.rows.resize(self.control.len(), [0.0; 4]);
+        for (knot, (shares, length)) in bends.iter().enumerate() {
+            for i in 0..3 {
+                for j in 0..=i {
+                    self.rows[knot + i][i - j] += length * shares[i] * shares[j];
+                }
+            }
+        }
+        for held in &self.held {
+            for i in 0..4 {
+                for j in 0..=i {
+                    self.rows[held.first + i][i - j] += held.rho * held.basis[i] * held.basis[j];
+                }
+            }
+        }
+    }
+
+    /// L·D·Lᵀ of the free unknowns, in place; the given ones go to the right-hand side.
+    fn factor(&mut self, free: &Range<usize>) {
+        self.base.clear();
+        self.base.resize(self.control.len(), [0.0; N]);
+        for i in 0..self.control.len() {
+            for back in 1..=i.min(3) {
+                let (j, a) = (i - back, self.rows[i][back]);
+                match (free.contains(&i), free.contains(&j)) {
+                    (true, false) => subtract(&mut self.base[i], a, &self.control[j]),
+                    (false, true) => subtract(&mut self.base[j], a, &self.control[i]),
+                    _ => {}
+                }
+            }
+        }
+        for i in free.clone() {
+            let first = free.start.max(i.saturating_sub(3));
+            let mut row = self.rows[i];
+            for j in first..i {
+                // L_ij·D_j, then L_ij
+                for k in first..j {
+                    row[i - j] -= row[i - k] * self.rows[j][j - k] * self.rows[k][0];
+                }
+                row[i - j] /= self.rows[j][0];
+                row[0] -= row[i - j] * row[i - j] * self.rows[j][0];
+            }
+            self.rows[i] = row;
+        }
+    }
+
+    fn solve(&mut self, free: &Range<usize>) {
+        self.right.clone_from(&self.base);
+        for held in &self.held {
+            let wanted: Place<N> = core::array::from_fn(|i| held.rho * (held.z[i] - held.u[i]));
+            for (right, n) in self.right[held.first..held.first + 4].iter_mut().zip(held.basis) {
+                subtract(right, -n, &wanted);
+            }
+        }
+        for i in free.clone() {
+            let mut x = self.right[i];
+            for back in 1..=3.min(i - free.start) {
+                subtract(&mut x, self.rows[i][back], &self.right[i - back]);
+            }
+            self.right[i] = x;
+        }
+        for i in free.clone().rev() {
+            let d = self.rows[i][0];
+            let mut x = self.right[i].map(|x| x / d);
+            for ahead in 1..=3.min(free.end - 1 - i) {
+                subtract(&mut x, self.rows[i + ahead][ahead], &self.right[i + ahead]);
+            }
+            self.right[i] = x;
+            self.control[i] = x;
+        }
+    }
+
+    /// z and u of the next round; how far the farthest sample is off, over its tolerance.
+    fn keep(&mut self) -> f64 {
+        let mut most = 0.0_f64;
+        for held in &mut self.held {
+            let q = held.at(&self.control);
+            most = most.max(held.off(&q));
+            let wanted: Place<N> =
+                core::array::from_fn(|i| RELAXED * q[i] + (1.0 - RELAXED) * held.z[i] + held.u[i]);
+            held.z = held.within(&wanted);
+            held.u = core::array::from_fn(|i| wanted[i] - held.z[i]);
+        }
+        most
+    }
+}
+
+/// a −= f·b.
+fn subtract<const N: usize>(a: &mut Place<N>, f: f64, b: &Place<N>) {
+    for (a, b) in a.iter_mut().zip(b) {
+        *a -= f * b;
+    }
+}
