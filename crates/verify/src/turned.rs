@@ -51,6 +51,8 @@ pub struct TurnedThread {
     pub lead_error: Length,
     /// Largest mean distance from the helix of a pass less the smallest.
     pub pass_spread: Length,
+    /// Mean distance from the helix of each pass that was cut.
+    pub pass_means: Vec<Length>,
     /// Largest distance from the ordered infeed in the deepest pass.
     pub infeed_error: Length,
     /// Of the pass with the largest error, along the thread from the surface on: depth and distance from the helix.
@@ -239,14 +241,15 @@ impl TurnedTrack {
         let count = errors().count().max(1) as f64;
         let most = |pass: &&Pass| pass.at.iter().fold(0.0, |most: f64, [_, e]| most.max(e.abs()));
         let worst = self.passes.iter().max_by(|a, b| most(a).total_cmp(&most(b)));
-        let means = self
+        let means: Vec<f64> = self
             .passes
             .iter()
             .filter(|pass| !pass.at.is_empty())
-            .map(|pass| pass.at.iter().map(|[_, e]| e).sum::<f64>() / pass.at.len() as f64);
-        let (low, high) = means.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), mean| {
-            (low.min(mean), high.max(mean))
-        });
+            .map(|pass| pass.at.iter().map(|[_, e]| e).sum::<f64>() / pass.at.len() as f64)
+            .collect();
+        let (low, high) = means
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), m| (low.min(*m), high.max(*m)));
         let lead_errors = self.passes.iter().map(|pass| lead_error(&pass.at));
         let found = TurnedThread {
             lead: Lead::mm_per_rev(thread.map_or(0.0, |t| t.slope().abs())),
@@ -268,6 +271,7 @@ impl TurnedTrack {
                 lead_errors.fold(0.0, |most: f64, e| if e.abs() > most.abs() { e } else { most }),
             ),
             pass_spread: Length::mm((high - low).max(0.0)),
+            pass_means: means.into_iter().map(Length::mm).collect(),
             infeed_error: Length::mm(self.passes.last().map_or(0.0, |pass| pass.infeed)),
             profile: worst.map_or_else(Vec::new, |pass| thinned(&pass.at)),
         };
