@@ -15,7 +15,7 @@ use std::process::{Child, Command, Stdio};
 const OFF_HELIX_UM: f64 = 20.0;
 
 /// How the iron is stopped: name, option that takes the time, further options, and whether a refusal is right.
-const WAYS: [(&str, &str, &[&str]); 6] = [
+const WAYS: [(&str, &str, &[&str]); 8] = [
     ("SIGKILL, coupled stop", "--kill-control-at", &[]),
     ("SIGKILL, quick stop", "--kill-control-at", &["--on-link-loss", "quick-stop"]),
     ("SIGKILL, coasting", "--kill-control-at", &["--on-link-loss", "coast"]),
@@ -25,6 +25,12 @@ const WAYS: [(&str, &str, &[&str]); 6] = [
         "power cut, single turn, coasting",
         "--power-cut-at",
         &["--single-turn", "--on-power-loss", "coast"],
+    ),
+    ("power cut, outputs off", "--power-cut-at", &["--on-power-loss", "off"]),
+    (
+        "power cut, single turn, outputs off",
+        "--power-cut-at",
+        &["--single-turn", "--on-power-loss", "off"],
     ),
 ];
 

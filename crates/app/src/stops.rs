@@ -9,6 +9,7 @@
 //! ```
 use crate::args::{AfterStop, RunArgs};
 use crate::plant::Plant;
+use crate::recover;
 use crate::script::Script;
 use crate::session::Session;
 use bus::{Machine, Sample, State};
@@ -16,18 +17,13 @@ use canon::{Holder, ToolKind};
 use kernel::{EventKind, Kernel, Notice, Order, RecoveryFigures, RecoveryPlan};
 use report::{PlanePoint, ThreadStop, WayBack};
 use sim::Fault;
+use sync::leaving::{Leaving, Setting};
 use sync::recovery::{Mover, Point, Seat, Way};
-use units::{Angle, Length, Spin, SpinAccel, Stiffness, Time};
+use units::{Angle, Length, Spin, Stiffness, Time};
 use verify::{FeatureKind, Judge};
 
-/// The spindle turns no faster on the way out.
-const OUT: (Spin, SpinAccel) = (Spin::rpm(300.0), SpinAccel::rev_per_s2(40.0));
-/// From here on a holder is stiff: an error of a tenth of a millimetre presses with half a kilonewton.
-const STIFF: Stiffness = Stiffness::n_per_mm(5000.0);
 /// Whatever was switched off stands by then: somebody switches it on again.
 const RUN_DOWN: Time = Time::s(10.0);
-/// A way out that takes longer has gone wrong.
-const LONGEST_WAY_OUT: Time = Time::s(300.0);
 
 /// What is to come, and what has come.
 pub(crate) struct Stops {
@@ -36,7 +32,8 @@ pub(crate) struct Stops {
     recover: Option<AfterStop>,
     lengths: Vec<(u32, Length)>,
     zero: Length,
-    seats: Vec<(u32, Seat)>,
+    play: Length,
+    taps: Vec<(u32, Setting)>,
     feed: (units::Speed, units::Accel),
     /// What has come, for people.
     pub(crate) happened: Vec<String>,
@@ -52,11 +49,15 @@ pub(crate) type Ears<'a> = &'a mut dyn FnMut(&Sample);
 impl Stops {
     /// As the arguments have it.
     pub(crate) fn new(args: &RunArgs, session: &Session, seed: u64, planned: Time) -> Self {
-        let play = session.machine.simulation.tap_seat.flank_clearance;
-        let seats = session.tools.iter().filter_map(|tool| match &tool.kind {
-            ToolKind::Tap(tap) => {
-                Some((tool.number, Seat { play, is_stiff: stiffness(tap.holder) >= STIFF }))
-            }
+        let taps = session.tools.iter().filter_map(|tool| match &tool.kind {
+            ToolKind::Tap(tap) => Some((
+                tool.number,
+                Setting {
+                    surface: Length::ZERO, // known when it is in the work
+                    holder: stiffness(tap.holder),
+                    diameter: tool.diameter,
+                },
+            )),
             _ => None,
         });
         let gentle = session.machine.axis(canon::Axis::Z).map(|z| z.gentle);
@@ -67,7 +68,8 @@ impl Stops {
             recover: args.recover,
             lengths: session.tools.iter().map(|tool| (tool.number, tool.length)).collect(),
             zero: session.work_zero().linear[2],
-            seats: seats.collect(),
+            play: session.machine.simulation.tap_seat.flank_clearance,
+            taps: taps.collect(),
             feed: gentle.map_or((slow, units::Accel::mm_per_s2(100.0)), |g| {
                 (g.speed.min(slow), g.acceleration * 0.1)
             }),
@@ -85,7 +87,8 @@ impl Stops {
             recover: None,
             lengths: Vec::new(),
             zero: Length::ZERO,
-            seats: Vec::new(),
+            play: Length::ZERO,
+            taps: Vec::new(),
             feed: (units::Speed::ZERO, units::Accel::ZERO),
             happened: Vec::new(),
             threads: Vec::new(),
@@ -148,23 +151,38 @@ impl Stops {
         });
         let Some(after) = self.recover else { return Ok(false) };
         let tool = plant.feedback().tool.unwrap_or(0);
-        let seat = self.seats.iter().find(|(number, _)| *number == tool).map(|(_, seat)| *seat);
-        let preferred = seat.map_or(Way::Direct, Way::UnloadFirst);
+        let surface = kernel.surface().unwrap_or(stored.start().place);
+        let setting = self.taps.iter().find(|(number, _)| *number == tool);
+        let setting = setting.map(|(_, setting)| Setting { surface, ..*setting });
         plant.mend();
+        let preferred = match setting {
+            None => Way::Direct,
+            Some(setting) => {
+                let now = plant.feedback();
+                let at = Point { angle: now.spindles[0].angle, place: now.axes[2].position };
+                match stored.leaving(at, &setting).map_err(|why| why.to_string())? {
+                    Leaving::Straight => Way::Straight,
+                    Leaving::Along => {
+                        Way::UnloadFirst(Seat { play: self.play, is_stiff: setting.is_stiff() })
+                    }
+                }
+            }
+        };
         let plan = RecoveryPlan {
             axis: canon::Axis::Z,
             spindle: 0,
             stored,
             turn: Angle::ZERO,
             way: preferred,
-            spin: OUT,
+            spin: recover::OUT,
             feed: self.feed,
             retreat: None,
         };
         let mut ways = Vec::new();
         if let Some(mut copy) = plant.copy() {
             let (mut kernel, mut judge) = (kernel.clone(), judge.clone());
-            let plan = RecoveryPlan { way: Way::Direct, ..plan };
+            let other = if preferred == Way::Straight { preferred } else { Way::Direct };
+            let plan = RecoveryPlan { way: other, ..plan };
             let track = drive_out(&mut kernel, &mut copy, plan, &mut |sample| judge.sample(sample));
             ways.extend(track.map(|track| way_back("the document's way", false, &track, &judge)));
         }
@@ -267,7 +285,7 @@ fn drive_out(
     } else {
         kernel.recover(plan);
     }
-    let end = plant.feedback().time + LONGEST_WAY_OUT;
+    let end = plant.feedback().time + recover::LONGEST;
     let mut track = Track { points: Vec::new(), mover: None, helix: Length::ZERO, force_n: 0.0 };
     let (mut on, mut out) = (alive, None);
     while out.is_none() {

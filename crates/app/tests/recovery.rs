@@ -87,11 +87,13 @@ fn a_control_that_is_killed_in_a_left_hand_tap_is_recovered_at_any_instant() {
 fn drives_that_stop_apart_leave_an_error_that_recovery_mends() {
     let (from, to) = stroke("G84", 11);
     let at = from + 0.3 * (to - from);
-    let quick = killed("G84", 11, at, &["--on-link-loss", "quick-stop"]);
-    let before = number(&quick, "phase_error_before_um").abs();
-    assert!((50.0..600.0).contains(&before), "{quick:#}");
-    let coupled = killed("G84", 11, at, &[]);
-    assert!(number(&coupled, "phase_error_before_um").abs() < 40.0, "{coupled:#}");
+    let off = killed("G84", 11, at, &["--on-link-loss", "off"]);
+    let before = number(&off, "phase_error_before_um").abs();
+    assert!((40.0..600.0).contains(&before), "{off:#}");
+    for (reaction, most_um) in [("quick-stop", 60.0), ("coast", 40.0), ("coupled-stop", 40.0)] {
+        let answer = killed("G84", 11, at, &["--on-link-loss", reaction]);
+        assert!(number(&answer, "phase_error_before_um").abs() < most_um, "{answer:#}");
+    }
 }
 
 #[test]
@@ -102,7 +104,7 @@ fn a_power_cut_is_recovered_and_without_turns_only_where_the_turn_can_be_shown()
     recovered(&Iron::start(&cut), "G84", 11, &at);
     let shown = recovered(&Iron::start(&[&cut[..], &["--single-turn"]].concat()), "G84", 11, &at);
     assert_eq!(number(&shown, "phase_error_bound_um"), 300.0);
-    let coasting = ["--single-turn", "--on-power-loss", "coast"];
+    let coasting = ["--single-turn", "--on-power-loss", "off"];
     let iron = Iron::start(&[&cut[..], &coasting].concat());
     iron.run(&one_tap("G84", 11), &[]);
     let refused = iron.recover(&[]);
@@ -127,9 +129,9 @@ fn while_a_tap_is_in_its_hole_nothing_but_recovery_moves() {
         "{said}"
     );
     assert_eq!(iron.recover(&["--dry-run"])["outcome"], "recovered");
-    // the simulated bearings let a loaded spindle creep; nothing else turns it
-    let crept = number(&before, "spindle_rev") - number(&iron.status(), "spindle_rev");
-    assert!(crept.abs() < 0.002, "something has moved: {crept} rev");
+    let after = iron.status();
+    let moved = number(&before, "spindle_rev") - number(&after, "spindle_rev");
+    assert!(moved.abs() < 1e-6, "something has moved: {moved} rev"); // a drive lets go of its torque
     assert_eq!(iron.recover(&[])["outcome"], "recovered");
     assert_eq!(iron.recover(&[])["outcome"], "nothing-to-do");
     let again = iron.run(&one_tap("G84", 11), &["--from", "hole 1"]);

@@ -134,6 +134,8 @@ pub(crate) struct AxisLoop {
     reading: f64,
     stretch: f64,
     error: f64,
+    /// Its reading is not believed: see [`crate::doubt`].
+    pub(crate) blind: bool,
     pub(crate) warned: bool,
 }
 
@@ -170,6 +172,7 @@ impl AxisLoop {
             reading: 0.0,
             stretch: 0.0,
             error: 0.0,
+            blind: false,
             warned: false,
             control,
         }
@@ -195,6 +198,7 @@ impl AxisLoop {
         self.positions = (position, position);
         self.gap = 0.0;
         self.error = 0.0;
+        self.blind = false;
         self.servo.reset();
     }
 
@@ -263,16 +267,22 @@ impl AxisLoop {
         self.gap -= self.gap * (self.period_s / GAP_DECAY_S).min(1.0);
         let before = self.error;
         self.error = now.position + self.stretch + self.gap - self.reading;
-        let force = self.servo.update(Input {
-            error: self.error,
-            growth: self.error - before,
-            speed_withheld: (1.0 - shares.speed) * now.speed,
-            feed_forward: shares.accel * self.mass * ahead.accel
-                + shares.friction * (friction_ahead + stretching)
-                - weight,
-            limit: self.control.peak_force.value(),
-            position: true,
-        });
+        let feed_forward = shares.accel * self.mass * ahead.accel
+            + shares.friction * (friction_ahead + stretching)
+            - weight;
+        let limit = self.control.peak_force.value();
+        let force = if self.blind {
+            self.servo.blind(feed_forward, limit, now.speed != 0.0)
+        } else {
+            self.servo.update(Input {
+                error: self.error,
+                growth: self.error - before,
+                speed_withheld: (1.0 - shares.speed) * now.speed,
+                feed_forward,
+                limit,
+                position: true,
+            })
+        };
         AxisCommand {
             enable: true,
             position: Length::mm(now.position),

@@ -109,12 +109,13 @@ impl Drives {
     /// Take the readings.
     pub(crate) fn read(&mut self, feedback: &Feedback) {
         for (axis, reading) in self.axes.iter_mut().zip(&feedback.axes) {
-            if let Some(axis) = axis {
+            // one that gives no number has said so; what is coupled stops first
+            if let Some(axis) = axis.as_mut().filter(|_| reading.position.is_finite()) {
                 axis.read(reading);
             }
         }
         for (spindle, reading) in self.spindles.iter_mut().zip(&feedback.spindles) {
-            if let Some(spindle) = spindle {
+            if let Some(spindle) = spindle.as_mut().filter(|_| reading.angle.is_finite()) {
                 spindle.read(reading);
             }
         }

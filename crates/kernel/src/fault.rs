@@ -23,6 +23,8 @@ pub enum FaultKind {
     FeedbackInvalid,
     /// A drive reports an alarm, and can still brake.
     DriveAlarm,
+    /// An encoder in a tap says what cannot be.
+    ReadingImplausible,
     /// An axis is too far from its setpoint.
     FollowingError,
     /// A spindle under position control is too far from its setpoint.
@@ -78,11 +80,12 @@ struct Text {
 
 impl FaultKind {
     /// All of them, by rising number.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::EmergencyStop,
         Self::DriveNotReady,
         Self::FeedbackInvalid,
         Self::DriveAlarm,
+        Self::ReadingImplausible,
         Self::FollowingError,
         Self::SpindleFollowingError,
         Self::SyncError,
@@ -165,6 +168,14 @@ impl FaultKind {
                 reaction: Reaction::Halt,
                 cause: "The drive is too hot, its bus is low, or it has another complaint with which it can still brake.",
                 remedy: "A tap in its hole comes out with a retract. Then read the drive's own alarm.",
+            },
+            Self::ReadingImplausible => Text {
+                number: 105,
+                sentence: "the encoder's reading jumps, stands still or is missing in the middle of a tap",
+                unit: "",
+                reaction: Reaction::Halt,
+                cause: "A slipped or stuck encoder, a broken encoder line, or a fault of the field bus.",
+                remedy: "Check encoder, cable and bus, start the control again so that the encoders are read anew, then recover the tap.",
             },
             Self::FollowingError => Text {
                 number: 201,
@@ -337,6 +348,7 @@ impl fmt::Display for AlarmList {
         f.write_str("# Alarms\n\n")?;
         f.write_str("What can stop a running machine. `Disable`: all outputs go off, the drives' own safety takes over. ")?;
         f.write_str("`Halt`: axes and spindles brake under control, coupled ones together, and are held.\n\n")?;
+        f.write_str("While a tap is in its thread 102 and 103 brake coupled too, as far as what is left allows; outputs go off when everything stands.\n\n")?;
         f.write_str("What is wrong with a *program* is found before anything moves; `leadscrew check` says it with its code.\n\n")?;
         f.write_str("| number | alarm | reaction | cause | remedy |\n|---|---|---|---|---|\n")?;
         for kind in FaultKind::ALL {

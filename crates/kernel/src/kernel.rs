@@ -14,6 +14,7 @@ mod orders;
 mod tap;
 
 use crate::config::{Config, Subject};
+use crate::doubt::Doubts;
 use crate::drives::{Drives, Finding};
 use crate::event::{Event, EventKind, Ring};
 use crate::execute::{Activity, Context, Progress};
@@ -75,6 +76,10 @@ pub struct Kernel {
     operator: Operator,
     /// An alarm from outside that the next tick will find.
     reported: Option<Subject>,
+    /// Which encoders are not believed.
+    doubts: Doubts,
+    /// A drive or an encoder is gone: once everything stands, outputs go off; the periods for which it has stood.
+    lame: Option<u32>,
     /// A tool is being taken out; nothing else is done.
     recovering: Option<Recovering>,
     /// The operator has given the program up, and everything stands.
@@ -99,6 +104,8 @@ impl Kernel {
             report: Report::default(),
             operator: Operator::new(),
             reported: None,
+            doubts: Doubts::default(),
+            lame: None,
             recovering: None,
             aborted: false,
             now: Time::ZERO,
@@ -156,6 +163,7 @@ impl Kernel {
     /// One servo period: from what the machine says to what it shall do.
     pub fn tick(&mut self, feedback: &Feedback) -> Command {
         self.now = feedback.time;
+        let feedback = &self.bridge(feedback);
         if let Err(finding) = self.check(feedback) {
             self.raise(finding, feedback);
         }
@@ -321,7 +329,9 @@ impl Kernel {
             }
         }
         self.drives.couple(self.config.period);
-        self.drives.command()
+        let command = self.drives.command();
+        self.let_go();
+        command
     }
 
     /// A thread that is being turned keeps its coupling until the spindle stands, or the chain is over.

@@ -20,6 +20,7 @@ mod axis;
 mod chips;
 mod config;
 mod coupled;
+mod doubt;
 mod drives;
 mod event;
 mod execute;
@@ -37,6 +38,7 @@ mod spindle;
 mod stroke;
 mod tapping;
 mod tempo;
+mod terms;
 mod threading;
 
 pub use config::{

@@ -140,6 +140,7 @@ impl Recovering {
             },
             Stage::Feed(leg) => match feed(self.plan.axis, leg, dt, drives) {
                 Some(leg) => Stage::Feed(leg),
+                None if self.plan.way == Way::Straight => self.over(context),
                 None => self.out(context),
             },
             Stage::Spindle(leg) => match self.turn(leg, dt, drives, false) {

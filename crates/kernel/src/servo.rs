@@ -141,6 +141,12 @@ impl Servo {
         effort
     }
 
+    /// One period without a reading: the integral goes on bearing the load while the setpoint moves.
+    pub(crate) fn blind(&self, feed_forward: f64, limit: f64, moves: bool) -> f64 {
+        let borne = if moves { self.integral } else { 0.0 };
+        (feed_forward + borne).clamp(-limit, limit)
+    }
+
     /// Forget what has been learnt: the drive was off.
     pub(crate) fn reset(&mut self) {
         self.tracker = Tracker::new(self.period_s, self.bandwidth_hz, 0.0);

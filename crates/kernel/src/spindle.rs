@@ -69,6 +69,8 @@ pub(crate) struct SpindleLoop {
     reading_before: f64,
     error: f64,
     saturated: bool,
+    /// Its reading is not believed: see [`crate::doubt`].
+    pub(crate) blind: bool,
 }
 
 impl SpindleLoop {
@@ -102,6 +104,7 @@ impl SpindleLoop {
             reading_before: 0.0,
             error: 0.0,
             saturated: false,
+            blind: false,
             control,
         }
     }
@@ -116,6 +119,7 @@ impl SpindleLoop {
         self.order = Order::Slew(0.0);
         self.pace = None;
         self.error = 0.0;
+        self.blind = false;
         self.servo.reset();
     }
 
@@ -131,6 +135,11 @@ impl SpindleLoop {
     /// The acceleration that a share of its torque gives at its present speed, rev/s².
     pub(crate) fn accel_at_most(&self, share: f64) -> f64 {
         share * self.limit(self.ordered.spin.value()) / self.inertia
+    }
+
+    /// The acceleration that all of its torque gives at rest, rev/s².
+    pub(crate) fn accel_at_rest(&self) -> f64 {
+        self.control.peak_torque.value() / self.inertia
     }
 
     /// Turn at a speed that may change each period.
@@ -362,15 +371,21 @@ impl SpindleLoop {
         self.before = self.ordered;
         let spin = self.ordered.spin.value();
         let friction = spindle_friction(&self.control.friction, self.ahead.spin).value();
-        let torque = self.servo.update(Input {
-            error: self.error,
-            growth: way - turned,
-            speed_withheld: if by_angle { (1.0 - shares.speed) * spin } else { 0.0 },
-            feed_forward: shares.accel * self.inertia * self.ahead.accel.value()
-                + shares.friction * friction,
-            limit: self.limit(self.now().spin.value()),
-            position: by_angle,
-        });
+        let feed_forward =
+            shares.accel * self.inertia * self.ahead.accel.value() + shares.friction * friction;
+        let limit = self.limit(self.now().spin.value());
+        let torque = if self.blind {
+            self.servo.blind(feed_forward, limit, spin != 0.0)
+        } else {
+            self.servo.update(Input {
+                error: self.error,
+                growth: way - turned,
+                speed_withheld: if by_angle { (1.0 - shares.speed) * spin } else { 0.0 },
+                feed_forward,
+                limit,
+                position: by_angle,
+            })
+        };
         SpindleCommand {
             enable: true,
             angle: self.ordered.angle,

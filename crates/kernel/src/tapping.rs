@@ -7,8 +7,8 @@
 //!                  └──────────── spindle                    │
 //!                                       monitor ◄── readings of both
 //! ```
-use crate::axis::{AxisLoop, Target};
-use crate::config::{Config, FeedForward, SpindleControl, Subject};
+use crate::axis::AxisLoop;
+use crate::config::{Config, Subject};
 use crate::drives::{Drives, Finding};
 use crate::event::{EventKind, TapFigures};
 use crate::execute::Context;
@@ -17,20 +17,14 @@ use crate::moving::{point, stand_at};
 use crate::scribe::{Leave, RECORD_WAIT, TapRecord};
 use crate::spindle::SpindleLoop;
 use crate::stroke::{Mark, Planned};
+use crate::terms::{clear, corrected, feed_forwards, halt, held, spoken, target, turned};
 use plan::TapPlan;
 use sync::recovery::{Direction, Stored};
 use sync::{
-    Ask, Correction, Coupling, Cycle, Follower, Halt, MAX_TRANSPORT, Monitor, Phase, Prediction,
-    Rotation, Spoken, Stopping, SyncMode, Tap, Tick, Verdict,
+    Ask, Correction, Coupling, Cycle, MAX_TRANSPORT, Monitor, Phase, Prediction, Rotation,
+    SyncMode, Tap, Tick, Verdict,
 };
-use units::{Accel, Angle, Length, Speed, Spin, SpinAccel, SpinJerk, Time};
-
-/// Time in which a stop's deceleration rises where the plan's jerk does not say, s.
-const STOP_RISE_S: f64 = 0.01;
-/// Share of a stop's deceleration with which a tap that was held goes on.
-const ON_SHARE: f64 = 0.3;
-/// A tap that began in its thread is clear of the work so many turns above it.
-const CLEAR_TURNS: f64 = 2.0;
+use units::{Angle, Length, Spin, Time};
 
 /// Readings of the master on their way to the follower.
 #[derive(Clone, Copy, Debug)]
@@ -70,6 +64,19 @@ pub(crate) struct TapRun {
     error: Option<Length>,
     /// By how much longer than planned the spindle has shown to stop.
     taught: Option<Angle>,
+    /// Whether the axis goes by where the spindle is, not by where it shall be.
+    trailing: Trailing,
+}
+
+/// Whether the axis goes by where the spindle is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Trailing {
+    /// The spindle is where it shall be.
+    No,
+    /// It does not obey, until it stands where it shall.
+    Until,
+    /// Its drive is gone.
+    ForGood,
 }
 
 /// What one period of a tap came to.
@@ -116,7 +123,25 @@ impl TapRun {
             saturated: false,
             error: None,
             taught: None,
+            trailing: Trailing::No,
         })
+    }
+
+    /// The spindle turns as it likes: go with it.
+    pub(crate) fn trail(&mut self, plan: &TapPlan, drives: &mut Drives, for_good: bool) {
+        let spindle = drives.spindles[usize::from(plan.spindle)].as_ref();
+        let (Some(coupling), Some(spindle)) = (self.coupling(), spindle) else { return };
+        let place = coupling.follow(spindle.now()).position;
+        if let Some(axis) =
+            drives.axes[plan.axis.index()].as_mut().filter(|_| self.trailing == Trailing::No)
+        {
+            axis.rebase(place.value());
+        }
+        self.trailing = if for_good || self.trailing == Trailing::ForGood {
+            Trailing::ForGood
+        } else {
+            Trailing::Until
+        };
     }
 
     /// What it is about.
@@ -220,7 +245,8 @@ impl TapRun {
         self.taught = self.taught.or(self.cycle.taught());
         let lessons = &mut drives.lessons;
         // how long an encoder-following stroke takes is not known beforehand
-        let moment = self.cycle.moment(&tap).filter(|_| !following);
+        let moment =
+            self.cycle.moment(&tap).filter(|_| !following && self.trailing == Trailing::No);
         let standing = self.cycle.phase() == Phase::Bottom;
         let learnt = |ahead: f64| match moment {
             Some(at) if standing => held(lessons.correction(at)),
@@ -229,7 +255,7 @@ impl TapRun {
         };
         let order = self.lead(&tap, spindle, axis.lookahead_s(), &learnt);
         // what the axis obeys now, and when its force acts
-        let (now, ahead) = if following {
+        let (now, ahead) = if following || self.trailing != Trailing::No {
             (master, master)
         } else {
             order.unwrap_or((spindle.ordered(), spindle.ordered()))
@@ -242,6 +268,9 @@ impl TapRun {
             lessons.note(at, feed, planned.1 - spindle.reading());
         }
         axis.target = target(&now, &ahead, axis.lookahead_s());
+        if self.trailing != Trailing::No && self.cycle.is_standing() && spindle.at_rest() {
+            self.stand(spindle, axis);
+        }
         self.marks = marks;
         let engaged = self.cycle.coupling().is_some();
         drives.follower = engaged.then_some((plan.axis.index(), feed_forwards(mode)));
@@ -260,6 +289,16 @@ impl TapRun {
             }
             Ok(()) => Outcome::Busy,
         }
+    }
+
+    /// A spindle that did not obey stands: the axis does too, and goes by orders again if there is a drive to obey them.
+    fn stand(&mut self, spindle: &SpindleLoop, axis: &mut AxisLoop) {
+        let there = spindle.error().abs() <= spindle.control.windows.oriented.value();
+        if let (Trailing::Until, Some(coupling), true) = (self.trailing, self.coupling(), there) {
+            axis.rebase(coupling.follow(spindle.ordered()).position.value());
+            self.trailing = Trailing::No;
+        }
+        axis.rest();
     }
 
     /// The angle that belongs to the start, where the next period would couple the axis.
@@ -402,98 +441,5 @@ impl TapRun {
             duration: Time::s(self.engaged_s),
             saturated: self.saturated,
         }
-    }
-}
-
-/// How this tap is stopped: with what is left of the drive when nothing is planned, no more jerk than its own
-/// strokes, and never beyond what the axis can follow.
-fn halt(plan: &TapPlan, axis: &AxisLoop, spindle: &SpindleLoop) -> Halt {
-    let lead = plan.lead.value().abs();
-    let (level, power) = spindle.braking();
-    let level = level.min(axis.braking() / lead);
-    let jerk = plan.inward.pieces().iter().map(|piece| piece.j.abs()).fold(0.0, f64::max);
-    // a stroke of straight ramps has none
-    let jerk = if jerk.is_finite() && jerk > 0.0 { jerk } else { level / STOP_RISE_S };
-    Halt {
-        level: SpinAccel::rev_per_s2(level),
-        power,
-        jerk: SpinJerk::rev_per_s3(jerk),
-        slow: spindle.control.orient,
-        on: (
-            plan.spin.abs().min(Spin::rev_per_s(power / level)),
-            SpinAccel::rev_per_s2(ON_SHARE * level),
-        ),
-        clear: clear(plan),
-    }
-}
-
-/// Where the tap is clear of the work: at its start; of a peck that begins in the thread, above the surface.
-fn clear(plan: &TapPlan) -> Length {
-    let start = plan.start.along(plan.axis);
-    let into = if plan.bottom < start { -1.0 } else { 1.0 };
-    if (plan.surface - start).value() * into > 0.0 {
-        return start;
-    }
-    plan.surface - Length::mm(CLEAR_TURNS * plan.lead.value().abs() * into)
-}
-
-/// What the cycle must know of a spindle whose drive makes its own ramps. An order given in this period takes effect
-/// after the command's delay.
-fn spoken(
-    plan: &TapPlan,
-    control: &SpindleControl,
-    config: &Config,
-    known: bool,
-) -> Option<Spoken> {
-    control.own_ramps.map(|own| Spoken {
-        speeds: (plan.spin, plan.return_spin),
-        stopping: Stopping { delay: own.delay + config.command_delay, decel: own.decel },
-        uncertainty: own.uncertainty,
-        creep: plan.spin.abs() * own.creep,
-        known,
-    })
-}
-
-/// The feed-forwards that go with what is made of the readings; `None`: the axis' own.
-const fn feed_forwards(mode: SyncMode) -> Option<FeedForward> {
-    match mode {
-        SyncMode::CommandSynchronised
-        | SyncMode::EncoderFollowing { prediction: Prediction::Observer, .. } => None,
-        SyncMode::EncoderFollowing { prediction: Prediction::None, .. } => Some(FeedForward::NONE),
-        SyncMode::EncoderFollowing { prediction: Prediction::Speed, .. } => {
-            Some(FeedForward { speed: 1.0, ..FeedForward::NONE })
-        }
-    }
-}
-
-/// A correction held where it stands.
-fn held((feed, spindle): (Correction, Correction)) -> (Correction, Correction) {
-    let still = |c: Correction| Correction { u: c.u, rate: 0.0, accel: 0.0 };
-    (still(feed), still(spindle))
-}
-
-fn corrected(follower: Follower, by: Correction) -> Follower {
-    Follower {
-        position: follower.position + Length::mm(by.u),
-        speed: follower.speed + Speed::mm_per_s(by.rate),
-        accel: follower.accel + Accel::mm_per_s2(by.accel),
-    }
-}
-
-fn turned(rotation: Rotation, by: Correction) -> Rotation {
-    Rotation {
-        angle: rotation.angle + Angle::rev(by.u),
-        spin: rotation.spin + Spin::rev_per_s(by.rate),
-        accel: rotation.accel + SpinAccel::rev_per_s2(by.accel),
-    }
-}
-
-fn target(now: &Follower, ahead: &Follower, lookahead_s: f64) -> Target {
-    let accel = now.accel.value();
-    Target {
-        position: now.position.value(),
-        speed: now.speed.value(),
-        accel,
-        jerk: (ahead.accel.value() - accel) / lookahead_s,
     }
 }

@@ -22,8 +22,8 @@
 //! Each step drifts half a step, kicks once, drifts half a step (position Verlet): exact under constant
 //! force, second order and free of numerical damping on the spring, one evaluation of the forces.
 //!
-//! A drive that is off gives no force. Where there is a brake it then clamps the motor as soon as it stands: a
-//! holding brake is no working brake. One that falls, or has run down for [`BRAKE_LATEST_S`], is clamped all the same.
+//! A drive that is off gives no force. Where there is a brake it then clamps the motor at once if it hardly moved, else when
+//! it has stood for [`BRAKE_STANDS_S`], not where it merely turns about: a holding brake is no working brake. One that falls, or has run down for [`BRAKE_LATEST_S`], is clamped all the same.
 //! Elsewhere the guideway's own friction holds the axis.
 //!
 //! Source: the two-mass model is that of any text on feed drives, e.g. Altintas, *Manufacturing
@@ -39,10 +39,13 @@ use units::{Force, Inertia, Length, Mass, Stiffness, Time, Torque};
 /// Standard gravity, m/s² (CGPM 1901).
 const GRAVITY: f64 = 9.806_65;
 
-/// Slower than this a motor stands, for its brake, m/s (estimate).
+/// Slower than this for so long a motor stands, for its brake, m/s and s (estimate: a drive's standstill monitor).
 const BRAKE_STANDS: f64 = 0.5e-3;
-/// A motor that runs faster than when it was switched off, and faster than this, falls, m/s (estimate).
-const BRAKE_FALLS: f64 = 0.05;
+const BRAKE_STANDS_S: f64 = 0.01;
+/// What runs no faster when it is switched off is caught at once, m/s (estimate: what does a holding brake no harm).
+const BRAKE_CATCHES: f64 = 5e-3;
+/// A motor that runs downwards faster by this than when it was switched off falls, m/s (estimate: 20 ms in which a brake closes).
+const BRAKE_FALLS: f64 = 0.02;
 /// A brake closes after this time at the latest, s (estimate: supervision of the drive).
 const BRAKE_LATEST_S: f64 = 3.0;
 
@@ -113,6 +116,8 @@ pub(crate) struct Axis {
     clamped: bool,
     /// Since the drive went off, s, and how fast it ran then, m/s.
     off: (f64, f64),
+    /// For so long the motor has stood since, s.
+    stood: f64,
     force: f64,
     motor: Body,
     table: Body,
@@ -158,6 +163,7 @@ impl Axis {
             on: false,
             clamped: model.brake,
             off: (0.0, 0.0),
+            stood: 0.0,
             force: 0.0,
             motor: Body { x: start + hang, v: 0.0 },
             table: Body { x: start, v: 0.0 },
@@ -168,7 +174,7 @@ impl Axis {
     /// What the drive shall do for the coming period.
     pub(crate) fn obey(&mut self, command: &bus::AxisCommand) {
         if self.on && !command.enable {
-            self.off = (0.0, self.motor.v.abs());
+            (self.off, self.stood) = ((0.0, self.motor.v), 0.0);
         }
         self.on = command.enable;
         self.clamped &= !self.on;
@@ -210,8 +216,12 @@ impl Axis {
         let (since, then) = self.off;
         self.off.0 = since + 2.0 * self.half_step;
         let v = self.motor.v.abs();
-        let falls = v > BRAKE_FALLS && v > 1.2 * then;
-        self.clamped |= v < BRAKE_STANDS || falls || since > BRAKE_LATEST_S;
+        let down = self.weight.signum();
+        let falls =
+            self.weight != 0.0 && self.motor.v * down > (then * down).max(0.0) + BRAKE_FALLS;
+        self.stood = if v < BRAKE_STANDS { self.stood + 2.0 * self.half_step } else { 0.0 };
+        let stands = then.abs() < BRAKE_CATCHES || self.stood > BRAKE_STANDS_S;
+        self.clamped |= stands || falls || since > BRAKE_LATEST_S;
         if self.clamped {
             self.motor.v = 0.0;
         }
@@ -386,6 +396,25 @@ mod tests {
         }
         assert!(falling.table.x < -5e-3, "{}", falling.table.x);
         assert!(held.table.x.abs() < 1e-9, "{}", held.table.x); // the screw carries it from the start
+    }
+
+    #[test]
+    fn a_brake_does_not_clamp_an_axis_that_turns_about_and_catches_one_that_falls() {
+        let model = AxisModel { weight_share: 1.0, brake: true, ..z_axis() };
+        let mut up = axis(&model);
+        up.obey(&AxisCommand { enable: true, ..AxisCommand::default() });
+        (up.motor.v, up.table.v) = (0.02, 0.02);
+        up.obey(&AxisCommand::default());
+        let (mut highest, mut caught) = (0.0_f64, None);
+        for i in 0..20_000 {
+            up.step();
+            highest = highest.max(up.table_mm());
+            caught = caught.or(up.clamped.then_some((i, up.table_mm())));
+        }
+        let (when, place) = caught.expect("it falls, and is caught");
+        assert!(f64::from(when) * H > 0.02, "not while it rises: {when}");
+        // 20 mm/s downwards at 1.1 m/s² of weight less friction on all that moves: about 0.2 mm below its highest
+        assert!((0.05..0.5).contains(&(highest - place)), "{highest} mm, caught at {place} mm");
     }
 
     #[test]

@@ -111,7 +111,8 @@ impl Drilling {
         if !self.core.bears(torque, force) {
             return None;
         }
-        Some(Load { force, torque: torque * smooth_sign(pose.omega / ROUNDING_RAD_PER_S) })
+        let turning = torque * smooth_sign(pose.omega / ROUNDING_RAD_PER_S);
+        Some(Load { force, torque: turning, friction: torque })
     }
 
     /// What is open already at the tip: by other bores, or because the tip is through.

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! A wrapper knows the bus only, so any [`Machine`] can be spoiled. Without a controller, or without mains, the drives
-//! do by themselves what [`LeftAlone`] says ([`crate::RunDown`]): coast, brake each by itself, or stop coupled.
+//! do by themselves what [`LeftAlone`] says ([`crate::RunDown`]): nothing, coast, brake each by itself, or stop coupled.
 //!
 //! | fault | what happens |
 //! |---|---|
@@ -197,6 +197,11 @@ impl<M: Machine> Faulty<M> {
         self.has(|fault| matches!(fault, Fault::Kill | Fault::PowerCut))
     }
 
+    /// The drives do what they do by themselves, and have not finished.
+    pub fn is_running_down(&self) -> bool {
+        self.run_down.as_ref().is_some_and(|drives| !drives.is_over())
+    }
+
     /// Mend everything: power and controller are back, encoders say what is. Faults still to come stay.
     pub fn mend(&mut self) {
         self.pending.retain(|pending| pending.came.is_none());
@@ -213,7 +218,7 @@ impl<M: Machine> Faulty<M> {
             (Some(run_down), _) => run_down.command(&now),
             (None, Some(alone)) if no_power || self.silent >= alone.watchdog => {
                 let reaction = match (no_power, alone.bus) {
-                    (true, None) => Reaction::Coast,
+                    (true, None) => Reaction::Off,
                     (true, Some(_)) => alone.on_power_loss,
                     (false, _) => alone.on_silence,
                 };

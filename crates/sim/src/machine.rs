@@ -182,7 +182,7 @@ impl SimulatedMachine {
         );
         let contact = grinder.contact();
         self.axes[infeed].push(contact.normal);
-        spindle.resist(contact.torque.copysign(omega));
+        spindle.resist(contact.torque.copysign(omega), contact.torque);
         self.truth.tool_deflection = Length::mm(contact.deflection + grinder.worn_mm());
         self.truth.cutting_force = Force::n(contact.normal);
         self.truth.cutting_torque = Torque::n_m(contact.torque);
@@ -201,9 +201,9 @@ impl SimulatedMachine {
         let over = [x, y].map(|at| at.map_or(Length::ZERO, |at| self.axes[at].position()));
         cutting.begin_period(self.changer.tool(), over);
         for _ in 0..self.substeps {
-            let Load { force, torque } = cutting.load();
+            let Load { force, torque, friction } = cutting.load();
             self.axes[z].push(force);
-            self.spindles[0].resist(torque);
+            self.spindles[0].resist(torque, friction);
             step_all(&mut self.axes, &mut self.spindles);
             let axis_mm = self.axes[z].table_mm();
             if !cutting.is_idle(axis_mm) {
@@ -211,7 +211,7 @@ impl SimulatedMachine {
                 cutting.step(axis_mm, spindle.angle_rev(), spindle.omega());
             }
         }
-        let Load { force, torque } = cutting.load();
+        let Load { force, torque, .. } = cutting.load();
         self.truth.tool_deflection = cutting.deflection();
         self.truth.tool_turn = cutting.slip();
         self.truth.cutting_force = Force::n(force);

@@ -1,11 +1,17 @@
 //! What the drives do when they are left alone: the control has fallen silent, or the power has failed.
 //!
 //! ```text
-//!   last command ─┬─ Coast         outputs off: brakes clamp the axes that have one, spindles coast
-//!                 ├─ QuickStop     each drive brakes by itself, as hard as it can; then off
+//!   last command ─┬─ Off           outputs off: brakes clamp the axes that have one, spindles coast
+//!                 ├─ Coast         spindles coast; the axis tied to one in the last command stays on that line;
+//!                 │                a bus that is half empty has the spindle brake, which fills it
+//!                 ├─ QuickStop     each drive brakes by itself, along a ramp that was set before; then off
 //!                 └─ CoupledStop   the spindle brakes; the axis tied to it in the last command stays on
 //!                                  that line; everything else brakes by itself; then off
 //! ```
+//!
+//! In a quick stop no drive knows of the other. A drive's ramp is an object that the control may write with every command
+//! (`CiA` 402, 6085h), so the axis of a tap has one that lasts as long as the spindle's: lead times the spindle's ramp.
+//! Where each braked as hard as it can, the axis would stand twenty times sooner than the spindle.
 //!
 //! The drives close their own loops here on their own encoders, as servo drives do in a quick stop (`CiA` 402) or an
 //! extended stop. Without mains the energy is what the DC bus holds and the braking spindle gives back:
@@ -44,6 +50,8 @@ const GRAVITY: f64 = 9.806_65;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reaction {
     /// Outputs off.
+    Off,
+    /// Spindles coast, what is tied to one goes with it.
     Coast,
     /// Each brakes by itself.
     QuickStop,
@@ -65,6 +73,7 @@ pub struct Bus {
 /// Drives left alone.
 #[derive(Clone, Debug)]
 pub struct RunDown {
+    reaction: Reaction,
     coupled: Option<Coupled>,
     axes: Vec<(usize, AxisDrive)>,
     spindles: Vec<SpindleDrive>,
@@ -73,6 +82,8 @@ pub struct RunDown {
     still_s: f64,
     /// Energy that the bus has above its trip, J; `None`: mains.
     energy: Option<f64>,
+    /// Below this nobody coasts any more, J.
+    reserve: f64,
     off: bool,
 }
 
@@ -126,14 +137,16 @@ impl RunDown {
         let energy = |bus: Bus| 0.5 * bus.farad * (bus.volt.powi(2) - bus.trip_volt.powi(2));
         let powered = last.axes.iter().any(|axis| axis.enable);
         Self {
-            coupled: last.coupled.filter(|_| reaction == Reaction::CoupledStop),
+            reaction,
+            coupled: last.coupled,
             axes: axes.collect(),
             spindles: spindles.collect(),
             tool: last.tool,
             period_s: config.period.value(),
             still_s: 0.0,
             energy: bus.map(energy),
-            off: reaction == Reaction::Coast || !powered,
+            reserve: bus.map_or(0.0, |bus| 0.5 * energy(bus)),
+            off: reaction == Reaction::Off || !powered,
         }
     }
 
@@ -155,17 +168,26 @@ impl RunDown {
         }
         let mut command = Command { tool: self.tool, ..Command::default() };
         for (drive, order) in self.spindles.iter_mut().zip(&mut command.spindles) {
-            *order = drive.brake(self.period_s);
+            *order = match self.reaction {
+                Reaction::QuickStop | Reaction::CoupledStop => drive.brake(self.period_s),
+                Reaction::Off | Reaction::Coast => drive.coast(),
+            };
         }
         for (index, drive) in &mut self.axes {
             let leader = self.coupled.filter(|c| usize::from(c.axis) == *index);
             let leader = leader.and_then(|c| Some((c, self.spindles.get(usize::from(c.spindle))?)));
-            command.axes[*index] = match leader {
-                Some((coupled, spindle)) => drive.follow(&coupled, spindle, self.period_s),
-                None => drive.brake(self.period_s),
+            command.axes[*index] = match (leader, self.reaction) {
+                (Some((coupled, spindle)), Reaction::QuickStop) => {
+                    drive.ramp(&coupled, spindle, self.period_s)
+                }
+                (Some((coupled, spindle)), _) => drive.follow(&coupled, spindle, self.period_s),
+                (None, _) => drive.brake(self.period_s),
             };
         }
         self.draw();
+        if self.reaction == Reaction::Coast && self.energy.is_some_and(|left| left < self.reserve) {
+            self.reaction = Reaction::CoupledStop;
+        }
         self.off = self.still_s > STILL_S || self.energy.is_some_and(|left| left < 0.0);
         command
     }
@@ -223,7 +245,16 @@ impl AxisDrive {
         self.control((slower - v) / h, h)
     }
 
-    /// Stay on the line of a spindle that brakes.
+    /// Brake along a ramp that lasts as long as that of the spindle, without a look at the spindle.
+    fn ramp(&mut self, coupled: &Coupled, spindle: &SpindleDrive, h: f64) -> AxisCommand {
+        let accel = coupled.lead.value() * 1e-3 / TAU * spindle.setpoint.1;
+        let (x, v) = self.setpoint;
+        let slower = if spindle.setpoint.0 == 0.0 { 0.0 } else { v + h * accel };
+        self.setpoint = (x + h * f64::midpoint(v, slower), slower);
+        self.control(accel, h)
+    }
+
+    /// Stay on the line of a spindle that brakes, or coasts.
     fn follow(&mut self, coupled: &Coupled, spindle: &SpindleDrive, h: f64) -> AxisCommand {
         let m_per_rad = coupled.lead.value() * 1e-3 / TAU;
         let turned = spindle.angle - coupled.angle.value() * TAU;
@@ -262,6 +293,17 @@ impl SpindleDrive {
     fn read(&mut self, angle: f64, period_s: f64) {
         self.omega += ((angle - self.angle) / period_s - self.omega) / SMOOTHING;
         self.angle = angle;
+    }
+
+    /// Outputs off. What it does is measured.
+    const fn coast(&mut self) -> SpindleCommand {
+        (self.setpoint, self.torque) = ((self.omega, 0.0), 0.0);
+        SpindleCommand {
+            enable: false,
+            angle: units::Angle::ZERO,
+            spin: units::Spin::ZERO,
+            torque: Torque::ZERO,
+        }
     }
 
     fn brake(&mut self, h: f64) -> SpindleCommand {

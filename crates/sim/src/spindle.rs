@@ -15,6 +15,8 @@
 //! | Tf, c₀, c₁, ω₀ | friction, its constant and viscous part, the speed over which it changes sign | N·m, N·m, N·m·s/rad, rad/s |
 //! | h | physics step | s |
 //!
+//! Without a drive a spindle that hardly turns sticks: a load below the breakaway torque cannot turn it.
+//!
 //! The lag is integrated exactly, the motion under its mean torque exactly; the limit and the friction are
 //! taken at the beginning of the step (they change over milliseconds).
 use crate::SpindleEncoder;
@@ -25,6 +27,9 @@ use crate::plain_drive::{PlainDrive, Relay};
 use crate::rng::Rng;
 use core::f64::consts::TAU;
 use units::{Angle, Inertia, Power, Spin, Time, Torque};
+
+/// Slower than this share of ω₀ a spindle without a drive may stick.
+const STICKS_BELOW: f64 = 0.5;
 
 /// A spindle with its drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,6 +75,7 @@ pub(crate) struct Spindle {
     lag: Lag,
     encoder: SpindleEncoder,
     load: f64,
+    load_friction: f64,
     wanted: f64,
     on: bool,
     saturated: bool,
@@ -101,6 +107,7 @@ impl Spindle {
             lag: Lag::new(model.torque_lag.value(), h),
             encoder: model.encoder,
             load: 0.0,
+            load_friction: 0.0,
             wanted: 0.0,
             on: false,
             saturated: false,
@@ -131,10 +138,11 @@ impl Spindle {
         self.wanted = if self.on && torque.is_finite() { torque.value() } else { 0.0 };
     }
 
-    /// The process loads the spindle with so many N·m from here on, positive when they would turn it backwards.
+    /// The process loads the spindle with so many N·m from here on, positive when they would turn it backwards; its
+    /// friction can hold the spindle by so many.
     #[inline]
-    pub(crate) const fn resist(&mut self, load: f64) {
-        self.load = load;
+    pub(crate) const fn resist(&mut self, load: f64, friction: f64) {
+        (self.load, self.load_friction) = (load, friction);
     }
 
     /// One physics step.
@@ -152,7 +160,17 @@ impl Spindle {
             self.coulomb * smooth_sign(self.omega * self.per_rounding) + self.viscous * self.omega;
         let before = self.omega;
         self.omega += self.h * self.per_inertia * (drive - rubbing - self.load);
+        if !self.on && self.sticks(drive) {
+            self.omega = 0.0;
+        }
         self.angle_rev += self.half_step_rev * (before + self.omega);
+    }
+
+    /// Without a drive, what hardly turns and is turned by less than friction can hold stands: the smooth law of
+    /// friction alone would let it creep for ever.
+    fn sticks(&self, drive: f64) -> bool {
+        let slow = self.omega.abs() * self.per_rounding < STICKS_BELOW;
+        slow && (drive - self.load).abs() < self.coulomb + self.load_friction
     }
 
     /// One physics step of a drive that makes its own ramps; the torque it needed is what it gave.
@@ -339,6 +357,27 @@ mod tests {
     }
 
     #[test]
+    fn without_its_drive_a_spindle_stands_under_what_friction_can_hold() {
+        let model = spindle();
+        let breakaway = model.coulomb.value();
+        for (load, friction, stands) in [
+            (0.9 * breakaway, 0.0, true),
+            (1.1 * breakaway, 0.0, false),
+            (-0.9 * breakaway, 0.0, true),
+            // a tap in its thread, pressed by the headstock's weight: its flanks hold more than its lead turns
+            (1.5 * breakaway, breakaway, true),
+        ] {
+            let mut spindle = turning(&model);
+            spindle.obey(&SpindleCommand::default());
+            spindle.resist(load, friction);
+            for _ in 0..40_000 {
+                spindle.step();
+            }
+            assert_eq!(spindle.angle_rev() == model.start.value(), stands, "{load} N·m");
+        }
+    }
+
+    #[test]
     fn work_in_is_kinetic_energy_and_friction() {
         let model = spindle();
         let mut spindle = turning(&model);
@@ -347,7 +386,7 @@ mod tests {
             let torque = Torque::n_m(30.0 * (f64::from(i) * H * 20.0).sin());
             spindle.obey(&SpindleCommand { enable: true, torque, ..Default::default() });
             let before = spindle.clone();
-            spindle.resist(0.5);
+            spindle.resist(0.5, 0.0);
             spindle.step();
             let mean = f64::midpoint(before.omega, spindle.omega);
             let mut lagging = before.torque;

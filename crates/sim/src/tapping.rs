@@ -58,11 +58,13 @@ pub(crate) const ROUNDING_RAD_PER_S: f64 = 2.0;
 /// A tap pushed sideways by this share of its diameter breaks.
 pub(crate) const SIDEWAYS_SHARE: f64 = 0.1;
 
-/// What the work does to the machine: force on the Z axis along +Z, N; torque against positive rotation, N·m.
+/// What the work does to the machine: force on the Z axis along +Z, N; torque against positive rotation, N·m, and
+/// how much of it is friction, which can hold a spindle but never turn it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Load {
     pub(crate) force: f64,
     pub(crate) torque: f64,
+    pub(crate) friction: f64,
 }
 
 /// Where the tool is: its tip if nothing deflected it, mm; the spindle, rev and rad/s.
@@ -263,11 +265,11 @@ impl Tapping {
             self.cutting_torque(self.top - helix, depth, engaged) + self.rubbing * pressed;
         if !driven {
             // the thread itself holds the tap: it is self-locking
-            return self.core.bears(0.0, pressed).then_some(Load { force, torque: 0.0 });
+            return self.core.bears(0.0, pressed).then_some(Load { force, ..Load::default() });
         }
         let torque =
             against * smooth_sign(pose.omega / ROUNDING_RAD_PER_S) + (force - jam) * self.screw;
-        self.core.bears(torque, pressed).then_some(Load { force, torque })
+        self.core.bears(torque, pressed).then_some(Load { force, torque, friction: against })
     }
 
     /// Torque of chips and flanks, without what presses the flanks.

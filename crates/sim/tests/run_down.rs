@@ -61,7 +61,7 @@ fn coasting_takes_the_turns_that_friction_allows() {
     // J·ω·dω/dθ = −(c₀ + c₁ω), integrated from ω₀ to 0
     let (c0, c1, j, w0): (f64, f64, f64, f64) = (0.3, 0.0012, 0.010, 1000.0 / 60.0 * TAU);
     let exact = j / c1 * (w0 - c0 / c1 * (1.0 + c1 * w0 / c0).ln()) / TAU;
-    let (_, _, turned, _) = run_down(Reaction::Coast, None);
+    let (_, _, turned, _) = run_down(Reaction::Off, None);
     assert!((turned - exact).abs() < 0.03 * exact, "{turned} turns, exact {exact}");
 }
 
@@ -70,8 +70,16 @@ fn a_quick_stop_takes_the_turns_of_the_drives_torque() {
     let exact = 0.010 * (1000.0 / 60.0 * TAU).powi(2) / 2.0 / (0.95 * 42.0) / TAU;
     let (off, _, turned, time) = run_down(Reaction::QuickStop, None);
     assert!((turned - exact).abs() < 0.25 * exact, "{turned} turns, exact {exact}");
-    assert!((0.1..0.4).contains(&off), "spindle and feed stop apart: {off} mm");
+    // each on its own ramp of the same length: what is left is the drives' lag and the speed loops' error
+    assert!(off.abs() < 0.1, "spindle and feed stop {off} mm apart");
     assert!(time < Time::s(0.3), "{time}");
+}
+
+#[test]
+fn an_axis_tied_to_a_coasting_spindle_goes_with_it() {
+    let (_, worst, turned, _) = run_down(Reaction::Coast, None);
+    assert!(worst < 0.020, "{worst} mm");
+    assert!(turned > 5.0, "it coasted: {turned} turns");
 }
 
 #[test]

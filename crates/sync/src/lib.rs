@@ -23,6 +23,7 @@ mod coupling;
 mod gear;
 mod halting;
 mod learning;
+pub mod leaving;
 mod measure;
 mod mode;
 mod monitor;

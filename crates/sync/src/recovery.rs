@@ -103,6 +103,8 @@ pub enum Way {
     Direct,
     /// First the feed goes to zero axial force, if the holder is stiff; what is left is the document's.
     UnloadFirst(Seat),
+    /// The follower alone, to PS: the tap is in no thread ([`crate::leaving`]).
+    Straight,
 }
 
 /// The way back onto the coupling: at most two moves of one axis each.
@@ -143,6 +145,13 @@ pub enum Refusal {
         /// It has to be less than this.
         limit: Length,
     },
+    /// The follower is further off than a whole tap can be.
+    BeyondTap {
+        /// How far it is.
+        error: Length,
+        /// At this its core tears.
+        bears: Length,
+    },
     /// No turn brings the readings within the bound: they contradict what was stored.
     NoTurn {
         /// The least distance that any turn gives.
@@ -167,6 +176,12 @@ impl fmt::Display for Refusal {
                 "the axis may be up to {:.3} mm from its coupling, but a single-turn encoder tells turns apart only below half a lead, {:.3} mm",
                 bound.value(),
                 limit.value(),
+            ),
+            Self::BeyondTap { error, bears } => write!(
+                f,
+                "the axis stands {:.3} mm off its thread, and a tap in this holder tears at {:.3} mm: it is broken, or the record is not of this tap",
+                error.value(),
+                bears.value(),
             ),
             Self::NoTurn { distance, bound } => write!(
                 f,
@@ -271,6 +286,10 @@ impl Stored {
         let unloaded = match way {
             Way::Direct => at,
             Way::UnloadFirst(seat) => self.unloaded(at, seat),
+            Way::Straight => {
+                let to = Point { place: self.start().place, ..at };
+                return Projection { from: at, unloaded: at, mover: Some(Mover::Feed), to };
+            }
         };
         let Some(overran) = self.overran(unloaded) else {
             return Projection { from: at, unloaded, mover: None, to: unloaded };
@@ -286,7 +305,8 @@ impl Stored {
         Projection { from: at, unloaded, mover: Some(mover), to }
     }
 
-    /// Where a stiffly held tap is pressed no more, reached by the feed alone: within half the play of the coupling.
+    /// Where a stiffly held tap is pressed no more, reached by the feed alone: within half the play of the coupling. Deeper
+    /// than PE and than where it stands nothing is unloaded: there the hole may end.
     fn unloaded(&self, at: Point, seat: Seat) -> Point {
         let error = self.error(at);
         let free = seat.play / 2.0;
@@ -294,7 +314,9 @@ impl Stored {
             return at;
         }
         let left = if error < Length::ZERO { -free } else { free };
-        Point { place: self.coupling.position(at.angle) + left, ..at }
+        let place = self.coupling.position(at.angle) + left;
+        let deeper = |than: Length| (place - than).value() * self.inward() > 0.0;
+        if deeper(self.end().place) && deeper(at.place) { at } else { Point { place, ..at } }
     }
 
     /// The angle near a point at which the coupling has the point's height, within one lead's turn of it if the
@@ -316,6 +338,11 @@ impl Stored {
         }
         let left = self.coupling.error(angle, at.place).value().abs();
         (angle.is_finite() && left < 1e-9).then_some(angle)
+    }
+
+    /// +1 where inward is the follower's positive sense, else −1.
+    pub(crate) fn inward(&self) -> f64 {
+        (self.end().place - self.start().place).value().signum()
     }
 
     fn point(&self, angle: Angle) -> Point {

@@ -55,6 +55,26 @@ fn outwards_the_same_points_are_answered_by_the_other_axis() {
 }
 
 #[test]
+fn a_tap_over_the_work_goes_straight_to_its_start() {
+    let found = m8(Direction::Inward).project(point(9.0, 1.0), Way::Straight);
+    assert_eq!((found.mover, found.unloaded), (Some(Mover::Feed), point(9.0, 1.0)));
+    assert_eq!(found.to, point(9.0, 5.0));
+}
+
+#[test]
+fn nothing_is_unloaded_to_deeper_than_the_stroke() {
+    // a spindle that overran at the bottom by a quarter of a turn: the feed would have to go 0.3125 mm below PE
+    let way = Way::UnloadFirst(Seat { play: Length::ZERO, is_stiff: true });
+    let stop = point(23.25, -20.0);
+    let found = m8(Direction::Inward).project(stop, way);
+    assert_eq!((found.unloaded, found.mover), (stop, Some(Mover::Spindle)));
+    near(found.to.angle.value(), 23.0, "Sc");
+    // the same quarter of a turn half way is unloaded by the feed
+    let half = m8(Direction::Inward).project(point(13.25, -7.5), way);
+    near(half.unloaded.place.value(), -7.8125, "unloaded");
+}
+
+#[test]
 fn an_error_of_more_than_a_lead_is_still_one_error() {
     // the spindle coasted 2.4 turns on: 3 mm
     let stop = point(18.4, -11.25);

@@ -57,6 +57,8 @@ pub(crate) struct IronArgs {
 #[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum DriveReaction {
     /// Outputs off: brakes clamp, spindles coast
+    Off,
+    /// Spindles coast; an axis that is tied to one goes with it
     Coast,
     /// Each brakes by itself
     QuickStop,
@@ -67,6 +69,7 @@ pub(crate) enum DriveReaction {
 impl From<DriveReaction> for store::machine::Reaction {
     fn from(reaction: DriveReaction) -> Self {
         match reaction {
+            DriveReaction::Off => Self::Off,
             DriveReaction::Coast => Self::Coast,
             DriveReaction::QuickStop => Self::QuickStop,
             DriveReaction::CoupledStop => Self::CoupledStop,

@@ -176,6 +176,7 @@ impl Iron {
     pub(super) fn leave_alone(&mut self, why: Alone) {
         let bus = self.bus.filter(|_| why == Alone::Power);
         let reaction = match self.reactions[usize::from(why == Alone::Power)] {
+            Reaction::Off => sim::Reaction::Off,
             Reaction::Coast => sim::Reaction::Coast,
             Reaction::QuickStop => sim::Reaction::QuickStop,
             Reaction::CoupledStop => sim::Reaction::CoupledStop,
@@ -194,12 +195,13 @@ impl Iron {
         }
         if moved {
             self.stop = match reaction {
-                sim::Reaction::Coast => Stop::Coasted,
+                _ if drives.has_tripped() => Stop::Coasted,
+                sim::Reaction::Off => Stop::Coasted,
+                sim::Reaction::Coast if self.last.coupled.is_none() => Stop::Coasted,
                 sim::Reaction::QuickStop => Stop::QuickStop,
                 // tied to nothing, they have stopped apart
                 sim::Reaction::CoupledStop if self.last.coupled.is_none() => Stop::QuickStop,
-                sim::Reaction::CoupledStop if drives.has_tripped() => Stop::Coasted,
-                sim::Reaction::CoupledStop => Stop::Coupled,
+                sim::Reaction::Coast | sim::Reaction::CoupledStop => Stop::Coupled,
             };
         }
         self.last = Command { tool: self.last.tool, ..Command::default() };

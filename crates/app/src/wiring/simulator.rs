@@ -69,6 +69,7 @@ pub(crate) fn left_alone(machine: &MachineFile, config: &sim::Config) -> sim::Le
 
 const fn reaction(file: Reaction) -> sim::Reaction {
     match file {
+        Reaction::Off => sim::Reaction::Off,
         Reaction::Coast => sim::Reaction::Coast,
         Reaction::QuickStop => sim::Reaction::QuickStop,
         Reaction::CoupledStop => sim::Reaction::CoupledStop,

@@ -1,13 +1,26 @@
 //! What is found wrong, and how the machine is stopped for it.
+//!
+//! ```text
+//!   no tap in its thread     as the alarm asks: outputs off, or brake and hold
+//!   a tap in its thread      both brake on the coupling, whatever is wrong
+//!      spindle does not obey    the axis goes with where the spindle is, until it stands
+//!      axis does not obey       the spindle brakes; the thread takes the axis along
+//!      an encoder lies          both brake by the setpoints' own steps ([`crate::doubt`])
+//!      drive or encoder gone    outputs off when everything stands
+//! ```
 use super::{FAULTS, Kernel, Mode};
 use crate::config::Subject;
 use crate::drives::Finding;
 use crate::event::EventKind;
 use crate::execute::Activity;
 use crate::fault::{Fault, FaultKind, Reaction};
+use crate::spindle::SpindleLoop;
 use bus::Feedback;
 use canon::Axis;
 use plan::StepKind;
+
+/// What has to stand before outputs go off stands for so long, s.
+const STANDS_S: f64 = 0.05;
 
 impl Kernel {
     /// What is wrong before anything is done.
@@ -27,6 +40,7 @@ impl Kernel {
                 self.drives.check_coupled(waits.at_speed, waits.oriented)?;
                 self.drives.check_following()
             }
+            Mode::Halted if self.lame.is_some() => Ok(()),
             Mode::Halted => self.drives.check_ready(feedback),
         }
     }
@@ -42,9 +56,23 @@ impl Kernel {
             self.faults.push(fault);
         }
         self.note(EventKind::FaultRaised(fault));
+        let in_tap = self.tap_in_work();
+        let gone = matches!(
+            kind,
+            FaultKind::DriveNotReady | FaultKind::FeedbackInvalid | FaultKind::ReadingImplausible
+        );
+        if gone && in_tap.is_some() {
+            self.lame = self.lame.or(Some(0));
+        }
+        let lost = kind == FaultKind::DriveNotReady && matches!(subject, Subject::Spindle(_));
+        let disobeys =
+            lost || matches!(kind, FaultKind::SyncError | FaultKind::SpindleFollowingError);
+        if let (Some(plan), Activity::Tapping(run), true) = (in_tap, &mut self.activity, disobeys) {
+            run.trail(&plan, &mut self.drives, lost);
+        }
         self.mode = match kind.reaction() {
-            Reaction::Disable => Mode::Disabled,
-            Reaction::Halt => {
+            Reaction::Disable if self.lame.is_none() => Mode::Disabled,
+            Reaction::Disable | Reaction::Halt => {
                 self.operator.alarm();
                 let coupled =
                     matches!(&self.activity, Activity::Tapping(run) if run.coupling().is_some());
@@ -62,6 +90,46 @@ impl Kernel {
             }
         };
         (self.drives.mist, self.drives.flood) = (false, false);
+    }
+
+    /// The plan of the tap that is coupled.
+    fn tap_in_work(&self) -> Option<plan::TapPlan> {
+        match (&self.activity, self.queue.front()) {
+            (Activity::Tapping(run), Some(plan::Step { kind: StepKind::Tap(plan), .. }))
+                if run.coupling().is_some() =>
+            {
+                Some(*plan)
+            }
+            _ => None,
+        }
+    }
+
+    /// The readings to go by.
+    pub(super) fn bridge(&mut self, feedback: &Feedback) -> Feedback {
+        let coupled = match self.mode {
+            Mode::Running | Mode::Halted => {
+                self.coupled().map(|(axis, spindle, _)| (axis, spindle))
+            }
+            Mode::New | Mode::Starting(_) | Mode::Disabled => None,
+        };
+        let period_s = self.config.period.value();
+        let (taken, finding) = self.doubts.bridge(coupled, feedback, &mut self.drives, period_s);
+        if let Some(finding) = finding {
+            self.raise(finding, &taken);
+        }
+        taken
+    }
+
+    /// A drive or an encoder is gone, and everything stands: outputs off.
+    pub(super) fn let_go(&mut self) {
+        let Some(stood) = self.lame else { return };
+        let mut spindles = self.drives.spindles.iter().flatten();
+        let stands = self.is_standing() && spindles.all(SpindleLoop::at_rest);
+        let stood = if stands { stood + 1 } else { 0 };
+        self.lame = Some(stood);
+        if f64::from(stood) * self.config.period.value() > STANDS_S {
+            self.mode = Mode::Disabled;
+        }
     }
 
     /// Following errors worth an event.

@@ -1,6 +1,7 @@
 //! The tap in work, as others have to know it: what is coupled, what is written down of it, and the way out of the
 //! work after everything has stopped.
 use super::{Kernel, Mode};
+use crate::doubt::Doubts;
 use crate::execute::Activity;
 use crate::operator::Operator;
 use crate::recovering::{Recovering, RecoveryPlan};
@@ -18,6 +19,7 @@ impl Kernel {
         self.faults.clear();
         (self.activity, self.begun, self.mode) = (Activity::Idle, false, Mode::New);
         (self.operator, self.aborted, self.reported) = (Operator::new(), false, None);
+        (self.doubts, self.lame) = (Doubts::default(), None);
         self.report.state = State::Idle;
         self.recovering = Some(Recovering::new(plan, self.now));
     }
@@ -40,8 +42,18 @@ impl Kernel {
         }
     }
 
+    /// Where the tap that is in work touches the work, as a coordinate of its axis.
+    pub fn surface(&self) -> Option<units::Length> {
+        match (&self.activity, self.queue.front()) {
+            (Activity::Tapping(_), Some(Step { kind: StepKind::Tap(plan), .. })) => {
+                Some(plan.surface)
+            }
+            _ => None,
+        }
+    }
+
     /// What is coupled at present: axis, spindle, and how.
-    fn coupled(&self) -> Option<(usize, usize, Coupling)> {
+    pub(super) fn coupled(&self) -> Option<(usize, usize, Coupling)> {
         let Activity::Tapping(run) = &self.activity else { return None };
         let Some(Step { kind: StepKind::Tap(plan), .. }) = self.queue.front() else {
             return None;

@@ -19,6 +19,8 @@ pub struct Drives {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reaction {
     /// Outputs off: brakes clamp, spindles coast.
+    Off,
+    /// Spindles coast; an axis that is tied to one goes with it.
     Coast,
     /// Each brakes by itself.
     QuickStop,
@@ -37,7 +39,8 @@ pub struct DcBus {
     pub trip_v: f64,
 }
 
-const REACTIONS: [(&str, Reaction); 3] = [
+const REACTIONS: [(&str, Reaction); 4] = [
+    ("off", Reaction::Off),
     ("coast", Reaction::Coast),
     ("quick-stop", Reaction::QuickStop),
     ("coupled-stop", Reaction::CoupledStop),
@@ -49,7 +52,7 @@ impl Default for Drives {
         Self {
             watchdog: Time::s(5e-3),
             on_link_loss: Reaction::QuickStop,
-            on_power_loss: Reaction::Coast,
+            on_power_loss: Reaction::Off,
             bus: None,
         }
     }
@@ -70,8 +73,8 @@ impl Drives {
         if drives.bus.is_some_and(|bus| bus.trip_v >= bus.voltage_v) {
             keys.conflict("bus", "`trip_v` must be below `voltage_v`");
         }
-        if drives.bus.is_none() && drives.on_power_loss != Reaction::Coast {
-            let message = "a stop without mains lives on the DC bus: expected [drives.bus], or `on_power_loss = \"coast\"`";
+        if drives.bus.is_none() && drives.on_power_loss != Reaction::Off {
+            let message = "a stop without mains lives on the DC bus: expected [drives.bus], or `on_power_loss = \"off\"`";
             keys.conflict("on_power_loss", message);
         }
         drives

@@ -1,0 +1,203 @@
+//! `leadscrew recover`: what is known of a tap in the work after the control has died, and the way out along its thread.
+//!
+//! ```text
+//!   sync record ─┐
+//!   encoders ────┴─► where on the (θ, z) plane, how certainly ─► projection ─► kernel ─► out ─► record says out
+//!                         │ not certainly enough                     │ --dry-run
+//!                         └► refused, with the reason                └► plan and picture
+//! ```
+//!
+//! Nothing is written before the tap is out: whoever is killed here can be begun again, as often as it takes.
+mod find;
+mod say;
+
+use crate::args::{Format, RecoverArgs};
+use crate::plant::{Plant, identity};
+use crate::refused::Refused;
+use crate::{iron, keeper};
+use bus::Feedback;
+use find::{Findings, drive_out, find};
+use kernel::RecoveryFigures;
+use store::sync_record::slots::{Slots, StateFolder};
+use store::sync_record::{Stage, Stroke, SyncRecord};
+use units::{Angle, Length, Spin, SpinAccel, Stiffness, Time};
+use wire::{Hello, Remote};
+
+/// The spindle turns no faster on the way out.
+pub(crate) const OUT: (Spin, SpinAccel) = (Spin::rpm(300.0), SpinAccel::rev_per_s2(40.0));
+/// A recovery that takes longer has gone wrong.
+pub(crate) const LONGEST: Time = Time::s(300.0);
+
+/// How it ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    /// The tap is out, or would be.
+    Recovered,
+    /// It is where it was.
+    Refused,
+    /// There is none.
+    Nothing,
+}
+
+/// What is said in the end.
+struct Answer {
+    outcome: Outcome,
+    reason: String,
+    record: Option<SyncRecord>,
+    findings: Option<Findings>,
+    figures: Option<RecoveryFigures>,
+    /// What else should be known.
+    note: Option<String>,
+}
+
+impl Answer {
+    fn plain(outcome: Outcome, reason: impl Into<String>) -> Self {
+        let reason = reason.into();
+        Self { outcome, reason, record: None, findings: None, figures: None, note: None }
+    }
+}
+
+/// Do it; whether nothing is left in the work.
+pub(crate) fn command(args: &RecoverArgs) -> Result<bool, Refused> {
+    let answer = answer(args)?;
+    let text = match args.format {
+        Format::Json => say::json(args, &answer),
+        Format::Text => say::text(args, &answer),
+    };
+    crate::say::out(&text)?;
+    Ok(answer.outcome != Outcome::Refused)
+}
+
+fn answer(args: &RecoverArgs) -> Result<Answer, Refused> {
+    let stream = iron::connect(&args.iron)?;
+    let name = args.machine.clone().unwrap_or_else(|| "tapping-center".into());
+    let file = crate::machine::load(&name)?;
+    let hello = Hello {
+        name: "leadscrew recover".into(),
+        machine: file.name.clone(),
+        process: std::process::id(),
+    };
+    let remote = Remote::connect(stream, hello).map_err(|e| iron::gone(&args.iron, &e))?;
+    let welcome = remote.welcome().clone();
+    let identity = identity(&welcome);
+    let path = keeper::folder(args.state.as_deref(), &identity)?;
+    if args.discard_record {
+        Slots::discard(StateFolder::open(&path)?, &nobody(&identity))
+            .map_err(|e| Refused::because(format!("cannot discard the sync record: {e}")))?;
+        return Ok(Answer::plain(Outcome::Nothing, "the sync record is discarded"));
+    }
+    let (mut slots, kept) = match keeper::open(&path, &identity)? {
+        Ok(opened) => opened,
+        Err(why) => return Ok(Answer::plain(Outcome::Refused, why.to_string())),
+    };
+    let note = kept.beside.map(|why| format!("the other generation does not count: {why}"));
+    let feedback = welcome.observed.feedback;
+    let Some(record) = kept.record.filter(|record| record.stage != Stage::Out) else {
+        return Ok(Answer::plain(
+            Outcome::Nothing,
+            "the sync record says that no tap is in the work",
+        ));
+    };
+    if !keeper::in_work(&record, &feedback) {
+        if !args.dry_run {
+            forget(&mut slots, &record)?;
+        }
+        let reason = "the sync record tells of a tap, and the encoders that it is out of the work";
+        return Ok(Answer {
+            record: Some(record),
+            note,
+            ..Answer::plain(Outcome::Nothing, reason)
+        });
+    }
+    if feedback.tool != Some(record.stroke.tool) {
+        let reason = wrong_tool(&record, &feedback);
+        return Ok(Answer {
+            record: Some(record),
+            note,
+            ..Answer::plain(Outcome::Refused, reason)
+        });
+    }
+    let findings = match find(&record.stroke, record.stage, &welcome, &file, args.way) {
+        Ok(findings) => findings,
+        Err(reason) => {
+            return Ok(Answer {
+                record: Some(record),
+                note,
+                ..Answer::plain(Outcome::Refused, reason)
+            });
+        }
+    };
+    if let Some(path) = &args.picture {
+        store::output::write_file(path, say::picture(&record, &findings).as_bytes())?;
+    }
+    let mut answer =
+        Answer { note, ..Answer::plain(Outcome::Recovered, "out of the work along its thread") };
+    if args.dry_run {
+        "rehearsed: nothing has moved".clone_into(&mut answer.reason);
+    } else {
+        let mut plant = Plant::Outside(Box::new(remote));
+        match drive_out(&mut plant, &file, &record.stroke, &findings) {
+            Ok(figures) => {
+                forget(&mut slots, &record)?;
+                answer.figures = Some(figures);
+            }
+            Err(reason) => (answer.outcome, answer.reason) = (Outcome::Refused, reason),
+        }
+    }
+    (answer.record, answer.findings) = (Some(record), Some(findings));
+    Ok(answer)
+}
+
+/// The tap is out: say so on the disk.
+fn forget(slots: &mut Slots<StateFolder>, record: &SyncRecord) -> Result<(), Refused> {
+    let out = SyncRecord { stage: Stage::Out, ..record.clone() };
+    slots.write(&out).map_err(|e| {
+        Refused::because(format!(
+            "the tap is out, but the sync record cannot be written: {e}; free the disk and recover again"
+        ))
+    })
+}
+
+/// A record that tells of no tap.
+fn nobody(identity: &store::sync_record::Identity) -> SyncRecord {
+    SyncRecord {
+        identity: identity.clone(),
+        place: store::sync_record::Place {
+            program: String::new(),
+            checksum: 0,
+            op: 0,
+            line: 0,
+            hole: 0,
+        },
+        stage: Stage::Out,
+        stroke: Stroke {
+            axis: 2,
+            spindle: 0,
+            tool: 0,
+            diameter: Length::ZERO,
+            theta0: Angle::ZERO,
+            z0: Length::ZERO,
+            lead: units::Lead::mm_per_rev(1.0),
+            start: Length::ZERO,
+            bottom: Length::mm(-1.0),
+            surface: Length::ZERO,
+            spin: Spin::ZERO,
+            stiffness: Stiffness::ZERO,
+        },
+    }
+}
+
+fn wrong_tool(record: &SyncRecord, feedback: &Feedback) -> String {
+    let wanted = record.stroke.tool;
+    match feedback.tool {
+        Some(0) => format!(
+            "the spindle holds no tool, and tool {wanted} is in the work by the sync record"
+        ),
+        Some(other) => {
+            format!("the spindle holds tool {other}, and the sync record is tool {wanted}'s")
+        }
+        None => format!(
+            "the tool changer is at work, and tool {wanted} is in the work by the sync record"
+        ),
+    }
+}

@@ -1,0 +1,130 @@
+//! What is said of a recovery: to people, to programs, and as a picture.
+use super::find::Findings;
+use super::{Answer, Outcome};
+use crate::args::RecoverArgs;
+use store::sync_record::SyncRecord;
+use sync::recovery::{Mover, Point, Way};
+
+pub(super) fn picture(record: &SyncRecord, findings: &Findings) -> String {
+    let stroke = &record.stroke;
+    let zero = findings.stored.start().angle;
+    let point = |p: Point| [(p.angle - zero).value(), (p.place - stroke.surface).value()];
+    report::recovery_svg(&report::Recovery {
+        title: format!(
+            "Tool {} in hole {} of {}",
+            stroke.tool, record.place.hole, record.place.program
+        ),
+        start: point(findings.stored.start()),
+        end: point(findings.stored.end()),
+        stop: point(findings.at),
+        chosen: [findings.projection.unloaded, findings.projection.to].map(point),
+        direct: point(findings.direct.to),
+    })
+}
+
+/// Who moves first.
+fn first(findings: &Findings) -> &'static str {
+    let projection = &findings.projection;
+    match projection.mover {
+        _ if findings.way == Way::Straight => "feed, straight out: the tip stands over the work",
+        _ if projection.unloaded != projection.from => "feed, to zero force",
+        Some(Mover::Feed) => "feed",
+        Some(Mover::Spindle) => "spindle",
+        None => "nobody: it is on its thread",
+    }
+}
+
+/// The command that goes on with the rest.
+fn go_on(args: &RecoverArgs, record: &SyncRecord) -> String {
+    let state =
+        args.state.as_ref().map_or_else(String::new, |s| format!(" --state {}", s.display()));
+    format!(
+        "leadscrew run {} --iron {}{state} --from \"hole {}\"",
+        record.place.program,
+        args.iron.display(),
+        record.place.hole
+    )
+}
+
+pub(super) fn json(args: &RecoverArgs, answer: &Answer) -> String {
+    let record = answer.record.as_ref();
+    let findings = answer.findings.as_ref();
+    let error = findings.map(|f| f.stored.error(f.at).in_um());
+    let value = serde_json::json!({
+        "outcome": match answer.outcome {
+            Outcome::Recovered => "recovered",
+            Outcome::Refused => "refused",
+            Outcome::Nothing => "nothing-to-do",
+        },
+        "reason": answer.reason,
+        "phase_error_before_um": error,
+        "phase_error_bound_um": findings.map(|f| f.bound.in_um()),
+        "helix_error_max_um": answer.figures.as_ref().map(|f| f.helix_error_max.in_um()),
+        "moved_first": findings.map(first),
+        "hand": record.map(|r| if r.stroke.is_right_hand() { "right" } else { "left" }),
+        "program": record.map(|r| r.place.program.as_str()),
+        "line": record.map(|r| r.place.line),
+        "hole": record.map(|r| r.place.hole),
+        "tool": record.map(|r| r.stroke.tool),
+        "dry_run": args.dry_run,
+        "note": answer.note,
+        "continue_with": record.filter(|_| answer.outcome == Outcome::Recovered).map(|r| go_on(args, r)),
+    });
+    format!("{value:#}\n")
+}
+
+pub(super) fn text(args: &RecoverArgs, answer: &Answer) -> String {
+    let mut text = match answer.outcome {
+        Outcome::Recovered => "recovered: ".to_owned(),
+        Outcome::Refused => "refused: ".to_owned(),
+        Outcome::Nothing => "nothing to do: ".to_owned(),
+    };
+    text += &answer.reason;
+    text.push('\n');
+    if let Some(record) = &answer.record {
+        let (stroke, place) = (&record.stroke, &record.place);
+        let hand = if stroke.is_right_hand() { "right" } else { "left" };
+        text += &format!(
+            "  tap            tool {}, {hand} hand, lead {} mm; hole {} of {}, line {}\n",
+            stroke.tool,
+            stroke.lead.value().abs(),
+            place.hole,
+            place.program,
+            place.line
+        );
+    }
+    if let Some(findings) = &answer.findings {
+        let error = findings.stored.error(findings.at);
+        let phase = findings.stored.phase_difference(findings.at).in_deg();
+        text += &format!(
+            "  before         {:.1} µm off its thread ({phase:.2}° of the spindle), known within {:.1} µm: {}\n",
+            error.in_um(),
+            findings.bound.in_um(),
+            findings.why_bound
+        );
+        text += &format!("  moves first    {}\n", first(findings));
+    }
+    if let Some(figures) = &answer.figures {
+        text += &format!(
+            "  on the way out {:.1} µm off its thread at most, {:.2} s\n",
+            figures.helix_error_max.in_um(),
+            figures.duration.value()
+        );
+    }
+    if let Some(note) = &answer.note {
+        text += &format!("  note           {note}\n");
+    }
+    if let Some(path) = args.picture.as_ref().filter(|_| answer.findings.is_some()) {
+        text += &format!("  picture        {}\n", path.display());
+    }
+    match (&answer.record, answer.outcome) {
+        (Some(record), Outcome::Recovered) if !args.dry_run => {
+            text += &format!("  go on with     {}\n", go_on(args, record));
+        }
+        (_, Outcome::Refused) => {
+            text += "  help           take the tap out by hand; then: leadscrew recover … --discard-record\n";
+        }
+        _ => {}
+    }
+    text
+}

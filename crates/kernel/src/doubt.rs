@@ -1,0 +1,214 @@
+//! Readings that cannot be, while a tap is in its thread: noticed within a period, and bridged until everything stands.
+//!
+//! ```text
+//!   place │        ╱ reading jumps by more than the drive can do in a period: slipped, or a lost line
+//!         │    ___╱
+//!         │  ╱   ── reading stays, though the setpoint has gone on by so much: stuck
+//!         │╱ ╌╌╌╌╌ what is taken instead: the reading before, and from there on the setpoint's own steps
+//!         └─────────► time
+//! ```
+//!
+//! A loop that believed such a reading would drive spindle and feed apart with all its force, and switching both off
+//! lets them run down apart. The loop whose encoder is not believed goes blind: what it had learnt of the load stays,
+//! and feed-forward does the stop. That is good for the tenth of a second that a stop takes. What others ask of its place is answered by the
+//! reading before and the setpoint's own steps. Nobody believes that encoder again before the control is started anew.
+//!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | Δ | step of the reading within a period | mm, rev |
+//! | a | most acceleration of what carries the encoder | mm/s², rev/s² |
+//! | h, q | period, one count | s; mm, rev |
+//!
+//! Refused: |Δ − Δ before| > 3·a·h² + 8·q, and for an axis no step at all while the setpoint goes on by 2 µm or 16·q
+//! (and by what a loop needs to break away, where friction is not fed forward).
+//! A spindle that does not turn may as well be stalled; its following error says so.
+use crate::axis::AxisLoop;
+use crate::config::{EncoderPlace, FeedForward, Subject};
+use crate::drives::{Drives, Finding};
+use crate::fault::FaultKind;
+use bus::Feedback;
+use canon::Axis;
+
+/// Steps may differ by what the drive's most acceleration does in a period, times this: cut and springs add to it.
+const BEYOND_DRIVE: f64 = 3.0;
+/// And by the encoder's noise, in counts.
+const NOISE_COUNTS: f64 = 8.0;
+/// A setpoint goes on by so much, mm, or so many counts, before a reading that stays is stuck.
+const STUCK_MM: f64 = 0.002;
+const STUCK_COUNTS: f64 = 16.0;
+
+/// What is known of one encoder.
+#[derive(Clone, Copy, Debug)]
+struct Watched {
+    last: f64,
+    step: f64,
+    /// How far the setpoint has gone since the reading last changed.
+    unmoved: f64,
+    believed: bool,
+}
+
+/// What an encoder can show.
+#[derive(Clone, Copy, Debug)]
+struct Bounds {
+    /// Most change of a step.
+    jump: f64,
+    /// Most way of the setpoint without a step.
+    stuck: f64,
+}
+
+impl Watched {
+    const fn new(reading: f64, step: f64) -> Self {
+        Self { last: reading, step, unmoved: 0.0, believed: true }
+    }
+
+    /// What is to be taken for a reading; whether it has just fallen out of belief.
+    fn judge(&mut self, reading: f64, expected: f64, bounds: Bounds) -> (f64, bool) {
+        let step = reading - self.last;
+        self.unmoved = if step == 0.0 { self.unmoved + expected.abs() } else { 0.0 };
+        let can_be = (step - self.step).abs() <= bounds.jump && self.unmoved <= bounds.stuck;
+        if self.believed && can_be {
+            (self.last, self.step) = (reading, step);
+            return (reading, false);
+        }
+        self.last += expected;
+        (self.last, core::mem::replace(&mut self.believed, false))
+    }
+}
+
+/// The encoders of what is coupled.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Doubts {
+    of: Option<(usize, usize)>,
+    axis: Option<Watched>,
+    spindle: Option<Watched>,
+}
+
+impl Doubts {
+    /// Somebody is not believed.
+    fn any(&self) -> bool {
+        [self.axis, self.spindle].iter().flatten().any(|watched| !watched.believed)
+    }
+
+    /// The readings to go by: as they are, but for what cannot be of the pair that is coupled; and what is wrong.
+    pub(crate) fn bridge(
+        &mut self,
+        coupled: Option<(usize, usize)>,
+        feedback: &Feedback,
+        drives: &mut Drives,
+        period_s: f64,
+    ) -> (Feedback, Option<Finding>) {
+        let mut taken = *feedback;
+        if self.of != coupled && !(self.any() && coupled.is_none()) {
+            *self = Self { of: coupled, ..Self::default() };
+        }
+        let Some((axis, spindle)) = self.of else { return (taken, None) };
+        let mut finding = None;
+        let shares = drives.follower.and_then(|(_, shares)| shares);
+        if let Some(loop_) = &mut drives.axes[axis] {
+            let expected = period_s * (loop_.target.speed + period_s * loop_.target.accel / 2.0);
+            let reading = feedback.axes[axis].position.value();
+            let watched = self.axis.get_or_insert(Watched::new(reading - expected, expected));
+            let (place, lost) =
+                watched.judge(reading, expected, axis_bounds(loop_, shares, period_s));
+            taken.axes[axis].position = units::Length::mm(place);
+            loop_.blind |= lost;
+            // a drive that is gone says so itself
+            if lost && feedback.axes[axis].ready {
+                let of = Subject::Axis(Axis::ALL[axis]);
+                finding = Some((FaultKind::ReadingImplausible, of, reading - place, 0.0));
+            }
+        }
+        if let Some(loop_) = &mut drives.spindles[spindle] {
+            // a drive that is only told a speed has a way of its own there
+            let expected = period_s * loop_.now().spin.value();
+            let reading = feedback.spindles[spindle].angle.value();
+            let watched = self.spindle.get_or_insert(Watched::new(reading - expected, expected));
+            let jump = BEYOND_DRIVE * loop_.accel_at_rest() * period_s * period_s
+                + NOISE_COUNTS * loop_.control.encoder_count.value();
+            let bounds = Bounds { jump, stuck: f64::INFINITY };
+            let (angle, lost) = watched.judge(reading, expected, bounds);
+            taken.spindles[spindle].angle = units::Angle::rev(angle);
+            loop_.blind |= lost;
+            if lost && feedback.spindles[spindle].ready {
+                let of = Subject::Spindle(spindle as u8);
+                finding = Some((FaultKind::ReadingImplausible, of, reading - angle, 0.0));
+            }
+        }
+        (taken, finding)
+    }
+}
+
+fn axis_bounds(axis: &AxisLoop, shares: Option<FeedForward>, period_s: f64) -> Bounds {
+    let control = &axis.control;
+    // a loop that friction is not fed to breaks away when its error has grown to what friction takes
+    let fed = shares.unwrap_or(control.feed_forward).friction;
+    let per_mm = (control.motor_mass + control.table_mass).value()
+        * 1e-3
+        * core::f64::consts::TAU
+        * control.velocity_bandwidth_hz
+        * control.position_gain;
+    let sticks = 2.0 * (1.0 - fed).max(0.0) * control.friction.breakaway.value() / per_mm;
+    // what carries the encoder may swing against the rest
+    let mass = match control.encoder.place {
+        EncoderPlace::Motor => control.motor_mass,
+        EncoderPlace::Scale => control.table_mass,
+    };
+    let accel = control.peak_force.value() / (mass.value() * 1e-3).max(f64::MIN_POSITIVE);
+    let count = control.encoder.count.value();
+    Bounds {
+        jump: BEYOND_DRIVE * accel * period_s * period_s + NOISE_COUNTS * count,
+        stuck: STUCK_MM.max(STUCK_COUNTS * count) + sticks,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec::Vec;
+
+    const BOUNDS: Bounds = Bounds { jump: 0.006, stuck: 0.005 };
+
+    /// Readings of an axis that goes 4 µm a period, spoilt; what is taken, and in which period it fell out of belief.
+    fn taken(spoil: impl Fn(usize, f64) -> f64) -> (Vec<f64>, Option<usize>) {
+        let mut watched = Watched::new(-0.004, 0.004);
+        let judge = |i| watched.judge(spoil(i, i as f64 * 0.004), 0.004, BOUNDS);
+        let all: Vec<(f64, bool)> = (0..20).map(judge).collect();
+        (all.iter().map(|(x, _)| *x).collect(), all.iter().position(|(_, lost)| *lost))
+    }
+
+    #[track_caller]
+    fn goes_on(taken: &[f64]) {
+        for (i, x) in taken.iter().enumerate() {
+            assert!((x - i as f64 * 0.004).abs() < 0.004, "period {i}: {x}");
+        }
+    }
+
+    #[test]
+    fn what_can_be_is_believed() {
+        let swing = |i: usize, x: f64| x + 0.001 * (i as f64).sin();
+        let (all, lost) = taken(swing);
+        assert_eq!(lost, None);
+        assert_eq!(all[7], swing(7, 7.0 * 0.004));
+    }
+
+    #[test]
+    fn a_jump_is_noticed_in_its_period_and_never_believed_again() {
+        let (all, lost) = taken(|i, x| if i < 10 { x } else { x + 0.05 });
+        assert_eq!(lost, Some(10));
+        goes_on(&all);
+    }
+
+    #[test]
+    fn a_reading_that_is_no_number_is_bridged() {
+        let (all, lost) = taken(|i, x| if i < 10 { x } else { f64::NAN });
+        assert_eq!(lost, Some(10));
+        goes_on(&all);
+    }
+
+    #[test]
+    fn a_reading_that_stays_is_noticed_when_the_setpoint_has_gone_on() {
+        let (all, lost) = taken(|i, x| x.min(0.036 + 0.0 * i as f64));
+        assert_eq!(lost, Some(11));
+        assert!((all[19] - 0.036 - 9.0 * 0.004).abs() < 1e-9, "{}", all[19]);
+    }
+}
