@@ -199,6 +199,10 @@ pub enum Call<'a> {
         /// Sense of rotation inwards.
         sense: Sense,
     },
+    /// Q of Fanuc's threads: where in its turn the spindle stands when the thread that follows begins, degrees.
+    ThreadAngle(f64),
+    /// G34: the lead of the thread that follows grows by this in each turn.
+    ThreadGrows(f64),
     /// G33, G76: what follows is synchronised with the spindle at this lead.
     SyncStart(f64),
     /// The end of that.

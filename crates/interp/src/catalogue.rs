@@ -184,7 +184,7 @@ mod tests {
         assert_eq!(name(Dialect::Fanuc, 90.0), Some("absolute"));
         assert_eq!(name(Dialect::FanucLatheA, 90.0), Some("turning cycle"));
         assert_eq!(name(Dialect::FanucLatheB, 92.0), name(Dialect::LinuxCnc, 92.0));
-        assert_eq!(name(Dialect::FanucLatheB, 71.0), Some("roughing cycle"));
+        assert_eq!(name(Dialect::FanucLatheB, 71.0), Some("roughing cycle along Z"));
         assert_eq!(name(Dialect::Fanuc, 333.0), None);
         let of = |value| describe(b'G', value).map(|code| code.dialects.len());
         assert_eq!((of(0.0), of(33.1)), (Some(5), Some(2)));

@@ -268,7 +268,9 @@ impl<W: Write> Listing<W> {
             | Call::FeedRate { .. }
             | Call::Hole(_)
             | Call::OutByHand(_)
-            | Call::Input(_) => {}
+            | Call::Input(_)
+            | Call::ThreadAngle(_)
+            | Call::ThreadGrows(_) => {}
             Call::WorkOffset(system, offset) => self.work_offset(place, *system, offset),
             Call::AddedOffset(offset) => self.point(place, b"SET_G92_OFFSET", offset),
             Call::Rotation(degrees) => self.numbers(place, b"SET_XY_ROTATION", &[*degrees]),

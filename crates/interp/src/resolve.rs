@@ -42,6 +42,8 @@ pub struct Resolver {
     feed: FeedOrder,
     /// Lead of the thread that lines turn, mm.
     threading: Option<f64>,
+    /// Where in the spindle's turn it begins.
+    thread_angle: Angle,
     pub(crate) spindle: SpindleState,
     path: PathMode,
     path_said: Option<PathMode>,
@@ -87,6 +89,7 @@ impl Resolver {
             at: machine_point(&setup.start),
             feed: FeedOrder { rate: 0.0, mm: 1.0, per_revolution: false, duration_s: None },
             threading: None,
+            thread_angle: Angle::ZERO,
             spindle: SpindleState { speed: 0.0, sense: None, surface: None, said: None },
             path: PathMode::Blend { tolerance: None, merge: None },
             path_said: None,
@@ -213,7 +216,7 @@ impl Resolver {
         Threading {
             to: position(to),
             lead: Lead::mm_per_rev(lead),
-            start_angle: Angle::ZERO,
+            start_angle: self.thread_angle,
             axis: Axis::ALL[farthest],
             surface: Length::mm(if within { zero } else { from[farthest] }),
         }
@@ -374,8 +377,18 @@ impl Sink for Resolver {
             Call::RigidTap { to, lead, return_factor, sense } => {
                 self.rigid_tap(to, *lead, *return_factor, *sense, span);
             }
+            Call::ThreadAngle(degrees) => self.thread_angle = Angle::deg(*degrees),
+            Call::ThreadGrows(growth) => {
+                let text = format!(
+                    "a thread whose lead grows by {growth} in each turn is listed, but not machined by Leadscrew yet"
+                );
+                self.report(
+                    Diagnostic::error("I0716", span, text)
+                        .with_help("G32 and G76 cut threads of one lead"),
+                );
+            }
             Call::SyncStart(lead) => self.threading = Some(lead * self.mm()),
-            Call::SyncStop => self.threading = None,
+            Call::SyncStop => (self.threading, self.thread_angle) = (None, Angle::ZERO),
             Call::Polygon(order) => self.polygon(order, span),
             Call::PolygonEnd => self.push(span, OpKind::PolygonEnd),
             Call::Cam(order) => self.cam(*order, span),

@@ -311,6 +311,4 @@ fn threads_of_a_lathe_follow_the_spindle_from_the_index_on() {
             assert!((stretch.to.linear[2].value() - -20.0).abs() < 1e-9);
         }
     }
-    let (_, findings) = ops_with("O1\nG71 U2. R1.\nM30\n", &setup(Dialect::FanucLatheA));
-    assert!(findings[0].starts_with("I0103"), "{findings:#?}");
 }

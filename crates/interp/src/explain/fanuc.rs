@@ -11,6 +11,15 @@ const fn f(
     row(code, sentence, wrong, right).of(Fanuc)
 }
 
+const fn lathe(
+    code: &'static str,
+    sentence: &'static str,
+    wrong: &'static str,
+    right: &'static str,
+) -> Finding {
+    row(code, sentence, wrong, right).of(crate::Dialect::FanucLatheA)
+}
+
 pub(super) const ROWS: &[Finding] = &[
     f("I1001", "O is followed by the number of a program.", "O[1+1]\nM30", "O2\nM30"),
     f(
@@ -90,5 +99,35 @@ pub(super) const ROWS: &[Finding] = &[
         "A number without a point counts thousandths.",
         "O1\nG0 X10\nM30",
         "O1\nG0 X10.\nM30",
+    ),
+    lathe(
+        "I1030",
+        "The cycle needs the numbers of its profile's blocks.",
+        "O1\nG97 S500 M3\nG0 X30. Z2. F0.2\nG70 P10\nN10 G0 X10.\nN20 G1 Z-10.\nM30",
+        "O1\nG97 S500 M3\nG0 X30. Z2. F0.2\nG70 P10 Q20\nG0 X50.\nM30\nN10 G0 X10.\nN20 G1 Z-10.",
+    ),
+    lathe(
+        "I1031",
+        "The cycle's lines say how deep, how far and how often.",
+        "O1\nG97 S500 M3\nG0 X30. Z2.\nG71 P10 Q20 F0.2\nN10 G0 X10.\nN20 G1 Z-10.\nM30",
+        "O1\nG97 S500 M3\nG0 X30. Z2.\nG71 U2. R0.5\nG71 P10 Q20 F0.2\nN10 G0 X10.\nN20 G1 Z-10.\nM30",
+    ),
+    lathe(
+        "I1032",
+        "A block of the profile is not there.",
+        "O1\nG97 S500 M3\nG0 X30. Z2. F0.2\nG70 P10 Q30\nN10 G0 X10.\nN20 G1 Z-10.\nM30",
+        "O1\nG97 S500 M3\nG0 X30. Z2. F0.2\nG70 P10 Q20\nM30\nN10 G0 X10.\nN20 G1 Z-10.",
+    ),
+    lathe(
+        "I1033",
+        "A profile holds no other cycle.",
+        "O1\nG97 S500 M3\nG0 X30. Z2. F0.2\nG70 P10 Q20\nM30\nN10 G0 X10.\nG71 U2. R1.\nN20 G1 Z-10.",
+        "O1\nG97 S500 M3\nG0 X30. Z2. F0.2\nG70 P10 Q20\nM30\nN10 G0 X10.\nN20 G1 Z-10.",
+    ),
+    lathe(
+        "I1034",
+        "A lead that shrinks is used up before the thread ends.",
+        "O1\nG97 S500 M3\nG0 X30. Z2.\nG34 Z-20. F2. K-0.5\nM30",
+        "O1\nG97 S500 M3\nG0 X30. Z2.\nG32 Z-20. F2.\nM30",
     ),
 ];

@@ -90,6 +90,12 @@ impl Fanuc {
         }
     }
 
+    /// The block N of the program at hand.
+    pub(super) fn block_at(&mut self, it: &mut Interpreter<'_>, number: u32) -> Option<At> {
+        let from = it.block.span.start;
+        self.tape(it).ok().and_then(|tape| tape.block(number, from))
+    }
+
     /// M98.
     pub(super) fn call_program(
         &mut self,

@@ -12,6 +12,8 @@ pub(super) enum Meaning {
     Thread,
     /// G77, G78, G79 of lathes (A: G90, G92, G94): a cycle of four moves.
     Box(u16),
+    /// G34, G70 to G76 of lathes.
+    Multiple(u16),
     /// Known, and not executed.
     NotYet(&'static str),
     /// No code.
@@ -34,20 +36,16 @@ const fn system_b(tenths: u16) -> u16 {
 
 /// What G means, in tenths.
 pub(super) fn meaning(kind: Kind, tenths: u16) -> Meaning {
-    use Meaning::{Box, NotYet, Off, Shared, Thread, Unknown};
+    use Meaning::{Box, Multiple, NotYet, Off, Shared, Thread, Unknown};
     if kind == Kind::LatheA && matches!(tenths, 330 | 770..=790 | 910 | 950) {
         return Unknown;
     }
     let code = if kind == Kind::LatheA { system_b(tenths) } else { tenths };
     if kind != Kind::Mill {
         match code {
-            700 => return NotYet("finishing cycle"),
-            710 | 720 | 730 => return NotYet("roughing cycle"),
-            740 | 750 => return NotYet("pecking and grooving cycle"),
-            760 => return NotYet("multiple threading cycle"),
+            340 | 700 | 710 | 720 | 730 | 740 | 750 | 760 => return Multiple(code),
             770..=790 => return Box(code),
             810..=890 => return NotYet("drilling cycle of lathes"),
-            340 => return NotYet("thread of variable lead"),
             _ => {}
         }
     }
@@ -96,6 +94,20 @@ pub(super) fn meaning(kind: Kind, tenths: u16) -> Meaning {
     }
 }
 
+/// A multiple cycle's name.
+const fn multiple(tenths: u16) -> &'static str {
+    match tenths {
+        340 => "thread of growing lead",
+        700 => "finishing cycle",
+        710 => "roughing cycle along Z",
+        720 => "roughing cycle along X",
+        730 => "pattern repeating cycle",
+        740 => "pecking cycle along Z",
+        750 => "pecking and grooving cycle along X",
+        _ => "multiple threading cycle",
+    }
+}
+
 /// M codes that are the same in the shared language.
 pub(super) const fn is_shared_m(number: u16) -> bool {
     matches!(number, 0..=9 | 19 | 29 | 30 | 48 | 49 | 60)
@@ -110,6 +122,7 @@ pub(crate) fn told(kind: Kind, tenths: u16) -> Option<(Option<u16>, &'static str
         Meaning::Box(770) => Some((None, "turning cycle", true)),
         Meaning::Box(780) => Some((None, "threading cycle", true)),
         Meaning::Box(_) => Some((None, "facing cycle", true)),
+        Meaning::Multiple(code) => Some((None, multiple(code), true)),
         Meaning::Off => Some((None, "the end of what Leadscrew does not begin: no effect", true)),
         Meaning::NotYet(name) => Some((None, name, false)),
         Meaning::Unknown => None,

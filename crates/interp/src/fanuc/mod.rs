@@ -19,8 +19,11 @@
 #![allow(clippy::single_match_else)] // both outcomes are worth a line
 mod calls;
 mod codes;
+mod grooving;
 mod lathe;
 mod tape;
+mod threading;
+mod turning;
 mod values;
 mod words;
 
@@ -73,8 +76,14 @@ pub(crate) struct Fanuc {
     before_cycle: Motion,
     /// F of a thread.
     lead: Option<f64>,
+    /// Q of the thread of the block at hand.
+    thread_angle: Option<f64>,
     warned_of_point: bool,
     said: Vec<Said>,
+    /// G71 to G76: what their first lines have set.
+    first_lines: turning::FirstLines,
+    /// G70 to G73: the profile being taken down.
+    shape: Option<turning::Shape>,
 }
 
 /// What follows a block.
@@ -113,8 +122,11 @@ impl Fanuc {
             corner: None,
             before_cycle: Motion::Rapid,
             lead: None,
+            thread_angle: None,
             warned_of_point: false,
             said: Vec::new(),
+            first_lines: turning::FirstLines::default(),
+            shape: None,
         }))
     }
 
@@ -124,6 +136,17 @@ impl Fanuc {
 
     /// Execute the block that the interpreter has read.
     pub(crate) fn block<S: Sink>(&mut self, it: &mut Interpreter<'_>, sink: &mut S) -> Outcome {
+        let result = self.execute(it, sink);
+        if self.shape.is_none() {
+            return result;
+        }
+        if let Err(fault) = result {
+            it.report(*fault); // the profile is not whole, and will not be cut
+        }
+        self.end_of_shape(it, sink)
+    }
+
+    fn execute<S: Sink>(&mut self, it: &mut Interpreter<'_>, sink: &mut S) -> Outcome {
         if it.block.delete.is_some_and(|level| self.skip_levels >> level & 1 == 1) {
             return Ok(());
         }
@@ -160,9 +183,18 @@ impl Fanuc {
         if let Some(code) = self.macro_code() {
             return self.macro_call(it, code);
         }
+        if let Some(code) = self.multiple_cycle() {
+            return self.multiple(it, code, sink);
+        }
         let then = self.translate(&mut it.executor)?;
+        if it.executor.recording.is_some() {
+            return it.executor.record();
+        }
         let moves = it.executor.words.any(crate::codes::AXES);
         let cycle = self.lathe_cycle.filter(|_| moves);
+        if moves {
+            threading::angle(&it.executor, self.thread_angle.take(), sink);
+        }
         let after = match cycle {
             Some(code) => self.lathe_move(&mut it.executor, code, sink)?,
             None => it.executor.execute(sink)?,

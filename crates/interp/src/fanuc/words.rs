@@ -97,6 +97,11 @@ impl Fanuc {
             }
     }
 
+    /// F of a thread: length per revolution.
+    pub(super) fn thread_lead(&self, executor: &Executor, said: &Said) -> f64 {
+        self.feed(executor, said, &Sense { thread: true, ..Sense::default() })
+    }
+
     /// Put the block's words as the shared language has them.
     pub(super) fn translate(&mut self, ex: &mut Executor) -> Outcome<Then> {
         let said = core::mem::take(&mut self.said);
@@ -137,6 +142,9 @@ impl Fanuc {
                 }
                 b'L' if sense.call || sense.set_offset => l = Some(*word),
                 b'K' if sense.cycle => ex.words.put(b'L', word.value, word.span)?,
+                b'Q' if sense.thread && self.is_lathe() => {
+                    self.thread_angle = self.start_angle(&[*word]);
+                }
                 b'F' | b'E' if sense.thread => {
                     let lead = self.feed(ex, word, &sense);
                     self.lead = Some(lead);
@@ -221,7 +229,7 @@ impl Fanuc {
                         ex.words.take_g(f64::from(code) / 10.0, span)?;
                     }
                     Some((_, Meaning::Thread)) => ex.words.take_g(33.0, span)?,
-                    Some((_, Meaning::Off | Meaning::Box(_))) => {}
+                    Some((_, Meaning::Off | Meaning::Box(_) | Meaning::Multiple(_))) => {}
                     Some((code, Meaning::NotYet(name))) => {
                         let text =
                             format!("G{} ({name}) is not executed by Leadscrew yet", written(code));
@@ -348,7 +356,9 @@ impl Fanuc {
     fn set_offset(&self, ex: &mut Executor, p: Option<u32>, l: Option<u32>) -> Outcome {
         let span = ex.words.place.span;
         match (l, p) {
-            (Some(2), Some(p @ 1..=6)) => {
+            (Some(2), Some(p @ 1..=6)) | (Some(20), Some(p @ 1..=3)) => {
+                // G54.1 P1 to P3 are the offsets seven to nine
+                let p = if l == Some(20) { p + 6 } else { p };
                 ex.words.put(b'L', 2.0, span)?;
                 ex.words.put(b'P', f64::from(p), span)?;
                 if ex.state.incremental {
@@ -363,12 +373,13 @@ impl Fanuc {
                 Ok(())
             }
             (Some(2), _) => refuse("I0617", span, "G10 L2 needs P: 1 to 6 for G54 to G59"),
-            (Some(kind @ (10 | 11)), Some(p)) => {
+            (Some(20), _) => refuse("I0617", span, "G10 L20 needs P: 1 to 3 for G54.1 P1 to P3"),
+            (Some(kind @ 10..=13), Some(p)) => {
                 let Some(value) = ex.words.take(b'R') else {
                     return refuse(
                         "I1022",
                         span,
-                        format!("G10 L{kind} needs R, the tool's length offset"),
+                        format!("G10 L{kind} needs R, the tool's offset"),
                     );
                 };
                 let mm = value * ex.state.units.in_mm();
@@ -379,20 +390,26 @@ impl Fanuc {
                         format!("tool offset {p}: tool {p} is not in the tool table"),
                     );
                 };
-                let wear = kind == 11 || ex.state.incremental;
-                tool.length = Length::mm(if wear { tool.length.value() + mm } else { mm });
+                let wear = matches!(kind, 11 | 13) || ex.state.incremental;
+                // L12 and L13 are radii
+                let (offset, mm) = match kind {
+                    12 | 13 => (&mut tool.diameter, 2.0 * mm),
+                    _ => (&mut tool.length, mm),
+                };
+                *offset = Length::mm(if wear { offset.value() + mm } else { mm });
                 ex.tools.insert(tool);
                 Ok(())
             }
             (Some(kind), _) => {
-                let text =
-                    format!("G10 L{kind} is not executed by Leadscrew yet: L2, L10 and L11 are");
+                let text = format!(
+                    "G10 L{kind} is not executed by Leadscrew yet: L2, L10 to L13 and L20 are"
+                );
                 refuse("I0614", span, text)
             }
             (None, _) => refuse(
                 "I0616",
                 span,
-                "G10 needs L2 (work offset), L10 or L11 (tool length and wear)",
+                "G10 needs L2 or L20 (work offset), L10 or L11 (tool length and wear), L12 or L13 (tool radius and wear)",
             ),
         }
     }

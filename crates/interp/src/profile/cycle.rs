@@ -7,13 +7,13 @@
 //! | D | distance of the first pass | what is left on the profile |
 //! | E, P | distance of the last pass; passes | |
 //! | I, R | | from level to level (1); how far a pass comes away (0.5) |
-use super::{Facing, Part, Profile, Recording, Roughing, Stroke, Unfit, parallel, rough};
+use super::{Facing, Manner, Part, Profile, Recording, Roughing, Stroke, Unfit, parallel, rough};
 use crate::{
     call::{Call, Sink},
     execute::Executor,
     fault::{Outcome, error, refuse},
     frame::Point,
-    offset_curve::Flat,
+    offset_curve::{Flat, plus, times},
     state::Motion,
 };
 use canon::Plane;
@@ -28,6 +28,12 @@ pub(crate) enum Order {
     Finish { first: f64, last: f64, passes: u32 },
     /// Clear what lies over it.
     Rough { across: bool, leave: f64, how: Roughing },
+    /// Fanuc's G70: along it with its own feeds, and back to the start.
+    Along,
+    /// Fanuc's G71 and G72: what is left is a shift (Z, X).
+    Shifted { across: bool, shift: Flat, how: Roughing },
+    /// Fanuc's G73: along it so many times, from `relief` further away to `shift`.
+    Repeat { relief: Flat, shift: Flat, times: u32 },
 }
 
 impl Executor {
@@ -81,7 +87,7 @@ impl Executor {
             2 => Part::LaterPockets,
             _ => Part::All,
         };
-        let how = Roughing { part, step, retract };
+        let how = Roughing { part, step, retract, manner: Manner::LinuxCnc };
         let leave = self.words.get(b'D').unwrap_or(0.0);
         Ok(Order::Rough { across: tenths >= 720, leave, how })
     }
@@ -99,13 +105,23 @@ impl Executor {
         let strokes = profile.and_then(|profile| match recording.order {
             Order::Finish { first, last, passes } => finish(start, &profile, first, last, passes),
             Order::Rough { across, leave, how } => roughed(start, &profile, across, leave, how),
+            Order::Along => Ok(recording.with_feeds(start)),
+            Order::Shifted { across, shift, how } => {
+                let from = plus(start, shift);
+                let strokes = roughed(from, &profile.shifted(shift), across, 0.0, how)?;
+                let back = (!strokes.is_empty()).then_some(Stroke::Rapid(start));
+                Ok(strokes.into_iter().chain(back).collect())
+            }
+            Order::Repeat { relief, shift, times } => {
+                Ok(repeated(start, &profile, relief, shift, times))
+            }
         });
         let strokes = match strokes {
             Ok(strokes) => strokes,
             Err(why) => return Err(self.unfit(&why).into()),
         };
         if strokes.is_empty() {
-            let text = format!("I would make more than {MAX_PASSES} passes");
+            let text = format!("so small a depth would make more than {MAX_PASSES} passes");
             return refuse("I0583", recording.place.span, text);
         }
         self.state.motion = Motion::Feed;
@@ -115,7 +131,7 @@ impl Executor {
         Ok(())
     }
 
-    fn stroke<S: Sink>(&mut self, stroke: Stroke, sink: &mut S) -> Outcome {
+    pub(crate) fn stroke<S: Sink>(&mut self, stroke: Stroke, sink: &mut S) -> Outcome {
         let point = |at: &Point, [z, x]: Flat| -> Point {
             let mut to = *at;
             (to[0], to[2]) = (x, z);
@@ -132,6 +148,11 @@ impl Executor {
                     self.say(sink, &Call::Arc { plane: Plane::ZX, to, centre, turns });
                 }
                 self.state.at = to;
+                Ok(())
+            }
+            Stroke::Feed(rate) => {
+                self.state.feed = rate;
+                self.say(sink, &Call::FeedRate { rate, duration_s: None });
                 Ok(())
             }
         }
@@ -167,12 +188,23 @@ fn finish(
         let left = f64::from(passes - pass) / f64::from(passes);
         let beside = parallel(&profile, side * (last + left * (first - last)))?;
         strokes.extend([Stroke::Rapid(start), Stroke::Rapid(beside.begin)]);
-        strokes.extend(beside.ways.iter().map(|way| match way.circle {
-            None => Stroke::Line(way.to),
-            Some((centre, turns)) => Stroke::Arc { to: way.to, centre, turns },
-        }));
+        strokes.extend(beside.strokes());
     }
     Ok(strokes.into_iter().map(|stroke| facing.stroke(stroke)).collect())
+}
+
+/// The same way again and again, each time nearer.
+fn repeated(start: Flat, profile: &Profile, relief: Flat, shift: Flat, count: u32) -> Vec<Stroke> {
+    let mut strokes = Vec::new();
+    for pass in 1..=count {
+        let left = f64::from(count - pass) / f64::from((count - 1).max(1));
+        let by = plus(shift, times(relief, left));
+        let beside = profile.shifted(by);
+        strokes.extend([Stroke::Rapid(plus(start, by)), Stroke::Rapid(beside.begin)]);
+        strokes.extend(beside.strokes());
+    }
+    strokes.push(Stroke::Rapid(start));
+    strokes
 }
 
 /// The strokes that leave so much on the profile; none if they are too many.

@@ -26,9 +26,9 @@ mod roughing;
 pub(crate) use cycle::Order;
 pub(crate) use parallel::parallel;
 pub(crate) use record::Recording;
-pub(crate) use roughing::{Part, Roughing, rough};
+pub(crate) use roughing::{Manner, Part, Roughing, rough};
 
-use crate::offset_curve::{Flat, Way, length, minus, turn_rad};
+use crate::offset_curve::{Flat, Way, length, minus, plus, turn_rad};
 
 /// Two heights nearer than this are one.
 pub(crate) const NEAR: f64 = 1e-6;
@@ -45,7 +45,13 @@ pub(crate) struct Profile {
 pub(crate) enum Stroke {
     Rapid(Flat),
     Line(Flat),
-    Arc { to: Flat, centre: Flat, turns: i32 },
+    Arc {
+        to: Flat,
+        centre: Flat,
+        turns: i32,
+    },
+    /// From here on.
+    Feed(f64),
 }
 
 /// Why a profile cannot be cut.
@@ -68,6 +74,24 @@ impl Profile {
             circle: way.circle.map(|(centre, turns)| (facing.to(centre), turns * facing.sense())),
         };
         Self { begin: facing.to(self.begin), ways: self.ways.iter().map(way).collect() }
+    }
+
+    /// Moved as it is.
+    pub(crate) fn shifted(&self, by: Flat) -> Self {
+        let way = |way: &Way| Way {
+            from: plus(way.from, by),
+            to: plus(way.to, by),
+            circle: way.circle.map(|(centre, turns)| (plus(centre, by), turns)),
+        };
+        Self { begin: plus(self.begin, by), ways: self.ways.iter().map(way).collect() }
+    }
+
+    /// Along it, from its begin.
+    pub(crate) fn strokes(&self) -> impl Iterator<Item = Stroke> + '_ {
+        self.ways.iter().map(|way| match way.circle {
+            None => Stroke::Line(way.to),
+            Some((centre, turns)) => Stroke::Arc { to: way.to, centre, turns },
+        })
     }
 
     /// Where it ends.
@@ -164,6 +188,7 @@ impl Facing {
                 centre: self.back(centre),
                 turns: turns * self.sense(),
             },
+            Stroke::Feed(feed) => Stroke::Feed(feed),
         }
     }
 }

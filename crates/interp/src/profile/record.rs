@@ -3,7 +3,7 @@
 //! The first straight move leads to the profile's begin. `A` rounds the corner at a move's end, `C` cuts it off; `U` and
 //! `W` are increments of X and Z. What else a block says has no effect, as on LinuxCNC, and a warning says so.
 use super::{
-    Order, Profile, Unfit,
+    Order, Profile, Stroke, Unfit,
     corner::{self, Corner},
 };
 use crate::{
@@ -33,6 +33,8 @@ pub(crate) struct Recording {
     motion: Motion,
     begin: Option<Flat>,
     moves: Vec<(Way, Corner)>,
+    /// F of the moves that have one.
+    feeds: Vec<(usize, f64)>,
     warned: bool,
 }
 
@@ -50,6 +52,7 @@ impl Recording {
             motion: Motion::Feed,
             begin: None,
             moves: Vec::new(),
+            feeds: Vec::new(),
             warned: false,
         }
     }
@@ -58,6 +61,23 @@ impl Recording {
     pub(crate) fn profile(&self) -> Option<Result<Profile, Unfit>> {
         let begin = self.begin.filter(|_| !self.moves.is_empty())?;
         Some(corner::profile(begin, &self.moves))
+    }
+
+    /// Along it with the feeds of its blocks, and back: as it is finished on a Fanuc.
+    pub(crate) fn with_feeds(&self, start: Flat) -> Vec<Stroke> {
+        let mut strokes: Vec<_> = self.begin.map(Stroke::Rapid).into_iter().collect();
+        let mut feeds = self.feeds.iter().peekable();
+        for (i, (way, _)) in self.moves.iter().enumerate() {
+            while let Some((_, feed)) = feeds.next_if(|(first, _)| *first <= i) {
+                strokes.push(Stroke::Feed(*feed));
+            }
+            strokes.push(match way.circle {
+                None => Stroke::Line(way.to),
+                Some((centre, turns)) => Stroke::Arc { to: way.to, centre, turns },
+            });
+        }
+        strokes.push(Stroke::Rapid(start));
+        strokes
     }
 
     fn go(&mut self, way: Way, corner: Corner) {
@@ -108,6 +128,9 @@ impl Executor {
         let to = self.profile_point()?;
         self.warn_of_idle_words(recording, !set("XZIKRGF"));
         let way = self.profile_way(motion, &to)?;
+        if let Some(feed) = self.words.get(b'F').filter(|feed| *feed > 0.0) {
+            recording.feeds.push((recording.moves.len(), feed));
+        }
         recording.go(way, corner);
         self.state.at = to;
         if recording.moves.len() > MAX_MOVES {

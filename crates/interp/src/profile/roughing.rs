@@ -13,6 +13,15 @@ pub(crate) enum Part {
     LaterPockets,
 }
 
+/// Whose strokes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Manner {
+    /// A pass at the start's own level too; back to over the begin of a pass at a slant.
+    LinuxCnc,
+    /// The first pass one step below the start; back to over the begin of a pass, and down from there.
+    Fanuc,
+}
+
 /// How it is cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Roughing {
@@ -21,6 +30,7 @@ pub(crate) struct Roughing {
     pub(crate) step: f64,
     /// How far a pass comes away from the profile.
     pub(crate) retract: f64,
+    pub(crate) manner: Manner,
 }
 
 /// All strokes from `start`, which lies over the profile and not beyond its begin.
@@ -82,6 +92,9 @@ impl Walk<'_> {
         }
         let raise = ((top - self.level + NEAR) / self.how.step).floor().max(0.0);
         self.level += raise * self.how.step;
+        if i == 0 && self.how.manner == Manner::Fanuc {
+            self.level -= self.how.step;
+        }
         while self.level > way.to[1] + NEAR {
             let from = crossing(way, self.level);
             self.follow(i, from);
@@ -100,6 +113,10 @@ impl Walk<'_> {
         self.say(Stroke::Line([end, level]));
         let away = self.how.retract.min((end - from[0]) / 2.0);
         self.say(Stroke::Rapid([end - away, level + away]));
+        if i == 0 && self.how.manner == Manner::Fanuc {
+            self.say(Stroke::Rapid([from[0], level + away]));
+            return;
+        }
         self.say(Stroke::Rapid([from[0] + away, level + away]));
         self.go(i, from);
     }
@@ -149,8 +166,9 @@ impl Walk<'_> {
             self.at = to;
             return;
         }
-        let (Stroke::Rapid(to) | Stroke::Line(to) | Stroke::Arc { to, .. }) = stroke;
-        self.at = to;
+        if let Stroke::Rapid(to) | Stroke::Line(to) | Stroke::Arc { to, .. } = stroke {
+            self.at = to;
+        }
         self.strokes.push(stroke);
     }
 }
@@ -190,7 +208,7 @@ mod tests {
     fn a_step_is_cut_in_passes_that_end_at_it() {
         let ways = vec![line([0.0, 1.0], [10.0, 1.0]), line([10.0, 1.0], [10.0, 5.0])];
         let profile = Profile { begin: [0.0, 1.0], ways };
-        let how = Roughing { part: Part::All, step: 2.0, retract: 0.5 };
+        let how = Roughing { part: Part::All, step: 2.0, retract: 0.5, manner: Manner::LinuxCnc };
         let wanted = [
             Rapid([0.0, 5.0]),
             Line([10.0, 5.0]),
@@ -220,11 +238,13 @@ mod tests {
         ];
         let profile = Profile { begin: [0.0, 3.0], ways };
         for (step, part) in [(0.7, Part::All), (1.0, Part::All), (0.9, Part::LaterPockets)] {
-            let how = Roughing { part, step, retract: 0.2 };
+            let how = Roughing { part, step, retract: 0.2, manner: Manner::LinuxCnc };
             let mut at = [-1.0, 4.0];
             let mut lowest = 4.0f64;
             for stroke in rough(at, &profile, how) {
-                let (Stroke::Rapid(to) | Stroke::Line(to) | Stroke::Arc { to, .. }) = stroke;
+                let (Stroke::Rapid(to) | Stroke::Line(to) | Stroke::Arc { to, .. }) = stroke else {
+                    continue;
+                };
                 for k in 0..=20 {
                     let t = f64::from(k) / 20.0;
                     let [u, v] = [at[0] + t * (to[0] - at[0]), at[1] + t * (to[1] - at[1])];

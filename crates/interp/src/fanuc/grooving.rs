@@ -1,0 +1,137 @@
+//! The lathe's pecking cycles, in two lines: G74 along Z, G75 along X.
+//!
+//! ```text
+//!   G74 R(back)                                 G75: X and Z, P and Q exchanged
+//!   G74 X Z P(step across) Q(peck) R(relief) F
+//!
+//!   start ●─ ─►┐ next column, P further             peck by Q, back by R, … down to Z;
+//!         │◄─┐ ▼                                    aside by the relief, rapid out
+//!         ▼peck
+//! ```
+//!
+//! Source: Fanuc, operator's manual of series 30i for lathes, "End face peck drilling", "Outer diameter drilling".
+use super::{Fanuc, words::Said};
+use crate::{
+    call::Sink,
+    fault::{Outcome, refuse},
+    interpreter::Interpreter,
+    offset_curve::Flat,
+    profile::Stroke,
+};
+
+/// More pecks than this are a slip of the pen.
+const MAX_PECKS: f64 = 10_000.0;
+
+impl Fanuc {
+    pub(super) fn pecking<S: Sink>(
+        &mut self,
+        it: &mut Interpreter<'_>,
+        code: u16,
+        said: &[Said],
+        sink: &mut S,
+    ) -> Outcome {
+        let has = |letters: &[u8]| said.iter().any(|said| letters.contains(&said.letter));
+        let span = it.block.span;
+        if !has(b"XZUW") {
+            return match self.long(it, said, b'R') {
+                Some(back) if back >= 0.0 => {
+                    self.first_lines.back = back;
+                    Ok(())
+                }
+                _ => {
+                    let text = format!(
+                        "the first line of G{code} is R alone: how far a peck goes back, 0 or more"
+                    );
+                    refuse("I1031", span, text)
+                }
+            };
+        }
+        it.executor.check_cycle_feed(&code.to_string())?;
+        let at = it.executor.state.at;
+        let start = [at[2], at[0]];
+        let end = self.corner_of(it, said);
+        let [p, q] = [b'P', b'Q'].map(|letter| self.long(it, said, letter).map(f64::abs));
+        let relief = self.long(it, said, b'R').unwrap_or(0.0);
+        // deep: along Z for G74; across: along X
+        let [deep, across] = if code == 74 { [0, 1] } else { [1, 0] };
+        let (peck, step) = if code == 74 { (q, p) } else { (p, q) };
+        let depth = (end[deep] - start[deep]).abs();
+        let width = (end[across] - start[across]).abs();
+        let peck = peck.filter(|peck| *peck > 0.0).unwrap_or(depth);
+        let step = step.filter(|step| *step > 0.0).unwrap_or(width);
+        let count = |way: f64, by: f64| if by > 0.0 { (way / by).max(1.0) } else { 1.0 };
+        if count(depth, peck) * count(width, step) > MAX_PECKS {
+            let text = format!("P and Q would make more than {MAX_PECKS} pecks of G{code}");
+            return refuse("I1031", span, text);
+        }
+        let pecks =
+            Pecks { start, end, deep, across, peck, step, relief, back: self.first_lines.back };
+        for stroke in pecks.strokes() {
+            it.executor.stroke(stroke, sink)?;
+        }
+        Ok(())
+    }
+
+    /// Where X, Z, U, W lead, as [Z, X].
+    pub(super) fn corner_of(&self, it: &Interpreter<'_>, said: &[Said]) -> Flat {
+        let at = it.executor.state.at;
+        let step = it.executor.state.incremental;
+        let along = |value: Option<f64>, by: Option<f64>, now: f64| {
+            value.map_or(now + by.unwrap_or(0.0), |value| if step { now + value } else { value })
+        };
+        let z = along(self.long(it, said, b'Z'), self.long(it, said, b'W'), at[2]);
+        let x = along(self.across(it, said, b'X'), self.across(it, said, b'U'), at[0]);
+        [z, x]
+    }
+}
+
+struct Pecks {
+    start: Flat,
+    end: Flat,
+    deep: usize,
+    across: usize,
+    peck: f64,
+    step: f64,
+    relief: f64,
+    back: f64,
+}
+
+impl Pecks {
+    fn strokes(&self) -> Vec<Stroke> {
+        let (deep, across) = (self.deep, self.across);
+        let inwards = (self.end[deep] - self.start[deep]).signum();
+        let aside = (self.end[across] - self.start[across]).signum();
+        let depth = (self.end[deep] - self.start[deep]).abs();
+        let width = (self.end[across] - self.start[across]).abs();
+        let at = |down: f64, over: f64| -> Flat {
+            let mut to = self.start;
+            to[deep] += inwards * down;
+            to[across] += aside * over;
+            to
+        };
+        let mut strokes = Vec::new();
+        let mut over: f64 = 0.0;
+        loop {
+            let mut down: f64 = 0.0;
+            while down < depth {
+                down = (down + self.peck).min(depth);
+                strokes.push(Stroke::Line(at(down, over)));
+                if down < depth {
+                    strokes.push(Stroke::Rapid(at((down - self.back).max(0.0), over)));
+                }
+            }
+            let out = over - self.relief;
+            if self.relief != 0.0 {
+                strokes.push(Stroke::Rapid(at(depth, out)));
+            }
+            strokes.push(Stroke::Rapid(at(0.0, out)));
+            if over >= width {
+                break;
+            }
+            over = (over + self.step).min(width);
+            strokes.push(Stroke::Rapid(at(0.0, over)));
+        }
+        strokes.push(Stroke::Rapid(self.start));
+        strokes
+    }
+}

@@ -1,0 +1,254 @@
+//! Threads of a lathe that take more than one line or lead: G76, G34.
+//!
+//! ```text
+//!   G76 P(m r a) Q(least) R(left)         m finishing passes, r pull-off in tenths of the lead, a angle of the tool
+//!   G76 X Z R(taper) P(height) Q(first) F(lead)
+//!
+//!   depth of pass n: first·√n, each at least `least` deeper than the one before, to height − left; then m at the full height.
+//!   The passes go in along the thread's flank: each begins depth·tan(a/2) further on.
+//!
+//!   G34 X Z F(lead) K(growth): after n turns z = F·n + K·n²/2; the line is parted turn by turn, each with its mean lead.
+//! ```
+//!
+//! Source: Fanuc, operator's manual of series 30i for lathes, "Multiple threading cycle", "Variable lead threading".
+use super::turning::word;
+use super::{Fanuc, words};
+use crate::{
+    call::{Call, Sink},
+    execute::Executor,
+    fault::{Outcome, refuse},
+    frame::Point,
+    interpreter::Interpreter,
+    offset_curve::{Flat, length, minus},
+};
+use words::Said;
+
+/// More passes or turns than this are a slip of the pen.
+const MOST: f64 = 10_000.0;
+
+/// G76 with its words read; lengths are radii.
+struct Thread {
+    start: Flat,
+    /// The thread's root at its end.
+    end: Flat,
+    height: f64,
+    first: f64,
+    least: f64,
+    left: f64,
+    finishing: u32,
+    /// Tangent of half the tool's angle.
+    slant: f64,
+    pull_off: f64,
+    taper: f64,
+    lead: f64,
+}
+
+impl Fanuc {
+    pub(super) fn thread_passes<S: Sink>(
+        &mut self,
+        it: &mut Interpreter<'_>,
+        said: &[Said],
+        sink: &mut S,
+    ) -> Outcome {
+        if !said.iter().any(|said| b"XZUW".contains(&said.letter)) {
+            return self.thread_first_line(it, said);
+        }
+        let thread = self.thread_words(it, said)?;
+        turning(&it.executor, it.block.span)?;
+        for depth in thread.depths() {
+            thread.pass(&mut it.executor, depth, sink);
+        }
+        Ok(())
+    }
+
+    /// P, Q, R of the first line.
+    fn thread_first_line(&mut self, it: &Interpreter<'_>, said: &[Said]) -> Outcome {
+        let [finishing, pull_off, angle, least, left] =
+            self.first_lines.thread.unwrap_or([1.0, 0.0, 60.0, 0.0, 0.0]);
+        let digits = word(said, b'P').map(|said| (said.value, said.span));
+        let [finishing, pull_off, angle] = match digits {
+            None => [finishing, pull_off, angle],
+            Some((value, span)) => {
+                let whole = value.round();
+                let known = (10_000.0..=999_999.0).contains(&whole) && whole == value;
+                let angle = whole % 100.0;
+                if !known || ![0.0, 29.0, 30.0, 55.0, 60.0, 80.0].contains(&angle) {
+                    let text = format!(
+                        "P of G76's first line is six digits: passes (01 to 99), pull-off in tenths of the lead, angle (80, 60, 55, 30, 29 or 00); found {value}"
+                    );
+                    return refuse("I1031", span, text);
+                }
+                [(whole / 10_000.0).floor(), (whole / 100.0).floor() % 100.0, angle]
+            }
+        };
+        let least = self.long(it, said, b'Q').unwrap_or(least);
+        let left = self.long(it, said, b'R').unwrap_or(left);
+        self.first_lines.thread = Some([finishing, pull_off, angle, least.abs(), left.abs()]);
+        Ok(())
+    }
+
+    fn thread_words(&mut self, it: &Interpreter<'_>, said: &[Said]) -> Outcome<Thread> {
+        let span = it.block.span;
+        let Some([finishing, pull_off, angle, least, left]) = self.first_lines.thread else {
+            let text = "G76 does not know its passes: write a line such as G76 P010060 Q100 R0.05 before it";
+            return refuse("I1031", span, text);
+        };
+        let at = it.executor.state.at;
+        let lead = word(said, b'F').map(|f| self.thread_lead(&it.executor, f)).or(self.lead);
+        let Some(lead) = lead.filter(|lead| *lead > 0.0) else {
+            return Err(words::no_lead(span).into());
+        };
+        self.lead = Some(lead);
+        let [height, first] = [b'P', b'Q'].map(|letter| self.long(it, said, letter));
+        let (Some(height), Some(first)) = (height.filter(|h| *h > 0.0), first.filter(|q| *q > 0.0))
+        else {
+            let text = "G76 needs P, the thread's height, and Q, the depth of the first pass, both above 0";
+            return refuse("I1031", span, text);
+        };
+        let thread = Thread {
+            start: [at[2], at[0]],
+            end: self.corner_of(it, said),
+            height,
+            first,
+            least,
+            left: left.min(height),
+            finishing: finishing as u32,
+            slant: (angle / 2.0).to_radians().tan(),
+            pull_off: pull_off / 10.0 * lead,
+            taper: self.long(it, said, b'R').unwrap_or(0.0),
+            lead,
+        };
+        if thread.start[1] == thread.end[1] || thread.start[0] == thread.end[0] {
+            let text =
+                "G76 begins beside the thread's end: its start must differ from X and from Z";
+            return refuse("I1031", span, text);
+        }
+        if thread.depths().len() as f64 > MOST {
+            let text = format!("Q would make more than {MOST} passes of G76");
+            return refuse("I1031", span, text);
+        }
+        Ok(thread)
+    }
+
+    /// G34.
+    pub(super) fn growing_thread<S: Sink>(
+        &mut self,
+        it: &mut Interpreter<'_>,
+        said: &[Said],
+        sink: &mut S,
+    ) -> Outcome {
+        let span = it.block.span;
+        let lead = word(said, b'F').map(|f| self.thread_lead(&it.executor, f)).or(self.lead);
+        let Some(lead) = lead.filter(|lead| *lead > 0.0) else {
+            return Err(words::no_lead(span).into());
+        };
+        let growth = self.long(it, said, b'K').unwrap_or(0.0);
+        turning(&it.executor, span)?;
+        let at = it.executor.state.at;
+        let (from, to) = ([at[2], at[0]], self.corner_of(it, said));
+        // F and K count along the axis that moves furthest
+        let way = minus(to, from);
+        let far = way[0].abs().max(way[1].abs());
+        // n turns reach F·n + K·n²/2
+        let most = if growth < 0.0 { lead * lead / (-2.0 * growth) } else { f64::INFINITY };
+        if far >= most {
+            let text = format!(
+                "the lead is used up after {most:.4}: K takes {} from it in each turn",
+                -growth
+            );
+            return refuse("I1034", span, text);
+        }
+        if far / lead > MOST && growth <= 0.0 {
+            return refuse("I1034", span, format!("G34 would make more than {MOST} turns"));
+        }
+        let ex = &mut it.executor;
+        angle(ex, self.start_angle(said), sink);
+        ex.say(sink, &Call::ThreadGrows(growth));
+        let mut turn = 0.0;
+        loop {
+            let mean = lead + (turn + 0.5) * growth;
+            turn += 1.0;
+            let gone = (lead * turn + growth * turn * turn / 2.0).min(far);
+            let part = if far > 0.0 { gone / far } else { 1.0 };
+            ex.say(sink, &Call::SyncStart(mean));
+            ex.state.at[2] = from[0] + part * way[0];
+            ex.state.at[0] = from[1] + part * way[1];
+            ex.say(sink, &Call::Line(ex.state.at));
+            if gone >= far {
+                break;
+            }
+        }
+        ex.say(sink, &Call::SyncStop);
+        Ok(())
+    }
+
+    /// Q of a thread: thousandths of a degree, or degrees with a point.
+    pub(super) fn start_angle(&self, said: &[Said]) -> Option<f64> {
+        word(said, b'Q')
+            .map(|q| if q.counts && !self.calculator { q.value / 1000.0 } else { q.value })
+    }
+}
+
+/// Say where in the spindle's turn the thread that follows begins, if it is said.
+pub(super) fn angle<S: Sink>(ex: &Executor, degrees: Option<f64>, sink: &mut S) {
+    if let Some(degrees) = degrees {
+        ex.say(sink, &Call::ThreadAngle(degrees));
+    }
+}
+
+fn turning(ex: &Executor, span: diag::Span) -> Outcome {
+    match ex.state.spindle.turning {
+        Some(_) => Ok(()),
+        None => refuse(
+            "I0427",
+            span,
+            "a thread needs a turning spindle: write M3 or M4, and S, before it",
+        ),
+    }
+}
+
+impl Thread {
+    /// Depth of each pass.
+    fn depths(&self) -> Vec<f64> {
+        let rough = self.height - self.left;
+        let (mut depths, mut depth) = (Vec::new(), 0.0);
+        let mut n = 0.0;
+        while depth < rough && (depths.len() as f64) <= MOST {
+            n += 1.0;
+            depth = (self.first * f64::sqrt(n)).max(depth + self.least).min(rough);
+            depths.push(depth);
+        }
+        depths.extend(std::iter::repeat_n(self.height, self.finishing as usize));
+        depths
+    }
+
+    fn pass<S: Sink>(&self, ex: &mut Executor, depth: f64, sink: &mut S) {
+        let outwards = (self.start[1] - self.end[1]).signum();
+        let onwards = (self.end[0] - self.start[0]).signum();
+        let point = |[z, x]: Flat| -> Point {
+            let mut to = ex.state.at;
+            (to[0], to[2]) = (x, z);
+            to
+        };
+        let begin = self.start[0] + onwards * depth * self.slant;
+        let floor = self.end[1] + outwards * (self.height - depth);
+        let first = [begin, floor + self.taper];
+        let last = [self.end[0], floor];
+        ex.say(sink, &Call::Rapid(point([begin, self.start[1]])));
+        ex.say(sink, &Call::Rapid(point(first)));
+        ex.say(sink, &Call::SyncStart(self.lead));
+        let pull = self.pull_off.min(length(minus(last, first)));
+        if pull > 0.0 {
+            let part = 1.0 - pull / (last[0] - first[0]).abs().max(pull);
+            let leave =
+                [first[0] + part * (last[0] - first[0]), first[1] + part * (last[1] - first[1])];
+            ex.say(sink, &Call::Line(point(leave)));
+            ex.say(sink, &Call::Line(point([last[0], last[1] + outwards * pull])));
+        } else {
+            ex.say(sink, &Call::Line(point(last)));
+        }
+        ex.say(sink, &Call::SyncStop);
+        ex.say(sink, &Call::Rapid(point([self.end[0], self.start[1]])));
+        ex.say(sink, &Call::Rapid(point(self.start)));
+    }
+}

@@ -1,0 +1,259 @@
+//! The lathe's multiple cycles along a profile of the tape: G70 to G73, in two lines each.
+//!
+//! ```text
+//!   G71 U(depth) R(retract)               the first line sets what the second uses, and holds until it is set anew
+//!   G71 P(first) Q(last) U(X) W(Z) F      profile: the blocks N first to N last; U and W are left on it
+//!   G72 W(depth) R(retract)               the same, with passes along X
+//!   G73 U(X) W(Z) R(times)                the profile so many times, from that far away
+//!   G70 P(first) Q(last)                  along it once, with the feeds of its own blocks
+//! ```
+//!
+//! The profile's blocks are taken down (`profile`), not moved along. After G71 to G73 the program goes on behind them,
+//! after G70 behind its own block.
+//!
+//! Source: Fanuc, operator's manual of series 30i for lathes, "Multiple repetitive cycles".
+use super::{Fanuc, words::Said};
+use crate::{
+    call::Sink,
+    fault::{Outcome, error, refuse},
+    interpreter::Interpreter,
+    offset_curve::Flat,
+    outline::At,
+    profile::{Manner, Order, Part, Recording, Roughing},
+    words::near_whole,
+};
+use canon::Plane;
+
+/// More repetitions of a pattern than this are a slip of the pen.
+const MAX_TIMES: u32 = 1_000;
+
+/// What first lines have set.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct FirstLines {
+    /// G71, G72: depth of a pass, and how far it comes away.
+    depth: Option<f64>,
+    retract: f64,
+    /// G73: how far away it begins (Z, X), and how often.
+    relief: Flat,
+    times: Option<u32>,
+    /// G74, G75: back after each peck.
+    pub(super) back: f64,
+    /// G76: finishing passes, pull-off in tenths of the lead, angle of the tool, least depth, left for finishing.
+    pub(super) thread: Option<[f64; 5]>,
+}
+
+/// A profile being taken down.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shape {
+    last: u32,
+    /// Where to go on; behind its last block if there is nothing here.
+    back: Option<At>,
+    /// The cycle's block.
+    cycle: u32,
+}
+
+/// The word with this letter.
+pub(super) fn word(said: &[Said], letter: u8) -> Option<&Said> {
+    said.iter().find(|said| said.letter == letter)
+}
+
+impl Fanuc {
+    /// G70 to G76, G34 of the block at hand, on a lathe.
+    pub(super) fn multiple_cycle(&self) -> Option<u16> {
+        let code = |said: &Said| match (said.letter, said.value) {
+            (b'G', 34.0 | 70.0..=76.0) => Some(said.value as u16),
+            _ => None,
+        };
+        self.said.iter().find_map(code).filter(|_| self.is_lathe())
+    }
+
+    /// Execute it: its F, S, T and M first.
+    pub(super) fn multiple<S: Sink>(
+        &mut self,
+        it: &mut Interpreter<'_>,
+        code: u16,
+        sink: &mut S,
+    ) -> Outcome {
+        let said = core::mem::take(&mut self.said);
+        let span = it.block.span;
+        if it.executor.recording.is_some() {
+            it.ended = true;
+            return refuse("I1033", span, format!("G{code} cannot stand inside a profile"));
+        }
+        if it.executor.state.plane != Plane::ZX {
+            return refuse("I0581", span, format!("G{code} works in X and Z: write G18 before"));
+        }
+        let threads = matches!(code, 34 | 76);
+        let beside =
+            |said: &&Said| b"FSTM".contains(&said.letter) && !(threads && said.letter == b'F');
+        self.said = said.iter().filter(beside).copied().collect();
+        it.executor.words.begin(&it.block);
+        self.translate(&mut it.executor)?;
+        it.executor.state.motion = crate::state::Motion::None;
+        it.executor.execute(sink)?;
+        it.executor.state.motion = crate::state::Motion::Rapid;
+        self.lathe_cycle = None;
+        match code {
+            70..=73 if word(&said, b'P').is_some() => self.profile_cycle(it, code, &said),
+            70 => refuse(
+                "I1030",
+                span,
+                "G70 needs P and Q: the first and the last block of the profile",
+            ),
+            71..=73 => self.first_line(it, code, &said),
+            74 | 75 => self.pecking(it, code, &said, sink),
+            76 => self.thread_passes(it, &said, sink),
+            _ => self.growing_thread(it, &said, sink),
+        }
+    }
+
+    /// A word's length in the program's unit.
+    pub(super) fn long(&self, it: &Interpreter<'_>, said: &[Said], letter: u8) -> Option<f64> {
+        // P of G74 to G76 is a length too, and counts as Q does
+        let as_length = |said: &Said| Said { letter: b'Q', ..*said };
+        word(said, letter).map(|said| self.scaled(&it.executor, &as_length(said)))
+    }
+
+    /// The same along X: a diameter becomes a radius.
+    pub(super) fn across(&self, it: &Interpreter<'_>, said: &[Said], letter: u8) -> Option<f64> {
+        let half = if it.executor.state.diameter { 0.5 } else { 1.0 };
+        self.long(it, said, letter).map(|value| half * value)
+    }
+
+    fn first_line(&mut self, it: &Interpreter<'_>, code: u16, said: &[Said]) -> Outcome {
+        let span = it.block.span;
+        let [u, w, r] = [b'U', b'W', b'R'].map(|letter| self.long(it, said, letter));
+        if code == 73 {
+            if let Some(times) = word(said, b'R') {
+                let whole = near_whole(times.value).and_then(|n| u32::try_from(n).ok());
+                let Some(times) = whole.filter(|n| (1..=MAX_TIMES).contains(n)) else {
+                    let text = format!(
+                        "R is how often G73 repeats, 1 to {MAX_TIMES}, found {}",
+                        times.value
+                    );
+                    return refuse("I1031", span, text);
+                };
+                self.first_lines.times = Some(times);
+            }
+            // both are radii
+            let [z, x] = self.first_lines.relief;
+            self.first_lines.relief = [w.unwrap_or(z), u.unwrap_or(x)];
+            return Ok(());
+        }
+        if let Some(depth) = if code == 71 { u } else { w } {
+            if depth <= 0.0 {
+                let letter = if code == 71 { 'U' } else { 'W' };
+                let text = format!(
+                    "{letter} is the depth of each pass of G{code}, above 0, found {depth}"
+                );
+                return refuse("I1031", span, text);
+            }
+            self.first_lines.depth = Some(depth);
+        }
+        match r {
+            Some(retract) if retract < 0.0 => {
+                let text = format!(
+                    "R is how far a pass of G{code} comes away, 0 or more, found {retract}"
+                );
+                refuse("I1031", span, text)
+            }
+            retract => {
+                self.first_lines.retract = retract.unwrap_or(self.first_lines.retract);
+                Ok(())
+            }
+        }
+    }
+
+    /// The second line: take the profile down.
+    fn profile_cycle(&mut self, it: &mut Interpreter<'_>, code: u16, said: &[Said]) -> Outcome {
+        let span = it.block.span;
+        let order = self.order(it, code, said)?;
+        let number = |letter: u8| {
+            let value = word(said, letter).map(|said| said.value);
+            value.and_then(near_whole).and_then(|n| u32::try_from(n).ok())
+        };
+        let (Some(first), Some(last)) = (number(b'P'), number(b'Q')) else {
+            let text =
+                format!("G{code} needs P and Q: the first and the last block of the profile");
+            return refuse("I1030", span, text);
+        };
+        it.executor.check_cycle_feed(&code.to_string())?;
+        let mut missing = None;
+        let [begin, end] = [first, last].map(|n| {
+            let at = self.block_at(it, n);
+            missing = missing.or(at.is_none().then_some(n));
+            at
+        });
+        let (Some(begin), None, Some(_)) = (begin, missing, end) else {
+            let text = format!("there is no block N{} in this program", missing.unwrap_or(last));
+            let fault = error("I1032", span, text);
+            return Err(fault.with_help("P and Q name the profile's first and last block").into());
+        };
+        let behind = it.parsers[0].position();
+        let back = (code == 70 || begin.0 < span.start).then_some(behind);
+        self.shape = Some(Shape { last, back, cycle: span.start });
+        let mut recording = Recording::new(order, it.executor.words.place, it.executor.state.at);
+        recording.errors = it.errors;
+        it.executor.recording = Some(Box::new(recording));
+        it.jump(begin);
+        Ok(())
+    }
+
+    fn order(&self, it: &Interpreter<'_>, code: u16, said: &[Said]) -> Outcome<Order> {
+        let left =
+            [self.long(it, said, b'W').unwrap_or(0.0), self.across(it, said, b'U').unwrap_or(0.0)];
+        let missing = |what: &str| {
+            let fault = error("I1031", it.block.span, format!("G{code} does not know {what}"));
+            let help = match code {
+                71 => {
+                    "write a line G71 U2. R0.5 before it: the depth of a pass and how far it comes away"
+                }
+                72 => {
+                    "write a line G72 W2. R0.5 before it: the depth of a pass and how far it comes away"
+                }
+                _ => {
+                    "write a line G73 U5. W5. R3 before it: how far away it begins, and how often it is cut"
+                }
+            };
+            fault.with_help(help)
+        };
+        if code == 70 {
+            return Ok(Order::Along);
+        }
+        if code == 73 {
+            let Some(times) = self.first_lines.times else {
+                return Err(missing("how often it repeats").into());
+            };
+            return Ok(Order::Repeat { relief: self.first_lines.relief, shift: left, times });
+        }
+        let Some(step) = self.first_lines.depth else {
+            return Err(missing("how deep a pass is").into());
+        };
+        let retract = self.first_lines.retract;
+        let how = Roughing { part: Part::All, step, retract, manner: Manner::Fanuc };
+        Ok(Order::Shifted { across: code == 72, shift: left, how })
+    }
+
+    /// After each block: was it the profile's last?
+    pub(super) fn end_of_shape<S: Sink>(
+        &mut self,
+        it: &mut Interpreter<'_>,
+        sink: &mut S,
+    ) -> Outcome {
+        let Some(shape) = self.shape else { return Ok(()) };
+        let here = it.block.number.map(|number| number as u32);
+        if here != Some(shape.last) || it.block.span.start == shape.cycle {
+            return Ok(());
+        }
+        self.shape = None;
+        let Some(recording) = it.executor.recording.take() else { return Ok(()) };
+        it.executor.state.at = recording.start;
+        if let Some(back) = shape.back {
+            it.jump(back);
+        }
+        if recording.errors != it.errors {
+            return Ok(());
+        }
+        it.executor.cut_profile(&recording, sink)
+    }
+}
