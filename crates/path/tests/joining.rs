@@ -227,6 +227,17 @@ fn what_lies_within_p_of_a_straight_line_becomes_one() {
     assert!(most < 2e-3, "{most}");
 }
 
+/// The end of a raster's row: 0.1 mm moves, a right angle, half a millimetre, and back. A piece that is much shorter than the
+/// corner's reach must change the bend within it, which no limit of jerk lets pass at speed.
+#[test]
+fn a_fitted_corner_has_no_crumbs() {
+    let mut points: Vec<Point> = (0..=40).map(|k| at(0.1 * f64::from(k), 0.0, 0.0)).collect();
+    points.extend((0..=40).rev().map(|k| at(0.1 * f64::from(k), 0.5, 0.1)));
+    let pieces = check(&lines(&points, 0.01), 0.01);
+    let least = pieces.iter().map(Shape::length).fold(f64::INFINITY, f64::min);
+    assert!(least > 0.01, "a piece of {least} mm");
+}
+
 #[test]
 fn reversals_duplicates_and_segments_of_a_nanometre_are_joined_too() {
     let spike = [at(0.0, 0.0, 0.0), at(10.0, 0.0, 0.0), at(0.0, 0.0, 0.0), at(5.0, 0.0, 0.0)];

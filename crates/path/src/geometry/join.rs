@@ -44,6 +44,8 @@ const MAX_ZONE: usize = 256;
 const KEPT: usize = 64;
 /// Share of the tolerance that blends use; the rest is for what their distance is not sampled at.
 pub(crate) const SHARE: f64 = 0.97;
+/// A fitted curve leaves a long move, and comes to it, so many reaches of the corner away: its knots need room.
+const ASIDE: f64 = 2.0;
 /// A blend may swing out where its reach is less than the shorter move over this.
 const ROOM: f64 = 6.0;
 /// Slopes that differ by less are one slope.
@@ -178,7 +180,7 @@ impl Joiner {
         if last == 0 || length < 3.0 * (before + reach) {
             return;
         }
-        let begins = if last == 1 { before } else { before.min(length / 3.0) };
+        let begins = if last == 1 { before } else { ASIDE * before };
         self.zone(last, begins, emit);
         self.waiting.drain(..last);
         self.begun = begins;
@@ -227,6 +229,7 @@ impl Joiner {
         let whole = end >= self.waiting[last].length();
         if self.at.is_none() && length - self.begun > reach {
             // of a short first move, too, keep what the blend leaves
+            let reach = if last == 1 { reach } else { ASIDE * reach };
             self.middle(length - reach.min((length - self.begun) * 0.5), emit);
         }
         if last == 1 && self.at.is_none() && !whole && (length - self.begun - end).abs() < 1e-9 {

@@ -83,7 +83,7 @@ pub(crate) fn choose(way: &Way, knots: &mut Vec<f64>) {
         let next_sharp = (i + 1..way.moves.len())
             .find(|&j| way.moves[j].joint.k > SHARP)
             .map_or(way.total, |j| way.starts[j]);
-        let share = |gap: f64, to_end: bool| if to_end { gap * 0.98 } else { gap * 0.49 };
+        let share = |gap: f64, to_end: bool| if to_end { gap * 0.6 } else { gap * 0.49 };
         let h = (3.0 * SHARE * joint.tolerance / joint.k)
             .min(share(u - previous_sharp, previous_sharp == 0.0))
             .min(share(next_sharp - u, next_sharp == way.total));
