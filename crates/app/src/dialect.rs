@@ -5,18 +5,25 @@ use store::machine::{self, Control, CycleDepth, MachineFile};
 /// The dialect asked for, or the machine's own.
 pub(crate) fn of(asked: Option<args::Dialect>, machine: &MachineFile) -> interp::Dialect {
     match asked {
-        Some(args::Dialect::Linuxcnc) => interp::Dialect::LinuxCnc,
-        Some(args::Dialect::Brother) => interp::Dialect::Brother,
-        Some(args::Dialect::Fanuc) => interp::Dialect::Fanuc,
-        Some(args::Dialect::FanucLatheA) => interp::Dialect::FanucLatheA,
-        Some(args::Dialect::FanucLatheB) => interp::Dialect::FanucLatheB,
-        Some(args::Dialect::Toyoda) => interp::Dialect::Toyoda,
+        Some(asked) => named(asked),
         None => match machine.control.dialect {
             machine::Dialect::LinuxCnc => interp::Dialect::LinuxCnc,
             machine::Dialect::Brother => interp::Dialect::Brother,
             machine::Dialect::Fanuc => interp::Dialect::Fanuc,
             machine::Dialect::Toyoda => interp::Dialect::Toyoda,
         },
+    }
+}
+
+/// The dialect of this name.
+pub(crate) const fn named(name: args::Dialect) -> interp::Dialect {
+    match name {
+        args::Dialect::Linuxcnc => interp::Dialect::LinuxCnc,
+        args::Dialect::Brother => interp::Dialect::Brother,
+        args::Dialect::Fanuc => interp::Dialect::Fanuc,
+        args::Dialect::FanucLatheA => interp::Dialect::FanucLatheA,
+        args::Dialect::FanucLatheB => interp::Dialect::FanucLatheB,
+        args::Dialect::Toyoda => interp::Dialect::Toyoda,
     }
 }
 

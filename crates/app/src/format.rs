@@ -9,9 +9,10 @@ use std::path::Path;
 /// Format them all; with `--check` change nothing and return false if something would change.
 pub(crate) fn command(args: &FormatArgs, quiet: bool) -> Result<bool, Refused> {
     let mut clean = true;
+    let grammar = crate::dialect::named(args.dialect).grammar();
     for path in crate::check::programs(&args.programs)? {
         let text = read_program(&path)?;
-        let anew = gcode::format(&text);
+        let anew = gcode::format(&text, grammar);
         let same = anew == text;
         if args.check {
             clean &= same;

@@ -4,6 +4,7 @@
 //! line of a hundred megabytes is as cheap and as readable as any other.
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet, renderer::DecorStyle};
 use diag::{Diagnostic, Severity, Span};
+use interp::Finding;
 use serde_json::{Value, json};
 use std::io::IsTerminal;
 
@@ -174,12 +175,36 @@ pub(crate) fn sarif_result(finding: &Diagnostic, source: &Source<'_>) -> Value {
     })
 }
 
+/// What a kind of finding means, with a wrong and a right program where there is one; else what was said first.
+fn rule(id: &str, results: &[Value]) -> Value {
+    let said = || {
+        let first = results.iter().find(|result| result["ruleId"] == id);
+        first.map_or(Value::Null, |result| result["message"]["text"].clone())
+    };
+    match interp::explain(id) {
+        Some(finding) if finding.wrong.is_empty() => json!({
+            "id": id,
+            "shortDescription": { "text": finding.sentence },
+            "help": { "text": finding.sentence },
+        }),
+        Some(finding) => {
+            let Finding { sentence, wrong, right, .. } = finding;
+            let text = format!("{sentence}\n\nWrong:\n{wrong}\n\nRight:\n{right}\n");
+            json!({ "id": id, "shortDescription": { "text": sentence }, "help": { "text": text } })
+        }
+        None => {
+            json!({ "id": id, "shortDescription": { "text": said() }, "help": { "text": said() } })
+        }
+    }
+}
+
 /// A SARIF 2.1.0 log of all results.
 pub(crate) fn sarif(results: &[Value]) -> Value {
     let mut rules: Vec<_> = results.iter().map(|r| r["ruleId"].clone()).collect();
     rules.sort_by_key(Value::to_string);
     rules.dedup();
-    let rules: Vec<_> = rules.into_iter().map(|id| json!({ "id": id })).collect();
+    let rules: Vec<_> =
+        rules.iter().map(|id| rule(id.as_str().unwrap_or_default(), results)).collect();
     json!({
         "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
         "version": "2.1.0",
@@ -210,6 +235,19 @@ mod tests {
         assert!(shown.contains("part.ngc:2:8"), "{shown}");
         assert!(shown.contains("G1 X10 Q5"), "{shown}");
         assert!(shown.contains("^^"), "{shown}");
+    }
+
+    #[test]
+    fn every_sarif_rule_has_help() {
+        let source = Source { name: "part.ngc", text: b"G1 X10\nM2\n" };
+        let results: Vec<_> = ["I0408", "P9999"]
+            .map(|code| sarif_result(&Diagnostic::error(code, at(1, 0, 2), "No feed."), &source))
+            .into();
+        let log = sarif(&results);
+        let rules = log["runs"][0]["tool"]["driver"]["rules"].as_array().unwrap();
+        let help = |i: usize| rules[i]["help"]["text"].as_str().unwrap();
+        assert!(help(0).contains("Right:"), "{rules:?}");
+        assert_eq!(help(1), "No feed.");
     }
 
     #[test]

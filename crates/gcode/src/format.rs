@@ -10,7 +10,7 @@
 //! that cannot be read stays as it was, byte for byte, and so does all that follows a tape's second
 //! `%`. Line ends stay CR LF where the file's first line has them.
 
-use crate::{Block, Keyword, Label, Parser};
+use crate::{Block, Grammar, Keyword, Label, Parser, print::WithPoints};
 
 /// Blanks a level is moved in by.
 const STEP: usize = 2;
@@ -19,12 +19,12 @@ const DEEPEST: usize = 20;
 
 /// The program anew. Formatting what was formatted changes nothing.
 #[must_use]
-pub fn format(source: &[u8]) -> Vec<u8> {
+pub fn format(source: &[u8], grammar: Grammar) -> Vec<u8> {
     let line_end: &[u8] = match memchr::memchr(b'\n', source) {
         Some(at) if at > 0 && source[at - 1] == b'\r' => b"\r\n",
         _ => b"\n",
     };
-    let (mut parser, mut block) = (Parser::new(source, 0), Block::new());
+    let (mut parser, mut block) = (Parser::with_grammar(source, 0, grammar), Block::new());
     let mut out = Vec::with_capacity(source.len() + source.len() / 8);
     let mut open: Vec<(Keyword, String)> = Vec::new();
     let mut tape = 0;
@@ -33,7 +33,10 @@ pub fn format(source: &[u8]) -> Vec<u8> {
             out.extend_from_slice(line_of(source, &block));
         } else {
             let depth = depth(&block, &mut open).min(DEEPEST);
-            let text = block.to_string();
+            let mut text = WithPoints(&block, source).to_string();
+            if grammar == Grammar::Fanuc && block.o.is_some() {
+                text = text.replacen('o', "O", 1);
+            }
             if !text.is_empty() {
                 out.extend(std::iter::repeat_n(b' ', STEP * depth));
                 out.extend_from_slice(text.trim_end().as_bytes());
@@ -83,9 +86,26 @@ fn depth(block: &Block, open: &mut Vec<(Keyword, String)>) -> usize {
 #[cfg(test)]
 mod tests {
     use super::format;
+    use crate::Grammar;
 
     fn formatted(text: &str) -> String {
-        String::from_utf8(format(text.as_bytes())).unwrap_or_default()
+        String::from_utf8(format(text.as_bytes(), Grammar::Rs274)).unwrap_or_default()
+    }
+
+    #[test]
+    fn a_point_after_a_whole_number_stays_for_where_it_counts() {
+        assert_eq!(formatted("g1x10. y5 z-3.0 f100.\n"), "G1 X10. Y5 Z-3. F100.\n");
+    }
+
+    #[test]
+    fn a_fanuc_tape_is_read_as_one() {
+        let text = "%\no1234(test)\nn10if[#1gt5]goto 20\nwhile[#1le3]do1\n/2g0x1.u5\nend1\ng65p9100a1.b2\n%\n";
+        let wanted = "%\nO1234 (test)\nN10 IF[#1 GT 5]GOTO20\nWHILE[#1 LE 3]DO1\n/2 G0 X1. U5\nEND1\nG65 P9100 A1. B2\n%\n";
+        let formatted = |text: &str| {
+            String::from_utf8(format(text.as_bytes(), Grammar::Fanuc)).unwrap_or_default()
+        };
+        assert_eq!(formatted(text), wanted);
+        assert_eq!(formatted(wanted), wanted);
     }
 
     #[test]

@@ -8,13 +8,36 @@
 //! needed; letters, functions and operators in upper case, names and O-words in lower case. Read
 //! again, the text gives the same block (spans apart).
 
-use crate::block::{Block, Comment, Label};
+use crate::block::{Block, Comment, Label, Word};
 use crate::expression::{Expr, ExprId, Operator, Parameter, Value};
 use crate::fanuc::Control;
 use core::fmt::{Display, Formatter, Result};
 
 impl Display for Block {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        self.write(f, &[])
+    }
+}
+
+/// A block whose whole numbers keep the decimal point that the source has: where a number without one counts least
+/// increments, it is no matter of spacing.
+pub(crate) struct WithPoints<'a>(pub(crate) &'a Block, pub(crate) &'a [u8]);
+
+impl Display for WithPoints<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        self.0.write(f, self.1)
+    }
+}
+
+impl Block {
+    /// As text; whole numbers keep the points of the source, as far as it is known.
+    fn write(&self, f: &mut Formatter<'_>, source: &[u8]) -> Result {
+        let pointed = |word: &Word| match word.value {
+            Value::Number(number) if number.fract() == 0.0 => source
+                .get(word.span.start as usize..word.span.end as usize)
+                .is_some_and(|text| text.contains(&b'.')),
+            _ => false,
+        };
         let mut gap = "";
         if let Some(level) = self.delete {
             f.write_str("/")?;
@@ -43,6 +66,9 @@ impl Display for Block {
         for word in &self.words {
             write!(f, "{gap}{}", word.letter as char)?;
             self.write_atom(f, word.value)?;
+            if pointed(word) {
+                f.write_str(".")?;
+            }
             gap = " ";
         }
         for setting in &self.assignments {
@@ -59,9 +85,7 @@ impl Display for Block {
         }
         Ok(())
     }
-}
 
-impl Block {
     fn write_o_word(&self, f: &mut Formatter<'_>, label: Label, keyword: &str) -> Result {
         match label {
             Label::Number(number) => write!(f, "o{number}")?,

@@ -9,6 +9,9 @@ use crate::{
 use gcode::{Keyword, Label, Value};
 use std::sync::LazyLock;
 
+/// Arguments of one call.
+const MOST_ARGUMENTS: usize = 30;
+
 /// A call that has not returned yet.
 #[derive(Clone, Debug)]
 pub(crate) struct Frame {
@@ -174,25 +177,36 @@ impl Interpreter<'_> {
     fn call(&mut self, label: Label) -> Outcome {
         let span = self.block.o.map_or(self.block.span, |o| o.span);
         self.executor.state.line = self.block.span.line;
+        let (file, mark) = self.called(label, span)?;
+        let count = self.block.arguments.len();
+        let mut arguments = [0.0; MOST_ARGUMENTS];
+        if count > MOST_ARGUMENTS {
+            let text = format!(
+                "a call takes {MOST_ARGUMENTS} arguments at most (#1 to #{MOST_ARGUMENTS}), found {count}"
+            );
+            return refuse("I0309", span, text);
+        }
+        for (argument, value) in arguments.iter_mut().zip(&self.block.arguments) {
+            *argument = self.executor.values().evaluate(&self.block, *value, span)?;
+        }
+        self.enter(file, mark, None, span)?;
+        self.executor.store.enter(&arguments[..count]);
+        Ok(())
+    }
+
+    /// The subprogram that a label names.
+    fn called(&mut self, label: Label, span: diag::Span) -> Outcome<(usize, usize)> {
+        if let Label::Number(number) = label {
+            // made before any O-word of the file is executed
+            if let Some(mark) = self.outline().numbered(number) {
+                return Ok((self.file, mark));
+            }
+        }
         let key = match outline::key(&self.block, label) {
             Some(key) => key,
             None => self.computed_key(label, span)?,
         };
-        let (file, mark) = self.find_sub(&key, span)?;
-        let mut arguments = Vec::with_capacity(self.block.arguments.len());
-        for value in &self.block.arguments {
-            arguments.push(self.executor.values().evaluate(&self.block, *value, span)?);
-        }
-        if arguments.len() > 30 {
-            return refuse(
-                "I0309",
-                span,
-                format!("a call takes 30 arguments at most (#1 to #30), found {}", arguments.len()),
-            );
-        }
-        self.enter(file, mark, None, span)?;
-        self.executor.store.enter(&arguments);
-        Ok(())
+        self.find_sub(&key, span)
     }
 
     fn computed_key(&self, label: Label, span: diag::Span) -> Outcome<Box<str>> {

@@ -53,19 +53,20 @@ impl Store {
 
     /// Enter a subprogram: #1 … #30 are its arguments, zero where it got none; names begin afresh.
     pub(crate) fn enter(&mut self, arguments: &[f64]) {
-        self.saved.push(core::array::from_fn(|i| self.numbered.at(i + 1)));
-        for i in 0..ARGUMENTS {
-            self.numbered.set(i + 1, arguments.get(i).copied().unwrap_or(0.0));
-        }
+        let own = self.numbered.arguments_mut();
+        let mut saved = [0.0; ARGUMENTS];
+        saved.copy_from_slice(own);
+        let (given, others) = own.split_at_mut(arguments.len().min(ARGUMENTS));
+        given.copy_from_slice(&arguments[..given.len()]);
+        others.fill(0.0);
+        self.saved.push(saved);
         self.local.push(HashMap::new());
     }
 
     /// Leave it: #1 … #30 are the caller's again.
     pub(crate) fn leave(&mut self) {
         if let Some(saved) = self.saved.pop() {
-            for (i, value) in saved.iter().enumerate() {
-                self.numbered.set(i + 1, *value);
-            }
+            self.numbered.arguments_mut().copy_from_slice(&saved);
             self.local.pop();
         }
     }

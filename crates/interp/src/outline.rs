@@ -43,6 +43,8 @@ pub(crate) struct Outline {
     pub(crate) marks: Vec<Mark>,
     /// The subprograms by key.
     subs: HashMap<Box<str>, usize>,
+    /// Those whose label is a number, by rising number.
+    numbered: Vec<(u32, usize)>,
 }
 
 /// How an O-word's label is written in the tables.
@@ -85,13 +87,16 @@ impl Outline {
                 closes_do: false,
             });
         }
-        let mut outline = Self { marks, subs: HashMap::new() };
+        let mut outline = Self { marks, subs: HashMap::new(), numbered: Vec::new() };
         outline.join(&mut faults);
         for (i, mark) in outline.marks.iter().enumerate() {
             if mark.keyword == Keyword::Sub {
                 outline.subs.entry(mark.key.clone()).or_insert(i);
             }
         }
+        let numbers = outline.subs.iter().filter_map(|(key, i)| Some((key.parse().ok()?, *i)));
+        outline.numbered = numbers.collect();
+        outline.numbered.sort_unstable();
         (outline, faults)
     }
 
@@ -106,6 +111,12 @@ impl Outline {
             return self.subs.get(key).copied();
         }
         self.marks.iter().position(|mark| mark.keyword == keyword && &*mark.key == key)
+    }
+
+    /// The begin of the subprogram of this number.
+    pub(crate) fn numbered(&self, number: u32) -> Option<usize> {
+        let place = self.numbered.binary_search_by_key(&number, |(number, _)| *number).ok()?;
+        Some(self.numbered[place].1)
     }
 
     /// Find every word's partner.

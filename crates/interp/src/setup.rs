@@ -209,6 +209,11 @@ impl Parameters {
         core::array::from_fn(|i| self.at(first + i))
     }
 
+    /// #1 to #30: the arguments of a subprogram.
+    pub(crate) fn arguments_mut(&mut self) -> &mut [f64] {
+        self.values.get_mut(1..=30).unwrap_or_default()
+    }
+
     pub(crate) fn set_point(&mut self, first: usize, point: &[f64; 9]) {
         for (i, value) in point.iter().enumerate() {
             self.set(first + i, *value);

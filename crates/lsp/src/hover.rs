@@ -30,7 +30,8 @@ pub(crate) fn at(
     if !parser.next(&mut block) || block.is_blank() {
         return None;
     }
-    let name = names::in_line(document, line).into_iter().find(|n| n.holds(byte));
+    let name =
+        names::in_line(document, line, dialect.grammar()).into_iter().find(|n| n.holds(byte));
     let shown = name.as_ref().and_then(names::Name::as_parameter);
     let visit = analysis.visit(document, number, shown.as_deref());
     let word = block.words.iter().find(|w| span_holds(w, byte));

@@ -9,7 +9,7 @@
 //!   #<_clear> = 2            global: the same everywhere
 //! ```
 use crate::document::Document;
-use gcode::{Block, CommentKind, Keyword, Label, Parser};
+use gcode::{Block, CommentKind, Grammar, Keyword, Label, Parser};
 use std::ops::Range;
 
 /// Parameters up to this one belong to a subprogram's call.
@@ -74,12 +74,14 @@ impl Name {
 }
 
 /// All names of the text.
-pub(crate) fn all(document: &Document) -> Vec<Name> {
-    let (mut parser, mut block) = (Parser::new(&document.text, 0), Block::new());
+pub(crate) fn all(document: &Document, grammar: Grammar) -> Vec<Name> {
+    let (mut parser, mut block) = (Parser::with_grammar(&document.text, 0, grammar), Block::new());
+    // a tape's programs have variables of their own
+    let first = if grammar == Grammar::Fanuc { Keyword::Program } else { Keyword::Sub };
     let mut found = Vec::new();
     let (mut scope, mut subs) = (0, 0);
     while parser.next(&mut block) {
-        let begins = matches!(block.o, Some(o) if o.keyword == Keyword::Sub);
+        let begins = matches!(block.o, Some(o) if o.keyword == first);
         if begins {
             subs += 1;
             scope = subs;
@@ -93,8 +95,8 @@ pub(crate) fn all(document: &Document) -> Vec<Name> {
 }
 
 /// The names in one line (from 0), whose scope is not known.
-pub(crate) fn in_line(document: &Document, line: usize) -> Vec<Name> {
-    let (mut parser, mut block) = (Parser::new(&document.text, 0), Block::new());
+pub(crate) fn in_line(document: &Document, line: usize, grammar: Grammar) -> Vec<Name> {
+    let (mut parser, mut block) = (Parser::with_grammar(&document.text, 0, grammar), Block::new());
     parser.seek(document.line(line).0 as u32, line as u32 + 1);
     let mut found = Vec::new();
     if parser.next(&mut block) {
@@ -171,18 +173,34 @@ fn in_words_for_people(block: &Block, byte: usize) -> bool {
 }
 
 /// Where the thing under a byte is made: the subprogram, or the first setting of the parameter.
-pub(crate) fn definition(document: &Document, line: usize, byte: usize) -> Option<Name> {
-    let names = all(document);
+pub(crate) fn definition(
+    document: &Document,
+    line: usize,
+    byte: usize,
+    grammar: Grammar,
+) -> Option<Name> {
+    let names = all(document, grammar);
     let here = names.iter().find(|name| name.line == line && name.holds(byte));
-    let Some(here) = here else { return called_program(document, line, &names) };
+    let Some(here) = here else { return called_program(document, line, &names, grammar) };
     names.iter().find(|name| name.set && name.is_same(here)).cloned()
 }
 
-/// Of `M98 P100`: the O100 it calls.
-fn called_program(document: &Document, line: usize, names: &[Name]) -> Option<Name> {
-    let (mut parser, mut block) = (Parser::new(&document.text, 0), Block::new());
+/// Of `M98 P100`, and of Fanuc's `G65 P100` and `G66 P100`: the O100 it calls.
+fn called_program(
+    document: &Document,
+    line: usize,
+    names: &[Name],
+    grammar: Grammar,
+) -> Option<Name> {
+    let (mut parser, mut block) = (Parser::with_grammar(&document.text, 0, grammar), Block::new());
     parser.seek(document.line(line).0 as u32, line as u32 + 1);
-    let calls = |w: &gcode::Word| w.letter == b'M' && w.value == gcode::Value::Number(98.0);
+    let calls = |w: &gcode::Word| match (w.letter, w.value) {
+        (b'M', gcode::Value::Number(code)) => code == 98.0,
+        (b'G', gcode::Value::Number(code)) => {
+            grammar == Grammar::Fanuc && matches!(code, 65.0 | 66.0)
+        }
+        _ => false,
+    };
     if !parser.next(&mut block) || !block.words.iter().any(calls) {
         return None;
     }
@@ -193,8 +211,8 @@ fn called_program(document: &Document, line: usize, names: &[Name]) -> Option<Na
 }
 
 /// All places of the thing under a byte.
-pub(crate) fn same(document: &Document, line: usize, byte: usize) -> Vec<Name> {
-    let names = all(document);
+pub(crate) fn same(document: &Document, line: usize, byte: usize, grammar: Grammar) -> Vec<Name> {
+    let names = all(document, grammar);
     let Some(here) = names.iter().find(|name| name.line == line && name.holds(byte)).cloned()
     else {
         return Vec::new();
@@ -246,7 +264,7 @@ mod tests {
         let lines = |line, byte_of: &str| -> Vec<usize> {
             let (from, _) = document.line(line);
             let at = from + text[from..].find(byte_of).unwrap_or(0);
-            same(&document, line, at).iter().map(|name| name.line).collect()
+            same(&document, line, at, Grammar::Rs274).iter().map(|name| name.line).collect()
         };
         assert_eq!(lines(0, "#<d>"), [0, 4, 5]);
         assert_eq!(lines(2, "#< D >"), [2, 2]);
@@ -256,16 +274,33 @@ mod tests {
     #[test]
     fn a_subprogram_is_found_from_its_call() {
         let document = open("o<hole> sub\no<hole> endsub\no<hole> call [1]\nM98 P7\nO7\nM99\n");
-        let line = |line, byte| definition(&document, line, byte).map(|name| name.line);
+        let line =
+            |line, byte| definition(&document, line, byte, Grammar::Rs274).map(|name| name.line);
         let call = document.line(2).0;
         assert_eq!(line(2, call + 3), Some(0));
         assert_eq!(line(3, document.line(3).0 + 1), Some(4));
     }
 
     #[test]
+    fn variables_of_a_tape_belong_to_their_program() {
+        let text = "O1\n#1=2\n#100=#1\nG65 P2 A1.\nM30\nO2\nIF [#1 GT #100] GOTO 9\nN9 M99\n";
+        let document = open(text);
+        let lines = |line: usize, of: &str| -> Vec<usize> {
+            let (from, _) = document.line(line);
+            let at = from + text[from..].find(of).unwrap_or(0);
+            same(&document, line, at, Grammar::Fanuc).iter().map(|name| name.line).collect()
+        };
+        assert_eq!(lines(1, "#1"), [1, 2]);
+        assert_eq!(lines(6, "#1"), [6]);
+        assert_eq!(lines(2, "#100"), [2, 6]);
+        let called = definition(&document, 3, document.line(3).0 + 4, Grammar::Fanuc);
+        assert_eq!(called.map(|name| name.line), Some(5));
+    }
+
+    #[test]
     fn a_new_name_must_be_one_that_can_be_written() {
         let document = open("#<d>=1\n");
-        let name = all(&document).remove(0);
+        let name = all(&document, Grammar::Rs274).remove(0);
         assert_eq!(acceptable(&name, "depth"), Ok("depth".to_owned()));
         assert_eq!(acceptable(&name, "#<depth>"), Ok("depth".to_owned()));
         assert!(acceptable(&name, "_depth").is_err());

@@ -2,7 +2,8 @@
 use crate::document::Document;
 use canon::ToolLibrary;
 use diag::Span;
-use gcode::{Block, Keyword, Label, Parser, Value};
+use gcode::{Block, Grammar, Keyword, Label, Parser, Value};
+use interp::{Dialect, Setup};
 use lsp_types::{DocumentSymbol, SymbolKind};
 
 /// One entry before its end is known.
@@ -14,22 +15,30 @@ struct Entry {
 }
 
 /// All entries, in the order of the text.
-pub(crate) fn symbols(document: &Document, tools: &ToolLibrary) -> Vec<DocumentSymbol> {
-    let (mut parser, mut block) = (Parser::new(&document.text, 0), Block::new());
+pub(crate) fn symbols(document: &Document, setup: &Setup) -> Vec<DocumentSymbol> {
+    let grammar = setup.dialect.grammar();
+    let (mut parser, mut block) = (Parser::with_grammar(&document.text, 0, grammar), Block::new());
+    let tools = &setup.tools;
+    let turret = matches!(setup.dialect, Dialect::FanucLatheA | Dialect::FanucLatheB);
     let mut found = Vec::new();
     let (mut sub, mut tool): (Option<Entry>, Option<Entry>) = (None, None);
     let mut selected = 0;
     let mut last = Span::default();
     while parser.next(&mut block) {
         let span = block.span;
-        if let Some(entry) = subprogram(&block) {
+        if let Some(entry) = subprogram(&block, grammar) {
             close(&mut found, document, tool.take(), last);
             close(&mut found, document, sub.replace(entry), last);
         }
         if let Some(number) = number_of(&block, b'T') {
             selected = number;
         }
-        if changes_tool(&block) {
+        // T0101 of a lathe: tool and offset, changed at once
+        let indexes = turret && selected >= 100 && block.word(b'T').is_some();
+        if indexes {
+            selected /= 100;
+        }
+        if changes_tool(&block) || indexes {
             close(&mut found, document, tool.replace(tool_entry(selected, tools, span)), last);
         }
         last = span;
@@ -59,9 +68,10 @@ fn close(found: &mut Vec<DocumentSymbol>, document: &Document, entry: Option<Ent
     });
 }
 
-fn subprogram(block: &Block) -> Option<Entry> {
+fn subprogram(block: &Block, grammar: Grammar) -> Option<Entry> {
     let o = block.o.filter(|o| matches!(o.keyword, Keyword::Sub | Keyword::Program))?;
     let name = match o.label {
+        Label::Number(number) if grammar == Grammar::Fanuc => format!("O{number}"),
         Label::Number(number) => format!("o{number}"),
         Label::Name(name) => format!("o<{}>", block.text(name)),
         Label::Computed(_) => return None,
@@ -92,4 +102,22 @@ fn tool_entry(number: u32, tools: &ToolLibrary, at: Span) -> Entry {
         None => "not in the tool table".to_owned(),
     };
     Entry { name: format!("T{number}"), detail: Some(detail), kind: SymbolKind::OBJECT, at }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lsp_types::PositionEncodingKind;
+
+    #[test]
+    fn a_tape_shows_its_programs_and_the_tools_of_its_turret() {
+        let text = "%\nO1234 (SHAFT)\nT0101\nG0 X10.\nIF [#1 GT 2] GOTO 9\nT0200\nN9 M30\nO2000\n#1=2\nM99\n%\n";
+        let document = Document::new(text.to_owned(), &PositionEncodingKind::UTF16);
+        let setup = Setup { dialect: Dialect::FanucLatheA, ..Setup::default() };
+        let shown = symbols(&document, &setup);
+        let names: Vec<_> =
+            shown.iter().map(|s| (s.name.as_str(), s.range.start.line, s.range.end.line)).collect();
+        let wanted = [("O1234", 1, 6), ("T1", 2, 4), ("T2", 5, 6), ("O2000", 7, 9)];
+        assert_eq!(names, wanted);
+    }
 }

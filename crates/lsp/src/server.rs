@@ -254,7 +254,7 @@ impl Server<'_> {
     fn symbols(&self, params: Value) -> Answer {
         let params: lsp::DocumentSymbolParams = parsed(params)?;
         let Some(open) = self.open.get(&params.text_document.uri) else { return Ok(Value::Null) };
-        Ok(json!(outline::symbols(&open.document, &open.analysis.setup.tools)))
+        Ok(json!(outline::symbols(&open.document, &open.analysis.setup)))
     }
 
     fn definition(&self, params: Value) -> Answer {
@@ -264,10 +264,12 @@ impl Server<'_> {
         let Some(open) = self.open.get(&uri) else { return Ok(Value::Null) };
         let byte = open.document.byte(place.position);
         let line = place.position.line as usize;
-        if let Some(name) = names::definition(&open.document, line, byte) {
+        if let Some(name) = names::definition(&open.document, line, byte, open.grammar()) {
             return Ok(json!({ "uri": uri, "range": open.range(&name.inner) }));
         }
-        let here = names::in_line(&open.document, line).into_iter().find(|name| name.holds(byte));
+        let here = names::in_line(&open.document, line, open.grammar())
+            .into_iter()
+            .find(|name| name.holds(byte));
         let file = here
             .filter(|name| matches!(name.kind, names::Kind::O(_)))
             .and_then(|name| self.host.subprogram(uri.as_str(), &name.text));
@@ -281,7 +283,7 @@ impl Server<'_> {
         let uri = place.text_document.uri;
         let Some(open) = self.open.get(&uri) else { return Ok(Value::Null) };
         let byte = open.document.byte(place.position);
-        let all = names::same(&open.document, place.position.line as usize, byte);
+        let all = names::same(&open.document, place.position.line as usize, byte, open.grammar());
         let location = |name: &names::Name| json!({ "uri": uri, "range": open.range(&name.inner) });
         Ok(all.iter().map(location).collect())
     }
@@ -290,7 +292,7 @@ impl Server<'_> {
         let place: lsp::TextDocumentPositionParams = parsed(params)?;
         let Some(open) = self.open.get(&place.text_document.uri) else { return Ok(Value::Null) };
         let byte = open.document.byte(place.position);
-        let here = names::in_line(&open.document, place.position.line as usize)
+        let here = names::in_line(&open.document, place.position.line as usize, open.grammar())
             .into_iter()
             .find(|name| name.holds(byte));
         Ok(here.map_or(
@@ -305,7 +307,7 @@ impl Server<'_> {
         let uri = place.text_document.uri;
         let Some(open) = self.open.get(&uri) else { return Ok(Value::Null) };
         let byte = open.document.byte(place.position);
-        let all = names::same(&open.document, place.position.line as usize, byte);
+        let all = names::same(&open.document, place.position.line as usize, byte, open.grammar());
         let Some(first) = all.first() else {
             return Err("there is no parameter or O-word here".to_owned());
         };
@@ -369,9 +371,13 @@ impl Open {
         }
     }
 
+    fn grammar(&self) -> gcode::Grammar {
+        self.analysis.setup.dialect.grammar()
+    }
+
     /// The lines that change, each as an edit: formatting keeps the number of lines.
     fn format(&self) -> Vec<lsp::TextEdit> {
-        let anew = gcode::format(&self.document.text);
+        let anew = gcode::format(&self.document.text, self.grammar());
         let lines = anew.split(|b| *b == b'\n').enumerate();
         let mut edits = Vec::new();
         for (i, line) in lines.take(self.document.lines()) {

@@ -1,5 +1,5 @@
 //! The arguments of the commands that read programs and move nothing: check, time, fmt, canon.
-use super::{Format, ProgramArgs};
+use super::{Dialect, Format, ProgramArgs};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -51,6 +51,9 @@ pub(crate) struct FormatArgs {
     /// Change nothing; say what would change
     #[arg(long)]
     pub(crate) check: bool,
+    /// Whose words the programs use
+    #[arg(long, value_enum, default_value = "linuxcnc")]
+    pub(crate) dialect: Dialect,
 }
 
 /// `leadscrew canon`.
