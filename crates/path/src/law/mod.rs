@@ -215,7 +215,9 @@ impl Law {
             None => count / 2,
         };
         if self.jerky {
-            self.plan_smoothly(count, commit, ends);
+            if !(ends && count == 1 && self.line_alone()) {
+                self.plan_smoothly(count, commit, ends);
+            }
         } else {
             self.hand_out(commit);
         }
@@ -288,6 +290,24 @@ impl Law {
                 self.smooth.keep(self.smooth.grid.len(), 0);
             }
         }
+    }
+
+    /// With a limit of jerk: hand out the first cell in closed form, if it is a line from rest; it is to end at rest.
+    fn line_alone(&mut self) -> bool {
+        let Some(Cell { h, cap, from, piece, demand: Demand::Line { accel, jerk }, .. }) =
+            self.cells.front().cloned()
+        else {
+            return false;
+        };
+        if self.width.is_some() || !(accel.is_finite() && jerk.is_finite()) {
+            return false;
+        }
+        phase::from_rest_to_rest(h, accel, jerk, cap, |phase| {
+            self.ready.push_back(Timed { piece, phase: Phase { s: phase.s + from, ..phase } });
+        });
+        self.cells.pop_front();
+        self.state = State::default();
+        true
     }
 
     /// No better plan was found: go on with the one before, which ends at rest within what was known then.

@@ -70,6 +70,40 @@ pub(crate) fn over_line(
     ramp(&mut at, &mut b, b1, down);
 }
 
+/// Phases over a line from rest to rest, with limits of acceleration and jerk that are finite, and of ṡ².
+///
+/// With the highest speed v: a ramp takes v/a + a/j, or 2·√(v/j) where a is never reached, over half of v times that.
+pub(crate) fn from_rest_to_rest(
+    h: f64,
+    accel: f64,
+    jerk: f64,
+    cap: f64,
+    mut give: impl FnMut(Phase),
+) {
+    let half = accel * accel / (2.0 * jerk);
+    let level = accel * h / (libm::sqrt(half * half + accel * h) + half);
+    let third = libm::cbrt(h * libm::sqrt(jerk) / 2.0);
+    let peak = if level >= 2.0 * half { level } else { third * third };
+    let v = peak.min(libm::sqrt(cap));
+    let (rise, hold) = if v > 2.0 * half {
+        (accel / jerk, v / accel - accel / jerk)
+    } else {
+        (libm::sqrt(v / jerk), 0.0)
+    };
+    let cruise = h / v - (2.0 * rise + hold);
+    let top = jerk * rise;
+    let up = [(rise, 0.0, jerk), (hold, top, 0.0), (rise, top, -jerk)];
+    let down = [(rise, 0.0, -jerk), (hold, -top, 0.0), (rise, -top, jerk)];
+    let (mut s, mut v) = (0.0, 0.0);
+    for (duration, a, j) in up.into_iter().chain([(cruise, 0.0, 0.0)]).chain(down) {
+        if duration > SHORTEST {
+            let phase = Phase { duration, s, v, a, j };
+            (s, v, _) = phase.at(duration);
+            give(phase);
+        }
+    }
+}
+
 /// The one phase of constant s̈ over a cell of a curve.
 pub(crate) fn over_cell(h: f64, b0: f64, b1: f64) -> Option<Phase> {
     let (v0, v1) = (libm::sqrt(b0), libm::sqrt(b1));
