@@ -5,16 +5,13 @@
 //! ```
 use crate::args::{CamArgs, CamFormName, CamOutput};
 use crate::refused::Refused;
-use crate::{cams, say, wiring};
-use forms::cam::{AxisBounds, Cam, ClosedForm, Follower, WheelPath, WorkSpeed};
+use crate::{cams, say};
+use forms::cam::{AxisBounds, Cam, ClosedForm, Follower, Rhythm, WheelPath};
 use report::CamPage;
 use serde_json::json;
-use std::f64::consts::TAU;
 use std::fmt::Write;
-use units::{Angle, Length, Spin, SpinAccel};
+use units::{Angle, Length, Spin};
 
-/// Share of the work spindle's torque that a varying speed may use.
-const TORQUE_SHARE: f64 = 0.5;
 /// Steps of the curves that are drawn.
 const DRAWN: usize = 720;
 
@@ -25,21 +22,33 @@ struct Result {
     path: WheelPath,
     spin: Spin,
     bounds: AxisBounds,
-    even: WorkSpeed,
+    even: Rhythm,
 }
 
 /// Do it.
 pub(crate) fn command(args: &CamArgs) -> std::result::Result<(), Refused> {
     let (name, cam) = cam(args)?;
-    let wheel = Length::mm(args.wheel_radius - args.wheel_wear);
+    let machine = crate::machine::load(&args.machine)?;
+    let mounted = machine.grinding.map(|grinding| grinding.wheel);
+    let radius = args.wheel_radius.map_or_else(
+        || mounted.map_or(Length::mm(200.0), |wheel| wheel.diameter / 2.0),
+        Length::mm,
+    );
+    let worn = args.wheel_wear.map_or_else(
+        || mounted.filter(|_| args.wheel_radius.is_none()).map_or(Length::ZERO, |wheel| wheel.worn),
+        Length::mm,
+    );
+    let wheel = radius - worn;
     let path =
         cam.wheel_path(wheel, args.nodes).map_err(|e| Refused::because(format!("{name}: {e}")))?;
-    let bounds = bounds(args)?;
+    let Some((bounds, swing_hz)) = cams::bounds(&machine) else {
+        return Err(Refused::because(format!("{} has no X axis or no work spindle", machine.name)));
+    };
     if !(args.speed > 0.0 && args.speed.is_finite()) {
         return Err(Refused::because(format!("--speed {}: expected a speed above 0", args.speed)));
     }
     let spin = Spin::rpm(args.speed);
-    let even = path.even_removal(spin, &bounds);
+    let even = path.rhythm(spin, &bounds, swing_hz);
     let result = Result { name, cam, path, spin, bounds, even };
     if let Some(out) = &args.out {
         store::output::write_file(out, report::cam_html(&result.page()).as_bytes())?;
@@ -49,22 +58,6 @@ pub(crate) fn command(args: &CamArgs) -> std::result::Result<(), Refused> {
         CamOutput::Table => result.table(),
         CamOutput::Gcode => result.gcode(args.number),
         CamOutput::Json => format!("{}\n", result.json()),
-    })
-}
-
-fn bounds(args: &CamArgs) -> std::result::Result<AxisBounds, Refused> {
-    let machine = crate::machine::load(&args.machine)?;
-    let limits = wiring::planner(&machine);
-    let (Some(x), Some(work)) = (limits.axes[0], limits.spindles.first()) else {
-        return Err(Refused::because(format!("{} has no X axis or no work spindle", machine.name)));
-    };
-    let torque = work.peak_torque.value() * TORQUE_SHARE;
-    Ok(AxisBounds {
-        speed: x.rapid_speed,
-        accel: x.accel,
-        jerk: x.feed_jerk,
-        spin: work.reachable(units::Torque::ZERO),
-        spin_accel: SpinAccel::rev_per_s2(torque / work.inertia.value() / TAU),
     })
 }
 
@@ -109,6 +102,7 @@ impl Result {
     fn figures(&self) -> Vec<(String, String)> {
         let motion = self.path.motion(self.spin);
         let (fastest, bound) = self.path.highest_speed(&self.bounds);
+        let rpm = self.work_speed();
         let hollow = match self.cam.tightest_hollow() {
             None => "none: any wheel fits".to_owned(),
             Some((at, radius)) => {
@@ -163,8 +157,8 @@ impl Result {
                     "{:.2} at a constant speed, {:.2} with the speed varied from {:.1} to {:.1} rpm",
                     self.even.peak_constant,
                     self.even.peak,
-                    60.0 * self.even.spin.iter().copied().fold(f64::INFINITY, f64::min),
-                    60.0 * self.even.spin.iter().copied().fold(0.0, f64::max)
+                    rpm.iter().copied().fold(f64::INFINITY, f64::min),
+                    rpm.iter().copied().fold(0.0, f64::max)
                 ),
             ),
         ]
@@ -182,12 +176,17 @@ impl Result {
         said
     }
 
+    /// Work speed at equal steps of C for an even removal rate, rev/min.
+    fn work_speed(&self) -> Vec<f64> {
+        self.even.speed(self.spin).iter().map(|spin| spin * 60.0).collect()
+    }
+
     /// Angle of C, the wheel's centre, and the work speed for an even removal rate.
     fn table(&self) -> String {
         let n = self.path.centre.len();
         let mut said = String::from("c_deg,x_mm,work_speed_rpm\n");
-        for (k, (x, spin)) in self.path.centre.iter().zip(&self.even.spin).enumerate() {
-            let _ = writeln!(said, "{:.4},{x:.6},{:.3}", 360.0 * k as f64 / n as f64, spin * 60.0);
+        for (k, (x, rpm)) in self.path.centre.iter().zip(&self.work_speed()).enumerate() {
+            let _ = writeln!(said, "{:.4},{x:.6},{rpm:.3}", 360.0 * k as f64 / n as f64);
         }
         said
     }
@@ -223,7 +222,7 @@ impl Result {
             "removal_peak_constant": self.even.peak_constant,
             "removal_peak_varied": self.even.peak,
             "centre_mm": self.path.centre,
-            "work_speed_rpm": self.even.spin.iter().map(|s| s * 60.0).collect::<Vec<_>>(),
+            "work_speed_rpm": self.work_speed(),
         })
     }
 
@@ -234,7 +233,7 @@ impl Result {
         let along =
             |f: &dyn Fn(usize) -> f64| (0..DRAWN).map(|k| (degrees(k), f(k))).collect::<Vec<_>>();
         let at = |k: usize| self.path.at(Angle::rev(k as f64 / DRAWN as f64));
-        let steps = self.even.spin.len();
+        let rpm = self.work_speed();
         CamPage {
             title: format!("Cam {}", self.name),
             figures: self.figures(),
@@ -247,12 +246,10 @@ impl Result {
             speed: along(&|k| at(k).slope * n),
             accel: along(&|k| at(k).bend * n * n * 1e-3),
             curvature: along(&|k| 1.0 / contour[k].radius.value()),
-            work_speed: self
-                .even
-                .spin
+            work_speed: rpm
                 .iter()
                 .enumerate()
-                .map(|(k, s)| (360.0 * k as f64 / steps as f64, s * 60.0))
+                .map(|(k, spin)| (360.0 * k as f64 / rpm.len() as f64, *spin))
                 .collect(),
         }
     }

@@ -8,14 +8,16 @@
 //! The kernel waits at the end of a turn with everything coupled and turning, so nothing here hurries.
 use crate::args::Compensation;
 use crate::cams::CamSetup;
+use crate::clock::now;
 use bus::Sample;
 use canon::{Axis, CamOrder, Op, OpKind};
 use kernel::Kernel;
 use plan::{Planner, Superpose, Superposed, TURN_ENDED, TableId, turned};
 use std::collections::VecDeque;
-use store::phases::{Measured, form_mark};
+use std::time::Duration;
+use store::phases::{Measured, Phases, form_mark};
 use sync::{Pair, PhaseError, Repetition, Response, Spectrum, fold, phase_error};
-use units::{Angle, Spin};
+use units::{Angle, Length, Spin};
 
 /// Share of the lift at which the flanks are read.
 const FLANK_LEVEL: f64 = 0.5;
@@ -32,6 +34,8 @@ const FIRST_TABLE: u16 = 0xC000;
 #[derive(Debug, Default)]
 struct Now {
     profile: Option<(u32, Angle)>,
+    /// By how much the work is ahead of its even turn, where its speed varies.
+    lead: Option<sync::Periodic>,
     compensated: bool,
     sampling: bool,
     turning: Option<Spin>,
@@ -57,6 +61,10 @@ pub(crate) struct CamHost {
     /// What was found, for people.
     pub(crate) said: Vec<String>,
     changed: bool,
+    /// How far the wheel's edge stood back from its axis in the last period: in the end, what it has lost.
+    back: Length,
+    /// What looking at turns has cost here, and how many there were.
+    cost: (Duration, u32),
 }
 
 impl CamHost {
@@ -69,6 +77,8 @@ impl CamHost {
             next_table: FIRST_TABLE,
             said: Vec::new(),
             changed: false,
+            back: Length::ZERO,
+            cost: (Duration::ZERO, 0),
         }
     }
 
@@ -95,11 +105,14 @@ impl CamHost {
             self.orders.pop_front();
             self.begin(order);
         }
+        self.back = sample.truth.as_ref().map_or(Length::ZERO, |truth| truth.tool_deflection);
         if self.now.sampling && self.now.turning.is_some() {
+            let phase = self.now.profile.map_or(Angle::ZERO, |p| p.1);
+            let (half_angle, half_way) = self.setup.half_counts;
+            let angle = sample.feedback.spindles[0].angle + half_angle - phase;
             self.now.samples.push(Pair {
-                angle: sample.feedback.spindles[0].angle
-                    - self.now.profile.map_or(Angle::ZERO, |p| p.1),
-                position: sample.feedback.axes[0].position,
+                angle: self.now.lead.as_ref().map_or(angle, |lead| even_turn(lead, angle)),
+                position: sample.feedback.axes[0].position + half_way,
             });
         }
     }
@@ -121,6 +134,9 @@ impl CamHost {
                 (now.turning, now.last_spin) = (Some(spin), Some(spin));
                 now.samples.clear();
                 now.learning = None;
+                let course = now.profile.and_then(|(number, _)| self.setup.course(number, spin));
+                let lead = course.and_then(|course| course.lead.as_deref());
+                now.lead = lead.and_then(|lead| sync::Periodic::new(lead).ok());
             }
             CamOrder::Grind { .. } | CamOrder::StorePhase => {}
         }
@@ -148,7 +164,11 @@ impl CamHost {
                 kernel.answer();
             }
             Some(CamOrder::SparkOut { spin, .. }) => {
-                if !self.turn_ended(spin, kernel) {
+                let began = now();
+                let settles = self.turn_ended(spin, kernel);
+                self.cost.0 += now() - began;
+                self.cost.1 += 1;
+                if !settles {
                     kernel.answer();
                 }
             }
@@ -160,7 +180,8 @@ impl CamHost {
     fn turn_ended(&mut self, spin: Spin, kernel: &mut Kernel) -> bool {
         let Some((number, phase)) = self.now.profile else { return false };
         let Some(profile) = self.setup.library.get(number).cloned() else { return false };
-        let Some(measured) = self.last_turn(&profile.nodes) else { return false };
+        let Some(ideal) = self.ideal(number, spin) else { return false };
+        let Some(measured) = self.last_turn(&ideal) else { return false };
         let taught = self.setup.method == Compensation::Learn && self.now.compensated;
         if !taught {
             self.now.turns.push(measured);
@@ -168,10 +189,10 @@ impl CamHost {
         }
         let learning = match self.now.learning.take() {
             Some(learning) => learning,
-            None => self.setup.begin(&profile, spin),
+            None => self.setup.begin(&profile, spin, &ideal),
         };
         let learning = self.now.learning.insert(learning);
-        let error = largest(&profile.nodes, &measured);
+        let error = largest(&ideal, &measured);
         self.said.push(format!(
             "learning P{number} at {:.0} rpm, turn {}: largest error by the encoders {:.2} µm",
             spin.in_rpm(),
@@ -181,7 +202,8 @@ impl CamHost {
         self.now.turns = vec![measured.clone()];
         learning.learn(&measured);
         let top = profile.top().value();
-        let less_top: Vec<f64> = learning.table().iter().map(|x| x - top).collect();
+        let sent = self.setup.pulsed(learning.table());
+        let less_top: Vec<f64> = sent.iter().map(|x| x - top).collect();
         let Ok(table) = kernel::Periodic::new(&turned(&less_top, phase.value())) else {
             return false;
         };
@@ -198,6 +220,11 @@ impl CamHost {
         let here = self.now.samples.last().map_or(Angle::ZERO, |p| p.angle);
         self.now.settled_at = Some(here + EXCHANGE + SETTLE);
         true
+    }
+
+    /// Where the wheel belongs over the even turn of the work.
+    fn ideal(&self, number: u32, spin: Spin) -> Option<Vec<f64>> {
+        self.setup.course(number, spin).map(|course| course.nodes.clone())
     }
 
     /// The measured profile of the last turn, with the mean of the ideal one: where X is zero is not its matter.
@@ -229,7 +256,8 @@ impl CamHost {
             Some(spin) if count > 0 => spin,
             _ => return self.said.push(format!("P{number}: no whole turn was sampled")),
         };
-        let mean: Vec<f64> = (0..profile.nodes.len())
+        let Some(ideal) = self.ideal(number, spin) else { return };
+        let mean: Vec<f64> = (0..ideal.len())
             .map(|i| self.now.turns.iter().map(|turn| turn[i]).sum::<f64>() / count as f64)
             .collect();
         let form = form_mark(&profile.nodes);
@@ -249,9 +277,10 @@ impl CamHost {
             kept.learnt_nm = learning
                 .table()
                 .iter()
-                .zip(&profile.nodes)
+                .zip(&ideal)
                 .map(|(sent, d)| ((sent - d) * 1e9).round() * 1e-3)
                 .collect();
+            kept.learnt_form = form_mark(&ideal);
             kept.response = points(&learning.response());
             self.said.push(format!(
                 "P{number} at {:.0} rpm learnt in {} turns: rms {:.3} µm by the encoders, {} harmonics left alone",
@@ -261,17 +290,17 @@ impl CamHost {
                 learning.left_alone()
             ));
         } else if self.now.compensated {
-            let left = largest(&profile.nodes, &mean);
+            let left = largest(&ideal, &mean);
             return self.said.push(format!(
                 "P{number} at {:.0} rpm: largest error with compensation {:.2} µm",
                 spin.in_rpm(),
                 left * 1e3
             ));
         } else {
-            match phase_error(&profile.nodes, &mean, FLANK_LEVEL) {
+            match phase_error(&ideal, &mean, FLANK_LEVEL) {
                 Ok(found) => {
                     self.said.push(sentence(number, spin, &found));
-                    fill(&mut kept, &found, &profile.nodes, &mean, spin);
+                    fill(&mut kept, &found, &ideal, &mean, spin);
                 }
                 Err(error) => return self.said.push(format!("P{number}: {error}")),
             }
@@ -281,10 +310,42 @@ impl CamHost {
         *planner.cams() = self.setup.for_planner();
     }
 
+    /// The program is over.
+    pub(crate) fn end(&mut self) {
+        if self.setup.grinding().is_some() && self.back > Length::ZERO {
+            let lost = self.back.in_um();
+            self.said.push(format!("the wheel has lost {lost:.2} µm of its radius"));
+        }
+    }
+
+    /// What was measured, before this run and in it.
+    pub(crate) const fn phases(&self) -> &Phases {
+        &self.setup.phases
+    }
+
+    /// Mean cost of looking at one turn here.
+    pub(crate) fn cost(&self) -> Option<Duration> {
+        self.cost.0.checked_div(self.cost.1)
+    }
+
     /// Keep what was found on disk.
     pub(crate) fn save(&self) -> Result<(), crate::refused::Refused> {
         if self.changed { self.setup.save() } else { Ok(()) }
     }
+}
+
+/// φ of φ + lead(φ) = ψ, by Newton's steps from ψ; the work never turns back, so it is the only one.
+fn even_turn(lead: &sync::Periodic, psi: Angle) -> Angle {
+    let mut phi = psi.value();
+    for _ in 0..8 {
+        let at = lead.at(phi);
+        let off = phi + at.value - psi.value();
+        phi -= off / (1.0 + at.slope);
+        if off.abs() < 1e-12 {
+            break;
+        }
+    }
+    Angle::rev(phi)
 }
 
 fn fill(kept: &mut Measured, found: &PhaseError, ideal: &[f64], measured: &[f64], spin: Spin) {

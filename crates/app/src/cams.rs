@@ -1,36 +1,36 @@
 //! Cams of a session: the library that is read, the table of phase errors, and what is sent of each profile.
 //!
 //! ```text
-//!   cams.toml, lift.csv ─► forms::cam ─► profile D(θ) ──────────────┬─► planner (sent as it is)
-//!   phase table ─► sync: address, shift, harmonics, learnt ─► D′(θ) ┘   or compensated, after G50
+//!   cams.toml, lift.csv ─► forms::cam ─► profile D(θ) ─► course: D(φ + lead(φ)) where the work speed varies
+//!                                                          │
+//!   phase table ─► sync: address, shift, harmonics, learnt ┴─► planner (after G50), in steps of the table's pulse
 //! ```
-use crate::args::{Compensation, ProgramArgs};
+mod library;
+
+use crate::args::{Compensation, Estimator, ProgramArgs, WorkSpeedChoice};
 use crate::refused::Refused;
+use crate::wiring;
 use canon::{Axis, CamLibrary, CamOrder, CamProfile, OpKind};
-use forms::cam::{Cam, CamError, ClosedForm, Follower};
-use plan::{CamCommand, Cams};
+use forms::cam::AxisBounds;
+use library::Made;
+pub(crate) use library::{of_kind, table};
+use plan::{CamCommand, Cams, Course};
+use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
-use store::cams::{CamEntry, CamFile, CamForm, FollowerKind};
-use store::machine::MachineFile;
+use store::cams::WorkSpeed;
+use store::machine::{Grinding, MachineFile};
 use store::phases::{Measured, Phases, form_mark};
-use sync::{Repetition, RepetitionOptions, Response, ShiftOverSpeed, Spectrum};
-use units::{Angle, Length, Speed, Spin, Stiffness};
+use sync::{DriveLoops, Repetition, RepetitionOptions, Response, ShiftOverSpeed, Spectrum};
+use units::{Angle, Length, Spin, SpinAccel};
 
 /// Library looked for beside a program.
 const BESIDE: &str = "cams.toml";
-/// A vitrified wheel of 400 mm at 80 m/s on hardened steel: typical figures; the library gives the radius.
-const WHEEL: sim::Wheel = sim::Wheel {
-    radius: Length::mm(200.0),
-    width: Length::mm(10.0),
-    rim: Speed::mm_per_s(80_000.0),
-    energy_j_per_mm3: 30.0,
-    force_ratio: 0.4,
-    grinding_ratio: 60.0,
-};
-/// Wheel, work and centres together: typical.
-const STIFFNESS: Stiffness = Stiffness::n_per_mm(30_000.0);
 /// Share of the velocity loop's bandwidth up to which the axis is taught.
 const TAUGHT_SHARE: f64 = 0.9;
+/// Share of the work spindle's torque that a varying speed may use.
+const TORQUE_SHARE: f64 = 0.5;
+/// Share of the work spindle's velocity bandwidth up to which its speed varies.
+const SWING_SHARE: f64 = 0.25;
 
 /// A blank that a program grinds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,61 +52,94 @@ pub(crate) struct CamSetup {
     path: Option<PathBuf>,
     /// How what is sent is compensated.
     pub(crate) method: Compensation,
+    estimator: Estimator,
     /// Profiles and speeds that the program grinds compensated.
     wanted: Vec<(u32, Spin)>,
-    wheel_radius: Length,
+    courses: Vec<Course>,
+    made: Vec<Made>,
+    work_speed: Option<WorkSpeedChoice>,
+    grinding: Option<Grinding>,
     clamped: Vec<Clamped>,
     taught: RepetitionOptions,
+    /// What X makes of a sine by its loops: where nothing was measured.
+    assumed: Response,
+    bounds: Option<(AxisBounds, f64)>,
+    /// Half a count of C's encoder and of X's: a reading says in which count a place is, its middle is the best guess.
+    pub(crate) half_counts: (Angle, Length),
 }
 
 impl CamSetup {
-    /// As the arguments say, for a program at this path.
+    /// As the arguments say, for a program at this path. A library that only lies beside the program counts where the
+    /// machine grinds cams.
     pub(crate) fn load(
         args: &ProgramArgs,
         program: &Path,
         machine: &MachineFile,
     ) -> Result<Self, Refused> {
-        let beside =
-            program.parent().map(|folder| folder.join(BESIDE)).filter(|path| path.is_file());
-        let (library, wheel_radius) = match args.cams.clone().or(beside) {
-            None => (CamLibrary::default(), Length::ZERO),
-            Some(path) => library(&path)?,
+        let beside = || {
+            let folder = program.parent().filter(|_| machine.grinding.is_some())?;
+            Some(folder.join(BESIDE)).filter(|path| path.is_file())
         };
-        let loops = (&machine.control.period, &machine.axes, &machine.spindles);
-        let mark = store::learning::mark(&format!("{loops:?}"));
-        let phases = match &args.phase_table {
-            None => None,
-            Some(path) => Phases::load(path, &machine.name, mark)?,
+        let made = match args.cams.clone().or_else(beside) {
+            None => Vec::new(),
+            Some(path) => library::read(&path, machine)?,
         };
         let bandwidth = machine.axes[0].as_ref().map_or(50.0, |x| x.loops.velocity_bandwidth_hz);
         Ok(Self {
-            library,
-            phases: phases.unwrap_or_else(|| Phases::new(&machine.name, mark)),
+            library: CamLibrary::new(made.iter().map(|made| made.profile.clone())),
+            phases: Phases::new(&machine.name, mark(machine)),
             path: args.phase_table.clone(),
             method: args.compensation,
+            estimator: args.estimator,
             wanted: Vec::new(),
-            wheel_radius,
+            courses: Vec::new(),
+            made,
+            work_speed: args.work_speed,
+            grinding: machine.grinding,
             clamped: Vec::new(),
             taught: RepetitionOptions {
                 highest_hz: TAUGHT_SHARE * bandwidth,
                 floor: Length::um(0.02),
             },
+            assumed: Response::default(),
+            bounds: bounds(machine),
+            half_counts: (
+                machine
+                    .spindles
+                    .first()
+                    .map_or(Angle::ZERO, |c| Angle::rev(0.5 / f64::from(c.encoder_counts_per_rev))),
+                machine.axes[0]
+                    .as_ref()
+                    .map_or(Length::ZERO, |x| x.position_from.resolution() / 2.0),
+            ),
         })
     }
 
-    /// Find out what the program grinds compensated.
+    /// Read what was measured on this machine before, and what its loops say.
+    pub(crate) fn recall(&mut self, machine: &MachineFile) -> Result<(), Refused> {
+        let mark = mark(machine);
+        let known = match &self.path {
+            None => None,
+            Some(path) => Phases::load(path, &machine.name, mark)?,
+        };
+        if let Some(x) = &machine.axes[0] {
+            let loops = DriveLoops {
+                position_gain: x.loops.position_gain_per_s,
+                bandwidth_hz: x.loops.velocity_bandwidth_hz,
+                speed_share: x.loops.velocity_feed_forward_share,
+                accel_share: x.loops.acceleration_feed_forward_share,
+            };
+            self.assumed = Response::of_loops(&loops, self.taught.highest_hz * 1.01);
+        }
+        self.phases = known.unwrap_or_else(|| Phases::new(&machine.name, mark));
+        Ok(())
+    }
+
+    /// Find out what the program grinds, at which speeds, and what of it compensated.
     pub(crate) fn look_ahead(&mut self, ops: impl Iterator<Item = canon::Op>) {
         let (mut profile, mut compensated) = (0, false);
         let (mut on_shaft, mut z) = ((Angle::ZERO, Length::ZERO), Length::ZERO);
         for op in ops {
-            if let OpKind::Cam(CamOrder::Grind { stock, .. }) = op.kind {
-                let (phase, centre) = on_shaft;
-                let new = Clamped { profile, phase, centre, stock, z };
-                match self.clamped.iter_mut().find(|c| Clamped { stock, ..**c } == new) {
-                    Some(known) => known.stock = known.stock.max(stock),
-                    None => self.clamped.push(new),
-                }
-            }
             match op.kind {
                 OpKind::Rapid { to } | OpKind::Line { to, .. } => z = to.linear[2],
                 OpKind::Cam(CamOrder::Select { profile: number, phase, centre }) => {
@@ -114,23 +147,65 @@ impl CamSetup {
                     on_shaft = (phase, centre);
                 }
                 OpKind::Cam(CamOrder::Compensate) => compensated = true,
-                OpKind::Cam(CamOrder::Grind { spin, .. } | CamOrder::SparkOut { spin, .. })
-                    if compensated && !self.wanted.contains(&(profile, spin)) =>
-                {
-                    self.wanted.push((profile, spin));
+                OpKind::Cam(CamOrder::Grind { stock, spin, .. }) => {
+                    let (phase, centre) = on_shaft;
+                    self.clamp(Clamped { profile, phase, centre, stock, z });
+                    self.turned(profile, spin, compensated);
+                }
+                OpKind::Cam(CamOrder::SparkOut { spin, .. }) => {
+                    self.turned(profile, spin, compensated);
                 }
                 _ => {}
             }
         }
     }
 
+    /// The program grinds cams.
+    pub(crate) fn is_wanted(&self) -> bool {
+        !self.courses.is_empty() || !self.clamped.is_empty()
+    }
+
+    fn clamp(&mut self, new: Clamped) {
+        match self.clamped.iter_mut().find(|c| Clamped { stock: new.stock, ..**c } == new) {
+            Some(known) => known.stock = known.stock.max(new.stock),
+            None => self.clamped.push(new),
+        }
+    }
+
+    /// A profile is followed at a speed.
+    fn turned(&mut self, profile: u32, spin: Spin, compensated: bool) {
+        if compensated && !self.wanted.contains(&(profile, spin)) {
+            self.wanted.push((profile, spin));
+        }
+        let known = self.courses.iter().any(|c| (c.profile, c.spin) == (profile, spin));
+        let Some(made) = self.made.iter().find(|m| m.profile.number == profile && !known) else {
+            return;
+        };
+        let even = match self.work_speed {
+            None => made.work_speed == WorkSpeed::Even,
+            Some(choice) => choice == WorkSpeedChoice::Even,
+        };
+        let swing = self.bounds.filter(|_| even).map(|(b, hz)| made.path.rhythm(spin, &b, hz));
+        let (nodes, lead) = match swing {
+            None => (made.profile.nodes.clone(), None),
+            Some(rhythm) => (rhythm.centre, Some(rhythm.lead)),
+        };
+        self.courses.push(Course { profile, spin, lead, nodes });
+    }
+
+    /// Where the wheel belongs over the even turn at a speed, and by how much the work is ahead of it.
+    pub(crate) fn course(&self, profile: u32, spin: Spin) -> Option<&Course> {
+        self.courses.iter().find(|c| (c.profile, c.spin) == (profile, spin))
+    }
+
     /// What is clamped on the work spindle, for the simulator; `None`: no cam is ground.
     pub(crate) fn grinding(&self) -> Option<sim::Grinding> {
+        let Grinding { wheel, stiffness, .. } = self.grinding?;
         let centre = self.clamped.first()?.centre;
         let blank = |c: &Clamped| {
             let nodes = plan::turned(&self.library.get(c.profile)?.nodes, c.phase.value());
             let touches = nodes.iter().map(|d| c.centre + Length::mm(*d) + c.stock).collect();
-            let half = Length::mm(WHEEL.width.value() / 2.0);
+            let half = wheel.width / 2.0;
             Some(sim::Blank { along: (c.z - half, c.z + half), touches })
         };
         Some(sim::Grinding {
@@ -138,8 +213,15 @@ impl CamSetup {
             infeed: Axis::X.index(),
             along: Axis::Z.index(),
             centre,
-            wheel: sim::Wheel { radius: self.wheel_radius, ..WHEEL },
-            stiffness: STIFFNESS,
+            wheel: sim::Wheel {
+                radius: wheel.radius(),
+                width: wheel.width,
+                rim: wheel.rim,
+                energy_j_per_mm3: wheel.energy_j_per_mm3,
+                force_ratio: wheel.force_ratio,
+                grinding_ratio: wheel.grinding_ratio,
+            },
+            stiffness,
             blanks: self.clamped.iter().filter_map(blank).collect(),
         })
     }
@@ -148,16 +230,47 @@ impl CamSetup {
     pub(crate) fn for_planner(&self) -> Cams {
         let commands = self.wanted.iter().filter_map(|(profile, spin)| {
             let nodes = self.sent(self.library.get(*profile)?, *spin)?;
-            Some(CamCommand { profile: *profile, spin: *spin, nodes })
+            Some(CamCommand { profile: *profile, spin: *spin, nodes: self.pulsed(nodes) })
         });
-        Cams { commands: commands.collect(), library: self.library.clone() }
+        let course = |c: &Course| Course { nodes: self.pulsed(c.nodes.clone()), ..c.clone() };
+        Cams {
+            commands: commands.collect(),
+            courses: self.courses.iter().map(course).collect(),
+            library: self.library.clone(),
+        }
+    }
+
+    /// A table in the steps in which it can be sent. What rounding takes from a node is given to the next one, so that the
+    /// rounding's error lies where the axis does not follow: a node is half a degree, friction's mark on a cam is ten.
+    pub(crate) fn pulsed(&self, mut nodes: Vec<f64>) -> Vec<f64> {
+        let pulse = self.grinding.map_or(0.0, |g| g.table_pulse.value());
+        if pulse > 0.0 {
+            let mut owed = 0.0;
+            // twice around: the seam is a node like any other
+            for round in 0..2 {
+                let mut kept = owed;
+                let sent: Vec<f64> = nodes
+                    .iter()
+                    .map(|x| {
+                        let sent = ((x + kept) / pulse).round() * pulse;
+                        kept += x - sent;
+                        sent
+                    })
+                    .collect();
+                owed = kept;
+                if round == 1 {
+                    nodes = sent;
+                }
+            }
+        }
+        nodes
     }
 
     /// What is sent of a profile at a speed with compensation on; `None`: it is not known.
     fn sent(&self, profile: &CamProfile, spin: Spin) -> Option<Vec<f64>> {
-        let (ideal, form) = (&profile.nodes, form_mark(&profile.nodes));
-        let measured: Vec<&Measured> = self.phases.of(profile.number, &form).collect();
-        let points = measured.iter().map(|m| (Spin::rpm(m.rpm), Angle::deg(m.phase_error_deg)));
+        let ideal = &self.course(profile.number, spin)?.nodes;
+        let measured = self.measured(profile);
+        let points = measured.iter().map(|m| (Spin::rpm(m.rpm), self.shift(m)));
         let shift = ShiftOverSpeed::new(points).at(spin);
         match self.method {
             Compensation::Off => Some(ideal.clone()),
@@ -167,28 +280,36 @@ impl CamSetup {
             Compensation::Shift => shift.ok().map(|d| sync::advanced(ideal, d)),
             Compensation::Wrong => shift.ok().map(|d| sync::advanced(ideal, -d)),
             Compensation::Harmonics => by_harmonics(ideal, &measured, spin),
-            Compensation::Learn => {
-                let same = measured.iter().find(|m| (m.rpm - spin.in_rpm()).abs() < 1e-6 * m.rpm);
-                let learnt = same.filter(|m| m.learnt_nm.len() == ideal.len());
-                let add = |m: &&Measured| {
-                    ideal.iter().zip(&m.learnt_nm).map(|(d, nm)| d + nm * 1e-6).collect()
-                };
-                learnt.map(add).or_else(|| Some(self.begin(profile, spin).table()))
-            }
+            Compensation::Learn => Some(
+                learnt(&measured, ideal, spin)
+                    .unwrap_or_else(|| self.begin(profile, spin, ideal).table()),
+            ),
         }
     }
 
+    fn measured(&self, profile: &CamProfile) -> Vec<&Measured> {
+        let (number, form) = (profile.number, form_mark(&profile.nodes));
+        let known = self.phases.measured.iter();
+        known.filter(|m| m.profile == number && m.form == form).collect()
+    }
+
+    /// The phase error by the estimator that is asked.
+    fn shift(&self, measured: &Measured) -> Angle {
+        Angle::deg(match self.estimator {
+            Estimator::LeastSquares => measured.phase_error_deg,
+            Estimator::Flanks => measured.by_flanks_deg,
+            Estimator::Maximum => measured.by_maximum_deg,
+        })
+    }
+
     /// Learning, with what is known.
-    pub(crate) fn begin(&self, profile: &CamProfile, spin: Spin) -> Repetition {
-        let (ideal, form) = (&profile.nodes, form_mark(&profile.nodes));
-        let measured: Vec<&Measured> = self.phases.of(profile.number, &form).collect();
-        let same = measured.iter().find(|m| (m.rpm - spin.in_rpm()).abs() < 1e-6 * m.rpm);
-        if let Some(learnt) = same.filter(|m| m.learnt_nm.len() == ideal.len()) {
-            let sent: Vec<f64> =
-                ideal.iter().zip(&learnt.learnt_nm).map(|(d, nm)| d + nm * 1e-6).collect();
-            return Repetition::resumed(ideal, spin, self.taught, &sent);
-        }
-        Repetition::new(ideal, spin, self.taught, fastest(&measured, spin).as_ref())
+    pub(crate) fn begin(&self, profile: &CamProfile, spin: Spin, ideal: &[f64]) -> Repetition {
+        let measured = self.measured(profile);
+        let new = match learnt(&measured, ideal, spin) {
+            Some(sent) => Repetition::resumed(ideal, spin, self.taught, &sent),
+            None => Repetition::new(ideal, spin, self.taught, fastest(&measured, spin).as_ref()),
+        };
+        new.assuming(self.assumed.clone())
     }
 
     /// Keep it on disk, if there is a place for it.
@@ -198,6 +319,36 @@ impl CamSetup {
             _ => Ok(()),
         }
     }
+}
+
+/// What the machine's drives and loops are: what was measured on others does not count.
+fn mark(machine: &MachineFile) -> u32 {
+    let loops = (&machine.control.period, &machine.axes, &machine.spindles);
+    store::learning::mark(&format!("{loops:?}"))
+}
+
+/// What X and C may do, and up to which frequency C's speed may vary.
+pub(crate) fn bounds(machine: &MachineFile) -> Option<(AxisBounds, f64)> {
+    let limits = wiring::planner(machine);
+    let (x, work) = (limits.axes[0]?, limits.spindles.first()?);
+    let torque = work.peak_torque.value() * TORQUE_SHARE;
+    let bounds = AxisBounds {
+        speed: x.rapid_speed,
+        accel: x.accel,
+        jerk: x.feed_jerk,
+        spin: work.reachable(units::Torque::ZERO),
+        spin_accel: SpinAccel::rev_per_s2(torque / work.inertia.value() / TAU),
+    };
+    let hz = SWING_SHARE * machine.spindles.first()?.loops.velocity_bandwidth_hz;
+    Some((bounds, hz))
+}
+
+/// What was learnt for just this course at just this speed.
+fn learnt(measured: &[&Measured], ideal: &[f64], spin: Spin) -> Option<Vec<f64>> {
+    let same = measured.iter().find(|m| (m.rpm - spin.in_rpm()).abs() < 1e-6 * m.rpm)?;
+    let form = if same.learnt_form.is_empty() { &same.form } else { &same.learnt_form };
+    (same.learnt_nm.len() == ideal.len() && *form == form_mark(ideal))
+        .then(|| ideal.iter().zip(&same.learnt_nm).map(|(d, nm)| d + nm * 1e-6).collect())
 }
 
 /// What is known of the machine's answer, measured at the slowest speed that is not slower than this one.
@@ -214,125 +365,4 @@ fn by_harmonics(ideal: &[f64], measured: &[&Measured], spin: Spin) -> Option<Vec
     let response = fastest(measured, spin)?;
     let wanted = Spectrum::of(ideal, usize::MAX);
     Some(response.precompensated(&wanted, spin).values(ideal.len()))
-}
-
-/// Read a library and make its profiles.
-fn library(path: &Path) -> Result<(CamLibrary, Length), Refused> {
-    let file = store::cams::load(path)?;
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let profiles: Result<Vec<_>, _> =
-        file.cam.iter().map(|entry| profile(&file, entry, folder)).collect();
-    Ok((CamLibrary::new(profiles?), Length::mm(file.wheel_radius_mm)))
-}
-
-fn profile(file: &CamFile, entry: &CamEntry, folder: &Path) -> Result<CamProfile, Refused> {
-    let wheel = Length::mm(file.wheel_radius_mm);
-    let name =
-        if entry.name.is_empty() { format!("P{}", entry.number) } else { entry.name.clone() };
-    let refused = |e: CamError| Refused::because(format!("cam {} ({name}): {e}", entry.number));
-    let cam = match &entry.form {
-        CamForm::Table { file, base_mm, follower, roller_radius_mm } => {
-            let follower = of_kind(*follower, *roller_radius_mm)?;
-            table(&folder.join(file), Length::mm(*base_mm), follower)?
-        }
-        form => closed(form)?.cam().map_err(refused)?,
-    };
-    let path = if entry.path_only {
-        cam.path_unchecked(wheel, file.nodes)
-    } else {
-        cam.wheel_path(wheel, file.nodes)
-    };
-    let mut nodes = path.map_err(refused)?.centre;
-    if file.table_pulse_um > 0.0 {
-        let pulse = file.table_pulse_um * 1e-3;
-        for x in &mut nodes {
-            *x = (*x / pulse).round() * pulse;
-        }
-    }
-    Ok(CamProfile { number: entry.number, name, nodes })
-}
-
-/// A lift table from a file.
-pub(crate) fn table(path: &Path, base: Length, follower: Follower) -> Result<Cam, Refused> {
-    let text = store::read_text(path, "a lift table", store::cams::LIFT_TABLE_LIMIT)?;
-    let name = path.display().to_string();
-    let found = |text: String, finding| Refused::Findings {
-        name: name.clone(),
-        text: text.into_bytes(),
-        findings: vec![finding],
-    };
-    let rows = match store::cams::lift_rows(&text) {
-        Ok(rows) => rows,
-        Err(finding) => return Err(found(text, finding)),
-    };
-    let lifts: Vec<_> =
-        rows.iter().map(|r| forms::cam::LiftRow { angle: r.angle, lift: r.lift }).collect();
-    Cam::from_rows(&lifts, base, follower).map_err(|e| {
-        let span =
-            e.row.and_then(|row| rows.get(row)).map_or_else(diag::Span::default, |row| row.span);
-        found(text, diag::Diagnostic::error("A0201", span, e.to_string()))
-    })
-}
-
-/// A follower's words in a file or on the command line.
-pub(crate) fn of_kind(kind: FollowerKind, roller_mm: Option<f64>) -> Result<Follower, Refused> {
-    match (kind, roller_mm) {
-        (FollowerKind::Flat, None) => Ok(Follower::Flat),
-        (FollowerKind::Knife, None) => Ok(Follower::Knife),
-        (FollowerKind::Roller, Some(radius)) => Ok(Follower::Roller(Length::mm(radius))),
-        (FollowerKind::Roller, None) => {
-            Err(Refused::because("a roller follower needs its radius (roller_radius_mm)"))
-        }
-        (FollowerKind::Flat | FollowerKind::Knife, Some(_)) => {
-            Err(Refused::because("only a roller follower has a roller radius"))
-        }
-    }
-}
-
-/// A cam with a closed form.
-pub(crate) fn closed(form: &CamForm) -> Result<ClosedForm, Refused> {
-    let mm = Length::mm;
-    Ok(match *form {
-        CamForm::Table { .. } => return Err(Refused::because("a table has no closed form")),
-        CamForm::Eccentric { radius_mm, eccentricity_mm } => {
-            ClosedForm::Eccentric { radius: mm(radius_mm), eccentricity: mm(eccentricity_mm) }
-        }
-        CamForm::Harmonic { base_mm, lift_mm, follower, roller_radius_mm } => {
-            ClosedForm::Harmonic {
-                base: mm(base_mm),
-                lift: mm(lift_mm),
-                follower: of_kind(follower, roller_radius_mm)?,
-            }
-        }
-        CamForm::Lobes { radius_mm, amplitude_mm, count, phase_deg } => ClosedForm::Lobes {
-            radius: mm(radius_mm),
-            amplitude: mm(amplitude_mm),
-            count,
-            phase: Angle::deg(phase_deg),
-        },
-        CamForm::Polynomial {
-            base_mm,
-            lift_mm,
-            rise_deg,
-            dwell_deg,
-            fall_deg,
-            follower,
-            roller_radius_mm,
-        } => ClosedForm::Polynomial {
-            base: mm(base_mm),
-            lift: mm(lift_mm),
-            rise: Angle::deg(rise_deg),
-            dwell: Angle::deg(dwell_deg),
-            fall: Angle::deg(fall_deg),
-            follower: of_kind(follower, roller_radius_mm)?,
-        },
-        CamForm::Automotive { base_mm, lift_mm, half_angle_deg, follower, roller_radius_mm } => {
-            ClosedForm::Automotive {
-                base: mm(base_mm),
-                lift: mm(lift_mm),
-                half_angle: Angle::deg(half_angle_deg),
-                follower: of_kind(follower, roller_radius_mm)?,
-            }
-        }
-    })
 }

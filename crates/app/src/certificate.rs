@@ -38,6 +38,8 @@ fn cam(common: Common, found: &GroundCam) -> file::Cam {
         speed_error_um_per_deg: measured(Measured::um(found.speed_error_per_deg)),
         waviness_um: measured(Measured::um(found.waviness.0)),
         waves_per_rev: measured(Measured::number(found.waviness.1 as f64)),
+        removal_rate_peak: Measured::number(found.removal_peak),
+        removal_rate_peak_even: Measured::number(found.removal_peak_even),
     }
 }
 

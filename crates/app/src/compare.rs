@@ -9,17 +9,13 @@
 //! Expected of the conventional cycle: 1σ = H·n·√(σd² + (σs·t/2)²), with the scatters σd of the relay's delay and σs of
 //! the stopping time t; that of the speed comes on top, over the whole way in.
 use crate::args::CompareArgs;
-use crate::cam_host::CamHost;
-use crate::preflight::{planner, preflight};
-use crate::program::Ops;
+use crate::preflight::preflight;
 use crate::refused::Refused;
 use crate::session::{Session, read_program};
-use crate::simulate::Simulation;
-use crate::timings::Timings;
+use crate::simulate::Trial;
 use crate::{say, tables, wiring};
 use canon::{Holder, Tool, ToolKind, ToolLibrary};
 use comfy_table::{Cell, CellAlignment};
-use indicatif::ProgressBar;
 use plan::{PlainDrive, TapMethod, Unsynchronised};
 use report::{Comparison, Way};
 use std::path::Path;
@@ -223,29 +219,10 @@ fn run_once(
         synchronised: false,
         ..wiring::judge(&session.machine, &session.tools, material, &zero)
     };
-    let simulation = Simulation {
-        ops: Ops::new(text, &setup, session.auto()),
-        planner: planner(&session, options),
-        kernel: kernel::Kernel::new(wiring::control(&session.machine, None, false)),
-        machine: crate::plant::Plant::Inside(Box::new(sim::Faulty::new(iron, &[], 0))),
-        keeper: None,
-        watch: verify::Watch::new(judge.clone()),
-        cams: CamHost::new(session.cams.clone()),
-        waiting: None,
-        judge: verify::Judge::new(judge),
-        recorder: report::Recorder::new(&session.tools),
-        trace: None,
-        log: None,
-        stops: crate::stops::Stops::none(),
-        sent: std::collections::VecDeque::new(),
-        timings: Timings::new(false),
-        planned: known.planned,
-        taps: std::collections::BTreeSet::new(),
-    };
-    let outcome = simulation.run(&ProgressBar::hidden())?;
-    if let Some(fault) = outcome.faults.first() {
-        return Err(Refused::because(format!("{}: {fault}", case.name)));
-    }
+    let (session, options, planned) = (&session, options, known.planned);
+    let trial = Trial { session, text, setup: &setup, options, planned, iron, judge, idle: false };
+    let outcome =
+        trial.run().map_err(|e| Refused::because(format!("{}: {}", case.name, e.sentence())))?;
     let is_thread = |f: &Feature| matches!(f.kind, FeatureKind::Thread(_));
     Ok(outcome.features.into_iter().filter(is_thread).collect())
 }

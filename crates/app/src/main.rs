@@ -27,6 +27,7 @@ mod check;
 mod clock;
 mod codes;
 mod compare;
+mod compensation;
 mod dialect;
 mod format;
 mod interrupt;
@@ -98,6 +99,9 @@ fn execute(cli: &Cli) -> Result<ExitCode, Refused> {
         Command::Iron(args) => iron::command(args).map(|()| ExitCode::SUCCESS),
         Command::Recover(args) => Ok(accepted(recover::command(args)?)),
         Command::Compare(args) => compare::command(args, cli.quiet).map(|()| ExitCode::SUCCESS),
+        Command::Compensation(args) => {
+            compensation::command(args, cli.quiet).map(|()| ExitCode::SUCCESS)
+        }
         Command::Time(args) => Ok(accepted(time::command(args, cli.quiet)?)),
         Command::Polygon(args) => polygon::command(args, cli.quiet).map(|()| ExitCode::SUCCESS),
         Command::Cam(args) => cam::command(args).map(|()| ExitCode::SUCCESS),

@@ -232,6 +232,7 @@ impl Job {
             }),
             cams: CamHost::new(self.session.cams.clone()),
             waiting: None,
+            idle: None,
             judge: verify::Judge::new(verify::Config {
                 synchronised: self.session.taps.method == plan::TapMethod::Synchronised,
                 tolerances: self.tolerances(),

@@ -17,6 +17,9 @@ const EMBEDDED_TOOLS: &str = include_str!("../../../programs/tools.toml");
 /// Tool tables looked for beside a program, in this order.
 const TOOLS_BESIDE: [&str; 2] = ["tools.toml", "tool.tbl"];
 
+/// Share of the following error's limit that the lag of a rapid may take without feed-forward.
+const LAG_SHARE: f64 = 0.8;
+
 /// Number of the parameter that holds X of the work offset G54.
 const G54: usize = 5221;
 
@@ -58,13 +61,6 @@ impl Session {
                 TappingPreset::Max => Preset::Max,
             };
         }
-        if args.feed_forward == Some(Switch::Off) {
-            for loops in machine.axes.iter_mut().flatten().map(|axis| &mut axis.loops) {
-                loops.velocity_feed_forward_share = 0.0;
-                loops.acceleration_feed_forward_share = 0.0;
-                loops.friction_feed_forward_share = 0.0;
-            }
-        }
         let (tools, tools_from) = tools(args.tools.as_deref(), program)?;
         let missing_tools = args.missing_tools;
         let dialect = dialect::of(args.dialect, &machine);
@@ -88,7 +84,25 @@ impl Session {
             let setup = session.interp_setup();
             session.cams.look_ahead(interp::Ops::new(text, &setup));
         }
+        if args.feed_forward == Some(Switch::Off) {
+            session.take_feed_forward();
+        }
+        session.cams.recall(&session.machine)?;
         Ok(session)
+    }
+
+    /// The axes lag as their loops alone make them: where cams are ground X, which follows the work, else all.
+    fn take_feed_forward(&mut self) {
+        let of_all = !self.cams.is_wanted();
+        let lags = |axis: &&mut store::machine::Axis| of_all || axis.letter == canon::Axis::X;
+        for axis in self.machine.axes.iter_mut().flatten().filter(lags) {
+            // an axis lags by its speed over its gain: no rapid may take it out of its window
+            let most = axis.windows.following_error_stop.value() * axis.loops.position_gain_per_s;
+            axis.rapid = axis.rapid.min(units::Speed::mm_per_s(LAG_SHARE * most));
+            axis.loops.velocity_feed_forward_share = 0.0;
+            axis.loops.acceleration_feed_forward_share = 0.0;
+            axis.loops.friction_feed_forward_share = 0.0;
+        }
     }
 
     /// The machine stands where its encoders say.

@@ -15,6 +15,8 @@ use crate::keeper::Keeper;
 use crate::log::Log;
 use crate::plant::Plant;
 use crate::program::Ops;
+use crate::refused::Refused;
+use crate::session::Session;
 use crate::stops::Stops;
 use crate::timings::Timings;
 use crate::trace_thread::TraceThread;
@@ -55,6 +57,8 @@ pub(crate) struct Simulation<'a> {
     pub(crate) judge: Judge,
     /// Who looks for what may never happen.
     pub(crate) watch: Watch,
+    /// Who looks at a wheel's idle turns, if anybody does.
+    pub(crate) idle: Option<verify::IdleTurns>,
     /// Who keeps what pictures need.
     pub(crate) recorder: Recorder,
     /// Who keeps everything.
@@ -99,6 +103,8 @@ pub(crate) struct Outcome {
     pub(crate) lessons: Vec<sync::Lesson>,
     /// What was measured and taught of cams.
     pub(crate) cams: CamHost,
+    /// What a wheel's idle turns would have ground.
+    pub(crate) idle: Vec<verify::GroundCam>,
     /// How long it took here.
     pub(crate) timings: Timings,
     /// What stopped it from outside, and what became of that.
@@ -107,6 +113,58 @@ pub(crate) struct Outcome {
     pub(crate) stops: Vec<report::ThreadStop>,
     /// Why the iron is gone, if it is; why the record is not on the disk, if it is not.
     pub(crate) broke_off: Vec<String>,
+}
+
+/// A run of a design helper: nobody stops it, nothing is kept.
+pub(crate) struct Trial<'a> {
+    /// What the program meets.
+    pub(crate) session: &'a Session,
+    /// The program.
+    pub(crate) text: &'a [u8],
+    /// What the interpreter is told.
+    pub(crate) setup: &'a interp::Setup,
+    /// What the planner is told.
+    pub(crate) options: plan::Options,
+    /// How long it is planned to take.
+    pub(crate) planned: Time,
+    /// Who obeys.
+    pub(crate) iron: sim::SimulatedMachine,
+    /// What is judged by.
+    pub(crate) judge: verify::Config,
+    /// Look at a wheel's idle turns.
+    pub(crate) idle: bool,
+}
+
+impl<'a> Trial<'a> {
+    /// Run it; an alarm is a refusal.
+    pub(crate) fn run(self) -> Result<Outcome, Refused> {
+        let Trial { session, text, setup, options, planned, iron, judge, idle } = self;
+        let simulation: Simulation<'a> = Simulation {
+            ops: Ops::new(text, setup, session.auto()),
+            planner: crate::preflight::planner(session, options),
+            kernel: Kernel::new(crate::wiring::control(&session.machine, None, false)),
+            machine: Plant::Inside(Box::new(sim::Faulty::new(iron, &[], 0))),
+            keeper: None,
+            watch: Watch::new(judge.clone()),
+            cams: CamHost::new(session.cams.clone()),
+            waiting: None,
+            idle: idle.then(|| verify::IdleTurns::new(judge.clone())),
+            judge: Judge::new(judge),
+            recorder: Recorder::new(&session.tools),
+            trace: None,
+            log: None,
+            stops: Stops::none(),
+            sent: VecDeque::new(),
+            timings: Timings::new(false),
+            planned,
+            taps: BTreeSet::new(),
+        };
+        let outcome = simulation.run(&ProgressBar::hidden())?;
+        match outcome.faults.first() {
+            Some(fault) => Err(Refused::because(fault.to_string())),
+            None => Ok(outcome),
+        }
+    }
 }
 
 impl Simulation<'_> {
@@ -175,6 +233,7 @@ impl Simulation<'_> {
             faults.extend_from_slice(self.kernel.faults());
         }
         let ended = self.kernel.report().state == bus::State::Ended;
+        self.cams.end();
         Ok(Outcome {
             features: self.judge.finish(),
             recorder: self.recorder,
@@ -188,6 +247,7 @@ impl Simulation<'_> {
             assumed_holes: self.machine.assumed_holes(),
             lessons: self.kernel.lessons().to_vec(),
             cams: self.cams,
+            idle: self.idle.map(verify::IdleTurns::finish).unwrap_or_default(),
             timings: self.timings,
             happened: self.stops.happened,
             stops: self.stops.threads,
@@ -264,6 +324,9 @@ impl Simulation<'_> {
                 keeper.op(index, &op);
             }
             self.judge.op(index, &op);
+            if let Some(idle) = &mut self.idle {
+                idle.op(index, &op);
+            }
             self.watch.op(index, &op);
             self.recorder.op(index, &op);
             self.planner.push(index, &op, &mut |step| queue.push_back(step));
@@ -300,6 +363,9 @@ impl Simulation<'_> {
     fn listen(&mut self, sample: &Sample) {
         self.cams.sample(sample);
         self.judge.sample(sample);
+        if let Some(idle) = &mut self.idle {
+            idle.sample(sample);
+        }
         self.watch.sample(sample);
         self.recorder.sample(sample);
         if let Some(trace) = &mut self.trace {

@@ -63,6 +63,8 @@ pub struct CamProfile {
     pub name: alloc::string::String,
     /// Distance of the wheel's centre from the work's axis at equal steps of the work's angle, mm.
     pub nodes: Vec<f64>,
+    /// Radius of the wheel that they are for.
+    pub wheel: Length,
 }
 
 impl CamProfile {

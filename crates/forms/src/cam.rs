@@ -22,10 +22,12 @@ mod closed;
 mod error;
 mod lift;
 mod path;
+mod rhythm;
 mod speed;
 
 pub use closed::ClosedForm;
 pub use error::{CamError, Problem};
 pub use lift::{Cam, Follower, LiftRow, MOST_ROWS};
 pub use path::{ContourPoint, WheelPath};
+pub use rhythm::Rhythm;
 pub use speed::{AxisBounds, Bound, Motion, WorkSpeed};

@@ -276,8 +276,7 @@ impl AxisLoop {
         } else {
             self.servo.update(Input {
                 error: self.error,
-                growth: self.error - before,
-                speed_withheld: (1.0 - shares.speed) * now.speed,
+                growth: self.error - before - (1.0 - shares.speed) * ways.0,
                 feed_forward,
                 limit,
                 position: true,

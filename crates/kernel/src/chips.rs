@@ -82,7 +82,8 @@ impl Drives {
     pub(crate) fn check_cut(&self) -> Result<(), Finding> {
         for (index, spindle) in self.spindles.iter().enumerate() {
             let Some(spindle) = spindle else { continue };
-            let (has, wanted) = (spindle.now().spin, self.in_force[index]);
+            let swings = Spin::rev_per_s(spindle.swing.0.rate);
+            let (has, wanted) = (spindle.now().spin - swings, self.in_force[index]);
             let astray = wanted != Spin::ZERO
                 && (has - wanted).abs() > wanted.abs() * spindle.control.windows.in_cut;
             if astray || self.removals[index].is_some() {

@@ -7,6 +7,9 @@
 //!   steps go on meanwhile: a Move sets an axis' base, the superposition comes on top of it
 //! ```
 //!
+//! A function that is superposed on its own master makes that one swing about its even turn: the even turn is what
+//! all followers see, so that they and the master keep step.
+//!
 //! While a gear is engaged its master is *paced*: position-controlled along the speed that is ordered, so that master
 //! and follower obey one trajectory with matched loops, and a change of speed takes both along. A halt of the
 //! machine keeps the gear and the superpositions: master, follower and axes stop on the coupling.
@@ -260,11 +263,41 @@ impl Drives {
                 self.leave(slot.master);
             }
         }
+        for spindle in 0..SPINDLES {
+            self.swing_master(spindle, period);
+        }
         for follower in 0..SPINDLES {
             if let Some(mut run) = self.coupled.gears[follower] {
                 self.turn_along(follower, &mut run, period);
                 self.coupled.gears[follower] = Some(run);
             }
+        }
+    }
+
+    /// What is superposed on a spindle by its own turn.
+    fn swing_master(&mut self, index: usize, period: Time) {
+        let place = AXES + index;
+        let own = self.coupled.slots[place].filter(|slot| slot.master == index);
+        let master = self.master(index);
+        let lookahead = self.spindles[index].as_ref().map_or(0.0, SpindleLoop::lookahead_s);
+        let mut swing = (Swing::default(), Swing::default());
+        if let Some(mut slot) = own {
+            slot.fade.advance(period.value());
+            let ended = slot.to.is_none() && slot.fade.is_over();
+            if !ended {
+                let later = master.after(Time::s(lookahead));
+                swing = (
+                    self.coupled.swing(&slot, master, 0.0),
+                    self.coupled.swing(&slot, later, lookahead),
+                );
+            }
+            self.coupled.slots[place] = (!ended).then_some(slot);
+            if ended {
+                self.leave(index);
+            }
+        }
+        if let Some(spindle) = &mut self.spindles[index] {
+            spindle.swing = swing;
         }
     }
 

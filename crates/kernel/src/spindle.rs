@@ -11,6 +11,9 @@
 //! The torque that the drive can give falls with speed: |M| ≤ min(M̂, P̂/2π|n|). What nobody planned (a stop
 //! before a tap, a speed that the plan did not foresee) runs on a share of that curve.
 //!
+//! A spindle that leads followers may swing about its even turn: what is superposed on it is a function of that turn, which
+//! stays its followers' master.
+//!
 //! Numbers here are in rev, s, N·m; inertia in N·m per rev/s² (J·2π).
 use crate::config::{Config, SpindleControl};
 use crate::friction::spindle_friction;
@@ -18,7 +21,7 @@ use crate::servo::{Gains, Input, Servo};
 use bus::{SpindleCommand, SpindleFeedback};
 use core::f64::consts::TAU;
 use plan::Profile;
-use sync::{Blend, Observer, Rotation, Tracker};
+use sync::{Blend, Observer, Rotation, Swing, Tracker};
 use units::{Angle, Spin, SpinAccel, Time, Torque};
 
 /// Share of the torque curve that unplanned changes of speed use.
@@ -65,6 +68,8 @@ pub(crate) struct SpindleLoop {
     ordered: Rotation,
     before: Rotation,
     ahead: Rotation,
+    /// What is superposed on the setpoint now, and when the torque acts.
+    pub(crate) swing: (Swing, Swing),
     reading: f64,
     reading_before: f64,
     error: f64,
@@ -100,6 +105,7 @@ impl SpindleLoop {
             ordered: still,
             before: still,
             ahead: still,
+            swing: (Swing::default(), Swing::default()),
             reading: 0.0,
             reading_before: 0.0,
             error: 0.0,
@@ -118,6 +124,7 @@ impl SpindleLoop {
         (self.ordered, self.before, self.ahead) = (still, still, still);
         self.order = Order::Slew(0.0);
         self.pace = None;
+        self.swing = (Swing::default(), Swing::default());
         self.error = 0.0;
         self.blind = false;
         self.servo.reset();
@@ -152,7 +159,8 @@ impl SpindleLoop {
         self.reading_before = self.reading;
         self.reading = feedback.angle.value();
         self.saturated = feedback.saturated;
-        self.observer.update(feedback.angle, self.ordered.accel);
+        let swung = SpinAccel::rev_per_s2(self.swing.0.accel);
+        self.observer.update(feedback.angle, self.ordered.accel + swung);
     }
 
     /// How it turns, by the observer.
@@ -165,7 +173,7 @@ impl SpindleLoop {
         Angle::rev(self.reading)
     }
 
-    /// The setpoint.
+    /// The setpoint, without what is superposed: what followers follow.
     pub(crate) const fn ordered(&self) -> Rotation {
         self.ordered
     }
@@ -213,7 +221,8 @@ impl SpindleLoop {
         };
         let windows = &self.control.windows;
         let window = (to.abs() * windows.at_speed).max(windows.at_rest.value());
-        ((self.now().spin.value() - to).abs() <= window).then_some(Spin::rev_per_s(to))
+        let turns = self.now().spin.value() - self.swing.0.rate;
+        ((turns - to).abs() <= window).then_some(Spin::rev_per_s(to))
     }
 
     /// Run along a planned ramp to a speed; if it does not begin at the speed that is ordered, get there
@@ -361,26 +370,25 @@ impl SpindleLoop {
         if !by_angle {
             self.ordered.angle = Angle::rev(self.reading);
         }
+        let (ordered, ahead) = (swung(self.ordered, self.swing.0), swung(self.ahead, self.swing.1));
         let way = if by_angle {
-            (self.ordered.angle - self.before.angle).value()
+            (ordered.angle - self.before.angle).value()
         } else {
-            (self.before.spin + self.ordered.spin).value() * self.period_s / 2.0
+            (self.before.spin + ordered.spin).value() * self.period_s / 2.0
         };
         let turned = self.reading - self.reading_before;
-        self.error = (self.ordered.angle - Angle::rev(self.reading)).value();
-        self.before = self.ordered;
-        let spin = self.ordered.spin.value();
-        let friction = spindle_friction(&self.control.friction, self.ahead.spin).value();
+        self.error = (ordered.angle - Angle::rev(self.reading)).value();
+        self.before = ordered;
+        let friction = spindle_friction(&self.control.friction, ahead.spin).value();
         let feed_forward =
-            shares.accel * self.inertia * self.ahead.accel.value() + shares.friction * friction;
+            shares.accel * self.inertia * ahead.accel.value() + shares.friction * friction;
         let limit = self.limit(self.now().spin.value());
         let torque = if self.blind {
-            self.servo.blind(feed_forward, limit, spin != 0.0)
+            self.servo.blind(feed_forward, limit, ordered.spin.value() != 0.0)
         } else {
             self.servo.update(Input {
                 error: self.error,
-                growth: way - turned,
-                speed_withheld: if by_angle { (1.0 - shares.speed) * spin } else { 0.0 },
+                growth: if by_angle { shares.speed * way - turned } else { way - turned },
                 feed_forward,
                 limit,
                 position: by_angle,
@@ -388,8 +396,8 @@ impl SpindleLoop {
         };
         SpindleCommand {
             enable: true,
-            angle: self.ordered.angle,
-            spin: self.ordered.spin,
+            angle: ordered.angle,
+            spin: ordered.spin,
             torque: Torque::n_m(torque),
         }
     }
@@ -401,6 +409,15 @@ fn observer(control: &SpindleControl, period: Time, angle: Angle) -> Observer {
     let noise = control.windows.at_rest.value() * REST_NOISE;
     let quiet = Tracker::bandwidth_for(period.value(), control.encoder_count.value(), noise);
     Observer::new(period, control.observer_bandwidth_hz.min(quiet), angle)
+}
+
+/// A setpoint with what is superposed on it.
+fn swung(ordered: Rotation, swing: Swing) -> Rotation {
+    Rotation {
+        angle: ordered.angle + Angle::rev(swing.value),
+        spin: ordered.spin + Spin::rev_per_s(swing.rate),
+        accel: ordered.accel + SpinAccel::rev_per_s2(swing.accel),
+    }
 }
 
 const fn rotation(angle: f64, spin: f64, accel: f64) -> Rotation {

@@ -167,3 +167,49 @@ fn a_function_that_nobody_gave_is_an_alarm_and_no_motion() {
     let run = run(&two_spindles(), &steps, &[]);
     assert_eq!(run.kernel.faults()[0].kind, FaultKind::TableMissing);
 }
+
+/// φ of φ + 0.02·cos 2πφ = θ: the swing is so small that repeating converges.
+fn even_turn(theta: f64) -> f64 {
+    (0..60).fold(theta, |phi, _| theta - 0.02 * (TAU * phi).cos())
+}
+
+#[test]
+fn a_master_swings_about_its_even_turn_and_its_followers_keep_step() {
+    let (own, x) = (Superposed::Spindle(0), Superposed::Axis(Axis::X));
+    let steps = [
+        turn(0.0, 300.0),
+        await_speed(),
+        swing(own, Some(1)),
+        swing(x, Some(2)),
+        StepKind::AwaitFades,
+        StepKind::Revolve { spindle: 0, turns: Angle::rev(5.0) },
+        swing(own, None),
+        swing(x, None),
+        StepKind::AwaitFades,
+        StepKind::Revolve { spindle: 0, turns: Angle::rev(2.0) },
+        StepKind::End,
+    ];
+    let run = run(&two_spindles(), &steps, &[(1, wave(0.02, 1)), (2, wave(0.1, 4))]);
+    assert!(run.kernel.faults().is_empty(), "{:?}", run.kernel.faults());
+    let spins = |op: u32| -> Vec<f64> {
+        let of = run.samples.iter().filter(|s| s.report.op == op);
+        let angles: Vec<f64> = of.map(|s| s.spindle(0).value()).collect();
+        angles.windows(41).map(|w| (w[40] - w[0]) / 0.01).collect()
+    };
+    let ends = |v: Vec<f64>| {
+        v.into_iter().fold((f64::INFINITY, 0.0_f64), |(a, b), n| (a.min(n), b.max(n)))
+    };
+    // 5 rev/s · (1 ± 0.02·2π)
+    let (least, most) = ends(spins(5));
+    assert!((least - 5.0 * (1.0 - 0.02 * TAU)).abs() < 0.05, "{least}");
+    assert!((most - 5.0 * (1.0 + 0.02 * TAU)).abs() < 0.05, "{most}");
+    let (least, most) = ends(spins(9));
+    assert!((least - 5.0).abs() < 0.02 && (most - 5.0).abs() < 0.02, "{least} {most}");
+    let during = run.samples.iter().filter(|s| s.report.op == 5);
+    let errors = during.map(|s| {
+        let phi = even_turn(s.spindle(0).value());
+        (s.axis(0).value() - 0.1 * (4.0 * TAU * phi).cos()).abs() * 1e3
+    });
+    let worst_um = errors.fold(0.0, f64::max);
+    assert!(worst_um > 0.0 && worst_um < 6.0, "{worst_um} µm");
+}

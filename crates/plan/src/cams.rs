@@ -13,13 +13,29 @@ pub struct CamCommand {
     pub profile: u32,
     /// Speed of the work.
     pub spin: Spin,
-    /// What is sent, at the nodes of the profile, mm.
+    /// What is sent, at equal steps of the work's even turn, mm.
+    pub nodes: Vec<f64>,
+}
+
+/// How one profile is sent at one speed without compensation, where that is not the profile as it stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Course {
+    /// The profile.
+    pub profile: u32,
+    /// Mean speed of the work.
+    pub spin: Spin,
+    /// By how much the work is ahead of its even turn φ, at equal steps of that turn, rev: θ = φ + lead(φ). `None`: it
+    /// turns evenly.
+    pub lead: Option<Vec<f64>>,
+    /// Where the wheel's centre belongs, at equal steps of the even turn, mm.
     pub nodes: Vec<f64>,
 }
 
 /// Profiles and compensations.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cams {
+    /// What is sent without compensation where that is not the profile itself.
+    pub courses: Vec<Course>,
     /// The profiles that programs may call.
     pub library: CamLibrary,
     /// What is sent with compensation on.
@@ -32,6 +48,12 @@ impl Cams {
         let same =
             |c: &&CamCommand| c.profile == profile && (c.spin - spin).abs() <= spin.abs() * 1e-9;
         self.commands.iter().rev().find(same)
+    }
+
+    /// How a profile is sent at a speed without compensation; `None`: as it stands.
+    pub fn course(&self, profile: u32, spin: Spin) -> Option<&Course> {
+        let same = |c: &&Course| c.profile == profile && (c.spin - spin).abs() <= spin.abs() * 1e-9;
+        self.courses.iter().find(same)
     }
 
     /// Keep what is sent from here on.

@@ -54,7 +54,7 @@ pub struct GearStep {
 pub enum Superposed {
     /// A linear axis.
     Axis(Axis),
-    /// A geared spindle's phase.
+    /// A geared spindle's phase; where the spindle is its own master, its swing about an even turn.
     Spindle(u8),
 }
 

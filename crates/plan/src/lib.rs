@@ -59,7 +59,7 @@ mod travel;
 
 pub use crate::motion::coordinate;
 pub use crate::path::{Motion, Path};
-pub use cams::{CamCommand, Cams, TURN_ENDED, turned};
+pub use cams::{CamCommand, Cams, Course, TURN_ENDED, turned};
 pub use clock::Clock;
 pub use clutch::{ClutchCycle, DwellWindow};
 pub use coupled::{GearStep, Superpose, Superposed, Table, TableId};

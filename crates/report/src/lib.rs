@@ -22,7 +22,8 @@ mod svg;
 mod thin;
 
 pub use page::{
-    CamPage, Comparison, Named, PolygonPlan, Way, cam_html, comparison_html, html, polygon_html,
+    CamPage, Comparison, CompensationPage, CompensationRow, Named, PolygonPlan, Way,
+    WayOfCompensation, cam_html, comparison_html, compensation_html, html, polygon_html, um_figure,
 };
 pub use record::{Recorder, WORST_KEPT};
 pub use recovery::{Recovery, recovery_svg};

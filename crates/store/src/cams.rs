@@ -1,7 +1,7 @@
 //! Cam libraries and lift tables.
 //!
 //! ```text
-//!   wheel_radius_mm = 200                angle,lift          # degrees, mm: one row a line, a whole turn
+//!   nodes = 720                          angle,lift          # degrees, mm: one row a line, a whole turn
 //!   [[cam]]                              0.0,0.0000
 //!   number = 1234                        0.5,0.0003
 //!   name = "intake"                      …
@@ -16,7 +16,7 @@
 use crate::{Error, SMALL_FILE_LIMIT, read_text, text::Lines};
 use diag::{Diagnostic, Span};
 use serde::Deserialize;
-use std::path::Path;
+use std::{io::Read, path::Path};
 use units::{Angle, Length};
 
 /// Bytes a lift table may have.
@@ -28,14 +28,12 @@ pub const MOST_ROWS: usize = 65_538;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CamFile {
-    /// Radius of the wheel that grinds them.
-    pub wheel_radius_mm: f64,
+    /// Radius of the wheel that they are for; nothing: whatever is mounted.
+    #[serde(default)]
+    pub wheel_radius_mm: Option<f64>,
     /// Steps of a turn of the tables that the wheel follows.
     #[serde(default = "usual_nodes")]
     pub nodes: usize,
-    /// Least step of a table's values; nothing: as fine as computed.
-    #[serde(default)]
-    pub table_pulse_um: f64,
     /// The cams.
     #[serde(default)]
     pub cam: Vec<CamEntry>,
@@ -57,9 +55,24 @@ pub struct CamEntry {
     /// Its form.
     #[serde(flatten)]
     pub form: CamForm,
+    /// How fast the work turns.
+    #[serde(default)]
+    pub work_speed: WorkSpeed,
     /// Follow what the follower asks for even where the contour is undercut: for tests of an axis in the air.
     #[serde(default)]
     pub path_only: bool,
+}
+
+/// How fast the work turns while a cam is ground.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum WorkSpeed {
+    /// At the programmed speed.
+    #[default]
+    Constant,
+    /// Slower where the contact runs fast along the contour, so that as much is removed everywhere: the programmed speed
+    /// is the mean.
+    Even,
 }
 
 /// The form of a cam.
@@ -152,14 +165,11 @@ pub fn parse(text: &str) -> Result<CamFile, Vec<Diagnostic>> {
     let mut wrong = |sentence: String| {
         findings.push(Diagnostic::error("S1002", Span { line: 1, ..Span::default() }, sentence));
     };
-    if !(file.wheel_radius_mm > 0.0 && file.wheel_radius_mm < 1e4) {
-        wrong(format!("expected a wheel radius above 0, found {} mm", file.wheel_radius_mm));
+    if let Some(radius) = file.wheel_radius_mm.filter(|r| !(*r > 0.0 && *r < 1e4)) {
+        wrong(format!("expected a wheel radius above 0, found {radius} mm"));
     }
     if !(36..=65_536).contains(&file.nodes) {
         wrong(format!("expected 36 to 65536 nodes, found {}", file.nodes));
-    }
-    if !(0.0..=1000.0).contains(&file.table_pulse_um) {
-        wrong(format!("expected a table pulse from 0 to 1000 µm, found {}", file.table_pulse_um));
     }
     for (i, cam) in file.cam.iter().enumerate() {
         if cam.number == 0 || file.cam[..i].iter().any(|other| other.number == cam.number) {
@@ -167,6 +177,26 @@ pub fn parse(text: &str) -> Result<CamFile, Vec<Diagnostic>> {
         }
     }
     if findings.is_empty() { Ok(file) } else { Err(findings) }
+}
+
+/// The text of a lift table; of one that is too large, as much of it as shows which row is one too many.
+///
+/// # Errors
+/// It cannot be read, is no text, or too large without having too many rows.
+pub fn table_text(path: &Path) -> Result<String, Error> {
+    const WHAT: &str = "a lift table";
+    let file = std::fs::File::open(path).map_err(|cause| Error::file("read", path, cause))?;
+    let mut bytes = Vec::new();
+    let read = file.take(LIFT_TABLE_LIMIT + 1).read_to_end(&mut bytes);
+    read.map_err(|cause| Error::file("read", path, cause))?;
+    if bytes.len() as u64 > LIFT_TABLE_LIMIT {
+        bytes.truncate(bytes.iter().rposition(|b| *b == b'\n').map_or(0, |end| end + 1));
+        if bytes.iter().filter(|b| **b == b'\n').count() <= MOST_ROWS {
+            let path = path.to_owned();
+            return Err(Error::TooLarge { path, what: WHAT, limit: LIFT_TABLE_LIMIT });
+        }
+    }
+    crate::text::utf8(path, bytes)
 }
 
 /// Read a lift table: `angle,lift` in degrees and millimetres. A first line of words, lines that begin with `#` and

@@ -284,6 +284,12 @@ pub struct Cam {
     /// How many of it a turn.
     #[serde(default)]
     pub waves_per_rev: Measured,
+    /// Greatest removal rate over its mean, in the last turn; 1 is even.
+    #[serde(default)]
+    pub removal_rate_peak: Measured,
+    /// The same if the work had turned evenly.
+    #[serde(default)]
+    pub removal_rate_peak_even: Measured,
 }
 
 /// A number that is finite, or not known. Constructors name the unit that the key has.

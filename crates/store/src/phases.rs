@@ -48,6 +48,9 @@ pub struct Measured {
     /// What learning adds to each node, nm.
     #[serde(default)]
     pub learnt_nm: Vec<f64>,
+    /// Mark of the nodes for which it was learnt; empty: the profile's.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub learnt_form: String,
 }
 
 /// The table.

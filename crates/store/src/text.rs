@@ -48,7 +48,12 @@ pub fn read_stream(
 /// # Errors
 /// As [`read_bytes`], and when the bytes are not UTF-8.
 pub fn read_text(path: &Path, what: &'static str, limit: u64) -> Result<String, Error> {
-    let text = String::from_utf8(read_bytes(path, what, limit)?).map_err(|e| Error::NotText {
+    utf8(path, read_bytes(path, what, limit)?)
+}
+
+/// Bytes of a file as text; a byte order mark at its start is dropped.
+pub(crate) fn utf8(path: &Path, bytes: Vec<u8>) -> Result<String, Error> {
+    let text = String::from_utf8(bytes).map_err(|e| Error::NotText {
         path: path.to_owned(),
         offset: e.utf8_error().valid_up_to(),
     })?;

@@ -16,6 +16,7 @@
 //! The wrong sign doubles the error instead of removing it.
 use crate::spectrum::{Complex, Spectrum};
 use alloc::vec::Vec;
+use core::f64::consts::TAU;
 use units::{Angle, Spin};
 
 /// No harmonic is sent more than so many times as large as it shall come out.
@@ -106,6 +107,19 @@ impl ShiftOverSpeed {
     }
 }
 
+/// A drive's loops, as its machine's file has them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DriveLoops {
+    /// K, 1/s.
+    pub position_gain: f64,
+    /// ω/2π of the speed loop, Hz.
+    pub bandwidth_hz: f64,
+    /// φ, share of the speed that is fed forward.
+    pub speed_share: f64,
+    /// α, share of the acceleration that is fed forward.
+    pub accel_share: f64,
+}
+
 /// What a machine makes of a sine, by frequency.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
@@ -139,6 +153,23 @@ impl Response {
         Self { points: kept }
     }
 
+    /// As it follows from a drive's loops, up to a frequency, where nothing was measured: s²x = C·(K(u − x) + φs·u − s·x) + αs²·u
+    /// with C = ω + ω²/4s.
+    pub fn of_loops(loops: &DriveLoops, highest_hz: f64) -> Self {
+        /// Points of it.
+        const POINTS: u32 = 200;
+        let at = |i: u32| {
+            let hz = highest_hz * f64::from(i) / f64::from(POINTS);
+            let s = Complex { re: 0.0, im: TAU * hz };
+            let w = Complex { re: TAU * loops.bandwidth_hz, im: 0.0 };
+            let gain = Complex { re: loops.position_gain, im: 0.0 };
+            let control = w + w * w / (s * 4.0);
+            let sent = control * (gain + s * loops.speed_share) + s * s * loops.accel_share;
+            (hz, sent / (s * s + control * (s + gain)))
+        };
+        Self { points: (1..=POINTS).map(at).collect() }
+    }
+
     /// At a frequency, between known ones; below the lowest it goes to one, and beyond the highest nothing is known.
     pub fn at(&self, hz: f64) -> Option<Complex> {
         let upper = self.points.partition_point(|p| p.0 < hz * (1.0 - 1e-9));
@@ -170,7 +201,6 @@ impl Response {
 mod tests {
     use super::*;
     use alloc::string::ToString;
-    use core::f64::consts::TAU;
     use proptest::prelude::*;
 
     fn wave(phase: f64) -> Vec<f64> {
@@ -191,6 +221,27 @@ mod tests {
         let wrong = rms(&machine(&advanced(&ideal, -late)), &ideal);
         assert!(after < 1e-9, "{after}");
         assert!((wrong / before - 2.0).abs() < 0.02, "{wrong} {before}");
+    }
+
+    #[test]
+    fn loops_without_feed_forward_lag_by_the_speed_over_the_gain_and_with_all_of_it_not_at_all() {
+        let bare = DriveLoops {
+            position_gain: 120.0,
+            bandwidth_hz: 100.0,
+            speed_share: 0.0,
+            accel_share: 0.0,
+        };
+        let slow = Response::of_loops(&bare, 100.0).at(0.5).unwrap();
+        // late by 1/K s: at half a hertz 0.5/120 turns of the wave
+        assert!(
+            (slow.turn() + 0.5 / 120.0).abs() < 1e-5 && (slow.size() - 1.0).abs() < 1e-3,
+            "{slow:?}"
+        );
+        let led = DriveLoops { speed_share: 1.0, accel_share: 1.0, ..bare };
+        for hz in [1.0, 30.0, 99.0] {
+            let h = Response::of_loops(&led, 100.0).at(hz).unwrap();
+            assert!((h - Complex::ONE).size() < 1e-9);
+        }
     }
 
     #[test]

@@ -40,7 +40,7 @@ mod told;
 
 pub use blend::{Blend, BlendPoint};
 pub use compensate::{
-    MOST_BOOST, NotMeasured, Response, ShiftOverSpeed, advanced, whole_addresses,
+    DriveLoops, MOST_BOOST, NotMeasured, Response, ShiftOverSpeed, advanced, whole_addresses,
 };
 pub use coupling::{Coupling, Follower, Line, Rotation};
 pub use gear::{Engagement, Engaging, Gear, Travel};

@@ -12,7 +12,8 @@
 //! With H known to within ε the error of a harmonic shrinks by |1 − γ(1 + ε)| a turn. A law that only leads (γ·E sent
 //! earlier by a time) diverges where the phase of H is off by more than a quarter turn, which on a real cam is a dozen
 //! harmonics; so a harmonic whose H is not known is not learnt: one that the command excites too little gets its H
-//! from its neighbours, one beyond all that are excited stays as it is.
+//! from its neighbours, one beyond all that are excited from what is assumed of the drive's loops, if anything is, else
+//! it stays as it is. Friction is what speaks there: a round eccentric excites two harmonics, its reversals err in sixty.
 //!
 //! What is kept is the best turn that was *measured*, and the first one was without compensation: learning is never
 //! worse than not learning by more than the noise of the sensors.
@@ -64,6 +65,8 @@ pub enum Taught {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Harmonic {
     answer: Option<Complex>,
+    /// The answer is what is assumed, not what was measured.
+    assumed: bool,
     gain: f64,
     command: Complex,
     best: Complex,
@@ -85,6 +88,7 @@ pub struct Repetition {
     strikes: u8,
     idle: u8,
     finished: bool,
+    assumed: Response,
 }
 
 impl Repetition {
@@ -101,6 +105,7 @@ impl Repetition {
             known.map_or_else(|| wanted.clone(), |known| known.precompensated(&wanted, spin));
         let harmonic = |command: &Complex| Harmonic {
             answer: None,
+            assumed: false,
             gain: 1.0,
             command: *command,
             best: *command,
@@ -119,7 +124,14 @@ impl Repetition {
             strikes: 0,
             idle: 0,
             finished: false,
+            assumed: Response::default(),
         }
+    }
+
+    /// The same, with an answer that is assumed where none can be measured.
+    #[must_use]
+    pub fn assuming(self, assumed: Response) -> Self {
+        Self { assumed, ..self }
     }
 
     /// The same, beginning with a table that was sent before.
@@ -158,8 +170,8 @@ impl Repetition {
 
     /// What the machine makes of each frequency, as far as it is known: to begin with at another speed.
     pub fn response(&self) -> Response {
-        let known =
-            self.harmonics.iter().enumerate().skip(1).filter_map(|(k, h)| Some((k, h.answer?)));
+        let heard = self.harmonics.iter().enumerate().skip(1).filter(|(_, h)| !h.assumed);
+        let known = heard.filter_map(|(k, h)| Some((k, h.answer?)));
         let hz = |k: usize| k as f64 * self.spin.abs().value();
         Response::from_points(known.map(|(k, h)| (hz(k), h.size(), -h.turn())))
     }
@@ -193,12 +205,11 @@ impl Repetition {
         let response = Response::of(&command, answer, self.spin, HEARD * quiet + 1e-9);
         let unknown = self.harmonics.iter_mut().enumerate().filter(|(_, h)| h.answer.is_none());
         for (k, harmonic) in unknown {
-            let known = if k == 0 {
-                Some(Complex::ONE)
-            } else {
-                response.at(k as f64 * self.spin.abs().value())
-            };
-            harmonic.answer = known.filter(|h| h.size() > 1.0 / MOST_BOOST);
+            let hz = k as f64 * self.spin.abs().value();
+            let known = if k == 0 { Some(Complex::ONE) } else { response.at(hz) };
+            harmonic.assumed = known.is_none();
+            let answer = known.or_else(|| self.assumed.at(hz));
+            harmonic.answer = answer.filter(|h| h.size() > 1.0 / MOST_BOOST);
         }
     }
 

@@ -8,7 +8,10 @@
 //!   run-out         spread of e where the profile is at its lowest (the base circle)
 //!   speed error     max |de/dθ|          what a follower on this cam would feel, µm for each degree
 //!   waviness        largest amplitude of e at 30 to 180 waves a turn: where chatter is
+//!   removal rate    (ds/dθ)·ω, the contact's speed along the contour, its peak over its mean in the last turn
 //! ```
+//!
+//! The contour is the parallel curve of the wheel centre's path p: ds/dθ = |p′| − R·α′, with α the direction of p′.
 //!
 //! What is ground off stays off, so of all turns the nearest place counts at each angle; the wheel's edge is the axis and
 //! what the work presses it back. A wheel's wear is not known here: it shows as material that is left.
@@ -50,6 +53,10 @@ pub struct GroundCam {
     pub speed_error_per_deg: Length,
     /// Largest amplitude of a wave in the band of chatter, and how many of it a turn.
     pub waviness: (Length, usize),
+    /// Greatest removal rate over its mean, in the last turn; 1 is even.
+    pub removal_peak: f64,
+    /// The same if the work had turned evenly.
+    pub removal_peak_even: f64,
     /// The error at equal steps of the profile's angle; empty if the last turn was not whole.
     pub errors: Vec<Length>,
     /// The profile at the same steps, above its lowest point.
@@ -69,15 +76,26 @@ pub(crate) struct Ordered {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Selected(Option<(u32, Angle, Length)>);
 
+impl Ordered {
+    pub(crate) const fn phase(&self) -> f64 {
+        self.phase.value()
+    }
+}
+
 impl Selected {
+    /// The profile in force, turned at a speed.
+    pub(crate) fn turned(&self, spin: Spin) -> Option<Ordered> {
+        let (profile, phase, centre) = self.0?;
+        Some(Ordered { profile, phase, centre, spin })
+    }
+
     /// What an order makes of it; a grinding one begins a feature.
     pub(crate) fn see(&mut self, order: &CamOrder) -> Option<Ordered> {
         match *order {
             CamOrder::Select { profile, phase, centre } => self.0 = Some((profile, phase, centre)),
             CamOrder::Deselect => self.0 = None,
             CamOrder::Grind { spin, .. } => {
-                let (profile, phase, centre) = self.0?;
-                return Some(Ordered { profile, phase, centre, spin });
+                return self.turned(spin);
             }
             CamOrder::Compensate
             | CamOrder::ResetSampling
@@ -95,9 +113,31 @@ pub(crate) struct CamTrack {
     phase: f64,
     began: Option<(Time, Angle)>,
     last: Angle,
-    /// The last four samples: angle of the work and place of the wheel's edge.
-    recent: VecDeque<(f64, f64)>,
+    /// The last four samples.
+    recent: VecDeque<Seen>,
     nearest: Vec<f64>,
+    /// Speed of the work when each step was passed last, rev/s.
+    spins: Vec<f64>,
+}
+
+/// One sample: when, the turn of the profile, the place of the wheel's edge.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seen {
+    pub(crate) time: f64,
+    pub(crate) turn: f64,
+    pub(crate) edge: f64,
+}
+
+impl Seen {
+    /// Of a profile that begins at an angle of the work.
+    pub(crate) fn of(sample: &Sample, phase: f64) -> Self {
+        let deflection = sample.truth.as_ref().map_or(Length::ZERO, |t| t.tool_deflection);
+        Self {
+            time: sample.feedback.time.value(),
+            turn: sample.spindle(0).value() - phase,
+            edge: (sample.axis(0) + deflection).value(),
+        }
+    }
 }
 
 impl CamTrack {
@@ -108,32 +148,48 @@ impl CamTrack {
             last: Angle::ZERO,
             recent: VecDeque::with_capacity(5),
             nearest: vec![f64::INFINITY; STEPS],
+            spins: vec![0.0; STEPS],
         }
     }
 
     pub(crate) fn sample(&mut self, sample: &Sample) {
         let angle = sample.spindle(0);
-        let deflection = sample.truth.as_ref().map_or(Length::ZERO, |t| t.tool_deflection);
         self.began.get_or_insert((sample.feedback.time, angle));
         self.last = angle;
-        let turn = angle.value() - self.phase;
-        self.recent.push_back((turn, (sample.axis(0) + deflection).value()));
+        self.see(Seen::of(sample, self.phase));
+    }
+
+    pub(crate) fn see(&mut self, seen: Seen) {
+        self.recent.push_back(seen);
         if self.recent.len() < 4 {
             return;
         }
-        let (here, next) = (self.recent[1].0, self.recent[2].0);
+        let (here, next) = (self.recent[1].turn, self.recent[2].turn);
+        let (first, last) = (self.recent[0], self.recent[3]);
+        let spin = (last.turn - first.turn) / (last.time - first.time);
         let steps = STEPS as f64;
         let (low, high) = (here.min(next) * steps, here.max(next) * steps);
         let mut step = low.ceil();
         // a leap of more than a turn in a period is no motion of a machine
         while step < high && high - low < steps {
             let f = (step / steps - here) / (next - here);
-            let place = lagrange([0, 1, 2, 3].map(|k| self.recent[k].1), f);
+            let place = lagrange([0, 1, 2, 3].map(|k| self.recent[k].edge), f);
             let index = step.rem_euclid(steps) as usize % STEPS;
             self.nearest[index] = self.nearest[index].min(place);
+            self.spins[index] = spin;
             step += 1.0;
         }
         self.recent.pop_front();
+    }
+
+    /// What the last turn would have ground, of a wheel that stood clear of its profile's top at `stands`.
+    pub(crate) fn idle(&self, ordered: &Ordered, config: &Config, stands: Length) -> GroundCam {
+        let mut cam = blank(ordered, Angle::rev(1.0));
+        let whole = self.nearest.iter().all(|x| x.is_finite());
+        if let Some(profile) = config.cams.get(ordered.profile).filter(|_| whole) {
+            self.measure(&mut cam, profile, stands - profile.top());
+        }
+        cam
     }
 
     pub(crate) fn finish(
@@ -145,20 +201,7 @@ impl CamTrack {
         now: Time,
     ) -> Feature {
         let (time, from) = self.began.unwrap_or((now, Angle::ZERO));
-        let mut cam = GroundCam {
-            profile: ordered.profile,
-            name: format!("P{}", ordered.profile),
-            spin: ordered.spin,
-            turns: (self.last - from).abs(),
-            phase_error: Angle::ZERO,
-            contour_error_max: Length::mm(f64::NAN),
-            contour_error_rms: Length::mm(f64::NAN),
-            run_out: None,
-            speed_error_per_deg: Length::mm(f64::NAN),
-            waviness: (Length::ZERO, 0),
-            errors: Vec::new(),
-            lift: Vec::new(),
-        };
+        let mut cam = blank(ordered, (self.last - from).abs());
         let mut findings = Vec::new();
         let whole = self.nearest.iter().all(|x| x.is_finite());
         match config.cams.get(ordered.profile) {
@@ -168,7 +211,7 @@ impl CamTrack {
             Some(_) if !whole => {
                 findings.push("the work did not turn once while the wheel was in".to_owned());
             }
-            Some(profile) => measure(&mut cam, profile, &self.nearest, ordered.centre),
+            Some(profile) => self.measure(&mut cam, profile, ordered.centre),
         }
         let limit = config.tolerances.cam_contour;
         if cam.contour_error_max > limit {
@@ -190,6 +233,26 @@ impl CamTrack {
     }
 }
 
+/// A cam of which nothing is known yet.
+fn blank(ordered: &Ordered, turns: Angle) -> GroundCam {
+    GroundCam {
+        profile: ordered.profile,
+        name: format!("P{}", ordered.profile),
+        spin: ordered.spin,
+        turns,
+        phase_error: Angle::ZERO,
+        contour_error_max: Length::mm(f64::NAN),
+        contour_error_rms: Length::mm(f64::NAN),
+        run_out: None,
+        speed_error_per_deg: Length::mm(f64::NAN),
+        waviness: (Length::ZERO, 0),
+        removal_peak: f64::NAN,
+        removal_peak_even: f64::NAN,
+        errors: Vec::new(),
+        lift: Vec::new(),
+    }
+}
+
 /// The cubic through four values at −1, 0, 1, 2.
 fn lagrange([a, b, c, d]: [f64; 4], f: f64) -> f64 {
     -f * (f - 1.0) * (f - 2.0) / 6.0 * a + (f + 1.0) * (f - 1.0) * (f - 2.0) / 2.0 * b
@@ -206,40 +269,79 @@ fn asked(profile: &CamProfile, step: usize) -> f64 {
     lagrange([at(0), at(1), at(2), at(3)], f)
 }
 
-fn measure(cam: &mut GroundCam, profile: &CamProfile, places: &[f64], centre: Length) {
-    let ideal: Vec<f64> = (0..STEPS).map(|step| asked(profile, step)).collect();
-    let errors: Vec<f64> = places.iter().zip(&ideal).map(|(x, d)| x - centre.value() - d).collect();
-    let n = STEPS as f64;
-    let around = |v: &[f64], i: usize| (v[(i + 1) % STEPS] - v[(i + STEPS - 1) % STEPS]) / 2.0;
-    let mean = errors.iter().sum::<f64>() / n;
-    let (mut lag, mut steep) = (0.0, 0.0);
-    let mut speed: f64 = 0.0;
-    for i in 0..STEPS {
-        let slope = around(&ideal, i) * n;
-        lag -= (errors[i] - mean) * slope;
-        steep += slope * slope;
-        speed = speed.max(around(&errors, i).abs() * n / 360.0);
+impl CamTrack {
+    /// The figures of a contour whose work's axis stands at `centre`.
+    fn measure(&self, cam: &mut GroundCam, profile: &CamProfile, centre: Length) {
+        let ideal: Vec<f64> = (0..STEPS).map(|step| asked(profile, step)).collect();
+        let errors: Vec<f64> =
+            self.nearest.iter().zip(&ideal).map(|(x, d)| x - centre.value() - d).collect();
+        let n = STEPS as f64;
+        let mean = errors.iter().sum::<f64>() / n;
+        let (mut lag, mut steep) = (0.0, 0.0);
+        let mut speed: f64 = 0.0;
+        for i in 0..STEPS {
+            let slope = around(&ideal, i) * n;
+            lag -= (errors[i] - mean) * slope;
+            steep += slope * slope;
+            speed = speed.max(around(&errors, i).abs() * n / 360.0);
+        }
+        cam.name.clone_from(&profile.name);
+        cam.phase_error = Angle::rev(if steep > 0.0 { lag / steep } else { 0.0 });
+        cam.contour_error_max = Length::mm(errors.iter().fold(0.0, |a: f64, e| a.max(e.abs())));
+        cam.contour_error_rms = Length::mm((errors.iter().map(|e| e * e).sum::<f64>() / n).sqrt());
+        cam.run_out = run_out(&ideal, &errors);
+        cam.speed_error_per_deg = Length::mm(speed);
+        let waves = CHATTER.map(|k| (amplitude(&errors, k), k));
+        let (size, k) = waves.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 0));
+        cam.waviness = (Length::mm(size), k);
+        let along = contact_speed(&ideal, profile.wheel.value());
+        cam.removal_peak = peak_over_mean(&along, &self.spins);
+        cam.removal_peak_even = peak_over_mean(&along, &[1.0; STEPS]);
+        let lowest = ideal.iter().copied().fold(f64::INFINITY, f64::min);
+        cam.errors = errors.into_iter().map(Length::mm).collect();
+        cam.lift = ideal.into_iter().map(|d| Length::mm(d - lowest)).collect();
     }
+}
+
+/// Half the difference of the neighbours, around the turn.
+fn around(v: &[f64], i: usize) -> f64 {
+    (v[(i + 1) % STEPS] - v[(i + STEPS - 1) % STEPS]) / 2.0
+}
+
+/// Spread of the error on the base circle: a stretch of at least an eighth of a turn; a lobe has none.
+fn run_out(ideal: &[f64], errors: &[f64]) -> Option<Length> {
     let lowest = ideal.iter().copied().fold(f64::INFINITY, f64::min);
     let base: Vec<f64> =
-        errors.iter().zip(&ideal).filter(|(_, d)| **d < lowest + BASE).map(|(e, _)| *e).collect();
-    cam.name.clone_from(&profile.name);
-    cam.phase_error = Angle::rev(if steep > 0.0 { lag / steep } else { 0.0 });
-    cam.contour_error_max = Length::mm(errors.iter().fold(0.0, |a: f64, e| a.max(e.abs())));
-    cam.contour_error_rms = Length::mm((errors.iter().map(|e| e * e).sum::<f64>() / n).sqrt());
-    // a base circle is a stretch of at least an eighth of a turn; a lobe has none
-    cam.run_out = (base.len() >= STEPS / 8).then(|| {
+        errors.iter().zip(ideal).filter(|(_, d)| **d < lowest + BASE).map(|(e, _)| *e).collect();
+    (base.len() >= STEPS / 8).then(|| {
         let (low, high) = base
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), e| (a.min(*e), b.max(*e)));
         Length::mm(high - low)
-    });
-    cam.speed_error_per_deg = Length::mm(speed);
-    let waves = CHATTER.map(|k| (amplitude(&errors, k), k));
-    let (size, k) = waves.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 0));
-    cam.waviness = (Length::mm(size), k);
-    cam.errors = errors.into_iter().map(Length::mm).collect();
-    cam.lift = ideal.into_iter().map(|d| Length::mm(d - lowest)).collect();
+    })
+}
+
+/// How fast the contact runs along the contour, mm for each radian of the work's turn.
+fn contact_speed(path: &[f64], wheel: f64) -> Vec<f64> {
+    let step = TAU / STEPS as f64;
+    let speed = |i: usize| {
+        let d = path[i];
+        let slope = around(path, i) / step;
+        let bend =
+            (path[(i + 1) % STEPS] - 2.0 * d + path[(i + STEPS - 1) % STEPS]) / (step * step);
+        let squared = d * d + slope * slope;
+        let turning = 1.0 + (slope * slope - d * bend) / squared;
+        squared.sqrt() - wheel * turning
+    };
+    (0..STEPS).map(speed).collect()
+}
+
+/// Of the contact's speed while the work turns at these speeds: the mean is over time.
+fn peak_over_mean(along: &[f64], spins: &[f64]) -> f64 {
+    let most = along.iter().zip(spins).map(|(a, s)| (a * s).abs()).fold(0.0, f64::max);
+    let way: f64 = along.iter().map(|a| a.abs()).sum();
+    let time: f64 = spins.iter().map(|s| 1.0 / s.abs()).sum();
+    most * time / way
 }
 
 /// Amplitude of the wave with k periods a turn.
@@ -266,7 +368,8 @@ mod tests {
     /// A cam whose wheel ran where `x` says, at 60 rpm and 250 µs, judged.
     fn judged(x: impl Fn(f64) -> f64) -> (Feature, GroundCam) {
         let nodes = (0..STEPS).map(|i| lift(i as f64 / STEPS as f64)).collect();
-        let profile = CamProfile { number: 7, name: "eccentric".into(), nodes };
+        let wheel = Length::mm(195.0);
+        let profile = CamProfile { number: 7, name: "eccentric".into(), nodes, wheel };
         let config =
             Config { cams: CamLibrary::new([profile]), ..Config::new(ToolLibrary::default()) };
         let ordered =
@@ -275,6 +378,7 @@ mod tests {
         for i in 0..12_000 {
             let turn = f64::from(i) * 250e-6 + 0.1;
             let mut sample = Sample::default();
+            sample.feedback.time = Time::s(f64::from(i) * 250e-6);
             sample.feedback.spindles[0].angle = Angle::rev(turn);
             sample.feedback.axes[0].position = CENTRE + Length::mm(x(turn));
             track.sample(&sample);
@@ -308,6 +412,31 @@ mod tests {
         let per_degree = expected * TAU / 360.0;
         assert!((cam.speed_error_per_deg.value() - per_degree).abs() < 1e-6);
         assert!(!feature.verdict.is_pass());
+    }
+
+    /// A circle of radius 220 about a point 4 mm off: the contact runs at its constant radius R where the wheel's centre is
+    /// led along the crank's equation; peak over mean follows from the angle at which the work stands.
+    #[test]
+    fn the_removal_rate_of_an_eccentric_turned_evenly_peaks_as_its_geometry_says() {
+        let (e, pitch, wheel) = (4.0, 220.0_f64, 195.0);
+        let path: Vec<f64> = (0..STEPS)
+            .map(|i| {
+                let (sin, cos) = (TAU * i as f64 / STEPS as f64).sin_cos();
+                e * cos + (pitch * pitch - (e * sin).powi(2)).sqrt()
+            })
+            .collect();
+        let along = contact_speed(&path, wheel);
+        for (i, speed) in along.iter().enumerate() {
+            // the centre of the circle, seen from the wheel's: α = ψ + asin(e/p·sin ψ), so ds = (p − R)·dα
+            let (sin, cos) = (TAU * i as f64 / STEPS as f64).sin_cos();
+            let turning = 1.0 + e * cos / (pitch * pitch - (e * sin).powi(2)).sqrt();
+            assert!((speed / ((pitch - wheel) * turning) - 1.0).abs() < 1e-3, "{i}: {speed}");
+        }
+        let peak = peak_over_mean(&along, &[1.0; STEPS]);
+        assert!((peak - (1.0 + e / pitch)).abs() < 1e-3, "{peak}");
+        // turned inversely to that speed it is even
+        let inverse: Vec<f64> = along.iter().map(|a| 100.0 / a).collect();
+        assert!((peak_over_mean(&along, &inverse) - 1.0).abs() < 1e-9);
     }
 
     #[test]

@@ -28,12 +28,12 @@ pub(crate) struct CamArgs {
     /// Radius of a roller follower, mm
     #[arg(long, value_name = "MM")]
     pub(crate) roller_radius: Option<f64>,
-    /// Radius of the new wheel, mm
-    #[arg(long, value_name = "MM", default_value_t = 200.0)]
-    pub(crate) wheel_radius: f64,
-    /// What the wheel has lost of its radius, mm
-    #[arg(long, value_name = "MM", default_value_t = 0.0)]
-    pub(crate) wheel_wear: f64,
+    /// Radius of the new wheel, mm [default: the machine's]
+    #[arg(long, value_name = "MM")]
+    pub(crate) wheel_radius: Option<f64>,
+    /// What the wheel has lost of its radius, mm [default: the machine's]
+    #[arg(long, value_name = "MM")]
+    pub(crate) wheel_wear: Option<f64>,
     /// Speed of the work, rev/min
     #[arg(long, value_name = "RPM", default_value_t = 60.0)]
     pub(crate) speed: f64,

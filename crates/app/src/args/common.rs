@@ -45,7 +45,14 @@ pub(crate) struct ProgramArgs {
     /// How a cam is compensated after G50 (G150)
     #[arg(long, value_enum, default_value_t = Compensation::Shift)]
     pub(crate) compensation: Compensation,
-    /// Feed-forward of the axes (spindles keep theirs): `off` shows the lag of their loops
+    /// Which estimate of the phase error is compensated
+    #[arg(long, value_enum, default_value_t = Estimator::LeastSquares)]
+    pub(crate) estimator: Estimator,
+    /// How the work turns while a cam is ground [default: as the cam library says]
+    #[arg(long, value_enum)]
+    pub(crate) work_speed: Option<WorkSpeedChoice>,
+    /// Feed-forward of the axes, in a program that grinds cams of X alone, which follows the work (spindles keep
+    /// theirs): `off` shows the lag of their loops
     #[arg(long, value_enum)]
     pub(crate) feed_forward: Option<Switch>,
     /// How hard taps are driven [default: the machine's]
@@ -121,6 +128,26 @@ pub(crate) enum Compensation {
     Harmonics,
     /// By harmonics, and by what sampled turns with compensation on have taught
     Learn,
+}
+
+/// How a phase error is estimated.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Estimator {
+    /// The shift that makes the contour error least
+    LeastSquares,
+    /// The mean shift of both flanks at half the lift
+    Flanks,
+    /// The shift of the maximum
+    Maximum,
+}
+
+/// How the work turns while a cam is ground.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum WorkSpeedChoice {
+    /// At the programmed speed
+    Constant,
+    /// Slower where the contact runs fast along the contour: as even a removal as the axes allow, S is the mean
+    Even,
 }
 
 /// On or off.

@@ -2,6 +2,7 @@
 mod cam;
 mod common;
 mod compare;
+mod compensation;
 mod iron;
 mod lists;
 mod polygon;
@@ -11,10 +12,11 @@ mod text;
 pub(crate) use cam::{CamArgs, CamFormName, CamOutput};
 use clap::{Parser, Subcommand};
 pub(crate) use common::{
-    ClutchDwell, Compensation, DecimalPoint, Dialect, Format, MissingTools, ProgramArgs, Switch,
-    Tapping, TappingPreset,
+    ClutchDwell, Compensation, DecimalPoint, Dialect, Estimator, Format, MissingTools, ProgramArgs,
+    Switch, Tapping, TappingPreset, WorkSpeedChoice,
 };
 pub(crate) use compare::CompareArgs;
+pub(crate) use compensation::{CompensationArgs, CompensationOutput};
 pub(crate) use iron::{IronArgs, RecoverArgs, RecoveryWay};
 pub(crate) use lists::{CodesFormat, MachineCommand};
 pub(crate) use polygon::{ActuatorChoice, PolygonArgs};
@@ -110,6 +112,18 @@ Examples:
   leadscrew compare --size M8 --speed 1500 --samples 400 --out m8.html
   leadscrew compare part.ngc --speed-scatter 2   the taps of a program, in both holders")]
     Compare(CompareArgs),
+    /// Compare the ways of compensating a cam's phase error: contour errors over cams and speeds
+    #[command(
+        after_help = "Each cam is measured in idle turns at each speed, then turned with what is sent compensated by each method;
+the judge looks at the last turn. Nothing is kept.
+
+Examples:
+  leadscrew compensation programs/cams.toml
+  leadscrew compensation programs/cams.toml --machine cam-grinder-coarse     1 µm table pulses, 0.01° counts
+  leadscrew compensation programs/cams.toml --cams 1237 --speeds 60 --format json
+  leadscrew compensation programs/cams.toml --out compensation.html"
+    )]
+    Compensation(CompensationArgs),
     /// Find the flattest polygon that a machine can turn, and the block that cuts it
     #[command(after_help = "Examples:
   leadscrew polygon --sides 6 --across-flats 17 --speed 500

@@ -105,12 +105,11 @@ impl fmt::Display for CamError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let deg = |a: Angle| a.in_deg();
         match self.problem {
-            Problem::Rows { count } => write!(
-                f,
-                "expected {} to {} rows, found {count}",
-                super::lift::FEWEST_ROWS,
-                super::MOST_ROWS
-            ),
+            Problem::Rows { count } => {
+                let (fewest, most) = (super::lift::FEWEST_ROWS, super::MOST_ROWS);
+                write!(f, "expected {fewest} to {most} rows, found ")?;
+                if count > most { f.write_str("more") } else { write!(f, "{count}") }
+            }
             Problem::NotFinite => f.write_str("expected a finite angle and a finite lift"),
             Problem::NotRising { before, found } => {
                 write!(f, "expected an angle above {:.4}°, found {:.4}°", deg(before), deg(found))

@@ -41,6 +41,8 @@ pub(super) struct Cam {
     follows: Option<Spin>,
     /// Its table is superposed.
     superposed: bool,
+    /// The work swings about its even turn.
+    swings: bool,
     /// Where the wheel stood before it went in.
     retreat: Option<Length>,
     /// Speed of the turns that were sampled.
@@ -66,6 +68,7 @@ impl Planner {
                     sampling: false,
                     follows: None,
                     superposed: false,
+                    swings: false,
                     retreat: None,
                     sampled: None,
                 });
@@ -106,8 +109,12 @@ impl Planner {
         let order =
             Superpose { on: Superposed::Axis(Axis::X), master: WORK, table: None, over: FADE };
         self.hand_on(job, StepKind::Superpose(order));
+        if cam.swings {
+            let on = Superposed::Spindle(WORK);
+            self.hand_on(job, StepKind::Superpose(Superpose { on, ..order }));
+        }
         self.hand_on(job, StepKind::AwaitFades);
-        (cam.follows, cam.superposed) = (None, false);
+        (cam.follows, cam.superposed, cam.swings) = (None, false, false);
         self.cam = Some(cam);
         if let Some(state) = self.spindles.get_mut(usize::from(WORK)) {
             state.ordered = Spin::ZERO;
@@ -174,7 +181,9 @@ impl Planner {
                 self.findings.add(Diagnostic::error("M0413", job.span, text).with_help(help));
                 return None;
             }
-            None => &profile.nodes,
+            None => {
+                self.cams.course(cam.profile, spin).map_or(&profile.nodes, |course| &course.nodes)
+            }
         };
         let less_top: Vec<f64> = nodes.iter().map(|x| x - top).collect();
         Some(turned(&less_top, cam.phase.value()))
@@ -195,17 +204,28 @@ impl Planner {
         }
         self.tell_spindles(job);
         self.await_spindles(job);
-        let id = self.next_table();
-        self.tables.push(Table { id, nodes });
-        let on = Superposed::Axis(Axis::X);
-        self.hand_on(
-            job,
-            StepKind::Superpose(Superpose { on, master: WORK, table: Some(id), over: FADE }),
-        );
+        self.superpose(job, Superposed::Axis(Axis::X), Some(nodes));
+        let lead = self.cams.course(cam.profile, spin).and_then(|course| course.lead.as_ref());
+        let lead = lead.map(|lead| turned(lead, cam.phase.value()));
+        let swings = lead.is_some();
+        if swings || cam.swings {
+            self.superpose(job, Superposed::Spindle(WORK), lead);
+        }
         self.hand_on(job, StepKind::AwaitFades);
-        let follows = Cam { follows: Some(spin), superposed: true, ..cam };
+        let follows = Cam { follows: Some(spin), superposed: true, swings, ..cam };
         self.cam = Some(follows);
         Some(follows)
+    }
+
+    /// Fade a function of the work's turn in, or what is superposed out.
+    fn superpose(&mut self, job: &mut Job, on: Superposed, nodes: Option<Vec<f64>>) {
+        let table = nodes.map(|nodes| {
+            let id = self.next_table();
+            self.tables.push(Table { id, nodes });
+            id
+        });
+        let order = Superpose { on, master: WORK, table, over: FADE };
+        self.hand_on(job, StepKind::Superpose(order));
     }
 
     fn grind(&mut self, job: &mut Job, stock: Length, per_turn: Length, rate: Lead, spin: Spin) {
@@ -282,6 +302,7 @@ impl Planner {
         };
         let highest =
             self.limits.spindles.first().map_or(Spin::ZERO, |s| s.reachable(units::Torque::ZERO));
+        // a speed that varies was planned within the limits; what its mean asks of X is checked as of any other
         let [slope, bend, jolt] = steepest(&profile.nodes);
         let mut bounds = Vec::from([
             (highest.value(), "the work spindle's highest speed"),

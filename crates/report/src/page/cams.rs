@@ -12,8 +12,10 @@ use verify::{Feature, FeatureKind, GroundCam};
 
 /// Radius at which the base circle of a polar picture is drawn, mm.
 const POLAR_BASE: f64 = 20.0;
-/// Height of the largest error in a polar picture, mm.
+/// Height of the largest error in a polar picture, mm, at most.
 const POLAR_ERROR: f64 = 6.0;
+/// Height at which a polar picture has its ring of scale, mm.
+const POLAR_RING: f64 = 2.0;
 
 /// What is drawn of a cam before it is ground. All curves over degrees.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -133,12 +135,14 @@ fn unrolled(index: usize, cam: &GroundCam) -> String {
     let y = Range::of("contour error / µm", [-most, most]).padded(0.08);
     let heading = format!("{} at {} rpm, unrolled", cam.name, fixed(cam.spin.in_rpm(), 0));
     let caption = format!(
-        "The wheel's edge less the profile over the last turn: {} µm at most, {} µm rms; all of it late by {}°. Largest wave from 30 to 180 a turn: {} µm, {} a turn.",
+        "The wheel's edge less the profile over the last turn: {} µm at most, {} µm rms; all of it late by {}°. Largest wave from 30 to 180 a turn: {} µm, {} a turn. Removal rate: its peak is {} of its mean ({} if the work turned evenly).",
         fixed(cam.contour_error_max.in_um(), 2),
         fixed(cam.contour_error_rms.in_um(), 2),
         fixed(cam.phase_error.in_deg(), 4),
         fixed(cam.waviness.0.in_um(), 3),
-        cam.waviness.1
+        cam.waviness.1,
+        fixed(cam.removal_peak, 2),
+        fixed(cam.removal_peak_even, 2)
     );
     let mut chart = Chart::new(&heading, &caption, degrees(), y, 260.0);
     chart.zero(false);
@@ -149,18 +153,20 @@ fn unrolled(index: usize, cam: &GroundCam) -> String {
 fn polar(index: usize, cam: &GroundCam) -> String {
     let count = cam.errors.len() as f64;
     let most = cam.errors.iter().map(|e| e.value().abs()).fold(1e-6, f64::max);
-    let times = POLAR_ERROR / most;
-    let ring = |with_error: f64| -> Vec<(f64, f64)> {
+    let times = round_below(POLAR_ERROR / most);
+    let ring = |with_error: f64, beyond: f64| -> Vec<(f64, f64)> {
         let point = |i: usize| {
             let k = i % cam.errors.len();
-            let r = POLAR_BASE + cam.lift[k].value() + with_error * cam.errors[k].value() * times;
+            let error = with_error * cam.errors[k].value() * times;
+            let r = POLAR_BASE + cam.lift[k].value() + error + beyond;
             let (sin, cos) = (TAU * k as f64 / count).sin_cos();
             (r * cos, r * sin)
         };
         (0..=cam.errors.len()).map(point).collect()
     };
-    let (ideal, real) = (ring(0.0), ring(1.0));
-    let all = || ideal.iter().chain(&real);
+    let (ideal, real) = (ring(0.0, 0.0), ring(1.0, 0.0));
+    let (more, less) = (ring(0.0, POLAR_RING), ring(0.0, -POLAR_RING));
+    let all = || ideal.iter().chain(&real).chain(&more);
     let x = Range::of("mm", all().map(|p| p.0)).padded(0.05);
     let y = Range::of("mm", all().map(|p| p.1)).padded(0.05);
     let heading = format!("{}, polar", cam.name);
@@ -169,7 +175,15 @@ fn polar(index: usize, cam: &GroundCam) -> String {
         fixed(times, 0)
     );
     let mut chart = Chart::to_scale(&heading, &caption, x, y);
+    let scale = format!("profile ± {} µm", fixed(POLAR_RING / times * 1e3, 2));
+    chart.lines(Stroke::Share, &[more, less], Some(&scale));
     chart.line(Stroke::Ideal, &ideal, Some("profile"));
     chart.line(Stroke::Main, &real, Some("as ground, error magnified"));
     figure(&heading, &chart.finish(&format!("cp{index}")), &caption)
+}
+
+/// The largest of 1, 2, 5 times a power of ten that is not above a value.
+fn round_below(value: f64) -> f64 {
+    let power = 10f64.powf(value.max(1.0).log10().floor());
+    [5.0, 2.0].into_iter().map(|digit| digit * power).find(|x| *x <= value).unwrap_or(power)
 }

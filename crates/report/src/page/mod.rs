@@ -13,6 +13,7 @@
 
 mod cams;
 mod comparison;
+mod compensation;
 mod features;
 mod figures;
 mod notes;
@@ -26,6 +27,9 @@ mod verdict;
 
 pub use cams::{CamPage, cam_html};
 pub use comparison::{Comparison, Way, comparison_html};
+pub use compensation::{
+    CompensationPage, CompensationRow, WayOfCompensation, compensation_html, um_figure,
+};
 pub use polygon::{Named, PolygonPlan, polygon_html};
 
 use crate::Run;

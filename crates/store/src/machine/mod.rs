@@ -7,6 +7,7 @@
 //!   [tool_change]  where and how long                                            ─► plan, sim
 //!   [tapping]      windows of the sync error, ramp, presets, pecks                  ─► plan, kernel
 //!   [drives]       what the drives do when the control or the mains fail          ─► sim, app
+//!   [grinding]     a cam grinder's wheel, its wear, what it costs to cut           ─► sim, forms
 //!   [setup]        work offset G54, stock                                        ─► interp, verify
 //!   [user_codes]   M100 to M199: what each does                                 ─► interp
 //!   [simulation]   substep, seed, scatter, how a tap sits in its thread          ─► sim
@@ -32,6 +33,7 @@
 mod axis;
 mod control;
 mod drives;
+mod grinding;
 mod setup;
 mod spindle;
 mod tapping;
@@ -45,6 +47,7 @@ pub use control::{
     Prediction, Synchronisation, ToolChange, Waits,
 };
 pub use drives::{DcBus, Drives, Reaction};
+pub use grinding::{Grinding, Wheel};
 pub use setup::{Material, Setup, Simulation, SpindleDrive, Stock, TapSeat, TapWear};
 pub use spindle::{OwnRamps, Spindle, SpindleFriction, SpindleWindows};
 pub use tapping::{Effort, Peck, Preset, Ramp, Tapping};
@@ -72,6 +75,8 @@ pub struct MachineFile {
     pub tapping: Tapping,
     /// What the drives do by themselves.
     pub drives: Drives,
+    /// What it grinds cams with; `None`: it grinds none.
+    pub grinding: Option<Grinding>,
     /// The workpiece, and where it is clamped.
     pub setup: Setup,
     /// The simulation.
@@ -81,11 +86,12 @@ pub struct MachineFile {
 }
 
 /// Names of the embedded machines; the first is the default.
-pub const EMBEDDED: [&str; 8] = [
+pub const EMBEDDED: [&str; 9] = [
     "tapping-center",
     "polygon-lathe",
     "lathe",
     "cam-grinder",
+    "cam-grinder-coarse",
     "tapping-center-scale",
     "vfd-mill",
     "bench-xyz",
@@ -103,6 +109,7 @@ pub fn embedded(name: &str) -> Option<&'static str> {
         }
         "vfd-mill" => Some(include_str!("../../../../machines/vfd-mill.toml")),
         "cam-grinder" => Some(include_str!("../../../../machines/cam-grinder.toml")),
+        "cam-grinder-coarse" => Some(include_str!("../../../../machines/cam-grinder-coarse.toml")),
         "bench-xyz" => Some(include_str!("../../../../machines/bench-xyz.toml")),
         "bench-xyz-jerk20" => Some(include_str!("../../../../machines/bench-xyz-jerk20.toml")),
         _ => None,
@@ -161,6 +168,7 @@ impl MachineFile {
             tool_change: keys.section("tool_change", ToolChange::read),
             tapping: keys.section("tapping", Tapping::read),
             drives: keys.optional_section("drives", Drives::read).unwrap_or_default(),
+            grinding: keys.optional_section("grinding", Grinding::read),
             setup: keys.section("setup", Setup::read),
             simulation: keys.section("simulation", Simulation::read),
             user_codes: keys
