@@ -82,6 +82,8 @@ fn certificate() -> Certificate {
         speed_error_um_per_deg: Measured::number(0.2),
         waviness_um: Measured::number(0.1),
         waves_per_rev: Measured::number(60.0),
+        removal_rate_peak: Measured::number(1.7),
+        removal_rate_peak_even: Measured::number(1.7),
     };
     Certificate {
         leadscrew: "0.1.0".into(),
@@ -136,7 +138,8 @@ fn every_promised_key_is_there_and_no_other() {
         "kind line verdict reason time_s sides across_flats_mm flatness_um tilt_deg corner_angle_deg
          z_from_mm z_to_mm rpm across_flats_error_um facet_difference_um lay_um broken_off",
         "kind line verdict reason time_s profile rpm phase_error_deg contour_error_max_um
-         contour_error_rms_um revolutions run_out_um speed_error_um_per_deg waviness_um waves_per_rev",
+         contour_error_rms_um revolutions run_out_um speed_error_um_per_deg waviness_um waves_per_rev \
+         removal_rate_peak removal_rate_peak_even",
     ];
     for (feature, expected) in value["features"].as_array().unwrap().iter().zip(features) {
         assert_eq!(keys(feature), sorted(expected));
