@@ -193,15 +193,15 @@ fn bad_lift_tables_are_refused_with_the_row() {
 #[test]
 fn a_wheel_too_big_for_a_hollow_is_refused_with_the_one_that_fits() {
     // a roller that dips into three hollows of its path
-    let rows: String = (0..720)
+    let rows: Vec<String> = (0..720)
         .map(|i| {
             let deg = f64::from(i) / 2.0;
-            format!("{deg},{:.7}\n", 2.5 * (1.0 - (3.0 * deg).to_radians().cos()))
+            format!("{deg},{:.7}", 2.5 * (1.0 - (3.0 * deg).to_radians().cos()))
         })
         .collect();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("lift.csv");
-    std::fs::write(&path, rows).unwrap();
+    std::fs::write(&path, rows.join("\n") + "\n").unwrap();
     let output = leadscrew(&["cam", path.to_str().unwrap(), "--base", "20", "--follower", "knife"]);
     assert_eq!(output.status.code(), Some(2), "{}", said(&output));
     assert!(complained(&output).contains("wheel"), "{}", complained(&output));

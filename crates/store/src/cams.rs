@@ -191,7 +191,7 @@ pub fn table_text(path: &Path) -> Result<String, Error> {
     read.map_err(|cause| Error::file("read", path, cause))?;
     if bytes.len() as u64 > LIFT_TABLE_LIMIT {
         bytes.truncate(bytes.iter().rposition(|b| *b == b'\n').map_or(0, |end| end + 1));
-        if bytes.iter().filter(|b| **b == b'\n').count() <= MOST_ROWS {
+        if bytes.split(|b| *b == b'\n').count() <= MOST_ROWS + 1 {
             let path = path.to_owned();
             return Err(Error::TooLarge { path, what: WHAT, limit: LIFT_TABLE_LIMIT });
         }

@@ -29,6 +29,17 @@ const SETTLING: Angle = Angle::rev(0.5);
 /// Shares of X's speed and acceleration for going in and back while it follows.
 const BESIDE: (f64, f64) = (0.1, 0.3);
 
+/// What is superposed while a cam is followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Superposition {
+    /// Nothing yet.
+    None,
+    /// Its table, on X.
+    Table,
+    /// Its table, and on the work the swing about its even turn.
+    TableAndSwing,
+}
+
 /// The cam being ground.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cam {
@@ -39,10 +50,8 @@ pub(super) struct Cam {
     sampling: bool,
     /// The speed at which it is followed, once it is.
     follows: Option<Spin>,
-    /// Its table is superposed.
-    superposed: bool,
-    /// The work swings about its even turn.
-    swings: bool,
+    /// What is superposed.
+    superposed: Superposition,
     /// Where the wheel stood before it went in.
     retreat: Option<Length>,
     /// Speed of the turns that were sampled.
@@ -67,8 +76,7 @@ impl Planner {
                     compensated: false,
                     sampling: false,
                     follows: None,
-                    superposed: false,
-                    swings: false,
+                    superposed: Superposition::None,
                     retreat: None,
                     sampled: None,
                 });
@@ -100,7 +108,7 @@ impl Planner {
     /// The wheel goes back and follows nothing. The profile stays selected.
     pub(super) fn cam_end(&mut self, job: &mut Job) {
         let Some(mut cam) = self.cam else { return };
-        if !cam.superposed {
+        if cam.superposed == Superposition::None {
             return;
         }
         if let Some(x) = cam.retreat.take() {
@@ -109,12 +117,12 @@ impl Planner {
         let order =
             Superpose { on: Superposed::Axis(Axis::X), master: WORK, table: None, over: FADE };
         self.hand_on(job, StepKind::Superpose(order));
-        if cam.swings {
+        if cam.superposed == Superposition::TableAndSwing {
             let on = Superposed::Spindle(WORK);
             self.hand_on(job, StepKind::Superpose(Superpose { on, ..order }));
         }
         self.hand_on(job, StepKind::AwaitFades);
-        (cam.follows, cam.superposed, cam.swings) = (None, false, false);
+        (cam.follows, cam.superposed) = (None, Superposition::None);
         self.cam = Some(cam);
         if let Some(state) = self.spindles.get_mut(usize::from(WORK)) {
             state.ordered = Spin::ZERO;
@@ -207,12 +215,13 @@ impl Planner {
         self.superpose(job, Superposed::Axis(Axis::X), Some(nodes));
         let lead = self.cams.course(cam.profile, spin).and_then(|course| course.lead.as_ref());
         let lead = lead.map(|lead| turned(lead, cam.phase.value()));
-        let swings = lead.is_some();
-        if swings || cam.swings {
+        let superposed =
+            if lead.is_some() { Superposition::TableAndSwing } else { Superposition::Table };
+        if superposed != Superposition::Table || cam.superposed == Superposition::TableAndSwing {
             self.superpose(job, Superposed::Spindle(WORK), lead);
         }
         self.hand_on(job, StepKind::AwaitFades);
-        let follows = Cam { follows: Some(spin), superposed: true, swings, ..cam };
+        let follows = Cam { follows: Some(spin), superposed, ..cam };
         self.cam = Some(follows);
         Some(follows)
     }
