@@ -175,9 +175,9 @@ mod tests {
     fn a_speed_that_is_one_over_a_cosine_leads_by_its_integral() {
         // dφ/dψ = 1 + a·cos ψ  ⇒  φ = ψ + a/2π·sin ψ, so the lead at φ(ψ) is −a/2π·sin ψ
         use std::f64::consts::TAU;
-        let (n, a) = (720, 0.4);
+        let (n, a) = (720_u32, 0.4);
         let spin: Vec<f64> =
-            (0..n).map(|k| 1.0 / (1.0 + a * (TAU * k as f64 / n as f64).cos())).collect();
+            (0..n).map(|k| 1.0 / (1.0 + a * (TAU * f64::from(k) / f64::from(n)).cos())).collect();
         let lead = Periodic::new(&lead_of(&spin)).unwrap();
         for k in 0..100 {
             let psi = f64::from(k) / 100.0;
