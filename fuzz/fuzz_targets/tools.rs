@@ -18,7 +18,7 @@ fuzz_target!(|text: &str| {
             Err(found) => check(&found, text),
         }
     }
-    let _ = store::tools::Thread::parse(text);
+    let _ = text.parse::<canon::ThreadSize>();
 });
 
 /// Findings are bounded, in order, and stand between letters of the text.

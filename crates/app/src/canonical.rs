@@ -7,7 +7,7 @@ use crate::say;
 use crate::session::{Session, read_program};
 use canon::{
     Await, Axis, CamOrder, Feed, Op, OpKind, Oscillating, Output, PathMode, Polygon, Position,
-    Signal, SpindleOrder,
+    ReturnAcceleration, Signal, SpindleOrder,
 };
 use diag::Diagnostic;
 use serde_json::{Value, json};
@@ -122,6 +122,7 @@ fn body(kind: &OpKind) -> Value {
             "lead_mm": tap.lead.value(),
             "rpm": tap.spin.in_rpm(),
             "return_rpm": tap.return_spin.in_rpm(),
+            "return_acceleration": return_acceleration(tap.return_acceleration),
             "dwell_s": tap.dwell.value(),
             "start_angle_deg": tap.start_angle.map(units::Angle::in_deg),
             "peck_mm": tap.peck.map(units::Length::value),
@@ -283,6 +284,15 @@ fn path_mode(mode: PathMode) -> Value {
             "tolerance_mm": tolerance.map(units::Length::value),
             "merge_mm": merge.map(units::Length::value),
         }),
+    }
+}
+
+/// As the machine is set, a share of that, or in rev/s².
+fn return_acceleration(asked: ReturnAcceleration) -> Value {
+    match asked {
+        ReturnAcceleration::AsSet => Value::Null,
+        ReturnAcceleration::Share(share) => json!({ "share": share }),
+        ReturnAcceleration::Limit(limit) => json!({ "rev_per_s2": limit.value() }),
     }
 }
 

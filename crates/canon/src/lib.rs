@@ -23,14 +23,16 @@ mod cam;
 mod coupling;
 mod op;
 mod position;
+mod thread;
 mod tool;
 
 pub use cam::{CamLibrary, CamOrder, CamProfile};
 pub use coupling::{Actuator, Harmonic, Oscillating, Oscillation, Polygon, Ratio};
 pub use diag::Span;
 pub use op::{
-    Arc, Await, ChipRemoval, Feed, Hole, InputWait, Op, OpKind, Output, PathMode, Signal,
-    SpindleOrder, Tap, Threading, UserCode,
+    Arc, Await, ChipRemoval, Feed, Hole, InputWait, Op, OpKind, Output, PathMode,
+    ReturnAcceleration, Signal, SpindleOrder, Tap, Threading, UserCode,
 };
 pub use position::{Axis, Plane, Position};
+pub use thread::{Family, Hand, ThreadSize, UnknownSize};
 pub use tool::{Flute, Holder, PolygonCutter, TapTool, Tool, ToolKind, ToolLibrary};

@@ -1,7 +1,7 @@
 //! The operations.
 use crate::{Axis, CamOrder, Plane, Polygon, Position, Span};
 use alloc::boxed::Box;
-use units::{Angle, Lead, Length, Speed, Spin, Time};
+use units::{Angle, Lead, Length, Speed, Spin, SpinAccel, Time};
 
 /// One operation and the text it came from.
 #[derive(Clone, Debug, PartialEq)]
@@ -252,6 +252,8 @@ pub struct Tap {
     pub spin: Spin,
     /// Spindle speed outwards (magnitude).
     pub return_spin: Spin,
+    /// How hard the spindle is driven outwards.
+    pub return_acceleration: ReturnAcceleration,
     /// Wait at the bottom.
     pub dwell: Time,
     /// Spindle angle at which the thread starts at `start`; `None`: wherever the spindle stands.
@@ -278,6 +280,18 @@ pub struct Threading {
     /// Where the material is taken to begin, as a coordinate of `axis`: the work's zero if it lies between start and
     /// end, else the start.
     pub surface: Length,
+}
+
+/// How hard the spindle is driven on a tap's way out.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum ReturnAcceleration {
+    /// As the machine is set.
+    #[default]
+    AsSet,
+    /// With this share of it, above 0 and up to 1.
+    Share(f64),
+    /// With this acceleration, wherever torque and power leave as much.
+    Limit(SpinAccel),
 }
 
 /// What a drilling cycle is about to make. Coordinates are machine coordinates of the axes.

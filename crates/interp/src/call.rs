@@ -103,6 +103,8 @@ pub struct CycleTap {
     pub start_angle_deg: f64,
     /// J: how fast it comes out.
     pub return_speed: ReturnSpeed,
+    /// I: how hard the spindle is driven on the way out.
+    pub return_acceleration: canon::ReturnAcceleration,
     /// Q: depth of each peck.
     pub peck: Option<f64>,
     /// Overrides of feed and spindle that are on, and are off while tapping.

@@ -15,6 +15,7 @@
 //! |---|---|---|
 //! | `A` | spindle angle at which the thread begins at R, degrees | 0 |
 //! | `J` | way out: up to 20 so many times S, above 20 rev/min | as fast as in |
+//! | `I` | acceleration on the way out: up to 1 that share of what the drives give, above 1 rev/s² | all of it |
 //! | `Q` | depth of each peck, above 0; Q0 ends it | all the way at once |
 //!
 //! Source: Fanuc, operator's manual of series 0i, "Rigid tapping" (M29, G84.2, G84.3 and the alarms
@@ -26,11 +27,14 @@ use crate::{
     fault::{Outcome, error, refuse},
     state::{Cycle, Motion},
 };
-use canon::{Plane, ToolKind};
+use canon::{Plane, ReturnAcceleration, ToolKind};
 use diag::Span;
+use units::SpinAccel;
 
 /// J up to this is a factor, above it a speed in rev/min.
 const LARGEST_FACTOR: f64 = 20.0;
+/// Least share of the acceleration: with less a tap would come out in minutes.
+const LEAST_SHARE: f64 = 0.01;
 /// More pecks than this in one thread are a slip of the pen.
 const MAX_PECKS: f64 = 200.0;
 
@@ -50,12 +54,18 @@ pub(crate) enum Rigid {
 pub(crate) struct TapWords {
     start_angle_deg: f64,
     return_speed: ReturnSpeed,
+    return_acceleration: ReturnAcceleration,
     peck: Option<f64>,
 }
 
 impl Default for TapWords {
     fn default() -> Self {
-        Self { start_angle_deg: 0.0, return_speed: ReturnSpeed::Times(1.0), peck: None }
+        Self {
+            start_angle_deg: 0.0,
+            return_speed: ReturnSpeed::Times(1.0),
+            return_acceleration: ReturnAcceleration::AsSet,
+            peck: None,
+        }
     }
 }
 
@@ -68,13 +78,14 @@ impl TapWords {
         dwell_s: f64,
         overrides: (bool, bool),
     ) -> CycleTap {
-        let &Self { start_angle_deg, return_speed, peck } = self;
+        let &Self { start_angle_deg, return_speed, return_acceleration, peck } = self;
         CycleTap {
             hole,
             sense,
             dwell_s,
             start_angle_deg,
             return_speed,
+            return_acceleration,
             peck,
             overrides,
             feed_stated: false,
@@ -152,7 +163,7 @@ impl Executor {
             && tool.is_some_and(|t| matches!(t.kind, ToolKind::Tap(_)))
     }
 
-    /// A, J, Q of this block, or those that the cycle kept.
+    /// A, I, J, Q of this block, or those that the cycle kept.
     pub(crate) fn tap_words(&self, kept: Option<TapWords>) -> Outcome<TapWords> {
         let kept = kept.unwrap_or_default();
         let return_speed = match self.words.get(b'J') {
@@ -180,7 +191,29 @@ impl Executor {
             let text = format!("A is an angle within a turn, 0 to 360, found {start_angle_deg}");
             return refuse("I0537", self.words.span(b'A'), text);
         }
-        Ok(TapWords { start_angle_deg, return_speed, peck })
+        let return_acceleration = self.return_acceleration(kept.return_acceleration)?;
+        Ok(TapWords { start_angle_deg, return_speed, return_acceleration, peck })
+    }
+
+    /// I of this block.
+    fn return_acceleration(&self, kept: ReturnAcceleration) -> Outcome<ReturnAcceleration> {
+        match self.words.get(b'I') {
+            None => Ok(kept),
+            Some(1.0) => Ok(ReturnAcceleration::AsSet),
+            Some(share) if (LEAST_SHARE..1.0).contains(&share) => {
+                Ok(ReturnAcceleration::Share(share))
+            }
+            Some(limit) if limit > 1.0 => {
+                Ok(ReturnAcceleration::Limit(SpinAccel::rev_per_s2(limit)))
+            }
+            Some(other) => {
+                let text = format!(
+                    "I is the acceleration of the way out: {LEAST_SHARE} to 1 of what the drives give, or rev/s² \
+                     above that, found {other}"
+                );
+                refuse("I0539", self.words.span(b'I'), text)
+            }
+        }
     }
 
     /// A peck so small that it is a slip of the pen.

@@ -13,7 +13,7 @@ use crate::{
     frame::Point,
     resolve::{Resolver, position},
 };
-use canon::{Axis, Holder, OpKind, Tap, ToolKind};
+use canon::{Axis, Holder, OpKind, ReturnAcceleration, Tap, ToolKind};
 use diag::{Diagnostic, Span};
 use units::{Angle, Lead, Length, Spin, Time};
 
@@ -47,6 +47,7 @@ impl Resolver {
                     ReturnSpeed::Times(factor) => spin * factor,
                     ReturnSpeed::Rpm(rpm) => Spin::rpm(rpm),
                 },
+                return_acceleration: tap.return_acceleration,
                 dwell: Time::s(tap.dwell_s),
                 start_angle: self
                     .clutch_lead()
@@ -155,6 +156,7 @@ impl Resolver {
                 lead,
                 spin,
                 return_spin: spin * return_factor,
+                return_acceleration: ReturnAcceleration::AsSet,
                 dwell: Time::ZERO,
                 start_angle: Some(Angle::ZERO),
                 peck: None,

@@ -312,3 +312,21 @@ fn threads_of_a_lathe_follow_the_spindle_from_the_index_on() {
         }
     }
 }
+
+#[test]
+fn return_speed_and_acceleration_of_a_tap_are_no_lengths() {
+    // without a point they count what they are, not thousandths of a millimetre
+    for (words, back_rpm, limit) in [("J3000 I250", 3000.0, 250.0), ("J2 I300.", 2400.0, 300.0)] {
+        let program =
+            format!("O1\nG0 Z5.\nM29 S1200\nG99 G84 X0 Z-10. R2. F1200 {words}\nG80\nM30\n");
+        let (kinds, findings) = ops_with(&program, &setup(Dialect::Fanuc));
+        let tap = kinds.iter().find_map(|kind| match kind {
+            OpKind::Tap(tap) => Some(*tap),
+            _ => None,
+        });
+        let tap = tap.unwrap_or_else(|| panic!("{findings:#?}"));
+        assert!((tap.return_spin.in_rpm() - back_rpm).abs() < 1e-9, "{words}: {tap:?}");
+        let wanted = canon::ReturnAcceleration::Limit(units::SpinAccel::rev_per_s2(limit));
+        assert_eq!(tap.return_acceleration, wanted);
+    }
+}

@@ -1,10 +1,10 @@
 //! What programs come to as operations. Expected values follow from the definitions of the codes.
 use canon::{
-    Axis, Feed, Holder, Op, OpKind, PathMode, Plane, SpindleOrder, TapTool, Tool, ToolKind,
-    ToolLibrary,
+    Axis, Feed, Holder, Op, OpKind, PathMode, Plane, ReturnAcceleration, SpindleOrder, TapTool,
+    Tool, ToolKind, ToolLibrary,
 };
 use interp::{Ops, Setup, Subprogram};
-use units::{Angle, Lead, Length, Spin, Stiffness, Time};
+use units::{Angle, Lead, Length, Spin, SpinAccel, Stiffness, Time};
 
 fn tool(number: u32, length: f64, kind: ToolKind) -> Tool {
     Tool {
@@ -289,6 +289,13 @@ fn a_tap_takes_its_start_angle_its_return_speed_and_its_pecks_from_words() {
     assert_eq!(tap.peck, Some(Length::mm(4.0)));
     assert_eq!(the_tap(&ops_of(&shop(), &program("J1500"))).return_spin, Spin::rpm(1500.0));
     assert_eq!(the_tap(&ops_of(&shop(), &program(""))).peck, None);
+    let acceleration = |words: &str| the_tap(&ops_of(&shop(), &program(words))).return_acceleration;
+    assert_eq!(acceleration(""), ReturnAcceleration::AsSet);
+    assert_eq!(acceleration("I1"), ReturnAcceleration::AsSet);
+    assert_eq!(acceleration("I0.4"), ReturnAcceleration::Share(0.4));
+    assert_eq!(acceleration("I250"), ReturnAcceleration::Limit(SpinAccel::rev_per_s2(250.0)));
+    let wild = refused(&shop(), &program("I0.001"), "I0539");
+    assert!(wild.message.contains("0.01 to 1") && wild.message.ends_with("found 0.001"));
     refused(&shop(), &program("J0"), "I0535");
     refused(&shop(), &program("Q-1"), "I0536");
     let small = refused(&shop(), &program("Q0.01"), "I0538");

@@ -119,6 +119,7 @@ fn ops(s_rpm: f64, repetitions: &[Repetition]) -> Vec<Op> {
                 lead: Lead::mm_per_rev(1.0),
                 spin: Spin::rpm(s_rpm.min(3000.0)),
                 return_spin: Spin::rpm(s_rpm.min(3000.0)),
+                return_acceleration: canon::ReturnAcceleration::AsSet,
                 dwell: Time::ZERO,
                 start_angle: None,
                 peck: None,

@@ -96,6 +96,7 @@ fn ops(places: &[(f64, f64)]) -> Vec<Op> {
             lead: Lead::mm_per_rev(1.0),
             spin: Spin::rpm(6000.0),
             return_spin: Spin::rpm(6000.0),
+            return_acceleration: canon::ReturnAcceleration::AsSet,
             dwell: Time::ZERO,
             start_angle: None,
             peck: None,

@@ -255,6 +255,8 @@ pub enum Limiting {
     FeedJerk,
     /// The stroke is too short to reach the programmed S.
     StrokeLength,
+    /// The acceleration that was asked for.
+    AskedAcceleration,
     /// A ramp that was asked for, whatever the spindle can do.
     Forced,
 }
@@ -272,6 +274,7 @@ impl Limiting {
             Self::FeedAcceleration => "feed acceleration",
             Self::FeedJerk => "feed jerk",
             Self::StrokeLength => "length of the stroke",
+            Self::AskedAcceleration => "acceleration asked for",
             Self::Forced => "forced ramp",
         }
     }

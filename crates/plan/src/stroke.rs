@@ -19,7 +19,7 @@ use crate::limits::{AxisLimits, SpindleLimits};
 use crate::ramp::{Ceiling, Ramp};
 use crate::{Limiting, Profile, TapLimiting};
 use canon::Flute;
-use units::{Angle, Lead, Length, Spin, Time, Torque};
+use units::{Angle, Lead, Length, Spin, SpinAccel, Time, Torque};
 
 /// One way of a tap: from rest to rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +32,8 @@ pub struct StrokeRequest {
     pub lead: Lead,
     /// Torque of the cut.
     pub cut: Torque,
+    /// Highest acceleration that is asked for, below what the machine allows; `None`: all of that.
+    pub gentle: Option<SpinAccel>,
     /// A straight ramp from rest to `spin` in this time instead of what the machine allows.
     pub force_ramp: Option<Time>,
 }
@@ -67,6 +69,12 @@ impl StrokeRequest {
             profile: Profile::stroke(length, &up, &down),
             limiting: TapLimiting { speed, ramp },
         }
+    }
+
+    /// The acceleration that spindle and feed axis allow from rest, whatever gentler one is asked for.
+    pub fn acceleration_from_rest(&self, spindle: &SpindleLimits, axis: &AxisLimits) -> SpinAccel {
+        let torque = SpinAccel::rev_per_s2(spindle.speeding_up(self.cut).at_rest());
+        torque.min(axis.accel / self.lead.abs())
     }
 
     /// Highest speed, rev/s, and what sets it.
@@ -108,17 +116,21 @@ impl Ramps {
         top: Spin,
     ) -> Self {
         let lead = request.lead.abs();
+        let asked = request.gentle.map_or(f64::INFINITY, SpinAccel::value);
         let feed_accel = (axis.accel / lead).value();
+        let level = feed_accel.min(asked);
         let feed_jerk = (axis.feed_jerk / lead).value();
         let jerk = feed_jerk.min(spindle.jerk());
         let up = spindle.speeding_up(request.cut);
         let down = spindle.slowing_down();
         Self {
-            up: up.ceiling(feed_accel, jerk, top.value()),
-            down: down.ceiling(feed_accel, jerk, top.value()),
+            up: up.ceiling(level, jerk, top.value()),
+            down: down.ceiling(level, jerk, top.value()),
             jerk,
             base: up.base(),
-            level: if feed_accel < up.at_rest() {
+            level: if asked < feed_accel.min(up.at_rest()) {
+                Limiting::AskedAcceleration
+            } else if feed_accel < up.at_rest() {
                 Limiting::FeedAcceleration
             } else {
                 Limiting::SpindleTorque

@@ -38,6 +38,7 @@ fn tap() -> impl Strategy<Value = Tap> {
         lead: Lead::mm_per_rev(lead),
         spin: Spin::rpm(rpm),
         return_spin: Spin::rpm(back),
+        return_acceleration: canon::ReturnAcceleration::AsSet,
         dwell: Time::s(dwell),
         start_angle: None,
         peck: None,

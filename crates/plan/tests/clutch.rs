@@ -5,8 +5,8 @@ mod common;
 use canon::{Axis, Holder, OpKind, ToolKind, ToolLibrary};
 use common::{OPTIONS, TOP, findings_of, machine, rapid, steps_of, tap, tap_tool, tools, turn};
 use plan::{
-    DwellCheck, Options, PlainDrive, Planner, SpindleStep, Start, Step, StepKind, TapMethod,
-    Unsynchronised,
+    DwellCheck, Effort, Options, PlainDrive, Planner, SpindleStep, Start, Step, StepKind,
+    TapMethod, Unsynchronised,
 };
 use units::{Angle, Length, Spin, SpinAccel, Stiffness, Time};
 
@@ -103,6 +103,28 @@ fn a_dwell_that_is_left_out_is_the_middle_of_the_window_of_the_measured_spindle(
     for dwell in dwells(&steps) {
         assert!((dwell - exact).abs() < 1e-9, "{dwell} for {exact}");
     }
+}
+
+/// The spindle's reversal between two feeds is a turn like any other: no preset of tapping changes it, and so none
+/// may change the dwell that is made for it.
+#[test]
+fn a_preset_changes_neither_the_reversal_nor_the_dwell_that_waits_for_it() {
+    let held = |effort: Effort| {
+        let mut held = tap_tool(2, "M6x1", 6.0, 1.0);
+        if let ToolKind::Tap(tap) = &mut held.kind {
+            tap.holder = CLUTCH;
+        }
+        let library = ToolLibrary::new(tools().iter().cloned().chain([held]));
+        let at = tap(10.0, 10.0, 5.0, -15.0, 1.0, 3000.0).start;
+        let mut limits = machine();
+        (limits.tapping.inward, limits.tapping.outward) = (effort, effort);
+        let start = Start { position: at, tool: 2 };
+        steps_of(Planner::new(limits, library, OPTIONS, start), order(0.0))
+    };
+    let [gentle, hard] =
+        [(0.5, 0.5), (0.95, 1.6)].map(|(margin, jerk)| held(Effort { margin, jerk }));
+    assert_eq!(dwells(&gentle).len(), 2);
+    assert_eq!(dwells(&gentle), dwells(&hard));
 }
 
 #[test]

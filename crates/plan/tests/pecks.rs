@@ -114,6 +114,7 @@ fn a_short_stroke_is_within_3_percent_of_the_time_that_no_tap_can_beat() {
         spin: Spin::rpm(1e5),
         lead: Lead::mm_per_rev(1.25),
         cut: Torque::ZERO,
+        gentle: None,
         force_ramp: None,
     };
     let both = 2.0 * request.plan(&spindle, &axis).profile.duration();

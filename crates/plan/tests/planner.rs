@@ -1,9 +1,10 @@
 //! From ops to steps: order, waiting, time.
 mod common;
-use canon::{Feed, OpKind, PathMode, Position};
-use common::{change, hole, line, planner_at, rapid, steps, steps_of, tap, turn};
+use canon::{Feed, OpKind, PathMode, Position, ReturnAcceleration};
+use common::{change, hole, line, mm, planner_at, rapid, steps, steps_of, tap, turn};
 use path::Shape;
 use plan::{SpindleStep, Step, StepKind};
+use std::f64::consts::TAU;
 use units::{Lead, Time};
 
 /// Whether a step goes on with the one before, along the same straight line and without a stop between them: a law with
@@ -232,6 +233,35 @@ fn a_faster_return_takes_less_time() {
     let steps = steps_of(planner_at(t.start, 2), [OpKind::Tap(t)]);
     let [Step { kind: StepKind::Tap(plan), .. }] = steps[..] else { panic!("{}", words(&steps)) };
     assert!(plan.outward.duration() < 0.7 * plan.inward.duration());
+}
+
+/// Out with its own acceleration A under the jerk j: N/n + n/A + A/j, while the way in stays what it was.
+#[test]
+fn the_way_out_has_an_acceleration_of_its_own() {
+    let t = tap(0.0, 0.0, 2.0, -20.0, 1.0, 1500.0);
+    let out = |asked: ReturnAcceleration| {
+        let t = canon::Tap { return_acceleration: asked, ..t };
+        let steps = steps_of(planner_at(t.start, 2), [OpKind::Tap(t)]);
+        let [Step { kind: StepKind::Tap(plan), .. }] = steps[..] else {
+            panic!("{}", words(&steps))
+        };
+        (plan.inward.duration(), plan.outward.duration())
+    };
+    let spindle = common::SPINDLE;
+    let level = spindle.margin * spindle.peak_torque.value() / (TAU * spindle.inertia.value());
+    let jerk = (level / spindle.torque_rise.value()).min(5e5);
+    let closed_form = |accel: f64| 22.0 / 25.0 + 25.0 / accel + accel / jerk;
+    let usual = out(ReturnAcceleration::AsSet);
+    for accel in [60.0, 100.0, 300.0] {
+        let found = out(ReturnAcceleration::Limit(units::SpinAccel::rev_per_s2(accel)));
+        assert_eq!(found.0, usual.0, "the way in");
+        assert!((found.1 - closed_form(accel)).abs() < 1e-9, "{accel}: {found:?}");
+    }
+    // a share of what torque gives from rest against friction and the cut (M6 in C45: 1.726 N·m)
+    let cut = plan::tapping_torque(mm(6.0), mm(5.0), canon::Flute::SpiralFlute, 3900.0).value();
+    let highest = level - (spindle.friction.value() + cut) / (TAU * spindle.inertia.value());
+    let half = out(ReturnAcceleration::Share(0.5));
+    assert!((half.1 - closed_form(highest / 2.0)).abs() < 1e-9, "{half:?}");
 }
 
 #[test]

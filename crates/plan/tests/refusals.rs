@@ -168,6 +168,23 @@ fn a_return_faster_than_possible_is_slowed_down() {
 }
 
 #[test]
+fn a_return_acceleration_beyond_the_drives_is_refused_and_one_that_no_ramp_obeys_too() {
+    use canon::ReturnAcceleration::Limit;
+    let asked = |accel: f64| canon::Tap {
+        return_acceleration: Limit(units::SpinAccel::rev_per_s2(accel)),
+        ..tap(0.0, 0.0, 2.0, -20.0, 1.0, 3000.0)
+    };
+    // (0.9·42 − 0.3 − 1.726) N·m / (2π·0.01 kg·m²) = 569.3 rev/s²
+    assert_snapshot!(tap_findings(2, asked(900.0)), @"M0344 Error line 1: a return acceleration of 900 rev/s² is more than spindle and Z give from rest, 569.356 rev/s²: I569 works");
+    assert!(!tap_findings(2, asked(569.0)).contains("M0344"));
+    let t = asked(100.0);
+    let forced = plan::Options { force_ramp: Some(units::Time::s(0.3)), ..common::OPTIONS };
+    let start = plan::Start { position: t.start, tool: 2 };
+    let planner = plan::Planner::new(common::machine(), common::tools(), forced, start);
+    assert_snapshot!(findings_of(planner, [OpKind::Tap(t)]), @"M0345 Error line 1: a return acceleration (I) cannot be obeyed here, because the run-up of every tap is set to a time: leave I out");
+}
+
+#[test]
 fn deeper_than_the_flutes() {
     assert_snapshot!(tap_findings(2, tap(0.0, 0.0, 2.0, -40.0, 1.0, 600.0)), @"M0322 Error line 1: T2 M6x1 can cut 32 mm deep before its flutes end, found 40 mm: Z-32 is the deepest that works");
 }

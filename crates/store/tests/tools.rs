@@ -209,13 +209,11 @@ proptest! {
         let text = String::from_utf8_lossy(&bytes);
         let _ = tools::parse_toml(&text, 0);
         let _ = tools::parse_tbl(&text, 0, TableUnit::Millimetre);
-        let _ = tools::Thread::parse(&text);
     }
 
     #[test]
     fn nearly_good_lines_make_no_reader_panic(text in "([TPDXZ;]?[-+0-9.Mx/# ]{0,8}( tap| drill|-LH| UNC)?\n?){0,12}") {
         let _ = tools::parse_tbl(&text, 0, TableUnit::Millimetre);
-        let _ = tools::Thread::parse(&text);
     }
 }
 

@@ -5,6 +5,7 @@
 //!   metric, ISO 965-1:      4H   5H   6H   7H      tolerance zone begins at the basic size
 //!   unified, ASME B1.1:          3B   2B   1B
 //! ```
+use canon::Family;
 use std::fmt;
 use std::str::FromStr;
 
@@ -25,15 +26,6 @@ pub enum ThreadClass {
     B2,
     /// Unified, coarse.
     B1,
-}
-
-/// Whose system of sizes and tolerances a thread belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Family {
-    /// ISO metric.
-    Metric,
-    /// Unified inch.
-    Unified,
 }
 
 impl ThreadClass {

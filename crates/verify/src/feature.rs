@@ -13,6 +13,7 @@
 //! errors are signed so that positive means *deeper* or *more*. Values keep their units here;
 //! the certificate's keys (`depth_error_um`, …) are made where the file is written.
 use crate::ThreadClass;
+use canon::Hand;
 use units::{Angle, Force, Lead, Length, Spin, Time, Torque};
 
 /// One thing cut into the workpiece, measured and judged.
@@ -140,33 +141,6 @@ pub struct Hole {
     pub diameter: Length,
     /// Chips were thrown off the tool after it, on the way to the next hole: seen, not only ordered.
     pub chip_removal: bool,
-}
-
-/// Which way a thread winds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Hand {
-    /// Screws in clockwise.
-    Right,
-    /// Screws in counter-clockwise.
-    Left,
-}
-
-impl Hand {
-    /// `"right"` or `"left"`.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Right => "right",
-            Self::Left => "left",
-        }
-    }
-
-    /// +1 for right, −1 for left.
-    pub const fn sign(self) -> f64 {
-        match self {
-            Self::Right => 1.0,
-            Self::Left => -1.0,
-        }
-    }
 }
 
 /// Which gauge leaves the least margin.

@@ -16,8 +16,8 @@
 //! a lead error, cot 30°·δp = 1.732·δp).
 use crate::class::ThreadClass;
 use crate::feature::Gauge;
-use crate::size::ThreadSize;
 use crate::tolerance::Limits;
+use canon::ThreadSize;
 use units::Length;
 
 /// Gauges resolve no less than this; closer to a limit is on it.

@@ -17,7 +17,7 @@ use crate::gauge::{CutThread, Gauged};
 use crate::groove::{Cut, OffHelix, TapForm};
 use crate::hole::Drilled;
 use crate::thread::ThreadTrack;
-use crate::tolerance::Limits;
+use crate::tolerance::{Limits, normal_engagement};
 use units::{Angle, Length, Spin};
 
 /// A tap may stand this much deeper than the hole's full diameter: it is the drill's own tolerance.
@@ -47,7 +47,7 @@ impl<'a> Inspection<'a> {
         let form = TapForm {
             chamfer_mm,
             clearance_mm: config.flank_clearance.value().max(0.0),
-            engagement_mm: size.normal_engagement().value().min(full_mm),
+            engagement_mm: normal_engagement(size).value().min(full_mm),
         };
         let cut = track.edges.cut(&form, full_mm);
         let hole = hole_below(track, holes, tip_mm);
@@ -89,7 +89,7 @@ impl<'a> Inspection<'a> {
             position_error: track.visit.position_error(),
             size: track.size.designation.clone(),
             hand: track.size.hand,
-            lead: track.size.lead(),
+            lead: track.size.lead().abs(),
             depth: Length::mm(self.full_mm),
             tip_depth: Length::mm(self.tip_mm),
             depth_error: Length::mm(self.tip_mm - track.stroke.programmed_mm),

@@ -9,14 +9,13 @@
 //! The helix that counts is the *tap's own*: a block with another lead does not make another thread, it
 //! tears this one. `docs/judging.md` derives the equations and says what the method cannot see.
 use crate::Config;
-use crate::feature::{Feature, FeatureKind, Hand, Verdict};
+use crate::feature::{Feature, FeatureKind, Verdict};
 use crate::groove::Groove;
 use crate::hole::{Drilled, times};
 use crate::inspection::Inspection;
-use crate::size::ThreadSize;
 use crate::stroke::{Stroke, Visit};
 use bus::{Sample, State};
-use canon::{Holder, Tap, TapTool, Tool, ToolKind};
+use canon::{Hand, Holder, Tap, TapTool, ThreadSize, Tool, ToolKind};
 use units::{Force, Length, Time, Torque};
 
 /// The spindle that turns the tap.
@@ -219,7 +218,7 @@ fn mismatch(tap: &Tap, number: u32, size: &ThreadSize, ordered: Hand) -> Vec<Str
             ordered.name()
         ));
     }
-    let (asked_mm, own_mm) = (tap.lead.value().abs(), size.lead().value());
+    let (asked_mm, own_mm) = (tap.lead.value().abs(), size.pitch.value());
     if (asked_mm / own_mm - 1.0).abs() > 0.01 {
         findings.push(format!(
             "the block's lead is {asked_mm:.4} mm, that of T{number} is {own_mm:.4} mm"

@@ -21,8 +21,9 @@
 //!   0.05·P^⅔ + 0.03·P/D − 0.002, at least 0.25·P − 0.4·P² and at most 0.394·P
 //! - TD1(3B) = 0.05·P^⅔ + 0.03·P/D − 0.002, at least 0.23·P − 1.5·P² (13 threads and finer) or
 //!   0.120·P (coarser), at most 0.394·P
-use crate::class::{Family, ThreadClass};
-use crate::size::ThreadSize;
+use crate::class::ThreadClass;
+use canon::Family;
+use canon::ThreadSize;
 use units::{Length, MM_PER_INCH};
 
 /// One size of ISO 965-1.
@@ -105,6 +106,12 @@ impl Limits {
     }
 }
 
+/// Longest engagement for which the tolerances of a normal length ("N") hold:
+/// 6.7·P·d^0.2 (ISO 965-1; d taken as the nominal diameter).
+pub(crate) fn normal_engagement(size: &ThreadSize) -> Length {
+    size.pitch * (6.7 * size.nominal.value().powf(0.2))
+}
+
 fn listed(size: &ThreadSize) -> Option<&'static Row> {
     let (d, p) = (size.nominal.value(), size.pitch.value());
     let metric = size.family == Family::Metric;
@@ -182,7 +189,7 @@ fn unified(size: &ThreadSize, class: ThreadClass) -> (Length, Length) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::feature::Hand;
+    use canon::Hand;
 
     fn limits(text: &str, class: ThreadClass) -> Limits {
         Limits::of(&text.parse().unwrap(), class)

@@ -16,9 +16,9 @@
 //! The material begins at the surface that the block names. Where the chain ends the axes come to rest, which takes a part
 //! of a revolution: the last revolution before it is the run-out and is not judged.
 use crate::Config;
-use crate::feature::{Feature, FeatureKind, Hand, Verdict};
+use crate::feature::{Feature, FeatureKind, Verdict};
 use bus::Sample;
-use canon::{Axis, OpKind, Position, Threading};
+use canon::{Axis, Hand, OpKind, Position, Threading};
 use units::{Lead, Length, Spin, Time};
 
 /// Turns before the chain's end that are run-out.

@@ -207,6 +207,12 @@ pub(super) const ROWS: &[Finding] = &[
         "S100 F100 M3\nG84 X1 Z-5 R2 Q1",
     ),
     row(
+        "I0539",
+        "I of a tapping cycle is the acceleration of the way out.",
+        "S100 F100 M3\nG84 X1 Z-5 R2 I0",
+        "S100 F100 M3\nG84 X1 Z-5 R2 I0.5",
+    ),
+    row(
         "I0540",
         "Cutter compensation is on already.",
         "T1 M6\nF100\nG41 G1 X20\nG42 X40",

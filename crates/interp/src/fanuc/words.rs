@@ -33,6 +33,8 @@ struct Sense {
     cycle: bool,
     thread: bool,
     set_offset: bool,
+    /// A tapping cycle: its I and J are no lengths.
+    tap: bool,
     /// G92, G50.
     position: bool,
     /// G54.1.
@@ -164,6 +166,7 @@ impl Fanuc {
                     let from = if axis == 0 && ex.state.diameter { 2.0 * from } else { from };
                     ex.words.put(letter, from + value, word.span)?;
                 }
+                b'I' | b'J' if sense.tap => ex.words.put(word.letter, word.value, word.span)?,
                 letter => ex.words.put(letter, value, word.span)?,
             }
         }
@@ -176,6 +179,7 @@ impl Fanuc {
     fn sense(&mut self, ex: &Executor, said: &[Said]) -> Sense {
         let mut sense = Sense {
             cycle: matches!(ex.state.motion, Motion::Cycle(_)),
+            tap: matches!(ex.state.motion, Motion::Cycle(cycle) if cycle.tap_sense().is_some()),
             thread: ex.state.motion == Motion::Thread,
             per_revolution: ex.state.feed_mode == FeedMode::PerRevolution,
             ..Sense::default()
@@ -192,6 +196,7 @@ impl Fanuc {
                     Meaning::Shared(code @ (0..=30 | 730..=890)) => {
                         sense.motion = true;
                         sense.cycle = code >= 730 && code != 800;
+                        sense.tap = matches!(code, 740 | 840 | 842 | 843);
                         sense.thread = false;
                         self.lathe_cycle = None;
                     }

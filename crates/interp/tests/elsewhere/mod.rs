@@ -53,6 +53,14 @@ pub(crate) const SENTENCES: &[(&str, &str)] = &[
     ("M0341", "A clutch holder pulls the tap in farther than the stroke is long."),
     ("M0342", "An unsynchronised tap pulls its holder out farther than it gives."),
     ("M0343", "A word that only a synchronised tap can obey."),
+    (
+        "M0344",
+        "The acceleration asked for on the way out is more than spindle and axis give; what works is said.",
+    ),
+    (
+        "M0345",
+        "An acceleration is asked for on the way out, and the ramps of this spindle are not planned.",
+    ),
     ("M0350", "Chips would be thrown off at a speed that the spindle does not reach."),
     ("M0351", "Chips are thrown off against the cut."),
     ("M0401", "Polygon turning needs a work spindle and a tool spindle."),

@@ -74,6 +74,7 @@ pub(super) fn op(order: &TapOrder) -> Op {
             lead: Lead::mm_per_rev(hand * order.lead_mm),
             spin: Spin::rpm(order.rpm),
             return_spin: Spin::rpm(order.rpm),
+            return_acceleration: canon::ReturnAcceleration::AsSet,
             dwell: plan.dwell,
             start_angle: None,
             peck: None,

@@ -259,6 +259,7 @@ impl TapOrder {
             spin: Spin::rpm(self.rpm),
             lead: Lead::mm_per_rev(self.lead_mm),
             cut: Torque::ZERO,
+            gentle: None,
             force_ramp: self.ramp_s.map(Time::s),
         };
         let stroke = request.plan(&SPINDLE_LIMITS, &Z_LIMITS).profile;

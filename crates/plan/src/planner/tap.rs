@@ -25,9 +25,9 @@ use crate::step::{StepKind, TapPlan};
 use crate::stroke::{Stroke, StrokeRequest};
 use crate::tap_check::{TapCheck, cutting_torque, whole_rpm};
 use alloc::{format, string::String};
-use canon::{Axis, Holder, Tap, TapTool, Tool, ToolKind};
+use canon::{Axis, Holder, ReturnAcceleration, Tap, TapTool, Tool, ToolKind};
 use diag::{Diagnostic, Span};
-use units::{Angle, Lead, Length, Spin, Time, Torque};
+use units::{Angle, Lead, Length, Spin, SpinAccel, Time, Torque};
 
 /// The axes stand at the start if they are this near to it, mm.
 const AT_START: f64 = 1e-6;
@@ -45,7 +45,11 @@ const NO_PECK: f64 = 1e-6;
 pub(super) struct Means {
     pub(super) inward: (AxisLimits, SpindleLimits),
     outward: (AxisLimits, SpindleLimits),
+    /// What the spindle turns up and down with where nothing ties it to the feed: no preset is for that.
+    pub(super) turning: SpindleLimits,
     cut: Torque,
+    /// Acceleration asked for on the way out.
+    gentle: Option<SpinAccel>,
 }
 
 /// One way in and the way back, as coordinates of the axis.
@@ -121,6 +125,10 @@ impl Planner {
             let beside = self.holes.beside(&tap.start, tool.diameter);
             found.extend(beside.map(|(hole, off)| beside_its_hole(job.span, &hole, off)));
         }
+        let gentle = self.return_acceleration(job, tap, &outward, cut);
+        if let Err(finding) = &gentle {
+            found.push(finding.clone());
+        }
         let refused = place || found.iter().any(Diagnostic::is_error);
         for finding in found {
             self.findings.add(finding);
@@ -130,7 +138,60 @@ impl Planner {
                         right size";
             self.findings.add_once(Diagnostic::note("M0324", job.span, text));
         }
-        (!refused).then_some(Means { inward, outward, cut })
+        let gentle = gentle.ok().filter(|_| !refused)?;
+        Some(Means { inward, outward, turning: spindle, cut, gentle })
+    }
+
+    /// The acceleration asked for on the way out (I), if drives and ramps can obey it.
+    fn return_acceleration(
+        &self,
+        job: &Job,
+        tap: &Tap,
+        outward: &(AxisLimits, SpindleLimits),
+        cut: Torque,
+    ) -> Result<Option<SpinAccel>, Diagnostic> {
+        if tap.return_acceleration == ReturnAcceleration::AsSet {
+            return Ok(None);
+        }
+        let tapping = &self.limits.tapping;
+        let why = if tapping.own_ramps.is_some() {
+            "the spindle's drive makes ramps of its own"
+        } else if self.options.force_ramp.is_some() {
+            "the run-up of every tap is set to a time"
+        } else {
+            ""
+        };
+        if !why.is_empty() {
+            let text = format!(
+                "a return acceleration (I) cannot be obeyed here, because {why}: leave I out"
+            );
+            return Err(Diagnostic::error("M0345", job.span, text));
+        }
+        let request = StrokeRequest {
+            revolutions: Angle::ZERO,
+            spin: tap.return_spin,
+            lead: tap.lead,
+            cut,
+            gentle: None,
+            force_ramp: None,
+        };
+        let highest = request.acceleration_from_rest(&outward.1, &outward.0);
+        match tap.return_acceleration {
+            ReturnAcceleration::Limit(asked) if asked > highest => {
+                let text = format!(
+                    "a return acceleration of {} rev/s² is more than spindle and {} give from rest, {} rev/s²: \
+                     I{} works",
+                    number(asked.value()),
+                    tap.axis.letter(),
+                    number(highest.value()),
+                    number(libm::floor(highest.value())),
+                );
+                Err(Diagnostic::error("M0344", job.span, text))
+            }
+            ReturnAcceleration::Limit(asked) => Ok(Some(asked)),
+            ReturnAcceleration::Share(share) => Ok(Some(highest * share)),
+            ReturnAcceleration::AsSet => Ok(None),
+        }
     }
 
     /// The axis and the spindle that a tap needs.
@@ -259,12 +320,14 @@ impl Planner {
             spin: tap.spin,
             lead: tap.lead,
             cut: means.cut,
+            gentle: None,
             force_ramp: self.ramp_of_stroke(tap.spin),
         };
         let revolutions = turns(peck.bottom, peck.end);
         let return_spin = tap.return_spin.min(highest_return(tap, means));
         let force_ramp = self.ramp_of_stroke(return_spin);
-        let back = StrokeRequest { revolutions, spin: return_spin, force_ramp, ..request };
+        let gentle = means.gentle;
+        let back = StrokeRequest { revolutions, spin: return_spin, force_ramp, gentle, ..request };
         let inward = self.stroke(request, &means.inward, 0);
         let outward = self.stroke(back, &means.outward, 1);
         // on the helix through the start: where a peck begins deeper, the spindle stands that much further

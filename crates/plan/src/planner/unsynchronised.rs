@@ -72,7 +72,7 @@ impl Planner {
             lead: tap.lead.abs(),
             spin: tap.spin,
             clearance: ((tap.surface - start) * inward).max(Length::ZERO),
-            reversal: self.reversal(&means.inward.1, tap.spin),
+            reversal: self.reversal(&means.turning, tap.spin),
             feed_lag: back.lag,
         };
         let window = cycle.window();
@@ -117,6 +117,10 @@ impl Planner {
         let words = [
             (tap.peck.is_some(), "pecks (Q)"),
             (tap.return_spin != tap.spin, "a return speed (J)"),
+            (
+                tap.return_acceleration != canon::ReturnAcceleration::AsSet,
+                "a return acceleration (I)",
+            ),
         ];
         let mut refused = false;
         for (stated, what) in words {
@@ -213,14 +217,14 @@ impl Planner {
             }
             Holder::Rigid { .. } | Holder::Clutch { .. } => Length::ZERO,
         };
-        let needed = self.pulled_out(&means.inward.1, tap, tap.spin);
+        let needed = self.pulled_out(&means.turning, tap, tap.spin);
         if needed <= travel {
             return false;
         }
         let (mut low, mut high) = (0.0, tap.spin.value());
         for _ in 0..53 {
             let middle = f64::midpoint(low, high);
-            let fits = self.pulled_out(&means.inward.1, tap, Spin::rev_per_s(middle)) <= travel;
+            let fits = self.pulled_out(&means.turning, tap, Spin::rev_per_s(middle)) <= travel;
             if fits { low = middle } else { high = middle }
         }
         let works = whole_rpm(Spin::rev_per_s(low));

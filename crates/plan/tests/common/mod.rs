@@ -120,6 +120,7 @@ pub fn tap(x: f64, y: f64, r: f64, z: f64, lead: f64, rpm: f64) -> Tap {
         lead: Lead::mm_per_rev(lead),
         spin: Spin::rpm(rpm),
         return_spin: Spin::rpm(rpm),
+        return_acceleration: canon::ReturnAcceleration::AsSet,
         dwell: Time::ZERO,
         start_angle: None,
         peck: None,

@@ -28,6 +28,7 @@ impl Tapper {
             lead: Lead::mm_per_rev(1.25 * self.hand),
             spin: Spin::rpm(1000.0),
             return_spin: Spin::rpm(1000.0),
+            return_acceleration: canon::ReturnAcceleration::AsSet,
             dwell: Time::ZERO,
             start_angle: None,
             peck: None,

@@ -207,6 +207,7 @@ fn tap_op(x: f64, y: f64) -> Tap {
         lead: Lead::mm_per_rev(1.0),
         spin: Spin::rpm(6000.0),
         return_spin: Spin::rpm(6000.0),
+        return_acceleration: canon::ReturnAcceleration::AsSet,
         dwell: Time::ZERO,
         start_angle: None,
         peck: None,

@@ -8,8 +8,8 @@
 //! | "mill", "endmill" | end mill |
 //! | "polygon" and "… inserts" | polygon cutter whose diameter is that of its tips, nose radius 0.8 |
 //! | none of these, or several, or "chuck" | other |
-use super::{Thread, usual_tap};
-use canon::{Flute, PolygonCutter, ToolKind};
+use super::usual_tap;
+use canon::{Flute, Hand, PolygonCutter, ThreadSize, ToolKind};
 use units::{Angle, Length};
 
 /// What a comment says.
@@ -81,12 +81,13 @@ fn inserts(words: &[&str]) -> Option<u32> {
 fn tap_of(words: &[&str]) -> Option<(ToolKind, Length)> {
     let pairs = words.windows(2).map(|w| w.join(" "));
     let singles = words.iter().map(|w| (*w).to_owned());
-    let mut threads = pairs.chain(singles).filter_map(|t| Thread::parse(&t)).collect::<Vec<_>>();
-    threads.dedup_by(|a, b| a.nominal == b.nominal && a.lead.abs() == b.lead.abs());
+    let mut threads =
+        pairs.chain(singles).filter_map(|t| t.parse::<ThreadSize>().ok()).collect::<Vec<_>>();
+    threads.dedup_by(|a, b| a.nominal == b.nominal && a.pitch == b.pitch);
     let [thread] = threads.as_mut_slice() else { return None };
     let has = |wanted: &[&str]| words.iter().any(|w| wanted.contains(w));
     if has(&["left", "left-hand", "lh"]) {
-        thread.lead = -thread.lead.abs();
+        thread.hand = Hand::Left;
     }
     let mut tap = usual_tap(thread);
     if has(&["point", "spiral-point", "gun"]) {

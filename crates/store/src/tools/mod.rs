@@ -30,13 +30,11 @@
 mod comment;
 mod table;
 mod tbl;
-mod thread;
 
 pub use tbl::TableUnit;
-pub use thread::Thread;
 
 use crate::{Error, SMALL_FILE_LIMIT, read_text};
-use canon::{Flute, Holder, TapTool, Tool, ToolLibrary};
+use canon::{Flute, Holder, TapTool, ThreadSize, Tool, ToolLibrary};
 use diag::Diagnostic;
 use std::path::Path;
 use units::{Length, Stiffness};
@@ -84,18 +82,34 @@ pub fn load(path: &Path) -> Result<ToolTable, Error> {
 
 /// The tap that a bare designation stands for: bottoming chamfer, spiral flutes, class ISO 2, in a rigid
 /// holder. Typical values; a TOML table states them.
-pub fn usual_tap(thread: &Thread) -> TapTool {
+pub fn usual_tap(thread: &ThreadSize) -> TapTool {
     const CHAMFER_PITCHES: f64 = 2.5;
     const LENGTH_IN_DIAMETERS: f64 = 3.5;
     TapTool {
         designation: thread.designation.clone(),
-        lead: thread.lead,
+        lead: thread.lead(),
         chamfer_pitches: CHAMFER_PITCHES,
         thread_length: thread.nominal * LENGTH_IN_DIAMETERS,
         flute: Flute::SpiralFlute,
-        oversize: thread.tap_oversize(),
+        oversize: usual_oversize(thread),
         holder: Holder::Rigid { stiffness: Stiffness::n_per_mm(20_000.0) },
     }
+}
+
+/// Pitch diameter of a tap of class ISO 2 (for 6H) over the basic one: the middle of its field, which
+/// reaches from 0.3 to 0.5 of TD2 of grade 5 (ISO 2857).
+fn usual_oversize(thread: &ThreadSize) -> Length {
+    const MIDDLE: f64 = 0.4;
+    Length::um(MIDDLE * pitch_tolerance_grade_5_um(thread))
+}
+
+/// TD2(5) = 1.06·90·P^0.4·d^0.1 µm, d the geometric mean of the diameter step (ISO 965-1).
+fn pitch_tolerance_grade_5_um(thread: &ThreadSize) -> f64 {
+    const STEPS_MM: [f64; 10] = [0.99, 1.4, 2.8, 5.6, 11.2, 22.4, 45.0, 90.0, 180.0, 355.0];
+    let nominal = thread.nominal.value();
+    let within = STEPS_MM.windows(2).find(|step| nominal > step[0] && nominal <= step[1]);
+    let mean = within.map_or(nominal, |step| (step[0] * step[1]).sqrt());
+    1.06 * 90.0 * thread.pitch.value().powf(0.4) * mean.powf(0.1)
 }
 
 /// Farthest that a tool length or diameter may be from zero.
@@ -121,5 +135,17 @@ fn without_doubles(
         Ok(ToolLibrary::new(tools.into_iter().map(|(tool, _)| tool)))
     } else {
         Err(findings)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_usual_oversize_of_m6_is_two_fifths_of_118_um() {
+        // TD2 5H of M6 is 118 µm by ISO 965-1's table
+        let oversize = usual_oversize(&"M6".parse().unwrap()).in_um();
+        assert!((oversize - 0.4 * 118.0).abs() < 1.0, "{oversize}");
     }
 }

@@ -1,12 +1,12 @@
 //! The table in TOML.
-use super::{LONGEST, MOST_TOOLS, Thread, without_doubles};
+use super::{LONGEST, MOST_TOOLS, usual_oversize, without_doubles};
 use crate::{
     keys::{self, Keys},
     machine::n_per_um,
 };
-use canon::{Flute, Holder, PolygonCutter, TapTool, Tool, ToolKind, ToolLibrary};
+use canon::{Flute, Hand, Holder, PolygonCutter, TapTool, ThreadSize, Tool, ToolKind, ToolLibrary};
 use diag::{Diagnostic, Span};
-use units::{Angle, Lead, Length, Stiffness};
+use units::{Angle, Length, Stiffness};
 
 #[derive(Clone, Copy)]
 enum Kind {
@@ -105,9 +105,9 @@ fn read_diameter(nominal: Option<Length>, keys: &mut Keys<'_>) -> Length {
     stated
 }
 
-fn read_thread(keys: &mut Keys<'_>) -> Thread {
+fn read_thread(keys: &mut Keys<'_>) -> ThreadSize {
     let text = keys.text("thread");
-    Thread::parse(&text).unwrap_or_else(|| {
+    text.parse().unwrap_or_else(|_| {
         if keys.has("thread") {
             keys.unknown_name(
                 "thread",
@@ -116,11 +116,11 @@ fn read_thread(keys: &mut Keys<'_>) -> Thread {
                 ),
             );
         }
-        Thread { designation: text, nominal: Length::mm(1.0), lead: Lead::mm_per_rev(1.0) }
+        ThreadSize::metric(Length::mm(6.0), Length::mm(1.0), Hand::Right) // refused above
     })
 }
 
-fn read_tap(thread: &Thread, keys: &mut Keys<'_>) -> TapTool {
+fn read_tap(thread: &ThreadSize, keys: &mut Keys<'_>) -> TapTool {
     let flutes = [
         ("spiral-flute", Flute::SpiralFlute),
         ("spiral-point", Flute::SpiralPoint),
@@ -129,11 +129,11 @@ fn read_tap(thread: &Thread, keys: &mut Keys<'_>) -> TapTool {
     let oversize = keys.optional("oversize_um", -100.0..=1000.0).map(Length::um);
     TapTool {
         designation: thread.designation.clone(),
-        lead: thread.lead,
+        lead: thread.lead(),
         chamfer_pitches: keys.number("chamfer_pitches", 0.0..=20.0),
         thread_length: Length::mm(keys.number("thread_length_mm", 0.1..=LONGEST.value())),
         flute: keys.choice("flute", &flutes),
-        oversize: oversize.unwrap_or_else(|| thread.tap_oversize()),
+        oversize: oversize.unwrap_or_else(|| usual_oversize(thread)),
         holder: keys.section("holder", read_holder),
     }
 }

@@ -101,6 +101,7 @@ impl Record {
             lead: Lead::mm_per_rev(self.lead_mm),
             spin: Spin::rpm(self.rpm),
             return_spin: Spin::rpm(self.rpm),
+            return_acceleration: canon::ReturnAcceleration::AsSet,
             dwell: Time::ZERO,
             start_angle: self.start_angle,
             peck: None,

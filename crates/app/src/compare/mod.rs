@@ -6,20 +6,20 @@
 //!           └► tools in a floating holder ─► run on the same spindle ────► depth of each hole ─► mean, 1σ
 //! ```
 //!
-//! Expected of the conventional cycle: 1σ = H·n·√(σd² + (σs·t/2)²), with the scatters σd of the relay's delay and σs of
-//! the stopping time t; that of the speed comes on top, over the whole way in.
+//! What the conventional cycle must scatter by is said beside it, by [`closed_form`].
+mod closed_form;
+
 use crate::args::CompareArgs;
 use crate::preflight::preflight;
 use crate::refused::Refused;
 use crate::session::{Session, read_program};
 use crate::simulate::Trial;
 use crate::{say, tables, wiring};
-use canon::{Holder, Tool, ToolKind, ToolLibrary};
+use canon::{Hand, Holder, ThreadSize, Tool, ToolKind, ToolLibrary, UnknownSize};
 use comfy_table::{Cell, CellAlignment};
 use plan::{PlainDrive, TapMethod, Unsynchronised};
 use report::{Comparison, Way};
 use std::path::Path;
-use store::tools::Thread;
 use units::{Angle, Length, Spin, Stiffness, Time};
 use verify::{Feature, FeatureKind};
 
@@ -29,6 +29,8 @@ const RELAY_DELAY: Time = Time::s(0.020);
 const AT_SPEED: f64 = 0.10;
 /// Holes of one run of the program made for a size: 20 mm apart within the machine's stock.
 const HOLES_A_RUN: usize = 200;
+/// Of the holes: the stock has a lower side.
+const DEEPEST: Length = Length::mm(35.0);
 /// Runs that a comparison may take.
 const MOST_RUNS: u64 = 10_000;
 
@@ -75,11 +77,11 @@ pub(crate) fn command(args: &CompareArgs, quiet: bool) -> Result<(), Refused> {
         ways.push(way(args, case, &text, drive)?);
     }
     let mut said = summary(&ways);
-    if let (None, Some(sigma)) = (&args.program, expected_sigma(args, &drive)?) {
-        said += &format!(
-            "conventional cycle by the closed form: 1σ {:.0} µm = √((H·n·σd)² + (H·n·σs·t/2)² + (σn·way in the work)²)\n",
-            sigma.in_um()
-        );
+    if args.program.is_none() {
+        let thread = thread_of(args.size.as_deref().unwrap_or("M6"))?;
+        let fastest = drive_limits(args)?.tapping_max;
+        let depth = depth(args, &thread);
+        said += &closed_form::Scatter { thread, depth, drive }.text(Spin::rpm(args.speed), fastest);
     }
     let comparison = Comparison {
         title: format!("{name}: clutch holder and conventional cycle"),
@@ -98,13 +100,19 @@ pub(crate) fn command(args: &CompareArgs, quiet: bool) -> Result<(), Refused> {
     say::out(&said)
 }
 
+/// The spindle that taps.
+fn drive_limits(args: &CompareArgs) -> Result<plan::SpindleLimits, Refused> {
+    let machine = crate::machine::load(&args.source.machine)?;
+    wiring::planner(&machine)
+        .spindles
+        .first()
+        .copied()
+        .ok_or_else(|| Refused::because("this machine has no spindle to tap with".to_owned()))
+}
+
 /// The drive that scatters; its ramp is as long as the machine's own from the speed of the comparison to rest.
 fn drive(args: &CompareArgs) -> Result<sim::PlainDrive, Refused> {
-    let machine = crate::machine::load(&args.source.machine)?;
-    let limits = wiring::planner(&machine);
-    let Some(spindle) = limits.spindles.first() else {
-        return Err(Refused::because("this machine has no spindle to tap with".to_owned()));
-    };
+    let spindle = drive_limits(args)?;
     let speed = Spin::rpm(args.speed);
     let stopping = match args.stopping_time {
         Some(seconds) => Time::s(seconds),
@@ -240,12 +248,8 @@ fn held(tools: &ToolLibrary, holder: Holder) -> ToolLibrary {
 /// Number of the tap made for a size: no table has it.
 const TAP: u32 = 9001;
 
-fn thread_of(size: &str) -> Result<Thread, Refused> {
-    Thread::parse(size).ok_or_else(|| {
-        Refused::because(format!(
-            "\"{size}\" is no thread: expected one such as M6, M8x1 or \"1/4-20 UNC\""
-        ))
-    })
+fn thread_of(size: &str) -> Result<ThreadSize, Refused> {
+    size.parse().map_err(|why: UnknownSize| Refused::because(format!("--size: {why}")))
 }
 
 fn tap_of(size: &str) -> Result<Tool, Refused> {
@@ -263,39 +267,24 @@ fn tap_of(size: &str) -> Result<Tool, Refused> {
 }
 
 /// Depth of the holes: as asked, or 1.5 diameters and the splines' length.
-fn depth(args: &CompareArgs, thread: &Thread) -> Length {
+fn depth(args: &CompareArgs, thread: &ThreadSize) -> Length {
     args.depth.map_or_else(|| Length::mm(5.0) + thread.nominal * 1.5, Length::mm)
-}
-
-/// What the depth of the conventional cycle must scatter by, from the scatter of its causes: the relay's delay and the
-/// stopping time make the tap coast, and a spindle that is faster by a share cuts deeper by that share of its way.
-fn expected_sigma(args: &CompareArgs, drive: &sim::PlainDrive) -> Result<Option<Length>, Refused> {
-    let thread = thread_of(args.size.as_deref().unwrap_or("M6"))?;
-    let n = Spin::rpm(args.speed);
-    let stopping = n / drive.accel;
-    let turns = |time: Time| (thread.lead.abs() * (n * time)).value();
-    let coast = turns(drive.delay + stopping / 2.0);
-    let way = depth(args, &thread).value() + coast;
-    let causes = [
-        turns(drive.delay_scatter),
-        turns(stopping * (drive.ramp_scatter / 2.0)),
-        way * drive.speed_scatter,
-    ];
-    let sigma = causes.iter().map(|c| c * c).sum::<f64>().sqrt();
-    Ok(sigma.is_finite().then_some(Length::mm(sigma)))
 }
 
 /// Holes on a grid in the middle of the stock.
 fn program_for(size: &str, args: &CompareArgs) -> Result<Vec<u8>, Refused> {
     let thread = thread_of(size)?;
     let depth = depth(args, &thread).value();
-    if !(depth > 5.0 && depth <= 35.0) {
+    let flutes = store::tools::usual_tap(&thread).thread_length;
+    let deepest = flutes.min(DEEPEST).value();
+    if !(depth > 5.0 && depth <= deepest) {
         return Err(Refused::because(format!(
-            "--depth {depth}: expected more than the 5 mm of the splines, and 35 mm at most"
+            "--depth {depth}: expected more than the 5 mm of the splines, and {deepest} mm at most, where flutes or work \
+             end"
         )));
     }
-    let cycle = if thread.lead.value() < 0.0 { ("G74", "M4") } else { ("G84", "M3") };
-    let feed = thread.lead.value().abs() * args.speed;
+    let cycle = if thread.hand == Hand::Left { ("G74", "M4") } else { ("G84", "M3") };
+    let feed = thread.pitch.value() * args.speed;
     let (code, turn) = cycle;
     let mut text = format!(
         "G21 G17 G40 G49 G80 G90 G94 G54\nT{TAP} M6\nG43 H{TAP}\nS{} {turn}\nG0 X-180 Y-130 Z10\n",
