@@ -9,7 +9,7 @@
 //! | invariant | looked for while |
 //! |---|---|
 //! | the spindle turns in the sense in force, within a quarter of its speed | a drill is fed into the material |
-//! | the spindle does not turn against the tap's way | a tap is fed into, or out of, the material by its lead |
+//! | the tap and its helix do not go opposite ways by more than [`AGAINST_MM`] | a tap tied to the spindle is in the material |
 //! | nothing moves across the tool by more than [`ACROSS_MM`] | a tap is in the material |
 //! | the tip is not more than [`BEYOND_MM`] beyond the programmed bottom | a drill or tap is in the material |
 //! | the tool is whole | always |
@@ -28,10 +28,9 @@ pub const ACROSS_MM: f64 = 0.05;
 pub const BEYOND_MM: f64 = 0.1;
 /// By how much of the ordered speed a drill may be pulled down.
 const SPEED_SHARE: f64 = 0.25;
-/// Slower than this a spindle stands, rev/s.
-const STANDS: f64 = 0.5;
-/// Slower than this an axis stands, mm/s.
-const AXIS_STANDS: f64 = 0.5;
+/// Most by which a tap and its helix pass each other while they go opposite ways, mm. At the turning point one of
+/// them turns back a moment before the other; that costs micrometres.
+pub const AGAINST_MM: f64 = 0.005;
 /// The tip is in the material from here on, mm.
 const TOUCH_MM: f64 = 0.05;
 /// Breaches that are kept.
@@ -70,6 +69,8 @@ pub struct Watch {
     in_force: Spin,
     tool: Option<u32>,
     before: Option<(Time, Angle, Length)>,
+    /// By how much tap and helix have passed each other since they last went the same way, mm.
+    against_mm: f64,
     /// The breach that goes on.
     open: Option<String>,
     periods: u64,
@@ -87,6 +88,7 @@ impl Watch {
             in_force: Spin::ZERO,
             tool: None,
             before: None,
+            against_mm: 0.0,
             open: None,
             periods: 0,
             breaches: Vec::new(),
@@ -188,11 +190,13 @@ impl Watch {
         let (angle, z) = (sample.spindle(0), sample.axis(work.axis.index()));
         let (then, was, z_was) = self.before.replace((now, angle, z))?;
         if now <= then || sample.report.line != work.line {
+            self.against_mm = 0.0;
             return None;
         }
         let into = if work.bottom < work.surface { -1.0 } else { 1.0 };
         let depth = (z - work.surface).value() * into;
         if depth < TOUCH_MM {
+            self.against_mm = 0.0;
             return None;
         }
         let spin = sample.truth.as_ref().map_or((angle - was) / (now - then), |t| t.spins[0]);
@@ -205,13 +209,11 @@ impl Watch {
         let taps = matches!(state, State::TapIn | State::TapBottom | State::TapOut);
         match work.lead {
             Some(lead) if taps => {
-                let across = across(sample, &work);
-                let against = feed * spin.value() * lead < 0.0
-                    && feed.abs() > AXIS_STANDS
-                    && spin.value().abs() > STANDS;
-                if against {
+                self.part((z - z_was).value(), (angle - was).value() * lead);
+                if self.against_mm > AGAINST_MM {
                     return Some("the spindle turns against the tap's way in the material".into());
                 }
+                let across = across(sample, &work);
                 (across > ACROSS_MM).then(|| "a tap is moved sideways in its thread".into())
             }
             None if state == State::Feed && self.in_force != Spin::ZERO && feed * into > 0.0 => {
@@ -222,6 +224,15 @@ impl Watch {
                 })
             }
             Some(_) | None => None,
+        }
+    }
+
+    /// Axis and helix have gone so far, mm: the same way, or past each other.
+    fn part(&mut self, axis_mm: f64, helix_mm: f64) {
+        if axis_mm * helix_mm < 0.0 {
+            self.against_mm += (axis_mm - helix_mm).abs();
+        } else if axis_mm * helix_mm > 0.0 {
+            self.against_mm = 0.0;
         }
     }
 
@@ -284,6 +295,72 @@ mod tests {
     #[test]
     fn a_hole_drilled_as_ordered_breaks_nothing() {
         assert_eq!(breaches(4990.0, -20.0), Vec::<String>::new());
+    }
+
+    /// M6 at 3000 rpm, fed in by its helix but for `lag_mm` that the axis runs on after the spindle has turned back.
+    fn tapped(lag_mm: f64) -> Vec<String> {
+        let tap = canon::TapTool {
+            designation: "M6x1".into(),
+            lead: units::Lead::mm_per_rev(1.0),
+            chamfer_pitches: 2.5,
+            thread_length: Length::mm(30.0),
+            flute: canon::Flute::SpiralFlute,
+            oversize: Length::ZERO,
+            holder: Holder::Rigid { stiffness: units::Stiffness::n_per_mm(20_000.0) },
+        };
+        let tool = canon::Tool {
+            number: 1,
+            pocket: 1,
+            length: Length::ZERO,
+            diameter: Length::mm(6.0),
+            kind: ToolKind::Tap(tap),
+            description: String::new(),
+            stand_in: false,
+        };
+        let mut watch = Watch::new(Config::new(canon::ToolLibrary::new([tool])));
+        let op = |kind| Op { kind, span: Span::default() };
+        watch.op(0, &op(OpKind::ChangeTool { number: 1 }));
+        let spin = Spin::rpm(3000.0);
+        watch.op(
+            1,
+            &op(OpKind::Tap(canon::Tap {
+                axis: Axis::Z,
+                start: Position::xyz(0.0, 0.0, 5.0),
+                bottom: Length::mm(-10.0),
+                surface: Length::ZERO,
+                lead: units::Lead::mm_per_rev(1.0),
+                spin,
+                return_spin: spin,
+                return_acceleration: canon::ReturnAcceleration::AsSet,
+                dwell: Time::ZERO,
+                start_angle: None,
+                peck: None,
+            })),
+        );
+        let mut sample = Sample::default();
+        (sample.report.op, sample.report.state) = (1, State::TapIn);
+        sample.feedback.tool = Some(1);
+        let step = Length::mm(0.0025);
+        let mut at = |spindle_mm: f64, axis_mm: f64| {
+            sample.feedback.time += Time::s(1e-3);
+            sample.feedback.spindles[0].angle = Angle::rev(-spindle_mm);
+            sample.feedback.axes[2].position = Length::mm(axis_mm);
+            watch.sample(&sample);
+        };
+        let steps =
+            |mm: f64| (0..).map(move |k| f64::from(k) * step.value()).take_while(move |s| *s < mm);
+        steps(15.0).for_each(|s| at(5.0 - s, 5.0 - s)); // in
+        steps(lag_mm).for_each(|s| at(-10.0 + s, -10.0 - s)); // the spindle turns back, the axis goes on
+        steps(10.0).for_each(|s| at(-10.0 + lag_mm + s, -10.0 - lag_mm + s));
+        watch.breaches().iter().map(|breach| breach.what.clone()).collect()
+    }
+
+    #[test]
+    fn a_tap_driven_against_its_helix_is_seen_and_a_moment_at_the_turning_point_is_none() {
+        assert_eq!(tapped(0.0), Vec::<String>::new());
+        assert_eq!(tapped(AGAINST_MM / 2.0), Vec::<String>::new());
+        let seen = tapped(5.0 * AGAINST_MM);
+        assert_eq!(seen, ["the spindle turns against the tap's way in the material"]);
     }
 
     #[test]
