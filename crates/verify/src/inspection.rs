@@ -227,7 +227,8 @@ impl<'a> Inspection<'a> {
             }
         }
         let longest = self.track.tap_tool().map_or(0.0, |tap| tap.thread_length.value());
-        if longest > 0.0 && tip > longest {
+        let deepest = longest + self.config.tolerances.thread_overrun.value();
+        if longest > 0.0 && tip > deepest {
             findings
                 .push(format!("{tip:.2} mm deep with a tap whose thread is {longest:.2} mm long"));
         }

@@ -1,22 +1,28 @@
 //! Wear of a tap over a program, as its torque tells it.
 //!
 //! ```text
-//!   M │            · ·  ╱·          M = M₀·(1 + w·x)      least squares over the threads of one tap
+//!   M │            · ·  ╱·          M = M₀·(1 + w·x) + f·(h − h̄)    least squares over the threads of one tap
 //!     │   ·  · ╱·╱· ·               w with its standard error: threads differ by chance, too
 //!     │ · ╱·  ·
 //!     └───────────────────► x       length of thread that the tap has cut
 //! ```
 //!
 //! A tap gets duller with the length of thread that it has cut, and needs more torque. Whether a rise is wear or chance
-//! is a question of how much the threads scatter: the trend says both, and calls it wear only when the rise is
-//! twice its own standard error.
+//! is a question of how much the threads scatter: the trend says both, and calls it wear only when the rise is more than
+//! chance makes of it once in twenty times (Student's t: with few threads that is far more than two standard errors).
+//!
+//! A deeper thread takes more torque, too: its flanks rub along more of it. Where depths h differ, f takes that out of w: both
+//! M and x are first freed of what goes with h (Frisch and Waugh, Econometrica 1, 1933).
 use crate::feature::{Feature, FeatureKind, Thread};
 use units::{Length, Torque};
 
-/// A slope of so many standard errors is believed.
-const BELIEVED: f64 = 2.0;
-/// Threads below which no trend is fitted.
-const FEWEST: usize = 3;
+/// A slope of so many standard errors is believed, by degrees of freedom from 1 on: Student's t, two-sided 95 %.
+const BELIEVED: [f64; 12] =
+    [12.71, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179];
+/// The same with more of them.
+const BELIEVED_OF_MANY: f64 = 2.1;
+/// Threads whose depths differ by less are equally deep, mm.
+const SAME_DEPTH_MM: f64 = 0.05;
 
 /// What the threads of one tap say.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,6 +41,8 @@ pub struct TorqueTrend {
     pub rise_per_m: Option<f64>,
     /// Standard error of w.
     pub uncertainty_per_m: f64,
+    /// Threads beyond those that the fit needs: its degrees of freedom.
+    pub spare: usize,
 }
 
 impl TorqueTrend {
@@ -64,7 +72,9 @@ impl TorqueTrend {
 
     /// Whether the torque rises, and not by chance.
     pub fn is_wear(&self) -> bool {
-        self.rise_per_m.is_some_and(|rise| rise > BELIEVED * self.uncertainty_per_m)
+        let believed = BELIEVED.get(self.spare.saturating_sub(1)).copied();
+        let believed = believed.unwrap_or(BELIEVED_OF_MANY);
+        self.rise_per_m.is_some_and(|rise| rise > believed * self.uncertainty_per_m)
     }
 
     /// The fitted line at so much thread cut.
@@ -81,6 +91,7 @@ impl TorqueTrend {
             at_start: Torque::ZERO,
             rise_per_m: None,
             uncertainty_per_m: 0.0,
+            spare: 0,
         }
     }
 
@@ -90,26 +101,54 @@ impl TorqueTrend {
     }
 
     fn fit(&mut self) {
-        let points: Vec<(f64, f64)> =
-            self.threads.iter().map(|(cut, m, _)| (cut.value() * 1e-3, m.value())).collect();
-        let n = points.len() as f64;
-        let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
-        let (x, y) = (mean(|p| p.0), mean(|p| p.1));
-        let spread: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
+        let cut: Vec<f64> = self.threads.iter().map(|(cut, ..)| cut.value() * 1e-3).collect();
+        let torques: Vec<f64> = self.threads.iter().map(|(_, m, _)| m.value()).collect();
+        let before = std::iter::once(0.0).chain(cut.iter().copied());
+        let depths: Vec<f64> = cut.iter().zip(before).map(|(to, from)| (to - from) * 1e3).collect();
+        let (x, y) = (mean(&cut), mean(&torques));
         self.at_start = Torque::n_m(y);
-        if points.len() < FEWEST || spread <= 0.0 {
+        let deep = centred(&depths);
+        let equal = deep.iter().all(|h| h.abs() < SAME_DEPTH_MM / 2.0);
+        let (dx, dy) = if equal {
+            (centred(&cut), centred(&torques))
+        } else {
+            (freed(&centred(&cut), &deep), freed(&centred(&torques), &deep))
+        };
+        let spread = product(&dx, &dx);
+        let spare = self.threads.len().saturating_sub(if equal { 2 } else { 3 });
+        if spare == 0 || spread <= f64::EPSILON * product(&cut, &cut) {
             return;
         }
-        let slope = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>() / spread;
-        let left: f64 = points.iter().map(|p| (p.1 - y - slope * (p.0 - x)).powi(2)).sum();
+        let slope = product(&dx, &dy) / spread;
+        let left: f64 = dx.iter().zip(&dy).map(|(x, y)| (y - slope * x).powi(2)).sum();
         let start = y - slope * x;
         if start <= 0.0 {
             return;
         }
         self.at_start = Torque::n_m(start);
         self.rise_per_m = Some(slope / start);
-        self.uncertainty_per_m = (left / (n - 2.0) / spread).sqrt() / start;
+        self.uncertainty_per_m = (left / spare as f64 / spread).sqrt() / start;
+        self.spare = spare;
     }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+fn centred(values: &[f64]) -> Vec<f64> {
+    let middle = mean(values);
+    values.iter().map(|value| value - middle).collect()
+}
+
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// What of `values` does not go with `other`; both have a mean of zero.
+fn freed(values: &[f64], other: &[f64]) -> Vec<f64> {
+    let share = product(values, other) / product(other, other);
+    values.iter().zip(other).map(|(value, other)| value - share * other).collect()
 }
 
 #[cfg(test)]
@@ -118,10 +157,15 @@ mod tests {
 
     /// A tap that cuts 20 mm deep threads, with these torques.
     fn trend(torques: &[f64]) -> TorqueTrend {
+        trend_of(torques.iter().map(|m| (20.0, *m)))
+    }
+
+    /// The same with depths, mm.
+    fn trend_of(threads: impl Iterator<Item = (f64, f64)>) -> TorqueTrend {
         let mut cut = Length::ZERO;
-        let threads = torques.iter().map(|m| {
-            cut += Length::mm(20.0);
-            (cut, Torque::n_m(*m), None)
+        let threads = threads.map(|(depth_mm, m)| {
+            cut += Length::mm(depth_mm);
+            (cut, Torque::n_m(m), None)
         });
         let mut trend = TorqueTrend {
             tool: 3,
@@ -131,6 +175,7 @@ mod tests {
             at_start: Torque::ZERO,
             rise_per_m: None,
             uncertainty_per_m: 0.0,
+            spare: 0,
         };
         trend.fit();
         trend
@@ -150,5 +195,30 @@ mod tests {
         let seen = trend(&[2.0, 2.1, 1.95, 2.05, 1.98, 2.06]);
         assert!(seen.rise_per_m.is_some() && !seen.is_wear(), "{seen:?}");
         assert_eq!(trend(&[2.0, 2.1]).rise_per_m, None);
+    }
+
+    #[test]
+    fn threads_that_get_deeper_are_no_wear_and_hide_none() {
+        let depths = [10.0, 20.0, 25.0, 12.0, 24.0, 15.0, 22.0, 11.0];
+        // 5 % of 2 N·m for each diameter of depth, M6; a thousandth of chance
+        let chance = [1.0, -1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0];
+        let rubbed = |k: usize| 2.0 * (1.0 + 0.05 * depths[k] / 6.0) + 0.002 * chance[k];
+        let seen = trend_of((0..8).map(|k| (depths[k], rubbed(k))));
+        assert!(!seen.is_wear() && seen.rise_per_m.unwrap().abs() < 0.05, "{seen:?}");
+        let mut cut = 0.0;
+        let worn = (0..8).map(|k| {
+            cut += depths[k] * 1e-3;
+            (depths[k], rubbed(k) + 2.0 * cut) // 2 N·m more by metre
+        });
+        let seen = trend_of(worn);
+        assert!(seen.is_wear(), "{seen:?}");
+        assert!((seen.rise_per_m.unwrap() * seen.at_start.value() - 2.0).abs() < 0.1, "{seen:?}");
+    }
+
+    #[test]
+    fn three_threads_that_scatter_prove_nothing() {
+        let seen = trend(&[2.0, 2.09, 2.2]);
+        assert!(seen.rise_per_m.unwrap() > 2.0 * seen.uncertainty_per_m && seen.spare == 1);
+        assert!(!trend(&[2.0, 2.15, 2.2]).is_wear());
     }
 }

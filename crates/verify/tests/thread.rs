@@ -159,6 +159,17 @@ fn an_overrun_is_judged_more_strictly_than_a_shortfall() {
 }
 
 #[test]
+fn a_tap_may_go_as_deep_as_its_flutes_are_long_with_what_any_thread_may_overrun() {
+    let reach = |depth_mm| {
+        let record = Record { depth_mm, programmed_mm: 25.0, ..Record::new(2, 1.0) };
+        judge(&record, |_, _| 0.0).verdict
+    };
+    assert!(reach(25.001).is_pass(), "{:?}", reach(25.001));
+    let deeper = reach(25.1);
+    assert!(deeper.reason().unwrap().contains("a tap whose thread is 25.00 mm long"), "{deeper:?}");
+}
+
+#[test]
 fn a_tap_that_broke_stayed_in_or_never_came_is_no_thread() {
     let record = Record::new(2, 1.0);
     let mut judge = Judge::new(Config::new(tools()));
