@@ -235,8 +235,9 @@ impl Bench {
         }
     }
 
-    /// Stop here with the drives alive, then take the tap out: the distance from the line meanwhile, µm.
-    pub fn stop(mut self, how: Stop) -> Result<f64, String> {
+    /// Stop here with the drives alive, then take the tap out: the distance from the line in the stop, and on the way
+    /// out, µm.
+    pub fn stop(mut self, how: Stop) -> Result<(f64, f64), String> {
         self.worst = Length::ZERO;
         match how {
             Stop::Hold => self.kernel.order(Order::FeedHold),
@@ -247,7 +248,8 @@ impl Bench {
         if !self.until(5.0, |b| b.kernel.is_standing()) {
             return Err("it never stood".into());
         }
-        let worst = self.worst.in_um();
+        let in_stop = self.worst.in_um();
+        self.worst = Length::ZERO;
         self.kernel.order(Order::Retract);
         self.until(10.0, |b| {
             b.notices.contains(&Notice::Out) || b.kernel.is_over() && !b.is_tapping()
@@ -255,7 +257,7 @@ impl Bench {
         if self.truth().axes[2] < self.surface {
             return Err(format!("it did not come out: {:?}", self.notices));
         }
-        if self.broken { Err("the tap broke".into()) } else { Ok(worst.max(self.worst.in_um())) }
+        if self.broken { Err("the tap broke".into()) } else { Ok((in_stop, self.worst.in_um())) }
     }
 }
 

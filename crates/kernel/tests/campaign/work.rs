@@ -31,6 +31,7 @@ pub const M8: Work = Work {
         ramp_s: None,
         start_angle: Some(Angle::ZERO),
         left: false,
+        cut_n_m: 0.0,
     },
     holder: RIGID,
 };

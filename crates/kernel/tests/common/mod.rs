@@ -238,6 +238,8 @@ pub struct TapOrder {
     pub ramp_s: Option<f64>,
     pub start_angle: Option<Angle>,
     pub left: bool,
+    /// Torque of the cut that the stroke is planned with.
+    pub cut_n_m: f64,
 }
 
 pub const M6: TapOrder = TapOrder {
@@ -250,6 +252,7 @@ pub const M6: TapOrder = TapOrder {
     ramp_s: None,
     start_angle: None,
     left: false,
+    cut_n_m: 0.0,
 };
 
 impl TapOrder {
@@ -258,7 +261,7 @@ impl TapOrder {
             revolutions: Angle::rev((self.to_mm - self.from_mm).abs() / self.lead_mm),
             spin: Spin::rpm(self.rpm),
             lead: Lead::mm_per_rev(self.lead_mm),
-            cut: Torque::ZERO,
+            cut: Torque::n_m(self.cut_n_m),
             gentle: None,
             force_ramp: self.ramp_s.map(Time::s),
         };
