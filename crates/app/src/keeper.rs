@@ -63,7 +63,7 @@ pub(crate) fn in_work(record: &SyncRecord, feedback: &bus::Feedback) -> bool {
     let stroke = &record.stroke;
     let z = feedback.axes[usize::from(stroke.axis)].position;
     let below = if stroke.bottom < stroke.start { stroke.surface - z } else { z - stroke.surface };
-    record.stage != Stage::Out && stroke.inside(z) > AT_START && below > -CLEAR
+    record.stage.is_in_work() && stroke.inside(z) > AT_START && below > -CLEAR
 }
 
 /// See the module's header.
@@ -79,6 +79,8 @@ pub(crate) struct Keeper {
     /// Which hole an operation makes, counted from 1.
     holes: BTreeMap<u32, u32>,
     made: u32,
+    /// The hole whose tap a recovery has taken out, and its operation once the program has come to it.
+    recovered: (Option<u32>, Option<u32>),
     /// Wishes on their way: number, and when they may be acknowledged.
     underway: VecDeque<(u32, Time)>,
     last: Option<SyncRecord>,
@@ -86,7 +88,8 @@ pub(crate) struct Keeper {
 }
 
 impl Keeper {
-    /// Start the thread. `before`: holes that the program made before it was begun in its middle.
+    /// Start the thread. `before`: holes that the program made before it was begun in its middle. `recovered`: the hole
+    /// whose tap a recovery took out.
     ///
     /// # Errors
     /// No thread can be started.
@@ -97,6 +100,7 @@ impl Keeper {
         tools: &ToolLibrary,
         real_time: bool,
         before: u32,
+        recovered: Option<u32>,
     ) -> Result<Self, Refused> {
         let (orders, work) = channel::<(SyncRecord, Option<u32>)>();
         let (done, answers) = channel();
@@ -123,6 +127,7 @@ impl Keeper {
             real_time,
             holes: BTreeMap::new(),
             made: before,
+            recovered: (recovered, None),
             underway: VecDeque::new(),
             last: None,
             problem: None,
@@ -134,7 +139,15 @@ impl Keeper {
         if matches!(op.kind, OpKind::Tap(_) | OpKind::Hole(_)) {
             self.made += 1;
             self.holes.insert(index, self.made);
+            if self.recovered.0 == Some(self.made) {
+                self.recovered.1 = Some(index);
+            }
         }
+    }
+
+    /// The operation that makes a hole whose tap a recovery took out.
+    pub(crate) const fn recovered(&self) -> Option<u32> {
+        self.recovered.1
     }
 
     /// Take the kernel's wishes, hand it its acknowledgements.

@@ -23,8 +23,8 @@ use std::os::unix::net::UnixStream;
 use std::path::Path;
 use store::machine::Material;
 use store::output::Folder;
-use store::sync_record::Identity;
 use store::sync_record::slots::{Slots, StateFolder};
+use store::sync_record::{Identity, Stage, SyncRecord};
 use store::trace::{Columns, Writer};
 use sync::{Prediction, SyncMode};
 use units::Time;
@@ -270,19 +270,23 @@ impl Job {
 struct Link {
     remote: Option<Remote<UnixStream>>,
     state: Option<(Slots<StateFolder>, Identity)>,
+    /// The hole of this program whose tap a recovery took out, where the program goes on after that.
+    recovered: Option<u32>,
 }
 
 impl Link {
     /// Connect to the iron, if one is named; refuse where a tap may be in the work.
     fn open(args: &RunArgs, job: &mut Job) -> Result<Self, Refused> {
         let Some(path) = &args.iron else {
-            let Some(folder) = &args.state else { return Ok(Self { remote: None, state: None }) };
+            let Some(folder) = &args.state else {
+                return Ok(Self { remote: None, state: None, recovered: None });
+            };
             // a machine within this process begins anew each time: nothing can be in its work
             let machine = job.session.machine.name.clone();
             let identity = Identity { machine, serial: 0, epoch: 0 };
             let (slots, _) = keeper::open(folder, &identity)?
                 .map_err(|why| Refused::because(why.to_string()))?;
-            return Ok(Self { remote: None, state: Some((slots, identity)) });
+            return Ok(Self { remote: None, state: Some((slots, identity)), recovered: None });
         };
         let machine = job.session.machine.name.clone();
         let hello = Hello { name: "leadscrew run".into(), machine, process: std::process::id() };
@@ -295,10 +299,14 @@ impl Link {
         let folder = keeper::folder(named, &identity)?;
         let (slots, kept) =
             keeper::open(&folder, &identity)?.map_err(|why| keeper::unsure(&why, path, named))?;
-        if let Some(record) = kept.record.filter(|record| keeper::in_work(record, &feedback)) {
-            return Err(keeper::interlock(&record, path, named));
+        if let Some(record) = kept.record.as_ref().filter(|r| keeper::in_work(r, &feedback)) {
+            return Err(keeper::interlock(record, path, named));
         }
-        Ok(Self { remote: Some(remote), state: Some((slots, identity)) })
+        let checksum = crc32fast::hash(&job.text);
+        let of_this = |r: &SyncRecord| r.stage == Stage::Recovered && r.place.checksum == checksum;
+        let recovered = kept.record.filter(|r| args.from.is_some() && of_this(r));
+        let recovered = recovered.map(|record| record.place.hole);
+        Ok(Self { remote: Some(remote), state: Some((slots, identity)), recovered })
     }
 
     /// The plant, and who keeps its record.
@@ -308,7 +316,7 @@ impl Link {
         let before = job.restart.as_ref().map_or(0, |restart| restart.holes);
         let program = (job.program.as_str(), &job.text[..]);
         let keeper = self.state.map(|(slots, identity)| {
-            Keeper::start(slots, identity, program, tools, real_time, before)
+            Keeper::start(slots, identity, program, tools, real_time, before, self.recovered)
         });
         let plant = if let Some(remote) = self.remote {
             Plant::Outside(Box::new(remote))

@@ -167,6 +167,16 @@ impl<'a> Trial<'a> {
     }
 }
 
+/// A thread that is cut again after its tap was taken out was recovered, though the judge has not seen it.
+fn told_of_recovery(mut features: Vec<Feature>, op: Option<u32>) -> Vec<Feature> {
+    for feature in features.iter_mut().filter(|feature| Some(feature.op) == op) {
+        if let verify::FeatureKind::Thread(thread) = &mut feature.kind {
+            thread.recovered = true;
+        }
+    }
+    features
+}
+
 impl Simulation<'_> {
     /// Run to the end of the program, or to the alarm that ends it.
     pub(crate) fn run(mut self, progress: &ProgressBar) -> Result<Outcome, store::Error> {
@@ -223,6 +233,7 @@ impl Simulation<'_> {
         }
         self.timings.stop(periods, feedback.time - begun);
         let lost = self.machine.lost().map(|why| format!("the iron is gone: {why}"));
+        let recovered = self.keeper.as_ref().and_then(Keeper::recovered);
         let unwritten = self.keeper.and_then(Keeper::finish);
         let unwritten = unwritten.map(|why| format!("the sync record cannot be written: {why}"));
         if let Some(trace) = self.trace {
@@ -235,7 +246,7 @@ impl Simulation<'_> {
         let ended = self.kernel.report().state == bus::State::Ended;
         self.cams.end();
         Ok(Outcome {
-            features: self.judge.finish(),
+            features: told_of_recovery(self.judge.finish(), recovered),
             recorder: self.recorder,
             watch: self.watch,
             cycle_time: feedback.time - begun,

@@ -137,6 +137,9 @@ fn while_a_tap_is_in_its_hole_nothing_but_recovery_moves() {
     let again = iron.run(&one_tap("G84", 11), &["--from", "hole 1"]);
     let said_again = common::said(&again);
     assert_eq!(again.status.code(), Some(0), "{}{}", said_again, complained(&again));
+    let certificate: Value = serde_json::from_slice(&again.stdout).unwrap();
+    let thread = &certificate["features"][0];
+    assert!(thread["recovered"] == true && thread["class"] == "6H", "{thread:#}");
 }
 
 #[test]

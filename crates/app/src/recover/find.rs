@@ -37,7 +37,7 @@ pub(super) fn find(
     let coupling = Coupling::line(stroke.lead, stroke.theta0, stroke.z0);
     let angle = |z: Length| stroke.theta0 + (z - stroke.z0) / stroke.lead;
     let direction = match stage {
-        Stage::Inward | Stage::Out => Direction::Inward,
+        Stage::Inward | Stage::Out | Stage::Recovered => Direction::Inward,
         Stage::Outward => Direction::Outward,
     };
     let stored = Stored::on(coupling, angle(stroke.start), angle(stroke.bottom), direction);

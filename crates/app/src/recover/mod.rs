@@ -92,7 +92,7 @@ fn answer(args: &RecoverArgs) -> Result<Answer, Refused> {
     };
     let note = kept.beside.map(|why| format!("the other generation does not count: {why}"));
     let feedback = welcome.observed.feedback;
-    let Some(record) = kept.record.filter(|record| record.stage != Stage::Out) else {
+    let Some(record) = kept.record.filter(|record| record.stage.is_in_work()) else {
         return Ok(Answer::plain(
             Outcome::Nothing,
             "the sync record says that no tap is in the work",
@@ -150,7 +150,7 @@ fn answer(args: &RecoverArgs) -> Result<Answer, Refused> {
 
 /// The tap is out: say so on the disk.
 fn forget(slots: &mut Slots<StateFolder>, record: &SyncRecord) -> Result<(), Refused> {
-    let out = SyncRecord { stage: Stage::Out, ..record.clone() };
+    let out = SyncRecord { stage: Stage::Recovered, ..record.clone() };
     slots.write(&out).map_err(|e| {
         Refused::because(format!(
             "the tap is out, but the sync record cannot be written: {e}; free the disk and recover again"

@@ -71,6 +71,18 @@ pub enum Stage {
     Outward = 2,
     /// Out of the work: nothing to recover.
     Out = 3,
+    /// Taken out by a recovery: nothing to recover, and the hole is one whose tap was.
+    Recovered = 4,
+}
+
+impl Stage {
+    /// A tap may be in the work.
+    pub const fn is_in_work(self) -> bool {
+        match self {
+            Self::Inward | Self::Outward => true,
+            Self::Out | Self::Recovered => false,
+        }
+    }
 }
 
 /// The coupled motion. Coordinates are those of the following axis, at the spindle's gauge line.
@@ -341,6 +353,7 @@ impl SyncRecord {
             1 => Stage::Inward,
             2 => Stage::Outward,
             3 => Stage::Out,
+            4 => Stage::Recovered,
             _ => return None,
         };
         let stroke = Stroke {
@@ -395,7 +408,7 @@ impl SyncRecord {
             let (found, expected) = (own.name(), identity.name());
             return Err(Untrusted::OtherMachine { found, expected });
         }
-        if own.epoch != identity.epoch && self.stage != Stage::Out {
+        if own.epoch != identity.epoch && self.stage.is_in_work() {
             let (found, expected) = (own.epoch, identity.epoch);
             return Err(Untrusted::OldEpoch { found, expected });
         }

@@ -220,14 +220,14 @@ fn choose(a: Slot, b: Slot) -> Result<(Option<(SyncRecord, u64)>, Option<Untrust
         (Some(Ok(only)), None) | (None, Some(Ok(only))) => match only.0.stage {
             _ if only.1 == 1 => Ok((Some(only), None)),
             Stage::Inward | Stage::Outward => Ok((Some(only), Some(Untrusted::Missing))),
-            Stage::Out => Err(Untrusted::Missing),
+            Stage::Out | Stage::Recovered => Err(Untrusted::Missing),
         },
         (Some(Ok(whole)), Some(Err(why))) | (Some(Err(why)), Some(Ok(whole))) => {
             match (whole.0.stage, &why) {
                 // a generation in the wrong place has been put there by somebody
                 (_, Untrusted::Swapped { .. }) => Err(why),
                 (Stage::Inward | Stage::Outward, _) => Ok((Some(whole), Some(why))),
-                (Stage::Out, _) => Err(Untrusted::Unsure(Box::new(why))),
+                (Stage::Out | Stage::Recovered, _) => Err(Untrusted::Unsure(Box::new(why))),
             }
         }
         (Some(Err(why)), _) | (None, Some(Err(why))) => Err(why),

@@ -118,7 +118,7 @@ fn kept(disk: &mut DyingDisk) -> Result<Kept, Untrusted> {
 
 /// The stages of a program's life: in, turned, out, hole after hole.
 fn life() -> Vec<SyncRecord> {
-    let stages = [Stage::Inward, Stage::Outward, Stage::Out];
+    let stages = [Stage::Inward, Stage::Outward, Stage::Out, Stage::Recovered];
     (1..=3).flat_map(|hole| stages.map(|stage| record(hole, stage))).collect()
 }
 
