@@ -15,7 +15,7 @@ use kernel::Kernel;
 use plan::{Planner, Superpose, Superposed, TURN_ENDED, TableId, turned};
 use std::collections::VecDeque;
 use std::time::Duration;
-use store::phases::{Measured, Phases, form_mark};
+use store::phases::{Measured, Phases, Swung, form_mark};
 use sync::{Pair, PhaseError, Repetition, Response, Spectrum, fold, phase_error};
 use units::{Angle, Length, Spin};
 
@@ -212,8 +212,13 @@ impl CamHost {
         if kernel.put_table(id, table).is_err() {
             return false;
         }
-        let order =
-            Superpose { on: Superposed::Axis(Axis::X), master: 0, table: Some(id), over: EXCHANGE };
+        let order = Superpose {
+            on: Superposed::Axis(Axis::X),
+            master: 0,
+            table: Some(id),
+            turns: 1,
+            over: EXCHANGE,
+        };
         if kernel.superpose(&order).is_err() {
             return false;
         }
@@ -319,6 +324,16 @@ impl CamHost {
     }
 
     /// What was measured, before this run and in it.
+    /// What was found of oscillations, which stand in the same table.
+    pub(crate) fn keep(&mut self, said: Vec<String>, swung: Vec<Swung>) {
+        self.said.extend(said);
+        self.changed |= !swung.is_empty();
+        for one in swung {
+            self.setup.phases.keep_swung(one);
+        }
+    }
+
+    /// The table as it is now.
     pub(crate) const fn phases(&self) -> &Phases {
         &self.setup.phases
     }

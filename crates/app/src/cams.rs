@@ -315,14 +315,14 @@ impl CamSetup {
     /// Keep it on disk, if there is a place for it.
     pub(crate) fn save(&self) -> Result<(), Refused> {
         match &self.path {
-            Some(path) if !self.phases.measured.is_empty() => Ok(self.phases.save(path)?),
-            _ => Ok(()),
+            Some(path) => Ok(self.phases.save(path)?),
+            None => Ok(()),
         }
     }
 }
 
 /// What the machine's drives and loops are: what was measured on others does not count.
-fn mark(machine: &MachineFile) -> u32 {
+pub(crate) fn mark(machine: &MachineFile) -> u32 {
     let loops = (&machine.control.period, &machine.axes, &machine.spindles);
     store::learning::mark(&format!("{loops:?}"))
 }

@@ -145,7 +145,18 @@ fn body(kind: &OpKind) -> Value {
         OpKind::Spindle { spindle, order } => spindle_order(*spindle, *order),
         OpKind::Polygon(polygon) => polygon_op(polygon),
         OpKind::Cam(order) => cam_op(order),
+        OpKind::PolygonMeasure { looks } => json!({ "op": "polygon-measure", "looks": looks }),
         OpKind::PolygonEnd => json!({ "op": "polygon-end" }),
+        OpKind::Hob(hob) => json!({
+            "op": "hob",
+            "hob": hob.hob,
+            "work": hob.work,
+            "teeth": hob.teeth,
+            "starts": hob.starts,
+            "module_mm": hob.module.value(),
+            "helix_deg": hob.helix.in_deg(),
+        }),
+        OpKind::HobEnd => json!({ "op": "hob-end" }),
         OpKind::Coolant { mist, flood } => json!({ "op": "coolant", "mist": mist, "flood": flood }),
         OpKind::SelectTool { number } => json!({ "op": "select-tool", "tool": number }),
         OpKind::ChangeTool { number } => json!({ "op": "change-tool", "tool": number }),
@@ -271,6 +282,7 @@ fn polygon_op(polygon: &Polygon) -> Value {
         "work_turns": polygon.ratio.master,
         "phase_deg": polygon.phase.in_deg(),
         "oscillations": swings.collect::<Vec<_>>(),
+        "compensated": polygon.compensated,
     })
 }
 

@@ -2,7 +2,9 @@
 use canon::Position;
 use store::certificate::{self as file, Common, Measured};
 use units::Length;
-use verify::{Feature, FeatureKind, GroundCam, Hand, Hole, Polygon, Thread, TurnedThread, Verdict};
+use verify::{
+    Feature, FeatureKind, Gear, GroundCam, Hand, Hole, Polygon, Thread, TurnedThread, Verdict,
+};
 
 /// One feature, in the certificate's keys and units; places in the frame of the workpiece, whose zero is there.
 pub(crate) fn feature(found: &Feature, zero: &Position) -> file::Feature {
@@ -20,6 +22,7 @@ pub(crate) fn feature(found: &Feature, zero: &Position) -> file::Feature {
         FeatureKind::Thread(found) => file::Feature::Thread(Box::new(thread(common, found, zero))),
         FeatureKind::Cam(found) => file::Feature::Cam(cam(common, found)),
         FeatureKind::Turned(found) => file::Feature::Turned(turned(common, found, zero)),
+        FeatureKind::Gear(found) => file::Feature::Gear(gear(common, found, zero)),
         FeatureKind::Polygon(found) => file::Feature::Polygon(polygon(common, found, zero)),
     }
 }
@@ -65,6 +68,25 @@ fn turned(common: Common, found: &TurnedThread, zero: &Position) -> file::Turned
         lead_error_um: um(found.lead_error),
         pass_spread_um: um(found.pass_spread),
         infeed_error_um: um(found.infeed_error),
+    }
+}
+
+fn gear(common: Common, found: &Gear, zero: &Position) -> file::Gear {
+    let measured = |value| if found.places.is_empty() { Measured::UNKNOWN } else { value };
+    file::Gear {
+        common,
+        teeth: found.teeth,
+        module_mm: Measured::mm(found.module),
+        helix_deg: Measured::deg(found.helix),
+        lead_mm: found.lead.map_or(Measured::UNKNOWN, Measured::mm),
+        lead_ordered_mm: found.lead_ordered.map_or(Measured::UNKNOWN, Measured::mm),
+        pitch_deviation_um: measured(Measured::um(found.pitch_deviation)),
+        pitch_total_um: measured(Measured::um(found.pitch_total)),
+        helix_deviation_um: measured(Measured::um(found.helix_deviation)),
+        grade: found.grade,
+        z_from_mm: measured(Measured::mm(found.z_from - zero.linear[2])),
+        z_to_mm: measured(Measured::mm(found.z_to - zero.linear[2])),
+        rpm: Measured::rpm(found.spin),
     }
 }
 

@@ -61,12 +61,10 @@ impl Iterator for Ops<'_> {
         let mut op =
             self.prelude.next().or_else(|| self.ahead.pop_front()).or_else(|| self.read.next())?;
         self.auto.see(&op.kind);
-        if let OpKind::Polygon(polygon) = &mut op.kind
-            && polygon.auto.is_some()
-        {
+        if let OpKind::Polygon(polygon) = &mut op.kind {
             self.look_ahead();
             let cut = self.ahead.iter().find_map(|op| match op.kind {
-                OpKind::Line { to, .. } => Some(to.linear[0]),
+                OpKind::Line { to, .. } => Some([to.linear[0], to.linear[1]]),
                 _ => None,
             });
             self.auto.fill(polygon, cut, op.span);

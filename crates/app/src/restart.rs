@@ -107,8 +107,8 @@ pub(crate) fn find(
     for (index, op) in ops.into_iter().enumerate() {
         lines = lines.max(op.span.line);
         let is_drilled = matches!(op.kind, OpKind::Hole(_));
-        in_polygon |= matches!(op.kind, OpKind::Polygon(_));
-        in_polygon &= !matches!(op.kind, OpKind::PolygonEnd);
+        in_polygon |= matches!(op.kind, OpKind::Polygon(_) | OpKind::Hob(_));
+        in_polygon &= !matches!(op.kind, OpKind::PolygonEnd | OpKind::HobEnd);
         hole = if is_drilled { Some(op.span) } else { hole.filter(|span| *span == op.span) };
         let is_rapid = matches!(op.kind, OpKind::Rapid { .. }) && hole.is_none() && !in_polygon;
         if is_drilled || is_rapid && !travels {

@@ -5,6 +5,7 @@ use crate::keeper::{self, Keeper};
 use crate::learning::Memory;
 use crate::log::Log;
 use crate::plant::{self, Plant};
+use crate::polygon::host::PolygonHost;
 use crate::preflight::{Preflight, planner, preflight};
 use crate::program::Ops;
 use crate::refused::Refused;
@@ -231,6 +232,7 @@ impl Job {
                 ..wiring::judge(machine, tools, self.material, &zero)
             }),
             cams: CamHost::new(self.session.cams.clone()),
+            polygons: PolygonHost::new(machine),
             waiting: None,
             idle: None,
             judge: verify::Judge::new(verify::Config {

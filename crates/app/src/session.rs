@@ -166,7 +166,7 @@ impl Session {
     /// Who computes the oscillations that a program leaves to the control.
     pub(crate) fn auto(&self) -> crate::polygon::auto::Auto<'_> {
         let axis = self.work_zero().linear[0];
-        crate::polygon::auto::Auto::new(&self.machine, &self.tools, axis)
+        crate::polygon::auto::Auto::new(&self.machine, &self.tools, &self.cams.phases, axis)
     }
 
     /// The same as a stand-alone interpreter has it: no machine, so no work offsets but those of a parameter

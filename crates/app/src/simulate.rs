@@ -14,6 +14,7 @@ use crate::interrupt;
 use crate::keeper::Keeper;
 use crate::log::Log;
 use crate::plant::Plant;
+use crate::polygon::host::PolygonHost;
 use crate::program::Ops;
 use crate::refused::Refused;
 use crate::session::Session;
@@ -51,6 +52,8 @@ pub(crate) struct Simulation<'a> {
     pub(crate) keeper: Option<Keeper>,
     /// Who measures and teaches cams.
     pub(crate) cams: CamHost,
+    /// Who measures and compensates oscillations of polygons.
+    pub(crate) polygons: PolygonHost,
     /// An op that waits for a measurement.
     pub(crate) waiting: Option<(u32, Op)>,
     /// Who judges.
@@ -147,6 +150,7 @@ impl<'a> Trial<'a> {
             keeper: None,
             watch: Watch::new(judge.clone()),
             cams: CamHost::new(session.cams.clone()),
+            polygons: PolygonHost::new(&session.machine),
             waiting: None,
             idle: idle.then(|| verify::IdleTurns::new(judge.clone())),
             judge: Judge::new(judge),
@@ -222,6 +226,7 @@ impl Simulation<'_> {
                 keeper.serve(&mut self.kernel, feedback.time);
             }
             self.cams.consult(&mut self.kernel, &mut self.planner);
+            self.polygons.consult(&mut self.kernel);
             while let Some(event) = self.kernel.next_event() {
                 self.note(&event, &mut warnings);
             }
@@ -245,6 +250,7 @@ impl Simulation<'_> {
         }
         let ended = self.kernel.report().state == bus::State::Ended;
         self.cams.end();
+        self.cams.keep(self.polygons.said, self.polygons.kept);
         Ok(Outcome {
             features: told_of_recovery(self.judge.finish(), recovered),
             recorder: self.recorder,
@@ -315,7 +321,10 @@ impl Simulation<'_> {
             }
             let next = match self.waiting.take() {
                 Some(waiting) => Some(waiting),
-                None => self.ops.next().inspect(|(index, op)| self.cams.op(*index, op)),
+                None => self.ops.next().inspect(|(index, op)| {
+                    self.cams.op(*index, op);
+                    self.polygons.op(*index, op);
+                }),
             };
             let Some((index, op)) = next else {
                 self.planner.finish(&mut |step| queue.push_back(step));
@@ -373,6 +382,7 @@ impl Simulation<'_> {
 
     fn listen(&mut self, sample: &Sample) {
         self.cams.sample(sample);
+        self.polygons.sample(sample);
         self.judge.sample(sample);
         if let Some(idle) = &mut self.idle {
             idle.sample(sample);

@@ -138,7 +138,15 @@ impl Stops {
         if matches!(plant, Plant::Outside(_)) {
             return Ok(false); // its drives and `leadscrew recover` see to that
         }
-        let Some(stored) = kernel.engaged() else { return Ok(false) };
+        let Some(stored) = kernel.engaged() else {
+            if kernel.is_retreating() {
+                run_down(kernel, plant, &mut |sample| {
+                    judge.sample(sample);
+                    hear(sample);
+                });
+            }
+            return Ok(false);
+        };
         let line = kernel.report().line;
         let alarm = kernel.faults().first().map(|f| (f.kind.sentence().to_owned(), f.time));
         let (cause, time) =

@@ -167,6 +167,7 @@ fn name(feature: &Feature) -> String {
             verify::Hand::Left => format!("{} left", thread.size),
         },
         FeatureKind::Polygon(polygon) => polygon.name(),
+        FeatureKind::Gear(gear) => gear.name(),
         FeatureKind::Cam(cam) => format!("cam {} at {:.0} rpm", cam.name, cam.spin.in_rpm()),
         FeatureKind::Turned(thread) => thread.name(),
     }
@@ -237,7 +238,8 @@ fn thread(feature: &Feature) -> Option<&Thread> {
         FeatureKind::Hole(_)
         | FeatureKind::Polygon(_)
         | FeatureKind::Cam(_)
-        | FeatureKind::Turned(_) => None,
+        | FeatureKind::Turned(_)
+        | FeatureKind::Gear(_) => None,
     }
 }
 
@@ -249,6 +251,9 @@ fn hole(feature: &Feature) -> (f64, f64) {
         FeatureKind::Cam(cam) => {
             let lift = cam.lift.iter().map(|l| l.value()).fold(0.0, f64::max);
             (lift, cam.contour_error_max.in_um())
+        }
+        FeatureKind::Gear(gear) => {
+            ((gear.z_to - gear.z_from).value(), gear.helix_deviation.in_um())
         }
         FeatureKind::Polygon(polygon) => {
             let over = polygon.across_flats - polygon.across_flats_ordered;

@@ -8,7 +8,7 @@
 //! Source: `G51.2`/`G50.2` of polygon turning (P:Q ratio, R phase), and the oscillation of JP7525593B2.
 use crate::Axis;
 use alloc::vec::Vec;
-use units::Angle;
+use units::{Angle, Lead, Length};
 
 /// Turns of the follower in so many turns of the master, in whole numbers, so that nothing drifts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,6 +41,47 @@ pub struct Polygon {
     pub oscillations: Vec<Oscillation>,
     /// The control computes what swings, within the limits of the machine; `oscillations` is empty then.
     pub auto: Option<Actuator>,
+    /// What swings is sent as a measurement kept from before has it compensated.
+    pub compensated: bool,
+}
+
+/// Hobbing: the work turns with the hob, tooth by tooth, and a turn more for each lead of its helix that Z travels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hob {
+    /// The hob's spindle, which leads; counted from 0.
+    pub hob: u8,
+    /// The work spindle, which follows.
+    pub work: u8,
+    /// Teeth of the gear.
+    pub teeth: u32,
+    /// Starts of the hob; negative: the work turns against it.
+    pub starts: i32,
+    /// Module in the normal section.
+    pub module: Length,
+    /// Helix angle on the pitch cylinder; positive: right hand.
+    pub helix: Angle,
+}
+
+impl Hob {
+    /// Turns of the work per turns of the hob, without the helix.
+    pub const fn ratio(&self) -> Ratio {
+        // a number of teeth beyond 2³¹ is no gear
+        let teeth = if self.teeth < i32::MAX as u32 { self.teeth as i32 } else { i32::MAX };
+        Ratio { follower: self.starts, master: teeth }
+    }
+
+    /// Travel along Z in which a tooth winds once around: π·m·z/sin β, positive for a right-hand helix; `None` of
+    /// straight teeth.
+    pub fn lead(&self) -> Option<Lead> {
+        let sine = libm::sin(self.helix.in_rad());
+        let around = core::f64::consts::PI * self.module.value() * f64::from(self.teeth);
+        (sine.abs() > 1e-9).then(|| Lead::mm_per_rev(around / sine))
+    }
+
+    /// Diameter of the pitch circle: m·z/cos β.
+    pub fn pitch_diameter(&self) -> Length {
+        self.module * f64::from(self.teeth) / libm::cos(self.helix.in_rad())
+    }
 }
 
 /// What the control may let swing, where it computes the oscillation itself.
@@ -76,10 +117,11 @@ pub enum Oscillating {
     ToolPhase,
 }
 
-/// One harmonic, `cosine·cos(2π·m·θ) + sine·sin(2π·m·θ)`; with m = 0 the cosine is a constant.
+/// One harmonic, `cosine·cos(2π·m·θ) + sine·sin(2π·m·θ)`; with m = 0 the cosine is a constant. θ counts in the turns of
+/// the work after which the gear begins anew: one, or P of a ratio P:Q.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Harmonic {
-    /// Periods per turn of the work spindle, m.
+    /// Periods in the turns of the work after which the gear begins anew, m.
     pub per_turn: u32,
     /// Amplitude of the cosine, mm or rev.
     pub cosine: f64,

@@ -9,7 +9,7 @@
 //! ```text
 //!   Op ─┬─ motion     Rapid, Line, Arc, Tap, Threading
 //!       ├─ waiting    Dwell, Pause, End
-//!       ├─ coupling   Polygon, PolygonEnd, Cam
+//!       ├─ coupling   Polygon, PolygonMeasure, PolygonEnd, Hob, HobEnd, Cam
 //!       ├─ switching  Spindle, Coolant, SelectTool, ChangeTool, PathMode, Overrides, Output, Input, UserCode
 //!       └─ meaning    Hole (what the moves that follow are for), Message
 //! ```
@@ -27,7 +27,7 @@ mod thread;
 mod tool;
 
 pub use cam::{CamLibrary, CamOrder, CamProfile};
-pub use coupling::{Actuator, Harmonic, Oscillating, Oscillation, Polygon, Ratio};
+pub use coupling::{Actuator, Harmonic, Hob, Oscillating, Oscillation, Polygon, Ratio};
 pub use diag::Span;
 pub use op::{
     Arc, Await, ChipRemoval, Feed, Hole, InputWait, Op, OpKind, Output, PathMode,

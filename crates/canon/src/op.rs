@@ -1,5 +1,5 @@
 //! The operations.
-use crate::{Axis, CamOrder, Plane, Polygon, Position, Span};
+use crate::{Axis, CamOrder, Hob, Plane, Polygon, Position, Span};
 use alloc::boxed::Box;
 use units::{Angle, Lead, Length, Speed, Spin, SpinAccel, Time};
 
@@ -59,6 +59,15 @@ pub enum OpKind {
     Polygon(Polygon),
     /// End of it (G50.2): what swings comes to rest, then the tool spindle stops.
     PolygonEnd,
+    /// Measure what swings while nothing is cut, and compensate it (G51.4): so many looks, a correction after each.
+    PolygonMeasure {
+        /// How many.
+        looks: u32,
+    },
+    /// Gear the work to a hob that turns already (G81 T L Q P).
+    Hob(Hob),
+    /// End of it (G80): the work stops.
+    HobEnd,
     /// Grind a cam: the wheel follows the work's angle by a profile.
     Cam(CamOrder),
     /// Switch coolant.

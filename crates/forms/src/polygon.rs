@@ -19,6 +19,7 @@
 //! with half-axes l−r and l+r: a facet that bulges. Oscillations take the bulge away.
 //!
 //! Source: seed 004 (JP7525593B2); its "2π/n" means 2πn/N, and its first disclosure swings X where it says Z.
+mod fine;
 mod form;
 mod kinematics;
 mod optimise;

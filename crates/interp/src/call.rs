@@ -5,7 +5,10 @@
 //! LinuxCNC's stand-alone interpreter does, [`Resolver`](crate::Resolver) turns them into
 //! [`canon::Op`]. What the two need differently is kept whole in one call: a tapping cycle is one
 //! [`Call::Tap`], which the listing expands into LinuxCNC's moves and the resolver does not.
-use crate::{frame::Point, polygon::PolygonOrder, splines::ControlPoint, tool_table::ToolEntry};
+use crate::{
+    frame::Point, hobbing::HobOrder, polygon::PolygonOrder, splines::ControlPoint,
+    tool_table::ToolEntry,
+};
 use canon::{InputWait, Output, Plane};
 use diag::Span;
 
@@ -215,8 +218,14 @@ pub enum Call<'a> {
     Dwell(f64),
     /// G51.2: the tool spindle is geared to the work spindle.
     Polygon(&'a PolygonOrder),
+    /// G51.4, and how many looks.
+    PolygonMeasure(u32),
     /// G50.2.
     PolygonEnd,
+    /// G81 T L Q P: the work is geared to the hob.
+    Hob(&'a HobOrder),
+    /// The end of that.
+    HobEnd,
     /// S.
     SpindleSpeed(f64),
     /// G96 (D; infinite if not stated), G97 (0): highest speed of constant surface speed.

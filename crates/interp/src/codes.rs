@@ -120,7 +120,7 @@ use GGroup::{
 use MGroup::{Coolant, Outputs, Overrides, Rigid, Spindle, State, Stop, Tool, User};
 
 /// All G codes, by rising number.
-pub(crate) static G_CODES: [Code<GGroup>; 99] = [
+pub(crate) static G_CODES: [Code<GGroup>; 100] = [
     g(0, Motion, "XYZABCUVW@^", "rapid move"),
     g(10, Motion, "XYZABCUVW@^", "straight feed"),
     g(20, Motion, "XYZABCUVWIJKRP@^", "clockwise arc"),
@@ -161,8 +161,9 @@ pub(crate) static G_CODES: [Code<GGroup>; 99] = [
     g(432, ToolLength, "XYZABCUVWH", "additional tool length offset"),
     g(490, ToolLength, "", "tool length offset off"),
     g(502, NonModal, "", "end of polygon turning"),
-    g(512, NonModal, "PQRIJKD", "polygon turning"),
+    g(512, NonModal, "PQRIJKDE", "polygon turning"),
     g(513, NonModal, "XYABIJL", "harmonic of a polygon's oscillation"),
+    g(514, NonModal, "P", "measure a polygon's oscillation in the air and compensate it"),
     g(520, NonModal, "XYZABCUVW", "local offset"),
     g(530, NonModal, "", "machine coordinates"),
     g(540, WorkOffset, "", "work offset 1"),
@@ -285,7 +286,7 @@ macro_rules! tenths {
     }};
 }
 
-static G_PLACES: [u8; 1600] = places(&tenths!(G_CODES, 99));
+static G_PLACES: [u8; 1600] = places(&tenths!(G_CODES, 100));
 static M_PLACES: [u8; 1000] = places(&tenths!(M_CODES, 35));
 
 /// The G code with this number.

@@ -127,7 +127,7 @@ impl Executor {
 
     /// Execute the words read.
     pub(crate) fn execute<S: Sink>(&mut self, sink: &mut S) -> Outcome<After> {
-        if self.cam(sink)? {
+        if self.cam(sink)? || self.hobbing(sink)? {
             return self.stops(sink);
         }
         let motion = self.motion()?;
@@ -235,6 +235,7 @@ impl Executor {
     }
 
     fn cycle_off<S: Sink>(&mut self, sink: &mut S) {
+        self.hobbing_end(sink);
         self.say(sink, &Call::Note("motion mode set to none"));
         self.state.motion = Motion::None;
     }

@@ -13,6 +13,7 @@ use crate::{
     call::{Call, Corners, CycleTap, Place, Sense, Sink, Units},
     decimal::{push_aligned, push_fixed4},
     frame::Point,
+    hobbing::HobOrder,
     switch::NO_SPEED_LIMIT,
 };
 use canon::Plane;
@@ -323,7 +324,15 @@ impl<W: Write> Listing<W> {
                     order.ratio.master, order.ratio.follower, order.phase_deg
                 ),
             ),
+            Call::PolygonMeasure(looks) => {
+                self.text(place, &format!("COMMENT(\"measure the oscillation, {looks} looks\")"));
+            }
             Call::PolygonEnd => self.text(place, "COMMENT(\"end of polygon turning\")"),
+            Call::Hob(order) => {
+                let HobOrder { teeth, starts, .. } = order;
+                self.text(place, &format!("COMMENT(\"hobbing {starts}:{teeth}\")"));
+            }
+            Call::HobEnd => self.text(place, "COMMENT(\"end of hobbing\")"),
             Call::ToolTableEntry { rank, entry } => self.tool_entry(place, *rank, entry),
             Call::Output(output) => self.output(place, output),
             Call::User { number, p, q, .. } => {

@@ -179,6 +179,7 @@ impl Executor {
             }
             Some(512) => self.polygon(sink),
             Some(513) => self.harmonic(),
+            Some(514) => self.polygon_measure(sink),
             Some(530) if self.words.g(GGroup::Motion).is_none() => self.lonely_g53(),
             _ => Ok(()),
         }

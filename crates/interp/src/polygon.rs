@@ -1,4 +1,4 @@
-//! Polygon turning: G51.2, G51.3, G50.2 (in the Fanuc dialects also G251 and G250).
+//! Polygon turning: G51.2, G51.3, G51.4, G50.2 (in the Fanuc dialects also G251 and G250).
 //!
 //! ```text
 //!   G51.3 L6 A0.81 B-0.02   one harmonic of an oscillation, here of the tool spindle's phase (as many as wanted)
@@ -7,10 +7,13 @@
 //!   G50.2                   the oscillation fades, the tool spindle stops
 //! ```
 //!
+//! L counts the periods in P turns of the work, one as a rule: after them the gear begins anew.
+//!
 //! G51.2 takes the source's own form as well: I is the parameter a of dx = a·l·(1 − cos Mφ), J that of
 //! dy = a·l·sin Mφ, K the amplitude d in degrees of the tool's phase, d·sin Mφ; l is the work coordinate X where
 //! the block stands, M = N·Q/P, N the inserts of the cutter in the spindle. D asks the control to choose: D0 the
-//! actuator too, D1 X, D2 Y, D3 X and Y, D4 the tool's phase.
+//! actuator too, D1 X, D2 Y, D3 X and Y, D4 the tool's phase. E1 sends what swings as the kept measurement of this
+//! oscillation at this speed has it compensated; G51.4 measures it, in the air, and compensates it there and then.
 //!
 //! Source: JP7525593B2; words P Q R as on Fanuc's lathes.
 use crate::{
@@ -24,13 +27,15 @@ use diag::{Diagnostic, Span};
 use units::Angle;
 
 /// Harmonics of one oscillation.
-const MOST_HARMONICS: usize = 64;
-/// Highest harmonic: periods per turn of the work.
-const HIGHEST: u32 = 1000;
+const MOST_HARMONICS: usize = 400;
+/// Highest harmonic: periods in the turns of the work after which the gear begins anew.
+const HIGHEST: u32 = 2000;
 /// Turns on either side of a ratio.
 const MOST_TURNS: f64 = 1_000_000.0;
 /// The work spindle, and the tool spindle.
 const SPINDLES: [u8; 2] = [0, 1];
+/// Looks of a measurement; after a few nothing more is gained.
+const MOST_LOOKS: u32 = 50;
 
 /// What G51.2 says, in the program's units.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +48,8 @@ pub struct PolygonOrder {
     pub oscillations: Vec<Oscillation>,
     /// D: the control chooses, and what.
     pub auto: Option<canon::Actuator>,
+    /// E1: as it was measured before.
+    pub compensated: bool,
 }
 
 impl Executor {
@@ -116,10 +123,30 @@ impl Executor {
             phase_deg: self.words.get(b'R').unwrap_or(0.0),
             oscillations,
             auto,
+            compensated: self.words.whole(b'E', 1)? == Some(1),
         };
         self.state.polygon = true;
         self.say(sink, &Call::Polygon(&order));
         Ok(())
+    }
+
+    /// G51.4: what swings is measured in the air, and compensated.
+    pub(crate) fn polygon_measure<S: Sink>(&mut self, sink: &mut S) -> Outcome {
+        let span = self.words.place.span;
+        if !self.state.polygon {
+            let text = "G51.4 measures what G51.2 lets swing: write it after G51.2, while the cutter is clear of the work";
+            return refuse("I0814", span, text);
+        }
+        match self.words.whole(b'P', MOST_LOOKS)? {
+            Some(looks) if looks > 0 => {
+                self.say(sink, &Call::PolygonMeasure(looks));
+                Ok(())
+            }
+            _ => {
+                let text = "G51.4 needs P, how often it is measured and corrected: P4 works";
+                refuse("I0815", span, text)
+            }
+        }
     }
 
     /// G50.2.
@@ -143,15 +170,15 @@ impl Executor {
             return Err(error("I0808", span, text).with_help(help).into());
         };
         let inserts = cutter.inserts.len();
-        let facets = inserts as f64 * ratio.value().abs();
-        if (facets - facets.round()).abs() > 1e-9 || facets > f64::from(HIGHEST) {
+        let facets = inserts as f64 * f64::from(ratio.follower.unsigned_abs());
+        if facets > f64::from(HIGHEST) {
             let text = format!(
-                "{inserts} inserts at {}:{} pass the work {facets} times a turn: an oscillation repeats with the turn, so that number must be whole",
+                "{inserts} inserts at {}:{} pass the work {facets} times before the gear begins anew; an oscillation counts up to {HIGHEST}",
                 ratio.master, ratio.follower
             );
             return refuse("I0809", span, text);
         }
-        let per_turn = facets.round() as u32;
+        let per_turn = facets as u32;
         let l = self.state.at[0];
         let [a_x, a_y, d] = [b'I', b'J', b'K'].map(|letter| self.words.get(letter).unwrap_or(0.0));
         if (a_x != 0.0 || a_y != 0.0) && l <= 0.0 {
@@ -227,6 +254,7 @@ impl Resolver {
             phase: Angle::deg(order.phase_deg),
             oscillations: order.oscillations.iter().map(resolved).collect(),
             auto: order.auto,
+            compensated: order.compensated,
         };
         self.push(span, OpKind::Polygon(polygon));
     }

@@ -390,7 +390,12 @@ impl Sink for Resolver {
             Call::SyncStart(lead) => self.threading = Some(lead * self.mm()),
             Call::SyncStop => (self.threading, self.thread_angle) = (None, Angle::ZERO),
             Call::Polygon(order) => self.polygon(order, span),
+            Call::PolygonMeasure(looks) => {
+                self.push(span, OpKind::PolygonMeasure { looks: *looks });
+            }
             Call::PolygonEnd => self.push(span, OpKind::PolygonEnd),
+            Call::Hob(order) => self.hob(order, span),
+            Call::HobEnd => self.push(span, OpKind::HobEnd),
             Call::Cam(order) => self.cam(*order, span),
             Call::Dwell(seconds) => self.push(span, OpKind::Dwell { time: Time::s(*seconds) }),
             other => self.order_or_mode(other, span),

@@ -269,6 +269,8 @@ pub(crate) struct State {
     pub(crate) swings: Vec<canon::Oscillation>,
     /// Between G51.2 and G50.2.
     pub(crate) polygon: bool,
+    /// G81 T L Q P is in force.
+    pub(crate) hobbing: bool,
     /// G151: a cam's profile is in force.
     pub(crate) cam: bool,
     /// S of the last grinding block.
@@ -321,6 +323,7 @@ impl State {
             value: 0.0,
             swings: Vec::new(),
             polygon: false,
+            hobbing: false,
             cam: false,
             cam_rpm: 0.0,
         }

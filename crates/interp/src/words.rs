@@ -211,6 +211,13 @@ impl Words {
         self.present & letters != 0
     }
 
+    /// Whether the block has one G code, no M code, and no other letters than these.
+    pub(crate) fn is_alone(&self, letters: Letters) -> bool {
+        let codes = self.g.iter().chain(&self.m).filter(|code| **code != NONE).count();
+        let free = codes::set("G") | letters;
+        codes == 1 && self.present & !free == 0
+    }
+
     /// The number after a letter as a whole number from 0 to `most`.
     pub(crate) fn whole(&self, letter: u8, most: u32) -> Outcome<Option<u32>> {
         let Some(value) = self.get(letter) else { return Ok(None) };

@@ -5,7 +5,8 @@ use bus::{AXES, SPINDLES};
 use canon::Axis;
 use sync::{SyncMode, Windows};
 use units::{
-    Accel, Force, Inertia, Length, Mass, Power, Speed, Spin, SpinAccel, Stiffness, Time, Torque,
+    Accel, Angle, Force, Inertia, Length, Mass, Power, Speed, Spin, SpinAccel, Stiffness, Time,
+    Torque,
 };
 
 /// Everything the kernel knows of a machine.
@@ -28,6 +29,8 @@ pub struct Config {
     pub waits: Waits,
     /// What the axes can do: overrides and holds keep it, as the plan does.
     pub motion: path::Limits,
+    /// What is done when a geared spindle loses its phase; `None`: everything stops at once.
+    pub phase_loss: Option<PhaseLoss>,
     /// What a program's stop does.
     pub pause: Pause,
     /// Repeated taps learn from one another; `None`: they do not.
@@ -47,6 +50,19 @@ pub struct Waits {
     pub in_position: Time,
     /// The tool changer.
     pub tool_change: Time,
+}
+
+/// A geared spindle off its gear spoils the work with every pass: the tool leaves it first, then everything stops.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PhaseLoss {
+    /// So far off is lost.
+    pub window: Angle,
+    /// The axis that takes the tool off the work.
+    pub axis: Axis,
+    /// How far, signed.
+    pub by: Length,
+    /// How fast, and how fast that changes.
+    pub most: (Speed, Accel),
 }
 
 /// What a program's stop (M0, M1) does.

@@ -47,9 +47,16 @@ struct GearRun {
 #[derive(Clone, Copy, Debug)]
 struct Slot {
     master: usize,
-    from: Option<usize>,
-    to: Option<usize>,
+    from: Option<Wave>,
+    to: Option<Wave>,
     fade: Fade,
+}
+
+/// A table in use, and the turns of the master that it spans.
+#[derive(Clone, Copy, Debug)]
+struct Wave {
+    index: usize,
+    turns: f64,
 }
 
 /// A table that may be superposed, and the largest of its values.
@@ -89,7 +96,8 @@ impl Coupled {
     ) -> Result<Option<Periodic>, Periodic> {
         let same = self.index_of(id);
         let used = |index: usize| {
-            let names = |slot: &Slot| slot.from == Some(index) || slot.to == Some(index);
+            let is = |wave: Option<Wave>| wave.is_some_and(|wave| wave.index == index);
+            let names = |slot: &Slot| is(slot.from) || is(slot.to);
             self.slots.iter().flatten().any(names)
         };
         let free = || self.tables.iter().position(Option::is_none);
@@ -134,9 +142,16 @@ impl Coupled {
     }
 
     fn swing(&self, slot: &Slot, master: Rotation, later_s: f64) -> Swing {
-        let of = |index: Option<usize>| {
-            let table = index.and_then(|i| self.tables[i].as_ref());
-            table.map_or_else(Swing::default, |held| Swing::of(&held.table, master))
+        let of = |wave: Option<Wave>| {
+            let held = wave.and_then(|wave| Some((self.tables[wave.index].as_ref()?, wave.turns)));
+            held.map_or_else(Swing::default, |(held, turns)| {
+                let slower = Rotation {
+                    angle: master.angle / turns,
+                    spin: master.spin / turns,
+                    accel: master.accel / turns,
+                };
+                Swing::of(&held.table, slower)
+            })
         };
         if slot.fade.is_over() {
             return of(slot.to);
@@ -229,13 +244,14 @@ impl Drives {
             Some(id) => {
                 let index = self.coupled.index_of(id);
                 let name = f64::from(id.0);
-                Some(index.ok_or((FaultKind::TableMissing, Subject::Machine, name, 0.0))?)
+                let index = index.ok_or((FaultKind::TableMissing, Subject::Machine, name, 0.0))?;
+                Some(Wave { index, turns: f64::from(order.turns.max(1)) })
             }
         };
         let index = slot_index(order.on);
         let from = self.coupled.slots[index].and_then(|slot| slot.to);
-        let highest = |i: Option<usize>| {
-            let table = i.and_then(|i| self.coupled.tables[i].as_ref());
+        let highest = |wave: Option<Wave>| {
+            let table = wave.and_then(|wave| self.coupled.tables[wave.index].as_ref());
             table.map_or(0.0, |held| held.highest)
         };
         let way = if from.is_some() && to.is_some() { 0.0 } else { highest(from) + highest(to) };
@@ -372,7 +388,12 @@ impl Drives {
     }
 
     /// Whether all geared spindles get and stay on their gears.
-    pub(crate) fn check_coupled(&self, coarse: Time, fine: Time) -> Result<(), Finding> {
+    pub(crate) fn check_coupled(
+        &self,
+        coarse: Time,
+        fine: Time,
+        off: Option<Angle>,
+    ) -> Result<(), Finding> {
         for (index, run) in self.coupled.gears.iter().enumerate() {
             let (Some(run), Some(spindle)) = (run, &self.spindles[index]) else { continue };
             let of = Subject::Spindle(index as u8);
@@ -392,7 +413,7 @@ impl Drives {
                 Engagement::Locked => {
                     let master = self.spindles[run.master].as_ref().map_or(0.0, SpindleLoop::error);
                     let lost = spindle.error() - run.gear.ratio() * master;
-                    let window = spindle.control.windows.following_stop.value();
+                    let window = off.unwrap_or(spindle.control.windows.following_stop).value();
                     if lost.abs() > window {
                         return Err((FaultKind::CouplingLost, of, lost, window));
                     }

@@ -215,7 +215,7 @@ impl FaultKind {
                 unit: "rev",
                 reaction: Reaction::Halt,
                 cause: "Too much torque of the cut, a spindle drive at its limit, or a slipping encoder.",
-                remedy: "Retreat from the work; reduce infeed or speed; check the encoders of both spindles.",
+                remedy: "The tool has left the work, if the machine file has control.phase_loss; else retreat from it. Reduce infeed or speed; check the encoders of both spindles.",
             },
             Self::NotAtSpeed => Text {
                 number: 301,

@@ -21,6 +21,7 @@ use crate::execute::{Activity, Context, Progress};
 use crate::fault::Fault;
 use crate::operator::{Notice, Operator};
 use crate::recovering::Recovering;
+use crate::retreating::Retreating;
 use alloc::{collections::VecDeque, vec::Vec};
 use bus::{Command, Feedback, Report, State};
 use plan::{Step, StepKind};
@@ -82,6 +83,8 @@ pub struct Kernel {
     lame: Option<u32>,
     /// A tool is being taken out; nothing else is done.
     recovering: Option<Recovering>,
+    /// The tool leaves the work before the spindles stop.
+    retreating: Option<Retreating>,
     /// The operator has given the program up, and everything stands.
     aborted: bool,
     /// Time of the last reading.
@@ -107,6 +110,7 @@ impl Kernel {
             doubts: Doubts::default(),
             lame: None,
             recovering: None,
+            retreating: None,
             aborted: false,
             now: Time::ZERO,
         }
@@ -138,6 +142,11 @@ impl Kernel {
     pub fn is_over(&self) -> bool {
         let recovered = self.recovering.as_ref().is_some_and(Recovering::is_done);
         recovered || self.aborted || matches!(self.report.state, State::Ended | State::Faulted)
+    }
+
+    /// The tool is leaving the work, and then everything will stop.
+    pub const fn is_retreating(&self) -> bool {
+        self.retreating.is_some()
     }
 
     /// The kernel's view of the last period.
@@ -321,9 +330,10 @@ impl Kernel {
             self.drives.scribe.out();
             self.note(EventKind::Operator(Notice::Out));
         }
+        let led = self.retreat().or(tapping);
         self.drives.advance_spindles();
         for (index, axis) in self.drives.axes.iter_mut().enumerate() {
-            let coupled = tapping == Some(index) || threading && index < plan::THREADING_AXES;
+            let coupled = led == Some(index) || threading && index < plan::THREADING_AXES;
             if let Some(axis) = axis.as_mut().filter(|_| !coupled) {
                 axis.brake();
             }

@@ -32,6 +32,7 @@ mod moving;
 mod operator;
 mod problems;
 mod recovering;
+mod retreating;
 mod scribe;
 mod servo;
 mod spindle;
@@ -43,7 +44,7 @@ mod threading;
 
 pub use config::{
     AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderPlace, FeedForward,
-    OwnRamps, Pause, SpindleControl, SpindleFriction, SpindleWindows, Subject, Waits,
+    OwnRamps, Pause, PhaseLoss, SpindleControl, SpindleFriction, SpindleWindows, Subject, Waits,
 };
 pub use coupled::TABLES;
 pub use event::{EVENTS, Event, EventKind, RecoveryFigures, TapFigures};

@@ -1,13 +1,14 @@
 //! Spindles that follow one another, and what is superposed on axes, on simulated machines with all their physics.
 #![allow(clippy::large_stack_arrays)] // a program of a few steps, in a test
 mod common;
+use bus::Machine;
 use canon::{Axis, Position, Ratio};
 use common::{Run, await_speed, control, line, machine, run_kernel_on, turn};
 use core::f64::consts::TAU;
-use kernel::{FaultKind, Kernel, Periodic};
-use plan::{GearStep, StepKind, Superpose, Superposed, TableId};
+use kernel::{FaultKind, Kernel, Periodic, PhaseLoss};
+use plan::{GearStep, Step, StepKind, Superpose, Superposed, TableId};
 use sim::SimulatedMachine;
-use units::{Angle, Inertia, Power, Torque};
+use units::{Accel, Angle, Inertia, Length, Power, Speed, Torque};
 
 /// The tapping centre with a second, light spindle.
 fn two_spindles() -> sim::Config {
@@ -38,7 +39,7 @@ fn wave(amplitude: f64, per_turn: u32) -> Periodic {
 
 fn swing(on: Superposed, table: Option<u16>) -> StepKind {
     let over = Angle::rev(2.0);
-    StepKind::Superpose(Superpose { on, master: 0, table: table.map(TableId), over })
+    StepKind::Superpose(Superpose { on, master: 0, table: table.map(TableId), turns: 1, over })
 }
 
 /// Run with tables, 16 seconds at most.
@@ -212,4 +213,82 @@ fn a_master_swings_about_its_even_turn_and_its_followers_keep_step() {
     });
     let worst_um = errors.fold(0.0, f64::max);
     assert!(worst_um > 0.0 && worst_um < 6.0, "{worst_um} µm");
+}
+
+#[test]
+fn a_table_may_span_the_few_turns_after_which_a_gear_begins_anew() {
+    let on = Superposed::Axis(Axis::X);
+    let over = Angle::rev(2.0);
+    let wide = Superpose { on, master: 0, table: Some(TableId(1)), turns: 2, over };
+    let steps = [
+        turn(0.0, 300.0),
+        await_speed(),
+        StepKind::Superpose(wide),
+        StepKind::AwaitFades,
+        StepKind::Revolve { spindle: 0, turns: Angle::rev(6.0) },
+        StepKind::End,
+    ];
+    // five waves in two turns
+    let run = run(&two_spindles(), &steps, &[(1, wave(0.1, 5))]);
+    assert!(run.kernel.faults().is_empty(), "{:?}", run.kernel.faults());
+    let during = run.samples.iter().filter(|s| s.report.op == 4);
+    let errors = during.map(|s| {
+        let wanted = 0.1 * (2.5 * TAU * s.spindle(0).value()).cos();
+        (s.axis(0).value() - wanted).abs() * 1e3
+    });
+    let worst_um = errors.fold(0.0, f64::max);
+    assert!(worst_um > 0.0 && worst_um < 5.0, "{worst_um} µm");
+}
+
+#[test]
+fn a_phase_that_is_lost_takes_the_tool_away_before_the_spindles_stop() {
+    let strong = two_spindles();
+    let mut config = control(&strong);
+    config.phase_loss = Some(PhaseLoss {
+        window: Angle::deg(2.0),
+        axis: Axis::X,
+        by: Length::mm(20.0),
+        most: (Speed::mm_per_s(400.0), Accel::mm_per_s2(8000.0)),
+    });
+    for spindle in config.spindles.iter_mut().flatten() {
+        spindle.windows.following_stop = Angle::deg(90.0); // far beyond what counts as lost
+    }
+    // the drive gives a fifth of what the control believes: it cannot follow a change of speed
+    let mut weak = strong;
+    weak.spindles[1].peak_torque = Torque::n_m(4.0);
+    let mut machine = SimulatedMachine::new(weak).expect("it can be built");
+    let mut kernel = Kernel::new(config);
+    let steps = [
+        turn(0.0, 300.0),
+        await_speed(),
+        StepKind::Engage(GEAR),
+        turn(300.0, 2400.0),
+        await_speed(),
+    ];
+    for (op, kind) in (0..).zip(steps) {
+        kernel.push(Step { op, line: op + 1, kind }).expect("there is room");
+    }
+    let mut feedback = machine.feedback();
+    let mut at_fault = None;
+    let mut left_turning = 0.0_f64;
+    let mut before = feedback.spindles[0].angle;
+    let mut turning = 0.0;
+    for _ in 0..40_000 {
+        let command = kernel.tick(&feedback);
+        turning = (feedback.spindles[0].angle - before).value() / 250e-6;
+        before = feedback.spindles[0].angle;
+        if !kernel.faults().is_empty() {
+            let x = feedback.axes[0].position.value();
+            let (from, speed) = *at_fault.get_or_insert((x, turning));
+            if turning > speed * 0.9 {
+                left_turning = left_turning.max(x - from);
+            }
+        }
+        feedback = machine.exchange(&command);
+    }
+    let (from, _) = at_fault.expect("it loses its phase");
+    assert_eq!(kernel.faults()[0].kind, FaultKind::CouplingLost);
+    assert!((feedback.axes[0].position.value() - from - 20.0).abs() < 0.1);
+    assert!(left_turning > 19.0, "{left_turning} mm away while the work turned on");
+    assert!(turning.abs() < 0.02, "the spindles stop afterwards: {turning} rev/s");
 }

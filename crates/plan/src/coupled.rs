@@ -6,7 +6,7 @@
 //!   Release  the follower is a spindle of its own again
 //! ```
 //!
-//! The functions g are tables over one turn of the master. A step is `Copy` and short, so it names its table by a
+//! The functions g are tables over one turn of the master, or over the few after which a gear begins anew. A step is `Copy` and short, so it names its table by a
 //! number; whoever feeds the kernel hands it the tables themselves ([`Table`]) before the steps.
 use alloc::vec::Vec;
 use canon::{Axis, Harmonic, Ratio};
@@ -21,11 +21,14 @@ const NODES_PER_PERIOD: usize = 90;
 /// Most nodes of a table.
 const MOST_NODES: usize = 7200;
 
+/// The number by which a step asks whoever runs the kernel to look at how a polygon's oscillation came out.
+pub const OSCILLATION_SEEN: u16 = 514;
+
 /// Names a table that the kernel has been given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct TableId(pub u16);
 
-/// A function of one turn of a master, at equal steps from 0: mm on an axis, rev on a spindle.
+/// A function of one turn of a master, or of a few, at equal steps from 0: mm on an axis, rev on a spindle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     /// Its name.
@@ -67,12 +70,14 @@ pub struct Superpose {
     pub master: u8,
     /// Which function from now on; `None`: none.
     pub table: Option<TableId>,
+    /// Turns of the master that the table spans, one or more.
+    pub turns: u32,
     /// Turns of the master over which it fades in or out, at least; the limits of gentle moves may ask for more.
     pub over: Angle,
 }
 
-/// A table of a sum of harmonics.
-pub(crate) fn sampled(id: TableId, harmonics: &[Harmonic]) -> Table {
+/// A sum of harmonics at equal steps of a turn.
+pub fn sampled(harmonics: &[Harmonic]) -> Vec<f64> {
     let highest = harmonics.iter().map(|h| h.per_turn as usize).max().unwrap_or(0);
     let count = NODES.max(highest.saturating_mul(NODES_PER_PERIOD)).min(MOST_NODES);
     let at = |node: usize| {
@@ -83,7 +88,7 @@ pub(crate) fn sampled(id: TableId, harmonics: &[Harmonic]) -> Table {
         };
         harmonics.iter().map(of).sum()
     };
-    Table { id, nodes: (0..count).map(at).collect() }
+    (0..count).map(at).collect()
 }
 
 #[cfg(test)]
@@ -92,16 +97,16 @@ mod tests {
 
     #[test]
     fn a_table_of_a_cosine_has_its_amplitude_at_zero_and_its_opposite_half_a_period_later() {
-        let table = sampled(TableId(0), &[Harmonic { per_turn: 4, cosine: 0.3, sine: 0.0 }]);
-        assert_eq!(table.nodes[0], 0.3);
-        assert!((table.nodes[table.nodes.len() / 8] + 0.3).abs() < 1e-12);
+        let nodes = sampled(&[Harmonic { per_turn: 4, cosine: 0.3, sine: 0.0 }]);
+        assert_eq!(nodes[0], 0.3);
+        assert!((nodes[nodes.len() / 8] + 0.3).abs() < 1e-12);
     }
 
     #[test]
     fn higher_harmonics_get_more_nodes_up_to_the_bound() {
         let of = |per_turn| {
             let harmonic = Harmonic { per_turn, cosine: 1.0, sine: 0.0 };
-            sampled(TableId(0), &[harmonic]).nodes.len()
+            sampled(&[harmonic]).len()
         };
         assert_eq!((of(4), of(24), of(4000)), (720, 2160, 7200));
     }

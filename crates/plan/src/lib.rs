@@ -62,7 +62,7 @@ pub use crate::path::{Motion, Path};
 pub use cams::{CamCommand, Cams, Course, TURN_ENDED, turned};
 pub use clock::Clock;
 pub use clutch::{ClutchCycle, DwellWindow};
-pub use coupled::{GearStep, Superpose, Superposed, Table, TableId};
+pub use coupled::{GearStep, OSCILLATION_SEEN, Superpose, Superposed, Table, TableId, sampled};
 pub use limits::{
     AxisLimits, DwellCheck, Effort, Joining, MachineLimits, Options, OwnRamps, PlainDrive, Retract,
     SpindleLimits, TapMethod, Tapping, ToolChange, Unsynchronised,

@@ -112,7 +112,10 @@ const fn leaves_cam(kind: &OpKind) -> bool {
         | OpKind::Hole(_)
         | OpKind::Spindle { .. }
         | OpKind::Polygon(_)
+        | OpKind::PolygonMeasure { .. }
         | OpKind::PolygonEnd
+        | OpKind::Hob(_)
+        | OpKind::HobEnd
         | OpKind::ChangeTool { .. }
         | OpKind::Pause { .. }
         | OpKind::UserCode(_)
@@ -234,7 +237,9 @@ impl Planner {
             OpKind::Dwell { time } => self.dwell(&mut job, *time),
             OpKind::Spindle { spindle, order } => self.spindle(&mut job, *spindle, order),
             OpKind::Polygon(polygon) => self.polygon(&mut job, polygon),
-            OpKind::PolygonEnd => self.polygon_end(&mut job),
+            OpKind::PolygonMeasure { looks } => self.polygon_measure(&mut job, *looks),
+            OpKind::PolygonEnd | OpKind::HobEnd => self.polygon_end(&mut job),
+            OpKind::Hob(hob) => self.hob(&mut job, hob),
             OpKind::Cam(order) => self.cam(&mut job, order),
             OpKind::Coolant { mist, flood } => {
                 let step = job.step(StepKind::Coolant { mist: *mist, flood: *flood });

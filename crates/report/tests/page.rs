@@ -190,7 +190,10 @@ fn figures_that_are_no_numbers_spoil_no_picture() {
         let nan = Length::mm(f64::NAN);
         match &mut feature.kind {
             FeatureKind::Hole(hole) => (hole.x, hole.diameter, hole.depth_error) = (nan, nan, nan),
-            FeatureKind::Polygon(_) | FeatureKind::Cam(_) | FeatureKind::Turned(_) => {}
+            FeatureKind::Polygon(_)
+            | FeatureKind::Cam(_)
+            | FeatureKind::Turned(_)
+            | FeatureKind::Gear(_) => {}
             FeatureKind::Thread(thread) => {
                 (thread.margin, thread.sync_error_max, thread.pitch_diameter_tolerance) =
                     (nan, nan, nan);

@@ -10,6 +10,12 @@
 //!   rpm = 10.0
 //!   phase_error_deg = 0.4971          θ measured less θ ideal: positive, the follower is late
 //!   response = [[0.1667, 0.9999, 0.00138], …]     Hz, gain, delay in turns of the wave
+//!   [[swing]]                         an oscillation of polygon turning, measured in an air cut
+//!   on = "tool phase"                 or an axis, "X"
+//!   form = "1f2e3d4c"                 mark of its harmonics
+//!   rpm = 500.0
+//!   sent = [[6, 0.0001, 0.0026], …]   periods a turn, cosine, sine: what comes out as ordered
+//!   response = …
 //! ```
 //!
 //! The file is written beside its name and renamed: a reader finds the old table or the new one. What is known of a
@@ -53,6 +59,22 @@ pub struct Measured {
     pub learnt_form: String,
 }
 
+/// What was measured of one oscillation at one speed.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Swung {
+    /// What swings: an axis' letter, or "tool phase".
+    pub on: String,
+    /// Mark of its harmonics as ordered.
+    pub form: String,
+    /// Speed of the work, rev/min.
+    pub rpm: f64,
+    /// What is to be sent: periods a turn, amplitude of the cosine and of the sine, mm or rev.
+    pub sent: Vec<[f64; 3]>,
+    /// Frequency in Hz, gain, delay in turns of the wave.
+    pub response: Vec<[f64; 3]>,
+}
+
 /// The table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -65,6 +87,9 @@ pub struct Phases {
     /// What was measured.
     #[serde(default)]
     pub measured: Vec<Measured>,
+    /// What was measured of oscillations.
+    #[serde(default, rename = "swing", skip_serializing_if = "Vec::is_empty")]
+    pub swung: Vec<Swung>,
 }
 
 /// The mark of a profile's nodes.
@@ -84,6 +109,7 @@ impl Phases {
             machine: machine.into(),
             mark: format!("{mark:08x}"),
             measured: Vec::new(),
+            swung: Vec::new(),
         }
     }
 
@@ -116,7 +142,7 @@ impl Phases {
                 format!("expected version {VERSION}, found {}", table.version),
             ));
         }
-        if table.measured.len() > MOST {
+        if table.measured.len() + table.swung.len() > MOST {
             return Err(wrong(0..0, format!("more than {MOST} measurements")));
         }
         let finite = |m: &Measured| {
@@ -128,6 +154,15 @@ impl Phases {
         if let Some(bad) = table.measured.iter().find(|m| !finite(m)) {
             let sentence =
                 format!("profile {} at {} rpm: expected finite numbers", bad.profile, bad.rpm);
+            return Err(wrong(0..0, sentence));
+        }
+        let finite = |s: &Swung| {
+            let figures = s.sent.iter().chain(&s.response).flatten();
+            s.rpm > 0.0 && s.rpm.is_finite() && figures.copied().all(f64::is_finite)
+        };
+        if let Some(bad) = table.swung.iter().find(|s| !finite(s)) {
+            let sentence =
+                format!("oscillation of {} at {} rpm: expected finite numbers", bad.on, bad.rpm);
             return Err(wrong(0..0, sentence));
         }
         Ok(table)
@@ -172,6 +207,16 @@ impl Phases {
             .sort_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal));
     }
 
+    /// Keep what was measured of an oscillation, likewise.
+    pub fn keep_swung(&mut self, new: Swung) {
+        let same =
+            |s: &Swung| s.on == new.on && s.form == new.form && (s.rpm - new.rpm).abs() < 1e-6;
+        self.swung.retain(|s| !same(s));
+        self.swung.push(new);
+        self.swung
+            .sort_by(|a, b| (&a.on, &a.form).cmp(&(&b.on, &b.form)).then(a.rpm.total_cmp(&b.rpm)));
+    }
+
     /// What was measured of this form, by rising speed.
     pub fn of<'a>(&'a self, profile: u32, form: &'a str) -> impl Iterator<Item = &'a Measured> {
         self.measured.iter().filter(move |m| m.profile == profile && m.form == form)
@@ -208,6 +253,24 @@ mod tests {
         let speeds: Vec<f64> = read.of(1234, "0c55aa01").map(|m| m.rpm).collect();
         assert_eq!(speeds, [10.0, 60.0]);
         assert_eq!(read.of(1234, "another").count(), 0);
+    }
+
+    #[test]
+    fn oscillations_stand_in_the_same_table_and_a_new_one_takes_the_place_of_the_old() {
+        let mut table = table();
+        for gain in [1.1, 1.2] {
+            table.keep_swung(Swung {
+                on: "tool phase".into(),
+                form: "1f2e3d4c".into(),
+                rpm: 500.0,
+                sent: vec![[6.0, 0.0, 0.0026 / gain]],
+                response: vec![[50.0, gain, 0.01]],
+            });
+        }
+        let text = toml::to_string(&table).unwrap();
+        assert_eq!(Phases::parse(&text).unwrap(), table);
+        assert_eq!((table.swung.len(), table.swung[0].response[0][1]), (1, 1.2));
+        assert!(Phases::parse(&text.replace("rpm = 500.0", "rpm = -500.0")).is_err());
     }
 
     #[test]

@@ -44,6 +44,7 @@ impl Feature {
             FeatureKind::Polygon(_) => "polygon",
             FeatureKind::Cam(_) => "cam",
             FeatureKind::Turned(_) => "turned thread",
+            FeatureKind::Gear(_) => "gear",
         }
     }
 
@@ -52,7 +53,10 @@ impl Feature {
         match &mut self.kind {
             FeatureKind::Hole(hole) => hole.chip_removal = true,
             FeatureKind::Thread(thread) => thread.chip_removal = true,
-            FeatureKind::Cam(_) | FeatureKind::Polygon(_) | FeatureKind::Turned(_) => {} // no chips wind around their tools
+            FeatureKind::Cam(_)
+            | FeatureKind::Polygon(_)
+            | FeatureKind::Turned(_)
+            | FeatureKind::Gear(_) => {} // no chips wind around their tools
         }
     }
 
@@ -62,7 +66,10 @@ impl Feature {
         match &self.kind {
             FeatureKind::Hole(hole) => Some([hole.x, hole.y]),
             FeatureKind::Thread(thread) => Some([thread.x, thread.y]),
-            FeatureKind::Polygon(_) | FeatureKind::Cam(_) | FeatureKind::Turned(_) => None,
+            FeatureKind::Polygon(_)
+            | FeatureKind::Cam(_)
+            | FeatureKind::Turned(_)
+            | FeatureKind::Gear(_) => None,
         }
     }
 }
@@ -120,6 +127,8 @@ pub enum FeatureKind {
     Cam(Box<crate::GroundCam>),
     /// A thread turned with a single point.
     Turned(Box<crate::TurnedThread>),
+    /// Hobbed teeth.
+    Gear(Box<crate::Gear>),
 }
 
 /// A hole as it was made.

@@ -13,6 +13,7 @@ use crate::Config;
 use crate::cam::{self, CamTrack};
 use crate::chips::Removals;
 use crate::feature::Feature;
+use crate::gear::{self, GearTrack};
 use crate::hole::{Drilled, HoleTrack};
 use crate::polygon::{Ordered, PolygonTrack};
 use crate::stroke::Stroke;
@@ -64,6 +65,7 @@ enum What {
     Polygon(Box<Ordered>),
     Cam(Box<cam::Ordered>),
     Turned(turned::Ordered),
+    Gear(Box<gear::Ordered>),
 }
 
 #[derive(Clone, Debug)]
@@ -73,6 +75,7 @@ enum Track {
     Polygon(Box<PolygonTrack>),
     Cam(CamTrack),
     Turned(TurnedTrack),
+    Gear(Box<GearTrack>),
 }
 
 impl Judge {
@@ -116,6 +119,13 @@ impl Judge {
                 }
                 return;
             }
+            if let What::Gear(ordered) = &mut open.what {
+                ordered.see(&op.kind);
+                if matches!(op.kind, OpKind::HobEnd | OpKind::End) {
+                    open.end = Some(index);
+                }
+                return;
+            }
             if let What::Turned(ordered) = &mut open.what {
                 if ordered.see(index, from, &op.kind) {
                     return;
@@ -153,6 +163,9 @@ impl Judge {
                 let mut ordered = turned::Ordered::default();
                 ordered.see(index, from, &op.kind);
                 (What::Turned(ordered), None)
+            }
+            OpKind::Hob(hob) => {
+                (What::Gear(Box::new(gear::Ordered { hob: *hob, least_x: None })), None)
             }
             OpKind::Polygon(polygon) => (What::Polygon(Box::new(Ordered::new(polygon))), None),
             OpKind::Spindle { order: SpindleOrder::ThrowChips(chips), .. } => {
@@ -205,6 +218,7 @@ impl Judge {
             Track::Hole { track, .. } => track.sample(sample),
             Track::Thread(track) => track.sample(sample),
             Track::Polygon(track) => track.sample(sample),
+            Track::Gear(track) => track.sample(sample),
             Track::Cam(track) => track.sample(sample),
             Track::Turned(track) => {
                 if let What::Turned(ordered) = &order.what {
@@ -248,6 +262,12 @@ impl Judge {
                     self.features.push(track.finish(op, line, ordered, &self.config, self.now));
                 }
             }
+            Track::Gear(track) => {
+                if let What::Gear(ordered) = &order.what {
+                    let of = (op, line, order.tool);
+                    self.features.push(track.finish(of, ordered, &self.config, self.now));
+                }
+            }
             Track::Turned(track) => {
                 if let What::Turned(ordered) = &order.what {
                     self.features.push(track.finish(op, line, ordered, &self.config, self.now));
@@ -280,6 +300,10 @@ impl Track {
             What::Tap(tap) => Stroke::new(tap.axis, &tap.start, tap.surface, tap.bottom),
             What::Cam(ordered) => return Self::Cam(CamTrack::new(ordered)),
             What::Turned(_) => return Self::Turned(TurnedTrack::default()),
+            What::Gear(ordered) => {
+                let length = tool.map_or(units::Length::ZERO, |tool| tool.length);
+                return Self::Gear(Box::new(GearTrack::new(ordered, length)));
+            }
             What::Polygon(ordered) => {
                 return Self::Polygon(Box::new(PolygonTrack::new(ordered, number, tool, config)));
             }
@@ -289,12 +313,9 @@ impl Track {
             _ => stroke,
         };
         match &order.what {
-            What::Hole(_) => Self::Hole { track: HoleTrack::new(stroke), tool: number },
             What::Tap(tap) => Self::Thread(Box::new(ThreadTrack::new(tap, number, tool, stroke))),
-            What::Cam(ordered) => Self::Cam(CamTrack::new(ordered)),
-            What::Turned(_) => Self::Turned(TurnedTrack::default()),
-            What::Polygon(ordered) => {
-                Self::Polygon(Box::new(PolygonTrack::new(ordered, number, tool, config)))
+            What::Hole(_) | What::Cam(_) | What::Turned(_) | What::Polygon(_) | What::Gear(_) => {
+                Self::Hole { track: HoleTrack::new(stroke), tool: number }
             }
         }
     }

@@ -177,6 +177,7 @@ impl Feature {
             FeatureKind::Polygon(polygon) => of_polygon(polygon, tolerances),
             FeatureKind::Cam(cam) => of_cam(cam, tolerances),
             FeatureKind::Turned(thread) => of_turned(thread, tolerances),
+            FeatureKind::Gear(_) => Vec::new(), // judged by grades
         };
         let least = measured.into_iter().min_by(|a, b| a.share().total_cmp(&b.share()));
         // a feature that failed for what has no measure must not look good by its measures
@@ -274,6 +275,8 @@ pub struct Summary {
     pub polygons: Count,
     /// Cams.
     pub cams: Count,
+    /// Gears.
+    pub gears: Count,
     /// Index of the feature with the least headroom, and what is left of which tolerance.
     pub worst: Option<(usize, Headroom)>,
     /// Index of the thread with the largest sync error in the material, and that error.
@@ -288,7 +291,9 @@ impl Summary {
         let mut summary = Self::default();
         for (index, feature) in features.iter().enumerate() {
             let headroom = feature.headroom(tolerances);
-            if summary.worst.is_none_or(|(_, worst)| headroom.share() < worst.share()) {
+            // a gear is judged by grades, which say nothing of what is left
+            let graded = matches!(feature.kind, FeatureKind::Gear(_)) && feature.verdict.is_pass();
+            if !graded && summary.worst.is_none_or(|(_, worst)| headroom.share() < worst.share()) {
                 summary.worst = Some((index, headroom));
             }
             let passed = feature.verdict.is_pass();
@@ -297,6 +302,7 @@ impl Summary {
                 FeatureKind::Polygon(_) => summary.polygons.add(passed),
                 FeatureKind::Cam(_) => summary.cams.add(passed),
                 FeatureKind::Turned(_) => summary.threads.add(passed),
+                FeatureKind::Gear(_) => summary.gears.add(passed),
                 FeatureKind::Thread(thread) => {
                     summary.threads.add(passed);
                     let (sync, depth) = (thread.sync_error_max, thread.depth_error);

@@ -84,6 +84,7 @@ impl Cut {
                 harmonics: vec![Harmonic { per_turn: 6, cosine: 0.0, sine: 0.0 }],
             }],
             auto: None,
+            compensated: false,
         };
         judge.op(0, &op(1, OpKind::ChangeTool { number: 9 }));
         judge.op(1, &op(2, OpKind::Polygon(polygon)));

@@ -128,6 +128,7 @@ Examples:
     #[command(after_help = "Examples:
   leadscrew polygon --sides 6 --across-flats 17 --speed 500
   leadscrew polygon --sides 4 --across-flats 30 --speed 500 --flatness 2 --out square.html
+  leadscrew polygon --sides 4 --across-flats 30 --simulate                  cut at each speed, compensated and not
   leadscrew polygon --insert-angles 0,90 --across-flats 20 --actuator x --format json
   leadscrew polygon --sides 5 --ratio 2:5 --across-flats 17 --tip-radius 6.8   a pentagon")]
     Polygon(PolygonArgs),

@@ -36,9 +36,15 @@ pub(crate) struct PolygonArgs {
     /// What may swing
     #[arg(long, value_enum, default_value_t = ActuatorChoice::Auto)]
     pub(crate) actuator: ActuatorChoice,
-    /// Harmonics of each oscillation
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=32))]
-    pub(crate) harmonics: u32,
+    /// Harmonics of each oscillation [default: 4, and as many as it takes where a limit binds]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=32))]
+    pub(crate) harmonics: Option<u32>,
+    /// Table that G51.4 has written: what the loops really make of an oscillation is taken into account
+    #[arg(long, value_name = "FILE")]
+    pub(crate) phase_table: Option<PathBuf>,
+    /// Cut it on the simulated machine, from 100 to 1000 rpm, as computed and with an air cut's measurement compensated
+    #[arg(long)]
+    pub(crate) simulate: bool,
     /// Length of the polygon, mm
     #[arg(long, value_name = "MM", default_value_t = 20.0)]
     pub(crate) length: f64,

@@ -1,20 +1,23 @@
-//! `G51.2 … D`: the control computes the oscillation for the cut that follows, on this machine.
-use super::{AS_FLAT, CANDIDATES, drives};
+//! What the control fills in of G51.2: with D the oscillation for the cut that follows, on this machine; with E1 what is
+//! sent of it, by what was measured before.
+use super::{AS_FLAT, CANDIDATES, FINE_HARMONICS, drives, kept, refuse, solve};
 use canon::{
     Axis, Harmonic, OpKind, Oscillating, Oscillation, Polygon, SpindleOrder, ToolKind, ToolLibrary,
 };
 use diag::{Diagnostic, Span};
-use forms::polygon::{Actuator, Form, Problem, Series, Solution};
+use forms::polygon::{Actuator, Form, Series, Solution};
 use store::machine::MachineFile;
+use store::phases::Phases;
 use units::{Length, Spin};
 
-/// Harmonics of each oscillation.
-const HARMONICS: usize = 4;
+/// An offset of the facets that X need not be moved for, mm.
+const NOT_WORTH_MM: f64 = 2e-4;
 
 /// Follows the program as far as an oscillation depends on it.
 pub(crate) struct Auto<'a> {
     machine: &'a MachineFile,
     tools: &'a ToolLibrary,
+    phases: &'a Phases,
     /// Machine X of the work's axis.
     axis: Length,
     tool: u32,
@@ -27,9 +30,10 @@ impl<'a> Auto<'a> {
     pub(crate) const fn new(
         machine: &'a MachineFile,
         tools: &'a ToolLibrary,
+        phases: &'a Phases,
         axis: Length,
     ) -> Self {
-        Self { machine, tools, axis, tool: 0, work: Spin::ZERO, findings: Vec::new() }
+        Self { machine, tools, phases, axis, tool: 0, work: Spin::ZERO, findings: Vec::new() }
     }
 
     /// What was found.
@@ -48,57 +52,112 @@ impl<'a> Auto<'a> {
     }
 
     /// Fill in what swings; where that is impossible, say why.
-    pub(crate) fn fill(&mut self, polygon: &mut Polygon, cut: Option<Length>, span: Span) {
-        match self.solve(polygon, cut) {
-            Ok(solution) => {
-                polygon.oscillations = solution.command.0.iter().map(oscillation).collect();
+    pub(crate) fn fill(&mut self, polygon: &mut Polygon, cut: Option<[Length; 2]>, span: Span) {
+        if polygon.auto.is_some() {
+            match self.solve(polygon, cut) {
+                Ok(solution) => {
+                    polygon.oscillations = oscillations(&solution, polygon.ratio.master)
+                }
+                Err((code, text)) => self.findings.push(Diagnostic::error(code, span, text)),
             }
-            Err(text) => self.findings.push(Diagnostic::error("A0401", span, text)),
+        } else if polygon.compensated {
+            self.compensate(polygon, span);
+        } else if let Some(cut) = cut {
+            let form = self.form(polygon, cut[0]);
+            let wrong = refuse::wrong(self.machine, polygon, form.as_ref(), self.work, cut);
+            let finding = |text| Diagnostic::error("A0403", span, text);
+            self.findings.extend(wrong.into_iter().map(finding));
         }
     }
 
-    fn solve(&self, polygon: &Polygon, cut: Option<Length>) -> Result<Solution, String> {
-        let tool = self.tools.get(self.tool).map(|tool| &tool.kind);
-        let Some(ToolKind::PolygonCutter(cutter)) = tool else {
-            return Err("D lets the control compute the oscillation, but no polygon cutter is in the spindle: call one with T and M6 before G51.2".to_owned());
-        };
-        let Some(cut) = cut else {
-            return Err("D lets the control compute the oscillation, but no cut follows that says the distance of the axes: write the G1 after G51.2, or G51.3 instead of D".to_owned());
-        };
-        let form = Form {
+    /// The form that the cutter in the spindle cuts there; `None`: it is no polygon cutter.
+    fn form(&self, polygon: &Polygon, cut: Length) -> Option<Form> {
+        let ToolKind::PolygonCutter(cutter) = &self.tools.get(self.tool)?.kind else { return None };
+        Some(Form {
             inserts: cutter.inserts.clone(),
             turns: [polygon.ratio.follower, polygon.ratio.master],
             across_flats: (cut - self.axis - cutter.radius) * 2.0,
             tip_radius: cutter.radius,
             stock_radius: self.machine.setup.stock.to[0],
+        })
+    }
+
+    /// What is sent instead of what was ordered.
+    fn compensate(&mut self, polygon: &mut Polygon, span: Span) {
+        let turns = polygon.ratio.master;
+        for oscillation in &mut polygon.oscillations {
+            if let Some(sent) = kept::sent(self.phases, oscillation, self.work, turns) {
+                oscillation.harmonics = sent;
+                continue;
+            }
+            let text = format!(
+                "E1 sends what swings as it was measured, but the oscillation of {} has not been measured up to its frequency at S{:.0}",
+                kept::name(oscillation.on),
+                self.work.in_rpm()
+            );
+            let help = "measure it in the air: G51.4 P6 after G51.2, with --phase-table FILE, at this speed or a faster one";
+            self.findings.push(Diagnostic::error("A0402", span, text).with_help(help));
+        }
+    }
+
+    fn solve(&self, polygon: &Polygon, cut: Option<[Length; 2]>) -> Result<Solution, Refusal> {
+        let is_cutter = self
+            .tools
+            .get(self.tool)
+            .is_some_and(|tool| matches!(tool.kind, ToolKind::PolygonCutter(_)));
+        if !is_cutter {
+            return refused("D lets the control compute the oscillation, but no polygon cutter is in the spindle: call one with T and M6 before G51.2".to_owned());
+        }
+        let Some(form) = cut.and_then(|cut| self.form(polygon, cut[0])) else {
+            return refused("D lets the control compute the oscillation, but no cut follows that says the distance of the axes: write the G1 after G51.2, or G51.3 instead of D".to_owned());
         };
         form.check().map_err(|all| {
-            all.into_iter().map(|refusal| refusal.0).collect::<Vec<_>>().join("; ")
+            ("A0401", all.into_iter().map(|refusal| refusal.0).collect::<Vec<_>>().join("; "))
         })?;
-        if (form.base() - form.base().round()).abs() > 1e-9 {
-            return Err(format!(
-                "the inserts pass {} times a turn: an oscillation repeats with the turn, so that number must be whole; leave out D",
-                form.base()
-            ));
-        }
         let mut best: Option<Solution> = None;
+        let mut unmeasured = false;
         for (_, who) in CANDIDATES.into_iter().filter(|c| may(polygon.auto, c.1)) {
-            let drives = who
-                .iter()
-                .map(|a| drives::drive(self.machine, *a, &form, self.work, HARMONICS))
-                .collect::<Option<Vec<_>>>();
-            let Some(drives) = drives else { continue };
-            let problem = Problem { form: &form, spin: self.work, drives, harmonics: HARMONICS };
-            let Some(found) = problem.solve() else { continue };
+            let answers = |a: &Actuator| {
+                let on = drives::on(*a);
+                kept::answers(self.phases, on, form.base(), self.work, FINE_HARMONICS)
+            };
+            let answers: Vec<_> = if polygon.compensated {
+                who.iter().map(answers).collect()
+            } else {
+                vec![Vec::new(); who.len()]
+            };
+            if polygon.compensated && answers.iter().any(Vec::is_empty) {
+                unmeasured = true;
+                continue;
+            }
+            let found = solve(self.machine, &form, self.work, who, &answers);
+            let Some(found) = found else { continue };
             let better = |b: &Solution| found.flatness + AS_FLAT < b.flatness;
             if best.as_ref().is_none_or(better) {
                 best = Some(found);
             }
         }
+        if best.is_none() && unmeasured {
+            return Err((
+                "A0402",
+                format!(
+                    "E1 takes account of what an air cut has shown of what swings, and nothing of that has been measured up to {:.0} Hz, the frequency at S{:.0}: measure it with G51.4 P6 after G51.2 D0, and --phase-table FILE",
+                    form.base() * self.work.abs().value(),
+                    self.work.in_rpm()
+                ),
+            ));
+        }
         best.ok_or_else(|| {
-            "the machine lacks what D asks to swing: D0 takes what is there".to_owned()
+            ("A0401", "the machine lacks what D asks to swing: D0 takes what is there".to_owned())
         })
     }
+}
+
+/// A code and a sentence.
+type Refusal = (&'static str, String);
+
+const fn refused<T>(text: String) -> Result<T, Refusal> {
+    Err(("A0401", text))
 }
 
 fn may(asked: Option<canon::Actuator>, who: &[Actuator]) -> bool {
@@ -112,7 +171,23 @@ fn may(asked: Option<canon::Actuator>, who: &[Actuator]) -> bool {
     }
 }
 
-fn oscillation(series: &Series) -> Oscillation {
+/// What swings, with X so much nearer as the swing leaves the facets farther out.
+fn oscillations(solution: &Solution, turns: i32) -> Vec<Oscillation> {
+    let of = |series| oscillation(series, f64::from(turns));
+    let mut all: Vec<Oscillation> = solution.command.0.iter().map(of).collect();
+    let nearer = Harmonic { per_turn: 0, cosine: -solution.offset.value(), sine: 0.0 };
+    let on = Oscillating::Axis(Axis::X);
+    match all.iter_mut().find(|o| o.on == on) {
+        Some(x) => x.harmonics.push(nearer),
+        None if nearer.cosine.abs() > NOT_WORTH_MM => {
+            all.push(Oscillation { on, harmonics: vec![nearer] });
+        }
+        None => {}
+    }
+    all
+}
+
+fn oscillation(series: &Series, turns: f64) -> Oscillation {
     Oscillation {
         on: match series.actuator {
             Actuator::CentreLine => Oscillating::Axis(Axis::X),
@@ -123,7 +198,7 @@ fn oscillation(series: &Series) -> Oscillation {
             .terms
             .iter()
             .map(|t| Harmonic {
-                per_turn: t.per_turn.round() as u32,
+                per_turn: (t.per_turn * turns).round() as u32,
                 cosine: t.cosine,
                 sine: t.sine,
             })

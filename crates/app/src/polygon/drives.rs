@@ -1,4 +1,5 @@
 //! What a machine's file says of the actuators that may swing.
+use canon::{Oscillating, Polygon};
 use forms::polygon::{Actuator, Drive, Effort, Form, Limits, Loop};
 use std::f64::consts::TAU;
 use store::machine::{Axis, MachineFile, Spindle};
@@ -6,20 +7,22 @@ use units::Spin;
 
 /// Share of an axis' force that an oscillation may use: the rest is for the cut and for control.
 const PLANNED_SHARE: f64 = 0.9;
+/// What a loop makes of a harmonic that was not measured.
+const ASSUMED: [f64; 2] = [1.0, 0.0];
 
-/// An actuator of this machine, swinging at this speed of the work; `None` if the machine lacks it.
+/// An actuator of this machine, swinging at this speed of the work; `None` if the machine lacks it. `measured`: what
+/// an air cut has shown of its loop, harmonic by harmonic; else the loop is taken to be as good as its feed-forwards.
 pub(super) fn drive(
     machine: &MachineFile,
     actuator: Actuator,
     form: &Form,
     work: Spin,
     harmonics: usize,
+    measured: &[[f64; 2]],
 ) -> Option<Drive> {
     let frequency = |h: usize| work.value().abs() * form.base() * (h + 1) as f64;
-    let (limits, answer): (Limits, Box<dyn Fn(f64) -> [f64; 2]>) = match actuator {
-        Actuator::CentreLine | Actuator::Across => {
-            let letter =
-                if actuator == Actuator::CentreLine { canon::Axis::X } else { canon::Axis::Y };
+    let (limits, answer): (Limits, Box<dyn Fn(f64) -> [f64; 2]>) = match on(actuator) {
+        Oscillating::Axis(letter) => {
             let axis = machine.axes.iter().flatten().find(|axis| axis.letter == letter)?.clone();
             let middle = match actuator {
                 Actuator::CentreLine => machine.setup.g54.along(letter) + form.centres(),
@@ -28,14 +31,50 @@ pub(super) fn drive(
             let travel = (middle - axis.travel.from).min(axis.travel.to - middle).value();
             (slide(&axis, travel), Box::new(move |f| structure(&axis, f)))
         }
-        Actuator::ToolPhase => {
+        Oscillating::ToolPhase => {
             let spindle = machine.spindles.get(1)?.clone();
             let tool = work * form.ratio();
             (turning(&spindle, tool), Box::new(move |f| answer(&spindle, f)))
         }
     };
-    let response = (0..harmonics).map(|h| answer(frequency(h))).collect();
-    Some(Drive { actuator, limits, response })
+    let response = (0..harmonics).map(|h| {
+        let ([a, b], [c, d]) = (answer(frequency(h)), measured.get(h).copied().unwrap_or(ASSUMED));
+        [a * c - b * d, a * d + b * c]
+    });
+    Some(Drive { actuator, limits, response: response.collect() })
+}
+
+/// What swings, as the program says it.
+pub(super) const fn on(actuator: Actuator) -> Oscillating {
+    match actuator {
+        Actuator::CentreLine => Oscillating::Axis(canon::Axis::X),
+        Actuator::Across => Oscillating::Axis(canon::Axis::Y),
+        Actuator::ToolPhase => Oscillating::ToolPhase,
+    }
+}
+
+/// Largest speed, acceleration and jerk of what swings, mm and s or rev and s.
+pub(super) fn most(
+    machine: &MachineFile,
+    on: Oscillating,
+    polygon: &Polygon,
+    work: Spin,
+) -> [f64; 3] {
+    let limits = match on {
+        Oscillating::Axis(letter) => {
+            let axis = machine.axes.iter().flatten().find(|axis| axis.letter == letter);
+            axis.map(|axis| slide(axis, f64::INFINITY))
+        }
+        Oscillating::ToolPhase => {
+            let tool = machine.spindles.get(usize::from(polygon.tool));
+            tool.map(|tool| turning(tool, work * polygon.ratio.value()))
+        }
+    };
+    limits.map_or([0.0; 3], |l| {
+        let by_effort =
+            l.effort.map_or(f64::INFINITY, |e| (e.most - e.constant).max(0.0) / e.per_acceleration);
+        [l.speed, l.acceleration.min(by_effort), l.jerk]
+    })
 }
 
 fn slide(axis: &Axis, travel: f64) -> Limits {

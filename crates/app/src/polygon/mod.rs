@@ -5,19 +5,29 @@
 //! ```
 pub(crate) mod auto;
 mod drives;
+pub(crate) mod host;
+mod kept;
+mod prove;
+mod refuse;
 mod words;
 
 use crate::args::{ActuatorChoice, Format, PolygonArgs};
 use crate::refused::Refused;
 use crate::say;
-use forms::polygon::{Actuator, Form, Problem, Solution, Swings, insert_phases};
+use forms::polygon::{Actuator, Form, Problem, Solution, insert_phases};
+use std::path::Path;
 use store::machine::MachineFile;
+use store::phases::Phases;
 use units::{Angle, Length, Spin};
 
 /// Actuators within this of the flattest are as good; the first of the list is taken.
 const AS_FLAT: Length = Length::um(0.2);
 /// Slowest work spindle that is looked at.
 const SLOWEST_RPM: f64 = 10.0;
+/// Harmonics of each oscillation where nothing binds; where something does, as many as it takes.
+const HARMONICS: usize = 4;
+/// Harmonics of which the answer of a loop is asked.
+const FINE_HARMONICS: usize = 96;
 
 /// Who may swing, in the order of preference among equals: a spindle's phase costs a few newton metres.
 const CANDIDATES: [(&str, &[Actuator]); 4] = [
@@ -32,7 +42,11 @@ struct Design {
     machine: MachineFile,
     form: Form,
     work: Spin,
-    harmonics: usize,
+    /// As many as the user asks for; else as many as it takes.
+    harmonics: Option<usize>,
+    /// What air cuts have shown.
+    phases: Phases,
+    chosen: ActuatorChoice,
     wanted: Option<Length>,
     length: Length,
     feed_per_rev: Length,
@@ -48,9 +62,8 @@ struct Way {
 /// Do it.
 pub(crate) fn command(args: &PolygonArgs, quiet: bool) -> Result<(), Refused> {
     let design = Design::of(args)?;
-    let chosen: Vec<_> = CANDIDATES.into_iter().filter(|c| asked(args.actuator, c.1)).collect();
-    let ways: Vec<Way> =
-        chosen.iter().filter_map(|(name, who)| design.solve(name, who, design.work)).collect();
+    let way = |(name, who)| design.solve(name, who, design.work, &design.phases);
+    let ways: Vec<Way> = design.candidates().filter_map(way).collect();
     let Some(best) = best(&ways) else {
         return Err(Refused::because(format!(
             "{} has none of the actuators asked: --actuator auto takes what is there",
@@ -58,7 +71,8 @@ pub(crate) fn command(args: &PolygonArgs, quiet: bool) -> Result<(), Refused> {
         )));
     };
     let fastest = design.wanted.and_then(|wanted| design.fastest(best, wanted));
-    let told = words::Told { design: &design, ways: &ways, best, fastest };
+    let proofs = if args.simulate { prove::proofs(&design, &args.machine)? } else { Vec::new() };
+    let told = words::Told { design: &design, ways: &ways, best, fastest, proofs };
     if let Some(out) = &args.out {
         let page = report::polygon_html(&told.page());
         std::fs::write(out, page)
@@ -126,7 +140,9 @@ impl Design {
         };
         let design = Self {
             work: Spin::rpm(args.speed),
-            harmonics: args.harmonics as usize,
+            harmonics: args.harmonics.map(|n| n as usize),
+            phases: phases(args.phase_table.as_deref(), &machine)?,
+            chosen: args.actuator,
             wanted: args.flatness.map(Length::um),
             length: Length::mm(args.length),
             feed_per_rev: Length::mm(args.feed),
@@ -185,39 +201,45 @@ impl Design {
         }
     }
 
-    fn swings(&self) -> bool {
-        (self.form.base() - self.form.base().round()).abs() < 1e-9
+    /// Who may swing.
+    fn candidates(&self) -> impl Iterator<Item = (&'static str, &'static [Actuator])> {
+        CANDIDATES.into_iter().filter(|c| asked(self.chosen, c.1))
     }
 
-    fn solve(&self, name: &'static str, who: &[Actuator], work: Spin) -> Option<Way> {
-        if !self.swings() {
-            return self.still(name);
-        }
-        let drive =
-            |a: &Actuator| drives::drive(&self.machine, *a, &self.form, work, self.harmonics);
-        let drives = who.iter().map(drive).collect::<Option<Vec<_>>>()?;
-        let problem = Problem { form: &self.form, spin: work, drives, harmonics: self.harmonics };
-        Some(Way { name, solution: problem.solve()? })
-    }
-
-    /// Nothing swings: where the passes do not repeat with the turn, an oscillation cannot.
-    fn still(&self, name: &'static str) -> Option<Way> {
-        let problem =
-            Problem { form: &self.form, spin: self.work, drives: Vec::new(), harmonics: 1 };
-        let mut solution = problem.solve()?;
-        solution.flatness = self.form.flatness(&Swings::default());
+    fn solve(
+        &self,
+        name: &'static str,
+        who: &[Actuator],
+        work: Spin,
+        phases: &Phases,
+    ) -> Option<Way> {
+        let count = self.harmonics.unwrap_or(FINE_HARMONICS);
+        let answers: Vec<_> = who
+            .iter()
+            .map(|a| kept::answers(phases, drives::on(*a), self.form.base(), work, count))
+            .collect();
+        let solution = match self.harmonics {
+            Some(n) => problem(&self.machine, &self.form, work, who, &answers, n)?.solve()?,
+            None => solve(&self.machine, &self.form, work, who, &answers)?,
+        };
         Some(Way { name, solution })
+    }
+
+    /// The fastest that both spindles turn.
+    fn fastest_turning(&self) -> Spin {
+        let [work, tool] =
+            [0, 1].map(|i| self.machine.spindles.get(i).map_or(0.0, |s| s.max.value()));
+        Spin::rev_per_s(work.min(tool / self.form.ratio()))
     }
 
     /// The fastest work spindle at which it is as flat as wanted, if any is.
     fn fastest(&self, way: &Way, wanted: Length) -> Option<Spin> {
         let who = CANDIDATES.iter().find(|c| c.0 == way.name)?.1;
         let flat = |rpm: f64| {
-            let way = self.solve(way.name, who, Spin::rpm(rpm));
+            let way = self.solve(way.name, who, Spin::rpm(rpm), &self.phases);
             way.is_some_and(|way| way.solution.flatness <= wanted)
         };
-        let [work, tool] = [0, 1].map(|i| self.machine.spindles[i].max.in_rpm());
-        let (mut low, mut high) = (SLOWEST_RPM, work.min(tool / self.form.ratio()));
+        let (mut low, mut high) = (SLOWEST_RPM, self.fastest_turning().in_rpm());
         if flat(high) {
             return Some(Spin::rpm(high));
         }
@@ -230,6 +252,40 @@ impl Design {
         }
         Some(Spin::rpm(low.floor()))
     }
+}
+
+/// The problem of these actuators on this machine, as their loops answer.
+fn problem<'f>(
+    machine: &MachineFile,
+    form: &'f Form,
+    work: Spin,
+    who: &[Actuator],
+    answers: &[Vec<[f64; 2]>],
+    harmonics: usize,
+) -> Option<Problem<'f>> {
+    let drive = |(a, answers): (&Actuator, &Vec<[f64; 2]>)| {
+        drives::drive(machine, *a, form, work, FINE_HARMONICS.max(harmonics), answers)
+    };
+    let drives = who.iter().zip(answers).map(drive).collect::<Option<Vec<_>>>()?;
+    Some(Problem { form, spin: work, drives, harmonics })
+}
+
+/// Its solution, as finely as the limits ask for.
+fn solve(
+    machine: &MachineFile,
+    form: &Form,
+    work: Spin,
+    who: &[Actuator],
+    answers: &[Vec<[f64; 2]>],
+) -> Option<Solution> {
+    problem(machine, form, work, who, answers, HARMONICS)?.solve_well()
+}
+
+/// What air cuts have shown of this machine, as far as a table says it.
+fn phases(path: Option<&Path>, machine: &MachineFile) -> Result<Phases, Refused> {
+    let mark = crate::cams::mark(machine);
+    let kept = path.map(|path| Phases::load(path, &machine.name, mark)).transpose()?.flatten();
+    Ok(kept.unwrap_or_else(|| Phases::new(&machine.name, mark)))
 }
 
 /// Work and tool, as in "1:2".

@@ -1,8 +1,9 @@
 //! What is told of a design: table, G-code, JSON and page.
+use super::prove::Proof;
 use super::{CANDIDATES, Design, Way};
 use crate::tables::table;
 use comfy_table::Cell;
-use forms::polygon::{Actuator, Swings};
+use forms::polygon::{Actuator, Solution, Swings};
 use report::PolygonPlan;
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
@@ -11,6 +12,18 @@ use units::{Angle, Length, Spin};
 /// Speeds of the picture.
 const SPEEDS: u32 = 16;
 
+/// Heads of the table of what was cut.
+const PROVED: [&str; 8] = [
+    "work",
+    "swings",
+    "computed",
+    "cut, uncompensated",
+    "cut, compensated",
+    "across flats",
+    "tilt",
+    "limited by",
+];
+
 /// Everything that is told.
 pub(super) struct Told<'d> {
     pub(super) design: &'d Design,
@@ -18,6 +31,8 @@ pub(super) struct Told<'d> {
     pub(super) best: &'d Way,
     /// At which it is as flat as wanted, if a flatness is wanted and it is ever reached.
     pub(super) fastest: Option<Spin>,
+    /// What came of it on the machine, over the speeds, if that was asked.
+    pub(super) proofs: Vec<Proof>,
 }
 
 impl Told<'_> {
@@ -28,7 +43,34 @@ impl Told<'_> {
             rows.add_row(row.into_iter().map(Cell::new).collect::<Vec<_>>());
         }
         let words = self.words().join("\n");
-        format!("{words}\n{rows}\n\n{}", self.gcode())
+        let proved = if self.proofs.is_empty() {
+            String::new()
+        } else {
+            let mut rows = table(PROVED);
+            for row in self.proved() {
+                rows.add_row(row.into_iter().map(Cell::new).collect::<Vec<_>>());
+            }
+            format!("\ncut on the simulated machine:\n{rows}\n")
+        };
+        format!("{words}\n{rows}\n{proved}\n{}", self.gcode())
+    }
+
+    /// A row for each speed that was run.
+    fn proved(&self) -> Vec<[String; 8]> {
+        let um = |x: Length| format!("{:.3} µm", x.in_um());
+        let row = |p: &Proof| {
+            [
+                format!("{:.0} rpm", p.spin.in_rpm()),
+                p.name.to_owned(),
+                um(p.computed),
+                um(p.sent.flatness),
+                um(p.compensated.flatness),
+                format!("{:+.1} µm", p.compensated.size.in_um()),
+                format!("{:+.4}°", p.compensated.tilt.in_deg()),
+                p.binding.clone().unwrap_or_default(),
+            ]
+        };
+        self.proofs.iter().map(row).collect()
     }
 
     fn sides(&self) -> usize {
@@ -51,11 +93,17 @@ impl Told<'_> {
         let none = form.flatness(&Swings::default());
         let mut words = vec![
             format!(
-                "{} sides, {:.3} mm across flats, corners of {:.2}° ({:.3} mm across), on {}: {} inserts on {:.3} mm, {}:{}, axes {:.3} mm apart",
+                "{} sides, {:.3} mm across flats, {}, on {}: {} inserts on {:.3} mm, {}:{}, axes {:.3} mm apart",
                 self.sides(),
                 form.across_flats.value(),
-                self.corner().in_deg(),
-                2.0 * form.corner_radius().value(),
+                match self.sides() {
+                    0..=2 => "no corners".to_owned(),
+                    _ => format!(
+                        "corners of {:.2}° ({:.3} mm across)",
+                        self.corner().in_deg(),
+                        2.0 * form.corner_radius().value()
+                    ),
+                },
                 machine.name,
                 form.inserts.len(),
                 form.tip_radius.value(),
@@ -69,13 +117,6 @@ impl Told<'_> {
                 work.in_rpm()
             ),
         ];
-        if !self.design.swings() {
-            let r = form.centres().value() / (form.ratio() - 1.0).powi(2);
-            words.push(format!(
-                "the passes, {:.2} a turn, do not repeat with the work's turn, so nothing can swing with it; a tip radius of {r:.3} mm at this distance is flat to second order by itself",
-                form.base()
-            ));
-        }
         if let Some(wanted) = self.design.wanted {
             words.push(match self.fastest {
                 Some(spin) => format!(
@@ -129,48 +170,9 @@ impl Told<'_> {
 
     /// The block to use, and what stands around it.
     fn gcode(&self) -> String {
-        let Design { form, length, feed_per_rev, work, tool, .. } = self.design;
-        // so much closer as the swing leaves the facets farther out
-        let x = form.centres() - self.best.solution.offset;
-        let clear = form.tip_radius + form.stock_radius + Length::mm(2.0);
-        let mut text = format!(
-            "T{tool} M6\nG43 H{tool}\nG0 X{:.4} Y0 Z5\nM3 S{:.0}\n",
-            clear.value(),
-            work.in_rpm()
-        );
-        let series = &self.best.solution.command.0;
-        for h in 0..self.design.harmonics {
-            let mut line = String::new();
-            for one in series {
-                let Some(term) = one.terms.get(h) else { continue };
-                let (letters, factor, least) = match one.actuator {
-                    Actuator::CentreLine => (['X', 'I'], 1.0, 5e-7),
-                    Actuator::Across => (['Y', 'J'], 1.0, 5e-7),
-                    Actuator::ToolPhase => (['A', 'B'], 360.0, 5e-7),
-                };
-                for (letter, value) in letters.into_iter().zip([term.cosine, term.sine]) {
-                    if (value * factor).abs() > least {
-                        line += &format!(" {letter}{:.6}", value * factor);
-                    }
-                }
-            }
-            if !line.is_empty() {
-                let per_turn = (form.base() * (h + 1) as f64).round();
-                text += &format!("G51.3 L{per_turn:.0}{line}\n");
-            }
-        }
-        text += &format!(
-            "G51.2 P{} Q{} R0\nG0 X{:.4} Z2\nG1 Z{:.3} F{:.1}\nG0 X{:.4}\nG50.2\nM5\n",
-            form.turns[1],
-            form.turns[0],
-            x.value(),
-            -length.value(),
-            feed_per_rev.value() * work.in_rpm(),
-            clear.value()
-        );
-        text
+        let Design { length, work, .. } = self.design;
+        self.design.program(&self.best.solution, *work, *length, None)
     }
-
     pub(super) fn json(&self) -> Value {
         let Design { form, machine, work, .. } = self.design;
         let ways = self.ways.iter().map(|way| {
@@ -197,6 +199,16 @@ impl Told<'_> {
             "rpm": work.in_rpm(),
             "flatness_without_um": form.flatness(&Swings::default()).in_um(),
             "flatness_um": self.best.solution.flatness.in_um(),
+            "simulated": self.proofs.iter().map(|p| json!({
+                "rpm": p.spin.in_rpm(),
+                "swings": p.name,
+                "computed_um": p.computed.in_um(),
+                "flatness_um": p.sent.flatness.in_um(),
+                "flatness_compensated_um": p.compensated.flatness.in_um(),
+                "across_flats_error_um": p.compensated.size.in_um(),
+                "tilt_deg": p.compensated.tilt.in_deg(),
+                "limited_by": p.binding,
+            })).collect::<Vec<_>>(),
             "fastest_rpm": self.fastest.map(Spin::in_rpm),
             "ways": ways.collect::<Vec<_>>(),
             "gcode": self.gcode(),
@@ -259,9 +271,26 @@ impl Told<'_> {
                 (format!("by {}", self.best.name), profile(swings)),
             ],
             speeds: self.speeds(),
+            proved_heads: PROVED.map(str::to_owned).to_vec(),
+            proved: self.proved().into_iter().map(|row| row.to_vec()).collect(),
+            proved_speeds: self.proved_speeds(),
             wanted: self.design.wanted.map(Length::in_um),
             gcode: self.gcode(),
         }
+    }
+
+    fn proved_speeds(&self) -> Vec<report::Named> {
+        let line = |of: fn(&Proof) -> Length| {
+            self.proofs.iter().map(|p| (p.spin.in_rpm(), of(p).in_um())).collect::<Vec<_>>()
+        };
+        if self.proofs.is_empty() {
+            return Vec::new();
+        }
+        vec![
+            ("compensated".to_owned(), line(|p| p.compensated.flatness)),
+            ("as computed, uncompensated".to_owned(), line(|p| p.sent.flatness)),
+            ("least within the limits".to_owned(), line(|p| p.computed)),
+        ]
     }
 
     fn speeds(&self) -> Vec<report::Named> {
@@ -274,11 +303,68 @@ impl Told<'_> {
         let ways = self.ways.iter().filter_map(|way| {
             let (name, who) = CANDIDATES.iter().find(|c| c.0 == way.name)?;
             let line = (0..SPEEDS).filter_map(|i| {
-                let way = self.design.solve(name, who, Spin::rpm(at(i)))?;
+                let way = self.design.solve(name, who, Spin::rpm(at(i)), &self.design.phases)?;
                 Some((at(i), way.solution.flatness.in_um()))
             });
             Some(((*name).to_owned(), line.collect()))
         });
         ways.chain([without]).collect()
+    }
+}
+
+impl Design {
+    /// What cuts it with this oscillation, and measures it in the air afterwards if so asked.
+    pub(super) fn program(
+        &self,
+        solution: &Solution,
+        work: Spin,
+        length: Length,
+        looks: Option<u32>,
+    ) -> String {
+        let Self { form, feed_per_rev, tool, .. } = self;
+        // so much closer as the swing leaves the facets farther out
+        let x = form.centres() - solution.offset;
+        let clear = form.tip_radius + form.stock_radius + Length::mm(2.0);
+        let mut text = format!(
+            "T{tool} M6\nG43 H{tool}\nG0 X{:.4} Y0 Z5\nM3 S{:.0}\n",
+            clear.value(),
+            work.in_rpm()
+        );
+        let series = &solution.command.0;
+        let count = series.iter().map(|one| one.terms.len()).max().unwrap_or(0);
+        for h in 0..count {
+            let mut line = String::new();
+            // jerk counts a harmonic by the cube of its number
+            let decimals = 6 + (3.0 * ((h + 1) as f64).log10()).ceil() as usize;
+            let least = 0.5 * 10_f64.powi(-(decimals as i32));
+            for one in series {
+                let Some(term) = one.terms.get(h) else { continue };
+                let (letters, factor) = match one.actuator {
+                    Actuator::CentreLine => (['X', 'I'], 1.0),
+                    Actuator::Across => (['Y', 'J'], 1.0),
+                    Actuator::ToolPhase => (['A', 'B'], 360.0),
+                };
+                for (letter, value) in letters.into_iter().zip([term.cosine, term.sine]) {
+                    if (value * factor).abs() > least {
+                        line += &format!(" {letter}{:.decimals$}", value * factor);
+                    }
+                }
+            }
+            if !line.is_empty() {
+                let per_turn = (form.base() * f64::from(form.turns[1]) * (h + 1) as f64).round();
+                text += &format!("G51.3 L{per_turn:.0}{line}\n");
+            }
+        }
+        let looks = looks.map_or_else(String::new, |n| format!("G51.4 P{n}\n"));
+        text += &format!(
+            "G51.2 P{} Q{} R0\nG0 X{:.4} Z2\nG1 Z{:.3} F{:.1}\nG0 X{:.4}\n{looks}G50.2\nM5\n",
+            form.turns[1],
+            form.turns[0],
+            x.value(),
+            -length.value(),
+            feed_per_rev.value() * work.in_rpm(),
+            clear.value()
+        );
+        text
     }
 }

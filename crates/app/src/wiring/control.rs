@@ -1,7 +1,7 @@
 //! The control's loops, windows and waits.
 use kernel::{
     AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderPlace, FeedForward,
-    OwnRamps, Pause, SpindleControl, SpindleFriction, SpindleWindows, Waits,
+    OwnRamps, Pause, PhaseLoss, SpindleControl, SpindleFriction, SpindleWindows, Waits,
 };
 use store::machine::{self, Axis, Control, Follows, Loops, MachineFile, PositionFrom, Spindle};
 use sync::{Prediction, SyncMode, Windows};
@@ -32,6 +32,11 @@ pub(crate) fn control(machine: &MachineFile, mode: Option<SyncMode>, learns: boo
             tool_change: control.waits.tool_change,
         },
         motion: super::planner(machine).motion(1.0),
+        phase_loss: control.phase_loss.and_then(|loss| {
+            let axis = machine.axes[loss.axis.index()].as_ref()?;
+            let most = (axis.rapid, axis.acceleration);
+            Some(PhaseLoss { window: loss.window, axis: loss.axis, by: loss.by, most })
+        }),
         pause: Pause::GoOn,
         learning: learns.then(|| crate::learning::how(machine)),
     }

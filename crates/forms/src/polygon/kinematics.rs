@@ -8,6 +8,7 @@
 //! ```
 //!
 //! Symbols: u, ε rad; l, r, dx, dy mm; R dimensionless.
+use super::series::Actuator;
 use units::{Angle, Length};
 
 /// A cutter in its working place, without its swings.
@@ -58,6 +59,17 @@ impl Cutter {
     /// Tip in the facet's frame, when the work stands at `from_middle` after the middle of that facet's cut.
     pub fn tip_at_facet(&self, from_middle: Angle, swing: Swing) -> Tip {
         self.tip(from_middle, Angle::ZERO, swing)
+    }
+
+    /// How far the tip moves along the facet's normal with a swing of one, mm or rev, about a swing that is there.
+    pub(super) fn slope(&self, from_middle: Angle, about: Swing, actuator: Actuator) -> f64 {
+        let (sine, cosine) = from_middle.in_rad().sin_cos();
+        let turned = (self.ratio - 1.0) * from_middle.in_rad() + about.phase.in_rad();
+        match actuator {
+            Actuator::CentreLine => cosine,
+            Actuator::Across => sine,
+            Actuator::ToolPhase => core::f64::consts::TAU * self.radius.value() * turned.sin(),
+        }
     }
 
     /// Distance of the flat from the work's axis: l − r.

@@ -16,7 +16,6 @@
 //!
 //! Solver: Clarabel (interior point, convex cones; P. J. Goulart, Y. Chen, 2024).
 use super::form::{Facet, Form};
-use super::kinematics::Swing;
 use super::profile::contact;
 use super::series::{Actuator, Series, Swings, Term};
 use clarabel::algebra::CscMatrix;
@@ -148,15 +147,23 @@ impl Problem<'_> {
         Swings(series.collect())
     }
 
-    /// Largest of everything, finely sampled, and the limit that is used to 99 % or more.
+    /// Solve it with a few harmonics; where a limit binds, as finely as it takes.
+    pub fn solve_well(&self) -> Option<Solution> {
+        let few = self.solve()?;
+        if few.binding.is_none() || self.spin == Spin::ZERO {
+            return Some(few);
+        }
+        let fine = self.solve_finely().filter(|fine| fine.flatness < few.flatness);
+        Some(fine.unwrap_or(few))
+    }
+
+    /// Largest of everything, finely sampled, and the limit that is used to 95 % or more.
     pub fn peaks(&self, command: &Swings) -> (Vec<[f64; 5]>, Option<String>) {
-        const NAMES: [&str; 5] = ["travel", "speed", "acceleration", "jerk", "torque"];
         let omega = self.spin.in_rad_per_s();
-        let mut binding: Option<(f64, String)> = None;
-        let mut all = Vec::new();
-        for (drive, series) in self.drives.iter().zip(&command.0) {
+        let largest = |(drive, series): (&Drive, &Series)| {
             let mut peak = [0.0_f64; 5];
-            let count = 200 * self.harmonics;
+            let highest = series.terms.iter().map(|t| t.per_turn).fold(0.0, f64::max);
+            let count = (200.0 * highest / self.form.base()).ceil() as usize;
             for i in 0..count {
                 let work = Angle::rev(i as f64 / count as f64 / self.form.base());
                 let d = series.at(work);
@@ -170,28 +177,35 @@ impl Problem<'_> {
                     peak[4] = peak[4].max(effort.abs() + e.constant);
                 }
             }
-            let l = &drive.limits;
-            let most = [
-                l.travel,
-                l.speed,
-                l.acceleration,
-                l.jerk,
-                l.effort.map_or(f64::INFINITY, |e| e.most),
-            ];
-            for n in 0..5 {
-                let used = peak[n] / most[n];
-                if used > 0.95 && binding.as_ref().is_none_or(|(worst, _)| used > *worst) {
-                    binding = Some((used, format!("{} of {}", NAMES[n], drive.actuator.name())));
-                }
-            }
-            all.push(peak);
-        }
+            peak
+        };
+        let all: Vec<[f64; 5]> = self.drives.iter().zip(&command.0).map(largest).collect();
+        let binding = self.binding(&all).filter(|(used, _)| *used > 0.95);
         (all, binding.map(|(_, name)| name))
+    }
+
+    /// The largest share of a limit that a command uses, and its name.
+    pub(super) fn used(&self, command: &Swings) -> (f64, String) {
+        self.binding(&self.peaks(command).0).unwrap_or_default()
+    }
+
+    fn binding(&self, peaks: &[[f64; 5]]) -> Option<(f64, String)> {
+        const NAMES: [&str; 5] = ["travel", "speed", "acceleration", "jerk", "torque"];
+        let shares = self.drives.iter().zip(peaks).flat_map(|(drive, peak)| {
+            let l = &drive.limits;
+            let effort = l.effort.map_or(f64::INFINITY, |e| e.most);
+            let most = [l.travel, l.speed, l.acceleration, l.jerk, effort];
+            let share = move |n: usize| {
+                (peak[n] / most[n], format!("{} of {}", NAMES[n], drive.actuator.name()))
+            };
+            (0..5).map(share)
+        });
+        shares.max_by(|a, b| a.0.total_cmp(&b.0))
     }
 }
 
 impl Drive {
-    fn at(&self, harmonic: usize) -> [f64; 2] {
+    pub(super) fn at(&self, harmonic: usize) -> [f64; 2] {
         self.response.get(harmonic).copied().unwrap_or([1.0, 0.0])
     }
 }
@@ -261,7 +275,6 @@ impl Lp {
         let form = problem.form;
         let cutter = form.cutter();
         let n = problem.unknowns();
-        let zero = Swing::default();
         for facet in form.kinds() {
             let ends: Vec<f64> = [facet.to, facet.from]
                 .iter()
@@ -273,31 +286,11 @@ impl Lp {
                 let u = Angle::rev(ends[0] + (ends[1] - ends[0]) * part);
                 let now = before.at(facet.centre + u);
                 let base = (cutter.tip_at_facet(u, now).x - cutter.flat()).value();
-                let linear = |swing: Swing| {
-                    (cutter.tip_at_facet(u, swing).x - cutter.tip_at_facet(u, zero).x).value()
-                };
-                let slope = |actuator| match actuator {
-                    Actuator::CentreLine => linear(Swing { dx: Length::mm(1.0), ..zero }),
-                    Actuator::Across => linear(Swing { dy: Length::mm(1.0), ..zero }),
-                    Actuator::ToolPhase => {
-                        let step = Angle::rev(1e-6);
-                        let ahead = Swing { phase: now.phase + step, ..now };
-                        let behind = Swing { phase: now.phase - step, ..now };
-                        let rise =
-                            cutter.tip_at_facet(u, ahead).x - cutter.tip_at_facet(u, behind).x;
-                        rise.value() / (2.0 * step.value())
-                    }
-                };
                 let mut row = vec![0.0; self.columns];
                 let mut constant = base;
                 for (k, drive) in problem.drives.iter().enumerate() {
-                    let slope = slope(drive.actuator);
-                    constant -= slope
-                        * match drive.actuator {
-                            Actuator::CentreLine => now.dx.value(),
-                            Actuator::Across => now.dy.value(),
-                            Actuator::ToolPhase => now.phase.value(),
-                        };
+                    let slope = cutter.slope(u, now, drive.actuator);
+                    constant -= slope * drive.actuator.of(now);
                     Self::fill(problem, k, drive, &facet, u, slope, &mut row);
                 }
                 for sign in [1.0, -1.0] {

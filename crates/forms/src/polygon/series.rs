@@ -23,6 +23,15 @@ impl Actuator {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::CentreLine, Self::Across, Self::ToolPhase];
 
+    /// Its part of a swing, mm or rev.
+    pub const fn of(self, swing: Swing) -> f64 {
+        match self {
+            Self::CentreLine => swing.dx.value(),
+            Self::Across => swing.dy.value(),
+            Self::ToolPhase => swing.phase.value(),
+        }
+    }
+
     /// For people.
     pub const fn name(self) -> &'static str {
         match self {

@@ -109,7 +109,7 @@ pub(super) const ROWS: &[Finding] = &[
         "G51.2 P1 Q2 K5",
         "G51.2 P1 Q2\nG50.2",
     ),
-    row("I0809", "The inserts do not pass the work a whole number of times a turn.", "", ""),
+    row("I0809", "The inserts pass the work too often before the gear begins anew.", "", ""),
     row(
         "I0810",
         "The oscillation counts in the distance of the axes, which is not above zero here.",
@@ -119,6 +119,31 @@ pub(super) const ROWS: &[Finding] = &[
     row("I0811", "A harmonic of G51.3 needs its periods per turn.", "G51.3 A1", "G51.3 L6 A1"),
     row("I0812", "A harmonic of G51.3 needs amplitudes.", "G51.3 L6", "G51.3 L6 A1"),
     row("I0813", "An oscillation has too many harmonics.", "", ""),
+    row(
+        "I0814",
+        "An oscillation is measured while the tool spindle is geared, not before.",
+        "G51.4 P4",
+        "G51.3 L6 B0.1\nG51.2 P1 Q2\nG51.4 P4\nG50.2",
+    ),
+    row(
+        "I0815",
+        "A measurement of an oscillation says how often it looks.",
+        "G51.2 P1 Q2\nG51.4\nG50.2",
+        "G51.2 P1 Q2\nG51.4 P4\nG50.2",
+    ),
+    row("I0821", "Hobbing needs teeth, starts and module.", "G81 T40 L1", "G81 T40 L1 Q2\nG80"),
+    row(
+        "I0822",
+        "A number of hobbing is out of its range.",
+        "G81 T1 L1 Q2",
+        "G81 T40 L1 Q2 P20\nG80",
+    ),
+    row(
+        "I0823",
+        "Hobbing begins in a block of its own.",
+        "G81 T40 L1 Q2 M8",
+        "M8\nG81 T40 L1 Q2\nG80",
+    ),
     row(
         "I0901",
         "A subprogram is never called.",

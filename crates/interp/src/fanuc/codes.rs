@@ -84,6 +84,7 @@ pub(super) fn meaning(kind: Kind, tenths: u16) -> Meaning {
         502 | 2500 => Shared(502),
         512 | 2510 => Shared(512),
         513 => Shared(513),
+        514 => Shared(514),
         600 => NotYet("positioning from one side"),
         620 | 630 => NotYet("corner override and tapping mode"),
         680 => NotYet("coordinate rotation"),

@@ -14,6 +14,7 @@ use crate::drives::Finding;
 use crate::event::EventKind;
 use crate::execute::Activity;
 use crate::fault::{Fault, FaultKind, Reaction};
+use crate::retreating::Retreating;
 use crate::spindle::SpindleLoop;
 use bus::Feedback;
 use canon::Axis;
@@ -37,7 +38,8 @@ impl Kernel {
                 }
                 self.drives.check_ready(feedback)?;
                 let waits = &self.config.waits;
-                self.drives.check_coupled(waits.at_speed, waits.oriented)?;
+                let lost = self.config.phase_loss.map(|loss| loss.window);
+                self.drives.check_coupled(waits.at_speed, waits.oriented, lost)?;
                 self.drives.check_following()
             }
             Mode::Halted if self.lame.is_some() => Ok(()),
@@ -74,6 +76,12 @@ impl Kernel {
             Reaction::Disable if self.lame.is_none() => Mode::Disabled,
             Reaction::Disable | Reaction::Halt => {
                 self.operator.alarm();
+                self.retreating = match &self.config.phase_loss {
+                    Some(order) if kind == FaultKind::CouplingLost => {
+                        Retreating::begin(order, &self.drives)
+                    }
+                    _ => None,
+                };
                 let coupled =
                     matches!(&self.activity, Activity::Tapping(run) if run.coupling().is_some());
                 // a tap's master is slowed down by the tap itself
@@ -81,8 +89,11 @@ impl Kernel {
                     StepKind::Tap(plan) if coupled => Some(usize::from(plan.spindle)),
                     _ => None,
                 });
+                // spindles turn on while the tool leaves the work
+                let brakes = self.retreating.is_none();
                 for (index, spindle) in self.drives.spindles.iter_mut().enumerate() {
-                    if let Some(spindle) = spindle.as_mut().filter(|_| led != Some(index)) {
+                    if let Some(spindle) = spindle.as_mut().filter(|_| brakes && led != Some(index))
+                    {
                         spindle.brake();
                     }
                 }
@@ -130,6 +141,19 @@ impl Kernel {
         if f64::from(stood) * self.config.period.value() > STANDS_S {
             self.mode = Mode::Disabled;
         }
+    }
+
+    /// Go on leaving the work; the axis that does, until the spindles may stop.
+    pub(super) fn retreat(&mut self) -> Option<usize> {
+        let retreating = self.retreating.as_mut()?;
+        let axis = retreating.axis();
+        if retreating.advance(self.config.period.value(), &mut self.drives) {
+            self.retreating = None;
+            for spindle in self.drives.spindles.iter_mut().flatten() {
+                spindle.brake();
+            }
+        }
+        Some(axis)
     }
 
     /// Following errors worth an event.

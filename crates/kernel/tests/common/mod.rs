@@ -200,6 +200,7 @@ pub fn control(machine: &sim::Config) -> Config {
             tool_change: Time::s(30.0),
         },
         motion: path::Limits { feed: UNLIMITED, rapid: UNLIMITED },
+        phase_loss: None,
         pause: Pause::GoOn,
         learning: None,
     }

@@ -114,8 +114,13 @@ impl Planner {
         if let Some(x) = cam.retreat.take() {
             self.wheel_to(job, x);
         }
-        let order =
-            Superpose { on: Superposed::Axis(Axis::X), master: WORK, table: None, over: FADE };
+        let order = Superpose {
+            on: Superposed::Axis(Axis::X),
+            master: WORK,
+            table: None,
+            turns: 1,
+            over: FADE,
+        };
         self.hand_on(job, StepKind::Superpose(order));
         if cam.superposed == Superposition::TableAndSwing {
             let on = Superposed::Spindle(WORK);
@@ -233,7 +238,7 @@ impl Planner {
             self.tables.push(Table { id, nodes });
             id
         });
-        let order = Superpose { on, master: WORK, table, over: FADE };
+        let order = Superpose { on, master: WORK, table, turns: 1, over: FADE };
         self.hand_on(job, StepKind::Superpose(order));
     }
 

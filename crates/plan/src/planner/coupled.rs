@@ -1,21 +1,26 @@
-//! Polygon turning: the order of gearing up and down.
+//! Polygon turning and hobbing: the order of gearing up and down.
 //!
 //! ```text
 //!   G51.2   work spindle at speed ─► engage, locked ─► fade the oscillation in ─► cuts
+//!   G51.4                   (turns go by, whoever runs the kernel looks and corrects), P times
 //!   G50.2                       tool spindle at rest ◄─ release ◄─ fade it out ◄──┘
+//!
+//!   G81 T L Q P   hob at speed ─► engage the work, with Z as its second master ─► cuts ─► G80: release
 //! ```
 use super::{Job, Planner};
-use crate::coupled::{GearStep, Superpose, Superposed, TableId, sampled};
+use crate::coupled::{GearStep, OSCILLATION_SEEN, Superpose, Superposed, Table, TableId, sampled};
 use crate::findings::number;
 use crate::step::StepKind;
 use crate::tap_check::whole_rpm;
 use alloc::{format, vec::Vec};
-use canon::{Oscillating, Polygon};
+use canon::{Axis, Hob, Oscillating, Polygon};
 use diag::Diagnostic;
 use units::{Angle, Spin};
 
 /// Turns of the work spindle over which an oscillation fades in and out.
 const FADE: Angle = Angle::rev(2.0);
+/// Periods of the gear over which an oscillation is measured.
+const LOOK: Angle = Angle::rev(6.0);
 
 /// What is coupled at present.
 #[derive(Clone, Debug, Default)]
@@ -49,8 +54,9 @@ impl Planner {
                 Oscillating::ToolPhase => Superposed::Spindle(polygon.tool),
             };
             let id = self.next_table();
-            self.tables.push(sampled(id, &oscillation.harmonics));
-            let order = Superpose { on, master: polygon.work, table: Some(id), over: FADE };
+            self.tables.push(Table { id, nodes: sampled(&oscillation.harmonics) });
+            let turns = polygon.ratio.master.unsigned_abs();
+            let order = Superpose { on, master: polygon.work, table: Some(id), turns, over: FADE };
             self.hand_on(job, StepKind::Superpose(order));
             self.coupled.superposed.push(on);
         }
@@ -63,13 +69,83 @@ impl Planner {
         let Some(gear) = self.coupled.gear.take() else { return };
         let superposed = core::mem::take(&mut self.coupled.superposed);
         for on in superposed.iter().copied() {
-            let order = Superpose { on, master: gear.master, table: None, over: FADE };
+            let order = Superpose { on, master: gear.master, table: None, turns: 1, over: FADE };
             self.hand_on(job, StepKind::Superpose(order));
         }
         if !superposed.is_empty() {
             self.hand_on(job, StepKind::AwaitFades);
         }
         self.hand_on(job, StepKind::Release { follower: gear.follower });
+    }
+
+    /// Let it swing while somebody looks, so many times.
+    pub(super) fn polygon_measure(&mut self, job: &mut Job, looks: u32) {
+        let Some(gear) = self.coupled.gear else { return };
+        if self.coupled.superposed.is_empty() {
+            let text = "nothing swings, so there is nothing to measure: G51.4 measures what I, J, K or D of G51.2, or G51.3, let swing";
+            return self.findings.add(Diagnostic::error("M0405", job.span, text));
+        }
+        for _ in 0..looks {
+            self.hand_on(
+                job,
+                StepKind::Revolve {
+                    spindle: gear.master,
+                    turns: LOOK * f64::from(gear.ratio.master),
+                },
+            );
+            self.hand_on(job, StepKind::Consult(OSCILLATION_SEEN));
+        }
+    }
+
+    pub(super) fn hob(&mut self, job: &mut Job, hob: &Hob) {
+        if self.hob_is_refused(job, hob) {
+            return;
+        }
+        self.polygon_end(job);
+        self.tell_spindles(job);
+        self.await_spindles(job);
+        // a right-hand helix: the section at a greater Z is turned forward, so the work belongs behind
+        let gear = GearStep {
+            follower: hob.work,
+            master: hob.hob,
+            ratio: hob.ratio(),
+            axis: hob.lead().map(|lead| (Axis::Z, lead * -1.0)),
+            phase: Angle::ZERO,
+        };
+        self.hand_on(job, StepKind::Engage(gear));
+        self.coupled.gear = Some(gear);
+    }
+
+    fn hob_is_refused(&mut self, job: &Job, hob: &Hob) -> bool {
+        let before = self.findings.len();
+        let most = self.limits.spindles.get(usize::from(hob.work)).map(|s| s.max_speed);
+        let turning = self.spindles.get(usize::from(hob.hob)).map(|s| s.ordered);
+        let (Some(most), Some(turning)) = (most, turning) else {
+            let text = format!(
+                "hobbing needs a hob's spindle and a work spindle, and the machine has {} spindle(s)",
+                self.limits.spindles.len()
+            );
+            self.findings.add(Diagnostic::error("M0431", job.span, text));
+            return true;
+        };
+        if turning == Spin::ZERO {
+            let text =
+                "the hob stands, and the work shall follow it: order M3 S… before G81 T L Q P";
+            self.findings.add(Diagnostic::error("M0432", job.span, text));
+        }
+        let ratio = hob.ratio().value().abs();
+        if turning.abs().value() * ratio > most.value() * (1.0 + 1e-9) {
+            let works = Spin::rev_per_s(most.value() / ratio);
+            let text = format!(
+                "S{} of the hob needs {} rpm of the work, whose highest is {}: S{} works",
+                number(turning.abs().in_rpm()),
+                number(turning.abs().in_rpm() * ratio),
+                number(most.in_rpm()),
+                number(whole_rpm(works)),
+            );
+            self.findings.add(Diagnostic::error("M0433", job.span, text));
+        }
+        self.findings.len() > before
     }
 
     /// The next free table's name.

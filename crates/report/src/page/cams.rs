@@ -117,7 +117,8 @@ pub(super) fn cams(features: &[Feature]) -> String {
         | FeatureKind::Hole(_)
         | FeatureKind::Thread(_)
         | FeatureKind::Polygon(_)
-        | FeatureKind::Turned(_) => None,
+        | FeatureKind::Turned(_)
+        | FeatureKind::Gear(_) => None,
     });
     let pictures: String =
         ground.take(12).enumerate().map(|(i, cam)| unrolled(i, cam) + &polar(i, cam)).collect();

@@ -110,6 +110,13 @@ fn row(run: &Run, number: usize, feature: &Feature, left: &Headroom) -> String {
             cells.extend(std::iter::repeat_n(String::new(), 5));
             cells.push(fixed(polygon.spin.in_rpm(), 0));
         }
+        FeatureKind::Gear(gear) => {
+            cells[2] = gear.name();
+            cells.extend([fixed((gear.z_to - gear.z_from).value(), 3), String::new()]);
+            cells.extend([um(gear.pitch_total, 1), String::new()]);
+            cells.push(gear.grade.map_or("none".into(), |grade| format!("grade {grade}")));
+            cells.extend([String::new(), String::new(), fixed(gear.spin.in_rpm(), 0)]);
+        }
         FeatureKind::Thread(thread) => {
             let hand = if thread.hand.sign() < 0.0 { " left" } else { "" };
             cells[2] = format!("{}{hand}", thread.size);

@@ -68,7 +68,8 @@ fn threads(features: &[Feature]) -> impl Iterator<Item = (usize, &Thread)> {
         FeatureKind::Hole(_)
         | FeatureKind::Polygon(_)
         | FeatureKind::Cam(_)
-        | FeatureKind::Turned(_) => None,
+        | FeatureKind::Turned(_)
+        | FeatureKind::Gear(_) => None,
     })
 }
 

@@ -60,7 +60,8 @@ pub fn html(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
         FeatureKind::Hole(_)
         | FeatureKind::Thread(_)
         | FeatureKind::Cam(_)
-        | FeatureKind::Turned(_) => None,
+        | FeatureKind::Turned(_)
+        | FeatureKind::Gear(_) => None,
     });
     main += &section("Polygons", &grid(&polygons.collect::<String>()));
     main += &section("Turned threads", &grid(&turned::pictures(features)));

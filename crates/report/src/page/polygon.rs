@@ -27,6 +27,12 @@ pub struct PolygonPlan {
     pub profiles: Vec<Named>,
     /// Speed, and flatness in µm.
     pub speeds: Vec<Named>,
+    /// Heads of the table of what was cut on the simulated machine.
+    pub proved_heads: Vec<String>,
+    /// Its rows, if it was.
+    pub proved: Vec<Vec<String>>,
+    /// Speed, and flatness in µm that was cut.
+    pub proved_speeds: Vec<Named>,
     /// Flatness that is wanted, µm.
     pub wanted: Option<f64>,
     /// The block to use.
@@ -40,6 +46,7 @@ pub fn polygon_html(plan: &PolygonPlan) -> String {
     let pictures = paths(plan) + &magnified(plan) + &profiles(plan) + &speeds(plan);
     let main = heading
         + &section("What may swing", &table(&plan.heads, &plan.rows))
+        + &cut(plan)
         + &section("Pictures", &Tag::new("div").class("grid").around(&pictures))
         + &section("In the program", &Tag::new("pre").text(&plan.gcode));
     let title = Tag::new("title").text(&plan.title);
@@ -49,6 +56,29 @@ pub fn polygon_html(plan: &PolygonPlan) -> String {
          <body>{}</body></html>\n",
         Tag::new("main").around(&main)
     )
+}
+
+/// What was cut on the simulated machine, if it was.
+fn cut(plan: &PolygonPlan) -> String {
+    if plan.proved.is_empty() {
+        return String::new();
+    }
+    let all = || plan.proved_speeds.iter().flat_map(|(_, p)| p);
+    let x = Range::of("speed of the work / rpm", all().map(|p| p.0));
+    let y = Range::of("flatness / µm", all().map(|p| p.1).chain([0.0])).padded(0.05);
+    let description =
+        "Flatness of the worst facet as cut on the simulated machine with all its physics.";
+    let mut chart = Chart::new("Flatness as cut", description, x, y, 300.0);
+    let strokes = [Stroke::Main, Stroke::Out, Stroke::Ideal];
+    for (stroke, (name, line)) in strokes.into_iter().zip(&plan.proved_speeds) {
+        chart.line(stroke, line, Some(name));
+    }
+    if let Some(wanted) = plan.wanted {
+        chart.level(Stroke::Warn, wanted, "wanted");
+    }
+    let picture = figure("Flatness as cut", &chart.finish("cut"), description);
+    let pictures = Tag::new("div").class("grid").around(&picture);
+    section("Cut on the simulated machine", &(table(&plan.proved_heads, &plan.proved) + &pictures))
 }
 
 fn table(heads: &[String], rows: &[Vec<String>]) -> String {

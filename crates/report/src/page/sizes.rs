@@ -17,6 +17,7 @@ pub(super) fn sizes(features: &[Feature]) -> String {
             FeatureKind::Polygon(polygon) => polygon.name(),
             FeatureKind::Cam(cam) => format!("cam {}", cam.name),
             FeatureKind::Turned(thread) => thread.name(),
+            FeatureKind::Gear(gear) => gear.name(),
         };
         by_size.entry(size).or_default().push(feature);
     }
@@ -38,7 +39,7 @@ fn row(size: &str, features: &[&Feature]) -> String {
     let depth = spread(features, |f| match &f.kind {
         FeatureKind::Hole(hole) => Some(hole.depth_error.in_um()),
         FeatureKind::Thread(thread) => Some(thread.depth_error.in_um()),
-        FeatureKind::Polygon(_) | FeatureKind::Turned(_) => None,
+        FeatureKind::Polygon(_) | FeatureKind::Turned(_) | FeatureKind::Gear(_) => None,
         FeatureKind::Cam(cam) => Some(cam.contour_error_max.in_um()),
     });
     let of_thread = |value: fn(&Thread) -> f64| {
@@ -46,7 +47,8 @@ fn row(size: &str, features: &[&Feature]) -> String {
             FeatureKind::Hole(_)
             | FeatureKind::Polygon(_)
             | FeatureKind::Cam(_)
-            | FeatureKind::Turned(_) => None,
+            | FeatureKind::Turned(_)
+            | FeatureKind::Gear(_) => None,
             FeatureKind::Thread(thread) => Some(value(thread)),
         })
     };

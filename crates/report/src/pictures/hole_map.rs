@@ -58,6 +58,7 @@ fn places(run: &Run, features: &[Feature]) -> Vec<Place> {
             // not in the map: they have no place in it
             FeatureKind::Cam(cam) => (cam.name.clone(), 0.0),
             FeatureKind::Turned(thread) => (thread.name(), 0.0),
+            FeatureKind::Gear(gear) => (gear.name(), 0.0),
         };
         place.good &= feature.verdict.is_pass();
         if diameter.is_finite() && diameter >= place.diameter {

@@ -1,7 +1,7 @@
 //! The control: its clock, what follows what, how long it waits, and the tool changer.
 use super::setup::percent;
 use crate::keys::Keys;
-use units::{Length, Spin, Time};
+use units::{Angle, Length, Spin, Time};
 
 /// The control.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,6 +22,8 @@ pub struct Control {
     pub synchronisation: Synchronisation,
     /// How long each wait may last before it is an alarm.
     pub waits: Waits,
+    /// What is done when a geared spindle loses its phase, if it is stated; else everything stops at once.
+    pub phase_loss: Option<PhaseLoss>,
     /// What the operator may change.
     pub overrides: Overrides,
     /// How moves go on into one another, if it is stated.
@@ -114,6 +116,17 @@ pub struct Synchronisation {
     pub observer_bandwidth_hz: f64,
 }
 
+/// What is done when a geared spindle loses its phase: the tool leaves the work before anything stops.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PhaseLoss {
+    /// So far off the gear is lost.
+    pub window: Angle,
+    /// The axis that takes the tool off the work.
+    pub axis: canon::Axis,
+    /// How far, signed.
+    pub by: Length,
+}
+
 /// Time limits of the waits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Waits {
@@ -175,6 +188,7 @@ impl Control {
             subprogram_path: keys.optional_text("subprogram_path"),
             synchronisation: keys.section("synchronisation", Synchronisation::read),
             waits: keys.section("waits", Waits::read),
+            phase_loss: keys.optional_section("phase_loss", PhaseLoss::read),
             overrides: keys.section("overrides", Overrides::read),
             path: keys.optional_section("path", PathControl::read),
             learning: keys.optional_section("learning", |k| Learning {
@@ -221,6 +235,17 @@ impl Synchronisation {
             ),
             encoder_age_periods: keys.whole("encoder_age_periods", 0..=4),
             observer_bandwidth_hz: keys.number("observer_bandwidth_hz", 1.0..=2000.0),
+        }
+    }
+}
+
+impl PhaseLoss {
+    fn read(keys: &mut Keys<'_>) -> Self {
+        let axes = [("x", canon::Axis::X), ("y", canon::Axis::Y), ("z", canon::Axis::Z)];
+        Self {
+            window: Angle::deg(keys.number("window_deg", 0.01..=180.0)),
+            axis: keys.choice("axis", &axes),
+            by: Length::mm(keys.number("retreat_mm", -1000.0..=1000.0)),
         }
     }
 }

@@ -44,7 +44,7 @@ pub use axis::{
 };
 pub use control::{
     ChipRemoval, Control, CycleDepth, Dialect, Follows, Learning, Overrides, PathControl,
-    Prediction, Synchronisation, ToolChange, Waits,
+    PhaseLoss, Prediction, Synchronisation, ToolChange, Waits,
 };
 pub use drives::{DcBus, Drives, Reaction};
 pub use grinding::{Grinding, Wheel};
@@ -86,7 +86,7 @@ pub struct MachineFile {
 }
 
 /// Names of the embedded machines; the first is the default.
-pub const EMBEDDED: [&str; 9] = [
+pub const EMBEDDED: [&str; 10] = [
     "tapping-center",
     "polygon-lathe",
     "lathe",
@@ -94,6 +94,7 @@ pub const EMBEDDED: [&str; 9] = [
     "cam-grinder-coarse",
     "tapping-center-scale",
     "vfd-mill",
+    "gear-hobber",
     "bench-xyz",
     "bench-xyz-jerk20",
 ];
@@ -110,6 +111,7 @@ pub fn embedded(name: &str) -> Option<&'static str> {
         "vfd-mill" => Some(include_str!("../../../../machines/vfd-mill.toml")),
         "cam-grinder" => Some(include_str!("../../../../machines/cam-grinder.toml")),
         "cam-grinder-coarse" => Some(include_str!("../../../../machines/cam-grinder-coarse.toml")),
+        "gear-hobber" => Some(include_str!("../../../../machines/gear-hobber.toml")),
         "bench-xyz" => Some(include_str!("../../../../machines/bench-xyz.toml")),
         "bench-xyz-jerk20" => Some(include_str!("../../../../machines/bench-xyz-jerk20.toml")),
         _ => None,

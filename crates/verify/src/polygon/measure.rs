@@ -36,6 +36,32 @@ impl Ordered {
     }
 }
 
+/// How a stop in the cut went, from the first record after it.
+#[derive(Clone, Copy, Debug)]
+struct Stop {
+    /// The tool spindle ahead of its gear, turns.
+    off: f64,
+    x: f64,
+    /// Turns a period of the work.
+    pace: f64,
+    /// How far X had left when the work fell below half its pace.
+    left: Option<f64>,
+}
+
+impl Stop {
+    fn sentence(&self, stock_left: f64) -> String {
+        let off = format!("{:.1}° off its gear", self.off.abs() * 360.0);
+        match self.left {
+            Some(left) if left >= stock_left => format!(
+                "the tool spindle was {off} when the machine stopped in the cut; the tool left the work by {left:.1} mm along X before the spindles stopped"
+            ),
+            _ => format!(
+                "the machine stopped while the cutter was geared to the work, the tool spindle {off}"
+            ),
+        }
+    }
+}
+
 /// Follows the cutter.
 #[derive(Clone, Debug)]
 pub(crate) struct PolygonTrack {
@@ -44,6 +70,10 @@ pub(crate) struct PolygonTrack {
     first: Option<(Time, f64)>,
     last: (Time, f64),
     faulted: bool,
+    stop: Option<Stop>,
+    /// Turns of the work one record ago.
+    before: f64,
+    gear: (f64, f64),
     place: Place,
 }
 
@@ -71,6 +101,9 @@ impl PolygonTrack {
             first: None,
             last: (Time::ZERO, 0.0),
             faulted: false,
+            stop: None,
+            before: 0.0,
+            gear: (ordered.polygon.ratio.value(), ordered.polygon.phase.value()),
             place,
         }
     }
@@ -80,8 +113,25 @@ impl PolygonTrack {
         self.first.get_or_insert(now);
         self.last = now;
         self.faulted |= matches!(sample.report.state, State::Faulted);
+        let pace = (now.1 - self.before).abs();
+        self.before = now.1;
+        if self.faulted {
+            self.stopping(sample, now.1, pace);
+        }
         if let Some(passes) = &mut self.passes {
             passes.sample(sample);
+        }
+    }
+
+    /// What X and the spindles do after a stop.
+    fn stopping(&mut self, sample: &Sample, work: f64, pace: f64) {
+        let tool = sample.spindle(self.place.spindles[1]).value();
+        let (ratio, phase) = self.gear;
+        let off = tool - ratio * work - phase;
+        let x = sample.axis(0).value();
+        let stop = self.stop.get_or_insert(Stop { off: off - off.round(), x, pace, left: None });
+        if stop.left.is_none() && pace < 0.5 * stop.pace {
+            stop.left = Some(x - stop.x);
         }
     }
 
@@ -104,7 +154,7 @@ impl PolygonTrack {
         let mut findings = Vec::new();
         let polygon = if let (Some((_, cutter)), Some(passes)) = (self.tool, self.passes) {
             let part = Part { cutter, passes: passes.finish(), place: self.place, ordered };
-            part.judge(spin, self.faulted, config, &mut findings)
+            part.judge(spin, self.stop, config, &mut findings)
         } else {
             findings.push("no polygon cutter was in the tool spindle".to_owned());
             empty(spin, self.faulted)
@@ -176,15 +226,20 @@ impl Part<'_> {
     fn judge(
         &self,
         spin: Spin,
-        faulted: bool,
+        stop: Option<Stop>,
         config: &Config,
         findings: &mut Vec<String>,
     ) -> Polygon {
-        let mut polygon = empty(spin, faulted);
+        let mut polygon = empty(spin, stop.is_some());
         let normals = self.normals();
         polygon.sides = normals.len() as u32;
-        if faulted {
-            findings.push("the machine stopped while the cutter was geared to the work".to_owned());
+        if let Some(stop) = stop {
+            // a corner stands so much farther out than a flat
+            let flat = self
+                .ordered
+                .least_x
+                .map_or(0.0, |x| x.value() - self.place.axis[0] - self.cutter.radius.value());
+            findings.push(stop.sentence(self.place.stock_radius - flat));
         }
         if normals.len() > MOST_SIDES {
             findings.push(format!(

@@ -1,0 +1,194 @@
+//! What comes of an oscillation on the machine itself, over the speeds: run with all its physics, once as computed, then
+//! with what an air cut has shown of its loops.
+//!
+//! ```text
+//!   speed ─► computed ─► run: cut, retreat, G51.4 in the air ─► flatness as sent
+//!                                       └─ answers of the loops ─► computed again ─► run: cut ─► compensated
+//! ```
+use super::{AS_FLAT, CANDIDATES, Design, Way};
+use crate::args::ProgramArgs;
+use crate::cam_host::CamHost;
+use crate::plant::{self, Plant};
+use crate::polygon::host::PolygonHost;
+use crate::preflight::{planner, preflight};
+use crate::program::Ops;
+use crate::refused::Refused;
+use crate::session::Session;
+use crate::simulate::Simulation;
+use crate::stops::Stops;
+use crate::timings::Timings;
+use crate::wiring;
+use canon::{PolygonCutter, Tool, ToolKind};
+use clap::{Args, Command, FromArgMatches};
+use indicatif::ProgressBar;
+use std::path::Path;
+use store::phases::Phases;
+use units::{Angle, Length, Spin};
+use verify::FeatureKind;
+
+/// Speeds that are run, rev/min.
+const SPEEDS: [f64; 10] = [100.0, 200.0, 300.0, 400.0, 500.0, 600.0, 700.0, 800.0, 900.0, 1000.0];
+/// How long a piece is cut, mm.
+const LENGTH_MM: f64 = 2.0;
+/// Looks at the oscillation in the air.
+const LOOKS: u32 = 2;
+/// Nose radius of the inserts, mm.
+const NOSE_MM: f64 = 0.8;
+/// Length of the cutter from the spindle's gauge line, mm.
+const CUTTER_MM: f64 = 60.0;
+
+/// One speed, run.
+pub(super) struct Proof {
+    pub(super) spin: Spin,
+    /// Who swings.
+    pub(super) name: &'static str,
+    /// What was to be expected, at the limits.
+    pub(super) computed: Length,
+    pub(super) sent: Cut,
+    pub(super) compensated: Cut,
+    pub(super) binding: Option<String>,
+}
+
+/// What was cut.
+#[derive(Clone, Copy)]
+pub(super) struct Cut {
+    pub(super) flatness: Length,
+    pub(super) tilt: Angle,
+    /// Across flats less what was wanted.
+    pub(super) size: Length,
+}
+
+/// All speeds that the spindles reach.
+pub(super) fn proofs(design: &Design, machine: &str) -> Result<Vec<Proof>, Refused> {
+    let most = design.fastest_turning();
+    let speeds = SPEEDS.into_iter().map(Spin::rpm).filter(|spin| *spin <= most);
+    speeds.map(|spin| proof(design, machine, spin)).collect()
+}
+
+fn proof(design: &Design, machine: &str, spin: Spin) -> Result<Proof, Refused> {
+    let none = Phases::new("", 0);
+    let Some(way) = design.flattest(spin, &none) else {
+        return Err(Refused::because(format!("nothing can swing at {:.0} rpm", spin.in_rpm())));
+    };
+    let (sent, measured) = run(design, machine, spin, &way, Some(LOOKS))?;
+    let again = design.solve(way.name, way.who(), spin, &measured);
+    let (compensated, _) = run(design, machine, spin, again.as_ref().unwrap_or(&way), None)?;
+    Ok(Proof {
+        spin,
+        name: way.name,
+        computed: way.solution.flatness,
+        sent,
+        compensated,
+        binding: way.solution.binding,
+    })
+}
+
+impl Way {
+    pub(super) fn who(&self) -> &'static [forms::polygon::Actuator] {
+        CANDIDATES.iter().find(|c| c.0 == self.name).map_or(&[], |c| c.1)
+    }
+}
+
+impl Design {
+    /// The first of the candidates that is as flat as the flattest.
+    fn flattest(&self, spin: Spin, phases: &Phases) -> Option<Way> {
+        let mut best: Option<Way> = None;
+        for (name, who) in self.candidates() {
+            let Some(way) = self.solve(name, who, spin, phases) else { continue };
+            let flatter = |b: &Way| way.solution.flatness + AS_FLAT < b.solution.flatness;
+            if best.as_ref().is_none_or(flatter) {
+                best = Some(way);
+            }
+        }
+        best
+    }
+}
+
+/// Cut a piece on the simulated machine; with `looks`, measure in the air afterwards.
+fn run(
+    design: &Design,
+    machine: &str,
+    spin: Spin,
+    way: &Way,
+    looks: Option<u32>,
+) -> Result<(Cut, Phases), Refused> {
+    let text = design.program(&way.solution, spin, Length::mm(LENGTH_MM), looks) + "M2\n";
+    let words = ["polygon", "--machine", machine, "--dialect", "linuxcnc"];
+    let matches = ProgramArgs::augment_args(Command::new("polygon")).try_get_matches_from(words);
+    let args = matches
+        .and_then(|matches| ProgramArgs::from_arg_matches(&matches))
+        .map_err(|e| Refused::because(e.to_string()))?;
+    let mut session = Session::load(&args, Path::new("-"), text.as_bytes())?;
+    session.tools.insert(cutter(design));
+    let material = session.machine.setup.stock.material;
+    let options = plan::Options {
+        force_ramp: None,
+        cutting_pressure_n_per_mm2: material.cutting_force_n_per_mm2,
+        taps: session.taps,
+    };
+    let known = preflight(&mut session, text.as_bytes(), options);
+    if known.is_refused() {
+        let name = "the program for this polygon".into();
+        return Err(Refused::Findings { name, text: text.into(), findings: known.findings });
+    }
+    let setup = session.interp_setup();
+    let zero = session.work_zero();
+    let seed = u64::from(session.machine.simulation.seed);
+    let iron = wiring::simulator(&session.machine, &session.tools, material, seed, &zero);
+    let iron = plant::simulated(&session.machine, iron)?;
+    let judge = wiring::judge(&session.machine, &session.tools, material, &zero);
+    let simulation = Simulation {
+        ops: Ops::new(text.as_bytes(), &setup, session.auto()),
+        planner: planner(&session, options),
+        kernel: kernel::Kernel::new(wiring::control(&session.machine, None, false)),
+        machine: Plant::Inside(Box::new(sim::Faulty::new(iron, &[], seed))),
+        keeper: None,
+        watch: verify::Watch::new(judge.clone()),
+        cams: CamHost::new(session.cams.clone()),
+        polygons: PolygonHost::new(&session.machine),
+        waiting: None,
+        judge: verify::Judge::new(judge),
+        idle: None,
+        recorder: report::Recorder::new(&session.tools),
+        trace: None,
+        log: None,
+        stops: Stops::none(),
+        sent: std::collections::VecDeque::new(),
+        timings: Timings::new(false),
+        planned: known.planned,
+        taps: std::collections::BTreeSet::new(),
+    };
+    let outcome = simulation.run(&ProgressBar::hidden())?;
+    if let Some(fault) = outcome.faults.first() {
+        return Err(Refused::because(format!("at {:.0} rpm: {fault}", spin.in_rpm())));
+    }
+    let cut = outcome.features.iter().find_map(|feature| match &feature.kind {
+        FeatureKind::Polygon(cut) if !cut.sections.is_empty() => Some(Cut {
+            flatness: cut.flatness,
+            tilt: cut.tilt,
+            size: cut.across_flats - design.form.across_flats,
+        }),
+        _ => None,
+    });
+    let phases = outcome.cams.phases().clone();
+    cut.map(|cut| (cut, phases)).ok_or_else(|| {
+        Refused::because(format!("at {:.0} rpm not every facet was cut", spin.in_rpm()))
+    })
+}
+
+/// The cutter of the design under its number, whatever the table has there.
+fn cutter(design: &Design) -> Tool {
+    Tool {
+        number: design.tool,
+        pocket: 0,
+        length: Length::mm(CUTTER_MM),
+        diameter: design.form.tip_radius * 2.0,
+        kind: ToolKind::PolygonCutter(PolygonCutter {
+            radius: design.form.tip_radius,
+            inserts: design.form.inserts.clone(),
+            nose_radius: Length::mm(NOSE_MM),
+        }),
+        description: "the design's cutter".into(),
+        stand_in: false,
+    }
+}
