@@ -66,7 +66,8 @@ impl Hob {
     /// Turns of the work per turns of the hob, without the helix.
     pub const fn ratio(&self) -> Ratio {
         // a number of teeth beyond 2³¹ is no gear
-        let teeth = if self.teeth < i32::MAX as u32 { self.teeth as i32 } else { i32::MAX };
+        let teeth =
+            if self.teeth < i32::MAX.cast_unsigned() { self.teeth.cast_signed() } else { i32::MAX };
         Ratio { follower: self.starts, master: teeth }
     }
 
