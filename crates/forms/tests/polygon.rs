@@ -216,13 +216,13 @@ fn fine_optimum_um(form: &Form, rpm: f64, limits: &Limits) -> f64 {
 }
 
 /// Everything at a limit: within 2 % of the fine optimum, not better than it, and no peak beyond its limit.
-fn near_the_fine_optimum(limits: Limits, rpm: f64) {
+fn near_the_fine_optimum(limits: &Limits, rpm: f64) {
     let form = hexagon();
     let drive =
         Drive { actuator: Actuator::CentreLine, limits: limits.clone(), response: Vec::new() };
     let problem = Problem { form: &form, spin: Spin::rpm(rpm), drives: vec![drive], harmonics: 4 };
     let found = problem.solve_well().unwrap();
-    let (flat, fine) = (found.flatness.in_um(), fine_optimum_um(&form, rpm, &limits));
+    let (flat, fine) = (found.flatness.in_um(), fine_optimum_um(&form, rpm, limits));
     println!("{rpm} rpm: {flat:.4} µm, fine optimum {fine:.4} µm, {:?}", found.binding);
     assert!(found.binding.is_some(), "nothing binds");
     assert!(flat < 1.02 * fine && flat > 0.995 * fine, "{flat} {fine}");
@@ -235,14 +235,14 @@ fn near_the_fine_optimum(limits: Limits, rpm: f64) {
 #[test]
 fn where_jerk_binds_it_is_within_two_percent_of_a_fine_optimum() {
     for rpm in [250.0, 400.0] {
-        near_the_fine_optimum(slide(), rpm);
+        near_the_fine_optimum(&slide(), rpm);
     }
 }
 
 #[test]
 fn where_acceleration_binds_too() {
     let limits = Limits { jerk: 20e6, acceleration: 1500.0, effort: None, ..slide() };
-    near_the_fine_optimum(limits, 180.0);
+    near_the_fine_optimum(&limits, 180.0);
 }
 
 #[test]

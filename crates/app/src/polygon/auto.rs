@@ -56,7 +56,7 @@ impl<'a> Auto<'a> {
         if polygon.auto.is_some() {
             match self.solve(polygon, cut) {
                 Ok(solution) => {
-                    polygon.oscillations = oscillations(&solution, polygon.ratio.master)
+                    polygon.oscillations = oscillations(&solution, polygon.ratio.master);
                 }
                 Err((code, text)) => self.findings.push(Diagnostic::error(code, span, text)),
             }

@@ -336,7 +336,7 @@ impl Design {
             let mut line = String::new();
             // jerk counts a harmonic by the cube of its number
             let decimals = 6 + (3.0 * ((h + 1) as f64).log10()).ceil() as usize;
-            let least = 0.5 * 10_f64.powi(-(decimals as i32));
+            let least = 0.5 * 10_f64.powf(-(decimals as f64));
             for one in series {
                 let Some(term) = one.terms.get(h) else { continue };
                 let (letters, factor) = match one.actuator {

@@ -174,7 +174,7 @@ impl<'p> Spline<'p> {
         let knots = self.knots;
         let whole = at.floor();
         let basis = (-2..=3).map(|i| {
-            let knot = (whole as i64 + i).rem_euclid(knots as i64) as usize;
+            let knot = (whole as i64 + i).rem_euclid(knots.cast_signed() as i64) as usize;
             (knot, slope * quintic(at - whole - i as f64))
         });
         let Some(kernel) = answer else {
@@ -205,7 +205,7 @@ impl<'p> Spline<'p> {
             for i in 0..knots {
                 let row = weights.iter().enumerate();
                 let row: Vec<_> = row.map(|(j, w)| (k * knots + (i + j) % knots, *w)).collect();
-                self.both(row, room.max(1e-12), share);
+                self.both(&row, room.max(1e-12), share);
             }
         }
         // jerk has corners there where its coefficients would be far from it: by its values
@@ -213,7 +213,7 @@ impl<'p> Spline<'p> {
         for step in (0..JERKS * knots).filter(|_| room.is_finite()) {
             let (i, part) = (step / JERKS, (step % JERKS) as f64 / JERKS as f64);
             let row = around(k, knots, i, |at| derivative(3, at + part));
-            self.both(row, room.max(1e-12), share);
+            self.both(&row, room.max(1e-12), share);
         }
         let Some(e) = l.effort else { return };
         let room = ((e.most - e.constant).max(0.0) * EFFORT_SHARE).max(1e-12);
@@ -223,12 +223,12 @@ impl<'p> Spline<'p> {
                 let bend = rate * rate * derivative(2, at + half);
                 e.per_acceleration * bend + e.per_speed * rate * derivative(1, at + half)
             });
-            self.both(row, room, share);
+            self.both(&row, room, share);
         }
     }
 
     /// |row| ≤ room·s.
-    fn both(&mut self, row: Vec<(usize, f64)>, room: f64, share: usize) {
+    fn both(&mut self, row: &[(usize, f64)], room: f64, share: usize) {
         for sign in [1.0, -1.0] {
             let mut signed: Vec<_> = row.iter().map(|(c, a)| (*c, a * sign / room)).collect();
             signed.push((share, -1.0));
@@ -301,7 +301,7 @@ fn answer(drive: &Drive, knots: usize) -> Option<Vec<f64>> {
 /// A row for a place near knot i of drive k: the weight of each coefficient by how far the knot lies from its own.
 fn around(k: usize, knots: usize, i: usize, weight: impl Fn(f64) -> f64) -> Vec<(usize, f64)> {
     let row = (-3..=3).map(|j: i64| {
-        let knot = (i as i64 + j).rem_euclid(knots as i64) as usize;
+        let knot = (i.cast_signed() as i64 + j).rem_euclid(knots.cast_signed() as i64) as usize;
         (k * knots + knot, weight(-j as f64))
     });
     row.filter(|(_, weight)| *weight != 0.0).collect()
