@@ -1,6 +1,6 @@
 //! What the control fills in of G51.2: with D the oscillation for the cut that follows, on this machine; with E1 what is
 //! sent of it, by what was measured before.
-use super::{AS_FLAT, CANDIDATES, FINE_HARMONICS, drives, kept, refuse, solve};
+use super::{AS_FLAT, CANDIDATES, FINE_HARMONICS, HARMONICS, drives, kept, problem, refuse};
 use canon::{
     Axis, Harmonic, OpKind, Oscillating, Oscillation, Polygon, SpindleOrder, ToolKind, ToolLibrary,
 };
@@ -12,6 +12,11 @@ use units::{Length, Spin};
 
 /// An offset of the facets that X need not be moved for, mm.
 const NOT_WORTH_MM: f64 = 2e-4;
+
+/// Flatter than this is any facet.
+const NOT_CUT: Length = Length::mm(1e6);
+/// How much flatter a finer oscillation can be than one of a few harmonics, generously.
+const NEAR: f64 = 1.5;
 
 /// Follows the program as far as an oscillation depends on it.
 pub(crate) struct Auto<'a> {
@@ -114,7 +119,7 @@ impl<'a> Auto<'a> {
         form.check().map_err(|all| {
             ("A0401", all.into_iter().map(|refusal| refusal.0).collect::<Vec<_>>().join("; "))
         })?;
-        let mut best: Option<Solution> = None;
+        let mut found = Vec::new();
         let mut unmeasured = false;
         for (_, who) in CANDIDATES.into_iter().filter(|c| may(polygon.auto, c.1)) {
             let answers = |a: &Actuator| {
@@ -130,11 +135,17 @@ impl<'a> Auto<'a> {
                 unmeasured = true;
                 continue;
             }
-            let found = solve(self.machine, &form, self.work, who, &answers);
-            let Some(found) = found else { continue };
-            let better = |b: &Solution| found.flatness + AS_FLAT < b.flatness;
-            if best.as_ref().is_none_or(better) {
-                best = Some(found);
+            let problem = problem(self.machine, &form, self.work, who, &answers, HARMONICS);
+            let few = problem.as_ref().and_then(forms::polygon::Problem::solve);
+            found.extend(problem.zip(few));
+        }
+        let flattest = found.iter().map(|(_, few)| few.flatness).fold(NOT_CUT, Length::min);
+        let mut best: Option<Solution> = None;
+        // what is far behind with a few harmonics does not win with many
+        for (problem, few) in found.into_iter().filter(|(_, f)| f.flatness <= flattest * NEAR) {
+            let solution = problem.refined(few);
+            if best.as_ref().is_none_or(|b| solution.flatness + AS_FLAT < b.flatness) {
+                best = Some(solution);
             }
         }
         if best.is_none() && unmeasured {

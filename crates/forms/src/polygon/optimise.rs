@@ -149,12 +149,15 @@ impl Problem<'_> {
 
     /// Solve it with a few harmonics; where a limit binds, as finely as it takes.
     pub fn solve_well(&self) -> Option<Solution> {
-        let few = self.solve()?;
+        Some(self.refined(self.solve()?))
+    }
+
+    /// A solution with a few harmonics, or a finer one where a limit binds and it is flatter.
+    pub fn refined(&self, few: Solution) -> Solution {
         if few.binding.is_none() || self.spin == Spin::ZERO {
-            return Some(few);
+            return few;
         }
-        let fine = self.solve_finely().filter(|fine| fine.flatness < few.flatness);
-        Some(fine.unwrap_or(few))
+        self.solve_finely().filter(|fine| fine.flatness < few.flatness).unwrap_or(few)
     }
 
     /// Largest of everything, finely sampled, and the limit that is used to 95 % or more.
@@ -163,10 +166,10 @@ impl Problem<'_> {
         let largest = |(drive, series): (&Drive, &Series)| {
             let mut peak = [0.0_f64; 5];
             let highest = series.terms.iter().map(|t| t.per_turn).fold(0.0, f64::max);
-            let count = (200.0 * highest / self.form.base()).ceil() as usize;
-            for i in 0..count {
-                let work = Angle::rev(i as f64 / count as f64 / self.form.base());
-                let d = series.at(work);
+            // the highest harmonics of a spline are too small to need as many as a few large ones
+            let harmonics = highest / self.form.base();
+            let count = (200.0 * harmonics).min(12_800.0).max(40.0 * harmonics).ceil() as usize;
+            for d in series.over_a_period(self.form.base(), count) {
                 let by_time: Vec<f64> =
                     d.iter().zip(0..4).map(|(d, n)| d * omega.powi(n)).collect();
                 for n in 0..4 {

@@ -78,6 +78,33 @@ impl Series {
         }
         sum
     }
+
+    /// The same at `count` equal steps of the work's angle over a period, which is repeated `base` times a turn.
+    pub fn over_a_period(&self, base: f64, count: usize) -> Vec<[f64; 4]> {
+        /// Steps after which rounding is not carried on.
+        const FRESH: usize = 256;
+        let mut sums = vec![[0.0; 4]; count];
+        for term in &self.terms {
+            let m = term.per_turn;
+            let per_step = m / base / count as f64;
+            let (sine_1, cosine_1) = (TAU * per_step).sin_cos();
+            let (mut sine, mut cosine) = (0.0, 1.0);
+            for (i, sum) in sums.iter_mut().enumerate() {
+                if i % FRESH == 0 {
+                    (sine, cosine) = (TAU * (per_step * i as f64).fract()).sin_cos();
+                }
+                let value = term.cosine * cosine + term.sine * sine;
+                let quarter = term.sine * cosine - term.cosine * sine;
+                sum[0] += value;
+                sum[1] += m * quarter;
+                sum[2] -= m * m * value;
+                sum[3] -= m * m * m * quarter;
+                (sine, cosine) =
+                    (sine * cosine_1 + cosine * sine_1, cosine * cosine_1 - sine * sine_1);
+            }
+        }
+        sums
+    }
 }
 
 /// What all actuators do.
