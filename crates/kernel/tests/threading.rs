@@ -63,6 +63,16 @@ fn run(rpm: f64) -> Run {
     run_kernel_on(kernel, &mut machine, &steps(rpm), 40_000)
 }
 
+/// Kernel and machine, with the thread at S1200 before them.
+fn loaded() -> (Kernel, SimulatedMachine) {
+    let machine = machine(1);
+    let mut kernel = Kernel::new(control(&machine));
+    for (op, kind) in (0..).zip(steps(1200.0)) {
+        kernel.push(plan::Step { op, line: op + 1, kind }).expect("there is room");
+    }
+    (kernel, SimulatedMachine::new(machine).expect("it can be built"))
+}
+
 /// Distance of Z from the helix through the start at the start angle, µm.
 fn off_um(z: f64, turns: f64, sense: f64) -> f64 {
     let phase = sense * (turns - 0.25) - (FROM - z) / LEAD;
@@ -107,12 +117,7 @@ fn emitted_setpoints_keep_the_acceleration_that_the_corners_were_made_for() {
 
 #[test]
 fn an_alarm_in_the_thread_brings_spindle_and_axes_to_rest_together_on_the_helix() {
-    let machine = machine(1);
-    let mut kernel = Kernel::new(control(&machine));
-    let mut machine = SimulatedMachine::new(machine).expect("it can be built");
-    for (op, kind) in (0..).zip(steps(1200.0)) {
-        kernel.push(plan::Step { op, line: op + 1, kind }).expect("there is room");
-    }
+    let (mut kernel, mut machine) = loaded();
     let mut feedback = bus::Machine::feedback(&machine);
     let (mut said, mut worst) = (false, 0.0_f64);
     for _ in 0..40_000 {
@@ -139,12 +144,7 @@ fn an_alarm_in_the_thread_brings_spindle_and_axes_to_rest_together_on_the_helix(
 
 #[test]
 fn a_hold_waits_for_the_end_of_the_thread() {
-    let machine = machine(1);
-    let mut kernel = Kernel::new(control(&machine));
-    let mut machine = SimulatedMachine::new(machine).expect("it can be built");
-    for (op, kind) in (0..).zip(steps(1200.0)) {
-        kernel.push(plan::Step { op, line: op + 1, kind }).expect("there is room");
-    }
+    let (mut kernel, mut machine) = loaded();
     let mut feedback = bus::Machine::feedback(&machine);
     let (mut ordered, mut end) = (false, 0.0);
     for _ in 0..40_000 {
