@@ -10,13 +10,14 @@
 //! time it comes when it comes.
 use crate::refused::Refused;
 use canon::{Holder, Op, OpKind, ToolKind, ToolLibrary};
-use kernel::{Kernel, TapRecord, Wish};
+use kernel::{Kernel, Wish, WorkRecord};
+use plan::TiedCut;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::thread::JoinHandle;
 use store::sync_record::slots::{Kept, Slots, StateFolder};
-use store::sync_record::{Identity, Place, Stage, Stroke, SyncRecord};
+use store::sync_record::{Cut, Identity, Place, Retreat, Stage, Stroke, SyncRecord};
 use units::{Length, Stiffness, Time};
 
 /// What a record may take to be on the disk: four times the median of an fsync'ed write on a solid-state disk.
@@ -61,6 +62,10 @@ pub(crate) fn in_work(record: &SyncRecord, feedback: &bus::Feedback) -> bool {
     /// A tap whose tip stands higher over the surface than its holder gives is in the air: there its angle does not matter.
     const CLEAR: Length = Length::mm(1.0);
     let stroke = &record.stroke;
+    if let Some(retreat) = stroke.retreat {
+        let place = feedback.axes[usize::from(retreat.axis)].position;
+        return record.stage.is_in_work() && retreat.inside(place) > AT_START;
+    }
     let z = feedback.axes[usize::from(stroke.axis)].position;
     let below = if stroke.bottom < stroke.start { stroke.surface - z } else { z - stroke.surface };
     record.stage.is_in_work() && stroke.inside(z) > AT_START && below > -CLEAR
@@ -197,7 +202,7 @@ impl Keeper {
         kernel.not_written();
     }
 
-    fn record(&self, tap: &TapRecord) -> SyncRecord {
+    fn record(&self, tap: &WorkRecord) -> SyncRecord {
         let tool = self.tools.get(tap.tool);
         SyncRecord {
             identity: self.identity.clone(),
@@ -210,6 +215,18 @@ impl Keeper {
             },
             stage: Stage::Inward,
             stroke: Stroke {
+                cut: match tap.cut {
+                    None => Cut::Tap,
+                    Some(TiedCut::Thread) => Cut::Thread,
+                    Some(TiedCut::Cam) => Cut::Cam,
+                    Some(TiedCut::Polygon) => Cut::Polygon,
+                    Some(TiedCut::Gear) => Cut::Gear,
+                },
+                retreat: tap.retreat.map(|(axis, clear, outward)| Retreat {
+                    axis,
+                    clear,
+                    outward: outward > 0.0,
+                }),
                 axis: tap.axis,
                 spindle: tap.spindle,
                 tool: tap.tool,
@@ -259,16 +276,29 @@ fn stiffness(kind: &ToolKind) -> Stiffness {
     }
 }
 
+/// Where the tool of a record is.
+pub(crate) fn whereabouts(record: &SyncRecord) -> String {
+    let Place { program, line, hole, .. } = &record.place;
+    match record.stroke.cut {
+        Cut::Tap => format!("hole {hole} of {program} (line {line})"),
+        cut => format!("the work, {} of {program} (line {line})", cut.name()),
+    }
+}
+
+/// The option that names a record's machine, where it is not the usual one.
+pub(crate) fn option_machine(record: &SyncRecord) -> String {
+    let machine = &record.identity.machine;
+    if machine == crate::recover::USUAL { String::new() } else { format!(" --machine {machine}") }
+}
+
 /// What is said where a tap is in the work and somebody wants to move something else.
 pub(crate) fn interlock(record: &SyncRecord, iron: &Path, state: Option<&Path>) -> Refused {
-    let place = &record.place;
     let state = state.map_or_else(String::new, |path| format!(" --state {}", path.display()));
+    let machine = option_machine(record);
     Refused::because(format!(
-        "tool {} is in hole {} of {} (line {}): nothing but recovery may move\n  take it out with: leadscrew recover --iron {}{state}",
+        "tool {} is in {}: nothing but recovery may move\n  take it out with: leadscrew recover --iron {}{machine}{state}",
         record.stroke.tool,
-        place.hole,
-        place.program,
-        place.line,
+        whereabouts(record),
         iron.display(),
     ))
 }

@@ -82,6 +82,7 @@ impl Log {
                 "recovery: out, at most {:.1} µm off the helix on the way",
                 figures.helix_error_max.in_um()
             ),
+            EventKind::Withdrawn { .. } => "recovery: the tool is off the work".to_owned(),
             EventKind::Operator(notice) => notice.sentence().to_owned(),
             EventKind::OutputSet(Output { number, signal: Signal::Digital { on }, .. }) => {
                 format!("digital output {number} {}", if *on { "on" } else { "off" })

@@ -3,7 +3,7 @@ use crate::args::MachineCommand;
 use crate::refused::Refused;
 use crate::say;
 use crate::tables::table;
-use store::machine::{self, MachineFile};
+use store::machine::{self, MachineFile, Reaction};
 
 /// Do it.
 pub(crate) fn command(order: &MachineCommand) -> Result<(), Refused> {
@@ -12,7 +12,11 @@ pub(crate) fn command(order: &MachineCommand) -> Result<(), Refused> {
         MachineCommand::Show { machine } => say::out(&text(machine)?),
         MachineCommand::Check { machine } => {
             let file = load(machine)?;
-            say::out(&format!("{}: in order. {}\n", file.name, file.description))
+            let mut text = format!("{}: in order. {}\n", file.name, file.description);
+            for warning in warnings(&file) {
+                text += &format!("warning: {warning}\n");
+            }
+            say::out(&text)
         }
     }
 }
@@ -27,6 +31,22 @@ pub(crate) fn load(name: &str) -> Result<MachineFile, Refused> {
             findings,
         }),
     }
+}
+
+/// What is allowed and yet leaves a tool in the work without help.
+fn warnings(file: &MachineFile) -> impl Iterator<Item = String> {
+    let drives = file.drives;
+    let keys = [
+        ("on_link_loss", drives.on_link_loss, "the control dies"),
+        ("on_power_loss", drives.on_power_loss, "the mains fail"),
+    ];
+    keys.into_iter().filter(|(_, reaction, _)| *reaction == Reaction::Off).map(|(key, _, when)| {
+        format!(
+            "[drives] {key} is \"off\": if {when} in a synchronised cut, spindle and axes run down apart, and nothing is guaranteed of the \
+             tool: \"coupled-stop\", \"quick-stop\" or \"coast\" works where the drives can{}",
+            if key == "on_power_loss" { ", with [drives.bus]" } else { "" }
+        )
+    })
 }
 
 fn text(name: &str) -> Result<String, Refused> {

@@ -30,6 +30,16 @@ pub(crate) fn certificate(job: &Job, outcome: &Outcome) -> Certificate {
             violations: outcome.watch.violations(),
             breaches: outcome.watch.breaches().iter().map(breach).collect(),
         },
+        withdrawals: outcome
+            .withdrawn
+            .iter()
+            .map(|w| store::certificate::Withdrawal {
+                line: w.line,
+                cut: w.cut.to_owned(),
+                axis: w.axis.to_string(),
+                by_mm: Measured::mm(w.by),
+            })
+            .collect(),
         features: outcome.features.iter().map(|f| certificate::feature(f, &zero)).collect(),
     }
 }

@@ -114,6 +114,8 @@ pub(crate) struct Outcome {
     pub(crate) happened: Vec<String>,
     /// Stops in a thread, and the ways out.
     pub(crate) stops: Vec<report::ThreadStop>,
+    /// Tools taken off work that they were not screwed to.
+    pub(crate) withdrawn: Vec<crate::stops::Withdrawn>,
     /// Why the iron is gone, if it is; why the record is not on the disk, if it is not.
     pub(crate) broke_off: Vec<String>,
 }
@@ -268,6 +270,7 @@ impl Simulation<'_> {
             timings: self.timings,
             happened: self.stops.happened,
             stops: self.stops.threads,
+            withdrawn: self.stops.withdrawn,
             broke_off,
         })
     }

@@ -7,6 +7,9 @@
 //!                              │
 //!                              └─ a copy of the machine takes the other way, for the report
 //! ```
+mod off;
+pub(crate) use off::Withdrawn;
+
 use crate::args::{AfterStop, RunArgs};
 use crate::plant::Plant;
 use crate::recover;
@@ -39,6 +42,8 @@ pub(crate) struct Stops {
     pub(crate) happened: Vec<String>,
     /// Stops in a thread.
     pub(crate) threads: Vec<ThreadStop>,
+    /// Tools taken off work that they were not screwed to.
+    pub(crate) withdrawn: Vec<Withdrawn>,
     /// Of the last fault: its name and when.
     last: Option<(String, Time)>,
 }
@@ -75,6 +80,7 @@ impl Stops {
             }),
             happened: Vec::new(),
             threads: Vec::new(),
+            withdrawn: Vec::new(),
             last: None,
         }
     }
@@ -92,6 +98,7 @@ impl Stops {
             feed: (units::Speed::ZERO, units::Accel::ZERO),
             happened: Vec::new(),
             threads: Vec::new(),
+            withdrawn: Vec::new(),
             last: None,
         }
     }
@@ -139,11 +146,15 @@ impl Stops {
             return Ok(false); // its drives and `leadscrew recover` see to that
         }
         let Some(stored) = kernel.engaged() else {
-            if kernel.is_retreating() {
-                run_down(kernel, plant, &mut |sample| {
-                    judge.sample(sample);
-                    hear(sample);
-                });
+            let recovers = self.recover.is_some();
+            let said = off::deal_with(kernel, plant, recovers, &mut |sample| {
+                judge.sample(sample);
+                hear(sample);
+            })?;
+            match said {
+                Some(Ok(withdrawn)) => self.withdrawn.push(withdrawn),
+                Some(Err(left)) => self.happened.push(left),
+                None => {}
             }
             return Ok(false);
         };
@@ -184,7 +195,6 @@ impl Stops {
             way: preferred,
             spin: recover::OUT,
             feed: self.feed,
-            retreat: None,
         };
         let mut ways = Vec::new();
         if let Some(mut copy) = plant.copy() {
@@ -259,7 +269,7 @@ fn run_down(kernel: &mut Kernel, plant: &mut Plant, hear: Ears<'_>) {
     const STANDS: (Spin, Length, u32) = (Spin::rpm(1.0), Length::mm(2.5e-5), 200);
     let end = plant.feedback().time + RUN_DOWN;
     let (mut still, mut before) = (0, None);
-    while plant.feedback().time < end && still < STANDS.2 {
+    while plant.feedback().time < end && (still < STANDS.2 || kernel.is_retreating()) {
         let sample = period(kernel, plant);
         let (angle, place) = point(&sample);
         let stands = before.replace((angle, place)).is_some_and(|(a, z): PlanePoint| {
@@ -351,11 +361,16 @@ fn way_back(name: &str, taken: bool, track: &Track, judge: &Judge) -> WayBack {
 }
 
 /// For people: what happened, and what came of it.
-pub(crate) fn text(stops: &[ThreadStop], happened: &[String]) -> String {
+pub(crate) fn text(stops: &[ThreadStop], happened: &[String], withdrawn: &[Withdrawn]) -> String {
     let mut said = String::new();
     for line in happened {
         said += line;
         said.push('\n');
+    }
+    for Withdrawn { line, cut, axis, by } in withdrawn {
+        let by = by.value();
+        said +=
+            &format!("line {line}: {axis} took the tool {by:+.3} mm off the work, out of {cut}\n");
     }
     for stop in stops {
         let Some(way) = stop.ways.first() else { continue };

@@ -45,7 +45,7 @@ pub(crate) fn text(job: &Job, outcome: &Outcome, out: Option<&Path>, quiet: bool
         said += line;
         said.push('\n');
     }
-    said += &crate::stops::text(&outcome.stops, &outcome.happened);
+    said += &crate::stops::text(&outcome.stops, &outcome.happened, &outcome.withdrawn);
     for fault in &outcome.faults {
         said += &format!("{fault}\n  {}\n", fault.kind.remedy());
     }
@@ -58,9 +58,12 @@ pub(crate) fn text(job: &Job, outcome: &Outcome, out: Option<&Path>, quiet: bool
 
 fn verdict(outcome: &Outcome, bad: usize) -> String {
     if !outcome.ended {
-        let recovered = !outcome.stops.is_empty();
         let what = if outcome.faults.is_empty() { "STOPPED" } else { "STOPPED BY AN ALARM" };
-        return if recovered { format!("{what}, THE TAP IS OUT") } else { what.to_owned() };
+        return match (outcome.stops.is_empty(), outcome.withdrawn.is_empty()) {
+            (false, _) => format!("{what}, THE TAP IS OUT"),
+            (true, false) => format!("{what}, THE TOOL IS OFF THE WORK"),
+            (true, true) => what.to_owned(),
+        };
     }
     match (bad, outcome.features.len()) {
         (0, 0) => "ENDED, no holes or threads to judge".to_owned(),

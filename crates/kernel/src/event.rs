@@ -113,6 +113,11 @@ pub enum EventKind {
     OnCoupling,
     /// It is out.
     RecoveryEnded(RecoveryFigures),
+    /// A tool that was screwed to nothing is off the work.
+    Withdrawn {
+        /// From the start to being out.
+        duration: Time,
+    },
     /// What the operator should know of an order.
     Operator(Notice),
     /// Waiting for the operator.

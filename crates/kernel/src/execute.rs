@@ -6,7 +6,7 @@
 //!   Idle ─► begin ─┬─► Moving ──► Settling (exact stop) ──────────────────┤
 //!                  ├─► Dwelling, AwaitingSpeed, AwaitingAngle, Changing ──┤
 //!                  ├─► Tapping, Threading ────────────────────────────────┤
-//!                  ├─► Engaging, Fading, Revolving, Consulting ───────────────────────────┤
+//!                  ├─► Recording, Engaging, Fading, Revolving, Consulting ┤
 //!                  ├─► Pausing ─ resume ──────────────────────────────────┤
 //!                  ├─► (coolant, spindle order: at once) ─────────────────┘
 //!                  └─► Ended
@@ -20,11 +20,12 @@ use crate::event::{Event, EventKind, Ring};
 use crate::fault::FaultKind;
 use crate::moving::{Moving, Track};
 use crate::operator::Operator;
+use crate::scribe::{self, RECORD_WAIT, WorkRecord};
 use crate::spindle::SpindleLoop;
 use crate::tapping::{Outcome, TapRun};
-use crate::threading;
+use crate::threading::{self, Chain, Leave, Pass};
 use bus::{Feedback, State};
-use plan::{SpindleStep, StepKind};
+use plan::{SpindleStep, StepKind, WayOut};
 use sync::Phase;
 use units::{Spin, Time};
 
@@ -37,6 +38,8 @@ pub(crate) struct Context<'a> {
     pub(crate) operator: &'a Operator,
     /// An alarm has stopped the machine: what is coupled stops together, and stays.
     pub(crate) halted: bool,
+    /// How a hold takes the tool off a thread.
+    pub(crate) off_thread: Option<WayOut>,
     pub(crate) op: u32,
     pub(crate) line: u32,
 }
@@ -69,6 +72,8 @@ pub(crate) enum Activity {
     Tapping(TapRun),
     /// Turning a thread.
     Threading,
+    /// Waiting until the way out is written down; for so long.
+    Recording { waited_s: f64 },
     /// Waiting until a spindle is on its gear.
     Engaging(u8),
     /// Waiting until one superposition can begin, or all have faded.
@@ -91,6 +96,8 @@ pub(crate) enum Progress {
     Busy,
     /// Done, with so many seconds of the period left.
     Done(f64),
+    /// The thread that it belongs to is to be turned again.
+    Again,
 }
 
 impl Activity {
@@ -116,6 +123,8 @@ impl Activity {
                 threading::begin(stretch, drives)?;
                 Self::Threading
             }
+            StepKind::WayOut(Some(_)) => Self::Recording { waited_s: 0.0 },
+            StepKind::WayOut(None) => Self::AtOnce,
             StepKind::Engage(gear) => {
                 drives.engage(gear)?;
                 Self::Engaging(gear.follower)
@@ -211,15 +220,22 @@ impl Activity {
             Self::Threading => {
                 let StepKind::Thread(stretch) = step else { return Ok(Progress::Done(dt)) };
                 drives.check_cut()?;
-                let period = context.config.period;
-                if !threading::advance(stretch, period, drives) {
-                    return Ok(Progress::Busy);
-                }
-                if stretch.ends {
-                    *self = Self::Settling { waited_s: 0.0, inside_s: 0.0 };
-                    return Ok(Progress::Busy);
-                }
-                Ok(Progress::Done(0.0))
+                let (period, rests) = (context.config.period, context.operator.wants_rest());
+                let leave =
+                    Leave { rests, way: context.off_thread.as_ref(), config: context.config };
+                Ok(match threading::advance(stretch, period, &leave, drives) {
+                    Pass::Busy => Progress::Busy,
+                    Pass::Again => Progress::Again,
+                    Pass::Over if stretch.ends => {
+                        *self = Self::Settling { waited_s: 0.0, inside_s: 0.0 };
+                        Progress::Busy
+                    }
+                    Pass::Over => Progress::Done(0.0),
+                })
+            }
+            Self::Recording { waited_s } => {
+                *waited_s += dt;
+                record(step, dt, *waited_s, drives, context)
             }
             Self::Settling { waited_s, inside_s } => {
                 settle(dt, waited_s, inside_s, drives, waits.in_position)
@@ -257,8 +273,9 @@ impl Activity {
     }
 
     /// The operator's hold has come into force in the middle of it: it stands, and goes on from there.
-    pub(crate) const fn is_held(&self, operator: &Operator) -> bool {
+    pub(crate) fn is_held(&self, operator: &Operator, chain: Option<&Chain>) -> bool {
         match self {
+            Self::Threading => operator.wants_rest() && chain.is_some_and(Chain::is_standing),
             Self::Idle | Self::Pausing | Self::Dwelling { .. } => operator.wants_rest(),
             Self::Moving(moving, _) => moving.is_held(),
             Self::Tapping(run) => operator.wants_rest() && run.is_standing(),
@@ -266,7 +283,7 @@ impl Activity {
             | Self::AwaitingSpeed { .. }
             | Self::AwaitingAngle { .. }
             | Self::Changing { .. }
-            | Self::Threading
+            | Self::Recording { .. }
             | Self::Engaging(_)
             | Self::Fading
             | Self::Revolving(_)
@@ -286,7 +303,9 @@ impl Activity {
             Self::Dwelling { .. } | Self::Revolving(_) => State::Dwell,
             Self::Engaging(_) | Self::Fading => State::Couple,
             Self::Consulting => State::Measure,
-            Self::AwaitingSpeed { .. } | Self::AwaitingAngle { .. } => State::SpindleWait,
+            Self::AwaitingSpeed { .. } | Self::AwaitingAngle { .. } | Self::Recording { .. } => {
+                State::SpindleWait
+            }
             Self::Changing { .. } => State::ToolChange,
             Self::Tapping(run) => match run.phase() {
                 Phase::Prepare => State::SpindleWait,
@@ -296,6 +315,25 @@ impl Activity {
             },
             Self::Pausing => State::Paused,
             Self::Ended => State::Ended,
+        }
+    }
+}
+
+/// A tool goes into the work only when its way out is written down, where somebody does.
+fn record(
+    step: &StepKind,
+    dt: f64,
+    waited_s: f64,
+    drives: &mut Drives,
+    context: &Context,
+) -> Result<Progress, Finding> {
+    let StepKind::WayOut(Some(way_out)) = step else { return Ok(Progress::Done(dt)) };
+    let record = WorkRecord::of_way_out(way_out, context.op, context.line, drives.tool);
+    match drives.scribe.ask(&record) {
+        scribe::Leave::Granted => Ok(Progress::Done(dt)),
+        scribe::Leave::Waiting if waited_s <= RECORD_WAIT.value() => Ok(Progress::Busy),
+        scribe::Leave::Waiting | scribe::Leave::Refused => {
+            Err((FaultKind::RecordNotWritten, Subject::Machine, 0.0, 0.0))
         }
     }
 }

@@ -12,6 +12,7 @@ mod exchange;
 mod faults;
 mod orders;
 mod tap;
+mod way_out;
 
 use crate::config::{Config, Subject};
 use crate::doubt::Doubts;
@@ -22,9 +23,10 @@ use crate::fault::Fault;
 use crate::operator::{Notice, Operator};
 use crate::recovering::Recovering;
 use crate::retreating::Retreating;
+use crate::withdrawing::Withdrawing;
 use alloc::{collections::VecDeque, vec::Vec};
 use bus::{Command, Feedback, Report, State};
-use plan::{Step, StepKind};
+use plan::{Step, StepKind, WayOut};
 use units::Time;
 
 /// Steps that may wait.
@@ -67,6 +69,8 @@ pub struct Kernel {
     config: Config,
     drives: Drives,
     queue: VecDeque<Step>,
+    /// Stretches at the queue's front that are done: a thread is kept from its beginning, to be turned again after a hold.
+    chained: usize,
     activity: Activity,
     /// The step at the queue's front has begun.
     begun: bool,
@@ -85,6 +89,10 @@ pub struct Kernel {
     recovering: Option<Recovering>,
     /// The tool leaves the work before the spindles stop.
     retreating: Option<Retreating>,
+    /// How a tool that is tied to a spindle, and not screwed to the work, comes out of it.
+    way_out: Option<WayOut>,
+    /// One is being taken out; nothing else is done.
+    withdrawing: Option<Withdrawing>,
     /// The operator has given the program up, and everything stands.
     aborted: bool,
     /// Time of the last reading.
@@ -99,6 +107,7 @@ impl Kernel {
             drives: Drives::new(&config),
             config,
             queue: VecDeque::with_capacity(QUEUE),
+            chained: 0,
             activity: Activity::Idle,
             begun: false,
             mode: Mode::New,
@@ -111,6 +120,8 @@ impl Kernel {
             lame: None,
             recovering: None,
             retreating: None,
+            way_out: None,
+            withdrawing: None,
             aborted: false,
             now: Time::ZERO,
         }
@@ -140,13 +151,14 @@ impl Kernel {
 
     /// The program has ended, or a fault or the operator has ended it: nothing more will happen.
     pub fn is_over(&self) -> bool {
-        let recovered = self.recovering.as_ref().is_some_and(Recovering::is_done);
+        let recovered = self.recovering.as_ref().is_some_and(Recovering::is_done)
+            || self.withdrawing.as_ref().is_some_and(Withdrawing::is_done);
         recovered || self.aborted || matches!(self.report.state, State::Ended | State::Faulted)
     }
 
     /// The tool is leaving the work, and then everything will stop.
-    pub const fn is_retreating(&self) -> bool {
-        self.retreating.is_some()
+    pub fn is_retreating(&self) -> bool {
+        self.retreating.is_some_and(|retreating| !retreating.is_out())
     }
 
     /// The kernel's view of the last period.
@@ -219,7 +231,7 @@ impl Kernel {
         for _ in 0..STEPS_PER_TICK {
             match self.step(left, feedback) {
                 Ok(Progress::Done(rest)) => left = rest,
-                Ok(Progress::Busy) => break,
+                Ok(Progress::Busy | Progress::Again) => break,
                 Err(finding) => {
                     self.raise(finding, feedback);
                     break;
@@ -250,27 +262,33 @@ impl Kernel {
                 events: &mut self.events,
                 operator: &self.operator,
                 halted: false,
+                off_thread: None,
                 op: self.report.op,
                 line: self.report.line,
             };
             recovering.advance(dt, &mut self.drives, &mut context)?;
             return Ok(Progress::Busy);
         }
-        let Some(step) = self.queue.front() else {
+        if let Some(withdrawn) = self.withdraw_on(dt) {
+            return withdrawn.map(|()| Progress::Busy);
+        }
+        let Some(step) = self.queue.get(self.chained) else {
             return Ok(Progress::Busy);
         };
         if !self.begun && self.holds_before(step.line) {
             return Ok(Progress::Busy);
         }
-        let Some(step) = self.queue.front() else {
+        let Some(step) = self.queue.get(self.chained) else {
             return Ok(Progress::Busy);
         };
+        let off_thread = self.off_thread();
         let mut context = Context {
             config: &self.config,
             feedback,
             events: &mut self.events,
             operator: &self.operator,
             halted: false,
+            off_thread,
             op: step.op,
             line: step.line,
         };
@@ -281,11 +299,11 @@ impl Kernel {
         }
         let progress = self.activity.advance(&step.kind, dt, &mut self.drives, &mut context)?;
         self.foresee();
-        if let Progress::Done(_) = progress {
-            self.leave_hole();
-            self.queue.pop_front();
-            self.begun = false;
-            self.activity = Activity::Idle;
+        self.foresee_way_out();
+        match progress {
+            Progress::Done(_) => self.finish_step(),
+            Progress::Again => self.turn_again(),
+            Progress::Busy => {}
         }
         Ok(progress)
     }
@@ -302,6 +320,7 @@ impl Kernel {
                     events: &mut self.events,
                     operator: &self.operator,
                     halted: true,
+                    off_thread: None,
                     op: step.op,
                     line: step.line,
                 };
@@ -322,15 +341,12 @@ impl Kernel {
             _ => None,
         };
         let threading = self.stay_on_thread();
-        if self.operator.wants_out()
-            && self.activity.is_held(&self.operator)
-            && !self.is_in_thread()
-        {
+        if self.operator.wants_out() && self.is_held() && !self.is_in_thread() {
             self.operator.is_out();
             self.drives.scribe.out();
             self.note(EventKind::Operator(Notice::Out));
         }
-        let led = self.retreat().or(tapping);
+        let led = self.retreat(threading).or(tapping);
         self.drives.advance_spindles();
         for (index, axis) in self.drives.axes.iter_mut().enumerate() {
             let coupled = led == Some(index) || threading && index < plan::THREADING_AXES;
@@ -344,22 +360,6 @@ impl Kernel {
         command
     }
 
-    /// A thread that is being turned keeps its coupling until the spindle stands, or the chain is over.
-    fn stay_on_thread(&mut self) -> bool {
-        let (Activity::Threading, Some(step)) = (&self.activity, self.queue.front()) else {
-            return false;
-        };
-        let StepKind::Thread(stretch) = step.kind else { return false };
-        if crate::threading::advance(&stretch, self.config.period, &mut self.drives) {
-            self.queue.pop_front();
-            let goes_on = matches!(self.queue.front(), Some(step) if matches!(step.kind, StepKind::Thread(next) if next.start.is_none()));
-            if !goes_on {
-                self.activity = Activity::Idle;
-            }
-        }
-        true
-    }
-
     fn note(&mut self, kind: EventKind) {
         let (op, line) = (self.report.op, self.report.line);
         self.events.push(Event { time: self.now, op, line, kind });
@@ -367,13 +367,15 @@ impl Kernel {
 
     /// The kernel's view of this period.
     fn summarise(&mut self) {
-        let held = self.operator.wants_rest() && self.activity.is_held(&self.operator);
+        let held = self.operator.wants_rest() && self.is_held();
         self.report.state = match (&self.mode, &self.recovering) {
             (Mode::Halted | Mode::Disabled, _) => State::Faulted,
             (Mode::New | Mode::Starting(_), _) => State::Idle,
             (Mode::Running, Some(_)) => State::Recovering,
+            (Mode::Running, None) if self.withdrawing.is_some() => State::Recovering,
             (Mode::Running, None) if self.aborted => State::Idle,
             (Mode::Running, None) if held => State::Held,
+            (Mode::Running, None) if self.is_off_thread() => State::Rapid,
             (Mode::Running, None) => self.activity.state(),
         };
         self.report.sync_error = match (&self.mode, &self.recovering, &self.activity) {

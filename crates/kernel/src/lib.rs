@@ -41,6 +41,7 @@ mod tapping;
 mod tempo;
 mod terms;
 mod threading;
+mod withdrawing;
 
 pub use config::{
     AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderPlace, FeedForward,
@@ -54,8 +55,9 @@ pub use lessons::LESSONS;
 pub use operator::{FEED_MOST, Notice, Operator, Order};
 pub use problems::Problem;
 pub use recovering::RecoveryPlan;
-pub use scribe::{RECORD_WAIT, TapRecord, Wish};
+pub use scribe::{RECORD_WAIT, Wish, WorkRecord};
 pub use sync::{
     CELLS, Correction, Figures, Learning, Lesson, MAX_TRANSPORT, Periodic, Prediction, StrokeKey,
     SyncMode, Windows,
 };
+pub use withdrawing::WithdrawalPlan;

@@ -1,10 +1,9 @@
 //! Taking a tool out of the work after a stop in which spindle and feed ran down apart.
 //!
 //! ```text
-//!   Settle ─► Retreat ─► Unload ─► Feed or Spindle ─► Out ─► over
-//!     │        infeed     feed to     the axis that     both, along the coupling, slowly
-//!     │        axis,      zero force  overran
-//!     │        if any
+//!   Settle ─► Unload ─► Feed or Spindle ─► Out ─► over
+//!     │        feed to     the axis that     both, along the coupling, slowly
+//!     │        zero force  overran
 //!     └─ the spindle is held where it stands; nothing is homed, nothing else moves
 //! ```
 //!
@@ -38,8 +37,6 @@ pub struct RecoveryPlan {
     pub spin: (Spin, SpinAccel),
     /// Most speed and acceleration of the axis while it moves alone.
     pub feed: (Speed, Accel),
-    /// An axis that takes the tool off the work first, and how far: the infeed of a threading pass, a cam or a polygon.
-    pub retreat: Option<(Axis, Length)>,
 }
 
 /// A move of one axis or spindle, since a while.
@@ -66,7 +63,6 @@ impl Leg {
 #[derive(Clone, Copy, Debug)]
 enum Stage {
     Settle { waited_s: f64 },
-    Retreat(Leg),
     Unload(Leg),
     Feed(Leg),
     Spindle(Leg),
@@ -127,13 +123,6 @@ impl Recovering {
         self.watch(drives);
         self.stage = match self.stage {
             Stage::Settle { waited_s } => self.settle(waited_s + dt, drives, context)?,
-            Stage::Retreat(leg) => {
-                let axis = self.plan.retreat.map_or(self.plan.axis, |(axis, _)| axis);
-                match feed(axis, leg, dt, drives) {
-                    Some(leg) => Stage::Retreat(leg),
-                    None => self.unload(),
-                }
-            }
             Stage::Unload(leg) => match feed(self.plan.axis, leg, dt, drives) {
                 Some(leg) => Stage::Unload(leg),
                 None => self.back(),
@@ -185,13 +174,6 @@ impl Recovering {
         self.projection = self.plan.stored.project(at, self.plan.way);
         let error = self.plan.stored.error(at);
         context.note(EventKind::RecoveryBegun { error, mover: self.projection.mover });
-        if let Some((axis, by)) = self.plan.retreat {
-            let Some(control) = &drives.axes[axis.index()] else {
-                return Err((FaultKind::NotConfigured, Subject::Axis(axis), 0.0, 0.0));
-            };
-            let from = Length::mm(control.target.position);
-            return Ok(Stage::Retreat(Leg::new(self.feed_blend(from, from + by))));
-        }
         Ok(self.unload())
     }
 

@@ -1,29 +1,65 @@
-//! The tool leaves the work before anything stops: what a geared spindle that has lost its phase asks for.
+//! The tool leaves the work before anything stops: what a tool asks for that is tied to a spindle and not screwed to the work.
 //!
 //! ```text
-//!   phase lost ─► X away from the work, spindles turning on ─► spindles brake, axes hold
+//!   alarm, abort ─► X away from the work, spindles turning on ─► spindles brake, axes hold
+//!   hold in a thread ─► X away, Z going on along the thread ─► Z brakes, the spindle turns on ([`crate::threading`])
 //! ```
+//!
+//! The way is an offset on what moves the axis otherwise: a thread goes on being one while the tool is pulled off it.
 use crate::axis::Target;
-use crate::config::PhaseLoss;
+use crate::config::{Config, PhaseLoss};
 use crate::drives::Drives;
+use canon::Axis;
+use plan::WayOut;
 use sync::Blend;
+use units::Length;
+
+/// Share of what the axis can, as for any move that nobody planned.
+const SHARE: f64 = 0.5;
 
 /// The way out.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Retreating {
     axis: usize,
+    /// Where the axis stands without it.
+    from: f64,
     blend: Blend,
     at_s: f64,
 }
 
 impl Retreating {
-    /// Begin where the axis is ordered to be; `None` if there is no such axis.
+    /// What the loss of a phase asks for, from where the axis is ordered to be; `None` if there is no such axis.
     pub(crate) fn begin(order: &PhaseLoss, drives: &Drives) -> Option<Self> {
-        let axis = order.axis.index();
-        let from = drives.axes[axis].as_ref()?.target.position;
         let (speed, accel) = order.most;
-        let blend = Blend::new(from, from + order.by.value(), speed.value(), accel.value());
-        Some(Self { axis, blend, at_s: 0.0 })
+        Self::by(order.axis, order.by, (speed.value(), accel.value()), drives)
+    }
+
+    /// To where the tool is clear; `None` if it is.
+    pub(crate) fn to_clear(way: &WayOut, drives: &Drives, config: &Config) -> Option<Self> {
+        let index = way.infeed.index();
+        let axis = drives.axes[index].as_ref()?;
+        let stands = Length::mm(axis.target.position);
+        let (bounds, gentle) = (&config.motion.rapid, axis.control.gentle);
+        let share = |most: f64, gentle: f64| if most.is_finite() { SHARE * most } else { gentle };
+        let most = (
+            share(bounds.speed[index], gentle.0.value()),
+            share(bounds.accel[index], gentle.1.value()),
+        );
+        let inside = way.inside(stands).value() > 0.0;
+        inside.then(|| Self::by(way.infeed, way.clear - stands, most, drives)).flatten()
+    }
+
+    /// To a place, gently; `None` if there is no such axis.
+    pub(crate) fn gently(axis: Axis, to: Length, drives: &Drives) -> Option<Self> {
+        let control = drives.axes[axis.index()].as_ref()?;
+        let most = (control.control.gentle.0.value(), control.control.gentle.1.value());
+        Self::by(axis, to - Length::mm(control.target.position), most, drives)
+    }
+
+    fn by(axis: Axis, by: Length, (speed, accel): (f64, f64), drives: &Drives) -> Option<Self> {
+        let axis = axis.index();
+        let from = drives.axes[axis].as_ref()?.target.position;
+        Some(Self { axis, from, blend: Blend::new(0.0, by.value(), speed, accel), at_s: 0.0 })
     }
 
     /// The axis that leads the tool away.
@@ -31,18 +67,25 @@ impl Retreating {
         self.axis
     }
 
-    /// A period on; whether it is over.
-    pub(crate) fn advance(&mut self, dt: f64, drives: &mut Drives) -> bool {
-        let Some(axis) = drives.axes[self.axis].as_mut() else { return true };
+    /// The tool is away.
+    pub(crate) fn is_out(&self) -> bool {
+        self.at_s >= self.blend.duration_s()
+    }
+
+    /// A period on. `moved`: somebody has moved the axis in this period, and the way goes on top of that.
+    pub(crate) fn advance(&mut self, dt: f64, moved: bool, drives: &mut Drives) {
+        let Some(axis) = drives.axes[self.axis].as_mut() else { return };
         self.at_s += dt;
         let ahead_s = axis.lookahead_s();
         let (now, later) = (self.blend.at(self.at_s), self.blend.at(self.at_s + ahead_s));
-        axis.target = Target {
-            position: now.s,
-            speed: now.v,
-            accel: now.a,
-            jerk: (later.a - now.a) / ahead_s,
-        };
-        self.at_s >= self.blend.duration_s()
+        if moved {
+            self.from = axis.target.position;
+        } else {
+            axis.target = Target { position: self.from, ..Target::default() };
+        }
+        axis.target.position += now.s;
+        axis.target.speed += now.v;
+        axis.target.accel += now.a;
+        axis.target.jerk += (later.a - now.a) / ahead_s;
     }
 }

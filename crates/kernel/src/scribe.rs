@@ -1,4 +1,4 @@
-//! What somebody must write down before a tap may touch the work.
+//! What somebody must write down before a tap, or another tool that is tied to a spindle, may touch the work.
 //!
 //! ```text
 //!   positioning          at the hole, spindle held           in            bottom        out
@@ -11,7 +11,7 @@
 //! Between two holes the spindle is held at the angle at which the last tap left it, so θ₀ of the next one is known while the
 //! axes are still on their way, and nobody waits. Where it comes otherwise, the wish is renewed at the hole.
 use alloc::collections::VecDeque;
-use plan::TapPlan;
+use plan::{TapPlan, TiedCut, WayOut};
 use units::{Angle, Lead, Length, Spin, Time};
 
 /// How long a tap waits for its record.
@@ -23,16 +23,20 @@ const SAME_ANGLE: f64 = 1e-6;
 /// Two strokes lie on one line within this, mm.
 const SAME_LINE: f64 = 1e-6;
 
-/// A coupled stroke, as it must be known to take the tap out. Coordinates are those of the axis.
+/// A tool in the work, as it must be known to take it out. Coordinates are those of the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TapRecord {
+pub struct WorkRecord {
+    /// What it cuts, unless it taps.
+    pub cut: Option<TiedCut>,
+    /// The axis that takes it off the work first, where it is clear, and on which side that is; a tap has none.
+    pub retreat: Option<(u8, Length, f64)>,
     /// Index of the op.
     pub op: u32,
     /// Its program line.
     pub line: u32,
     /// The tool in the spindle.
     pub tool: u32,
-    /// Index of the following axis.
+    /// Index of the axis along the thread; where there is no thread, of the infeed axis.
     pub axis: u8,
     /// Which spindle leads.
     pub spindle: u8,
@@ -40,7 +44,7 @@ pub struct TapRecord {
     pub theta0: Angle,
     /// … to which this place of the axis belongs.
     pub z0: Length,
-    /// Axis travel per positive turn.
+    /// Axis travel per positive turn; zero where there is no thread.
     pub lead: Lead,
     /// Where the way out ends.
     pub start: Length,
@@ -56,7 +60,7 @@ pub struct TapRecord {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Wish {
     /// The tap is about to go in; to be acknowledged by this number.
-    Inward(u32, TapRecord),
+    Inward(u32, WorkRecord),
     /// It has turned round.
     Outward,
     /// It is out.
@@ -68,7 +72,7 @@ pub enum Wish {
 pub(crate) struct Scribe {
     on: bool,
     wishes: VecDeque<Wish>,
-    asked: Option<TapRecord>,
+    asked: Option<WorkRecord>,
     number: u32,
     acknowledged: bool,
     refused: bool,
@@ -85,11 +89,13 @@ pub(crate) enum Leave {
     Refused,
 }
 
-impl TapRecord {
+impl WorkRecord {
     /// Of a plan, for a coupling that has the axis at the plan's start when the spindle is at this angle.
     pub(crate) fn of(plan: &TapPlan, op: u32, line: u32, tool: u32, theta0: Angle) -> Self {
         let start = plan.start.along(plan.axis);
         Self {
+            cut: None,
+            retreat: None,
             op,
             line,
             tool,
@@ -105,6 +111,39 @@ impl TapRecord {
         }
     }
 
+    /// Of a way out.
+    pub(crate) fn of_way_out(way_out: &WayOut, op: u32, line: u32, tool: u32) -> Self {
+        let (infeed, clear) = (way_out.infeed.index() as u8, way_out.clear);
+        let record = Self {
+            cut: Some(way_out.cut),
+            retreat: Some((infeed, clear, way_out.outward)),
+            op,
+            line,
+            tool,
+            axis: infeed,
+            spindle: way_out.spindle,
+            theta0: Angle::ZERO,
+            z0: clear,
+            lead: Lead::ZERO,
+            start: clear,
+            bottom: clear,
+            surface: clear,
+            spin: Spin::ZERO,
+        };
+        let Some(pass) = &way_out.pass else { return record };
+        Self {
+            axis: pass.axis.index() as u8,
+            theta0: pass.angle,
+            z0: pass.start,
+            lead: pass.lead,
+            start: pass.from,
+            bottom: pass.end,
+            surface: pass.surface,
+            spin: pass.spin,
+            ..record
+        }
+    }
+
     fn is_like(&self, other: &Self) -> bool {
         let near = (self.theta0 - other.theta0).value().abs() < SAME_ANGLE;
         near && Self { theta0: other.theta0, ..*self } == *other
@@ -113,7 +152,8 @@ impl TapRecord {
     /// On the same line of the same operation.
     fn continues(&self, other: &Self) -> bool {
         let off = other.z0 + other.lead * (self.theta0 - other.theta0) - self.z0;
-        self.op == other.op && self.lead == other.lead && off.value().abs() < SAME_LINE
+        let taps = self.cut.is_none() && other.cut.is_none();
+        taps && self.op == other.op && self.lead == other.lead && off.value().abs() < SAME_LINE
     }
 }
 
@@ -150,7 +190,7 @@ impl Scribe {
     }
 
     /// Ask for a record, if it is not the one that was asked for already; whether the tap may go in.
-    pub(crate) fn ask(&mut self, record: &TapRecord) -> Leave {
+    pub(crate) fn ask(&mut self, record: &WorkRecord) -> Leave {
         if !self.on {
             return Leave::Granted;
         }
@@ -203,8 +243,10 @@ impl Scribe {
 mod tests {
     use super::*;
 
-    fn record(op: u32, start: f64, bottom: f64) -> TapRecord {
-        TapRecord {
+    fn record(op: u32, start: f64, bottom: f64) -> WorkRecord {
+        WorkRecord {
+            cut: None,
+            retreat: None,
             op,
             line: 7,
             tool: 3,
@@ -250,7 +292,7 @@ mod tests {
         let first = record(1, 5.0, -10.0);
         scribe.ask(&first);
         scribe.acknowledge(1);
-        let other = TapRecord { theta0: Angle::rev(6.0), ..first };
+        let other = WorkRecord { theta0: Angle::rev(6.0), ..first };
         assert_eq!(scribe.ask(&other), Leave::Waiting);
         scribe.acknowledge(1);
         assert_eq!(scribe.ask(&other), Leave::Waiting);
@@ -265,10 +307,10 @@ mod tests {
         scribe.ask(&first);
         scribe.acknowledge(1);
         scribe.take();
-        let second = TapRecord { theta0: Angle::rev(13.0), ..record(1, -3.0, -8.0) };
+        let second = WorkRecord { theta0: Angle::rev(13.0), ..record(1, -3.0, -8.0) };
         assert_eq!(scribe.ask(&second), Leave::Granted);
         let Some(Wish::Inward(2, written)) = scribe.take() else { panic!("nothing to write") };
-        let expected = TapRecord { bottom: Length::mm(-8.0), ..first };
+        let expected = WorkRecord { bottom: Length::mm(-8.0), ..first };
         assert_eq!(written, expected);
     }
 

@@ -14,7 +14,7 @@ use crate::event::{EventKind, TapFigures};
 use crate::execute::Context;
 use crate::fault::FaultKind;
 use crate::moving::{point, stand_at};
-use crate::scribe::{Leave, RECORD_WAIT, TapRecord};
+use crate::scribe::{Leave, RECORD_WAIT, WorkRecord};
 use crate::spindle::SpindleLoop;
 use crate::stroke::{Mark, Planned};
 use crate::terms::{clear, corrected, feed_forwards, halt, held, spoken, target, turned};
@@ -230,7 +230,7 @@ impl TapRun {
         let was = self.cycle.phase();
         let engages = self.engages(&tap, &tick);
         let record = engages
-            .map(|theta0| TapRecord::of(plan, context.op, context.line, drives.tool, theta0));
+            .map(|theta0| WorkRecord::of(plan, context.op, context.line, drives.tool, theta0));
         match record.map_or(Leave::Granted, |record| drives.scribe.ask(&record)) {
             Leave::Granted => self.cycle = self.cycle.next(&tap, &tick),
             Leave::Waiting => {

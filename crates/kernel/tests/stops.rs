@@ -203,16 +203,6 @@ fn after_an_alarm_with_drives_alive_the_tap_can_be_taken_out() {
 
 /// The spindle turned and the axis moved apart with the drives off; recovery brings them out.
 fn recovered(spindle_rev: f64, z_mm: f64, way: Way) -> (Bench, Stored) {
-    recovered_after(spindle_rev, z_mm, way, None)
-}
-
-/// The same, with an axis that takes the tool off the work first.
-fn recovered_after(
-    spindle_rev: f64,
-    z_mm: f64,
-    way: Way,
-    retreat: Option<(canon::Axis, Length)>,
-) -> (Bench, Stored) {
     let mut model = machine(0);
     model.spindles[0].start = Angle::rev(spindle_rev);
     model.axes.iter_mut().find(|(index, _)| *index == 2).unwrap().1.start = Length::mm(z_mm);
@@ -229,7 +219,6 @@ fn recovered_after(
         way,
         spin: (Spin::rpm(120.0), SpinAccel::rev_per_s2(20.0)),
         feed: (Speed::mm_per_s(2.0), Accel::mm_per_s2(100.0)),
-        retreat,
     });
     bench.until(|b| b.kernel.is_over());
     (bench, stored)
@@ -268,24 +257,6 @@ fn nothing_but_the_guided_axis_and_spindle_moves_in_a_recovery() {
         assert!(off.axes[0].speed.value() == 0.0 && off.axes[1].speed.value() == 0.0);
     }
     assert!(bench.last().feedback.time > Time::s(1.0));
-}
-
-#[test]
-fn a_threading_pass_leaves_the_work_along_its_infeed_axis_before_anything_else_moves() {
-    let retreat = Some((canon::Axis::X, Length::mm(0.5)));
-    let (bench, stored) = recovered_after(8.5, -6.0, Way::Direct, retreat);
-    let x = |s: &Sample| s.axis(0).value();
-    let off =
-        bench.samples.iter().position(|s| x(s) > 0.498).expect("X takes the tool off the work");
-    let (first, there) = (&bench.samples[0], &bench.samples[off]);
-    let turned = (there.spindle(0) - first.spindle(0)).value();
-    let fed = (there.axis(2) - first.axis(2)).value();
-    assert!(turned.abs() < 0.002 && fed.abs() < 0.005, "{turned} rev, {fed} mm before X is off");
-    // and then the way is the usual one, to the start, with X off the work
-    let end = bench.last();
-    assert!((x(end) - 0.5).abs() < 0.003, "{} mm", x(end));
-    let at = Point { angle: end.spindle(0), place: end.axis(2) };
-    assert!(stored.error(at).in_um().abs() < 5.0 && (bench.z() - 2.0).abs() < 0.003);
 }
 
 #[test]

@@ -73,6 +73,7 @@ impl Clock {
             StepKind::AwaitFades => self.elapsed = self.elapsed.max(self.ready_at),
             StepKind::ChangeTool(_) => self.elapsed += limits.tool_change.time.value(),
             StepKind::Engage(_)
+            | StepKind::WayOut(_)
             | StepKind::Release { .. }
             | StepKind::Superpose(_)
             | StepKind::Thread(_)

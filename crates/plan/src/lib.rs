@@ -56,6 +56,7 @@ mod stroke;
 mod tap_check;
 mod thread;
 mod travel;
+mod way_out;
 
 pub use crate::motion::coordinate;
 pub use crate::path::{Motion, Path};
@@ -74,3 +75,4 @@ pub use step::{
 };
 pub use stroke::{Stroke, StrokeRequest, tapping_torque};
 pub use thread::{Corner, OnThread, THREADING_AXES, ThreadStretch};
+pub use way_out::{Pass, TiedCut, WayOut};

@@ -27,6 +27,7 @@ use crate::outbox::Outbox;
 use crate::path::Path;
 use crate::step::{Step, StepKind};
 use crate::stroke::{Stroke, StrokeRequest};
+use crate::way_out::CameFrom;
 use alloc::{format, vec::Vec};
 use canon::{Axis, Op, OpKind, PathMode, Position, ToolLibrary};
 use diag::{Diagnostic, Span};
@@ -89,6 +90,8 @@ pub struct Planner {
     reversed_along: Option<Axis>,
     /// Stretches of a turned thread that has not ended.
     chain: Vec<thread::Waiting>,
+    /// How the axes came to where they are.
+    came_from: CameFrom,
     coupled: coupled::Coupled,
     cams: Cams,
     cam: Option<cam::Cam>,
@@ -193,6 +196,7 @@ impl Planner {
             warned_still: false,
             reversed_along: None,
             chain: Vec::new(),
+            came_from: CameFrom::default(),
             coupled: coupled::Coupled::default(),
             cams: Cams::default(),
             cam: None,
@@ -213,6 +217,7 @@ impl Planner {
         if !matches!(op.kind, OpKind::Threading(_)) {
             self.end_thread(job.emit);
         }
+        let before = self.programmed.linear;
         match &op.kind {
             OpKind::Rapid { to } => self.rapid(&mut job, to),
             OpKind::Line { to, feed } => {
@@ -265,6 +270,9 @@ impl Planner {
             }
             OpKind::End => self.end(&mut job),
             OpKind::SelectTool { .. } | OpKind::Overrides { .. } | OpKind::Message(_) => {}
+        }
+        if !matches!(op.kind, OpKind::Threading(_)) {
+            self.came_from.moved(&before, &self.programmed.linear);
         }
     }
 

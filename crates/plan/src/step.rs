@@ -1,5 +1,5 @@
 //! What the kernel executes, one after the other.
-use crate::{GearStep, Path, Profile, Superpose, ThreadStretch};
+use crate::{GearStep, Path, Profile, Superpose, ThreadStretch, WayOut};
 use canon::{Axis, InputWait, Output, Position};
 use path::{Phase, Piece};
 use units::{Angle, Lead, Length, Spin, Time};
@@ -36,6 +36,9 @@ pub enum StepKind {
     Tap(TapPlan),
     /// Turn a stretch of a thread.
     Thread(ThreadStretch),
+    /// From here on the tool may be in the work, tied to a spindle, and this is the way out: wait until it is written down
+    /// where somebody does. `None`: it is out.
+    WayOut(Option<WayOut>),
     /// Gear a spindle to another one, and wait until it is locked.
     Engage(GearStep),
     /// Let go of a geared spindle: it comes to rest under its own control.

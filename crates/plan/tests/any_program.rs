@@ -152,7 +152,8 @@ fn assert_hangs_together(steps: &[Step]) {
             StepKind::Engage(gear) => {
                 assert!(gear.follower != gear.master && awaited && spin != Spin::ZERO);
             }
-            StepKind::Release { .. }
+            StepKind::WayOut(_)
+            | StepKind::Release { .. }
             | StepKind::Superpose(_)
             | StepKind::AwaitFades
             | StepKind::Revolve { .. }

@@ -60,6 +60,7 @@ fn words(steps: &[Step]) -> String {
         StepKind::AwaitFades => "faded".into(),
         StepKind::Revolve { turns, .. } => format!("revolve({})", turns.value()),
         StepKind::Consult(what) => format!("consult({what})"),
+        StepKind::WayOut(_) => "way-out".into(),
     };
     let ends = steps.chunk_by(goes_on).filter_map(<[Step]>::last);
     ends.map(word).collect::<Vec<_>>().join(" ")

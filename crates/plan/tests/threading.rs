@@ -2,7 +2,7 @@
 mod common;
 use canon::{Axis, OpKind, Position, Threading};
 use common::{findings, mm, rapid, steps, turn};
-use plan::{StepKind, ThreadStretch};
+use plan::{StepKind, ThreadStretch, TiedCut, WayOut};
 use units::{Angle, Lead};
 
 /// The axes of the machine in `common`: 10 m/s² across, 15 m/s² along Z, jerk 500 m/s³.
@@ -90,4 +90,74 @@ fn a_thread_with_a_spindle_at_rest_is_refused_and_a_short_run_in_is_said() {
     assert!(near.starts_with("M0426 Warning"), "{near}");
     let far = findings([turn(3000.0), rapid(0.0, 0.0, -5.0), thread(0.0, -45.0, 2.0)]);
     assert_eq!(far, "");
+}
+
+fn ways_out(kinds: impl IntoIterator<Item = OpKind>) -> Vec<WayOut> {
+    let way_out = |step: plan::Step| match step.kind {
+        StepKind::WayOut(way_out) => way_out,
+        _ => None,
+    };
+    steps(kinds).into_iter().filter_map(way_out).collect()
+}
+
+#[test]
+fn a_pass_is_left_to_where_the_tool_stood_before_it_was_fed_in() {
+    for (rpm, lead) in [(1000.0, -2.0), (-1000.0, 2.0)] {
+        let found = ways_out([
+            turn(rpm),
+            rapid(30.0, 0.0, -1.0),
+            rapid(11.0, 0.0, -5.0),
+            rapid(9.5, 0.0, -5.0),
+            thread(9.5, -25.0, 2.0),
+        ]);
+        let [way_out] = &found[..] else { panic!("{found:?}") };
+        assert_eq!((way_out.cut, way_out.infeed), (TiedCut::Thread, Axis::X));
+        assert_eq!((way_out.clear, way_out.outward), (mm(11.0), 1.0));
+        let pass = way_out.pass.expect("a thread is cut in passes");
+        assert_eq!(
+            (pass.axis, pass.start, pass.end, pass.from),
+            (Axis::Z, mm(-5.0), mm(-25.0), mm(-5.0))
+        );
+        assert_eq!(pass.lead, Lead::mm_per_rev(lead));
+        assert!(way_out.inside(mm(9.5)) == mm(1.5) && way_out.inside(mm(12.0)) == mm(-1.0));
+    }
+}
+
+#[test]
+fn a_thread_in_a_bore_is_left_towards_its_middle() {
+    let found = ways_out([
+        turn(1000.0),
+        rapid(8.0, 0.0, -5.0),
+        rapid(9.5, 0.0, -5.0),
+        thread(9.5, -25.0, 2.0),
+    ]);
+    assert_eq!((found[0].clear, found[0].outward), (mm(8.0), -1.0));
+}
+
+#[test]
+fn a_chain_that_goes_out_farther_than_it_came_in_is_left_as_far() {
+    let found = ways_out([
+        turn(1000.0),
+        rapid(11.0, 0.0, -5.0),
+        rapid(9.5, 0.0, -5.0),
+        thread(9.5, -25.0, 2.0),
+        thread(12.0, -27.5, 12.5_f64.sqrt()),
+    ]);
+    assert_eq!(found[0].clear, mm(12.0));
+}
+
+#[test]
+fn a_chain_that_feeds_in_by_itself_is_left_to_where_it_began() {
+    let found = ways_out([
+        turn(1000.0),
+        rapid(30.0, 0.0, -1.0),
+        rapid(11.0, 0.0, -5.0),
+        thread(9.0, -7.0, 8.0_f64.sqrt()),
+        thread(9.0, -25.0, 2.0),
+    ]);
+    assert_eq!(found[0].clear, mm(11.0));
+    let pass = found[0].pass.expect("a thread is cut in passes");
+    // the straight part begins a turn later, and the whole chain where it was
+    assert_eq!((pass.start, pass.from), (mm(-7.0), mm(-5.0)));
+    assert!((pass.angle - Angle::rev(1.0)).abs().value() < 1e-12, "{pass:?}");
 }

@@ -40,8 +40,24 @@ pub struct Certificate {
     /// What may never happen, and whether it did.
     #[serde(default)]
     pub invariants: Invariants,
+    /// Tools that were taken off work to which they were tied, but not screwed: threads, cams, polygons, gears.
+    #[serde(default)]
+    pub withdrawals: Vec<Withdrawal>,
     /// What was cut, in that order.
     pub features: Vec<Feature>,
+}
+
+/// A tool that was taken off the work after a stop.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Withdrawal {
+    /// Program line at work.
+    pub line: u32,
+    /// What was being cut.
+    pub cut: String,
+    /// The axis that took it off first.
+    pub axis: String,
+    /// How far, signed.
+    pub by_mm: Measured,
 }
 
 /// What was looked for in every servo period.

@@ -99,6 +99,7 @@ fn certificate() -> Certificate {
             time_s: Measured::number(3.0),
         }],
         invariants: store::certificate::Invariants::default(),
+        withdrawals: Vec::new(),
         features: vec![
             Feature::Hole(hole),
             Feature::Thread(Box::new(thread())),
@@ -126,7 +127,9 @@ fn every_promised_key_is_there_and_no_other() {
     let value: Value = serde_json::from_str(&certificate().to_json()).unwrap();
     assert_eq!(
         keys(&value),
-        sorted("leadscrew program machine seed cycle_time_s ended alarms features invariants")
+        sorted(
+            "leadscrew program machine seed cycle_time_s ended alarms features invariants withdrawals"
+        )
     );
     assert_eq!(keys(&value["alarms"][0]), sorted("number text line time_s"));
     let features = [

@@ -13,6 +13,9 @@
 //!   infeed error  largest |across − ordered| in the pass that goes deepest
 //! ```
 //!
+//! A tool that is taken off the work, as for a hold, is judged until it is clear: until it stands where it stood before it was fed
+//! in. The pass then counts once it has been cut to its end.
+//!
 //! The material begins at the surface that the block names. Where the chain ends the axes come to rest, which takes a part
 //! of a revolution: the last revolution before it is the run-out and is not judged.
 use crate::Config;
@@ -21,6 +24,8 @@ use bus::Sample;
 use canon::{Axis, Hand, OpKind, Position, Threading};
 use units::{Lead, Length, Spin, Time};
 
+/// Share of the way back to where a tool stood before it was fed in, from which on it is clear of the work.
+const CLEAR: f64 = 0.99;
 /// Turns before the chain's end that are run-out.
 const RUN_OUT: f64 = 1.0;
 
@@ -78,6 +83,8 @@ struct Stretch {
     op: u32,
     from: Position,
     order: Threading,
+    /// Where the tool stood before it was fed in.
+    stood: Position,
     /// Turns since the start angle where it begins, and how many it takes.
     before: f64,
     turns: f64,
@@ -101,6 +108,8 @@ impl Stretch {
 pub(crate) struct Ordered {
     passes: Vec<Vec<Stretch>>,
     chained: bool,
+    /// Where the last rapid began.
+    rapid_from: Option<Position>,
 }
 
 impl Ordered {
@@ -108,6 +117,9 @@ impl Ordered {
     pub(crate) fn see(&mut self, op: u32, from: &Position, kind: &OpKind) -> bool {
         let OpKind::Threading(order) = kind else {
             self.chained = false;
+            if let OpKind::Rapid { .. } = kind {
+                self.rapid_from = Some(*from);
+            }
             return matches!(
                 kind,
                 OpKind::Rapid { .. }
@@ -122,11 +134,17 @@ impl Ordered {
         };
         let [dx, dy, dz] = [0, 1, 2].map(|i| (order.to.linear[i] - from.linear[i]).value());
         let turns = dx.hypot(dy).hypot(dz) / order.lead.value();
-        let stretch = Stretch { op, from: *from, order: *order, before: 0.0, turns };
+        let stood = self.rapid_from.unwrap_or(*from);
+        let stretch = Stretch { op, from: *from, order: *order, stood, before: 0.0, turns };
         match self.passes.last_mut() {
             Some(pass) if self.chained => {
                 let before = pass.last().map_or(0.0, |last| last.before + last.turns);
-                pass.push(Stretch { before, ..stretch });
+                // a chain that feeds the tool in by itself begins where it is clear
+                let first = pass.first().map_or(*from, |first| first.from);
+                let across = |i: usize| i != order.axis.index();
+                let feeds_in = (0..3).any(|i| across(i) && first.linear[i] != from.linear[i]);
+                let stood = if feeds_in { first } else { stood };
+                pass.push(Stretch { before, stood, ..stretch });
             }
             _ => {
                 self.passes.push(vec![stretch]);
@@ -209,9 +227,17 @@ impl TurnedTrack {
         let across = |i: usize| {
             let share = along / stretch.turns;
             let (from, to) = (stretch.from.linear[i].value(), order.to.linear[i].value());
-            (sample.axis(i).value() - (from + share * (to - from))).abs()
+            sample.axis(i).value() - (from + share * (to - from))
         };
-        let off = (0..3).filter(|i| *i != axis).map(across).fold(0.0, f64::max);
+        let is_clear = |i: usize| {
+            let way = (stretch.stood.linear[i] - stretch.from.linear[i]).value();
+            way != 0.0 && across(i) / way > CLEAR
+        };
+        if (0..3).any(|i| i != axis && is_clear(i)) {
+            pass.infeed = 0.0;
+            return;
+        }
+        let off = (0..3).filter(|i| *i != axis).map(|i| across(i).abs()).fold(0.0, f64::max);
         if along < stretch.turns - RUN_OUT {
             pass.infeed = pass.infeed.max(off); // a taper out of the thread begins with a rounded corner
         }

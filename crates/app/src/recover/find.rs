@@ -3,7 +3,6 @@ use super::{LONGEST, OUT};
 use crate::args::RecoveryWay;
 use crate::plant::Plant;
 use crate::wiring;
-use bus::Machine;
 use kernel::{EventKind, Kernel, RecoveryFigures, RecoveryPlan};
 use std::f64::consts::TAU;
 use store::machine::{MachineFile, Spindle};
@@ -123,28 +122,12 @@ pub(super) fn drive_out(
         way: findings.way,
         spin: OUT,
         feed: (axis.gentle.speed / 10.0, axis.gentle.acceleration),
-        retreat: None,
     });
-    let mut feedback = plant.feedback();
-    let until = feedback.time + LONGEST;
     let mut figures = None;
-    while feedback.time < until {
-        let command = kernel.tick(&feedback);
-        while let Some(event) = kernel.next_event() {
-            if let EventKind::RecoveryEnded(ended) = event.kind {
-                figures = Some(ended);
-            }
+    super::obey(&mut kernel, plant, &mut |event| {
+        if let EventKind::RecoveryEnded(ended) = event {
+            figures = Some(*ended);
         }
-        if let Some(why) = plant.lost() {
-            return Err(format!("the iron is gone: {why}"));
-        }
-        if let Some(fault) = kernel.faults().first() {
-            return Err(fault.to_string());
-        }
-        if kernel.is_over() {
-            break;
-        }
-        feedback = plant.exchange(&command);
-    }
+    })?;
     figures.ok_or_else(|| format!("it is not out after {LONGEST}"))
 }

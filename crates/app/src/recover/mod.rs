@@ -7,26 +7,35 @@
 //!                         └► refused, with the reason                └► plan and picture
 //! ```
 //!
+//! A tool that is not screwed to the work (a pass over a thread, a cam, a polygon, a gear) needs no angle: [`withdraw`].
+//!
 //! Nothing is written before the tap is out: whoever is killed here can be begun again, as often as it takes.
 mod find;
 mod say;
+mod withdraw;
 
 use crate::args::{Format, RecoverArgs};
 use crate::plant::{Plant, identity};
 use crate::refused::Refused;
 use crate::{iron, keeper};
-use bus::Feedback;
+use bus::{Feedback, Machine};
 use find::{Findings, drive_out, find};
-use kernel::RecoveryFigures;
+use kernel::{EventKind, Kernel, RecoveryFigures};
 use store::sync_record::slots::{Slots, StateFolder};
-use store::sync_record::{Stage, Stroke, SyncRecord};
+use store::sync_record::{Cut, Stage, Stroke, SyncRecord};
 use units::{Angle, Length, Spin, SpinAccel, Stiffness, Time};
 use wire::{Hello, Remote};
+use withdraw::Withdrawal;
 
+/// The machine, if none is named.
+pub(crate) const USUAL: &str = "tapping-center";
 /// The spindle turns no faster on the way out.
 pub(crate) const OUT: (Spin, SpinAccel) = (Spin::rpm(300.0), SpinAccel::rev_per_s2(40.0));
 /// A recovery that takes longer has gone wrong.
 pub(crate) const LONGEST: Time = Time::s(300.0);
+
+/// What is said of a rehearsal.
+const REHEARSED: &str = "rehearsed: nothing has moved";
 
 /// How it ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,6 +55,8 @@ struct Answer {
     record: Option<SyncRecord>,
     findings: Option<Findings>,
     figures: Option<RecoveryFigures>,
+    /// Of a tool that is not screwed to the work: the way, and how long it took.
+    withdrawal: Option<(Withdrawal, Option<Time>)>,
     /// What else should be known.
     note: Option<String>,
 }
@@ -53,7 +64,8 @@ struct Answer {
 impl Answer {
     fn plain(outcome: Outcome, reason: impl Into<String>) -> Self {
         let reason = reason.into();
-        Self { outcome, reason, record: None, findings: None, figures: None, note: None }
+        let (record, findings, figures) = (None, None, None);
+        Self { outcome, reason, record, findings, figures, withdrawal: None, note: None }
     }
 }
 
@@ -70,7 +82,7 @@ pub(crate) fn command(args: &RecoverArgs) -> Result<bool, Refused> {
 
 fn answer(args: &RecoverArgs) -> Result<Answer, Refused> {
     let stream = iron::connect(&args.iron)?;
-    let name = args.machine.clone().unwrap_or_else(|| "tapping-center".into());
+    let name = args.machine.clone().unwrap_or_else(|| USUAL.into());
     let file = crate::machine::load(&name)?;
     let hello = Hello {
         name: "leadscrew recover".into(),
@@ -95,14 +107,15 @@ fn answer(args: &RecoverArgs) -> Result<Answer, Refused> {
     let Some(record) = kept.record.filter(|record| record.stage.is_in_work()) else {
         return Ok(Answer::plain(
             Outcome::Nothing,
-            "the sync record says that no tap is in the work",
+            "the sync record says that no tool is in the work",
         ));
     };
     if !keeper::in_work(&record, &feedback) {
         if !args.dry_run {
             forget(&mut slots, &record)?;
         }
-        let reason = "the sync record tells of a tap, and the encoders that it is out of the work";
+        let reason =
+            "the sync record tells of a tool in the work, and the encoders that it is out of it";
         return Ok(Answer {
             record: Some(record),
             note,
@@ -116,6 +129,27 @@ fn answer(args: &RecoverArgs) -> Result<Answer, Refused> {
             note,
             ..Answer::plain(Outcome::Refused, reason)
         });
+    }
+    if let Some(retreat) = record.stroke.retreat {
+        let way = withdraw::find(&record.stroke, retreat, &feedback);
+        let mut answer = Answer {
+            note,
+            ..Answer::plain(Outcome::Recovered, "off the work along its infeed axis")
+        };
+        let mut taken = None;
+        if args.dry_run {
+            REHEARSED.clone_into(&mut answer.reason);
+        } else {
+            match withdraw::drive(&mut Plant::Outside(Box::new(remote)), &file, &way) {
+                Ok(duration) => {
+                    forget(&mut slots, &record)?;
+                    taken = Some(duration);
+                }
+                Err(reason) => (answer.outcome, answer.reason) = (Outcome::Refused, reason),
+            }
+        }
+        (answer.record, answer.withdrawal) = (Some(record), Some((way, taken)));
+        return Ok(answer);
     }
     let findings = match find(&record.stroke, record.stage, &welcome, &file, args.way) {
         Ok(findings) => findings,
@@ -133,7 +167,7 @@ fn answer(args: &RecoverArgs) -> Result<Answer, Refused> {
     let mut answer =
         Answer { note, ..Answer::plain(Outcome::Recovered, "out of the work along its thread") };
     if args.dry_run {
-        "rehearsed: nothing has moved".clone_into(&mut answer.reason);
+        REHEARSED.clone_into(&mut answer.reason);
     } else {
         let mut plant = Plant::Outside(Box::new(remote));
         match drive_out(&mut plant, &file, &record.stroke, &findings) {
@@ -148,12 +182,39 @@ fn answer(args: &RecoverArgs) -> Result<Answer, Refused> {
     Ok(answer)
 }
 
-/// The tap is out: say so on the disk.
+/// Let a kernel take a tool out, and hear what it says.
+fn obey(
+    kernel: &mut Kernel,
+    plant: &mut Plant,
+    hear: &mut dyn FnMut(&EventKind),
+) -> Result<(), String> {
+    let mut feedback = plant.feedback();
+    let until = feedback.time + LONGEST;
+    while feedback.time < until {
+        let command = kernel.tick(&feedback);
+        while let Some(event) = kernel.next_event() {
+            hear(&event.kind);
+        }
+        if let Some(why) = plant.lost() {
+            return Err(format!("the iron is gone: {why}"));
+        }
+        if let Some(fault) = kernel.faults().first() {
+            return Err(fault.to_string());
+        }
+        if kernel.is_over() {
+            break;
+        }
+        feedback = plant.exchange(&command);
+    }
+    Ok(())
+}
+
+/// The tool is out: say so on the disk.
 fn forget(slots: &mut Slots<StateFolder>, record: &SyncRecord) -> Result<(), Refused> {
     let out = SyncRecord { stage: Stage::Recovered, ..record.clone() };
     slots.write(&out).map_err(|e| {
         Refused::because(format!(
-            "the tap is out, but the sync record cannot be written: {e}; free the disk and recover again"
+            "the tool is out, but the sync record cannot be written: {e}; free the disk and recover again"
         ))
     })
 }
@@ -171,6 +232,8 @@ fn nobody(identity: &store::sync_record::Identity) -> SyncRecord {
         },
         stage: Stage::Out,
         stroke: Stroke {
+            cut: Cut::Tap,
+            retreat: None,
             axis: 2,
             spindle: 0,
             tool: 0,

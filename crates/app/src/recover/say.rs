@@ -1,8 +1,9 @@
 //! What is said of a recovery: to people, to programs, and as a picture.
 use super::find::Findings;
+use super::withdraw::Withdrawal;
 use super::{Answer, Outcome};
 use crate::args::RecoverArgs;
-use store::sync_record::SyncRecord;
+use store::sync_record::{Cut, SyncRecord};
 use sync::recovery::{Mover, Point, Way};
 
 pub(super) fn picture(record: &SyncRecord, findings: &Findings) -> String {
@@ -34,22 +35,40 @@ fn first(findings: &Findings) -> &'static str {
     }
 }
 
+/// How a tool that is not screwed to the work leaves it.
+fn off_the_work(way: &Withdrawal) -> String {
+    let by = way.infeed.to - way.infeed.from;
+    let letter = way.infeed.axis.letter();
+    let along = way.along.map_or_else(String::new, |leg| {
+        format!(", then {} back to where the pass began", leg.axis.letter())
+    });
+    format!("{letter} by {:+.3} mm, off the work{along}", by.value())
+}
+
 /// The command that goes on with the rest.
 fn go_on(args: &RecoverArgs, record: &SyncRecord) -> String {
     let state =
         args.state.as_ref().map_or_else(String::new, |s| format!(" --state {}", s.display()));
+    let machine = crate::keeper::option_machine(record);
+    let from = match record.stroke.cut {
+        Cut::Tap => format!("\"hole {}\"", record.place.hole),
+        _ => record.place.line.to_string(),
+    };
     format!(
-        "leadscrew run {} --iron {}{state} --from \"hole {}\"",
+        "leadscrew run {}{machine} --iron {}{state} --from {from}",
         record.place.program,
         args.iron.display(),
-        record.place.hole
     )
 }
 
 pub(super) fn json(args: &RecoverArgs, answer: &Answer) -> String {
     let record = answer.record.as_ref();
     let findings = answer.findings.as_ref();
-    let error = findings.map(|f| f.stored.error(f.at).in_um());
+    let way = answer.withdrawal.as_ref().map(|(way, _)| way);
+    let error = findings
+        .map(|f| f.stored.error(f.at))
+        .or_else(|| way.and_then(|way| way.error))
+        .map(units::Length::in_um);
     let value = serde_json::json!({
         "outcome": match answer.outcome {
             Outcome::Recovered => "recovered",
@@ -60,8 +79,10 @@ pub(super) fn json(args: &RecoverArgs, answer: &Answer) -> String {
         "phase_error_before_um": error,
         "phase_error_bound_um": findings.map(|f| f.bound.in_um()),
         "helix_error_max_um": answer.figures.as_ref().map(|f| f.helix_error_max.in_um()),
-        "moved_first": findings.map(first),
-        "hand": record.map(|r| if r.stroke.is_right_hand() { "right" } else { "left" }),
+        "cut": record.map(|r| r.stroke.cut.name()),
+        "moved_first": findings.map(|f| first(f).to_owned()).or_else(|| way.map(off_the_work)),
+        "retreat_mm": way.map(|way| (way.infeed.to - way.infeed.from).value()),
+        "hand": record.filter(|r| r.stroke.lead != units::Lead::ZERO).map(|r| if r.stroke.is_right_hand() { "right" } else { "left" }),
         "program": record.map(|r| r.place.program.as_str()),
         "line": record.map(|r| r.place.line),
         "hole": record.map(|r| r.place.hole),
@@ -82,16 +103,7 @@ pub(super) fn text(args: &RecoverArgs, answer: &Answer) -> String {
     text += &answer.reason;
     text.push('\n');
     if let Some(record) = &answer.record {
-        let (stroke, place) = (&record.stroke, &record.place);
-        let hand = if stroke.is_right_hand() { "right" } else { "left" };
-        text += &format!(
-            "  tap            tool {}, {hand} hand, lead {} mm; hole {} of {}, line {}\n",
-            stroke.tool,
-            stroke.lead.value().abs(),
-            place.hole,
-            place.program,
-            place.line
-        );
+        text += &tool(record);
     }
     if let Some(findings) = &answer.findings {
         let error = findings.stored.error(findings.at);
@@ -103,6 +115,17 @@ pub(super) fn text(args: &RecoverArgs, answer: &Answer) -> String {
             findings.why_bound
         );
         text += &format!("  moves first    {}\n", first(findings));
+    }
+    if let Some((way, taken)) = &answer.withdrawal {
+        if let Some(error) = way.error {
+            let at = error.in_um();
+            text +=
+                &format!("  before         {at:.1} µm off its thread, taken to the nearest turn\n");
+        }
+        text += &format!("  moves first    {}\n", off_the_work(way));
+        if let Some(taken) = taken {
+            text += &format!("  on the way out {:.2} s\n", taken.value());
+        }
     }
     if let Some(figures) = &answer.figures {
         text += &format!(
@@ -122,9 +145,27 @@ pub(super) fn text(args: &RecoverArgs, answer: &Answer) -> String {
             text += &format!("  go on with     {}\n", go_on(args, record));
         }
         (_, Outcome::Refused) => {
-            text += "  help           take the tap out by hand; then: leadscrew recover … --discard-record\n";
+            text += "  help           take the tool out by hand; then: leadscrew recover … --discard-record\n";
         }
         _ => {}
     }
     text
+}
+
+/// Which tool is in the work, and where.
+fn tool(record: &SyncRecord) -> String {
+    let (stroke, place) = (&record.stroke, &record.place);
+    let hand = if stroke.is_right_hand() { "right" } else { "left" };
+    let lead = stroke.lead.value().abs();
+    let (number, program, line) = (stroke.tool, &place.program, place.line);
+    match stroke.cut {
+        Cut::Tap => format!(
+            "  tap            tool {number}, {hand} hand, lead {lead} mm; hole {} of {program}, line {line}\n",
+            place.hole,
+        ),
+        Cut::Thread => format!(
+            "  threading pass tool {number}, {hand} hand, lead {lead} mm; {program}, line {line}\n"
+        ),
+        cut => format!("  {:<14} tool {number}; {program}, line {line}\n", cut.name()),
+    }
 }

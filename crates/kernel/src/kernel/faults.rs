@@ -14,7 +14,6 @@ use crate::drives::Finding;
 use crate::event::EventKind;
 use crate::execute::Activity;
 use crate::fault::{Fault, FaultKind, Reaction};
-use crate::retreating::Retreating;
 use crate::spindle::SpindleLoop;
 use bus::Feedback;
 use canon::Axis;
@@ -76,12 +75,7 @@ impl Kernel {
             Reaction::Disable if self.lame.is_none() => Mode::Disabled,
             Reaction::Disable | Reaction::Halt => {
                 self.operator.alarm();
-                self.retreating = match &self.config.phase_loss {
-                    Some(order) if kind == FaultKind::CouplingLost => {
-                        Retreating::begin(order, &self.drives)
-                    }
-                    _ => None,
-                };
+                self.retreating = self.retreating.or_else(|| self.retreat_for(kind, subject));
                 let coupled =
                     matches!(&self.activity, Activity::Tapping(run) if run.coupling().is_some());
                 // a tap's master is slowed down by the tap itself
@@ -141,19 +135,6 @@ impl Kernel {
         if f64::from(stood) * self.config.period.value() > STANDS_S {
             self.mode = Mode::Disabled;
         }
-    }
-
-    /// Go on leaving the work; the axis that does, until the spindles may stop.
-    pub(super) fn retreat(&mut self) -> Option<usize> {
-        let retreating = self.retreating.as_mut()?;
-        let axis = retreating.axis();
-        if retreating.advance(self.config.period.value(), &mut self.drives) {
-            self.retreating = None;
-            for spindle in self.drives.spindles.iter_mut().flatten() {
-                spindle.brake();
-            }
-        }
-        Some(axis)
     }
 
     /// Following errors worth an event.

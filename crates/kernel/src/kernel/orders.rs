@@ -70,7 +70,7 @@ impl Kernel {
     /// The operator's hold, once everything stands: it is said, and an abort forgets the rest. A tap that
     /// stands in its thread stays there until it is told to go on, or out.
     pub(super) fn hold(&mut self) {
-        if !self.operator.wants_rest() || self.aborted || !self.activity.is_held(&self.operator) {
+        if !self.operator.wants_rest() || self.aborted || !self.is_held() {
             return;
         }
         let in_thread = self.is_in_thread();
@@ -79,10 +79,14 @@ impl Kernel {
             self.note(EventKind::Operator(Notice::Out));
         }
         if self.operator.wants_abort() && !in_thread {
+            if self.leaves_work() {
+                return;
+            }
             if matches!(self.activity, Activity::Tapping(_)) {
                 self.drives.scribe.out();
             }
             self.queue.clear();
+            (self.chained, self.drives.chain) = (0, None);
             (self.activity, self.begun, self.aborted) = (Activity::Idle, false, true);
             self.drives.flowing = false;
             self.drives.spindles.iter_mut().flatten().for_each(SpindleLoop::stop);
@@ -91,6 +95,11 @@ impl Kernel {
         } else if let Some(notice) = self.operator.standing(in_thread) {
             self.note(EventKind::Operator(notice));
         }
+    }
+
+    /// What is done has come to rest for the operator's hold.
+    pub(super) fn is_held(&self) -> bool {
+        self.activity.is_held(&self.operator, self.drives.chain.as_ref())
     }
 
     /// A tap stands in its thread.

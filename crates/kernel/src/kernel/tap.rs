@@ -5,7 +5,7 @@ use crate::doubt::Doubts;
 use crate::execute::Activity;
 use crate::operator::Operator;
 use crate::recovering::{Recovering, RecoveryPlan};
-use crate::scribe::TapRecord;
+use crate::scribe::WorkRecord;
 use crate::spindle::SpindleLoop;
 use bus::State;
 use plan::{Step, StepKind};
@@ -15,13 +15,20 @@ impl Kernel {
     /// Take a tool out of the work, and do nothing else: what waited is forgotten, what stopped the machine before
     /// has had its answer. The drives come up, each where it stands.
     pub fn recover(&mut self, plan: RecoveryPlan) {
+        self.begin_anew();
+        self.recovering = Some(Recovering::new(plan, self.now));
+    }
+
+    /// Forget what there was.
+    pub(super) fn begin_anew(&mut self) {
         self.queue.clear();
         self.faults.clear();
         (self.activity, self.begun, self.mode) = (Activity::Idle, false, Mode::New);
         (self.operator, self.aborted, self.reported) = (Operator::new(), false, None);
         (self.doubts, self.lame) = (Doubts::default(), None);
+        (self.chained, self.way_out, self.retreating) = (0, None, None);
+        (self.recovering, self.withdrawing) = (None, None);
         self.report.state = State::Idle;
-        self.recovering = Some(Recovering::new(plan, self.now));
     }
 
     /// After a recovery: execute steps again, from where everything stands.
@@ -63,6 +70,9 @@ impl Kernel {
 
     /// What the drives shall keep together, should they be left alone: the coupling's tangent.
     pub(super) fn kept_together(&self) -> Option<bus::Coupled> {
+        if let Some(on_thread) = self.on_thread() {
+            return Some(on_thread);
+        }
         let (axis, spindle, coupling) = match (&self.mode, &self.recovering) {
             (Mode::Running | Mode::Halted, None) => self.coupled()?,
             (Mode::Running, Some(recovering)) => recovering.coupled()?,
@@ -95,7 +105,7 @@ impl Kernel {
         let Some(held) = spindle.and_then(|s| s.held().or_else(|| stands(s))) else { return };
         let turns = plan.start_angle.map_or(0.0, |angle| (angle - held).value());
         let theta0 = held + units::Angle::rev(turns - libm::round(turns));
-        let record = TapRecord::of(plan, *op, *line, self.drives.tool, theta0);
+        let record = WorkRecord::of(plan, *op, *line, self.drives.tool, theta0);
         self.drives.scribe.ask(&record);
     }
 

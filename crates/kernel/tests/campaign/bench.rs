@@ -214,7 +214,6 @@ impl Bench {
             way,
             spin: (Spin::rpm(600.0), SpinAccel::rev_per_s2(50.0)),
             feed: (Speed::mm_per_s(2.0), Accel::mm_per_s2(100.0)),
-            retreat: None,
         });
         self.until(30.0, |b| b.kernel.is_over());
         let end = if self.broken {

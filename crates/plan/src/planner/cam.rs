@@ -14,6 +14,7 @@ use crate::findings::number;
 use crate::path::Path;
 use crate::step::{Move, StepKind};
 use crate::tap_check::whole_rpm;
+use crate::way_out::{TiedCut, WayOut};
 use alloc::{format, vec::Vec};
 use canon::{Axis, CamOrder};
 use diag::Diagnostic;
@@ -113,6 +114,7 @@ impl Planner {
         }
         if let Some(x) = cam.retreat.take() {
             self.wheel_to(job, x);
+            self.hand_on(job, StepKind::WayOut(None));
         }
         let order = Superpose {
             on: Superposed::Axis(Axis::X),
@@ -248,7 +250,11 @@ impl Planner {
             return;
         };
         let finished = cam.centre + top;
-        cam.retreat.get_or_insert(self.position().linear[0]);
+        if cam.retreat.is_none() {
+            let clear = self.position().linear[0];
+            cam.retreat = Some(clear);
+            self.hand_on(job, StepKind::WayOut(Some(WayOut::along_x(TiedCut::Cam, WORK, clear))));
+        }
         self.cam = Some(cam);
         self.wheel_to(job, finished + stock);
         let mut left = stock;

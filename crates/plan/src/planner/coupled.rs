@@ -12,6 +12,7 @@ use crate::coupled::{GearStep, OSCILLATION_SEEN, Superpose, Superposed, Table, T
 use crate::findings::number;
 use crate::step::StepKind;
 use crate::tap_check::whole_rpm;
+use crate::way_out::{TiedCut, WayOut};
 use alloc::{format, vec::Vec};
 use canon::{Axis, Hob, Oscillating, Polygon};
 use diag::Diagnostic;
@@ -63,10 +64,18 @@ impl Planner {
         if !self.coupled.superposed.is_empty() {
             self.hand_on(job, StepKind::AwaitFades);
         }
+        self.enter_geared(job, TiedCut::Polygon, polygon.work);
+    }
+
+    /// From here on the tool may be in the work. It was geared up where it stands, so there it is clear.
+    fn enter_geared(&mut self, job: &mut Job, cut: TiedCut, master: u8) {
+        let way_out = WayOut::along_x(cut, master, self.position().linear[0]);
+        self.hand_on(job, StepKind::WayOut(Some(way_out)));
     }
 
     pub(super) fn polygon_end(&mut self, job: &mut Job) {
         let Some(gear) = self.coupled.gear.take() else { return };
+        self.hand_on(job, StepKind::WayOut(None));
         let superposed = core::mem::take(&mut self.coupled.superposed);
         for on in superposed.iter().copied() {
             let order = Superpose { on, master: gear.master, table: None, turns: 1, over: FADE };
@@ -114,6 +123,7 @@ impl Planner {
         };
         self.hand_on(job, StepKind::Engage(gear));
         self.coupled.gear = Some(gear);
+        self.enter_geared(job, TiedCut::Gear, hob.hob);
     }
 
     fn hob_is_refused(&mut self, job: &Job, hob: &Hob) -> bool {

@@ -14,10 +14,11 @@ use crate::path::Path;
 use crate::step::{Step, StepKind};
 use crate::tap_check::whole_rpm;
 use crate::thread::{Corner, THREADING_AXES, ThreadStretch, Vector};
+use crate::way_out::{Pass, TiedCut, WayOut};
 use alloc::{format, vec::Vec};
 use canon::{Axis, Position, Threading};
 use diag::{Diagnostic, Span};
-use units::{Length, Spin};
+use units::{Angle, Lead, Length, Spin};
 
 /// The spindle that threads follow.
 const SPINDLE: usize = 0;
@@ -105,6 +106,11 @@ impl Planner {
         self.judge_run_in(first, &straight[0], corners[0].1, spin);
         let last = chain.len() - 1;
         self.outbox.release(&[], &self.limits, emit);
+        if let Some(way_out) = self.way_out(first, &straight) {
+            let (op, line) = (first.index, first.span.line);
+            let step = Step { op, line, kind: StepKind::WayOut(Some(way_out)) };
+            self.outbox.hand_on(step, &self.limits, emit);
+        }
         for (k, (waiting, at)) in chain.iter().zip(&straight).enumerate() {
             let beyond = |k: Option<usize>| {
                 k.and_then(|k| straight.get(k)).map_or([0.0; THREADING_AXES], |s| s.slope)
@@ -124,6 +130,38 @@ impl Planner {
             let step = Step { op, line, kind: StepKind::Thread(stretch) };
             self.outbox.hand_on(step, &self.limits, emit);
         }
+    }
+
+    /// How the tool comes off the work in this chain; `None` where nothing says from where it was fed in.
+    fn way_out(&self, first: &Waiting, straight: &[Straight]) -> Option<WayOut> {
+        let along = first.order.axis;
+        let infeed = if along == Axis::X { Axis::Z } else { Axis::X };
+        let (a, i) = (along.index(), infeed.index());
+        let longest = |s: &&Straight| s.to_turn - s.from_turn;
+        let main = straight.iter().max_by(|p, q| longest(p).total_cmp(&longest(q)))?;
+        // a chain that feeds the tool in by itself begins where it is clear
+        let began = straight.first()?.from[i];
+        let stood = if began == main.from[i] { self.came_from.of(i)? } else { began };
+        let outward = (stood - main.from[i]).signum();
+        if stood == main.from[i] || main.slope.get(a).is_none_or(|slope| *slope == 0.0) {
+            return None;
+        }
+        let places = straight.iter().flat_map(|s| [s.from[i], s.to[i]]);
+        let clear = places.fold(stood, |far, x| if (x - far) * outward > 0.0 { x } else { far });
+        let spin = self.spindles.get(SPINDLE)?.ordered;
+        let sense = if spin < Spin::ZERO { -1.0 } else { 1.0 };
+        let pass = Pass {
+            axis: along,
+            start: Length::mm(main.from[a]),
+            angle: first.order.start_angle + Angle::rev(sense * main.from_turn),
+            end: Length::mm(main.to[a]),
+            from: Length::mm(straight.first()?.from[a]),
+            surface: first.order.surface,
+            lead: Lead::mm_per_rev(main.slope[a] * sense),
+            spin,
+        };
+        let (cut, clear) = (TiedCut::Thread, Length::mm(clear));
+        Some(WayOut { cut, spindle: SPINDLE as u8, infeed, clear, outward, pass: Some(pass) })
     }
 
     /// The corners, each as the axis that decides and its half length; `None` if the chain is refused.

@@ -1,4 +1,5 @@
-//! The sync record: what must be known to take a tap out of its hole after the control has died.
+//! The sync record: what must be known to take a tool out of its work after the control has died: a tap out of its hole, or one
+//! that is tied to a spindle without being screwed to the work.
 //!
 //! ```text
 //!   (θ, z) plane          z(θ) = z₀ + H·(θ − θ₀)          written before the tap touches the work,
@@ -25,7 +26,7 @@ use units::{Angle, Lead, Length, Spin, Stiffness};
 /// First bytes of every record.
 const MAGIC: [u8; 4] = *b"LSYN";
 /// Layout that this version writes and reads.
-pub const VERSION: u16 = 1;
+pub const VERSION: u16 = 2;
 /// No record is longer.
 pub const LONGEST: usize = 2048;
 /// Longest name in it, bytes; longer ones are cut.
@@ -85,10 +86,68 @@ impl Stage {
     }
 }
 
-/// The coupled motion. Coordinates are those of the following axis, at the spindle's gauge line.
+/// What the tool cuts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Cut {
+    /// It taps: screwed to the work, it comes out along its thread.
+    Tap = 1,
+    /// A pass over a turned thread.
+    Thread = 2,
+    /// A cam is ground.
+    Cam = 3,
+    /// A polygon is turned.
+    Polygon = 4,
+    /// A gear is hobbed.
+    Gear = 5,
+}
+
+impl Cut {
+    const ALL: [Self; 5] = [Self::Tap, Self::Thread, Self::Cam, Self::Polygon, Self::Gear];
+
+    /// For people: what the tool is doing.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Tap => "tap",
+            Self::Thread => "threading pass",
+            Self::Cam => "cam grinding",
+            Self::Polygon => "polygon turning",
+            Self::Gear => "hobbing",
+        }
+    }
+
+    /// An axis along a thread follows the spindle.
+    const fn has_thread(self) -> bool {
+        matches!(self, Self::Tap | Self::Thread)
+    }
+}
+
+/// How a tool comes off work that it is not screwed to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Retreat {
+    /// Bus index of the infeed axis.
+    pub axis: u8,
+    /// Its coordinate where the tool is clear of the work.
+    pub clear: Length,
+    /// That is on its positive side.
+    pub outward: bool,
+}
+
+impl Retreat {
+    /// How far a place is inside of where the tool is clear; negative outside.
+    pub fn inside(&self, place: Length) -> Length {
+        if self.outward { self.clear - place } else { place - self.clear }
+    }
+}
+
+/// The coupled motion. Coordinates are those of the axes, at the spindle's gauge line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stroke {
-    /// Bus index of the following axis.
+    /// What is cut.
+    pub cut: Cut,
+    /// What leads the tool off the work first; a tap has none.
+    pub retreat: Option<Retreat>,
+    /// Bus index of the axis along the thread; where there is none, of the infeed axis.
     pub axis: u8,
     /// Which spindle leads.
     pub spindle: u8,
@@ -100,7 +159,7 @@ pub struct Stroke {
     pub theta0: Angle,
     /// … that belongs to this place of the axis.
     pub z0: Length,
-    /// H: axis travel per positive turn of the spindle.
+    /// H: axis travel per positive turn of the spindle; zero where no thread is cut.
     pub lead: Lead,
     /// PS: where the way out ends.
     pub start: Length,
@@ -275,6 +334,11 @@ impl SyncRecord {
         }
         w.u8(self.stage as u8);
         let s = &self.stroke;
+        w.u8(s.cut as u8);
+        let retreat = s.retreat.unwrap_or(Retreat { axis: 0, clear: Length::ZERO, outward: false });
+        w.u8(u8::from(s.retreat.is_some()) | u8::from(retreat.outward) << 1);
+        w.u8(retreat.axis);
+        w.f64(retreat.clear.value());
         w.u8(s.axis);
         w.u8(s.spindle);
         w.u32(s.tool);
@@ -356,7 +420,14 @@ impl SyncRecord {
             4 => Stage::Recovered,
             _ => return None,
         };
+        let number = r.u8()?;
+        let cut = Cut::ALL.into_iter().find(|cut| *cut as u8 == number)?;
+        let flags = r.u8()?;
+        let (infeed, clear) = (r.u8()?, Length::mm(r.f64()?));
+        let retreat = Retreat { axis: infeed, clear, outward: flags & 2 != 0 };
         let stroke = Stroke {
+            cut,
+            retreat: (flags & 1 != 0).then_some(retreat),
             axis: r.u8()?,
             spindle: r.u8()?,
             tool: r.u32()?,
@@ -373,25 +444,33 @@ impl SyncRecord {
         Some((Self { identity, place, stage, stroke }, generation))
     }
 
-    /// Numbers that no tap can have.
+    /// Numbers that no tool can have.
     fn makes_sense(&self) -> Result<(), Untrusted> {
         let s = &self.stroke;
         let wrong = |field| Err(Untrusted::Senseless(field));
         if usize::from(s.axis) >= bus::AXES || usize::from(s.spindle) >= bus::SPINDLES {
             return wrong("an axis or spindle that no machine has");
         }
-        let lengths = [s.diameter, s.z0, s.start, s.bottom, s.surface];
+        let infeed = s.retreat.map_or(0, |retreat| retreat.axis);
+        if usize::from(infeed) >= bus::AXES {
+            return wrong("an infeed axis that no machine has");
+        }
+        let clear = s.retreat.map_or(Length::ZERO, |retreat| retreat.clear);
+        let lengths = [s.diameter, s.z0, s.start, s.bottom, s.surface, clear];
         if !lengths.iter().all(|l| l.is_finite() && l.value().abs() < 1e6) {
             return wrong("a length that is no length");
         }
         if !(s.theta0.is_finite() && s.spin.is_finite() && s.stiffness.is_finite()) {
             return wrong("an angle, speed or stiffness that is no number");
         }
+        if (s.cut == Cut::Tap) == s.retreat.is_some() {
+            return wrong("a way off the work that its tool has not, or has not the one it needs");
+        }
         let lead = s.lead.value();
-        if !(lead.is_finite() && (1e-3..1e3).contains(&lead.abs())) {
+        if s.cut.has_thread() && !(lead.is_finite() && (1e-3..1e3).contains(&lead.abs())) {
             return wrong("a lead that no thread has");
         }
-        if s.start == s.bottom {
+        if s.cut.has_thread() && s.start == s.bottom {
             return wrong("a stroke of no length");
         }
         Ok(())

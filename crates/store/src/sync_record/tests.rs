@@ -21,6 +21,8 @@ fn record(hole: u32, stage: Stage) -> SyncRecord {
         },
         stage,
         stroke: Stroke {
+            cut: Cut::Tap,
+            retreat: None,
             axis: 2,
             spindle: 0,
             tool: 11,

@@ -1,0 +1,91 @@
+//! A stop while a tool is in work that it is not screwed to: a thread that is turned, a cam, a polygon, a gear.
+//!
+//! With the drives alive the kernel itself takes the tool off the work; else, when drives and control are back, its infeed
+//! axis does.
+use super::{Ears, RUN_DOWN, period, run_down};
+use crate::plant::Plant;
+use crate::recover;
+use bus::Machine;
+use kernel::{EventKind, Kernel, WithdrawalPlan};
+use plan::{TiedCut, WayOut};
+use units::Length;
+
+/// A tool that was taken off the work.
+#[derive(Clone, Debug)]
+pub(crate) struct Withdrawn {
+    /// The program line that cut.
+    pub(crate) line: u32,
+    /// What it cut.
+    pub(crate) cut: &'static str,
+    /// The axis that took it off first, …
+    pub(crate) axis: char,
+    /// … and how far.
+    pub(crate) by: Length,
+}
+
+/// What is being cut, for people.
+const fn name(cut: TiedCut) -> &'static str {
+    match cut {
+        TiedCut::Thread => "a thread",
+        TiedCut::Cam => "a cam",
+        TiedCut::Polygon => "a polygon",
+        TiedCut::Gear => "a gear",
+    }
+}
+
+/// Let everything come to rest, and take the tool off the work if that is asked for. What has come of it; or, as an
+/// error, what is said where it is left.
+pub(super) fn deal_with(
+    kernel: &mut Kernel,
+    plant: &mut Plant,
+    recovers: bool,
+    hear: Ears<'_>,
+) -> Result<Option<Result<Withdrawn, String>>, String> {
+    let Some(way_out) = kernel.way_out().copied() else {
+        if kernel.is_retreating() {
+            run_down(kernel, plant, hear);
+        }
+        return Ok(None);
+    };
+    let (line, cut) = (kernel.report().line, name(way_out.cut));
+    let axis = way_out.infeed.letter();
+    let place = |plant: &Plant| plant.feedback().axes[way_out.infeed.index()].position;
+    let before = place(plant);
+    run_down(kernel, plant, hear);
+    // with the drives alive the kernel has seen to it
+    if kernel.way_out().is_some() {
+        if !recovers {
+            return Ok(Some(Err(format!(
+                "line {line}: the tool was left in {cut}; --recover takes it off the work along {axis}"
+            ))));
+        }
+        plant.mend();
+        withdraw(kernel, plant, &way_out, hear)?;
+    }
+    Ok(Some(Ok(Withdrawn { line, cut, axis, by: place(plant) - before })))
+}
+
+fn withdraw(
+    kernel: &mut Kernel,
+    plant: &mut Plant,
+    way_out: &WayOut,
+    hear: Ears<'_>,
+) -> Result<(), String> {
+    let along = way_out.pass.map(|pass| (pass.axis, pass.from));
+    kernel.withdraw(WithdrawalPlan { legs: [Some((way_out.infeed, way_out.clear)), along] });
+    let end = plant.feedback().time + recover::LONGEST.max(RUN_DOWN);
+    loop {
+        if plant.feedback().time > end {
+            return Err("the tool is not off the work after five minutes".into());
+        }
+        let sample = period(kernel, plant);
+        hear(&sample);
+        while let Some(event) = kernel.next_event() {
+            match event.kind {
+                EventKind::Withdrawn { .. } => return Ok(()),
+                EventKind::FaultRaised(fault) => return Err(fault.to_string()),
+                _ => {}
+            }
+        }
+    }
+}

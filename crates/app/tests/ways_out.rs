@@ -1,0 +1,99 @@
+//! Tools that are tied to a spindle and not screwed to the work: threads, cams and polygons that are stopped in the middle, and the
+//! way off the work. Over processes, as a user has it.
+#![allow(clippy::unwrap_used)] // a test may panic
+#[allow(dead_code)] // each test binary uses its own part
+mod common;
+#[allow(dead_code)]
+#[path = "common/iron.rs"]
+mod iron;
+use common::{complained, leadscrew, root, said};
+use iron::{Iron, number};
+use serde_json::Value;
+
+fn program(name: &str) -> String {
+    std::fs::read_to_string(root().join("programs").join(name)).unwrap()
+}
+
+/// Stopped by what the options say, then held to what is promised; the answer of the recovery.
+fn stopped(text: &str, machine: &[&str], stop: &[&str], cut: &str) -> (Iron, Value) {
+    let iron = Iron::start(&[&["--machine", machine[1]], stop].concat());
+    let output = iron.run(text, machine);
+    assert_ne!(output.status.code(), Some(0), "nothing stopped it: {stop:?}");
+    let again = iron.run(text, machine);
+    let why = complained(&again);
+    assert_eq!(again.status.code(), Some(2), "{why}");
+    assert!(why.contains(cut) && why.contains("nothing but recovery may move"), "{why}");
+    assert!(why.contains(&format!("--machine {}", machine[1])), "{why}");
+    let before = iron.status();
+    let rehearsed = iron.recover(&["--machine", machine[1], "--dry-run"]);
+    assert_eq!(rehearsed["outcome"], "recovered", "{rehearsed:#}");
+    assert!((number(&before, "z_mm") - number(&iron.status(), "z_mm")).abs() < 0.01);
+    let answer = iron.recover(&["--machine", machine[1]]);
+    assert_eq!(answer["outcome"], "recovered", "{answer:#}");
+    assert_eq!(answer["cut"], cut, "{answer:#}");
+    let twice = iron.recover(&["--machine", machine[1]]);
+    assert_eq!(twice["outcome"], "nothing-to-do", "{twice:#}");
+    (iron, answer)
+}
+
+#[test]
+fn a_threading_pass_is_left_along_x_and_turned_again_after_a_kill_or_a_power_cut() {
+    let (text, machine) = (program("thread-m20x1.5.ngc"), ["--machine", "lathe"]);
+    for stop in ["--kill-control-at", "--power-cut-at"] {
+        for at in ["3.3", "3.8"] {
+            let (iron, answer) = stopped(&text, &machine, &[stop, at], "threading pass");
+            // pass 2 cuts from X9.65 and stood at X11.57 before
+            assert!((number(&answer, "retreat_mm") - 1.92).abs() < 0.05, "{answer:#}");
+            // drives that stop on the thread leave the tool on it
+            assert!(
+                number(&answer, "phase_error_before_um").abs() < 30.0,
+                "{stop} {at}: {answer:#}"
+            );
+            let line = answer["line"].to_string();
+            let again = iron.run(&text, &["--machine", "lathe", "--from", &line]);
+            let certificate = said(&again);
+            assert_eq!(again.status.code(), Some(0), "{certificate}{}", complained(&again));
+        }
+    }
+}
+
+#[test]
+fn a_polygon_and_a_cam_are_left_along_x() {
+    let hexagon = program("hexagon-af17.nc");
+    let machine = ["--machine", "polygon-lathe"];
+    let (_, answer) = stopped(&hexagon, &machine, &["--power-cut-at", "12"], "polygon turning");
+    assert!((number(&answer, "retreat_mm") - 16.5).abs() < 1.0, "{answer:#}");
+    let cams = root().join("programs/cams.toml");
+    let machine =
+        ["--machine", "cam-grinder", "--dialect", "toyoda", "--cams", cams.to_str().unwrap()];
+    let (_, answer) =
+        stopped(&program("cam-shaft.nc"), &machine, &["--kill-control-at", "9"], "cam grinding");
+    assert!(number(&answer, "retreat_mm") > 5.0, "{answer:#}");
+}
+
+#[test]
+fn a_hold_in_a_thread_takes_the_tool_off_it_and_the_thread_is_good_in_the_end() {
+    let file = root().join("programs/thread-m20x1.5.ngc");
+    let hold = ["--operator", "hold at 3.6s; resume at 5s"];
+    let run = ["run", file.to_str().unwrap(), "--machine", "lathe", "-q", "--format", "json"];
+    let output = leadscrew(&[&run[..], &hold].concat());
+    assert_eq!(output.status.code(), Some(0), "{}{}", said(&output), complained(&output));
+    let certificate: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let thread = &certificate["features"][0];
+    assert!(number(thread, "sync_error_max_um") < 10.0, "{thread:#}");
+}
+
+#[test]
+fn a_fault_in_a_thread_or_a_polygon_is_said_and_the_tool_taken_off_the_work() {
+    for (name, machine, at) in
+        [("thread-m20x1.5.ngc", "lathe", "3.6s"), ("hexagon-af17.nc", "polygon-lathe", "12s")]
+    {
+        let file = root().join("programs").join(name);
+        let fault = format!("power-cut at {at}");
+        let run = ["run", file.to_str().unwrap(), "--machine", machine, "-q"];
+        let output = leadscrew(&[&run[..], &["--fault", &fault, "--recover"]].concat());
+        let text = said(&output);
+        assert!(text.contains(": X took the tool +"), "{text}{}", complained(&output));
+        assert!(text.contains("THE TOOL IS OFF THE WORK"), "{text}");
+    }
+}
