@@ -11,6 +11,7 @@ use std::{
     path::{Path, PathBuf},
 };
 use store::machine::{MachineFile, Preset};
+use units::Length;
 
 /// The table that is used when none is named and none lies beside the program.
 const EMBEDDED_TOOLS: &str = include_str!("../../../programs/tools.toml");
@@ -105,11 +106,16 @@ impl Session {
         }
     }
 
-    /// The machine stands where its encoders say.
+    /// The machine stands where its encoders say. An axis that hangs at the end of its travel reads beyond it by what its screw
+    /// gives: the kernel smooths as much away.
     pub(crate) fn stands(&mut self, feedback: &bus::Feedback) {
+        const GIVES: Length = Length::um(50.0);
         let mut place = canon::Position::default();
         for axis in self.machine.axes.iter().flatten() {
-            place = place.with(axis.letter, feedback.axes[axis.letter.index()].position);
+            let reading = feedback.axes[axis.letter.index()].position;
+            let within = reading.max(axis.travel.from).min(axis.travel.to);
+            let stands = if (reading - within).abs() <= GIVES { within } else { reading };
+            place = place.with(axis.letter, stands);
         }
         self.standing = Some((place, feedback.tool.unwrap_or(0)));
     }

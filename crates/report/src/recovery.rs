@@ -1,13 +1,15 @@
 //! A rehearsed recovery as a picture: where the tap stands off its thread, and the way back.
 //!
 //! ```text
-//!   z │ PS                          z │   Pb ○┄┄┄┄┄ the other way
-//!     │  ╲                            │      │
-//!     │   ╲                           │      │ first
-//!     │    ╲○ Pb                      │      ▼
-//!     │   PE╲                         │  ╲   ● then out together
-//!     └────────── turns               └──────────── turns      (enlarged)
+//!   z │ PS                          z − g(θ) │        ○ Pb
+//!     │  ╲                                   │        ┆
+//!     │   ╲                                  │        ┆ back onto the thread
+//!     │    ╲○ Pb                             │        ▼
+//!     │   PE╲                              0 │ ───────●── the thread: out together
+//!     └────────── turns                      └──────────── degrees
 //! ```
+//!
+//! On the left the whole stroke; on the right the distance from the thread in micrometres, which on the left nobody sees.
 use crate::svg::{escape, fixed, ticks};
 use std::fmt::Write as _;
 
@@ -28,8 +30,8 @@ pub struct Recovery {
     pub direct: [f64; 2],
 }
 
-const WIDTH: f64 = 460.0;
-const HEIGHT: f64 = 360.0;
+const WIDTH: f64 = 435.0;
+const HEIGHT: f64 = 320.0;
 const LEFT: f64 = 66.0;
 const TOP: f64 = 64.0;
 const FONT: &str = "font-family='system-ui,sans-serif' font-size='13' fill='#333'";
@@ -75,8 +77,8 @@ impl Panel {
         let _ = write!(out, "<circle cx='{x}' cy='{y}' r='5' fill='{fill}' stroke='#111'/>");
     }
 
-    /// Frame, ticks, titles.
-    fn axes(&self, out: &mut String, heading: &str) {
+    /// Frame, ticks, titles: of the panel, across and up.
+    fn axes(&self, out: &mut String, [heading, across, up]: [&str; 3]) {
         let (left, right) = (self.left + LEFT, self.left + WIDTH - 14.0);
         let bottom = TOP + HEIGHT;
         let _ = write!(
@@ -110,7 +112,7 @@ impl Panel {
         let middle = f64::midpoint(left, right);
         let _ = write!(
             out,
-            "<text x='{middle}' y='{}' {FONT} text-anchor='middle'>spindle angle from the start / turns</text><text transform='translate({},{}) rotate(-90)' {FONT} text-anchor='middle'>z over the surface / mm</text>",
+            "<text x='{middle}' y='{}' {FONT} text-anchor='middle'>{across}</text><text transform='translate({},{}) rotate(-90)' {FONT} text-anchor='middle'>{up}</text>",
             bottom + 40.0,
             self.left + 16.0,
             TOP + HEIGHT / 2.0
@@ -121,9 +123,12 @@ impl Panel {
 /// The picture, as an SVG of its own.
 pub fn recovery_svg(r: &Recovery) -> String {
     const THREAD: &str = "stroke='#8a8a8a' stroke-width='1.5'";
-    const FIRST: &str = "stroke='#c2410c' stroke-width='2.5'";
+    const FIRST: &str = "stroke='#c2410c' stroke-width='4'";
     const OUT: &str = "stroke='#15803d' stroke-width='3'";
-    const OTHER: &str = "stroke='#1d4ed8' stroke-width='1.5' stroke-dasharray='5 4'";
+    const OTHER: &str = "stroke='#1d4ed8' stroke-width='2' stroke-dasharray='5 4'";
+    const STANDS: &str = "#f97316";
+    /// Least part of a turn that is shown on each side.
+    const LEAST_DEG: f64 = 5.0;
     let on = r.chosen[1];
     let mut out = String::new();
     let (width, height) = (2.0 * WIDTH + 10.0, TOP + HEIGHT + 116.0);
@@ -133,43 +138,47 @@ pub fn recovery_svg(r: &Recovery) -> String {
         escape(&r.title)
     );
     let whole = Panel::around(&[r.start, r.end, r.stop], 0.0);
-    whole.axes(&mut out, "the whole stroke");
-    // the neighbourhood, with a piece of the thread on each side
+    whole.axes(
+        &mut out,
+        ["the whole stroke", "spindle angle from the start / turns", "z over the surface / mm"],
+    );
+    whole.line(&mut out, &[r.start, r.end], THREAD);
+    whole.line(&mut out, &[on, r.start], OUT);
+    whole.dot(&mut out, r.stop, STANDS);
+    // the neighbourhood: degrees from where it stands, micrometres from the thread
     let slope = (r.end[1] - r.start[1]) / (r.end[0] - r.start[0]);
-    let mut near = vec![r.stop, r.chosen[0], on, r.direct];
-    let reach = near.iter().map(|p| (p[0] - on[0]).abs().max((p[1] - on[1]).abs() / slope.abs()));
-    let reach = reach.fold(0.01, f64::max) * 1.2;
-    let ends = [on[0] - reach, on[0] + reach].map(|x| [x, on[1] + slope * (x - on[0])]);
-    near.extend(ends);
-    let close = Panel::around(&near, WIDTH + 10.0);
-    close.axes(&mut out, "where it stands, enlarged");
-    for (panel, thread, back) in [
-        (&whole, [r.start, r.end], r.start),
-        (
-            &close,
-            ends,
-            if (ends[0][1] - r.start[1]).abs() < (ends[1][1] - r.start[1]).abs() {
-                ends[0]
-            } else {
-                ends[1]
-            },
-        ),
-    ] {
-        panel.line(&mut out, &thread, THREAD);
-        panel.line(&mut out, &[on, back], OUT);
-        panel.line(&mut out, &[r.stop, r.direct], OTHER);
-        panel.line(&mut out, &[r.stop, r.chosen[0], on], FIRST);
-        panel.dot(&mut out, r.stop, "#f97316");
-        panel.dot(&mut out, on, "#22c55e");
-    }
+    let off = |p: [f64; 2]| {
+        let thread = r.start[1] + slope * (p[0] - r.start[0]);
+        [(p[0] - r.stop[0]) * 360.0, (p[1] - thread) * 1e3]
+    };
+    let (stop, direct, chosen) = (off(r.stop), off(r.direct), r.chosen.map(off));
+    let inner = [stop, direct, chosen[0], chosen[1]];
+    let reach = inner.iter().fold(LEAST_DEG, |most: f64, p| most.max(p[0].abs())) * 1.4;
+    let out_to = if r.start[0] < r.stop[0] { -reach } else { reach };
+    let thread = [[-reach, 0.0], [reach, 0.0]];
+    let close = Panel::around(&[&inner[..], &thread].concat(), WIDTH + 10.0);
+    close.axes(
+        &mut out,
+        [
+            "where it stands, enlarged",
+            "spindle angle from where it stands / °",
+            "distance from the thread / µm",
+        ],
+    );
+    close.line(&mut out, &thread, THREAD);
+    close.line(&mut out, &[chosen[1], [out_to, 0.0]], OUT);
+    close.line(&mut out, &[stop, chosen[0], chosen[1]], FIRST);
+    close.line(&mut out, &[stop, direct], OTHER); // dashes over the other one, where they are the same
+    close.dot(&mut out, stop, STANDS);
+    close.dot(&mut out, chosen[1], "#22c55e");
     let legend = [
-        (THREAD, "the thread, from the start to the programmed bottom"),
+        (THREAD, "the thread"),
         (FIRST, "back onto the thread"),
         (OUT, "out, spindle and feed together"),
-        (OTHER, "the axis that overran goes back, not unloaded first"),
+        (OTHER, "the axis that overran, not unloaded first"),
     ];
     for (at, (style, words)) in legend.iter().enumerate() {
-        let x = LEFT + 460.0 * (at % 2) as f64;
+        let x = LEFT + (WIDTH + 10.0) * (at % 2) as f64;
         let y = TOP + HEIGHT + 70.0 + 22.0 * (at / 2) as f64;
         let _ = write!(
             out,

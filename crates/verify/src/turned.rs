@@ -144,7 +144,7 @@ impl Ordered {
                 let across = |i: usize| i != order.axis.index();
                 let feeds_in = (0..3).any(|i| across(i) && first.linear[i] != from.linear[i]);
                 let stood = if feeds_in { first } else { stood };
-                pass.push(Stretch { before, stood, ..stretch });
+                pass.push(Stretch { stood, before, ..stretch });
             }
             _ => {
                 self.passes.push(vec![stretch]);

@@ -40,10 +40,10 @@ fn block(index: usize, recovery: &ThreadStop) -> String {
                 fixed(recovery.damage_um_rev(way), 2),
                 format!("{} µm", fixed(way.helix_error.in_um(), 1)),
                 format!("{} N", fixed(way.force_n, 0)),
-                way.class.clone(),
             ];
-            let cells: String = cells.iter().map(|cell| Tag::new("td").text(cell)).collect();
-            Tag::new("tr").around(&cells)
+            let mut row: String = cells.iter().map(|cell| Tag::new("td").text(cell)).collect();
+            row += &Tag::new("td").class("l wide").text(&way.class);
+            Tag::new("tr").around(&row)
         })
         .collect();
     let table = Tag::new("table").around(

@@ -16,11 +16,11 @@ const POINTS: usize = 600;
 
 /// Two pictures of one recovery.
 pub(crate) fn recovery_plane(recovery: &ThreadStop, index: usize) -> String {
-    let caption = "Left: height over spindle angle where it stopped; the dotted line is the coupling, one lead a turn. \
-        Right: the same as the distance from the coupling, enlarged. The area between the stop's track and the way back \
-        is what the recovery cuts anew: the damage index. A way back that lies on the stop's track cuts nothing.";
-    let both = height(recovery, index) + &residual(recovery, index);
-    figure("Stop and way back", &both, caption)
+    let plane = "Height over spindle angle where it stopped; the dotted line is the coupling, one lead a turn.";
+    let off = "The same as the distance from the coupling, enlarged. The shaded area, between the stop's track and the way back that was \
+        taken, is what the recovery cuts anew: the damage index. A way back that lies on the stop's track cuts nothing.";
+    figure("Stop and way back", &height(recovery, index), plane)
+        + &figure("Distance from the coupling", &residual(recovery, index), off)
 }
 
 /// The end of the stop and the beginning of the ways back: as many turns as the stop took, and one each side.
@@ -77,6 +77,18 @@ fn height(recovery: &ThreadStop, index: usize) -> String {
     draw(recovery, chart, span, y).finish(&format!("recovery-{index}-z"))
 }
 
+/// The stop's distance from the coupling, and that of the way back where the spindle stands at the same angle.
+fn between(recovery: &ThreadStop, span: (f64, f64)) -> Vec<(f64, [f64; 2])> {
+    let Some(way) = recovery.ways.first() else { return Vec::new() };
+    let back = within(&way.track, span, |at| recovery.off_um(at));
+    let at = |rev: f64| {
+        let nearest = back.iter().min_by(|a, b| (a.0 - rev).abs().total_cmp(&(b.0 - rev).abs()));
+        nearest.map_or(0.0, |point| point.1)
+    };
+    let stop = within(&recovery.stop, span, |at| recovery.off_um(at));
+    stop.into_iter().map(|(rev, off)| (rev, [off, at(rev)])).collect()
+}
+
 fn residual(recovery: &ThreadStop, index: usize) -> String {
     let span = window(recovery);
     let y = |at: PlanePoint| recovery.off_um(at);
@@ -88,5 +100,6 @@ fn residual(recovery: &ThreadStop, index: usize) -> String {
     let description = format!("At rest it is {} µm off.", fixed(recovery.rest_um(), 1));
     let mut chart = Chart::new("Distance from the coupling", &description, x, e, 260.0);
     chart.zero(false);
+    chart.area("area out", &between(recovery, span), None);
     draw(recovery, chart, span, y).finish(&format!("recovery-{index}-e"))
 }
