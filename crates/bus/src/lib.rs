@@ -22,8 +22,10 @@ pub const SPINDLES: usize = 2;
 /// What a machine says of one axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AxisFeedback {
-    /// Position by its encoder.
+    /// Position by its encoder: the scale, where it has one.
     pub position: Length,
+    /// Beside a scale: the position by the motor's own encoder, from a zero of its own.
+    pub motor: Option<Length>,
     /// The drive is powered and has no fault.
     pub ready: bool,
 }

@@ -65,6 +65,9 @@ pub struct CamProfile {
     pub nodes: Vec<f64>,
     /// Radius of the wheel that they are for.
     pub wheel: Length,
+    /// Largest first, second and third derivative of that distance: mm a revolution, its square, its cube. At a speed of n
+    /// rev/s the axis needs so many times n, n², n³.
+    pub steepest: [f64; 3],
 }
 
 impl CamProfile {

@@ -17,17 +17,29 @@
 //! changes its sign the stretch has to change within milliseconds; the motor's mass times that
 //! acceleration, m·F̈/k, is fed forward too. It halves the spike at the bottom of a tapped hole.
 //!
+//! *A scale beside the motor's encoder.* The screw's spring must not lie inside the speed loop, which would be slow for its
+//! resonance: the motor's encoder closes the speed loop, the scale corrects what motor and model make of the tool side
+//! (believed = motor − stretch + what lasts of scale − (motor − stretch)). By how much further than by the model the screw is
+//! stretched is the cut's force, k·Δ, and fed forward: when a drill's thrust F ends, the motor stands, and the tool side springs
+//! forward by F/k and its own overshoot, no more.
+//!
 //! Numbers here are in mm, s, N; masses in N per mm/s² (kg·10⁻³).
 use crate::config::{AxisControl, Config, EncoderPlace, FeedForward};
 use crate::friction::Bristles;
 use crate::servo::{Gains, Input, Servo};
 use bus::{AxisCommand, AxisFeedback};
+use core::f64::consts::TAU;
 use units::{Force, Length, Speed};
 
 /// Time in which a small jump of the setpoint is smoothed away, s.
 const GAP_DECAY_S: f64 = 0.02;
 /// Play changes sides over this share of the friction.
 const PLAY_CROSSING: f64 = 0.25;
+
+/// Beside a motor's encoder a scale tells what lasts longer than this, s: a swing of the screw is none of the position loop's.
+const LASTS_S: f64 = 0.01;
+/// Bandwidth of the cut's force that is fed forward, Hz: at three times this a share of 1.3 of it would swing.
+const CUT_HZ: f64 = 100.0;
 
 /// Bound of the force that stretches the screw at a reversal, over the breakaway force.
 const STRETCHING_MOST: f64 = 10.0;
@@ -75,10 +87,10 @@ struct Screw {
 impl Screw {
     fn new(control: &AxisControl) -> Self {
         let crossing = PLAY_CROSSING * control.friction.coulomb.value().max(1.0);
-        // a scale sees the tool side itself
-        let seen = match control.encoder.place {
-            EncoderPlace::Motor => 1.0,
-            EncoderPlace::Scale => 0.0,
+        // a scale alone sees the tool side itself
+        let seen = match (control.encoder.place, control.encoder.motor_count) {
+            (EncoderPlace::Motor, _) | (EncoderPlace::Scale, Some(_)) => 1.0,
+            (EncoderPlace::Scale, None) => 0.0,
         };
         Self {
             per_stiffness: seen / control.stiffness.value(),
@@ -96,15 +108,38 @@ impl Screw {
 /// the encoder says of the resonance is damped more than the resonance is sharp.
 const BELOW_RESONANCE: f64 = 0.15;
 
-/// The highest bandwidth of the servo's tracker, Hz: free with the encoder on the motor.
+/// The motor's own encoder beside a scale. Its zero is where the scale's was when the drive came up.
+#[derive(Clone, Debug, Default)]
+struct MotorSide {
+    offset: f64,
+    reading: f64,
+    /// How much further than by motor and model the tool side is, as far as it lasts.
+    apart: f64,
+    /// How much further than by the model the screw is stretched: the force of the cut.
+    cut: f64,
+    error: f64,
+}
+
+impl MotorSide {
+    /// The following error that the loops go by, and the motor's own.
+    fn errors(&mut self, setpoint: f64, stretch: f64, scale: f64, period_s: f64) -> (f64, f64) {
+        let tool_side = self.reading + self.offset - stretch;
+        self.apart += (scale - tool_side - self.apart) * (period_s / LASTS_S).min(1.0);
+        self.cut += (tool_side - scale - self.cut) * (TAU * CUT_HZ * period_s).min(1.0);
+        self.error = setpoint - tool_side;
+        (self.error - self.apart, self.error)
+    }
+}
+
+/// The highest bandwidth of the servo's tracker, Hz: free with an encoder on the motor.
 fn tracker_most_hz(control: &AxisControl) -> f64 {
-    match control.encoder.place {
-        EncoderPlace::Motor => f64::INFINITY,
-        EncoderPlace::Scale => {
+    match (control.encoder.place, control.encoder.motor_count) {
+        (EncoderPlace::Motor, _) | (EncoderPlace::Scale, Some(_)) => f64::INFINITY,
+        (EncoderPlace::Scale, None) => {
             let per_mass = 1.0 / control.table_mass.value()
                 + 1.0 / control.motor_mass.value().max(f64::MIN_POSITIVE);
             let stiffness_n_per_m = control.stiffness.value() * 1e3;
-            BELOW_RESONANCE * libm::sqrt(stiffness_n_per_m * per_mass) / core::f64::consts::TAU
+            BELOW_RESONANCE * libm::sqrt(stiffness_n_per_m * per_mass) / TAU
         }
     }
 }
@@ -115,6 +150,7 @@ pub(crate) struct AxisLoop {
     pub(crate) control: AxisControl,
     servo: Servo,
     screw: Screw,
+    motor: Option<MotorSide>,
     /// Friction on the tool side now, and as it will be when the force acts.
     friction: (Bristles, Bristles),
     positions: (f64, f64),
@@ -152,11 +188,12 @@ impl AxisLoop {
                 period_s,
                 delay_s: config.command_delay.value(),
                 lag_s: control.force_lag.value(),
-                count: control.encoder.count.value(),
+                count: control.encoder.motor_count.unwrap_or(control.encoder.count).value(),
                 peak: control.peak_force.value(),
                 tracker_most_hz: tracker_most_hz(&control),
             }),
             screw: Screw::new(&control),
+            motor: control.encoder.motor_count.map(|_| MotorSide::default()),
             friction: (bristles.clone(), bristles),
             positions: (0.0, 0.0),
             frictions: (0.0, 0.0),
@@ -192,6 +229,11 @@ impl AxisLoop {
     pub(crate) fn adopt(&mut self, feedback: &AxisFeedback) {
         self.reading = feedback.position.value();
         self.stretch = self.screw.stretch(-self.control.weight.value());
+        if let Some(motor) = &mut self.motor {
+            let reading = feedback.motor.unwrap_or(feedback.position).value();
+            let offset = self.reading + self.stretch - reading;
+            *motor = MotorSide { offset, reading, ..MotorSide::default() };
+        }
         let position = self.position();
         self.target = Target { position, ..Target::default() };
         self.superposed = Target::default();
@@ -203,13 +245,24 @@ impl AxisLoop {
     }
 
     /// Take a reading.
-    pub(crate) const fn read(&mut self, feedback: &AxisFeedback) {
+    pub(crate) fn read(&mut self, feedback: &AxisFeedback) {
         self.reading = feedback.position.value();
+        if let (Some(motor), Some(reading)) = (&mut self.motor, feedback.motor) {
+            motor.reading = reading.value();
+        }
     }
 
-    /// Where the tool side is, by reading and model.
+    /// Where the tool side is: by the scale, or by the motor's encoder and the model of the screw.
     pub(crate) fn position(&self) -> f64 {
-        self.reading - self.stretch
+        self.reading - self.unseen()
+    }
+
+    /// The stretch that lies between tool side and encoder.
+    fn unseen(&self) -> f64 {
+        match self.control.encoder.place {
+            EncoderPlace::Motor => self.stretch,
+            EncoderPlace::Scale => 0.0,
+        }
     }
 
     /// Following error of the last period.
@@ -265,18 +318,26 @@ impl AxisLoop {
         self.stretch = self.screw.stretch(self.table * now.accel + friction_now - weight);
         let stretching = self.stretching(friction_ahead);
         self.gap -= self.gap * (self.period_s / GAP_DECAY_S).min(1.0);
-        let before = self.error;
-        self.error = now.position + self.stretch + self.gap - self.reading;
+        let setpoint = now.position + self.gap;
+        let before = self.motor.as_ref().map_or(self.error, |motor| motor.error);
+        self.error = setpoint - self.position();
+        let (stretch, scale, period_s) = (self.stretch, self.reading, self.period_s);
+        let (error, motor_error) = match &mut self.motor {
+            Some(motor) => motor.errors(setpoint, stretch, scale, period_s),
+            None => (self.error, self.error),
+        };
+        let cut = self.motor.as_ref().map_or(0.0, |motor| motor.cut);
         let feed_forward = shares.accel * self.mass * ahead.accel
             + shares.friction * (friction_ahead + stretching)
+            + cut * self.control.stiffness.value()
             - weight;
         let limit = self.control.peak_force.value();
         let force = if self.blind {
             self.servo.blind(feed_forward, limit, now.speed != 0.0)
         } else {
             self.servo.update(Input {
-                error: self.error,
-                growth: self.error - before - (1.0 - shares.speed) * ways.0,
+                error,
+                growth: motor_error - before - (1.0 - shares.speed) * ways.0,
                 feed_forward,
                 limit,
                 position: true,

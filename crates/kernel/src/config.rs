@@ -141,6 +141,8 @@ pub struct AxisEncoder {
     pub place: EncoderPlace,
     /// One count, as travel of the axis.
     pub count: Length,
+    /// Beside a scale: one count of the encoder that the motor has itself.
+    pub motor_count: Option<Length>,
 }
 
 /// One linear axis.
@@ -212,6 +214,8 @@ pub struct OwnRamps {
     pub decel: SpinAccel,
     /// Share by which its stopping angle may be longer.
     pub uncertainty: f64,
+    /// How much later than learnt it may obey, and by what share its ramp may be longer than learnt.
+    pub repeats: (Time, f64),
     /// Share of a tap's speed from which that does not matter.
     pub creep: f64,
 }

@@ -118,6 +118,7 @@ impl AxisControl {
             ("friction.stribeck", self.friction.stribeck.value()),
             ("stiffness", self.stiffness.value()),
             ("encoder.count", self.encoder.count.value()),
+            ("encoder.motor_count", self.encoder.motor_count.map_or(1.0, units::Length::value)),
             ("peak_force", self.peak_force.value()),
             ("gentle speed", self.gentle.0.value()),
             ("gentle acceleration", self.gentle.1.value()),
@@ -183,6 +184,9 @@ impl SpindleControl {
             check("own_ramps.decel", decel, positive(decel), POSITIVE);
             let uncertainty = own.uncertainty;
             check("own_ramps.uncertainty", uncertainty, not_negative(uncertainty), NOT_NEGATIVE);
+            let (late, longer) = (own.repeats.0.value(), own.repeats.1);
+            check("own_ramps.repeats.0", late, not_negative(late), NOT_NEGATIVE);
+            check("own_ramps.repeats.1", longer, not_negative(longer), NOT_NEGATIVE);
             check("own_ramps.creep", own.creep, positive(own.creep), POSITIVE);
         }
     }

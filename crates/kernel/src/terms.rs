@@ -4,7 +4,7 @@ use crate::config::{Config, FeedForward, SpindleControl};
 use crate::spindle::SpindleLoop;
 use plan::TapPlan;
 use sync::{Correction, Follower, Halt, Prediction, Rotation, Spoken, Stopping, SyncMode};
-use units::{Accel, Angle, Length, Speed, Spin, SpinAccel, SpinJerk};
+use units::{Accel, Angle, Length, Speed, Spin, SpinAccel, SpinJerk, Time};
 
 /// Time in which a stop's deceleration rises where the plan's jerk does not say, s.
 const STOP_RISE_S: f64 = 0.01;
@@ -53,12 +53,16 @@ pub(crate) fn spoken(
     config: &Config,
     known: bool,
 ) -> Option<Spoken> {
-    control.own_ramps.map(|own| Spoken {
-        speeds: (plan.spin, plan.return_spin),
-        stopping: Stopping { delay: own.delay + config.command_delay, decel: own.decel },
-        uncertainty: own.uncertainty,
-        creep: plan.spin.abs() * own.creep,
-        known,
+    control.own_ramps.map(|own| {
+        let (late, uncertainty) = if known { own.repeats } else { (Time::ZERO, own.uncertainty) };
+        Spoken {
+            speeds: (plan.spin, plan.return_spin),
+            stopping: Stopping { delay: own.delay + config.command_delay, decel: own.decel },
+            uncertainty,
+            late,
+            creep: plan.spin.abs() * own.creep,
+            at_speed: known && plan.turns_at_speed,
+        }
     })
 }
 

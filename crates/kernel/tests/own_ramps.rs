@@ -19,7 +19,13 @@ fn mill(share: f64) -> (sim::Config, Config, sim::PlainDrive) {
     let spindle = control.spindles[0].as_mut().expect("one");
     spindle.encoder_count = Angle::rev(1.0 / 4096.0);
     let delay = Time::s(0.01);
-    spindle.own_ramps = Some(OwnRamps { delay, decel: STATED, uncertainty: 0.25, creep: 0.1 });
+    spindle.own_ramps = Some(OwnRamps {
+        delay,
+        decel: STATED,
+        uncertainty: 0.25,
+        repeats: (Time::s(0.7e-3), 0.002),
+        creep: 0.1,
+    });
     let drive = sim::PlainDrive {
         delay,
         delay_scatter: Time::ZERO,

@@ -83,21 +83,6 @@ pub fn turned(nodes: &[f64], turn: f64) -> Vec<f64> {
     (0..n).map(value).collect()
 }
 
-/// Largest first three derivatives by the turn, by differences.
-pub(crate) fn steepest(nodes: &[f64]) -> [f64; 3] {
-    let n = nodes.len();
-    let at = |i: usize| nodes[i % n];
-    let per = n as f64;
-    (0..n).fold([0.0; 3], |[a, b, c], i| {
-        let first = (at(i + 2) - at(i)) * per / 2.0;
-        let second = (at(i + 2) - 2.0 * at(i + 1) + at(i)) * per * per;
-        // over four nodes: a table's rounding would dominate over three
-        let third =
-            (at(i + 8) - 2.0 * at(i + 6) + 2.0 * at(i + 2) - at(i)) * per * per * per / 16.0;
-        [f64::max(a, first.abs()), f64::max(b, second.abs()), f64::max(c, third.abs())]
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -115,13 +100,5 @@ mod tests {
                 assert!((a - b).abs() < 1e-7, "{turn}: {a} {b}");
             }
         }
-    }
-
-    #[test]
-    fn derivatives_of_a_cosine() {
-        let w = 3.0 * TAU;
-        let [a, b, c] = steepest(&wave(0.0));
-        assert!((a / w - 1.0).abs() < 1e-3 && (b / w.powi(2) - 1.0).abs() < 1e-3);
-        assert!((c / w.powi(3) - 1.0).abs() < 0.01);
     }
 }

@@ -5,7 +5,9 @@
 use alloc::vec::Vec;
 use canon::{Axis, PathMode};
 use path::{AXES, Bounds, Limits};
-use units::{Accel, Angle, Inertia, Jerk, Length, Power, Speed, Spin, SpinAccel, Time, Torque};
+use units::{
+    Accel, Angle, Inertia, Jerk, Lead, Length, Power, Speed, Spin, SpinAccel, Time, Torque,
+};
 
 /// One axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,9 +85,13 @@ pub struct OwnRamps {
     pub decel: SpinAccel,
     /// Share by which its stopping angle may differ from what delay and deceleration make it.
     pub uncertainty: f64,
-    /// The same once it has been learnt: how well it repeats.
+    /// How much sooner or later than learnt it may obey: it looks at its input once in a scan.
+    pub repeats_delay: Time,
+    /// Share by which its ramp may differ from what was learnt.
     pub repeats: f64,
-    /// Share of a tap's speed at which the first stroke of a kind creeps to its bottom.
+    /// A stroke may turn back straight from its speed if its turning point repeats within this; else it creeps.
+    pub turns_within: Length,
+    /// Share of a tap's speed at which strokes creep to their bottom.
     pub creep: f64,
 }
 
@@ -96,11 +102,37 @@ impl OwnRamps {
         spin.abs() * self.delay + Angle::rev(n * n / (2.0 * self.decel.value()))
     }
 
-    /// By how much a turning point may be missed: by the stroke that creeps, for want of knowledge, or by a later
-    /// one that turns back at speed, because nothing repeats exactly.
-    pub fn miss(&self, spin: Spin) -> Angle {
-        let creeps = self.stopping_angle(spin * self.creep) * self.uncertainty;
-        creeps.max(self.stopping_angle(spin) * self.repeats)
+    /// By how much the turning point of a tap may be missed, on a coupling of a lead: by the stroke that creeps for
+    /// want of knowledge, or by a later one, because nothing repeats exactly.
+    pub fn miss(&self, spin: Spin, turns: Angle, lead: Lead) -> Length {
+        let creep = spin.min(self.fastest_within(turns)) * self.creep;
+        let unknown = (self.stopping_angle(creep) * self.uncertainty) * lead.abs();
+        let creeping = self.scatter(creep, 1.0) * lead.abs();
+        let straight = self.straight(spin, turns) * lead.abs();
+        let known = if straight <= self.turns_within { straight } else { creeping };
+        unknown.max(known)
+    }
+
+    /// Once it is learnt, a stroke may turn back straight from its speed.
+    pub fn turns_at_speed(&self, spin: Spin, turns: Angle, lead: Lead) -> bool {
+        self.straight(spin, turns) * lead.abs() <= self.turns_within
+    }
+
+    /// Scatter of a turn straight from the speed. In a stroke too short for its speed the spindle still gains some
+    /// when it is told, and goes on so until it obeys: then what is late counts 1 + a/d times.
+    fn straight(&self, spin: Spin, turns: Angle) -> Angle {
+        let fastest = self.fastest_within(turns);
+        if spin < fastest {
+            return self.scatter(spin, 1.0);
+        }
+        self.scatter(fastest, 1.0 + self.accel / self.decel)
+    }
+
+    /// By how much a turning point differs from stroke to stroke, told at a speed: n·δ + ρ·n²/2d.
+    fn scatter(&self, spin: Spin, late: f64) -> Angle {
+        let n = spin.value().abs();
+        let ramp = Angle::rev(n * n / (2.0 * self.decel.value()));
+        spin.abs() * (self.repeats_delay * late) + ramp * self.repeats
     }
 
     /// The fastest that such a spindle gets in a stroke of so many turns: n²/2a + n²/2d = N.

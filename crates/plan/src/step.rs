@@ -223,6 +223,9 @@ pub struct TapPlan {
     pub outward: Profile,
     /// Spindle angle within a turn at the start; `None`: wherever it stands.
     pub start_angle: Option<Angle>,
+    /// A spindle whose drive makes its own ramps may, once it is learnt, turn back straight from its speed: so well does
+    /// it repeat. No matter for any other.
+    pub turns_at_speed: bool,
     /// What kept it from being faster.
     pub limiting: TapLimiting,
 }

@@ -202,8 +202,7 @@ impl TapCheck<'_> {
         let own = self.own_ramps?;
         let lead = self.tap.lead.abs();
         let stroke = (self.tap.bottom - self.tap.start.along(self.tap.axis)).abs();
-        let fastest = own.fastest_within(stroke / lead);
-        let miss = |spin: Spin| (own.miss(spin.min(fastest)) * lead).value();
+        let miss = |spin: Spin| own.miss(spin, stroke / lead, lead).value();
         let needed = ceil_um(miss(self.tap.spin));
         let margin = (self.tap.bottom - self.tool.length - hole.full_bottom).value();
         if margin < -ROUNDING || margin >= needed - ROUNDING {
@@ -219,8 +218,8 @@ impl TapCheck<'_> {
             number(ceil_um(needed - margin)),
             slower_that_works(self.tap.spin, |spin| miss(spin) <= margin),
         );
-        let help = "this spindle's drive is only told a speed: its stopping angle is known within uncertainty_percent, \
-                    and learnt within repeats_percent, of [spindles.drive]";
+        let help = "this spindle's drive is only told a speed: [spindles.drive] says how well its stopping angle is \
+                    known (uncertainty_percent) and repeats (repeats_ms, repeats_percent)";
         Some(
             Diagnostic::error("M0336", self.span, text)
                 .with_help(help)

@@ -229,14 +229,18 @@ impl Axis {
 
     /// What the machine says of it.
     pub(crate) fn feedback(&self) -> bus::AxisFeedback {
-        let read = match self.encoder {
-            AxisEncoder::Motor { counts_per_rev } => {
-                let count = self.screw_lead_mm / f64::from(counts_per_rev);
-                quantise(self.motor.x * 1e3, count)
-            }
-            AxisEncoder::Scale { resolution } => quantise(self.table.x * 1e3, resolution.value()),
+        let by_motor = |counts_per_rev: u32| {
+            let count = self.screw_lead_mm / f64::from(counts_per_rev);
+            Length::mm(quantise(self.motor.x * 1e3, count))
         };
-        bus::AxisFeedback { position: Length::mm(read), ready: self.on }
+        let (position, motor) = match self.encoder {
+            AxisEncoder::Motor { counts_per_rev } => (by_motor(counts_per_rev), None),
+            AxisEncoder::Scale { resolution, motor_counts_per_rev } => {
+                let read = quantise(self.table.x * 1e3, resolution.value());
+                (Length::mm(read), motor_counts_per_rev.map(by_motor))
+            }
+        };
+        bus::AxisFeedback { position, motor, ready: self.on }
     }
 
     /// Where the table really is.

@@ -200,7 +200,12 @@ fn check_axis(index: usize, axis: &AxisModel, step: Time, found: &mut Vec<String
         AxisEncoder::Motor { counts_per_rev } => {
             need.positive("encoder", f64::from(counts_per_rev), "counts/rev");
         }
-        AxisEncoder::Scale { resolution } => need.positive("scale", resolution.value(), "mm"),
+        AxisEncoder::Scale { resolution, motor_counts_per_rev } => {
+            need.positive("scale", resolution.value(), "mm");
+            if let Some(counts) = motor_counts_per_rev {
+                need.positive("encoder", f64::from(counts), "counts/rev");
+            }
+        }
     }
     if found.len() == before {
         check_stability(index, axis, step, found);

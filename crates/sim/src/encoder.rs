@@ -29,6 +29,8 @@ pub enum AxisEncoder {
     Scale {
         /// One count.
         resolution: Length,
+        /// Counts per turn of the encoder that the motor has beside it; a linear motor has none.
+        motor_counts_per_rev: Option<u32>,
     },
 }
 

@@ -233,7 +233,7 @@ impl<M: Machine> Faulty<M> {
         };
         self.silent += self.machine.period();
         let said = self.machine.exchange(&order);
-        self.hear(said)
+        self.hear(&said)
     }
 
     fn has(&self, what: impl Fn(&Fault) -> bool) -> bool {
@@ -293,8 +293,8 @@ impl<M: Machine> Faulty<M> {
     }
 
     /// The feedback as it is heard.
-    fn hear(&mut self, real: Feedback) -> Feedback {
-        let mut said = real;
+    fn hear(&mut self, real: &Feedback) -> Feedback {
+        let mut said = *real;
         for pending in &self.pending {
             let Some(came) = pending.came else { continue };
             let spindle = &mut said.spindles[0];
@@ -339,7 +339,7 @@ impl<M: Machine> Machine for Faulty<M> {
         }
         let order = self.order(command);
         let real = self.machine.exchange(&order);
-        self.hear(real)
+        self.hear(&real)
     }
 
     fn truth(&self) -> Option<Truth> {

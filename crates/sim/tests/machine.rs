@@ -83,7 +83,10 @@ fn a_delayed_command_is_obeyed_that_many_periods_later() {
 #[test]
 fn a_motor_encoder_and_a_scale_differ_by_play_and_stretch() {
     let mut with_scale = tapping_center();
-    with_scale.axes[2].1.encoder = sim::AxisEncoder::Scale { resolution: Length::um(0.05) };
+    with_scale.axes[2].1.encoder = sim::AxisEncoder::Scale {
+        resolution: Length::um(0.05),
+        motor_counts_per_rev: Some(1 << 20),
+    };
     let (mut motor, mut scale) = (machine(tapping_center()), machine(with_scale));
     for _ in 0..40 {
         motor.exchange(&command(10_000.0, 0.0));
@@ -95,6 +98,12 @@ fn a_motor_encoder_and_a_scale_differ_by_play_and_stretch() {
     // under way the screw pulls the table: 8.1 m/s² · 150 kg and 1 kN of friction stretch it
     let ahead = motor.feedback().axes[2].position - table;
     assert!(ahead > Length::um(5.0) && ahead < Length::um(60.0), "{ahead}");
+    let feedback = (motor.feedback().axes[2], scale.feedback().axes[2]);
+    assert_eq!(
+        feedback.1.motor,
+        Some(feedback.0.position),
+        "the motor has an encoder beside the scale"
+    );
 }
 
 #[test]

@@ -334,17 +334,17 @@ impl Lesson {
     /// angle of this spindle at this speed is longer than planned by as many turns. What braking overruns
     /// does not depend on when it begins, so one stroke teaches all of it.
     pub fn overran(&mut self, by: Length) {
-        // the first stroke teaches all of it, later ones only what is not their own chance
-        let share = if self.strokes == 0 { 1.0 } else { LATER };
         let turns: Angle = by / self.key.lead.abs();
-        self.stopped_late(self.early + turns * share, by);
+        self.stopped_late(self.early + turns, by);
     }
 
     /// A stroke of a spindle that slowed down to a creep on its way has shown how much longer than planned its
-    /// stopping angle is, and went beyond its bottom by so much.
+    /// stopping angle is, and went beyond its bottom by so much. The first stroke teaches all of it, later ones only what
+    /// is not their own chance.
     pub fn stopped_late(&mut self, by: Angle, overrun: Length) {
         const MOST: Angle = Angle::rev(20.0);
-        self.early = by.max(-MOST).min(MOST);
+        let share = if self.strokes == 0 { 1.0 } else { LATER };
+        self.early = (self.early + (by - self.early) * share).max(-MOST).min(MOST);
         self.strokes += 1;
         self.first.get_or_insert(overrun.abs());
         self.best = Some(self.best.map_or(overrun.abs(), |best| best.min(overrun.abs())));

@@ -18,6 +18,9 @@
 //! down to a creep shows the real a on the way, since from n₀ to n the spindle turns (n₀² − n²)/2a.
 use units::{Angle, Spin, SpinAccel, Time};
 
+/// A ramp shorter than this share of what its file says is an error of measuring.
+const LEAST_RAMP: f64 = 0.1;
+
 /// Angle a master turns until it stands, at a constant deceleration: ω²/2a.
 pub fn stopping_angle(spin: Spin, deceleration: SpinAccel) -> Angle {
     Angle::rev(spin.value() * spin.value() / (2.0 * deceleration.value().abs()))
@@ -53,6 +56,16 @@ impl Stopping {
         let squares = from.value() * from.value() - to.value() * to.value();
         let decel = SpinAccel::rev_per_s2(squares / (2.0 * braked));
         (braked > 0.0 && squares > 0.0).then_some(Self { decel, ..*self })
+    }
+
+    /// The same drive, if from a speed it needs so many turns more than by delay and deceleration. What would leave no
+    /// turns to brake is not believed.
+    #[must_use]
+    pub fn later_by(&self, early: Angle, from: Spin) -> Self {
+        let ramp = stopping_angle(from, self.decel);
+        let longer = ramp + early;
+        let share = if longer > ramp * LEAST_RAMP { ramp / longer } else { 1.0 };
+        Self { decel: self.decel * share, ..*self }
     }
 
     /// The same drive, if its deceleration is less by so much of itself.

@@ -3,9 +3,9 @@
 //! ```text
 //!        told S               turns left = N·(1 + u)           slow: its deceleration has shown itself
 //!   In ─────────► at speed ─────────────────────────► Slow ────────────────────────────────────────────┐
-//!                    │            nothing learnt yet    told to creep      turns left = N as it showed  │
+//!                    │                                  told to creep      turns left = N as it showed  │
 //!                    │ turns left = N + early                                                          ▼
-//!                    └───────────────── learnt ─────────────────────────────────────────────────────► Turn
+//!                    └────── learnt, and it repeats well enough ─────────────────────────────────────► Turn
 //!                                                          told to turn back, still going in            │
 //!       RunDown ◄──────────────────── Out ◄──────── Bottom ◄──────── dwell ─────────────────────────────┤
 //!                 turns left = N       ▲                                          it stands             │
@@ -15,11 +15,13 @@
 //! | symbol | meaning |
 //! |---|---|
 //! | N | stopping angle at the present speed, by the machine's file ([`Stopping`]) |
-//! | u | share by which it may be longer |
+//! | u | share by which it may be longer: large before anything is learnt |
 //! | early | turns that it was longer at the programmed speed, learnt from the strokes before; it goes with the square of the speed |
 //!
 //! The first stroke of a kind is on the safe side: it leaves the speed so early that even a stopping angle longer by u
-//! would not pass the bottom, and creeps on to it. From the second stroke on the spindle is told to turn back straight from its speed.
+//! would not pass the bottom, and creeps on to it. From the second stroke on the spindle is told to turn back straight from its
+//! speed, if the turning point repeats well enough: it scatters with the speed times the scatter of the drive's delay, and with the
+//! ramp. Where it does not, the later strokes creep too, but for a moment only, because how the drive stops is known.
 //! A stop on the way tells it to stand; the feed stays on its helix meanwhile, and the stroke goes on, or out, from there.
 //! An order is given in a period, so the turning point is met within half a period's way.
 use crate::stopping::{Stopping, stopping_angle};
@@ -42,12 +44,14 @@ pub struct Spoken {
     pub speeds: (Spin, Spin),
     /// How it stops, by the machine's file, from the moment at which the control decides.
     pub stopping: Stopping,
-    /// Share by which the stopping angle may be longer.
+    /// Share by which the stopping angle may be longer than that and what was learnt.
     pub uncertainty: f64,
+    /// How much later it may obey.
+    pub late: Time,
     /// A speed from which that does not matter.
     pub creep: Spin,
-    /// Strokes of this kind have taught the stopping angle.
-    pub known: bool,
+    /// It is known well enough to be told to turn back straight from its speed.
+    pub at_speed: bool,
 }
 
 /// Where such a tap stands.
@@ -79,13 +83,18 @@ pub enum Told {
 /// On the way to the creep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slowing {
-    /// Where it began to slow down, and its speed then.
+    /// Where it began to slow down, inwards, and its speed then.
     from: (Angle, Spin),
     /// How it really stops, once that is seen.
     shown: Option<Stopping>,
 }
 
 impl Spoken {
+    /// The longest that it may take to stop, with what was learnt.
+    fn longest(&self, early: Angle) -> Stopping {
+        self.stopping.later_by(early, self.speeds.0).slower_by(self.uncertainty)
+    }
+
     /// How fast it gains speed, from rest to `to` over the turns that it has done: n²/2N, which is far steadier than
     /// what an observer sees of a coarse encoder's acceleration. That one only tells whether it does.
     fn rises(&self, spin: Spin, seen: SpinAccel, turned: Angle, to: Spin) -> SpinAccel {
@@ -124,24 +133,28 @@ impl Told {
                 taught: self.taught(),
                 stands: false,
             },
-            Self::In if spoken.known => {
+            Self::In if spoken.at_speed => {
                 let early = spoken.stopping.angle_while(spin, rises) + tap.early * share;
                 if left > early { self } else { Self::Turn(None) }
             }
             Self::In => {
-                let longest = spoken.stopping.slower_by(spoken.uncertainty);
-                let creeping = spoken.creep * (CREEPS_FOR + longest.delay) + spin * SEEN_LATE;
-                if left > longest.angle_while(spin, rises) + creeping {
+                let longest = spoken.longest(tap.early);
+                let creeping = spoken.creep * (CREEPS_FOR + longest.delay);
+                let late = (spin + rises * spoken.stopping.delay) * (SEEN_LATE + spoken.late);
+                if left > longest.angle_while(spin, rises) + creeping + late {
                     self
                 } else {
                     // how far it turns on, and how fast, before the drive obeys
                     let delay = spoken.stopping.delay;
                     let rotation = Rotation { accel: rises * inwards, ..tick.master }.after(delay);
-                    let from = (rotation.angle, rotation.spin * inwards);
+                    let from = (rotation.angle * inwards, rotation.spin * inwards);
                     Self::Slow(Slowing { from, shown: None })
                 }
             }
-            Self::Slow(slowing) => slowing.next(spoken, spin, left, tick.master.angle, inwards),
+            Self::Slow(slowing) => {
+                let longest = spoken.longest(tap.early);
+                slowing.next(spoken, longest, (spin, left), tick.master.angle * inwards)
+            }
             Self::Turn(_) if spin > Spin::ZERO && !tick.at_rest => self,
             Self::Turn(taught) if tap.dwell > Time::ZERO => Self::Bottom(taught, Time::ZERO),
             Self::Bottom(taught, waited) if waited + tick.elapsed < tap.dwell => {
@@ -220,14 +233,14 @@ impl Told {
 }
 
 impl Slowing {
-    fn next(self, spoken: &Spoken, spin: Spin, left: Angle, angle: Angle, inwards: f64) -> Told {
-        let (at, from) = self.from;
+    /// With the longest that it may take to stop, its speed, the turns that are left, and its angle inwards.
+    fn next(self, spoken: &Spoken, longest: Stopping, now: (Spin, Angle), angle: Angle) -> Told {
+        let ((at, from), (spin, left)) = (self.from, now);
         let shown = self.shown.or_else(|| {
             let slow = spin <= spoken.creep * SHOWN;
-            slow.then(|| spoken.stopping.shown(from, spin, (angle - at) * inwards)).flatten()
+            slow.then(|| spoken.stopping.shown(from, spin, angle - at)).flatten()
         });
         // until then it is on its way down already: there is no delay to come
-        let longest = spoken.stopping.slower_by(spoken.uncertainty);
         let needed =
             shown.map_or_else(|| stopping_angle(spin, longest.decel), |shown| shown.angle(spin));
         if left > needed {

@@ -42,9 +42,10 @@ fn tap_at(rpm: f64, early: Angle, known: bool, dwell: Time, sense: f64) -> Tap<'
         spoken: Some(Spoken {
             speeds: (spin, -spin),
             stopping,
-            uncertainty: 0.2,
+            uncertainty: if known { 0.002 } else { 0.2 },
+            late: if known { Time::s(0.7e-3) } else { Time::ZERO },
             creep: Spin::rpm(0.1 * rpm),
-            known,
+            at_speed: known,
         }),
         gentle: (Speed::mm_per_s(50.0), Accel::mm_per_s2(500.0)),
         halt: Halt {
@@ -70,14 +71,17 @@ struct Seen {
     seconds: f64,
 }
 
+/// Periods of the drive's delay, by its file.
+const DELAY: usize = 40;
+
 /// Run it on a drive whose deceleration is 85 % of what its file says.
 fn run(tap: &Tap<Unplanned>) -> Seen {
-    run_held(tap, 0.0..0.0)
+    run_held(tap, DELAY, 0.0..0.0)
 }
 
-/// The same, held for a while.
-fn run_held(tap: &Tap<Unplanned>, holds: core::ops::Range<f64>) -> Seen {
-    let (decel, accel, delay) = (0.85 * 67.0, 67.0, 40);
+/// The same with a delay of so many periods, held for a while.
+fn run_held(tap: &Tap<Unplanned>, delay: usize, holds: core::ops::Range<f64>) -> Seen {
+    let (decel, accel) = (0.85 * 67.0, 67.0);
     let mut orders = std::collections::VecDeque::from(std::vec![0.0; delay]);
     let (mut angle, mut spin, mut cycle) = (0.0_f64, 0.0_f64, Cycle::new());
     let mut seen = Seen { beyond_bottom: -100.0, beyond_start: -100.0, taught: None, seconds: 0.0 };
@@ -167,10 +171,32 @@ fn whatever_the_speed_the_second_stroke_meets_the_bottom_even_if_the_stroke_is_t
     }
 }
 
+/// Half a scan sooner or later: straight from 35 rev/s, still rising, that is n·δ·(1 + a/d) beyond the bottom, and from the
+/// creep a tenth of n·δ at most.
+#[test]
+fn a_learnt_stroke_that_creeps_meets_the_bottom_however_late_its_drive_obeys() {
+    let first = run(&tap_at(3000.0, Angle::ZERO, false, Time::ZERO, 1.0));
+    let taught = first.taught.expect("it slowed down");
+    let straight = tap_at(3000.0, taught, true, Time::ZERO, 1.0);
+    let mut creeps = tap_at(3000.0, taught, true, Time::ZERO, 1.0);
+    creeps.spoken = creeps.spoken.map(|spoken| Spoken { at_speed: false, ..spoken });
+    let (n, a, d) = (37.0, 67.0, 0.85 * 67.0); // 24 turns: n²/2a + n²/2d
+    for (delay, periods) in [(DELAY - 2, -2.0), (DELAY + 2, 2.0)] {
+        let exact = n * periods * PERIOD * (1.0 + a / d);
+        let seen = run_held(&straight, delay, 0.0..0.0);
+        let off = (seen.beyond_bottom - exact).abs();
+        assert!(off < 0.3 * exact.abs(), "{} rev, {exact} rev", seen.beyond_bottom);
+        let seen = run_held(&creeps, delay, 0.0..0.0);
+        let most = 0.1 * 50.0 * (2.0 + 0.5) * PERIOD;
+        assert!(seen.beyond_bottom.abs() < most, "{} rev at a creep", seen.beyond_bottom);
+        assert!(seen.seconds < first.seconds, "{} s, {} s", seen.seconds, first.seconds);
+    }
+}
+
 #[test]
 fn a_stroke_that_is_held_on_its_way_in_goes_on_to_its_bottom() {
     for at in [0.1, 0.6, 1.0] {
-        let seen = run_held(&tap(Angle::ZERO, false, Time::ZERO, 1.0), at..at + 1.5);
+        let seen = run_held(&tap(Angle::ZERO, false, Time::ZERO, 1.0), DELAY, at..at + 1.5);
         // too little way is left for the drive to show how it stops: short of the bottom, then, never beyond
         let beyond = seen.beyond_bottom;
         assert!((-0.1..0.01).contains(&beyond), "held at {at} s: {beyond} rev");

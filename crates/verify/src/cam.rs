@@ -369,7 +369,8 @@ mod tests {
     fn judged(x: impl Fn(f64) -> f64) -> (Feature, GroundCam) {
         let nodes = (0..STEPS).map(|i| lift(i as f64 / STEPS as f64)).collect();
         let wheel = Length::mm(195.0);
-        let profile = CamProfile { number: 7, name: "eccentric".into(), nodes, wheel };
+        let profile =
+            CamProfile { number: 7, name: "eccentric".into(), nodes, wheel, steepest: [0.0; 3] };
         let config =
             Config { cams: CamLibrary::new([profile]), ..Config::new(ToolLibrary::default()) };
         let ordered =

@@ -269,8 +269,11 @@ fn write_observed(w: &mut Writer<'_>, observed: &Observed) {
     w.f64(feedback.time.value());
     w.u16(mask(&feedback.axes));
     for axis in feedback.axes.iter().filter(|axis| **axis != AxisFeedback::default()) {
-        w.u8(axis.ready.into());
+        w.u8(mask(&[axis.ready, axis.motor.is_some()]) as u8);
         w.f64(axis.position.value());
+        if let Some(motor) = axis.motor {
+            w.f64(motor.value());
+        }
     }
     w.u16(mask(&feedback.spindles));
     for spindle in feedback.spindles.iter().filter(|one| **one != SpindleFeedback::default()) {
@@ -293,7 +296,15 @@ fn write_observed(w: &mut Writer<'_>, observed: &Observed) {
 fn read_observed(r: &mut Reader<'_>) -> Option<Observed> {
     let mut feedback = Feedback { time: Time::s(r.f64()?), ..Feedback::default() };
     for index in indices(r.u16()?, AXES)? {
-        feedback.axes[index] = AxisFeedback { ready: r.flag()?, position: Length::mm(r.f64()?) };
+        let flags = r.u8()?;
+        if flags > 3 {
+            return None;
+        }
+        feedback.axes[index] = AxisFeedback {
+            ready: flags & 1 != 0,
+            position: Length::mm(r.f64()?),
+            motor: if flags & 2 == 0 { None } else { Some(Length::mm(r.f64()?)) },
+        };
     }
     for index in indices(r.u16()?, SPINDLES)? {
         let flags = r.u8()?;

@@ -58,7 +58,8 @@ fn made(entry: &CamEntry, folder: &Path, wheel: Length, nodes: usize) -> Result<
         cam.wheel_path(wheel, nodes)
     };
     let path = path.map_err(refused)?;
-    let profile = CamProfile { number, name, nodes: path.centre.clone(), wheel };
+    let (nodes, steepest) = (path.centre.clone(), path.steepest());
+    let profile = CamProfile { number, name, nodes, wheel, steepest };
     Ok(Made { profile, path, work_speed: entry.work_speed })
 }
 

@@ -72,9 +72,9 @@ fn feed_forward(loops: &Loops) -> FeedForward {
 }
 
 fn axis(file: &Axis) -> AxisControl {
-    let place = match file.position_from {
-        PositionFrom::Motor { .. } => EncoderPlace::Motor,
-        PositionFrom::Scale { .. } => EncoderPlace::Scale,
+    let (place, motor_count) = match file.position_from {
+        PositionFrom::Motor { .. } => (EncoderPlace::Motor, None),
+        PositionFrom::Scale { motor, .. } => (EncoderPlace::Scale, motor.map(|(_, count)| count)),
     };
     let friction = &file.friction;
     AxisControl {
@@ -94,7 +94,7 @@ fn axis(file: &Axis) -> AxisControl {
         },
         stiffness: file.structure.stiffness,
         backlash: file.structure.backlash,
-        encoder: AxisEncoder { place, count: file.position_from.resolution() },
+        encoder: AxisEncoder { place, count: file.position_from.resolution(), motor_count },
         peak_force: file.drive.peak_force(),
         force_lag: file.drive.force_lag,
         gentle: (file.gentle.speed, file.gentle.acceleration),
@@ -128,6 +128,7 @@ fn spindle(file: &Spindle, observer_bandwidth_hz: f64) -> SpindleControl {
             delay: own.delay,
             decel: own.deceleration,
             uncertainty: own.uncertainty_share,
+            repeats: (own.repeats_delay, own.repeats_share),
             creep: own.creep_share,
         }),
         windows: SpindleWindows {

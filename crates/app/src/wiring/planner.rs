@@ -59,7 +59,9 @@ fn own_ramps(file: store::machine::OwnRamps) -> OwnRamps {
         accel: file.acceleration,
         decel: file.deceleration,
         uncertainty: file.uncertainty_share,
+        repeats_delay: file.repeats_delay,
         repeats: file.repeats_share,
+        turns_within: file.turns_within,
         creep: file.creep_share,
     }
 }

@@ -109,7 +109,10 @@ fn axis(file: &Axis) -> sim::AxisModel {
             PositionFrom::Motor { counts_per_rev, .. } => {
                 sim::AxisEncoder::Motor { counts_per_rev }
             }
-            PositionFrom::Scale { resolution } => sim::AxisEncoder::Scale { resolution },
+            PositionFrom::Scale { resolution, motor } => sim::AxisEncoder::Scale {
+                resolution,
+                motor_counts_per_rev: motor.map(|(counts, _)| counts),
+            },
         },
         start: start(file),
     }

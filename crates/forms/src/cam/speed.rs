@@ -108,7 +108,7 @@ impl WheelPath {
     }
 
     /// Largest first three derivatives per revolution.
-    fn steepest(&self) -> [f64; 3] {
+    pub fn steepest(&self) -> [f64; 3] {
         let n = self.centre.len();
         let points = (0..n).map(|k| self.at(Angle::rev(k as f64 / n as f64)));
         points.fold([0.0; 3], |[a, b, c], p| {

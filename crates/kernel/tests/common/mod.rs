@@ -129,11 +129,15 @@ fn axis_control(model: &AxisModel) -> AxisControl {
         encoder: match model.encoder {
             AxisEncoder::Motor { counts_per_rev } => kernel::AxisEncoder {
                 place: EncoderPlace::Motor,
+                motor_count: None,
                 count: model.screw_lead / f64::from(counts_per_rev),
             },
-            AxisEncoder::Scale { resolution } => {
-                kernel::AxisEncoder { place: EncoderPlace::Scale, count: resolution }
-            }
+            AxisEncoder::Scale { resolution, motor_counts_per_rev } => kernel::AxisEncoder {
+                place: EncoderPlace::Scale,
+                motor_count: motor_counts_per_rev
+                    .map(|counts| model.screw_lead / f64::from(counts)),
+                count: resolution,
+            },
         },
         peak_force: model.peak_force(),
         force_lag: model.force_lag,
@@ -227,6 +231,11 @@ pub const Z_LIMITS: AxisLimits = AxisLimits {
     feed_jerk: Jerk::mm_per_s3(8e5),
 };
 
+/// A scale beside the motor's own encoder.
+pub fn scale(resolution: Length) -> AxisEncoder {
+    AxisEncoder::Scale { resolution, motor_counts_per_rev: Some(1 << 20) }
+}
+
 /// A tap to make: M6 at 6000 rpm, 30 mm of stroke, unless told otherwise.
 #[derive(Clone, Copy)]
 pub struct TapOrder {
@@ -282,6 +291,7 @@ impl TapOrder {
             dwell: Time::s(self.dwell_s),
             outward: stroke,
             start_angle: self.start_angle,
+            turns_at_speed: true,
             limiting: TapLimiting {
                 speed: Limiting::ProgrammedSpeed,
                 ramp: Limiting::ProgrammedSpeed,

@@ -8,7 +8,7 @@
 //! The table is superposed less its top, so that fading it in only moves the wheel away from the top, and a wheel that
 //! stands clear of the top stays clear. Idle turns are made where the wheel stands.
 use super::{Job, Planner};
-use crate::cams::{TURN_ENDED, steepest, turned};
+use crate::cams::{TURN_ENDED, turned};
 use crate::coupled::{Superpose, Superposed, Table};
 use crate::findings::number;
 use crate::path::Path;
@@ -323,7 +323,7 @@ impl Planner {
         let highest =
             self.limits.spindles.first().map_or(Spin::ZERO, |s| s.reachable(units::Torque::ZERO));
         // a speed that varies was planned within the limits; what its mean asks of X is checked as of any other
-        let [slope, bend, jolt] = steepest(&profile.nodes);
+        let [slope, bend, jolt] = profile.steepest;
         let mut bounds = Vec::from([
             (highest.value(), "the work spindle's highest speed"),
             (x.rapid_speed.value() / slope, "the speed of X"),

@@ -350,6 +350,11 @@ impl Planner {
             dwell: if peck.bottom == tap.bottom { tap.dwell } else { Time::ZERO },
             outward: outward.profile,
             start_angle,
+            turns_at_speed: self
+                .limits
+                .tapping
+                .own_ramps
+                .is_some_and(|own| own.turns_at_speed(tap.spin, request.revolutions, tap.lead)),
             limiting: inward.limiting,
         }
     }

@@ -9,6 +9,9 @@ type Curve<'a> = (Stroke, Vec<(f64, f64)>, Option<&'a str>);
 /// What is shown before and after the manoeuvre, s.
 const AROUND_S: f64 = 0.12;
 
+/// What a number beside its line takes.
+const ROOM: f64 = 14.0;
+
 /// The picture and its table; nothing if no chips were thrown off.
 pub(crate) fn chip_removal(recorder: &Recorder) -> String {
     let Some((hop, rows, cuts)) = recorder.chips.shown() else { return String::new() };
@@ -61,7 +64,7 @@ pub(crate) fn chip_removal(recorder: &Recorder) -> String {
         + &figure(
             "The manoeuvre",
             &near,
-            "The same, near by. From 1 to 4 it lasts; as far as the way to the next hole lasts, it costs nothing.",
+            "The same, near by, with all numbers. From 1 to 4 it lasts; as far as the way to the next hole lasts, it costs nothing.",
         )
         + &figure(
             "What the overlap saves",
@@ -114,13 +117,22 @@ fn chart(
     for (stroke, line, label) in lines {
         chart.line(*stroke, line, *label);
     }
-    let mut last = f64::NEG_INFINITY;
-    let mut down = 0.0;
-    for (at, name) in marks {
-        // numbers that stand close step down
-        down = if (at - last) * chart.units_per_x() < 12.0 { down + 13.0 } else { 0.0 };
-        last = *at;
-        chart.word((*at, top), (3.0, 12.0 + down), "name start", name);
+    let apart = |nth: usize, other: Option<usize>| {
+        let other = other.and_then(|other| marks.get(other));
+        other.is_none_or(|other| (other.0 - marks[nth].0).abs() * chart.units_per_x() > ROOM)
+    };
+    // to the right of its line, else to the left; between lines that stand close a number is left out
+    let sides: Vec<_> = (0..marks.len())
+        .map(|nth| match (apart(nth, Some(nth + 1)), apart(nth, nth.checked_sub(1))) {
+            (true, _) => Some(("name start", 3.0)),
+            (false, true) => Some(("name", -3.0)),
+            (false, false) => None,
+        })
+        .collect();
+    for ((at, name), side) in marks.iter().zip(sides) {
+        if let Some((class, by)) = side {
+            chart.word((*at, top), (by, 12.0), class, name);
+        }
     }
     for (at, name) in holes {
         chart.word((*at, bottom), (3.0, -5.0), "name start", name);

@@ -17,7 +17,7 @@ pub(crate) fn timeline(run: &Run, recorder: &Recorder) -> String {
     let (unit, per_unit) = if end > 600.0 { ("min", 60.0) } else { ("s", 1.0) };
     let points: Vec<_> = points.into_iter().map(|(t, n)| (t / per_unit, n)).collect();
     let x = Range::of(&format!("time of the run / {unit}"), points.iter().map(|p| p.0));
-    let y = Range::of("spindle speed / rpm", points.iter().map(|p| p.1).chain([0.0])).padded(0.1);
+    let y = Range::of("spindle speed / rpm", points.iter().map(|p| p.1).chain([0.0])).padded(0.16);
     let (top, bottom) = (y.to, y.from);
     let description = format!("Spindle speed over the run of {}.", run.program);
     let mut chart = Chart::new("Spindle speed over the whole run", &description, x, y, 250.0);

@@ -1,9 +1,11 @@
 //! The tool's path: where the tip went, in a view from the front right above and one from the front.
 //!
 //! ```text
-//!        z │  ╱ y          isometric:  u = (x − y)·cos 30°
-//!          │╱                          v = z + (x + y)·sin 30°
-//!           ╲ x
+//!     y  z │                u = x·cos 30° − y·sin 30°
+//!      ╲   │  ╱ x           v = z·cos 30° + (x·sin 30° + y·cos 30°)·sin 30°
+//!       ╲__│╱
+//!
+//!   turned by 30°, not by 45°: a row of holes along x = y would be one line
 //! ```
 //!
 //! The picture is as large as the cutting is; rapids that leave it for the tool change or the
@@ -16,9 +18,9 @@ use crate::svg::{Chart, Range, Stroke, fixed, ticks};
 type Line = Vec<(f64, f64)>;
 type View = fn([f64; 3]) -> (f64, f64);
 
-fn isometric([x, y, z]: [f64; 3]) -> (f64, f64) {
+fn above([x, y, z]: [f64; 3]) -> (f64, f64) {
     let (sin, cos) = 30f64.to_radians().sin_cos();
-    ((x - y) * cos, z + (x + y) * sin)
+    (x * cos - y * sin, z * cos + (x * sin + y * cos) * sin)
 }
 
 const fn front([x, _, z]: [f64; 3]) -> (f64, f64) {
@@ -35,13 +37,13 @@ pub(crate) fn tool_path(run: &Run, recorder: &Recorder) -> [String; 2] {
     }
     let frame = run.frame();
     let above =
-        draw("iso", &points, isometric, ["across the view / mm".into(), "up the view / mm".into()]);
+        draw("above", &points, above, ["across the view / mm".into(), "up the view / mm".into()]);
     let front =
         draw("front", &points, front, [format!("X in {frame} / mm"), format!("Z in {frame} / mm")]);
     let caption = "Path of the tool's tip: cutting drawn through, rapids dashed. Look for rapids that pass lower than the \
         work's clamps, and for returns that climb higher than they need: they are time. Rapids to the tool change \
         leave the picture.";
-    let above = figure("Tool path, isometric", &above, caption);
+    let above = figure("Tool path, from above", &above, caption);
     let of_front = "The same path from the front, X to the right, Z up, to scale.";
     [above, figure("Tool path, from the front", &front, of_front)]
 }
@@ -54,7 +56,8 @@ fn draw(id: &str, points: &[Point], view: View, titles: [String; 2]) -> String {
     let (x, y) = (Range::of(&across, flat().map(|p| p.0)), Range::of(&up, flat().map(|p| p.1)));
     let margin = (0.12 * f64::max(x.to - x.from, y.to - y.from)).max(2.0);
     let grown = |r: Range| Range { from: r.from - margin, to: r.to + margin, ..r };
-    let title = format!("Tool path, {}", if id == "iso" { "isometric" } else { "from the front" });
+    let title =
+        format!("Tool path, {}", if id == "above" { "from above" } else { "from the front" });
     let description = "Path of the tool's tip; rapids are dashed.";
     let mut chart = Chart::to_scale(&title, description, grown(x), grown(y));
     chart.lines(Stroke::Rapid, &rapids, Some("rapid"));

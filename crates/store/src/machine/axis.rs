@@ -146,6 +146,8 @@ pub enum PositionFrom {
     Scale {
         /// One count.
         resolution: Length,
+        /// The motor's own encoder beside it: counts per revolution, and one count at the table.
+        motor: Option<(u32, Length)>,
     },
 }
 
@@ -318,6 +320,11 @@ impl Friction {
     }
 }
 
+/// What a count of a motor's encoder is at the table.
+fn count(lead: Lead, counts_per_rev: u32) -> Length {
+    Length::mm(lead.value() / f64::from(counts_per_rev))
+}
+
 impl PositionFrom {
     fn read(motor: &Motor, keys: &mut Keys<'_>) -> Self {
         let scale = keys.choice("position_from", &[("motor", false), ("scale", true)]);
@@ -332,27 +339,32 @@ impl PositionFrom {
                 || expected("scale_resolution_nm", "scale"),
                 |nm| Length::mm(nm * 1e-6),
             );
-            return Self::Scale { resolution };
+            let motor = match motor {
+                Motor::BallScrew { lead, .. } => {
+                    counts.map(|counts| (counts, count(*lead, counts)))
+                }
+                Motor::Linear { .. } => None,
+            };
+            return Self::Scale { resolution, motor };
         }
         let Motor::BallScrew { lead, .. } = motor else {
             keys.conflict(
                 "position_from",
                 "a linear motor has no encoder of its own: expected \"scale\"",
             );
-            return Self::Scale { resolution: Length::ZERO };
+            return Self::Scale { resolution: Length::ZERO, motor: None };
         };
         let Some(counts_per_rev) = counts else {
             let resolution = expected("motor_counts_per_rev", "motor");
             return Self::Motor { counts_per_rev: 1, resolution };
         };
-        let resolution = Length::mm(lead.value() / f64::from(counts_per_rev));
-        Self::Motor { counts_per_rev, resolution }
+        Self::Motor { counts_per_rev, resolution: count(*lead, counts_per_rev) }
     }
 
     /// One count.
     pub const fn resolution(&self) -> Length {
         match *self {
-            Self::Motor { resolution, .. } | Self::Scale { resolution } => resolution,
+            Self::Motor { resolution, .. } | Self::Scale { resolution, .. } => resolution,
         }
     }
 }

@@ -10,7 +10,7 @@
 //! ```
 use super::{axis::Loops, setup::percent};
 use crate::keys::Keys;
-use units::{Angle, Inertia, Power, Spin, SpinAccel, Time, Torque};
+use units::{Angle, Inertia, Length, Power, Spin, SpinAccel, Time, Torque};
 
 /// One spindle.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,9 +64,13 @@ pub struct OwnRamps {
     pub deceleration: SpinAccel,
     /// How far its stopping angle may be from what these make it.
     pub uncertainty_share: f64,
-    /// How far it may be once a stroke has taught it.
+    /// How much sooner or later than a stroke has taught it may obey.
+    pub repeats_delay: Time,
+    /// How far its ramp may be from what a stroke has taught.
     pub repeats_share: f64,
-    /// Share of a tap's speed at which the first stroke of a kind creeps to its bottom.
+    /// A stroke turns back straight from its speed if it repeats so well; else it creeps to its bottom.
+    pub turns_within: Length,
+    /// Share of a tap's speed at which strokes creep to their bottom.
     pub creep_share: f64,
 }
 
@@ -179,7 +183,9 @@ impl OwnRamps {
             ),
             deceleration: SpinAccel::rev_per_s2(keys.number("deceleration_rev_per_s2", accel)),
             uncertainty_share: percent(keys, "uncertainty_percent", 0.0..=100.0),
+            repeats_delay: Time::s(keys.number("repeats_ms", 0.0..=100.0) * 1e-3),
             repeats_share: percent(keys, "repeats_percent", 0.0..=100.0),
+            turns_within: Length::um(keys.number("turns_within_um", 0.0..=10_000.0)),
             creep_share: percent(keys, "creep_percent", 1.0..=100.0),
         })
     }

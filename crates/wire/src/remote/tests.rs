@@ -42,7 +42,11 @@ fn script(messages: &[Message]) -> Script {
 fn observed(time: f64) -> Observed {
     let mut observed = Observed::default();
     observed.feedback.time = Time::s(time);
-    observed.feedback.axes[2] = bus::AxisFeedback { position: Length::mm(-151.25), ready: true };
+    observed.feedback.axes[2] = bus::AxisFeedback {
+        position: Length::mm(-151.25),
+        motor: Some(Length::mm(-151.2)),
+        ready: true,
+    };
     observed.feedback.spindles[0] = bus::SpindleFeedback {
         angle: Angle::rev(12.5),
         index: Some(Angle::rev(12.0)),
