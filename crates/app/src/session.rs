@@ -42,6 +42,8 @@ pub(crate) struct Session {
     pub(crate) dialect: interp::Dialect,
     /// The cams that the program may grind.
     pub(crate) cams: CamSetup,
+    /// Oscillations of polygons that were computed for this program.
+    oscillations: crate::polygon::auto::Answers,
     decimal_point: DecimalPoint,
     block_skip: Vec<u8>,
     has_parameter_file: bool,
@@ -68,6 +70,7 @@ impl Session {
         let cams = CamSetup::load(args, program, &machine)?;
         let mut session = Self {
             cams,
+            oscillations: crate::polygon::auto::Answers::default(),
             parameters: parameters(args.parameters.as_deref(), &machine)?,
             has_parameter_file: args.parameters.is_some(),
             subprograms: crate::subprograms::find(args, &machine, program, text)?,
@@ -172,7 +175,8 @@ impl Session {
     /// Who computes the oscillations that a program leaves to the control.
     pub(crate) fn auto(&self) -> crate::polygon::auto::Auto<'_> {
         let axis = self.work_zero().linear[0];
-        crate::polygon::auto::Auto::new(&self.machine, &self.tools, &self.cams.phases, axis)
+        let (phases, answers) = (&self.cams.phases, &self.oscillations);
+        crate::polygon::auto::Auto::new(&self.machine, &self.tools, phases, answers, axis)
     }
 
     /// The same as a stand-alone interpreter has it: no machine, so no work offsets but those of a parameter

@@ -22,6 +22,7 @@
 mod fine;
 mod form;
 mod kinematics;
+mod lp;
 mod optimise;
 mod profile;
 mod series;

@@ -246,6 +246,35 @@ fn where_acceleration_binds_too() {
 }
 
 #[test]
+fn at_their_limits_two_slides_are_flatter_than_either() {
+    let form = hexagon();
+    let y = Limits { acceleration: 4000.0, jerk: 300e3, ..slide() };
+    // as a slide on its screw answers, which swings by itself at 112 Hz: 1/(1 − r² + 0.08·j·r)
+    let answer = |h: u32| {
+        let r = 50.0 * f64::from(h) / 112.0;
+        let (re, im) = (1.0 - r * r, 0.08 * r);
+        let size = re * re + im * im;
+        [re / size, -im / size]
+    };
+    let response: Vec<[f64; 2]> = (1..=96).map(answer).collect();
+    let drive = |actuator, limits: &Limits| Drive {
+        actuator,
+        limits: limits.clone(),
+        response: response.clone(),
+    };
+    let solve = |drives| {
+        let problem = Problem { form: &form, spin: Spin::rpm(500.0), drives, harmonics: 4 };
+        let few = problem.solve().unwrap();
+        (few.flatness.in_um(), problem.refined(few).flatness.in_um())
+    };
+    let (x, y) = (drive(Actuator::CentreLine, &slide()), drive(Actuator::Across, &y));
+    let (only_x, only_y) = (solve(vec![x.clone()]), solve(vec![y.clone()]));
+    let both = solve(vec![x, y]);
+    println!("X {only_x:?}, Y {only_y:?}, both {both:?} µm");
+    assert!(both.1 < 0.98 * only_x.1.min(only_y.1) && both.1 < 0.98 * both.0);
+}
+
+#[test]
 fn a_loop_that_lags_is_taken_into_account() {
     // gain 0.9, 10° late: commanded so much more and earlier, unless a limit forbids
     let late = (-10_f64).to_radians();

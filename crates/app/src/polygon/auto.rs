@@ -1,11 +1,12 @@
 //! What the control fills in of G51.2: with D the oscillation for the cut that follows, on this machine; with E1 what is
 //! sent of it, by what was measured before.
-use super::{AS_FLAT, CANDIDATES, FINE_HARMONICS, HARMONICS, drives, kept, problem, refuse};
+use super::{CANDIDATES, FINE_HARMONICS, HARMONICS, drives, flattest, kept, problem, refuse};
 use canon::{
     Axis, Harmonic, OpKind, Oscillating, Oscillation, Polygon, SpindleOrder, ToolKind, ToolLibrary,
 };
 use diag::{Diagnostic, Span};
 use forms::polygon::{Actuator, Form, Series, Solution};
+use std::cell::RefCell;
 use store::machine::MachineFile;
 use store::phases::Phases;
 use units::{Length, Spin};
@@ -13,16 +14,25 @@ use units::{Length, Spin};
 /// An offset of the facets that X need not be moved for, mm.
 const NOT_WORTH_MM: f64 = 2e-4;
 
-/// Flatter than this is any facet.
-const NOT_CUT: Length = Length::mm(1e6);
-/// How much flatter a finer oscillation can be than one of a few harmonics, generously.
-const NEAR: f64 = 1.5;
+/// What was asked before, and what came of it: a program is planned before it runs, and asks the same twice.
+#[derive(Default)]
+pub(crate) struct Answers(RefCell<Vec<(Asked, Result<Solution, Refusal>)>>);
+
+/// All that an oscillation depends on beside the machine and what was measured of it.
+#[derive(Clone, PartialEq)]
+struct Asked {
+    form: Form,
+    work: Spin,
+    who: Option<canon::Actuator>,
+    compensated: bool,
+}
 
 /// Follows the program as far as an oscillation depends on it.
 pub(crate) struct Auto<'a> {
     machine: &'a MachineFile,
     tools: &'a ToolLibrary,
     phases: &'a Phases,
+    answers: &'a Answers,
     /// Machine X of the work's axis.
     axis: Length,
     tool: u32,
@@ -36,9 +46,11 @@ impl<'a> Auto<'a> {
         machine: &'a MachineFile,
         tools: &'a ToolLibrary,
         phases: &'a Phases,
+        answers: &'a Answers,
         axis: Length,
     ) -> Self {
-        Self { machine, tools, phases, axis, tool: 0, work: Spin::ZERO, findings: Vec::new() }
+        let work = Spin::ZERO;
+        Self { machine, tools, phases, answers, axis, tool: 0, work, findings: Vec::new() }
     }
 
     /// What was found.
@@ -119,42 +131,43 @@ impl<'a> Auto<'a> {
         form.check().map_err(|all| {
             ("A0401", all.into_iter().map(|refusal| refusal.0).collect::<Vec<_>>().join("; "))
         })?;
-        let mut found = Vec::new();
+        let who = polygon.auto;
+        let asked = Asked { form, work: self.work, who, compensated: polygon.compensated };
+        let known = self.answers.0.borrow().iter().find(|a| a.0 == asked).map(|a| a.1.clone());
+        known.unwrap_or_else(|| {
+            let answer = self.optimum(&asked);
+            self.answers.0.borrow_mut().push((asked, answer.clone()));
+            answer
+        })
+    }
+
+    fn optimum(&self, asked: &Asked) -> Result<Solution, Refusal> {
+        let Asked { form, work, who, compensated } = asked;
+        let base = form.base();
         let mut unmeasured = false;
-        for (_, who) in CANDIDATES.into_iter().filter(|c| may(polygon.auto, c.1)) {
-            let answers = |a: &Actuator| {
-                let on = drives::on(*a);
-                kept::answers(self.phases, on, form.base(), self.work, FINE_HARMONICS)
-            };
-            let answers: Vec<_> = if polygon.compensated {
+        let problems = CANDIDATES.into_iter().filter(|c| may(*who, c.1)).filter_map(|(_, who)| {
+            let answers: Vec<_> = if *compensated {
+                let answers = |a: &Actuator| {
+                    kept::answers(self.phases, drives::on(*a), base, *work, FINE_HARMONICS)
+                };
                 who.iter().map(answers).collect()
             } else {
                 vec![Vec::new(); who.len()]
             };
-            if polygon.compensated && answers.iter().any(Vec::is_empty) {
+            if *compensated && answers.iter().any(Vec::is_empty) {
                 unmeasured = true;
-                continue;
+                return None;
             }
-            let problem = problem(self.machine, &form, self.work, who, &answers, HARMONICS);
-            let few = problem.as_ref().and_then(forms::polygon::Problem::solve);
-            found.extend(problem.zip(few));
-        }
-        let flattest = found.iter().map(|(_, few)| few.flatness).fold(NOT_CUT, Length::min);
-        let mut best: Option<Solution> = None;
-        // what is far behind with a few harmonics does not win with many
-        for (problem, few) in found.into_iter().filter(|(_, f)| f.flatness <= flattest * NEAR) {
-            let solution = problem.refined(few);
-            if best.as_ref().is_none_or(|b| solution.flatness + AS_FLAT < b.flatness) {
-                best = Some(solution);
-            }
-        }
+            Some(((), problem(self.machine, form, *work, who, &answers, HARMONICS)?))
+        });
+        let best = flattest(problems).map(|(_, solution)| solution);
         if best.is_none() && unmeasured {
             return Err((
                 "A0402",
                 format!(
                     "E1 takes account of what an air cut has shown of what swings, and nothing of that has been measured up to {:.0} Hz, the frequency at S{:.0}: measure it with G51.4 P6 after G51.2 D0, and --phase-table FILE",
-                    form.base() * self.work.abs().value(),
-                    self.work.in_rpm()
+                    base * work.abs().value(),
+                    work.in_rpm()
                 ),
             ));
         }

@@ -22,6 +22,8 @@ use units::{Angle, Length, Spin};
 
 /// Actuators within this of the flattest are as good; the first of the list is taken.
 const AS_FLAT: Length = Length::um(0.2);
+/// How much flatter a finer oscillation can be than one of a few harmonics, generously.
+const NEAR: f64 = 1.5;
 /// Slowest work spindle that is looked at.
 const SLOWEST_RPM: f64 = 10.0;
 /// Harmonics of each oscillation where nothing binds; where something does, as many as it takes.
@@ -96,6 +98,29 @@ fn asked(choice: ActuatorChoice, who: &[Actuator]) -> bool {
         ActuatorChoice::Y => who == [Actuator::Across],
         ActuatorChoice::Xy => who.len() == 2,
     }
+}
+
+/// The first of these problems whose solution is as flat as the flattest, solved as finely as its limits ask for.
+fn flattest<'f, T>(problems: impl Iterator<Item = (T, Problem<'f>)>) -> Option<(T, Solution)> {
+    let mut found = Vec::new();
+    for (name, problem) in problems {
+        let Some(few) = problem.solve() else { continue };
+        let no_other_is_flatter = few.flatness <= AS_FLAT;
+        found.push((name, problem, few));
+        if no_other_is_flatter {
+            break;
+        }
+    }
+    let least = found.iter().map(|(.., few)| few.flatness.value()).fold(f64::INFINITY, f64::min);
+    let mut best: Option<(T, Solution)> = None;
+    // what is far behind with a few harmonics does not win with many
+    for (name, problem, few) in found.into_iter().filter(|f| f.2.flatness.value() <= least * NEAR) {
+        let solution = problem.refined(few);
+        if best.as_ref().is_none_or(|(_, b)| solution.flatness + AS_FLAT < b.flatness) {
+            best = Some((name, solution));
+        }
+    }
+    best
 }
 
 fn best(ways: &[Way]) -> Option<&Way> {
@@ -213,16 +238,21 @@ impl Design {
         work: Spin,
         phases: &Phases,
     ) -> Option<Way> {
+        let problem = self.problem(who, work, phases)?;
+        // as many harmonics as asked, else as many as it takes
+        let few = problem.solve()?;
+        let solution = if self.harmonics.is_some() { few } else { problem.refined(few) };
+        Some(Way { name, solution })
+    }
+
+    fn problem(&self, who: &[Actuator], work: Spin, phases: &Phases) -> Option<Problem<'_>> {
         let count = self.harmonics.unwrap_or(FINE_HARMONICS);
         let answers: Vec<_> = who
             .iter()
             .map(|a| kept::answers(phases, drives::on(*a), self.form.base(), work, count))
             .collect();
-        let solution = match self.harmonics {
-            Some(n) => problem(&self.machine, &self.form, work, who, &answers, n)?.solve()?,
-            None => solve(&self.machine, &self.form, work, who, &answers)?,
-        };
-        Some(Way { name, solution })
+        let harmonics = self.harmonics.unwrap_or(HARMONICS);
+        problem(&self.machine, &self.form, work, who, &answers, harmonics)
     }
 
     /// The fastest that both spindles turn.
@@ -268,17 +298,6 @@ fn problem<'f>(
     };
     let drives = who.iter().zip(answers).map(drive).collect::<Option<Vec<_>>>()?;
     Some(Problem { form, spin: work, drives, harmonics })
-}
-
-/// Its solution, as finely as the limits ask for.
-fn solve(
-    machine: &MachineFile,
-    form: &Form,
-    work: Spin,
-    who: &[Actuator],
-    answers: &[Vec<[f64; 2]>],
-) -> Option<Solution> {
-    problem(machine, form, work, who, answers, HARMONICS)?.solve_well()
 }
 
 /// What air cuts have shown of this machine, as far as a table says it.

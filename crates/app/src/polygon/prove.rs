@@ -5,7 +5,7 @@
 //!   speed ─► computed ─► run: cut, retreat, G51.4 in the air ─► flatness as sent
 //!                                       └─ answers of the loops ─► computed again ─► run: cut ─► compensated
 //! ```
-use super::{AS_FLAT, CANDIDATES, Design, Way};
+use super::{CANDIDATES, Design, Way, best, flattest};
 use crate::args::ProgramArgs;
 use crate::cam_host::CamHost;
 use crate::plant::{self, Plant};
@@ -92,15 +92,16 @@ impl Way {
 impl Design {
     /// The first of the candidates that is as flat as the flattest.
     fn flattest(&self, spin: Spin, phases: &Phases) -> Option<Way> {
-        let mut best: Option<Way> = None;
-        for (name, who) in self.candidates() {
-            let Some(way) = self.solve(name, who, spin, phases) else { continue };
-            let flatter = |b: &Way| way.solution.flatness + AS_FLAT < b.solution.flatness;
-            if best.as_ref().is_none_or(flatter) {
-                best = Some(way);
-            }
+        if self.harmonics.is_some() {
+            let ways: Vec<Way> =
+                self.candidates().filter_map(|(n, who)| self.solve(n, who, spin, phases)).collect();
+            let best = best(&ways)?.name;
+            return ways.into_iter().find(|way| way.name == best);
         }
-        best
+        let problems = self
+            .candidates()
+            .filter_map(|(name, who)| Some((name, self.problem(who, spin, phases)?)));
+        flattest(problems).map(|(name, solution)| Way { name, solution })
     }
 }
 

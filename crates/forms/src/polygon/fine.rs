@@ -8,100 +8,124 @@
 //!   x(ψ) = Σ c_i·β⁵(K·ψ − i)      x⁽ⁿ⁾ = (K·M·n)ⁿ · Σ (Δⁿc)_i·β⁵⁻ⁿ      |Δⁿc| within a limit ⇒ |x⁽ⁿ⁾| within it
 //! ```
 //!
-//! since a spline stays within its coefficients. What comes out is handed on as harmonics: those of the spline are the
-//! transform of its coefficients times sinc⁶(m/K), and beyond 2K they are too small to matter; should what is left out
-//! lift a peak over its limit, everything is made so much smaller.
-use super::form::Form;
-use super::optimise::{Drive, Problem, Solution};
-use super::profile::contact;
-use super::series::{Actuator, Series, Swings, Term};
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{
-    DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT,
-    SupportedConeT::{NonnegativeConeT, ZeroConeT},
-};
+//! since a spline stays within its coefficients. A limit of which a few
+//! harmonics used little is looked at only if the spline exceeds it. What comes out is handed on as harmonics: those of
+//! the spline are the transform of its coefficients times sinc⁶(m/K), and beyond 2K they are too small to matter; should
+//! what is left out lift a peak over its limit, everything is made so much smaller.
+use super::lp::{Lp, Row};
+use super::optimise::{AS_FLAT, Drive, Problem, Solution};
+use super::series::{Series, Swings, Term};
 use std::f64::consts::{PI, TAU};
-use units::{Angle, Length};
 
 /// Knots of a period.
-const KNOTS: usize = 160;
+const KNOTS: usize = 120;
 /// Highest harmonic that may be handed on, periods a turn.
 const HIGHEST: f64 = 2000.0;
 /// Places along a facet at which it shall be flat.
-const CONTACTS: usize = 81;
-/// Corrections of what is not linear.
-const CORRECTIONS: usize = 3;
-/// Flatter than this is as flat, mm.
-const AS_FLAT_MM: f64 = 1e-6;
-/// Places between two knots at which jerk is looked at.
-const JERKS: usize = 4;
+const CONTACTS: usize = 61;
+/// Corrections of what is not linear, beginning with what a few harmonics made of it.
+const CORRECTIONS: usize = 2;
+/// A limit of which a few harmonics use less than this is not looked at beforehand.
+const MATTERS: f64 = 0.6;
+/// A limit may be exceeded by this before it is looked at: everything is made so much smaller at last.
+const EXCEEDED: f64 = 1.001;
 /// Left to what samples of a drive's effort do not see.
 const EFFORT_SHARE: f64 = 0.995;
 
-/// A row Σ a·x ≤ b, or = b.
-type Row = (Vec<(usize, f64)>, f64);
+/// Which of a drive's limits are in the problem: travel, speed, acceleration, jerk, effort.
+type Looked = [bool; 5];
 
 /// The linear problem. Unknowns: each drive's coefficients, t, offset, and s, the share of the limits that is used.
 struct Spline<'p> {
     problem: &'p Problem<'p>,
     knots: usize,
-    equal: Vec<Row>,
-    within: Vec<Row>,
-    /// Unknowns are counted in these units.
-    scale: Vec<f64>,
+    /// Cosine and sine at each knot of a period.
+    turns: Vec<[f64; 2]>,
+    /// What each drive's loop makes of coefficients.
+    answers: Vec<Option<Vec<f64>>>,
 }
 
 impl Problem<'_> {
-    /// Solve it with as much detail as the limits make use of; `None` if the solver fails.
-    pub fn solve_finely(&self) -> Option<Solution> {
-        let knots = KNOTS.min((HIGHEST / 2.0 / self.form.base()) as usize).max(16);
-        let n = knots * self.drives.len();
-        let mut actual = Swings::default();
+    /// Solve it with as much detail as the limits make use of, from what a few harmonics made of it; `None` if the
+    /// solver fails.
+    pub fn solve_finely(&self, few: &Solution) -> Option<Solution> {
+        let spline = Spline::new(self);
+        let n = spline.unknowns();
+        let mut looked: Vec<Looked> = self.drives.iter().zip(&few.peaks).map(matters).collect();
+        let mut actual = few.actual.clone();
         let mut found = None;
-        for round in 1..=CORRECTIONS {
-            let mut lp = Spline::new(self, knots, &actual);
-            let mut x = lp.minimise(n)?;
-            if round == CORRECTIONS {
-                let most = x[n].max(0.0) * 1.0002 + AS_FLAT_MM;
-                lp.within.push((vec![(n, 1.0)], most));
-                x = lp.minimise(n + 2).unwrap_or(x);
-            }
-            actual = self.of_spline(&x, knots, true);
-            found = Some(x);
+        for _ in 0..CORRECTIONS {
+            let (x, lp) = spline.flattest(&actual, &mut looked)?;
+            actual = spline.swings(&x, true);
+            found = Some((x, lp));
         }
-        let x = found?;
-        let mut command = self.of_spline(&x, knots, false);
-        let used = self.used(&command).0;
-        if used > 1.0 {
-            let used = used * (1.0 + 1e-9);
-            for series in command.0.iter_mut().chain(&mut actual.0) {
-                for term in &mut series.terms {
-                    (term.cosine, term.sine) = (term.cosine / used, term.sine / used);
-                }
-            }
+        let (mut x, mut lp) = found?;
+        if x[n + 2] < 0.999 {
+            let bound = x[n].max(0.0) * AS_FLAT.0 + AS_FLAT.1;
+            lp.within.push(Row { weights: vec![(n, 1.0)], bound });
+            x = lp.minimise(n + 2).unwrap_or(x);
+            actual = spline.swings(&x, true);
         }
-        let flatness = self.form.flatness(&actual);
-        let (peaks, binding) = self.peaks(&command);
-        let offset = Length::mm(x[n + 1]);
-        Some(Solution { command, actual, flatness, offset, peaks, binding })
+        Some(self.solution(spline.swings(&x, false), actual, x[n + 1]))
+    }
+}
+
+fn matters((drive, peaks): (&Drive, &[f64; 5])) -> Looked {
+    drive.limits.shares(peaks).map(|share| share > MATTERS)
+}
+
+impl<'p> Spline<'p> {
+    fn new(problem: &'p Problem<'p>) -> Self {
+        let knots = KNOTS.min((HIGHEST / 2.0 / problem.form.base()) as usize).max(16);
+        let turns: Vec<[f64; 2]> = (0..knots)
+            .map(|i| (TAU * i as f64 / knots as f64).sin_cos())
+            .map(|(sine, cosine)| [cosine, sine])
+            .collect();
+        let answers = problem.drives.iter().map(|drive| answer(drive, &turns)).collect();
+        Self { problem, knots, turns, answers }
     }
 
-    /// Harmonics of a solution.
-    fn of_spline(&self, x: &[f64], knots: usize, actual: bool) -> Swings {
-        let series = self.drives.iter().enumerate().map(|(k, drive)| {
+    fn unknowns(&self) -> usize {
+        self.knots * self.problem.drives.len()
+    }
+
+    /// The flattest about a swing, with every limit that it would exceed looked at.
+    fn flattest(&self, before: &Swings, looked: &mut [Looked]) -> Option<(Vec<f64>, Lp)> {
+        loop {
+            let mut lp = self.linear(before, looked);
+            let x = lp.minimise(self.unknowns())?;
+            let peaks = self.problem.peaks(&self.swings(&x, false));
+            let mut more = false;
+            for ((drive, peaks), looked) in self.problem.drives.iter().zip(&peaks).zip(&mut *looked)
+            {
+                for (looked, share) in looked.iter_mut().zip(drive.limits.shares(peaks)) {
+                    more |= !*looked && share > EXCEEDED;
+                    *looked |= share > EXCEEDED;
+                }
+            }
+            if !more {
+                return Some((x, lp));
+            }
+        }
+    }
+
+    /// Harmonics of a solution, as sent or as they come.
+    fn swings(&self, x: &[f64], actual: bool) -> Swings {
+        let knots = self.knots;
+        let series = self.problem.drives.iter().enumerate().map(|(k, drive)| {
             let coefficients = &x[k * knots..(k + 1) * knots];
             let terms = (1..2 * knots).map(|m| {
                 let part = PI * m as f64 / knots as f64;
                 let weight = 2.0 / knots as f64 * (part.sin() / part).powi(6);
                 let (mut a, mut b) = (0.0, 0.0);
                 for (i, c) in coefficients.iter().enumerate() {
-                    let (sine, cosine) = (TAU * ((m * i) % knots) as f64 / knots as f64).sin_cos();
+                    let [cosine, sine] = self.turns[(m * i) % knots];
                     (a, b) = (a + c * cosine, b + c * sine);
                 }
                 let (a, b) = (a * weight, b * weight);
                 let [re, im] = if actual { drive.at(m - 1) } else { [1.0, 0.0] };
                 Term {
-                    per_turn: self.form.base() * m as f64,
+                    per_turn: self.problem.form.base() * m as f64,
                     cosine: a * re + b * im,
                     sine: b * re - a * im,
                 }
@@ -110,74 +134,39 @@ impl Problem<'_> {
         });
         Swings(series.collect())
     }
-}
 
-impl<'p> Spline<'p> {
-    fn new(problem: &'p Problem<'p>, knots: usize, before: &Swings) -> Self {
-        let n = knots * problem.drives.len();
-        let mut scale = vec![1.0; n + 3];
-        for (k, drive) in problem.drives.iter().enumerate() {
-            let unit = match drive.actuator {
-                Actuator::CentreLine | Actuator::Across => 0.1,
-                Actuator::ToolPhase => 1e-3,
-            };
-            scale[k * knots..(k + 1) * knots].fill(unit);
+    fn linear(&self, before: &Swings, looked: &[Looked]) -> Lp {
+        let (knots, n) = (self.knots, self.unknowns());
+        let base = self.problem.form.base();
+        let within = self.problem.flat_rows(before, CONTACTS, n, |k, work, slope| {
+            let at = (work.value() * base).rem_euclid(1.0) * knots as f64;
+            self.values(k, at, slope)
+        });
+        let units = (0..n).map(|column| self.problem.drives[column / knots].actuator.unit());
+        let scale = units.chain([1e-3, 1e-2, 1.0]).collect();
+        // a swing about a middle: a constant would be another distance of the axes
+        let middle = |k: usize| Row {
+            weights: (0..knots).map(|i| (k * knots + i, 1.0)).collect(),
+            bound: 0.0,
+        };
+        let equal = (0..self.problem.drives.len()).map(middle).collect();
+        let mut lp = Lp { scale, equal, within, waiting: Vec::new() };
+        for (k, (drive, looked)) in self.problem.drives.iter().zip(looked).enumerate() {
+            self.limits(k, drive, looked, &mut lp.within);
         }
-        (scale[n], scale[n + 1]) = (1e-3, 1e-2);
-        let mut lp = Self { problem, knots, equal: Vec::new(), within: Vec::new(), scale };
-        for k in 0..problem.drives.len() {
-            // a swing about a middle: a constant would be another distance of the axes
-            lp.equal.push(((0..knots).map(|i| (k * knots + i, 1.0)).collect(), 0.0));
-        }
-        lp.contacts(before);
-        for (k, drive) in problem.drives.iter().enumerate() {
-            lp.limits(k, drive);
-        }
-        lp.within.push((vec![(n + 2, 1.0)], 1.0));
+        lp.within.push(Row { weights: vec![(n + 2, 1.0)], bound: 1.0 });
         lp
     }
 
-    /// |e − offset| ≤ t at every contact.
-    fn contacts(&mut self, before: &Swings) {
-        let form: &Form = self.problem.form;
-        let n = self.knots * self.problem.drives.len();
-        let cutter = form.cutter();
-        let answers: Vec<Option<Vec<f64>>> =
-            self.problem.drives.iter().map(|drive| answer(drive, self.knots)).collect();
-        for facet in form.kinds() {
-            let ends = [facet.to, facet.from].map(|s| contact(&cutter, &facet, before, s));
-            for i in 0..CONTACTS {
-                // denser towards the corners, where the best curve touches its limits
-                let part = 0.5 - 0.5 * (PI * i as f64 / (CONTACTS - 1) as f64).cos();
-                let u = Angle::rev(ends[0] + (ends[1] - ends[0]) * part);
-                let work = facet.centre + u;
-                let now = before.at(work);
-                let mut constant = (cutter.tip_at_facet(u, now).x - cutter.flat()).value();
-                let mut row = Vec::new();
-                for (k, drive) in self.problem.drives.iter().enumerate() {
-                    let slope = cutter.slope(u, now, drive.actuator);
-                    constant -= slope * drive.actuator.of(now);
-                    let at = (work.value() * form.base()).rem_euclid(1.0) * self.knots as f64;
-                    row.extend(self.values(k, at, slope, answers[k].as_deref()));
-                }
-                for sign in [1.0, -1.0] {
-                    let mut signed: Vec<_> = row.iter().map(|(c, a)| (*c, a * sign)).collect();
-                    signed.extend([(n, -1.0), (n + 1, -sign)]);
-                    self.within.push((signed, -constant * sign));
-                }
-            }
-        }
-    }
-
     /// What the coefficients of drive k give at a place counted in knots, as its loop answers.
-    fn values(&self, k: usize, at: f64, slope: f64, answer: Option<&[f64]>) -> Vec<(usize, f64)> {
+    fn values(&self, k: usize, at: f64, slope: f64) -> Vec<(usize, f64)> {
         let knots = self.knots;
         let whole = at.floor();
         let basis = (-2..=3).map(|i| {
             let knot = (whole as i64 + i).rem_euclid(knots.cast_signed() as i64) as usize;
-            (knot, slope * quintic(at - whole - i as f64))
+            (knot, slope * spline(5, at - whole - i as f64))
         });
-        let Some(kernel) = answer else {
+        let Some(kernel) = &self.answers[k] else {
             return basis.map(|(knot, a)| (k * knots + knot, a)).collect();
         };
         let mut row = vec![0.0; knots];
@@ -189,33 +178,33 @@ impl<'p> Spline<'p> {
         row.into_iter().enumerate().map(|(i, a)| (k * knots + i, a)).collect()
     }
 
-    /// Every limit of a drive, as a share s ≤ 1 of it.
-    fn limits(&mut self, k: usize, drive: &Drive) {
-        let share = self.knots * self.problem.drives.len() + 2;
+    /// The limits of a drive that are looked at, as a share s ≤ 1 of each.
+    fn limits(&self, k: usize, drive: &Drive, looked: &Looked, rows: &mut Vec<Row>) {
         let knots = self.knots;
         let rate = knots as f64 * self.problem.form.base() * self.problem.spin.abs().value();
         let l = &drive.limits;
-        let differences: [&[f64]; 3] = [&[1.0], &[-1.0, 1.0], &[1.0, -2.0, 1.0]];
-        let orders = [l.travel, l.speed, l.acceleration];
-        for ((weights, most), power) in differences.into_iter().zip(orders).zip(0..) {
-            let room = most / rate.powi(power);
-            if !room.is_finite() {
+        let mut both = |weights: Vec<(usize, f64)>, room: f64| {
+            for sign in [1.0, -1.0] {
+                let mut signed: Vec<_> =
+                    weights.iter().map(|(c, a)| (*c, a * sign / room)).collect();
+                signed.push((self.unknowns() + 2, -1.0));
+                rows.push(Row { weights: signed, bound: 0.0 });
+            }
+        };
+        let differences: [&[f64]; 4] =
+            [&[1.0], &[-1.0, 1.0], &[1.0, -2.0, 1.0], &[-1.0, 3.0, -3.0, 1.0]];
+        let orders = [l.travel, l.speed, l.acceleration, l.jerk];
+        for (power, (weights, most)) in differences.into_iter().zip(orders).enumerate() {
+            if !looked[power] || !most.is_finite() {
                 continue;
             }
+            let room = (most / rate.powi(power as i32)).max(1e-12);
             for i in 0..knots {
                 let row = weights.iter().enumerate();
-                let row: Vec<_> = row.map(|(j, w)| (k * knots + (i + j) % knots, *w)).collect();
-                self.both(&row, room.max(1e-12), share);
+                both(row.map(|(j, w)| (k * knots + (i + j) % knots, *w)).collect(), room);
             }
         }
-        // jerk has corners there where its coefficients would be far from it: by its values
-        let room = l.jerk / rate.powi(3);
-        for step in (0..JERKS * knots).filter(|_| room.is_finite()) {
-            let (i, part) = (step / JERKS, (step % JERKS) as f64 / JERKS as f64);
-            let row = around(k, knots, i, |at| derivative(3, at + part));
-            self.both(&row, room.max(1e-12), share);
-        }
-        let Some(e) = l.effort else { return };
+        let Some(e) = l.effort.filter(|_| looked[4]) else { return };
         let room = ((e.most - e.constant).max(0.0) * EFFORT_SHARE).max(1e-12);
         for step in 0..2 * knots {
             let (i, half) = (step / 2, 0.5 * (step % 2) as f64);
@@ -223,73 +212,22 @@ impl<'p> Spline<'p> {
                 let bend = rate * rate * derivative(2, at + half);
                 e.per_acceleration * bend + e.per_speed * rate * derivative(1, at + half)
             });
-            self.both(&row, room, share);
+            both(row, room);
         }
-    }
-
-    /// |row| ≤ room·s.
-    fn both(&mut self, row: &[(usize, f64)], room: f64, share: usize) {
-        for sign in [1.0, -1.0] {
-            let mut signed: Vec<_> = row.iter().map(|(c, a)| (*c, a * sign / room)).collect();
-            signed.push((share, -1.0));
-            self.within.push((signed, 0.0));
-        }
-    }
-
-    /// Make one unknown as small as may be.
-    fn minimise(&self, which: usize) -> Option<Vec<f64>> {
-        let columns = self.scale.len();
-        let rows = self.equal.len() + self.within.len();
-        let mut by_column: Vec<Vec<(usize, f64)>> = vec![Vec::new(); columns];
-        let mut b = Vec::with_capacity(rows);
-        for (i, (row, bound)) in self.equal.iter().chain(&self.within).enumerate() {
-            // each row to a largest entry of one
-            let norm =
-                row.iter().fold(1e-30_f64, |most, (c, a)| most.max((a * self.scale[*c]).abs()));
-            for (column, a) in row {
-                by_column[*column].push((i, a * self.scale[*column] / norm));
-            }
-            b.push(bound / norm);
-        }
-        let (mut starts, mut places, mut values) = (vec![0], Vec::new(), Vec::new());
-        for column in by_column {
-            for (i, a) in column {
-                places.push(i);
-                values.push(a);
-            }
-            starts.push(values.len());
-        }
-        let a = CscMatrix::new(rows, columns, starts, places, values);
-        let mut q = vec![0.0; columns];
-        q[which] = 1.0;
-        let p = CscMatrix::zeros((columns, columns));
-        let cones: [SupportedConeT<f64>; 2] =
-            [ZeroConeT(self.equal.len()), NonnegativeConeT(self.within.len())];
-        let settings = DefaultSettings {
-            verbose: false,
-            tol_gap_abs: 1e-8,
-            tol_gap_rel: 1e-8,
-            tol_feas: 1e-9,
-            ..DefaultSettings::default()
-        };
-        let mut solver = DefaultSolver::new(&p, &q, &a, &b, &cones, settings).ok()?;
-        solver.solve();
-        let status = solver.solution.status;
-        matches!(status, SolverStatus::Solved | SolverStatus::AlmostSolved)
-            .then(|| solver.solution.x.iter().zip(&self.scale).map(|(x, s)| x * s).collect())
     }
 }
 
 /// What a closed loop makes of coefficients, as a circular convolution; `None`: nothing.
-fn answer(drive: &Drive, knots: usize) -> Option<Vec<f64>> {
+fn answer(drive: &Drive, turns: &[[f64; 2]]) -> Option<Vec<f64>> {
     if drive.response.is_empty() {
         return None;
     }
+    let knots = turns.len();
     let at = |j: usize| {
         let mut sum = 1.0; // a constant comes as it is sent
         for m in 1..=knots / 2 {
             let [re, im] = drive.at(m - 1);
-            let (sine, cosine) = (TAU * ((m * j) % knots) as f64 / knots as f64).sin_cos();
+            let [cosine, sine] = turns[(m * j) % knots];
             let twice = if 2 * m == knots { 1.0 } else { 2.0 };
             sum += twice * (re * cosine - im * sine);
         }
@@ -307,12 +245,7 @@ fn around(k: usize, knots: usize, i: usize, weight: impl Fn(f64) -> f64) -> Vec<
     row.filter(|(_, weight)| *weight != 0.0).collect()
 }
 
-/// β⁵, the uniform quintic B-spline about zero.
-fn quintic(x: f64) -> f64 {
-    spline(5, x)
-}
-
-/// Its derivatives, by knots: differences of splines of a lower degree.
+/// Derivatives of β⁵, the uniform quintic B-spline about zero, by knots: differences of splines of a lower degree.
 fn derivative(order: u32, x: f64) -> f64 {
     let half = f64::from(order) / 2.0;
     let (mut sum, mut binomial) = (0.0, 1.0);
@@ -345,7 +278,7 @@ mod tests {
     #[test]
     fn the_splines_are_the_ones_of_the_books() {
         for (k, value) in (-2..=2).zip(QUINTIC) {
-            assert!((quintic(f64::from(k)) - value).abs() < 1e-15);
+            assert!((spline(5, f64::from(k)) - value).abs() < 1e-15);
         }
         assert!((spline(3, 0.0) - 2.0 / 3.0).abs() < 1e-15);
         assert!((spline(4, 0.0) - 230.0 / 384.0).abs() < 1e-15);

@@ -12,28 +12,26 @@
 //!
 //! A first solution finds the least t; a second one, of all that are as flat, the one that asks least of the drives.
 //! Limits between two samples: a trigonometric polynomial of degree H sampled n times exceeds its samples by no more
-//! than 1/cos(πH/n), which is taken off the limits beforehand, so the result never exceeds one.
-//!
-//! Solver: Clarabel (interior point, convex cones; P. J. Goulart, Y. Chen, 2024).
-use super::form::{Facet, Form};
+//! than 1/cos(πH/n), which is taken off the limits beforehand; what rounding still leaves over one makes all of it so
+//! much smaller, so the result never exceeds a limit.
+use super::form::Form;
+use super::lp::{Lp, Row};
 use super::profile::contact;
 use super::series::{Actuator, Series, Swings, Term};
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{
-    DefaultSettings, DefaultSolver, IPSolver, SolverStatus,
-    SupportedConeT::{self, NonnegativeConeT},
-};
 use std::f64::consts::{PI, TAU};
 use units::{Angle, Length, Spin};
 
 /// Places along a facet at which it shall be flat.
 const CONTACTS: usize = 61;
-/// Samples of a period for each harmonic.
+/// Samples of a period for each harmonic, and one of how many does not wait.
 const SAMPLES: usize = 40;
+const AT_ONCE: usize = 10;
 /// Corrections of what is not linear.
 const CORRECTIONS: usize = 3;
-/// Flatter than this is as flat, mm: a thousandth of a micrometre.
-const AS_FLAT_MM: f64 = 1e-6;
+/// Of all that are flatter by no more than this the one that asks least is taken: a share, and mm.
+pub(super) const AS_FLAT: (f64, f64) = (1.0002, 1e-6);
+/// A limit that is used to this share binds.
+const BINDING: f64 = 0.95;
 
 /// What one actuator can do: mm and s, or rev and s; N, or N·m.
 #[derive(Clone, Debug, PartialEq)]
@@ -107,21 +105,45 @@ pub struct Solution {
 impl Problem<'_> {
     /// Solve it. `None` if the solver fails, which a feasible problem (nothing swings) does not make it do.
     pub fn solve(&self) -> Option<Solution> {
+        let n = self.unknowns();
         let mut actual = Swings::default();
-        let mut answer = None;
+        let mut x = Vec::new();
         for round in 1..=CORRECTIONS {
-            let mut x = Lp::new(self, &actual, None).solve()?;
-            if round == CORRECTIONS {
-                let least = x[self.unknowns()].max(0.0);
-                x = Lp::new(self, &actual, Some(least)).solve().unwrap_or(x);
+            let mut lp = self.linear(&actual);
+            if round < CORRECTIONS {
+                x = lp.solve(n)?;
+            } else {
+                x = lp.minimise(n)?;
+                let most = x[n].max(0.0) * AS_FLAT.0 + AS_FLAT.1;
+                lp.within.push(Row { weights: vec![(n, 1.0)], bound: most });
+                x = lp.minimise(n + 2).unwrap_or(x);
             }
             actual = self.swings(&x, true);
-            answer = Some((self.swings(&x, false), x[self.unknowns() + 1]));
         }
-        let (command, offset) = answer?;
+        Some(self.solution(self.swings(&x, false), actual, x[n + 1]))
+    }
+
+    /// A command and what comes of it, made smaller where a peak is over its limit.
+    pub(super) fn solution(
+        &self,
+        mut command: Swings,
+        mut actual: Swings,
+        offset_mm: f64,
+    ) -> Solution {
+        let mut peaks = self.peaks(&command);
+        let used = self.used(&peaks).map_or(0.0, |(used, _)| used);
+        if used > 1.0 {
+            let used = used * (1.0 + 1e-9);
+            for series in command.0.iter_mut().chain(&mut actual.0) {
+                for term in &mut series.terms {
+                    (term.cosine, term.sine) = (term.cosine / used, term.sine / used);
+                }
+            }
+            peaks = self.peaks(&command);
+        }
+        let binding = self.used(&peaks).filter(|(used, _)| *used > BINDING).map(|(_, name)| name);
         let flatness = self.form.flatness(&actual);
-        let (peaks, binding) = self.peaks(&command);
-        Some(Solution { command, actual, flatness, offset: Length::mm(offset), peaks, binding })
+        Solution { command, actual, flatness, offset: Length::mm(offset_mm), peaks, binding }
     }
 
     /// Coefficients: cosine and sine of each harmonic of each drive.
@@ -157,23 +179,22 @@ impl Problem<'_> {
         if few.binding.is_none() || self.spin == Spin::ZERO {
             return few;
         }
-        self.solve_finely().filter(|fine| fine.flatness < few.flatness).unwrap_or(few)
+        self.solve_finely(&few).filter(|fine| fine.flatness < few.flatness).unwrap_or(few)
     }
 
-    /// Largest of everything, finely sampled, and the limit that is used to 95 % or more.
-    pub fn peaks(&self, command: &Swings) -> (Vec<[f64; 5]>, Option<String>) {
+    /// Largest of everything, finely sampled.
+    pub(super) fn peaks(&self, command: &Swings) -> Vec<[f64; 5]> {
         let omega = self.spin.in_rad_per_s();
         let largest = |(drive, series): (&Drive, &Series)| {
             let mut peak = [0.0_f64; 5];
             let highest = series.terms.iter().map(|t| t.per_turn).fold(0.0, f64::max);
             // the highest harmonics of a spline are too small to need as many as a few large ones
             let harmonics = highest / self.form.base();
-            let count = (200.0 * harmonics).min(12_800.0).max(40.0 * harmonics).ceil() as usize;
+            let count = (200.0 * harmonics).min(6_400.0).max(20.0 * harmonics).ceil() as usize;
             for d in series.over_a_period(self.form.base(), count) {
-                let by_time: Vec<f64> =
-                    d.iter().zip(0..4).map(|(d, n)| d * omega.powi(n)).collect();
-                for n in 0..4 {
-                    peak[n] = peak[n].max(by_time[n].abs());
+                let by_time = [d[0], d[1] * omega, d[2] * omega.powi(2), d[3] * omega.powi(3)];
+                for (peak, now) in peak.iter_mut().zip(by_time) {
+                    *peak = peak.max(now.abs());
                 }
                 if let Some(e) = drive.limits.effort {
                     let effort = e.per_acceleration * by_time[2] + e.per_speed * by_time[1];
@@ -182,240 +203,133 @@ impl Problem<'_> {
             }
             peak
         };
-        let all: Vec<[f64; 5]> = self.drives.iter().zip(&command.0).map(largest).collect();
-        let binding = self.binding(&all).filter(|(used, _)| *used > 0.95);
-        (all, binding.map(|(_, name)| name))
+        self.drives.iter().zip(&command.0).map(largest).collect()
     }
 
-    /// The largest share of a limit that a command uses, and its name.
-    pub(super) fn used(&self, command: &Swings) -> (f64, String) {
-        self.binding(&self.peaks(command).0).unwrap_or_default()
-    }
-
-    fn binding(&self, peaks: &[[f64; 5]]) -> Option<(f64, String)> {
+    /// The largest share of a limit that is used, and its name.
+    fn used(&self, peaks: &[[f64; 5]]) -> Option<(f64, String)> {
         const NAMES: [&str; 5] = ["travel", "speed", "acceleration", "jerk", "torque"];
         let shares = self.drives.iter().zip(peaks).flat_map(|(drive, peak)| {
-            let l = &drive.limits;
-            let effort = l.effort.map_or(f64::INFINITY, |e| e.most);
-            let most = [l.travel, l.speed, l.acceleration, l.jerk, effort];
-            let share = move |n: usize| {
-                (peak[n] / most[n], format!("{} of {}", NAMES[n], drive.actuator.name()))
-            };
-            (0..5).map(share)
+            let shares = drive.limits.shares(peak).into_iter().zip(NAMES);
+            shares.map(|(share, name)| (share, format!("{name} of {}", drive.actuator.name())))
         });
         shares.max_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// |e − offset| ≤ t at places along every facet; `at` says with which weights a drive's unknowns move it at an angle
+    /// of the work, t and offset are the two unknowns after all of those.
+    pub(super) fn flat_rows(
+        &self,
+        before: &Swings,
+        count: usize,
+        unknowns: usize,
+        mut at: impl FnMut(usize, Angle, f64) -> Vec<(usize, f64)>,
+    ) -> Vec<Row> {
+        let cutter = self.form.cutter();
+        let mut rows = Vec::new();
+        for facet in self.form.kinds() {
+            let ends = [facet.to, facet.from].map(|s| contact(&cutter, &facet, before, s));
+            for i in 0..count {
+                // denser towards the corners, where the best curve touches its limits
+                let part = 0.5 - 0.5 * (PI * i as f64 / (count - 1) as f64).cos();
+                let u = Angle::rev(ends[0] + (ends[1] - ends[0]) * part);
+                let work = facet.centre + u;
+                let now = before.at(work);
+                let mut constant = (cutter.tip_at_facet(u, now).x - cutter.flat()).value();
+                let mut weights = Vec::new();
+                for (k, drive) in self.drives.iter().enumerate() {
+                    let slope = cutter.slope(u, now, drive.actuator);
+                    constant -= slope * drive.actuator.of(now);
+                    weights.extend(at(k, work, slope));
+                }
+                for sign in [1.0, -1.0] {
+                    let mut signed: Vec<_> = weights.iter().map(|(c, a)| (*c, a * sign)).collect();
+                    signed.extend([(unknowns, -1.0), (unknowns + 1, -sign)]);
+                    rows.push(Row { weights: signed, bound: -constant * sign });
+                }
+            }
+        }
+        rows
+    }
+
+    /// The linear problem about a swing. Unknowns: coefficients, t, offset, and s, the share of the limits that is used.
+    fn linear(&self, before: &Swings) -> Lp {
+        let n = self.unknowns();
+        let unit = |column: usize| {
+            let (drive, term) = (column / (2 * self.harmonics), column % (2 * self.harmonics));
+            self.drives[drive].actuator.unit() / (term / 2 + 1) as f64
+        };
+        let within = self.flat_rows(before, CONTACTS, n, |k, work, slope| {
+            let weights = (0..self.harmonics).flat_map(|h| {
+                let column = 2 * (k * self.harmonics + h);
+                let m = self.form.base() * (h + 1) as f64;
+                let (sine, cosine) = (TAU * (m * work.value()).fract()).sin_cos();
+                let [re, im] = self.drives[k].at(h);
+                let even = slope * (re * cosine - im * sine);
+                [(column, even), (column + 1, slope * (im * cosine + re * sine))]
+            });
+            weights.collect()
+        });
+        let scale = (0..n).map(unit).chain([1e-3, 1e-2, 1.0]).collect();
+        let mut lp = Lp { scale, within, ..Lp::default() };
+        for (k, drive) in self.drives.iter().enumerate() {
+            self.limits(k, drive, &mut lp);
+        }
+        lp.within.push(Row { weights: vec![(n + 2, 1.0)], bound: 1.0 });
+        lp
+    }
+
+    /// Every limit of a drive, as a share s ≤ 1 of it.
+    fn limits(&self, k: usize, drive: &Drive, lp: &mut Lp) {
+        let share = self.unknowns() + 2;
+        let count = SAMPLES * self.harmonics;
+        let between = (PI / SAMPLES as f64).cos();
+        let omega = self.spin.in_rad_per_s();
+        let l = &drive.limits;
+        let mut wanted: Vec<([f64; 4], f64)> = vec![
+            ([1.0, 0.0, 0.0, 0.0], l.travel),
+            ([0.0, omega, 0.0, 0.0], l.speed),
+            ([0.0, 0.0, omega.powi(2), 0.0], l.acceleration),
+            ([0.0, 0.0, 0.0, omega.powi(3)], l.jerk),
+        ];
+        if let Some(e) = l.effort {
+            let weights = [0.0, e.per_speed * omega, e.per_acceleration * omega * omega, 0.0];
+            wanted.push((weights, (e.most - e.constant).max(0.0)));
+        }
+        for (weights, most) in wanted.into_iter().filter(|(_, most)| most.is_finite()) {
+            let room = (most * between).max(1e-12);
+            let row = |i: usize, sign: f64| {
+                let phase = TAU * i as f64 / count as f64;
+                let both = (0..self.harmonics).flat_map(|h| {
+                    let column = 2 * (k * self.harmonics + h);
+                    let m = self.form.base() * (h + 1) as f64;
+                    let (s, c) = (phase * (h + 1) as f64).sin_cos();
+                    let [w0, w1, w2, w3] = weights.map(|w| w * sign / room);
+                    let even = w0 * c - w1 * m * s - w2 * m * m * c + w3 * m.powi(3) * s;
+                    let odd = w0 * s + w1 * m * c - w2 * m * m * s - w3 * m.powi(3) * c;
+                    [(column, even), (column + 1, odd)]
+                });
+                Row { weights: both.chain([(share, -1.0)]).collect(), bound: 0.0 }
+            };
+            for sign in [1.0, -1.0] {
+                lp.within.extend((0..count).step_by(AT_ONCE).map(|i| row(i, sign)));
+                lp.waiting.push((0..count).map(|i| row(i, sign)).collect());
+            }
+        }
+    }
+}
+
+impl Limits {
+    /// The share of each that peaks use.
+    pub(super) fn shares(&self, peaks: &[f64; 5]) -> [f64; 5] {
+        let effort = self.effort.map_or(f64::INFINITY, |e| e.most);
+        let most = [self.travel, self.speed, self.acceleration, self.jerk, effort];
+        [0, 1, 2, 3, 4].map(|n| peaks[n] / most[n])
     }
 }
 
 impl Drive {
     pub(super) fn at(&self, harmonic: usize) -> [f64; 2] {
         self.response.get(harmonic).copied().unwrap_or([1.0, 0.0])
-    }
-}
-
-/// Rows a·x ≤ b. Unknowns: coefficients, t, offset, and s, the share of the limits that is used.
-struct Lp {
-    columns: usize,
-    rows: Vec<(Vec<f64>, f64)>,
-    cost: Vec<f64>,
-    /// Unknowns are counted in these units, so that all are about one.
-    scale: Vec<f64>,
-    /// Unknowns that are zero by symmetry.
-    zero: Vec<bool>,
-    /// Share of a period that has to be sampled.
-    share: f64,
-}
-
-impl Lp {
-    fn new(problem: &Problem<'_>, before: &Swings, least: Option<f64>) -> Self {
-        let n = problem.unknowns();
-        let mut lp = Self {
-            columns: n + 3,
-            rows: Vec::new(),
-            cost: vec![0.0; n + 3],
-            scale: vec![1.0; n + 3],
-            zero: vec![false; n + 3],
-            share: 1.0,
-        };
-        let symmetric =
-            problem.form.is_regular() && problem.drives.iter().all(|d| d.response.is_empty());
-        if symmetric {
-            lp.share = 0.5; // what is even or odd repeats itself in the other half
-        }
-        for (k, drive) in problem.drives.iter().enumerate() {
-            let unit = match drive.actuator {
-                Actuator::CentreLine | Actuator::Across => 0.1,
-                Actuator::ToolPhase => 1e-3,
-            };
-            for h in 0..problem.harmonics {
-                let i = 2 * (k * problem.harmonics + h);
-                lp.scale[i] = unit / (h + 1) as f64;
-                lp.scale[i + 1] = lp.scale[i];
-                if symmetric {
-                    // X swings evenly about the middle of a facet, Y and the phase oddly
-                    let even = drive.actuator == Actuator::CentreLine;
-                    lp.zero[if even { i + 1 } else { i }] = true;
-                }
-            }
-        }
-        (lp.scale[n], lp.scale[n + 1]) = (1e-3, 1e-2);
-        lp.contacts(problem, before);
-        lp.limits(problem);
-        match least {
-            None => lp.cost[n] = 1.0,
-            Some(least) => {
-                let mut row = vec![0.0; n + 3];
-                row[n] = 1.0;
-                lp.rows.push((row, least * 1.0002 + AS_FLAT_MM));
-                lp.cost[n + 2] = 1.0;
-            }
-        }
-        lp
-    }
-
-    /// |e − offset| ≤ t at every contact.
-    fn contacts(&mut self, problem: &Problem<'_>, before: &Swings) {
-        let form = problem.form;
-        let cutter = form.cutter();
-        let n = problem.unknowns();
-        for facet in form.kinds() {
-            let ends: Vec<f64> = [facet.to, facet.from]
-                .iter()
-                .map(|s| contact(&cutter, &facet, before, *s))
-                .collect();
-            for i in 0..CONTACTS {
-                // denser towards the corners, where the best curve touches its limits
-                let part = 0.5 - 0.5 * (PI * i as f64 / (CONTACTS - 1) as f64).cos();
-                let u = Angle::rev(ends[0] + (ends[1] - ends[0]) * part);
-                let now = before.at(facet.centre + u);
-                let base = (cutter.tip_at_facet(u, now).x - cutter.flat()).value();
-                let mut row = vec![0.0; self.columns];
-                let mut constant = base;
-                for (k, drive) in problem.drives.iter().enumerate() {
-                    let slope = cutter.slope(u, now, drive.actuator);
-                    constant -= slope * drive.actuator.of(now);
-                    Self::fill(problem, k, drive, &facet, u, slope, &mut row);
-                }
-                for sign in [1.0, -1.0] {
-                    let mut signed: Vec<f64> = row.iter().map(|a| a * sign).collect();
-                    signed[n] = -1.0;
-                    signed[n + 1] = -sign;
-                    self.rows.push((signed, -constant * sign));
-                }
-            }
-        }
-    }
-
-    fn fill(
-        problem: &Problem<'_>,
-        k: usize,
-        drive: &Drive,
-        facet: &Facet,
-        u: Angle,
-        slope: f64,
-        row: &mut [f64],
-    ) {
-        for h in 0..problem.harmonics {
-            let i = 2 * (k * problem.harmonics + h);
-            let m = problem.form.base() * (h + 1) as f64;
-            let (sine, cosine) = (TAU * (m * (facet.centre + u).value()).fract()).sin_cos();
-            let [re, im] = drive.at(h);
-            row[i] = slope * (re * cosine - im * sine);
-            row[i + 1] = slope * (im * cosine + re * sine);
-        }
-    }
-
-    /// Every limit of every drive, as a share s ≤ 1 of it.
-    fn limits(&mut self, problem: &Problem<'_>) {
-        let n = problem.unknowns();
-        let count = SAMPLES * problem.harmonics;
-        let between = (PI / SAMPLES as f64).cos();
-        let omega = problem.spin.in_rad_per_s();
-        for (k, drive) in problem.drives.iter().enumerate() {
-            let l = &drive.limits;
-            let mut wanted: Vec<([f64; 4], f64)> = Vec::new();
-            let orders = [l.travel, l.speed, l.acceleration, l.jerk];
-            for ((order, most), power) in orders.into_iter().enumerate().zip(0..) {
-                let mut weights = [0.0; 4];
-                weights[order] = omega.powi(power);
-                wanted.push((weights, most));
-            }
-            if let Some(e) = l.effort {
-                let weights = [0.0, e.per_speed * omega, e.per_acceleration * omega * omega, 0.0];
-                wanted.push((weights, (e.most - e.constant).max(0.0)));
-            }
-            for (weights, most) in wanted.into_iter().filter(|(_, most)| most.is_finite()) {
-                let room = (most * between).max(1e-12);
-                for i in 0..=(count as f64 * self.share) as usize {
-                    let phase = TAU * i as f64 / count as f64;
-                    let mut row = vec![0.0; self.columns];
-                    for h in 0..problem.harmonics {
-                        let j = 2 * (k * problem.harmonics + h);
-                        let m = problem.form.base() * (h + 1) as f64;
-                        let (s, c) = (phase * (h + 1) as f64).sin_cos();
-                        let [w0, w1, w2, w3] = weights;
-                        row[j] = (w0 * c - w1 * m * s - w2 * m * m * c + w3 * m.powi(3) * s) / room;
-                        row[j + 1] =
-                            (w0 * s + w1 * m * c - w2 * m * m * s - w3 * m.powi(3) * c) / room;
-                    }
-                    for sign in [1.0, -1.0] {
-                        let mut signed: Vec<f64> = row.iter().map(|a| a * sign).collect();
-                        signed[n + 2] = -1.0;
-                        self.rows.push((signed, 0.0));
-                    }
-                }
-            }
-        }
-        let mut share = vec![0.0; self.columns];
-        share[n + 2] = 1.0;
-        self.rows.push((share, 1.0));
-    }
-
-    fn solve(&self) -> Option<Vec<f64>> {
-        let used: Vec<usize> = (0..self.columns).filter(|c| !self.zero[*c]).collect();
-        let (rows, columns) = (self.rows.len(), used.len());
-        let scaled: Vec<Vec<f64>> = self
-            .rows
-            .iter()
-            .map(|(row, _)| row.iter().zip(&self.scale).map(|(a, s)| a * s).collect())
-            .collect();
-        // each row to a largest entry of one
-        let norm = |row: &Vec<f64>| row.iter().fold(1e-30_f64, |most, a| most.max(a.abs()));
-        let norms: Vec<f64> = scaled.iter().map(norm).collect();
-        let (mut starts, mut places, mut values) = (vec![0], Vec::new(), Vec::new());
-        for column in used.iter().copied() {
-            for (i, row) in scaled.iter().enumerate() {
-                if row[column] != 0.0 {
-                    places.push(i);
-                    values.push(row[column] / norms[i]);
-                }
-            }
-            starts.push(values.len());
-        }
-        let a = CscMatrix::new(rows, columns, starts, places, values);
-        let b: Vec<f64> = self.rows.iter().zip(&norms).map(|((_, b), norm)| b / norm).collect();
-        let q: Vec<f64> = used.iter().map(|c| self.cost[*c] * self.scale[*c]).collect();
-        let most = q.iter().fold(1e-30_f64, |most, c| most.max(c.abs()));
-        let q: Vec<f64> = q.iter().map(|c| c / most).collect();
-        let p = CscMatrix::zeros((columns, columns));
-        let cones: [SupportedConeT<f64>; 1] = [NonnegativeConeT(rows)];
-        let settings = DefaultSettings {
-            verbose: false,
-            tol_gap_abs: 1e-9,
-            tol_gap_rel: 1e-9,
-            tol_feas: 1e-10,
-            ..DefaultSettings::default()
-        };
-        let mut solver = DefaultSolver::new(&p, &q, &a, &b, &cones, settings).ok()?;
-        solver.solve();
-        let solved =
-            matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved);
-        solved.then(|| {
-            let mut x = vec![0.0; self.columns];
-            for (column, value) in used.iter().zip(&solver.solution.x) {
-                x[*column] = value * self.scale[*column];
-            }
-            x
-        })
     }
 }

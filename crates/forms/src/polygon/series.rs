@@ -32,6 +32,14 @@ impl Actuator {
         }
     }
 
+    /// An amplitude that is about usual.
+    pub(super) const fn unit(self) -> f64 {
+        match self {
+            Self::CentreLine | Self::Across => 0.1,
+            Self::ToolPhase => 1e-3,
+        }
+    }
+
     /// For people.
     pub const fn name(self) -> &'static str {
         match self {

@@ -22,6 +22,7 @@ pub(super) struct Pass {
     pub(super) z_last: f64,
     /// Where the work stood at its innermost point, rev.
     pub(super) turn: f64,
+    /// Square of its distance there.
     closest: f64,
 }
 
@@ -39,7 +40,8 @@ struct State([f64; 5]);
 #[derive(Clone, Debug)]
 pub(super) struct Passes {
     radius_mm: f64,
-    inserts: Vec<f64>,
+    /// Cosine and sine of where each stands in the cutter.
+    inserts: Vec<[f64; 2]>,
     /// The work's axis, the stock's radius and its front face, mm.
     axis: [f64; 2],
     stock_radius: f64,
@@ -67,7 +69,12 @@ impl Passes {
     pub(super) fn new(cutter: &PolygonCutter, place: Place) -> Self {
         Self {
             radius_mm: cutter.radius.value(),
-            inserts: cutter.inserts.iter().map(|a| a.value()).collect(),
+            inserts: cutter
+                .inserts
+                .iter()
+                .map(|a| fraction_rad(a.value()).sin_cos())
+                .map(|(sine, cosine)| [cosine, sine])
+                .collect(),
             axis: place.axis,
             stock_radius: place.stock_radius,
             stock_top: place.stock_top,
@@ -107,28 +114,31 @@ impl Passes {
         if before.0[2].min(after.0[2]) - self.tool_length > self.stock_top + 1.0 {
             return self.close_all();
         }
-        for insert in 0..self.inserts.len() {
-            let near = [before, after].iter().any(|state| {
-                let [x, y] = self.tip(state, insert);
-                x.hypot(y) < self.stock_radius + 0.15 * self.radius_mm
-            });
-            if near {
-                self.draw(&all, insert);
-            } else if let Some(pass) = self.open[insert].take() {
-                self.done.push(pass);
-            }
+        let reach = self.stock_radius + 0.15 * self.radius_mm;
+        let ends = [before, after].map(|state| self.tool(&state));
+        let near: Vec<usize> = (0..self.inserts.len())
+            .filter(|i| ends.iter().any(|tool| square(self.tip(tool, *i)) < reach * reach))
+            .collect();
+        for insert in (0..self.inserts.len()).filter(|insert| !near.contains(insert)) {
+            self.done.extend(self.open[insert].take());
+        }
+        if near.is_empty() {
+            return;
+        }
+        for step in 0..STEPS {
+            self.draw(&cubic(&all, f64::from(step) / f64::from(STEPS)), &near);
         }
     }
 
-    fn draw(&mut self, all: &[State; 4], insert: usize) {
-        for step in 0..STEPS {
-            let state = cubic(all, f64::from(step) / f64::from(STEPS));
-            let [x, y] = self.tip(&state, insert);
-            let distance = x.hypot(y);
-            if distance > self.stock_radius {
-                if let Some(pass) = self.open[insert].take() {
-                    self.done.push(pass);
-                }
+    /// Where the inserts that are near leave a point.
+    fn draw(&mut self, state: &State, near: &[usize]) {
+        let tool = self.tool(state);
+        let (sine, cosine) = fraction_rad(state.0[3]).sin_cos();
+        for insert in near.iter().copied() {
+            let [px, py] = self.tip(&tool, insert);
+            let distance = square([px, py]);
+            if distance > self.stock_radius * self.stock_radius {
+                self.done.extend(self.open[insert].take());
                 continue;
             }
             let z = state.0[2] - self.tool_length;
@@ -142,7 +152,7 @@ impl Passes {
                 pass.turn = state.0[3];
             }
             pass.z_last = z;
-            pass.points.push([x, y]);
+            pass.points.push([px * cosine + py * sine, py * cosine - px * sine]);
             self.points += 1;
         }
     }
@@ -153,17 +163,26 @@ impl Passes {
         }
     }
 
-    /// An insert's tip in the work's frame.
-    fn tip(&self, state: &State, insert: usize) -> [f64; 2] {
-        let [x, y, _, work, tool] = state.0;
-        let psi = fraction_rad(0.5 + tool + self.inserts[insert]);
-        let (px, py) = (
-            x - self.axis[0] + self.radius_mm * psi.cos(),
-            y - self.axis[1] + self.radius_mm * psi.sin(),
-        );
-        let (sine, cosine) = fraction_rad(work).sin_cos();
-        [px * cosine + py * sine, py * cosine - px * sine]
+    /// The tool spindle from the work's axis: x, y, and cosine and sine of where its first insert points.
+    fn tool(&self, state: &State) -> [f64; 4] {
+        let (sine, cosine) = fraction_rad(0.5 + state.0[4]).sin_cos();
+        [state.0[0] - self.axis[0], state.0[1] - self.axis[1], cosine, sine]
     }
+
+    /// An insert's tip from the work's axis, in the machine's directions.
+    fn tip(&self, tool: &[f64; 4], insert: usize) -> [f64; 2] {
+        let [x, y, cosine, sine] = *tool;
+        let [ci, si] = self.inserts[insert];
+        [
+            x + self.radius_mm * (cosine * ci - sine * si),
+            y + self.radius_mm * (sine * ci + cosine * si),
+        ]
+    }
+}
+
+/// Of a distance.
+fn square([x, y]: [f64; 2]) -> f64 {
+    x * x + y * y
 }
 
 /// A turn's fraction in radians: whole turns are taken off before, or their digits would be missing behind.
