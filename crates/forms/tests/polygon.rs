@@ -336,4 +336,14 @@ fn what_cannot_be_cut_is_refused_with_what_works() {
             .contains("19.630 mm across corners")
     );
     assert!(said(Form { inserts: vec![], ..hexagon() }).contains("no insert"));
+    // l + r = 8.5 + 2·6.8 = 22.1, in a bar of 25
+    let inside = Form {
+        inserts: insert_phases(1),
+        turns: [5, 2],
+        tip_radius: Length::mm(6.8),
+        stock_radius: Length::mm(25.0),
+        ..hexagon()
+    };
+    assert!(said(inside.clone()).contains("above 8.251 mm works, or a bar below Ø44.200"));
+    Form { stock_radius: Length::mm(22.0), ..inside }.check().unwrap();
 }

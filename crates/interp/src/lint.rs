@@ -12,6 +12,8 @@ use diag::{Diagnostic, Span};
 use gcode::{Block, Expr, Grammar, Keyword, Label, Parameter, Parser, Value};
 use std::collections::{HashMap, HashSet};
 
+/// Words of which G81 has one where it drills.
+const HOLE_WORDS: &[u8] = b"XYZABCUVW@^";
 /// Parameters up to this one belong to a subprogram's call.
 const ARGUMENTS: u32 = 30;
 /// Parameters up to this one are the program's own; those above it mean something.
@@ -221,6 +223,11 @@ impl Reader {
         let is = |letter: u8, code: f64| {
             block.words.iter().any(|w| w.letter == letter && w.value == Value::Number(code))
         };
+        // hobbing: T is the teeth of the gear
+        let teeth = is(b'G', 81.0) && !block.words.iter().any(|w| HOLE_WORDS.contains(&w.letter));
+        if teeth {
+            return;
+        }
         if let Some(number) = t.filter(|t| *t >= 0.0) {
             let span = block.word(b'T').map_or(block.span, |word| word.span);
             self.selected = Some((number as u32, span));
@@ -377,5 +384,7 @@ mod tests {
         assert_eq!(codes("G4 P500\nM2\n"), ["I0904"]);
         assert_eq!(codes("M2\nG0 X1\nG0 X2\n"), ["I0906"]);
         assert_eq!(codes("T3\nM2\n"), ["I0907"]);
+        // of a gear T is the teeth; of a hole it is a tool
+        assert!(codes("T1 M6\nM3 S300\nG81 T20 L1 Q2\nG80\nM2\n").is_empty());
     }
 }

@@ -78,15 +78,48 @@ pub struct Superpose {
 
 /// A sum of harmonics at equal steps of a turn.
 pub fn sampled(harmonics: &[Harmonic]) -> Vec<f64> {
+    let circle = circle(harmonics);
+    let count = circle.len();
+    let at = |node: usize| {
+        let of = |h: &Harmonic| {
+            let [cosine, sine] = circle[(h.per_turn as usize * node) % count];
+            h.cosine * cosine + h.sine * sine
+        };
+        harmonics.iter().map(of).sum()
+    };
+    (0..count).map(at).collect()
+}
+
+/// Largest speed, acceleration and jerk of a sum of harmonics whose argument turns once a second, mm and s.
+pub(crate) fn rates(harmonics: &[Harmonic]) -> [f64; 3] {
+    let circle = circle(harmonics);
+    let count = circle.len();
+    let mut most = [0.0_f64; 3];
+    for node in 0..count {
+        let mut now = [0.0; 3];
+        for h in harmonics {
+            let [cosine, sine] = circle[(h.per_turn as usize * node) % count];
+            let w = TAU * f64::from(h.per_turn);
+            let (value, quarter) =
+                (h.cosine * cosine + h.sine * sine, h.sine * cosine - h.cosine * sine);
+            now[0] += w * quarter;
+            now[1] -= w * w * value;
+            now[2] -= w * w * w * quarter;
+        }
+        for (most, now) in most.iter_mut().zip(now) {
+            *most = most.max(now.abs());
+        }
+    }
+    most
+}
+
+/// Cosine and sine at every node of a table that these harmonics need.
+fn circle(harmonics: &[Harmonic]) -> Vec<[f64; 2]> {
     let highest = harmonics.iter().map(|h| h.per_turn as usize).max().unwrap_or(0);
     let count = NODES.max(highest.saturating_mul(NODES_PER_PERIOD)).min(MOST_NODES);
     let at = |node: usize| {
-        let turn = node as f64 / count as f64;
-        let of = |h: &Harmonic| {
-            let angle = TAU * libm::fmod(f64::from(h.per_turn) * turn, 1.0);
-            h.cosine * libm::cos(angle) + h.sine * libm::sin(angle)
-        };
-        harmonics.iter().map(of).sum()
+        let angle = TAU * node as f64 / count as f64;
+        [libm::cos(angle), libm::sin(angle)]
     };
     (0..count).map(at).collect()
 }
@@ -100,6 +133,14 @@ mod tests {
         let nodes = sampled(&[Harmonic { per_turn: 4, cosine: 0.3, sine: 0.0 }]);
         assert_eq!(nodes[0], 0.3);
         assert!((nodes[nodes.len() / 8] + 0.3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn rates_are_those_of_the_derivatives() {
+        let one = rates(&[Harmonic { per_turn: 4, cosine: 0.0, sine: 0.5 }]);
+        for (power, found) in (1..4).zip(one) {
+            assert!((found / (0.5 * (4.0 * TAU).powi(power)) - 1.0).abs() < 1e-3, "{one:?}");
+        }
     }
 
     #[test]

@@ -26,6 +26,24 @@ pub struct AxisLimits {
     pub feed_jerk: Jerk,
 }
 
+impl AxisLimits {
+    /// Least share of a limit that moves keep beside what swings: what swings is held to the rest.
+    const LEAST_BESIDE: f64 = 0.05;
+
+    /// What is left to moves while the axis swings with at most this speed, acceleration and jerk, mm and s.
+    pub(crate) fn beside(self, [speed, accel, jerk]: [f64; 3]) -> Self {
+        let left = |most: f64, taken: f64| (most - taken).max(most * Self::LEAST_BESIDE);
+        Self {
+            travel: self.travel,
+            rapid_speed: Speed::mm_per_s(left(self.rapid_speed.value(), speed)),
+            feed_speed: Speed::mm_per_s(left(self.feed_speed.value(), speed)),
+            accel: Accel::mm_per_s2(left(self.accel.value(), accel)),
+            rapid_jerk: Jerk::mm_per_s3(left(self.rapid_jerk.value(), jerk)),
+            feed_jerk: Jerk::mm_per_s3(left(self.feed_jerk.value(), jerk)),
+        }
+    }
+}
+
 /// One spindle with its drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpindleLimits {

@@ -75,16 +75,18 @@ impl<'a> Auto<'a> {
                 Ok(solution) => {
                     polygon.oscillations = oscillations(&solution, polygon.ratio.master);
                 }
-                Err((code, text)) => self.findings.push(Diagnostic::error(code, span, text)),
+                Err((code, text)) => {
+                    return self.findings.push(Diagnostic::error(code, span, text));
+                }
             }
         } else if polygon.compensated {
             self.compensate(polygon, span);
-        } else if let Some(cut) = cut {
-            let form = self.form(polygon, cut[0]);
-            let wrong = refuse::wrong(self.machine, polygon, form.as_ref(), self.work, cut);
-            let finding = |text| Diagnostic::error("A0403", span, text);
-            self.findings.extend(wrong.into_iter().map(finding));
         }
+        let Some(cut) = cut else { return };
+        let form = self.form(polygon, cut[0]);
+        let wrong = refuse::wrong(self.machine, polygon, form.as_ref(), self.work, cut);
+        let finding = |text| Diagnostic::error("A0403", span, text);
+        self.findings.extend(wrong.into_iter().map(finding));
     }
 
     /// The form that the cutter in the spindle cuts there; `None`: it is no polygon cutter.
@@ -160,7 +162,7 @@ impl<'a> Auto<'a> {
             }
             Some(((), problem(self.machine, form, *work, who, &answers, HARMONICS)?))
         });
-        let best = flattest(problems).map(|(_, solution)| solution);
+        let best = flattest(problems).map(|((), solution)| solution);
         if best.is_none() && unmeasured {
             return Err((
                 "A0402",

@@ -7,6 +7,9 @@ use units::Spin;
 
 /// Share of an axis' force that an oscillation may use: the rest is for the cut and for control.
 const PLANNED_SHARE: f64 = 0.9;
+/// Share of an axis' speed, acceleration and jerk that an oscillation may use: the rest is for fading it in and for moves
+/// of that axis meanwhile.
+const SWING_SHARE: f64 = 0.9;
 /// What a loop makes of a harmonic that was not measured.
 const ASSUMED: [f64; 2] = [1.0, 0.0];
 
@@ -81,9 +84,9 @@ fn slide(axis: &Axis, travel: f64) -> Limits {
     let mass = axis.drive.motor_mass() + axis.moving_mass;
     Limits {
         travel: travel.max(0.0),
-        speed: axis.feed_most.value(),
-        acceleration: axis.acceleration.value(),
-        jerk: axis.jerk_feed.value(),
+        speed: axis.feed_most.value() * SWING_SHARE,
+        acceleration: axis.acceleration.value() * SWING_SHARE,
+        jerk: axis.jerk_feed.value() * SWING_SHARE,
         effort: Some(Effort {
             per_acceleration: mass.value() * 1e-3,
             per_speed: axis.friction.viscous_n_s_per_m * 1e-3,

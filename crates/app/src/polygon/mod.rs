@@ -26,6 +26,8 @@ const AS_FLAT: Length = Length::um(0.2);
 const NEAR: f64 = 1.5;
 /// Slowest work spindle that is looked at.
 const SLOWEST_RPM: f64 = 10.0;
+/// From the bar to the tips of a cutter that is clear of it.
+const CLEARANCE: Length = Length::mm(2.0);
 /// Harmonics of each oscillation where nothing binds; where something does, as many as it takes.
 const HARMONICS: usize = 4;
 /// Harmonics of which the answer of a loop is asked.
@@ -211,19 +213,32 @@ impl Design {
                 (most * 60.0).floor()
             ));
         }
-        let x = self.machine.setup.g54.along(canon::Axis::X) + self.form.centres();
-        let travel = self.machine.axes.iter().flatten().find(|a| a.letter == canon::Axis::X);
-        if let Some(axis) = travel
-            && !(axis.travel.from.value()..=axis.travel.to.value()).contains(&x.value())
-        {
-            let room = axis.travel.to - self.machine.setup.g54.along(canon::Axis::X);
+        let zero = self.machine.setup.g54.along(canon::Axis::X);
+        let axis = self.machine.axes.iter().flatten().find(|a| a.letter == canon::Axis::X);
+        let Some(axis) = axis else { return };
+        let (least, most) = (axis.travel.from - zero, axis.travel.to - zero);
+        let (cut, clear) = (self.form.centres(), self.clear());
+        if cut < least {
             wrong.push(format!(
-                "the axes would be {:.3} mm apart, X goes to {:.3} mm from the work's axis: --tip-radius {:.3} works",
-                self.form.centres().value(),
-                room.value(),
-                (room - self.form.across_flats / 2.0).value()
+                "the axes would be {:.3} mm apart, X comes to {:.3} mm from the work's axis: --tip-radius {:.3} works",
+                cut.value(),
+                least.value(),
+                (least - self.form.across_flats / 2.0).value()
             ));
         }
+        if clear > most {
+            wrong.push(format!(
+                "the cutter is too big: clear of the bar the axes are {:.3} mm apart, X goes to {:.3} mm from the work's axis: --tip-radius {:.3} works",
+                clear.value(),
+                most.value(),
+                (most - (clear - self.form.tip_radius)).value()
+            ));
+        }
+    }
+
+    /// Distance of the axes with the cutter clear of the bar.
+    fn clear(&self) -> Length {
+        self.form.tip_radius + self.form.stock_radius + CLEARANCE
     }
 
     /// Who may swing.

@@ -10,8 +10,6 @@ use units::{Length, Spin};
 
 /// A little over a limit is within it: programs round.
 const ROUNDED: f64 = 1.002;
-/// A bar that no corner lies beyond: a roughing cut may be larger than the bar.
-const ANY_BAR: Length = Length::mm(1e5);
 
 /// Everything that is wrong with it, each with what would work.
 pub(super) fn wrong(
@@ -21,8 +19,7 @@ pub(super) fn wrong(
     work: Spin,
     cut: [Length; 2],
 ) -> Vec<String> {
-    let roughing = form.map(|form| Form { stock_radius: ANY_BAR, ..form.clone() });
-    let refusals = roughing.and_then(|form| form.check().err()).unwrap_or_default();
+    let refusals = form.and_then(|form| form.check_roughing().err()).unwrap_or_default();
     let mut all: Vec<String> = refusals.into_iter().map(|refusal| refusal.0).collect();
     for oscillation in &polygon.oscillations {
         travel(machine, oscillation, cut, &mut all);
@@ -81,7 +78,7 @@ fn rates(
         .min_by(|a, b| a.0.total_cmp(&b.0));
     if let Some((rpm, i)) = slowest {
         all.push(format!(
-            "the {} of {}, {:.1} {}, is more than the {:.1} {} that it has: S{:.0} works, or a smaller swing",
+            "the {} of {}, {:.1} {}, is more than the {:.1} {} that it may swing with: S{:.0} works, or a smaller swing",
             names[i],
             kept::name(oscillation.on),
             peaks[i] * scale[i],

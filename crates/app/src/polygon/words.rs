@@ -324,7 +324,7 @@ impl Design {
         let Self { form, feed_per_rev, tool, .. } = self;
         // so much closer as the swing leaves the facets farther out
         let x = form.centres() - solution.offset;
-        let clear = form.tip_radius + form.stock_radius + Length::mm(2.0);
+        let clear = self.clear();
         let mut text = format!(
             "T{tool} M6\nG43 H{tool}\nG0 X{:.4} Y0 Z5\nM3 S{:.0}\n",
             clear.value(),

@@ -152,7 +152,7 @@ impl<'p> Spline<'p> {
         let equal = (0..self.problem.drives.len()).map(middle).collect();
         let mut lp = Lp { scale, equal, within, waiting: Vec::new() };
         for (k, (drive, looked)) in self.problem.drives.iter().zip(looked).enumerate() {
-            self.limits(k, drive, looked, &mut lp.within);
+            self.limits(k, drive, *looked, &mut lp.within);
         }
         lp.within.push(Row { weights: vec![(n + 2, 1.0)], bound: 1.0 });
         lp
@@ -179,7 +179,7 @@ impl<'p> Spline<'p> {
     }
 
     /// The limits of a drive that are looked at, as a share s ≤ 1 of each.
-    fn limits(&self, k: usize, drive: &Drive, looked: &Looked, rows: &mut Vec<Row>) {
+    fn limits(&self, k: usize, drive: &Drive, looked: Looked, rows: &mut Vec<Row>) {
         let knots = self.knots;
         let rate = knots as f64 * self.problem.form.base() * self.problem.spin.abs().value();
         let l = &drive.limits;
@@ -194,11 +194,12 @@ impl<'p> Spline<'p> {
         let differences: [&[f64]; 4] =
             [&[1.0], &[-1.0, 1.0], &[1.0, -2.0, 1.0], &[-1.0, 3.0, -3.0, 1.0]];
         let orders = [l.travel, l.speed, l.acceleration, l.jerk];
-        for (power, (weights, most)) in differences.into_iter().zip(orders).enumerate() {
-            if !looked[power] || !most.is_finite() {
+        let wanted = differences.into_iter().zip(orders).zip(looked).zip(0..);
+        for (((weights, most), looked), power) in wanted {
+            if !looked || !most.is_finite() {
                 continue;
             }
-            let room = (most / rate.powi(power as i32)).max(1e-12);
+            let room = (most / rate.powi(power)).max(1e-12);
             for i in 0..knots {
                 let row = weights.iter().enumerate();
                 both(row.map(|(j, w)| (k * knots + (i + j) % knots, *w)).collect(), room);

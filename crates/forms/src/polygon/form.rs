@@ -6,7 +6,7 @@
 //!    ____│____                                                      s = d·tan(Δν/2)
 //!   ╱    d    ╲
 //! ```
-use super::kinematics::{Cutter, Swing, Tip};
+use super::kinematics::Cutter;
 use std::f64::consts::{PI, TAU};
 use std::fmt;
 use units::{Angle, Length};
@@ -137,6 +137,27 @@ impl Form {
     /// Sentences, each with the number that would work.
     pub fn check(&self) -> Result<(), Vec<Refusal>> {
         let mut found = Vec::new();
+        if self.makes_sense(&mut found) {
+            self.check_passes(&mut found);
+            self.check_corners(&mut found);
+        }
+        if found.is_empty() { Ok(()) } else { Err(found) }
+    }
+
+    /// Everything that forbids it even as a first cut, whose corners may lie beyond the bar.
+    ///
+    /// # Errors
+    /// Sentences, each with the number that would work.
+    pub fn check_roughing(&self) -> Result<(), Vec<Refusal>> {
+        let mut found = Vec::new();
+        if self.makes_sense(&mut found) {
+            self.check_passes(&mut found);
+        }
+        if found.is_empty() { Ok(()) } else { Err(found) }
+    }
+
+    /// Whether there are tips that pass the work at all.
+    fn makes_sense(&self, found: &mut Vec<Refusal>) -> bool {
         let mut refuse = |text: String| found.push(Refusal(text));
         let [tool, work] = self.turns;
         let (flat, r) = (self.across_flats.value(), self.tip_radius.value());
@@ -162,32 +183,33 @@ impl Form {
         if self.inserts.is_empty() {
             refuse("the cutter has no insert: 3 at 1:2 cut a hexagon".to_owned());
         }
-        if found.is_empty() {
-            self.check_facets(&mut found);
-        }
-        if found.is_empty() { Ok(()) } else { Err(found) }
+        found.is_empty()
     }
 
-    fn check_facets(&self, found: &mut Vec<Refusal>) {
-        let facets = self.facets();
+    /// Whether the bar holds the polygon.
+    fn check_corners(&self, found: &mut Vec<Refusal>) {
         let d = self.across_flats.value() / 2.0;
         let stock = self.stock_radius.value();
+        let across = 2.0 * self.corner_radius().value();
         if stock <= d {
             found.push(Refusal(format!(
                 "a bar of Ø{:.3} has no flats of {:.3} mm: Ø{:.3} works",
                 2.0 * stock,
                 2.0 * d,
-                2.0 * self.corner_radius().value() + 0.5
+                across + 0.5
             )));
-        } else if self.corner_radius().value() > stock + 1e-9 && facets.len() > 2 {
-            let across = 2.0 * self.corner_radius().value();
+        } else if across > 2.0 * (stock + 1e-9) && self.facets().len() > 2 {
             found.push(Refusal(format!(
-                "the corners lie beyond the stock: {across:.3} mm across corners from a bar of Ø{:.3}: Ø{:.3} works, or {:.3} mm across flats",
+                "the corners lie beyond the stock: {across:.3} mm across corners from a bar of Ø{:.3}: Ø{across:.3} works, or {:.3} mm across flats",
                 2.0 * stock,
-                across,
                 2.0 * d * 2.0 * stock / across
             )));
         }
+    }
+
+    /// Whether the facets are a few, and cut by tips that come from outside the bar.
+    fn check_passes(&self, found: &mut Vec<Refusal>) {
+        let facets = self.facets();
         let tool = self.ratio() * self.inserts.len() as f64;
         if self.turns[1] > 1 && facets.len() > 64 {
             found.push(Refusal(format!(
@@ -195,11 +217,16 @@ impl Form {
                 self.inserts.len(), self.turns[1], self.turns[0], facets.len()
             )));
         }
-        // other inserts may not cut into a facet: the next tip is out of the work when one leaves it
-        if let Some(radius) = self.radius_that_clears() {
+        let (d, r) = (self.across_flats.value() / 2.0, self.tip_radius.value());
+        let stock = self.stock_radius.value();
+        // the farthest that a tip gets from the work's axis
+        let reach = d + 2.0 * r;
+        if reach <= stock {
             found.push(Refusal(format!(
-                "the cutter is too big: with a tip radius of {:.3} mm a tip is still in the work when the next one comes; {radius:.3} mm works",
-                self.tip_radius.value()
+                "the tips stay within {reach:.3} mm of the work's axis, in a bar of Ø{:.3}, and never leave it: a tip radius above {:.3} mm works, or a bar below Ø{:.3}",
+                2.0 * stock,
+                up((stock - d) / 2.0),
+                2.0 * reach
             )));
         }
     }
@@ -221,37 +248,11 @@ impl Form {
         }
         Length::mm(d.hypot(ends.fold(0.0, f64::max)))
     }
+}
 
-    /// `None` if a tip does not cut inside any facet but its own; else a radius that is small enough.
-    fn radius_that_clears(&self) -> Option<f64> {
-        let clear = |r: f64| {
-            let form = Self { tip_radius: Length::mm(r), ..self.clone() };
-            form.own_facets_only()
-        };
-        if clear(self.tip_radius.value()) {
-            return None;
-        }
-        let (mut good, mut bad) = (0.0, self.tip_radius.value());
-        for _ in 0..40 {
-            let middle = f64::midpoint(good, bad);
-            if clear(middle) { good = middle } else { bad = middle }
-        }
-        Some((good * 1000.0).floor() / 1000.0)
-    }
-
-    /// Whether each tip is outside the polygon wherever it is not at one of its own facets: R > 1 draws paths that
-    /// are convex near the facet; far from it they must stay outside the circle of the flats.
-    fn own_facets_only(&self) -> bool {
-        let cutter = self.cutter();
-        let d = self.across_flats.value() / 2.0;
-        let ratio = self.ratio();
-        (0..2000).all(|i| {
-            // one pass: half the way to the next
-            let u = Angle::rev((f64::from(i) / 2000.0 - 0.5) / ratio);
-            let Tip { x, y } = cutter.tip_at_facet(u, Swing::default());
-            x.value().hypot(y.value()) > d * (1.0 - 1e-9)
-        })
-    }
+/// To the next thousandth above.
+fn up(mm: f64) -> f64 {
+    ((mm * 1000.0).floor() + 1.0) / 1000.0
 }
 
 /// Inner angle at the corners of a regular polygon.

@@ -8,8 +8,11 @@
 //!   G81 T L Q P   hob at speed ─► engage the work, with Z as its second master ─► cuts ─► G80: release
 //! ```
 use super::{Job, Planner};
-use crate::coupled::{GearStep, OSCILLATION_SEEN, Superpose, Superposed, Table, TableId, sampled};
+use crate::coupled::{
+    GearStep, OSCILLATION_SEEN, Superpose, Superposed, Table, TableId, rates, sampled,
+};
 use crate::findings::number;
+use crate::limits::AxisLimits;
 use crate::step::StepKind;
 use crate::tap_check::whole_rpm;
 use crate::way_out::{TiedCut, WayOut};
@@ -27,7 +30,33 @@ const LOOK: Angle = Angle::rev(6.0);
 #[derive(Clone, Debug, Default)]
 pub(super) struct Coupled {
     gear: Option<GearStep>,
+    /// The gear is that of a hob.
+    hobbing: bool,
     superposed: Vec<Superposed>,
+    /// Axes that swing, and their speed, acceleration and jerk at one turn of the work a second.
+    swings: Vec<(usize, [f64; 3])>,
+    /// The fastest that the work was told to turn meanwhile.
+    fastest: Spin,
+    /// What the axes can do when nothing swings.
+    whole: Option<[Option<AxisLimits>; 9]>,
+}
+
+/// Who follows whom, for people.
+#[derive(Clone, Copy, Debug)]
+enum Geared {
+    /// The tool spindle the work spindle, for a polygon.
+    Tool,
+    /// The work the hob.
+    Work,
+}
+
+impl Geared {
+    const fn words(self) -> (&'static str, [&'static str; 2]) {
+        match self {
+            Self::Tool => ("M0404", ["the work spindle", "the tool spindle"]),
+            Self::Work => ("M0433", ["the hob", "the work"]),
+        }
+    }
 }
 
 impl Planner {
@@ -48,7 +77,7 @@ impl Planner {
             phase: polygon.phase,
         };
         self.hand_on(job, StepKind::Engage(gear));
-        self.coupled.gear = Some(gear);
+        (self.coupled.gear, self.coupled.hobbing) = (Some(gear), false);
         for oscillation in &polygon.oscillations {
             let on = match oscillation.on {
                 Oscillating::Axis(axis) => Superposed::Axis(axis),
@@ -60,17 +89,51 @@ impl Planner {
             let order = Superpose { on, master: polygon.work, table: Some(id), turns, over: FADE };
             self.hand_on(job, StepKind::Superpose(order));
             self.coupled.superposed.push(on);
+            if let Oscillating::Axis(axis) = oscillation.on {
+                let [speed, accel, jerk] = rates(&oscillation.harmonics);
+                let n = f64::from(turns.max(1));
+                let by_turn = [speed / n, accel / (n * n), jerk / (n * n * n)];
+                self.coupled.swings.push((axis.index(), by_turn));
+            }
         }
         if !self.coupled.superposed.is_empty() {
             self.hand_on(job, StepKind::AwaitFades);
         }
         self.enter_geared(job, TiedCut::Polygon, polygon.work);
+        let work = self.spindles.get(usize::from(polygon.work)).map_or(Spin::ZERO, |s| s.ordered);
+        self.spare(work);
     }
 
     /// From here on the tool may be in the work. It was geared up where it stands, so there it is clear.
     fn enter_geared(&mut self, job: &mut Job, cut: TiedCut, master: u8) {
         let way_out = WayOut::along_x(cut, master, self.position().linear[0]);
         self.hand_on(job, StepKind::WayOut(Some(way_out)));
+    }
+
+    /// A spindle is told a speed: what is geared to it and what swings with it goes along.
+    pub(super) fn go_along(&mut self, job: &Job, spindle: usize, spin: Spin) {
+        let Some(gear) = self.coupled.gear.filter(|gear| usize::from(gear.master) == spindle)
+        else {
+            return;
+        };
+        if let Some(most) =
+            self.limits.spindles.get(usize::from(gear.follower)).map(|s| s.max_speed)
+        {
+            let who = if self.coupled.hobbing { Geared::Work } else { Geared::Tool };
+            self.check_speed(job, who, gear.ratio.value().abs(), spin, most);
+        }
+        self.spare(spin);
+    }
+
+    /// Moves of an axis that swings get what the swing leaves of its limits, with the work at this speed or a slower one.
+    fn spare(&mut self, spin: Spin) {
+        self.coupled.fastest = self.coupled.fastest.max(spin.abs());
+        let n = self.coupled.fastest.value();
+        let whole = *self.coupled.whole.get_or_insert(self.limits.axes);
+        for (index, [speed, accel, jerk]) in &self.coupled.swings {
+            let swing = [speed * n, accel * n * n, jerk * n * n * n];
+            self.limits.axes[*index] = whole[*index].map(|axis| axis.beside(swing));
+        }
     }
 
     pub(super) fn polygon_end(&mut self, job: &mut Job) {
@@ -85,6 +148,11 @@ impl Planner {
             self.hand_on(job, StepKind::AwaitFades);
         }
         self.hand_on(job, StepKind::Release { follower: gear.follower });
+        if let Some(whole) = self.coupled.whole.take() {
+            self.limits.axes = whole;
+        }
+        self.coupled.swings.clear();
+        self.coupled.fastest = Spin::ZERO;
     }
 
     /// Let it swing while somebody looks, so many times.
@@ -122,7 +190,7 @@ impl Planner {
             phase: Angle::ZERO,
         };
         self.hand_on(job, StepKind::Engage(gear));
-        self.coupled.gear = Some(gear);
+        (self.coupled.gear, self.coupled.hobbing) = (Some(gear), true);
         self.enter_geared(job, TiedCut::Gear, hob.hob);
     }
 
@@ -144,17 +212,7 @@ impl Planner {
             self.findings.add(Diagnostic::error("M0432", job.span, text));
         }
         let ratio = hob.ratio().value().abs();
-        if turning.abs().value() * ratio > most.value() * (1.0 + 1e-9) {
-            let works = Spin::rev_per_s(most.value() / ratio);
-            let text = format!(
-                "S{} of the hob needs {} rpm of the work, whose highest is {}: S{} works",
-                number(turning.abs().in_rpm()),
-                number(turning.abs().in_rpm() * ratio),
-                number(most.in_rpm()),
-                number(whole_rpm(works)),
-            );
-            self.findings.add(Diagnostic::error("M0433", job.span, text));
-        }
+        self.check_speed(job, Geared::Work, ratio, turning, most);
         self.findings.len() > before
     }
 
@@ -197,17 +255,23 @@ impl Planner {
             self.findings.add(Diagnostic::error("M0403", job.span, text));
             return;
         }
-        let ratio = polygon.ratio.value().abs();
-        if work.abs().value() * ratio > most.value() * (1.0 + 1e-9) {
-            let works = Spin::rev_per_s(most.value() / ratio);
-            let text = format!(
-                "S{} of the work spindle needs {} rpm of the tool spindle, whose highest is {}: S{} works",
-                number(work.abs().in_rpm()),
-                number(work.abs().in_rpm() * ratio),
-                number(most.in_rpm()),
-                number(whole_rpm(works)),
-            );
-            self.findings.add(Diagnostic::error("M0404", job.span, text));
+        self.check_speed(job, Geared::Tool, polygon.ratio.value().abs(), work, most);
+    }
+
+    /// Whether the spindle that follows can turn so many times as fast.
+    fn check_speed(&mut self, job: &Job, who: Geared, ratio: f64, master: Spin, most: Spin) {
+        if master.abs().value() * ratio <= most.value() * (1.0 + 1e-9) {
+            return;
         }
+        let works = Spin::rev_per_s(most.value() / ratio);
+        let (code, [leads, follows]) = who.words();
+        let text = format!(
+            "S{} of {leads} needs {} rpm of {follows}, whose highest is {}: S{} works",
+            number(master.abs().in_rpm()),
+            number(master.abs().in_rpm() * ratio),
+            number(most.in_rpm()),
+            number(whole_rpm(works)),
+        );
+        self.findings.add(Diagnostic::error(code, job.span, text));
     }
 }

@@ -57,6 +57,7 @@ impl Planner {
             );
             self.findings.add(Diagnostic::error("M0308", job.span, text));
         }
+        self.go_along(job, usize::from(index), bounded);
         if self.outbox.is_waiting() {
             self.tell_spindles(job);
         }

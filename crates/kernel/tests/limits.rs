@@ -1,0 +1,167 @@
+//! What is emitted never asks more of an axis than its limits: setpoints of a whole polygon program, by their differences.
+//!
+//! ```text
+//!   v = Δx/T     a = Δ²x/T²     j = Δ³x/T³      T servo period; each is a mean of what happens in between
+//! ```
+#![allow(clippy::large_stack_arrays)] // a program of a few steps, in a test
+mod common;
+use canon::{
+    Axis, Feed, Harmonic, Op, OpKind, Oscillating, Oscillation, Polygon, Position, Ratio, Span,
+    SpindleOrder, ToolLibrary,
+};
+use common::{PERIOD, Run, control, machine, run_kernel_on};
+use core::f64::consts::TAU;
+use kernel::{Kernel, Periodic};
+use plan::{
+    AxisLimits, MachineLimits, Options, Planner, SpindleLimits, Start, Tapping, ToolChange,
+};
+use sim::SimulatedMachine;
+use units::{Accel, Angle, Inertia, Jerk, Power, Speed, Spin, Time, Torque};
+
+const AXIS: AxisLimits = AxisLimits {
+    travel: None,
+    rapid_speed: Speed::mm_per_s(400.0),
+    feed_speed: Speed::mm_per_s(200.0),
+    accel: Accel::mm_per_s2(8000.0),
+    rapid_jerk: Jerk::mm_per_s3(500e3),
+    feed_jerk: Jerk::mm_per_s3(500e3),
+};
+
+const SPINDLE: SpindleLimits = SpindleLimits {
+    inertia: Inertia::kg_m2(0.010),
+    peak_torque: Torque::n_m(42.0),
+    peak_power: Power::w(15_000.0),
+    friction: Torque::n_m(0.3),
+    viscous_n_m_s_per_rad: 0.0012,
+    max_speed: Spin::rpm(6000.0),
+    tapping_max: Spin::rpm(6000.0),
+    margin: 0.85,
+    torque_rise: Time::s(0.006),
+};
+
+const RPM: f64 = 300.0;
+/// Facets.
+const M: u32 = 4;
+
+/// A swing along X whose jerk is this share of its limit, on two harmonics.
+fn swing(share: f64) -> Oscillation {
+    // the jerk of a·(cos Mφ + sin 2Mφ/8) is a·w³·(sin Mφ − cos 2Mφ), 2·a·w³ at most
+    let a = share * 500e3 / (2.0 * (TAU * f64::from(M) * RPM / 60.0).powi(3));
+    let harmonics = vec![
+        Harmonic { per_turn: M, cosine: a, sine: 0.0 },
+        Harmonic { per_turn: 2 * M, cosine: 0.0, sine: a / 8.0 },
+    ];
+    Oscillation { on: Oscillating::Axis(Axis::X), harmonics }
+}
+
+/// In on X while it swings, along Z, out again, all faster than the swing would leave time for.
+fn program(oscillation: Oscillation) -> Vec<Op> {
+    let rapid = |x, z| OpKind::Rapid { to: Position::xyz(x, 0.0, z) };
+    let cut = |x, z| OpKind::Line {
+        to: Position::xyz(x, 0.0, z),
+        feed: Feed::PerTime(Speed::mm_per_s(100.0)),
+    };
+    let polygon = Polygon {
+        work: 0,
+        tool: 1,
+        ratio: Ratio { follower: 2, master: 1 },
+        phase: Angle::ZERO,
+        oscillations: vec![oscillation],
+        auto: None,
+        compensated: false,
+    };
+    let kinds = [
+        rapid(-30.0, -5.0),
+        OpKind::Spindle { spindle: 0, order: SpindleOrder::Turn(Spin::rpm(RPM)) },
+        OpKind::Polygon(polygon),
+        rapid(-60.0, -5.0),
+        cut(-65.0, -30.0),
+        rapid(-30.0, -30.0),
+        OpKind::PolygonEnd,
+        rapid(0.0, 0.0),
+        OpKind::End,
+    ];
+    let place = |line| Span { file: 0, line, start: 0, end: 0 };
+    (1..).zip(kinds).map(|(line, kind)| Op { span: place(line), kind }).collect()
+}
+
+fn limits() -> MachineLimits {
+    let mut axes = [None; 9];
+    axes[..3].fill(Some(AXIS));
+    MachineLimits {
+        axes,
+        spindles: vec![SPINDLE; 2],
+        tool_change: ToolChange { z: None, time: Time::ZERO },
+        settling: Time::ZERO,
+        tapping: Tapping::along_z(0.85),
+        joining: plan::Joining::EXACT,
+    }
+}
+
+/// Planned and run on the simulated machine.
+fn run_program(ops: &[Op]) -> Run {
+    let options = Options {
+        force_ramp: None,
+        cutting_pressure_n_per_mm2: 3900.0,
+        taps: plan::Unsynchronised::default(),
+    };
+    let start = Start { position: Position::default(), tool: 0 };
+    let mut planner = Planner::new(limits(), ToolLibrary::new([]), options, start);
+    let mut steps = Vec::new();
+    for (index, op) in (0..).zip(ops) {
+        planner.push(index, op, &mut |step: plan::Step| steps.push(step.kind));
+    }
+    planner.finish(&mut |step: plan::Step| steps.push(step.kind));
+    let refused: Vec<_> =
+        planner.take_findings().into_iter().filter(diag::Diagnostic::is_error).collect();
+    assert!(refused.is_empty(), "{refused:?}");
+    let mut iron = machine(1);
+    iron.spindles.push(iron.spindles[0]);
+    let mut control = control(&iron);
+    // fades as gentle moves are, and no gentler
+    for axis in control.axes.iter_mut().flatten() {
+        axis.gentle = (Speed::mm_per_s(50.0), Accel::mm_per_s2(1000.0));
+    }
+    let mut kernel = Kernel::new(control);
+    for table in planner.take_tables() {
+        let nodes = Periodic::new(&table.nodes).expect("it is a table");
+        kernel.put_table(table.id, nodes).expect("there is room");
+    }
+    let mut iron = SimulatedMachine::new(iron).expect("it can be built");
+    run_kernel_on(kernel, &mut iron, &steps, 80_000)
+}
+
+/// Largest speed, acceleration and jerk of an axis' setpoints, from the first move on: before it they are where the
+/// encoders find the axes when the machine is switched on.
+fn largest(run: &Run, axis: usize) -> [f64; 3] {
+    let moving = run.samples.iter().skip_while(|s| s.report.state == bus::State::Idle);
+    let mut line: Vec<f64> = moving.map(|s| s.command.axes[axis].position.value()).collect();
+    [(); 3].map(|()| {
+        line = line.windows(2).map(|pair| (pair[1] - pair[0]) / PERIOD.value()).collect();
+        line.iter().fold(0.0_f64, |most, x| most.max(x.abs()))
+    })
+}
+
+#[test]
+fn a_swing_at_its_limit_its_fades_and_moves_beside_it_stay_within_the_axis_limits() {
+    let run = run_program(&program(swing(0.9)));
+    assert!(run.kernel.faults().is_empty(), "{:?}", run.kernel.faults());
+    assert_eq!(run.kernel.report().state, bus::State::Ended);
+    for axis in [0, 2] {
+        let [speed, accel, jerk] = largest(&run, axis);
+        println!("axis {axis}: {speed:.1} mm/s, {accel:.0} mm/s², {jerk:.0} mm/s³");
+        let rounded = 1.0 + 1e-9;
+        assert!(speed <= 400.0 * rounded && accel <= 8000.0 * rounded, "{axis}: {speed} {accel}");
+        assert!(jerk <= 500e3 * (1.0 + 1e-6), "{axis}: {jerk}");
+    }
+    // and it is no empty promise: X gets near its jerk
+    assert!(largest(&run, 0)[2] > 0.88 * 500e3, "{:?}", largest(&run, 0));
+}
+
+#[test]
+fn moves_beside_a_swing_take_longer_than_without_one() {
+    let seconds = |share| run_program(&program(swing(share))).seconds;
+    // four moves with a tenth of the jerk: each more than twice as long as with all of it
+    let (beside, alone) = (seconds(0.9), seconds(1e-6));
+    assert!(beside > alone + 0.2, "{beside} s, {alone} s");
+}
