@@ -6,6 +6,7 @@ use crate::render::{self, Source};
 use crate::say;
 use crate::session::{Session, read_program};
 use diag::Diagnostic;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::{
     collections::HashSet,
     path::{Path, PathBuf},
@@ -106,7 +107,7 @@ fn options(session: &Session) -> plan::Options {
 fn findings(args: &CheckArgs, path: &Path, text: &[u8]) -> Result<Vec<Diagnostic>, Refused> {
     let mut session = Session::load(&args.source, path, text)?;
     let options = options(&session);
-    let mut found = crate::preflight::preflight(&mut session, text, options).findings;
+    let mut found = crate::preflight::judge(&mut session, text, options);
     add(&mut found, interp::lint(text, &session.interp_setup()));
     Ok(found)
 }
@@ -130,10 +131,11 @@ fn long_session(args: &CheckArgs, path: &Path) -> Result<Option<Session>, Refuse
 /// Interpreter, planner and remarks, piece by piece; what is found in a piece is told before the next one is read.
 fn in_pieces(session: &Session, path: &Path, name: &str, told: &mut Told) -> Result<(), Refused> {
     let setup = session.interp_setup();
-    let mut planner = crate::preflight::planner(session, options(session));
+    let mut planner = crate::preflight::planner(session, options(session)).only_judging();
     let mut linter = interp::Linter::new(&setup);
     let (mut rest, mut index, mut first_line) = (None, 0, 1);
     let mut late = Vec::new();
+    let progress = progress(path, told.quiet);
     let mut pieces = Pieces::open(path)?;
     while let Some(piece) = pieces.next()? {
         let mut ops = interp::Ops::of_piece(piece.text, &setup, rest.take(), piece.more_follows);
@@ -151,12 +153,26 @@ fn in_pieces(session: &Session, path: &Path, name: &str, told: &mut Told) -> Res
             planner.take_findings().into_iter().partition(|f| f.span.line >= first_line);
         add(&mut found, now);
         late.extend(before);
-        told.tell(&found, &Source { name, text: piece.text })?;
+        progress.suspend(|| told.tell(&found, &Source { name, text: piece.text }))?;
+        progress.inc(piece.text.len() as u64);
         first_line += memchr::memchr_iter(b'\n', piece.text).count() as u32;
         rest = Some(ops.rest());
     }
     late.extend(linter.finish());
+    progress.finish_and_clear();
     tell_late(late, path, name, told)
+}
+
+/// How much of a long program is read, where somebody looks on.
+fn progress(path: &Path, quiet: bool) -> ProgressBar {
+    let length = path.metadata().map_or(0, |data| data.len());
+    let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+    let bar = ProgressBar::with_draw_target(Some(length), target);
+    let style = ProgressStyle::with_template("{wide_bar} {bytes} of {total_bytes}");
+    if let Ok(style) = style {
+        bar.set_style(style);
+    }
+    bar
 }
 
 /// What only the end of a program shows: its lines are read once more.

@@ -38,12 +38,25 @@ pub(crate) fn preflight_with(
     options: Options,
     look: &mut impl FnMut(plan::Step),
 ) -> Preflight {
-    let mut findings = Vec::new();
-    if session.missing_tools == MissingTools::StandIn {
-        findings.extend(stand_in(session, source));
-    }
+    let assumed = stand_in(session, source);
+    read(session, source, planner(session, options), assumed, look)
+}
+
+/// What is wrong with a program, without the time it takes.
+pub(crate) fn judge(session: &mut Session, source: &[u8], options: Options) -> Vec<Diagnostic> {
+    let assumed = stand_in(session, source);
+    let planner = planner(session, options).only_judging();
+    read(session, source, planner, assumed, &mut |_| ()).findings
+}
+
+fn read(
+    session: &Session,
+    source: &[u8],
+    mut planner: Planner,
+    mut findings: Vec<Diagnostic>,
+    look: &mut impl FnMut(plan::Step),
+) -> Preflight {
     let setup = session.interp_setup();
-    let mut planner = planner(session, options);
     let mut ops = Ops::new(source, &setup, session.auto());
     for (index, op) in ops.by_ref() {
         planner.push(index, &op, look);
@@ -65,8 +78,11 @@ pub(crate) fn planner(session: &Session, options: Options) -> Planner {
 }
 
 /// Add a tool of no length for every number that the program calls and the table lacks, and for an empty spindle
-/// that drills.
+/// that drills, if the user allows it.
 fn stand_in(session: &mut Session, source: &[u8]) -> Vec<Diagnostic> {
+    if session.missing_tools == MissingTools::Refuse {
+        return Vec::new();
+    }
     let setup = session.interp_setup();
     let mut ops = interp::Ops::new(source, &setup);
     let mut mounted = 0;
@@ -98,7 +114,7 @@ fn assumption(tool: &Tool) -> Diagnostic {
         .with_help("what it makes is not judged; add the tool to the table for a true answer")
 }
 
-/// What an empty spindle drills with, if the user allows it.
+/// What an empty spindle drills with.
 fn no_tool() -> Tool {
     Tool {
         number: 0,

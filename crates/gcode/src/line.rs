@@ -21,6 +21,8 @@ pub(crate) type Read<T> = Result<T, Fault>;
 pub(crate) struct Line<'a, 'b> {
     /// The line without its end.
     pub(crate) text: &'a [u8],
+    /// The file from the line's begin on: its numbers are read here, where the next line lies behind the last digit.
+    pub(crate) ahead: &'a [u8],
     /// The next byte to look at.
     pub(crate) at: usize,
     /// One past the last byte taken: where a span ends (`at` may have passed blanks since).
@@ -33,6 +35,8 @@ pub(crate) struct Line<'a, 'b> {
     pub(crate) grammar: Grammar,
     /// Number of nodes before the value being read: bounds the operations in it.
     pub(crate) nodes_before: usize,
+    /// Of a call or return nothing is read but its label and keyword.
+    pub(crate) head_only: bool,
     /// A finding that does not spoil the block.
     pub(crate) remark: Option<Fault>,
 }
@@ -90,7 +94,7 @@ impl Line<'_, '_> {
     /// A number, with its sign.
     pub(crate) fn number(&mut self) -> Read<f64> {
         let from = self.start();
-        if let Some((value, end)) = number::fast(self.text, from) {
+        if let Some((value, end)) = number::fast(self.ahead, from) {
             (self.at, self.end) = (end, end);
             return Ok(value);
         }

@@ -79,6 +79,10 @@ impl Line<'_, '_> {
             self.at = from;
             return self.fault_here(Problem::KeywordUnknown);
         };
+        if self.head_only && matches!(keyword, Keyword::Call | Keyword::Return) {
+            self.at = self.text.len();
+            return Ok(keyword);
+        }
         while self.block.arguments.len() < most && self.peek() == b'[' {
             let argument: Value = self.whole_value()?;
             self.block.arguments.push(argument);

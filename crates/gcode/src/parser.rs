@@ -72,6 +72,11 @@ impl<'a> Parser<'a> {
 
     /// Reads the next line into `block`; false at the end of the file.
     pub fn next(&mut self, block: &mut Block) -> bool {
+        self.next_line(block, false)
+    }
+
+    #[inline]
+    fn next_line(&mut self, block: &mut Block, head_only: bool) -> bool {
         block.clear();
         let rest = self.source.get(self.offset..).unwrap_or_default();
         if rest.is_empty() {
@@ -95,12 +100,37 @@ impl<'a> Parser<'a> {
         let place = self.place(self.offset, text.len());
         self.offset += step;
         self.line += lines;
-        self.read(text, place, block);
+        if text.len() > MAX_LINE_BYTES {
+            self.too_long(text, place, block);
+            return true;
+        }
+        block.span = place;
+        let mut line = Line {
+            text,
+            ahead: rest,
+            at: 0,
+            end: 0,
+            place,
+            block,
+            grammar: self.grammar,
+            nodes_before: 0,
+            head_only,
+            remark: None,
+        };
+        let result = line.read();
+        let remark = line.remark;
+        if let Err(fault) = result {
+            block.faulty = true;
+            self.fault(fault, text, place);
+        } else if let Some(fault) = remark {
+            self.fault(fault, text, place);
+        }
         true
     }
 
     /// Reads on to the next line with an O-word; false if there is none. The lines between are
-    /// only counted: what is wrong in them stays unsaid until they are read.
+    /// only counted, and the arguments of calls and returns left out: what is wrong in them stays unsaid
+    /// until they are read.
     pub fn next_o_word(&mut self, block: &mut Block) -> bool {
         loop {
             let rest = self.source.get(self.offset..).unwrap_or_default();
@@ -115,7 +145,7 @@ impl<'a> Parser<'a> {
             let begin = memchr::memrchr(b'\n', passed).map_or(0, |newline| newline + 1);
             self.offset += begin;
             if begins_o_word(&passed[begin..]) {
-                if self.next(block) && block.o.is_some() {
+                if self.next_line(block, true) && block.o.is_some() {
                     return true;
                 }
             } else {
@@ -155,31 +185,12 @@ impl<'a> Parser<'a> {
         Span { file: self.file, line: self.line, start: start as u32, end: (start + length) as u32 }
     }
 
-    fn read(&mut self, text: &[u8], place: Span, block: &mut Block) {
+    #[cold]
+    fn too_long(&mut self, text: &[u8], place: Span, block: &mut Block) {
         block.span = place;
-        if text.len() > MAX_LINE_BYTES {
-            block.faulty = true;
-            let fault = Fault { problem: Problem::LineTooLong, from: 0, to: 1 };
-            return self.fault(fault, &text[..MAX_LINE_BYTES], place);
-        }
-        let mut line = Line {
-            text,
-            at: 0,
-            end: 0,
-            place,
-            block,
-            grammar: self.grammar,
-            nodes_before: 0,
-            remark: None,
-        };
-        let result = line.read();
-        let remark = line.remark;
-        if let Err(fault) = result {
-            block.faulty = true;
-            self.fault(fault, text, place);
-        } else if let Some(fault) = remark {
-            self.fault(fault, text, place);
-        }
+        block.faulty = true;
+        let fault = Fault { problem: Problem::LineTooLong, from: 0, to: 1 };
+        self.fault(fault, &text[..MAX_LINE_BYTES], place);
     }
 
     /// Reports what is wrong with a line; if it is no text at all, says that and reads no further.
@@ -264,6 +275,7 @@ impl Line<'_, '_> {
     pub(crate) fn items(&mut self) -> Read<()> {
         let mut seen = 0u64;
         loop {
+            self.plain_words(&mut seen);
             match self.peek() {
                 b'N' => return self.fault_here(Problem::NumberNotFirst),
                 b'O' => return self.fault_here(Problem::OWordNotFirst),
@@ -280,12 +292,40 @@ impl Line<'_, '_> {
         }
     }
 
+    /// As many words of a letter and a plain number as follow: nearly all that a long program has.
+    #[inline]
+    fn plain_words(&mut self, seen: &mut u64) {
+        let mut next = self.at;
+        loop {
+            let Some(byte) = self.text.get(next) else { break };
+            let letter = byte.to_ascii_uppercase();
+            if !letter.is_ascii_uppercase() {
+                if matches!(letter, b' ' | b'\t') {
+                    next += 1;
+                    continue;
+                }
+                break;
+            }
+            let bit = 1u64 << (letter & 63);
+            let once = if matches!(letter, b'G' | b'M') { 0 } else { *seen & bit };
+            if once != 0 || matches!(letter, b'N' | b'O') {
+                break;
+            }
+            let Some((value, end)) = number::fast(self.ahead, next + 1) else { break };
+            *seen |= bit;
+            let start = self.place.start;
+            let span = Span { start: start + next as u32, end: start + end as u32, ..self.place };
+            self.block.words.push(Word { letter, value: Value::Number(value), span });
+            (self.at, self.end, next) = (end, end, end);
+        }
+    }
+
     fn word(&mut self, letter: u8, seen: &mut u64) -> Read<()> {
         let from = self.at;
         self.take();
         let value = match self.peek() {
             b'0'..=b'9' | b'.' => Value::Number(self.number()?),
-            b'-' | b'+' | b'[' | b'#' | b'A'..=b'Z' => match number::fast(self.text, self.at) {
+            b'-' | b'+' | b'[' | b'#' | b'A'..=b'Z' => match number::fast(self.ahead, self.at) {
                 Some((value, end)) => {
                     (self.at, self.end) = (end, end);
                     Value::Number(value)

@@ -18,7 +18,7 @@
 //! reversal is deduced: forward again at S after drilling, at rest after a tap.
 use crate::{
     call::CycleHole,
-    codes::{Letters, set},
+    codes::{Letters, Written, set},
     execute::Executor,
     fault::{Outcome, error, refuse},
     resolve::Resolver,
@@ -58,7 +58,7 @@ impl Executor {
     pub(crate) fn chips(
         &mut self,
         cycle: Cycle,
-        code: &str,
+        code: Written,
         kept: Option<Chips>,
     ) -> Outcome<Option<Chips>> {
         if !cycle.throws_chips() {
@@ -87,7 +87,7 @@ impl Executor {
         &mut self,
         chips: Chips,
         cycle: Cycle,
-        code: &str,
+        code: Written,
         said: bool,
     ) -> Outcome<Option<Chips>> {
         let (span, spindle) = (self.words.span(b'U'), self.state.spindle);

@@ -304,12 +304,22 @@ pub(crate) fn m_code(tenths: u16) -> Option<&'static Code<MGroup>> {
     M_CODES.get(usize::from(*M_PLACES.get(usize::from(tenths))?))
 }
 
-/// How a number in tenths is written: `33.1`, `81`.
-pub(crate) fn written(tenths: u16) -> String {
-    match tenths % 10 {
-        0 => (tenths / 10).to_string(),
-        tenth => format!("{}.{tenth}", tenths / 10),
+/// A code's number as it is written: 331 is 33.1.
+#[derive(Clone, Copy)]
+pub(crate) struct Written(u16);
+
+impl core::fmt::Display for Written {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self.0 % 10 {
+            0 => write!(f, "{}", self.0 / 10),
+            tenth => write!(f, "{}.{tenth}", self.0 / 10),
+        }
     }
+}
+
+/// A code as people write it.
+pub(crate) const fn written(tenths: u16) -> Written {
+    Written(tenths)
 }
 
 /// What an unknown G number was perhaps meant to be.
@@ -318,7 +328,8 @@ pub(crate) fn similar_g(value: f64) -> String {
     let found = digits(&format!("{value}"));
     let same = |c: &&Code<GGroup>| {
         c.supported
-            && (digits(&written(c.tenths)) == found || f64::from(c.tenths / 10) == value.trunc())
+            && (digits(&written(c.tenths).to_string()) == found
+                || f64::from(c.tenths / 10) == value.trunc())
     };
     let names: Vec<_> = G_CODES
         .iter()

@@ -21,7 +21,7 @@
 use crate::{
     boring::Shift,
     call::{Call, Corners, CycleHole, CycleTap, Sense, Sink, Units},
-    codes::{AXES, GGroup, POLAR},
+    codes::{AXES, GGroup, POLAR, Written},
     execute::Executor,
     fault::{Outcome, error, refuse},
     frame::Point,
@@ -29,6 +29,7 @@ use crate::{
     setup::{DepthFrom, Dialect},
     state::{Cycle, FeedMode, Sticky},
 };
+use core::fmt::Display;
 use diag::Diagnostic;
 
 /// How far above the last depth the rapid back into the hole ends, and how far G73 backs off: 0.010 inch.
@@ -61,14 +62,14 @@ impl Executor {
             );
         }
         if !self.lead_is_the_taps(cycle) {
-            self.check_cycle_feed(&code)?;
+            self.check_cycle_feed(code)?;
         }
         let repeats = self.repeats()?;
-        let mut sticky = self.sticky(cycle, &code)?;
-        sticky.chips = self.chips(cycle, &code, sticky.chips)?;
+        let mut sticky = self.sticky(cycle, code)?;
+        sticky.chips = self.chips(cycle, code, sticky.chips)?;
         let initial = *self.state.initial.get_or_insert(self.state.at[n]);
-        let pattern = self.pattern(cycle, &code, &sticky, initial)?;
-        self.check_spindle(cycle, &code)?;
+        let pattern = self.pattern(cycle, code, &sticky, initial)?;
+        self.check_spindle(cycle, code)?;
         if self.state.sticky.is_none() || self.words.g(GGroup::Motion).is_some() {
             self.state.repetition = 0;
         }
@@ -115,7 +116,7 @@ impl Executor {
         Ok(())
     }
 
-    pub(crate) fn check_cycle_feed(&self, code: &str) -> Outcome {
+    pub(crate) fn check_cycle_feed(&self, code: impl Display) -> Outcome {
         if self.state.feed_mode == FeedMode::InverseTime {
             return refuse(
                 "I0501",
@@ -123,7 +124,7 @@ impl Executor {
                 format!("G{code} needs G94 or G95: G93 is in force"),
             );
         }
-        self.say_feed(&format!("G{code}"), || 0.0, &mut Silence)
+        self.say_feed(format_args!("G{code}"), || 0.0, &mut Silence)
     }
 
     /// L, in Brother's dialect K.
@@ -150,7 +151,7 @@ impl Executor {
     }
 
     /// R, Z, P, Q of this block, or those that the cycle kept.
-    fn sticky(&self, cycle: Cycle, code: &str) -> Outcome<Sticky> {
+    fn sticky(&self, cycle: Cycle, code: Written) -> Outcome<Sticky> {
         let [_, _, n] = self.state.plane_axes();
         let axis = b"XYZ"[n] as char;
         let kept = self.state.sticky.filter(|kept| kept.plane == self.state.plane);
@@ -213,7 +214,13 @@ impl Executor {
         Ok(Sticky { r, bottom, dwell, peck, tap, shift, chips, plane: self.state.plane })
     }
 
-    fn pattern(&self, cycle: Cycle, code: &str, sticky: &Sticky, initial: f64) -> Outcome<Pattern> {
+    fn pattern(
+        &self,
+        cycle: Cycle,
+        code: Written,
+        sticky: &Sticky,
+        initial: f64,
+    ) -> Outcome<Pattern> {
         let [_, _, n] = self.state.plane_axes();
         let axis = b"XYZ"[n] as char;
         let (r, bottom) = if self.state.incremental {
@@ -259,7 +266,7 @@ impl Executor {
         Ok(Pattern { cycle, r, bottom, clear, dwell, peck, tap, shift, counterbore })
     }
 
-    fn check_spindle(&self, cycle: Cycle, code: &str) -> Outcome {
+    fn check_spindle(&self, cycle: Cycle, code: Written) -> Outcome {
         let turning = self.state.spindle.turning;
         let span = self.words.place.span;
         let rigid = self.state.rigid != Rigid::Off;

@@ -138,12 +138,18 @@ impl Executor {
             if self.compensating {
                 self.check_compensated()?;
             }
-            self.feed_mode(sink)?;
-            self.spindle_speed(sink)?;
-            self.tools_and_switches(sink)?;
+            // of the lines of a long program many name their motion, and nothing else
+            let modes = self.words.has_modes();
+            if modes || self.words.any(crate::codes::set("STF$")) {
+                self.feed_mode(sink)?;
+                self.spindle_speed(sink)?;
+                self.tools_and_switches(sink)?;
+            }
             self.rigid_mode(motion)?;
-            self.modes(sink)?;
-            self.non_modal(sink)?;
+            if modes {
+                self.modes(sink)?;
+                self.non_modal(sink)?;
+            }
         }
         if let Some(motion) = motion {
             self.rigid_motion(motion)?;

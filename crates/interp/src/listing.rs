@@ -11,7 +11,7 @@
 //! Leadscrew machines from do not pass through here).
 use crate::{
     call::{Call, Corners, CycleTap, Place, Sense, Sink, Units},
-    decimal::{push_aligned, push_fixed4},
+    decimal::{push_fixed, push_fixed4, push_left, push_right, push_whole},
     frame::Point,
     hobbing::HobOrder,
     switch::NO_SPEED_LIMIT,
@@ -67,16 +67,12 @@ impl<W: Write> Listing<W> {
     #[inline]
     fn begin(&mut self, place: &Place) {
         self.count += 1;
-        push_aligned(&mut self.buffer, self.count, 5);
+        push_right(&mut self.buffer, self.count);
         match place.number {
             None => self.buffer.extend_from_slice(b" N..... "),
             Some(number) => {
                 self.buffer.extend_from_slice(b" N");
-                let from = self.buffer.len();
-                push_aligned(&mut self.buffer, u64::from(number), 1);
-                while self.buffer.len() < from + 6 {
-                    self.buffer.push(b' ');
-                }
+                push_left(&mut self.buffer, number);
             }
         }
     }
@@ -106,9 +102,15 @@ impl<W: Write> Listing<W> {
 
     /// A call whose text is written out.
     fn text(&mut self, place: &Place, text: &str) {
+        self.pieces(place, [text, "\n"]);
+    }
+
+    /// The same in pieces, with the end of the line.
+    fn pieces<const COUNT: usize>(&mut self, place: &Place, pieces: [&str; COUNT]) {
         self.begin(place);
-        self.buffer.extend_from_slice(text.as_bytes());
-        self.buffer.push(b'\n');
+        for piece in pieces {
+            self.buffer.extend_from_slice(piece.as_bytes());
+        }
         self.end();
     }
 
@@ -127,10 +129,10 @@ impl<W: Write> Listing<W> {
             Corners::ExactPath => self.text(place, "SET_MOTION_CONTROL_MODE(CANON_EXACT_PATH)"),
             Corners::ExactStop => self.text(place, "SET_MOTION_CONTROL_MODE(CANON_EXACT_STOP)"),
             Corners::Continuous(tolerance) => {
-                self.text(
-                    place,
-                    &format!("SET_MOTION_CONTROL_MODE(CANON_CONTINUOUS, {tolerance:.6})"),
-                );
+                self.begin(place);
+                self.buffer.extend_from_slice(b"SET_MOTION_CONTROL_MODE(CANON_CONTINUOUS, ");
+                push_fixed(&mut self.buffer, tolerance, 6);
+                self.buffer.extend_from_slice(b")\n");
             }
         }
         if let Some(merge) = merge {
@@ -207,7 +209,7 @@ impl<W: Write> Listing<W> {
         if turns < 0 {
             self.buffer.push(b'-');
         }
-        push_aligned(&mut self.buffer, u64::from(turns.unsigned_abs()), 1);
+        push_whole(&mut self.buffer, u64::from(turns.unsigned_abs()));
         for value in [to[n], to[3], to[4], to[5]] {
             self.buffer.extend_from_slice(b", ");
             push_fixed4(&mut self.buffer, value);
@@ -341,8 +343,8 @@ impl<W: Write> Listing<W> {
             }
             Call::FeedOverride(on) => self.feed_override(place, *on),
             Call::SpeedOverride(on) => self.speed_override(place, *on),
-            Call::Comment(text) => self.text(place, &format!("COMMENT(\"{text}\")")),
-            Call::Note(text) => self.text(place, &format!("COMMENT(\"interpreter: {text}\")")),
+            Call::Comment(text) => self.pieces(place, ["COMMENT(\"", text, "\")\n"]),
+            Call::Note(text) => self.pieces(place, ["COMMENT(\"interpreter: ", text, "\")\n"]),
             Call::Message(text) => self.text(place, &format!("MESSAGE(\"{text}\")")),
             Call::Print(text) => {
                 self.buffer.extend_from_slice(text.as_bytes());

@@ -12,6 +12,7 @@ use crate::{
     state::{FeedMode, Motion},
 };
 use canon::Plane;
+use core::fmt::Display;
 
 impl Executor {
     /// Where the block's axis words lead.
@@ -98,7 +99,7 @@ impl Executor {
     /// Check that there is a feed; with G93, say what it comes to on a path of this length.
     pub(crate) fn say_feed<S: Sink>(
         &self,
-        code: &str,
+        code: impl Display,
         length: impl Fn() -> f64,
         sink: &mut S,
     ) -> Outcome {

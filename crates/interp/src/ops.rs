@@ -109,7 +109,7 @@ fn in_order(found: impl IntoIterator<Item = Diagnostic>) -> Vec<Diagnostic> {
 pub fn called_files(source: &[u8]) -> Vec<String> {
     let (mut parser, mut block) = (Parser::new(source, 0), Block::new());
     let (mut called, mut defined) = (Vec::new(), HashSet::new());
-    while parser.next(&mut block) {
+    while parser.next_o_word(&mut block) {
         let Some(word) = block.o else { continue };
         let name = match word.label {
             Label::Name(name) => block.text(name).to_owned(),

@@ -62,7 +62,7 @@ impl Outline {
         let (mut parser, mut block) = (Parser::new(source, file), Block::new());
         let mut marks: Vec<Mark> = Vec::new();
         let mut faults = Vec::new();
-        while parser.next(&mut block) {
+        while parser.next_o_word(&mut block) {
             let Some(word) = block.o.filter(|_| !block.faulty) else { continue };
             let key = key(&block, word.label).unwrap_or_default();
             if key.is_empty() && word.keyword != Keyword::Call {

@@ -6,7 +6,8 @@
 //! ```
 //!
 //! A loop reads its lines again and again, and reading a line costs several times as much as executing it. Blocks
-//! are exchanged, not copied: the one at hand goes back to its slot when the next is asked for.
+//! are exchanged, not copied: the one at hand goes back to its slot when the next is asked for. What is read for the
+//! first time is not kept, for most of a program is read once.
 use crate::outline::At;
 use gcode::{Block, Parser};
 
@@ -17,6 +18,8 @@ const SLOTS: usize = 1024;
 #[derive(Default)]
 pub(crate) struct Reread {
     slots: Vec<Slot>,
+    /// Of each file: how far it has been read.
+    furthest: Vec<u32>,
     /// The slot whose block is at hand.
     out: Option<usize>,
 }
@@ -33,13 +36,21 @@ struct Slot {
 impl Reread {
     /// As [`Parser::next`], for a text of which this file's lines are read more than once.
     pub(crate) fn next(&mut self, file: usize, parser: &mut Parser<'_>, block: &mut Block) -> bool {
-        if self.slots.is_empty() {
-            self.slots.resize_with(SLOTS, Slot::default);
-        }
         if let Some(out) = self.out.take() {
             core::mem::swap(block, &mut self.slots[out].block);
         }
+        if self.furthest.len() <= file {
+            self.furthest.resize(file + 1, 0);
+        }
         let (byte, _) = parser.position();
+        if byte >= self.furthest[file] {
+            let more = parser.next(block);
+            self.furthest[file] = parser.position().0;
+            return more;
+        }
+        if self.slots.is_empty() {
+            self.slots.resize_with(SLOTS, Slot::default);
+        }
         // Fibonacci hashing: neighbouring lines come to different slots
         let i = (byte ^ (file as u32) << 7).wrapping_mul(0x9E37_79B1) as usize >> 22 & (SLOTS - 1);
         let slot = &mut self.slots[i];

@@ -25,6 +25,10 @@ pub(crate) struct Words {
     /// G80 beside another code of the motion group.
     pub(crate) cycle_off: bool,
     any_code: bool,
+    /// A code of another group than that of the motions.
+    any_mode: bool,
+    /// What the block's codes take.
+    letters: Letters,
     dialect: Dialect,
 }
 
@@ -39,6 +43,8 @@ impl Words {
             m: [NONE; M_GROUPS],
             cycle_off: false,
             any_code: false,
+            any_mode: false,
+            letters: 0,
             dialect,
         }
     }
@@ -52,7 +58,8 @@ impl Words {
         if self.any_code {
             self.g = [NONE; G_GROUPS];
             self.m = [NONE; M_GROUPS];
-            self.any_code = false;
+            (self.any_code, self.any_mode) = (false, false);
+            self.letters = 0;
         }
     }
 
@@ -122,6 +129,8 @@ impl Words {
             return Err(error("I0103", span, text).into());
         }
         self.any_code = true;
+        self.any_mode |= code.group != GGroup::Motion;
+        self.letters |= code.letters;
         let slot = &mut self.g[code.group as usize];
         if *slot == NONE {
             *slot = code.tenths;
@@ -154,7 +163,8 @@ impl Words {
             return Err(fault.into());
         };
         let written = codes::written(code.tenths);
-        self.any_code = true;
+        (self.any_code, self.any_mode) = (true, true);
+        self.letters |= code.letters;
         let slot = &mut self.m[code.group as usize];
         if *slot != NONE {
             let text = format!(
@@ -185,6 +195,12 @@ impl Words {
     #[inline]
     pub(crate) const fn has_codes(&self) -> bool {
         self.any_code
+    }
+
+    /// Whether there is any code besides that of the motion.
+    #[inline]
+    pub(crate) const fn has_modes(&self) -> bool {
+        self.any_mode
     }
 
     /// Whether there is any M code.
@@ -236,15 +252,7 @@ impl Words {
     /// Every word must belong to a code: the block's own, or the modal motion (whose letters are given).
     /// `beside` are those that the dialect or the machine adds.
     pub(crate) fn check_letters(&self, modal: Letters, beside: Letters) -> Outcome {
-        let mut allowed = FREE | beside;
-        if self.any_code {
-            for code in self.g.iter().filter_map(|t| codes::g_code(*t)) {
-                allowed |= code.letters;
-            }
-            for code in self.m.iter().filter_map(|t| codes::m_code(*t)) {
-                allowed |= code.letters;
-            }
-        }
+        let mut allowed = FREE | beside | self.letters;
         if self.any(AXES | CENTRE | POLAR) {
             allowed |= modal;
         }
@@ -277,9 +285,10 @@ impl Words {
 
 /// A code's number in tenths, if it has one decimal at most.
 pub(crate) fn tenths(value: f64) -> Option<u16> {
-    let tenths = (value * 10.0).round();
-    let near = (value * 10.0 - tenths).abs() < 1e-3;
-    (near && (0.0..=20_000.0).contains(&tenths)).then_some(tenths as u16)
+    let scaled = value * 10.0;
+    let tenths = (scaled + 0.5) as u16;
+    let near = (scaled - f64::from(tenths)).abs() < 1e-3;
+    (near && tenths <= 20_000).then_some(tenths)
 }
 
 /// The whole number that a value is, as near as LinuxCNC asks (0.0001).

@@ -74,6 +74,8 @@ struct SpindleState {
 pub struct Planner {
     limits: MachineLimits,
     options: Options,
+    /// Moves are judged and then forgotten: no law of time is found for them.
+    only_judges: bool,
     tools: ToolLibrary,
     /// Where the program has the axes.
     programmed: Position,
@@ -186,6 +188,7 @@ impl Planner {
             spindles: spindles.collect(),
             limits,
             options,
+            only_judges: false,
             tools,
             programmed: start.position,
             lifted: None,
@@ -206,6 +209,13 @@ impl Planner {
             findings: Findings::default(),
             outbox: Outbox::default(),
         }
+    }
+
+    /// One that finds what is wrong and no more: it hands on no cuts, and its [`duration`](Self::duration) counts none.
+    /// A move takes a thousandth of the time that joining it to its neighbours takes.
+    #[must_use]
+    pub fn only_judging(self) -> Self {
+        Self { only_judges: true, ..self }
     }
 
     /// Plan one op. Steps of it, and of ops before it that had to wait for it, go to `emit`, in order.

@@ -46,7 +46,7 @@ impl Fanuc {
                 }
             };
         }
-        it.executor.check_cycle_feed(&code.to_string())?;
+        it.executor.check_cycle_feed(code)?;
         let at = it.executor.state.at;
         let start = [at[2], at[0]];
         let end = self.corner_of(it, said);

@@ -177,7 +177,7 @@ impl Fanuc {
                 format!("G{code} needs P and Q: the first and the last block of the profile");
             return refuse("I1030", span, text);
         };
-        it.executor.check_cycle_feed(&code.to_string())?;
+        it.executor.check_cycle_feed(code)?;
         let mut missing = None;
         let [begin, end] = [first, last].map(|n| {
             let at = self.block_at(it, n);

@@ -50,7 +50,7 @@ impl Executor {
             let fault = error("I0582", span, text);
             return Err(fault.with_help("write G40 before it, and G42 before G70").into());
         }
-        self.check_cycle_feed(&code)?;
+        self.check_cycle_feed(code)?;
         if self.words.get(b'Q').is_none() {
             let text = format!("G{code} needs Q, the number of the subprogram with the profile");
             return refuse("I0580", span, text);

@@ -146,6 +146,9 @@ impl Planner {
         alone: Alone,
         (feed, rapid): (f64, bool),
     ) {
+        if self.only_judges {
+            return;
+        }
         let (tolerance, merge) = self.joined_within();
         for curve in curves(&path) {
             let (op, line) = (job.index, job.span.line);
