@@ -1,6 +1,6 @@
 //! How a program is read: by the command line, else by the machine's file; and what the machine has set for cycles.
 use crate::args;
-use store::machine::{self, Control, CycleDepth, MachineFile};
+use store::machine::{self, BoringAside, Control, CycleDepth, MachineFile};
 
 /// The dialect asked for, or the machine's own.
 pub(crate) fn of(asked: Option<args::Dialect>, machine: &MachineFile) -> interp::Dialect {
@@ -38,5 +38,9 @@ pub(crate) fn cycles(dialect: interp::Dialect, control: &Control) -> interp::Cyc
         chip_removal: control
             .chip_removal
             .map(|chips| interp::Chips { rpm: chips.spin.in_rpm(), every: chips.every }),
+        aside: interp::Aside {
+            second: matches!(control.boring_aside, Some(BoringAside::PlusY | BoringAside::MinusY)),
+            back: matches!(control.boring_aside, Some(BoringAside::MinusX | BoringAside::MinusY)),
+        },
     }
 }

@@ -296,8 +296,7 @@ impl Line<'_, '_> {
     #[inline]
     fn plain_words(&mut self, seen: &mut u64) {
         let mut next = self.at;
-        loop {
-            let Some(byte) = self.text.get(next) else { break };
+        while let Some(byte) = self.text.get(next) {
             let letter = byte.to_ascii_uppercase();
             if !letter.is_ascii_uppercase() {
                 if matches!(letter, b' ' | b'\t') {

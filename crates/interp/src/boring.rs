@@ -1,4 +1,4 @@
-//! Boring cycles in which the spindle stands while the tool passes: G87 and G88.
+//! Boring cycles in which the spindle stands while the tool passes: G87 and G88, and Fanuc's G76 and G87.
 //!
 //! ```text
 //!   G87  back boring: the bit passes the bore beside its axis and cuts upwards, from below
@@ -14,11 +14,18 @@
 //! LinuxCNC leaves the way out of G88 to the operator and goes on from the clear level as if he had been there;
 //! here the axis is brought there after the stop, straight up, wherever he left it.
 //!
-//! Source: NISTIR 6556, section 3.5.16.7 and 3.5.16.8; the order of the calls was measured on LinuxCNC 2.9.
+//! Fanuc's cycles move aside by Q, along an axis that the machine has set:
+//!
+//! ```text
+//!   G76  fine boring:  feed down to Z, wait, stop at angle 0, aside by Q, out fast, back, turn
+//!   G87  back boring:  stop at angle 0, aside, down to R, back, turn, feed up to Z, wait, stop, aside, out, back, turn
+//! ```
+//!
+//! Source: Fanuc, operator's manual of series 30i, "Canned cycles for drilling"; NISTIR 6556, section 3.5.16.7 and 3.5.16.8; the order of the calls was measured on LinuxCNC 2.9.
 use crate::{
     call::{Call, Sense, Sink},
     execute::Executor,
-    fault::{Outcome, refuse},
+    fault::{Outcome, error, refuse},
     frame::Point,
     state::Cycle,
 };
@@ -95,6 +102,75 @@ impl Executor {
         self.say(sink, &Call::Rapid(point(true, clear)));
         self.say(sink, &Call::Rapid(point(false, clear)));
         self.turn_again(sink);
+    }
+
+    /// Q of Fanuc's cycles: a point moved aside by it, whatever its sign.
+    fn aside(&self, at: &Point, q: f64) -> Point {
+        let [a, b, _] = self.state.plane_axes();
+        let crate::Aside { second, back } = self.cycles.aside;
+        let mut point = *at;
+        point[if second { b } else { a }] += if back { -q.abs() } else { q.abs() };
+        point
+    }
+
+    /// Fanuc's G76, from the bottom of the bore on.
+    pub(crate) fn fine_bore_out<S: Sink>(&self, bottom: &Point, out: &Point, q: f64, sink: &mut S) {
+        self.hold_spindle(sink);
+        self.say(sink, &Call::Rapid(self.aside(bottom, q)));
+        self.say(sink, &Call::Rapid(self.aside(out, q)));
+        self.say(sink, &Call::Rapid(*out));
+        self.turn_again(sink);
+    }
+
+    /// Fanuc's G87: from over the bore to its upper end `end`, beginning at `begin`.
+    pub(crate) fn bore_upwards<S: Sink>(
+        &self,
+        over: &Point,
+        [begin, end]: [f64; 2],
+        (q, dwell): (f64, f64),
+        sink: &mut S,
+    ) {
+        let [_, _, n] = self.state.plane_axes();
+        let (mut below, mut above) = (*over, *over);
+        (below[n], above[n]) = (begin, end);
+        self.hold_spindle(sink);
+        self.say(sink, &Call::Rapid(self.aside(over, q)));
+        self.say(sink, &Call::Rapid(self.aside(&below, q)));
+        self.say(sink, &Call::Rapid(below));
+        self.turn_again(sink);
+        self.say(sink, &Call::Line(above));
+        if dwell > 0.0 {
+            self.say(sink, &Call::Dwell(dwell));
+        }
+        self.fine_bore_out(&above, over, q, sink);
+    }
+
+    /// Q, and for G87 the levels, of Fanuc's boring cycles.
+    pub(crate) fn check_fine_boring(&self, cycle: Cycle, peck: Option<f64>) -> Outcome {
+        let code = crate::spelling::written(cycle.code());
+        let span = self.words.place.span;
+        if peck.is_none() {
+            let text = format!("G{code} needs Q, how far the tool moves aside before it comes out");
+            return refuse("I0590", span, text);
+        }
+        if cycle == Cycle::BoreUpwards && !self.state.retract_to_initial {
+            let text = "G87 comes out to the initial level and no lower: G99 is in force";
+            return Err(error("I0591", span, text).with_help("write G98 in this block").into());
+        }
+        Ok(())
+    }
+
+    /// R and Z of Fanuc's G87: where it begins to bore, and the upper end.
+    pub(crate) fn upward_levels(&self, r: f64, z: f64, initial: f64) -> Outcome<[f64; 2]> {
+        let [begin, end] =
+            if self.state.incremental { [initial + r, initial + r + z] } else { [r, z] };
+        if end < begin || initial < end {
+            let text = format!(
+                "G87 bores upwards from R to Z, below where it starts: R is {begin}, Z {end}, the start {initial}"
+            );
+            return refuse("I0519", self.words.place.span, text);
+        }
+        Ok([begin, end])
     }
 
     /// The spindle stops at angle 0, turning on in its sense.

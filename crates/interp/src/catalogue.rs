@@ -94,7 +94,7 @@ fn of_m(code: &'static Code<MGroup>) -> CodeInfo {
 fn info<G>(letter: char, code: &Code<G>, group: &'static str, modal: bool) -> CodeInfo {
     let written = match (letter, code.tenths) {
         ('M', 1000) => "M100–M199".to_owned(),
-        (_, tenths) => format!("{letter}{}", codes::written(tenths)),
+        (_, tenths) => format!("{letter}{}", crate::spelling::written(tenths)),
     };
     let letters = if code.supported { letters_of(code.letters) } else { String::new() };
     CodeInfo {
@@ -135,7 +135,7 @@ pub fn describe_in(dialect: Dialect, letter: u8, value: f64) -> Option<CodeInfo>
         return describe(letter, value).filter(|_| fanuc::has_m(tenths / 10));
     }
     let (shared, name, executed) = fanuc::told(kind, tenths)?;
-    let code = format!("G{}", codes::written(tenths));
+    let code = format!("G{}", crate::spelling::written(tenths));
     if let Some(shared) = shared.and_then(codes::g_code) {
         return Some(CodeInfo { code, ..of_g(shared) });
     }

@@ -16,9 +16,10 @@
 //!
 //! Source: Brother's description of the cycle, paragraphs 21 to 51; its text breaks off, and what follows the
 //! reversal is deduced: forward again at S after drilling, at rest after a tap.
+use crate::spelling::Written;
 use crate::{
     call::CycleHole,
-    codes::{Letters, Written, set},
+    codes::{Letters, set},
     execute::Executor,
     fault::{Outcome, error, refuse},
     resolve::Resolver,

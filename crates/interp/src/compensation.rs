@@ -179,7 +179,7 @@ impl Executor {
         if matches!(code, 411 | 421) {
             let Some(diameter) = self.words.get(b'D') else {
                 let text =
-                    format!("G{} needs D, the cutter's diameter", crate::codes::written(code));
+                    format!("G{} needs D, the cutter's diameter", crate::spelling::written(code));
                 return refuse("I0542", self.words.place.span, text);
             };
             let orientation = self.words.whole(b'L', 9)?;

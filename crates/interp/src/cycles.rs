@@ -20,39 +20,37 @@
 //! Source: NISTIR 6556, section 3.5.16; LinuxCNC 2.9 manual, "Canned cycles".
 use crate::{
     boring::Shift,
-    call::{Call, Corners, CycleHole, CycleTap, Sense, Sink, Units},
-    codes::{AXES, GGroup, POLAR, Written},
+    call::{Call, Corners, Sense, Sink},
+    codes::{AXES, GGroup, POLAR},
     execute::Executor,
     fault::{Outcome, error, refuse},
-    frame::Point,
     rigid::{Rigid, TapWords},
     setup::{DepthFrom, Dialect},
+    spelling::Written,
     state::{Cycle, FeedMode, Sticky},
 };
 use core::fmt::Display;
 use diag::Diagnostic;
 
-/// How far above the last depth the rapid back into the hole ends, and how far G73 backs off: 0.010 inch.
-const CLEARANCE_INCH: f64 = 0.010;
 /// More pecks than this in one hole are a slip of the pen.
 const MAX_PECKS: f64 = 10_000.0;
 
 /// A cycle with its words read and checked.
-struct Pattern {
-    cycle: Cycle,
-    r: f64,
-    bottom: f64,
-    clear: f64,
-    dwell: f64,
-    peck: f64,
-    tap: TapWords,
-    shift: Option<Shift>,
-    counterbore: f64,
+pub(crate) struct Pattern {
+    pub(crate) cycle: Cycle,
+    pub(crate) r: f64,
+    pub(crate) bottom: f64,
+    pub(crate) clear: f64,
+    pub(crate) dwell: f64,
+    pub(crate) peck: f64,
+    pub(crate) tap: TapWords,
+    pub(crate) shift: Option<Shift>,
+    pub(crate) counterbore: f64,
 }
 
 impl Executor {
     pub(crate) fn cycle<S: Sink>(&mut self, cycle: Cycle, sink: &mut S) -> Outcome {
-        let code = crate::codes::written(cycle.code());
+        let code = crate::spelling::written(cycle.code());
         let [a, b, n] = self.state.plane_axes();
         if !self.words.any(AXES | POLAR) {
             return refuse(
@@ -205,6 +203,9 @@ impl Executor {
                 Some(_) => {}
             }
         }
+        if matches!(cycle, Cycle::FineBore | Cycle::BoreUpwards) {
+            self.check_fine_boring(cycle, peck)?;
+        }
         let tap = match cycle.tap_sense() {
             Some(_) => self.tap_words(kept.map(|k| k.tap))?,
             None => TapWords::default(),
@@ -223,6 +224,13 @@ impl Executor {
     ) -> Outcome<Pattern> {
         let [_, _, n] = self.state.plane_axes();
         let axis = b"XYZ"[n] as char;
+        if crate::holes::bores_upwards(cycle) {
+            let [bottom, counterbore] = self.upward_levels(sticky.r, sticky.bottom, initial)?;
+            let (dwell, peck) = (sticky.dwell.unwrap_or(0.0), sticky.peck.unwrap_or(0.0));
+            let (tap, shift) = (sticky.tap, None);
+            let (r, clear) = (initial, initial);
+            return Ok(Pattern { cycle, r, bottom, clear, dwell, peck, tap, shift, counterbore });
+        }
         let (r, bottom) = if self.state.incremental {
             let r = initial + sticky.r;
             match self.cycles.depth_from {
@@ -294,122 +302,20 @@ impl Executor {
             _ => {}
         }
         match (cycle, turning) {
-            (Cycle::BoreStopOut | Cycle::BackBore | Cycle::BoreManualOut, None) => {
+            (
+                Cycle::BoreStopOut
+                | Cycle::BackBore
+                | Cycle::BoreManualOut
+                | Cycle::FineBore
+                | Cycle::BoreUpwards,
+                None,
+            ) => {
                 let text = format!(
                     "G{code} stops the spindle and starts it again: it must turn before, write M3 or M4"
                 );
                 refuse("I0515", span, text)
             }
             _ => Ok(()),
-        }
-    }
-
-    /// One hole, at the place where the plane's two axes are to stand.
-    fn hole<S: Sink>(&mut self, pattern: &Pattern, throw_rpm: Option<f64>, sink: &mut S) {
-        let [_, _, n] = self.state.plane_axes();
-        let mut at = self.state.at;
-        at[n] = pattern.r;
-        let hole = CycleHole {
-            plane: self.state.plane,
-            at,
-            bottom: pattern.bottom,
-            clear: pattern.clear,
-            throw_rpm,
-        };
-        let tap = pattern.cycle.tap_sense();
-        if tap.is_none() && pattern.shift.is_none() {
-            self.say(sink, &Call::Hole(hole));
-        }
-        self.say(sink, &Call::Rapid(self.state.at));
-        if self.state.at[n] != pattern.r {
-            self.say(sink, &Call::Rapid(at));
-        }
-        if let Some(shift) = pattern.shift {
-            let levels = [pattern.bottom, pattern.counterbore, pattern.clear];
-            self.back_bore(&at, levels, shift, sink);
-        } else if let Some(sense) = tap {
-            let overrides = (self.state.feed_override, self.state.speed_override);
-            let call = pattern.tap.call(hole, sense, pattern.dwell, overrides);
-            let feed_stated = self.words.get(b'F').is_some();
-            self.say(sink, &Call::Tap(CycleTap { feed_stated, ..call }));
-        } else {
-            self.down_and_out(pattern, &hole, n, sink);
-        }
-        self.state.at[n] = pattern.clear;
-    }
-
-    fn down_and_out<S: Sink>(
-        &mut self,
-        pattern: &Pattern,
-        hole: &CycleHole,
-        n: usize,
-        sink: &mut S,
-    ) {
-        let level = |value: f64| -> Point {
-            let mut point = hole.at;
-            point[n] = value;
-            point
-        };
-        if matches!(pattern.cycle, Cycle::ChipBreak | Cycle::Peck) {
-            self.peck(pattern, level, sink);
-        }
-        self.say(sink, &Call::Line(level(pattern.bottom)));
-        let out = level(pattern.clear);
-        match pattern.cycle {
-            Cycle::Drill | Cycle::DrillDwell => {
-                if pattern.cycle == Cycle::DrillDwell || pattern.dwell > 0.0 {
-                    self.say(sink, &Call::Dwell(pattern.dwell));
-                }
-                if hole.throw_rpm.is_some() {
-                    self.say(sink, &Call::ThrowChips(*hole));
-                }
-                self.say(sink, &Call::Rapid(out));
-            }
-            Cycle::BoreFeedOut => {
-                self.say(sink, &Call::Line(level(pattern.r)));
-                self.say(sink, &Call::Rapid(out));
-            }
-            Cycle::BoreDwellFeedOut => {
-                self.say(sink, &Call::Dwell(pattern.dwell));
-                self.say(sink, &Call::Line(out));
-            }
-            Cycle::BoreStopOut => {
-                self.say(sink, &Call::Dwell(pattern.dwell));
-                self.say(sink, &Call::SpindleStop);
-                self.say(sink, &Call::Rapid(out));
-                self.turn_again(sink);
-            }
-            Cycle::BoreManualOut => {
-                self.say(sink, &Call::Dwell(pattern.dwell));
-                self.say(sink, &Call::SpindleStop);
-                self.say(sink, &Call::Stop);
-                self.say(sink, &Call::OutByHand(out));
-                self.turn_again(sink);
-            }
-            Cycle::ChipBreak
-            | Cycle::Peck
-            | Cycle::BackBore
-            | Cycle::TapLeft
-            | Cycle::TapRight
-            | Cycle::RigidLeft
-            | Cycle::RigidRight => self.say(sink, &Call::Rapid(out)),
-        }
-    }
-
-    /// All pecks but the last.
-    fn peck<S: Sink>(&self, pattern: &Pattern, level: impl Fn(f64) -> Point, sink: &mut S) {
-        let clearance = match self.state.units {
-            Units::Inch => CLEARANCE_INCH,
-            Units::Millimetre => CLEARANCE_INCH * units::MM_PER_INCH,
-        };
-        let mut depth = pattern.r - pattern.peck;
-        while depth > pattern.bottom {
-            self.say(sink, &Call::Line(level(depth)));
-            if pattern.cycle == Cycle::Peck {
-                self.say(sink, &Call::Rapid(level(pattern.r)));
-            }
-            self.say(sink, &Call::Rapid(level(depth + clearance)));
-            depth -= pattern.peck;
         }
     }
 }

@@ -18,7 +18,7 @@ use crate::{
     names::Store,
     profile::Recording,
     setup::{Cycles, Dialect, MissingTools, Setup, UserCode},
-    state::{Cycle, Motion, State},
+    state::{Motion, State},
     tool_table::ToolTable,
     words::Words,
 };
@@ -89,7 +89,7 @@ impl Executor {
         };
         new.state.retract_to_initial = setup.dialect == Dialect::Brother;
         new.load_offsets();
-        let machine = machine_point(&setup.start);
+        let machine = crate::frame::machine_point(&setup.start);
         new.state.at = new.state.frame.to_program(&machine);
         new
     }
@@ -401,27 +401,5 @@ fn letters_of(motion: Motion) -> crate::codes::Letters {
     match motion {
         Motion::None => 0,
         motion => crate::codes::g_code(motion.code()).map_or(0, |code| code.letters),
-    }
-}
-
-/// All coordinates of a position as a point in mm and degrees.
-pub(crate) fn machine_point(position: &canon::Position) -> crate::frame::Point {
-    let mut point = [0.0; 9];
-    for i in 0..3 {
-        point[i] = position.linear[i].value();
-        point[i + 3] = position.rotary[i].in_deg();
-        point[i + 6] = position.parallel[i].value();
-    }
-    point
-}
-
-impl Cycle {
-    /// Sense of rotation inwards of a tapping cycle.
-    pub(crate) const fn tap_sense(self) -> Option<crate::Sense> {
-        match self {
-            Self::TapRight | Self::RigidRight => Some(crate::Sense::Clockwise),
-            Self::TapLeft | Self::RigidLeft => Some(crate::Sense::Counterclockwise),
-            _ => None,
-        }
     }
 }

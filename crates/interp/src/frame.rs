@@ -107,6 +107,17 @@ pub(crate) fn scale(point: &mut Point, factor: f64) {
     }
 }
 
+/// All coordinates of a position as a point in mm and degrees.
+pub(crate) fn machine_point(position: &canon::Position) -> Point {
+    let mut point = [0.0; 9];
+    for i in 0..3 {
+        point[i] = position.linear[i].value();
+        point[i + 3] = position.rotary[i].in_deg();
+        point[i + 6] = position.parallel[i].value();
+    }
+    point
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -48,7 +48,7 @@ pub struct Interpreter<'s> {
     pub(crate) ended: bool,
     pub(crate) limits: Limits,
     /// The front end of Fanuc's dialect.
-    fanuc: Option<Box<Fanuc>>,
+    pub(crate) fanuc: Option<Box<Fanuc>>,
     block_delete: bool,
     pub(crate) begun: bool,
     pub(crate) percent: bool,

@@ -44,6 +44,7 @@ mod flow;
 mod frame;
 mod held;
 mod hobbing;
+mod holes;
 mod interpreter;
 mod lint;
 mod listing;
@@ -64,6 +65,7 @@ mod resolve;
 mod rigid;
 mod setup;
 mod snapshot;
+mod spelling;
 mod splines;
 mod state;
 mod switch;
@@ -87,8 +89,8 @@ pub use pieces::{Linter, OpsRest, Rest, can_be_read_in_pieces};
 pub use polygon::PolygonOrder;
 pub use resolve::Resolver;
 pub use setup::{
-    Chips, Cycles, DepthFrom, Dialect, Limits, MAX_PARAMETER, MissingTools, Parameters, Setup,
-    Subprogram, UserCode,
+    Aside, Chips, Cycles, DepthFrom, Dialect, Limits, MAX_PARAMETER, MissingTools, Parameters,
+    Setup, Subprogram, UserCode,
 };
 pub use snapshot::{Snapshot, Standing};
 pub use splines::ControlPoint;

@@ -12,7 +12,7 @@
 use crate::{
     arcs::{same, sweep_rad},
     call::{Call, Corners, CycleHole, Place, Sense, Sink, Units},
-    execute::machine_point,
+    frame::machine_point,
     frame::{self, Frame, Point},
     setup::Setup,
 };

@@ -142,7 +142,7 @@ impl Executor {
         match (motion, was) {
             (Motion::None, _) => Ok(()),
             (_, Rigid::Ordered(ordered)) if self.state.rigid == Rigid::Off => {
-                let code = crate::codes::written(motion.code());
+                let code = crate::spelling::written(motion.code());
                 let text = format!("expected G84 or G74 after M29, found a move with G{code}");
                 let fault = error("I0534", self.words.place.span, text)
                     .with_label(ordered, "rigid tapping ordered here");

@@ -59,6 +59,17 @@ pub struct Cycles {
     /// Chip removal in G81, G82, G84 and G74 of programs that do not say U and E. Where it is set, every dialect
     /// knows those words.
     pub chip_removal: Option<Chips>,
+    /// Where the tool moves aside in Fanuc's G76 and G87.
+    pub aside: Aside,
+}
+
+/// A way along one axis of the plane: where the bit comes off the bore when the spindle stands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Aside {
+    /// Along the plane's second axis (Y of G17), not its first.
+    pub second: bool,
+    /// Towards smaller coordinates.
+    pub back: bool,
 }
 
 /// Chips are thrown off by turning the spindle backwards between two holes.

@@ -10,7 +10,8 @@
 //! furthest byte that had been executed; and, if O-words had been executed
 //! ([`Snapshot::has_o_words`]), whose O-words behind that place are the same and in the same order.
 use crate::{
-    execute::Executor, flow::Frame, interpreter::Interpreter, names, outline::At, setup::Setup,
+    execute::Executor, fanuc::Fanuc, flow::Frame, interpreter::Interpreter, names, outline::At,
+    setup::Setup,
 };
 use canon::Position;
 use diag::{Diagnostic, Span};
@@ -36,6 +37,7 @@ pub struct Snapshot {
     diagnostics: Vec<Diagnostic>,
     seen: HashSet<(&'static str, Span)>,
     errors: usize,
+    fanuc: Option<Box<Fanuc>>,
 }
 
 impl Snapshot {
@@ -44,7 +46,7 @@ impl Snapshot {
         self.executed
     }
 
-    /// Whether O-words were executed, so that the outline of the whole text mattered.
+    /// Whether O-words, or jumps and calls of Fanuc's, were executed, so that the outline of the whole text mattered.
     pub const fn has_o_words(&self) -> bool {
         self.has_o_words
     }
@@ -82,12 +84,14 @@ impl<'s> Interpreter<'s> {
             ended: self.ended,
             begun: self.begun,
             percent: self.percent,
-            has_o_words: self.outlines.iter().any(Option::is_some),
+            has_o_words: self.outlines.iter().any(Option::is_some)
+                || self.fanuc.as_ref().is_some_and(|fanuc| fanuc.has_jumped()),
             executed: self.executed,
             last: self.last,
             diagnostics: self.diagnostics.clone(),
             seen: self.seen.clone(),
             errors: self.errors,
+            fanuc: self.fanuc.as_mut().map(|fanuc| Box::new(fanuc.without_tape())),
         }
     }
 
@@ -111,6 +115,7 @@ impl<'s> Interpreter<'s> {
         new.diagnostics.clone_from(&from.diagnostics);
         new.seen.clone_from(&from.seen);
         new.errors = from.errors;
+        new.fanuc.clone_from(&from.fanuc);
         new
     }
 
@@ -188,7 +193,7 @@ impl Standing {
 fn in_force(executor: &Executor) -> Vec<String> {
     let value = |name: &str| names::system(&executor.state, name).unwrap_or(0.0);
     let is = |name: &str| value(name) != 0.0;
-    let numbered = |name: &str| format!("G{}", crate::codes::written(value(name) as u16));
+    let numbered = |name: &str| format!("G{}", crate::spelling::written(value(name) as u16));
     let either = |name: &str, yes: &str, no: &str| (if is(name) { yes } else { no }).to_owned();
     let mut codes = vec![
         numbered("_motion_mode"),

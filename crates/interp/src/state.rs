@@ -1,5 +1,6 @@
 //! What holds from block to block: the modal state.
 use crate::boring::Shift;
+use crate::codes::{BORE_UPWARDS, FINE_BORE};
 use crate::compensation::Compensation;
 use crate::rigid::{Rigid, TapWords};
 use crate::setup::Chips;
@@ -75,6 +76,10 @@ pub(crate) enum Cycle {
     BoreManualOut,
     /// G89: waits, feeds out.
     BoreDwellFeedOut,
+    /// Fanuc's G76: waits, stops the spindle, moves aside, comes out fast.
+    FineBore,
+    /// Fanuc's G87: goes down beside the bore, bores upwards.
+    BoreUpwards,
 }
 
 impl Motion {
@@ -107,6 +112,8 @@ impl Motion {
             870 => Self::Cycle(Cycle::BackBore),
             880 => Self::Cycle(Cycle::BoreManualOut),
             890 => Self::Cycle(Cycle::BoreDwellFeedOut),
+            FINE_BORE => Self::Cycle(Cycle::FineBore),
+            BORE_UPWARDS => Self::Cycle(Cycle::BoreUpwards),
             _ => Self::None, // G80
         }
     }
@@ -162,6 +169,19 @@ impl Cycle {
             Self::BackBore => 870,
             Self::BoreManualOut => 880,
             Self::BoreDwellFeedOut => 890,
+            Self::FineBore => FINE_BORE,
+            Self::BoreUpwards => BORE_UPWARDS,
+        }
+    }
+}
+
+impl Cycle {
+    /// Sense of rotation inwards of a tapping cycle.
+    pub(crate) const fn tap_sense(self) -> Option<Sense> {
+        match self {
+            Self::TapRight | Self::RigidRight => Some(Sense::Clockwise),
+            Self::TapLeft | Self::RigidLeft => Some(Sense::Counterclockwise),
+            _ => None,
         }
     }
 }

@@ -2,7 +2,7 @@
 use crate::{
     call::Place,
     cam::shared_code,
-    codes::{self, AXES, CENTRE, FREE, G_GROUPS, GGroup, Letters, M_GROUPS, MGroup, POLAR},
+    codes::{self, AXES, CENTRE, Code, FREE, G_GROUPS, GGroup, Letters, M_GROUPS, MGroup, POLAR},
     eval::Values,
     fault::{Outcome, error},
     setup::Dialect,
@@ -115,15 +115,20 @@ impl Words {
 
     /// Add a G code of the shared table.
     pub(crate) fn take_g(&mut self, value: f64, span: Span) -> Outcome {
-        let Some(code) = tenths(value).and_then(codes::g_code) else {
+        let Some(code) = tenths(value).filter(|t| *t < codes::OWN).and_then(codes::g_code) else {
             let mut fault = error("I0102", span, format!("G{value} is no known code"));
-            let guess = codes::similar_g(value);
+            let guess = crate::spelling::similar_g(value);
             if !guess.is_empty() {
                 fault = fault.with_help(guess);
             }
             return Err(fault.into());
         };
-        let written = codes::written(code.tenths);
+        self.take_code(code, span)
+    }
+
+    /// Add a G code.
+    pub(crate) fn take_code(&mut self, code: &'static Code<GGroup>, span: Span) -> Outcome {
+        let written = crate::spelling::written(code.tenths);
         if !code.supported {
             let text = format!("G{written} ({}) is not executed by Leadscrew yet", code.name);
             return Err(error("I0103", span, text).into());
@@ -145,8 +150,10 @@ impl Words {
             self.cycle_off = true;
             return Ok(());
         }
-        let text =
-            format!("G{written} and G{} exclude each other in one block", codes::written(*slot));
+        let text = format!(
+            "G{written} and G{} exclude each other in one block",
+            crate::spelling::written(*slot)
+        );
         Err(error("I0104", span, text)
             .with_help("both set the same mode: write one of them, or two blocks")
             .into())
@@ -156,25 +163,35 @@ impl Words {
     pub(crate) fn take_m(&mut self, value: f64, span: Span) -> Outcome {
         let Some(code) = tenths(value).and_then(codes::m_code) else {
             let mut fault = error("I0105", span, format!("M{value} is no known code"));
-            let guess = codes::similar_m(value);
+            let guess = crate::spelling::similar_m(value);
             if !guess.is_empty() {
                 fault = fault.with_help(guess);
             }
             return Err(fault.into());
         };
-        let written = codes::written(code.tenths);
+        let written = crate::spelling::written(code.tenths);
         (self.any_code, self.any_mode) = (true, true);
         self.letters |= code.letters;
         let slot = &mut self.m[code.group as usize];
         if *slot != NONE {
             let text = format!(
                 "M{written} and M{} exclude each other in one block",
-                codes::written(*slot)
+                crate::spelling::written(*slot)
             );
             return Err(error("I0107", span, text).with_help("write two blocks").into());
         }
         *slot = tenths(value).unwrap_or(code.tenths);
         Ok(())
+    }
+
+    /// One code of a group in the place of another, and the other way round.
+    pub(crate) fn exchange_g(&mut self, group: GGroup, one: u16, other: u16) {
+        let slot = &mut self.g[group as usize];
+        *slot = match *slot {
+            code if code == one => other,
+            code if code == other => one,
+            code => code,
+        };
     }
 
     /// The code of a group, in tenths.
@@ -268,7 +285,7 @@ impl Words {
         {
             let text = format!(
                 "{letter} has no place in G{} ({})",
-                codes::written(code.tenths),
+                crate::spelling::written(code.tenths),
                 code.name
             );
             return error("I0112", self.at[i], text);
@@ -279,7 +296,11 @@ impl Words {
             );
             return error("I0109", self.at[i], text).with_help("write G0 or G1 before it");
         }
-        error("I0110", self.at[i], format!("{letter} has no effect here: {}", codes::takers(i)))
+        error(
+            "I0110",
+            self.at[i],
+            format!("{letter} has no effect here: {}", crate::spelling::takers(i)),
+        )
     }
 }
 

@@ -8,7 +8,7 @@ const EXAMPLE: &str = "G90 G00 X0 Y0 Z450. M03 S5000\n\
                        G91 G81 X-10. Y-10. Z-90. R-50. P2. F3000. U2000 K6 E2\nM30\n";
 
 fn brother() -> Setup {
-    let cycles = Cycles { depth_from: Dialect::Brother.depth_from(), chip_removal: None };
+    let cycles = Cycles { depth_from: Dialect::Brother.depth_from(), ..Cycles::default() };
     Setup { dialect: Dialect::Brother, cycles, ..Setup::default() }
 }
 

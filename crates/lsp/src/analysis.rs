@@ -1,7 +1,7 @@
 //! The program executed as it is written: findings, and how things stood before and after each block.
 //!
 //! ```text
-//!   kept:   s₀ ──1024 blocks── s₁ ── … ── sₙ ──► advance(): the next slice
+//!   kept:   s₀ ──4096 blocks── s₁ ── … ── sₙ ──► advance(): the next slice
 //!                     ▲ hover: resume at the nearest kept one before, step to the block
 //! ```
 //!
@@ -12,7 +12,7 @@ use diag::Diagnostic;
 use interp::{Interpreter, Progress, Resolver, Setup, Snapshot, Standing};
 
 /// Blocks between two snapshots, at first.
-const SLICE: u64 = 1024;
+const SLICE: u64 = 4096;
 /// Snapshots kept at most.
 const MOST_KEPT: usize = 256;
 /// Blocks executed of one program: an editor need not wait for a longer one.
@@ -52,9 +52,10 @@ impl Analysis {
 
     /// Forget what an edit made void.
     pub(crate) fn edited(&mut self, edit: Edit) {
-        self.kept.retain(|kept| {
-            kept.furthest <= edit.from && !(edit.o_words && kept.snapshot.has_o_words())
-        });
+        // what steers Fanuc's tapes may stand in any line
+        let steers = edit.o_words || self.setup.dialect.grammar() == gcode::Grammar::Fanuc;
+        self.kept
+            .retain(|kept| kept.furthest <= edit.from && !(steers && kept.snapshot.has_o_words()));
         let executed = self.kept.last().map_or(0, |kept| kept.snapshot.executed());
         for visit in &mut self.visits {
             if *visit > executed {

@@ -130,4 +130,53 @@ pub(super) const ROWS: &[Finding] = &[
         "O1\nG97 S500 M3\nG0 X30. Z2.\nG34 Z-20. F2. K-0.5\nM30",
         "O1\nG97 S500 M3\nG0 X30. Z2.\nG32 Z-20. F2.\nM30",
     ),
+    f(
+        "I1040",
+        "Scaling, mirroring and rotation do not change while the cutter is beside its way.",
+        "O1\nT1 M6 F100\nG41 D1 G1 X1. Y1.\nG68 X0 Y0 R5.\nM30",
+        "O1\nT1 M6 F100\nG68 X0 Y0 R5.\nG41 D1 G1 X9. Y9.\nX30. Y9.\nG40 X50. Y20.\nG69\nM30",
+    ),
+    f(
+        "I1041",
+        "Mirroring is outside of scaling, and scaling outside of rotation.",
+        "O1\nG68 X0 Y0 R5.\nG51 X0 Y0 P2000\nM30",
+        "O1\nG51 X0 Y0 P2000\nG68 X0 Y0 R5.\nG69\nG50\nM30",
+    ),
+    f(
+        "I1042",
+        "G51 needs a factor that is not zero.",
+        "O1\nG51 X0 Y0\nM30",
+        "O1\nG51 X0 Y0 P2000\nG50\nM30",
+    ),
+    f(
+        "I1043",
+        "G51.1 needs the place of the mirror.",
+        "O1\nG51.1\nM30",
+        "O1\nG51.1 X0\nG50.1 X0\nM30",
+    ),
+    f("I1044", "G68 needs its angle.", "O1\nG68 X0 Y0\nM30", "O1\nG68 X0 Y0 R30.\nG69\nM30"),
+    f(
+        "I1045",
+        "Offsets, reference points and the plane do not change in scaled, mirrored or turned coordinates.",
+        "O1\nG68 X0 Y0 R30.\nG55\nM30",
+        "O1\nG55\nG68 X0 Y0 R30.\nG69\nM30",
+    ),
+    f(
+        "I1046",
+        "A cycle does not drill upwards.",
+        "O1\nS500 M3 F100\nG0 Z5.\nG51.1 Z0\nG81 X1. Z-5. R1.\nM30",
+        "O1\nS500 M3 F100\nG0 Z5.\nG51.1 X0\nG81 X1. Z-5. R1.\nG80\nG50.1 X0\nM30",
+    ),
+    f(
+        "I1047",
+        "An arc is scaled alike along both axes of its plane.",
+        "O1\nF100\nG51 X0 Y0 I2000 J1000\nG2 X10. Y0 I5.\nM30",
+        "O1\nF100\nG51 X0 Y0 P2000\nG2 X10. Y0 I5.\nG50\nM30",
+    ),
+    f(
+        "I1048",
+        "The first move after G68 names one axis of two.",
+        "O1\nF100\nG68 X0 Y0 R30.\nG1 X10.\nM30",
+        "O1\nF100\nG68 X0 Y0 R30.\nG1 X10. Y0\nM30",
+    ),
 ];

@@ -56,4 +56,18 @@ pub(super) const ROWS: &[Finding] = &[
         "G18 F100\no1 sub\nG0 X10 Z0 M8\nG1 Z-10\no1 endsub\nG71 Q1 X20 Z2",
         "G18 F100 M8\no1 sub\nG0 X10 Z0\nG1 Z-10\no1 endsub\nG71 Q1 X20 Z2",
     ),
+    row(
+        "I0590",
+        "Fine and back boring need Q, how far the tool moves aside.",
+        "O1\nS500 M3 F100\nG0 Z5.\nG76 X1. Z-5. R1.\nM30",
+        "O1\nS500 M3 F100\nG0 Z5.\nG76 X1. Z-5. R1. Q0.2\nG80\nM30",
+    )
+    .of(crate::Dialect::Fanuc),
+    row(
+        "I0591",
+        "Back boring comes out to the initial level.",
+        "O1\nS500 M3 F100\nG0 Z5.\nG99 G87 X1. Z-5. R-9. Q1.\nM30",
+        "O1\nS500 M3 F100\nG0 Z5.\nG98 G87 X1. Z-5. R-9. Q1.\nG80\nM30",
+    )
+    .of(crate::Dialect::Fanuc),
 ];

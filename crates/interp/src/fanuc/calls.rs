@@ -21,7 +21,7 @@ use crate::{
 };
 
 /// A call that has not returned yet.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Level {
     back: At,
     /// The calling block: where GOTO of the caller searches from.

@@ -1,11 +1,14 @@
 //! Fanuc's G and M codes, and which shared code each of them is.
 use super::Kind;
+use crate::codes::{BORE_UPWARDS, FINE_BORE};
 
 /// What a G code is in the shared language.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Meaning {
     /// This code, in tenths.
     Shared(u16),
+    /// G15, G16, G50, G51, G50.1, G51.1, G68, G69 of machining centres.
+    Mapping(u16),
     /// It ends something that Leadscrew does not begin: nothing is to be done.
     Off,
     /// G33, G32.
@@ -36,7 +39,7 @@ const fn system_b(tenths: u16) -> u16 {
 
 /// What G means, in tenths.
 pub(super) fn meaning(kind: Kind, tenths: u16) -> Meaning {
-    use Meaning::{Box, Multiple, NotYet, Off, Shared, Thread, Unknown};
+    use Meaning::{Box, Mapping, Multiple, NotYet, Off, Shared, Thread, Unknown};
     if kind == Kind::LatheA && matches!(tenths, 330 | 770..=790 | 910 | 950) {
         return Unknown;
     }
@@ -46,8 +49,13 @@ pub(super) fn meaning(kind: Kind, tenths: u16) -> Meaning {
             340 | 700 | 710 | 720 | 730 | 740 | 750 | 760 => return Multiple(code),
             770..=790 => return Box(code),
             810..=890 => return NotYet("drilling cycle of lathes"),
+            160 => return NotYet("polar coordinates"),
+            510 | 511 => return NotYet("scaling and mirroring"),
+            680 => return NotYet("double turret mirroring"),
             _ => {}
         }
+    } else if matches!(code, 150 | 160 | 500 | 501 | 510 | 511 | 680 | 690) {
+        return Mapping(code);
     }
     match code {
         0 | 10 | 20 | 30 | 40 | 100 | 170 | 180 | 190 | 200 | 210 | 280 | 300 => Shared(code),
@@ -76,21 +84,18 @@ pub(super) fn meaning(kind: Kind, tenths: u16) -> Meaning {
         330 => Thread,
         150 | 500 | 501 | 690 | 131 | 230 | 250 | 670 => Off,
         90 => NotYet("exact stop for one block"),
-        160 => NotYet("polar coordinates"),
         270 | 290 => NotYet("return from the reference point"),
         310 => NotYet("skip"),
         440 => NotYet("tool length offset, negative"),
-        510 | 511 => NotYet("scaling and mirroring"),
         502 | 2500 => Shared(502),
         512 | 2510 => Shared(512),
         513 => Shared(513),
         514 => Shared(514),
         600 => NotYet("positioning from one side"),
         620 | 630 => NotYet("corner override and tapping mode"),
-        680 => NotYet("coordinate rotation"),
-        760 => NotYet("fine boring"),
-        870 => NotYet("back boring"),
-        880 => NotYet("boring, manual out"),
+        760 => Shared(FINE_BORE),
+        870 => Shared(BORE_UPWARDS),
+        880 => Shared(880),
         _ => Unknown,
     }
 }
@@ -109,6 +114,20 @@ const fn multiple(tenths: u16) -> &'static str {
     }
 }
 
+/// What a code of machining centres does to the coordinates.
+const fn mapping(tenths: u16) -> &'static str {
+    match tenths {
+        150 => "end of polar coordinates",
+        160 => "polar coordinates",
+        500 => "end of scaling",
+        501 => "end of mirroring",
+        510 => "scaling",
+        511 => "mirroring",
+        680 => "coordinate rotation",
+        _ => "end of coordinate rotation",
+    }
+}
+
 /// M codes that are the same in the shared language.
 pub(super) const fn is_shared_m(number: u16) -> bool {
     matches!(number, 0..=9 | 19 | 29 | 30 | 48 | 49 | 60)
@@ -124,6 +143,7 @@ pub(crate) fn told(kind: Kind, tenths: u16) -> Option<(Option<u16>, &'static str
         Meaning::Box(780) => Some((None, "threading cycle", true)),
         Meaning::Box(_) => Some((None, "facing cycle", true)),
         Meaning::Multiple(code) => Some((None, multiple(code), true)),
+        Meaning::Mapping(code) => Some((None, mapping(code), true)),
         Meaning::Off => Some((None, "the end of what Leadscrew does not begin: no effect", true)),
         Meaning::NotYet(name) => Some((None, name, false)),
         Meaning::Unknown => None,

@@ -19,8 +19,11 @@
 #![allow(clippy::single_match_else)] // both outcomes are worth a line
 mod calls;
 mod codes;
+mod figure;
 mod grooving;
 mod lathe;
+mod mapping;
+mod offsets;
 mod tape;
 mod threading;
 mod turning;
@@ -56,6 +59,7 @@ pub(crate) enum Kind {
 }
 
 /// The front end's own state.
+#[derive(Clone)]
 pub(crate) struct Fanuc {
     kind: Kind,
     calculator: bool,
@@ -80,6 +84,8 @@ pub(crate) struct Fanuc {
     thread_angle: Option<f64>,
     warned_of_point: bool,
     said: Vec<Said>,
+    /// G16, G51, G51.1, G68.
+    mapping: figure::Mapping,
     /// G71 to G76: what their first lines have set.
     first_lines: turning::FirstLines,
     /// G70 to G73: the profile being taken down.
@@ -125,9 +131,23 @@ impl Fanuc {
             thread_angle: None,
             warned_of_point: false,
             said: Vec::new(),
+            mapping: figure::Mapping::default(),
             first_lines: turning::FirstLines::default(),
             shape: None,
         }))
+    }
+
+    /// Whether the order of the tape's blocks has mattered.
+    pub(crate) const fn has_jumped(&self) -> bool {
+        self.tape.is_some()
+    }
+
+    /// The same, which will read its tape again when it is needed.
+    pub(crate) fn without_tape(&mut self) -> Self {
+        let tape = self.tape.take();
+        let copy = self.clone();
+        self.tape = tape;
+        copy
     }
 
     const fn is_lathe(&self) -> bool {

@@ -22,14 +22,14 @@ pub(super) struct Mark {
     pub(super) after: At,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Program {
     number: Option<u32>,
     begin: Mark,
 }
 
 /// All of a file.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Tape {
     /// In the order of the text; the first may have no number.
     programs: Vec<Program>,

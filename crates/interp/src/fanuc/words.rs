@@ -4,16 +4,15 @@ use super::{
     codes::{Meaning, is_shared_m, meaning},
 };
 use crate::{
-    codes::written,
     execute::Executor,
     fault::{Outcome, error, refuse},
     interpreter::Interpreter,
+    spelling::written,
     state::{FeedMode, Motion},
     words::{near_whole, tenths},
 };
 use diag::{Diagnostic, Span};
 use gcode::Value;
-use units::Length;
 
 /// A word with its value.
 #[derive(Clone, Copy, Debug)]
@@ -28,7 +27,7 @@ pub(super) struct Said {
 /// What the block's codes make of its other words.
 #[allow(clippy::struct_excessive_bools)] // each is a fact of its own about the block
 #[derive(Clone, Copy, Debug, Default)]
-struct Sense {
+pub(super) struct Sense {
     dwell: bool,
     cycle: bool,
     thread: bool,
@@ -45,7 +44,7 @@ struct Sense {
     surface_speed: bool,
     per_revolution: bool,
     motion: bool,
-    spindle: bool,
+    pub(super) spindle: bool,
 }
 
 impl Fanuc {
@@ -78,6 +77,7 @@ impl Fanuc {
         let inch = executor.state.units == crate::Units::Inch;
         match said.letter {
             b'A' | b'B' | b'C' => said.value / 1000.0,
+            letter if self.mapping.is_angle(executor, letter) => said.value / 1000.0,
             b'X' | b'Y' | b'Z' | b'U' | b'V' | b'W' | b'I' | b'J' | b'K' | b'Q' | b'R' => {
                 said.value / if inch { 10_000.0 } else { 1000.0 }
             }
@@ -171,6 +171,9 @@ impl Fanuc {
             }
         }
         self.codes(ex, said, &sense)?;
+        if !(sense.dwell || sense.set_offset) {
+            self.map(ex, sense.cycle)?;
+        }
         self.complete(ex, &sense)?;
         self.numbers(ex, &sense, p, l)
     }
@@ -193,7 +196,7 @@ impl Fanuc {
                     Meaning::Shared(541) => sense.more_offsets = true,
                     Meaning::Shared(960) => sense.surface_speed = true,
                     Meaning::Shared(code @ (940 | 950)) => sense.per_revolution = code == 950,
-                    Meaning::Shared(code @ (0..=30 | 730..=890)) => {
+                    Meaning::Shared(code @ (0..=30 | 730..=890 | crate::codes::OWN..)) => {
                         sense.motion = true;
                         sense.cycle = code >= 730 && code != 800;
                         sense.tap = matches!(code, 740 | 840 | 842 | 843);
@@ -222,7 +225,8 @@ impl Fanuc {
         sense
     }
 
-    fn codes(&self, ex: &mut Executor, said: &[Said], sense: &Sense) -> Outcome {
+    fn codes(&mut self, ex: &mut Executor, said: &[Said], sense: &Sense) -> Outcome {
+        let mut mapped = Vec::new();
         for word in said {
             let span = word.span;
             match word.letter {
@@ -230,9 +234,11 @@ impl Fanuc {
                     Some((_, Meaning::Shared(920))) if sense.position => {}
                     Some((_, Meaning::Shared(541))) => {}
                     Some((_, Meaning::Shared(100))) if self.is_tool_offset(said) => {}
-                    Some((_, Meaning::Shared(code))) => {
-                        ex.words.take_g(f64::from(code) / 10.0, span)?;
-                    }
+                    Some((_, Meaning::Shared(code))) => match crate::codes::g_code(code) {
+                        Some(code) => ex.words.take_code(code, span)?,
+                        None => ex.words.take_g(f64::from(code) / 10.0, span)?,
+                    },
+                    Some((_, Meaning::Mapping(code))) => mapped.push(code),
                     Some((_, Meaning::Thread)) => ex.words.take_g(33.0, span)?,
                     Some((_, Meaning::Off | Meaning::Box(_) | Meaning::Multiple(_))) => {}
                     Some((code, Meaning::NotYet(name))) => {
@@ -258,6 +264,14 @@ impl Fanuc {
                 _ => {}
             }
         }
+        // ends before begins: what the block sets is set last
+        let ends = |code: &u16| matches!(code, 150 | 500 | 501 | 690);
+        for code in mapped.iter().filter(|code| ends(code)) {
+            self.set_mapping(ex, said, *code)?;
+        }
+        for code in mapped.iter().filter(|code| !ends(code)) {
+            self.set_mapping(ex, said, *code)?;
+        }
         Ok(())
     }
 
@@ -268,7 +282,8 @@ impl Fanuc {
             && ex.words.get(b'P').is_none()
             && ex.state.sticky.is_none_or(|s| s.dwell.is_none())
         {
-            let waits = matches!(ex.words.g(crate::codes::GGroup::Motion), Some(820 | 860 | 890));
+            let waits =
+                matches!(ex.words.g(crate::codes::GGroup::Motion), Some(820 | 860 | 880 | 890));
             if waits {
                 ex.words.put(b'P', 0.0, span)?;
             }
@@ -351,101 +366,6 @@ impl Fanuc {
             }
             (Some(number), None) => Ok(Then::Call { number, times: 1 }),
         }
-    }
-
-    fn is_tool_offset(&self, said: &[Said]) -> bool {
-        said.iter().any(|s| s.letter == b'L' && matches!(s.value, 10.0..=13.0))
-    }
-
-    /// G10: L2 sets a work offset, L10 and L11 a tool's length and its wear.
-    fn set_offset(&self, ex: &mut Executor, p: Option<u32>, l: Option<u32>) -> Outcome {
-        let span = ex.words.place.span;
-        match (l, p) {
-            (Some(2), Some(p @ 1..=6)) | (Some(20), Some(p @ 1..=3)) => {
-                // G54.1 P1 to P3 are the offsets seven to nine
-                let p = if l == Some(20) { p + 6 } else { p };
-                ex.words.put(b'L', 2.0, span)?;
-                ex.words.put(b'P', f64::from(p), span)?;
-                if ex.state.incremental {
-                    for axis in 0..3 {
-                        let letter = b"XYZ"[axis];
-                        let first = crate::Parameters::work_offset(p as usize);
-                        let now = ex.store.numbered.at(first + axis) / ex.state.units.in_mm();
-                        let now = if axis == 0 && ex.state.diameter { 2.0 * now } else { now };
-                        ex.words.add(letter, now);
-                    }
-                }
-                Ok(())
-            }
-            (Some(2), _) => refuse("I0617", span, "G10 L2 needs P: 1 to 6 for G54 to G59"),
-            (Some(20), _) => refuse("I0617", span, "G10 L20 needs P: 1 to 3 for G54.1 P1 to P3"),
-            (Some(kind @ 10..=13), Some(p)) => {
-                let Some(value) = ex.words.take(b'R') else {
-                    return refuse(
-                        "I1022",
-                        span,
-                        format!("G10 L{kind} needs R, the tool's offset"),
-                    );
-                };
-                let mm = value * ex.state.units.in_mm();
-                let Some(mut tool) = ex.tools.get(p).cloned() else {
-                    return refuse(
-                        "I0611",
-                        span,
-                        format!("tool offset {p}: tool {p} is not in the tool table"),
-                    );
-                };
-                let wear = matches!(kind, 11 | 13) || ex.state.incremental;
-                // L12 and L13 are radii
-                let (offset, mm) = match kind {
-                    12 | 13 => (&mut tool.diameter, 2.0 * mm),
-                    _ => (&mut tool.length, mm),
-                };
-                *offset = Length::mm(if wear { offset.value() + mm } else { mm });
-                ex.tools.insert(tool);
-                Ok(())
-            }
-            (Some(kind), _) => {
-                let text = format!(
-                    "G10 L{kind} is not executed by Leadscrew yet: L2, L10 to L13 and L20 are"
-                );
-                refuse("I0614", span, text)
-            }
-            (None, _) => refuse(
-                "I0616",
-                span,
-                "G10 needs L2 or L20 (work offset), L10 or L11 (tool length and wear), L12 or L13 (tool radius and wear)",
-            ),
-        }
-    }
-
-    /// T0102 of a lathe: tool 1 with offset 2.
-    fn turret(&self, ex: &mut Executor, word: &Said, sense: Sense) -> Outcome {
-        let Some(number) = near_whole(word.value).and_then(|n| u32::try_from(n).ok()) else {
-            return refuse(
-                "I0610",
-                word.span,
-                format!("expected a tool and its offset as in T0101, found {}", word.value),
-            );
-        };
-        let (tool, offset) = (number / 100, number % 100);
-        if tool != 0 && tool != ex.state.current_tool {
-            ex.words.put(b'T', f64::from(tool), word.span)?;
-            ex.words.take_m(6.0, word.span)?;
-            // a turret indexes while the spindle turns
-            match ex.state.spindle.turning {
-                Some(sense_now) if !sense.spindle => {
-                    let code = if sense_now == crate::Sense::Clockwise { 3.0 } else { 4.0 };
-                    ex.words.take_m(code, word.span)?;
-                }
-                _ => {}
-            }
-        }
-        if offset == 0 {
-            return ex.words.take_g(49.0, word.span);
-        }
-        ex.words.take_g(43.0, word.span)?;
-        ex.words.put(b'H', f64::from(offset), word.span)
     }
 
     fn warn_of_points(&mut self, ex: &mut Executor, said: &[Said]) {

@@ -39,7 +39,7 @@ pub(crate) enum Order {
 impl Executor {
     /// G70 … G72.2: the tool goes to the begin, and the profile's blocks are taken down. Which subprogram they are in.
     pub(crate) fn turning<S: Sink>(&mut self, tenths: u16, sink: &mut S) -> Outcome {
-        let code = crate::codes::written(tenths);
+        let code = crate::spelling::written(tenths);
         let span = self.words.place.span;
         if self.state.plane != Plane::ZX {
             let text = format!("G{code} cuts a profile of X and Z: write G18 before");

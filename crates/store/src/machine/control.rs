@@ -16,6 +16,8 @@ pub struct Control {
     pub cycle_depth: Option<CycleDepth>,
     /// Chip removal in cycles whose blocks do not say it, if stated.
     pub chip_removal: Option<ChipRemoval>,
+    /// Where the tool moves aside in Fanuc's boring cycles G76 and G87: along which axis of the plane, and which way.
+    pub boring_aside: Option<BoringAside>,
     /// Folders in which subprogram files are looked for, beside the program's own; separated by `:`.
     pub subprogram_path: Option<String>,
     /// What follows what in a synchronised move.
@@ -72,6 +74,19 @@ pub enum CycleDepth {
     FromRPlane,
     /// From the initial level.
     FromInitialLevel,
+}
+
+/// A way along one axis of the plane, named as in G17.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BoringAside {
+    /// Towards larger X.
+    PlusX,
+    /// Towards smaller X.
+    MinusX,
+    /// Towards larger Y.
+    PlusY,
+    /// Towards smaller Y.
+    MinusY,
 }
 
 /// Chips are thrown off by turning the spindle backwards between two holes.
@@ -185,6 +200,7 @@ impl Control {
             ),
             cycle_depth: canned.and_then(|canned| canned.depth),
             chip_removal: canned.and_then(|canned| canned.chips),
+            boring_aside: canned.and_then(|canned| canned.aside),
             subprogram_path: keys.optional_text("subprogram_path"),
             synchronisation: keys.section("synchronisation", Synchronisation::read),
             waits: keys.section("waits", Waits::read),
@@ -205,6 +221,7 @@ impl Control {
 struct Canned {
     depth: Option<CycleDepth>,
     chips: Option<ChipRemoval>,
+    aside: Option<BoringAside>,
 }
 
 impl Canned {
@@ -216,7 +233,14 @@ impl Canned {
             spin: Spin::rpm(k.number("rpm", 1.0..=200_000.0)),
             every: k.whole("every", 0..=100_000),
         });
-        Self { depth, chips }
+        let ways = [
+            ("+x", BoringAside::PlusX),
+            ("-x", BoringAside::MinusX),
+            ("+y", BoringAside::PlusY),
+            ("-y", BoringAside::MinusY),
+        ];
+        let aside = keys.has("boring_aside").then(|| keys.choice("boring_aside", &ways));
+        Self { depth, chips, aside }
     }
 }
 

@@ -1,0 +1,95 @@
+//! Codes and letters as people write them, and what they perhaps meant.
+use crate::codes::{Code, G_CODES, GGroup, M_CODES, MGroup, OWN};
+
+/// A code's number as it is written: 331 is 33.1.
+#[derive(Clone, Copy)]
+pub(crate) struct Written(u16);
+
+impl core::fmt::Display for Written {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let (whole, tenth) = (self.0 % OWN / 10, self.0 % 10);
+        match tenth {
+            0 => write!(f, "{whole}"),
+            tenth => write!(f, "{whole}.{tenth}"),
+        }
+    }
+}
+
+/// A code as people write it.
+pub(crate) const fn written(tenths: u16) -> Written {
+    Written(tenths)
+}
+
+/// What an unknown G number was perhaps meant to be.
+pub(crate) fn similar_g(value: f64) -> String {
+    let digits = |text: &str| text.chars().filter(char::is_ascii_digit).collect::<String>();
+    let found = digits(&format!("{value}"));
+    let same = |c: &&Code<GGroup>| {
+        c.supported
+            && (digits(&written(c.tenths).to_string()) == found
+                || f64::from(c.tenths / 10) == value.trunc())
+    };
+    let names: Vec<_> = G_CODES
+        .iter()
+        .filter(same)
+        .map(|c| format!("G{} ({})", written(c.tenths), c.name))
+        .collect();
+    if names.is_empty() { String::new() } else { format!("did you mean {}?", names.join(" or ")) }
+}
+
+/// What an unknown M number was perhaps meant to be: a digit typed twice, left out, or exchanged with its neighbour.
+pub(crate) fn similar_m(value: f64) -> String {
+    let written = format!("{value}");
+    let sorted = |text: &str| {
+        let mut digits: Vec<_> = text.bytes().filter(u8::is_ascii_digit).collect();
+        digits.sort_unstable();
+        digits
+    };
+    let found = sorted(&written);
+    let near = |code: &&Code<MGroup>| {
+        let number = (code.tenths / 10).to_string();
+        let exchanged = sorted(&number) == found;
+        let twice = written.len() == number.len() + 1
+            && (0..written.len()).any(|i| {
+                let mut shorter = written.clone();
+                shorter.remove(i);
+                shorter == number
+            });
+        code.group != MGroup::User && (exchanged || twice && written.starts_with(&number[..1]))
+    };
+    let names: Vec<_> = M_CODES
+        .iter()
+        .filter(near)
+        .take(3)
+        .map(|c| format!("M{} ({})", c.tenths / 10, c.name))
+        .collect();
+    if names.is_empty() { String::new() } else { format!("did you mean {}?", names.join(" or ")) }
+}
+
+/// The codes that take a letter, as one phrase.
+pub(crate) fn takers(letter_index: usize) -> String {
+    let bit = 1 << letter_index;
+    let g = G_CODES.iter().filter(|c| c.supported && c.letters & bit != 0);
+    let m = M_CODES.iter().filter(|c| c.supported && c.letters & bit != 0);
+    let all: Vec<_> = (g.map(|c| format!("G{}", written(c.tenths))))
+        .chain(m.map(|c| format!("M{}", written(c.tenths))))
+        .collect();
+    match all.len() {
+        0 => "no code takes it".to_owned(),
+        _ => format!("it belongs to {}", all.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lost_point_is_guessed() {
+        assert_eq!(similar_g(331.0), "did you mean G33.1 (rigid tapping)?");
+        assert_eq!(similar_g(12.3), "");
+        assert_eq!(similar_m(33.0), "did you mean M3 (spindle clockwise)?");
+        assert_eq!(similar_m(91.0), "did you mean M9 (coolant off) or M19 (orient the spindle)?");
+        assert_eq!(similar_m(77.0), "did you mean M7 (mist coolant on)?");
+    }
+}
