@@ -33,6 +33,7 @@ mod format;
 mod interrupt;
 mod iron;
 mod keeper;
+mod late;
 mod learning;
 mod log;
 mod lsp;

@@ -232,7 +232,11 @@ impl Simulation<'_> {
             while let Some(event) = self.kernel.next_event() {
                 self.note(&event, &mut warnings);
             }
-            feedback = self.machine.exchange(&command);
+            let heard = self.machine.exchange(&command);
+            for between in crate::late::missed(&feedback, &heard, self.machine.period()) {
+                self.kernel.tick(&between);
+            }
+            feedback = heard;
             periods += 1;
             if periods.is_multiple_of(PROGRESS_EVERY) {
                 progress.set_position((feedback.time.value() * 1e3) as u64);

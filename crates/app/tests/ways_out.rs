@@ -95,5 +95,15 @@ fn a_fault_in_a_thread_or_a_polygon_is_said_and_the_tool_taken_off_the_work() {
         let text = said(&output);
         assert!(text.contains(": X took the tool +"), "{text}{}", complained(&output));
         assert!(text.contains("THE TOOL IS OFF THE WORK"), "{text}");
+        let output =
+            leadscrew(&[&run[..], &["--fault", &fault, "--recover", "--format", "json"]].concat());
+        let certificate: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let withdrawal = &certificate["withdrawals"][0];
+        assert!(withdrawal["axis"] == "X" && number(withdrawal, "by_mm") > 1.5, "{withdrawal:#}");
+        if machine == "lathe" {
+            // spindle and Z stop together on the thread
+            let off = number(&certificate["features"][0], "sync_error_max_um");
+            assert!(off > 0.0 && off < 10.0, "{off} µm");
+        }
     }
 }

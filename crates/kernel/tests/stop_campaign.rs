@@ -84,34 +84,36 @@ fn every_millisecond_left_hand() {
 fn every_millisecond(work: &Work, hand: &str) {
     let mut rows = vec![Tally::head()];
     let mut all = Tally::default();
+    let every = asked("STOPS_EVERY_MS", 1) as usize;
     for fault in [Fault::PowerCut, Fault::Kill] {
         for reaction in REACTIONS {
-            // every millisecond on the machine as it is; every 10 ms on lesser drives
-            let every = if reaction == Reaction::CoupledStop { 1 } else { 10 };
             let tally = sweep(work, fault, reaction, 4 * every, unload(work));
             let title = format!("{} each {every} ms, {hand}, {}", fault.name(), name(reaction));
             rows.push(tally.row(&title));
             eprintln!("{}", tally.row(&title));
+            println!("{}", tally.sum(&title));
             all.absorb(tally);
         }
     }
-    let tally = sweep(work, Fault::PowerCut, Reaction::QuickStop, 40, Way::Direct);
-    rows.push(tally.row(&format!("power-cut each 10 ms, {hand}, the document's way")));
+    let tally = sweep(work, Fault::PowerCut, Reaction::QuickStop, 4 * every, Way::Direct);
+    let title = format!("power-cut each {every} ms, {hand}, quick stop, the document's way");
+    rows.push(tally.row(&title));
+    println!("{}", tally.sum(&title));
     all.absorb(tally);
     rows.push(all.row("all"));
     println!("{}\n{}", rows.join("\n"), all.remarks());
     assert!(all.is_good(), "the table says which");
 }
 
-/// As many as is usual, unless `STOPS` says otherwise.
-fn count(usual: u32) -> u32 {
-    std::env::var("STOPS").ok().and_then(|n| n.parse().ok()).unwrap_or(usual)
+/// A number of the campaign, unless a variable says otherwise.
+fn asked(variable: &str, usual: u32) -> u32 {
+    std::env::var(variable).ok().and_then(|n| n.parse().ok()).unwrap_or(usual)
 }
 
 #[test]
 #[ignore = "minutes: cargo xtask stops"]
 fn two_thousand_cases_at_random() {
-    let whole = count(2000);
+    let whole = asked("STOPS_AT_RANDOM", 2000);
     let rows = random(whole, 1, |done| {
         if done % 50 == 0 {
             eprintln!("{done} of {whole} cases at random");
@@ -121,6 +123,8 @@ fn two_thousand_cases_at_random() {
     let mut said = Tally::head();
     for (title, tally) in rows {
         said += &format!("\n{}", tally.row(&title));
+        let fault = title.split(", ").next().unwrap();
+        println!("{}", tally.sum(&format!("at random: {fault}")));
         all.absorb(tally);
     }
     println!("{said}\n{}\n{}", all.row("all"), all.remarks());
@@ -130,8 +134,9 @@ fn two_thousand_cases_at_random() {
 #[test]
 #[ignore = "minutes: cargo xtask stops"]
 fn two_thousand_stops_with_the_drives_alive() {
-    let (mut worst, mut worst_out, mut cases, mut failed) = (0.0_f64, 0.0_f64, 0, Vec::new());
-    for number in 0..500_u64 {
+    let (mut worst, mut worst_out, mut cases, mut failed) = (0.0_f64, 0.0_f64, 0_usize, Vec::new());
+    let machines = u64::from(asked("STOPS_AT_RANDOM", 2000)) / 4;
+    for number in 0..machines {
         let mut dice = Dice(7 ^ (number << 32));
         let work = dice.work();
         let mut bench = Bench::new(&work, Reaction::CoupledStop, number);
@@ -166,6 +171,11 @@ fn two_thousand_stops_with_the_drives_alive() {
     }
     println!(
         "{cases} stops with the drives alive: in the stop at most {worst:.2} µm off the coupling, on the way out {worst_out:.2} µm"
+    );
+    let title = "drives alive: hold, abort, alarm at random";
+    println!(
+        "{}",
+        campaign::sum(title, [cases, cases - failed.len(), 0, 0, failed.len()], [worst, worst_out])
     );
     assert!(failed.is_empty(), "{} of them failed:\n{}", failed.len(), failed.join("\n"));
 }

@@ -178,6 +178,8 @@ struct Pass {
     /// Depth along the thread below the surface and distance from the helix, mm.
     at: Vec<[f64; 2]>,
     infeed: f64,
+    /// +1 or −1: the way the spindle turned when it began.
+    sense: Option<f64>,
     /// The run-out began.
     whole: bool,
 }
@@ -221,8 +223,10 @@ impl TurnedTrack {
         if along < run_in {
             return;
         }
-        self.sense = turned.signum();
-        let phase = self.sense * (angle - order.start_angle.value()) - stretch.before - along;
+        // a spindle that comes to rest in the work swings back a little: the pass goes on as it began
+        let sense = *pass.sense.get_or_insert(turned.signum());
+        self.sense = sense;
+        let phase = sense * (angle - order.start_angle.value()) - stretch.before - along;
         let error = -(phase - phase.round()) * slope;
         let across = |i: usize| {
             let share = along / stretch.turns;
@@ -234,7 +238,7 @@ impl TurnedTrack {
             way != 0.0 && across(i) / way > CLEAR
         };
         if (0..3).any(|i| i != axis && is_clear(i)) {
-            pass.infeed = 0.0;
+            (pass.infeed, pass.sense) = (0.0, None); // it is turned again
             return;
         }
         let off = (0..3).filter(|i| *i != axis).map(|i| across(i).abs()).fold(0.0, f64::max);

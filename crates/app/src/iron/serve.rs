@@ -162,7 +162,8 @@ fn in_real_time(
             false
         };
         std::thread::sleep(due.saturating_duration_since(clock::now()));
-        due += period;
+        // an iron that was late itself has not waited for the control: its time begins anew from here
+        due = clock::now().max(due) + period;
         if silent.as_secs_f64() > iron.watchdog.value() {
             return Err(Error::Refused("silent for longer than the drives' watchdog".into()));
         }

@@ -204,7 +204,11 @@ fn obey(
         if kernel.is_over() {
             break;
         }
-        feedback = plant.exchange(&command);
+        let heard = plant.exchange(&command);
+        for between in crate::late::missed(&feedback, &heard, plant.period()) {
+            kernel.tick(&between);
+        }
+        feedback = heard;
     }
     Ok(())
 }

@@ -145,6 +145,14 @@ impl Tally {
         )
     }
 
+    /// The same for whoever adds campaigns up.
+    pub fn sum(&self, title: &str) -> String {
+        let broken = self.failures.len();
+        let counts = [self.cases, self.recovered, self.nothing, self.refused].map(|n| n as usize);
+        let [cases, recovered, nothing, refused] = counts;
+        sum(title, [cases, recovered, nothing, refused, broken], [self.off_um, self.helix_um])
+    }
+
     /// Whatever did not end well, and why something was refused.
     pub fn remarks(&self) -> String {
         let refused =
@@ -157,6 +165,12 @@ impl Tally {
     pub fn is_good(&self) -> bool {
         self.failures.is_empty()
     }
+}
+
+/// A line of a campaign: cases, recovered, nothing to do, refused, not as promised; off the thread at rest, and on the way out, µm.
+pub fn sum(title: &str, counts: [usize; 5], [stop_um, out_um]: [f64; 2]) -> String {
+    let [cases, recovered, nothing, refused, broken] = counts;
+    format!("SUM|{title}|{cases}|{recovered}|{nothing}|{refused}|{broken}|{stop_um:.2}|{out_um:.2}")
 }
 
 /// A reason as it is for all of its cases.

@@ -16,7 +16,7 @@ mod work;
 
 pub use bench::{Bench, Stop};
 pub use draw::{Dice, name, random, sweep};
-pub use fate::Tally;
+pub use fate::{Tally, sum};
 pub use work::{M8, Work, unload};
 
 /// A tap may stand this far from its helix on the way out, µm.

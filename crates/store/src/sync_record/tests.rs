@@ -207,11 +207,11 @@ fn damage_to_the_newer_generation_is_refused_with_its_own_sentence() {
     // generation 4 says that a tap is in hole 2, generation 3 that hole 1 is done
     let said = |damage: &dyn Fn(&mut Vec<u8>)| damaged(B, damage).unwrap_err().to_string();
     let torn = said(&|bytes| bytes.truncate(100));
-    assert!(torn.ends_with("the sync record is torn: 100 bytes are there of 175"), "{torn}");
+    assert!(torn.ends_with("the sync record is torn: 100 bytes are there of 186"), "{torn}");
     let empty = said(&Vec::clear);
     assert!(empty.ends_with("0 bytes are there of 22"), "{empty}");
     let longer = said(&|bytes| bytes.push(0));
-    assert!(longer.ends_with("176 are there, and it ends after 175"), "{longer}");
+    assert!(longer.ends_with("187 are there, and it ends after 186"), "{longer}");
     let flipped = said(&|bytes| bytes[120] ^= 0x10);
     assert!(flipped.ends_with("its checksum does not fit"), "{flipped}");
     let foreign = said(&|bytes| *bytes = b"%PDF-1.7".to_vec());
@@ -297,18 +297,39 @@ fn a_record_that_says_out_does_not_depend_on_the_epoch() {
 #[test]
 fn numbers_that_no_tap_can_have_are_refused_though_the_checksum_fits() {
     type Change = fn(&mut Stroke);
-    let changes: [(&str, Change); 5] = [
+    let changes: [(&str, Change); 7] = [
         ("axis", |s| s.axis = 200),
         ("length", |s| s.bottom = Length::mm(f64::NAN)),
         ("angle", |s| s.theta0 = Angle::rev(f64::INFINITY)),
         ("lead", |s| s.lead = Lead::ZERO),
         ("stroke", |s| s.bottom = s.start),
+        ("way off the work", |s| s.retreat = Some(RETREAT)),
+        ("way off the work", |s| s.cut = Cut::Polygon),
     ];
     for (word, change) in changes {
         let mut senseless = record(1, Stage::Inward);
         change(&mut senseless.stroke);
         let said = SyncRecord::decode(&senseless.encode(1)).unwrap_err().to_string();
         assert!(said.contains("what cannot be") && said.contains(word), "{said}");
+    }
+}
+
+const RETREAT: Retreat = Retreat { axis: 0, clear: Length::mm(-139.0), outward: true };
+
+#[test]
+fn a_tool_that_is_not_screwed_to_the_work_is_recorded_with_its_way_off_it() {
+    for (cut, outward) in
+        [(Cut::Thread, false), (Cut::Cam, true), (Cut::Polygon, true), (Cut::Gear, true)]
+    {
+        let mut written = record(0, Stage::Inward);
+        let retreat = Retreat { outward, ..RETREAT };
+        (written.stroke.cut, written.stroke.retreat) = (cut, Some(retreat));
+        if cut != Cut::Thread {
+            (written.stroke.lead, written.stroke.bottom) = (Lead::ZERO, written.stroke.start);
+        }
+        assert_eq!(SyncRecord::decode(&written.encode(7)), Ok((written, 7)));
+        let inside = retreat.inside(Length::mm(-140.0));
+        assert_eq!(inside, Length::mm(if outward { 1.0 } else { -1.0 }));
     }
 }
 
