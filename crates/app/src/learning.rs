@@ -63,7 +63,7 @@ pub(crate) fn text(lessons: &[Lesson]) -> String {
     let mut said = String::new();
     for lesson in lessons.iter().filter(|lesson| lesson.strokes > 0) {
         let um = |score: Option<Length>| score.map_or(f64::NAN, Length::in_um);
-        let end = if lesson.is_frozen() { ", frozen" } else { "" };
+        let end = if lesson.progress.is_over() { ", frozen" } else { "" };
         if lesson.early != Angle::ZERO {
             said += &format!(
                 "learning: T{} at {:.0} rpm, {} strokes: the spindle is turned back {:+.2} turns earlier than its file makes one think; \
@@ -73,7 +73,7 @@ pub(crate) fn text(lessons: &[Lesson]) -> String {
                 lesson.strokes,
                 lesson.early.value(),
                 um(lesson.first),
-                um(lesson.best),
+                um(lesson.best()),
             );
             continue;
         }
@@ -83,7 +83,7 @@ pub(crate) fn text(lessons: &[Lesson]) -> String {
             lesson.key.spin.abs().in_rpm(),
             lesson.strokes,
             um(lesson.first),
-            um(lesson.best),
+            um(lesson.best()),
         );
     }
     said
@@ -101,8 +101,8 @@ fn unpacked(filed: &Filed) -> Lesson {
     };
     let mut lesson = Lesson::new(key, filed.gain);
     let [first, best] = filed.scores;
-    (lesson.first, lesson.best) = (Some(Length::mm(first)), Some(Length::mm(best)));
-    (lesson.strokes, lesson.strikes) = (filed.strokes, filed.strikes);
+    (lesson.strokes, lesson.first) = (filed.strokes, Some(Length::mm(first)));
+    (lesson.progress.best, lesson.progress.strikes) = (Some(best), filed.strikes);
     lesson.early = Angle::rev(filed.early);
     for (channel, cells) in [(&mut lesson.feed, &filed.feed), (&mut lesson.spindle, &filed.spindle)]
     {
@@ -133,9 +133,9 @@ fn packed(lesson: &Lesson) -> Filed {
             key.times.1.value(),
         ],
         strokes: lesson.strokes,
-        gain: lesson.gain,
-        strikes: lesson.strikes,
-        scores: [mm(lesson.first), mm(lesson.best)],
+        gain: lesson.progress.gain,
+        strikes: lesson.progress.strikes,
+        scores: [mm(lesson.first), mm(lesson.best())],
         early: lesson.early.value(),
         feed: cells(&lesson.feed.best),
         spindle: cells(&lesson.spindle.best),

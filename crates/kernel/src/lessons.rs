@@ -7,7 +7,7 @@
 use crate::event::TapFigures;
 use alloc::vec::Vec;
 use plan::TapPlan;
-use sync::{Correction, Learning, Learnt, Lesson, StrokeKey};
+use sync::{Correction, Learning, Lesson, StrokeKey, Taught};
 use units::{Angle, Length, Time};
 
 /// Kinds of strokes that are remembered at once.
@@ -108,7 +108,7 @@ impl Lessons {
     }
 
     /// A tap has ended as it should.
-    pub(crate) fn finish(&mut self, figures: &TapFigures) -> Option<Learnt> {
+    pub(crate) fn finish(&mut self, figures: &TapFigures) -> Option<Taught> {
         let learning = self.learning.filter(|_| self.active)?;
         self.active = false;
         // a drive at its limit cannot answer: nothing of this stroke would help the next one

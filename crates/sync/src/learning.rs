@@ -23,21 +23,16 @@
 //! **Storage.** u is a uniform cubic B-spline: twice differentiable, so that speed and force can be fed
 //! forward. Q is two second-order Butterworth sections each way, |Q| = 1/(1 + (f/f₀)⁸).
 //!
-//! **Guard.** The score of a stroke is the rms of the sync error in the material. The correction with the
-//! best score is kept. A score that is worse than the best by more than a share and a floor brings the best one
-//! back and halves γ; after three such strikes learning is frozen. The first score belongs to u = 0, so what
-//! is kept is never worse than not learning.
+//! **Guard.** That of all learning by repetition ([`crate::iteration`]); the score of a stroke is the rms of the sync
+//! error in the material. Taps go on learning as long as the tool is used: there is no floor.
+use crate::iteration::{Basis, Progress, Taught, Terms};
 use core::f64::consts::PI;
 use units::{Angle, Lead, Length, Spin, Time};
 
 /// Cells of a correction, over in and out together.
 pub const CELLS: usize = 2048;
-/// Strikes that freeze it.
-const STRIKES: u8 = 3;
-/// A stroke is worse than the best one beyond this share …
-const WORSE: f64 = 1.25;
-/// … and this floor, mm.
-const FLOOR_MM: f64 = 0.1e-3;
+/// A stroke is worse than the best one beyond a quarter and a tenth of a micrometre.
+const TERMS: Terms = Terms { worse: 1.25, noise: 0.1e-3, floor: 0.0, idle: None };
 /// Share of an overrun that strokes after the first one teach.
 const LATER: f64 = 0.5;
 /// Cells over which a correction fades at the stroke's two ends, where spindle and axis stand.
@@ -221,27 +216,39 @@ pub struct Lesson {
     pub spindle: Channel,
     /// Strokes that it has learnt from.
     pub strokes: u32,
-    /// Best score so far.
-    pub best: Option<Length>,
     /// Score of the very first stroke, without correction.
     pub first: Option<Length>,
-    /// γ at present.
-    pub gain: f64,
-    /// Times that a correction made it worse.
-    pub strikes: u8,
+    /// Gain, best score, strikes.
+    pub progress: Progress,
     /// Turns by which an encoder-following spindle must be braked earlier than planned.
     pub early: Angle,
 }
 
-/// What became of a stroke.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Learnt {
-    /// The correction goes on.
-    Updated,
-    /// It was worse: the best correction is back.
-    RolledBack,
-    /// Learning has ended: the best correction stays.
-    Frozen,
+/// Corrections as splines over the time within the stroke: the basis of a motion that goes in and out.
+struct Splines<'a> {
+    feed: &'a mut Channel,
+    spindle: &'a mut Channel,
+    used: usize,
+    filter: LowPass,
+    /// Of a correction of the feed, mm.
+    most: f64,
+}
+
+impl Basis for Splines<'_> {
+    fn keep(&mut self) {
+        self.feed.best = self.feed.cells;
+        self.spindle.best = self.spindle.cells;
+    }
+
+    fn bring_back(&mut self) {
+        self.feed.cells = self.feed.best;
+        self.spindle.cells = self.spindle.best;
+    }
+
+    fn correct(&mut self, gain: f64) {
+        self.feed.update(self.used, gain, &self.filter, self.most);
+        self.spindle.update(self.used, gain, &self.filter, MOST_LEADS);
+    }
 }
 
 impl Lesson {
@@ -252,10 +259,8 @@ impl Lesson {
             feed: Channel::NEW,
             spindle: Channel::NEW,
             strokes: 0,
-            best: None,
             first: None,
-            gain,
-            strikes: 0,
+            progress: Progress::new(gain),
             early: Angle::ZERO,
         }
     }
@@ -268,8 +273,8 @@ impl Lesson {
             channel.best = [0.0; CELLS];
             channel.forget_errors();
         }
-        (self.strokes, self.best, self.first) = (0, None, None);
-        (self.gain, self.strikes, self.early) = (gain, 0, Angle::ZERO);
+        (self.strokes, self.first) = (0, None);
+        (self.progress, self.early) = (Progress::new(gain), Angle::ZERO);
     }
 
     /// Time that one cell stands for.
@@ -277,9 +282,9 @@ impl Lesson {
         (self.key.times.0 + self.key.times.1) / (CELLS - 4) as f64
     }
 
-    /// No further learning.
-    pub const fn is_frozen(&self) -> bool {
-        self.strikes >= STRIKES
+    /// Best score so far.
+    pub fn best(&self) -> Option<Length> {
+        self.progress.best.map(Length::mm)
     }
 
     /// A stroke begins.
@@ -303,31 +308,19 @@ impl Lesson {
     }
 
     /// The stroke is over, with a score: learn from it.
-    pub fn finish(&mut self, score: Length, learning: &Learning) -> Learnt {
+    pub fn finish(&mut self, score: Length, learning: &Learning) -> Taught {
         self.strokes += 1;
         self.first.get_or_insert(score);
-        if self.is_frozen() {
-            return Learnt::Frozen;
-        }
-        let best = self.best.unwrap_or(score);
-        let good = score.value() <= best.value() * WORSE + FLOOR_MM;
-        if !good {
-            return self.roll_back();
-        }
-        if score <= best {
-            self.best = Some(score);
-            self.feed.best = self.feed.cells;
-            self.spindle.best = self.spindle.cells;
-        }
         let cell_s = self.cell().value();
-        let used = (libm::ceil((self.key.times.0 + self.key.times.1).value() / cell_s) as usize
-            + 1)
-        .min(CELLS);
-        let filter = LowPass::new(learning.bandwidth_hz, cell_s);
-        let lead = self.key.lead.value().abs();
-        self.feed.update(used, self.gain, &filter, MOST_LEADS * lead);
-        self.spindle.update(used, self.gain, &filter, MOST_LEADS);
-        Learnt::Updated
+        let cells = libm::ceil((self.key.times.0 + self.key.times.1).value() / cell_s) as usize + 1;
+        let mut splines = Splines {
+            feed: &mut self.feed,
+            spindle: &mut self.spindle,
+            used: cells.min(CELLS),
+            filter: LowPass::new(learning.bandwidth_hz, cell_s),
+            most: MOST_LEADS * self.key.lead.value().abs(),
+        };
+        self.progress.learn(&mut splines, score.value(), &TERMS)
     }
 
     /// An encoder-following stroke went beyond its bottom by so much (negative: it fell short): the stopping
@@ -347,15 +340,8 @@ impl Lesson {
         self.early = (self.early + (by - self.early) * share).max(-MOST).min(MOST);
         self.strokes += 1;
         self.first.get_or_insert(overrun.abs());
-        self.best = Some(self.best.map_or(overrun.abs(), |best| best.min(overrun.abs())));
-    }
-
-    fn roll_back(&mut self) -> Learnt {
-        self.feed.cells = self.feed.best;
-        self.spindle.cells = self.spindle.best;
-        self.gain /= 2.0;
-        self.strikes += 1;
-        if self.is_frozen() { Learnt::Frozen } else { Learnt::RolledBack }
+        let overrun = overrun.abs().value();
+        self.progress.best = Some(self.progress.best.map_or(overrun, |best| best.min(overrun)));
     }
 }
 

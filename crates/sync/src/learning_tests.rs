@@ -53,7 +53,7 @@ fn an_axis_that_answers_the_wrong_way_is_frozen_with_the_correction_it_had() {
     for _ in 0..12 {
         stroke(&mut lesson, -1.0, bump);
     }
-    assert!(lesson.is_frozen());
+    assert!(lesson.progress.is_over());
     let last = stroke(&mut lesson, -1.0, bump);
     assert_eq!(first, last, "what is left is not learning at all");
 }

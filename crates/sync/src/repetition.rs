@@ -2,11 +2,10 @@
 //!
 //! ```text
 //!   turn 0      U = D               M measured          H_k = M_k / U_k            what the machine does to a sine
-//!   turn j      U_k ← U_k + γ_k·(D_k − M_k)/H_k          γ = 1 first, then 0.7
+//!   turn j      U_k ← U_k + γ·γ_k·(D_k − M_k)/H_k       γ = 1 first, then 0.7; γ_k = 1
 //!
 //!   guard of a harmonic: it got worse ──► its best command again, γ_k halved; three times ──► left alone
-//!   guard of the turn:   it got worse ──► the best table again, all γ halved;  three times ──► finished
-//!   floor: nothing gained any more, or as good as the sensors ──► finished, with the best table
+//!   guard of the turn, floor, end: those of all learning by repetition ([`crate::iteration`])
 //! ```
 //!
 //! With H known to within ε the error of a harmonic shrinks by |1 − γ(1 + ε)| a turn. A law that only leads (γ·E sent
@@ -15,19 +14,14 @@
 //! from its neighbours, one beyond all that are excited from what is assumed of the drive's loops, if anything is, else
 //! it stays as it is. Friction is what speaks there: a round eccentric excites two harmonics, its reversals err in sixty.
 //!
-//! What is kept is the best turn that was *measured*, and the first one was without compensation: learning is never
-//! worse than not learning by more than the noise of the sensors.
-//!
-//! Source: the compensation of JPH0622778B2, from one shift to all harmonics; Bristow, Tharayil, Alleyne: A survey
-//! of iterative learning control, IEEE Control Systems 26(3), 2006.
+//! Source: the compensation of JPH0622778B2, from one shift to all harmonics.
 use crate::compensate::{MOST_BOOST, Response};
+use crate::iteration::{Basis, Progress, STRIKES, Taught, Terms};
 use crate::measure::noise_of;
 use crate::spectrum::{Complex, Spectrum};
 use alloc::vec::Vec;
 use units::{Length, Spin};
 
-/// Strikes that end it, of a harmonic and of all.
-const STRIKES: u8 = 3;
 /// γ after the first turn.
 const GAIN: f64 = 0.7;
 /// A harmonic of the command must be so many times the noise to tell H.
@@ -36,8 +30,6 @@ const HEARD: f64 = 12.0;
 const SPEAKS: f64 = 1.5;
 /// A turn is worse than the best one beyond this share …
 const WORSE: f64 = 1.15;
-/// A turn that gains less than this share gains nothing.
-const GAINS: f64 = 0.98;
 /// Turns without gain that end it.
 const IDLE_TURNS: u8 = 3;
 
@@ -48,17 +40,6 @@ pub struct RepetitionOptions {
     pub highest_hz: f64,
     /// What the sensors cannot tell: an rms error below this is good enough.
     pub floor: Length,
-}
-
-/// What a turn taught.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Taught {
-    /// The table has changed: send the new one.
-    Updated,
-    /// It got worse: the best table so far is sent again.
-    RolledBack,
-    /// Nothing more to gain: the best table stays.
-    Finished,
 }
 
 /// One harmonic's state.
@@ -83,12 +64,19 @@ pub struct Repetition {
     options: RepetitionOptions,
     harmonics: Vec<Harmonic>,
     best: Vec<Complex>,
-    best_rms: f64,
     turns: u32,
-    strikes: u8,
-    idle: u8,
-    finished: bool,
+    progress: Progress,
     assumed: Response,
+}
+
+/// A turn that has come, in harmonics: the basis of a motion that goes round.
+struct Turn<'a> {
+    harmonics: &'a mut [Harmonic],
+    best: &'a mut [Complex],
+    wanted: &'a Spectrum,
+    answer: &'a Spectrum,
+    /// Noise of one harmonic.
+    quiet: f64,
 }
 
 impl Repetition {
@@ -119,11 +107,8 @@ impl Repetition {
             wanted,
             spin,
             options,
-            best_rms: f64::INFINITY,
             turns: 0,
-            strikes: 0,
-            idle: 0,
-            finished: false,
+            progress: Progress::new(1.0),
             assumed: Response::default(),
         }
     }
@@ -154,8 +139,8 @@ impl Repetition {
     }
 
     /// Root mean square of the error of the best turn so far; infinite before the first.
-    pub const fn best_rms(&self) -> Length {
-        Length::mm(self.best_rms)
+    pub fn best_rms(&self) -> Length {
+        Length::mm(self.progress.best.unwrap_or(f64::INFINITY))
     }
 
     /// Turns that were measured.
@@ -178,7 +163,7 @@ impl Repetition {
 
     /// Learn from the profile that the table gave, measured at the same nodes.
     pub fn learn(&mut self, measured: &[f64]) -> Taught {
-        if self.finished
+        if self.progress.is_over()
             || measured.len() != self.ideal.len()
             || measured.iter().any(|x| !x.is_finite())
         {
@@ -192,11 +177,24 @@ impl Repetition {
         let answer = Spectrum::of(measured, self.harmonics.len() - 1);
         self.turns += 1;
         self.identify(&answer, quiet);
-        if let Some(ended) = self.judge(rms, noise) {
-            return ended;
+        let terms = Terms {
+            worse: WORSE,
+            noise,
+            floor: self.options.floor.value(),
+            idle: Some(IDLE_TURNS),
+        };
+        let mut turn = Turn {
+            harmonics: &mut self.harmonics,
+            best: &mut self.best,
+            wanted: &self.wanted,
+            answer: &answer,
+            quiet,
+        };
+        let taught = self.progress.learn(&mut turn, rms, &terms);
+        if taught == Taught::Updated {
+            self.progress.gain = self.progress.gain.min(GAIN);
         }
-        self.update(&answer, quiet);
-        Taught::Updated
+        taught
     }
 
     /// H of each harmonic that is heard for the first time; between them by interpolation.
@@ -212,58 +210,49 @@ impl Repetition {
             harmonic.answer = answer.filter(|h| h.size() > 1.0 / MOST_BOOST);
         }
     }
+}
 
-    /// Whether the turn was worse than the best, or as good as it gets.
-    fn judge(&mut self, rms: f64, noise: f64) -> Option<Taught> {
-        if rms > self.best_rms * WORSE + noise {
-            self.strikes += 1;
-            for (harmonic, best) in self.harmonics.iter_mut().zip(&self.best) {
-                (harmonic.command, harmonic.gain) = (*best, harmonic.gain / 2.0);
-            }
-            return Some(self.end_if(self.strikes >= STRIKES).unwrap_or(Taught::RolledBack));
+impl Basis for Turn<'_> {
+    fn keep(&mut self) {
+        for (best, harmonic) in self.best.iter_mut().zip(self.harmonics.iter()) {
+            *best = harmonic.command;
         }
-        self.idle = if rms < self.best_rms * GAINS { 0 } else { self.idle + 1 };
-        if rms < self.best_rms {
-            self.best_rms = rms;
-            self.best = self.harmonics.iter().map(|h| h.command).collect();
-        }
-        self.end_if(rms <= self.options.floor.value() || self.idle >= IDLE_TURNS)
     }
 
-    fn end_if(&mut self, over: bool) -> Option<Taught> {
-        if !over {
-            return None;
-        }
-        self.finished = true;
-        for (harmonic, best) in self.harmonics.iter_mut().zip(&self.best) {
+    fn bring_back(&mut self) {
+        for (harmonic, best) in self.harmonics.iter_mut().zip(self.best.iter()) {
             harmonic.command = *best;
         }
-        Some(Taught::Finished)
     }
 
-    fn update(&mut self, answer: &Spectrum, quiet: f64) {
-        let pairs = self.wanted.harmonics.iter().zip(&answer.harmonics);
-        for ((wanted, came), harmonic) in pairs.zip(&mut self.harmonics) {
-            let Some(h) = harmonic.answer else { continue };
-            let error = *wanted - *came;
-            let size = error.size();
-            if size < harmonic.best_error {
-                (harmonic.best, harmonic.best_error) = (harmonic.command, size);
-            } else if size > 1.5 * harmonic.best_error + 3.0 * quiet {
-                harmonic.strikes = harmonic.strikes.saturating_add(1);
-                harmonic.command = harmonic.best;
-                harmonic.gain /= 2.0;
-                continue;
-            }
-            if harmonic.strikes >= STRIKES || size < SPEAKS * quiet {
-                continue;
-            }
-            let most = MOST_BOOST * (wanted.size() + 0.02);
-            let next = harmonic.command + error / h * harmonic.gain;
-            if next.size() <= most {
-                harmonic.command = next;
-            }
-            harmonic.gain = harmonic.gain.min(GAIN);
+    fn correct(&mut self, gain: f64) {
+        let pairs = self.wanted.harmonics.iter().zip(&self.answer.harmonics);
+        for ((wanted, came), harmonic) in pairs.zip(self.harmonics.iter_mut()) {
+            harmonic.correct(*wanted, *came, self.quiet, gain);
+        }
+    }
+}
+
+impl Harmonic {
+    fn correct(&mut self, wanted: Complex, came: Complex, quiet: f64, gain: f64) {
+        let Some(h) = self.answer else { return };
+        let error = wanted - came;
+        let size = error.size();
+        if size < self.best_error {
+            (self.best, self.best_error) = (self.command, size);
+        } else if size > 1.5 * self.best_error + 3.0 * quiet {
+            self.strikes = self.strikes.saturating_add(1);
+            self.command = self.best;
+            self.gain /= 2.0;
+            return;
+        }
+        if self.strikes >= STRIKES || size < SPEAKS * quiet {
+            return;
+        }
+        let most = MOST_BOOST * (wanted.size() + 0.02);
+        let next = self.command + error / h * (self.gain * gain);
+        if next.size() <= most {
+            self.command = next;
         }
     }
 }
