@@ -14,7 +14,7 @@ use canon::{Axis, CamLibrary, CamOrder, CamProfile, OpKind};
 use forms::cam::AxisBounds;
 use library::Made;
 pub(crate) use library::{of_kind, table};
-use plan::{CamCommand, Cams, Course};
+use plan::{CamCommand, Cams, Course, WheelWear};
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 use store::cams::WorkSpeed;
@@ -237,6 +237,10 @@ impl CamSetup {
             commands: commands.collect(),
             courses: self.courses.iter().map(course).collect(),
             library: self.library.clone(),
+            wear: self.grinding.map(|Grinding { wheel, .. }| WheelWear {
+                radius: wheel.radius(),
+                ratio: wheel.grinding_ratio,
+            }),
         }
     }
 

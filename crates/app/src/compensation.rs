@@ -6,7 +6,7 @@
 //!                                  └─► gain and phase ────────────┴─► harmonics, learnt ─┘
 //! ```
 //!
-//! Every cell is a run of its own on a machine that has just been switched on, by a program of the neutral codes; the last
+//! Every processor of the computer runs rows. Every cell is a run of its own on a machine that has just been switched on, by a program of the neutral codes; the last
 //! whole turn is judged by where work and wheel really were.
 use crate::args::{
     ClutchDwell, Compensation, CompensationArgs, CompensationOutput, DecimalPoint, Dialect,
@@ -18,9 +18,13 @@ use crate::session::Session;
 use crate::simulate::{Outcome, Trial};
 use crate::{plant, say, tables, wiring};
 use comfy_table::{Cell, CellAlignment};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use report::{CompensationPage, CompensationRow, WayOfCompensation};
 use serde_json::json;
+use std::num::NonZero;
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
 use std::time::Duration;
 use store::phases::{Measured, Phases};
 use verify::GroundCam;
@@ -41,6 +45,9 @@ const WAYS: [(&str, Compensation, Estimator); 6] = [
     ("learnt", Compensation::Learn, Estimator::LeastSquares),
     ("wrong sign", Compensation::Wrong, Estimator::LeastSquares),
 ];
+
+/// A row, and what looking at a turn cost in it.
+type Row = (CompensationRow, Duration);
 
 /// One row: a cam at a speed.
 struct Case<'a> {
@@ -71,20 +78,22 @@ pub(crate) fn command(args: &CompensationArgs, quiet: bool) -> Result<(), Refuse
         rows: Vec::new(),
         notes: Vec::new(),
     };
+    let asked = session
+        .cams
+        .library
+        .iter()
+        .filter(|c| args.cams.is_empty() || args.cams.contains(&c.number));
+    let cases: Vec<Case> = asked
+        .flat_map(|cam| {
+            let top = cam.top().value();
+            args.speeds.iter().map(move |rpm| Case { args, number: cam.number, top, rpm: *rpm })
+        })
+        .collect();
     let mut cost = Duration::ZERO;
-    for cam in session.cams.library.iter() {
-        if !args.cams.is_empty() && !args.cams.contains(&cam.number) {
-            continue;
-        }
-        for rpm in &args.speeds {
-            let case = Case { args, number: cam.number, top: cam.top().value(), rpm: *rpm };
-            let (row, took) = case.row()?;
-            cost = cost.max(took);
-            page.rows.push(row);
-            if !quiet && args.format == CompensationOutput::Text {
-                say::err(&format!("{} at {rpm} rpm\n", cam.name));
-            }
-        }
+    for row in rows(&cases, &progress(cases.len(), quiet)) {
+        let (row, took) = row?;
+        cost = cost.max(took);
+        page.rows.push(row);
     }
     page.notes = notes(args, cost);
     if let Some(out) = &args.out {
@@ -94,6 +103,44 @@ pub(crate) fn command(args: &CompensationArgs, quiet: bool) -> Result<(), Refuse
         CompensationOutput::Text => text(&page),
         CompensationOutput::Json => format!("{}\n", as_json(&page)),
     })
+}
+
+/// Every row, in the order of the cases: they know nothing of one another, so each processor takes the next one that is left.
+fn rows(cases: &[Case], bar: &ProgressBar) -> Vec<Result<Row, Refused>> {
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mut done = Vec::new();
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            let Some(case) = cases.get(index) else { return done };
+            done.push((index, case.row(bar)));
+        }
+    };
+    let workers = thread::available_parallelism().map_or(1, NonZero::get).min(cases.len());
+    let mut rows: Vec<_> = thread::scope(|scope| {
+        let others: Vec<_> = (1..workers).map(|_| scope.spawn(work)).collect();
+        let mut rows = work();
+        for other in others {
+            match other.join() {
+                Ok(done) => rows.extend(done),
+                Err(panic) => std::panic::resume_unwind(panic),
+            }
+        }
+        rows
+    });
+    rows.sort_by_key(|(index, _)| *index);
+    bar.finish_and_clear();
+    rows.into_iter().map(|(_, row)| row).collect()
+}
+
+fn progress(rows: usize, quiet: bool) -> ProgressBar {
+    let bar = ProgressBar::new((rows * (1 + WAYS.len())) as u64);
+    let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+    bar.set_draw_target(target);
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} runs  {msg}") {
+        bar.set_style(style);
+    }
+    bar
 }
 
 fn notes(args: &CompensationArgs, cost: Duration) -> Vec<String> {
@@ -131,8 +178,11 @@ fn program(args: &CompensationArgs, method: Compensation, estimator: Estimator) 
 }
 
 impl Case<'_> {
-    fn row(&self) -> Result<(CompensationRow, Duration), Refused> {
+    /// The row; the bar counts its runs.
+    fn row(&self, bar: &ProgressBar) -> Result<Row, Refused> {
         let off = self.run(Compensation::Off, Estimator::LeastSquares, None)?;
+        bar.set_message(format!("P{} at {} rpm", self.number, self.rpm));
+        bar.inc(1);
         let phases = off.cams.phases().clone();
         let measured = phases.measured.first().cloned().unwrap_or_default();
         let first = self.judged(&off)?;
@@ -141,6 +191,7 @@ impl Case<'_> {
         let mut cost = Duration::ZERO;
         for (_, method, estimator) in WAYS {
             let outcome = self.run(method, estimator, Some(&phases))?;
+            bar.inc(1);
             cost = cost.max(outcome.cams.cost().unwrap_or_default());
             ways.push(way(self.judged(&outcome)?));
         }

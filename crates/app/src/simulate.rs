@@ -255,7 +255,7 @@ impl Simulation<'_> {
             faults.extend_from_slice(self.kernel.faults());
         }
         let ended = self.kernel.report().state == bus::State::Ended;
-        self.cams.end();
+        self.cams.end(self.planner.worn());
         self.cams.keep(self.polygons.said, self.polygons.kept);
         Ok(Outcome {
             features: told_of_recovery(self.judge.finish(), recovered),

@@ -112,6 +112,8 @@ fn a_shaft_of_four_is_within_two_micrometres_after_spark_out_with_the_speed_vari
         for cam in cams {
             assert_eq!(cam["verdict"], "pass");
             assert!(number(cam, "contour_error_max_um") < 2.0, "{cam}");
+            // the wheel loses 0.3 µm a cam, and goes so much farther
+            assert!(number(cam, "contour_error_rms_um") < 0.2, "{cam}");
             assert!(number(cam, "removal_rate_peak") < most, "{cam}");
             assert!(number(cam, "removal_rate_peak_even") > 1.6, "{cam}");
         }

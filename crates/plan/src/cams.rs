@@ -1,7 +1,7 @@
 //! What the planner knows of cams: the profiles, and what is sent instead of them where it has been compensated.
 use alloc::vec::Vec;
-use canon::CamLibrary;
-use units::Spin;
+use canon::{CamLibrary, CamProfile};
+use units::{Length, Spin};
 
 /// The number by which a step asks whoever runs the kernel to look at the turn of a cam that has just ended.
 pub const TURN_ENDED: u16 = 151;
@@ -31,6 +31,24 @@ pub struct Course {
     pub nodes: Vec<f64>,
 }
 
+/// How the wheel wears: its radius loses, in a turn that takes the depth s off a work of the mean radius r, s·r/(G·R).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WheelWear {
+    /// R.
+    pub radius: Length,
+    /// G, volume of work ground for a volume of wheel lost.
+    pub ratio: f64,
+}
+
+impl WheelWear {
+    /// What the radius loses while so much is ground off a profile: the volumes over the width that both have in common.
+    pub fn of(&self, profile: &CamProfile, stock: Length) -> Length {
+        let count = profile.nodes.len().max(1) as f64;
+        let mean = profile.nodes.iter().sum::<f64>() / count - profile.wheel.value();
+        stock * (mean.max(0.0) / (self.ratio * self.radius.value()))
+    }
+}
+
 /// Profiles and compensations.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cams {
@@ -40,6 +58,8 @@ pub struct Cams {
     pub library: CamLibrary,
     /// What is sent with compensation on.
     pub commands: Vec<CamCommand>,
+    /// How the wheel wears; `None`: as if it did not.
+    pub wear: Option<WheelWear>,
 }
 
 impl Cams {

@@ -60,7 +60,7 @@ mod way_out;
 
 pub use crate::motion::coordinate;
 pub use crate::path::{Motion, Path};
-pub use cams::{CamCommand, Cams, Course, TURN_ENDED, turned};
+pub use cams::{CamCommand, Cams, Course, TURN_ENDED, WheelWear, turned};
 pub use clock::Clock;
 pub use clutch::{ClutchCycle, DwellWindow};
 pub use coupled::{GearStep, OSCILLATION_SEEN, Superpose, Superposed, Table, TableId, sampled};

@@ -96,6 +96,8 @@ pub struct Planner {
     came_from: CameFrom,
     coupled: coupled::Coupled,
     cams: Cams,
+    /// What the wheel has lost of its radius, by the model of its wear.
+    worn: Length,
     cam: Option<cam::Cam>,
     /// Profiles and speeds whose phase error the program measures.
     will_measure: Vec<(u32, Spin)>,
@@ -202,6 +204,7 @@ impl Planner {
             came_from: CameFrom::default(),
             coupled: coupled::Coupled::default(),
             cams: Cams::default(),
+            worn: Length::ZERO,
             cam: None,
             will_measure: Vec::new(),
             tables: Vec::new(),
@@ -295,6 +298,11 @@ impl Planner {
     /// The cams that programs may call, and what is sent of them.
     pub const fn cams(&mut self) -> &mut Cams {
         &mut self.cams
+    }
+
+    /// What the wheel has lost of its radius so far, by the model of its wear: so much farther it was sent.
+    pub const fn worn(&self) -> Length {
+        self.worn
     }
 
     /// The tables that steps so far have named, each once: the kernel needs them before the steps.

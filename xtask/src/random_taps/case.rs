@@ -1,10 +1,13 @@
-//! One tapping program with its tools, drawn at random.
+//! One part of a tapping program with its two tools, drawn at random: holes of one size.
 //!
 //! Drawn: size, hand, depth, speed, holder, units, plane, cycle (G84 and G74, M29, G84.2 and G84.3, G33.1), where the lead
 //! comes from, pecks of both kinds, start angle, return speed and acceleration, dwell, preset. A clutch holder taps with
 //! plain G84 and G74 and computes its dwell; in G18 and G19 the tap would lie across the spindle.
 
-/// One program with its tools.
+/// Where the holes of the next part lie beside this one's, mm.
+const BESIDE: f64 = 60.0;
+
+/// One part of a program: a drill, a tap, one or two holes.
 pub(super) struct Case {
     size: &'static Size,
     left: bool,
@@ -112,6 +115,16 @@ impl Plane {
 }
 
 impl Case {
+    /// A part after this one, with what goes for the whole program. It has no mistake: one a program is enough.
+    pub(super) fn after(&self, dice: &mut Dice) -> Self {
+        loop {
+            let next = Self::draw(dice);
+            if next.expected().is_empty() {
+                return Self { chip_break: self.chip_break, preset: self.preset, ..next };
+            }
+        }
+    }
+
     pub(super) fn draw(dice: &mut Dice) -> Self {
         let size = dice.one_of(&SIZES);
         let mistake = if dice.chance(0.125) { Some(*dice.one_of(&MISTAKES)) } else { None };
@@ -204,14 +217,16 @@ impl Case {
         format!("{:.6}", if self.inch { mm / 25.4 } else { mm })
     }
 
-    pub(super) fn tools(&self) -> String {
+    /// Its tools, if it is the part of this number, counted from 0.
+    pub(super) fn tools(&self, part: u32) -> String {
+        let (first, second) = (2 * part + 1, 2 * part + 2);
         let Size { name, diameter, pitch, drill } = self.size;
         let hand = if self.left { "-LH" } else { "" };
         let flutes = if self.has(Mistake::Flutes) { self.depth * 0.8 } else { self.depth + 5.0 };
         format!(
-            "[[tool]]\nnumber = 1\npocket = 1\nkind = \"drill\"\ndescription = \"drill\"\n\
+            "[[tool]]\nnumber = {first}\npocket = {first}\nkind = \"drill\"\ndescription = \"drill\"\n\
              diameter_mm = {drill:?}\npoint_angle_deg = 140.0\nlength_mm = 120.0\n\n\
-             [[tool]]\nnumber = 2\npocket = 2\nkind = \"tap\"\ndescription = \"tap\"\n\
+             [[tool]]\nnumber = {second}\npocket = {second}\nkind = \"tap\"\ndescription = \"tap\"\n\
              diameter_mm = {diameter:?}\nlength_mm = 100.0\nthread = \"{name}{hand}\"\n\
              chamfer_pitches = 2.5\nthread_length_mm = {flutes:?}\nflute = \"spiral-flute\"\n\
              oversize_um = {:.1}\nholder = {}\n",
@@ -220,7 +235,10 @@ impl Case {
         )
     }
 
-    pub(super) fn program(&self) -> String {
+    /// Its blocks, if it is the part of this number; the program's end is not among them.
+    pub(super) fn program(&self, part: u32) -> String {
+        let (first, second) = (2 * part + 1, 2 * part + 2);
+        let beside = BESIDE * f64::from(part);
         let mm = |value: f64| self.length(value);
         let units = if self.inch { "G20" } else { "G21" };
         let left = self.left != self.has(Mistake::Hand);
@@ -229,11 +247,12 @@ impl Case {
         let drill_feed = 3000.0 * 0.015 * self.size.drill;
         let drilled = self.depth + self.size.drill * 0.3 + 2.0;
         let mut text = format!(
-            "{units} G17 G40 G49 G80 G90 G94 G54\nT1 M6\nG43 H1\nS3000 M3\nG0 X0 Y0 Z{}\n",
+            "{units} G17 G40 G49 G80 G90 G94 G54\nT{first} M6\nG43 H{first}\nS3000 M3\nG0 X{} Y0 Z{}\n",
+            mm(beside),
             mm(10.0)
         );
         for hole in 0..self.holes {
-            let x = 15.0 * f64::from(hole);
+            let x = beside + 15.0 * f64::from(hole);
             text += &format!(
                 "G98 G81 X{} Y0 Z{} R{} F{}\n",
                 mm(x),
@@ -242,7 +261,7 @@ impl Case {
                 mm(drill_feed)
             );
         }
-        text += &format!("G80\nT2 M6\nG43 H2\nG0 X0 Y0 Z{}\n", mm(10.0));
+        text += &format!("G80\nT{second} M6\nG43 H{second}\nG0 X{} Y0 Z{}\n", mm(beside), mm(10.0));
         text += match self.code {
             "plain" | "G33.1" => "",
             _ => "M5\n",
@@ -250,7 +269,7 @@ impl Case {
         let rpm = self.rpm;
         let lead = self.size.pitch * if self.has(Mistake::Lead) { 1.25 } else { 1.0 };
         for hole in 0..self.holes {
-            let x = 15.0 * f64::from(hole);
+            let x = beside + 15.0 * f64::from(hole);
             if self.code == "G33.1" {
                 let back = self.back.map_or(String::new(), |f| format!(" I{f}"));
                 let (plane, to) = match self.plane {
@@ -267,7 +286,7 @@ impl Case {
                 text += &format!("{along}{}\n", mm(x));
             }
         }
-        text + "G80\nM2\n"
+        text + "G80\n"
     }
 
     /// The block that begins the tapping cycle, and what goes before it.
@@ -322,7 +341,7 @@ impl Dice {
         low + (high - low) * (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    fn chance(&mut self, share: f64) -> bool {
+    pub(super) fn chance(&mut self, share: f64) -> bool {
         self.between(0.0, 1.0) < share
     }
 

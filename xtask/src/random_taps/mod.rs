@@ -11,7 +11,8 @@
 //! `leadscrew run` itself looks in every servo period for what may never happen (a tap driven against its way, moved
 //! sideways in its thread, beyond its bottom, a broken tool, a cut at the wrong speed); its certificate says how often.
 //!
-//! What is drawn stands in [`case`]; one in eight has a mistake, which must be refused by its own code. A tap in another
+//! What is drawn stands in [`case`]; two programs in five have two or three parts, each with holes of a size of its own. One program in
+//! eight has a mistake, which must be refused by its own code. A tap in another
 //! plane than the spindle's own must be refused too.
 mod case;
 
@@ -104,11 +105,12 @@ impl Tally {
 pub(crate) fn trials(binary: &Path, count: u32, seed: u64, mut each: impl FnMut(u32)) -> Tally {
     let mut tally = Tally::default();
     for number in 0..count {
-        let case = Case::draw(&mut Dice(seed ^ (u64::from(number) << 32)));
-        for drawn in case.traits() {
+        let parts = parts(&mut Dice(seed ^ (u64::from(number) << 32)));
+        for drawn in parts.iter().flat_map(Case::traits) {
             *tally.drawn.entry(drawn).or_default() += 1;
         }
-        match trial(binary, &case, number) {
+        *tally.drawn.entry(("parts", PARTS[parts.len() - 1])).or_default() += 1;
+        match trial(binary, &parts, number) {
             Ok(Fate::Good) => tally.good += 1,
             Ok(Fate::Refused(codes)) => {
                 tally.refused += 1;
@@ -119,7 +121,7 @@ pub(crate) fn trials(binary: &Path, count: u32, seed: u64, mut each: impl FnMut(
             Err(broken) => {
                 let (Broken::Invariant(why) | Broken::Unpredicted(why)) = &broken;
                 tally.violations += u32::from(matches!(broken, Broken::Invariant(_)));
-                let (program, tools) = (case.program(), case.tools());
+                let (program, tools) = (program(&parts), tools(&parts));
                 tally
                     .broken
                     .push(format!("program {number} of seed {seed}: {why}\n{program}{tools}"));
@@ -130,20 +132,40 @@ pub(crate) fn trials(binary: &Path, count: u32, seed: u64, mut each: impl FnMut(
     tally
 }
 
-fn trial(binary: &Path, case: &Case, number: u32) -> Result<Fate, Broken> {
-    let output = run(binary, case, number).map_err(Broken::Unpredicted)?;
-    case.judge(&output)
+/// How many parts, for the table.
+const PARTS: [&str; 3] = ["one", "two", "three"];
+
+/// The parts of a program.
+fn parts(dice: &mut Dice) -> Vec<Case> {
+    let mut parts = vec![Case::draw(dice)];
+    while parts.len() < PARTS.len() && dice.chance(0.4) {
+        parts.push(parts[0].after(dice));
+    }
+    parts
+}
+
+fn program(parts: &[Case]) -> String {
+    (0..).zip(parts).map(|(number, part)| part.program(number)).collect::<String>() + "M2\n"
+}
+
+fn tools(parts: &[Case]) -> String {
+    (0..).zip(parts).map(|(number, part)| part.tools(number)).collect::<Vec<_>>().join("\n")
+}
+
+fn trial(binary: &Path, parts: &[Case], number: u32) -> Result<Fate, Broken> {
+    let output = run(binary, parts, number).map_err(Broken::Unpredicted)?;
+    judge(parts, &output)
 }
 
 /// In a folder of its own, as a user runs it.
-fn run(binary: &Path, case: &Case, number: u32) -> Result<Output, String> {
+fn run(binary: &Path, parts: &[Case], number: u32) -> Result<Output, String> {
     let folder = tempfile::tempdir().map_err(|e| e.to_string())?;
     let write = |name: &str, text: &str| {
         let path = folder.path().join(name);
         fs::write(&path, text).map(|()| path).map_err(|e| e.to_string())
     };
-    let program = write("part.ngc", &case.program())?;
-    let tools = write("tools.toml", &case.tools())?;
+    let program = write("part.ngc", &program(parts))?;
+    let tools = write("tools.toml", &tools(parts))?;
     let run = |arguments: &[&str]| {
         Command::new(binary)
             .args(arguments)
@@ -152,7 +174,7 @@ fn run(binary: &Path, case: &Case, number: u32) -> Result<Output, String> {
     };
     let shown = run(&["machine", "show", "tapping-center"])?;
     let mut machine = String::from_utf8_lossy(&shown.stdout).into_owned();
-    if case.chip_break {
+    if parts[0].chip_break {
         machine = machine.replace("retract = \"full\"", "retract = \"chip-break\"");
     }
     let machine = write("machine.toml", &machine)?;
@@ -166,7 +188,7 @@ fn run(binary: &Path, case: &Case, number: u32) -> Result<Output, String> {
         "--machine",
         &machine,
         "--tapping-preset",
-        case.preset,
+        parts[0].preset,
         "--seed",
         &number.to_string(),
         "--format",
@@ -174,63 +196,64 @@ fn run(binary: &Path, case: &Case, number: u32) -> Result<Output, String> {
     ])
 }
 
-impl Case {
-    fn judge(&self, output: &Output) -> Result<Fate, Broken> {
-        let said = String::from_utf8_lossy(&output.stdout);
-        let complained = String::from_utf8_lossy(&output.stderr);
-        match output.status.code() {
-            Some(2) => {
-                let codes = complained.lines().filter_map(|line| line.strip_prefix("error["));
-                let mut codes: Vec<_> =
-                    codes.filter_map(|rest| Some(rest.split_once(']')?.0.to_owned())).collect();
-                codes.dedup();
-                // each by the code of what was written wrong, or for what machine or holder cannot do
-                let expected = self.expected();
-                let fair = |code: &String| {
-                    PHYSICS.contains(&code.as_str()) || expected.contains(&code.as_str())
-                };
-                if !codes.is_empty() && codes.iter().all(fair) {
-                    Ok(Fate::Refused(codes))
-                } else {
-                    Err(Broken::Unpredicted(format!("refused: {complained}")))
-                }
+fn judge(parts: &[Case], output: &Output) -> Result<Fate, Broken> {
+    let expected: Vec<_> = parts.iter().flat_map(Case::expected).collect();
+    let said = String::from_utf8_lossy(&output.stdout);
+    let complained = String::from_utf8_lossy(&output.stderr);
+    match output.status.code() {
+        Some(2) => {
+            let codes = complained.lines().filter_map(|line| line.strip_prefix("error["));
+            let mut codes: Vec<_> =
+                codes.filter_map(|rest| Some(rest.split_once(']')?.0.to_owned())).collect();
+            codes.dedup();
+            // each by the code of what was written wrong, or for what machine or holder cannot do
+            let fair = |code: &String| {
+                PHYSICS.contains(&code.as_str()) || expected.contains(&code.as_str())
+            };
+            if !codes.is_empty() && codes.iter().all(fair) {
+                Ok(Fate::Refused(codes))
+            } else {
+                Err(Broken::Unpredicted(format!("refused: {complained}")))
             }
-            Some(0) if !self.expected().is_empty() => {
-                Err(Broken::Unpredicted(format!("a mistake was not found\n{complained}")))
-            }
-            Some(0) => self.invariants(&said),
-            code => Err(Broken::Unpredicted(format!("exit code {code:?}\n{said}{complained}"))),
         }
+        Some(0) if !expected.is_empty() => {
+            Err(Broken::Unpredicted(format!("a mistake was not found\n{complained}")))
+        }
+        Some(0) => invariants(parts, &said),
+        code => Err(Broken::Unpredicted(format!("exit code {code:?}\n{said}{complained}"))),
     }
+}
 
-    fn invariants(&self, certificate: &str) -> Result<Fate, Broken> {
-        let unpredicted = |why: String| Err(Broken::Unpredicted(format!("{why}\n{certificate}")));
-        let threads = certificate.matches("\"kind\": \"thread\"").count();
-        if threads != self.holes as usize {
-            return unpredicted(format!("{threads} threads for {} holes", self.holes));
-        }
-        if !certificate.contains("\"alarms\": []") {
-            return unpredicted("an alarm".into());
-        }
-        let violations: Vec<_> = figures(certificate, "violations").collect();
-        if violations != [0.0] {
-            let why = format!("invariants broken in {violations:?} servo periods\n{certificate}");
-            return Err(Broken::Invariant(why));
-        }
-        let too_deep = figures(certificate, "depth_error_um").find(|um| um.abs() > DEPTH_UM);
-        if let Some(um) = too_deep {
-            return unpredicted(format!("depth error {um} µm"));
-        }
-        if !self.is_tied() {
-            return Ok(Fate::Good); // nothing ties the tap to an angle
-        }
-        let asked = self.angle.unwrap_or(0.0);
-        let elsewhere = figures(certificate, "start_angle_deg")
-            .find(|deg| ((deg - asked + 180.0).rem_euclid(360.0) - 180.0).abs() > 5.0);
-        match elsewhere {
-            Some(deg) => unpredicted(format!("starts at {deg}°, asked {asked}°")),
-            None => Ok(Fate::Good),
-        }
+fn invariants(parts: &[Case], certificate: &str) -> Result<Fate, Broken> {
+    let unpredicted = |why: String| Err(Broken::Unpredicted(format!("{why}\n{certificate}")));
+    let threads = certificate.matches("\"kind\": \"thread\"").count();
+    let holes: u32 = parts.iter().map(|part| part.holes).sum();
+    if threads != holes as usize {
+        return unpredicted(format!("{threads} threads for {holes} holes"));
+    }
+    if !certificate.contains("\"alarms\": []") {
+        return unpredicted("an alarm".into());
+    }
+    let violations: Vec<_> = figures(certificate, "violations").collect();
+    if violations != [0.0] {
+        let why = format!("invariants broken in {violations:?} servo periods\n{certificate}");
+        return Err(Broken::Invariant(why));
+    }
+    let too_deep = figures(certificate, "depth_error_um").find(|um| um.abs() > DEPTH_UM);
+    if let Some(um) = too_deep {
+        return unpredicted(format!("depth error {um} µm"));
+    }
+    // nothing ties a clutch holder's tap to an angle
+    let asked = parts.iter().flat_map(|part| {
+        let asked = part.is_tied().then(|| part.angle.unwrap_or(0.0));
+        (0..part.holes).map(move |_| asked)
+    });
+    let elsewhere = figures(certificate, "start_angle_deg").zip(asked).find(|(deg, asked)| {
+        asked.is_some_and(|asked| ((deg - asked + 180.0).rem_euclid(360.0) - 180.0).abs() > 5.0)
+    });
+    match elsewhere {
+        Some((deg, asked)) => unpredicted(format!("starts at {deg}°, asked {asked:?}°")),
+        None => Ok(Fate::Good),
     }
 }
 

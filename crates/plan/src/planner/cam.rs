@@ -57,6 +57,8 @@ pub(super) struct Cam {
     retreat: Option<Length>,
     /// Speed of the turns that were sampled.
     sampled: Option<Spin>,
+    /// Stock that has been ground off it.
+    ground: Length,
 }
 
 impl Planner {
@@ -80,6 +82,7 @@ impl Planner {
                     superposed: Superposition::None,
                     retreat: None,
                     sampled: None,
+                    ground: Length::ZERO,
                 });
             }
             CamOrder::Deselect => {
@@ -246,10 +249,16 @@ impl Planner {
 
     fn grind(&mut self, job: &mut Job, stock: Length, per_turn: Length, rate: Lead, spin: Spin) {
         let Some(mut cam) = self.follow(job, spin) else { return };
-        let Some(top) = self.cams.library.get(cam.profile).map(canon::CamProfile::top) else {
-            return;
-        };
-        let finished = cam.centre + top;
+        let Some(profile) = self.cams.library.get(cam.profile) else { return };
+        let fresh = (stock - cam.ground).max(Length::ZERO);
+        let wears = self.cams.wear.map_or(Length::ZERO, |wear| wear.of(profile, fresh));
+        cam.ground = cam.ground.max(stock);
+        // a wheel of a smaller radius must go farther, and loses some more on the way
+        self.worn += wears;
+        let finished = cam.centre + profile.top() - self.worn;
+        // in as many turns as without wear
+        let per_turn = per_turn * (1.0 + wears / stock.max(Length::um(1.0)));
+        let stock = stock + wears;
         if cam.retreat.is_none() {
             let clear = self.position().linear[0];
             cam.retreat = Some(clear);
