@@ -216,7 +216,7 @@ impl CamHost {
             on: Superposed::Axis(Axis::X),
             master: 0,
             table: Some(id),
-            turns: 1,
+            turns: 1.0,
             over: EXCHANGE,
         };
         if kernel.superpose(&order).is_err() {

@@ -107,6 +107,14 @@ fn polygon(common: Common, found: &Polygon, zero: &Position) -> file::Polygon {
         )),
         facet_difference_um: measured(Measured::um(found.facet_difference)),
         lay_um: measured(Measured::um(found.lay)),
+        taper_um_per_mm: measured(Measured::um(found.along.across_flats)),
+        taper_error_um_per_mm: measured(Measured::um(
+            found.along.across_flats - found.along_ordered.across_flats,
+        )),
+        twist_deg_per_mm: measured(Measured::deg(found.along.turn)),
+        twist_error_deg_per_mm: measured(Measured::deg(
+            found.along.turn - found.along_ordered.turn,
+        )),
         broken_off: found.broken_off,
     }
 }

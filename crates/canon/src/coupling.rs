@@ -24,6 +24,33 @@ impl Ratio {
     pub fn value(self) -> f64 {
         f64::from(self.follower) / f64::from(self.master)
     }
+
+    /// The gear of a few turns about which this one winds slowly: 3600:7201 about 1:2, or itself. `None`: there is none.
+    pub fn settled(self) -> Option<Self> {
+        /// Turns of the master after which a gear begins anew.
+        const FEW: i32 = 8;
+        /// Share of a turn that it may wind in one.
+        const SLOWLY: f64 = 0.01;
+        if self.master <= FEW {
+            return Some(self);
+        }
+        let value = self.value();
+        (1..=FEW).find_map(|master| {
+            let follower = libm::round(value * f64::from(master));
+            let off = follower / f64::from(master) - value;
+            (follower != 0.0 && off.abs() <= SLOWLY * value.abs())
+                .then_some(Self { follower: follower as i32, master })
+        })
+    }
+}
+
+impl Polygon {
+    /// Turns of the work after which the tool passes the same facets again: those of a ratio of a few turns; of one that
+    /// winds a little more or less, in which time the facets turn that much.
+    pub fn period(&self) -> f64 {
+        let settled = self.ratio.settled().unwrap_or(self.ratio);
+        f64::from(settled.master) * (settled.value() / self.ratio.value())
+    }
 }
 
 /// Polygon turning: a tool spindle geared to the work spindle, with or without oscillation.
@@ -119,13 +146,28 @@ pub enum Oscillating {
 }
 
 /// One harmonic, `cosine·cos(2π·m·θ) + sine·sin(2π·m·θ)`; with m = 0 the cosine is a constant. θ counts in the turns of
-/// the work after which the gear begins anew: one, or P of a ratio P:Q.
+/// the work after which the tool passes the same facets again ([`Polygon::period`]): one, or P of a ratio P:Q.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Harmonic {
-    /// Periods in the turns of the work after which the gear begins anew, m.
+    /// Periods in the turns of the work after which the tool passes the same facets again, m.
     pub per_turn: u32,
     /// Amplitude of the cosine, mm or rev.
     pub cosine: f64,
     /// Amplitude of the sine, mm or rev.
     pub sine: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gear_winds_about_the_one_of_a_few_turns_that_is_near() {
+        let settled = |master, follower| Ratio { follower, master }.settled();
+        assert_eq!(settled(1, 2), Some(Ratio { follower: 2, master: 1 }));
+        assert_eq!(settled(2, 5), Some(Ratio { follower: 5, master: 2 }));
+        assert_eq!(settled(3600, 7201), Some(Ratio { follower: 2, master: 1 }));
+        assert_eq!(settled(1000, -2501), Some(Ratio { follower: -5, master: 2 }));
+        assert_eq!(settled(100, 294), None);
+    }
 }

@@ -170,7 +170,8 @@ impl Executor {
             return Err(error("I0808", span, text).with_help(help).into());
         };
         let inserts = cutter.inserts.len();
-        let facets = inserts as f64 * f64::from(ratio.follower.unsigned_abs());
+        let settled = ratio.settled().unwrap_or(ratio);
+        let facets = inserts as f64 * f64::from(settled.follower.unsigned_abs());
         if facets > f64::from(HIGHEST) {
             let text = format!(
                 "{inserts} inserts at {}:{} pass the work {facets} times before the gear begins anew; an oscillation counts up to {HIGHEST}",

@@ -245,7 +245,7 @@ impl Drives {
                 let index = self.coupled.index_of(id);
                 let name = f64::from(id.0);
                 let index = index.ok_or((FaultKind::TableMissing, Subject::Machine, name, 0.0))?;
-                Some(Wave { index, turns: f64::from(order.turns.max(1)) })
+                Some(Wave { index, turns: order.turns })
             }
         };
         let index = slot_index(order.on);

@@ -39,7 +39,7 @@ fn wave(amplitude: f64, per_turn: u32) -> Periodic {
 
 fn swing(on: Superposed, table: Option<u16>) -> StepKind {
     let over = Angle::rev(2.0);
-    StepKind::Superpose(Superpose { on, master: 0, table: table.map(TableId), turns: 1, over })
+    StepKind::Superpose(Superpose { on, master: 0, table: table.map(TableId), turns: 1.0, over })
 }
 
 /// Run with tables, 16 seconds at most.
@@ -163,6 +163,32 @@ fn a_clamped_follower_is_an_alarm_of_its_own() {
 }
 
 #[test]
+fn a_follower_that_never_gets_to_its_speed_does_not_hold_the_ratio() {
+    let mut machine = two_spindles();
+    // 20 N·m against 1 N·m·s/rad end at 20 rad/s, and 1:2 at 300 rpm asks for 63
+    machine.spindles[1].viscous_n_m_s_per_rad = 1.0;
+    let steps = [turn(0.0, 300.0), await_speed(), StepKind::Engage(GEAR), StepKind::End];
+    let run = run(&machine, &steps, &[]);
+    let fault = run.kernel.faults()[0];
+    assert_eq!(fault.kind, FaultKind::RatioNotHeld);
+    let last = run.samples[run.samples.len() - 1].truth.unwrap().spins;
+    assert!(last.iter().all(|spin| spin.abs().in_rpm() < 400.0), "{last:?}");
+}
+
+#[test]
+fn a_phase_window_finer_than_the_encoder_is_never_reached_and_said_so() {
+    let machine = two_spindles();
+    let mut control = control(&machine);
+    if let Some(follower) = &mut control.spindles[1] {
+        follower.windows.oriented = Angle::rev(1e-9); // its encoder tells a millionth of a turn
+    }
+    let mut iron = SimulatedMachine::new(machine).expect("it can be built");
+    let steps = [turn(0.0, 300.0), await_speed(), StepKind::Engage(GEAR), StepKind::End];
+    let run = run_kernel_on(Kernel::new(control), &mut iron, &steps, 64_000);
+    assert_eq!(run.kernel.faults()[0].kind, FaultKind::PhaseNotReached);
+}
+
+#[test]
 fn a_function_that_nobody_gave_is_an_alarm_and_no_motion() {
     let steps = [swing(Superposed::Axis(Axis::X), Some(9)), StepKind::End];
     let run = run(&two_spindles(), &steps, &[]);
@@ -219,7 +245,7 @@ fn a_master_swings_about_its_even_turn_and_its_followers_keep_step() {
 fn a_table_may_span_the_few_turns_after_which_a_gear_begins_anew() {
     let on = Superposed::Axis(Axis::X);
     let over = Angle::rev(2.0);
-    let wide = Superpose { on, master: 0, table: Some(TableId(1)), turns: 2, over };
+    let wide = Superpose { on, master: 0, table: Some(TableId(1)), turns: 2.0, over };
     let steps = [
         turn(0.0, 300.0),
         await_speed(),

@@ -71,7 +71,7 @@ pub struct Superpose {
     /// Which function from now on; `None`: none.
     pub table: Option<TableId>,
     /// Turns of the master that the table spans, one or more.
-    pub turns: u32,
+    pub turns: f64,
     /// Turns of the master over which it fades in or out, at least; the limits of gentle moves may ask for more.
     pub over: Angle,
 }

@@ -22,7 +22,7 @@ mod svg;
 mod thin;
 
 pub use page::{
-    CamPage, Comparison, CompensationPage, CompensationRow, Named, PolygonPlan, Way,
+    CamPage, Comparison, CompensationPage, CompensationRow, Named, PolygonPlan, Side, Way,
     WayOfCompensation, cam_html, comparison_html, compensation_html, html, polygon_html, um_figure,
 };
 pub use record::{Recorder, WORST_KEPT};

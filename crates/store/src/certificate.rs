@@ -268,6 +268,18 @@ pub struct Polygon {
     /// Height of the feed's marks along Z, peak to valley.
     #[serde(default)]
     pub lay_um: Measured,
+    /// Change of the size across flats with each millimetre towards positive Z.
+    #[serde(default)]
+    pub taper_um_per_mm: Measured,
+    /// The same less what was programmed.
+    #[serde(default)]
+    pub taper_error_um_per_mm: Measured,
+    /// Turn of the facets with each millimetre towards positive Z.
+    #[serde(default)]
+    pub twist_deg_per_mm: Measured,
+    /// The same less what was programmed.
+    #[serde(default)]
+    pub twist_error_deg_per_mm: Measured,
     /// The machine stopped while the cutter was geared to the work.
     #[serde(default)]
     pub broken_off: bool,

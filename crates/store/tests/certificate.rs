@@ -68,6 +68,10 @@ fn certificate() -> Certificate {
         across_flats_error_um: Measured::number(1.5),
         facet_difference_um: Measured::number(0.2),
         lay_um: Measured::number(1.6),
+        taper_um_per_mm: Measured::number(0.1),
+        taper_error_um_per_mm: Measured::number(0.1),
+        twist_deg_per_mm: Measured::number(0.0),
+        twist_error_deg_per_mm: Measured::number(0.0),
         broken_off: false,
     };
     let cam = Cam {
@@ -139,7 +143,8 @@ fn every_promised_key_is_there_and_no_other() {
          margin_um torque_max_n_m torque_in_n_m torque_out_n_m torque_model_n_m \
          torque_model_band_percent torque_expected axial_force_max_n start_angle_deg chip_removal recovered",
         "kind line verdict reason time_s sides across_flats_mm flatness_um tilt_deg corner_angle_deg
-         z_from_mm z_to_mm rpm across_flats_error_um facet_difference_um lay_um broken_off",
+         z_from_mm z_to_mm rpm across_flats_error_um facet_difference_um lay_um taper_um_per_mm taper_error_um_per_mm \
+         twist_deg_per_mm twist_error_deg_per_mm broken_off",
         "kind line verdict reason time_s profile rpm phase_error_deg contour_error_max_um
          contour_error_rms_um revolutions run_out_um speed_error_um_per_deg waviness_um waves_per_rev \
          removal_rate_peak removal_rate_peak_even",

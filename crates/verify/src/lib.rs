@@ -40,7 +40,7 @@ pub use gauge::{CutThread, Gauged};
 pub use gear::Gear;
 pub use idle::IdleTurns;
 pub use judge::Judge;
-pub use polygon::{Facet, Polygon, Section};
+pub use polygon::{Along, Facet, Polygon, Section};
 pub use summary::{Count, Criterion, Headroom, Summary};
 pub use tolerance::Limits;
 pub use trend::TorqueTrend;

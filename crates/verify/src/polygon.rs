@@ -19,12 +19,16 @@
 //!
 //! What was ordered is known from the gearing alone: insert δ faces the work when R·θ + phase + δ is whole, and
 //! cuts the facet whose normal stands at −θ in the work.
+mod along;
 mod measure;
+mod ordered;
 mod passes;
 mod section;
 mod zone;
 
-pub(crate) use measure::{Ordered, PolygonTrack};
+pub use along::Along;
+pub(crate) use measure::PolygonTrack;
+pub(crate) use ordered::Ordered;
 
 use units::{Angle, Length, Spin};
 
@@ -33,9 +37,9 @@ use units::{Angle, Length, Spin};
 pub struct Polygon {
     /// How many facets were ordered.
     pub sides: u32,
-    /// Distance of opposite facets, mean over all; of an odd number of sides twice the facets' distance from the axis.
+    /// Distance of opposite facets, mean over all and over Z; of an odd number of sides twice the facets' distance from the axis.
     pub across_flats: Length,
-    /// The same as programmed: twice the tip's closest distance from the work's axis.
+    /// The same as programmed: twice the tip's closest distance from the work's axis, mean over Z.
     pub across_flats_ordered: Length,
     /// Of the worst facet at the worst height, minimum zone.
     pub flatness: Length,
@@ -47,6 +51,10 @@ pub struct Polygon {
     pub facet_difference: Length,
     /// Height of the marks that the feed leaves along Z, peak to valley.
     pub lay: Length,
+    /// How it changes along Z, as cut.
+    pub along: Along,
+    /// The same as programmed.
+    pub along_ordered: Along,
     /// Machine coordinate of the tip where the polygon begins.
     pub z_from: Length,
     /// Machine coordinate of the tip where it ends.
@@ -86,8 +94,16 @@ pub struct Facet {
 impl Polygon {
     /// Such as "hexagon 17.000" or "9 sides 30.000".
     pub fn name(&self) -> String {
+        let regular = 180.0 - 360.0 / f64::from(self.sides.max(1));
+        let uneven = self.sides > 2
+            && !self.sections.is_empty()
+            && (self.corner_angle.in_deg() - regular).abs() > 1.0;
         let form = match self.sides {
             0 => return "polygon, not cut".to_owned(),
+            4 if uneven => "rhombus",
+            n if uneven => {
+                return format!("{n} uneven sides {:.3}", self.across_flats_ordered.value());
+            }
             2 => "two flats",
             3 => "triangle",
             4 => "square",

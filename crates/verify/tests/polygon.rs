@@ -22,9 +22,13 @@ struct Cut {
     feed: f64,
     nose: f64,
     stock: f64,
+    /// X per Z, both in mm.
+    taper: f64,
 }
 
 const RPM: f64 = 500.0;
+/// Machine Z at which the cutter, 40 mm long, is at the face of the bar.
+const TOP: f64 = -350.0 + 40.0;
 
 impl Cut {
     fn hexagon() -> Self {
@@ -38,6 +42,7 @@ impl Cut {
             feed: 0.1,
             nose: 0.0,
             stock: 12.0,
+            taper: 0.0,
         }
     }
 
@@ -88,11 +93,15 @@ impl Cut {
         };
         judge.op(0, &op(1, OpKind::ChangeTool { number: 9 }));
         judge.op(1, &op(2, OpKind::Polygon(polygon)));
-        let to = Position::xyz(-150.0 + self.centres, -60.0, -330.0);
+        let place = |z: f64| {
+            let x = -150.0 + self.centres + self.taper * (z - TOP);
+            Position::xyz(x, -60.0, z)
+        };
         let feed = Feed::PerRevolution(Lead::mm_per_rev(self.feed));
-        judge.op(2, &op(3, OpKind::Line { to, feed }));
-        judge.op(3, &op(4, OpKind::PolygonEnd));
-        judge.op(4, &op(5, OpKind::End));
+        judge.op(2, &op(3, OpKind::Rapid { to: place(TOP + 0.3) }));
+        judge.op(3, &op(4, OpKind::Line { to: place(TOP - 5.0), feed }));
+        judge.op(4, &op(5, OpKind::PolygonEnd));
+        judge.op(5, &op(6, OpKind::End));
         let spin = Spin::rpm(RPM);
         for step in 0..12_000_u32 {
             let time = Time::s(f64::from(step) * 250e-6);
@@ -101,12 +110,13 @@ impl Cut {
             let mut sample = Sample::default();
             sample.feedback.time = time;
             sample.feedback.tool = Some(9);
-            sample.report.op = 2;
+            sample.report.op = 3;
             sample.report.state = State::Feed;
             let mut truth = Truth::default();
-            truth.axes[0] = Length::mm(-150.0 + self.centres + dx);
+            let z = TOP + 0.3 - self.feed * work;
+            truth.axes[0] = Length::mm(place(z).linear[0].value() + dx);
             truth.axes[1] = Length::mm(-60.0 + dy);
-            truth.axes[2] = Length::mm(-350.0 + 40.0 + 0.3 - self.feed * work);
+            truth.axes[2] = Length::mm(z);
             truth.spindles =
                 [Angle::rev(work), Angle::rev(work * self.ratio.value() + self.phase + ahead)];
             sample.truth = Some(truth);
@@ -219,10 +229,26 @@ fn the_documents_squares_are_measured_to_a_tenth_of_a_micrometre() {
         let found = cut.polygon().flatness.in_um();
         let expected = cut.flatness_um(0.0, PI / 4.0);
         println!("{name}: {found:.3} µm, by brute force {expected:.3} µm");
-        assert!(
-            (found - expected).abs() < 0.1 + 2e-3 * expected,
-            "{name}: {found} instead of {expected}"
-        );
+        near(found, expected, 0.1);
+    }
+}
+
+/// N = 3 on the same axes: a hexagon, whose corner stands at 30°.
+#[test]
+fn the_documents_hexagons_are_measured_to_a_tenth_of_a_micrometre() {
+    type Swing = fn(f64) -> [f64; 3];
+    let cases: [(&str, Swing); 3] = [
+        ("none", |_| [0.0; 3]),
+        ("X 0.01", |t| [0.01 * 10.0 * (1.0 - (6.0 * t).cos()), 0.0, 0.0]),
+        ("Y 0.04", |t| [0.0, 0.04 * 10.0 * (6.0 * t).sin(), 0.0]),
+    ];
+    for (name, swing) in cases {
+        let inserts = vec![0.0, 1.0 / 3.0, 2.0 / 3.0];
+        let cut = Cut { inserts, ..Cut::document(swing) };
+        let found = cut.polygon().flatness.in_um();
+        let expected = cut.flatness_um(0.0, PI / 6.0);
+        println!("{name}: {found:.3} µm, by brute force {expected:.3} µm");
+        near(found, expected, 0.1);
     }
 }
 
@@ -258,12 +284,49 @@ fn two_and_a_half_to_one_is_a_pentagon() {
 }
 
 #[test]
+fn a_taper_is_judged_at_every_height_and_as_a_slope() {
+    // a tenth of a millimetre of X in a millimetre of Z: across flats twice that
+    let cut = Cut { taper: 0.1, ..Cut::hexagon() };
+    let polygon = cut.polygon();
+    near(polygon.along.across_flats.value(), 0.2, 1e-3);
+    near(polygon.along_ordered.across_flats.value(), 0.2, 1e-9);
+    near(polygon.along.turn.in_deg(), 0.0, 1e-3);
+    assert!((polygon.flatness.in_um() - 8.7).abs() < 0.3, "{}", polygon.flatness.in_um());
+    assert!(cut.judged().verdict.reason().is_none(), "{:?}", cut.judged().verdict);
+    let (first, last) = (&polygon.sections[0], &polygon.sections[8]);
+    let wider = (first.facets[0].distance - last.facets[0].distance).value();
+    near(wider, 0.1 * (first.z - last.z).value(), 2e-4);
+}
+
+#[test]
+fn a_ratio_that_winds_is_a_twisted_polygon() {
+    // 3600:7201 winds by 360°/7200 a turn, 0.05°; at 0.1 mm a turn 0.5° a millimetre. Z falls while the facets turn on.
+    let ratio = Ratio { follower: 7201, master: 3600 };
+    let cut = Cut { ratio, nose: 0.8, ..Cut::hexagon() };
+    let polygon = cut.polygon();
+    assert_eq!(polygon.sides, 6);
+    near(polygon.along.turn.in_deg(), -0.5, 0.002);
+    near(polygon.along_ordered.turn.in_deg(), -0.5, 1e-3);
+    near(polygon.tilt.in_deg(), 0.0, 0.01);
+    // each pass stands 0.05° on from the one before: half of that at the corner, 4.907 mm out, adds 2.14 µm
+    near(polygon.flatness.in_um(), 8.7 + 2.14, 0.3);
+    // the same gear with a tool that runs away from it by as much again: as wide, but not as twisted as ordered
+    let wrong =
+        Cut { ratio, nose: 0.8, swing: |work| [0.0, 0.0, work / TAU / 3600.0], ..Cut::hexagon() };
+    let polygon = wrong.polygon();
+    near(polygon.along.turn.in_deg(), -1.0, 0.01);
+    near(polygon.along_ordered.turn.in_deg(), -0.5, 0.001);
+    assert!(wrong.judged().verdict.reason().unwrap().contains("tilted"));
+}
+
+#[test]
 fn inserts_at_a_right_angle_give_a_rhombus() {
     let cut = Cut { inserts: vec![0.0, 0.25], stock: 30.0, ..Cut::hexagon() };
     let polygon = cut.polygon();
     assert_eq!(polygon.sides, 4);
     // its facets bulge, and lie to one side of where they are cut: their zones incline a little
     near(polygon.corner_angle.in_deg(), 45.0, 1.0);
+    assert_eq!(polygon.name(), "rhombus 17.000");
 }
 
 #[test]

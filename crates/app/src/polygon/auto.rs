@@ -73,7 +73,7 @@ impl<'a> Auto<'a> {
         if polygon.auto.is_some() {
             match self.solve(polygon, cut) {
                 Ok(solution) => {
-                    polygon.oscillations = oscillations(&solution, polygon.ratio.master);
+                    polygon.oscillations = oscillations(&solution, settled(polygon).master);
                 }
                 Err((code, text)) => {
                     return self.findings.push(Diagnostic::error(code, span, text));
@@ -94,7 +94,7 @@ impl<'a> Auto<'a> {
         let ToolKind::PolygonCutter(cutter) = &self.tools.get(self.tool)?.kind else { return None };
         Some(Form {
             inserts: cutter.inserts.clone(),
-            turns: [polygon.ratio.follower, polygon.ratio.master],
+            turns: [settled(polygon).follower, settled(polygon).master],
             across_flats: (cut - self.axis - cutter.radius) * 2.0,
             tip_radius: cutter.radius,
             stock_radius: self.machine.setup.stock.to[0],
@@ -103,7 +103,7 @@ impl<'a> Auto<'a> {
 
     /// What is sent instead of what was ordered.
     fn compensate(&mut self, polygon: &mut Polygon, span: Span) {
-        let turns = polygon.ratio.master;
+        let turns = polygon.period();
         for oscillation in &mut polygon.oscillations {
             if let Some(sent) = kept::sent(self.phases, oscillation, self.work, turns) {
                 oscillation.harmonics = sent;
@@ -181,6 +181,11 @@ impl<'a> Auto<'a> {
 
 /// A code and a sentence.
 type Refusal = (&'static str, String);
+
+/// The gear about which it winds, if it winds.
+fn settled(polygon: &Polygon) -> canon::Ratio {
+    polygon.ratio.settled().unwrap_or(polygon.ratio)
+}
 
 const fn refused<T>(text: String) -> Result<T, Refusal> {
     Err(("A0401", text))

@@ -123,7 +123,7 @@ impl PolygonHost {
                 }
             };
             // the argument of what swings: the share of the gear's period
-            let angle = angle / f64::from(polygon.ratio.master);
+            let angle = angle / polygon.period();
             follower.samples.push(Pair { angle, position: Length::mm(place) });
         }
     }
@@ -148,7 +148,7 @@ impl PolygonHost {
 
     /// How often a second what swings begins anew.
     fn repeats(&self, polygon: &Polygon) -> Spin {
-        self.work / f64::from(polygon.ratio.master)
+        self.work / polygon.period()
     }
 
     /// The kernel asks: look, correct, and let it go on when nothing is to be waited for.
@@ -184,7 +184,7 @@ impl PolygonHost {
         }
         let here = followers.first().and_then(|f| f.samples.last()).map(|p| p.angle);
         if let Some(here) = here.filter(|_| changed) {
-            let turns = f64::from(polygon.ratio.master);
+            let turns = polygon.period();
             self.settled_at = Some(here + (EXCHANGE + SETTLE) / turns * self.work.value().signum());
         } else {
             kernel.answer();
@@ -230,7 +230,7 @@ impl PolygonHost {
             Oscillating::Axis(axis) => Superposed::Axis(axis),
             Oscillating::ToolPhase => Superposed::Spindle(polygon.tool),
         };
-        let turns = polygon.ratio.master.unsigned_abs();
+        let turns = polygon.period();
         let order = Superpose { on, master: polygon.work, table: Some(id), turns, over: EXCHANGE };
         let sent = kernel.put_table(id, table).is_ok() && kernel.superpose(&order).is_ok();
         if sent {

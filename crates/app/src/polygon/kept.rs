@@ -32,7 +32,7 @@ pub(super) fn sent(
     phases: &Phases,
     ordered: &Oscillation,
     work: Spin,
-    turns: i32,
+    turns: f64,
 ) -> Option<Vec<Harmonic>> {
     let (on, form) = (name(ordered.on), mark(&ordered.harmonics));
     let of_it = || phases.swung.iter().filter(|s| s.on == on);
@@ -49,7 +49,7 @@ pub(super) fn sent(
     of_it().find_map(|s| {
         let points = s.response.iter().map(|[hz, gain, delay]| (*hz, *gain, *delay));
         let response = Response::from_points(points);
-        ordered.harmonics.iter().map(|h| through(&response, h, work / f64::from(turns))).collect()
+        ordered.harmonics.iter().map(|h| through(&response, h, work / turns)).collect()
     })
 }
 
@@ -106,7 +106,7 @@ mod tests {
 
     #[test]
     fn the_same_oscillation_at_the_same_speed_is_sent_as_it_was_learnt() {
-        let sent = sent(&table(), &ordered(), Spin::rpm(600.0), 1).expect("it was measured");
+        let sent = sent(&table(), &ordered(), Spin::rpm(600.0), 1.0).expect("it was measured");
         assert_eq!(sent, [Harmonic { per_turn: 6, cosine: 0.001, sine: 0.002 }]);
     }
 
@@ -114,7 +114,8 @@ mod tests {
     fn another_one_is_sent_larger_and_earlier_by_the_answer_at_its_frequency() {
         let mut other = ordered();
         other.harmonics[0].sine = 0.004;
-        let sent = sent(&table(), &other, Spin::rpm(600.0), 1).expect("its frequency was measured");
+        let sent =
+            sent(&table(), &other, Spin::rpm(600.0), 1.0).expect("its frequency was measured");
         // sine twice as large, 45° earlier: sin(x + 45°)·0.008
         let part = 0.008 * core::f64::consts::FRAC_1_SQRT_2;
         assert!((sent[0].sine - part).abs() < 1e-12 && (sent[0].cosine - part).abs() < 1e-12);
@@ -122,9 +123,9 @@ mod tests {
 
     #[test]
     fn beyond_what_was_measured_nothing_is_known() {
-        assert_eq!(sent(&table(), &ordered(), Spin::rpm(700.0), 1), None);
+        assert_eq!(sent(&table(), &ordered(), Spin::rpm(700.0), 1.0), None);
         let mut on_x = ordered();
         on_x.on = Oscillating::Axis(canon::Axis::X);
-        assert_eq!(sent(&table(), &on_x, Spin::rpm(600.0), 1), None);
+        assert_eq!(sent(&table(), &on_x, Spin::rpm(600.0), 1.0), None);
     }
 }

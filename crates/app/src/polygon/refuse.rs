@@ -60,7 +60,7 @@ fn rates(
     work: Spin,
     all: &mut Vec<String>,
 ) {
-    let repeats = work / f64::from(polygon.ratio.master.max(1));
+    let repeats = work / polygon.period();
     let peaks = host::peaks(&sampled(&oscillation.harmonics), repeats);
     let most = drives::most(machine, oscillation.on, polygon, work);
     let (names, units, scale) = match oscillation.on {

@@ -3,14 +3,14 @@ use super::prove::Proof;
 use super::{CANDIDATES, Design, Way};
 use crate::tables::table;
 use comfy_table::Cell;
-use forms::polygon::{Actuator, Solution, Swings};
-use report::PolygonPlan;
+use forms::polygon::{Actuator, Facet, Solution, Swings};
+use report::{PolygonPlan, Side};
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 use units::{Angle, Length, Spin};
 
 /// Speeds of the picture.
-const SPEEDS: u32 = 16;
+const SPEEDS: u32 = 12;
 
 /// Heads of the table of what was cut.
 const PROVED: [&str; 8] = [
@@ -246,11 +246,17 @@ impl Told<'_> {
                 })
                 .collect()
         });
-        let kind = form.kinds();
-        let profile = |swings: &Swings| -> Vec<(f64, f64)> {
-            let Some(facet) = kind.first() else { return Vec::new() };
+        let profile = |facet: &Facet, swings: &Swings| -> Vec<(f64, f64)> {
             let found = form.profile(facet, swings);
             found.points.iter().map(|p| (p[0].value(), p[1].in_um())).collect()
+        };
+        let sides = |swings: &Swings| -> Vec<Side> {
+            let side = |facet: &Facet| Side {
+                normal_rad: (-facet.centre).in_rad(),
+                distance: d,
+                profile: profile(facet, swings),
+            };
+            facets.iter().map(side).collect()
         };
         PolygonPlan {
             title: format!(
@@ -266,9 +272,9 @@ impl Told<'_> {
             tips: tips.collect(),
             stock_radius: form.stock_radius.value(),
             outline,
-            profiles: vec![
-                ("without oscillation".to_owned(), profile(&Swings::default())),
-                (format!("by {}", self.best.name), profile(swings)),
+            sides: vec![
+                ("without oscillation".to_owned(), sides(&Swings::default())),
+                (format!("by {}", self.best.name), sides(swings)),
             ],
             speeds: self.speeds(),
             proved_heads: PROVED.map(str::to_owned).to_vec(),

@@ -123,7 +123,7 @@ impl Planner {
             on: Superposed::Axis(Axis::X),
             master: WORK,
             table: None,
-            turns: 1,
+            turns: 1.0,
             over: FADE,
         };
         self.hand_on(job, StepKind::Superpose(order));
@@ -243,7 +243,7 @@ impl Planner {
             self.tables.push(Table { id, nodes });
             id
         });
-        let order = Superpose { on, master: WORK, table, turns: 1, over: FADE };
+        let order = Superpose { on, master: WORK, table, turns: 1.0, over: FADE };
         self.hand_on(job, StepKind::Superpose(order));
     }
 

@@ -32,6 +32,8 @@ pub(super) struct Coupled {
     gear: Option<GearStep>,
     /// The gear is that of a hob.
     hobbing: bool,
+    /// Turns of its master after which it passes the same facets again.
+    period: f64,
     superposed: Vec<Superposed>,
     /// Axes that swing, and their speed, acceleration and jerk at one turn of the work a second.
     swings: Vec<(usize, [f64; 3])>,
@@ -78,6 +80,7 @@ impl Planner {
         };
         self.hand_on(job, StepKind::Engage(gear));
         (self.coupled.gear, self.coupled.hobbing) = (Some(gear), false);
+        self.coupled.period = polygon.period();
         for oscillation in &polygon.oscillations {
             let on = match oscillation.on {
                 Oscillating::Axis(axis) => Superposed::Axis(axis),
@@ -85,13 +88,13 @@ impl Planner {
             };
             let id = self.next_table();
             self.tables.push(Table { id, nodes: sampled(&oscillation.harmonics) });
-            let turns = polygon.ratio.master.unsigned_abs();
+            let turns = polygon.period();
             let order = Superpose { on, master: polygon.work, table: Some(id), turns, over: FADE };
             self.hand_on(job, StepKind::Superpose(order));
             self.coupled.superposed.push(on);
             if let Oscillating::Axis(axis) = oscillation.on {
                 let [speed, accel, jerk] = rates(&oscillation.harmonics);
-                let n = f64::from(turns.max(1));
+                let n = turns;
                 let by_turn = [speed / n, accel / (n * n), jerk / (n * n * n)];
                 self.coupled.swings.push((axis.index(), by_turn));
             }
@@ -141,7 +144,7 @@ impl Planner {
         self.hand_on(job, StepKind::WayOut(None));
         let superposed = core::mem::take(&mut self.coupled.superposed);
         for on in superposed.iter().copied() {
-            let order = Superpose { on, master: gear.master, table: None, turns: 1, over: FADE };
+            let order = Superpose { on, master: gear.master, table: None, turns: 1.0, over: FADE };
             self.hand_on(job, StepKind::Superpose(order));
         }
         if !superposed.is_empty() {
@@ -165,10 +168,7 @@ impl Planner {
         for _ in 0..looks {
             self.hand_on(
                 job,
-                StepKind::Revolve {
-                    spindle: gear.master,
-                    turns: LOOK * f64::from(gear.ratio.master),
-                },
+                StepKind::Revolve { spindle: gear.master, turns: LOOK * self.coupled.period },
             );
             self.hand_on(job, StepKind::Consult(OSCILLATION_SEEN));
         }

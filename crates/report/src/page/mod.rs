@@ -30,7 +30,7 @@ pub use comparison::{Comparison, Way, comparison_html};
 pub use compensation::{
     CompensationPage, CompensationRow, WayOfCompensation, compensation_html, um_figure,
 };
-pub use polygon::{Named, PolygonPlan, polygon_html};
+pub use polygon::{Named, PolygonPlan, Side, polygon_html};
 
 use crate::Run;
 use crate::pictures;

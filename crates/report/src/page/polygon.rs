@@ -6,6 +6,29 @@ use crate::svg::{Chart, Range, Stroke, Tag};
 /// A line with a name.
 pub type Named = (String, Vec<(f64, f64)>);
 
+/// A side of the polygon as it comes out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Side {
+    /// Where its normal points, from x towards y.
+    pub normal_rad: f64,
+    /// Of the flat from the work's axis, mm.
+    pub distance: f64,
+    /// Along it from the foot of the normal, mm, and over the flat, µm.
+    pub profile: Vec<(f64, f64)>,
+}
+
+impl Side {
+    /// In the work, with the error drawn so many times as large.
+    fn drawn(&self, times: f64) -> Vec<(f64, f64)> {
+        let (sine, cosine) = self.normal_rad.sin_cos();
+        let place = |(s, e): &(f64, f64)| {
+            let n = self.distance + e * 1e-3 * times;
+            (n * cosine - s * sine, n * sine + s * cosine)
+        };
+        self.profile.iter().map(place).collect()
+    }
+}
+
 /// What is drawn and told. Lengths in mm, errors in µm, speeds in rev/min.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PolygonPlan {
@@ -23,8 +46,8 @@ pub struct PolygonPlan {
     pub stock_radius: f64,
     /// Outline of the polygon wanted.
     pub outline: Vec<(f64, f64)>,
-    /// Along a facet, mm, and over the flat, µm.
-    pub profiles: Vec<Named>,
+    /// Every side, without and with what swings.
+    pub sides: Vec<(String, Vec<Side>)>,
     /// Speed, and flatness in µm.
     pub speeds: Vec<Named>,
     /// Heads of the table of what was cut on the simulated machine.
@@ -125,7 +148,8 @@ fn paths(plan: &PolygonPlan) -> String {
 
 /// The outline, with the error of every facet drawn many times as large.
 fn magnified(plan: &PolygonPlan) -> String {
-    let most = plan.profiles.iter().flat_map(|(_, p)| p).map(|p| p.1.abs()).fold(1e-6, f64::max);
+    let all = plan.sides.iter().flat_map(|(_, sides)| sides).flat_map(|side| &side.profile);
+    let most = all.map(|p| p.1.abs()).fold(1e-6, f64::max);
     let size = plan.outline.iter().map(|p| p.0.hypot(p.1)).fold(0.0, f64::max);
     let times = 10_f64.powf((0.12 * size / (most * 1e-3)).log10().floor()).max(1.0);
     let [x, y] = square(["x in the work / mm", "y / mm"], size * 1.1);
@@ -133,43 +157,26 @@ fn magnified(plan: &PolygonPlan) -> String {
         format!("Cross-section; errors of the facets drawn {times:.0} times as large.");
     let mut chart = Chart::to_scale("Cross-section", &description, x, y);
     chart.line(Stroke::Ideal, &plan.outline, Some("flat"));
-    for (stroke, (name, profile)) in [Stroke::Second, Stroke::Main].into_iter().zip(&plan.profiles)
-    {
-        let lines: Vec<Vec<(f64, f64)>> = plan
-            .outline
-            .windows(2)
-            .map(|side| {
-                let (dx, dy) = (side[1].0 - side[0].0, side[1].1 - side[0].1);
-                let length = dx.hypot(dy);
-                let middle =
-                    (f64::midpoint(side[0].0, side[1].0), f64::midpoint(side[0].1, side[1].1));
-                let (along, out) = ((dx / length, dy / length), (dy / length, -dx / length));
-                profile
-                    .iter()
-                    .map(|(s, e)| {
-                        let n = e * 1e-3 * times;
-                        (middle.0 + s * along.0 + n * out.0, middle.1 + s * along.1 + n * out.1)
-                    })
-                    .collect()
-            })
-            .collect();
+    for (stroke, (name, sides)) in [Stroke::Second, Stroke::Main].into_iter().zip(&plan.sides) {
+        let lines: Vec<_> = sides.iter().map(|side| side.drawn(times)).collect();
         chart.lines(stroke, &lines, Some(name));
     }
     figure("Cross-section", &chart.finish("section"), &description)
 }
 
+/// The facets one over the other: one line where all are alike.
 fn profiles(plan: &PolygonPlan) -> String {
-    let all = || plan.profiles.iter().flat_map(|(_, p)| p);
+    let all = || plan.sides.iter().flat_map(|(_, sides)| sides).flat_map(|side| &side.profile);
     let x = Range::of("along the facet / mm", all().map(|p| p.0));
     let y = Range::of("over the flat / µm", all().map(|p| p.1)).padded(0.08);
-    let description = "One facet across: what the oscillation takes away.";
-    let mut chart = Chart::new("Facet", description, x, y, 300.0);
+    let description = "The facets across, one over the other: what the oscillation takes away.";
+    let mut chart = Chart::new("Facets", description, x, y, 300.0);
     chart.zero(false);
-    for (stroke, (name, profile)) in [Stroke::Second, Stroke::Main].into_iter().zip(&plan.profiles)
-    {
-        chart.line(stroke, profile, Some(name));
+    for (stroke, (name, sides)) in [Stroke::Second, Stroke::Main].into_iter().zip(&plan.sides) {
+        let lines: Vec<_> = sides.iter().map(|side| side.profile.clone()).collect();
+        chart.lines(stroke, &lines, Some(name));
     }
-    figure("Facet", &chart.finish("facet"), description)
+    figure("Facets", &chart.finish("facet"), description)
 }
 
 fn speeds(plan: &PolygonPlan) -> String {

@@ -3,6 +3,9 @@ use super::figure;
 use crate::svg::{Chart, Range, Stroke};
 use verify::{Facet, Polygon, Section};
 
+/// Less than this along Z, µm or degrees a millimetre, was not ordered.
+const LEVEL: f64 = 1e-6;
+
 /// Both pictures of a polygon, or nothing if it could not be measured.
 pub(crate) fn polygon(number: usize, polygon: &Polygon) -> String {
     let worst = polygon.sections.iter().max_by(|a, b| of(a).total_cmp(&of(b)));
@@ -54,6 +57,20 @@ fn cross_section(number: usize, polygon: &Polygon, section: &Section) -> String 
     figure(&title, &chart.finish(&format!("polygon{number}")), &description)
 }
 
+/// Taper and twist, where one was ordered.
+fn along(polygon: &Polygon) -> String {
+    let (cut, asked) = (polygon.along, polygon.along_ordered);
+    let taper = (asked.across_flats.in_um().abs() > LEVEL).then(|| {
+        let [cut, asked] = [cut, asked].map(|a| a.across_flats.in_um());
+        format!("; {cut:.3} µm wider across flats with each millimetre of Z, {asked:.3} ordered")
+    });
+    let twist = (asked.turn.in_deg().abs() > LEVEL).then(|| {
+        let [cut, asked] = [cut, asked].map(|a| a.turn.in_deg());
+        format!("; turned by {cut:.4}° with each millimetre of Z, {asked:.4}° ordered")
+    });
+    taper.unwrap_or_default() + &twist.unwrap_or_default()
+}
+
 fn facets(number: usize, polygon: &Polygon, section: &Section) -> String {
     let lines: Vec<_> = section.facets.iter().map(errors).collect();
     let all = || lines.iter().flatten();
@@ -61,12 +78,13 @@ fn facets(number: usize, polygon: &Polygon, section: &Section) -> String {
     let y = Range::of("over the facet's middle line / µm", all().map(|p| p.1)).padded(0.1);
     let description = format!(
         "All {} facets, one over the other: flat to {:.2} µm, tilted by {:.3}° at most, {:.2} µm between the nearest and the \
-         farthest; the feed leaves marks of {:.2} µm along Z.",
+         farthest; the feed leaves marks of {:.2} µm along Z{}.",
         polygon.sides,
         polygon.flatness.in_um(),
         polygon.tilt.in_deg().abs(),
         polygon.facet_difference.in_um(),
-        polygon.lay.in_um()
+        polygon.lay.in_um(),
+        along(polygon)
     );
     let mut chart = Chart::new("Facets", &description, x, y, 300.0);
     chart.zero(false);

@@ -1,40 +1,17 @@
 //! From passes to a judged polygon.
+use super::ordered::{Normals, Ordered, can_be_judged, rad};
 use super::passes::{Pass, Passes, Place};
 use super::section::{Cutters, measure, nose_height, surface};
-use super::{Facet, Polygon, Section};
+use super::{Along, Facet, Polygon, Section};
 use crate::Config;
 use crate::feature::{Feature, FeatureKind, Verdict};
 use bus::{Sample, State};
-use canon::{OpKind, PolygonCutter, Tool, ToolKind};
+use canon::{PolygonCutter, Tool, ToolKind};
 use core::f64::consts::TAU;
 use units::{Angle, Length, Spin, Time};
 
 /// Cross-sections of a part.
 const SECTIONS: u32 = 9;
-/// More kinds of facets than this are a polygon that winds along Z.
-const MOST_SIDES: usize = 64;
-
-/// What the program ordered.
-#[derive(Clone, Debug)]
-pub(crate) struct Ordered {
-    pub(crate) polygon: canon::Polygon,
-    /// Least machine X that the program asks for while it is geared; `None` before the first cut.
-    pub(crate) least_x: Option<Length>,
-}
-
-impl Ordered {
-    pub(crate) fn new(polygon: &canon::Polygon) -> Self {
-        Self { polygon: polygon.clone(), least_x: None }
-    }
-
-    /// An operation while it is geared: how close does the tool come?
-    pub(crate) fn see(&mut self, kind: &OpKind) {
-        if let OpKind::Line { to, .. } | OpKind::Arc { to, .. } = kind {
-            let x = to.linear[0];
-            self.least_x = Some(self.least_x.map_or(x, |least| least.min(x)));
-        }
-    }
-}
 
 /// How a stop in the cut went, from the first record after it.
 #[derive(Clone, Copy, Debug)]
@@ -181,6 +158,8 @@ fn empty(spin: Spin, broken_off: bool) -> Polygon {
         corner_angle: Angle::ZERO,
         facet_difference: Length::ZERO,
         lay: Length::ZERO,
+        along: Along::default(),
+        along_ordered: Along::default(),
         z_from: Length::ZERO,
         z_to: Length::ZERO,
         spin,
@@ -198,31 +177,6 @@ struct Part<'o> {
 }
 
 impl Part<'_> {
-    /// Normals of the facets ordered, rad, rising from −π; they wind along Z if the gearing does.
-    fn normals(&self) -> Vec<f64> {
-        let polygon = &self.ordered.polygon;
-        let ratio = polygon.ratio.value();
-        let contacts = polygon.ratio.follower.unsigned_abs().min(1000);
-        let mut all: Vec<f64> = self
-            .cutter
-            .inserts
-            .iter()
-            .flat_map(|insert| {
-                (0..contacts).map(move |k| {
-                    let work = (f64::from(k) - polygon.phase.value() - insert.value()) / ratio;
-                    let normal = -work;
-                    (normal - normal.round()) * TAU
-                })
-            })
-            .collect();
-        all.sort_by(f64::total_cmp);
-        all.dedup_by(|b, a| (*b - *a).abs() < 1e-5);
-        if all.len() > 1 && (all[all.len() - 1] - all[0] - TAU).abs() < 1e-5 {
-            all.pop();
-        }
-        all
-    }
-
     fn judge(
         &self,
         spin: Spin,
@@ -231,20 +185,18 @@ impl Part<'_> {
         findings: &mut Vec<String>,
     ) -> Polygon {
         let mut polygon = empty(spin, stop.is_some());
-        let normals = self.normals();
-        polygon.sides = normals.len() as u32;
+        let inserts: Vec<f64> = self.cutter.inserts.iter().map(|a| a.value()).collect();
+        let normals = self.ordered.normals(&inserts);
+        polygon.sides = normals.at_zero.len() as u32;
         if let Some(stop) = stop {
             // a corner stands so much farther out than a flat
-            let flat = self
-                .ordered
-                .least_x
-                .map_or(0.0, |x| x.value() - self.place.axis[0] - self.cutter.radius.value());
+            let flat = self.ordered.least_x().map_or(0.0, |x| self.flat(x));
             findings.push(stop.sentence(self.place.stock_radius - flat));
         }
-        if normals.len() > MOST_SIDES {
+        if !can_be_judged(&normals) {
             findings.push(format!(
-                "{} different facets are ordered: a polygon that winds along Z is not judged",
-                normals.len()
+                "{} different facets are ordered, and no gear of a few turns is near about which they would wind: that is not judged",
+                normals.at_zero.len()
             ));
             return polygon;
         }
@@ -253,8 +205,6 @@ impl Part<'_> {
             return polygon;
         };
         (polygon.z_from, polygon.z_to) = (Length::mm(low), Length::mm(high));
-        let least = self.ordered.least_x.map_or(0.0, |x| x.value() - self.place.axis[0]);
-        polygon.across_flats_ordered = Length::mm(2.0 * (least - self.cutter.radius.value()));
         let margin = (0.5 * (high - low)).min(0.5);
         let at = |i: u32| {
             high - margin - (high - low - 2.0 * margin) * f64::from(i) / f64::from(SECTIONS - 1)
@@ -272,7 +222,9 @@ impl Part<'_> {
         }
         if !polygon.sections.is_empty() {
             self.measure(&mut polygon, &normals);
-            judge_sizes(&polygon, config, findings);
+            let ordered: Vec<f64> =
+                polygon.sections.iter().map(|s| self.across_flats_at(s)).collect();
+            judge_sizes(&polygon, &ordered, config, findings);
         }
         polygon
     }
@@ -286,45 +238,70 @@ impl Part<'_> {
     }
 
     /// The passes that reached a height, by facet.
-    fn cutters(&self, normals: &[f64], z: f64) -> Vec<Cutters<'_>> {
+    fn cutters(&self, normals: &Normals, z: f64) -> Vec<Cutters<'_>> {
         let nose = self.cutter.nose_radius.value();
-        let mut all: Vec<Cutters<'_>> =
-            normals.iter().map(|n| Cutters { normal_rad: *n, passes: Vec::new() }).collect();
+        let mut all: Vec<Cutters<'_>> = (0..normals.at_zero.len())
+            .map(|_| Cutters { normal_rad: 0.0, passes: Vec::new() })
+            .collect();
+        let mut nearest: Option<&Pass> = None;
         for pass in &self.passes {
             if nose_height(nose, z - pass.z()).is_none() {
                 continue;
             }
-            let stands = -(pass.turn - pass.turn.round()) * TAU;
-            let off = |n: f64| ((stands - n) / TAU - ((stands - n) / TAU).round()).abs();
-            let nearest =
-                all.iter_mut().min_by(|a, b| off(a.normal_rad).total_cmp(&off(b.normal_rad)));
-            if let Some(cutters) = nearest {
-                cutters.passes.push(pass);
+            let nearer = |p: &&Pass| (pass.z() - z).abs() < (p.z() - z).abs();
+            if nearest.as_ref().is_none_or(nearer) {
+                nearest = Some(pass);
             }
+            if let Some(facet) = normals.nearest(pass.turn) {
+                all[facet].passes.push(pass);
+            }
+        }
+        // facets that wind stand as they do when the tool is at this height
+        let turn = nearest.map_or(0.0, |pass| pass.turn);
+        for (facet, cutters) in all.iter_mut().enumerate() {
+            cutters.normal_rad = rad(normals.of(facet, turn));
         }
         all
     }
 
-    fn measure(&self, polygon: &mut Polygon, normals: &[f64]) {
+    /// Distance of a facet from the axis where the tool cuts at this machine X.
+    fn flat(&self, x: f64) -> f64 {
+        x - self.place.axis[0] - self.cutter.radius.value()
+    }
+
+    /// What was ordered at the height of a section: size across flats.
+    fn across_flats_at(&self, section: &Section) -> f64 {
+        let x = self.ordered.x_at(section.z.value() + self.place.tool_length);
+        x.map_or(0.0, |x| 2.0 * self.flat(x))
+    }
+
+    fn measure(&self, polygon: &mut Polygon, normals: &Normals) {
         let facets = || polygon.sections.iter().flat_map(|s| &s.facets);
         let flatness = facets().map(|f| f.flatness).fold(Length::ZERO, Length::max);
         let tilt =
             facets().map(|f| f.tilt).max_by(|a, b| a.abs().value().total_cmp(&b.abs().value()));
-        let flats = polygon.sections.iter().map(across_flats);
-        let across = flats.sum::<f64>() / polygon.sections.len() as f64;
+        let count = polygon.sections.len() as f64;
+        let mean =
+            |of: &dyn Fn(&Section) -> f64| polygon.sections.iter().map(of).sum::<f64>() / count;
+        let across = mean(&across_flats);
+        let ordered = mean(&|s| self.across_flats_at(s));
+        let corner = mean(&corner_angle);
         let difference = polygon.sections.iter().map(spread).fold(0.0, f64::max);
-        let corner =
-            polygon.sections.iter().map(corner_angle).sum::<f64>() / polygon.sections.len() as f64;
+        let sections = &polygon.sections;
+        let (cut, asked) =
+            (Along::cut(sections, &across_flats), &|s: &Section| self.across_flats_at(s));
+        (polygon.along, polygon.along_ordered) = (cut, Along::ordered(sections, asked));
         polygon.flatness = flatness;
         polygon.tilt = tilt.unwrap_or(Angle::ZERO);
         polygon.across_flats = Length::mm(across);
+        polygon.across_flats_ordered = Length::mm(ordered);
         polygon.facet_difference = Length::mm(difference);
         polygon.corner_angle = Angle::rev(corner / TAU);
         polygon.lay = Length::mm(self.lay(normals, polygon));
     }
 
     /// Peak to valley along Z in the middle of the first facet, over a millimetre in the middle of the part.
-    fn lay(&self, normals: &[f64], polygon: &Polygon) -> f64 {
+    fn lay(&self, normals: &Normals, polygon: &Polygon) -> f64 {
         let middle = f64::midpoint(polygon.z_from.value(), polygon.z_to.value());
         let span = (polygon.z_to - polygon.z_from).value().min(1.0) / 2.0;
         let nose = self.cutter.nose_radius.value();
@@ -378,7 +355,7 @@ fn corner_angle(section: &Section) -> f64 {
     alike.iter().sum::<f64>() / alike.len() as f64
 }
 
-fn judge_sizes(polygon: &Polygon, config: &Config, findings: &mut Vec<String>) {
+fn judge_sizes(polygon: &Polygon, ordered: &[f64], config: &Config, findings: &mut Vec<String>) {
     let tolerances = &config.tolerances;
     let allowed = tolerances.facet_flatness;
     if polygon.flatness > allowed {
@@ -395,12 +372,15 @@ fn judge_sizes(polygon: &Polygon, config: &Config, findings: &mut Vec<String>) {
             tolerances.facet_tilt.in_deg()
         ));
     }
-    let off = polygon.across_flats - polygon.across_flats_ordered;
-    if off.abs() > tolerances.across_flats {
+    let off = |(section, ordered): (&Section, &f64)| (across_flats(section) - ordered, *ordered);
+    let worst = polygon.sections.iter().zip(ordered).map(off);
+    let worst = worst.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+    if let Some((off, ordered)) =
+        worst.filter(|(off, _)| off.abs() > tolerances.across_flats.value())
+    {
         findings.push(format!(
-            "{:.3} mm across flats instead of {:.3} mm, {:.0} µm allowed",
-            polygon.across_flats.value(),
-            polygon.across_flats_ordered.value(),
+            "{:.3} mm across flats instead of {ordered:.3} mm, {:.0} µm allowed",
+            ordered + off,
             tolerances.across_flats.in_um()
         ));
     }
