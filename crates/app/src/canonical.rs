@@ -16,6 +16,7 @@ use std::io::{self, BufWriter, Write};
 /// Print them; true if the program is not refused.
 pub(crate) fn command(args: &CanonArgs) -> Result<bool, Refused> {
     if args.format == CanonFormat::Linuxcnc
+        && !args.left.is_asked()
         && let Some(session) = pieces::session(&args.source, &args.program)?
     {
         let name = args.program.display().to_string();
@@ -35,7 +36,11 @@ pub(crate) fn command(args: &CanonArgs) -> Result<bool, Refused> {
     say::written(written)?;
     let name = args.program.display().to_string();
     say::err(&render::text(&findings, &Source { name: &name, text: &text }));
-    Ok(!findings.iter().any(Diagnostic::is_error))
+    let good = !findings.iter().any(Diagnostic::is_error);
+    if good {
+        crate::left::write(&args.left, &text, &session.interp_setup())?;
+    }
+    Ok(good)
 }
 
 /// As rs274 does it: from machine zero, with no offsets unless a parameter file says so, up to the first error.

@@ -12,7 +12,7 @@ pub(crate) fn command(format: CodesFormat) -> Result<(), Refused> {
         CodesFormat::Text => say::out(&format!("{}\n", table())),
         CodesFormat::Json => {
             let all = Value::Array(
-                interp::codes().chain(interp::fanuc_codes()).map(|code| object(&code)).collect(),
+                interp::codes().chain(interp::dialect_codes()).map(|code| object(&code)).collect(),
             );
             say::out(&format!("{all:#}\n"))
         }
@@ -24,7 +24,7 @@ fn table() -> Table {
     table.load_style(presets::UTF8_HORIZONTAL_ONLY);
     table.set_content_arrangement(ContentArrangement::Dynamic);
     table.set_header(["code", "what it does", "takes", "group", "status", "dialects"]);
-    for code in interp::codes().chain(interp::fanuc_codes()) {
+    for code in interp::codes().chain(interp::dialect_codes()) {
         let dialects = dialects(&code).join(", ");
         table.add_row([
             &*code.code,

@@ -35,6 +35,7 @@ mod iron;
 mod keeper;
 mod late;
 mod learning;
+mod left;
 mod log;
 mod lsp;
 mod machine;

@@ -93,6 +93,7 @@ pub(crate) fn command(args: &RunArgs, quiet: bool) -> Result<Ending, Refused> {
     }
     if outcome.ended {
         outcome.cams.save()?;
+        crate::left::write(&args.left, &job.text, &job.session.interp_setup())?;
     }
     let certificate = papers::certificate(&job, &outcome);
     if let Some(folder) = folder {

@@ -121,12 +121,23 @@ fn dialects_of(letter: char, tenths: u16) -> Vec<Dialect> {
         'G' => fanuc::told(kind, tenths).is_some_and(|(shared, _, _)| shared == Some(tenths)),
         _ => tenths.is_multiple_of(10) && fanuc::has_m(tenths / 10),
     };
+    let cam = letter == 'G' && is_toyodas(f64::from(tenths) / 10.0);
+    let toyoda = (!cam).then_some(Dialect::Toyoda);
     let more = FANUC.into_iter().filter(|(_, kind)| same(*kind)).map(|(dialect, _)| dialect);
-    [Dialect::LinuxCnc, Dialect::Brother].into_iter().chain(more).collect()
+    [Dialect::LinuxCnc, Dialect::Brother].into_iter().chain(toyoda).chain(more).collect()
+}
+
+/// Whether Toyoda's dialect has a word of its own for this G code.
+fn is_toyodas(value: f64) -> bool {
+    crate::cam::shared_code(Dialect::Toyoda, value) != value
 }
 
 /// The code that a word means in a dialect.
 pub fn describe_in(dialect: Dialect, letter: u8, value: f64) -> Option<CodeInfo> {
+    if dialect == Dialect::Toyoda && letter == b'G' && is_toyodas(value) {
+        let info = describe(letter, crate::cam::shared_code(dialect, value))?;
+        return Some(CodeInfo { code: format!("G{value}"), dialects: vec![dialect], ..info });
+    }
     let Some((_, kind)) = FANUC.into_iter().find(|(fanuc, _)| *fanuc == dialect) else {
         return describe(letter, value);
     };
@@ -143,9 +154,10 @@ pub fn describe_in(dialect: Dialect, letter: u8, value: f64) -> Option<CodeInfo>
     Some(CodeInfo { code, name, group, modal: false, letters, executed, dialects })
 }
 
-/// What Fanuc's dialects have beside the shared codes, or with another meaning, dialect by dialect.
-pub fn fanuc_codes() -> impl Iterator<Item = CodeInfo> {
-    FANUC.into_iter().flat_map(|(dialect, _)| {
+/// What dialects have beside the shared codes, or with another meaning, dialect by dialect.
+pub fn dialect_codes() -> impl Iterator<Item = CodeInfo> {
+    let dialects = FANUC.into_iter().map(|(dialect, _)| dialect).chain([Dialect::Toyoda]);
+    dialects.flat_map(|dialect| {
         let described = move |tenths| describe_in(dialect, b'G', f64::from(tenths) / 10.0);
         let own = move |info: &CodeInfo| {
             let shared = codes().find(|code| code.code == info.code);
@@ -187,11 +199,17 @@ mod tests {
         assert_eq!(name(Dialect::FanucLatheB, 71.0), Some("roughing cycle along Z"));
         assert_eq!(name(Dialect::Fanuc, 333.0), None);
         let of = |value| describe(b'G', value).map(|code| code.dialects.len());
-        assert_eq!((of(0.0), of(33.1)), (Some(5), Some(2)));
+        assert_eq!((of(0.0), of(33.1)), (Some(6), Some(3)));
         let own = |dialect, code: &str| {
-            fanuc_codes().any(|info| info.dialects == [dialect] && info.code == code)
+            dialect_codes().any(|info| info.dialects == [dialect] && info.code == code)
         };
         assert!(own(Dialect::FanucLatheA, "G90") && !own(Dialect::Fanuc, "G90"));
+        assert!(
+            own(Dialect::Toyoda, "G51")
+                && name(Dialect::Toyoda, 51.0) == name(Dialect::LinuxCnc, 151.0)
+        );
+        assert!(dialect_codes().all(|info| !info.name.is_empty()));
+        assert!(dialect_codes().all(|info| info.code != "G81.1" && info.code != "G80.1"));
     }
 
     #[test]

@@ -77,7 +77,7 @@ mod words;
 
 pub use call::{Call, Corners, CycleHole, CycleTap, Place, ReturnSpeed, Sense, Sink, Units};
 pub use cam::CamCall;
-pub use catalogue::{CodeInfo, codes, describe, describe_in, fanuc_codes};
+pub use catalogue::{CodeInfo, codes, describe, describe_in, dialect_codes};
 pub use explain::{Finding, example_setup, explain, findings};
 pub use frame::{Frame, Point};
 pub use hobbing::HobOrder;

@@ -54,6 +54,11 @@ impl<'s> Ops<'s> {
         &self.interpreter.executor.tools
     }
 
+    /// What the control believes about a tool, as the program has left it.
+    pub fn tool_entry(&self, number: u32) -> crate::ToolEntry {
+        self.interpreter.executor.tool_entry(number)
+    }
+
     /// The numbered parameters as the program has set them.
     pub const fn parameters(&self) -> &Parameters {
         self.interpreter.parameters()

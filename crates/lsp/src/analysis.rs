@@ -196,15 +196,15 @@ mod tests {
 
     #[test]
     fn an_edit_keeps_what_lies_before_it_and_changes_what_follows() {
-        let (mut document, mut analysis) = open(staircase(5000));
+        let (mut document, mut analysis) = open(staircase(20_000));
         finish(&document, &mut analysis);
-        let edit = document.apply(replace(4000, "X5"));
+        let edit = document.apply(replace(16_000, "X5"));
         analysis.edited(edit);
         assert!(analysis.kept.len() >= 3, "snapshots before the edit were thrown away");
         assert_eq!(x_after(&document, &mut analysis, 3000), Some(2998.0));
-        assert_eq!(x_after(&document, &mut analysis, 4001), Some(3999.0 + 4.0));
+        assert_eq!(x_after(&document, &mut analysis, 16_001), Some(15_999.0 + 4.0));
         finish(&document, &mut analysis);
-        assert_eq!(x_after(&document, &mut analysis, 5002), Some(5004.0));
+        assert_eq!(x_after(&document, &mut analysis, 20_002), Some(20_004.0));
     }
 
     #[test]

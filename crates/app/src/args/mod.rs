@@ -21,7 +21,9 @@ pub(crate) use iron::{IronArgs, RecoverArgs, RecoveryWay};
 pub(crate) use lists::{CodesFormat, MachineCommand};
 pub(crate) use polygon::{ActuatorChoice, PolygonArgs};
 pub(crate) use run::{AfterStop, RunArgs, Synchronisation};
-pub(crate) use text::{CanonArgs, CanonFormat, CheckArgs, FindingsFormat, FormatArgs, TimeArgs};
+pub(crate) use text::{
+    CanonArgs, CanonFormat, CheckArgs, FindingsFormat, FormatArgs, LeftArgs, TimeArgs,
+};
 
 /// An open numerical control for spindle-synchronised machining.
 #[derive(Parser, Debug)]

@@ -56,6 +56,8 @@ pub(crate) struct RunArgs {
     /// How the feed is tied to the spindle [default: the machine's]
     #[arg(long, value_enum)]
     pub(crate) synchronisation: Option<Synchronisation>,
+    #[command(flatten)]
+    pub(crate) left: super::LeftArgs,
 }
 
 /// What comes after a tap has been taken out.

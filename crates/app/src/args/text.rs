@@ -66,6 +66,26 @@ pub(crate) struct CanonArgs {
     /// Which notation
     #[arg(long, value_enum, default_value_t = CanonFormat::Text)]
     pub(crate) format: CanonFormat,
+    #[command(flatten)]
+    pub(crate) left: LeftArgs,
+}
+
+/// What a program leaves behind.
+#[derive(Args, Debug, Clone)]
+pub(crate) struct LeftArgs {
+    /// Write the numbered parameters as the program leaves them, in LinuxCNC's notation (.var)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) write_parameters: Option<PathBuf>,
+    /// Write the tool table as the program leaves it, in LinuxCNC's notation (.tbl)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) write_tools: Option<PathBuf>,
+}
+
+impl LeftArgs {
+    /// Whether anything is to be written.
+    pub(crate) const fn is_asked(&self) -> bool {
+        self.write_parameters.is_some() || self.write_tools.is_some()
+    }
 }
 
 /// Which notation.

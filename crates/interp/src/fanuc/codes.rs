@@ -40,15 +40,17 @@ const fn system_b(tenths: u16) -> u16 {
 /// What G means, in tenths.
 pub(super) fn meaning(kind: Kind, tenths: u16) -> Meaning {
     use Meaning::{Box, Mapping, Multiple, NotYet, Off, Shared, Thread, Unknown};
-    if kind == Kind::LatheA && matches!(tenths, 330 | 770..=790 | 910 | 950) {
+    if kind == Kind::LatheA && matches!(tenths, 330 | 770 | 780 | 790 | 910 | 950) {
         return Unknown;
     }
     let code = if kind == Kind::LatheA { system_b(tenths) } else { tenths };
     if kind != Kind::Mill {
         match code {
             340 | 700 | 710 | 720 | 730 | 740 | 750 | 760 => return Multiple(code),
-            770..=790 => return Box(code),
-            810..=890 => return NotYet("drilling cycle of lathes"),
+            770 | 780 | 790 => return Box(code),
+            810 | 820 | 830 | 840 | 850 | 860 | 870 | 880 | 890 => {
+                return NotYet("drilling cycle of lathes");
+            }
             160 => return NotYet("polar coordinates"),
             510 | 511 => return NotYet("scaling and mirroring"),
             680 => return NotYet("double turret mirroring"),
@@ -60,25 +62,11 @@ pub(super) fn meaning(kind: Kind, tenths: u16) -> Meaning {
     match code {
         0 | 10 | 20 | 30 | 40 | 100 | 170 | 180 | 190 | 200 | 210 | 280 | 300 => Shared(code),
         400 | 410 | 420 | 430 | 490 | 520 | 530 | 540 | 550 | 560 | 570 | 580 | 590 => Shared(code),
-        640
-        | 730
-        | 740
-        | 800..=860
-        | 890
-        | 900
-        | 910
-        | 920
-        | 930
-        | 940
-        | 950
-        | 960
-        | 970
-        | 980
-        | 990
-            if code != 842 && code != 843 || kind == Kind::Mill =>
-        {
+        640 | 730 | 740 | 890 | 900 | 910 | 920 | 930 | 940 | 950 | 960 | 970 | 980 | 990 => {
             Shared(code)
         }
+        800 | 810 | 820 | 830 | 840 | 850 | 860 => Shared(code),
+        842 | 843 if kind == Kind::Mill => Shared(code),
         541 => Shared(541),
         610 => Shared(611),
         330 => Thread,

@@ -160,7 +160,9 @@ impl Facing {
         let (begin, end) = (profile.begin, profile.end());
         let [u, v] = if across { [1, 0] } else { [0, 1] };
         let sign = |i: usize| if end[i] < begin[i] { -1.0 } else { 1.0 };
-        Self { across, along: sign(u), outwards: sign(v) }
+        // a shoulder, whose begin and end have one Z, is faced from the side of larger Z
+        let shoulder = !across && end[u] == begin[u];
+        Self { across, along: if shoulder { -1.0 } else { sign(u) }, outwards: sign(v) }
     }
 
     fn to(self, [z, x]: Flat) -> Flat {

@@ -31,7 +31,7 @@ mod comment;
 mod table;
 mod tbl;
 
-pub use tbl::TableUnit;
+pub use tbl::{TableLine, TableUnit, to_tbl};
 
 use crate::{Error, SMALL_FILE_LIMIT, read_text};
 use canon::{Flute, Holder, TapTool, ThreadSize, Tool, ToolLibrary};

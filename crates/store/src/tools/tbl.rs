@@ -74,6 +74,47 @@ pub(super) fn parse(text: &str, file: u16, unit: TableUnit) -> Result<ToolTable,
     Ok(ToolTable { library, remarks: in_order(findings) })
 }
 
+/// A line to write; lengths in mm, angles in degrees.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TableLine {
+    /// Number of the tool.
+    pub number: u32,
+    /// Pocket in the magazine.
+    pub pocket: u32,
+    /// Offsets along X Y Z A B C U V W.
+    pub offset: [f64; 9],
+    /// Diameter.
+    pub diameter_mm: f64,
+    /// Front and back angle of a turning tool.
+    pub angles_deg: [f64; 2],
+    /// Orientation of a turning tool.
+    pub orientation: u32,
+    /// What the tool is.
+    pub remark: String,
+}
+
+/// The text of a table, which LinuxCNC reads too. Words that are zero are left out, but for Z and D.
+pub fn to_tbl(lines: &[TableLine]) -> String {
+    let mut text = String::new();
+    for line in lines {
+        let [x, y, z, a, b, c, u, v, w] = line.offset;
+        let [front, back] = line.angles_deg;
+        let turning = f64::from(line.orientation);
+        let words =
+            [('X', x), ('Y', y), ('Z', z), ('A', a), ('B', b), ('C', c), ('U', u), ('V', v)];
+        let more = [('W', w), ('D', line.diameter_mm), ('I', front), ('J', back), ('Q', turning)];
+        text += &format!("T{} P{}", line.number, line.pocket);
+        for (letter, value) in words.into_iter().chain(more) {
+            if value != 0.0 || matches!(letter, 'Z' | 'D') {
+                text += &format!(" {letter}{value}");
+            }
+        }
+        let remark = line.remark.replace(['\n', '\r'], " ");
+        text += &format!(" ;{remark}\n");
+    }
+    text
+}
+
 struct Reader {
     lines: Lines,
     unit: TableUnit,
