@@ -180,17 +180,28 @@ impl TapCheck<'_> {
         (too_deep > ROUNDING).then(|| {
             let depth = self.depth().value();
             let full = depth - too_deep;
-            let text = format!(
-                "the tap goes {} mm deep, but the hole has its full diameter only down to {} mm: {} is the deepest \
-                 that works",
-                number(depth),
-                number(full),
-                self.word(floor_um(full)),
-            );
+            let point = hole.point.value();
+            let text = if full > 0.0 {
+                format!(
+                    "the tap goes {} mm deep, but the hole has its full diameter only down to {} mm: {} is the deepest \
+                     that works",
+                    number(depth),
+                    number(full),
+                    self.word(floor_um(full)),
+                )
+            } else {
+                format!(
+                    "the tap goes {} mm deep, but the hole has its full diameter nowhere: drill it {} mm deep, of which \
+                     {} mm is the drill's point",
+                    number(depth),
+                    number(depth + point),
+                    number(point),
+                )
+            };
             let label = format!(
                 "drilled {} mm deep here, of which {} mm is the drill's point",
-                number(full + hole.point.value()),
-                number(hole.point.value()),
+                number(full + point),
+                number(point),
             );
             Diagnostic::error("M0323", self.span, text).with_label(hole.span, label)
         })

@@ -192,6 +192,8 @@ fn deeper_than_the_flutes() {
 #[test]
 fn deeper_than_the_hole() {
     assert_snapshot!(drilled_and_tapped(1, -20.0, 2, tap(10.0, 10.0, 2.0, -20.0, 1.0, 3000.0)), @"M0323 Error line 9: the tap goes 20 mm deep, but the hole has its full diameter only down to 18.498 mm: Z-18.497 is the deepest that works");
+    // 118° on 5 mm: a point of 2.5/tan 59° = 1.502 mm, deeper than the hole
+    assert_snapshot!(drilled_and_tapped(1, -1.0, 2, tap(10.0, 10.0, 2.0, -20.0, 1.0, 3000.0)), @"M0323 Error line 9: the tap goes 20 mm deep, but the hole has its full diameter nowhere: drill it 21.502 mm deep, of which 1.502 mm is the drill's point");
 }
 
 #[test]

@@ -24,11 +24,13 @@ pub(crate) fn timeline(run: &Run, recorder: &Recorder) -> String {
     chart.zero(false);
     chart.line(Stroke::Main, &points, None);
     let few = recorder.changes.len() <= MOST_NAMES;
-    for (nth, (time, tool)) in recorder.changes.iter().enumerate() {
+    let mut named = 0;
+    for (time, tool) in &recorder.changes {
         let at = time.value() / per_unit;
         chart.line(Stroke::Ideal, &[(at, bottom), (at, top)], None);
         if few && *tool != 0 {
-            let down = 12.0 + 13.0 * (nth % 2) as f64;
+            let down = 12.0 + 13.0 * f64::from(named % 2);
+            named += 1;
             chart.word((at, top), (3.0, down), "name start", &format!("T{tool}"));
         }
     }
