@@ -9,7 +9,7 @@
 //! The program is interpreted from its beginning, so every modal state is what it would be; only what it
 //! orders is left out. It begins at a rapid, never within a cut or a synchronised cycle: where the line or hole
 //! asked for lies within one, at the rapids that lead to it.
-use canon::{Axis, Op, OpKind, Position, SpindleOrder};
+use canon::{Axis, CamOrder, Op, OpKind, Position, SpindleOrder};
 use diag::Span;
 use units::{Length, Spin};
 
@@ -62,6 +62,8 @@ struct InForce {
     spindles: Vec<(u8, SpindleOrder, Span)>,
     coolant: Option<OpKind>,
     mode: Option<OpKind>,
+    /// The cam that is selected, and what is to be done about it.
+    cam: Vec<OpKind>,
     holes: u32,
 }
 
@@ -84,6 +86,9 @@ impl InForce {
             OpKind::Coolant { .. } => self.coolant = Some(op.kind.clone()),
             OpKind::PathMode(_) | OpKind::Overrides { .. } => self.mode = Some(op.kind.clone()),
             OpKind::Tap(_) | OpKind::Hole(_) => self.holes += 1,
+            OpKind::Cam(CamOrder::Select { .. }) => self.cam = vec![op.kind.clone()],
+            OpKind::Cam(CamOrder::Compensate) => self.cam.push(op.kind.clone()),
+            OpKind::Cam(CamOrder::Deselect) => self.cam.clear(),
             _ => {}
         }
     }
@@ -117,7 +122,11 @@ pub(crate) fn find(
         travels = is_rapid;
         let is_feature = matches!(op.kind, OpKind::Tap(_) | OpKind::Hole(_));
         let cuts =
-            matches!(op.kind, OpKind::Line { .. } | OpKind::Arc { .. } | OpKind::Threading(_));
+            matches!(op.kind, OpKind::Line { .. } | OpKind::Arc { .. } | OpKind::Threading(_))
+                || matches!(
+                    op.kind,
+                    OpKind::Cam(CamOrder::Grind { .. } | CamOrder::SparkOut { .. })
+                );
         let moves = is_rapid || is_feature || cuts;
         let found = match from {
             From::Hole(number) => is_feature && in_force.holes + 1 == number,
@@ -169,6 +178,7 @@ fn restart(skip: usize, first: &Op, in_force: &InForce, at: &Position, top: Leng
     );
     prelude.extend(in_force.coolant.clone());
     prelude.push(OpKind::Rapid { to: over });
+    prelude.extend(in_force.cam.clone());
     let spin = in_force.spindles.iter().find_map(|(spindle, order, _)| match order {
         SpindleOrder::Turn(spin) if *spindle == 0 => Some(*spin),
         _ => None,
@@ -246,6 +256,38 @@ M2
             panic!("it neither lifts nor approaches: {kinds:?}")
         };
         assert_eq!([lifted.linear[2], over.linear[2]], [Length::mm(300.0); 2]);
+    }
+
+    #[test]
+    fn a_cam_that_is_ground_again_is_selected_first() {
+        let select = OpKind::Cam(CamOrder::Select {
+            profile: 7,
+            phase: units::Angle::ZERO,
+            centre: Length::ZERO,
+        });
+        let compensate = OpKind::Cam(CamOrder::Compensate);
+        let grind = OpKind::Cam(CamOrder::Grind {
+            stock: Length::mm(0.1),
+            per_turn: Length::mm(0.1),
+            rate: units::Lead::mm_per_rev(0.1),
+            spin: Spin::rpm(60.0),
+        });
+        let rapid = |z| OpKind::Rapid { to: Position::xyz(248.0, 0.0, z) };
+        let kinds =
+            [rapid(-20.0), select.clone(), compensate.clone(), grind.clone(), rapid(-100.0), grind];
+        let ops = || {
+            let op = |(line, kind)| Op { span: Span { line, ..Span::default() }, kind };
+            (1..).zip(kinds.clone()).map(op)
+        };
+        let top = Length::mm(0.0);
+        let second = find(ops(), From::Line(6), &Position::default(), top).unwrap();
+        assert_eq!((second.line, second.skip), (5, 4));
+        let end: Vec<_> = second.prelude.into_iter().map(|op| op.kind).rev().take(2).collect();
+        assert_eq!(end, [compensate, select]);
+        // the first one is begun before it is selected
+        let first = find(ops(), From::Line(4), &Position::default(), top).unwrap();
+        assert_eq!((first.line, first.skip), (1, 0));
+        assert!(!first.prelude.iter().any(|op| matches!(op.kind, OpKind::Cam(_))));
     }
 
     #[test]

@@ -295,8 +295,8 @@ fn drive_out(
     plan: RecoveryPlan,
     hear: Ears<'_>,
 ) -> Result<Track, String> {
-    let alive =
-        kernel.is_standing() && kernel.engaged().is_some() && plant.feedback().axes[2].ready;
+    let alive = kernel.can_back_out() && plant.feedback().axes[2].ready;
+    while kernel.next_event().is_some() {} // what was said while everything ran down is no news
     let stored = plan.stored;
     if alive {
         kernel.order(Order::Retract);

@@ -84,6 +84,30 @@ fn a_hold_in_a_thread_takes_the_tool_off_it_and_the_thread_is_good_in_the_end() 
 }
 
 #[test]
+fn encoders_that_lie_and_spindles_that_fail_in_a_tap_are_recovered_within_one_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("tap.ngc");
+    std::fs::write(&file, iron::one_tap("G84", 11)).unwrap();
+    let tools = root().join("programs/tools.toml");
+    for fault in [
+        "encoder-slip 5deg at depth 3mm",
+        "encoder-slip 1deg at depth 8mm",
+        "torque-loss 50 at depth 2mm",
+        "dropout 5ms at depth 12mm",
+        "drive-fault spindle at depth 8mm",
+    ] {
+        let (file, tools) = (file.to_str().unwrap(), tools.to_str().unwrap());
+        let run = ["run", file, "--tools", tools, "-q", "--fault", fault, "--recover"];
+        let output = leadscrew(&run);
+        let text = said(&output) + &complained(&output);
+        assert!(text.contains("THE TAP IS OUT"), "{fault}: {text}");
+        // a spindle with half its torque does not turn round at the bottom: that thread is spoilt before anything stops
+        let spoilt = fault.starts_with("torque-loss");
+        assert!(spoilt || !text.contains("No-go gauge"), "{fault}: {text}");
+    }
+}
+
+#[test]
 fn a_fault_in_a_thread_or_a_polygon_is_said_and_the_tool_taken_off_the_work() {
     for (name, machine, at) in
         [("thread-m20x1.5.ngc", "lathe", "3.6s"), ("hexagon-af17.nc", "polygon-lathe", "12s")]

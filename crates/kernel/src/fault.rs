@@ -275,7 +275,7 @@ impl FaultKind {
             },
             Self::RecordNotWritten => Text {
                 number: 308,
-                sentence: "the sync record is not on the disk, so the tap does not go in",
+                sentence: "the sync record is not on the disk, so the tool does not go in",
                 unit: "",
                 reaction: Reaction::Halt,
                 cause: "The disk with the state folder is full, read-only or too slow.",

@@ -58,6 +58,12 @@ impl Kernel {
         }
     }
 
+    /// A tap that stands in its thread can come out by the control that stopped it: no drive or encoder of it is gone.
+    pub fn can_back_out(&self) -> bool {
+        let drives = matches!(self.mode, Mode::Running | Mode::Halted) && self.lame.is_none();
+        drives && self.is_standing() && self.engaged().is_some()
+    }
+
     /// No step begins now: the operator holds, and the axes stand. A move that flows on into the next one
     /// slows down in it.
     pub(super) fn holds_before(&mut self, line: u32) -> bool {
