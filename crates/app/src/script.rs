@@ -157,6 +157,18 @@ fn axis(text: &str) -> Result<usize, String> {
     found.ok_or_else(|| format!("expected an axis such as Z, found \"{text}\""))
 }
 
+/// Counted from 0, as the machine's file and the alarms count them.
+fn spindle(text: &str) -> Result<usize, String> {
+    let most = bus::SPINDLES - 1;
+    let found = text.parse().ok().filter(|n| *n <= most);
+    found.ok_or_else(|| format!("expected a spindle from 0 to {most}, found \"{text}\""))
+}
+
+/// What is left of a share that is lost.
+fn left(lost: &str) -> Result<f64, String> {
+    percent(lost).map(|lost| (1.0 - lost).max(0.0))
+}
+
 impl What for Fault {
     fn read(words: &[&str]) -> Result<Self, String> {
         match words {
@@ -164,6 +176,7 @@ impl What for Fault {
             ["kill"] => Ok(Self::Kill),
             ["emergency-stop"] => Ok(Self::EmergencyStop),
             ["drive-fault", "spindle"] => Ok(Self::SpindleDrive(0)),
+            ["drive-fault", "spindle", which] => spindle(which).map(Self::SpindleDrive),
             ["drive-fault", letter] => axis(letter).map(Self::AxisDrive),
             ["lost-index"] => Ok(Self::LostIndex),
             ["encoder-slip", by] => angle(by).map(Self::Slip),
@@ -172,12 +185,13 @@ impl What for Fault {
             ["feedback-jump", letter, by] => Ok(Self::Jump(axis(letter)?, length(by)?)),
             ["late"] => Ok(Self::Late),
             ["missed"] => Ok(Self::Missed),
-            ["torque-loss", left] => {
-                percent(left).map(|lost| Self::TorqueLoss((1.0 - lost).max(0.0)))
+            ["torque-loss", lost] => Ok(Self::TorqueLoss(0, left(lost)?)),
+            ["torque-loss", lost, "spindle", which] => {
+                Ok(Self::TorqueLoss(spindle(which)?, left(lost)?))
             }
             _ => Err(format!(
-                "expected power-cut, kill, emergency-stop, drive-fault spindle|AXIS, lost-index, encoder-slip ANGLE, \
-                 dropout TIME, stuck AXIS, feedback-jump AXIS LENGTH, late, missed or torque-loss PERCENT, found \"{}\"",
+                "expected power-cut, kill, emergency-stop, drive-fault spindle [N]|AXIS, lost-index, encoder-slip ANGLE, \
+                 dropout TIME, stuck AXIS, feedback-jump AXIS LENGTH, late, missed or torque-loss PERCENT [spindle N], found \"{}\"",
                 words.join(" ")
             )),
         }
@@ -285,6 +299,10 @@ mod tests {
             Item { what: jump, moment: Moment::Depth { below: Length::mm(8.0), out: true } }
         );
         assert_eq!(items[2].moment, Moment::Random(None));
+        let tool = faults("torque-loss 90% spindle 1 at 6s; drive-fault spindle 1 at 7s").unwrap();
+        assert!(matches!(tool[0].what, Fault::TorqueLoss(1, share) if (share - 0.1).abs() < 1e-12));
+        assert_eq!(tool[1].what, Fault::SpindleDrive(1));
+        assert!(faults("drive-fault spindle 9 at 1s").is_err());
     }
 
     #[test]

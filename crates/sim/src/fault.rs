@@ -84,8 +84,8 @@ pub enum Fault {
     Late,
     /// One command is lost: the one before it stands.
     Missed,
-    /// The first spindle gives this share of what is ordered.
-    TorqueLoss(f64),
+    /// A spindle gives this share of what is ordered.
+    TorqueLoss(usize, f64),
 }
 
 impl Fault {
@@ -103,7 +103,7 @@ impl Fault {
             Self::Jump(..) => "feedback-jump",
             Self::Late => "late",
             Self::Missed => "missed",
-            Self::TorqueLoss(_) => "torque-loss",
+            Self::TorqueLoss(..) => "torque-loss",
         }
     }
 }
@@ -271,9 +271,9 @@ impl<M: Machine> Faulty<M> {
             match pending.planned.fault {
                 Fault::AxisDrive(axis) => order.axes[axis].enable = false,
                 Fault::SpindleDrive(spindle) => order.spindles[spindle].enable = false,
-                Fault::TorqueLoss(share) => {
-                    order.spindles[0].torque =
-                        Torque::n_m(order.spindles[0].torque.value() * share);
+                Fault::TorqueLoss(spindle, share) => {
+                    let torque = &mut order.spindles[spindle].torque;
+                    *torque = Torque::n_m(torque.value() * share);
                 }
                 Fault::Late => order = self.last,
                 Fault::Missed if fresh => order = self.last,
@@ -314,7 +314,7 @@ impl<M: Machine> Faulty<M> {
                 | Fault::SpindleDrive(_)
                 | Fault::Late
                 | Fault::Missed
-                | Fault::TorqueLoss(_) => {}
+                | Fault::TorqueLoss(..) => {}
             }
         }
         self.said = said;

@@ -96,7 +96,7 @@ impl Dice {
             9 => Fault::Jump(2, Length::um(sign * 1000.0_f64.powf(self.unit()))),
             10 => Fault::Late,
             11 => Fault::Missed,
-            _ => Fault::TorqueLoss(self.unit()),
+            _ => Fault::TorqueLoss(0, self.unit()),
         }
     }
 }

@@ -66,10 +66,10 @@ pub struct PolygonPlan {
 pub fn polygon_html(plan: &PolygonPlan) -> String {
     let words: String = plan.words.iter().map(|w| Tag::new("p").text(w)).collect();
     let heading = Tag::new("h1").text(&plan.title) + &words;
-    let pictures = paths(plan) + &magnified(plan) + &profiles(plan) + &speeds(plan);
+    let pictures = paths(plan) + &magnified(plan) + &profiles(plan) + &speeds(plan) + &cut(plan);
     let main = heading
         + &section("What may swing", &table(&plan.heads, &plan.rows))
-        + &cut(plan)
+        + &cut_table(plan)
         + &section("Pictures", &Tag::new("div").class("grid").around(&pictures))
         + &section("In the program", &Tag::new("pre").text(&plan.gcode));
     let title = Tag::new("title").text(&plan.title);
@@ -81,7 +81,15 @@ pub fn polygon_html(plan: &PolygonPlan) -> String {
     )
 }
 
-/// What was cut on the simulated machine, if it was.
+/// What was cut on the simulated machine, if it was, as a table.
+fn cut_table(plan: &PolygonPlan) -> String {
+    if plan.proved.is_empty() {
+        return String::new();
+    }
+    section("Cut on the simulated machine", &table(&plan.proved_heads, &plan.proved))
+}
+
+/// The same as a picture.
 fn cut(plan: &PolygonPlan) -> String {
     if plan.proved.is_empty() {
         return String::new();
@@ -99,9 +107,7 @@ fn cut(plan: &PolygonPlan) -> String {
     if let Some(wanted) = plan.wanted {
         chart.level(Stroke::Warn, wanted, "wanted");
     }
-    let picture = figure("Flatness as cut", &chart.finish("cut"), description);
-    let pictures = Tag::new("div").class("grid").around(&picture);
-    section("Cut on the simulated machine", &(table(&plan.proved_heads, &plan.proved) + &pictures))
+    figure("Flatness as cut", &chart.finish("cut"), description)
 }
 
 fn table(heads: &[String], rows: &[Vec<String>]) -> String {

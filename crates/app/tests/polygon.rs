@@ -1,0 +1,116 @@
+//! Polygons from the command line: whole runs with all the machine's physics, and what becomes of one that fails.
+#![allow(clippy::unwrap_used)] // a test may panic
+mod common;
+use common::{complained, leadscrew};
+use serde_json::Value;
+
+/// More cutters: T91 one insert, T92 two at a right angle.
+const TOOLS: &str = r#"
+[[tool]]
+number = 21
+kind = "polygon-cutter"
+tip_radius_mm = 50.0
+inserts = 3
+nose_radius_mm = 0.8
+length_mm = 60.0
+
+[[tool]]
+number = 22
+kind = "polygon-cutter"
+tip_radius_mm = 50.0
+inserts = 2
+nose_radius_mm = 0.8
+length_mm = 60.0
+
+[[tool]]
+number = 91
+kind = "polygon-cutter"
+tip_radius_mm = 50.0
+inserts = 1
+nose_radius_mm = 0.8
+length_mm = 60.0
+
+[[tool]]
+number = 92
+kind = "polygon-cutter"
+tip_radius_mm = 50.0
+insert_angles_deg = [0.0, 90.0]
+nose_radius_mm = 0.8
+length_mm = 60.0
+"#;
+
+/// Cut 3 mm with a tool at a distance of the axes; the exit code, and the certificate if there is one.
+fn cut(tool: u32, gear: &str, x: f64, more: &[&str]) -> (i32, Value, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let text = format!(
+        "G21 G90 G94 G17\nT{tool} M6\nG43 H{tool}\nG0 X85 Y0 Z5\nM3 S500\nG51.2 {gear}\n\
+         G0 X{x} Z2\nG1 Z-3 F50\nG0 X85\nG50.2\nM5\nM2\n"
+    );
+    std::fs::write(at("part.nc"), text).unwrap();
+    std::fs::write(at("tools.toml"), TOOLS).unwrap();
+    let (part, tools, out) = (at("part.nc"), at("tools.toml"), at("out"));
+    let mut all = vec!["run", &part, "--machine", "polygon-lathe", "-q", "--out", &out];
+    all.extend(["--tools", &tools]);
+    all.extend(more);
+    let output = leadscrew(&all);
+    let found = std::fs::read_to_string(folder.path().join("out/certificate.json"));
+    let certificate = found.map_or(Value::Null, |text| serde_json::from_str(&text).unwrap());
+    (output.status.code().unwrap(), certificate, complained(&output))
+}
+
+/// Flatness, tilt and across flats of a part that passes.
+#[track_caller]
+fn good(tool: u32, gear: &str, x: f64, flatness_um: f64) -> Value {
+    let (code, certificate, complaints) = cut(tool, gear, x, &[]);
+    assert_eq!(code, 0, "{complaints}{certificate}");
+    let part = certificate["features"][0].clone();
+    let number = |key: &str| part[key].as_f64().unwrap();
+    assert!(number("flatness_um") <= flatness_um, "{part}");
+    assert!(number("tilt_deg").abs() <= 0.05, "{part}");
+    assert!(number("across_flats_error_um").abs() <= 5.0, "{part}");
+    part
+}
+
+#[test]
+fn a_hexagon_of_17_mm_is_flat_to_two_micrometres_and_bulges_by_nine_without_a_swing() {
+    good(21, "P1 Q2 D0", 58.5, 2.0);
+    let (_, plain, _) = cut(21, "P1 Q2", 58.5, &[]);
+    let flatness = plain["features"][0]["flatness_um"].as_f64().unwrap();
+    assert!((flatness - 8.7).abs() < 0.2, "{flatness}");
+}
+
+#[test]
+fn a_square_of_30_mm_is_flat_to_three_micrometres() {
+    good(22, "P1 Q2 D0", 65.0, 3.0);
+}
+
+#[test]
+fn a_pentagon_at_five_to_two_is_cut_by_one_insert_in_two_turns() {
+    let part = good(91, "P2 Q5 D0", 58.5, 2.0);
+    assert_eq!(part["sides"], 5);
+    assert!((part["corner_angle_deg"].as_f64().unwrap() - 108.0).abs() < 0.01, "{part}");
+}
+
+#[test]
+fn a_rhombus_swings_by_a_series_of_its_own() {
+    let part = good(92, "P1 Q2 D0", 58.5, 4.0);
+    assert_eq!(part["sides"], 4);
+    assert!((part["corner_angle_deg"].as_f64().unwrap() - 45.0).abs() < 0.1, "{part}");
+}
+
+#[test]
+fn a_phase_that_is_lost_in_the_cut_takes_the_tool_away_along_x_and_the_certificate_says_so() {
+    // the tool spindle's drive gives a hundredth of what is ordered: it cannot swing, and falls behind
+    let fault = ["--fault", "torque-loss 99% spindle 1 at 6s"];
+    let (code, certificate, complaints) = cut(21, "P1 Q2 D0", 58.5, &fault);
+    assert_eq!(code, 3, "{complaints}{certificate}");
+    assert_eq!(certificate["alarms"][0]["number"], 205, "{certificate}");
+    let part = &certificate["features"][0];
+    assert_eq!(
+        (part["verdict"].as_str(), part["broken_off"].as_bool()),
+        (Some("fail"), Some(true))
+    );
+    let reason = part["reason"].as_str().unwrap();
+    assert!(reason.contains("off its gear") && reason.contains("left the work by"), "{reason}");
+}
