@@ -1,7 +1,7 @@
 //! Polygons from the command line: whole runs with all the machine's physics, and what becomes of one that fails.
 #![allow(clippy::unwrap_used)] // a test may panic
 mod common;
-use common::{complained, leadscrew};
+use common::{complained, leadscrew, said};
 use serde_json::Value;
 
 /// More cutters: T91 one insert, T92 two at a right angle.
@@ -113,4 +113,23 @@ fn a_phase_that_is_lost_in_the_cut_takes_the_tool_away_along_x_and_the_certifica
     );
     let reason = part["reason"].as_str().unwrap();
     assert!(reason.contains("off its gear") && reason.contains("left the work by"), "{reason}");
+}
+
+#[test]
+fn the_helper_prints_a_table_and_the_block_and_refuses_with_what_would_work() {
+    let output = leadscrew(&["polygon", "--across-flats", "17", "--actuator", "phase"]);
+    let text = said(&output);
+    assert!(text.contains("▸ tool phase") && text.contains("G51.3 L6 B0.94"), "{text}");
+    let refused = |words: &[&str]| {
+        let output = leadscrew(&[&["polygon", "--across-flats", "17"], words].concat());
+        assert_eq!(output.status.code(), Some(2));
+        complained(&output)
+    };
+    // X travels to 150 mm from the work's axis: less the bar's 25 and 2 of clearance
+    let big = refused(&["--tip-radius", "230"]);
+    assert!(big.contains("the cutter is too big") && big.contains("--tip-radius 123.000"), "{big}");
+    assert!(refused(&["--ratio", "1:-2"]).contains("the same sense, 1:2, works"));
+    assert!(refused(&["--stock", "19"]).contains("Ø19.630 works"));
+    assert!(refused(&["--speed", "3500"]).contains("--speed 3000 works"));
+    assert!(refused(&["--internal"]).contains("broach"));
 }

@@ -55,6 +55,8 @@ pub struct Gear {
     pub helix_deviation: Length,
     /// Grade of ISO 1328-1 that all three are within; `None`: beyond the coarsest.
     pub grade: Option<u8>,
+    /// What the grade asked allows of single pitch, total pitch and helix slope.
+    pub allowed: [Length; 3],
     /// Machine coordinate of the hob where the face begins.
     pub z_from: Length,
     /// Where it ends.
@@ -198,6 +200,7 @@ impl GearTrack {
             pitch_total: Length::ZERO,
             helix_deviation: Length::ZERO,
             grade: None,
+            allowed: [Length::ZERO; 3],
             z_from: Length::ZERO,
             z_to: Length::ZERO,
             spin,
@@ -269,6 +272,7 @@ fn measure(gear: &mut Gear, hob: &Hob, passes: &[Pass], findings: &mut Vec<Strin
     };
     gear.grade = (1..=COARSEST).find(|grade| within(*grade));
     let asked = tolerances(d, m, face, GRADE_ASKED);
+    gear.allowed = asked.map(Length::um);
     for ((name, found), most) in
         ["single pitch", "total pitch", "helix slope"].into_iter().zip(found).zip(asked)
     {

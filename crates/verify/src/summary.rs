@@ -58,6 +58,10 @@ pub enum Criterion {
     Contour,
     /// Something that has no measure: broken, never cut, wrong tool.
     Whole,
+    /// Of a gear's teeth, single or total.
+    Pitch,
+    /// Slope of a gear's teeth.
+    Helix,
 }
 
 impl Criterion {
@@ -73,6 +77,8 @@ impl Criterion {
             Self::Flatness => "flatness",
             Self::AcrossFlats => "across flats",
             Self::Contour => "contour",
+            Self::Pitch => "pitch",
+            Self::Helix => "helix slope",
             Self::Whole => "the whole feature",
         }
     }
@@ -164,7 +170,11 @@ impl Feature {
             Criterion::Position => {
                 format!("{:.1} µm off its place", um(thread.position_error))
             }
-            Criterion::Flatness | Criterion::AcrossFlats | Criterion::Contour => return None, // no thread has one
+            Criterion::Flatness
+            | Criterion::AcrossFlats
+            | Criterion::Contour
+            | Criterion::Pitch
+            | Criterion::Helix => return None, // no thread has one
             Criterion::Whole => return self.verdict.reason().map(str::to_owned),
         })
     }
@@ -177,7 +187,7 @@ impl Feature {
             FeatureKind::Polygon(polygon) => of_polygon(polygon, tolerances),
             FeatureKind::Cam(cam) => of_cam(cam, tolerances),
             FeatureKind::Turned(thread) => of_turned(thread, tolerances),
-            FeatureKind::Gear(_) => Vec::new(), // judged by grades
+            FeatureKind::Gear(gear) => of_gear(gear),
         };
         let least = measured.into_iter().min_by(|a, b| a.share().total_cmp(&b.share()));
         // a feature that failed for what has no measure must not look good by its measures
@@ -190,6 +200,18 @@ impl Feature {
 fn of_cam(cam: &crate::GroundCam, tolerances: &Tolerances) -> Vec<Headroom> {
     let tolerance = tolerances.cam_contour;
     vec![Headroom { of: Criterion::Contour, left: tolerance - cam.contour_error_max, tolerance }]
+}
+
+/// Against the grade that is asked; nothing if it could not be measured.
+fn of_gear(gear: &crate::Gear) -> Vec<Headroom> {
+    let found = [
+        (Criterion::Pitch, gear.pitch_deviation),
+        (Criterion::Pitch, gear.pitch_total),
+        (Criterion::Helix, gear.helix_deviation),
+    ];
+    let all = found.into_iter().zip(gear.allowed).filter(|(_, most)| *most > Length::ZERO);
+    all.map(|((of, found), tolerance)| Headroom { of, left: tolerance - found, tolerance })
+        .collect()
 }
 
 fn of_turned(thread: &crate::TurnedThread, tolerances: &Tolerances) -> Vec<Headroom> {
@@ -291,9 +313,7 @@ impl Summary {
         let mut summary = Self::default();
         for (index, feature) in features.iter().enumerate() {
             let headroom = feature.headroom(tolerances);
-            // a gear is judged by grades, which say nothing of what is left
-            let graded = matches!(feature.kind, FeatureKind::Gear(_)) && feature.verdict.is_pass();
-            if !graded && summary.worst.is_none_or(|(_, worst)| headroom.share() < worst.share()) {
+            if summary.worst.is_none_or(|(_, worst)| headroom.share() < worst.share()) {
                 summary.worst = Some((index, headroom));
             }
             let passed = feature.verdict.is_pass();

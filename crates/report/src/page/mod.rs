@@ -64,6 +64,11 @@ pub fn html(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
         | FeatureKind::Gear(_) => None,
     });
     main += &section("Polygons", &grid(&polygons.collect::<String>()));
+    let gears = features.iter().enumerate().filter_map(|(i, feature)| match &feature.kind {
+        FeatureKind::Gear(gear) => Some(pictures::gear(i + 1, gear)),
+        _ => None, // no other feature has teeth
+    });
+    main += &section("Gears", &grid(&gears.collect::<String>()));
     main += &section("Turned threads", &grid(&turned::pictures(features)));
     main += &threads::threads(run, recorder, features);
     let [above, front] = pictures::tool_path(run, recorder);

@@ -2,6 +2,7 @@
 //! figure: a heading, a drawing with axis titles and units, and a caption that says what to look for.
 
 mod chip_removal;
+mod gear;
 mod hole_by_hole;
 mod hole_map;
 mod phase_plane;
@@ -15,6 +16,7 @@ mod tool_path;
 mod torque_plane;
 
 pub(crate) use chip_removal::chip_removal;
+pub(crate) use gear::gear;
 pub(crate) use hole_by_hole::hole_by_hole;
 pub(crate) use hole_map::hole_map;
 pub(crate) use phase_plane::phase_plane;
