@@ -17,7 +17,7 @@ use alloc::vec::Vec;
 /// Corners with a larger k (= sin θ/2) are sharp: 20°.
 const SHARP: f64 = 0.17;
 /// How many tolerances D may be before the fit makes it good.
-const AHEAD: f64 = 2.5;
+const AHEAD: f64 = 0.6;
 
 /// A row of moves as one way.
 pub(crate) struct Way<'a> {

@@ -301,7 +301,7 @@ impl Chain {
                 *s = now;
             }
             // prices that lost touch with their slacks would block the way
-            *l = l.clamp(mu / (KEEP * *s), KEEP * mu / *s);
+            *l = l.max(mu / (KEEP * *s)).min(KEEP * mu / *s);
             worst = worst.max(*s - now);
             gap += *s * *l;
         };
