@@ -39,6 +39,7 @@ mod left;
 mod log;
 mod lsp;
 mod machine;
+mod pace;
 mod papers;
 mod pieces;
 mod plant;

@@ -13,6 +13,7 @@ use crate::cam_host::CamHost;
 use crate::interrupt;
 use crate::keeper::Keeper;
 use crate::log::Log;
+use crate::pace::Paced;
 use crate::plant::Plant;
 use crate::polygon::host::PolygonHost;
 use crate::program::Ops;
@@ -200,6 +201,13 @@ impl Simulation<'_> {
         }
         self.timings.start();
         let mut faults = Vec::new();
+        let mut paced = Paced::default();
+        // what is ordered from the beginning is known before the first move is planned
+        let report = self.kernel.report();
+        let (command, truth) = (bus::Command::default(), self.machine.truth());
+        let first = Sample { feedback, command, report, truth };
+        self.stops.act(&first, &mut self.kernel, &mut self.machine);
+        paced.keep(&mut self.kernel, &mut self.planner, &mut queue, &mut self.sent);
         while feedback.time - begun < give_up && !interrupt::came() {
             if self.is_stopped() {
                 faults.extend_from_slice(self.kernel.faults());
@@ -221,6 +229,8 @@ impl Simulation<'_> {
             let sample = Sample { feedback, command, report, truth: self.machine.truth() };
             self.listen(&sample);
             self.stops.act(&sample, &mut self.kernel, &mut self.machine);
+            let Self { kernel, planner, sent, .. } = &mut self;
+            paced.keep(kernel, planner, &mut queue, sent);
             if feedback.spindles[0].saturated {
                 *saturated.entry(report.op).or_insert(0) += 1;
             }

@@ -45,6 +45,8 @@ pub(crate) struct Drives {
     pub(crate) in_force: [Spin; SPINDLES],
     /// How fast planned time passes.
     pub(crate) tempo: Tempo,
+    /// The program lets the operator's feed override act.
+    pub(crate) overridden: bool,
     /// A move is under way: the axes need not stand where the next step begins.
     pub(crate) flowing: bool,
     pub(crate) tool: u32,
@@ -76,6 +78,7 @@ impl Drives {
             removals,
             in_force,
             tempo: Tempo::FULL,
+            overridden: true,
             flowing: false,
             tool: 0,
             mist: false,

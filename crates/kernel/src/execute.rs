@@ -149,6 +149,10 @@ impl Activity {
                 (drives.mist, drives.flood) = (*mist, *flood);
                 Self::AtOnce
             }
+            StepKind::FeedOverride(acts) => {
+                drives.overridden = *acts;
+                Self::AtOnce
+            }
             StepKind::Output(output) => {
                 context.note(EventKind::OutputSet(*output));
                 Self::AtOnce

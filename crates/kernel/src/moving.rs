@@ -16,7 +16,7 @@ use crate::spindle::SpindleLoop;
 use crate::tempo::{Rates, Tempo};
 use canon::Position;
 use path::{AXES, Limits, Shape};
-use plan::{Follow, Move, coordinate};
+use plan::{Follow, Move, StepKind, coordinate};
 
 /// A step may begin this far from where the axis stands, mm; the difference is smoothed away.
 pub(crate) const JUMP_MM: f64 = 0.050;
@@ -48,7 +48,16 @@ struct Place {
     rates: Rates,
 }
 
-impl Track<'_> {
+impl<'a> Track<'a> {
+    /// Of a step that moves along a path.
+    pub(crate) const fn of(kind: &'a StepKind) -> Option<Self> {
+        match kind {
+            StepKind::Move(order) => Some(Self::Move(order)),
+            StepKind::Follow(order) => Some(Self::Follow(order)),
+            _ => None,
+        }
+    }
+
     fn duration(self) -> f64 {
         match self {
             Self::Move(order) => order.profile.duration(),
@@ -67,6 +76,14 @@ impl Track<'_> {
         match self {
             Self::Move(order) => order.rapid,
             Self::Follow(order) => order.piece.rapid,
+        }
+    }
+
+    /// Share of the programmed feed that it was planned for.
+    fn share(self) -> f64 {
+        match self {
+            Self::Follow(order) if !order.piece.rapid => order.pace.share,
+            Self::Move(_) | Self::Follow(_) => 1.0,
         }
     }
 
@@ -175,8 +192,9 @@ impl Moving {
         (operator, limits): (&Operator, &Limits),
     ) -> Option<f64> {
         let ahead = drives.lookahead_s();
-        let wanted =
-            if operator.wants_rest() { 0.0 } else { operator.share(track.rapid()).min(1.0) };
+        let acts = track.rapid() || drives.overridden;
+        let share = if acts { operator.share(track.rapid()) } else { 1.0 } / track.share();
+        let wanted = if operator.wants_rest() { 0.0 } else { share.min(1.0) };
         let mut passing = dt;
         let mut n = 1.0;
         if track.per_revolution() {
@@ -190,7 +208,8 @@ impl Moving {
         if starts && drives.tempo.rate != wanted {
             drives.tempo.rest(wanted); // from rest any tempo will do
         }
-        let before = drives.tempo.rate;
+        let was = drives.tempo;
+        let before = was.rate;
         let bounds = if track.rapid() { &limits.rapid } else { &limits.feed };
         if !drives.tempo.is_steady(wanted) {
             let place = track.place(self.at + passing * before, n, ahead);
@@ -204,8 +223,12 @@ impl Moving {
             let place = track.place(track.duration(), n, ahead);
             set(&place, &Tempo::FULL, drives);
             drives.rest_axes();
-            let left = if rate > 0.0 { over / rate / passing.max(1e-12) * dt } else { 0.0 };
-            return Some(if track.per_revolution() { 0.0 } else { left.min(dt) });
+            if track.per_revolution() {
+                return Some(0.0);
+            }
+            let (left, tempo) = was.before(&drives.tempo, over, dt);
+            drives.tempo = tempo;
+            return Some(left);
         }
         self.held = wanted == 0.0 && drives.tempo.stands();
         drives.flowing = true;
@@ -214,6 +237,14 @@ impl Moving {
         let tempo = drives.tempo;
         set(&place, &tempo, drives);
         None
+    }
+
+    /// Planned time that is done; `None`: what is left cannot be planned anew.
+    pub(crate) fn done(&self, track: Track) -> Option<f64> {
+        match track {
+            Track::Move(order) => order.programmed.map(|_| self.at),
+            Track::Follow(_) => Some(self.at),
+        }
     }
 
     /// Nothing cuts in a rapid; with a floating holder nothing is wrong.

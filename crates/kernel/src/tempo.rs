@@ -67,6 +67,31 @@ impl Tempo {
         (v * s, a * s * s + v * slope, j * s * s * s + 3.0 * a * s * slope)
     }
 
+    /// In a period that ends with another tempo: how much clock time is left from where `over` of planned time is left, and
+    /// the tempo there.
+    pub(crate) fn before(&self, end: &Self, over: f64, dt: f64) -> (f64, Self) {
+        if end.rate <= 0.0 || over <= 0.0 {
+            return (0.0, *end);
+        }
+        let (mut left, mut tempo) = ((over / end.rate).min(dt), *end);
+        for _ in 0..3 {
+            tempo = self.towards(end, 1.0 - left / dt, dt);
+            left = (over / f64::midpoint(tempo.rate, end.rate)).min(dt);
+        }
+        (left, tempo)
+    }
+
+    /// A share of the way through a period that ends with another tempo.
+    fn towards(&self, end: &Self, share: f64, dt: f64) -> Self {
+        let slope = self.slope + (end.slope - self.slope) * share;
+        // at the wanted rate the slope jumps: then the rates alone tell
+        let smooth = self.rate + f64::midpoint(self.slope, end.slope) * dt;
+        if (smooth - end.rate).abs() > REACHED * 0.1 {
+            return Self { rate: self.rate + (end.rate - self.rate) * share, slope };
+        }
+        Self { rate: self.rate + f64::midpoint(self.slope, slope) * share * dt, slope }
+    }
+
     /// Planned time has come to where it is: the slope that its rates there leave.
     pub(crate) fn arrive(&mut self, rates: &Rates, bounds: &Bounds) {
         if self.slope == 0.0 {
@@ -91,7 +116,8 @@ impl Tempo {
         }
         let (sigma, slope) = (self.rate, self.slope);
         let (mut accel, mut jerk) = ((-FREE / dt, FREE / dt), (-f64::INFINITY, f64::INFINITY));
-        let (mut reach, mut fastest) = (FREE / dt, f64::INFINITY);
+        let missing = wanted - sigma;
+        let mut most = missing.abs() / dt;
         // what the planned jerk leaves where the slope must be taken back
         let there = if wanted > sigma { sigma } else { wanted };
         let room = 1.0 - there * there * there;
@@ -100,21 +126,25 @@ impl Tempo {
             if v.abs() < STILL {
                 continue;
             }
-            let (most, hardest) = (bounds.accel[i], bounds.jerk[i]);
+            let (strongest, hardest) = (bounds.accel[i], bounds.jerk[i]);
             // its part from the path is given, its part from σ′ is ours
             let path = a * sigma * sigma;
-            narrow(&mut accel, (-most - path, most - path), v, slope, dt);
+            narrow(&mut accel, (-strongest - path, strongest - path), v, slope, dt);
             if hardest.is_finite() {
                 let given = j * sigma * sigma * sigma + 3.0 * a * sigma * slope;
                 let (low, high) = ((-hardest - given) / v, (hardest - given) / v);
                 jerk = (jerk.0.max(low.min(high)), jerk.1.min(low.max(high)));
-                reach = reach.min(RECKONED * room * hardest / v.abs());
-                fastest = fastest.min(COUPLED * hardest / most);
+                // √(2·|missing|·reach): from there the slope can still be taken back in time, if the path itself does
+                // not brake as well
+                let reach = RECKONED * room * hardest / v.abs();
+                let mut own = libm::sqrt(2.0 * missing.abs() * reach);
+                if missing < 0.0 {
+                    let brakes = a * v.signum() * (sigma * sigma - wanted * wanted) / v.abs();
+                    own = (own + brakes.min(0.0)).max(0.0);
+                }
+                most = most.min(own).min(COUPLED * hardest / strongest);
             }
         }
-        let missing = wanted - sigma;
-        // √(2·|missing|·reach): from there the slope can still be taken back in time
-        let most = libm::sqrt(2.0 * missing.abs() * reach).min(missing.abs() / dt).min(fastest);
         let wish = (most.copysign(missing) - slope) / dt;
         let mut bend = wish;
         if jerk.0 <= jerk.1 {

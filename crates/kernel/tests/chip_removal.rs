@@ -392,6 +392,7 @@ fn careless(then_rpm: f64) -> Vec<StepKind> {
         per_revolution: false,
         exact_stop: true,
         floats: false,
+        programmed: None,
     };
     vec![spindle(turn), await_speed(), spindle(throw), StepKind::Move(cut), StepKind::End]
 }

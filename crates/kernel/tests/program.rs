@@ -142,6 +142,7 @@ fn a_move_per_revolution_follows_the_real_spindle() {
         per_revolution: true,
         exact_stop: false,
         floats: false,
+        programmed: None,
     };
     let seen = run_here(&[turn(0.0, 600.0), await_speed(), StepKind::Move(feed), StepKind::End]);
     // 50 revolutions at 10 rev/s

@@ -256,6 +256,25 @@ fn reversals_duplicates_and_segments_of_a_nanometre_are_joined_too() {
     check(&lines(&dust, 0.01), 0.01);
 }
 
+/// The feed changes 0.06 mm behind a sharp corner, within its own blend.
+#[test]
+fn a_feed_that_changes_right_behind_a_sharp_corner_costs_no_memory() {
+    let points = [
+        at(4.4268703326, -7.8153294750, 1.8609384653),
+        at(4.4796233304, -7.9231014263, 1.8160715703),
+        at(4.5663483339, -8.1694224143, 1.7320749691),
+        at(4.8936859116, -8.5381421964, 1.7102977963),
+        at(6.2114464821, -4.7740922582, 8.9274359012),
+    ];
+    let mut segments = lines(&points, 0.0196);
+    for (segment, feed) in segments.iter_mut().zip([16.6, 40.2, 89.3, 16.6]) {
+        segment.feed = feed;
+    }
+    let start = segment(&line(at(0.104, -0.332, -0.282), points[0]), 0.0196);
+    segments.insert(0, start);
+    check(&segments, 0.0196);
+}
+
 fn steps() -> impl Strategy<Value = Vec<(f64, f64, f64)>> {
     let size = prop_oneof![0.01..0.3_f64, 0.3..20.0_f64];
     prop::collection::vec((size, -1.6..1.6_f64, -0.5..0.5_f64), 2..60)
@@ -281,8 +300,16 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
 
     #[test]
-    fn any_walk_is_joined_within_p(steps in steps(), p in prop_oneof![Just(0.001), Just(0.01), Just(0.2)]) {
-        check(&lines(&walk(&steps), p), p);
+    fn any_walk_is_joined_within_p(
+        steps in steps(),
+        feeds in prop::collection::vec(1.0..200.0_f64, 1..4),
+        p in prop_oneof![Just(0.001), Just(0.01), Just(0.2)],
+    ) {
+        let mut segments = lines(&walk(&steps), p);
+        for (segment, feed) in segments.iter_mut().zip(feeds.iter().cycle()) {
+            segment.feed = *feed;
+        }
+        check(&segments, p);
     }
 
     #[test]

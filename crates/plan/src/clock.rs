@@ -80,6 +80,7 @@ impl Clock {
             | StepKind::Revolve { .. }
             | StepKind::Consult(_)
             | StepKind::Coolant { .. }
+            | StepKind::FeedOverride(_)
             | StepKind::Output(_)
             | StepKind::Input(_)
             | StepKind::UserCode(_)

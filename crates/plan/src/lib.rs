@@ -17,6 +17,8 @@
 //! | `coupled` | gears between spindles, and what is superposed on an axis |
 //! | `tap_check`, `holes` | taps that cannot come out right |
 //! | `run` | moves that go on into one another (crate `path`) |
+//! | `repace` | what was handed on and not yet done, planned anew: for more feed, for stops at each line |
+//! | `timing` | one law of time along a path, as steps |
 //! | `path`, `profile`, `step` | what the kernel evaluates |
 //! | `clock` | how long steps will take |
 //!
@@ -50,11 +52,13 @@ mod path;
 mod planner;
 mod profile;
 mod ramp;
+mod repace;
 mod run;
 mod step;
 mod stroke;
 mod tap_check;
 mod thread;
+mod timing;
 mod travel;
 mod way_out;
 
@@ -70,8 +74,10 @@ pub use limits::{
 };
 pub use planner::{Planner, Preflight, Start, preflight};
 pub use profile::{Instant, MAX_PIECES, Piece, Profile};
+pub use repace::{Wish, Withdrawn};
 pub use step::{
-    ChipThrow, Follow, Limiting, Move, PHASES, SpindleStep, Step, StepKind, TapLimiting, TapPlan,
+    ChipThrow, Follow, Limiting, Move, PHASES, Pace, Programmed, SpindleStep, Step, StepKind,
+    TapLimiting, TapPlan,
 };
 pub use stroke::{Stroke, StrokeRequest, tapping_torque};
 pub use thread::{Corner, OnThread, THREADING_AXES, ThreadStretch};

@@ -13,6 +13,7 @@
 use crate::Step;
 use crate::clock::Clock;
 use crate::limits::MachineLimits;
+use crate::repace::{Row, Wish};
 use crate::run::{Order, Run};
 use alloc::vec::Vec;
 use units::Time;
@@ -78,7 +79,7 @@ impl Outbox {
     /// Moves that go on into one another stop here, in position.
     pub(crate) fn end_run(&mut self, limits: &MachineLimits, emit: &mut dyn FnMut(Step)) {
         let Self { run, clock, .. } = self;
-        run.finish(&mut |step| {
+        run.finish(limits, &mut |step| {
             clock.count(&step, limits);
             emit(step);
         });
@@ -88,6 +89,7 @@ impl Outbox {
     pub(crate) fn run_on(
         &mut self,
         order: Order,
+        wish: Wish,
         limits: &MachineLimits,
         emit: &mut dyn FnMut(Step),
     ) {
@@ -95,10 +97,21 @@ impl Outbox {
             self.end_run(limits, emit);
         }
         let Self { run, clock, .. } = self;
-        run.push(order, limits, &mut |step| {
+        run.push(order, wish, limits, &mut |step| {
             clock.count(&step, limits);
             emit(step);
         });
+    }
+
+    /// Plan the run anew, with what came back of it; then whatever waits.
+    pub(crate) fn repace(
+        &mut self,
+        limits: &MachineLimits,
+        wish: Wish,
+        back: Option<Row>,
+        emit: &mut dyn FnMut(Step),
+    ) {
+        self.run.repace(limits, wish, back, emit);
     }
 
     /// A move of a run that no law of time exists for, with its line.

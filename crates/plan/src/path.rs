@@ -22,6 +22,7 @@
 //! U V W, else the turn of the rotary axes in degrees; all others arrive at the same time.
 use crate::Instant;
 use crate::motion::coordinate;
+use ::path::Curve;
 use canon::{Arc, Axis, Position};
 use units::{Accel, Length, Speed};
 
@@ -82,6 +83,26 @@ impl Path {
                 let [_, _, normal] = arc.plane.axes();
                 let rise = to.along(normal).value() - from.along(normal).value();
                 libm::hypot(radius(from, arc) * arc.sweep.in_rad(), rise)
+            }
+        }
+    }
+
+    /// As the crate `path` has it.
+    pub(crate) fn curve(&self) -> Curve {
+        let point = |position: &Position| Axis::ALL.map(|axis| coordinate(position, axis));
+        let (from, to, length) = (point(self.from()), point(self.to()), self.length());
+        match self {
+            Self::Line { .. } => Curve::Line(::path::geometry::Line { from, to, length }),
+            Self::Arc { arc, .. } => {
+                let [first, second, _] = arc.plane.axes().map(Axis::index);
+                Curve::Arc(::path::geometry::Arc {
+                    from,
+                    to,
+                    plane: [first, second],
+                    centre: arc.centre.map(Length::value),
+                    sweep: arc.sweep.in_rad(),
+                    length,
+                })
             }
         }
     }

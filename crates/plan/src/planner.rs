@@ -25,6 +25,7 @@ use crate::holes::Holes;
 use crate::limits::{MachineLimits, Options};
 use crate::outbox::Outbox;
 use crate::path::Path;
+use crate::repace::Wish;
 use crate::step::{Step, StepKind};
 use crate::stroke::{Stroke, StrokeRequest};
 use crate::way_out::CameFrom;
@@ -72,7 +73,7 @@ struct SpindleState {
 /// From operations to steps. See the module's header.
 #[derive(Clone, Debug)]
 pub struct Planner {
-    limits: MachineLimits,
+    pub(crate) limits: MachineLimits,
     options: Options,
     /// Moves are judged and then forgotten: no law of time is found for them.
     only_judges: bool,
@@ -105,7 +106,11 @@ pub struct Planner {
     tables: Vec<Table>,
     next_table: u16,
     findings: Findings,
-    outbox: Outbox,
+    pub(crate) outbox: Outbox,
+    /// The operator's feed override acts.
+    overridden: bool,
+    /// What the operator wants of moves to come.
+    pub(crate) wanted: Wish,
 }
 
 /// Whether a wheel that follows a cam goes back before this.
@@ -211,6 +216,8 @@ impl Planner {
             next_table: 0,
             findings: Findings::default(),
             outbox: Outbox::default(),
+            overridden: true,
+            wanted: Wish::default(),
         }
     }
 
@@ -282,6 +289,10 @@ impl Planner {
                 self.hand_on(&mut job, StepKind::Pause { optional: *optional });
             }
             OpKind::End => self.end(&mut job),
+            OpKind::Overrides { feed, .. } if *feed != self.overridden => {
+                self.overridden = *feed;
+                self.hand_on(&mut job, StepKind::FeedOverride(*feed));
+            }
             OpKind::SelectTool { .. } | OpKind::Overrides { .. } | OpKind::Message(_) => {}
         }
         if !matches!(op.kind, OpKind::Threading(_)) {

@@ -1,19 +1,18 @@
 //! Moves that are run through without a stop: joined into one path, with one law of time along it.
 //!
 //! ```text
-//!   moves ─► Joiner ─► pieces ─► Law ─► phases ─► Follow steps, as soon as nothing that comes can change them
-//!                          └───────────────────────┘
+//!   moves ─► Joiner ─► pieces ─► Timing ─► Follow steps
 //! ```
 //!
 //! A move that stays alone between two stops is a [`Move`] with its own profile, as before: it needs no joining.
 use crate::limits::MachineLimits;
 use crate::motion::Along;
 use crate::path::Path;
-use crate::step::{Follow, Move, PHASES, Step, StepKind};
-use alloc::collections::VecDeque;
+use crate::repace::Wish;
+use crate::step::{Move, Programmed, Step, StepKind};
+use crate::timing::Timing;
 use path::geometry::{Joiner, Segment};
-use path::law::{Config, Law, Refusal, Timed};
-use path::{Phase, Piece};
+use path::law::Refusal;
 
 /// How the feed of a move that stays alone is meant.
 #[derive(Clone, Copy, Debug)]
@@ -44,6 +43,13 @@ impl Order {
         }
     }
 
+    /// Its feed, as a step has it.
+    fn programmed(&self) -> Option<Programmed> {
+        let Segment { feed, rapid, .. } = self.segment;
+        let turning = self.spin().unwrap_or(1.0);
+        (!rapid).then_some(Programmed { feed, turning })
+    }
+
     fn step(&self) -> Step {
         let length = self.path.length();
         let profile = match self.alone {
@@ -60,45 +66,28 @@ impl Order {
             per_revolution,
             exact_stop: true,
             floats: false,
+            programmed: self.programmed(),
         });
         Step { op, line, kind }
     }
 }
 
 /// See the module's header.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Run {
     first: Option<Order>,
-    joiner: Joiner,
-    law: Option<Law>,
+    joiner: Option<Joiner>,
+    pub(crate) timing: Option<Timing>,
     /// Revolutions per second of a run whose feed is per revolution.
-    spin: Option<f64>,
-    /// Pieces that the law has and that have not been handed on; `done` were before them.
-    pieces: VecDeque<Piece>,
-    done: u64,
-    /// Not yet handed on: phases of the piece `done`.
-    follow: Option<Follow>,
+    pub(crate) spin: Option<f64>,
+    /// What the operator wants of it.
+    pub(crate) wish: Wish,
     refusal: Option<(u32, Refusal)>,
 }
 
-impl Default for Run {
-    fn default() -> Self {
-        Self {
-            first: None,
-            joiner: Joiner::new(),
-            law: None,
-            spin: None,
-            pieces: VecDeque::new(),
-            done: 0,
-            follow: None,
-            refusal: None,
-        }
-    }
-}
-
 impl Run {
-    pub(crate) fn is_empty(&self) -> bool {
-        self.first.is_none() && self.law.is_none()
+    pub(crate) const fn is_empty(&self) -> bool {
+        self.first.is_none() && self.timing.is_none()
     }
 
     /// The one move there is, if no second one has come.
@@ -113,110 +102,66 @@ impl Run {
     }
 
     /// What the law has refused, with the line of the program.
-    pub(crate) fn take_refusal(&mut self) -> Option<(u32, Refusal)> {
+    pub(crate) const fn take_refusal(&mut self) -> Option<(u32, Refusal)> {
         self.refusal.take()
     }
 
-    /// Go on with a move.
+    /// Go on with a move; a run that begins with it is as wished.
     pub(crate) fn push(
         &mut self,
         order: Order,
+        wish: Wish,
         limits: &MachineLimits,
         emit: &mut dyn FnMut(Step),
     ) {
         if self.is_empty() {
-            self.spin = order.spin();
+            (self.spin, self.wish) = (order.spin(), wish);
             self.first = Some(order);
             return;
         }
-        if self.law.is_none() {
-            self.law = Some(Law::new(config(limits, self.spin)));
+        self.begin(limits);
+        self.join(order.segment);
+        if let Some(timing) = &mut self.timing {
+            timing.pump(emit);
+        }
+    }
+
+    /// More than one move, or one that is not to be as programmed.
+    fn begin(&mut self, limits: &MachineLimits) {
+        if self.timing.is_none() {
+            self.timing = Some(Timing::new(limits, self.spin, self.wish, None));
         }
         if let Some(first) = self.first.take() {
             self.join(first.segment);
         }
-        self.join(order.segment);
-        self.pump(emit);
     }
 
     fn join(&mut self, segment: Segment) {
-        let Self { joiner, law, pieces, refusal, .. } = self;
-        joiner.push(segment, &mut |piece| give(law, pieces, refusal, piece));
+        let Self { joiner, timing, wish, refusal, .. } = self;
+        let Some(timing) = timing else { return };
+        // where every line ends at rest, it ends where it was programmed to
+        let tolerance = if wish.stops { 0.0 } else { segment.tolerance };
+        let joiner = joiner.get_or_insert_with(Joiner::new);
+        joiner.push(Segment { tolerance, ..segment }, &mut |piece| timing.push(piece));
+        *refusal = refusal.take().or_else(|| timing.take_refusal());
     }
 
     /// Stop at the end of the last move, in position.
-    pub(crate) fn finish(&mut self, emit: &mut dyn FnMut(Step)) {
-        if let Some(first) = self.first.take() {
-            emit(first.step());
-            return;
+    pub(crate) fn finish(&mut self, limits: &MachineLimits, emit: &mut dyn FnMut(Step)) {
+        if let Some(first) = &self.first {
+            if self.wish.share == 1.0 {
+                emit(first.step());
+                self.first = None;
+                return;
+            }
+            self.begin(limits);
         }
-        if self.law.is_none() {
-            return;
+        let Some(mut timing) = self.timing.take() else { return };
+        if let Some(joiner) = &mut self.joiner {
+            joiner.finish(&mut |piece| timing.push(piece));
         }
-        let Self { joiner, law, pieces, refusal, .. } = self;
-        joiner.finish(&mut |piece| give(law, pieces, refusal, piece));
-        if let Some(law) = law {
-            law.close();
-        }
-        self.pump(emit);
-        if let Some(mut follow) = self.follow.take() {
-            follow.exact_stop = true;
-            emit(step(follow));
-        }
-        let refusal = self.refusal.take();
+        timing.close(emit);
+        let refusal = self.refusal.take().or_else(|| timing.take_refusal());
         *self = Self { refusal, ..Self::default() };
     }
-
-    fn pump(&mut self, emit: &mut dyn FnMut(Step)) {
-        while let Some(timed) = self.law.as_mut().and_then(Law::next) {
-            self.take(&timed, emit);
-        }
-    }
-
-    fn take(&mut self, timed: &Timed, emit: &mut dyn FnMut(Step)) {
-        if timed.piece == self.done
-            && let Some(follow) = &mut self.follow
-            && usize::from(follow.count) < PHASES
-        {
-            follow.phases[usize::from(follow.count)] = timed.phase;
-            follow.count += 1;
-            return;
-        }
-        if let Some(follow) = self.follow.take() {
-            emit(step(follow));
-        }
-        while self.done < timed.piece {
-            self.pieces.pop_front();
-            self.done += 1;
-        }
-        let Some(piece) = self.pieces.front() else { return };
-        let mut phases = [Phase::default(); PHASES];
-        phases[0] = timed.phase;
-        let per_revolution = self.spin.is_some();
-        self.follow =
-            Some(Follow { piece: *piece, phases, count: 1, per_revolution, exact_stop: false });
-    }
-}
-
-fn give(
-    law: &mut Option<Law>,
-    pieces: &mut VecDeque<Piece>,
-    refusal: &mut Option<(u32, Refusal)>,
-    piece: Piece,
-) {
-    let Some(law) = law else { return };
-    match law.push(piece) {
-        Ok(()) => pieces.push_back(piece),
-        Err(why) => *refusal = Some((piece.line, why)),
-    }
-}
-
-fn step(follow: Follow) -> Step {
-    let Piece { op, line, .. } = follow.piece;
-    Step { op, line, kind: StepKind::Follow(follow) }
-}
-
-fn config(limits: &MachineLimits, spin: Option<f64>) -> Config {
-    let n = spin.unwrap_or(1.0);
-    Config { limits: limits.motion(n), period: limits.joining.period.value() * n }
 }

@@ -69,6 +69,8 @@ pub enum StepKind {
         /// M8.
         flood: bool,
     },
+    /// Whether the operator's feed override acts from here on (M48, M49, M50).
+    FeedOverride(bool),
     /// Switch an output.
     Output(Output),
     /// Read an input or wait for it.
@@ -100,6 +102,31 @@ pub struct Follow {
     pub per_revolution: bool,
     /// It ends at rest; wait until every axis is in position before the next step.
     pub exact_stop: bool,
+    /// What feed it was planned for.
+    pub pace: Pace,
+}
+
+/// What feed a stretch of a path was planned for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pace {
+    /// Share of the programmed feed: 1, unless the operator wanted more.
+    pub share: f64,
+    /// Revolutions of the spindle per second, for a feed per revolution; else 1.
+    pub turning: f64,
+}
+
+impl Pace {
+    /// As programmed, per second.
+    pub const PROGRAMMED: Self = Self { share: 1.0, turning: 1.0 };
+}
+
+/// The feed that a move asks for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Programmed {
+    /// mm/s, or mm a revolution.
+    pub feed: f64,
+    /// Revolutions of the spindle per second, for a feed per revolution; else 1.
+    pub turning: f64,
 }
 
 impl Follow {
@@ -141,6 +168,8 @@ pub struct Move {
     pub exact_stop: bool,
     /// A tap's holder takes whatever spindle and feed differ by: nothing is wrong while the spindle is not at speed.
     pub floats: bool,
+    /// Its feed, if it may be planned anew for another one.
+    pub programmed: Option<Programmed>,
 }
 
 /// What a spindle is told.

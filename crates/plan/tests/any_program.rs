@@ -160,6 +160,7 @@ fn assert_hangs_together(steps: &[Step]) {
             | StepKind::Consult(_)
             | StepKind::Dwell(_)
             | StepKind::Coolant { .. }
+            | StepKind::FeedOverride(_)
             | StepKind::Output(_)
             | StepKind::Input(_)
             | StepKind::UserCode(_)

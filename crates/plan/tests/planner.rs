@@ -48,6 +48,7 @@ fn words(steps: &[Step]) -> String {
         StepKind::Tap(t) => format!("tap({})", t.bottom.value()),
         StepKind::ChangeTool(n) => format!("tool({n})"),
         StepKind::Coolant { .. } => "coolant".into(),
+        StepKind::FeedOverride(acts) => format!("override({acts})"),
         StepKind::Output(output) => format!("output({})", output.number),
         StepKind::Input(wait) => format!("input({})", wait.number),
         StepKind::UserCode(number) => format!("M{number}"),

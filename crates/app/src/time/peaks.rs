@@ -132,6 +132,7 @@ mod tests {
                 per_revolution: false,
                 exact_stop: true,
                 floats: false,
+                programmed: None,
             }));
             let accel = peaks.axes[0].accel;
             assert!((999.0..1000.0 + 1e-3).contains(&accel), "{length}: {accel}");

@@ -5,9 +5,10 @@ use super::{Kernel, Mode};
 use crate::config::Subject;
 use crate::event::EventKind;
 use crate::execute::Activity;
+use crate::moving::Track;
 use crate::operator::{Notice, Operator, Order};
 use crate::spindle::SpindleLoop;
-use plan::{Step, StepKind};
+use plan::{Step, StepKind, Withdrawn};
 
 impl Kernel {
     /// Take an order of the operator; it acts from the next tick on.
@@ -29,6 +30,23 @@ impl Kernel {
             self.activity = Activity::AtOnce;
             self.note(EventKind::Resumed);
         }
+    }
+
+    /// Give back what has not been done, so that it can be planned anew: whoever takes it pushes what comes of it. A step that
+    /// is under way and is no feed along a path stays.
+    pub fn withdraw(&mut self) -> Withdrawn {
+        let under_way = self.begun.then(|| self.queue.front()).flatten();
+        let done = match (&self.activity, under_way) {
+            (Activity::Moving(moving, _), Some(step)) => {
+                Track::of(&step.kind).and_then(|track| moving.done(track))
+            }
+            _ => None,
+        };
+        let stays = usize::from(self.begun && done.is_none());
+        if done.is_some() {
+            (self.activity, self.begun) = (Activity::Idle, false);
+        }
+        Withdrawn { steps: self.queue.drain(stays..).collect(), done }
     }
 
     /// Go on after a program's stop.

@@ -324,6 +324,7 @@ pub fn line(from: Position, to: Position, speed: f64, exact_stop: bool) -> StepK
         per_revolution: false,
         exact_stop,
         floats: false,
+        programmed: None,
     })
 }
 

@@ -73,7 +73,8 @@ pub(crate) fn choose(way: &Way, knots: &mut Vec<f64>) {
         let (joint, u) = (way.moves[i].joint, way.starts[i]);
         if joint.k <= SHARP {
             let (a, b) = (&way.moves[i - 1].segment, &way.moves[i].segment);
-            if a.feed != b.feed || a.rapid != b.rapid {
+            // right after a sharp corner the piece there serves both feeds
+            if (a.feed != b.feed || a.rapid != b.rapid) && u > last.u {
                 let anchor = Anchor { u, near: f64::INFINITY };
                 march(way, last, anchor, knots);
                 last = anchor;

@@ -8,6 +8,9 @@ pub(super) const JERK_SHARE: f64 = 0.99;
 /// Share of the accelerations that the plan uses.
 const ACCEL_SHARE: f64 = 0.995;
 
+/// Slowest later than this share of a cell is at its end.
+const NEARLY: f64 = 0.99;
+
 /// w = ṡ^{3/2} grows by this times √J per length at most: (½·6^{2/3})^{3/2}.
 const GROWTH: f64 = 2.121_320_343_559_643;
 
@@ -99,8 +102,9 @@ impl Fine {
     fn crawl(&self, give: &mut dyn FnMut(Phase)) {
         let Self { from, h, v, a, v1, a1, .. } = *self;
         let u = (a1 - a) / h;
-        let at = if a < 0.0 && a1 > 0.0 {
-            -a / u
+        let slowest = -a / u;
+        let at = if a < 0.0 && a1 > 0.0 && slowest < NEARLY * h && slowest > (1.0 - NEARLY) * h {
+            slowest
         } else {
             // u·s² + 2·a·s = v·v₁ − v²
             let c = v * (v1 - v);
@@ -178,6 +182,22 @@ mod tests {
                     assert!(v >= -1e-9, "{v} mm/s at {least}");
                 }
             }
+        }
+    }
+
+    /// From 2.8 to 0.35 mm/s, where −930 mm/s² have faded to nothing, or to a rounding above it.
+    #[test]
+    fn slowing_down_ends_with_the_acceleration_that_was_planned() {
+        for a1 in [0.0, 1e-9, -1e-9, 1e-3] {
+            let (v, a, v1) = (2.769, -933.3, 0.3538);
+            let h = (v1 * v1 - v * v) / (a + a1);
+            let fine = Fine { v, a, v1, a1, ..Fine::new(0, 0.0, h) };
+            let mut end = (0.0, v, a);
+            fine.phases(|phase| {
+                assert!((phase.a - end.2).abs() < 1e-6, "from {} to {} at once", end.2, phase.a);
+                end = phase.at(phase.duration);
+            });
+            assert!((end.0 - h).abs() < 1e-12 && (end.2 - a1).abs() < 1e-6, "{end:?}");
         }
     }
 

@@ -40,6 +40,9 @@ const MOST: usize = 1 << 16;
 /// Longest time between two knots of a jerk-limited plan, s, unless the servo period is longer.
 const LONGEST_STEP: f64 = 0.02;
 
+/// By how much, as a share, ṡ² may be above what can be kept: rounding.
+const ROUNDING: f64 = 1e-6;
+
 /// What the law needs to know beside the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Config {
@@ -146,6 +149,28 @@ impl Law {
         Ok(())
     }
 
+    /// Have a way to rest within what is known, before motion that is under way goes on along it; `false`: there is none
+    /// within all limits, and another law of time has to go on.
+    pub fn prepare(&mut self) -> bool {
+        let target = core::mem::replace(&mut self.target, MOST);
+        self.gather();
+        self.target = target;
+        if self.cells.is_empty() {
+            return true;
+        }
+        let count = self.until_rest().map_or(self.cells.len(), |k| k + 1);
+        self.beta.resize(count + 1, 0.0);
+        reach::backwards(self.cells.range(..count), &mut self.beta);
+        if self.state.v * self.state.v > self.beta[0] * (1.0 + ROUNDING) {
+            return false;
+        }
+        let found = !self.jerky || self.find(count);
+        if self.jerky && found {
+            self.smooth.keep(0, 0);
+        }
+        found
+    }
+
     /// The path ends with the last piece, at rest.
     pub fn close(&mut self) {
         self.closed = true;
@@ -195,7 +220,7 @@ impl Law {
     /// Plan the window and hand out what is settled.
     fn plan(&mut self) {
         // up to the next rest the path is on its own
-        let rest = self.cells.iter().skip(1).position(|cell| cell.start == Start::Rest);
+        let rest = self.until_rest();
         let ends = rest.is_some() || (self.closed && self.exhausted());
         let count = rest.map_or(self.cells.len(), |k| k + 1);
         self.beta.resize(count + 1, 0.0);
@@ -224,6 +249,11 @@ impl Law {
         if !ends {
             self.target = (4 * (count - commit)).clamp(LEAST, MOST);
         }
+    }
+
+    /// The last cell before the path's next rest.
+    fn until_rest(&self) -> Option<usize> {
+        self.cells.iter().skip(1).position(|cell| cell.start == Start::Rest)
     }
 
     /// How many cells of a window that does not end the path may be handed out: those that lie further from its end than
@@ -257,14 +287,7 @@ impl Law {
 
     /// With a limit of jerk: plan `count` cells to rest, and hand out the first `commit` of them.
     fn plan_smoothly(&mut self, count: usize, commit: usize, ends: bool) {
-        self.forwards(count);
-        let from = match self.width {
-            None => From::Rest,
-            Some(h) => From::Moving(self.state, h),
-        };
-        let cells: Vec<&Cell> = self.cells.range(..count).collect();
-        let found = self.smooth.plan(&cells, &self.fast, from, self.tau);
-        if !found {
+        if !self.find(count) {
             self.finish_old(count);
             return;
         }
@@ -290,6 +313,17 @@ impl Law {
                 self.smooth.keep(self.smooth.grid.len(), 0);
             }
         }
+    }
+
+    /// With a limit of jerk: a plan over `count` cells to rest; whether there is one.
+    fn find(&mut self, count: usize) -> bool {
+        self.forwards(count);
+        let from = match self.width {
+            None => From::Rest,
+            Some(h) => From::Moving(self.state, h),
+        };
+        let cells: Vec<&Cell> = self.cells.range(..count).collect();
+        self.smooth.plan(&cells, &self.fast, from, self.tau)
     }
 
     /// With a limit of jerk: hand out the first cell in closed form, if it is a line from rest; it is to end at rest.

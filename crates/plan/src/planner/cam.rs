@@ -160,6 +160,7 @@ impl Planner {
             per_revolution: false,
             exact_stop: false,
             floats: false,
+            programmed: None,
         };
         self.hand_on(job, StepKind::Move(step));
     }
@@ -302,6 +303,7 @@ impl Planner {
             per_revolution: true,
             exact_stop: false,
             floats: false,
+            programmed: None,
         };
         self.hand_on(job, StepKind::Move(infeed));
     }

@@ -1,39 +1,19 @@
 //! Rapids and cuts: judged, bounded, and handed to the run that joins them.
 use super::refuse::clipped;
 use super::{Job, NOTHING, Planner};
-use crate::motion::{Along, along, coordinate};
+use crate::motion::{Along, along};
 use crate::path::Path;
 use crate::run::{Alone, Order};
 use crate::step::{Move, Step, StepKind};
 use alloc::format;
-use canon::{Axis, Feed, PathMode, Position};
+use canon::{Feed, PathMode, Position};
 use diag::Diagnostic;
-use path::geometry::{self, Segment};
-use units::{Length, Spin};
+use path::geometry::Segment;
+use units::Spin;
 
 /// Share of P for merging collinear moves, where Q is not stated, and the most of it that Q may take.
 const MERGED: f64 = 0.02;
 const MERGED_MOST: f64 = 0.3;
-
-/// A path as the crate `path` has it.
-fn curves(path: &Path) -> impl Iterator<Item = geometry::Curve> {
-    let point = |position: &Position| Axis::ALL.map(|axis| coordinate(position, axis));
-    let (from, to, length) = (point(path.from()), point(path.to()), path.length());
-    core::iter::once(match path {
-        Path::Line { .. } => geometry::Curve::Line(geometry::Line { from, to, length }),
-        Path::Arc { arc, .. } => {
-            let [first, second, _] = arc.plane.axes().map(Axis::index);
-            geometry::Curve::Arc(geometry::Arc {
-                from,
-                to,
-                plane: [first, second],
-                centre: arc.centre.map(Length::value),
-                sweep: arc.sweep.in_rad(),
-                length,
-            })
-        }
-    })
-}
 
 impl Planner {
     pub(super) fn rapid(&mut self, job: &mut Job, to: &Position) {
@@ -90,6 +70,7 @@ impl Planner {
             per_revolution: false,
             exact_stop: true,
             floats: false,
+            programmed: None,
         };
         Some(job.step(StepKind::Move(rapid)))
     }
@@ -150,11 +131,10 @@ impl Planner {
             return;
         }
         let (tolerance, merge) = self.joined_within();
-        for curve in curves(&path) {
-            let (op, line) = (job.index, job.span.line);
-            let segment = Segment { curve, feed, rapid, tolerance, merge, op, line };
-            self.outbox.run_on(Order { segment, path, bound, alone }, &self.limits, job.emit);
-        }
+        let (op, line) = (job.index, job.span.line);
+        let segment = Segment { curve: path.curve(), feed, rapid, tolerance, merge, op, line };
+        let order = Order { segment, path, bound, alone };
+        self.outbox.run_on(order, self.wanted, &self.limits, job.emit);
         if matches!(self.mode, PathMode::ExactStop) {
             self.outbox.end_run(&self.limits, job.emit);
         }

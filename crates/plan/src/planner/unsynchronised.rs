@@ -292,8 +292,15 @@ impl Planner {
 
     fn feed(&mut self, job: &mut Job, way: &Way, exact_stop: bool) {
         let Way { path, profile, .. } = *way;
-        let cut =
-            Move { path, profile, rapid: false, per_revolution: false, exact_stop, floats: true };
+        let cut = Move {
+            path,
+            profile,
+            rapid: false,
+            per_revolution: false,
+            exact_stop,
+            floats: true,
+            programmed: None,
+        };
         self.hand_on(job, StepKind::Move(cut));
     }
 }

@@ -1,0 +1,35 @@
+//! More feed than programmed, and stops at each line, at any moment: what has not been done is planned anew.
+use kernel::Kernel;
+use plan::{Planner, Step, Wish};
+use std::collections::VecDeque;
+
+/// What the moves that wait were planned for.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Paced(Wish);
+
+impl Paced {
+    /// Look what the operator wants. `queue`: steps on their way to the kernel; `sent`: steps that it has.
+    pub(crate) fn keep(
+        &mut self,
+        kernel: &mut Kernel,
+        planner: &mut Planner,
+        queue: &mut VecDeque<Step>,
+        sent: &mut VecDeque<Step>,
+    ) {
+        let operator = kernel.operator();
+        let wish = Wish { share: operator.share(false).max(1.0), stops: operator.single_block() };
+        if wish == self.0 || kernel.is_over() {
+            return;
+        }
+        let more = wish.share > self.0.share || (wish.stops && !self.0.stops);
+        self.0 = wish;
+        if !more {
+            // slower is the kernel's affair, and a stop that is planned does no harm
+            return planner.wish(wish);
+        }
+        let mut withdrawn = kernel.withdraw();
+        sent.truncate(sent.len().saturating_sub(withdrawn.steps.len()));
+        withdrawn.steps.extend(queue.drain(..));
+        planner.repace(wish, withdrawn, &mut |step| queue.push_back(step));
+    }
+}

@@ -1,0 +1,232 @@
+//! Planning anew what was handed on and has not been done.
+//!
+//! ```text
+//!   kernel ── withdraw ─► steps, and how much of the first is done ─► Planner::repace ─► steps from there on
+//!
+//!   speed │      ╭────────╮ more feed          what is under way goes on as planned until a new law of time can take
+//!         │  ────┤┈┈┈┈┈┈┈┈┤────                over within all limits; as a rule that is at once
+//!         └──────┴────────┴────► way
+//! ```
+//!
+//! A plan leaves its limits unused only where the feed holds it back. To go faster than that (an override above 100 %) the
+//! law of time is asked again, from the motion that is under way, with more feed: what follows keeps every limit as the
+//! first plan did. So does a stop at the end of each line (single block). Slower needs no new plan: the kernel lets planned
+//! time pass more slowly.
+use crate::limits::MachineLimits;
+use crate::planner::Planner;
+use crate::run::Run;
+use crate::step::{Follow, Move, PHASES, Pace, Step, StepKind};
+use crate::timing::{Timing, step};
+use alloc::vec::Vec;
+use path::law::State;
+use path::{Curve, Entry, Phase, Piece, Shape};
+
+/// What the operator wants of moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wish {
+    /// Share of the programmed feed; 1 or more.
+    pub share: f64,
+    /// Each line of the program ends at rest.
+    pub stops: bool,
+}
+
+impl Default for Wish {
+    fn default() -> Self {
+        Self { share: 1.0, stops: false }
+    }
+}
+
+/// What a kernel was given and has not done.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Withdrawn {
+    /// In their order.
+    pub steps: Vec<Step>,
+    /// Planned time of the first that is done, if it is under way, s or revolutions.
+    pub done: Option<f64>,
+}
+
+/// Steps along one path, as they were planned.
+#[derive(Debug)]
+pub(crate) struct Row {
+    parts: Vec<Part>,
+    pace: Pace,
+    per_revolution: bool,
+}
+
+/// A phase of it, and the piece with its feed as programmed.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    piece: Piece,
+    phase: Phase,
+}
+
+impl Planner {
+    /// What the operator wants from now on, of moves that begin at rest.
+    pub const fn wish(&mut self, wish: Wish) {
+        self.wanted = wish;
+    }
+
+    /// Plan anew what the kernel has not done, as the operator wants it. All that comes of it goes to `emit`, in order; the
+    /// kernel must have nothing else.
+    pub fn repace(&mut self, wish: Wish, withdrawn: Withdrawn, emit: &mut impl FnMut(Step)) {
+        self.wish(wish);
+        let mut row: Option<Row> = None;
+        let mut done = withdrawn.done;
+        for step in withdrawn.steps {
+            let Some((new, ends)) = row_of(&step, done.take().unwrap_or(0.0)) else {
+                emit(step); // a run ends at rest before anything else
+                continue;
+            };
+            match &mut row {
+                Some(row) => row.parts.extend(new.parts),
+                None => row = Some(new),
+            }
+            if ends && let Some(row) = row.take() {
+                row.again(&self.limits, wish, emit);
+            }
+        }
+        self.outbox.repace(&self.limits, wish, row, emit);
+    }
+}
+
+impl Row {
+    /// A whole path, to its end.
+    fn again(self, limits: &MachineLimits, wish: Wish, emit: &mut dyn FnMut(Step)) {
+        let Some((from, mut timing)) = self.anew(limits, wish, &[]) else {
+            return self.as_planned(self.parts.len(), true, emit);
+        };
+        self.as_planned(from, false, emit);
+        timing.close(emit);
+    }
+
+    /// The first phase from which a new law of time keeps all limits, and that law. `waits`: what follows.
+    fn anew(&self, limits: &MachineLimits, wish: Wish, waits: &[Piece]) -> Option<(usize, Timing)> {
+        let spin = self.per_revolution.then_some(self.pace.turning);
+        // on a curve, from where the first plan looked at its limits
+        let straight = self.parts.first().is_none_or(|p| matches!(p.piece.curve, Curve::Line(_)));
+        let mut from = usize::from(!straight);
+        while from < self.parts.len() {
+            let Phase { s, v, a, .. } = self.parts[from].phase;
+            let mut timing = Timing::new(limits, spin, wish, Some(State { s, v, a }));
+            let mut last = None;
+            for piece in self.parts[from..].iter().map(|part| &part.piece).chain(waits) {
+                if !last.is_some_and(|last| is_same(last, piece)) {
+                    timing.push(*piece);
+                    last = Some(piece);
+                }
+            }
+            if timing.goes_on() {
+                return Some((from, timing));
+            }
+            from = 2 * from + 1;
+        }
+        None
+    }
+
+    /// The first phases as they were planned.
+    fn as_planned(&self, count: usize, ends: bool, emit: &mut dyn FnMut(Step)) {
+        let Self { pace, per_revolution, .. } = *self;
+        let mut follow: Option<Follow> = None;
+        for Part { piece, phase } in &self.parts[..count] {
+            let piece = Piece { feed: piece.feed * pace.share, ..*piece };
+            if let Some(follow) = &mut follow
+                && is_same(&follow.piece, &piece)
+                && usize::from(follow.count) < PHASES
+            {
+                follow.phases[usize::from(follow.count)] = *phase;
+                follow.count += 1;
+                continue;
+            }
+            let mut phases = [Phase::default(); PHASES];
+            phases[0] = *phase;
+            let new = Follow { piece, phases, count: 1, per_revolution, exact_stop: false, pace };
+            if let Some(follow) = follow.replace(new) {
+                emit(step(follow));
+            }
+        }
+        if let Some(follow) = follow {
+            emit(step(Follow { exact_stop: ends, ..follow }));
+        }
+    }
+}
+
+impl Run {
+    /// Plan anew what has not been done: what was handed on and came back, in front of what waits.
+    pub(crate) fn repace(
+        &mut self,
+        limits: &MachineLimits,
+        wish: Wish,
+        back: Option<Row>,
+        emit: &mut dyn FnMut(Step),
+    ) {
+        let Some(old) = &self.timing else {
+            self.wish = wish; // of a move that is still alone
+            return;
+        };
+        let left: Vec<Piece> = old.left().collect();
+        let anew = if let Some(row) = &back {
+            row.anew(limits, wish, &left)
+        } else {
+            let mut timing = Timing::new(limits, self.spin, wish, old.begins());
+            for piece in left {
+                timing.push(piece);
+            }
+            timing.goes_on().then_some((0, timing))
+        };
+        if let Some(row) = back {
+            row.as_planned(anew.as_ref().map_or(row.parts.len(), |(from, _)| *from), false, emit);
+        }
+        if let Some((_, mut timing)) = anew {
+            timing.pump(emit);
+            self.timing = Some(timing);
+            self.wish = wish;
+        }
+    }
+}
+
+/// The same piece of the path; its feed has been through arithmetic.
+fn is_same(a: &Piece, b: &Piece) -> bool {
+    a.curve == b.curve && a.begin == b.begin && a.op == b.op
+}
+
+/// What a step does along its path after a time of it, and whether it ends at rest. `None`: it is no such step.
+fn row_of(of: &Step, done: f64) -> Option<(Row, bool)> {
+    let (mut parts, mut left) = (Vec::new(), done);
+    let mut add = |piece: Piece, phase: Phase| {
+        if phase.duration <= left {
+            left -= phase.duration;
+            return;
+        }
+        let (s, v, a) = phase.at(left);
+        let phase = Phase { duration: phase.duration - left, s, v, a, ..phase };
+        left = 0.0;
+        parts.push(Part { piece, phase });
+    };
+    match &of.kind {
+        StepKind::Follow(follow) => {
+            let Follow { piece, per_revolution, exact_stop, pace, .. } = *follow;
+            let piece = Piece { feed: piece.feed / pace.share, ..piece };
+            follow.phases[..usize::from(follow.count)].iter().for_each(|phase| add(piece, *phase));
+            Some((Row { parts, pace, per_revolution }, exact_stop))
+        }
+        StepKind::Move(Move {
+            path,
+            profile,
+            programmed: Some(own),
+            per_revolution,
+            exact_stop,
+            ..
+        }) => {
+            let curve = path.curve();
+            let (op, line, length) = (of.op, of.line, curve.length());
+            let (begin, feed, rapid, entry) = (0.0, own.feed, false, Entry::Rest);
+            let piece = Piece { curve, begin, length, feed, rapid, entry, op, line };
+            for crate::Piece { duration, s, v, a, j } in profile.pieces() {
+                add(piece, Phase { duration: *duration, s: *s, v: *v, a: *a, j: *j });
+            }
+            let pace = Pace { share: 1.0, turning: own.turning };
+            Some((Row { parts, pace, per_revolution: *per_revolution }, *exact_stop))
+        }
+        _ => None,
+    }
+}

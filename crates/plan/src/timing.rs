@@ -1,0 +1,154 @@
+//! One law of time along pieces of a path, and the steps that come of it.
+//!
+//! ```text
+//!   pieces ─► Law ─► phases ─► Follow steps, as soon as nothing that comes can change them
+//! ```
+use crate::limits::MachineLimits;
+use crate::repace::Wish;
+use crate::step::{Follow, PHASES, Pace, Step, StepKind};
+use alloc::collections::VecDeque;
+use path::law::{Config, Law, Refusal, State, Timed};
+use path::{Entry, Phase, Piece, Shape};
+
+/// How much farther ahead than braking takes the first stop is that is asked for in motion.
+const AHEAD: f64 = 2.0;
+
+/// See the module's header.
+#[derive(Clone, Debug)]
+pub(crate) struct Timing {
+    law: Law,
+    pace: Pace,
+    per_revolution: bool,
+    /// Each line ends at rest.
+    stops: bool,
+    /// Line of the last piece, and how far it is until it may stop.
+    last: Option<u32>,
+    braking: f64,
+    /// Pieces that the law has and that have not been handed on; `done` were before them.
+    pieces: VecDeque<Piece>,
+    done: u64,
+    /// Not yet handed on: phases of the piece `done`.
+    follow: Option<Follow>,
+    refusal: Option<(u32, Refusal)>,
+}
+
+impl Timing {
+    /// From rest, or from motion that is under way on the first piece. `spin`: revolutions per second, for a feed per revolution.
+    pub(crate) fn new(
+        limits: &MachineLimits,
+        spin: Option<f64>,
+        wish: Wish,
+        state: Option<State>,
+    ) -> Self {
+        let n = spin.unwrap_or(1.0);
+        let config = Config { limits: limits.motion(n), period: limits.joining.period.value() * n };
+        let state = state.unwrap_or_default();
+        Self {
+            law: Law::resuming(config, state),
+            pace: Pace { share: wish.share, turning: n },
+            per_revolution: spin.is_some(),
+            stops: wish.stops,
+            last: None,
+            braking: AHEAD * braking(&config, state.v),
+            pieces: VecDeque::new(),
+            done: 0,
+            follow: None,
+            refusal: None,
+        }
+    }
+
+    /// What the law has refused, with the line of the program.
+    pub(crate) const fn take_refusal(&mut self) -> Option<(u32, Refusal)> {
+        self.refusal.take()
+    }
+
+    /// Go on along a piece; its feed is as programmed.
+    pub(crate) fn push(&mut self, piece: Piece) {
+        let mut piece = Piece { feed: piece.feed * self.pace.share, ..piece };
+        if self.stops && self.last.is_some_and(|last| last != piece.line) && self.braking <= 0.0 {
+            piece.entry = Entry::Rest;
+        }
+        self.last = Some(piece.line);
+        self.braking -= piece.length();
+        match self.law.push(piece) {
+            Ok(()) => self.pieces.push_back(piece),
+            Err(why) => self.refusal = Some((piece.line, why)),
+        }
+    }
+
+    /// Hand on what is decided.
+    pub(crate) fn pump(&mut self, emit: &mut dyn FnMut(Step)) {
+        while let Some(timed) = self.law.next() {
+            self.take(&timed, emit);
+        }
+    }
+
+    /// The path ends here, in position.
+    pub(crate) fn close(&mut self, emit: &mut dyn FnMut(Step)) {
+        self.law.close();
+        self.pump(emit);
+        if let Some(follow) = self.follow.take() {
+            emit(step(Follow { exact_stop: true, ..follow }));
+        }
+    }
+
+    /// Whether what is under way can go on within all limits.
+    pub(crate) fn goes_on(&mut self) -> bool {
+        self.law.prepare() && self.refusal.is_none()
+    }
+
+    /// Motion where what has not been handed on begins.
+    pub(crate) fn begins(&self) -> Option<State> {
+        let Phase { s, v, a, .. } = self.follow.as_ref()?.phases[0];
+        Some(State { s, v, a })
+    }
+
+    /// Pieces that have not been handed on, with their feed as programmed.
+    pub(crate) fn left(&self) -> impl Iterator<Item = Piece> {
+        let share = self.pace.share;
+        self.pieces.iter().map(move |p| Piece { feed: p.feed / share, ..*p })
+    }
+
+    fn take(&mut self, timed: &Timed, emit: &mut dyn FnMut(Step)) {
+        if timed.piece == self.done
+            && let Some(follow) = &mut self.follow
+            && usize::from(follow.count) < PHASES
+        {
+            follow.phases[usize::from(follow.count)] = timed.phase;
+            follow.count += 1;
+            return;
+        }
+        let follow = self.follow.take();
+        while self.done < timed.piece {
+            self.pieces.pop_front();
+            self.done += 1;
+        }
+        let Some(piece) = self.pieces.front() else { return };
+        if let Some(follow) = follow {
+            let begins = timed.phase.s == 0.0 && timed.phase.v == 0.0;
+            let exact_stop = self.stops && begins && piece.entry == Entry::Rest;
+            emit(step(Follow { exact_stop, ..follow }));
+        }
+        let mut phases = [Phase::default(); PHASES];
+        phases[0] = timed.phase;
+        let (per_revolution, pace) = (self.per_revolution, self.pace);
+        let piece = *piece;
+        self.follow =
+            Some(Follow { piece, phases, count: 1, per_revolution, exact_stop: false, pace });
+    }
+}
+
+/// How far it is from a speed to rest for the slowest axis alone.
+fn braking(config: &Config, v: f64) -> f64 {
+    let least = |of: fn(&path::Bounds) -> &[f64; path::AXES]| {
+        let both = [&config.limits.feed, &config.limits.rapid];
+        both.iter().flat_map(|b| of(b)).fold(f64::INFINITY, |m: f64, x| m.min(*x))
+    };
+    let (accel, jerk) = (least(|b| &b.accel), least(|b| &b.jerk));
+    v * (v / accel + accel / jerk) / 2.0
+}
+
+pub(crate) const fn step(follow: Follow) -> Step {
+    let Piece { op, line, .. } = follow.piece;
+    Step { op, line, kind: StepKind::Follow(follow) }
+}
