@@ -27,9 +27,9 @@ impl Paced {
             // slower is the kernel's affair, and a stop that is planned does no harm
             return planner.wish(wish);
         }
-        let mut withdrawn = kernel.withdraw();
-        sent.truncate(sent.len().saturating_sub(withdrawn.steps.len()));
-        withdrawn.steps.extend(queue.drain(..));
-        planner.repace(wish, withdrawn, &mut |step| queue.push_back(step));
+        let mut back = kernel.hand_back();
+        sent.truncate(sent.len().saturating_sub(back.steps.len()));
+        back.steps.extend(queue.drain(..));
+        planner.repace(wish, back, &mut |step| queue.push_back(step));
     }
 }

@@ -105,7 +105,7 @@ fn run(ops: &[Op], jerk: f64, orders: &[(usize, Order)]) -> Seen {
         let operator = kernel.operator();
         let now = Wish { share: operator.share(false).max(1.0), stops: operator.single_block() };
         if now.share > wish.share || (now.stops && !wish.stops) {
-            let mut back = kernel.withdraw();
+            let mut back = kernel.hand_back();
             back.steps.extend(queue.drain(..));
             planner.repace(now, back, &mut |step| queue.push_back(step));
         }
@@ -125,7 +125,8 @@ fn run(ops: &[Op], jerk: f64, orders: &[(usize, Order)]) -> Seen {
         feedback.tool = Some(0);
         let command = kernel.tick(&feedback);
         for (axis, told) in feedback.axes.iter_mut().zip(&command.axes) {
-            *axis = AxisFeedback { position: told.position, ready: true };
+            *axis =
+                AxisFeedback { position: told.position, motor: Some(told.position), ready: true };
         }
         feedback.spindles =
             [SpindleFeedback { ready: true, ..SpindleFeedback::default() }; bus::SPINDLES];

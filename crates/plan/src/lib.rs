@@ -74,7 +74,7 @@ pub use limits::{
 };
 pub use planner::{Planner, Preflight, Start, preflight};
 pub use profile::{Instant, MAX_PIECES, Piece, Profile};
-pub use repace::{Wish, Withdrawn};
+pub use repace::{HandedBack, Wish};
 pub use step::{
     ChipThrow, Follow, Limiting, Move, PHASES, Pace, Programmed, SpindleStep, Step, StepKind,
     TapLimiting, TapPlan,

@@ -291,7 +291,8 @@ impl Planner {
             OpKind::End => self.end(&mut job),
             OpKind::Overrides { feed, .. } if *feed != self.overridden => {
                 self.overridden = *feed;
-                self.hand_on(&mut job, StepKind::FeedOverride(*feed));
+                let step = job.step(StepKind::FeedOverride(*feed));
+                self.after_spindle(&mut job, step);
             }
             OpKind::SelectTool { .. } | OpKind::Overrides { .. } | OpKind::Message(_) => {}
         }

@@ -1,7 +1,7 @@
 //! Planning anew what was handed on and has not been done.
 //!
 //! ```text
-//!   kernel ── withdraw ─► steps, and how much of the first is done ─► Planner::repace ─► steps from there on
+//!   kernel ── hand back ► steps, and how much of the first is done ─► Planner::repace ─► steps from there on
 //!
 //!   speed │      ╭────────╮ more feed          what is under way goes on as planned until a new law of time can take
 //!         │  ────┤┈┈┈┈┈┈┈┈┤────                over within all limits; as a rule that is at once
@@ -38,7 +38,7 @@ impl Default for Wish {
 
 /// What a kernel was given and has not done.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Withdrawn {
+pub struct HandedBack {
     /// In their order.
     pub steps: Vec<Step>,
     /// Planned time of the first that is done, if it is under way, s or revolutions.
@@ -68,11 +68,11 @@ impl Planner {
 
     /// Plan anew what the kernel has not done, as the operator wants it. All that comes of it goes to `emit`, in order; the
     /// kernel must have nothing else.
-    pub fn repace(&mut self, wish: Wish, withdrawn: Withdrawn, emit: &mut impl FnMut(Step)) {
+    pub fn repace(&mut self, wish: Wish, back: HandedBack, emit: &mut impl FnMut(Step)) {
         self.wish(wish);
         let mut row: Option<Row> = None;
-        let mut done = withdrawn.done;
-        for step in withdrawn.steps {
+        let mut done = back.done;
+        for step in back.steps {
             let Some((new, ends)) = row_of(&step, done.take().unwrap_or(0.0)) else {
                 emit(step); // a run ends at rest before anything else
                 continue;

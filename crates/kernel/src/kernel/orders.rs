@@ -8,7 +8,7 @@ use crate::execute::Activity;
 use crate::moving::Track;
 use crate::operator::{Notice, Operator, Order};
 use crate::spindle::SpindleLoop;
-use plan::{Step, StepKind, Withdrawn};
+use plan::{HandedBack, Step, StepKind};
 
 impl Kernel {
     /// Take an order of the operator; it acts from the next tick on.
@@ -34,7 +34,7 @@ impl Kernel {
 
     /// Give back what has not been done, so that it can be planned anew: whoever takes it pushes what comes of it. A step that
     /// is under way and is no feed along a path stays.
-    pub fn withdraw(&mut self) -> Withdrawn {
+    pub fn hand_back(&mut self) -> HandedBack {
         let under_way = self.begun.then(|| self.queue.front()).flatten();
         let done = match (&self.activity, under_way) {
             (Activity::Moving(moving, _), Some(step)) => {
@@ -46,7 +46,7 @@ impl Kernel {
         if done.is_some() {
             (self.activity, self.begun) = (Activity::Idle, false);
         }
-        Withdrawn { steps: self.queue.drain(stays..).collect(), done }
+        HandedBack { steps: self.queue.drain(stays..).collect(), done }
     }
 
     /// Go on after a program's stop.
