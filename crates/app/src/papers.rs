@@ -71,16 +71,31 @@ pub(crate) fn write_solids(
         _ => None, // no other feature has an outline
     });
     for (number, polygon) in (1..).zip(polygons) {
-        let slices: Vec<Slice> = polygon
+        let mut slices: Vec<Slice> = polygon
             .sections
             .iter()
             .filter_map(|s| Some(Slice { z: s.z - zero, radii: radii(&s.outline(), DIRECTIONS)? }))
             .collect();
+        slices.sort_by(|a, b| b.z.value().total_cmp(&a.z.value()));
+        let ends = [polygon.z_to - zero, polygon.z_from - zero];
+        if let [first, second, .., before, last] = &slices[..] {
+            let whole = [beyond(first, second, ends[0]), beyond(last, before, ends[1])];
+            let [top, bottom] = whole;
+            slices.insert(0, top);
+            slices.push(bottom);
+        }
         folder.write(&format!("polygon-{number}.stl"), &stl(&slices))?;
         let middle = &polygon.sections[polygon.sections.len() / 2];
         folder.write(&format!("polygon-{number}.dxf"), dxf(&middle.outline()).as_bytes())?;
     }
     Ok(())
+}
+
+/// The part goes on to its end as it was measured nearest to it.
+fn beyond(nearest: &Slice, next: &Slice, z: units::Length) -> Slice {
+    let part = (z - nearest.z) / (nearest.z - next.z);
+    let on = |(r, inner): (&units::Length, &units::Length)| *r + (*r - *inner) * part;
+    Slice { z, radii: nearest.radii.iter().zip(&next.radii).map(on).collect() }
 }
 
 /// The page that a process engineer pins to the job.

@@ -41,7 +41,17 @@ length_mm = 60.0
 
 /// Cut 3 mm with a tool at a distance of the axes; the exit code, and the certificate if there is one.
 fn cut(tool: u32, gear: &str, x: f64, more: &[&str]) -> (i32, Value, String) {
-    let folder = tempfile::tempdir().unwrap();
+    cut_in(&tempfile::tempdir().unwrap(), tool, gear, x, more)
+}
+
+/// The same in a folder that stays.
+fn cut_in(
+    folder: &tempfile::TempDir,
+    tool: u32,
+    gear: &str,
+    x: f64,
+    more: &[&str],
+) -> (i32, Value, String) {
     let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let text = format!(
         "G21 G90 G94 G17\nT{tool} M6\nG43 H{tool}\nG0 X85 Y0 Z5\nM3 S500\nG51.2 {gear}\n\
@@ -90,6 +100,21 @@ fn a_pentagon_at_five_to_two_is_cut_by_one_insert_in_two_turns() {
     let part = good(91, "P2 Q5 D0", 58.5, 2.0);
     assert_eq!(part["sides"], 5);
     assert!((part["corner_angle_deg"].as_f64().unwrap() - 108.0).abs() < 0.01, "{part}");
+}
+
+#[test]
+fn the_solid_reaches_from_the_face_to_the_end_of_the_cut() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, certificate, _) = cut_in(&folder, 21, "P1 Q2 D0", 58.5, &[]);
+    let stl = std::fs::read(folder.path().join("out/polygon-1.stl")).unwrap();
+    // 84 bytes of head, then 50 a triangle: the normal, three corners, two bytes
+    let corners = stl[84..].chunks_exact(50).flat_map(|t| t[12..48].chunks_exact(12));
+    let heights = corners.map(|c| f32::from_le_bytes(c[8..12].try_into().unwrap()));
+    let (low, high) =
+        heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), z| (a.min(z), b.max(z)));
+    let end = certificate["features"][0]["z_from_mm"].as_f64().unwrap();
+    assert!((f64::from(low) - end).abs() < 1e-5 && high.abs() < 1e-5, "{low} {high}");
+    assert!((end + 3.0).abs() < 0.01, "{end}");
 }
 
 #[test]
