@@ -70,6 +70,7 @@ pub fn html(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
     });
     main += &section("Gears", &grid(&gears.collect::<String>()));
     main += &section("Turned threads", &grid(&turned::pictures(features)));
+    main += &section("Taps in holders that give", &grid(&pictures::floating(recorder)));
     main += &threads::threads(run, recorder, features);
     let [above, front] = pictures::tool_path(run, recorder);
     let machine = above + &column(&(front + &pictures::timeline(run, recorder)));

@@ -2,6 +2,7 @@
 //! figure: a heading, a drawing with axis titles and units, and a caption that says what to look for.
 
 mod chip_removal;
+mod floating;
 mod gear;
 mod hole_by_hole;
 mod hole_map;
@@ -16,6 +17,7 @@ mod tool_path;
 mod torque_plane;
 
 pub(crate) use chip_removal::chip_removal;
+pub(crate) use floating::floating;
 pub(crate) use gear::gear;
 pub(crate) use hole_by_hole::hole_by_hole;
 pub(crate) use hole_map::hole_map;

@@ -9,6 +9,7 @@
 //! ```
 
 mod chips;
+mod floating;
 mod series;
 mod shares;
 mod tap;
@@ -17,6 +18,7 @@ mod tests;
 mod track;
 
 pub(crate) use chips::{Chips, Hop, Row};
+pub(crate) use floating::{Floating, Moment};
 pub(crate) use series::Series;
 pub(crate) use shares::{Shares, SharesByTool};
 pub(crate) use tap::TapTrace;
@@ -48,6 +50,8 @@ pub struct Recorder {
     pub(crate) changes: Vec<(Time, u32)>,
     /// Chip removals.
     pub(crate) chips: Chips,
+    /// The first tap that is tied to nothing.
+    pub(crate) floating: Floating,
     pub(crate) taps: usize,
     /// Taps in which the spindle's drive was at its limit.
     pub(crate) saturated: usize,
@@ -93,6 +97,9 @@ impl Recorder {
         self.previous = Some((now, sample.feedback.spindles[0].angle));
         self.tip(sample);
         self.chips.sample(sample, self.length);
+        if let Some(tap) = self.announced.get(&sample.report.op) {
+            self.floating.sample(tap, sample);
+        }
         if matches!(state, State::TapIn | State::TapBottom | State::TapOut) {
             self.tapping(sample);
         } else if self.current.is_some() && !matches!(state, State::Paused | State::Held) {

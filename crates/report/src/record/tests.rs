@@ -210,3 +210,28 @@ fn without_a_simulator_speed_comes_from_the_encoder_and_torque_from_the_command(
     assert!(trace.speed.points().iter().all(|p| (p.1 - 1200.0).abs() < 1e-6));
     assert_eq!(trace.torque_max(), Torque::n_m(1.5));
 }
+
+#[test]
+fn of_taps_that_are_tied_to_nothing_the_first_is_kept_with_feed_and_tip_in_a_room_that_does_not_grow()
+ {
+    let mut tapper = Tapper::new(1.0);
+    tapper.announce(3);
+    tapper.announce(4);
+    for op in [3, 4] {
+        for k in 0..20_000 {
+            // the feed stands 10 mm below the surface, and the holder lets the tap go 3 mm deeper
+            let turns = (f64::from(k) / 1000.0).min(9.6);
+            let state = if turns < 9.6 { State::Feed } else { State::Dwell };
+            let mut sample = tapper.period(op, state, turns, Length::ZERO);
+            let truth = sample.truth.as_mut().expect("given");
+            truth.tool_deflection = Length::mm(if turns < 9.6 { 0.0 } else { -3.0 });
+            tapper.recorder.sample(&sample);
+        }
+    }
+    let (tap, moments) = tapper.recorder.floating.seen().expect("two were tapped");
+    assert_eq!(tap.bottom, Length::mm(-13.0));
+    assert!((1000..=4096).contains(&moments.len()), "{}", moments.len());
+    let last = moments[moments.len() - 1];
+    assert!((last.feed + 10.0).abs() < 1e-9 && (last.tip + 13.0).abs() < 1e-9, "{last:?}");
+    assert!(last.time < 5.0, "the second one is not kept: {last:?}");
+}
