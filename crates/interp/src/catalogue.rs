@@ -151,7 +151,8 @@ pub fn describe_in(dialect: Dialect, letter: u8, value: f64) -> Option<CodeInfo>
         return Some(CodeInfo { code, ..of_g(shared) });
     }
     let (group, letters, dialects) = ("Fanuc's own", String::new(), vec![dialect]);
-    Some(CodeInfo { code, name, group, modal: false, letters, executed, dialects })
+    let modal = fanuc::stays(kind, tenths);
+    Some(CodeInfo { code, name, group, modal, letters, executed, dialects })
 }
 
 /// What dialects have beside the shared codes, or with another meaning, dialect by dialect.

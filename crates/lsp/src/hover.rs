@@ -67,9 +67,10 @@ fn about(word: &Word, block: &Block, visit: Option<&Visit>, dialect: Dialect) ->
     let own = block.words.iter().filter_map(|word| meaning(word, dialect));
     let motion = visit.and_then(|v| v.before.codes.first().cloned());
     let codes = own.map(|c| c.code).chain(motion);
-    let taken = codes.filter_map(|code| roles::role(word.letter, &code).map(|role| (role, code)));
+    let taken =
+        codes.filter_map(|code| roles::role(dialect, word.letter, &code).map(|role| (role, code)));
     // A role that only this code has says more than one that all have.
-    let general = roles::role(word.letter, "");
+    let general = roles::role(dialect, word.letter, "");
     let mut taken: Vec<_> = taken.collect();
     taken.sort_by_key(|(role, _)| Some(*role) == general);
     match taken.first() {

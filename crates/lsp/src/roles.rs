@@ -1,13 +1,55 @@
 //! What a letter does beside a code: `P` is seconds to G4 and turns to G2.
 //!
-//! Source: LinuxCNC 2.9 manual, "G codes" and "M codes".
+//! Source: LinuxCNC 2.9 manual, "G codes" and "M codes"; Fanuc, operator's manual of series 30i.
+use interp::Dialect;
 
-/// What the word says to the code (such as `G83`), in a few words.
-pub(crate) fn role(letter: u8, code: &str) -> Option<&'static str> {
-    let cycle = matches!(
+/// The drilling, tapping and boring cycles.
+fn is_cycle(code: &str) -> bool {
+    matches!(
         code,
         "G73" | "G74" | "G81" | "G82" | "G83" | "G84" | "G85" | "G86" | "G87" | "G88" | "G89"
-    );
+    )
+}
+
+/// What the word says to the code (such as `G83`), in a few words.
+pub(crate) fn role(dialect: Dialect, letter: u8, code: &str) -> Option<&'static str> {
+    match dialect {
+        Dialect::LinuxCnc | Dialect::Toyoda => shared(letter, code),
+        Dialect::Brother => match letter {
+            b'K' if is_cycle(code) => Some("how many holes in a row"),
+            _ => shared(letter, code),
+        },
+        Dialect::Fanuc => fanuc(letter, code, is_cycle(code) || code == "G76"),
+        // the numbers of G70 to G76 in two lines are not those of the shared cycles
+        Dialect::FanucLatheA | Dialect::FanucLatheB if code.starts_with("G7") => shared(letter, ""),
+        Dialect::FanucLatheA | Dialect::FanucLatheB => fanuc(letter, code, false),
+    }
+}
+
+fn fanuc(letter: u8, code: &str, cycle: bool) -> Option<&'static str> {
+    Some(match (letter, code) {
+        (b'P', "G4") => "milliseconds to wait",
+        (b'X' | b'U', "G4") => "seconds to wait",
+        (b'Q', "G76" | "G87") => "how far the tool moves aside before it comes out",
+        (b'Z', "G87") => "where the bore ends, above R",
+        (b'R', "G87") => "where the bore begins, at its lower end",
+        (b'P', _) if cycle => "wait at the bottom, milliseconds",
+        (b'K' | b'L', _) if cycle => "how many holes in a row",
+        (b'Z', "G76") => "bottom of the hole",
+        (b'R', "G76") => "level to which the tool goes fast, and from which it feeds",
+        (b'X' | b'Y' | b'Z', "G51" | "G68") => "the centre along this axis",
+        (b'X' | b'Y' | b'Z', "G51.1") => "where the mirror stands on this axis",
+        (b'P', "G51") => "factor in thousandths",
+        (b'I' | b'J' | b'K', "G51") => "factor along X, Y, Z in thousandths, negative to mirror",
+        (b'R', "G68") => "angle in degrees, counter-clockwise",
+        (b'L', "G10") => "which table: 2 and 20 work offsets, 10 to 13 tools",
+        (_, "G76" | "G87") => return shared(letter, ""),
+        _ => return shared(letter, code),
+    })
+}
+
+fn shared(letter: u8, code: &str) -> Option<&'static str> {
+    let cycle = is_cycle(code);
     let arc = matches!(code, "G2" | "G3");
     Some(match (letter, code) {
         (b'F', _) => {
@@ -66,4 +108,20 @@ pub(crate) fn role(letter: u8, code: &str) -> Option<&'static str> {
         (b'$', _) => "which spindle",
         _ => return None,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_letter_says_what_its_dialect_means() {
+        let of = |dialect, letter, code| role(dialect, letter, code).unwrap_or("");
+        assert_eq!(of(Dialect::LinuxCnc, b'Q', "G76"), "angle of the compound slide");
+        assert!(of(Dialect::Fanuc, b'Q', "G76").contains("aside"));
+        assert_eq!(of(Dialect::FanucLatheA, b'Q', "G76"), "");
+        assert_eq!(of(Dialect::LinuxCnc, b'P', "G4"), "seconds to wait");
+        assert_eq!(of(Dialect::Fanuc, b'P', "G4"), "milliseconds to wait");
+        assert_eq!(of(Dialect::Brother, b'K', "G81"), of(Dialect::Fanuc, b'K', "G81"));
+    }
 }

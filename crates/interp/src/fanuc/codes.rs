@@ -138,6 +138,14 @@ pub(crate) fn told(kind: Kind, tenths: u16) -> Option<(Option<u16>, &'static str
     }
 }
 
+/// Whether a code that is Fanuc's own stays in force after its block.
+pub(crate) fn stays(kind: Kind, tenths: u16) -> bool {
+    matches!(
+        meaning(kind, tenths),
+        Meaning::Mapping(160 | 510 | 511 | 680) | Meaning::Box(_) | Meaning::Thread
+    )
+}
+
 /// Whether this M code is the one of the shared language.
 pub(crate) const fn has_m(number: u16) -> bool {
     is_shared_m(number) || matches!(number, 98 | 99)

@@ -39,7 +39,7 @@ use crate::{
     state::Motion,
 };
 use calls::Level;
-pub(crate) use codes::{has_m, told};
+pub(crate) use codes::{has_m, stays, told};
 use diag::Span;
 use gcode::Control;
 use tape::Tape;
