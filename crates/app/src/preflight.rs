@@ -5,6 +5,7 @@
 //! allows them.
 use crate::args::MissingTools;
 use crate::program::Ops;
+use crate::restart::Restart;
 use crate::session::Session;
 use canon::{OpKind, Tool, ToolKind};
 use diag::{Diagnostic, Severity};
@@ -40,6 +41,23 @@ pub(crate) fn preflight_with(
 ) -> Preflight {
     let assumed = stand_in(session, source);
     read(session, source, planner(session, options), assumed, look)
+}
+
+/// What is wrong with a program that is begun in its middle: what it leaves out may be missing.
+pub(crate) fn wrong_from(
+    session: &Session,
+    source: &[u8],
+    options: Options,
+    restart: &Restart,
+) -> Vec<Diagnostic> {
+    let setup = session.interp_setup();
+    let mut planner = planner(session, options).only_judging();
+    let ops = Ops::new(source, &setup, session.auto()).begun_at(Some(restart));
+    for (index, op) in ops {
+        planner.push(index, &op, &mut |_| ());
+    }
+    planner.finish(&mut |_| ());
+    planner.take_findings().into_iter().filter(Diagnostic::is_error).collect()
 }
 
 /// What is wrong with a program, without the time it takes.

@@ -6,7 +6,7 @@ use crate::learning::Memory;
 use crate::log::Log;
 use crate::plant::{self, Plant};
 use crate::polygon::host::PolygonHost;
-use crate::preflight::{Preflight, planner, preflight};
+use crate::preflight::{Preflight, planner, preflight, wrong_from};
 use crate::program::Ops;
 use crate::refused::Refused;
 use crate::render::{self, Source};
@@ -65,7 +65,10 @@ pub(crate) fn command(args: &RunArgs, quiet: bool) -> Result<Ending, Refused> {
     let mut job = Job::load(args)?;
     let link = Link::open(args, &mut job)?;
     job.begin_at(args, quiet)?;
-    let known = preflight(&mut job.session, &job.text, job.options);
+    let mut known = preflight(&mut job.session, &job.text, job.options);
+    if let Some(restart) = job.restart.as_ref().filter(|_| !known.is_refused()) {
+        known.findings.extend(wrong_from(&job.session, &job.text, job.options, restart));
+    }
     if known.is_refused() {
         return Err(Refused::Findings {
             name: job.program,

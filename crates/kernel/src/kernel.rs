@@ -208,6 +208,9 @@ impl Kernel {
             Mode::Starting(waited) => waited + self.config.period.value(),
             Mode::New | Mode::Running | Mode::Halted | Mode::Disabled => 0.0,
         };
+        if matches!(self.mode, Mode::New) {
+            self.begin_rescue();
+        }
         self.drives.adopt(feedback, &self.config);
         self.mode = Mode::Starting(waited);
         match self.drives.check_ready(feedback) {

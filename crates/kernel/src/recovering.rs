@@ -95,6 +95,11 @@ impl Recovering {
         }
     }
 
+    /// The drives come up for it.
+    pub(crate) const fn begins(&mut self, now: Time) {
+        self.began = now;
+    }
+
     /// It is out.
     pub(crate) const fn is_done(&self) -> bool {
         matches!(self.stage, Stage::Done)

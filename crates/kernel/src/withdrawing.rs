@@ -35,6 +35,11 @@ impl Withdrawing {
         Self { plan, at: 0, leg: None, began: now }
     }
 
+    /// The drives come up for it.
+    pub(crate) const fn begins(&mut self, now: Time) {
+        self.began = now;
+    }
+
     /// It is out.
     pub(crate) const fn is_done(&self) -> bool {
         self.at >= self.plan.legs.len()

@@ -333,6 +333,7 @@ fn a_tool_that_was_left_in_a_thread_is_withdrawn_by_its_infeed_axis_first() {
     bench.kernel = Kernel::new(control(&machine(1)));
     let legs = [Some((Axis::X, Length::mm(CLEAR))), Some((Axis::Z, Length::mm(FROM)))];
     bench.kernel.withdraw(WithdrawalPlan { legs });
+    let began = bench.feedback.time;
     bench.tick();
     let z = bench.at[1];
     bench.until("clear", |b| (b.at[0] - CLEAR).abs() < 0.005);
@@ -340,5 +341,10 @@ fn a_tool_that_was_left_in_a_thread_is_withdrawn_by_its_infeed_axis_first() {
     bench.until("over", |b| b.kernel.is_over());
     assert!((bench.at[1] - FROM).abs() < 0.02, "{:?}", bench.at);
     let mut events = core::iter::from_fn(|| bench.kernel.next_event());
-    assert!(events.any(|e| matches!(e.kind, EventKind::Withdrawn { .. })));
+    let took = events.find_map(|e| match e.kind {
+        EventKind::Withdrawn { duration } => Some(duration),
+        _ => None,
+    });
+    let off = took.expect("it says so") - (bench.feedback.time - began);
+    assert!(off.value().abs() < 0.001, "{off} off the time that it took");
 }

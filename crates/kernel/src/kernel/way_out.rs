@@ -32,6 +32,16 @@ impl Kernel {
         self.way_out.as_ref()
     }
 
+    /// The first tick of whatever takes a tool out: from here on it takes its time.
+    pub(super) fn begin_rescue(&mut self) {
+        if let Some(recovering) = &mut self.recovering {
+            recovering.begins(self.now);
+        }
+        if let Some(withdrawing) = &mut self.withdrawing {
+            withdrawing.begins(self.now);
+        }
+    }
+
     /// Go on with a withdrawal, if there is one.
     pub(super) fn withdraw_on(&mut self, dt: f64) -> Option<Result<(), crate::drives::Finding>> {
         let withdrawing = self.withdrawing.as_mut()?;
