@@ -245,7 +245,7 @@ impl Job {
                 cams: self.session.cams.library.clone(),
                 ..wiring::judge(machine, tools, self.material, &zero)
             }),
-            recorder: report::Recorder::new(tools),
+            recorder: report::Recorder::new(tools).limited(wiring::path_limits(machine)),
             trace: folder.map(|folder| self.trace(folder)).transpose()?,
             log: args.log.then(|| Log::new(tools.clone(), zero)),
             sent: std::collections::VecDeque::new(),

@@ -25,7 +25,7 @@ pub use page::{
     CamPage, Comparison, CompensationPage, CompensationRow, Named, PolygonPlan, Side, Way,
     WayOfCompensation, cam_html, comparison_html, compensation_html, html, polygon_html, um_figure,
 };
-pub use record::{Recorder, WORST_KEPT};
+pub use record::{AxisLimits, Recorder, WORST_KEPT};
 pub use recovery::{Recovery, recovery_svg};
 pub use run::{Alarm, Limits, Note, Origin, Run};
 pub use stops::{PlanePoint, ThreadStop, WayBack};

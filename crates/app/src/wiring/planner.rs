@@ -5,7 +5,7 @@ use plan::{
     ToolChange,
 };
 use store::machine::{Axis, Follows, MachineFile, Peck, Spindle};
-use units::{Force, Time};
+use units::{Accel, Force, Jerk, Speed, Time};
 
 /// Share of an axis drive's force that plans may use: the rest is for the cut and for control.
 const PLANNED_SHARE: f64 = 0.9;
@@ -93,5 +93,17 @@ fn spindle(file: &Spindle) -> SpindleLimits {
         tapping_max: file.tapping_max,
         margin: file.planned_share,
         torque_rise: file.torque_rise,
+    }
+}
+
+/// What the report measures speeds along a path against: axes X, Y and Z while cutting.
+pub(crate) fn path_limits(machine: &MachineFile) -> report::AxisLimits {
+    let axes = planner(machine).axes;
+    let of = |i: usize| axes[i].as_ref();
+    let (speed, accel, jerk) = (Speed::mm_per_s, Accel::mm_per_s2, Jerk::mm_per_s3);
+    report::AxisLimits {
+        speed: [0, 1, 2].map(|i| of(i).map_or(speed(f64::INFINITY), |axis| axis.rapid_speed)),
+        accel: [0, 1, 2].map(|i| of(i).map_or(accel(f64::INFINITY), |axis| axis.accel)),
+        jerk: [0, 1, 2].map(|i| of(i).map_or(jerk(f64::INFINITY), |axis| axis.feed_jerk)),
     }
 }

@@ -75,6 +75,7 @@ pub fn html(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
     let [above, front] = pictures::tool_path(run, recorder);
     let machine = above + &column(&(front + &pictures::timeline(run, recorder)));
     main += &section("Machine", &grid(&machine));
+    main += &section("Speed along the path", &grid(&pictures::pace(run, recorder)));
     main += &footer(run, recorder);
     page(run, &Tag::new("main").around(&main))
 }

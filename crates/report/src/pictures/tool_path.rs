@@ -18,7 +18,7 @@ use crate::svg::{Chart, Range, Stroke, fixed, ticks};
 type Line = Vec<(f64, f64)>;
 type View = fn([f64; 3]) -> (f64, f64);
 
-fn above([x, y, z]: [f64; 3]) -> (f64, f64) {
+pub(super) fn above([x, y, z]: [f64; 3]) -> (f64, f64) {
     let (sin, cos) = 30f64.to_radians().sin_cos();
     (x * cos - y * sin, z * cos + (x * sin + y * cos) * sin)
 }
@@ -67,7 +67,7 @@ fn draw(id: &str, points: &[Point], view: View, titles: [String; 2]) -> String {
 }
 
 /// The directions of the axes, in the lower left corner, each arm of one round length.
-fn axes(chart: &mut Chart, view: View) {
+pub(super) fn axes(chart: &mut Chart, view: View) {
     let wanted = chart.inside(0.12, 0.0).0 - chart.inside(0.0, 0.0).0;
     let arm = ticks(0.0, wanted, 1).step;
     let (left, low) = chart.inside(0.14, 0.07);

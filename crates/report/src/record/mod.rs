@@ -10,6 +10,7 @@
 
 mod chips;
 mod floating;
+mod pace;
 mod series;
 mod shares;
 mod tap;
@@ -19,6 +20,8 @@ mod track;
 
 pub(crate) use chips::{Chips, Hop, Row};
 pub(crate) use floating::{Floating, Moment};
+pub use pace::AxisLimits;
+pub(crate) use pace::{CLASSES, Limiter, Pace, class_bounds};
 pub(crate) use series::Series;
 pub(crate) use shares::{Shares, SharesByTool};
 pub(crate) use tap::TapTrace;
@@ -45,6 +48,8 @@ pub struct Recorder {
     pub(crate) first: Option<TapTrace>,
     pub(crate) worst: Vec<TapTrace>,
     pub(crate) track: Track,
+    /// Speeds along it, and what limited them.
+    pub(crate) pace: Pace,
     pub(crate) shares: SharesByTool,
     pub(crate) spindle: Series,
     pub(crate) changes: Vec<(Time, u32)>,
@@ -72,9 +77,17 @@ impl Recorder {
         Self { lengths, rapid: true, ..Self::default() }
     }
 
+    /// Say what the axes can do, so that the report can say what limited them.
+    #[must_use]
+    pub const fn limited(mut self, limits: AxisLimits) -> Self {
+        self.pace.limits(limits);
+        self
+    }
+
     /// Announce an operation, before the machine begins it. `index` counts from 0 in program order.
     pub fn op(&mut self, index: u32, op: &Op) {
         self.chips.op(index, op);
+        self.pace.op(index, op);
         if let OpKind::Tap(tap) = &op.kind {
             self.announced.insert(index, *tap);
         }
@@ -137,7 +150,9 @@ impl Recorder {
             | State::Faulted
             | State::Ended => {}
         }
-        self.track.push(Point { at, rapid: self.rapid, lifted });
+        let point = Point { at, rapid: self.rapid, lifted, class: 0 };
+        self.track.push(point);
+        self.pace.sample(sample, point);
     }
 
     fn tapping(&mut self, sample: &Sample) {

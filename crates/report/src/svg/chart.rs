@@ -225,12 +225,21 @@ impl Chart {
 
     /// Many lines of one kind, thinned to what can be seen.
     pub(crate) fn lines(&mut self, stroke: Stroke, lines: &[Vec<(f64, f64)>], label: Option<&str>) {
+        self.path(stroke.class(), &self.data(lines), label);
+    }
+
+    fn data(&self, lines: &[Vec<(f64, f64)>]) -> String {
         let mut data = String::new();
         for line in lines {
             let placed: Vec<_> = line.iter().map(|&p| self.place(p)).collect();
             data += &path_data(super::thinned(&placed, 0.25));
         }
-        self.path(stroke.class(), &data, label);
+        data
+    }
+
+    /// Several lines of a class of their own, with one entry in the legend.
+    pub(crate) fn coloured(&mut self, class: &'static str, lines: &[Vec<(f64, f64)>], label: &str) {
+        self.path(class, &self.data(lines), Some(label));
     }
 
     fn path(&mut self, class: &'static str, data: &str, label: Option<&str>) {
