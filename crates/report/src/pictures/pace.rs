@@ -9,6 +9,9 @@ use crate::Run;
 use crate::record::{CLASSES, Limiter, Point, Recorder, class_bounds};
 use crate::svg::{Chart, Range, Stroke, Tag, fixed};
 
+/// How it is drawn, its points, its name.
+type Curve<'a> = (Stroke, &'a [(f64, f64)], &'a str);
+
 /// Colours of the classes of speed, slow to fast; the last ones are for all that are faster.
 const COLOURS: [&str; 6] =
     ["line pace0", "line pace1", "line pace2", "line pace3", "line pace4", "line pace5"];
@@ -77,7 +80,7 @@ fn over_time(recorder: &Recorder) -> String {
     let pace = &recorder.pace;
     let (speed, accel, jerk) = (pace.speed.points(), pace.accel.points(), pace.jerk.points());
     let times = || speed.iter().map(|p| p.0);
-    let chart = |id: &str, title: &str, y: &str, curves: &[(Stroke, &Vec<(f64, f64)>, &str)]| {
+    let chart = |id: &str, title: &str, y: &str, curves: &[Curve]| {
         let values = curves.iter().flat_map(|(_, curve, _)| curve.iter().map(|p| p.1));
         let y = Range::of(y, values.chain([0.0])).padded(0.04);
         let mut chart = Chart::new(title, title, Range::of("time / s", times()), y, 220.0);
@@ -90,11 +93,11 @@ fn over_time(recorder: &Recorder) -> String {
         "pace-speed",
         "Speed along the path",
         "speed / mm/s",
-        &[(Stroke::Main, &speed, "speed along the path")],
+        &[(Stroke::Main, speed.as_slice(), "speed along the path")],
     );
-    let mut curves = vec![(Stroke::Second, &accel, "acceleration")];
+    let mut curves = vec![(Stroke::Second, accel.as_slice(), "acceleration")];
     if jerk.iter().any(|p| p.1 > 0.0) {
-        curves.insert(0, (Stroke::Share, &jerk, "jerk"));
+        curves.insert(0, (Stroke::Share, jerk.as_slice(), "jerk"));
     }
     let shares =
         chart("pace-shares", "Share of the axes' limits", "share of an axis' limit / %", &curves);

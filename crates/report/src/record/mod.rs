@@ -49,7 +49,7 @@ pub struct Recorder {
     pub(crate) worst: Vec<TapTrace>,
     pub(crate) track: Track,
     /// Speeds along it, and what limited them.
-    pub(crate) pace: Pace,
+    pub(crate) pace: Box<Pace>,
     pub(crate) shares: SharesByTool,
     pub(crate) spindle: Series,
     pub(crate) changes: Vec<(Time, u32)>,
@@ -79,7 +79,7 @@ impl Recorder {
 
     /// Say what the axes can do, so that the report can say what limited them.
     #[must_use]
-    pub const fn limited(mut self, limits: AxisLimits) -> Self {
+    pub fn limited(mut self, limits: AxisLimits) -> Self {
         self.pace.limits(limits);
         self
     }
