@@ -153,6 +153,6 @@ mod tests {
             let (from, to) = class_bounds(class_near(speed, if speed > 10.0 { 0 } else { 23 }));
             assert!((from..=to).contains(&speed), "{speed} in {from} to {to}");
         }
-        assert_eq!(class_near(17.0, class_near(15.0, 0)), class_near(15.0, 0));
+        assert_eq!(class_near(16.2, class_near(15.0, 0)), class_near(15.0, 0));
     }
 }
