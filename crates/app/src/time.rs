@@ -10,6 +10,7 @@ use diag::Diagnostic;
 use plan::{Clock, MachineLimits, Step, StepKind};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
+use units::Jerk;
 
 mod peaks;
 use peaks::Peaks;
@@ -124,19 +125,47 @@ pub(crate) fn command(args: &TimeArgs, quiet: bool) -> Result<bool, Refused> {
     if known.is_refused() {
         return Err(Refused::Findings { name, text, findings: known.findings });
     }
+    let free = without_jerk(&mut session, &text, options);
     match args.format {
         Format::Text => {
             if !quiet {
                 remark(&known.findings, &name, &text);
             }
-            say::out(&people(&tally, &name))?;
+            say::out(&(people(&tally, &name) + &trade(tally.all.motion(), free)))?;
         }
         Format::Json => {
-            let value = programs(&tally, &name, &session.machine.name, args.operations);
+            let mut value = programs(&tally, &name, &session.machine.name, args.operations);
+            value["motion_time_without_jerk_limits_s"] = json!(free.map(rounded));
             say::out(&format!("{value:#}\n"))?;
         }
     }
     Ok(true)
+}
+
+/// Time in motion if no axis had a limit of jerk; `None`: none has one.
+fn without_jerk(session: &mut Session, text: &[u8], options: plan::Options) -> Option<f64> {
+    let free = Jerk::mm_per_s3(f64::INFINITY);
+    let axes = &mut session.machine.axes;
+    if axes.iter().flatten().all(|axis| axis.jerk_feed == free && axis.jerk_rapid == free) {
+        return None;
+    }
+    for axis in axes.iter_mut().flatten() {
+        (axis.jerk_feed, axis.jerk_rapid) = (free, free);
+    }
+    let limits = crate::wiring::planner(&session.machine);
+    let (mut clock, mut shares) = (Clock::default(), Shares::default());
+    crate::preflight::preflight_with(session, text, options, &mut |step| {
+        let before = clock.elapsed().value();
+        clock.count(&step, &limits);
+        shares.add(&step.kind, clock.elapsed().value() - before);
+    });
+    Some(shares.motion())
+}
+
+fn trade(motion: f64, free: Option<f64>) -> String {
+    let Some(free) = free.filter(|free| *free > 0.0) else { return String::new() };
+    let more = 100.0 * (motion / free - 1.0);
+    format!("  without limits of jerk {free:>12.3} s in motion: they cost {more:.1} %\n")
 }
 
 fn remark(findings: &[Diagnostic], name: &str, text: &[u8]) {
@@ -197,4 +226,15 @@ fn people(tally: &Tally, name: &str) -> String {
         }
     }
     text + &tally.peaks.text()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_jerk_costs_is_a_share_of_the_time_without() {
+        assert!(trade(2.3, Some(2.0)).ends_with("they cost 15.0 %\n"));
+        assert_eq!(trade(2.0, None), "");
+    }
 }
