@@ -95,18 +95,9 @@ impl Told {
     }
 }
 
-fn options(session: &Session) -> plan::Options {
-    let material = session.machine.setup.stock.material;
-    plan::Options {
-        force_ramp: None,
-        cutting_pressure_n_per_mm2: material.cutting_force_n_per_mm2,
-        taps: session.taps,
-    }
-}
-
 fn findings(args: &CheckArgs, path: &Path, text: &[u8]) -> Result<Vec<Diagnostic>, Refused> {
     let mut session = Session::load(&args.source, path, text)?;
-    let options = options(&session);
+    let options = session.plan_options(session.machine.setup.stock.material);
     let mut found = crate::preflight::judge(&mut session, text, options);
     add(&mut found, interp::lint(text, &session.interp_setup()));
     Ok(found)
@@ -131,7 +122,11 @@ fn long_session(args: &CheckArgs, path: &Path) -> Result<Option<Session>, Refuse
 /// Interpreter, planner and remarks, piece by piece; what is found in a piece is told before the next one is read.
 fn in_pieces(session: &Session, path: &Path, name: &str, told: &mut Told) -> Result<(), Refused> {
     let setup = session.interp_setup();
-    let mut planner = crate::preflight::planner(session, options(session)).only_judging();
+    let mut planner = crate::preflight::planner(
+        session,
+        session.plan_options(session.machine.setup.stock.material),
+    )
+    .only_judging();
     let mut linter = interp::Linter::new(&setup);
     let (mut rest, mut index, mut first_line) = (None, 0, 1);
     let mut late = Vec::new();

@@ -254,11 +254,7 @@ impl Case<'_> {
             session.cams.phases = phases.clone();
         }
         let material = session.machine.setup.stock.material;
-        let options = plan::Options {
-            force_ramp: None,
-            cutting_pressure_n_per_mm2: material.cutting_force_n_per_mm2,
-            taps: session.taps,
-        };
+        let options = session.plan_options(material);
         let known = preflight(&mut session, text, options);
         if known.is_refused() {
             let name = format!("the program for P{} at {} rpm", self.number, self.rpm);

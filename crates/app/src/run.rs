@@ -158,19 +158,15 @@ impl Job {
         if matches!(mode, Some(SyncMode::EncoderFollowing { .. })) {
             session.machine.tapping.peck = store::machine::Peck::Full; // see wiring::planner
         }
-        let forced = match session.machine.tapping.ramp {
-            store::machine::Ramp::PowerCurve => None,
-            store::machine::Ramp::Linear(time) => Some(time),
-        };
+        let own = session.plan_options(material);
         Ok(Self {
             program: args.program.display().to_string(),
             text,
             material,
             seed: args.seed.unwrap_or(u64::from(session.machine.simulation.seed)),
             options: plan::Options {
-                force_ramp: args.force_ramp.map(Time::s).or(forced),
-                cutting_pressure_n_per_mm2: material.cutting_force_n_per_mm2,
-                taps: session.taps,
+                force_ramp: args.force_ramp.map(Time::s).or(own.force_ramp),
+                ..own
             },
             mode,
             memory,

@@ -10,7 +10,7 @@ use std::{
     io::Read,
     path::{Path, PathBuf},
 };
-use store::machine::{MachineFile, Preset};
+use store::machine::{MachineFile, Material, Preset, Ramp};
 use units::Length;
 
 /// The table that is used when none is named and none lies beside the program.
@@ -53,6 +53,18 @@ pub(crate) struct Session {
 }
 
 impl Session {
+    /// What the machine's file says of planning, for a work of this material.
+    pub(crate) const fn plan_options(&self, material: Material) -> plan::Options {
+        plan::Options {
+            force_ramp: match self.machine.tapping.ramp {
+                Ramp::PowerCurve => None,
+                Ramp::Linear(time) => Some(time),
+            },
+            cutting_pressure_n_per_mm2: material.cutting_force_n_per_mm2,
+            taps: self.taps,
+        }
+    }
+
     /// Load what the arguments name, for a program at `program` with this text.
     pub(crate) fn load(args: &ProgramArgs, program: &Path, text: &[u8]) -> Result<Self, Refused> {
         let mut machine = crate::machine::load(&args.machine)?;

@@ -103,11 +103,7 @@ impl Tally<'_> {
 pub(crate) fn command(args: &TimeArgs, quiet: bool) -> Result<bool, Refused> {
     let text = read_program(&args.program)?;
     let mut session = Session::load(&args.source, &args.program, &text)?;
-    let options = plan::Options {
-        force_ramp: None,
-        cutting_pressure_n_per_mm2: session.machine.setup.stock.material.cutting_force_n_per_mm2,
-        taps: session.taps,
-    };
+    let options = session.plan_options(session.machine.setup.stock.material);
     let limits = crate::wiring::planner(&session.machine);
     let mut tally = Tally {
         limits: &limits,

@@ -68,8 +68,16 @@ impl Planner {
 
     /// Plan anew what the kernel has not done, as the operator wants it. All that comes of it goes to `emit`, in order; the
     /// kernel must have nothing else.
+    ///
+    /// Where an axis begins or ceases to swing among these steps, the limits are not the same for all of them: they stay as
+    /// they were planned.
     pub fn repace(&mut self, wish: Wish, back: HandedBack, emit: &mut impl FnMut(Step)) {
         self.wish(wish);
+        let swings = |step: &Step| {
+            matches!(step.kind, StepKind::Superpose(_) | StepKind::AwaitFades | StepKind::Engage(_))
+                || matches!(step.kind, StepKind::Release { .. })
+        };
+        let stays = back.steps.iter().any(swings);
         let mut row: Option<Row> = None;
         let mut done = back.done;
         for step in back.steps {
@@ -82,10 +90,18 @@ impl Planner {
                 None => row = Some(new),
             }
             if ends && let Some(row) = row.take() {
-                row.again(&self.limits, wish, emit);
+                if stays {
+                    row.as_planned(row.parts.len(), true, emit);
+                } else {
+                    row.again(&self.limits, wish, emit);
+                }
             }
         }
-        self.outbox.repace(&self.limits, wish, row, emit);
+        if !stays {
+            self.outbox.repace(&self.limits, wish, row, emit);
+        } else if let Some(row) = row {
+            row.as_planned(row.parts.len(), false, emit);
+        }
     }
 }
 

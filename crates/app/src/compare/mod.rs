@@ -202,11 +202,7 @@ fn run_once(
         spindle.windows.at_speed_share = AT_SPEED;
     }
     let material = session.machine.setup.stock.material;
-    let options = plan::Options {
-        force_ramp: None,
-        cutting_pressure_n_per_mm2: material.cutting_force_n_per_mm2,
-        taps: session.taps,
-    };
+    let options = session.plan_options(material);
     let known = preflight(&mut session, text, options);
     if known.is_refused() {
         let name = args

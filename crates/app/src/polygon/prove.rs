@@ -122,11 +122,7 @@ fn run(
     let mut session = Session::load(&args, Path::new("-"), text.as_bytes())?;
     session.tools.insert(cutter(design));
     let material = session.machine.setup.stock.material;
-    let options = plan::Options {
-        force_ramp: None,
-        cutting_pressure_n_per_mm2: material.cutting_force_n_per_mm2,
-        taps: session.taps,
-    };
+    let options = session.plan_options(material);
     let known = preflight(&mut session, text.as_bytes(), options);
     if known.is_refused() {
         let name = "the program for this polygon".into();
