@@ -467,7 +467,7 @@ impl SyncRecord {
             return wrong("a way off the work that its tool has not, or has not the one it needs");
         }
         let lead = s.lead.value();
-        if s.cut.has_thread() && !(lead.is_finite() && (1e-3..1e3).contains(&lead.abs())) {
+        if !lead.is_finite() || s.cut.has_thread() && !(1e-3..1e3).contains(&lead.abs()) {
             return wrong("a lead that no thread has");
         }
         if s.cut.has_thread() && s.start == s.bottom {

@@ -297,11 +297,15 @@ fn a_record_that_says_out_does_not_depend_on_the_epoch() {
 #[test]
 fn numbers_that_no_tap_can_have_are_refused_though_the_checksum_fits() {
     type Change = fn(&mut Stroke);
-    let changes: [(&str, Change); 7] = [
+    let changes: [(&str, Change); 8] = [
         ("axis", |s| s.axis = 200),
         ("length", |s| s.bottom = Length::mm(f64::NAN)),
         ("angle", |s| s.theta0 = Angle::rev(f64::INFINITY)),
         ("lead", |s| s.lead = Lead::ZERO),
+        ("lead", |s| {
+            (s.cut, s.retreat) = (Cut::Polygon, Some(RETREAT));
+            s.lead = Lead::mm_per_rev(f64::NAN);
+        }),
         ("stroke", |s| s.bottom = s.start),
         ("way off the work", |s| s.retreat = Some(RETREAT)),
         ("way off the work", |s| s.cut = Cut::Polygon),
