@@ -17,7 +17,7 @@ fn a_tap_comes_out_along_its_helix_after_a_power_cut_or_a_kill() {
     let mut all = Tally::default();
     for (work, fault) in [(M8, Fault::PowerCut), (LEFT, Fault::Kill)] {
         for reaction in REACTIONS {
-            all.absorb(sweep(&work, fault, reaction, 2711, unload(&work)));
+            all.absorb(whole(sweep(&work, fault, reaction, 2711, unload(&work))));
         }
     }
     assert!(all.is_good(), "{}", all.remarks());
@@ -38,7 +38,7 @@ fn drives_and_encoders_that_fail_in_a_tap_leave_it_near_its_helix() {
     ];
     for work in [M8, LEFT] {
         for (fault, most_um) in faults {
-            let tally = sweep(&work, fault, Reaction::CoupledStop, 3511, unload(&work));
+            let tally = whole(sweep(&work, fault, Reaction::CoupledStop, 3511, unload(&work)));
             assert!(tally.is_good(), "{}", tally.remarks());
             assert!(tally.off_um < most_um, "{fault:?}: {} µm", tally.off_um);
         }
@@ -82,24 +82,21 @@ fn every_millisecond_left_hand() {
 }
 
 fn every_millisecond(work: &Work, hand: &str) {
-    let mut rows = vec![Tally::head()];
-    let mut all = Tally::default();
     let every = asked("STOPS_EVERY_MS", 1) as usize;
+    let mut ways = vec![(Fault::PowerCut, Reaction::QuickStop, Way::Direct)];
     for fault in [Fault::PowerCut, Fault::Kill] {
-        for reaction in REACTIONS {
-            let tally = sweep(work, fault, reaction, 4 * every, unload(work));
-            let title = format!("{} each {every} ms, {hand}, {}", fault.name(), name(reaction));
-            rows.push(tally.row(&title));
-            eprintln!("{}", tally.row(&title));
-            println!("{}", tally.sum(&title));
+        ways.extend(REACTIONS.map(|reaction| (fault, reaction, unload(work))));
+    }
+    let (mut rows, mut all) = (vec![Tally::head()], Tally::default());
+    for (fault, reaction, way) in ways {
+        let document = if way == Way::Direct { ", the document's way" } else { "" };
+        let title = format!("{}, {}{document}", fault.name(), name(reaction));
+        for (part, tally) in sweep(work, fault, reaction, 4 * every, way) {
+            rows.push(tally.row(&format!("{title}, {}, {hand}", part.name())));
+            println!("{}", tally.sum(&format!("{title}, {} ({hand})", part.name())));
             all.absorb(tally);
         }
     }
-    let tally = sweep(work, Fault::PowerCut, Reaction::QuickStop, 4 * every, Way::Direct);
-    let title = format!("power-cut each {every} ms, {hand}, quick stop, the document's way");
-    rows.push(tally.row(&title));
-    println!("{}", tally.sum(&title));
-    all.absorb(tally);
     rows.push(all.row("all"));
     println!("{}\n{}", rows.join("\n"), all.remarks());
     assert!(all.is_good(), "the table says which");

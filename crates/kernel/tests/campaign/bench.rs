@@ -1,4 +1,5 @@
 //! A machine with its control and its judge, in a tap: to be copied, struck, and taken out.
+use super::draw::Part;
 use super::fate::{End, Fate};
 use super::work::{Work, op, tool};
 use crate::common::*;
@@ -142,16 +143,22 @@ impl Bench {
         self.kernel.engaged().is_some()
     }
 
-    fn class(&self) -> String {
-        let features = self.judge.clone().finish();
-        match features.first().map(|f| &f.kind) {
-            Some(FeatureKind::Thread(thread)) => thread.class_name().to_owned(),
-            _ => String::new(),
+    /// Where in its stroke it is; before the stroke begins, on its way in.
+    pub fn part(&self) -> Part {
+        match self.kernel.report().state {
+            bus::State::TapBottom => Part::Bottom,
+            bus::State::TapOut => Part::Out,
+            _ => Part::In,
         }
     }
 
-    fn in_class(&self) -> bool {
-        self.class() == "6H"
+    /// Whether the thread is in the class that was asked, and said to be recovered, as it would be certified now.
+    fn judged(&self) -> (bool, bool) {
+        let features = self.judge.clone().finish();
+        match features.first().map(|f| &f.kind) {
+            Some(FeatureKind::Thread(thread)) => (thread.class_name() == "6H", thread.recovered),
+            _ => (false, false),
+        }
     }
 
     /// Wait until nothing turns or moves, ten seconds at most: a spindle without its drive may creep for longer, turned
@@ -193,7 +200,7 @@ impl Bench {
             return Fate::of(End::Lost("nothing was coupled".into()));
         };
         let off_um = stored.error(self.point()).in_um().abs();
-        let class_at_stop = self.in_class();
+        let (class_at_stop, _) = self.judged();
         if !self.is_in_work() {
             return Fate { class_at_stop, ..Fate::of(End::Nothing) };
         }
@@ -216,12 +223,15 @@ impl Bench {
             feed: (Speed::mm_per_s(2.0), Accel::mm_per_s2(100.0)),
         });
         self.until(30.0, |b| b.kernel.is_over());
+        let (in_class, said_recovered) = self.judged();
         let end = if self.broken {
             End::BrokenOnTheWay
         } else if !self.kernel.faults().is_empty() {
             End::Lost(format!("{}", self.kernel.faults()[0]))
         } else if self.is_in_work() {
             End::Lost("no end of the recovery".into())
+        } else if inside && !said_recovered {
+            End::Lost("out, and not certified as recovered".into())
         } else {
             End::Recovered
         };
@@ -230,7 +240,7 @@ impl Bench {
             off_um,
             helix_um: if inside { self.worst.in_um() } else { 0.0 },
             class_at_stop,
-            class_lost: class_at_stop && inside && !self.in_class(),
+            class_lost: class_at_stop && inside && !in_class,
         }
     }
 

@@ -10,19 +10,54 @@ use std::collections::BTreeMap;
 use sync::recovery::Way;
 use units::{Angle, Length, Stiffness, Time};
 
+/// Where in its stroke a tap was struck.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Part {
+    In,
+    Bottom,
+    Out,
+}
+
+impl Part {
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::In => "in",
+            Self::Bottom => "at the bottom",
+            Self::Out => "out",
+        }
+    }
+}
+
 /// A stop at every so many periods of a tap.
-pub fn sweep(work: &Work, fault: Fault, reaction: Reaction, every: usize, way: Way) -> Tally {
-    let (mut bench, mut tally) = (Bench::new(work, reaction, 1), Tally::default());
+pub fn sweep(
+    work: &Work,
+    fault: Fault,
+    reaction: Reaction,
+    every: usize,
+    way: Way,
+) -> BTreeMap<Part, Tally> {
+    let (mut bench, mut parts) = (Bench::new(work, reaction, 1), BTreeMap::new());
     bench.go_into_tap();
     while bench.is_tapping() {
-        let time = bench.machine.feedback().time;
+        let (time, part) = (bench.machine.feedback().time, bench.part());
         let fate = bench.clone().strike(&Case { fault, way });
-        tally.add(&fate, &format!("{} at {time}", fault.name()));
+        let tally: &mut Tally = parts.entry(part).or_default();
+        tally.add(
+            &fate,
+            &format!("{}, {}, {} at {time}", fault.name(), name(reaction), part.name()),
+        );
         for _ in 0..every {
             bench.tick();
         }
     }
-    tally
+    parts
+}
+
+/// The same of the whole stroke.
+pub fn whole(parts: BTreeMap<Part, Tally>) -> Tally {
+    let mut whole = Tally::default();
+    parts.into_values().for_each(|tally| whole.absorb(tally));
+    whole
 }
 
 /// Sizes that are drawn: name, diameter, pitch.

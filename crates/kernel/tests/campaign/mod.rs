@@ -15,7 +15,7 @@ mod fate;
 mod work;
 
 pub use bench::{Bench, Stop};
-pub use draw::{Dice, name, random, sweep};
+pub use draw::{Dice, name, random, sweep, whole};
 pub use fate::{Tally, sum};
 pub use work::{M8, Work, unload};
 
