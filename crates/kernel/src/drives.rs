@@ -221,14 +221,7 @@ impl Drives {
 
     /// Whether all loops follow; else the first that does not.
     pub(crate) fn check_following(&self) -> Result<(), Finding> {
-        for (index, axis) in self.axes.iter().enumerate() {
-            let Some(axis) = axis else { continue };
-            let limit = axis.control.windows.following_stop.value();
-            if axis.error().abs() > limit {
-                let of = Subject::Axis(Axis::ALL[index]);
-                return Err((FaultKind::FollowingError, of, axis.error(), limit));
-            }
-        }
+        (0..AXES).try_for_each(|axis| self.check_axis_follows(axis))?;
         for (index, spindle) in self.spindles.iter().enumerate() {
             let Some(spindle) = spindle else { continue };
             let limit = spindle.control.windows.following_stop.value();
@@ -236,6 +229,17 @@ impl Drives {
                 let of = Subject::Spindle(index as u8);
                 return Err((FaultKind::SpindleFollowingError, of, spindle.error(), limit));
             }
+        }
+        Ok(())
+    }
+
+    /// Whether one axis follows.
+    pub(crate) fn check_axis_follows(&self, index: usize) -> Result<(), Finding> {
+        let Some(axis) = &self.axes[index] else { return Ok(()) };
+        let limit = axis.control.windows.following_stop.value();
+        if axis.error().abs() > limit {
+            let of = Subject::Axis(Axis::ALL[index]);
+            return Err((FaultKind::FollowingError, of, axis.error(), limit));
         }
         Ok(())
     }

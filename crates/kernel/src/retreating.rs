@@ -17,6 +17,15 @@ use units::Length;
 /// Share of what the axis can, as for any move that nobody planned.
 const SHARE: f64 = 0.5;
 
+/// An axis that is further from where it was told to be has not obeyed.
+const NEAR: Length = Length::mm(0.2);
+
+/// The tool of a way out is off the work, by the encoder of its infeed axis.
+pub(crate) fn is_clear(way: &WayOut, drives: &Drives) -> bool {
+    let axis = drives.axes[way.infeed.index()].as_ref();
+    axis.is_some_and(|axis| way.inside(Length::mm(axis.position())) <= NEAR)
+}
+
 /// The way out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Retreating {
@@ -67,9 +76,16 @@ impl Retreating {
         self.axis
     }
 
-    /// The tool is away.
+    /// The way is over.
     pub(crate) fn is_out(&self) -> bool {
         self.at_s >= self.blend.duration_s()
+    }
+
+    /// The axis is where it was told to be, by its encoder.
+    pub(crate) fn is_there(&self, drives: &Drives) -> bool {
+        drives.axes[self.axis]
+            .as_ref()
+            .is_some_and(|axis| (axis.position() - axis.target.position).abs() <= NEAR.value())
     }
 
     /// A period on. `moved`: somebody has moved the axis in this period, and the way goes on top of that.

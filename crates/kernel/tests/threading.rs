@@ -196,6 +196,8 @@ struct Bench {
     /// X, Z and the spindle's turns, as they really are.
     at: [f64; 3],
     wishes: Vec<Wish>,
+    /// X's encoder says this, wherever X is.
+    stuck: Option<Length>,
 }
 
 impl Bench {
@@ -209,13 +211,16 @@ impl Bench {
         }
         let machine = SimulatedMachine::new(machine).expect("it can be built");
         let feedback = bus::Machine::feedback(&machine);
-        Self { kernel, machine, feedback, at: [0.0; 3], wishes: Vec::new() }
+        Self { kernel, machine, feedback, at: [0.0; 3], wishes: Vec::new(), stuck: None }
     }
 
     fn tick(&mut self) {
         let command = self.kernel.tick(&self.feedback);
         self.wishes.extend(self.kernel.next_wish());
         self.feedback = bus::Machine::exchange(&mut self.machine, &command);
+        if let Some(stuck) = self.stuck {
+            self.feedback.axes[0].position = stuck;
+        }
         let truth = bus::Machine::truth(&self.machine).expect("it is simulated");
         self.at = [truth.axes[0].value(), truth.axes[2].value(), truth.spindles[0].value()];
     }
@@ -300,6 +305,33 @@ fn an_alarm_of_the_infeed_axis_stops_on_the_thread() {
     let off = bench.off_until("at rest", |b| b.kernel.is_standing() && b.rpm().abs() < 0.1);
     assert!(off > 0.0 && off < 10.0 && bench.at[0] < 0.01, "{off} µm, {:?}", bench.at);
     assert!(bench.kernel.way_out().is_some(), "it has still to be taken out");
+}
+
+#[test]
+fn a_tool_whose_infeed_axis_does_not_say_that_it_moved_counts_as_in_the_work() {
+    for order in [None, Some(Order::Abort)] {
+        let mut bench = Bench::new();
+        bench.kernel.keep_records();
+        bench.until("asked", |b| !b.wishes.is_empty());
+        bench.kernel.acknowledge(1);
+        bench.until("in the thread", |b| b.at[1] < FROM - 8.0);
+        bench.stuck = Some(bench.feedback.axes[0].position);
+        match order {
+            None => bench.kernel.report_alarm(kernel::Subject::Spindle(0)),
+            Some(order) => bench.kernel.order(order),
+        }
+        for _ in 0..8000 {
+            bench.tick();
+        }
+        assert!(bench.kernel.way_out().is_some(), "{order:?}: {:?}", bench.at);
+        assert!(!bench.wishes.contains(&Wish::Out), "{order:?}: {:?}", bench.wishes);
+        // a loop that never sees its axis move is no longer believed to move it
+        assert!(
+            bench.kernel.faults().iter().any(|f| f.subject == kernel::Subject::Axis(Axis::X)),
+            "{order:?}: {:?}",
+            bench.kernel.faults()
+        );
+    }
 }
 
 #[test]

@@ -42,7 +42,10 @@ impl Kernel {
                 self.drives.check_following()
             }
             Mode::Halted if self.lame.is_some() => Ok(()),
-            Mode::Halted => self.drives.check_ready(feedback),
+            Mode::Halted => {
+                self.drives.check_ready(feedback)?;
+                self.check_retreating()
+            }
         }
     }
 
@@ -71,8 +74,13 @@ impl Kernel {
         if let (Some(plan), Activity::Tapping(run), true) = (in_tap, &mut self.activity, disobeys) {
             run.trail(&plan, &mut self.drives, lost);
         }
+        let runs_away = matches!(self.mode, Mode::Halted) && self.check_retreating().is_err();
         self.mode = match kind.reaction() {
             Reaction::Disable if self.lame.is_none() => Mode::Disabled,
+            Reaction::Halt if runs_away => {
+                self.retreating = None;
+                Mode::Disabled
+            }
             Reaction::Disable | Reaction::Halt => {
                 self.operator.alarm();
                 self.retreating = self.retreating.or_else(|| self.retreat_for(kind, subject));

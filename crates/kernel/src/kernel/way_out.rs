@@ -10,7 +10,7 @@ use crate::config::Subject;
 use crate::event::EventKind;
 use crate::execute::Activity;
 use crate::fault::FaultKind;
-use crate::retreating::Retreating;
+use crate::retreating::{self, Retreating};
 use crate::scribe::WorkRecord;
 use crate::spindle::SpindleLoop;
 use crate::threading;
@@ -126,16 +126,17 @@ impl Kernel {
             self.retreating = begun;
         }
         let dt = self.config.period.value();
-        let Some(retreating) = &mut self.retreating else {
-            self.is_out();
-            return false;
-        };
-        retreating.advance(dt, false, &mut self.drives);
-        if retreating.is_out() {
+        if let Some(retreating) = &mut self.retreating {
+            retreating.advance(dt, false, &mut self.drives);
+            if !retreating.is_out() {
+                return true;
+            }
             self.retreating = None;
+        }
+        if self.way_out.is_none_or(|way_out| retreating::is_clear(&way_out, &self.drives)) {
             self.is_out();
         }
-        self.retreating.is_some()
+        false
     }
 
     /// Stopped by an alarm: go on leaving the work, until the spindles may stop. The axis that does.
@@ -143,13 +144,26 @@ impl Kernel {
         let retreating = self.retreating.as_mut()?;
         let (axis, was) = (retreating.axis(), retreating.is_out());
         retreating.advance(self.config.period.value(), threading, &mut self.drives);
-        if retreating.is_out() && !was {
+        let (over, there) = (retreating.is_out(), retreating.is_there(&self.drives));
+        // an axis that does not obey leaves its tool in the work
+        if over && there {
             self.is_out();
+        }
+        if over && !was {
             for spindle in self.drives.spindles.iter_mut().flatten() {
                 spindle.brake();
             }
         }
         Some(axis)
+    }
+
+    /// Whether the axis that takes the tool off the work obeys: one whose encoder stands still would run away.
+    pub(super) fn check_retreating(&self) -> Result<(), crate::drives::Finding> {
+        let retreating = self.retreating.filter(|retreating| !retreating.is_out());
+        match retreating {
+            Some(retreating) => self.drives.check_axis_follows(retreating.axis()),
+            None => Ok(()),
+        }
     }
 
     /// A thread that is being turned keeps its coupling until the spindle stands, or the chain is over.
