@@ -11,6 +11,7 @@ use crate::program::Ops;
 use crate::refused::Refused;
 use crate::render::{self, Source};
 use crate::restart::Restart;
+use crate::script::{self, Told};
 use crate::session::{Session, read_program};
 use crate::simulate::{Outcome, Simulation};
 use crate::stops::Stops;
@@ -58,6 +59,7 @@ pub(crate) struct Job {
     mode: Option<SyncMode>,
     memory: Option<Memory>,
     restart: Option<Restart>,
+    told: Told,
 }
 
 /// Do it.
@@ -132,6 +134,8 @@ impl Job {
         let text = read_program(&args.program)?;
         let mut session = Session::load(&args.source, &args.program, &text)?;
         let material = material(args.material.as_deref(), session.machine.setup.stock.material)?;
+        let told = script::told(&args.fault, &args.operator, &session.machine);
+        let told = told.map_err(Refused::because)?;
         if let Some(ramp) = args.force_ramp
             && !(ramp.is_finite() && (0.001..=60.0).contains(&ramp))
         {
@@ -171,6 +175,7 @@ impl Job {
             mode,
             memory,
             restart: None,
+            told,
             session,
         })
     }
@@ -245,7 +250,13 @@ impl Job {
             trace: folder.map(|folder| self.trace(folder)).transpose()?,
             log: args.log.then(|| Log::new(tools.clone(), zero)),
             sent: std::collections::VecDeque::new(),
-            stops: Stops::new(args, &self.session, self.seed, known.planned),
+            stops: Stops::new(
+                args.recover,
+                self.told.clone(),
+                &self.session,
+                self.seed,
+                known.planned,
+            ),
             timings: Timings::new(args.timings),
             planned: known.planned,
             taps: std::collections::BTreeSet::new(),

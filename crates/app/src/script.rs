@@ -11,11 +11,12 @@
 //!
 //! A *line* is reached when its first step begins. A *depth* is that of the tool's tip below the work's zero, on the way
 //! in (or, with `out`, on the way back). An *angle* is what the first spindle has turned since the start. *At random* is
-//! anywhere in the time that the program is planned to take, by the run's seed.
+//! anywhere in the time that the program is planned to take, by the run's seed. An emergency stop is the operator's or
+//! the iron's, as you like.
 use bus::Sample;
 use kernel::Order;
 use sim::Fault;
-use std::str::FromStr;
+use store::machine::MachineFile;
 use units::{Angle, Length, Time};
 
 /// When something comes.
@@ -34,15 +35,13 @@ pub(crate) enum Moment {
 }
 
 /// Something and its moment.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Item<T> {
     pub(crate) what: T,
     pub(crate) moment: Moment,
+    /// As it was typed.
+    text: String,
 }
-
-/// A list of them, as it is typed.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Items<T>(pub(crate) Vec<Item<T>>);
 
 /// What can be told to come.
 pub(crate) trait What: Sized {
@@ -50,29 +49,85 @@ pub(crate) trait What: Sized {
     fn read(words: &[&str]) -> Result<Self, String>;
 }
 
-impl<T: What> FromStr for Items<T> {
-    type Err = String;
+/// All that is to come.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Told {
+    pub(crate) faults: Vec<Item<Fault>>,
+    pub(crate) orders: Vec<Item<Order>>,
+}
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        let items = text.split(';').map(str::trim).filter(|item| !item.is_empty());
-        let items: Vec<_> = items.map(item).collect::<Result<_, _>>()?;
-        if items.is_empty() {
-            return Err("expected something and its moment, as in \"power-cut at 1.5s\"".into());
+/// From the values of `--fault` and `--operator`, for a machine.
+///
+/// # Errors
+/// Everything that is wrong with them, a line each.
+pub(crate) fn told(
+    faults: &[String],
+    orders: &[String],
+    machine: &MachineFile,
+) -> Result<Told, String> {
+    let (mut told, mut wrong) = (Told::default(), Vec::new());
+    for text in faults.iter().flat_map(|list| items(list)) {
+        match item(text).and_then(|item| fits(item, machine)) {
+            Ok(item) => told.faults.push(item),
+            Err(why) => wrong.push(format!("--fault: {why}")),
         }
-        Ok(Self(items))
     }
+    for text in orders.iter().flat_map(|list| items(list)) {
+        if text.starts_with(Fault::EmergencyStop.name()) {
+            match item(text) {
+                Ok(item) => told.faults.push(item),
+                Err(why) => wrong.push(format!("--operator: {why}")),
+            }
+            continue;
+        }
+        match item(text) {
+            Ok(item) => told.orders.push(item),
+            Err(why) => wrong.push(format!("--operator: {why}")),
+        }
+    }
+    if wrong.is_empty() { Ok(told) } else { Err(wrong.join("\nerror: ")) }
+}
+
+/// The items of a list; an empty list has one that is empty.
+fn items(list: &str) -> impl Iterator<Item = &str> {
+    let is_empty = list.trim().is_empty();
+    list.split(';').map(str::trim).filter(move |item| is_empty || !item.is_empty())
 }
 
 fn item<T: What>(text: &str) -> Result<Item<T>, String> {
+    if text.is_empty() {
+        return Err("expected something and its moment, as in \"power-cut at 1.5s\"".into());
+    }
     let words: Vec<&str> = text.split_whitespace().collect();
     let split = words.iter().position(|word| matches!(*word, "at" | "between"));
-    let Some(split) = split else {
-        return Err(format!("\"{text}\" has no moment: expected one as in \"{text} at 1.5s\""));
-    };
-    let (what, moment) = words.split_at(split);
+    let (what, moment) = words.split_at(split.unwrap_or(words.len()));
     let what = T::read(what).map_err(|why| format!("\"{text}\": {why}"))?;
+    if moment.is_empty() {
+        return Err(format!("\"{text}\" has no moment: expected one as in \"{text} at 1.5s\""));
+    }
     let moment = read_moment(moment).map_err(|why| format!("\"{text}\": {why}"))?;
-    Ok(Item { what, moment })
+    Ok(Item { what, moment, text: text.to_owned() })
+}
+
+/// Whether the machine has what is to fail.
+fn fits(item: Item<Fault>, machine: &MachineFile) -> Result<Item<Fault>, String> {
+    let has_axis = |index: usize| machine.axis(canon::Axis::ALL[index]).is_some();
+    let spindles = machine.spindles.len();
+    let text = &item.text;
+    match item.what {
+        Fault::AxisDrive(axis) | Fault::Stuck(axis) | Fault::Jump(axis, _) if !has_axis(axis) => {
+            let axes = canon::Axis::ALL.iter().filter(|axis| machine.axis(**axis).is_some());
+            let axes: String = axes.map(|axis| axis.letter()).collect();
+            let letter = canon::Axis::ALL[axis].letter();
+            Err(format!("\"{text}\": {} has no axis {letter}, only {axes}", machine.name))
+        }
+        Fault::SpindleDrive(spindle) | Fault::TorqueLoss(spindle, _) if spindle >= spindles => {
+            let most = spindles.saturating_sub(1);
+            let name = &machine.name;
+            Err(format!("\"{text}\": {name} has no spindle {spindle}: its last one is {most}"))
+        }
+        _ => Ok(item),
+    }
 }
 
 fn read_moment(words: &[&str]) -> Result<Moment, String> {
@@ -85,7 +140,7 @@ fn read_moment(words: &[&str]) -> Result<Moment, String> {
         ["at", "depth", depth] => Ok(Moment::Depth { below: length(depth)?, out: false }),
         ["at", "depth", depth, "out"] => Ok(Moment::Depth { below: length(depth)?, out: true }),
         ["at", "angle", angle] => Ok(Moment::Turned(self::angle(angle)?)),
-        ["at", at] => Ok(Moment::Time(time(at)?)),
+        ["at", at] if !matches!(*at, "line" | "depth" | "angle") => Ok(Moment::Time(time(at)?)),
         ["between", from, "and", to] => {
             let (from, to) = (time(from)?, time(to)?);
             if from >= to {
@@ -166,7 +221,38 @@ fn spindle(text: &str) -> Result<usize, String> {
 
 /// What is left of a share that is lost.
 fn left(lost: &str) -> Result<f64, String> {
-    percent(lost).map(|lost| (1.0 - lost).max(0.0))
+    match percent(lost)? {
+        share if share <= 1.0 => Ok(1.0 - share),
+        _ => Err(format!("expected a loss from 0 to 100%, found \"{lost}\"")),
+    }
+}
+
+/// Each fault, and what it takes.
+const FAULTS: [(&str, &str); 12] = [
+    ("power-cut", ""),
+    ("kill", ""),
+    ("emergency-stop", ""),
+    ("drive-fault", " spindle [N]|AXIS"),
+    ("lost-index", ""),
+    ("encoder-slip", " ANGLE"),
+    ("dropout", " TIME"),
+    ("stuck", " AXIS"),
+    ("feedback-jump", " AXIS LENGTH"),
+    ("late", ""),
+    ("missed", ""),
+    ("torque-loss", " PERCENT [spindle N]"),
+];
+
+/// What was expected: of a fault that there is, what it takes; else all there are.
+fn no_fault(words: &[&str]) -> String {
+    let expected = match FAULTS.iter().find(|(name, _)| words.first() == Some(name)) {
+        Some((name, takes)) => format!("{name}{takes}"),
+        None => {
+            let all: Vec<_> = FAULTS.iter().map(|(name, takes)| format!("{name}{takes}")).collect();
+            format!("one of {}", all.join(", "))
+        }
+    };
+    format!("expected {expected}; found \"{}\"", words.join(" "))
 }
 
 impl What for Fault {
@@ -189,11 +275,7 @@ impl What for Fault {
             ["torque-loss", lost, "spindle", which] => {
                 Ok(Self::TorqueLoss(spindle(which)?, left(lost)?))
             }
-            _ => Err(format!(
-                "expected power-cut, kill, emergency-stop, drive-fault spindle [N]|AXIS, lost-index, encoder-slip ANGLE, \
-                 dropout TIME, stuck AXIS, feedback-jump AXIS LENGTH, late, missed or torque-loss PERCENT [spindle N], found \"{}\"",
-                words.join(" ")
-            )),
+            _ => Err(no_fault(words)),
         }
     }
 }
@@ -210,8 +292,8 @@ impl What for Order {
             ["single-block", "on"] => Ok(Self::SingleBlock(true)),
             ["single-block", "off"] => Ok(Self::SingleBlock(false)),
             _ => Err(format!(
-                "expected hold, resume, abort, retract, override PERCENT, rapid-override PERCENT or single-block on|off, \
-                 found \"{}\"",
+                "expected one of hold, resume, abort, retract, override PERCENT, rapid-override PERCENT, single-block on|off, \
+                 emergency-stop; found \"{}\"",
                 words.join(" ")
             )),
         }
@@ -229,9 +311,8 @@ pub(crate) struct Script<T> {
 
 impl<T: Copy> Script<T> {
     /// Chance is drawn from the seed; anywhere is within `whole`.
-    pub(crate) fn new(items: &[Items<T>], seed: u64, whole: Time) -> Self {
-        let mut waiting: Vec<Item<T>> =
-            items.iter().flat_map(|list| list.0.iter().copied()).collect();
+    pub(crate) fn new(items: Vec<Item<T>>, seed: u64, whole: Time) -> Self {
+        let mut waiting = items;
         let mut chance = seed;
         for item in &mut waiting {
             if let Moment::Random(span) = item.moment {
@@ -245,6 +326,11 @@ impl<T: Copy> Script<T> {
     /// Nothing is left to come.
     pub(crate) fn is_empty(&self) -> bool {
         self.waiting.is_empty()
+    }
+
+    /// What has not come, as it was typed.
+    pub(crate) fn left(&self) -> impl Iterator<Item = &str> {
+        self.waiting.iter().map(|item| item.text.as_str())
     }
 
     /// What comes in this period. `tip`: how deep the tool's tip is below the work's zero.
@@ -283,8 +369,20 @@ fn unit(state: &mut u64) -> f64 {
 mod tests {
     use super::*;
 
-    fn faults(text: &str) -> Result<Vec<Item<Fault>>, String> {
-        text.parse::<Items<Fault>>().map(|items| items.0)
+    fn both(faults: &str, orders: &str) -> Result<Told, String> {
+        let machine = store::machine::find("tapping-center").unwrap();
+        let list = |text: &str| vec![text.to_owned()];
+        let orders = if orders.is_empty() { Vec::new() } else { list(orders) };
+        told(&list(faults), &orders, &machine)
+    }
+
+    fn faults(text: &str) -> Result<Vec<(Fault, Moment)>, String> {
+        let told = both(text, "")?;
+        Ok(told.faults.iter().map(|item| (item.what, item.moment)).collect())
+    }
+
+    fn orders(text: &str) -> Vec<Item<Order>> {
+        both("late at 1s", text).unwrap().orders
     }
 
     #[test]
@@ -292,27 +390,28 @@ mod tests {
         let items =
             faults("power-cut at 1.234s; feedback-jump Z 50um at depth 8mm out;kill at random")
                 .unwrap();
-        assert_eq!(items[0], Item { what: Fault::PowerCut, moment: Moment::Time(Time::s(1.234)) });
+        assert_eq!(items[0], (Fault::PowerCut, Moment::Time(Time::s(1.234))));
         let jump = Fault::Jump(2, Length::um(50.0));
-        assert_eq!(
-            items[1],
-            Item { what: jump, moment: Moment::Depth { below: Length::mm(8.0), out: true } }
-        );
-        assert_eq!(items[2].moment, Moment::Random(None));
-        let tool = faults("torque-loss 90% spindle 1 at 6s; drive-fault spindle 1 at 7s").unwrap();
-        assert!(matches!(tool[0].what, Fault::TorqueLoss(1, share) if (share - 0.1).abs() < 1e-12));
-        assert_eq!(tool[1].what, Fault::SpindleDrive(1));
-        assert!(faults("drive-fault spindle 9 at 1s").is_err());
+        assert_eq!(items[1], (jump, Moment::Depth { below: Length::mm(8.0), out: true }));
+        assert_eq!(items[2].1, Moment::Random(None));
+        let tool = faults("torque-loss 90% spindle 0 at 6s; drive-fault spindle 0 at 7s").unwrap();
+        assert!(matches!(tool[0].0, Fault::TorqueLoss(0, share) if (share - 0.1).abs() < 1e-12));
+        assert_eq!(tool[1].0, Fault::SpindleDrive(0));
     }
 
     #[test]
     fn orders_are_read_likewise() {
-        let items = "hold at 2.5s; resume at 4000ms; override 50% at line 30"
-            .parse::<Items<Order>>()
-            .unwrap()
-            .0;
-        assert_eq!(items[1], Item { what: Order::Resume, moment: Moment::Time(Time::s(4.0)) });
-        assert_eq!(items[2], Item { what: Order::FeedOverride(0.5), moment: Moment::Line(30) });
+        let items = orders("hold at 2.5s; resume at 4000ms; override 50% at line 30");
+        assert_eq!((items[1].what, items[1].moment), (Order::Resume, Moment::Time(Time::s(4.0))));
+        assert_eq!((items[2].what, items[2].moment), (Order::FeedOverride(0.5), Moment::Line(30)));
+    }
+
+    #[test]
+    fn an_emergency_stop_is_the_operators_too() {
+        let told = both("late at 1s", "hold at 1s; emergency-stop at angle 12rev").unwrap();
+        assert_eq!(told.faults[1].what, Fault::EmergencyStop);
+        assert_eq!(told.faults[1].moment, Moment::Turned(Angle::rev(12.0)));
+        assert_eq!(told.orders.len(), 1);
     }
 
     #[test]
@@ -323,8 +422,13 @@ mod tests {
                 "power-cut at noon",
                 "expected a number with its unit (ms, us, s), as in 1.5s, found \"noon\"",
             ),
-            ("power-cat at 1s", "expected power-cut, kill"),
+            ("power-cut at depth", "expected a moment such as at 1.5s"),
+            ("power-cat at 1s", "expected one of power-cut, kill"),
+            ("drive-fault at 1s", "expected drive-fault spindle [N]|AXIS; found \"drive-fault\""),
             ("stuck Q at 1s", "expected an axis such as Z, found \"Q\""),
+            ("stuck A at 1s", "tapping-center has no axis A, only XYZ"),
+            ("drive-fault spindle 1 at 1s", "tapping-center has no spindle 1: its last one is 0"),
+            ("torque-loss 150% at 1s", "expected a loss from 0 to 100%, found \"150%\""),
             ("kill at line 0", "expected a program line from 1 on"),
             ("kill between 2s and 1s", "the earlier one first"),
             ("", "expected something and its moment"),
@@ -335,9 +439,18 @@ mod tests {
     }
 
     #[test]
+    fn everything_wrong_is_said_at_once() {
+        let why = both("stuck A at 1s; explode at 2s", "hold at 9x").unwrap_err();
+        for expected in ["no axis A", "found \"explode\"", "--operator: \"hold at 9x\""] {
+            assert!(why.contains(expected), "{why}");
+        }
+        assert_eq!(why.lines().count(), 3, "{why}");
+    }
+
+    #[test]
     fn a_depth_is_passed_once_inwards_and_once_outwards() {
-        let items = "hold at depth 5mm; retract at depth 5mm out".parse::<Items<Order>>().unwrap();
-        let mut script = Script::new(&[items], 1, Time::s(1.0));
+        let items = orders("hold at depth 5mm; retract at depth 5mm out; resume at 1000s");
+        let mut script = Script::new(items, 1, Time::s(1.0));
         let mut seen = Vec::new();
         for depth in [0.0, 4.9, 5.1, 8.0, 5.2, 4.8, 0.0] {
             seen.extend(
@@ -345,6 +458,6 @@ mod tests {
             );
         }
         assert_eq!(seen, [(Order::FeedHold, 5.1), (Order::Retract, 4.8)]);
-        assert!(script.is_empty());
+        assert_eq!(script.left().collect::<Vec<_>>(), ["resume at 1000s"]);
     }
 }

@@ -210,12 +210,16 @@ impl Simulation<'_> {
         paced.keep(&mut self.kernel, &mut self.planner, &mut queue, &mut self.sent);
         while feedback.time - begun < give_up && !interrupt::came() {
             if self.is_stopped() {
+                let known = self.kernel.faults().len();
                 faults.extend_from_slice(self.kernel.faults());
                 match self.deal_with_stop(&mut queue) {
                     Ok(true) => {}
-                    Ok(false) => break,
+                    Ok(false) => {
+                        faults.extend_from_slice(self.kernel.faults().get(known..).unwrap_or(&[]));
+                        break;
+                    }
                     Err(why) => {
-                        broke_off.push(format!("the tap could not be taken out: {why}"));
+                        broke_off.push(format!("the tool could not be taken out: {why}"));
                         break;
                     }
                 }
@@ -253,6 +257,7 @@ impl Simulation<'_> {
             }
         }
         self.timings.stop(periods, feedback.time - begun);
+        self.stops.say_what_never_came();
         let lost = self.machine.lost().map(|why| format!("the iron is gone: {why}"));
         let recovered = self.keeper.as_ref().and_then(Keeper::recovered);
         let unwritten = self.keeper.and_then(Keeper::finish);

@@ -10,10 +10,10 @@
 mod off;
 pub(crate) use off::Withdrawn;
 
-use crate::args::{AfterStop, RunArgs};
+use crate::args::AfterStop;
 use crate::plant::Plant;
 use crate::recover;
-use crate::script::Script;
+use crate::script::{Script, Told};
 use crate::session::Session;
 use bus::{Machine, Sample, State};
 use canon::{Holder, ToolKind};
@@ -53,7 +53,13 @@ pub(crate) type Ears<'a> = &'a mut dyn FnMut(&Sample);
 
 impl Stops {
     /// As the arguments have it.
-    pub(crate) fn new(args: &RunArgs, session: &Session, seed: u64, planned: Time) -> Self {
+    pub(crate) fn new(
+        recover: Option<AfterStop>,
+        told: Told,
+        session: &Session,
+        seed: u64,
+        planned: Time,
+    ) -> Self {
         let taps = session.tools.iter().filter_map(|tool| match &tool.kind {
             ToolKind::Tap(tap) => Some((
                 tool.number,
@@ -68,9 +74,9 @@ impl Stops {
         let gentle = session.machine.axis(canon::Axis::Z).map(|z| z.gentle);
         let slow = units::Speed::mm_per_s(2.0);
         Self {
-            faults: Script::new(&args.fault, seed, planned),
-            orders: Script::new(&args.operator, seed ^ 1, planned),
-            recover: args.recover,
+            faults: Script::new(told.faults, seed, planned),
+            orders: Script::new(told.orders, seed ^ 1, planned),
+            recover,
             lengths: session.tools.iter().map(|tool| (tool.number, tool.length)).collect(),
             zero: session.work_zero().linear[2],
             play: session.machine.simulation.tap_seat.flank_clearance,
@@ -88,8 +94,8 @@ impl Stops {
     /// Nothing comes.
     pub(crate) fn none() -> Self {
         Self {
-            faults: Script::new(&[], 0, Time::ZERO),
-            orders: Script::new(&[], 0, Time::ZERO),
+            faults: Script::new(Vec::new(), 0, Time::ZERO),
+            orders: Script::new(Vec::new(), 0, Time::ZERO),
             recover: None,
             lengths: Vec::new(),
             zero: Length::ZERO,
@@ -134,6 +140,13 @@ impl Stops {
         }
     }
 
+    /// The run is over: what was told to come and has not is said.
+    pub(crate) fn say_what_never_came(&mut self) {
+        let left = self.faults.left().chain(self.orders.left());
+        let left: Vec<_> = left.map(|text| format!("never came: {text}")).collect();
+        self.happened.extend(left);
+    }
+
     /// A run that has stopped: run down, and out of the thread if that is asked for. Whether the program goes on.
     pub(crate) fn deal_with(
         &mut self,
@@ -168,9 +181,12 @@ impl Stops {
             judge.sample(sample);
             hear(sample);
         });
-        let Some(after) = self.recover else { return Ok(false) };
-        let tool = plant.feedback().tool.unwrap_or(0);
         let surface = kernel.surface().unwrap_or(stored.start().place);
+        let Some(after) = self.recover else {
+            self.happened.extend(left_in(line, plant.feedback().axes[2].position, surface));
+            return Ok(false);
+        };
+        let tool = plant.feedback().tool.unwrap_or(0);
         let setting = self.taps.iter().find(|(number, _)| *number == tool);
         let setting = setting.map(|(_, setting)| Setting { surface, ..*setting });
         plant.mend();
@@ -222,6 +238,15 @@ impl Stops {
     }
 }
 
+/// What is said of a tap that nobody takes out.
+fn left_in(line: u32, place: Length, surface: Length) -> Option<String> {
+    let depth = surface - place;
+    (depth > Length::ZERO).then(|| {
+        let depth = depth.value();
+        format!("line {line}: the tap was left {depth:.2} mm deep in its thread; --recover takes it out along it")
+    })
+}
+
 fn stiffness(holder: Holder) -> Stiffness {
     match holder {
         Holder::Rigid { stiffness }
@@ -271,9 +296,11 @@ fn run_down(kernel: &mut Kernel, plant: &mut Plant, hear: Ears<'_>) {
     let (mut still, mut before) = (0, None);
     while plant.feedback().time < end && (still < STANDS.2 || kernel.is_retreating()) {
         let sample = period(kernel, plant);
-        let (angle, place) = point(&sample);
-        let stands = before.replace((angle, place)).is_some_and(|(a, z): PlanePoint| {
-            ((angle - a) / plant.period()).abs() < STANDS.0 && (place - z).abs() < STANDS.1
+        let (angle, places): (_, [Length; bus::AXES]) =
+            (sample.spindle(0), core::array::from_fn(|axis| sample.axis(axis)));
+        let stands = before.replace((angle, places)).is_some_and(|(a, was)| {
+            let moved = places.iter().zip(was).any(|(place, was)| (*place - was).abs() >= STANDS.1);
+            ((angle - a) / plant.period()).abs() < STANDS.0 && !moved
         });
         still = if stands { still + 1 } else { 0 };
         hear(&sample);

@@ -40,10 +40,10 @@ pub(crate) struct RunArgs {
     pub(crate) from: Option<crate::restart::From>,
     /// Let the iron fail: WHAT at MOMENT; several parted by `;`, see below
     #[arg(long, value_name = "WHAT at MOMENT", conflicts_with = "iron")]
-    pub(crate) fault: Vec<crate::script::Items<sim::Fault>>,
+    pub(crate) fault: Vec<String>,
     /// What the operator orders: WHAT at MOMENT; several parted by `;`, see below
     #[arg(long, value_name = "WHAT at MOMENT", conflicts_with = "iron")]
-    pub(crate) operator: Vec<crate::script::Items<kernel::Order>>,
+    pub(crate) operator: Vec<String>,
     /// After a stop in a thread: take the tap out along it, and end there, or continue with the remaining holes
     #[arg(long, value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "out", conflicts_with = "iron")]
     pub(crate) recover: Option<AfterStop>,

@@ -73,6 +73,7 @@ fn withdraw(
 ) -> Result<(), String> {
     let along = way_out.pass.map(|pass| (pass.axis, pass.from));
     kernel.withdraw(WithdrawalPlan { legs: [Some((way_out.infeed, way_out.clear)), along] });
+    while kernel.next_event().is_some() {} // what was said while everything ran down is no news
     let end = plant.feedback().time + recover::LONGEST.max(RUN_DOWN);
     loop {
         if plant.feedback().time > end {
