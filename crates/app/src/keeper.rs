@@ -9,6 +9,7 @@
 //! acknowledgement comes [`ALLOWANCE`] after the wish, by the machine's time, whenever the disk is done before. In real
 //! time it comes when it comes.
 use crate::refused::Refused;
+use crate::typed;
 use canon::{Holder, Op, OpKind, ToolKind, ToolLibrary};
 use kernel::{Kernel, Wish, WorkRecord};
 use plan::TiedCut;
@@ -17,8 +18,8 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::thread::JoinHandle;
 use store::sync_record::slots::{Kept, Slots, StateFolder};
-use store::sync_record::{Cut, Identity, Place, Retreat, Stage, Stroke, SyncRecord};
-use units::{Length, Stiffness, Time};
+use store::sync_record::{Cut, Geared, Identity, Place, Retreat, Stage, Stroke, SyncRecord};
+use units::{Angle, Length, Stiffness, Time};
 
 /// What a record may take to be on the disk: four times the median of an fsync'ed write on a solid-state disk.
 const ALLOWANCE: Time = Time::s(0.020);
@@ -84,6 +85,10 @@ pub(crate) struct Keeper {
     /// Which hole an operation makes, counted from 1.
     holes: BTreeMap<u32, u32>,
     made: u32,
+    /// Which gear an operation engages.
+    gears: BTreeMap<u32, Geared>,
+    /// What was typed.
+    command: Vec<String>,
     /// The hole whose tap a recovery has taken out, and its operation once the program has come to it.
     recovered: (Option<u32>, Option<u32>),
     /// Wishes on their way: number, and when they may be acknowledged.
@@ -132,6 +137,8 @@ impl Keeper {
             real_time,
             holes: BTreeMap::new(),
             made: before,
+            gears: BTreeMap::new(),
+            command: typed::of_this_run(),
             recovered: (recovered, None),
             underway: VecDeque::new(),
             last: None,
@@ -141,6 +148,9 @@ impl Keeper {
 
     /// The program orders this.
     pub(crate) fn op(&mut self, index: u32, op: &Op) {
+        if let Some(geared) = gear(&op.kind) {
+            self.gears.insert(index, geared);
+        }
         if matches!(op.kind, OpKind::Tap(_) | OpKind::Hole(_)) {
             self.made += 1;
             self.holes.insert(index, self.made);
@@ -204,6 +214,12 @@ impl Keeper {
 
     fn record(&self, tap: &WorkRecord) -> SyncRecord {
         let tool = self.tools.get(tap.tool);
+        let mut geared = self.gears.get(&tap.op).cloned();
+        if let (Some(geared), Some(ToolKind::PolygonCutter(cutter))) =
+            (&mut geared, tool.map(|tool| &tool.kind))
+        {
+            geared.radius = cutter.radius;
+        }
         SyncRecord {
             identity: self.identity.clone(),
             place: Place {
@@ -212,6 +228,7 @@ impl Keeper {
                 op: tap.op,
                 line: tap.line,
                 hole: self.holes.get(&tap.op).copied().unwrap_or(0),
+                command: self.command.clone(),
             },
             stage: Stage::Inward,
             stroke: Stroke {
@@ -239,6 +256,7 @@ impl Keeper {
                 surface: tap.surface,
                 spin: tap.spin,
                 stiffness: tool.map_or(Stiffness::ZERO, |tool| stiffness(&tool.kind)),
+                geared,
             },
         }
     }
@@ -256,6 +274,38 @@ impl Keeper {
             std::panic::resume_unwind(panic); // a defect of ours: let it be seen as one
         }
         problem
+    }
+}
+
+/// The gear that an operation engages.
+fn gear(kind: &OpKind) -> Option<Geared> {
+    match kind {
+        OpKind::Polygon(polygon) => {
+            let on_phase =
+                polygon.oscillations.iter().filter(|o| o.on == canon::Oscillating::ToolPhase);
+            let terms = on_phase.flat_map(|o| &o.harmonics);
+            Some(Geared {
+                follower: polygon.tool,
+                turns: polygon.ratio.follower,
+                master_turns: polygon.ratio.master,
+                phase: polygon.phase,
+                axis: None,
+                radius: Length::ZERO, // of the cutter that the record names
+                swing: terms.map(|h| (h.per_turn, h.cosine, h.sine)).collect(),
+                swing_turns: polygon.period(),
+            })
+        }
+        OpKind::Hob(hob) => Some(Geared {
+            follower: hob.work,
+            turns: hob.ratio().follower,
+            master_turns: hob.ratio().master,
+            phase: Angle::ZERO,
+            axis: hob.lead().map(|lead| (canon::Axis::Z.index() as u8, lead * -1.0)),
+            radius: hob.pitch_diameter() / 2.0,
+            swing: Vec::new(),
+            swing_turns: 1.0,
+        }),
+        _ => None,
     }
 }
 
@@ -285,10 +335,14 @@ pub(crate) fn whereabouts(record: &SyncRecord) -> String {
     }
 }
 
-/// The option that names a record's machine, where it is not the usual one.
+/// The option that names a record's machine as it was named then, where it is not the usual one.
 pub(crate) fn option_machine(record: &SyncRecord) -> String {
     let machine = &record.identity.machine;
-    if machine == crate::recover::USUAL { String::new() } else { format!(" --machine {machine}") }
+    match typed::value(&record.place.command, "--machine") {
+        Some(named) => format!(" --machine {}", typed::quoted(named)),
+        None if machine == crate::recover::USUAL => String::new(),
+        None => format!(" --machine {}", typed::quoted(machine)),
+    }
 }
 
 /// What is said where a tap is in the work and somebody wants to move something else.

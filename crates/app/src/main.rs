@@ -62,6 +62,7 @@ mod tables;
 mod time;
 mod timings;
 mod trace_thread;
+mod typed;
 mod wiring;
 mod worst;
 

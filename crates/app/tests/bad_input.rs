@@ -123,6 +123,29 @@ fn a_number_that_is_none_and_a_key_nobody_knows() {
 }
 
 #[test]
+fn drives_that_switch_off_in_a_tap_are_warned_of_and_no_others_are() {
+    let folder = tempfile::tempdir().unwrap();
+    for (key, words) in [
+        ("on_link_loss", ["if the control dies in a synchronised cut", "nothing is guaranteed"]),
+        ("on_power_loss", ["if the mains fail in a synchronised cut", "with [drives.bus]"]),
+    ] {
+        let usual = format!("{key} = \"coupled-stop\"");
+        let machine = changed_machine(folder.path(), &usual, &format!("{key} = \"off\""));
+        let output = leadscrew(&["machine", "check", &machine]);
+        assert_eq!(output.status.code(), Some(0), "{}", complained(&output));
+        let text = said(&output);
+        says(&text, &[&format!("warning: [drives] {key} is \"off\""), words[0], words[1]]);
+        assert_eq!(text.matches("warning").count(), 1, "{text}");
+        for reaction in ["quick-stop", "coast"] {
+            let machine =
+                changed_machine(folder.path(), &usual, &format!("{key} = \"{reaction}\""));
+            let text = said(&leadscrew(&["machine", "check", &machine]));
+            assert!(!text.contains("warning"), "{reaction}: {text}");
+        }
+    }
+}
+
+#[test]
 fn a_folder_where_nothing_can_be_written() {
     let output = leadscrew(&["run", "programs/inch-unc.ngc", "--out", "/proc/leadscrew/out"]);
     assert_eq!(output.status.code(), Some(2));

@@ -58,17 +58,39 @@ fn a_threading_pass_is_left_along_x_and_turned_again_after_a_kill_or_a_power_cut
 }
 
 #[test]
+fn a_gear_is_left_along_x_and_it_is_said_how_far_the_work_was_off_its_hob() {
+    let (text, machine) = (program("gear-m2-z40.nc"), ["--machine", "gear-hobber"]);
+    for stop in [&["--kill-control-at", "60"][..], &["--power-cut-at", "60"]] {
+        let (_, answer) = stopped(&text, &machine, stop, "hobbing");
+        assert!((number(&answer, "retreat_mm") - (110.0 - 75.067)).abs() < 0.1, "{answer:#}");
+        // the drives brake by themselves: the work is off by less than half a tooth's pitch, and by something
+        let off = number(&answer, "phase_error_before_um").abs();
+        assert!(off > 0.01 && off < 1e3 * 2.0 * std::f64::consts::PI / 2.0, "{answer:#}");
+        // 2·40/cos 20° of pitch diameter
+        let radius_um = 40e3 / 20_f64.to_radians().cos();
+        let degrees = number(&answer, "phase_error_before_deg").abs();
+        assert!((degrees.to_radians() * radius_um - off).abs() < 1e-6 * off, "{answer:#}");
+    }
+}
+
+#[test]
 fn a_polygon_and_a_cam_are_left_along_x() {
     let hexagon = program("hexagon-af17.nc");
     let machine = ["--machine", "polygon-lathe"];
     let (_, answer) = stopped(&hexagon, &machine, &["--power-cut-at", "12"], "polygon turning");
     assert!((number(&answer, "retreat_mm") - 16.5).abs() < 1.0, "{answer:#}");
+    assert!(number(&answer, "phase_error_before_um").abs() > 0.0, "{answer:#}");
     let cams = root().join("programs/cams.toml");
     let machine =
         ["--machine", "cam-grinder", "--dialect", "toyoda", "--cams", cams.to_str().unwrap()];
     let (_, answer) =
         stopped(&program("cam-shaft.nc"), &machine, &["--kill-control-at", "9"], "cam grinding");
     assert!(number(&answer, "retreat_mm") > 5.0, "{answer:#}");
+    assert!(answer["phase_error_before_um"].is_null(), "{answer:#}");
+    assert!(answer["phase_error_unknown"].as_str().unwrap().contains("infeed"), "{answer:#}");
+    let go_on = answer["continue_with"].as_str().unwrap();
+    let words = ["--dialect toyoda", "--cams ", "--machine cam-grinder", "--tools ", "--from "];
+    assert!(words.iter().all(|word| go_on.matches(word).count() == 1), "{go_on}");
 }
 
 #[test]
@@ -105,6 +127,38 @@ fn encoders_that_lie_and_spindles_that_fail_in_a_tap_are_recovered_within_one_ru
         let spoilt = fault.starts_with("torque-loss");
         assert!(spoilt || !text.contains("No-go gauge"), "{fault}: {text}");
     }
+}
+
+#[test]
+fn a_wheel_whose_axis_has_lost_its_encoder_is_not_said_to_be_off_the_cam_by_itself() {
+    let [file, cams] = ["cam-shaft.nc", "cams.toml"].map(|name| root().join("programs").join(name));
+    let (file, cams) = (file.to_str().unwrap(), cams.to_str().unwrap());
+    let run =
+        ["run", file, "--machine", "cam-grinder", "--dialect", "toyoda", "--cams", cams, "-q"];
+    let output = leadscrew(&[&run[..], &["--fault", "stuck X at 9s"]].concat());
+    let text = said(&output);
+    assert_eq!(output.status.code(), Some(3), "{text}");
+    assert!(text.contains("alarm 201: axis X"), "{text}");
+    assert!(text.contains("the tool was left in a cam; --recover"), "{text}");
+    assert!(!text.contains("OFF THE WORK"), "{text}");
+}
+
+#[test]
+fn what_is_wrong_with_faults_and_orders_is_said_at_once_and_what_never_came_in_the_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("tap.ngc");
+    std::fs::write(&file, iron::one_tap("G84", 11)).unwrap();
+    let tools = root().join("programs/tools.toml");
+    let run = ["run", file.to_str().unwrap(), "--tools", tools.to_str().unwrap(), "-q"];
+    let wrong = ["--fault", "stuck A at 1s; explode at 2s", "--operator", "hold at 9x"];
+    let output = leadscrew(&[&run[..], &wrong].concat());
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(complained(&output).lines().count(), 3, "{}", complained(&output));
+    let orders = ["--operator", "emergency-stop at angle 12rev; resume at 900s", "--recover"];
+    let output = leadscrew(&[&run[..], &orders].concat());
+    let text = said(&output);
+    assert!(text.contains("emergency-stop at") && text.contains("THE TAP IS OUT"), "{text}");
+    assert!(text.contains("never came: resume at 900s"), "{text}");
 }
 
 #[test]

@@ -131,7 +131,7 @@ fn answer(args: &RecoverArgs) -> Result<Answer, Refused> {
         });
     }
     if let Some(retreat) = record.stroke.retreat {
-        let way = withdraw::find(&record.stroke, retreat, &feedback);
+        let way = withdraw::find(&record.stroke, retreat, &welcome);
         let mut answer = Answer {
             note,
             ..Answer::plain(Outcome::Recovered, "off the work along its infeed axis")
@@ -233,6 +233,7 @@ fn nobody(identity: &store::sync_record::Identity) -> SyncRecord {
             op: 0,
             line: 0,
             hole: 0,
+            command: Vec::new(),
         },
         stage: Stage::Out,
         stroke: Stroke {
@@ -250,6 +251,7 @@ fn nobody(identity: &store::sync_record::Identity) -> SyncRecord {
             surface: Length::ZERO,
             spin: Spin::ZERO,
             stiffness: Stiffness::ZERO,
+            geared: None,
         },
     }
 }

@@ -1,8 +1,9 @@
 //! What is said of a recovery: to people, to programs, and as a picture.
 use super::find::Findings;
-use super::withdraw::Withdrawal;
+use super::withdraw::{Off, Withdrawal};
 use super::{Answer, Outcome};
 use crate::args::RecoverArgs;
+use crate::typed;
 use store::sync_record::{Cut, SyncRecord};
 use sync::recovery::{Mover, Point, Way};
 
@@ -47,28 +48,27 @@ fn off_the_work(way: &Withdrawal) -> String {
 
 /// The command that goes on with the rest.
 fn go_on(args: &RecoverArgs, record: &SyncRecord) -> String {
-    let state =
-        args.state.as_ref().map_or_else(String::new, |s| format!(" --state {}", s.display()));
-    let machine = crate::keeper::option_machine(record);
+    let state = args.state.as_ref().map(|state| typed::quoted(&state.display().to_string()));
+    let state = state.map_or_else(String::new, |state| format!(" --state {state}"));
     let from = match record.stroke.cut {
         Cut::Tap => format!("\"hole {}\"", record.place.hole),
         _ => record.place.line.to_string(),
     };
-    format!(
-        "leadscrew run {}{machine} --iron {}{state} --from {from}",
-        record.place.program,
-        args.iron.display(),
-    )
+    let job = match &record.place.command[..] {
+        [] => typed::quoted(&record.place.program) + &crate::keeper::option_machine(record),
+        command => typed::joined(command),
+    };
+    let iron = typed::quoted(&args.iron.display().to_string());
+    format!("leadscrew run {job} --iron {iron}{state} --from {from}")
 }
 
 pub(super) fn json(args: &RecoverArgs, answer: &Answer) -> String {
     let record = answer.record.as_ref();
     let findings = answer.findings.as_ref();
     let way = answer.withdrawal.as_ref().map(|(way, _)| way);
-    let error = findings
-        .map(|f| f.stored.error(f.at))
-        .or_else(|| way.and_then(|way| way.error))
-        .map(units::Length::in_um);
+    let off = way.and_then(|way| way.off.ok());
+    let error = findings.map(|f| f.stored.error(f.at)).or(off.map(|off| off.length));
+    let phase = findings.map(|f| f.stored.phase_difference(f.at)).or(off.map(|off| off.angle));
     let value = serde_json::json!({
         "outcome": match answer.outcome {
             Outcome::Recovered => "recovered",
@@ -76,7 +76,9 @@ pub(super) fn json(args: &RecoverArgs, answer: &Answer) -> String {
             Outcome::Nothing => "nothing-to-do",
         },
         "reason": answer.reason,
-        "phase_error_before_um": error,
+        "phase_error_before_um": error.map(units::Length::in_um),
+        "phase_error_before_deg": phase.map(units::Angle::in_deg),
+        "phase_error_unknown": way.and_then(|way| way.off.err()),
         "phase_error_bound_um": findings.map(|f| f.bound.in_um()),
         "helix_error_max_um": answer.figures.as_ref().map(|f| f.helix_error_max.in_um()),
         "cut": record.map(|r| r.stroke.cut.name()),
@@ -117,11 +119,15 @@ pub(super) fn text(args: &RecoverArgs, answer: &Answer) -> String {
         text += &format!("  moves first    {}\n", first(findings));
     }
     if let Some((way, taken)) = &answer.withdrawal {
-        if let Some(error) = way.error {
-            let at = error.in_um();
-            text +=
-                &format!("  before         {at:.1} µm off its thread, taken to the nearest turn\n");
-        }
+        text += &match way.off {
+            Ok(Off { length, angle, of }) => format!(
+                "  before         {:.1} µm off {of} ({:.3}° of the spindle that {}), taken to the nearest turn\n",
+                length.in_um(),
+                angle.in_deg(),
+                if way.along.is_some() { "leads" } else { "follows" },
+            ),
+            Err(why) => format!("  before         not known: {why}\n"),
+        };
         text += &format!("  moves first    {}\n", off_the_work(way));
         if let Some(taken) = taken {
             text += &format!("  on the way out {:.2} s\n", taken.value());

@@ -2,12 +2,12 @@
 //! polygon, a gear. The infeed axis takes it off the work first, whatever the spindles' angles are.
 use crate::plant::Plant;
 use crate::wiring;
-use bus::Feedback;
 use canon::Axis;
 use kernel::{EventKind, Kernel, WithdrawalPlan};
 use store::machine::MachineFile;
 use store::sync_record::{Cut, Retreat, Stroke};
-use units::{Length, Time};
+use units::{Angle, Length, Time};
+use wire::Welcome;
 
 /// One axis' way.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,26 +23,54 @@ pub(super) struct Withdrawal {
     pub(super) infeed: Leg,
     /// Afterwards, along a thread, back to where the pass began.
     pub(super) along: Option<Leg>,
-    /// How far the tool stands off the thread's line along it, of all the turns the nearest one.
-    pub(super) error: Option<Length>,
+    /// How far what follows stands off its coupling; or why that cannot be said.
+    pub(super) off: Result<Off, &'static str>,
 }
 
+/// A distance from a coupling, of all the places that the turns allow the nearest one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Off {
+    /// Along a thread; along the path of a cutter's tip; on the pitch circle of a gear.
+    pub(super) length: Length,
+    /// The same as a turn of the spindle: of the one that leads a thread, of the one that follows in a gear.
+    pub(super) angle: Angle,
+    /// For people: off what.
+    pub(super) of: &'static str,
+}
+
+/// Of a cam.
+const INFEED: &str =
+    "a wheel's infeed goes on top of its profile, and how far that had come is not written down";
+
 /// From record and encoders.
-pub(super) fn find(stroke: &Stroke, retreat: Retreat, feedback: &Feedback) -> Withdrawal {
+pub(super) fn find(stroke: &Stroke, retreat: Retreat, welcome: &Welcome) -> Withdrawal {
+    let feedback = &welcome.observed.feedback;
     let place = |axis: u8| feedback.axes[usize::from(axis)].position;
     let leg = |axis: u8, to| Leg { axis: Axis::ALL[usize::from(axis)], from: place(axis), to };
     let is_thread = stroke.cut == Cut::Thread;
-    let error = is_thread.then(|| {
-        let reading = feedback.spindles[usize::from(stroke.spindle)].angle;
-        let off = place(stroke.axis) - stroke.position(reading);
-        let turns = (off / stroke.lead).value();
-        stroke.lead * units::Angle::rev(turns - turns.round())
-    });
     Withdrawal {
         infeed: leg(retreat.axis, retreat.clear),
         along: is_thread.then(|| leg(stroke.axis, stroke.start)),
-        error,
+        off: off(stroke, welcome),
     }
+}
+
+/// How far what follows stands off its coupling.
+fn off(stroke: &Stroke, welcome: &Welcome) -> Result<Off, &'static str> {
+    let feedback = &welcome.observed.feedback;
+    let place = |axis: u8| feedback.axes[usize::from(axis)].position;
+    let reading = |spindle: u8| feedback.spindles[usize::from(spindle)].angle;
+    if stroke.cut == Cut::Thread {
+        let off = place(stroke.axis) - stroke.position(reading(stroke.spindle));
+        let turns = (off / stroke.lead).value();
+        let angle = Angle::rev(turns - turns.round());
+        return Ok(Off { length: stroke.lead * angle, angle, of: "its thread" });
+    }
+    let Some(geared) = &stroke.geared else { return Err(INFEED) };
+    let lost = welcome.turns_lost[usize::from(stroke.spindle)];
+    let angle = geared.error(reading(stroke.spindle), reading(geared.follower), place, lost);
+    let of = if stroke.cut == Cut::Gear { "its pitch circle" } else { "its tip's path" };
+    Ok(Off { length: geared.radius * angle.in_rad(), angle, of })
 }
 
 /// Take it out; how long that took.

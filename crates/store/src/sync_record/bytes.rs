@@ -1,4 +1,6 @@
-//! Numbers and names as bytes, little-endian.
+//! Numbers, names and gears as bytes, little-endian.
+use super::{Geared, LONGEST_COMMAND, MOST_WORDS};
+use units::{Angle, Lead, Length};
 
 /// Appends.
 #[derive(Debug, Default)]
@@ -35,6 +37,39 @@ impl Writer {
         let name = &name[..cut.unwrap_or(0)];
         self.u16(name.len() as u16);
         self.bytes(name.as_bytes());
+    }
+
+    /// None of them, where they are too many to be kept.
+    pub(super) fn words(&mut self, words: &[String]) {
+        let fits = words.len() <= MOST_WORDS
+            && words.iter().map(String::len).sum::<usize>() <= LONGEST_COMMAND
+            && words.iter().all(|word| word.len() <= super::LONGEST_NAME);
+        let words = if fits { words } else { &[] };
+        self.u8(words.len() as u8);
+        for word in words {
+            self.name(word, super::LONGEST_NAME);
+        }
+    }
+
+    pub(super) fn geared(&mut self, geared: Option<&Geared>) {
+        self.u8(u8::from(geared.is_some()));
+        let Some(geared) = geared else { return };
+        self.u8(geared.follower);
+        self.bytes(&geared.turns.to_le_bytes());
+        self.bytes(&geared.master_turns.to_le_bytes());
+        self.f64(geared.phase.value());
+        let (axis, lead) = geared.axis.unwrap_or((u8::MAX, Lead::ZERO));
+        self.u8(axis);
+        self.f64(lead.value());
+        self.f64(geared.radius.value());
+        self.f64(geared.swing_turns);
+        let terms = &geared.swing[..geared.swing.len().min(Geared::MOST_TERMS)];
+        self.u8(terms.len() as u8);
+        for (period, cosine, sine) in terms {
+            self.u32(*period);
+            self.f64(*cosine);
+            self.f64(*sine);
+        }
     }
 
     pub(super) fn finish(self) -> Vec<u8> {
@@ -79,6 +114,49 @@ impl<'a> Reader<'a> {
 
     pub(super) fn f64(&mut self) -> Option<f64> {
         self.take().map(f64::from_le_bytes)
+    }
+
+    fn i32(&mut self) -> Option<i32> {
+        self.take().map(i32::from_le_bytes)
+    }
+
+    pub(super) fn words(&mut self) -> Option<Vec<String>> {
+        let count = usize::from(self.u8()?);
+        if count > MOST_WORDS {
+            return None;
+        }
+        (0..count).map(|_| self.name()).collect()
+    }
+
+    /// `None`: no gear can be read; that there is none is something else.
+    #[allow(clippy::option_option)] // as said
+    pub(super) fn geared(&mut self) -> Option<Option<Geared>> {
+        match self.u8()? {
+            0 => return Some(None),
+            1 => {}
+            _ => return None,
+        }
+        let (follower, turns, master_turns) = (self.u8()?, self.i32()?, self.i32()?);
+        let phase = Angle::rev(self.f64()?);
+        let (axis, lead) = (self.u8()?, Lead::mm_per_rev(self.f64()?));
+        let (radius, swing_turns) = (Length::mm(self.f64()?), self.f64()?);
+        let count = usize::from(self.u8()?);
+        if count > Geared::MOST_TERMS {
+            return None;
+        }
+        let swing = (0..count).map(|_| Some((self.u32()?, self.f64()?, self.f64()?)));
+        let swing = swing.collect::<Option<Vec<_>>>()?;
+        let axis = (axis != u8::MAX).then_some((axis, lead));
+        Some(Some(Geared {
+            follower,
+            turns,
+            master_turns,
+            phase,
+            axis,
+            radius,
+            swing,
+            swing_turns,
+        }))
     }
 
     pub(super) fn name(&mut self) -> Option<String> {

@@ -18,19 +18,25 @@
 //! [`SyncRecord`] (f64 for quantities, u16 + UTF-8 for names), CRC-32 of all before it. [`slots`] keeps two generations.
 mod bytes;
 pub mod slots;
+mod stroke;
+mod untrusted;
 
 use bytes::{Reader, Writer};
-use std::fmt;
+pub use stroke::{Cut, Geared, Retreat, Stroke};
 use units::{Angle, Lead, Length, Spin, Stiffness};
+pub use untrusted::Untrusted;
 
 /// First bytes of every record.
 const MAGIC: [u8; 4] = *b"LSYN";
 /// Layout that this version writes and reads.
-pub const VERSION: u16 = 2;
+pub const VERSION: u16 = 3;
 /// No record is longer.
-pub const LONGEST: usize = 2048;
+pub const LONGEST: usize = 8192;
 /// Longest name in it, bytes; longer ones are cut.
-const LONGEST_NAME: usize = 255;
+const LONGEST_NAME: usize = 1023;
+/// A command of more words, or of more bytes in all, is not kept.
+const MOST_WORDS: usize = 64;
+const LONGEST_COMMAND: usize = 3000;
 /// Magic, version, length, generation.
 const HEAD: usize = 4 + 2 + 4 + 8;
 /// The checksum.
@@ -60,6 +66,8 @@ pub struct Place {
     pub line: u32,
     /// Which of the program's holes and threads, counted from 1 in the order in which they are cut.
     pub hole: u32,
+    /// What was typed behind `leadscrew run`, but for where the iron is and where to begin: all that is needed to go on.
+    pub command: Vec<String>,
 }
 
 /// How far the tap has got.
@@ -86,110 +94,6 @@ impl Stage {
     }
 }
 
-/// What the tool cuts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Cut {
-    /// It taps: screwed to the work, it comes out along its thread.
-    Tap = 1,
-    /// A pass over a turned thread.
-    Thread = 2,
-    /// A cam is ground.
-    Cam = 3,
-    /// A polygon is turned.
-    Polygon = 4,
-    /// A gear is hobbed.
-    Gear = 5,
-}
-
-impl Cut {
-    const ALL: [Self; 5] = [Self::Tap, Self::Thread, Self::Cam, Self::Polygon, Self::Gear];
-
-    /// For people: what the tool is doing.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Tap => "tap",
-            Self::Thread => "threading pass",
-            Self::Cam => "cam grinding",
-            Self::Polygon => "polygon turning",
-            Self::Gear => "hobbing",
-        }
-    }
-
-    /// An axis along a thread follows the spindle.
-    const fn has_thread(self) -> bool {
-        matches!(self, Self::Tap | Self::Thread)
-    }
-}
-
-/// How a tool comes off work that it is not screwed to.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Retreat {
-    /// Bus index of the infeed axis.
-    pub axis: u8,
-    /// Its coordinate where the tool is clear of the work.
-    pub clear: Length,
-    /// That is on its positive side.
-    pub outward: bool,
-}
-
-impl Retreat {
-    /// How far a place is inside of where the tool is clear; negative outside.
-    pub fn inside(&self, place: Length) -> Length {
-        if self.outward { self.clear - place } else { place - self.clear }
-    }
-}
-
-/// The coupled motion. Coordinates are those of the axes, at the spindle's gauge line.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stroke {
-    /// What is cut.
-    pub cut: Cut,
-    /// What leads the tool off the work first; a tap has none.
-    pub retreat: Option<Retreat>,
-    /// Bus index of the axis along the thread; where there is none, of the infeed axis.
-    pub axis: u8,
-    /// Which spindle leads.
-    pub spindle: u8,
-    /// The tool in the spindle.
-    pub tool: u32,
-    /// Its nominal diameter.
-    pub diameter: Length,
-    /// θ₀: the spindle's angle, multi-turn, …
-    pub theta0: Angle,
-    /// … that belongs to this place of the axis.
-    pub z0: Length,
-    /// H: axis travel per positive turn of the spindle; zero where no thread is cut.
-    pub lead: Lead,
-    /// PS: where the way out ends.
-    pub start: Length,
-    /// PE: the programmed bottom.
-    pub bottom: Length,
-    /// Where the material is taken to begin.
-    pub surface: Length,
-    /// Highest planned speed, signed as on the way in.
-    pub spin: Spin,
-    /// Axial stiffness of the holder.
-    pub stiffness: Stiffness,
-}
-
-impl Stroke {
-    /// The hand of the thread: right-hand where turning clockwise leads into the work.
-    pub fn is_right_hand(&self) -> bool {
-        (self.bottom < self.start) == (self.lead < Lead::ZERO)
-    }
-
-    /// z(θ).
-    pub fn position(&self, theta: Angle) -> Length {
-        self.z0 + self.lead * (theta - self.theta0)
-    }
-
-    /// How far a place of the axis is inside of PS, along the way in; negative outside.
-    pub fn inside(&self, z: Length) -> Length {
-        if self.bottom < self.start { self.start - z } else { z - self.start }
-    }
-}
-
 /// One generation of the record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SyncRecord {
@@ -202,113 +106,6 @@ pub struct SyncRecord {
     /// Along which line.
     pub stroke: Stroke,
 }
-
-/// Why a record is not believed.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Untrusted {
-    /// It begins with other bytes.
-    Foreign,
-    /// Another layout.
-    Version(u16),
-    /// Its end is missing.
-    Torn {
-        /// Bytes there.
-        has: usize,
-        /// Bytes that it says it has.
-        needs: usize,
-    },
-    /// Something follows its end.
-    Overlong {
-        /// Bytes there.
-        has: usize,
-        /// Bytes that it says it has.
-        needs: usize,
-    },
-    /// The checksum does not fit: a bit has changed.
-    Changed,
-    /// The checksum fits, and yet a field says what cannot be.
-    Senseless(&'static str),
-    /// Another machine's.
-    OtherMachine {
-        /// Whose it is.
-        found: String,
-        /// Whose it should be.
-        expected: String,
-    },
-    /// The encoders have lost their reference since.
-    OldEpoch {
-        /// Epoch in which it was written.
-        found: u64,
-        /// The encoders' own.
-        expected: u64,
-    },
-    /// In the place of the other generation.
-    Swapped {
-        /// What it says it is.
-        generation: u64,
-    },
-    /// The two generations do not follow one another: one of them is from another time.
-    Apart {
-        /// The one,
-        older: u64,
-        /// and the other.
-        newer: u64,
-    },
-    /// One generation is damaged, and the other says that nothing is in the work: the damaged one may be the newer.
-    Unsure(Box<Untrusted>),
-    /// One generation is missing, and the other says that nothing is in the work: the missing one may be the newer.
-    Missing,
-    /// The file system does not give it.
-    Unreadable(String),
-}
-
-impl fmt::Display for Untrusted {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Foreign => f.write_str("the sync record is foreign: its file does not begin as a record does"),
-            Self::Version(found) => write!(
-                f,
-                "the sync record has layout {found}, and this version of Leadscrew reads layout {VERSION}: recover with the version that wrote it"
-            ),
-            Self::Torn { has, needs } => {
-                write!(f, "the sync record is torn: {has} bytes are there of {needs}")
-            }
-            Self::Overlong { has, needs } => write!(
-                f,
-                "the sync record is followed by other bytes: {has} are there, and it ends after {needs}"
-            ),
-            Self::Changed => f.write_str("the sync record has changed since it was written: its checksum does not fit"),
-            Self::Senseless(field) => {
-                write!(f, "the sync record has its checksum right and yet says what cannot be: {field}")
-            }
-            Self::OtherMachine { found, expected } => {
-                write!(f, "the sync record belongs to another machine: to {found}, and this is {expected}")
-            }
-            Self::OldEpoch { found, expected } => write!(
-                f,
-                "the sync record is stale: the encoders have lost their reference since it was written (epoch {found:016x}, now {expected:016x})"
-            ),
-            Self::Swapped { generation } => write!(
-                f,
-                "the generations of the sync record have been swapped: number {generation} lies in the other one's place"
-            ),
-            Self::Apart { older, newer } => write!(
-                f,
-                "the generations of the sync record do not belong together: number {older} beside number {newer}, so one is from another time"
-            ),
-            Self::Unsure(why) => write!(
-                f,
-                "one generation of the sync record says that no tap is in the work, but the other, which may be newer, is damaged: {why}"
-            ),
-            Self::Missing => f.write_str(
-                "one generation of the sync record says that no tap is in the work, but the other, which may be newer, is missing",
-            ),
-            Self::Unreadable(why) => write!(f, "the sync record cannot be read: {why}"),
-        }
-    }
-}
-
-impl std::error::Error for Untrusted {}
 
 impl Identity {
     /// For people.
@@ -332,6 +129,7 @@ impl SyncRecord {
         for number in [self.place.checksum, self.place.op, self.place.line, self.place.hole] {
             w.u32(number);
         }
+        w.words(&self.place.command);
         w.u8(self.stage as u8);
         let s = &self.stroke;
         w.u8(s.cut as u8);
@@ -355,6 +153,7 @@ impl SyncRecord {
         ] {
             w.f64(value);
         }
+        w.geared(s.geared.as_ref());
         let mut bytes = w.finish();
         let length = (bytes.len() + TAIL) as u32;
         bytes[6..10].copy_from_slice(&length.to_le_bytes());
@@ -412,6 +211,7 @@ impl SyncRecord {
             op: r.u32()?,
             line: r.u32()?,
             hole: r.u32()?,
+            command: r.words()?,
         };
         let stage = match r.u8()? {
             1 => Stage::Inward,
@@ -440,6 +240,7 @@ impl SyncRecord {
             surface: Length::mm(r.f64()?),
             spin: Spin::rev_per_s(r.f64()?),
             stiffness: Stiffness::n_per_mm(r.f64()?),
+            geared: r.geared()?,
         };
         Some((Self { identity, place, stage, stroke }, generation))
     }
@@ -465,6 +266,9 @@ impl SyncRecord {
         }
         if (s.cut == Cut::Tap) == s.retreat.is_some() {
             return wrong("a way off the work that its tool has not, or has not the one it needs");
+        }
+        if s.geared.as_ref().is_some_and(|geared| !geared.makes_sense()) {
+            return wrong("a gear that no machine has");
         }
         let lead = s.lead.value();
         if !lead.is_finite() || s.cut.has_thread() && !(1e-3..1e3).contains(&lead.abs()) {

@@ -18,6 +18,7 @@ fn record(hole: u32, stage: Stage) -> SyncRecord {
             op: 40 + hole,
             line: 20 + hole,
             hole,
+            command: vec!["programs/plate-12xM6.ngc".into(), "-q".into()],
         },
         stage,
         stroke: Stroke {
@@ -35,6 +36,7 @@ fn record(hole: u32, stage: Stage) -> SyncRecord {
             surface: Length::mm(-152.0),
             spin: Spin::rpm(1000.0),
             stiffness: Stiffness::n_per_mm(20_000.0),
+            geared: None,
         },
     }
 }
@@ -135,7 +137,7 @@ fn after_a_kill_at_any_of_ten_thousand_bytes_the_record_is_the_old_one_or_the_ne
         random ^= random << 13;
         random ^= random >> 7;
         random ^= random << 17;
-        let mut disk = DyingDisk { left: (random % 1620) as usize, ..DyingDisk::default() };
+        let mut disk = DyingDisk { left: (random % 1920) as usize, ..DyingDisk::default() };
         let mut acknowledged = 0;
         if let Ok((mut slots, _)) = Slots::open(&mut disk, &identity()) {
             acknowledged = life.iter().take_while(|record| slots.write(record).is_ok()).count();
@@ -157,7 +159,7 @@ fn after_a_kill_at_any_of_ten_thousand_bytes_the_record_is_the_old_one_or_the_ne
 #[test]
 fn what_was_acknowledged_is_never_forgotten() {
     // the same, from the tap's side: acknowledged inward means that a restart knows of it
-    for left in 0..600 {
+    for left in 0..700 {
         let mut disk = DyingDisk { left, ..DyingDisk::default() };
         let (mut slots, _) = Slots::open(&mut disk, &identity()).unwrap();
         let acknowledged = slots.write(&record(1, Stage::Inward)).is_ok();
@@ -207,11 +209,11 @@ fn damage_to_the_newer_generation_is_refused_with_its_own_sentence() {
     // generation 4 says that a tap is in hole 2, generation 3 that hole 1 is done
     let said = |damage: &dyn Fn(&mut Vec<u8>)| damaged(B, damage).unwrap_err().to_string();
     let torn = said(&|bytes| bytes.truncate(100));
-    assert!(torn.ends_with("the sync record is torn: 100 bytes are there of 186"), "{torn}");
+    assert!(torn.ends_with("the sync record is torn: 100 bytes are there of 218"), "{torn}");
     let empty = said(&Vec::clear);
     assert!(empty.ends_with("0 bytes are there of 22"), "{empty}");
     let longer = said(&|bytes| bytes.push(0));
-    assert!(longer.ends_with("187 are there, and it ends after 186"), "{longer}");
+    assert!(longer.ends_with("219 are there, and it ends after 218"), "{longer}");
     let flipped = said(&|bytes| bytes[120] ^= 0x10);
     assert!(flipped.ends_with("its checksum does not fit"), "{flipped}");
     let foreign = said(&|bytes| *bytes = b"%PDF-1.7".to_vec());
@@ -334,6 +336,86 @@ fn a_tool_that_is_not_screwed_to_the_work_is_recorded_with_its_way_off_it() {
         assert_eq!(SyncRecord::decode(&written.encode(7)), Ok((written, 7)));
         let inside = retreat.inside(Length::mm(-140.0));
         assert_eq!(inside, Length::mm(if outward { 1.0 } else { -1.0 }));
+    }
+}
+
+/// A helical gear of 40 teeth, lead 734.8 mm, that follows its hob.
+fn geared() -> Geared {
+    Geared {
+        follower: 1,
+        turns: 1,
+        master_turns: 40,
+        phase: Angle::rev(0.1),
+        axis: Some((2, Lead::mm_per_rev(-734.8))),
+        radius: Length::mm(42.567),
+        swing: Vec::new(),
+        swing_turns: 1.0,
+    }
+}
+
+#[test]
+fn a_follower_belongs_where_the_gear_its_helix_and_its_swing_have_it() {
+    let place = |_: u8| Length::mm(-73.48);
+    // 83 turns of the hob: 2 3/40 of the work, a tenth by the helix, and the phase
+    let on = geared().follow(Angle::rev(83.0), place);
+    assert!((on.value() - (2.0 + 3.0 / 40.0 + 0.1 + 0.1)).abs() < 1e-12, "{on:?}");
+    let tool = Geared {
+        turns: 2,
+        master_turns: 1,
+        axis: None,
+        swing: vec![(4, 0.01, 0.0), (8, 0.0, 0.002)],
+        ..geared()
+    };
+    // an eighth of a turn: half a period of the one, a whole one of the other
+    let on = tool.follow(Angle::rev(-2.875), place);
+    assert!((on.value() - (-5.75 + 0.1 - 0.01)).abs() < 1e-12, "{on:?}");
+}
+
+#[test]
+fn the_error_of_a_follower_is_that_of_the_nearest_turn_and_of_the_nearest_tooth_where_turns_are_lost()
+ {
+    let place = |_: u8| Length::ZERO;
+    let theta = Angle::rev(83.0);
+    let on = geared().follow(theta, place);
+    let off = |more: f64, lost| geared().error(theta, on + Angle::rev(more), place, lost).value();
+    assert!((off(7.002, false) - 0.002).abs() < 1e-12 && (off(0.3, false) - 0.3).abs() < 1e-12);
+    // the master may be any turn further: each is a tooth
+    assert!((off(0.3 + 0.002, true) - 0.002).abs() < 1e-12, "{}", off(0.302, true));
+}
+
+#[test]
+fn a_gear_and_a_command_are_read_as_they_were_written() {
+    let mut written = record(1, Stage::Inward);
+    written.stroke.geared =
+        Some(Geared { swing: vec![(4, 0.01, -0.5), (8, 0.0, 0.002)], ..geared() });
+    written.place.command = ["my part.ngc", "", "--cams", "Nocken Ä.toml"].map(String::from).into();
+    let bytes = written.encode(3);
+    assert_eq!(SyncRecord::decode(&bytes), Ok((written.clone(), 3)));
+    for (word, change) in [
+        ("gear", (|g| g.master_turns = 0) as fn(&mut Geared)),
+        ("gear", |g| g.follower = 77),
+        ("gear", |g| g.phase = Angle::rev(f64::NAN)),
+        ("gear", |g| g.swing_turns = 0.0),
+        ("gear", |g| g.swing[0].1 = f64::INFINITY),
+        ("gear", |g| g.axis = Some((2, Lead::ZERO))),
+    ] {
+        let mut senseless = written.clone();
+        senseless.stroke.geared.as_mut().into_iter().for_each(change);
+        let said = SyncRecord::decode(&senseless.encode(1)).unwrap_err().to_string();
+        assert!(said.contains("what cannot be") && said.contains(word), "{said}");
+    }
+}
+
+#[test]
+fn a_command_that_is_too_long_is_left_out_and_the_record_stays_readable() {
+    let mut written = record(1, Stage::Inward);
+    for words in [vec!["x".to_owned(); 65], vec!["y".repeat(1000); 4], vec!["z".repeat(1024)]] {
+        written.place.command = words;
+        written.stroke.geared =
+            Some(Geared { swing: vec![(1, 0.1, 0.2); Geared::MOST_TERMS], ..geared() });
+        written.place.program = "p".repeat(2000);
+        let (read, _) = SyncRecord::decode(&written.encode(1)).unwrap();
+        assert_eq!((read.place.command.len(), read.place.program.len()), (0, 1023));
     }
 }
 

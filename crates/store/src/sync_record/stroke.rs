@@ -1,0 +1,179 @@
+//! What is cut, along which line or on which gear, and how its tool comes off it.
+use units::{Angle, Lead, Length, Spin, Stiffness};
+
+/// What the tool cuts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Cut {
+    /// It taps: screwed to the work, it comes out along its thread.
+    Tap = 1,
+    /// A pass over a turned thread.
+    Thread = 2,
+    /// A cam is ground.
+    Cam = 3,
+    /// A polygon is turned.
+    Polygon = 4,
+    /// A gear is hobbed.
+    Gear = 5,
+}
+
+impl Cut {
+    pub(super) const ALL: [Self; 5] =
+        [Self::Tap, Self::Thread, Self::Cam, Self::Polygon, Self::Gear];
+
+    /// For people: what the tool is doing.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Tap => "tap",
+            Self::Thread => "threading pass",
+            Self::Cam => "cam grinding",
+            Self::Polygon => "polygon turning",
+            Self::Gear => "hobbing",
+        }
+    }
+
+    /// An axis along a thread follows the spindle.
+    pub(super) const fn has_thread(self) -> bool {
+        matches!(self, Self::Tap | Self::Thread)
+    }
+}
+
+/// How a tool comes off work that it is not screwed to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Retreat {
+    /// Bus index of the infeed axis.
+    pub axis: u8,
+    /// Its coordinate where the tool is clear of the work.
+    pub clear: Length,
+    /// That is on its positive side.
+    pub outward: bool,
+}
+
+impl Retreat {
+    /// How far a place is inside of where the tool is clear; negative outside.
+    pub fn inside(&self, place: Length) -> Length {
+        if self.outward { self.clear - place } else { place - self.clear }
+    }
+}
+
+/// The coupled motion. Coordinates are those of the axes, at the spindle's gauge line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stroke {
+    /// What is cut.
+    pub cut: Cut,
+    /// What leads the tool off the work first; a tap has none.
+    pub retreat: Option<Retreat>,
+    /// Bus index of the axis along the thread; where there is none, of the infeed axis.
+    pub axis: u8,
+    /// Which spindle leads.
+    pub spindle: u8,
+    /// The tool in the spindle.
+    pub tool: u32,
+    /// Its nominal diameter.
+    pub diameter: Length,
+    /// θ₀: the spindle's angle, multi-turn, …
+    pub theta0: Angle,
+    /// … that belongs to this place of the axis.
+    pub z0: Length,
+    /// H: axis travel per positive turn of the spindle; zero where no thread is cut.
+    pub lead: Lead,
+    /// PS: where the way out ends.
+    pub start: Length,
+    /// PE: the programmed bottom.
+    pub bottom: Length,
+    /// Where the material is taken to begin.
+    pub surface: Length,
+    /// Highest planned speed, signed as on the way in.
+    pub spin: Spin,
+    /// Axial stiffness of the holder.
+    pub stiffness: Stiffness,
+    /// The spindle that follows, where one does.
+    pub geared: Option<Geared>,
+}
+
+/// A spindle that follows another one: φ = (p/q)·θ + z/H + φ₀ + Σ swing(θ).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Geared {
+    /// The spindle that follows; the stroke names the one that leads.
+    pub follower: u8,
+    /// p: turns of the follower …
+    pub turns: i32,
+    /// … in so many of its master, q; above zero.
+    pub master_turns: i32,
+    /// φ₀: the follower's angle where the master's is zero.
+    pub phase: Angle,
+    /// Bus index of an axis that is a second master, and its travel for a turn.
+    pub axis: Option<(u8, Lead)>,
+    /// At this radius of what follows, a distance from its place is a length.
+    pub radius: Length,
+    /// What swings about that, rev: periods in so many turns of the master, cosine, sine; …
+    pub swing: Vec<(u32, f64, f64)>,
+    /// … and those turns.
+    pub swing_turns: f64,
+}
+
+impl Geared {
+    /// Most terms of a swing that are written down.
+    pub const MOST_TERMS: usize = 64;
+
+    /// Numbers that some machine can have.
+    pub(super) fn makes_sense(&self) -> bool {
+        let (axis, lead) = self.axis.unwrap_or((0, Lead::mm_per_rev(1.0)));
+        let numbers = [self.phase.value(), lead.value(), self.radius.value()];
+        let swing = self.swing.iter().all(|(_, cosine, sine)| (cosine + sine).is_finite());
+        usize::from(self.follower) < bus::SPINDLES
+            && usize::from(axis) < bus::AXES
+            && self.master_turns > 0
+            && self.swing_turns.is_finite()
+            && self.swing_turns > 0.0
+            && numbers.iter().all(|number| number.is_finite())
+            && lead != Lead::ZERO
+            && swing
+    }
+
+    /// Where the follower belongs.
+    pub fn follow(&self, theta: Angle, place: impl Fn(u8) -> Length) -> Angle {
+        let q = f64::from(self.master_turns);
+        let cycles = (theta.value() / q).floor();
+        let rest = theta.value() - cycles * q;
+        let (turns, around) = (f64::from(self.turns), theta.value() / self.swing_turns);
+        let along = self.axis.map_or(Angle::ZERO, |(axis, lead)| place(axis) / lead);
+        let term = |&(period, cosine, sine): &(u32, f64, f64)| {
+            let (s, c) = (std::f64::consts::TAU * f64::from(period) * around).sin_cos();
+            cosine * c + sine * s
+        };
+        let swing: f64 = self.swing.iter().map(term).sum();
+        Angle::rev(cycles * turns + rest * turns / q + swing) + along + self.phase
+    }
+
+    /// How far a follower at this angle is from there, of all its turns the nearest; where the master has lost count of
+    /// its turns, of all the places that they allow.
+    pub fn error(
+        &self,
+        theta: Angle,
+        phi: Angle,
+        place: impl Fn(u8) -> Length,
+        lost: bool,
+    ) -> Angle {
+        let off = (phi - self.follow(theta, place)).value();
+        let apart = if lost { 1.0 / f64::from(self.master_turns) } else { 1.0 };
+        Angle::rev(off - apart * (off / apart).round())
+    }
+}
+
+impl Stroke {
+    /// The hand of the thread: right-hand where turning clockwise leads into the work.
+    pub fn is_right_hand(&self) -> bool {
+        (self.bottom < self.start) == (self.lead < Lead::ZERO)
+    }
+
+    /// z(θ).
+    pub fn position(&self, theta: Angle) -> Length {
+        self.z0 + self.lead * (theta - self.theta0)
+    }
+
+    /// How far a place of the axis is inside of PS, along the way in; negative outside.
+    pub fn inside(&self, z: Length) -> Length {
+        if self.bottom < self.start { self.start - z } else { z - self.start }
+    }
+}
