@@ -245,13 +245,10 @@ const FAULTS: [(&str, &str); 12] = [
 
 /// What was expected: of a fault that there is, what it takes; else all there are.
 fn no_fault(words: &[&str]) -> String {
-    let expected = match FAULTS.iter().find(|(name, _)| words.first() == Some(name)) {
-        Some((name, takes)) => format!("{name}{takes}"),
-        None => {
-            let all: Vec<_> = FAULTS.iter().map(|(name, takes)| format!("{name}{takes}")).collect();
-            format!("one of {}", all.join(", "))
-        }
-    };
+    let whole = |(name, takes): &(&str, &str)| format!("{name}{takes}");
+    let meant = FAULTS.iter().find(|(name, _)| words.first() == Some(name));
+    let all = || format!("one of {}", FAULTS.iter().map(whole).collect::<Vec<_>>().join(", "));
+    let expected = meant.map_or_else(all, whole);
     format!("expected {expected}; found \"{}\"", words.join(" "))
 }
 

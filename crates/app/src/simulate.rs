@@ -210,14 +210,9 @@ impl Simulation<'_> {
         paced.keep(&mut self.kernel, &mut self.planner, &mut queue, &mut self.sent);
         while feedback.time - begun < give_up && !interrupt::came() {
             if self.is_stopped() {
-                let known = self.kernel.faults().len();
-                faults.extend_from_slice(self.kernel.faults());
-                match self.deal_with_stop(&mut queue) {
+                match self.deal_with_stop(&mut queue, &mut faults) {
                     Ok(true) => {}
-                    Ok(false) => {
-                        faults.extend_from_slice(self.kernel.faults().get(known..).unwrap_or(&[]));
-                        break;
-                    }
+                    Ok(false) => break,
                     Err(why) => {
                         broke_off.push(format!("the tool could not be taken out: {why}"));
                         break;
@@ -302,7 +297,13 @@ impl Simulation<'_> {
     }
 
     /// Let the machine run down, take a tap out if that is asked for; whether the program goes on.
-    fn deal_with_stop(&mut self, queue: &mut VecDeque<Step>) -> Result<bool, String> {
+    fn deal_with_stop(
+        &mut self,
+        queue: &mut VecDeque<Step>,
+        faults: &mut Vec<kernel::Fault>,
+    ) -> Result<bool, String> {
+        let known = self.kernel.faults().len();
+        faults.extend_from_slice(self.kernel.faults());
         if matches!(self.kernel.report().state, bus::State::Ended) {
             return Ok(false);
         }
@@ -318,6 +319,7 @@ impl Simulation<'_> {
             }
         })?;
         if !goes_on || !kernel.is_over() {
+            faults.extend_from_slice(kernel.faults().get(known..).unwrap_or(&[]));
             return Ok(false);
         }
         kernel.go_on();
