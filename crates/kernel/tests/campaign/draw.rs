@@ -56,7 +56,9 @@ pub fn sweep(
 /// The same of the whole stroke.
 pub fn whole(parts: BTreeMap<Part, Tally>) -> Tally {
     let mut whole = Tally::default();
-    parts.into_values().for_each(|tally| whole.absorb(tally));
+    for tally in parts.into_values() {
+        whole.absorb(tally);
+    }
     whole
 }
 
