@@ -9,6 +9,7 @@ use crate::config::{Config, FeedForward, Subject};
 use crate::coupled::Coupled;
 use crate::fault::FaultKind;
 use crate::lessons::Lessons;
+use crate::moving::Turned;
 use crate::scribe::Scribe;
 use crate::spindle::SpindleLoop;
 use crate::tempo::Tempo;
@@ -45,6 +46,10 @@ pub(crate) struct Drives {
     pub(crate) in_force: [Spin; SPINDLES],
     /// How fast planned time passes.
     pub(crate) tempo: Tempo,
+    /// Planned time of this period that the steps have not done yet: it goes on into the next one.
+    pub(crate) owed: Option<f64>,
+    /// What feeds per revolution go by.
+    pub(crate) turned: Turned,
     /// The program lets the operator's feed override act.
     pub(crate) overridden: bool,
     /// A move is under way: the axes need not stand where the next step begins.
@@ -78,6 +83,8 @@ impl Drives {
             removals,
             in_force,
             tempo: Tempo::FULL,
+            owed: None,
+            turned: Turned::default(),
             overridden: true,
             flowing: false,
             tool: 0,
@@ -127,6 +134,7 @@ impl Drives {
     /// All axes stand unless somebody moves them.
     pub(crate) fn rest(&mut self) {
         self.follower = None;
+        self.owed = None;
         self.rest_axes();
     }
 

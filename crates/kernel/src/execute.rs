@@ -18,14 +18,16 @@ use crate::config::{Config, Pause, Subject};
 use crate::drives::{Drives, Finding};
 use crate::event::{Event, EventKind, Ring};
 use crate::fault::FaultKind;
-use crate::moving::{Moving, Track};
+use crate::moving::Moving;
 use crate::operator::Operator;
 use crate::scribe::{self, RECORD_WAIT, WorkRecord};
 use crate::spindle::SpindleLoop;
 use crate::tapping::{Outcome, TapRun};
 use crate::threading::{self, Chain, Leave, Pass};
+use crate::track::Track;
+use alloc::collections::VecDeque;
 use bus::{Feedback, State};
-use plan::{SpindleStep, StepKind, WayOut};
+use plan::{SpindleStep, Step, StepKind, WayOut};
 use sync::Phase;
 use units::{Spin, Time};
 
@@ -33,6 +35,8 @@ use units::{Spin, Time};
 pub(crate) struct Context<'a> {
     pub(crate) config: &'a Config,
     pub(crate) feedback: &'a Feedback,
+    /// What waits, and the place in it of what is executed.
+    pub(crate) steps: (&'a VecDeque<Step>, usize),
     pub(crate) events: &'a mut Ring,
     /// What the operator has ordered.
     pub(crate) operator: &'a Operator,
@@ -211,8 +215,8 @@ impl Activity {
                 if Moving::checks_cut(track) {
                     drives.check_cut()?;
                 }
-                let orders = (context.operator, &context.config.motion);
-                match moving.advance(track, dt, drives, orders) {
+                let orders = (context.operator, context.config);
+                match moving.advance(context.steps, dt, drives, orders) {
                     None => Ok(Progress::Busy),
                     Some(over) if !exact_stop => Ok(Progress::Done(over)),
                     Some(_) => {

@@ -262,6 +262,7 @@ impl Kernel {
             let mut context = Context {
                 config: &self.config,
                 feedback,
+                steps: (&self.queue, 0),
                 events: &mut self.events,
                 operator: &self.operator,
                 halted: false,
@@ -288,6 +289,7 @@ impl Kernel {
         let mut context = Context {
             config: &self.config,
             feedback,
+            steps: (&self.queue, self.chained),
             events: &mut self.events,
             operator: &self.operator,
             halted: false,
@@ -320,6 +322,7 @@ impl Kernel {
                 let mut context = Context {
                     config: &self.config,
                     feedback,
+                    steps: (&self.queue, 0),
                     events: &mut self.events,
                     operator: &self.operator,
                     halted: true,

@@ -41,6 +41,7 @@ mod tapping;
 mod tempo;
 mod terms;
 mod threading;
+mod track;
 mod withdrawing;
 
 pub use config::{

@@ -13,11 +13,12 @@ use crate::drives::{Drives, Finding};
 use crate::event::{EventKind, TapFigures};
 use crate::execute::Context;
 use crate::fault::FaultKind;
-use crate::moving::{point, stand_at};
+use crate::moving::stand_at;
 use crate::scribe::{Leave, RECORD_WAIT, WorkRecord};
 use crate::spindle::SpindleLoop;
 use crate::stroke::{Mark, Planned};
 use crate::terms::{clear, corrected, feed_forwards, halt, held, spoken, target, turned};
+use crate::track::point;
 use plan::TapPlan;
 use sync::recovery::{Direction, Stored};
 use sync::{

@@ -9,166 +9,335 @@
 //!     0        ╲___hold____╱
 //! ```
 //!
-//! Each period σ″ is chosen, which is the only thing that can be: as near as possible to what brings σ to the rate that is
-//! wanted, and such that every axis keeps |a| ≤ A in the next period and |j| ≤ J. Both are intervals of σ″. σ is never above 1, so
-//! that what was planned leaves room for a rate that does not change; where an axis brakes as hard as it can already,
-//! the hold waits for the room that the braking itself makes. Where the two kinds of intervals have nothing in common (two
-//! axes in a bend, each at its limit), acceleration counts before jerk.
-use path::{AXES, Bounds};
+//! At a rate that does not change, and is not above 1, a plan within its limits stays within them. So a change is begun, and
+//! made faster, only while there is a known way to end it:
+//!
+//! ```text
+//!   this period     as strong a change as every axis allows…
+//!   from then on    …if the change can be eased to none from there, period by period along the plan, within all limits, and
+//!                   on this side of the wanted rate. If it cannot, a smaller change; at last, the easing known from before
+//! ```
+//!
+//! What is looked at is what is told to the axes: second and third differences of their setpoints at the servo period. With
+//! the one period that is under way, the differences know two periods of the past.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `rate` x | planned time that passes in a period, over the period |
+//! | `change` d | of the rate, from a period to the next |
+//! | `first`, `second` | differences of the setpoints, mm |
+use path::{AXES, Bounds, Limits};
 
-/// An axis' planned motion, at rate 1.
+/// A place on planned motion.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Rates {
+pub(crate) struct Place {
+    /// Where.
+    pub(crate) q: [f64; AXES],
+    /// How fast at rate 1, per second.
     pub(crate) v: [f64; AXES],
-    pub(crate) a: [f64; AXES],
-    pub(crate) j: [f64; AXES],
+    /// The limits of rapids count there.
+    pub(crate) rapid: bool,
 }
 
-/// σ and σ′.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Planned motion from some place on.
+pub(crate) trait Motion: Clone {
+    /// Planned time passes; `false`: how motion goes on there is not known yet.
+    fn pass(&mut self, time: f64) -> bool;
+    /// Where it is now.
+    fn place(&self) -> Place;
+}
+
+/// A period: how long it is, s, and how much planned time passes in it at rate 1.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Period {
+    pub(crate) length: f64,
+    pub(crate) planned: f64,
+}
+
+/// The rate, and what has been told to the axes.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Tempo {
-    pub(crate) rate: f64,
-    slope: f64,
+    rate: f64,
+    change: f64,
+    /// Change of the change.
+    bend: f64,
+    /// The rate that easing would come to.
+    settles: f64,
+    /// Periods since a change was asked for that has not come.
+    waited: u32,
+    told: Told,
+    /// With this period's setpoints.
+    foreseen: bool,
 }
 
-/// Share of the jerk with which an approach to the wanted rate reckons: the rest may be in use by the path.
-const RECKONED: f64 = 0.4;
-/// Share of the jerk that 3·q̈·σ·σ′ may take.
-const COUPLED: f64 = 0.1;
+/// The last setpoints.
+#[derive(Clone, Copy, Debug, Default)]
+struct Told {
+    q: [f64; AXES],
+    first: [f64; AXES],
+    second: [f64; AXES],
+    /// Which of the last four were rapid, a bit each.
+    rapid: u8,
+}
+
+/// Most periods in which a change must be eased to none.
+const EASING: usize = 128;
+/// Most periods that are looked at in one, whatever is tried.
+const SIGHT: usize = 160;
+/// How many changes are tried in a period, beside that of easing.
+const TRIES: usize = 4;
+/// By how much of their limits differences of planned motion may be above them.
+const ACCEL_ROOM: f64 = 0.003;
+const JERK_ROOM: f64 = 0.02;
+/// How much of that is aimed at: the rest is for rounding, and for speeds that change within a period.
+const AIMED: f64 = 0.5;
+/// Where a plan leaves no room for a change in so many seconds, it is made with twice as much.
+const PATIENCE_S: f64 = 0.05;
 /// An axis slower than this does not limit the rate, mm/s.
 const STILL: f64 = 1e-9;
-/// A rate as near to the wanted one as this has reached it.
-const REACHED: f64 = 1e-4;
-/// Fastest change of the rate where nothing moves that could limit it, 1/s.
-const FREE: f64 = 1e3;
+/// Rates that differ by less are one.
+const SAME: f64 = 1e-12;
 
 impl Tempo {
-    /// As planned.
-    pub(crate) const FULL: Self = Self { rate: 1.0, slope: 0.0 };
+    /// As planned, at rest.
+    pub(crate) const FULL: Self = Self {
+        rate: 1.0,
+        change: 0.0,
+        bend: 0.0,
+        settles: 1.0,
+        waited: 0,
+        told: Told { q: [0.0; AXES], first: [0.0; AXES], second: [0.0; AXES], rapid: 0 },
+        foreseen: false,
+    };
+
+    /// Planned time of a period, over the period.
+    pub(crate) const fn rate(&self) -> f64 {
+        self.rate
+    }
 
     /// Whether planned time stands.
     pub(crate) const fn stands(&self) -> bool {
-        self.rate == 0.0
+        self.rate == 0.0 && self.change == 0.0
     }
 
     /// At the wanted rate, and staying there.
-    pub(crate) const fn is_steady(&self, wanted: f64) -> bool {
-        self.rate == wanted && self.slope == 0.0
+    const fn is_steady(&self, wanted: f64) -> bool {
+        self.rate == wanted && self.change == 0.0
     }
 
-    /// A step has ended at rest: the next one begins at the wanted rate.
-    pub(crate) const fn rest(&mut self, wanted: f64) {
-        (self.rate, self.slope) = (wanted, 0.0);
+    /// Motion begins at rest, here: at the wanted rate at once.
+    pub(crate) const fn begin(&mut self, wanted: f64, q: [f64; AXES]) {
+        *self = Self { rate: wanted, settles: wanted, ..Self::FULL };
+        self.told.q = q;
     }
 
     /// Speed, acceleration and jerk by the clock, of what they are by planned time.
-    pub(crate) fn of(&self, v: f64, a: f64, j: f64) -> (f64, f64, f64) {
-        let (s, slope) = (self.rate, self.slope);
-        (v * s, a * s * s + v * slope, j * s * s * s + 3.0 * a * s * slope)
+    pub(crate) fn of(&self, v: f64, a: f64, j: f64, period_s: f64) -> (f64, f64, f64) {
+        let (slope, bend) = (self.change / period_s, self.bend / (period_s * period_s));
+        // the rate is a mean over the period that ends here
+        let s = (self.rate + self.change / 2.0).max(0.0);
+        let jerk = j * s * s * s + 3.0 * a * s * slope + v * bend;
+        (v * s, a * s * s + v * slope, jerk)
     }
 
-    /// In a period that ends with another tempo: how much clock time is left from where `over` of planned time is left, and
-    /// the tempo there.
-    pub(crate) fn before(&self, end: &Self, over: f64, dt: f64) -> (f64, Self) {
-        if end.rate <= 0.0 || over <= 0.0 {
-            return (0.0, *end);
-        }
-        let (mut left, mut tempo) = ((over / end.rate).min(dt), *end);
-        for _ in 0..3 {
-            tempo = self.towards(end, 1.0 - left / dt, dt);
-            left = (over / f64::midpoint(tempo.rate, end.rate)).min(dt);
-        }
-        (left, tempo)
-    }
-
-    /// A share of the way through a period that ends with another tempo.
-    fn towards(&self, end: &Self, share: f64, dt: f64) -> Self {
-        let slope = self.slope + (end.slope - self.slope) * share;
-        // at the wanted rate the slope jumps: then the rates alone tell
-        let smooth = self.rate + f64::midpoint(self.slope, end.slope) * dt;
-        if (smooth - end.rate).abs() > REACHED * 0.1 {
-            return Self { rate: self.rate + (end.rate - self.rate) * share, slope };
-        }
-        Self { rate: self.rate + f64::midpoint(self.slope, slope) * share * dt, slope }
-    }
-
-    /// Planned time has come to where it is: the slope that its rates there leave.
-    pub(crate) fn arrive(&mut self, rates: &Rates, bounds: &Bounds) {
-        if self.slope == 0.0 {
+    /// One period on, towards the wanted rate (0…1), along motion from here on: [`Tempo::rate`] is that of this period.
+    pub(crate) fn advance(
+        &mut self,
+        wanted: f64,
+        motion: impl Motion,
+        limits: &Limits,
+        period: Period,
+    ) {
+        if self.is_steady(wanted) {
+            (self.bend, self.settles, self.waited) = (0.0, wanted, 0);
             return;
         }
-        let mut slope = (-f64::INFINITY, f64::INFINITY);
-        for i in 0..AXES {
-            let v = rates.v[i];
-            if v.abs() >= STILL {
-                let path = rates.a[i] * self.rate * self.rate;
-                narrow(&mut slope, (-bounds.accel[i] - path, bounds.accel[i] - path), v, 0.0, 1.0);
-            }
+        let patience = libm::exp2(f64::from(self.waited) * period.length / PATIENCE_S);
+        let Self { rate, change, told, .. } = *self;
+        let walk = Walk { motion, rate, change, told, limits, period, patience };
+        let (next, settles) = walk.choose(wanted, self.settles);
+        if next.change == 0.0 && (settles - wanted).abs() > SAME {
+            self.waited = self.waited.saturating_add(1);
         }
-        self.slope = if slope.0 <= slope.1 { self.slope.clamp(slope.0, slope.1) } else { 0.0 };
+        self.bend = next.change - change;
+        (self.rate, self.change, self.told) = (next.rate, next.change, next.told);
+        (self.settles, self.foreseen) = (settles, true);
     }
 
-    /// One period on, towards the wanted rate (0…1), with the rates where planned time will be at its end if the tempo
-    /// does not change; planned time that passes in it, s.
-    pub(crate) fn advance(&mut self, wanted: f64, rates: &Rates, bounds: &Bounds, dt: f64) -> f64 {
-        if self.is_steady(wanted) {
-            return self.rate * dt;
+    /// The axes are told to be here.
+    pub(crate) fn reached(&mut self, q: &[f64; AXES], rapid: bool) {
+        if self.foreseen {
+            self.told.q = *q; // per revolution, a little off what was foreseen
+        } else {
+            self.told.next(q, rapid);
         }
-        let (sigma, slope) = (self.rate, self.slope);
-        let (mut accel, mut jerk) = ((-FREE / dt, FREE / dt), (-f64::INFINITY, f64::INFINITY));
-        let missing = wanted - sigma;
-        let mut most = missing.abs() / dt;
-        // what the planned jerk leaves where the slope must be taken back
-        let there = if wanted > sigma { sigma } else { wanted };
-        let room = 1.0 - there * there * there;
+        self.foreseen = false;
+    }
+}
+
+impl Told {
+    /// One setpoint on.
+    fn next(&mut self, q: &[f64; AXES], rapid: bool) {
+        for (i, q) in q.iter().enumerate() {
+            let first = q - self.q[i];
+            self.second[i] = first - self.first[i];
+            self.first[i] = first;
+        }
+        self.q = *q;
+        self.rapid = self.rapid << 1 | u8::from(rapid);
+    }
+}
+
+/// The next periods, as they would be.
+#[derive(Clone)]
+struct Walk<'a, M> {
+    motion: M,
+    rate: f64,
+    change: f64,
+    told: Told,
+    limits: &'a Limits,
+    period: Period,
+    patience: f64,
+}
+
+impl<M: Motion> Walk<'_, M> {
+    /// This period at the rate that gets nearest to the wanted one, and the rate at which easing ends from there; it ends at
+    /// `settles` from here.
+    fn choose(&self, wanted: f64, settles: f64) -> (Self, f64) {
+        let mut safe = self.clone();
+        safe.ease();
+        if (settles - wanted).abs() <= SAME {
+            return (safe, settles);
+        }
+        let room = self.room(safe.rate);
+        let slower = wanted < settles;
+        let farthest = if slower { room.0.max(wanted) } else { room.1.min(wanted) };
+        if (farthest < safe.rate) != slower || farthest == safe.rate {
+            return (safe, settles);
+        }
+        let (mut near, mut far) = (safe.rate, farthest);
+        let mut sight = SIGHT;
+        let mut best = (safe, settles);
+        for n in 0..TRIES {
+            let rate = if n == 0 { farthest } else { f64::midpoint(near, far) };
+            match self.tried(rate, wanted, slower, &mut sight) {
+                Some(found) if n == 0 => return found,
+                Some(found) => (near, best) = (rate, found),
+                None => far = rate,
+            }
+        }
+        best
+    }
+
+    /// A rate in this period, if it keeps all limits and can be eased from on this side of the wanted one.
+    fn tried(
+        &self,
+        rate: f64,
+        wanted: f64,
+        slower: bool,
+        sight: &mut usize,
+    ) -> Option<(Self, f64)> {
+        let mut next = self.clone();
+        if next.go(rate)? > 1.0 {
+            return None;
+        }
+        let ends = next.clone().settle(sight)?;
+        let passes = if slower { ends < wanted - SAME } else { ends > wanted + SAME };
+        (!passes).then_some((next, ends))
+    }
+
+    /// Ease the change to none; the rate then. `None`: not within all limits.
+    fn settle(&mut self, sight: &mut usize) -> Option<f64> {
+        let mut even = 0;
+        for _ in 0..EASING.min(*sight) {
+            *sight -= 1;
+            if self.change == 0.0 {
+                even += 1;
+                if even > 2 {
+                    return Some(self.rate);
+                }
+            }
+            match self.ease() {
+                Some(load) if load > 1.0 => return None,
+                Some(_) => {}
+                None => return Some(self.rate), // more is not known
+            }
+        }
+        None
+    }
+
+    /// One period in which the change becomes as small as it can; what it takes of the limits.
+    fn ease(&mut self) -> Option<f64> {
+        let rate = if self.change == 0.0 {
+            self.rate
+        } else {
+            let (low, high) = self.room((self.rate + self.change).max(0.0));
+            // where two axes want opposite things: half of both
+            if low <= high { self.rate.clamp(low, high) } else { f64::midpoint(low, high) }
+        };
+        self.go(rate.clamp(0.0, 1.0))
+    }
+
+    /// One period at a rate: what the most loaded axis takes of its limits. `None`: it is not known how motion goes on.
+    fn go(&mut self, rate: f64) -> Option<f64> {
+        let known = self.motion.pass(rate * self.period.planned);
+        let place = self.motion.place();
+        let before = self.told.second;
+        self.told.next(&place.q, place.rapid);
+        (self.change, self.rate) = (rate - self.rate, rate);
+        let bounds = self.bounds(self.told.rapid, 1.0);
+        let mut load = 0.0_f64;
+        for (i, before) in before.iter().enumerate() {
+            let (accel, jerk) = (bounds.0[i], bounds.1[i]);
+            load = load.max(self.told.second[i].abs() / accel);
+            load = load.max((self.told.second[i] - before).abs() / jerk);
+        }
+        known.then_some(load)
+    }
+
+    /// The rates, near one, at which every axis keeps its limits in this period.
+    fn room(&self, near: f64) -> (f64, f64) {
+        let mut motion = self.motion.clone();
+        motion.pass(near * self.period.planned);
+        let place = motion.place();
+        let bounds = self.bounds(self.told.rapid << 1 | u8::from(place.rapid), AIMED);
+        let (mut low, mut high) = (-1.0_f64, 2.0_f64);
         for i in 0..AXES {
-            let (v, a, j) = (rates.v[i], rates.a[i], rates.j[i]);
-            if v.abs() < STILL {
+            let by_rate = place.v[i] * self.period.length;
+            if by_rate.abs() < STILL * self.period.length {
                 continue;
             }
-            let (strongest, hardest) = (bounds.accel[i], bounds.jerk[i]);
-            // its part from the path is given, its part from σ′ is ours
-            let path = a * sigma * sigma;
-            narrow(&mut accel, (-strongest - path, strongest - path), v, slope, dt);
-            if hardest.is_finite() {
-                let given = j * sigma * sigma * sigma + 3.0 * a * sigma * slope;
-                let (low, high) = ((-hardest - given) / v, (hardest - given) / v);
-                jerk = (jerk.0.max(low.min(high)), jerk.1.min(low.max(high)));
-                // √(2·|missing|·reach): from there the slope can still be taken back in time, if the path itself does
-                // not brake as well
-                let reach = RECKONED * room * hardest / v.abs();
-                let mut own = libm::sqrt(2.0 * missing.abs() * reach);
-                if missing < 0.0 {
-                    let brakes = a * v.signum() * (sigma * sigma - wanted * wanted) / v.abs();
-                    own = (own + brakes.min(0.0)).max(0.0);
-                }
-                most = most.min(own).min(COUPLED * hardest / strongest);
-            }
+            let (accel, jerk) = (bounds.0[i], bounds.1[i]);
+            let before = self.told.second[i];
+            let there = place.q[i] - self.told.q[i] - self.told.first[i];
+            let least = (before - jerk).max(-accel) - there;
+            let most = (before + jerk).min(accel) - there;
+            let (a, b) = (near + least / by_rate, near + most / by_rate);
+            low = low.max(a.min(b));
+            high = high.min(a.max(b));
         }
-        let wish = (most.copysign(missing) - slope) / dt;
-        let mut bend = wish;
-        if jerk.0 <= jerk.1 {
-            bend = bend.clamp(jerk.0, jerk.1);
-        }
-        if accel.0 <= accel.1 {
-            bend = bend.clamp(accel.0, accel.1);
-        } else {
-            bend = -slope / dt; // nothing fits: at least do not make it worse
-        }
-        let mut after = slope + bend * dt;
-        let mut rate = sigma + dt * (slope + after) / 2.0;
-        let passes = (wanted - rate) * missing <= 0.0 && missing != 0.0;
-        if passes || (wanted - rate).abs() < REACHED {
-            (rate, after) = (wanted, 0.0);
-        }
-        self.rate = rate.clamp(0.0, 1.0);
-        self.slope = if self.rate == 0.0 { 0.0 } else { after };
-        dt * (sigma + self.rate) / 2.0
+        (low, high)
+    }
+
+    /// Largest second and third differences of the setpoints, with a share of the room above the limits.
+    fn bounds(&self, rapid: u8, share: f64) -> ([f64; AXES], [f64; AXES]) {
+        let Limits { feed, rapid: rapids } = self.limits;
+        let dt = self.period.length;
+        let (two, three) = (dt * dt, dt * dt * dt);
+        let room = share * self.patience;
+        let of = |limit: fn(&Bounds) -> &[f64; AXES], i: usize| match rapid & 0b1111 {
+            0 => limit(feed)[i],
+            0b1111 => limit(rapids)[i],
+            _ => limit(feed)[i].max(limit(rapids)[i]),
+        };
+        let accel = two * (1.0 + ACCEL_ROOM * room);
+        let jerk = three * (1.0 + JERK_ROOM * room);
+        (
+            core::array::from_fn(|i| accel * of(|b| &b.accel, i)),
+            core::array::from_fn(|i| jerk * of(|b| &b.jerk, i)),
+        )
     }
 }
 
-/// |path + v·(slope + bend·dt)| within the room, as an interval of bend.
-fn narrow(to: &mut (f64, f64), room: (f64, f64), v: f64, slope: f64, dt: f64) {
-    let (low, high) = ((room.0 / v - slope) / dt, (room.1 / v - slope) / dt);
-    *to = (to.0.max(low.min(high)), to.1.min(low.max(high)));
-}
+#[cfg(test)]
+mod tests;

@@ -1,5 +1,6 @@
 //! Holds, overrides from 0 to 200 % and single block, at any instant of random paths: what the axes are told keeps speed,
-//! acceleration, jerk and the path, by differences of the setpoints at the servo period.
+//! acceleration, jerk and the path, by differences of the setpoints at the servo period. Overrides of feeds and rapids, hold,
+//! resume, single block and abort come at any instant.
 mod common;
 use bus::{AxisFeedback, Feedback, SpindleFeedback};
 use canon::{Feed, Op, OpKind, PathMode, Position, Span, ToolLibrary};
@@ -48,12 +49,18 @@ const OPTIONS: Options = Options {
     },
 };
 
+/// Lines to these points; a feed of infinity is a rapid.
 fn program(points: &[[f64; 3]], feeds: &[f64]) -> Vec<Op> {
     let place = |line| Span { file: 0, line, start: 0, end: 0 };
     let mode = PathMode::Blend { tolerance: Some(Length::mm(TOLERANCE)), merge: None };
-    let cut = |(p, feed): (&[f64; 3], &f64)| OpKind::Line {
-        to: Position::xyz(p[0], p[1], p[2]),
-        feed: Feed::PerTime(Speed::mm_per_s(*feed)),
+    let cut = |(p, feed): (&[f64; 3], &f64)| {
+        let to = Position::xyz(p[0], p[1], p[2]);
+        let feed = Feed::PerTime(Speed::mm_per_s(*feed));
+        if feed == Feed::PerTime(Speed::mm_per_s(f64::INFINITY)) {
+            OpKind::Rapid { to }
+        } else {
+            OpKind::Line { to, feed }
+        }
     };
     let cuts = points.iter().zip(feeds.iter().cycle()).map(cut);
     let all = [OpKind::PathMode(mode)].into_iter().chain(cuts).chain([OpKind::End]);
@@ -99,8 +106,9 @@ fn run(ops: &[Op], jerk: f64, orders: &[(usize, Order)]) -> Seen {
         if tick > last && kernel.operator().wants_rest() && kernel.is_standing() {
             kernel.order(Order::Resume);
         }
-        if tick == last + 1 && kernel.operator().share(false) < 1.0 {
-            kernel.order(Order::FeedOverride(1.0));
+        if tick == last + 1 {
+            kernel.order(Order::FeedOverride(kernel.operator().share(false).max(1.0)));
+            kernel.order(Order::RapidOverride(1.0));
         }
         let operator = kernel.operator();
         let now = Wish { share: operator.share(false).max(1.0), stops: operator.single_block() };
@@ -178,7 +186,12 @@ fn order() -> impl Strategy<Value = Order> {
         2 => Just(Order::FeedHold),
         2 => Just(Order::Resume),
         1 => any::<bool>().prop_map(Order::SingleBlock),
+        2 => (0.0..1.0_f64).prop_map(Order::RapidOverride),
     ]
+}
+
+fn feed() -> impl Strategy<Value = f64> {
+    prop_oneof![4 => 5.0..120.0_f64, 1 => Just(f64::INFINITY)]
 }
 
 fn walk() -> impl Strategy<Value = Vec<[f64; 3]>> {
@@ -197,30 +210,29 @@ fn walk() -> impl Strategy<Value = Vec<[f64; 3]>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(60))]
+    #![proptest_config(ProptestConfig::with_cases(80))]
     #[test]
     fn no_axis_leaves_its_limits_or_the_path_whatever_the_operator_does(
         points in walk(),
-        feeds in prop::collection::vec(5.0..120.0_f64, 1..5),
+        feeds in prop::collection::vec(feed(), 1..5),
         orders in prop::collection::vec((0..4000_usize, order()), 0..8),
+        abort in prop::option::weighted(0.2, 0..4000_usize),
         jerk in prop::sample::select(vec![f64::INFINITY, 50e3, 20e3]),
     ) {
+        let mut orders = orders;
+        orders.extend(abort.map(|at| (at, Order::Abort)));
         let seen = run(&program(&points, &feeds), jerk, &orders);
         prop_assert_eq!(&seen.faults, &vec![]);
-        prop_assert!(seen.ended);
+        prop_assert!(seen.ended || abort.is_some());
         let [speed, accel, third] = loads(&seen, jerk);
-        // while the tempo changes there may be more for a period or two: of 600 such runs 6 % had more than 1.01 of the
-        // acceleration (most 1.40), 7 % more than 1.05 of the jerk (most 1.74)
-        let quiet = orders.is_empty();
-        let (accel_allowed, jerk_allowed) = if quiet { (1.01, 1.03) } else { (1.5, 2.0) };
         prop_assert!(speed < 1.001, "speed {speed}");
-        prop_assert!(accel < accel_allowed, "acceleration {accel}");
-        prop_assert!(third < jerk_allowed, "jerk {third}");
+        prop_assert!(accel < 1.01, "acceleration {accel}");
+        prop_assert!(third < 1.05, "jerk {third}");
         let off = off_path(&seen, &points);
         prop_assert!(off < TOLERANCE + 1e-6, "{off} mm from the path");
         let last = seen.at[seen.at.len() - 1].0;
         for i in 0..3 {
-            prop_assert!((last[i] - points[points.len() - 1][i]).abs() < 1e-9);
+            prop_assert!(!seen.ended || (last[i] - points[points.len() - 1][i]).abs() < 1e-9);
         }
     }
 }

@@ -5,9 +5,9 @@ use super::{Kernel, Mode};
 use crate::config::Subject;
 use crate::event::EventKind;
 use crate::execute::Activity;
-use crate::moving::Track;
 use crate::operator::{Notice, Operator, Order};
 use crate::spindle::SpindleLoop;
+use crate::track::Track;
 use plan::{HandedBack, Step, StepKind};
 
 impl Kernel {
