@@ -22,12 +22,13 @@ impl Paced {
             return;
         }
         let more = wish.share > self.0.share || (wish.stops && !self.0.stops);
-        self.0 = wish;
         if !more {
             // slower is the kernel's affair, and a stop that is planned does no harm
+            self.0 = wish;
             return planner.wish(wish);
         }
-        let mut back = kernel.hand_back();
+        let Some(mut back) = kernel.hand_back() else { return };
+        self.0 = wish;
         sent.truncate(sent.len().saturating_sub(back.steps.len()));
         back.steps.extend(queue.drain(..));
         planner.repace(wish, back, &mut |step| queue.push_back(step));

@@ -18,6 +18,8 @@
 //!                   on this side of the wanted rate. If it cannot, a smaller change; at last, the easing known from before
 //! ```
 //!
+//! The known way is one along the plan: while the rate changes, the plan must stay (it may get longer).
+//!
 //! What is looked at is what is told to the axes: second and third differences of their setpoints at the servo period. With
 //! the one period that is under way, the differences know two periods of the past.
 //!
@@ -118,6 +120,11 @@ impl Tempo {
     /// Whether planned time stands.
     pub(crate) const fn stands(&self) -> bool {
         self.rate == 0.0 && self.change == 0.0
+    }
+
+    /// The rate is not about to change by itself: motion may go on along another plan.
+    pub(crate) const fn is_even(&self) -> bool {
+        self.change == 0.0
     }
 
     /// At the wanted rate, and staying there.

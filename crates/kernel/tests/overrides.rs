@@ -113,11 +113,14 @@ fn run(ops: &[Op], jerk: f64, orders: &[(usize, Order)]) -> Seen {
         let operator = kernel.operator();
         let now = Wish { share: operator.share(false).max(1.0), stops: operator.single_block() };
         if now.share > wish.share || (now.stops && !wish.stops) {
-            let mut back = kernel.hand_back();
-            back.steps.extend(queue.drain(..));
-            planner.repace(now, back, &mut |step| queue.push_back(step));
+            if let Some(mut back) = kernel.hand_back() {
+                back.steps.extend(queue.drain(..));
+                planner.repace(now, back, &mut |step| queue.push_back(step));
+                wish = now;
+            }
+        } else {
+            wish = now;
         }
-        wish = now;
         while !kernel.is_full() {
             let Some(step) = queue.pop_front() else {
                 if !open {

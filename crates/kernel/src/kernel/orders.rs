@@ -33,8 +33,12 @@ impl Kernel {
     }
 
     /// Give back what has not been done, so that it can be planned anew: whoever takes it pushes what comes of it. A step that
-    /// is under way and is no feed along a path stays.
-    pub fn hand_back(&mut self) -> HandedBack {
+    /// is under way and is no feed along a path stays. `None`: an override or a hold is just changing how fast the plan is
+    /// run through, and how that ends is known of this plan only; ask again after the next tick.
+    pub fn hand_back(&mut self) -> Option<HandedBack> {
+        if matches!(self.activity, Activity::Moving(..)) && !self.drives.tempo.is_even() {
+            return None;
+        }
         let under_way = self.begun.then(|| self.queue.front()).flatten();
         let done = match (&self.activity, under_way) {
             (Activity::Moving(moving, _), Some(step)) => {
@@ -46,7 +50,7 @@ impl Kernel {
         if done.is_some() {
             (self.activity, self.begun) = (Activity::Idle, false);
         }
-        HandedBack { steps: self.queue.drain(stays..).collect(), done }
+        Some(HandedBack { steps: self.queue.drain(stays..).collect(), done })
     }
 
     /// Go on after a program's stop.
