@@ -159,7 +159,7 @@ impl Stops {
             return Ok(false); // its drives and `leadscrew recover` see to that
         }
         let Some(stored) = kernel.engaged() else {
-            let recovers = self.recover.is_some();
+            let recovers = self.recover.map(|_| self.feed);
             let said = off::deal_with(kernel, plant, recovers, &mut |sample| {
                 judge.sample(sample);
                 hear(sample);

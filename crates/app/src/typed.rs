@@ -6,6 +6,9 @@
 /// Options that belong to one run, each with a value.
 const OF_ONE_RUN: [&str; 3] = ["--iron", "--state", "--from"];
 
+/// What only says how much is printed.
+const SAYS: [&str; 4] = ["-q", "--quiet", "--log", "--timings"];
+
 /// The words of this process.
 pub(crate) fn of_this_run() -> Vec<String> {
     of_job(std::env::args())
@@ -17,7 +20,9 @@ fn of_job(typed: impl Iterator<Item = String>) -> Vec<String> {
     while let Some(word) = words.next() {
         if OF_ONE_RUN.contains(&word.as_str()) {
             words.next();
-        } else if !OF_ONE_RUN.iter().any(|option| is_with_value(&word, option)) {
+        } else if !SAYS.contains(&word.as_str())
+            && !OF_ONE_RUN.iter().any(|option| is_with_value(&word, option))
+        {
             kept.push(word);
         }
     }
@@ -63,7 +68,7 @@ mod tests {
 
     #[test]
     fn what_belongs_to_the_job_is_kept_in_order() {
-        let typed = "leadscrew -q run part.nc --iron /tmp/i --cams cams.toml --state=/tmp/s --from 12 --machine=a.toml";
+        let typed = "leadscrew -q run part.nc --log --iron /tmp/i --cams cams.toml --state=/tmp/s --from 12 --machine=a.toml";
         let kept = of_job(words(typed).into_iter());
         assert_eq!(kept, words("part.nc --cams cams.toml --machine=a.toml"));
         assert_eq!(value(&kept, "--machine"), Some("a.toml"));

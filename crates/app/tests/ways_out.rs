@@ -49,6 +49,9 @@ fn a_threading_pass_is_left_along_x_and_turned_again_after_a_kill_or_a_power_cut
                 number(&answer, "phase_error_before_um").abs() < 30.0,
                 "{stop} {at}: {answer:#}"
             );
+            // X first, then spindle and Z together along the thread
+            assert!(number(&answer, "helix_error_max_um") < 5.0, "{answer:#}");
+            assert!(answer["note"].is_null(), "{answer:#}");
             let line = answer["line"].to_string();
             let again = iron.run(&text, &["--machine", "lathe", "--from", &line]);
             let certificate = said(&again);
@@ -179,6 +182,7 @@ fn a_fault_in_a_thread_or_a_polygon_is_said_and_the_tool_taken_off_the_work() {
         let withdrawal = &certificate["withdrawals"][0];
         assert!(withdrawal["axis"] == "X" && number(withdrawal, "by_mm") > 1.5, "{withdrawal:#}");
         if machine == "lathe" {
+            assert_eq!(certificate["features"][0]["hand"], "right", "{certificate:#}");
             // spindle and Z stop together on the thread
             let off = number(&certificate["features"][0], "sync_error_max_um");
             assert!(off > 0.0 && off < 10.0, "{off} µm");

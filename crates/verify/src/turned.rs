@@ -225,7 +225,6 @@ impl TurnedTrack {
         }
         // a spindle that comes to rest in the work swings back a little: the pass goes on as it began
         let sense = *pass.sense.get_or_insert(turned.signum());
-        self.sense = sense;
         let phase = sense * (angle - order.start_angle.value()) - stretch.before - along;
         let error = -(phase - phase.round()) * slope;
         let across = |i: usize| {
@@ -241,6 +240,7 @@ impl TurnedTrack {
             (pass.infeed, pass.sense) = (0.0, None); // it is turned again
             return;
         }
+        self.sense = sense; // with the tool clear the spindle may turn as it likes
         let off = (0..3).filter(|i| *i != axis).map(|i| across(i).abs()).fold(0.0, f64::max);
         if along < stretch.turns - RUN_OUT {
             pass.infeed = pass.infeed.max(off); // a taper out of the thread begins with a rounded corner

@@ -13,6 +13,7 @@
 mod find;
 mod say;
 mod withdraw;
+pub(crate) use withdraw::along_pass;
 
 use crate::args::{Format, RecoverArgs};
 use crate::plant::{Plant, identity};
@@ -21,6 +22,8 @@ use crate::{iron, keeper};
 use bus::{Feedback, Machine};
 use find::{Findings, drive_out, find};
 use kernel::{EventKind, Kernel, RecoveryFigures};
+use std::os::unix::net::UnixStream;
+use store::machine::MachineFile;
 use store::sync_record::slots::{Slots, StateFolder};
 use store::sync_record::{Cut, Stage, Stroke, SyncRecord};
 use units::{Angle, Length, Spin, SpinAccel, Stiffness, Time};
@@ -66,6 +69,11 @@ impl Answer {
         let reason = reason.into();
         let (record, findings, figures) = (None, None, None);
         Self { outcome, reason, record, findings, figures, withdrawal: None, note: None }
+    }
+
+    fn add_note(&mut self, note: &str) {
+        self.note =
+            Some(self.note.take().map_or_else(|| note.to_owned(), |said| said + "; " + note));
     }
 }
 
@@ -136,20 +144,14 @@ fn answer(args: &RecoverArgs) -> Result<Answer, Refused> {
             note,
             ..Answer::plain(Outcome::Recovered, "off the work along its infeed axis")
         };
-        let mut taken = None;
-        if args.dry_run {
-            REHEARSED.clone_into(&mut answer.reason);
-        } else {
-            match withdraw::drive(&mut Plant::Outside(Box::new(remote)), &file, &way) {
-                Ok(duration) => {
-                    forget(&mut slots, &record)?;
-                    taken = Some(duration);
-                }
-                Err(reason) => (answer.outcome, answer.reason) = (Outcome::Refused, reason),
+        if let Some(path) = &args.picture {
+            match say::picture_of_pass(&record, &feedback, &file) {
+                Some(picture) => store::output::write_file(path, picture.as_bytes())?,
+                None => answer
+                    .add_note("there is no picture: only taps and threads go back along a line"),
             }
         }
-        (answer.record, answer.withdrawal) = (Some(record), Some((way, taken)));
-        return Ok(answer);
+        return withdrawn(args, remote, &file, (&mut slots, record), way, answer);
     }
     let findings = match find(&record.stroke, record.stage, &welcome, &file, args.way) {
         Ok(findings) => findings,
@@ -179,6 +181,33 @@ fn answer(args: &RecoverArgs) -> Result<Answer, Refused> {
         }
     }
     (answer.record, answer.findings) = (Some(record), Some(findings));
+    Ok(answer)
+}
+
+/// Take a tool off work that it is not screwed to.
+fn withdrawn(
+    args: &RecoverArgs,
+    remote: Remote<UnixStream>,
+    file: &MachineFile,
+    (slots, record): (&mut Slots<StateFolder>, SyncRecord),
+    way: Withdrawal,
+    mut answer: Answer,
+) -> Result<Answer, Refused> {
+    let mut taken = None;
+    if args.dry_run {
+        REHEARSED.clone_into(&mut answer.reason);
+    } else {
+        let mut plant = Plant::Outside(Box::new(remote));
+        match withdraw::drive(&mut plant, file, &record.stroke, &way) {
+            Ok(drawn) => {
+                forget(slots, &record)?;
+                (answer.figures, taken) = (drawn.figures, Some(drawn.duration));
+                drawn.note.iter().for_each(|note| answer.add_note(note));
+            }
+            Err(reason) => (answer.outcome, answer.reason) = (Outcome::Refused, reason),
+        }
+    }
+    (answer.record, answer.withdrawal) = (Some(record), Some((way, taken)));
     Ok(answer)
 }
 

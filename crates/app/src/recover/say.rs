@@ -4,23 +4,59 @@ use super::withdraw::{Off, Withdrawal};
 use super::{Answer, Outcome};
 use crate::args::RecoverArgs;
 use crate::typed;
+use bus::Feedback;
+use store::machine::MachineFile;
 use store::sync_record::{Cut, SyncRecord};
-use sync::recovery::{Mover, Point, Way};
+use sync::recovery::{Mover, Point, Stored, Way};
 
 pub(super) fn picture(record: &SyncRecord, findings: &Findings) -> String {
-    let stroke = &record.stroke;
-    let zero = findings.stored.start().angle;
+    let chosen = [findings.projection.unloaded, findings.projection.to];
+    drawn(record, &findings.stored, findings.at, chosen, findings.direct.to)
+}
+
+/// Of a thread that is turned, where its tool goes back along it; `None` of what has no line.
+pub(super) fn picture_of_pass(
+    record: &SyncRecord,
+    feedback: &Feedback,
+    file: &MachineFile,
+) -> Option<String> {
+    let pass = super::withdraw::pass(&record.stroke)?;
+    let gentle = file.axis(pass.axis)?.gentle;
+    let plan = super::along_pass(
+        &pass,
+        record.stroke.spindle,
+        feedback,
+        (gentle.speed, gentle.acceleration),
+    );
+    let at = Point {
+        angle: feedback.spindles[usize::from(plan.spindle)].angle + plan.turn,
+        place: feedback.axes[pass.axis.index()].position,
+    };
+    let way = plan.stored.project(at, plan.way);
+    Some(drawn(record, &plan.stored, at, [way.unloaded, way.to], way.to))
+}
+
+fn drawn(
+    record: &SyncRecord,
+    stored: &Stored,
+    at: Point,
+    chosen: [Point; 2],
+    direct: Point,
+) -> String {
+    let (stroke, place) = (&record.stroke, &record.place);
+    let zero = stored.start().angle;
     let point = |p: Point| [(p.angle - zero).value(), (p.place - stroke.surface).value()];
+    let wherein = match stroke.cut {
+        Cut::Tap => format!("hole {} of {}", place.hole, place.program),
+        _ => format!("the thread of line {} of {}", place.line, place.program),
+    };
     report::recovery_svg(&report::Recovery {
-        title: format!(
-            "Tool {} in hole {} of {}",
-            stroke.tool, record.place.hole, record.place.program
-        ),
-        start: point(findings.stored.start()),
-        end: point(findings.stored.end()),
-        stop: point(findings.at),
-        chosen: [findings.projection.unloaded, findings.projection.to].map(point),
-        direct: point(findings.direct.to),
+        title: format!("Tool {} in {wherein}", stroke.tool),
+        start: point(stored.start()),
+        end: point(stored.end()),
+        stop: point(at),
+        chosen: chosen.map(point),
+        direct: point(direct),
     })
 }
 
@@ -41,7 +77,7 @@ fn off_the_work(way: &Withdrawal) -> String {
     let by = way.infeed.to - way.infeed.from;
     let letter = way.infeed.axis.letter();
     let along = way.along.map_or_else(String::new, |leg| {
-        format!(", then {} back to where the pass began", leg.axis.letter())
+        format!(", then spindle and {} back along the thread", leg.axis.letter())
     });
     format!("{letter} by {:+.3} mm, off the work{along}", by.value())
 }
@@ -129,11 +165,13 @@ pub(super) fn text(args: &RecoverArgs, answer: &Answer) -> String {
             Err(why) => format!("  before         not known: {why}\n"),
         };
         text += &format!("  moves first    {}\n", off_the_work(way));
+        let along = answer.figures.as_ref().map_or_else(String::new, |figures| {
+            format!("{:.1} µm off its thread at most, ", figures.helix_error_max.in_um())
+        });
         if let Some(taken) = taken {
-            text += &format!("  on the way out {:.2} s\n", taken.value());
+            text += &format!("  on the way out {along}{:.2} s\n", taken.value());
         }
-    }
-    if let Some(figures) = &answer.figures {
+    } else if let Some(figures) = &answer.figures {
         text += &format!(
             "  on the way out {:.1} µm off its thread at most, {:.2} s\n",
             figures.helix_error_max.in_um(),
@@ -143,7 +181,9 @@ pub(super) fn text(args: &RecoverArgs, answer: &Answer) -> String {
     if let Some(note) = &answer.note {
         text += &format!("  note           {note}\n");
     }
-    if let Some(path) = args.picture.as_ref().filter(|_| answer.findings.is_some()) {
+    let is_drawn = answer.findings.is_some()
+        || answer.withdrawal.as_ref().is_some_and(|(way, _)| way.along.is_some());
+    if let Some(path) = args.picture.as_ref().filter(|_| is_drawn) {
         text += &format!("  picture        {}\n", path.display());
     }
     match (&answer.record, answer.outcome) {

@@ -1,12 +1,17 @@
 //! The way out for a tool that is tied to a spindle without being screwed to the work: a pass over a thread, a cam, a
-//! polygon, a gear. The infeed axis takes it off the work first, whatever the spindles' angles are.
+//! polygon, a gear. The infeed axis takes it off the work first, whatever the spindles' angles are; then, of a thread, spindle and
+//! axis go back along its line, so that the space that the tool passes is that of the pass.
 use crate::plant::Plant;
 use crate::wiring;
+use bus::{Feedback, Machine as _};
 use canon::Axis;
-use kernel::{EventKind, Kernel, WithdrawalPlan};
+use kernel::{EventKind, Kernel, RecoveryFigures, RecoveryPlan, WithdrawalPlan};
+use plan::Pass;
 use store::machine::MachineFile;
 use store::sync_record::{Cut, Retreat, Stroke};
-use units::{Angle, Length, Time};
+use sync::Coupling;
+use sync::recovery::{Direction, Point, Stored, Way};
+use units::{Accel, Angle, Length, Speed, Time};
 use wire::Welcome;
 
 /// One axis' way.
@@ -21,7 +26,7 @@ pub(super) struct Leg {
 pub(super) struct Withdrawal {
     /// The infeed axis.
     pub(super) infeed: Leg,
-    /// Afterwards, along a thread, back to where the pass began.
+    /// Afterwards back to where a thread's pass began, along the thread.
     pub(super) along: Option<Leg>,
     /// How far what follows stands off its coupling; or why that cannot be said.
     pub(super) off: Result<Off, &'static str>,
@@ -73,20 +78,52 @@ fn off(stroke: &Stroke, welcome: &Welcome) -> Result<Off, &'static str> {
     Ok(Off { length: geared.radius * angle.in_rad(), angle, of })
 }
 
-/// Take it out; how long that took.
+/// How it was taken out.
+#[derive(Debug)]
+pub(super) struct Drawn {
+    /// How long that took.
+    pub(super) duration: Time,
+    /// Of a thread: how it went back along it.
+    pub(super) figures: Option<RecoveryFigures>,
+    /// Why it did not.
+    pub(super) note: Option<String>,
+}
+
+/// Take it out. A thread's axis goes back along the thread with the spindle; where that cannot be, by itself: the tool is off the work.
 pub(super) fn drive(
     plant: &mut Plant,
     file: &MachineFile,
+    stroke: &Stroke,
     way: &Withdrawal,
-) -> Result<Time, String> {
+) -> Result<Drawn, String> {
     let legs = [Some(way.infeed), way.along];
     for leg in legs.iter().flatten() {
         if file.axis(leg.axis).is_none() {
             return Err(format!("the machine's file has no axis {}", leg.axis.letter()));
         }
     }
+    let duration = straight(plant, file, way.infeed)?;
+    let mut drawn = Drawn { duration, figures: None, note: None };
+    let Some(leg) = way.along else { return Ok(drawn) };
+    match back_along(plant, file, stroke) {
+        Ok(figures) => {
+            drawn.duration += figures.duration;
+            drawn.figures = Some(figures);
+        }
+        Err(why) => {
+            let letter = leg.axis.letter();
+            drawn.note =
+                Some(format!("not along the thread ({why}): {letter} went back by itself"));
+            drawn.duration += straight(plant, file, leg)?;
+        }
+    }
+    Ok(drawn)
+}
+
+/// One axis by itself; how long that took.
+fn straight(plant: &mut Plant, file: &MachineFile, leg: Leg) -> Result<Time, String> {
     let mut kernel = Kernel::new(wiring::control(file, None, false));
-    kernel.withdraw(WithdrawalPlan { legs: legs.map(|leg| leg.map(|leg| (leg.axis, leg.to))) });
+    kernel.withdraw(WithdrawalPlan { legs: [Some((leg.axis, leg.to)), None] });
     let mut taken = None;
     super::obey(&mut kernel, plant, &mut |event| {
         if let EventKind::Withdrawn { duration } = event {
@@ -94,4 +131,59 @@ pub(super) fn drive(
         }
     })?;
     taken.ok_or_else(|| format!("it is not out after {}", super::LONGEST))
+}
+
+/// Back onto the thread's line by who overran, then along it to where the pass began: the tool is off the work.
+fn back_along(
+    plant: &mut Plant,
+    file: &MachineFile,
+    stroke: &Stroke,
+) -> Result<RecoveryFigures, String> {
+    let Some(pass) = pass(stroke) else { return Err("it is no thread".into()) };
+    let gentle = file.axis(pass.axis).map(|axis| axis.gentle);
+    let gentle = gentle.ok_or_else(|| format!("there is no axis {}", pass.axis.letter()))?;
+    let mut kernel = Kernel::new(wiring::control(file, None, false));
+    let feed = (gentle.speed / 10.0, gentle.acceleration);
+    kernel.recover(along_pass(&pass, stroke.spindle, &plant.feedback(), feed));
+    let mut figures = None;
+    super::obey(&mut kernel, plant, &mut |event| {
+        if let EventKind::RecoveryEnded(ended) = event {
+            figures = Some(*ended);
+        }
+    })?;
+    figures.ok_or_else(|| format!("it is not there after {}", super::LONGEST))
+}
+
+/// The pass of a thread that is turned.
+pub(super) fn pass(stroke: &Stroke) -> Option<Pass> {
+    (stroke.cut == Cut::Thread).then(|| Pass {
+        axis: Axis::ALL[usize::from(stroke.axis)],
+        start: stroke.z0,
+        angle: stroke.theta0,
+        end: stroke.bottom,
+        from: stroke.start,
+        surface: stroke.surface,
+        lead: stroke.lead,
+        spin: stroke.spin,
+    })
+}
+
+/// The way back onto the line of a pass and along it, for a tool that is off the work.
+pub(crate) fn along_pass(
+    pass: &Pass,
+    spindle: u8,
+    feedback: &Feedback,
+    feed: (Speed, Accel),
+) -> RecoveryPlan {
+    let at = Point {
+        angle: feedback.spindles[usize::from(spindle)].angle,
+        place: feedback.axes[pass.axis.index()].position,
+    };
+    let coupling = Coupling::line(pass.lead, pass.angle, pass.start);
+    let angle = |z: Length| pass.angle + (z - pass.start) / pass.lead;
+    let stored = Stored::on(coupling, angle(pass.from), angle(pass.end), Direction::Inward);
+    // every turn is as good: a pass is begun at an angle within one
+    let turn = Angle::rev((stored.error(at) / pass.lead).value().round());
+    let (way, spin) = (Way::Direct, super::OUT);
+    RecoveryPlan { axis: pass.axis, spindle, stored, turn, way, spin, feed }
 }

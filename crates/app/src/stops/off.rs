@@ -8,7 +8,7 @@ use crate::recover;
 use bus::Machine;
 use kernel::{EventKind, Kernel, WithdrawalPlan};
 use plan::{TiedCut, WayOut};
-use units::Length;
+use units::{Accel, Length, Speed};
 
 /// A tool that was taken off the work.
 #[derive(Clone, Debug)]
@@ -34,11 +34,11 @@ const fn name(cut: TiedCut) -> &'static str {
 }
 
 /// Let everything come to rest, and take the tool off the work if that is asked for. What has come of it; or, as an
-/// error, what is said where it is left.
+/// error, what is said where it is left. `recovers`: speed and acceleration of an axis that goes back onto a thread.
 pub(super) fn deal_with(
     kernel: &mut Kernel,
     plant: &mut Plant,
-    recovers: bool,
+    recovers: Option<(Speed, Accel)>,
     hear: Ears<'_>,
 ) -> Result<Option<Result<Withdrawn, String>>, String> {
     let Some(way_out) = kernel.way_out().copied() else {
@@ -54,26 +54,34 @@ pub(super) fn deal_with(
     run_down(kernel, plant, hear);
     // with the drives alive the kernel has seen to it
     if kernel.way_out().is_some() {
-        if !recovers {
+        let Some(feed) = recovers else {
             return Ok(Some(Err(format!(
                 "line {line}: the tool was left in {cut}; --recover takes it off the work along {axis}"
             ))));
-        }
+        };
         plant.mend();
-        withdraw(kernel, plant, &way_out, hear)?;
+        withdraw(kernel, plant, &way_out, feed, hear)?;
     }
     Ok(Some(Ok(Withdrawn { line, cut, axis, by: place(plant) - before })))
 }
 
+/// The infeed axis takes the tool off; then, of a thread, spindle and axis go back along it.
 fn withdraw(
     kernel: &mut Kernel,
     plant: &mut Plant,
     way_out: &WayOut,
+    feed: (Speed, Accel),
     hear: Ears<'_>,
 ) -> Result<(), String> {
-    let along = way_out.pass.map(|pass| (pass.axis, pass.from));
-    kernel.withdraw(WithdrawalPlan { legs: [Some((way_out.infeed, way_out.clear)), along] });
-    while kernel.next_event().is_some() {} // what was said while everything ran down is no news
+    kernel.withdraw(WithdrawalPlan { legs: [Some((way_out.infeed, way_out.clear)), None] });
+    until_over(kernel, plant, hear)?;
+    let Some(pass) = way_out.pass else { return Ok(()) };
+    kernel.recover(recover::along_pass(&pass, way_out.spindle, &plant.feedback(), feed));
+    until_over(kernel, plant, hear)
+}
+
+fn until_over(kernel: &mut Kernel, plant: &mut Plant, hear: Ears<'_>) -> Result<(), String> {
+    while kernel.next_event().is_some() {} // what was said before is no news
     let end = plant.feedback().time + recover::LONGEST.max(RUN_DOWN);
     loop {
         if plant.feedback().time > end {
@@ -83,7 +91,7 @@ fn withdraw(
         hear(&sample);
         while let Some(event) = kernel.next_event() {
             match event.kind {
-                EventKind::Withdrawn { .. } => return Ok(()),
+                EventKind::Withdrawn { .. } | EventKind::RecoveryEnded(_) => return Ok(()),
                 EventKind::FaultRaised(fault) => return Err(fault.to_string()),
                 _ => {}
             }
