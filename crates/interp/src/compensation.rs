@@ -45,7 +45,7 @@ const HALF_TURN_RAD: f64 = 1e-9;
 const NEARER: f64 = 1e-3;
 
 /// What is remembered while G41 or G42 is in force.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Compensation {
     /// The code: 410, 411, 420, 421.
     pub(crate) code: u16,

@@ -21,7 +21,7 @@ use crate::{
 };
 
 /// The modes kept at one level.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Context {
     kept: Option<Box<State>>,
     /// M73.
@@ -32,7 +32,7 @@ impl Executor {
     /// M70 … M73 of the block at hand.
     pub(crate) fn context<S: Sink>(&mut self, sink: &mut S) -> Outcome {
         let Some(code) = self.words.m(MGroup::State) else { return Ok(()) };
-        let state = Box::new(self.state.clone());
+        let state = Box::new(State { line: 0, ..self.state.clone() });
         let Some(context) = self.contexts.last_mut() else { return Ok(()) };
         match code {
             70 => context.kept = Some(state),

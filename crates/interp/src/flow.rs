@@ -13,15 +13,15 @@ use std::sync::LazyLock;
 const MOST_ARGUMENTS: usize = 30;
 
 /// A call that has not returned yet.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Frame {
     /// Where to go on: file and place.
-    file: usize,
-    back: At,
+    pub(crate) file: usize,
+    pub(crate) back: At,
     /// Loops of the caller that count.
     repeats: Vec<(usize, u64)>,
     /// Of M98: where the subprogram begins, and how often it is still to be executed after this.
-    again: Option<(At, u32)>,
+    pub(crate) again: Option<(At, u32)>,
 }
 
 impl Interpreter<'_> {

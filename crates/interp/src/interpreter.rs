@@ -22,8 +22,8 @@ pub enum Progress {
     Ended,
 }
 
-/// Blocks executed after the first error, to find more.
-const AFTER_ERROR: u64 = 1_000_000;
+/// Findings kept: more of them tell nothing new.
+const MOST_FINDINGS: usize = 400;
 
 /// Executes a program's blocks and says, call by call, what they order.
 ///
@@ -162,6 +162,12 @@ impl<'s> Interpreter<'s> {
     /// The block executed last.
     pub const fn place(&self) -> Span {
         self.block.span
+    }
+
+    /// File and byte where the next block begins.
+    #[inline]
+    pub fn position(&self) -> (usize, u32) {
+        (self.file, self.parsers[self.file].position().0)
     }
 
     fn block<S: Sink>(&mut self, sink: &mut S) -> Outcome {
@@ -318,11 +324,11 @@ impl<'s> Interpreter<'s> {
             return;
         }
         if diagnostic.is_error() {
-            self.last = self.last.min(self.executed.saturating_add(AFTER_ERROR));
+            self.last = self.last.min(self.executed.saturating_add(self.limits.blocks_after_error));
             self.errors += 1;
             self.ended |= self.errors >= self.limits.errors;
         }
-        if self.diagnostics.len() < 2 * self.limits.errors {
+        if self.diagnostics.len() < MOST_FINDINGS {
             self.diagnostics.push(diagnostic);
         }
     }

@@ -64,6 +64,7 @@ mod reread;
 mod resolve;
 mod rigid;
 mod setup;
+mod shift;
 mod snapshot;
 mod spelling;
 mod splines;
@@ -82,7 +83,7 @@ pub use explain::{Finding, example_setup, explain, findings};
 pub use frame::{Frame, Point};
 pub use hobbing::HobOrder;
 pub use interpreter::{Interpreter, Progress};
-pub use lint::lint;
+pub use lint::{Lint, lint};
 pub use listing::Listing;
 pub use ops::{Ops, called_files, check};
 pub use pieces::{Linter, OpsRest, Rest, can_be_read_in_pieces};
@@ -92,6 +93,7 @@ pub use setup::{
     Aside, Chips, Cycles, DepthFrom, Dialect, Limits, MAX_PARAMETER, MissingTools, Parameters,
     Setup, Subprogram, UserCode,
 };
+pub use shift::Shift;
 pub use snapshot::{Snapshot, Standing};
 pub use splines::ControlPoint;
 pub use tool_table::ToolEntry;

@@ -9,7 +9,7 @@
 //! what it does, they keep silent. What is an error is found by executing, not here.
 use crate::setup::Setup;
 use diag::{Diagnostic, Span};
-use gcode::{Block, Expr, Grammar, Keyword, Label, Parameter, Parser, Value};
+use gcode::{Block, Expr, Grammar, Keyword, Label, MAX_DIAGNOSTICS, Parameter, Parser, Value};
 use std::collections::{HashMap, HashSet};
 
 /// Words of which G81 has one where it drills.
@@ -25,23 +25,59 @@ const MANY_SLOPES: u32 = 20;
 
 /// What is legal but hurts, and what the parser finds wrong in any line, by place.
 pub fn lint(source: &[u8], setup: &Setup) -> Vec<Diagnostic> {
-    let grammar = setup.dialect.grammar();
-    let (mut parser, mut block) = (Parser::with_grammar(source, 0, grammar), Block::new());
-    if grammar == Grammar::Fanuc {
-        // the remarks know the words of RS-274 only
-        while parser.next(&mut block) {}
-        return parser.take_diagnostics();
+    let mut lint = Lint::new(setup);
+    while lint.advance(source, usize::MAX) {}
+    lint.finish(setup)
+}
+
+/// [`lint`], some blocks at a time.
+pub struct Lint {
+    /// None for Fanuc's dialects: the remarks know the words of RS-274 only.
+    reader: Option<Reader>,
+    grammar: Grammar,
+    /// Byte and line where it goes on.
+    at: (u32, u32),
+    found: Vec<Diagnostic>,
+}
+
+impl Lint {
+    /// At the beginning of a program.
+    pub fn new(setup: &Setup) -> Self {
+        let grammar = setup.dialect.grammar();
+        let reader = (grammar != Grammar::Fanuc).then(|| Reader::new(setup));
+        Self { reader, grammar, at: (0, 1), found: Vec::new() }
     }
-    let mut reader = Reader::new(setup);
-    while parser.next(&mut block) {
-        if !block.faulty {
-            reader.block(&block);
+
+    /// Read on in the program's text; false if it is over.
+    pub fn advance(&mut self, source: &[u8], blocks: usize) -> bool {
+        let (mut parser, mut block) = (Parser::with_grammar(source, 0, self.grammar), Block::new());
+        if self.at != (0, 1) {
+            parser.seek(self.at.0, self.at.1);
         }
+        let mut more = true;
+        for _ in 0..blocks {
+            more = parser.next(&mut block);
+            if !more {
+                break;
+            }
+            if let Some(reader) = self.reader.as_mut().filter(|_| !block.faulty) {
+                reader.block(&block);
+            }
+        }
+        self.at = parser.position();
+        if self.found.len() < MAX_DIAGNOSTICS {
+            self.found.extend(parser.take_diagnostics());
+        }
+        more
     }
-    let mut found = parser.take_diagnostics();
-    found.extend(reader.finish(setup));
-    found.sort_by_key(|finding| finding.span.start);
-    found
+
+    /// What was found.
+    pub fn finish(self, setup: &Setup) -> Vec<Diagnostic> {
+        let mut found = self.found;
+        found.extend(self.reader.into_iter().flat_map(|reader| reader.finish(setup)));
+        found.sort_by_key(|finding| finding.span.start);
+        found
+    }
 }
 
 /// What is remembered from line to line.

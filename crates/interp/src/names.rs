@@ -16,7 +16,7 @@ const READ_ONLY: core::ops::RangeInclusive<usize> = 5400..=5428;
 const ARGUMENTS: usize = 30;
 
 /// Values that programs set.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Store {
     pub(crate) numbered: Parameters,
     global: HashMap<Box<str>, f64>,

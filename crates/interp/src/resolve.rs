@@ -30,8 +30,8 @@ const FARTHEST: f64 = 1e7;
 /// Turns calls into operations.
 #[derive(Clone)]
 pub struct Resolver {
-    ops: VecDeque<Op>,
-    diagnostics: Vec<Diagnostic>,
+    pub(crate) ops: VecDeque<Op>,
+    pub(crate) diagnostics: Vec<Diagnostic>,
     pub(crate) tools: ToolLibrary,
     pub(crate) tool: u32,
     pub(crate) units: Units,
@@ -39,14 +39,14 @@ pub struct Resolver {
     pub(crate) frame: Frame,
     /// Where the axes stand, mm and degrees.
     pub(crate) at: Point,
-    feed: FeedOrder,
+    pub(crate) feed: FeedOrder,
     /// Lead of the thread that lines turn, mm.
-    threading: Option<f64>,
+    pub(crate) threading: Option<f64>,
     /// Where in the spindle's turn it begins.
-    thread_angle: Angle,
+    pub(crate) thread_angle: Angle,
     pub(crate) spindle: SpindleState,
-    path: PathMode,
-    path_said: Option<PathMode>,
+    pub(crate) path: PathMode,
+    pub(crate) path_said: Option<PathMode>,
     pub(crate) overrides: (bool, bool),
     pub(crate) coolant: (bool, bool),
     /// The tool of which it was said that its own pitch counts.
@@ -56,8 +56,8 @@ pub struct Resolver {
 }
 
 /// F and what it counts.
-#[derive(Clone, Copy)]
-struct FeedOrder {
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) struct FeedOrder {
     /// Program units (or degrees) per minute or revolution.
     rate: f64,
     /// Millimetres in one program unit when it was given.
@@ -67,7 +67,7 @@ struct FeedOrder {
 }
 
 /// The spindle as ordered.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 pub(crate) struct SpindleState {
     pub(crate) speed: f64,
     pub(crate) sense: Option<Sense>,
@@ -115,13 +115,20 @@ impl Resolver {
     }
 
     pub(crate) fn report(&mut self, diagnostic: Diagnostic) {
-        /// More than these, each at its own place, tell nothing new.
-        const MOST: usize = 400;
+        if self.knows_enough() {
+            return;
+        }
         let known =
             self.diagnostics.iter().any(|d| d.code == diagnostic.code && d.span == diagnostic.span);
-        if !known && self.diagnostics.len() < MOST {
+        if !known {
             self.diagnostics.push(diagnostic);
         }
+    }
+
+    /// So much was found that more, each at its own place, tells nothing new.
+    fn knows_enough(&self) -> bool {
+        const MOST: usize = 400;
+        self.diagnostics.len() >= MOST
     }
 
     pub(crate) fn push(&mut self, span: Span, kind: OpKind) {
@@ -164,6 +171,9 @@ impl Resolver {
     /// Whether a move to this point is one to be made; remembers where it ends.
     fn arrives(&mut self, to: &Point, span: Span) -> bool {
         if let Some(i) = (0..9).find(|i| to[*i].is_nan() || to[*i].abs() > FARTHEST) {
+            if self.knows_enough() {
+                return false;
+            }
             let text = format!(
                 "{} would go to {} mm: farther than any machine",
                 Axis::ALL[i].letter(),

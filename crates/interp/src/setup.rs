@@ -151,13 +151,21 @@ pub struct Limits {
     pub blocks: u64,
     /// Errors after which reading on is of no use.
     pub errors: usize,
+    /// Blocks executed after the first error, to find more.
+    pub blocks_after_error: u64,
     /// Named parameters.
     pub names: usize,
 }
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { calls: 64, blocks: 50_000_000, errors: 200, names: 10_000 }
+        Self {
+            calls: 64,
+            blocks: 50_000_000,
+            errors: 200,
+            blocks_after_error: 1_000_000,
+            names: 10_000,
+        }
     }
 }
 

@@ -21,23 +21,23 @@ use std::collections::HashSet;
 #[allow(clippy::struct_excessive_bools)] // the interpreter's own
 #[derive(Clone)]
 pub struct Snapshot {
-    executor: Executor,
-    frames: Vec<Frame>,
-    repeats: Vec<(usize, u64)>,
-    file: usize,
-    positions: Vec<At>,
-    place: Span,
-    choosing: bool,
-    ended: bool,
-    begun: bool,
-    percent: bool,
+    pub(crate) executor: Executor,
+    pub(crate) frames: Vec<Frame>,
+    pub(crate) repeats: Vec<(usize, u64)>,
+    pub(crate) file: usize,
+    pub(crate) positions: Vec<At>,
+    pub(crate) place: Span,
+    pub(crate) choosing: bool,
+    pub(crate) ended: bool,
+    pub(crate) begun: bool,
+    pub(crate) percent: bool,
     has_o_words: bool,
-    executed: u64,
+    pub(crate) executed: u64,
     last: u64,
-    diagnostics: Vec<Diagnostic>,
-    seen: HashSet<(&'static str, Span)>,
+    pub(crate) diagnostics: Vec<Diagnostic>,
+    pub(crate) seen: HashSet<(&'static str, Span)>,
     errors: usize,
-    fanuc: Option<Box<Fanuc>>,
+    pub(crate) fanuc: Option<Box<Fanuc>>,
 }
 
 impl Snapshot {

@@ -41,7 +41,7 @@ pub struct ControlPoint {
 }
 
 /// A NURBS being written, from G5.2 to G5.3.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Nurbs {
     order: usize,
     points: Vec<ControlPoint>,

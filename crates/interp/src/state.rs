@@ -228,7 +228,7 @@ pub(crate) struct Sticky {
 
 /// All of it.
 #[allow(clippy::struct_excessive_bools)] // each is a mode with two values and a code of its own
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct State {
     pub(crate) motion: Motion,
     pub(crate) plane: Plane,

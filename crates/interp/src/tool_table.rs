@@ -41,7 +41,7 @@ pub struct ToolEntry {
 }
 
 /// The entries that a program has written.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct ToolTable {
     written: BTreeMap<u32, ToolEntry>,
 }

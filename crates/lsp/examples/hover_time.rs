@@ -22,6 +22,14 @@ impl lsp::Host for Nowhere {
     }
 }
 
+/// What is edited, and the line (from 0) asked about then.
+struct Edit {
+    line: u32,
+    characters: (u32, u32),
+    text: &'static str,
+    hovered: u32,
+}
+
 struct Client {
     connection: Connection,
     next: i32,
@@ -59,13 +67,13 @@ impl Client {
         }
     }
 
-    /// Change one line, then hover over another at once.
-    fn hover_after_edit(&mut self, edited: u32, hovered: u32) -> Duration {
+    /// Put a text with a digit in the place of some characters of a line, then hover over another line at once.
+    fn hover_after_edit(&mut self, edit: &Edit) -> Duration {
         self.version += 1;
-        let place = |character: u32| json!({ "line": edited, "character": character });
-        let range = json!({ "start": place(1), "end": place(2) });
-        let change = json!({ "range": range, "text": self.version % 10 });
-        let change = json!({ "range": change["range"], "text": change["text"].to_string() });
+        let &Edit { line, characters: (from, to), text, hovered } = edit;
+        let place = |character: u32| json!({ "line": line, "character": character });
+        let text = text.replace('#', &(self.version % 10).to_string());
+        let change = json!({ "range": { "start": place(from), "end": place(to) }, "text": text });
         let item = json!({ "uri": URI, "version": self.version });
         let begun = Instant::now();
         self.tell(
@@ -105,14 +113,18 @@ fn main() {
     client.tell("textDocument/didOpen", json!({ "textDocument": item }));
     client.settle();
     println!("{LINES} lines: open to findings {:.1} ms", begun.elapsed().as_secs_f64() * 1e3);
-    for (what, edited, hovered) in [
-        ("edit and hover at the end", LINES - 10, LINES - 9),
-        ("edit and hover in the middle", LINES / 2, LINES / 2 + 1),
-        ("edit at the beginning, hover at the end", 5, LINES - 9),
+    let end = LINES - 9;
+    for (what, line, characters, text, hovered) in [
+        ("a coordinate and a hover at the end", end - 1, (1, 2), "#", end),
+        ("a coordinate and a hover in the middle", LINES / 2, (1, 2), "#", LINES / 2 + 1),
+        ("a coordinate at the beginning, hover at the end", 5, (1, 2), "#", end),
+        ("the feed at the beginning, hover at the end", 1, (4, 5), "#", end),
+        ("a line more at the beginning, hover at the end", 5, (0, 0), "X# Y2\n", end),
     ] {
+        let edit = Edit { line, characters, text, hovered };
         let mut times: Vec<_> = (0..9)
             .map(|_| {
-                let took = client.hover_after_edit(edited, hovered);
+                let took = client.hover_after_edit(&edit);
                 client.settle();
                 took
             })

@@ -3,13 +3,19 @@
 //! ```text
 //!   kept:   s₀ ──4096 blocks── s₁ ── … ── sₙ ──► advance(): the next slice
 //!                     ▲ hover: resume at the nearest kept one before, step to the block
+//!
+//!   edit:   s₀ ── s₁ ─ ✎ ─ s₂ ── s₃ ── s₄        s₂ … s₄ go stale; executed anew from s₁ on
+//!           s₀ ── s₁ ──── s₂' ═ s₂               where things stand as they stood at a stale one,
+//!           s₀ ── s₁ ──── s₂' ── s₃ ── s₄        those that followed it follow again
 //! ```
 //!
-//! An edit at byte e keeps every snapshot before whose making no byte from e on had been executed. When
-//! many are kept, every other one is given up and the slices become twice as long.
+//! A stale slice that has read what was edited is only a place to meet again. When
+//! many are kept, every other one is joined to the next and the slices become twice as long.
 use crate::document::{Document, Edit};
+use crate::slice::{Notes, Slice};
 use diag::Diagnostic;
-use interp::{Interpreter, Progress, Resolver, Setup, Snapshot, Standing};
+use interp::{Interpreter, Progress, Resolver, Setup, Standing};
+use std::collections::{HashSet, VecDeque};
 
 /// Blocks between two snapshots, at first.
 const SLICE: u64 = 4096;
@@ -19,6 +25,8 @@ const MOST_KEPT: usize = 256;
 const MOST_BLOCKS: u64 = 2_000_000;
 /// Code of the finding that the bound on blocks was reached; here that says nothing of the program.
 const TOO_LONG: &str = "I0803";
+/// Findings shown: more of them tell nothing new.
+const MOST_FINDINGS: usize = 800;
 
 /// How things stood around a block when it was executed for the first time.
 pub(crate) struct Visit {
@@ -28,40 +36,87 @@ pub(crate) struct Visit {
     pub(crate) parameter: Option<f64>,
 }
 
-struct Kept {
-    snapshot: Snapshot,
-    resolver: Resolver,
-    /// One past the last byte that matters to it.
-    furthest: u32,
-}
-
 /// All of a document's.
 pub(crate) struct Analysis {
     pub(crate) setup: Setup,
-    kept: Vec<Kept>,
-    /// For each line, the number of the block that was executed there first; 0 for none.
-    visits: Vec<u64>,
+    kept: Vec<Slice>,
+    /// Of texts before the edits, in the order executed.
+    stale: VecDeque<Slice>,
+    /// For each line, the number of the slice that visited it last.
+    visited: Vec<u32>,
+    slices: u32,
     slice: u64,
 }
 
 impl Analysis {
     pub(crate) fn new(mut setup: Setup) -> Self {
         setup.limits.blocks = setup.limits.blocks.min(MOST_BLOCKS);
-        Self { setup, kept: Vec::new(), visits: Vec::new(), slice: SLICE }
+        // a program with many errors is still one that is being written
+        (setup.limits.errors, setup.limits.blocks_after_error) = (usize::MAX, u64::MAX);
+        Self {
+            setup,
+            kept: Vec::new(),
+            stale: VecDeque::new(),
+            visited: Vec::new(),
+            slices: 0,
+            slice: SLICE,
+        }
     }
 
-    /// Forget what an edit made void.
-    pub(crate) fn edited(&mut self, edit: Edit) {
+    /// Take in an edit that the document has taken in.
+    pub(crate) fn edited(&mut self, edit: &Edit, document: &Document) {
         // what steers Fanuc's tapes may stand in any line
         let steers = edit.o_words || self.setup.dialect.grammar() == gcode::Grammar::Fanuc;
-        self.kept
-            .retain(|kept| kept.furthest <= edit.from && !(steers && kept.snapshot.has_o_words()));
-        let executed = self.kept.last().map_or(0, |kept| kept.snapshot.executed());
-        for visit in &mut self.visits {
-            if *visit > executed {
-                *visit = 0;
+        let touched = |slice: &Slice| slice.reads(&edit.shift) || steers && slice.steered;
+        let first = self.kept.iter().position(touched).unwrap_or(self.kept.len());
+        let mut all: VecDeque<_> = self.kept.split_off(first).into();
+        all.append(&mut self.stale);
+        let (mut linked, mut behind) = (true, false);
+        // lines count: what they mean by #<_line> is not what it was
+        let keep = edit.shift.lines == 0 || !asks_for_lines(&document.text);
+        for mut slice in all {
+            if !keep || steers && slice.steered {
+                break;
+            }
+            behind |= slice.reads(&edit.shift);
+            if behind {
+                slice.recount(i64::from(edit.shift.lines)); // about as many blocks
+            }
+            let stands = slice.shift(&edit.shift);
+            slice.linked &= linked;
+            linked = stands;
+            if stands {
+                self.stale.push_back(slice);
             }
         }
+        self.follow_on();
+    }
+
+    /// What follows again from the last one kept is kept too.
+    fn follow_on(&mut self) {
+        while self.stale.front().is_some_and(|slice| slice.linked) {
+            let Some(mut slice) = self.stale.pop_front() else { return };
+            slice.follow(self.kept.last());
+            self.keep(slice);
+        }
+    }
+
+    fn keep(&mut self, slice: Slice) {
+        self.kept.push(slice);
+        if self.kept.len() <= MOST_KEPT {
+            return;
+        }
+        let mut all = std::mem::take(&mut self.kept).into_iter();
+        while let Some(first) = all.next() {
+            match all.next() {
+                Some(mut second) => {
+                    second.join(first);
+                    self.kept.push(second);
+                }
+                None => self.kept.push(first),
+            }
+        }
+        self.slice *= 2;
     }
 
     /// Whether the program was executed to its end.
@@ -74,50 +129,79 @@ impl Analysis {
         if self.is_done() {
             return;
         }
-        let mut visits = std::mem::take(&mut self.visits);
-        visits.resize(document.lines() + 1, 0);
-        let (mut interpreter, mut resolver, mut furthest) = self.resume(&document.text, u64::MAX);
-        let mut progress = Progress::More;
-        for _ in 0..self.slice {
-            progress = interpreter.step(&mut resolver);
+        self.slices += 1;
+        let mut visited = std::mem::take(&mut self.visited);
+        visited.resize(document.lines() + 1, 0);
+        let mut stale = std::mem::take(&mut self.stale);
+        let (mut interpreter, mut resolver) = self.resume(&document.text, u64::MAX);
+        let mut notes = Notes::default();
+        let mut meeting = self.meeting(&mut stale, &interpreter);
+        let begin = interpreter.executed();
+        let mut block = 0;
+        while block < self.slice || interpreter.executed() >= meeting.earliest {
+            let (file, from) = interpreter.position();
+            let progress = interpreter.step(&mut resolver);
             while resolver.pop().is_some() {}
             let place = interpreter.place();
-            if place.file == 0 {
-                furthest = furthest.max(place.end.saturating_add(1));
-                if let Some(visit @ 0) = visits.get_mut(place.line as usize) {
-                    *visit = interpreter.executed();
+            let executed = interpreter.executed() - begin > block;
+            block = interpreter.executed() - begin;
+            if file == 0 && place.file == 0 && executed {
+                notes.read(from, place.end.saturating_add(1));
+                if let Some(visit) = visited.get_mut(place.line as usize)
+                    && *visit != self.slices
+                {
+                    *visit = self.slices;
+                    notes.visited(place.line, block as u32);
                 }
             }
             if progress == Progress::Ended {
                 break;
             }
-        }
-        if progress == Progress::Ended {
-            furthest = u32::MAX; // what follows could keep it from ending
+            if interpreter.executed() > meeting.latest {
+                meeting = self.meeting(&mut stale, &interpreter);
+            }
+            if interpreter.executed() >= meeting.earliest
+                && interpreter.position() == meeting.place
+                && meets(stale.front(), &mut interpreter, &resolver)
+            {
+                stale.pop_front();
+                break;
+            }
         }
         let snapshot = interpreter.snapshot();
-        self.visits = visits;
-        self.kept.push(Kept { snapshot, resolver, furthest });
-        if self.kept.len() > MOST_KEPT {
-            let mut odd = false;
-            self.kept.retain(|kept| {
-                odd = !odd;
-                odd || kept.snapshot.has_ended()
-            });
-            self.slice *= 2;
+        self.visited = visited;
+        self.stale = stale;
+        self.keep(Slice::new(snapshot, resolver, self.kept.last(), notes));
+        self.follow_on();
+    }
+
+    /// Where the next stale one is met, if it is met; those that are passed are forgotten.
+    fn meeting(&self, stale: &mut VecDeque<Slice>, interpreter: &Interpreter<'_>) -> Meeting {
+        let near = self.slice / 4;
+        while let Some(slice) = stale.front() {
+            if slice.end() + near >= interpreter.executed() {
+                return Meeting {
+                    place: slice.snapshot.position(),
+                    earliest: slice.end().saturating_sub(near),
+                    latest: slice.end() + near,
+                };
+            }
+            stale.pop_front();
+            if let Some(next) = stale.front_mut() {
+                next.linked = false;
+            }
         }
+        Meeting { place: (0, 0), earliest: u64::MAX, latest: u64::MAX }
     }
 
     /// An interpretation that has executed fewer blocks than `before`, as many as possible.
-    fn resume<'a>(&'a self, text: &'a [u8], before: u64) -> (Interpreter<'a>, Resolver, u32) {
-        let at = self.kept.partition_point(|kept| kept.snapshot.executed() < before);
+    fn resume<'a>(&'a self, text: &'a [u8], before: u64) -> (Interpreter<'a>, Resolver) {
+        let at = self.kept.partition_point(|kept| kept.end() < before);
         match at.checked_sub(1).and_then(|i| self.kept.get(i)) {
-            Some(kept) => (
-                Interpreter::resume(text, &self.setup, &kept.snapshot),
-                kept.resolver.clone(),
-                kept.furthest,
-            ),
-            None => (Interpreter::new(text, &self.setup), Resolver::new(&self.setup), 0),
+            Some(kept) => {
+                (Interpreter::resume(text, &self.setup, &kept.snapshot), kept.resolver.clone())
+            }
+            None => (Interpreter::new(text, &self.setup), Resolver::new(&self.setup)),
         }
     }
 
@@ -129,12 +213,8 @@ impl Analysis {
         line: u32,
         parameter: Option<&str>,
     ) -> Option<Visit> {
-        let visited = |all: &[u64]| all.get(line as usize).copied().filter(|block| *block > 0);
-        while visited(&self.visits).is_none() && !self.is_done() {
-            self.advance(document);
-        }
-        let block = visited(&self.visits)?;
-        let (mut interpreter, mut resolver, _) = self.resume(&document.text, block);
+        let block = self.block_of(document, line)?;
+        let (mut interpreter, mut resolver) = self.resume(&document.text, block);
         let mut step = |interpreter: &mut Interpreter<'_>| {
             let progress = interpreter.step(&mut resolver);
             while resolver.pop().is_some() {}
@@ -147,95 +227,55 @@ impl Analysis {
         Some(Visit { before, after: interpreter.standing(), parameter })
     }
 
-    /// What executing found; all of it if [`Analysis::is_done`].
-    pub(crate) fn findings(&self) -> Vec<Diagnostic> {
-        let Some(last) = self.kept.last() else { return Vec::new() };
-        let both = last.snapshot.diagnostics().iter().chain(last.resolver.diagnostics());
-        both.filter(|finding| finding.code != TOO_LONG).cloned().collect()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use lsp_types::{PositionEncodingKind, TextDocumentContentChangeEvent};
-
-    fn open(text: String) -> (Document, Analysis) {
-        let document = Document::new(text, &PositionEncodingKind::UTF16);
-        (document, Analysis::new(Setup::default()))
-    }
-
-    fn finish(document: &Document, analysis: &mut Analysis) {
-        while !analysis.is_done() {
-            analysis.advance(document);
+    /// The block that is executed first in a line.
+    fn block_of(&mut self, document: &Document, line: u32) -> Option<u64> {
+        let mut known = 0;
+        loop {
+            let new = self.kept.get(known..).unwrap_or(&self.kept);
+            if let Some(block) = new.iter().find_map(|slice| slice.visit(line)) {
+                return Some(block);
+            }
+            if self.is_done() {
+                return None;
+            }
+            known = self.kept.len();
+            self.advance(document);
         }
     }
 
-    fn x_after(document: &Document, analysis: &mut Analysis, line: u32) -> Option<f64> {
-        analysis.visit(document, line, None).map(|visit| visit.after.program[0])
-    }
-
-    /// G91 steps of 1: X after line n is n − 2.
-    fn staircase(steps: usize) -> String {
-        format!("G21 G91\nF100 G1\n{}M2\n", "X1\n".repeat(steps))
-    }
-
-    fn replace(line: u32, text: &str) -> TextDocumentContentChangeEvent {
-        use lsp_types::{Position, Range};
-        let range = Range { start: Position::new(line, 0), end: Position::new(line, 2) };
-        TextDocumentContentChangeEvent { range: Some(range), range_length: None, text: text.into() }
-    }
-
-    #[test]
-    fn each_block_is_known_before_and_after() {
-        let (document, mut analysis) = open(staircase(5000));
-        let visit = analysis.visit(&document, 4002, None);
-        let both = visit.map(|v| (v.before.program[0], v.after.program[0]));
-        assert_eq!(both, Some((3999.0, 4000.0)));
-    }
-
-    #[test]
-    fn an_edit_keeps_what_lies_before_it_and_changes_what_follows() {
-        let (mut document, mut analysis) = open(staircase(20_000));
-        finish(&document, &mut analysis);
-        let edit = document.apply(replace(16_000, "X5"));
-        analysis.edited(edit);
-        assert!(analysis.kept.len() >= 3, "snapshots before the edit were thrown away");
-        assert_eq!(x_after(&document, &mut analysis, 3000), Some(2998.0));
-        assert_eq!(x_after(&document, &mut analysis, 16_001), Some(15_999.0 + 4.0));
-        finish(&document, &mut analysis);
-        assert_eq!(x_after(&document, &mut analysis, 20_002), Some(20_004.0));
-    }
-
-    #[test]
-    fn an_edit_in_a_subprogram_that_was_executed_starts_anew() {
-        let text = "o1 sub\nG0 X1\no1 endsub\nG21 G90\no1 call\nM2\n";
-        let (mut document, mut analysis) = open(text.to_owned());
-        finish(&document, &mut analysis);
-        let edit = document.apply(TextDocumentContentChangeEvent {
-            range: Some(lsp_types::Range {
-                start: lsp_types::Position::new(1, 4),
-                end: lsp_types::Position::new(1, 5),
-            }),
-            range_length: None,
-            text: "9".into(),
-        });
-        analysis.edited(edit);
-        assert_eq!(x_after(&document, &mut analysis, 2), Some(9.0));
-    }
-
-    #[test]
-    fn a_line_never_executed_has_no_visit() {
-        let (document, mut analysis) = open("G21\nM2\nG0 X1\n".to_owned());
-        assert!(analysis.visit(&document, 3, None).is_none());
-    }
-
-    #[test]
-    fn an_endless_loop_does_not_hold_the_editor() {
-        let (document, mut analysis) = open("o1 while [1]\no1 endwhile\nM2\n".to_owned());
-        analysis.setup.limits.blocks = 600_000;
-        finish(&document, &mut analysis);
-        assert!(analysis.kept.len() <= MOST_KEPT + 1);
-        assert!(analysis.findings().is_empty());
+    /// What executing found; all of it if [`Analysis::is_done`].
+    pub(crate) fn findings(&self) -> Vec<Diagnostic> {
+        let mut seen = HashSet::new();
+        let all = self.kept.iter().flat_map(|slice| &slice.findings);
+        all.filter(|finding| finding.code != TOO_LONG && seen.insert((finding.code, finding.span)))
+            .take(MOST_FINDINGS)
+            .cloned()
+            .collect()
     }
 }
+
+/// Where a stale slice's end may be met again, and between which blocks.
+struct Meeting {
+    place: (usize, u32),
+    earliest: u64,
+    latest: u64,
+}
+
+/// Whether things stand as at the end of the stale slice.
+fn meets(stale: Option<&Slice>, interpreter: &mut Interpreter<'_>, resolver: &Resolver) -> bool {
+    stale.is_some_and(|stale| {
+        resolver.stands_as(&stale.resolver) && interpreter.snapshot().stands_as(&stale.snapshot)
+    })
+}
+
+/// Whether a text has the name `_line`, or one that begins so: what it reads depends on where it stands.
+fn asks_for_lines(text: &[u8]) -> bool {
+    memchr::memchr_iter(b'_', text).any(|at| {
+        let next = text[at + 1..].iter().find(|byte| !byte.is_ascii_whitespace());
+        next.is_some_and(|byte| byte.eq_ignore_ascii_case(&b'l'))
+    })
+}
+
+#[cfg(test)]
+#[path = "analysis_tests.rs"]
+mod tests;

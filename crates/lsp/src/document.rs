@@ -3,6 +3,7 @@
 //! Editors count lines from 0 and columns in UTF-16 units (or bytes, if both sides agree on UTF-8);
 //! spans count bytes. This is the only place where the two meet.
 use diag::Span;
+use interp::Shift;
 use lsp_types::{Position, PositionEncodingKind, Range, TextDocumentContentChangeEvent};
 
 /// A text and where its lines begin.
@@ -15,27 +16,19 @@ pub(crate) struct Document {
 /// What an edit touched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Edit {
-    /// First byte that is not as it was.
-    pub(crate) from: u32,
+    /// What has moved where.
+    pub(crate) shift: Shift,
     /// Whether lines with O-words may have come, gone or changed.
     pub(crate) o_words: bool,
 }
 
 impl Document {
     pub(crate) fn new(text: String, encoding: &PositionEncodingKind) -> Self {
-        let mut new = Self {
-            text: text.into_bytes(),
-            starts: Vec::new(),
-            utf8: *encoding == PositionEncodingKind::UTF8,
-        };
-        new.find_lines();
+        let utf8 = *encoding == PositionEncodingKind::UTF8;
+        let mut new = Self { text: Vec::new(), starts: vec![0], utf8 };
+        new.move_lines(0, 0, text.as_bytes());
+        new.text = text.into_bytes();
         new
-    }
-
-    fn find_lines(&mut self) {
-        self.starts.clear();
-        self.starts.push(0);
-        self.starts.extend(memchr::memchr_iter(b'\n', &self.text).map(|at| at as u32 + 1));
     }
 
     /// How many lines there are.
@@ -55,19 +48,35 @@ impl Document {
 
     /// Take in one change.
     pub(crate) fn apply(&mut self, change: TextDocumentContentChangeEvent) -> Edit {
-        let Some(range) = change.range else {
-            self.text = change.text.into_bytes();
-            self.find_lines();
-            return Edit { from: 0, o_words: true };
+        let (from, to) = match change.range {
+            Some(range) => {
+                let from = self.byte(range.start);
+                (from, self.byte(range.end).max(from))
+            }
+            None => (0, self.text.len()),
         };
-        let from = self.byte(range.start);
-        let to = self.byte(range.end).max(from);
-        let before = self.o_word_near(from, to);
-        let length = change.text.len();
+        let o_words = change.range.is_none() || self.o_word_near(from, to);
+        let end = from + change.text.len();
+        let lines = self.move_lines(from, to, change.text.as_bytes());
         self.text.splice(from..to, change.text.into_bytes());
-        self.find_lines();
-        let o_words = before || self.o_word_near(from, from + length);
-        Edit { from: from as u32, o_words }
+        let o_words = o_words || self.o_word_near(from, end);
+        let [from, old_end, new_end] = [from, to, end].map(|byte| byte as u32);
+        Edit { shift: Shift { from, old_end, new_end, lines }, o_words }
+    }
+
+    /// Where lines begin once these bytes are replaced by this text; how many lines more there are then.
+    #[allow(clippy::cast_possible_wrap)] // bytes are counted with 32 bits
+    fn move_lines(&mut self, from: usize, to: usize, text: &[u8]) -> i32 {
+        let behind = |byte: usize| self.starts.partition_point(|start| *start as usize <= byte);
+        let (first, last) = (behind(from), behind(to));
+        let grown = (text.len() as u32).wrapping_sub((to - from) as u32);
+        for start in &mut self.starts[last..] {
+            *start = start.wrapping_add(grown);
+        }
+        let before = self.starts.len();
+        let new = memchr::memchr_iter(b'\n', text).map(|at| (from + at) as u32 + 1);
+        self.starts.splice(first..last, new);
+        self.starts.len() as i32 - before as i32
     }
 
     /// Whether the lines that these bytes lie in have a letter O at all.
@@ -145,7 +154,8 @@ mod tests {
         let mut document = open("G21\nX1\nX2\n");
         let edit = document.apply(change((1, 1), (1, 2), "77"));
         assert_eq!(document.text, b"G21\nX77\nX2\n");
-        assert_eq!(edit, Edit { from: 5, o_words: false });
+        let shift = Shift { from: 5, old_end: 6, new_end: 7, lines: 0 };
+        assert_eq!(edit, Edit { shift, o_words: false });
         assert!(document.apply(change((2, 0), (2, 0), "o1 sub\n")).o_words);
         assert_eq!(document.lines(), 5);
     }

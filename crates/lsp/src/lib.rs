@@ -9,8 +9,8 @@
 //!             hover, outline, names ◄────┘ findings, positions before and after a block
 //! ```
 //!
-//! One thread, no locks: between two messages the server interprets on, a slice at a time, and an edit throws away
-//! only the snapshots behind it. A hover runs from the nearest snapshot to the block pointed at.
+//! One thread, no locks: between two messages the server interprets on, a slice at a time. An edit throws away what
+//! it changes: where things stand again as they stood before it, what followed follows again. A hover runs from the nearest snapshot to the block pointed at.
 //! This crate knows programs, not machines: what a program meets (tools, offsets, subprogram
 //! files) comes from a [`Host`].
 //!
@@ -23,5 +23,6 @@ mod names;
 mod outline;
 mod roles;
 mod server;
+mod slice;
 
 pub use server::{Host, serve};

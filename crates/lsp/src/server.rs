@@ -3,6 +3,7 @@ use crate::analysis::Analysis;
 use crate::document::Document;
 use crate::{hover, names, outline};
 use diag::{Diagnostic, Severity, Span};
+use interp::Lint;
 use lsp_server::{Connection, ErrorCode, Message, Notification, ProtocolError, Request, Response};
 use lsp_types as lsp;
 use lsp_types::notification::{
@@ -16,6 +17,9 @@ use lsp_types::request::{
 use lsp_types::{InitializeParams, PositionEncodingKind, Uri};
 use serde_json::{Value, json};
 use std::collections::HashMap;
+
+/// Blocks read at once for what is found by reading alone: an editor that asks meanwhile waits that long.
+const READ_AT_ONCE: usize = 8192;
 
 /// What the server asks of the program it runs in: what a G-code program meets outside its text.
 pub trait Host {
@@ -72,6 +76,8 @@ struct Open {
     version: i32,
     /// Why the program's surroundings could not be loaded.
     trouble: Option<String>,
+    /// What is found by reading it as it is, as far as it has been read.
+    lint: Option<Lint>,
     /// Its findings are shown as they are.
     told: bool,
 }
@@ -123,6 +129,10 @@ impl Server<'_> {
             open.analysis.advance(&open.document);
             return;
         }
+        let lint = open.lint.get_or_insert_with(|| Lint::new(&open.analysis.setup));
+        if lint.advance(&open.document.text, READ_AT_ONCE) {
+            return;
+        }
         open.told = true;
         let findings = open.findings();
         let params = lsp::PublishDiagnosticsParams {
@@ -149,7 +159,8 @@ impl Server<'_> {
                     let document = Document::new(item.text, &self.encoding);
                     let (analysis, trouble) = self.begin(&item.uri, &document);
                     let version = item.version;
-                    let open = Open { document, analysis, version, trouble, told: false };
+                    let open =
+                        Open { document, analysis, version, trouble, lint: None, told: false };
                     self.open.insert(item.uri, open);
                 }
             }
@@ -187,11 +198,11 @@ impl Server<'_> {
         let mut o_words = false;
         for change in params.content_changes {
             let edit = open.document.apply(change);
-            open.analysis.edited(edit);
+            open.analysis.edited(&edit, &open.document);
             o_words |= edit.o_words;
         }
         open.version = params.text_document.version;
-        open.told = false;
+        (open.lint, open.told) = (None, false);
         if !o_words {
             return;
         }
@@ -331,10 +342,12 @@ impl Open {
     }
 
     /// Everything found: by executing, by reading what is never executed, and what is legal but hurts.
-    fn findings(&self) -> Vec<Diagnostic> {
+    fn findings(&mut self) -> Vec<Diagnostic> {
         let mut all = self.analysis.findings();
         all.retain(|finding| finding.span.file == 0);
-        for finding in interp::lint(&self.document.text, &self.analysis.setup) {
+        let setup = &self.analysis.setup;
+        let read = self.lint.take().map(|lint| lint.finish(setup));
+        for finding in read.into_iter().flatten() {
             if all.iter().all(|f| (f.code, f.span) != (finding.code, finding.span)) {
                 all.push(finding);
             }

@@ -21,7 +21,7 @@ use crate::{
 };
 
 /// A call that has not returned yet.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Level {
     back: At,
     /// The calling block: where GOTO of the caller searches from.
@@ -35,7 +35,7 @@ pub(super) struct Level {
 }
 
 /// A macro with its arguments.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Macro {
     number: u32,
     times: u32,

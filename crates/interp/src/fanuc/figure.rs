@@ -14,7 +14,7 @@ pub(super) const AXIS: [u8; 3] = *b"XYZ";
 pub(super) const CENTRE: [u8; 3] = *b"IJK";
 
 /// What is in force.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Mapping {
     pub(super) polar: Option<Polar>,
     pub(super) scale: Option<Scale>,
@@ -23,7 +23,7 @@ pub(super) struct Mapping {
 }
 
 /// G16.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Polar {
     pub(super) origin: [f64; 2],
     /// Radius and angle named last.
@@ -31,14 +31,14 @@ pub(super) struct Polar {
 }
 
 /// G51.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scale {
     pub(super) centre: Place,
     pub(super) factor: Place,
 }
 
 /// G68.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Rotation {
     pub(super) axes: [usize; 2],
     pub(super) centre: [f64; 2],

@@ -59,7 +59,7 @@ pub(crate) enum Kind {
 }
 
 /// The front end's own state.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 pub(crate) struct Fanuc {
     kind: Kind,
     calculator: bool,
@@ -145,9 +145,15 @@ impl Fanuc {
     /// The same, which will read its tape again when it is needed.
     pub(crate) fn without_tape(&mut self) -> Self {
         let tape = self.tape.take();
-        let copy = self.clone();
+        let mut copy = self.clone();
+        copy.said.clear(); // the last block's
         self.tape = tape;
         copy
+    }
+
+    /// Whether no profile is being taken down.
+    pub(crate) const fn is_between_profiles(&self) -> bool {
+        self.shape.is_none()
     }
 
     const fn is_lathe(&self) -> bool {

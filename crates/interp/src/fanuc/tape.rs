@@ -16,20 +16,20 @@ use gcode::{Block, Control, Grammar, Label, Parser};
 use std::collections::HashMap;
 
 /// A block: where it and the next one begin.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Mark {
     pub(super) at: At,
     pub(super) after: At,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 struct Program {
     number: Option<u32>,
     begin: Mark,
 }
 
 /// All of a file.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Tape {
     /// In the order of the text; the first may have no number.
     programs: Vec<Program>,

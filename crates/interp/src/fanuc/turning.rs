@@ -28,7 +28,7 @@ use canon::Plane;
 const MAX_TIMES: u32 = 1_000;
 
 /// What first lines have set.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct FirstLines {
     /// G71, G72: depth of a pass, and how far it comes away.
     depth: Option<f64>,
@@ -43,7 +43,7 @@ pub(super) struct FirstLines {
 }
 
 /// A profile being taken down.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Shape {
     last: u32,
     /// Where to go on; behind its last block if there is nothing here.

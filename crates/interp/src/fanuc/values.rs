@@ -36,7 +36,7 @@ const MILL_AXES: [usize; 3] = [0, 1, 2];
 const LATHE_AXES: [usize; 2] = [0, 2];
 
 /// What programs set.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Variables {
     pub(super) local: Locals,
     /// #100 to #999, of which #200 to #499 do not exist.

@@ -15,7 +15,7 @@ use diag::{Diagnostic, Span};
 use gcode::Value;
 
 /// A word with its value.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Said {
     pub(super) letter: u8,
     pub(super) value: f64,

@@ -1,0 +1,147 @@
+//! A stretch of a program's execution: what it read, what it found, and how things stood at its end.
+use diag::Diagnostic;
+use interp::{Resolver, Shift, Snapshot};
+
+/// Blocks that were executed on consecutive lines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Run {
+    /// The first one's line, from 1.
+    line: u32,
+    /// Blocks of the slice executed up to it, itself included.
+    block: u32,
+    lines: u32,
+}
+
+/// What has been noted of a slice while it is executed.
+#[derive(Debug, Default)]
+pub(crate) struct Notes {
+    /// The program's bytes it has read lie between these.
+    bytes: Option<(u32, u32)>,
+    runs: Vec<Run>,
+}
+
+impl Notes {
+    /// These bytes were read, up to one behind a block's last: more there could belong to it.
+    pub(crate) fn read(&mut self, from: u32, to: u32) {
+        let (first, last) = self.bytes.get_or_insert((from, to));
+        (*first, *last) = ((*first).min(from), (*last).max(to));
+    }
+
+    /// The slice's `block`-th block stands in this line, which it had not visited.
+    pub(crate) fn visited(&mut self, line: u32, block: u32) {
+        match self.runs.last_mut() {
+            Some(run) if (run.line + run.lines, run.block + run.lines) == (line, block) => {
+                run.lines += 1;
+            }
+            _ => self.runs.push(Run { line, block, lines: 1 }),
+        }
+    }
+}
+
+/// A stretch of execution that is over.
+pub(crate) struct Slice {
+    /// How things stood at its end, without what was found.
+    pub(crate) snapshot: Snapshot,
+    pub(crate) resolver: Resolver,
+    /// Blocks executed before it.
+    begin: u64,
+    notes: Notes,
+    /// What it found, however often it was found before.
+    pub(crate) findings: Vec<Diagnostic>,
+    /// Whether O-words, or jumps and calls of Fanuc's, were executed in it or before.
+    pub(crate) steered: bool,
+    /// It follows, in the text as it is now, from how things stand at the end of the one before.
+    pub(crate) linked: bool,
+}
+
+impl Slice {
+    pub(crate) fn new(
+        mut snapshot: Snapshot,
+        mut resolver: Resolver,
+        before: Option<&Self>,
+        notes: Notes,
+    ) -> Self {
+        let mut findings = snapshot.take_findings();
+        findings.extend(resolver.take_findings());
+        Self {
+            begin: before.map_or(0, Self::end),
+            steered: snapshot.has_o_words() || before.is_some_and(|slice| slice.steered),
+            snapshot,
+            resolver,
+            notes,
+            findings,
+            linked: true,
+        }
+    }
+
+    /// Blocks executed up to its end.
+    pub(crate) const fn end(&self) -> u64 {
+        self.snapshot.executed()
+    }
+
+    /// The block at which this line (from 1) was executed in it for the first time.
+    pub(crate) fn visit(&self, line: u32) -> Option<u64> {
+        let within = |run: &&Run| (run.line..run.line + run.lines).contains(&line);
+        let run = self.notes.runs.iter().find(within)?;
+        Some(self.begin + u64::from(run.block + (line - run.line)))
+    }
+
+    /// Whether it has read, or would have read on into, what was edited.
+    pub(crate) fn reads(&self, edit: &Shift) -> bool {
+        let (from, to) = self.notes.bytes.unwrap_or((0, 0));
+        // what follows could keep a program from ending
+        let to = if self.snapshot.has_ended() { u32::MAX } else { to };
+        from <= edit.old_end && edit.from <= to
+    }
+
+    /// The same in the edited text; false if it cannot be said any more how things stood at its end.
+    #[must_use]
+    pub(crate) fn shift(&mut self, edit: &Shift) -> bool {
+        if self.reads(edit) {
+            self.linked = false;
+            self.notes = Notes::default();
+            self.findings.clear();
+        } else if self.notes.bytes.is_some_and(|(from, _)| from > edit.old_end) {
+            for run in &mut self.notes.runs {
+                run.line = edit.line(run.line);
+            }
+            if let Some((from, to)) = &mut self.notes.bytes {
+                *from = edit.byte(*from).unwrap_or(edit.from);
+                *to = edit.byte(*to).unwrap_or(edit.from);
+            }
+        }
+        for finding in &mut self.findings {
+            edit.finding(finding);
+        }
+        self.resolver.shift(edit);
+        self.snapshot.shift(edit)
+    }
+
+    /// Follow another one than when it was executed.
+    pub(crate) fn follow(&mut self, before: Option<&Self>) {
+        let (begin, steered) = before.map_or((0, false), |slice| (slice.end(), slice.steered));
+        self.snapshot.recount(begin.wrapping_sub(self.begin).cast_signed());
+        self.steered = steered || self.snapshot.has_o_words();
+        self.begin = begin;
+    }
+
+    /// As if it had been executed after this many blocks more (or fewer).
+    pub(crate) fn recount(&mut self, more: i64) {
+        self.begin = self.begin.saturating_add_signed(more);
+        self.snapshot.recount(more);
+    }
+
+    /// This slice and the one before it as one.
+    pub(crate) fn join(&mut self, before: Self) {
+        let offset = (self.begin - before.begin) as u32;
+        let own = core::mem::replace(&mut self.notes, before.notes);
+        if let Some((from, to)) = own.bytes {
+            self.notes.read(from, to);
+        }
+        let runs = own.runs.into_iter();
+        self.notes.runs.extend(runs.map(|run| Run { block: run.block + offset, ..run }));
+        self.findings.splice(..0, before.findings);
+        self.begin = before.begin;
+        self.linked = before.linked;
+    }
+}
