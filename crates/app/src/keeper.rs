@@ -363,9 +363,14 @@ pub(crate) fn unsure(
     iron: &Path,
     state: Option<&Path>,
 ) -> Refused {
+    if let store::sync_record::Untrusted::OtherMachine { .. } = why {
+        return Refused::because(format!("{why}\n  name this machine's own folder with --state"));
+    }
     let state = state.map_or_else(String::new, |path| format!(" --state {}", path.display()));
+    let machine = typed::value(&typed::of_this_run(), "--machine")
+        .map_or_else(String::new, |named| format!(" --machine {}", typed::quoted(named)));
     Refused::because(format!(
-        "{why}\n  whether a tap is in the work is not known, so nothing may move. See for yourself; once no tool is in the work: leadscrew recover --iron {}{state} --discard-record",
+        "{why}\n  whether a tap is in the work is not known, so nothing may move. See for yourself; once no tool is in the work: leadscrew recover --iron {}{machine}{state} --discard-record",
         iron.display(),
     ))
 }

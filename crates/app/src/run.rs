@@ -136,6 +136,11 @@ impl Job {
         let material = material(args.material.as_deref(), session.machine.setup.stock.material)?;
         let told = script::told(&args.fault, &args.operator, &session.machine);
         let told = told.map_err(Refused::because)?;
+        if args.iron.is_some() && !told.faults.is_empty() {
+            return Err(Refused::because(
+                "--operator: emergency-stop is for a machine simulated within the run; an iron has its own chain (abort works)",
+            ));
+        }
         if let Some(ramp) = args.force_ramp
             && !(ramp.is_finite() && (0.001..=60.0).contains(&ramp))
         {

@@ -156,7 +156,9 @@ impl Stops {
         hear: Ears<'_>,
     ) -> Result<bool, String> {
         if matches!(plant, Plant::Outside(_)) {
-            return Ok(false); // its drives and `leadscrew recover` see to that
+            // its drives and a recovery see to that
+            self.happened.extend(left_to_recovery(kernel, plant));
+            return Ok(false);
         }
         let Some(stored) = kernel.engaged() else {
             let recovers = self.recover.map(|_| self.feed);
@@ -183,7 +185,7 @@ impl Stops {
         });
         let surface = kernel.surface().unwrap_or(stored.start().place);
         let Some(after) = self.recover else {
-            self.happened.extend(left_in(line, plant.feedback().axes[2].position, surface));
+            self.happened.extend(left_in(line, plant, surface, "--recover"));
             return Ok(false);
         };
         let tool = plant.feedback().tool.unwrap_or(0);
@@ -239,12 +241,21 @@ impl Stops {
 }
 
 /// What is said of a tap that nobody takes out.
-fn left_in(line: u32, place: Length, surface: Length) -> Option<String> {
-    let depth = surface - place;
-    (depth > Length::ZERO).then(|| {
-        let depth = depth.value();
-        format!("line {line}: the tap was left {depth:.2} mm deep in its thread; --recover takes it out along it")
+fn left_in(line: u32, plant: &Plant, surface: Length, by: &str) -> Option<String> {
+    let depth = (surface - plant.feedback().axes[2].position).value();
+    (depth > 0.0).then(|| {
+        format!("line {line}: the tap was left {depth:.2} mm deep in its thread; {by} takes it out along it")
     })
+}
+
+/// What is said of a tool that is left in the work of an iron.
+fn left_to_recovery(kernel: &Kernel, plant: &Plant) -> Option<String> {
+    let (line, by) = (kernel.report().line, "leadscrew recover");
+    match (kernel.surface(), kernel.way_out()) {
+        (Some(surface), _) => left_in(line, plant, surface, by),
+        (None, Some(way_out)) => Some(off::left_in(line, way_out, by)),
+        (None, None) => None,
+    }
 }
 
 fn stiffness(holder: Holder) -> Stiffness {

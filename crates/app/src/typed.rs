@@ -1,10 +1,10 @@
 //! What was typed behind `leadscrew run`, kept so that whoever takes a tool out can be told the whole command that goes on.
 //!
-//! Where the iron is, where its state is kept and where to begin belong to one run; everything else (machine, tools,
+//! Where the iron is, where its state is kept, where to begin and what the operator ordered belong to one run; everything else (machine, tools,
 //! dialect, cams, parameters, learning, papers) belongs to the job.
 
 /// Options that belong to one run, each with a value.
-const OF_ONE_RUN: [&str; 3] = ["--iron", "--state", "--from"];
+const OF_ONE_RUN: [&str; 4] = ["--iron", "--state", "--from", "--operator"];
 
 /// What only says how much is printed.
 const SAYS: [&str; 4] = ["-q", "--quiet", "--log", "--timings"];

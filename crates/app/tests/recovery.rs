@@ -143,6 +143,25 @@ fn while_a_tap_is_in_its_hole_nothing_but_recovery_moves() {
 }
 
 #[test]
+fn an_operators_hold_on_an_iron_is_resumed_backed_out_or_recovered() {
+    for (orders, ended, inside) in [
+        ("hold at depth 8mm; resume at 4s", true, false),
+        ("hold at depth 8mm; retract at 4s", false, false),
+        ("hold at depth 8mm", false, true),
+    ] {
+        let iron = Iron::start(&[]);
+        let output = iron.run(&one_tap("G84", 11), &["--operator", orders]);
+        let certificate: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(certificate["ended"], ended, "{orders}: {certificate:#}");
+        assert_eq!(iron.status()["tap_in_thread"], inside, "{orders}: {certificate:#}");
+        let answer = iron.recover(&[]);
+        assert_eq!(answer["outcome"] == "recovered", inside, "{orders}: {answer:#}");
+        let go_on = answer["continue_with"].as_str().unwrap_or("");
+        assert!(!go_on.contains("hold") && go_on.contains("--from") == inside, "{go_on}");
+    }
+}
+
+#[test]
 fn a_recovery_that_is_killed_is_begun_again() {
     let (from, to) = stroke("G84", 11);
     let first = from + 0.4 * (to - from);

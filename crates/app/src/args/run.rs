@@ -42,7 +42,7 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "WHAT at MOMENT", conflicts_with = "iron")]
     pub(crate) fault: Vec<String>,
     /// What the operator orders: WHAT at MOMENT; several parted by `;`, see below
-    #[arg(long, value_name = "WHAT at MOMENT", conflicts_with = "iron")]
+    #[arg(long, value_name = "WHAT at MOMENT")]
     pub(crate) operator: Vec<String>,
     /// After a stop in a thread: take the tap out along it, and end there, or continue with the remaining holes
     #[arg(long, value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "out", conflicts_with = "iron")]

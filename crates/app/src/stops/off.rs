@@ -33,6 +33,12 @@ const fn name(cut: TiedCut) -> &'static str {
     }
 }
 
+/// What is said where it is left.
+pub(super) fn left_in(line: u32, way_out: &WayOut, by: &str) -> String {
+    let (cut, axis) = (name(way_out.cut), way_out.infeed.letter());
+    format!("line {line}: the tool was left in {cut}; {by} takes it off the work along {axis}")
+}
+
 /// Let everything come to rest, and take the tool off the work if that is asked for. What has come of it; or, as an
 /// error, what is said where it is left. `recovers`: speed and acceleration of an axis that goes back onto a thread.
 pub(super) fn deal_with(
@@ -55,9 +61,7 @@ pub(super) fn deal_with(
     // with the drives alive the kernel has seen to it
     if kernel.way_out().is_some() {
         let Some(feed) = recovers else {
-            return Ok(Some(Err(format!(
-                "line {line}: the tool was left in {cut}; --recover takes it off the work along {axis}"
-            ))));
+            return Ok(Some(Err(left_in(line, &way_out, "--recover"))));
         };
         plant.mend();
         withdraw(kernel, plant, &way_out, feed, hear)?;

@@ -12,6 +12,9 @@ use sync::recovery::{Point, Stored, Way};
 use units::{Accel, Angle, Length, Speed, Spin, SpinAccel, Time};
 use verify::{FeatureKind, Judge};
 
+/// A tip that is not even so deep has cut nothing that could be certified.
+const HAS_CUT: Length = Length::mm(0.1);
+
 /// A machine with its control and its judge, in the tap.
 #[derive(Clone)]
 pub struct Bench {
@@ -205,6 +208,7 @@ impl Bench {
             return Fate { class_at_stop, ..Fate::of(End::Nothing) };
         }
         let inside = self.truth().axes[2] < self.surface;
+        let has_cut = self.truth().axes[2] < self.surface - HAS_CUT;
         let feedback = self.machine.machine().feedback();
         let at = Point { angle: feedback.spindles[0].angle, place: feedback.axes[2].position };
         let way = match stored.leaving(at, &self.setting) {
@@ -230,7 +234,7 @@ impl Bench {
             End::Lost(format!("{}", self.kernel.faults()[0]))
         } else if self.is_in_work() {
             End::Lost("no end of the recovery".into())
-        } else if inside && !said_recovered {
+        } else if has_cut && !said_recovered {
             End::Lost("out, and not certified as recovered".into())
         } else {
             End::Recovered
