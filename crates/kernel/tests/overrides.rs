@@ -275,3 +275,34 @@ fn single_block_stops_exactly_at_the_end_of_every_line() {
         assert!(stands, "does not stand at {p:?}");
     }
 }
+
+/// Switched on under way, on a curve that is fitted through many short lines: it stops at the end of each line that is far
+/// enough ahead, nowhere else, and each time at the place of the curve that is nearest to it.
+#[test]
+fn single_block_on_a_fitted_curve_stops_where_each_line_ends() {
+    let point = |n: u32| {
+        let (sin, cos) = (f64::from(n) * 0.08).sin_cos();
+        [10.0 - 10.0 * cos, 10.0 * sin, 0.1 * f64::from(n)]
+    };
+    let points: Vec<[f64; 3]> = (1..=60).map(point).collect();
+    for jerk in [f64::INFINITY, 20e3] {
+        let ops = program(&points, &[40.0]);
+        let seen = run(&ops, jerk, &[(300, Order::SingleBlock(true))]);
+        assert!(seen.ended && seen.faults.is_empty(), "{:?}", seen.faults);
+        let [_, accel, third] = loads(&seen, jerk);
+        assert!(accel < 1.01 && third < 1.05, "{accel} {third}");
+        let mut stops: Vec<[f64; 3]> = Vec::new();
+        for two in seen.at.windows(2).skip(300).filter(|w| w[0].0 == w[1].0) {
+            if stops.last() != Some(&two[0].0) {
+                stops.push(two[0].0);
+            }
+        }
+        let far = |a: [f64; 3], b: [f64; 3]| distance(a, [b, b]);
+        let first = points.iter().position(|p| far(*p, stops[0]) < TOLERANCE).unwrap();
+        assert!(first > 10 && first < 20, "the first stop is at point {first}");
+        assert_eq!(stops.len(), points.len() - first);
+        for (stop, point) in stops.iter().zip(&points[first..]) {
+            assert!(far(*stop, *point) < TOLERANCE, "{stop:?} is none of {point:?}");
+        }
+    }
+}

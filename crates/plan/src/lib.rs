@@ -17,6 +17,7 @@
 //! | `coupled` | gears between spindles, and what is superposed on an axis |
 //! | `tap_check`, `holes` | taps that cannot come out right |
 //! | `run` | moves that go on into one another (crate `path`) |
+//! | `ends` | where the program's lines end on a joined path |
 //! | `repace` | what was handed on and not yet done, planned anew: for more feed, for stops at each line |
 //! | `timing` | one law of time along a path, as steps |
 //! | `path`, `profile`, `step` | what the kernel evaluates |
@@ -43,6 +44,7 @@ mod clock;
 mod clutch;
 mod coupled;
 mod curve;
+mod ends;
 mod findings;
 mod holes;
 mod limits;

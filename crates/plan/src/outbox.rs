@@ -12,10 +12,12 @@
 //! So rapids wait while a spindle order is open, and cuts are gathered in a [`Run`] until something else comes.
 use crate::Step;
 use crate::clock::Clock;
+use crate::ends::Ends;
 use crate::limits::MachineLimits;
 use crate::repace::{Row, Wish};
 use crate::run::{Order, Run};
 use alloc::vec::Vec;
+use path::{Shape, geometry::Segment};
 use units::Time;
 
 /// Steps that may wait behind an open spindle order: rapids from one cut to the next are few.
@@ -26,6 +28,8 @@ const MAX_WAITING: usize = 16;
 pub(crate) struct Outbox {
     /// Moves that go on into one another, not yet handed on; nothing waits while there are any.
     run: Run,
+    /// Where they end as programmed.
+    pub(crate) ends: Ends,
     /// Steps behind an open spindle order.
     waiting: Vec<Step>,
     /// Planned time of all that was handed on.
@@ -78,8 +82,8 @@ impl Outbox {
 
     /// Moves that go on into one another stop here, in position.
     pub(crate) fn end_run(&mut self, limits: &MachineLimits, emit: &mut dyn FnMut(Step)) {
-        let Self { run, clock, .. } = self;
-        run.finish(limits, &mut |step| {
+        let Self { run, clock, ends, .. } = self;
+        run.finish((limits, ends), &mut |step| {
             clock.count(&step, limits);
             emit(step);
         });
@@ -96,8 +100,10 @@ impl Outbox {
         if !self.run.takes(&order) {
             self.end_run(limits, emit);
         }
-        let Self { run, clock, .. } = self;
-        run.push(order, wish, limits, &mut |step| {
+        let Self { run, clock, ends, .. } = self;
+        let Segment { curve, op, line, .. } = order.segment;
+        ends.push(op, line, curve.at(curve.length()).q);
+        run.push(order, wish, (limits, ends), &mut |step| {
             clock.count(&step, limits);
             emit(step);
         });
@@ -111,7 +117,7 @@ impl Outbox {
         back: Option<Row>,
         emit: &mut dyn FnMut(Step),
     ) {
-        self.run.repace(limits, wish, back, emit);
+        self.run.repace((limits, &self.ends), wish, back, emit);
     }
 
     /// A move of a run that no law of time exists for, with its line.

@@ -12,6 +12,7 @@
 //! law of time is asked again, from the motion that is under way, with more feed: what follows keeps every limit as the
 //! first plan did. So does a stop at the end of each line (single block). Slower needs no new plan: the kernel lets planned
 //! time pass more slowly.
+use crate::ends::{Cutter, Ends};
 use crate::limits::MachineLimits;
 use crate::planner::Planner;
 use crate::run::Run;
@@ -51,6 +52,13 @@ pub(crate) struct Row {
     parts: Vec<Part>,
     pace: Pace,
     per_revolution: bool,
+}
+
+/// A new law of time, from one of the phases on.
+struct Anew {
+    from: usize,
+    timing: Timing,
+    cutter: Cutter,
 }
 
 /// A phase of it, and the piece with its feed as programmed.
@@ -93,7 +101,7 @@ impl Planner {
                 if stays {
                     row.as_planned(row.parts.len(), true, emit);
                 } else {
-                    row.again(&self.limits, wish, emit);
+                    row.again((&self.limits, &self.outbox.ends), wish, emit);
                 }
             }
         }
@@ -107,32 +115,39 @@ impl Planner {
 
 impl Row {
     /// A whole path, to its end.
-    fn again(self, limits: &MachineLimits, wish: Wish, emit: &mut dyn FnMut(Step)) {
-        let Some((from, mut timing)) = self.anew(limits, wish, &[]) else {
+    fn again(self, known: (&MachineLimits, &Ends), wish: Wish, emit: &mut dyn FnMut(Step)) {
+        let Some(Anew { from, mut timing, mut cutter }) = self.anew(known, wish, &[]) else {
             return self.as_planned(self.parts.len(), true, emit);
         };
+        cutter.finish(known.1, &mut |piece| timing.push(piece));
         self.as_planned(from, false, emit);
         timing.close(emit);
     }
 
-    /// The first phase from which a new law of time keeps all limits, and that law. `waits`: what follows.
-    fn anew(&self, limits: &MachineLimits, wish: Wish, waits: &[Piece]) -> Option<(usize, Timing)> {
+    /// From the first phase from which a new law of time keeps all limits. `waits`: what follows.
+    fn anew(
+        &self,
+        (limits, ends): (&MachineLimits, &Ends),
+        wish: Wish,
+        waits: &[Piece],
+    ) -> Option<Anew> {
         let spin = self.per_revolution.then_some(self.pace.turning);
         // on a curve, from where the first plan looked at its limits
         let straight = self.parts.first().is_none_or(|p| matches!(p.piece.curve, Curve::Line(_)));
         let mut from = usize::from(!straight);
         while from < self.parts.len() {
             let Phase { s, v, a, .. } = self.parts[from].phase;
-            let mut timing = Timing::new(limits, spin, wish, Some(State { s, v, a }));
+            let timing = Timing::new(limits, spin, wish, Some(State { s, v, a }));
+            let mut anew = Anew { from, timing, cutter: Cutter::default() };
             let mut last = None;
             for piece in self.parts[from..].iter().map(|part| &part.piece).chain(waits) {
                 if !last.is_some_and(|last| is_same(last, piece)) {
-                    timing.push(*piece);
+                    anew.push(*piece, wish, ends);
                     last = Some(piece);
                 }
             }
-            if timing.goes_on() {
-                return Some((from, timing));
+            if anew.timing.goes_on() {
+                return Some(anew);
             }
             from = 2 * from + 1;
         }
@@ -166,11 +181,23 @@ impl Row {
     }
 }
 
+impl Anew {
+    /// The next piece.
+    fn push(&mut self, piece: Piece, wish: Wish, ends: &Ends) {
+        let Self { timing, cutter, .. } = self;
+        if wish.stops {
+            cutter.push(piece, ends, &mut |piece| timing.push(piece));
+        } else {
+            timing.push(piece);
+        }
+    }
+}
+
 impl Run {
     /// Plan anew what has not been done: what was handed on and came back, in front of what waits.
     pub(crate) fn repace(
         &mut self,
-        limits: &MachineLimits,
+        known: (&MachineLimits, &Ends),
         wish: Wish,
         back: Option<Row>,
         emit: &mut dyn FnMut(Step),
@@ -179,22 +206,23 @@ impl Run {
             self.wish = wish; // of a move that is still alone
             return;
         };
-        let left: Vec<Piece> = old.left().collect();
+        let left: Vec<Piece> = old.left().chain(self.cutter.held().copied()).collect();
         let anew = if let Some(row) = &back {
-            row.anew(limits, wish, &left)
+            row.anew(known, wish, &left)
         } else {
-            let mut timing = Timing::new(limits, self.spin, wish, old.begins());
-            for piece in left {
-                timing.push(piece);
+            let timing = Timing::new(known.0, self.spin, wish, old.begins());
+            let mut anew = Anew { from: 0, timing, cutter: Cutter::default() };
+            for piece in &left {
+                anew.push(*piece, wish, known.1);
             }
-            timing.goes_on().then_some((0, timing))
+            anew.timing.goes_on().then_some(anew)
         };
         if let Some(row) = back {
-            row.as_planned(anew.as_ref().map_or(row.parts.len(), |(from, _)| *from), false, emit);
+            row.as_planned(anew.as_ref().map_or(row.parts.len(), |anew| anew.from), false, emit);
         }
-        if let Some((_, mut timing)) = anew {
+        if let Some(Anew { mut timing, cutter, .. }) = anew {
             timing.pump(emit);
-            self.timing = Some(timing);
+            (self.timing, self.cutter) = (Some(timing), cutter);
             self.wish = wish;
         }
     }

@@ -5,6 +5,7 @@
 //! ```
 //!
 //! A move that stays alone between two stops is a [`Move`] with its own profile, as before: it needs no joining.
+use crate::ends::{Cutter, Ends};
 use crate::limits::MachineLimits;
 use crate::motion::Along;
 use crate::path::Path;
@@ -78,6 +79,8 @@ pub(crate) struct Run {
     first: Option<Order>,
     joiner: Option<Joiner>,
     pub(crate) timing: Option<Timing>,
+    /// Where every line ends at rest: what cuts pieces there.
+    pub(crate) cutter: Cutter,
     /// Revolutions per second of a run whose feed is per revolution.
     pub(crate) spin: Option<f64>,
     /// What the operator wants of it.
@@ -111,7 +114,7 @@ impl Run {
         &mut self,
         order: Order,
         wish: Wish,
-        limits: &MachineLimits,
+        (limits, ends): (&MachineLimits, &Ends),
         emit: &mut dyn FnMut(Step),
     ) {
         if self.is_empty() {
@@ -119,47 +122,66 @@ impl Run {
             self.first = Some(order);
             return;
         }
-        self.begin(limits);
-        self.join(order.segment);
+        self.begin(limits, ends);
+        self.join(order.segment, ends);
         if let Some(timing) = &mut self.timing {
             timing.pump(emit);
         }
     }
 
     /// More than one move, or one that is not to be as programmed.
-    fn begin(&mut self, limits: &MachineLimits) {
+    fn begin(&mut self, limits: &MachineLimits, ends: &Ends) {
         if self.timing.is_none() {
             self.timing = Some(Timing::new(limits, self.spin, self.wish, None));
         }
         if let Some(first) = self.first.take() {
-            self.join(first.segment);
+            self.join(first.segment, ends);
         }
     }
 
-    fn join(&mut self, segment: Segment) {
-        let Self { joiner, timing, wish, refusal, .. } = self;
+    fn join(&mut self, segment: Segment, ends: &Ends) {
+        let Self { joiner, timing, wish, refusal, cutter, .. } = self;
         let Some(timing) = timing else { return };
         // where every line ends at rest, it ends where it was programmed to
         let tolerance = if wish.stops { 0.0 } else { segment.tolerance };
         let joiner = joiner.get_or_insert_with(Joiner::new);
-        joiner.push(Segment { tolerance, ..segment }, &mut |piece| timing.push(piece));
+        let stops = wish.stops;
+        joiner.push(Segment { tolerance, ..segment }, &mut |piece| {
+            if stops {
+                cutter.push(piece, ends, &mut |piece| timing.push(piece));
+            } else {
+                timing.push(piece);
+            }
+        });
         *refusal = refusal.take().or_else(|| timing.take_refusal());
     }
 
     /// Stop at the end of the last move, in position.
-    pub(crate) fn finish(&mut self, limits: &MachineLimits, emit: &mut dyn FnMut(Step)) {
+    pub(crate) fn finish(
+        &mut self,
+        (limits, ends): (&MachineLimits, &Ends),
+        emit: &mut dyn FnMut(Step),
+    ) {
         if let Some(first) = &self.first {
             if self.wish.share == 1.0 {
                 emit(first.step());
                 self.first = None;
                 return;
             }
-            self.begin(limits);
+            self.begin(limits, ends);
         }
         let Some(mut timing) = self.timing.take() else { return };
+        let Self { cutter, wish, .. } = self;
         if let Some(joiner) = &mut self.joiner {
-            joiner.finish(&mut |piece| timing.push(piece));
+            joiner.finish(&mut |piece| {
+                if wish.stops {
+                    cutter.push(piece, ends, &mut |piece| timing.push(piece));
+                } else {
+                    timing.push(piece);
+                }
+            });
         }
+        cutter.finish(ends, &mut |piece| timing.push(piece));
         timing.close(emit);
         let refusal = self.refusal.take().or_else(|| timing.take_refusal());
         *self = Self { refusal, ..Self::default() };

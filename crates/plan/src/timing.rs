@@ -13,6 +13,9 @@ use path::{Entry, Phase, Piece, Shape};
 /// How much farther ahead than braking takes the first stop is that is asked for in motion.
 const AHEAD: f64 = 2.0;
 
+/// A law of time comes to rest by arithmetic: slower than this it stands, mm/s.
+const STANDS: f64 = 1e-3;
+
 /// See the module's header.
 #[derive(Clone, Debug)]
 pub(crate) struct Timing {
@@ -125,7 +128,7 @@ impl Timing {
         }
         let Some(piece) = self.pieces.front() else { return };
         if let Some(follow) = follow {
-            let begins = timed.phase.s == 0.0 && timed.phase.v == 0.0;
+            let begins = timed.phase.s == 0.0 && timed.phase.v < STANDS;
             let exact_stop = self.stops && begins && piece.entry == Entry::Rest;
             emit(step(Follow { exact_stop, ..follow }));
         }
