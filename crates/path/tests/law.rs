@@ -268,6 +268,36 @@ proptest! {
     }
 
     #[test]
+    fn with_jerk_parts_of_any_length_take_no_longer_than_the_line_that_they_are(
+        parts in prop::collection::vec((1e-3..1.0_f64, 0..4_i32, prop::bool::weighted(0.02)), 2..200),
+        feed in 1.0..200.0_f64,
+        jerk in 5e3..500e3_f64,
+    ) {
+        let (mut at, mut slow) = (0.0, false);
+        let place = |x: f64| [0.6 * x, 0.8 * x, 0.0];
+        let pieces = parts.iter().map(|(part, size, other)| {
+            let from = at;
+            at += part * 10.0_f64.powi(-size);
+            slow ^= other;
+            let feed = if slow { 0.8 * feed } else { feed };
+            line(place(from), place(at), feed, Entry::Smooth)
+        });
+        let pieces: Vec<Piece> = pieces.collect();
+        let b = bounds(200.0, 1000.0, jerk);
+        let phases = timed(&pieces, &config(b));
+        joined(&pieces, &phases);
+        let [speed, accel, most] = loads(&setpoints(&pieces, &phases), &b);
+        prop_assert!(speed < 1.001, "{speed}");
+        prop_assert!(accel < 1.01, "{accel}");
+        prop_assert!(most < 1.03, "{most}");
+        // 1250 mm/s² along (3, 4)
+        let least = rest_to_rest(at, feed, 1250.0, 1.25 * jerk);
+        let most = rest_to_rest(at, 0.8 * feed, 1250.0, 1.25 * jerk);
+        let took = duration(&phases);
+        prop_assert!(took > 0.999 * least && took < 1.05 * most, "{took} s of {least} to {most}");
+    }
+
+    #[test]
     fn with_jerk_no_axis_exceeds_its_limits_on_blended_paths(
         pieces in any_joined(),
         b in any_bounds(),

@@ -1,9 +1,14 @@
 //! Symmetric positive definite systems in which each unknown meets only the two before and after it.
 
+use alloc::vec::Vec;
+
+/// Share of a diagonal that is no more than its rounding.
+const LOST: f64 = 1e-12;
+
 /// The matrix, by rows: the diagonal, one before it, two before it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Band {
-    pub(crate) rows: alloc::vec::Vec<[f64; 3]>,
+    pub(crate) rows: Vec<[f64; 3]>,
 }
 
 impl Band {
@@ -23,38 +28,33 @@ impl Band {
         }
     }
 
-    /// Turn the matrix into its factors L·D·Lᵀ, in place.
+    /// Turn the matrix into its factors L·D·Lᵀ, in place; in D's place is 1/D.
     pub(crate) fn factor(&mut self) {
-        let (mut d1, mut d2, mut l_before) = (1.0, 1.0, 0.0); // of the row before, and of the one before that
+        // of the row before, and of the one before that: d, 1/d; and l of the row before
+        let (mut d1, mut d2, mut over1, mut over2, mut l_before) = (1.0, 1.0, 1.0, 1.0, 0.0);
         for row in &mut self.rows {
-            let l2 = row[2] / d2;
-            let l1 = (row[1] - row[2] * l_before) / d1;
+            let l2 = row[2] * over2;
+            let l1 = (row[1] - row[2] * l_before) * over1;
             let d = row[0] - l1 * l1 * d1 - l2 * l2 * d2;
-            // rounding may leave nothing of a stiff diagonal; what is tiny is not to become a large step
-            let d = d.max(1e-14 * row[0]);
-            *row = [d, l1, l2];
-            (d2, d1, l_before) = (d1, d, l1);
+            // where rounding leaves nothing of a stiff diagonal, the unknown stays as it is
+            let (d, over) = if d > LOST * row[0] { (d, 1.0 / d) } else { (0.0, 0.0) };
+            *row = [over, l1, l2];
+            (d2, d1, over2, over1, l_before) = (d1, d, over1, over, l1);
         }
     }
 
     /// Solve in place; after [`Band::factor`].
     pub(crate) fn solve(&self, x: &mut [f64]) {
-        let rows = &self.rows;
         let (mut x1, mut x2) = (0.0, 0.0);
-        for (row, x) in rows.iter().zip(x.iter_mut()) {
+        for (row, x) in self.rows.iter().zip(x.iter_mut()) {
             *x -= row[1] * x1 + row[2] * x2;
             (x2, x1) = (x1, *x);
         }
-        // backwards: D·Lᵀ·x = y
-        for i in (0..rows.len()).rev() {
-            let mut value = x[i] / rows[i][0];
-            if let Some(row) = rows.get(i + 1) {
-                value -= row[1] * x[i + 1];
-            }
-            if let Some(row) = rows.get(i + 2) {
-                value -= row[2] * x[i + 2];
-            }
-            x[i] = value;
+        // backwards, Lᵀ·x = y/D: what the rows behind take away from the next, and from the one after it
+        let (mut next, mut after) = (0.0, 0.0);
+        for (row, x) in self.rows.iter().zip(x.iter_mut()).rev() {
+            *x = *x * row[0] - next;
+            (next, after) = (row[1] * *x + after, row[2] * *x);
         }
     }
 }
@@ -67,7 +67,7 @@ mod tests {
     fn a_small_system_is_solved() {
         // rows of [[4,1,1,0],[1,5,2,1],[1,2,6,1],[0,1,1,7]] times (1,2,3,4)
         let mut band =
-            Band { rows: alloc::vec![[4., 0., 0.], [5., 1., 0.], [6., 2., 1.], [7., 1., 1.]] };
+            Band { rows: Vec::from([[4., 0., 0.], [5., 1., 0.], [6., 2., 1.], [7., 1., 1.]]) };
         let mut x = [9.0, 21.0, 27.0, 33.0];
         band.factor();
         band.solve(&mut x);

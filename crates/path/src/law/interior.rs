@@ -23,6 +23,83 @@ const KEEP: f64 = 20.0;
 /// How far the time may still be above the optimum when the search ends.
 const GAP: f64 = 0.003;
 
+/// How far a bound may still be exceeded then, as a share of it.
+const MISS: f64 = 1e-4;
+
+/// Where a search begins: so much of the time for λ·s of each unknown; again, where a problem like it was solved, so much for
+/// all of them together.
+const FIRST: f64 = 0.05;
+const AGAIN: f64 = 0.1;
+
+/// From such a share of its bound on a slack is free, and begins again as what it is.
+const FREE: f64 = 0.1;
+
+/// A slack and its price.
+#[derive(Clone, Copy, Debug, Default)]
+struct Slack {
+    s: f64,
+    price: f64,
+    /// 1/s.
+    over: f64,
+    /// How it changes with the step under way.
+    ds: f64,
+}
+
+impl Slack {
+    fn new(s: f64, price: f64) -> Self {
+        Self { s, price, over: 1.0 / s, ds: 0.0 }
+    }
+
+    /// Of what there `is` of a bound `r`, at the price that it had in a problem like it.
+    fn again(is: f64, r: f64, price: f64, mu: f64) -> Self {
+        let s = if is > FREE * r { is } else { is.max(mu / price).min(FREE * r) };
+        Self::new(s, price.max(mu / s).min(KEEP * mu / s))
+    }
+
+    /// What pulls the unknowns, where there `is` room.
+    fn pull(&self, mu: f64, is: f64) -> f64 {
+        (mu - self.price * (is - self.s)) * self.over
+    }
+
+    /// Change of the price.
+    fn dearer(&self, mu: f64) -> f64 {
+        (mu - self.price * self.ds) * self.over - self.price
+    }
+
+    /// A step by `ds` may go only so far.
+    fn limit(&mut self, mu: f64, ds: f64, (primal, dual): (&mut f64, &mut f64)) {
+        self.ds = ds;
+        if ds * *primal < -SHARE * self.s {
+            *primal = -SHARE * self.s / ds;
+        }
+        let dl = self.dearer(mu);
+        if dl * *dual < -SHARE * self.price {
+            *dual = -SHARE * self.price / dl;
+        }
+    }
+
+    /// Go; there `is` so much room now.
+    fn go(&mut self, mu: f64, (primal, dual): (f64, f64), is: f64) {
+        self.price += dual * self.dearer(mu);
+        // the bound may have moved away further than its tangent: what is there may be used
+        self.s = more(self.s + primal * self.ds, is);
+        self.over = 1.0 / self.s;
+        // prices that lost touch with their slacks would block the way
+        let even = mu * self.over;
+        self.price = less(more(self.price, even * (1.0 / KEEP)), KEEP * even);
+    }
+}
+
+/// The smaller one; of numbers alone, which is faster than what knows of others.
+fn less(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// The larger one.
+fn more(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
 /// Two bounds around one sum: −r ≤ g·c ≤ r.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pair {
@@ -31,38 +108,36 @@ pub(crate) struct Pair {
     pub(crate) g: [f64; 3],
     /// 0: r = 1; else r = scale/√c of the middle unknown.
     pub(crate) scale: f64,
-    slack: [f64; 2],
-    price: [f64; 2],
+    /// r − g·c and r + g·c.
+    slack: [Slack; 2],
 }
 
 impl Pair {
     pub(crate) fn new(at: usize, g: [f64; 3], scale: f64) -> Self {
-        Self { at, g, scale, slack: [0.0; 2], price: [0.0; 2] }
+        Self { at, g, scale, slack: [Slack::default(); 2] }
     }
 
     fn sum(&self, c: &[f64]) -> f64 {
-        self.g[0] * c[self.at] + self.g[1] * c[self.at + 1] + self.g[2] * c[self.at + 2]
+        let [x, y, z] = [c[self.at], c[self.at + 1], c[self.at + 2]];
+        self.g[0] * x + self.g[1] * y + self.g[2] * z
     }
 
-    /// How that changes with the three unknowns, if r does by `dr` with the middle one.
-    fn slope(&self, side: usize, dr: f64) -> [f64; 3] {
-        let [a, b, c] = self.g;
-        if side == 0 { [-a, dr - b, -c] } else { [a, dr + b, c] }
+    /// r.
+    fn bound(&self, root: &[f64]) -> f64 {
+        if self.scale == 0.0 { 1.0 } else { self.scale * root[self.at + 1] }
     }
 
-    /// r, and how it changes with the middle unknown.
-    fn room(&self, c: &[f64], root: &[f64]) -> (f64, f64) {
-        if self.scale == 0.0 {
-            return (1.0, 0.0);
-        }
-        let r = self.scale * root[self.at + 1];
-        (r, -0.5 * r / c[self.at + 1])
+    /// How r changes with the middle unknown.
+    fn slope(&self, root: &[f64]) -> f64 {
+        let root = root[self.at + 1];
+        -0.5 * self.scale * root * root * root
     }
-}
 
-/// r ∓ g·c.
-fn left(side: usize, r: f64, sum: f64) -> f64 {
-    if side == 0 { r - sum } else { r + sum }
+    /// Both sides' room.
+    fn room(&self, c: &[f64], root: &[f64]) -> [f64; 2] {
+        let (r, sum) = (self.bound(root), self.sum(c));
+        [r - sum, r + sum]
+    }
 }
 
 /// The problem and its solution.
@@ -79,8 +154,10 @@ pub(crate) struct Chain {
     pub(crate) given: [usize; 2],
     /// 1/√c.
     root: Vec<f64>,
-    cap_slack: Vec<f64>,
-    cap_price: Vec<f64>,
+    /// 1 − c/cap.
+    under: Vec<Slack>,
+    /// The pairs of the problem before.
+    known: Vec<Pair>,
     band: Band,
     step: Vec<f64>,
 }
@@ -90,6 +167,7 @@ impl Chain {
         self.c.clear();
         self.weight.clear();
         self.cap.clear();
+        core::mem::swap(&mut self.pairs, &mut self.known);
         self.pairs.clear();
     }
 
@@ -110,42 +188,47 @@ impl Chain {
         most
     }
 
-    /// Find the fastest; how many steps it took, or `None` when nothing within the bounds was found.
-    pub(crate) fn solve(&mut self) -> Option<usize> {
+    /// Find the fastest; how many steps it took, or `None` when nothing within the bounds was found. `again`: a problem of
+    /// the same shape was solved before, and this one begins where that one ended.
+    pub(crate) fn solve(&mut self, again: bool) -> Option<usize> {
         if self.free().is_empty() {
             return (self.excess() < 1e-6).then_some(0);
         }
         self.roots();
         let mut time = self.time();
-        let first = 0.3 * time / self.free().len() as f64;
-        self.start(first);
-        let count = (2 * self.pairs.len()
-            + self.free().filter(|i| self.cap[*i].is_finite()).count()) as f64;
-        let (mut gap, mut shrink) = (0.0, 0.1);
+        let capped = self.free().filter(|i| self.cap[*i].is_finite()).count();
+        let count = (2 * self.pairs.len() + capped) as f64;
+        let again =
+            again && self.known.len() == self.pairs.len() && self.under.len() == self.c.len();
+        let mut mu =
+            if again { AGAIN * time / count } else { FIRST * time / self.free().len() as f64 };
+        if again {
+            self.resume(mu)
+        } else {
+            self.start(mu)
+        }
         for steps in 1..=STEPS {
             self.assemble();
             self.band.factor();
-            let mu = if steps == 1 { first } else { shrink * gap / count };
             self.aim(mu);
             let (primal, dual) = self.reach(mu);
-            let (new, miss) = self.advance(mu, primal, dual);
-            self.roots();
+            let (gap, miss) = self.advance(mu, (primal, dual));
             let before = core::mem::replace(&mut time, self.time());
-            gap = new;
+            if gap < GAP * time && miss < MISS && (before - time).abs() < GAP * time {
+                return Some(steps);
+            }
+            if !(time.is_finite() && gap.is_finite()) {
+                return None;
+            }
             let least = primal.min(dual);
-            shrink = if least > 0.8 {
+            let shrink = if least > 0.8 {
                 0.1
             } else if least > 0.4 {
                 0.3
             } else {
                 0.8
             };
-            if gap < GAP * time && miss < 1e-7 && (before - time).abs() < GAP * time {
-                return Some(steps);
-            }
-            if !(time.is_finite() && gap.is_finite()) {
-                return None;
-            }
+            mu = shrink * gap / count;
         }
         (self.excess() < 1e-6).then_some(STEPS)
     }
@@ -155,26 +238,35 @@ impl Chain {
         self.root.extend(self.c.iter().map(|c| 1.0 / libm::sqrt(c.max(1e-300))));
     }
 
-    pub(crate) fn time(&self) -> f64 {
-        self.free().map(|i| self.weight[i] / libm::sqrt(self.c[i])).sum()
+    /// The time of all cells; after [`Self::roots`].
+    fn time(&self) -> f64 {
+        self.free().map(|i| self.weight[i] * self.root[i]).sum()
     }
 
     fn start(&mut self, mu: f64) {
-        let n = self.c.len();
-        self.cap_slack.clear();
-        self.cap_price.clear();
-        for i in 0..n {
-            let s = (1.0 - self.c[i] / self.cap[i]).max(0.1);
-            self.cap_slack.push(s);
-            self.cap_price.push(mu / s);
+        let new = |room: f64, r: f64| {
+            let s = room.max(0.1 * r);
+            Slack::new(s, mu / s)
+        };
+        self.under.clear();
+        self.under.extend(self.c.iter().zip(&self.cap).map(|(c, cap)| new(1.0 - c / cap, 1.0)));
+        for p in &mut self.pairs {
+            let r = p.bound(&self.root);
+            p.slack = p.room(&self.c, &self.root).map(|room| new(room, r));
         }
-        for k in 0..self.pairs.len() {
-            let p = &self.pairs[k];
-            let (sum, (r, _)) = (p.sum(&self.c), p.room(&self.c, &self.root));
-            let slack = [(r - sum).max(0.1 * r), (r + sum).max(0.1 * r)];
-            let p = &mut self.pairs[k];
-            p.slack = slack;
-            p.price = slack.map(|s| mu / s);
+    }
+
+    /// With the prices of the problem before.
+    fn resume(&mut self, mu: f64) {
+        for (slack, (c, cap)) in self.under.iter_mut().zip(self.c.iter().zip(&self.cap)) {
+            *slack = Slack::again(1.0 - c / cap, 1.0, slack.price, mu);
+        }
+        for (p, known) in self.pairs.iter_mut().zip(&self.known) {
+            let scale = if p.scale == 0.0 { 1.0 } else { known.scale / p.scale };
+            let (r, room) = (p.bound(&self.root), p.room(&self.c, &self.root));
+            p.slack = core::array::from_fn(|k| {
+                Slack::again(room[k], r, scale * known.slack[k].price, mu)
+            });
         }
     }
 
@@ -184,33 +276,34 @@ impl Chain {
         self.band.clear(n);
         self.step.clear();
         self.step.resize(n, 0.0);
-        for p in &self.pairs {
-            self.step[p.at + 1] += p.scale * (p.price[0] + p.price[1]);
-        }
         let rows = &mut self.band.rows;
-        let free = rows.iter_mut().enumerate().take(n - self.given[1]).skip(self.given[0]);
-        for (i, row) in free {
-            let y = self.root[i] * self.root[i];
-            let weight = (self.weight[i] - self.step[i]).max(0.1 * self.weight[i]);
-            row[0] += 0.75 * weight * self.root[i] * y * y;
-            if self.cap[i].is_finite() {
-                row[0] += self.cap_price[i] / (self.cap_slack[i] * self.cap[i] * self.cap[i]);
-            }
-        }
         for p in &self.pairs {
-            let (_, dr) = p.room(&self.c, &self.root);
             let i = p.at;
-            for side in 0..2 {
-                let g = p.slope(side, dr);
-                let w = p.price[side] / p.slack[side];
-                let wg = [w * g[0], w * g[1], w * g[2]];
-                rows[i][0] += wg[0] * g[0];
-                rows[i + 1][0] += wg[1] * g[1];
-                rows[i + 2][0] += wg[2] * g[2];
-                rows[i + 1][1] += wg[1] * g[0];
-                rows[i + 2][1] += wg[2] * g[1];
-                rows[i + 2][2] += wg[2] * g[0];
+            let [a, b, c] = p.g;
+            let dr = p.slope(&self.root);
+            let [low, high] = p.slack;
+            self.step[i + 1] += p.scale * (low.price + high.price);
+            // both sides' slopes are (−a, r′ − b, −c) and (a, r′ + b, c)
+            let (w0, w1) = (low.price * low.over, high.price * high.over);
+            let (w, d) = (w0 + w1, (w1 - w0) * dr);
+            let middle = w * b + d;
+            rows[i][0] += w * a * a;
+            let (m0, m1) = (dr - b, dr + b);
+            rows[i + 1][0] += w0 * m0 * m0 + w1 * m1 * m1;
+            rows[i + 1][1] += a * middle;
+            rows[i + 2][0] += w * c * c;
+            rows[i + 2][1] += c * middle;
+            rows[i + 2][2] += w * a * c;
+        }
+        for i in self.given[0]..n - self.given[1] {
+            let y = self.root[i] * self.root[i];
+            let weight = more(self.weight[i] - self.step[i], 0.1 * self.weight[i]);
+            let mut own = 0.75 * weight * self.root[i] * y * y;
+            if self.cap[i].is_finite() {
+                let slack = &self.under[i];
+                own += slack.price * slack.over / (self.cap[i] * self.cap[i]);
             }
+            rows[i][0] += own;
         }
         for i in (0..self.given[0]).chain(n - self.given[1]..n) {
             self.band.pin(i);
@@ -222,28 +315,22 @@ impl Chain {
         let n = self.c.len();
         self.step.clear();
         self.step.resize(n, 0.0);
-        let free = self.given[0]..n - self.given[1];
-        for i in free {
+        for i in self.given[0]..n - self.given[1] {
             let y = self.root[i] * self.root[i];
-            self.step[i] += 0.5 * self.weight[i] * self.root[i] * y;
+            self.step[i] = 0.5 * self.weight[i] * self.root[i] * y;
             if self.cap[i].is_finite() {
-                let (s, l, g) = (self.cap_slack[i], self.cap_price[i], 1.0 / self.cap[i]);
-                let miss = (1.0 - self.c[i] * g) - s;
-                self.step[i] -= g * (mu - l * miss) / s;
+                let over = 1.0 / self.cap[i];
+                self.step[i] -= over * self.under[i].pull(mu, 1.0 - self.c[i] * over);
             }
         }
         for p in &self.pairs {
-            let sum = p.sum(&self.c);
-            let (r, dr) = p.room(&self.c, &self.root);
-            for side in 0..2 {
-                let g = p.slope(side, dr);
-                let (s, l) = (p.slack[side], p.price[side]);
-                let miss = left(side, r, sum) - s;
-                let pull = (mu - l * miss) / s;
-                for (step, g) in self.step[p.at..].iter_mut().zip(g) {
-                    *step += g * pull;
-                }
-            }
+            let room = p.room(&self.c, &self.root);
+            let (low, high) = (p.slack[0].pull(mu, room[0]), p.slack[1].pull(mu, room[1]));
+            let (d, dr) = (high - low, p.slope(&self.root));
+            let step = &mut self.step[p.at..p.at + 3];
+            step[0] += p.g[0] * d;
+            step[1] += p.g[1] * d + dr * (low + high);
+            step[2] += p.g[2] * d;
         }
         for i in (0..self.given[0]).chain(n - self.given[1]..n) {
             self.step[i] = 0.0;
@@ -252,32 +339,22 @@ impl Chain {
     }
 
     /// How far the unknowns with their slacks, and the prices, may go.
-    fn reach(&self, mu: f64) -> (f64, f64) {
+    fn reach(&mut self, mu: f64) -> (f64, f64) {
         let (mut primal, mut dual) = (SHARE, SHARE);
-        let mut limit = |s: f64, l: f64, ds: f64| {
-            if ds * primal < -SHARE * s {
-                primal = -SHARE * s / ds;
-            }
-            let dl = (mu - l * ds) / s - l;
-            if dl * dual < -SHARE * l {
-                dual = -SHARE * l / dl;
-            }
-        };
         for i in self.free() {
             if self.cap[i].is_finite() {
-                let g = 1.0 / self.cap[i];
-                let ds = -g * self.step[i] + (1.0 - self.c[i] * g) - self.cap_slack[i];
-                limit(self.cap_slack[i], self.cap_price[i], ds);
+                let over = 1.0 / self.cap[i];
+                let slack = &mut self.under[i];
+                let ds = 1.0 - (self.c[i] + self.step[i]) * over - slack.s;
+                slack.limit(mu, ds, (&mut primal, &mut dual));
             }
         }
-        for p in &self.pairs {
-            let (sum, turn) = (p.sum(&self.c), p.sum(&self.step));
-            let (r, dr) = p.room(&self.c, &self.root);
-            let d = dr * self.step[p.at + 1];
-            for side in 0..2 {
-                let ds = left(side, d, turn) + left(side, r, sum) - p.slack[side];
-                limit(p.slack[side], p.price[side], ds);
-            }
+        for p in &mut self.pairs {
+            let room = p.room(&self.c, &self.root);
+            let (turn, dr) = (p.sum(&self.step), p.slope(&self.root) * self.step[p.at + 1]);
+            let [low, high] = &mut p.slack;
+            low.limit(mu, dr - turn + room[0] - low.s, (&mut primal, &mut dual));
+            high.limit(mu, dr + turn + room[1] - high.s, (&mut primal, &mut dual));
         }
         for i in self.free() {
             // c stays positive, and 1/√c near its tangent
@@ -291,48 +368,30 @@ impl Chain {
     }
 
     /// Go; the sum of λ·s after it, and the largest miss.
-    fn advance(&mut self, mu: f64, primal: f64, dual: f64) -> (f64, f64) {
-        let (mut gap, mut worst) = (0.0, 0.0_f64);
-        let mut go = |s: &mut f64, l: &mut f64, ds: f64, now: f64| {
-            *l += dual * ((mu - *l * ds) / *s - *l);
-            *s += primal * ds;
-            // the bound may have moved away further than its tangent: what is there may be used
-            if now > *s {
-                *s = now;
-            }
-            // prices that lost touch with their slacks would block the way
-            *l = l.max(mu / (KEEP * *s)).min(KEEP * mu / *s);
-            worst = worst.max(*s - now);
-            gap += *s * *l;
-        };
-        let free = self.given[0]..self.c.len() - self.given[1];
+    fn advance(&mut self, mu: f64, so_far: (f64, f64)) -> (f64, f64) {
+        let free = self.free();
         for i in free.clone() {
+            self.c[i] += so_far.0 * self.step[i];
+        }
+        self.roots();
+        let (mut gap, mut worst) = (0.0, 0.0);
+        let mut count = |slack: &Slack, is: f64| {
+            worst = more(worst, slack.s - is);
+            gap += slack.s * slack.price;
+        };
+        for i in free {
             if self.cap[i].is_finite() {
-                let g = 1.0 / self.cap[i];
-                let ds = -g * self.step[i] + (1.0 - self.c[i] * g) - self.cap_slack[i];
-                let now = 1.0 - (self.c[i] + primal * self.step[i]) * g;
-                go(&mut self.cap_slack[i], &mut self.cap_price[i], ds, now);
+                let is = 1.0 - self.c[i] / self.cap[i];
+                self.under[i].go(mu, so_far, is);
+                count(&self.under[i], is);
             }
         }
         for p in &mut self.pairs {
-            let (sum, turn) = (p.sum(&self.c), p.sum(&self.step));
-            let (r, dr) = p.room(&self.c, &self.root);
-            let m = p.at + 1;
-            let d = dr * self.step[m];
-            let new = if p.scale == 0.0 {
-                r
-            } else {
-                p.scale / libm::sqrt(self.c[m] + primal * self.step[m])
-            };
-            let sum_new = sum + primal * turn;
-            for side in 0..2 {
-                let ds = left(side, d, turn) + left(side, r, sum) - p.slack[side];
-                let now = left(side, new, sum_new);
-                go(&mut p.slack[side], &mut p.price[side], ds, now);
+            let room = p.room(&self.c, &self.root);
+            for (slack, is) in p.slack.iter_mut().zip(room) {
+                slack.go(mu, so_far, is);
+                count(slack, is);
             }
-        }
-        for i in free {
-            self.c[i] += primal * self.step[i];
         }
         (gap, worst)
     }

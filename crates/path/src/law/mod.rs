@@ -17,10 +17,12 @@
 mod band;
 mod cell;
 mod fine;
+mod guess;
 mod interior;
 mod phase;
 mod reach;
 mod refusal;
+mod runs;
 mod smooth;
 
 use crate::{AXES, Bounds, Derivatives, Limits, Piece};
@@ -29,6 +31,7 @@ use alloc::vec::Vec;
 use cell::{Cell, Demand, Sampler, Start};
 pub use phase::{Phase, Timed};
 pub use refusal::Refusal;
+use runs::Cut;
 use smooth::{From, Smooth};
 
 /// Fewest cells that are planned together, unless the path ends.
@@ -240,7 +243,7 @@ impl Law {
             None => count / 2,
         };
         if self.jerky {
-            if !(ends && count == 1 && self.line_alone()) {
+            if !(ends && self.line_alone(count)) {
                 self.plan_smoothly(count, commit, ends);
             }
         } else {
@@ -291,18 +294,13 @@ impl Law {
             self.finish_old(count);
             return;
         }
-        let first = self.smooth.grid.iter().position(|fine| fine.cell >= commit);
-        let first = first.unwrap_or(self.smooth.grid.len());
+        let (first, commit) = self.smooth.until(commit, !(ends && commit == count));
         for fine in &self.smooth.grid[..first] {
-            let cell = &self.cells[fine.cell];
-            fine.phases(|phase| {
-                let phase = Phase { s: phase.s + cell.from, ..phase };
-                self.ready.push_back(Timed { piece: cell.piece, phase });
-            });
+            runs::hand_out(&self.cells, fine, &mut self.ready);
         }
         self.cells.drain(..commit);
         match self.smooth.grid.get(first) {
-            Some(fine) if !(ends && commit == count) => {
+            Some(fine) => {
                 self.state = State { s: 0.0, v: fine.v, a: fine.a };
                 self.width = Some(fine.h);
                 self.smooth.keep(first, commit);
@@ -326,41 +324,38 @@ impl Law {
         self.smooth.plan(&cells, &self.fast, from, self.tau)
     }
 
-    /// With a limit of jerk: hand out the first cell in closed form, if it is a line from rest; it is to end at rest.
-    fn line_alone(&mut self) -> bool {
-        let Some(Cell { h, cap, from, piece, demand: Demand::Line { accel, jerk }, .. }) =
+    /// With a limit of jerk: hand out the first cells in closed form, if they are one line, from rest; it is to end at rest.
+    fn line_alone(&mut self, count: usize) -> bool {
+        let Some(Cell { cap, demand: Demand::Line { accel, jerk }, .. }) =
             self.cells.front().cloned()
         else {
             return false;
         };
-        if self.width.is_some() || !(accel.is_finite() && jerk.is_finite()) {
+        let bounded = accel.is_finite() && jerk.is_finite();
+        if self.width.is_some() || !bounded || !runs::one_line(self.cells.range(..count)) {
             return false;
         }
-        phase::from_rest_to_rest(h, accel, jerk, cap, |phase| {
-            self.ready.push_back(Timed { piece, phase: Phase { s: phase.s + from, ..phase } });
-        });
-        self.cells.pop_front();
+        let length = self.cells.range(..count).map(|cell| cell.h).sum();
+        let mut cut = Cut::new(&self.cells, 0, 0.0, length, &mut self.ready);
+        phase::from_rest_to_rest(length, accel, jerk, cap, |phase| cut.give(phase));
+        self.cells.drain(..count);
         self.state = State::default();
         true
     }
 
     /// No better plan was found: go on with the one before, which ends at rest within what was known then.
     fn finish_old(&mut self, count: usize) {
-        let Some(last) = self.smooth.old.last() else {
+        if self.smooth.old.is_empty() {
             // there is none: motion was under way when planning began. Brake as the accelerations allow
             self.hand_out(count);
             self.width = None;
             return;
-        };
-        let covered = last.cell + 1;
-        for fine in &self.smooth.old {
-            let cell = &self.cells[fine.cell];
-            fine.phases(|phase| {
-                let phase = Phase { s: phase.s + cell.from, ..phase };
-                self.ready.push_back(Timed { piece: cell.piece, phase });
-            });
         }
-        self.cells.drain(..covered);
+        let mut last = 0;
+        for fine in &self.smooth.old {
+            last = runs::hand_out(&self.cells, fine, &mut self.ready);
+        }
+        self.cells.drain(..=last);
         self.smooth.old.clear();
         self.state = State::default();
         self.width = None;

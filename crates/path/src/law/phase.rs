@@ -21,6 +21,28 @@ impl Phase {
         let s = self.s + t * (self.v + t * (self.a / 2.0 + t * self.j / 6.0));
         (s, self.v + t * (self.a + t * self.j / 2.0), self.a + t * self.j)
     }
+
+    /// When it is at `s`, which lies on it: by Newton's method, within bounds that close in.
+    pub(super) fn time_at(&self, s: f64) -> f64 {
+        let [mut low, mut high] = [0.0, self.duration];
+        let mut t =
+            self.duration * ((s - self.s) / (self.at(self.duration).0 - self.s)).clamp(0.0, 1.0);
+        for _ in 0..64 {
+            let (at, v, _) = self.at(t);
+            if at < s {
+                low = t
+            } else {
+                high = t
+            }
+            let next = t - (at - s) / v;
+            let next = if next > low && next < high { next } else { f64::midpoint(low, high) };
+            if (next - t).abs() <= f64::EPSILON * self.duration {
+                return next;
+            }
+            t = next;
+        }
+        t
+    }
 }
 
 /// A phase, and the piece along which it goes.

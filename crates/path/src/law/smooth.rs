@@ -17,7 +17,9 @@
 use super::State;
 use super::cell::{Cell, Demand, Rows};
 use super::fine::{Fine, JERK_SHARE, each, growth, jerk_along};
+use super::guess::Guess;
 use super::interior::{Chain, Pair};
+use super::runs::{Run, runs};
 use alloc::vec::Vec;
 
 /// From rest, b = this · J^{2/3} · s^{4/3}.
@@ -47,8 +49,12 @@ pub(super) struct Smooth {
     width: Vec<f64>,
     /// What is left of the plan before, from where this window begins.
     pub(super) old: Vec<Fine>,
-    guess: Vec<f64>,
+    /// Where the search begins.
+    first: Vec<f64>,
+    guess: Guess,
     spare: Vec<f64>,
+    /// The window's cells, as the grid sees them.
+    runs: Vec<Run>,
 }
 
 /// How the window begins.
@@ -65,9 +71,10 @@ impl Smooth {
     /// `false`: nothing within the limits was found.
     pub(super) fn plan(&mut self, cells: &[&Cell], fast: &[f64], from: From, tau: f64) -> bool {
         self.speeds(cells, fast, from);
+        runs(cells, tau, &mut self.runs);
         self.lay(cells, from, tau);
         self.pose(cells, from, START);
-        let mut found = self.chain.solve().is_some();
+        let mut found = self.chain.solve(false).is_some();
         if found {
             self.read(from);
             found = self.refine(cells, from);
@@ -93,7 +100,7 @@ impl Smooth {
             for i in self.chain.given[0]..self.chain.c.len() - 1 {
                 self.chain.c[i] = self.spare[i];
             }
-            if self.chain.solve().is_none() {
+            if self.chain.solve(true).is_none() {
                 return false;
             }
             self.read(from);
@@ -138,7 +145,7 @@ impl Smooth {
     /// Upper bounds of speed.
     fn speeds(&mut self, cells: &[&Cell], fast: &[f64], from: From) {
         self.w.clear();
-        self.w.extend(fast.iter().map(|b| libm::pow(*b, 0.75)));
+        self.w.extend(fast.iter().map(|b| three_quarters(*b)));
         let n = cells.len();
         for (i, cell) in cells.iter().enumerate() {
             // where q‴ takes all the jerk
@@ -149,7 +156,7 @@ impl Smooth {
             }
         }
         if let From::Moving(state, _) = from {
-            self.w[0] = libm::pow(state.v, 1.5);
+            self.w[0] = state.v * libm::sqrt(state.v);
         }
         for (i, cell) in cells.iter().enumerate() {
             self.w[i + 1] = self.w[i + 1].min(self.w[i] + growth(cell) * cell.h);
@@ -159,18 +166,19 @@ impl Smooth {
         }
     }
 
-    /// Fastest ṡ^{3/2} within a cell.
-    fn w_at(&self, cells: &[&Cell], i: usize, x: f64) -> f64 {
-        let (cell, k) = (cells[i], growth(cells[i]));
-        let cap = libm::pow(cell.cap, 0.75);
-        (self.w[i] + k * x).min(self.w[i + 1] + k * (cell.h - x)).min(cap)
+    /// Fastest ṡ^{3/2} within a run.
+    fn w_at(&self, cells: &[&Cell], run: &Run, x: f64) -> f64 {
+        let [i, end] = run.cells;
+        let k = growth(cells[i]);
+        let cap = three_quarters(cells[i].cap);
+        (self.w[i] + k * x).min(self.w[end] + k * (run.h - x)).min(cap)
     }
 
     /// From where to where in a line its highest speed is surely held, if there is such a part.
-    fn level(&self, i: usize, cell: &Cell) -> [f64; 2] {
-        let Demand::Line { accel, jerk } = &cell.demand else { return [cell.h, 0.0] };
+    fn level(&self, run: &Run, cell: &Cell) -> [f64; 2] {
+        let Demand::Line { accel, jerk } = &cell.demand else { return [run.h, 0.0] };
         let (k, v) = (growth(cell), libm::sqrt(cell.cap));
-        let top = libm::pow(cell.cap, 0.75);
+        let top = three_quarters(cell.cap);
         let reached = |w: f64| {
             if w >= top || k.is_infinite() {
                 0.0
@@ -178,47 +186,50 @@ impl Smooth {
                 v * v / accel + 2.0 * v * accel / jerk + 4.0 * (top - w) / k
             }
         };
-        [reached(self.w[i]), cell.h - reached(self.w[i + 1])]
+        let [i, end] = run.cells;
+        [reached(self.w[i]), run.h - reached(self.w[end])]
     }
 
     /// Lay the knots.
     fn lay(&mut self, cells: &[&Cell], from: From, tau: f64) {
         self.grid.clear();
-        let last = cells.len() - 1;
-        for (i, cell) in cells.iter().enumerate() {
-            let (mut x, mut end) = (0.0, cell.h);
+        let last = self.runs.len() - 1;
+        for (number, run) in self.runs.iter().enumerate() {
+            let i = run.cells[0];
+            let cell = cells[i];
+            let (mut x, mut end) = (0.0, run.h);
             let mut push = |x: f64, h: f64| self.grid.push(Fine::new(i, x, h));
-            let rest = |cell: &Cell| {
+            let rest = || {
                 let j = jerk_along(cell);
                 let d = if j.is_finite() { j * tau * tau * tau / 6.0 } else { f64::INFINITY };
-                d.min(0.2 * cell.h)
+                d.min(0.2 * run.h)
             };
-            if i == last {
-                end -= rest(cell);
+            if number == last {
+                end -= rest();
             }
             match from {
-                From::Rest if i == 0 => {
-                    x = rest(cell);
+                From::Rest if number == 0 => {
+                    x = rest();
                     push(0.0, x);
                 }
-                From::Moving(_, h) if i == 0 => {
+                From::Moving(_, h) if number == 0 => {
                     x = if 1.5 * h > end { end } else { h };
                     push(0.0, x);
                 }
                 From::Rest | From::Moving(..) => {}
             }
             let k = growth(cell);
-            let level = self.level(i, cell);
+            let level = self.level(run, cell);
             while x < end {
                 let step = |w: f64| {
                     let v = libm::cbrt(w * w);
                     let near = if k.is_finite() { NEAR_REST * w / k } else { f64::INFINITY };
-                    (tau * v).min(near).max(1e-7 * cell.h)
+                    (tau * v).min(near).max(1e-7 * run.h)
                 };
-                let w = self.w_at(cells, i, x);
+                let w = self.w_at(cells, run, x);
                 let mut h = step(w).min(end - x);
                 for _ in 0..2 {
-                    h = h.min(step(self.w_at(cells, i, x + h)) * 1.2);
+                    h = h.min(step(self.w_at(cells, run, x + h)) * 1.2);
                 }
                 // at the feed, far from where it is reached and left, nothing happens
                 h = h.max(0.3 * (x - level[0]).min(level[1] - x)).min(end - x);
@@ -229,8 +240,8 @@ impl Smooth {
                 self.grid.push(Fine::new(i, x, h));
                 x = if h >= end - x { end } else { x + h };
             }
-            if i == last {
-                self.grid.push(Fine::new(i, end, cell.h - end));
+            if number == last {
+                self.grid.push(Fine::new(i, end, run.h - end));
             }
         }
     }
@@ -277,7 +288,7 @@ impl Smooth {
             let j = self.grid[k].share * jerk_along(cells[self.grid[k].cell]);
             chain.weight[next] += 3.0 * d / libm::sqrt(share);
             if j.is_finite() {
-                let b = FROM_REST * libm::pow(j * d * d, 2.0 / 3.0);
+                let b = FROM_REST * libm::cbrt(j * d * d * j * d * d);
                 chain.cap[next] = chain.cap[next].min(b / share);
             }
         };
@@ -293,13 +304,17 @@ impl Smooth {
         self.calm(shift, enough);
     }
 
-    /// Where the search begins: about half of the speed that may be reached at most.
+    /// Where the search begins.
     fn guess(&mut self, cells: &[&Cell]) {
-        self.guess.clear();
-        for fine in &self.grid {
-            let w = self.w_at(cells, fine.cell, fine.from + fine.h / 2.0);
-            self.guess.push(0.3 * libm::pow(w, 4.0 / 3.0));
+        self.first.clear();
+        let mut fines = self.grid.iter().peekable();
+        for run in &self.runs {
+            while let Some(fine) = fines.next_if(|fine| fine.cell == run.cells[0]) {
+                let w = self.w_at(cells, run, fine.from + fine.h / 2.0);
+                self.first.push(w * libm::cbrt(w));
+            }
         }
+        self.guess.below(&mut self.first);
     }
 
     /// Begin the search with the guess, made slower.
@@ -307,7 +322,7 @@ impl Smooth {
         for k in 0..self.grid.len() {
             let i = k + shift;
             if i >= self.chain.given[0] && i + 1 < self.chain.c.len() {
-                self.chain.c[i] = scale * self.guess[k];
+                self.chain.c[i] = scale * self.first[k];
             }
         }
     }
@@ -323,6 +338,18 @@ impl Smooth {
             scale *= 0.9 * libm::pow((1.0 + excess).clamp(0.9, 30.0), -2.0 / 3.0);
             self.begin(shift, scale);
         }
+    }
+
+    /// How many cells of the grid, and how many of the path, end with the run before cell `commit`; where more motion is to
+    /// follow, there is a run left for it.
+    pub(super) fn until(&self, commit: usize, more: bool) -> (usize, usize) {
+        let from = |cell: usize| self.grid.iter().position(|fine| fine.cell >= cell);
+        let first = match (from(commit), more) {
+            (Some(first), _) => first,
+            (None, false) => return (self.grid.len(), commit),
+            (None, true) => self.grid.last().and_then(|last| from(last.cell)).unwrap_or(0),
+        };
+        (first, self.grid[first].cell)
     }
 
     /// Keep what is left of the plan from cell `commit` on, for the next.
@@ -455,4 +482,10 @@ impl Smooth {
             before = after;
         }
     }
+}
+
+/// b^¾.
+fn three_quarters(b: f64) -> f64 {
+    let root = libm::sqrt(b);
+    root * libm::sqrt(root)
 }
