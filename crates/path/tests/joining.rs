@@ -275,6 +275,22 @@ fn a_feed_that_changes_right_behind_a_sharp_corner_costs_no_memory() {
     check(&segments, 0.0196);
 }
 
+/// A long line between short ones: the curve through them swings from one side to the other within one of its spans.
+#[test]
+fn a_fitted_curve_is_within_p_between_its_samples_too() {
+    let steps = [
+        (0.01, 0.0, -0.190_316_642_3),
+        (17.761_163_427_6, -0.124_612_419_3, -0.026_559_243_8),
+        (0.01, -0.198_469_251_3, -0.333_321_090_9),
+        (0.01, 0.0, 0.0),
+    ];
+    let mut segments = lines(&walk(&steps), 0.2);
+    for (segment, feed) in segments.iter_mut().zip([1.0, 31.9, 1.0, 31.9]) {
+        segment.feed = feed;
+    }
+    check(&segments, 0.2);
+}
+
 fn steps() -> impl Strategy<Value = Vec<(f64, f64, f64)>> {
     let size = prop_oneof![0.01..0.3_f64, 0.3..20.0_f64];
     prop::collection::vec((size, -1.6..1.6_f64, -0.5..0.5_f64), 2..60)

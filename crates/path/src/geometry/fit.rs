@@ -25,6 +25,8 @@ use alloc::vec::Vec;
 
 /// Share of the tolerance that samples keep: between them there is a little more.
 pub(crate) const NEAR: f64 = 0.95;
+/// Share of it that midway between two samples is kept.
+const BETWEEN: f64 = 0.99;
 /// Sweeps over all samples before knots are halved.
 const SWEEPS: usize = 24;
 /// Sweeps to bring samples back after smoothing.
@@ -52,6 +54,8 @@ pub(crate) struct Fitter {
     knots: Vec<f64>,
     control: Vec<Point>,
     samples: Vec<Sample>,
+    /// Midway between them.
+    between: Vec<Sample>,
     /// By span: first sample of it.
     bad: Vec<usize>,
     /// Axes from this one on do not move.
@@ -163,6 +167,7 @@ impl Fitter {
 
     fn sample(&mut self, way: &Way) {
         self.samples.clear();
+        self.between.clear();
         let mut span = 0;
         for i in 0..way.moves.len() {
             let segment = &way.moves[i].segment;
@@ -172,8 +177,19 @@ impl Fitter {
             );
             if i > 0 {
                 let tolerance = segment.tolerance.min(way.moves[i - 1].segment.tolerance);
-                self.add(way, i, from, tolerance, &mut span);
+                let sample = self.look(way, i, from, tolerance, &mut span);
+                self.samples.push(sample);
             }
+            let mut before = from;
+            let mut at = span;
+            let mut add = |fitter: &mut Self, u: f64, within: &mut usize| {
+                let tolerance = segment.tolerance;
+                let midway = fitter.look(way, i, f64::midpoint(before, u), tolerance, &mut at);
+                fitter.between.push(midway);
+                before = u;
+                let sample = fitter.look(way, i, u, tolerance, within);
+                fitter.samples.push(sample);
+            };
             let mut begin = from;
             while begin < to {
                 while span + 2 < self.knots.len() && self.knots[span + 1] <= begin {
@@ -187,17 +203,21 @@ impl Fitter {
                 let mut within = span;
                 for n in 1..=inner {
                     let u = begin + gap * n as f64 / (inner + 1) as f64;
-                    self.add(way, i, u, segment.tolerance, &mut within);
+                    add(self, u, &mut within);
                 }
                 if end < to {
-                    self.add(way, i, end, segment.tolerance, &mut within);
+                    add(self, end, &mut within);
                 }
                 begin = end;
             }
+            let midway = f64::midpoint(before, to);
+            let midway = self.look(way, i, midway, segment.tolerance, &mut at);
+            self.between.push(midway);
         }
     }
 
-    fn add(&mut self, way: &Way, i: usize, u: f64, tolerance: f64, span: &mut usize) {
+    /// A place of a move; `span` is not behind it.
+    fn look(&self, way: &Way, i: usize, u: f64, tolerance: f64, span: &mut usize) -> Sample {
         while *span + 2 < self.knots.len() && self.knots[*span + 1] <= u {
             *span += 1;
         }
@@ -206,7 +226,7 @@ impl Fitter {
         let square: f64 =
             (0..4).filter(|j| free.contains(&(*span + j))).map(|j| basis[j] * basis[j]).sum();
         let per_square = if square > 1e-6 { 1.0 / square } else { 0.0 };
-        self.samples.push(Sample { first: *span, basis, p: way.on(i, u), tolerance, per_square });
+        Sample { first: *span, basis, p: way.on(i, u), tolerance, per_square }
     }
 
     /// The four functions that are not zero in a span (de Boor, Cox).
@@ -242,7 +262,32 @@ impl Fitter {
         if !self.project(BACK) {
             core::mem::swap(&mut self.spare, &mut self.control);
         }
-        true
+        self.keeps_between()
+    }
+
+    /// Whether it is near enough between the samples, too; spans where it is not are in `bad`.
+    fn keeps_between(&mut self) -> bool {
+        self.bad.clear();
+        for sample in &self.between {
+            let far = distance(&self.at(sample), &sample.p) > sample.tolerance * BETWEEN;
+            if far && self.bad.last() != Some(&sample.first) {
+                self.bad.push(sample.first);
+            }
+        }
+        self.bad.is_empty()
+    }
+
+    /// Where the curve is.
+    fn at(&self, sample: &Sample) -> Point {
+        let mut q = sample.p;
+        q[..self.axes].fill(0.0);
+        for (j, n) in sample.basis.iter().enumerate() {
+            let p = &self.control[sample.first + j];
+            for i in 0..self.axes {
+                q[i] += n * p[i];
+            }
+        }
+        q
     }
 
     fn project(&mut self, sweeps: usize) -> bool {
@@ -250,14 +295,7 @@ impl Fitter {
         for _ in 0..sweeps {
             self.bad.clear();
             for sample in &self.samples {
-                let mut q = sample.p;
-                q[..self.axes].fill(0.0);
-                for (j, n) in sample.basis.iter().enumerate() {
-                    let p = &self.control[sample.first + j];
-                    for i in 0..self.axes {
-                        q[i] += n * p[i];
-                    }
-                }
+                let q = self.at(sample);
                 let off = distance(&q, &sample.p);
                 if off <= sample.tolerance * NEAR {
                     continue;
