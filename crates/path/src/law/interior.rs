@@ -203,9 +203,9 @@ impl Chain {
         let mut mu =
             if again { AGAIN * time / count } else { FIRST * time / self.free().len() as f64 };
         if again {
-            self.resume(mu)
+            self.resume(mu);
         } else {
-            self.start(mu)
+            self.start(mu);
         }
         for steps in 1..=STEPS {
             self.assemble();
@@ -295,7 +295,8 @@ impl Chain {
             rows[i + 2][1] += c * middle;
             rows[i + 2][2] += w * a * c;
         }
-        for i in self.given[0]..n - self.given[1] {
+        let free = rows.iter_mut().enumerate().take(n - self.given[1]).skip(self.given[0]);
+        for (i, row) in free {
             let y = self.root[i] * self.root[i];
             let weight = more(self.weight[i] - self.step[i], 0.1 * self.weight[i]);
             let mut own = 0.75 * weight * self.root[i] * y * y;
@@ -303,7 +304,7 @@ impl Chain {
                 let slack = &self.under[i];
                 own += slack.price * slack.over / (self.cap[i] * self.cap[i]);
             }
-            rows[i][0] += own;
+            row[0] += own;
         }
         for i in (0..self.given[0]).chain(n - self.given[1]..n) {
             self.band.pin(i);

@@ -299,17 +299,14 @@ impl Law {
             runs::hand_out(&self.cells, fine, &mut self.ready);
         }
         self.cells.drain(..commit);
-        match self.smooth.grid.get(first) {
-            Some(fine) => {
-                self.state = State { s: 0.0, v: fine.v, a: fine.a };
-                self.width = Some(fine.h);
-                self.smooth.keep(first, commit);
-            }
-            _ => {
-                self.state = State::default();
-                self.width = None;
-                self.smooth.keep(self.smooth.grid.len(), 0);
-            }
+        if let Some(fine) = self.smooth.grid.get(first) {
+            self.state = State { s: 0.0, v: fine.v, a: fine.a };
+            self.width = Some(fine.h);
+            self.smooth.keep(first, commit);
+        } else {
+            self.state = State::default();
+            self.width = None;
+            self.smooth.keep(first, 0);
         }
     }
 

@@ -30,9 +30,9 @@ impl Phase {
         for _ in 0..64 {
             let (at, v, _) = self.at(t);
             if at < s {
-                low = t
+                low = t;
             } else {
-                high = t
+                high = t;
             }
             let next = t - (at - s) / v;
             let next = if next > low && next < high { next } else { f64::midpoint(low, high) };
