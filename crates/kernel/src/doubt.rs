@@ -1,4 +1,5 @@
-//! Readings that cannot be, while a tap is in its thread: noticed within a period, and bridged until everything stands.
+//! Readings that cannot be, while a tap is in its thread or a thread is turned: noticed within a period, and bridged until
+//! everything stands.
 //!
 //! ```text
 //!   place │        ╱ reading jumps by more than the drive can do in a period: slipped, or a lost line
@@ -36,6 +37,8 @@ const NOISE_COUNTS: f64 = 8.0;
 /// A setpoint goes on by so much, mm, or so many counts, before a reading that stays is stuck.
 const STUCK_MM: f64 = 0.002;
 const STUCK_COUNTS: f64 = 16.0;
+/// The same of an infeed axis, which may rest and reverse in its play, mm.
+const INFEED_STUCK_MM: f64 = 0.05;
 
 /// What is known of one encoder.
 #[derive(Clone, Copy, Debug)]
@@ -81,6 +84,16 @@ pub(crate) struct Doubts {
     of: Option<(usize, usize)>,
     axis: Option<Watched>,
     spindle: Option<Watched>,
+    infeed: Option<(usize, Watched)>,
+}
+
+/// Whose encoders are watched.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Tied {
+    /// An axis and its spindle, that a tap or a thread ties together.
+    pub(crate) pair: Option<(usize, usize)>,
+    /// The axis that takes a tool off the work.
+    pub(crate) infeed: Option<usize>,
 }
 
 impl Doubts {
@@ -92,17 +105,18 @@ impl Doubts {
     /// The readings to go by: as they are, but for what cannot be of the pair that is coupled; and what is wrong.
     pub(crate) fn bridge(
         &mut self,
-        coupled: Option<(usize, usize)>,
+        tied: Tied,
         feedback: &Feedback,
         drives: &mut Drives,
         period_s: f64,
     ) -> (Feedback, Option<Finding>) {
         let mut taken = *feedback;
-        if self.of != coupled && !(self.any() && coupled.is_none()) {
-            *self = Self { of: coupled, ..Self::default() };
+        let of_infeed = self.bridge_infeed(tied.infeed, &mut taken, drives, period_s);
+        if self.of != tied.pair && !(self.any() && tied.pair.is_none()) {
+            *self = Self { of: tied.pair, infeed: self.infeed, ..Self::default() };
         }
-        let Some((axis, spindle)) = self.of else { return (taken, None) };
-        let mut finding = None;
+        let Some((axis, spindle)) = self.of else { return (taken, of_infeed) };
+        let mut finding = of_infeed;
         let shares = drives.follower.and_then(|(_, shares)| shares);
         if let Some(loop_) = &mut drives.axes[axis] {
             let expected = period_s * (loop_.target.speed + period_s * loop_.target.accel / 2.0);
@@ -135,6 +149,44 @@ impl Doubts {
             }
         }
         (taken, finding)
+    }
+
+    /// The same for an infeed axis, which follows nobody, or a table that is superposed on it.
+    fn bridge_infeed(
+        &mut self,
+        infeed: Option<usize>,
+        taken: &mut Feedback,
+        drives: &mut Drives,
+        period_s: f64,
+    ) -> Option<Finding> {
+        let unbelieved = self.infeed.is_some_and(|(_, watched)| !watched.believed);
+        if self.infeed.map(|(axis, _)| axis) != infeed && !unbelieved {
+            self.infeed = None;
+        }
+        let axis = self.infeed.map(|(axis, _)| axis).or(infeed)?;
+        let loop_ = drives.axes[axis].as_mut()?;
+        let (speed, accel) = (
+            loop_.target.speed + loop_.superposed.speed,
+            loop_.target.accel + loop_.superposed.accel,
+        );
+        let expected = period_s * (speed + period_s * accel / 2.0);
+        let reading = taken.axes[axis].position.value();
+        let (_, watched) =
+            self.infeed.get_or_insert((axis, Watched::new(reading - expected, expected)));
+        let bounds = axis_bounds(loop_, None, period_s);
+        // a loop that speed is not fed to begins to move when its error asks for it
+        let lags = loop_.control.feed_forward.speed < 1.0;
+        let late = if lags { loop_.control.windows.following_stop.value() } else { 0.0 };
+        let bounds = Bounds { stuck: bounds.stuck.max(INFEED_STUCK_MM).max(late), ..bounds };
+        let (place, lost) = watched.judge(reading, expected, bounds);
+        taken.axes[axis].position = units::Length::mm(place);
+        loop_.blind |= lost;
+        (lost && taken.axes[axis].ready).then_some((
+            FaultKind::ReadingImplausible,
+            Subject::Axis(Axis::ALL[axis]),
+            reading - place,
+            0.0,
+        ))
     }
 }
 

@@ -171,11 +171,11 @@ impl FaultKind {
             },
             Self::ReadingImplausible => Text {
                 number: 105,
-                sentence: "the encoder's reading jumps, stands still or is missing in the middle of a tap",
+                sentence: "the encoder's reading jumps, stands still or is missing in a synchronised cut",
                 unit: "",
                 reaction: Reaction::Halt,
                 cause: "A slipped or stuck encoder, a broken encoder line, or a fault of the field bus.",
-                remedy: "Check encoder, cable and bus, start the control again so that the encoders are read anew, then recover the tap.",
+                remedy: "Check encoder, cable and bus, start the control again so that the encoders are read anew, then recover the tool.",
             },
             Self::FollowingError => Text {
                 number: 201,

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! The way is an offset on what moves the axis otherwise: a thread goes on being one while the tool is pulled off it.
-use crate::axis::Target;
+use crate::axis::{AxisLoop, Target};
 use crate::config::{Config, PhaseLoss};
 use crate::drives::Drives;
 use canon::Axis;
@@ -23,7 +23,12 @@ const NEAR: Length = Length::mm(0.2);
 /// The tool of a way out is off the work, by the encoder of its infeed axis.
 pub(crate) fn is_clear(way: &WayOut, drives: &Drives) -> bool {
     let axis = drives.axes[way.infeed.index()].as_ref();
-    axis.is_some_and(|axis| way.inside(Length::mm(axis.position())) <= NEAR)
+    axis.is_some_and(|axis| !axis.blind && way.inside(base(axis)) <= NEAR)
+}
+
+/// Where an axis is by its encoder, without what is superposed on it.
+fn base(axis: &AxisLoop) -> Length {
+    Length::mm(axis.position() - axis.superposed.position)
 }
 
 /// The way out.

@@ -196,8 +196,10 @@ struct Bench {
     /// X, Z and the spindle's turns, as they really are.
     at: [f64; 3],
     wishes: Vec<Wish>,
-    /// X's encoder says this, wherever X is.
-    stuck: Option<Length>,
+    /// What is wrong with what the machine says.
+    wrong: Option<fn(&mut bus::Feedback, &bus::Feedback)>,
+    /// What it said before that.
+    before: bus::Feedback,
 }
 
 impl Bench {
@@ -211,15 +213,24 @@ impl Bench {
         }
         let machine = SimulatedMachine::new(machine).expect("it can be built");
         let feedback = bus::Machine::feedback(&machine);
-        Self { kernel, machine, feedback, at: [0.0; 3], wishes: Vec::new(), stuck: None }
+        Self {
+            kernel,
+            machine,
+            feedback,
+            at: [0.0; 3],
+            wishes: Vec::new(),
+            wrong: None,
+            before: feedback,
+        }
     }
 
     fn tick(&mut self) {
         let command = self.kernel.tick(&self.feedback);
         self.wishes.extend(self.kernel.next_wish());
         self.feedback = bus::Machine::exchange(&mut self.machine, &command);
-        if let Some(stuck) = self.stuck {
-            self.feedback.axes[0].position = stuck;
+        match self.wrong {
+            Some(wrong) => wrong(&mut self.feedback, &self.before),
+            None => self.before = self.feedback,
         }
         let truth = bus::Machine::truth(&self.machine).expect("it is simulated");
         self.at = [truth.axes[0].value(), truth.axes[2].value(), truth.spindles[0].value()];
@@ -315,7 +326,7 @@ fn a_tool_whose_infeed_axis_does_not_say_that_it_moved_counts_as_in_the_work() {
         bench.until("asked", |b| !b.wishes.is_empty());
         bench.kernel.acknowledge(1);
         bench.until("in the thread", |b| b.at[1] < FROM - 8.0);
-        bench.stuck = Some(bench.feedback.axes[0].position);
+        bench.wrong = Some(|now, before| now.axes[0].position = before.axes[0].position);
         match order {
             None => bench.kernel.report_alarm(kernel::Subject::Spindle(0)),
             Some(order) => bench.kernel.order(order),
@@ -325,12 +336,68 @@ fn a_tool_whose_infeed_axis_does_not_say_that_it_moved_counts_as_in_the_work() {
         }
         assert!(bench.kernel.way_out().is_some(), "{order:?}: {:?}", bench.at);
         assert!(!bench.wishes.contains(&Wish::Out), "{order:?}: {:?}", bench.wishes);
-        // a loop that never sees its axis move is no longer believed to move it
+        // and an encoder that stands still is noticed before its axis has run away
+        let faults = bench.kernel.faults();
         assert!(
-            bench.kernel.faults().iter().any(|f| f.subject == kernel::Subject::Axis(Axis::X)),
-            "{order:?}: {:?}",
-            bench.kernel.faults()
+            faults.iter().any(|f| f.subject == kernel::Subject::Axis(Axis::X)),
+            "{order:?}: {faults:?}"
         );
+        assert!(
+            bench.at[0].abs() < 15.0,
+            "it runs out, and is driven no further: X{}",
+            bench.at[0]
+        );
+    }
+}
+
+#[test]
+fn an_encoder_that_lies_in_a_thread_is_bridged_until_the_tool_is_off_it() {
+    type Wrong = fn(&mut bus::Feedback, &bus::Feedback);
+    let wrongs: [(&str, Wrong); 5] = [
+        ("spindle slips", |now, _| now.spindles[0].angle += Angle::deg(3.0)),
+        ("spindle says nothing", |now, _| now.spindles[0].angle = Angle::rev(f64::NAN)),
+        ("Z jumps", |now, _| now.axes[2].position += Length::mm(0.1)),
+        ("Z is stuck", |now, before| now.axes[2].position = before.axes[2].position),
+        ("Z says nothing", |now, _| now.axes[2].position = Length::mm(f64::NAN)),
+    ];
+    for (what, wrong) in wrongs {
+        let mut bench = Bench::new();
+        bench.until("in the thread", |b| b.at[1] < FROM - 8.0);
+        bench.wrong = Some(wrong);
+        let off = bench.off_until("clear", |b| b.at[0] > 0.99 * CLEAR);
+        assert!(off < 20.0, "{what}: {off} µm off the helix while the tool left the work");
+        bench.until("at rest", |b| b.kernel.is_standing() && b.rpm().abs() < 0.1);
+        let faults = bench.kernel.faults();
+        assert!(faults[0].kind == kernel::FaultKind::ReadingImplausible, "{what}: {faults:?}");
+        assert!(bench.at[0] > 0.99 * CLEAR, "{what}: and the tool stays away: {:?}", bench.at);
+    }
+}
+
+#[test]
+fn an_infeed_axis_whose_reading_jumps_stops_everything_on_the_thread() {
+    let mut bench = Bench::new();
+    bench.until("in the thread", |b| b.at[1] < FROM - 8.0);
+    bench.wrong = Some(|now, _| now.axes[0].position += Length::mm(0.1));
+    let off = bench.off_until("at rest", |b| b.kernel.is_standing() && b.rpm().abs() < 0.1);
+    assert!(off < 20.0 && bench.at[0].abs() < 0.05, "{off} µm, {:?}", bench.at);
+    assert!(bench.kernel.way_out().is_some(), "it has still to be taken out");
+}
+
+#[test]
+fn a_spindle_or_an_axis_without_its_drive_does_not_keep_the_tool_in_the_thread() {
+    type Wrong = fn(&mut bus::Feedback, &bus::Feedback);
+    let gone: [(&str, Wrong); 2] = [
+        ("spindle", |now, _| now.spindles[0].ready = false),
+        ("Z", |now, _| now.axes[2].ready = false),
+    ];
+    for (what, wrong) in gone {
+        let mut bench = Bench::new();
+        bench.until("in the thread", |b| b.at[1] < FROM - 8.0);
+        bench.wrong = Some(wrong);
+        bench.until("clear", |b| b.at[0] > 0.99 * CLEAR);
+        bench.until("at rest", |b| b.kernel.is_standing() && b.rpm().abs() < 0.1);
+        let fault = bench.kernel.faults()[0].kind;
+        assert_eq!(fault, kernel::FaultKind::DriveNotReady, "{what}");
     }
 }
 

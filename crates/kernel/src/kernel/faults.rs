@@ -2,6 +2,7 @@
 //!
 //! ```text
 //!   no tap in its thread     as the alarm asks: outputs off, or brake and hold
+//!   a thread that is turned  the infeed axis takes the tool off along it, or all brake; a drive or encoder gone: then off
 //!   a tap in its thread      both brake on the coupling, whatever is wrong
 //!      spindle does not obey    the axis goes with where the spindle is, until it stands
 //!      axis does not obey       the spindle brakes; the thread takes the axis along
@@ -10,6 +11,7 @@
 //! ```
 use super::{FAULTS, Kernel, Mode};
 use crate::config::Subject;
+use crate::doubt::Tied;
 use crate::drives::Finding;
 use crate::event::EventKind;
 use crate::execute::Activity;
@@ -41,7 +43,7 @@ impl Kernel {
                 self.drives.check_coupled(waits.at_speed, waits.oriented, lost)?;
                 self.drives.check_following()
             }
-            Mode::Halted if self.lame.is_some() => Ok(()),
+            Mode::Halted if self.lame.is_some() => self.check_retreating(),
             Mode::Halted => {
                 self.drives.check_ready(feedback)?;
                 self.check_retreating()
@@ -65,7 +67,14 @@ impl Kernel {
             kind,
             FaultKind::DriveNotReady | FaultKind::FeedbackInvalid | FaultKind::ReadingImplausible
         );
-        if gone && in_tap.is_some() {
+        let tied = match kind {
+            FaultKind::DriveNotReady => self.thread_pair().is_some(),
+            FaultKind::ReadingImplausible => {
+                self.way_out.is_some_and(|way_out| way_out.pass.is_some())
+            }
+            _ => false, // nobody bridges the reading
+        };
+        if gone && (in_tap.is_some() || tied) {
             self.lame = self.lame.or(Some(0));
         }
         let lost = kind == FaultKind::DriveNotReady && matches!(subject, Subject::Spindle(_));
@@ -74,7 +83,7 @@ impl Kernel {
         if let (Some(plan), Activity::Tapping(run), true) = (in_tap, &mut self.activity, disobeys) {
             run.trail(&plan, &mut self.drives, lost);
         }
-        let runs_away = matches!(self.mode, Mode::Halted) && self.check_retreating().is_err();
+        let runs_away = self.runs_away(kind, subject);
         self.mode = match kind.reaction() {
             Reaction::Disable if self.lame.is_none() => Mode::Disabled,
             Reaction::Halt if runs_away => {
@@ -105,6 +114,16 @@ impl Kernel {
         (self.drives.mist, self.drives.flood) = (false, false);
     }
 
+    /// The axis that takes the tool off the work is the one that does not obey, or cannot be seen: nothing may drive it on.
+    fn runs_away(&self, kind: FaultKind, subject: Subject) -> bool {
+        let leaving = self.drives.chain.and_then(|chain| chain.leaving());
+        let Some(retreating) = self.retreating.or(leaving).filter(|r| !r.is_out()) else {
+            return false;
+        };
+        matches!(kind, FaultKind::FollowingError | FaultKind::ReadingImplausible)
+            && subject == Subject::Axis(Axis::ALL[retreating.axis()])
+    }
+
     /// The plan of the tap that is coupled.
     fn tap_in_work(&self) -> Option<plan::TapPlan> {
         match (&self.activity, self.queue.front()) {
@@ -117,16 +136,22 @@ impl Kernel {
         }
     }
 
+    /// Whose encoders are watched: those of a tap, or of a thread that is turned, and of the axis that takes a tool off the work.
+    fn tied(&self) -> Tied {
+        let tap = self.coupled().map(|(axis, spindle, _)| (axis, spindle));
+        let thread = self.way_out().filter(|way_out| way_out.pass.is_some());
+        let infeed = thread.map(|way_out| way_out.infeed.index());
+        Tied { pair: tap.or_else(|| self.thread_pair()), infeed }
+    }
+
     /// The readings to go by.
     pub(super) fn bridge(&mut self, feedback: &Feedback) -> Feedback {
-        let coupled = match self.mode {
-            Mode::Running | Mode::Halted => {
-                self.coupled().map(|(axis, spindle, _)| (axis, spindle))
-            }
-            Mode::New | Mode::Starting(_) | Mode::Disabled => None,
+        let tied = match self.mode {
+            Mode::Running | Mode::Halted => self.tied(),
+            Mode::New | Mode::Starting(_) | Mode::Disabled => Tied::default(),
         };
         let period_s = self.config.period.value();
-        let (taken, finding) = self.doubts.bridge(coupled, feedback, &mut self.drives, period_s);
+        let (taken, finding) = self.doubts.bridge(tied, feedback, &mut self.drives, period_s);
         if let Some(finding) = finding {
             self.raise(finding, &taken);
         }

@@ -187,6 +187,14 @@ impl Kernel {
         true
     }
 
+    /// The axis and the spindle of a thread that is being turned.
+    pub(super) fn thread_pair(&self) -> Option<(usize, usize)> {
+        let Activity::Threading = &self.activity else { return None };
+        let StepKind::Thread(stretch) = self.queue.get(self.chained)?.kind else { return None };
+        let axis = self.way_out?.pass?.axis.index();
+        self.drives.chain.map(|_| (axis, usize::from(stretch.spindle)))
+    }
+
     /// What the drives shall keep together of a thread that is being turned.
     pub(super) fn on_thread(&self) -> Option<bus::Coupled> {
         let (Activity::Threading, Mode::Running | Mode::Halted) = (&self.activity, &self.mode)
