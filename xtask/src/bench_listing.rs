@@ -98,10 +98,11 @@ fn canon(leadscrew: &Path, program: &Path) -> Command {
 
 /// The release build of the command line.
 fn build() -> Result<PathBuf, String> {
-    let status =
-        Command::new(env!("CARGO")).args(["build", "--release", "-p", "leadscrew"]).status();
+    let status = Command::new(env!("CARGO"))
+        .args(["build", "--release", "--workspace", "--bin", "leadscrew"])
+        .status();
     if !status.is_ok_and(|s| s.success()) {
-        return Err("`cargo build --release -p leadscrew` failed".into());
+        return Err("`cargo build --release --workspace --bin leadscrew` failed".into());
     }
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let target = std::env::var_os("CARGO_TARGET_DIR").map_or(root.join("target"), PathBuf::from);

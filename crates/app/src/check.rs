@@ -30,8 +30,12 @@ pub(crate) fn command(args: &CheckArgs, quiet: bool) -> Result<bool, Refused> {
             in_pieces(&session, path, &name, &mut told)?;
         } else {
             let text = read_program(path)?;
-            let found = findings(args, path, &text)?;
-            told.tell(&found, &Source { name: &name, text: &text })?;
+            if text.len() as u64 > pieces::WHOLE {
+                as_found(args, path, &text, &mut told)?;
+            } else {
+                let found = findings(args, path, &text)?;
+                told.tell(&found, &Source { name: &name, text: &text })?;
+            }
         }
         told.sum_up(&name)?;
         refused += usize::from(told.errors > 0);
@@ -103,6 +107,25 @@ fn findings(args: &CheckArgs, path: &Path, text: &[u8]) -> Result<Vec<Diagnostic
     Ok(found)
 }
 
+/// A long program that cannot be read in pieces, for its O-words lead here and there: what is found is told as it goes.
+fn as_found(args: &CheckArgs, path: &Path, text: &[u8], told: &mut Told) -> Result<(), Refused> {
+    let name = path.display().to_string();
+    let mut session = Session::load(&args.source, path, text)?;
+    let options = session.plan_options(session.machine.setup.stock.material);
+    let progress = progress(path, told.quiet);
+    let mut known = HashSet::new();
+    let mut tell = |mut found: Vec<Diagnostic>, furthest: u32| {
+        found.retain(|finding| known.insert((finding.code, finding.span)));
+        found.sort_by_key(|f| (f.span.file, f.span.start, !f.is_error()));
+        progress.set_position(furthest.into());
+        progress.suspend(|| told.tell(&found, &Source { name: &name, text }))
+    };
+    crate::preflight::judge_and_tell(&mut session, text, options, &mut tell)?;
+    tell(interp::lint(text, &session.interp_setup()), text.len() as u32)?;
+    progress.finish_and_clear();
+    Ok(())
+}
+
 /// Add what is not there yet, by place.
 fn add(found: &mut Vec<Diagnostic>, more: impl IntoIterator<Item = Diagnostic>) {
     let mut known: HashSet<_> = found.iter().map(|f| (f.code, f.span)).collect();
@@ -161,6 +184,9 @@ fn in_pieces(session: &Session, path: &Path, name: &str, told: &mut Told) -> Res
 /// How much of a long program is read, where somebody looks on.
 fn progress(path: &Path, quiet: bool) -> ProgressBar {
     let length = path.metadata().map_or(0, |data| data.len());
+    if !quiet {
+        say::err(&format!("checking {}, {:.1} MB\n", path.display(), length as f64 / 1e6));
+    }
     let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
     let bar = ProgressBar::with_draw_target(Some(length), target);
     let style = ProgressStyle::with_template("{wide_bar} {bytes} of {total_bytes}");

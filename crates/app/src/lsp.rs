@@ -3,7 +3,7 @@ use crate::args::ProgramArgs;
 use crate::refused::Refused;
 use crate::session::Session;
 use lsp_server::Connection;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Serve one editor. True if it took leave in order.
 pub(crate) fn command(source: &ProgramArgs) -> Result<bool, Refused> {
@@ -32,12 +32,10 @@ impl lsp::Host for Machines {
     }
 
     fn subprogram(&self, uri: &str, name: &str) -> Option<String> {
-        if name.contains(['/', '\\']) || name.contains("..") {
-            return None;
-        }
-        let file = path(uri)?.parent()?.join(format!("{name}.ngc"));
-        let folder = uri.rsplit_once('/')?.0;
-        file.is_file().then(|| format!("{folder}/{name}.ngc"))
+        let program = path(uri)?;
+        let session = Session::load(&self.source, &program, b"").ok()?;
+        let file = crate::subprograms::file_of(&self.source, &session.machine, &program, name)?;
+        Some(written(&std::path::absolute(file).ok()?))
     }
 }
 
@@ -57,9 +55,29 @@ fn path(uri: &str) -> Option<PathBuf> {
     String::from_utf8(bytes).ok().map(PathBuf::from)
 }
 
+/// The `file:` URI of a path.
+fn written(path: &Path) -> String {
+    let mut uri = "file://".to_owned();
+    for byte in path.as_os_str().as_encoded_bytes() {
+        if byte.is_ascii_alphanumeric() || b"/-._~".contains(byte) {
+            uri.push(*byte as char);
+        } else {
+            uri += &format!("%{byte:02X}");
+        }
+    }
+    uri
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_path_is_written_so_that_it_is_read_again() {
+        let odd = Path::new("/a b/ü%c/d.ngc");
+        assert_eq!(written(odd), "file:///a%20b/%C3%BC%25c/d.ngc");
+        assert_eq!(path(&written(odd)).as_deref(), Some(odd));
+    }
 
     #[test]
     fn a_uri_is_a_path_with_its_escapes_undone() {

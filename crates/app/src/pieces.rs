@@ -16,7 +16,7 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 /// Programs up to this size are read whole.
-const WHOLE: u64 = 4 << 20;
+pub(crate) const WHOLE: u64 = 4 << 20;
 /// Size of a piece, as far as whole lines allow.
 const PIECE: usize = 1 << 20;
 

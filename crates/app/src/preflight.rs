@@ -5,6 +5,7 @@
 //! allows them.
 use crate::args::MissingTools;
 use crate::program::Ops;
+use crate::refused::Refused;
 use crate::restart::Restart;
 use crate::session::Session;
 use canon::{OpKind, Tool, ToolKind};
@@ -65,6 +66,37 @@ pub(crate) fn judge(session: &mut Session, source: &[u8], options: Options) -> V
     let assumed = stand_in(session, source);
     let planner = planner(session, options).only_judging();
     read(session, source, planner, assumed, &mut |_| ()).findings
+}
+
+/// The same for a long program: what was found since the last time is told as it goes, with the furthest byte executed.
+pub(crate) fn judge_and_tell(
+    session: &mut Session,
+    source: &[u8],
+    options: Options,
+    tell: &mut impl FnMut(Vec<Diagnostic>, u32) -> Result<(), Refused>,
+) -> Result<(), Refused> {
+    /// Operations between two tellings.
+    const OFTEN: u32 = 1 << 14;
+    tell(stand_in(session, source), 0)?;
+    let mut planner = planner(session, options).only_judging();
+    let setup = session.interp_setup();
+    let mut ops = Ops::new(source, &setup, session.auto());
+    let mut furthest = 0;
+    while let Some((index, op)) = ops.next() {
+        planner.push(index, &op, &mut |_| ());
+        if op.span.file == 0 {
+            furthest = furthest.max(op.span.end);
+        }
+        if index % OFTEN == OFTEN - 1 {
+            let mut found = planner.take_findings();
+            found.extend(ops.diagnostics());
+            tell(found, furthest)?;
+        }
+    }
+    planner.finish(&mut |_| ());
+    let mut found = planner.take_findings();
+    found.extend(ops.diagnostics());
+    tell(found, furthest)
 }
 
 fn read(

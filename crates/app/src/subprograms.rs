@@ -43,6 +43,16 @@ pub(crate) fn find(
     Ok(found)
 }
 
+/// The file in which a program finds a subprogram of this name.
+pub(crate) fn file_of(
+    args: &ProgramArgs,
+    machine: &MachineFile,
+    program: &Path,
+    name: &str,
+) -> Option<PathBuf> {
+    search_path(args, machine, program).ok()?.iter().find_map(|folder| within(folder, name))
+}
+
 /// The folders in which files are looked for, in order. One that is not there is refused: it is a slip of the pen.
 fn search_path(
     args: &ProgramArgs,

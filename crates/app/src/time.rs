@@ -12,7 +12,9 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use units::Jerk;
 
+mod longest;
 mod peaks;
+use longest::{Longest, Timed};
 use peaks::Peaks;
 
 /// Operations that are listed without `--operations`: the longest.
@@ -77,8 +79,7 @@ struct Tally<'a> {
     all: Shares,
     tool: u32,
     by_tool: BTreeMap<u32, Shares>,
-    /// By operation: its line and its time.
-    by_op: BTreeMap<u32, (u32, f64)>,
+    by_op: Longest,
     peaks: Peaks,
     steps: u64,
 }
@@ -93,7 +94,7 @@ impl Tally<'_> {
         }
         self.all.add(&step.kind, time);
         self.by_tool.entry(self.tool).or_default().add(&step.kind, time);
-        self.by_op.entry(step.op).or_insert((step.line, 0.0)).1 += time;
+        self.by_op.add(step.op, step.line, time);
         self.peaks.step(&step.kind);
         self.steps += 1;
     }
@@ -111,7 +112,7 @@ pub(crate) fn command(args: &TimeArgs, quiet: bool) -> Result<bool, Refused> {
         all: Shares::default(),
         tool: 0,
         by_tool: BTreeMap::new(),
-        by_op: BTreeMap::new(),
+        by_op: Longest::new(if args.operations { usize::MAX } else { LONGEST }),
         peaks: Peaks::new(session.machine.control.period.value()),
         steps: 0,
     };
@@ -168,15 +169,9 @@ fn remark(findings: &[Diagnostic], name: &str, text: &[u8]) {
     say::err(&render::text(findings, &render::Source { name, text }));
 }
 
-fn operations(tally: &Tally, most: usize) -> Vec<Value> {
-    let mut list: Vec<_> = tally.by_op.iter().collect();
-    if most < list.len() {
-        list.sort_by(|a, b| b.1.1.total_cmp(&a.1.1));
-        list.truncate(most);
-        list.sort_by_key(|(op, _)| **op);
-    }
-    let of = |(op, (line, time)): (&u32, &(u32, f64))| json!({ "operation": op, "line": line, "time_s": rounded(*time) });
-    list.into_iter().map(of).collect()
+fn operations(tally: &Tally) -> Vec<Value> {
+    let of = |(op, (line, time)): Timed| json!({ "operation": op, "line": line, "time_s": rounded(time) });
+    tally.by_op.all().into_iter().map(of).collect()
 }
 
 fn programs(tally: &Tally, name: &str, machine: &str, every: bool) -> Value {
@@ -195,8 +190,7 @@ fn programs(tally: &Tally, name: &str, machine: &str, every: bool) -> Value {
     value["steps"] = json!(tally.steps);
     value["peaks"] = tally.peaks.json();
     value["tools"] = json!(tools);
-    let most = if every { usize::MAX } else { LONGEST };
-    value[if every { "operations" } else { "longest_operations" }] = json!(operations(tally, most));
+    value[if every { "operations" } else { "longest_operations" }] = json!(operations(tally));
     value
 }
 

@@ -266,3 +266,18 @@ fn an_interrupted_run_leaves_nothing_behind() {
     assert_eq!(output.status.code(), Some(130), "{}", complained(&output));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
+
+#[test]
+fn a_long_program_with_subprograms_is_told_of_as_it_is_checked() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = folder.path().join("long.ngc");
+    let lines = "X1 Y1\nX2 Y2\n".repeat(400_000);
+    let wrong = "G1 X[1\n";
+    let text =
+        format!("G21 F100\no1 sub\nG0 Z5\no1 endsub\no1 call\n{wrong}G1\n{lines}o2 call\nM2\n");
+    fs::write(&program, text).unwrap();
+    let output = leadscrew(&["check", program.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(2));
+    says(&said(&output), &["long.ngc:6:", "there is no subprogram o2", "2 errors"]);
+    says(&complained(&output), &["checking", "long.ngc", "4.8 MB"]);
+}

@@ -183,7 +183,7 @@ impl Executor {
                 return refuse("I0542", self.words.place.span, text);
             };
             let orientation = self.words.whole(b'L', 9)?;
-            if orientation.is_some_and(|l| l > 0) && self.state.plane != Plane::ZX {
+            if orientation.is_some() && self.state.plane != Plane::ZX {
                 let text = "L is the orientation of a lathe tool: it needs G18";
                 return refuse("I0543", self.words.span(b'L'), text);
             }

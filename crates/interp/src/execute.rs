@@ -87,6 +87,8 @@ impl Executor {
             recording: None,
             remarks: Vec::new(),
         };
+        // where none was called yet LinuxCNC's stand-alone interpreter believes in the first pocket
+        new.state.current_pocket = u32::from(setup.stand_alone);
         new.state.retract_to_initial = setup.dialect == Dialect::Brother;
         new.load_offsets();
         let machine = crate::frame::machine_point(&setup.start);

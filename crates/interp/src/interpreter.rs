@@ -260,6 +260,8 @@ impl<'s> Interpreter<'s> {
                     crate::names::assign(&mut self.executor.store, number, value, span)?;
                 }
                 (Parameter::Named(name), _) => {
+                    let written = self.block.text(name);
+                    crate::names::assignable(&self.executor.state, written, span)?;
                     if self.executor.store.names() >= self.limits.names {
                         self.ended = true;
                         let text = format!("more than {} named parameters", self.limits.names);

@@ -102,6 +102,15 @@ pub(crate) fn assign(store: &mut Store, number: usize, value: f64, span: Span) -
     Ok(())
 }
 
+/// Whether a named parameter can be set: it is not one that the interpreter answers itself.
+pub(crate) fn assignable(state: &State, name: &str, span: Span) -> Outcome {
+    if name.starts_with('_') && system(state, name).is_some() {
+        let text = format!("#<{name}> tells how things stand and cannot be set");
+        return refuse("I0206", span, text);
+    }
+    Ok(())
+}
+
 /// Value of a numbered parameter.
 pub(crate) fn numbered(state: &State, store: &Store, number: usize) -> f64 {
     match number {
@@ -167,6 +176,8 @@ pub(crate) fn system(state: &State, name: &str) -> Option<f64> {
         "feed_hold" => truth(state.feed_hold),
         "feed" => Some(state.feed),
         "rpm" => Some(state.spindle.speed),
+        "current_pocket" => Some(f64::from(state.current_pocket)),
+        "selected_pocket" => Some(state.selected_pocket.map_or(-1.0, f64::from)),
         "current_tool" => Some(f64::from(state.current_tool)),
         "selected_tool" => Some(f64::from(state.selected_tool)),
         "call_level" => Some(state.call_level as f64),

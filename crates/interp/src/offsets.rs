@@ -80,24 +80,20 @@ impl Executor {
         let Some(code) = self.words.g(GGroup::ToolLength) else { return Ok(()) };
         let mut tool = [0.0; 9];
         match code {
-            430 | 432 => {
+            430 => {
                 let number = if self.words.get(b'H').is_some() {
                     self.tool_word(b'H')?
-                } else if code == 432 {
-                    return refuse(
-                        "I0612",
-                        self.words.place.span,
-                        "G43.2 needs H, the number of a tool",
-                    );
                 } else {
                     self.state.current_tool
                 };
-                tool = self.tool_entry(number).offset;
-                frame::scale(&mut tool, 1.0 / self.state.units.in_mm());
-                if code == 432 {
-                    for (sum, more) in tool.iter_mut().zip(&self.state.frame.tool) {
-                        *sum += more;
-                    }
+                tool = self.length_offset(number);
+            }
+            432 => {
+                let more = self.additional_offset()?;
+                for (sum, (kept, more)) in
+                    tool.iter_mut().zip(self.state.frame.tool.iter().zip(more))
+                {
+                    *sum = kept + more;
                 }
             }
             431 => tool = self.with_words(self.state.frame.tool),
@@ -106,6 +102,32 @@ impl Executor {
         self.state.reframe(|frame| frame.tool = tool);
         self.say(sink, &Call::ToolOffset(tool));
         Ok(())
+    }
+
+    /// What the table says of a tool, in program units.
+    fn length_offset(&self, number: u32) -> Point {
+        let mut tool = self.tool_entry(number).offset;
+        frame::scale(&mut tool, 1.0 / self.state.units.in_mm());
+        tool
+    }
+
+    /// G43.2: of a tool, or of the axis words.
+    fn additional_offset(&mut self) -> Outcome<Point> {
+        let by_words = self.words.any(crate::codes::AXES);
+        match (self.words.get(b'H').is_some(), by_words) {
+            (true, false) => {
+                let number = self.tool_word(b'H')?;
+                Ok(self.length_offset(number))
+            }
+            (false, true) => Ok(self.with_words([0.0; 9])),
+            (both, _) => {
+                let found = if both { "both" } else { "neither" };
+                let text = format!(
+                    "G43.2 needs H, the number of a tool, or axis words with the offset itself; found {found}"
+                );
+                refuse("I0612", self.words.place.span, text)
+            }
+        }
     }
 
     /// Number of a work offset by its code: 540 is 1.

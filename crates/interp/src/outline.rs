@@ -91,7 +91,15 @@ impl Outline {
         outline.join(&mut faults);
         for (i, mark) in outline.marks.iter().enumerate() {
             if mark.keyword == Keyword::Sub {
-                outline.subs.entry(mark.key.clone()).or_insert(i);
+                let first = *outline.subs.entry(mark.key.clone()).or_insert(i);
+                if first != i {
+                    let text = format!("o{} sub is here a second time", mark.key);
+                    faults.push(
+                        error("I0318", mark.span, text)
+                            .with_label(outline.marks[first].span, "the first one")
+                            .with_help("a call could mean either: give one of them another name"),
+                    );
+                }
             }
         }
         let numbers = outline.subs.iter().filter_map(|(key, i)| Some((key.parse().ok()?, *i)));

@@ -273,6 +273,9 @@ pub(crate) struct State {
     pub(crate) loaded: ToolEntry,
     pub(crate) selected_tool: u32,
     pub(crate) current_tool: u32,
+    /// Pocket of the tool that T has called last; none before the first.
+    pub(crate) selected_pocket: Option<u32>,
+    pub(crate) current_pocket: u32,
     pub(crate) mist: bool,
     pub(crate) flood: bool,
     pub(crate) feed_override: bool,
@@ -331,6 +334,8 @@ impl State {
             loaded: ToolEntry::default(),
             selected_tool: 0,
             current_tool: 0,
+            selected_pocket: None,
+            current_pocket: 0,
             mist: false,
             flood: false,
             feed_override: true,

@@ -104,6 +104,11 @@ impl Executor {
         Ok(())
     }
 
+    /// Where a tool is kept; that of no tool, and of one that the table lacks, is 0.
+    pub(crate) fn pocket(&self, number: u32) -> u32 {
+        self.tools.get(number).map_or(0, |tool| tool.pocket)
+    }
+
     /// `$`: the only spindle is 0, and −1 means all.
     fn spindle_number(&self) -> Outcome {
         match self.words.get(b'$') {
@@ -120,6 +125,9 @@ impl Executor {
         if self.words.get(b'T').is_some() {
             let number = self.tool_word(b'T')?;
             self.state.selected_tool = number;
+            if number != 0 || !self.stand_alone {
+                self.state.selected_pocket = Some(self.pocket(number));
+            }
             self.say(sink, &Call::SelectTool(number));
         }
         self.outputs(sink)?;
@@ -129,6 +137,7 @@ impl Executor {
                 self.state.spindle.turning = None;
                 self.say(sink, &Call::SpindleStop);
                 self.state.current_tool = self.state.selected_tool;
+                self.state.current_pocket = self.state.selected_pocket.unwrap_or(0);
                 if !self.stand_alone || self.state.current_tool != 0 {
                     self.state.loaded = self.tool_entry(self.state.current_tool);
                 }
@@ -143,6 +152,7 @@ impl Executor {
                     );
                 }
                 self.state.current_tool = self.tool_word(b'Q')?;
+                self.state.current_pocket = self.pocket(self.state.current_tool);
                 if !self.stand_alone {
                     self.state.loaded = self.tool_entry(self.state.current_tool);
                 }

@@ -99,8 +99,11 @@ impl Executor {
         self.tool_table.written.insert(number, entry);
         let rank = self.tools.iter().position(|t| t.number == number).map_or(0, |i| i as u32 + 1);
         self.say(sink, &Call::ToolTableEntry { rank, entry });
-        if number == self.state.current_tool {
+        let current = number == self.state.current_tool;
+        if current {
             self.state.loaded = entry;
+        }
+        if current || self.stand_alone && self.pocket(number) == self.state.current_pocket {
             self.say(sink, &Call::ToolTableEntry { rank: 0, entry });
         }
         Ok(())

@@ -270,6 +270,9 @@ impl Words {
     /// `beside` are those that the dialect or the machine adds.
     pub(crate) fn check_letters(&self, modal: Letters, beside: Letters) -> Outcome {
         let mut allowed = FREE | beside | self.letters;
+        if self.any(codes::set("S")) {
+            allowed |= codes::set("$");
+        }
         if self.any(AXES | CENTRE | POLAR) {
             allowed |= modal;
         }

@@ -468,3 +468,29 @@ fn block_delete_leaves_out_what_begins_with_a_stroke() {
     near(&ends(&ops_of(&shop(), program)), &[[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]);
     near(&ends(&ops_of(&Setup { block_delete: true, ..shop() }, program)), &[[2.0, 0.0, 0.0]]);
 }
+
+#[test]
+fn pockets_are_those_of_the_tool_table() {
+    let mut nine = tool(5, 80.0, ToolKind::EndMill);
+    nine.pocket = 9;
+    let mut setup = shop();
+    setup.tools = ToolLibrary::new([nine, tool(4, 90.0, ToolKind::EndMill)]);
+    let program =
+        "T5\nG0 X#<_selected_pocket>\nM6 T4\nY#<_current_pocket> Z#<_selected_pocket>\nM2";
+    let ops = ops_of(&setup, program);
+    let last = ops.iter().rev().find_map(|op| match op.kind {
+        OpKind::Rapid { to } => Some(to.linear),
+        _ => None,
+    });
+    assert_eq!(last, Some([9.0, 4.0, 4.0].map(Length::mm)));
+}
+
+#[test]
+fn an_additional_length_offset_may_be_given_by_words() {
+    let ops = ops_of(&shop(), "T1 M6\nG43\nG43.2 X1 Z2\nG0 X0 Z0\nM2");
+    let to = ops.iter().find_map(|op| match op.kind {
+        OpKind::Rapid { to } => Some(to.linear),
+        _ => None,
+    });
+    assert_eq!(to, Some([1.0, 0.0, 82.0].map(Length::mm)));
+}

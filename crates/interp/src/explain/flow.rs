@@ -89,6 +89,12 @@ pub(super) const ROWS: &[Finding] = &[
         "(PROBEOPEN points.txt)",
         "(LOGOPEN, points.txt)",
     ),
+    row(
+        "I0318",
+        "Two subprograms have one name.",
+        "o1 sub\nG0 X1\no1 endsub\no1 sub\nG0 X2\no1 endsub\no1 call",
+        "o1 sub\nG0 X1\no1 endsub\no2 sub\nG0 X2\no2 endsub\no1 call\no2 call",
+    ),
     row("I0321", "M72 has nothing to restore.", "M72", "M70\nM72"),
     row(
         "I0322",

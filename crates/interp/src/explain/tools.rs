@@ -13,7 +13,12 @@ pub(super) const ROWS: &[Finding] = &[
     row("I0609", "G4 needs the seconds to wait.", "G4", "G4 P1"),
     row("I0610", "Tools have whole numbers.", "T1.5 M6", "T1 M6"),
     row("I0611", "The tool is not in the tool table.", "T77 M6", "T1 M6"),
-    row("I0612", "G43.2 needs the number of a tool.", "G43.2", "G43.2 H1"),
+    row(
+        "I0612",
+        "G43.2 needs the number of a tool, or axis words.",
+        "G43.2 H1 Z5",
+        "G43.2 H1\nG43.2 Z5",
+    ),
     row("I0613", "G92 needs axis words.", "G92", "G92 X0"),
     row("I0614", "This G10 is not executed.", "O1\nG10 L50\nM30", "O1\nG10 L2 P1 X10.\nM30")
         .of(crate::Dialect::Fanuc),
