@@ -82,7 +82,10 @@ fn a_polygon_and_a_cam_are_left_along_x() {
     let machine = ["--machine", "polygon-lathe"];
     let (_, answer) = stopped(&hexagon, &machine, &["--power-cut-at", "12"], "polygon turning");
     assert!((number(&answer, "retreat_mm") - 16.5).abs() < 1.0, "{answer:#}");
-    assert!(number(&answer, "phase_error_before_um").abs() > 0.0, "{answer:#}");
+    // each brakes by itself, with 0.95 of its torque: J·ω²/2M is 0.72 rad of the work, twice that on the gear, and 0.87 rad of the
+    // cutter, which stands 33° behind; friction and the loops add to it
+    let behind = number(&answer, "phase_error_before_deg");
+    assert!((-50.0..-33.0).contains(&behind), "{answer:#}");
     let cams = root().join("programs/cams.toml");
     let machine =
         ["--machine", "cam-grinder", "--dialect", "toyoda", "--cams", cams.to_str().unwrap()];
