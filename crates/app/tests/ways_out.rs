@@ -136,6 +136,27 @@ fn encoders_that_lie_and_spindles_that_fail_in_a_tap_are_recovered_within_one_ru
 }
 
 #[test]
+fn encoders_that_lie_and_drives_that_are_gone_in_a_thread_leave_no_mark_in_it() {
+    let file = root().join("programs/thread-m20x1.5.ngc");
+    let run = ["run", file.to_str().unwrap(), "--machine", "lathe", "-q", "--format", "json"];
+    for fault in [
+        "dropout 5ms at 3.6s",
+        "encoder-slip 3deg at 3.6s",
+        "stuck Z at 3.6s",
+        "feedback-jump Z 0.1mm at 3.6s",
+        "feedback-jump X 0.1mm at 3.6s",
+        "drive-fault spindle at 3.6s",
+        "drive-fault X at 3.6s",
+    ] {
+        let output = leadscrew(&[&run[..], &["--fault", fault, "--recover"]].concat());
+        let certificate: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let off = number(&certificate["features"][0], "sync_error_max_um");
+        assert!(off < 10.0, "{fault}: {off} µm");
+        assert!(number(&certificate["withdrawals"][0], "by_mm") > 1.5, "{fault}: {certificate:#}");
+    }
+}
+
+#[test]
 fn a_wheel_whose_axis_has_lost_its_encoder_is_not_said_to_be_off_the_cam_by_itself() {
     let [file, cams] = ["cam-shaft.nc", "cams.toml"].map(|name| root().join("programs").join(name));
     let (file, cams) = (file.to_str().unwrap(), cams.to_str().unwrap());
