@@ -375,9 +375,7 @@ impl Drives {
 
     /// How a master turns: by its setpoint where it has one, else by its observer.
     pub(crate) fn master(&self, index: usize) -> Rotation {
-        self.spindles[index].as_ref().map_or_else(Rotation::default, |spindle| {
-            if spindle.position_controlled() { spindle.ordered() } else { spindle.now() }
-        })
+        self.spindles[index].as_ref().map_or_else(Rotation::default, SpindleLoop::master)
     }
 
     /// The same as it will be once the spindles have advanced, for steps: they come before them in a period.

@@ -53,7 +53,7 @@ impl Moving {
             }
         }
         let origin_rev = match &drives.spindles[0] {
-            Some(spindle) => spindle.now().angle.value(),
+            Some(spindle) => spindle.master().angle.value(),
             None if track.per_revolution() => {
                 return Err((FaultKind::NotConfigured, Subject::Spindle(0), 0.0, 0.0));
             }
@@ -150,7 +150,7 @@ fn passing(track: Track, dt: f64, drives: &mut Drives) -> (f64, f64) {
     if !track.per_revolution() {
         return (dt, 1.0);
     }
-    let now = drives.spindles[0].as_ref().map_or_else(Default::default, SpindleLoop::now);
+    let now = drives.spindles[0].as_ref().map_or_else(Default::default, SpindleLoop::master);
     let Turned { origin_rev, most_rev } = drives.turned;
     let turned = (now.angle.value() - origin_rev).abs().max(most_rev);
     drives.turned.most_rev = turned;

@@ -178,6 +178,11 @@ impl SpindleLoop {
         self.ordered
     }
 
+    /// What goes by its turn goes by this: the setpoint where it leads by angle, else how it really turns.
+    pub(crate) fn master(&self) -> Rotation {
+        if self.position_controlled() { self.ordered } else { self.now() }
+    }
+
     /// Deceleration that a stop which nobody planned may ask of it: rev/s² while torque is the limit, and times
     /// speed, rev²/s³, while power is.
     pub(crate) fn braking(&self) -> (f64, f64) {
