@@ -58,18 +58,34 @@ fn wrapped(turns: f64) -> f64 {
 
 #[test]
 fn a_geared_spindle_engages_at_speed_and_holds_its_phase_to_a_few_seconds_of_arc() {
+    holds_its_phase(&two_spindles(), 5.0);
+}
+
+#[test]
+fn so_it_does_after_a_thousand_million_turns() {
+    let mut machine = two_spindles();
+    machine.spindles[0].start = Angle::rev(1e9 + 0.3);
+    machine.spindles[1].start = Angle::rev(2e9 + 0.7);
+    // an angle that large is known to a quarter of a second, a speed from two of them to a thousand times that
+    holds_its_phase(&machine, 40.0);
+}
+
+/// At 600 rpm, within so many seconds of arc, and within one in the mean.
+fn holds_its_phase(machine: &sim::Config, most: f64) {
     let travel = line(Position::default(), Position::xyz(0.0, 0.0, -20.0), 10.0, true);
     let steps = [turn(0.0, 600.0), await_speed(), StepKind::Engage(GEAR), travel, StepKind::End];
-    let run = run(&two_spindles(), &steps, &[]);
+    let run = run(machine, &steps, &[]);
     assert!(run.kernel.faults().is_empty(), "{:?}", run.kernel.faults());
     let moving: Vec<_> =
         run.samples.iter().filter(|s| s.report.state == bus::State::Rapid).collect();
     assert!(moving.len() > 4000);
-    let worst = moving
-        .iter()
-        .map(|s| wrapped(s.spindle(1).value() - 2.0 * s.spindle(0).value() - 30.0 / 360.0).abs());
-    let worst_arc_s = worst.fold(0.0, f64::max) * 360.0 * 3600.0;
-    assert!(worst_arc_s < 20.0, "{worst_arc_s} seconds of arc");
+    let error = |s: &&bus::Sample| {
+        wrapped(s.spindle(1).value() - 2.0 * s.spindle(0).value() - 30.0 / 360.0) * 360.0 * 3600.0
+    };
+    let worst = moving.iter().map(|s| error(s).abs()).fold(0.0, f64::max);
+    let mean = moving.iter().map(error).sum::<f64>() / moving.len() as f64;
+    println!("{worst:.2} seconds of arc, {mean:.3} in the mean");
+    assert!(worst < most && mean.abs() < 1.0, "{worst} seconds of arc, {mean} in the mean");
 }
 
 #[test]

@@ -153,6 +153,9 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    /// Of an encoder.
+    const COUNTS: i64 = 1 << 20;
+
     fn at(turns: f64) -> Rotation {
         Rotation { angle: Angle::rev(turns), ..Rotation::default() }
     }
@@ -162,17 +165,6 @@ mod tests {
         let gear = Gear::new(2, 1, Angle::deg(30.0), None);
         let angle = gear.follow(at(10.25), Travel::default()).angle;
         assert!((angle.value() - (20.5 + 30.0 / 360.0)).abs() < 1e-12);
-    }
-
-    #[test]
-    fn a_thousand_million_turns_leave_no_drift() {
-        // 10⁹ turns of 3:7 are whole cycles and 6 turns of rest, to be known to the last bit of the reading
-        let gear = Gear::new(3, 7, Angle::ZERO, None);
-        let turns = 1.0e9_f64;
-        let cycles = (1_000_000_000_u64 / 7) as f64;
-        let exact = cycles * 3.0 + (1_000_000_000_u64 % 7) as f64 * 3.0 / 7.0;
-        let angle = gear.follow(at(turns), Travel::default()).angle.value();
-        assert!((angle - exact).abs() < 1e-7, "{angle} is not {exact}");
     }
 
     #[test]
@@ -189,6 +181,25 @@ mod tests {
     }
 
     proptest! {
+        /// Against the rational numbers themselves: follower = p·(turns + count/2²⁰)/q, whole turns left out.
+        #[test]
+        fn a_thousand_million_turns_leave_no_drift(
+            p in 1..10_000_i64, q in 1..10_000_i64, backwards: bool,
+            turns in 990_000_000..1_010_000_000_i64, count in 0..COUNTS,
+        ) {
+            let p = if backwards { -p } else { p };
+            prop_assume!(p.abs() <= 10 * q);
+            let gear = Gear::new(p as i32, q as i32, Angle::ZERO, None);
+            let theta = turns as f64 + count as f64 / COUNTS as f64;
+            let found = gear.follow(at(theta), Travel::default()).angle.value();
+            let counted = i128::from(p) * i128::from(turns * COUNTS + count);
+            let exact = counted.rem_euclid(i128::from(q * COUNTS)) as f64 / (q * COUNTS) as f64;
+            let off = found - exact;
+            // the last bits of a number as large as the angle: after as many turns again no more of them are lost
+            let bits = 4.0 * f64::EPSILON * found.abs();
+            prop_assert!((off - off.round()).abs() <= bits, "{p}:{q} at {theta}: {off}, {bits}");
+        }
+
         #[test]
         fn the_gap_is_never_more_than_half_a_turn_and_ends_at_nothing(
             place in -1e4..1e4f64, belongs in -1e4..1e4f64,
