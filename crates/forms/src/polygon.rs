@@ -19,6 +19,7 @@
 //! with half-axes l−r and l+r: a facet that bulges. Oscillations take the bulge away.
 //!
 //! Source: seed 004 (JP7525593B2); its "2π/n" means 2πn/N, and its first disclosure swings X where it says Z.
+mod drive;
 mod fine;
 mod form;
 mod kinematics;
@@ -28,9 +29,10 @@ mod profile;
 mod series;
 mod servo;
 
+pub use drive::{Drive, Effort, Limits};
 pub use form::{Facet, Form, Refusal, regular_corner};
 pub use kinematics::{Cutter, Swing, Tip, insert_phases};
-pub use optimise::{Drive, Effort, Limits, Problem, Solution};
+pub use optimise::{Detail, Problem, Solution};
 pub use profile::Profile;
 pub use series::{Actuator, Series, Swings, Term};
 pub use servo::Loop;

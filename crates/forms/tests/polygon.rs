@@ -1,12 +1,8 @@
 //! What the document says, and what is beyond it.
 #![allow(clippy::unwrap_used)] // a test may panic
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{
-    DefaultSettings, DefaultSolver, IPSolver, SupportedConeT,
-    SupportedConeT::{NonnegativeConeT, ZeroConeT},
-};
+mod fine;
 use forms::polygon::{
-    Actuator, Drive, Effort, Form, Limits, Problem, Solution, Swings, insert_phases,
+    Actuator, Detail, Drive, Effort, Form, Limits, Problem, Solution, Swings, insert_phases,
 };
 use units::{Angle, Length, Spin};
 
@@ -124,105 +120,16 @@ fn slide() -> Limits {
     }
 }
 
-/// The same problem without harmonics: jerk is free in each of many steps, speed and place follow from it exactly. A
-/// fine convex optimum that shares nothing with the series; the kinematics are written out for R = 2. By the angle
-/// ψ = M·φ all derivatives are about as large.
-fn fine_optimum_um(form: &Form, rpm: f64, limits: &Limits) -> f64 {
-    const N: usize = 360;
-    let (l, r, m) = (form.centres().value(), form.tip_radius.value(), form.base());
-    let half = 8.5 * (std::f64::consts::PI / 6.0).tan();
-    let omega = m * rpm / 60.0 * std::f64::consts::TAU;
-    let step = std::f64::consts::TAU / N as f64;
-    // unknowns: place and three derivatives of each step, t, offset
-    let at = |order: usize, i: usize| 4 * (i % N) + order;
-    let (t, offset) = (4 * N, 4 * N + 1);
-    let mut rows: Vec<(Vec<(usize, f64)>, f64)> = Vec::new();
-    for i in 0..N {
-        for order in 0..3 {
-            let mut row = vec![(at(order, i + 1), -1.0)];
-            let mut weight = 1.0;
-            for higher in order..4 {
-                row.push((at(higher, i), weight));
-                weight *= step / (higher - order + 1) as f64;
-            }
-            rows.push((row, 0.0));
-        }
-    }
-    // a swing about a middle: else the axes would come nearer, and the part smaller
-    rows.push(((0..N).map(|i| (at(0, i), 1.0)).collect(), 0.0));
-    let equalities = rows.len();
-    let corner = (half / (l + r)).asin() * m;
-    for i in 0..N {
-        let psi = (i as f64 - (N / 2) as f64) * step;
-        let mut flat = |psi: f64, part: f64| {
-            let u = psi / m;
-            let e = (l - r) * u.cos() - (l - r);
-            for sign in [1.0, -1.0] {
-                let mut row = vec![(t, -1.0), (offset, -sign)];
-                let mut weight = sign * u.cos();
-                for order in 0..4 {
-                    row.push((at(order, i), weight));
-                    weight *= part / (order + 1) as f64;
-                }
-                rows.push((row, -sign * e));
-            }
-        };
-        if psi.abs() <= corner {
-            flat(psi, 0.0);
-        }
-        for end in [-corner, corner] {
-            if (0.0..step).contains(&(end - psi)) {
-                flat(end, end - psi);
-            }
-        }
-        let most = [limits.speed, limits.acceleration, limits.jerk];
-        for ((order, power), most) in (1..4).zip(1..).zip(most) {
-            for sign in [1.0, -1.0] {
-                rows.push((vec![(at(order, i), sign)], most / omega.powi(power)));
-            }
-        }
-    }
-    let columns = 4 * N + 2;
-    let mut entries: Vec<(usize, usize, f64)> = rows
-        .iter()
-        .enumerate()
-        .flat_map(|(i, (row, _))| row.iter().map(move |(c, a)| (*c, i, *a)))
-        .collect();
-    entries.sort_by_key(|e| (e.0, e.1));
-    let mut starts = vec![0; columns + 1];
-    for entry in &entries {
-        starts[entry.0 + 1] += 1;
-    }
-    for column in 0..columns {
-        starts[column + 1] += starts[column];
-    }
-    let a = CscMatrix::new(
-        rows.len(),
-        columns,
-        starts,
-        entries.iter().map(|e| e.1).collect(),
-        entries.iter().map(|e| e.2).collect(),
-    );
-    let b: Vec<f64> = rows.iter().map(|r| r.1).collect();
-    let mut q = vec![0.0; columns];
-    q[t] = 1.0;
-    let cones: [SupportedConeT<f64>; 2] =
-        [ZeroConeT(equalities), NonnegativeConeT(rows.len() - equalities)];
-    let settings = DefaultSettings { verbose: false, ..DefaultSettings::default() };
-    let p = CscMatrix::zeros((columns, columns));
-    let mut solver = DefaultSolver::new(&p, &q, &a, &b, &cones, settings).unwrap();
-    solver.solve();
-    2.0 * solver.solution.x[t] * 1e3
-}
-
 /// Everything at a limit: within 2 % of the fine optimum, not better than it, and no peak beyond its limit.
 fn near_the_fine_optimum(limits: &Limits, rpm: f64) {
     let form = hexagon();
     let drive =
         Drive { actuator: Actuator::CentreLine, limits: limits.clone(), response: Vec::new() };
-    let problem = Problem { form: &form, spin: Spin::rpm(rpm), drives: vec![drive], harmonics: 4 };
-    let found = problem.solve_well().unwrap();
-    let (flat, fine) = (found.flatness.in_um(), fine_optimum_um(&form, rpm, limits));
+    let drives = vec![drive];
+    let fine = fine::optimum_um(&form, rpm, &drives);
+    let problem = Problem { form: &form, spin: Spin::rpm(rpm), drives, harmonics: 4 };
+    let found = problem.solve_well(Detail::Full).unwrap();
+    let flat = found.flatness.in_um();
     println!("{rpm} rpm: {flat:.4} µm, fine optimum {fine:.4} µm, {:?}", found.binding);
     assert!(found.binding.is_some(), "nothing binds");
     assert!(flat < 1.02 * fine && flat > 0.995 * fine, "{flat} {fine}");
@@ -265,7 +172,7 @@ fn at_their_limits_two_slides_are_flatter_than_either() {
     let solve = |drives| {
         let problem = Problem { form: &form, spin: Spin::rpm(500.0), drives, harmonics: 4 };
         let few = problem.solve().unwrap();
-        (few.flatness.in_um(), problem.refined(few).flatness.in_um())
+        (few.flatness.in_um(), problem.refined(few, Detail::Full).flatness.in_um())
     };
     let (x, y) = (drive(Actuator::CentreLine, &slide()), drive(Actuator::Across, &y));
     let (only_x, only_y) = (solve(vec![x.clone()]), solve(vec![y.clone()]));
@@ -336,6 +243,9 @@ fn what_cannot_be_cut_is_refused_with_what_works() {
             .contains("19.630 mm across corners")
     );
     assert!(said(Form { inserts: vec![], ..hexagon() }).contains("no insert"));
+    // 2.35 is 7:3 and a sixtieth; of gears of at most eight turns and 64 facets none is nearer
+    let odd = said(Form { turns: [235, 100], ..hexagon() });
+    assert!(odd.contains("141 different facets") && odd.contains("3:7 works"), "{odd}");
     // l + r = 8.5 + 2·6.8 = 22.1, in a bar of 25
     let inside = Form {
         inserts: insert_phases(1),

@@ -12,19 +12,20 @@
 //! harmonics used little is looked at only if the spline exceeds it. What comes out is handed on as harmonics: those of
 //! the spline are the transform of its coefficients times sinc⁶(m/K), and beyond 2K they are too small to matter; should
 //! what is left out lift a peak over its limit, everything is made so much smaller.
+use super::drive::Drive;
 use super::lp::{Lp, Row};
-use super::optimise::{AS_FLAT, Drive, Problem, Solution};
+use super::optimise::{Best, Detail, Problem, Solution, flat};
 use super::series::{Series, Swings, Term};
 use std::f64::consts::{PI, TAU};
 
-/// Knots of a period.
-const KNOTS: usize = 120;
+/// Knots of a period: as it is to be cut, and to be drawn.
+const KNOTS: [usize; 2] = [120, 36];
 /// Highest harmonic that may be handed on, periods a turn.
 const HIGHEST: f64 = 2000.0;
-/// Places along a facet at which it shall be flat.
-const CONTACTS: usize = 61;
-/// Corrections of what is not linear, beginning with what a few harmonics made of it.
-const CORRECTIONS: usize = 2;
+/// Places along a facet at which it shall be flat: as it is to be cut, and to be drawn.
+const CONTACTS: [usize; 2] = [61, 25];
+/// Corrections of what is not linear, beginning with what a few harmonics made of it, likewise: at least, and at most.
+const CORRECTIONS: [[usize; 2]; 2] = [[2, 5], [1, 1]];
 /// A limit of which a few harmonics use less than this is not looked at beforehand.
 const MATTERS: f64 = 0.6;
 /// A limit may be exceeded by this before it is looked at: everything is made so much smaller at last.
@@ -35,10 +36,12 @@ const EFFORT_SHARE: f64 = 0.995;
 /// Which of a drive's limits are in the problem: travel, speed, acceleration, jerk, effort.
 type Looked = [bool; 5];
 
-/// The linear problem. Unknowns: each drive's coefficients, t, offset, and s, the share of the limits that is used.
+/// The linear problem. Unknowns: each drive's coefficients, t, offset, s, the share of the limits that is used, and e at
+/// each contact, so that a row has either many entries or both bounds, not both.
 struct Spline<'p> {
     problem: &'p Problem<'p>,
     knots: usize,
+    contacts: usize,
     /// Cosine and sine at each knot of a period.
     turns: Vec<[f64; 2]>,
     /// What each drive's loop makes of coefficients.
@@ -48,25 +51,25 @@ struct Spline<'p> {
 impl Problem<'_> {
     /// Solve it with as much detail as the limits make use of, from what a few harmonics made of it; `None` if the
     /// solver fails.
-    pub fn solve_finely(&self, few: &Solution) -> Option<Solution> {
-        let spline = Spline::new(self);
+    pub fn solve_finely(&self, few: &Solution, detail: Detail) -> Option<Solution> {
+        let spline = Spline::new(self, detail);
         let n = spline.unknowns();
         let mut looked: Vec<Looked> = self.drives.iter().zip(&few.peaks).map(matters).collect();
         let mut actual = few.actual.clone();
-        let mut found = None;
-        for _ in 0..CORRECTIONS {
-            let (x, lp) = spline.flattest(&actual, &mut looked)?;
+        let mut best = Best::default();
+        let [least, most] = CORRECTIONS[detail as usize];
+        for round in 1..=most {
+            let (mut x, mut lp) = spline.flattest(&actual, &mut looked)?;
+            if x[n + 2] < 0.999 && round >= least {
+                x = lp.least_effort(n, &x);
+            }
             actual = spline.swings(&x, true);
-            found = Some((x, lp));
+            if best.is_as_promised(self.form.flatness(&actual), &x, n) && round >= least {
+                break;
+            }
         }
-        let (mut x, mut lp) = found?;
-        if x[n + 2] < 0.999 {
-            let bound = x[n].max(0.0) * AS_FLAT.0 + AS_FLAT.1;
-            lp.within.push(Row { weights: vec![(n, 1.0)], bound });
-            x = lp.minimise(n + 2).unwrap_or(x);
-            actual = spline.swings(&x, true);
-        }
-        Some(self.solution(spline.swings(&x, false), actual, x[n + 1]))
+        let x = best.0?.1;
+        Some(self.solution(spline.swings(&x, false), spline.swings(&x, true), x[n + 1]))
     }
 }
 
@@ -75,14 +78,16 @@ fn matters((drive, peaks): (&Drive, &[f64; 5])) -> Looked {
 }
 
 impl<'p> Spline<'p> {
-    fn new(problem: &'p Problem<'p>) -> Self {
-        let knots = KNOTS.min((HIGHEST / 2.0 / problem.form.base()) as usize).max(16);
+    fn new(problem: &'p Problem<'p>, detail: Detail) -> Self {
+        let contacts = CONTACTS[detail as usize];
+        let knots =
+            KNOTS[detail as usize].min((HIGHEST / 2.0 / problem.form.base()) as usize).max(16);
         let turns: Vec<[f64; 2]> = (0..knots)
             .map(|i| (TAU * i as f64 / knots as f64).sin_cos())
             .map(|(sine, cosine)| [cosine, sine])
             .collect();
         let answers = problem.drives.iter().map(|drive| answer(drive, &turns)).collect();
-        Self { problem, knots, turns, answers }
+        Self { problem, knots, contacts, turns, answers }
     }
 
     fn unknowns(&self) -> usize {
@@ -138,19 +143,25 @@ impl<'p> Spline<'p> {
     fn linear(&self, before: &Swings, looked: &[Looked]) -> Lp {
         let (knots, n) = (self.knots, self.unknowns());
         let base = self.problem.form.base();
-        let within = self.problem.flat_rows(before, CONTACTS, n, |k, work, slope| {
+        let errors = self.problem.errors(before, self.contacts, |k, work, slope| {
             let at = (work.value() * base).rem_euclid(1.0) * knots as f64;
             self.values(k, at, slope)
         });
         let units = (0..n).map(|column| self.problem.drives[column / knots].actuator.unit());
-        let scale = units.chain([1e-3, 1e-2, 1.0]).collect();
+        let scale = units.chain([1e-3, 1e-2, 1.0]).chain(errors.iter().map(|_| 1e-3)).collect();
         // a swing about a middle: a constant would be another distance of the axes
         let middle = |k: usize| Row {
             weights: (0..knots).map(|i| (k * knots + i, 1.0)).collect(),
             bound: 0.0,
         };
-        let equal = (0..self.problem.drives.len()).map(middle).collect();
-        let mut lp = Lp { scale, equal, within, waiting: Vec::new() };
+        let mut equal: Vec<Row> = (0..self.problem.drives.len()).map(middle).collect();
+        let mut within = Vec::with_capacity(2 * errors.len());
+        for (e, (mut weights, constant)) in (n + 3..).zip(errors) {
+            weights.push((e, -1.0));
+            equal.push(Row { weights, bound: -constant });
+            within.extend(flat(&[(e, 1.0)], 0.0, n));
+        }
+        let mut lp = Lp { scale, equal, within, ..Lp::default() };
         for (k, (drive, looked)) in self.problem.drives.iter().zip(looked).enumerate() {
             self.limits(k, drive, *looked, &mut lp.within);
         }

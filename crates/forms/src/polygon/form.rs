@@ -11,6 +11,11 @@ use std::f64::consts::{PI, TAU};
 use std::fmt;
 use units::{Angle, Length};
 
+/// Facets that can be told apart.
+const MOST_FACETS: usize = 64;
+/// Turns of the work after which a gear that is proposed begins anew.
+const FEW_TURNS: i32 = 8;
+
 /// What is wanted, and the cutter that is there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Form {
@@ -211,9 +216,10 @@ impl Form {
     fn check_passes(&self, found: &mut Vec<Refusal>) {
         let facets = self.facets();
         let tool = self.ratio() * self.inserts.len() as f64;
-        if self.turns[1] > 1 && facets.len() > 64 {
+        if self.turns[1] > 1 && facets.len() > MOST_FACETS {
+            let [tools, works] = self.nearest_gear();
             found.push(Refusal(format!(
-                "{} inserts at {}:{} cut {} different facets: {tool:.3} a turn must be whole over a few turns",
+                "{} inserts at {}:{} cut {} different facets, {tool:.3} a turn, which must be whole over a few turns: {works}:{tools} works",
                 self.inserts.len(), self.turns[1], self.turns[0], facets.len()
             )));
         }
@@ -229,6 +235,19 @@ impl Form {
                 2.0 * reach
             )));
         }
+    }
+
+    /// The gear next to this one that begins anew after few turns and cuts few facets; of equals the one of fewest turns.
+    fn nearest_gear(&self) -> [i32; 2] {
+        let ratio = self.ratio();
+        let most = (MOST_FACETS / self.inserts.len().max(1)).max(2) as f64;
+        let gear = |work: i32| {
+            let tool = (ratio * f64::from(work)).round().min(most).max(f64::from(work) + 1.0);
+            [tool as i32, work]
+        };
+        let off = |[tool, work]: &[i32; 2]| (f64::from(*tool) / f64::from(*work) - ratio).abs();
+        let nearest = (1..=FEW_TURNS).map(gear).min_by(|a, b| off(a).total_cmp(&off(b)));
+        nearest.unwrap_or([2, 1])
     }
 
     /// Radius of the corners; of two flats, of the bar.

@@ -21,6 +21,8 @@ const BROKEN: f64 = 1e-6;
 /// Of solutions that are as good the one of smaller unknowns is taken: so little counts their square, and the solver
 /// is never without a direction.
 const TIE: f64 = 1e-7;
+/// The same of the way from a solution that is to be bettered: what is not linear holds in its neighbourhood.
+const NEAR: f64 = 1e-4;
 /// Solutions until what is still broken is left as it is.
 const EXCHANGES: usize = 12;
 
@@ -45,6 +47,8 @@ impl Row {
 pub(super) struct Lp {
     /// Unknowns are counted in these units, so that all are about one.
     pub(super) scale: Vec<f64>,
+    /// A solution to stay near to; empty: none.
+    pub(super) near: Vec<f64>,
     pub(super) equal: Vec<Row>,
     pub(super) within: Vec<Row>,
     /// Rows that wait, by runs of neighbours: of a period, the last one beside the first.
@@ -106,13 +110,17 @@ impl Lp {
         }
         let a = CscMatrix::new(rows, columns, starts, places, values);
         let mut cost = vec![0.0; columns];
-        cost[which] = 1.0;
+        let tie = if self.near.is_empty() { TIE } else { NEAR };
+        for ((cost, x), scale) in cost.iter_mut().zip(&self.near).zip(&self.scale) {
+            *cost = -tie * x / scale;
+        }
+        cost[which] += 1.0;
         let quadratic = CscMatrix::new(
             columns,
             columns,
             (0..=columns).collect(),
             (0..columns).collect(),
-            vec![TIE; columns],
+            vec![tie; columns],
         );
         let cones: [SupportedConeT<f64>; 2] =
             [ZeroConeT(self.equal.len()), NonnegativeConeT(self.within.len())];
@@ -126,7 +134,9 @@ impl Lp {
         let mut solver = DefaultSolver::new(&quadratic, &cost, &a, &b, &cones, settings).ok()?;
         solver.solve();
         let status = solver.solution.status;
-        matches!(status, SolverStatus::Solved | SolverStatus::AlmostSolved)
+        // what comes of it is always looked at: near the optimum is better than nothing
+        let near = SolverStatus::InsufficientProgress;
+        (matches!(status, SolverStatus::Solved | SolverStatus::AlmostSolved) || status == near)
             .then(|| solver.solution.x.iter().zip(&self.scale).map(|(x, s)| x * s).collect())
     }
 }

@@ -1,7 +1,7 @@
 //! The flattest facet that the axes can follow: a convex problem.
 //!
 //! The tip's distance from the flat is linear in the harmonics of dx and dy, and nearly so in those of the tool's
-//! phase (two corrections make it exact):
+//! phase (a few corrections make it exact):
 //!
 //! ```text
 //!   minimise t      subject to   |e(u) − offset| ≤ t                      wherever a tip touches a facet
@@ -14,6 +14,7 @@
 //! Limits between two samples: a trigonometric polynomial of degree H sampled n times exceeds its samples by no more
 //! than 1/cos(πH/n), which is taken off the limits beforehand; what rounding still leaves over one makes all of it so
 //! much smaller, so the result never exceeds a limit.
+use super::drive::Drive;
 use super::form::Form;
 use super::lp::{Lp, Row};
 use super::profile::contact;
@@ -26,51 +27,18 @@ const CONTACTS: usize = 61;
 /// Samples of a period for each harmonic, and one of how many does not wait.
 const SAMPLES: usize = 40;
 const AT_ONCE: usize = 10;
-/// Corrections of what is not linear.
-const CORRECTIONS: usize = 3;
+/// Corrections of what is not linear: without regard to what is asked of the drives (where a phase swings, where only
+/// slides do), and at most in all.
+const PLAIN_CORRECTIONS: [usize; 2] = [2, 1];
+const CORRECTIONS: usize = 12;
+/// Shares of the way to what asks least of the drives.
+const STEPS: [f64; 4] = [1.0, 0.5, 0.2, 0.0];
+/// A facet is as flat as the linear problem promises within this share, and mm.
+const AS_PROMISED: (f64, f64) = (1.02, 1e-5);
 /// Of all that are flatter by no more than this the one that asks least is taken: a share, and mm.
-pub(super) const AS_FLAT: (f64, f64) = (1.0002, 1e-6);
+const AS_FLAT: (f64, f64) = (1.0002, 1e-6);
 /// A limit that is used to this share binds.
 const BINDING: f64 = 0.95;
-
-/// What one actuator can do: mm and s, or rev and s; N, or N·m.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Limits {
-    /// Farthest from the middle.
-    pub travel: f64,
-    /// Speed.
-    pub speed: f64,
-    /// Acceleration.
-    pub acceleration: f64,
-    /// Jerk.
-    pub jerk: f64,
-    /// What its drive needs and has, if that is known.
-    pub effort: Option<Effort>,
-}
-
-/// Force or torque = `per_acceleration`·ẍ + `per_speed`·ẋ + `constant`, within ±most.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Effort {
-    /// Mass or inertia, in the units of the amplitude.
-    pub per_acceleration: f64,
-    /// Viscous friction.
-    pub per_speed: f64,
-    /// Coulomb friction and what turning takes.
-    pub constant: f64,
-    /// What the drive gives.
-    pub most: f64,
-}
-
-/// An actuator that may swing.
-#[derive(Clone, Debug)]
-pub struct Drive {
-    /// Which.
-    pub actuator: Actuator,
-    /// What it can do.
-    pub limits: Limits,
-    /// What its closed loop makes of each harmonic, real and imaginary part; empty: 1, it is compensated.
-    pub response: Vec<[f64; 2]>,
-}
 
 /// A problem.
 #[derive(Clone, Debug)]
@@ -83,6 +51,15 @@ pub struct Problem<'f> {
     pub drives: Vec<Drive>,
     /// Harmonics of the form's base.
     pub harmonics: usize,
+}
+
+/// How finely a limit is made use of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Detail {
+    /// As it is to be cut.
+    Full,
+    /// To be drawn: within a few percent, in a fraction of the time.
+    Drawn,
 }
 
 /// An answer.
@@ -105,22 +82,42 @@ pub struct Solution {
 impl Problem<'_> {
     /// Solve it. `None` if the solver fails, which a feasible problem (nothing swings) does not make it do.
     pub fn solve(&self) -> Option<Solution> {
+        self.solve_few(Detail::Full)
+    }
+
+    /// The same; what is to be drawn may ask more of the drives than it must.
+    fn solve_few(&self, detail: Detail) -> Option<Solution> {
         let n = self.unknowns();
-        let mut actual = Swings::default();
-        let mut x = Vec::new();
+        let straight = self.drives.iter().all(|drive| drive.actuator != Actuator::ToolPhase);
+        let plain = PLAIN_CORRECTIONS[usize::from(straight)];
+        let (mut actual, mut x) = (Swings::default(), Vec::new());
+        let mut best = Best::default();
         for round in 1..=CORRECTIONS {
             let mut lp = self.linear(&actual);
-            if round < CORRECTIONS {
-                x = lp.solve(n)?;
-            } else {
-                x = lp.minimise(n)?;
-                let most = x[n].max(0.0) * AS_FLAT.0 + AS_FLAT.1;
-                lp.within.push(Row { weights: vec![(n, 1.0)], bound: most });
-                x = lp.minimise(n + 2).unwrap_or(x);
+            if round > plain + 1 {
+                lp.near.clone_from(&x);
             }
-            actual = self.swings(&x, true);
+            if round <= plain {
+                actual = self.swings(&lp.solve(n)?, true);
+                continue;
+            }
+            let Some(flattest) = lp.minimise(n) else { break };
+            let least = match detail {
+                Detail::Full => lp.least_effort(n, &flattest),
+                Detail::Drawn => flattest.clone(),
+            };
+            // as far towards what asks least as the straight lines hold
+            let done = STEPS.into_iter().find(|share| {
+                x = between(&flattest, &least, *share);
+                actual = self.swings(&x, true);
+                best.is_as_promised(self.form.flatness(&actual), &x, n)
+            });
+            if done == Some(1.0) {
+                break;
+            }
         }
-        Some(self.solution(self.swings(&x, false), actual, x[n + 1]))
+        let x = best.0?.1;
+        Some(self.solution(self.swings(&x, false), self.swings(&x, true), x[n + 1]))
     }
 
     /// A command and what comes of it, made smaller where a peak is over its limit.
@@ -170,16 +167,16 @@ impl Problem<'_> {
     }
 
     /// Solve it with a few harmonics; where a limit binds, as finely as it takes.
-    pub fn solve_well(&self) -> Option<Solution> {
-        Some(self.refined(self.solve()?))
+    pub fn solve_well(&self, detail: Detail) -> Option<Solution> {
+        Some(self.refined(self.solve_few(detail)?, detail))
     }
 
     /// A solution with a few harmonics, or a finer one where a limit binds and it is flatter.
-    pub fn refined(&self, few: Solution) -> Solution {
+    pub fn refined(&self, few: Solution, detail: Detail) -> Solution {
         if few.binding.is_none() || self.spin == Spin::ZERO {
             return few;
         }
-        self.solve_finely(&few).filter(|fine| fine.flatness < few.flatness).unwrap_or(few)
+        self.solve_finely(&few, detail).filter(|fine| fine.flatness < few.flatness).unwrap_or(few)
     }
 
     /// Largest of everything, finely sampled.
@@ -216,17 +213,16 @@ impl Problem<'_> {
         shares.max_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// |e − offset| ≤ t at places along every facet; `at` says with which weights a drive's unknowns move it at an angle
-    /// of the work, t and offset are the two unknowns after all of those.
-    pub(super) fn flat_rows(
+    /// e at places along every facet, as the weights of the unknowns that move it and a constant; `at` says with which
+    /// weights a drive's unknowns do so at an angle of the work.
+    pub(super) fn errors(
         &self,
         before: &Swings,
         count: usize,
-        unknowns: usize,
         mut at: impl FnMut(usize, Angle, f64) -> Vec<(usize, f64)>,
-    ) -> Vec<Row> {
+    ) -> Vec<(Vec<(usize, f64)>, f64)> {
         let cutter = self.form.cutter();
-        let mut rows = Vec::new();
+        let mut all = Vec::new();
         for facet in self.form.kinds() {
             let ends = [facet.to, facet.from].map(|s| contact(&cutter, &facet, before, s));
             for i in 0..count {
@@ -242,14 +238,10 @@ impl Problem<'_> {
                     constant -= slope * drive.actuator.of(now);
                     weights.extend(at(k, work, slope));
                 }
-                for sign in [1.0, -1.0] {
-                    let mut signed: Vec<_> = weights.iter().map(|(c, a)| (*c, a * sign)).collect();
-                    signed.extend([(unknowns, -1.0), (unknowns + 1, -sign)]);
-                    rows.push(Row { weights: signed, bound: -constant * sign });
-                }
+                all.push((weights, constant));
             }
         }
-        rows
+        all
     }
 
     /// The linear problem about a swing. Unknowns: coefficients, t, offset, and s, the share of the limits that is used.
@@ -259,7 +251,7 @@ impl Problem<'_> {
             let (drive, term) = (column / (2 * self.harmonics), column % (2 * self.harmonics));
             self.drives[drive].actuator.unit() / (term / 2 + 1) as f64
         };
-        let within = self.flat_rows(before, CONTACTS, n, |k, work, slope| {
+        let errors = self.errors(before, CONTACTS, |k, work, slope| {
             let weights = (0..self.harmonics).flat_map(|h| {
                 let column = 2 * (k * self.harmonics + h);
                 let m = self.form.base() * (h + 1) as f64;
@@ -270,6 +262,8 @@ impl Problem<'_> {
             });
             weights.collect()
         });
+        let within = errors.into_iter().flat_map(|(weights, constant)| flat(&weights, constant, n));
+        let within = within.collect();
         let scale = (0..n).map(unit).chain([1e-3, 1e-2, 1.0]).collect();
         let mut lp = Lp { scale, within, ..Lp::default() };
         for (k, drive) in self.drives.iter().enumerate() {
@@ -319,17 +313,39 @@ impl Problem<'_> {
     }
 }
 
-impl Limits {
-    /// The share of each that peaks use.
-    pub(super) fn shares(&self, peaks: &[f64; 5]) -> [f64; 5] {
-        let effort = self.effort.map_or(f64::INFINITY, |e| e.most);
-        let most = [self.travel, self.speed, self.acceleration, self.jerk, effort];
-        [0, 1, 2, 3, 4].map(|n| peaks[n] / most[n])
+/// |e − offset| ≤ t, where t and offset are the unknowns n and n + 1.
+pub(super) fn flat(e: &[(usize, f64)], constant: f64, n: usize) -> [Row; 2] {
+    [1.0, -1.0].map(|sign| {
+        let mut signed: Vec<_> = e.iter().map(|(column, a)| (*column, a * sign)).collect();
+        signed.extend([(n, -1.0), (n + 1, -sign)]);
+        Row { weights: signed, bound: -constant * sign }
+    })
+}
+
+fn between(a: &[f64], b: &[f64], share: f64) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + share * (b - a)).collect()
+}
+
+/// The flattest of what linear problems gave, and how flat it really is.
+#[derive(Default)]
+pub(super) struct Best(pub(super) Option<(Length, Vec<f64>)>);
+
+impl Best {
+    /// Keep a solution if it is flatter; whether it is as flat as promised by its unknown n, half the flatness in mm.
+    pub(super) fn is_as_promised(&mut self, flatness: Length, x: &[f64], n: usize) -> bool {
+        let promised = 2.0 * x[n] * AS_PROMISED.0 + AS_PROMISED.1;
+        if self.0.as_ref().is_none_or(|(least, _)| flatness < *least) {
+            self.0 = Some((flatness, x.to_vec()));
+        }
+        flatness.value() <= promised
     }
 }
 
-impl Drive {
-    pub(super) fn at(&self, harmonic: usize) -> [f64; 2] {
-        self.response.get(harmonic).copied().unwrap_or([1.0, 0.0])
+impl Lp {
+    /// Of all that are as flat as a solution, half its flatness being the unknown n, the one that asks least of the drives.
+    pub(super) fn least_effort(&mut self, n: usize, flattest: &[f64]) -> Vec<f64> {
+        let bound = flattest[n].max(0.0) * AS_FLAT.0 + AS_FLAT.1;
+        self.within.push(Row { weights: vec![(n, 1.0)], bound });
+        self.minimise(n + 2).unwrap_or_else(|| flattest.to_vec())
     }
 }
