@@ -1,5 +1,6 @@
 //! A program's operations, numbered in the order in which they come; what G51.2 leaves to the control is filled in.
 use crate::polygon::auto::Auto;
+use crate::polygon::cuts;
 use canon::{Op, OpKind};
 use diag::Diagnostic;
 use std::collections::VecDeque;
@@ -41,15 +42,11 @@ impl<'a> Ops<'a> {
         self.read.diagnostics().iter().chain(self.auto.findings()).cloned().collect()
     }
 
-    /// The operations up to the first cut after a polygon's beginning.
+    /// The operations after a polygon's beginning.
     fn look_ahead(&mut self) {
         while self.ahead.len() < LOOK_AHEAD {
             let Some(op) = self.read.next() else { return };
-            let is_cut = matches!(op.kind, OpKind::Line { .. } | OpKind::PolygonEnd | OpKind::End);
             self.ahead.push_back(op);
-            if is_cut {
-                return;
-            }
         }
     }
 }
@@ -63,11 +60,7 @@ impl Iterator for Ops<'_> {
         self.auto.see(&op.kind);
         if let OpKind::Polygon(polygon) = &mut op.kind {
             self.look_ahead();
-            let cut = self.ahead.iter().find_map(|op| match op.kind {
-                OpKind::Line { to, .. } => Some([to.linear[0], to.linear[1]]),
-                _ => None,
-            });
-            self.auto.fill(polygon, cut, op.span);
+            self.auto.fill(polygon, cuts::cut(self.ahead.iter()), op.span);
         }
         let index = self.next;
         self.next += 1;

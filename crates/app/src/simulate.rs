@@ -221,7 +221,7 @@ impl Simulation<'_> {
                 feedback = self.machine.feedback();
             }
             self.feed(&mut queue, &mut limiting);
-            let started = self.timings.tick_begins();
+            let started = self.timings.begins();
             let command = self.kernel.tick(&feedback);
             self.timings.tick_ends(started);
             let report = self.kernel.report();
@@ -251,6 +251,7 @@ impl Simulation<'_> {
                 progress.set_position((feedback.time.value() * 1e3) as u64);
             }
         }
+        let features = self.timings.judging(|| self.judge.finish());
         self.timings.stop(periods, feedback.time - begun);
         self.stops.say_what_never_came();
         let lost = self.machine.lost().map(|why| format!("the iron is gone: {why}"));
@@ -268,7 +269,7 @@ impl Simulation<'_> {
         self.cams.end(self.planner.worn());
         self.cams.keep(self.polygons.said, self.polygons.kept);
         Ok(Outcome {
-            features: told_of_recovery(self.judge.finish(), recovered),
+            features: told_of_recovery(features, recovered),
             recorder: self.recorder,
             watch: self.watch,
             cycle_time: feedback.time - begun,
@@ -407,7 +408,7 @@ impl Simulation<'_> {
     fn listen(&mut self, sample: &Sample) {
         self.cams.sample(sample);
         self.polygons.sample(sample);
-        self.judge.sample(sample);
+        self.timings.judging(|| self.judge.sample(sample));
         if let Some(idle) = &mut self.idle {
             idle.sample(sample);
         }

@@ -16,6 +16,9 @@ pub(crate) struct Timings {
     simulated: Time,
     ticks: Vec<u32>,
     worst: Duration,
+    /// What the judge took, in all and for the longest step: there a feature is judged from all that was recorded of it.
+    judge: Duration,
+    longest: Duration,
 }
 
 impl Timings {
@@ -29,6 +32,8 @@ impl Timings {
             simulated: Time::ZERO,
             ticks: vec![0; if asked { BINS } else { 0 }],
             worst: Duration::ZERO,
+            judge: Duration::ZERO,
+            longest: Duration::ZERO,
         }
     }
 
@@ -43,9 +48,21 @@ impl Timings {
         (self.periods, self.simulated) = (periods, simulated);
     }
 
-    /// A tick begins.
-    pub(crate) fn tick_begins(&self) -> Option<Instant> {
+    /// A tick, or a step of the judge, begins.
+    pub(crate) fn begins(&self) -> Option<Instant> {
         self.asked.then(now)
+    }
+
+    /// A step of the judge.
+    pub(crate) fn judging<T>(&mut self, step: impl FnOnce() -> T) -> T {
+        let began = self.begins();
+        let found = step();
+        if let Some(began) = began {
+            let took = now() - began;
+            self.judge += took;
+            self.longest = self.longest.max(took);
+        }
+        found
     }
 
     /// A tick has ended.
@@ -69,12 +86,15 @@ impl Timings {
         let late = self.quantile(0.999);
         format!(
             "{} servo periods in {:.2} s: {:.0} periods/s, {:.0} times real time\n\
-             kernel tick: median {median} ns, p99.9 {late} ns, worst {:.1} µs (the clock's own cost included)",
+             kernel tick: median {median} ns, p99.9 {late} ns, worst {:.1} µs (the clock's own cost included)\n\
+             judge: {:.3} s of it; the longest step, a polygon's envelope or another feature's grade: {:.1} ms",
             self.periods,
             self.took.as_secs_f64(),
             rate,
             self.ratio(),
             self.worst.as_secs_f64() * 1e6,
+            self.judge.as_secs_f64(),
+            self.longest.as_secs_f64() * 1e3,
         )
     }
 

@@ -125,6 +125,10 @@ pub enum Actuator {
     Both,
     /// The tool spindle's phase.
     ToolPhase,
+    /// X and the tool spindle's phase.
+    CentreLineAndPhase,
+    /// X, Y and the tool spindle's phase.
+    All,
 }
 
 /// A motion that repeats with the work spindle's turn, on top of every other.

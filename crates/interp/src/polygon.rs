@@ -12,8 +12,8 @@
 //! G51.2 takes the source's own form as well: I is the parameter a of dx = a·l·(1 − cos Mφ), J that of
 //! dy = a·l·sin Mφ, K the amplitude d in degrees of the tool's phase, d·sin Mφ; l is the work coordinate X where
 //! the block stands, M = N·Q/P, N the inserts of the cutter in the spindle. D asks the control to choose: D0 the
-//! actuator too, D1 X, D2 Y, D3 X and Y, D4 the tool's phase. E1 sends what swings as the kept measurement of this
-//! oscillation at this speed has it compensated; G51.4 measures it, in the air, and compensates it there and then.
+//! actuator too, D1 X, D2 Y, D3 X and Y, D4 the tool's phase, D5 X and the phase, D6 all three. E1 sends what swings as
+//! the kept measurement of this oscillation at this speed has it compensated; G51.4 measures it, in the air, and compensates it there and then.
 //!
 //! Source: JP7525593B2; words P Q R as on Fanuc's lathes.
 use crate::{
@@ -205,9 +205,11 @@ impl Executor {
     }
 
     fn actuator(&self) -> Outcome<Option<canon::Actuator>> {
-        use canon::Actuator::{Across, Any, Both, CentreLine, ToolPhase};
-        let choice = self.words.whole(b'D', 4)?;
-        Ok(choice.map(|d| [Any, CentreLine, Across, Both, ToolPhase][d as usize]))
+        use canon::Actuator::{Across, All, Any, Both, CentreLine, CentreLineAndPhase, ToolPhase};
+        const BY_NUMBER: [canon::Actuator; 7] =
+            [Any, CentreLine, Across, Both, ToolPhase, CentreLineAndPhase, All];
+        let choice = self.words.whole(b'D', BY_NUMBER.len() as u32 - 1)?;
+        Ok(choice.map(|d| BY_NUMBER[d as usize]))
     }
 
     fn turns(&self, letter: u8, value: f64) -> Outcome<i32> {

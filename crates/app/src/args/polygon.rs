@@ -79,6 +79,10 @@ pub(crate) enum ActuatorChoice {
     Y,
     /// Both slides
     Xy,
+    /// The line of centres and the tool spindle's phase
+    XPhase,
+    /// Both slides and the phase
+    All,
     /// The tool spindle's phase
     Phase,
 }

@@ -1,11 +1,16 @@
 //! What the control fills in of G51.2: with D the oscillation for the cut that follows, on this machine; with E1 what is
 //! sent of it, by what was measured before.
-use super::{CANDIDATES, FINE_HARMONICS, HARMONICS, drives, flattest, kept, problem, refuse};
+use super::cuts::Cut;
+use super::{
+    CANDIDATES, FINE_HARMONICS, HARMONICS, SLOWEST_RPM, drives, fastest, flattest, kept, may_swing,
+    problem, refuse,
+};
+use crate::wiring::tolerances;
 use canon::{
     Axis, Harmonic, OpKind, Oscillating, Oscillation, Polygon, SpindleOrder, ToolKind, ToolLibrary,
 };
 use diag::{Diagnostic, Span};
-use forms::polygon::{Actuator, Form, Series, Solution};
+use forms::polygon::{Actuator, Detail, Form, Problem, Series, Solution};
 use std::cell::RefCell;
 use store::machine::MachineFile;
 use store::phases::Phases;
@@ -13,6 +18,10 @@ use units::{Length, Spin};
 
 /// An offset of the facets that X need not be moved for, mm.
 const NOT_WORTH_MM: f64 = 2e-4;
+/// Share of the flatness allowed that the swing may take; the machine takes the rest.
+const LEFT_TO_THE_CUT: f64 = 0.85;
+/// How near to the fastest speed that works the one is that is said, as a share of the one ordered.
+const NEAR_SHARE: f64 = 0.005;
 
 /// What was asked before, and what came of it: a program is planned before it runs, and asks the same twice.
 #[derive(Default)]
@@ -69,7 +78,16 @@ impl<'a> Auto<'a> {
     }
 
     /// Fill in what swings; where that is impossible, say why.
-    pub(crate) fn fill(&mut self, polygon: &mut Polygon, cut: Option<[Length; 2]>, span: Span) {
+    pub(crate) fn fill(&mut self, polygon: &mut Polygon, cut: Option<Cut>, span: Span) {
+        let finished = cut.and_then(|cut| self.form(polygon, cut.finished));
+        let wrong =
+            finished.map_or_else(Vec::new, |form| refuse::form(self.machine, &form, self.axis));
+        let is_refused = !wrong.is_empty();
+        let finding = |text| Diagnostic::error("A0403", span, text);
+        self.findings.extend(wrong.into_iter().map(finding));
+        if is_refused {
+            return;
+        }
         if polygon.auto.is_some() {
             match self.solve(polygon, cut) {
                 Ok(solution) => {
@@ -83,19 +101,17 @@ impl<'a> Auto<'a> {
             self.compensate(polygon, span);
         }
         let Some(cut) = cut else { return };
-        let form = self.form(polygon, cut[0]);
-        let wrong = refuse::wrong(self.machine, polygon, form.as_ref(), self.work, cut);
-        let finding = |text| Diagnostic::error("A0403", span, text);
+        let wrong = refuse::swings(self.machine, polygon, self.work, cut.at);
         self.findings.extend(wrong.into_iter().map(finding));
     }
 
-    /// The form that the cutter in the spindle cuts there; `None`: it is no polygon cutter.
-    fn form(&self, polygon: &Polygon, cut: Length) -> Option<Form> {
+    /// The form that the cutter in the spindle cuts with the axes at this machine X; `None`: it is no polygon cutter.
+    fn form(&self, polygon: &Polygon, x: Length) -> Option<Form> {
         let ToolKind::PolygonCutter(cutter) = &self.tools.get(self.tool)?.kind else { return None };
         Some(Form {
             inserts: cutter.inserts.clone(),
             turns: [settled(polygon).follower, settled(polygon).master],
-            across_flats: (cut - self.axis - cutter.radius) * 2.0,
+            across_flats: (x - self.axis - cutter.radius) * 2.0,
             tip_radius: cutter.radius,
             stock_radius: self.machine.setup.stock.to[0],
         })
@@ -119,7 +135,7 @@ impl<'a> Auto<'a> {
         }
     }
 
-    fn solve(&self, polygon: &Polygon, cut: Option<[Length; 2]>) -> Result<Solution, Refusal> {
+    fn solve(&self, polygon: &Polygon, cut: Option<Cut>) -> Result<Solution, Refusal> {
         let is_cutter = self
             .tools
             .get(self.tool)
@@ -127,40 +143,78 @@ impl<'a> Auto<'a> {
         if !is_cutter {
             return refused("D lets the control compute the oscillation, but no polygon cutter is in the spindle: call one with T and M6 before G51.2".to_owned());
         }
-        let Some(form) = cut.and_then(|cut| self.form(polygon, cut[0])) else {
+        let Some(form) = cut.and_then(|cut| self.form(polygon, cut.at[0])) else {
             return refused("D lets the control compute the oscillation, but no cut follows that says the distance of the axes: write the G1 after G51.2, or G51.3 instead of D".to_owned());
         };
-        form.check().map_err(|all| {
+        form.check_roughing().map_err(|all| {
             ("A0401", all.into_iter().map(|refusal| refusal.0).collect::<Vec<_>>().join("; "))
         })?;
         let who = polygon.auto;
         let asked = Asked { form, work: self.work, who, compensated: polygon.compensated };
         let known = self.answers.0.borrow().iter().find(|a| a.0 == asked).map(|a| a.1.clone());
         known.unwrap_or_else(|| {
-            let answer = self.optimum(&asked);
+            let answer = self.flat_enough(&asked);
             self.answers.0.borrow_mut().push((asked, answer.clone()));
             answer
         })
+    }
+
+    /// The optimum, if it is within what is allowed of a facet; else the speed at which it would be.
+    fn flat_enough(&self, asked: &Asked) -> Result<Solution, Refusal> {
+        let best = self.optimum(asked)?;
+        let allowed = tolerances(false).facet_flatness;
+        if best.flatness <= allowed {
+            return Ok(best);
+        }
+        let who: Vec<Actuator> = best.command.0.iter().map(|series| series.actuator).collect();
+        let flat = |rpm: f64| {
+            self.problem(asked, Spin::rpm(rpm), &who)
+                .and_then(|problem| problem.solve_well(Detail::Drawn))
+                .is_some_and(|found| found.flatness <= allowed * LEFT_TO_THE_CUT)
+        };
+        let rpm = asked.work.abs().in_rpm();
+        let works = fastest([SLOWEST_RPM.min(rpm / 2.0), rpm], rpm * NEAR_SHARE, flat).map_or_else(
+            || {
+                "no speed of this machine works: a larger tip radius may, or another ratio"
+                    .to_owned()
+            },
+            |works| format!("S{:.0} works", works.floor()),
+        );
+        Err((
+            "A0404",
+            format!(
+                "at S{rpm:.0} the facets come out flat to {:.1} µm at best, {:.0} µm are allowed: {} binds; {works}",
+                best.flatness.in_um(),
+                allowed.in_um(),
+                best.binding.as_deref().unwrap_or("no limit")
+            ),
+        ))
+    }
+
+    /// What air cuts have shown of an actuator's loop; empty: nothing, or it is not asked for.
+    fn answers(&self, asked: &Asked, work: Spin, who: Actuator) -> Vec<[f64; 2]> {
+        if !asked.compensated {
+            return Vec::new();
+        }
+        kept::answers(self.phases, drives::on(who), asked.form.base(), work, FINE_HARMONICS)
+    }
+
+    fn problem<'f>(&self, asked: &'f Asked, work: Spin, who: &[Actuator]) -> Option<Problem<'f>> {
+        let answers: Vec<_> = who.iter().map(|a| self.answers(asked, work, *a)).collect();
+        problem(self.machine, &asked.form, work, who, &answers, HARMONICS)
     }
 
     fn optimum(&self, asked: &Asked) -> Result<Solution, Refusal> {
         let Asked { form, work, who, compensated } = asked;
         let base = form.base();
         let mut unmeasured = false;
-        let problems = CANDIDATES.into_iter().filter(|c| may(*who, c.1)).filter_map(|(_, who)| {
-            let answers: Vec<_> = if *compensated {
-                let answers = |a: &Actuator| {
-                    kept::answers(self.phases, drives::on(*a), base, *work, FINE_HARMONICS)
-                };
-                who.iter().map(answers).collect()
-            } else {
-                vec![Vec::new(); who.len()]
-            };
-            if *compensated && answers.iter().any(Vec::is_empty) {
-                unmeasured = true;
-                return None;
-            }
-            Some(((), problem(self.machine, form, *work, who, &answers, HARMONICS)?))
+        let candidates =
+            CANDIDATES.into_iter().filter(|c| who.is_some_and(|order| may_swing(order, c.1)));
+        let problems = candidates.filter_map(|(_, who)| {
+            let known =
+                !compensated || who.iter().all(|a| !self.answers(asked, *work, *a).is_empty());
+            unmeasured |= !known;
+            Some(((), self.problem(asked, *work, who)?)).filter(|_| known)
         });
         let best = flattest(problems).map(|((), solution)| solution);
         if best.is_none() && unmeasured {
@@ -189,17 +243,6 @@ fn settled(polygon: &Polygon) -> canon::Ratio {
 
 const fn refused<T>(text: String) -> Result<T, Refusal> {
     Err(("A0401", text))
-}
-
-fn may(asked: Option<canon::Actuator>, who: &[Actuator]) -> bool {
-    match asked {
-        None => false,
-        Some(canon::Actuator::Any) => true,
-        Some(canon::Actuator::CentreLine) => who == [Actuator::CentreLine],
-        Some(canon::Actuator::Across) => who == [Actuator::Across],
-        Some(canon::Actuator::Both) => who.len() == 2,
-        Some(canon::Actuator::ToolPhase) => who == [Actuator::ToolPhase],
-    }
 }
 
 /// What swings, with X so much nearer as the swing leaves the facets farther out.

@@ -1,4 +1,5 @@
 //! What a machine's file says of the actuators that may swing.
+use super::slide::Slide;
 use canon::{Oscillating, Polygon};
 use forms::polygon::{Actuator, Drive, Effort, Form, Limits, Loop};
 use std::f64::consts::TAU;
@@ -32,7 +33,9 @@ pub(super) fn drive(
                 Actuator::Across | Actuator::ToolPhase => machine.setup.g54.along(letter),
             };
             let travel = (middle - axis.travel.from).min(axis.travel.to - middle).value();
-            (slide(&axis, travel), Box::new(move |f| structure(&axis, f)))
+            let limits = slide(&axis, travel);
+            let moved = Slide::swinging(&axis, frequency(0), farthest(&limits, frequency(0)));
+            (limits, Box::new(move |f| [moved.answer(f).re, moved.answer(f).im]))
         }
         Oscillating::ToolPhase => {
             let spindle = machine.spindles.get(1)?.clone();
@@ -115,14 +118,11 @@ fn turning(spindle: &Spindle, tool: Spin) -> Limits {
     }
 }
 
-/// The slide behind a screw that is held at the motor: it answers like a mass on a spring.
-fn structure(axis: &Axis, frequency: f64) -> [f64; 2] {
-    let natural = (axis.structure.stiffness.value() * 1e3 / axis.moving_mass.value()).sqrt() / TAU;
-    let r = frequency / natural;
-    let damping = 2.0 * axis.structure.damping_ratio * r;
-    // (1 + jd)/(1 − r² + jd)
-    let (re, size) = (1.0 - r * r, (1.0 - r * r).powi(2) + damping * damping);
-    [(re + damping * damping) / size, damping * (re - 1.0) / size]
+/// The largest amplitude at a frequency in Hz that limits allow, mm.
+fn farthest(limits: &Limits, frequency: f64) -> f64 {
+    let w = TAU * frequency.max(1e-6);
+    let most = [limits.speed / w, limits.acceleration / (w * w), limits.jerk / (w * w * w)];
+    most.into_iter().fold(limits.travel, f64::min)
 }
 
 /// The spindle's loop; the control takes delay and lag of the torque off beforehand.

@@ -4,17 +4,20 @@
 //!   form, cutter ─► refusals ─► every actuator: flattest within its limits ─► the best one ─► table, page, G-code
 //! ```
 pub(crate) mod auto;
+mod block;
+pub(crate) mod cuts;
 mod drives;
 pub(crate) mod host;
 mod kept;
 mod prove;
 mod refuse;
+mod slide;
 mod words;
 
 use crate::args::{ActuatorChoice, Format, PolygonArgs};
 use crate::refused::Refused;
 use crate::say;
-use forms::polygon::{Actuator, Form, Problem, Solution, insert_phases};
+use forms::polygon::{Actuator, Detail, Form, Problem, Solution, insert_phases};
 use std::path::Path;
 use store::machine::MachineFile;
 use store::phases::Phases;
@@ -26,19 +29,21 @@ const AS_FLAT: Length = Length::um(0.2);
 const NEAR: f64 = 1.5;
 /// Slowest work spindle that is looked at.
 const SLOWEST_RPM: f64 = 10.0;
-/// From the bar to the tips of a cutter that is clear of it.
-const CLEARANCE: Length = Length::mm(2.0);
+/// How much faster it may be had by a swing in full detail than by one that is drawn.
+const ROUGHLY: f64 = 1.04;
 /// Harmonics of each oscillation where nothing binds; where something does, as many as it takes.
 const HARMONICS: usize = 4;
 /// Harmonics of which the answer of a loop is asked.
 const FINE_HARMONICS: usize = 96;
 
 /// Who may swing, in the order of preference among equals: a spindle's phase costs a few newton metres.
-const CANDIDATES: [(&str, &[Actuator]); 4] = [
+const CANDIDATES: [(&str, &[Actuator]); 6] = [
     ("tool phase", &[Actuator::ToolPhase]),
     ("Y", &[Actuator::Across]),
     ("X", &[Actuator::CentreLine]),
     ("X and Y", &[Actuator::CentreLine, Actuator::Across]),
+    ("X and tool phase", &[Actuator::CentreLine, Actuator::ToolPhase]),
+    ("X, Y, tool phase", &[Actuator::CentreLine, Actuator::Across, Actuator::ToolPhase]),
 ];
 
 /// Everything that was asked, checked.
@@ -57,6 +62,13 @@ struct Design {
     tool: u32,
 }
 
+/// A flatness for which the fastest speed is looked for.
+struct Aim {
+    flatness: Length,
+    /// Where it comes from.
+    whose: &'static str,
+}
+
 /// One way, solved.
 struct Way {
     name: &'static str,
@@ -66,7 +78,7 @@ struct Way {
 /// Do it.
 pub(crate) fn command(args: &PolygonArgs, quiet: bool) -> Result<(), Refused> {
     let design = Design::of(args)?;
-    let way = |(name, who)| design.solve(name, who, design.work, &design.phases);
+    let way = |(name, who)| design.solve(name, who, design.work, &design.phases, Detail::Full);
     let ways: Vec<Way> = design.candidates().filter_map(way).collect();
     let Some(best) = best(&ways) else {
         return Err(Refused::because(format!(
@@ -74,9 +86,17 @@ pub(crate) fn command(args: &PolygonArgs, quiet: bool) -> Result<(), Refused> {
             design.machine.name
         )));
     };
-    let fastest = design.wanted.and_then(|wanted| design.fastest(best, wanted));
+    let allowed = crate::wiring::tolerances(false).facet_flatness;
+    let aim = match design.wanted {
+        Some(wanted) => Some(Aim { flatness: wanted, whose: "wanted" }),
+        None if best.solution.flatness > allowed => {
+            Some(Aim { flatness: allowed, whose: "all that is allowed of a facet (ISO 2768-2 H)" })
+        }
+        None => None,
+    };
+    let aim = aim.map(|aim| (design.fastest(best, aim.flatness), aim));
     let proofs = if args.simulate { prove::proofs(&design, &args.machine)? } else { Vec::new() };
-    let told = words::Told { design: &design, ways: &ways, best, fastest, proofs };
+    let told = words::Told { design: &design, ways: &ways, best, aim, proofs };
     if let Some(out) = &args.out {
         let page = report::polygon_html(&told.page());
         std::fs::write(out, page)
@@ -93,12 +113,30 @@ pub(crate) fn command(args: &PolygonArgs, quiet: bool) -> Result<(), Refused> {
 }
 
 fn asked(choice: ActuatorChoice, who: &[Actuator]) -> bool {
-    match choice {
-        ActuatorChoice::Auto => true,
-        ActuatorChoice::Phase => who == [Actuator::ToolPhase],
-        ActuatorChoice::X => who == [Actuator::CentreLine],
-        ActuatorChoice::Y => who == [Actuator::Across],
-        ActuatorChoice::Xy => who.len() == 2,
+    use canon::Actuator as Order;
+    let order = match choice {
+        ActuatorChoice::Auto => Order::Any,
+        ActuatorChoice::Phase => Order::ToolPhase,
+        ActuatorChoice::X => Order::CentreLine,
+        ActuatorChoice::Y => Order::Across,
+        ActuatorChoice::Xy => Order::Both,
+        ActuatorChoice::XPhase => Order::CentreLineAndPhase,
+        ActuatorChoice::All => Order::All,
+    };
+    may_swing(order, who)
+}
+
+/// Whether these are what is ordered to swing.
+fn may_swing(order: canon::Actuator, who: &[Actuator]) -> bool {
+    use Actuator::{Across, CentreLine, ToolPhase};
+    match order {
+        canon::Actuator::Any => true,
+        canon::Actuator::CentreLine => who == [CentreLine],
+        canon::Actuator::Across => who == [Across],
+        canon::Actuator::Both => who == [CentreLine, Across],
+        canon::Actuator::ToolPhase => who == [ToolPhase],
+        canon::Actuator::CentreLineAndPhase => who == [CentreLine, ToolPhase],
+        canon::Actuator::All => who == [CentreLine, Across, ToolPhase],
     }
 }
 
@@ -117,7 +155,7 @@ fn flattest<'f, T>(problems: impl Iterator<Item = (T, Problem<'f>)>) -> Option<(
     let mut best: Option<(T, Solution)> = None;
     // what is far behind with a few harmonics does not win with many
     for (name, problem, few) in found.into_iter().filter(|f| f.2.flatness.value() <= least * NEAR) {
-        let solution = problem.refined(few);
+        let solution = problem.refined(few, Detail::Full);
         if best.as_ref().is_none_or(|(_, b)| solution.flatness + AS_FLAT < b.flatness) {
             best = Some((name, solution));
         }
@@ -214,31 +252,7 @@ impl Design {
             ));
         }
         let zero = self.machine.setup.g54.along(canon::Axis::X);
-        let axis = self.machine.axes.iter().flatten().find(|a| a.letter == canon::Axis::X);
-        let Some(axis) = axis else { return };
-        let (least, most) = (axis.travel.from - zero, axis.travel.to - zero);
-        let (cut, clear) = (self.form.centres(), self.clear());
-        if cut < least {
-            wrong.push(format!(
-                "the axes would be {:.3} mm apart, X comes to {:.3} mm from the work's axis: --tip-radius {:.3} works",
-                cut.value(),
-                least.value(),
-                (least - self.form.across_flats / 2.0).value()
-            ));
-        }
-        if clear > most {
-            wrong.push(format!(
-                "the cutter is too big: clear of the bar the axes are {:.3} mm apart, X goes to {:.3} mm from the work's axis: --tip-radius {:.3} works",
-                clear.value(),
-                most.value(),
-                (most - (clear - self.form.tip_radius)).value()
-            ));
-        }
-    }
-
-    /// Distance of the axes with the cutter clear of the bar.
-    fn clear(&self) -> Length {
-        self.form.tip_radius + self.form.stock_radius + CLEARANCE
+        wrong.extend(refuse::cutter(&self.machine, &self.form, zero));
     }
 
     /// Who may swing.
@@ -252,11 +266,14 @@ impl Design {
         who: &[Actuator],
         work: Spin,
         phases: &Phases,
+        detail: Detail,
     ) -> Option<Way> {
         let problem = self.problem(who, work, phases)?;
         // as many harmonics as asked, else as many as it takes
-        let few = problem.solve()?;
-        let solution = if self.harmonics.is_some() { few } else { problem.refined(few) };
+        let solution = match self.harmonics {
+            Some(_) => problem.solve()?,
+            None => problem.solve_well(detail)?,
+        };
         Some(Way { name, solution })
     }
 
@@ -280,23 +297,33 @@ impl Design {
     /// The fastest work spindle at which it is as flat as wanted, if any is.
     fn fastest(&self, way: &Way, wanted: Length) -> Option<Spin> {
         let who = CANDIDATES.iter().find(|c| c.0 == way.name)?.1;
-        let flat = |rpm: f64| {
-            let way = self.solve(way.name, who, Spin::rpm(rpm), &self.phases);
+        let flat = |rpm: f64, detail| {
+            let way = self.solve(way.name, who, Spin::rpm(rpm), &self.phases, detail);
             way.is_some_and(|way| way.solution.flatness <= wanted)
         };
-        let (mut low, mut high) = (SLOWEST_RPM, self.fastest_turning().in_rpm());
-        if flat(high) {
+        let high = self.fastest_turning().in_rpm();
+        if flat(high, Detail::Full) {
             return Some(Spin::rpm(high));
         }
-        if !flat(low) {
-            return None;
-        }
-        while high - low > 1.0 {
-            let middle = f64::midpoint(low, high);
-            if flat(middle) { low = middle } else { high = middle }
-        }
-        Some(Spin::rpm(low.floor()))
+        // roughly at first, then between there and a little faster
+        let about = fastest([SLOWEST_RPM, high], 1.0, |rpm| flat(rpm, Detail::Drawn))?;
+        let near = [about, (about * ROUGHLY).min(high)];
+        let spin = fastest(near, 1.0, |rpm| flat(rpm, Detail::Full)).unwrap_or(about);
+        Some(Spin::rpm(spin.floor()))
     }
+}
+
+/// The fastest speed in rpm that passes, between one that may and one that does not; `None`: not even the slowest does.
+fn fastest([slow, fast]: [f64; 2], near: f64, passes: impl Fn(f64) -> bool) -> Option<f64> {
+    if !passes(slow) {
+        return None;
+    }
+    let (mut good, mut bad) = (slow, fast);
+    while bad - good > near {
+        let middle = f64::midpoint(good, bad);
+        if passes(middle) { good = middle } else { bad = middle }
+    }
+    Some(good)
 }
 
 /// The problem of these actuators on this machine, as their loops answer.

@@ -20,6 +20,7 @@ use crate::timings::Timings;
 use crate::wiring;
 use canon::{PolygonCutter, Tool, ToolKind};
 use clap::{Args, Command, FromArgMatches};
+use forms::polygon::Detail;
 use indicatif::ProgressBar;
 use std::path::Path;
 use store::phases::Phases;
@@ -71,7 +72,7 @@ fn proof(design: &Design, machine: &str, spin: Spin) -> Result<Proof, Refused> {
         return Err(Refused::because(format!("nothing can swing at {:.0} rpm", spin.in_rpm())));
     };
     let (sent, measured) = run(design, machine, spin, &way, Some(LOOKS))?;
-    let again = design.solve(way.name, way.who(), spin, &measured);
+    let again = design.solve(way.name, way.who(), spin, &measured, Detail::Full);
     let (compensated, _) = run(design, machine, spin, again.as_ref().unwrap_or(&way), None)?;
     Ok(Proof {
         spin,
@@ -93,8 +94,10 @@ impl Design {
     /// The first of the candidates that is as flat as the flattest.
     fn flattest(&self, spin: Spin, phases: &Phases) -> Option<Way> {
         if self.harmonics.is_some() {
-            let ways: Vec<Way> =
-                self.candidates().filter_map(|(n, who)| self.solve(n, who, spin, phases)).collect();
+            let ways: Vec<Way> = self
+                .candidates()
+                .filter_map(|(n, who)| self.solve(n, who, spin, phases, Detail::Full))
+                .collect();
             let best = best(&ways)?.name;
             return ways.into_iter().find(|way| way.name == best);
         }

@@ -11,19 +11,63 @@ use units::{Length, Spin};
 /// A little over a limit is within it: programs round.
 const ROUNDED: f64 = 1.002;
 
-/// Everything that is wrong with it, each with what would work.
-pub(super) fn wrong(
+/// From the bar to the tips of a cutter that is clear of it.
+const CLEARANCE: Length = Length::mm(2.0);
+
+/// Everything that is wrong with what is written to swing, each with what would work.
+pub(super) fn swings(
     machine: &MachineFile,
     polygon: &Polygon,
-    form: Option<&Form>,
     work: Spin,
     cut: [Length; 2],
 ) -> Vec<String> {
-    let refusals = form.and_then(|form| form.check_roughing().err()).unwrap_or_default();
-    let mut all: Vec<String> = refusals.into_iter().map(|refusal| refusal.0).collect();
+    let mut all = Vec::new();
     for oscillation in &polygon.oscillations {
         travel(machine, oscillation, cut, &mut all);
         rates(machine, polygon, oscillation, work, &mut all);
+    }
+    all
+}
+
+/// Everything that is wrong with the form when it is finished, and with the cutter in its place.
+pub(super) fn form(machine: &MachineFile, form: &Form, zero: Length) -> Vec<String> {
+    match form.check() {
+        Err(refusals) => refusals.into_iter().map(|refusal| refusal.0).collect(),
+        Ok(()) => cutter(machine, form, zero),
+    }
+}
+
+/// Distance of the axes with the cutter clear of the bar.
+pub(super) fn clear(form: &Form) -> Length {
+    form.tip_radius + form.stock_radius + CLEARANCE
+}
+
+/// Whether X comes near enough for the cut, and far enough to take the cutter off the bar; `zero` is machine X of the
+/// work's axis.
+pub(super) fn cutter(machine: &MachineFile, form: &Form, zero: Length) -> Vec<String> {
+    let axis = machine.axes.iter().flatten().find(|axis| axis.letter == canon::Axis::X);
+    let Some(axis) = axis else { return Vec::new() };
+    let (least, most) = (axis.travel.from - zero, axis.travel.to - zero);
+    let (cut, clear) = (form.centres(), clear(form));
+    let works = |radius: Length| {
+        format!("Ø{:.3} works, a tip radius of {:.3} mm", 2.0 * radius.value(), radius.value())
+    };
+    let mut all = Vec::new();
+    if cut < least {
+        all.push(format!(
+            "the cutter is too small: at the cut the axes would be {:.3} mm apart, X comes to {:.3} mm from the work's axis: {}",
+            cut.value(),
+            least.value(),
+            works(least - form.across_flats / 2.0)
+        ));
+    }
+    if clear > most {
+        all.push(format!(
+            "the cutter is too big: clear of the bar the axes are {:.3} mm apart, X goes to {:.3} mm from the work's axis: {}",
+            clear.value(),
+            most.value(),
+            works(most - (clear - form.tip_radius))
+        ));
     }
     all
 }

@@ -1,16 +1,19 @@
 //! What is told of a design: table, G-code, JSON and page.
 use super::prove::Proof;
-use super::{CANDIDATES, Design, Way};
+use super::{Aim, CANDIDATES, Design, Way};
 use crate::tables::table;
 use comfy_table::Cell;
-use forms::polygon::{Actuator, Facet, Solution, Swings};
+use forms::polygon::{Actuator, Detail, Facet, Swings};
 use report::{PolygonPlan, Side};
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 use units::{Angle, Length, Spin};
 
 /// Speeds of the picture.
-const SPEEDS: u32 = 12;
+const SPEEDS: u32 = 9;
+
+/// Harmonics that a person reads.
+const READABLE: usize = 16;
 
 /// Heads of the table of what was cut.
 const PROVED: [&str; 8] = [
@@ -29,8 +32,8 @@ pub(super) struct Told<'d> {
     pub(super) design: &'d Design,
     pub(super) ways: &'d [Way],
     pub(super) best: &'d Way,
-    /// At which it is as flat as wanted, if a flatness is wanted and it is ever reached.
-    pub(super) fastest: Option<Spin>,
+    /// A flatness that is aimed at, and the fastest speed with it, if there is one.
+    pub(super) aim: Option<(Option<Spin>, Aim)>,
     /// What came of it on the machine, over the speeds, if that was asked.
     pub(super) proofs: Vec<Proof>,
 }
@@ -117,18 +120,14 @@ impl Told<'_> {
                 work.in_rpm()
             ),
         ];
-        if let Some(wanted) = self.design.wanted {
-            words.push(match self.fastest {
-                Some(spin) => format!(
-                    "{:.2} µm by {} up to {:.0} rpm",
-                    wanted.in_um(),
-                    self.best.name,
-                    spin.in_rpm()
-                ),
+        if let Some((fastest, Aim { flatness, whose })) = &self.aim {
+            let (flatness, name) = (flatness.in_um(), self.best.name);
+            words.push(match fastest {
+                Some(spin) => {
+                    format!("{flatness:.2} µm, {whose}, by {name} up to {:.0} rpm", spin.in_rpm())
+                }
                 None => format!(
-                    "{:.2} µm is not reached by {} at any speed: {:.2} µm is, at {:.0} rpm",
-                    wanted.in_um(),
-                    self.best.name,
+                    "{flatness:.2} µm, {whose}, is not reached by {name} at any speed: {:.2} µm is, at {:.0} rpm",
                     self.best.solution.flatness.in_um(),
                     work.in_rpm()
                 ),
@@ -168,11 +167,22 @@ impl Told<'_> {
             .collect()
     }
 
-    /// The block to use, and what stands around it.
+    /// The block to use, and what stands around it; what would be a page of harmonics is left to the control.
     fn gcode(&self) -> String {
+        let written = self.harmonics_written();
+        let count = written.lines().filter(|line| line.starts_with("G51.3")).count();
+        if count <= READABLE || self.design.harmonics.is_some() {
+            return written;
+        }
+        self.design.short_program(self.best.name)
+    }
+
+    /// The same with every harmonic written.
+    fn harmonics_written(&self) -> String {
         let Design { length, work, .. } = self.design;
         self.design.program(&self.best.solution, *work, *length, None)
     }
+
     pub(super) fn json(&self) -> Value {
         let Design { form, machine, work, .. } = self.design;
         let ways = self.ways.iter().map(|way| {
@@ -209,9 +219,9 @@ impl Told<'_> {
                 "tilt_deg": p.compensated.tilt.in_deg(),
                 "limited_by": p.binding,
             })).collect::<Vec<_>>(),
-            "fastest_rpm": self.fastest.map(Spin::in_rpm),
+            "fastest_rpm": self.aim.as_ref().and_then(|aim| aim.0).map(Spin::in_rpm),
             "ways": ways.collect::<Vec<_>>(),
-            "gcode": self.gcode(),
+            "gcode": self.harmonics_written(),
         })
     }
 
@@ -246,15 +256,17 @@ impl Told<'_> {
                 })
                 .collect()
         });
-        let profile = |facet: &Facet, swings: &Swings| -> Vec<(f64, f64)> {
+        // with X as much nearer as the block has it
+        let nearer = self.best.solution.offset;
+        let profile = |facet: &Facet, swings: &Swings, nearer: Length| -> Vec<(f64, f64)> {
             let found = form.profile(facet, swings);
-            found.points.iter().map(|p| (p[0].value(), p[1].in_um())).collect()
+            found.points.iter().map(|p| (p[0].value(), (p[1] - nearer).in_um())).collect()
         };
-        let sides = |swings: &Swings| -> Vec<Side> {
+        let sides = |swings: &Swings, nearer: Length| -> Vec<Side> {
             let side = |facet: &Facet| Side {
                 normal_rad: (-facet.centre).in_rad(),
                 distance: d,
-                profile: profile(facet, swings),
+                profile: profile(facet, swings, nearer),
             };
             facets.iter().map(side).collect()
         };
@@ -273,8 +285,8 @@ impl Told<'_> {
             stock_radius: form.stock_radius.value(),
             outline,
             sides: vec![
-                ("without oscillation".to_owned(), sides(&Swings::default())),
-                (format!("by {}", self.best.name), sides(swings)),
+                ("without oscillation".to_owned(), sides(&Swings::default(), Length::ZERO)),
+                (format!("by {}", self.best.name), sides(swings, nearer)),
             ],
             speeds: self.speeds(),
             proved_heads: PROVED.map(str::to_owned).to_vec(),
@@ -309,68 +321,12 @@ impl Told<'_> {
         let ways = self.ways.iter().filter_map(|way| {
             let (name, who) = CANDIDATES.iter().find(|c| c.0 == way.name)?;
             let line = (0..SPEEDS).filter_map(|i| {
-                let way = self.design.solve(name, who, Spin::rpm(at(i)), &self.design.phases)?;
+                let Design { phases, .. } = self.design;
+                let way = self.design.solve(name, who, Spin::rpm(at(i)), phases, Detail::Drawn)?;
                 Some((at(i), way.solution.flatness.in_um()))
             });
             Some(((*name).to_owned(), line.collect()))
         });
         ways.chain([without]).collect()
-    }
-}
-
-impl Design {
-    /// What cuts it with this oscillation, and measures it in the air afterwards if so asked.
-    pub(super) fn program(
-        &self,
-        solution: &Solution,
-        work: Spin,
-        length: Length,
-        looks: Option<u32>,
-    ) -> String {
-        let Self { form, feed_per_rev, tool, .. } = self;
-        // so much closer as the swing leaves the facets farther out
-        let x = form.centres() - solution.offset;
-        let clear = self.clear();
-        let mut text = format!(
-            "T{tool} M6\nG43 H{tool}\nG0 X{:.4} Y0 Z5\nM3 S{:.0}\n",
-            clear.value(),
-            work.in_rpm()
-        );
-        let series = &solution.command.0;
-        let count = series.iter().map(|one| one.terms.len()).max().unwrap_or(0);
-        for h in 0..count {
-            let mut line = String::new();
-            // jerk counts a harmonic by the cube of its number
-            let decimals = 6 + (3.0 * ((h + 1) as f64).log10()).ceil() as usize;
-            let least = 0.5 * 10_f64.powf(-(decimals as f64));
-            for one in series {
-                let Some(term) = one.terms.get(h) else { continue };
-                let (letters, factor) = match one.actuator {
-                    Actuator::CentreLine => (['X', 'I'], 1.0),
-                    Actuator::Across => (['Y', 'J'], 1.0),
-                    Actuator::ToolPhase => (['A', 'B'], 360.0),
-                };
-                for (letter, value) in letters.into_iter().zip([term.cosine, term.sine]) {
-                    if (value * factor).abs() > least {
-                        line += &format!(" {letter}{:.decimals$}", value * factor);
-                    }
-                }
-            }
-            if !line.is_empty() {
-                let per_turn = (form.base() * f64::from(form.turns[1]) * (h + 1) as f64).round();
-                text += &format!("G51.3 L{per_turn:.0}{line}\n");
-            }
-        }
-        let looks = looks.map_or_else(String::new, |n| format!("G51.4 P{n}\n"));
-        text += &format!(
-            "G51.2 P{} Q{} R0\nG0 X{:.4} Z2\nG1 Z{:.3} F{:.1}\nG0 X{:.4}\n{looks}G50.2\nM5\n",
-            form.turns[1],
-            form.turns[0],
-            x.value(),
-            -length.value(),
-            feed_per_rev.value() * work.in_rpm(),
-            clear.value()
-        );
-        text
     }
 }

@@ -17,6 +17,10 @@ pub(crate) const SENTENCES: &[(&str, &str)] = &[
         "A0403",
         "A polygon's gearing, cutter or written oscillation is beyond what works; the number that does is said.",
     ),
+    (
+        "A0404",
+        "At this speed nothing swings far enough for facets as flat as allowed; the speed that works is said.",
+    ),
     ("M0301", "A move would end outside an axis' travel; the work offset that would fit is said."),
     ("M0302", "A coordinate is absurd."),
     ("M0303", "A feed is no number above zero."),

@@ -191,7 +191,15 @@ fn speeds(plan: &PolygonPlan) -> String {
     let y = Range::of("flatness / µm", all().map(|p| p.1).chain([0.0])).padded(0.05);
     let description = "The flattest that each actuator can follow within its limits.";
     let mut chart = Chart::new("Flatness over speed", description, x, y, 300.0);
-    let strokes = [Stroke::Main, Stroke::Out, Stroke::Second, Stroke::Capability, Stroke::Ideal];
+    let strokes = [
+        Stroke::Main,
+        Stroke::Out,
+        Stroke::Second,
+        Stroke::Capability,
+        Stroke::Share,
+        Stroke::Stop,
+        Stroke::Ideal,
+    ];
     for (stroke, (name, line)) in strokes.into_iter().zip(&plan.speeds) {
         chart.line(stroke, line, Some(name));
     }

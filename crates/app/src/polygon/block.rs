@@ -1,0 +1,77 @@
+//! The block that cuts a design, and what stands around it.
+use super::{CANDIDATES, Design, refuse};
+use forms::polygon::{Actuator, Solution};
+use units::{Length, Spin};
+
+/// The word D of G51.2 for each of the candidates.
+const D: [u32; CANDIDATES.len()] = [4, 2, 1, 3, 5, 6];
+
+impl Design {
+    /// What cuts it with this oscillation, and measures it in the air afterwards if so asked.
+    pub(super) fn program(
+        &self,
+        solution: &Solution,
+        work: Spin,
+        length: Length,
+        looks: Option<u32>,
+    ) -> String {
+        let Self { form, .. } = self;
+        // so much closer as the swing leaves the facets farther out
+        let x = form.centres() - solution.offset;
+        let mut text = self.before(work);
+        let series = &solution.command.0;
+        let count = series.iter().map(|one| one.terms.len()).max().unwrap_or(0);
+        for h in 0..count {
+            let mut line = String::new();
+            // jerk counts a harmonic by the cube of its number
+            let decimals = 6 + (3.0 * ((h + 1) as f64).log10()).ceil() as usize;
+            let least = 0.5 * 10_f64.powf(-(decimals as f64));
+            for one in series {
+                let Some(term) = one.terms.get(h) else { continue };
+                let (letters, factor) = match one.actuator {
+                    Actuator::CentreLine => (['X', 'I'], 1.0),
+                    Actuator::Across => (['Y', 'J'], 1.0),
+                    Actuator::ToolPhase => (['A', 'B'], 360.0),
+                };
+                for (letter, value) in letters.into_iter().zip([term.cosine, term.sine]) {
+                    if (value * factor).abs() > least {
+                        line += &format!(" {letter}{:.decimals$}", value * factor);
+                    }
+                }
+            }
+            if !line.is_empty() {
+                let per_turn = (form.base() * f64::from(form.turns[1]) * (h + 1) as f64).round();
+                text += &format!("G51.3 L{per_turn:.0}{line}\n");
+            }
+        }
+        let looks = looks.map_or_else(String::new, |n| format!("G51.4 P{n}\n"));
+        text + &self.cut("", x, work, length, &looks)
+    }
+
+    /// What cuts it with an oscillation that the control computes, of what goes by this name.
+    pub(super) fn short_program(&self, name: &str) -> String {
+        let measured = if self.phases.swung.is_empty() { "" } else { " E1" };
+        let by = CANDIDATES.iter().zip(D).find(|(c, _)| c.0 == name).map_or(0, |(_, d)| d);
+        let by = format!(" D{by}{measured}");
+        self.before(self.work) + &self.cut(&by, self.form.centres(), self.work, self.length, "")
+    }
+
+    /// The cutter clear of the bar, the work turning.
+    fn before(&self, work: Spin) -> String {
+        let (tool, clear) = (self.tool, refuse::clear(&self.form).value());
+        let rpm = work.in_rpm();
+        format!("T{tool} M6\nG43 H{tool}\nG0 X{clear:.4} Y0 Z5\nM3 S{rpm:.0}\n")
+    }
+
+    /// Geared up, cut with the axes this far apart, and off again.
+    fn cut(&self, by: &str, x: Length, work: Spin, length: Length, looks: &str) -> String {
+        let [tool, turns] = self.form.turns;
+        format!(
+            "G51.2 P{turns} Q{tool} R0{by}\nG0 X{:.4} Z2\nG1 Z{:.3} F{:.1}\nG0 X{:.4}\n{looks}G50.2\nM5\n",
+            x.value(),
+            -length.value(),
+            self.feed_per_rev.value() * work.in_rpm(),
+            refuse::clear(&self.form).value()
+        )
+    }
+}
