@@ -60,10 +60,10 @@ fn what_swings_far_comes_out_as_the_linear_problem_promises() {
 
 /// Everything at a limit: within 2 % of the fine optimum, not better than it, and no peak beyond its limit.
 #[track_caller]
-fn near_the_fine_optimum(rpm: f64, drives: Vec<Drive>) -> f64 {
+fn near_the_fine_optimum(rpm: f64, drives: &[Drive]) -> f64 {
     let hexagon = form(3, [2, 1]);
-    let fine = fine::optimum_um(&hexagon, rpm, &drives);
-    let found = solve(&hexagon, rpm, drives.clone());
+    let fine = fine::optimum_um(&hexagon, rpm, drives);
+    let found = solve(&hexagon, rpm, drives.to_vec());
     let flat = found.flatness.in_um();
     println!("{rpm} rpm: {flat:.4} µm, fine optimum {fine:.4} µm, {:?}", found.binding);
     assert!(found.binding.is_some(), "nothing binds");
@@ -79,14 +79,14 @@ fn near_the_fine_optimum(rpm: f64, drives: Vec<Drive>) -> f64 {
 
 #[test]
 fn the_phase_alone_is_within_two_percent_of_a_fine_optimum() {
-    near_the_fine_optimum(900.0, vec![phase()]);
+    near_the_fine_optimum(900.0, &[phase()]);
 }
 
 #[test]
 fn x_and_the_phase_together_are_within_two_percent_of_a_fine_optimum_and_flatter_than_the_phase() {
     for rpm in [800.0, 1000.0] {
-        let alone = near_the_fine_optimum(rpm, vec![phase()]);
-        let both = near_the_fine_optimum(rpm, vec![x(), phase()]);
+        let alone = near_the_fine_optimum(rpm, &[phase()]);
+        let both = near_the_fine_optimum(rpm, &[x(), phase()]);
         assert!(both < alone - 0.05, "{both} {alone}");
     }
 }
@@ -94,5 +94,5 @@ fn x_and_the_phase_together_are_within_two_percent_of_a_fine_optimum_and_flatter
 #[test]
 fn all_three_are_within_two_percent_of_a_fine_optimum() {
     let y = slide(Actuator::Across, 3600.0, 270e3);
-    near_the_fine_optimum(900.0, vec![x(), y, phase()]);
+    near_the_fine_optimum(900.0, &[x(), y, phase()]);
 }

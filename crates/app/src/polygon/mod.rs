@@ -315,10 +315,13 @@ impl Design {
 
 /// The fastest speed in rpm that passes, between one that may and one that does not; `None`: not even the slowest does.
 fn fastest([slow, fast]: [f64; 2], near: f64, passes: impl Fn(f64) -> bool) -> Option<f64> {
-    if !passes(slow) {
-        return None;
+    let (mut good, mut bad) = ((fast / 2.0).max(slow), fast);
+    while !passes(good) {
+        if good <= slow {
+            return None;
+        }
+        (good, bad) = ((good / 2.0).max(slow), good);
     }
-    let (mut good, mut bad) = (slow, fast);
     while bad - good > near {
         let middle = f64::midpoint(good, bad);
         if passes(middle) { good = middle } else { bad = middle }

@@ -98,7 +98,11 @@ impl Problem<'_> {
                 lp.near.clone_from(&x);
             }
             if round <= plain {
-                actual = self.swings(&lp.solve(n)?, true);
+                let found = lp.solve(n).or_else(|| {
+                    lp.near = vec![0.0; n + 3]; // a shorter way is easier to find
+                    lp.solve(n)
+                });
+                actual = self.swings(&found?, true);
                 continue;
             }
             let Some(flattest) = lp.minimise(n) else { break };
