@@ -59,8 +59,13 @@ impl Design {
     /// The cutter clear of the bar, the work turning.
     fn before(&self, work: Spin) -> String {
         let (tool, clear) = (self.tool, refuse::clear(&self.form).value());
-        let rpm = work.in_rpm();
-        format!("T{tool} M6\nG43 H{tool}\nG0 X{clear:.4} Y0 Z5\nM3 S{rpm:.0}\n")
+        let (rpm, radius) = (work.in_rpm(), self.form.tip_radius.value());
+        let inserts: String =
+            self.form.inserts.iter().map(|insert| format!(" {:.1}", insert.in_deg())).collect();
+        format!(
+            "(T{tool}: tip radius {radius:.3} mm, inserts at{inserts} degrees)\n\
+             T{tool} M6\nG43 H{tool}\nG0 X{clear:.4} Y0 Z5\nM3 S{rpm:.0}\n"
+        )
     }
 
     /// Geared up, cut with the axes this far apart, and off again.

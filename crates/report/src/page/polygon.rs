@@ -95,7 +95,7 @@ fn cut(plan: &PolygonPlan) -> String {
         return String::new();
     }
     let all = || plan.proved_speeds.iter().flat_map(|(_, p)| p);
-    let x = Range::of("speed of the work / rpm", all().map(|p| p.0));
+    let x = Range::of("speed of the work / rpm", all().map(|p| p.0)).padded(0.02);
     let y = Range::of("flatness / µm", all().map(|p| p.1).chain([0.0])).padded(0.05);
     let description =
         "Flatness of the worst facet as cut on the simulated machine with all its physics.";
@@ -187,7 +187,7 @@ fn profiles(plan: &PolygonPlan) -> String {
 
 fn speeds(plan: &PolygonPlan) -> String {
     let all = || plan.speeds.iter().flat_map(|(_, p)| p);
-    let x = Range::of("speed of the work / rpm", all().map(|p| p.0));
+    let x = Range::of("speed of the work / rpm", all().map(|p| p.0)).padded(0.02);
     let y = Range::of("flatness / µm", all().map(|p| p.1).chain([0.0])).padded(0.05);
     let description = "The flattest that each actuator can follow within its limits.";
     let mut chart = Chart::new("Flatness over speed", description, x, y, 300.0);
