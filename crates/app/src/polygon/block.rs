@@ -60,10 +60,10 @@ impl Design {
     fn before(&self, work: Spin) -> String {
         let (tool, clear) = (self.tool, refuse::clear(&self.form).value());
         let (rpm, radius) = (work.in_rpm(), self.form.tip_radius.value());
-        let inserts: String =
-            self.form.inserts.iter().map(|insert| format!(" {:.1}", insert.in_deg())).collect();
+        let inserts = self.form.inserts.iter().map(|insert| format!("{:.1}", insert.in_deg()));
+        let inserts = inserts.collect::<Vec<_>>().join(" ");
         format!(
-            "(T{tool}: tip radius {radius:.3} mm, inserts at{inserts} degrees)\n\
+            "(T{tool}: tip radius {radius:.3} mm, inserts at {inserts} degrees)\n\
              T{tool} M6\nG43 H{tool}\nG0 X{clear:.4} Y0 Z5\nM3 S{rpm:.0}\n"
         )
     }
