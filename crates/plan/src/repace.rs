@@ -116,20 +116,19 @@ impl Planner {
 impl Row {
     /// A whole path, to its end.
     fn again(self, known: (&MachineLimits, &Ends), wish: Wish, emit: &mut dyn FnMut(Step)) {
-        let Some(Anew { from, mut timing, mut cutter }) = self.anew(known, wish, &[]) else {
+        let Some(Anew { from, mut timing, .. }) = self.anew(known, wish, None) else {
             return self.as_planned(self.parts.len(), true, emit);
         };
-        cutter.finish(known.1, &mut |piece| timing.push(piece));
         self.as_planned(from, false, emit);
         timing.close(emit);
     }
 
-    /// From the first phase from which a new law of time keeps all limits. `waits`: what follows.
+    /// From the first phase from which a new law of time keeps all limits. `waits`: what follows; `None`: the path ends.
     fn anew(
         &self,
         (limits, ends): (&MachineLimits, &Ends),
         wish: Wish,
-        waits: &[Piece],
+        waits: Option<&[Piece]>,
     ) -> Option<Anew> {
         let spin = self.per_revolution.then_some(self.pace.turning);
         // on a curve, from where the first plan looked at its limits
@@ -140,13 +139,17 @@ impl Row {
             let timing = Timing::new(limits, spin, wish, Some(State { s, v, a }));
             let mut anew = Anew { from, timing, cutter: Cutter::default() };
             let mut last = None;
-            for piece in self.parts[from..].iter().map(|part| &part.piece).chain(waits) {
+            let parts = self.parts[from..].iter().map(|part| &part.piece);
+            for piece in parts.chain(waits.into_iter().flatten()) {
                 if !last.is_some_and(|last| is_same(last, piece)) {
                     anew.push(*piece, wish, ends);
                     last = Some(piece);
                 }
             }
-            if anew.timing.goes_on() {
+            if waits.is_none() {
+                anew.finish(ends);
+            }
+            if anew.goes_on(ends) {
                 return Some(anew);
             }
             from = 2 * from + 1;
@@ -182,6 +185,25 @@ impl Row {
 }
 
 impl Anew {
+    /// Whether what is under way can go on within all limits, with the piece that the cutter holds.
+    fn goes_on(&mut self, ends: &Ends) -> bool {
+        if self.cutter.held().is_some() {
+            let mut whole =
+                Self { timing: self.timing.clone(), cutter: self.cutter.clone(), ..*self };
+            whole.finish(ends);
+            // without that piece there need be no way to rest yet: it comes before the law is asked
+            let _ = self.timing.goes_on();
+            return whole.timing.goes_on();
+        }
+        self.timing.goes_on()
+    }
+
+    /// The path ends here.
+    fn finish(&mut self, ends: &Ends) {
+        let Self { timing, cutter, .. } = self;
+        cutter.finish(ends, &mut |piece| timing.push(piece));
+    }
+
     /// The next piece.
     fn push(&mut self, piece: Piece, wish: Wish, ends: &Ends) {
         let Self { timing, cutter, .. } = self;
@@ -208,14 +230,14 @@ impl Run {
         };
         let left: Vec<Piece> = old.left().chain(self.cutter.held().copied()).collect();
         let anew = if let Some(row) = &back {
-            row.anew(known, wish, &left)
+            row.anew(known, wish, Some(&left))
         } else {
             let timing = Timing::new(known.0, self.spin, wish, old.begins());
             let mut anew = Anew { from: 0, timing, cutter: Cutter::default() };
             for piece in &left {
                 anew.push(*piece, wish, known.1);
             }
-            anew.timing.goes_on().then_some(anew)
+            anew.goes_on(known.1).then_some(anew)
         };
         if let Some(row) = back {
             row.as_planned(anew.as_ref().map_or(row.parts.len(), |anew| anew.from), false, emit);

@@ -91,11 +91,20 @@ impl Peaks {
 
     pub(super) fn json(&self) -> Value {
         let of = |(letter, peak): (char, &Peak)| {
+            let Peak { speed, accel, jerk } = peak;
+            if is_rotary(letter) {
+                return json!({
+                    "axis": letter.to_string(),
+                    "speed_deg_per_s": speed,
+                    "acceleration_deg_per_s2": accel,
+                    "jerk_deg_per_s3": jerk,
+                });
+            }
             json!({
                 "axis": letter.to_string(),
-                "speed_mm_per_s": peak.speed,
-                "acceleration_mm_per_s2": peak.accel,
-                "jerk_m_per_s3": peak.jerk / 1e3,
+                "speed_mm_per_s": speed,
+                "acceleration_mm_per_s2": accel,
+                "jerk_m_per_s3": jerk / 1e3,
             })
         };
         self.moved().map(of).collect()
@@ -104,11 +113,20 @@ impl Peaks {
     pub(super) fn text(&self) -> String {
         let of = |(letter, peak): (char, &Peak)| {
             let Peak { speed, accel, jerk } = peak;
+            if is_rotary(letter) {
+                return format!(
+                    "  {letter} at most {speed:.1} °/s, {accel:.0} °/s², {jerk:.0} °/s³\n"
+                );
+            }
             let jerk = jerk / 1e3;
             format!("  {letter} at most {speed:.1} mm/s, {accel:.0} mm/s², {jerk:.1} m/s³\n")
         };
         self.moved().map(of).collect()
     }
+}
+
+const fn is_rotary(letter: char) -> bool {
+    matches!(letter, 'A' | 'B' | 'C')
 }
 
 #[cfg(test)]

@@ -36,8 +36,9 @@ impl Planner {
         for out in beyond(path, &self.limits) {
             refused = true;
             let letter = out.axis.letter();
+            let unit = if is_rotary(out.axis) { "°" } else { " mm" };
             let text = format!(
-                "{letter} would go to {} mm (machine coordinate), {} mm beyond its travel of {} to {} mm: \
+                "{letter} would go to {}{unit} (machine coordinate), {}{unit} beyond its travel of {} to {}{unit}: \
                  {letter}{} is the nearest that works",
                 number(out.reaches),
                 number((out.reaches - out.nearest()).abs()),
@@ -142,12 +143,13 @@ impl Planner {
     }
 }
 
+const fn is_rotary(axis: Axis) -> bool {
+    matches!(axis, Axis::A | Axis::B | Axis::C)
+}
+
 /// A coordinate that no machine has.
 pub(super) fn wild(position: &Position) -> Option<(Axis, f64)> {
-    let absurd = |axis: Axis, x: f64| {
-        let rotary = matches!(axis, Axis::A | Axis::B | Axis::C);
-        !x.is_finite() || (x.abs() > ABSURD && !rotary)
-    };
+    let absurd = |axis: Axis, x: f64| !x.is_finite() || (x.abs() > ABSURD && !is_rotary(axis));
     Axis::ALL
         .into_iter()
         .map(|axis| (axis, coordinate(position, axis)))

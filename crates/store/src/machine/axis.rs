@@ -1,4 +1,4 @@
-//! One linear axis: where it may go, what drives it, what it is made of, how it is controlled.
+//! One axis: where it may go, what drives it, what it is made of, how it is controlled.
 //!
 //! ```text
 //!            lead               stiffness k, damping ζ, backlash
@@ -17,7 +17,7 @@ use units::{Accel, Force, Inertia, Jerk, Lead, Length, Mass, Speed, Stiffness, T
 /// Farthest from zero that any coordinate may be, mm.
 pub(super) const FARTHEST_MM: f64 = 100_000.0;
 
-/// One linear axis.
+/// One axis. Of a rotary one read degrees where it says millimetres, as in [`super::rotary`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     /// Which.
@@ -309,14 +309,16 @@ impl Friction {
             static_force: Force::n(keys.number("static_n", 0.0..=1e6)),
             stribeck_speed: Speed::mm_per_s(keys.number("stribeck_speed_mm_per_s", 1e-3..=1000.0)),
         };
-        if keys.has("static_n") && friction.static_force < friction.coulomb {
-            let least = friction.coulomb.value();
-            keys.conflict(
-                "static_n",
-                format!("`static_n` is below `coulomb_n`: expected {least} at least"),
-            );
-        }
+        let below = friction.static_force < friction.coulomb;
+        at_least(keys, "static_n", "`coulomb_n`", below, friction.coulomb.value());
         friction
+    }
+}
+
+/// One value is not to be below another.
+pub(super) fn at_least(keys: &Keys<'_>, key: &'static str, of: &str, below: bool, least: f64) {
+    if below && keys.has(key) {
+        keys.conflict(key, format!("`{key}` is below {of}: expected {least} at least"));
     }
 }
 
@@ -402,15 +404,9 @@ impl AxisWindows {
             following_error_warn: Length::um(keys.number("following_error_warn_um", 0.1..=1e6)),
             following_error_stop: Length::um(keys.number("following_error_stop_um", 0.1..=1e6)),
         };
-        if windows.following_error_stop < windows.following_error_warn {
-            keys.conflict(
-                "following_error_stop_um",
-                format!(
-                    "`following_error_stop_um` is below the warning: expected {} at least",
-                    windows.following_error_warn.in_um()
-                ),
-            );
-        }
+        let below = windows.following_error_stop < windows.following_error_warn;
+        let least = windows.following_error_warn.in_um();
+        at_least(keys, "following_error_stop_um", "the warning", below, least);
         windows
     }
 }

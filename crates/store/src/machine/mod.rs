@@ -34,6 +34,7 @@ mod axis;
 mod control;
 mod drives;
 mod grinding;
+pub(crate) mod rotary;
 mod setup;
 mod spindle;
 mod tapping;
@@ -65,7 +66,7 @@ pub struct MachineFile {
     pub description: String,
     /// The control.
     pub control: Control,
-    /// The linear axes, by `canon::Axis` index: X Y Z A B C U V W. Rotary entries are `None`.
+    /// The axes, by `canon::Axis` index: X Y Z A B C U V W.
     pub axes: [Option<Axis>; bus::AXES],
     /// The spindles: the main one first.
     pub spindles: Vec<Spindle>,
@@ -86,7 +87,7 @@ pub struct MachineFile {
 }
 
 /// Names of the embedded machines; the first is the default.
-pub const EMBEDDED: [&str; 10] = [
+pub const EMBEDDED: [&str; 11] = [
     "tapping-center",
     "polygon-lathe",
     "lathe",
@@ -97,6 +98,7 @@ pub const EMBEDDED: [&str; 10] = [
     "gear-hobber",
     "bench-xyz",
     "bench-xyz-jerk20",
+    "mill-5-axis",
 ];
 
 /// The text of an embedded machine's file.
@@ -114,6 +116,7 @@ pub fn embedded(name: &str) -> Option<&'static str> {
         "gear-hobber" => Some(include_str!("../../../../machines/gear-hobber.toml")),
         "bench-xyz" => Some(include_str!("../../../../machines/bench-xyz.toml")),
         "bench-xyz-jerk20" => Some(include_str!("../../../../machines/bench-xyz-jerk20.toml")),
+        "mill-5-axis" => Some(include_str!("../../../../machines/mill-5-axis.toml")),
         _ => None,
     }
 }
@@ -228,9 +231,14 @@ fn read_axes(keys: &mut Keys<'_>) -> [Option<Axis>; bus::AXES] {
         ("v", canon::Axis::V),
         ("w", canon::Axis::W),
     ];
+    const ROTARY: [(&str, canon::Axis); 3] =
+        [("a", canon::Axis::A), ("b", canon::Axis::B), ("c", canon::Axis::C)];
     let mut axes = [const { None }; bus::AXES];
     for (key, letter) in LINEAR {
         axes[letter.index()] = keys.optional_section(key, |k| Axis::read(letter, k));
+    }
+    for (key, letter) in ROTARY {
+        axes[letter.index()] = keys.optional_section(key, |k| rotary::read(letter, k));
     }
     axes
 }

@@ -5,6 +5,7 @@
 //! ```
 use super::{Columns, GROUP_ROWS};
 use crate::Error;
+use crate::machine::rotary::RAD_PER_M;
 use bus::{Sample, State};
 use parquet::{
     basic::{Compression, Encoding, LogicalType, Repetition, Type as Physical, ZstdLevel},
@@ -83,7 +84,11 @@ impl Writer {
             put(NM.snap(command.position.value()));
             put(NM.snap(sample.axis(index).value()));
             put(NM.snap(sample.feedback.axes[index].position.value()));
-            put(FORCE.snap(force.value()));
+            if is_rotary(index) {
+                put(TORQUE.snap(force.value() / RAD_PER_M));
+            } else {
+                put(FORCE.snap(force.value()));
+            }
         }
         for index in 0..self.columns.spindles.len() {
             let command = &sample.command.spindles[index];
@@ -194,6 +199,11 @@ impl Steps {
     }
 }
 
+/// An axis of the bus that is A, B or C.
+fn is_rotary(index: usize) -> bool {
+    (canon::Axis::A.index()..=canon::Axis::C.index()).contains(&index)
+}
+
 const NM: Steps = Steps::new((1 << 20) as f64);
 const FORCE: Steps = Steps::new((1 << 7) as f64);
 const ANGLE: Steps = Steps::new((1 << 24) as f64);
@@ -223,8 +233,10 @@ fn schema(columns: &Columns) -> ParquetResult<Type> {
         Type::primitive_type_builder(&name, Physical::DOUBLE).with_repetition(repetition).build()
     };
     let mut fields = vec![number("time_s".into(), Repetition::REQUIRED)?];
-    for (_, axis) in &columns.axes {
-        for what in ["command_mm", "actual_mm", "encoder_mm", "force_n"] {
+    for (index, axis) in &columns.axes {
+        let linear = ["command_mm", "actual_mm", "encoder_mm", "force_n"];
+        let rotary = ["command_deg", "actual_deg", "encoder_deg", "torque_n_m"];
+        for what in if is_rotary(*index) { rotary } else { linear } {
             fields.push(number(format!("{axis}_{what}"), Repetition::REQUIRED)?);
         }
     }

@@ -1,0 +1,163 @@
+//! Motion from the command line: rotary axes and their feeds, orders of the operator, programs at the edge of sense.
+#![allow(clippy::unwrap_used)] // a test may panic
+mod common;
+use common::{complained, leadscrew, root, said};
+use serde_json::Value;
+use std::{fs, path::Path};
+
+const SCROLL: &str = "programs/scroll.ngc";
+const ORDERS: &str = "override 40 at 6s; override 170 at 8s; hold at 10s; resume at 11s; override 90 at 12s; \
+                      rapid-override 50 at 13s; single-block on at 14s; single-block off at 14.5s; resume at 15s";
+
+fn run(program: &str, machine: &str, orders: &str, out: &Path) -> Value {
+    let out = out.to_str().unwrap();
+    let output = leadscrew(&[
+        "run",
+        program,
+        "--machine",
+        machine,
+        "--operator",
+        orders,
+        "--out",
+        out,
+        "-q",
+        "--format",
+        "json",
+    ]);
+    assert_eq!(output.status.code(), Some(0), "{}", complained(&output));
+    assert!(!complained(&output).contains("INVARIANT"), "{}", complained(&output));
+    serde_json::from_str(&said(&output)).unwrap()
+}
+
+fn columns(out: &Path, names: &[&str]) -> Vec<Vec<f64>> {
+    let reader = store::trace::Reader::open(&out.join("trace.parquet")).unwrap();
+    let mut all = vec![Vec::new(); names.len()];
+    for group in reader {
+        let group = group.unwrap();
+        for (column, name) in all.iter_mut().zip(names) {
+            column.extend_from_slice(group.column(name).unwrap());
+        }
+    }
+    all
+}
+
+/// Largest speed, acceleration and jerk by differences.
+fn largest(mut line: Vec<f64>, period: f64) -> [f64; 3] {
+    [(); 3].map(|()| {
+        line = line.windows(2).map(|pair| (pair[1] - pair[0]) / period).collect();
+        line.iter().fold(0.0_f64, |most, x| most.max(x.abs()))
+    })
+}
+
+/// Each block of the spiral takes 60/F s; a rotary axis alone turns by F; where X goes too, F is X's.
+#[test]
+fn rotary_axes_feed_by_inverse_time_by_degrees_and_with_others_as_linuxcnc_has_it() {
+    let folder = tempfile::tempdir().unwrap();
+    run(SCROLL, "mill-5-axis", "override 100 at 1ms", folder.path());
+    let names = ["time_s", "c_command_deg", "a_command_deg", "x_command_mm"];
+    let [time, c, a, x] = columns(folder.path(), &names).try_into().unwrap();
+    let first = |of: &[f64], place: f64| of.iter().position(|q| *q >= place).unwrap();
+    // the spiral between two angles: 2π·r/360 a degree at 40 mm/s; a block has the radius at its end, 5° on in the mean
+    let (from, to) = (90.0, 630.0);
+    let took = time[first(&c, to)] - time[first(&c, from)];
+    let radius = 40.0 - 4.0 * (f64::midpoint(from, to) + 5.0) / 360.0;
+    let expected = radius * f64::to_radians(to - from) / 40.0;
+    assert!((took - expected).abs() < 0.005 * expected, "{took} s, {expected} s");
+    // A alone at 60 °/s
+    let (low, high) = (first(&a, 30.0), first(&a, 60.0));
+    let took = time[high] - time[low];
+    assert!((took - 0.5).abs() < 0.005 && x[low] == x[high], "{took} s for 30°");
+    // back by 30° with 12 mm of X at 10 mm/s
+    let top = a.iter().enumerate().max_by(|one, two| one.1.total_cmp(two.1)).unwrap().0;
+    let falls = |place: f64| top + a[top..].iter().position(|q| *q <= place).unwrap();
+    let (begin, end) = (falls(80.0), falls(70.0));
+    let (way, took) = (x[end] - x[begin], time[end] - time[begin]);
+    assert!((way - 4.0).abs() < 0.02 && (took - way / 10.0).abs() < 0.005, "{way} {took}");
+}
+
+/// The machine's file: A 150 °/s, 1000 °/s², 50 000 °/s³; C 250, 1500, 80 000; X 50 m/min, 10 m/s², 800 m/s³.
+#[test]
+fn rotary_axes_keep_their_limits_under_overrides_and_holds_and_the_same_orders_give_the_same_bytes()
+{
+    let folder = tempfile::tempdir().unwrap();
+    let outs = ["one", "two"].map(|name| folder.path().join(name));
+    for out in &outs {
+        let certificate = run(SCROLL, "mill-5-axis", ORDERS, out);
+        assert_eq!(certificate["ended"], true);
+    }
+    for file in ["trace.parquet", "certificate.json", "report.html"] {
+        let [one, two] = [&outs[0], &outs[1]].map(|out| fs::read(out.join(file)).unwrap());
+        assert!(one == two, "{file} differs");
+    }
+    let names = ["a_command_deg", "c_command_deg", "x_command_mm"];
+    let limits = [[150.0, 1000.0, 50e3], [250.0, 1500.0, 80e3], [50_000.0 / 60.0, 10e3, 800e3]];
+    for ((name, line), limit) in names.iter().zip(columns(&outs[0], &names)).zip(limits) {
+        let seen = largest(line, PERIOD);
+        // a trace has steps of 2⁻²⁰
+        let step = 1.0 / f64::from(1 << 20);
+        let room = [1.001, 1.01, 1.05];
+        for (k, name_of) in ["speed", "acceleration", "jerk"].iter().enumerate() {
+            let noise = step * [1.0, 2.0, 4.0][k] / [PERIOD, PERIOD.powi(2), PERIOD.powi(3)][k];
+            assert!(seen[k] <= limit[k] * room[k] + noise, "{name}: {name_of} {}", seen[k]);
+        }
+    }
+}
+
+const PERIOD: f64 = 250e-6;
+
+/// What a program may hold that makes no sense, or little: handled, whatever the operator does meanwhile.
+#[test]
+fn programs_at_the_edge_of_sense_end_where_they_should() {
+    let nanometre = |n| format!("G1 X{:.6} F600\n", f64::from(n) * 1e-6);
+    let nanometres = (1..=500).map(nanometre).collect::<Vec<_>>().concat();
+    for (what, text, x) in [
+        ("moves without length", "G1 X10 F600\nX10\nX10 Y0\nG4 P0\nX20\n", 20.0),
+        ("turning back", "G1 X20 F6000\nX0\nX20\nX0.001\nX20 Y0.0001\nX0 Y0\n", 0.0),
+        ("segments of a nanometre", nanometres.as_str(), 5e-4),
+        ("a step that is no number of this size", "G1 X0.0000000001 F600\nX10\n", 10.0),
+    ] {
+        for machine in ["bench-xyz", "bench-xyz-jerk20"] {
+            let folder = tempfile::tempdir().unwrap();
+            let program = folder.path().join("part.ngc");
+            fs::write(&program, format!("G21 G90\n{text}M2\n")).unwrap();
+            let program = program.to_str().unwrap();
+            let orders =
+                "override 37 at 1ms; override 200 at 300ms; hold at 500ms; resume at 700ms";
+            let out = folder.path().join("out");
+            let certificate = run(program, machine, orders, &out);
+            assert_eq!(certificate["ended"], true, "{what} on {machine}");
+            let seen = columns(&out, &["x_command_mm"]);
+            let end = seen[0].last().unwrap();
+            assert!((end - x).abs() < 1e-6, "{what} on {machine}: X{end}");
+        }
+    }
+}
+
+#[test]
+fn what_no_machine_can_do_is_refused_with_a_sentence() {
+    let huge = format!("G1 X1{} F600", "0".repeat(300));
+    let zero = fs::read_to_string(root().join("machines/bench-xyz.toml"))
+        .unwrap()
+        .replace("acceleration_m_per_s2 = 1 ", "acceleration_m_per_s2 = 0 ");
+    let folder = tempfile::tempdir().unwrap();
+    let machine = folder.path().join("zero.toml");
+    fs::write(&machine, zero).unwrap();
+    for (text, machine, expected) in [
+        (huge.as_str(), "bench-xyz", "farther than any machine"),
+        ("G1 X10 F6000\nG2 X10 Y0 I-10 J0 P1000000 Z-10", "bench-xyz", "expected at most 86400 s"),
+        ("G1 X10 F0.0000001", "bench-xyz", "expected at most 86400 s"),
+        ("G1 A200 F3600", "mill-5-axis", "travel of -110 to 110°: A110 is the nearest that works"),
+        ("G1 A20 F3600", "bench-xyz", "the machine has no A axis"),
+        ("G1 X10 F600", machine.to_str().unwrap(), "expected a number from 0.001 to 500"),
+    ] {
+        let program = folder.path().join("part.ngc");
+        fs::write(&program, format!("G21 G90\n{text}\nM2\n")).unwrap();
+        for command in ["check", "time", "run"] {
+            let program = program.to_str().unwrap();
+            let output = leadscrew(&[command, program, "--machine", machine]);
+            let all = said(&output) + &complained(&output);
+            assert_eq!(output.status.code(), Some(2), "{command} {text}: {all}");
+            assert!(all.contains(expected), "{command} {text}: {all}");
+        }
+    }
+}
