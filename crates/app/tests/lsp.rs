@@ -180,6 +180,14 @@ fn a_hover_says_what_the_word_does_and_where_the_machine_stands() {
 }
 
 #[test]
+fn a_hover_over_a_code_that_nobody_knows_says_so() {
+    let mut editor = Editor::open("G21 G90\nG123 X1\nM2\n");
+    let text = editor.hover(1, 1);
+    assert!(text.contains("**G123** is no known code"), "{text}");
+    editor.leave();
+}
+
+#[test]
 fn the_outline_shows_tools_and_subprograms() {
     let mut editor = Editor::open(PART);
     let symbols =

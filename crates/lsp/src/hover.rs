@@ -64,6 +64,12 @@ fn about(word: &Word, block: &Block, visit: Option<&Visit>, dialect: Dialect) ->
     if let Some(code) = meaning(word, dialect) {
         return describe(&code);
     }
+    if matches!(word.letter, b'G' | b'M') {
+        return match word.value {
+            gcode::Value::Number(value) => format!("**{letter}{value}** is no known code\n\n"),
+            gcode::Value::Expression(_) => format!("**{letter}** with a code that is computed\n\n"),
+        };
+    }
     let own = block.words.iter().filter_map(|word| meaning(word, dialect));
     let motion = visit.and_then(|v| v.before.codes.first().cloned());
     let codes = own.map(|c| c.code).chain(motion);
