@@ -306,3 +306,25 @@ fn single_block_on_a_fitted_curve_stops_where_each_line_ends() {
         }
     }
 }
+
+/// Single block comes on the blend of a corner, before and behind the place where the line ends.
+#[test]
+fn single_block_behind_the_end_of_a_line_does_not_go_back_to_it() {
+    let last = [4.929_517_146_153_264, -1.690_567_476_501_653, 6.005_005_025_338_085];
+    let points =
+        [[-1.030_802_327_703_445_7, -4.138_634_340_721_112, 6.005_005_025_338_085], last, last];
+    let orders = [
+        (330, Order::FeedHold),
+        (2874, Order::Resume),
+        (2921, Order::SingleBlock(true)),
+        (208, Order::FeedOverride(1.542_428_349_330_323)),
+    ];
+    for single in 2880..2930 {
+        let mut orders = orders;
+        orders[2].0 = single;
+        let seen = run(&program(&points, &[20.186_718_694_284_508]), f64::INFINITY, &orders);
+        let [speed, accel, _] = loads(&seen, f64::INFINITY);
+        assert!(speed < 1.001 && accel < 1.01, "{single}: {speed} {accel}");
+        assert!(seen.ended && seen.faults.is_empty());
+    }
+}

@@ -55,20 +55,27 @@ impl Ends {
 pub(crate) struct Cutter {
     /// Which lines end on it is known when the next one comes.
     held: Option<Piece>,
+    /// Parameter of the first piece up to which it is done: what ended before has ended.
+    done: f64,
 }
 
 impl Cutter {
+    /// The first piece is under way.
+    pub(crate) const fn from(done: f64) -> Self {
+        Self { held: None, done }
+    }
+
     /// The next piece.
     pub(crate) fn push(&mut self, piece: Piece, ends: &Ends, emit: &mut impl FnMut(Piece)) {
         if let Some(held) = self.held.replace(piece) {
-            cut(&held, piece.op, ends, emit);
+            cut(&held, core::mem::take(&mut self.done), piece.op, ends, emit);
         }
     }
 
     /// The path ends here.
     pub(crate) fn finish(&mut self, ends: &Ends, emit: &mut impl FnMut(Piece)) {
         if let Some(held) = self.held.take() {
-            cut(&held, u32::MAX, ends, emit);
+            cut(&held, core::mem::take(&mut self.done), u32::MAX, ends, emit);
         }
     }
 
@@ -78,9 +85,9 @@ impl Cutter {
     }
 }
 
-/// Cut a piece where the lines end whose moves come before `next`.
-fn cut(piece: &Piece, next: u32, ends: &Ends, emit: &mut impl FnMut(Piece)) {
-    let (mut rest, mut done) = (*piece, 0.0);
+/// Cut a piece, behind what is done of it, where the lines end whose moves come before `next`.
+fn cut(piece: &Piece, done: f64, next: u32, ends: &Ends, emit: &mut impl FnMut(Piece)) {
+    let (mut rest, mut begun, mut done) = (*piece, 0.0, done);
     let mut index = ends.first(piece.op);
     while let (Some(end), Some(after)) = (ends.0.get(index), ends.0.get(index + 1)) {
         index += 1;
@@ -92,10 +99,10 @@ fn cut(piece: &Piece, next: u32, ends: &Ends, emit: &mut impl FnMut(Piece)) {
         }
         let at = nearest(piece, done, &end.at);
         if at - done > SHORTEST && piece.length - at > SHORTEST {
-            emit(Piece { length: at - done, ..rest });
+            emit(Piece { length: at - begun, ..rest });
             rest = Piece { begin: piece.begin + at, length: piece.length - at, ..*piece };
             rest.entry = path::Entry::Smooth;
-            done = at;
+            (begun, done) = (at, at);
         }
         if piece.length - at > SHORTEST {
             (rest.op, rest.line) = (after.op, after.line);

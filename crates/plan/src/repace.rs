@@ -137,7 +137,7 @@ impl Row {
         while from < self.parts.len() {
             let Phase { s, v, a, .. } = self.parts[from].phase;
             let timing = Timing::new(limits, spin, wish, Some(State { s, v, a }));
-            let mut anew = Anew { from, timing, cutter: Cutter::default() };
+            let mut anew = Anew { from, timing, cutter: Cutter::from(s) };
             let mut last = None;
             let parts = self.parts[from..].iter().map(|part| &part.piece);
             for piece in parts.chain(waits.into_iter().flatten()) {
@@ -232,8 +232,10 @@ impl Run {
         let anew = if let Some(row) = &back {
             row.anew(known, wish, Some(&left))
         } else {
-            let timing = Timing::new(known.0, self.spin, wish, old.begins());
-            let mut anew = Anew { from: 0, timing, cutter: Cutter::default() };
+            let state = old.begins();
+            let timing = Timing::new(known.0, self.spin, wish, state);
+            let cutter = Cutter::from(state.map_or(0.0, |state| state.s));
+            let mut anew = Anew { from: 0, timing, cutter };
             for piece in &left {
                 anew.push(*piece, wish, known.1);
             }
