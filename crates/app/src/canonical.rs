@@ -119,6 +119,12 @@ fn body(kind: &OpKind) -> Value {
             "sweep_deg": arc.sweep.in_deg(),
             "feed": feed(*f),
         }),
+        OpKind::Spline { to, spline, feed: f } => json!({
+            "op": "spline",
+            "to_mm": position(to),
+            "control_mm": spline.pieces.iter().flatten().map(|p| p.map(units::Length::value)).collect::<Vec<_>>(),
+            "feed": feed(*f),
+        }),
         OpKind::Tap(tap) => json!({
             "op": "tap",
             "start_mm": position(&tap.start),

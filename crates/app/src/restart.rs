@@ -121,12 +121,14 @@ pub(crate) fn find(
         }
         travels = is_rapid;
         let is_feature = matches!(op.kind, OpKind::Tap(_) | OpKind::Hole(_));
-        let cuts =
-            matches!(op.kind, OpKind::Line { .. } | OpKind::Arc { .. } | OpKind::Threading(_))
-                || matches!(
-                    op.kind,
-                    OpKind::Cam(CamOrder::Grind { .. } | CamOrder::SparkOut { .. })
-                );
+        let cuts = matches!(
+            op.kind,
+            OpKind::Line { .. }
+                | OpKind::Arc { .. }
+                | OpKind::Spline { .. }
+                | OpKind::Threading(_)
+                | OpKind::Cam(CamOrder::Grind { .. } | CamOrder::SparkOut { .. })
+        );
         let moves = is_rapid || is_feature || cuts;
         let found = match from {
             From::Hole(number) => is_feature && in_force.holes + 1 == number,

@@ -10,7 +10,7 @@
 //!   Op ─┬─ motion     Rapid, Line, Arc, Tap, Threading
 //!       ├─ waiting    Dwell, Pause, End
 //!       ├─ coupling   Polygon, PolygonMeasure, PolygonEnd, Hob, HobEnd, Cam
-//!       ├─ switching  Spindle, Coolant, SelectTool, ChangeTool, PathMode, Overrides, Output, Input, UserCode
+//!       ├─ switching  Spindle, Coolant, SelectTool, ChangeTool, PathMode, Spline, Overrides, Output, Input, UserCode
 //!       └─ meaning    Hole (what the moves that follow are for), Message
 //! ```
 //!
@@ -31,7 +31,7 @@ pub use coupling::{Actuator, Harmonic, Hob, Oscillating, Oscillation, Polygon, R
 pub use diag::Span;
 pub use op::{
     Arc, Await, ChipRemoval, Feed, Hole, InputWait, Op, OpKind, Output, PathMode,
-    ReturnAcceleration, Signal, SpindleOrder, Tap, Threading, UserCode,
+    ReturnAcceleration, Signal, SpindleOrder, Spline, Tap, Threading, UserCode,
 };
 pub use position::{Axis, Plane, Position};
 pub use thread::{Family, Hand, ThreadSize, UnknownSize};

@@ -1,6 +1,7 @@
 //! The operations.
 use crate::{Axis, CamOrder, Hob, Plane, Polygon, Position, Span};
 use alloc::boxed::Box;
+use alloc::vec::Vec;
 use units::{Angle, Lead, Length, Speed, Spin, SpinAccel, Time};
 
 /// One operation and the text it came from.
@@ -33,6 +34,15 @@ pub enum OpKind {
         to: Position,
         /// Which circle.
         arc: Arc,
+        /// How fast.
+        feed: Feed,
+    },
+    /// Move along a spline at a feed.
+    Spline {
+        /// Where to.
+        to: Position,
+        /// Which curve.
+        spline: Spline,
         /// How fast.
         feed: Feed,
     },
@@ -200,6 +210,14 @@ pub struct Arc {
     pub centre: [Length; 2],
     /// Angle swept, counter-clockwise positive as seen against the normal; more than one turn is allowed.
     pub sweep: Angle,
+}
+
+/// A curve in X and Y, from where the axes stand; all others stay.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spline {
+    /// Bézier curves of the fifth degree, one after another: of each its four control points between its ends, and its end, in
+    /// machine coordinates.
+    pub pieces: Vec<[[Length; 2]; 5]>,
 }
 
 /// What a spindle is told.

@@ -138,6 +138,7 @@ impl Resolver {
                 OpKind::Rapid { .. }
                     | OpKind::Line { .. }
                     | OpKind::Arc { .. }
+                    | OpKind::Spline { .. }
                     | OpKind::Tap(_)
                     | OpKind::Threading(_)
             )
@@ -168,18 +169,25 @@ impl Resolver {
         point
     }
 
-    /// Whether a move to this point is one to be made; remembers where it ends.
-    fn arrives(&mut self, to: &Point, span: Span) -> bool {
-        if let Some(i) = (0..9).find(|i| to[*i].is_nan() || to[*i].abs() > FARTHEST) {
-            if self.knows_enough() {
-                return false;
-            }
+    /// Reported, unless enough is known.
+    pub(crate) fn is_too_far(&mut self, to: &Point, span: Span) -> bool {
+        let Some(i) = (0..9).find(|i| to[*i].is_nan() || to[*i].abs() > FARTHEST) else {
+            return false;
+        };
+        if !self.knows_enough() {
             let text = format!(
                 "{} would go to {} mm: farther than any machine",
                 Axis::ALL[i].letter(),
                 to[i]
             );
             self.report(Diagnostic::error("I0701", span, text));
+        }
+        true
+    }
+
+    /// Whether a move to this point is one to be made; remembers where it ends.
+    pub(crate) fn arrives(&mut self, to: &Point, span: Span) -> bool {
+        if self.is_too_far(to, span) {
             return false;
         }
         let moves = !same(&self.at, to);
@@ -240,7 +248,7 @@ impl Resolver {
     }
 
     /// F as it counts on this way.
-    fn feed(&mut self, from: &Point, to: &Point, span: Span) -> Feed {
+    pub(crate) fn feed(&mut self, from: &Point, to: &Point, span: Span) -> Feed {
         if let Some(seconds) = self.feed.duration_s.take() {
             return Feed::Duration(Time::s(seconds));
         }

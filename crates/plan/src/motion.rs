@@ -24,7 +24,7 @@
 use crate::Profile;
 use crate::limits::{AxisLimits, MachineLimits};
 use crate::path::{Path, radius};
-use canon::{Arc, Axis, Position};
+use canon::{Arc, Axis, Plane, Position};
 
 /// Limits along a path, in the units of its parameter (mm, or degrees for rotary axes) and seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,6 +77,7 @@ pub(crate) fn along(
     let plane = match path {
         Path::Line { .. } => None,
         Path::Arc { arc, .. } => Some(arc.plane.axes()),
+        Path::Spline { .. } => Some(Plane::XY.axes()),
     };
     let in_plane = |axis: Axis| plane.is_some_and(|[a, b, _]| axis == a || axis == b);
     let none = f64::INFINITY;
@@ -90,12 +91,20 @@ pub(crate) fn along(
             bound.jerk = bound.jerk.min(of.jerk / share);
         }
     }
-    if let (Path::Arc { from, arc, .. }, Some([first, second, _])) = (path, plane) {
+    if let Some([first, second, _]) = plane {
         let of = |axis: Axis| {
             limits.axes[axis.index()].as_ref().map(|a| OfAxis::of(a, rapid)).ok_or(axis)
         };
         let plane = of(first)?.min(of(second)?);
-        bound = on_circle(bound, plane, from, arc, length, wanted);
+        bound = match path {
+            Path::Line { .. } => bound,
+            Path::Arc { from, arc, .. } => on_circle(bound, plane, from, arc, length, wanted),
+            // it is planned as a path in any case: what the axes can do at all
+            Path::Spline { .. } => {
+                let OfAxis { speed, accel, jerk } = plane;
+                Along { speed, axis_speed: speed, accel, jerk }
+            }
+        };
     }
     bound.speed = bound.speed.min(bound.axis_speed);
     Ok(bound)

@@ -16,18 +16,21 @@
 //! | e | what the rotated start lacks to the programmed end: rounding of the program | mm |
 //!
 //! Spreading e over the path (instead of jumping at its end) keeps the motion smooth and its end exact.
+//! Of a spline X and Y are its own polynomials of the length (`path::geometry::Bezier`).
 //! On a circle the acceleration has a part towards the centre, v²/r, beside the part along the path.
 //!
 //! Length follows RS-274/NGC (NIST IR 6556, 2.1.2.5): along X Y Z if one of them moves, else along
 //! U V W, else the turn of the rotary axes in degrees; all others arrive at the same time.
 use crate::Instant;
 use crate::motion::coordinate;
-use ::path::Curve;
+use ::path::geometry::Bezier;
+use ::path::{Curve, Shape};
 use canon::{Arc, Axis, Position};
 use units::{Accel, Length, Speed};
 
 /// A path of the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant)] // it is moved into a queue once
 pub enum Path {
     /// A straight line.
     Line {
@@ -44,6 +47,15 @@ pub enum Path {
         to: Position,
         /// Which circle.
         arc: Arc,
+    },
+    /// A part of a spline.
+    Spline {
+        /// Where it begins.
+        from: Position,
+        /// Where it ends.
+        to: Position,
+        /// The part.
+        curve: Bezier,
     },
 }
 
@@ -63,14 +75,14 @@ impl Path {
     /// Where it begins.
     pub const fn from(&self) -> &Position {
         match self {
-            Self::Line { from, .. } | Self::Arc { from, .. } => from,
+            Self::Line { from, .. } | Self::Arc { from, .. } | Self::Spline { from, .. } => from,
         }
     }
 
     /// Where it ends.
     pub const fn to(&self) -> &Position {
         match self {
-            Self::Line { to, .. } | Self::Arc { to, .. } => to,
+            Self::Line { to, .. } | Self::Arc { to, .. } | Self::Spline { to, .. } => to,
         }
     }
 
@@ -84,6 +96,7 @@ impl Path {
                 let rise = to.along(normal).value() - from.along(normal).value();
                 libm::hypot(radius(from, arc) * arc.sweep.in_rad(), rise)
             }
+            Self::Spline { curve, .. } => curve.length(),
         }
     }
 
@@ -104,6 +117,7 @@ impl Path {
                     length,
                 })
             }
+            Self::Spline { curve, .. } => Curve::Bezier(*curve),
         }
     }
 
@@ -113,8 +127,10 @@ impl Path {
         // a path without length is a point, and the profile of a point stays at 0
         let per_length = if length > 0.0 { 1.0 / length } else { 0.0 };
         let mut motion = linear(self.from(), self.to(), at, per_length);
-        if let Self::Arc { from, to, arc } = self {
-            turn(&mut motion, from, to, arc, at, per_length);
+        match self {
+            Self::Line { .. } => {}
+            Self::Arc { from, to, arc } => turn(&mut motion, from, to, arc, at, per_length),
+            Self::Spline { curve, .. } => bend(&mut motion, curve, at),
         }
         motion
     }
@@ -163,6 +179,16 @@ fn turn(
         motion.position[i] = Length::mm(centre[k] + p[k] + e[k] * fraction);
         motion.speed[i] = Speed::mm_per_s(slope[k] * at.v);
         motion.accel[i] = Accel::mm_per_s2(slope[k] * at.a - bend * p[k]);
+    }
+}
+
+/// Overwrite X and Y with the spline.
+fn bend(motion: &mut Motion, curve: &Bezier, at: Instant) {
+    let d = curve.at(at.s);
+    for i in [Axis::X, Axis::Y].map(Axis::index) {
+        motion.position[i] = Length::mm(d.q[i]);
+        motion.speed[i] = Speed::mm_per_s(d.q1[i] * at.v);
+        motion.accel[i] = Accel::mm_per_s2(d.q1[i] * at.a + d.q2[i] * at.v * at.v);
     }
 }
 

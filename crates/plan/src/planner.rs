@@ -119,6 +119,7 @@ const fn leaves_cam(kind: &OpKind) -> bool {
         OpKind::Rapid { .. }
         | OpKind::Line { .. }
         | OpKind::Arc { .. }
+        | OpKind::Spline { .. }
         | OpKind::Tap(_)
         | OpKind::Threading(_)
         | OpKind::Hole(_)
@@ -250,6 +251,7 @@ impl Planner {
                     self.programmed = *to;
                 }
             }
+            OpKind::Spline { to, spline, feed } => self.spline(&mut job, to, spline, *feed),
             OpKind::Tap(tap) => self.tap(&mut job, tap),
             OpKind::Threading(order) => self.threading(&mut job, order),
             OpKind::Hole(hole) => {
@@ -373,7 +375,7 @@ impl Planner {
             let from = self.position();
             let path = Path::Line { from, to: from.with(Axis::Z, z) };
             self.lifted = Some(z);
-            if !self.is_refused(job, &path) {
+            if !self.is_refused(job, &[path]) {
                 self.rapid_along(job, path);
             }
         }

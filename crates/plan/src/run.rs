@@ -163,7 +163,8 @@ impl Run {
         emit: &mut dyn FnMut(Step),
     ) {
         if let Some(first) = &self.first {
-            if self.wish.share == 1.0 {
+            let has_profile = !matches!(first.path, Path::Spline { .. });
+            if has_profile && self.wish.share == 1.0 {
                 emit(first.step());
                 self.first = None;
                 return;

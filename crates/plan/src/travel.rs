@@ -1,6 +1,6 @@
 //! Soft limits: does a path stay within each axis' travel?
 //!
-//! A line's extremes are its ends. An arc bulges beyond them wherever it passes one of the four points
+//! A line's extremes are its ends; a spline is looked at all along. An arc bulges beyond them wherever it passes one of the four points
 //! where an axis turns back:
 //!
 //! ```text
@@ -14,6 +14,8 @@ use crate::motion::coordinate;
 use crate::path::radius;
 use canon::{Arc, Axis, Position};
 use core::f64::consts::TAU;
+use path::Shape;
+use path::geometry::Bezier;
 
 /// An axis that would leave its travel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,17 +37,24 @@ impl Beyond {
 /// Rounding of a program's numbers, mm: that far beyond the travel is not beyond it.
 const ROUNDING: f64 = 1e-6;
 
-/// All axes that leave their travel along a path.
+/// Places at which a part of a spline, which hardly bends, is looked at.
+const LOOKS: u32 = 64;
+
+/// All axes that leave their travel along paths.
 pub(crate) fn beyond<'a>(
-    path: &'a Path,
+    paths: &'a [Path],
     limits: &'a MachineLimits,
 ) -> impl Iterator<Item = Beyond> + 'a {
     Axis::ALL.into_iter().filter_map(move |axis| {
         let (low, high) = limits.axes[axis.index()]?.travel?;
         let travel = (low.value(), high.value());
         let out = |x: f64| x < travel.0 - ROUNDING || x > travel.1 + ROUNDING;
-        let (lowest, highest) = extremes(path, axis);
-        let reaches = [lowest, highest].into_iter().find(|x| out(*x))?;
+        let all = paths.iter().map(|path| extremes(path, axis));
+        let (lowest, highest) = all.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
+        let far = |x: f64| (x - travel.0).abs().max((x - travel.1).abs());
+        let [near, reaches] =
+            if far(lowest) > far(highest) { [highest, lowest] } else { [lowest, highest] };
+        let reaches = [reaches, near].into_iter().find(|x| out(*x))?;
         Some(Beyond { axis, reaches, travel })
     })
 }
@@ -54,7 +63,11 @@ pub(crate) fn beyond<'a>(
 /// before, which has been judged.)
 fn extremes(path: &Path, axis: Axis) -> (f64, f64) {
     let end = coordinate(path.to(), axis);
-    let Path::Arc { from, arc, .. } = path else { return (end, end) };
+    let (from, arc) = match path {
+        Path::Line { .. } => return (end, end),
+        Path::Spline { curve, .. } => return of_spline(curve, axis.index()),
+        Path::Arc { from, arc, .. } => (from, arc),
+    };
     let [first, second, _] = arc.plane.axes();
     // angle, in turns, at which this axis is highest
     let (index, top) = match axis {
@@ -71,6 +84,13 @@ fn extremes(path: &Path, axis: Axis) -> (f64, f64) {
         range.0 = range.0.min(centre - r);
     }
     range
+}
+
+/// Lowest and highest coordinate of an axis on a part of a spline.
+fn of_spline(curve: &Bezier, axis: usize) -> (f64, f64) {
+    let all =
+        (0..=LOOKS).map(|n| curve.at(curve.length() * f64::from(n) / f64::from(LOOKS)).q[axis]);
+    all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
 }
 
 /// Whether an arc passes an angle, in turns.

@@ -84,7 +84,7 @@ pub(crate) struct Ordered {
 impl Ordered {
     /// An operation while it is geared: how close does the hob come?
     pub(crate) fn see(&mut self, kind: &OpKind) {
-        if let OpKind::Line { to, .. } | OpKind::Arc { to, .. } = kind {
+        if let OpKind::Line { to, .. } | OpKind::Arc { to, .. } | OpKind::Spline { to, .. } = kind {
             let x = to.linear[0];
             self.least_x = Some(self.least_x.map_or(x, |least| least.min(x)));
         }

@@ -101,7 +101,10 @@ impl Judge {
     pub fn op(&mut self, index: u32, op: &Op) {
         let from = self.at;
         match &op.kind {
-            OpKind::Rapid { to } | OpKind::Line { to, .. } | OpKind::Arc { to, .. } => {
+            OpKind::Rapid { to }
+            | OpKind::Line { to, .. }
+            | OpKind::Arc { to, .. }
+            | OpKind::Spline { to, .. } => {
                 self.at = *to;
             }
             OpKind::Threading(order) => self.at = order.to,

@@ -147,7 +147,7 @@ impl Planner {
         let to = from.with(Axis::X, x);
         self.programmed = self.programmed.with(Axis::X, x);
         let path = Path::Line { from, to };
-        if self.is_refused(job, &path) {
+        if self.is_refused(job, &[path]) {
             return;
         }
         let Some(mut bound) = self.bound(job, &path, true, f64::INFINITY) else { return };
@@ -289,7 +289,7 @@ impl Planner {
         let to = from.with(Axis::X, from.linear[0] - bite);
         self.programmed = self.programmed.with(Axis::X, to.linear[0]);
         let path = Path::Line { from, to };
-        if self.is_refused(job, &path) {
+        if self.is_refused(job, &[path]) {
             return;
         }
         let wanted = rate.value() * spin.abs().value();

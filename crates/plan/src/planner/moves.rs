@@ -1,15 +1,16 @@
 //! Rapids and cuts: judged, bounded, and handed to the run that joins them.
 use super::refuse::clipped;
 use super::{Job, NOTHING, Planner};
-use crate::motion::{Along, along};
+use crate::motion::{Along, along, coordinate};
 use crate::path::Path;
 use crate::run::{Alone, Order};
 use crate::step::{Move, Step, StepKind};
 use alloc::format;
-use canon::{Feed, PathMode, Position};
+use alloc::vec::Vec;
+use canon::{Axis, Feed, PathMode, Position, Spline};
 use diag::Diagnostic;
-use path::geometry::Segment;
-use units::Spin;
+use path::geometry::{Bezier, Segment};
+use units::{Length, Spin};
 
 /// Share of P for merging collinear moves, where Q is not stated, and the most of it that Q may take.
 const MERGED: f64 = 0.02;
@@ -27,7 +28,7 @@ impl Planner {
         self.programmed = *to;
         self.lifted = stays_up;
         let path = Path::Line { from, to: self.position() };
-        if self.is_refused(job, &path) {
+        if self.is_refused(job, &[path]) {
             return;
         }
         if !is_back {
@@ -50,6 +51,7 @@ impl Planner {
             if !self.motion_is_refused(job, &bound, path.length(), bound.speed) {
                 let alone = Alone::PerTime(bound.speed);
                 self.run_on(job, path, bound, alone, (f64::INFINITY, true));
+                self.stop_exactly(job);
             }
         } else if let Some(step) = self.rapid_step(job, path) {
             self.after_spindle(job, step);
@@ -86,12 +88,64 @@ impl Planner {
         self.come_down(job);
         let path = make(self.programmed);
         self.programmed = *to;
-        let turning = self.spindles.first().map_or(Spin::ZERO, |s| s.ordered.abs());
-        let refused = self.is_refused(job, &path);
-        if self.feed_is_refused(job, feed, turning) || refused {
-            return;
+        if self.may_cut(job, &[path], feed) {
+            self.cut_along(job, path, feed);
+            self.stop_exactly(job);
         }
-        let (length, n) = (path.length(), turning.value());
+    }
+
+    /// Along a curve, whose parts each are one polynomial of their length; the last of them ends it.
+    pub(super) fn spline(&mut self, job: &mut Job, to: &Position, spline: &Spline, feed: Feed) {
+        self.come_down(job);
+        let mut from = self.programmed;
+        let mut parts = Vec::new();
+        for piece in &spline.pieces {
+            let place = |[x, y]: [Length; 2]| from.with(Axis::X, x).with(Axis::Y, y);
+            let [a, b, c, d, end] = piece.map(place);
+            let control = [from, a, b, c, d, end];
+            let control = control.map(|at| Axis::ALL.map(|axis| coordinate(&at, axis)));
+            Bezier::parts(control, &mut parts);
+            from = end;
+        }
+        let mut from = self.programmed;
+        let paths: Vec<Path> = parts
+            .into_iter()
+            .map(|curve| {
+                let [x, y, ..] = curve.control[5].map(Length::mm);
+                let to = from.with(Axis::X, x).with(Axis::Y, y);
+                Path::Spline { from: core::mem::replace(&mut from, to), to, curve }
+            })
+            .collect();
+        self.programmed = *to;
+        if self.may_cut(job, &paths, feed) {
+            for path in paths {
+                self.cut_along(job, path, feed);
+            }
+            self.stop_exactly(job);
+        }
+    }
+
+    /// Whether the axes can go there, and at such a feed; said where not.
+    fn may_cut(&mut self, job: &Job, paths: &[Path], feed: Feed) -> bool {
+        let turning = self.turning();
+        let refused = self.is_refused(job, paths);
+        !self.feed_is_refused(job, feed, turning) && !refused
+    }
+
+    /// How fast the spindle is to turn.
+    fn turning(&self) -> Spin {
+        self.spindles.first().map_or(Spin::ZERO, |s| s.ordered.abs())
+    }
+
+    /// At rest before the next move, if the program wants that.
+    fn stop_exactly(&mut self, job: &mut Job) {
+        if matches!(self.mode, PathMode::ExactStop) && !self.only_judges {
+            self.outbox.end_run(&self.limits, job.emit);
+        }
+    }
+
+    fn cut_along(&mut self, job: &mut Job, path: Path, feed: Feed) {
+        let (length, n) = (path.length(), self.turning().value());
         let wanted = match feed {
             Feed::PerTime(speed) => speed.value(),
             Feed::PerRevolution(lead) => lead.value() * n,
@@ -135,9 +189,6 @@ impl Planner {
         let segment = Segment { curve: path.curve(), feed, rapid, tolerance, merge, op, line };
         let order = Order { segment, path, bound, alone };
         self.outbox.run_on(order, self.wanted, &self.limits, job.emit);
-        if matches!(self.mode, PathMode::ExactStop) {
-            self.outbox.end_run(&self.limits, job.emit);
-        }
         if let Some((line, why)) = self.outbox.take_refusal() {
             let text = format!("line {line}: {why}");
             self.findings.add(Diagnostic::error("M0316", job.span, text));

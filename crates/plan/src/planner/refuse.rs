@@ -19,9 +19,10 @@ const ABSURD: f64 = 1e6;
 const LONGEST: f64 = 86_400.0;
 
 impl Planner {
-    pub(super) fn is_refused(&mut self, job: &Job, path: &Path) -> bool {
-        let to = path.to();
-        if let Some((axis, x)) = wild(to) {
+    /// Of paths one after another, which make up one move.
+    pub(super) fn is_refused(&mut self, job: &Job, paths: &[Path]) -> bool {
+        let wild = paths.iter().find_map(|path| wild(path.to()));
+        if let (Some((axis, x)), [first, ..]) = (wild, paths) {
             let text = format!(
                 "expected a coordinate within ±{ABSURD} mm, found {} {}",
                 axis.letter(),
@@ -29,11 +30,11 @@ impl Planner {
             );
             self.findings.add(Diagnostic::error("M0302", job.span, text));
             // go on from a place that exists
-            self.programmed = *path.from();
+            self.programmed = *first.from();
             return true;
         }
         let mut refused = false;
-        for out in beyond(path, &self.limits) {
+        for out in beyond(paths, &self.limits) {
             refused = true;
             let letter = out.axis.letter();
             let unit = if is_rotary(out.axis) { "°" } else { " mm" };

@@ -275,7 +275,7 @@ impl Planner {
             }
         }
         let path = crate::Path::Line { from: tap.start, to: tap.start.with(tap.axis, tap.bottom) };
-        self.is_refused(job, &path) || refused
+        self.is_refused(job, &[path]) || refused
     }
 
     /// A tap along an axis in which the spindle does not hold its tool.

@@ -59,7 +59,7 @@ impl Planner {
         let from = self.programmed;
         self.programmed = order.to;
         let path = Path::Line { from, to: order.to };
-        if !self.is_refused(job, &path) && !self.threading_is_refused(job, &from, order) {
+        if !self.is_refused(job, &[path]) && !self.threading_is_refused(job, &from, order) {
             self.chain.push(Waiting { index: job.index, span: job.span, from, order: *order });
         }
     }

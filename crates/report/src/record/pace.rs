@@ -74,7 +74,8 @@ impl Pace {
 
     pub(super) fn op(&mut self, index: u32, op: &Op) {
         if let OpKind::Line { feed: Feed::PerTime(feed), .. }
-        | OpKind::Arc { feed: Feed::PerTime(feed), .. } = &op.kind
+        | OpKind::Arc { feed: Feed::PerTime(feed), .. }
+        | OpKind::Spline { feed: Feed::PerTime(feed), .. } = &op.kind
         {
             self.feeds.insert(index, feed.value());
         }

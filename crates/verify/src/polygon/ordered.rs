@@ -57,7 +57,7 @@ impl Ordered {
         let place = |to: &Position| [to.linear[0].value(), to.linear[2].value()];
         match kind {
             OpKind::Rapid { to } => self.at = Some(place(to)),
-            OpKind::Line { to, .. } | OpKind::Arc { to, .. } => {
+            OpKind::Line { to, .. } | OpKind::Arc { to, .. } | OpKind::Spline { to, .. } => {
                 let to = place(to);
                 self.cuts.push([self.at.unwrap_or(to), to]);
                 self.at = Some(to);
