@@ -6,7 +6,7 @@ use path::Shape;
 use plan::{Step, StepKind};
 use units::{Length, Speed};
 
-/// y = x²/20 from the origin to (20, 20), as G5.1 writes it, raised to the fifth degree: P_k = (4·k, k·(k − 1)).
+/// y = x²/20 from the origin to (20, 20), as G5.1 writes it, raised to the fifth degree: points (4·k, k·(k − 1)).
 fn parabola() -> OpKind {
     let point = |k: i32| [mm(f64::from(4 * k)), mm(f64::from(k * (k - 1)))];
     OpKind::Spline {
