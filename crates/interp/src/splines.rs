@@ -391,9 +391,9 @@ mod tests {
                     for _ in 0..60 {
                         let third = (high - low) / 3.0;
                         if off(low + third) < off(high - third) {
-                            high -= third
+                            high -= third;
                         } else {
-                            low += third
+                            low += third;
                         }
                     }
                     off(f64::midpoint(low, high))
