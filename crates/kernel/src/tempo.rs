@@ -169,6 +169,9 @@ impl Tempo {
         self.bend = next.change - change;
         (self.rate, self.change, self.told) = (next.rate, next.change, next.told);
         (self.settles, self.foreseen) = (settles, true);
+        if self.change == 0.0 && (self.rate - wanted).abs() <= SAME {
+            self.rate = wanted; // an easing ends there but for rounding
+        }
     }
 
     /// The axes are told to be here.

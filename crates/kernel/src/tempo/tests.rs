@@ -155,3 +155,16 @@ fn a_plan_beyond_its_limits_can_be_held() {
     let seen = run(Plan::Circle { radius: 5.0, speed: 120.0 }, 20e3, &[(100, 0.0)], 4000);
     assert_eq!(seen[3999].1, 0.0);
 }
+
+/// An easing that ends beside the wanted rate by rounding has come to it: else a hold would never be one.
+#[test]
+fn a_rate_that_is_wanted_but_for_rounding_is_reached() {
+    let looks = Cell::new(0);
+    for wanted in [0.0, 0.37] {
+        let along = Along { plan: Plan::Line { speed: 50.0 }, at: 0.0, looks: &looks };
+        let mut tempo = Tempo { rate: wanted + 1e-13, settles: wanted + 1e-13, ..Tempo::FULL };
+        let period = Period { length: DT, planned: DT };
+        tempo.advance(wanted, along, &limits(20e3), period);
+        assert!(tempo.is_steady(wanted), "{}", tempo.rate());
+    }
+}
