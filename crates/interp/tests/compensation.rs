@@ -104,23 +104,23 @@ fn a_probe_touches_at_the_programmed_end_and_stands_a_little_back() {
 }
 
 #[test]
-fn the_machine_follows_a_spline_within_a_micrometre() {
+fn a_spline_is_one_operation_and_its_curve_is_the_programmed_one() {
     // A quadratic Bézier curve over (0, 0), (10, 20), (20, 0) is the parabola y = 2x(1 − x/20).
     let setup = Setup::default();
     let program = b"G5.1 I10 J20 X20 Y0 F100\nM2\n";
-    let mut at = [0.0, 0.0];
-    let mut pieces = 0;
-    for op in interp::Ops::new(program, &setup) {
-        let canon::OpKind::Line { to, .. } = op.kind else { continue };
-        let to = [to.linear[0].value(), to.linear[1].value()];
-        assert!((to[1] - 2.0 * to[0] * (1.0 - to[0] / 20.0)).abs() < 1e-9, "{to:?}");
-        let middle = f64::midpoint(at[0], to[0]);
-        let chord = f64::midpoint(at[1], to[1]);
-        assert!((chord - 2.0 * middle * (1.0 - middle / 20.0)).abs() < 0.002, "{at:?} {to:?}");
-        at = to;
-        pieces += 1;
+    let splines = interp::Ops::new(program, &setup).filter_map(|op| match op.kind {
+        canon::OpKind::Spline { to, spline, .. } => Some((to, spline)),
+        _ => None,
+    });
+    let splines: Vec<_> = splines.collect();
+    let [(to, spline)] = splines.as_slice() else { panic!("{splines:?}") };
+    assert_eq!(to.linear.map(units::Length::value), [20.0, 0.0, 0.0]);
+    let [ahead] = spline.pieces.as_slice() else { panic!("{spline:?}") };
+    // raised to the fifth degree: x goes evenly, and the parabola's blossom says y
+    for (k, [x, y]) in (1..).map(f64::from).zip(ahead) {
+        let (even, raised) = (4.0 * k, 40.0 * (k / 5.0 - k * (k - 1.0) / 20.0));
+        assert!((x.value() - even).abs() < 1e-9, "{ahead:?}");
+        assert!((y.value() - raised).abs() < 1e-9, "{ahead:?}");
     }
-    assert_eq!(at, [20.0, 0.0]);
-    assert!(pieces > 20);
     assert_eq!(ends("G5.2 P1 X1 Y1 F10\nP1 X2 Y0\nG1 X3\nM2\n").1, ["I0558"]);
 }
