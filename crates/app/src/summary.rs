@@ -66,6 +66,9 @@ fn verdict(outcome: &Outcome, bad: usize) -> String {
         };
     }
     match (bad, outcome.features.len()) {
+        (0, _) if !outcome.watch.breaches().is_empty() => {
+            "FAIL: what must never be was seen on the way".to_owned()
+        }
         (0, 0) => "ENDED, no holes or threads to judge".to_owned(),
         (0, all) => format!("PASS: {} within tolerance", plural(all, "feature")),
         (bad, all) => format!("FAIL: {bad} of {all} features out of tolerance"),
