@@ -100,7 +100,8 @@ impl Executor {
             let text = "G51.2 needs P and Q, turns of the work and of the tool: P1 Q2 with three inserts cuts a hexagon";
             return refuse("I0804", span, text);
         };
-        let ratio = Ratio { follower: self.turns(b'Q', q)?, master: self.turns(b'P', p)? };
+        let ratio =
+            Ratio { follower: self.turns(b'Q', q, [p, q])?, master: self.turns(b'P', p, [p, q])? };
         if ratio.master <= 0 || ratio.follower == 0 {
             let text = format!(
                 "the turns of G51.2 are whole numbers, P above 0 and Q not 0 (its sign is the tool's sense), found P{p} Q{q}: P1 Q2 works"
@@ -212,19 +213,31 @@ impl Executor {
         Ok(choice.map(|d| BY_NUMBER[d as usize]))
     }
 
-    fn turns(&self, letter: u8, value: f64) -> Outcome<i32> {
+    fn turns(&self, letter: u8, value: f64, both: [f64; 2]) -> Outcome<i32> {
         match crate::words::near_whole(value).filter(|_| value.abs() <= MOST_TURNS) {
             Some(whole) => Ok(whole as i32),
             None => refuse(
                 "I0805",
                 self.words.span(letter),
                 format!(
-                    "the turns of G51.2 are whole numbers up to {MOST_TURNS}, found {}{value}",
-                    letter as char
+                    "the turns of G51.2 are whole numbers up to {MOST_TURNS}, found {}{value}: {}",
+                    letter as char,
+                    in_whole_turns(both)
                 ),
             ),
         }
     }
+}
+
+/// The same ratio in whole turns, if a hundred turns have it.
+fn in_whole_turns([p, q]: [f64; 2]) -> String {
+    use crate::words::near_whole;
+    let times = (1..=100).map(f64::from).map(|n| [near_whole(n * p), near_whole(n * q)]);
+    let mut small = times.filter_map(|turns| match turns {
+        [Some(p), Some(q)] if p > 0 && q != 0 && q.abs() <= MOST_TURNS as i64 => Some((p, q)),
+        _ => None,
+    });
+    small.next().map_or_else(|| "P1 Q2 works".into(), |(p, q)| format!("P{p} Q{q} is that ratio"))
 }
 
 fn add(oscillations: &mut Vec<Oscillation>, on: Oscillating, harmonic: Harmonic) {
@@ -260,5 +273,18 @@ impl Resolver {
             compensated: order.compensated,
         };
         self.push(span, OpKind::Polygon(polygon));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_whole_turns;
+
+    #[test]
+    fn a_ratio_in_parts_of_turns_is_offered_in_whole_ones() {
+        assert_eq!(in_whole_turns([1.0, 1.5]), "P2 Q3 is that ratio");
+        assert_eq!(in_whole_turns([0.4, -1.0]), "P2 Q-5 is that ratio");
+        assert_eq!(in_whole_turns([1.0, std::f64::consts::PI]), "P1 Q2 works");
+        assert_eq!(in_whole_turns([1.0, 2e9]), "P1 Q2 works");
     }
 }
