@@ -39,8 +39,8 @@ use diag::Diagnostic;
 
 /// Directions nearer than this are one: neither an arc is put in nor an end moved.
 const SAME_DIRECTION_RAD: f64 = 0.05;
-/// Turns nearer to half a revolution than this go round the corner, on either side.
-const HALF_TURN_RAD: f64 = 1e-9;
+/// Turns nearer to half a revolution than this go back the way they came.
+const HALF_TURN_RAD: f64 = 0.05;
 /// A way back from the corner that decides between two points as near, in radii.
 const NEARER: f64 = 1e-3;
 
@@ -340,13 +340,8 @@ impl Executor {
         let end = compensation.beside(way.to, direction);
         let sweep = sweep_rad(way.from, way.to, centre, turns);
         let curve = if first {
-            let Some(centre) =
-                entry_centre(way.from, end, times(minus(way.to, centre), 1.0 / programmed))
-            else {
-                let text =
-                    "this arc cannot lead from here to beside its end: begin with a straight move";
-                return refuse("I0547", self.words.place.span, text);
-            };
+            let inwards = times(minus(centre, way.to), 1.0 / programmed);
+            let centre = self.entry_centre([way.from, end], inwards, inside, programmed)?;
             let sweep_rad = sweep_rad(way.from, end, centre, turns);
             Curve::Circle {
                 from: way.from,
@@ -372,6 +367,37 @@ impl Executor {
         compensation.last = Some(curve);
         self.push_arc(to, centre, turns, end);
         Ok(())
+    }
+
+    /// Centre of the arc of the first move: it begins at a point and ends at another, where the centre lies inwards.
+    fn entry_centre(
+        &self,
+        [from, end]: [Flat; 2],
+        inwards: Flat,
+        inside: bool,
+        programmed: f64,
+    ) -> Outcome<Flat> {
+        let own = self.state.compensation.as_ref().map_or(0.0, |c| c.radius);
+        let chord = minus(from, end);
+        let along = dot(chord, inwards);
+        // |from − (end + k·n)| = k  ⇒  k = |from − end|² / (2 (from − end)·n)
+        let radius = dot(chord, chord) / (2.0 * along);
+        let text = if along < 1e-9 {
+            // on the side of the centre: R cos φ < R − r
+            let least = (1.0 - own / programmed).acos().to_degrees();
+            format!(
+                "the tool comes beside the end of the first arc after G41 or G42 only if the arc turns by more than {least:.2} and less than {:.2} degrees",
+                360.0 - least
+            )
+        } else if !inside && radius <= own {
+            format!(
+                "the tool would come beside the end of this first arc along an arc of radius {radius:.4}: it must be above the tool's own, {own:.4}"
+            )
+        } else {
+            return Ok(plus(end, times(inwards, radius)));
+        };
+        let help = "make the arc longer, or write a straight move before it";
+        Err(error("I0547", self.words.place.span, text).with_help(help).into())
     }
 
     /// Settle the end of the move held back by what follows it; where the next one begins.
@@ -406,13 +432,22 @@ impl Executor {
             return Ok(at);
         }
         if !inner {
+            if half_turn && turn * compensation.side > 1e-9 {
+                let text = "this move goes back almost the way it came, with the part between: the tool goes round the corner and cuts into the part";
+                self.remarks.push(Diagnostic::warning("I0549", self.words.place.span, text));
+            }
             self.settle(None, sink)?;
             let round = compensation.beside(next.from, after);
             self.go_round(&compensation, next.from, round, rapid, to, sink);
             return Ok(round);
         }
-        // Of two points as near, the one that the tool comes to before the corner.
-        let near = minus(next.from, times(before, NEARER * compensation.radius));
+        // Of two points as near, the one that the tool comes to before the corner; so too on the way straight back.
+        let back = if half_turn {
+            last.radius() + curve.radius()
+        } else {
+            NEARER * compensation.radius
+        };
+        let near = minus(next.from, times(before, back));
         let Some(met) = last.meets(&curve, near) else {
             if let Some(compensation) = &mut self.state.compensation {
                 compensation.last = None;
@@ -479,10 +514,3 @@ impl Executor {
     }
 }
 
-/// Centre of the arc that begins at a point and ends at another with this direction from the centre outwards.
-fn entry_centre(from: Flat, end: Flat, outwards: Flat) -> Option<Flat> {
-    let chord = minus(from, end);
-    let along = dot(chord, outwards);
-    // |end − k·u − from| = |k|  ⇒  k = −|from − end|² / (2 (from − end)·u)
-    (along.abs() > 1e-9).then(|| plus(end, times(outwards, dot(chord, chord) / (2.0 * along))))
-}

@@ -15,7 +15,7 @@
 //!
 //! R and Z are kept as written for the blocks that repeat the cycle; L repeats it in place (G90) or
 //! step by step (G91, where R counts from the initial level and Z from R or, as the machine is set, from the
-//! initial level too).
+//! initial level too). A tap without P waits as long as the last cycle that had one, whichever it was.
 //!
 //! Source: NISTIR 6556, section 3.5.16; LinuxCNC 2.9 manual, "Canned cycles".
 use crate::{
@@ -72,6 +72,7 @@ impl Executor {
             self.state.repetition = 0;
         }
         self.state.sticky = Some(sticky);
+        self.state.last_dwell = sticky.dwell.or(self.state.last_dwell);
 
         if initial < pattern.r {
             self.state.at[n] = pattern.r;
@@ -164,7 +165,9 @@ impl Executor {
         let Some(bottom) = self.axis_word(n).or(kept.map(|k| k.bottom)) else {
             return refuse("I0505", span, format!("G{code} needs {axis}, the depth"));
         };
-        let dwell = self.words.get(b'P').or(kept.and_then(|k| k.dwell));
+        let tapping = cycle.tap_sense().is_some() && self.dialect == Dialect::LinuxCnc;
+        let before = if tapping { self.state.last_dwell } else { None };
+        let dwell = self.words.get(b'P').or(kept.and_then(|k| k.dwell)).or(before);
         let peck = self.words.get(b'Q').or(kept.and_then(|k| k.peck));
         if let Some(seconds) = dwell.filter(|p| *p < 0.0) {
             return refuse(

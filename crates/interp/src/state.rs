@@ -250,6 +250,8 @@ pub(crate) struct State {
     /// M29, G84.2, G84.3.
     pub(crate) rigid: Rigid,
     pub(crate) sticky: Option<Sticky>,
+    /// P of the last cycle that had one: a tap without P waits as long.
+    pub(crate) last_dwell: Option<f64>,
     /// Holes made since the block that named the cycle.
     pub(crate) repetition: u32,
     /// Level to which G98 returns: where the axis stood before the first hole of the series.
@@ -322,6 +324,7 @@ impl State {
             },
             rigid: Rigid::Off,
             sticky: None,
+            last_dwell: None,
             repetition: 0,
             initial: None,
             system: 1,

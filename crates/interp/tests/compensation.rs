@@ -87,6 +87,47 @@ fn what_would_cut_into_the_part_is_refused() {
 }
 
 #[test]
+fn an_arc_leads_the_tool_in_only_where_it_can_end_along_it() {
+    // From (0, 0) to beside (5, 5) of a circle about (0, 5): to (3, 5), with its centre on the line y = 5, where
+    // (x − 3)² = x² + 25: −8/3.
+    let (found, errors) = ends("G41.1 D4\nG3 X5 Y5 J5 F100\nG1 Y9\nX-9\nG40\nM2\n");
+    assert_eq!(errors, [""; 0]);
+    assert_eq!(found, [[3., 5.], [3., 7.], [-9., 7.]]);
+    // The tool would have to bend the other way; its arc would be smaller than itself.
+    assert_eq!(ends("G41.1 D4\nG3 X3 Y1 J5 F100\nG1 X9 Y9\nM2\n").1, ["I0547"]);
+    assert_eq!(ends("G42.1 D4\nG3 X1.4 Y0.2 J5 F100\nG1 X9 Y9\nM2\n").1, ["I0547"]);
+}
+
+#[test]
+fn back_almost_the_way_it_came_the_tool_goes_round_the_corner() {
+    // Directions of 178° and 182°: within 0.05 rad of straight back. An arc ends on either side of its normal.
+    let (sin, cos) = 2f64.to_radians().sin_cos();
+    for sign in [1., -1.] {
+        let back = [-20. * cos, sign * 20. * sin];
+        let program = format!(
+            "G0 X-20\nG41.1 D2\nG1 X0 F100\nX{} Y{}\nG40\nG0 Y9\nM2\n",
+            back[0], back[1]
+        );
+        let round = [-sign * sin, -cos];
+        let beside = [back[0] + round[0], back[1] + round[1]];
+        assert_ends(&program, &[[-20., 0.], [0., 1.], round, beside, [back[0], 9.]]);
+    }
+    // Beside an arc that bulges towards the tool it stops where the two offset ways meet: y = 1 and a circle of
+    // radius 6 about 5 (−sin 2°, cos 2°).
+    let centre = [-5. * sin, 5. * cos];
+    let program = format!(
+        "G0 X-20\nG41.1 D2\nG1 X0 F100\nG2 X{} Y{} I{} J{}\nG40\nG0 Y20\nM2\n",
+        centre[0] - 5.,
+        centre[1],
+        centre[0],
+        centre[1]
+    );
+    let x = centre[0] - (36. - (centre[1] - 1.).powi(2)).sqrt();
+    let end = [centre[0] - 6., centre[1]];
+    assert_ends(&program, &[[-20., 0.], [x, 1.], end, [centre[0] - 5., 20.]]);
+}
+
+#[test]
 fn a_subprogram_that_keeps_its_modes_leaves_none_behind() {
     assert_ends(
         "o1 sub\nM73\nG91 G1 X1 F100\nX1\no1 endsub\nG90\no1 call\nG1 X5 F50\nM2\n",

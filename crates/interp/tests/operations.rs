@@ -246,6 +246,18 @@ fn an_xy_word_inside_a_tap_is_refused_with_its_place() {
 }
 
 #[test]
+fn a_tap_without_p_waits_as_long_as_the_last_cycle_that_did() {
+    let drilled = "S800 M3 F1000\nG0 Z5\nG82 X1 Z-1 R2 P.25\nG81 X2 R2 Z-1\nG80";
+    let tap = the_tap(&ops_of(&shop(), &format!("{drilled}\nG84 X3 Z-10 R2")));
+    assert_eq!(tap.dwell, units::Time::s(0.25));
+    let tap = the_tap(&ops_of(&shop(), &format!("{drilled}\nG84 X3 Z-10 R2 P0")));
+    assert_eq!(tap.dwell, units::Time::ZERO);
+    let fanuc = Setup { dialect: interp::Dialect::Fanuc, ..shop() };
+    let tap = the_tap(&ops_of(&fanuc, "S800 M3 F1000\nG0 Z5.\nG82 X1. Z-1. R2. P250\nG84 X3. Z-10. R2."));
+    assert_eq!(tap.dwell, units::Time::ZERO);
+}
+
+#[test]
 fn a_tap_without_f_takes_the_pitch_of_the_tap_and_says_so() {
     let program = "T2 M6\nM29 S1000\nG0 Z5\nM29 S1000\nG84 Z-10 R2\nX10\nG80";
     let found = refused(&shop(), program, "I0534");

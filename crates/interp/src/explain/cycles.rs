@@ -244,7 +244,12 @@ pub(super) const ROWS: &[Finding] = &[
         "T1 M6\nF100\nG41 G1 X20\nX30\nG3 Y4 J2",
         "T1 M6\nF100\nG41 G1 X20\nX30\nG3 Y40 J20",
     ),
-    row("I0547", "This arc cannot lead the tool beside its way.", "", ""),
+    row(
+        "I0547",
+        "The first arc after G41 or G42 does not lead the tool beside its end.",
+        "G41.1 D4\nG3 X3 Y1 J5 F100",
+        "G41.1 D4\nG3 X5 Y5 J5 F100",
+    ),
     row(
         "I0548",
         "The tool does not fit into an inner corner.",
@@ -253,9 +258,9 @@ pub(super) const ROWS: &[Finding] = &[
     ),
     row(
         "I0549",
-        "A corner comes so soon after another that the tool cuts into the part a little.",
-        "",
-        "",
+        "A corner comes too soon after another, or goes back almost the way it came: the tool cuts into the part.",
+        "G41.1 D2\nG1 X20 F100\nX0 Y0.5\nG40\nG0 Y20",
+        "G41.1 D2\nG1 X20 F100\nX40 Y0.5\nG40\nG0 Y20",
     ),
     row(
         "I0550",
