@@ -21,7 +21,7 @@ pub(crate) fn command(args: &CanonArgs) -> Result<bool, Refused> {
     {
         let name = args.program.display().to_string();
         let show = |findings: &[Diagnostic], text: &[u8]| {
-            say::err(&render::text(findings, &Source { name: &name, text }));
+            say::err(&render::text(findings, &Source::alone(&name, text)));
         };
         return pieces::listing(&args.program, &session.bare_setup(), show);
     }
@@ -35,7 +35,7 @@ pub(crate) fn command(args: &CanonArgs) -> Result<bool, Refused> {
     };
     say::written(written)?;
     let name = args.program.display().to_string();
-    say::err(&render::text(&findings, &Source { name: &name, text: &text }));
+    say::err(&render::text(&findings, &Source { name: &name, text: &text, drawn: &session.drawn }));
     let good = !findings.iter().any(Diagnostic::is_error);
     if good {
         crate::left::write(&args.left, &text, &session.interp_setup())?;

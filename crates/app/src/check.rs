@@ -15,6 +15,12 @@ use std::{
 /// Endings of files that are taken for programs in a folder.
 const PROGRAM_ENDINGS: [&str; 6] = ["ngc", "nc", "tap", "gcode", "cnc", "mpf"];
 
+/// Of a program that does not end.
+const NO_END: &str = "I0301";
+
+/// Of a file that is no text.
+const NO_TEXT: &str = "P0191";
+
 /// Most findings of one program that are shown; the others are counted.
 const MOST_SHOWN: usize = 1000;
 
@@ -29,12 +35,10 @@ pub(crate) fn command(args: &CheckArgs, quiet: bool) -> Result<bool, Refused> {
         if let Some(session) = long_session(args, path)? {
             in_pieces(&session, path, &name, &mut told)?;
         } else {
-            let text = read_program(path)?;
-            if text.len() as u64 > pieces::WHOLE {
-                as_found(args, path, &text, &mut told)?;
-            } else {
-                let found = findings(args, path, &text)?;
-                told.tell(&found, &Source { name: &name, text: &text })?;
+            match read_program(path) {
+                Ok(text) => whole(args, path, &text, &mut told)?,
+                Err(unreadable) if programs.len() > 1 => told.unreadable(&unreadable),
+                Err(unreadable) => return Err(unreadable),
             }
         }
         told.sum_up(&name)?;
@@ -84,6 +88,12 @@ impl Told {
         }
     }
 
+    /// One of several that cannot be read: the others are looked at all the same.
+    fn unreadable(&mut self, why: &Refused) {
+        why.say();
+        self.errors += 1;
+    }
+
     fn sum_up(&self, name: &str) -> Result<(), Refused> {
         if self.format != FindingsFormat::Text || self.errors == 0 && self.quiet {
             return Ok(());
@@ -99,12 +109,26 @@ impl Told {
     }
 }
 
-fn findings(args: &CheckArgs, path: &Path, text: &[u8]) -> Result<Vec<Diagnostic>, Refused> {
+/// A program that is held in memory.
+fn whole(args: &CheckArgs, path: &Path, text: &[u8], told: &mut Told) -> Result<(), Refused> {
+    if text.len() as u64 > pieces::WHOLE {
+        return as_found(args, path, text, told);
+    }
+    let name = path.display().to_string();
     let mut session = Session::load(&args.source, path, text)?;
     let options = session.plan_options(session.machine.setup.stock.material);
     let mut found = crate::preflight::judge(&mut session, text, options);
     add(&mut found, interp::lint(text, &session.interp_setup()));
-    Ok(found)
+    if is_subprogram(path, text) {
+        found.retain(|finding| finding.code != NO_END);
+    }
+    told.tell(&found, &Source { name: &name, text, drawn: &session.drawn })
+}
+
+/// Whether a file is one of subprograms, which ends without M2: it has the name of one that it defines.
+fn is_subprogram(path: &Path, text: &[u8]) -> bool {
+    let name = path.file_stem().map(|stem| stem.to_string_lossy().to_lowercase());
+    name.is_some_and(|name| interp::defined_subprograms(text).contains(&name))
 }
 
 /// A long program that cannot be read in pieces, for its O-words lead here and there: what is found is told as it goes.
@@ -112,13 +136,14 @@ fn as_found(args: &CheckArgs, path: &Path, text: &[u8], told: &mut Told) -> Resu
     let name = path.display().to_string();
     let mut session = Session::load(&args.source, path, text)?;
     let options = session.plan_options(session.machine.setup.stock.material);
+    let drawn = session.drawn.clone();
     let progress = progress(path, told.quiet);
     let mut known = HashSet::new();
     let mut tell = |mut found: Vec<Diagnostic>, furthest: u32| {
         found.retain(|finding| known.insert((finding.code, finding.span)));
         found.sort_by_key(|f| (f.span.file, f.span.start, !f.is_error()));
         progress.set_position(furthest.into());
-        progress.suspend(|| told.tell(&found, &Source { name: &name, text }))
+        progress.suspend(|| told.tell(&found, &Source { name: &name, text, drawn: &drawn }))
     };
     crate::preflight::judge_and_tell(&mut session, text, options, &mut tell)?;
     tell(interp::lint(text, &session.interp_setup()), text.len() as u32)?;
@@ -171,10 +196,13 @@ fn in_pieces(session: &Session, path: &Path, name: &str, told: &mut Told) -> Res
             planner.take_findings().into_iter().partition(|f| f.span.line >= first_line);
         add(&mut found, now);
         late.extend(before);
-        progress.suspend(|| told.tell(&found, &Source { name, text: piece.text }))?;
+        progress.suspend(|| told.tell(&found, &Source::alone(name, piece.text)))?;
         progress.inc(piece.text.len() as u64);
         first_line += memchr::memchr_iter(b'\n', piece.text).count() as u32;
         rest = Some(ops.rest());
+        if found.iter().any(|finding| finding.code == NO_TEXT) {
+            break; // whatever follows is none either
+        }
     }
     late.extend(linter.finish());
     progress.finish_and_clear();
@@ -207,7 +235,7 @@ fn tell_late(
     let numbers: Vec<_> = late.iter().map(|finding| finding.span.line).collect();
     for (mut finding, text) in late.into_iter().zip(pieces::lines(path, &numbers)?) {
         finding.span = diag::Span { start: 0, end: text.len() as u32, ..finding.span };
-        told.tell(&[finding], &Source { name, text: &text })?;
+        told.tell(&[finding], &Source::alone(name, &text))?;
     }
     Ok(())
 }
@@ -228,15 +256,7 @@ pub(crate) fn programs(named: &[PathBuf]) -> Result<Vec<PathBuf>, Refused> {
             found.push(path.clone());
             continue;
         }
-        let unreadable = |e| Refused::because(format!("cannot read {}: {e}", path.display()));
-        let mut inside = Vec::new();
-        for entry in std::fs::read_dir(path).map_err(unreadable)? {
-            let file = entry.map_err(unreadable)?.path();
-            let ending = file.extension().and_then(|e| e.to_str()).unwrap_or("");
-            if file.is_file() && PROGRAM_ENDINGS.iter().any(|e| ending.eq_ignore_ascii_case(e)) {
-                inside.push(file);
-            }
-        }
+        let inside = programs_in(path)?;
         if inside.is_empty() {
             let endings = PROGRAM_ENDINGS.join(", .");
             let folder = path.display();
@@ -244,8 +264,29 @@ pub(crate) fn programs(named: &[PathBuf]) -> Result<Vec<PathBuf>, Refused> {
                 "{folder} has no programs: expected files ending in .{endings}"
             )));
         }
-        inside.sort();
         found.extend(inside);
     }
     Ok(found)
+}
+
+/// The programs in a folder and in those below it. Links to folders are not followed: they may lead in a circle.
+fn programs_in(folder: &Path) -> Result<Vec<PathBuf>, Refused> {
+    let unreadable = |e| Refused::because(format!("cannot read {}: {e}", folder.display()));
+    let (mut inside, mut below) = (Vec::new(), Vec::new());
+    for entry in std::fs::read_dir(folder).map_err(unreadable)? {
+        let entry = entry.map_err(unreadable)?;
+        let path = entry.path();
+        let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("");
+        if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+            below.push(path);
+        } else if path.is_file() && PROGRAM_ENDINGS.iter().any(|e| ending.eq_ignore_ascii_case(e)) {
+            inside.push(path);
+        }
+    }
+    inside.sort();
+    below.sort();
+    for folder in below {
+        inside.extend(programs_in(&folder)?);
+    }
+    Ok(inside)
 }

@@ -258,7 +258,7 @@ impl Case<'_> {
         let known = preflight(&mut session, text, options);
         if known.is_refused() {
             let name = format!("the program for P{} at {} rpm", self.number, self.rpm);
-            return Err(Refused::Findings { name, text: text.to_vec(), findings: known.findings });
+            return Err(Refused::program(name, text.to_vec(), session.drawn, known.findings));
         }
         let setup = session.interp_setup();
         let zero = session.work_zero();

@@ -25,11 +25,8 @@ pub(crate) fn command(order: &MachineCommand) -> Result<(), Refused> {
 pub(crate) fn load(name: &str) -> Result<MachineFile, Refused> {
     match machine::embedded(name) {
         None => Ok(machine::load(&path(name)?)?),
-        Some(text) => machine::parse(text, 0).map_err(|findings| Refused::Findings {
-            name: name.to_owned(),
-            text: text.as_bytes().to_vec(),
-            findings,
-        }),
+        Some(text) => machine::parse(text, 0)
+            .map_err(|findings| Refused::text(name.to_owned(), text, findings)),
     }
 }
 

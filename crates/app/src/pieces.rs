@@ -19,6 +19,8 @@ use std::path::{Path, PathBuf};
 pub(crate) const WHOLE: u64 = 4 << 20;
 /// Size of a piece, as far as whole lines allow.
 const PIECE: usize = 1 << 20;
+/// So much is kept of a line that is longer than a piece: it is refused for its length.
+const KEPT: usize = 1 << 17;
 
 /// Whether every piece of a program needs nothing but the one before.
 fn suits(path: &Path, setup: &interp::Setup) -> Result<bool, Refused> {
@@ -73,6 +75,9 @@ impl Pieces {
         self.buffer.drain(..self.used);
         self.used = 0;
         self.fill().map_err(|e| unreadable(&self.path, &e))?;
+        while !self.at_end && memchr::memchr(b'\n', &self.buffer).is_none() {
+            self.cut_line().map_err(|e| unreadable(&self.path, &e))?;
+        }
         if self.finished {
             return Ok(None);
         }
@@ -84,6 +89,24 @@ impl Pieces {
         };
         let more_follows = !self.at_end;
         Ok(Some(Piece { text: &self.buffer[..self.used], more_follows }))
+    }
+
+    /// Of the line that fills the buffer keep the begin, and read on behind its end.
+    fn cut_line(&mut self) -> io::Result<()> {
+        self.buffer.truncate(KEPT);
+        let mut more = vec![0; KEPT];
+        while !self.at_end {
+            let read = match self.file.read(&mut more) {
+                Err(e) if e.kind() == io::ErrorKind::Interrupted => continue,
+                read => read?,
+            };
+            self.at_end = read == 0;
+            if let Some(end) = memchr::memchr(b'\n', &more[..read]) {
+                self.buffer.extend_from_slice(&more[end..read]);
+                break;
+            }
+        }
+        self.fill()
     }
 
     /// Read on until there is a piece, and one byte more to know whether anything follows.

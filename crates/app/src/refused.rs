@@ -1,6 +1,7 @@
 //! What was refused, and how it is said: the program ends with exit code 2.
 use crate::render::{self, Source};
 use crate::say;
+use crate::subprograms::Drawn;
 use diag::Diagnostic;
 
 /// Why nothing was done.
@@ -14,6 +15,8 @@ pub(crate) enum Refused {
         name: String,
         /// The text.
         text: Vec<u8>,
+        /// Files that it draws in.
+        drawn: Vec<Drawn>,
         /// What is wrong with it.
         findings: Vec<Diagnostic>,
     },
@@ -23,6 +26,21 @@ impl Refused {
     /// From anything that says what it is.
     pub(crate) fn because(sentence: impl Into<String>) -> Self {
         Self::Sentence(sentence.into())
+    }
+
+    /// A text that draws in no others.
+    pub(crate) fn text(name: String, text: impl Into<Vec<u8>>, findings: Vec<Diagnostic>) -> Self {
+        Self::program(name, text.into(), Vec::new(), findings)
+    }
+
+    /// A program and the files that it draws in.
+    pub(crate) const fn program(
+        name: String,
+        text: Vec<u8>,
+        drawn: Vec<Drawn>,
+        findings: Vec<Diagnostic>,
+    ) -> Self {
+        Self::Findings { name, text, drawn, findings }
     }
 
     /// In one line.
@@ -40,8 +58,8 @@ impl Refused {
     pub(crate) fn say(&self) {
         match self {
             Self::Sentence(sentence) => say::err(&format!("error: {sentence}\n")),
-            Self::Findings { name, text, findings } => {
-                say::err(&render::text(findings, &Source { name, text }));
+            Self::Findings { name, text, drawn, findings } => {
+                say::err(&render::text(findings, &Source { name, text, drawn }));
                 let errors = findings.iter().filter(|f| f.is_error()).count();
                 let plural = if errors == 1 { "error" } else { "errors" };
                 say::err(&format!("{name}: refused, {errors} {plural}\n"));
@@ -53,11 +71,10 @@ impl Refused {
 impl From<store::Error> for Refused {
     fn from(error: store::Error) -> Self {
         match error {
-            store::Error::Refused(refusal) => Self::Findings {
-                name: refusal.path.display().to_string(),
-                text: refusal.text.into_bytes(),
-                findings: refusal.findings,
-            },
+            store::Error::Refused(refusal) => {
+                let name = refusal.path.display().to_string();
+                Self::text(name, refusal.text, refusal.findings)
+            }
             other => Self::Sentence(other.to_string()),
         }
     }

@@ -72,14 +72,10 @@ pub(crate) fn command(args: &RunArgs, quiet: bool) -> Result<Ending, Refused> {
         known.findings.extend(wrong_from(&job.session, &job.text, job.options, restart));
     }
     if known.is_refused() {
-        return Err(Refused::Findings {
-            name: job.program,
-            text: job.text,
-            findings: known.findings,
-        });
+        return Err(Refused::program(job.program, job.text, job.session.drawn, known.findings));
     }
     if !quiet {
-        let source = Source { name: &job.program, text: &job.text };
+        let source = Source { name: &job.program, text: &job.text, drawn: &job.session.drawn };
         say::err(&render::text(&known.findings, &source));
     }
     let folder = args.out.as_deref().map(begin_folder).transpose()?;

@@ -5,6 +5,7 @@ use crate::args::{
 use crate::cams::CamSetup;
 use crate::dialect;
 use crate::refused::Refused;
+use crate::subprograms::Drawn;
 use canon::ToolLibrary;
 use std::{
     io::Read,
@@ -49,7 +50,8 @@ pub(crate) struct Session {
     has_parameter_file: bool,
     /// Where the machine stands and which tool it holds, if it was not switched on just now.
     standing: Option<(canon::Position, u32)>,
-    subprograms: Vec<interp::Subprogram>,
+    /// Files that the program draws in, in the order of their file numbers.
+    pub(crate) drawn: Vec<Drawn>,
 }
 
 impl Session {
@@ -85,7 +87,7 @@ impl Session {
             oscillations: crate::polygon::auto::Answers::default(),
             parameters: parameters(args.parameters.as_deref(), &machine)?,
             has_parameter_file: args.parameters.is_some(),
-            subprograms: crate::subprograms::find(args, &machine, program, text)?,
+            drawn: crate::subprograms::find(args, &machine, program, text)?,
             taps: taps(args, &machine),
             machine,
             tools,
@@ -161,7 +163,7 @@ impl Session {
                 MissingTools::StandIn => interp::MissingTools::StandIn,
             },
             parameters: self.parameters.clone(),
-            subprograms: self.subprograms.clone(),
+            subprograms: self.drawn.iter().map(|drawn| drawn.sub.clone()).collect(),
             user_codes: self
                 .machine
                 .user_codes
@@ -248,8 +250,7 @@ fn tools(named: Option<&Path>, program: &Path) -> Result<(ToolLibrary, String), 
     let found = named.map(Path::to_owned).or_else(|| if is_stdin { None } else { beside() });
     let Some(path) = found else {
         let table = store::tools::parse_toml(EMBEDDED_TOOLS, 0).map_err(|findings| {
-            let text = EMBEDDED_TOOLS.as_bytes().to_vec();
-            Refused::Findings { name: "the embedded tools".into(), text, findings }
+            Refused::text("the embedded tools".into(), EMBEDDED_TOOLS, findings)
         })?;
         return Ok((table.library, "the embedded table".into()));
     };

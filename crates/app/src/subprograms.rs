@@ -16,18 +16,26 @@ use store::machine::MachineFile;
 /// Most files one program may draw in.
 const MOST_FILES: usize = 256;
 
+/// A file that a program draws in.
+#[derive(Clone, Debug)]
+pub(crate) struct Drawn {
+    /// Where it lies, as it is shown.
+    pub(crate) path: String,
+    pub(crate) sub: interp::Subprogram,
+}
+
 /// Those that the program calls and does not define, and what they call in turn.
 pub(crate) fn find(
     args: &ProgramArgs,
     machine: &MachineFile,
     program: &Path,
     text: &[u8],
-) -> Result<Vec<interp::Subprogram>, Refused> {
+) -> Result<Vec<Drawn>, Refused> {
     let folders = search_path(args, machine, program)?;
-    let mut found: Vec<interp::Subprogram> = Vec::new();
+    let mut found: Vec<Drawn> = Vec::new();
     let mut wanted = interp::called_files(text);
     while let Some(name) = wanted.pop() {
-        if found.iter().any(|sub| sub.name == name) {
+        if found.iter().any(|drawn| drawn.sub.name == name) {
             continue;
         }
         let Some(path) = folders.iter().find_map(|folder| within(folder, &name)) else { continue };
@@ -38,7 +46,8 @@ pub(crate) fn find(
         }
         let source = store::read_bytes(&path, "a subprogram", store::PROGRAM_LIMIT)?;
         wanted.extend(interp::called_files(&source));
-        found.push(interp::Subprogram { name, source });
+        let path = path.display().to_string();
+        found.push(Drawn { path, sub: interp::Subprogram { name, source } });
     }
     Ok(found)
 }

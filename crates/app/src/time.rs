@@ -6,7 +6,6 @@ use crate::args::{Format, TimeArgs};
 use crate::refused::Refused;
 use crate::session::{Session, read_program};
 use crate::{render, say};
-use diag::Diagnostic;
 use plan::{Clock, MachineLimits, Step, StepKind};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -120,13 +119,14 @@ pub(crate) fn command(args: &TimeArgs, quiet: bool) -> Result<bool, Refused> {
         crate::preflight::preflight_with(&mut session, &text, options, &mut |s| tally.step(&s));
     let name = args.program.display().to_string();
     if known.is_refused() {
-        return Err(Refused::Findings { name, text, findings: known.findings });
+        return Err(Refused::program(name, text, session.drawn, known.findings));
     }
     let free = without_jerk(&mut session, &text, options);
     match args.format {
         Format::Text => {
             if !quiet {
-                remark(&known.findings, &name, &text);
+                let source = render::Source { name: &name, text: &text, drawn: &session.drawn };
+                say::err(&render::text(&known.findings, &source));
             }
             say::out(&(people(&tally, &name) + &trade(tally.all.motion(), free)))?;
         }
@@ -163,10 +163,6 @@ fn trade(motion: f64, free: Option<f64>) -> String {
     let Some(free) = free.filter(|free| *free > 0.0) else { return String::new() };
     let more = 100.0 * (motion / free - 1.0);
     format!("  without limits of jerk {free:>12.3} s in motion: they cost {more:.1} %\n")
-}
-
-fn remark(findings: &[Diagnostic], name: &str, text: &[u8]) {
-    say::err(&render::text(findings, &render::Source { name, text }));
 }
 
 fn operations(tally: &Tally) -> Vec<Value> {

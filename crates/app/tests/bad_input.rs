@@ -281,3 +281,74 @@ fn a_long_program_with_subprograms_is_told_of_as_it_is_checked() {
     says(&said(&output), &["long.ngc:6:", "there is no subprogram o2", "2 errors"]);
     says(&complained(&output), &["checking", "long.ngc", "4.8 MB"]);
 }
+
+#[test]
+fn a_folder_is_checked_with_those_below_it_and_each_finding_is_shown_in_its_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    fs::create_dir_all(folder.path().join("below/deep")).unwrap();
+    fs::create_dir(folder.path().join("folder.ngc")).unwrap();
+    write("part.ngc", "G21\n(caller)\no<hole> call\nG0 Q1\nM2\n");
+    write("hole.ngc", "o<hole> sub\nG0 X1 Q5\no<hole> endsub\n");
+    write("below/deep/other.nc", "G0 X1\nM2\n");
+    write("readme.txt", "hello");
+    let output = leadscrew(&["check", folder.path().to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = said(&output);
+    says(&said, &["hole.ngc:2:7", "G0 X1 Q5", "part.ngc:4:4", "part.ngc: 2 errors"]);
+    // a file of subprograms does not end, and is no program for that
+    says(&said, &["hole.ngc: 0 errors", "other.nc: 0 errors", "3 programs: 1 refused"]);
+}
+
+#[test]
+fn a_program_that_cannot_be_read_does_not_hide_the_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = folder.path().join("part.ngc");
+    fs::write(&program, "G0 Q1\nM2\n").unwrap();
+    let missing = folder.path().join("none.ngc");
+    let output = leadscrew(&["check", missing.to_str().unwrap(), program.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(2));
+    says(&said(&output), &["part.ngc:1:4", "2 programs: 2 refused"]);
+    says(&complained(&output), &["none.ngc", "no such file"]);
+}
+
+#[test]
+fn a_line_longer_than_a_piece_is_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = folder.path().join("long.ngc");
+    let line = "X1 ".repeat(3 << 20);
+    fs::write(&program, format!("G0 X1\n{line}\nG0 Q1\nM2\n")).unwrap();
+    let output = leadscrew(&["check", program.to_str().unwrap()]);
+    says(&said(&output), &["long.ngc:2:1", "long.ngc:3:4", "2 errors"]);
+}
+
+#[test]
+fn after_two_hundred_errors_it_is_said_that_there_may_be_more() {
+    let complaint = refused("G0 Q1\n".repeat(300).as_bytes(), &[]);
+    says(&complaint, &["stopped after 200 errors", "part.ngc:200:"]);
+    assert!(!complaint.contains("part.ngc:201:"));
+}
+
+#[test]
+fn o_words_within_each_other_have_a_limit() {
+    let lines = |all: Vec<String>| all.join("\n") + "\n";
+    let begins = lines((1..=1001).map(|i| format!("o{i} if [1]")).collect());
+    let ends = lines((1..=1001).rev().map(|i| format!("o{i} endif")).collect());
+    says(&refused(format!("{begins}{ends}M2\n").as_bytes(), &[]), &["I0319", "1000 deep"]);
+    let most = format!("G21\n{begins}{ends}M2\n")
+        .replace("o1001 if [1]\n", "")
+        .replace("o1001 endif\n", "");
+    let folder = tempfile::tempdir().unwrap();
+    let program = folder.path().join("part.ngc");
+    fs::write(&program, most).unwrap();
+    assert_eq!(leadscrew(&["check", program.to_str().unwrap()]).status.code(), Some(0));
+}
+
+#[test]
+fn an_exponent_is_refused_with_what_to_write() {
+    for text in ["G0 X1E2\nM2\n", "#1=2.5E3\nG0 X#1\nM2\n", "G0 X[2e3]\nM2\n"] {
+        says(&refused(text.as_bytes(), &[]), &["exponent", "2500 for 2.5E3"]);
+    }
+    let text = "G91 G0 Z0.1\nS100 M3 F10\nG81 Z0.6 R-0.3\nM2\n";
+    says(&refused(text.as_bytes(), &[]), &["R is 299.8, Z is 300.4\n"]);
+}

@@ -149,6 +149,9 @@ impl Problem {
             Self::ValueExpected => {
                 format!("expected a number, a parameter (#), a function or \"[\", found {found}")
             }
+            Self::OperatorExpected if here.eq_ignore_ascii_case("e") => {
+                "expected an operator or \"]\", found an exponent: write the number out, 2500 for 2.5E3".into()
+            }
             Self::OperatorExpected => format!("expected an operator or \"]\", found {found}"),
             Self::BracketAfter(what) => format!("expected \"[\" after {what}, found {found}"),
             Self::UnknownFunction => format!(

@@ -27,6 +27,7 @@ use crate::{
     execute::Executor,
     fault::{Outcome, error, refuse},
     frame::Point,
+    spelling::short,
     state::Cycle,
 };
 
@@ -63,6 +64,7 @@ impl Executor {
         let end = if self.state.incremental { bottom + shift[n] } else { shift[n] };
         if end < bottom {
             let letter = LETTERS[n] as char;
+            let (bottom, end) = (short(bottom), short(end));
             let text = format!(
                 "G87 bores upwards: {letter} must be at or above the depth {bottom}, found {end}"
             );
@@ -165,6 +167,7 @@ impl Executor {
         let [begin, end] =
             if self.state.incremental { [initial + r, initial + r + z] } else { [r, z] };
         if end < begin || initial < end {
+            let [begin, end, initial] = [begin, end, initial].map(short);
             let text = format!(
                 "G87 bores upwards from R to Z, below where it starts: R is {begin}, Z {end}, the start {initial}"
             );

@@ -30,12 +30,14 @@ use crate::{
     fault::{Outcome, error, refuse},
     frame::Point,
     held::Held,
-    offset_curve::{Curve, Flat, Way, dot, left, length, minus, plus, times, turn_rad},
+    offset_curve::{Curve, Flat, Way, left, length, minus, plus, times, turn_rad},
     state::Motion,
 };
 use canon::Plane;
 use core::f64::consts::PI;
 use diag::Diagnostic;
+
+mod lead_in;
 
 /// Directions nearer than this are one: neither an arc is put in nor an end moved.
 const SAME_DIRECTION_RAD: f64 = 0.05;
@@ -275,17 +277,10 @@ impl Executor {
         let way =
             Way { from: [self.state.at[a], self.state.at[b]], to: [to[a], to[b]], circle: None };
         let Some(compensation) = &self.state.compensation else { return Ok(()) };
-        let (radius, at) = (compensation.radius, compensation.at);
+        let at = compensation.at;
         let distance = length(minus(way.to, way.from));
         let Some(at) = at else {
-            if distance <= radius {
-                let text = format!(
-                    "the first move after G41 or G42 must be longer than the tool's radius: {distance:.4} is not above {radius:.4}"
-                );
-                return refuse("I0545", self.words.place.span, text);
-            }
-            self.begin_beside(&way, rapid, to);
-            return Ok(());
+            return self.begin_straight(&way, rapid, to);
         };
         if distance == 0.0 {
             self.push_line(rapid, to, at);
@@ -300,15 +295,6 @@ impl Executor {
         compensation.last = Some(Curve::Line { from, through, direction });
         self.push_line(rapid, to, through);
         Ok(())
-    }
-
-    fn begin_beside(&mut self, way: &Way, rapid: bool, to: &Point) {
-        let direction = way.direction(way.to);
-        let Some(compensation) = &mut self.state.compensation else { return };
-        let end = compensation.beside(way.to, direction);
-        compensation.at = Some(end);
-        compensation.last = Some(Curve::Line { from: way.from, through: end, direction });
-        self.push_line(rapid, to, end);
     }
 
     /// An arc with the tool beside it.
@@ -369,37 +355,6 @@ impl Executor {
         Ok(())
     }
 
-    /// Centre of the arc of the first move: it begins at a point and ends at another, where the centre lies inwards.
-    fn entry_centre(
-        &self,
-        [from, end]: [Flat; 2],
-        inwards: Flat,
-        inside: bool,
-        programmed: f64,
-    ) -> Outcome<Flat> {
-        let own = self.state.compensation.as_ref().map_or(0.0, |c| c.radius);
-        let chord = minus(from, end);
-        let along = dot(chord, inwards);
-        // |from − (end + k·n)| = k  ⇒  k = |from − end|² / (2 (from − end)·n)
-        let radius = dot(chord, chord) / (2.0 * along);
-        let text = if along < 1e-9 {
-            // on the side of the centre: R cos φ < R − r
-            let least = (1.0 - own / programmed).acos().to_degrees();
-            format!(
-                "the tool comes beside the end of the first arc after G41 or G42 only if the arc turns by more than {least:.2} and less than {:.2} degrees",
-                360.0 - least
-            )
-        } else if !inside && radius <= own {
-            format!(
-                "the tool would come beside the end of this first arc along an arc of radius {radius:.4}: it must be above the tool's own, {own:.4}"
-            )
-        } else {
-            return Ok(plus(end, times(inwards, radius)));
-        };
-        let help = "make the arc longer, or write a straight move before it";
-        Err(error("I0547", self.words.place.span, text).with_help(help).into())
-    }
-
     /// Settle the end of the move held back by what follows it; where the next one begins.
     fn corner<S: Sink>(
         &mut self,
@@ -442,11 +397,8 @@ impl Executor {
             return Ok(round);
         }
         // Of two points as near, the one that the tool comes to before the corner; so too on the way straight back.
-        let back = if half_turn {
-            last.radius() + curve.radius()
-        } else {
-            NEARER * compensation.radius
-        };
+        let back =
+            if half_turn { last.radius() + curve.radius() } else { NEARER * compensation.radius };
         let near = minus(next.from, times(before, back));
         let Some(met) = last.meets(&curve, near) else {
             if let Some(compensation) = &mut self.state.compensation {
@@ -513,4 +465,3 @@ impl Executor {
         sink.call(&self.words.place, &call);
     }
 }
-

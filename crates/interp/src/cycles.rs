@@ -26,7 +26,7 @@ use crate::{
     fault::{Outcome, error, refuse},
     rigid::{Rigid, TapWords},
     setup::{DepthFrom, Dialect},
-    spelling::Written,
+    spelling::{Written, short},
     state::{Cycle, FeedMode, Sticky},
 };
 use core::fmt::Display;
@@ -244,6 +244,7 @@ impl Executor {
             (sticky.r, sticky.bottom)
         };
         if r < bottom {
+            let (r, bottom) = (short(r), short(bottom));
             let text =
                 format!("G{code} would end above where it begins: R is {r}, {axis} is {bottom}");
             let fault = error("I0510", self.words.place.span, text);
@@ -265,7 +266,7 @@ impl Executor {
         if matches!(cycle, Cycle::ChipBreak | Cycle::Peck) && (r - bottom) / peck > MAX_PECKS {
             let text = format!(
                 "Q{peck} would make more than {MAX_PECKS} pecks: at least {} is needed",
-                (r - bottom) / MAX_PECKS
+                short((r - bottom) / MAX_PECKS)
             );
             return refuse("I0511", self.words.span(b'Q'), text);
         }

@@ -285,6 +285,9 @@ impl<'s> Interpreter<'s> {
 
     fn end_of_file(&mut self) -> Outcome {
         self.ended = true;
+        if self.diagnostics.iter().any(|finding| finding.code == "P0191") {
+            return Ok(()); // no text: where it would end is nobody's question
+        }
         let span = Span { start: self.block.span.start, ..self.block.span };
         let source = self.sources[self.file];
         let end = source.len().try_into().unwrap_or(u32::MAX);
@@ -328,10 +331,16 @@ impl<'s> Interpreter<'s> {
         if diagnostic.is_error() {
             self.last = self.last.min(self.executed.saturating_add(self.limits.blocks_after_error));
             self.errors += 1;
-            self.ended |= self.errors >= self.limits.errors;
         }
+        let enough = diagnostic.is_error() && self.errors == self.limits.errors;
+        let span = diagnostic.span;
         if self.diagnostics.len() < MOST_FINDINGS {
             self.diagnostics.push(diagnostic);
+        }
+        if enough {
+            self.ended = true;
+            let text = format!("stopped after {} errors: there may be more", self.errors);
+            self.diagnostics.push(Diagnostic::note("I0320", span, text));
         }
     }
 

@@ -85,7 +85,7 @@ pub use hobbing::HobOrder;
 pub use interpreter::{Interpreter, Progress};
 pub use lint::{Lint, lint};
 pub use listing::Listing;
-pub use ops::{Ops, called_files, check};
+pub use ops::{Ops, called_files, check, defined_subprograms};
 pub use pieces::{Linter, OpsRest, Rest, can_be_read_in_pieces};
 pub use polygon::PolygonOrder;
 pub use resolve::Resolver;

@@ -112,6 +112,18 @@ fn in_order(found: impl IntoIterator<Item = Diagnostic>) -> Vec<Diagnostic> {
 
 /// Names of subprograms that a text calls and does not define: files to look for.
 pub fn called_files(source: &[u8]) -> Vec<String> {
+    let (mut called, defined) = subprograms(source);
+    called.retain(|name| !defined.contains(name));
+    called
+}
+
+/// Names of subprograms that a text defines.
+pub fn defined_subprograms(source: &[u8]) -> HashSet<String> {
+    subprograms(source).1
+}
+
+/// Those that are called, in their order, and those that are defined.
+fn subprograms(source: &[u8]) -> (Vec<String>, HashSet<String>) {
     let (mut parser, mut block) = (Parser::new(source, 0), Block::new());
     let (mut called, mut defined) = (Vec::new(), HashSet::new());
     while parser.next_o_word(&mut block) {
@@ -127,6 +139,5 @@ pub fn called_files(source: &[u8]) -> Vec<String> {
             _ => {}
         }
     }
-    called.retain(|name| !defined.contains(name));
-    called
+    (called, defined)
 }

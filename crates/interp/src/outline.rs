@@ -14,6 +14,9 @@ use diag::{Diagnostic, Span};
 use gcode::{Block, Keyword, Label, Parser};
 use std::collections::HashMap;
 
+/// `if`, `while`, `do`, `repeat` and `sub` that are open at once.
+const MOST_NESTED: usize = 1000;
+
 /// A place in a file: byte and line.
 pub(crate) type At = (u32, u32);
 
@@ -131,6 +134,11 @@ impl Outline {
     fn join(&mut self, faults: &mut Vec<Diagnostic>) {
         let mut open: Vec<usize> = Vec::new();
         for i in 0..self.marks.len() {
+            if open.len() > MOST_NESTED {
+                let text = format!("O-words stand within each other more than {MOST_NESTED} deep");
+                faults.push(error("I0319", self.marks[i].span, text));
+                return;
+            }
             match self.marks[i].keyword {
                 Keyword::Sub => {
                     if let Some(outer) =

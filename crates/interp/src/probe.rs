@@ -26,8 +26,9 @@ impl Executor {
         if !self.words.any(crate::codes::AXES | crate::codes::POLAR) {
             return refuse("I0570", span, "probing needs an axis word: where to");
         }
-        if self.state.feed_mode == FeedMode::InverseTime || self.state.feed <= 0.0 {
-            return refuse("I0571", span, "probing needs a feed: write G94 and F above 0");
+        if self.state.feed_mode != FeedMode::PerMinute || self.state.feed <= 0.0 {
+            let text = "probing needs a feed per minute: write G94 and F above 0";
+            return refuse("I0571", span, text);
         }
         let to = self.destination(false)?;
         let from = self.state.at;

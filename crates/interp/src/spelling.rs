@@ -15,6 +15,12 @@ impl core::fmt::Display for Written {
     }
 }
 
+/// A number as people write it: what counting in binary leaves behind the sixth decimal goes.
+pub(crate) fn short(value: f64) -> f64 {
+    let rounded = (value * 1e6).round() / 1e6;
+    if rounded.is_finite() { rounded } else { value }
+}
+
 /// A code as people write it.
 pub(crate) const fn written(tenths: u16) -> Written {
     Written(tenths)

@@ -299,11 +299,14 @@ impl Words {
             );
             return error("I0109", self.at[i], text).with_help("write G0 or G1 before it");
         }
-        error(
-            "I0110",
-            self.at[i],
-            format!("{letter} has no effect here: {}", crate::spelling::takers(i)),
-        )
+        let text = format!("{letter} has no effect here: {}", crate::spelling::takers(i));
+        let fault = error("I0110", self.at[i], text);
+        match letter {
+            'E' => {
+                fault.with_help("if it is to be an exponent: write the number out, 2500 for 2.5E3")
+            }
+            _ => fault,
+        }
     }
 }
 

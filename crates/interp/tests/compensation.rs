@@ -104,10 +104,8 @@ fn back_almost_the_way_it_came_the_tool_goes_round_the_corner() {
     let (sin, cos) = 2f64.to_radians().sin_cos();
     for sign in [1., -1.] {
         let back = [-20. * cos, sign * 20. * sin];
-        let program = format!(
-            "G0 X-20\nG41.1 D2\nG1 X0 F100\nX{} Y{}\nG40\nG0 Y9\nM2\n",
-            back[0], back[1]
-        );
+        let program =
+            format!("G0 X-20\nG41.1 D2\nG1 X0 F100\nX{} Y{}\nG40\nG0 Y9\nM2\n", back[0], back[1]);
         let round = [-sign * sin, -cos];
         let beside = [back[0] + round[0], back[1] + round[1]];
         assert_ends(&program, &[[-20., 0.], [0., 1.], round, beside, [back[0], 9.]]);

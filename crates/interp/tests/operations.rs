@@ -253,7 +253,8 @@ fn a_tap_without_p_waits_as_long_as_the_last_cycle_that_did() {
     let tap = the_tap(&ops_of(&shop(), &format!("{drilled}\nG84 X3 Z-10 R2 P0")));
     assert_eq!(tap.dwell, units::Time::ZERO);
     let fanuc = Setup { dialect: interp::Dialect::Fanuc, ..shop() };
-    let tap = the_tap(&ops_of(&fanuc, "S800 M3 F1000\nG0 Z5.\nG82 X1. Z-1. R2. P250\nG84 X3. Z-10. R2."));
+    let tap =
+        the_tap(&ops_of(&fanuc, "S800 M3 F1000\nG0 Z5.\nG82 X1. Z-1. R2. P250\nG84 X3. Z-10. R2."));
     assert_eq!(tap.dwell, units::Time::ZERO);
 }
 

@@ -67,11 +67,7 @@ fn made(entry: &CamEntry, folder: &Path, wheel: Length, nodes: usize) -> Result<
 pub(crate) fn table(path: &Path, base: Length, follower: Follower) -> Result<Cam, Refused> {
     let text = store::cams::table_text(path)?;
     let name = path.display().to_string();
-    let found = |text: String, finding| Refused::Findings {
-        name: name.clone(),
-        text: text.into_bytes(),
-        findings: vec![finding],
-    };
+    let found = |text: String, finding| Refused::text(name.clone(), text, vec![finding]);
     let rows = match store::cams::lift_rows(&text) {
         Ok(rows) => rows,
         Err(finding) => return Err(found(text, finding)),

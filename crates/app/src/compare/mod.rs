@@ -209,7 +209,7 @@ fn run_once(
             .program
             .as_ref()
             .map_or("the program for this size".into(), |p| p.display().to_string());
-        return Err(Refused::Findings { name, text: text.to_vec(), findings: known.findings });
+        return Err(Refused::program(name, text.to_vec(), session.drawn, known.findings));
     }
     let setup = session.interp_setup();
     let zero = session.work_zero();

@@ -129,7 +129,7 @@ fn run(
     let known = preflight(&mut session, text.as_bytes(), options);
     if known.is_refused() {
         let name = "the program for this polygon".into();
-        return Err(Refused::Findings { name, text: text.into(), findings: known.findings });
+        return Err(Refused::program(name, text.into(), session.drawn, known.findings));
     }
     let setup = session.interp_setup();
     let zero = session.work_zero();

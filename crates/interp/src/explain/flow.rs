@@ -95,6 +95,8 @@ pub(super) const ROWS: &[Finding] = &[
         "o1 sub\nG0 X1\no1 endsub\no1 sub\nG0 X2\no1 endsub\no1 call",
         "o1 sub\nG0 X1\no1 endsub\no2 sub\nG0 X2\no2 endsub\no1 call\no2 call",
     ),
+    row("I0319", "O-words stand within each other 1000 deep at most.", "", ""),
+    row("I0320", "After 200 errors the rest of a program is not looked at.", "", ""),
     row("I0321", "M72 has nothing to restore.", "M72", "M70\nM72"),
     row(
         "I0322",

@@ -203,10 +203,15 @@ impl Executor {
                 )
             }
             Unfit::Corner(size, point) => {
-                let text = format!("a corner of {size} does not fit at {}", at(point));
+                let text = format!(
+                    "a corner of {} does not fit at {}",
+                    crate::spelling::short(size),
+                    at(point)
+                );
                 error("I0586", span, text).with_help("the moves before and after it must be longer")
             }
             Unfit::Parallel(distance, point) => {
+                let distance = crate::spelling::short(distance);
                 let text =
                     format!("there is no room for a distance of {distance} at {}", at(point));
                 error("I0587", span, text)
