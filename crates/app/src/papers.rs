@@ -99,7 +99,12 @@ fn beyond(nearest: &Slice, next: &Slice, z: units::Length) -> Slice {
 }
 
 /// The page that a process engineer pins to the job.
-pub(crate) fn report(job: &Job, outcome: &Outcome, known: &Preflight) -> String {
+pub(crate) fn report(
+    job: &Job,
+    outcome: &Outcome,
+    known: &Preflight,
+    motion: report::Motion,
+) -> String {
     let machine = &job.session.machine;
     let spindle = machine.spindles.first();
     let torque =
@@ -125,6 +130,7 @@ pub(crate) fn report(job: &Job, outcome: &Outcome, known: &Preflight) -> String 
         },
         limiting: outcome.limiting.clone(),
         stops: outcome.stops.clone(),
+        motion: Some(motion),
     };
     report::html(&run, &outcome.recorder, &outcome.features)
 }

@@ -6,7 +6,7 @@ use crate::learning::Memory;
 use crate::log::Log;
 use crate::plant::{self, Plant};
 use crate::polygon::host::PolygonHost;
-use crate::preflight::{Preflight, planner, preflight, wrong_from};
+use crate::preflight::{Preflight, planner, preflight_with, wrong_from};
 use crate::program::Ops;
 use crate::refused::Refused;
 use crate::render::{self, Source};
@@ -15,6 +15,7 @@ use crate::script::{self, Told};
 use crate::session::{Session, read_program};
 use crate::simulate::{Outcome, Simulation};
 use crate::stops::Stops;
+use crate::time::{Added, without_jerk};
 use crate::timings::Timings;
 use crate::trace_thread::TraceThread;
 use crate::{interrupt, iron, papers, say, summary, wiring};
@@ -67,7 +68,11 @@ pub(crate) fn command(args: &RunArgs, quiet: bool) -> Result<Ending, Refused> {
     let mut job = Job::load(args)?;
     let link = Link::open(args, &mut job)?;
     job.begin_at(args, quiet)?;
-    let mut known = preflight(&mut job.session, &job.text, job.options);
+    let limits = wiring::planner(&job.session.machine);
+    let mut added = Added::new(&limits);
+    let mut known = preflight_with(&mut job.session, &job.text, job.options, &mut |step| {
+        added.step(&step);
+    });
     if let Some(restart) = job.restart.as_ref().filter(|_| !known.is_refused()) {
         known.findings.extend(wrong_from(&job.session, &job.text, job.options, restart));
     }
@@ -97,8 +102,15 @@ pub(crate) fn command(args: &RunArgs, quiet: bool) -> Result<Ending, Refused> {
         crate::left::write(&args.left, &job.text, &job.session.interp_setup())?;
     }
     let certificate = papers::certificate(&job, &outcome);
-    if let Some(folder) = folder {
-        let page = papers::report(&job, &outcome, &known);
+    let page = (folder.is_some() || args.report.is_some()).then(|| {
+        let free = without_jerk(&mut job.session, &job.text, job.options).map(Time::s);
+        let motion = report::Motion { planned: added.motion(), without_jerk: free };
+        papers::report(&job, &outcome, &known, motion)
+    });
+    if let (Some(path), Some(page)) = (&args.report, &page) {
+        store::output::write_file(path, page.as_bytes())?;
+    }
+    if let (Some(folder), Some(page)) = (folder, &page) {
         folder.write("report.html", page.as_bytes())?;
         papers::write_certificate(&folder, &certificate)?;
         papers::write_solids(&folder, &job, &outcome)?;

@@ -24,6 +24,8 @@ use plan::{GearStep, Superpose, Superposed, TableId};
 use sync::{Blend, Engagement, Engaging, Fade, Gear, Periodic, Rotation, Swing, Travel};
 use units::{Accel, Angle, Length, Speed, Time};
 
+mod beside;
+
 /// Tables that a kernel keeps at once.
 pub const TABLES: usize = 64;
 /// Share of a spindle's torque that a paced change of speed uses.
@@ -59,12 +61,12 @@ struct Wave {
     turns: f64,
 }
 
-/// A table that may be superposed, and the largest of its values.
+/// A table that may be superposed, and the largest of its values and of their first three derivatives.
 #[derive(Clone, Debug)]
 struct Held {
     id: TableId,
     table: Periodic,
-    highest: f64,
+    highest: [f64; 4],
     /// Counts up with each table that comes.
     serial: u64,
 }
@@ -107,9 +109,7 @@ impl Coupled {
         let Some(place) = same.filter(|i| !used(*i)).or_else(free).or_else(oldest) else {
             return Err(table);
         };
-        let nodes = table.len() as f64;
-        let highest = |most: f64, node| most.max(table.at(node as f64 / nodes).value.abs());
-        let highest = (0..table.len()).fold(0.0, highest);
+        let highest = beside::highest(&table);
         self.serial += 1;
         let held = Held { id, table, highest, serial: self.serial };
         Ok(self.tables[place].replace(held).map(|old| old.table))
@@ -252,7 +252,7 @@ impl Drives {
         let from = self.coupled.slots[index].and_then(|slot| slot.to);
         let highest = |wave: Option<Wave>| {
             let table = wave.and_then(|wave| self.coupled.tables[wave.index].as_ref());
-            table.map_or(0.0, |held| held.highest)
+            table.map_or(0.0, |held| held.highest[0])
         };
         let way = if from.is_some() && to.is_some() { 0.0 } else { highest(from) + highest(to) };
         let gentle_s = Blend::new(0.0, way, speed, accel).duration_s();

@@ -87,7 +87,9 @@ impl Moving {
             }
             let period = Period { length, planned: pace * length };
             if let Some(ahead) = Ahead::new(steps, index, self.at, pace) {
-                drives.tempo.advance(wanted, ahead, &config.motion, period);
+                let beside = drives.beside(&config.motion);
+                let limits = beside.as_ref().unwrap_or(&config.motion);
+                drives.tempo.advance(wanted, ahead, limits, period);
             }
             passing * drives.tempo.rate()
         };

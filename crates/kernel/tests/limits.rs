@@ -9,9 +9,9 @@ use canon::{
     Arc, Axis, Feed, Harmonic, Op, OpKind, Oscillating, Oscillation, Plane, Polygon, Position,
     Ratio, Span, SpindleOrder, ToolLibrary,
 };
-use common::{PERIOD, Run, control, machine, run_kernel_on};
+use common::{PERIOD, Run, control, machine, run_ordered};
 use core::f64::consts::TAU;
-use kernel::{Kernel, Periodic};
+use kernel::{Kernel, Order, Periodic};
 use plan::{
     AxisLimits, MachineLimits, Options, Planner, SpindleLimits, Start, Tapping, ToolChange,
 };
@@ -115,6 +115,11 @@ fn limits() -> MachineLimits {
 
 /// Planned and run on the simulated machine.
 fn run_program(ops: &[Op]) -> Run {
+    run_with(ops, &[])
+}
+
+/// The same, with orders of the operator by their ticks.
+fn run_with(ops: &[Op], orders: &[(usize, Order)]) -> Run {
     let options = Options {
         force_ramp: None,
         cutting_pressure_n_per_mm2: 3900.0,
@@ -133,6 +138,7 @@ fn run_program(ops: &[Op]) -> Run {
     let mut iron = machine(1);
     iron.spindles.push(iron.spindles[0]);
     let mut control = control(&iron);
+    control.motion = limits().motion(1.0);
     // fades as gentle moves are, and no gentler
     for axis in control.axes.iter_mut().flatten() {
         axis.gentle = (Speed::mm_per_s(50.0), Accel::mm_per_s2(1000.0));
@@ -143,7 +149,7 @@ fn run_program(ops: &[Op]) -> Run {
         kernel.put_table(table.id, nodes).expect("there is room");
     }
     let mut iron = SimulatedMachine::new(iron).expect("it can be built");
-    run_kernel_on(kernel, &mut iron, &steps, 80_000)
+    run_ordered(kernel, &mut iron, &steps, 80_000, orders)
 }
 
 /// Largest speed, acceleration and jerk of an axis' setpoints, from the first move on: before it they are where the
@@ -203,4 +209,32 @@ fn corners_between_cuts_stay_within_the_limits_whether_the_path_turns_or_its_fee
 fn so_do_cuts_with_a_feed_per_revolution() {
     within_limits(&[cut_per_turn(-60.0, -20.0, 10.0), cut_per_turn(-60.0, -30.0, 3.0)], JOINED);
     within_limits(&[cut_per_turn(-60.0, -20.0, 10.0), cut_per_turn(-62.0, -30.0, 3.0)], JOINED);
+}
+
+/// Holds, and a feed turned down, while X cuts beside a swing that takes half of its jerk: they may use the other half.
+#[test]
+fn a_hold_beside_a_swing_gets_what_the_swing_leaves() {
+    let ops = program(swing(0.5), &[cut(-65.0, -10.0), cut(-100.0, -10.0)]);
+    let plain = run_program(&ops);
+    let cutting = |s: &bus::Sample| s.report.state == bus::State::Feed;
+    let begins = plain.samples.iter().position(cutting).expect("it cuts");
+    let ends = plain.samples.iter().rposition(cutting).expect("it cuts");
+    for part in 1..8 {
+        let at = begins + (ends - begins) * part / 8;
+        let orders = [
+            (at, Order::FeedOverride(0.4)),
+            (at + 150, Order::FeedHold),
+            (at + 1500, Order::Resume),
+            (at + 1600, Order::FeedOverride(1.0)),
+        ];
+        let run = run_with(&ops, &orders);
+        assert!(run.kernel.faults().is_empty(), "{:?}", run.kernel.faults());
+        assert_eq!(run.kernel.report().state, bus::State::Ended);
+        assert!(run.seconds > plain.seconds + 0.2, "it was not held");
+        let [speed, accel, jerk] = largest(&run, 0);
+        println!("held in period {at}: {speed:.1} mm/s, {accel:.0} mm/s², {jerk:.0} mm/s³");
+        let rounded = 1.0 + 1e-9;
+        assert!(speed <= 400.0 * rounded && accel <= 8000.0 * rounded, "{speed} {accel}");
+        assert!(jerk <= 500e3 * (1.0 + JOINED), "{jerk}");
+    }
 }

@@ -110,9 +110,25 @@ fn a_spindle_order_it_cannot_obey() {
 #[test]
 fn a_feed_above_the_axes_is_said_once() {
     assert_snapshot!(findings([turn(500.0), line(9.0, 0.0, 0.0, 9e4), line(0.0, 0.0, 0.0, 9e4)]), @r"
-    M0304 Warning line 2: F90000 is faster than the axes feed along this path: it runs at 50000 mm/min
+    M0304 Warning line 2: a feed of 90000 mm/min is faster than the axes can along this path: it runs at 50000
         help: said once; later moves may be slowed down likewise
     ");
+}
+
+/// Of rotary axes alone the feed is in degrees.
+#[test]
+fn a_feed_above_a_rotary_axis_is_said_in_degrees() {
+    let mut limits = common::machine();
+    limits.axes[5] = Some(common::axis(-36_000.0, 36_000.0, 1.5)); // C, in degrees
+    let to =
+        Position { rotary: [Angle::ZERO, Angle::ZERO, Angle::deg(90.0)], ..Position::default() };
+    let feed = Feed::Duration(Time::s(0.01)); // 9000 degrees a second
+    let start = plan::Start { position: Position::default(), tool: 0 };
+    let tools = canon::ToolLibrary::new([]);
+    let planner = plan::Planner::new(limits, tools, common::OPTIONS, start);
+    let found = findings_of(planner, [turn(500.0), OpKind::Line { to, feed }]);
+    assert_snapshot!(found, @"M0304 Warning line 2: a feed of 540000 degrees a minute is faster than the axes can along this path: it runs at 50000
+        help: said once; later moves may be slowed down likewise");
 }
 
 #[test]

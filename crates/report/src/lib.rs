@@ -27,5 +27,5 @@ pub use page::{
 };
 pub use record::{AxisLimits, Recorder, WORST_KEPT};
 pub use recovery::{Recovery, recovery_svg};
-pub use run::{Alarm, Limits, Note, Origin, Run};
+pub use run::{Alarm, Limits, Motion, Note, Origin, Run};
 pub use stops::{PlanePoint, ThreadStop, WayBack};

@@ -39,6 +39,17 @@ pub struct Run {
     pub limiting: BTreeMap<u32, String>,
     /// Stops in a thread, and the ways out.
     pub stops: Vec<crate::ThreadStop>,
+    /// How long it was planned to move; `None`: nobody has asked.
+    pub motion: Option<Motion>,
+}
+
+/// Planned time in motion, and what it would be if no axis had a limit of jerk.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// With the machine's limits.
+    pub planned: Time,
+    /// Without those of jerk; `None`: there are none.
+    pub without_jerk: Option<Time>,
 }
 
 /// The zero of the coordinates shown.

@@ -13,6 +13,9 @@ pub(crate) struct RunArgs {
     /// Folder for report.html, certificate.json and trace.parquet; written whole or not at all
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    /// The report alone, without a folder for the rest [default: report.html here]
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "report.html")]
+    pub(crate) report: Option<PathBuf>,
     /// Seed of the machine's scatter (friction, backlash, material)
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<u64>,

@@ -40,6 +40,9 @@ pub(crate) struct TimeArgs {
     /// In JSON: every operation, not only the longest
     #[arg(long)]
     pub(crate) operations: bool,
+    /// Also say how long planning took
+    #[arg(long)]
+    pub(crate) timings: bool,
 }
 
 /// `leadscrew fmt`.

@@ -5,7 +5,7 @@ use plan::{
     ToolChange,
 };
 use store::machine::{Axis, Follows, MachineFile, Peck, Spindle};
-use units::{Accel, Force, Jerk, Speed, Time};
+use units::{Force, Time};
 
 /// Share of an axis drive's force that plans may use: the rest is for the cut and for control.
 const PLANNED_SHARE: f64 = 0.9;
@@ -96,14 +96,14 @@ fn spindle(file: &Spindle) -> SpindleLimits {
     }
 }
 
-/// What the report measures speeds along a path against: axes X, Y and Z while cutting.
+/// What the report measures the axes against, while cutting.
 pub(crate) fn path_limits(machine: &MachineFile) -> report::AxisLimits {
-    let axes = planner(machine).axes;
-    let of = |i: usize| axes[i].as_ref();
-    let (speed, accel, jerk) = (Speed::mm_per_s, Accel::mm_per_s2, Jerk::mm_per_s3);
-    report::AxisLimits {
-        speed: [0, 1, 2].map(|i| of(i).map_or(speed(f64::INFINITY), |axis| axis.rapid_speed)),
-        accel: [0, 1, 2].map(|i| of(i).map_or(accel(f64::INFINITY), |axis| axis.accel)),
-        jerk: [0, 1, 2].map(|i| of(i).map_or(jerk(f64::INFINITY), |axis| axis.feed_jerk)),
+    let mut limits = report::AxisLimits::NONE;
+    for (i, axis) in planner(machine).axes.iter().enumerate() {
+        let Some(axis) = axis else { continue };
+        limits.speed[i] = axis.rapid_speed;
+        limits.accel[i] = axis.accel;
+        limits.jerk[i] = axis.feed_jerk;
     }
+    limits
 }

@@ -24,7 +24,7 @@ pub(crate) const SENTENCES: &[(&str, &str)] = &[
     ("M0301", "A move would end outside an axis' travel; the work offset that would fit is said."),
     ("M0302", "A coordinate is absurd."),
     ("M0303", "A feed is no number above zero."),
-    ("M0304", "F is faster than the axes feed along this path: it runs at what they can."),
+    ("M0304", "A feed is faster than the axes can along a path: it runs at what they can."),
     ("M0305", "Tapping needs a spindle and an axis that this machine lacks."),
     ("M0306", "A feed per revolution with the spindle at rest would never move."),
     ("M0307", "A cutting move with the spindle at rest."),

@@ -372,16 +372,30 @@ pub fn run_on(
 }
 
 pub fn run_kernel_on(
+    kernel: Kernel,
+    machine: &mut dyn Machine,
+    steps: &[StepKind],
+    ticks: usize,
+) -> Run {
+    run_ordered(kernel, machine, steps, ticks, &[])
+}
+
+/// With orders of the operator, by the tick before which they come.
+pub fn run_ordered(
     mut kernel: Kernel,
     machine: &mut dyn Machine,
     steps: &[StepKind],
     ticks: usize,
+    orders: &[(usize, kernel::Order)],
 ) -> Run {
     let mut waiting = steps.iter().enumerate();
     let (mut samples, mut events) = (Vec::new(), Vec::new());
     let mut next = waiting.next();
     let mut feedback = machine.feedback();
-    for _ in 0..ticks {
+    for tick in 0..ticks {
+        for (_, order) in orders.iter().filter(|(at, _)| *at == tick) {
+            kernel.order(*order);
+        }
         while let Some((index, kind)) = next {
             let op = index as u32;
             if kernel.push(Step { op, line: op + 1, kind: *kind }).is_err() {

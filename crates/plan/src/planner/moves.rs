@@ -153,7 +153,7 @@ impl Planner {
         };
         let Some(bound) = self.bound(job, &path, false, wanted) else { return };
         if wanted > bound.axis_speed * (1.0 + 1e-9) {
-            self.findings.add_once(clipped(job.span, wanted, bound.axis_speed));
+            self.findings.add_once(clipped(job.span, &path, wanted, bound.axis_speed));
         }
         if self.motion_is_refused(job, &bound, length, wanted) {
             return;

@@ -4,7 +4,7 @@
 use super::{Job, Planner};
 use crate::Profile;
 use crate::findings::number;
-use crate::motion::{Along, coordinate};
+use crate::motion::{Along, change, coordinate};
 use crate::path::{Path, radius};
 use crate::travel::beyond;
 use alloc::format;
@@ -157,10 +157,14 @@ pub(super) fn wild(position: &Position) -> Option<(Axis, f64)> {
         .find(|(axis, x)| absurd(*axis, *x))
 }
 
-/// A warning that a feed is not reached.
-pub(super) fn clipped(span: Span, wanted: f64, possible: f64) -> Diagnostic {
+/// A warning that a feed is not reached; per second, along a path.
+pub(super) fn clipped(span: Span, path: &Path, wanted: f64, possible: f64) -> Diagnostic {
+    let (from, to) = (path.from(), path.to());
+    let turns_only = matches!(path, Path::Line { .. })
+        && Axis::ALL.into_iter().all(|axis| is_rotary(axis) || change(from, to, axis) == 0.0);
+    let unit = if turns_only { "degrees a minute" } else { "mm/min" };
     let text = format!(
-        "F{} is faster than the axes feed along this path: it runs at {} mm/min",
+        "a feed of {} {unit} is faster than the axes can along this path: it runs at {}",
         number(wanted * 60.0),
         number(libm::floor(possible * 60.0 + 1e-6)),
     );

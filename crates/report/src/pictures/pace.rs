@@ -1,13 +1,15 @@
 //! How fast, where, and why not faster.
 //!
 //! ```text
-//!   the path from above, coloured by speed      speed, acceleration and jerk over time      seconds by what limited
+//!   the path from above, coloured by speed, and by what limited it      speed, acceleration and jerk over time
+//!   seconds by what limited, and what the limits of jerk cost
 //! ```
 use super::figure;
 use super::tool_path::{above, axes};
-use crate::Run;
-use crate::record::{CLASSES, Limiter, Point, Recorder, class_bounds};
+use crate::record::{CLASSES, Limiter, Point, Recorder, Series, class_bounds};
 use crate::svg::{Chart, Range, Stroke, Tag, fixed};
+use crate::{Motion, Run};
+use units::Time;
 
 /// How it is drawn, its points, its name.
 type Curve<'a> = (Stroke, &'a [(f64, f64)], &'a str);
@@ -16,14 +18,16 @@ type Curve<'a> = (Stroke, &'a [(f64, f64)], &'a str);
 const COLOURS: [&str; 6] =
     ["line pace0", "line pace1", "line pace2", "line pace3", "line pace4", "line pace5"];
 
-/// What limited, and what would make it faster.
-const LIMITERS: [(Limiter, &str, &str); 5] = [
-    (Limiter::Feed, "programmed feed", "a higher F"),
-    (Limiter::Speed, "highest speed of an axis", "a faster axis"),
-    (Limiter::Acceleration, "acceleration of an axis", "a larger P of G64"),
-    (Limiter::Jerk, "jerk of an axis", "a larger P, more jerk"),
-    (Limiter::Nothing, "none of these", "—"),
-];
+/// What limited, in words, what would make it faster, and its colour.
+const fn words(limiter: Limiter) -> [&'static str; 3] {
+    match limiter {
+        Limiter::Feed => ["programmed feed", "a higher F", "line pace0"],
+        Limiter::Speed => ["highest speed of an axis", "a faster axis", "line pace2"],
+        Limiter::Acceleration => ["acceleration of an axis", "a larger P of G64", "line pace5"],
+        Limiter::Jerk => ["jerk of an axis", "a larger P, more jerk", "line pace4"],
+        Limiter::Nothing => ["none of these", "—", "line pace6"],
+    }
+}
 
 /// The pictures; nothing if nothing moved along a path for a while.
 pub(crate) fn pace(run: &Run, recorder: &Recorder) -> String {
@@ -32,10 +36,15 @@ pub(crate) fn pace(run: &Run, recorder: &Recorder) -> String {
     if points.len() < 2 || all <= 0.0 {
         return String::new();
     }
-    coloured(run, &points) + &over_time(recorder) + &limiters(recorder, all)
+    let limiting: Vec<Point> = recorder.pace.limiting.points().collect();
+    by_speed(run, &points, recorder.pace.turning.is_some())
+        + &by_limit(run, &limiting)
+        + &over_time(recorder)
+        + &limiters(run, recorder, all)
 }
 
-fn coloured(run: &Run, points: &[Point]) -> String {
+/// Cuts as lines, by their class; empty if nothing was cut.
+fn by_class(run: &Run, points: &[Point]) -> Vec<Vec<Vec<(f64, f64)>>> {
     let zero = run.zero();
     let view = |p: &Point| above(std::array::from_fn(|i| p.at[i] - zero[i]));
     let cuts = points.windows(2).filter(|pair| !pair[1].rapid && !pair[1].lifted);
@@ -48,18 +57,24 @@ fn coloured(run: &Run, points: &[Point]) -> String {
             _ => class.push(vec![a, b]),
         }
     }
+    lines
+}
+
+/// The view from above, to scale, with room for these lines; `None` without any.
+fn view_of(lines: &[Vec<Vec<(f64, f64)>>], title: &str, description: &str) -> Option<Chart> {
     let seen = || lines.iter().flatten().flatten();
-    if seen().next().is_none() {
-        return String::new();
-    }
+    seen().next()?;
     let x = Range::of("across the view / mm", seen().map(|p| p.0)).padded(0.06);
     let y = Range::of("up the view / mm", seen().map(|p| p.1)).padded(0.06);
-    let mut chart = Chart::to_scale(
-        "Tool path by speed",
-        "Path of the tool's tip while cutting, coloured by its speed.",
-        x,
-        y,
-    );
+    Some(Chart::to_scale(title, description, x, y))
+}
+
+fn by_speed(run: &Run, points: &[Point], turns_too: bool) -> String {
+    let lines = by_class(run, points);
+    let description = "Path of the tool's tip while cutting, coloured by its speed.";
+    let Some(mut chart) = view_of(&lines, "Tool path by speed", description) else {
+        return String::new();
+    };
     // the fastest have a colour each, all that are slower share one
     let fastest = (0..CLASSES).rev().find(|class| !lines[usize::from(*class)].is_empty());
     let slow = fastest.unwrap_or(0).saturating_sub(COLOURS.len() as u8 - 1);
@@ -67,13 +82,30 @@ fn coloured(run: &Run, points: &[Point]) -> String {
     let round = |v: f64| fixed(v, usize::from(v < 10.0));
     chart.coloured(COLOURS[0], &below, &format!("up to {} mm/s", round(class_bounds(slow).1)));
     for (class, colour) in (slow + 1..CLASSES).zip(&COLOURS[1..]) {
-        let label = format!("to {}", round(class_bounds(class).1));
+        let label = format!("to {} mm/s", round(class_bounds(class).1));
         chart.coloured(colour, &lines[usize::from(class)], &label);
     }
     axes(&mut chart, above);
-    let caption = "Cutting moves by the speed of their setpoints, from above. Slow stretches are corners, tight bends and short moves; \
-        the table beside says what kept them slow.";
-    figure("Tool path by speed", &chart.finish("pace-path"), caption)
+    let turns = if turns_too { " The rotary axes that turn meanwhile are not in it." } else { "" };
+    let caption = "Cutting moves by the speed of their setpoints along X, Y and Z, from above. Slow stretches are corners, tight \
+        bends and short moves; the picture beside says what kept them slow.";
+    figure("Tool path by speed", &chart.finish("pace-path"), &(caption.to_owned() + turns))
+}
+
+fn by_limit(run: &Run, points: &[Point]) -> String {
+    let lines = by_class(run, points);
+    let description =
+        "Path of the tool's tip while cutting, coloured by what kept it from being faster.";
+    let Some(mut chart) = view_of(&lines, "Tool path by what limited it", description) else {
+        return String::new();
+    };
+    for limiter in Limiter::ALL {
+        let [name, _, colour] = words(limiter);
+        chart.coloured(colour, &lines[limiter as usize], name);
+    }
+    axes(&mut chart, above);
+    let caption = "The same moves by what had reached its limit there: the programmed feed, or some axis' speed, acceleration or jerk.";
+    figure("Tool path by what limited it", &chart.finish("pace-limits"), caption)
 }
 
 fn over_time(recorder: &Recorder) -> String {
@@ -89,33 +121,34 @@ fn over_time(recorder: &Recorder) -> String {
         }
         chart.finish(id)
     };
-    let speeds = chart(
-        "pace-speed",
-        "Speed along the path",
-        "speed / mm/s",
-        &[(Stroke::Main, speed.as_slice(), "speed along the path")],
-    );
+    let turning = pace.turning.as_ref().map(Series::points).unwrap_or_default();
+    let mut speeds = vec![(Stroke::Main, speed.as_slice(), "X, Y, Z along the path / mm/s")];
+    let unit = if turning.is_empty() { "speed / mm/s" } else { "speed / mm/s, °/s" };
+    if !turning.is_empty() {
+        speeds.push((Stroke::Second, turning.as_slice(), "A, B, C together / °/s"));
+    }
+    let speeds = chart("pace-speed", "Speed along the path", unit, &speeds);
     let mut curves = vec![(Stroke::Second, accel.as_slice(), "acceleration")];
     if jerk.iter().any(|p| p.1 > 0.0) {
         curves.insert(0, (Stroke::Share, jerk.as_slice(), "jerk"));
     }
     let shares =
         chart("pace-shares", "Share of the axes' limits", "share of an axis' limit / %", &curves);
-    figure("Speed over time", &speeds, "Of the setpoints of X, Y and Z, in feeds and rapids.")
+    figure("Speed over time", &speeds, "Of the axes' setpoints, in feeds and rapids.")
         + &figure(
             "Acceleration and jerk over time",
             &shares,
-            "The largest share that X, Y or Z has of what it can, by differences of the setpoints.",
+            "The largest share that any axis has of what it can, by differences of the setpoints.",
         )
 }
 
-fn limiters(recorder: &Recorder, all: f64) -> String {
+fn limiters(run: &Run, recorder: &Recorder, all: f64) -> String {
     let head = "<thead><tr><th class=\"l\">limited by</th><th>s</th><th>%</th><th class=\"l\">faster with</th></tr></thead>";
-    let rows: String = LIMITERS
+    let rows: String = Limiter::ALL
         .iter()
-        .map(|(limiter, name, remedy)| (recorder.pace.limited[*limiter as usize], name, remedy))
-        .filter(|(seconds, ..)| *seconds > 0.0)
-        .map(|(seconds, name, remedy)| {
+        .map(|limiter| (recorder.pace.limited[*limiter as usize], words(*limiter)))
+        .filter(|(seconds, _)| *seconds > 0.0)
+        .map(|(seconds, [name, remedy, _])| {
             let cell = |class: &str, text: &str| Tag::new("td").with("class", class).text(text);
             Tag::new("tr").around(
                 &(cell("l", name)
@@ -126,9 +159,24 @@ fn limiters(recorder: &Recorder, all: f64) -> String {
         })
         .collect();
     let table = Tag::new("table").around(&(head.to_owned() + &Tag::new("tbody").around(&rows)));
-    figure(
-        "What limited the motion",
-        &table,
-        "Seconds of feeds and rapids, by what the setpoints had reached.",
+    let caption = "Seconds of feeds and rapids, by what the setpoints had reached; none of these: overrides, holds, and changes from one \
+        to the other.";
+    figure("What limited the motion", &table, &(caption.to_owned() + &jerk_costs(run)))
+}
+
+/// What the limits of jerk cost, if the axes have any.
+fn jerk_costs(run: &Run) -> String {
+    let Some(Motion { planned, without_jerk }) = run.motion else { return String::new() };
+    let (planned, Some(free)) = (planned.value(), without_jerk.map(Time::value)) else {
+        return " No axis has a limit of jerk.".into();
+    };
+    if free <= 0.0 {
+        return String::new();
+    }
+    let more = fixed(100.0 * (planned / free - 1.0).max(0.0), 1);
+    format!(
+        " Planned are {} s in motion; without limits of jerk it would be {} s: they cost {more} %.",
+        fixed(planned, 2),
+        fixed(free, 2)
     )
 }

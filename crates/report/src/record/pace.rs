@@ -1,26 +1,36 @@
 //! How fast the axes were told to go, and what kept them from going faster.
 //!
 //! ```text
-//!   setpoints of X Y Z, period by period ─► differences ─► speed along the path, and the largest share that any axis has
-//!                                                          of its highest speed, acceleration and jerk
+//!   setpoints, period by period ─► differences ─► speed along the path, and the largest share that any axis has
+//!                                                 of its highest speed, acceleration and jerk
 //! ```
 //!
-//! Along the path, speeds are kept in classes, two to each power of two, so that a picture can show them in colours.
+//! Along the path, speeds are kept in classes, two to each power of two, so that a picture can show them in colours, and what
+//! limited them likewise. The path is that of X, Y, Z; where none of them moves its speed is that of A, B, C, in degrees.
 use super::{Point, Series, Track};
-use bus::{Sample, State};
-use canon::{Feed, Op, OpKind};
+use bus::{AXES, Sample, State};
+use canon::{Arc, Axis, Feed, Op, OpKind, Position};
 use std::collections::BTreeMap;
-use units::{Accel, Jerk, Speed, Time};
+use units::{Accel, Angle, Jerk, Speed, Time};
 
-/// What axes X, Y and Z can do; infinite where there is no limit.
+/// What the axes can do, X first; infinite where there is no limit. Of A, B and C read degrees for millimetres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisLimits {
     /// Highest speed.
-    pub speed: [Speed; 3],
+    pub speed: [Speed; AXES],
     /// Highest acceleration.
-    pub accel: [Accel; 3],
+    pub accel: [Accel; AXES],
     /// Highest jerk while cutting.
-    pub jerk: [Jerk; 3],
+    pub jerk: [Jerk; AXES],
+}
+
+impl AxisLimits {
+    /// Of axes that are not there.
+    pub const NONE: Self = Self {
+        speed: [Speed::mm_per_s(f64::INFINITY); AXES],
+        accel: [Accel::mm_per_s2(f64::INFINITY); AXES],
+        jerk: [Jerk::mm_per_s3(f64::INFINITY); AXES],
+    };
 }
 
 /// What kept a motion from being faster; in the order in which it is asked.
@@ -38,6 +48,25 @@ pub(crate) enum Limiter {
     Nothing,
 }
 
+impl Limiter {
+    /// All of them, in their order.
+    pub(crate) const ALL: [Self; 5] =
+        [Self::Feed, Self::Speed, Self::Acceleration, Self::Jerk, Self::Nothing];
+}
+
+/// A programmed feed.
+#[derive(Clone, Copy, Debug)]
+enum Fed {
+    /// mm/s, or degrees a second of rotary axes alone.
+    PerTime(f64),
+    /// mm a revolution.
+    PerRevolution(f64),
+}
+
+/// X, Y and Z.
+const LINEAR: [usize; 3] = [0, 1, 2];
+/// A, B and C.
+const ROTARY: [usize; 3] = [3, 4, 5];
 /// An axis, or the path, is at its limit from this share on.
 const AT: f64 = 0.9;
 /// The feed is reached from this share on.
@@ -51,16 +80,23 @@ pub(crate) const CLASSES: u8 = 24;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pace {
     limits: Option<AxisLimits>,
-    /// Programmed feed of ops to come, mm/s.
-    feeds: BTreeMap<u32, f64>,
+    /// Programmed feed of ops to come.
+    feeds: BTreeMap<u32, Fed>,
+    /// Where the last of them ends.
+    programmed: Option<Position>,
     /// Setpoints of the last periods, newest first, and how many of them go on into one another.
-    before: [[f64; 3]; 3],
+    before: [[f64; AXES]; 3],
     count: u8,
     last: Option<Time>,
+    angle: Option<Angle>,
     class: u8,
     /// The path, with classes of speed.
     pub(crate) track: Track,
+    /// The path, with what limited as its classes.
+    pub(crate) limiting: Track,
     pub(crate) speed: Series,
+    /// Of A, B, C, degrees a second, if any of them has moved.
+    pub(crate) turning: Option<Series>,
     pub(crate) accel: Series,
     pub(crate) jerk: Series,
     /// Seconds by what limited.
@@ -73,12 +109,26 @@ impl Pace {
     }
 
     pub(super) fn op(&mut self, index: u32, op: &Op) {
-        if let OpKind::Line { feed: Feed::PerTime(feed), .. }
-        | OpKind::Arc { feed: Feed::PerTime(feed), .. }
-        | OpKind::Spline { feed: Feed::PerTime(feed), .. } = &op.kind
-        {
-            self.feeds.insert(index, feed.value());
-        }
+        let (to, arc, feed) = match &op.kind {
+            OpKind::Rapid { to } => (to, None, None),
+            OpKind::Line { to, feed } => (to, None, Some(feed)),
+            OpKind::Arc { to, arc, feed } => (to, Some(arc), Some(feed)),
+            // a spline's own length takes more than this to know: with G93 its feed is not looked at
+            OpKind::Spline { to, feed: Feed::Duration(_), .. } => (to, None, None),
+            OpKind::Spline { to, feed, .. } => (to, None, Some(feed)),
+            _ => return, // nothing else has a feed along a path
+        };
+        let from = self.programmed.replace(*to);
+        let fed = match feed {
+            None => return,
+            Some(Feed::PerTime(speed)) => Fed::PerTime(speed.value()),
+            Some(Feed::PerRevolution(lead)) => Fed::PerRevolution(lead.value()),
+            Some(Feed::Duration(time)) => {
+                let Some(from) = from else { return };
+                Fed::PerTime(length(&from, to, arc) / time.value())
+            }
+        };
+        self.feeds.insert(index, fed);
     }
 
     /// A period; the tip's place for the picture.
@@ -90,36 +140,41 @@ impl Pace {
             self.count = 0;
             return;
         };
-        let at = [0, 1, 2].map(|i| sample.command.axes[i].position.value());
+        let at: [f64; AXES] = std::array::from_fn(|i| sample.command.axes[i].position.value());
         let [q1, q2, q3] = self.before;
         self.before = [at, q1, q2];
         self.count = (self.count + 1).min(4);
         if self.count < 4 {
             return;
         }
-        let by_axis = |of: &dyn Fn(usize) -> f64| [0, 1, 2].map(of);
+        let by_axis = |of: &dyn Fn(usize) -> f64| -> [f64; AXES] { std::array::from_fn(of) };
         let v = by_axis(&|i| (at[i] - q1[i]) / period);
         let a = by_axis(&|i| (at[i] - 2.0 * q1[i] + q2[i]) / period.powi(2));
         let j = by_axis(&|i| (at[i] - 3.0 * q1[i] + 3.0 * q2[i] - q3[i]) / period.powi(3));
-        let share = |x: [f64; 3], most: [f64; 3]| {
-            (0..3).map(|i| x[i].abs() / most[i]).filter(|x| x.is_finite()).fold(0.0, f64::max)
+        let share = |x: [f64; AXES], most: [f64; AXES]| {
+            (0..AXES).map(|i| x[i].abs() / most[i]).filter(|x| x.is_finite()).fold(0.0, f64::max)
         };
-        let speed = v.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let of = |axes: [usize; 3]| axes.iter().map(|i| v[*i] * v[*i]).sum::<f64>().sqrt();
+        let (speed, turning) = (of(LINEAR), of(ROTARY));
         let fast = share(v, limits.speed.map(Speed::value));
         let hard = share(a, limits.accel.map(Accel::value));
         let sudden = share(j, limits.jerk.map(Jerk::value));
         let time = now.value();
         self.speed.push(time, speed);
+        if turning > 0.0 || self.turning.is_some() {
+            self.turning.get_or_insert_default().push(time, turning);
+        }
         self.accel.push(time, 100.0 * hard);
         self.jerk.push(time, 100.0 * sudden);
-        let op = sample.report.op;
-        while self.feeds.first_key_value().is_some_and(|(before, _)| *before < op) {
-            self.feeds.pop_first();
-        }
         let rapid = sample.report.state == State::Rapid;
-        let feed = self.feeds.get(&op).filter(|_| !rapid).copied().unwrap_or(f64::INFINITY);
+        let angle = sample.feedback.spindles[0].angle;
+        let was = self.angle.replace(angle).unwrap_or(angle);
+        let seen = (angle - was).value() / period;
+        let spin = sample.truth.as_ref().map_or(seen, |truth| truth.spins[0].value()).abs();
+        let fed = if rapid { None } else { self.fed(sample.report.op, spin) };
+        let along = if speed > 0.0 { speed } else { turning };
         let limiter = match () {
-            () if speed >= FED * feed => Limiter::Feed,
+            () if fed.is_some_and(|feed| along >= FED * feed) => Limiter::Feed,
             () if fast >= FED => Limiter::Speed,
             () if hard >= AT => Limiter::Acceleration,
             () if sudden >= AT => Limiter::Jerk,
@@ -128,6 +183,35 @@ impl Pace {
         self.limited[limiter as usize] += period;
         self.class = class_near(speed, self.class);
         self.track.push(Point { class: self.class, rapid, ..tip });
+        self.limiting.push(Point { class: limiter as u8, rapid, ..tip });
+    }
+
+    /// The programmed feed of the op under way, per second; `spin`: revolutions per second.
+    fn fed(&mut self, op: u32, spin: f64) -> Option<f64> {
+        while self.feeds.first_key_value().is_some_and(|(before, _)| *before < op) {
+            self.feeds.pop_first();
+        }
+        self.feeds.get(&op).map(|fed| match fed {
+            Fed::PerTime(feed) => *feed,
+            Fed::PerRevolution(lead) => lead * spin,
+        })
+    }
+}
+
+/// Length of a move, as its feed counts it: along X, Y, Z, else in degrees.
+fn length(from: &Position, to: &Position, arc: Option<&Arc>) -> f64 {
+    let linear = |i: usize| (to.linear[i] - from.linear[i]).value();
+    if let Some(Arc { plane, centre, sweep }) = arc {
+        let [first, second, normal] = plane.axes();
+        let to_centre = |axis: Axis, c: usize| from.along(axis).value() - centre[c].value();
+        let radius = to_centre(first, 0).hypot(to_centre(second, 1));
+        return (radius * sweep.in_rad()).hypot(linear(normal.index()));
+    }
+    let norm =
+        |of: &dyn Fn(usize) -> f64| LINEAR.iter().map(|i| of(*i).powi(2)).sum::<f64>().sqrt();
+    match norm(&linear) {
+        0.0 => norm(&|i| 360.0 * (to.rotary[i] - from.rotary[i]).value()),
+        straight => straight,
     }
 }
 

@@ -91,6 +91,7 @@ pub fn run(program: &str) -> Run {
         },
         limiting: BTreeMap::new(),
         stops: Vec::new(),
+        motion: None,
     }
 }
 
