@@ -1,7 +1,7 @@
 //! The planned time of steps: how long they will take, one after another, with the spindle ramps that run beside them.
 use crate::limits::MachineLimits;
-use crate::{ChipThrow, SpindleStep, Step, StepKind};
-use units::Time;
+use crate::{ChipThrow, Profile, SpindleStep, Step, StepKind};
+use units::{Angle, Spin, Time};
 
 /// Adds up the planned time of steps.
 #[derive(Clone, Copy, Debug, Default)]
@@ -27,7 +27,8 @@ impl Clock {
         match &step.kind {
             StepKind::Move(m) => {
                 if let Some((throw, at)) = self.throw.and_then(|t| Some((t, t.passed_by(m)?))) {
-                    self.ready_at = self.ready_at.max(self.elapsed + at + throw.duration());
+                    let lasts = throw_lasts(&throw, limits);
+                    self.ready_at = self.ready_at.max(self.elapsed + at + lasts);
                     self.throw = None;
                 }
                 self.motion(m.profile.duration(), m.per_revolution, m.exact_stop, limits);
@@ -38,7 +39,7 @@ impl Clock {
             StepKind::Dwell(time) => self.elapsed += time.value(),
             StepKind::Spindle { spindle, order } => match order {
                 SpindleStep::Turn { spin, ramp } => {
-                    self.ready_at = self.ready_at.max(self.elapsed + ramp.duration());
+                    self.ready_at = self.ready_at.max(self.elapsed + ramp_lasts(ramp, limits));
                     if *spindle == 0 {
                         self.speed = spin.abs().value();
                     }
@@ -47,15 +48,19 @@ impl Clock {
                 SpindleStep::Orient(_) => {}
                 SpindleStep::Throw(throw) => {
                     self.throw = Some(*throw);
-                    self.ready_at = self.ready_at.max(self.elapsed + throw.duration());
+                    self.ready_at = self.ready_at.max(self.elapsed + throw_lasts(throw, limits));
                     if *spindle == 0 {
                         self.speed = throw.then.abs().value();
                     }
                 }
             },
             StepKind::Tap(tap) => {
-                let stroke = tap.inward.duration() + tap.outward.duration() + tap.dwell.value();
-                self.elapsed += stroke + limits.settling.value();
+                let way = |profile: &Profile, spin: Spin| match limits.tapping.own_ramps {
+                    Some(own) => own.stroke(spin, Angle::rev(profile.end().s)).value(),
+                    None => profile.duration(),
+                };
+                let strokes = way(&tap.inward, tap.spin) + way(&tap.outward, tap.return_spin);
+                self.elapsed += strokes + tap.dwell.value() + limits.settling.value();
             }
             // the spindle comes round to the start angle after half a turn, on average
             StepKind::Thread(stretch) if self.speed > 0.0 => {
@@ -94,5 +99,50 @@ impl Clock {
         if stops {
             self.elapsed += limits.settling.value();
         }
+    }
+}
+
+/// How long a spindle takes for a ramp, s: a drive that makes its own ramps is told the speed at once.
+fn ramp_lasts(ramp: &Profile, limits: &MachineLimits) -> f64 {
+    let (from, to) = (Spin::rev_per_s(ramp.at(0.0).v), Spin::rev_per_s(ramp.end().v));
+    limits.tapping.own_ramps.map_or(ramp.duration(), |own| own.change(from, to).value())
+}
+
+/// How long it takes to throw chips off, s.
+fn throw_lasts(throw: &ChipThrow, limits: &MachineLimits) -> f64 {
+    ramp_lasts(&throw.against, limits) + ramp_lasts(&throw.back, limits)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::OwnRamps;
+    use units::{Angle, Length, Spin, SpinAccel, Time};
+
+    /// 50 rev/s² up, 100 down, 10 ms late.
+    const OWN: OwnRamps = OwnRamps {
+        delay: Time::s(0.01),
+        accel: SpinAccel::rev_per_s2(50.0),
+        decel: SpinAccel::rev_per_s2(100.0),
+        uncertainty: 0.0,
+        repeats_delay: Time::ZERO,
+        repeats: 0.0,
+        turns_within: Length::ZERO,
+        creep: 0.1,
+    };
+
+    #[test]
+    fn a_drive_that_makes_its_own_ramps_takes_its_own_time() {
+        for (from, to, seconds) in
+            [(0.0, 10.0, 0.21), (5.0, 15.0, 0.21), (15.0, 5.0, 0.11), (20.0, -10.0, 0.41)]
+        {
+            let lasts = OWN.change(Spin::rev_per_s(from), Spin::rev_per_s(to)).value();
+            assert!((lasts - seconds).abs() < 1e-12, "{from} to {to}: {lasts} s");
+        }
+        // 20 turns at 10 rev/s: 0.2 s up over one turn, 0.1 s down over half a turn, 18.5 turns in between
+        let lasts = OWN.stroke(Spin::rev_per_s(10.0), Angle::rev(20.0)).value();
+        assert!((lasts - (0.01 + 0.2 + 0.1 + 1.85)).abs() < 1e-12, "{lasts}");
+        // 1.5 turns are the two ramps alone
+        let lasts = OWN.stroke(Spin::rev_per_s(99.0), Angle::rev(1.5)).value();
+        assert!((lasts - 0.31).abs() < 1e-12, "{lasts}");
     }
 }

@@ -114,6 +114,26 @@ pub struct OwnRamps {
 }
 
 impl OwnRamps {
+    /// From an order of another speed until it turns at that.
+    pub fn change(&self, from: Spin, to: Spin) -> Time {
+        // through rest where the sense changes: the part towards it with one ramp, the part away from it with the other
+        let (a, b) = (from.value(), to.value());
+        let turns_round = a * b < 0.0;
+        let down = if turns_round { a.abs() } else { (a.abs() - b.abs()).max(0.0) };
+        let up = if turns_round { b.abs() } else { (b.abs() - a.abs()).max(0.0) };
+        self.delay + Time::s(down / self.decel.value() + up / self.accel.value())
+    }
+
+    /// From rest over so many turns to rest, turned back straight from a speed: N/n + n/2a + n/2d.
+    pub fn stroke(&self, spin: Spin, turns: Angle) -> Time {
+        let n = spin.abs().min(self.fastest_within(turns)).value();
+        if n <= 0.0 {
+            return Time::ZERO;
+        }
+        let ramps = n / (2.0 * self.accel.value()) + n / (2.0 * self.decel.value());
+        self.delay + Time::s(turns.abs().value() / n + ramps)
+    }
+
     /// Turns from an order to rest: n·τ + n²/2a.
     pub fn stopping_angle(&self, spin: Spin) -> Angle {
         let n = spin.value().abs();

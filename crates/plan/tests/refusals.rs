@@ -127,8 +127,10 @@ fn a_feed_above_a_rotary_axis_is_said_in_degrees() {
     let tools = canon::ToolLibrary::new([]);
     let planner = plan::Planner::new(limits, tools, common::OPTIONS, start);
     let found = findings_of(planner, [turn(500.0), OpKind::Line { to, feed }]);
-    assert_snapshot!(found, @"M0304 Warning line 2: a feed of 540000 degrees a minute is faster than the axes can along this path: it runs at 50000
-        help: said once; later moves may be slowed down likewise");
+    assert_snapshot!(found, @r"
+    M0304 Warning line 2: a feed of 540000 degrees a minute is faster than the axes can along this path: it runs at 50000
+        help: said once; later moves may be slowed down likewise
+    ");
 }
 
 #[test]

@@ -83,9 +83,4 @@ impl ChipThrow {
         }
         Some(high)
     }
-
-    /// How long it takes, s.
-    pub(crate) fn duration(&self) -> f64 {
-        self.against.duration() + self.back.duration()
-    }
 }

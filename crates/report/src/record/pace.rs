@@ -110,12 +110,12 @@ impl Pace {
 
     pub(super) fn op(&mut self, index: u32, op: &Op) {
         let (to, arc, feed) = match &op.kind {
-            OpKind::Rapid { to } => (to, None, None),
-            OpKind::Line { to, feed } => (to, None, Some(feed)),
-            OpKind::Arc { to, arc, feed } => (to, Some(arc), Some(feed)),
             // a spline's own length takes more than this to know: with G93 its feed is not looked at
-            OpKind::Spline { to, feed: Feed::Duration(_), .. } => (to, None, None),
-            OpKind::Spline { to, feed, .. } => (to, None, Some(feed)),
+            OpKind::Rapid { to } | OpKind::Spline { to, feed: Feed::Duration(_), .. } => {
+                (to, None, None)
+            }
+            OpKind::Line { to, feed } | OpKind::Spline { to, feed, .. } => (to, None, Some(feed)),
+            OpKind::Arc { to, arc, feed } => (to, Some(arc), Some(feed)),
             _ => return, // nothing else has a feed along a path
         };
         let from = self.programmed.replace(*to);
@@ -239,5 +239,47 @@ mod tests {
             assert!((from..=to).contains(&speed), "{speed} in {from} to {to}");
         }
         assert_eq!(class_near(16.2, class_near(15.0, 0)), class_near(15.0, 0));
+    }
+
+    /// C alone, half a turn in 9 s: 20 degrees a second, whatever X, Y and Z may do.
+    #[test]
+    fn a_rotary_axis_alone_is_limited_by_its_feed_in_degrees() {
+        let mut pace = Pace::default();
+        pace.limits(AxisLimits { speed: [Speed::mm_per_s(100.0); AXES], ..AxisLimits::NONE });
+        let at = |deg: f64| Position {
+            rotary: [Angle::ZERO, Angle::ZERO, Angle::deg(deg)],
+            ..Position::default()
+        };
+        let op = |kind: OpKind| Op { span: canon::Span::default(), kind };
+        pace.op(0, &op(OpKind::Rapid { to: at(0.0) }));
+        let feed = Feed::Duration(Time::s(9.0));
+        pace.op(1, &op(OpKind::Line { to: at(180.0), feed }));
+        let tip = Point { at: [0.0; 3], rapid: false, lifted: false, class: 0 };
+        for period in 0..1003 {
+            let mut sample = Sample::default();
+            sample.feedback.time = Time::s(f64::from(period) * 1e-3);
+            (sample.report.state, sample.report.op) = (State::Feed, 1);
+            sample.command.axes[Axis::C.index()].position =
+                units::Length::mm(20e-3 * f64::from(period));
+            pace.sample(&sample, tip);
+        }
+        assert!((pace.limited[Limiter::Feed as usize] - 0.999).abs() < 2e-3, "{:?}", pace.limited);
+        let turning = pace.turning.expect("C turns").points();
+        assert!(turning.iter().all(|(_, speed)| (speed - 20.0).abs() < 1e-6), "{turning:?}");
+    }
+
+    #[test]
+    fn a_move_is_as_long_as_its_feed_counts_it() {
+        let from = Position::xyz(10.0, 0.0, 0.0);
+        let to = Position { rotary: [Angle::deg(90.0); 3], ..Position::xyz(13.0, 4.0, 0.0) };
+        assert!((length(&from, &to, None) - 5.0).abs() < 1e-12);
+        // half a turn about the origin, 3 mm up: √((10π)² + 3²)
+        let arc = Arc {
+            plane: canon::Plane::XY,
+            centre: [units::Length::ZERO; 2],
+            sweep: Angle::rev(0.5),
+        };
+        let up = length(&from, &Position::xyz(-10.0, 0.0, 3.0), Some(&arc));
+        assert!((up - (10.0 * std::f64::consts::PI).hypot(3.0)).abs() < 1e-9, "{up}");
     }
 }
