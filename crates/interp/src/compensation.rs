@@ -25,7 +25,7 @@
 use crate::{
     arcs::sweep_rad,
     call::{Call, Sink},
-    codes::{GGroup, MGroup},
+    codes::GGroup,
     execute::Executor,
     fault::{Outcome, error, refuse},
     frame::Point,
@@ -37,6 +37,7 @@ use canon::Plane;
 use core::f64::consts::PI;
 use diag::Diagnostic;
 
+mod forbidden;
 mod lead_in;
 
 /// Directions nearer than this are one: neither an arc is put in nor an end moved.
@@ -200,52 +201,6 @@ impl Executor {
         Ok((entry.diameter / self.state.units.in_mm(), orientation))
     }
 
-    /// What cannot be ordered while the tool is kept beside the path.
-    pub(crate) fn check_compensated(&self) -> Outcome {
-        let span = self.words.place.span;
-        let no = |what: &str| {
-            let text = format!("{what} while cutter radius compensation is on");
-            Err(error("I0544", span, text)
-                .with_help("write G40 before, and G41 or G42 again after it")
-                .into())
-        };
-        let words = &self.words;
-        if words.g(GGroup::Compensation) == Some(400) {
-            return Ok(());
-        }
-        let plane = match words.g(GGroup::Plane) {
-            Some(170) => self.state.plane != Plane::XY,
-            Some(180) => self.state.plane != Plane::ZX,
-            other => other.is_some(),
-        };
-        match () {
-            () if plane => no("the plane cannot be changed"),
-            () if words.g(GGroup::ToolLength).is_some() => {
-                no("the tool length offset cannot be changed")
-            }
-            () if words.g(GGroup::PathControl).is_some() => {
-                no("the path control cannot be changed")
-            }
-            () if words
-                .g(GGroup::WorkOffset)
-                .is_some_and(|code| Self::system_of(code) != self.state.system) =>
-            {
-                no("the work offset cannot be changed")
-            }
-            () if words.m(MGroup::Tool).is_some() => no("the tool cannot be changed"),
-            () if words.m(MGroup::Overrides).is_some() => no("overrides cannot be switched"),
-            () if words.m(MGroup::Outputs).is_some_and(|code| code != 66) => {
-                no("outputs cannot be switched")
-            }
-            () => match words.g(GGroup::NonModal) {
-                Some(280 | 281 | 300 | 301) => no("the reference points cannot be used"),
-                Some(520 | 920..=923) => no("the offsets of G52 and G92 cannot be changed"),
-                Some(530) => no("G53 cannot be used"),
-                _ => Ok(()),
-            },
-        }
-    }
-
     pub(crate) fn no_compensation(&self) -> Outcome {
         let text = "this move cannot be made beside its way: only G0, G1, G2 and G3 can, while G41 or G42 is in force";
         Err(error("I0544", self.words.place.span, text).with_help("write G40 before it").into())
@@ -315,7 +270,7 @@ impl Executor {
         let programmed = length(minus(way.to, centre));
         let inside = compensation.side * f64::from(turns.signum()) > 0.0;
         let first = compensation.at.is_none();
-        if programmed <= compensation.radius && (inside || first) {
+        if programmed <= compensation.radius && inside {
             let text = format!(
                 "the tool's radius, {:.4}, must be smaller than the arc's, {programmed:.4}",
                 compensation.radius

@@ -137,7 +137,7 @@ impl Executor {
         self.words.check_letters(motion.map_or(0, letters_of), self.letters_beside(motion))?;
         let words = &self.words;
         if words.has_codes() || words.any(crate::codes::set("STF")) {
-            if self.compensating {
+            if self.compensating || words.g(GGroup::Compensation).is_some() {
                 self.check_compensated()?;
             }
             // of the lines of a long program many name their motion, and nothing else

@@ -87,12 +87,30 @@ fn what_would_cut_into_the_part_is_refused() {
 }
 
 #[test]
+fn what_a_block_orders_before_and_after_its_g40_to_g42_meets_what_is_then_in_force() {
+    let error = |program: &str| ends(&format!("{program}\nM2\n")).1;
+    for after in ["G43.1 Z1", "G49", "G55", "G54", "G61", "G28.1", "G92 X1", "G52 X1", "G53 G0 X9"]
+    {
+        assert_eq!(error(&format!("G41.1 D2 {after}")), ["I0544"], "{after}");
+        assert_eq!(error(&format!("G41.1 D2\n{after}")), ["I0544"], "{after}");
+        assert_eq!(error(&format!("G41.1 D2\nG40 {after}")), [""; 0], "{after}");
+    }
+    for before in ["G18", "M61 Q0", "M48", "M53 P0", "M66 P0", "M62 P1", "M67 E0 Q1"] {
+        assert_eq!(error(&format!("G41.1 D2 {before}")), [""; 0], "{before}");
+        assert_eq!(error(&format!("G41.1 D2\n{before}")), ["I0544"], "{before}");
+        assert_eq!(error(&format!("G41.1 D2\nG40 {before}")), ["I0544"], "{before}");
+    }
+}
+
+#[test]
 fn an_arc_leads_the_tool_in_only_where_it_can_end_along_it() {
     // From (0, 0) to beside (5, 5) of a circle about (0, 5): to (3, 5), with its centre on the line y = 5, where
     // (x − 3)² = x² + 25: −8/3.
     let (found, errors) = ends("G41.1 D4\nG3 X5 Y5 J5 F100\nG1 Y9\nX-9\nG40\nM2\n");
     assert_eq!(errors, [""; 0]);
     assert_eq!(found, [[3., 5.], [3., 7.], [-9., 7.]]);
+    // Outside, the arc may be smaller than the tool.
+    assert_eq!(ends("G41.1 D8\nG2 X6 Y0 I3 F100\nG1 Y-9\nG40\nM2\n").1, [""; 0]);
     // The tool would have to bend the other way; its arc would be smaller than itself.
     assert_eq!(ends("G41.1 D4\nG3 X3 Y1 J5 F100\nG1 X9 Y9\nM2\n").1, ["I0547"]);
     assert_eq!(ends("G42.1 D4\nG3 X1.4 Y0.2 J5 F100\nG1 X9 Y9\nM2\n").1, ["I0547"]);
