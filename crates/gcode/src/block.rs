@@ -12,7 +12,7 @@
 //! nested (expressions, names, texts) lies in the block's own arenas and is reached by index.
 
 use crate::expression::{Expr, ExprId, Node, Parameter, Value};
-use crate::fanuc::Control;
+use crate::fanuc::{Control, Output, Piece};
 use diag::Span;
 
 /// A stretch of text kept by the block: a name or a comment. Read it with [`Block::text`].
@@ -25,7 +25,7 @@ pub struct Text {
 /// A letter and its value: `X1.5`, `G33.1`, `F[#1*60]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Word {
-    /// `A` to `Z` in upper case (never `N` or `O`), `@`, `^` or `$`.
+    /// `A` to `Z` in upper case (never `N` or `O`), `@`, `^` or `$`; `c` and `r` for Fanuc's `,C` and `,R`.
     pub letter: u8,
     /// Its value: nearly always a plain number.
     pub value: Value,
@@ -166,6 +166,10 @@ pub struct Block {
     pub o: Option<OWord>,
     /// IF, GOTO, WHILE, DO, END of Fanuc's grammar.
     pub control: Option<Control>,
+    /// POPEN, PCLOS, DPRNT, BPRNT of Fanuc's grammar.
+    pub output: Option<Output>,
+    /// `<NAME>` among the words in Fanuc's grammar: the program that they call.
+    pub called: Option<Text>,
     /// The words in the order written; no letter but `G` and `M` occurs twice.
     pub words: Vec<Word>,
     /// The parameter settings in the order written.
@@ -174,6 +178,8 @@ pub struct Block {
     pub comments: Vec<Comment>,
     /// The arguments of the O-word.
     pub arguments: Vec<Value>,
+    /// What DPRNT or BPRNT writes.
+    pub pieces: Vec<Piece>,
     pub(crate) nodes: Vec<Node>,
     pub(crate) texts: String,
 }
@@ -221,6 +227,8 @@ impl Block {
     pub fn is_blank(&self) -> bool {
         self.o.is_none()
             && self.control.is_none()
+            && self.output.is_none()
+            && self.called.is_none()
             && self.words.is_empty()
             && self.assignments.is_empty()
             && !self.percent
@@ -235,6 +243,9 @@ impl Block {
         self.number = None;
         self.o = None;
         self.control = None;
+        self.output = None;
+        self.called = None;
+        self.pieces.clear();
         self.words.clear();
         self.assignments.clear();
         self.comments.clear();

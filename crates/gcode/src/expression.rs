@@ -70,6 +70,13 @@ pub enum Expr {
         /// Second argument.
         x: Value,
     },
+    /// `POW[base,exponent]` of Fanuc's grammar.
+    Pow {
+        /// First argument.
+        base: Value,
+        /// Second argument.
+        exponent: Value,
+    },
     /// `EXISTS[#<name>]`: 1 if the parameter is there, else 0.
     Exists(Parameter),
 }

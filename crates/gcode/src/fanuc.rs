@@ -6,14 +6,17 @@
 //!   steer   = "GOTO" value
 //!           | "IF" "[" condition "]" ( "GOTO" value | "THEN" { setting | word } )
 //!           | [ "WHILE" "[" condition "]" ] "DO" level   |   "END" level
+//!           | "POPEN" | "PCLOS" | ( "DPRNT" | "BPRNT" ) "[" { text | variable "[" digits "]" } "]"
 //! ```
 //!
 //! A semicolon ends a block, so that one line can hold several; I, J and K may stand several times in a
-//! block (the arguments of G65); `AND` binds like a product, `OR` and `XOR` like a sum.
+//! block (the arguments of G65); `AND` binds like a product, `OR` and `XOR` like a sum. `,C1.` and `,R1.` are words
+//! of their own; `<NAME>` names a program, at the block's beginning or behind M98 or G65. A function's name may be
+//! cut to its first letters, two at least; there is no `**`, but `POW[2,3]`, and `ATAN[1,2]` is `ATAN[1]/[2]`.
 //!
 //! Source: Fanuc, operator's manual of series 30i/0i, "Custom macro" and "Program configuration".
 
-use crate::block::{Keyword, OWord};
+use crate::block::{Keyword, OWord, Text};
 use crate::expression::{Operator, Value};
 use crate::line::{Line, Read};
 use crate::problem::Problem;
@@ -53,6 +56,35 @@ pub enum Control {
     End(u8),
 }
 
+/// What is written to the control's external device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Output {
+    /// `POPEN`.
+    Open,
+    /// `PCLOS`.
+    Close,
+    /// `DPRNT[…]`: text and decimal digits. What is written is [`Block::pieces`](crate::Block::pieces).
+    Decimal,
+    /// `BPRNT[…]`: text and the bytes of binary numbers.
+    Binary,
+}
+
+/// A part of what DPRNT or BPRNT writes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Piece {
+    /// These characters.
+    Text(Text),
+    /// A variable's value.
+    Value {
+        /// The variable.
+        value: Value,
+        /// Digits before the point; none is said to BPRNT.
+        whole: u8,
+        /// Digits behind the point.
+        decimals: u8,
+    },
+}
+
 impl Grammar {
     /// How strongly an operator binds.
     pub(crate) const fn strength(self, operator: Operator) -> u8 {
@@ -89,9 +121,11 @@ impl Line<'_, '_> {
     /// A block of Fanuc's, after block delete and N.
     pub(crate) fn fanuc_block(&mut self) -> Read<()> {
         match self.peek() {
-            b'O' | b':' => {
+            b'O' | b':' | b'<' => {
                 let from = self.start();
-                self.take();
+                if self.peek() != b'<' {
+                    self.take();
+                }
                 let label = self.label()?;
                 self.block.o =
                     Some(OWord { label, keyword: Keyword::Program, span: self.span(from) });
@@ -105,10 +139,99 @@ impl Line<'_, '_> {
             b'G' | b'I' | b'W' | b'D' | b'E' => self.control()?,
             _ => {}
         }
+        self.output()?;
         match self.block.control {
+            _ if self.block.output.is_some() => self.only_comments(Problem::EndAfterControl),
             None | Some(Control::IfThen(_)) => self.items(),
             Some(_) => self.only_comments(Problem::EndAfterControl),
         }
+    }
+
+    /// A name in the place of the number of a program that is called.
+    pub(crate) fn called(&mut self) -> Read<()> {
+        let from = self.at;
+        let name = self.name()?;
+        if self.block.called.replace(name).is_some() {
+            return self.fault_since(Problem::LetterTwice(b'<'), from);
+        }
+        Ok(())
+    }
+
+    /// `,C1.` or `,R1.`: the comma comes next.
+    pub(crate) fn comma_word(&mut self, seen: &mut u64) -> Read<()> {
+        self.take();
+        match self.peek() {
+            letter @ (b'C' | b'R') => self.word(letter.to_ascii_lowercase(), seen),
+            _ => self.fault_here(Problem::CommaWord),
+        }
+    }
+
+    fn output(&mut self) -> Read<()> {
+        let output = if self.take_text("DPRNT[") {
+            Output::Decimal
+        } else if self.take_text("BPRNT[") {
+            Output::Binary
+        } else if self.take_text("POPEN") {
+            Output::Open
+        } else if self.take_text("PCLOS") {
+            Output::Close
+        } else {
+            return Ok(());
+        };
+        self.block.output = Some(output);
+        if matches!(output, Output::Decimal | Output::Binary) { self.pieces() } else { Ok(()) }
+    }
+
+    /// What is written, up to the `]`.
+    fn pieces(&mut self) -> Read<()> {
+        loop {
+            let start = self.block.texts.len() as u32;
+            loop {
+                match self.peek() {
+                    b'*' => self.block.texts.push(' '),
+                    b'#' | b'[' | b']' | b'(' | b')' | b';' => break,
+                    byte @ b'!'..=b'~' => self.block.texts.push(byte as char),
+                    _ => return self.fault_here(Problem::OutputText),
+                }
+                self.take();
+            }
+            let end = self.block.texts.len() as u32;
+            if end > start {
+                self.block.pieces.push(Piece::Text(Text { start, end }));
+            }
+            match self.peek() {
+                b']' => {
+                    self.take();
+                    return Ok(());
+                }
+                b'#' => self.variable_to_write()?,
+                _ => return self.fault_here(Problem::OutputText),
+            }
+        }
+    }
+
+    /// `#1[53]`: five digits before the point and three behind it; BPRNT says only those behind it.
+    fn variable_to_write(&mut self) -> Read<()> {
+        let value = self.whole_value()?;
+        if !self.take_if(b'[') {
+            return self.fault_here(Problem::OutputText);
+        }
+        let mut digits = [0; 2];
+        let mut count = 0;
+        while let digit @ b'0'..=b'9' = self.peek() {
+            if count == 2 {
+                return self.fault_here(Problem::OutputText);
+            }
+            digits[count] = digit - b'0';
+            count += 1;
+            self.take();
+        }
+        if count == 0 || !self.take_if(b']') {
+            return self.fault_here(Problem::OutputText);
+        }
+        let [whole, decimals] = if count == 2 { digits } else { [0, digits[0]] };
+        self.block.pieces.push(Piece::Value { value, whole, decimals });
+        Ok(())
     }
 
     fn control(&mut self) -> Read<()> {

@@ -40,6 +40,6 @@ mod value;
 
 pub use block::{Assignment, Block, Comment, CommentKind, Keyword, Label, OWord, Text, Word};
 pub use expression::{Expr, ExprId, Function, Operator, Parameter, Value};
-pub use fanuc::{Control, Grammar};
+pub use fanuc::{Control, Grammar, Output, Piece};
 pub use format::format;
 pub use parser::{MAX_DIAGNOSTICS, MAX_LINE_BYTES, MAX_NESTING, MAX_OPERATIONS, Parser};

@@ -133,7 +133,9 @@ impl Line<'_, '_> {
             if run.is_empty() {
                 return self.fault_here(Problem::NameCharacter);
             }
-            self.block.texts.extend(run.chars().map(|c| c.to_ascii_lowercase()));
+            let keeps = self.grammar == Grammar::Fanuc; // there A and a are two names
+            let kept = |c: char| if keeps { c } else { c.to_ascii_lowercase() };
+            self.block.texts.extend(run.chars().map(kept));
             self.at += run.len();
         }
         self.take();

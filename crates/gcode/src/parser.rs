@@ -241,19 +241,16 @@ impl<'a> Parser<'a> {
 
 impl Line<'_, '_> {
     fn read(&mut self) -> Read<()> {
-        if self.take_if(b'/') {
-            self.block.delete = Some(1);
-            if let level @ b'0'..=b'9' = self.peek() {
-                self.block.delete = Some(level - b'0');
-                self.take();
-            }
-        }
+        self.delete();
         if self.peek() == b'N' {
             self.take();
             if !matches!(self.peek(), b'0'..=b'9' | b'.') {
                 return self.fault_here(Problem::NumberAfter(b'N'));
             }
             self.block.number = Some(self.number()?);
+        }
+        if self.grammar == Grammar::Fanuc && self.block.delete.is_none() {
+            self.delete(); // behind N too
         }
         if self.grammar == Grammar::Fanuc {
             return self.fanuc_block();
@@ -272,6 +269,17 @@ impl Line<'_, '_> {
         }
     }
 
+    /// `/` or `/3`, if it comes next.
+    fn delete(&mut self) {
+        if self.take_if(b'/') {
+            self.block.delete = Some(1);
+            if let level @ b'0'..=b'9' = self.peek() {
+                self.block.delete = Some(level - b'0');
+                self.take();
+            }
+        }
+    }
+
     pub(crate) fn items(&mut self) -> Read<()> {
         let mut seen = 0u64;
         loop {
@@ -281,6 +289,8 @@ impl Line<'_, '_> {
                 b'O' => return self.fault_here(Problem::OWordNotFirst),
                 letter @ (b'A'..=b'Z' | b'@' | b'^' | b'$') => self.word(letter, &mut seen)?,
                 b'#' => self.setting()?,
+                b',' if self.grammar == Grammar::Fanuc => self.comma_word(&mut seen)?,
+                b'<' if self.grammar == Grammar::Fanuc => self.called()?,
                 b'(' => self.bracket_comment()?,
                 b';' => return self.line_comment(),
                 0 if self.at >= self.text.len() => return Ok(()),
@@ -319,7 +329,7 @@ impl Line<'_, '_> {
         }
     }
 
-    fn word(&mut self, letter: u8, seen: &mut u64) -> Read<()> {
+    pub(crate) fn word(&mut self, letter: u8, seen: &mut u64) -> Read<()> {
         let from = self.at;
         self.take();
         let value = match self.peek() {
@@ -353,7 +363,7 @@ impl Line<'_, '_> {
     fn word_value(&mut self, letter: u8) -> Read<Value> {
         let at = self.at;
         match self.whole_value() {
-            Err(Fault { problem: Problem::UnknownFunction, from, .. }) if from == at => {
+            Err(Fault { problem: Problem::UnknownFunction(_), from, .. }) if from == at => {
                 self.at = at;
                 self.fault_here(Problem::NumberAfter(letter))
             }

@@ -10,7 +10,7 @@
 
 use crate::block::{Block, Comment, Label, Word};
 use crate::expression::{Expr, ExprId, Operator, Parameter, Value};
-use crate::fanuc::Control;
+use crate::fanuc::{Control, Output, Piece};
 use core::fmt::{Display, Formatter, Result};
 
 impl Display for Block {
@@ -63,12 +63,22 @@ impl Block {
             self.write_control(f, control)?;
             gap = " ";
         }
+        if let Some(output) = self.output {
+            f.write_str(gap)?;
+            self.write_output(f, output)?;
+            gap = " ";
+        }
         for word in &self.words {
-            write!(f, "{gap}{}", word.letter as char)?;
+            let comma = if word.letter.is_ascii_lowercase() { "," } else { "" };
+            write!(f, "{gap}{comma}{}", word.letter.to_ascii_uppercase() as char)?;
             self.write_atom(f, word.value)?;
             if pointed(word) {
                 f.write_str(".")?;
             }
+            gap = " ";
+        }
+        if let Some(name) = self.called {
+            write!(f, "{gap}<{}>", self.text(name))?;
             gap = " ";
         }
         for setting in &self.assignments {
@@ -140,6 +150,29 @@ impl Block {
         }
     }
 
+    fn write_output(&self, f: &mut Formatter<'_>, output: Output) -> Result {
+        match output {
+            Output::Open => return f.write_str("POPEN"),
+            Output::Close => return f.write_str("PCLOS"),
+            Output::Decimal => f.write_str("DPRNT[")?,
+            Output::Binary => f.write_str("BPRNT[")?,
+        }
+        for piece in &self.pieces {
+            match *piece {
+                Piece::Text(text) => f.write_str(&self.text(text).replace(' ', "*"))?,
+                Piece::Value { value, whole, decimals } => {
+                    self.write_atom(f, value)?;
+                    if output == Output::Decimal || whole > 0 {
+                        write!(f, "[{whole}{decimals}]")?;
+                    } else {
+                        write!(f, "[{decimals}]")?;
+                    }
+                }
+            }
+        }
+        f.write_str("]")
+    }
+
     fn write_comment(&self, f: &mut Formatter<'_>, comment: &Comment) -> Result {
         let (text, keyword) = (self.text(comment.text), comment.kind.keyword());
         if comment.semicolon {
@@ -161,11 +194,15 @@ impl Block {
 
     fn write_bracket(&self, f: &mut Formatter<'_>, value: Value) -> Result {
         f.write_str("[")?;
-        match value {
-            Value::Number(number) => write!(f, "{number}")?,
-            Value::Expression(id) => self.write_expr(f, id)?,
-        }
+        self.write_inside(f, value)?;
         f.write_str("]")
+    }
+
+    fn write_inside(&self, f: &mut Formatter<'_>, value: Value) -> Result {
+        match value {
+            Value::Number(number) => write!(f, "{number}"),
+            Value::Expression(id) => self.write_expr(f, id),
+        }
     }
 
     fn write_parameter(&self, f: &mut Formatter<'_>, parameter: Parameter) -> Result {
@@ -203,6 +240,13 @@ impl Block {
                 self.write_bracket(f, y)?;
                 f.write_str("/")?;
                 self.write_bracket(f, x)
+            }
+            Expr::Pow { base, exponent } => {
+                f.write_str("POW[")?;
+                self.write_inside(f, base)?;
+                f.write_str(",")?;
+                self.write_inside(f, exponent)?;
+                f.write_str("]")
             }
             Expr::Exists(parameter) => {
                 f.write_str("EXISTS[")?;

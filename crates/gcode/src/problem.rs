@@ -3,6 +3,7 @@
 //! A problem is small and carries no text while it travels up through the parser; the sentence is
 //! made once, here, from the line it was found in. Codes are stable: people search for them.
 
+use crate::fanuc::Grammar;
 use crate::{MAX_LINE_BYTES, MAX_NESTING, MAX_OPERATIONS};
 use diag::{Diagnostic, Span};
 
@@ -29,8 +30,11 @@ pub(crate) enum Problem {
     ValueExpected,
     OperatorExpected,
     BracketAfter(&'static str),
-    UnknownFunction,
+    UnknownFunction(Grammar),
     AtanNeedsTwo,
+    PowNeedsTwo,
+    CommaWord,
+    OutputText,
     ExistsNeedsParameter,
     TooDeep,
     TooManyOperations,
@@ -78,8 +82,11 @@ impl Problem {
             Self::ValueExpected => "P0120",
             Self::OperatorExpected => "P0121",
             Self::BracketAfter(_) => "P0122",
-            Self::UnknownFunction => "P0123",
+            Self::UnknownFunction(_) => "P0123",
             Self::AtanNeedsTwo => "P0124",
+            Self::PowNeedsTwo => "P0128",
+            Self::CommaWord => "P0154",
+            Self::OutputText => "P0155",
             Self::ExistsNeedsParameter => "P0125",
             Self::TooDeep => "P0126",
             Self::TooManyOperations => "P0127",
@@ -154,7 +161,19 @@ impl Problem {
             }
             Self::OperatorExpected => format!("expected an operator or \"]\", found {found}"),
             Self::BracketAfter(what) => format!("expected \"[\" after {what}, found {found}"),
-            Self::UnknownFunction => format!(
+            Self::UnknownFunction(Grammar::Fanuc) => format!(
+                "expected ABS, ACOS, ASIN, ATAN, BCD, BIN, COS, EXP, FIX, FUP, LN, POW, ROUND, SIN, \
+                 SQRT or TAN, found \"{here}\""
+            ),
+            Self::PowNeedsTwo => "expected two arguments, as in POW[2,3]".into(),
+            Self::CommaWord => {
+                format!("expected C (chamfer) or R (corner radius) after the comma, found {found}")
+            }
+            Self::OutputText => format!(
+                "expected text with * for a blank, or a variable with its digits as in #1[53], in \
+                 DPRNT[...] and BPRNT[...], found {found}"
+            ),
+            Self::UnknownFunction(Grammar::Rs274) => format!(
                 "expected ABS, ACOS, ASIN, ATAN, COS, EXISTS, EXP, FIX, FUP, LN, ROUND, SIN, SQRT \
                  or TAN, found \"{here}\""
             ),
@@ -207,9 +226,13 @@ impl Problem {
         let message = self.message(&here, &found(line, from));
         match self {
             Self::CommentNotUtf8 => Diagnostic::note(self.code(), span, message),
-            Self::UnknownFunction | Self::KeywordUnknown => {
+            Self::UnknownFunction(_) | Self::KeywordUnknown => {
                 let finding = Diagnostic::error(self.code(), span, message);
-                let names = if self == Self::UnknownFunction { FUNCTIONS } else { KEYWORDS };
+                let names = match self {
+                    Self::UnknownFunction(Grammar::Rs274) => FUNCTIONS,
+                    Self::UnknownFunction(Grammar::Fanuc) => FANUC_FUNCTIONS,
+                    _ => KEYWORDS,
+                };
                 match nearest(&letters_at(line, from), names) {
                     Some(near) => finding.with_help(format!("did you mean {near}?")),
                     None => finding,
@@ -226,6 +249,11 @@ impl Problem {
 const FUNCTIONS: &[&str] = &[
     "ABS", "ACOS", "ASIN", "ATAN", "COS", "EXISTS", "EXP", "FIX", "FUP", "LN", "ROUND", "SIN",
     "SQRT", "TAN",
+];
+/// The same of Fanuc's grammar.
+const FANUC_FUNCTIONS: &[&str] = &[
+    "ABS", "ACOS", "ASIN", "ATAN", "BCD", "BIN", "COS", "EXP", "FIX", "FUP", "LN", "POW", "ROUND",
+    "SIN", "SQRT", "TAN",
 ];
 /// What O-words do, for who has misspelled it.
 const KEYWORDS: &[&str] = &[

@@ -2,7 +2,7 @@
 
 use crate::block::{Block, Label, Text};
 use crate::expression::{Expr, Parameter, Value};
-use crate::fanuc::Control;
+use crate::fanuc::{Control, Piece};
 
 impl Block {
     /// Whether the two blocks say the same: words, settings, O-word, comments and arguments in
@@ -14,6 +14,9 @@ impl Block {
             && self.number == other.number
             && to.o_word()
             && to.control()
+            && self.output == other.output
+            && self.called.map(|name| self.text(name)) == other.called.map(|name| other.text(name))
+            && all(&self.pieces, &other.pieces, |a, b| to.piece(*a, *b))
             && all(&self.arguments, &other.arguments, |a, b| to.value(*a, *b))
             && all(&self.words, &other.words, |a, b| {
                 a.letter == b.letter && to.value(a.value, b.value)
@@ -70,6 +73,17 @@ impl Pair<'_> {
         a.0 == b.0 && same(a.1, b.1) && same(a.2, b.2)
     }
 
+    fn piece(&self, a: Piece, b: Piece) -> bool {
+        match (a, b) {
+            (Piece::Text(a), Piece::Text(b)) => self.text(a, b),
+            (
+                Piece::Value { value, whole, decimals },
+                Piece::Value { value: v, whole: w, decimals: d },
+            ) => self.value(value, v) && (whole, decimals) == (w, d),
+            _ => false,
+        }
+    }
+
     fn value(&self, a: Value, b: Value) -> bool {
         match (a, b) {
             (Value::Number(a), Value::Number(b)) => a.to_bits() == b.to_bits(),
@@ -102,6 +116,10 @@ impl Pair<'_> {
                 Expr::Function { function, argument },
                 Expr::Function { function: f, argument: a },
             ) => function == f && self.value(argument, a),
+            (
+                Expr::Pow { base, exponent },
+                Expr::Pow { base: b, exponent: e },
+            ) => self.value(base, b) && self.value(exponent, e),
             (Expr::Atan { y, x }, Expr::Atan { y: v, x: u }) => {
                 self.value(y, v) && self.value(x, u)
             }

@@ -104,13 +104,13 @@ impl Line<'_, '_> {
         let from = self.start();
         let simple = match self.peek() {
             b']' => return Ok(None),
-            0 | b'(' if self.grammar == Grammar::Fanuc => return Ok(None), // `#1=#1+1`
+            0 | b'(' | b',' if self.grammar == Grammar::Fanuc => return Ok(None), // `#1=#1+1`
             b'+' => Operator::Plus,
             b'-' => Operator::Minus,
             b'/' => Operator::Divide,
             b'*' => {
                 self.take();
-                let power = self.take_if(b'*');
+                let power = self.grammar == Grammar::Rs274 && self.take_if(b'*');
                 return Ok(Some(if power { Operator::Power } else { Operator::Times }));
             }
             b'A'..=b'Z' => return self.operator_name(from),
@@ -149,6 +149,8 @@ impl Line<'_, '_> {
         let count = self.letters(&mut buffer);
         match &buffer[..count] {
             b"ATAN" => self.atan(from, depth),
+            b"AT" | b"ATA" | b"ATN" if self.grammar == Grammar::Fanuc => self.atan(from, depth),
+            b"POW" if self.grammar == Grammar::Fanuc => self.power(from, depth),
             b"EXISTS" if self.grammar == Grammar::Rs274 => {
                 self.open("EXISTS")?;
                 if self.peek() != b'#' {
@@ -165,10 +167,12 @@ impl Line<'_, '_> {
                     Grammar::Rs274 => &[],
                     Grammar::Fanuc => &Function::FANUC,
                 };
-                let known =
-                    Function::ALL.iter().chain(more).find(|(text, _)| text.as_bytes() == name);
+                let short = self.grammar == Grammar::Fanuc && name.len() >= 2;
+                let known = Function::ALL.iter().chain(more).find(|(text, _)| {
+                    text.as_bytes() == name || short && text.as_bytes().starts_with(name)
+                });
                 let Some(&(text, function)) = known else {
-                    return self.fault_since(Problem::UnknownFunction, from);
+                    return self.fault_since(Problem::UnknownFunction(self.grammar), from);
                 };
                 let argument = self.argument(text, depth)?;
                 self.keep(Expr::Function { function, argument }, from)
@@ -177,7 +181,10 @@ impl Line<'_, '_> {
     }
 
     fn atan(&mut self, from: usize, depth: u32) -> Read<Value> {
-        let y = self.argument("ATAN", depth)?;
+        let (y, second) = self.arguments("ATAN", depth)?;
+        if let Some(x) = second {
+            return self.keep(Expr::Atan { y, x }, from);
+        }
         let before = (self.at, self.end);
         if !self.take_if(b'/') || self.peek() != b'[' {
             if self.grammar == Grammar::Fanuc {
@@ -189,6 +196,28 @@ impl Line<'_, '_> {
         }
         let x = self.bracket(depth)?;
         self.keep(Expr::Atan { y, x }, from)
+    }
+
+    fn power(&mut self, from: usize, depth: u32) -> Read<Value> {
+        match self.arguments("POW", depth)? {
+            (base, Some(exponent)) => self.keep(Expr::Pow { base, exponent }, from),
+            (_, None) => self.fault_since(Problem::PowNeedsTwo, from),
+        }
+    }
+
+    /// `[value]`, and of Fanuc's `[value,value]`.
+    fn arguments(&mut self, function: &'static str, depth: u32) -> Read<(Value, Option<Value>)> {
+        if self.grammar == Grammar::Rs274 {
+            return Ok((self.argument(function, depth)?, None));
+        }
+        self.open(function)?;
+        let first = self.expression(1, depth + 1)?;
+        let second =
+            if self.take_if(b',') { Some(self.expression(1, depth + 1)?) } else { None };
+        if !self.take_if(b']') {
+            return self.fault_here(Problem::OperatorExpected);
+        }
+        Ok((first, second))
     }
 
     fn argument(&mut self, function: &'static str, depth: u32) -> Read<Value> {

@@ -292,10 +292,13 @@ static M_PLACES: [u8; 1000] = places(&tenths!(M_CODES, 35));
 /// Fanuc's cycles G76 and G87, whose numbers belong to other cycles in the table.
 pub(crate) const FINE_BORE: u16 = OWN + 760;
 pub(crate) const BORE_UPWARDS: u16 = OWN + 870;
+/// Fanuc's G44: the tool's length is taken away.
+pub(crate) const LENGTH_BACK: u16 = OWN + 440;
 /// Added to a code that no program can write so.
 pub(crate) const OWN: u16 = 10_000;
 
-static OWN_CODES: [Code<GGroup>; 2] = [
+static OWN_CODES: [Code<GGroup>; 3] = [
+    g(LENGTH_BACK, ToolLength, "H", "tool length offset, negative"),
     g(FINE_BORE, Motion, "XYZRLPQ", "fine boring, spindle stop, aside, rapid out"),
     g(BORE_UPWARDS, Motion, "XYZRLPQ", "back boring, from below"),
 ];

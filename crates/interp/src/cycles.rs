@@ -65,6 +65,11 @@ impl Executor {
         let repeats = self.repeats()?;
         let mut sticky = self.sticky(cycle, code)?;
         sticky.chips = self.chips(cycle, code, sticky.chips)?;
+        if repeats == 0 {
+            // Fanuc's K0: the words are kept for the blocks that follow
+            self.state.sticky = Some(sticky);
+            return Ok(());
+        }
         let initial = *self.state.initial.get_or_insert(self.state.at[n]);
         let pattern = self.pattern(cycle, code, &sticky, initial)?;
         self.check_spindle(cycle, code)?;
@@ -136,7 +141,7 @@ impl Executor {
         }
         let repeats = self.words.whole(letter, 100_000)?.unwrap_or(1);
         let span = self.words.span(letter);
-        if repeats == 0 {
+        if repeats == 0 && self.dialect.grammar() == gcode::Grammar::Rs274 {
             let text = format!("{name}0 makes no hole: {name} counts repetitions, 1 or more");
             return refuse("I0502", span, text);
         }

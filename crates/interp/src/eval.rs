@@ -50,6 +50,9 @@ impl Values<'_> {
             }
             Expr::Function { function, argument } => apply(function, value(argument)?, span),
             Expr::Atan { y, x } => Ok(value(y)?.atan2(value(x)?).to_degrees()),
+            Expr::Pow { base, exponent } => {
+                binary(Operator::Power, value(base)?, value(exponent)?, span)
+            }
             Expr::Exists(parameter) => match parameter {
                 Parameter::Named(name) => {
                     let name = block.text(name);

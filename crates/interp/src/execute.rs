@@ -368,7 +368,7 @@ impl Executor {
     }
 
     /// M2, M30: modes go back to where a program begins.
-    fn end<S: Sink>(&mut self, rewind: bool, sink: &mut S) {
+    pub(crate) fn end<S: Sink>(&mut self, rewind: bool, sink: &mut S) {
         self.select_system(1);
         let frame = self.state.frame;
         self.say(sink, &Call::WorkOffset(1, frame.origin));

@@ -90,7 +90,7 @@ pub use pieces::{Linter, OpsRest, Rest, can_be_read_in_pieces};
 pub use polygon::PolygonOrder;
 pub use resolve::Resolver;
 pub use setup::{
-    Aside, Chips, Cycles, DepthFrom, Dialect, Limits, MAX_PARAMETER, MissingTools, Parameters,
+    Aside, Chips, Cycles, DepthFrom, Dialect, Increments, Limits, MAX_PARAMETER, MissingTools, Parameters,
     Setup, Subprogram, UserCode,
 };
 pub use shift::Shift;

@@ -182,7 +182,9 @@ impl Reader {
             Expr::Negate(inner) | Expr::Function { argument: inner, .. } => {
                 self.value(block, inner);
             }
-            Expr::Binary { left, right, .. } | Expr::Atan { y: left, x: right } => {
+            Expr::Binary { left, right, .. }
+            | Expr::Atan { y: left, x: right }
+            | Expr::Pow { base: left, exponent: right } => {
                 self.value(block, left);
                 self.value(block, right);
             }

@@ -22,7 +22,8 @@ impl Executor {
     /// Offsets as the parameters have them, at the beginning.
     pub(crate) fn load_offsets(&mut self) {
         let system = self.store.numbered.at(SYSTEM);
-        let system = if (1.0..=9.0).contains(&system) { system as u8 } else { 1 };
+        let most = if self.has_external_offset() { 57.0 } else { 9.0 };
+        let system = if (1.0..=most).contains(&system) { system as u8 } else { 1 };
         if self.store.numbered.at(ADDED_ON) != 0.0 {
             self.state.frame.added = self.read_point(ADDED);
         }
@@ -31,13 +32,37 @@ impl Executor {
 
     /// Make a work offset the one in force.
     pub(crate) fn select_system(&mut self, system: u8) {
-        let (origin, rotation) = self.system(usize::from(system));
+        let (mut origin, rotation) = self.system(usize::from(system));
+        self.add_external(&mut origin);
         self.state.system = system;
         self.store.numbered.set(SYSTEM, f64::from(system));
         self.state.reframe(|frame| {
             frame.origin = origin;
             frame.rotate(rotation);
         });
+    }
+
+    fn has_external_offset(&self) -> bool {
+        self.dialect.grammar() == gcode::Grammar::Fanuc
+    }
+
+    /// Fanuc's external work offset lies under all others.
+    fn add_external(&self, origin: &mut Point) {
+        if self.has_external_offset() {
+            let external = self.read_point(Parameters::work_offset(0));
+            for axis in 0..6 {
+                origin[axis] += external[axis];
+            }
+        }
+    }
+
+    /// A work offset (0 is the external one) has other values now.
+    pub(crate) fn offset_changed<S: Sink>(&mut self, system: usize, sink: &mut S) {
+        if system == usize::from(self.state.system) || system == 0 {
+            self.select_system(self.state.system);
+            let origin = self.state.frame.origin;
+            self.say(sink, &Call::WorkOffset(self.state.system, origin));
+        }
     }
 
     /// Offset (program units) and rotation (degrees) of a work offset.
@@ -87,6 +112,10 @@ impl Executor {
                     self.state.current_tool
                 };
                 tool = self.length_offset(number);
+            }
+            crate::codes::LENGTH_BACK => {
+                let number = self.tool_word(b'H')?;
+                tool = self.length_offset(number).map(|offset| -offset);
             }
             432 => {
                 let more = self.additional_offset()?;
@@ -293,6 +322,7 @@ impl Executor {
         let first = Parameters::work_offset(usize::from(system));
         self.write_point(first, origin);
         self.store.numbered.set(first + 9, rotation);
+        self.add_external(&mut origin);
         if system == self.state.system {
             self.state.reframe(|frame| {
                 frame.origin = origin;

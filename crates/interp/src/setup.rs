@@ -1,5 +1,6 @@
 //! What the interpreter is told before it begins: plain data, no files.
 use canon::{Position, ToolLibrary};
+use std::collections::BTreeSet;
 use gcode::Grammar;
 
 /// Whose words a program uses.
@@ -120,8 +121,35 @@ pub struct Setup {
     /// Fanuc: a number without a point counts whole millimetres, inches or degrees (calculator type), not
     /// least input increments.
     pub whole_units_without_point: bool,
+    /// Fanuc: the least input increment, which a number without a point counts.
+    pub increments: Increments,
+    /// Fanuc's lathes: the machine has no C axis, and C of a G1 is a chamfer.
+    pub c_is_a_chamfer: bool,
     /// What stops a program that does not stop by itself.
     pub limits: Limits,
+}
+
+/// Fanuc's increment systems: the smallest length, angle and time that a program can write.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Increments {
+    /// IS-A: 0.01 mm, 0.001 inch, 0.01°.
+    A,
+    /// IS-B: 0.001 mm, 0.0001 inch, 0.001°.
+    #[default]
+    B,
+    /// IS-C: 0.0001 mm, 0.00001 inch, 0.0001°.
+    C,
+}
+
+impl Increments {
+    /// How many of them make a millimetre, a degree or a second.
+    pub(crate) const fn per_unit(self) -> f64 {
+        match self {
+            Self::A => 100.0,
+            Self::B => 1000.0,
+            Self::C => 10_000.0,
+        }
+    }
 }
 
 /// An M code of the machine's own.
@@ -169,8 +197,13 @@ impl Default for Limits {
     }
 }
 
-/// Highest number of a parameter.
+/// Highest number of a parameter that a program of RS-274 can write.
 pub const MAX_PARAMETER: usize = 5601;
+/// Where the offsets of Fanuc's G54.1 P1 to P48 lie.
+const MORE_OFFSETS: usize = 7001;
+const MOST: usize = MORE_OFFSETS + 20 * 48 - 1;
+/// Parameters that have a value or none.
+const OPTIONAL: core::ops::RangeInclusive<usize> = 500..=999;
 
 /// The numbered parameters as the parameter file (`.var`) keeps them: lengths in mm, angles in degrees.
 ///
@@ -181,14 +214,16 @@ pub const MAX_PARAMETER: usize = 5601;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameters {
     values: Vec<f64>,
+    /// Of those that are kept over runs: set, and zero.
+    zeros: BTreeSet<usize>,
 }
 
 impl Default for Parameters {
     fn default() -> Self {
-        let mut values = vec![0.0; MAX_PARAMETER + 1];
+        let mut values = vec![0.0; MOST + 1];
         values[5220] = 1.0;
         values[5599] = 1.0;
-        Self { values }
+        Self { values, zeros: BTreeSet::new() }
     }
 }
 
@@ -203,24 +238,44 @@ impl Parameters {
         match self.values.get_mut(number) {
             Some(slot) if number > 0 && value.is_finite() => {
                 *slot = value;
+                if OPTIONAL.contains(&number) {
+                    if value == 0.0 {
+                        self.zeros.insert(number);
+                    } else {
+                        self.zeros.remove(&number);
+                    }
+                }
                 true
             }
             _ => false,
         }
     }
 
-    /// All that are not zero, by rising number.
+    /// Give a value, or take it away.
+    pub(crate) fn keep(&mut self, number: usize, value: Option<f64>) {
+        self.set(number, value.unwrap_or(0.0));
+        if value.is_none() {
+            self.zeros.remove(&number);
+        }
+    }
+
+    /// All that are not zero, and those of #500 to #999 that were set to zero, by rising number.
     pub fn iter(&self) -> impl Iterator<Item = (usize, f64)> {
-        self.values.iter().copied().enumerate().filter(|(_, v)| *v != 0.0)
+        let said = |(n, v): &(usize, f64)| *v != 0.0 || self.zeros.contains(n);
+        self.values.iter().copied().enumerate().filter(said)
     }
 
     pub(crate) fn at(&self, number: usize) -> f64 {
         self.values.get(number).copied().unwrap_or(0.0)
     }
 
-    /// First parameter of a work offset (1 is G54, 9 is G59.3).
+    /// First parameter of a work offset (1 is G54, 9 is G59.3, 10 to 57 are Fanuc's G54.1 P1 to P48; 0 is Fanuc's
+    /// external one, which is added to all).
     pub(crate) const fn work_offset(system: usize) -> usize {
-        5201 + 20 * system
+        match system {
+            0..10 => 5201 + 20 * system,
+            _ => MORE_OFFSETS + 20 * (system - 10),
+        }
     }
 
     /// Nine consecutive values.

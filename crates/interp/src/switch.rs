@@ -330,7 +330,8 @@ impl Executor {
             Some(0) => Ok(0),
             Some(number) if number > 0 => {
                 let number = u32::try_from(number).unwrap_or(u32::MAX);
-                if self.tools.get(number).is_some() {
+                let offset = letter != b'T' && self.tool_table.has(number);
+                if offset || self.tools.get(number).is_some() {
                     return Ok(number);
                 }
                 match self.missing_tools {

@@ -46,6 +46,17 @@ pub(crate) struct ToolTable {
     written: BTreeMap<u32, ToolEntry>,
 }
 
+impl ToolTable {
+    /// Whether a program has written this one.
+    pub(crate) fn has(&self, number: u32) -> bool {
+        self.written.contains_key(&number)
+    }
+
+    pub(crate) fn write(&mut self, entry: ToolEntry) {
+        self.written.insert(entry.number, entry);
+    }
+}
+
 impl Executor {
     /// The entry of a tool; for one that is not in the table, of nothing.
     pub(crate) fn tool_entry(&self, number: u32) -> ToolEntry {

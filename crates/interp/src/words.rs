@@ -106,13 +106,6 @@ impl Words {
         Some(value)
     }
 
-    /// Raise a word's value, if it is there.
-    pub(crate) fn add(&mut self, letter: u8, more: f64) {
-        if self.get(letter).is_some() {
-            self.value[codes::index(letter)] += more;
-        }
-    }
-
     /// Add a G code of the shared table.
     pub(crate) fn take_g(&mut self, value: f64, span: Span) -> Outcome {
         let Some(code) = tenths(value).filter(|t| *t < codes::OWN).and_then(codes::g_code) else {

@@ -169,7 +169,7 @@ fn offsets_of_radius_and_more_work_offsets_are_set() {
     let (found, told) = run(Dialect::FanucLatheB, "G10 L20 P2 X10. Z5.\nG54.1 P2\nG0 X0 Z0");
     assert!(told.is_empty(), "{told:#?}");
     assert_eq!(found, ["R 0.000 0.000"]);
-    let (_, told) = run(Dialect::FanucLatheB, "G10 L20 P9 X10.");
+    let (_, told) = run(Dialect::FanucLatheB, "G10 L20 P49 X10.");
     assert!(told[0].starts_with("I0617"), "{told:#?}");
 }
 

@@ -87,7 +87,7 @@ pub(super) const ROWS: &[Finding] = &[
         "O1\n#100=BCD[5]\nM30",
     ),
     f("I1020", "P counts milliseconds.", "O1\nG4 P1.5\nM30", "O1\nG4 P1500\nM30"),
-    f("I1021", "G54.1 takes P1 to P3 here.", "O1\nG54.1 P9\nM30", "O1\nG54.1 P1\nM30"),
+    f("I1021", "G54.1 takes P1 to P48.", "O1\nG54.1 P99\nM30", "O1\nG54.1 P9\nM30"),
     f(
         "I1022",
         "G10 of a tool needs R, its offset.",
@@ -178,5 +178,36 @@ pub(super) const ROWS: &[Finding] = &[
         "The first move after G68 names one axis of two.",
         "O1\nF100\nG68 X0 Y0 R30.\nG1 X10.\nM30",
         "O1\nF100\nG68 X0 Y0 R30.\nG1 X10. Y0\nM30",
+    ),
+    f(
+        "I1049",
+        "A program's name stands behind M98, G65 or G66.",
+        "O1\nG0 X1. <POCKET>\nM30\n<POCKET>\nM99",
+        "O1\nM98 <POCKET>\nM30\n<POCKET>\nM99",
+    ),
+    f(
+        "I1050",
+        "M99 repeats the main program, and nothing in it ends that.",
+        "O1\nG0 X1.\nM99",
+        "O1\nG0 X1.\nM30",
+    ),
+    f(
+        "I1051",
+        "M99 has repeated the main program very often.",
+        "O1\n#100=#100+1\nM99",
+        "O1\n#100=#100+1\nIF [#100 LT 5] GOTO 9\nM30\nN9 M99",
+    ),
+    f("I1052", "G30 goes to the second reference point.", "O1\nG30 P3 Z0\nM30", "O1\nG30 P2 Z0\nM30"),
+    f(
+        "I1053",
+        "G29 comes back from where G28 or G30 has gone.",
+        "O1\nG29 X1.\nM30",
+        "O1\nG28 X5.\nG29 X1.\nM30",
+    ),
+    f(
+        "I1054",
+        "A corner lies between two straight feeds that are long enough.",
+        "O1\nF100\nG1 X10. ,R20.\nY10.\nM30",
+        "O1\nF100\nG1 X10. ,R2.\nY10.\nM30",
     ),
 ];

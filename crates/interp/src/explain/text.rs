@@ -44,6 +44,7 @@ pub(super) const ROWS: &[Finding] = &[
     row("P0125", "EXISTS asks for a parameter.", "G0 X EXISTS[5]", "G0 X EXISTS[#<depth>]"),
     row("P0126", "Brackets are nested too deep.", "", ""),
     row("P0127", "One expression has too many operations.", "", ""),
+    row("P0128", "POW takes two values.", "O1\n#1=POW[2]\nM30", "O1\n#1=POW[2,3]\nM30").of(Fanuc),
     row("P0130", "The name of a parameter is not closed.", "#<depth=5", "#<depth>=5"),
     row("P0131", "A parameter has no name.", "#<>=5", "#<depth>=5"),
     row("P0132", "A name has letters, digits and underscores only.", "#<a(b>=5", "#<a_b>=5"),
@@ -77,6 +78,20 @@ pub(super) const ROWS: &[Finding] = &[
         "Loops are numbered 1 to 3.",
         "O1\nWHILE [1 EQ 2] DO4\nEND4\nM30",
         "O1\nWHILE [1 EQ 2] DO1\nEND1\nM30",
+    )
+    .of(Fanuc),
+    row(
+        "P0154",
+        "After a comma comes C or R, a corner.",
+        "O1\nF100\nG1 X10.,X2.\nY10.\nM30",
+        "O1\nF100\nG1 X10.,C2.\nY10.\nM30",
+    )
+    .of(Fanuc),
+    row(
+        "P0155",
+        "DPRNT writes text and variables with their digits.",
+        "O1\nDPRNT[X#1]\nM30",
+        "O1\nDPRNT[X#1[53]]\nM30",
     )
     .of(Fanuc),
     row("P0190", "A line is too long.", "", ""),

@@ -1,51 +1,59 @@
 //! Jumps, subprograms and macros: GOTO, M98, M99, G65, G66, G67.
 //!
-//! | argument | variable |
-//! |---|---|
-//! | A B C | #1 #2 #3 |
-//! | I J K, first time | #4 #5 #6 |
-//! | I J K, again | #7 #8 #9, #10 #11 #12, … up to #33 |
-//! | D E F H M Q R S T U V W X Y Z | #7 #8 #9 #11 #13 #17 #18 … #26 |
+//! ```text
+//!   G66 P1 …      each block that moves calls O1
+//!   G66 P2 …      each block that moves calls O2, and each one that moves in O2 calls O1
+//!   G67           ends O2
+//! ```
 //!
-//! Where both ways give one variable a value, the later word holds.
+//! M99 in the main program goes back to its first block. That has no end, unless a variable counts: where nothing has
+//! changed since the round before, the program is over here, and it is said.
+//!
+//! Source: Fanuc, operator's manual of series 30i, "Subprogram", "Custom macro".
 use super::{
-    Fanuc,
-    tape::{Mark, Tape},
-    values::{LOCALS, Locals},
+    Callee, Fanuc,
+    tape::{Mark, Place, Tape},
+    values::Locals,
 };
 use crate::{
+    call::Sink,
     fault::{Outcome, error, refuse},
     interpreter::Interpreter,
-    outline::At,
     words::near_whole,
 };
+use diag::Diagnostic;
+
+/// Rounds of a main program that M99 repeats.
+const MOST_ROUNDS: u32 = 1_000;
 
 /// A call that has not returned yet.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Level {
-    back: At,
+    back: Place,
     /// The calling block: where GOTO of the caller searches from.
     caller: u32,
     program: Option<u32>,
-    start: At,
+    start: Place,
     /// Executions still to come after this one.
     left: u32,
     /// The caller's #1 to #33, if the callee has its own.
     locals: Option<Box<Locals>>,
+    /// The caller's modal macros, if this is one of them.
+    modals: Option<Vec<Macro>>,
 }
 
 /// A macro with its arguments.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Macro {
-    number: u32,
-    times: u32,
-    locals: Locals,
+    pub(super) number: u32,
+    pub(super) times: u32,
+    pub(super) locals: Locals,
 }
 
 impl Fanuc {
     fn tape<'a>(&'a mut self, it: &mut Interpreter<'_>) -> Outcome<&'a Tape> {
         if self.tape.is_none() {
-            let (tape, faults) = Tape::of(it.sources[0]);
+            let (tape, faults) = Tape::of(&it.sources, &it.names);
             self.tape = Some(tape);
             let mut faults = faults.into_iter();
             if let Some(first) = faults.next() {
@@ -62,12 +70,34 @@ impl Fanuc {
 
     pub(super) fn loop_partner(&mut self, it: &mut Interpreter<'_>) -> Outcome<Mark> {
         let span = it.block.span;
-        if let Some(mark) = self.tape(it)?.partner(span.start) {
+        if let Some(mark) = self.tape(it)?.partner(it.file, span.start) {
             Ok(mark)
         } else {
             it.ended = true;
             refuse("I1003", span, "this loop has no other end")
         }
+    }
+
+    /// The number of the program with this name.
+    pub(super) fn named(&mut self, it: &mut Interpreter<'_>, name: gcode::Text) -> Outcome<u32> {
+        let name = it.block.text(name).to_owned();
+        if let Some(number) = self.tape(it)?.named(&name) {
+            return Ok(number);
+        }
+        Err(self.no_program(it, &format!("<{name}>"))?.into())
+    }
+
+    fn no_program(&mut self, it: &mut Interpreter<'_>, which: &str) -> Outcome<Diagnostic> {
+        let span = it.block.span;
+        let tape = self.tape(it)?;
+        let known: Vec<_> = tape.programs().take(12).map(|n| tape.written(n)).collect();
+        let text = format!("there is no program {which} on this tape, nor a file of that name beside it");
+        let help = if known.is_empty() {
+            format!("write {which} before its first block and M99 at its end")
+        } else {
+            format!("it has {}", known.join(", "))
+        };
+        Ok(error("I0313", span, text).with_help(help))
     }
 
     pub(super) fn go_to(&mut self, it: &mut Interpreter<'_>, number: f64) -> Outcome {
@@ -78,11 +108,11 @@ impl Fanuc {
         let span = it.block.span;
         let whole = near_whole(number).and_then(|n| u32::try_from(n).ok()).filter(|n| *n > 0);
         let found = match whole {
-            Some(whole) => self.tape(it)?.block(whole, from),
+            Some(whole) => self.tape(it)?.block(whole, it.file, from),
             None => None,
         };
-        if let Some(at) = found {
-            it.jump(at);
+        if let Some(place) = found {
+            jump(it, place);
             Ok(())
         } else {
             it.ended = true; // which blocks would follow is not known
@@ -91,40 +121,51 @@ impl Fanuc {
     }
 
     /// The block N of the program at hand.
-    pub(super) fn block_at(&mut self, it: &mut Interpreter<'_>, number: u32) -> Option<At> {
-        let from = it.block.span.start;
-        self.tape(it).ok().and_then(|tape| tape.block(number, from))
+    pub(super) fn block_at(&mut self, it: &mut Interpreter<'_>, number: u32) -> Option<Place> {
+        let (file, from) = (it.file, it.block.span.start);
+        self.tape(it).ok().and_then(|tape| tape.block(number, file, from))
     }
 
     /// M98.
-    pub(super) fn call_program(
-        &mut self,
-        it: &mut Interpreter<'_>,
-        number: u32,
-        times: u32,
-    ) -> Outcome {
-        self.enter(it, number, times, None)
+    pub(super) fn call_program(&mut self, it: &mut Interpreter<'_>, callee: Callee) -> Outcome {
+        let Callee { program, times, start } = callee;
+        let begin = match program {
+            Some(number) => self.begin_of(it, number)?,
+            None => Place { file: it.file, at: (it.block.span.start, 0) }, // of the program at hand
+        };
+        let Some(number) = start else { return self.enter(it, program, begin, times, None) };
+        match self.tape(it)?.block(number, begin.file, begin.at.0) {
+            Some(place) => self.enter(it, program.or(self.program), place, times, None),
+            None => {
+                it.ended = true;
+                refuse("I1006", it.block.span, format!("there is no block N{number} in that program"))
+            }
+        }
+    }
+
+    /// G65.
+    fn call_macro(&mut self, it: &mut Interpreter<'_>, called: Macro) -> Outcome {
+        let begin = self.begin_of(it, called.number)?;
+        self.enter(it, Some(called.number), begin, called.times, Some(called.locals))
+    }
+
+    fn begin_of(&mut self, it: &mut Interpreter<'_>, number: u32) -> Outcome<Place> {
+        if let Some(place) = self.tape(it)?.program(number) {
+            return Ok(place);
+        }
+        let which = self.tape(it)?.written(number);
+        Err(self.no_program(it, &which)?.into())
     }
 
     fn enter(
         &mut self,
         it: &mut Interpreter<'_>,
-        number: u32,
+        program: Option<u32>,
+        start: Place,
         times: u32,
         locals: Option<Locals>,
     ) -> Outcome {
         let span = it.block.span;
-        let Some(start) = self.tape(it)?.program(number) else {
-            let known: Vec<_> =
-                self.tape(it)?.programs().take(12).map(|n| format!("O{n}")).collect();
-            let fault = error("I0313", span, format!("there is no program O{number} on this tape"));
-            let help = if known.is_empty() {
-                format!("write O{number} before its first block and M99 at its end")
-            } else {
-                format!("it has {}", known.join(", "))
-            };
-            return Err(fault.with_help(help).into());
-        };
         if times == 0 {
             return Ok(());
         }
@@ -136,32 +177,36 @@ impl Fanuc {
         }
         let locals = locals.map(|new| Box::new(core::mem::replace(&mut self.variables.local, new)));
         self.levels.push(Level {
-            back: it.parsers[0].position(),
+            back: Place { file: it.file, at: it.parsers[it.file].position() },
             caller: span.start,
-            program: self.program.replace(number),
+            program: core::mem::replace(&mut self.program, program),
             start,
             left: times - 1,
             locals,
+            modals: None,
         });
         it.executor.state.call_level = self.levels.len();
-        it.jump(start);
+        jump(it, start);
         Ok(())
     }
 
     /// M99, and M99 P: on with this block of the caller.
-    pub(super) fn return_to(&mut self, it: &mut Interpreter<'_>, to: Option<u32>) -> Outcome {
+    pub(super) fn return_to<S: Sink>(
+        &mut self,
+        it: &mut Interpreter<'_>,
+        to: Option<u32>,
+        sink: &mut S,
+    ) -> Outcome {
         let Some(level) = self.levels.last_mut() else {
-            if let Some(number) = to {
-                return self.go_to(it, f64::from(number));
-            }
-            it.ended = true;
-            let text = "M99 in the main program would repeat it for ever";
-            return Err(error("I0314", it.block.span, text).with_help("end it with M30").into());
+            return match to {
+                Some(number) => self.go_to(it, f64::from(number)),
+                None => self.next_round(it, sink),
+            };
         };
         if level.left > 0 && to.is_none() {
             level.left -= 1;
             let start = level.start;
-            it.jump(start);
+            jump(it, start);
             return Ok(());
         }
         let Some(level) = self.levels.pop() else { return Ok(()) };
@@ -170,10 +215,40 @@ impl Fanuc {
         if let Some(locals) = level.locals {
             self.variables.local = *locals;
         }
-        match to {
-            None => it.jump(level.back),
-            Some(number) => return self.go_to_from(it, f64::from(number), level.caller),
+        if let Some(modals) = level.modals {
+            self.modals = modals;
         }
+        match to {
+            None => jump(it, level.back),
+            Some(number) => {
+                it.file = level.back.file;
+                return self.go_to_from(it, f64::from(number), level.caller);
+            }
+        }
+        Ok(())
+    }
+
+    /// M99 of the main program.
+    fn next_round<S: Sink>(&mut self, it: &mut Interpreter<'_>, sink: &mut S) -> Outcome {
+        let span = it.block.span;
+        if self.round_before == self.variables {
+            let text = "M99 repeats the main program for ever: it is read once here";
+            let remark = Diagnostic::warning("I1050", span, text);
+            it.report(remark.with_help("M30 ends a program"));
+            it.executor.end(true, sink);
+            it.ended = true;
+            return Ok(());
+        }
+        self.rounds += 1;
+        if self.rounds >= MOST_ROUNDS {
+            it.ended = true;
+            let text = format!("M99 has repeated the main program {MOST_ROUNDS} times: does it end?");
+            return refuse("I1051", span, text);
+        }
+        self.round_before = self.variables.clone();
+        let program = self.program;
+        let begin = self.tape(it)?.main(program);
+        jump(it, begin);
         Ok(())
     }
 
@@ -187,7 +262,7 @@ impl Fanuc {
     pub(super) fn macro_call(&mut self, it: &mut Interpreter<'_>, code: u16) -> Outcome {
         if code == 67 {
             let span = it.block.span;
-            self.modal = None;
+            self.modals.pop();
             if self.said.len() > 1 {
                 return refuse("I1007", span, "G67 ends G66 and stands alone in its block");
             }
@@ -195,82 +270,36 @@ impl Fanuc {
         }
         let called = self.arguments(it, code)?;
         if code == 66 {
-            self.modal = Some(called);
+            if self.modals.len() >= it.limits.calls {
+                let text = format!("more than {} modal macros: G67 ends one", it.limits.calls);
+                return refuse("I0801", it.block.span, text);
+            }
+            self.modals.push(called);
             return Ok(());
         }
-        self.enter(it, called.number, called.times, Some(called.locals))
+        self.call_macro(it, called)
     }
 
-    /// G66: after a block that moves, but not inside the macro itself.
+    /// G66: after a block that moves; a modal macro's own moves call the one before it.
     pub(super) fn modal_call(&mut self, it: &mut Interpreter<'_>) -> Outcome {
-        match self.modal.clone() {
-            Some(called) if self.levels.is_empty() => {
-                self.enter(it, called.number, called.times, Some(called.locals))
-            }
-            _ => Ok(()),
+        let Some(called) = self.modals.last().cloned() else { return Ok(()) };
+        let levels = self.levels.len();
+        self.call_macro(it, called)?;
+        if self.levels.len() > levels
+            && let Some(level) = self.levels.last_mut()
+        {
+            let inner = self.modals[..self.modals.len() - 1].to_vec();
+            level.modals = Some(core::mem::replace(&mut self.modals, inner));
         }
+        Ok(())
     }
 
-    fn arguments(&self, it: &Interpreter<'_>, code: u16) -> Outcome<Macro> {
-        let span = it.block.span;
-        let (mut number, mut times) = (None, 1);
-        let mut locals = [None; LOCALS];
-        let (mut set, mut last) = (0, None);
-        let mut begun = false;
-        for said in &self.said {
-            let whole = || match near_whole(said.value).and_then(|n| u32::try_from(n).ok()) {
-                Some(n) => Ok(n),
-                None => refuse(
-                    "I0108",
-                    said.span,
-                    format!(
-                        "expected a whole number after {}, found {}",
-                        said.letter as char, said.value
-                    ),
-                ),
-            };
-            let variable = match said.letter {
-                b'G' if said.value == f64::from(code) => {
-                    begun = true;
-                    continue;
-                }
-                _ if !begun => {
-                    let text = format!("expected G{code} before its arguments");
-                    return refuse("I1008", said.span, text);
-                }
-                b'P' => {
-                    number = Some(whole()?);
-                    continue;
-                }
-                b'L' => {
-                    times = whole()?;
-                    continue;
-                }
-                b'A'..=b'C' => said.letter - b'A' + 1,
-                b'D' | b'E' | b'F' => said.letter - b'D' + 7,
-                b'H' => 11,
-                b'M' => 13,
-                b'Q'..=b'Z' => said.letter - b'Q' + 17,
-                rank @ b'I'..=b'K' => {
-                    if last.is_some_and(|last| rank <= last) {
-                        set += 1;
-                    }
-                    last = Some(rank);
-                    4 + 3 * set + (rank - b'I')
-                }
-                other => {
-                    let text = format!("{} cannot be an argument of G{code}", other as char);
-                    return refuse("I1009", said.span, text);
-                }
-            };
-            let Some(slot) = locals.get_mut(usize::from(variable) - 1) else {
-                return refuse("I1009", said.span, "I, J and K can be given ten times at most");
-            };
-            *slot = Some(self.scaled(&it.executor, said));
-        }
-        match number {
-            Some(number) => Ok(Macro { number, times, locals }),
-            None => refuse("I1010", span, format!("G{code} needs P, the number of the macro")),
-        }
+    pub(super) const fn has_modal(&self) -> bool {
+        !self.modals.is_empty()
     }
+}
+
+fn jump(it: &mut Interpreter<'_>, to: Place) {
+    it.file = to.file;
+    it.jump(to.at);
 }

@@ -1,6 +1,6 @@
 //! Fanuc's G and M codes, and which shared code each of them is.
 use super::Kind;
-use crate::codes::{BORE_UPWARDS, FINE_BORE};
+use crate::codes::{BORE_UPWARDS, FINE_BORE, LENGTH_BACK};
 
 /// What a G code is in the shared language.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,6 +11,14 @@ pub(super) enum Meaning {
     Mapping(u16),
     /// It ends something that Leadscrew does not begin: nothing is to be done.
     Off,
+    /// G5 P, G5.1 Q, G8 P: how far the control looks ahead, which this one always does.
+    Smoothing,
+    /// G9.
+    ExactBlock,
+    /// G29.
+    Back,
+    /// G31: a feed that the probe's signal would end; here it comes at the programmed end.
+    Skip,
     /// G33, G32.
     Thread,
     /// G77, G78, G79 of lathes (A: G90, G92, G94): a cycle of four moves.
@@ -39,7 +47,9 @@ const fn system_b(tenths: u16) -> u16 {
 
 /// What G means, in tenths.
 pub(super) fn meaning(kind: Kind, tenths: u16) -> Meaning {
-    use Meaning::{Box, Mapping, Multiple, NotYet, Off, Shared, Thread, Unknown};
+    use Meaning::{
+        Back, Box, ExactBlock, Mapping, Multiple, NotYet, Off, Shared, Skip, Smoothing, Thread, Unknown,
+    };
     if kind == Kind::LatheA && matches!(tenths, 330 | 770 | 780 | 790 | 910 | 950) {
         return Unknown;
     }
@@ -70,11 +80,31 @@ pub(super) fn meaning(kind: Kind, tenths: u16) -> Meaning {
         541 => Shared(541),
         610 => Shared(611),
         330 => Thread,
-        150 | 500 | 501 | 690 | 131 | 230 | 250 | 670 => Off,
-        90 => NotYet("exact stop for one block"),
-        270 | 290 => NotYet("return from the reference point"),
-        310 => NotYet("skip"),
-        440 => NotYet("tool length offset, negative"),
+        50 | 51 | 80 => Smoothing,
+        90 => ExactBlock,
+        290 => Back,
+        310 => Skip,
+        440 if kind == Kind::Mill => Shared(LENGTH_BACK),
+        110 | 131 | 150 | 230 | 250 | 500 | 501 | 670 | 690 | 1130 => Off,
+        22 | 23 | 32 | 33 => NotYet("involute and exponential interpolation"),
+        24 | 34 => NotYet("arc in space"),
+        52 | 62 => NotYet("NURBS interpolation"),
+        71 | 1070 => NotYet("cylindrical interpolation"),
+        121 | 1120 => NotYet("polar coordinate interpolation"),
+        106 => NotYet("tool withdrawal"),
+        220 => NotYet("stored stroke check"),
+        260 => NotYet("spindle speed fluctuation detection"),
+        270 => NotYet("reference position return check"),
+        350 | 360 => NotYet("circular threading"),
+        370 | 371 | 372 => NotYet("automatic tool length measurement"),
+        412 | 413 | 414 | 415 | 422 | 424 | 425 => NotYet("three-dimensional cutter compensation"),
+        431 | 434 | 435 | 437 => NotYet("tool centre point control"),
+        450 | 460 | 470 | 480 => NotYet("tool offset, increase and decrease"),
+        531 | 536 | 682 | 683 | 684 => NotYet("tilted working plane"),
+        542 | 544 => NotYet("rotary table dynamic fixture offset"),
+        661 => NotYet("macro modal call for each block"),
+        721 | 722 => NotYet("figure copy"),
+        814 | 804 | 815 | 805 => NotYet("electronic gear box"),
         502 | 2500 => Shared(502),
         512 | 2510 => Shared(512),
         513 => Shared(513),
@@ -133,8 +163,29 @@ pub(crate) fn told(kind: Kind, tenths: u16) -> Option<(Option<u16>, &'static str
         Meaning::Multiple(code) => Some((None, multiple(code), true)),
         Meaning::Mapping(code) => Some((None, mapping(code), true)),
         Meaning::Off => Some((None, "the end of what Leadscrew does not begin: no effect", true)),
+        Meaning::Smoothing => Some((None, "look-ahead and smoothing: always on", true)),
+        Meaning::ExactBlock => Some((None, "exact stop for one block", true)),
+        Meaning::Back => Some((None, "return from the reference point", true)),
+        Meaning::Skip => Some((None, "skip: a feed to the end, where the signal comes", true)),
         Meaning::NotYet(name) => Some((None, name, false)),
         Meaning::Unknown => None,
+    }
+}
+
+/// What works in the place of a code that is not executed.
+pub(super) const fn instead(tenths: u16) -> &'static str {
+    match tenths {
+        71 | 1070 => "write the turning as feeds of the rotary axis: G1 Z_ C_",
+        121 | 1120 => "write the contour as feeds of X and C: G1 X_ C_",
+        220 => "the machine's file has the travel of its axes",
+        270 => "G28 goes to the reference point",
+        434 | 435 => "G43 H_ takes the tool's length along Z",
+        450 | 460 | 470 | 480 => "G41 and G42 move the cutter beside its way",
+        620 | 630 => "write G64, or G61 for exact stops",
+        661 => "G66 calls the macro after each block that moves, G65 once",
+        682 => "G68 turns the coordinates in their plane",
+        721 | 722 => "M98 P_ repeats a subprogram, G68 turns it",
+        _ => "",
     }
 }
 

@@ -17,25 +17,31 @@
 #![allow(clippy::match_same_arms)] // a row of a table each
 #![allow(clippy::large_types_passed_by_value)] // a macro's variables move into its call
 #![allow(clippy::single_match_else)] // both outcomes are worth a line
+mod arguments;
 mod calls;
 mod codes;
+mod corner;
 mod figure;
 mod grooving;
 mod lathe;
 mod mapping;
 mod offsets;
+mod output;
+mod sense;
+mod system;
 mod tape;
 mod threading;
+mod tool_offsets;
 mod turning;
 mod values;
 mod words;
 
 use crate::{
-    call::{Call, Sink},
-    execute::After,
+    call::{Call, Corners, Sink},
+    execute::{After, Executor},
     fault::{Outcome, error, refuse},
     interpreter::Interpreter,
-    setup::{Dialect, Setup},
+    setup::{Dialect, Increments, Setup},
     state::Motion,
 };
 use calls::Level;
@@ -67,8 +73,27 @@ pub(crate) struct Fanuc {
     tape: Option<Tape>,
     variables: Variables,
     levels: Vec<Level>,
-    /// G66: the macro called after each block that moves.
-    modal: Option<calls::Macro>,
+    /// G66: the macros called after each block that moves, the last first.
+    modals: Vec<calls::Macro>,
+    /// M99 of the main program: variables when the round at hand began, and how many there were.
+    round_before: Variables,
+    rounds: u32,
+    /// The program that the block names by `<NAME>`.
+    called: Option<u32>,
+    kept: system::Kept,
+    wear: tool_offsets::Wear,
+    increments: Increments,
+    c_is_a_chamfer: bool,
+    /// The block at hand counts inches.
+    inch: bool,
+    /// G43, G44, G49.
+    length_mode: f64,
+    /// How much of the way that follows the corner before has taken.
+    taken: f64,
+    /// What the block at hand asks for besides its words.
+    once: Once,
+    /// Where G28 or G30 came by, in machine coordinates of program units: where G29 goes from.
+    by: Option<crate::Point>,
     /// O of the program whose blocks are executed; none before the first.
     program: Option<u32>,
     /// G92 S, G50 S: no faster with G96.
@@ -92,15 +117,39 @@ pub(crate) struct Fanuc {
     shape: Option<turning::Shape>,
 }
 
+/// What one block asks for that the shared language does not have.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Once {
+    /// G9.
+    exact: bool,
+    /// G29.
+    back: bool,
+    /// G31.
+    skip: bool,
+    /// G54.1: the work offset.
+    system: Option<u8>,
+    /// `,C` or `,R`.
+    corner: Option<corner::Corner>,
+    /// G10: the work offset that has other values now.
+    changed: Option<usize>,
+}
+
+/// M98.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Callee {
+    /// None for the program at hand.
+    program: Option<u32>,
+    times: u32,
+    /// Q: the block with which it begins.
+    start: Option<u32>,
+}
+
 /// What follows a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Then {
     Next,
     /// M98.
-    Call {
-        number: u32,
-        times: u32,
-    },
+    Call(Callee),
     /// M99, M99 P.
     Return(Option<u32>),
 }
@@ -119,9 +168,21 @@ impl Fanuc {
             calculator: setup.whole_units_without_point,
             skip_levels: setup.block_delete_levels | u16::from(setup.block_delete) << 1,
             tape: None,
-            variables: Variables::default(),
+            round_before: Variables::kept(&setup.parameters),
+            variables: Variables::kept(&setup.parameters),
             levels: Vec::new(),
-            modal: None,
+            modals: Vec::new(),
+            rounds: 0,
+            called: None,
+            kept: system::Kept::default(),
+            wear: tool_offsets::Wear::new(),
+            increments: setup.increments,
+            c_is_a_chamfer: setup.c_is_a_chamfer,
+            inch: false,
+            length_mode: 49.0,
+            taken: 0.0,
+            once: Once::default(),
+            by: None,
             program: None,
             top_speed: None,
             lathe_cycle: None,
@@ -156,6 +217,25 @@ impl Fanuc {
         self.shape.is_none()
     }
 
+    const fn is_system_a(&self) -> bool {
+        matches!(self.kind, Kind::LatheA)
+    }
+
+    /// The codes of feed per minute and per revolution.
+    const fn feed_codes(&self) -> [f64; 2] {
+        if self.is_system_a() { [98.0, 99.0] } else { [94.0, 95.0] }
+    }
+
+    /// A lathe's cycle of four moves as its system writes it.
+    const fn box_code(&self, tenths: u16) -> u16 {
+        match (self.kind, tenths) {
+            (Kind::LatheA, 770) => 90,
+            (Kind::LatheA, 780) => 92,
+            (Kind::LatheA, _) => 94,
+            _ => tenths / 10,
+        }
+    }
+
     const fn is_lathe(&self) -> bool {
         !matches!(self.kind, Kind::Mill)
     }
@@ -181,9 +261,9 @@ impl Fanuc {
             return self.program_begins(it, word.label, word.span);
         }
         if it.block.percent {
-            it.percent_sign(sink);
-            return Ok(());
+            return self.percent(it, sink);
         }
+        self.kept.word(b'N', it.block.number.unwrap_or(self.kept.n()));
         if let Some(control) = it.block.control {
             let Control::IfThen(condition) = control else { return self.control(it, control) };
             if self.condition(it, condition)? == 0.0 {
@@ -197,10 +277,28 @@ impl Fanuc {
             let text = it.block.text(comment.text).trim_start();
             it.executor.say(sink, &Call::Comment(text));
         }
-        if it.block.words.is_empty() {
+        if it.block.output.is_some() {
+            return self.output(it, sink);
+        }
+        self.called = match it.block.called {
+            Some(name) => Some(self.named(it, name)?),
+            None => None,
+        };
+        if it.block.words.is_empty() && self.called.is_none() {
             return Ok(());
         }
         self.words(it, sink)
+    }
+
+    /// `%`: the end of the tape, which a subprogram's file may not reach.
+    fn percent<S: Sink>(&self, it: &mut Interpreter<'_>, sink: &mut S) -> Outcome {
+        if it.file == 0 {
+            it.percent_sign(sink);
+            return Ok(());
+        }
+        it.ended = true;
+        let fault = error("I0301", it.block.span, "this subprogram does not end: its tape is over");
+        Err(fault.with_help("end it with M99").into())
     }
 
     /// A block with words.
@@ -212,30 +310,101 @@ impl Fanuc {
         if let Some(code) = self.multiple_cycle() {
             return self.multiple(it, code, sink);
         }
+        self.once = Once::default();
         let then = self.translate(&mut it.executor)?;
-        if it.executor.recording.is_some() {
-            return it.executor.record();
+        if self.called.is_some() && !matches!(then, Then::Call(_)) {
+            let text = "a program's name goes with M98, G65 or G66: M98<NAME>";
+            return refuse("I1049", it.block.span, text);
         }
         let moves = it.executor.words.any(crate::codes::AXES);
-        let cycle = self.lathe_cycle.filter(|_| moves);
-        if moves {
-            threading::angle(&it.executor, self.thread_angle.take(), sink);
-        }
-        let after = match cycle {
-            Some(code) => self.lathe_move(&mut it.executor, code, sink)?,
-            None => it.executor.execute(sink)?,
+        let after = match self.once.corner {
+            Some(corner) => self.cornered(it, corner, sink)?,
+            None if it.executor.recording.is_some() => {
+                return it.executor.record();
+            }
+            None => self.move_block(&mut it.executor, moves, sink)?,
         };
-        self.group_one(&mut it.executor.state.motion);
+        if self.once.corner.is_none() && moves {
+            self.taken = 0.0;
+        }
         if after == After::End {
             it.ended = true;
             return Ok(());
         }
         match then {
-            Then::Call { number, times } => self.call_program(it, number, times),
-            Then::Return(to) => self.return_to(it, to),
+            Then::Call(callee) => self.call_program(it, callee),
+            Then::Return(to) => self.return_to(it, to, sink),
             Then::Next if moves => self.modal_call(it),
             Then::Next => Ok(()),
         }
+    }
+
+    /// What the block's words do.
+    fn move_block<S: Sink>(&mut self, ex: &mut Executor, moves: bool, sink: &mut S) -> Outcome<After> {
+        if let Some(system) = self.once.system {
+            ex.change_system(system, sink);
+        }
+        if let Some(system) = self.once.changed {
+            ex.offset_changed(system, sink);
+        }
+        let cycle = self.lathe_cycle.filter(|_| moves);
+        if moves {
+            threading::angle(ex, self.thread_angle.take(), sink);
+        }
+        if let Some(code) = ex.words.g(crate::codes::GGroup::ToolLength) {
+            self.length_mode = f64::from(code % crate::codes::OWN) / 10.0;
+        }
+        let (motion, corners) = (ex.state.motion, ex.state.corners);
+        let exact = self.once.exact && moves && corners != Corners::ExactStop;
+        if exact {
+            ex.say(sink, &Call::PathControl { corners: Corners::ExactStop, merge: None });
+        }
+        let reference = matches!(ex.words.g(crate::codes::GGroup::NonModal), Some(280 | 300));
+        let by = reference.then(|| ex.destination(false)).transpose()?;
+        let by = by.map(|by| ex.state.frame.to_machine(&by));
+        let after = match cycle {
+            _ if self.once.back => self.back_from_reference(ex, sink)?,
+            Some(code) => self.lathe_move(ex, code, sink)?,
+            None => ex.execute(sink)?,
+        };
+        self.by = by.or(self.by);
+        if exact {
+            ex.say(sink, &Call::PathControl { corners, merge: Some(ex.state.merge) });
+        }
+        if self.once.skip {
+            let at = ex.state.at;
+            ex.store.numbered.set_point(5061, &at);
+            ex.state.motion = motion;
+        }
+        self.group_one(&mut ex.state.motion);
+        Ok(after)
+    }
+
+    /// G29: by the point where G28 came by, to where the words lead.
+    fn back_from_reference<S: Sink>(&self, ex: &mut Executor, sink: &mut S) -> Outcome<After> {
+        let Some(by) = self.by else {
+            let text = "G29 comes back from the reference point: no G28 or G30 went there before";
+            return refuse("I1053", ex.words.place.span, text);
+        };
+        let by = ex.state.frame.to_program(&by);
+        let mut corner = ex.state.at;
+        for axis in 0..9 {
+            if ex.words.get(b"XYZABCUVW"[axis]).is_some() {
+                corner[axis] = by[axis];
+            }
+        }
+        ex.state.at = corner;
+        ex.say(sink, &Call::Rapid(corner));
+        let (motion, to) = (ex.state.motion, ex.destination(false)?);
+        for letter in *b"XYZABCUVW" {
+            ex.words.take(letter);
+        }
+        ex.state.motion = Motion::None;
+        let after = ex.execute(sink)?;
+        ex.state.at = to;
+        ex.state.motion = motion;
+        ex.say(sink, &Call::Rapid(to));
+        Ok(after)
     }
 
     /// G80 ends a cycle, and the motion that was in force before it is in force again.
@@ -254,12 +423,26 @@ impl Fanuc {
         label: gcode::Label,
         span: Span,
     ) -> Outcome {
-        let gcode::Label::Number(number) = label else {
-            return refuse("I1001", span, "O takes the number of a program, as in O1234");
+        let number = match label {
+            gcode::Label::Number(number) => number,
+            gcode::Label::Name(name) if self.program.is_none() => {
+                // only what is called needs to be found by its name
+                self.program = Some(u32::MAX);
+                let _ = name;
+                return Ok(());
+            }
+            gcode::Label::Name(_) => u32::MAX,
+            gcode::Label::Computed(_) => {
+                return refuse("I1001", span, "O takes the number of a program, as in O1234");
+            }
         };
         let Some(before) = self.program.replace(number) else { return Ok(()) };
         it.ended = true;
-        let text = format!("O{before} does not end: O{number} begins here");
+        let written = |number: u32| match number {
+            u32::MAX => "this program".to_owned(),
+            number => format!("O{number}"),
+        };
+        let text = format!("{} does not end: another program begins here", written(before));
         let help = "end a main program with M30, a subprogram or macro with M99";
         Err(error("I0301", span, text).with_help(help).into())
     }

@@ -9,6 +9,10 @@
 //!   %
 //! ```
 //!
+//! Other files of the search path are further pieces of the same tape. One that does not begin with O1234 or <NAME> is the
+//! program that its own name says: O1234.nc, 1234.nc, NAME.nc. A program that has a name instead of a number has a number
+//! here all the same, above all that can be written.
+//!
 //! Made at the first jump or call, by one reading of the whole tape.
 use crate::{fault::error, outline::At};
 use diag::{Diagnostic, Span};
@@ -25,8 +29,19 @@ pub(super) struct Mark {
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Program {
     number: Option<u32>,
+    file: usize,
     begin: Mark,
 }
+
+/// A block of some file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Place {
+    pub(super) file: usize,
+    pub(super) at: At,
+}
+
+/// The least number of a program with a name.
+const NAMED: u32 = 1 << 31;
 
 /// All of a file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -34,31 +49,54 @@ pub(super) struct Tape {
     /// In the order of the text; the first may have no number.
     programs: Vec<Program>,
     /// N words in the order of the text.
-    numbers: Vec<(u32, At)>,
-    /// By the first byte of a DO: its END; of an END: its DO.
-    loops: HashMap<u32, Mark>,
+    numbers: Vec<(u32, Place)>,
+    /// By the file and the first byte of a DO: its END; of an END: its DO.
+    loops: HashMap<(usize, u32), Mark>,
+    /// Names of programs.
+    names: Vec<String>,
 }
 
 impl Tape {
-    pub(super) fn of(source: &[u8]) -> (Self, Vec<Diagnostic>) {
-        let mut parser = Parser::with_grammar(source, 0, Grammar::Fanuc);
+    /// Of the program and the files beside it, which have these names.
+    pub(super) fn of(sources: &[&[u8]], names: &[String]) -> (Self, Vec<Diagnostic>) {
+        let (mut tape, mut faults) = (Self::default(), Vec::new());
+        for (file, source) in sources.iter().enumerate() {
+            let name = names.get(file).map_or("", String::as_str);
+            tape.read(file, source, name, &mut faults);
+        }
+        (tape, faults)
+    }
+
+    fn read(&mut self, file: usize, source: &[u8], name: &str, faults: &mut Vec<Diagnostic>) {
+        let mut parser = Parser::with_grammar(source, file as u16, Grammar::Fanuc);
         let mut block = Block::new();
-        let mut tape = Self::default();
         let begin = Mark { at: (0, 1), after: (0, 1) };
-        tape.programs.push(Program { number: None, begin });
+        let own = self.programs.len();
+        let number = (file > 0).then(|| self.number_of_file(name));
+        self.programs.push(Program { number, file, begin });
+        let mut first = true;
         let mut open: Vec<(u8, Mark, Span)> = Vec::new();
-        let mut faults = Vec::new();
         while parser.next(&mut block) {
             if block.faulty {
                 continue;
             }
             let mark = Mark { at: (block.span.start, block.span.line), after: parser.position() };
-            if let Some(number) = block.number {
-                tape.numbers.push((number as u32, mark.at));
+            if first && !block.is_blank() && !block.percent {
+                first = false;
+                let after = if block.o.is_some() { mark.after } else { mark.at };
+                self.programs[own].begin.after = after;
             }
-            if let Some(Label::Number(number)) = block.o.map(|o| o.label) {
+            if let Some(number) = block.number {
+                self.numbers.push((number as u32, Place { file, at: mark.at }));
+            }
+            let number = match block.o.map(|o| o.label) {
+                Some(Label::Number(number)) => Some(number),
+                Some(Label::Name(name)) => Some(self.number_of(block.text(name))),
+                _ => None,
+            };
+            if number.is_some() {
                 faults.extend(open.drain(..).map(|(level, _, span)| not_closed(level, span)));
-                tape.programs.push(Program { number: Some(number), begin: mark });
+                self.programs.push(Program { number, file, begin: mark });
             }
             match block.control {
                 Some(Control::While { level, .. }) => {
@@ -73,8 +111,8 @@ impl Tape {
                 }
                 Some(Control::End(level)) => match open.pop() {
                     Some((begun, begin, _)) if begun == level => {
-                        tape.loops.insert(begin.at.0, mark);
-                        tape.loops.insert(mark.at.0, begin);
+                        self.loops.insert((file, begin.at.0), mark);
+                        self.loops.insert((file, mark.at.0), begin);
                     }
                     Some((begun, _, span)) => {
                         let text =
@@ -92,12 +130,52 @@ impl Tape {
             }
         }
         faults.extend(open.into_iter().map(|(level, _, span)| not_closed(level, span)));
-        (tape, faults)
     }
 
-    /// The first block of O1234.
-    pub(super) fn program(&self, number: u32) -> Option<At> {
-        self.programs.iter().find(|p| p.number == Some(number)).map(|p| p.begin.after)
+    /// The number of the program that a file is: what its name says.
+    fn number_of_file(&mut self, name: &str) -> u32 {
+        let digits = name.strip_prefix(['O', 'o']).unwrap_or(name);
+        match digits.parse() {
+            Ok(number) if number < NAMED => number,
+            _ => self.number_of(name),
+        }
+    }
+
+    /// The number of a program with a name.
+    fn number_of(&mut self, name: &str) -> u32 {
+        self.named(name).unwrap_or_else(|| {
+            self.names.push(name.to_owned());
+            NAMED + self.names.len() as u32 - 1
+        })
+    }
+
+    /// The same of one that is there.
+    pub(super) fn named(&self, name: &str) -> Option<u32> {
+        self.names.iter().position(|known| known == name).map(|at| NAMED + at as u32)
+    }
+
+    /// How a program is written.
+    pub(super) fn written(&self, number: u32) -> String {
+        match number.checked_sub(NAMED).and_then(|at| self.names.get(at as usize)) {
+            Some(name) => format!("<{name}>"),
+            None => format!("O{number}"),
+        }
+    }
+
+    /// The first block of O1234; its own O-word is looked for before a file's name.
+    pub(super) fn program(&self, number: u32) -> Option<Place> {
+        let with = |own: bool| {
+            let is = |p: &&Program| p.number == Some(number) && (p.begin.at != p.begin.after) == own;
+            self.programs.iter().find(is)
+        };
+        let found = with(true).or_else(|| with(false))?;
+        Some(Place { file: found.file, at: found.begin.after })
+    }
+
+    /// Where the main program begins.
+    pub(super) fn main(&self, number: Option<u32>) -> Place {
+        let own = number.and_then(|number| self.program(number)).filter(|place| place.file == 0);
+        own.unwrap_or(Place { file: 0, at: (0, 1) })
     }
 
     /// Numbers of the programs.
@@ -105,19 +183,24 @@ impl Tape {
         self.programs.iter().filter_map(|p| p.number)
     }
 
-    /// The block N of the program in which byte `from` lies: behind it, else from the program's begin.
-    pub(super) fn block(&self, number: u32, from: u32) -> Option<At> {
-        let here = self.programs.iter().rposition(|p| p.begin.at.0 <= from)?;
+    /// The block N of the program in which byte `from` of a file lies: behind it, else from the program's begin.
+    pub(super) fn block(&self, number: u32, file: usize, from: u32) -> Option<Place> {
+        let here =
+            self.programs.iter().rposition(|p| p.file == file && p.begin.at.0 <= from)?;
         let begin = self.programs[here].begin.at.0;
-        let end = self.programs.get(here + 1).map_or(u32::MAX, |p| p.begin.at.0);
-        let mine =
-            || self.numbers.iter().filter(|(n, at)| *n == number && (begin..end).contains(&at.0));
-        mine().find(|(_, at)| at.0 > from).or_else(|| mine().next()).map(|(_, at)| *at)
+        let next = self.programs.get(here + 1).filter(|next| next.file == file);
+        let end = next.map_or(u32::MAX, |p| p.begin.at.0);
+        let mine = || {
+            self.numbers.iter().map(|(n, place)| (*n, *place)).filter(|(n, place)| {
+                *n == number && place.file == file && (begin..end).contains(&place.at.0)
+            })
+        };
+        mine().find(|(_, p)| p.at.0 > from).or_else(|| mine().next()).map(|(_, place)| place)
     }
 
-    /// The other end of the loop whose DO or END begins at this byte.
-    pub(super) fn partner(&self, byte: u32) -> Option<Mark> {
-        self.loops.get(&byte).copied()
+    /// The other end of the loop whose DO or END begins at this byte of a file.
+    pub(super) fn partner(&self, file: usize, byte: u32) -> Option<Mark> {
+        self.loops.get(&(file, byte)).copied()
     }
 }
 

@@ -94,7 +94,7 @@ impl Fanuc {
             return refuse("I1031", span, text);
         };
         let at = it.executor.state.at;
-        let lead = word(said, b'F').map(|f| self.thread_lead(&it.executor, f)).or(self.lead);
+        let lead = word(said, b'F').map(|f| self.thread_lead(f)).or(self.lead);
         let Some(lead) = lead.filter(|lead| *lead > 0.0) else {
             return Err(words::no_lead(span).into());
         };
@@ -138,7 +138,7 @@ impl Fanuc {
         sink: &mut S,
     ) -> Outcome {
         let span = it.block.span;
-        let lead = word(said, b'F').map(|f| self.thread_lead(&it.executor, f)).or(self.lead);
+        let lead = word(said, b'F').map(|f| self.thread_lead(f)).or(self.lead);
         let Some(lead) = lead.filter(|lead| *lead > 0.0) else {
             return Err(words::no_lead(span).into());
         };

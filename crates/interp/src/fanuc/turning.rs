@@ -189,7 +189,8 @@ impl Fanuc {
             let fault = error("I1032", span, text);
             return Err(fault.with_help("P and Q name the profile's first and last block").into());
         };
-        let behind = it.parsers[0].position();
+        let behind = it.parsers[it.file].position();
+        let begin = begin.at; // the profile lies in the cycle's own program
         let back = (code == 70 || begin.0 < span.start).then_some(behind);
         self.shape = Some(Shape { last, back, cycle: span.start });
         let mut recording = Recording::new(order, it.executor.words.place, it.executor.state.at);

@@ -4,24 +4,21 @@
 //! |---|---|
 //! | #0 | always without a value |
 //! | #1 – #33 | the macro's own, its arguments first |
-//! | #100 – #199, #500 – #999 | common to all programs |
-//! | #2001 – #2200 | tool offsets |
-//! | #3000, #3006 | set: alarm; stop with a message |
-//! | #4001 …, #4109, #4119, #4120 | modal codes, F, S, T |
-//! | #5001 …, #5021 …, #5041 … | end of the block before, machine position, work position |
-//! | #5221 – #5328 | work offsets G54 – G59 |
+//! | #100 – #199 | common to all programs |
+//! | #500 – #999 | the same, and kept in the parameter file |
+//! | others | [`system`](super::system) |
 //!
 //! A variable without a value counts as 0 in arithmetic and differs from 0 in EQ and NE alone.
 //! AND, OR and XOR work on the bits of whole numbers. Angles are in degrees; ATAN of two arguments
-//! gives 0 to 360.
+//! gives 0 to 360. In a word that moves something, ROUND goes to the least input increment, and so does whatever a
+//! variable has in that word; elsewhere ROUND goes to whole numbers.
 use super::Fanuc;
 use crate::{
-    call::{Call, Sink},
+    call::Sink,
     eval,
     execute::Executor,
     fault::{Outcome, error, refuse},
     interpreter::Interpreter,
-    state::FeedMode,
     words::near_whole,
 };
 use diag::Span;
@@ -31,9 +28,8 @@ use gcode::{Block, Expr, Function, Operator, Parameter, Value};
 pub(super) const LOCALS: usize = 33;
 /// #1 to #33.
 pub(super) type Locals = [Option<f64>; LOCALS];
-/// Axes by their number in system variables.
-const MILL_AXES: [usize; 3] = [0, 1, 2];
-const LATHE_AXES: [usize; 2] = [0, 2];
+/// From here on common variables are kept.
+const FIRST_KEPT: usize = 500;
 
 /// What programs set.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,13 +47,36 @@ impl Default for Variables {
 
 /// Everything an expression may read.
 pub(super) struct Values<'a> {
-    fanuc: &'a Fanuc,
-    executor: &'a Executor,
+    pub(super) fanuc: &'a Fanuc,
+    pub(super) executor: &'a Executor,
+    /// How many steps of what ROUND rounds to make one.
+    per_unit: f64,
+}
+
+/// To the nearest of so many steps per unit, halves away from zero.
+pub(super) fn rounded(value: f64, per_unit: f64) -> f64 {
+    (value * per_unit).round() / per_unit
+}
+
+impl Variables {
+    /// Those that the parameter file kept.
+    pub(super) fn kept(parameters: &crate::Parameters) -> Self {
+        let mut new = Self::default();
+        for (number, value) in parameters.iter().filter(|(n, _)| (FIRST_KEPT..1000).contains(n)) {
+            new.common[number - 100] = Some(value);
+        }
+        new
+    }
 }
 
 impl Fanuc {
     pub(super) const fn values<'a>(&'a self, executor: &'a Executor) -> Values<'a> {
-        Values { fanuc: self, executor }
+        Values { fanuc: self, executor, per_unit: 1.0 }
+    }
+
+    /// The same for a word with so many least input increments in one.
+    pub(super) const fn values_in<'a>(&'a self, executor: &'a Executor, per_unit: f64) -> Values<'a> {
+        Values { fanuc: self, executor, per_unit }
     }
 
     /// Set the block's variables; each sees those set before it.
@@ -77,70 +96,19 @@ impl Fanuc {
             let value = values.value(&it.block, assignment.value, span)?;
             match number {
                 1..=33 => self.variables.local[number - 1] = value,
-                100..=199 | 500..=999 => self.variables.common[number - 100] = value,
-                3000 => return self.alarm(it, value),
-                3006 => {
-                    let text = comment(&it.block);
-                    it.executor.say(sink, &Call::Message(&text));
-                    it.executor.say(sink, &Call::Stop);
-                }
-                5221..=5328 => self.set_work_offset(it, number, value, sink)?,
-                _ => {
-                    let text = format!(
-                        "#{number} cannot be set: programs set #1 to #33, #100 to #199 and #500 to #999"
-                    );
-                    return refuse("I1012", span, text);
-                }
+                100..=199 | 500..=999 => self.set_common(it, number, value),
+                _ => self.set_system(it, number, value, sink)?,
             }
         }
         Ok(())
     }
 
-    fn alarm(&self, it: &mut Interpreter<'_>, value: Option<f64>) -> Outcome {
-        it.ended = true;
-        let number = 3000.0 + value.unwrap_or(0.0);
-        let text = format!("the program stops itself with alarm {number}: {}", comment(&it.block));
-        refuse("I0316", it.block.span, text)
-    }
-
-    fn set_work_offset<S: Sink>(
-        &self,
-        it: &mut Interpreter<'_>,
-        number: usize,
-        value: Option<f64>,
-        sink: &mut S,
-    ) -> Outcome {
-        let (system, axis) = ((number - 5201) / 20, (number - 5201) % 20);
-        let Some(axis) = self.axis(axis + 1) else {
-            return refuse(
-                "I1012",
-                it.block.span,
-                format!("#{number} belongs to no axis of this machine"),
-            );
-        };
-        let mm = value.unwrap_or(0.0) * it.executor.state.units.in_mm();
-        it.executor.store.numbered.set(5201 + 20 * system + axis, self.radius(axis, mm));
-        if usize::from(it.executor.state.system) == system {
-            it.executor.select_system(system as u8);
-            let origin = it.executor.state.frame.origin;
-            it.executor.say(sink, &Call::WorkOffset(system as u8, origin));
+    /// A common variable; those that are kept go into the parameters, too.
+    fn set_common(&mut self, it: &mut Interpreter<'_>, number: usize, value: Option<f64>) {
+        self.variables.common[number - 100] = value;
+        if number >= FIRST_KEPT {
+            it.executor.store.numbered.keep(number, value);
         }
-        Ok(())
-    }
-
-    /// The axis that system variables count as this one, from 1.
-    fn axis(&self, count: usize) -> Option<usize> {
-        let axes: &[usize] = if self.is_lathe() { &LATHE_AXES } else { &MILL_AXES };
-        axes.get(count.checked_sub(1)?).copied()
-    }
-
-    /// X of a lathe is a diameter.
-    fn radius(&self, axis: usize, value: f64) -> f64 {
-        if axis == 0 && self.is_lathe() { value / 2.0 } else { value }
-    }
-
-    fn shown(&self, axis: usize, value: f64) -> f64 {
-        if axis == 0 && self.is_lathe() { value * 2.0 } else { value }
     }
 }
 
@@ -180,10 +148,14 @@ impl Values<'_> {
             Expr::Function { function, argument } => {
                 let x = number(argument)?;
                 match function {
+                    Function::Round => Ok(Some(rounded(x, self.per_unit))),
                     Function::Fix => Ok(Some(x.trunc())),
                     Function::Fup => Ok(Some(x.abs().ceil().copysign(x))),
                     _ => eval::apply(function, x, span).map(Some),
                 }
+            }
+            Expr::Pow { base, exponent } => {
+                eval::binary(Operator::Power, number(base)?, number(exponent)?, span).map(Some)
             }
             Expr::Atan { y, x } => {
                 Ok(Some(number(y)?.atan2(number(x)?).to_degrees().rem_euclid(360.0)))
@@ -192,70 +164,11 @@ impl Values<'_> {
     }
 
     fn variable(&self, number: usize, span: Span) -> Outcome<Option<f64>> {
-        let state = &self.executor.state;
-        let machine = || state.frame.to_machine(&state.at);
         Ok(match number {
             0 => None,
             1..=33 => self.fanuc.variables.local[number - 1],
             100..=199 | 500..=999 => self.fanuc.variables.common[number - 100],
-            2001..=2200 => {
-                let tool = self.executor.tools.get(number as u32 - 2000);
-                Some(tool.map_or(0.0, |t| t.length.value()) / state.units.in_mm())
-            }
-            4001..=4120 => self.modal(number, span)?,
-            5001..=5009 => Some(self.coordinate(number - 5000, &state.at, span)?),
-            5021..=5029 => Some(self.coordinate(number - 5020, &machine(), span)?),
-            5041..=5049 => Some(self.coordinate(number - 5040, &state.at, span)?),
-            5081..=5089 => Some(self.coordinate(number - 5080, &state.frame.tool, span)?),
-            5221..=5328 => {
-                let mut point =
-                    self.executor.store.numbered.point(5201 + (number - 5201) / 20 * 20);
-                crate::frame::scale(&mut point, 1.0 / state.units.in_mm());
-                Some(self.coordinate((number - 5201) % 20 + 1, &point, span)?)
-            }
-            _ => {
-                let text = format!("#{number} is not known to Leadscrew");
-                return refuse("I1013", span, text);
-            }
-        })
-    }
-
-    fn coordinate(&self, count: usize, point: &crate::Point, span: Span) -> Outcome<f64> {
-        match self.fanuc.axis(count) {
-            Some(axis) => Ok(self.fanuc.shown(axis, point[axis])),
-            None => refuse("I1013", span, format!("this machine has no axis {count}")),
-        }
-    }
-
-    fn modal(&self, number: usize, span: Span) -> Outcome<Option<f64>> {
-        let state = &self.executor.state;
-        let pick = |first, second, is_first| Some(if is_first { first } else { second });
-        Ok(match number {
-            4001 => Some(if state.motion.code() >= 730 {
-                0.0
-            } else {
-                f64::from(state.motion.code()) / 10.0
-            }),
-            4002 => Some(match state.plane {
-                canon::Plane::XY => 17.0,
-                canon::Plane::ZX => 18.0,
-                canon::Plane::YZ => 19.0,
-            }),
-            4003 => pick(91.0, 90.0, state.incremental),
-            4005 => pick(95.0, 94.0, state.feed_mode == FeedMode::PerRevolution),
-            4006 => pick(20.0, 21.0, state.units == crate::Units::Inch),
-            4009 => Some(if state.motion.code() >= 730 {
-                f64::from(state.motion.code()) / 10.0
-            } else {
-                80.0
-            }),
-            4010 => pick(98.0, 99.0, state.retract_to_initial),
-            4014 => Some(53.0 + f64::from(state.system)),
-            4109 => Some(state.feed),
-            4115 => self.fanuc.program.map(f64::from),
-            4119 => Some(state.spindle.speed),
-            4120 => Some(f64::from(state.selected_tool)),
-            _ => return refuse("I1013", span, format!("#{number} is not known to Leadscrew")),
+            _ => return self.system(number, span),
         })
     }
 }
@@ -268,7 +181,7 @@ fn variable(value: Option<f64>, span: Span) -> Outcome<usize> {
     }
 }
 
-fn comment(block: &Block) -> String {
+pub(super) fn comment(block: &Block) -> String {
     block.comments.last().map_or_else(String::new, |c| block.text(c.text).trim().to_owned())
 }
 

@@ -1,18 +1,19 @@
 //! A block's words in the shared language: units, seconds, repetitions, increments, codes.
 use super::{
-    Fanuc, Then,
+    Callee, Fanuc, Then,
     codes::{Meaning, is_shared_m, meaning},
+    sense::Sense,
+    values::rounded,
 };
 use crate::{
     execute::Executor,
     fault::{Outcome, error, refuse},
     interpreter::Interpreter,
     spelling::written,
-    state::{FeedMode, Motion},
     words::{near_whole, tenths},
 };
 use diag::{Diagnostic, Span};
-use gcode::Value;
+use gcode::{Block, Value};
 
 /// A word with its value.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,43 +25,29 @@ pub(super) struct Said {
     pub(super) span: Span,
 }
 
-/// What the block's codes make of its other words.
-#[allow(clippy::struct_excessive_bools)] // each is a fact of its own about the block
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Sense {
-    dwell: bool,
-    cycle: bool,
-    thread: bool,
-    set_offset: bool,
-    /// A tapping cycle: its I and J are no lengths.
-    tap: bool,
-    /// G92, G50.
-    position: bool,
-    /// G54.1.
-    more_offsets: bool,
-    /// M98, M99.
-    call: bool,
-    back: bool,
-    surface_speed: bool,
-    per_revolution: bool,
-    motion: bool,
-    pub(super) spindle: bool,
-}
-
 impl Fanuc {
     /// Evaluate the block's words; those without a value vanish.
     pub(super) fn read(&mut self, it: &Interpreter<'_>) -> Outcome {
+        self.read_words(&it.block, it.sources[it.file], &it.executor)
+    }
+
+    pub(super) fn read_words(&mut self, block: &Block, source: &[u8], ex: &Executor) -> Outcome {
         let mut said = core::mem::take(&mut self.said);
         said.clear();
-        for word in &it.block.words {
+        self.inch = counts_inches(block, ex);
+        for word in &block.words {
             let value = match word.value {
                 Value::Number(number) => Some(number),
                 value @ Value::Expression(_) => {
-                    self.values(&it.executor).value(&it.block, value, word.span)?
+                    let per_unit = self.per_unit(word.letter, self.inch);
+                    let values = self.values_in(ex, per_unit);
+                    let value = values.value(block, value, word.span)?;
+                    value.map(|value| if per_unit > 1.0 { rounded(value, per_unit) } else { value })
                 }
             };
             let Some(value) = value else { continue };
-            let text = it.sources[0].get(word.span.start as usize..word.span.end as usize);
+            self.kept.word(word.letter, value);
+            let text = source.get(word.span.start as usize..word.span.end as usize);
             let counts =
                 matches!(word.value, Value::Number(_)) && !text.is_some_and(|t| t.contains(&b'.'));
             said.push(Said { letter: word.letter, value, counts, span: word.span });
@@ -69,29 +56,33 @@ impl Fanuc {
         Ok(())
     }
 
+    /// How many least input increments make one unit of what a letter counts; 1 for what counts itself.
+    pub(super) fn per_unit(&self, letter: u8, inch: bool) -> f64 {
+        let per_unit = self.increments.per_unit();
+        match letter {
+            b'A' | b'B' | b'C' => per_unit,
+            b'X'..=b'Z' | b'U'..=b'W' | b'I'..=b'K' | b'Q' | b'R' | b'c' | b'r' => {
+                per_unit * if inch { 10.0 } else { 1.0 }
+            }
+            _ => 1.0,
+        }
+    }
+
     /// A value in the program's unit of length (or degrees): increments counted.
     pub(super) fn scaled(&self, executor: &Executor, said: &Said) -> f64 {
         if !said.counts || self.calculator {
             return said.value;
         }
-        let inch = executor.state.units == crate::Units::Inch;
-        match said.letter {
-            b'A' | b'B' | b'C' => said.value / 1000.0,
-            letter if self.mapping.is_angle(executor, letter) => said.value / 1000.0,
-            b'X' | b'Y' | b'Z' | b'U' | b'V' | b'W' | b'I' | b'J' | b'K' | b'Q' | b'R' => {
-                said.value / if inch { 10_000.0 } else { 1000.0 }
-            }
-            _ => said.value,
-        }
+        let angle = self.mapping.is_angle(executor, said.letter);
+        said.value / self.per_unit(said.letter, self.inch && !angle)
     }
 
-    fn feed(&self, executor: &Executor, said: &Said, sense: &Sense) -> f64 {
+    fn feed(&self, said: &Said, sense: &Sense) -> f64 {
         if !said.counts || self.calculator {
             return said.value;
         }
-        let inch = executor.state.units == crate::Units::Inch;
         said.value
-            / match (sense.per_revolution || sense.thread, inch, self.is_lathe()) {
+            / match (sense.per_revolution || sense.thread, self.inch, self.is_lathe()) {
                 (false, false, _) => 1.0,
                 (false, true, _) | (true, false, false) => 100.0,
                 (true, true, false) | (true, false, true) => 10_000.0,
@@ -100,8 +91,8 @@ impl Fanuc {
     }
 
     /// F of a thread: length per revolution.
-    pub(super) fn thread_lead(&self, executor: &Executor, said: &Said) -> f64 {
-        self.feed(executor, said, &Sense { thread: true, ..Sense::default() })
+    pub(super) fn thread_lead(&self, said: &Said) -> f64 {
+        self.feed(said, &Sense { thread: true, ..Sense::default() })
     }
 
     /// Put the block's words as the shared language has them.
@@ -117,10 +108,21 @@ impl Fanuc {
         self.warn_of_points(ex, said);
         let mut p = None;
         let mut l = None;
+        let mut start = None;
         for word in said {
             let value = self.scaled(ex, word);
             match word.letter {
                 b'G' | b'M' => {}
+                b'P' | b'Q' | b'R' | b'X' | b'Y' | b'Z' if sense.smoothing => {}
+                b'P' if sense.reference => reference_point(word)?,
+                b'Q' if sense.call => start = Some(*word),
+                b'Q' if sense.set_offset => ex.words.put(b'Q', word.value, word.span)?,
+                b'c' | b'r' => self.corner_word(word, value)?,
+                b'C' | b'R' | b'I' | b'K' if self.is_corner(word, &sense) => {
+                    let length = Said { letter: b'r', ..*word };
+                    let value = self.scaled(ex, &length);
+                    self.corner_word(word, value)?;
+                }
                 b'P' if sense.call || sense.back || sense.more_offsets || sense.set_offset => {
                     p = Some(*word);
                 }
@@ -132,11 +134,12 @@ impl Fanuc {
                         );
                         return refuse("I1020", word.span, text);
                     }
-                    ex.words.put(b'P', word.value / 1000.0, word.span)?;
+                    let seconds = word.value / self.increments.per_unit();
+                    ex.words.put(b'P', seconds, word.span)?;
                 }
                 b'X' | b'U' if sense.dwell => {
                     let seconds = if word.counts && !self.calculator {
-                        word.value / 1000.0
+                        word.value / self.increments.per_unit()
                     } else {
                         word.value
                     };
@@ -148,11 +151,11 @@ impl Fanuc {
                     self.thread_angle = self.start_angle(&[*word]);
                 }
                 b'F' | b'E' if sense.thread => {
-                    let lead = self.feed(ex, word, &sense);
+                    let lead = self.feed(word, &sense);
                     self.lead = Some(lead);
                 }
                 b'F' => {
-                    let feed = self.feed(ex, word, &sense);
+                    let feed = self.feed(word, &sense);
                     ex.words.put(b'F', feed, word.span)?;
                 }
                 b'S' if sense.position => {
@@ -160,8 +163,15 @@ impl Fanuc {
                     sense.surface_speed |= ex.state.spindle.constant_surface_speed;
                 }
                 b'T' if self.is_lathe() => self.turret(ex, word, sense)?,
-                b'U' | b'W' if self.is_lathe() => {
-                    let (letter, axis) = if word.letter == b'U' { (b'X', 0) } else { (b'Z', 2) };
+                b'U' | b'V' | b'W' | b'H' if self.is_lathe() && !sense.set_offset => {
+                    let (letter, axis) = match word.letter {
+                        b'U' => (b'X', 0),
+                        b'V' => (b'Y', 1),
+                        b'W' => (b'Z', 2),
+                        _ => (b'C', 5),
+                    };
+                    let turn = Said { letter: b'C', ..*word };
+                    let value = if axis == 5 { self.scaled(ex, &turn) } else { value };
                     let from = if ex.state.incremental { 0.0 } else { ex.state.at[axis] };
                     let from = if axis == 0 && ex.state.diameter { 2.0 * from } else { from };
                     ex.words.put(letter, from + value, word.span)?;
@@ -175,54 +185,7 @@ impl Fanuc {
             self.map(ex, sense.cycle)?;
         }
         self.complete(ex, &sense)?;
-        self.numbers(ex, &sense, p, l)
-    }
-
-    /// What the codes of the block say about the other words.
-    fn sense(&mut self, ex: &Executor, said: &[Said]) -> Sense {
-        let mut sense = Sense {
-            cycle: matches!(ex.state.motion, Motion::Cycle(_)),
-            tap: matches!(ex.state.motion, Motion::Cycle(cycle) if cycle.tap_sense().is_some()),
-            thread: ex.state.motion == Motion::Thread,
-            per_revolution: ex.state.feed_mode == FeedMode::PerRevolution,
-            ..Sense::default()
-        };
-        for word in said {
-            match (word.letter, tenths(word.value)) {
-                (b'G', Some(code)) => match meaning(self.kind, code) {
-                    Meaning::Shared(40) => sense.dwell = true,
-                    Meaning::Shared(100) => sense.set_offset = true,
-                    Meaning::Shared(920) => sense.position = said.iter().any(|s| s.letter == b'S'),
-                    Meaning::Shared(541) => sense.more_offsets = true,
-                    Meaning::Shared(960) => sense.surface_speed = true,
-                    Meaning::Shared(code @ (940 | 950)) => sense.per_revolution = code == 950,
-                    Meaning::Shared(code @ (0..=30 | 730..=890 | crate::codes::OWN..)) => {
-                        sense.motion = true;
-                        sense.cycle = code >= 730 && code != 800;
-                        sense.tap = matches!(code, 740 | 840 | 842 | 843);
-                        sense.thread = false;
-                        self.lathe_cycle = None;
-                    }
-                    Meaning::Thread => {
-                        (sense.motion, sense.cycle, sense.thread) = (true, false, true);
-                        self.lathe_cycle = None;
-                    }
-                    Meaning::Box(code) => {
-                        (sense.motion, sense.cycle) = (true, false);
-                        self.lathe_cycle = Some(code);
-                        self.corner = None;
-                        sense.thread = code == 780;
-                    }
-                    _ => {}
-                },
-                (b'M', Some(980)) => sense.call = true,
-                (b'M', Some(990)) => sense.back = true,
-                (b'M', Some(30 | 40 | 50 | 190)) => sense.spindle = true,
-                _ => {}
-            }
-        }
-        sense.thread |= self.lathe_cycle == Some(780);
-        sense
+        self.numbers(ex, &sense, p, l, start)
     }
 
     fn codes(&mut self, ex: &mut Executor, said: &[Said], sense: &Sense) -> Outcome {
@@ -232,8 +195,14 @@ impl Fanuc {
             match word.letter {
                 b'G' => match tenths(word.value).map(|code| (code, meaning(self.kind, code))) {
                     Some((_, Meaning::Shared(920))) if sense.position => {}
-                    Some((_, Meaning::Shared(541))) => {}
-                    Some((_, Meaning::Shared(100))) if self.is_tool_offset(said) => {}
+                    Some((_, Meaning::Shared(541 | 100) | Meaning::Smoothing)) => {}
+                    Some((_, Meaning::Shared(540))) if sense.more_offsets => {}
+                    Some((_, Meaning::ExactBlock)) => self.once.exact = true,
+                    Some((_, Meaning::Back)) => self.once.back = true,
+                    Some((_, Meaning::Skip)) => {
+                        self.once.skip = true;
+                        ex.words.take_g(1.0, span)?;
+                    }
                     Some((_, Meaning::Shared(code))) => match crate::codes::g_code(code) {
                         Some(code) => ex.words.take_code(code, span)?,
                         None => ex.words.take_g(f64::from(code) / 10.0, span)?,
@@ -244,12 +213,22 @@ impl Fanuc {
                     Some((code, Meaning::NotYet(name))) => {
                         let text =
                             format!("G{} ({name}) is not executed by Leadscrew yet", written(code));
-                        return refuse("I0103", span, text);
+                        let fault = error("I0103", span, text);
+                        return Err(match super::codes::instead(code) {
+                            "" => fault,
+                            instead => fault.with_help(instead),
+                        }
+                        .into());
                     }
                     _ => return refuse("I0102", span, format!("G{} is no known code", word.value)),
                 },
                 b'M' => match near_whole(word.value) {
                     Some(98 | 99) => {}
+                    Some(198) => {
+                        let text = "M198 (a program on a memory card) is not executed by Leadscrew yet";
+                        let help = "put the program on this tape or beside it as a file O1234.nc, and call it with M98 P1234";
+                        return Err(error("I0103", span, text).with_help(help).into());
+                    }
                     Some(number @ 0..=60) if is_shared_m(number as u16) => {
                         ex.words.take_m(word.value, span)?;
                     }
@@ -275,49 +254,14 @@ impl Fanuc {
         Ok(())
     }
 
-    /// Words that the shared codes need and Fanuc leaves out.
-    fn complete(&mut self, ex: &mut Executor, sense: &Sense) -> Outcome {
-        let span = ex.words.place.span;
-        if sense.cycle
-            && ex.words.get(b'P').is_none()
-            && ex.state.sticky.is_none_or(|s| s.dwell.is_none())
-        {
-            let waits =
-                matches!(ex.words.g(crate::codes::GGroup::Motion), Some(820 | 860 | 880 | 890));
-            if waits {
-                ex.words.put(b'P', 0.0, span)?;
-            }
-        }
-        if sense.thread
-            && self.lathe_cycle.is_none()
-            && let Some(lead) = self.lead.filter(|_| ex.words.any(crate::codes::AXES))
-        {
-            ex.words.put(b'K', lead, span)?;
-        }
-        if ex.words.m(crate::codes::MGroup::Spindle) == Some(19) && ex.words.get(b'R').is_none() {
-            ex.words.put(b'R', 0.0, span)?;
-        }
-        if sense.surface_speed {
-            if ex.words.get(b'S').is_none() {
-                ex.words.put(b'S', ex.state.spindle.speed, span)?;
-            }
-            if ex.words.g(crate::codes::GGroup::SpindleMode).is_none() {
-                ex.words.take_g(96.0, span)?;
-            }
-            if let Some(top) = self.top_speed {
-                ex.words.put(b'D', top, span)?;
-            }
-        }
-        Ok(())
-    }
-
     /// P and L where they are numbers of something.
     fn numbers(
-        &self,
+        &mut self,
         ex: &mut Executor,
         sense: &Sense,
         p: Option<Said>,
         l: Option<Said>,
+        start: Option<Said>,
     ) -> Outcome<Then> {
         let span = ex.words.place.span;
         let whole = |word: Option<Said>| match word {
@@ -334,21 +278,21 @@ impl Fanuc {
                 ),
             },
         };
-        let (number, times) = (whole(p)?, whole(l)?);
+        let (number, times, start) = (whole(p)?, whole(l)?, whole(start)?);
         if sense.set_offset {
             return self.set_offset(ex, number, times).map(|()| Then::Next);
         }
         if sense.more_offsets {
             return match number {
-                Some(n @ 1..=3) => {
-                    ex.words.take_g(59.0 + f64::from(n) / 10.0, span)?;
+                Some(_) if self.mapping.changes() => {
+                    let text = "G54.1 cannot be used while G51, G51.1 or G68 is in force";
+                    refuse("I1045", span, text)
+                }
+                Some(n @ 1..=48) => {
+                    self.once.system = Some(9 + n as u8);
                     Ok(Then::Next)
                 }
-                _ => refuse(
-                    "I1021",
-                    span,
-                    "G54.1 takes P1 to P3 here: the offsets that the parameter file calls G59.1 to G59.3",
-                ),
+                _ => refuse("I1021", span, "G54.1 takes P1 to P48"),
             };
         }
         if sense.back {
@@ -357,14 +301,16 @@ impl Fanuc {
         if !sense.call {
             return Ok(Then::Next);
         }
-        match (number, times) {
+        let call = |program, times| Ok(Then::Call(Callee { program, times, start }));
+        match (self.called.or(number), times) {
+            (None, times) if start.is_some() => call(None, times.unwrap_or(1)),
             (None, _) => refuse("I0302", span, "M98 needs P, the number of the program"),
-            (Some(number), Some(times)) => Ok(Then::Call { number, times }),
+            (Some(number), Some(times)) => call(Some(number), times),
             // P51002: five times O1002
-            (Some(both), None) if both > 9999 => {
-                Ok(Then::Call { number: both % 10_000, times: both / 10_000 })
+            (Some(both), None) if self.called.is_none() && both > 9999 => {
+                call(Some(both % 10_000), both / 10_000)
             }
-            (Some(number), None) => Ok(Then::Call { number, times: 1 }),
+            (Some(number), None) => call(Some(number), 1),
         }
     }
 
@@ -379,9 +325,9 @@ impl Fanuc {
         }
         self.warned_of_point = true;
         let (letter, number) = (word.letter as char, word.value);
-        let unit = match (word.letter, ex.state.units) {
+        let unit = match (word.letter, self.inch) {
             (b'A'..=b'C', _) => "degrees",
-            (_, crate::Units::Inch) => "inch",
+            (_, true) => "inch",
             _ => "mm",
         };
         let text = format!("{letter}{number} without a point is {} {unit}", self.scaled(ex, word));
@@ -390,6 +336,25 @@ impl Fanuc {
         );
         ex.remarks.push(Diagnostic::warning("I1023", word.span, text).with_help(help));
     }
+}
+
+/// Whether the block counts inches: its own G20 and G21 hold for it.
+fn counts_inches(block: &Block, ex: &Executor) -> bool {
+    let own = block.words.iter().find_map(|word| match (word.letter, word.value) {
+        (b'G', Value::Number(20.0)) => Some(true),
+        (b'G', Value::Number(21.0)) => Some(false),
+        _ => None,
+    });
+    own.unwrap_or(ex.state.units == crate::Units::Inch)
+}
+
+/// P of G30: there is a second reference point.
+fn reference_point(word: &Said) -> Outcome {
+    if word.value == 2.0 {
+        return Ok(());
+    }
+    let text = format!("G30 P{} is not known: the machine has G28's reference point and G30 P2's", word.value);
+    refuse("I1052", word.span, text)
 }
 
 /// The one sentence for a lead that is missing.

@@ -1,0 +1,204 @@
+//! Corners that are written into a block: `,C` cuts one off, `,R` rounds one.
+//!
+//! ```text
+//!   G1 X40. ,R5.      from ──────●         ● t from the corner: R / tan(φ/2), φ between the two ways;
+//!   Y30.                          ╲ R        of a chamfer, C along both
+//!                                  ●
+//!                                  │ next
+//! ```
+//!
+//! The corner lies between two straight feeds of the plane. A lathe's G1 needs no comma before R, and none before C if
+//! the machine has no C axis; I and K of its G1 are chamfers too.
+//!
+//! Source: Fanuc, operator's manual of series 30i, "Optional chamfering and corner R", "Chamfering and corner R".
+use super::{Fanuc, sense::Sense, words::Said};
+use crate::{
+    call::Sink,
+    execute::{After, Executor},
+    fault::{Outcome, error, refuse},
+    frame::Point,
+    interpreter::Interpreter,
+    offset_curve::{Flat, length, minus},
+    state::Motion,
+};
+use diag::Span;
+use gcode::{Block, Grammar, Parser};
+
+/// A corner to come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Corner {
+    round: bool,
+    size: f64,
+    span: Span,
+}
+
+impl Fanuc {
+    /// Whether this word of a G1 is a corner, though no comma is before it.
+    pub(super) fn is_corner(&self, word: &Said, sense: &Sense) -> bool {
+        let letter = match word.letter {
+            b'C' => self.c_is_a_chamfer,
+            b'R' | b'I' | b'K' => true,
+            _ => false,
+        };
+        letter && self.is_lathe() && sense.feed && self.lathe_cycle.is_none()
+    }
+
+    pub(super) fn corner_word(&mut self, word: &Said, value: f64) -> Outcome {
+        let round = word.letter.eq_ignore_ascii_case(&b'R');
+        if self.once.corner.is_some() {
+            return refuse("I1054", word.span, "a corner is cut off or rounded, not both");
+        }
+        if value == 0.0 {
+            return Ok(());
+        }
+        if value < 0.0 && word.letter.is_ascii_lowercase() {
+            let text = format!("a corner's size is above 0, found {value}");
+            return refuse("I1054", word.span, text);
+        }
+        self.once.corner = Some(Corner { round, size: value.abs(), span: word.span });
+        Ok(())
+    }
+
+    /// A block with a corner at its end.
+    pub(super) fn cornered<S: Sink>(
+        &mut self,
+        it: &mut Interpreter<'_>,
+        corner: Corner,
+        sink: &mut S,
+    ) -> Outcome<After> {
+        let ex = &it.executor;
+        let motion = ex.words.g(crate::codes::GGroup::Motion).map_or(ex.state.motion, Motion::from_code);
+        if motion != Motion::Feed {
+            let text = "a corner follows a straight feed: G1";
+            return refuse("I1054", corner.span, text);
+        }
+        let (from, to) = (ex.state.at, ex.destination(false)?);
+        let next = self.ahead(it, &to, corner.span)?;
+        let [a, b, _] = it.executor.state.plane_axes();
+        let flat = |point: &Point| [point[a], point[b]];
+        let taken = core::mem::take(&mut self.taken);
+        let Some(cut) = corner.cut(flat(&from), flat(&to), flat(&next), taken)? else {
+            return self.move_or_record(it, sink);
+        };
+        put(&mut it.executor, [a, b], cut.first)?;
+        let after = self.move_or_record(it, sink)?;
+        it.executor.words.begin(&it.block);
+        let code = match (corner.round, cut.left) {
+            (false, _) => 1.0,
+            (true, true) => 3.0,
+            (true, false) => 2.0,
+        };
+        it.executor.words.take_g(code, corner.span)?;
+        put(&mut it.executor, [a, b], cut.last)?;
+        if corner.round {
+            it.executor.words.put(b'R', corner.size, corner.span)?;
+        }
+        self.move_or_record(it, sink)?;
+        // what follows counts from the corner; the way from here leads along the same line
+        it.executor.state.at = to;
+        it.executor.state.motion = Motion::Feed;
+        self.taken = cut.taken;
+        Ok(after)
+    }
+
+    fn move_or_record<S: Sink>(&mut self, it: &mut Interpreter<'_>, sink: &mut S) -> Outcome<After> {
+        if it.executor.recording.is_some() {
+            return it.executor.record().map(|()| After::Next);
+        }
+        self.move_block(&mut it.executor, true, sink)
+    }
+
+    /// Where the straight feed that follows leads.
+    fn ahead(&mut self, it: &Interpreter<'_>, corner: &Point, span: Span) -> Outcome<Point> {
+        let source = it.sources[it.file];
+        let mut parser = Parser::with_grammar(source, it.file as u16, Grammar::Fanuc);
+        let (byte, line) = it.parsers[it.file].position();
+        parser.seek(byte, line);
+        let mut block = Block::new();
+        while parser.next(&mut block) {
+            let skipped = block.delete.is_some_and(|level| self.skip_levels >> level & 1 == 1);
+            if skipped || block.is_blank() {
+                continue;
+            }
+            if block.faulty || block.words.is_empty() || !block.assignments.is_empty() {
+                break;
+            }
+            let mut ahead = self.without_tape();
+            let mut ex = it.executor.clone();
+            ex.state.at = *corner;
+            ex.state.motion = Motion::Feed;
+            let distance = it.executor.words.g(crate::codes::GGroup::Distance);
+            ex.state.incremental = distance.map_or(ex.state.incremental, |code| code == 910);
+            ahead.read_words(&block, source, &ex)?;
+            ex.words.begin(&block);
+            ahead.once = super::Once::default();
+            ahead.translate(&mut ex)?;
+            let code = ex.words.g(crate::codes::GGroup::Motion);
+            let motion = code.map_or(ex.state.motion, Motion::from_code);
+            if motion != Motion::Feed || !ex.words.any(crate::codes::AXES) {
+                break;
+            }
+            return ex.destination(false);
+        }
+        let fault = error("I1054", span, "a corner lies between two straight feeds: the next block is no G1 with X, Y or Z");
+        Err(fault.with_help("write the corner's own G1, G2 or G3 between other moves").into())
+    }
+}
+
+/// Where a corner begins and ends.
+struct Cut {
+    first: Flat,
+    last: Flat,
+    /// It turns to the left.
+    left: bool,
+    /// How much of the next way it takes.
+    taken: f64,
+}
+
+impl Corner {
+    /// Nothing where the ways lie in one line.
+    fn cut(&self, from: Flat, to: Flat, next: Flat, before: f64) -> Outcome<Option<Cut>> {
+        let (back, on) = (minus(from, to), minus(next, to));
+        let (long, far) = (length(back) - before, length(on));
+        let cross = back[1] * on[0] - back[0] * on[1];
+        let dot = back[0] * on[0] + back[1] * on[1];
+        if cross.abs() <= 1e-12 * (length(back) * far).max(1e-12) {
+            if dot > 0.0 || far == 0.0 || length(back) == 0.0 {
+                let text = "there is no corner here: one of its two ways goes back along the other, or nowhere";
+                return refuse("I1054", self.span, text);
+            }
+            return Ok(None);
+        }
+        // tan(φ/2) of the angle between the ways
+        let half = (cross.abs()).atan2(dot) / 2.0;
+        let takes = if self.round { self.size / half.tan() } else { self.size };
+        let room = long.min(far);
+        if takes > room * (1.0 + 1e-9) {
+            let most = if self.round { room * half.tan() } else { room };
+            let letter = if self.round { 'R' } else { 'C' };
+            let text = format!(
+                "{letter}{} does not fit into this corner: its ways leave room for {letter}{most:.3}",
+                self.size
+            );
+            return refuse("I1054", self.span, text);
+        }
+        let along = |way: Flat| {
+            let part = takes / length(way);
+            [to[0] + part * way[0], to[1] + part * way[1]]
+        };
+        Ok(Some(Cut { first: along(back), last: along(on), left: cross > 0.0, taken: takes }))
+    }
+}
+
+/// Two axis words for a place.
+fn put(ex: &mut Executor, axes: [usize; 2], place: Flat) -> Outcome {
+    for (axis, value) in axes.into_iter().zip(place) {
+        let letter = b"XYZ"[axis];
+        let value = if ex.state.incremental { value - ex.state.at[axis] } else { value };
+        let value = if axis == 0 && ex.state.diameter { 2.0 * value } else { value };
+        let span = ex.words.span(letter);
+        ex.words.take(letter);
+        ex.words.put(letter, value, span)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,139 @@
+//! What the codes of a block make of its other words: P of a dwell is a time, P of a call a program.
+use super::{
+    Fanuc,
+    codes::{Meaning, meaning},
+    words::Said,
+};
+use crate::{
+    execute::Executor,
+    fault::Outcome,
+    state::{FeedMode, Motion},
+    words::tenths,
+};
+
+/// What the block's codes make of its other words.
+#[allow(clippy::struct_excessive_bools)] // each is a fact of its own about the block
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sense {
+    pub(super) dwell: bool,
+    pub(super) cycle: bool,
+    pub(super) thread: bool,
+    pub(super) set_offset: bool,
+    /// A tapping cycle: its I and J are no lengths.
+    pub(super) tap: bool,
+    /// G92, G50.
+    pub(super) position: bool,
+    /// G54.1; G54 with P.
+    pub(super) more_offsets: bool,
+    /// G5, G5.1, G8: P, Q, R say how motion is smoothed.
+    pub(super) smoothing: bool,
+    /// A straight feed, and nothing that takes its words away.
+    pub(super) feed: bool,
+    /// G30.
+    pub(super) reference: bool,
+    /// M98, M99.
+    pub(super) call: bool,
+    pub(super) back: bool,
+    pub(super) surface_speed: bool,
+    pub(super) per_revolution: bool,
+    pub(super) motion: bool,
+    pub(super) spindle: bool,
+}
+
+impl Fanuc {
+    /// What the codes of the block say about the other words.
+    pub(super) fn sense(&mut self, ex: &Executor, said: &[Said]) -> Sense {
+        let mut sense = Sense {
+            cycle: matches!(ex.state.motion, Motion::Cycle(_)),
+            tap: matches!(ex.state.motion, Motion::Cycle(cycle) if cycle.tap_sense().is_some()),
+            thread: ex.state.motion == Motion::Thread,
+            feed: ex.state.motion == Motion::Feed,
+            per_revolution: ex.state.feed_mode == FeedMode::PerRevolution,
+            ..Sense::default()
+        };
+        let mut plain_offset = false;
+        for word in said {
+            match (word.letter, tenths(word.value)) {
+                (b'G', Some(code)) => match meaning(self.kind, code) {
+                    Meaning::Shared(40) => sense.dwell = true,
+                    Meaning::Shared(100) => sense.set_offset = true,
+                    Meaning::Shared(920) => sense.position = said.iter().any(|s| s.letter == b'S'),
+                    Meaning::Shared(541) => sense.more_offsets = true,
+                    Meaning::Shared(540) => {
+                        plain_offset = said.iter().any(|s| s.letter == b'P');
+                    }
+                    Meaning::Shared(300) => sense.reference = true,
+                    Meaning::Smoothing => sense.smoothing = true,
+                    Meaning::Skip => (sense.motion, sense.cycle) = (true, false),
+                    Meaning::Shared(960) => sense.surface_speed = true,
+                    Meaning::Shared(code @ (940 | 950)) => sense.per_revolution = code == 950,
+                    Meaning::Shared(code @ (0..=30 | 730..=890 | crate::codes::OWN..)) => {
+                        sense.motion = true;
+                        sense.feed = code == 10;
+                        sense.cycle = code >= 730 && code != 800;
+                        sense.tap = matches!(code, 740 | 840 | 842 | 843);
+                        sense.thread = false;
+                        self.lathe_cycle = None;
+                    }
+                    Meaning::Thread => {
+                        (sense.motion, sense.cycle, sense.thread) = (true, false, true);
+                        self.lathe_cycle = None;
+                    }
+                    Meaning::Box(code) => {
+                        (sense.motion, sense.cycle) = (true, false);
+                        self.lathe_cycle = Some(code);
+                        self.corner = None;
+                        sense.thread = code == 780;
+                    }
+                    _ => {}
+                },
+                (b'M', Some(980)) => sense.call = true,
+                (b'M', Some(990)) => sense.back = true,
+                (b'M', Some(30 | 40 | 50 | 190)) => sense.spindle = true,
+                _ => {}
+            }
+        }
+        sense.thread |= self.lathe_cycle == Some(780);
+        let other = sense.dwell || sense.set_offset || sense.position || sense.reference;
+        sense.feed &= !(other || sense.thread || sense.call);
+        // P of G54 belongs to what else the block orders
+        sense.more_offsets |= plain_offset && !(sense.call || sense.dwell || sense.cycle);
+        sense
+    }
+
+    /// Words that the shared codes need and Fanuc leaves out.
+    pub(super) fn complete(&mut self, ex: &mut Executor, sense: &Sense) -> Outcome {
+        let span = ex.words.place.span;
+        if sense.cycle
+            && ex.words.get(b'P').is_none()
+            && ex.state.sticky.is_none_or(|s| s.dwell.is_none())
+        {
+            let waits =
+                matches!(ex.words.g(crate::codes::GGroup::Motion), Some(820 | 860 | 880 | 890));
+            if waits {
+                ex.words.put(b'P', 0.0, span)?;
+            }
+        }
+        if sense.thread
+            && self.lathe_cycle.is_none()
+            && let Some(lead) = self.lead.filter(|_| ex.words.any(crate::codes::AXES))
+        {
+            ex.words.put(b'K', lead, span)?;
+        }
+        if ex.words.m(crate::codes::MGroup::Spindle) == Some(19) && ex.words.get(b'R').is_none() {
+            ex.words.put(b'R', 0.0, span)?;
+        }
+        if sense.surface_speed {
+            if ex.words.get(b'S').is_none() {
+                ex.words.put(b'S', ex.state.spindle.speed, span)?;
+            }
+            if ex.words.g(crate::codes::GGroup::SpindleMode).is_none() {
+                ex.words.take_g(96.0, span)?;
+            }
+            if let Some(top) = self.top_speed {
+                ex.words.put(b'D', top, span)?;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,305 @@
+//! System variables: what a custom macro reads of the control, and what it may set there.
+//!
+//! | variables | are |
+//! |---|---|
+//! | #2001 – #2999, #10001 – #19999 | tool offsets ([`tool_offsets`](super::tool_offsets)) |
+//! | #3000, #3006 | set: alarm; stop with a message |
+//! | #3001, #3002 | milliseconds, hours: each reading is a millisecond after the one before, so that waiting ends |
+//! | #3003, #3004, #3005, #3901, #3902 | kept as they are set: a simulated run has no single block, no switches, no counter |
+//! | #3011, #3012 | date and time: always 2000-01-01, 00:00:00, so that a run can be repeated |
+//! | #4001 – #4030, #4101 – #4130 (#4201 –, #4301 – alike) | modal codes, and the last D, F, H, M, N, S, T |
+//! | #5001 –, #5021 –, #5041 – | end of the block before, in the work; machine position; position in the work |
+//! | #5061 –, #5081 –, #5101 – | where G31 ended; tool offset in force; following error, which is 0 |
+//! | #5201 – #5328 | the external work offset, G54 – G59 |
+//! | #7001 – #7960, #14001 – #14960 of machining centres | G54.1 P1 – P48 |
+//!
+//! Source: Fanuc, operator's manual of series 30i, "System variables".
+use super::{
+    Fanuc,
+    tool_offsets::ToolVariable,
+    values::{Values, comment},
+};
+use crate::{
+    Parameters,
+    call::{Call, Sink},
+    fault::{Outcome, refuse},
+    interpreter::Interpreter,
+    state::{FeedMode, Motion},
+};
+use core::cell::Cell;
+use diag::Span;
+
+/// Axes by their number in system variables.
+const MILL_AXES: [usize; 6] = [0, 1, 2, 3, 4, 5];
+const LATHE_AXES: [usize; 3] = [0, 2, 5];
+/// First variable of G54.1 P1, also as newer controls count.
+const MORE: usize = 7001;
+const MORE_NEW: usize = 14_001;
+/// What the calendar says.
+const DATE: f64 = 20_000_101.0;
+const MS_PER_HOUR: f64 = 3_600_000.0;
+
+/// What system variables keep.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Kept {
+    /// #3001, #3002, in milliseconds.
+    timers: [Cell<f64>; 2],
+    /// #3003 to #3005, #3901, #3902.
+    set: [f64; 5],
+    /// #4102 …: the last B, D, E, H, M, N.
+    pub(super) words: [f64; 6],
+}
+
+/// Letters of [`Kept::words`], and the variable of each.
+const LETTERS: [(u8, usize); 6] =
+    [(b'B', 4102), (b'D', 4107), (b'E', 4108), (b'H', 4111), (b'M', 4113), (b'N', 4114)];
+
+impl Kept {
+    /// The last N.
+    pub(super) const fn n(&self) -> f64 {
+        self.words[5]
+    }
+
+    /// Remember a word that variables tell.
+    pub(super) fn word(&mut self, letter: u8, value: f64) {
+        if let Some(at) = LETTERS.iter().position(|(kept, _)| *kept == letter) {
+            self.words[at] = value;
+        }
+    }
+}
+
+/// Which of the values that are kept.
+const fn slot(number: usize) -> Option<usize> {
+    match number {
+        3003..=3005 => Some(number - 3003),
+        3901 | 3902 => Some(number - 3898),
+        _ => None,
+    }
+}
+
+/// Work offset (0 is the external one, 10 and more are G54.1) and axis from 1 of a variable.
+const fn work_offset(number: usize) -> Option<(usize, usize)> {
+    let (first, system) = match number {
+        5201..=5328 => (5201, 0),
+        MORE..=7960 => (MORE, 10),
+        MORE_NEW..=14_960 => (MORE_NEW, 10),
+        _ => return None,
+    };
+    Some((system + (number - first) / 20, (number - first) % 20 + 1))
+}
+
+impl Fanuc {
+    /// Set one.
+    pub(super) fn set_system<S: Sink>(
+        &mut self,
+        it: &mut Interpreter<'_>,
+        number: usize,
+        value: Option<f64>,
+        sink: &mut S,
+    ) -> Outcome {
+        let span = it.block.span;
+        let zero = value.unwrap_or(0.0);
+        match number {
+            3000 => return self.alarm(it, zero),
+            3001 | 3002 => {
+                let ms = if number == 3001 { zero } else { zero * MS_PER_HOUR };
+                self.kept.timers[number - 3001].set(ms);
+            }
+            3006 => {
+                let text = comment(&it.block);
+                it.executor.say(sink, &Call::Message(&text));
+                it.executor.say(sink, &Call::Stop);
+            }
+            _ => {
+                if let Some(at) = slot(number) {
+                    self.kept.set[at] = zero;
+                    return Ok(());
+                }
+                if let Some((system, axis)) =
+                    work_offset(number).filter(|_| !(self.is_lathe() && number >= MORE_NEW))
+                {
+                    return self.set_work_offset(it, system, axis, zero, sink);
+                }
+                if let Some(tool) = ToolVariable::of(number, self.is_lathe()) {
+                    self.set_tool(&mut it.executor, &tool, zero);
+                    return Ok(());
+                }
+                let text = format!(
+                    "#{number} cannot be set: programs set #1 to #33, #100 to #199, #500 to #999, offsets, timers and counters"
+                );
+                return refuse("I1012", span, text);
+            }
+        }
+        Ok(())
+    }
+
+    fn alarm(&self, it: &mut Interpreter<'_>, value: f64) -> Outcome {
+        it.ended = true;
+        let number = 3000.0 + value;
+        let text = format!("the program stops itself with alarm {number}: {}", comment(&it.block));
+        refuse("I0316", it.block.span, text)
+    }
+
+    fn set_work_offset<S: Sink>(
+        &self,
+        it: &mut Interpreter<'_>,
+        system: usize,
+        count: usize,
+        value: f64,
+        sink: &mut S,
+    ) -> Outcome {
+        let Some(axis) = self.axis(count) else {
+            return refuse("I1012", it.block.span, format!("this machine has no axis {count}"));
+        };
+        let mm = if axis < 3 { value * it.executor.state.units.in_mm() } else { value };
+        let first = Parameters::work_offset(system);
+        it.executor.store.numbered.set(first + axis, self.radius(axis, mm));
+        it.executor.offset_changed(system, sink);
+        Ok(())
+    }
+
+    /// The axis that system variables count as this one, from 1.
+    fn axis(&self, count: usize) -> Option<usize> {
+        let axes: &[usize] = if self.is_lathe() { &LATHE_AXES } else { &MILL_AXES };
+        axes.get(count.checked_sub(1)?).copied()
+    }
+
+    /// X of a lathe is a diameter.
+    pub(super) fn radius(&self, axis: usize, value: f64) -> f64 {
+        if axis == 0 && self.is_lathe() { value / 2.0 } else { value }
+    }
+
+    pub(super) fn shown(&self, axis: usize, value: f64) -> f64 {
+        if axis == 0 && self.is_lathe() { value * 2.0 } else { value }
+    }
+}
+
+impl Values<'_> {
+    /// Read one.
+    pub(super) fn system(&self, number: usize, span: Span) -> Outcome<Option<f64>> {
+        let state = &self.executor.state;
+        let kept = &self.fanuc.kept;
+        if let Some(at) = slot(number) {
+            return Ok(Some(kept.set[at]));
+        }
+        let lathe = self.fanuc.is_lathe();
+        if let Some((system, count)) = work_offset(number).filter(|_| !(lathe && number >= MORE_NEW))
+        {
+            let mut point = self.executor.store.numbered.point(Parameters::work_offset(system));
+            crate::frame::scale(&mut point, 1.0 / state.units.in_mm());
+            return self.coordinate(count, &point, span).map(Some);
+        }
+        if let Some(tool) = ToolVariable::of(number, lathe) {
+            return Ok(Some(self.fanuc.tool_value(self.executor, &tool)));
+        }
+        let coordinate = |first: usize, point: &crate::Point| {
+            self.coordinate(number - first + 1, point, span).map(Some)
+        };
+        match number {
+            3001 | 3002 => {
+                let timer = &kept.timers[number - 3001];
+                timer.set(timer.get() + 1.0);
+                Ok(Some(if number == 3001 { timer.get() } else { timer.get() / MS_PER_HOUR }))
+            }
+            3011 => Ok(Some(DATE)),
+            3012 => Ok(Some(0.0)),
+            4001..=4030 | 4201..=4230 => self.modal((number - 4001) % 200 + 4001, span),
+            4101..=4130 | 4301..=4330 => self.modal((number - 4101) % 200 + 4101, span),
+            5001..=5020 => coordinate(5001, &state.at),
+            5021..=5040 => coordinate(5021, &state.frame.to_machine(&state.at)),
+            5041..=5060 => coordinate(5041, &state.place()),
+            5061..=5080 => coordinate(5061, &self.executor.store.numbered.point(5061)),
+            5081..=5100 => coordinate(5081, &state.frame.tool),
+            5101..=5120 => coordinate(5101, &[0.0; 9]),
+            _ => {
+                let text = format!("#{number} is not known to Leadscrew");
+                refuse("I1013", span, text)
+            }
+        }
+    }
+
+    fn coordinate(&self, count: usize, point: &crate::Point, span: Span) -> Outcome<f64> {
+        match self.fanuc.axis(count) {
+            Some(axis) => Ok(self.fanuc.shown(axis, point[axis])),
+            None => refuse("I1013", span, format!("this machine has no axis {count}")),
+        }
+    }
+
+    /// A modal code, or the last word of a letter.
+    fn modal(&self, number: usize, span: Span) -> Outcome<Option<f64>> {
+        let state = &self.executor.state;
+        let pick = |first, second, is_first| Some(if is_first { first } else { second });
+        let mapping = &self.fanuc.mapping;
+        let feed = match state.feed_mode {
+            FeedMode::InverseTime => 93.0,
+            FeedMode::PerMinute => self.fanuc.feed_codes()[0],
+            FeedMode::PerRevolution => self.fanuc.feed_codes()[1],
+        };
+        Ok(match number {
+            4001 => Some(self.motion()),
+            4002 if self.fanuc.is_lathe() => {
+                pick(96.0, 97.0, state.spindle.constant_surface_speed)
+            }
+            4016 if self.fanuc.is_lathe() => Some(self.plane()),
+            4002 => Some(self.plane()),
+            4003 => pick(91.0, 90.0, state.incremental),
+            4004 => Some(if self.fanuc.is_lathe() { 69.0 } else { 23.0 }),
+            4005 => Some(feed),
+            4006 => pick(20.0, 21.0, state.units == crate::Units::Inch),
+            4007 => Some(state.compensation.as_ref().map_or(40.0, |c| f64::from(c.code) / 10.0)),
+            4008 if !self.fanuc.is_lathe() => Some(self.fanuc.length_mode),
+            4009 | 4010 if (number == 4010) == self.fanuc.is_lathe() => {
+                let code = f64::from(state.motion.code() % crate::codes::OWN) / 10.0;
+                pick(code, 80.0, matches!(state.motion, Motion::Cycle(_)))
+            }
+            4010 | 4011 if (number == 4011) == self.fanuc.is_lathe() => {
+                pick(98.0, 99.0, state.retract_to_initial)
+            }
+            4011 => pick(51.0, 50.0, mapping.scale.is_some()),
+            4012 => pick(66.0, 67.0, self.fanuc.has_modal()),
+            4013 if !self.fanuc.is_lathe() => {
+                pick(96.0, 97.0, state.spindle.constant_surface_speed)
+            }
+            4014 if state.system > 9 => Some(54.1),
+            4014 => Some(53.0 + f64::from(state.system)),
+            4015 => pick(64.0, 61.0, matches!(state.corners, crate::Corners::Continuous(_))),
+            4016 => pick(68.0, 69.0, mapping.rotation.is_some()),
+            4017 => pick(16.0, 15.0, mapping.polar.is_some()),
+            4022 => pick(51.1, 50.1, mapping.mirror.iter().any(Option::is_some)),
+            4109 => Some(state.feed),
+            4115 => self.fanuc.program.map(f64::from),
+            4119 => Some(state.spindle.speed),
+            4120 => Some(f64::from(state.selected_tool)),
+            4130 => Some(f64::from(state.system.saturating_sub(9))),
+            4021 => Some(13.1), // polar interpolation is off
+            _ => match LETTERS.iter().position(|(_, kept)| *kept == number) {
+                Some(at) => Some(self.fanuc.kept.words[at]),
+                None => {
+                    return refuse("I1013", span, format!("#{number} is not known to Leadscrew"));
+                }
+            },
+        })
+    }
+
+    fn plane(&self) -> f64 {
+        match self.executor.state.plane {
+            canon::Plane::XY => 17.0,
+            canon::Plane::ZX => 18.0,
+            canon::Plane::YZ => 19.0,
+        }
+    }
+
+    /// The code of group 1: a cycle is none of it.
+    fn motion(&self) -> f64 {
+        let motion = match self.executor.state.motion {
+            Motion::Cycle(_) | Motion::None => self.fanuc.before_cycle,
+            other => other,
+        };
+        match self.fanuc.lathe_cycle {
+            Some(code) => f64::from(self.fanuc.box_code(code)),
+            None if motion == Motion::Thread && !self.fanuc.is_system_a() => 33.0,
+            None if motion == Motion::Thread => 32.0,
+            None => f64::from(motion.code()) / 10.0,
+        }
+    }
+}
