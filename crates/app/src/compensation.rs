@@ -164,7 +164,7 @@ fn program(args: &CompensationArgs, method: Compensation, estimator: Estimator) 
         tapping: None,
         clutch_dwell: ClutchDwell::Refuse,
         dialect: Some(Dialect::Linuxcnc),
-        decimal_point: DecimalPoint::Calculator,
+        decimal_point: Some(DecimalPoint::Calculator),
         block_skip: Vec::new(),
         subprograms: Vec::new(),
         cams: Some(args.library.clone()),

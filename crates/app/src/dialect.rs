@@ -10,6 +10,8 @@ pub(crate) fn of(asked: Option<args::Dialect>, machine: &MachineFile) -> interp:
             machine::Dialect::LinuxCnc => interp::Dialect::LinuxCnc,
             machine::Dialect::Brother => interp::Dialect::Brother,
             machine::Dialect::Fanuc => interp::Dialect::Fanuc,
+            machine::Dialect::FanucLatheA => interp::Dialect::FanucLatheA,
+            machine::Dialect::FanucLatheB => interp::Dialect::FanucLatheB,
             machine::Dialect::Toyoda => interp::Dialect::Toyoda,
         },
     }
@@ -24,6 +26,15 @@ pub(crate) const fn named(name: args::Dialect) -> interp::Dialect {
         args::Dialect::FanucLatheA => interp::Dialect::FanucLatheA,
         args::Dialect::FanucLatheB => interp::Dialect::FanucLatheB,
         args::Dialect::Toyoda => interp::Dialect::Toyoda,
+    }
+}
+
+/// Fanuc's increment system, as the machine's file has it.
+pub(crate) fn increments(control: &Control) -> interp::Increments {
+    match control.fanuc.map(|fanuc| fanuc.increments) {
+        Some(machine::Increments::A) => interp::Increments::A,
+        Some(machine::Increments::C) => interp::Increments::C,
+        Some(machine::Increments::B) | None => interp::Increments::B,
     }
 }
 

@@ -34,7 +34,9 @@ impl lsp::Host for Machines {
     fn subprogram(&self, uri: &str, name: &str) -> Option<String> {
         let program = path(uri)?;
         let session = Session::load(&self.source, &program, b"").ok()?;
-        let file = crate::subprograms::file_of(&self.source, &session.machine, &program, name)?;
+        let grammar = session.dialect.grammar();
+        let (args, machine) = (&self.source, &session.machine);
+        let file = crate::subprograms::file_of(args, machine, &program, name, grammar)?;
         Some(written(&std::path::absolute(file).ok()?))
     }
 }

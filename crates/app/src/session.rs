@@ -45,7 +45,7 @@ pub(crate) struct Session {
     pub(crate) cams: CamSetup,
     /// Oscillations of polygons that were computed for this program.
     oscillations: crate::polygon::auto::Answers,
-    decimal_point: DecimalPoint,
+    decimal_point: Option<DecimalPoint>,
     block_skip: Vec<u8>,
     has_parameter_file: bool,
     /// Where the machine stands and which tool it holds, if it was not switched on just now.
@@ -87,7 +87,13 @@ impl Session {
             oscillations: crate::polygon::auto::Answers::default(),
             parameters: parameters(args.parameters.as_deref(), &machine)?,
             has_parameter_file: args.parameters.is_some(),
-            drawn: crate::subprograms::find(args, &machine, program, text)?,
+            drawn: crate::subprograms::find(
+                args,
+                &machine,
+                program,
+                text,
+                dialect.grammar(),
+            )?,
             taps: taps(args, &machine),
             machine,
             tools,
@@ -155,7 +161,12 @@ impl Session {
             dialect: self.dialect,
             block_delete: self.block_skip.contains(&1),
             block_delete_levels: self.block_skip.iter().fold(0, |mask, level| mask | 1 << level),
-            whole_units_without_point: self.decimal_point == DecimalPoint::Calculator,
+            whole_units_without_point: match (self.decimal_point, self.machine.control.fanuc) {
+                (Some(asked), _) => asked == DecimalPoint::Calculator,
+                (None, fanuc) => fanuc.is_some_and(|fanuc| fanuc.calculator),
+            },
+            increments: dialect::increments(&self.machine.control),
+            c_is_a_chamfer: self.machine.axis(canon::Axis::C).is_none(),
             cycles: dialect::cycles(self.dialect, &self.machine.control),
             tools: self.tools.clone(),
             missing_tools: match self.missing_tools {

@@ -34,13 +34,22 @@ pub fn format(source: &[u8], grammar: Grammar) -> Vec<u8> {
         } else {
             let depth = depth(&block, &mut open).min(DEEPEST);
             let mut text = WithPoints(&block, source).to_string();
-            if grammar == Grammar::Fanuc && block.o.is_some() {
-                text = text.replacen('o', "O", 1);
+            if grammar == Grammar::Fanuc {
+                text = with_head_as_written(&block, text, source);
             }
             if !text.is_empty() {
                 out.extend(std::iter::repeat_n(b' ', STEP * depth));
                 out.extend_from_slice(text.trim_end().as_bytes());
             }
+        }
+        let end = block.span.end as usize;
+        if grammar == Grammar::Fanuc && source.get(end) == Some(&b';') {
+            out.push(b';');
+        }
+        let (rest, line) = parser.position();
+        if line == block.span.line && (rest as usize) < source.len() {
+            out.push(b' '); // another block of this line
+            continue;
         }
         out.extend_from_slice(line_end);
         tape += u8::from(block.percent);
@@ -55,6 +64,23 @@ pub fn format(source: &[u8], grammar: Grammar) -> Vec<u8> {
 
 fn line_of<'a>(source: &'a [u8], block: &Block) -> &'a [u8] {
     source.get(block.span.start as usize..block.span.end as usize).unwrap_or_default()
+}
+
+/// O0012, :12 and <NAME> as they stand in the text: a machine lists programs by them.
+fn with_head_as_written(block: &Block, text: String, source: &[u8]) -> String {
+    let Some(o) = block.o else { return text };
+    let printed = match o.label {
+        Label::Number(number) => format!("o{number}"),
+        Label::Name(name) => format!("o<{}>", block.text(name)),
+        Label::Computed(_) => return text.replacen('o', "O", 1),
+    };
+    let written = source.get(o.span.start as usize..o.span.end as usize).unwrap_or_default();
+    let written: Vec<u8> = written.iter().filter(|b| !b.is_ascii_whitespace()).copied().collect();
+    let mut written = String::from_utf8_lossy(&written).into_owned();
+    if let Some(first) = written.get_mut(..1) {
+        first.make_ascii_uppercase();
+    }
+    text.replacen(&printed, &written, 1)
 }
 
 /// Levels this block is moved in by, and what is open after it.
@@ -101,6 +127,17 @@ mod tests {
     fn a_fanuc_tape_is_read_as_one() {
         let text = "%\no1234(test)\nn10if[#1gt5]goto 20\nwhile[#1le3]do1\n/2g0x1.u5\nend1\ng65p9100a1.b2\n%\n";
         let wanted = "%\nO1234 (test)\nN10 IF[#1 GT 5]GOTO20\nWHILE[#1 LE 3]DO1\n/2 G0 X1. U5\nEND1\nG65 P9100 A1. B2\n%\n";
+        let formatted = |text: &str| {
+            String::from_utf8(format(text.as_bytes(), Grammar::Fanuc)).unwrap_or_default()
+        };
+        assert_eq!(formatted(text), wanted);
+        assert_eq!(formatted(wanted), wanted);
+    }
+
+    #[test]
+    fn blocks_of_one_line_stay_in_it_and_heads_as_they_are() {
+        let text = "%\n<Part-A>(x);\nO0005 ;g0x1.;y2.;(a;b)\n:12\nm98<Sub>q10\ng1x1.,r2.\ndprnt[x#1[53]*y]\nn1/2m30;\n%";
+        let wanted = "%\n<Part-A> (x);\nO0005; G0 X1.; Y2.; (a;b)\n:12\nM98 Q10 <Sub>\nG1 X1. ,R2.\nDPRNT[X#1[53]*Y]\n/2 N1 M30;\n%\n";
         let formatted = |text: &str| {
             String::from_utf8(format(text.as_bytes(), Grammar::Fanuc)).unwrap_or_default()
         };

@@ -161,10 +161,9 @@ impl Problem {
             }
             Self::OperatorExpected => format!("expected an operator or \"]\", found {found}"),
             Self::BracketAfter(what) => format!("expected \"[\" after {what}, found {found}"),
-            Self::UnknownFunction(Grammar::Fanuc) => format!(
-                "expected ABS, ACOS, ASIN, ATAN, BCD, BIN, COS, EXP, FIX, FUP, LN, POW, ROUND, SIN, \
-                 SQRT or TAN, found \"{here}\""
-            ),
+            Self::UnknownFunction(grammar) => {
+                format!("expected {}, found \"{here}\"", listed(functions(grammar)))
+            }
             Self::PowNeedsTwo => "expected two arguments, as in POW[2,3]".into(),
             Self::CommaWord => {
                 format!("expected C (chamfer) or R (corner radius) after the comma, found {found}")
@@ -172,10 +171,6 @@ impl Problem {
             Self::OutputText => format!(
                 "expected text with * for a blank, or a variable with its digits as in #1[53], in \
                  DPRNT[...] and BPRNT[...], found {found}"
-            ),
-            Self::UnknownFunction(Grammar::Rs274) => format!(
-                "expected ABS, ACOS, ASIN, ATAN, COS, EXISTS, EXP, FIX, FUP, LN, ROUND, SIN, SQRT \
-                 or TAN, found \"{here}\""
             ),
             Self::AtanNeedsTwo => format!("expected \"/[\" after ATAN[...], found {found}"),
             Self::ExistsNeedsParameter => {
@@ -229,8 +224,7 @@ impl Problem {
             Self::UnknownFunction(_) | Self::KeywordUnknown => {
                 let finding = Diagnostic::error(self.code(), span, message);
                 let names = match self {
-                    Self::UnknownFunction(Grammar::Rs274) => FUNCTIONS,
-                    Self::UnknownFunction(Grammar::Fanuc) => FANUC_FUNCTIONS,
+                    Self::UnknownFunction(grammar) => functions(grammar),
                     _ => KEYWORDS,
                 };
                 match nearest(&letters_at(line, from), names) {
@@ -273,6 +267,21 @@ const KEYWORDS: &[&str] = &[
     "break",
     "continue",
 ];
+
+const fn functions(grammar: Grammar) -> &'static [&'static str] {
+    match grammar {
+        Grammar::Rs274 => FUNCTIONS,
+        Grammar::Fanuc => FANUC_FUNCTIONS,
+    }
+}
+
+/// `A, B or C`.
+fn listed(names: &[&str]) -> String {
+    match names {
+        [most @ .., last] => format!("{} or {last}", most.join(", ")),
+        [] => String::new(),
+    }
+}
 
 /// The letters at a place.
 fn letters_at(line: &[u8], from: usize) -> String {

@@ -116,10 +116,9 @@ impl Pair<'_> {
                 Expr::Function { function, argument },
                 Expr::Function { function: f, argument: a },
             ) => function == f && self.value(argument, a),
-            (
-                Expr::Pow { base, exponent },
-                Expr::Pow { base: b, exponent: e },
-            ) => self.value(base, b) && self.value(exponent, e),
+            (Expr::Pow { base, exponent }, Expr::Pow { base: b, exponent: e }) => {
+                self.value(base, b) && self.value(exponent, e)
+            }
             (Expr::Atan { y, x }, Expr::Atan { y: v, x: u }) => {
                 self.value(y, v) && self.value(x, u)
             }

@@ -212,8 +212,7 @@ impl Line<'_, '_> {
         }
         self.open(function)?;
         let first = self.expression(1, depth + 1)?;
-        let second =
-            if self.take_if(b',') { Some(self.expression(1, depth + 1)?) } else { None };
+        let second = if self.take_if(b',') { Some(self.expression(1, depth + 1)?) } else { None };
         if !self.take_if(b']') {
             return self.fault_here(Problem::OperatorExpected);
         }

@@ -90,8 +90,8 @@ pub use pieces::{Linter, OpsRest, Rest, can_be_read_in_pieces};
 pub use polygon::PolygonOrder;
 pub use resolve::Resolver;
 pub use setup::{
-    Aside, Chips, Cycles, DepthFrom, Dialect, Increments, Limits, MAX_PARAMETER, MissingTools, Parameters,
-    Setup, Subprogram, UserCode,
+    Aside, Chips, Cycles, DepthFrom, Dialect, Increments, Limits, MAX_PARAMETER, MissingTools,
+    Parameters, Setup, Subprogram, UserCode,
 };
 pub use shift::Shift;
 pub use snapshot::{Snapshot, Standing};

@@ -321,7 +321,10 @@ impl Reader {
         let name = |label: &str| label.trim_matches(['<', '>']).to_owned();
         let calls_by_files = |label: &str| {
             let label = name(label);
-            setup.subprograms.iter().any(|file| crate::called_files(&file.source).contains(&label))
+            setup
+                .subprograms
+                .iter()
+                .any(|file| crate::called_files(&file.source, Grammar::Rs274).contains(&label))
         };
         if self.computed_call {
             return;

@@ -6,7 +6,7 @@ use crate::{
 };
 use canon::{Op, ToolLibrary};
 use diag::{Diagnostic, Span};
-use gcode::{Block, Keyword, Label, Parser};
+use gcode::{Block, Grammar, Keyword, Label, Parser};
 use std::collections::HashSet;
 
 /// The operations of a program, one after the other.
@@ -110,14 +110,18 @@ fn in_order(found: impl IntoIterator<Item = Diagnostic>) -> Vec<Diagnostic> {
     all
 }
 
-/// Names of subprograms that a text calls and does not define: files to look for.
-pub fn called_files(source: &[u8]) -> Vec<String> {
-    let (mut called, defined) = subprograms(source);
+/// Names of subprograms that a text calls and does not define: files to look for. Of Fanuc's programs it is their number
+/// without zeros before it, or their name.
+pub fn called_files(source: &[u8], grammar: Grammar) -> Vec<String> {
+    let (mut called, defined) = match grammar {
+        Grammar::Rs274 => subprograms(source),
+        Grammar::Fanuc => crate::fanuc::programs(source),
+    };
     called.retain(|name| !defined.contains(name));
     called
 }
 
-/// Names of subprograms that a text defines.
+/// Names of subprograms that a text of RS-274 defines.
 pub fn defined_subprograms(source: &[u8]) -> HashSet<String> {
     subprograms(source).1
 }

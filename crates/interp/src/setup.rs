@@ -1,7 +1,7 @@
 //! What the interpreter is told before it begins: plain data, no files.
 use canon::{Position, ToolLibrary};
-use std::collections::BTreeSet;
 use gcode::Grammar;
+use std::collections::BTreeSet;
 
 /// Whose words a program uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -94,6 +94,7 @@ pub enum MissingTools {
 
 /// Everything a program meets that is not in its text.
 #[derive(Clone, Debug, Default)]
+#[allow(clippy::struct_excessive_bools)] // switches of the machine, each of its own
 pub struct Setup {
     /// Whose words.
     pub dialect: Dialect,

@@ -75,7 +75,10 @@ fn a_variable_in_a_word_is_rounded_to_the_least_increment() {
         &[[-1.235, 0.0, 0.0], [-3.581, 0.0, 0.0], [-0.001, 0.0, 0.0]],
     );
     // and with ROUND the tool comes back
-    comes_to("O1\n#1=1.2345\n#2=2.3456\nG91G0X-#1\nX-#2\nX[ROUND[#1*1000]/1000+ROUND[#2]]\nM30\n", 0.0);
+    comes_to(
+        "O1\n#1=1.2345\n#2=2.3456\nG91G0X-#1\nX-#2\nX[ROUND[#1*1000]/1000+ROUND[#2]]\nM30\n",
+        0.0,
+    );
     comes_to("O1\n#1=12.3456\nG0X#1\nM30\n", 12.346);
     // IS-C has one digit more
     let fine = Setup { increments: Increments::C, ..setup() };
@@ -84,7 +87,8 @@ fn a_variable_in_a_word_is_rounded_to_the_least_increment() {
 
 #[test]
 fn increments_are_those_of_the_machine() {
-    for (increments, wanted) in [(Increments::A, 10.0), (Increments::B, 1.0), (Increments::C, 0.1)] {
+    for (increments, wanted) in [(Increments::A, 10.0), (Increments::B, 1.0), (Increments::C, 0.1)]
+    {
         let (kinds, _) = run("O1\nG0X1000\nG4P1000\nM30\n", &Setup { increments, ..setup() });
         let moved = kinds.iter().any(
             |k| matches!(k, OpKind::Rapid { to } if (to.linear[0].value() - wanted).abs() < 1e-12),
@@ -96,7 +100,11 @@ fn increments_are_those_of_the_machine() {
     }
     // an inch has one digit more, and G20 holds for its own block
     let (kinds, _) = run("O1\nG20G0X10000\nM30\n", &setup());
-    assert!(kinds.iter().any(|k| matches!(k, OpKind::Rapid { to } if (to.linear[0].value() - 25.4).abs() < 1e-9)));
+    assert!(
+        kinds.iter().any(
+            |k| matches!(k, OpKind::Rapid { to } if (to.linear[0].value() - 25.4).abs() < 1e-9)
+        )
+    );
 }
 
 #[test]
@@ -114,7 +122,8 @@ fn vacant_variables_are_compared_as_the_manual_says() {
     // EQ, NE, GE, GT with a vacant one, then with one that is 0
     for (value, wanted) in [("#0", [1, 0, 1, 0]), ("0", [0, 1, 1, 0])] {
         for (operator, wanted) in ["EQ", "NE", "GE", "GT"].into_iter().zip(wanted) {
-            let program = format!("O1\n#1={value}\n#2=0\nIF[#1{operator}#0]THEN #2=1\nG0X9.\nX#2\nM30\n");
+            let program =
+                format!("O1\n#1={value}\n#2=0\nIF[#1{operator}#0]THEN #2=1\nG0X9.\nX#2\nM30\n");
             comes_to(&program, f64::from(wanted));
         }
     }
@@ -127,14 +136,37 @@ fn vacant_variables_are_compared_as_the_manual_says() {
 fn modal_codes_and_last_words_are_told() {
     let begin = "O7\nN5G21G17G90G94G98G55G40G49G80G0F100S500T3\nN6M8\n";
     for (number, wanted) in [
-        (4001, 0.0), (4002, 17.0), (4003, 90.0), (4005, 94.0), (4006, 21.0), (4007, 40.0),
-        (4008, 49.0), (4009, 80.0), (4010, 98.0), (4011, 50.0), (4012, 67.0), (4013, 97.0),
-        (4014, 55.0), (4015, 64.0), (4016, 69.0), (4017, 15.0), (4109, 100.0), (4113, 8.0),
-        (4114, 6.0), (4115, 7.0), (4119, 500.0), (4120, 3.0), (4130, 0.0), (4203, 90.0),
+        (4001, 0.0),
+        (4002, 17.0),
+        (4003, 90.0),
+        (4005, 94.0),
+        (4006, 21.0),
+        (4007, 40.0),
+        (4008, 49.0),
+        (4009, 80.0),
+        (4010, 98.0),
+        (4011, 50.0),
+        (4012, 67.0),
+        (4013, 97.0),
+        (4014, 55.0),
+        (4015, 64.0),
+        (4016, 69.0),
+        (4017, 15.0),
+        (4109, 100.0),
+        (4113, 8.0),
+        (4114, 6.0),
+        (4115, 7.0),
+        (4119, 500.0),
+        (4120, 3.0),
+        (4130, 0.0),
+        (4203, 90.0),
     ] {
         comes_to(&format!("{begin}#100=#{number}\nG53G0X#100\nM30\n"), wanted);
     }
-    comes_to("O1\nS500M3\nG0Z5.\nF50\nG99G83X1.Z-3.R1.Q1.\n#1=#4009\n#2=#4001\n#3=#4010\nG80\nG0X[#1+#2*1000+#3*10]\nM30\n", 1073.0);
+    comes_to(
+        "O1\nS500M3\nG0Z5.\nF50\nG99G83X1.Z-3.R1.Q1.\n#1=#4009\n#2=#4001\n#3=#4010\nG80\nG0X[#1+#2*1000+#3*10]\nM30\n",
+        1073.0,
+    );
     is_told("O1\n#1=#4999\nM30\n", "I1013");
 }
 
@@ -143,8 +175,16 @@ fn positions_offsets_and_tools_are_told_and_set() {
     // G54 at 10, external offset 1, tool offset 3 of length 50 with a wear of 0.5
     let program = "O1\n#5221=10.\n#5201=1.\n#2203=50.\n#2003=0.5\nG54G43H3G0X5.Z2.\n";
     for (expression, wanted) in [
-        ("#5001", 5.0), ("#5041", 5.0), ("#5021", 16.0), ("#5023", 52.5), ("#5083", 50.5),
-        ("#5003", 2.0), ("#11003+#10003", 50.5), ("#4111", 3.0), ("#5221", 10.0), ("#5201", 1.0),
+        ("#5001", 5.0),
+        ("#5041", 5.0),
+        ("#5021", 16.0),
+        ("#5023", 52.5),
+        ("#5083", 50.5),
+        ("#5003", 2.0),
+        ("#11003+#10003", 50.5),
+        ("#4111", 3.0),
+        ("#5221", 10.0),
+        ("#5201", 1.0),
     ] {
         comes_to(&format!("{program}#100={expression}\nG53G0X#100\nM30\n"), wanted);
     }
@@ -154,7 +194,10 @@ fn positions_offsets_and_tools_are_told_and_set() {
 fn wear_is_set_and_not_added_up() {
     let program = "O1\nG10L10P4R100.\nG10L11P4R0.1\nG10L11P4R0.2\nG43H4G0Z0\nM30\n";
     goes_to(program, &[[0.0, 0.0, 100.2]]);
-    goes_to("O1\nG10L10P4R100.\nG91G10L11P4R0.1\nG10L11P4R0.2\nG90G43H4G0Z0\nM30\n", &[[0.0, 0.0, 100.3]]);
+    goes_to(
+        "O1\nG10L10P4R100.\nG91G10L11P4R0.1\nG10L11P4R0.2\nG90G43H4G0Z0\nM30\n",
+        &[[0.0, 0.0, 100.3]],
+    );
     goes_to("O1\nG10L10P4R100.\nG44H4G0Z0\nM30\n", &[[0.0, 0.0, -100.0]]);
     // L1 is the older L11
     goes_to("O1\nG10L10P4R100.\nG10L1P4R1.\nG43H4G0Z0\nM30\n", &[[0.0, 0.0, 101.0]]);
@@ -186,16 +229,13 @@ fn modal_macros_nest_the_last_one_first() {
     // each move calls O3, whose move calls O2, whose move calls nothing
     goes_to(
         "O1\nG66P2Z1.\nG66P3Y2.\nG0X10.\nG67\nX20.\nG67\nX30.\nM30\nO2\nG0Z#26\nM99\nO3\nG0Y#25\nM99\n",
-        &[
-            [10.0, 0.0, 0.0],
-            [10.0, 2.0, 0.0],
-            [10.0, 2.0, 1.0],
-            [20.0, 2.0, 1.0],
-            [30.0, 2.0, 1.0],
-        ],
+        &[[10.0, 0.0, 0.0], [10.0, 2.0, 0.0], [10.0, 2.0, 1.0], [20.0, 2.0, 1.0], [30.0, 2.0, 1.0]],
     );
     // also in a subprogram that M98 calls
-    goes_to("O1\nG66P2Z1.\nM98P4\nG67\nM30\nO2\nG0Z#26\nM99\nO4\nG0X1.\nM99\n", &[[1.0, 0.0, 0.0], [1.0, 0.0, 1.0]]);
+    goes_to(
+        "O1\nG66P2Z1.\nM98P4\nG67\nM30\nO2\nG0Z#26\nM99\nO4\nG0X1.\nM99\n",
+        &[[1.0, 0.0, 0.0], [1.0, 0.0, 1.0]],
+    );
     is_told("O1\nG66.1P2\nM30\n", "I0103");
 }
 
@@ -203,15 +243,24 @@ fn modal_macros_nest_the_last_one_first() {
 fn calls_begin_at_a_block_and_in_the_program_at_hand() {
     let tail = "M30\nO1000\nN10G0X1.\nN20G0Y1.\nM99\n";
     goes_to(&format!("O1\nM98P1000Q20\n{tail}"), &[[0.0, 1.0, 0.0]]);
-    goes_to(&format!("O1\nG91\nM98P0041000Q20\n{tail}"), &[[0.0, 1.0, 0.0], [0.0, 2.0, 0.0], [0.0, 3.0, 0.0], [0.0, 4.0, 0.0]]);
+    goes_to(
+        &format!("O1\nG91\nM98P0041000Q20\n{tail}"),
+        &[[0.0, 1.0, 0.0], [0.0, 2.0, 0.0], [0.0, 3.0, 0.0], [0.0, 4.0, 0.0]],
+    );
     goes_to("O1\nM98Q50\nG0X9.\nM30\nN50G0X1.\nM99\n", &[[1.0, 0.0, 0.0], [9.0, 0.0, 0.0]]);
     is_told(&format!("O1\nM98P1000Q70\n{tail}"), "I1006");
 }
 
 #[test]
 fn programs_have_names_and_colons() {
-    goes_to("%\n<PART-A>\nG0X1.\nM98<SUB>\nG65<SUB>A1.\nM30\n<SUB>\nG0Y2.\nM99\n%\n", &[[1.0, 0.0, 0.0], [1.0, 2.0, 0.0]]);
-    goes_to("O<MAIN>\nM98<SUB>L2\nM30\nO<SUB>(WITH O)\nG91G0Y2.\nM99\n", &[[0.0, 2.0, 0.0], [0.0, 4.0, 0.0]]);
+    goes_to(
+        "%\n<PART-A>\nG0X1.\nM98<SUB>\nG65<SUB>A1.\nM30\n<SUB>\nG0Y2.\nM99\n%\n",
+        &[[1.0, 0.0, 0.0], [1.0, 2.0, 0.0]],
+    );
+    goes_to(
+        "O<MAIN>\nM98<SUB>L2\nM30\nO<SUB>(WITH O)\nG91G0Y2.\nM99\n",
+        &[[0.0, 2.0, 0.0], [0.0, 4.0, 0.0]],
+    );
     goes_to(":0001\nM98P2\nM30\n:0002\nG0Y2.\nM99\n", &[[0.0, 2.0, 0.0]]);
     is_told("O1\nM98<NONE>\nM30\n", "I0313");
     is_told("O1\nG0X1.<NONE>\nM30\nO<NONE>\nM99\n", "I1049");
@@ -269,6 +318,9 @@ fn what_is_written_out_is_said() {
 
 #[test]
 fn timers_counters_and_switches_answer() {
-    goes_to("O1\n#3001=0\nWHILE[#3001LT50]DO1\nEND1\n#3002=0\n#3003=1\n#3004=7\n#3005=0\n#3901=#3901+2\nG0X#3901Y#3003Z#3004\nM30\n", &[[2.0, 1.0, 7.0]]);
+    goes_to(
+        "O1\n#3001=0\nWHILE[#3001LT50]DO1\nEND1\n#3002=0\n#3003=1\n#3004=7\n#3005=0\n#3901=#3901+2\nG0X#3901Y#3003Z#3004\nM30\n",
+        &[[2.0, 1.0, 7.0]],
+    );
     comes_to("O1\nG0X[#3011-20000000]\nM30\n", 101.0);
 }

@@ -419,7 +419,7 @@ fn a_subprogram_may_be_a_file_of_its_own() {
     });
     let program = "o<go> call [4]\nG0 Y1";
     near(&ends(&ops_of(&setup, program)), &[[4.0, 0.0, 0.0], [4.0, 1.0, 0.0]]);
-    assert_eq!(interp::called_files(program.as_bytes()), ["go"]);
+    assert_eq!(interp::called_files(program.as_bytes(), gcode::Grammar::Rs274), ["go"]);
 }
 
 #[test]

@@ -86,6 +86,20 @@ impl Document {
         memchr::memchr2(b'o', b'O', &self.text[first..last]).is_some()
     }
 
+    /// Whether a line that these bytes lie in may call one of Fanuc's programs: M98, G65, G66.
+    pub(crate) fn may_call(&self, from: usize, to: usize) -> bool {
+        let to = to.min(self.text.len());
+        let first =
+            self.text[..from.min(to)].iter().rposition(|b| *b == b'\n').map_or(0, |at| at + 1);
+        let last = memchr::memchr(b'\n', &self.text[to..]).map_or(self.text.len(), |at| to + at);
+        let dense: Vec<u8> = self.text[first..last]
+            .iter()
+            .filter(|b| !matches!(b, b' ' | b'\t'))
+            .map(u8::to_ascii_uppercase)
+            .collect();
+        [b"M98", b"G65", b"G66"].iter().any(|call| memchr::memmem::find(&dense, *call).is_some())
+    }
+
     /// The byte at a place of the editor's; a place behind the line's end is its end.
     pub(crate) fn byte(&self, place: Position) -> usize {
         let (from, to) = self.line(place.line as usize);

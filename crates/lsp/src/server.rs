@@ -74,6 +74,8 @@ struct Open {
     document: Document,
     analysis: Analysis,
     version: i32,
+    /// Programs that were called when files were looked for last.
+    missing: Vec<String>,
     /// Why the program's surroundings could not be loaded.
     trouble: Option<String>,
     /// What is found by reading it as it is, as far as it has been read.
@@ -159,8 +161,8 @@ impl Server<'_> {
                     let document = Document::new(item.text, &self.encoding);
                     let (analysis, trouble) = self.begin(&item.uri, &document);
                     let version = item.version;
-                    let open =
-                        Open { document, analysis, version, trouble, lint: None, told: false };
+                    let (missing, lint, told) = (Vec::new(), None, false);
+                    let open = Open { document, analysis, version, missing, trouble, lint, told };
                     self.open.insert(item.uri, open);
                 }
             }
@@ -199,7 +201,11 @@ impl Server<'_> {
         for change in params.content_changes {
             let edit = open.document.apply(change);
             open.analysis.edited(&edit, &open.document);
-            o_words |= edit.o_words;
+            let (from, to) = (edit.shift.from as usize, edit.shift.new_end as usize);
+            o_words |= match open.grammar() {
+                gcode::Grammar::Rs274 => edit.o_words,
+                gcode::Grammar::Fanuc => open.document.may_call(from, to),
+            };
         }
         open.version = params.text_document.version;
         (open.lint, open.told) = (None, false);
@@ -207,9 +213,12 @@ impl Server<'_> {
             return;
         }
         // Other files may be called now: they belong to the set-up.
-        let called = interp::called_files(&open.document.text);
+        let grammar = open.grammar();
+        let called = interp::called_files(&open.document.text, grammar);
         let known = &open.analysis.setup.subprograms;
-        if called.iter().any(|name| known.iter().all(|sub| sub.name != *name)) {
+        let is_new = |name: &String| known.iter().all(|sub| sub.name != *name);
+        if called.iter().any(|name| is_new(name) && !open.missing.contains(name)) {
+            open.missing = called; // those that are not found are looked for once
             let Some(mut open) = self.open.remove(&uri) else { return };
             (open.analysis, open.trouble) = self.begin(&uri, &open.document);
             self.open.insert(uri, open);

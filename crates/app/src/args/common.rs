@@ -26,9 +26,10 @@ pub(crate) struct ProgramArgs {
     /// How programs are read [default: as the machine's file says]
     #[arg(long, value_enum)]
     pub(crate) dialect: Option<Dialect>,
-    /// What a number without a decimal point counts in Fanuc's dialects
-    #[arg(long, value_enum, default_value_t = DecimalPoint::Increments)]
-    pub(crate) decimal_point: DecimalPoint,
+    /// What a number without a decimal point counts in Fanuc's dialects [default: as the machine's file says, else
+    /// increments]
+    #[arg(long, value_enum)]
+    pub(crate) decimal_point: Option<DecimalPoint>,
     /// Leave out blocks that begin with `/` of these levels (1 is `/` alone), as in --block-skip 1,2
     #[arg(long, value_delimiter = ',', value_name = "LEVEL", value_parser = clap::value_parser!(u8).range(1..=9))]
     pub(crate) block_skip: Vec<u8>,

@@ -197,7 +197,12 @@ pub(super) const ROWS: &[Finding] = &[
         "O1\n#100=#100+1\nM99",
         "O1\n#100=#100+1\nIF [#100 LT 5] GOTO 9\nM30\nN9 M99",
     ),
-    f("I1052", "G30 goes to the second reference point.", "O1\nG30 P3 Z0\nM30", "O1\nG30 P2 Z0\nM30"),
+    f(
+        "I1052",
+        "G30 goes to the second reference point.",
+        "O1\nG30 P3 Z0\nM30",
+        "O1\nG30 P2 Z0\nM30",
+    ),
     f(
         "I1053",
         "G29 comes back from where G28 or G30 has gone.",

@@ -22,6 +22,8 @@ use crate::{
     words::near_whole,
 };
 use diag::Diagnostic;
+use gcode::{Block, Grammar, Label, Parser, Value};
+use std::collections::HashSet;
 
 /// Rounds of a main program that M99 repeats.
 const MOST_ROUNDS: u32 = 1_000;
@@ -91,7 +93,8 @@ impl Fanuc {
         let span = it.block.span;
         let tape = self.tape(it)?;
         let known: Vec<_> = tape.programs().take(12).map(|n| tape.written(n)).collect();
-        let text = format!("there is no program {which} on this tape, nor a file of that name beside it");
+        let text =
+            format!("there is no program {which} on this tape, nor a file of that name beside it");
         let help = if known.is_empty() {
             format!("write {which} before its first block and M99 at its end")
         } else {
@@ -138,13 +141,17 @@ impl Fanuc {
             Some(place) => self.enter(it, program.or(self.program), place, times, None),
             None => {
                 it.ended = true;
-                refuse("I1006", it.block.span, format!("there is no block N{number} in that program"))
+                refuse(
+                    "I1006",
+                    it.block.span,
+                    format!("there is no block N{number} in that program"),
+                )
             }
         }
     }
 
     /// G65.
-    fn call_macro(&mut self, it: &mut Interpreter<'_>, called: Macro) -> Outcome {
+    fn call_macro(&mut self, it: &mut Interpreter<'_>, called: &Macro) -> Outcome {
         let begin = self.begin_of(it, called.number)?;
         self.enter(it, Some(called.number), begin, called.times, Some(called.locals))
     }
@@ -242,7 +249,8 @@ impl Fanuc {
         self.rounds += 1;
         if self.rounds >= MOST_ROUNDS {
             it.ended = true;
-            let text = format!("M99 has repeated the main program {MOST_ROUNDS} times: does it end?");
+            let text =
+                format!("M99 has repeated the main program {MOST_ROUNDS} times: does it end?");
             return refuse("I1051", span, text);
         }
         self.round_before = self.variables.clone();
@@ -277,14 +285,14 @@ impl Fanuc {
             self.modals.push(called);
             return Ok(());
         }
-        self.call_macro(it, called)
+        self.call_macro(it, &called)
     }
 
     /// G66: after a block that moves; a modal macro's own moves call the one before it.
     pub(super) fn modal_call(&mut self, it: &mut Interpreter<'_>) -> Outcome {
         let Some(called) = self.modals.last().cloned() else { return Ok(()) };
         let levels = self.levels.len();
-        self.call_macro(it, called)?;
+        self.call_macro(it, &called)?;
         if self.levels.len() > levels
             && let Some(level) = self.levels.last_mut()
         {
@@ -302,4 +310,46 @@ impl Fanuc {
 fn jump(it: &mut Interpreter<'_>, to: Place) {
     it.file = to.file;
     it.jump(to.at);
+}
+
+/// Programs that a tape calls by M98, G65 or G66, in their order, and those that it has: their numbers, or their names.
+pub(crate) fn programs(source: &[u8]) -> (Vec<String>, HashSet<String>) {
+    let (mut parser, mut block) = (Parser::with_grammar(source, 0, Grammar::Fanuc), Block::new());
+    let (mut called, mut there) = (Vec::new(), HashSet::new());
+    while parser.next(&mut block) {
+        match block.o.map(|o| o.label) {
+            Some(Label::Number(number)) => _ = there.insert(number.to_string()),
+            Some(Label::Name(name)) => _ = there.insert(block.text(name).to_owned()),
+            _ => {}
+        }
+        let name = match block.called {
+            Some(name) => block.text(name).to_owned(),
+            None => match called_number(&block) {
+                Some(number) => number.to_string(),
+                None => continue,
+            },
+        };
+        if !called.contains(&name) {
+            called.push(name);
+        }
+    }
+    (called, there)
+}
+
+/// P of a call, if it is written as a number.
+fn called_number(block: &Block) -> Option<u32> {
+    let plain = |word: &gcode::Word| match word.value {
+        Value::Number(number) => Some(number),
+        Value::Expression(_) => None,
+    };
+    let is = |letter: u8, codes: &[f64]| {
+        let mut words = block.words.iter().filter(|word| word.letter == letter);
+        words.any(|word| plain(word).is_some_and(|code| codes.contains(&code)))
+    };
+    let (program, macros) = (is(b'M', &[98.0]), is(b'G', &[65.0, 66.0]));
+    let number = near_whole(plain(block.word(b'P').filter(|_| program || macros)?)?)?;
+    let number = u32::try_from(number).ok()?;
+    // P51002: five times O1002
+    let repeats = program && block.word(b'L').is_none() && number > 9999;
+    Some(if repeats { number % 10_000 } else { number })
 }

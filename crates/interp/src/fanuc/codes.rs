@@ -48,7 +48,8 @@ const fn system_b(tenths: u16) -> u16 {
 /// What G means, in tenths.
 pub(super) fn meaning(kind: Kind, tenths: u16) -> Meaning {
     use Meaning::{
-        Back, Box, ExactBlock, Mapping, Multiple, NotYet, Off, Shared, Skip, Smoothing, Thread, Unknown,
+        Back, Box, ExactBlock, Mapping, Multiple, NotYet, Off, Shared, Skip, Smoothing, Thread,
+        Unknown,
     };
     if kind == Kind::LatheA && matches!(tenths, 330 | 770 | 780 | 790 | 910 | 950) {
         return Unknown;
@@ -96,8 +97,8 @@ pub(super) fn meaning(kind: Kind, tenths: u16) -> Meaning {
         260 => NotYet("spindle speed fluctuation detection"),
         270 => NotYet("reference position return check"),
         350 | 360 => NotYet("circular threading"),
-        370 | 371 | 372 => NotYet("automatic tool length measurement"),
-        412 | 413 | 414 | 415 | 422 | 424 | 425 => NotYet("three-dimensional cutter compensation"),
+        370..=372 => NotYet("automatic tool length measurement"),
+        412..=415 | 422 | 424 | 425 => NotYet("three-dimensional cutter compensation"),
         431 | 434 | 435 | 437 => NotYet("tool centre point control"),
         450 | 460 | 470 | 480 => NotYet("tool offset, increase and decrease"),
         531 | 536 | 682 | 683 | 684 => NotYet("tilted working plane"),

@@ -67,7 +67,8 @@ impl Fanuc {
         sink: &mut S,
     ) -> Outcome<After> {
         let ex = &it.executor;
-        let motion = ex.words.g(crate::codes::GGroup::Motion).map_or(ex.state.motion, Motion::from_code);
+        let motion =
+            ex.words.g(crate::codes::GGroup::Motion).map_or(ex.state.motion, Motion::from_code);
         if motion != Motion::Feed {
             let text = "a corner follows a straight feed: G1";
             return refuse("I1054", corner.span, text);
@@ -101,7 +102,11 @@ impl Fanuc {
         Ok(after)
     }
 
-    fn move_or_record<S: Sink>(&mut self, it: &mut Interpreter<'_>, sink: &mut S) -> Outcome<After> {
+    fn move_or_record<S: Sink>(
+        &mut self,
+        it: &mut Interpreter<'_>,
+        sink: &mut S,
+    ) -> Outcome<After> {
         if it.executor.recording.is_some() {
             return it.executor.record().map(|()| After::Next);
         }
@@ -140,7 +145,11 @@ impl Fanuc {
             }
             return ex.destination(false);
         }
-        let fault = error("I1054", span, "a corner lies between two straight feeds: the next block is no G1 with X, Y or Z");
+        let fault = error(
+            "I1054",
+            span,
+            "a corner lies between two straight feeds: the next block is no G1 with X, Y or Z",
+        );
         Err(fault.with_help("write the corner's own G1, G2 or G3 between other moves").into())
     }
 }

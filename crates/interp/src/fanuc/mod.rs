@@ -45,6 +45,7 @@ use crate::{
     state::Motion,
 };
 use calls::Level;
+pub(crate) use calls::programs;
 pub(crate) use codes::{has_m, stays, told};
 use diag::Span;
 use gcode::Control;
@@ -66,6 +67,7 @@ pub(crate) enum Kind {
 
 /// The front end's own state.
 #[derive(Clone, PartialEq)]
+#[allow(clippy::struct_excessive_bools)] // facts of their own about machine and block
 pub(crate) struct Fanuc {
     kind: Kind,
     calculator: bool,
@@ -340,7 +342,12 @@ impl Fanuc {
     }
 
     /// What the block's words do.
-    fn move_block<S: Sink>(&mut self, ex: &mut Executor, moves: bool, sink: &mut S) -> Outcome<After> {
+    fn move_block<S: Sink>(
+        &mut self,
+        ex: &mut Executor,
+        moves: bool,
+        sink: &mut S,
+    ) -> Outcome<After> {
         if let Some(system) = self.once.system {
             ex.change_system(system, sink);
         }

@@ -35,12 +35,12 @@ impl Fanuc {
         match (l, p) {
             (Some(2), Some(p @ 0..=6)) => self.set_work(ex, p as usize),
             (Some(20), Some(p @ 1..=48)) => self.set_work(ex, 9 + p as usize),
-            (Some(2), _) => {
-                refuse("I0617", span, "G10 L2 needs P: 1 to 6 for G54 to G59, 0 for the external offset")
-            }
-            (Some(20), _) => {
-                refuse("I0617", span, "G10 L20 needs P: 1 to 48 for G54.1 P1 to P48")
-            }
+            (Some(2), _) => refuse(
+                "I0617",
+                span,
+                "G10 L2 needs P: 1 to 6 for G54 to G59, 0 for the external offset",
+            ),
+            (Some(20), _) => refuse("I0617", span, "G10 L20 needs P: 1 to 48 for G54.1 P1 to P48"),
             (Some(kind @ (1 | 10..=13)), Some(p)) => {
                 let Some(value) = ex.words.take(b'R') else {
                     let text = format!("G10 L{kind} needs R, the tool's offset");
@@ -48,8 +48,8 @@ impl Fanuc {
                 };
                 let part = if matches!(kind, 12 | 13) { Part::Radius } else { Part::Z };
                 let which = ToolVariable { tool: p, part, wear: matches!(kind, 1 | 11 | 13) };
-                let now = if ex.state.incremental { self.tool_value(ex, &which) } else { 0.0 };
-                self.set_tool(ex, &which, now + value);
+                let now = if ex.state.incremental { self.tool_value(ex, which) } else { 0.0 };
+                self.set_tool(ex, which, now + value);
                 Ok(())
             }
             (None, Some(p)) if self.is_lathe() => self.set_lathe_tool(ex, p, span),
@@ -83,8 +83,11 @@ impl Fanuc {
             ex.store.numbered.set(first + axis, now + mm);
         }
         if ex.compensating && (system == 0 || system == usize::from(ex.state.system)) {
-            let text = "the work offset in force cannot be changed while cutter radius compensation is on";
-            return Err(error("I0544", ex.words.place.span, text).with_help("write G40 before").into());
+            let text =
+                "the work offset in force cannot be changed while cutter radius compensation is on";
+            return Err(error("I0544", ex.words.place.span, text)
+                .with_help("write G40 before")
+                .into());
         }
         self.once.changed = Some(system);
         Ok(())
@@ -109,22 +112,26 @@ impl Fanuc {
             let word = ex.words.take(letter);
             let more = ex.words.take(step);
             any |= word.is_some() || more.is_some();
-            let now = self.tool_value(ex, &which);
+            let now = self.tool_value(ex, which);
             if let Some(more) = more.or(word.filter(|_| ex.state.incremental)) {
-                self.set_tool(ex, &which, now + more);
+                self.set_tool(ex, which, now + more);
             } else if let Some(value) = word {
-                self.set_tool(ex, &which, value);
+                self.set_tool(ex, which, value);
             }
         }
         if let Some(nose) = ex.words.take(b'Q') {
             let which = ToolVariable { tool, part: Part::Nose, wear: false };
-            self.set_tool(ex, &which, nose);
+            self.set_tool(ex, which, nose);
             any = true;
         }
         if any {
             return Ok(());
         }
-        refuse("I1022", span, "G10 P needs X, Z, R or Q, the tool's offsets, or U and W to add to them")
+        refuse(
+            "I1022",
+            span,
+            "G10 P needs X, Z, R or Q, the tool's offsets, or U and W to add to them",
+        )
     }
 
     /// T0102 of a lathe: tool 1 with offset 2.

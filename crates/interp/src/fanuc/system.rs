@@ -121,7 +121,7 @@ impl Fanuc {
                     return self.set_work_offset(it, system, axis, zero, sink);
                 }
                 if let Some(tool) = ToolVariable::of(number, self.is_lathe()) {
-                    self.set_tool(&mut it.executor, &tool, zero);
+                    self.set_tool(&mut it.executor, tool, zero);
                     return Ok(());
                 }
                 let text = format!(
@@ -183,14 +183,15 @@ impl Values<'_> {
             return Ok(Some(kept.set[at]));
         }
         let lathe = self.fanuc.is_lathe();
-        if let Some((system, count)) = work_offset(number).filter(|_| !(lathe && number >= MORE_NEW))
+        if let Some((system, count)) =
+            work_offset(number).filter(|_| !(lathe && number >= MORE_NEW))
         {
             let mut point = self.executor.store.numbered.point(Parameters::work_offset(system));
             crate::frame::scale(&mut point, 1.0 / state.units.in_mm());
             return self.coordinate(count, &point, span).map(Some);
         }
         if let Some(tool) = ToolVariable::of(number, lathe) {
-            return Ok(Some(self.fanuc.tool_value(self.executor, &tool)));
+            return Ok(Some(self.fanuc.tool_value(self.executor, tool)));
         }
         let coordinate = |first: usize, point: &crate::Point| {
             self.coordinate(number - first + 1, point, span).map(Some)
@@ -237,9 +238,7 @@ impl Values<'_> {
         };
         Ok(match number {
             4001 => Some(self.motion()),
-            4002 if self.fanuc.is_lathe() => {
-                pick(96.0, 97.0, state.spindle.constant_surface_speed)
-            }
+            4002 if self.fanuc.is_lathe() => pick(96.0, 97.0, state.spindle.constant_surface_speed),
             4016 if self.fanuc.is_lathe() => Some(self.plane()),
             4002 => Some(self.plane()),
             4003 => pick(91.0, 90.0, state.incremental),

@@ -165,7 +165,8 @@ impl Tape {
     /// The first block of O1234; its own O-word is looked for before a file's name.
     pub(super) fn program(&self, number: u32) -> Option<Place> {
         let with = |own: bool| {
-            let is = |p: &&Program| p.number == Some(number) && (p.begin.at != p.begin.after) == own;
+            let is =
+                |p: &&Program| p.number == Some(number) && (p.begin.at != p.begin.after) == own;
             self.programs.iter().find(is)
         };
         let found = with(true).or_else(|| with(false))?;
@@ -185,8 +186,7 @@ impl Tape {
 
     /// The block N of the program in which byte `from` of a file lies: behind it, else from the program's begin.
     pub(super) fn block(&self, number: u32, file: usize, from: u32) -> Option<Place> {
-        let here =
-            self.programs.iter().rposition(|p| p.file == file && p.begin.at.0 <= from)?;
+        let here = self.programs.iter().rposition(|p| p.file == file && p.begin.at.0 <= from)?;
         let begin = self.programs[here].begin.at.0;
         let next = self.programs.get(here + 1).filter(|next| next.file == file);
         let end = next.map_or(u32::MAX, |p| p.begin.at.0);

@@ -102,7 +102,7 @@ const fn place(part: Part) -> Option<usize> {
 
 impl Fanuc {
     /// Its value in program units.
-    pub(super) fn tool_value(&self, ex: &Executor, which: &ToolVariable) -> f64 {
+    pub(super) fn tool_value(&self, ex: &Executor, which: ToolVariable) -> f64 {
         let entry = ex.tool_entry(which.tool);
         let Some(at) = place(which.part) else { return f64::from(entry.orientation) };
         let wear = self.wear.get(&which.tool).map_or(0.0, |wear| wear[at]);
@@ -112,7 +112,7 @@ impl Fanuc {
     }
 
     /// Set it, in program units.
-    pub(super) fn set_tool(&mut self, ex: &mut Executor, which: &ToolVariable, value: f64) {
+    pub(super) fn set_tool(&mut self, ex: &mut Executor, which: ToolVariable, value: f64) {
         let mut entry = ex.tool_entry(which.tool);
         match place(which.part) {
             None => entry.orientation = value.clamp(0.0, 9.0) as u32,

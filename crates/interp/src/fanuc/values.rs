@@ -75,7 +75,11 @@ impl Fanuc {
     }
 
     /// The same for a word with so many least input increments in one.
-    pub(super) const fn values_in<'a>(&'a self, executor: &'a Executor, per_unit: f64) -> Values<'a> {
+    pub(super) const fn values_in<'a>(
+        &'a self,
+        executor: &'a Executor,
+        per_unit: f64,
+    ) -> Values<'a> {
         Values { fanuc: self, executor, per_unit }
     }
 

@@ -225,7 +225,8 @@ impl Fanuc {
                 b'M' => match near_whole(word.value) {
                     Some(98 | 99) => {}
                     Some(198) => {
-                        let text = "M198 (a program on a memory card) is not executed by Leadscrew yet";
+                        let text =
+                            "M198 (a program on a memory card) is not executed by Leadscrew yet";
                         let help = "put the program on this tape or beside it as a file O1234.nc, and call it with M98 P1234";
                         return Err(error("I0103", span, text).with_help(help).into());
                     }
@@ -353,7 +354,10 @@ fn reference_point(word: &Said) -> Outcome {
     if word.value == 2.0 {
         return Ok(());
     }
-    let text = format!("G30 P{} is not known: the machine has G28's reference point and G30 P2's", word.value);
+    let text = format!(
+        "G30 P{} is not known: the machine has G28's reference point and G30 P2's",
+        word.value
+    );
     refuse("I1052", word.span, text)
 }
 

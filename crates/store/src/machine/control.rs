@@ -12,6 +12,8 @@ pub struct Control {
     pub command_delay_periods: u32,
     /// How programs are read, unless the command line says otherwise.
     pub dialect: Dialect,
+    /// What Fanuc's parameters set, in its dialects; as most machines have it, if not stated.
+    pub fanuc: Option<Fanuc>,
     /// Where a drilling cycle's depth is measured from; as the dialect has it, if not stated.
     pub cycle_depth: Option<CycleDepth>,
     /// Chip removal in cycles whose blocks do not say it, if stated.
@@ -61,10 +63,45 @@ pub enum Dialect {
     LinuxCnc,
     /// Macro B.
     Fanuc,
+    /// The same of lathes, G code system A.
+    FanucLatheA,
+    /// System B.
+    FanucLatheB,
     /// Z and R from the initial level, chip removal words.
     Brother,
     /// Cam grinding words.
     Toyoda,
+}
+
+/// How Fanuc's dialects count: `[control.fanuc]`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Fanuc {
+    /// `increments = "IS-B"`: what a number without a decimal point counts.
+    pub increments: Increments,
+    /// `decimal_point = "calculator"`: without a point a number counts whole units.
+    pub calculator: bool,
+}
+
+/// Fanuc's increment systems: 0.01, 0.001 and 0.0001 mm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Increments {
+    /// 0.01 mm.
+    A,
+    /// 0.001 mm.
+    B,
+    /// 0.0001 mm.
+    C,
+}
+
+impl Fanuc {
+    fn read(keys: &mut Keys<'_>) -> Self {
+        let systems = [("IS-A", Increments::A), ("IS-B", Increments::B), ("IS-C", Increments::C)];
+        let points = [("increments", false), ("calculator", true)];
+        Self {
+            increments: keys.optional_choice("increments", &systems).unwrap_or(Increments::B),
+            calculator: keys.optional_choice("decimal_point", &points).unwrap_or(false),
+        }
+    }
 }
 
 /// Where a drilling cycle's Z is measured from under G91.
@@ -194,10 +231,13 @@ impl Control {
                 &[
                     ("linuxcnc", Dialect::LinuxCnc),
                     ("fanuc", Dialect::Fanuc),
+                    ("fanuc-lathe-a", Dialect::FanucLatheA),
+                    ("fanuc-lathe-b", Dialect::FanucLatheB),
                     ("brother", Dialect::Brother),
                     ("toyoda", Dialect::Toyoda),
                 ],
             ),
+            fanuc: keys.optional_section("fanuc", Fanuc::read),
             cycle_depth: canned.and_then(|canned| canned.depth),
             chip_removal: canned.and_then(|canned| canned.chips),
             boring_aside: canned.and_then(|canned| canned.aside),

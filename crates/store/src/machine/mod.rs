@@ -44,8 +44,8 @@ pub use axis::{
     Axis, AxisWindows, Drive, Friction, Gentle, Loops, Motor, PositionFrom, Structure, Travel,
 };
 pub use control::{
-    BoringAside, ChipRemoval, Control, CycleDepth, Dialect, Follows, Learning, Overrides,
-    PathControl, PhaseLoss, Prediction, Synchronisation, ToolChange, Waits,
+    BoringAside, ChipRemoval, Control, CycleDepth, Dialect, Fanuc, Follows, Increments, Learning,
+    Overrides, PathControl, PhaseLoss, Prediction, Synchronisation, ToolChange, Waits,
 };
 pub use drives::{DcBus, Drives, Reaction};
 pub use grinding::{Grinding, Wheel};
