@@ -1,0 +1,249 @@
+//! What `overrides` looks at, on curves: arcs and helices in all planes, splines, C beside them or alone, G93, G61, G61.1 and
+//! G64 with P and Q, with overrides, holds and single block at any instant.
+//!
+//! ```text
+//!   by differences of the setpoints    speed to 0.1 %, acceleration to 1 %, jerk to 5 % above the limits
+//!   from the programmed path           of X, Y, Z: P at most, 1.5·P where C turns beside them; with G61 two nanometres
+//!   at the end                         exact
+//! ```
+#[allow(dead_code, unreachable_pub)] // each test binary uses its own part
+mod common;
+#[allow(dead_code, unreachable_pub)]
+mod operated;
+use bus::AXES;
+use canon::{Arc, Axis, Feed, Op, OpKind, PathMode, Plane, Position, Span, Spline};
+use operated::{C, loads, order, run};
+use proptest::prelude::*;
+use units::{Angle, Length, Speed, Time};
+
+/// A part of a path, from where the part before it has ended.
+#[derive(Clone, Copy, Debug)]
+enum Part {
+    Line { by: [f64; 3], turn: f64 },
+    Arc { plane: Plane, radius: f64, at: f64, sweep: f64, rise: f64, turn: f64 },
+    Spline { by: [f64; 2], bulge: [[f64; 2]; 4] },
+}
+
+/// How fast.
+#[derive(Clone, Copy, Debug)]
+enum Pace {
+    PerTime(f64),
+    Lasting(f64),
+    Rapid,
+}
+
+/// The programmed curve of a part: all axes at 0…1 of it.
+#[derive(Clone, Copy, Debug)]
+struct Curve {
+    from: [f64; AXES],
+    part: Part,
+}
+
+impl Curve {
+    fn at(&self, t: f64) -> [f64; AXES] {
+        let mut q = self.from;
+        match self.part {
+            Part::Line { by, turn } => {
+                (0..3).for_each(|i| q[i] += by[i] * t);
+                q[C] += turn * t;
+            }
+            Part::Arc { plane, radius, at, sweep, rise, turn } => {
+                let [first, second, normal] = plane.axes().map(Axis::index);
+                let angle = at + sweep * t;
+                q[first] += radius * (angle.cos() - at.cos());
+                q[second] += radius * (angle.sin() - at.sin());
+                q[normal] += rise * t;
+                q[C] += turn * t;
+            }
+            Part::Spline { .. } => {
+                let mut points = self.control();
+                for left in (1..6).rev() {
+                    for k in 0..left {
+                        let [a, b] = [points[k], points[k + 1]];
+                        points[k] = [0, 1].map(|i| a[i] + (b[i] - a[i]) * t);
+                    }
+                }
+                [q[0], q[1]] = points[0];
+            }
+        }
+        q
+    }
+
+    /// Whether C turns along it.
+    fn turns(&self) -> bool {
+        self.at(1.0)[C] != self.from[C]
+    }
+
+    /// Of a spline.
+    fn control(&self) -> [[f64; 2]; 6] {
+        let Part::Spline { by, bulge } = self.part else { return [[0.0; 2]; 6] };
+        core::array::from_fn(|k| {
+            [0, 1].map(|i| {
+                let off = if (1..5).contains(&k) { bulge[k - 1][i] } else { 0.0 };
+                self.from[i] + by[i] * k as f64 / 5.0 + off
+            })
+        })
+    }
+
+    fn op(&self, pace: Pace) -> OpKind {
+        let q = self.at(1.0);
+        let rotary = [Angle::ZERO, Angle::ZERO, Angle::deg(q[C])];
+        let to = Position { rotary, ..Position::xyz(q[0], q[1], q[2]) };
+        let feed = match pace {
+            Pace::Lasting(seconds) => Feed::Duration(Time::s(seconds)),
+            Pace::PerTime(feed) => Feed::PerTime(Speed::mm_per_s(feed)),
+            Pace::Rapid => Feed::PerTime(Speed::mm_per_s(200.0)),
+        };
+        match self.part {
+            Part::Line { .. } if matches!(pace, Pace::Rapid) => OpKind::Rapid { to },
+            Part::Line { .. } => OpKind::Line { to, feed },
+            Part::Arc { plane, radius, at, sweep, .. } => {
+                let [first, second, _] = plane.axes().map(Axis::index);
+                let centre = [
+                    Length::mm(self.from[first] - radius * at.cos()),
+                    Length::mm(self.from[second] - radius * at.sin()),
+                ];
+                OpKind::Arc {
+                    to,
+                    arc: Arc { plane, centre, sweep: Angle::rev(sweep / core::f64::consts::TAU) },
+                    feed,
+                }
+            }
+            Part::Spline { .. } => {
+                let [_, a, b, c, d, e] = self.control().map(|point| point.map(Length::mm));
+                OpKind::Spline { to, spline: Spline { pieces: vec![[a, b, c, d, e]] }, feed }
+            }
+        }
+    }
+
+    /// How far a point is from it, at most: looked for around the nearest of some places. Turns of an arc may lie on one
+    /// another, so there is more than one.
+    fn distance(&self, p: &[f64; AXES]) -> f64 {
+        const PLACES: usize = 48;
+        let far = |t: f64| {
+            let q = self.at(t);
+            (0..3).map(|i| (q[i] - p[i]).powi(2)).sum::<f64>()
+        };
+        let step = 1.0 / PLACES as f64;
+        let mut places: [(f64, f64); PLACES + 1] = core::array::from_fn(|k| {
+            let t = k as f64 * step;
+            (far(t), t)
+        });
+        places.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let around = |nearest: f64| {
+            let (mut low, mut high) = ((nearest - step).max(0.0), (nearest + step).min(1.0));
+            for _ in 0..40 {
+                let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+                if far(a) < far(b) { high = b } else { low = a }
+            }
+            far(low)
+        };
+        let nearest = places[..6].iter().map(|(far, t)| far.min(around(*t)));
+        nearest.fold(f64::INFINITY, f64::min).sqrt()
+    }
+
+    /// The lowest and the highest that each axis gets, and a little more.
+    fn extent(&self) -> [[f64; 2]; AXES] {
+        let mut extent = [[f64::INFINITY, f64::NEG_INFINITY]; AXES];
+        for k in 0..=96 {
+            let q = self.at(f64::from(k) / 96.0);
+            for (i, [low, high]) in extent.iter_mut().enumerate() {
+                (*low, *high) = (low.min(q[i] - 0.1), high.max(q[i] + 0.1));
+            }
+        }
+        extent
+    }
+}
+
+/// Farthest setpoint from the programmed path.
+fn off_path(at: &[([f64; AXES], u32)], curves: &[Curve]) -> f64 {
+    let extents: Vec<_> = curves.iter().map(Curve::extent).collect();
+    let near = |p: &[f64; AXES]| {
+        let inside = |e: &[[f64; 2]; AXES]| (0..3).all(|i| p[i] >= e[i][0] && p[i] <= e[i][1]);
+        let close = curves.iter().zip(&extents).filter(|(_, extent)| inside(extent));
+        close.map(|(curve, _)| curve.distance(p)).fold(f64::INFINITY, f64::min)
+    };
+    at.iter().step_by(7).map(|(p, _)| near(p)).fold(0.0, f64::max)
+}
+
+fn part() -> impl Strategy<Value = Part> {
+    let turn = || prop_oneof![3 => Just(0.0), 1 => -20.0..20.0_f64];
+    let plane = prop::sample::select(vec![Plane::XY, Plane::ZX, Plane::YZ]);
+    let rise = prop_oneof![2 => Just(0.0), 1 => -3.0..3.0_f64];
+    let sweep = prop_oneof![3 => 0.2..6.0_f64, 3 => -6.0..-0.2_f64, 1 => 7.0..15.0_f64];
+    let bulge = prop::array::uniform4(prop::array::uniform2(-0.3..0.3_f64));
+    let by = (4.0..10.0_f64, 0.0..6.3_f64).prop_map(|(l, w)| [l * w.cos(), l * w.sin()]);
+    prop_oneof![
+        3 => (prop::array::uniform3(-8.0..8.0_f64), turn()).prop_map(|(by, turn)| Part::Line { by, turn }),
+        2 => (prop::array::uniform3(-0.4..0.4_f64), turn()).prop_map(|(by, turn)| Part::Line { by, turn: turn / 20.0 }),
+        1 => turn().prop_map(|turn| Part::Line { by: [0.0; 3], turn }),
+        5 => (plane, 0.2..8.0_f64, 0.0..6.0_f64, sweep, rise, turn())
+            .prop_map(|(plane, radius, at, sweep, rise, turn)| Part::Arc { plane, radius, at, sweep, rise, turn }),
+        3 => (by, bulge).prop_map(|(by, bulge)| Part::Spline { by, bulge }),
+    ]
+}
+
+fn pace() -> impl Strategy<Value = Pace> {
+    prop_oneof![
+        5 => (5.0..120.0_f64).prop_map(Pace::PerTime),
+        2 => (0.02..0.6_f64).prop_map(Pace::Lasting),
+        1 => Just(Pace::Rapid),
+    ]
+}
+
+/// The mode, and how far the path may be from the programmed one.
+fn mode() -> impl Strategy<Value = (PathMode, f64)> {
+    let blend = |p: f64, q: Option<f64>| {
+        let (tolerance, merge) = (Some(Length::mm(p)), q.map(Length::mm));
+        (PathMode::Blend { tolerance, merge }, p)
+    };
+    prop_oneof![
+        4 => Just(blend(0.02, None)),
+        1 => Just(blend(0.005, Some(0.0))),
+        1 => Just(blend(0.05, Some(0.01))),
+        1 => Just((PathMode::Exact, 0.0)),
+        1 => Just((PathMode::ExactStop, 0.0)),
+    ]
+}
+
+fn curves(parts: &[Part]) -> Vec<Curve> {
+    let mut from = [0.0; AXES];
+    let mut next = |part: &Part| {
+        let curve = Curve { from, part: *part };
+        from = curve.at(1.0);
+        curve
+    };
+    parts.iter().map(&mut next).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(80))]
+    #[test]
+    fn no_axis_leaves_its_limits_or_the_curve_whatever_the_operator_does(
+        parts in prop::collection::vec(part(), 2..9),
+        paces in prop::collection::vec(pace(), 1..5),
+        (mode, tolerance) in mode(),
+        orders in prop::collection::vec((0..3000_usize, order()), 0..7),
+        jerk in prop::sample::select(vec![f64::INFINITY, 50e3, 20e3]),
+    ) {
+        let curves = curves(&parts);
+        let moves = curves.iter().zip(paces.iter().cycle()).map(|(curve, pace)| curve.op(*pace));
+        let all = [OpKind::PathMode(mode)].into_iter().chain(moves).chain([OpKind::End]);
+        let place = |line| Span { file: 0, line, start: 0, end: 0 };
+        let ops: Vec<Op> = (1..).zip(all).map(|(line, kind)| Op { span: place(line), kind }).collect();
+        let seen = run(&ops, jerk, &orders);
+        prop_assert_eq!(&seen.faults, &vec![]);
+        prop_assert!(seen.ended);
+        let [speed, accel, third] = loads(&seen, jerk);
+        prop_assert!(speed < 1.001, "speed {speed}");
+        prop_assert!(accel < 1.01, "acceleration {accel}");
+        prop_assert!(third < 1.05, "jerk {third}");
+        let off = off_path(&seen.at, &curves);
+        let beside = if curves.iter().any(Curve::turns) { 1.5 } else { 1.0 };
+        prop_assert!(off < beside * tolerance + 2e-6, "{off} mm from the path");
+        let (last, end) = (seen.at[seen.at.len() - 1].0, curves[curves.len() - 1].at(1.0));
+        for i in 0..AXES {
+            prop_assert!((last[i] - end[i]).abs() < 1e-9, "axis {i} ends at {}, not {}", last[i], end[i]);
+        }
+    }
+}
