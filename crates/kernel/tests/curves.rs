@@ -6,9 +6,7 @@
 //!   from the programmed path           of X, Y, Z: P at most, 1.5·P where C turns beside them; with G61 two nanometres
 //!   at the end                         exact
 //! ```
-#[allow(dead_code, unreachable_pub)] // each test binary uses its own part
 mod common;
-#[allow(dead_code, unreachable_pub)]
 mod operated;
 use bus::AXES;
 use canon::{Arc, Axis, Feed, Op, OpKind, PathMode, Plane, Position, Span, Spline};

@@ -1,9 +1,7 @@
 //! Holds, overrides from 0 to 200 % and single block, at any instant of random paths: what the axes are told keeps speed,
 //! acceleration, jerk and the path, by differences of the setpoints at the servo period. Overrides of feeds and rapids, hold,
 //! resume, single block and abort come at any instant.
-#[allow(dead_code, unreachable_pub)] // each test binary uses its own part
 mod common;
-#[allow(dead_code, unreachable_pub)]
 mod operated;
 use canon::{Feed, Op, OpKind, PathMode, Position, Span};
 use kernel::Order;

@@ -1,5 +1,6 @@
 //! A kernel with its planner, an operator who may order anything at any instant, and axes that are where they are told to be:
 //! X, Y, Z and C, all alike, C in degrees.
+#![allow(dead_code, unreachable_pub)] // each test file uses its own part
 use super::common::{SPINDLE_LIMITS, control, machine};
 use bus::{AXES, AxisFeedback, Feedback, SpindleFeedback};
 use canon::{Op, Position, ToolLibrary};

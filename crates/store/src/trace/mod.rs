@@ -7,7 +7,7 @@
 //! | `<axis>_actual_mm` | f64 | where the table or ram really is; without a simulator as the encoder | 2⁻²⁰ mm |
 //! | `<axis>_encoder_mm` | f64 | position by the encoder | 2⁻²⁰ mm |
 //! | `<axis>_force_n` | f64 | force of the drive; without a simulator its reference | 2⁻⁷ N |
-//! | `<axis>_command_deg`, `_actual_deg`, `_encoder_deg`, `_torque_n_m` | f64 | the same of a rotary axis | 2⁻²⁶ °, 2⁻²⁰ °, 2⁻¹⁴ N·m |
+//! | `<axis>_command_deg`, `_actual_deg`, `_encoder_deg`, `_torque_n_m` | f64 | the same of a rotary axis | 2⁻³⁰ °, 2⁻²⁰ °, 2⁻¹⁴ N·m |
 //! | `<spindle>_command_rev` | f64 | setpoint, unwrapped | 2⁻²⁴ rev, 0.08″ |
 //! | `<spindle>_actual_rev` | f64 | where the nose really is | 2⁻²⁴ rev |
 //! | `<spindle>_rpm` | f64 | real speed; without a simulator from the last two angles | 2⁻¹⁰ rpm |

@@ -81,7 +81,8 @@ impl Writer {
         for (index, _) in &self.columns.axes {
             let (index, command) = (*index, &sample.command.axes[*index]);
             let force = sample.truth.map_or(command.force, |t| t.axis_forces[index]);
-            put(SETPOINT.snap(command.position.value()));
+            let setpoint = if is_rotary(index) { ROTARY_SETPOINT } else { SETPOINT };
+            put(setpoint.snap(command.position.value()));
             put(NM.snap(sample.axis(index).value()));
             put(NM.snap(sample.feedback.axes[index].position.value()));
             if is_rotary(index) {
@@ -206,6 +207,8 @@ fn is_rotary(index: usize) -> bool {
 
 /// Jerk by third differences of setpoints at 125 µs is off by 4 steps / T³: 31 m/s³.
 const SETPOINT: Steps = Steps::new((1 << 26) as f64);
+/// Of a rotary axis, whose limit of jerk may be tens of thousands of °/s³.
+const ROTARY_SETPOINT: Steps = Steps::new((1 << 30) as f64);
 const NM: Steps = Steps::new((1 << 20) as f64);
 const FORCE: Steps = Steps::new((1 << 7) as f64);
 const ANGLE: Steps = Steps::new((1 << 24) as f64);
