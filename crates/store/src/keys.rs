@@ -146,7 +146,7 @@ impl<'d> Keys<'d> {
 
     /// A number within bounds, or "unlimited".
     pub(crate) fn limit(&mut self, key: &'static str, bounds: RangeInclusive<f64>) -> f64 {
-        match self.table.get(key).map(Spanned::get_ref) {
+        match self.get(key).map(Spanned::get_ref) {
             Some(value) if value.as_str() == Some("unlimited") => {
                 self.ask(key);
                 f64::INFINITY

@@ -184,3 +184,15 @@ proptest! {
         }
     }
 }
+
+/// The bench has no limit of jerk; a file that extends it and says nothing of jerk has none either.
+#[test]
+fn what_is_unlimited_stays_so_in_a_file_that_extends_it() {
+    let base = machine::parse(machine::embedded("bench-xyz").unwrap(), 0).unwrap();
+    let text = "extends = \"bench-xyz\"\nname = \"quicker\"\n[axes.x]\nacceleration_m_per_s2 = 2\n";
+    let file = machine::parse(text, 0).unwrap();
+    let (x, before) = (file.axis(canon::Axis::X).unwrap(), base.axis(canon::Axis::X).unwrap());
+    assert_eq!(x.acceleration, before.acceleration * 2.0);
+    assert_eq!((x.jerk_feed, x.jerk_rapid), (before.jerk_feed, before.jerk_rapid));
+    assert!(x.jerk_feed.value().is_infinite());
+}
