@@ -15,15 +15,21 @@ use std::io::{self, BufWriter, Write};
 
 /// Print them; true if the program is not refused.
 pub(crate) fn command(args: &CanonArgs) -> Result<bool, Refused> {
-    if args.format == CanonFormat::Linuxcnc
-        && !args.left.is_asked()
+    if !args.left.is_asked()
         && let Some(session) = pieces::session(&args.source, &args.program)?
     {
         let name = args.program.display().to_string();
         let show = |findings: &[Diagnostic], text: &[u8]| {
             say::err(&render::text(findings, &Source::alone(&name, text)));
         };
-        return pieces::listing(&args.program, &session.bare_setup(), show);
+        let (path, setup) = (&args.program, session.interp_setup());
+        return match args.format {
+            CanonFormat::Linuxcnc => pieces::listing(path, &session.bare_setup(), show),
+            CanonFormat::Text => pieces::operations(path, &setup, line, show),
+            CanonFormat::Json => {
+                pieces::operations(path, &setup, |op| object(op).to_string(), show)
+            }
+        };
     }
     let text = read_program(&args.program)?;
     let session = Session::load(&args.source, &args.program, &text)?;

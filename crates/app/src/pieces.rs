@@ -12,7 +12,7 @@ use crate::refused::Refused;
 use crate::say;
 use crate::session::Session;
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 /// Programs up to this size are read whole.
@@ -171,10 +171,40 @@ pub(crate) fn listing(
     Ok(good)
 }
 
+/// The operations of a long program, each as `line` writes it.
+pub(crate) fn operations(
+    path: &Path,
+    setup: &interp::Setup,
+    line: impl Fn(&canon::Op) -> String,
+    show: impl Fn(&[diag::Diagnostic], &[u8]),
+) -> Result<bool, Refused> {
+    let mut out = io::BufWriter::new(io::stdout().lock());
+    let (mut rest, mut good, mut written) = (None, true, Ok(()));
+    let mut pieces = Pieces::open(path)?;
+    while let Some(piece) = pieces.next()? {
+        let mut ops = interp::Ops::of_piece(piece.text, setup, rest.take(), piece.more_follows);
+        for op in ops.by_ref() {
+            written = writeln!(out, "{}", line(&op));
+            if written.is_err() {
+                break;
+            }
+        }
+        let found = ops.diagnostics();
+        show(&found, piece.text);
+        good &= !found.iter().any(diag::Diagnostic::is_error);
+        if written.is_err() {
+            break;
+        }
+        rest = Some(ops.rest());
+    }
+    say::written(written.and_then(|()| out.flush()))?;
+    Ok(good)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::fmt::Write;
+    use std::fmt::Write as _;
 
     #[test]
     fn pieces_are_whole_lines_and_all_of_them() {

@@ -313,6 +313,27 @@ fn a_program_that_cannot_be_read_does_not_hide_the_others() {
 }
 
 #[test]
+fn a_long_program_has_the_operations_of_its_pieces() {
+    let folder = tempfile::tempdir().unwrap();
+    let moves = |count: usize| "X1 Y1\nX2 Y2\n".repeat(count);
+    let text = |count| format!("G21 G90\nS100 M3\nG1 F100\n{}G0 Z-1\nM2\n", moves(count));
+    let canon = |name: &str, text: String| {
+        let program = folder.path().join(name);
+        fs::write(&program, text).unwrap();
+        let output = leadscrew(&["canon", program.to_str().unwrap(), "--format", "json"]);
+        assert_eq!(output.status.code(), Some(0), "{}", complained(&output));
+        said(&output)
+    };
+    // above 4 MiB a program is read in pieces: its beginning and its end are those of a short one
+    let (short, long) = (canon("short.ngc", text(4)), canon("long.ngc", text(400_000)));
+    let (short, long): (Vec<_>, Vec<_>) = (short.lines().collect(), long.lines().collect());
+    assert_eq!(long.len(), short.len() + 2 * (400_000 - 4));
+    assert_eq!(long[..6], short[..6]);
+    let last = short.last().unwrap().replace("\"line\":13", "\"line\":800005");
+    assert_eq!(*long.last().unwrap(), last);
+}
+
+#[test]
 fn a_line_longer_than_a_piece_is_one_line() {
     let folder = tempfile::tempdir().unwrap();
     let program = folder.path().join("long.ngc");

@@ -91,6 +91,15 @@ impl Executor {
     /// G5.2 and the blocks after it: one control point each.
     pub(crate) fn nurbs_point<S: Sink>(&mut self, sink: &mut S) -> Outcome {
         let span = self.words.place.span;
+        if let Some(begin) = self.state.nurbs.as_ref().and_then(|nurbs| nurbs.points.first())
+            && self.state.incremental
+        {
+            // all control points count from where the curve begins
+            [self.state.at[0], self.state.at[1]] = begin.at;
+        }
+        if self.words.get(b'X').is_some() != self.words.get(b'Y').is_some() {
+            return refuse("I0562", span, "a control point of a NURBS needs both X and Y");
+        }
         let to = self.spline_end()?;
         let Some(weight) = self.words.get(b'P').filter(|p| *p > 0.0) else {
             return refuse(

@@ -181,3 +181,12 @@ fn a_spline_is_one_operation_and_its_curve_is_the_programmed_one() {
     }
     assert_eq!(ends("G5.2 P1 X1 Y1 F10\nP1 X2 Y0\nG1 X3\nM2\n").1, ["I0558"]);
 }
+
+#[test]
+fn with_g91_all_control_points_of_a_nurbs_count_from_its_beginning() {
+    let at_end = |program: &str| ends(&format!("G0 X10\n{program}\nG90 G1 Z1\nM2\n"));
+    let (absolute, errors) = at_end("G5.2 P1 L2 F100\nX12 Y3 P1\nX14 Y1 P1\nG5.3");
+    assert_eq!(errors, [""; 0]);
+    assert_eq!(absolute, [[10., 0.], [14., 1.]]);
+    assert_eq!(at_end("G91 G5.2 P1 L2 F100\nX2 Y3 P1\nX4 Y1 P1\nG5.3").0, absolute);
+}

@@ -289,7 +289,7 @@ pub(super) const ROWS: &[Finding] = &[
     row(
         "I0554",
         "The order of a NURBS is 2 or more.",
-        "F100\nG5.2 P1 L1 X1",
+        "F100\nG5.2 P1 L1 X1 Y1",
         "F100\nG5.2 P1 L3\nX2 Y2 P1\nX4 Y0 P1\nX6 Y2 P1\nG5.3",
     ),
     row("I0555", "A NURBS has too many control points.", "", ""),
@@ -319,6 +319,12 @@ pub(super) const ROWS: &[Finding] = &[
     ),
     row("I0560", "A spline moves X and Y alone.", "F100\nG5.1 X6 Z1 I3 J4", "F100\nG5.1 X6 I3 J4"),
     row("I0561", "Splines need G94 or G95.", "G93\nG5.1 X6 I3 J4 F9", "G94 F100\nG5.1 X6 I3 J4"),
+    row(
+        "I0562",
+        "A control point of a NURBS needs both X and Y.",
+        "F100\nG5.2 P1 L2\nX2 P1\nX4 Y0 P1\nG5.3",
+        "F100\nG5.2 P1 L2\nX2 Y0 P1\nX4 Y0 P1\nG5.3",
+    ),
     row("I0570", "Probing needs an axis word.", "F100\nG38.2", "F100\nG38.2 Z-10"),
     row("I0571", "Probing needs a feed.", "G38.2 Z-10", "F100\nG38.2 Z-10"),
     row("I0572", "Probing needs a way.", "F100\nG38.2 Z0.01", "F100\nG38.2 Z-10"),
