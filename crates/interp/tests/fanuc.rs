@@ -347,3 +347,80 @@ fn a_lathe_goes_home_by_increments() {
         close(&places_of(dialect, program), &wanted);
     }
 }
+
+#[test]
+fn look_ahead_is_switched_on_and_off_without_effect() {
+    goes_to(
+        "O1\nG5.1Q1\nG8P1\nG5P10000\nG5.1Q2X0Y0Z0\nG0X1.\nG5P0\nG8P0\nG5.1Q0\nG11\nM30\n",
+        &[[1.0, 0.0, 0.0]],
+    );
+}
+
+#[test]
+fn an_exact_stop_holds_for_its_block() {
+    let (kinds, findings) = ops_with("O1\nG64\nG9G1X1.F100\nX2.\nM30\n", &setup(Dialect::Fanuc));
+    assert!(findings.is_empty(), "{findings:#?}");
+    let modes: Vec<_> = kinds
+        .iter()
+        .filter_map(|kind| match kind {
+            OpKind::PathMode(mode) => Some(format!("{mode:?}")),
+            OpKind::Line { to, .. } => Some(format!("X{}", to.linear[0].value())),
+            _ => None,
+        })
+        .collect();
+    let stop = modes.iter().position(|mode| mode.contains("ExactStop"));
+    assert_eq!(stop.map(|at| modes[at + 1].as_str()), Some("X1"), "{modes:?}");
+    assert!(modes[stop.unwrap() + 2].contains("Blend"), "{modes:?}");
+}
+
+#[test]
+fn g29_comes_back_by_where_g28_went() {
+    goes_to(
+        "O1\nG0X5.Y5.\nG28X10.Y8.\nG29X20.Y1.\nG90M30\n",
+        &[[5.0, 5.0, 0.0], [10.0, 8.0, 0.0], [0.0, 0.0, 0.0], [10.0, 8.0, 0.0], [20.0, 1.0, 0.0]],
+    );
+    is_told("O1\nG29X1.\nM30\n", "I1053");
+}
+
+#[test]
+fn a_skip_ends_where_it_was_told_to_and_says_so() {
+    goes_to(
+        "O1\nG0X5.\nG31Z-3.F50\nX7.\nG0X#5061Z#5063\nM30\n",
+        &[[5.0, 0.0, 0.0], [5.0, 0.0, -3.0], [7.0, 0.0, -3.0], [5.0, 0.0, -3.0]],
+    );
+}
+
+#[test]
+fn a_cycle_that_is_not_repeated_only_keeps_its_words() {
+    // K0 makes no hole and no move; the next block does
+    for none in ["K0", "L0"] {
+        let program = format!("O1\nS500M3\nG0Z10.\nG99G81X1.Y1.Z-5.R2.F100{none}\nX2.\nG80\nM30\n");
+        goes_to(
+            &program,
+            &[
+                [0.0, 0.0, 10.0],
+                [2.0, 0.0, 10.0],
+                [2.0, 0.0, 2.0],
+                [2.0, 0.0, -5.0],
+                [2.0, 0.0, 2.0],
+            ],
+        );
+    }
+}
+
+#[test]
+fn codes_that_are_not_executed_say_what_is() {
+    for (code, help) in
+        [("G12.1", "X and C"), ("G7.1C5.", "rotary axis"), ("G22", "travel"), ("G45D1", "G41")]
+    {
+        let program = format!("O1\n{code}\nM30\n");
+        let setup = setup(Dialect::Fanuc);
+        let mut ops = Ops::new(program.as_bytes(), &setup);
+        while ops.next().is_some() {}
+        let found = ops.diagnostics();
+        let told = found.iter().any(|d| {
+            d.code == "I0103" && d.help.as_deref().is_some_and(|told| told.contains(help))
+        });
+        assert!(told, "{code}: {found:#?}");
+    }
+}

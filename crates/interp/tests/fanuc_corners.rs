@@ -147,6 +147,13 @@ fn corners_are_in_a_profile_too() {
     let program = |corner: &str| {
         format!("O1\nG98F100G0X30.Z2.\nG70P10Q20\nM30\nN10G0X20.\nG1Z-10.{corner}\nN20X30.\n")
     };
+    // also where the feed before it is the profile's own, and without a comma
+    let program_of_two =
+        "O1\nG98F100G0X30.Z2.\nG70P10Q20\nM30\nN10G0X20.\nG1Z-10.\nX30.R2.\nN20Z-20.\n";
+    let (found, findings) = moves(program_of_two, &setup(Dialect::FanucLatheA));
+    assert_eq!(findings, [""; 0]);
+    assert_eq!(found[..2], ["line 10 0 -10", "line 13 0 -10"]);
+    assert!(found[2].starts_with("arc 15 0 -12 about -12 13"), "{found:?}");
     let (found, findings) = moves(&program(",C1."), &setup(Dialect::FanucLatheA));
     assert_eq!(findings, [""; 0]);
     assert_eq!(found, ["line 10 0 -9", "line 11 0 -10", "line 15 0 -10"]);

@@ -192,3 +192,139 @@ fn what_a_cycle_lacks_is_said() {
     );
     is_told("G0 X22. Z3.\nG76 P123 Q50", "I1031");
 }
+
+/// The same strokes by two ways to write them.
+#[track_caller]
+fn are_alike(one: &str, other: &str) {
+    let [one, other] = [one, other].map(|program| run(Dialect::FanucLatheA, program));
+    assert_eq!(one.1, [""; 0]);
+    assert_eq!(other.1, [""; 0]);
+    assert!(one.0.len() > 5, "{one:?}");
+    assert_eq!(one.0, other.0);
+}
+
+#[test]
+fn cycles_of_one_line_are_those_of_two() {
+    let profile = "N10 G0 X20.\nG1 Z-10.\nN20 X30.";
+    are_alike(
+        &format!("G0 X30. Z2.\nG71 U2. R0.5\nG71 P10 Q20 U0.4 W0.1 F0.2\n{profile}"),
+        &format!("G0 X30. Z2.\nG71 P10 Q20 U0.4 W0.1 D2000 F0.2\n{profile}"),
+    );
+    are_alike(
+        "G0 X30. Z2.\nG72 W2. R0.5\nG72 P10 Q20 U0 W0.1 F0.2\nN10 G0 Z-5.\nN20 G1 X20.",
+        "G0 X30. Z2.\nG72 P10 Q20 U0 W0.1 D2. F0.2\nN10 G0 Z-5.\nN20 G1 X20.",
+    );
+    are_alike(
+        &format!("G0 X30. Z2.\nG73 U2. W1. R3\nG73 P10 Q20 U0 W0 F0.3\n{profile}"),
+        &format!("G0 X30. Z2.\nG73 P10 Q20 I2. K1. U0 W0 D3 F0.3\n{profile}"),
+    );
+    are_alike(
+        "G0 X20. Z1.\nG74 R0\nG74 X16. Z-4. P2000 Q3000 F0.1",
+        "G0 X20. Z1.\nG74 X16. Z-4. I2. K3. F0.1",
+    );
+    are_alike(
+        "G0 X20. Z1.\nG75 R0\nG75 X16. Z-4. P1000 Q3000 F0.1",
+        "G0 X20. Z1.\nG75 X16. Z-4. I1. K3. F0.1",
+    );
+    are_alike(
+        "G0 X22. Z3.\nG76 P010060 Q0 R0\nG76 X18. Z-20. R-0.5 P1000 Q500 F1.5",
+        "G0 X22. Z3.\nG76 X18. Z-20. I-0.5 K1. D500 F1.5 A60",
+    );
+    is_told("G0 X22. Z3.\nG76 X18. Z-20. K1. D500 F1.5 P2", "I1031");
+}
+
+#[test]
+fn tapers_are_called_i_and_k_too() {
+    are_alike(
+        "G0 X30. Z2.\nG90 X20. Z-10. R-1. F0.2\nG94 X10. Z-1. R-2.\nG92 X20. Z-10. R-1. F1.5",
+        "G0 X30. Z2.\nG90 X20. Z-10. I-1. F0.2\nG94 X10. Z-1. K-2.\nG92 X20. Z-10. I-1. F1.5",
+    );
+}
+
+#[test]
+fn what_a_cycle_does_not_take_is_said_and_the_codes_beside_it_hold() {
+    is_told("G0 X30. Z2.\nG71 U2. R1. E3.", "I0110");
+    is_told("G0 X30. Z2. F0.2\nG70 P10 Q20 D3.\nN10 G0 X10.\nN20 G1 Z-10.", "I0110");
+    // G98 in the cycle's own line: F is per minute
+    let program = b"O1\nG97 S500 M3\nG0 X20. Z1.\nG98 G74 Z-4. Q2000 F100.\nM30\n";
+    let setup = Setup { dialect: Dialect::FanucLatheA, ..Setup::default() };
+    let per_minute = |op: canon::Op| {
+        matches!(op.kind, canon::OpKind::Line { feed: canon::Feed::PerTime(_), .. })
+    };
+    assert!(interp::Ops::new(program, &setup).any(per_minute));
+}
+
+#[test]
+fn increments_of_system_b_hold_in_a_cycle() {
+    // from X50 down by 5, twice from the same start
+    let (found, told) =
+        run(Dialect::FanucLatheB, "G0 X50. Z2.\nG77 X48. Z-10. F0.2\nG91 X-5.\nG90");
+    assert_eq!(told, [""; 0]);
+    let feeds: Vec<_> = found.iter().filter(|stroke| stroke.starts_with("F ")).collect();
+    assert_eq!(
+        feeds,
+        ["F 24.000 -10.000", "F 25.000 -10.000", "F 22.500 -10.000", "F 25.000 -10.000"]
+    );
+}
+
+#[test]
+fn a_lathe_drills_along_z() {
+    // R lies 3 below the initial level; pecks of 5 from there, back to the initial level at the end
+    let strokes = "R 0.000 5.000, f 0.100, R 0.000 5.000, R 0.000 2.000,
+         F 0.000 -3.000, R 0.000 2.000, R 0.000 -2.746, F 0.000 -8.000, R 0.000 2.000, R 0.000 -7.746,
+         F 0.000 -10.000, R 0.000 5.000";
+    does("G0 X0 Z5.\nG83 Z-10. R-3. Q5000 F0.1\nG80", strokes);
+    let (found, told) = run(Dialect::FanucLatheA, "G0 X0 Z5.\nG83 W-12. R-3. Q5000 F0.1\nG80");
+    assert_eq!(told, [""; 0]);
+    assert_eq!(found, strokes.split(',').map(str::trim).collect::<Vec<_>>());
+    does(
+        "G0 X0 Z5.\nG83 Z-10. F0.1\nG80",
+        "R 0.000 5.000, f 0.100, R 0.000 5.000, F 0.000 -10.000, R 0.000 5.000",
+    );
+    is_told("G0 X0 Z5.\nG87 X-10. F0.1", "I0103");
+}
+
+#[test]
+fn a_lathes_tool_offsets_are_geometry_and_wear() {
+    // geometry X 4 (diameter), Z 10; wear X 0.2, Z -0.5, set twice; then added to
+    let offsets = "G10 P10001 X4. Z10. R0.8 Q3\nG10 P1 X0.2 Z-0.5\nG10 P1 X0.2 Z-0.5";
+    let places = |program: &str| {
+        let missing_tools = interp::MissingTools::StandIn;
+        let setup = Setup { dialect: Dialect::FanucLatheA, missing_tools, ..Setup::default() };
+        let text = format!("O1\n{program}\nM30\n");
+        let mut ops = interp::Ops::new(text.as_bytes(), &setup);
+        let ends: Vec<_> = ops
+            .by_ref()
+            .filter_map(|op| match op.kind {
+                canon::OpKind::Rapid { to } => Some([to.linear[0].value(), to.linear[2].value()]),
+                _ => None,
+            })
+            .collect();
+        let told = ops.diagnostics();
+        assert!(told.is_empty(), "{told:#?}");
+        ends.last().copied().unwrap_or_default()
+    };
+    let near = |[x, z]: [f64; 2], wanted: [f64; 2]| {
+        assert!((x - wanted[0]).abs() < 1e-9 && (z - wanted[1]).abs() < 1e-9, "{x} {z}");
+    };
+    near(places(&format!("{offsets}\nT0101\nG0 X0 Z0")), [2.1, 9.5]);
+    near(places(&format!("{offsets}\nG10 P1 U0.2 W1.\nT0101\nG0 X0 Z0")), [2.2, 10.5]);
+    near(places(&format!("{offsets}\n#2001=1.\n#2801=20.\nT0101\nG0 X0 Z0")), [2.5, 19.5]);
+    near(places(&format!("{offsets}\nG0 X[#2901*10+#2301]Z#2101")), [5.5, -0.5]);
+    // P0 is the external work offset
+    near(places("G10 P0 Z7.\nG0 X10. Z1."), [5.0, 8.0]);
+    is_told("G10 P1", "I1022");
+}
+
+#[test]
+fn h_and_v_are_increments_too() {
+    let setup = Setup { dialect: Dialect::FanucLatheA, ..Setup::default() };
+    let ops = interp::Ops::new(b"O1\nG0 C90.\nH10.\nH5000\nM30\n", &setup);
+    let turns: Vec<_> = ops
+        .filter_map(|op| match op.kind {
+            canon::OpKind::Rapid { to } => Some(to.rotary[2].in_deg().round()),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(turns, [90.0, 100.0, 105.0]);
+}

@@ -39,7 +39,7 @@ impl Document {
     /// First byte of a line counted from 0, and one past its last, without the line's end.
     pub(crate) fn line(&self, line: usize) -> (usize, usize) {
         let at = |line: usize| self.starts.get(line).map_or(self.text.len(), |s| *s as usize);
-        let (from, mut to) = (at(line), at(line + 1));
+        let (from, mut to) = (at(line), at(line.saturating_add(1)));
         while to > from && matches!(self.text[to - 1], b'\n' | b'\r') {
             to -= 1;
         }
@@ -100,11 +100,17 @@ impl Document {
         [b"M98", b"G65", b"G66"].iter().any(|call| memchr::memmem::find(&dense, *call).is_some())
     }
 
+    /// Line and byte of a place of the editor's; nothing behind the last line.
+    pub(crate) fn at(&self, place: Position) -> Option<(usize, usize)> {
+        let line = place.line as usize;
+        (line < self.lines()).then(|| (line, self.byte(place)))
+    }
+
     /// The byte at a place of the editor's; a place behind the line's end is its end.
     pub(crate) fn byte(&self, place: Position) -> usize {
         let (from, to) = self.line(place.line as usize);
         if self.utf8 {
-            return (from + place.character as usize).min(to);
+            return from.saturating_add(place.character as usize).min(to);
         }
         let line = String::from_utf8_lossy(&self.text[from..to]);
         let mut units = place.character as usize;
@@ -178,6 +184,9 @@ mod tests {
     fn places_outside_the_text_do_not_panic() {
         let mut document = open("G1");
         assert_eq!(document.byte(Position::new(9, 9)), 2);
+        assert_eq!(document.at(Position::new(u32::MAX, u32::MAX)), None);
+        assert_eq!(document.byte(Position::new(u32::MAX, u32::MAX)), 2);
+        assert_eq!(document.at(Position::new(0, u32::MAX)), Some((0, 2)));
         document.apply(change((5, 5), (1, 0), "X"));
         assert_eq!(document.place(1000).line, 0);
     }

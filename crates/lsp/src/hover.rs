@@ -3,7 +3,7 @@ use crate::analysis::{Analysis, Visit};
 use crate::document::Document;
 use crate::{names, roles};
 use canon::{Axis, Position};
-use gcode::{Block, Parser, Word};
+use gcode::{Block, Control, Keyword, Parser, Word};
 use interp::{CodeInfo, Dialect, Standing};
 use std::fmt::Write;
 
@@ -27,7 +27,10 @@ pub(crate) fn at(
     let number = line as u32 + 1;
     parser.seek(from as u32, number);
     let mut block = Block::new();
-    if !parser.next(&mut block) || block.is_blank() {
+    // a line of Fanuc's can hold several blocks
+    while parser.next(&mut block) && block.span.line == number && (block.span.end as usize) < byte {
+    }
+    if block.span.line != number || block.is_blank() {
         return None;
     }
     let name =
@@ -46,6 +49,8 @@ pub(crate) fn at(
     } else if let Some(word) = word {
         markdown.push_str(&about(word, &block, visit.as_ref(), dialect));
         (first, last) = (word.span.start as usize, word.span.end as usize);
+    } else if let Some(text) = steering(&block) {
+        _ = writeln!(markdown, "{text}\n");
     }
     match &visit {
         Some(visit) => markdown.push_str(&around(visit)),
@@ -54,13 +59,52 @@ pub(crate) fn at(
     Some(Hover { markdown, from: first, to: last })
 }
 
+/// What a block does to the order of execution, or writes.
+fn steering(block: &Block) -> Option<&'static str> {
+    if block.output.is_some() {
+        return Some("writes to the control's external device");
+    }
+    if let Some(control) = block.control {
+        return Some(match control {
+            Control::GoTo(_) => "**GOTO** goes on at the block N with this number",
+            Control::IfGoTo { .. } => {
+                "**IF … GOTO** goes on at the block N with this number if the condition holds"
+            }
+            Control::IfThen(_) => "**IF … THEN** does the rest of the block if the condition holds",
+            Control::While { condition: Some(_), .. } => {
+                "**WHILE … DO** repeats what follows up to its END while the condition holds"
+            }
+            Control::While { condition: None, .. } => "**DO** repeats what follows up to its END",
+            Control::End(_) => "**END** goes back to its DO",
+        });
+    }
+    Some(match block.o?.keyword {
+        Keyword::Program => "a program begins here",
+        Keyword::Sub => "a subprogram begins here",
+        Keyword::EndSub => "the subprogram ends here",
+        Keyword::Return => "goes back to the caller",
+        Keyword::Call => "calls the subprogram; what stands in brackets is its #1, #2, …",
+        Keyword::If => "what follows is done if the condition holds",
+        Keyword::ElseIf => "what follows is done if no condition before holds, and this one does",
+        Keyword::Else => "what follows is done if no condition before holds",
+        Keyword::EndIf => "the end of what a condition decides",
+        Keyword::While => "repeats while the condition holds",
+        Keyword::Do => "what follows is done once, and again while the condition at its end holds",
+        Keyword::Repeat => "repeats what follows so many times",
+        Keyword::EndWhile | Keyword::EndRepeat => "the end of what is repeated",
+        Keyword::Break => "leaves the loop",
+        Keyword::Continue => "goes to the loop's next round",
+    })
+}
+
 fn span_holds(word: &Word, byte: usize) -> bool {
     (word.span.start as usize..word.span.end as usize).contains(&byte)
 }
 
 /// What a word does.
 fn about(word: &Word, block: &Block, visit: Option<&Visit>, dialect: Dialect) -> String {
-    let letter = word.letter as char;
+    let comma = if word.letter.is_ascii_lowercase() { "," } else { "" };
+    let letter = format!("{comma}{}", word.letter.to_ascii_uppercase() as char);
     if let Some(code) = meaning(word, dialect) {
         return describe(&code);
     }

@@ -99,7 +99,8 @@ pub(crate) fn in_line(document: &Document, line: usize, grammar: Grammar) -> Vec
     let (mut parser, mut block) = (Parser::with_grammar(&document.text, 0, grammar), Block::new());
     parser.seek(document.line(line).0 as u32, line as u32 + 1);
     let mut found = Vec::new();
-    if parser.next(&mut block) {
+    // a line of Fanuc's can hold several blocks
+    while parser.next(&mut block) && block.span.line == line as u32 + 1 {
         of_block(&document.text, &block, 0, &mut found);
     }
     found
@@ -116,7 +117,8 @@ fn of_block(text: &[u8], block: &Block, scope: usize, found: &mut Vec<Name>) {
         };
         if let Some(name) = name {
             let from = o.span.start as usize;
-            let inner = inner(text, from + 1, end);
+            let head = usize::from(text.get(from) != Some(&b'<')); // O, o or :
+            let inner = inner(text, from + head, end);
             let to = (inner.end + usize::from(text.get(inner.end) == Some(&b'>'))).min(end);
             let kind = Kind::O(o.keyword);
             let set = matches!(o.keyword, Keyword::Sub | Keyword::Program);
@@ -201,11 +203,18 @@ fn called_program(
         }
         _ => false,
     };
-    if !parser.next(&mut block) || !block.words.iter().any(calls) {
-        return None;
+    let mut wanted = None;
+    while wanted.is_none() && parser.next(&mut block) && block.span.line == line as u32 + 1 {
+        if !block.words.iter().any(calls) {
+            continue;
+        }
+        wanted = match (block.called, block.word(b'P').map(|p| p.value)) {
+            (Some(name), _) => Some(block.text(name).to_owned()),
+            (None, Some(gcode::Value::Number(number))) => Some(number.to_string()),
+            _ => None,
+        };
     }
-    let gcode::Value::Number(number) = block.word(b'P')?.value else { return None };
-    let wanted = number.to_string();
+    let wanted = wanted?;
     let program = Kind::O(Keyword::Program);
     names.iter().find(|name| name.kind == program && name.text == wanted).cloned()
 }
@@ -220,15 +229,22 @@ pub(crate) fn same(document: &Document, line: usize, byte: usize, grammar: Gramm
     names.into_iter().filter(|name| name.is_same(&here)).collect()
 }
 
+/// Whether something else has this name already, where the old one is known: both would become one.
+pub(crate) fn taken(document: &Document, old: &Name, new: &str, grammar: Grammar) -> bool {
+    let wanted = Name { text: new.to_ascii_lowercase(), ..old.clone() };
+    wanted.text != old.text && all(document, grammar).iter().any(|name| name.is_same(&wanted))
+}
+
 /// Whether a new name can take the old one's place, or why not.
 pub(crate) fn acceptable(old: &Name, new: &str) -> Result<String, String> {
     let new: String = new.chars().filter(|c| !c.is_whitespace()).collect();
-    let bare = new.trim_start_matches(['#', 'o', 'O']);
+    let bare = new.trim_start_matches(['#', 'o', 'O']).to_owned();
     let new = match bare.strip_prefix('<').and_then(|n| n.strip_suffix('>')) {
         Some(inner) => inner.to_owned(),
         None => new,
     };
     let numbered = old.text.bytes().all(|b| b.is_ascii_digit());
+    let new = if numbered { bare.clone() } else { new };
     let fine = if numbered {
         new.parse::<u32>().is_ok()
     } else {
@@ -293,6 +309,12 @@ mod tests {
         assert_eq!(lines(1, "#1"), [1, 2]);
         assert_eq!(lines(6, "#1"), [6]);
         assert_eq!(lines(2, "#100"), [2, 6]);
+        let two = open("O1\n#100=1;#101=2\nM30\n");
+        let there = in_line(&two, 1, Grammar::Fanuc);
+        assert_eq!(there.iter().map(|name| name.text.as_str()).collect::<Vec<_>>(), ["100", "101"]);
+        let named = open("O1\nG0 X1.; M98 <SUB>\nM30\n<SUB>\nM99\n");
+        let begin = definition(&named, 1, named.line(1).0 + 12, Grammar::Fanuc);
+        assert_eq!(begin.map(|name| name.line), Some(3));
         let called = definition(&document, 3, document.line(3).0 + 4, Grammar::Fanuc);
         assert_eq!(called.map(|name| name.line), Some(5));
     }
@@ -303,6 +325,12 @@ mod tests {
         let name = all(&document, Grammar::Rs274).remove(0);
         assert_eq!(acceptable(&name, "depth"), Ok("depth".to_owned()));
         assert_eq!(acceptable(&name, "#<depth>"), Ok("depth".to_owned()));
+        assert!(taken(&open("#<d>=1\n#<depth>=2\n"), &name, "depth", Grammar::Rs274));
+        assert!(!taken(&open("#<d>=1\no1 sub\n#<depth>=2\n"), &name, "depth", Grammar::Rs274));
+        let number = all(&open("#5=1\n"), Grammar::Rs274).remove(0);
+        assert_eq!(acceptable(&number, "#7"), Ok("7".to_owned()));
+        assert_eq!(acceptable(&number, "7"), Ok("7".to_owned()));
+        assert!(acceptable(&number, "x").is_err());
         assert!(acceptable(&name, "_depth").is_err());
         assert!(acceptable(&name, "de-pth").is_err());
     }

@@ -28,6 +28,15 @@ pub(crate) fn role(dialect: Dialect, letter: u8, code: &str) -> Option<&'static 
 
 fn fanuc(letter: u8, code: &str, cycle: bool) -> Option<&'static str> {
     Some(match (letter, code) {
+        (b'c', _) => "chamfer where this way meets the next",
+        (b'r', _) => "radius of the corner where this way meets the next",
+        (b'P', "M98" | "G65" | "G66") => {
+            "number of the program; of M98 with more than four digits, how often before it"
+        }
+        (b'L', "M98" | "G65" | "G66") => "how often it is called",
+        (b'Q', "M98") => "the block N with which it begins",
+        (b'P', "M99") => "the block N where the caller goes on",
+        (b'A'..=b'Z', "G65" | "G66") => argument(letter)?,
         (b'P', "G4") => "milliseconds to wait",
         (b'X' | b'U', "G4") => "seconds to wait",
         (b'Q', "G76" | "G87") => "how far the tool moves aside before it comes out",
@@ -46,6 +55,34 @@ fn fanuc(letter: u8, code: &str, cycle: bool) -> Option<&'static str> {
         (_, "G76" | "G87") => return shared(letter, ""),
         _ => return shared(letter, code),
     })
+}
+
+/// The variable that an argument of a macro becomes; I, J and K may be given again.
+fn argument(letter: u8) -> Option<&'static str> {
+    const VARIABLES: [(u8, &str); 21] = [
+        (b'A', "argument #1"),
+        (b'B', "argument #2"),
+        (b'C', "argument #3"),
+        (b'I', "argument #4; given again #7, #10, …"),
+        (b'J', "argument #5; given again #8, #11, …"),
+        (b'K', "argument #6; given again #9, #12, …"),
+        (b'D', "argument #7"),
+        (b'E', "argument #8"),
+        (b'F', "argument #9"),
+        (b'H', "argument #11"),
+        (b'M', "argument #13"),
+        (b'Q', "argument #17"),
+        (b'R', "argument #18"),
+        (b'S', "argument #19"),
+        (b'T', "argument #20"),
+        (b'U', "argument #21"),
+        (b'V', "argument #22"),
+        (b'W', "argument #23"),
+        (b'X', "argument #24"),
+        (b'Y', "argument #25"),
+        (b'Z', "argument #26"),
+    ];
+    VARIABLES.iter().find(|(known, _)| *known == letter).map(|(_, text)| *text)
 }
 
 fn shared(letter: u8, code: &str) -> Option<&'static str> {

@@ -258,8 +258,7 @@ impl Server<'_> {
         let Some(open) = self.open.get_mut(&place.text_document.uri) else {
             return Ok(Value::Null);
         };
-        let byte = open.document.byte(place.position);
-        let line = place.position.line as usize;
+        let Some((line, byte)) = open.document.at(place.position) else { return Ok(Value::Null) };
         let Some(hover) = hover::at(&open.document, &mut open.analysis, line, byte) else {
             return Ok(Value::Null);
         };
@@ -282,8 +281,7 @@ impl Server<'_> {
         let place = params.text_document_position_params;
         let uri = place.text_document.uri;
         let Some(open) = self.open.get(&uri) else { return Ok(Value::Null) };
-        let byte = open.document.byte(place.position);
-        let line = place.position.line as usize;
+        let Some((line, byte)) = open.document.at(place.position) else { return Ok(Value::Null) };
         if let Some(name) = names::definition(&open.document, line, byte, open.grammar()) {
             return Ok(json!({ "uri": uri, "range": open.range(&name.inner) }));
         }
@@ -302,8 +300,8 @@ impl Server<'_> {
         let place = params.text_document_position;
         let uri = place.text_document.uri;
         let Some(open) = self.open.get(&uri) else { return Ok(Value::Null) };
-        let byte = open.document.byte(place.position);
-        let all = names::same(&open.document, place.position.line as usize, byte, open.grammar());
+        let Some((line, byte)) = open.document.at(place.position) else { return Ok(Value::Null) };
+        let all = names::same(&open.document, line, byte, open.grammar());
         let location = |name: &names::Name| json!({ "uri": uri, "range": open.range(&name.inner) });
         Ok(all.iter().map(location).collect())
     }
@@ -311,8 +309,8 @@ impl Server<'_> {
     fn prepare_rename(&self, params: Value) -> Answer {
         let place: lsp::TextDocumentPositionParams = parsed(params)?;
         let Some(open) = self.open.get(&place.text_document.uri) else { return Ok(Value::Null) };
-        let byte = open.document.byte(place.position);
-        let here = names::in_line(&open.document, place.position.line as usize, open.grammar())
+        let Some((line, byte)) = open.document.at(place.position) else { return Ok(Value::Null) };
+        let here = names::in_line(&open.document, line, open.grammar())
             .into_iter()
             .find(|name| name.holds(byte));
         Ok(here.map_or(
@@ -326,12 +324,16 @@ impl Server<'_> {
         let place = params.text_document_position;
         let uri = place.text_document.uri;
         let Some(open) = self.open.get(&uri) else { return Ok(Value::Null) };
-        let byte = open.document.byte(place.position);
-        let all = names::same(&open.document, place.position.line as usize, byte, open.grammar());
+        let all = open.document.at(place.position).map_or_else(Vec::new, |(line, byte)| {
+            names::same(&open.document, line, byte, open.grammar())
+        });
         let Some(first) = all.first() else {
             return Err("there is no parameter or O-word here".to_owned());
         };
         let new = names::acceptable(first, &params.new_name)?;
+        if names::taken(&open.document, first, &new, open.grammar()) {
+            return Err(format!("{new} is there already: both would become one"));
+        }
         let edit = |name: &names::Name| json!({ "range": open.range(&name.inner), "newText": new });
         let edits: Vec<_> = all.iter().map(edit).collect();
         Ok(json!({ "changes": { uri.as_str(): edits } }))

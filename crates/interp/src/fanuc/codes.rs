@@ -59,9 +59,9 @@ pub(super) fn meaning(kind: Kind, tenths: u16) -> Meaning {
         match code {
             340 | 700 | 710 | 720 | 730 | 740 | 750 | 760 => return Multiple(code),
             770 | 780 | 790 => return Box(code),
-            810 | 820 | 830 | 840 | 850 | 860 | 870 | 880 | 890 => {
-                return NotYet("drilling cycle of lathes");
-            }
+            830 | 840 | 850 => return Shared(code),
+            870 | 880 | 890 => return NotYet("drilling and tapping cycle along X"),
+            810 | 820 | 860 => return Unknown,
             160 => return NotYet("polar coordinates"),
             510 | 511 => return NotYet("scaling and mirroring"),
             680 => return NotYet("double turret mirroring"),
@@ -155,6 +155,9 @@ pub(super) const fn is_shared_m(number: u16) -> bool {
 /// A G code of a Fanuc machine, for people: what it is in the shared language, or its name and whether it is executed.
 pub(crate) fn told(kind: Kind, tenths: u16) -> Option<(Option<u16>, &'static str, bool)> {
     match meaning(kind, tenths) {
+        _ if tenths == 650 => Some((None, "macro call", true)),
+        _ if tenths == 660 => Some((None, "macro call after each block that moves", true)),
+        _ if tenths == 670 => Some((None, "end of the last modal macro", true)),
         Meaning::Shared(541) => Some((None, "more work offsets", true)),
         Meaning::Shared(code) => Some((Some(code), "", true)),
         Meaning::Thread => Some((None, "thread cutting", true)),
@@ -185,6 +188,7 @@ pub(super) const fn instead(tenths: u16) -> &'static str {
         620 | 630 => "write G64, or G61 for exact stops",
         661 => "G66 calls the macro after each block that moves, G65 once",
         682 => "G68 turns the coordinates in their plane",
+        870 | 880 | 890 => "G83, G84 and G85 drill, tap and bore along Z",
         721 | 722 => "M98 P_ repeats a subprogram, G68 turns it",
         _ => "",
     }
@@ -192,6 +196,9 @@ pub(super) const fn instead(tenths: u16) -> &'static str {
 
 /// Whether a code that is Fanuc's own stays in force after its block.
 pub(crate) fn stays(kind: Kind, tenths: u16) -> bool {
+    if tenths == 660 {
+        return true;
+    }
     matches!(
         meaning(kind, tenths),
         Meaning::Mapping(160 | 510 | 511 | 680) | Meaning::Box(_) | Meaning::Thread

@@ -67,8 +67,8 @@ impl Fanuc {
         sink: &mut S,
     ) -> Outcome<After> {
         let ex = &it.executor;
-        let motion =
-            ex.words.g(crate::codes::GGroup::Motion).map_or(ex.state.motion, Motion::from_code);
+        let code = ex.words.g(crate::codes::GGroup::Motion);
+        let motion = code.map_or(in_force(ex), Motion::from_code);
         if motion != Motion::Feed {
             let text = "a corner follows a straight feed: G1";
             return refuse("I1054", corner.span, text);
@@ -98,6 +98,9 @@ impl Fanuc {
         // what follows counts from the corner; the way from here leads along the same line
         it.executor.state.at = to;
         it.executor.state.motion = Motion::Feed;
+        if let Some(recording) = &mut it.executor.recording {
+            recording.go_on_with(Motion::Feed);
+        }
         self.taken = cut.taken;
         Ok(after)
     }
@@ -132,6 +135,7 @@ impl Fanuc {
             let mut ex = it.executor.clone();
             ex.state.at = *corner;
             ex.state.motion = Motion::Feed;
+            ex.recording = None;
             let distance = it.executor.words.g(crate::codes::GGroup::Distance);
             ex.state.incremental = distance.map_or(ex.state.incremental, |code| code == 910);
             ahead.read_words(&block, source, &ex)?;
@@ -152,6 +156,11 @@ impl Fanuc {
         );
         Err(fault.with_help("write the corner's own G1, G2 or G3 between other moves").into())
     }
+}
+
+/// The motion in force: a profile that is taken down has its own.
+pub(super) fn in_force(ex: &Executor) -> Motion {
+    ex.recording.as_ref().map_or(ex.state.motion, |recording| recording.motion())
 }
 
 /// Where a corner begins and ends.

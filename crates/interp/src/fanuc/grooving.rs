@@ -9,6 +9,8 @@
 //!         ▼peck
 //! ```
 //!
+//! The older form has one line: G74 X Z I(step along X) K(step along Z) D(relief) F.
+//!
 //! Source: Fanuc, operator's manual of series 30i for lathes, "End face peck drilling", "Outer diameter drilling".
 use super::{Fanuc, words::Said};
 use crate::{
@@ -50,8 +52,11 @@ impl Fanuc {
         let at = it.executor.state.at;
         let start = [at[2], at[0]];
         let end = self.corner_of(it, said);
-        let [p, q] = [b'P', b'Q'].map(|letter| self.long(it, said, letter).map(f64::abs));
-        let relief = self.long(it, said, b'R').unwrap_or(0.0);
+        let length = |letter: u8| self.long(it, said, letter);
+        // in the older form I lies along X and K along Z
+        let p = length(b'P').or_else(|| length(b'I')).map(f64::abs);
+        let q = length(b'Q').or_else(|| length(b'K')).map(f64::abs);
+        let relief = length(b'R').or_else(|| length(b'D')).unwrap_or(0.0);
         // deep: along Z for G74; across: along X
         let [deep, across] = if code == 74 { [0, 1] } else { [1, 0] };
         let (peck, step) = if code == 74 { (q, p) } else { (p, q) };

@@ -5,19 +5,30 @@
 //!                            ┌◄──────● start
 //!                          3 ▲       ▼ 1 rapid
 //!                            └──◄────┘      G78 (A: G92)  threading: 2 follows the spindle
-//!                               2 feed      R: the taper, as a radius, of where 2 begins
+//!                               2 feed      R (or I): the taper, as a radius, of where 2 begins
 //! ```
 //!
 //! The cycle is modal: a block with X, Z, U or W makes the next pass from the same start.
 use super::{Fanuc, words};
 use crate::{
     call::{Call, Sink},
+    codes::GGroup,
     execute::{After, Executor},
     fault::{Outcome, refuse},
     frame::Point,
     state::{FeedMode, Motion},
 };
 use canon::Plane;
+
+/// Deeper than any hole: a peck of all of it.
+const WHOLE: f64 = 1e6;
+
+/// Whether the block makes holes.
+pub(super) fn drills(ex: &Executor) -> bool {
+    let code = ex.words.g(GGroup::Motion);
+    let motion = code.map_or(ex.state.motion, Motion::from_code);
+    matches!(motion, Motion::Cycle(_)) && ex.words.any(crate::codes::AXES)
+}
 
 impl Fanuc {
     /// What holds before the first block.
@@ -34,6 +45,31 @@ impl Fanuc {
         ex.say(sink, &Call::FeedMode { per_revolution: true });
     }
 
+    /// G83, G84, G85: a hole along Z, whatever plane is in force. R counts from the initial level, W from R.
+    pub(super) fn drill<S: Sink>(&self, ex: &mut Executor, sink: &mut S) -> Outcome<After> {
+        let initial = ex.state.initial.unwrap_or(ex.state.at[2]);
+        if !ex.state.incremental {
+            let span = ex.words.span(b'R');
+            let level = ex.words.take(b'R').map(|r| initial + r);
+            let level = level.or(ex.state.sticky.map(|kept| kept.r)).unwrap_or(initial);
+            ex.words.put(b'R', level, span)?;
+            if self.once.by_w {
+                let depth = ex.words.take(b'Z').unwrap_or(0.0) - ex.state.at[2];
+                ex.words.put(b'Z', level + depth, span)?;
+            }
+        }
+        let code = ex.words.g(GGroup::Motion);
+        let motion = code.map_or(ex.state.motion, Motion::from_code);
+        let pecks = motion == Motion::Cycle(crate::state::Cycle::Peck);
+        if pecks && ex.words.get(b'Q').is_none() && ex.state.sticky.is_none() {
+            ex.words.put(b'Q', WHOLE, ex.words.place.span)?; // in one go
+        }
+        let plane = core::mem::replace(&mut ex.state.plane, Plane::XY);
+        let after = ex.execute(sink);
+        ex.state.plane = plane;
+        after
+    }
+
     /// A block of a cycle in force: its other words first, then the four moves.
     pub(super) fn lathe_move<S: Sink>(
         &mut self,
@@ -42,6 +78,9 @@ impl Fanuc {
         sink: &mut S,
     ) -> Outcome<After> {
         let start = ex.state.at;
+        if let Some(code) = ex.words.g(GGroup::Distance) {
+            ex.set_distances(code == 910, ex.state.absolute_centres, sink);
+        }
         let mut corner = ex.destination(false)?;
         let span = ex.words.place.span;
         let kept = self.corner;
@@ -50,7 +89,10 @@ impl Fanuc {
                 corner[axis] = before[axis];
             }
         }
-        let taper = ex.words.take(b'R').unwrap_or(kept.map_or(0.0, |(_, taper)| taper));
+        // older controls call the taper I, of facing K
+        let older = if code == 790 { b'K' } else { b'I' };
+        let taper = ex.words.take(b'R').or_else(|| ex.words.take(older));
+        let taper = taper.unwrap_or(kept.map_or(0.0, |(_, taper)| taper));
         self.corner = Some((corner, taper));
         if let Some(stray) = b"YABCV".iter().find(|letter| ex.words.get(**letter).is_some()) {
             let text = format!("{} has no effect: the cycle moves X and Z", *stray as char);

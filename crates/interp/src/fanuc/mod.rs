@@ -49,6 +49,7 @@ pub(crate) use calls::programs;
 pub(crate) use codes::{has_m, stays, told};
 use diag::Span;
 use gcode::Control;
+use lathe::drills;
 use tape::Tape;
 use values::Variables;
 pub(crate) use values::binary_coded;
@@ -120,6 +121,7 @@ pub(crate) struct Fanuc {
 }
 
 /// What one block asks for that the shared language does not have.
+#[allow(clippy::struct_excessive_bools)] // orders that exclude nothing
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Once {
     /// G9.
@@ -128,6 +130,8 @@ struct Once {
     back: bool,
     /// G31.
     skip: bool,
+    /// W stands for Z.
+    by_w: bool,
     /// G54.1: the work offset.
     system: Option<u8>,
     /// `,C` or `,R`.
@@ -372,6 +376,7 @@ impl Fanuc {
         let after = match cycle {
             _ if self.once.back => self.back_from_reference(ex, sink)?,
             Some(code) => self.lathe_move(ex, code, sink)?,
+            None if self.is_lathe() && drills(ex) => self.drill(ex, sink)?,
             None => ex.execute(sink)?,
         };
         self.by = by.or(self.by);

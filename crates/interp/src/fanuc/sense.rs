@@ -47,7 +47,7 @@ impl Fanuc {
             cycle: matches!(ex.state.motion, Motion::Cycle(_)),
             tap: matches!(ex.state.motion, Motion::Cycle(cycle) if cycle.tap_sense().is_some()),
             thread: ex.state.motion == Motion::Thread,
-            feed: ex.state.motion == Motion::Feed,
+            feed: super::corner::in_force(ex) == Motion::Feed,
             per_revolution: ex.state.feed_mode == FeedMode::PerRevolution,
             ..Sense::default()
         };

@@ -3,6 +3,7 @@
 //! ```text
 //!   G76 P(m r a) Q(least) R(left)         m finishing passes, r pull-off in tenths of the lead, a angle of the tool
 //!   G76 X Z R(taper) P(height) Q(first) F(lead)
+//!   G76 X Z I(taper) K(height) D(first) F A(angle)      the older form, in one line
 //!
 //!   depth of pass n: first·√n, each at least `least` deeper than the one before, to height − left; then m at the full height.
 //!   The passes go in along the thread's flank: each begins depth·tan(a/2) further on.
@@ -89,7 +90,9 @@ impl Fanuc {
 
     fn thread_words(&mut self, it: &Interpreter<'_>, said: &[Said]) -> Outcome<Thread> {
         let span = it.block.span;
-        let Some([finishing, pull_off, angle, least, left]) = self.first_lines.thread else {
+        let older = word(said, b'D').is_some() || word(said, b'K').is_some();
+        let own = if older { Some(self.one_line(said)?) } else { self.first_lines.thread };
+        let Some([finishing, pull_off, angle, least, left]) = own else {
             let text = "G76 does not know its passes: write a line such as G76 P010060 Q100 R0.05 before it";
             return refuse("I1031", span, text);
         };
@@ -99,10 +102,14 @@ impl Fanuc {
             return Err(words::no_lead(span).into());
         };
         self.lead = Some(lead);
-        let [height, first] = [b'P', b'Q'].map(|letter| self.long(it, said, letter));
+        let letters = if older { [b'K', b'D'] } else { [b'P', b'Q'] };
+        let [height, first] = letters.map(|letter| self.long(it, said, letter));
         let (Some(height), Some(first)) = (height.filter(|h| *h > 0.0), first.filter(|q| *q > 0.0))
         else {
-            let text = "G76 needs P, the thread's height, and Q, the depth of the first pass, both above 0";
+            let [height, first] = letters.map(char::from);
+            let text = format!(
+                "G76 needs {height}, the thread's height, and {first}, the depth of the first pass, both above 0"
+            );
             return refuse("I1031", span, text);
         };
         let thread = Thread {
@@ -115,7 +122,7 @@ impl Fanuc {
             finishing: finishing as u32,
             slant: (angle / 2.0).to_radians().tan(),
             pull_off: pull_off / 10.0 * lead,
-            taper: self.long(it, said, b'R').unwrap_or(0.0),
+            taper: self.long(it, said, if older { b'I' } else { b'R' }).unwrap_or(0.0),
             lead,
         };
         if thread.start[1] == thread.end[1] || thread.start[0] == thread.end[0] {
@@ -126,6 +133,26 @@ impl Fanuc {
         if thread.depths().len() as f64 > MOST {
             let text = format!("Q would make more than {MOST} passes of G76");
             return refuse("I1031", span, text);
+        }
+        Ok(thread)
+    }
+
+    /// What the older form leaves to what was said before: one finishing pass, no pull-off; A is the tool's angle.
+    fn one_line(&self, said: &[Said]) -> Outcome<[f64; 5]> {
+        if let Some(way) = word(said, b'P').filter(|way| way.value != 1.0) {
+            let text =
+                format!("P{} is another way of going in: P1, along one flank, is known", way.value);
+            return refuse("I1031", way.span, text);
+        }
+        let mut thread = self.first_lines.thread.unwrap_or([1.0, 0.0, 60.0, 0.0, 0.0]);
+        if let Some(angle) = word(said, b'A') {
+            if !(0.0..=120.0).contains(&angle.value) {
+                let found = angle.value;
+                let text =
+                    format!("A is the angle of the thread's tool, 0 to 120 degrees, found {found}");
+                return refuse("I1031", angle.span, text);
+            }
+            thread[2] = angle.value;
         }
         Ok(thread)
     }

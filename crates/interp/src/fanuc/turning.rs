@@ -8,6 +8,9 @@
 //!   G70 P(first) Q(last)                  along it once, with the feeds of its own blocks
 //! ```
 //!
+//! The older form says all in one line: `G71 P Q U W D(depth)`, `G73 P Q I(X) K(Z) D(times) U W`. It comes away by what a
+//! first line has said, else by 0.5 mm.
+//!
 //! The profile's blocks are taken down (`profile`), not moved along. After G71 to G73 the program goes on behind them,
 //! after G70 behind its own block.
 //!
@@ -26,6 +29,9 @@ use canon::Plane;
 
 /// More repetitions of a pattern than this are a slip of the pen.
 const MAX_TIMES: u32 = 1_000;
+
+/// How far a pass of the older form comes away, mm.
+const AWAY_MM: f64 = 0.5;
 
 /// What first lines have set.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -57,6 +63,17 @@ pub(super) fn word(said: &[Said], letter: u8) -> Option<&Said> {
     said.iter().find(|said| said.letter == letter)
 }
 
+/// The letters that a cycle takes, in both of its forms.
+const fn takes(code: u16) -> &'static [u8] {
+    match code {
+        34 => b"GFSTMXZUWKQ",
+        70 => b"GFSTMPQ",
+        71..=73 => b"GFSTMPQUWRDIK",
+        74 | 75 => b"GFSTMXZUWPQRIKD",
+        _ => b"GFSTMXZUWPQRIKDA",
+    }
+}
+
 impl Fanuc {
     /// G70 to G76, G34 of the block at hand, on a lathe.
     pub(super) fn multiple_cycle(&self) -> Option<u16> {
@@ -84,8 +101,16 @@ impl Fanuc {
             return refuse("I0581", span, format!("G{code} works in X and Z: write G18 before"));
         }
         let threads = matches!(code, 34 | 76);
-        let beside =
-            |said: &&Said| b"FSTM".contains(&said.letter) && !(threads && said.letter == b'F');
+        let beside = |said: &&Said| match said.letter {
+            b'F' => !threads,
+            b'G' => said.value != f64::from(code),
+            letter => b"STM".contains(&letter),
+        };
+        let idle = said.iter().find(|said| !takes(code).contains(&said.letter));
+        if let Some(idle) = idle {
+            let text = format!("{} has no effect in G{code}", idle.letter as char);
+            return refuse("I0110", idle.span, text);
+        }
         self.said = said.iter().filter(beside).copied().collect();
         it.executor.words.begin(&it.block);
         self.translate(&mut it.executor)?;
@@ -222,15 +247,25 @@ impl Fanuc {
             return Ok(Order::Along);
         }
         if code == 73 {
-            let Some(times) = self.first_lines.times else {
+            let times = match word(said, b'D') {
+                Some(d) => near_whole(d.value).and_then(|n| u32::try_from(n).ok()),
+                None => self.first_lines.times,
+            };
+            let Some(times) = times.filter(|n| (1..=MAX_TIMES).contains(n)) else {
                 return Err(missing("how often it repeats").into());
             };
-            return Ok(Order::Repeat { relief: self.first_lines.relief, shift: left, times });
+            let [z, x] = self.first_lines.relief;
+            let one_line = [b'K', b'I'].map(|letter| self.long(it, said, letter));
+            let relief = [one_line[0].unwrap_or(z), one_line[1].unwrap_or(x)];
+            return Ok(Order::Repeat { relief, shift: left, times });
         }
-        let Some(step) = self.first_lines.depth else {
+        let depth = self.long(it, said, b'D');
+        let Some(step) = depth.filter(|d| *d > 0.0).or(self.first_lines.depth) else {
             return Err(missing("how deep a pass is").into());
         };
-        let retract = self.first_lines.retract;
+        let away = AWAY_MM / it.executor.state.units.in_mm();
+        let unset = depth.is_some() && self.first_lines.depth.is_none();
+        let retract = if unset { away } else { self.first_lines.retract };
         let how = Roughing { part: Part::All, step, retract, manner: Manner::Fanuc };
         Ok(Order::Shifted { across: code == 72, shift: left, how })
     }

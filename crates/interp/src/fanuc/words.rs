@@ -174,6 +174,7 @@ impl Fanuc {
                     let value = if axis == 5 { self.scaled(ex, &turn) } else { value };
                     let from = if ex.state.incremental { 0.0 } else { ex.state.at[axis] };
                     let from = if axis == 0 && ex.state.diameter { 2.0 * from } else { from };
+                    self.once.by_w |= axis == 2;
                     ex.words.put(letter, from + value, word.span)?;
                 }
                 b'I' | b'J' if sense.tap => ex.words.put(word.letter, word.value, word.span)?,

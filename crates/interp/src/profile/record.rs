@@ -57,6 +57,15 @@ impl Recording {
         }
     }
 
+    /// The motion of a block that names none.
+    pub(crate) const fn motion(&self) -> Motion {
+        self.motion
+    }
+
+    pub(crate) const fn go_on_with(&mut self, motion: Motion) {
+        self.motion = motion;
+    }
+
     /// All of it; none if it has no move.
     pub(crate) fn profile(&self) -> Option<Result<Profile, Unfit>> {
         let begin = self.begin.filter(|_| !self.moves.is_empty())?;
