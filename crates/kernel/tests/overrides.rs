@@ -95,6 +95,38 @@ fn twice_the_feed_from_one_second_on_takes_half_of_what_is_left() {
     }
 }
 
+/// From 100 to 200 % within two seconds, a step each 20 ms: the speed follows, no more than 50 ms late; on a curve
+/// without a limit of jerk, whose law of time changes its speed more gently, 300 ms.
+#[test]
+fn a_knob_that_is_turned_steadily_is_followed_while_it_turns() {
+    const BEGINS: usize = 1000;
+    const STEPS: usize = 100;
+    let share = |step: usize| 1.0 + step as f64 / STEPS as f64;
+    let turned: Vec<(usize, Order)> =
+        (1..=STEPS).map(|step| (BEGINS + 20 * step, Order::FeedOverride(share(step)))).collect();
+    let points: Vec<[f64; 3]> =
+        (1..=190).map(|n| [f64::from(n), 5.0 * (f64::from(n) / 30.0).sin(), 0.0]).collect();
+    for (points, jerk, late) in [
+        (&points[..], f64::INFINITY, 300),
+        (&points[..], 20e3, 50),
+        (&[[190.0, 0.0, 0.0]], f64::INFINITY, 50),
+        (&[[190.0, 0.0, 0.0]], 20e3, 50),
+    ] {
+        let seen = run(&program(points, &[40.0]), jerk, &turned);
+        let [speed, accel, third] = loads(&seen, jerk);
+        assert!(speed < 1.001 && accel < 1.01 && third < 1.05, "{speed} {accel} {third}");
+        for (tick, two) in seen.at.windows(2).enumerate().skip(BEGINS).take(20 * STEPS) {
+            let speed = distance(xyz(two[0].0), [xyz(two[1].0); 2]) / PERIOD;
+            let of = |late: usize| 40.0 * share((tick - BEGINS).saturating_sub(late) / 20);
+            let (slowest, fastest) = (of(late), of(0));
+            assert!(
+                (slowest - 0.5..fastest + 0.5).contains(&speed),
+                "period {tick}, jerk {jerk}: {speed} mm/s is not within {slowest} to {fastest}"
+            );
+        }
+    }
+}
+
 /// M49: the program lets no override act.
 #[test]
 fn where_the_program_switches_overrides_off_the_feed_is_as_programmed() {

@@ -11,7 +11,7 @@ struct Peak {
     jerk: f64,
 }
 
-/// Samples what steps order, one after another.
+/// Samples what steps order, one after another; where their time is the spindle's turns, at the speed that is ordered.
 pub(super) struct Peaks {
     period: f64,
     /// From the step's start to its first sample.
@@ -28,18 +28,22 @@ impl Peaks {
 
     pub(super) fn step(&mut self, kind: &StepKind) {
         match kind {
-            StepKind::Follow(order) if !order.per_revolution => {
-                self.sample(order.duration(), |t| order.piece.at(order.at(t).0).q);
+            StepKind::Follow(order) => {
+                let n = if order.per_revolution { order.pace.turning } else { 1.0 };
+                self.sample(order.duration() / n, |t| order.piece.at(order.at(t * n).0).q);
                 if order.exact_stop {
                     self.stop(order.piece.at(order.piece.length).q);
                 }
             }
-            StepKind::Move(order) if !order.per_revolution => {
+            StepKind::Move(order) => {
+                let programmed = order.programmed.filter(|_| order.per_revolution);
+                let n = programmed.map_or(1.0, |programmed| programmed.turning);
                 let place = |p: &canon::Position| canon::Axis::ALL.map(|axis| coordinate(p, axis));
-                let motion =
-                    |t| order.path.motion(order.profile.at(t)).position.map(units::Length::value);
+                let motion = |t| {
+                    order.path.motion(order.profile.at(t * n)).position.map(units::Length::value)
+                };
                 self.last.resize(3, place(order.path.from()));
-                self.sample(order.profile.duration(), motion);
+                self.sample(order.profile.duration() / n, motion);
                 self.stop(place(order.path.to()));
             }
             _ => self.rest(),
@@ -155,5 +159,23 @@ mod tests {
             let accel = peaks.axes[0].accel;
             assert!((999.0..1000.0 + 1e-3).contains(&accel), "{length}: {accel}");
         }
+    }
+
+    /// 10 mm at 0.5 mm a revolution, 20 revolutions a second: 10 mm/s.
+    #[test]
+    fn a_feed_per_revolution_is_as_fast_as_the_spindle_turns() {
+        let path = Path::Line { from: Position::default(), to: Position::xyz(10.0, 0.0, 0.0) };
+        let profile = Profile::rest_to_rest(10.0, 0.5, 1e3, f64::INFINITY);
+        let mut peaks = Peaks::new(1e-3);
+        peaks.step(&StepKind::Move(Move {
+            path,
+            profile,
+            rapid: false,
+            per_revolution: true,
+            exact_stop: true,
+            floats: false,
+            programmed: Some(plan::Programmed { feed: 0.5, turning: 20.0 }),
+        }));
+        assert!((peaks.axes[0].speed - 10.0).abs() < 1e-6, "{}", peaks.axes[0].speed);
     }
 }
