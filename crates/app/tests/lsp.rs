@@ -254,3 +254,21 @@ impl Editor {
         self.at("hover", 0, 0)
     }
 }
+
+#[test]
+fn places_behind_the_text_are_answered() {
+    let mut editor = Editor::open(PART);
+    for what in ["hover", "definition", "prepareRename"] {
+        for (line, character) in [(9999, 0), (u32::MAX, u32::MAX)] {
+            assert_eq!(editor.at(what, line, character), Value::Null, "{what}");
+        }
+    }
+    let place = json!({ "line": u32::MAX, "character": 0 });
+    let params = json!({ "textDocument": { "uri": URI }, "position": place, "newName": "deeper" });
+    let told = editor.ask("textDocument/rename", params);
+    assert!(told["message"].as_str().unwrap().contains("no parameter"), "{told}");
+    assert!(editor.hover(12, u32::MAX).contains("| X | 10 | 1 |"));
+    let told = editor.ask("textDocument/unheardOf", json!({}));
+    assert_eq!(told["code"], -32601, "{told}");
+    editor.leave();
+}

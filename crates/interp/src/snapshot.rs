@@ -131,6 +131,9 @@ impl<'s> Interpreter<'s> {
 
     /// Value of a parameter, written `#5` or `#<name>`, if it has one.
     pub fn parameter(&self, written: &str) -> Option<f64> {
+        if let Some(fanuc) = &self.fanuc {
+            return fanuc.variable_now(&self.executor, written.strip_prefix('#')?.parse().ok()?);
+        }
         let Executor { state, store, .. } = &self.executor;
         let inner = written.strip_prefix('#')?;
         if let Some(name) = inner.strip_prefix('<').and_then(|name| name.strip_suffix('>')) {

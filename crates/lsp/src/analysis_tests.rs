@@ -264,3 +264,17 @@ proptest! {
         holds_over_edits(Dialect::Fanuc, format!("O1\n{text}M30\n"), &edits);
     }
 }
+
+#[test]
+fn variables_of_fanuc_are_shown_as_they_are_and_vacant_ones_have_none() {
+    let text = "O1\n#100=5.\nG0 X#100 Y#101\nG65 P2 A7.\nM30\nO2\nG0 Z#1\nM99\n";
+    let document = Document::new(text.to_owned(), &PositionEncodingKind::UTF16);
+    let setup = Setup { dialect: Dialect::Fanuc, ..Setup::default() };
+    let mut analysis = Analysis::new(setup);
+    let mut value = |line, name: &str| {
+        analysis.visit(&document, line, Some(name)).and_then(|visit| visit.parameter)
+    };
+    assert_eq!(value(3, "#100"), Some(5.0));
+    assert_eq!(value(3, "#101"), None);
+    assert_eq!(value(7, "#1"), Some(7.0));
+}

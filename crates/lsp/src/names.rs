@@ -86,7 +86,7 @@ pub(crate) fn all(document: &Document, grammar: Grammar) -> Vec<Name> {
             subs += 1;
             scope = subs;
         }
-        of_block(&document.text, &block, scope, &mut found);
+        of_block(&document.text, &block, (scope, grammar), &mut found);
         if matches!(block.o, Some(o) if o.keyword == Keyword::EndSub) {
             scope = 0;
         }
@@ -101,12 +101,12 @@ pub(crate) fn in_line(document: &Document, line: usize, grammar: Grammar) -> Vec
     let mut found = Vec::new();
     // a line of Fanuc's can hold several blocks
     while parser.next(&mut block) && block.span.line == line as u32 + 1 {
-        of_block(&document.text, &block, 0, &mut found);
+        of_block(&document.text, &block, (0, grammar), &mut found);
     }
     found
 }
 
-fn of_block(text: &[u8], block: &Block, scope: usize, found: &mut Vec<Name>) {
+fn of_block(text: &[u8], block: &Block, (scope, grammar): (usize, Grammar), found: &mut Vec<Name>) {
     let line = (block.span.line as usize).saturating_sub(1);
     let (start, end) = (block.span.start as usize, (block.span.end as usize).min(text.len()));
     if let Some(o) = block.o {
@@ -125,6 +125,7 @@ fn of_block(text: &[u8], block: &Block, scope: usize, found: &mut Vec<Name>) {
             found.push(Name { kind, text: name, from, to, inner, line, set, scope });
         }
     }
+    found.extend(called(text, block, (line, scope), grammar));
     let mut at = start;
     while let Some(hash) = memchr::memchr(b'#', &text[at..end]).map(|i| at + i) {
         at = hash + 1;
@@ -183,40 +184,53 @@ pub(crate) fn definition(
 ) -> Option<Name> {
     let names = all(document, grammar);
     let here = names.iter().find(|name| name.line == line && name.holds(byte));
-    let Some(here) = here else { return called_program(document, line, &names, grammar) };
+    // elsewhere in the line of a call it is the call that is meant
+    let is_call = |name: &&Name| name.line == line && name.kind == Kind::O(Keyword::Call);
+    let here = here.or_else(|| names.iter().find(is_call))?;
     names.iter().find(|name| name.set && name.is_same(here)).cloned()
 }
 
-/// Of `M98 P100`, and of Fanuc's `G65 P100` and `G66 P100`: the O100 it calls.
-fn called_program(
-    document: &Document,
-    line: usize,
-    names: &[Name],
+/// P of `M98 P100`, and of Fanuc's `G65 P100` and `G66 P100`, or the name in its place: the program that is called.
+fn called(
+    text: &[u8],
+    block: &Block,
+    (line, scope): (usize, usize),
     grammar: Grammar,
 ) -> Option<Name> {
-    let (mut parser, mut block) = (Parser::with_grammar(&document.text, 0, grammar), Block::new());
-    parser.seek(document.line(line).0 as u32, line as u32 + 1);
-    let calls = |w: &gcode::Word| match (w.letter, w.value) {
-        (b'M', gcode::Value::Number(code)) => code == 98.0,
-        (b'G', gcode::Value::Number(code)) => {
-            grammar == Grammar::Fanuc && matches!(code, 65.0 | 66.0)
-        }
-        _ => false,
+    let plain = |word: &gcode::Word| match word.value {
+        gcode::Value::Number(number) => Some(number),
+        gcode::Value::Expression(_) => None,
     };
-    let mut wanted = None;
-    while wanted.is_none() && parser.next(&mut block) && block.span.line == line as u32 + 1 {
-        if !block.words.iter().any(calls) {
-            continue;
-        }
-        wanted = match (block.called, block.word(b'P').map(|p| p.value)) {
-            (Some(name), _) => Some(block.text(name).to_owned()),
-            (None, Some(gcode::Value::Number(number))) => Some(number.to_string()),
-            _ => None,
-        };
+    let has = |letter: u8, codes: &[f64]| {
+        let mut words = block.words.iter().filter(|word| word.letter == letter);
+        words.any(|word| plain(word).is_some_and(|code| codes.contains(&code)))
+    };
+    let is_tape = grammar == Grammar::Fanuc;
+    let program = has(b'M', &[98.0]);
+    if !(program || is_tape && has(b'G', &[65.0, 66.0])) {
+        return None;
     }
-    let wanted = wanted?;
-    let program = Kind::O(Keyword::Program);
-    names.iter().find(|name| name.kind == program && name.text == wanted).cloned()
+    let name = |text: String, from: usize, inner: Range<usize>, to: usize| {
+        let kind = Kind::O(Keyword::Call);
+        Some(Name { kind, text, from, to, inner, line, set: false, scope })
+    };
+    if let Some(called) = block.called {
+        let end = (block.span.end as usize).min(text.len());
+        let open = block.span.start as usize
+            + memchr::memchr(b'<', &text[block.span.start as usize..end])?;
+        let inner = inner(text, open, end);
+        let to = inner.end + 1;
+        return name(block.text(called).to_owned(), open, inner, to);
+    }
+    let word = block.word(b'P')?;
+    let (from, end) = (word.span.start as usize, (word.span.end as usize).min(text.len()));
+    let number = plain(word).filter(|n| n.fract() == 0.0 && (0.0..4e9).contains(n))? as u32;
+    let digits = text[from..end].iter().rev().take_while(|b| b.is_ascii_digit()).count();
+    // P51002: five times O1002
+    let repeats = is_tape && program && number > 9999 && block.word(b'L').is_none();
+    let (number, digits) =
+        if repeats { (number % 10_000, digits.min(4)) } else { (number, digits) };
+    name(number.to_string(), from, end - digits..end, end)
 }
 
 /// All places of the thing under a byte.
@@ -312,6 +326,11 @@ mod tests {
         let two = open("O1\n#100=1;#101=2\nM30\n");
         let there = in_line(&two, 1, Grammar::Fanuc);
         assert_eq!(there.iter().map(|name| name.text.as_str()).collect::<Vec<_>>(), ["100", "101"]);
+        let text = "O1\nM98 P2 L3\nM98 P0040002\nG65 P2 A1.\nM30\nO0002\nM99\n";
+        let calls = open(text);
+        let all = same(&calls, 5, calls.line(5).0 + 2, Grammar::Fanuc);
+        let parts: Vec<_> = all.iter().map(|name| &text[name.inner.clone()]).collect();
+        assert_eq!(parts, ["2", "0002", "2", "0002"]);
         let named = open("O1\nG0 X1.; M98 <SUB>\nM30\n<SUB>\nM99\n");
         let begin = definition(&named, 1, named.line(1).0 + 12, Grammar::Fanuc);
         assert_eq!(begin.map(|name| name.line), Some(3));

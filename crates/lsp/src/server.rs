@@ -285,9 +285,9 @@ impl Server<'_> {
         if let Some(name) = names::definition(&open.document, line, byte, open.grammar()) {
             return Ok(json!({ "uri": uri, "range": open.range(&name.inner) }));
         }
-        let here = names::in_line(&open.document, line, open.grammar())
-            .into_iter()
-            .find(|name| name.holds(byte));
+        let all = names::in_line(&open.document, line, open.grammar());
+        let is_call = |name: &&names::Name| matches!(name.kind, names::Kind::O(_));
+        let here = all.iter().find(|name| name.holds(byte)).or_else(|| all.iter().find(is_call));
         let file = here
             .filter(|name| matches!(name.kind, names::Kind::O(_)))
             .and_then(|name| self.host.subprogram(uri.as_str(), &name.text));
@@ -334,7 +334,13 @@ impl Server<'_> {
         if names::taken(&open.document, first, &new, open.grammar()) {
             return Err(format!("{new} is there already: both would become one"));
         }
-        let edit = |name: &names::Name| json!({ "range": open.range(&name.inner), "newText": new });
+        let is_number = new.bytes().all(|b| b.is_ascii_digit());
+        // the number in `P0041002` keeps its four digits
+        let padded = |name: &names::Name| match name.kind {
+            names::Kind::O(_) if name.inner.len() == 4 && is_number => format!("{new:0>4}"),
+            _ => new.clone(),
+        };
+        let edit = |name: &names::Name| json!({ "range": open.range(&name.inner), "newText": padded(name) });
         let edits: Vec<_> = all.iter().map(edit).collect();
         Ok(json!({ "changes": { uri.as_str(): edits } }))
     }

@@ -83,6 +83,11 @@ impl Fanuc {
         Values { fanuc: self, executor, per_unit }
     }
 
+    /// What a variable has, for people.
+    pub(crate) fn variable_now(&self, executor: &Executor, number: usize) -> Option<f64> {
+        self.values(executor).variable(number, Span::default()).ok().flatten()
+    }
+
     /// Set the block's variables; each sees those set before it.
     pub(super) fn assign<S: Sink>(&mut self, it: &mut Interpreter<'_>, sink: &mut S) -> Outcome {
         for i in 0..it.block.assignments.len() {
