@@ -154,6 +154,13 @@ fn corners_are_in_a_profile_too() {
     assert_eq!(findings, [""; 0]);
     assert_eq!(found[..2], ["line 10 0 -10", "line 13 0 -10"]);
     assert!(found[2].starts_with("arc 15 0 -12 about -12 13"), "{found:?}");
+    // read twice: what a corner of the first reading took is not missing in the second
+    let twice = "O1\nG98F100G0X30.Z2.\nG70P10Q20\nG70P10Q20\nM30\nN10G0X18.Z0\nG1X20.,C1.\nZ-9.,R2.\nX26.\nN20Z-10.\n";
+    let (found, findings) = moves(twice, &setup(Dialect::FanucLatheA));
+    assert_eq!(findings, [""; 0]);
+    assert_eq!(found.len() % 2, 0);
+    assert_eq!(found[..found.len() / 2], found[found.len() / 2..]);
+    assert!(found.contains(&"line 10 0 -1".to_owned()), "{found:?}");
     let (found, findings) = moves(&program(",C1."), &setup(Dialect::FanucLatheA));
     assert_eq!(findings, [""; 0]);
     assert_eq!(found, ["line 10 0 -9", "line 11 0 -10", "line 15 0 -10"]);

@@ -323,6 +323,9 @@ impl Fanuc {
             return refuse("I1049", it.block.span, text);
         }
         let moves = it.executor.words.any(crate::codes::AXES);
+        if self.once.corner.is_none() && moves {
+            self.taken = 0.0;
+        }
         let after = match self.once.corner {
             Some(corner) => self.cornered(it, corner, sink)?,
             None if it.executor.recording.is_some() => {
@@ -330,9 +333,6 @@ impl Fanuc {
             }
             None => self.move_block(&mut it.executor, moves, sink)?,
         };
-        if self.once.corner.is_none() && moves {
-            self.taken = 0.0;
-        }
         if after == After::End {
             it.ended = true;
             return Ok(());
