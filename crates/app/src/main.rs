@@ -41,6 +41,7 @@ mod lsp;
 mod machine;
 mod pace;
 mod papers;
+mod patience;
 mod pieces;
 mod plant;
 mod polygon;

@@ -14,6 +14,7 @@ use crate::interrupt;
 use crate::keeper::Keeper;
 use crate::log::Log;
 use crate::pace::Paced;
+use crate::patience::Patience;
 use crate::plant::Plant;
 use crate::polygon::host::PolygonHost;
 use crate::program::Ops;
@@ -34,10 +35,6 @@ use verify::{Feature, Judge, Watch};
 
 /// Servo periods between two looks of the progress bar.
 const PROGRESS_EVERY: u64 = 4096;
-/// A run may take this much longer than planned before it is given up: waits differ from their estimates, but
-/// every one of them has its own limit.
-const PATIENCE: f64 = 3.0;
-const PATIENCE_AT_LEAST: Time = Time::s(60.0);
 
 /// Everything a run is made of.
 pub(crate) struct Simulation<'a> {
@@ -191,9 +188,9 @@ impl Simulation<'_> {
         let mut limiting = BTreeMap::new();
         let mut saturated = BTreeMap::new();
         let mut warnings = Vec::new();
-        let give_up = PATIENCE_AT_LEAST.max(self.planned * PATIENCE);
         let mut feedback = self.machine.feedback();
         let begun = feedback.time;
+        let mut patience = Patience::new(self.planned, begun);
         let mut periods: u64 = 0;
         let mut broke_off = Vec::new();
         if self.keeper.is_some() {
@@ -201,14 +198,8 @@ impl Simulation<'_> {
         }
         self.timings.start();
         let mut faults = Vec::new();
-        let mut paced = Paced::default();
-        // what is ordered from the beginning is known before the first move is planned
-        let report = self.kernel.report();
-        let (command, truth) = (bus::Command::default(), self.machine.truth());
-        let first = Sample { feedback, command, report, truth };
-        self.stops.act(&first, &mut self.kernel, &mut self.machine);
-        paced.keep(&mut self.kernel, &mut self.planner, &mut queue, &mut self.sent);
-        while feedback.time - begun < give_up && !interrupt::came() {
+        let mut paced = self.paced(&mut queue);
+        while !interrupt::came() {
             if self.is_stopped() {
                 match self.deal_with_stop(&mut queue, &mut faults) {
                     Ok(true) => {}
@@ -247,6 +238,11 @@ impl Simulation<'_> {
             }
             feedback = heard;
             periods += 1;
+            let times = (begun, feedback.time);
+            if let Some(why) = patience.ends(&command, times, self.kernel.operator()) {
+                broke_off.push(why);
+                break;
+            }
             if periods.is_multiple_of(PROGRESS_EVERY) {
                 progress.set_position((feedback.time.value() * 1e3) as u64);
             }
@@ -288,6 +284,17 @@ impl Simulation<'_> {
             withdrawn: self.stops.withdrawn,
             broke_off,
         })
+    }
+
+    /// What is ordered from the beginning is known before the first move is planned.
+    fn paced(&mut self, queue: &mut VecDeque<Step>) -> Paced {
+        let (feedback, report) = (self.machine.feedback(), self.kernel.report());
+        let (command, truth) = (bus::Command::default(), self.machine.truth());
+        let first = Sample { feedback, command, report, truth };
+        self.stops.act(&first, &mut self.kernel, &mut self.machine);
+        let mut paced = Paced::default();
+        paced.keep(&mut self.kernel, &mut self.planner, queue, &mut self.sent);
+        paced
     }
 
     /// Nothing more will happen by itself: the program is over, the control is gone, or it is held and nobody resumes.

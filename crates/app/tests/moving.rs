@@ -161,3 +161,23 @@ fn what_no_machine_can_do_is_refused_with_a_sentence() {
         }
     }
 }
+
+/// 10 mm at 10 mm/s with 1000 mm/s² take 1.01 s, at one percent 101 s; nothing at all is given up, and said.
+#[test]
+fn one_percent_is_waited_for_and_nothing_at_all_is_given_up() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = folder.path().join("slow.ngc");
+    fs::write(&program, "G21 G90 G94\nG1 X10 F600\nM2\n").unwrap();
+    let program = program.to_str().unwrap();
+    let ordered = |orders: &str| {
+        let arguments = ["run", program, "--machine", "bench-xyz", "--operator", orders];
+        leadscrew(&[&arguments[..], &["-q", "--format", "json"]].concat())
+    };
+    let slow = ordered("override 1 at 1ms");
+    assert_eq!(slow.status.code(), Some(0), "{}", complained(&slow));
+    let certificate: Value = serde_json::from_str(&said(&slow)).unwrap();
+    assert!((certificate["cycle_time_s"].as_f64().unwrap() - 101.0).abs() < 0.1, "{certificate}");
+    let held = ordered("override 0 at 0.5s");
+    assert_eq!(held.status.code(), Some(3));
+    assert!(complained(&held).contains("given up after 60 s"), "{}", complained(&held));
+}

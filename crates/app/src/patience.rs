@@ -1,0 +1,56 @@
+//! How long a run is waited for: every wait of the control has its own limit, but an operator's has none.
+use bus::{AXES, Command};
+use kernel::Operator;
+use units::{Length, Time};
+
+/// A run may stand for this much longer than all of it was planned to take: waits differ from their estimates.
+const STANDS: f64 = 3.0;
+const STANDS_AT_LEAST: Time = Time::s(60.0);
+/// The slowest run that is waited for: at one percent of its speed.
+const SLOWEST: f64 = 100.0;
+
+/// See the module's header.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Patience {
+    planned: Time,
+    stands: Time,
+    moved: Time,
+    last: [Length; AXES],
+}
+
+impl Patience {
+    /// With a run that begins now and was planned to take so long.
+    pub(crate) fn new(planned: Time, now: Time) -> Self {
+        let stands = STANDS_AT_LEAST.max(planned * STANDS);
+        Self { planned, stands, moved: now, last: [Length::ZERO; AXES] }
+    }
+
+    /// Why the run is given up, if it is.
+    pub(crate) fn ends(
+        &mut self,
+        command: &Command,
+        (begun, now): (Time, Time),
+        operator: &Operator,
+    ) -> Option<String> {
+        let at = command.axes.each_ref().map(|axis| axis.position);
+        if at != self.last {
+            (self.last, self.moved) = (at, now);
+        }
+        if now - self.moved >= self.stands {
+            let why = if operator.wants_rest() {
+                ": the operator holds it, and no resume comes"
+            } else if operator.share(false) == 0.0 {
+                ": the operator's override is 0 %"
+            } else {
+                ""
+            };
+            let stands = self.stands.value();
+            return Some(format!("given up after {stands:.0} s in which no axis moved{why}"));
+        }
+        let whole = self.stands * SLOWEST;
+        (now - begun >= whole).then(|| {
+            let (took, planned) = ((now - begun).value(), self.planned.value());
+            format!("given up after {took:.0} s, where {planned:.0} s were planned")
+        })
+    }
+}
