@@ -7,6 +7,7 @@
 use crate::{
     fault::{Outcome, refuse},
     names::{self, Store},
+    spelling::short,
     state::State,
     words::near_whole,
 };
@@ -91,12 +92,13 @@ pub(crate) fn binary(operator: Operator, left: f64, right: f64, span: Span) -> O
     let equal = (left - right).abs() < EQUAL;
     match operator {
         Operator::Power if left < 0.0 && right.fract() != 0.0 => {
+            let (left, right) = (short(left), short(right));
             refuse("I0202", span, format!("{left} cannot be raised to the broken power {right}"))
         }
         Operator::Power => Ok(left.powf(right)),
         Operator::Times => Ok(left * right),
         Operator::Divide | Operator::Modulo if right == 0.0 => {
-            refuse("I0203", span, format!("{left} is divided by zero here"))
+            refuse("I0203", span, format!("{} is divided by zero here", short(left)))
         }
         Operator::Divide => Ok(left / right),
         Operator::Modulo => Ok(left.rem_euclid(right)),
@@ -115,8 +117,9 @@ pub(crate) fn binary(operator: Operator, left: f64, right: f64, span: Span) -> O
 }
 
 pub(crate) fn apply(function: Function, x: f64, span: Span) -> Outcome<f64> {
-    let outside =
-        |name: &str, range: &str| refuse("I0204", span, format!("{name} takes {range}, found {x}"));
+    let outside = |name: &str, range: &str| {
+        refuse("I0204", span, format!("{name} takes {range}, found {}", short(x)))
+    };
     match function {
         Function::Abs => Ok(x.abs()),
         Function::Acos if x.abs() > 1.0 => outside("ACOS", "a number from -1 to 1"),

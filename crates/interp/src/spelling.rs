@@ -17,7 +17,7 @@ impl core::fmt::Display for Written {
 
 /// A number as people write it: what counting in binary leaves behind the sixth decimal goes.
 pub(crate) fn short(value: f64) -> f64 {
-    let rounded = (value * 1e6).round() / 1e6;
+    let rounded = (value * 1e6).round() / 1e6 + 0.0; // no minus zero
     if rounded.is_finite() { rounded } else { value }
 }
 
@@ -97,5 +97,13 @@ mod tests {
         assert_eq!(similar_m(33.0), "did you mean M3 (spindle clockwise)?");
         assert_eq!(similar_m(91.0), "did you mean M9 (coolant off) or M19 (orient the spindle)?");
         assert_eq!(similar_m(77.0), "did you mean M7 (mist coolant on)?");
+    }
+
+    #[test]
+    fn a_number_is_written_without_what_counting_in_binary_leaves() {
+        let written = |value: f64| short(value).to_string();
+        assert_eq!(written(2.0 / 3.0), "0.666667");
+        assert_eq!(written(300.1 - 0.3 + 0.6), "300.4");
+        assert_eq!((written(-1e-9), written(1e300)), ("0".into(), 1e300.to_string()));
     }
 }

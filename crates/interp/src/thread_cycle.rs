@@ -18,6 +18,7 @@ use crate::{
     execute::Executor,
     fault::{Outcome, error, refuse},
     frame::Point,
+    spelling::short,
 };
 use canon::Plane;
 
@@ -164,10 +165,12 @@ impl Executor {
         }
         let room = (thread.to - thread.from).abs() / f64::from(tapers.count_ones());
         if !(thread.taper > 0.0 && thread.taper < room) {
-            let text = format!(
-                "E, the length of a taper, must be above 0 and below {room}, found {}",
-                thread.taper
-            );
+            let (room, found) = (short(room), short(thread.taper));
+            let text = if room > 0.0 {
+                format!("E, the length of a taper, must be above 0 and below {room}, found {found}")
+            } else {
+                "a taper needs a thread of some length: Z is where the tool stands".to_owned()
+            };
             let fault = error("I0531", self.words.span(b'E'), text);
             return Err(fault.with_help("L0 leaves the tapers out").into());
         }
