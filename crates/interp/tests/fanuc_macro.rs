@@ -292,6 +292,10 @@ fn m99_repeats_the_main_program_while_it_counts() {
         "O1\n#1=#1+1\nIF[#1GT3]GOTO90\nG0X#1\nM99\nN90M30\n",
         &[[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [3.0, 0.0, 0.0]],
     );
+    for head in ["%\n<PART>\n", "%\n", "O<PART>(X)\n", "%\nO0007;\n"] {
+        let program = format!("{head}#1=#1+1\nIF[#1GT2]GOTO90\nG0X#1\nM99\nN90M30\n%\n");
+        goes_to(&program, &[[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]);
+    }
     let (kinds, told) = run("O1\nG0X1.\nX2.\nM99\n", &setup());
     assert!(told.len() == 1 && told[0].starts_with("I1050@4"), "{told:?}");
     assert!(kinds.contains(&OpKind::End), "{kinds:?}");

@@ -437,13 +437,7 @@ impl Fanuc {
     ) -> Outcome {
         let number = match label {
             gcode::Label::Number(number) => number,
-            gcode::Label::Name(name) if self.program.is_none() => {
-                // only what is called needs to be found by its name
-                self.program = Some(u32::MAX);
-                let _ = name;
-                return Ok(());
-            }
-            gcode::Label::Name(_) => u32::MAX,
+            gcode::Label::Name(_) => u32::MAX, // only what is called is found by its name
             gcode::Label::Computed(_) => {
                 return refuse("I1001", span, "O takes the number of a program, as in O1234");
             }
@@ -451,7 +445,7 @@ impl Fanuc {
         let Some(before) = self.program.replace(number) else { return Ok(()) };
         it.ended = true;
         let written = |number: u32| match number {
-            u32::MAX => "this program".to_owned(),
+            number if number >= tape::NAMED => "this program".to_owned(),
             number => format!("O{number}"),
         };
         let text = format!("{} does not end: another program begins here", written(before));

@@ -266,7 +266,7 @@ impl Values<'_> {
             4017 => pick(16.0, 15.0, mapping.polar.is_some()),
             4022 => pick(51.1, 50.1, mapping.mirror.iter().any(Option::is_some)),
             4109 => Some(state.feed),
-            4115 => self.fanuc.program.map(f64::from),
+            4115 => self.fanuc.program.filter(|n| *n < super::tape::NAMED).map(f64::from),
             4119 => Some(state.spindle.speed),
             4120 => Some(f64::from(state.selected_tool)),
             4130 => Some(f64::from(state.system.saturating_sub(9))),

@@ -41,7 +41,7 @@ pub(super) struct Place {
 }
 
 /// The least number of a program with a name.
-const NAMED: u32 = 1 << 31;
+pub(super) const NAMED: u32 = 1 << 31;
 
 /// All of a file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -176,7 +176,8 @@ impl Tape {
     /// Where the main program begins.
     pub(super) fn main(&self, number: Option<u32>) -> Place {
         let own = number.and_then(|number| self.program(number)).filter(|place| place.file == 0);
-        own.unwrap_or(Place { file: 0, at: (0, 1) })
+        let first = self.programs.first().map_or((0, 1), |p| p.begin.after);
+        own.unwrap_or(Place { file: 0, at: first })
     }
 
     /// Numbers of the programs.
