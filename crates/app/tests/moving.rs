@@ -181,3 +181,33 @@ fn one_percent_is_waited_for_and_nothing_at_all_is_given_up() {
     assert_eq!(held.status.code(), Some(3));
     assert!(complained(&held).contains("given up after 60 s"), "{}", complained(&held));
 }
+
+/// A machine with a B axis like the A axis of the embedded one: 90° at 1800 degrees a minute take 3 s; with G93 F10 a block takes 6 s.
+#[test]
+fn a_b_axis_feeds_as_a_and_c_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = fs::read_to_string(root().join("machines/mill-5-axis.toml")).unwrap();
+    let (from, to) = (text.find("[axes.a]").unwrap(), text.find("[axes.c]").unwrap());
+    let b = text[from..to].replace("axes.a", "axes.b");
+    let head = "extends = \"mill-5-axis\"\nname = \"with-b\"\ndescription = \"B too\"\n";
+    let (machine, program) = (folder.path().join("with-b.toml"), folder.path().join("b.ngc"));
+    fs::write(&machine, head.to_owned() + &b).unwrap();
+    let blocks = "G21 G90 G54 G61.1 G94\nG1 B90 F1800\nG93 G1 X-100 A10 B0 C400 F10\nG91 G1 B30 C-400 F10\nG90 G28 B0\nM2\n";
+    fs::write(&program, blocks).unwrap();
+    let (machine, program) = (machine.to_str().unwrap(), program.to_str().unwrap());
+    let estimate = leadscrew(&["time", program, "--machine", machine, "--format", "json"]);
+    assert_eq!(estimate.status.code(), Some(0), "{}", complained(&estimate));
+    let estimate: Value = serde_json::from_str(&said(&estimate)).unwrap();
+    let feed = estimate["feed_time_s"].as_f64().unwrap();
+    // each block has its ramps, and 5 ms at its end
+    assert!((15.0..15.2).contains(&feed), "{feed} s");
+    let run = run(program, machine, "override 100 at 1ms", &folder.path().join("out"));
+    let took = run["cycle_time_s"].as_f64().unwrap();
+    let planned = estimate["total_time_s"].as_f64().unwrap();
+    assert!((took - planned).abs() < 5e-3, "{took} s of {planned} s");
+    let [b] = columns(&folder.path().join("out"), &["b_command_deg"]).try_into().unwrap();
+    assert!(b.iter().fold(0.0_f64, |most, x| most.max(*x)) > 90.0 - 1e-6);
+    assert!(b[b.len() - 1].abs() < 1e-6, "{}", b[b.len() - 1]);
+    let [speed, accel, jerk] = largest(b, 250e-6);
+    assert!(speed < 150.2 && accel < 1010.0 && jerk < 52_500.0, "{speed} {accel} {jerk}");
+}
