@@ -20,7 +20,7 @@
 //! Source: NISTIR 6556, section 3.5.16; LinuxCNC 2.9 manual, "Canned cycles".
 use crate::{
     boring::Shift,
-    call::{Call, Corners, Sense, Sink},
+    call::{Call, Corners, Sense, Silence, Sink},
     codes::{AXES, GGroup, POLAR},
     execute::Executor,
     fault::{Outcome, error, refuse},
@@ -327,11 +327,4 @@ impl Executor {
             _ => Ok(()),
         }
     }
-}
-
-/// Nobody listens.
-pub(crate) struct Silence;
-
-impl Sink for Silence {
-    fn call(&mut self, _: &crate::call::Place, _: &Call<'_>) {}
 }

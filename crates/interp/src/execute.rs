@@ -9,6 +9,7 @@
 //! The order is the language's, not the text's: `G1 X1 M3 S500` starts the spindle first.
 //! Source: NISTIR 6556 table 8; LinuxCNC 2.9 manual, "Order of execution".
 use crate::{
+    asked::Asked,
     call::{Call, Place, Sink},
     codes::{AXES, CENTRE, GGroup, MGroup, POLAR},
     context::Context,
@@ -66,6 +67,8 @@ pub(crate) struct Executor {
     pub(crate) recording: Option<Box<Recording>>,
     /// Warnings and notes of the block at hand.
     pub(crate) remarks: Vec<Diagnostic>,
+    /// Since the last snapshot.
+    pub(crate) asked: Asked,
 }
 
 impl Executor {
@@ -86,6 +89,7 @@ impl Executor {
             cycles: setup.cycles,
             recording: None,
             remarks: Vec::new(),
+            asked: Asked::default(),
         };
         // where none was called yet LinuxCNC's stand-alone interpreter believes in the first pocket
         new.state.current_pocket = u32::from(setup.stand_alone);
@@ -97,7 +101,7 @@ impl Executor {
     }
 
     pub(crate) fn values(&self) -> Values<'_> {
-        Values { store: &self.store, state: &self.state }
+        Values { store: &self.store, state: &self.state, asked: &self.asked }
     }
 
     #[inline]
@@ -123,16 +127,24 @@ impl Executor {
     /// Read a block's words.
     pub(crate) fn read(&mut self, block: &Block) -> Outcome {
         self.state.line = block.span.line;
-        let values = Values { store: &self.store, state: &self.state };
+        let values = Values { store: &self.store, state: &self.state, asked: &self.asked };
         self.words.read(block, &values)
     }
 
     /// Execute the words read.
     pub(crate) fn execute<S: Sink>(&mut self, sink: &mut S) -> Outcome<After> {
         if self.cam(sink)? || self.hobbing(sink)? {
+            self.asked.more();
             return self.stops(sink);
         }
         let motion = self.motion()?;
+        self.ask(motion);
+        let result = self.obey(motion, sink);
+        self.asked(motion, result.is_ok());
+        result
+    }
+
+    fn obey<S: Sink>(&mut self, motion: Option<Motion>, sink: &mut S) -> Outcome<After> {
         let before = self.words.m(MGroup::Tool).map(|_| self.state.place());
         self.words.check_letters(motion.map_or(0, letters_of), self.letters_beside(motion))?;
         let words = &self.words;

@@ -97,6 +97,7 @@ impl Interpreter<'_> {
 
     /// Read a file's O-words; if they do not fit together, nothing of it can be executed.
     fn make_outline(&mut self, file: usize) -> Outcome {
+        self.steered = true;
         if self.outlines[file].is_some() {
             return Ok(());
         }
@@ -104,6 +105,7 @@ impl Interpreter<'_> {
         self.outlines[file] = Some(outline);
         let mut faults = faults.into_iter();
         let Some(first) = faults.next() else { return Ok(()) };
+        self.contents_are_faulty = true;
         self.report_all(faults);
         self.ended = true;
         Err(first.into())
@@ -190,6 +192,7 @@ impl Interpreter<'_> {
             *argument = self.executor.values().evaluate(&self.block, *value, span)?;
         }
         self.enter(file, mark, None, span)?;
+        self.executor.asked.calls = true;
         self.executor.store.enter(&arguments[..count]);
         Ok(())
     }
@@ -278,6 +281,7 @@ impl Interpreter<'_> {
             let span = self.block.o.map_or(self.block.span, |o| o.span);
             return refuse("I0312", span, "no subprogram is being executed here");
         }
+        self.executor.asked.calls = true;
         self.executor.store.leave();
         self.leave(sink)
     }

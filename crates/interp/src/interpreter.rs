@@ -1,5 +1,6 @@
 //! The program, block by block: reads, follows O-words, executes, collects what was found.
 use crate::{
+    asked::{of_name, of_number},
     call::{Call, Sink},
     execute::{After, Executor},
     fanuc::Fanuc,
@@ -36,6 +37,9 @@ pub struct Interpreter<'s> {
     pub(crate) names: Vec<String>,
     pub(crate) parsers: Vec<Parser<'s>>,
     pub(crate) outlines: Vec<Option<Outline>>,
+    pub(crate) contents_are_faulty: bool,
+    /// O-words, or jumps and calls of Fanuc's, were executed.
+    pub(crate) steered: bool,
     /// The file being read.
     pub(crate) file: usize,
     pub(crate) block: Block,
@@ -81,6 +85,8 @@ impl<'s> Interpreter<'s> {
         let parsers = sources.iter().enumerate().map(parser).collect();
         Self {
             outlines: vec![None; sources.len()],
+            contents_are_faulty: false,
+            steered: false,
             sources,
             names,
             parsers,
@@ -232,7 +238,7 @@ impl<'s> Interpreter<'s> {
     /// Read on; what has O-words is perhaps read again.
     fn next_block(&mut self) -> bool {
         let parser = &mut self.parsers[self.file];
-        if self.outlines[self.file].is_none() {
+        if !self.steered {
             return parser.next(&mut self.block);
         }
         self.reread.next(self.file, parser, &mut self.block)
@@ -257,6 +263,7 @@ impl<'s> Interpreter<'s> {
             match (assignment.target, *number) {
                 (Parameter::Numbered(_), Some(number)) => {
                     let number = crate::names::number(number, span)?;
+                    self.executor.asked.assigns(of_number(number));
                     crate::names::assign(&mut self.executor.store, number, value, span)?;
                 }
                 (Parameter::Named(name), _) => {
@@ -267,7 +274,8 @@ impl<'s> Interpreter<'s> {
                         let text = format!("more than {} named parameters", self.limits.names);
                         return Err(error("I0802", span, text).into());
                     }
-                    self.executor.store.set_named(self.block.text(name), value);
+                    self.executor.asked.assigns(of_name(written));
+                    self.executor.store.set_named(written, value);
                 }
                 (Parameter::Numbered(_), None) => {}
             }

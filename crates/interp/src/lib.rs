@@ -24,14 +24,17 @@
 //! ```
 
 mod arcs;
+mod asked;
 mod boring;
 mod call;
 mod cam;
+mod carry;
 mod catalogue;
 mod chips;
 mod codes;
 mod comments;
 mod compensation;
+mod contents;
 mod context;
 mod cycles;
 mod decimal;
@@ -76,9 +79,12 @@ mod threads;
 mod tool_table;
 mod words;
 
-pub use call::{Call, Corners, CycleHole, CycleTap, Place, ReturnSpeed, Sense, Sink, Units};
+pub use call::{
+    Call, Corners, CycleHole, CycleTap, Place, ReturnSpeed, Sense, Silence, Sink, Units,
+};
 pub use cam::CamCall;
 pub use catalogue::{CodeInfo, codes, describe, describe_in, dialect_codes};
+pub use contents::Contents;
 pub use explain::{Finding, example_setup, explain, findings};
 pub use frame::{Frame, Point};
 pub use hobbing::HobOrder;

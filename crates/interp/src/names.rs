@@ -13,16 +13,16 @@ use std::collections::HashMap;
 /// First and last of the parameters that only the interpreter sets.
 const READ_ONLY: core::ops::RangeInclusive<usize> = 5400..=5428;
 /// Parameters that belong to a subprogram's call.
-const ARGUMENTS: usize = 30;
+pub(crate) const ARGUMENTS: usize = 30;
 
 /// Values that programs set.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Store {
     pub(crate) numbered: Parameters,
-    global: HashMap<Box<str>, f64>,
+    pub(crate) global: HashMap<Box<str>, f64>,
     /// Innermost last; the first belongs to the main program.
-    local: Vec<HashMap<Box<str>, f64>>,
-    saved: Vec<[f64; ARGUMENTS]>,
+    pub(crate) local: Vec<HashMap<Box<str>, f64>>,
+    pub(crate) saved: Vec<[f64; ARGUMENTS]>,
 }
 
 impl Store {
@@ -44,6 +44,11 @@ impl Store {
             Some(slot) => *slot = value,
             None => _ = scope.insert(name.into(), value),
         }
+    }
+
+    /// Value of #1 to #30 in the main program.
+    pub(crate) fn of_main(&self, number: usize) -> f64 {
+        self.saved.first().map_or_else(|| self.numbered.at(number), |saved| saved[number - 1])
     }
 
     /// How many named parameters are held.

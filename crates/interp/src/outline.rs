@@ -9,7 +9,7 @@
 //!
 //! Made when a file's first O-word is executed, by one reading of the whole file: a program without
 //! O-words costs nothing, and every word without its partner is reported at once.
-use crate::fault::error;
+use crate::{contents::Edited, fault::error};
 use diag::{Diagnostic, Span};
 use gcode::{Block, Keyword, Label, Parser};
 use std::collections::HashMap;
@@ -62,34 +62,7 @@ pub(crate) fn key(block: &Block, label: Label) -> Option<Box<str>> {
 impl Outline {
     /// Read a file's O-words. What does not fit together comes back beside it.
     pub(crate) fn of(source: &[u8], file: u16) -> (Self, Vec<Diagnostic>) {
-        let (mut parser, mut block) = (Parser::new(source, file), Block::new());
-        let mut marks: Vec<Mark> = Vec::new();
-        let mut faults = Vec::new();
-        while parser.next_o_word(&mut block) {
-            let Some(word) = block.o.filter(|_| !block.faulty) else { continue };
-            let key = key(&block, word.label).unwrap_or_default();
-            if key.is_empty() && word.keyword != Keyword::Call {
-                let fault = error("I0303", word.span, "a computed O number is good for call only");
-                faults.push(fault.with_help("write the number itself"));
-                continue;
-            }
-            if matches!(word.keyword, Keyword::Call | Keyword::Return) {
-                continue; // there may be millions, and nothing belongs to them
-            }
-            let at = (block.span.start, block.span.line);
-            let (partner, end) = (usize::MAX, usize::MAX);
-            let after = parser.position();
-            marks.push(Mark {
-                key,
-                keyword: word.keyword,
-                span: word.span,
-                at,
-                after,
-                partner,
-                end,
-                closes_do: false,
-            });
-        }
+        let (marks, mut faults) = read(source, file, (0, 1));
         let mut outline = Self { marks, subs: HashMap::new(), numbered: Vec::new() };
         outline.join(&mut faults);
         for (i, mark) in outline.marks.iter().enumerate() {
@@ -109,6 +82,26 @@ impl Outline {
         outline.numbered = numbers.collect();
         outline.numbered.sort_unstable();
         (outline, faults)
+    }
+
+    /// The same after an edit, if its O-words are still the same.
+    pub(crate) fn edited(mut self, edited: &Edited<'_>) -> Option<Self> {
+        let (new, faults) = read(edited.source, 0, edited.first);
+        let first = self.marks.partition_point(|mark| mark.at.0 < edited.first.0);
+        let count = self.marks[first..].iter().take_while(|mark| edited.had(mark.at)).count();
+        let same = |(old, new): (&Mark, &Mark)| (&old.key, old.keyword) == (&new.key, new.keyword);
+        let old = &self.marks[first..first + count];
+        if !faults.is_empty() || old.len() != new.len() || !old.iter().zip(&new).all(same) {
+            return None;
+        }
+        for mark in &mut self.marks[first + count..] {
+            (mark.at, mark.after) = (edited.moved(mark.at), edited.moved(mark.after));
+            edited.shift.span(&mut mark.span);
+        }
+        for (mark, new) in self.marks[first..].iter_mut().zip(new) {
+            (mark.at, mark.after, mark.span) = (new.at, new.after, new.span);
+        }
+        Some(self)
     }
 
     /// The mark of the block at this byte.
@@ -276,4 +269,38 @@ impl Outline {
             None => fault,
         }
     }
+}
+
+/// The O-words of a text from a line on (byte and number), which are not joined yet.
+fn read(source: &[u8], file: u16, from: At) -> (Vec<Mark>, Vec<Diagnostic>) {
+    let (mut parser, mut block) = (Parser::new(source, file), Block::new());
+    parser.seek(from.0, from.1);
+    let mut marks = Vec::new();
+    let mut faults = Vec::new();
+    while parser.next_o_word(&mut block) {
+        let Some(word) = block.o.filter(|_| !block.faulty) else { continue };
+        let key = key(&block, word.label).unwrap_or_default();
+        if key.is_empty() && word.keyword != Keyword::Call {
+            let fault = error("I0303", word.span, "a computed O number is good for call only");
+            faults.push(fault.with_help("write the number itself"));
+            continue;
+        }
+        if matches!(word.keyword, Keyword::Call | Keyword::Return) {
+            continue; // there may be millions, and nothing belongs to them
+        }
+        let at = (block.span.start, block.span.line);
+        let (partner, end) = (usize::MAX, usize::MAX);
+        let after = parser.position();
+        marks.push(Mark {
+            key,
+            keyword: word.keyword,
+            span: word.span,
+            at,
+            after,
+            partner,
+            end,
+            closes_do: false,
+        });
+    }
+    (marks, faults)
 }

@@ -266,6 +266,12 @@ impl Parameters {
         self.values.iter().copied().enumerate().filter(said)
     }
 
+    /// Numbers of those that have another value there.
+    pub(crate) fn differing<'a>(&'a self, other: &'a Self) -> impl Iterator<Item = usize> + 'a {
+        let both = self.values.iter().zip(&other.values).enumerate();
+        both.filter(|(_, (own, other))| own != other).map(|(number, _)| number)
+    }
+
     pub(crate) fn at(&self, number: usize) -> f64 {
         self.values.get(number).copied().unwrap_or(0.0)
     }

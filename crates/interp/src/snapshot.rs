@@ -6,9 +6,9 @@
 //! ```
 //!
 //! A [`Snapshot`] owns what an [`Interpreter`] knows, and borrows nothing: an editor keeps the snapshots while
-//! the text changes. It holds for every text that agrees with the old one up to the
-//! furthest byte that had been executed; and, if O-words had been executed
-//! ([`Snapshot::has_o_words`]), whose O-words behind that place are the same and in the same order.
+//! the text changes. It holds for every text that agrees with the old one in what had been executed; and, if O-words had
+//! been executed ([`Snapshot::has_o_words`]), whose O-words are the same and in the same order
+//! ([`Contents::edited`](crate::Contents::edited)).
 use crate::{
     execute::Executor, fanuc::Fanuc, flow::Frame, interpreter::Interpreter, names, outline::At,
     setup::Setup,
@@ -84,8 +84,7 @@ impl<'s> Interpreter<'s> {
             ended: self.ended,
             begun: self.begun,
             percent: self.percent,
-            has_o_words: self.outlines.iter().any(Option::is_some)
-                || self.fanuc.as_ref().is_some_and(|fanuc| fanuc.has_jumped()),
+            has_o_words: self.steered,
             executed: self.executed,
             last: self.last,
             diagnostics: self.diagnostics.clone(),
@@ -102,6 +101,7 @@ impl<'s> Interpreter<'s> {
             parser.seek(at.0, at.1);
         }
         new.executor = from.executor.clone();
+        new.executor.asked = crate::asked::Asked::default();
         new.frames.clone_from(&from.frames);
         new.repeats.clone_from(&from.repeats);
         new.file = from.file;
@@ -117,6 +117,13 @@ impl<'s> Interpreter<'s> {
         new.errors = from.errors;
         new.fanuc.clone_from(&from.fanuc);
         new
+    }
+
+    /// Forget what was found; only its errors are still counted.
+    pub fn forget_findings(&mut self) {
+        self.finish();
+        self.diagnostics.clear();
+        self.seen.clear();
     }
 
     /// Blocks executed so far.

@@ -213,6 +213,13 @@ impl Words {
         self.any_mode
     }
 
+    /// Whether there is no M code, and no G code of another group than these.
+    pub(crate) fn has_only(&self, groups: &[GGroup]) -> bool {
+        let there = self.g.iter().filter(|code| **code != NONE).count();
+        let known = groups.iter().filter(|group| self.g(**group).is_some()).count();
+        there == known && !self.has_m()
+    }
+
     /// Whether there is any M code.
     pub(crate) fn has_m(&self) -> bool {
         self.m.iter().any(|code| *code != NONE)

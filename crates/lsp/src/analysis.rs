@@ -9,16 +9,17 @@
 //!           s₀ ── s₁ ──── s₂' ── s₃ ── s₄        those that followed it follow again
 //! ```
 //!
-//! A stale slice that has read what was edited is only a place to meet again. When
-//! many are kept, every other one is joined to the next and the slices become twice as long.
+//! A stale slice that has read what was edited is only a place to meet again. A hover does not wait for all of it: it
+//! looks [`ahead`](crate::ahead). When many are kept, every other one is joined to the next and the slices become twice as long.
+use crate::ahead::Found;
 use crate::document::{Document, Edit};
 use crate::slice::{Notes, Slice};
 use diag::Diagnostic;
-use interp::{Interpreter, Progress, Resolver, Setup, Standing};
+use interp::{Contents, Interpreter, Progress, Resolver, Setup, Silence, Snapshot, Standing};
 use std::collections::{HashSet, VecDeque};
 
 /// Blocks between two snapshots, at first.
-const SLICE: u64 = 4096;
+pub(crate) const SLICE: u64 = 2048;
 /// Snapshots kept at most.
 const MOST_KEPT: usize = 256;
 /// Blocks executed of one program: an editor need not wait for a longer one.
@@ -39,9 +40,14 @@ pub(crate) struct Visit {
 /// All of a document's.
 pub(crate) struct Analysis {
     pub(crate) setup: Setup,
-    kept: Vec<Slice>,
+    pub(crate) kept: Vec<Slice>,
     /// Of texts before the edits, in the order executed.
-    stale: VecDeque<Slice>,
+    pub(crate) stale: VecDeque<Slice>,
+    /// Where what steers is.
+    pub(crate) contents: Contents,
+    /// Blocks executed ahead.
+    #[cfg(test)]
+    pub(crate) steps: core::cell::Cell<u64>,
     /// For each line, the number of the slice that visited it last.
     visited: Vec<u32>,
     slices: u32,
@@ -57,6 +63,9 @@ impl Analysis {
             setup,
             kept: Vec::new(),
             stale: VecDeque::new(),
+            contents: Contents::default(),
+            #[cfg(test)]
+            steps: core::cell::Cell::new(0),
             visited: Vec::new(),
             slices: 0,
             slice: SLICE,
@@ -65,31 +74,55 @@ impl Analysis {
 
     /// Take in an edit that the document has taken in.
     pub(crate) fn edited(&mut self, edit: &Edit, document: &Document) {
+        let grammar = self.setup.dialect.grammar();
+        let same = self.contents.edited(&document.text, &edit.shift, edit.first, grammar);
         // what steers Fanuc's tapes may stand in any line
-        let steers = edit.o_words || self.setup.dialect.grammar() == gcode::Grammar::Fanuc;
-        let touched = |slice: &Slice| slice.reads(&edit.shift) || steers && slice.steered;
-        let first = self.kept.iter().position(touched).unwrap_or(self.kept.len());
-        let mut all: VecDeque<_> = self.kept.split_off(first).into();
-        all.append(&mut self.stale);
-        let (mut linked, mut behind) = (true, false);
+        let steers = !same && (edit.o_words || grammar == gcode::Grammar::Fanuc);
         // lines count: what they mean by #<_line> is not what it was
-        let keep = edit.shift.lines == 0 || !asks_for_lines(&document.text);
-        for mut slice in all {
-            if !keep || steers && slice.steered {
+        let renumbered = edit.shift.lines != 0 && asks_for_lines(&document.text);
+        let mut all = core::mem::take(&mut self.kept).into_iter();
+        while let Some(mut slice) = all.next() {
+            let holds = !(slice.reads(&edit.shift)
+                || steers && slice.steered
+                || renumbered && slice.goes_behind(&edit.shift));
+            if holds && slice.shift(edit) {
+                self.kept.push(slice);
+                continue;
+            }
+            let lost = holds; // the place it ended at
+            let rest: Vec<_> = (!lost).then_some(slice).into_iter().chain(all).collect();
+            self.outdate(rest, edit, steers, renumbered, !lost);
+            break;
+        }
+        self.follow_on();
+    }
+
+    /// Take in an edit that these, and the stale ones behind them, have perhaps read.
+    fn outdate(
+        &mut self,
+        slices: Vec<Slice>,
+        edit: &Edit,
+        steers: bool,
+        renumbered: bool,
+        mut linked: bool,
+    ) {
+        let stale = core::mem::take(&mut self.stale);
+        let mut behind = false;
+        for mut slice in slices.into_iter().chain(stale) {
+            if renumbered || steers && slice.steered {
                 break;
             }
             behind |= slice.reads(&edit.shift);
             if behind {
                 slice.recount(i64::from(edit.shift.lines)); // about as many blocks
             }
-            let stands = slice.shift(&edit.shift);
+            let stands = slice.shift(edit);
             slice.linked &= linked;
             linked = stands;
             if stands {
                 self.stale.push_back(slice);
             }
         }
-        self.follow_on();
     }
 
     /// What follows again from the last one kept is kept too.
@@ -133,7 +166,13 @@ impl Analysis {
         let mut visited = std::mem::take(&mut self.visited);
         visited.resize(document.lines() + 1, 0);
         let mut stale = std::mem::take(&mut self.stale);
-        let (mut interpreter, mut resolver) = self.resume(&document.text, u64::MAX);
+        let contents = std::mem::take(&mut self.contents);
+        let last = self.kept.last();
+        let mut interpreter = self
+            .interpreter(&document.text, last.map(|slice| &slice.snapshot))
+            .with_contents(contents);
+        let mut resolver =
+            last.map_or_else(|| Resolver::new(&self.setup), |slice| slice.resolver.clone());
         let mut notes = Notes::default();
         let mut meeting = self.meeting(&mut stale, &interpreter);
         let begin = interpreter.executed();
@@ -169,6 +208,8 @@ impl Analysis {
             }
         }
         let snapshot = interpreter.snapshot();
+        let contents = interpreter.take_contents();
+        self.contents = contents;
         self.visited = visited;
         self.stale = stale;
         self.keep(Slice::new(snapshot, resolver, self.kept.last(), notes));
@@ -177,31 +218,40 @@ impl Analysis {
 
     /// Where the next stale one is met, if it is met; those that are passed are forgotten.
     fn meeting(&self, stale: &mut VecDeque<Slice>, interpreter: &Interpreter<'_>) -> Meeting {
-        let near = self.slice / 4;
-        while let Some(slice) = stale.front() {
-            if slice.end() + near >= interpreter.executed() {
-                return Meeting {
-                    place: slice.snapshot.position(),
-                    earliest: slice.end().saturating_sub(near),
-                    latest: slice.end() + near,
-                };
-            }
-            stale.pop_front();
-            if let Some(next) = stale.front_mut() {
-                next.linked = false;
-            }
+        let passed = self.passed(stale.iter(), interpreter.executed());
+        stale.drain(..passed);
+        if let Some(next) = stale.front_mut() {
+            next.linked &= passed == 0;
         }
-        Meeting { place: (0, 0), earliest: u64::MAX, latest: u64::MAX }
+        Meeting::with(stale.front(), self.near())
     }
 
-    /// An interpretation that has executed fewer blocks than `before`, as many as possible.
-    fn resume<'a>(&'a self, text: &'a [u8], before: u64) -> (Interpreter<'a>, Resolver) {
-        let at = self.kept.partition_point(|kept| kept.end() < before);
-        match at.checked_sub(1).and_then(|i| self.kept.get(i)) {
-            Some(kept) => {
-                (Interpreter::resume(text, &self.setup, &kept.snapshot), kept.resolver.clone())
-            }
-            None => (Interpreter::new(text, &self.setup), Resolver::new(&self.setup)),
+    /// The same, and those that are passed are only counted.
+    pub(crate) fn meeting_at(&self, next: &mut usize, executed: u64) -> Meeting {
+        let ahead = self.stale.iter().skip(*next);
+        *next += self.passed(ahead, executed);
+        Meeting::with(self.stale.get(*next), self.near())
+    }
+
+    /// How many slices ended before this many blocks were executed.
+    fn passed<'a>(&self, slices: impl Iterator<Item = &'a Slice>, executed: u64) -> usize {
+        slices.take_while(|slice| slice.end() + self.near() < executed).count()
+    }
+
+    /// How many blocks may have come or gone where a stale one is met.
+    const fn near(&self) -> u64 {
+        self.slice / 4
+    }
+
+    /// An interpretation that begins there.
+    pub(crate) fn interpreter<'a>(
+        &'a self,
+        text: &'a [u8],
+        from: Option<&Snapshot>,
+    ) -> Interpreter<'a> {
+        match from {
+            Some(from) => Interpreter::resume(text, &self.setup, from),
+            None => Interpreter::new(text, &self.setup),
         }
     }
 
@@ -213,34 +263,28 @@ impl Analysis {
         line: u32,
         parameter: Option<&str>,
     ) -> Option<Visit> {
-        let block = self.block_of(document, line)?;
-        let (mut interpreter, mut resolver) = self.resume(&document.text, block);
-        let mut step = |interpreter: &mut Interpreter<'_>| {
-            let progress = interpreter.step(&mut resolver);
-            while resolver.pop().is_some() {}
-            progress == Progress::More
+        let found = match self.kept.iter().find_map(|slice| slice.visit(line)) {
+            Some(block) => {
+                let before = self.kept.partition_point(|slice| slice.end() < block);
+                let from = before.checked_sub(1).map(|i| self.kept[i].snapshot.clone());
+                Found { from, block }
+            }
+            None if self.is_done() => return None,
+            None => self.ahead(document, line)?,
         };
-        while interpreter.executed() + 1 < block && step(&mut interpreter) {}
+        let contents = std::mem::take(&mut self.contents);
+        let mut interpreter =
+            self.interpreter(&document.text, found.from.as_ref()).with_contents(contents);
+        while interpreter.executed() + 1 < found.block
+            && interpreter.step(&mut Silence) == Progress::More
+        {}
         let before = interpreter.standing();
         let parameter = parameter.and_then(|name| interpreter.parameter(name));
-        step(&mut interpreter);
-        Some(Visit { before, after: interpreter.standing(), parameter })
-    }
-
-    /// The block that is executed first in a line.
-    fn block_of(&mut self, document: &Document, line: u32) -> Option<u64> {
-        let mut known = 0;
-        loop {
-            let new = self.kept.get(known..).unwrap_or(&self.kept);
-            if let Some(block) = new.iter().find_map(|slice| slice.visit(line)) {
-                return Some(block);
-            }
-            if self.is_done() {
-                return None;
-            }
-            known = self.kept.len();
-            self.advance(document);
-        }
+        interpreter.step(&mut Silence);
+        let after = interpreter.standing();
+        let contents = interpreter.take_contents();
+        self.contents = contents;
+        Some(Visit { before, after, parameter })
     }
 
     /// What executing found; all of it if [`Analysis::is_done`].
@@ -255,10 +299,28 @@ impl Analysis {
 }
 
 /// Where a stale slice's end may be met again, and between which blocks.
-struct Meeting {
-    place: (usize, u32),
-    earliest: u64,
-    latest: u64,
+pub(crate) struct Meeting {
+    pub(crate) place: (usize, u32),
+    pub(crate) earliest: u64,
+    /// Where the place is passed more than once it is probably this time.
+    pub(crate) probably: u64,
+    pub(crate) latest: u64,
+}
+
+impl Meeting {
+    fn with(slice: Option<&Slice>, near: u64) -> Self {
+        match slice {
+            Some(slice) => Self {
+                place: slice.snapshot.position(),
+                earliest: slice.end().saturating_sub(near),
+                probably: if slice.steered { slice.end() } else { 0 },
+                latest: slice.end() + near,
+            },
+            None => {
+                Self { place: (0, 0), earliest: u64::MAX, probably: u64::MAX, latest: u64::MAX }
+            }
+        }
+    }
 }
 
 /// Whether things stand as at the end of the stale slice.
@@ -278,4 +340,4 @@ fn asks_for_lines(text: &[u8]) -> bool {
 
 #[cfg(test)]
 #[path = "analysis_tests.rs"]
-mod tests;
+pub(crate) mod tests;

@@ -18,6 +18,8 @@ pub(crate) struct Document {
 pub(crate) struct Edit {
     /// What has moved where.
     pub(crate) shift: Shift,
+    /// Where the first line touched begins: byte, and its number from 1.
+    pub(crate) first: (u32, u32),
     /// Whether lines with O-words may have come, gone or changed.
     pub(crate) o_words: bool,
 }
@@ -56,12 +58,14 @@ impl Document {
             None => (0, self.text.len()),
         };
         let o_words = change.range.is_none() || self.o_word_near(from, to);
+        let first = self.starts.partition_point(|start| *start as usize <= from).max(1);
+        let first = (self.starts[first - 1], first as u32);
         let end = from + change.text.len();
         let lines = self.move_lines(from, to, change.text.as_bytes());
         self.text.splice(from..to, change.text.into_bytes());
         let o_words = o_words || self.o_word_near(from, end);
         let [from, old_end, new_end] = [from, to, end].map(|byte| byte as u32);
-        Edit { shift: Shift { from, old_end, new_end, lines }, o_words }
+        Edit { shift: Shift { from, old_end, new_end, lines }, first, o_words }
     }
 
     /// Where lines begin once these bytes are replaced by this text; how many lines more there are then.
@@ -175,7 +179,7 @@ mod tests {
         let edit = document.apply(change((1, 1), (1, 2), "77"));
         assert_eq!(document.text, b"G21\nX77\nX2\n");
         let shift = Shift { from: 5, old_end: 6, new_end: 7, lines: 0 };
-        assert_eq!(edit, Edit { shift, o_words: false });
+        assert_eq!(edit, Edit { shift, first: (4, 2), o_words: false });
         assert!(document.apply(change((2, 0), (2, 0), "o1 sub\n")).o_words);
         assert_eq!(document.lines(), 5);
     }

@@ -191,7 +191,7 @@ fn in_force(standing: &Standing) -> String {
     text
 }
 
-fn along(position: &Position, axis: Axis) -> f64 {
+pub(crate) fn along(position: &Position, axis: Axis) -> f64 {
     match axis.index() {
         i @ 3..=5 => position.rotary[i - 3].in_deg(),
         _ => position.along(axis).value(),

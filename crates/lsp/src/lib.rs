@@ -10,12 +10,14 @@
 //! ```
 //!
 //! One thread, no locks: between two messages the server interprets on, a slice at a time. An edit throws away what
-//! it changes: where things stand again as they stood before it, what followed follows again. A hover runs from the nearest snapshot to the block pointed at.
+//! it changes: where things stand again as they stood before it, what followed follows again. A hover runs from the nearest
+//! snapshot to the block pointed at; where execution has not come to it again, it looks ahead, over what the edit does not matter to.
 //! This crate knows programs, not machines: what a program meets (tools, offsets, subprogram
 //! files) comes from a [`Host`].
 //!
 //! Source: Language Server Protocol 3.17, Microsoft.
 
+mod ahead;
 mod analysis;
 mod document;
 mod hover;

@@ -1,6 +1,10 @@
 //! A stretch of a program's execution: what it read, what it found, and how things stood at its end.
+use crate::document::Edit;
 use diag::Diagnostic;
 use interp::{Resolver, Shift, Snapshot};
+
+/// Stretches of the text that a slice keeps apart at most.
+const MOST_STRETCHES: usize = 16;
 
 /// Blocks that were executed on consecutive lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,16 +19,36 @@ struct Run {
 /// What has been noted of a slice while it is executed.
 #[derive(Debug, Default)]
 pub(crate) struct Notes {
-    /// The program's bytes it has read lie between these.
-    bytes: Option<(u32, u32)>,
+    /// The program's bytes it has read lie in these stretches, the one read last at the end.
+    bytes: Vec<(u32, u32)>,
     runs: Vec<Run>,
 }
 
 impl Notes {
     /// These bytes were read, up to one behind a block's last: more there could belong to it.
     pub(crate) fn read(&mut self, from: u32, to: u32) {
-        let (first, last) = self.bytes.get_or_insert((from, to));
-        (*first, *last) = ((*first).min(from), (*last).max(to));
+        // a line's end may be two bytes
+        let goes_on = |stretch: &(u32, u32)| stretch.0 <= from && from <= stretch.1 + 1;
+        let Some(place) = self.bytes.iter().rposition(goes_on) else {
+            self.bytes.push((from, to));
+            if self.bytes.len() > MOST_STRETCHES {
+                self.merge();
+            }
+            return;
+        };
+        self.bytes[place].1 = self.bytes[place].1.max(to);
+        let last = self.bytes.len() - 1;
+        self.bytes.swap(place, last);
+    }
+
+    /// The two stretches nearest to each other become one.
+    fn merge(&mut self) {
+        self.bytes.sort_unstable();
+        let gap = |i: &usize| self.bytes[*i].0.saturating_sub(self.bytes[i - 1].1);
+        if let Some(i) = (1..self.bytes.len()).min_by_key(gap) {
+            let (_, end) = self.bytes.remove(i);
+            self.bytes[i - 1].1 = self.bytes[i - 1].1.max(end);
+        }
     }
 
     /// The slice's `block`-th block stands in this line, which it had not visited.
@@ -86,35 +110,48 @@ impl Slice {
         Some(self.begin + u64::from(run.block + (line - run.line)))
     }
 
+    /// Blocks executed in it until this line (from 1) was for the first time, that one included.
+    pub(crate) fn blocks_to(&self, line: u32) -> Option<u64> {
+        self.visit(line).map(|block| block - self.begin)
+    }
+
     /// Whether it has read, or would have read on into, what was edited.
     pub(crate) fn reads(&self, edit: &Shift) -> bool {
-        let (from, to) = self.notes.bytes.unwrap_or((0, 0));
+        let hit = |(from, to): &(u32, u32)| *from <= edit.old_end && edit.from <= *to;
+        if self.notes.bytes.is_empty() {
+            return hit(&(0, 0));
+        }
         // what follows could keep a program from ending
-        let to = if self.snapshot.has_ended() { u32::MAX } else { to };
-        from <= edit.old_end && edit.from <= to
+        let from = self.notes.bytes.iter().map(|(from, _)| *from).min().unwrap_or(0);
+        self.notes.bytes.iter().any(hit) || self.snapshot.has_ended() && hit(&(from, u32::MAX))
+    }
+
+    /// Whether it has read something that lies behind an edit.
+    pub(crate) fn goes_behind(&self, edit: &Shift) -> bool {
+        self.notes.bytes.iter().any(|(_, to)| edit.from <= *to)
     }
 
     /// The same in the edited text; false if it cannot be said any more how things stood at its end.
     #[must_use]
-    pub(crate) fn shift(&mut self, edit: &Shift) -> bool {
-        if self.reads(edit) {
+    pub(crate) fn shift(&mut self, edit: &Edit) -> bool {
+        let Edit { shift, first, .. } = edit;
+        if self.reads(shift) {
             self.linked = false;
             self.notes = Notes::default();
             self.findings.clear();
-        } else if self.notes.bytes.is_some_and(|(from, _)| from > edit.old_end) {
-            for run in &mut self.notes.runs {
-                run.line = edit.line(run.line);
-            }
-            if let Some((from, to)) = &mut self.notes.bytes {
-                *from = edit.byte(*from).unwrap_or(edit.from);
-                *to = edit.byte(*to).unwrap_or(edit.from);
-            }
+        }
+        for run in self.notes.runs.iter_mut().filter(|run| run.line > first.1) {
+            run.line = shift.line(run.line);
+        }
+        for (from, to) in &mut self.notes.bytes {
+            *from = shift.byte(*from).unwrap_or(shift.from);
+            *to = shift.byte(*to).unwrap_or(shift.from);
         }
         for finding in &mut self.findings {
-            edit.finding(finding);
+            shift.finding(finding);
         }
-        self.resolver.shift(edit);
-        self.snapshot.shift(edit)
+        self.resolver.shift(shift);
+        self.snapshot.shift(shift)
     }
 
     /// Follow another one than when it was executed.
@@ -135,12 +172,13 @@ impl Slice {
     pub(crate) fn join(&mut self, before: Self) {
         let offset = (self.begin - before.begin) as u32;
         let own = core::mem::replace(&mut self.notes, before.notes);
-        if let Some((from, to)) = own.bytes {
+        for (from, to) in own.bytes {
             self.notes.read(from, to);
         }
         let runs = own.runs.into_iter();
         self.notes.runs.extend(runs.map(|run| Run { block: run.block + offset, ..run }));
         self.findings.splice(..0, before.findings);
+        self.snapshot.join(&before.snapshot);
         self.begin = before.begin;
         self.linked = before.linked;
     }

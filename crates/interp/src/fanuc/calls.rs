@@ -54,11 +54,13 @@ pub(super) struct Macro {
 
 impl Fanuc {
     fn tape<'a>(&'a mut self, it: &mut Interpreter<'_>) -> Outcome<&'a Tape> {
+        it.steered = true;
         if self.tape.is_none() {
             let (tape, faults) = Tape::of(&it.sources, &it.names);
             self.tape = Some(tape);
             let mut faults = faults.into_iter();
             if let Some(first) = faults.next() {
+                it.contents_are_faulty = true;
                 it.report_all(faults);
                 it.ended = true;
                 return Err(first.into());

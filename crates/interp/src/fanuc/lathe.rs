@@ -121,7 +121,7 @@ impl Fanuc {
             ex.say(sink, &Call::SyncStop);
             ex.say(sink, &Call::Rapid(third));
         } else {
-            ex.say_feed("the cycle", || 0.0, &mut crate::cycles::Silence)?;
+            ex.say_feed("the cycle", || 0.0, &mut crate::call::Silence)?;
             let [first, second, third] =
                 path(&start, &corner, taper, if code == 770 { 0 } else { 2 });
             ex.say(sink, &Call::Rapid(first));

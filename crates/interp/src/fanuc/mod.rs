@@ -19,6 +19,7 @@
 #![allow(clippy::single_match_else)] // both outcomes are worth a line
 mod arguments;
 mod calls;
+mod carried;
 mod codes;
 mod corner;
 mod figure;
@@ -50,7 +51,7 @@ pub(crate) use codes::{has_m, stays, told};
 use diag::Span;
 use gcode::Control;
 use lathe::drills;
-use tape::Tape;
+pub(crate) use tape::Tape;
 use values::Variables;
 pub(crate) use values::binary_coded;
 use words::Said;
@@ -204,20 +205,6 @@ impl Fanuc {
         }))
     }
 
-    /// Whether the order of the tape's blocks has mattered.
-    pub(crate) const fn has_jumped(&self) -> bool {
-        self.tape.is_some()
-    }
-
-    /// The same, which will read its tape again when it is needed.
-    pub(crate) fn without_tape(&mut self) -> Self {
-        let tape = self.tape.take();
-        let mut copy = self.clone();
-        copy.said.clear(); // the last block's
-        self.tape = tape;
-        copy
-    }
-
     /// Whether no profile is being taken down.
     pub(crate) const fn is_between_profiles(&self) -> bool {
         self.shape.is_none()
@@ -310,6 +297,9 @@ impl Fanuc {
     /// A block with words.
     fn words<S: Sink>(&mut self, it: &mut Interpreter<'_>, sink: &mut S) -> Outcome {
         self.read(it)?;
+        if !self.is_plain(&it.executor) {
+            it.executor.asked.more();
+        }
         if let Some(code) = self.macro_code() {
             return self.macro_call(it, code);
         }
@@ -318,6 +308,10 @@ impl Fanuc {
         }
         self.once = Once::default();
         let then = self.translate(&mut it.executor)?;
+        if self.once != Once::default() {
+            it.executor.asked.more();
+        }
+        it.executor.asked.units = true; // increments count as they do in force
         if self.called.is_some() && !matches!(then, Then::Call(_)) {
             let text = "a program's name goes with M98, G65 or G66: M98<NAME>";
             return refuse("I1049", it.block.span, text);

@@ -14,7 +14,7 @@
 //! here all the same, above all that can be written.
 //!
 //! Made at the first jump or call, by one reading of the whole tape.
-use crate::{fault::error, outline::At};
+use crate::{contents::Edited, fault::error, outline::At};
 use diag::{Diagnostic, Span};
 use gcode::{Block, Control, Grammar, Label, Parser};
 use std::collections::HashMap;
@@ -24,6 +24,12 @@ use std::collections::HashMap;
 pub(super) struct Mark {
     pub(super) at: At,
     pub(super) after: At,
+}
+
+impl Mark {
+    fn moved(self, edited: &Edited<'_>) -> Self {
+        Self { at: edited.moved(self.at), after: edited.moved(self.after) }
+    }
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -45,11 +51,13 @@ pub(super) const NAMED: u32 = 1 << 31;
 
 /// All of a file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct Tape {
+pub(crate) struct Tape {
     /// In the order of the text; the first may have no number.
     programs: Vec<Program>,
     /// N words in the order of the text.
     numbers: Vec<(u32, Place)>,
+    /// The same by number, and then in the order of the text.
+    sorted: Vec<u32>,
     /// By the file and the first byte of a DO: its END; of an END: its DO.
     loops: HashMap<(usize, u32), Mark>,
     /// Names of programs.
@@ -64,6 +72,8 @@ impl Tape {
             let name = names.get(file).map_or("", String::as_str);
             tape.read(file, source, name, &mut faults);
         }
+        tape.sorted = (0..tape.numbers.len() as u32).collect();
+        tape.sorted.sort_by_key(|i| tape.numbers[*i as usize].0);
         (tape, faults)
     }
 
@@ -132,6 +142,51 @@ impl Tape {
         faults.extend(open.into_iter().map(|(level, _, span)| not_closed(level, span)));
     }
 
+    /// The same after an edit, if its programs, numbered blocks and loops are still the same ones; none where a program
+    /// or a loop begins or ends in the lines edited.
+    pub(crate) fn edited(mut self, edited: &Edited<'_>) -> Option<Self> {
+        let mut parser = Parser::with_grammar(edited.source, 0, Grammar::Fanuc);
+        let mut block = Block::new();
+        parser.seek(edited.first.0, edited.first.1);
+        let mut new = Vec::new();
+        while parser.next(&mut block) {
+            let loops = matches!(block.control, Some(Control::While { .. } | Control::End(_)));
+            if loops || block.o.is_some() {
+                return None;
+            }
+            if let Some(number) = block.number.filter(|_| !block.faulty) {
+                let at = (block.span.start, block.span.line);
+                new.push((number as u32, Place { file: 0, at }));
+            }
+        }
+        for program in self.programs.iter_mut().filter(|program| program.file == 0) {
+            let begin = program.begin.after.max(program.begin.at);
+            if edited.had(begin) || program.number.is_some() && edited.had(program.begin.at) {
+                return None;
+            }
+            program.begin = program.begin.moved(edited);
+        }
+        let mut new = new.into_iter();
+        for (number, place) in self.numbers.iter_mut().filter(|(_, place)| place.file == 0) {
+            if edited.had(place.at) {
+                *place = new.next().filter(|new| new.0 == *number)?.1;
+            } else {
+                place.at = edited.moved(place.at);
+            }
+        }
+        for ((file, byte), other) in core::mem::take(&mut self.loops) {
+            if file > 0 {
+                self.loops.insert((file, byte), other);
+                continue;
+            }
+            if edited.had((byte, 0)) {
+                return None;
+            }
+            self.loops.insert((0, edited.moved((byte, 0)).0), other.moved(edited));
+        }
+        new.next().is_none().then_some(self)
+    }
+
     /// The number of the program that a file is: what its name says.
     fn number_of_file(&mut self, name: &str) -> u32 {
         let digits = name.strip_prefix(['O', 'o']).unwrap_or(name);
@@ -191,12 +246,17 @@ impl Tape {
         let begin = self.programs[here].begin.at.0;
         let next = self.programs.get(here + 1).filter(|next| next.file == file);
         let end = next.map_or(u32::MAX, |p| p.begin.at.0);
-        let mine = || {
-            self.numbers.iter().map(|(n, place)| (*n, *place)).filter(|(n, place)| {
-                *n == number && place.file == file && (begin..end).contains(&place.at.0)
-            })
+        let key = |i: &u32| {
+            let (number, place) = self.numbers[*i as usize];
+            (number, place.file, place.at.0)
         };
-        mine().find(|(_, p)| p.at.0 > from).or_else(|| mine().next()).map(|(_, place)| place)
+        let behind = |byte: u32| {
+            let at = self.sorted.partition_point(|i| key(i) < (number, file, byte));
+            let found = self.sorted.get(at).map(|i| self.numbers[*i as usize])?;
+            let own = (found.0, found.1.file) == (number, file) && found.1.at.0 < end;
+            own.then_some(found.1)
+        };
+        behind(from.saturating_add(1)).or_else(|| behind(begin))
     }
 
     /// The other end of the loop whose DO or END begins at this byte of a file.

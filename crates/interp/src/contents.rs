@@ -1,0 +1,93 @@
+//! Where a text's O-words or a tape's numbered blocks are, kept while the text is edited.
+//!
+//! ```text
+//!   o1 if [#1 gt 2]   ── edited to ──►   o1 if [#1 gt 25]     the same O-words: their places move
+//!   o1 endif          ── edited to ──►   o1 endwhile          others: the text is read again
+//! ```
+//!
+//! A first jump costs a reading of the whole text, so whoever executes a text in pieces hands them on from piece to
+//! piece. What steers (O-words but calls and returns; of a tape O, N, DO and END) is compared line by line: as long
+//! as an edit leaves it as it was, whatever else it changes, jumps lead where they led before.
+use crate::{
+    Interpreter, Shift,
+    fanuc::Tape,
+    outline::{At, Outline},
+};
+use gcode::Grammar;
+
+/// Of each file, if it was asked for.
+#[derive(Clone, Debug, Default)]
+pub struct Contents {
+    outlines: Vec<Option<Outline>>,
+    tape: Option<Tape>,
+}
+
+/// The lines that an edit touched, in the text as it is now.
+pub(crate) struct Edited<'a> {
+    /// The text up to their end.
+    pub(crate) source: &'a [u8],
+    /// The first one's begin.
+    pub(crate) first: At,
+    /// Their end in the text as it was.
+    pub(crate) old_end: u32,
+    pub(crate) shift: &'a Shift,
+}
+
+impl Contents {
+    /// Take in an edit of the program's text, whose first line touched begins at `first` (byte and line). False if it
+    /// changed what steers, or if it is not known what steers.
+    pub fn edited(&mut self, source: &[u8], shift: &Shift, first: At, grammar: Grammar) -> bool {
+        let from = (shift.new_end as usize).min(source.len());
+        let end = memchr::memchr(b'\n', &source[from..]).map_or(source.len(), |at| from + at + 1);
+        let old_end = (end as u32 - from as u32).saturating_add(shift.old_end);
+        let edited = Edited { source: &source[..end], first, old_end, shift };
+        if grammar == Grammar::Fanuc {
+            self.tape = self.tape.take().and_then(|tape| tape.edited(&edited));
+            return self.tape.is_some();
+        }
+        let Some(own) = self.outlines.first_mut() else { return false };
+        *own = own.take().and_then(|outline| outline.edited(&edited));
+        own.is_some()
+    }
+}
+
+impl Edited<'_> {
+    /// Whether a block that began here lay in these lines.
+    pub(crate) const fn had(&self, at: At) -> bool {
+        self.first.0 <= at.0 && at.0 < self.old_end
+    }
+
+    /// Where a block outside of these lines begins now.
+    pub(crate) const fn moved(&self, at: At) -> At {
+        if at.0 < self.old_end || at.0 < self.first.0 {
+            return at;
+        }
+        let Shift { old_end, new_end, .. } = *self.shift;
+        (at.0 - old_end + new_end, self.shift.line(at.1))
+    }
+}
+
+impl Interpreter<'_> {
+    /// Go by what was read before of this very text.
+    #[must_use]
+    pub fn with_contents(mut self, contents: Contents) -> Self {
+        for (own, known) in self.outlines.iter_mut().zip(contents.outlines) {
+            *own = known;
+        }
+        if let Some(fanuc) = &mut self.fanuc {
+            fanuc.set_tape(contents.tape);
+        }
+        self
+    }
+
+    /// What was read; nothing of a text whose O-words do not fit together.
+    pub fn take_contents(&mut self) -> Contents {
+        if self.contents_are_faulty {
+            return Contents::default();
+        }
+        let tape = self.fanuc.as_mut().and_then(|fanuc| fanuc.take_tape());
+        let files = self.outlines.len();
+        let outlines = core::mem::replace(&mut self.outlines, vec![None; files]);
+        Contents { outlines, tape }
+    }
+}

@@ -1,0 +1,78 @@
+//! What this front end asks for of how things stood before a stretch of blocks, and how it stands behind one that
+//! is not executed again: see [`asked`](crate::asked) and [`carry`](crate::Snapshot::carried).
+use super::{Fanuc, Kind, Tape, figure, words::Said};
+use crate::{
+    asked::{Asked, of_number},
+    execute::Executor,
+    state::Motion,
+    words::tenths,
+};
+
+/// Where the last N stands among the words kept.
+const LAST_N: usize = 5;
+
+impl Fanuc {
+    pub(crate) fn set_tape(&mut self, tape: Option<Tape>) {
+        self.tape = tape;
+    }
+
+    pub(crate) const fn take_tape(&mut self) -> Option<Tape> {
+        self.tape.take()
+    }
+
+    /// The same, which will read its tape again when it is needed.
+    pub(crate) fn without_tape(&mut self) -> Self {
+        let tape = self.tape.take();
+        let mut copy = self.clone();
+        copy.said.clear(); // the last block's
+        self.tape = tape;
+        copy
+    }
+
+    /// Whether the block at hand is one that machining centres have by the thousand.
+    pub(super) fn is_plain(&self, ex: &Executor) -> bool {
+        let plain = |said: &Said| match (said.letter, tenths(said.value)) {
+            (b'G', Some(code)) => {
+                matches!(code, 0..=30 | 170..=190 | 730 | 800..=830 | 850 | 890..=910 | 980 | 990)
+            }
+            (letter, _) => b"XYZUVWIJKRPQLF".contains(&letter),
+        };
+        self.kind == Kind::Mill
+            && self.called.is_none()
+            && self.mapping == figure::Mapping::default()
+            && self.modals.is_empty()
+            && self.lathe_cycle.is_none()
+            && self.taken == 0.0
+            && ex.state.motion != Motion::Thread
+            && self.said.iter().all(plain)
+    }
+
+    /// This front end behind the stretch from `before` to `after`, if that asked for nothing that is different here.
+    pub(crate) fn carried(&self, before: &Self, after: &Self, asked: &Asked) -> Option<Self> {
+        let mut new = after.clone();
+        let mut then = before.clone();
+        let both = self.variables.all().zip(before.variables.all());
+        for ((number, value), _) in both.filter(|(own, then)| own != then) {
+            if asked.touches(of_number(number)) {
+                return None;
+            }
+            *new.variables.slot(number)? = value;
+        }
+        then.variables.clone_from(&self.variables);
+        let line = |motion: Motion| matches!(motion, Motion::Rapid | Motion::Feed);
+        if self.before_cycle != before.before_cycle {
+            // G80 goes back to it
+            if asked.motion || !line(self.before_cycle) || !line(before.before_cycle) {
+                return None;
+            }
+            (new.before_cycle, then.before_cycle) = (self.before_cycle, self.before_cycle);
+        }
+        // plain blocks set none of these
+        for i in (0..LAST_N).filter(|i| self.kept.words[*i] != before.kept.words[*i]) {
+            (new.kept.words[i], then.kept.words[i]) = (self.kept.words[i], self.kept.words[i]);
+        }
+        (new.length_mode, then.length_mode) = (self.length_mode, self.length_mode);
+        (new.by, then.by) = (self.by, self.by);
+        (then == *self).then_some(new)
+    }
+}
