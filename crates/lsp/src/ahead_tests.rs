@@ -176,7 +176,7 @@ fn tail(menu: &'static [&'static str]) -> impl Strategy<Value = Vec<(u32, u32, S
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(48) })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(24) })]
 
     #[test]
     fn plain_lines_stand_as_if_read_anew(body in lines(PLAIN, 150), edits in tail(MODES)) {
