@@ -114,6 +114,36 @@ fn a_single_line_is_a_trapezoid() {
     assert!((duration(&phases) - 2.1).abs() < 1e-12);
 }
 
+/// A curve at a low feed, where the axes need little of the way to reach it: v/a longer than length/v, as a line would be.
+#[test]
+fn a_slow_arc_from_rest_to_rest_takes_as_long_as_a_line() {
+    let (radius, feed, accel) = (10.0, 10.0, 1000.0);
+    let point = |x: f64, y: f64| core::array::from_fn(|k| [x, y].get(k).copied().unwrap_or(0.0));
+    for turns in [0.002, 0.02, 0.25, 1.0] {
+        let angle = std::f64::consts::TAU * turns;
+        let arc = path::geometry::Arc {
+            from: point(radius, 0.0),
+            to: point(radius * angle.cos(), radius * angle.sin()),
+            plane: [0, 1],
+            centre: [0.0; 2],
+            sweep: angle,
+            length: radius * angle,
+        };
+        let curve = Curve::Arc(arc);
+        let length = curve.length();
+        let entry = Entry::Rest;
+        let arc = Piece { curve, begin: 0.0, length, feed, rapid: false, entry, op: 0, line: 0 };
+        let limits = bounds(200.0, accel, f64::INFINITY);
+        let phases = timed(&[arc], &config(limits));
+        // where both axes go along, s̈ may be higher than for one; the bend takes 0.1 % of the acceleration
+        let took = duration(&phases);
+        let line = length / feed + feed / accel;
+        assert!(took <= line * 1.001 && took > length / feed, "{turns}: {took} for {line}");
+        let [speed, acceleration, _] = inside(&[arc], &phases, &limits);
+        assert!(speed < 1.0001 && acceleration < 1.02, "{turns}: {speed} {acceleration}");
+    }
+}
+
 /// Over revolutions of a fast spindle, a servo period is more of a revolution than the longest step between two knots.
 #[test]
 fn a_period_longer_than_the_longest_step_is_no_panic() {

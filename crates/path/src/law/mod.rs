@@ -369,7 +369,7 @@ impl Law {
         for (i, cell) in self.cells.drain(..commit).enumerate() {
             let end = reach::forwards(&cell, b, self.beta[i + 1]);
             let ready = &mut self.ready;
-            let mut give = |phase: Phase| {
+            let give = |phase: Phase| {
                 let phase = Phase { s: phase.s + cell.from, ..phase };
                 ready.push_back(Timed { piece: cell.piece, phase });
             };
@@ -377,11 +377,7 @@ impl Law {
                 Demand::Line { accel, .. } => {
                     phase::over_line(cell.h, accel, cell.cap, b, end, give);
                 }
-                Demand::Curve(_) => {
-                    if let Some(phase) = phase::over_cell(cell.h, b, end) {
-                        give(phase);
-                    }
-                }
+                Demand::Curve(rows) => phase::over_curve(&rows, cell.h, cell.cap, (b, end), give),
             }
             b = end;
         }

@@ -1,4 +1,5 @@
 //! What the kernel evaluates: stretches of constant s⃛ along one piece.
+use super::cell::{Row, Rows};
 
 /// A stretch of constant third derivative by time, along one piece of the path.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -126,15 +127,37 @@ pub(crate) fn from_rest_to_rest(
     }
 }
 
-/// The one phase of constant s̈ over a cell of a curve.
-pub(crate) fn over_cell(h: f64, b0: f64, b1: f64) -> Option<Phase> {
+/// How much harder than the one ramp over a cell the axes must be able to accelerate, for several phases to be worth it.
+const WORTH: f64 = 1.2;
+
+/// By how much, as a share, ṡ must change over a cell for several phases to be worth it.
+const CHANGE: f64 = 0.1;
+
+/// Phases of constant s̈ over a cell of a curve: one, or, where the axes could do it in much less than the whole cell (at a low
+/// feed, from rest or to it), a ramp, and the rest of the cell evenly.
+pub(crate) fn over_curve(
+    rows: &[Rows; 3],
+    h: f64,
+    cap: f64,
+    (b0, b1): (f64, f64),
+    mut give: impl FnMut(Phase),
+) {
+    let all = || rows.iter().flat_map(Rows::all);
+    let mut top = b0.max(b1);
+    if top == 0.0 {
+        // a cell of its own, from rest to rest: half of what the axes can do is left to the bend
+        top = all().map(|row| 0.5 / row.a2.abs()).fold(cap, f64::min);
+    }
+    let room = |row: &Row| (1.0 - row.a2.abs() * top) / row.a1.abs();
+    let accel = all().filter(|row| row.a1 != 0.0).map(room).fold(f64::INFINITY, f64::min);
+    let even = (libm::sqrt(b1) - libm::sqrt(b0)).abs() <= CHANGE * libm::sqrt(top);
+    let alone = b0.max(b1) > 0.0 && (even || accel <= WORTH * (b1 - b0).abs() / (2.0 * h));
+    if !alone {
+        return over_line(h, accel, top, b0, b1, give);
+    }
     let (v0, v1) = (libm::sqrt(b0), libm::sqrt(b1));
     let duration = 2.0 * h / (v0 + v1);
-    duration.is_finite().then_some(Phase {
-        duration,
-        s: 0.0,
-        v: v0,
-        a: (v1 - v0) / duration,
-        j: 0.0,
-    })
+    if duration.is_finite() {
+        give(Phase { duration, s: 0.0, v: v0, a: (v1 - v0) / duration, j: 0.0 });
+    }
 }
