@@ -1,5 +1,5 @@
 //! What the law of time promises, checked on the setpoints that a machine would get.
-use path::geometry::{Joiner, Line, Segment};
+use path::geometry::{Bend, Bezier, Joiner, Line, Segment};
 use path::law::{Config, Law, Timed};
 use path::{AXES, Bounds, Curve, Entry, Limits, Piece, Shape};
 use proptest::prelude::*;
@@ -144,6 +144,52 @@ fn a_slow_arc_from_rest_to_rest_takes_as_long_as_a_line() {
     }
 }
 
+/// An arc so flat that it is one cell, between two stops, and one after another: as the line beside it.
+#[test]
+fn a_flat_arc_takes_as_long_as_a_line() {
+    let point = |x: f64, y: f64| core::array::from_fn(|k| [x, y].get(k).copied().unwrap_or(0.0));
+    let (radius, length, feed) = (1e4, 100.0, 100.0);
+    let arc = |from: f64, entry: Entry| {
+        let place =
+            |s: f64| point(radius * (s / radius).sin(), radius * (1.0 - (s / radius).cos()));
+        let curve = Curve::Arc(path::geometry::Arc {
+            from: place(from),
+            to: place(from + length),
+            plane: [0, 1],
+            centre: [0.0, radius],
+            sweep: length / radius,
+            length,
+        });
+        Piece { curve, begin: 0.0, length, feed, rapid: false, entry, op: 0, line: 0 }
+    };
+    let config = config(bounds(200.0, 1000.0, f64::INFINITY));
+    let one = duration(&timed(&[arc(0.0, Entry::Rest)], &config));
+    assert!((one - 1.1).abs() < 0.002, "{one}");
+    let two = duration(&timed(&[arc(0.0, Entry::Rest), arc(length, Entry::Smooth)], &config));
+    assert!((two - 2.1).abs() < 0.002, "{two}");
+}
+
+/// The end of a spline with a short handle: bends of a ten-thousandth of a millimetre.
+#[test]
+fn a_spline_that_ends_in_a_sharp_bend_is_slow_there() {
+    let point = |x: f64, y: f64| core::array::from_fn(|k| [x, y].get(k).copied().unwrap_or(0.0));
+    let control = [point(0.0, 0.0), point(2.0, 3.0), point(2.01, -0.01), point(2.0, 0.0)];
+    let mut parts = Vec::new();
+    Bezier::cubic(control, &mut parts);
+    let entry = |k: usize| if k == 0 { Entry::Rest } else { Entry::Smooth };
+    let piece = |(k, part): (usize, &Bezier)| {
+        let curve = Curve::Bezier(*part);
+        let (length, entry) = (curve.length(), entry(k));
+        Piece { curve, begin: 0.0, length, feed: 50.0, rapid: false, entry, op: 0, line: 0 }
+    };
+    let pieces: Vec<Piece> = parts.iter().enumerate().map(piece).collect();
+    for jerk in [f64::INFINITY, 20e3] {
+        let limits = bounds(200.0, 1000.0, jerk);
+        let [_, accel, most] = inside(&pieces, &timed(&pieces, &config(limits)), &limits);
+        assert!(accel < 1.03 && most < 1.05, "{jerk}: {accel} {most}");
+    }
+}
+
 /// Over revolutions of a fast spindle, a servo period is more of a revolution than the longest step between two knots.
 #[test]
 fn a_period_longer_than_the_longest_step_is_no_panic() {
@@ -248,20 +294,23 @@ fn with_jerk_ten_thousand_parts_of_a_line_take_hardly_longer_than_the_line() {
 /// Moves that a program could have, joined within a tolerance.
 fn any_joined() -> impl Strategy<Value = Vec<Piece>> {
     let step = (prop::array::uniform3(1.0..10.0_f64), 5.0..200.0_f64, any::<[bool; 3]>());
-    (prop::collection::vec(step, 1..15), 0.005..0.1_f64).prop_map(|(steps, tolerance)| {
-        let (mut joiner, mut pieces) = (Joiner::new(), Vec::new());
-        let mut at = [0.0; 3];
-        for (step, feed, back) in steps {
-            let to = core::array::from_fn(|k| at[k] + if back[k] { -step[k] } else { step[k] });
-            let curve = line(at, to, feed, Entry::Rest).curve;
-            let segment =
-                Segment { curve, feed, rapid: false, tolerance, merge: 0.0, op: 0, line: 0 };
-            joiner.push(segment, &mut |piece| pieces.push(piece));
-            at = to;
-        }
-        joiner.finish(&mut |piece| pieces.push(piece));
-        pieces
-    })
+    let bend = prop::sample::select(vec![Bend::Quick, Bend::Even]);
+    (prop::collection::vec(step, 1..15), 0.005..0.1_f64, bend).prop_map(
+        |(steps, tolerance, bend)| {
+            let (mut joiner, mut pieces) = (Joiner::new(bend), Vec::new());
+            let mut at = [0.0; 3];
+            for (step, feed, back) in steps {
+                let to = core::array::from_fn(|k| at[k] + if back[k] { -step[k] } else { step[k] });
+                let curve = line(at, to, feed, Entry::Rest).curve;
+                let segment =
+                    Segment { curve, feed, rapid: false, tolerance, merge: 0.0, op: 0, line: 0 };
+                joiner.push(segment, &mut |piece| pieces.push(piece));
+                at = to;
+            }
+            joiner.finish(&mut |piece| pieces.push(piece));
+            pieces
+        },
+    )
 }
 
 proptest! {

@@ -24,6 +24,9 @@ pub struct Bezier {
 /// Slowest |dB/dt| of a part, relative to its length: below, the curve all but stands still, as at a cusp.
 const STILL: f64 = 1e-6;
 
+/// How often a curve may be halved to make its parts even.
+const HALVINGS: u32 = 12;
+
 impl Bezier {
     /// A curve of the third degree, in parts.
     pub fn cubic(control: [Point; 4], parts: &mut Vec<Self>) {
@@ -42,9 +45,9 @@ impl Bezier {
         Self::parts(raised, parts);
     }
 
-    /// A curve of the fifth degree, in sixteen parts or fewer.
+    /// A curve of the fifth degree, in parts; more of them where it bends sharply.
     pub fn parts(control: [Point; 6], parts: &mut Vec<Self>) {
-        Self::cut(&control, 5, parts);
+        Self::cut(&control, HALVINGS, parts);
     }
 
     fn cut(control: &[Point; 6], depth: u32, parts: &mut Vec<Self>) {

@@ -9,6 +9,7 @@
 //! has as many cells as keep q′ and q″ from changing much in any one.
 use crate::{AXES, Bounds, Derivatives, Entry, Limits, Piece, Shape};
 use alloc::boxed::Box;
+use alloc::vec::Vec;
 
 /// Where nothing else limits it, ṡ stays under this, mm/s: faster than any machine, slow enough for arithmetic.
 pub(crate) const TOP_SPEED: f64 = 1e7;
@@ -124,9 +125,31 @@ pub(crate) struct Sampler {
     from: f64,
     length: f64,
     start: Start,
-    count: u64,
+    /// What is cut evenly, and which cell of it is next; then the other stretches of the piece, the last one first.
+    even: Even,
     next: u64,
+    more: Vec<Even>,
     last: Derivatives,
+}
+
+/// A stretch with cells of one length.
+#[derive(Clone, Copy, Debug)]
+struct Even {
+    from: f64,
+    to: f64,
+    count: u64,
+}
+
+impl Even {
+    /// Of a piece: its cells.
+    fn of(piece: &Piece, from: f64, to: f64, bounds: &Bounds) -> Self {
+        Self { from, to, count: cells_for(piece, from, to, bounds) }
+    }
+
+    fn halves(&self, piece: &Piece, bounds: &Bounds) -> [Self; 2] {
+        let middle = f64::midpoint(self.from, self.to);
+        [Self::of(piece, self.from, middle, bounds), Self::of(piece, middle, self.to, bounds)]
+    }
 }
 
 impl Sampler {
@@ -147,8 +170,37 @@ impl Sampler {
                 bend_cap(before, &last, bounds(piece, limits), period)
             }
         };
-        let count = cells_for(piece, from, length, bounds(piece, limits));
-        Self { piece: *piece, number, from, length, start, count, next: 0, last }
+        let even = Even::of(piece, from, length, bounds(piece, limits));
+        let mut sampler = Self {
+            piece: *piece,
+            number,
+            from,
+            length,
+            start,
+            even,
+            next: 0,
+            more: Vec::new(),
+            last,
+        };
+        // a spline may bend sharply in a small part of it
+        if matches!(piece.curve, crate::Curve::Bezier(_)) {
+            sampler.more.push(even);
+            sampler.go_on(limits);
+        }
+        sampler
+    }
+
+    /// Go on with the next stretch, if there is one.
+    fn go_on(&mut self, limits: &Limits) -> bool {
+        let Some(mut even) = self.more.pop() else { return false };
+        let bounds = bounds(&self.piece, limits);
+        while even.count > MANY && even.to - even.from >= 2.0 * SHORTEST_STRETCH * self.length {
+            let [first, second] = even.halves(&self.piece, bounds);
+            self.more.push(second);
+            even = first;
+        }
+        (self.even, self.next) = (even, 0);
+        true
     }
 
     /// Derivatives at the end of the piece.
@@ -158,13 +210,15 @@ impl Sampler {
 
     /// The next cell.
     pub(crate) fn next(&mut self, limits: &Limits) -> Option<Cell> {
-        if self.next >= self.count {
+        if self.next >= self.even.count && !self.go_on(limits) {
             return None;
         }
-        let step = (self.length - self.from) / self.count as f64;
-        let at = |k: f64| self.from + step * k;
+        let even = self.even;
+        let step = (even.to - even.from) / even.count as f64;
+        let at = |k: f64| even.from + step * k;
         let from = at(self.next as f64);
-        let start = if self.next == 0 { self.start } else { Start::On(f64::INFINITY) };
+        let first = self.next == 0 && even.from == self.from;
+        let start = if first { self.start } else { Start::On(f64::INFINITY) };
         let bounds = bounds(&self.piece, limits);
         let (demand, cap) = if self.is_line() {
             let cap = speed_cap(&self.last, bounds, self.piece.feed);
@@ -211,6 +265,10 @@ fn bend_cap(before: &Derivatives, after: &Derivatives, bounds: &Bounds, period: 
     Start::On(jumps.map(cap).fold(f64::INFINITY, f64::min))
 }
 
+/// A stretch of a spline with more cells is halved, unless it is shorter than this share of the spline.
+const MANY: u64 = 16;
+const SHORTEST_STRETCH: f64 = 1e-6;
+
 /// Places at which a piece is looked at to know how many cells it needs.
 const LOOKS: usize = 9;
 
@@ -219,8 +277,18 @@ fn cells_for(piece: &Piece, from: f64, length: f64, bounds: &Bounds) -> u64 {
     if is_line(piece) {
         return u64::from(length > from);
     }
-    let look = |k: usize| piece.at(from + (length - from) * k as f64 / (LOOKS - 1) as f64);
-    let all: [Derivatives; LOOKS] = core::array::from_fn(look);
+    // what was programmed as a spline may bend sharply in a small part of it
+    match piece.curve {
+        crate::Curve::Bezier(_) => {
+            cells_for_looks::<{ 4 * (LOOKS - 1) + 1 }>(piece, from, length, bounds)
+        }
+        _ => cells_for_looks::<LOOKS>(piece, from, length, bounds),
+    }
+}
+
+fn cells_for_looks<const N: usize>(piece: &Piece, from: f64, length: f64, bounds: &Bounds) -> u64 {
+    let look = |k: usize| piece.at(from + (length - from) * k as f64 / (N - 1) as f64);
+    let all: [Derivatives; N] = core::array::from_fn(look);
     // as fast as the feed, and the bend where it is least, allow
     let cap = all.iter().map(|d| speed_cap(d, bounds, piece.feed)).fold(f64::INFINITY, f64::min);
     let (mut turn, mut change, mut twist) = (0.0_f64, 0.0_f64, 0.0_f64);
@@ -258,7 +326,7 @@ fn cells_for(piece: &Piece, from: f64, length: f64, bounds: &Bounds) -> u64 {
 /// Where an axis is much slower than others, these allow an s̈ at which the turn of its slope is many times its limit, held
 /// by its bend. Over half a cell the second difference of the sum is that of q′ times 5·s̈ (two by two from q″ and ṡ², which
 /// both change); D over looks becomes D·(8/2n)², and the curve is an eighth of that from its chord.
-fn cells_for_sag(all: &[Derivatives; LOOKS], bounds: &Bounds) -> f64 {
+fn cells_for_sag(all: &[Derivatives], bounds: &Bounds) -> f64 {
     let mut most = 0.0_f64;
     for near in all.windows(3) {
         let slope = |k: usize| near.iter().fold(0.0, |m: f64, d| m.max(d.q1[k].abs()));
@@ -271,6 +339,6 @@ fn cells_for_sag(all: &[Derivatives; LOOKS], bounds: &Bounds) -> f64 {
             }
         }
     }
-    let looks = (LOOKS - 1) as f64;
+    let looks = (all.len() - 1) as f64;
     libm::sqrt(most * looks * looks / 32.0 / BETWEEN)
 }

@@ -127,14 +127,11 @@ pub(crate) fn from_rest_to_rest(
     }
 }
 
-/// How much harder than the one ramp over a cell the axes must be able to accelerate, for several phases to be worth it.
-const WORTH: f64 = 1.2;
+/// Share of the time of one ramp over a cell that several phases must save, to be worth it.
+const WORTH: f64 = 0.03;
 
-/// By how much, as a share, ṡ must change over a cell for several phases to be worth it.
-const CHANGE: f64 = 0.1;
-
-/// Phases of constant s̈ over a cell of a curve: one, or, where the axes could do it in much less than the whole cell (at a low
-/// feed, from rest or to it), a ramp, and the rest of the cell evenly.
+/// Phases of constant s̈ over a cell of a curve: one, or, where the axes could do it in much less (at a low feed, from rest or to
+/// it, along a curve so flat that it is one cell), as over a line.
 pub(crate) fn over_curve(
     rows: &[Rows; 3],
     h: f64,
@@ -143,20 +140,19 @@ pub(crate) fn over_curve(
     mut give: impl FnMut(Phase),
 ) {
     let all = || rows.iter().flat_map(Rows::all);
-    let mut top = b0.max(b1);
-    if top == 0.0 {
-        // a cell of its own, from rest to rest: half of what the axes can do is left to the bend
-        top = all().map(|row| 0.5 / row.a2.abs()).fold(cap, f64::min);
-    }
+    // half of what the axes can do may go into the bend
+    let top = all().map(|row| 0.5 / row.a2.abs()).fold(cap, f64::min).max(b0).max(b1);
     let room = |row: &Row| (1.0 - row.a2.abs() * top) / row.a1.abs();
     let accel = all().filter(|row| row.a1 != 0.0).map(room).fold(f64::INFINITY, f64::min);
-    let even = (libm::sqrt(b1) - libm::sqrt(b0)).abs() <= CHANGE * libm::sqrt(top);
-    let alone = b0.max(b1) > 0.0 && (even || accel <= WORTH * (b1 - b0).abs() / (2.0 * h));
-    if !alone {
-        return over_line(h, accel, top, b0, b1, give);
-    }
     let (v0, v1) = (libm::sqrt(b0), libm::sqrt(b1));
     let duration = 2.0 * h / (v0 + v1);
+    if accel * 2.0 * h > (b1 - b0).abs() {
+        let mut sum = 0.0;
+        over_line(h, accel, top, b0, b1, |phase| sum += phase.duration);
+        if sum < (1.0 - WORTH) * duration {
+            return over_line(h, accel, top, b0, b1, give);
+        }
+    }
     if duration.is_finite() {
         give(Phase { duration, s: 0.0, v: v0, a: (v1 - v0) / duration, j: 0.0 });
     }
