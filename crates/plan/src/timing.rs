@@ -7,6 +7,7 @@ use crate::limits::MachineLimits;
 use crate::repace::Wish;
 use crate::step::{Follow, PHASES, Pace, Step, StepKind};
 use alloc::collections::VecDeque;
+use path::geometry::Bend;
 use path::law::{Config, Law, Refusal, State, Timed};
 use path::{Entry, Phase, Piece, Shape};
 
@@ -27,6 +28,7 @@ pub(crate) struct Timing {
     /// Line of the last piece, and how far it is until it may stop.
     last: Option<u32>,
     braking: f64,
+    bend: Bend,
     /// Pieces that the law has and that have not been handed on; `done` were before them.
     pieces: VecDeque<Piece>,
     done: u64,
@@ -48,6 +50,7 @@ impl Timing {
         let state = state.unwrap_or_default();
         Self {
             law: Law::resuming(config, state),
+            bend: Bend::of(&config.limits),
             pace: Pace { share: wish.share, turning: n },
             per_revolution: spin.is_some(),
             stops: wish.stops,
@@ -63,6 +66,11 @@ impl Timing {
     /// What the law has refused, with the line of the program.
     pub(crate) const fn take_refusal(&mut self) -> Option<(u32, Refusal)> {
         self.refusal.take()
+    }
+
+    /// Corners that suit the axes.
+    pub(crate) const fn bend(&self) -> Bend {
+        self.bend
     }
 
     /// Go on along a piece; its feed is as programmed.

@@ -1,131 +1,250 @@
-//! How far the blend of a corner reaches, and how long it is.
+//! The blend of a corner of two lines.
 //!
 //! ```text
-//!          ·──────────────     q(s) = corner − y(L−s)·t₀ + y(s)·t₁,   0 ≤ s ≤ L = ρ·h
-//!        ╱  m·2k·h             y the polynomial of the fifth degree from 0 to h with slopes 0 and 1, no bend at either end
-//!       ╱│
-//!   ───╲╱ w·h·sin θ            in the middle  y = m·h,  m = (16 − 5·ρ)/32;   at its lowest  y = −w·h
+//!            ╱·──────────────     q = corner + α·t₀ + β·t₁     β = B(t), α = −B(1 − t), 0 ≤ t ≤ 1
+//!          ╱ m·2k                 B = −w + g·b(t),   b″ = t/r up to 1,   B(½) = m
+//!   ──────╲╱ w·sin θ              before and after it, over σ·w: from the line to so far outside of it, and back
 //! ```
 //!
 //! | symbol | meaning |
 //! |---|---|
 //! | t₀, t₁ | slopes before and after: \|t₁ − t₀\| = 2·k, k = sin(θ/2) |
-//! | h | reach along both moves |
-//! | ρ | length of the blend's parameter, over h |
+//! | t | time of the turn, over its whole |
+//! | r | part of it in which an acceleration grows |
+//! | w | swing to the outer side |
+//! | m | way along both lines in the middle |
 //!
-//! With ρ = 2 the path runs on the inner side alone. A longer parameter lets it swing out to the other side before it turns,
-//! so that it may begin to turn much sooner within the same distance: h is largest where both sides are used alike. Its
-//! bend grows more gently then, too, which is what jerk asks for. Corners of a few degrees are passed nearly at the
-//! feed, which ṡ may not exceed; there ρ = 2 is faster, as the path is hardly longer than its chord.
+//! One axis comes to rest while the other one leaves it: how long both may do so at once is the time that a blend saves over
+//! a stop. b is how an axis leaves rest: with an acceleration that is there at once, or one that grows all the time where
+//! jerk is limited. Swinging out before it turns lets the path begin to turn much sooner within the same distance. The corner
+//! itself, and no part of the lines, is farther than P from the path.
+//!
+//! The pieces run by s, with ds/dt = dα/dt + dβ/dt: slope and bend are those of the lines at both ends, and in the middle s
+//! runs evenly with t.
+use super::{AXES, Bounds, Derivatives, Limits, Point};
 
-/// Corners with a smaller k have ρ = 2: 23°.
-const SHALLOW: f64 = 0.2;
+/// How the bend of a corner grows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Bend {
+    /// In a small part of the turn: for axes without a limit of jerk.
+    Quick,
+    /// All along the turn: for axes with one.
+    #[default]
+    Even,
+}
 
-/// Parameter of a blend that stays on the inner side.
-pub(crate) const INNER: f64 = 2.0;
+impl Bend {
+    /// What suits axes with these limits.
+    pub fn of(limits: &Limits) -> Self {
+        let limited = |bounds: &Bounds| bounds.jerk.iter().any(|jerk| jerk.is_finite());
+        if limited(&limits.feed) || limited(&limits.rapid) { Self::Even } else { Self::Quick }
+    }
 
-/// From here on the path swings out as far as it may, up to where it would pass the corner itself.
-const SWINGING: [f64; 2] = [3.0, 3.2];
+    /// r.
+    fn ramp(self) -> f64 {
+        match self {
+            Self::Quick => 0.05,
+            Self::Even => 1.0,
+        }
+    }
 
-/// Reach and shape of a blend.
+    /// σ: so long that, at the speeds there are so near a stop, the swing takes less than the axes can do.
+    fn lead(self) -> f64 {
+        match self {
+            Self::Quick => 60.0,
+            Self::Even => 350.0,
+        }
+    }
+
+    /// A turn without swing reaches no farther than so much of the shorter move: else its axes would, on their way to the next
+    /// rest, have to slow down again within it, and a `bow` is faster.
+    fn part(self) -> f64 {
+        match self {
+            Self::Quick => 1.0,
+            Self::Even => 0.05,
+        }
+    }
+
+    /// b, b′, b″.
+    fn from_rest(self, t: f64) -> [f64; 3] {
+        let r = self.ramp();
+        if t <= r {
+            return [t * t * t / (6.0 * r), t * t / (2.0 * r), t / r];
+        }
+        [t * t / 2.0 - r * t / 2.0 + r * r / 6.0, t - r / 2.0, 1.0]
+    }
+
+    /// Where the pieces of a turn meet.
+    fn knots(self) -> [f64; 5] {
+        let first = self.ramp().min(0.25);
+        [0.0, first, 0.5, 1.0 - first, 1.0]
+    }
+}
+
+/// A blend reaches no farther than the shorter move over this: three of them find place on a move.
+pub(crate) const ROOM: f64 = 6.1;
+
+/// Shape of a blend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Corner {
-    /// h.
-    pub(crate) reach: f64,
-    /// ρ.
-    pub(crate) ratio: f64,
+    /// w.
+    swing: f64,
+    /// g.
+    growth: f64,
+    bend: Bend,
 }
 
 impl Corner {
-    /// Between two lines, within a distance of `p`: as long as `room` lets it be.
-    pub(crate) fn of(k: f64, p: f64, room: f64) -> Self {
-        if k < SHALLOW {
-            return Self::with(INNER, k, p);
+    /// Between two lines whose slopes differ by 2·k, within a distance of `p`; `side` is how far from a line a step along the
+    /// other one leads at most, `shorter` the length of the shorter line. It swings out as far as there is room. `None`: the
+    /// lines are too short for it.
+    pub(crate) fn of(k: f64, side: f64, p: f64, shorter: f64, bend: Bend) -> Option<Self> {
+        let (half, whole) = (bend.from_rest(0.5)[0], bend.from_rest(1.0)[0]);
+        let (m, over) = (p / (2.0 * k), whole / half);
+        if m * over > bend.part() * shorter {
+            return None;
         }
-        let mut ratio = balanced(k);
-        loop {
-            let corner = Self::with(ratio, k, p);
-            if ratio <= INNER || corner.reach <= room {
-                return corner;
+        // reach = (w + m)·over − w + σ·w
+        let swing = (shorter / ROOM - m * over) / (over - 1.0 + bend.lead());
+        let swing = swing.clamp(0.0, p.min(p / side));
+        Some(Self { swing, growth: (swing + m) / half, bend })
+    }
+
+    /// How far it reaches along both lines.
+    pub(crate) fn reach(&self) -> f64 {
+        self.b(1.0)[0] + self.lead()
+    }
+
+    /// Length of the way out, and of the way back; zero: it does not swing.
+    fn lead(&self) -> f64 {
+        self.bend.lead() * self.swing
+    }
+
+    /// B, B′, B″.
+    fn b(&self, t: f64) -> [f64; 3] {
+        let [b, first, second] = self.bend.from_rest(t);
+        [self.growth * b - self.swing, self.growth * first, self.growth * second]
+    }
+
+    /// Its pieces, by where they begin and end and how long they are: at the corner `at`, with slopes `t0` and `t1`.
+    pub(crate) fn pieces(
+        &self,
+        at: &Point,
+        (t0, t1): (&Point, &Point),
+        mut give: impl FnMut(&Derivatives, &Derivatives, f64),
+    ) {
+        let lead = self.lead();
+        // from shares of both slopes
+        let place = |shares: [[f64; 2]; 3]| {
+            let of = |[a, b]: [f64; 2]| core::array::from_fn(|i| a * t0[i] + b * t1[i]);
+            let q: Point = of(shares[0]);
+            let q = core::array::from_fn(|i| at[i] + q[i]);
+            Derivatives { q, q1: of(shares[1]), q2: of(shares[2]), q3: [0.0; AXES] }
+        };
+        let off = [0.0; 2];
+        let mut from = place([[-self.reach(), 0.0], [1.0, 0.0], off]);
+        let mut go = |to: Derivatives, length: f64| {
+            if length > 0.0 {
+                give(&from, &to, length);
             }
-            ratio = (ratio - 0.1).max(INNER);
+            from = to;
+        };
+        go(place(self.turning(0.0)), lead);
+        for pair in self.bend.knots().windows(2) {
+            go(place(self.turning(pair[1])), self.s(pair[1]) - self.s(pair[0]));
         }
+        go(place([[0.0, self.reach()], [0.0, 1.0], off]), lead);
     }
 
-    fn with(ratio: f64, k: f64, p: f64) -> Self {
-        let most = middle(ratio).max(lowest(ratio) * cos(k));
-        Self { reach: p / (2.0 * k * most), ratio }
+    /// α and β in the turn, with their derivatives by s.
+    fn turning(&self, t: f64) -> [[f64; 2]; 3] {
+        let ([a, a1, a2], [b, b1, b2]) = (self.b(1.0 - t), self.b(t));
+        let pace = a1 + b1;
+        let slope = [a1 / pace, b1 / pace];
+        let more = b2 - a2;
+        let bend =
+            [(-a2 - slope[0] * more) / (pace * pace), (b2 - slope[1] * more) / (pace * pace)];
+        [[-a, b], slope, bend]
     }
-}
 
-/// m.
-fn middle(ratio: f64) -> f64 {
-    (16.0 - 5.0 * ratio) / 32.0
-}
-
-/// w; zero where it does not swing out: y′ = s²·(3·c₃ + 4·c₄·s + 5·c₅·s²).
-fn lowest(ratio: f64) -> f64 {
-    let c3 = 10.0 - 4.0 * ratio;
-    if c3 >= 0.0 {
-        return 0.0;
+    /// s at a time of the turn.
+    fn s(&self, t: f64) -> f64 {
+        self.b(t)[0] - self.b(1.0 - t)[0]
     }
-    // over s/L; each coefficient of y over h
-    let (c4, c5) = (7.0 * ratio - 15.0, 6.0 - 3.0 * ratio);
-    let root = libm::sqrt((16.0 * c4 * c4 - 60.0 * c3 * c5).max(0.0));
-    let s = -6.0 * c3 / (4.0 * c4 + root);
-    -(s * s * s * (c3 + s * (c4 + s * c5)))
-}
-
-/// cos θ/2; the distance from a line is y·sin θ = 2·k·y·cos θ/2.
-fn cos(k: f64) -> f64 {
-    libm::sqrt((1.0 - k * k).max(0.0))
-}
-
-/// ρ at which both sides are used alike.
-fn balanced(k: f64) -> f64 {
-    let [mut low, mut high] = SWINGING;
-    for _ in 0..20 {
-        let ratio = f64::midpoint(low, high);
-        if middle(ratio) > lowest(ratio) * cos(k) { low = ratio } else { high = ratio }
-    }
-    low
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Shape;
     use crate::geometry::Polynomial;
-    use crate::{AXES, Derivatives, Shape};
+    use alloc::vec::Vec;
 
     /// A right angle at the origin, from −X to +Y.
-    fn blend(corner: Corner) -> Polynomial {
-        let at = |q: [f64; 2], q1: [f64; 2]| {
-            let wide =
-                |p: [f64; 2]| core::array::from_fn(|k: usize| if k < 2 { p[k] } else { 0.0 });
-            Derivatives { q: wide(q), q1: wide(q1), q2: [0.0; AXES], q3: [0.0; AXES] }
-        };
-        let h = corner.reach;
-        Polynomial::between(&at([-h, 0.0], [1.0, 0.0]), &at([0.0, h], [0.0, 1.0]), corner.ratio * h)
+    fn blend(corner: Corner) -> Vec<Polynomial> {
+        let along = |axis: usize| core::array::from_fn(|i| f64::from(u8::from(i == axis)));
+        let mut pieces = Vec::new();
+        corner.pieces(&[0.0; AXES], (&along(0), &along(1)), |from, to, length| {
+            pieces.push(Polynomial::between(from, to, length));
+        });
+        pieces
+    }
+
+    fn right_angle(room: f64, bend: Bend) -> Corner {
+        let shorter = ROOM * room;
+        Corner::of(core::f64::consts::FRAC_1_SQRT_2, 1.0, 0.01, shorter, bend).expect("long lines")
     }
 
     #[test]
-    fn both_sides_of_a_right_angle_are_used_alike() {
-        let k = core::f64::consts::FRAC_1_SQRT_2;
-        let corner = Corner::of(k, 0.01, 10.0);
-        let path = blend(corner);
-        let middle = path.at(path.length() / 2.0).q;
-        assert!((libm::hypot(middle[0], middle[1]) - 0.01).abs() < 1e-6, "{middle:?}");
-        let least = (0..=1000)
-            .map(|n| path.at(path.length() * f64::from(n) / 1000.0).q[1])
-            .fold(0.0, f64::min);
-        assert!((least + 0.01).abs() < 1e-6, "{least}");
+    fn both_sides_of_a_right_angle_are_used() {
+        for bend in [Bend::Quick, Bend::Even] {
+            let corner = right_angle(10.0, bend);
+            let pieces = blend(corner);
+            let points: Vec<Point> = pieces
+                .iter()
+                .flat_map(|piece| {
+                    (0..=200).map(|n| piece.position(piece.length() * f64::from(n) / 200.0))
+                })
+                .collect();
+            let near = points.iter().map(|q| libm::hypot(q[0], q[1])).fold(1.0, f64::min);
+            assert!((near - 0.01).abs() < 1e-6, "passes the corner at {near}");
+            let least = points.iter().map(|q| q[1]).fold(0.0, f64::min);
+            assert!((least + 0.01).abs() < 1e-6, "swings out by {least}");
+            let first = points[0];
+            assert!((first[0] + corner.reach()).abs() < 1e-12 && first[1].abs() < 1e-12);
+        }
     }
 
     #[test]
     fn where_there_is_no_room_the_blend_keeps_to_the_inner_side() {
-        let corner = Corner::of(0.7, 0.01, 0.0);
-        // ⅜·h·k at the corner
-        assert_eq!(corner.ratio, INNER);
-        assert!((corner.reach - 0.01 / (0.375 * 0.7)).abs() < 1e-12);
+        // t³ is an eighth of the whole in the middle, where the way along both lines is P/√2
+        let reach = 8.0 * 0.01 / libm::sqrt(2.0);
+        let corner = right_angle(20.001 * reach / ROOM, Bend::Even);
+        assert!(corner.swing < 1e-3 && corner.reach() < 20.002 * reach / ROOM, "{corner:?}");
+        let none =
+            Corner::of(core::f64::consts::FRAC_1_SQRT_2, 1.0, 0.01, 19.9 * reach, Bend::Even);
+        assert_eq!(none, None);
+        assert_eq!(right_angle(0.01, Bend::Quick).swing, 0.0);
+        assert_eq!(blend(right_angle(0.01, Bend::Quick)).len(), 4);
+    }
+
+    #[test]
+    fn a_little_more_room_is_a_little_more_swing() {
+        let corner = |room: f64| right_angle(room, Bend::Even);
+        let (a, b) = (corner(0.5), corner(0.51));
+        assert!(a.swing > 0.0 && a.swing < b.swing && (a.reach() - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn its_pieces_go_on_in_slope_and_bend() {
+        for (room, bend) in [(0.1, Bend::Quick), (0.3, Bend::Quick), (10.0, Bend::Even)] {
+            for pair in blend(right_angle(room, bend)).windows(2) {
+                let (a, b) = (pair[0].at(pair[0].length()), pair[1].at(0.0));
+                for i in 0..2 {
+                    assert!((a.q[i] - b.q[i]).abs() < 1e-12 && (a.q1[i] - b.q1[i]).abs() < 1e-9);
+                    assert!((a.q2[i] - b.q2[i]).abs() < 1e-6);
+                }
+            }
+        }
     }
 }

@@ -15,7 +15,8 @@
 //! A move is long if three blends of such h fit into it at both of its ends; a curve that was chopped finely has small
 //! corners, which would allow blends much longer than its moves, and therefore none of them is.
 use super::bezier::measure;
-use super::corner::{Corner, INNER};
+use super::bow::{Bow, INNER};
+use super::corner::{Bend, Corner, ROOM};
 use super::{AXES, Curve, Derivatives, Entry, Line, Piece, Point, Polynomial, Shape, fit};
 use alloc::vec::Vec;
 
@@ -44,10 +45,10 @@ const MAX_ZONE: usize = 256;
 const KEPT: usize = 64;
 /// Share of the tolerance that blends use; the rest is for what their distance is not sampled at.
 pub(crate) const SHARE: f64 = 0.97;
+/// The same where it is known exactly.
+const EXACT: f64 = 0.999;
 /// A fitted curve leaves a long move, and comes to it, so many reaches of the corner away: its knots need room.
 const ASIDE: f64 = 2.0;
-/// A blend may swing out where its reach is less than the shorter move over this.
-const ROOM: f64 = 6.0;
 /// Slopes that differ by less are one slope.
 const SAME_SLOPE: f64 = 1e-7;
 /// Bends that differ by less are one bend, 1/mm.
@@ -71,7 +72,9 @@ pub(crate) struct Joint {
     pub(crate) k: f64,
     /// How far its blend would reach if there were room; zero: there is none.
     pub(crate) reach: f64,
-    /// Length of its blend, over its reach.
+    /// Shape of its blend, if it joins two lines.
+    corner: Option<Corner>,
+    /// Length of its blend as one polynomial, over its reach.
     ratio: f64,
     /// What there is instead.
     entry: Entry,
@@ -82,7 +85,7 @@ pub(crate) struct Joint {
 impl Joint {
     /// Without a blend.
     fn none(entry: Entry) -> Self {
-        Self { k: 0.0, reach: 0.0, ratio: INNER, entry, tolerance: 0.0 }
+        Self { k: 0.0, reach: 0.0, corner: None, ratio: INNER, entry, tolerance: 0.0 }
     }
 }
 
@@ -104,13 +107,14 @@ pub struct Joiner {
     entry: Option<Entry>,
     /// A line that may still be merged with the next one, and how far off its inner points are.
     line: Option<(Segment, f64)>,
+    bend: Bend,
     fitter: fit::Fitter,
 }
 
 impl Joiner {
     /// Nothing yet, at rest.
-    pub fn new() -> Self {
-        Self { entry: Some(Entry::Rest), ..Self::default() }
+    pub fn new(bend: Bend) -> Self {
+        Self { entry: Some(Entry::Rest), bend, ..Self::default() }
     }
 
     /// Go on with a move that begins where the last one ended. Pieces that are decided go to `emit`, in order.
@@ -160,7 +164,8 @@ impl Joiner {
         let length = segment.curve.length();
         let (start, end) = (segment.curve.at(0.0), segment.curve.at(length));
         let rest = Joint::none(Entry::Rest);
-        let joint = self.waiting.last().map_or(rest, |last| joint(last, segment, &start));
+        let joint =
+            self.waiting.last().map_or(rest, |last| joint(last, segment, &start, self.bend));
         if !self.waiting.is_empty() {
             self.decide(joint.reach, emit);
             if joint.reach == 0.0 {
@@ -232,7 +237,8 @@ impl Joiner {
             let reach = if last == 1 { reach } else { ASIDE * reach };
             self.middle(length - reach.min((length - self.begun) * 0.5), emit);
         }
-        if last == 1 && self.at.is_none() && !whole && (length - self.begun - end).abs() < 1e-9 {
+        let meets = |at: f64| (at - reach).abs() < 1e-9;
+        if last == 1 && self.at.is_none() && !whole && meets(end) && meets(length - self.begun) {
             return self.corner(end, emit);
         }
         let from = self.at.unwrap_or_else(|| self.waiting[0].segment.curve.at(self.begun));
@@ -247,32 +253,36 @@ impl Joiner {
     /// One blend between two long moves.
     fn corner(&mut self, reach: f64, emit: &mut impl FnMut(Piece)) {
         let [before, after] = [self.waiting[0], self.waiting[1]];
-        let length = before.length();
+        let of = both(&before.segment, &after.segment);
+        if let Some(corner) = after.joint.corner {
+            let slopes = (&before.end.q1, &after.start.q1);
+            corner.pieces(&after.start.q, slopes, |from, to, length| {
+                let curve = Polynomial::between(from, to, length);
+                self.hand_on(&of, &Curve::Polynomial(curve), (0.0, length), emit);
+            });
+            return;
+        }
+        let (length, mut h) = (before.length(), reach);
         let tolerance = after.joint.tolerance * SHARE;
-        let mut h = reach;
         let curve = loop {
             let (from, to) = (before.segment.curve.at(length - h), after.segment.curve.at(h));
             let blend = Polynomial::between(&from, &to, after.joint.ratio * h);
-            let straight = matches!(before.segment.curve, Curve::Line(_))
-                && matches!(after.segment.curve, Curve::Line(_));
+            let straight =
+                [before, after].iter().all(|of| matches!(of.segment.curve, Curve::Line(_)));
             if straight || far(&blend, &before, &after, h) <= tolerance {
                 break blend;
             }
             h *= 0.8;
         };
-        if h < reach {
-            let of = before.segment;
-            self.hand_on(&of, &of.curve, (length - reach, reach - h), emit);
-        }
-        let of = Segment {
-            feed: before.segment.feed.min(after.segment.feed),
-            rapid: before.segment.rapid && after.segment.rapid,
-            ..before.segment
-        };
+        self.rest_of(&before, (length - reach, reach - h), emit);
         self.hand_on(&of, &Curve::Polynomial(curve), (0.0, curve.length), emit);
-        if h < reach {
-            let of = after.segment;
-            self.hand_on(&of, &of.curve, (h, reach - h), emit);
+        self.rest_of(&after, (h, reach - h), emit);
+    }
+
+    /// What a blend that is shorter than it may be leaves of a move.
+    fn rest_of(&mut self, of: &Waiting, (begin, length): (f64, f64), emit: &mut impl FnMut(Piece)) {
+        if length > 1e-9 {
+            self.hand_on(&of.segment, &of.segment.curve, (begin, length), emit);
         }
     }
 
@@ -303,6 +313,12 @@ impl Joiner {
     }
 }
 
+/// What a blend of two moves serves.
+fn both(before: &Segment, after: &Segment) -> Segment {
+    let (feed, rapid) = (before.feed.min(after.feed), before.rapid && after.rapid);
+    Segment { feed, rapid, ..*before }
+}
+
 /// Distance of a blend from the two moves that it joins.
 fn far(blend: &Polynomial, before: &Waiting, after: &Waiting, h: f64) -> f64 {
     let length = before.length();
@@ -320,11 +336,11 @@ fn far(blend: &Polynomial, before: &Waiting, after: &Waiting, h: f64) -> f64 {
 }
 
 /// The joint of a move with the one before.
-fn joint(before: &Waiting, segment: &Segment, start: &Derivatives) -> Joint {
+fn joint(before: &Waiting, segment: &Segment, start: &Derivatives, bend: Bend) -> Joint {
     let k = norm(&difference(&start.q1, &before.end.q1)) / 2.0;
-    let bend = norm(&difference(&start.q2, &before.end.q2));
+    let jump = norm(&difference(&start.q2, &before.end.q2));
     let tolerance = before.segment.tolerance.min(segment.tolerance);
-    let entry = match (2.0 * k < SAME_SLOPE, bend < SAME_BEND) {
+    let entry = match (2.0 * k < SAME_SLOPE, jump < SAME_BEND) {
         (true, true) => Entry::Smooth,
         (true, false) => Entry::Tangent,
         (false, _) => Entry::Rest,
@@ -337,17 +353,28 @@ fn joint(before: &Waiting, segment: &Segment, start: &Derivatives) -> Joint {
         // nothing to blend, but on a chopped curve two slopes may be the same by rounding
         return Joint { reach: f64::INFINITY, ..joint };
     }
+    if let (Curve::Line(a), Curve::Line(b)) = (&before.segment.curve, &segment.curve) {
+        let shorter = a.length.min(b.length);
+        let p = tolerance * EXACT;
+        let side = side(k, &before.end.q1, &start.q1);
+        if let Some(corner) = Corner::of(k, side, p, shorter, bend) {
+            return Joint { reach: corner.reach(), corner: Some(corner), ..joint };
+        }
+        let Bow { reach, ratio } = Bow::of(k, side, p, shorter / ROOM);
+        return Joint { reach, ratio, ..joint };
+    }
+    // ⅜·k·h + Δ·h²/17 = P
     let p = tolerance * SHARE;
-    let curves = (&before.segment.curve, &segment.curve);
-    let Corner { reach, ratio } = if let (Curve::Line(a), Curve::Line(b)) = curves {
-        Corner::of(k, p, a.length.min(b.length) / ROOM)
-    } else {
-        // ⅜·k·h + Δ·h²/17 = P
-        let (slope, square) = (0.375 * k, bend / 17.0);
-        let reach = 2.0 * p / (slope + libm::sqrt(slope * slope + 4.0 * square * p));
-        Corner { reach, ratio: INNER }
-    };
-    Joint { reach, ratio, ..joint }
+    let (slope, square) = (0.375 * k, jump / 17.0);
+    let reach = 2.0 * p / (slope + libm::sqrt(slope * slope + 4.0 * square * p));
+    Joint { reach, ..joint }
+}
+
+/// How far from a line a step of one along the other one leads at most: sin θ, if both slopes are of length one.
+fn side(k: f64, t0: &Point, t1: &Point) -> f64 {
+    let one = |t: &Point| (norm(t) - 1.0).abs() < SAME_SLOPE;
+    let cosine = if one(t0) && one(t1) { libm::sqrt((1.0 - k * k).max(0.0)) } else { 1.0 };
+    2.0 * k * cosine
 }
 
 /// Two lines as one, if what lies between them is near enough to it.

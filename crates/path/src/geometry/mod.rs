@@ -18,6 +18,7 @@
 
 mod arc;
 mod bezier;
+mod bow;
 mod corner;
 mod fit;
 mod join;
@@ -29,6 +30,7 @@ mod tube;
 
 pub use arc::Arc;
 pub use bezier::Bezier;
+pub use corner::Bend;
 pub use join::{Joiner, Segment};
 pub use line::Line;
 pub use piece::{Bounds, Curve, Entry, Limits, Piece};
