@@ -66,7 +66,7 @@ impl Bend {
     }
 
     /// b, b′, b″.
-    fn from_rest(self, t: f64) -> [f64; 3] {
+    fn leaving(self, t: f64) -> [f64; 3] {
         let r = self.ramp();
         if t <= r {
             return [t * t * t / (6.0 * r), t * t / (2.0 * r), t / r];
@@ -99,7 +99,7 @@ impl Corner {
     /// other one leads at most, `shorter` the length of the shorter line. It swings out as far as there is room. `None`: the
     /// lines are too short for it.
     pub(crate) fn of(k: f64, side: f64, p: f64, shorter: f64, bend: Bend) -> Option<Self> {
-        let (half, whole) = (bend.from_rest(0.5)[0], bend.from_rest(1.0)[0]);
+        let (half, whole) = (bend.leaving(0.5)[0], bend.leaving(1.0)[0]);
         let (m, over) = (p / (2.0 * k), whole / half);
         if m * over > bend.part() * shorter {
             return None;
@@ -122,7 +122,7 @@ impl Corner {
 
     /// B, B′, B″.
     fn b(&self, t: f64) -> [f64; 3] {
-        let [b, first, second] = self.bend.from_rest(t);
+        let [b, first, second] = self.bend.leaving(t);
         [self.growth * b - self.swing, self.growth * first, self.growth * second]
     }
 
