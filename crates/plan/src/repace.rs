@@ -22,6 +22,9 @@ use alloc::vec::Vec;
 use path::law::State;
 use path::{Curve, Entry, Phase, Piece, Shape};
 
+/// Where less of a piece is left, it has been done, mm.
+const SHORTEST: f64 = 1e-9;
+
 /// What the operator wants of moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wish {
@@ -138,13 +141,8 @@ impl Row {
             let Phase { s, v, a, .. } = self.parts[from].phase;
             let timing = Timing::new(limits, spin, wish, Some(State { s, v, a }));
             let mut anew = Anew { from, timing, cutter: Cutter::from(s) };
-            let mut last = None;
-            let parts = self.parts[from..].iter().map(|part| &part.piece);
-            for piece in parts.chain(waits.into_iter().flatten()) {
-                if !last.is_some_and(|last| is_same(last, piece)) {
-                    anew.push(*piece, wish, ends);
-                    last = Some(piece);
-                }
+            for piece in pieces(&self.parts[from..], waits.unwrap_or_default()) {
+                anew.push(piece, wish, ends);
             }
             if waits.is_none() {
                 anew.finish(ends);
@@ -250,6 +248,22 @@ impl Run {
             self.wish = wish;
         }
     }
+}
+
+/// The pieces of phases, and what follows them. A piece that a plan before this one has cut, or counted to its next line, has
+/// phases of both plans: it is as the later one had it.
+fn pieces(parts: &[Part], waits: &[Piece]) -> Vec<Piece> {
+    let mut pieces: Vec<Piece> = Vec::new();
+    let mut left = 0.0;
+    let with_ends = parts.iter().map(|part| (part.piece, part.phase.at(part.phase.duration).0));
+    for (piece, end) in with_ends.chain(waits.iter().map(|piece| (*piece, piece.length))) {
+        match pieces.last_mut() {
+            Some(last) if left > SHORTEST || is_same(last, &piece) => *last = piece,
+            _ => pieces.push(piece),
+        }
+        left = piece.length - end;
+    }
+    pieces
 }
 
 /// The same piece of the path; its feed has been through arithmetic.
