@@ -190,6 +190,33 @@ fn a_spline_that_ends_in_a_sharp_bend_is_slow_there() {
     }
 }
 
+/// Control points that cross over make a cusp: the curve turns back on the spot. One that nearly does takes hardly longer.
+#[test]
+fn a_cusp_is_passed_nearly_at_rest_and_takes_no_time_to_plan() {
+    let point = |x: f64, y: f64| core::array::from_fn(|k| [x, y].get(k).copied().unwrap_or(0.0));
+    let mut both = [vec![], vec![]];
+    for beside in [0.0, 1e-9, 1e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 0.03, 0.1, 0.3] {
+        let control = [point(0.0, 0.0), point(4.0, 4.0 + beside), point(0.0, 4.0), point(4.0, 0.0)];
+        let mut parts = Vec::new();
+        Bezier::cubic(control, &mut parts);
+        let piece = |(k, part): (usize, &Bezier)| {
+            let curve = Curve::Bezier(*part);
+            let entry = if k == 0 { Entry::Rest } else { Entry::Smooth };
+            let length = curve.length();
+            Piece { curve, begin: 0.0, length, feed: 50.0, rapid: false, entry, op: 0, line: 0 }
+        };
+        let pieces: Vec<Piece> = parts.iter().enumerate().map(piece).collect();
+        for (took, jerk) in both.iter_mut().zip([f64::INFINITY, 20e3]) {
+            let phases = timed(&pieces, &config(bounds(200.0, 1000.0, jerk)));
+            assert!(phases.len() < 5000, "{beside}, {jerk}: {} phases", phases.len());
+            took.push(duration(&phases));
+        }
+    }
+    for took in both {
+        assert!(took.iter().all(|t| (t / took[0] - 1.0).abs() < 0.03), "{took:?}");
+    }
+}
+
 /// Over revolutions of a fast spindle, a servo period is more of a revolution than the longest step between two knots.
 #[test]
 fn a_period_longer_than_the_longest_step_is_no_panic() {

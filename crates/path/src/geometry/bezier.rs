@@ -21,11 +21,15 @@ pub struct Bezier {
     length: f64,
 }
 
-/// Slowest |dB/dt| of a part, relative to its length: below, the curve all but stands still, as at a cusp.
+/// Slowest |dB/dt| at the end of a part, relative to its length: below, the curve all but stands still, as at a cusp, and t
+/// runs evenly there.
 const STILL: f64 = 1e-6;
 
+/// The same for a part that is shorter than a setpoint is fine, so that it does not matter how it is run through.
+const STILL_WITHIN: (f64, f64) = (0.1, 1e-8);
+
 /// How often a curve may be halved to make its parts even.
-const HALVINGS: u32 = 12;
+const HALVINGS: u32 = 18;
 
 impl Bezier {
     /// A curve of the third degree, in parts.
@@ -94,7 +98,8 @@ impl Bezier {
         let end = |t: f64| {
             let d = derivatives(control, t);
             let v = measure(&d.q1);
-            if v < STILL * length {
+            let (slow, short) = STILL_WITHIN;
+            if v < STILL * length || (length < short && v < slow * length) {
                 return (1.0 / length, 0.0);
             }
             let [group, _] = [counted(&d.q1), 0..0];

@@ -194,12 +194,14 @@ impl Sampler {
     fn go_on(&mut self, limits: &Limits) -> bool {
         let Some(mut even) = self.more.pop() else { return false };
         let bounds = bounds(&self.piece, limits);
-        while even.count > MANY && even.to - even.from >= 2.0 * SHORTEST_STRETCH * self.length {
+        while even.count > MANY && even.to - even.from >= 2.0 * SHORTEST_STRETCH {
             let [first, second] = even.halves(&self.piece, bounds);
             self.more.push(second);
             even = first;
         }
-        (self.even, self.next) = (even, 0);
+        // in a cusp there is no end of bending: it is passed at rest, or nearly so
+        let count = even.count.min(MANY);
+        (self.even, self.next) = (Even { count, ..even }, 0);
         true
     }
 
@@ -265,9 +267,9 @@ fn bend_cap(before: &Derivatives, after: &Derivatives, bounds: &Bounds, period: 
     Start::On(jumps.map(cap).fold(f64::INFINITY, f64::min))
 }
 
-/// A stretch of a spline with more cells is halved, unless it is shorter than this share of the spline.
+/// A stretch of a spline with more cells is halved, unless it is shorter than this, mm.
 const MANY: u64 = 16;
-const SHORTEST_STRETCH: f64 = 1e-6;
+const SHORTEST_STRETCH: f64 = 1e-5;
 
 /// Places at which a piece is looked at to know how many cells it needs.
 const LOOKS: usize = 9;
