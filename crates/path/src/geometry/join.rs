@@ -29,9 +29,9 @@ pub struct Segment {
     pub feed: f64,
     /// Not cutting.
     pub rapid: bool,
-    /// How far the path may be from it (P); zero: not at all.
+    /// How far the path may be from it (P without Q); zero: not at all.
     pub tolerance: f64,
-    /// How far points between collinear moves may be from the line that replaces them (Q).
+    /// How far points between collinear moves may be from the line that replaces them (Q); what of it is not used is P's.
     pub merge: f64,
     /// Index of the operation.
     pub op: u32,
@@ -125,7 +125,7 @@ impl Joiner {
                     self.line = Some(merged);
                     return;
                 }
-                None => self.append(&line, emit),
+                None => self.append(&unmerged(line, off), emit),
             }
         }
         if matches!(segment.curve, Curve::Line(_)) && segment.tolerance > 0.0 {
@@ -137,8 +137,8 @@ impl Joiner {
 
     /// The path stops at the end of the last move, exactly. What comes next begins from rest.
     pub fn finish(&mut self, emit: &mut impl FnMut(Piece)) {
-        if let Some((line, _)) = self.line.take() {
-            self.append(&line, emit);
+        if let Some((line, off)) = self.line.take() {
+            self.append(&unmerged(line, off), emit);
         }
         if !self.waiting.is_empty() {
             self.decide(0.0, emit);
@@ -375,6 +375,11 @@ fn side(k: f64, t0: &Point, t1: &Point) -> f64 {
     let one = |t: &Point| (norm(t) - 1.0).abs() < SAME_SLOPE;
     let cosine = if one(t0) && one(t1) { libm::sqrt((1.0 - k * k).max(0.0)) } else { 1.0 };
     2.0 * k * cosine
+}
+
+/// What merging has left of Q is P's again.
+fn unmerged(line: Segment, off: f64) -> Segment {
+    Segment { tolerance: line.tolerance + (line.merge - off).max(0.0), ..line }
 }
 
 /// Two lines as one, if what lies between them is near enough to it.
