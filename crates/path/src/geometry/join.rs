@@ -125,7 +125,7 @@ impl Joiner {
                     self.line = Some(merged);
                     return;
                 }
-                None => self.append(&unmerged(line, off), emit),
+                None => self.append(&unmerged(&line, off), emit),
             }
         }
         if matches!(segment.curve, Curve::Line(_)) && segment.tolerance > 0.0 {
@@ -138,7 +138,7 @@ impl Joiner {
     /// The path stops at the end of the last move, exactly. What comes next begins from rest.
     pub fn finish(&mut self, emit: &mut impl FnMut(Piece)) {
         if let Some((line, off)) = self.line.take() {
-            self.append(&unmerged(line, off), emit);
+            self.append(&unmerged(&line, off), emit);
         }
         if !self.waiting.is_empty() {
             self.decide(0.0, emit);
@@ -378,8 +378,8 @@ fn side(k: f64, t0: &Point, t1: &Point) -> f64 {
 }
 
 /// What merging has left of Q is P's again.
-fn unmerged(line: Segment, off: f64) -> Segment {
-    Segment { tolerance: line.tolerance + (line.merge - off).max(0.0), ..line }
+fn unmerged(line: &Segment, off: f64) -> Segment {
+    Segment { tolerance: line.tolerance + (line.merge - off).max(0.0), ..*line }
 }
 
 /// Two lines as one, if what lies between them is near enough to it.
