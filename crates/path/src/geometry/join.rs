@@ -7,10 +7,10 @@
 //!  long │                     P: the joined path is nowhere farther than P from the programmed one
 //! ```
 //!
-//! A corner's slopes differ by |t₁ − t₀| = 2·k (k = sin(θ/2) for two lines that turn by θ). The blend is the polynomial of
-//! the fifth degree from h before the corner to h after it, with the position, slope and bend that the path has there; between
-//! two lines as `corner` has it, else with a length of 2·h: it passes the corner at a distance of ⅜·h·k, and a jump of the
-//! bend by Δ costs about Δ·h²/17 more.
+//! A corner's slopes differ by |t₁ − t₀| = 2·k (k = sin(θ/2) for two lines that turn by θ). The blend goes from h before the
+//! corner to h after it, with the position, slope and bend that the path has there: between two lines as `corner` has it, or
+//! `bow` where they are short; else it is the polynomial of the fifth degree with a length of 2·h, which passes the corner at
+//! a distance of ⅜·h·k, and a jump of the bend by Δ costs about Δ·h²/17 more.
 //!
 //! A move is long if three blends of such h fit into it at both of its ends; a curve that was chopped finely has small
 //! corners, which would allow blends much longer than its moves, and therefore none of them is.
