@@ -39,7 +39,7 @@ impl Shift {
     }
 
     /// Where a place, byte and line, of the text is now.
-    fn at(&self, (byte, line): At) -> Option<At> {
+    pub(crate) fn at(&self, (byte, line): At) -> Option<At> {
         let moved = self.byte(byte)?;
         Some((moved, if byte <= self.from { line } else { self.line(line) }))
     }
@@ -103,7 +103,8 @@ impl Snapshot {
         let Some(moved) = shift.at(*at) else { return false };
         *at = moved;
         self.executor.shift(shift);
-        self.frames.iter_mut().all(|frame| frame.shift(shift).is_some())
+        let fanuc = self.fanuc.as_mut().is_none_or(|fanuc| fanuc.shift(shift).is_some());
+        fanuc && self.frames.iter_mut().all(|frame| frame.shift(shift).is_some())
     }
 
     /// As if `more` blocks more (or fewer) had been executed before it.

@@ -216,3 +216,11 @@ fn a_line_that_is_never_executed_is_not_found_ahead() {
     assert!(analysis.ahead(&document, 3).is_none());
     assert!(analysis.ahead(&document, 2).is_some());
 }
+
+#[test]
+fn a_call_of_a_tape_goes_back_to_where_its_block_has_moved() {
+    let head = "O1\nG21 G90\nF100 S500 M3\nG54\nT1 M6\nZ5.\nX1. Y2.\n#101=1.\n";
+    let body = "X#101\nX1. Y2.\nX#101\nN7 X2. Y1.\nX1. Y2.\nM98 P7\nX1. Y2.\nX1. Y2.\nX1. Y2.\nIF [#101 LT 3] GOTO 7\n";
+    let text = program(head, body, "M30\nO7\nX#101\nM99");
+    holds_over_edits(Dialect::Fanuc, text, &[(3, 1, "G49\n".to_owned(), 35)]);
+}

@@ -16,6 +16,7 @@ use super::{
     values::Locals,
 };
 use crate::{
+    Shift,
     call::Sink,
     fault::{Outcome, error, refuse},
     interpreter::Interpreter,
@@ -50,6 +51,21 @@ pub(super) struct Macro {
     pub(super) number: u32,
     pub(super) times: u32,
     pub(super) locals: Locals,
+}
+
+impl Level {
+    /// Where it goes back to, in the edited text.
+    pub(super) fn shift(&mut self, shift: &Shift) -> Option<()> {
+        for place in [&mut self.back, &mut self.start] {
+            if place.file == 0 {
+                place.at = shift.at(place.at)?;
+            }
+        }
+        if self.back.file == 0 {
+            self.caller = shift.byte(self.caller)?;
+        }
+        Some(())
+    }
 }
 
 impl Fanuc {

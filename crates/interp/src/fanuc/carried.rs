@@ -2,6 +2,7 @@
 //! is not executed again: see [`asked`](crate::asked) and [`carry`](crate::Snapshot::carried).
 use super::{Fanuc, Kind, Tape, figure, words::Said};
 use crate::{
+    Shift,
     asked::{Asked, of_number},
     execute::Executor,
     state::Motion,
@@ -27,6 +28,15 @@ impl Fanuc {
         copy.said.clear(); // the last block's
         self.tape = tape;
         copy
+    }
+
+    /// Where its calls and its profile go back to, in the edited text; none if that is no more.
+    pub(crate) fn shift(&mut self, shift: &Shift) -> Option<()> {
+        if let Some(shape) = self.shape.as_mut() {
+            shape.cycle = shift.byte(shape.cycle)?;
+            shape.back = shape.back.map_or(Some(None), |back| shift.at(back).map(Some))?;
+        }
+        self.levels.iter_mut().try_for_each(|level| level.shift(shift))
     }
 
     /// Whether the block at hand is one that machining centres have by the thousand.

@@ -53,9 +53,9 @@ pub(super) struct FirstLines {
 pub(super) struct Shape {
     last: u32,
     /// Where to go on; behind its last block if there is nothing here.
-    back: Option<At>,
+    pub(super) back: Option<At>,
     /// The cycle's block.
-    cycle: u32,
+    pub(super) cycle: u32,
 }
 
 /// The word with this letter.
