@@ -12,6 +12,7 @@ pub(crate) fn of(asked: Option<args::Dialect>, machine: &MachineFile) -> interp:
             machine::Dialect::Fanuc => interp::Dialect::Fanuc,
             machine::Dialect::FanucLatheA => interp::Dialect::FanucLatheA,
             machine::Dialect::FanucLatheB => interp::Dialect::FanucLatheB,
+            machine::Dialect::FanucLatheC => interp::Dialect::FanucLatheC,
             machine::Dialect::Toyoda => interp::Dialect::Toyoda,
         },
     }
@@ -25,6 +26,7 @@ pub(crate) const fn named(name: args::Dialect) -> interp::Dialect {
         args::Dialect::Fanuc => interp::Dialect::Fanuc,
         args::Dialect::FanucLatheA => interp::Dialect::FanucLatheA,
         args::Dialect::FanucLatheB => interp::Dialect::FanucLatheB,
+        args::Dialect::FanucLatheC => interp::Dialect::FanucLatheC,
         args::Dialect::Toyoda => interp::Dialect::Toyoda,
     }
 }

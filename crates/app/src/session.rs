@@ -159,6 +159,11 @@ impl Session {
                 (Some(asked), _) => asked == DecimalPoint::Calculator,
                 (None, fanuc) => fanuc.is_some_and(|fanuc| fanuc.calculator),
             },
+            stroke_check_outside: self
+                .machine
+                .control
+                .fanuc
+                .is_some_and(|f| f.stroke_check_outside),
             increments: dialect::increments(&self.machine.control),
             c_is_a_chamfer: self.machine.axis(canon::Axis::C).is_none(),
             cycles: dialect::cycles(self.dialect, &self.machine.control),

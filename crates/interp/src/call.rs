@@ -7,7 +7,7 @@
 //! [`Call::Tap`], which the listing expands into LinuxCNC's moves and the resolver does not.
 use crate::{
     frame::Point, hobbing::HobOrder, polygon::PolygonOrder, splines::ControlPoint,
-    tool_table::ToolEntry,
+    stroke::StrokeZone, tool_table::ToolEntry,
 };
 use canon::{InputWait, Output, Plane};
 use diag::Span;
@@ -223,6 +223,8 @@ pub enum Call<'a> {
     SyncStop,
     /// G150 … G155.
     Cam(crate::cam::CamCall),
+    /// G22: from here on no axis may enter this box, or leave it; G23: none.
+    StrokeCheck(Option<StrokeZone>),
     /// G4, seconds.
     Dwell(f64),
     /// G51.2: the tool spindle is geared to the work spindle.

@@ -34,6 +34,7 @@ impl Dialect {
             Self::Fanuc => "fanuc",
             Self::FanucLatheA => "fanuc-lathe-a",
             Self::FanucLatheB => "fanuc-lathe-b",
+            Self::FanucLatheC => "fanuc-lathe-c",
             Self::Toyoda => "toyoda",
         }
     }
@@ -109,10 +110,11 @@ fn info<G>(letter: char, code: &Code<G>, group: &'static str, modal: bool) -> Co
 }
 
 /// Fanuc's dialects and their kinds.
-const FANUC: [(Dialect, Kind); 3] = [
+const FANUC: [(Dialect, Kind); 4] = [
     (Dialect::Fanuc, Kind::Mill),
     (Dialect::FanucLatheA, Kind::LatheA),
     (Dialect::FanucLatheB, Kind::LatheB),
+    (Dialect::FanucLatheC, Kind::LatheC),
 ];
 
 /// The dialects in which a code means what it means in the shared language.
@@ -142,6 +144,19 @@ pub fn describe_in(dialect: Dialect, letter: u8, value: f64) -> Option<CodeInfo>
         return describe(letter, value);
     };
     let tenths = crate::words::tenths(value)?;
+    if (letter, tenths) == (b'M', 1980) {
+        let (code, name) = ("M198".to_owned(), "call a program in a file of its own");
+        let (group, letters, dialects) = ("stop", "PQL".to_owned(), vec![dialect]);
+        return Some(CodeInfo {
+            code,
+            name,
+            group,
+            modal: false,
+            letters,
+            executed: true,
+            dialects,
+        });
+    }
     if letter != b'G' {
         return describe(letter, value).filter(|_| fanuc::has_m(tenths / 10));
     }
@@ -164,8 +179,10 @@ pub fn dialect_codes() -> impl Iterator<Item = CodeInfo> {
             let shared = codes().find(|code| code.code == info.code);
             shared.is_none_or(|shared| shared.name != info.name)
         };
+        let file = describe_in(dialect, b'M', 198.0).filter(|code| code.code == "M198");
         (0..1000u16)
             .filter_map(described)
+            .chain(file)
             .filter(own)
             .map(move |info| CodeInfo { dialects: vec![dialect], ..info })
     })
@@ -196,11 +213,13 @@ mod tests {
         assert_eq!(name(Dialect::LinuxCnc, 90.0), Some("absolute"));
         assert_eq!(name(Dialect::Fanuc, 90.0), Some("absolute"));
         assert_eq!(name(Dialect::FanucLatheA, 90.0), Some("turning cycle"));
+        assert_eq!(name(Dialect::FanucLatheC, 20.0), Some("turning cycle"));
+        assert_eq!(name(Dialect::FanucLatheC, 73.0), Some("roughing cycle along Z"));
         assert_eq!(name(Dialect::FanucLatheB, 92.0), name(Dialect::LinuxCnc, 92.0));
         assert_eq!(name(Dialect::FanucLatheB, 71.0), Some("roughing cycle along Z"));
         assert_eq!(name(Dialect::Fanuc, 333.0), None);
         let of = |value| describe(b'G', value).map(|code| code.dialects.len());
-        assert_eq!((of(0.0), of(33.1)), (Some(6), Some(3)));
+        assert_eq!((of(0.0), of(33.1)), (Some(7), Some(3)));
         let own = |dialect, code: &str| {
             dialect_codes().any(|info| info.dialects == [dialect] && info.code == code)
         };

@@ -72,6 +72,7 @@ mod snapshot;
 mod spelling;
 mod splines;
 mod state;
+mod stroke;
 mod switch;
 mod taps;
 mod thread_cycle;
@@ -102,4 +103,5 @@ pub use setup::{
 pub use shift::Shift;
 pub use snapshot::{Snapshot, Standing};
 pub use splines::ControlPoint;
+pub use stroke::StrokeZone;
 pub use tool_table::ToolEntry;

@@ -335,6 +335,10 @@ impl<W: Write> Listing<W> {
                 self.text(place, &format!("COMMENT(\"hobbing {starts}:{teeth}\")"));
             }
             Call::HobEnd => self.text(place, "COMMENT(\"end of hobbing\")"),
+            Call::StrokeCheck(zone) => {
+                let on = if zone.is_some() { "on" } else { "off" };
+                self.text(place, &format!("COMMENT(\"stored stroke check {on}\")"));
+            }
             Call::ToolTableEntry { rank, entry } => self.tool_entry(place, *rank, entry),
             Call::Output(output) => self.output(place, output),
             Call::User { number, p, q, .. } => {

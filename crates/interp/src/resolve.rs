@@ -42,6 +42,8 @@ pub struct Resolver {
     pub(crate) feed: FeedOrder,
     /// Lead of the thread that lines turn, mm.
     pub(crate) threading: Option<f64>,
+    /// G22.
+    pub(crate) zone: Option<crate::StrokeZone>,
     /// Where in the spindle's turn it begins.
     pub(crate) thread_angle: Angle,
     pub(crate) spindle: SpindleState,
@@ -89,6 +91,7 @@ impl Resolver {
             at: machine_point(&setup.start),
             feed: FeedOrder { rate: 0.0, mm: 1.0, per_revolution: false, duration_s: None },
             threading: None,
+            zone: None,
             thread_angle: Angle::ZERO,
             spindle: SpindleState { speed: 0.0, sense: None, surface: None, said: None },
             path: PathMode::Blend { tolerance: None, merge: None },
@@ -207,7 +210,9 @@ impl Resolver {
     }
 
     pub(crate) fn rapid(&mut self, to: &Point, span: Span) {
+        let from = self.at;
         if self.arrives(to, span) {
+            self.check_stroke(&from, to, span);
             self.push(span, OpKind::Rapid { to: position(to) });
         }
     }
@@ -216,6 +221,7 @@ impl Resolver {
         let to = self.machine(program);
         let from = self.at;
         if self.arrives(&to, span) {
+            self.check_stroke(&from, &to, span);
             let kind = match self.threading {
                 Some(lead) => OpKind::Threading(self.stretch(&from, &to, lead)),
                 None => OpKind::Line { to: position(&to), feed: self.feed(&from, &to, span) },
@@ -288,6 +294,7 @@ impl Resolver {
         if !self.arrives(&to, span) {
             self.say_path(span); // a full circle ends where it began
         }
+        self.check_arc([a, b], (&from, &to), centre, sweep, span);
         let feed = self.feed(&[0.0; 9], &[1.0; 9], span);
         let arc = Arc {
             plane,
@@ -415,6 +422,7 @@ impl Sink for Resolver {
             Call::Hob(order) => self.hob(order, span),
             Call::HobEnd => self.push(span, OpKind::HobEnd),
             Call::Cam(order) => self.cam(*order, span),
+            Call::StrokeCheck(zone) => self.zone = *zone,
             Call::Dwell(seconds) => self.push(span, OpKind::Dwell { time: Time::s(*seconds) }),
             other => self.order_or_mode(other, span),
         }

@@ -18,6 +18,8 @@ pub enum Dialect {
     FanucLatheA,
     /// Fanuc's lathes, G code system B.
     FanucLatheB,
+    /// Fanuc's lathes, G code system C.
+    FanucLatheC,
     /// The same core with the cam grinding words of Toyoda's grinders: G50 to G53 and G55, and in cam mode G01 and G04.
     Toyoda,
 }
@@ -26,18 +28,26 @@ impl Dialect {
     /// How its text is read.
     pub const fn grammar(self) -> Grammar {
         match self {
-            Self::Fanuc | Self::FanucLatheA | Self::FanucLatheB => Grammar::Fanuc,
+            Self::Fanuc | Self::FanucLatheA | Self::FanucLatheB | Self::FanucLatheC => {
+                Grammar::Fanuc
+            }
             Self::LinuxCnc | Self::Brother | Self::Toyoda => Grammar::Rs274,
         }
+    }
+
+    /// Whether it is one of Fanuc's lathes, which change tools by T0101.
+    pub const fn is_fanuc_lathe(self) -> bool {
+        matches!(self, Self::FanucLatheA | Self::FanucLatheB | Self::FanucLatheC)
     }
 
     /// Where its cycles measure Z from under G91, unless the machine says otherwise.
     pub const fn depth_from(self) -> DepthFrom {
         match self {
-            Self::LinuxCnc | Self::Fanuc | Self::FanucLatheA | Self::FanucLatheB | Self::Toyoda => {
+            Self::Brother => DepthFrom::InitialLevel,
+            Self::LinuxCnc | Self::Toyoda => DepthFrom::RPlane,
+            Self::Fanuc | Self::FanucLatheA | Self::FanucLatheB | Self::FanucLatheC => {
                 DepthFrom::RPlane
             }
-            Self::Brother => DepthFrom::InitialLevel,
         }
     }
 }
@@ -124,6 +134,8 @@ pub struct Setup {
     pub whole_units_without_point: bool,
     /// Fanuc: the least input increment, which a number without a point counts.
     pub increments: Increments,
+    /// Fanuc: the stored stroke check of G22 forbids what is outside of its box, not inside.
+    pub stroke_check_outside: bool,
     /// Fanuc's lathes: the machine has no C axis, and C of a G1 is a chamfer.
     pub c_is_a_chamfer: bool,
     /// What stops a program that does not stop by itself.

@@ -33,13 +33,16 @@ impl Resolver {
         let start = self.machine(&hole.at);
         self.rapid(&start, span);
         self.say_path(span);
+        let mut end = start;
+        end[axis.index()] = self.level(hole, hole.bottom);
+        self.check_stroke(&start, &end, span);
         let spin = Spin::rpm(self.spindle.speed);
         self.push(
             span,
             OpKind::Tap(Tap {
                 axis,
                 start: position(&start),
-                bottom: Length::mm(self.level(hole, hole.bottom)),
+                bottom: Length::mm(end[axis.index()]),
                 surface: Length::mm(self.level(hole, surface)),
                 lead: Lead::mm_per_rev(sign * lead_mm),
                 spin,
@@ -145,6 +148,7 @@ impl Resolver {
         let zero = program + Self::surface(program, to[i] * self.mm()) - program;
         let surface = start[i] + (zero - program);
         let spin = Spin::rpm(self.spindle.speed);
+        self.check_stroke(&start, &end, span);
         self.say_path(span);
         self.push(
             span,

@@ -283,7 +283,7 @@ fn subprograms_lie_in_files_of_their_own() {
     let (_, told) = run("O1\nM98P3000\nM30\n", &with);
     assert!(told[0].starts_with("I0301"), "{told:?}");
     is_told("O1\nM98P3000\nM30\n", "I0313");
-    is_told("O1\nM198P3000\nM30\n", "I0103");
+    is_told("O1\nM198P3000\nM30\n", "I0313");
 }
 
 #[test]

@@ -90,7 +90,7 @@ impl Document {
         memchr::memchr2(b'o', b'O', &self.text[first..last]).is_some()
     }
 
-    /// Whether a line that these bytes lie in may call one of Fanuc's programs: M98, G65, G66.
+    /// Whether a line that these bytes lie in may call one of Fanuc's programs: M98, M198, G65, G66.
     pub(crate) fn may_call(&self, from: usize, to: usize) -> bool {
         let to = to.min(self.text.len());
         let first =
@@ -101,7 +101,9 @@ impl Document {
             .filter(|b| !matches!(b, b' ' | b'\t'))
             .map(u8::to_ascii_uppercase)
             .collect();
-        [b"M98", b"G65", b"G66"].iter().any(|call| memchr::memmem::find(&dense, *call).is_some())
+        [&b"M98"[..], b"M198", b"G65", b"G66"]
+            .iter()
+            .any(|call| memchr::memmem::find(&dense, call).is_some())
     }
 
     /// Line and byte of a place of the editor's; nothing behind the last line.

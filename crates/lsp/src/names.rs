@@ -206,7 +206,7 @@ fn called(
         words.any(|word| plain(word).is_some_and(|code| codes.contains(&code)))
     };
     let is_tape = grammar == Grammar::Fanuc;
-    let program = has(b'M', &[98.0]);
+    let program = has(b'M', &[98.0, 198.0]);
     if !(program || is_tape && has(b'G', &[65.0, 66.0])) {
         return None;
     }

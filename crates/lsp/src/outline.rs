@@ -3,7 +3,7 @@ use crate::document::Document;
 use canon::ToolLibrary;
 use diag::Span;
 use gcode::{Block, Grammar, Keyword, Label, Parser, Value};
-use interp::{Dialect, Setup};
+use interp::Setup;
 use lsp_types::{DocumentSymbol, SymbolKind};
 
 /// One entry before its end is known.
@@ -19,7 +19,7 @@ pub(crate) fn symbols(document: &Document, setup: &Setup) -> Vec<DocumentSymbol>
     let grammar = setup.dialect.grammar();
     let (mut parser, mut block) = (Parser::with_grammar(&document.text, 0, grammar), Block::new());
     let tools = &setup.tools;
-    let turret = matches!(setup.dialect, Dialect::FanucLatheA | Dialect::FanucLatheB);
+    let turret = setup.dialect.is_fanuc_lathe();
     let mut found = Vec::new();
     let (mut sub, mut tool): (Option<Entry>, Option<Entry>) = (None, None);
     let mut selected = 0;
@@ -113,7 +113,7 @@ mod tests {
     fn a_tape_shows_its_programs_and_the_tools_of_its_turret() {
         let text = "%\nO1234 (SHAFT)\nT0101\nG0 X10.\nIF [#1 GT 2] GOTO 9\nT0200\nN9 M30\nO2000\n#1=2\nM99\n%\n";
         let document = Document::new(text.to_owned(), &PositionEncodingKind::UTF16);
-        let setup = Setup { dialect: Dialect::FanucLatheA, ..Setup::default() };
+        let setup = Setup { dialect: interp::Dialect::FanucLatheA, ..Setup::default() };
         let shown = symbols(&document, &setup);
         let names: Vec<_> =
             shown.iter().map(|s| (s.name.as_str(), s.range.start.line, s.range.end.line)).collect();

@@ -21,8 +21,10 @@ pub(crate) fn role(dialect: Dialect, letter: u8, code: &str) -> Option<&'static 
         },
         Dialect::Fanuc => fanuc(letter, code, is_cycle(code) || code == "G76"),
         // the numbers of G70 to G76 in two lines are not those of the shared cycles
-        Dialect::FanucLatheA | Dialect::FanucLatheB if code.starts_with("G7") => shared(letter, ""),
-        Dialect::FanucLatheA | Dialect::FanucLatheB => fanuc(letter, code, false),
+        _ if code.starts_with("G7") => shared(letter, ""),
+        Dialect::FanucLatheA | Dialect::FanucLatheB | Dialect::FanucLatheC => {
+            fanuc(letter, code, false)
+        }
     }
 }
 
@@ -30,11 +32,11 @@ fn fanuc(letter: u8, code: &str, cycle: bool) -> Option<&'static str> {
     Some(match (letter, code) {
         (b'c', _) => "chamfer where this way meets the next",
         (b'r', _) => "radius of the corner where this way meets the next",
-        (b'P', "M98" | "G65" | "G66") => {
+        (b'P', "M98" | "M198" | "G65" | "G66") => {
             "number of the program; of M98 with more than four digits, how often before it"
         }
-        (b'L', "M98" | "G65" | "G66") => "how often it is called",
-        (b'Q', "M98") => "the block N with which it begins",
+        (b'L', "M98" | "M198" | "G65" | "G66") => "how often it is called",
+        (b'Q', "M98" | "M198") => "the block N with which it begins",
         (b'P', "M99") => "the block N where the caller goes on",
         (b'A'..=b'Z', "G65" | "G66") => argument(letter)?,
         (b'P', "G4") => "milliseconds to wait",
@@ -46,6 +48,11 @@ fn fanuc(letter: u8, code: &str, cycle: bool) -> Option<&'static str> {
         (b'K' | b'L', _) if cycle => "how many holes in a row",
         (b'Z', "G76") => "bottom of the hole",
         (b'R', "G76") => "level to which the tool goes fast, and from which it feeds",
+        (b'D', "G45" | "G46" | "G47" | "G48") => "offset whose radius makes the way longer",
+        (b'X' | b'Y' | b'Z', "G22") => "largest coordinate of the box, of the machine",
+        (b'I' | b'J' | b'K', "G22") => {
+            "smallest coordinate of the box along X, Y, Z, of the machine"
+        }
         (b'X' | b'Y' | b'Z', "G51" | "G68") => "the centre along this axis",
         (b'X' | b'Y' | b'Z', "G51.1") => "where the mirror stands on this axis",
         (b'P', "G51") => "factor in thousandths",

@@ -101,6 +101,8 @@ pub(crate) enum Dialect {
     FanucLatheA,
     /// Fanuc's lathes, G code system B
     FanucLatheB,
+    /// Fanuc's lathes, G code system C
+    FanucLatheC,
     /// The cam grinding words of Toyoda's grinders: G50 to G53, G55, and G01 and G04 in cam mode
     Toyoda,
 }

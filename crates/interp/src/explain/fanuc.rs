@@ -215,4 +215,46 @@ pub(super) const ROWS: &[Finding] = &[
         "O1\nF100\nG1 X10. ,R20.\nY10.\nM30",
         "O1\nF100\nG1 X10. ,R2.\nY10.\nM30",
     ),
+    f(
+        "I1055",
+        "G27 does not lead to the reference point.",
+        "O1\nG10 L2 P1 X5.\nG27 X0.\nM30",
+        "O1\nG10 L2 P1 X5.\nG27 X-5.\nM30",
+    ),
+    f(
+        "I1056",
+        "G22 needs both sides of its box along each axis.",
+        "O1\nG22 X100. Y100. Z0.\nM30",
+        "O1\nG22 X100. Y100. Z0. I50. J50. K-100.\nM30",
+    ),
+    f(
+        "I1057",
+        "A move goes where G22 forbids it.",
+        "O1\nG22 X100. Y100. Z0. I50. J50. K-100.\nG0 Z-10.\nX60. Y60.\nM30",
+        "O1\nG22 X100. Y100. Z0. I50. J50. K-100.\nG0 Z10.\nX60. Y60.\nM30",
+    ),
+    f(
+        "I1058",
+        "G45 to G48 lengthen straight ways, and arcs with I and J.",
+        "O1\nF100\nG91 G45 G2 X10. Y10. R10. D1\nM30",
+        "O1\nF100\nG91 G45 G2 X10. Y10. J10. D1\nM30",
+    ),
+    lathe(
+        "I1059",
+        "G7.1 and G12.1 begin and end alone, where C and the plane are right.",
+        "O1\nG0 X40. C10.\nG12.1\nG13.1\nM30",
+        "O1\nG0 X40. C0\nG12.1\nG13.1\nM30",
+    ),
+    lathe(
+        "I1060",
+        "Only feeds, arcs and waits lie on the surface of G7.1 and G12.1.",
+        "O1\nG0 X40. C0\nG12.1\nG0 X30.\nG13.1\nM30",
+        "O1\nG0 X40. C0\nG98 F100\nG12.1\nG1 X30.\nG13.1\nM30",
+    ),
+    lathe(
+        "I1061",
+        "A way on a face passes the axis of C.",
+        "O1\nG0 X40. C0\nG98 F100\nG12.1\nG1 X-40.\nG13.1\nM30",
+        "O1\nG0 X40. C0\nG98 F100\nG12.1\nG1 C10.\nX-40.\nG13.1\nM30",
+    ),
 ];

@@ -147,10 +147,11 @@ impl Fanuc {
         self.tape(it).ok().and_then(|tape| tape.block(number, file, from))
     }
 
-    /// M98.
+    /// M98, M198.
     pub(super) fn call_program(&mut self, it: &mut Interpreter<'_>, callee: Callee) -> Outcome {
-        let Callee { program, times, start } = callee;
+        let Callee { program, in_file, times, start } = callee;
         let begin = match program {
+            Some(number) if in_file => self.begin_of_file(it, number)?,
             Some(number) => self.begin_of(it, number)?,
             None => Place { file: it.file, at: (it.block.span.start, 0) }, // of the program at hand
         };
@@ -180,6 +181,23 @@ impl Fanuc {
         }
         let which = self.tape(it)?.written(number);
         Err(self.no_program(it, &which)?.into())
+    }
+
+    /// M198: a file of the search path is what a memory card is to a control.
+    fn begin_of_file(&mut self, it: &mut Interpreter<'_>, number: u32) -> Outcome<Place> {
+        let span = it.block.span;
+        let tape = self.tape(it)?;
+        if let Some(place) = tape.file(number) {
+            return Ok(place);
+        }
+        let which = tape.written(number);
+        let text = format!("there is no file {which}.nc beside this program or in its search path");
+        let help = if tape.program(number).is_some() {
+            format!("{which} is on this tape: M98 calls it")
+        } else {
+            "M198 calls programs in files of their own, M98 also those of this tape".to_owned()
+        };
+        Err(error("I0313", span, text).with_help(help).into())
     }
 
     fn enter(
@@ -334,6 +352,7 @@ fn jump(it: &mut Interpreter<'_>, to: Place) {
 pub(crate) fn programs(source: &[u8]) -> (Vec<String>, HashSet<String>) {
     let (mut parser, mut block) = (Parser::with_grammar(source, 0, Grammar::Fanuc), Block::new());
     let (mut called, mut there) = (Vec::new(), HashSet::new());
+    let mut in_files = Vec::new();
     while parser.next(&mut block) {
         match block.o.map(|o| o.label) {
             Some(Label::Number(number)) => _ = there.insert(number.to_string()),
@@ -347,24 +366,36 @@ pub(crate) fn programs(source: &[u8]) -> (Vec<String>, HashSet<String>) {
                 None => continue,
             },
         };
+        if has(&block, b'M', &[198.0]) {
+            in_files.push(name.clone());
+        }
         if !called.contains(&name) {
             called.push(name);
         }
     }
+    for name in in_files {
+        there.remove(&name); // what is on the tape is not what M198 calls
+    }
     (called, there)
+}
+
+/// A word's number, if it is written as one.
+const fn plain(word: &gcode::Word) -> Option<f64> {
+    match word.value {
+        Value::Number(number) => Some(number),
+        Value::Expression(_) => None,
+    }
+}
+
+/// Whether a block has one of these codes.
+fn has(block: &Block, letter: u8, codes: &[f64]) -> bool {
+    let mut words = block.words.iter().filter(|word| word.letter == letter);
+    words.any(|word| plain(word).is_some_and(|code| codes.contains(&code)))
 }
 
 /// P of a call, if it is written as a number.
 fn called_number(block: &Block) -> Option<u32> {
-    let plain = |word: &gcode::Word| match word.value {
-        Value::Number(number) => Some(number),
-        Value::Expression(_) => None,
-    };
-    let is = |letter: u8, codes: &[f64]| {
-        let mut words = block.words.iter().filter(|word| word.letter == letter);
-        words.any(|word| plain(word).is_some_and(|code| codes.contains(&code)))
-    };
-    let (program, macros) = (is(b'M', &[98.0]), is(b'G', &[65.0, 66.0]));
+    let (program, macros) = (has(block, b'M', &[98.0, 198.0]), has(block, b'G', &[65.0, 66.0]));
     let number = near_whole(plain(block.word(b'P').filter(|_| program || macros)?)?)?;
     let number = u32::try_from(number).ok()?;
     // P51002: five times O1002

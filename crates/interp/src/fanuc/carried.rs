@@ -50,6 +50,7 @@ impl Fanuc {
         self.kind == Kind::Mill
             && self.called.is_none()
             && self.mapping == figure::Mapping::default()
+            && self.surface.is_none()
             && self.modals.is_empty()
             && self.lathe_cycle.is_none()
             && self.taken == 0.0

@@ -17,6 +17,16 @@ pub(super) enum Meaning {
     ExactBlock,
     /// G29.
     Back,
+    /// G27: are the axes at the reference point?
+    Check,
+    /// G22 (true), G23: stored stroke check.
+    StrokeCheck(bool),
+    /// G7.1.
+    Cylinder,
+    /// G12.1 (true), G13.1.
+    Face(bool),
+    /// G45 to G48: how many offsets longer the way is.
+    Longer(i8),
     /// G31: a feed that the probe's signal would end; here it comes at the programmed end.
     Skip,
     /// G33, G32.
@@ -31,31 +41,14 @@ pub(super) enum Meaning {
     Unknown,
 }
 
-/// A lathe's code in system B, in tenths; system A writes some of them differently.
-const fn system_b(tenths: u16) -> u16 {
-    match tenths {
-        320 => 330,
-        500 => 920,
-        900 => 770,
-        920 => 780,
-        940 => 790,
-        980 => 940,
-        990 => 950,
-        other => other,
-    }
-}
-
 /// What G means, in tenths.
 pub(super) fn meaning(kind: Kind, tenths: u16) -> Meaning {
     use Meaning::{
-        Back, Box, ExactBlock, Mapping, Multiple, NotYet, Off, Shared, Skip, Smoothing, Thread,
-        Unknown,
+        Back, Box, Check, Cylinder, ExactBlock, Face, Longer, Mapping, Multiple, NotYet, Off,
+        Shared, Skip, Smoothing, StrokeCheck, Thread, Unknown,
     };
-    if kind == Kind::LatheA && matches!(tenths, 330 | 770 | 780 | 790 | 910 | 950) {
-        return Unknown;
-    }
-    let code = if kind == Kind::LatheA { system_b(tenths) } else { tenths };
-    if kind != Kind::Mill {
+    let Some(code) = kind.common(tenths) else { return Unknown };
+    if kind.is_lathe() {
         match code {
             340 | 700 | 710 | 720 | 730 | 740 | 750 | 760 => return Multiple(code),
             770 | 780 | 790 => return Box(code),
@@ -86,21 +79,25 @@ pub(super) fn meaning(kind: Kind, tenths: u16) -> Meaning {
         290 => Back,
         310 => Skip,
         440 if kind == Kind::Mill => Shared(LENGTH_BACK),
-        110 | 131 | 150 | 230 | 250 | 500 | 501 | 670 | 690 | 1130 => Off,
+        220 | 230 => StrokeCheck(code == 220),
+        270 => Check,
+        450 if kind == Kind::Mill => Longer(1),
+        460 if kind == Kind::Mill => Longer(-1),
+        470 if kind == Kind::Mill => Longer(2),
+        480 if kind == Kind::Mill => Longer(-2),
+        110 | 150 | 250 | 500 | 501 | 670 | 690 => Off,
         22 | 23 | 32 | 33 => NotYet("involute and exponential interpolation"),
         24 | 34 => NotYet("arc in space"),
         52 | 62 => NotYet("NURBS interpolation"),
-        71 | 1070 => NotYet("cylindrical interpolation"),
-        121 | 1120 => NotYet("polar coordinate interpolation"),
+        71 | 1070 => Cylinder,
+        121 | 1120 => Face(true),
+        131 | 1130 => Face(false),
         106 => NotYet("tool withdrawal"),
-        220 => NotYet("stored stroke check"),
         260 => NotYet("spindle speed fluctuation detection"),
-        270 => NotYet("reference position return check"),
         350 | 360 => NotYet("circular threading"),
         370..=372 => NotYet("automatic tool length measurement"),
         412..=415 | 422 | 424 | 425 => NotYet("three-dimensional cutter compensation"),
         431 | 434 | 435 | 437 => NotYet("tool centre point control"),
-        450 | 460 | 470 | 480 => NotYet("tool offset, increase and decrease"),
         531 | 536 | 682 | 683 | 684 => NotYet("tilted working plane"),
         542 | 544 => NotYet("rotary table dynamic fixture offset"),
         661 => NotYet("macro modal call for each block"),
@@ -168,6 +165,20 @@ pub(crate) fn told(kind: Kind, tenths: u16) -> Option<(Option<u16>, &'static str
         Meaning::Mapping(code) => Some((None, mapping(code), true)),
         Meaning::Off => Some((None, "the end of what Leadscrew does not begin: no effect", true)),
         Meaning::Smoothing => Some((None, "look-ahead and smoothing: always on", true)),
+        Meaning::Check => {
+            Some((None, "rapid move, and are the axes at the reference point?", true))
+        }
+        Meaning::Cylinder => Some((None, "ways round a cylinder, unrolled", true)),
+        Meaning::Face(true) => Some((None, "ways on a face, by X and C", true)),
+        Meaning::Face(false) => Some((None, "end of the ways on a face", true)),
+        Meaning::StrokeCheck(true) => {
+            Some((None, "stored stroke check: a box no axis may enter", true))
+        }
+        Meaning::StrokeCheck(false) => Some((None, "end of the stored stroke check", true)),
+        Meaning::Longer(1) => Some((None, "this way is longer by the offset D", true)),
+        Meaning::Longer(-1) => Some((None, "this way is shorter by the offset D", true)),
+        Meaning::Longer(2) => Some((None, "this way is longer by twice the offset D", true)),
+        Meaning::Longer(_) => Some((None, "this way is shorter by twice the offset D", true)),
         Meaning::ExactBlock => Some((None, "exact stop for one block", true)),
         Meaning::Back => Some((None, "return from the reference point", true)),
         Meaning::Skip => Some((None, "skip: a feed to the end, where the signal comes", true)),
@@ -179,12 +190,7 @@ pub(crate) fn told(kind: Kind, tenths: u16) -> Option<(Option<u16>, &'static str
 /// What works in the place of a code that is not executed.
 pub(super) const fn instead(tenths: u16) -> &'static str {
     match tenths {
-        71 | 1070 => "write the turning as feeds of the rotary axis: G1 Z_ C_",
-        121 | 1120 => "write the contour as feeds of X and C: G1 X_ C_",
-        220 => "the machine's file has the travel of its axes",
-        270 => "G28 goes to the reference point",
         434 | 435 => "G43 H_ takes the tool's length along Z",
-        450 | 460 | 470 | 480 => "G41 and G42 move the cutter beside its way",
         620 | 630 => "write G64, or G61 for exact stops",
         661 => "G66 calls the macro after each block that moves, G65 once",
         682 => "G68 turns the coordinates in their plane",
@@ -201,7 +207,12 @@ pub(crate) fn stays(kind: Kind, tenths: u16) -> bool {
     }
     matches!(
         meaning(kind, tenths),
-        Meaning::Mapping(160 | 510 | 511 | 680) | Meaning::Box(_) | Meaning::Thread
+        Meaning::StrokeCheck(_)
+            | Meaning::Cylinder
+            | Meaning::Face(_)
+            | Meaning::Mapping(160 | 510 | 511 | 680)
+            | Meaning::Box(_)
+            | Meaning::Thread
     )
 }
 

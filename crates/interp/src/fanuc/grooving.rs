@@ -42,13 +42,15 @@ impl Fanuc {
                 }
                 _ => {
                     let text = format!(
-                        "the first line of G{code} is R alone: how far a peck goes back, 0 or more"
+                        "the first line of G{} is R alone: how far a peck goes back, 0 or more",
+                        self.kind.own(code)
                     );
                     refuse("I1031", span, text)
                 }
             };
         }
-        it.executor.check_cycle_feed(code)?;
+        let own = self.kind.own(code);
+        it.executor.check_cycle_feed(own)?;
         let at = it.executor.state.at;
         let start = [at[2], at[0]];
         let end = self.corner_of(it, said);
@@ -66,7 +68,7 @@ impl Fanuc {
         let step = step.filter(|step| *step > 0.0).unwrap_or(width);
         let count = |way: f64, by: f64| if by > 0.0 { (way / by).max(1.0) } else { 1.0 };
         if count(depth, peck) * count(width, step) > MAX_PECKS {
-            let text = format!("P and Q would make more than {MAX_PECKS} pecks of G{code}");
+            let text = format!("P and Q would make more than {MAX_PECKS} pecks of G{own}");
             return refuse("I1031", span, text);
         }
         let pecks =

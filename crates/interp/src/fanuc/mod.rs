@@ -24,11 +24,17 @@ mod codes;
 mod corner;
 mod figure;
 mod grooving;
+mod kind;
 mod lathe;
+mod longer;
 mod mapping;
 mod offsets;
 mod output;
+mod reference;
 mod sense;
+mod steering;
+mod stroke;
+mod surface;
 mod system;
 mod tape;
 mod threading;
@@ -50,22 +56,12 @@ pub(crate) use calls::programs;
 pub(crate) use codes::{has_m, stays, told};
 use diag::Span;
 use gcode::Control;
+pub(crate) use kind::Kind;
 use lathe::drills;
 pub(crate) use tape::Tape;
 use values::Variables;
 pub(crate) use values::binary_coded;
 use words::Said;
-
-/// Whose G codes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
-    /// Machining centres.
-    Mill,
-    /// Lathes, system A: G90, G92, G94 are cycles, U and W are increments.
-    LatheA,
-    /// Lathes, system B: G77, G78, G79 are those cycles, G91 makes increments.
-    LatheB,
-}
 
 /// The front end's own state.
 #[derive(Clone, PartialEq)]
@@ -88,6 +84,10 @@ pub(crate) struct Fanuc {
     wear: tool_offsets::Wear,
     increments: Increments,
     c_is_a_chamfer: bool,
+    /// G7.1, G12.1.
+    surface: Option<surface::Surface>,
+    /// G22.
+    zone: stroke::Zone,
     /// The block at hand counts inches.
     inch: bool,
     /// G43, G44, G49.
@@ -129,8 +129,14 @@ struct Once {
     exact: bool,
     /// G29.
     back: bool,
+    /// G27.
+    check: bool,
     /// G31.
     skip: bool,
+    /// G22, G23.
+    stroke_check: bool,
+    /// G45 to G48.
+    longer: i8,
     /// W stands for Z.
     by_w: bool,
     /// G54.1: the work offset.
@@ -141,11 +147,13 @@ struct Once {
     changed: Option<usize>,
 }
 
-/// M98.
+/// M98, M198.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Callee {
     /// None for the program at hand.
     program: Option<u32>,
+    /// M198: one in a file of its own.
+    in_file: bool,
     times: u32,
     /// Q: the block with which it begins.
     start: Option<u32>,
@@ -155,7 +163,9 @@ struct Callee {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Then {
     Next,
-    /// M98.
+    /// The macro of G66: the block has named an axis.
+    Moved,
+    /// M98, M198.
     Call(Callee),
     /// M99, M99 P.
     Return(Option<u32>),
@@ -168,6 +178,7 @@ impl Fanuc {
             Dialect::Fanuc => Kind::Mill,
             Dialect::FanucLatheA => Kind::LatheA,
             Dialect::FanucLatheB => Kind::LatheB,
+            Dialect::FanucLatheC => Kind::LatheC,
             Dialect::LinuxCnc | Dialect::Brother | Dialect::Toyoda => return None,
         };
         Some(Box::new(Self {
@@ -185,6 +196,8 @@ impl Fanuc {
             wear: tool_offsets::Wear::new(),
             increments: setup.increments,
             c_is_a_chamfer: setup.c_is_a_chamfer,
+            surface: None,
+            zone: stroke::Zone::new(setup.stroke_check_outside),
             inch: false,
             length_mode: 49.0,
             taken: 0.0,
@@ -210,27 +223,8 @@ impl Fanuc {
         self.shape.is_none()
     }
 
-    const fn is_system_a(&self) -> bool {
-        matches!(self.kind, Kind::LatheA)
-    }
-
-    /// The codes of feed per minute and per revolution.
-    const fn feed_codes(&self) -> [f64; 2] {
-        if self.is_system_a() { [98.0, 99.0] } else { [94.0, 95.0] }
-    }
-
-    /// A lathe's cycle of four moves as its system writes it.
-    const fn box_code(&self, tenths: u16) -> u16 {
-        match (self.kind, tenths) {
-            (Kind::LatheA, 770) => 90,
-            (Kind::LatheA, 780) => 92,
-            (Kind::LatheA, _) => 94,
-            _ => tenths / 10,
-        }
-    }
-
     const fn is_lathe(&self) -> bool {
-        !matches!(self.kind, Kind::Mill)
+        self.kind.is_lathe()
     }
 
     /// Execute the block that the interpreter has read.
@@ -303,12 +297,31 @@ impl Fanuc {
         if let Some(code) = self.macro_code() {
             return self.macro_call(it, code);
         }
+        self.check_surface(&it.executor)?;
         if let Some(code) = self.multiple_cycle() {
             return self.multiple(it, code, sink);
         }
+        let (then, after) = match self.surface {
+            None => self.obey(it, sink)?,
+            Some(surface) => self.on_surface(it, surface, sink)?,
+        };
+        if after == After::End {
+            it.ended = true;
+            return Ok(());
+        }
+        match then {
+            Then::Call(callee) => self.call_program(it, callee),
+            Then::Return(to) => self.return_to(it, to, sink),
+            Then::Moved => self.modal_call(it),
+            Then::Next => Ok(()),
+        }
+    }
+
+    /// Do what the words say.
+    fn obey<S: Sink>(&mut self, it: &mut Interpreter<'_>, sink: &mut S) -> Outcome<(Then, After)> {
         self.once = Once::default();
         let then = self.translate(&mut it.executor)?;
-        if self.once != Once::default() {
+        if self.once != Once::default() || self.surface.is_some() {
             it.executor.asked.more();
         }
         it.executor.asked.units = true; // increments count as they do in force
@@ -323,20 +336,12 @@ impl Fanuc {
         let after = match self.once.corner {
             Some(corner) => self.cornered(it, corner, sink)?,
             None if it.executor.recording.is_some() => {
-                return it.executor.record();
+                it.executor.record()?;
+                return Ok((Then::Next, After::Next));
             }
             None => self.move_block(&mut it.executor, moves, sink)?,
         };
-        if after == After::End {
-            it.ended = true;
-            return Ok(());
-        }
-        match then {
-            Then::Call(callee) => self.call_program(it, callee),
-            Then::Return(to) => self.return_to(it, to, sink),
-            Then::Next if moves => self.modal_call(it),
-            Then::Next => Ok(()),
-        }
+        Ok((if moves && then == Then::Next { Then::Moved } else { then }, after))
     }
 
     /// What the block's words do.
@@ -352,7 +357,11 @@ impl Fanuc {
         if let Some(system) = self.once.changed {
             ex.offset_changed(system, sink);
         }
-        let cycle = self.lathe_cycle.filter(|_| moves);
+        if self.once.stroke_check {
+            ex.say(sink, &Call::StrokeCheck(self.zone.in_force()));
+        }
+        let plain = !(self.once.check || self.once.skip);
+        let cycle = self.lathe_cycle.filter(|_| moves && plain);
         if moves {
             threading::angle(ex, self.thread_angle.take(), sink);
         }
@@ -364,6 +373,7 @@ impl Fanuc {
         if exact {
             ex.say(sink, &Call::PathControl { corners: Corners::ExactStop, merge: None });
         }
+        let checked = self.once.check.then(|| reference::named(ex));
         let reference = matches!(ex.words.g(crate::codes::GGroup::NonModal), Some(280 | 300));
         let by = reference.then(|| ex.destination(false)).transpose()?;
         let by = by.map(|by| ex.state.frame.to_machine(&by));
@@ -380,36 +390,14 @@ impl Fanuc {
         if self.once.skip {
             let at = ex.state.at;
             ex.store.numbered.set_point(5061, &at);
+        }
+        if !plain {
             ex.state.motion = motion;
         }
+        if let Some(checked) = checked {
+            self.at_reference(ex, checked)?;
+        }
         self.group_one(&mut ex.state.motion);
-        Ok(after)
-    }
-
-    /// G29: by the point where G28 came by, to where the words lead.
-    fn back_from_reference<S: Sink>(&self, ex: &mut Executor, sink: &mut S) -> Outcome<After> {
-        let Some(by) = self.by else {
-            let text = "G29 comes back from the reference point: no G28 or G30 went there before";
-            return refuse("I1053", ex.words.place.span, text);
-        };
-        let by = ex.state.frame.to_program(&by);
-        let mut corner = ex.state.at;
-        for axis in 0..9 {
-            if ex.words.get(b"XYZABCUVW"[axis]).is_some() {
-                corner[axis] = by[axis];
-            }
-        }
-        ex.state.at = corner;
-        ex.say(sink, &Call::Rapid(corner));
-        let (motion, to) = (ex.state.motion, ex.destination(false)?);
-        for letter in *b"XYZABCUVW" {
-            ex.words.take(letter);
-        }
-        ex.state.motion = Motion::None;
-        let after = ex.execute(sink)?;
-        ex.state.at = to;
-        ex.state.motion = motion;
-        ex.say(sink, &Call::Rapid(to));
         Ok(after)
     }
 
@@ -445,44 +433,5 @@ impl Fanuc {
         let text = format!("{} does not end: another program begins here", written(before));
         let help = "end a main program with M30, a subprogram or macro with M99";
         Err(error("I0301", span, text).with_help(help).into())
-    }
-
-    fn condition(&self, it: &mut Interpreter<'_>, value: gcode::Value) -> Outcome<f64> {
-        let result = self.values(&it.executor).value(&it.block, value, it.block.span);
-        it.ended |= result.is_err(); // there is no way to go on
-        Ok(result?.unwrap_or(0.0))
-    }
-
-    fn control(&mut self, it: &mut Interpreter<'_>, control: Control) -> Outcome {
-        match control {
-            Control::GoTo(to) => {
-                let number = self.condition(it, to)?;
-                self.go_to(it, number)
-            }
-            Control::IfGoTo { condition, to } => {
-                if self.condition(it, condition)? == 0.0 {
-                    return Ok(());
-                }
-                let number = self.condition(it, to)?;
-                self.go_to(it, number)
-            }
-            Control::While { condition, .. } => {
-                let holds = match condition {
-                    Some(condition) => self.condition(it, condition)? != 0.0,
-                    None => true,
-                };
-                let end = self.loop_partner(it)?;
-                if !holds {
-                    it.jump(end.after);
-                }
-                Ok(())
-            }
-            Control::End(_) => {
-                let begin = self.loop_partner(it)?;
-                it.jump(begin.at);
-                Ok(())
-            }
-            Control::IfThen(_) => Ok(()),
-        }
     }
 }

@@ -29,10 +29,13 @@ pub(super) struct Sense {
     pub(super) smoothing: bool,
     /// A straight feed, and nothing that takes its words away.
     pub(super) feed: bool,
+    /// G7.1, G22, G23: its words are no places.
+    pub(super) zone: bool,
     /// G30.
     pub(super) reference: bool,
-    /// M98, M99.
+    /// M98, M198, M99.
     pub(super) call: bool,
+    pub(super) in_file: bool,
     pub(super) back: bool,
     pub(super) surface_speed: bool,
     pub(super) per_revolution: bool,
@@ -64,7 +67,10 @@ impl Fanuc {
                     }
                     Meaning::Shared(300) => sense.reference = true,
                     Meaning::Smoothing => sense.smoothing = true,
-                    Meaning::Skip => (sense.motion, sense.cycle) = (true, false),
+                    Meaning::Skip | Meaning::Check => (sense.motion, sense.cycle) = (true, false),
+                    Meaning::StrokeCheck(_) | Meaning::Cylinder => {
+                        (sense.zone, sense.cycle) = (true, false)
+                    }
                     Meaning::Shared(960) => sense.surface_speed = true,
                     Meaning::Shared(code @ (940 | 950)) => sense.per_revolution = code == 950,
                     Meaning::Shared(code @ (0..=30 | 730..=890 | crate::codes::OWN..)) => {
@@ -87,14 +93,17 @@ impl Fanuc {
                     }
                     _ => {}
                 },
-                (b'M', Some(980)) => sense.call = true,
+                (b'M', Some(code @ (980 | 1980))) => {
+                    (sense.call, sense.in_file) = (true, code == 1980);
+                }
                 (b'M', Some(990)) => sense.back = true,
                 (b'M', Some(30 | 40 | 50 | 190)) => sense.spindle = true,
                 _ => {}
             }
         }
         sense.thread |= self.lathe_cycle == Some(780);
-        let other = sense.dwell || sense.set_offset || sense.position || sense.reference;
+        let other =
+            sense.dwell || sense.set_offset || sense.position || sense.reference || sense.zone;
         sense.feed &= !(other || sense.thread || sense.call);
         // P of G54 belongs to what else the block orders
         sense.more_offsets |= plain_offset && !(sense.call || sense.dwell || sense.cycle);

@@ -60,6 +60,12 @@ impl Kept {
         self.words[5]
     }
 
+    /// The last word of a letter that is kept.
+    pub(super) fn last(&self, letter: u8) -> f64 {
+        let at = LETTERS.iter().position(|(kept, _)| *kept == letter);
+        at.map_or(0.0, |at| self.words[at])
+    }
+
     /// Remember a word that variables tell.
     pub(super) fn word(&mut self, letter: u8, value: f64) {
         if let Some(at) = LETTERS.iter().position(|(kept, _)| *kept == letter) {
@@ -233,8 +239,8 @@ impl Values<'_> {
         let mapping = &self.fanuc.mapping;
         let feed = match state.feed_mode {
             FeedMode::InverseTime => 93.0,
-            FeedMode::PerMinute => self.fanuc.feed_codes()[0],
-            FeedMode::PerRevolution => self.fanuc.feed_codes()[1],
+            FeedMode::PerMinute => self.own(94),
+            FeedMode::PerRevolution => self.own(95),
         };
         Ok(match number {
             4001 => Some(self.motion()),
@@ -244,7 +250,7 @@ impl Values<'_> {
             4003 => pick(91.0, 90.0, state.incremental),
             4004 => Some(if self.fanuc.is_lathe() { 69.0 } else { 23.0 }),
             4005 => Some(feed),
-            4006 => pick(20.0, 21.0, state.units == crate::Units::Inch),
+            4006 => pick(self.own(20), self.own(21), state.units == crate::Units::Inch),
             4007 => Some(state.compensation.as_ref().map_or(40.0, |c| f64::from(c.code) / 10.0)),
             4008 if !self.fanuc.is_lathe() => Some(self.fanuc.length_mode),
             4009 | 4010 if (number == 4010) == self.fanuc.is_lathe() => {
@@ -270,7 +276,7 @@ impl Values<'_> {
             4119 => Some(state.spindle.speed),
             4120 => Some(f64::from(state.selected_tool)),
             4130 => Some(f64::from(state.system.saturating_sub(9))),
-            4021 => Some(13.1), // polar interpolation is off
+            4021 => pick(12.1, 13.1, self.fanuc.surface.is_some_and(|s| s.is_face())),
             _ => match LETTERS.iter().position(|(_, kept)| *kept == number) {
                 Some(at) => Some(self.fanuc.kept.words[at]),
                 None => {
@@ -288,6 +294,11 @@ impl Values<'_> {
         }
     }
 
+    /// A code as this machine writes it.
+    fn own(&self, code: u16) -> f64 {
+        f64::from(self.fanuc.kind.own(code))
+    }
+
     /// The code of group 1: a cycle is none of it.
     fn motion(&self) -> f64 {
         let motion = match self.executor.state.motion {
@@ -295,9 +306,8 @@ impl Values<'_> {
             other => other,
         };
         match self.fanuc.lathe_cycle {
-            Some(code) => f64::from(self.fanuc.box_code(code)),
-            None if motion == Motion::Thread && !self.fanuc.is_system_a() => 33.0,
-            None if motion == Motion::Thread => 32.0,
+            Some(code) => self.own(code / 10),
+            None if motion == Motion::Thread => self.own(33),
             None => f64::from(motion.code()) / 10.0,
         }
     }

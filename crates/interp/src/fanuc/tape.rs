@@ -228,6 +228,12 @@ impl Tape {
         Some(Place { file: found.file, at: found.begin.after })
     }
 
+    /// The first block of a program in a file of its own.
+    pub(super) fn file(&self, number: u32) -> Option<Place> {
+        let found = self.programs.iter().find(|p| p.file > 0 && p.number == Some(number))?;
+        Some(Place { file: found.file, at: found.begin.after })
+    }
+
     /// Where the main program begins.
     pub(super) fn main(&self, number: Option<u32>) -> Place {
         let own = number.and_then(|number| self.program(number)).filter(|place| place.file == 0);

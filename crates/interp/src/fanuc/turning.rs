@@ -15,7 +15,11 @@
 //! after G70 behind its own block.
 //!
 //! Source: Fanuc, operator's manual of series 30i for lathes, "Multiple repetitive cycles".
-use super::{Fanuc, words::Said};
+use super::{
+    Fanuc,
+    codes::{Meaning, meaning},
+    words::Said,
+};
 use crate::{
     call::Sink,
     fault::{Outcome, error, refuse},
@@ -23,7 +27,7 @@ use crate::{
     offset_curve::Flat,
     outline::At,
     profile::{Manner, Order, Part, Recording, Roughing},
-    words::near_whole,
+    words::{near_whole, tenths},
 };
 use canon::Plane;
 
@@ -75,13 +79,13 @@ const fn takes(code: u16) -> &'static [u8] {
 }
 
 impl Fanuc {
-    /// G70 to G76, G34 of the block at hand, on a lathe.
+    /// G70 to G76, G34 of the block at hand, on a lathe, as system B numbers them.
     pub(super) fn multiple_cycle(&self) -> Option<u16> {
-        let code = |said: &Said| match (said.letter, said.value) {
-            (b'G', 34.0 | 70.0..=76.0) => Some(said.value as u16),
+        let code = |said: &Said| match meaning(self.kind, tenths(said.value)?) {
+            Meaning::Multiple(code) if said.letter == b'G' => Some(code / 10),
             _ => None,
         };
-        self.said.iter().find_map(code).filter(|_| self.is_lathe())
+        self.said.iter().find_map(code)
     }
 
     /// Execute it: its F, S, T and M first.
@@ -92,23 +96,23 @@ impl Fanuc {
         sink: &mut S,
     ) -> Outcome {
         let said = core::mem::take(&mut self.said);
-        let span = it.block.span;
+        let (span, own) = (it.block.span, self.kind.own(code));
         if it.executor.recording.is_some() {
             it.ended = true;
-            return refuse("I1033", span, format!("G{code} cannot stand inside a profile"));
+            return refuse("I1033", span, format!("G{own} cannot stand inside a profile"));
         }
         if it.executor.state.plane != Plane::ZX {
-            return refuse("I0581", span, format!("G{code} works in X and Z: write G18 before"));
+            return refuse("I0581", span, format!("G{own} works in X and Z: write G18 before"));
         }
         let threads = matches!(code, 34 | 76);
         let beside = |said: &&Said| match said.letter {
             b'F' => !threads,
-            b'G' => said.value != f64::from(code),
+            b'G' => said.value != f64::from(own),
             letter => b"STM".contains(&letter),
         };
         let idle = said.iter().find(|said| !takes(code).contains(&said.letter));
         if let Some(idle) = idle {
-            let text = format!("{} has no effect in G{code}", idle.letter as char);
+            let text = format!("{} has no effect in G{own}", idle.letter as char);
             return refuse("I0110", idle.span, text);
         }
         self.said = said.iter().filter(beside).copied().collect();
@@ -123,7 +127,7 @@ impl Fanuc {
             70 => refuse(
                 "I1030",
                 span,
-                "G70 needs P and Q: the first and the last block of the profile",
+                format!("G{own} needs P and Q: the first and the last block of the profile"),
             ),
             71..=73 => self.first_line(it, code, &said),
             74 | 75 => self.pecking(it, code, &said, sink),
@@ -146,14 +150,14 @@ impl Fanuc {
     }
 
     fn first_line(&mut self, it: &Interpreter<'_>, code: u16, said: &[Said]) -> Outcome {
-        let span = it.block.span;
+        let (span, own) = (it.block.span, self.kind.own(code));
         let [u, w, r] = [b'U', b'W', b'R'].map(|letter| self.long(it, said, letter));
         if code == 73 {
             if let Some(times) = word(said, b'R') {
                 let whole = near_whole(times.value).and_then(|n| u32::try_from(n).ok());
                 let Some(times) = whole.filter(|n| (1..=MAX_TIMES).contains(n)) else {
                     let text = format!(
-                        "R is how often G73 repeats, 1 to {MAX_TIMES}, found {}",
+                        "R is how often G{own} repeats, 1 to {MAX_TIMES}, found {}",
                         times.value
                     );
                     return refuse("I1031", span, text);
@@ -168,18 +172,16 @@ impl Fanuc {
         if let Some(depth) = if code == 71 { u } else { w } {
             if depth <= 0.0 {
                 let letter = if code == 71 { 'U' } else { 'W' };
-                let text = format!(
-                    "{letter} is the depth of each pass of G{code}, above 0, found {depth}"
-                );
+                let text =
+                    format!("{letter} is the depth of each pass of G{own}, above 0, found {depth}");
                 return refuse("I1031", span, text);
             }
             self.first_lines.depth = Some(depth);
         }
         match r {
             Some(retract) if retract < 0.0 => {
-                let text = format!(
-                    "R is how far a pass of G{code} comes away, 0 or more, found {retract}"
-                );
+                let text =
+                    format!("R is how far a pass of G{own} comes away, 0 or more, found {retract}");
                 refuse("I1031", span, text)
             }
             retract => {
@@ -191,18 +193,17 @@ impl Fanuc {
 
     /// The second line: take the profile down.
     fn profile_cycle(&mut self, it: &mut Interpreter<'_>, code: u16, said: &[Said]) -> Outcome {
-        let span = it.block.span;
+        let (span, own) = (it.block.span, self.kind.own(code));
         let order = self.order(it, code, said)?;
         let number = |letter: u8| {
             let value = word(said, letter).map(|said| said.value);
             value.and_then(near_whole).and_then(|n| u32::try_from(n).ok())
         };
         let (Some(first), Some(last)) = (number(b'P'), number(b'Q')) else {
-            let text =
-                format!("G{code} needs P and Q: the first and the last block of the profile");
+            let text = format!("G{own} needs P and Q: the first and the last block of the profile");
             return refuse("I1030", span, text);
         };
-        it.executor.check_cycle_feed(code)?;
+        it.executor.check_cycle_feed(own)?;
         let mut missing = None;
         let [begin, end] = [first, last].map(|n| {
             let at = self.block_at(it, n);
@@ -229,19 +230,14 @@ impl Fanuc {
         let left =
             [self.long(it, said, b'W').unwrap_or(0.0), self.across(it, said, b'U').unwrap_or(0.0)];
         let missing = |what: &str| {
-            let fault = error("I1031", it.block.span, format!("G{code} does not know {what}"));
-            let help = match code {
-                71 => {
-                    "write a line G71 U2. R0.5 before it: the depth of a pass and how far it comes away"
-                }
-                72 => {
-                    "write a line G72 W2. R0.5 before it: the depth of a pass and how far it comes away"
-                }
-                _ => {
-                    "write a line G73 U5. W5. R3 before it: how far away it begins, and how often it is cut"
-                }
+            let own = self.kind.own(code);
+            let fault = error("I1031", it.block.span, format!("G{own} does not know {what}"));
+            let (words, are) = match code {
+                71 => ("U2. R0.5", "the depth of a pass and how far it comes away"),
+                72 => ("W2. R0.5", "the depth of a pass and how far it comes away"),
+                _ => ("U5. W5. R3", "how far away it begins, and how often it is cut"),
             };
-            fault.with_help(help)
+            fault.with_help(format!("write a line G{own} {words} before it: {are}"))
         };
         if code == 70 {
             return Ok(Order::Along);

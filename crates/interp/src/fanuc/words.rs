@@ -34,7 +34,7 @@ impl Fanuc {
     pub(super) fn read_words(&mut self, block: &Block, source: &[u8], ex: &Executor) -> Outcome {
         let mut said = core::mem::take(&mut self.said);
         said.clear();
-        self.inch = counts_inches(block, ex);
+        self.inch = self.counts_inches(block, ex);
         for word in &block.words {
             let value = match word.value {
                 Value::Number(number) => Some(number),
@@ -56,6 +56,19 @@ impl Fanuc {
         Ok(())
     }
 
+    /// Whether the block counts inches: its own G20 and G21 hold for it.
+    fn counts_inches(&self, block: &Block, ex: &Executor) -> bool {
+        let own = block.words.iter().find_map(|word| match (word.letter, word.value) {
+            (b'G', Value::Number(number)) => match self.kind.common(tenths(number)?) {
+                Some(200) => Some(true),
+                Some(210) => Some(false),
+                _ => None,
+            },
+            _ => None,
+        });
+        own.unwrap_or(ex.state.units == crate::Units::Inch)
+    }
+
     /// How many least input increments make one unit of what a letter counts; 1 for what counts itself.
     pub(super) fn per_unit(&self, letter: u8, inch: bool) -> f64 {
         let per_unit = self.increments.per_unit();
@@ -74,7 +87,8 @@ impl Fanuc {
             return said.value;
         }
         let angle = self.mapping.is_angle(executor, said.letter);
-        said.value / self.per_unit(said.letter, self.inch && !angle)
+        let face = said.letter == b'C' && self.surface.is_some_and(|surface| surface.is_face());
+        said.value / self.per_unit(if face { b'R' } else { said.letter }, self.inch && !angle)
     }
 
     fn feed(&self, said: &Said, sense: &Sense) -> f64 {
@@ -114,7 +128,7 @@ impl Fanuc {
             match word.letter {
                 b'G' | b'M' => {}
                 b'P' | b'Q' | b'R' | b'X' | b'Y' | b'Z' if sense.smoothing => {}
-                b'P' if sense.reference => reference_point(word)?,
+                b'P' if sense.reference => super::reference::second(word)?,
                 b'Q' if sense.call => start = Some(*word),
                 b'Q' if sense.set_offset => ex.words.put(b'Q', word.value, word.span)?,
                 b'c' | b'r' => self.corner_word(word, value)?,
@@ -172,7 +186,7 @@ impl Fanuc {
                     };
                     let turn = Said { letter: b'C', ..*word };
                     let value = if axis == 5 { self.scaled(ex, &turn) } else { value };
-                    let from = if ex.state.incremental { 0.0 } else { ex.state.at[axis] };
+                    let from = if ex.state.incremental { 0.0 } else { self.stands(ex, axis) };
                     let from = if axis == 0 && ex.state.diameter { 2.0 * from } else { from };
                     self.once.by_w |= axis == 2;
                     ex.words.put(letter, from + value, word.span)?;
@@ -182,6 +196,12 @@ impl Fanuc {
             }
         }
         self.codes(ex, said, &sense)?;
+        if self.once.longer != 0 {
+            self.lengthen(ex, said, &sense)?;
+        }
+        if !(sense.dwell || sense.zone) {
+            self.words_on_surface(ex)?;
+        }
         if !(sense.dwell || sense.set_offset) {
             self.map(ex, sense.cycle)?;
         }
@@ -200,6 +220,14 @@ impl Fanuc {
                     Some((_, Meaning::Shared(540))) if sense.more_offsets => {}
                     Some((_, Meaning::ExactBlock)) => self.once.exact = true,
                     Some((_, Meaning::Back)) => self.once.back = true,
+                    Some((_, Meaning::Check)) => {
+                        self.once.check = true;
+                        ex.words.take_g(0.0, span)?;
+                    }
+                    Some((_, Meaning::Cylinder)) => self.unroll(ex, said)?,
+                    Some((_, Meaning::Face(on))) => self.face(ex, said, on)?,
+                    Some((_, Meaning::Longer(by))) => self.once.longer = by,
+                    Some((_, Meaning::StrokeCheck(on))) => self.set_stroke_check(ex, on)?,
                     Some((_, Meaning::Skip)) => {
                         self.once.skip = true;
                         ex.words.take_g(1.0, span)?;
@@ -224,13 +252,7 @@ impl Fanuc {
                     _ => return refuse("I0102", span, format!("G{} is no known code", word.value)),
                 },
                 b'M' => match near_whole(word.value) {
-                    Some(98 | 99) => {}
-                    Some(198) => {
-                        let text =
-                            "M198 (a program on a memory card) is not executed by Leadscrew yet";
-                        let help = "put the program on this tape or beside it as a file O1234.nc, and call it with M98 P1234";
-                        return Err(error("I0103", span, text).with_help(help).into());
-                    }
+                    Some(98 | 99 | 198) => {}
                     Some(number @ 0..=60) if is_shared_m(number as u16) => {
                         ex.words.take_m(word.value, span)?;
                     }
@@ -303,9 +325,13 @@ impl Fanuc {
         if !sense.call {
             return Ok(Then::Next);
         }
-        let call = |program, times| Ok(Then::Call(Callee { program, times, start }));
+        let in_file = sense.in_file;
+        let call = |program, times| Ok(Then::Call(Callee { program, in_file, times, start }));
         match (self.called.or(number), times) {
-            (None, times) if start.is_some() => call(None, times.unwrap_or(1)),
+            (None, times) if start.is_some() && !in_file => call(None, times.unwrap_or(1)),
+            (None, _) if in_file => {
+                refuse("I0302", span, "M198 needs P, the number of the program")
+            }
             (None, _) => refuse("I0302", span, "M98 needs P, the number of the program"),
             (Some(number), Some(times)) => call(Some(number), times),
             // P51002: five times O1002
@@ -338,28 +364,6 @@ impl Fanuc {
         );
         ex.remarks.push(Diagnostic::warning("I1023", word.span, text).with_help(help));
     }
-}
-
-/// Whether the block counts inches: its own G20 and G21 hold for it.
-fn counts_inches(block: &Block, ex: &Executor) -> bool {
-    let own = block.words.iter().find_map(|word| match (word.letter, word.value) {
-        (b'G', Value::Number(20.0)) => Some(true),
-        (b'G', Value::Number(21.0)) => Some(false),
-        _ => None,
-    });
-    own.unwrap_or(ex.state.units == crate::Units::Inch)
-}
-
-/// P of G30: there is a second reference point.
-fn reference_point(word: &Said) -> Outcome {
-    if word.value == 2.0 {
-        return Ok(());
-    }
-    let text = format!(
-        "G30 P{} is not known: the machine has G28's reference point and G30 P2's",
-        word.value
-    );
-    refuse("I1052", word.span, text)
 }
 
 /// The one sentence for a lead that is missing.

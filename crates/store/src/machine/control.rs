@@ -67,6 +67,8 @@ pub enum Dialect {
     FanucLatheA,
     /// System B.
     FanucLatheB,
+    /// System C.
+    FanucLatheC,
     /// Z and R from the initial level, chip removal words.
     Brother,
     /// Cam grinding words.
@@ -80,6 +82,8 @@ pub struct Fanuc {
     pub increments: Increments,
     /// `decimal_point = "calculator"`: without a point a number counts whole units.
     pub calculator: bool,
+    /// `stroke_check = "outside"`: what G22 forbids is outside of its box.
+    pub stroke_check_outside: bool,
 }
 
 /// Fanuc's increment systems: 0.01, 0.001 and 0.0001 mm.
@@ -97,7 +101,9 @@ impl Fanuc {
     fn read(keys: &mut Keys<'_>) -> Self {
         let systems = [("IS-A", Increments::A), ("IS-B", Increments::B), ("IS-C", Increments::C)];
         let points = [("increments", false), ("calculator", true)];
+        let sides = [("inside", false), ("outside", true)];
         Self {
+            stroke_check_outside: keys.optional_choice("stroke_check", &sides).unwrap_or(false),
             increments: keys.optional_choice("increments", &systems).unwrap_or(Increments::B),
             calculator: keys.optional_choice("decimal_point", &points).unwrap_or(false),
         }
@@ -233,6 +239,7 @@ impl Control {
                     ("fanuc", Dialect::Fanuc),
                     ("fanuc-lathe-a", Dialect::FanucLatheA),
                     ("fanuc-lathe-b", Dialect::FanucLatheB),
+                    ("fanuc-lathe-c", Dialect::FanucLatheC),
                     ("brother", Dialect::Brother),
                     ("toyoda", Dialect::Toyoda),
                 ],

@@ -1,0 +1,45 @@
+//! Conditions, jumps and loops: IF, GOTO, WHILE, DO and END.
+use super::Fanuc;
+use crate::{fault::Outcome, interpreter::Interpreter};
+use gcode::Control;
+
+impl Fanuc {
+    pub(super) fn condition(&self, it: &mut Interpreter<'_>, value: gcode::Value) -> Outcome<f64> {
+        let result = self.values(&it.executor).value(&it.block, value, it.block.span);
+        it.ended |= result.is_err(); // there is no way to go on
+        Ok(result?.unwrap_or(0.0))
+    }
+
+    pub(super) fn control(&mut self, it: &mut Interpreter<'_>, control: Control) -> Outcome {
+        match control {
+            Control::GoTo(to) => {
+                let number = self.condition(it, to)?;
+                self.go_to(it, number)
+            }
+            Control::IfGoTo { condition, to } => {
+                if self.condition(it, condition)? == 0.0 {
+                    return Ok(());
+                }
+                let number = self.condition(it, to)?;
+                self.go_to(it, number)
+            }
+            Control::While { condition, .. } => {
+                let holds = match condition {
+                    Some(condition) => self.condition(it, condition)? != 0.0,
+                    None => true,
+                };
+                let end = self.loop_partner(it)?;
+                if !holds {
+                    it.jump(end.after);
+                }
+                Ok(())
+            }
+            Control::End(_) => {
+                let begin = self.loop_partner(it)?;
+                it.jump(begin.at);
+                Ok(())
+            }
+            Control::IfThen(_) => Ok(()),
+        }
+    }
+}
