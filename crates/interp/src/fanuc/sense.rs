@@ -69,7 +69,7 @@ impl Fanuc {
                     Meaning::Smoothing => sense.smoothing = true,
                     Meaning::Skip | Meaning::Check => (sense.motion, sense.cycle) = (true, false),
                     Meaning::StrokeCheck(_) | Meaning::Cylinder => {
-                        (sense.zone, sense.cycle) = (true, false)
+                        (sense.zone, sense.cycle) = (true, false);
                     }
                     Meaning::Shared(960) => sense.surface_speed = true,
                     Meaning::Shared(code @ (940 | 950)) => sense.per_revolution = code == 950,
