@@ -29,8 +29,8 @@ impl Snapshot {
             return None;
         }
         let (own, then) = (&self.executor, &before.executor);
-        let store = own.store.carried(&then.store, &after.executor.store, asked)?;
         let state = own.state.carried(&then.state, &after.executor.state, asked)?;
+        let store = own.store.carried(&then.store, &after.executor.store, asked)?;
         let fanuc = match (&self.fanuc, &before.fanuc, &after.fanuc) {
             (Some(own), Some(then), Some(after)) => {
                 Some(Box::new(own.carried(then, after, asked)?))

@@ -203,7 +203,8 @@ impl Executor {
 
     pub(crate) fn no_compensation(&self) -> Outcome {
         let text = "this move cannot be made beside its way: only G0, G1, G2 and G3 can, while G41 or G42 is in force";
-        Err(error("I0544", self.words.place.span, text).with_help("write G40 before it").into())
+        let say = || error("I0544", self.words.place.span, text).with_help("write G40 before it");
+        Err(self.words.fault(say).into())
     }
 
     /// The first move after G40 leads back onto the programmed way: not along an arc.
@@ -271,11 +272,13 @@ impl Executor {
         let inside = compensation.side * f64::from(turns.signum()) > 0.0;
         let first = compensation.at.is_none();
         if programmed <= compensation.radius && inside {
-            let text = format!(
-                "the tool's radius, {:.4}, must be smaller than the arc's, {programmed:.4}",
-                compensation.radius
-            );
-            return refuse("I0546", self.words.place.span, text);
+            let text = || {
+                format!(
+                    "the tool's radius, {:.4}, must be smaller than the arc's, {programmed:.4}",
+                    compensation.radius
+                )
+            };
+            return Err(self.words.fault(|| error("I0546", self.words.place.span, text())).into());
         }
         let direction = way.direction(way.to);
         let end = compensation.beside(way.to, direction);
@@ -359,7 +362,7 @@ impl Executor {
             if let Some(compensation) = &mut self.state.compensation {
                 compensation.last = None;
             }
-            return Err(self.unreachable().into());
+            return Err(self.words.fault(|| self.unreachable()).into());
         };
         self.settle(Some(met), sink)?;
         Ok(met)
@@ -376,16 +379,16 @@ impl Executor {
 
     /// The held move ends here (or where it was to end); then everything held goes on its way.
     fn settle<S: Sink>(&mut self, end: Option<Flat>, sink: &mut S) -> Outcome {
-        let unreachable = self.unreachable();
         let Some(compensation) = &mut self.state.compensation else { return Ok(()) };
+        let shift = compensation.shift;
         if let (Some(last), Some(at)) = (compensation.last, compensation.at)
             && last.turns_back(end.unwrap_or(at))
         {
             compensation.last = None; // said once
-            return Err(unreachable.into());
+            return Err(self.words.fault(|| self.unreachable()).into());
         }
         if let Some(end) = end {
-            let shifted = plus(end, compensation.shift);
+            let shifted = plus(end, shift);
             let [a, b, _] = self.state.plane_axes();
             for (_, held) in self.held.borrow_mut().iter_mut() {
                 if let Held::Call(Call::Line(to) | Call::Rapid(to) | Call::Arc { to, .. }) = held {

@@ -1,4 +1,4 @@
-//! Where a text's O-words or a tape's numbered blocks are, kept while the text is edited.
+//! A text's blocks, and where its O-words or a tape's numbered blocks are, kept while the text is edited.
 //!
 //! ```text
 //!   o1 if [#1 gt 2]   ── edited to ──►   o1 if [#1 gt 25]     the same O-words: their places move
@@ -12,6 +12,7 @@ use crate::{
     Interpreter, Shift,
     fanuc::Tape,
     outline::{At, Outline},
+    pages::Pages,
 };
 use gcode::Grammar;
 
@@ -20,6 +21,7 @@ use gcode::Grammar;
 pub struct Contents {
     outlines: Vec<Option<Outline>>,
     tape: Option<Tape>,
+    pages: Box<Pages>,
 }
 
 /// The lines that an edit touched, in the text as it is now.
@@ -37,10 +39,8 @@ impl Contents {
     /// Take in an edit of the program's text, whose first line touched begins at `first` (byte and line). False if it
     /// changed what steers, or if it is not known what steers.
     pub fn edited(&mut self, source: &[u8], shift: &Shift, first: At, grammar: Grammar) -> bool {
-        let from = (shift.new_end as usize).min(source.len());
-        let end = memchr::memchr(b'\n', &source[from..]).map_or(source.len(), |at| from + at + 1);
-        let old_end = (end as u32 - from as u32).saturating_add(shift.old_end);
-        let edited = Edited { source: &source[..end], first, old_end, shift };
+        let edited = Edited::of(source, shift, first);
+        self.pages.edited(&edited);
         if grammar == Grammar::Fanuc {
             self.tape = self.tape.take().and_then(|tape| tape.edited(&edited));
             return self.tape.is_some();
@@ -51,7 +51,14 @@ impl Contents {
     }
 }
 
-impl Edited<'_> {
+impl<'a> Edited<'a> {
+    pub(crate) fn of(source: &'a [u8], shift: &'a Shift, first: At) -> Self {
+        let from = (shift.new_end as usize).min(source.len());
+        let end = memchr::memchr(b'\n', &source[from..]).map_or(source.len(), |at| from + at + 1);
+        let old_end = (end as u32 - from as u32).saturating_add(shift.old_end);
+        Self { source: &source[..end], first, old_end, shift }
+    }
+
     /// Whether a block that began here lay in these lines.
     pub(crate) const fn had(&self, at: At) -> bool {
         self.first.0 <= at.0 && at.0 < self.old_end
@@ -71,6 +78,7 @@ impl Interpreter<'_> {
     /// Go by what was read before of this very text.
     #[must_use]
     pub fn with_contents(mut self, contents: Contents) -> Self {
+        self.pages = Some(contents.pages);
         for (own, known) in self.outlines.iter_mut().zip(contents.outlines) {
             *own = known;
         }
@@ -80,14 +88,36 @@ impl Interpreter<'_> {
         self
     }
 
-    /// What was read; nothing of a text whose O-words do not fit together.
+    /// What was read; no O-words of a text where they do not fit together.
     pub fn take_contents(&mut self) -> Contents {
+        let pages = self.pages.take().unwrap_or_default();
         if self.contents_are_faulty {
-            return Contents::default();
+            return Contents { pages, ..Contents::default() };
         }
         let tape = self.fanuc.as_mut().and_then(|fanuc| fanuc.take_tape());
         let files = self.outlines.len();
         let outlines = core::mem::replace(&mut self.outlines, vec![None; files]);
-        Contents { outlines, tape }
+        Contents { outlines, tape, pages }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// Replace these bytes by others; what an editor says of it.
+    pub(crate) fn replace(
+        text: &mut String,
+        at: core::ops::Range<usize>,
+        new: &str,
+    ) -> (Shift, At) {
+        let count = |text: &str| i32::try_from(text.matches('\n').count()).unwrap();
+        let first = text[..at.start].rfind('\n').map_or(0, |newline| newline + 1);
+        let line = 1 + count(&text[..first]).unsigned_abs();
+        let lines = count(new) - count(&text[at.clone()]);
+        let [from, old_end, new_end] =
+            [at.start, at.end, at.start + new.len()].map(|byte| byte as u32);
+        text.replace_range(at, new);
+        (Shift { from, old_end, new_end, lines }, (first as u32, line))
     }
 }

@@ -161,14 +161,12 @@ impl Executor {
         let kept = self.state.sticky.filter(|kept| kept.plane == self.state.plane);
         let span = self.words.place.span;
         let Some(r) = self.words.get(b'R').or(kept.map(|k| k.r)) else {
-            return refuse(
-                "I0504",
-                span,
-                format!("G{code} needs R, the level just above the work"),
-            );
+            let text = || format!("G{code} needs R, the level just above the work");
+            return Err(self.words.fault(|| error("I0504", span, text())).into());
         };
         let Some(bottom) = self.axis_word(n).or(kept.map(|k| k.bottom)) else {
-            return refuse("I0505", span, format!("G{code} needs {axis}, the depth"));
+            let text = || format!("G{code} needs {axis}, the depth");
+            return Err(self.words.fault(|| error("I0505", span, text())).into());
         };
         let tapping = cycle.tap_sense().is_some() && self.dialect == Dialect::LinuxCnc;
         let before = if tapping { self.state.last_dwell } else { None };
@@ -230,8 +228,6 @@ impl Executor {
         sticky: &Sticky,
         initial: f64,
     ) -> Outcome<Pattern> {
-        let [_, _, n] = self.state.plane_axes();
-        let axis = b"XYZ"[n] as char;
         if crate::holes::bores_upwards(cycle) {
             let [bottom, counterbore] = self.upward_levels(sticky.r, sticky.bottom, initial)?;
             let (dwell, peck) = (sticky.dwell.unwrap_or(0.0), sticky.peck.unwrap_or(0.0));
@@ -249,23 +245,7 @@ impl Executor {
             (sticky.r, sticky.bottom)
         };
         if r < bottom {
-            let (r, bottom) = (short(r), short(bottom));
-            let text =
-                format!("G{code} would end above where it begins: R is {r}, {axis} is {bottom}");
-            let fault = error("I0510", self.words.place.span, text);
-            return Err(fault
-                .with_help(match (self.state.incremental, self.cycles.depth_from) {
-                    (false, _) => {
-                        format!("R must be at or above {axis}; both count from the work's zero (G90)")
-                    }
-                    (true, DepthFrom::RPlane) => {
-                        format!("R counts from the initial level, {axis} from R (G91): {axis} must be negative")
-                    }
-                    (true, DepthFrom::InitialLevel) => format!(
-                        "R and {axis} both count from the initial level (G91): {axis} must be below R"
-                    ),
-                })
-                .into());
+            return Err(self.words.fault(|| self.upside_down(code, r, bottom)).into());
         }
         let peck = sticky.peck.unwrap_or(f64::INFINITY);
         if matches!(cycle, Cycle::ChipBreak | Cycle::Peck) && (r - bottom) / peck > MAX_PECKS {
@@ -281,6 +261,26 @@ impl Executor {
         let counterbore = self.counterbore(sticky.shift, bottom)?;
         let (tap, shift) = (sticky.tap, sticky.shift);
         Ok(Pattern { cycle, r, bottom, clear, dwell, peck, tap, shift, counterbore })
+    }
+
+    fn upside_down(&self, code: Written, r: f64, bottom: f64) -> Diagnostic {
+        let [_, _, n] = self.state.plane_axes();
+        let axis = b"XYZ"[n] as char;
+        let (r, bottom) = (short(r), short(bottom));
+        let text = format!("G{code} would end above where it begins: R is {r}, {axis} is {bottom}");
+        error("I0510", self.words.place.span, text).with_help(
+            match (self.state.incremental, self.cycles.depth_from) {
+                (false, _) => {
+                    format!("R must be at or above {axis}; both count from the work's zero (G90)")
+                }
+                (true, DepthFrom::RPlane) => {
+                    format!("R counts from the initial level, {axis} from R (G91): {axis} must be negative")
+                }
+                (true, DepthFrom::InitialLevel) => format!(
+                    "R and {axis} both count from the initial level (G91): {axis} must be below R"
+                ),
+            },
+        )
     }
 
     fn check_spindle(&self, cycle: Cycle, code: Written) -> Outcome {

@@ -23,6 +23,8 @@ pub(crate) struct Values<'a> {
     pub(crate) store: &'a Store,
     pub(crate) state: &'a State,
     pub(crate) asked: &'a Asked,
+    /// Somebody reads what is wrong.
+    pub(crate) heard: bool,
 }
 
 impl Values<'_> {
@@ -90,7 +92,8 @@ impl Values<'_> {
                 self.asked.name(name);
                 match self.store.named(name).or_else(|| self.system(name)) {
                     Some(value) => Ok(value),
-                    None => Err(Box::new(names::unknown(self.store, name, span))),
+                    None if self.heard => Err(Box::new(names::unknown(self.store, name, span))),
+                    None => refuse("I0207", span, ""),
                 }
             }
         }

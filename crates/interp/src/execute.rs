@@ -101,7 +101,8 @@ impl Executor {
     }
 
     pub(crate) fn values(&self) -> Values<'_> {
-        Values { store: &self.store, state: &self.state, asked: &self.asked }
+        let heard = self.words.heard;
+        Values { store: &self.store, state: &self.state, asked: &self.asked, heard }
     }
 
     #[inline]
@@ -127,7 +128,8 @@ impl Executor {
     /// Read a block's words.
     pub(crate) fn read(&mut self, block: &Block) -> Outcome {
         self.state.line = block.span.line;
-        let values = Values { store: &self.store, state: &self.state, asked: &self.asked };
+        let heard = self.words.heard;
+        let values = Values { store: &self.store, state: &self.state, asked: &self.asked, heard };
         self.words.read(block, &values)
     }
 

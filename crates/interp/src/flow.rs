@@ -306,7 +306,7 @@ impl Interpreter<'_> {
         };
         match &mut self.executor.recording {
             Some(recording) if entered.is_ok() => {
-                (recording.errors, recording.depth) = (self.errors, self.frames.len());
+                (recording.faults, recording.depth) = (self.faults, self.frames.len());
             }
             recording => *recording = None,
         }
@@ -317,7 +317,7 @@ impl Interpreter<'_> {
     fn end_of_profile<S: Sink>(&mut self, sink: &mut S) -> Outcome {
         let recording = self.executor.recording.take();
         self.leave(sink)?;
-        match recording.filter(|recording| recording.errors == self.errors) {
+        match recording.filter(|recording| recording.faults == self.faults) {
             Some(recording) => self.executor.cut_profile(&recording, sink),
             None => Ok(()),
         }

@@ -7,11 +7,12 @@ use crate::{
     fault::{Outcome, error},
     flow::Frame,
     outline::Outline,
+    pages::Pages,
     reread::Reread,
     setup::{Limits, Parameters, Setup},
 };
 use diag::{Diagnostic, Span};
-use gcode::{Block, Parameter, Parser};
+use gcode::{Block, Grammar, Parameter, Parser};
 use std::collections::HashSet;
 
 /// Whether there is more to execute.
@@ -62,11 +63,16 @@ pub struct Interpreter<'s> {
     pub(crate) diagnostics: Vec<Diagnostic>,
     pub(crate) seen: HashSet<(&'static str, Span)>,
     pub(crate) errors: usize,
+    /// Errors, however often one was found.
+    pub(crate) faults: u64,
     /// Numbers and values of the block's settings, before any is set.
     settings: Vec<(Option<f64>, f64)>,
     reread: Reread,
+    /// The program's blocks, where they are kept.
+    pub(crate) pages: Option<Box<Pages>>,
     /// More of the program follows this piece of it.
     more_follows: bool,
+    grammar: Grammar,
     /// The piece is over.
     piece_over: bool,
 }
@@ -107,9 +113,12 @@ impl<'s> Interpreter<'s> {
             diagnostics: Vec::new(),
             seen: HashSet::new(),
             errors: 0,
+            faults: 0,
             settings: Vec::new(),
             reread: Reread::default(),
+            pages: None,
             more_follows: false,
+            grammar,
             piece_over: false,
         }
     }
@@ -235,9 +244,14 @@ impl<'s> Interpreter<'s> {
         }
     }
 
-    /// Read on; what has O-words is perhaps read again.
+    /// Read on; what is kept, or has O-words, is perhaps not read again.
     fn next_block(&mut self) -> bool {
         let parser = &mut self.parsers[self.file];
+        if self.file == 0
+            && let Some(pages) = &mut self.pages
+        {
+            return pages.next(self.sources[0], self.grammar, parser, &mut self.block);
+        }
         if !self.steered {
             return parser.next(&mut self.block);
         }
@@ -333,7 +347,9 @@ impl<'s> Interpreter<'s> {
 
     /// Keep a finding; the same one at the same place once.
     pub(crate) fn report(&mut self, diagnostic: Diagnostic) {
-        if !self.seen.insert((diagnostic.code, diagnostic.span)) {
+        self.faults += u64::from(diagnostic.is_error());
+        let heard = self.executor.words.heard;
+        if heard && !self.seen.insert((diagnostic.code, diagnostic.span)) {
             return;
         }
         if diagnostic.is_error() {
@@ -342,7 +358,7 @@ impl<'s> Interpreter<'s> {
         }
         let enough = diagnostic.is_error() && self.errors == self.limits.errors;
         let span = diagnostic.span;
-        if self.diagnostics.len() < MOST_FINDINGS {
+        if heard && self.diagnostics.len() < MOST_FINDINGS {
             self.diagnostics.push(diagnostic);
         }
         if enough {

@@ -59,6 +59,7 @@ mod ops;
 mod orders;
 mod outline;
 mod outputs;
+mod pages;
 mod pieces;
 mod polygon;
 mod probe;

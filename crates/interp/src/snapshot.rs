@@ -37,6 +37,7 @@ pub struct Snapshot {
     pub(crate) diagnostics: Vec<Diagnostic>,
     pub(crate) seen: HashSet<(&'static str, Span)>,
     errors: usize,
+    faults: u64,
     pub(crate) fanuc: Option<Box<Fanuc>>,
 }
 
@@ -90,6 +91,7 @@ impl<'s> Interpreter<'s> {
             diagnostics: self.diagnostics.clone(),
             seen: self.seen.clone(),
             errors: self.errors,
+            faults: self.faults,
             fanuc: self.fanuc.as_mut().map(|fanuc| Box::new(fanuc.without_tape())),
         }
     }
@@ -102,6 +104,7 @@ impl<'s> Interpreter<'s> {
         }
         new.executor = from.executor.clone();
         new.executor.asked = crate::asked::Asked::default();
+        new.executor.words.heard = true;
         new.frames.clone_from(&from.frames);
         new.repeats.clone_from(&from.repeats);
         new.file = from.file;
@@ -115,8 +118,16 @@ impl<'s> Interpreter<'s> {
         new.diagnostics.clone_from(&from.diagnostics);
         new.seen.clone_from(&from.seen);
         new.errors = from.errors;
+        new.faults = from.faults;
         new.fanuc.clone_from(&from.fanuc);
         new
+    }
+
+    /// The same for one who does not want to know what is found: of errors it is only said that they are there.
+    #[must_use]
+    pub fn unheard(mut self) -> Self {
+        self.executor.words.heard = false;
+        self
     }
 
     /// Forget what was found; only its errors are still counted.

@@ -13,6 +13,7 @@ use diag::Span;
 const NONE: u16 = u16::MAX;
 
 /// The words of the block at hand; filled again for each block.
+#[allow(clippy::struct_excessive_bools)] // facts of their own
 #[derive(Clone)]
 pub(crate) struct Words {
     /// The block.
@@ -30,6 +31,8 @@ pub(crate) struct Words {
     /// What the block's codes take.
     letters: Letters,
     dialect: Dialect,
+    /// Somebody reads what is wrong with a block.
+    pub(crate) heard: bool,
 }
 
 impl Words {
@@ -46,6 +49,7 @@ impl Words {
             any_mode: false,
             letters: 0,
             dialect,
+            heard: true,
         }
     }
 
@@ -80,12 +84,18 @@ impl Words {
         Ok(())
     }
 
+    /// A fault, put into words if somebody reads them: an edit may make one of every line.
+    #[cold]
+    pub(crate) fn fault(&self, say: impl FnOnce() -> diag::Diagnostic) -> diag::Diagnostic {
+        if self.heard { say() } else { error("", self.place.span, "") }
+    }
+
     /// Add a word that is no code.
     #[inline]
     pub(crate) fn put(&mut self, letter: u8, value: f64, span: Span) -> Outcome {
         let i = codes::index(letter);
         if self.present & (1 << i) != 0 {
-            return Err(self.twice(i, span).into());
+            return Err(self.fault(|| self.twice(i, span)).into());
         }
         self.present |= 1 << i;
         self.value[i] = value;
@@ -277,7 +287,7 @@ impl Words {
             allowed |= modal;
         }
         let stray = self.present & !allowed;
-        if stray == 0 { Ok(()) } else { Err(self.stray(stray).into()) }
+        if stray == 0 { Ok(()) } else { Err(self.fault(|| self.stray(stray)).into()) }
     }
 
     fn stray(&self, stray: Letters) -> diag::Diagnostic {

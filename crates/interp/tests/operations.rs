@@ -507,3 +507,14 @@ fn an_additional_length_offset_may_be_given_by_words() {
     });
     assert_eq!(to, Some([1.0, 0.0, 82.0].map(Length::mm)));
 }
+
+#[test]
+fn a_profile_with_an_error_is_not_cut_however_often_it_is_called() {
+    let program = "G18 F400\nO100 SUB\nG0 X10 Z0\nG1 Z-10\nX16 Z[1/0]\nZ-15\nO100 ENDSUB\nG7\n\
+        G0 X28 Z4\nG70 Q100\nG70 Q100\nM2\n";
+    let setup = shop();
+    let mut ops = Ops::new(program.as_bytes(), &setup);
+    let all: Vec<Op> = ops.by_ref().collect();
+    assert_eq!(ops.diagnostics().iter().map(|d| d.code).collect::<Vec<_>>(), ["I0203"]);
+    assert!(all.iter().all(|op| !matches!(op.kind, OpKind::Line { .. })), "{all:?}");
+}

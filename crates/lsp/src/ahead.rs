@@ -14,8 +14,8 @@ use crate::analysis::Analysis;
 use crate::document::Document;
 use interp::{Contents, Progress, Silence, Snapshot};
 
-/// Blocks between two places from which one that is found can be executed again.
-const MARK: u64 = 1024;
+/// Blocks between two places from which one that is found can be executed again, at most.
+const MARK: u64 = 4096;
 
 /// From where a block can be executed, and how many are executed up to it, itself included.
 pub(crate) struct Found {
@@ -64,7 +64,8 @@ impl Analysis {
     ) -> Way {
         let mut it = self
             .interpreter(&document.text, from.as_ref())
-            .with_contents(core::mem::take(contents));
+            .with_contents(core::mem::take(contents))
+            .unheard();
         let mut meeting = self.meeting_at(next, it.executed());
         let mut mark = it.executed() + MARK;
         let way = loop {
@@ -84,13 +85,16 @@ impl Analysis {
                 meeting = self.meeting_at(next, block);
             }
             if block >= meeting.earliest.max(meeting.probably) && it.position() == meeting.place {
-                it.forget_findings();
-                break Way::Met(it.snapshot());
+                let here = it.snapshot();
+                if self.over(*next, &here).is_some() {
+                    break Way::Met(here);
+                }
+                *next += 1;
+                meeting = self.meeting_at(next, block);
+                (from, mark) = (Some(here), block + MARK);
             }
             if block >= mark {
-                it.forget_findings();
-                from = Some(it.snapshot());
-                mark = block + MARK;
+                (from, mark) = (Some(it.snapshot()), block + MARK);
             }
         };
         *contents = it.take_contents();
@@ -99,25 +103,23 @@ impl Analysis {
 
     /// Carried on from the end of the stale slice `next` over those that follow it.
     fn carry(&self, line: u32, mut here: Snapshot, next: &mut usize) -> Way {
-        while let (Some(slice), Some(follower)) = (self.stale.get(*next), self.stale.get(*next + 1))
-        {
+        while let Some(carried) = self.over(*next, &here) {
             *next += 1;
-            let carried =
-                follower.linked.then(|| here.carried(&slice.snapshot, &follower.snapshot));
-            let Some(carried) = carried.flatten() else { break };
-            if carried.executed() > self.setup.limits.blocks {
-                break;
-            }
-            if let Some(block) = follower.blocks_to(line) {
+            if let Some(block) = self.stale[*next].blocks_to(line) {
                 let block = here.executed() + block;
                 return Way::Found(Found { from: Some(here), block });
             }
             here = carried;
         }
-        if *next + 1 == self.stale.len() {
-            *next += 1; // none follows the last one
-        }
+        *next += 1;
         Way::Met(here)
+    }
+
+    /// How things stand at the end of the slice behind the stale one `next`, if it need not be executed from here.
+    fn over(&self, next: usize, here: &Snapshot) -> Option<Snapshot> {
+        let (slice, follower) = (self.stale.get(next)?, self.stale.get(next + 1)?);
+        let carried = follower.linked.then(|| here.carried(&slice.snapshot, &follower.snapshot))?;
+        carried.filter(|carried| carried.executed() <= self.setup.limits.blocks)
     }
 }
 

@@ -274,7 +274,7 @@ impl Analysis {
         };
         let contents = std::mem::take(&mut self.contents);
         let mut interpreter =
-            self.interpreter(&document.text, found.from.as_ref()).with_contents(contents);
+            self.interpreter(&document.text, found.from.as_ref()).with_contents(contents).unheard();
         while interpreter.executed() + 1 < found.block
             && interpreter.step(&mut Silence) == Progress::More
         {}

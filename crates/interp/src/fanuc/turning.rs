@@ -220,7 +220,7 @@ impl Fanuc {
         let back = (code == 70 || begin.0 < span.start).then_some(behind);
         self.shape = Some(Shape { last, back, cycle: span.start });
         let mut recording = Recording::new(order, it.executor.words.place, it.executor.state.at);
-        recording.errors = it.errors;
+        recording.faults = it.faults;
         it.executor.recording = Some(Box::new(recording));
         it.jump(begin);
         Ok(())
@@ -283,7 +283,7 @@ impl Fanuc {
         if let Some(back) = shape.back {
             it.jump(back);
         }
-        if recording.errors != it.errors {
+        if recording.faults != it.faults {
             return Ok(());
         }
         it.executor.cut_profile(&recording, sink)

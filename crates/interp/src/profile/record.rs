@@ -26,8 +26,8 @@ pub(crate) struct Recording {
     pub(crate) place: Place,
     /// Where the cycle begins: while a profile is taken down, the state's position is the profile's.
     pub(crate) start: Point,
-    /// Errors found before it.
-    pub(crate) errors: usize,
+    /// Errors before it.
+    pub(crate) faults: u64,
     /// How deep the calls are where it is taken down.
     pub(crate) depth: usize,
     motion: Motion,
@@ -47,7 +47,7 @@ impl Recording {
             order,
             place,
             start,
-            errors: 0,
+            faults: 0,
             depth: 0,
             motion: Motion::Feed,
             begin: None,
