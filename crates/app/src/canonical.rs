@@ -148,6 +148,7 @@ fn body(kind: &OpKind) -> Value {
             "op": "threading",
             "to_mm": position(&stretch.to),
             "lead_mm": stretch.lead.value(),
+            "lead_growth_mm": stretch.growth.value(),
             "start_angle_deg": stretch.start_angle.in_deg(),
             "axis": stretch.axis.letter().to_string(),
             "surface_mm": stretch.surface.value(),

@@ -57,6 +57,15 @@ fn turned(common: Common, found: &TurnedThread, zero: &Position) -> file::Turned
             Hand::Left => file::Hand::Left,
         },
         lead_mm: Measured::lead(found.lead),
+        lead_growth_mm: Measured::number(found.growth.value()),
+        leads_mm: found
+            .leads
+            .iter()
+            .map(|turn| {
+                [Measured::mm(turn.depth), Measured::lead(turn.ordered), Measured::lead(turn.cut)]
+            })
+            .collect(),
+        start_angle_deg: measured(Measured::deg(found.start_angle)),
         axis: found.axis.letter().to_string(),
         from_mm: Measured::mm(found.surface - zero),
         to_mm: Measured::mm(found.end - zero),

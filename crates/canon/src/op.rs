@@ -2,7 +2,7 @@
 use crate::{Axis, CamOrder, Hob, Plane, Polygon, Position, Span};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
-use units::{Angle, Lead, Length, Speed, Spin, SpinAccel, Time};
+use units::{Angle, Lead, LeadGrowth, Length, Speed, Spin, SpinAccel, Time};
 
 /// One operation and the text it came from.
 #[derive(Clone, Debug, PartialEq)]
@@ -289,17 +289,20 @@ pub struct Tap {
     pub peck: Option<Length>,
 }
 
-/// A straight stretch of a thread turned with a single point (G33, G32, G76). Coordinates are machine coordinates.
+/// A straight stretch of a thread turned with a single point (G33, G32, G34, G76). Coordinates are machine coordinates.
 ///
 /// The stretches of a chain are one function of the spindle's angle: where the first one starts, the spindle stands at
-/// `start_angle`, and from there on the tool goes `lead` along the path with each revolution. So passes over the same
-/// thread find the same groove, at any speed.
+/// `start_angle`, and from there on the tool goes `lead` along the path with each revolution; where the lead grows,
+/// `lead·n + growth·n²/2` in the n revolutions since the stretch began. So passes over the same thread find the same groove,
+/// at any speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Threading {
     /// Where it ends.
     pub to: Position,
-    /// Length of path per revolution.
+    /// Length of path per revolution, where the stretch begins.
     pub lead: Lead,
+    /// By how much that grows with each revolution; negative where it shrinks.
+    pub growth: LeadGrowth,
     /// Spindle angle at which the chain's first stretch starts.
     pub start_angle: Angle,
     /// The axis along which the thread runs: the one that goes farthest.

@@ -102,6 +102,19 @@ pub struct CycleHole {
     pub throw_rpm: Option<f64>,
 }
 
+/// A straight stretch of a thread whose lead grows: `lead·n + growth·n²/2` of the path after n turns, program units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GrowingThread {
+    /// From here, in the program's frame …
+    pub from: Point,
+    /// … to here.
+    pub to: Point,
+    /// Path per revolution where it begins.
+    pub lead: f64,
+    /// By how much that grows with each revolution.
+    pub growth: f64,
+}
+
 /// A tapping cycle at one hole.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CycleTap {
@@ -215,8 +228,8 @@ pub enum Call<'a> {
     },
     /// Q of Fanuc's threads: where in its turn the spindle stands when the thread that follows begins, degrees.
     ThreadAngle(f64),
-    /// G34: the lead of the thread that follows grows by this in each turn.
-    ThreadGrows(f64),
+    /// G34.
+    GrowingThread(GrowingThread),
     /// G33, G76: what follows is synchronised with the spindle at this lead.
     SyncStart(f64),
     /// The end of that.

@@ -82,7 +82,8 @@ mod tool_table;
 mod words;
 
 pub use call::{
-    Call, Corners, CycleHole, CycleTap, Place, ReturnSpeed, Sense, Silence, Sink, Units,
+    Call, Corners, CycleHole, CycleTap, GrowingThread, Place, ReturnSpeed, Sense, Silence, Sink,
+    Units,
 };
 pub use cam::CamCall;
 pub use catalogue::{CodeInfo, codes, describe, describe_in, dialect_codes};

@@ -10,7 +10,7 @@
 //! coordinates of the feed moves in a rotated order, and so does this listing (the operations that
 //! Leadscrew machines from do not pass through here).
 use crate::{
-    call::{Call, Corners, CycleTap, Place, Sense, Sink, Units},
+    call::{Call, Corners, CycleTap, GrowingThread, Place, Sense, Sink, Units},
     decimal::{push_fixed, push_fixed4, push_left, push_right, push_whole},
     frame::Point,
     hobbing::HobOrder,
@@ -262,6 +262,15 @@ impl<W: Write> Listing<W> {
         }
     }
 
+    /// LinuxCNC has no call for it: turn by turn, each with its mean lead.
+    fn growing_thread(&mut self, place: &Place, thread: &GrowingThread) {
+        for (lead, to) in thread.turns() {
+            self.text(place, &format!("START_SPEED_FEED_SYNC({lead:.6},0)"));
+            self.point(place, b"STRAIGHT_FEED", &to);
+        }
+        self.text(place, "STOP_SPEED_FEED_SYNCH()");
+    }
+
     /// What is not on the fast path.
     fn seldom(&mut self, place: &Place, call: &Call<'_>) {
         match call {
@@ -272,8 +281,8 @@ impl<W: Write> Listing<W> {
             | Call::Hole(_)
             | Call::OutByHand(_)
             | Call::Input(_)
-            | Call::ThreadAngle(_)
-            | Call::ThreadGrows(_) => {}
+            | Call::ThreadAngle(_) => {}
+            Call::GrowingThread(thread) => self.growing_thread(place, thread),
             Call::WorkOffset(system, offset) => self.work_offset(place, *system, offset),
             Call::AddedOffset(offset) => self.point(place, b"SET_G92_OFFSET", offset),
             Call::Rotation(degrees) => self.numbers(place, b"SET_XY_ROTATION", &[*degrees]),

@@ -22,7 +22,7 @@ use canon::{
 };
 use diag::{Diagnostic, Span};
 use std::collections::VecDeque;
-use units::{Angle, Lead, Length, MM_PER_INCH, Speed, Time};
+use units::{Angle, Lead, LeadGrowth, Length, MM_PER_INCH, Speed, Time};
 
 /// No machine is larger, mm (or degrees): 10 km.
 const FARTHEST: f64 = 1e7;
@@ -40,8 +40,8 @@ pub struct Resolver {
     /// Where the axes stand, mm and degrees.
     pub(crate) at: Point,
     pub(crate) feed: FeedOrder,
-    /// Lead of the thread that lines turn, mm.
-    pub(crate) threading: Option<f64>,
+    /// Lead of the thread that lines turn, mm, and by how much it grows in each turn.
+    pub(crate) threading: Option<(f64, f64)>,
     /// G22.
     pub(crate) zone: Option<crate::StrokeZone>,
     /// Where in the spindle's turn it begins.
@@ -223,7 +223,7 @@ impl Resolver {
         if self.arrives(&to, span) {
             self.check_stroke(&from, &to, span);
             let kind = match self.threading {
-                Some(lead) => OpKind::Threading(self.stretch(&from, &to, lead)),
+                Some(leads) => OpKind::Threading(self.stretch(&from, &to, leads)),
                 None => OpKind::Line { to: position(&to), feed: self.feed(&from, &to, span) },
             };
             self.push(span, kind);
@@ -231,7 +231,7 @@ impl Resolver {
     }
 
     /// A stretch of a turned thread, all in machine coordinates.
-    fn stretch(&self, from: &Point, to: &Point, lead: f64) -> Threading {
+    fn stretch(&self, from: &Point, to: &Point, (lead, growth): (f64, f64)) -> Threading {
         let way = |i: usize| (to[i] - from[i]).abs();
         let farthest = (0..3).fold(2, |most, i| if way(i) > way(most) { i } else { most });
         let zero = self.machine(&[0.0; 9])[farthest];
@@ -240,6 +240,7 @@ impl Resolver {
         Threading {
             to: position(to),
             lead: Lead::mm_per_rev(lead),
+            growth: LeadGrowth::mm_per_rev2(growth),
             start_angle: self.thread_angle,
             axis: Axis::ALL[farthest],
             surface: Length::mm(if within { zero } else { from[farthest] }),
@@ -403,16 +404,12 @@ impl Sink for Resolver {
                 self.rigid_tap(to, *lead, *return_factor, *sense, span);
             }
             Call::ThreadAngle(degrees) => self.thread_angle = Angle::deg(*degrees),
-            Call::ThreadGrows(growth) => {
-                let text = format!(
-                    "a thread whose lead grows by {growth} in each turn is listed, but not machined by Leadscrew yet"
-                );
-                self.report(
-                    Diagnostic::error("I0716", span, text)
-                        .with_help("G32 and G76 cut threads of one lead"),
-                );
+            Call::GrowingThread(thread) => {
+                self.threading = Some((thread.lead * self.mm(), thread.growth * self.mm()));
+                self.line(&thread.to, span);
+                (self.threading, self.thread_angle) = (None, Angle::ZERO);
             }
-            Call::SyncStart(lead) => self.threading = Some(lead * self.mm()),
+            Call::SyncStart(lead) => self.threading = Some((lead * self.mm(), 0.0)),
             Call::SyncStop => (self.threading, self.thread_angle) = (None, Angle::ZERO),
             Call::Polygon(order) => self.polygon(order, span),
             Call::PolygonMeasure(looks) => {

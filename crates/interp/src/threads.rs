@@ -1,8 +1,10 @@
-//! Moves that follow the spindle: G33, G33.1.
+//! Moves that follow the spindle: G33, G33.1, and what all turned threads share.
 use crate::{
-    call::{Call, Sense, Sink},
+    call::{Call, GrowingThread, Sense, Sink},
     execute::Executor,
     fault::{Outcome, error, refuse},
+    frame::Point,
+    setup::Dialect,
 };
 use diag::Diagnostic;
 
@@ -18,6 +20,9 @@ impl Executor {
             );
         }
         let to = self.destination(false)?;
+        // LinuxCNC's lead is that of the path, Fanuc's that of the axis
+        let own = self.dialect == Dialect::Fanuc || self.dialect.is_fanuc_lathe();
+        let lead = if own { along_path(lead, &self.state.at, &to) } else { lead };
         self.say(sink, &Call::SyncStart(lead));
         self.state.at = to;
         self.say(sink, &Call::Line(to));
@@ -77,5 +82,42 @@ impl Executor {
                 format!("{code} needs a turning spindle: write M3 or M4, and S, before it"),
             ),
         }
+    }
+}
+
+/// A lead of the axis that goes farthest, as Fanuc's F, as one of the path.
+pub(crate) fn along_path(lead: f64, from: &Point, to: &Point) -> f64 {
+    let ways = [0, 1, 2].map(|i| (to[i] - from[i]).abs());
+    let far = ways.into_iter().fold(0.0, f64::max);
+    if far > 0.0 { lead * (way(from, to) / far) } else { lead }
+}
+
+/// Length of a straight way.
+fn way(from: &Point, to: &Point) -> f64 {
+    let [x, y, z] = [0, 1, 2].map(|i| to[i] - from[i]);
+    x.hypot(y).hypot(z)
+}
+
+impl GrowingThread {
+    /// Turns that it takes: `way = lead·n + growth·n²/2`; not finite where the lead is used up before its end.
+    pub(crate) fn count(&self) -> f64 {
+        let way = way(&self.from, &self.to);
+        let squared = self.lead * self.lead + 2.0 * self.growth * way;
+        if squared > 0.0 { 2.0 * way / (self.lead + squared.sqrt()) } else { f64::INFINITY }
+    }
+
+    /// Turn by turn: the mean lead of each, and where it ends.
+    pub(crate) fn turns(self) -> impl Iterator<Item = (f64, Point)> {
+        let (way, count) = (way(&self.from, &self.to), self.count());
+        let whole = if count.is_finite() { count.ceil() as u32 } else { 0 };
+        (1..=whole).map(f64::from).map(move |turn| {
+            let mean = self.lead + (turn - 0.5) * self.growth;
+            if turn >= count {
+                return (mean, self.to);
+            }
+            let share = (self.lead * turn + self.growth * turn * turn / 2.0) / way;
+            let at = |i: usize| self.from[i] + share * (self.to[i] - self.from[i]);
+            (mean, core::array::from_fn(at))
+        })
     }
 }

@@ -14,6 +14,10 @@ impl Sink for Strokes {
             Call::Arc { to, turns, .. } => format!("A{turns} {:.3} {:.3}", to[0], to[2]),
             Call::SyncStart(lead) => format!("@ {lead:.3}"),
             Call::SyncStop => "@".to_owned(),
+            Call::GrowingThread(thread) => {
+                let [x, _, z, ..] = thread.to;
+                format!("G {:.4} {:.4} {x:.3} {z:.3}", thread.lead, thread.growth)
+            }
             Call::ThreadAngle(degrees) => format!("Q {degrees:.3}"),
             Call::FeedRate { rate, .. } if *rate > 0.0 => format!("f {rate:.3}"),
             _ => return,
@@ -129,7 +133,8 @@ fn g76_deepens_with_the_square_root_and_finishes_as_often_as_it_is_told() {
 #[test]
 fn g76_goes_in_along_the_flank_and_pulls_off_at_the_end() {
     // one pass to the full height of 1 with a tool of 60°: it begins tan 30° further on; pull-off of one lead; once more
-    let pass = "R 11.000 2.423, R 9.000 2.423, @ 2.000, F 9.000 -18.000, F 11.000 -20.000, @,
+    let pass =
+        "R 11.000 2.423, R 9.000 2.423, @ 2.000, F 9.000 -18.000, @ 2.828, F 11.000 -20.000, @,
          R 11.000 -20.000, R 11.000 3.000";
     does(
         "G0 X22. Z3.\nG76 P011060 Q50 R0\nG76 X18. Z-20. P1000 Q1000 F2.",
@@ -138,14 +143,74 @@ fn g76_goes_in_along_the_flank_and_pulls_off_at_the_end() {
 }
 
 #[test]
-fn g34_grows_turn_by_turn() {
-    // 2 mm per turn, 0.5 more in each: after 1, 2, 3 turns at 2.25, 5, 8.25; 9 is reached in the fourth
+fn g34_says_lead_and_growth_and_is_modal() {
     does(
-        "G0 X20. Z0\nG34 Z-9. F2. K0.5",
-        "R 10.000 0.000, @ 2.250, F 10.000 -2.250, @ 2.750, F 10.000 -5.000, @ 3.250, F 10.000 -8.250,
-         @ 3.750, F 10.000 -9.000, @",
+        "G0 X20. Z0\nG34 Z-9. F2. K0.5\nZ-20. K0.25\nS600\nU4. W-2.\nG0 X30.",
+        "R 10.000 0.000, G 2.0000 0.5000 10.000 -9.000, G 2.0000 0.2500 10.000 -20.000,
+         G 2.8284 0.0000 12.000 -22.000, R 15.000 -22.000",
     );
-    is_told("G0 X20. Z0\nG34 Z-9. F2. K-0.5", "I1034");
+    // what counts along X, where that goes farther; increments of F and K are ten thousandths
+    does(
+        "G0 X20. Z0\nG34 X80. Z-10. F20000 K500",
+        "R 10.000 0.000, G 2.1082 0.0527 40.000 -10.000",
+    );
+    // another code of its group ends it
+    let (found, _) = run(Dialect::FanucLatheA, "G0 X20. Z0\nG34 Z-9. F2. K0.5\nG32 Z-20.\nZ-30.");
+    assert_eq!(
+        found[2..],
+        ["@ 2.000", "F 10.000 -20.000", "@", "@ 2.000", "F 10.000 -30.000", "@"]
+    );
+}
+
+#[test]
+fn g34_is_listed_turn_by_turn() {
+    // 2 mm per turn, 0.5 more in each: after 1, 2, 3 turns at 2.25, 5, 8.25; 9 is reached in the fourth
+    let setup = Setup { dialect: Dialect::FanucLatheA, ..Setup::default() };
+    let program = b"O1\nG97 S500 M3\nG0 X20. Z0\nG34 Z-9. F2. K0.5\nM30\n";
+    let mut interpreter = Interpreter::new(program, &setup);
+    let mut listing = interp::Listing::new(Vec::new());
+    interpreter.run(&mut listing);
+    let text = String::from_utf8(listing.finish().unwrap()).unwrap();
+    let said = |line: &str| {
+        let sync =
+            line.split("SPEED_FEED_SYNC(").nth(1).map(|t| t.split(',').next().unwrap().to_owned());
+        let feed =
+            line.split("STRAIGHT_FEED(").nth(1).map(|t| t.split(", ").nth(2).unwrap().to_owned());
+        sync.or(feed)
+    };
+    let found: Vec<_> = text.lines().filter_map(said).collect();
+    let wanted = [
+        "2.250000", "-2.2500", "2.750000", "-5.0000", "3.250000", "-8.2500", "3.750000", "-9.0000",
+    ];
+    assert_eq!(found, wanted, "{text}");
+}
+
+#[test]
+fn g34_that_cannot_be_is_refused_in_a_sentence() {
+    // 2²/(2·9) is the K that uses the lead up at the end
+    let (_, told) = run(Dialect::FanucLatheA, "G0 X20. Z0\nG34 Z-9. F2. K-0.5");
+    assert_eq!(
+        told,
+        ["I1034@4 the lead of 2 shrinks to nothing after 4 of 9: K takes 0.5 from it in each turn"]
+    );
+    is_told("G0 X20. Z0\nG34 Z-9. K0.5", "I0425");
+    is_told("G0 X20. Z0\nG34 Z-9. F0 K0.5", "I0426");
+    is_told("G0 X20. Z0\nG34 Z0 F2. K0.5", "I0423");
+    is_told("G0 X20. Z0\nG34 F2. K0.5", "I0423");
+    is_told("G0 X20. Z0\nM5\nG34 Z-9. F2. K0.5", "I0427");
+    is_told("G0 X20. Z0\nG34 Z-900. F0.001 K0", "I1034");
+    let (found, told) = run(Dialect::FanucLatheA, "G0 X20. Z0\nG34 Z-9. F2. K-0.2222");
+    assert_eq!((found.len(), told), (2, vec![]), "{found:?}");
+}
+
+#[test]
+fn a_lead_is_that_of_the_axis_that_goes_farther() {
+    // 45°: 2 mm of Z in each turn are √8 of the path
+    for thread in ["G32 U20. W-10. F2.", "G32 X40. Z-10. F2."] {
+        let (found, _) = run(Dialect::FanucLatheA, &format!("G0 X20. Z0\n{thread}"));
+        assert_eq!(found[1..], ["@ 2.828", "F 20.000 -10.000", "@"]);
+    }
+    does("G0 X30. Z0\nG34 X30. Z-10. F2. K0", "R 15.000 0.000, G 2.0000 0.0000 15.000 -10.000");
 }
 
 #[test]

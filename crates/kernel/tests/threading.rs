@@ -30,8 +30,9 @@ fn chain(rpm: f64) -> [StepKind; 2] {
         to: [0.0, 0.0, FROM - 15.0],
         from_turn: 0.0,
         to_turn: 10.0,
-        entry: Corner { beyond: [0.0; 3], half: half(LEAD, n) },
-        exit: Corner { beyond: out, half: half(LEAD, n) },
+        bend: [0.0; 3],
+        entry: Corner { half: half(LEAD, n), ..Corner::default() },
+        exit: Corner { beyond: out, half: half(LEAD, n), ..Corner::default() },
     };
     let taper = ThreadStretch {
         start: None,
@@ -40,8 +41,8 @@ fn chain(rpm: f64) -> [StepKind; 2] {
         to: [1.5, 0.0, FROM - 16.5],
         from_turn: 10.0,
         to_turn: 11.0,
-        entry: Corner { beyond: along, half: half(LEAD, n) },
-        exit: Corner { beyond: [0.0; 3], half: half(LEAD, n) },
+        entry: Corner { beyond: along, half: half(LEAD, n), ..Corner::default() },
+        exit: Corner { half: half(LEAD, n), ..Corner::default() },
         ..thread
     };
     [StepKind::Thread(thread), StepKind::Thread(taper)]
@@ -97,6 +98,59 @@ fn the_thread_is_on_the_same_helix_at_any_speed_and_either_way_round() {
         let end = [0, 2].map(|i| last.command.axes[i].position.value());
         let off = [end[0] - 1.5, end[1] - (FROM - 16.5)];
         assert!(off.iter().all(|off| off.abs() < 1e-9), "{rpm} rpm: ends {off:?} mm off");
+    }
+}
+
+/// A thread from Z−5 that begins with 1.5 mm and grows by 0.1 mm in each of 12 turns, over 25.2 mm, at a quarter of a turn.
+fn growing(rpm: f64) -> StepKind {
+    let n = rpm / 60.0;
+    StepKind::Thread(ThreadStretch {
+        spindle: 0,
+        start: Some(Angle::rev(0.25)),
+        ends: true,
+        from: [0.0, 0.0, FROM],
+        to: [0.0, 0.0, FROM - 25.2],
+        from_turn: 0.0,
+        to_turn: 12.0,
+        bend: [0.0, 0.0, -0.1],
+        entry: Corner { half: half(LEAD, n) * 1.5, ..Corner::default() },
+        exit: Corner { half: half(LEAD + 1.2, n) * 1.5, ..Corner::default() },
+    })
+}
+
+#[test]
+fn a_lead_that_grows_is_on_its_parabola_over_the_turns_at_any_speed_and_either_way_round() {
+    for rpm in [300.0, 1200.0, -1200.0] {
+        let start = Position::xyz(0.0, 0.0, FROM);
+        let steps = [
+            line(Position::default(), start, 30.0, true),
+            turn(0.0, rpm),
+            await_speed(),
+            growing(rpm),
+            StepKind::End,
+        ];
+        let machine = machine(1);
+        let kernel = Kernel::new(control(&machine));
+        let mut machine = SimulatedMachine::new(machine).expect("it can be built");
+        let run = run_kernel_on(kernel, &mut machine, &steps, 40_000);
+        assert!(run.kernel.faults().is_empty(), "{rpm}: {:?}", run.kernel.faults());
+        let (mut worst, mut seen) = (0.0_f64, 0);
+        for sample in run.samples.iter().filter(|s| s.report.op == 3) {
+            let z = FROM - sample.axis(2).value();
+            if (2.5..20.0).contains(&z) {
+                // z = 1.5·n + 0.1·n²/2, solved for n
+                let wanted = ((1.5_f64 * 1.5 + 2.0 * 0.1 * z).sqrt() - 1.5) / 0.1;
+                let turn = rpm.signum() * (sample.spindle(0).value() - 0.25) - wanted;
+                worst = worst.max((turn - turn.round()).abs() * (1.5 + 0.1 * wanted) * 1e3);
+                seen += 1;
+            }
+        }
+        assert!(
+            seen > 100 && worst > 0.0 && worst < 5.0,
+            "{rpm} rpm: {worst} µm in {seen} samples"
+        );
+        let end = run.samples.last().expect("it ran").command.axes[2].position.value();
+        assert!((end - (FROM - 25.2)).abs() < 1e-9, "{rpm} rpm: ends at {end}");
     }
 }
 

@@ -96,6 +96,7 @@ fn shared(letter: u8, code: &str) -> Option<&'static str> {
     let cycle = is_cycle(code);
     let arc = matches!(code, "G2" | "G3");
     Some(match (letter, code) {
+        (b'F', "G34") => "lead where the thread begins: travel in one revolution of the spindle",
         (b'F', _) => {
             "feed: units per minute (G94), per revolution (G95), or moves per minute (G93)"
         }
@@ -122,6 +123,8 @@ fn shared(letter: u8, code: &str) -> Option<&'static str> {
         (b'R', _) if arc => "radius; negative for the arc of more than half a turn",
         (b'P', _) if arc => "turns",
         (b'K', "G33" | "G33.1") => "lead: travel in one revolution of the spindle",
+        (b'K', "G34") => "by how much the lead grows in each revolution",
+        (b'Q', "G34") => "where in its turn the spindle stands when the thread begins",
         (b'I', "G33.1") => "how many times faster the tap comes out",
         (b'P', "G76") => "lead of the thread",
         (b'I', "G76") => "from the drive line to the thread's crest",

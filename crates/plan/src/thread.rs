@@ -1,33 +1,39 @@
 //! Turned threads: where the tool is for each angle of the spindle.
 //!
-//! A chain of stretches is one function of the turns φ since the spindle passed the start angle: straight lines with
-//! one slope each, mm per revolution, and a corner wherever the slope changes. At both ends of the chain the slope
-//! changes from and to zero.
+//! A chain of stretches is one function of the turns φ since the spindle passed the start angle. Each stretch runs along
+//! one straight line, `s·x + b·x²/2` along it in the x turns since it began: its slope s, mm per revolution, grows by its bend b in
+//! each (zero where the lead is constant). There is a corner wherever slope or bend change; at both ends of the chain they change
+//! from and to zero.
 //!
 //! ```text
 //!   q ▲              ●━━━━━━━  stands at the end          a corner is rounded over ±h turns about it:
 //!     │            ╱ ▲
-//!     │          ╱   corner of rate − 0                   q = line before + (difference of slopes)·R(φ − φ_corner)
+//!     │          ╱   corner of rate − 0                   q = law before + Δs·R(x) + Δb·P(x),  x = φ − φ_corner
 //!     │    ●───╱     (and its h, early enough)
-//!     │  ╱                                                R(x) = h·(3/16 + u/2 + 3u²/8 − u⁴/16),  u = x/h ∈ [−1, 1]
-//!     │━● ◄ start: begins h turns before φ = 0                   0 before, x after; R″ = ¾·(1 − u²)/h
-//!     └─┴────┴─────► φ
+//!     │  ╱                                                R(x) = h·(3/16 + u/2 + 3u²/8 − u⁴/16)      u = x/h ∈ [−1, 1]
+//!     │━● ◄ start: begins h turns before φ = 0            P(x) = h²·(3u/32 + u²/4 + 3u³/16 − u⁵/32)
+//!     └─┴────┴─────► φ                                    both 0 before; x and x²/2 after
 //! ```
 //!
-//! So the tool is exactly on `start + lead·φ` outside the corners, whatever the speed: passes over a thread find the
+//! R″ = ¾·(1 − u²)/h, and P″ = ½ + 9u/8 − 5u³/8 goes from 0 to 1, by 0.081 beyond both on its way: a smooth step that does not
+//! would leave the law after it shifted.
+//!
+//! So the tool is exactly on `start + lead·φ + growth·φ²/2` outside the corners, whatever the speed: passes over a thread find the
 //! groove of the pass before, at the same speed or another. The run-in takes h·lead of path behind the start.
 //!
-//! With n revolutions a second and a slope that changes by Δ, the corner costs an acceleration of ¾·Δ·n²/h and a jerk
-//! of 3/2·Δ·n³/h²; the planner makes h long enough for both.
+//! With n revolutions a second the corner costs an acceleration of at most ¾·|Δs|·n²/h + (|b| + 0.081·|Δb|)·n², b the larger of
+//! both, and a jerk of at most 3/2·|Δs|·n³/h² + 9/8·|Δb|·n³/h; the planner makes h long enough for both.
 use units::Angle;
 
 /// The axes that thread: X, Y, Z.
 pub const THREADING_AXES: usize = 3;
+/// How far P″ goes beyond 0 and 1: at u² = 3/5, 9u/8 − 5u³/8 − ½.
+const BEYOND: f64 = 0.081;
 
 /// Coordinates of the axes that thread, mm, or their derivatives by turns.
 pub(crate) type Vector = [f64; THREADING_AXES];
 
-/// One straight stretch of a turned thread, with the corners at both ends of it.
+/// One stretch of a turned thread, straight in space, with the corners at both ends of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThreadStretch {
     /// The spindle that leads.
@@ -44,6 +50,8 @@ pub struct ThreadStretch {
     pub from_turn: f64,
     /// Likewise at the second.
     pub to_turn: f64,
+    /// By how much the slope grows with each revolution, mm/rev².
+    pub bend: Vector,
     /// The corner at the beginning.
     pub entry: Corner,
     /// The corner at the end.
@@ -55,6 +63,8 @@ pub struct ThreadStretch {
 pub struct Corner {
     /// Slope on the other side of it, mm/rev.
     pub beyond: Vector,
+    /// Bend on the other side of it, mm/rev².
+    pub bend: Vector,
     /// It is rounded over so many turns to each side.
     pub half: f64,
 }
@@ -72,11 +82,26 @@ pub struct OnThread {
     pub third: Vector,
 }
 
+/// How the law of one axis changes at a corner.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Change {
+    /// By how much its slope does, mm/rev.
+    pub(crate) slope: f64,
+    /// By how much its bend does, mm/rev².
+    pub(crate) bend: f64,
+    /// The larger bend of both sides, magnitude, mm/rev².
+    pub(crate) most_bend: f64,
+}
+
 impl ThreadStretch {
-    /// Slope of the straight line, mm/rev.
-    pub fn slope(&self) -> Vector {
+    /// Slope where it begins and where it ends, mm/rev.
+    pub fn slopes(&self) -> [Vector; 2] {
         let turns = self.to_turn - self.from_turn;
-        core::array::from_fn(|i| (self.to[i] - self.from[i]) / turns)
+        let slope = |at: f64| {
+            let of = |i: usize| (self.to[i] - self.from[i]) / turns + self.bend[i] * turns * at;
+            core::array::from_fn(of)
+        };
+        [slope(-0.5), slope(0.5)]
     }
 
     /// Turns at which it begins: a chain begins before its start angle, with the run-in.
@@ -91,53 +116,75 @@ impl ThreadStretch {
 
     /// Where the tool is at so many turns since the start angle.
     pub fn at(&self, turn: f64) -> OnThread {
-        let slope = self.slope();
+        let [first, last] = self.slopes();
         let (x, y) = (turn - self.from_turn, turn - self.to_turn);
-        let (into, out_of) = (rounded(x, self.entry.half), rounded(y, self.exit.half));
+        let (into, out_of) = (Rounded::at(x, self.entry.half), Rounded::at(y, self.exit.half));
         let mut on = OnThread::default();
-        for (i, slope) in slope.into_iter().enumerate() {
-            let before = self.entry.beyond[i];
-            let (first, second) = (slope - before, self.exit.beyond[i] - slope);
-            let [q, rate, bend, third] =
-                core::array::from_fn(|k| first * into[k] + second * out_of[k]);
-            on.q[i] = self.from[i] + before * x + q;
-            on.rate[i] = before + rate;
-            on.bend[i] = bend;
-            on.third[i] = third;
+        for i in 0..THREADING_AXES {
+            let (before, after) = (self.entry.bend[i], self.exit.bend[i]);
+            let beyond = self.entry.beyond[i];
+            let entered = into.of(first[i] - beyond, self.bend[i] - before);
+            let left = out_of.of(self.exit.beyond[i] - last[i], after - self.bend[i]);
+            on.q[i] = self.from[i] + (beyond + before / 2.0 * x) * x + entered[0] + left[0];
+            on.rate[i] = beyond + before * x + entered[1] + left[1];
+            on.bend[i] = before + entered[2] + left[2];
+            on.third[i] = entered[3] + left[3];
         }
         on
     }
 }
 
-impl Corner {
-    /// Turns to each side of a corner over which a slope may change by `change`, mm/rev, at `n` rev/s, where an axis
-    /// is limited to `accel`, mm/s², and `jerk`, mm/s³.
-    pub(crate) fn half(change: f64, n: f64, accel: f64, jerk: f64) -> f64 {
-        let change = change.abs();
-        if change == 0.0 {
-            return 0.0;
+impl Change {
+    /// Turns to each side of a corner over which the law of an axis may change so at `n` rev/s, where that is limited to
+    /// `accel`, mm/s², and `jerk`, mm/s³. Infinite where the bends alone are more than the axis can.
+    pub(crate) fn half(&self, n: f64, accel: f64, jerk: f64) -> f64 {
+        let (slope, bend) = (self.slope.abs(), self.bend.abs());
+        let left = accel - (self.most_bend + BEYOND * bend) * n * n;
+        if left <= 0.0 {
+            return f64::INFINITY;
         }
-        let by_accel = 0.75 * change * n * n / accel;
-        by_accel.max(libm::sqrt(1.5 * change * n * n * n / jerk))
+        let by_accel = 0.75 * slope * n * n / left;
+        // the root of jerk·h² = 9/8·|Δb|·n³·h + 3/2·|Δs|·n³
+        let (b, c) = (1.125 * bend * n * n * n / jerk, 1.5 * slope * n * n * n / jerk);
+        by_accel.max(b / 2.0 + libm::sqrt(b * b / 4.0 + c))
     }
 }
 
-/// R(x) of the module's header and its derivatives: value, slope, second, third.
-fn rounded(x: f64, half: f64) -> [f64; 4] {
-    if x <= -half {
-        return [0.0; 4];
+/// R and P of the module's header, each with its derivatives: value, slope, second, third.
+struct Rounded {
+    slope: [f64; 4],
+    bend: [f64; 4],
+}
+
+impl Rounded {
+    fn at(x: f64, half: f64) -> Self {
+        if x <= -half {
+            return Self { slope: [0.0; 4], bend: [0.0; 4] };
+        }
+        if x >= half {
+            return Self { slope: [x, 1.0, 0.0, 0.0], bend: [x * x / 2.0, x, 1.0, 0.0] };
+        }
+        let u = x / half;
+        let squared = u * u;
+        Self {
+            slope: [
+                half * (3.0 / 16.0 + u / 2.0 + 3.0 / 8.0 * squared - squared * squared / 16.0),
+                0.5 + 0.75 * u - 0.25 * u * squared,
+                0.75 * (1.0 - squared) / half,
+                -1.5 * u / (half * half),
+            ],
+            bend: [
+                half * half * u * (3.0 / 32.0 + u / 4.0 + squared * (3.0 / 16.0 - squared / 32.0)),
+                half * (3.0 / 32.0 + u / 2.0 + squared * (9.0 / 16.0 - 5.0 / 32.0 * squared)),
+                0.5 + u * (9.0 / 8.0 - 5.0 / 8.0 * squared),
+                (9.0 / 8.0 - 15.0 / 8.0 * squared) / half,
+            ],
+        }
     }
-    if x >= half {
-        return [x, 1.0, 0.0, 0.0];
+
+    fn of(&self, slope: f64, bend: f64) -> [f64; 4] {
+        core::array::from_fn(|k| slope * self.slope[k] + bend * self.bend[k])
     }
-    let u = x / half;
-    let squared = u * u;
-    [
-        half * (3.0 / 16.0 + u / 2.0 + 3.0 / 8.0 * squared - squared * squared / 16.0),
-        0.5 + 0.75 * u - 0.25 * u * squared,
-        0.75 * (1.0 - squared) / half,
-        -1.5 * u / (half * half),
-    ]
 }
 
 #[cfg(test)]
@@ -157,8 +204,9 @@ mod tests {
             to: middle,
             from_turn: 0.0,
             to_turn: 12.5,
-            entry: Corner { beyond: [0.0; 3], half: half[0] },
-            exit: Corner { beyond: out, half: half[1] },
+            bend: [0.0; 3],
+            entry: Corner { half: half[0], ..Corner::default() },
+            exit: Corner { beyond: out, half: half[1], ..Corner::default() },
         };
         let exit = ThreadStretch {
             start: None,
@@ -167,11 +215,57 @@ mod tests {
             to: [-8.0, 0.0, -22.0],
             from_turn: 12.5,
             to_turn: 13.5,
-            entry: Corner { beyond: along, half: half[1] },
-            exit: Corner { beyond: [0.0; 3], half: half[2] },
+            entry: Corner { beyond: along, half: half[1], ..Corner::default() },
+            exit: Corner { half: half[2], ..Corner::default() },
             ..thread
         };
         [thread, exit]
+    }
+
+    /// A thread that begins with 2 mm at Z5 and grows by 0.1 mm in each of 10 turns, to 3 mm; on with that for 5 turns.
+    fn growing(half: [f64; 3]) -> [ThreadStretch; 2] {
+        let (middle, bend) = ([0.0, 0.0, -20.0], [0.0, 0.0, -0.1]);
+        let grows = ThreadStretch {
+            spindle: 0,
+            start: Some(Angle::ZERO),
+            ends: false,
+            from: [0.0, 0.0, 5.0],
+            to: middle,
+            from_turn: 0.0,
+            to_turn: 10.0,
+            bend,
+            entry: Corner { half: half[0], ..Corner::default() },
+            exit: Corner { beyond: [0.0, 0.0, -3.0], half: half[1], ..Corner::default() },
+        };
+        let goes_on = ThreadStretch {
+            start: None,
+            ends: true,
+            from: middle,
+            to: [0.0, 0.0, -35.0],
+            from_turn: 10.0,
+            to_turn: 15.0,
+            bend: [0.0; 3],
+            entry: Corner { beyond: [0.0, 0.0, -3.0], bend, half: half[1] },
+            exit: Corner { half: half[2], ..Corner::default() },
+            ..grows
+        };
+        [grows, goes_on]
+    }
+
+    #[test]
+    fn a_lead_that_grows_has_gone_as_far_as_the_closed_form_says() {
+        let [grows, goes_on] = growing([0.5, 0.3, 0.7]);
+        assert_eq!(grows.slopes().map(|slope| slope[2]), [-2.0, -3.0]);
+        for turn in [0.5, 1.0, 4.25, 9.7] {
+            let wanted = 5.0 - (2.0 * turn + 0.1 * turn * turn / 2.0);
+            let on = grows.at(turn);
+            assert!((on.q[2] - wanted).abs() < 1e-12 && (on.bend[2] + 0.1).abs() < 1e-12, "{on:?}");
+        }
+        assert!((goes_on.at(12.0).q[2] - -26.0).abs() < 1e-12);
+        let ends = [(goes_on.at(15.7), goes_on.to), (grows.at(-0.5), grows.from)];
+        for (on, corner) in ends {
+            assert!((on.q[2] - corner[2]).abs() < 1e-12 && on.rate[2].abs() < 1e-12, "{on:?}");
+        }
     }
 
     #[test]
@@ -194,25 +288,30 @@ mod tests {
         /// Position, slope and bend have no step anywhere, and the next one is their derivative.
         #[test]
         fn a_chain_is_smooth_and_its_derivatives_are_its_own(turn in -0.9_f64..13.75) {
-            let chain = chain([0.8, 0.1, 0.2]);
-            let at = |turn: f64| if turn < 12.5 { chain[0].at(turn) } else { chain[1].at(turn) };
-            let step = 1e-5;
-            let (before, now, after) = (at(turn - step), at(turn), at(turn + step));
-            for i in 0..3 {
-                let central = |of: fn(&OnThread) -> Vector| (of(&after)[i] - of(&before)[i]) / (2.0 * step);
-                prop_assert!((central(|on| on.q) - now.rate[i]).abs() < 1e-7);
-                prop_assert!((central(|on| on.rate) - now.bend[i]).abs() < 3e-3);
+            for chain in [chain([0.8, 0.1, 0.2]), growing([0.8, 0.1, 0.2])] {
+                let turn = turn / 12.5 * chain[0].to_turn;
+                let at = |turn: f64| if turn < chain[0].to_turn { chain[0].at(turn) } else { chain[1].at(turn) };
+                let step = 1e-5;
+                let (before, now, after) = (at(turn - step), at(turn), at(turn + step));
+                for i in 0..3 {
+                    let central = |of: fn(&OnThread) -> Vector| (of(&after)[i] - of(&before)[i]) / (2.0 * step);
+                    prop_assert!((central(|on| on.q) - now.rate[i]).abs() < 1e-7);
+                    prop_assert!((central(|on| on.rate) - now.bend[i]).abs() < 3e-3);
+                }
             }
         }
 
         /// The acceleration and the jerk of a corner are what the planner has made it long enough for.
         #[test]
-        fn a_corner_keeps_the_limits(change in 0.1_f64..5.0, n in 1.0_f64..60.0, at in -1.0_f64..1.0) {
+        fn a_corner_keeps_the_limits(
+            slope in -5.0_f64..5.0, bends in (-0.5_f64..0.5, -0.5_f64..0.5), n in 1.0_f64..60.0, at in -1.0_f64..1.0,
+        ) {
             let (accel, jerk) = (4e3, 3e5);
-            let half = Corner::half(change, n, accel, jerk);
-            let [_, _, bend, third] = rounded(at * half, half);
-            prop_assert!(change * bend * n * n <= accel * (1.0 + 1e-9));
-            prop_assert!(change * third.abs() * n * n * n <= jerk * (1.0 + 1e-9));
+            let change = Change { slope, bend: bends.1 - bends.0, most_bend: bends.0.abs().max(bends.1.abs()) };
+            let half = change.half(n, accel, jerk);
+            let [_, _, bend, third] = Rounded::at(at * half, half).of(slope, change.bend);
+            prop_assert!((bends.0 + bend).abs() * n * n <= accel * (1.0 + 1e-9));
+            prop_assert!(third.abs() * n * n * n <= jerk * (1.0 + 1e-9));
         }
     }
 }

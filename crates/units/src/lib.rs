@@ -39,6 +39,8 @@ quantity!(/// Rate of [`SpinAccel`].
     SpinJerk, rev_per_s3, "rev/s³");
 quantity!(/// Axial travel per revolution. Positive: +θ drives the follower in its positive direction.
     Lead, mm_per_rev, "mm/rev");
+quantity!(/// By how much a [`Lead`] grows with each revolution.
+    LeadGrowth, mm_per_rev2, "mm/rev²");
 quantity!(/// Force along an axis.
     Force, n, "N");
 quantity!(/// Torque about a spindle.
@@ -59,6 +61,7 @@ product!(Spin * Time = Angle);
 product!(SpinAccel * Time = Spin);
 product!(SpinJerk * Time = SpinAccel);
 product!(Lead * Angle = Length);
+product!(LeadGrowth * Angle = Lead);
 product!(Lead * Spin = Speed);
 product!(Lead * SpinAccel = Accel);
 product!(Lead * SpinJerk = Jerk);

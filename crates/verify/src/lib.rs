@@ -44,5 +44,5 @@ pub use polygon::{Along, Facet, Polygon, Section};
 pub use summary::{Count, Criterion, Headroom, Summary};
 pub use tolerance::Limits;
 pub use trend::TorqueTrend;
-pub use turned::TurnedThread;
+pub use turned::{LeadOfTurn, TurnedThread};
 pub use watch::{ACROSS_MM, AGAINST_MM, BEYOND_MM, Breach, Watch};

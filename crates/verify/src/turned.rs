@@ -4,10 +4,12 @@
 //! turned so far from the start angle.
 //!
 //! ```text
-//!   e = w − (w₀ + slope·(±θ − start − turns before))      w: coordinate along the thread, mm
-//!       wrapped into ± half a lead: a groove does not know which turn it is on
+//!   e = w − law(±θ − start − turns before)      w: coordinate along the thread, mm; law: what the blocks order ([`law`])
+//!       the turns wrapped into ± half a one: a groove does not know which turn it is on
 //!
 //!   sync error    max |e|, rms e         in the material, all passes
+//!   start angle   where the spindle stood at the thread's start, by the mean e of the last pass, as turns
+//!   leads         of a lead that is not the same everywhere, turn by turn: the ordered one, and by how much e changes
 //!   lead error    slope of e, times the thread's length, of the pass where it is largest
 //!   pass spread   largest mean e of a pass less the smallest: how well the passes find the groove
 //!   infeed error  largest |across − ordered| in the pass that goes deepest
@@ -18,11 +20,16 @@
 //!
 //! The material begins at the surface that the block names. Where the chain ends the axes come to rest, which takes a part
 //! of a revolution: the last revolution before it is the run-out and is not judged.
+mod figures;
+mod law;
+
 use crate::Config;
 use crate::feature::{Feature, FeatureKind, Verdict};
 use bus::Sample;
-use canon::{Axis, Hand, OpKind, Position, Threading};
-use units::{Lead, Length, Spin, Time};
+use canon::{Axis, Hand, OpKind, Position};
+use figures::{lead_error, leads, start_angle, thinned};
+use law::{Law, Stretch};
+use units::{Angle, Lead, LeadGrowth, Length, Spin, Time};
 
 /// Share of the way back to where a tool stood before it was fed in, from which on it is clear of the work.
 const CLEAR: f64 = 0.99;
@@ -32,8 +39,14 @@ const RUN_OUT: f64 = 1.0;
 /// A thread that was turned with a single point, in one or more passes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TurnedThread {
-    /// Advance along its axis for each revolution, without sign.
+    /// Advance along its axis for each revolution, without sign, where the longest of its blocks begins.
     pub lead: Lead,
+    /// By how much that grows with each revolution of that block; negative where it shrinks.
+    pub growth: LeadGrowth,
+    /// Turn by turn, where the lead is not the same everywhere; of the last pass.
+    pub leads: Vec<LeadOfTurn>,
+    /// Where the spindle stood when the last pass was where it begins, as it was cut: in (−½, ½] turns.
+    pub start_angle: Angle,
     /// Which way it winds.
     pub hand: Hand,
     /// The axis along which it runs.
@@ -64,11 +77,44 @@ pub struct TurnedThread {
     pub profile: Vec<[Length; 2]>,
 }
 
+/// The lead of one turn of a thread, without sign.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeadOfTurn {
+    /// Depth below the surface at which it begins.
+    pub depth: Length,
+    /// As it was ordered.
+    pub ordered: Lead,
+    /// As it was cut.
+    pub cut: Lead,
+}
+
 impl TurnedThread {
-    /// Such as "turned thread 1.500 left".
+    /// Such as "turned thread 1.500 left", "turned thread 2.000 growing 0.050 a turn".
     pub fn name(&self) -> String {
         let hand = if self.hand == Hand::Left { " left" } else { "" };
-        format!("turned thread {:.3}{hand}", self.lead.value())
+        let growth = self.growth.value();
+        let changes = match growth {
+            0.0 => String::new(),
+            _ if growth > 0.0 => format!(" growing {growth:.3} a turn"),
+            _ => format!(" shrinking {:.3} a turn", -growth),
+        };
+        format!("turned thread {:.3}{changes}{hand}", self.lead.value())
+    }
+
+    /// For people: "lead 2 mm growing 0.05 mm a turn".
+    pub fn lead_in_words(&self) -> String {
+        let (lead, growth) = (rounded(self.lead.value()), rounded(self.growth.value()));
+        if growth == 0.0 {
+            return format!("lead {lead} mm");
+        }
+        let changes = if growth > 0.0 { "growing" } else { "shrinking" };
+        format!("lead {lead} mm {changes} {} mm a turn", growth.abs())
+    }
+
+    /// The turn whose lead is farthest off.
+    pub fn worst_turn(&self) -> Option<&LeadOfTurn> {
+        let off = |turn: &LeadOfTurn| (turn.cut - turn.ordered).abs().value();
+        self.leads.iter().max_by(|a, b| off(a).total_cmp(&off(b)))
     }
 
     /// From where the material begins to the end.
@@ -77,30 +123,9 @@ impl TurnedThread {
     }
 }
 
-/// One stretch of a pass as ordered.
-#[derive(Clone, Copy, Debug)]
-struct Stretch {
-    op: u32,
-    from: Position,
-    order: Threading,
-    /// Where the tool stood before it was fed in.
-    stood: Position,
-    /// Turns since the start angle where it begins, and how many it takes.
-    before: f64,
-    turns: f64,
-}
-
-impl Stretch {
-    /// Along the thread for each revolution, mm.
-    fn slope(&self) -> f64 {
-        self.way() / self.turns
-    }
-
-    /// Along the thread, mm.
-    fn way(&self) -> f64 {
-        let axis = self.order.axis;
-        (self.order.to.along(axis) - self.from.along(axis)).value()
-    }
+/// To a hundredth of a micrometre.
+fn rounded(mm: f64) -> f64 {
+    (mm * 1e5).round() / 1e5
 }
 
 /// The passes that a program orders over one thread.
@@ -132,10 +157,8 @@ impl Ordered {
                     | OpKind::Message(_)
             );
         };
-        let [dx, dy, dz] = [0, 1, 2].map(|i| (order.to.linear[i] - from.linear[i]).value());
-        let turns = dx.hypot(dy).hypot(dz) / order.lead.value();
         let stood = self.rapid_from.unwrap_or(*from);
-        let stretch = Stretch { op, from: *from, order: *order, stood, before: 0.0, turns };
+        let stretch = Stretch::new(op, from, order, stood);
         match self.passes.last_mut() {
             Some(pass) if self.chained => {
                 let before = pass.last().map_or(0.0, |last| last.before + last.turns);
@@ -154,29 +177,24 @@ impl Ordered {
         true
     }
 
-    /// The stretch of a pass that is the thread: the longest.
-    fn thread(pass: &[Stretch]) -> Option<&Stretch> {
-        pass.iter().max_by(|a, b| a.way().abs().total_cmp(&b.way().abs()))
-    }
-
     /// The pass that an op belongs to, its thread, and the turns from the thread's start to the chain's end.
-    fn find(&self, op: u32) -> Option<(usize, &Stretch, f64)> {
+    fn find(&self, op: u32) -> Option<(usize, Law<'_>, f64)> {
         let (index, pass) = self
             .passes
             .iter()
             .enumerate()
             .rfind(|(_, pass)| pass.first().is_some_and(|s| s.op <= op))?;
-        let thread = Self::thread(pass)?;
+        let thread = Law::of(pass)?;
         let whole = pass.last().map_or(0.0, |last| last.before + last.turns);
-        (op >= thread.op).then_some((index, thread, whole - thread.before))
+        (op >= thread.first().op).then_some((index, thread, whole - thread.first().before))
     }
 }
 
 /// What was recorded of one pass.
 #[derive(Clone, Debug, Default)]
 struct Pass {
-    /// Depth along the thread below the surface and distance from the helix, mm.
-    at: Vec<[f64; 2]>,
+    /// Depth along the thread below the surface and distance from the helix, mm; turns since it began.
+    at: Vec<[f64; 3]>,
     infeed: f64,
     /// +1 or −1: the way the spindle turned when it began.
     sense: Option<f64>,
@@ -203,37 +221,38 @@ impl TurnedTrack {
         let Some(was) = self.before.replace(angle) else { return };
         let elapsed = (time - self.last).value();
         self.last = time;
-        let Some((index, stretch, whole)) = ordered.find(sample.report.op) else { return };
+        let Some((index, law, whole)) = ordered.find(sample.report.op) else { return };
         let turned = angle - was;
         if turned == 0.0 {
             return;
         }
-        let (order, slope) = (&stretch.order, stretch.slope());
-        let axis = order.axis.index();
+        let axis = law.axis().index();
         let w = sample.axis(axis).value();
-        let depth = (w - order.surface.value()) * slope.signum();
-        let run_in = (order.surface - stretch.from.along(order.axis)).value() / slope;
-        let along = (w - stretch.from.along(order.axis).value()) / slope;
+        let depth = (w - law.surface().value()) * law.sign();
+        let along = law.turn_at(w);
         self.passes.resize_with(self.passes.len().max(index + 1), Pass::default);
         let pass = &mut self.passes[index];
-        if pass.whole || sample.report.op > stretch.op || along >= whole - RUN_OUT {
+        if pass.whole || sample.report.op > law.last().op || along >= whole - RUN_OUT {
             pass.whole = true;
             return;
         }
-        if along < run_in {
+        if depth < 0.0 {
             return;
         }
         // a spindle that comes to rest in the work swings back a little: the pass goes on as it began
         let sense = *pass.sense.get_or_insert(turned.signum());
-        let phase = sense * (angle - order.start_angle.value()) - stretch.before - along;
-        let error = -(phase - phase.round()) * slope;
+        let before = law.first().before;
+        let phase = sense * (angle - law.start_angle().value()) - before - along;
+        let error = w - law.place(along + (phase - phase.round()));
+        let [from, to] = law.ends();
+        let share = law.share(w);
         let across = |i: usize| {
-            let share = along / stretch.turns;
-            let (from, to) = (stretch.from.linear[i].value(), order.to.linear[i].value());
+            let (from, to) = (from.linear[i].value(), to.linear[i].value());
             sample.axis(i).value() - (from + share * (to - from))
         };
+        let stood = law.main().stood;
         let is_clear = |i: usize| {
-            let way = (stretch.stood.linear[i] - stretch.from.linear[i]).value();
+            let way = (stood.linear[i] - from.linear[i]).value();
             way != 0.0 && across(i) / way > CLEAR
         };
         if (0..3).any(|i| i != axis && is_clear(i)) {
@@ -242,10 +261,12 @@ impl TurnedTrack {
         }
         self.sense = sense; // with the tool clear the spindle may turn as it likes
         let off = (0..3).filter(|i| *i != axis).map(|i| across(i).abs()).fold(0.0, f64::max);
-        if along < stretch.turns - RUN_OUT {
+        if along < law.turns() - RUN_OUT {
             pass.infeed = pass.infeed.max(off); // a taper out of the thread begins with a rounded corner
         }
-        pass.at.push([depth, error]);
+        if !law.is_at_step(along) {
+            pass.at.push([depth, error, along]);
+        }
         self.began.get_or_insert(time);
         self.tool = sample.feedback.tool.or(self.tool);
         if elapsed > 0.0 {
@@ -261,36 +282,43 @@ impl TurnedTrack {
         config: &Config,
         now: Time,
     ) -> Feature {
-        let thread = ordered.passes.last().and_then(|pass| Ordered::thread(pass)).copied();
+        let law = ordered.passes.last().and_then(|pass| Law::of(pass));
+        let slope = law.map_or(0.0, |law| law.main().lead());
         let tool = self.tool.and_then(|number| config.tools.get(number));
         let tip = |at: Length, axis: Axis| match tool {
             Some(tool) if axis == Axis::Z => at - tool.length,
             _ => at,
         };
-        let errors = || self.passes.iter().flat_map(|pass| pass.at.iter().map(|[_, e]| *e));
+        let errors = || self.passes.iter().flat_map(|pass| pass.at.iter().map(|[_, e, _]| *e));
         let count = errors().count().max(1) as f64;
-        let most = |pass: &&Pass| pass.at.iter().fold(0.0, |most: f64, [_, e]| most.max(e.abs()));
+        let most =
+            |pass: &&Pass| pass.at.iter().fold(0.0, |most: f64, [_, e, _]| most.max(e.abs()));
         let worst = self.passes.iter().max_by(|a, b| most(a).total_cmp(&most(b)));
         let means: Vec<f64> = self
             .passes
             .iter()
             .filter(|pass| !pass.at.is_empty())
-            .map(|pass| pass.at.iter().map(|[_, e]| e).sum::<f64>() / pass.at.len() as f64)
+            .map(|pass| pass.at.iter().map(|[_, e, _]| e).sum::<f64>() / pass.at.len() as f64)
             .collect();
         let (low, high) = means
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), m| (low.min(*m), high.max(*m)));
         let lead_errors = self.passes.iter().map(|pass| lead_error(&pass.at));
+        let last = self.passes.last().map_or(&[][..], |pass| &pass.at[..]);
+        let none = (Axis::Z, [Length::ZERO; 2]);
+        let (axis, [surface, end]) =
+            law.map_or(none, |law| (law.axis(), law.span().map(|at| tip(at, law.axis()))));
         let found = TurnedThread {
-            lead: Lead::mm_per_rev(thread.map_or(0.0, |t| t.slope().abs())),
-            hand: if thread.map_or(0.0, |t| t.slope()) * self.sense > 0.0 {
-                Hand::Left
-            } else {
-                Hand::Right
-            },
-            axis: thread.map_or(Axis::Z, |t| t.order.axis),
-            surface: thread.map_or(Length::ZERO, |t| tip(t.order.surface, t.order.axis)),
-            end: thread.map_or(Length::ZERO, |t| tip(t.order.to.along(t.order.axis), t.order.axis)),
+            lead: Lead::mm_per_rev(slope.abs()),
+            growth: LeadGrowth::mm_per_rev2(
+                law.map_or(0.0, |law| law.main().growth() * slope.signum()),
+            ),
+            leads: law.filter(Law::varies).map_or_else(Vec::new, |law| leads(&law, last)),
+            start_angle: law.map_or(Angle::ZERO, |law| start_angle(&law, last, self.sense)),
+            hand: if slope * self.sense > 0.0 { Hand::Left } else { Hand::Right },
+            axis,
+            surface,
+            end,
             passes: self.passes.iter().filter(|pass| pass.whole && !pass.at.is_empty()).count()
                 as u32,
             passes_ordered: ordered.passes.len() as u32,
@@ -315,29 +343,6 @@ impl TurnedTrack {
             kind: FeatureKind::Turned(Box::new(found)),
         }
     }
-}
-
-/// Slope of the distance from the helix by least squares, times the length over which it was seen, mm.
-fn lead_error(at: &[[f64; 2]]) -> f64 {
-    let count = at.len() as f64;
-    if at.len() < 2 {
-        return 0.0;
-    }
-    let [depth, error] = [0, 1].map(|i| at.iter().map(|point| point[i]).sum::<f64>() / count);
-    let (mut by_depth, mut squares) = (0.0, 0.0);
-    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    for [d, e] in at {
-        by_depth += (d - depth) * (e - error);
-        squares += (d - depth) * (d - depth);
-        (low, high) = (low.min(*d), high.max(*d));
-    }
-    if squares > 0.0 { by_depth / squares * (high - low) } else { 0.0 }
-}
-
-/// Few enough points for a picture.
-fn thinned(at: &[[f64; 2]]) -> Vec<[Length; 2]> {
-    const POINTS: usize = 400;
-    at.iter().step_by(at.len().div_ceil(POINTS).max(1)).map(|p| p.map(Length::mm)).collect()
 }
 
 fn findings(found: &TurnedThread, config: &Config) -> Vec<String> {
@@ -366,7 +371,7 @@ mod tests {
     use super::*;
     use crate::Judge;
     use bus::Truth;
-    use canon::{Op, Span, ToolLibrary};
+    use canon::{Op, Span, Threading, ToolLibrary};
     use std::f64::consts::TAU;
     use units::Angle;
 
@@ -390,6 +395,7 @@ mod tests {
             let order = Threading {
                 to: at(x, -20.0),
                 lead: Lead::mm_per_rev(LEAD),
+                growth: LeadGrowth::ZERO,
                 start_angle: Angle::rev(0.25),
                 axis: Axis::Z,
                 surface: Length::ZERO,
@@ -452,12 +458,114 @@ mod tests {
         assert!((thread.sync_error_rms.in_um() - 8.0 / 2.0_f64.sqrt()).abs() < 0.1);
     }
 
+    /// A pass from Z5 over Z0: 2 mm for 10 turns up to Z−15, then growing by 0.1 mm in each of 20 turns to 4 mm at Z−75, on
+    /// with that for 5 turns to Z−95; X goes 1 mm out on 100 of Z. `error` by turn and depth.
+    fn growing(sense: f64, error: impl Fn(f64) -> f64) -> (TurnedThread, Verdict) {
+        let mut judge = Judge::new(Config::new(ToolLibrary::default()));
+        let taper = |z: f64| at(9.0 + (5.0 - z) / 100.0, z);
+        let slant = 0.01_f64.hypot(1.0);
+        judge.op(0, &Op { span: Span::default(), kind: OpKind::Rapid { to: taper(5.0) } });
+        for (op, (z, lead, growth)) in
+            (1..).zip([(-15.0, 2.0, 0.0), (-75.0, 2.0, 0.1), (-95.0, 4.0, 0.0)])
+        {
+            let order = Threading {
+                to: taper(z),
+                lead: Lead::mm_per_rev(lead * slant),
+                growth: LeadGrowth::mm_per_rev2(growth * slant),
+                start_angle: Angle::rev(0.25),
+                axis: Axis::Z,
+                surface: Length::mm(if z == -15.0 { 0.0 } else { z + 60.0 }),
+            };
+            judge.op(op, &Op { span: Span::default(), kind: OpKind::Threading(order) });
+        }
+        let n = 10.0;
+        for k in 0..(35.0 / n / PERIOD) as usize {
+            let turn = k as f64 * PERIOD * n;
+            let (op, z) = if turn < 10.0 {
+                (1, 5.0 - 2.0 * turn)
+            } else if turn < 30.0 {
+                let grown = turn - 10.0;
+                (2, -15.0 - 2.0 * grown - 0.05 * grown * grown)
+            } else {
+                (3, -75.0 - 4.0 * (turn - 30.0))
+            };
+            let mut sample = Sample::default();
+            sample.report.op = op;
+            sample.feedback.time = Time::s(k as f64 * PERIOD);
+            let mut truth = Truth::default();
+            truth.axes[0] = taper(z).linear[0];
+            truth.axes[2] = Length::mm(z + error(turn));
+            truth.spindles[0] = Angle::rev(0.25 + sense * (7.0 + turn));
+            sample.truth = Some(truth);
+            judge.sample(&sample);
+        }
+        let feature = judge.finish().remove(0);
+        let FeatureKind::Turned(thread) = feature.kind else { panic!("{feature:?}") };
+        (*thread, feature.verdict)
+    }
+
+    #[test]
+    fn a_lead_that_grows_is_measured_turn_by_turn_over_the_whole_chain() {
+        for (sense, hand) in [(1.0, Hand::Right), (-1.0, Hand::Left)] {
+            let (thread, verdict) = growing(sense, |_| 0.0);
+            assert!(verdict.is_pass() && thread.hand == hand, "{verdict:?}, {thread:?}");
+            assert!(thread.sync_error_max.in_um() < 1e-6, "{thread:?}");
+            assert!((thread.lead.value() - 2.0).abs() < 1e-9);
+            assert!((thread.growth.value() - 0.1).abs() < 1e-9);
+            assert!((thread.start_angle.in_deg() - 90.0).abs() < 1e-6, "{}", thread.start_angle);
+            assert_eq!((thread.surface, thread.end), (Length::ZERO, Length::mm(-95.0)));
+            // from Z0, 2.5 turns in, to a turn before the end
+            assert_eq!(thread.leads.len(), 31);
+            for (k, turn) in thread.leads.iter().enumerate() {
+                // the mean lead of a turn that begins so long after the lead began to grow
+                let grown =
+                    |turn: f64| 0.05 * turn.clamp(0.0, 20.0).powi(2) + 2.0 * (turn - 20.0).max(0.0);
+                let began = k as f64 - 7.5;
+                let wanted = 2.0 + grown(began + 1.0) - grown(began);
+                assert!((turn.cut.value() - wanted).abs() < 0.01, "turn {k}: {turn:?}, {wanted}");
+                assert!((turn.cut - turn.ordered).abs().value() < 1e-9, "turn {k}: {turn:?}");
+            }
+            assert_eq!(thread.lead_in_words(), "lead 2 mm growing 0.1 mm a turn");
+        }
+    }
+
+    #[test]
+    fn a_turn_that_is_too_long_and_a_start_that_is_late_are_found() {
+        // from turn 15 on 6 µm farther; 0.01 turns late in all the constant part
+        let (thread, _) = growing(1.0, |turn| if turn >= 15.0 { -0.006 } else { 0.0 });
+        let worst = thread.worst_turn().expect("there are turns");
+        assert!(((worst.cut - worst.ordered).value() - 0.006).abs() < 1e-6, "{worst:?}");
+        assert!((thread.sync_error_max.in_um() - 6.0).abs() < 1e-3);
+        let at = |turn: f64| {
+            let grown = (turn - 10.0).clamp(0.0, 20.0);
+            5.0 - 2.0 * turn - 0.05 * grown * grown - 2.0 * (turn - 30.0).max(0.0)
+        };
+        let (thread, verdict) = growing(1.0, |turn| at(turn - 0.01) - at(turn));
+        assert!(
+            (thread.start_angle.in_deg() - 93.6).abs() < 1e-3,
+            "{}",
+            thread.start_angle.in_deg()
+        );
+        assert!(!verdict.is_pass() && thread.lead_error.in_um() > 20.0, "{}", thread.lead_error);
+    }
+
+    #[test]
+    fn a_thread_of_one_lead_where_a_growing_one_is_ordered_fails() {
+        let (thread, verdict) =
+            growing(
+                1.0,
+                |turn| if turn > 10.0 { 0.05 * (turn - 10.0).min(20.0).powi(2) } else { 0.0 },
+            );
+        assert!(!verdict.is_pass() && thread.sync_error_max > Length::mm(0.5), "{thread:?}");
+    }
+
     #[test]
     fn a_pass_that_ends_early_fails() {
         let mut judge = Judge::new(Config::new(ToolLibrary::default()));
         let order = Threading {
             to: at(9.0, -20.0),
             lead: Lead::mm_per_rev(LEAD),
+            growth: LeadGrowth::ZERO,
             start_angle: Angle::ZERO,
             axis: Axis::Z,
             surface: Length::ZERO,

@@ -128,7 +128,7 @@ pub(super) const ROWS: &[Finding] = &[
         "I1034",
         "A lead that shrinks is used up before the thread ends.",
         "O1\nG97 S500 M3\nG0 X30. Z2.\nG34 Z-20. F2. K-0.5\nM30",
-        "O1\nG97 S500 M3\nG0 X30. Z2.\nG32 Z-20. F2.\nM30",
+        "O1\nG97 S500 M3\nG0 X30. Z2.\nG34 Z-20. F2. K-0.05\nM30",
     ),
     f(
         "I1040",

@@ -65,13 +65,6 @@ pub(super) const ROWS: &[Finding] = &[
     ),
     row("I0715", "An output waits for a move that never comes.", "M62 P1", "M62 P1\nG0 X1"),
     row(
-        "I0716",
-        "A thread of growing lead is listed, but not machined.",
-        "O1\nG97 S500 M3\nG0 X30. Z2.\nG34 Z-20. F2. K0.05\nM30",
-        "O1\nG97 S500 M3\nG0 X30. Z2.\nG32 Z-20. F2.\nM30",
-    )
-    .of(crate::Dialect::FanucLatheA),
-    row(
         "I0801",
         "Subprograms call each other too deep.",
         "o1 sub\no1 call\no1 endsub\no1 call",

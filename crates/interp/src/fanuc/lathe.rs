@@ -17,6 +17,7 @@ use crate::{
     fault::{Outcome, refuse},
     frame::Point,
     state::{FeedMode, Motion},
+    threads::along_path,
 };
 use canon::Plane;
 
@@ -116,7 +117,7 @@ impl Fanuc {
             }
             let [first, second, third] = path(&start, &corner, taper, 0);
             ex.say(sink, &Call::Rapid(first));
-            ex.say(sink, &Call::SyncStart(lead));
+            ex.say(sink, &Call::SyncStart(along_path(lead, &first, &second)));
             ex.say(sink, &Call::Line(second));
             ex.say(sink, &Call::SyncStop);
             ex.say(sink, &Call::Rapid(third));

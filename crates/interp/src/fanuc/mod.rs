@@ -24,6 +24,7 @@ mod codes;
 mod corner;
 mod figure;
 mod grooving;
+mod growing;
 mod kind;
 mod lathe;
 mod longer;
@@ -109,6 +110,8 @@ pub(crate) struct Fanuc {
     before_cycle: Motion,
     /// F of a thread.
     lead: Option<f64>,
+    /// G34 is in force.
+    growing: bool,
     /// Q of the thread of the block at hand.
     thread_angle: Option<f64>,
     warned_of_point: bool,
@@ -209,6 +212,7 @@ impl Fanuc {
             corner: None,
             before_cycle: Motion::Rapid,
             lead: None,
+            growing: false,
             thread_angle: None,
             warned_of_point: false,
             said: Vec::new(),

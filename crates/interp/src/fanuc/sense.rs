@@ -67,7 +67,10 @@ impl Fanuc {
                     }
                     Meaning::Shared(300) => sense.reference = true,
                     Meaning::Smoothing => sense.smoothing = true,
-                    Meaning::Skip | Meaning::Check => (sense.motion, sense.cycle) = (true, false),
+                    Meaning::Skip | Meaning::Check => {
+                        (sense.motion, sense.cycle) = (true, false);
+                        self.growing = false;
+                    }
                     Meaning::StrokeCheck(_) | Meaning::Cylinder => {
                         (sense.zone, sense.cycle) = (true, false);
                     }
@@ -79,15 +82,15 @@ impl Fanuc {
                         sense.cycle = code >= 730 && code != 800;
                         sense.tap = matches!(code, 740 | 840 | 842 | 843);
                         sense.thread = false;
-                        self.lathe_cycle = None;
+                        (self.lathe_cycle, self.growing) = (None, false);
                     }
                     Meaning::Thread => {
                         (sense.motion, sense.cycle, sense.thread) = (true, false, true);
-                        self.lathe_cycle = None;
+                        (self.lathe_cycle, self.growing) = (None, false);
                     }
                     Meaning::Box(code) => {
                         (sense.motion, sense.cycle) = (true, false);
-                        self.lathe_cycle = Some(code);
+                        (self.lathe_cycle, self.growing) = (Some(code), false);
                         self.corner = None;
                         sense.thread = code == 780;
                     }

@@ -307,6 +307,7 @@ impl Values<'_> {
         };
         match self.fanuc.lathe_cycle {
             Some(code) => self.own(code / 10),
+            None if self.fanuc.growing => self.own(34),
             None if motion == Motion::Thread => self.own(33),
             None => f64::from(motion.code()) / 10.0,
         }

@@ -1,4 +1,4 @@
-//! Threads of a lathe that take more than one line or lead: G76, G34.
+//! Threads of a lathe that take more than one line: G76.
 //!
 //! ```text
 //!   G76 P(m r a) Q(least) R(left)         m finishing passes, r pull-off in tenths of the lead, a angle of the tool
@@ -7,11 +7,9 @@
 //!
 //!   depth of pass n: first·√n, each at least `least` deeper than the one before, to height − left; then m at the full height.
 //!   The passes go in along the thread's flank: each begins depth·tan(a/2) further on.
-//!
-//!   G34 X Z F(lead) K(growth): after n turns z = F·n + K·n²/2; the line is parted turn by turn, each with its mean lead.
 //! ```
 //!
-//! Source: Fanuc, operator's manual of series 30i for lathes, "Multiple threading cycle", "Variable lead threading".
+//! Source: Fanuc, operator's manual of series 30i for lathes, "Multiple threading cycle".
 use super::turning::word;
 use super::{Fanuc, words};
 use crate::{
@@ -21,10 +19,11 @@ use crate::{
     frame::Point,
     interpreter::Interpreter,
     offset_curve::{Flat, length, minus},
+    threads::along_path,
 };
 use words::Said;
 
-/// More passes or turns than this are a slip of the pen.
+/// More passes than this are a slip of the pen.
 const MOST: f64 = 10_000.0;
 
 /// G76 with its words read; lengths are radii.
@@ -157,58 +156,6 @@ impl Fanuc {
         Ok(thread)
     }
 
-    /// G34.
-    pub(super) fn growing_thread<S: Sink>(
-        &mut self,
-        it: &mut Interpreter<'_>,
-        said: &[Said],
-        sink: &mut S,
-    ) -> Outcome {
-        let span = it.block.span;
-        let lead = word(said, b'F').map(|f| self.thread_lead(f)).or(self.lead);
-        let Some(lead) = lead.filter(|lead| *lead > 0.0) else {
-            return Err(words::no_lead(span).into());
-        };
-        let growth = self.long(it, said, b'K').unwrap_or(0.0);
-        turning(&it.executor, span)?;
-        let at = it.executor.state.at;
-        let (from, to) = ([at[2], at[0]], self.corner_of(it, said));
-        // F and K count along the axis that moves furthest
-        let way = minus(to, from);
-        let far = way[0].abs().max(way[1].abs());
-        // n turns reach F·n + K·n²/2
-        let most = if growth < 0.0 { lead * lead / (-2.0 * growth) } else { f64::INFINITY };
-        if far >= most {
-            let text = format!(
-                "the lead is used up after {most:.4}: K takes {} from it in each turn",
-                -growth
-            );
-            return refuse("I1034", span, text);
-        }
-        if far / lead > MOST && growth <= 0.0 {
-            return refuse("I1034", span, format!("G34 would make more than {MOST} turns"));
-        }
-        let ex = &mut it.executor;
-        angle(ex, self.start_angle(said), sink);
-        ex.say(sink, &Call::ThreadGrows(growth));
-        let mut turn = 0.0;
-        loop {
-            let mean = lead + (turn + 0.5) * growth;
-            turn += 1.0;
-            let gone = (lead * turn + growth * turn * turn / 2.0).min(far);
-            let part = if far > 0.0 { gone / far } else { 1.0 };
-            ex.say(sink, &Call::SyncStart(mean));
-            ex.state.at[2] = from[0] + part * way[0];
-            ex.state.at[0] = from[1] + part * way[1];
-            ex.say(sink, &Call::Line(ex.state.at));
-            if gone >= far {
-                break;
-            }
-        }
-        ex.say(sink, &Call::SyncStop);
-        Ok(())
-    }
-
     /// Q of a thread: thousandths of a degree, or degrees with a point.
     pub(super) fn start_angle(&self, said: &[Said]) -> Option<f64> {
         word(said, b'Q')
@@ -223,7 +170,7 @@ pub(super) fn angle<S: Sink>(ex: &Executor, degrees: Option<f64>, sink: &mut S) 
     }
 }
 
-fn turning(ex: &Executor, span: diag::Span) -> Outcome {
+pub(super) fn turning(ex: &Executor, span: diag::Span) -> Outcome {
     match ex.state.spindle.turning {
         Some(_) => Ok(()),
         None => refuse(
@@ -263,16 +210,20 @@ impl Thread {
         let last = [self.end[0], floor];
         ex.say(sink, &Call::Rapid(point([begin, self.start[1]])));
         ex.say(sink, &Call::Rapid(point(first)));
-        ex.say(sink, &Call::SyncStart(self.lead));
+        let mut cut = |from: Flat, to: Flat| {
+            let [from, to] = [point(from), point(to)];
+            ex.say(sink, &Call::SyncStart(along_path(self.lead, &from, &to)));
+            ex.say(sink, &Call::Line(to));
+        };
         let pull = self.pull_off.min(length(minus(last, first)));
         if pull > 0.0 {
             let part = 1.0 - pull / (last[0] - first[0]).abs().max(pull);
             let leave =
                 [first[0] + part * (last[0] - first[0]), first[1] + part * (last[1] - first[1])];
-            ex.say(sink, &Call::Line(point(leave)));
-            ex.say(sink, &Call::Line(point([last[0], last[1] + outwards * pull])));
+            cut(first, leave);
+            cut(leave, [last[0], last[1] + outwards * pull]);
         } else {
-            ex.say(sink, &Call::Line(point(last)));
+            cut(first, last);
         }
         ex.say(sink, &Call::SyncStop);
         ex.say(sink, &Call::Rapid(point([self.end[0], self.start[1]])));

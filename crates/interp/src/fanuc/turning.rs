@@ -85,7 +85,8 @@ impl Fanuc {
             Meaning::Multiple(code) if said.letter == b'G' => Some(code / 10),
             _ => None,
         };
-        self.said.iter().find_map(code)
+        let said = self.said.iter().find_map(code);
+        said.or_else(|| self.grows_on().then_some(34))
     }
 
     /// Execute it: its F, S, T and M first.
@@ -121,7 +122,7 @@ impl Fanuc {
         it.executor.state.motion = crate::state::Motion::None;
         it.executor.execute(sink)?;
         it.executor.state.motion = crate::state::Motion::Rapid;
-        self.lathe_cycle = None;
+        (self.lathe_cycle, self.growing) = (None, false);
         match code {
             70..=73 if word(&said, b'P').is_some() => self.profile_cycle(it, code, &said),
             70 => refuse(

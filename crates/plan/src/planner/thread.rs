@@ -13,7 +13,7 @@ use crate::limits::AxisLimits;
 use crate::path::Path;
 use crate::step::{Step, StepKind};
 use crate::tap_check::whole_rpm;
-use crate::thread::{Corner, THREADING_AXES, ThreadStretch, Vector};
+use crate::thread::{Change, Corner, THREADING_AXES, ThreadStretch, Vector};
 use crate::way_out::{Pass, TiedCut, WayOut};
 use alloc::{format, vec::Vec};
 use canon::{Axis, Position, Threading};
@@ -40,7 +40,11 @@ struct Straight {
     to: Vector,
     from_turn: f64,
     to_turn: f64,
-    slope: Vector,
+    /// Slope where it begins and where it ends, mm/rev.
+    first: Vector,
+    last: Vector,
+    /// mm/rev².
+    bend: Vector,
 }
 
 const fn linear(position: &Position) -> Vector {
@@ -80,6 +84,13 @@ impl Planner {
             let text =
                 format!("expected a lead above zero, found {} mm", number(order.lead.value()));
             self.findings.add(Diagnostic::error("M0424", job.span, text));
+        } else if last_lead(order, far(&linear(from), &linear(&order.to))).is_none() {
+            let text = format!(
+                "a lead of {} mm that grows by {} mm in each turn is used up before the thread ends",
+                number(order.lead.value()),
+                number(order.growth.value()),
+            );
+            self.findings.add(Diagnostic::error("M0424", job.span, text));
         }
         self.findings.len() > before
     }
@@ -88,22 +99,10 @@ impl Planner {
     pub(super) fn end_thread(&mut self, emit: &mut dyn FnMut(Step)) {
         let chain = core::mem::take(&mut self.chain);
         let Some(first) = chain.first() else { return };
-        let mut turned = 0.0;
-        let straight: Vec<Straight> = chain
-            .iter()
-            .map(|stretch| {
-                let (from, to) = (linear(&stretch.from), linear(&stretch.order.to));
-                let squares = (0..THREADING_AXES).map(|i| (to[i] - from[i]) * (to[i] - from[i]));
-                let turns = libm::sqrt(squares.sum()) / stretch.order.lead.value();
-                let from_turn = turned;
-                turned += turns;
-                let slope = core::array::from_fn(|i| (to[i] - from[i]) / turns);
-                Straight { from, to, from_turn, to_turn: turned, slope }
-            })
-            .collect();
+        let straight = straighten(&chain);
         let spin = self.spindles.get(SPINDLE).map_or(Spin::ZERO, |s| s.ordered.abs());
         let Some(corners) = self.corners(&chain, &straight, spin) else { return };
-        self.judge_run_in(first, &straight[0], corners[0].1, spin);
+        self.judge_run_in(first, &straight[0], corners[0], spin);
         let last = chain.len() - 1;
         self.outbox.release(&[], &self.limits, emit);
         if let Some(way_out) = self.way_out(first, &straight) {
@@ -112,9 +111,8 @@ impl Planner {
             self.outbox.hand_on(step, &self.limits, emit);
         }
         for (k, (waiting, at)) in chain.iter().zip(&straight).enumerate() {
-            let beyond = |k: Option<usize>| {
-                k.and_then(|k| straight.get(k)).map_or([0.0; THREADING_AXES], |s| s.slope)
-            };
+            let before = k.checked_sub(1).and_then(|k| straight.get(k));
+            let (entry, exit) = (corners[k], corners[k + 1]);
             let stretch = ThreadStretch {
                 spindle: SPINDLE as u8,
                 start: (k == 0).then_some(waiting.order.start_angle),
@@ -123,8 +121,14 @@ impl Planner {
                 to: at.to,
                 from_turn: at.from_turn,
                 to_turn: at.to_turn,
-                entry: Corner { beyond: beyond(k.checked_sub(1)), half: corners[k].1 },
-                exit: Corner { beyond: beyond(Some(k + 1)), half: corners[k + 1].1 },
+                bend: at.bend,
+                entry: before.map_or(Corner { half: entry, ..Corner::default() }, |before| {
+                    Corner { beyond: before.last, bend: before.bend, half: entry }
+                }),
+                exit: straight.get(k + 1).map_or(
+                    Corner { half: exit, ..Corner::default() },
+                    |after| Corner { beyond: after.first, bend: after.bend, half: exit },
+                ),
             };
             let (op, line) = (waiting.index, waiting.span.line);
             let step = Step { op, line, kind: StepKind::Thread(stretch) };
@@ -137,13 +141,12 @@ impl Planner {
         let along = first.order.axis;
         let infeed = if along == Axis::X { Axis::Z } else { Axis::X };
         let (a, i) = (along.index(), infeed.index());
-        let longest = |s: &&Straight| s.to_turn - s.from_turn;
-        let main = straight.iter().max_by(|p, q| longest(p).total_cmp(&longest(q)))?;
+        let main = straight.iter().max_by(|p, q| p.turns().total_cmp(&q.turns()))?;
         // a chain that feeds the tool in by itself begins where it is clear
         let began = straight.first()?.from[i];
         let stood = if began == main.from[i] { self.came_from.of(i)? } else { began };
         let outward = (stood - main.from[i]).signum();
-        if stood == main.from[i] || main.slope.get(a).is_none_or(|slope| *slope == 0.0) {
+        if stood == main.from[i] || main.first.get(a).is_none_or(|slope| *slope == 0.0) {
             return None;
         }
         let places = straight.iter().flat_map(|s| [s.from[i], s.to[i]]);
@@ -157,24 +160,24 @@ impl Planner {
             end: Length::mm(main.to[a]),
             from: Length::mm(straight.first()?.from[a]),
             surface: first.order.surface,
-            lead: Lead::mm_per_rev(main.slope[a] * sense),
+            lead: Lead::mm_per_rev(main.first[a] * sense),
             spin,
         };
         let (cut, clear) = (TiedCut::Thread, Length::mm(clear));
         Some(WayOut { cut, spindle: SPINDLE as u8, infeed, clear, outward, pass: Some(pass) })
     }
 
-    /// The corners, each as the axis that decides and its half length; `None` if the chain is refused.
+    /// Each corner's half length in turns; `None` if the chain is refused.
     fn corners(
         &mut self,
         chain: &[Waiting],
         straight: &[Straight],
         spin: Spin,
-    ) -> Option<Vec<(usize, f64)>> {
+    ) -> Option<Vec<f64>> {
         let before = self.findings.len();
         let mut axes: [Option<AxisLimits>; THREADING_AXES] = [None; THREADING_AXES];
         for (waiting, at) in chain.iter().zip(straight) {
-            for i in (0..THREADING_AXES).filter(|&i| at.slope[i] != 0.0) {
+            for i in (0..THREADING_AXES).filter(|&i| at.from[i] != at.to[i]) {
                 axes[i] = self.limits.axes[i];
                 let Some(limits) = axes[i] else {
                     let letter = Axis::ALL[i].letter();
@@ -183,14 +186,16 @@ impl Planner {
                     self.findings.add(Diagnostic::error("M0305", waiting.span, text));
                     continue;
                 };
-                let (speed, most) =
-                    (at.slope[i].abs() * spin.value(), limits.feed_speed.value() / FASTER);
+                let slope = at.first[i].abs().max(at.last[i].abs());
+                let (speed, most) = (slope * spin.value(), limits.feed_speed.value() / FASTER);
                 if speed > most * (1.0 + 1e-9) {
-                    let works = Spin::rev_per_s(most / at.slope[i].abs());
+                    let works = Spin::rev_per_s(most / slope);
+                    let grown =
+                        if at.last[i].abs() > at.first[i].abs() { " at the end" } else { "" };
                     let text = format!(
-                        "{} mm of {} per revolution at S{} are {} mm/min, and the axis feeds at {} with the spindle's \
+                        "{} mm of {} per revolution{grown} at S{} are {} mm/min, and the axis feeds at {} with the spindle's \
                          tolerance: S{} works",
-                        number(at.slope[i].abs()),
+                        number(slope),
                         Axis::ALL[i].letter(),
                         number(spin.in_rpm()),
                         number(speed * 60.0),
@@ -216,12 +221,16 @@ impl Planner {
                 let middle = libm::floor(f64::midpoint(low, high));
                 if fits(middle) { low = middle } else { high = middle }
             }
-            let needs = corners[k].1 + corners[k + 1].1;
+            let (turns, needs) = (straight[k].turns(), corners[k] + corners[k + 1]);
+            let why = if needs.is_finite() {
+                format!("the axes need {} to come up to the lead and down again", number(needs))
+            } else {
+                "the axes cannot speed up as the lead grows".into()
+            };
             let text = format!(
-                "a stretch of {} rev at S{}, and the axes need {} to come up to the lead and down again: S{} works",
-                number(straight[k].to_turn - straight[k].from_turn),
+                "a stretch of {} rev at S{}, and {why}: S{} works",
+                number(turns),
                 number(spin.in_rpm()),
-                number(needs),
                 number(low),
             );
             self.findings.add(
@@ -236,17 +245,18 @@ impl Planner {
     /// The tool should be on its helix where the material begins.
     fn judge_run_in(&mut self, first: &Waiting, at: &Straight, half: f64, spin: Spin) {
         let axis = first.order.axis.index();
-        let Some(slope) = at.slope.get(axis).copied().filter(|s| *s != 0.0) else { return };
-        let room = (first.order.surface.value() - at.from[axis]) / slope;
+        let wanted = first.order.surface.value() - at.from[axis];
+        let Some(room) = at.turns_to(axis, wanted) else { return };
+        let slope = (at.first[axis] + at.bend[axis] / 2.0 * room).abs();
         if room < half && room > 0.0 {
             let letter = first.order.axis.letter();
-            let starts = Length::mm((half - room) * slope.abs());
+            let starts = Length::mm((half - room) * slope);
             let text = format!(
                 "at S{} the {letter} axis needs {} mm from its start to be on the thread, and the material begins after {}: \
                  its first {} mm will be wrong",
                 number(spin.in_rpm()),
-                number(half * slope.abs()),
-                number(room * slope.abs()),
+                number(half * slope),
+                number(room * slope),
                 number(starts.value()),
             );
             let help =
@@ -256,32 +266,77 @@ impl Planner {
     }
 }
 
-/// Each corner's half length in turns, and the axis that decides it.
-fn halves(
-    straight: &[Straight],
-    axes: &[Option<AxisLimits>; THREADING_AXES],
-    n: f64,
-) -> Vec<(usize, f64)> {
+impl Straight {
+    fn turns(&self) -> f64 {
+        self.to_turn - self.from_turn
+    }
+
+    /// Turns after which an axis has gone so far, signed; `None` where it does not move that way.
+    fn turns_to(&self, axis: usize, way: f64) -> Option<f64> {
+        let (slope, bend) = (*self.first.get(axis)?, *self.bend.get(axis)?);
+        let last = libm::sqrt((slope * slope + 2.0 * bend * way).max(0.0));
+        let mean = f64::midpoint(slope, last.copysign(slope));
+        (mean != 0.0).then_some(way / mean)
+    }
+}
+
+/// Length of a straight way, mm.
+fn far(from: &Vector, to: &Vector) -> f64 {
+    libm::sqrt((0..THREADING_AXES).map(|i| (to[i] - from[i]) * (to[i] - from[i])).sum())
+}
+
+/// The lead at the end of a way of so many mm, mm/rev: λ² + 2·growth·way, its root; `None` if it is used up before.
+fn last_lead(order: &Threading, way: f64) -> Option<f64> {
+    let (lead, growth) = (order.lead.value(), order.growth.value());
+    let squared = lead * lead + 2.0 * growth * way;
+    (squared > 0.0 && squared.is_finite()).then(|| libm::sqrt(squared))
+}
+
+/// The chain's stretches over the turns.
+fn straighten(chain: &[Waiting]) -> Vec<Straight> {
+    let mut turned = 0.0;
+    let straight = |stretch: &Waiting| {
+        let (from, to) = (linear(&stretch.from), linear(&stretch.order.to));
+        let way = far(&from, &to);
+        let (lead, growth) = (stretch.order.lead.value(), stretch.order.growth.value());
+        let last = last_lead(&stretch.order, way).unwrap_or(lead);
+        let turns = 2.0 * way / (lead + last);
+        let from_turn = turned;
+        turned += turns;
+        let along = |mm: f64| core::array::from_fn(|i| (to[i] - from[i]) / way * mm);
+        let (first, last, bend) = if growth == 0.0 {
+            let slope = core::array::from_fn(|i| (to[i] - from[i]) / turns);
+            (slope, slope, [0.0; THREADING_AXES])
+        } else {
+            (along(lead), along(last), along(growth))
+        };
+        Straight { from, to, from_turn, to_turn: turned, first, last, bend }
+    };
+    chain.iter().map(straight).collect()
+}
+
+/// Each corner's half length in turns.
+fn halves(straight: &[Straight], axes: &[Option<AxisLimits>; THREADING_AXES], n: f64) -> Vec<f64> {
     let none = [0.0; THREADING_AXES];
-    let slope = |k: Option<usize>| k.and_then(|k| straight.get(k)).map_or(none, |s| s.slope);
     let corner = |k: usize| {
-        let (before, after) = (slope(k.checked_sub(1)), slope(Some(k)));
+        let before = k.checked_sub(1).and_then(|k| straight.get(k));
+        let (slope_before, bend_before) = before.map_or((none, none), |s| (s.last, s.bend));
+        let (slope, bend) = straight.get(k).map_or((none, none), |s| (s.first, s.bend));
         let half = |i: usize| {
             let limits = axes[i]?;
-            let (accel, jerk) = (limits.accel.value(), limits.feed_jerk.value());
-            Some((i, Corner::half(after[i] - before[i], n * FASTER, accel, jerk)))
+            let change = Change {
+                slope: slope[i] - slope_before[i],
+                bend: bend[i] - bend_before[i],
+                most_bend: bend[i].abs().max(bend_before[i].abs()),
+            };
+            Some(change.half(n * FASTER, limits.accel.value(), limits.feed_jerk.value()))
         };
-        (0..THREADING_AXES)
-            .filter_map(half)
-            .fold((0, 0.0), |most, one| if one.1 > most.1 { one } else { most })
+        (0..THREADING_AXES).filter_map(half).fold(0.0, f64::max)
     };
     (0..=straight.len()).map(corner).collect()
 }
 
 /// The first stretch that has no room for its corners.
-fn too_short(straight: &[Straight], corners: &[(usize, f64)]) -> Option<usize> {
-    let lacks = |k: &usize| {
-        corners[*k].1 + corners[k + 1].1 > straight[*k].to_turn - straight[*k].from_turn
-    };
-    (0..straight.len()).find(lacks)
+fn too_short(straight: &[Straight], corners: &[f64]) -> Option<usize> {
+    (0..straight.len()).find(|k| corners[*k] + corners[k + 1] > straight[*k].turns())
 }

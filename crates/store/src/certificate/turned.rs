@@ -12,6 +12,15 @@ pub struct TurnedThread {
     pub hand: Hand,
     /// Lead, without the sign of the hand.
     pub lead_mm: Measured,
+    /// By how much it grows with each revolution; negative where it shrinks.
+    #[serde(default)]
+    pub lead_growth_mm: Measured,
+    /// Turn by turn, where the lead is not the same everywhere: depth at which the turn begins, lead ordered, lead cut.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub leads_mm: Vec<[Measured; 3]>,
+    /// Where the spindle stood when the thread began, as the last pass was cut.
+    #[serde(default)]
+    pub start_angle_deg: Measured,
     /// The axis along which it runs.
     pub axis: String,
     /// Coordinate of that axis where the material begins.

@@ -1,0 +1,200 @@
+//! What a chain of blocks orders of a turned thread: where the tool belongs at each turn of the spindle.
+//!
+//! ```text
+//!   along a block's way s, after n turns of it:      s(n) = λ·n + κ·n²/2        λ lead, κ its growth, both along the way
+//!                          and the other way round:  n(s) = 2s / (λ + √(λ² + 2κs))
+//!   its lead there:                                  λ + κ·n
+//! ```
+//!
+//! Blocks that go on in the same direction are one thread. Where the lead steps from one to the next no axis can follow, and a
+//! revolution to each side is not judged.
+use canon::{Axis, Position, Threading};
+use units::{Angle, Length};
+
+/// Turns to each side of a step of the lead that are not judged.
+const STEP: f64 = 1.0;
+/// A step of the lead by less, mm, is none: rounding it takes less than 0.2 µm.
+const SAME_LEAD: f64 = 1e-3;
+/// Cosine of the angle between ways that are one line: apart by 1e-5.
+const SAME_WAY: f64 = 1.0 - 5e-11;
+
+/// One stretch of a pass as ordered.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stretch {
+    pub(super) op: u32,
+    pub(super) from: Position,
+    pub(super) order: Threading,
+    /// Where the tool stood before it was fed in.
+    pub(super) stood: Position,
+    /// Turns since the start angle where it begins, and how many it takes.
+    pub(super) before: f64,
+    pub(super) turns: f64,
+}
+
+impl Stretch {
+    pub(super) fn new(op: u32, from: &Position, order: &Threading, stood: Position) -> Self {
+        let mut new = Self { op, from: *from, order: *order, stood, before: 0.0, turns: 0.0 };
+        new.turns = new.turn_at(new.length());
+        new
+    }
+
+    fn delta(&self) -> [f64; 3] {
+        [0, 1, 2].map(|i| (self.order.to.linear[i] - self.from.linear[i]).value())
+    }
+
+    /// Of the whole way, mm.
+    fn length(&self) -> f64 {
+        let [dx, dy, dz] = self.delta();
+        dx.hypot(dy).hypot(dz)
+    }
+
+    /// Along the thread, mm.
+    pub(super) fn way(&self) -> f64 {
+        let axis = self.order.axis;
+        (self.order.to.along(axis) - self.from.along(axis)).value()
+    }
+
+    /// Turns since its beginning after so much of the way, mm; before it begins they are negative.
+    fn turn_at(&self, way: f64) -> f64 {
+        let (lead, growth) = (self.order.lead.value(), self.order.growth.value());
+        2.0 * way / (lead + (lead * lead + 2.0 * growth * way).max(0.0).sqrt())
+    }
+
+    /// How far along its way it is after so many turns, mm.
+    fn way_at(&self, turn: f64) -> f64 {
+        (self.order.lead.value() + self.order.growth.value() / 2.0 * turn) * turn
+    }
+
+    /// Lead along the thread's axis after so many turns, signed, mm.
+    fn lead_at(&self, turn: f64) -> f64 {
+        (self.order.lead.value() + self.order.growth.value() * turn) * self.way() / self.length()
+    }
+
+    /// By how much that grows with each revolution, signed, mm.
+    pub(super) fn growth(&self) -> f64 {
+        self.order.growth.value() * self.way() / self.length()
+    }
+
+    /// Lead along the thread's axis where it begins, signed, mm.
+    pub(super) fn lead(&self) -> f64 {
+        self.lead_at(0.0)
+    }
+
+    fn goes_on_as(&self, other: &Self) -> bool {
+        let (a, b) = (self.delta(), other.delta());
+        let dot: f64 = (0..3).map(|i| a[i] * b[i]).sum();
+        dot >= SAME_WAY * self.length() * other.length()
+    }
+}
+
+/// Stretches one after another that are one thread.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Law<'a>(&'a [Stretch]);
+
+impl<'a> Law<'a> {
+    /// The longest stretch of a pass, and what goes on from it in the same direction, before and after.
+    pub(super) fn of(pass: &'a [Stretch]) -> Option<Self> {
+        let longest =
+            (0..pass.len()).max_by(|a, b| pass[*a].way().abs().total_cmp(&pass[*b].way().abs()))?;
+        let same = |k: usize| pass[k].goes_on_as(&pass[longest]);
+        let first = (0..longest).rev().take_while(|k| same(*k)).last().unwrap_or(longest);
+        let last = (longest + 1..pass.len()).take_while(|k| same(*k)).last().unwrap_or(longest);
+        Some(Self(&pass[first..=last]))
+    }
+
+    pub(super) fn first(&self) -> &'a Stretch {
+        &self.0[0]
+    }
+
+    pub(super) fn last(&self) -> &'a Stretch {
+        &self.0[self.0.len() - 1]
+    }
+
+    /// The longest of them.
+    pub(super) fn main(&self) -> &'a Stretch {
+        let longest = |a: &&Stretch, b: &&Stretch| a.way().abs().total_cmp(&b.way().abs());
+        self.0.iter().max_by(longest).unwrap_or(self.first())
+    }
+
+    pub(super) fn axis(&self) -> Axis {
+        self.first().order.axis
+    }
+
+    /// +1 or −1: the way along the axis.
+    pub(super) fn sign(&self) -> f64 {
+        self.first().way().signum()
+    }
+
+    /// Turns from its beginning to its end.
+    pub(super) fn turns(&self) -> f64 {
+        self.last().before + self.last().turns - self.first().before
+    }
+
+    /// Turns since its beginning at which the tool belongs at a place of the axis.
+    pub(super) fn turn_at(&self, place: f64) -> f64 {
+        let along = |stretch: &Stretch| {
+            let from = stretch.from.along(stretch.order.axis).value();
+            (place - from) / stretch.way() * stretch.length()
+        };
+        let on = self.0.iter().find(|stretch| along(stretch) <= stretch.length());
+        let on = on.unwrap_or(self.last());
+        on.before - self.first().before + on.turn_at(along(on))
+    }
+
+    /// The stretch at so many turns since the beginning, and its own turns there.
+    fn on(&self, turn: f64) -> (&'a Stretch, f64) {
+        let turn = turn + self.first().before;
+        let on = self.0.iter().find(|stretch| turn <= stretch.before + stretch.turns);
+        let on = on.unwrap_or(self.last());
+        (on, turn - on.before)
+    }
+
+    /// Place along the axis after so many turns, mm.
+    pub(super) fn place(&self, turn: f64) -> f64 {
+        let (on, turn) = self.on(turn);
+        let share = on.way_at(turn) / on.length();
+        on.from.along(on.order.axis).value() + share * on.way()
+    }
+
+    /// Share of the whole way at a place of the axis.
+    pub(super) fn share(&self, place: f64) -> f64 {
+        let [from, to] = self.ends().map(|end| end.along(self.axis()).value());
+        (place - from) / (to - from)
+    }
+
+    /// Where it begins and where it ends.
+    pub(super) fn ends(&self) -> [Position; 2] {
+        [self.first().from, self.last().order.to]
+    }
+
+    /// A step of the lead is near.
+    pub(super) fn is_at_step(&self, turn: f64) -> bool {
+        let turn = turn + self.first().before;
+        self.0.windows(2).any(|pair| {
+            let step = pair[1].lead_at(0.0) - pair[0].lead_at(pair[0].turns);
+            step.abs() > SAME_LEAD && (turn - pair[1].before).abs() < STEP
+        })
+    }
+
+    /// Its lead is not the same everywhere.
+    pub(super) fn varies(&self) -> bool {
+        self.0.iter().any(|stretch| stretch.order.growth.value() != 0.0)
+            || self.0.windows(2).any(|p| (p[1].lead() - p[0].lead()).abs() > SAME_LEAD)
+    }
+
+    /// Where the material begins: the surface of the first stretch that meets it.
+    pub(super) fn surface(&self) -> Length {
+        let inside =
+            |stretch: &&Stretch| stretch.order.surface != stretch.from.along(stretch.order.axis);
+        self.0.iter().find(inside).unwrap_or(self.first()).order.surface
+    }
+
+    /// Places of the axis where the material begins and where the thread ends.
+    pub(super) fn span(&self) -> [Length; 2] {
+        [self.surface(), self.ends()[1].along(self.axis())]
+    }
+
+    pub(super) fn start_angle(&self) -> Angle {
+        self.first().order.start_angle
+    }
+}
