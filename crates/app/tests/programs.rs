@@ -78,6 +78,55 @@ fn the_bolt_gets_its_thread_in_sixteen_passes() {
     assert!(number("sync_error_max_um") < 10.0 && number("pass_spread_um") < 5.0, "{thread}");
 }
 
+/// The certificate of a program for the lathe, in a Fanuc lathe's words.
+fn turned(program: &str) -> Value {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let out_name = out.to_str().unwrap();
+    let dialect = ["--dialect", "fanuc-lathe-a", "--machine", "lathe"];
+    let output = leadscrew(&[&["run", program, "-q", "--out", out_name][..], &dialect].concat());
+    assert_eq!(output.status.code(), Some(0), "{}{}", said(&output), complained(&output));
+    serde_json::from_str(&std::fs::read_to_string(out.join("certificate.json")).unwrap()).unwrap()
+}
+
+#[test]
+fn the_pockets_of_the_feed_screw_move_apart_turn_by_turn() {
+    let certificate = turned("programs/feed-screw.nc");
+    let screw = &certificate["features"][0];
+    let number = |key: &str| screw[key].as_f64().unwrap();
+    assert!(number("sync_error_max_um") < 5.0 && number("pass_spread_um") < 1.0, "{screw}");
+    // 3 mm, then from Z-3 on 3·n + 0.2·n²/2 for 15 turns, then 6 mm
+    let n_at = |depth: f64| match depth - 3.0 {
+        before if before < 0.0 => before / 3.0,
+        grown if grown < 67.5 => ((9.0 + 0.4 * grown).sqrt() - 3.0) / 0.2,
+        after => 15.0 + (after - 67.5) / 6.0,
+    };
+    let depth_at = |n: f64| {
+        let grown = n.clamp(0.0, 15.0);
+        3.0 + 3.0 * n + 0.1 * grown * grown + 3.0 * (n - 15.0).max(0.0)
+    };
+    let mut text = format!(
+        "{} lead {} growing {} passes {} of {}, Z{} to Z{}, {}\n",
+        screw["kind"].as_str().unwrap(),
+        number("lead_mm"),
+        number("lead_growth_mm"),
+        number("passes"),
+        number("passes_ordered"),
+        number("from_mm"),
+        number("to_mm"),
+        screw["verdict"].as_str().unwrap(),
+    );
+    for turn in screw["leads_mm"].as_array().unwrap() {
+        let [depth, ordered, cut] = [0, 1, 2].map(|i| turn[i].as_f64().unwrap());
+        let n = n_at(depth);
+        let wanted = depth_at(n + 1.0) - depth_at(n);
+        assert!((ordered - wanted).abs() < 2e-6, "{turn}: {wanted}");
+        assert!((cut - wanted).abs() < 2e-3, "{turn}: {wanted}");
+        text += &format!("from {depth:.0} mm on: {ordered:.2} ordered, {cut:.2} cut\n");
+    }
+    insta::assert_snapshot!(text);
+}
+
 #[test]
 fn the_bolt_circles_come_out_of_one_subroutine() {
     insta::assert_snapshot!(verdicts("programs/bolt-circle.ngc"));
