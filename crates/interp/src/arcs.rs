@@ -188,7 +188,8 @@ impl Executor {
         }
         let axes = self.state.plane_axes();
         let named = self.axis_word(axes[0]).or(self.axis_word(axes[1]));
-        if named.is_none() && self.recording.is_none() {
+        let polar = self.words.any(crate::codes::POLAR);
+        if named.is_none() && !polar && self.recording.is_none() {
             return refuse(
                 "I0416",
                 span,

@@ -347,7 +347,9 @@ impl Executor {
     fn stops<S: Sink>(&mut self, sink: &mut S) -> Outcome<After> {
         match self.words.m(MGroup::Stop) {
             Some(2 | 30) => {
-                self.check_nurbs_ended()?;
+                if let Err(fault) = self.check_nurbs_ended() {
+                    self.remarks.push(*fault); // the program ends all the same
+                }
                 self.compensation_off(sink)?;
             }
             Some(0 | 1 | 60) => self.let_go(sink),

@@ -18,6 +18,8 @@ const CONTACT: usize = 5061;
 const TOUCHED: usize = 5070;
 /// How far back from the contact the axes then stand: 0.01 inch.
 const BACK_INCH: f64 = 0.01;
+/// A shorter way is none.
+const SHORTEST: f64 = 1e-9;
 
 impl Executor {
     /// G38.2 … G38.5.
@@ -38,10 +40,8 @@ impl Executor {
         };
         let length = (0..3).map(|i| (to[i] - from[i]).powi(2)).sum::<f64>().sqrt();
         let must_touch = matches!(digit, 2 | 4);
-        if must_touch && length < back {
-            let text = format!(
-                "probing needs a way of at least {back:.4} along X, Y, Z, found {length:.4}"
-            );
+        if must_touch && length < SHORTEST {
+            let text = "probing needs a way along X, Y or Z: this one ends where it begins";
             return refuse("I0572", span, text);
         }
         self.say(sink, &Call::Probe(to));

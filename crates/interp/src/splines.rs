@@ -47,6 +47,8 @@ pub struct ControlPoint {
 pub(crate) struct Nurbs {
     order: usize,
     points: Vec<ControlPoint>,
+    /// One of its blocks was refused: it will not be cut.
+    faulty: bool,
 }
 
 impl Executor {
@@ -88,8 +90,18 @@ impl Executor {
         Ok(())
     }
 
-    /// G5.2 and the blocks after it: one control point each.
+    /// G5.2 and the blocks after it: one control point each. What is wrong with one says nothing about the others.
     pub(crate) fn nurbs_point<S: Sink>(&mut self, sink: &mut S) -> Outcome {
+        let result = self.control_point(sink);
+        if result.is_err() {
+            let none = || Nurbs { order: 3, points: Vec::new(), faulty: true };
+            self.state.nurbs.get_or_insert_with(none).faulty = true;
+            self.state.motion = Motion::Nurbs;
+        }
+        result
+    }
+
+    fn control_point<S: Sink>(&mut self, sink: &mut S) -> Outcome {
         let span = self.words.place.span;
         if let Some(begin) = self.state.nurbs.as_ref().and_then(|nurbs| nurbs.points.first())
             && self.state.incremental
@@ -114,6 +126,7 @@ impl Executor {
         let nurbs = self.state.nurbs.get_or_insert_with(|| Nurbs {
             order: 3,
             points: vec![ControlPoint { at: start, weight }],
+            faulty: false,
         });
         if let Some(order) = order {
             if order < 2 {
@@ -145,6 +158,10 @@ impl Executor {
         let Some(nurbs) = self.state.nurbs.take() else {
             return refuse("I0556", span, "G5.3 ends a NURBS, but none was begun by G5.2");
         };
+        if nurbs.faulty {
+            self.state.motion = Motion::None;
+            return Ok(());
+        }
         if nurbs.points.len() < nurbs.order {
             let text = format!(
                 "a NURBS of order {} needs as many control points, found {}",

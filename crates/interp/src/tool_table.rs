@@ -92,6 +92,12 @@ impl Executor {
             let text = "the empty spindle has no entry in the tool table: P is 1 or more";
             return refuse("I0620", self.words.span(b'P'), text);
         }
+        if !self.words.any(crate::codes::AXES | crate::codes::set("RIJQ")) {
+            let text = format!(
+                "G10 L{kind} needs what it shall set: axis words, R (the radius), I, J (a lathe tool's angles) or Q (where it points)"
+            );
+            return refuse("I0622", self.words.place.span, text);
+        }
         let mut entry = self.tool_entry(number);
         let mm = self.state.units.in_mm();
         if kind == 1 {

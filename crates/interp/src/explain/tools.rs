@@ -34,6 +34,7 @@ pub(super) const ROWS: &[Finding] = &[
         "T1 M6\nG10 L0",
         "T1 M6\nT0 M6\nG10 L0",
     ),
+    row("I0622", "G10 needs what it sets of a tool.", "G10 L1 P1", "G10 L1 P1 Z100"),
     row("I0640", "An output or input has a number.", "M64", "M64 P1"),
     row("I0641", "M66 reads one input.", "M66 L0", "M66 P1 L0"),
     row("I0642", "An analogue output needs its value.", "M68 E0", "M68 E0 Q2.5"),
