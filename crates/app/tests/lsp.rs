@@ -19,8 +19,13 @@ struct Editor {
 
 impl Editor {
     fn start() -> Self {
+        Self::start_with(&[])
+    }
+
+    fn start_with(arguments: &[&str]) -> Self {
         let mut child = Command::new(env!("CARGO_BIN_EXE_leadscrew"))
             .arg("lsp")
+            .args(arguments)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()
@@ -35,7 +40,11 @@ impl Editor {
     }
 
     fn open(text: &str) -> Self {
-        let mut editor = Self::start();
+        Self::start().opened(text)
+    }
+
+    fn opened(self, text: &str) -> Self {
+        let mut editor = self;
         let item = json!({ "uri": URI, "languageId": "gcode", "version": 1, "text": text });
         editor.tell("textDocument/didOpen", json!({ "textDocument": item }));
         editor
@@ -237,6 +246,52 @@ fn formatting_touches_only_the_lines_that_change() {
     assert_eq!(edits.as_array().unwrap().len(), 1);
     assert_eq!(edits[0]["newText"], "G0 X1 Y2 (there)");
     assert_eq!(edits[0]["range"]["start"]["line"], 1);
+    editor.leave();
+}
+
+#[test]
+fn a_range_is_formatted_alone_as_it_would_be_in_the_whole() {
+    let text = "o1 sub\ng0x1\nif [1 gt 0]\ng0x2\no1 endif\no1 endsub\ng0x3\nM2\n";
+    let text = text.replace("\nif", "\no1 if");
+    let mut editor = Editor::open(&text);
+    let mut ask = |method: &str, range: Value| {
+        let params = json!({
+            "textDocument": { "uri": URI },
+            "range": range,
+            "options": { "tabSize": 2, "insertSpaces": true },
+        });
+        editor.ask(&format!("textDocument/{method}"), params).as_array().unwrap().clone()
+    };
+    let whole = ask("formatting", Value::Null);
+    let at = |line: u32, character: u32| json!({ "line": line, "character": character });
+    let part = ask("rangeFormatting", json!({ "start": at(3, 0), "end": at(6, 0) }));
+    let wanted: Vec<_> = whole
+        .iter()
+        .filter(|edit| (3..6).contains(&edit["range"]["start"]["line"].as_u64().unwrap()))
+        .cloned()
+        .collect();
+    assert!(!wanted.is_empty() && wanted.len() < whole.len());
+    assert_eq!(part, wanted);
+    editor.leave();
+}
+
+#[test]
+fn a_goto_leads_to_its_block_and_a_do_to_its_end() {
+    let text = "O1\n#1=0\nWHILE [#1 LT 2] DO1\n#1=#1+1\nEND1\nIF [#1 GT 5] GOTO 90\nG0 X1.\nGOTO 77\nN90 M30\n";
+    let mut editor = Editor::start_with(&["--dialect", "fanuc"]).opened(text);
+    let mut line = |from: u32, character: u32| {
+        editor.at("definition", from, character)["range"]["start"]["line"].as_u64()
+    };
+    assert_eq!(line(5, 17), Some(8)); // GOTO
+    assert_eq!((line(2, 18), line(4, 1)), (Some(4), Some(2))); // DO1, END1
+    assert_eq!(line(2, 8), Some(1)); // #1: where it is set first
+    assert_eq!(line(7, 1), None); // there is no N77
+    let hover = editor.hover(5, 17);
+    assert!(hover.contains("It leads to line 9: `N90 M30`"), "{hover}");
+    let hover = editor.hover(7, 1);
+    assert!(hover.contains("There is no block N77"), "{hover}");
+    let hover = editor.hover(2, 18);
+    assert!(hover.contains("It leads to line 5: `END1`"), "{hover}");
     editor.leave();
 }
 

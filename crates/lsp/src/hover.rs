@@ -1,7 +1,10 @@
 //! What the word under the pointer does here, what is in force, and where the machine stands before and after.
 use crate::analysis::{Analysis, Visit};
 use crate::document::Document;
-use crate::{names, roles};
+use crate::{
+    jumps::{self, Target},
+    names, roles,
+};
 use canon::{Axis, Position};
 use gcode::{Block, Control, Keyword, Parser, Word};
 use interp::{CodeInfo, Dialect, Standing};
@@ -51,12 +54,30 @@ pub(crate) fn at(
         (first, last) = (word.span.start as usize, word.span.end as usize);
     } else if let Some(text) = steering(&block) {
         _ = writeln!(markdown, "{text}\n");
+        if block.control.is_some() {
+            markdown.push_str(&leads_to(document, line, byte));
+        }
     }
     match &visit {
         Some(visit) => markdown.push_str(&around(visit)),
         None => markdown.push_str("This block is never executed.\n"),
     }
     Some(Hover { markdown, from: first, to: last })
+}
+
+/// Where the jump of this block leads.
+fn leads_to(document: &Document, line: usize, byte: usize) -> String {
+    match jumps::target(document, line, byte) {
+        Some(Target::Block(span)) => {
+            let text = &document.text[span.start as usize..span.end as usize];
+            let text = String::from_utf8_lossy(text).replace('`', "'");
+            format!("It leads to line {}: `{}`\n\n", span.line, text.trim())
+        }
+        Some(Target::Missing(number)) => {
+            format!("There is no block N{number} in this program.\n\n")
+        }
+        None => String::new(),
+    }
 }
 
 /// What a block does to the order of execution, or writes.

@@ -21,6 +21,7 @@ mod ahead;
 mod analysis;
 mod document;
 mod hover;
+mod jumps;
 mod names;
 mod outline;
 mod roles;

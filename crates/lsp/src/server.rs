@@ -1,7 +1,11 @@
 //! The conversation: what the editor says, what is answered, and what is done while it says nothing.
 use crate::analysis::Analysis;
 use crate::document::Document;
-use crate::{hover, names, outline};
+use crate::{
+    hover,
+    jumps::{self, Target},
+    names, outline,
+};
 use diag::{Diagnostic, Severity, Span};
 use interp::Lint;
 use lsp_server::{Connection, ErrorCode, Message, Notification, ProtocolError, Request, Response};
@@ -12,7 +16,7 @@ use lsp_types::notification::{
 };
 use lsp_types::request::{
     DocumentSymbolRequest, Formatting, GotoDefinition, HoverRequest, PrepareRenameRequest,
-    References, Rename, Request as _,
+    RangeFormatting, References, Rename, Request as _,
 };
 use lsp_types::{InitializeParams, PositionEncodingKind, Uri};
 use serde_json::{Value, json};
@@ -48,6 +52,7 @@ pub fn serve(connection: &Connection, host: &dyn Host) -> Result<bool, ProtocolE
         "referencesProvider": true,
         "renameProvider": { "prepareProvider": true },
         "documentFormattingProvider": true,
+        "documentRangeFormattingProvider": true,
     });
     let answer = json!({
         "capabilities": capabilities,
@@ -235,6 +240,7 @@ impl Server<'_> {
             PrepareRenameRequest::METHOD => self.prepare_rename(params),
             Rename::METHOD => self.rename(params),
             Formatting::METHOD => self.format(params),
+            RangeFormatting::METHOD => self.format_range(params),
             _ => {
                 let text = format!("{method} is not served");
                 self.send(Response::new_err(id, ErrorCode::MethodNotFound as i32, text));
@@ -284,6 +290,11 @@ impl Server<'_> {
         let Some((line, byte)) = open.document.at(place.position) else { return Ok(Value::Null) };
         if let Some(name) = names::definition(&open.document, line, byte, open.grammar()) {
             return Ok(json!({ "uri": uri, "range": open.range(&name.inner) }));
+        }
+        if open.grammar() == gcode::Grammar::Fanuc
+            && let Some(Target::Block(to)) = jumps::target(&open.document, line, byte)
+        {
+            return Ok(json!({ "uri": uri, "range": open.document.range(to) }));
         }
         let all = names::in_line(&open.document, line, open.grammar());
         let is_call = |name: &&names::Name| matches!(name.kind, names::Kind::O(_));
@@ -349,6 +360,19 @@ impl Server<'_> {
         let params: lsp::DocumentFormattingParams = parsed(params)?;
         let Some(open) = self.open.get(&params.text_document.uri) else { return Ok(Value::Null) };
         Ok(json!(open.format()))
+    }
+
+    /// Only these lines; how they are indented depends on all before them.
+    fn format_range(&self, params: Value) -> Answer {
+        let params: lsp::DocumentRangeFormattingParams = parsed(params)?;
+        let Some(open) = self.open.get(&params.text_document.uri) else { return Ok(Value::Null) };
+        let lsp::Range { start, end } = params.range;
+        // what ends before a line's first letter has nothing of it
+        let last = if end.character == 0 { end.line.saturating_sub(1) } else { end.line };
+        let lines = start.line..=last.max(start.line);
+        let mut edits = open.format();
+        edits.retain(|edit| lines.contains(&edit.range.start.line));
+        Ok(json!(edits))
     }
 }
 

@@ -8,7 +8,12 @@
 //! that never ends, or a file that grows while it is read, cannot fill the memory.
 use crate::Error;
 use diag::{Diagnostic, Span};
-use std::{fs::File, io::Read, ops::Range, path::Path};
+use std::{
+    fs::File,
+    io::{self, Read},
+    ops::Range,
+    path::Path,
+};
 
 /// Bytes a machine file, tool table or parameter file may have.
 pub const SMALL_FILE_LIMIT: u64 = 1 << 20;
@@ -20,8 +25,25 @@ pub const PROGRAM_LIMIT: u64 = 2 << 30;
 /// # Errors
 /// When the file cannot be opened or read, or is larger than `limit`.
 pub fn read_bytes(path: &Path, what: &'static str, limit: u64) -> Result<Vec<u8>, Error> {
+    if is_named_pipe(path) {
+        let why = "it is a named pipe, which waits for whoever writes to it, and no file; what another program writes is read from standard input, by the name -";
+        return Err(Error::file("read", path, io::Error::other(why)));
+    }
     let file = File::open(path).map_err(|cause| Error::file("read", path, cause))?;
     read_stream(file, path, what, limit)
+}
+
+/// Whether nobody may ever write to it. One that a process holds open, such as a shell's `<(…)`, has its writer.
+#[cfg(unix)]
+fn is_named_pipe(path: &Path) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    let open = path.starts_with("/dev") || path.starts_with("/proc");
+    !open && path.metadata().is_ok_and(|about| about.file_type().is_fifo())
+}
+
+#[cfg(not(unix))]
+const fn is_named_pipe(_: &Path) -> bool {
+    false
 }
 
 /// The bytes of a stream such as standard input, as [`read_bytes`]; `path` names it in sentences.
@@ -119,6 +141,19 @@ mod tests {
         let sentence = read_text(&path, "a machine file", 10).unwrap_err().to_string();
         assert!(sentence.ends_with("is larger than the 10 bytes that a machine file may have"));
         assert_eq!(read_text(&path, "a machine file", 11).unwrap().len(), 11);
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn a_named_pipe_is_no_file_and_nobody_waits_for_it() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("pipe.ngc");
+        assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+        let sentence = read_bytes(&path, "a program", 10).unwrap_err().to_string();
+        assert!(
+            sentence.contains("named pipe") && sentence.contains("by the name -"),
+            "{sentence}"
+        );
     }
 
     #[test]
