@@ -14,6 +14,7 @@
 use crate::{
     codes::{self, AXES, GGroup, POLAR},
     execute::Executor,
+    names::ARGUMENTS,
     setup::Dialect,
     state::{Cycle, FeedMode, Motion},
 };
@@ -51,7 +52,14 @@ pub(crate) struct Asked {
     pub(crate) moves: bool,
     /// Subprograms began or ended: #1 to #30 are others there.
     pub(crate) calls: bool,
+    /// How many more began than ended.
+    depth: i32,
+    /// Numbers of a tape's blocks that were looked for: a bit each, by the remainder.
+    jumps: Vec<u64>,
 }
+
+/// Blocks of a tape that are told apart where one was looked for.
+const JUMPS: usize = 1 << 13;
 
 /// A numbered parameter's bit.
 pub(crate) const fn of_number(number: usize) -> u128 {
@@ -75,7 +83,46 @@ impl Asked {
         if number >= SYSTEM {
             self.more();
         }
-        self.read.set(self.read.get() | of_number(number));
+        if !self.is_an_argument(number) {
+            self.read.set(self.read.get() | of_number(number));
+        }
+    }
+
+    /// Of a call that began in this stretch: whoever was there before it has others.
+    const fn is_an_argument(&self, number: usize) -> bool {
+        self.depth > 0 && number <= ARGUMENTS
+    }
+
+    /// A numbered parameter is set.
+    pub(crate) const fn sets(&mut self, number: usize) {
+        if !self.is_an_argument(number) {
+            self.assigned |= of_number(number);
+        }
+    }
+
+    /// A subprogram of O-words begins.
+    pub(crate) const fn enters(&mut self) {
+        (self.calls, self.depth) = (true, self.depth.saturating_add(1));
+    }
+
+    /// It ends.
+    pub(crate) const fn leaves(&mut self) {
+        (self.calls, self.depth) = (true, self.depth.saturating_sub(1));
+    }
+
+    /// A tape's block N of this number is looked for.
+    pub(crate) fn jumps(&mut self, number: u32) {
+        self.jumps.resize(JUMPS / 64, 0);
+        let bit = number as usize % JUMPS;
+        self.jumps[bit / 64] |= 1 << (bit % 64);
+    }
+
+    /// Whether one of these blocks may have been looked for.
+    pub(crate) fn jumps_to(&self, numbers: &[u32]) -> bool {
+        numbers.iter().any(|number| {
+            let bit = *number as usize % JUMPS;
+            self.jumps.get(bit / 64).is_some_and(|bits| bits >> (bit % 64) & 1 == 1)
+        })
     }
 
     pub(crate) fn name(&self, name: &str) {
@@ -113,6 +160,10 @@ impl Asked {
         self.more.set(self.more.get() || before.more.get());
         self.read.set(self.read.get() | before.read.get());
         self.assigned |= before.assigned;
+        self.jumps.resize(self.jumps.len().max(before.jumps.len()), 0);
+        for (own, other) in self.jumps.iter_mut().zip(&before.jumps) {
+            *own |= other;
+        }
         // which came first is not known any more
         self.initial |=
             before.initial || (self.holes || before.holes) && (self.moves || before.moves);

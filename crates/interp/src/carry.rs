@@ -44,6 +44,11 @@ impl Snapshot {
         Some(new)
     }
 
+    /// Whether this one's stretch may have looked for one of these blocks of its tape.
+    pub fn jumps_to(&self, numbers: &[u32]) -> bool {
+        self.executor.asked.jumps_to(numbers)
+    }
+
     /// What this one's stretch and the one before it have asked for, as one.
     pub fn join(&mut self, before: &Self) {
         self.executor.asked.join(&before.executor.asked);

@@ -7,7 +7,8 @@
 //!
 //! A first jump costs a reading of the whole text, so whoever executes a text in pieces hands them on from piece to
 //! piece. What steers (O-words but calls and returns; of a tape O, N, DO and END) is compared line by line: as long
-//! as an edit leaves it as it was, whatever else it changes, jumps lead where they led before.
+//! as an edit leaves it as it was, whatever else it changes, jumps lead where they led before. So they do where O-words
+//! that belong together come or go; and on a tape all those but the jumps to the numbers that have come or gone.
 use crate::{
     Interpreter, Shift,
     fanuc::Tape,
@@ -24,6 +25,17 @@ pub struct Contents {
     pages: Box<Pages>,
 }
 
+/// What an edit has done to what steers.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Steering {
+    /// It leads where it led.
+    Same,
+    /// Jumps of a tape to these numbers may lead elsewhere.
+    Jumps(Vec<u32>),
+    /// It is not known what steers.
+    Unknown,
+}
+
 /// The lines that an edit touched, in the text as it is now.
 pub(crate) struct Edited<'a> {
     /// The text up to their end.
@@ -36,18 +48,25 @@ pub(crate) struct Edited<'a> {
 }
 
 impl Contents {
-    /// Take in an edit of the program's text, whose first line touched begins at `first` (byte and line). False if it
-    /// changed what steers, or if it is not known what steers.
-    pub fn edited(&mut self, source: &[u8], shift: &Shift, first: At, grammar: Grammar) -> bool {
+    /// Take in an edit of the program's text, whose first line touched begins at `first` (byte and line).
+    pub fn edited(
+        &mut self,
+        source: &[u8],
+        shift: &Shift,
+        first: At,
+        grammar: Grammar,
+    ) -> Steering {
         let edited = Edited::of(source, shift, first);
         self.pages.edited(&edited);
         if grammar == Grammar::Fanuc {
-            self.tape = self.tape.take().and_then(|tape| tape.edited(&edited));
-            return self.tape.is_some();
+            let changed = self.tape.take().and_then(|tape| tape.edited(&edited));
+            let Some((tape, changed)) = changed else { return Steering::Unknown };
+            self.tape = Some(tape);
+            return if changed.is_empty() { Steering::Same } else { Steering::Jumps(changed) };
         }
-        let Some(own) = self.outlines.first_mut() else { return false };
+        let Some(own) = self.outlines.first_mut() else { return Steering::Unknown };
         *own = own.take().and_then(|outline| outline.edited(&edited));
-        own.is_some()
+        if own.is_some() { Steering::Same } else { Steering::Unknown }
     }
 }
 

@@ -19,7 +19,7 @@ pub(crate) struct Frame {
     pub(crate) file: usize,
     pub(crate) back: At,
     /// Loops of the caller that count.
-    repeats: Vec<(usize, u64)>,
+    pub(crate) repeats: Vec<(u32, u64)>,
     /// Of M98: where the subprogram begins, and how often it is still to be executed after this.
     pub(crate) again: Option<(At, u32)>,
 }
@@ -153,25 +153,27 @@ impl Interpreter<'_> {
         if count < 1.0 {
             self.jump_after(end);
         } else {
-            self.repeats.push((begin, count as u64));
+            self.repeats.push((self.outline().marks[begin].at.0, count as u64));
         }
         Ok(())
     }
 
     fn end_repeat(&mut self, begin: usize) {
+        let Some(at) = self.outline().marks.get(begin).map(|mark| mark.at.0) else { return };
         match self.repeats.last_mut() {
-            Some((mark, left)) if *mark == begin && *left > 1 => {
+            Some((mark, left)) if *mark == at && *left > 1 => {
                 *left -= 1;
                 self.jump_after(begin);
             }
-            Some((mark, _)) if *mark == begin => _ = self.repeats.pop(),
+            Some((mark, _)) if *mark == at => _ = self.repeats.pop(),
             _ => {}
         }
     }
 
     /// Loops begun at or after a mark are over.
     fn forget_repeats(&mut self, mark: usize) {
-        while self.repeats.last().is_some_and(|(begin, _)| *begin >= mark) {
+        let from = self.outline().marks.get(mark).map_or(u32::MAX, |mark| mark.at.0);
+        while self.repeats.last().is_some_and(|(begin, _)| *begin >= from) {
             self.repeats.pop();
         }
     }
@@ -192,7 +194,7 @@ impl Interpreter<'_> {
             *argument = self.executor.values().evaluate(&self.block, *value, span)?;
         }
         self.enter(file, mark, None, span)?;
-        self.executor.asked.calls = true;
+        self.executor.asked.enters();
         self.executor.store.enter(&arguments[..count]);
         Ok(())
     }
@@ -281,7 +283,7 @@ impl Interpreter<'_> {
             let span = self.block.o.map_or(self.block.span, |o| o.span);
             return refuse("I0312", span, "no subprogram is being executed here");
         }
-        self.executor.asked.calls = true;
+        self.executor.asked.leaves();
         self.executor.store.leave();
         self.leave(sink)
     }

@@ -1,6 +1,6 @@
 //! The program, block by block: reads, follows O-words, executes, collects what was found.
 use crate::{
-    asked::{of_name, of_number},
+    asked::of_name,
     call::{Call, Sink},
     execute::{After, Executor},
     fanuc::Fanuc,
@@ -46,8 +46,8 @@ pub struct Interpreter<'s> {
     pub(crate) block: Block,
     pub(crate) executor: Executor,
     pub(crate) frames: Vec<Frame>,
-    /// Counting loops of this level: mark of their begin, rounds left.
-    pub(crate) repeats: Vec<(usize, u64)>,
+    /// Counting loops of this level: the byte where they begin, rounds left.
+    pub(crate) repeats: Vec<(u32, u64)>,
     /// The `elseif` ahead is to be asked.
     pub(crate) choosing: bool,
     pub(crate) ended: bool,
@@ -277,7 +277,7 @@ impl<'s> Interpreter<'s> {
             match (assignment.target, *number) {
                 (Parameter::Numbered(_), Some(number)) => {
                     let number = crate::names::number(number, span)?;
-                    self.executor.asked.assigns(of_number(number));
+                    self.executor.asked.sets(number);
                     crate::names::assign(&mut self.executor.store, number, value, span)?;
                 }
                 (Parameter::Named(name), _) => {

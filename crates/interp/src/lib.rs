@@ -87,7 +87,7 @@ pub use call::{
 };
 pub use cam::CamCall;
 pub use catalogue::{CodeInfo, codes, describe, describe_in, dialect_codes};
-pub use contents::Contents;
+pub use contents::{Contents, Steering};
 pub use explain::{Finding, example_setup, explain, findings};
 pub use frame::{Frame, Point};
 pub use hobbing::HobOrder;

@@ -10,6 +10,7 @@
 //! Made when a file's first O-word is executed, by one reading of the whole file: a program without
 //! O-words costs nothing, and every word without its partner is reported at once.
 use crate::{contents::Edited, fault::error};
+use core::ops::Range;
 use diag::{Diagnostic, Span};
 use gcode::{Block, Keyword, Label, Parser};
 use std::collections::HashMap;
@@ -63,8 +64,13 @@ impl Outline {
     /// Read a file's O-words. What does not fit together comes back beside it.
     pub(crate) fn of(source: &[u8], file: u16) -> (Self, Vec<Diagnostic>) {
         let (marks, mut faults) = read(source, file, (0, 1));
+        let outline = Self::with(marks, &mut faults);
+        (outline, faults)
+    }
+
+    fn with(marks: Vec<Mark>, faults: &mut Vec<Diagnostic>) -> Self {
         let mut outline = Self { marks, subs: HashMap::new(), numbered: Vec::new() };
-        outline.join(&mut faults);
+        outline.join(faults);
         for (i, mark) in outline.marks.iter().enumerate() {
             if mark.keyword == Keyword::Sub {
                 let first = *outline.subs.entry(mark.key.clone()).or_insert(i);
@@ -81,27 +87,62 @@ impl Outline {
         let numbers = outline.subs.iter().filter_map(|(key, i)| Some((key.parse().ok()?, *i)));
         outline.numbered = numbers.collect();
         outline.numbered.sort_unstable();
-        (outline, faults)
+        outline
     }
 
-    /// The same after an edit, if its O-words are still the same.
+    /// The same after an edit, if its O-words are still the same; or if all that is without those in the lines edited
+    /// still belongs together as it did.
     pub(crate) fn edited(mut self, edited: &Edited<'_>) -> Option<Self> {
         let (new, faults) = read(edited.source, 0, edited.first);
         let first = self.marks.partition_point(|mark| mark.at.0 < edited.first.0);
         let count = self.marks[first..].iter().take_while(|mark| edited.had(mark.at)).count();
         let same = |(old, new): (&Mark, &Mark)| (&old.key, old.keyword) == (&new.key, new.keyword);
         let old = &self.marks[first..first + count];
-        if !faults.is_empty() || old.len() != new.len() || !old.iter().zip(&new).all(same) {
+        if !faults.is_empty() {
             return None;
         }
+        let same = old.len() == new.len() && old.iter().zip(&new).all(same);
         for mark in &mut self.marks[first + count..] {
             (mark.at, mark.after) = (edited.moved(mark.at), edited.moved(mark.after));
             edited.shift.span(&mut mark.span);
+        }
+        if !same {
+            return self.spliced(first..first + count, new);
         }
         for (mark, new) in self.marks[first..].iter_mut().zip(new) {
             (mark.at, mark.after, mark.span) = (new.at, new.after, new.span);
         }
         Some(self)
+    }
+
+    /// Others in the place of these, if the rest belongs together as it did.
+    fn spliced(self, old: Range<usize>, new: Vec<Mark>) -> Option<Self> {
+        let called = |mark: &Mark| matches!(mark.keyword, Keyword::Sub | Keyword::Program);
+        if self.marks[old.clone()].iter().chain(&new).any(called) {
+            return None;
+        }
+        let more = new.len();
+        let place = |i: usize| match i {
+            usize::MAX => Some(i),
+            i if i < old.start => Some(i),
+            i => Some(i.checked_sub(old.end)? + old.start + more),
+        };
+        let mut marks = self.marks.clone();
+        marks.splice(old.clone(), new);
+        for mark in &mut marks {
+            (mark.partner, mark.end, mark.closes_do) = (usize::MAX, usize::MAX, false);
+        }
+        let mut faults = Vec::new();
+        let joined = Self::with(marks, &mut faults);
+        let is_kept = |(i, mark): (usize, &Mark)| {
+            let other = place(i).and_then(|i| joined.marks.get(i));
+            other.is_some_and(|other| {
+                let ends = (place(mark.partner), place(mark.end), mark.closes_do);
+                ends == (Some(other.partner), Some(other.end), other.closes_do)
+            })
+        };
+        let mut rest = self.marks.iter().enumerate().filter(|(i, _)| !old.contains(i));
+        (faults.is_empty() && rest.all(is_kept)).then_some(joined)
     }
 
     /// The mark of the block at this byte.

@@ -70,10 +70,16 @@ impl Shift {
     }
 }
 
+/// Where loops begin, in the edited text.
+fn shift_loops(loops: &mut [(u32, u64)], shift: &Shift) -> Option<()> {
+    loops.iter_mut().try_for_each(|(begin, _)| shift.byte(*begin).map(|moved| *begin = moved))
+}
+
 impl Frame {
     /// Where it goes back to, in the edited text.
     fn shift(&mut self, shift: &Shift) -> Option<()> {
         if self.file == 0 {
+            shift_loops(&mut self.repeats, shift)?;
             self.back = shift.at(self.back)?;
             if let Some((begin, _)) = &mut self.again {
                 *begin = shift.at(*begin)?; // M98 calls within a file
@@ -102,6 +108,9 @@ impl Snapshot {
         let Some(at) = self.positions.first_mut() else { return false };
         let Some(moved) = shift.at(*at) else { return false };
         *at = moved;
+        if self.file == 0 && shift_loops(&mut self.repeats, shift).is_none() {
+            return false;
+        }
         self.executor.shift(shift);
         let fanuc = self.fanuc.as_mut().is_none_or(|fanuc| fanuc.shift(shift).is_some());
         fanuc && self.frames.iter_mut().all(|frame| frame.shift(shift).is_some())
@@ -176,7 +185,7 @@ impl Resolver {
 
     /// Whether the same calls would become the same operations.
     pub fn stands_as(&self, other: &Self) -> bool {
-        let modes = |it: &Self| (it.tool, it.units, it.path, it.path_said, it.pitch_said);
+        let modes = |it: &Self| (it.tool, it.units, it.path, it.path_said, it.pitch_said, it.zone);
         self.ops.is_empty()
             && other.ops.is_empty()
             && self.with_motion.is_empty()

@@ -23,7 +23,7 @@ use std::collections::HashSet;
 pub struct Snapshot {
     pub(crate) executor: Executor,
     pub(crate) frames: Vec<Frame>,
-    pub(crate) repeats: Vec<(usize, u64)>,
+    pub(crate) repeats: Vec<(u32, u64)>,
     pub(crate) file: usize,
     pub(crate) positions: Vec<At>,
     pub(crate) place: Span,

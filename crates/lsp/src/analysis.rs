@@ -15,7 +15,10 @@ use crate::ahead::Found;
 use crate::document::{Document, Edit};
 use crate::slice::{Notes, Slice};
 use diag::Diagnostic;
-use interp::{Contents, Interpreter, Progress, Resolver, Setup, Silence, Snapshot, Standing};
+use gcode::Grammar;
+use interp::{
+    Contents, Interpreter, Progress, Resolver, Setup, Silence, Snapshot, Standing, Steering,
+};
 use std::collections::{HashSet, VecDeque};
 
 /// Blocks between two snapshots, at first.
@@ -75,23 +78,26 @@ impl Analysis {
     /// Take in an edit that the document has taken in.
     pub(crate) fn edited(&mut self, edit: &Edit, document: &Document) {
         let grammar = self.setup.dialect.grammar();
-        let same = self.contents.edited(&document.text, &edit.shift, edit.first, grammar);
-        // what steers Fanuc's tapes may stand in any line
-        let steers = !same && (edit.o_words || grammar == gcode::Grammar::Fanuc);
+        let steering = match self.contents.edited(&document.text, &edit.shift, edit.first, grammar)
+        {
+            // what steers Fanuc's tapes may stand in any line
+            Steering::Unknown if !edit.o_words && grammar == Grammar::Rs274 => Steering::Same,
+            steering => steering,
+        };
         // lines count: what they mean by #<_line> is not what it was
         let renumbered = edit.shift.lines != 0 && asks_for_lines(&document.text);
         let mut all = core::mem::take(&mut self.kept).into_iter();
         while let Some(mut slice) = all.next() {
             let holds = !(slice.reads(&edit.shift)
-                || steers && slice.steered
+                || slice.is_steered(&steering)
                 || renumbered && slice.goes_behind(&edit.shift));
-            if holds && slice.shift(edit) {
+            if holds && slice.shift(edit, &steering) {
                 self.kept.push(slice);
                 continue;
             }
             let lost = holds; // the place it ended at
             let rest: Vec<_> = (!lost).then_some(slice).into_iter().chain(all).collect();
-            self.outdate(rest, edit, steers, renumbered, !lost);
+            self.outdate(rest, edit, &steering, renumbered, !lost);
             break;
         }
         self.follow_on();
@@ -102,21 +108,22 @@ impl Analysis {
         &mut self,
         slices: Vec<Slice>,
         edit: &Edit,
-        steers: bool,
+        steering: &Steering,
         renumbered: bool,
         mut linked: bool,
     ) {
         let stale = core::mem::take(&mut self.stale);
         let mut behind = false;
         for mut slice in slices.into_iter().chain(stale) {
-            if renumbered || steers && slice.steered {
+            let elsewhere = slice.is_steered(steering);
+            if renumbered || elsewhere && *steering == Steering::Unknown {
                 break;
             }
-            behind |= slice.reads(&edit.shift);
+            behind |= elsewhere || slice.reads(&edit.shift);
             if behind {
                 slice.recount(i64::from(edit.shift.lines)); // about as many blocks
             }
-            let stands = slice.shift(edit);
+            let stands = slice.shift(edit, steering);
             slice.linked &= linked;
             linked = stands;
             if stands {

@@ -168,6 +168,8 @@ const STEERING: &[&str] = &[
     "o4 endsub",
     "o4 call [2]",
     "o4 call",
+    "o5 if [#1 gt 2]\no5 endif",
+    "o6 repeat [2]\nX1\no6 endrepeat",
     "M2",
     "%",
 ];
@@ -186,6 +188,9 @@ const FANUC: &[&str] = &[
     "X[",
     "IF [#100 LT 3] GOTO 5",
     "N5",
+    "IF [#100 LT 5] GOTO 6",
+    "N6 X3.",
+    "GOTO 6",
     "WHILE [#100 LT 4] DO1",
     "END1",
     "M98 P7",

@@ -22,7 +22,12 @@ pub(crate) struct Edit {
     pub(crate) first: (u32, u32),
     /// Whether lines with O-words may have come, gone or changed.
     pub(crate) o_words: bool,
+    /// Whether those lines may call or begin a subprogram of O-words.
+    pub(crate) subprograms: bool,
 }
+
+/// Words of O-words that name a subprogram.
+const SUBPROGRAMS: [&str; 2] = ["SUB", "CALL"];
 
 impl Document {
     pub(crate) fn new(text: String, encoding: &PositionEncodingKind) -> Self {
@@ -57,15 +62,19 @@ impl Document {
             }
             None => (0, self.text.len()),
         };
-        let o_words = change.range.is_none() || self.o_word_near(from, to);
+        let all = change.range.is_none();
+        let o_words = all || self.o_word_near(from, to);
+        let subprograms = o_words && (all || self.has_near(from, to, &SUBPROGRAMS));
         let first = self.starts.partition_point(|start| *start as usize <= from).max(1);
         let first = (self.starts[first - 1], first as u32);
         let end = from + change.text.len();
         let lines = self.move_lines(from, to, change.text.as_bytes());
         self.text.splice(from..to, change.text.into_bytes());
         let o_words = o_words || self.o_word_near(from, end);
+        let subprograms = subprograms || o_words && self.has_near(from, end, &SUBPROGRAMS);
         let [from, old_end, new_end] = [from, to, end].map(|byte| byte as u32);
-        Edit { shift: Shift { from, old_end, new_end, lines }, first, o_words }
+        let shift = Shift { from, old_end, new_end, lines };
+        Edit { shift, first, o_words, subprograms }
     }
 
     /// Where lines begin once these bytes are replaced by this text; how many lines more there are then.
@@ -92,6 +101,11 @@ impl Document {
 
     /// Whether a line that these bytes lie in may call one of Fanuc's programs: M98, M198, G65, G66.
     pub(crate) fn may_call(&self, from: usize, to: usize) -> bool {
+        self.has_near(from, to, &["M98", "M198", "G65", "G66"])
+    }
+
+    /// Whether a line that these bytes lie in has one of these texts in it, blanks apart.
+    fn has_near(&self, from: usize, to: usize, texts: &[&str]) -> bool {
         let to = to.min(self.text.len());
         let first =
             self.text[..from.min(to)].iter().rposition(|b| *b == b'\n').map_or(0, |at| at + 1);
@@ -101,9 +115,7 @@ impl Document {
             .filter(|b| !matches!(b, b' ' | b'\t'))
             .map(u8::to_ascii_uppercase)
             .collect();
-        [&b"M98"[..], b"M198", b"G65", b"G66"]
-            .iter()
-            .any(|call| memchr::memmem::find(&dense, call).is_some())
+        texts.iter().any(|text| memchr::memmem::find(&dense, text.as_bytes()).is_some())
     }
 
     /// Line and byte of a place of the editor's; nothing behind the last line.
@@ -181,7 +193,7 @@ mod tests {
         let edit = document.apply(change((1, 1), (1, 2), "77"));
         assert_eq!(document.text, b"G21\nX77\nX2\n");
         let shift = Shift { from: 5, old_end: 6, new_end: 7, lines: 0 };
-        assert_eq!(edit, Edit { shift, first: (4, 2), o_words: false });
+        assert_eq!(edit, Edit { shift, first: (4, 2), o_words: false, subprograms: false });
         assert!(document.apply(change((2, 0), (2, 0), "o1 sub\n")).o_words);
         assert_eq!(document.lines(), 5);
     }

@@ -208,7 +208,7 @@ impl Server<'_> {
             open.analysis.edited(&edit, &open.document);
             let (from, to) = (edit.shift.from as usize, edit.shift.new_end as usize);
             o_words |= match open.grammar() {
-                gcode::Grammar::Rs274 => edit.o_words,
+                gcode::Grammar::Rs274 => edit.subprograms,
                 gcode::Grammar::Fanuc => open.document.may_call(from, to),
             };
         }

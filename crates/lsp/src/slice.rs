@@ -1,7 +1,7 @@
 //! A stretch of a program's execution: what it read, what it found, and how things stood at its end.
 use crate::document::Edit;
 use diag::Diagnostic;
-use interp::{Resolver, Shift, Snapshot};
+use interp::{Resolver, Shift, Snapshot, Steering};
 
 /// Stretches of the text that a slice keeps apart at most.
 const MOST_STRETCHES: usize = 16;
@@ -126,6 +126,15 @@ impl Slice {
         self.notes.bytes.iter().any(hit) || self.snapshot.has_ended() && hit(&(from, u32::MAX))
     }
 
+    /// Whether it goes otherwise where what steers is not what it was.
+    pub(crate) fn is_steered(&self, steering: &Steering) -> bool {
+        match steering {
+            Steering::Same => false,
+            Steering::Jumps(numbers) => self.snapshot.jumps_to(numbers),
+            Steering::Unknown => self.steered,
+        }
+    }
+
     /// Whether it has read something that lies behind an edit.
     pub(crate) fn goes_behind(&self, edit: &Shift) -> bool {
         self.notes.bytes.iter().any(|(_, to)| edit.from <= *to)
@@ -133,9 +142,9 @@ impl Slice {
 
     /// The same in the edited text; false if it cannot be said any more how things stood at its end.
     #[must_use]
-    pub(crate) fn shift(&mut self, edit: &Edit) -> bool {
+    pub(crate) fn shift(&mut self, edit: &Edit, steering: &Steering) -> bool {
         let Edit { shift, first, .. } = edit;
-        if self.reads(shift) {
+        if self.reads(shift) || self.is_steered(steering) {
             self.linked = false;
             self.notes = Notes::default();
             self.findings.clear();

@@ -129,7 +129,10 @@ impl Fanuc {
         let span = it.block.span;
         let whole = near_whole(number).and_then(|n| u32::try_from(n).ok()).filter(|n| *n > 0);
         let found = match whole {
-            Some(whole) => self.tape(it)?.block(whole, it.file, from),
+            Some(whole) => {
+                it.executor.asked.jumps(whole);
+                self.tape(it)?.block(whole, it.file, from)
+            }
             None => None,
         };
         if let Some(place) = found {
@@ -144,6 +147,7 @@ impl Fanuc {
     /// The block N of the program at hand.
     pub(super) fn block_at(&mut self, it: &mut Interpreter<'_>, number: u32) -> Option<Place> {
         let (file, from) = (it.file, it.block.span.start);
+        it.executor.asked.jumps(number);
         self.tape(it).ok().and_then(|tape| tape.block(number, file, from))
     }
 
@@ -156,6 +160,7 @@ impl Fanuc {
             None => Place { file: it.file, at: (it.block.span.start, 0) }, // of the program at hand
         };
         let Some(number) = start else { return self.enter(it, program, begin, times, None) };
+        it.executor.asked.jumps(number);
         match self.tape(it)?.block(number, begin.file, begin.at.0) {
             Some(place) => self.enter(it, program.or(self.program), place, times, None),
             None => {

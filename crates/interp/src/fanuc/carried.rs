@@ -41,11 +41,13 @@ impl Fanuc {
 
     /// Whether the block at hand is one that machining centres have by the thousand.
     pub(super) fn is_plain(&self, ex: &Executor) -> bool {
-        let plain = |said: &Said| match (said.letter, tenths(said.value)) {
-            (b'G', Some(code)) => {
-                matches!(code, 0..=30 | 170..=190 | 730 | 800..=830 | 850 | 890..=910 | 980 | 990)
-            }
-            (letter, _) => b"XYZUVWIJKRPQLF".contains(&letter),
+        let plain = |said: &Said| match said.letter {
+            b'G' => matches!(
+                tenths(said.value),
+                Some(0..=30 | 170..=190 | 730 | 800..=830 | 850 | 890..=910 | 980 | 990)
+            ),
+            b'F' | b'I'..=b'L' | b'P'..=b'R' | b'U'..=b'Z' => true,
+            _ => false,
         };
         self.kind == Kind::Mill
             && self.called.is_none()

@@ -55,7 +55,7 @@ impl Fanuc {
             ..Sense::default()
         };
         let mut plain_offset = false;
-        for word in said {
+        for word in said.iter().filter(|word| matches!(word.letter, b'G' | b'M')) {
             match (word.letter, tenths(word.value)) {
                 (b'G', Some(code)) => match meaning(self.kind, code) {
                     Meaning::Shared(40) => sense.dwell = true,

@@ -72,9 +72,13 @@ impl Tape {
             let name = names.get(file).map_or("", String::as_str);
             tape.read(file, source, name, &mut faults);
         }
-        tape.sorted = (0..tape.numbers.len() as u32).collect();
-        tape.sorted.sort_by_key(|i| tape.numbers[*i as usize].0);
+        tape.sort();
         (tape, faults)
+    }
+
+    fn sort(&mut self) {
+        self.sorted = (0..self.numbers.len() as u32).collect();
+        self.sorted.sort_by_key(|i| self.numbers[*i as usize].0);
     }
 
     fn read(&mut self, file: usize, source: &[u8], name: &str, faults: &mut Vec<Diagnostic>) {
@@ -142,9 +146,9 @@ impl Tape {
         faults.extend(open.into_iter().map(|(level, _, span)| not_closed(level, span)));
     }
 
-    /// The same after an edit, if its programs, numbered blocks and loops are still the same ones; none where a program
-    /// or a loop begins or ends in the lines edited.
-    pub(crate) fn edited(mut self, edited: &Edited<'_>) -> Option<Self> {
+    /// The same after an edit, and the numbers of blocks that have come, gone or changed their place among the others;
+    /// none where a program or a loop begins or ends in the lines edited.
+    pub(crate) fn edited(mut self, edited: &Edited<'_>) -> Option<(Self, Vec<u32>)> {
         let mut parser = Parser::with_grammar(edited.source, 0, Grammar::Fanuc);
         let mut block = Block::new();
         parser.seek(edited.first.0, edited.first.1);
@@ -160,20 +164,16 @@ impl Tape {
             }
         }
         for program in self.programs.iter_mut().filter(|program| program.file == 0) {
-            let begin = program.begin.after.max(program.begin.at);
-            if edited.had(begin) || program.number.is_some() && edited.had(program.begin.at) {
+            let Mark { at, after } = program.begin;
+            // one with a number begins behind it, whatever stands there
+            let first = program.number.is_some() && after == edited.first;
+            let touched = edited.had(after.max(at)) && !first;
+            if touched || program.number.is_some() && edited.had(at) {
                 return None;
             }
             program.begin = program.begin.moved(edited);
         }
-        let mut new = new.into_iter();
-        for (number, place) in self.numbers.iter_mut().filter(|(_, place)| place.file == 0) {
-            if edited.had(place.at) {
-                *place = new.next().filter(|new| new.0 == *number)?.1;
-            } else {
-                place.at = edited.moved(place.at);
-            }
-        }
+        let changed = self.renumber(new, edited);
         for ((file, byte), other) in core::mem::take(&mut self.loops) {
             if file > 0 {
                 self.loops.insert((file, byte), other);
@@ -184,7 +184,27 @@ impl Tape {
             }
             self.loops.insert((0, edited.moved((byte, 0)).0), other.moved(edited));
         }
-        new.next().is_none().then_some(self)
+        Some((self, changed))
+    }
+
+    /// These numbered blocks in the place of those in the lines edited; which numbers are not where they were.
+    fn renumber(&mut self, new: Vec<(u32, Place)>, edited: &Edited<'_>) -> Vec<u32> {
+        // the program's own come first, in the order of the text
+        let own = self.numbers.partition_point(|(_, place)| place.file == 0);
+        let before = self.numbers[..own].partition_point(|(_, at)| at.at.0 < edited.first.0);
+        let count = self.numbers[before..own].iter().take_while(|n| edited.had(n.1.at)).count();
+        for (_, place) in &mut self.numbers[before + count..own] {
+            place.at = edited.moved(place.at);
+        }
+        let numbers = |all: &[(u32, Place)]| all.iter().map(|n| n.0).collect::<Vec<_>>();
+        let now = numbers(&new);
+        let then = numbers(&self.numbers[before..before + count]);
+        self.numbers.splice(before..before + count, new);
+        if now == then {
+            return Vec::new();
+        }
+        self.sort();
+        [now, then].concat()
     }
 
     /// The number of the program that a file is: what its name says.
