@@ -224,3 +224,37 @@ fn a_call_of_a_tape_goes_back_to_where_its_block_has_moved() {
     let text = program(head, body, "M30\nO7\nX#101\nM99");
     holds_over_edits(Dialect::Fanuc, text, &[(3, 1, "G49\n".to_owned(), 35)]);
 }
+
+#[test]
+fn numbered_blocks_and_o_words_come_and_go_without_the_rest_being_executed_again() {
+    let round = |i: u32| format!("IF[#101 LT 5.]GOTO{i}\n#101=0\nN{i} G1 X{}.\n", i % 97);
+    let tape: String = (10..9000).map(round).collect();
+    let round = |i: u32| format!("o{i} if [#5 gt 50]\n#5=0\no{i} endif\nX{}\n", i % 97);
+    let loops: String = (10..6000).map(round).collect();
+    let of_tape = [(6, "N9 X7."), (6, "X5."), (1, "(note)\nG90"), (7, "N9 X7.\nN8 X8.")];
+    let of_loops = [(5, "o1 if [1]\no1 endif"), (7, "X3"), (7, "o2 repeat [2]\nX1\no2 endrepeat")];
+    for (dialect, text, edits) in [
+        (
+            Dialect::Fanuc,
+            program("O1\nG21 G90\nF100. G1\nG54\nX0. Y0.\n#101=1.\nX1.\n", &tape, "M30"),
+            &of_tape[..],
+        ),
+        (
+            Dialect::LinuxCnc,
+            program("G21 G90\nF100 G1\nG54\nX0 Y0\n#5=1\nX1\nX2\n", &loops, "M2"),
+            &of_loops,
+        ),
+    ] {
+        let mut document = Document::new(text, &PositionEncodingKind::UTF16);
+        let mut analysis = Analysis::new(Setup { dialect, ..interp::example_setup(dialect) });
+        finish(&document, &mut analysis);
+        for (line, text) in edits {
+            let edit = document.apply(replace(*line, text));
+            analysis.edited(&edit, &document);
+            let end = document.lines() as u32 - 2;
+            let steps = steps(&document, &mut analysis, end);
+            assert!(steps < 3 * SLICE, "{steps} blocks after {text}");
+            finish(&document, &mut analysis);
+        }
+    }
+}

@@ -163,10 +163,13 @@ impl Tape {
                 new.push((number as u32, Place { file: 0, at }));
             }
         }
+        // behind its number a program begins, whatever stands there
+        let begins =
+            |program: &Program| program.number.is_some() && program.begin.after == edited.first;
+        let behind_number = self.programs.iter().any(begins);
         for program in self.programs.iter_mut().filter(|program| program.file == 0) {
             let Mark { at, after } = program.begin;
-            // one with a number begins behind it, whatever stands there
-            let first = program.number.is_some() && after == edited.first;
+            let first = behind_number && after == edited.first;
             let touched = edited.had(after.max(at)) && !first;
             if touched || program.number.is_some() && edited.had(at) {
                 return None;
