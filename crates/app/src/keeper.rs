@@ -251,6 +251,7 @@ impl Keeper {
                 theta0: tap.theta0,
                 z0: tap.z0,
                 lead: tap.lead,
+                growth: tap.growth,
                 start: tap.start,
                 bottom: tap.bottom,
                 surface: tap.surface,

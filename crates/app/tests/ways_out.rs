@@ -61,6 +61,22 @@ fn a_threading_pass_is_left_along_x_and_turned_again_after_a_kill_or_a_power_cut
 }
 
 #[test]
+fn a_thread_whose_lead_grows_is_left_along_x_and_its_axis_goes_back_by_itself() {
+    let text = program("feed-screw.nc");
+    let machine = ["--machine", "lathe", "--dialect", "fanuc-lathe-a"];
+    for stop in ["--kill-control-at", "--power-cut-at"] {
+        let (iron, answer) = stopped(&text, &machine, &[stop, "3.0"], "threading pass");
+        // from X9.7, by a diameter of 0.6 less each pass, to X13
+        assert!((number(&answer, "retreat_mm") - 3.3).abs() < 0.05, "{stop}: {answer:#}");
+        // a drive that brakes along the tangent for part of a turn is off by 0.1·n²
+        assert!(number(&answer, "phase_error_before_um").abs() < 50.0, "{stop}: {answer:#}");
+        assert!(answer["moved_first"].as_str().unwrap().contains("Z back by itself"), "{answer:#}");
+        assert!((number(&iron.status(), "z_mm") - -281.0).abs() < 0.05, "{:#}", iron.status());
+        assert!(answer["note"].is_null(), "{answer:#}");
+    }
+}
+
+#[test]
 fn a_gear_is_left_along_x_and_it_is_said_how_far_the_work_was_off_its_hob() {
     let (text, machine) = (program("gear-m2-z40.nc"), ["--machine", "gear-hobber"]);
     for stop in [&["--kill-control-at", "60"][..], &["--power-cut-at", "60"]] {

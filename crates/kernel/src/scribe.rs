@@ -12,7 +12,7 @@
 //! axes are still on their way, and nobody waits. Where it comes otherwise, the wish is renewed at the hole.
 use alloc::collections::VecDeque;
 use plan::{TapPlan, TiedCut, WayOut};
-use units::{Angle, Lead, Length, Spin, Time};
+use units::{Angle, Lead, LeadGrowth, Length, Spin, Time};
 
 /// How long a tap waits for its record.
 pub const RECORD_WAIT: Time = Time::s(2.0);
@@ -46,6 +46,8 @@ pub struct WorkRecord {
     pub z0: Length,
     /// Axis travel per positive turn; zero where there is no thread.
     pub lead: Lead,
+    /// By how much that grows with each turn of a turned thread.
+    pub growth: LeadGrowth,
     /// Where the way out ends.
     pub start: Length,
     /// Where the spindle turns back.
@@ -104,6 +106,7 @@ impl WorkRecord {
             theta0,
             z0: start,
             lead: plan.lead,
+            growth: LeadGrowth::ZERO,
             start,
             bottom: plan.bottom,
             surface: plan.surface,
@@ -125,6 +128,7 @@ impl WorkRecord {
             theta0: Angle::ZERO,
             z0: clear,
             lead: Lead::ZERO,
+            growth: LeadGrowth::ZERO,
             start: clear,
             bottom: clear,
             surface: clear,
@@ -136,6 +140,7 @@ impl WorkRecord {
             theta0: pass.angle,
             z0: pass.start,
             lead: pass.lead,
+            growth: pass.growth,
             start: pass.from,
             bottom: pass.end,
             surface: pass.surface,
@@ -255,6 +260,7 @@ mod tests {
             theta0: Angle::rev(5.0),
             z0: Length::mm(start),
             lead: Lead::mm_per_rev(-1.0),
+            growth: LeadGrowth::ZERO,
             start: Length::mm(start),
             bottom: Length::mm(bottom),
             surface: Length::ZERO,

@@ -6,7 +6,7 @@ use common::{Run, await_speed, control, line, machine, run_kernel_on, turn};
 use kernel::{EventKind, Kernel, Order, Wish, WithdrawalPlan};
 use plan::{Corner, Pass, StepKind, ThreadStretch, TiedCut, WayOut};
 use sim::SimulatedMachine;
-use units::{Angle, Lead, Length, Spin};
+use units::{Angle, Lead, LeadGrowth, Length, Spin};
 
 const LEAD: f64 = 1.5;
 const FROM: f64 = -5.0;
@@ -229,6 +229,7 @@ fn way_out() -> WayOut {
         from: Length::mm(FROM),
         surface: Length::mm(FROM - 1.0),
         lead: Lead::mm_per_rev(-LEAD),
+        growth: LeadGrowth::ZERO,
         spin: Spin::rpm(1200.0),
     };
     let clear = Length::mm(CLEAR);

@@ -11,7 +11,7 @@
 //! Where the tool is clear is where it stood before it was fed in: that of a thread's pass, of a wheel before its cam, of a
 //! polygon's cutter when it was geared up.
 use canon::Axis;
-use units::{Angle, Lead, Length, Spin};
+use units::{Angle, Lead, LeadGrowth, Length, Spin};
 
 /// What is being cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,7 +43,7 @@ pub struct WayOut {
     pub pass: Option<Pass>,
 }
 
-/// One pass over a thread: `position = start + lead·(θ − angle)`, θ within a turn.
+/// One pass over a thread: `position = start + lead·(θ − angle) + growth·(θ − angle)²/2`, θ within a turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pass {
     /// The axis along the thread.
@@ -60,6 +60,8 @@ pub struct Pass {
     pub surface: Length,
     /// Travel per positive turn of the spindle.
     pub lead: Lead,
+    /// By how much that grows with each of them.
+    pub growth: LeadGrowth,
     /// Speed of the spindle.
     pub spin: Spin,
 }

@@ -38,6 +38,7 @@ pub struct Judge {
     removals: Removals,
     /// Where the ops so far have brought the axes.
     at: Position,
+    came_from: turned::CameFrom,
     /// The cam's profile in force.
     selected: cam::Selected,
     /// Features not yet judged after which chips were thrown off, by their first op.
@@ -90,6 +91,7 @@ impl Judge {
             features: Vec::new(),
             removals: Removals::default(),
             at: Position::default(),
+            came_from: turned::CameFrom::default(),
             selected: cam::Selected::default(),
             thrown: Vec::new(),
             last_ordered: None,
@@ -101,10 +103,11 @@ impl Judge {
     pub fn op(&mut self, index: u32, op: &Op) {
         let from = self.at;
         match &op.kind {
-            OpKind::Rapid { to }
-            | OpKind::Line { to, .. }
-            | OpKind::Arc { to, .. }
-            | OpKind::Spline { to, .. } => {
+            OpKind::Rapid { to } => {
+                self.came_from.rapid(&from, to);
+                self.at = *to;
+            }
+            OpKind::Line { to, .. } | OpKind::Arc { to, .. } | OpKind::Spline { to, .. } => {
                 self.at = *to;
             }
             OpKind::Threading(order) => self.at = order.to,
@@ -130,7 +133,7 @@ impl Judge {
                 return;
             }
             if let What::Turned(ordered) = &mut open.what {
-                if ordered.see(index, from, &op.kind) {
+                if ordered.see(index, from, &self.came_from, &op.kind) {
                     return;
                 }
                 open.end = Some(index);
@@ -164,7 +167,7 @@ impl Judge {
             },
             OpKind::Threading(_) => {
                 let mut ordered = turned::Ordered::default();
-                ordered.see(index, from, &op.kind);
+                ordered.see(index, from, &self.came_from, &op.kind);
                 (What::Turned(ordered), None)
             }
             OpKind::Hob(hob) => {

@@ -133,18 +133,37 @@ fn rounded(mm: f64) -> f64 {
 pub(crate) struct Ordered {
     passes: Vec<Vec<Stretch>>,
     chained: bool,
-    /// Where the last rapid began.
-    rapid_from: Option<Position>,
+}
+
+/// Where each linear axis was before the last rapid that moved it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct CameFrom([Option<Length>; 3]);
+
+impl CameFrom {
+    /// A rapid of the program.
+    pub(crate) fn rapid(&mut self, from: &Position, to: &Position) {
+        for (came, (from, to)) in self.0.iter_mut().zip(from.linear.iter().zip(&to.linear)) {
+            if from != to {
+                *came = Some(*from);
+            }
+        }
+    }
+
+    /// Where the tool stood before it was fed in to here.
+    fn before(&self, here: &Position) -> Position {
+        let mut stood = *here;
+        for (stood, came) in stood.linear.iter_mut().zip(self.0) {
+            *stood = came.unwrap_or(*stood);
+        }
+        stood
+    }
 }
 
 impl Ordered {
     /// An op from `from` on; whether it belongs to this thread.
-    pub(crate) fn see(&mut self, op: u32, from: &Position, kind: &OpKind) -> bool {
+    pub(crate) fn see(&mut self, op: u32, from: &Position, came: &CameFrom, kind: &OpKind) -> bool {
         let OpKind::Threading(order) = kind else {
             self.chained = false;
-            if let OpKind::Rapid { .. } = kind {
-                self.rapid_from = Some(*from);
-            }
             return matches!(
                 kind,
                 OpKind::Rapid { .. }
@@ -157,7 +176,7 @@ impl Ordered {
                     | OpKind::Message(_)
             );
         };
-        let stood = self.rapid_from.unwrap_or(*from);
+        let stood = came.before(from);
         let stretch = Stretch::new(op, from, order, stood);
         match self.passes.last_mut() {
             Some(pass) if self.chained => {
@@ -557,6 +576,52 @@ mod tests {
                 |turn| if turn > 10.0 { 0.05 * (turn - 10.0).min(20.0).powi(2) } else { 0.0 },
             );
         assert!(!verdict.is_pass() && thread.sync_error_max > Length::mm(0.5), "{thread:?}");
+    }
+
+    #[test]
+    fn a_hold_in_the_first_pass_already_is_known_to_take_the_tool_off_the_work() {
+        let mut judge = Judge::new(Config::new(ToolLibrary::default()));
+        let order = Threading {
+            to: at(10.0, -20.0),
+            lead: Lead::mm_per_rev(LEAD),
+            growth: LeadGrowth::ZERO,
+            start_angle: Angle::ZERO,
+            axis: Axis::Z,
+            surface: Length::ZERO,
+        };
+        let rapid = |x, z| OpKind::Rapid { to: at(x, z) };
+        let ops = [rapid(30.0, 5.0), rapid(12.0, 5.0), rapid(10.0, 5.0)];
+        let ops = ops.into_iter().chain([OpKind::Threading(order)]);
+        for (index, kind) in (0..).zip(ops) {
+            judge.op(index, &Op { span: Span::default(), kind });
+        }
+        let thread = |turn: f64| 5.0 - LEAD * turn;
+        let mut time = 0.0;
+        let mut see = |x: f64, z: f64, turn: f64| {
+            let mut sample = Sample::default();
+            sample.report.op = 3;
+            sample.feedback.time = Time::s(time);
+            let mut truth = Truth::default();
+            (truth.axes[0], truth.axes[2]) = (Length::mm(x), Length::mm(z));
+            truth.spindles[0] = Angle::rev(turn);
+            sample.truth = Some(truth);
+            judge.sample(&sample);
+            time += PERIOD;
+        };
+        let step = PERIOD * 10.0;
+        let turns = |from: f64, to: f64| {
+            (0..((to - from) / step) as u32).map(move |k| from + f64::from(k) * step)
+        };
+        turns(0.0, 10.0).for_each(|turn| see(10.0, thread(turn), turn));
+        // out within a turn, still on the thread; back in another three, and the pass again from turn 20 on
+        turns(10.0, 11.0).for_each(|turn| see(10.0 + 2.0 * (turn - 10.0), thread(turn), turn));
+        turns(11.0, 14.0).for_each(|turn| {
+            see(12.0, thread(11.0) + (5.0 - thread(11.0)) * (turn - 11.0) / 3.0, turn);
+        });
+        turns(14.0, 20.0).for_each(|turn| see(10.0, 5.0, turn));
+        turns(20.0, 36.0).for_each(|turn| see(10.0, thread(turn - 20.0), turn));
+        let feature = judge.finish().remove(0);
+        assert!(feature.verdict.is_pass(), "{:?}", feature.verdict.reason());
     }
 
     #[test]

@@ -147,8 +147,9 @@ fn answer(args: &RecoverArgs) -> Result<Answer, Refused> {
         if let Some(path) = &args.picture {
             match say::picture_of_pass(&record, &feedback, &file) {
                 Some(picture) => store::output::write_file(path, picture.as_bytes())?,
-                None => answer
-                    .add_note("there is no picture: only taps and threads go back along a line"),
+                None => answer.add_note(
+                    "there is no picture: only taps and threads of one lead go back along a line",
+                ),
             }
         }
         return withdrawn(args, remote, &file, (&mut slots, record), way, answer);
@@ -275,6 +276,7 @@ fn nobody(identity: &store::sync_record::Identity) -> SyncRecord {
             theta0: Angle::ZERO,
             z0: Length::ZERO,
             lead: units::Lead::mm_per_rev(1.0),
+            growth: units::LeadGrowth::ZERO,
             start: Length::ZERO,
             bottom: Length::mm(-1.0),
             surface: Length::ZERO,

@@ -27,7 +27,7 @@ pub(super) fn picture_of_pass(
         record.stroke.spindle,
         feedback,
         (gentle.speed, gentle.acceleration),
-    );
+    )?;
     let at = Point {
         angle: feedback.spindles[usize::from(plan.spindle)].angle + plan.turn,
         place: feedback.axes[pass.axis.index()].position,
@@ -77,7 +77,12 @@ fn off_the_work(way: &Withdrawal) -> String {
     let by = way.infeed.to - way.infeed.from;
     let letter = way.infeed.axis.letter();
     let along = way.along.map_or_else(String::new, |leg| {
-        format!(", then spindle and {} back along the thread", leg.axis.letter())
+        let letter = leg.axis.letter();
+        if way.together {
+            format!(", then spindle and {letter} back along the thread")
+        } else {
+            format!(", then {letter} back by itself: the lead of its thread grows")
+        }
     });
     format!("{letter} by {:+.3} mm, off the work{along}", by.value())
 }
@@ -182,7 +187,7 @@ pub(super) fn text(args: &RecoverArgs, answer: &Answer) -> String {
         text += &format!("  note           {note}\n");
     }
     let is_drawn = answer.findings.is_some()
-        || answer.withdrawal.as_ref().is_some_and(|(way, _)| way.along.is_some());
+        || answer.withdrawal.as_ref().is_some_and(|(way, _)| way.together);
     if let Some(path) = args.picture.as_ref().filter(|_| is_drawn) {
         text += &format!("  picture        {}\n", path.display());
     }
@@ -202,15 +207,20 @@ pub(super) fn text(args: &RecoverArgs, answer: &Answer) -> String {
 fn tool(record: &SyncRecord) -> String {
     let (stroke, place) = (&record.stroke, &record.place);
     let hand = if stroke.is_right_hand() { "right" } else { "left" };
-    let lead = stroke.lead.value().abs();
+    let mut lead = format!("{} mm", stroke.lead.value().abs());
+    let grows = stroke.growth.value() * stroke.lead.value().signum();
+    if grows != 0.0 {
+        let changes = if grows > 0.0 { "growing" } else { "shrinking" };
+        lead += &format!(" {changes} {} mm a turn", grows.abs());
+    }
     let (number, program, line) = (stroke.tool, &place.program, place.line);
     match stroke.cut {
         Cut::Tap => format!(
-            "  tap            tool {number}, {hand} hand, lead {lead} mm; hole {} of {program}, line {line}\n",
+            "  tap            tool {number}, {hand} hand, lead {lead}; hole {} of {program}, line {line}\n",
             place.hole,
         ),
         Cut::Thread => format!(
-            "  threading pass tool {number}, {hand} hand, lead {lead} mm; {program}, line {line}\n"
+            "  threading pass tool {number}, {hand} hand, lead {lead}; {program}, line {line}\n"
         ),
         cut => format!("  {:<14} tool {number}; {program}, line {line}\n", cut.name()),
     }

@@ -11,7 +11,7 @@ use store::machine::MachineFile;
 use store::sync_record::{Cut, Retreat, Stroke};
 use sync::Coupling;
 use sync::recovery::{Direction, Point, Stored, Way};
-use units::{Accel, Angle, Length, Speed, Time};
+use units::{Accel, Angle, LeadGrowth, Length, Speed, Time};
 use wire::Welcome;
 
 /// One axis' way.
@@ -26,8 +26,10 @@ pub(super) struct Leg {
 pub(super) struct Withdrawal {
     /// The infeed axis.
     pub(super) infeed: Leg,
-    /// Afterwards back to where a thread's pass began, along the thread.
+    /// Afterwards back to where a thread's pass began …
     pub(super) along: Option<Leg>,
+    /// … along the thread, together with the spindle; else by itself, as its lead grows.
+    pub(super) together: bool,
     /// How far what follows stands off its coupling; or why that cannot be said.
     pub(super) off: Result<Off, &'static str>,
 }
@@ -56,6 +58,7 @@ pub(super) fn find(stroke: &Stroke, retreat: Retreat, welcome: &Welcome) -> With
     Withdrawal {
         infeed: leg(retreat.axis, retreat.clear),
         along: is_thread.then(|| leg(stroke.axis, stroke.start)),
+        together: is_thread && stroke.growth == LeadGrowth::ZERO,
         off: off(stroke, welcome),
     }
 }
@@ -66,10 +69,10 @@ fn off(stroke: &Stroke, welcome: &Welcome) -> Result<Off, &'static str> {
     let place = |axis: u8| feedback.axes[usize::from(axis)].position;
     let reading = |spindle: u8| feedback.spindles[usize::from(spindle)].angle;
     if stroke.cut == Cut::Thread {
-        let off = place(stroke.axis) - stroke.position(reading(stroke.spindle));
-        let turns = (off / stroke.lead).value();
+        let (theta, lead) = stroke.belongs(place(stroke.axis));
+        let turns = (theta - reading(stroke.spindle)).value();
         let angle = Angle::rev(turns - turns.round());
-        return Ok(Off { length: stroke.lead * angle, angle, of: "its thread" });
+        return Ok(Off { length: lead * angle, angle, of: "its thread" });
     }
     let Some(geared) = &stroke.geared else { return Err(INFEED) };
     let lost = welcome.turns_lost[usize::from(stroke.spindle)];
@@ -105,6 +108,10 @@ pub(super) fn drive(
     let duration = straight(plant, file, way.infeed)?;
     let mut drawn = Drawn { duration, figures: None, note: None };
     let Some(leg) = way.along else { return Ok(drawn) };
+    if !way.together {
+        drawn.duration += straight(plant, file, leg)?;
+        return Ok(drawn);
+    }
     match back_along(plant, file, stroke) {
         Ok(figures) => {
             drawn.duration += figures.duration;
@@ -144,7 +151,8 @@ fn back_along(
     let gentle = gentle.ok_or_else(|| format!("there is no axis {}", pass.axis.letter()))?;
     let mut kernel = Kernel::new(wiring::control(file, None, false));
     let feed = (gentle.speed / 10.0, gentle.acceleration);
-    kernel.recover(along_pass(&pass, stroke.spindle, &plant.feedback(), feed));
+    let plan = along_pass(&pass, stroke.spindle, &plant.feedback(), feed);
+    kernel.recover(plan.ok_or("its lead grows")?);
     let mut figures = None;
     super::obey(&mut kernel, plant, &mut |event| {
         if let EventKind::RecoveryEnded(ended) = event {
@@ -164,17 +172,22 @@ pub(super) fn pass(stroke: &Stroke) -> Option<Pass> {
         from: stroke.start,
         surface: stroke.surface,
         lead: stroke.lead,
+        growth: stroke.growth,
         spin: stroke.spin,
     })
 }
 
-/// The way back onto the line of a pass and along it, for a tool that is off the work.
+/// The way back onto the line of a pass and along it, for a tool that is off the work; none where its lead grows, which is no
+/// line: its axis goes back by itself.
 pub(crate) fn along_pass(
     pass: &Pass,
     spindle: u8,
     feedback: &Feedback,
     feed: (Speed, Accel),
-) -> RecoveryPlan {
+) -> Option<RecoveryPlan> {
+    if pass.growth != LeadGrowth::ZERO {
+        return None;
+    }
     let at = Point {
         angle: feedback.spindles[usize::from(spindle)].angle,
         place: feedback.axes[pass.axis.index()].position,
@@ -185,5 +198,5 @@ pub(crate) fn along_pass(
     // every turn is as good: a pass is begun at an angle within one
     let turn = Angle::rev((stored.error(at) / pass.lead).value().round());
     let (way, spin) = (Way::Direct, super::OUT);
-    RecoveryPlan { axis: pass.axis, spindle, stored, turn, way, spin, feed }
+    Some(RecoveryPlan { axis: pass.axis, spindle, stored, turn, way, spin, feed })
 }

@@ -80,7 +80,10 @@ fn withdraw(
     kernel.withdraw(WithdrawalPlan { legs: [Some((way_out.infeed, way_out.clear)), None] });
     until_over(kernel, plant, hear)?;
     let Some(pass) = way_out.pass else { return Ok(()) };
-    kernel.recover(recover::along_pass(&pass, way_out.spindle, &plant.feedback(), feed));
+    match recover::along_pass(&pass, way_out.spindle, &plant.feedback(), feed) {
+        Some(plan) => kernel.recover(plan),
+        None => kernel.withdraw(WithdrawalPlan { legs: [Some((pass.axis, pass.from)), None] }),
+    }
     until_over(kernel, plant, hear)
 }
 

@@ -18,7 +18,7 @@ use crate::way_out::{Pass, TiedCut, WayOut};
 use alloc::{format, vec::Vec};
 use canon::{Axis, Position, Threading};
 use diag::{Diagnostic, Span};
-use units::{Angle, Lead, Length, Spin};
+use units::{Angle, Lead, LeadGrowth, Length, Spin};
 
 /// The spindle that threads follow.
 const SPINDLE: usize = 0;
@@ -161,6 +161,7 @@ impl Planner {
             from: Length::mm(straight.first()?.from[a]),
             surface: first.order.surface,
             lead: Lead::mm_per_rev(main.first[a] * sense),
+            growth: LeadGrowth::mm_per_rev2(main.bend[a]),
             spin,
         };
         let (cut, clear) = (TiedCut::Thread, Length::mm(clear));

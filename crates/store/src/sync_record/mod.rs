@@ -23,13 +23,13 @@ mod untrusted;
 
 use bytes::{Reader, Writer};
 pub use stroke::{Cut, Geared, Retreat, Stroke};
-use units::{Angle, Lead, Length, Spin, Stiffness};
+use units::{Angle, Lead, LeadGrowth, Length, Spin, Stiffness};
 pub use untrusted::Untrusted;
 
 /// First bytes of every record.
 const MAGIC: [u8; 4] = *b"LSYN";
 /// Layout that this version writes and reads.
-pub const VERSION: u16 = 3;
+pub const VERSION: u16 = 4;
 /// No record is longer.
 pub const LONGEST: usize = 8192;
 /// Longest name in it, bytes; longer ones are cut.
@@ -145,6 +145,7 @@ impl SyncRecord {
             s.theta0.value(),
             s.z0.value(),
             s.lead.value(),
+            s.growth.value(),
             s.start.value(),
             s.bottom.value(),
             s.surface.value(),
@@ -235,6 +236,7 @@ impl SyncRecord {
             theta0: Angle::rev(r.f64()?),
             z0: Length::mm(r.f64()?),
             lead: Lead::mm_per_rev(r.f64()?),
+            growth: LeadGrowth::mm_per_rev2(r.f64()?),
             start: Length::mm(r.f64()?),
             bottom: Length::mm(r.f64()?),
             surface: Length::mm(r.f64()?),
@@ -273,6 +275,9 @@ impl SyncRecord {
         let lead = s.lead.value();
         if !lead.is_finite() || s.cut.has_thread() && !(1e-3..1e3).contains(&lead.abs()) {
             return wrong("a lead that no thread has");
+        }
+        if !(s.growth.is_finite() && s.growth.value().abs() < 1e3) {
+            return wrong("a lead that grows as none does");
         }
         if s.cut.has_thread() && s.start == s.bottom {
             return wrong("a stroke of no length");

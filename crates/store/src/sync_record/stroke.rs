@@ -1,5 +1,5 @@
 //! What is cut, along which line or on which gear, and how its tool comes off it.
-use units::{Angle, Lead, Length, Spin, Stiffness};
+use units::{Angle, Lead, LeadGrowth, Length, Spin, Stiffness};
 
 /// What the tool cuts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,6 +77,8 @@ pub struct Stroke {
     pub z0: Length,
     /// H: axis travel per positive turn of the spindle; zero where no thread is cut.
     pub lead: Lead,
+    /// By how much H grows with each turn from θ₀ on, of a thread whose lead is not the same everywhere.
+    pub growth: LeadGrowth,
     /// PS: where the way out ends.
     pub start: Length,
     /// PE: the programmed bottom.
@@ -167,13 +169,49 @@ impl Stroke {
         (self.bottom < self.start) == (self.lead < Lead::ZERO)
     }
 
-    /// z(θ).
-    pub fn position(&self, theta: Angle) -> Length {
-        self.z0 + self.lead * (theta - self.theta0)
+    /// θ(z), where z = z₀ + H·(θ − θ₀) + growth·(θ − θ₀)²/2, and the lead there.
+    pub fn belongs(&self, z: Length) -> (Angle, Lead) {
+        let (way, lead, growth) = ((z - self.z0).value(), self.lead.value(), self.growth.value());
+        let squared = (lead * lead + 2.0 * growth * way).max(0.0);
+        let there = squared.sqrt().copysign(lead);
+        (self.theta0 + Angle::rev(2.0 * way / (lead + there)), Lead::mm_per_rev(there))
     }
 
     /// How far a place of the axis is inside of PS, along the way in; negative outside.
     pub fn inside(&self, z: Length) -> Length {
         if self.bottom < self.start { self.start - z } else { z - self.start }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_of_a_thread_whose_lead_grows_belongs_to_an_angle() {
+        let mut stroke = Stroke {
+            cut: Cut::Thread,
+            retreat: None,
+            axis: 2,
+            spindle: 0,
+            tool: 31,
+            diameter: Length::ZERO,
+            theta0: Angle::rev(37.0),
+            z0: Length::mm(-147.0),
+            lead: Lead::mm_per_rev(-2.0),
+            growth: LeadGrowth::mm_per_rev2(-0.1),
+            start: Length::mm(-147.0),
+            bottom: Length::mm(-227.0),
+            surface: Length::mm(-152.0),
+            spin: Spin::rpm(1000.0),
+            stiffness: Stiffness::ZERO,
+            geared: None,
+        };
+        // 2·20 + 0.1·20²/2 = 60 mm in 20 turns, up to 4 mm
+        let (theta, lead) = stroke.belongs(stroke.z0 - Length::mm(60.0));
+        assert!((theta.value() - 57.0).abs() < 1e-12 && (lead.value() + 4.0).abs() < 1e-12);
+        stroke.growth = LeadGrowth::ZERO;
+        let (theta, lead) = stroke.belongs(stroke.z0 - Length::mm(60.0));
+        assert_eq!((theta, lead), (Angle::rev(67.0), stroke.lead));
     }
 }

@@ -31,6 +31,7 @@ fn record(hole: u32, stage: Stage) -> SyncRecord {
             theta0: Angle::rev(37.0),
             z0: Length::mm(-147.0),
             lead: Lead::mm_per_rev(-1.25),
+            growth: LeadGrowth::mm_per_rev2(-0.05),
             start: Length::mm(-147.0),
             bottom: Length::mm(-172.0),
             surface: Length::mm(-152.0),
@@ -209,11 +210,11 @@ fn damage_to_the_newer_generation_is_refused_with_its_own_sentence() {
     // generation 4 says that a tap is in hole 2, generation 3 that hole 1 is done
     let said = |damage: &dyn Fn(&mut Vec<u8>)| damaged(B, damage).unwrap_err().to_string();
     let torn = said(&|bytes| bytes.truncate(100));
-    assert!(torn.ends_with("the sync record is torn: 100 bytes are there of 218"), "{torn}");
+    assert!(torn.ends_with("the sync record is torn: 100 bytes are there of 226"), "{torn}");
     let empty = said(&Vec::clear);
     assert!(empty.ends_with("0 bytes are there of 22"), "{empty}");
     let longer = said(&|bytes| bytes.push(0));
-    assert!(longer.ends_with("219 are there, and it ends after 218"), "{longer}");
+    assert!(longer.ends_with("227 are there, and it ends after 226"), "{longer}");
     let flipped = said(&|bytes| bytes[120] ^= 0x10);
     assert!(flipped.ends_with("its checksum does not fit"), "{flipped}");
     let foreign = said(&|bytes| *bytes = b"%PDF-1.7".to_vec());
@@ -299,7 +300,7 @@ fn a_record_that_says_out_does_not_depend_on_the_epoch() {
 #[test]
 fn numbers_that_no_tap_can_have_are_refused_though_the_checksum_fits() {
     type Change = fn(&mut Stroke);
-    let changes: [(&str, Change); 8] = [
+    let changes: [(&str, Change); 9] = [
         ("axis", |s| s.axis = 200),
         ("length", |s| s.bottom = Length::mm(f64::NAN)),
         ("angle", |s| s.theta0 = Angle::rev(f64::INFINITY)),
@@ -308,6 +309,7 @@ fn numbers_that_no_tap_can_have_are_refused_though_the_checksum_fits() {
             (s.cut, s.retreat) = (Cut::Polygon, Some(RETREAT));
             s.lead = Lead::mm_per_rev(f64::NAN);
         }),
+        ("lead that grows", |s| s.growth = LeadGrowth::mm_per_rev2(f64::NAN)),
         ("stroke", |s| s.bottom = s.start),
         ("way off the work", |s| s.retreat = Some(RETREAT)),
         ("way off the work", |s| s.cut = Cut::Polygon),
