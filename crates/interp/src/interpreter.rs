@@ -52,6 +52,8 @@ pub struct Interpreter<'s> {
     pub(crate) choosing: bool,
     pub(crate) ended: bool,
     pub(crate) limits: Limits,
+    /// The byte up to which the block at hand has looked at those behind it; 0 if it has not.
+    pub(crate) ahead: u32,
     /// The front end of Fanuc's dialect.
     pub(crate) fanuc: Option<Box<Fanuc>>,
     block_delete: bool,
@@ -104,6 +106,7 @@ impl<'s> Interpreter<'s> {
             choosing: false,
             ended: false,
             limits: setup.limits,
+            ahead: 0,
             fanuc: Fanuc::of(setup),
             block_delete: setup.block_delete,
             begun: false,
@@ -177,6 +180,12 @@ impl<'s> Interpreter<'s> {
     /// The block executed last.
     pub const fn place(&self) -> Span {
         self.block.span
+    }
+
+    /// The byte of its file up to which the block executed last has read: its own end, or that of a block behind it
+    /// for which a corner was cut.
+    pub fn read_up_to(&self) -> u32 {
+        self.block.span.end.max(self.ahead)
     }
 
     /// File and byte where the next block begins.

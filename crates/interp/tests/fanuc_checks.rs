@@ -263,6 +263,8 @@ fn system_c_writes_the_same_lathe_with_other_numbers() {
     // and sentences name them
     let (_, told) = heard(Dialect::FanucLatheC, "G73 P10 Q20 F0.2\nN10 G0 X10.\nN20 Z0.");
     assert!(told[0].contains("G73 does not know how deep a pass is"), "{told:?}");
+    let (_, told) = heard(Dialect::FanucLatheC, "G78 X10. Z-5. P1000 Q300 F1.5");
+    assert!(told[0].contains("G78 does not know its passes"), "{told:?}");
     let (_, told) = heard(Dialect::FanucLatheC, "G79 X10.");
     assert!(told[0].starts_with("I0102"), "{told:?}");
 }

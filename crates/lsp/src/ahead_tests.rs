@@ -258,3 +258,30 @@ fn numbered_blocks_and_o_words_come_and_go_without_the_rest_being_executed_again
         }
     }
 }
+
+#[test]
+fn a_corner_is_cut_for_the_block_behind_it_also_where_a_slice_ends_between_them() {
+    // slices end after every twelfth block
+    let fill = |count: usize| (0..count).map(|i| format!("X{}.\n", i + 1)).collect::<String>();
+    for before in 4..9 {
+        let head = "O1\nG21 G90 G94\nF100 G1\n";
+        let text =
+            format!("{head}{}X50. ,C2.\nY10. ,C3.\nX0. ,R1.\nY0.\n{}M30\n", fill(before), fill(30));
+        // what is written before the corner's second way, or in the place of its first two letters
+        let corner = before as u32 + 4;
+        for (line, character, new) in [
+            (corner, 0, "Y-10. ,C3.\n"),
+            (corner, 0, "G0 Y10.\n"),
+            (corner, 0, "X90.\n"),
+            (corner, 12, "Y-1"),
+            (corner, 12, "X1"),
+            // farther into its line than the corner's block has read
+            (corner, 13, "1"),
+            (corner, 2, "5"),
+            (corner + 1, 0, "X70. ,R1.\n"),
+            (corner + 1, 12, "(X"),
+        ] {
+            holds_over_edits(Dialect::Fanuc, text.clone(), &[(line, character, new.to_owned(), 9)]);
+        }
+    }
+}

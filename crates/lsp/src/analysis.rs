@@ -192,7 +192,7 @@ impl Analysis {
             let executed = interpreter.executed() - begin > block;
             block = interpreter.executed() - begin;
             if file == 0 && place.file == 0 && executed {
-                notes.read(from, place.end.saturating_add(1));
+                notes.read(from, interpreter.read_up_to().saturating_add(1));
                 if let Some(visit) = visited.get_mut(place.line as usize)
                     && *visit != self.slices
                 {

@@ -117,13 +117,14 @@ impl Fanuc {
     }
 
     /// Where the straight feed that follows leads.
-    fn ahead(&mut self, it: &Interpreter<'_>, corner: &Point, span: Span) -> Outcome<Point> {
+    fn ahead(&mut self, it: &mut Interpreter<'_>, corner: &Point, span: Span) -> Outcome<Point> {
         let source = it.sources[it.file];
         let mut parser = Parser::with_grammar(source, it.file as u16, Grammar::Fanuc);
         let (byte, line) = it.parsers[it.file].position();
         parser.seek(byte, line);
         let mut block = Block::new();
         while parser.next(&mut block) {
+            it.ahead = block.span.end;
             let skipped = block.delete.is_some_and(|level| self.skip_levels >> level & 1 == 1);
             if skipped || block.is_blank() {
                 continue;

@@ -248,6 +248,7 @@ impl Fanuc {
             return Ok(());
         }
         it.executor.state.line = it.block.span.line;
+        it.ahead = 0;
         if let Some(word) = it.block.o {
             return self.program_begins(it, word.label, word.span);
         }

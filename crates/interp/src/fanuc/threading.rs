@@ -73,8 +73,9 @@ impl Fanuc {
                 let known = (10_000.0..=999_999.0).contains(&whole) && whole == value;
                 let angle = whole % 100.0;
                 if !known || ![0.0, 29.0, 30.0, 55.0, 60.0, 80.0].contains(&angle) {
+                    let code = self.kind.own(76);
                     let text = format!(
-                        "P of G76's first line is six digits: passes (01 to 99), pull-off in tenths of the lead, angle (80, 60, 55, 30, 29 or 00); found {value}"
+                        "P of G{code}'s first line is six digits: passes (01 to 99), pull-off in tenths of the lead, angle (80, 60, 55, 30, 29 or 00); found {value}"
                     );
                     return refuse("I1031", span, text);
                 }
@@ -88,11 +89,13 @@ impl Fanuc {
     }
 
     fn thread_words(&mut self, it: &Interpreter<'_>, said: &[Said]) -> Outcome<Thread> {
-        let span = it.block.span;
+        let (span, code) = (it.block.span, self.kind.own(76));
         let older = word(said, b'D').is_some() || word(said, b'K').is_some();
         let own = if older { Some(self.one_line(said)?) } else { self.first_lines.thread };
         let Some([finishing, pull_off, angle, least, left]) = own else {
-            let text = "G76 does not know its passes: write a line such as G76 P010060 Q100 R0.05 before it";
+            let text = format!(
+                "G{code} does not know its passes: write a line such as G{code} P010060 Q100 R0.05 before it"
+            );
             return refuse("I1031", span, text);
         };
         let at = it.executor.state.at;
@@ -107,7 +110,7 @@ impl Fanuc {
         else {
             let [height, first] = letters.map(char::from);
             let text = format!(
-                "G76 needs {height}, the thread's height, and {first}, the depth of the first pass, both above 0"
+                "G{code} needs {height}, the thread's height, and {first}, the depth of the first pass, both above 0"
             );
             return refuse("I1031", span, text);
         };
@@ -125,12 +128,13 @@ impl Fanuc {
             lead,
         };
         if thread.start[1] == thread.end[1] || thread.start[0] == thread.end[0] {
-            let text =
-                "G76 begins beside the thread's end: its start must differ from X and from Z";
+            let text = format!(
+                "G{code} begins beside the thread's end: its start must differ from X and from Z"
+            );
             return refuse("I1031", span, text);
         }
         if thread.depths().len() as f64 > MOST {
-            let text = format!("Q would make more than {MOST} passes of G76");
+            let text = format!("Q would make more than {MOST} passes of G{code}");
             return refuse("I1031", span, text);
         }
         Ok(thread)
