@@ -197,4 +197,10 @@ fn what_does_not_lie_on_the_surface_is_refused_in_one_sentence() {
     is_told(LATHE, "G17\nG7.1 C20.", &["I1059@4", "G18 or G19"]);
     is_told(LATHE, "G18\nG7.1 C-20.", &["I1059@4", "above 0"]);
     is_told(LATHE, "G7.1", &["I1059@3", "G7.1 C20."]);
+    let no_c = Setup { dialect: LATHE, c_is_a_chamfer: true, ..Setup::default() };
+    for start in ["G12.1", "G7.1 C20."] {
+        let program = format!("O1\nG0 X40.\n{start}\nM30\n");
+        let found = interp::check(program.as_bytes(), &no_c);
+        assert!(found.iter().any(|d| d.message.contains("has no C axis")), "{found:?}");
+    }
 }

@@ -25,7 +25,7 @@ use crate::{
     words::tenths,
 };
 use canon::{Axis, Plane};
-use diag::Diagnostic;
+use diag::{Diagnostic, Span};
 
 /// How far the axes may be beside an arc, or a line of a face, mm.
 const NEAR_MM: f64 = 0.000_5;
@@ -265,6 +265,7 @@ impl Fanuc {
             return self.leave_surface(ex);
         }
         self.may_begin(ex, "G7.1")?;
+        self.has_axis(rotary, span)?;
         let (along, planes) =
             [("X", "G17 or G18"), ("Y", "G17 or G19"), ("Z", "G18 or G19")][rotary - 3];
         let [a, b, _] = ex.state.plane_axes();
@@ -297,6 +298,7 @@ impl Fanuc {
             return refuse("I1059", span, "G12.1 stands alone in its block");
         }
         self.may_begin(ex, "G12.1")?;
+        self.has_axis(C, span)?;
         let (x, c) = (ex.state.at[0], ex.state.at[C]);
         if c.abs() > 1e-6 || x * ex.state.units.in_mm() < TOO_NEAR_MM {
             let (x, c) = (self.shown(0, x), crate::spelling::short(c));
@@ -309,6 +311,14 @@ impl Fanuc {
                 .into());
         }
         self.surface = Some(Surface::new(Form::Face, ex));
+        Ok(())
+    }
+
+    fn has_axis(&self, rotary: usize, span: Span) -> Outcome {
+        if rotary == C && self.c_is_a_chamfer {
+            let text = "the machine has no C axis, which this surface turns about";
+            return refuse("I1059", span, text);
+        }
         Ok(())
     }
 
