@@ -262,8 +262,9 @@ fn numbered_blocks_and_o_words_come_and_go_without_the_rest_being_executed_again
 #[test]
 fn a_corner_is_cut_for_the_block_behind_it_also_where_a_slice_ends_between_them() {
     // slices end after every twelfth block
-    let fill = |count: usize| (0..count).map(|i| format!("X{}.\n", i + 1)).collect::<String>();
-    for before in 4..9 {
+    let line = |i: usize| format!("X{}.\n", i + 1);
+    let fill = |count: usize| (0..count).map(line).collect::<Vec<_>>().concat();
+    for before in 7..9 {
         let head = "O1\nG21 G90 G94\nF100 G1\n";
         let text =
             format!("{head}{}X50. ,C2.\nY10. ,C3.\nX0. ,R1.\nY0.\n{}M30\n", fill(before), fill(30));
