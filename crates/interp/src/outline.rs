@@ -101,18 +101,28 @@ impl Outline {
         if !faults.is_empty() {
             return None;
         }
-        let same = old.len() == new.len() && old.iter().zip(&new).all(same);
+        // a line that an edit only moves has its O-word still
+        let alike = |pairs: &mut dyn Iterator<Item = (&Mark, &Mark)>| {
+            pairs.take_while(|pair| same(*pair)).count()
+        };
+        let head = alike(&mut old.iter().zip(&new));
+        let tail = alike(&mut old[head..].iter().rev().zip(new[head..].iter().rev()));
         for mark in &mut self.marks[first + count..] {
             (mark.at, mark.after) = (edited.moved(mark.at), edited.moved(mark.after));
             edited.shift.span(&mut mark.span);
         }
-        if !same {
-            return self.spliced(first..first + count, new);
-        }
-        for (mark, new) in self.marks[first..].iter_mut().zip(new) {
+        let (others, there) = (head..count - tail, head..new.len() - tail);
+        let moved = self.marks[first..first + count].iter_mut();
+        let (before, behind) = (0..head, others.end..count);
+        for (i, mark) in moved.enumerate().filter(|(i, _)| before.contains(i) || behind.contains(i))
+        {
+            let new = &new[if i < head { i } else { i - others.end + there.end }];
             (mark.at, mark.after, mark.span) = (new.at, new.after, new.span);
         }
-        Some(self)
+        if others.is_empty() && there.is_empty() {
+            return Some(self);
+        }
+        self.spliced(first + others.start..first + others.end, new[there].to_vec())
     }
 
     /// Others in the place of these, if the rest belongs together as it did.

@@ -64,14 +64,23 @@ impl Document {
         };
         let all = change.range.is_none();
         let o_words = all || self.o_word_near(from, to);
-        let subprograms = o_words && (all || self.has_near(from, to, &SUBPROGRAMS));
+        // of a line that is only moved nothing changes
+        let begins_line = |at: usize| at == 0 || self.text[at - 1] == b'\n';
+        let whole = begins_line(from) && begins_line(to) && is_of_lines(&change.text);
+        let subprograms = o_words
+            && (all
+                || !whole && self.has_near(from, to, &SUBPROGRAMS)
+                || has(&self.text[from..to], &SUBPROGRAMS));
         let first = self.starts.partition_point(|start| *start as usize <= from).max(1);
         let first = (self.starts[first - 1], first as u32);
         let end = from + change.text.len();
         let lines = self.move_lines(from, to, change.text.as_bytes());
         self.text.splice(from..to, change.text.into_bytes());
         let o_words = o_words || self.o_word_near(from, end);
-        let subprograms = subprograms || o_words && self.has_near(from, end, &SUBPROGRAMS);
+        let subprograms = subprograms
+            || o_words
+                && (!whole && self.has_near(from, end, &SUBPROGRAMS)
+                    || has(&self.text[from..end], &SUBPROGRAMS));
         let [from, old_end, new_end] = [from, to, end].map(|byte| byte as u32);
         let shift = Shift { from, old_end, new_end, lines };
         Edit { shift, first, o_words, subprograms }
@@ -110,12 +119,7 @@ impl Document {
         let first =
             self.text[..from.min(to)].iter().rposition(|b| *b == b'\n').map_or(0, |at| at + 1);
         let last = memchr::memchr(b'\n', &self.text[to..]).map_or(self.text.len(), |at| to + at);
-        let dense: Vec<u8> = self.text[first..last]
-            .iter()
-            .filter(|b| !matches!(b, b' ' | b'\t'))
-            .map(u8::to_ascii_uppercase)
-            .collect();
-        texts.iter().any(|text| memchr::memmem::find(&dense, text.as_bytes()).is_some())
+        has(&self.text[first..last], texts)
     }
 
     /// Line and byte of a place of the editor's; nothing behind the last line.
@@ -166,6 +170,18 @@ impl Document {
     }
 }
 
+/// Whether a text is nothing but whole lines.
+fn is_of_lines(text: &str) -> bool {
+    text.is_empty() || text.ends_with('\n')
+}
+
+/// Whether one of these texts is in it, blanks apart.
+fn has(text: &[u8], texts: &[&str]) -> bool {
+    let solid = text.iter().filter(|b| !matches!(b, b' ' | b'\t'));
+    let dense: Vec<u8> = solid.map(u8::to_ascii_uppercase).collect();
+    texts.iter().any(|text| memchr::memmem::find(&dense, text.as_bytes()).is_some())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -194,8 +210,12 @@ mod tests {
         assert_eq!(document.text, b"G21\nX77\nX2\n");
         let shift = Shift { from: 5, old_end: 6, new_end: 7, lines: 0 };
         assert_eq!(edit, Edit { shift, first: (4, 2), o_words: false, subprograms: false });
-        assert!(document.apply(change((2, 0), (2, 0), "o1 sub\n")).o_words);
-        assert_eq!(document.lines(), 5);
+        let edit = document.apply(change((2, 0), (2, 0), "o1 sub\n"));
+        assert!(edit.o_words && edit.subprograms);
+        let edit = document.apply(change((2, 0), (2, 0), "o2 if [1]\n"));
+        assert!(edit.o_words && !edit.subprograms);
+        assert!(document.apply(change((2, 4), (2, 5), "call")).subprograms);
+        assert_eq!(document.lines(), 6);
     }
 
     #[test]
