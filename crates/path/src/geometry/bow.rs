@@ -47,14 +47,19 @@ impl Bow {
             let most = (2.0 * k * middle(ratio)).max(lowest(ratio) * side);
             Self { reach: p / most, ratio }
         };
-        if k < SHALLOW || with(INNER).reach >= room {
-            return with(INNER);
+        if k < SHALLOW || Self::narrow(k, p) >= room {
+            return Self { reach: Self::narrow(k, p), ratio: INNER };
         }
         let both = with(halved(SWINGING, |ratio| 2.0 * k * middle(ratio) > lowest(ratio) * side));
         if both.reach <= room {
             return both;
         }
         with(halved([INNER, both.ratio], |ratio| with(ratio).reach <= room))
+    }
+
+    /// Reach of one on the inner side alone, ⅜·h·k = P.
+    pub(crate) fn narrow(k: f64, p: f64) -> f64 {
+        p / (2.0 * k * middle(INNER))
     }
 }
 

@@ -43,21 +43,22 @@ impl Bend {
     /// r.
     fn ramp(self) -> f64 {
         match self {
-            Self::Quick => 0.05,
+            Self::Quick => QUICK,
             Self::Even => 1.0,
         }
     }
 
-    /// σ: so long that, at the speeds there are so near a stop, the swing takes less than the axes can do.
-    fn lead(self) -> f64 {
+    /// σ, as short as it may be and as long as is of use: with the longer one, at the speeds there are so near a stop, the swing
+    /// takes less than the axes can do.
+    fn lead(self) -> [f64; 2] {
         match self {
-            Self::Quick => 60.0,
-            Self::Even => 350.0,
+            Self::Quick => [35.0, 70.0],
+            Self::Even => [130.0, 225.0],
         }
     }
 
-    /// A turn without swing reaches no farther than so much of the shorter move: else its axes would, on their way to the next
-    /// rest, have to slow down again within it, and a `bow` is faster.
+    /// A turn reaches no farther than so much of the shorter move: else its axes would, on their way to the next rest, have to
+    /// slow down again within it.
     fn part(self) -> f64 {
         match self {
             Self::Quick => 1.0,
@@ -75,14 +76,19 @@ impl Bend {
     }
 
     /// Where the pieces of a turn meet.
-    fn knots(self) -> [f64; 5] {
-        let first = self.ramp().min(0.25);
-        [0.0, first, 0.5, 1.0 - first, 1.0]
+    fn knots(self) -> &'static [f64] {
+        match self {
+            Self::Quick => &[0.0, QUICK, 0.5, 1.0 - QUICK, 1.0],
+            Self::Even => &[0.0, 0.1, 0.27, 0.5, 0.73, 0.9, 1.0],
+        }
     }
 }
 
-/// A blend reaches no farther than the shorter move over this: three of them find place on a move.
-pub(crate) const ROOM: f64 = 6.1;
+/// r of the quick one.
+const QUICK: f64 = 0.02;
+
+/// A blend reaches no farther than the shorter move over this: two of them find place on a move.
+pub(crate) const ROOM: f64 = 2.04;
 
 /// Shape of a blend.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,33 +97,33 @@ pub(crate) struct Corner {
     swing: f64,
     /// g.
     growth: f64,
+    /// σ·w.
+    lead: f64,
     bend: Bend,
 }
 
 impl Corner {
     /// Between two lines whose slopes differ by 2·k, within a distance of `p`; `side` is how far from a line a step along the
-    /// other one leads at most, `shorter` the length of the shorter line. It swings out as far as there is room. `None`: the
-    /// lines are too short for it.
+    /// other one leads at most, `shorter` the length of the shorter line. It swings out as far as there is room; where jerk is
+    /// limited, as far as it may, or not at all. `None`: the lines are too short for it.
     pub(crate) fn of(k: f64, side: f64, p: f64, shorter: f64, bend: Bend) -> Option<Self> {
         let (half, whole) = (bend.leaving(0.5)[0], bend.leaving(1.0)[0]);
         let (m, over) = (p / (2.0 * k), whole / half);
-        if m * over > bend.part() * shorter {
+        let (room, most) = (shorter / ROOM - m * over, p.min(p / side));
+        // reach = (w + m)·over − w + σ·w
+        let [short, long] = bend.lead().map(|lead| lead + over - 1.0);
+        if m * over > bend.part() * shorter || bend == Bend::Even && room < short * most {
             return None;
         }
-        // reach = (w + m)·over − w + σ·w
-        let swing = (shorter / ROOM - m * over) / (over - 1.0 + bend.lead());
-        let swing = swing.clamp(0.0, p.min(p / side));
-        Some(Self { swing, growth: (swing + m) / half, bend })
+        let along = (room / most).clamp(short, long);
+        let swing = (room / along).clamp(0.0, most);
+        let lead = (along - over + 1.0) * swing;
+        Some(Self { swing, growth: (swing + m) / half, lead, bend })
     }
 
     /// How far it reaches along both lines.
     pub(crate) fn reach(&self) -> f64 {
-        self.b(1.0)[0] + self.lead()
-    }
-
-    /// Length of the way out, and of the way back; zero: it does not swing.
-    fn lead(&self) -> f64 {
-        self.bend.lead() * self.swing
+        self.b(1.0)[0] + self.lead
     }
 
     /// B, B′, B″.
@@ -133,7 +139,6 @@ impl Corner {
         (t0, t1): (&Point, &Point),
         mut give: impl FnMut(&Derivatives, &Derivatives, f64),
     ) {
-        let lead = self.lead();
         // from shares of both slopes
         let place = |shares: [[f64; 2]; 3]| {
             let of = |[a, b]: [f64; 2]| core::array::from_fn(|i| a * t0[i] + b * t1[i]);
@@ -149,11 +154,11 @@ impl Corner {
             }
             from = to;
         };
-        go(place(self.turning(0.0)), lead);
+        go(place(self.turning(0.0)), self.lead);
         for pair in self.bend.knots().windows(2) {
             go(place(self.turning(pair[1])), self.s(pair[1]) - self.s(pair[0]));
         }
-        go(place([[0.0, self.reach()], [0.0, 1.0], off]), lead);
+        go(place([[0.0, self.reach()], [0.0, 1.0], off]), self.lead);
     }
 
     /// α and β in the turn, with their derivatives by s.
@@ -217,22 +222,20 @@ mod tests {
 
     #[test]
     fn where_there_is_no_room_the_blend_keeps_to_the_inner_side() {
-        // t³ is an eighth of the whole in the middle, where the way along both lines is P/√2
-        let reach = 8.0 * 0.01 / libm::sqrt(2.0);
-        let corner = right_angle(20.001 * reach / ROOM, Bend::Even);
-        assert!(corner.swing < 1e-3 && corner.reach() < 20.002 * reach / ROOM, "{corner:?}");
-        let none =
-            Corner::of(core::f64::consts::FRAC_1_SQRT_2, 1.0, 0.01, 19.9 * reach, Bend::Even);
-        assert_eq!(none, None);
-        assert_eq!(right_angle(0.01, Bend::Quick).swing, 0.0);
-        assert_eq!(blend(right_angle(0.01, Bend::Quick)).len(), 4);
+        assert_eq!(right_angle(0.02, Bend::Quick).swing, 0.0);
+        assert_eq!(blend(right_angle(0.02, Bend::Quick)).len(), 4);
+        let short = Corner::of(core::f64::consts::FRAC_1_SQRT_2, 1.0, 0.01, 2.8, Bend::Even);
+        assert_eq!(short, None, "130·P and more to either side");
     }
 
     #[test]
-    fn a_little_more_room_is_a_little_more_swing() {
-        let corner = |room: f64| right_angle(room, Bend::Even);
-        let (a, b) = (corner(0.5), corner(0.51));
-        assert!(a.swing > 0.0 && a.swing < b.swing && (a.reach() - 0.5).abs() < 1e-12);
+    fn a_little_more_room_is_a_little_more_swing_and_then_a_longer_way() {
+        let corner = |room: f64| right_angle(room, Bend::Quick);
+        let (a, b, c) = (corner(0.2), corner(0.21), corner(0.5));
+        assert!(a.swing > 0.0 && a.swing < b.swing && (a.reach() - 0.2).abs() < 1e-12);
+        assert!((a.lead - 35.0 * a.swing).abs() < 1e-12, "{a:?}");
+        assert!((c.swing - 0.01).abs() < 1e-12 && c.lead > 0.4, "{c:?}");
+        assert!((c.reach() - 0.5).abs() < 1e-12);
     }
 
     #[test]

@@ -12,8 +12,8 @@
 //! `bow` where they are short; else it is the polynomial of the fifth degree with a length of 2·h, which passes the corner at
 //! a distance of ⅜·h·k, and a jump of the bend by Δ costs about Δ·h²/17 more.
 //!
-//! A move is long if three blends of such h fit into it at both of its ends; a curve that was chopped finely has small
-//! corners, which would allow blends much longer than its moves, and therefore none of them is.
+//! A move is long if three blends fit into it at both of its ends, narrow ones where a sharp corner has a choice; a curve that
+//! was chopped finely has small corners, which would allow blends much longer than its moves, and therefore none of them is.
 use super::bezier::measure;
 use super::bow::{Bow, INNER};
 use super::corner::{Bend, Corner, ROOM};
@@ -47,8 +47,10 @@ const KEPT: usize = 64;
 pub(crate) const SHARE: f64 = 0.97;
 /// The same where it is known exactly.
 const EXACT: f64 = 0.999;
-/// A fitted curve leaves a long move, and comes to it, so many reaches of the corner away: its knots need room.
+/// A fitted curve leaves a long move, and comes to it, so many reaches of the corner away, if there is room.
 const ASIDE: f64 = 2.0;
+/// A move is long, and no curve is fitted through it, if so many narrow blends fit into it at each end, and wide ones at all.
+const FITTED: f64 = 3.0;
 /// Slopes that differ by less are one slope.
 const SAME_SLOPE: f64 = 1e-7;
 /// Bends that differ by less are one bend, 1/mm.
@@ -72,6 +74,8 @@ pub(crate) struct Joint {
     pub(crate) k: f64,
     /// How far its blend would reach if there were room; zero: there is none.
     pub(crate) reach: f64,
+    /// How far one would on the inner side alone: a fitted curve turns within it.
+    narrow: f64,
     /// Shape of its blend, if it joins two lines.
     corner: Option<Corner>,
     /// Length of its blend as one polynomial, over its reach.
@@ -85,7 +89,18 @@ pub(crate) struct Joint {
 impl Joint {
     /// Without a blend.
     fn none(entry: Entry) -> Self {
-        Self { k: 0.0, reach: 0.0, corner: None, ratio: INNER, entry, tolerance: 0.0 }
+        let [k, reach, narrow, tolerance] = [0.0; 4];
+        Self { k, reach, narrow, corner: None, ratio: INNER, entry, tolerance }
+    }
+
+    /// So much of a move must be there on this side, for the move to be long.
+    fn claim(&self) -> f64 {
+        self.reach.max(FITTED * self.narrow)
+    }
+
+    /// How far from it a fitted curve leaves a move with so much `room`, or comes to it: its knots need room.
+    fn aside(&self, room: f64) -> f64 {
+        f64::midpoint(self.reach, room).min(ASIDE * self.reach)
     }
 }
 
@@ -141,7 +156,7 @@ impl Joiner {
             self.append(&unmerged(&line, off), emit);
         }
         if !self.waiting.is_empty() {
-            self.decide(0.0, emit);
+            self.decide(&Joint::none(Entry::Rest), emit);
             let last = self.waiting.len() - 1;
             if last > 0 {
                 self.zone(last, self.waiting[last].length(), emit);
@@ -167,7 +182,7 @@ impl Joiner {
         let joint =
             self.waiting.last().map_or(rest, |last| joint(last, segment, &start, self.bend));
         if !self.waiting.is_empty() {
-            self.decide(joint.reach, emit);
+            self.decide(&joint, emit);
             if joint.reach == 0.0 {
                 self.meet(joint.entry, emit);
             }
@@ -179,13 +194,13 @@ impl Joiner {
     }
 
     /// The last move's both joints are known: if it is long, what lies before is decided.
-    fn decide(&mut self, reach: f64, emit: &mut impl FnMut(Piece)) {
+    fn decide(&mut self, after: &Joint, emit: &mut impl FnMut(Piece)) {
         let last = self.waiting.len() - 1;
-        let (length, before) = (self.waiting[last].length(), self.waiting[last].joint.reach);
-        if last == 0 || length < 3.0 * (before + reach) {
+        let (length, before) = (self.waiting[last].length(), self.waiting[last].joint);
+        if last == 0 || length < before.claim() + after.claim() {
             return;
         }
-        let begins = if last == 1 { before } else { ASIDE * before };
+        let begins = if last == 1 { before.reach } else { before.aside(length - after.reach) };
         self.zone(last, begins, emit);
         self.waiting.drain(..last);
         self.begun = begins;
@@ -230,12 +245,15 @@ impl Joiner {
     /// From the first move to so far into move `last`.
     fn zone(&mut self, last: usize, end: f64, emit: &mut impl FnMut(Piece)) {
         let length = self.waiting[0].length();
-        let reach = self.waiting[1].joint.reach;
+        let joint = self.waiting[1].joint;
+        let reach = joint.reach;
         let whole = end >= self.waiting[last].length();
         if self.at.is_none() && length - self.begun > reach {
             // of a short first move, too, keep what the blend leaves
-            let reach = if last == 1 { reach } else { ASIDE * reach };
-            self.middle(length - reach.min((length - self.begun) * 0.5), emit);
+            let leaves = if last == 1 { reach } else { joint.aside(length - self.begun) };
+            if last == 1 || length - leaves - self.begun > joint.narrow {
+                self.middle(length - leaves, emit);
+            }
         }
         let meets = |at: f64| (at - reach).abs() < 1e-9;
         if last == 1 && self.at.is_none() && !whole && meets(end) && meets(length - self.begun) {
@@ -351,23 +369,25 @@ fn joint(before: &Waiting, segment: &Segment, start: &Derivatives, bend: Bend) -
     }
     if entry == Entry::Smooth {
         // nothing to blend, but on a chopped curve two slopes may be the same by rounding
-        return Joint { reach: f64::INFINITY, ..joint };
+        let [reach, narrow] = [f64::INFINITY; 2];
+        return Joint { reach, narrow, ..joint };
     }
     if let (Curve::Line(a), Curve::Line(b)) = (&before.segment.curve, &segment.curve) {
         let shorter = a.length.min(b.length);
         let p = tolerance * EXACT;
-        let side = side(k, &before.end.q1, &start.q1);
+        let (side, narrow) = (side(k, &before.end.q1, &start.q1), Bow::narrow(k, p));
         if let Some(corner) = Corner::of(k, side, p, shorter, bend) {
-            return Joint { reach: corner.reach(), corner: Some(corner), ..joint };
+            let reach = corner.reach();
+            return Joint { reach, narrow, corner: Some(corner), ..joint };
         }
         let Bow { reach, ratio } = Bow::of(k, side, p, shorter / ROOM);
-        return Joint { reach, ratio, ..joint };
+        return Joint { reach, narrow, ratio, ..joint };
     }
     // ⅜·k·h + Δ·h²/17 = P
     let p = tolerance * SHARE;
     let (slope, square) = (0.375 * k, jump / 17.0);
     let reach = 2.0 * p / (slope + libm::sqrt(slope * slope + 4.0 * square * p));
-    Joint { reach, ..joint }
+    Joint { reach, narrow: reach, ..joint }
 }
 
 /// How far from a line a step of one along the other one leads at most: sin θ, if both slopes are of length one.
