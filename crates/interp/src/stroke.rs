@@ -192,9 +192,10 @@ mod tests {
                 Straight(-5.0, 0.0),
             ]
         };
-        // sin(a) = cos(a − 90°)
-        let entered = BOX.violated(&arc(5.0)).map(|at| at[0]);
-        assert!(entered.is_some_and(|x| x.abs() < 1e-9), "{entered:?}");
+        // sin(a) = cos(a − 90°); past X0 at 37° it is still at Y11, and comes in over Y10 at 30°
+        let entered = BOX.violated(&arc(5.0)).map(|at| (at[0], at[1]));
+        let x = 10.0 * (3.0_f64.sqrt() / 2.0) - 8.0;
+        assert!(entered.is_some_and(|at| (at.0 - x).hypot(at.1 - 10.0) < 1e-9), "{entered:?}");
         let mut beside = arc(5.0);
         beside[0] = Round(-12.0, 10.0, quarter, -2.0 * quarter);
         assert_eq!(BOX.violated(&beside), None);
