@@ -318,6 +318,35 @@ fn with_jerk_ten_thousand_parts_of_a_line_take_hardly_longer_than_the_line() {
     assert!((0.999..1.005).contains(&ratio), "{ratio}");
 }
 
+/// A blend's parameter is longer than its way: what F counts is the way.
+#[test]
+fn at_a_low_feed_corners_are_passed_at_the_feed() {
+    let (step, feed) = (2.0, 10.0);
+    for (jerk, corner) in [(f64::INFINITY, 0.002), (20e3, 0.025)] {
+        let b = bounds(200.0, 1000.0, jerk);
+        let (mut joiner, mut pieces) = (Joiner::new(Bend::of(&config(b).limits)), Vec::new());
+        let stair = |n: usize| [step * n.div_ceil(2) as f64, step * (n / 2) as f64, 0.0];
+        for n in 0..40 {
+            let curve = line(stair(n), stair(n + 1), feed, Entry::Smooth).curve;
+            let (op, line) = (n as u32, n as u32);
+            let (tolerance, merge) = (0.01, 0.0);
+            let segment = Segment { curve, feed, rapid: false, tolerance, merge, op, line };
+            joiner.push(segment, &mut |piece| pieces.push(piece));
+        }
+        joiner.finish(&mut |piece| pieces.push(piece));
+        let phases = timed(&pieces, &config(b));
+        for pair in setpoints(&pieces, &phases).windows(2) {
+            let way = (0..AXES).map(|k| (pair[1][k] - pair[0][k]).powi(2)).sum::<f64>().sqrt();
+            assert!(way <= feed * PERIOD * 1.001, "{} mm/s", way / PERIOD);
+        }
+        // each corner cuts off less than P; a stop costs v/a, or 2·√(v/j)
+        let (took, least) = (duration(&phases), 40.0 * (step - 0.01) / feed);
+        let stop = if jerk.is_finite() { 2.0 * (feed / jerk).sqrt() } else { feed / 1000.0 };
+        assert!(corner < 0.6 * stop && took > least, "{took} of {least}");
+        assert!(took < 40.0 * (step / feed + corner), "{took} s with {jerk}");
+    }
+}
+
 /// Moves that a program could have, joined within a tolerance.
 fn any_joined() -> impl Strategy<Value = Vec<Piece>> {
     let step = (prop::array::uniform3(1.0..10.0_f64), 5.0..200.0_f64, any::<[bool; 3]>());

@@ -55,7 +55,7 @@ pub struct Piece {
     pub begin: f64,
     /// How far it runs from there.
     pub length: f64,
-    /// ṡ is never above this: the programmed feed; infinite for a rapid.
+    /// The programmed feed, which ṡ is never above, or along a blend of X, Y and Z the speed; infinite for a rapid.
     pub feed: f64,
     /// Which of the two sets of [`Limits`] counts.
     pub rapid: bool,

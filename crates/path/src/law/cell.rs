@@ -71,6 +71,17 @@ impl Rows {
     }
 }
 
+/// ṡ at which the feed is reached. A blend's parameter is longer than its way; where only X, Y and Z move, it is the way that F
+/// counts.
+fn feed(piece: &Piece, d: &Derivatives) -> f64 {
+    let [x, y, z, others @ ..] = &d.q1;
+    let blend = matches!(piece.curve, crate::Curve::Polynomial(_));
+    if !blend || others.iter().any(|slope| *slope != 0.0) {
+        return piece.feed;
+    }
+    piece.feed / libm::sqrt(x * x + y * y + z * z)
+}
+
 /// ṡ² that the feed and the axes' speeds leave.
 fn speed_cap(d: &Derivatives, bounds: &Bounds, feed: f64) -> f64 {
     let mut v = feed.min(TOP_SPEED);
@@ -238,7 +249,7 @@ impl Sampler {
             let three = [self.last, middle, end];
             let moves = |k: usize| three.iter().any(|d| d.q1[k] != 0.0 || d.q2[k] != 0.0);
             let axes = core::array::from_fn(moves);
-            let rows = three.map(|d| Rows::new(&d, axes, bounds, self.piece.feed));
+            let rows = three.map(|d| Rows::new(&d, axes, bounds, feed(&self.piece, &d)));
             let cap = rows[0].cap.min(rows[1].cap).min(rows[2].cap);
             self.last = end;
             (Demand::Curve(Box::new(rows)), cap)
@@ -292,7 +303,8 @@ fn cells_for_looks<const N: usize>(piece: &Piece, from: f64, length: f64, bounds
     let look = |k: usize| piece.at(from + (length - from) * k as f64 / (N - 1) as f64);
     let all: [Derivatives; N] = core::array::from_fn(look);
     // as fast as the feed, and the bend where it is least, allow
-    let cap = all.iter().map(|d| speed_cap(d, bounds, piece.feed)).fold(f64::INFINITY, f64::min);
+    let cap = |d: &Derivatives| speed_cap(d, bounds, feed(piece, d));
+    let cap = all.iter().map(cap).fold(f64::INFINITY, f64::min);
     let (mut turn, mut change, mut twist) = (0.0_f64, 0.0_f64, 0.0_f64);
     let slope = all.iter().flat_map(|d| d.q1).fold(0.0, |m: f64, x| m.max(x.abs()));
     for k in 0..AXES {
