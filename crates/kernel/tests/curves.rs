@@ -109,30 +109,30 @@ impl Curve {
         }
     }
 
-    /// How far a point is from it, at most: looked for around the nearest of some places. Turns of an arc may lie on one
-    /// another, so there is more than one.
+    /// How far a point is from it, at most: looked for around every place that is nearer than its neighbours. Turns of an arc
+    /// may lie on one another, and a spline may all but return on itself, so there is more than one.
     fn distance(&self, p: &[f64; AXES]) -> f64 {
-        const PLACES: usize = 48;
+        const PLACES: usize = 256;
         let far = |t: f64| {
             let q = self.at(t);
             (0..3).map(|i| (q[i] - p[i]).powi(2)).sum::<f64>()
         };
         let step = 1.0 / PLACES as f64;
-        let mut places: [(f64, f64); PLACES + 1] = core::array::from_fn(|k| {
-            let t = k as f64 * step;
-            (far(t), t)
+        let places: [f64; PLACES + 1] = core::array::from_fn(|k| far(k as f64 * step));
+        let nearest = (0..=PLACES).filter(|&k| {
+            let beside = &places[k.saturating_sub(1)..=(k + 1).min(PLACES)];
+            beside.iter().all(|far| *far >= places[k])
         });
-        places.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let around = |nearest: f64| {
-            let (mut low, mut high) = ((nearest - step).max(0.0), (nearest + step).min(1.0));
+        let around = |k: usize| {
+            let t = k as f64 * step;
+            let (mut low, mut high) = ((t - step).max(0.0), (t + step).min(1.0));
             for _ in 0..40 {
                 let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
                 if far(a) < far(b) { high = b } else { low = a }
             }
-            far(low)
+            places[k].min(far(low))
         };
-        let nearest = places[..6].iter().map(|(far, t)| far.min(around(*t)));
-        nearest.fold(f64::INFINITY, f64::min).sqrt()
+        nearest.map(around).fold(f64::INFINITY, f64::min).sqrt()
     }
 
     /// The lowest and the highest that each axis gets, and a little more.
