@@ -318,6 +318,25 @@ fn with_jerk_ten_thousand_parts_of_a_line_take_hardly_longer_than_the_line() {
     assert!((0.999..1.005).contains(&ratio), "{ratio}");
 }
 
+/// Nothing happens on most of the way: neither the plan nor what is handed out grows with the time that it takes.
+#[test]
+fn with_jerk_a_slow_arc_takes_as_long_as_its_feed_and_few_phases() {
+    let (radius, jerk) = (50.0, 20e3);
+    let point = |x: f64, y: f64| core::array::from_fn(|k| [x, y].get(k).copied().unwrap_or(0.0));
+    let (start, length) = (point(radius, 0.0), radius * std::f64::consts::TAU);
+    let (sweep, centre) = (std::f64::consts::TAU, [0.0; 2]);
+    let arc = path::geometry::Arc { from: start, to: start, plane: [0, 1], centre, sweep, length };
+    for feed in [100.0, 10.0, 1.0, 0.1, 0.01] {
+        let (curve, entry) = (Curve::Arc(arc), Entry::Rest);
+        let arc = Piece { curve, begin: 0.0, length, feed, rapid: false, entry, op: 0, line: 0 };
+        let phases = timed(&[arc], &config(bounds(200.0, 1000.0, jerk)));
+        joined(&[arc], &phases);
+        let ratio = duration(&phases) / rest_to_rest(length, feed, 1000.0, jerk);
+        assert!((0.99..1.003).contains(&ratio), "F{feed}: {ratio}");
+        assert!(phases.len() < 3000, "F{feed}: {} phases", phases.len());
+    }
+}
+
 /// A blend's parameter is longer than its way: what F counts is the way.
 #[test]
 fn at_a_low_feed_corners_are_passed_at_the_feed() {

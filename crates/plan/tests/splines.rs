@@ -4,20 +4,22 @@ use canon::{Feed, OpKind, PathMode, Position, Spline};
 use common::{line, mm, planner_at, steps_of, turn};
 use path::Shape;
 use plan::{Step, StepKind};
-use units::{Length, Speed};
+use units::{Length, Speed, Time};
 
 /// y = x²/20 from the origin to (20, 20), as G5.1 writes it, raised to the fifth degree: points (4·k, k·(k − 1)).
-fn parabola() -> OpKind {
+fn parabola(feed: Feed) -> OpKind {
     let point = |k: i32| [mm(f64::from(4 * k)), mm(f64::from(k * (k - 1)))];
     OpKind::Spline {
         to: Position::xyz(20.0, 20.0, 0.0),
         spline: Spline { pieces: vec![[1, 2, 3, 4, 5].map(point)] },
-        feed: Feed::PerTime(Speed::mm_per_s(100.0)),
+        feed,
     }
 }
 
+const FEED: Feed = Feed::PerTime(Speed::mm_per_s(100.0));
+
 fn follow(mode: PathMode) -> Vec<Step> {
-    let ops = [OpKind::PathMode(mode), turn(1000.0), parabola(), line(40.0, 60.0, 0.0, 6000.0)];
+    let ops = [OpKind::PathMode(mode), turn(1000.0), parabola(FEED), line(40.0, 60.0, 0.0, 6000.0)];
     steps_of(planner_at(Position::default(), 0), ops)
 }
 
@@ -51,6 +53,21 @@ fn on_the_exact_path_a_spline_is_followed_as_it_is_and_left_along_its_slope_with
     let slowest = places.iter().filter(|[x, _, _]| (1.0..39.0).contains(x));
     let slowest = slowest.map(|[_, _, v]| *v).fold(f64::INFINITY, f64::min);
     assert!(slowest > 50.0, "{slowest} mm/s");
+}
+
+/// Whatever it is cut into. From rest to rest at v a ramp adds √(v/j) at either end: v = 29.6 mm / 4 s, j = 500 m/s³.
+#[test]
+fn with_inverse_time_a_spline_lasts_as_long_as_programmed() {
+    let spline = parabola(Feed::Duration(Time::s(4.0)));
+    let ops = [OpKind::PathMode(PathMode::Exact), turn(1000.0), spline];
+    let steps = steps_of(planner_at(Position::default(), 0), ops);
+    let follows = steps.iter().filter_map(|step| match &step.kind {
+        StepKind::Follow(follow) => Some(follow.duration()),
+        _ => None,
+    });
+    let took: f64 = follows.sum();
+    let ramps = 2.0 * (29.6_f64 / 4.0 / 5e5).sqrt();
+    assert!((took - 4.0 - ramps).abs() < 0.005, "{took} s");
 }
 
 #[test]

@@ -21,7 +21,7 @@ const SHARE: f64 = 0.95;
 const KEEP: f64 = 20.0;
 
 /// How far the time may still be above the optimum when the search ends.
-const GAP: f64 = 0.003;
+const GAP: f64 = 0.002;
 
 /// How far a bound may still be exceeded then, as a share of it.
 const MISS: f64 = 1e-4;
@@ -30,6 +30,9 @@ const MISS: f64 = 1e-4;
 /// all of them together.
 const FIRST: f64 = 0.05;
 const AGAIN: f64 = 0.1;
+
+/// An unknown's part of the time counts as at least so much of an even one, and at most as one over it.
+const PART: f64 = 1e-3;
 
 /// From such a share of its bound on a slack is free, and begins again as what it is.
 const FREE: f64 = 0.1;
@@ -154,6 +157,8 @@ pub(crate) struct Chain {
     pub(crate) given: [usize; 2],
     /// 1/√c.
     root: Vec<f64>,
+    /// Each unknown's part of the time where the search begins, over an even one: what λ·s of its bounds is led by.
+    part: Vec<f64>,
     /// 1 − c/cap.
     under: Vec<Slack>,
     /// The pairs of the problem before.
@@ -196,6 +201,7 @@ impl Chain {
         }
         self.roots();
         let mut time = self.time();
+        self.parts(time);
         let capped = self.free().filter(|i| self.cap[*i].is_finite()).count();
         let count = (2 * self.pairs.len() + capped) as f64;
         let again =
@@ -243,27 +249,38 @@ impl Chain {
         self.free().map(|i| self.weight[i] * self.root[i]).sum()
     }
 
+    /// After [`Self::roots`].
+    fn parts(&mut self, time: f64) {
+        let over = self.free().len() as f64 / time;
+        let parts = self.weight.iter().zip(&self.root).map(|(w, root)| w * root * over);
+        self.part.clear();
+        self.part.extend(parts.map(|part| part.clamp(PART, 1.0 / PART)));
+    }
+
     fn start(&mut self, mu: f64) {
-        let new = |room: f64, r: f64| {
+        let new = |room: f64, r: f64, part: f64| {
             let s = room.max(0.1 * r);
-            Slack::new(s, mu / s)
+            Slack::new(s, mu * part / s)
         };
         self.under.clear();
-        self.under.extend(self.c.iter().zip(&self.cap).map(|(c, cap)| new(1.0 - c / cap, 1.0)));
+        let all = self.c.iter().zip(&self.cap).zip(&self.part);
+        self.under.extend(all.map(|((c, cap), part)| new(1.0 - c / cap, 1.0, *part)));
         for p in &mut self.pairs {
-            let r = p.bound(&self.root);
-            p.slack = p.room(&self.c, &self.root).map(|room| new(room, r));
+            let (r, part) = (p.bound(&self.root), self.part[p.at + 1]);
+            p.slack = p.room(&self.c, &self.root).map(|room| new(room, r, part));
         }
     }
 
     /// With the prices of the problem before.
     fn resume(&mut self, mu: f64) {
-        for (slack, (c, cap)) in self.under.iter_mut().zip(self.c.iter().zip(&self.cap)) {
-            *slack = Slack::again(1.0 - c / cap, 1.0, slack.price, mu);
+        let all = self.c.iter().zip(&self.cap).zip(&self.part);
+        for (slack, ((c, cap), part)) in self.under.iter_mut().zip(all) {
+            *slack = Slack::again(1.0 - c / cap, 1.0, slack.price, mu * part);
         }
         for (p, known) in self.pairs.iter_mut().zip(&self.known) {
             let scale = if p.scale == 0.0 { 1.0 } else { known.scale / p.scale };
             let (r, room) = (p.bound(&self.root), p.room(&self.c, &self.root));
+            let mu = mu * self.part[p.at + 1];
             p.slack = core::array::from_fn(|k| {
                 Slack::again(room[k], r, scale * known.slack[k].price, mu)
             });
@@ -321,11 +338,11 @@ impl Chain {
             self.step[i] = 0.5 * self.weight[i] * self.root[i] * y;
             if self.cap[i].is_finite() {
                 let over = 1.0 / self.cap[i];
-                self.step[i] -= over * self.under[i].pull(mu, 1.0 - self.c[i] * over);
+                self.step[i] -= over * self.under[i].pull(mu * self.part[i], 1.0 - self.c[i] * over);
             }
         }
         for p in &self.pairs {
-            let room = p.room(&self.c, &self.root);
+            let (room, mu) = (p.room(&self.c, &self.root), mu * self.part[p.at + 1]);
             let (low, high) = (p.slack[0].pull(mu, room[0]), p.slack[1].pull(mu, room[1]));
             let (d, dr) = (high - low, p.slope(&self.root));
             let step = &mut self.step[p.at..p.at + 3];
@@ -347,11 +364,11 @@ impl Chain {
                 let over = 1.0 / self.cap[i];
                 let slack = &mut self.under[i];
                 let ds = 1.0 - (self.c[i] + self.step[i]) * over - slack.s;
-                slack.limit(mu, ds, (&mut primal, &mut dual));
+                slack.limit(mu * self.part[i], ds, (&mut primal, &mut dual));
             }
         }
         for p in &mut self.pairs {
-            let room = p.room(&self.c, &self.root);
+            let (room, mu) = (p.room(&self.c, &self.root), mu * self.part[p.at + 1]);
             let (turn, dr) = (p.sum(&self.step), p.slope(&self.root) * self.step[p.at + 1]);
             let [low, high] = &mut p.slack;
             low.limit(mu, dr - turn + room[0] - low.s, (&mut primal, &mut dual));
@@ -383,12 +400,12 @@ impl Chain {
         for i in free {
             if self.cap[i].is_finite() {
                 let is = 1.0 - self.c[i] / self.cap[i];
-                self.under[i].go(mu, so_far, is);
+                self.under[i].go(mu * self.part[i], so_far, is);
                 count(&self.under[i], is);
             }
         }
         for p in &mut self.pairs {
-            let room = p.room(&self.c, &self.root);
+            let (room, mu) = (p.room(&self.c, &self.root), mu * self.part[p.at + 1]);
             for (slack, is) in p.slack.iter_mut().zip(room) {
                 slack.go(mu, so_far, is);
                 count(slack, is);

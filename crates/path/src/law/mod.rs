@@ -19,6 +19,7 @@ mod cell;
 mod fine;
 mod guess;
 mod interior;
+mod level;
 mod phase;
 mod reach;
 mod refusal;

@@ -19,6 +19,7 @@ use super::cell::{Cell, Demand, Rows};
 use super::fine::{Fine, JERK_SHARE, each, growth, jerk_along};
 use super::guess::Guess;
 use super::interior::{Chain, Pair};
+use super::level::{Level, levels};
 use super::runs::{Run, runs};
 use alloc::vec::Vec;
 
@@ -55,6 +56,7 @@ pub(super) struct Smooth {
     spare: Vec<f64>,
     /// The window's cells, as the grid sees them.
     runs: Vec<Run>,
+    levels: Vec<Level>,
 }
 
 /// How the window begins.
@@ -174,25 +176,10 @@ impl Smooth {
         (self.w[i] + k * x).min(self.w[end] + k * (run.h - x)).min(cap)
     }
 
-    /// From where to where in a line its highest speed is surely held, if there is such a part.
-    fn level(&self, run: &Run, cell: &Cell) -> [f64; 2] {
-        let Demand::Line { accel, jerk } = &cell.demand else { return [run.h, 0.0] };
-        let (k, v) = (growth(cell), libm::sqrt(cell.cap));
-        let top = three_quarters(cell.cap);
-        let reached = |w: f64| {
-            if w >= top || k.is_infinite() {
-                0.0
-            } else {
-                v * v / accel + 2.0 * v * accel / jerk + 4.0 * (top - w) / k
-            }
-        };
-        let [i, end] = run.cells;
-        [reached(self.w[i]), run.h - reached(self.w[end])]
-    }
-
     /// Lay the knots.
     fn lay(&mut self, cells: &[&Cell], from: From, tau: f64) {
         self.grid.clear();
+        levels(cells, &self.runs, &self.w, &mut self.levels);
         let last = self.runs.len() - 1;
         for (number, run) in self.runs.iter().enumerate() {
             let i = run.cells[0];
@@ -219,7 +206,7 @@ impl Smooth {
                 From::Rest | From::Moving(..) => {}
             }
             let k = growth(cell);
-            let level = self.level(run, cell);
+            let level = self.levels[number];
             while x < end {
                 let step = |w: f64| {
                     let v = libm::cbrt(w * w);
@@ -232,7 +219,7 @@ impl Smooth {
                     h = h.min(step(self.w_at(cells, run, x + h)) * 1.2);
                 }
                 // at the feed, far from where it is reached and left, nothing happens
-                h = h.max(0.3 * (x - level[0]).min(level[1] - x)).min(end - x);
+                h = h.max(level.step(x)).min(end - x);
                 // no crumbs
                 if end - x < 1.5 * h {
                     h = end - x;

@@ -118,7 +118,13 @@ impl Planner {
             .collect();
         self.programmed = *to;
         if self.may_cut(job, &paths, feed) {
+            let length: f64 = paths.iter().map(Path::length).sum();
             for path in paths {
+                // a time to take is that of all parts together
+                let feed = match feed {
+                    Feed::Duration(time) => Feed::Duration(time * (path.length() / length)),
+                    Feed::PerTime(_) | Feed::PerRevolution(_) => feed,
+                };
                 self.cut_along(job, path, feed);
             }
             self.stop_exactly(job);
