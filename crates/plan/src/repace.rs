@@ -25,6 +25,10 @@ use path::{Curve, Entry, Phase, Piece, Shape};
 /// Where less of a piece is left, it has been done, mm.
 const SHORTEST: f64 = 1e-9;
 
+/// A phase of a curve that takes longer than this, s, and ends as fast as it begins, to such a share, can be left anywhere.
+const LONG: f64 = 0.02;
+const LEVEL: f64 = 0.02;
+
 /// What the operator wants of moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wish {
@@ -69,6 +73,15 @@ struct Anew {
 struct Part {
     piece: Piece,
     phase: Phase,
+}
+
+impl Part {
+    /// Whether its speed hardly changes.
+    fn is_level(&self) -> bool {
+        let Phase { duration, v, .. } = self.phase;
+        let (_, end, _) = self.phase.at(duration);
+        (end - v).abs() < LEVEL * v
+    }
 }
 
 impl Planner {
@@ -134,9 +147,12 @@ impl Row {
         waits: Option<&[Piece]>,
     ) -> Option<Anew> {
         let spin = self.per_revolution.then_some(self.pace.turning);
-        // on a curve, from where the first plan looked at its limits
-        let straight = self.parts.first().is_none_or(|p| matches!(p.piece.curve, Curve::Line(_)));
-        let mut from = usize::from(!straight);
+        // on a curve, from where the first plan looked at its limits, unless that is far and nothing happens until then
+        let at_once = self.parts.first().is_none_or(|part| {
+            matches!(part.piece.curve, Curve::Line(_))
+                || part.phase.duration > LONG && part.is_level()
+        });
+        let mut from = usize::from(!at_once);
         while from < self.parts.len() {
             let Phase { s, v, a, .. } = self.parts[from].phase;
             let timing = Timing::new(limits, spin, wish, Some(State { s, v, a }));

@@ -338,7 +338,8 @@ impl Chain {
             self.step[i] = 0.5 * self.weight[i] * self.root[i] * y;
             if self.cap[i].is_finite() {
                 let over = 1.0 / self.cap[i];
-                self.step[i] -= over * self.under[i].pull(mu * self.part[i], 1.0 - self.c[i] * over);
+                self.step[i] -=
+                    over * self.under[i].pull(mu * self.part[i], 1.0 - self.c[i] * over);
             }
         }
         for p in &self.pairs {

@@ -7,7 +7,7 @@
 //!        reached       run        left             farther apart
 //! ```
 use super::cell::{Cell, Demand, Row, Rows};
-use super::fine::{growth, jerk_along};
+use super::fine::jerk_along;
 use super::runs::Run;
 use alloc::vec::Vec;
 
@@ -49,11 +49,23 @@ impl Level {
 struct Held<'a> {
     cell: &'a Cell,
     h: f64,
+    /// ṡ.
     v: f64,
     /// ṡ^{3/2}.
     top: f64,
     accel: f64,
     jerk: f64,
+}
+
+/// What is before a run.
+#[derive(Clone, Copy)]
+enum Before<'a> {
+    /// The window's end.
+    Nothing,
+    /// A run that bends too much.
+    Bent,
+    /// One that holds its highest speed from a place on, if that lies in it.
+    Held(Held<'a>, f64),
 }
 
 impl<'a> Held<'a> {
@@ -79,39 +91,34 @@ impl<'a> Held<'a> {
         }
     }
 
-    /// How far from a place with ṡ^{3/2} = w, or less, it is surely reached.
-    fn reached(&self, w: f64) -> f64 {
-        let k = growth(self.cell);
-        if w >= self.top * (1.0 - SAME) || k.is_infinite() {
-            return 0.0;
-        }
+    /// How far it is surely reached after so much less.
+    fn way(&self, change: f64) -> f64 {
         let Self { v, accel, jerk, .. } = *self;
-        v * v / accel + 2.0 * v * accel / jerk + 4.0 * (self.top - w) / k
-    }
-
-    /// How far from the end of a run that held its own, at a place with ṡ^{3/2} = w at most, it is surely reached.
-    fn reached_from(&self, beside: &Self, w: f64) -> f64 {
-        if w < beside.top.min(self.top) * (1.0 - SAME) {
-            return self.reached(w);
-        }
-        let change = self.v - beside.v;
-        if change <= SAME * self.v || self.jerk.is_infinite() {
-            return 0.0;
-        }
-        let Self { accel, jerk, .. } = *self;
         let time = if change * jerk < accel * accel {
             2.0 * libm::sqrt(change / jerk)
         } else {
             change / accel + accel / jerk
         };
-        (2.0 * self.v * time).min(self.reached(w))
+        2.0 * v * time
     }
 
-    /// Where its level begins if the one of the run before it does at `from`, of that.
-    fn goes_on(&self, beside: &Self, from: f64, w: f64) -> f64 {
-        let own = self.reached_from(beside, w);
-        let one = (beside.v - self.v).abs() <= SAME * self.v;
-        if own == 0.0 && one { (from - beside.h).min(0.0) } else { own }
+    /// Where its level begins, with ṡ^{3/2} = w at most at its own beginning, behind what comes before.
+    fn begins(&self, before: Before<'_>, w: f64) -> f64 {
+        let (beside, from) = match before {
+            Before::Nothing if w >= self.top * (1.0 - SAME) => return 0.0,
+            Before::Nothing | Before::Bent => return self.way(self.v),
+            Before::Held(beside, from) => (beside, from - beside.h),
+        };
+        let change = self.v - beside.v;
+        if w < beside.top.min(self.top) * (1.0 - SAME) {
+            self.way(self.v)
+        } else if change > SAME * self.v {
+            self.way(if from < 0.0 { change } else { self.v })
+        } else if change < -SAME * self.v {
+            from.max(0.0)
+        } else {
+            from
+        }
     }
 
     /// Whether it takes little to change to the speed of a run beside it, over so long a way.
@@ -126,36 +133,24 @@ impl<'a> Held<'a> {
 pub(super) fn levels(cells: &[&Cell], runs: &[Run], w: &[f64], levels: &mut Vec<Level>) {
     levels.clear();
     // forwards: where each begins
-    let mut before: Option<(Held<'_>, f64)> = None;
+    let mut before = Before::Nothing;
     for run in runs {
         let [first, end] = run.cells;
         let held = Held::new(cells[first], run.h);
-        let from = match (&held, &before) {
-            (None, _) => run.h,
-            (Some(held), Some((beside, from))) if *from < beside.h => {
-                held.goes_on(beside, *from, w[first])
-            }
-            (Some(held), _) => held.reached(w[first]),
-        };
+        let from = held.map_or(run.h, |held| held.begins(before, w[first]));
         let least = FIRST * run.h;
         let beside = [first.checked_sub(1).map(|i| cells[i]), cells.get(end).copied()];
         let slight = held.is_some_and(|held| beside.iter().all(|b| held.is_slight(*b, least)));
         levels.push(Level { from, to: 0.0, least: if slight { least } else { 0.0 } });
-        before = held.map(|held| (held, from));
+        before = held.map_or(Before::Bent, |held| Before::Held(held, from));
     }
     // backwards, as seen from the end: where each ends
-    let mut after: Option<(Held<'_>, f64)> = None;
+    let mut after = Before::Nothing;
     for (run, level) in runs.iter().zip(levels).rev() {
         let [first, end] = run.cells;
         let held = Held::new(cells[first], run.h);
-        let to = match (&held, &after) {
-            (None, _) => run.h,
-            (Some(held), Some((beside, to))) if *to < beside.h => {
-                held.goes_on(beside, *to, w[end])
-            }
-            (Some(held), _) => held.reached(w[end]),
-        };
+        let to = held.map_or(run.h, |held| held.begins(after, w[end]));
         level.to = run.h - to;
-        after = held.map(|held| (held, to));
+        after = held.map_or(Before::Bent, |held| Before::Held(held, to));
     }
 }
