@@ -24,9 +24,9 @@ use super::{AXES, Derivatives, Point, Polynomial};
 use alloc::vec::Vec;
 
 /// Share of the tolerance that samples keep: between them there is a little more.
-pub(crate) const NEAR: f64 = 0.95;
+pub(crate) const NEAR: f64 = 0.99;
 /// Share of it that midway between two samples is kept.
-const BETWEEN: f64 = 0.99;
+const BETWEEN: f64 = 0.998;
 /// Sweeps over all samples before knots are halved.
 const SWEEPS: usize = 24;
 /// Sweeps to bring samples back after smoothing.

@@ -19,7 +19,7 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 /// r of the header; samples are good up to [`super::fit::NEAR`].
-const RADIUS: f64 = 0.93;
+const RADIUS: f64 = 0.982;
 /// Rounds at most, and at least.
 const ROUNDS: usize = 48;
 const LEAST: usize = 12;
