@@ -23,22 +23,25 @@ struct Machines {
 
 impl lsp::Host for Machines {
     fn setup(&self, uri: &str, text: &[u8]) -> Result<interp::Setup, String> {
-        // A text without a file meets what lies in the folder the server was started in.
-        let path = path(uri).unwrap_or_else(|| PathBuf::from("unsaved.ngc"));
-        match Session::load(&self.source, &path, text) {
+        match Session::load(&self.source, &program(uri), text) {
             Ok(session) => Ok(session.interp_setup()),
             Err(refused) => Err(refused.sentence()),
         }
     }
 
     fn subprogram(&self, uri: &str, name: &str) -> Option<String> {
-        let program = path(uri)?;
+        let program = program(uri);
         let session = Session::load(&self.source, &program, b"").ok()?;
         let grammar = session.dialect.grammar();
         let (args, machine) = (&self.source, &session.machine);
         let file = crate::subprograms::file_of(args, machine, &program, name, grammar)?;
         Some(written(&std::path::absolute(file).ok()?))
     }
+}
+
+/// The file of a program. A text without one meets what lies in the folder the server was started in.
+fn program(uri: &str) -> PathBuf {
+    path(uri).unwrap_or_else(|| PathBuf::from("unsaved.ngc"))
 }
 
 /// The path of a `file:` URI.

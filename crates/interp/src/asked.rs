@@ -35,9 +35,10 @@ pub(crate) struct Asked {
     /// Axes whose place mattered before it was named, and those that were named with G90: a bit each.
     place: u16,
     named: u16,
-    /// F was set; a motion was named; G98 or G99 was.
+    /// F was set; a motion was named, and before any other a cycle or its end; G98 or G99 was.
     pub(crate) feed: bool,
     pub(crate) motion: bool,
+    pub(crate) cycle: bool,
     pub(crate) retract: bool,
     /// What plane is in force, and which units.
     pub(crate) plane: bool,
@@ -54,6 +55,8 @@ pub(crate) struct Asked {
     pub(crate) calls: bool,
     /// How many more began than ended.
     depth: i32,
+    /// Words that a control keeps for its variables: a bit each of those that were set.
+    kept: Cell<u8>,
     /// Numbers of a tape's blocks that were looked for: a bit each, by the remainder.
     jumps: Vec<u64>,
 }
@@ -125,6 +128,16 @@ impl Asked {
         })
     }
 
+    /// A word is kept for variables to tell.
+    pub(crate) fn keeps(&self, word: usize) {
+        self.kept.set(self.kept.get() | 1 << word);
+    }
+
+    /// Whether it is not what it was.
+    pub(crate) const fn kept(&self, word: usize) -> bool {
+        self.kept.get() >> word & 1 == 1
+    }
+
     pub(crate) fn name(&self, name: &str) {
         self.read.set(self.read.get() | of_name(name));
     }
@@ -160,10 +173,12 @@ impl Asked {
         self.more.set(self.more.get() || before.more.get());
         self.read.set(self.read.get() | before.read.get());
         self.assigned |= before.assigned;
+        self.kept.set(self.kept.get() | before.kept.get());
         self.jumps.resize(self.jumps.len().max(before.jumps.len()), 0);
         for (own, other) in self.jumps.iter_mut().zip(&before.jumps) {
             *own |= other;
         }
+        self.cycle = before.cycle || self.cycle && !before.motion;
         // which came first is not known any more
         self.initial |=
             before.initial || (self.holes || before.holes) && (self.moves || before.moves);
@@ -200,7 +215,9 @@ impl Executor {
             return;
         }
         self.asked.feed |= words.any(codes::set("F"));
-        self.asked.motion |= words.g(GGroup::Motion).is_some();
+        let named = words.g(GGroup::Motion);
+        self.asked.cycle |= !self.asked.motion && named.is_some_and(|code| code > 30);
+        self.asked.motion |= named.is_some();
         self.asked.plane |= words.g(GGroup::Plane).is_some() || self.compensating;
         self.asked.retract |= words.g(GGroup::Retract).is_some();
         self.asked.spindle |= state.feed_mode != FeedMode::PerMinute;

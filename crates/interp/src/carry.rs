@@ -9,7 +9,7 @@
 //! An axis that was named with G90 stands at t₁ where it stands at s₁; one that was only moved on with G91, as much
 //! farther as at t₀ (but for the rounding of sums).
 use crate::{
-    Snapshot,
+    Interpreter, Snapshot,
     asked::{Asked, of_name, of_number},
     names::{ARGUMENTS, Store},
     state::{FeedMode, Motion, State},
@@ -67,6 +67,24 @@ impl Snapshot {
             && (own.compensating, &own.contexts) == (then.compensating, &then.contexts)
             && own.tool_table == then.tool_table
             && own.tools == then.tools
+    }
+}
+
+impl Interpreter<'_> {
+    /// Whether how things stand here may be [carried](Snapshot::carried) over that stretch: a look that costs less than
+    /// a snapshot.
+    pub fn may_be_carried(&self, before: &Snapshot, after: &Snapshot) -> bool {
+        let asked = &after.executor.asked;
+        let (own, then) = (&self.executor, &before.executor);
+        let front_end = match (&self.fanuc, &before.fanuc) {
+            (Some(own), Some(then)) => own.maps_as(then),
+            (own, then) => own.is_none() && then.is_none(),
+        };
+        asked.is_all_noted()
+            && front_end
+            && self.is_called_as(before)
+            && own.compensating == then.compensating
+            && own.state.carried(&then.state, &after.executor.state, asked).is_some()
     }
 }
 

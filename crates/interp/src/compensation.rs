@@ -146,8 +146,11 @@ impl Executor {
     fn compensation_on<S: Sink>(&mut self, code: u16, sink: &mut S) -> Outcome {
         let span = self.words.place.span;
         if self.state.compensation.is_some() {
-            let fault = error("I0540", span, "cutter radius compensation is on already");
-            return Err(fault.with_help("write G40 before it is changed").into());
+            let say = || {
+                error("I0540", span, "cutter radius compensation is on already")
+                    .with_help("write G40 before it is changed")
+            };
+            return Err(self.words.fault(say).into());
         }
         if self.state.plane == Plane::YZ {
             let text = "cutter radius compensation works in G17 and G18, but G19 is in force";
@@ -338,16 +341,14 @@ impl Executor {
         };
         if turn.abs() < SAME_DIRECTION_RAD {
             if last.turns_back(at) {
-                let text = "this corner comes too soon after the one before it: the tool goes back a little and cuts into the part";
-                self.remarks.push(Diagnostic::warning("I0549", self.words.place.span, text));
+                self.remark("this corner comes too soon after the one before it: the tool goes back a little and cuts into the part");
             }
             self.let_go(sink);
             return Ok(at);
         }
         if !inner {
             if half_turn && turn * compensation.side > 1e-9 {
-                let text = "this move goes back almost the way it came, with the part between: the tool goes round the corner and cuts into the part";
-                self.remarks.push(Diagnostic::warning("I0549", self.words.place.span, text));
+                self.remark("this move goes back almost the way it came, with the part between: the tool goes round the corner and cuts into the part");
             }
             self.settle(None, sink)?;
             let round = compensation.beside(next.from, after);
@@ -366,6 +367,12 @@ impl Executor {
         };
         self.settle(Some(met), sink)?;
         Ok(met)
+    }
+
+    fn remark(&mut self, text: &str) {
+        if self.words.heard {
+            self.remarks.push(Diagnostic::warning("I0549", self.words.place.span, text));
+        }
     }
 
     fn unreachable(&self) -> Diagnostic {

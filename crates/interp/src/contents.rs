@@ -15,6 +15,7 @@ use crate::{
     outline::{At, Outline},
     pages::Pages,
 };
+use diag::Span;
 use gcode::Grammar;
 
 /// Of each file, if it was asked for.
@@ -73,6 +74,9 @@ impl Contents {
 impl<'a> Edited<'a> {
     pub(crate) fn of(source: &'a [u8], shift: &'a Shift, first: At) -> Self {
         let from = (shift.new_end as usize).min(source.len());
+        if shift.whole_lines {
+            return Self { source: &source[..from], first, old_end: shift.old_end, shift };
+        }
         let end = memchr::memchr(b'\n', &source[from..]).map_or(source.len(), |at| from + at + 1);
         let old_end = (end as u32 - from as u32).saturating_add(shift.old_end);
         Self { source: &source[..end], first, old_end, shift }
@@ -90,6 +94,12 @@ impl<'a> Edited<'a> {
         }
         let Shift { old_end, new_end, .. } = *self.shift;
         (at.0 - old_end + new_end, self.shift.line(at.1))
+    }
+
+    /// Where such a block's stretch is now.
+    pub(crate) const fn moved_span(&self, span: Span) -> Span {
+        let (start, line) = self.moved((span.start, span.line));
+        Span { start, line, end: start + (span.end - span.start), ..span }
     }
 }
 
@@ -136,7 +146,96 @@ pub(crate) mod tests {
         let lines = count(new) - count(&text[at.clone()]);
         let [from, old_end, new_end] =
             [at.start, at.end, at.start + new.len()].map(|byte| byte as u32);
+        let begins_line = |byte: usize| byte == 0 || text.as_bytes()[byte - 1] == b'\n';
+        let whole_lines =
+            begins_line(at.start) && begins_line(at.end) && (new.is_empty() || new.ends_with('\n'));
         text.replace_range(at, new);
-        (Shift { from, old_end, new_end, lines }, (first as u32, line))
+        (Shift { from, old_end, new_end, lines, whole_lines }, (first as u32, line))
+    }
+
+    const STEERING: &[&str] = &[
+        "WHILE[#1LT3]DO1",
+        "END1",
+        "DO2",
+        "END2",
+        "N5X1.",
+        "N6",
+        "X1.",
+        "",
+        "%",
+        "O7",
+        "DO1",
+        "DO1[",
+        "M99",
+    ];
+    const O_WORDS: &[&str] =
+        &["o1 if [1]", "o1 endif", "o2 repeat [2]", "o2 endrepeat", "X1", "", "o1 else", "o3 sub"];
+
+    fn texts(
+        menu: &'static [&'static str],
+        most: usize,
+    ) -> impl proptest::strategy::Strategy<Value = String> {
+        use proptest::prelude::*;
+        let lines = prop::collection::vec(prop::sample::select(menu), 0..most);
+        lines.prop_map(|lines| lines.iter().fold(String::new(), |text, line| text + line + "\n"))
+    }
+
+    fn says_something(tape: &str) -> bool {
+        tape.lines().any(|line| line == "X1." || line == "M99")
+    }
+
+    /// A stretch of the text: whole lines, if it is to be.
+    fn stretch(text: &str, from: usize, length: usize, whole: bool) -> core::ops::Range<usize> {
+        let place =
+            |at: usize| if whole { text[..at].rfind('\n').map_or(0, |at| at + 1) } else { at };
+        let from = from % (text.len() + 1);
+        let to = (from + length).min(text.len());
+        place(from)..place(to)
+    }
+
+    proptest::proptest! {
+        #![proptest_config(proptest::test_runner::Config { failure_persistence: None, ..Default::default() })]
+
+        #[test]
+        fn a_tape_is_edited_to_what_it_would_be_read_as(
+            text in texts(STEERING, 30),
+            edits in proptest::collection::vec((0usize..300, 0usize..20, texts(STEERING, 4), proptest::bool::ANY), 1..5),
+        ) {
+            let read = |text: &str| Tape::of(&[text.as_bytes()], &[String::new()], None);
+            let mut text = format!("O1\n{text}");
+            for (from, length, new, whole) in &edits {
+                let (tape, faults) = read(&text);
+                let begins = says_something(&text);
+                let at = stretch(&text, *from, *length, *whole);
+                let (shift, first) = replace(&mut text, at, new);
+                let edited = tape.edited(&Edited::of(text.as_bytes(), &shift, first));
+                let (anew, found) = read(&text);
+                // where nothing is executed it does not matter where that begins
+                if let Some((tape, _)) = edited && faults.is_empty() && begins && says_something(&text) {
+                    assert_eq!(tape, anew, "{text}");
+                    assert!(found.is_empty(), "{text}");
+                }
+            }
+        }
+
+        #[test]
+        fn so_is_an_outline(
+            text in texts(O_WORDS, 20),
+            edits in proptest::collection::vec((0usize..300, 0usize..20, texts(O_WORDS, 4), proptest::bool::ANY), 1..5),
+        ) {
+            let read = |text: &str| Outline::of(text.as_bytes(), 0);
+            let mut text = text;
+            for (from, length, new, whole) in &edits {
+                let (outline, faults) = read(&text);
+                let at = stretch(&text, *from, *length, *whole);
+                let (shift, first) = replace(&mut text, at, new);
+                let edited = outline.edited(&Edited::of(text.as_bytes(), &shift, first));
+                let (anew, found) = read(&text);
+                if let Some(outline) = edited && faults.is_empty() {
+                    assert_eq!(format!("{:?}", outline.marks), format!("{:?}", anew.marks), "{text}");
+                    assert!(found.is_empty(), "{text}");
+                }
+            }
+        }
     }
 }

@@ -140,6 +140,9 @@ impl Executor {
             return self.stops(sink);
         }
         let motion = self.motion()?;
+        if !self.words.heard {
+            return self.obey(motion, sink);
+        }
         self.ask(motion);
         let result = self.obey(motion, sink);
         self.asked(motion, result.is_ok());

@@ -226,6 +226,9 @@ impl<'s> Interpreter<'s> {
             self.percent_sign(sink);
             return Ok(());
         }
+        if self.executor.glides(&self.block) {
+            return Ok(());
+        }
         self.executor.read(&self.block)?;
         if !self.block.assignments.is_empty() {
             self.assign()?;

@@ -45,6 +45,7 @@ mod fanuc;
 mod fault;
 mod flow;
 mod frame;
+mod glide;
 mod held;
 mod hobbing;
 mod holes;

@@ -109,7 +109,7 @@ impl Outline {
         let tail = alike(&mut old[head..].iter().rev().zip(new[head..].iter().rev()));
         for mark in &mut self.marks[first + count..] {
             (mark.at, mark.after) = (edited.moved(mark.at), edited.moved(mark.after));
-            edited.shift.span(&mut mark.span);
+            mark.span = edited.moved_span(mark.span);
         }
         let (others, there) = (head..count - tail, head..new.len() - tail);
         let moved = self.marks[first..first + count].iter_mut();

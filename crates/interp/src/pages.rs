@@ -12,13 +12,18 @@ use gcode::{Block, Grammar, Page, Parser};
 
 /// Lines of a page.
 const LINES: u32 = 256;
+/// Ends of jumps that are remembered: a call comes back to where it left, a loop to where it began.
+const LEFT: usize = 8;
 
 /// Pages in the order of the text; between them may be what nobody has read.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pages {
-    pages: Vec<Held>,
+    held: Vec<Held>,
     /// Where the next block is if it follows the last one: its page and its place there.
     next: (usize, usize),
+    /// Blocks that were left by a jump, or come to by one, the last ones: their bytes and where they are.
+    left: [(u32, (usize, usize)); LEFT],
+    oldest: usize,
 }
 
 #[derive(Clone, Debug)]
@@ -56,7 +61,7 @@ impl Pages {
             self.read(source, grammar, at);
         }
         let (place, i) = self.next;
-        let held = &self.pages[place];
+        let held = &self.held[place];
         let whole = held.page.load(i, held.at, block);
         self.next = if i + 1 < held.page.blocks() { (place, i + 1) } else { (place + 1, 0) };
         if !whole {
@@ -69,14 +74,40 @@ impl Pages {
 
     fn is_next(&self, byte: u32) -> bool {
         let (place, i) = self.next;
-        self.pages.get(place).is_some_and(|held| i < held.page.blocks() && held.begin(i).0 == byte)
+        self.held.get(place).is_some_and(|held| i < held.page.blocks() && held.begin(i).0 == byte)
     }
 
     /// Find the block that begins at this byte.
     fn find(&mut self, byte: u32) -> bool {
-        let behind = self.pages.partition_point(|held| held.at.0 <= byte);
+        let from = self.next;
+        if let Some((_, place)) = self.left.iter().find(|(left, _)| *left == byte) {
+            self.next = *place;
+            if self.is_next(byte) {
+                self.remember(from);
+                return true;
+            }
+        }
+        let found = self.search(byte);
+        if found {
+            self.remember(from);
+            self.remember(self.next);
+        }
+        found
+    }
+
+    fn remember(&mut self, (place, i): (usize, usize)) {
+        let Some(held) = self.held.get(place) else { return };
+        let left = (held.begin(i).0, (place, i));
+        if !self.left.contains(&left) {
+            self.left[self.oldest] = left;
+            self.oldest = (self.oldest + 1) % LEFT;
+        }
+    }
+
+    fn search(&mut self, byte: u32) -> bool {
+        let behind = self.held.partition_point(|held| held.at.0 <= byte);
         let Some(place) = behind.checked_sub(1) else { return false };
-        let held = &self.pages[place];
+        let held = &self.held[place];
         let Some(i) = held.page.at(byte - held.at.0) else { return false };
         self.next = (place, i);
         true
@@ -85,21 +116,21 @@ impl Pages {
     /// A new page begins here.
     fn read(&mut self, source: &[u8], grammar: Grammar, at: At) {
         // no block begins here in what is kept: it was read from elsewhere
-        self.pages.retain(|held| at.0 < held.at.0 || held.end().0 <= at.0);
-        let place = self.pages.partition_point(|held| held.at.0 < at.0);
-        let end = self.pages.get(place).map_or(u32::MAX, |next| next.at.0);
+        self.held.retain(|held| at.0 < held.at.0 || held.end().0 <= at.0);
+        let place = self.held.partition_point(|held| held.at.0 < at.0);
+        let end = self.held.get(place).map_or(u32::MAX, |next| next.at.0);
         let held = Held { at, page: Page::read(source, grammar, at, end, LINES) };
         let end = held.end().0;
-        let passed = self.pages[place..].iter().take_while(|next| next.at.0 < end).count();
-        self.pages.splice(place..place + passed, [held]);
+        let passed = self.held[place..].iter().take_while(|next| next.at.0 < end).count();
+        self.held.splice(place..place + passed, [held]);
         self.next = (place, 0);
     }
 
     /// Take in an edit.
     pub(crate) fn edited(&mut self, edited: &Edited<'_>) {
         let touched = |held: &Held| held.at.0 < edited.old_end && edited.first.0 < held.end().0;
-        self.pages.retain(|held| !touched(held));
-        for held in &mut self.pages {
+        self.held.retain(|held| !touched(held));
+        for held in &mut self.held {
             held.at = edited.moved(held.at);
         }
         self.next = (0, 0);
@@ -140,7 +171,7 @@ mod tests {
         }
         check(&mut pages, &text, Grammar::Rs274);
         check(&mut pages, &text, Grammar::Rs274);
-        assert!(pages.pages.windows(2).all(|two| two[0].end() == two[1].at));
+        assert!(pages.held.windows(2).all(|two| two[0].end() == two[1].at));
     }
 
     proptest::proptest! {

@@ -9,7 +9,8 @@
 //! comes to the place of a snapshot of the old one, and [stands as](Snapshot::stands_as) that one stood there,
 //! everything that followed then will follow again, as long as it reads nothing that was edited.
 use crate::{
-    Resolver, Snapshot, execute::Executor, flow::Frame, outline::At, rigid::Rigid, state::State,
+    Interpreter, Resolver, Snapshot, execute::Executor, flow::Frame, outline::At, rigid::Rigid,
+    state::State,
 };
 use diag::{Diagnostic, Span};
 
@@ -24,6 +25,8 @@ pub struct Shift {
     pub new_end: u32,
     /// Lines more than before; fewer, if negative.
     pub lines: i32,
+    /// Whole lines have come in the place of whole lines: what follows is only moved.
+    pub whole_lines: bool,
 }
 
 impl Shift {
@@ -135,6 +138,17 @@ impl Snapshot {
     }
 }
 
+impl Interpreter<'_> {
+    /// Whether it stands in the same calls and rounds as that one did.
+    pub fn is_called_as(&self, then: &Snapshot) -> bool {
+        let levels = match (&self.fanuc, &then.fanuc) {
+            (Some(own), Some(then)) => own.is_called_as(then),
+            (own, then) => own.is_none() && then.is_none(),
+        };
+        levels && self.frames == then.frames && self.repeats == then.repeats
+    }
+}
+
 impl Executor {
     /// Places of blocks that are still to have their effect.
     fn shift(&mut self, shift: &Shift) {
@@ -203,7 +217,7 @@ impl Resolver {
 mod tests {
     use super::*;
 
-    const EDIT: Shift = Shift { from: 10, old_end: 13, new_end: 17, lines: 1 };
+    const EDIT: Shift = Shift { from: 10, old_end: 13, new_end: 17, lines: 1, whole_lines: false };
 
     #[test]
     fn what_lies_behind_an_edit_moves_and_what_lies_before_stays() {

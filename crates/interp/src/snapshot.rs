@@ -123,7 +123,8 @@ impl<'s> Interpreter<'s> {
         new
     }
 
-    /// The same for one who does not want to know what is found: of errors it is only said that they are there.
+    /// The same for one who asks for nothing but how things stand: of errors it is only said that they are there, and
+    /// a sink does not hear what waits behind a compensated move.
     #[must_use]
     pub fn unheard(mut self) -> Self {
         self.executor.words.heard = false;

@@ -119,21 +119,20 @@ impl Words {
     /// Add a G code of the shared table.
     pub(crate) fn take_g(&mut self, value: f64, span: Span) -> Outcome {
         let Some(code) = tenths(value).filter(|t| *t < codes::OWN).and_then(codes::g_code) else {
-            let mut fault = error("I0102", span, format!("G{value} is no known code"));
-            let guess = crate::spelling::similar_g(value);
-            if !guess.is_empty() {
-                fault = fault.with_help(guess);
-            }
-            return Err(fault.into());
+            let say = || {
+                let text = format!("G{value} is no known code");
+                guessed(error("I0102", span, text), crate::spelling::similar_g(value))
+            };
+            return Err(self.fault(say).into());
         };
         self.take_code(code, span)
     }
 
     /// Add a G code.
     pub(crate) fn take_code(&mut self, code: &'static Code<GGroup>, span: Span) -> Outcome {
-        let written = crate::spelling::written(code.tenths);
+        let written = || crate::spelling::written(code.tenths);
         if !code.supported {
-            let text = format!("G{written} ({}) is not executed by Leadscrew yet", code.name);
+            let text = format!("G{} ({}) is not executed by Leadscrew yet", written(), code.name);
             return Err(error("I0103", span, text).into());
         }
         self.any_code = true;
@@ -153,35 +152,37 @@ impl Words {
             self.cycle_off = true;
             return Ok(());
         }
-        let text = format!(
-            "G{written} and G{} exclude each other in one block",
-            crate::spelling::written(*slot)
-        );
-        Err(error("I0104", span, text)
-            .with_help("both set the same mode: write one of them, or two blocks")
-            .into())
+        let other = *slot;
+        let say = || {
+            let other = crate::spelling::written(other);
+            let text = format!("G{} and G{other} exclude each other in one block", written());
+            error("I0104", span, text)
+                .with_help("both set the same mode: write one of them, or two blocks")
+        };
+        Err(self.fault(say).into())
     }
 
     /// Add an M code of the shared table.
     pub(crate) fn take_m(&mut self, value: f64, span: Span) -> Outcome {
         let Some(code) = tenths(value).and_then(codes::m_code) else {
-            let mut fault = error("I0105", span, format!("M{value} is no known code"));
-            let guess = crate::spelling::similar_m(value);
-            if !guess.is_empty() {
-                fault = fault.with_help(guess);
-            }
-            return Err(fault.into());
+            let say = || {
+                let text = format!("M{value} is no known code");
+                guessed(error("I0105", span, text), crate::spelling::similar_m(value))
+            };
+            return Err(self.fault(say).into());
         };
-        let written = crate::spelling::written(code.tenths);
+        let written = || crate::spelling::written(code.tenths);
         (self.any_code, self.any_mode) = (true, true);
         self.letters |= code.letters;
         let slot = &mut self.m[code.group as usize];
         if *slot != NONE {
-            let text = format!(
-                "M{written} and M{} exclude each other in one block",
-                crate::spelling::written(*slot)
-            );
-            return Err(error("I0107", span, text).with_help("write two blocks").into());
+            let other = *slot;
+            let say = || {
+                let other = crate::spelling::written(other);
+                let text = format!("M{} and M{other} exclude each other in one block", written());
+                error("I0107", span, text).with_help("write two blocks")
+            };
+            return Err(self.fault(say).into());
         }
         *slot = tenths(value).unwrap_or(code.tenths);
         Ok(())
@@ -318,6 +319,11 @@ impl Words {
             _ => fault,
         }
     }
+}
+
+/// A finding with what was perhaps meant.
+fn guessed(fault: diag::Diagnostic, guess: String) -> diag::Diagnostic {
+    if guess.is_empty() { fault } else { fault.with_help(guess) }
 }
 
 /// A code's number in tenths, if it has one decimal at most.

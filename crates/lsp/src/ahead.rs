@@ -12,10 +12,10 @@
 //! operations where it does.
 use crate::analysis::Analysis;
 use crate::document::Document;
-use interp::{Contents, Progress, Silence, Snapshot};
+use interp::{Contents, Interpreter, Progress, Silence, Snapshot};
 
 /// Blocks between two places from which one that is found can be executed again, at most.
-const MARK: u64 = 4096;
+const MARK: u64 = 8192;
 
 /// From where a block can be executed, and how many are executed up to it, itself included.
 pub(crate) struct Found {
@@ -84,14 +84,25 @@ impl Analysis {
             if block > meeting.latest {
                 meeting = self.meeting_at(next, block);
             }
-            if block >= meeting.earliest.max(meeting.probably) && it.position() == meeting.place {
-                let here = it.snapshot();
-                if self.over(*next, &here).is_some() {
-                    break Way::Met(here);
+            if block >= meeting.earliest && it.position() == meeting.place {
+                let early = block < meeting.probably;
+                let may_follow = self.may_follow(*next, &it);
+                if early && !(may_follow && meeting.early > 0) {
+                    continue;
+                }
+                if may_follow {
+                    let here = it.snapshot();
+                    if self.over(*next, &here).is_some() {
+                        break Way::Met(here);
+                    }
+                    (from, mark) = (Some(here), block + MARK);
+                }
+                if early {
+                    meeting.early -= 1;
+                    continue;
                 }
                 *next += 1;
                 meeting = self.meeting_at(next, block);
-                (from, mark) = (Some(here), block + MARK);
             }
             if block >= mark {
                 (from, mark) = (Some(it.snapshot()), block + MARK);
@@ -113,6 +124,14 @@ impl Analysis {
         }
         *next += 1;
         Way::Met(here)
+    }
+
+    /// Whether what follows the stale slice `next` may follow from where this stands.
+    fn may_follow(&self, next: usize, it: &Interpreter<'_>) -> bool {
+        let (slice, follower) = (self.stale.get(next), self.stale.get(next + 1));
+        slice.zip(follower).is_some_and(|(slice, follower)| {
+            follower.linked && it.may_be_carried(&slice.snapshot, &follower.snapshot)
+        })
     }
 
     /// How things stand at the end of the slice behind the stale one `next`, if it need not be executed from here.

@@ -260,6 +260,34 @@ fn numbered_blocks_and_o_words_come_and_go_without_the_rest_being_executed_again
 }
 
 #[test]
+fn a_call_more_or_less_leaves_the_others_as_they_were() {
+    let call = |i: u32| format!("G0 X{}. Y{}.\nM98 P7\n", i % 97, i % 89);
+    let tape: String = (0..4000).map(call).collect();
+    let call = |i: u32| format!("o1 call [{}] [{}]\n", i % 97, i % 89);
+    let calls: String = (0..6000).map(call).collect();
+    let head = "O1\nG21 G90\nF100. G1\nG0 X0. Y0.\nM98 P7\nX1.\n";
+    let tape = program(head, &tape, "M30\nO7\nG91 X1.\nG1 Y2.\nG90\nM99\n");
+    let head =
+        "o1 sub\nG1 X#1 Y#2\nG91 Z1\nG90\no1 endsub\nG21 G90\nF100 G1\nX0 Y0\no1 call [2]\nX1\n";
+    let calls = program(head, &calls, "M2");
+    for (dialect, text, line) in [(Dialect::Fanuc, tape, 4), (Dialect::LinuxCnc, calls, 8)] {
+        let mut document = Document::new(text, &PositionEncodingKind::UTF16);
+        let end = document.lines() as u32 - 12;
+        let mut analysis = Analysis::new(Setup { dialect, ..interp::example_setup(dialect) });
+        analysis.setup.limits.blocks = 100_000;
+        finish(&document, &mut analysis);
+        // the call becomes a line that is wrong, a note, nothing, and a line that moves
+        for text in ["[", "(", "", "X2.\n("] {
+            let edit = document.apply(replace(line, text));
+            analysis.edited(&edit, &document);
+            let steps = steps(&document, &mut analysis, end);
+            assert!(steps < 3 * SLICE, "{steps} blocks after {text}");
+            finish(&document, &mut analysis);
+        }
+    }
+}
+
+#[test]
 fn a_corner_is_cut_for_the_block_behind_it_also_where_a_slice_ends_between_them() {
     // slices end after every twelfth block
     let line = |i: usize| format!("X{}.\n", i + 1);

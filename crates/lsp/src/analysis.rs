@@ -27,6 +27,8 @@ pub(crate) const SLICE: u64 = 2048;
 const MOST_KEPT: usize = 256;
 /// Blocks executed of one program: an editor need not wait for a longer one.
 const MOST_BLOCKS: u64 = 2_000_000;
+/// Places where a stale slice may have ended that are looked at before the most likely one.
+const MOST_EARLY: u32 = 4;
 /// Code of the finding that the bound on blocks was reached; here that says nothing of the program.
 const TOO_LONG: &str = "I0803";
 /// Findings shown: more of them tell nothing new.
@@ -312,20 +314,28 @@ pub(crate) struct Meeting {
     /// Where the place is passed more than once it is probably this time.
     pub(crate) probably: u64,
     pub(crate) latest: u64,
+    /// How often it is still looked at whether it was sooner, with the blocks that an edit has taken away.
+    pub(crate) early: u32,
 }
 
 impl Meeting {
     fn with(slice: Option<&Slice>, near: u64) -> Self {
-        match slice {
-            Some(slice) => Self {
-                place: slice.snapshot.position(),
-                earliest: slice.end().saturating_sub(near),
-                probably: if slice.steered { slice.end() } else { 0 },
-                latest: slice.end() + near,
-            },
-            None => {
-                Self { place: (0, 0), earliest: u64::MAX, probably: u64::MAX, latest: u64::MAX }
-            }
+        let Some(slice) = slice else {
+            let never = u64::MAX;
+            return Self {
+                place: (0, 0),
+                earliest: never,
+                probably: never,
+                latest: never,
+                early: 0,
+            };
+        };
+        Self {
+            place: slice.snapshot.position(),
+            earliest: slice.end().saturating_sub(near),
+            probably: if slice.steered { slice.end() } else { 0 },
+            latest: slice.end() + near,
+            early: MOST_EARLY,
         }
     }
 }
@@ -333,7 +343,9 @@ impl Meeting {
 /// Whether things stand as at the end of the stale slice.
 fn meets(stale: Option<&Slice>, interpreter: &mut Interpreter<'_>, resolver: &Resolver) -> bool {
     stale.is_some_and(|stale| {
-        resolver.stands_as(&stale.resolver) && interpreter.snapshot().stands_as(&stale.snapshot)
+        interpreter.is_called_as(&stale.snapshot)
+            && resolver.stands_as(&stale.resolver)
+            && interpreter.snapshot().stands_as(&stale.snapshot)
     })
 }
 

@@ -334,3 +334,16 @@ fn variables_of_fanuc_are_shown_as_they_are_and_vacant_ones_have_none() {
     assert_eq!(value(3, "#101"), None);
     assert_eq!(value(7, "#1"), Some(7.0));
 }
+
+#[test]
+fn what_is_written_behind_a_program_that_did_not_end_goes_on_with_it() {
+    // a slice ends with the last line, and the one behind it only finds that there is no more
+    let line = |i: i32| format!("X{i}.\n");
+    let lines = |count: i32| (1..=count).map(line).collect::<Vec<_>>().concat();
+    for count in 9..13 {
+        let edits = [(count as u32 + 2, 0, String::new(), 9), (count as u32 + 2, 0, lines(2), 0)];
+        let text = format!("O1\nG0\n{}", lines(count));
+        holds_over_edits(Dialect::Fanuc, text.clone(), &edits);
+        holds_over_edits(Dialect::LinuxCnc, text, &edits);
+    }
+}

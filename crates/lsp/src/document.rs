@@ -3,6 +3,7 @@
 //! Editors count lines from 0 and columns in UTF-16 units (or bytes, if both sides agree on UTF-8);
 //! spans count bytes. This is the only place where the two meet.
 use diag::Span;
+use gcode::Grammar;
 use interp::Shift;
 use lsp_types::{Position, PositionEncodingKind, Range, TextDocumentContentChangeEvent};
 
@@ -22,12 +23,12 @@ pub(crate) struct Edit {
     pub(crate) first: (u32, u32),
     /// Whether lines with O-words may have come, gone or changed.
     pub(crate) o_words: bool,
-    /// Whether those lines may call or begin a subprogram of O-words.
+    /// Whether those lines may begin or end a subprogram of O-words.
     pub(crate) subprograms: bool,
 }
 
-/// Words of O-words that name a subprogram.
-const SUBPROGRAMS: [&str; 2] = ["SUB", "CALL"];
+/// What O-words of a subprogram's begin and end have in them.
+const SUBPROGRAMS: [&str; 1] = ["SUB"];
 
 impl Document {
     pub(crate) fn new(text: String, encoding: &PositionEncodingKind) -> Self {
@@ -66,10 +67,10 @@ impl Document {
         let o_words = all || self.o_word_near(from, to);
         // of a line that is only moved nothing changes
         let begins_line = |at: usize| at == 0 || self.text[at - 1] == b'\n';
-        let whole = begins_line(from) && begins_line(to) && is_of_lines(&change.text);
+        let whole_lines = begins_line(from) && begins_line(to) && is_of_lines(&change.text);
         let subprograms = o_words
             && (all
-                || !whole && self.has_near(from, to, &SUBPROGRAMS)
+                || !whole_lines && self.has_near(from, to, &SUBPROGRAMS)
                 || has(&self.text[from..to], &SUBPROGRAMS));
         let first = self.starts.partition_point(|start| *start as usize <= from).max(1);
         let first = (self.starts[first - 1], first as u32);
@@ -79,10 +80,10 @@ impl Document {
         let o_words = o_words || self.o_word_near(from, end);
         let subprograms = subprograms
             || o_words
-                && (!whole && self.has_near(from, end, &SUBPROGRAMS)
+                && (!whole_lines && self.has_near(from, end, &SUBPROGRAMS)
                     || has(&self.text[from..end], &SUBPROGRAMS));
         let [from, old_end, new_end] = [from, to, end].map(|byte| byte as u32);
-        let shift = Shift { from, old_end, new_end, lines };
+        let shift = Shift { from, old_end, new_end, lines, whole_lines };
         Edit { shift, first, o_words, subprograms }
     }
 
@@ -108,18 +109,27 @@ impl Document {
         memchr::memchr2(b'o', b'O', &self.text[first..last]).is_some()
     }
 
-    /// Whether a line that these bytes lie in may call one of Fanuc's programs: M98, M198, G65, G66.
-    pub(crate) fn may_call(&self, from: usize, to: usize) -> bool {
-        self.has_near(from, to, &["M98", "M198", "G65", "G66"])
+    /// Whether a line that these bytes lie in may call a subprogram.
+    pub(crate) fn may_call(&self, from: usize, to: usize, grammar: Grammar) -> bool {
+        let calls: &[&str] = match grammar {
+            Grammar::Rs274 => &["CALL"],
+            Grammar::Fanuc => &["M98", "M198", "G65", "G66"],
+        };
+        self.has_near(from, to, calls)
     }
 
     /// Whether a line that these bytes lie in has one of these texts in it, blanks apart.
     fn has_near(&self, from: usize, to: usize, texts: &[&str]) -> bool {
+        has(self.lines_of(from, to), texts)
+    }
+
+    /// The lines that these bytes lie in.
+    pub(crate) fn lines_of(&self, from: usize, to: usize) -> &[u8] {
         let to = to.min(self.text.len());
         let first =
             self.text[..from.min(to)].iter().rposition(|b| *b == b'\n').map_or(0, |at| at + 1);
         let last = memchr::memchr(b'\n', &self.text[to..]).map_or(self.text.len(), |at| to + at);
-        has(&self.text[first..last], texts)
+        &self.text[first..last]
     }
 
     /// Line and byte of a place of the editor's; nothing behind the last line.
@@ -208,13 +218,15 @@ mod tests {
         let mut document = open("G21\nX1\nX2\n");
         let edit = document.apply(change((1, 1), (1, 2), "77"));
         assert_eq!(document.text, b"G21\nX77\nX2\n");
-        let shift = Shift { from: 5, old_end: 6, new_end: 7, lines: 0 };
+        let shift = Shift { from: 5, old_end: 6, new_end: 7, lines: 0, whole_lines: false };
         assert_eq!(edit, Edit { shift, first: (4, 2), o_words: false, subprograms: false });
         let edit = document.apply(change((2, 0), (2, 0), "o1 sub\n"));
         assert!(edit.o_words && edit.subprograms);
         let edit = document.apply(change((2, 0), (2, 0), "o2 if [1]\n"));
         assert!(edit.o_words && !edit.subprograms);
-        assert!(document.apply(change((2, 4), (2, 5), "call")).subprograms);
+        let edit = document.apply(change((2, 4), (2, 5), "call"));
+        let (from, to) = (edit.shift.from as usize, edit.shift.new_end as usize);
+        assert!(!edit.subprograms && document.may_call(from, to, Grammar::Rs274));
         assert_eq!(document.lines(), 6);
     }
 

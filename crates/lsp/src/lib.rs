@@ -19,6 +19,7 @@
 
 mod ahead;
 mod analysis;
+mod called;
 mod document;
 mod hover;
 mod jumps;

@@ -1,5 +1,6 @@
 //! The conversation: what the editor says, what is answered, and what is done while it says nothing.
 use crate::analysis::Analysis;
+use crate::called::Called;
 use crate::document::Document;
 use crate::{
     hover,
@@ -79,8 +80,7 @@ struct Open {
     document: Document,
     analysis: Analysis,
     version: i32,
-    /// Programs that were called when files were looked for last.
-    missing: Vec<String>,
+    called: Called,
     /// Why the program's surroundings could not be loaded.
     trouble: Option<String>,
     /// What is found by reading it as it is, as far as it has been read.
@@ -166,8 +166,8 @@ impl Server<'_> {
                     let document = Document::new(item.text, &self.encoding);
                     let (analysis, trouble) = self.begin(&item.uri, &document);
                     let version = item.version;
-                    let (missing, lint, told) = (Vec::new(), None, false);
-                    let open = Open { document, analysis, version, missing, trouble, lint, told };
+                    let (called, lint, told) = (Called::default(), None, false);
+                    let open = Open { document, analysis, version, called, trouble, lint, told };
                     self.open.insert(item.uri, open);
                 }
             }
@@ -202,28 +202,17 @@ impl Server<'_> {
     fn change(&mut self, params: lsp::DidChangeTextDocumentParams) {
         let uri = params.text_document.uri;
         let Some(open) = self.open.get_mut(&uri) else { return };
-        let mut o_words = false;
+        let mut calls = false; // other files may be called now: they belong to the set-up
         for change in params.content_changes {
             let edit = open.document.apply(change);
             open.analysis.edited(&edit, &open.document);
-            let (from, to) = (edit.shift.from as usize, edit.shift.new_end as usize);
-            o_words |= match open.grammar() {
-                gcode::Grammar::Rs274 => edit.subprograms,
-                gcode::Grammar::Fanuc => open.document.may_call(from, to),
-            };
+            let is_there = |name: &str| self.host.subprogram(uri.as_str(), name).is_some();
+            let Open { called, document, analysis, .. } = &mut *open;
+            calls |= called.edited(&edit, document, &analysis.setup, is_there);
         }
         open.version = params.text_document.version;
         (open.lint, open.told) = (None, false);
-        if !o_words {
-            return;
-        }
-        // Other files may be called now: they belong to the set-up.
-        let grammar = open.grammar();
-        let called = interp::called_files(&open.document.text, grammar);
-        let known = &open.analysis.setup.subprograms;
-        let is_new = |name: &String| known.iter().all(|sub| sub.name != *name);
-        if called.iter().any(|name| is_new(name) && !open.missing.contains(name)) {
-            open.missing = called; // those that are not found are looked for once
+        if calls {
             let Some(mut open) = self.open.remove(&uri) else { return };
             (open.analysis, open.trouble) = self.begin(&uri, &open.document);
             self.open.insert(uri, open);

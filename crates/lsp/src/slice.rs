@@ -118,11 +118,10 @@ impl Slice {
     /// Whether it has read, or would have read on into, what was edited.
     pub(crate) fn reads(&self, edit: &Shift) -> bool {
         let hit = |(from, to): &(u32, u32)| *from <= edit.old_end && edit.from <= *to;
-        if self.notes.bytes.is_empty() {
-            return hit(&(0, 0));
-        }
-        // what follows could keep a program from ending
-        let from = self.notes.bytes.iter().map(|(from, _)| *from).min().unwrap_or(0);
+        // what follows could keep a program from ending; where nothing was read, what would come next
+        let (file, at) = self.snapshot.position();
+        let stands = if file == 0 { at } else { 0 };
+        let from = self.notes.bytes.iter().map(|(from, _)| *from).min().unwrap_or(stands);
         self.notes.bytes.iter().any(hit) || self.snapshot.has_ended() && hit(&(from, u32::MAX))
     }
 

@@ -72,7 +72,7 @@ impl Fanuc {
     fn tape<'a>(&'a mut self, it: &mut Interpreter<'_>) -> Outcome<&'a Tape> {
         it.steered = true;
         if self.tape.is_none() {
-            let (tape, faults) = Tape::of(&it.sources, &it.names);
+            let (tape, faults) = Tape::of(&it.sources, &it.names, it.pages.as_deref_mut());
             self.tape = Some(tape);
             let mut faults = faults.into_iter();
             if let Some(first) = faults.next() {
@@ -258,6 +258,9 @@ impl Fanuc {
             return Ok(());
         }
         let Some(level) = self.levels.pop() else { return Ok(()) };
+        if level.locals.is_some() || level.modals.is_some() {
+            it.executor.asked.more();
+        }
         self.program = level.program;
         it.executor.state.call_level = self.levels.len();
         if let Some(locals) = level.locals {
@@ -279,6 +282,7 @@ impl Fanuc {
     /// M99 of the main program.
     fn next_round<S: Sink>(&mut self, it: &mut Interpreter<'_>, sink: &mut S) -> Outcome {
         let span = it.block.span;
+        it.executor.asked.more();
         if self.round_before == self.variables {
             let text = "M99 repeats the main program for ever: it is read once here";
             let remark = Diagnostic::warning("I1050", span, text);

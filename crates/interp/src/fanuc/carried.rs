@@ -2,15 +2,12 @@
 //! is not executed again: see [`asked`](crate::asked) and [`carry`](crate::Snapshot::carried).
 use super::{Fanuc, Kind, Tape, figure, words::Said};
 use crate::{
-    Shift,
+    Interpreter, Shift,
     asked::{Asked, of_number},
     execute::Executor,
     state::Motion,
     words::tenths,
 };
-
-/// Where the last N stands among the words kept.
-const LAST_N: usize = 5;
 
 impl Fanuc {
     pub(crate) fn set_tape(&mut self, tape: Option<Tape>) {
@@ -26,6 +23,7 @@ impl Fanuc {
         let tape = self.tape.take();
         let mut copy = self.clone();
         copy.said.clear(); // the last block's
+        copy.inch = false;
         self.tape = tape;
         copy
     }
@@ -39,13 +37,35 @@ impl Fanuc {
         self.levels.iter_mut().try_for_each(|level| level.shift(shift))
     }
 
+    /// Whether it was called from where that one was.
+    pub(crate) fn is_called_as(&self, other: &Self) -> bool {
+        self.levels == other.levels
+    }
+
+    /// Whether places mean the same.
+    pub(crate) fn maps_as(&self, other: &Self) -> bool {
+        self.mapping == other.mapping && self.surface == other.surface
+    }
+
+    /// What the block at hand will ask for, as far as this front end knows.
+    pub(super) fn ask(&self, it: &mut Interpreter<'_>) {
+        if !it.executor.words.heard {
+            return;
+        }
+        if !self.is_plain(&it.executor) {
+            it.executor.asked.more();
+        }
+        it.executor.asked.units |= self.counts_increments(&it.block);
+    }
+
     /// Whether the block at hand is one that machining centres have by the thousand.
-    pub(super) fn is_plain(&self, ex: &Executor) -> bool {
+    fn is_plain(&self, ex: &Executor) -> bool {
         let plain = |said: &Said| match said.letter {
             b'G' => matches!(
                 tenths(said.value),
                 Some(0..=30 | 170..=190 | 730 | 800..=830 | 850 | 890..=910 | 980 | 990)
             ),
+            b'M' => matches!(said.value, 98.0 | 99.0),
             b'F' | b'I'..=b'L' | b'P'..=b'R' | b'U'..=b'Z' => true,
             _ => false,
         };
@@ -75,17 +95,20 @@ impl Fanuc {
         let line = |motion: Motion| matches!(motion, Motion::Rapid | Motion::Feed);
         if self.before_cycle != before.before_cycle {
             // G80 goes back to it
-            if asked.motion || !line(self.before_cycle) || !line(before.before_cycle) {
+            if asked.cycle || !line(self.before_cycle) || !line(before.before_cycle) {
                 return None;
             }
-            (new.before_cycle, then.before_cycle) = (self.before_cycle, self.before_cycle);
+            then.before_cycle = self.before_cycle;
+            if !asked.motion {
+                new.before_cycle = self.before_cycle;
+            }
         }
-        // plain blocks set none of these
-        for i in (0..LAST_N).filter(|i| self.kept.words[*i] != before.kept.words[*i]) {
-            (new.kept.words[i], then.kept.words[i]) = (self.kept.words[i], self.kept.words[i]);
-        }
+        new.kept.carry(&self.kept, &before.kept, asked);
+        then.kept.words = self.kept.words;
         (new.length_mode, then.length_mode) = (self.length_mode, self.length_mode);
         (new.by, then.by) = (self.by, self.by);
+        // what is found is not carried
+        (new.warned_of_point, then.warned_of_point) = (self.warned_of_point, self.warned_of_point);
         (then == *self).then_some(new)
     }
 }

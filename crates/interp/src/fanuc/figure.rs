@@ -125,8 +125,8 @@ impl Mapping {
 impl Polar {
     /// Where radius and angle lead; what is not named stays.
     pub(super) fn place(&mut self, now: [f64; 2], words: [Option<f64>; 2], by: bool) -> [f64; 2] {
-        let angle = now[1].atan2(now[0]).to_degrees();
-        let last = self.last.unwrap_or([now[0].hypot(now[1]), angle]);
+        let here = || [now[0].hypot(now[1]), now[1].atan2(now[0]).to_degrees()];
+        let last = self.last.unwrap_or_else(here);
         let named = |i: usize| match words[i] {
             Some(word) if by => last[i] + word,
             Some(word) => word,

@@ -182,9 +182,12 @@ impl Fanuc {
             return Err(fault.with_help("write G15, G69, G50 or G50.1 before it").into());
         }
         let words = AXIS.map(|letter| ex.words.get(letter));
+        let by = incremental(ex);
+        if words.iter().all(Option::is_none) {
+            return if cycle { self.map_levels(ex, n, by) } else { self.map_arc(ex, [a, b]) };
+        }
         let here = [ex.state.at[0], ex.state.at[1], ex.state.at[2]];
         let from = self.mapping.backward(&here);
-        let by = incremental(ex);
         let mut target = from;
         for i in 0..3 {
             if let Some(word) = words[i].filter(|_| !(cycle && i == n)) {

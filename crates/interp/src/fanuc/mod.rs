@@ -28,7 +28,9 @@ mod growing;
 mod kind;
 mod lathe;
 mod longer;
+mod loops;
 mod mapping;
+mod moves;
 mod offsets;
 mod output;
 mod reference;
@@ -255,7 +257,9 @@ impl Fanuc {
         if it.block.percent {
             return self.percent(it, sink);
         }
-        self.kept.word(b'N', it.block.number.unwrap_or(self.kept.n()));
+        if let Some(number) = it.block.number {
+            self.kept.word(b'N', number, &it.executor.asked);
+        }
         if let Some(control) = it.block.control {
             let Control::IfThen(condition) = control else { return self.control(it, control) };
             if self.condition(it, condition)? == 0.0 {
@@ -296,8 +300,15 @@ impl Fanuc {
     /// A block with words.
     fn words<S: Sink>(&mut self, it: &mut Interpreter<'_>, sink: &mut S) -> Outcome {
         self.read(it)?;
-        if !self.is_plain(&it.executor) {
-            it.executor.asked.more();
+        self.ask(it);
+        if self.only_moves(&it.executor) {
+            let moves = self.move_only(&mut it.executor, sink)?;
+            return if moves { self.modal_call(it) } else { Ok(()) };
+        }
+        if let Some(then) = self.only_calls(&it.executor) {
+            self.once = Once::default();
+            self.group_one(&mut it.executor.state.motion);
+            return self.follow(it, then, sink);
         }
         if let Some(code) = self.macro_code() {
             return self.macro_call(it, code);
@@ -314,6 +325,10 @@ impl Fanuc {
             it.ended = true;
             return Ok(());
         }
+        self.follow(it, then, sink)
+    }
+
+    fn follow<S: Sink>(&mut self, it: &mut Interpreter<'_>, then: Then, sink: &mut S) -> Outcome {
         match then {
             Then::Call(callee) => self.call_program(it, callee),
             Then::Return(to) => self.return_to(it, to, sink),
@@ -329,7 +344,6 @@ impl Fanuc {
         if self.once != Once::default() || self.surface.is_some() {
             it.executor.asked.more();
         }
-        it.executor.asked.units = true; // increments count as they do in force
         if self.called.is_some() && !matches!(then, Then::Call(_)) {
             let text = "a program's name goes with M98, G65 or G66: M98<NAME>";
             return refuse("I1049", it.block.span, text);

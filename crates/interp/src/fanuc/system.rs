@@ -21,6 +21,7 @@ use super::{
 };
 use crate::{
     Parameters,
+    asked::Asked,
     call::{Call, Sink},
     fault::{Outcome, refuse},
     interpreter::Interpreter,
@@ -55,11 +56,6 @@ const LETTERS: [(u8, usize); 6] =
     [(b'B', 4102), (b'D', 4107), (b'E', 4108), (b'H', 4111), (b'M', 4113), (b'N', 4114)];
 
 impl Kept {
-    /// The last N.
-    pub(super) const fn n(&self) -> f64 {
-        self.words[5]
-    }
-
     /// The last word of a letter that is kept.
     pub(super) fn last(&self, letter: u8) -> f64 {
         let at = LETTERS.iter().position(|(kept, _)| *kept == letter);
@@ -67,9 +63,22 @@ impl Kept {
     }
 
     /// Remember a word that variables tell.
-    pub(super) fn word(&mut self, letter: u8, value: f64) {
+    pub(super) fn word(&mut self, letter: u8, value: f64, asked: &Asked) {
+        if !matches!(letter, b'B' | b'D' | b'E' | b'H' | b'M' | b'N') {
+            return; // nearly all
+        }
         if let Some(at) = LETTERS.iter().position(|(kept, _)| *kept == letter) {
             self.words[at] = value;
+            asked.keeps(at);
+        }
+    }
+
+    /// Behind a stretch that began with `before` as it would be if it began with `own`.
+    pub(super) fn carry(&mut self, own: &Self, before: &Self, asked: &Asked) {
+        for (i, word) in self.words.iter_mut().enumerate() {
+            if own.words[i] != before.words[i] && !asked.kept(i) {
+                *word = own.words[i];
+            }
         }
     }
 }

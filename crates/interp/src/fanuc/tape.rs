@@ -14,10 +14,10 @@
 //! here all the same, above all that can be written.
 //!
 //! Made at the first jump or call, by one reading of the whole tape.
-use crate::{contents::Edited, fault::error, outline::At};
-use diag::{Diagnostic, Span};
-use gcode::{Block, Control, Grammar, Label, Parser};
-use std::collections::HashMap;
+use super::loops::{Bound, Loops};
+use crate::{contents::Edited, outline::At, pages::Pages};
+use diag::Diagnostic;
+use gcode::{Block, Grammar, Label, Parser};
 
 /// A block: where it and the next one begin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,8 +27,11 @@ pub(super) struct Mark {
 }
 
 impl Mark {
-    fn moved(self, edited: &Edited<'_>) -> Self {
-        Self { at: edited.moved(self.at), after: edited.moved(self.after) }
+    pub(super) fn moved(self, edited: &Edited<'_>) -> Self {
+        // what comes right behind a block belongs behind it
+        let stays = self.after.0 <= edited.first.0;
+        let after = if stays { self.after } else { edited.moved(self.after) };
+        Self { at: edited.moved(self.at), after }
     }
 }
 
@@ -58,21 +61,27 @@ pub(crate) struct Tape {
     numbers: Vec<(u32, Place)>,
     /// The same by number, and then in the order of the text.
     sorted: Vec<u32>,
-    /// By the file and the first byte of a DO: its END; of an END: its DO.
-    loops: HashMap<(usize, u32), Mark>,
+    loops: Loops,
     /// Names of programs.
     names: Vec<String>,
 }
 
 impl Tape {
-    /// Of the program and the files beside it, which have these names.
-    pub(super) fn of(sources: &[&[u8]], names: &[String]) -> (Self, Vec<Diagnostic>) {
+    /// Of the program and the files beside it, which have these names. The program's blocks may have been read before.
+    pub(crate) fn of(
+        sources: &[&[u8]],
+        names: &[String],
+        mut pages: Option<&mut Pages>,
+    ) -> (Self, Vec<Diagnostic>) {
         let (mut tape, mut faults) = (Self::default(), Vec::new());
         for (file, source) in sources.iter().enumerate() {
             let name = names.get(file).map_or("", String::as_str);
-            tape.read(file, source, name, &mut faults);
+            let pages = if file == 0 { pages.take() } else { None };
+            tape.read(file, source, name, pages);
         }
         tape.sort();
+        let begins = tape.programs.iter().map(|program| (program.file, program.begin.at.0));
+        tape.loops.join(&mut begins.clone(), &mut faults);
         (tape, faults)
     }
 
@@ -81,7 +90,7 @@ impl Tape {
         self.sorted.sort_by_key(|i| self.numbers[*i as usize].0);
     }
 
-    fn read(&mut self, file: usize, source: &[u8], name: &str, faults: &mut Vec<Diagnostic>) {
+    fn read(&mut self, file: usize, source: &[u8], name: &str, mut pages: Option<&mut Pages>) {
         let mut parser = Parser::with_grammar(source, file as u16, Grammar::Fanuc);
         let mut block = Block::new();
         let begin = Mark { at: (0, 1), after: (0, 1) };
@@ -89,8 +98,14 @@ impl Tape {
         let number = (file > 0).then(|| self.number_of_file(name));
         self.programs.push(Program { number, file, begin });
         let mut first = true;
-        let mut open: Vec<(u8, Mark, Span)> = Vec::new();
-        while parser.next(&mut block) {
+        loop {
+            let more = match &mut pages {
+                Some(pages) => pages.next(source, Grammar::Fanuc, &mut parser, &mut block),
+                None => parser.next(&mut block),
+            };
+            if !more {
+                break;
+            }
             if block.faulty {
                 continue;
             }
@@ -109,85 +124,69 @@ impl Tape {
                 _ => None,
             };
             if number.is_some() {
-                faults.extend(open.drain(..).map(|(level, _, span)| not_closed(level, span)));
                 self.programs.push(Program { number, file, begin: mark });
             }
-            match block.control {
-                Some(Control::While { level, .. }) => {
-                    if let Some((_, _, outer)) = open.iter().find(|o| o.0 == level) {
-                        let text = format!(
-                            "DO{level} is open already: a loop in a loop takes another number"
-                        );
-                        let fault = error("I1002", block.span, text);
-                        faults.push(fault.with_label(*outer, "open since here"));
-                    }
-                    open.push((level, mark, block.span));
-                }
-                Some(Control::End(level)) => match open.pop() {
-                    Some((begun, begin, _)) if begun == level => {
-                        self.loops.insert((file, begin.at.0), mark);
-                        self.loops.insert((file, mark.at.0), begin);
-                    }
-                    Some((begun, _, span)) => {
-                        let text =
-                            format!("expected END{begun}, found END{level}: loops may not cross");
-                        faults.push(
-                            error("I1003", block.span, text).with_label(span, "open since here"),
-                        );
-                    }
-                    None => {
-                        let text = format!("END{level} closes nothing: no DO{level} is open");
-                        faults.push(error("I1003", block.span, text));
-                    }
-                },
-                _ => {}
+            if let Some(bound) = Bound::of(&block, file, mark) {
+                self.loops.push(bound);
             }
         }
-        faults.extend(open.into_iter().map(|(level, _, span)| not_closed(level, span)));
     }
 
     /// The same after an edit, and the numbers of blocks that have come, gone or changed their place among the others;
-    /// none where a program or a loop begins or ends in the lines edited.
+    /// none where a program begins in the lines edited, or loops that go on outside of them.
     pub(crate) fn edited(mut self, edited: &Edited<'_>) -> Option<(Self, Vec<u32>)> {
         let mut parser = Parser::with_grammar(edited.source, 0, Grammar::Fanuc);
         let mut block = Block::new();
         parser.seek(edited.first.0, edited.first.1);
-        let mut new = Vec::new();
+        let (mut new, mut bounds, mut blank) = (Vec::new(), Vec::new(), true);
         while parser.next(&mut block) {
-            let loops = matches!(block.control, Some(Control::While { .. } | Control::End(_)));
-            if loops || block.o.is_some() {
+            if block.o.is_some() {
                 return None;
             }
-            if let Some(number) = block.number.filter(|_| !block.faulty) {
-                let at = (block.span.start, block.span.line);
-                new.push((number as u32, Place { file: 0, at }));
+            if block.faulty {
+                continue;
+            }
+            blank &= block.is_blank() || block.percent;
+            let mark = Mark { at: (block.span.start, block.span.line), after: parser.position() };
+            if let Some(number) = block.number {
+                new.push((number as u32, Place { file: 0, at: mark.at }));
+            }
+            bounds.extend(Bound::of(&block, 0, mark));
+        }
+        self.move_begins(blank, edited)?;
+        let changed = self.renumber(new, edited);
+        let mut begins = self.programs.iter().map(|program| (program.file, program.begin.at.0));
+        self.loops = self.loops.edited(edited, bounds, &mut begins)?;
+        Some((self, changed))
+    }
+
+    /// Where programs begin now; none where that is in the lines edited, which have nothing in them if they are `blank`.
+    fn move_begins(&mut self, blank: bool, edited: &Edited<'_>) -> Option<()> {
+        // behind its number a program begins, whatever stands there
+        let numbered = |program: &Program| program.number.is_some() && program.file == 0;
+        let begins = |program: &Program| numbered(program) && program.begin.after == edited.first;
+        let behind_number = self.programs.iter().any(begins);
+        if let Some((main, others)) = self.programs.split_first_mut() {
+            let after = main.begin.after;
+            let named = others.first().filter(|it| numbered(it) && it.begin.after == after);
+            let first = named.map_or(after, |program| program.begin.at);
+            let stays = edited.first > after || edited.first == after && behind_number;
+            if !stays && (edited.old_end > first.0 || !blank) {
+                return None;
+            }
+            if !stays {
+                main.begin.after = edited.moved(after);
             }
         }
-        // behind its number a program begins, whatever stands there
-        let begins =
-            |program: &Program| program.number.is_some() && program.begin.after == edited.first;
-        let behind_number = self.programs.iter().any(begins);
-        for program in self.programs.iter_mut().filter(|program| program.file == 0) {
+        let own = self.programs.iter_mut().skip(1).filter(|program| program.file == 0);
+        for program in own {
             let Mark { at, after } = program.begin;
-            let first = behind_number && after == edited.first;
-            let touched = edited.had(after.max(at)) && !first;
-            if touched || program.number.is_some() && edited.had(at) {
+            if edited.had(at) || edited.had(after) && edited.first != after {
                 return None;
             }
             program.begin = program.begin.moved(edited);
         }
-        let changed = self.renumber(new, edited);
-        for ((file, byte), other) in core::mem::take(&mut self.loops) {
-            if file > 0 {
-                self.loops.insert((file, byte), other);
-                continue;
-            }
-            if edited.had((byte, 0)) {
-                return None;
-            }
-            self.loops.insert((0, edited.moved((byte, 0)).0), other.moved(edited));
-        }
-        Some((self, changed))
+        Some(())
     }
 
     /// These numbered blocks in the place of those in the lines edited; which numbers are not where they were.
@@ -290,11 +289,6 @@ impl Tape {
 
     /// The other end of the loop whose DO or END begins at this byte of a file.
     pub(super) fn partner(&self, file: usize, byte: u32) -> Option<Mark> {
-        self.loops.get(&(file, byte)).copied()
+        self.loops.partner(file, byte)
     }
-}
-
-fn not_closed(level: u8, span: Span) -> Diagnostic {
-    error("I1004", span, format!("DO{level} is never closed"))
-        .with_help(format!("write END{level} after the loop's last block"))
 }

@@ -82,10 +82,13 @@ impl Fanuc {
     /// G70 to G76, G34 of the block at hand, on a lathe, as system B numbers them.
     pub(super) fn multiple_cycle(&self) -> Option<u16> {
         let code = |said: &Said| match meaning(self.kind, tenths(said.value)?) {
-            Meaning::Multiple(code) if said.letter == b'G' => Some(code / 10),
+            Meaning::Multiple(code) => Some(code / 10),
             _ => None,
         };
-        let said = self.said.iter().find_map(code);
+        if !self.is_lathe() {
+            return None;
+        }
+        let said = self.said.iter().filter(|said| said.letter == b'G').find_map(code);
         said.or_else(|| self.grows_on().then_some(34))
     }
 

@@ -46,7 +46,7 @@ impl Fanuc {
                 }
             };
             let Some(value) = value else { continue };
-            self.kept.word(word.letter, value);
+            self.kept.word(word.letter, value, &ex.asked);
             let text = source.get(word.span.start as usize..word.span.end as usize);
             let counts =
                 matches!(word.value, Value::Number(_)) && !text.is_some_and(|t| t.contains(&b'.'));
@@ -81,6 +81,14 @@ impl Fanuc {
         }
     }
 
+    /// Whether it matters to the block's values how long an increment is.
+    pub(super) fn counts_increments(&self, block: &Block) -> bool {
+        let computed = |word: &gcode::Word| matches!(word.value, Value::Expression(_));
+        let counts =
+            |said: &Said| said.counts && said.value != 0.0 && !b"GMNP".contains(&said.letter);
+        self.said.iter().any(counts) || block.words.iter().any(computed)
+    }
+
     /// A value in the program's unit of length (or degrees): increments counted.
     pub(super) fn scaled(&self, executor: &Executor, said: &Said) -> f64 {
         if !said.counts || self.calculator {
@@ -91,7 +99,7 @@ impl Fanuc {
         said.value / self.per_unit(if face { b'R' } else { said.letter }, self.inch && !angle)
     }
 
-    fn feed(&self, said: &Said, sense: &Sense) -> f64 {
+    pub(super) fn feed(&self, said: &Said, sense: &Sense) -> f64 {
         if !said.counts || self.calculator {
             return said.value;
         }
@@ -342,7 +350,7 @@ impl Fanuc {
         }
     }
 
-    fn warn_of_points(&mut self, ex: &mut Executor, said: &[Said]) {
+    pub(super) fn warn_of_points(&mut self, ex: &mut Executor, said: &[Said]) {
         if self.warned_of_point || self.calculator {
             return;
         }
