@@ -54,6 +54,17 @@ impl Way<'_> {
         let middle: Point = core::array::from_fn(|i| f64::midpoint(a[i], c[i]));
         distance(&middle, &b) / 3.0 / self.moves[self.index(u)].segment.tolerance
     }
+
+    /// How far apart knots may be behind a place, as far as `end`: longer and longer ways are tried, as a way over waves may
+    /// look straight.
+    fn gap(&self, u: f64, end: f64) -> f64 {
+        let moves = self.moves[self.index(u)..].iter().map(Waiting::length);
+        let mut h = moves.fold(0.0, |h, length| if h > 0.0 { h } else { length });
+        while h > 0.0 && u + 2.0 * h < end && self.bend(u + h, h) <= AHEAD {
+            h *= 2.0;
+        }
+        if h > 0.0 { h } else { end - u }
+    }
 }
 
 /// An anchor: a place where there must be a knot, and how far apart knots may be near it.
@@ -110,7 +121,7 @@ pub(crate) fn choose(way: &Way, knots: &mut Vec<f64>) {
 /// Knots after `from` up to `to`.
 fn march(way: &Way, from: Anchor, to: Anchor, knots: &mut Vec<f64>) {
     let mut u = from.u;
-    let mut before = if from.near.is_finite() { from.near } else { (to.u - from.u) / 2.0 };
+    let mut before = if from.near.is_finite() { from.near } else { way.gap(u, to.u) };
     loop {
         let left = to.u - u;
         let mut h = (before * 2.0).min(left).min(to.near + left / 2.0);

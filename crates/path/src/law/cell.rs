@@ -94,6 +94,19 @@ fn speed_cap(d: &Derivatives, bounds: &Bounds, feed: f64) -> f64 {
     v * v
 }
 
+/// ṡ² that the axes' speeds leave where a slope is steepest, if that is between the places of a cell.
+fn cap_between([start, middle, end]: &[Derivatives; 3], bounds: &Bounds) -> f64 {
+    let steepest = |k: usize| {
+        // the parabola through the three, around the middle
+        let rise = (end.q1[k] - start.q1[k]) / 2.0;
+        let bend = f64::midpoint(start.q1[k], end.q1[k]) - middle.q1[k];
+        let between = rise.abs() < 2.0 * bend.abs();
+        if between { middle.q1[k] - rise * rise / (4.0 * bend) } else { middle.q1[k] }
+    };
+    let v = (0..AXES).map(|k| bounds.speed[k] / steepest(k).abs()).fold(f64::INFINITY, f64::min);
+    v * v
+}
+
 /// What is demanded along a cell.
 #[derive(Clone, Debug)]
 pub(crate) enum Demand {
@@ -250,7 +263,8 @@ impl Sampler {
             let moves = |k: usize| three.iter().any(|d| d.q1[k] != 0.0 || d.q2[k] != 0.0);
             let axes = core::array::from_fn(moves);
             let rows = three.map(|d| Rows::new(&d, axes, bounds, feed(&self.piece, &d)));
-            let cap = rows[0].cap.min(rows[1].cap).min(rows[2].cap);
+            let cap =
+                rows[0].cap.min(rows[1].cap).min(rows[2].cap).min(cap_between(&three, bounds));
             self.last = end;
             (Demand::Curve(Box::new(rows)), cap)
         };

@@ -284,7 +284,8 @@ impl Law {
         let mut b = self.state.v * self.state.v;
         self.fast.push(b);
         for (i, cell) in self.cells.range(..count).enumerate() {
-            b = reach::forwards(cell, b, self.beta[i + 1]);
+            // a plan with a limit of jerk may be a little above what can be kept, from where there is no way on
+            b = reach::forwards(cell, b.min(self.beta[i]), self.beta[i + 1]);
             self.fast.push(b);
         }
     }
