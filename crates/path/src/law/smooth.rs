@@ -11,9 +11,9 @@
 //! chain on which each bound meets three neighbours, and `interior` finds the fastest.
 //!
 //! The grid has knots about τ apart in time, as fast as a jerk-limited motion may at most be: from a place where it goes at
-//! v it can be at most at w = v^{3/2} + 2.12·√J·Δs later, since from rest s = J·t³/6 and ṡ = J·t²/2. At rest the
-//! first cell is that motion itself: b ~ s^{4/3}, whose tangent at its end, d, meets zero at d/4: seen from the next cell
-//! it is a cell of width 3d/2 with the value 0.
+//! v it can be at most at w = v^{3/2} + 2.12·√J·Δs later, since from rest s = J·t³/6 and ṡ = J·t²/2; farther apart where a
+//! speed is held (`level`). At rest the first cell is that motion itself: b ~ s^{4/3}, whose tangent at its end, d, meets zero
+//! at d/4: seen from the next cell it is a cell of width 3d/2 with the value 0.
 use super::State;
 use super::cell::{Cell, Demand, Rows};
 use super::fine::{Fine, JERK_SHARE, each, growth, jerk_along};
