@@ -426,7 +426,7 @@ proptest! {
         prop_assert!(speed < 1.001, "{speed}");
         prop_assert!(accel < 1.01, "{accel}");
         let [speed, accel, _] = inside(&pieces, &phases, &b);
-        prop_assert!(speed < 1.002, "{speed} within a phase");
+        prop_assert!(speed < 1.001, "{speed} within a phase");
         prop_assert!(accel < 1.02, "{accel} within a phase");
     }
 

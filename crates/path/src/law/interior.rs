@@ -7,7 +7,8 @@
 //! c are the control values of b = ṡ² (see `smooth`); each g meets three neighbours, so that Newton's matrix is a band of
 //! five. Primal-dual: each slack s has a price λ, λ·s is led to zero, at each place in proportion to its part of the time.
 //! The acceleration's bounds are straight; v̂/√c is convex in c, so a step that keeps its tangent keeps it too. Boyd and
-//! Vandenberghe, *Convex Optimization*, ch. 11; the jerk's bound is not convex as a set, so the optimum that is found may be a local one.
+//! Vandenberghe, *Convex Optimization*, ch. 11; the jerk's bound is not convex as a set, so the optimum that is found may be
+//! a local one.
 use super::band::Band;
 use alloc::vec::Vec;
 
