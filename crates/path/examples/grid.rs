@@ -3,7 +3,7 @@
 //! `grid PROGRAM P JERK STEP`: a program of G0 and G1 in mm, X Y Z at 200 mm/s and 1000 mm/s², P in mm, jerk in m/s³ or `inf`. The
 //! first line is the time in s; each other one a stretch of the path of about STEP mm: its length, its feed, and q′, q″, q‴ of X, Y
 //! and Z at its beginning, in its middle, and at its end.
-use path::geometry::{Bend, Joiner, Line, Segment};
+use path::geometry::{Joiner, Line, Segment};
 use path::law::{Config, Law};
 use path::{AXES, Bounds, Curve, Limits, Piece, Shape};
 use std::error::Error;
@@ -17,9 +17,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("grid PROGRAM P JERK STEP".into());
     };
     let jerk = jerk.parse::<f64>()? * 1e3;
-    let bend = if jerk.is_finite() { Bend::Even } else { Bend::Quick };
-    let pieces = joined(&std::fs::read_to_string(program)?, tolerance.parse()?, bend)?;
-    println!("{}", duration(&pieces, jerk)?);
+    let bounds = Bounds { speed: [200.0; AXES], accel: [1000.0; AXES], jerk: [jerk; AXES] };
+    let limits = Limits { feed: bounds, rapid: bounds };
+    let pieces = joined(&std::fs::read_to_string(program)?, tolerance.parse()?, &limits)?;
+    println!("{}", duration(&pieces, &limits)?);
     let step: f64 = step.parse()?;
     for piece in &pieces {
         let count = (piece.length() / step).ceil().max(3.0);
@@ -38,8 +39,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// The moves of a program, joined.
-fn joined(program: &str, p: f64, bend: Bend) -> Result<Vec<Piece>, Box<dyn Error>> {
-    let (mut pieces, mut joiner) = (Vec::new(), Joiner::new(bend));
+fn joined(program: &str, p: f64, limits: &Limits) -> Result<Vec<Piece>, Box<dyn Error>> {
+    let (mut pieces, mut joiner) = (Vec::new(), Joiner::new(limits));
     let (mut at, mut feed, mut rapid) = ([0.0; AXES], 0.0, false);
     for (line, text) in (1_u32..).zip(program.lines()) {
         let mut to = at;
@@ -67,9 +68,8 @@ fn joined(program: &str, p: f64, bend: Bend) -> Result<Vec<Piece>, Box<dyn Error
 }
 
 /// How long the law of time takes, s.
-fn duration(pieces: &[Piece], jerk: f64) -> Result<f64, Box<dyn Error>> {
-    let all = Bounds { speed: [200.0; AXES], accel: [1000.0; AXES], jerk: [jerk; AXES] };
-    let mut law = Law::new(Config { limits: Limits { feed: all, rapid: all }, period: 1e-3 });
+fn duration(pieces: &[Piece], limits: &Limits) -> Result<f64, Box<dyn Error>> {
+    let mut law = Law::new(Config { limits: *limits, period: 1e-3 });
     let mut time = 0.0;
     for piece in pieces {
         law.push(*piece).map_err(|why| format!("{why:?}"))?;

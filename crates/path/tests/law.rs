@@ -1,5 +1,5 @@
 //! What the law of time promises, checked on the setpoints that a machine would get.
-use path::geometry::{Bend, Bezier, Joiner, Line, Segment};
+use path::geometry::{Bezier, Joiner, Line, Segment};
 use path::law::{Config, Law, Timed};
 use path::{AXES, Bounds, Curve, Entry, Limits, Piece, Shape};
 use proptest::prelude::*;
@@ -343,7 +343,7 @@ fn a_wave_takes_as_long_however_it_is_chopped() {
     for jerk in [f64::INFINITY, 50e3, 20e3] {
         let b = bounds(200.0, 1000.0, jerk);
         let both = [0.1, 0.05, 0.02].map(|step: f64| {
-            let (mut joiner, mut pieces) = (Joiner::new(Bend::of(&config(b).limits)), Vec::new());
+            let (mut joiner, mut pieces) = (Joiner::new(&config(b).limits), Vec::new());
             let point = |n: usize| [n as f64 * step, 2.0 * (n as f64 * step * 0.5).sin(), 0.0];
             for n in 0..(150.0 / step) as usize {
                 let curve = line(point(n), point(n + 1), 150.0, Entry::Smooth).curve;
@@ -367,7 +367,7 @@ fn at_a_low_feed_corners_are_passed_at_the_feed() {
     let (step, feed) = (2.0, 10.0);
     for (jerk, corner) in [(f64::INFINITY, 0.002), (20e3, 0.025)] {
         let b = bounds(200.0, 1000.0, jerk);
-        let (mut joiner, mut pieces) = (Joiner::new(Bend::of(&config(b).limits)), Vec::new());
+        let (mut joiner, mut pieces) = (Joiner::new(&config(b).limits), Vec::new());
         let stair = |n: usize| [step * n.div_ceil(2) as f64, step * (n / 2) as f64, 0.0];
         for n in 0..40 {
             let curve = line(stair(n), stair(n + 1), feed, Entry::Smooth).curve;
@@ -393,10 +393,11 @@ fn at_a_low_feed_corners_are_passed_at_the_feed() {
 /// Moves that a program could have, joined within a tolerance.
 fn any_joined() -> impl Strategy<Value = Vec<Piece>> {
     let step = (prop::array::uniform3(1.0..10.0_f64), 5.0..200.0_f64, any::<[bool; 3]>());
-    let bend = prop::sample::select(vec![Bend::Quick, Bend::Even]);
-    (prop::collection::vec(step, 1..15), 0.005..0.1_f64, bend).prop_map(
-        |(steps, tolerance, bend)| {
-            let (mut joiner, mut pieces) = (Joiner::new(bend), Vec::new());
+    let jerk = prop::sample::select(vec![f64::INFINITY, 20e3]);
+    (prop::collection::vec(step, 1..15), 0.005..0.1_f64, jerk).prop_map(
+        |(steps, tolerance, jerk)| {
+            let limits = config(bounds(200.0, 1000.0, jerk)).limits;
+            let (mut joiner, mut pieces) = (Joiner::new(&limits), Vec::new());
             let mut at = [0.0; 3];
             for (step, feed, back) in steps {
                 let to = core::array::from_fn(|k| at[k] + if back[k] { -step[k] } else { step[k] });

@@ -144,7 +144,7 @@ impl Run {
         let Some(timing) = timing else { return };
         // where every line ends at rest, it ends where it was programmed to
         let tolerance = if wish.stops { 0.0 } else { segment.tolerance };
-        let joiner = joiner.get_or_insert_with(|| Joiner::new(timing.bend()));
+        let joiner = joiner.get_or_insert_with(|| Joiner::new(timing.limits()));
         let stops = wish.stops;
         joiner.push(Segment { tolerance, ..segment }, &mut |piece| {
             if stops {

@@ -7,9 +7,8 @@ use crate::limits::MachineLimits;
 use crate::repace::Wish;
 use crate::step::{Follow, PHASES, Pace, Step, StepKind};
 use alloc::collections::VecDeque;
-use path::geometry::Bend;
 use path::law::{Config, Law, Refusal, State, Timed};
-use path::{Entry, Phase, Piece, Shape};
+use path::{Entry, Limits, Phase, Piece, Shape};
 
 /// How much farther ahead than braking takes the first stop is that is asked for in motion.
 const AHEAD: f64 = 2.0;
@@ -28,7 +27,7 @@ pub(crate) struct Timing {
     /// Line of the last piece, and how far it is until it may stop.
     last: Option<u32>,
     braking: f64,
-    bend: Bend,
+    limits: Limits,
     /// Pieces that the law has and that have not been handed on; `done` were before them.
     pieces: VecDeque<Piece>,
     done: u64,
@@ -50,7 +49,7 @@ impl Timing {
         let state = state.unwrap_or_default();
         Self {
             law: Law::resuming(config, state),
-            bend: Bend::of(&config.limits),
+            limits: config.limits,
             pace: Pace { share: wish.share, turning: n },
             per_revolution: spin.is_some(),
             stops: wish.stops,
@@ -68,9 +67,9 @@ impl Timing {
         self.refusal.take()
     }
 
-    /// Corners that suit the axes.
-    pub(crate) const fn bend(&self) -> Bend {
-        self.bend
+    /// What the axes can do, which curves are to suit.
+    pub(crate) const fn limits(&self) -> &Limits {
+        &self.limits
     }
 
     /// Go on along a piece; its feed is as programmed.

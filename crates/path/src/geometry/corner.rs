@@ -21,11 +21,11 @@
 //!
 //! The pieces run by s, with ds/dt = dα/dt + dβ/dt: slope and bend are those of the lines at both ends, and in the middle s
 //! runs evenly with t.
-use super::{AXES, Bounds, Derivatives, Limits, Point};
+use super::{AXES, Derivatives, Limits, Point};
 
 /// How the bend of a corner grows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Bend {
+pub(crate) enum Bend {
     /// In a small part of the turn: for axes without a limit of jerk.
     Quick,
     /// All along the turn: for axes with one.
@@ -35,9 +35,8 @@ pub enum Bend {
 
 impl Bend {
     /// What suits axes with these limits.
-    pub fn of(limits: &Limits) -> Self {
-        let limited = |bounds: &Bounds| bounds.jerk.iter().any(|jerk| jerk.is_finite());
-        if limited(&limits.feed) || limited(&limits.rapid) { Self::Even } else { Self::Quick }
+    pub(crate) fn of(limits: &Limits) -> Self {
+        if limits.feed.has_jerk() || limits.rapid.has_jerk() { Self::Even } else { Self::Quick }
     }
 
     /// r.

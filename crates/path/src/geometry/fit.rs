@@ -17,10 +17,13 @@
 //! halved where it fails; with knots close enough there always is one. Of all such curves, `tube` then finds the one that
 //! bends least.
 //! Position, slope and bend at both ends are given, which fixes three control points each.
+use super::fastest::{Fastest, Rests};
 use super::join::{Segment, Waiting, distance};
 use super::knots::{self, Way};
+use super::load::Place;
+use super::spline::Knots;
 use super::tube::Tube;
-use super::{AXES, Derivatives, Point, Polynomial};
+use super::{AXES, Derivatives, Limits, Point, Polynomial};
 use alloc::vec::Vec;
 
 /// Share of the tolerance that samples keep: between them there is a little more.
@@ -33,6 +36,8 @@ const SWEEPS: usize = 24;
 const BACK: usize = 32;
 /// How often knots may be halved.
 const HALVINGS: usize = 12;
+/// Control points that a curve has at least if it is worth looking for a faster one: some of them must be free.
+const FEWEST: usize = 8;
 
 /// A place where the distance is looked at.
 #[derive(Clone, Copy, Debug)]
@@ -67,6 +72,11 @@ pub(crate) struct Fitter {
     /// See `twist`.
     bends: Vec<([f64; 3], f64)>,
     total: f64,
+    places: Vec<Place>,
+    fastest_linear: Fastest<3>,
+    fastest_of_all: Fastest<AXES>,
+    /// The curve that bends least, in case that the fastest one is not good.
+    kept: (Vec<f64>, Vec<Point>),
 }
 
 impl Fitter {
@@ -78,6 +88,7 @@ impl Fitter {
         end: f64,
         from: &Derivatives,
         to: &Derivatives,
+        (limits, rests): (&Limits, Rests),
     ) {
         self.starts.clear();
         let mut u = -begun;
@@ -99,12 +110,91 @@ impl Fitter {
             }
             self.halve();
         }
+        self.quicken(&way, limits, rests);
         self.starts = starts;
+    }
+
+    /// From the curve that bends least to the fastest one, where the first does not let the feed be reached.
+    fn quicken(&mut self, way: &Way, limits: &Limits, rests: Rests) {
+        if self.axes == 0 || self.control.len() < FEWEST {
+            return;
+        }
+        self.look_at_limits(way);
+        let (linear, all) = (&mut self.fastest_linear, &mut self.fastest_of_all);
+        let at_feed = if self.axes <= 3 {
+            linear.is_at_feed(&self.control, &self.places, limits)
+        } else {
+            all.is_at_feed(&self.control, &self.places, limits)
+        };
+        if at_feed {
+            return;
+        }
+        self.kept.0.clone_from(&self.knots);
+        self.kept.1.clone_from(&self.control);
+        self.refine();
+        self.sample(way);
+        self.look_at_limits(way);
+        let (linear, all) = (&mut self.fastest_linear, &mut self.fastest_of_all);
+        let (control, places, samples) = (&mut self.control, &self.places, &self.samples);
+        let found = if self.axes <= 3 {
+            linear.find(control, places, samples, (limits, rests))
+        } else {
+            all.find(control, places, samples, (limits, rests))
+        };
+        let near =
+            |sample: &Sample| distance(&self.at(sample), &sample.p) <= sample.tolerance * BETWEEN;
+        if !(found && self.samples.iter().all(near) && self.keeps_between()) {
+            core::mem::swap(&mut self.kept.0, &mut self.knots);
+            core::mem::swap(&mut self.kept.1, &mut self.control);
+        }
+    }
+
+    /// Places where speed, acceleration and jerk are looked at: both ends and the middle of each span.
+    fn look_at_limits(&mut self, way: &Way) {
+        self.places.clear();
+        let knots = Knots(&self.knots);
+        for span in 0..knots.spans() {
+            let (from, h) = (knots.0[span], knots.0[span + 1] - knots.0[span]);
+            let Segment { feed, rapid, .. } = serves(way, from, from + h);
+            let last = span + 1 == knots.spans();
+            // Simpson's rule
+            for (share, weight) in [(0.0, 1.0), (0.5, 4.0), (1.0, 1.0)] {
+                let (rows, weight) = (knots.rows(span, from + share * h), weight * h / 6.0);
+                let again = share == 1.0 && !last;
+                self.places.push(Place { span, rows, weight, feed, rapid, again });
+            }
+        }
+    }
+
+    /// The same curve with a knot midway between any two: what it is there is read off the polynomial of the old span, by
+    /// its polar form (Ramshaw, *Blossoming*, 1987).
+    fn refine(&mut self) {
+        let spans: Vec<Polynomial> = (0..self.spans()).map(|span| self.polynomial(span)).collect();
+        let old = core::mem::take(&mut self.knots);
+        self.knots = Knots(&old).halved();
+        let knots = Knots(&self.knots);
+        self.control.clear();
+        for j in 0..knots.spans() + 3 {
+            let span = (j.saturating_sub(1) / 2).min(spans.len() - 1);
+            let [x, y, z] = [1, 2, 3].map(|k| knots.t(j + k) - old[span]);
+            let [c0, c1, c2, c3, ..] = &spans[span].c;
+            self.control.push(core::array::from_fn(|i| {
+                c0[i]
+                    + c1[i] * (x + y + z) / 3.0
+                    + c2[i] * (x * y + x * z + y * z) / 3.0
+                    + c3[i] * x * y * z
+            }));
+        }
     }
 
     /// How many pieces there are.
     pub(crate) fn spans(&self) -> usize {
         self.knots.len() - 1
+    }
+
+    /// Length of the way.
+    pub(crate) const fn total(&self) -> f64 {
+        self.total
     }
 
     pub(crate) fn knot(&self, index: usize) -> f64 {
@@ -125,20 +215,12 @@ impl Fitter {
     /// A piece, and what it serves.
     pub(crate) fn span(&self, span: usize, moves: &[Waiting]) -> (Segment, Polynomial) {
         let (a, b) = (self.knots[span], self.knots[span + 1]);
-        let slack = (b - a) * 1e-6;
-        let (first, last) = (self.place(a + slack).0, self.place(b - slack).0);
-        let mut of = moves[first].segment;
-        for one in &moves[first..=last.min(moves.len() - 1)] {
-            of.feed = of.feed.min(one.segment.feed);
-            of.rapid &= one.segment.rapid;
-        }
-        (of, self.polynomial(span))
+        let way = Way { moves, starts: &self.starts, total: self.total };
+        (serves(&way, a, b), self.polynomial(span))
     }
 
-    /// Knot with the repetition at the ends.
     fn t(&self, index: usize) -> f64 {
-        let at = index.saturating_sub(3).min(self.knots.len() - 1);
-        self.knots[at]
+        Knots(&self.knots).t(index)
     }
 
     fn begin(&mut self, way: &Way, from: &Derivatives, to: &Derivatives) {
@@ -221,29 +303,12 @@ impl Fitter {
         while *span + 2 < self.knots.len() && self.knots[*span + 1] <= u {
             *span += 1;
         }
-        let basis = self.basis(*span, u);
+        let basis = Knots(&self.knots).basis(*span, u, 3);
         let free = 3..self.control.len() - 3;
         let square: f64 =
             (0..4).filter(|j| free.contains(&(*span + j))).map(|j| basis[j] * basis[j]).sum();
         let per_square = if square > 1e-6 { 1.0 / square } else { 0.0 };
         Sample { first: *span, basis, p: way.on(i, u), tolerance, per_square }
-    }
-
-    /// The four functions that are not zero in a span (de Boor, Cox).
-    fn basis(&self, span: usize, u: f64) -> [f64; 4] {
-        let i = span + 3;
-        let mut n = [1.0, 0.0, 0.0, 0.0];
-        for degree in 1..4 {
-            let mut saved = 0.0;
-            for (r, value) in n.iter_mut().enumerate().take(degree) {
-                let (right, left) = (self.t(i + r + 1), self.t(i + 1 + r - degree));
-                let share = *value / (right - left);
-                *value = saved + (right - u) * share;
-                saved = (u - left) * share;
-            }
-            n[degree] = saved;
-        }
-        n
     }
 
     /// Bring samples back until all are near enough, then find the curve that bends least. `false`: some are not;
@@ -357,7 +422,7 @@ impl Fitter {
         let i = span + 3;
         let t = |k: usize| self.t(k);
         let (a, length) = (t(i), t(i + 1) - t(i));
-        let basis = self.basis(span, a);
+        let basis = Knots(&self.knots).basis(span, a, 3);
         let mut c = [[0.0; AXES]; 6];
         let [c0, c1, c2, c3, ..] = &mut c;
         for axis in 0..AXES {
@@ -374,4 +439,16 @@ impl Fitter {
         }
         Polynomial { c, length }
     }
+}
+
+/// What a stretch serves: the slowest of its moves.
+fn serves(way: &Way, a: f64, b: f64) -> Segment {
+    let slack = (b - a) * 1e-6;
+    let (first, last) = (way.index(a + slack), way.index(b - slack));
+    let mut of = way.moves[first].segment;
+    for one in &way.moves[first..=last] {
+        of.feed = of.feed.min(one.segment.feed);
+        of.rapid &= one.segment.rapid;
+    }
+    of
 }

@@ -17,7 +17,8 @@
 use super::bezier::measure;
 use super::bow::{Bow, INNER};
 use super::corner::{Bend, Corner, ROOM};
-use super::{AXES, Curve, Derivatives, Entry, Line, Piece, Point, Polynomial, Shape, fit};
+use super::fastest::Rests;
+use super::{AXES, Curve, Derivatives, Entry, Limits, Line, Piece, Point, Polynomial, Shape, fit};
 use alloc::vec::Vec;
 
 /// A programmed move.
@@ -39,10 +40,12 @@ pub struct Segment {
     pub line: u32,
 }
 
-/// Most moves that are fitted at once.
-const MAX_ZONE: usize = 256;
-/// Of these, so many wait for what comes next.
+/// So many moves are fitted at once, and more where the way they go is shorter than starting and stopping take, up to the most.
+const ZONE: usize = 256;
+const MOST: usize = 2048;
+/// Of these, so many wait for what comes next, and so large a share of the way.
 const KEPT: usize = 64;
+const KEPT_SHARE: f64 = 0.25;
 /// Share of the tolerance that blends use; the rest is for what their distance is not sampled at.
 pub(crate) const SHARE: f64 = 0.97;
 /// The same where it is known exactly.
@@ -65,6 +68,8 @@ pub(crate) struct Waiting {
     pub(crate) end: Derivatives,
     /// The joint with the move before.
     pub(crate) joint: Joint,
+    /// How far it is to its end from where all began.
+    way: f64,
 }
 
 /// How two moves meet.
@@ -123,13 +128,15 @@ pub struct Joiner {
     /// A line that may still be merged with the next one, and how far off its inner points are.
     line: Option<(Segment, f64)>,
     bend: Bend,
+    limits: Limits,
     fitter: fit::Fitter,
 }
 
 impl Joiner {
-    /// Nothing yet, at rest.
-    pub fn new(bend: Bend) -> Self {
-        Self { entry: Some(Entry::Rest), bend, ..Self::default() }
+    /// Nothing yet, at rest; curves suit axes with these limits.
+    pub fn new(limits: &Limits) -> Self {
+        let (entry, bend, limits) = (Some(Entry::Rest), Bend::of(limits), *limits);
+        Self { entry, bend, limits, ..Self::default() }
     }
 
     /// Go on with a move that begins where the last one ended. Pieces that are decided go to `emit`, in order.
@@ -159,7 +166,7 @@ impl Joiner {
             self.decide(&Joint::none(Entry::Rest), emit);
             let last = self.waiting.len() - 1;
             if last > 0 {
-                self.zone(last, self.waiting[last].length(), emit);
+                self.zone(last, self.waiting[last].length(), true, emit);
             } else {
                 self.middle(self.waiting[0].length(), emit);
             }
@@ -187,10 +194,20 @@ impl Joiner {
                 self.meet(joint.entry, emit);
             }
         }
-        self.waiting.push(Waiting { segment: *segment, start, end, joint });
-        if self.waiting.len() > MAX_ZONE {
+        let way = self.waiting.last().map_or(0.0, |last| last.way) + length;
+        self.waiting.push(Waiting { segment: *segment, start, end, joint, way });
+        let (count, gone) = (self.waiting.len(), way - self.waiting[0].way);
+        if count > MOST || count > ZONE && gone > self.runway(segment) {
             self.part(emit);
         }
+    }
+
+    /// How far it takes to start and to stop.
+    fn runway(&self, segment: &Segment) -> f64 {
+        let bounds = if segment.rapid { &self.limits.rapid } else { &self.limits.feed };
+        let least = |limits: &Point| limits.iter().fold(f64::INFINITY, |m: f64, x| m.min(*x));
+        let speed = segment.feed.min(least(&bounds.speed));
+        speed * speed / least(&bounds.accel)
     }
 
     /// The last move's both joints are known: if it is long, what lies before is decided.
@@ -201,7 +218,7 @@ impl Joiner {
             return;
         }
         let begins = if last == 1 { before.reach } else { before.aside(length - after.reach) };
-        self.zone(last, begins, emit);
+        self.zone(last, begins, false, emit);
         self.waiting.drain(..last);
         self.begun = begins;
         self.at = None;
@@ -212,7 +229,7 @@ impl Joiner {
         let last = self.waiting.len() - 1;
         let length = self.waiting[last].length();
         if last > 0 {
-            self.zone(last, length, emit);
+            self.zone(last, length, entry == Entry::Rest, emit);
         } else {
             self.middle(length, emit);
         }
@@ -242,8 +259,8 @@ impl Joiner {
         emit(Piece { curve: *curve, begin, length, feed, rapid, entry, op, line });
     }
 
-    /// From the first move to so far into move `last`.
-    fn zone(&mut self, last: usize, end: f64, emit: &mut impl FnMut(Piece)) {
+    /// From the first move to so far into move `last`, to rest there or not.
+    fn zone(&mut self, last: usize, end: f64, rest: bool, emit: &mut impl FnMut(Piece)) {
         let length = self.waiting[0].length();
         let joint = self.waiting[1].joint;
         let reach = joint.reach;
@@ -261,7 +278,9 @@ impl Joiner {
         }
         let from = self.at.unwrap_or_else(|| self.waiting[0].segment.curve.at(self.begun));
         let to = self.waiting[last].segment.curve.at(end);
-        self.fitter.fit(&self.waiting[..=last], self.begun, end, &from, &to);
+        let rests = Rests { begin: self.entry == Some(Entry::Rest), end: rest };
+        let limits = (&self.limits, rests);
+        self.fitter.fit(&self.waiting[..=last], self.begun, end, &from, &to, limits);
         for span in 0..self.fitter.spans() {
             let (of, curve) = self.fitter.span(span, &self.waiting);
             self.hand_on(&of, &Curve::Polynomial(curve), (0.0, curve.length), emit);
@@ -310,8 +329,11 @@ impl Joiner {
         let from = self.at.unwrap_or_else(|| self.waiting[0].segment.curve.at(self.begun));
         let end = self.waiting[last].length();
         let to = self.waiting[last].end;
-        self.fitter.fit(&self.waiting[..=last], self.begun, end, &from, &to);
+        let rests = Rests { begin: self.entry == Some(Entry::Rest), end: false };
+        let limits = (&self.limits, rests);
+        self.fitter.fit(&self.waiting[..=last], self.begun, end, &from, &to, limits);
         let keep = self.fitter.start_of(last + 1 - KEPT.min(last));
+        let keep = keep.min((1.0 - KEPT_SHARE) * self.fitter.total());
         let mut count = 0;
         while count < self.fitter.spans() && self.fitter.knot(count + 1) < keep {
             count += 1;

@@ -17,20 +17,23 @@
 //! ```
 
 mod arc;
+mod banded;
 mod bezier;
 mod bow;
 mod corner;
+mod fastest;
 mod fit;
 mod join;
 mod knots;
 mod line;
+mod load;
 mod piece;
 mod polynomial;
+mod spline;
 mod tube;
 
 pub use arc::Arc;
 pub use bezier::Bezier;
-pub use corner::Bend;
 pub use join::{Joiner, Segment};
 pub use line::Line;
 pub use piece::{Bounds, Curve, Entry, Limits, Piece};

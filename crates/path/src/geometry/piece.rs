@@ -88,8 +88,23 @@ pub struct Bounds {
     pub jerk: [f64; AXES],
 }
 
+impl Bounds {
+    /// Whether any axis has a limit of jerk.
+    pub(crate) fn has_jerk(&self) -> bool {
+        self.jerk.iter().any(|jerk| jerk.is_finite())
+    }
+}
+
+impl Default for Bounds {
+    /// No limits.
+    fn default() -> Self {
+        let none = [f64::INFINITY; AXES];
+        Self { speed: none, accel: none, jerk: none }
+    }
+}
+
 /// What the axes can do while cutting and in rapids.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Limits {
     /// While cutting.
     pub feed: Bounds,

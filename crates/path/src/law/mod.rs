@@ -29,6 +29,7 @@ mod smooth;
 use crate::{AXES, Bounds, Derivatives, Limits, Piece};
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
+pub(crate) use cell::TOP_SPEED;
 use cell::{Cell, Demand, Sampler, Start};
 pub use phase::{Phase, Timed};
 pub use refusal::Refusal;
