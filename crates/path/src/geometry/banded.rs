@@ -28,6 +28,11 @@ impl Banded {
         self.rows[i * self.width + j - i] += x;
     }
 
+    /// A row, from the diagonal on.
+    pub(crate) fn row(&mut self, i: usize) -> &mut [f64] {
+        &mut self.rows[i * self.width..(i + 1) * self.width]
+    }
+
     /// Add f·b·bᵀ, where b has these elements, in order.
     pub(crate) fn rank_one(&mut self, indices: &[usize], b: &[f64], f: f64) {
         for (k, (i, x)) in indices.iter().zip(b).enumerate() {

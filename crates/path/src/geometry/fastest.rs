@@ -29,12 +29,12 @@ use crate::law::TOP_SPEED;
 use alloc::vec::Vec;
 
 /// μ: at first, at last, and from one to the next.
-const FIRST: f64 = 0.3;
+const FIRST: f64 = 0.1;
 const LAST: f64 = 0.01;
-const CUT: f64 = 0.3;
+const CUT: f64 = 0.1;
 /// Steps with one μ at most; fewer when they gain less than this share of it.
 const STEPS: usize = 8;
-const GAIN: f64 = 1e-3;
+const GAIN: f64 = 1e-2;
 /// How often a step is halved at most, and the share of its promise that it must keep.
 const HALVINGS: usize = 12;
 const KEPT: f64 = 0.1;
@@ -264,7 +264,7 @@ impl<const N: usize> Fastest<N> {
         for (place, weight) in places.iter().zip(&self.times) {
             let at = At::of(place, &self.control, &self.beta);
             let b = at.b[0];
-            let mut room = and(1.0, 1.0 - at.feed(place) * b);
+            let mut room = if place.middle { and(1.0, 1.0 - at.feed(place) * b) } else { 1.0 };
             loads.each(place, &at, |_, load| room = and(room, 1.0 - load.value * load.value));
             if room.is_nan() || b <= 0.0 {
                 return f64::INFINITY;
@@ -301,7 +301,9 @@ impl<const N: usize> Fastest<N> {
             for (i, by) in speeds.iter().zip(&place.rows.square[0]) {
                 gradient[*i] -= 0.5 * place.weight / (b * root) * by;
             }
-            pace(matrix, gradient, place, &at, (at.feed(place), weight));
+            if place.middle {
+                pace(matrix, gradient, place, &at, (at.feed(place), weight));
+            }
             loads.each(place, &at, |axis, load| {
                 push::<N>(matrix, gradient, (place, axis), load, weight);
             });
@@ -316,20 +318,17 @@ impl<const N: usize> Fastest<N> {
                 let second = (12.0 * r * r + 4.0 * r * r * r * r * r * r) / (left * left);
                 let weight = 4.0 * second * mu * held.time / (held.square * held.square);
                 for (j, n) in held.basis.iter().enumerate() {
-                    let row = (held.first + j) * block + 3 * group;
-                    for (i, d) in d.iter().enumerate() {
-                        gradient[row + i] += first * n * d;
-                    }
-                    for (k, m) in held.basis.iter().enumerate().skip(j) {
-                        let column = (held.first + k) * block + 3 * group;
-                        for i in 0..d.len() {
-                            for l in if k == j { i } else { 0 }..d.len() {
-                                let own = if i == l { first } else { 0.0 };
-                                matrix.add(
-                                    row + i,
-                                    column + l,
-                                    n * m * (own + weight * d[i] * d[l]),
-                                );
+                    let first_row = (held.first + j) * block + 3 * group;
+                    for (i, d_i) in d.iter().enumerate() {
+                        gradient[first_row + i] += first * n * d_i;
+                        let row = matrix.row(first_row + i);
+                        for (k, m) in held.basis[j..].iter().enumerate() {
+                            let share = n * m;
+                            let from = if k == 0 { i } else { 0 };
+                            row[k * block] += share * first;
+                            let to = &mut row[k * block + from - i..];
+                            for (to, d_l) in to.iter_mut().zip(&d[from..]) {
+                                *to += share * weight * d_i * d_l;
                             }
                         }
                     }

@@ -23,7 +23,7 @@ use super::knots::{self, Way};
 use super::load::Place;
 use super::spline::Knots;
 use super::tube::Tube;
-use super::{AXES, Derivatives, Limits, Point, Polynomial};
+use super::{AXES, Curve, Derivatives, Limits, Point, Polynomial};
 use alloc::vec::Vec;
 
 /// Share of the tolerance that samples keep: between them there is a little more.
@@ -38,6 +38,8 @@ const BACK: usize = 32;
 const HALVINGS: usize = 12;
 /// Control points that a curve has at least if it is worth looking for a faster one: some of them must be free.
 const FEWEST: usize = 8;
+/// How much sharper its sharpest bend may be.
+const SHARPER: f64 = 8.0;
 
 /// A place where the distance is looked at.
 #[derive(Clone, Copy, Debug)]
@@ -116,7 +118,9 @@ impl Fitter {
 
     /// From the curve that bends least to the fastest one, where the first does not let the feed be reached.
     fn quicken(&mut self, way: &Way, limits: &Limits, rests: Rests) {
-        if self.axes == 0 || self.control.len() < FEWEST {
+        // a programmed spline may end in a bend of a thousandth of a millimetre, which fixes the curve's knots there
+        let spline = |one: &Waiting| matches!(one.segment.curve, Curve::Bezier(_));
+        if self.axes == 0 || self.control.len() < FEWEST || way.moves.iter().any(spline) {
             return;
         }
         self.look_at_limits(way);
@@ -129,10 +133,12 @@ impl Fitter {
         if at_feed {
             return;
         }
+        let sharpest = self.sharpest();
         self.kept.0.clone_from(&self.knots);
         self.kept.1.clone_from(&self.control);
         self.refine();
         self.sample(way);
+        self.twist();
         self.look_at_limits(way);
         let (linear, all) = (&mut self.fastest_linear, &mut self.fastest_of_all);
         let (control, places, samples) = (&mut self.control, &self.places, &self.samples);
@@ -143,10 +149,21 @@ impl Fitter {
         };
         let near =
             |sample: &Sample| distance(&self.at(sample), &sample.p) <= sample.tolerance * BETWEEN;
-        if !(found && self.samples.iter().all(near) && self.keeps_between()) {
+        // where it is slow a bend is free: none is to become so sharp that the law's cells would miss it
+        let bends = self.sharpest() <= SHARPER * sharpest;
+        if !(found && bends && self.samples.iter().all(near) && self.keeps_between()) {
             core::mem::swap(&mut self.kept.0, &mut self.knots);
             core::mem::swap(&mut self.kept.1, &mut self.control);
         }
+    }
+
+    /// Sharpest bend at a knot.
+    fn sharpest(&self) -> f64 {
+        let bend = |(knot, (shares, _)): (usize, &([f64; 3], f64))| {
+            let of = |i: usize| (0..3).map(|n| shares[n] * self.control[knot + n][i]).sum::<f64>();
+            (0..self.axes).map(|i| of(i).abs()).fold(0.0, f64::max)
+        };
+        self.bends.iter().enumerate().map(bend).fold(0.0, f64::max)
     }
 
     /// Places where speed, acceleration and jerk are looked at: both ends and the middle of each span.
@@ -160,8 +177,8 @@ impl Fitter {
             // Simpson's rule
             for (share, weight) in [(0.0, 1.0), (0.5, 4.0), (1.0, 1.0)] {
                 let (rows, weight) = (knots.rows(span, from + share * h), weight * h / 6.0);
-                let again = share == 1.0 && !last;
-                self.places.push(Place { span, rows, weight, feed, rapid, again });
+                let (again, middle) = (share == 1.0 && !last, share == 0.5);
+                self.places.push(Place { span, rows, weight, feed, rapid, again, middle });
             }
         }
     }

@@ -21,6 +21,8 @@ pub(crate) struct Place {
     pub(crate) rapid: bool,
     /// The acceleration goes on here from a place that has it already.
     pub(crate) again: bool,
+    /// In the middle of a span: here the feed is kept.
+    pub(crate) middle: bool,
 }
 
 impl Place {

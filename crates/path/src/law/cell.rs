@@ -17,10 +17,10 @@ pub(crate) const TOP_SPEED: f64 = 1e7;
 /// How far the tangent may turn within a cell, as a share of its length.
 const TURN_PER_CELL: f64 = 0.12;
 
-/// How far the share of the acceleration that the bend takes may change within a cell: without a limit of jerk s̈ is the same all
-/// along it, with one it changes.
-const LOAD_PER_CELL: f64 = 0.04;
-const LOAD_PER_JERKY_CELL: f64 = 0.15;
+/// How far the share of the acceleration that the bend takes may change within a cell.
+const LOAD_PER_CELL: f64 = 0.15;
+/// The same on blends and fitted curves without a limit of jerk: bends change much there, and s̈ does not within a cell.
+const LOAD_PER_BLEND: f64 = 0.04;
 
 /// By how much, as a share of its limit, an axis' acceleration may be higher between the places of a cell than at them.
 const BETWEEN: f64 = 0.005;
@@ -347,7 +347,8 @@ fn cells_for_looks<const N: usize>(piece: &Piece, from: f64, length: f64, bounds
         }
     }
     let least = if piece.entry == Entry::Rest { 2.0 } else { 1.0 };
-    let load = if bounds.has_jerk() { LOAD_PER_JERKY_CELL } else { LOAD_PER_CELL };
+    let blend = matches!(piece.curve, crate::Curve::Polynomial(_)) && !bounds.has_jerk();
+    let load = if blend { LOAD_PER_BLEND } else { LOAD_PER_CELL };
     let count = (turn / TURN_PER_CELL).max(change.max(twist) / load);
     libm::ceil(count.max(cells_for_sag(&all, bounds))).clamp(least, 1e15) as u64
 }
