@@ -43,16 +43,6 @@ impl Banded {
         }
     }
 
-    /// An unknown that is given: zero.
-    pub(crate) fn fix(&mut self, i: usize) {
-        let row = &mut self.rows[i * self.width..(i + 1) * self.width];
-        row.fill(0.0);
-        row[0] = 1.0;
-        for back in 1..self.width.min(i + 1) {
-            self.rows[(i - back) * self.width + back] = 0.0;
-        }
-    }
-
     /// The same where b's elements follow each other.
     pub(crate) fn rank_one_of_all(&mut self, first: usize, b: &[f64], f: f64) {
         for (k, x) in b.iter().enumerate().filter(|(_, x)| **x != 0.0) {
@@ -60,6 +50,16 @@ impl Banded {
             for (to, y) in row.iter_mut().zip(&b[k..]) {
                 *to += f * x * y;
             }
+        }
+    }
+
+    /// An unknown that is given: zero.
+    pub(crate) fn fix(&mut self, i: usize) {
+        let row = &mut self.rows[i * self.width..(i + 1) * self.width];
+        row.fill(0.0);
+        row[0] = 1.0;
+        for back in 1..self.width.min(i + 1) {
+            self.rows[(i - back) * self.width + back] = 0.0;
         }
     }
 

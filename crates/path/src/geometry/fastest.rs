@@ -18,9 +18,9 @@
 //! ```
 //!
 //! with the eighth power in place of the square where x is how far the curve is off: to be near the programmed path is worth
-//! nothing within the tolerance, and what is straight should not bend for it. x is a product of shape and speed, so this is not convex: the method begins at the curve that bends least and takes
-//! Gauss's steps, which only count x's own first derivatives, no farther than the goal falls. The speeds found serve to find
-//! the shape alone; `law` plans the time along it.
+//! nothing within the tolerance, and what is straight should not bend for it. x is a product of shape and speed, so this is
+//! not convex: the method begins at the curve that bends least and takes Gauss's steps, which only count x's own first
+//! derivatives, no farther than the goal falls. The speeds found serve to find the shape alone; `law` plans the time along it.
 use super::banded::Banded;
 use super::fit::Sample;
 use super::load::{At, Load, Loads, Place, SAY, SAY_B};
