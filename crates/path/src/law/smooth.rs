@@ -14,11 +14,13 @@
 //! v it can be at most at w = v^{3/2} + 2.12·√J·Δs later, since from rest s = J·t³/6 and ṡ = J·t²/2; farther apart where a
 //! speed is held (`level`). At rest the first cell is that motion itself: b ~ s^{4/3}, whose tangent at its end, d, meets zero
 //! at d/4: seen from the next cell it is a cell of width 3d/2 with the value 0.
+mod bounds;
+
 use super::State;
 use super::cell::{Cell, Demand, Rows};
-use super::fine::{Fine, JERK_SHARE, each, growth, jerk_along};
+use super::fine::{Fine, JERK_SHARE, growth, jerk_along};
 use super::guess::Guess;
-use super::interior::{Chain, Pair};
+use super::interior::Chain;
 use super::level::{Level, levels};
 use super::runs::{Run, runs};
 use alloc::vec::Vec;
@@ -50,7 +52,8 @@ pub(super) struct Smooth {
     width: Vec<f64>,
     /// What is left of the plan before, from where this window begins.
     pub(super) old: Vec<Fine>,
-    /// Where the search begins.
+    /// Largest ṡ² of each cell of the grid, and where the search begins.
+    most: Vec<f64>,
     first: Vec<f64>,
     guess: Guess,
     spare: Vec<f64>,
@@ -286,21 +289,21 @@ impl Smooth {
         at_rest(m - 1, m - 2, n - 1);
         self.guess(cells);
         self.begin(shift, 1.0);
-        self.bound_accelerations(cells, shift);
-        self.bound_jerks(cells, shift);
+        self.bound(cells, shift);
         self.calm(shift, enough);
     }
 
     /// Where the search begins.
     fn guess(&mut self, cells: &[&Cell]) {
-        self.first.clear();
+        self.most.clear();
         let mut fines = self.grid.iter().peekable();
         for run in &self.runs {
             while let Some(fine) = fines.next_if(|fine| fine.cell == run.cells[0]) {
                 let w = self.w_at(cells, run, fine.from + fine.h / 2.0);
-                self.first.push(w * libm::cbrt(w));
+                self.most.push(w * libm::cbrt(w));
             }
         }
+        self.first.clone_from(&self.most);
         self.guess.below(&mut self.first);
     }
 
@@ -345,104 +348,6 @@ impl Smooth {
         self.old.extend(
             self.grid[first..].iter().map(|fine| Fine { cell: fine.cell - commit, ..*fine }),
         );
-    }
-
-    fn bound_accelerations(&mut self, cells: &[&Cell], shift: usize) {
-        let n = self.grid.len();
-        for k in 1..n {
-            let i = k + shift; // the knot lies between unknowns i−1 and i
-            if i < self.chain.given[0] {
-                continue;
-            }
-            let (left, right) = (&self.grid[k - 1], &self.grid[k]);
-            let both = self.width[i - 1] + self.width[i];
-            let b = [self.width[i] / both, self.width[i - 1] / both];
-            let a = [-1.0 / both, 1.0 / both];
-            // three unknowns from where there are three
-            let at = (i - 1).min(self.chain.c.len() - 3);
-            let place = |p: f64, q: f64| if at == i - 1 { [p, q, 0.0] } else { [0.0, p, q] };
-            let mut add = |a1: f64, a2: f64| {
-                let g = [a1 * a[0] + a2 * b[0], a1 * a[1] + a2 * b[1]];
-                self.chain.pairs.push(Pair::new(at, place(g[0], g[1]), 0.0));
-            };
-            let joint = left.cell != right.cell;
-            // what is between two knots counts at both
-            let share = left.accel_share.min(right.accel_share);
-            let level = |cell: &Cell| match &cell.demand {
-                Demand::Line { accel, .. } => 1.0 / (share * accel),
-                Demand::Curve(_) => 0.0,
-            };
-            let straight = level(cells[left.cell]).max(level(cells[right.cell]));
-            if straight > 0.0 {
-                add(straight, 0.0);
-            }
-            if let Demand::Curve(rows) = &cells[right.cell].demand {
-                let x = right.from / cells[right.cell].h;
-                each(rows, x, |r| add(r.a1 / share, r.a2 / share));
-            }
-            if joint
-                && cells[left.cell].piece != cells[right.cell].piece
-                && let Demand::Curve(rows) = &cells[left.cell].demand
-            {
-                each(rows, 1.0, |r| add(r.a1 / share, r.a2 / share));
-            }
-            if joint {
-                let caps = [cells[left.cell].cap, cells[right.cell].cap];
-                let own = match cells[right.cell].start {
-                    super::Start::On(cap) => cap,
-                    super::Start::Rest => 0.0,
-                };
-                let cap = caps[0].min(caps[1]).min(own);
-                if cap < caps[0].max(caps[1]) {
-                    self.chain.pairs.push(Pair::new(at, place(b[0] / cap, b[1] / cap), 0.0));
-                }
-            }
-        }
-    }
-
-    fn bound_jerks(&mut self, cells: &[&Cell], shift: usize) {
-        let n = self.grid.len();
-        let count = self.chain.c.len();
-        for k in 0..n {
-            let i = k + shift;
-            if i == 0 || i == count - 1 || (i < self.chain.given[0] && shift == 0) {
-                continue;
-            }
-            let fine = &self.grid[k];
-            let cell = cells[fine.cell];
-            let (h0, h, h1) = (self.width[i - 1], self.width[i], self.width[i + 1]);
-            let (p, q) = (1.0 / (h0 + h), 1.0 / (h + h1));
-            // a and b at both ends, u between them
-            let a0 = [-p, p, 0.0];
-            let a1 = [0.0, -q, q];
-            let u = [p / h, -(p + q) / h, q / h];
-            let mean: [f64; 3] = core::array::from_fn(|k| f64::midpoint(a0[k], a1[k]));
-            let scale = 1.0 / libm::sqrt(1.0 / (0.01 + self.chain.c[i] / 0.3));
-            let scale = if scale > 0.0 { scale } else { 1.0 };
-            let (b0, b1) = ([h * p, h0 * p, 0.0], [0.0, h1 * q, h * q]);
-            let mut add = |j: [f64; 3], a: [f64; 3], b: [f64; 3]| {
-                let sum = |k: usize| j[0] * u[k] + 3.0 * j[1] * a[k] + j[2] * b[k];
-                let g = core::array::from_fn(|k| scale * sum(k) / fine.share);
-                self.chain.pairs.push(Pair::new(i - 1, g, scale));
-            };
-            match &cell.demand {
-                Demand::Line { jerk, .. } => {
-                    if jerk.is_finite() {
-                        add([1.0 / jerk, 0.0, 0.0], mean, [0.0, 1.0, 0.0]);
-                    }
-                }
-                Demand::Curve(rows) => {
-                    let ends = [(fine.from, a0, b0), (fine.from + fine.h, a1, b1)];
-                    for (x, a, b) in ends {
-                        each(rows, x / cell.h, |r| {
-                            if r.j1 != 0.0 || r.j2 != 0.0 || r.j3 != 0.0 {
-                                add([r.j1, r.j2, r.j3], a, b);
-                            }
-                        });
-                    }
-                }
-            }
-        }
     }
 
     /// Motion at the knots.
