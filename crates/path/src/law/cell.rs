@@ -20,7 +20,10 @@ const TURN_PER_CELL: f64 = 0.12;
 /// How far the share of the acceleration that the bend takes may change within a cell.
 const LOAD_PER_CELL: f64 = 0.15;
 /// The same on blends and fitted curves without a limit of jerk: bends change much there, and s̈ does not within a cell.
-const LOAD_PER_BLEND: f64 = 0.04;
+const LOAD_PER_BLEND: f64 = 0.02;
+
+/// So many cells are fine enough for one period, as fast as the bend allows: the control does a number of them at once.
+const CELLS_PER_PERIOD: f64 = 64.0;
 
 /// By how much, as a share of its limit, an axis' acceleration may be higher between the places of a cell than at them.
 const BETWEEN: f64 = 0.005;
@@ -156,6 +159,8 @@ pub(crate) struct Sampler {
     next: u64,
     more: Vec<Even>,
     last: Derivatives,
+    /// Servo period, s.
+    period: f64,
 }
 
 /// A stretch with cells of one length.
@@ -167,12 +172,12 @@ struct Even {
 }
 
 impl Even {
-    /// Of a piece: its cells.
-    fn of(piece: &Piece, from: f64, to: f64, bounds: &Bounds) -> Self {
+    /// Of a piece: its cells, for a servo period.
+    fn of(piece: &Piece, from: f64, to: f64, bounds: (&Bounds, f64)) -> Self {
         Self { from, to, count: cells_for(piece, from, to, bounds) }
     }
 
-    fn halves(&self, piece: &Piece, bounds: &Bounds) -> [Self; 2] {
+    fn halves(&self, piece: &Piece, bounds: (&Bounds, f64)) -> [Self; 2] {
         let middle = f64::midpoint(self.from, self.to);
         [Self::of(piece, self.from, middle, bounds), Self::of(piece, middle, self.to, bounds)]
     }
@@ -196,7 +201,7 @@ impl Sampler {
                 bend_cap(before, &last, bounds(piece, limits), period)
             }
         };
-        let even = Even::of(piece, from, length, bounds(piece, limits));
+        let even = Even::of(piece, from, length, (bounds(piece, limits), period));
         let mut sampler = Self {
             piece: *piece,
             number,
@@ -207,6 +212,7 @@ impl Sampler {
             next: 0,
             more: Vec::new(),
             last,
+            period,
         };
         // a spline may bend sharply in a small part of it
         if matches!(piece.curve, crate::Curve::Bezier(_)) {
@@ -219,7 +225,7 @@ impl Sampler {
     /// Go on with the next stretch, if there is one.
     fn go_on(&mut self, limits: &Limits) -> bool {
         let Some(mut even) = self.more.pop() else { return false };
-        let bounds = bounds(&self.piece, limits);
+        let bounds = (bounds(&self.piece, limits), self.period);
         while even.count > MANY && even.to - even.from >= 2.0 * SHORTEST_STRETCH {
             let [first, second] = even.halves(&self.piece, bounds);
             self.more.push(second);
@@ -302,7 +308,7 @@ const SHORTEST_STRETCH: f64 = 1e-5;
 const LOOKS: usize = 9;
 
 /// How many cells keep the tangent's turn, and the change of the share of the acceleration that the bend takes, small.
-fn cells_for(piece: &Piece, from: f64, length: f64, bounds: &Bounds) -> u64 {
+fn cells_for(piece: &Piece, from: f64, length: f64, bounds: (&Bounds, f64)) -> u64 {
     if is_line(piece) {
         return u64::from(length > from);
     }
@@ -315,17 +321,23 @@ fn cells_for(piece: &Piece, from: f64, length: f64, bounds: &Bounds) -> u64 {
     }
 }
 
-fn cells_for_looks<const N: usize>(piece: &Piece, from: f64, length: f64, bounds: &Bounds) -> u64 {
+fn cells_for_looks<const N: usize>(
+    piece: &Piece,
+    from: f64,
+    length: f64,
+    (bounds, period): (&Bounds, f64),
+) -> u64 {
     let look = |k: usize| piece.at(from + (length - from) * k as f64 / (N - 1) as f64);
     let all: [Derivatives; N] = core::array::from_fn(look);
     // as fast as the feed, and the bend where it is least, allow
     let cap = |d: &Derivatives| speed_cap(d, bounds, feed(piece, d));
     let cap = all.iter().map(cap).fold(f64::INFINITY, f64::min);
-    let (mut turn, mut change, mut twist) = (0.0_f64, 0.0_f64, 0.0_f64);
+    let (mut turn, mut change, mut twist, mut slowest) = (0.0_f64, 0.0_f64, 0.0_f64, cap);
     let slope = all.iter().flat_map(|d| d.q1).fold(0.0, |m: f64, x| m.max(x.abs()));
     for k in 0..AXES {
         let bend = all.iter().fold(0.0, |m: f64, d| m.max(d.q2[k].abs()));
         let fastest = cap.min(bounds.accel[k] / bend);
+        slowest = slowest.min(fastest);
         let (mut turned, mut changed, mut twisted) = (0.0, 0.0, 0.0);
         for pair in all.windows(2) {
             turned += (pair[1].q1[k] - pair[0].q1[k]).abs();
@@ -348,8 +360,11 @@ fn cells_for_looks<const N: usize>(piece: &Piece, from: f64, length: f64, bounds
     }
     let least = if piece.entry == Entry::Rest { 2.0 } else { 1.0 };
     let blend = matches!(piece.curve, crate::Curve::Polynomial(_)) && !bounds.has_jerk();
-    let load = if blend { LOAD_PER_BLEND } else { LOAD_PER_CELL };
-    let count = (turn / TURN_PER_CELL).max(change.max(twist) / load);
+    let mut count = (turn / TURN_PER_CELL).max(change.max(twist) / LOAD_PER_CELL);
+    if blend {
+        let periods = (length - from) / (libm::sqrt(slowest) * period);
+        count = count.max((change / LOAD_PER_BLEND).min(periods * CELLS_PER_PERIOD));
+    }
     libm::ceil(count.max(cells_for_sag(&all, bounds))).clamp(least, 1e15) as u64
 }
 
