@@ -23,17 +23,14 @@
 //! derivatives, no farther than the goal falls. The speeds found serve to find the shape alone; `law` plans the time along it.
 use super::banded::Banded;
 use super::fit::Sample;
-use super::load::{At, Load, Loads, Place, SAY, SAY_B};
-use super::{AXES, Limits, Point};
+use super::gathered::Gathered;
+use super::load::{At, Loads, Place, SAY, SAY_B, mix};
+use super::spline::{Halved, Knots};
+use super::{Limits, Point};
 use crate::law::TOP_SPEED;
 use alloc::vec::Vec;
 
-/// μ: at first, at last, and from one to the next.
-const FIRST: f64 = 0.1;
-const LAST: f64 = 0.01;
-const CUT: f64 = 0.1;
-/// Steps with one μ at most; fewer when they gain less than this share of it.
-const STEPS: usize = 8;
+/// Steps are enough when they gain less than this share of μ.
 const GAIN: f64 = 1e-2;
 /// How often a step is halved at most, and the share of its promise that it must keep.
 const HALVINGS: usize = 12;
@@ -42,7 +39,7 @@ const KEPT: f64 = 0.1;
 const NEAR: f64 = 0.988;
 const ROOM: f64 = 0.003;
 /// Samples of a span that count, as a rule, and how far off others must be to count too, over the tolerance.
-const SAMPLES: u32 = 8;
+const SAMPLES: usize = 8;
 const FAR: f64 = 0.6;
 /// Share of the limits to begin with, and how often that is lowered, to what share of it.
 const BEGIN: f64 = 0.5;
@@ -52,12 +49,36 @@ const LOWER: f64 = 0.8;
 const REGULAR: f64 = 1e-9;
 /// Control points at each end that are given.
 const GIVEN: usize = 3;
+/// Places of a span, and the shares of its time that those at its ends and the one in its middle stand for (Simpson's rule).
+const PLACES: usize = 3;
+const END: f64 = 1.0 / 6.0;
+const MIDDLE: f64 = 4.0 / 6.0;
 
 /// Whether the path is at rest at its beginning and end.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Rests {
     pub(crate) begin: bool,
     pub(crate) end: bool,
+}
+
+/// A part of the search: μ, and how many steps there are at most.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stage {
+    mu: f64,
+    steps: usize,
+}
+
+const FIRST: Stage = Stage { mu: 0.05, steps: 10 };
+const SECOND: Stage = Stage { mu: 0.02, steps: 8 };
+const LAST: Stage = Stage { mu: 0.005, steps: 6 };
+
+impl Stage {
+    /// The first of them, and the finer ones, with twice the knots from one to the next: what has a jerk needs more of them, as q‴ does not change
+    /// from one knot to the next.
+    pub(crate) fn all(limits: &Limits) -> (Self, &'static [Self]) {
+        let jerky = [&limits.feed, &limits.rapid].iter().any(|bounds| bounds.has_jerk());
+        (FIRST, if jerky { &[SECOND, LAST] } else { &[LAST] })
+    }
 }
 
 /// A sample of the tolerance.
@@ -68,45 +89,38 @@ struct Held<const N: usize> {
     p: [f64; N],
     /// Square of how far the curve may be off.
     square: f64,
-    /// Time it stands for.
-    time: f64,
 }
 
 impl<const N: usize> Held<N> {
     fn apart(&self, control: &[[f64; N]]) -> [f64; N] {
-        let mut d = self.p.map(|p| -p);
-        for (n, p) in self.basis.iter().zip(&control[self.first..]) {
+        let mut q = [0.0; N];
+        for (n, p) in self.basis.iter().zip(&control[self.first..self.first + SAY]) {
             for i in 0..N {
-                d[i] += n * p[i];
+                q[i] += n * p[i];
             }
         }
-        d
+        (0..N).for_each(|i| q[i] -= self.p[i]);
+        q
     }
 }
 
-/// Memory of the method, for N axes.
+/// Memory of the method, for N axes; B = N + 1 unknowns belong together, a control point and one β.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Fastest<const N: usize> {
+pub(crate) struct Fastest<const N: usize, const B: usize> {
     held: Vec<Held<N>>,
     control: Vec<[f64; N]>,
     beta: Vec<f64>,
     /// Where the step began.
     control_before: Vec<[f64; N]>,
     beta_before: Vec<f64>,
-    /// Time that a place stands for.
-    times: Vec<f64>,
-    spans: Vec<(f64, u32)>,
-    matrix: Banded,
-    gradient: Vec<f64>,
-    step: Vec<f64>,
+    /// By span: time that it takes, and how many of the samples are in it.
+    spans: Vec<(f64, usize)>,
+    matrix: Banded<B>,
+    gradient: Vec<[f64; B]>,
+    step: Vec<[f64; B]>,
 }
 
-/// Unknowns that belong together: a control point, and one β.
-const fn block(axes: usize) -> usize {
-    axes + 1
-}
-
-impl<const N: usize> Fastest<N> {
+impl<const N: usize, const B: usize> Fastest<N, B> {
     /// Whether the curve as it is lets the feed be reached all along it: then there is nothing to gain.
     pub(crate) fn is_at_feed(
         &mut self,
@@ -125,40 +139,53 @@ impl<const N: usize> Fastest<N> {
         })
     }
 
-    /// Move the control points to where the curve is fastest; `false`: they are as they were.
+    /// Move the control points to where the curve is fastest; `false`: they are as they were. `halved`: the stage before
+    /// ended where this one begins, with these knots, and there are more of them now.
     pub(crate) fn find(
         &mut self,
         control: &mut [Point],
         places: &[Place],
         samples: &[Sample],
         (limits, rests): (&Limits, Rests),
+        (stage, halved): (Stage, Option<(Knots, &Halved)>),
     ) -> bool {
         let loads = Loads::of(limits);
         self.take(control);
         self.hold(samples);
-        if !self.start(places, &loads, rests) {
+        match halved {
+            Some((old, halved)) => self.halve(old, halved),
+            None => self.start(places, &loads, rests),
+        }
+        let mu = stage.mu;
+        if !self.lower(places, &loads, mu) {
             return false;
         }
-        let mut mu = FIRST;
-        loop {
-            for _ in 0..STEPS {
-                let time = self.weigh(places);
-                let now = self.goal(places, &loads, mu);
-                self.derive(places, &loads, mu);
-                let slope = self.solve(rests);
-                if -slope < GAIN * mu * time || !self.go(places, &loads, (now, slope, mu)) {
-                    break;
-                }
-            }
-            if mu <= LAST {
+        for _ in 0..stage.steps {
+            let time = self.weigh(places);
+            let now = self.goal::<true>(places, &loads, mu);
+            let slope = self.solve(rests);
+            if -slope < GAIN * mu * time || !self.go(places, &loads, (now, slope, mu)) {
                 break;
             }
-            mu = (mu * CUT).max(LAST);
         }
         for (wide, place) in control.iter_mut().zip(&self.control) {
             wide[..N].copy_from_slice(place);
         }
         true
+    }
+
+    /// The same speeds with more knots between the old ones.
+    fn halve(&mut self, old: Knots, halved: &Halved) {
+        let spans = (0..old.spans()).map(|span| {
+            let rows = old.rows(span, old.0[span]).square;
+            rows.map(|row| mix(&row, &self.beta[span..]))
+        });
+        let spans: Vec<[f64; SAY_B]> = spans.collect();
+        self.beta.clear();
+        self.beta.extend(halved.control(|span, u: [f64; 2]| {
+            let ([x, y], [c0, c1, c2]) = (u.map(|u| u - old.0[span]), spans[span]);
+            c0 + c1 * (x + y) / 2.0 + c2 / 2.0 * x * y
+        }));
     }
 
     fn take(&mut self, control: &[Point]) {
@@ -168,31 +195,33 @@ impl<const N: usize> Fastest<N> {
 
     fn hold(&mut self, samples: &[Sample]) {
         self.held.clear();
-        self.spans.clear();
-        self.spans.resize(self.control.len() - GIVEN, (0.0, 0));
+        let mut counts = alloc::vec![0_usize; self.control.len() - GIVEN];
         for sample in samples {
-            self.spans[sample.first].1 += 1;
+            counts[sample.first] += 1;
         }
+        self.spans.clear();
+        self.spans.resize(counts.len(), (0.0, 0));
         for (index, sample) in samples.iter().enumerate().filter(|(_, s)| s.per_square > 0.0) {
             let Sample { first, basis, tolerance, .. } = *sample;
             let p = core::array::from_fn(|i| sample.p[i]);
-            let mut held = Held { first, basis, p, square: 1.0, time: 0.0 };
+            let mut held = Held { first, basis, p, square: 1.0 };
             let off = held.apart(&self.control);
             let off = off.chunks(3).map(|d| d.iter().map(|d| d * d).sum()).fold(0.0, f64::max);
             let share = libm::sqrt(off) / tolerance;
             // where there are many, some stand for all
-            let each = self.spans[first].1.div_ceil(SAMPLES) as usize;
+            let each = counts[first].div_ceil(SAMPLES);
             if share < FAR && !index.is_multiple_of(each) {
                 continue;
             }
             let near = tolerance * NEAR.max(share + ROOM);
             held.square = near * near;
+            self.spans[first].1 += 1;
             self.held.push(held);
         }
     }
 
     /// Speeds to begin with: below what shape and limits allow.
-    fn start(&mut self, places: &[Place], loads: &Loads<N>, rests: Rests) -> bool {
+    fn start(&mut self, places: &[Place], loads: &Loads<N>, rests: Rests) {
         let spans = self.control.len() - GIVEN;
         let (mut most, mut ways) = (alloc::vec![f64::INFINITY; spans], alloc::vec![0.0; spans]);
         for place in places {
@@ -224,9 +253,13 @@ impl<const N: usize> Fastest<N> {
             let near = &most[j.saturating_sub(2)..=j.min(spans - 1)];
             near.iter().fold(f64::INFINITY, |m: f64, b| m.min(*b))
         }));
+    }
+
+    /// Lower the speeds until all limits are kept; `false`: that did not help.
+    fn lower(&mut self, places: &[Place], loads: &Loads<N>, mu: f64) -> bool {
         (0..LOWERED).any(|_| {
             self.weigh(places);
-            let good = self.goal(places, loads, FIRST).is_finite();
+            let good = self.goal::<false>(places, loads, mu).is_finite();
             if !good {
                 self.beta.iter_mut().for_each(|b| *b *= LOWER);
             }
@@ -234,112 +267,46 @@ impl<const N: usize> Fastest<N> {
         })
     }
 
-    /// Time that places and samples stand for, and in all.
+    /// Time that each span takes, and all of them.
     fn weigh(&mut self, places: &[Place]) -> f64 {
-        self.times.clear();
-        self.spans.clear();
-        self.spans.resize(self.control.len() - GIVEN, (0.0, 0));
         let mut total = 0.0;
-        for place in places {
-            let time = place.weight / libm::sqrt(place.square(&self.beta));
-            total += time;
-            self.spans[place.span].0 += time;
-            self.times.push(time);
-        }
-        for held in &self.held {
-            self.spans[held.first].1 += 1;
-        }
-        for held in &mut self.held {
-            let (time, count) = self.spans[held.first];
-            held.time = time / f64::from(count);
+        for (span, places) in self.spans.iter_mut().zip(places.chunks_exact(PLACES)) {
+            let time = |place: &Place| place.weight / libm::sqrt(place.square(&self.beta));
+            span.0 = places.iter().map(time).sum();
+            total += span.0;
         }
         total
     }
 
-    /// What is minimised; infinity where a limit is not kept.
-    fn goal(&self, places: &[Place], loads: &Loads<N>, mu: f64) -> f64 {
-        let (mut time, mut barrier) = (0.0, 0.0);
-        // rooms are multiplied before the logarithm is taken, NAN: one is not there
-        let and = |room: f64, left: f64| if left > 0.0 { room * left } else { f64::NAN };
-        for (place, weight) in places.iter().zip(&self.times) {
-            let at = At::of(place, &self.control, &self.beta);
-            let b = at.b[0];
-            let mut room = if place.middle { and(1.0, 1.0 - at.feed(place) * b) } else { 1.0 };
-            loads.each(place, &at, |_, load| room = and(room, 1.0 - load.value * load.value));
-            if room.is_nan() || b <= 0.0 {
-                return f64::INFINITY;
-            }
-            time += place.weight / libm::sqrt(b);
-            barrier -= weight * libm::log(room);
+    /// What is minimised, infinity where a limit is not kept; with `SLOPES` its gradient and matrix, too.
+    fn goal<const SLOPES: bool>(&mut self, places: &[Place], loads: &Loads<N>, mu: f64) -> f64 {
+        let Self { held, spans, control, beta, matrix, gradient, .. } = self;
+        if SLOPES {
+            matrix.clear(control.len());
+            gradient.clear();
+            gradient.resize(control.len(), [0.0; B]);
         }
-        for held in &self.held {
-            let mut room = 1.0;
-            for d in held.apart(&self.control).chunks(3) {
-                let off = d.iter().map(|d| d * d).sum::<f64>() / held.square;
-                room = and(room, 1.0 - off * off * off * off);
+        let (mut goal, mut rest, mut gathered) = (0.0, held.as_slice(), Gathered::<N>::new());
+        for (places, (time, count)) in places.chunks_exact(PLACES).zip(spans.iter()) {
+            let (held, others) = rest.split_at(*count);
+            rest = others;
+            for place in places {
+                let at = At::of(place, control, beta);
+                let weight = mu * time * if place.middle { MIDDLE } else { END };
+                goal += moving::<N, SLOPES>(place, &at, loads, weight, &mut gathered);
             }
-            if room.is_nan() {
-                return f64::INFINITY;
-            }
-            barrier -= held.time * libm::log(room);
-        }
-        time + mu * barrier
-    }
-
-    /// Gradient and matrix of the goal.
-    fn derive(&mut self, places: &[Place], loads: &Loads<N>, mu: f64) {
-        let Self { held, control, beta, times, matrix, gradient, .. } = self;
-        let block = block(N);
-        matrix.clear(control.len() * block, SAY * block);
-        gradient.clear();
-        gradient.resize(control.len() * block, 0.0);
-        for (place, time) in places.iter().zip(times.iter()) {
-            let (at, weight) = (At::of(place, control, beta), mu * time);
-            let (b, root) = (at.b[0], libm::sqrt(at.b[0]));
-            let speeds: [usize; SAY_B] = core::array::from_fn(|k| (place.span + k) * block + N);
-            matrix.rank_one(&speeds, &place.rows.square[0], 0.75 * place.weight / (b * b * root));
-            for (i, by) in speeds.iter().zip(&place.rows.square[0]) {
-                gradient[*i] -= 0.5 * place.weight / (b * root) * by;
-            }
-            if place.middle {
-                pace(matrix, gradient, place, &at, (at.feed(place), weight));
-            }
-            loads.each(place, &at, |axis, load| {
-                push::<N>(matrix, gradient, (place, axis), load, weight);
-            });
-        }
-        for held in held.iter() {
-            let d = held.apart(control);
-            for (group, d) in d.chunks(3).enumerate() {
-                // f = −log(1 − r⁴), r = d²/P²
-                let r = d.iter().map(|d| d * d).sum::<f64>() / held.square;
-                let left = 1.0 - r * r * r * r;
-                let first = 8.0 * r * r * r / left * mu * held.time / held.square;
-                let second = (12.0 * r * r + 4.0 * r * r * r * r * r * r) / (left * left);
-                let weight = 4.0 * second * mu * held.time / (held.square * held.square);
-                for (j, n) in held.basis.iter().enumerate() {
-                    let first_row = (held.first + j) * block + 3 * group;
-                    for (i, d_i) in d.iter().enumerate() {
-                        gradient[first_row + i] += first * n * d_i;
-                        let row = matrix.row(first_row + i);
-                        for (k, m) in held.basis[j..].iter().enumerate() {
-                            let share = n * m;
-                            let from = if k == 0 { i } else { 0 };
-                            row[k * block] += share * first;
-                            let to = &mut row[k * block + from - i..];
-                            for (to, d_l) in to.iter_mut().zip(&d[from..]) {
-                                *to += share * weight * d_i * d_l;
-                            }
-                        }
-                    }
-                }
+            let weight = mu * time / (*count).max(1) as f64;
+            goal += near::<N, SLOPES>(held, control, weight, &mut gathered);
+            if SLOPES {
+                gathered.put(places[0].span, matrix, gradient);
             }
         }
+        if goal.is_finite() { goal } else { f64::INFINITY }
     }
 
     /// The step; by how much the goal falls along it.
     fn solve(&mut self, rests: Rests) -> f64 {
-        let (block, count) = (block(N), self.control.len());
+        let count = self.control.len();
         let given = |j: usize, axis: usize| {
             if axis < N {
                 j < GIVEN || j >= count - GIVEN
@@ -348,15 +315,16 @@ impl<const N: usize> Fastest<N> {
             }
         };
         for j in (0..GIVEN).chain(count - GIVEN..count) {
-            for axis in (0..block).filter(|axis| given(j, *axis)) {
-                self.matrix.fix(j * block + axis);
-                self.gradient[j * block + axis] = 0.0;
+            for axis in (0..B).filter(|axis| given(j, *axis)) {
+                self.matrix.fix(j, axis);
+                self.gradient[j][axis] = 0.0;
             }
         }
         self.step.clear();
-        self.step.extend(self.gradient.iter().map(|g| -g));
+        self.step.extend(self.gradient.iter().map(|g| g.map(|g| -g)));
         self.matrix.solve(&mut self.step, REGULAR);
-        self.step.iter().zip(&self.gradient).map(|(step, g)| step * g).sum()
+        let all = self.step.as_flattened().iter().zip(self.gradient.as_flattened());
+        all.map(|(step, g)| step * g).sum()
     }
 
     /// Go along the step as far as the goal falls; `false`: not at all.
@@ -370,7 +338,7 @@ impl<const N: usize> Fastest<N> {
         self.beta_before.clone_from(&self.beta);
         let mut share = 1.0;
         for _ in 0..HALVINGS {
-            for (j, step) in self.step.chunks(block(N)).enumerate() {
+            for (j, step) in self.step.iter().enumerate() {
                 for (axis, step) in step[..N].iter().enumerate() {
                     self.control[j][axis] = self.control_before[j][axis] + share * step;
                 }
@@ -378,7 +346,7 @@ impl<const N: usize> Fastest<N> {
                     *beta = self.beta_before[j] + share * step[N];
                 }
             }
-            if self.goal(places, loads, mu) <= now + KEPT * share * slope {
+            if self.goal::<false>(places, loads, mu) <= now + KEPT * share * slope {
                 return true;
             }
             share *= 0.5;
@@ -389,60 +357,62 @@ impl<const N: usize> Fastest<N> {
     }
 }
 
-/// The feed's part of gradient and matrix; `slow` as [`Loads::feed`] has it.
-fn pace<const N: usize>(
-    matrix: &mut Banded,
-    gradient: &mut [f64],
+/// A place's part of the goal.
+fn moving<const N: usize, const SLOPES: bool>(
     place: &Place,
     at: &At<N>,
-    (slow, weight): (f64, f64),
-) {
-    let (b, square) = (at.b[0], place.feed * place.feed);
-    let left = 1.0 - slow * b;
-    let (slopes, shares) = (&place.rows.cubic[0], &place.rows.square[0]);
-    let way = if at.counts_way() { 2.0 * b / square } else { 0.0 };
-    // by unknown: blocks of a control point and one β
-    let mut by = [0.0; SAY * block(AXES)];
-    for (k, slope) in slopes.iter().enumerate() {
-        for (i, q) in at.q[0].iter().enumerate() {
-            by[k * block(N) + i] = way * q * slope;
+    loads: &Loads<N>,
+    weight: f64,
+    gathered: &mut Gathered<N>,
+) -> f64 {
+    let (b, root) = (at.b[0], libm::sqrt(at.b[0]));
+    let mut room = 1.0;
+    if place.middle {
+        let slow = at.feed(place);
+        let left = 1.0 - slow * b;
+        room *= left.max(0.0);
+        if SLOPES {
+            gathered.pace(place, at, slow, (weight / left, weight / (left * left)));
         }
-        by[k * block(N) + N] = shares.get(k).map_or(0.0, |share| slow * share);
     }
-    let by = &by[..SAY * block(N)];
-    let first = place.span * block(N);
-    matrix.rank_one_of_all(first, by, weight / (left * left));
-    for (i, by) in by.iter().enumerate() {
-        gradient[first + i] += weight / left * by;
+    loads.each(place, at, |axis, load| {
+        // −log(1 − x²)
+        let (x, left) = (load.value, 1.0 - load.value * load.value);
+        room *= left.max(0.0);
+        if SLOPES {
+            let (once, twice) = (2.0 * x / left, 2.0 * (1.0 + x * x) / (left * left));
+            gathered.load(axis, load, &place.rows, (weight * once, weight * twice));
+        }
+    });
+    if SLOPES {
+        let time = (-0.5 * place.weight / (b * root), 0.75 * place.weight / (b * b * root));
+        gathered.speed(&place.rows.square[0], time);
     }
-    for (k, one) in slopes.iter().enumerate() {
-        for (j, other) in slopes.iter().enumerate().skip(k) {
-            let bend = weight / left * way * one * other;
-            for i in 0..N {
-                matrix.add(first + k * block(N) + i, first + j * block(N) + i, bend);
+    place.weight / root - weight * libm::log(room)
+}
+
+/// The part of a span's samples.
+fn near<const N: usize, const SLOPES: bool>(
+    held: &[Held<N>],
+    control: &[[f64; N]],
+    weight: f64,
+    gathered: &mut Gathered<N>,
+) -> f64 {
+    let mut room = 1.0;
+    for held in held {
+        let (over, d) = (1.0 / held.square, held.apart(control));
+        for (group, d) in d.chunks(3).enumerate() {
+            let &[x, y, z] = d else { continue };
+            // −log(1 − r⁴), r = d²/P²
+            let r = (x * x + y * y + z * z) * over;
+            let (cube, left) = (r * r * r, 1.0 - r * r * r * r);
+            room *= left.max(0.0);
+            if SLOPES {
+                let once = 8.0 * cube / left * over;
+                let twice = (48.0 * r * r + 16.0 * cube * cube) / (left * left) * over * over;
+                gathered.near(group, &held.basis, &[x, y, z], (weight * once, weight * twice));
             }
         }
     }
-}
-
-/// A load's part of gradient and matrix.
-fn push<const N: usize>(
-    matrix: &mut Banded,
-    gradient: &mut [f64],
-    (place, axis): (&Place, usize),
-    load: &Load,
-    weight: f64,
-) {
-    let (p, b) = (load.by_control(&place.rows), load.by_beta(&place.rows));
-    // the unknowns in the order that they have
-    let by = [p[0], b[0], p[1], b[1], p[2], b[2], p[3]];
-    let unknowns: [usize; SAY + SAY_B] = core::array::from_fn(|k| {
-        (place.span + k / 2) * block(N) + if k % 2 == 0 { axis } else { N }
-    });
-    let (x, left) = (load.value, 1.0 - load.value * load.value);
-    let (first, second) = (2.0 * x / left, 2.0 * (1.0 + x * x) / (left * left));
-    matrix.rank_one(&unknowns, &by, weight * second);
-    for (i, by) in unknowns.iter().zip(by) {
-        gradient[*i] += weight * first * by;
-    }
+    -weight * libm::log(room)
 }

@@ -17,11 +17,11 @@
 //! halved where it fails; with knots close enough there always is one. Of all such curves, `tube` then finds the one that
 //! bends least.
 //! Position, slope and bend at both ends are given, which fixes three control points each.
-use super::fastest::{Fastest, Rests};
+use super::fastest::{Fastest, Rests, Stage};
 use super::join::{Segment, Waiting, distance};
 use super::knots::{self, Way};
 use super::load::Place;
-use super::spline::Knots;
+use super::spline::{Halved, Knots};
 use super::tube::Tube;
 use super::{AXES, Curve, Derivatives, Limits, Point, Polynomial};
 use alloc::vec::Vec;
@@ -38,6 +38,8 @@ const BACK: usize = 32;
 const HALVINGS: usize = 12;
 /// Control points that a curve has at least if it is worth looking for a faster one: some of them must be free.
 const FEWEST: usize = 8;
+/// Knots that are nearer to each other than so many tolerances get none between them.
+const CRUMB: f64 = 2.1;
 /// How much sharper its sharpest bend may be.
 const SHARPER: f64 = 8.0;
 
@@ -75,8 +77,8 @@ pub(crate) struct Fitter {
     bends: Vec<([f64; 3], f64)>,
     total: f64,
     places: Vec<Place>,
-    fastest_linear: Fastest<3>,
-    fastest_of_all: Fastest<AXES>,
+    fastest_linear: Fastest<3, 4>,
+    fastest_of_all: Fastest<AXES, { AXES + 1 }>,
     /// The curve that bends least, in case that the fastest one is not good.
     kept: (Vec<f64>, Vec<Point>),
 }
@@ -136,17 +138,16 @@ impl Fitter {
         let sharpest = self.sharpest();
         self.kept.0.clone_from(&self.knots);
         self.kept.1.clone_from(&self.control);
-        self.refine();
-        self.sample(way);
-        self.twist();
-        self.look_at_limits(way);
-        let (linear, all) = (&mut self.fastest_linear, &mut self.fastest_of_all);
-        let (control, places, samples) = (&mut self.control, &self.places, &self.samples);
-        let found = if self.axes <= 3 {
-            linear.find(control, places, samples, (limits, rests))
-        } else {
-            all.find(control, places, samples, (limits, rests))
-        };
+        let (first, finer) = Stage::all(limits);
+        let mut found = self.search((limits, rests), (first, None));
+        for stage in finer {
+            if !found {
+                break;
+            }
+            let old = self.knots.clone();
+            let halved = self.refine(way);
+            found = self.search((limits, rests), (*stage, Some((Knots(&old), &halved))));
+        }
         let near =
             |sample: &Sample| distance(&self.at(sample), &sample.p) <= sample.tolerance * BETWEEN;
         // where it is slow a bend is free: none is to become so sharp that the law's cells would miss it
@@ -154,6 +155,20 @@ impl Fitter {
         if !(found && bends && self.samples.iter().all(near) && self.keeps_between()) {
             core::mem::swap(&mut self.kept.0, &mut self.knots);
             core::mem::swap(&mut self.kept.1, &mut self.control);
+        }
+    }
+
+    fn search(
+        &mut self,
+        limits: (&Limits, Rests),
+        stage: (Stage, Option<(Knots, &Halved)>),
+    ) -> bool {
+        let (linear, all) = (&mut self.fastest_linear, &mut self.fastest_of_all);
+        let (control, places, samples) = (&mut self.control, &self.places, &self.samples);
+        if self.axes <= 3 {
+            linear.find(control, places, samples, limits, stage)
+        } else {
+            all.find(control, places, samples, limits, stage)
         }
     }
 
@@ -183,25 +198,27 @@ impl Fitter {
         }
     }
 
-    /// The same curve with a knot midway between any two: what it is there is read off the polynomial of the old span, by
-    /// its polar form (Ramshaw, *Blossoming*, 1987).
-    fn refine(&mut self) {
+    /// The same curve with more knots, as long as they are not too near to each other.
+    fn refine(&mut self, way: &Way) -> Halved {
         let spans: Vec<Polynomial> = (0..self.spans()).map(|span| self.polynomial(span)).collect();
         let old = core::mem::take(&mut self.knots);
-        self.knots = Knots(&old).halved();
-        let knots = Knots(&self.knots);
+        let near = |a: f64, b: f64| b - a < CRUMB * serves(way, a, b).tolerance;
+        let halved = Knots(&old).halved(near);
         self.control.clear();
-        for j in 0..knots.spans() + 3 {
-            let span = (j.saturating_sub(1) / 2).min(spans.len() - 1);
-            let [x, y, z] = [1, 2, 3].map(|k| knots.t(j + k) - old[span]);
-            let [c0, c1, c2, c3, ..] = &spans[span].c;
-            self.control.push(core::array::from_fn(|i| {
+        self.control.extend(halved.control(|span, u: [f64; 3]| -> Point {
+            let ([x, y, z], [c0, c1, c2, c3, ..]) = (u.map(|u| u - old[span]), &spans[span].c);
+            core::array::from_fn(|i| {
                 c0[i]
                     + c1[i] * (x + y + z) / 3.0
                     + c2[i] * (x * y + x * z + y * z) / 3.0
                     + c3[i] * x * y * z
-            }));
-        }
+            })
+        }));
+        self.knots.clone_from(&halved.knots);
+        self.sample(way);
+        self.twist();
+        self.look_at_limits(way);
+        halved
     }
 
     /// How many pieces there are.

@@ -178,6 +178,7 @@ impl<const N: usize> Loads<N> {
     }
 }
 
-fn mix(row: &[f64; SAY_B], beta: &[f64]) -> f64 {
+/// A sum of coefficients of b.
+pub(crate) fn mix(row: &[f64; SAY_B], beta: &[f64]) -> f64 {
     row.iter().zip(beta).map(|(m, beta)| m * beta).sum()
 }

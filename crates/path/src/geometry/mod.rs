@@ -23,6 +23,7 @@ mod bow;
 mod corner;
 mod fastest;
 mod fit;
+mod gathered;
 mod join;
 mod knots;
 mod line;

@@ -18,6 +18,13 @@ pub(crate) struct Rows {
     pub(crate) square: [[f64; 3]; 3],
 }
 
+/// Knots with more of them between, and by new span which old one it is of.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Halved {
+    pub(crate) knots: Vec<f64>,
+    of: Vec<usize>,
+}
+
 impl Knots<'_> {
     /// Knot with the repetition at the ends.
     pub(crate) fn t(&self, index: usize) -> f64 {
@@ -80,12 +87,35 @@ impl Knots<'_> {
         rows
     }
 
-    /// The same knots, and one midway between any two.
-    pub(crate) fn halved(&self) -> Vec<f64> {
-        let mut knots: Vec<f64> =
-            self.0.windows(2).flat_map(|two| [two[0], f64::midpoint(two[0], two[1])]).collect();
+    /// The same knots, and one midway between two that are not too near to each other; and which span each one of the new
+    /// spans is of.
+    pub(crate) fn halved(&self, near: impl Fn(f64, f64) -> bool) -> Halved {
+        let (mut knots, mut of) = (Vec::new(), Vec::new());
+        for (span, ends) in self.0.windows(2).enumerate() {
+            knots.push(ends[0]);
+            of.push(span);
+            if !near(ends[0], ends[1]) {
+                knots.push(f64::midpoint(ends[0], ends[1]));
+                of.push(span);
+            }
+        }
         knots.extend(self.0.last());
-        knots
+        Halved { knots, of }
+    }
+}
+
+impl Halved {
+    /// Control points of the same curve, with the polynomials of the old spans: their polar forms at the knots around
+    /// (Ramshaw, *Blossoming*, 1987), of which the curve has the degree less one.
+    pub(crate) fn control<const DEGREE: usize, P>(
+        &self,
+        polar: impl Fn(usize, [f64; DEGREE]) -> P,
+    ) -> impl Iterator<Item = P> {
+        let knots = Knots(&self.knots);
+        (0..knots.spans() + DEGREE).map(move |j| {
+            let span = self.of[j.clamp(1, knots.spans()) - 1];
+            polar(span, core::array::from_fn(|k| knots.t(j + k + 4 - DEGREE)))
+        })
     }
 }
 
@@ -116,6 +146,21 @@ mod tests {
                     assert!((found - expected).abs() < 1e-9, "{found} {expected} at {u}");
                 }
             }
+        }
+    }
+
+    /// With the polar form x·y·z of u³ the control points are those of u³ on the new knots, too.
+    #[test]
+    fn knots_come_between_those_that_are_far_apart_and_the_curve_stays() {
+        let halved = KNOTS.halved(|a, b| b - a < 0.5);
+        assert_eq!(halved.knots, [0.0, 0.4, 0.7, 1.0, 1.3, 1.9, 2.5]);
+        assert_eq!(halved.of, [0, 1, 1, 2, 3, 3]);
+        let control: Vec<f64> = halved.control(|_, [x, y, z]: [f64; 3]| x * y * z).collect();
+        let knots = Knots(&halved.knots);
+        for (span, u) in [(0, 0.1), (2, 0.9), (5, 2.0)] {
+            let basis = knots.basis(span, u, 3);
+            let cube: f64 = basis.iter().zip(&control[span..]).map(|(n, p)| n * p).sum();
+            assert!((cube - u * u * u).abs() < 1e-12, "{cube} at {u}");
         }
     }
 }
