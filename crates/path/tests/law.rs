@@ -337,6 +337,19 @@ fn with_jerk_a_slow_arc_takes_as_long_as_its_feed_and_few_phases() {
     }
 }
 
+/// A slow cut that goes on as a rapid too short for its own speed: the cut holds its feed up to the rapid.
+#[test]
+fn with_jerk_a_slow_line_before_a_rapid_takes_few_phases() {
+    let (jerk, ends) = (20e3, [0.0, 20.0, 30.0].map(|x| [x, 0.0, 0.0]));
+    let pieces =
+        [line(ends[0], ends[1], 10.0, Entry::Rest), line(ends[1], ends[2], 200.0, Entry::Smooth)];
+    let phases = timed(&pieces, &config(bounds(200.0, 1000.0, jerk)));
+    joined(&pieces, &phases);
+    let stopping = rest_to_rest(20.0, 10.0, 1000.0, jerk) + rest_to_rest(10.0, 200.0, 1000.0, jerk);
+    assert!(duration(&phases) < stopping, "{} s of {stopping}", duration(&phases));
+    assert!(phases.len() < 400, "{} phases", phases.len());
+}
+
 /// A wave of 2 mm, F9000, P 1 µm: it takes as long however finely it was chopped, and as few pieces; within 0.2 % and a tenth.
 #[test]
 fn a_wave_takes_as_long_however_it_is_chopped() {

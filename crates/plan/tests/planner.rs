@@ -139,6 +139,21 @@ fn under_g64_collinear_cuts_are_one_that_waits_until_in_position_at_its_end() {
     assert_eq!(words(&steps), "turn(1000) await cut(2,0,0) rapid(3,0,0)");
 }
 
+/// A point 0.02 mm beside the line, P 0.1 mm: LinuxCNC's Q is P where none is stated, which leaves all of P to the blend.
+#[test]
+fn a_q_below_p_merges_what_is_within_it_and_one_as_large_as_p_does_not() {
+    let merges = |q: f64| {
+        let (tolerance, merge) = (Some(common::mm(0.1)), Some(common::mm(q)));
+        let blend = OpKind::PathMode(PathMode::Blend { tolerance, merge });
+        let cuts = [line(10.0, 0.02, 0.0, 600.0), line(20.0, 0.0, 0.0, 600.0)];
+        let steps = steps([blend, turn(1000.0)].into_iter().chain(cuts));
+        // a merged line leads through no place beside it
+        !words(&steps).contains(",0.0")
+    };
+    let merged = [0.0, 0.015, 0.025, 0.05, 0.1, 0.2].map(merges);
+    assert_eq!(merged, [false, false, true, true, false, false]);
+}
+
 #[test]
 fn steps_carry_the_index_and_line_of_their_op_and_a_step_of_no_length_is_none() {
     let steps =

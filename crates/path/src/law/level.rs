@@ -115,7 +115,8 @@ impl<'a> Held<'a> {
         } else if change > SAME * self.v {
             self.way(if from < 0.0 { change } else { self.v })
         } else if change < -SAME * self.v {
-            from.max(0.0)
+            // a faster one need not reach its own level before
+            from.min(self.way(self.v) - beside.h).max(0.0)
         } else {
             from
         }

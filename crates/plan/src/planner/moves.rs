@@ -12,7 +12,8 @@ use diag::Diagnostic;
 use path::geometry::{Bezier, Segment};
 use units::{Length, Spin};
 
-/// Share of P for merging collinear moves, where Q is not stated, and the most of it that Q may take.
+/// Share of P for merging collinear moves, where no Q below P is stated, and the most of it that Q may take: what merging
+/// takes is missing where the curve through the points is made faster.
 const MERGED: f64 = 0.02;
 const MERGED_MOST: f64 = 0.3;
 
@@ -213,7 +214,8 @@ impl Planner {
     pub(super) fn joined_within(&self) -> (f64, f64) {
         let PathMode::Blend { tolerance, merge } = self.mode else { return (0.0, 0.0) };
         let whole = tolerance.unwrap_or(self.limits.joining.tolerance).value().max(0.0);
-        let merge = merge.map_or(MERGED * whole, |q| q.value().clamp(0.0, MERGED_MOST * whole));
+        let stated = merge.map(Length::value).filter(|q| *q < whole);
+        let merge = stated.map_or(MERGED * whole, |q| q.clamp(0.0, MERGED_MOST * whole));
         (whole - merge, merge)
     }
 
