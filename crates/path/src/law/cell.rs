@@ -43,36 +43,34 @@ pub(crate) struct Row {
     pub(crate) j3: f64,
 }
 
-/// All moving axes' demands at one place.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Rows {
-    count: usize,
-    by_axis: [Row; AXES],
-    /// ṡ² where an axis' speed or the feed ends it.
-    pub(crate) cap: f64,
-}
+/// All moving axes' demands at the three places of a cell: at its beginning, in its middle, at its end.
+#[derive(Clone, Debug)]
+pub(crate) struct Rows(Box<[Row]>);
 
 impl Rows {
-    /// Rows of the axes that are asked for.
-    fn new(d: &Derivatives, axes: [bool; AXES], bounds: &Bounds, feed: f64) -> Self {
-        let cap = speed_cap(d, bounds, feed);
-        let mut rows = Self { count: 0, by_axis: [Row::default(); AXES], cap };
-        for k in (0..AXES).filter(|k| axes[*k]) {
-            let (a, j) = (1.0 / bounds.accel[k], 1.0 / bounds.jerk[k]);
-            rows.by_axis[rows.count] = Row {
-                a1: d.q1[k] * a,
-                a2: d.q2[k] * a,
-                j1: d.q1[k] * j,
-                j2: d.q2[k] * j,
-                j3: d.q3[k] * j,
-            };
-            rows.count += 1;
+    fn new(three: &[Derivatives; 3], bounds: &Bounds) -> Self {
+        let moves = |k: usize| three.iter().any(|d| d.q1[k] != 0.0 || d.q2[k] != 0.0);
+        let axes: [bool; AXES] = core::array::from_fn(moves);
+        let mut rows = Vec::with_capacity(3 * axes.iter().filter(|moves| **moves).count());
+        for d in three {
+            for k in (0..AXES).filter(|k| axes[*k]) {
+                let (a, j) = (1.0 / bounds.accel[k], 1.0 / bounds.jerk[k]);
+                let (a1, a2) = (d.q1[k] * a, d.q2[k] * a);
+                let (j1, j2, j3) = (d.q1[k] * j, d.q2[k] * j, d.q3[k] * j);
+                rows.push(Row { a1, a2, j1, j2, j3 });
+            }
         }
-        rows
+        Self(rows.into_boxed_slice())
+    }
+
+    /// At one of the places, by axis.
+    pub(crate) fn at(&self, place: usize) -> &[Row] {
+        let count = self.0.len() / 3;
+        &self.0[place * count..(place + 1) * count]
     }
 
     pub(crate) fn all(&self) -> &[Row] {
-        &self.by_axis[..self.count]
+        &self.0
     }
 }
 
@@ -117,8 +115,8 @@ fn cap_between([start, middle, end]: &[Derivatives; 3], bounds: &Bounds) -> f64 
 pub(crate) enum Demand {
     /// A straight line: largest |s̈| and |s⃛|, either may be infinite.
     Line { accel: f64, jerk: f64 },
-    /// A curve: at its beginning, in its middle, at its end.
-    Curve(Box<[Rows; 3]>),
+    /// A curve.
+    Curve(Rows),
 }
 
 /// How a cell begins.
@@ -268,13 +266,11 @@ impl Sampler {
             let middle = self.piece.at(at(self.next as f64 + 0.5));
             let end = self.piece.at(at(self.next as f64 + 1.0));
             let three = [self.last, middle, end];
-            let moves = |k: usize| three.iter().any(|d| d.q1[k] != 0.0 || d.q2[k] != 0.0);
-            let axes = core::array::from_fn(moves);
-            let rows = three.map(|d| Rows::new(&d, axes, bounds, feed(&self.piece, &d)));
-            let cap =
-                rows[0].cap.min(rows[1].cap).min(rows[2].cap).min(cap_between(&three, bounds));
+            let cap = |d: &Derivatives| speed_cap(d, bounds, feed(&self.piece, d));
+            let cap = three.iter().map(cap).fold(cap_between(&three, bounds), f64::min);
+            let rows = Rows::new(&three, bounds);
             self.last = end;
-            (Demand::Curve(Box::new(rows)), cap)
+            (Demand::Curve(rows), cap)
         };
         self.next += 1;
         Some(Cell { piece: self.number, from, h: step, cap, start, demand })

@@ -129,10 +129,7 @@ pub(super) fn jerk_along(cell: &Cell) -> f64 {
     match &cell.demand {
         Demand::Line { jerk, .. } => *jerk,
         Demand::Curve(rows) => {
-            let of = |r: &Rows| {
-                r.all().iter().fold(f64::INFINITY, |m: f64, row| m.min(1.0 / row.j1.abs()))
-            };
-            of(&rows[0]).min(of(&rows[1])).min(of(&rows[2]))
+            rows.all().iter().fold(f64::INFINITY, |m: f64, row| m.min(1.0 / row.j1.abs()))
         }
     }
 }
@@ -143,11 +140,14 @@ pub(super) fn growth(cell: &Cell) -> f64 {
 }
 
 /// The demands at a share of a cell.
-pub(super) fn each(rows: &[Rows; 3], x: f64, mut give: impl FnMut(Row)) {
-    let (p, q, f) =
-        if x < 0.5 { (&rows[0], &rows[1], 2.0 * x) } else { (&rows[1], &rows[2], 2.0 * x - 1.0) };
+pub(super) fn each(rows: &Rows, x: f64, mut give: impl FnMut(Row)) {
+    let (p, q, f) = if x < 0.5 {
+        (rows.at(0), rows.at(1), 2.0 * x)
+    } else {
+        (rows.at(1), rows.at(2), 2.0 * x - 1.0)
+    };
     let mix = |a: f64, b: f64| a + (b - a) * f;
-    for (p, q) in p.all().iter().zip(q.all()) {
+    for (p, q) in p.iter().zip(q) {
         give(Row {
             a1: mix(p.a1, q.a1),
             a2: mix(p.a2, q.a2),

@@ -6,7 +6,7 @@
 //!      ╱ ┆··  ·   ·     │     ·   ·  ··┆ ╲       · knots: the farther from where the level is reached or left, the
 //!        reached       run        left             farther apart
 //! ```
-use super::cell::{Cell, Demand, Row, Rows};
+use super::cell::{Cell, Demand, Row};
 use super::fine::jerk_along;
 use super::runs::Run;
 use alloc::vec::Vec;
@@ -79,7 +79,7 @@ impl<'a> Held<'a> {
             }
             Demand::Curve(rows) => {
                 let most = |of: &dyn Fn(&Row) -> f64| {
-                    let all = rows.iter().flat_map(Rows::all);
+                    let all = rows.all().iter();
                     all.fold(0.0, |m: f64, row| m.max(of(row)))
                 };
                 let bend = most(&|row| row.a2.abs() * cell.cap);

@@ -92,6 +92,7 @@ pub struct Law {
     ready: VecDeque<Timed>,
     beta: Vec<f64>,
     fast: Vec<f64>,
+    bounds: reach::Bounds,
     /// Whether any axis has a limit of jerk.
     jerky: bool,
     /// Smallest acceleration and smallest jerk of all axes.
@@ -135,6 +136,7 @@ impl Law {
             ready: VecDeque::new(),
             beta: Vec::new(),
             fast: Vec::new(),
+            bounds: reach::Bounds::default(),
             jerky: slowest.1.is_finite(),
             slowest,
             tau,
@@ -165,7 +167,7 @@ impl Law {
         }
         let count = self.until_rest().map_or(self.cells.len(), |k| k + 1);
         self.beta.resize(count + 1, 0.0);
-        reach::backwards(self.cells.range(..count), &mut self.beta);
+        reach::backwards(self.cells.range(..count), &mut self.beta, &mut self.bounds);
         if self.state.v * self.state.v > self.beta[0] * (1.0 + ROUNDING) {
             return false;
         }
@@ -229,7 +231,7 @@ impl Law {
         let ends = rest.is_some() || (self.closed && self.exhausted());
         let count = rest.map_or(self.cells.len(), |k| k + 1);
         self.beta.resize(count + 1, 0.0);
-        let settled = reach::backwards(self.cells.range(..count), &mut self.beta);
+        let settled = reach::backwards(self.cells.range(..count), &mut self.beta, &mut self.bounds);
         let commit = match (ends, self.jerky) {
             (true, _) => Some(count),
             (false, true) => self.foreseen(count),
@@ -286,7 +288,7 @@ impl Law {
         self.fast.push(b);
         for (i, cell) in self.cells.range(..count).enumerate() {
             // a plan with a limit of jerk may be a little above what can be kept, from where there is no way on
-            b = reach::forwards(cell, b.min(self.beta[i]), self.beta[i + 1]);
+            b = reach::forwards(cell, b.min(self.beta[i]), self.beta[i + 1], &mut self.bounds);
             self.fast.push(b);
         }
     }
@@ -370,7 +372,7 @@ impl Law {
     fn hand_out(&mut self, commit: usize) {
         let mut b = self.state.v * self.state.v;
         for (i, cell) in self.cells.drain(..commit).enumerate() {
-            let end = reach::forwards(&cell, b, self.beta[i + 1]);
+            let end = reach::forwards(&cell, b, self.beta[i + 1], &mut self.bounds);
             let ready = &mut self.ready;
             let give = |phase: Phase| {
                 let phase = Phase { s: phase.s + cell.from, ..phase };

@@ -133,13 +133,13 @@ const WORTH: f64 = 0.03;
 /// Phases of constant s̈ over a cell of a curve: one, or, where the axes could do it in much less (at a low feed, from rest or to
 /// it, along a curve so flat that it is one cell), as over a line.
 pub(crate) fn over_curve(
-    rows: &[Rows; 3],
+    rows: &Rows,
     h: f64,
     cap: f64,
     (b0, b1): (f64, f64),
     mut give: impl FnMut(Phase),
 ) {
-    let all = || rows.iter().flat_map(Rows::all);
+    let all = || rows.all().iter();
     // half of what the axes can do may go into the bend
     let top = all().map(|row| 0.5 / row.a2.abs()).fold(cap, f64::min).max(b0).max(b1);
     let room = |row: &Row| (1.0 - row.a2.abs() * top) / row.a1.abs();

@@ -15,7 +15,7 @@
 use super::cell::{Cell, Demand, Rows, Start};
 
 /// A straight bound on a: `at + slope·b`.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Bound {
     at: f64,
     slope: f64,
@@ -24,7 +24,9 @@ struct Bound {
 /// Largest number of bounds of one kind: three places of nine axes, and the neighbour's.
 const MOST: usize = 3 * crate::AXES + 1;
 
-struct Bounds {
+/// What a cell demands; kept from one to the next, as it is large.
+#[derive(Clone, Debug)]
+pub(crate) struct Bounds {
     upper: [Bound; MOST],
     lower: [Bound; MOST],
     uppers: usize,
@@ -33,12 +35,14 @@ struct Bounds {
     cap: f64,
 }
 
-impl Bounds {
-    fn new(cap: f64) -> Self {
+impl Default for Bounds {
+    fn default() -> Self {
         let none = Bound { at: 0.0, slope: 0.0 };
-        Self { upper: [none; MOST], lower: [none; MOST], uppers: 0, lowers: 0, cap }
+        Self { upper: [none; MOST], lower: [none; MOST], uppers: 0, lowers: 0, cap: 0.0 }
     }
+}
 
+impl Bounds {
     fn upper(&mut self, at: f64, slope: f64) {
         self.upper[self.uppers] = Bound { at, slope };
         self.uppers += 1;
@@ -61,18 +65,18 @@ impl Bounds {
         }
     }
 
-    fn of(rows: &[Rows; 3], h: f64, cap: f64) -> Self {
-        let mut all = Self::new(cap);
-        for row in rows[0].all() {
-            all.strip(row.a1, row.a2);
+    /// Those of a cell of length `h`, and no others.
+    fn take(&mut self, rows: &Rows, h: f64, cap: f64) {
+        (self.uppers, self.lowers, self.cap) = (0, 0, cap);
+        for row in rows.at(0) {
+            self.strip(row.a1, row.a2);
         }
-        for row in rows[1].all() {
-            all.strip(row.a1 + h * row.a2, row.a2);
+        for row in rows.at(1) {
+            self.strip(row.a1 + h * row.a2, row.a2);
         }
-        for row in rows[2].all() {
-            all.strip(row.a1 + 2.0 * h * row.a2, row.a2);
+        for row in rows.at(2) {
+            self.strip(row.a1 + 2.0 * h * row.a2, row.a2);
         }
-        all
     }
 
     fn highest(&self, b: f64) -> Bound {
@@ -112,6 +116,7 @@ impl Bounds {
 pub(crate) fn backwards<'a>(
     cells: impl ExactSizeIterator<Item = &'a Cell> + DoubleEndedIterator,
     beta: &mut [f64],
+    bounds: &mut Bounds,
 ) -> usize {
     let last = cells.len();
     beta[last] = 0.0;
@@ -124,7 +129,7 @@ pub(crate) fn backwards<'a>(
             Start::Rest => 0.0,
             Start::On(cap) => cap.min(cell.cap).min(before),
         };
-        beta[i] = most_before(cell, cap, beta[i + 1]);
+        beta[i] = most_before(cell, cap, beta[i + 1], bounds);
         if settled == 0 && beta[i] >= cap {
             settled = i;
         }
@@ -132,11 +137,11 @@ pub(crate) fn backwards<'a>(
     settled
 }
 
-fn most_before(cell: &Cell, cap: f64, next: f64) -> f64 {
+fn most_before(cell: &Cell, cap: f64, next: f64, bounds: &mut Bounds) -> f64 {
     match &cell.demand {
         Demand::Line { accel, .. } => cap.min(next + 2.0 * cell.h * accel),
         Demand::Curve(rows) => {
-            let mut bounds = Bounds::of(rows, cell.h, cap);
+            bounds.take(rows, cell.h, cap);
             let per = 0.5 / cell.h;
             bounds.upper(next * per, -per);
             bounds.lower(0.0, -per);
@@ -148,14 +153,14 @@ fn most_before(cell: &Cell, cap: f64, next: f64) -> f64 {
 /// ṡ² at the end of a cell that is begun with `b` and may end with `beta` at most.
 ///
 /// Faster than allowed (a feed that was lowered meanwhile): as slow as the axes brake.
-pub(crate) fn forwards(cell: &Cell, b: f64, beta: f64) -> f64 {
+pub(crate) fn forwards(cell: &Cell, b: f64, beta: f64, bounds: &mut Bounds) -> f64 {
     match &cell.demand {
         Demand::Line { accel, .. } => {
             let reach = 2.0 * cell.h * accel;
             beta.min(b + reach).max(b - reach).max(0.0)
         }
         Demand::Curve(rows) => {
-            let bounds = Bounds::of(rows, cell.h, cell.cap.max(b));
+            bounds.take(rows, cell.h, cell.cap.max(b));
             let (high, low) = (bounds.highest(b), bounds.lowest(b));
             let (high, low) = (high.at + high.slope * b, low.at + low.slope * b);
             let wanted = (beta - b) * 0.5 / cell.h;

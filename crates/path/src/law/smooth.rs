@@ -17,7 +17,7 @@
 mod bounds;
 
 use super::State;
-use super::cell::{Cell, Demand, Rows};
+use super::cell::{Cell, Demand, Row};
 use super::fine::{Fine, JERK_SHARE, growth, jerk_along};
 use super::guess::Guess;
 use super::interior::Chain;
@@ -155,9 +155,9 @@ impl Smooth {
         for (i, cell) in cells.iter().enumerate() {
             // where q‴ takes all the jerk
             if let Demand::Curve(rows) = &cell.demand {
-                let twist = |r: &Rows| r.all().iter().fold(0.0, |m: f64, row| m.max(row.j3.abs()));
-                self.w[i] = self.w[i].min(libm::sqrt(1.5 / twist(&rows[0]).max(1e-300)));
-                self.w[i + 1] = self.w[i + 1].min(libm::sqrt(1.5 / twist(&rows[2]).max(1e-300)));
+                let twist = |r: &[Row]| r.iter().fold(0.0, |m: f64, row| m.max(row.j3.abs()));
+                self.w[i] = self.w[i].min(libm::sqrt(1.5 / twist(rows.at(0)).max(1e-300)));
+                self.w[i + 1] = self.w[i + 1].min(libm::sqrt(1.5 / twist(rows.at(2)).max(1e-300)));
             }
         }
         if let From::Moving(state, _) = from {

@@ -55,13 +55,13 @@ impl Smooth {
             if let Demand::Curve(rows) = &cells[right.cell].demand {
                 let x = right.from / cells[right.cell].h;
                 each(rows, x, |r| add(r.a1 / share, r.a2 / share));
-                here = rows[0].all();
+                here = rows.at(0);
             }
             if joint
                 && cells[left.cell].piece != cells[right.cell].piece
                 && let Demand::Curve(rows) = &cells[left.cell].demand
             {
-                let before = rows[2].all();
+                let before = rows.at(2);
                 for (k, r) in before.iter().enumerate() {
                     // smooth paths have the same slope and bend on both sides
                     let same =
