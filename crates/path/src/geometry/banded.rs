@@ -12,7 +12,7 @@
 use super::load::SAY;
 use alloc::vec::Vec;
 
-pub(crate) type Block<const B: usize> = [[f64; B]; B];
+type Block<const B: usize> = [[f64; B]; B];
 
 /// The matrix, by rows of blocks: the one on the diagonal, of which only what is on it and above counts, and those behind it.
 /// Then its factors.

@@ -36,7 +36,7 @@ pub(crate) enum Bend {
 impl Bend {
     /// What suits axes with these limits.
     pub(crate) fn of(limits: &Limits) -> Self {
-        if limits.feed.has_jerk() || limits.rapid.has_jerk() { Self::Even } else { Self::Quick }
+        if limits.has_jerk() { Self::Even } else { Self::Quick }
     }
 
     /// r.

@@ -73,11 +73,10 @@ const SECOND: Stage = Stage { mu: 0.02, steps: 8 };
 const LAST: Stage = Stage { mu: 0.005, steps: 6 };
 
 impl Stage {
-    /// The first of them, and the finer ones, with twice the knots from one to the next: what has a jerk needs more of them, as q‴ does not change
-    /// from one knot to the next.
+    /// The first of them, and the finer ones, with twice the knots from one to the next: with a limit of jerk more of them,
+    /// as q‴ does not change between two knots.
     pub(crate) fn all(limits: &Limits) -> (Self, &'static [Self]) {
-        let jerky = [&limits.feed, &limits.rapid].iter().any(|bounds| bounds.has_jerk());
-        (FIRST, if jerky { &[SECOND, LAST] } else { &[LAST] })
+        (FIRST, if limits.has_jerk() { &[SECOND, LAST] } else { &[LAST] })
     }
 }
 

@@ -15,7 +15,7 @@
 //! chopped). Each sample that is too far off moves the four control points that have a say in it by the least that brings it
 //! back: projections onto convex sets, which end in a point that is in all of them, if there is one. If there is none, knots are
 //! halved where it fails; with knots close enough there always is one. Of all such curves, `tube` then finds the one that
-//! bends least.
+//! bends least, and `fastest`, from there, the one that takes the least time.
 //! Position, slope and bend at both ends are given, which fixes three control points each.
 use super::fastest::{Fastest, Rests, Stage};
 use super::join::{Segment, Waiting, distance};
@@ -158,6 +158,7 @@ impl Fitter {
         }
     }
 
+    /// One stage of the search for the fastest curve; with the knots of the one before, and where there are more now.
     fn search(
         &mut self,
         limits: (&Limits, Rests),

@@ -119,7 +119,7 @@ pub(crate) struct Loads<const N: usize> {
 
 impl<const N: usize> Loads<N> {
     pub(crate) fn of(limits: &Limits) -> Self {
-        let jerky = [&limits.feed, &limits.rapid].iter().any(|bounds| bounds.has_jerk());
+        let jerky = limits.has_jerk();
         Self { feed: Over::of(&limits.feed), rapid: Over::of(&limits.rapid), jerky }
     }
 

@@ -111,3 +111,10 @@ pub struct Limits {
     /// In rapids.
     pub rapid: Bounds,
 }
+
+impl Limits {
+    /// Whether any axis has a limit of jerk, while cutting or in rapids.
+    pub(crate) fn has_jerk(&self) -> bool {
+        self.feed.has_jerk() || self.rapid.has_jerk()
+    }
+}

@@ -92,6 +92,7 @@ pub struct Law {
     ready: VecDeque<Timed>,
     beta: Vec<f64>,
     fast: Vec<f64>,
+    /// Memory of `reach`.
     bounds: reach::Bounds,
     /// Whether any axis has a limit of jerk.
     jerky: bool,
