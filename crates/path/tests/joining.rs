@@ -150,21 +150,38 @@ fn check_with(segments: &[Segment], tolerance: f64, jerk: f64) -> Vec<Piece> {
     let (path, curve) = (programmed(segments), followed(&pieces));
     let far = farthest(&curve, &path, tolerance);
     assert!(far <= tolerance * 1.001 + CHORDS, "{far} mm from the path with P {tolerance}");
-    // nor does it cut a place off
+    // nor does it cut a place off by more than the point of a right angle, where it is P from both lines
     let far = farthest(&path, &curve, tolerance);
-    assert!(far <= tolerance * 1.001 + CHORDS, "{far} mm are cut off with P {tolerance}");
+    let corner = std::f64::consts::SQRT_2 * tolerance;
+    assert!(far <= corner * 1.001 + CHORDS, "{far} mm are cut off with P {tolerance}");
     pieces
 }
 
 #[test]
-fn a_corner_of_two_long_lines_is_passed_at_p() {
+fn a_corner_of_two_long_lines_is_passed_at_p_from_both() {
     let points = [at(0.0, 0.0, 0.0), at(100.0, 0.0, 0.0), at(100.0, 100.0, 0.0)];
     let pieces = check(&lines(&points, 0.1), 0.1);
     // a line, the way out, six parts of the turn, the way back, a line
     assert_eq!(pieces.len(), 10);
     // by symmetry in the middle
     let middle = end(&pieces[4]).q;
-    assert!((apart(&middle, &points[1]) - 0.0999).abs() < 1e-9, "{middle:?}");
+    assert!(apart(&middle, &at(99.9001, 0.0999, 0.0)) < 1e-9, "{middle:?}");
+}
+
+/// Within P of both lines it could be passed at P/sin 15°, nearly four times P.
+#[test]
+fn an_acute_corner_is_passed_no_farther_away_than_a_right_angle() {
+    let (sin, cos) = 30_f64.to_radians().sin_cos();
+    for length in [1.0, 100.0] {
+        let points =
+            [at(-length, 0.0, 0.0), at(0.0, 0.0, 0.0), at(-length * cos, length * sin, 0.0)];
+        for jerk in [f64::INFINITY, 20e3] {
+            let pieces = check_with(&lines(&points, 0.1), 0.1, jerk);
+            let away =
+                followed(&pieces).iter().map(|(_, q)| apart(q, &points[1])).fold(1.0, f64::min);
+            assert!((0.9..1.0).contains(&(away / 0.1 / std::f64::consts::SQRT_2)), "{away} mm");
+        }
+    }
 }
 
 #[test]

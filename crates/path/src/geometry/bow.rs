@@ -18,6 +18,8 @@
 //! bend grows more gently then, too, which is what jerk asks for. Corners of a few degrees are passed nearly at the
 //! feed, which ṡ may not exceed; there ρ = 2 is faster, as the path is hardly longer than its chord.
 
+use super::corner::inner;
+
 /// Corners with a smaller k have ρ = 2: 23°.
 const SHALLOW: f64 = 0.2;
 
@@ -43,23 +45,24 @@ impl Bow {
     /// Between two lines whose slopes differ by 2·k, within a distance of `p`; `side` is how far from a line a step along the
     /// other one leads at most. It swings out as far as a reach of `room` lets it.
     pub(crate) fn of(k: f64, side: f64, p: f64, room: f64) -> Self {
+        let inner = inner(k, side);
         let with = |ratio: f64| {
-            let most = (2.0 * k * middle(ratio)).max(lowest(ratio) * side);
+            let most = (inner * middle(ratio)).max(lowest(ratio) * side);
             Self { reach: p / most, ratio }
         };
-        if k < SHALLOW || Self::narrow(k, p) >= room {
-            return Self { reach: Self::narrow(k, p), ratio: INNER };
+        if k < SHALLOW || Self::narrow(inner, p) >= room {
+            return Self { reach: Self::narrow(inner, p), ratio: INNER };
         }
-        let both = with(halved(SWINGING, |ratio| 2.0 * k * middle(ratio) > lowest(ratio) * side));
+        let both = with(halved(SWINGING, |ratio| inner * middle(ratio) > lowest(ratio) * side));
         if both.reach <= room {
             return both;
         }
         with(halved([INNER, both.ratio], |ratio| with(ratio).reach <= room))
     }
 
-    /// Reach of one on the inner side alone, ⅜·h·k = P.
-    pub(crate) fn narrow(k: f64, p: f64) -> f64 {
-        p / (2.0 * k * middle(INNER))
+    /// Reach of one on the inner side alone, 3/16·h·max(sin θ, √2·k) = P.
+    pub(crate) fn narrow(inner: f64, p: f64) -> f64 {
+        p / (inner * middle(INNER))
     }
 }
 
@@ -114,7 +117,7 @@ mod tests {
     fn both_sides_of_a_right_angle_are_used_alike() {
         let path = blend(Bow::of(K, 1.0, 0.01, 10.0));
         let middle = path.at(path.length() / 2.0).q;
-        assert!((libm::hypot(middle[0], middle[1]) - 0.01).abs() < 1e-6, "{middle:?}");
+        assert!((middle[0] + 0.01).abs() < 1e-6 && (middle[1] - 0.01).abs() < 1e-6, "{middle:?}");
         let least = (0..=1000)
             .map(|n| path.at(path.length() * f64::from(n) / 1000.0).q[1])
             .fold(0.0, f64::min);
@@ -123,15 +126,15 @@ mod tests {
 
     #[test]
     fn where_there_is_no_room_the_blend_keeps_to_the_inner_side() {
-        let bow = Bow::of(0.7, 1.0, 0.01, 0.0);
-        // ⅜·h·k at the corner
+        let bow = Bow::of(K, 1.0, 0.01, 0.0);
+        // 3/16·h from both lines
         assert_eq!(bow.ratio, INNER);
-        assert!((bow.reach - 0.01 / (0.375 * 0.7)).abs() < 1e-12);
+        assert!((bow.reach - 0.01 * 16.0 / 3.0).abs() < 1e-12);
     }
 
     #[test]
     fn it_reaches_as_far_as_there_is_room() {
-        for room in [0.05, 0.1, 0.2, 0.3] {
+        for room in [0.06, 0.1, 0.2, 0.3] {
             let bow = Bow::of(K, 1.0, 0.01, room);
             assert!((bow.reach - room).abs() < 1e-4 * room, "{bow:?} for {room}");
         }

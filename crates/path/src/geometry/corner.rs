@@ -16,8 +16,8 @@
 //!
 //! One axis comes to rest while the other one leaves it: how long both may do so at once is the time that a blend saves over
 //! a stop. b is how an axis leaves rest: with an acceleration that is there at once, or one that grows all the time where
-//! jerk is limited. Swinging out before it turns lets the path begin to turn much sooner within the same distance. The corner
-//! itself, and no part of the lines, is farther than P from the path.
+//! jerk is limited. Swinging out before it turns lets the path begin to turn much sooner within the same distance. It is within
+//! P of either line, and passes no corner farther away than a right angle, which is at √2·P then.
 //!
 //! The pieces run by s, with ds/dt = dα/dt + dβ/dt: slope and bend are those of the lines at both ends, and in the middle s
 //! runs evenly with t.
@@ -89,6 +89,14 @@ const QUICK: f64 = 0.02;
 /// A blend reaches no farther than the shorter move over this: two of them find place on a move.
 pub(crate) const ROOM: f64 = 2.04;
 
+/// A corner is passed no farther away than so many tolerances: as a right angle is, within P of both lines.
+pub(crate) const DEEPEST: f64 = core::f64::consts::SQRT_2;
+
+/// How far from the lines, and over √2 from their corner, one step along both of them leads at most.
+pub(crate) fn inner(k: f64, side: f64) -> f64 {
+    side.max(2.0 / DEEPEST * k)
+}
+
 /// Shape of a blend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Corner {
@@ -107,7 +115,7 @@ impl Corner {
     /// limited, as far as it may, or not at all. `None`: the lines are too short for it.
     pub(crate) fn of(k: f64, side: f64, p: f64, shorter: f64, bend: Bend) -> Option<Self> {
         let (half, whole) = (bend.leaving(0.5)[0], bend.leaving(1.0)[0]);
-        let (m, over) = (p / (2.0 * k), whole / half);
+        let (m, over) = (p / inner(k, side), whole / half);
         let (room, most) = (shorter / ROOM - m * over, p.min(p / side));
         // reach = (w + m)·over − w + σ·w
         let [short, long] = bend.lead().map(|lead| lead + over - 1.0);
@@ -210,8 +218,8 @@ mod tests {
                     (0..=200).map(|n| piece.position(piece.length() * f64::from(n) / 200.0))
                 })
                 .collect();
-            let near = points.iter().map(|q| libm::hypot(q[0], q[1])).fold(1.0, f64::min);
-            assert!((near - 0.01).abs() < 1e-6, "passes the corner at {near}");
+            let inside = points.iter().map(|q| q[1].min(-q[0])).fold(0.0, f64::max);
+            assert!((inside - 0.01).abs() < 1e-6, "is {inside} from both lines");
             let least = points.iter().map(|q| q[1]).fold(0.0, f64::min);
             assert!((least + 0.01).abs() < 1e-6, "swings out by {least}");
             let first = points[0];
@@ -221,8 +229,8 @@ mod tests {
 
     #[test]
     fn where_there_is_no_room_the_blend_keeps_to_the_inner_side() {
-        assert_eq!(right_angle(0.02, Bend::Quick).swing, 0.0);
-        assert_eq!(blend(right_angle(0.02, Bend::Quick)).len(), 4);
+        assert_eq!(right_angle(0.03, Bend::Quick).swing, 0.0);
+        assert_eq!(blend(right_angle(0.03, Bend::Quick)).len(), 4);
         let short = Corner::of(core::f64::consts::FRAC_1_SQRT_2, 1.0, 0.01, 2.8, Bend::Even);
         assert_eq!(short, None, "130·P and more to either side");
     }

@@ -18,6 +18,7 @@
 //! bends least, and `fastest`, from there, the one that takes the least time.
 //! Position, slope and bend at both ends are given, which fixes three control points each.
 use super::fastest::{Fastest, Rests, Stage};
+use super::fillet::allowed;
 use super::join::{Segment, Waiting, distance};
 use super::knots::{self, Way};
 use super::load::Place;
@@ -343,7 +344,8 @@ impl Fitter {
         let square: f64 =
             (0..4).filter(|j| free.contains(&(*span + j))).map(|j| basis[j] * basis[j]).sum();
         let per_square = if square > 1e-6 { 1.0 / square } else { 0.0 };
-        Sample { first: *span, basis, p: way.on(i, u), tolerance, per_square }
+        let (p, tolerance) = allowed(way, i, u, tolerance);
+        Sample { first: *span, basis, p, tolerance, per_square }
     }
 
     /// Bring samples back until all are near enough, then find the curve that bends least. `false`: some are not;

@@ -16,7 +16,7 @@
 //! was chopped finely has small corners, which would allow blends much longer than its moves, and therefore none of them is.
 use super::bezier::measure;
 use super::bow::{Bow, INNER};
-use super::corner::{Bend, Corner, ROOM};
+use super::corner::{Bend, Corner, ROOM, inner};
 use super::fastest::Rests;
 use super::{AXES, Curve, Derivatives, Entry, Limits, Line, Piece, Point, Polynomial, Shape, fit};
 use alloc::vec::Vec;
@@ -397,7 +397,8 @@ fn joint(before: &Waiting, segment: &Segment, start: &Derivatives, bend: Bend) -
     if let (Curve::Line(a), Curve::Line(b)) = (&before.segment.curve, &segment.curve) {
         let shorter = a.length.min(b.length);
         let p = tolerance * EXACT;
-        let (side, narrow) = (side(k, &before.end.q1, &start.q1), Bow::narrow(k, p));
+        let side = side(k, &before.end.q1, &start.q1);
+        let narrow = Bow::narrow(inner(k, side), p);
         if let Some(corner) = Corner::of(k, side, p, shorter, bend) {
             let reach = corner.reach();
             return Joint { reach, narrow, corner: Some(corner), ..joint };

@@ -22,6 +22,7 @@ mod bezier;
 mod bow;
 mod corner;
 mod fastest;
+mod fillet;
 mod fit;
 mod gathered;
 mod join;
