@@ -40,13 +40,16 @@ impl<const B: usize> Banded<B> {
         }
     }
 
-    /// Solve for the right-hand side that `x` is; the matrix is spent. `regular`: by how much, as a share, its diagonal is
-    /// made larger against rounding.
-    pub(crate) fn solve(&mut self, x: &mut [[f64; B]], regular: f64) {
+    /// Solve for the right-hand side that `x` is; the matrix is spent. `damping`: by how much, as a share, its diagonal is
+    /// made larger.
+    pub(crate) fn solve(&mut self, x: &mut [[f64; B]], damping: f64) {
+        for row in &mut self.rows {
+            (0..B).for_each(|i| row[0][i][i] *= 1.0 + damping);
+        }
         for at in 0..x.len() {
             let (above, below) = self.rows.split_at_mut(at + 1);
             let row = &mut above[at];
-            within(row, &mut x[at], regular);
+            within(row, &mut x[at]);
             let behind = SAY.min(x.len() - at);
             for k in 1..behind {
                 let mut shares = row[k];
@@ -82,9 +85,9 @@ impl<const B: usize> Banded<B> {
 }
 
 /// Elimination within a row of blocks.
-fn within<const B: usize>(row: &mut [Block<B>; SAY], x: &mut [f64; B], regular: f64) {
+fn within<const B: usize>(row: &mut [Block<B>; SAY], x: &mut [f64; B]) {
     for i in 0..B {
-        let pivot = (row[0][i][i] * (1.0 + regular)).max(f64::MIN_POSITIVE);
+        let pivot = row[0][i][i].max(f64::MIN_POSITIVE);
         row[0][i][i] = pivot;
         for k in i + 1..B {
             let share = row[0][i][k] / pivot;

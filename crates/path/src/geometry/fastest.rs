@@ -45,8 +45,9 @@ const FAR: f64 = 0.6;
 const BEGIN: f64 = 0.5;
 const LOWERED: usize = 64;
 const LOWER: f64 = 0.8;
-/// Against rounding: of the matrix' diagonal.
-const REGULAR: f64 = 1e-9;
+/// Of the matrix' diagonal: where control points move along the curve it stays nearly the same, and a step would be lost in what
+/// the equations hardly determine (Marquardt, *An Algorithm for Least-Squares Estimation of Nonlinear Parameters*, 1963).
+const DAMPING: f64 = 1e-6;
 /// Control points at each end that are given.
 const GIVEN: usize = 3;
 /// Places of a span, and the shares of its time that those at its ends and the one in its middle stand for (Simpson's rule).
@@ -321,7 +322,7 @@ impl<const N: usize, const B: usize> Fastest<N, B> {
         }
         self.step.clear();
         self.step.extend(self.gradient.iter().map(|g| g.map(|g| -g)));
-        self.matrix.solve(&mut self.step, REGULAR);
+        self.matrix.solve(&mut self.step, DAMPING);
         let all = self.step.as_flattened().iter().zip(self.gradient.as_flattened());
         all.map(|(step, g)| step * g).sum()
     }
