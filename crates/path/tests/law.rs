@@ -1,11 +1,10 @@
 //! What the law of time promises, checked on the setpoints that a machine would get.
+mod setpoints;
 use path::geometry::{Bezier, Joiner, Line, Segment};
 use path::law::{Config, Law, Timed};
 use path::{AXES, Bounds, Curve, Entry, Limits, Piece, Shape};
 use proptest::prelude::*;
-
-/// Servo period of the checks, s.
-const PERIOD: f64 = 1e-3;
+use setpoints::{PERIOD, inside, joined, loads, setpoints};
 
 fn bounds(speed: f64, accel: f64, jerk: f64) -> Bounds {
     Bounds { speed: [speed; AXES], accel: [accel; AXES], jerk: [jerk; AXES] }
@@ -36,73 +35,6 @@ fn timed(pieces: &[Piece], config: &Config) -> Vec<Timed> {
 
 fn duration(phases: &[Timed]) -> f64 {
     phases.iter().map(|t| t.phase.duration).sum()
-}
-
-/// Positions of the axes at each period; at rest before and after.
-fn setpoints(pieces: &[Piece], phases: &[Timed]) -> Vec<[f64; AXES]> {
-    let mut points = vec![pieces[0].at(0.0).q; 4];
-    let mut t = 0.0;
-    for Timed { piece, phase } in phases {
-        while t < phase.duration {
-            points.push(pieces[*piece as usize].at(phase.at(t).0).q);
-            t += PERIOD;
-        }
-        t -= phase.duration;
-    }
-    let last = pieces[pieces.len() - 1];
-    points.extend([last.at(last.length()).q; 4]);
-    points
-}
-
-/// Largest |speed|, |acceleration|, |jerk| of any axis over its limit, by differences.
-fn loads(points: &[[f64; AXES]], b: &Bounds) -> [f64; 3] {
-    let mut most = [0.0_f64; 3];
-    for k in 0..AXES {
-        for w in points.windows(4) {
-            let d1 = (w[1][k] - w[0][k]) / PERIOD;
-            let d2 = (w[2][k] - 2.0 * w[1][k] + w[0][k]) / PERIOD.powi(2);
-            let d3 = (w[3][k] - 3.0 * w[2][k] + 3.0 * w[1][k] - w[0][k]) / PERIOD.powi(3);
-            for (m, x) in most.iter_mut().zip([d1 / b.speed[k], d2 / b.accel[k], d3 / b.jerk[k]]) {
-                *m = m.max(x.abs());
-            }
-        }
-    }
-    most
-}
-
-/// Largest |speed|, |acceleration|, |jerk| of any axis over its limit, at nine places of every phase.
-fn inside(pieces: &[Piece], phases: &[Timed], b: &Bounds) -> [f64; 3] {
-    let mut most = [0.0_f64; 3];
-    for Timed { piece, phase } in phases {
-        for n in 0..=8 {
-            let (s, v, a) = phase.at(phase.duration * f64::from(n) / 8.0);
-            let d = pieces[*piece as usize].at(s);
-            for k in 0..AXES {
-                let speed = d.q1[k] * v / b.speed[k];
-                let accel = (d.q1[k] * a + d.q2[k] * v * v) / b.accel[k];
-                let jerk = d.q1[k] * phase.j + 3.0 * d.q2[k] * v * a + d.q3[k] * v * v * v;
-                for (m, x) in most.iter_mut().zip([speed, accel, jerk / b.jerk[k]]) {
-                    *m = m.max(x.abs());
-                }
-            }
-        }
-    }
-    most
-}
-
-fn joined(pieces: &[Piece], phases: &[Timed]) {
-    for w in phases.windows(2) {
-        let (a, b) = (&w[0], &w[1]);
-        let (s, v, _) = a.phase.at(a.phase.duration);
-        assert!((v - b.phase.v).abs() < 1e-6 * (1.0 + v), "speed jumps: {a:?} {b:?}");
-        if a.piece == b.piece {
-            assert!((s - b.phase.s).abs() < 1e-9 * (1.0 + s), "place jumps: {a:?} {b:?}");
-        } else {
-            let left = pieces[a.piece as usize].length() - s;
-            assert!(left.abs() < 1e-9 * (1.0 + s), "{left} mm are left: {a:?} {b:?}");
-            assert!(b.phase.s.abs() < 1e-9, "{b:?} begins late");
-        }
-    }
 }
 
 #[test]
