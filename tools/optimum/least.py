@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""How long a program of lines must take at least, whatever the path within P of them. least.py [--jerk] PROGRAM ...
+"""How long a program of lines must take at least, however it is joined within P. least.py [--jerk] PROGRAM ...
 
-X, Y and Z 200 mm/s and 1000 mm/s² each, with --jerk 20 m/s³. Any path within P of the lines, and within sqrt(2)*P of each of
-their ends (D below), comes within D of every place of theirs, one after the other. Of each axis alone it follows then:
+X, Y and Z 200 mm/s and 1000 mm/s² each, with --jerk 20 m/s³. A path that goes along the lines in their order, within P of them and
+within sqrt(2)*P of each of their ends (D below), comes within D of every place of theirs, one after the other. Of each axis alone it follows then:
 
   - Where the lines turn back by more than 2*D, the axis comes to rest, at most D before the turning point and P behind it.
   - Between two such rests it takes 2*sqrt(way/A) or more; on the way v*v <= 2*A*(way to either of them).
@@ -17,16 +17,21 @@ import numpy as np
 SPEED, ACCEL, JERK = 200.0, 1000.0, 20e3
 LEADSCREW = pathlib.Path(__file__).resolve().parents[2] / "target/release/leadscrew"
 PLACE = re.compile(r"STRAIGHT_(FEED|TRAVERSE)\(([^)]*)\)|SET_FEED_RATE\(([^)]*)\)|MODE\(CANON_CONTINUOUS, ([^)]*)\)")
+UNKNOWN = re.compile(r"ARC_FEED|NURBS|CANON_UNITS_INCHES")
 
 
 def lines(program, tolerance, step):
     """P, and places at most so far apart, each with the feed to it (mm/s)."""
     words = [LEADSCREW, "canon", program, "--format", "linuxcnc"]
     said = subprocess.run(words, capture_output=True, text=True, check=True).stdout
+    if found := UNKNOWN.search(said):
+        sys.exit(f"{program}: lines in mm only, found {found[0]}")
+    stated = {float(p) for _, _, _, p in PLACE.findall(said) if p and float(p) > 0.0}
+    if tolerance is None and len(stated) > 1:
+        sys.exit(f"{program}: one P only, found {sorted(stated)}; --tolerance with the largest gives a bound")
+    tolerance = tolerance or (stated or {0.01}).pop()
     places, feeds, feed = [np.zeros(3)], [math.inf], math.inf
-    for kind, place, rate, p in PLACE.findall(said):
-        if p and tolerance is None:
-            tolerance = float(p) or None
+    for kind, place, rate, _ in PLACE.findall(said):
         if rate:
             feed = float(rate) / 60.0
         if not place:
@@ -37,7 +42,7 @@ def lines(program, tolerance, step):
         count = math.ceil(np.abs(to - places[-1]).max() / step)
         places += [places[-1] + (to - places[-1]) * k / count for k in range(1, count + 1)]
         feeds += [math.inf if kind == "TRAVERSE" else feed] * count
-    return tolerance or 0.01, np.array(places), np.array(feeds)
+    return tolerance, np.array(places), np.array(feeds)
 
 
 def turns(v, band):
@@ -80,6 +85,8 @@ def between(a, b, low, high):
 
 
 class Axis:
+    """Its runs between turns; x and y are ways along one of them."""
+
     def __init__(self, v, p, jerk):
         self.p, self.near = p, math.sqrt(2.0) * p
         at = turns(v, 2.0 * self.near)

@@ -18,7 +18,7 @@
 //! bend grows more gently then, too, which is what jerk asks for. Corners of a few degrees are passed nearly at the
 //! feed, which ṡ may not exceed; there ρ = 2 is faster, as the path is hardly longer than its chord.
 
-use super::corner::inner;
+use super::corner::off;
 
 /// Corners with a smaller k have ρ = 2: 23°.
 const SHALLOW: f64 = 0.2;
@@ -45,15 +45,15 @@ impl Bow {
     /// Between two lines whose slopes differ by 2·k, within a distance of `p`; `side` is how far from a line a step along the
     /// other one leads at most. It swings out as far as a reach of `room` lets it.
     pub(crate) fn of(k: f64, side: f64, p: f64, room: f64) -> Self {
-        let inner = inner(k, side);
+        let off = off(k, side);
         let with = |ratio: f64| {
-            let most = (inner * middle(ratio)).max(lowest(ratio) * side);
+            let most = (off * middle(ratio)).max(lowest(ratio) * side);
             Self { reach: p / most, ratio }
         };
-        if k < SHALLOW || Self::narrow(inner, p) >= room {
-            return Self { reach: Self::narrow(inner, p), ratio: INNER };
+        if k < SHALLOW || Self::narrow(off, p) >= room {
+            return Self { reach: Self::narrow(off, p), ratio: INNER };
         }
-        let both = with(halved(SWINGING, |ratio| inner * middle(ratio) > lowest(ratio) * side));
+        let both = with(halved(SWINGING, |ratio| off * middle(ratio) > lowest(ratio) * side));
         if both.reach <= room {
             return both;
         }
@@ -61,8 +61,8 @@ impl Bow {
     }
 
     /// Reach of one on the inner side alone, 3/16·h·max(sin θ, √2·k) = P.
-    pub(crate) fn narrow(inner: f64, p: f64) -> f64 {
-        p / (inner * middle(INNER))
+    pub(crate) fn narrow(off: f64, p: f64) -> f64 {
+        p / (off * middle(INNER))
     }
 }
 

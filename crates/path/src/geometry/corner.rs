@@ -16,8 +16,8 @@
 //!
 //! One axis comes to rest while the other one leaves it: how long both may do so at once is the time that a blend saves over
 //! a stop. b is how an axis leaves rest: with an acceleration that is there at once, or one that grows all the time where
-//! jerk is limited. Swinging out before it turns lets the path begin to turn much sooner within the same distance. It is within
-//! P of either line, and passes no corner farther away than a right angle, which is at √2·P then.
+//! jerk is limited. Swinging out before it turns lets the path begin to turn much sooner within the same distance. In its middle
+//! it is P from both lines, m·sin θ = P, but no farther from an acute corner than from a right angle's, √2·P: m·2·k = √2·P.
 //!
 //! The pieces run by s, with ds/dt = dα/dt + dβ/dt: slope and bend are those of the lines at both ends, and in the middle s
 //! runs evenly with t.
@@ -92,9 +92,9 @@ pub(crate) const ROOM: f64 = 2.04;
 /// A corner is passed no farther away than so many tolerances: as a right angle is, within P of both lines.
 pub(crate) const DEEPEST: f64 = core::f64::consts::SQRT_2;
 
-/// How far from the lines, and over √2 from their corner, one step along both of them leads at most.
-pub(crate) fn inner(k: f64, side: f64) -> f64 {
-    side.max(2.0 / DEEPEST * k)
+/// max(sin θ, √2·k): a place m along both lines is so many m from them, or from their corner over [`DEEPEST`].
+pub(crate) fn off(k: f64, side: f64) -> f64 {
+    side.max(2.0 * k / DEEPEST)
 }
 
 /// Shape of a blend.
@@ -115,7 +115,7 @@ impl Corner {
     /// limited, as far as it may, or not at all. `None`: the lines are too short for it.
     pub(crate) fn of(k: f64, side: f64, p: f64, shorter: f64, bend: Bend) -> Option<Self> {
         let (half, whole) = (bend.leaving(0.5)[0], bend.leaving(1.0)[0]);
-        let (m, over) = (p / inner(k, side), whole / half);
+        let (m, over) = (p / off(k, side), whole / half);
         let (room, most) = (shorter / ROOM - m * over, p.min(p / side));
         // reach = (w + m)·over − w + σ·w
         let [short, long] = bend.lead().map(|lead| lead + over - 1.0);

@@ -17,7 +17,7 @@
 //!   ∫ (1 − μ·Σ log(1 − x²)) du/√b         x: what is to be at most 1 of the above; μ becomes smaller and smaller
 //! ```
 //!
-//! with the eighth power in place of the square where x is how far the curve is off: to be near the programmed path is worth
+//! with the eighth power in place of the square where x is how far the curve is off (p and P as `fit` has them): to be near is worth
 //! nothing within the tolerance, and what is straight should not bend for it. x is a product of shape and speed, so this is
 //! not convex: the method begins at the curve that bends least and takes Gauss's steps, which only count x's own first
 //! derivatives, no farther than the goal falls. The speeds found serve to find the shape alone; `law` plans the time along it.

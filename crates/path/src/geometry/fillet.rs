@@ -7,6 +7,11 @@
 //!     ╰─╮ │   C             lies beside the corner's plane is near to neither line
 //! ```
 //!
+//! | symbol | meaning |
+//! |---|---|
+//! | θ, k | by how much the lines turn; sin θ/2 |
+//! | d, r | how far the fillet's middle is from the corner; the radius of the ball there |
+//!
 //! Within P of the programmed places, one by one, the path would pass the corner at P. An acute one is not passed farther away
 //! than a right angle is, at √2·P.
 use super::corner::DEEPEST;
@@ -16,7 +21,8 @@ use super::{Curve, Point};
 
 /// Corners with a smaller k (= sin θ/2) keep their point: X is less than P/100 farther away than P.
 const SHALLOW: f64 = 0.14;
-/// d over what X is farther away than P: path and fillet reach X when this is 2, and keep some of the outer side when it is less.
+/// d over what X is farther away than P: the larger, the more of the inner side is allowed, nearly up to X, and the less of the
+/// outer one.
 const DEPTH: f64 = 1.4;
 
 /// At a parameter on a move: a place, and how near to it the path must be so that it is within `p` of the programmed one.
@@ -109,20 +115,21 @@ mod tests {
             turn in 0.3..core::f64::consts::PI,
             length in 1.0..10.0_f64,
             share in -1.0..1.0_f64,
-            heading in 0.0..6.3_f64,
-            climb in -1.0..1.0_f64,
         ) {
             let length = length * P;
             let (sin, cos) = turn.sin_cos();
             let slopes = [[1.0, 0.0, 0.0], [cos, sin, 0.0]];
             let Some(fillet) = Fillet::of((turn / 2.0).sin(), length, P) else { return Ok(()) };
             let Some(([a, b], radius)) = fillet.at(share * fillet.reach) else { return Ok(()) };
-            let flat = (1.0 - climb * climb).sqrt();
-            let aside = [flat * heading.cos(), flat * heading.sin(), climb];
-            let q: [f64; 3] =
-                core::array::from_fn(|i| a * slopes[0][i] + b * slopes[1][i] + radius * aside[i]);
-            let near = from_line(q, slopes[0], -length).min(from_line(q, slopes[1], length));
-            prop_assert!(near < P * (1.0 + 1e-9), "{near} from the lines");
+            for step in 0..64 * 16 {
+                let (heading, climb) = (f64::from(step / 16) / 10.0, f64::from(step % 16) / 15.0);
+                let flat = (1.0 - climb * climb).sqrt();
+                let aside = [flat * heading.cos(), flat * heading.sin(), climb];
+                let place = |i: usize| a * slopes[0][i] + b * slopes[1][i] + radius * aside[i];
+                let q: [f64; 3] = core::array::from_fn(place);
+                let near = from_line(q, slopes[0], -length).min(from_line(q, slopes[1], length));
+                prop_assert!(near < P * (1.0 + 1e-9), "{near} from the lines");
+            }
         }
     }
 

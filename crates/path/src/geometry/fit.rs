@@ -8,7 +8,8 @@
 //!
 //! | symbol | meaning |
 //! |---|---|
-//! | u | length along the programmed path p |
+//! | u | length along the programmed path |
+//! | p | its places; beside a corner of lines those of `fillet`, with a smaller P |
 //! | Nⱼ, Pⱼ | the spline's basis (de Boor) and its control points |
 //!
 //! Control points begin on the programmed path (which makes the spline smoother than the path, whatever the way it was
@@ -50,6 +51,7 @@ pub(crate) struct Sample {
     /// First of its four control points.
     pub(crate) first: usize,
     pub(crate) basis: [f64; 4],
+    /// The place to be near to, and how near.
     pub(crate) p: Point,
     pub(crate) tolerance: f64,
     /// One over the sum of squares of the basis over free control points; zero: none is free.

@@ -16,7 +16,7 @@
 //! was chopped finely has small corners, which would allow blends much longer than its moves, and therefore none of them is.
 use super::bezier::measure;
 use super::bow::{Bow, INNER};
-use super::corner::{Bend, Corner, ROOM, inner};
+use super::corner::{Bend, Corner, ROOM, off};
 use super::fastest::Rests;
 use super::{AXES, Curve, Derivatives, Entry, Limits, Line, Piece, Point, Polynomial, Shape, fit};
 use alloc::vec::Vec;
@@ -398,7 +398,7 @@ fn joint(before: &Waiting, segment: &Segment, start: &Derivatives, bend: Bend) -
         let shorter = a.length.min(b.length);
         let p = tolerance * EXACT;
         let side = side(k, &before.end.q1, &start.q1);
-        let narrow = Bow::narrow(inner(k, side), p);
+        let narrow = Bow::narrow(off(k, side), p);
         if let Some(corner) = Corner::of(k, side, p, shorter, bend) {
             let reach = corner.reach();
             return Joint { reach, narrow, corner: Some(corner), ..joint };
