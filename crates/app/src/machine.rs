@@ -9,7 +9,12 @@ use store::machine::{self, MachineFile, Reaction};
 pub(crate) fn command(order: &MachineCommand) -> Result<(), Refused> {
     match order {
         MachineCommand::List => list(),
-        MachineCommand::Show { machine } => say::out(&text(machine)?),
+        MachineCommand::Show { machine, seed } => {
+            let text = text(machine)?;
+            // a file that is wrong is shown as it is
+            let plant = load(machine).map(|file| crate::plant_table::lines(&file, *seed));
+            say::out(&(text + &plant.unwrap_or_default()))
+        }
         MachineCommand::Check { machine } => {
             let file = load(machine)?;
             let mut text = format!("{}: in order. {}\n", file.name, file.description);

@@ -44,6 +44,7 @@ mod papers;
 mod patience;
 mod pieces;
 mod plant;
+mod plant_table;
 mod polygon;
 mod preflight;
 mod program;

@@ -115,13 +115,22 @@ fn fits(item: Item<Fault>, machine: &MachineFile) -> Result<Item<Fault>, String>
     let spindles = machine.spindles.len();
     let text = &item.text;
     match item.what {
-        Fault::AxisDrive(axis) | Fault::Stuck(axis) | Fault::Jump(axis, _) if !has_axis(axis) => {
+        Fault::AxisDrive(axis)
+        | Fault::Stuck(axis)
+        | Fault::Jump(axis, _)
+        | Fault::ScaleError(axis, _)
+            if !has_axis(axis) =>
+        {
             let axes = canon::Axis::ALL.iter().filter(|axis| machine.axis(**axis).is_some());
             let axes: String = axes.map(|axis| axis.letter()).collect();
             let letter = canon::Axis::ALL[axis].letter();
             Err(format!("\"{text}\": {} has no axis {letter}, only {axes}", machine.name))
         }
-        Fault::SpindleDrive(spindle) | Fault::TorqueLoss(spindle, _) if spindle >= spindles => {
+        Fault::SpindleDrive(spindle)
+        | Fault::TorqueLoss(spindle, _)
+        | Fault::Eccentricity(spindle, _)
+            if spindle >= spindles =>
+        {
             let most = spindles.saturating_sub(1);
             let name = &machine.name;
             Err(format!("\"{text}\": {name} has no spindle {spindle}: its last one is {most}"))
@@ -191,6 +200,24 @@ fn angle(text: &str) -> Result<Angle, String> {
     measure(text, &[("rev", 1.0), ("deg", 1.0 / 360.0)], "0.25rev").map(Angle::rev)
 }
 
+/// How far an encoder's reading may swing: less than what makes it turn back within a revolution.
+fn amplitude(text: &str) -> Result<Angle, String> {
+    let found = angle(text)?;
+    let most = Angle::deg(45.0);
+    if found.abs() > most {
+        return Err(format!("expected an amplitude of 45deg at most, found {text}"));
+    }
+    Ok(found)
+}
+
+fn ppm(text: &str) -> Result<f64, String> {
+    let found = measure(text, &[("ppm", 1e-6), ("%", 1e-2)], "50ppm")?;
+    if found.abs() > 0.1 {
+        return Err(format!("expected 10% at most, found {text}"));
+    }
+    Ok(found)
+}
+
 fn percent(text: &str) -> Result<f64, String> {
     let number = text.strip_suffix('%').unwrap_or(text).parse::<f64>();
     number
@@ -228,7 +255,7 @@ fn left(lost: &str) -> Result<f64, String> {
 }
 
 /// Each fault, and what it takes.
-const FAULTS: [(&str, &str); 12] = [
+const FAULTS: [(&str, &str); 14] = [
     ("power-cut", ""),
     ("kill", ""),
     ("emergency-stop", ""),
@@ -238,6 +265,8 @@ const FAULTS: [(&str, &str); 12] = [
     ("dropout", " TIME"),
     ("stuck", " AXIS"),
     ("feedback-jump", " AXIS LENGTH"),
+    ("scale-error", " AXIS PPM"),
+    ("eccentricity", " ANGLE [spindle N]"),
     ("late", ""),
     ("missed", ""),
     ("torque-loss", " PERCENT [spindle N]"),
@@ -266,6 +295,11 @@ impl What for Fault {
             ["dropout", lasts] => time(lasts).map(Self::Dropout),
             ["stuck", letter] => axis(letter).map(Self::Stuck),
             ["feedback-jump", letter, by] => Ok(Self::Jump(axis(letter)?, length(by)?)),
+            ["scale-error", letter, by] => Ok(Self::ScaleError(axis(letter)?, ppm(by)?)),
+            ["eccentricity", by] => Ok(Self::Eccentricity(0, amplitude(by)?)),
+            ["eccentricity", by, "spindle", which] => {
+                Ok(Self::Eccentricity(spindle(which)?, amplitude(by)?))
+            }
             ["late"] => Ok(Self::Late),
             ["missed"] => Ok(Self::Missed),
             ["torque-loss", lost] => Ok(Self::TorqueLoss(0, left(lost)?)),

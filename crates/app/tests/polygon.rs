@@ -78,7 +78,8 @@ fn good(tool: u32, gear: &str, x: f64, flatness_um: f64) -> Value {
     let number = |key: &str| part[key].as_f64().unwrap();
     assert!(number("flatness_um") <= flatness_um, "{part}");
     assert!(number("tilt_deg").abs() <= 0.05, "{part}");
-    assert!(number("across_flats_error_um").abs() <= 5.0, "{part}");
+    // the screw of X errs by 3 µm at most once per revolution, here and where it was touched off, and twice in a diameter
+    assert!(number("across_flats_error_um").abs() <= 5.0 + 4.0 * 3.0, "{part}");
     part
 }
 

@@ -59,7 +59,7 @@ fn the_loops_bear_masses_that_the_machine_file_has_wrong_by_30_percent() {
 #[test]
 fn friction_play_and_cutting_force_may_scatter_by_30_percent() {
     for seed in 1..8 {
-        let machine = sim::Config { scatter: 0.3, seed, ..machine_with_work(1, &M6, 6.0) };
+        let machine = scattered(machine_with_work(1, &M6, 6.0), 0.3, seed);
         let (error, overrun) = judged(&machine, &control(&machine), &M6);
         assert!(error < 5.0 && overrun.abs() < 3.0, "seed {seed}: {error} µm, {overrun} µm");
     }
@@ -160,7 +160,7 @@ proptest::proptest! {
         let rpm = rpm.min(4000.0 / lead_mm); // what Z can follow and the run-up allows
         let to_mm = M6.surface_mm - depth;
         let order = TapOrder { lead_mm, rpm, to_mm, dwell_s, left, ..M6 };
-        let machine = sim::Config { scatter, seed, ..machine(1) };
+        let machine = scattered(machine(1), scatter, seed);
         let mut control = control(&machine);
         if let Some(transport) = transport {
             let prediction = Prediction::Observer;

@@ -19,6 +19,8 @@
 //! | Fm, Fk, Ff, F | motor, spring, friction, process and weight | N |
 //! | h | physics step | s |
 //!
+//! Beside its play and its spring the screw has errors of its lead, and the encoders of their own ([`crate::plant`]).
+//!
 //! Each step drifts half a step, kicks once, drifts half a step (position Verlet): exact under constant
 //! force, second order and free of numerical damping on the spring, one evaluation of the forces.
 //!
@@ -28,16 +30,15 @@
 //!
 //! Source: the two-mass model is that of any text on feed drives, e.g. Altintas, *Manufacturing
 //! Automation*, 2nd ed. 2012, ch. 5; friction as in [`crate::Lugre`].
-use crate::encoder::quantise;
 use crate::friction::{Guideway, between};
 use crate::lag::Lag;
-use crate::rng::Rng;
-use crate::{AxisEncoder, Lugre};
+use crate::plant::Transmission;
+use crate::{AxisEncoder, AxisErrors, AxisScatter, Lugre};
 use core::f64::consts::TAU;
 use units::{Force, Inertia, Length, Mass, Stiffness, Time, Torque};
 
 /// Standard gravity, m/s² (CGPM 1901).
-const GRAVITY: f64 = 9.806_65;
+pub(crate) const GRAVITY: f64 = 9.806_65;
 
 /// Slower than this for so long a motor stands, for its brake, m/s and s (estimate: a drive's standstill monitor).
 const BRAKE_STANDS: f64 = 0.5e-3;
@@ -77,8 +78,12 @@ pub struct AxisModel {
     pub brake: bool,
     /// Where the axis is measured.
     pub encoder: AxisEncoder,
-    /// Where it stands at the start.
+    /// Where it stands at the start, by its encoder.
     pub start: Length,
+    /// How far the axis as it was built may be from all this.
+    pub scatter: AxisScatter,
+    /// What is wrong with its screw and its encoders, as far as it is stated.
+    pub errors: AxisErrors,
 }
 
 impl AxisModel {
@@ -106,8 +111,7 @@ pub(crate) struct Axis {
     weight: f64,
     peak_force: f64,
     brake: bool,
-    encoder: AxisEncoder,
-    screw_lead_mm: f64,
+    screw: Transmission,
     lag: Lag,
     guideway: Guideway,
     process: f64,
@@ -133,31 +137,27 @@ struct Body {
 
 impl Axis {
     /// At rest, its table at the start, its screw stretched by the weight that hangs on it.
-    pub(crate) fn new(model: &AxisModel, scatter: f64, rng: &mut Rng, h: f64) -> Self {
+    /// `model` is the axis as it was built, `believed` as its maker states it.
+    pub(crate) fn new(model: &AxisModel, believed: &AxisModel, h: f64) -> Self {
         let (motor_mass, table_mass) = (model.motor_mass().value(), model.table.value());
         let reduced = motor_mass * table_mass / (motor_mass + table_mass);
         let stiffness = model.stiffness.value() * 1e3;
-        let friction_scale = rng.factor(scatter);
-        let play = model.backlash.value() * 1e-3 * rng.factor(scatter);
-        let weight = -table_mass * GRAVITY * model.weight_share;
-        let start = model.start.value() * 1e-3;
+        let screw = Transmission::new(model, believed);
         // a table that hangs on its screw stretches it; one that does not stands amid the play
-        let hang =
-            if weight == 0.0 { 0.0 } else { -weight / stiffness - weight.signum() * play / 2.0 };
+        let (motor, table) = screw.at(model.start.value() * 1e-3, model.hang_mm() * 1e-3);
         Self {
             half_step: h / 2.0,
             motor_rate: h / motor_mass,
             table_rate: h / table_mass,
             stiffness,
             damping: 2.0 * model.damping_ratio * (stiffness * reduced).sqrt(),
-            half_play: play / 2.0,
-            weight,
+            half_play: model.backlash.value() * 1e-3 / 2.0,
+            weight: model.weight().value(),
             peak_force: model.peak_force().value(),
             brake: model.brake,
-            encoder: model.encoder,
-            screw_lead_mm: model.screw_lead.value(),
+            screw,
             lag: Lag::new(model.force_lag.value(), h),
-            guideway: Guideway::new(&model.friction, friction_scale, h),
+            guideway: Guideway::new(&model.friction, h),
             process: 0.0,
             reference: 0.0,
             on: false,
@@ -165,8 +165,8 @@ impl Axis {
             off: (0.0, 0.0),
             stood: 0.0,
             force: 0.0,
-            motor: Body { x: start + hang, v: 0.0 },
-            table: Body { x: start, v: 0.0 },
+            motor: Body { x: motor, v: 0.0 },
+            table: Body { x: table, v: 0.0 },
             bristles: 0.0,
         }
     }
@@ -176,6 +176,7 @@ impl Axis {
         if self.on && !command.enable {
             (self.off, self.stood) = ((0.0, self.motor.v), 0.0);
         }
+        self.screw.begin_period(self.motor.x);
         self.on = command.enable;
         self.clamped &= !self.on;
         // a reference that is no number is no reference
@@ -196,11 +197,13 @@ impl Axis {
         let drive = self.lag.step(&mut self.force, self.reference);
         self.motor.x += self.half_step * self.motor.v;
         self.table.x += self.half_step * self.table.v;
-        let stretch = self.motor.x - self.table.x;
+        let ratio = self.screw.ratio;
+        let stretch = ratio * self.motor.x + self.screw.offset - self.table.x;
         let beyond_play = stretch - between(stretch, -self.half_play, self.half_play);
-        let spring = self.stiffness * beyond_play + self.damping * (self.motor.v - self.table.v);
+        let opening = ratio * self.motor.v - self.table.v;
+        let spring = self.stiffness * beyond_play + self.damping * opening;
         let friction = self.guideway.step(&mut self.bristles, self.table.v);
-        self.motor.v += self.motor_rate * (drive - spring);
+        self.motor.v += self.motor_rate * (drive - ratio * spring);
         // friction comes last: it takes longest to compute
         self.table.v += self.table_rate * (spring + self.process + self.weight);
         self.table.v -= self.table_rate * friction;
@@ -229,17 +232,7 @@ impl Axis {
 
     /// What the machine says of it.
     pub(crate) fn feedback(&self) -> bus::AxisFeedback {
-        let by_motor = |counts_per_rev: u32| {
-            let count = self.screw_lead_mm / f64::from(counts_per_rev);
-            Length::mm(quantise(self.motor.x * 1e3, count))
-        };
-        let (position, motor) = match self.encoder {
-            AxisEncoder::Motor { counts_per_rev } => (by_motor(counts_per_rev), None),
-            AxisEncoder::Scale { resolution, motor_counts_per_rev } => {
-                let read = quantise(self.table.x * 1e3, resolution.value());
-                (Length::mm(read), motor_counts_per_rev.map(by_motor))
-            }
-        };
+        let (position, motor) = self.screw.read(self.motor.x, self.table.x);
         bus::AxisFeedback { position, motor, ready: self.on }
     }
 
@@ -270,7 +263,7 @@ mod tests {
     const H: f64 = 25e-6;
 
     fn axis(model: &AxisModel) -> Axis {
-        Axis::new(model, 0.0, &mut Rng::new(0), H)
+        Axis::new(model, model, H)
     }
 
     fn on(force: f64) -> AxisCommand {

@@ -37,8 +37,8 @@ pub struct Config {
     pub tool_change_time: Time,
     /// The workpiece, if there is one.
     pub stock: Option<Stock>,
-    /// Friction, play and cutting force differ from their nominal values by up to this share, each by its
-    /// own draw: 0.03 is ±3 %.
+    /// The cutting force of each hole differs from its nominal value by up to this share, each by its own
+    /// draw: 0.03 is ±3 %. What axes and spindles scatter by stands in their models.
     pub scatter: f64,
     /// Seed of all chance.
     pub seed: u64,
@@ -207,8 +207,10 @@ fn check_axis(index: usize, axis: &AxisModel, step: Time, found: &mut Vec<String
             }
         }
     }
+    found.extend(axis.scatter.problem().map(|needed| format!("{of}: scatter: {needed}")));
     if found.len() == before {
-        check_stability(index, axis, step, found);
+        let stiffest = axis.stiffness * (1.0 + axis.scatter.stiffness);
+        check_stability(index, &AxisModel { stiffness: stiffest, ..*axis }, step, found);
     }
 }
 

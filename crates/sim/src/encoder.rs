@@ -41,6 +41,8 @@ pub struct SpindleEncoder {
     pub counts_per_rev: u32,
     /// Amplitude of the reading's error, once per turn, from a disk off centre.
     pub eccentricity: Angle,
+    /// Angle by which that error leads the spindle's: e·(sin(θ + φ) − sin φ).
+    pub eccentric_at: Angle,
     /// Noise on the reading: so many counts to each side at most.
     pub noise_counts: f64,
 }
@@ -56,7 +58,8 @@ impl SpindleEncoder {
         if self.eccentricity == Angle::ZERO {
             return angle_rev;
         }
-        angle_rev + self.eccentricity.value() * Angle::rev(angle_rev).in_rad().sin()
+        let (turned, phase) = (Angle::rev(angle_rev).in_rad(), self.eccentric_at.in_rad());
+        angle_rev + self.eccentricity.value() * ((turned + phase).sin() - phase.sin())
     }
 
     /// What it reads of its disk.
@@ -86,7 +89,12 @@ mod tests {
     use proptest::{prop_assert, proptest};
 
     fn encoder(counts_per_rev: u32) -> SpindleEncoder {
-        SpindleEncoder { counts_per_rev, eccentricity: Angle::ZERO, noise_counts: 0.0 }
+        SpindleEncoder {
+            counts_per_rev,
+            eccentricity: Angle::ZERO,
+            eccentric_at: Angle::ZERO,
+            noise_counts: 0.0,
+        }
     }
 
     #[test]

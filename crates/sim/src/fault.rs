@@ -20,6 +20,8 @@
 //! | lost index | the index mark is never seen |
 //! | encoder slip | the spindle's reading is off by so much from then on |
 //! | feedback jump | an axis' reading is off by so much from then on |
+//! | scale error | an axis' reading is off by a share of its way from where it stood when it came |
+//! | eccentricity | a spindle's reading is off by an amplitude once per revolution |
 //! | dropout | the spindle's encoder gives no number for so long |
 //! | stuck | an axis' encoder says the same from then on |
 //! | late, missed | a command arrives one period late from then on; a single one is lost |
@@ -80,6 +82,10 @@ pub enum Fault {
     Stuck(usize),
     /// An axis' reading jumps.
     Jump(usize, Length),
+    /// An axis moves so much farther than it reads, from where it stands then: length over length.
+    ScaleError(usize, f64),
+    /// The disk of a spindle's encoder is off its centre: amplitude of the reading's error.
+    Eccentricity(usize, Angle),
     /// Commands arrive a period late.
     Late,
     /// One command is lost: the one before it stands.
@@ -101,6 +107,8 @@ impl Fault {
             Self::Dropout(_) => "dropout",
             Self::Stuck(_) => "stuck",
             Self::Jump(..) => "feedback-jump",
+            Self::ScaleError(..) => "scale-error",
+            Self::Eccentricity(..) => "eccentricity",
             Self::Late => "late",
             Self::Missed => "missed",
             Self::TorqueLoss(..) => "torque-loss",
@@ -285,7 +293,9 @@ impl<M: Machine> Faulty<M> {
                 | Fault::Slip(_)
                 | Fault::Dropout(_)
                 | Fault::Stuck(_)
-                | Fault::Jump(..) => {}
+                | Fault::Jump(..)
+                | Fault::ScaleError(..)
+                | Fault::Eccentricity(..) => {}
             }
         }
         self.last = *command;
@@ -307,6 +317,16 @@ impl<M: Machine> Faulty<M> {
                 }
                 Fault::Stuck(axis) => said.axes[axis].position = pending.then.axes[axis].position,
                 Fault::Jump(axis, by) => said.axes[axis].position += by,
+                Fault::ScaleError(axis, by) => {
+                    let way = real.axes[axis].position - pending.then.axes[axis].position;
+                    said.axes[axis].position -= way * by;
+                }
+                Fault::Eccentricity(index, by) => {
+                    let wave = |angle: Angle| angle.in_rad().sin();
+                    let then = wave(pending.then.spindles[index].angle);
+                    let off = by * (wave(real.spindles[index].angle) - then);
+                    said.spindles[index].angle += off;
+                }
                 Fault::Dropout(_)
                 | Fault::PowerCut
                 | Fault::Kill

@@ -67,8 +67,7 @@ pub(crate) struct Guideway {
 const FAR_BEYOND_STRIBECK: f64 = 8.0;
 
 impl Guideway {
-    /// `scale` multiplies the forces, not the bristles' stiffness: lubrication scatters, steel does not.
-    pub(crate) fn new(model: &Lugre, scale: f64, h: f64) -> Self {
+    pub(crate) fn new(model: &Lugre, h: f64) -> Self {
         let sigma_0 = model.bristle_stiffness.value() * 1e3;
         let sigma_1_per_h = model.bristle_damping_n_s_per_m / h;
         let stribeck = model.stribeck.value() * 1e-3;
@@ -77,9 +76,9 @@ impl Guideway {
             h_sigma_0: h * sigma_0,
             sigma_1_per_h,
             bent_weight: sigma_0 + sigma_1_per_h,
-            sigma_2: model.viscous_n_s_per_m * scale,
-            coulomb: model.coulomb.value() * scale,
-            excess: (model.breakaway - model.coulomb).value() * scale,
+            sigma_2: model.viscous_n_s_per_m,
+            coulomb: model.coulomb.value(),
+            excess: (model.breakaway - model.coulomb).value(),
             fastest: FAR_BEYOND_STRIBECK * stribeck,
             square_share: 0.25 / stribeck.powi(2),
             fourth_share: 0.031_25 / stribeck.powi(4),
@@ -135,7 +134,7 @@ mod tests {
     #[test]
     fn at_constant_speed_the_force_settles_on_stribecks_curve() {
         let model = z_friction();
-        let guideway = Guideway::new(&model, 1.0, H);
+        let guideway = Guideway::new(&model, H);
         for v in [1e-5, 1e-4, 5e-4, 1e-3, 2e-3, 4e-3, 1e-2, 0.1, 0.8, -1e-3, -0.8] {
             let (mut z, mut force) = (0.0, 0.0);
             // 40 bristle lengths of sliding, or 1000 steps where each step slides farther than that
@@ -176,7 +175,7 @@ mod tests {
 
     #[test]
     fn below_breakaway_the_bristles_are_a_spring() {
-        let guideway = Guideway::new(&z_friction(), 1.0, H);
+        let guideway = Guideway::new(&z_friction(), H);
         let (mut z, v) = (0.0, 1e-5);
         let mut force = 0.0;
         for _ in 0..4000 {
@@ -190,7 +189,7 @@ mod tests {
 
     #[test]
     fn friction_never_gives_energy_over_a_closed_path() {
-        let guideway = Guideway::new(&z_friction(), 1.0, H);
+        let guideway = Guideway::new(&z_friction(), H);
         let mut z = 0.0;
         let mut work = 0.0;
         for i in 0..40_000 {

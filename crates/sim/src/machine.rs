@@ -54,10 +54,10 @@ impl SimulatedMachine {
         }
         let mut rng = Rng::new(config.seed);
         let h = config.period.value() / config.substeps() as f64;
-        let scatter = config.scatter;
-        let axes = config.axes.iter().map(|(_, m)| Axis::new(m, scatter, &mut rng, h)).collect();
-        let spindles =
-            config.spindles.iter().map(|m| Spindle::new(m, scatter, &mut rng, h)).collect();
+        let (axes, spindles) = config.plant();
+        let believed = config.axes.iter().map(|(_, model)| model);
+        let axes = axes.iter().zip(believed).map(|((_, m), b)| Axis::new(m, b, h)).collect();
+        let spindles = spindles.iter().map(|m| Spindle::new(m, &mut rng, h)).collect();
         let place = |bus_index| config.axes.iter().position(|(index, _)| *index == bus_index);
         let cutting = config.stock.clone().map(|stock| {
             Cutting::new(stock, config.magazine.clone(), config.scatter, rng.branch())

@@ -19,12 +19,12 @@
 //!
 //! The lag is integrated exactly, the motion under its mean torque exactly; the limit and the friction are
 //! taken at the beginning of the step (they change over milliseconds).
-use crate::SpindleEncoder;
 use crate::encoder::index_between;
 use crate::friction::{between, smooth_sign};
 use crate::lag::Lag;
 use crate::plain_drive::{PlainDrive, Relay};
 use crate::rng::Rng;
+use crate::{SpindleEncoder, SpindleScatter};
 use core::f64::consts::TAU;
 use units::{Angle, Inertia, Power, Spin, Time, Torque};
 
@@ -52,6 +52,8 @@ pub struct SpindleModel {
     pub encoder: SpindleEncoder,
     /// Where it stands at the start.
     pub start: Angle,
+    /// How far the spindle as it was built may be from all this.
+    pub scatter: SpindleScatter,
 }
 
 impl SpindleModel {
@@ -91,8 +93,7 @@ pub(crate) struct Spindle {
 
 impl Spindle {
     /// At rest at its start.
-    pub(crate) fn new(model: &SpindleModel, scatter: f64, rng: &mut Rng, h: f64) -> Self {
-        let friction_scale = rng.factor(scatter);
+    pub(crate) fn new(model: &SpindleModel, rng: &mut Rng, h: f64) -> Self {
         let angle_rev = model.start.value();
         let disk_rev = model.encoder.disk(angle_rev);
         Self {
@@ -101,8 +102,8 @@ impl Spindle {
             per_inertia: 1.0 / model.inertia.value(),
             peak_torque: model.peak_torque.value(),
             peak_power: model.peak_power.value(),
-            coulomb: model.coulomb.value() * friction_scale,
-            viscous: model.viscous_n_m_s_per_rad * friction_scale,
+            coulomb: model.coulomb.value(),
+            viscous: model.viscous_n_m_s_per_rad,
             per_rounding: 1.0 / model.rounding.in_rad_per_s(),
             lag: Lag::new(model.torque_lag.value(), h),
             encoder: model.encoder,
@@ -232,7 +233,7 @@ mod tests {
     const H: f64 = 25e-6;
 
     fn turning(model: &SpindleModel) -> Spindle {
-        Spindle::new(model, 0.0, &mut Rng::new(0), H)
+        Spindle::new(model, &mut Rng::new(0), H)
     }
 
     fn full_torque() -> SpindleCommand {

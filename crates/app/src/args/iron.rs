@@ -21,7 +21,7 @@ pub(crate) struct IronArgs {
     pub(crate) quit: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) source: ProgramArgs,
-    /// Seed of the machine's scatter (friction, backlash, material)
+    /// Seed of the machine that is simulated: what its control does not know (`machine show NAME --seed N`), and the cut's scatter
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<u64>,
     /// Material of the workpiece [default: the machine's set-up]

@@ -6,10 +6,13 @@ use clap::{Subcommand, ValueEnum};
 pub(crate) enum MachineCommand {
     /// The embedded machines
     List,
-    /// Print a machine's file: every value with its unit and source
+    /// Print a machine's file: every value with its unit and source; and what the simulated machine may be instead
     Show {
         /// A name from `list`, or a file
         machine: String,
+        /// Seed of the simulated machine that is shown beside what its control believes [default: the file's]
+        #[arg(long, value_name = "N")]
+        seed: Option<u64>,
     },
     /// Say everything that is wrong with a machine file
     Check {

@@ -16,7 +16,7 @@ pub(crate) struct RunArgs {
     /// The report alone, without a folder for the rest [default: report.html here]
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "report.html")]
     pub(crate) report: Option<PathBuf>,
-    /// Seed of the machine's scatter (friction, backlash, material)
+    /// Seed of the machine that is simulated: what its control does not know (`machine show NAME --seed N`), and the cut's scatter
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<u64>,
     /// Material of the workpiece [default: the machine's set-up]

@@ -1,7 +1,8 @@
 //! The iron: axes, spindles, magazine and workpiece for the simulator.
 use canon::{Flute, Holder, Position, Tool, ToolKind, ToolLibrary};
 use store::machine::{
-    Axis, MachineFile, Material, Motor, PositionFrom, Reaction, Spindle, TapSeat,
+    Axis, MachineFile, Material, Motor, PlantScatter, PositionFrom, Reaction, Spindle, TapSeat,
+    eccentric,
 };
 use units::{Angle, Inertia, Lead, Length};
 
@@ -18,14 +19,19 @@ pub(crate) fn simulator(
     zero: &Position,
 ) -> sim::Config {
     let axes = machine.axes.iter().enumerate();
-    let spindles = machine.spindles.iter().map(spindle).collect();
+    let spindles = machine.spindles.iter().map(|file| spindle(file, &machine.simulation.plant));
     let stock = machine.setup.stock;
     sim::Config {
         period: machine.control.period,
         substep: machine.simulation.substep,
         command_delay: machine.control.command_delay_periods as usize,
-        axes: axes.filter_map(|(at, file)| Some((at, axis(file.as_ref()?)))).collect(),
-        spindles,
+        axes: axes
+            .filter_map(|(at, file)| {
+                let file = file.as_ref()?;
+                Some((at, axis(file, &machine.simulation.plant, zero.along(file.letter))))
+            })
+            .collect(),
+        spindles: spindles.collect(),
         magazine: tools
             .iter()
             .filter(|t| t.number != 0) // 0 stands for an empty spindle
@@ -76,7 +82,43 @@ const fn reaction(file: Reaction) -> sim::Reaction {
     }
 }
 
-fn axis(file: &Axis) -> sim::AxisModel {
+/// How far the real axis may be from its file.
+fn scatter(file: &Axis, plant: &PlantScatter) -> sim::AxisScatter {
+    let rotary = matches!(file.letter, canon::Axis::A | canon::Axis::B | canon::Axis::C);
+    let has_screw = matches!(file.drive.motor, Motor::BallScrew { .. });
+    let disk = eccentric(plant.encoder_eccentricity, plant.motor_encoder_diameter);
+    sim::AxisScatter {
+        backlash: plant.backlash_share,
+        stiffness: plant.stiffness_share,
+        friction: plant.friction_share,
+        // a gear's turn is a whole turn of the table after so many of the motor: nothing grows
+        lead_error: if has_screw && !rotary { plant.screw_lead_error } else { 0.0 },
+        wobble: match (has_screw, rotary) {
+            (true, true) => plant.gear_wobble,
+            (true, false) => plant.screw_wobble,
+            (false, _) => Length::ZERO,
+        },
+        eccentricity: if has_screw { disk } else { Angle::ZERO },
+        scale_error: if rotary { 0.0 } else { plant.scale_error },
+    }
+}
+
+/// What is stated to be wrong with it. Everything is zero where the work was touched off.
+fn errors(file: &Axis, plant: &PlantScatter, zero: Length) -> sim::AxisErrors {
+    let by_scale = matches!(file.position_from, PositionFrom::Scale { .. });
+    let stated = file.errors;
+    sim::AxisErrors {
+        lead: stated.scale.filter(|_| !by_scale),
+        scale: stated.scale.filter(|_| by_scale),
+        wobble: None,
+        eccentricity: stated
+            .encoder_eccentricity
+            .map(|by| (eccentric(by, plant.motor_encoder_diameter), Angle::ZERO)),
+        zero,
+    }
+}
+
+fn axis(file: &Axis, plant: &PlantScatter, zero: Length) -> sim::AxisModel {
     let (screw_lead, inertia) = match file.drive.motor {
         Motor::BallScrew { lead, rotating_inertia, .. } => (lead, rotating_inertia),
         Motor::Linear { motor_mass, .. } => {
@@ -115,6 +157,8 @@ fn axis(file: &Axis) -> sim::AxisModel {
             },
         },
         start: start(file),
+        scatter: scatter(file, plant),
+        errors: errors(file, plant, zero),
     }
 }
 
@@ -123,7 +167,9 @@ pub(crate) fn start(file: &Axis) -> Length {
     Length::ZERO.max(file.travel.from).min(file.travel.to)
 }
 
-fn spindle(file: &Spindle) -> sim::SpindleModel {
+fn spindle(file: &Spindle, plant: &PlantScatter) -> sim::SpindleModel {
+    let disk = |by| eccentric(by, plant.spindle_encoder_diameter);
+    let stated = file.errors.encoder_eccentricity;
     sim::SpindleModel {
         inertia: file.inertia,
         peak_torque: file.peak_torque,
@@ -134,10 +180,19 @@ fn spindle(file: &Spindle) -> sim::SpindleModel {
         rounding: file.friction.smoothing,
         encoder: sim::SpindleEncoder {
             counts_per_rev: file.encoder_counts_per_rev,
-            eccentricity: Angle::ZERO,
+            eccentricity: stated.map_or(Angle::ZERO, disk),
+            eccentric_at: Angle::ZERO,
             noise_counts: 0.0,
         },
         start: Angle::ZERO,
+        scatter: sim::SpindleScatter {
+            friction: plant.friction_share,
+            eccentricity: if stated.is_some() {
+                Angle::ZERO
+            } else {
+                disk(plant.encoder_eccentricity)
+            },
+        },
     }
 }
 
@@ -209,5 +264,120 @@ fn clutch(holder: Holder) -> Option<sim::Clutch> {
         Holder::Rigid { .. } | Holder::SoftSynchro { .. } | Holder::TensionCompression { .. } => {
             None
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use store::machine::{EMBEDDED, find};
+
+    /// Largest of what seeds 1 to 40 make of a machine, each as a share of what its file allows.
+    #[derive(Debug, Default)]
+    struct Spread {
+        most: Vec<(String, f64)>,
+    }
+
+    impl Spread {
+        fn note(&mut self, what: String, found: f64, allowed: f64) {
+            assert!(found.abs() <= allowed * (1.0 + 1e-9), "{what}: {found} of {allowed}");
+            if allowed == 0.0 {
+                return;
+            }
+            let share = found.abs() / allowed;
+            match self.most.iter_mut().find(|(name, _)| *name == what) {
+                Some((_, most)) => *most = most.max(share),
+                None => self.most.push((what, share)),
+            }
+        }
+
+        fn look(&mut self, name: &str, believed: &sim::Config) {
+            let (axes, spindles) = believed.plant();
+            for ((index, file), (_, real)) in believed.axes.iter().zip(&axes) {
+                let letter = canon::Axis::ALL[*index].letter();
+                let mut note = |what, found, allowed| {
+                    self.note(format!("{name} {letter} {what}"), found, allowed)
+                };
+                let off = |real: f64, file: f64| if file == 0.0 { 0.0 } else { real / file - 1.0 };
+                let (scatter, errors) = (file.scatter, real.errors);
+                if file.backlash > Length::ZERO {
+                    let play = off(real.backlash.value(), file.backlash.value());
+                    note("play", play, scatter.backlash);
+                }
+                let stiffness = off(real.stiffness.value(), file.stiffness.value());
+                note("stiffness", stiffness, scatter.stiffness);
+                let friction = off(real.friction.coulomb.value(), file.friction.coulomb.value());
+                note("friction", friction, scatter.friction);
+                note("lead", errors.lead.unwrap_or(0.0), scatter.lead_error);
+                let (wobble, _) = errors.wobble.unwrap_or_default();
+                note("wobble", wobble.value(), scatter.wobble.value());
+                let (disk, _) = errors.eccentricity.unwrap_or_default();
+                note("encoder", disk.value(), scatter.eccentricity.value());
+                note("scale", errors.scale.unwrap_or(0.0), scatter.scale_error);
+            }
+            for (index, (file, real)) in believed.spindles.iter().zip(&spindles).enumerate() {
+                let mut note = |what, found, allowed| {
+                    self.note(format!("{name} S{index} {what}"), found, allowed)
+                };
+                let friction = real.coulomb.value() / file.coulomb.value() - 1.0;
+                note("friction", friction, file.scatter.friction);
+                let disk = real.encoder.eccentricity.value();
+                note("encoder", disk, file.scatter.eccentricity.value());
+            }
+        }
+    }
+
+    fn believed(name: &str, seed: u64) -> sim::Config {
+        let file = find(name).expect("an embedded machine");
+        let zero = file.setup.g54;
+        simulator(&file, &ToolLibrary::default(), file.setup.stock.material, seed, &zero)
+    }
+
+    #[test]
+    fn no_embedded_machine_is_what_its_control_believes() {
+        for name in EMBEDDED {
+            let mut spread = Spread::default();
+            for seed in 1..=40 {
+                spread.look(name, &believed(name, seed));
+            }
+            let kinds = ["play", "stiffness", "friction", "encoder"];
+            for kind in kinds {
+                assert!(spread.most.iter().any(|(what, _)| what.ends_with(kind)), "{name}: {kind}");
+            }
+            for (what, share) in &spread.most {
+                assert!(*share > 0.8, "{what}: 40 seeds come to {share:.2} of what may be at most");
+            }
+        }
+    }
+
+    #[test]
+    fn a_screw_has_an_error_of_its_lead_and_a_linear_motor_one_of_its_scale() {
+        let config = believed("cam-grinder", 1);
+        let of = |axis: usize| {
+            config.axes.iter().find(|(index, _)| *index == axis).expect("it is there").1.scatter
+        };
+        assert!(of(0).lead_error == 0.0 && of(0).wobble == Length::ZERO && of(0).scale_error > 0.0);
+        assert!(of(2).lead_error > 0.0 && of(2).wobble > Length::ZERO);
+    }
+
+    #[test]
+    fn a_stated_error_is_in_the_plant_and_not_in_what_the_control_is_told() {
+        let text = "extends = \"tapping-center\"\nname = \"off\"\n[axes.x.errors]\nscale_error_ppm = 50\n\
+                    encoder_eccentricity_um = 5\n[[spindles]]\n[spindles.errors]\nencoder_eccentricity_um = 8\n";
+        let file = store::machine::parse(text, 0).expect("it is in order");
+        let zero = file.setup.g54;
+        let material = file.setup.stock.material;
+        let config = simulator(&file, &ToolLibrary::default(), material, 9, &zero);
+        let (axes, spindles) = config.plant();
+        let lead = axes[0].1.errors.lead.expect("it is stated");
+        assert!((lead - 50e-6).abs() < 1e-12, "{lead}");
+        let (disk, _) = axes[0].1.errors.eccentricity.expect("it is stated");
+        // 5 µm of a graduation of 40 mm: 2·5/40,000 rad, on a screw of 16 mm 0.64 µm
+        assert!((disk.value() * 16_000.0 - 0.6366).abs() < 1e-4, "{disk}");
+        assert!((spindles[0].encoder.eccentricity.in_deg() * 3600.0 - 55.0).abs() < 0.1);
+        let told = super::super::control(&file, None, false);
+        let usual =
+            super::super::control(&find("tapping-center").expect("it is there"), None, false);
+        assert_eq!(format!("{:?}", told.axes), format!("{:?}", usual.axes));
     }
 }

@@ -39,7 +39,7 @@ impl Bench {
         model.axes.retain(|(index, _)| *index == 2);
         model.axes[0].1.start = Length::mm(work.order.from_mm);
         model.substep = Time::s(25e-6);
-        (model.scatter, model.seed) = (0.05, seed);
+        model = scattered(model, 0.05, seed);
         for tool in &mut model.magazine {
             if let sim::ToolKind::Tap(tap) = &mut tool.kind {
                 tap.holder = work.holder;

@@ -44,6 +44,8 @@ fn axis(table_kg: f64, weight_share: f64) -> AxisModel {
         brake: weight_share > 0.0,
         encoder: AxisEncoder::Motor { counts_per_rev: 1 << 20 },
         start: Length::ZERO,
+        scatter: sim::AxisScatter::NONE,
+        errors: sim::AxisErrors::DRAWN,
     }
 }
 
@@ -65,9 +67,11 @@ pub fn machine(command_delay: usize) -> sim::Config {
             encoder: SpindleEncoder {
                 counts_per_rev: 1 << 20,
                 eccentricity: Angle::ZERO,
+                eccentric_at: Angle::ZERO,
                 noise_counts: 0.0,
             },
             start: Angle::rev(0.3),
+            scatter: sim::SpindleScatter::NONE,
         }],
         magazine: Vec::new(),
         tool: 0,
@@ -76,6 +80,18 @@ pub fn machine(command_delay: usize) -> sim::Config {
         scatter: 0.0,
         seed: 1,
     }
+}
+
+/// The same machine whose friction, play and cutting force are off by up to this share.
+pub fn scattered(mut machine: sim::Config, share: f64, seed: u64) -> sim::Config {
+    (machine.scatter, machine.seed) = (share, seed);
+    for (_, axis) in &mut machine.axes {
+        (axis.scatter.backlash, axis.scatter.friction) = (share, share);
+    }
+    for spindle in &mut machine.spindles {
+        spindle.scatter.friction = share;
+    }
+    machine
 }
 
 /// The machine with the tap of an order in its spindle, and C45 steel below it.

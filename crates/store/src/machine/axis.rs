@@ -10,6 +10,7 @@
 //!
 //! LuGre friction: dz/dt = v − σ0·|v|·z/g(v), F = σ0·z + σ1·ż + σ2·v, g = Fc + (Fs − Fc)·exp(−(v/vs)²);
 //! Canudas de Wit, Olsson, Åström, Lischinsky, IEEE Trans. Automatic Control 40 (1995) 419–425.
+use super::plant::AxisErrors;
 use super::setup::percent;
 use crate::keys::Keys;
 use units::{Accel, Force, Inertia, Jerk, Lead, Length, Mass, Speed, Stiffness, Time, Torque};
@@ -52,6 +53,8 @@ pub struct Axis {
     pub loops: Loops,
     /// What it is watched for.
     pub windows: AxisWindows,
+    /// What is wrong with it that its control is not told.
+    pub errors: AxisErrors,
 }
 
 /// Limits of small moves and of stops that nobody planned.
@@ -230,6 +233,7 @@ impl Axis {
             drive,
             loops: keys.section("loops", Loops::read),
             windows: keys.section("windows", AxisWindows::read),
+            errors: keys.optional_section("errors", AxisErrors::read).unwrap_or_default(),
         }
     }
 }

@@ -10,7 +10,7 @@
 //!   [grinding]     a cam grinder's wheel, its wear, what it costs to cut           ─► sim, forms
 //!   [setup]        work offset G54, stock                                        ─► interp, verify
 //!   [user_codes]   M100 to M199: what each does                                 ─► interp
-//!   [simulation]   substep, seed, scatter, how a tap sits in its thread          ─► sim
+//!   [simulation]   substep, seed, scatter, what differs from all this             ─► sim
 //! ```
 //!
 //! Every key carries its unit in its name, and becomes a quantity of `units` here and nowhere else.
@@ -34,6 +34,7 @@ mod axis;
 mod control;
 mod drives;
 mod grinding;
+mod plant;
 pub(crate) mod rotary;
 mod setup;
 mod spindle;
@@ -49,6 +50,7 @@ pub use control::{
 };
 pub use drives::{DcBus, Drives, Reaction};
 pub use grinding::{Grinding, Wheel};
+pub use plant::{AxisErrors, PlantScatter, SpindleErrors, eccentric};
 pub use setup::{Material, Setup, Simulation, SpindleDrive, Stock, TapSeat, TapWear};
 pub use spindle::{OwnRamps, Spindle, SpindleFriction, SpindleWindows};
 pub use tapping::{Effort, Peck, Preset, Ramp, Tapping};

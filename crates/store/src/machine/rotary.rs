@@ -15,6 +15,7 @@ use super::axis::{
     Axis, AxisWindows, Drive, Friction, Gentle, Loops, Motor, PositionFrom, Structure, Travel,
     at_least,
 };
+use super::plant::AxisErrors;
 use crate::keys::Keys;
 use units::{Accel, Force, Inertia, Jerk, Lead, Length, Mass, Speed, Stiffness, Time, Torque};
 
@@ -49,6 +50,7 @@ pub(super) fn read(letter: canon::Axis, keys: &mut Keys<'_>) -> Axis {
         drive,
         loops: keys.section("loops", Loops::read),
         windows: keys.section("windows", windows),
+        errors: keys.optional_section("errors", AxisErrors::read).unwrap_or_default(),
     }
 }
 

@@ -1,5 +1,6 @@
 //! What is clamped, and how the machine is simulated.
 use super::axis::{FARTHEST_MM, n_per_um};
+use super::plant::PlantScatter;
 use crate::keys::Keys;
 use canon::Position;
 use std::ops::RangeInclusive;
@@ -46,8 +47,10 @@ pub struct Simulation {
     pub substep: Time,
     /// Seed of everything that scatters.
     pub seed: u32,
-    /// How far the plant's parameters scatter about the file's values, as a fraction.
+    /// How far the cutting force of each hole scatters about the material's, as a fraction.
     pub scatter_share: f64,
+    /// How far the machine as it was built may be from this file.
+    pub plant: PlantScatter,
     /// How a tap sits in the thread that it cuts.
     pub tap_seat: TapSeat,
     /// How taps wear; `None`: they do not.
@@ -181,6 +184,9 @@ impl Simulation {
             substep: Time::s(keys.number("substep_us", 1.0..=1000.0) * 1e-6),
             seed: keys.whole("seed", 0..=u32::MAX),
             scatter_share: percent(keys, "scatter_percent", 0.0..=50.0),
+            plant: keys
+                .optional_section("plant", PlantScatter::read)
+                .unwrap_or(PlantScatter::TYPICAL),
             tap_seat: keys.section("tap_seat", |k| TapSeat {
                 flank_clearance: Length::um(k.number("flank_clearance_um", 0.0..=1000.0)),
                 flank_stiffness: n_per_um(k.number("flank_stiffness_n_per_um", 0.1..=1e5)),

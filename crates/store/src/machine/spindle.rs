@@ -8,7 +8,7 @@
 //!     └──────────┴──────────► ω
 //!              base speed Ppeak/Mpeak
 //! ```
-use super::{axis::Loops, setup::percent};
+use super::{axis::Loops, plant::SpindleErrors, setup::percent};
 use crate::keys::Keys;
 use units::{Angle, Inertia, Length, Power, Spin, SpinAccel, Time, Torque};
 
@@ -51,6 +51,8 @@ pub struct Spindle {
     pub loops: Loops,
     /// What it is watched for.
     pub windows: SpindleWindows,
+    /// What is wrong with it that its control is not told.
+    pub errors: SpindleErrors,
 }
 
 /// A drive that is only told a speed: `[spindles.drive]` of the kind "speed".
@@ -125,6 +127,7 @@ impl Spindle {
             own_ramps: keys.optional_section("drive", OwnRamps::read).flatten(),
             loops: keys.section("loops", Loops::read),
             windows: keys.section("windows", SpindleWindows::read),
+            errors: keys.optional_section("errors", SpindleErrors::read).unwrap_or_default(),
         };
         spindle.refuse_contradictions(keys);
         spindle

@@ -1,0 +1,376 @@
+//! A machine as it was built, beside what its file says of it: nothing is as it was specified, and nobody is told.
+//!
+//! ```text
+//!   model + scatter, by the seed ──► plant          motor ─► screw ─────────────► table
+//!                                                   │ xm     n = xm + s·Δ + a·sin  │ xt
+//!        zero of all errors: where the work         ▼                              ▼
+//!        was touched off with this machine          encoder: r = xm + e·sin        scale: r = xt − g·(xt − x₀)
+//! ```
+//!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | xm, xt | motor and screw, on the table's scale; table | mm |
+//! | x₀, Δ | where the errors are zero; xm − x₀ | mm |
+//! | s, a | cumulative lead error of the screw; its amplitude once per revolution | 1, mm |
+//! | e | amplitude of the motor encoder's error once per revolution, from a disk off its centre | rev |
+//! | g | error of the linear scale | 1 |
+//!
+//! Play, stiffness and friction are what the model says times a factor. What is stated as an error is not drawn.
+//!
+//! Sources: ISO 3408-3 (ball screws: V300p and v2πp), ISO 230-2 (positioning errors), encoder makers' application notes for
+//! the eccentricity: 2·(eccentricity)/(diameter of the graduation) in radians.
+use crate::rng::Rng;
+use crate::{AxisEncoder, AxisModel, Config, SpindleModel};
+use core::f64::consts::TAU;
+use units::{Angle, Force, Length};
+
+/// The stream of a plant is another one than that of the process.
+const OF_PLANT: u64 = 0x504C_414E_5453_4545;
+
+/// How far a real axis may be from its model, to either side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisScatter {
+    /// Play: 0.2 is ±20 %.
+    pub backlash: f64,
+    /// Stiffness.
+    pub stiffness: f64,
+    /// Friction.
+    pub friction: f64,
+    /// Cumulative lead error of the screw: 20 µm a metre is 2·10⁻⁵.
+    pub lead_error: f64,
+    /// Largest amplitude of the screw's error once per revolution.
+    pub wobble: Length,
+    /// Largest amplitude of the motor encoder's error once per revolution.
+    pub eccentricity: Angle,
+    /// Error of the linear scale.
+    pub scale_error: f64,
+}
+
+/// How far a real spindle may be from its model, to either side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpindleScatter {
+    /// Friction.
+    pub friction: f64,
+    /// Largest amplitude of the encoder's error once per revolution.
+    pub eccentricity: Angle,
+}
+
+/// What is wrong with a real axis. [`None`] in a model: drawn within its scatter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisErrors {
+    /// Cumulative lead error of the screw: so much farther than its turns say.
+    pub lead: Option<f64>,
+    /// Amplitude of the screw's error once per revolution, and its phase.
+    pub wobble: Option<(Length, Angle)>,
+    /// Amplitude of the motor encoder's error once per revolution, and its phase.
+    pub eccentricity: Option<(Angle, Angle)>,
+    /// Error of the linear scale: the axis moves so much farther than it reads.
+    pub scale: Option<f64>,
+    /// Where all of them are zero.
+    pub zero: Length,
+}
+
+impl AxisScatter {
+    /// As its model says.
+    pub const NONE: Self = Self {
+        backlash: 0.0,
+        stiffness: 0.0,
+        friction: 0.0,
+        lead_error: 0.0,
+        wobble: Length::ZERO,
+        eccentricity: Angle::ZERO,
+        scale_error: 0.0,
+    };
+
+    /// Everything that is wrong with it.
+    pub(crate) fn problem(&self) -> Option<String> {
+        let shares = [self.backlash, self.stiffness, self.friction];
+        let rates = [self.lead_error, self.scale_error];
+        let sizes = [self.wobble.value(), self.eccentricity.value()];
+        let fine = shares.into_iter().all(|x| (0.0..0.9).contains(&x))
+            && rates.into_iter().all(|x| (0.0..0.1).contains(&x))
+            && sizes.into_iter().all(|x| x >= 0.0 && x.is_finite());
+        (!fine).then(|| {
+            "shares from 0 to below 0.9, errors of lead and scale from 0 to below 0.1 and amplitudes of 0 or more are needed".into()
+        })
+    }
+}
+
+impl SpindleScatter {
+    /// As its model says.
+    pub const NONE: Self = Self { friction: 0.0, eccentricity: Angle::ZERO };
+}
+
+impl AxisErrors {
+    /// Nothing stated: all is drawn.
+    pub const DRAWN: Self =
+        Self { lead: None, wobble: None, eccentricity: None, scale: None, zero: Length::ZERO };
+}
+
+impl AxisModel {
+    /// The axis as it was built: every error stated, nothing left to draw.
+    fn drawn(&self, rng: &mut Rng) -> Self {
+        let AxisScatter {
+            backlash,
+            stiffness,
+            friction,
+            lead_error,
+            wobble,
+            eccentricity,
+            scale_error,
+        } = self.scatter;
+        let mut axis = *self;
+        axis.backlash = self.backlash * rng.factor(backlash);
+        axis.stiffness = self.stiffness * rng.factor(stiffness);
+        let scale = rng.factor(friction);
+        axis.friction.coulomb = self.friction.coulomb * scale;
+        axis.friction.breakaway = self.friction.breakaway * scale;
+        axis.friction.viscous_n_s_per_m *= scale;
+        let lead = lead_error * rng.signed();
+        let waves = (wobble * rng.unit(), Angle::rev(rng.unit()));
+        let disk = (eccentricity * rng.unit(), Angle::rev(rng.unit()));
+        let scale = scale_error * rng.signed();
+        let stated = self.errors;
+        axis.errors = AxisErrors {
+            lead: stated.lead.or(Some(lead)),
+            wobble: stated.wobble.or(Some(waves)),
+            eccentricity: stated.eccentricity.or(Some(disk)),
+            scale: stated.scale.or(Some(scale)),
+            zero: stated.zero,
+        };
+        axis.scatter = AxisScatter::NONE;
+        axis
+    }
+
+    /// By how much the motor stands ahead of a table that hangs on its screw, mm.
+    pub(crate) fn hang_mm(&self) -> f64 {
+        let weight = self.weight().value();
+        if weight == 0.0 {
+            return 0.0;
+        }
+        -weight / self.stiffness.value() - weight.signum() * self.backlash.value() / 2.0
+    }
+
+    /// What its weight pulls with.
+    pub(crate) fn weight(&self) -> Force {
+        Force::n(-self.table.value() * crate::axis::GRAVITY * self.weight_share)
+    }
+}
+
+impl SpindleModel {
+    fn drawn(&self, rng: &mut Rng) -> Self {
+        let SpindleScatter { friction, eccentricity } = self.scatter;
+        let mut spindle = *self;
+        let scale = rng.factor(friction);
+        spindle.coulomb = self.coulomb * scale;
+        spindle.viscous_n_m_s_per_rad *= scale;
+        let disk = (eccentricity * rng.unit(), Angle::rev(rng.unit()));
+        if eccentricity != Angle::ZERO && self.encoder.eccentricity == Angle::ZERO {
+            (spindle.encoder.eccentricity, spindle.encoder.eccentric_at) = disk;
+        }
+        spindle.scatter = SpindleScatter::NONE;
+        spindle
+    }
+}
+
+impl Config {
+    /// Axes and spindles as they were built: drawn from the seed, each from a stream of its own.
+    pub fn plant(&self) -> (Vec<(usize, AxisModel)>, Vec<SpindleModel>) {
+        let mut rng = Rng::new(self.seed ^ OF_PLANT);
+        let mut streams: Vec<Rng> = (0..bus::AXES).map(|_| rng.branch()).collect();
+        let axes =
+            self.axes.iter().map(|(index, model)| (*index, model.drawn(&mut streams[*index])));
+        let axes = axes.collect();
+        let spindles = self.spindles.iter().map(|model| model.drawn(&mut rng.branch())).collect();
+        (axes, spindles)
+    }
+}
+
+/// A screw and its encoders, made ready. Metres.
+#[derive(Clone, Debug)]
+pub(crate) struct Transmission {
+    encoder: AxisEncoder,
+    lead_mm: f64,
+    per_m: f64,
+    lead: f64,
+    wobble: (f64, f64),
+    eccentricity: (f64, f64),
+    scale: f64,
+    zero: f64,
+    /// The nut at `ratio`·xm + `offset`, within a period.
+    pub(crate) ratio: f64,
+    pub(crate) offset: f64,
+    /// What the zero was set by, less what the table hangs by: the work was touched off.
+    touched_off: f64,
+}
+
+impl Transmission {
+    /// Of an axis as it was built; `believed` is its model.
+    pub(crate) fn new(axis: &AxisModel, believed: &AxisModel) -> Self {
+        let errors = axis.errors;
+        let lead_mm = axis.screw_lead.value();
+        let wave = |amplitude: f64, phase: Angle| (amplitude, phase.in_rad());
+        let (wobble, wobble_at) = errors.wobble.unwrap_or_default();
+        let (disk, disk_at) = errors.eccentricity.unwrap_or_default();
+        let mut made = Self {
+            encoder: axis.encoder,
+            lead_mm,
+            per_m: TAU / (lead_mm * 1e-3),
+            lead: errors.lead.unwrap_or(0.0),
+            wobble: wave(wobble.value() * 1e-3, wobble_at),
+            eccentricity: wave(disk.value() * lead_mm * 1e-3, disk_at),
+            scale: errors.scale.unwrap_or(0.0),
+            zero: errors.zero.value() * 1e-3,
+            ratio: 1.0,
+            offset: 0.0,
+            touched_off: (axis.hang_mm() - believed.hang_mm()) * 1e-3,
+        };
+        made.begin_period(made.zero);
+        made
+    }
+
+    fn wave(&self, (amplitude, phase): (f64, f64), motor: f64) -> f64 {
+        if amplitude == 0.0 {
+            return 0.0;
+        }
+        let at = |x: f64| (x * self.per_m + phase).sin();
+        amplitude * (at(motor) - at(self.zero))
+    }
+
+    /// Where the nut stands.
+    pub(crate) fn nut(&self, motor: f64) -> f64 {
+        motor + self.lead * (motor - self.zero) + self.wave(self.wobble, motor)
+    }
+
+    /// The screw's error is a straight line for the coming period.
+    pub(crate) fn begin_period(&mut self, motor: f64) {
+        let (amplitude, phase) = self.wobble;
+        let slope = if amplitude == 0.0 {
+            0.0
+        } else {
+            amplitude * self.per_m * (motor * self.per_m + phase).cos()
+        };
+        self.ratio = 1.0 + self.lead + slope;
+        self.offset = self.nut(motor) - self.ratio * motor;
+    }
+
+    /// What the encoders say of a motor and a table: the one that the position is taken from, and the other one.
+    pub(crate) fn read(&self, motor: f64, table: f64) -> (Length, Option<Length>) {
+        let by_motor = |counts_per_rev: u32| {
+            let count = self.lead_mm / f64::from(counts_per_rev);
+            let disk = motor - self.touched_off + self.wave(self.eccentricity, motor);
+            Length::mm(crate::encoder::quantise(disk * 1e3, count))
+        };
+        match self.encoder {
+            AxisEncoder::Motor { counts_per_rev } => (by_motor(counts_per_rev), None),
+            AxisEncoder::Scale { resolution, motor_counts_per_rev } => {
+                let read = table - self.scale * (table - self.zero);
+                let read = crate::encoder::quantise(read * 1e3, resolution.value());
+                (Length::mm(read), motor_counts_per_rev.map(by_motor))
+            }
+        }
+    }
+
+    /// Motor and table at a place that the encoder calls `start`, the motor ahead by `hang`.
+    pub(crate) fn at(&self, start: f64, hang: f64) -> (f64, f64) {
+        match self.encoder {
+            AxisEncoder::Motor { counts_per_rev } => {
+                // within a count, so that the count is the one of the start
+                let within = 0.25 * self.lead_mm * 1e-3 / f64::from(counts_per_rev);
+                let motor = start + hang - self.wave(self.eccentricity, start + hang);
+                let errs = self.eccentricity.0 != 0.0;
+                (if errs { motor + within } else { start + hang }, self.nut(motor - hang))
+            }
+            AxisEncoder::Scale { .. } => {
+                let table = self.zero + (start - self.zero) / (1.0 - self.scale);
+                (table - (self.nut(table) - table) + hang, table)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixtures::{tapping_center, z_axis};
+
+    fn scatter() -> AxisScatter {
+        AxisScatter {
+            backlash: 0.2,
+            stiffness: 0.15,
+            friction: 0.2,
+            lead_error: 2e-5,
+            wobble: Length::um(3.0),
+            eccentricity: Angle::rev(2e-5),
+            scale_error: 5e-6,
+        }
+    }
+
+    fn config(seed: u64) -> Config {
+        let mut config = Config { seed, ..tapping_center() };
+        for (_, axis) in &mut config.axes {
+            axis.scatter = scatter();
+        }
+        config
+    }
+
+    #[test]
+    fn a_plant_is_drawn_within_its_scatter_and_fills_it() {
+        let model = z_axis();
+        let mut most = [0.0_f64; 6];
+        for seed in 0..200 {
+            let (axes, _) = config(seed).plant();
+            let z = axes[2].1;
+            let of = |value: f64, nominal: f64| value / nominal - 1.0;
+            let errors = z.errors;
+            let found = [
+                of(z.backlash.value(), model.backlash.value()) / 0.2,
+                of(z.stiffness.value(), model.stiffness.value()) / 0.15,
+                of(z.friction.coulomb.value(), model.friction.coulomb.value()) / 0.2,
+                errors.lead.unwrap_or(0.0) / 2e-5,
+                errors.wobble.unwrap_or_default().0.in_um() / 3.0,
+                errors.scale.unwrap_or(0.0) / 5e-6,
+            ];
+            for (most, found) in most.iter_mut().zip(found) {
+                assert!(found.abs() <= 1.0 + 1e-9, "seed {seed}: {found}");
+                *most = most.max(found.abs());
+            }
+        }
+        assert!(most.iter().all(|share| *share > 0.9), "{most:?}");
+    }
+
+    #[test]
+    fn an_axis_keeps_its_errors_when_another_one_is_added() {
+        let whole = config(7).plant().0;
+        let mut less = config(7);
+        less.axes.remove(0);
+        assert_eq!(less.plant().0[1], whole[2]);
+    }
+
+    #[test]
+    fn what_is_stated_is_not_drawn() {
+        let mut config = config(3);
+        config.axes[2].1.errors.lead = Some(5e-5);
+        assert_eq!(config.plant().0[2].1.errors.lead, Some(5e-5));
+    }
+
+    #[test]
+    fn a_screw_errs_by_its_lead_and_once_per_revolution_and_not_at_all_where_the_work_was_touched_off()
+     {
+        let mut axis = z_axis();
+        axis.errors = AxisErrors {
+            lead: Some(3e-5),
+            wobble: Some((Length::um(2.0), Angle::ZERO)),
+            eccentricity: None,
+            scale: None,
+            zero: Length::mm(-320.0), // 20 revolutions
+        };
+        let screw = Transmission::new(&axis, &z_axis());
+        for (mm, um) in
+            [(-320.0, 0.0), (-20.0, 9.0 + 2.0 * (-TAU * 1.25).sin()), (-316.0, 0.12 + 2.0)]
+        {
+            let error = (screw.nut(mm * 1e-3) - mm * 1e-3) * 1e6;
+            assert!((error - um).abs() < 1e-6, "{mm} mm: {error} µm, expected {um}");
+        }
+    }
+}
