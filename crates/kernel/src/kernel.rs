@@ -34,7 +34,7 @@ pub const QUEUE: usize = 64;
 /// Faults that are kept; the first ones tell why.
 pub const FAULTS: usize = 16;
 /// Steps that may be done within one period: what needs no time must not starve the loops.
-const STEPS_PER_TICK: usize = 32;
+const STEPS_PER_TICK: usize = QUEUE;
 
 /// The queue is full: try again after the next tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -184,6 +184,26 @@ fn an_acute_corner_is_passed_no_farther_away_than_a_right_angle() {
     }
 }
 
+/// Nothing is fitted across a gap, where a curve would have to jump: both sides are paths of their own.
+#[test]
+fn a_move_that_begins_elsewhere_does_not_go_on_from_the_one_before() {
+    let before = lines(&[at(0.0, 0.0, 0.0), at(4.3, 11.1, 0.0), at(4.9, 11.2, 0.0)], 0.1);
+    let after = lines(&[at(4.9, 11.2, 0.25), at(6.1, 11.7, 0.25), at(6.2, 11.9, 0.25)], 0.1);
+    for jerk in [f64::INFINITY, 20e3] {
+        let (mut joiner, mut pieces) = (Joiner::new(&limits(jerk)), Vec::new());
+        for segment in before.iter().chain(&after) {
+            joiner.push(*segment, &mut |piece| pieces.push(piece));
+        }
+        joiner.finish(&mut |piece| pieces.push(piece));
+        let gap = pieces.windows(2).position(|w| apart(&end(&w[0]).q, &w[1].at(0.0).q) > 0.1);
+        let (left, right) = pieces.split_at(gap.expect("the gap stays a gap") + 1);
+        assert!(apart(&end(&left[left.len() - 1]).q, &at(4.9, 11.2, 0.0)) < 1e-9);
+        assert_eq!(right[0].entry, Entry::Rest);
+        check_joints(left);
+        check_joints(right);
+    }
+}
+
 #[test]
 fn without_tolerance_a_corner_is_a_stop_and_a_tangent_joint_is_none() {
     let points = [at(0.0, 0.0, 0.0), at(10.0, 0.0, 0.0), at(10.0, 10.0, 0.0)];

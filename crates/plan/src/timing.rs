@@ -13,6 +13,10 @@ use path::{Entry, Limits, Phase, Piece, Shape};
 /// How much farther ahead than braking takes the first stop is that is asked for in motion.
 const AHEAD: f64 = 2.0;
 
+/// Share of a servo period that phases are merged within: setpoints do not show what happens between them, and what the
+/// control does in a period is bounded.
+const SHORTEST_PHASE: f64 = 0.125;
+
 /// A law of time comes to rest by arithmetic: slower than this it stands, mm/s.
 const STANDS: f64 = 1e-3;
 
@@ -34,6 +38,8 @@ pub(crate) struct Timing {
     /// Not yet handed on: phases of the piece `done`.
     follow: Option<Follow>,
     refusal: Option<(u32, Refusal)>,
+    /// Phases shorter than this together are handed on as one.
+    shortest: f64,
 }
 
 impl Timing {
@@ -59,6 +65,7 @@ impl Timing {
             done: 0,
             follow: None,
             refusal: None,
+            shortest: SHORTEST_PHASE * config.period,
         }
     }
 
@@ -122,11 +129,20 @@ impl Timing {
     fn take(&mut self, timed: &Timed, emit: &mut dyn FnMut(Step)) {
         if timed.piece == self.done
             && let Some(follow) = &mut self.follow
-            && usize::from(follow.count) < PHASES
         {
-            follow.phases[usize::from(follow.count)] = timed.phase;
-            follow.count += 1;
-            return;
+            let count = usize::from(follow.count);
+            let last = &mut follow.phases[count - 1];
+            if last.duration + timed.phase.duration < self.shortest
+                && let Some(merged) = last.merged(&timed.phase)
+            {
+                *last = merged;
+                return;
+            }
+            if count < PHASES {
+                follow.phases[count] = timed.phase;
+                follow.count += 1;
+                return;
+            }
         }
         let follow = self.follow.take();
         while self.done < timed.piece {

@@ -77,6 +77,25 @@ fn an_axis_that_the_machine_lacks() {
     assert_snapshot!(findings([OpKind::Rapid { to }]), @"M0305 Error line 1: the machine has no A axis, and the program moves it");
 }
 
+/// The move with the missing axis is left out, and Z with it: nothing may be planned across that gap.
+#[test]
+fn an_axis_that_the_machine_lacks_within_a_blended_path_ends_planning() {
+    let mode = canon::PathMode::Blend { tolerance: Some(mm(0.1)), merge: None };
+    let beside = |mut to: Position| {
+        to.parallel[2] = mm(0.25);
+        OpKind::Rapid { to }
+    };
+    let ops = [
+        OpKind::PathMode(mode),
+        rapid(4.3469, 11.094, 0.0),
+        rapid(4.8884, 11.2387, 0.0),
+        beside(Position::xyz(4.8884, 11.2387, -0.25)),
+        beside(Position::xyz(6.0683, 11.6625, -0.25)),
+        beside(Position::xyz(7.0, 12.0, -0.25)),
+    ];
+    assert_snapshot!(findings(ops), @"M0305 Error line 4: the machine has no W axis, and the program moves it");
+}
+
 #[test]
 fn a_spindle_that_stands_still_while_cutting() {
     let per_revolution = Feed::PerRevolution(Lead::mm_per_rev(0.1));

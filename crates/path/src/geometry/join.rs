@@ -54,6 +54,8 @@ const EXACT: f64 = 0.999;
 const ASIDE: f64 = 2.0;
 /// A move is long, and no curve is fitted through it, if so many narrow blends fit into it at each end, and wide ones at all.
 const FITTED: f64 = 3.0;
+/// A move that begins farther from where the last one ended does not go on from it, mm: the path rests between them.
+const SAME_PLACE: f64 = 1e-3;
 /// Slopes that differ by less are one slope.
 const SAME_SLOPE: f64 = 1e-7;
 /// Bends that differ by less are one bend, 1/mm.
@@ -186,8 +188,9 @@ impl Joiner {
         let length = segment.curve.length();
         let (start, end) = (segment.curve.at(0.0), segment.curve.at(length));
         let rest = Joint::none(Entry::Rest);
-        let joint =
-            self.waiting.last().map_or(rest, |last| joint(last, segment, &start, self.bend));
+        let meets = |last: &&Waiting| distance(&last.end.q, &start.q) <= SAME_PLACE;
+        let joint = (self.waiting.last().filter(meets))
+            .map_or(rest, |last| joint(last, segment, &start, self.bend));
         if !self.waiting.is_empty() {
             self.decide(&joint, emit);
             if joint.reach == 0.0 {

@@ -23,6 +23,20 @@ impl Phase {
         (s, self.v + t * (self.a + t * self.j / 2.0), self.a + t * self.j)
     }
 
+    /// This phase and the one after it as one: the same time, and place and speed at its end. What lies between differs, by
+    /// acceleration too, so it is for phases much shorter than a servo period. `None` where the speed changes too much for that.
+    pub fn merged(&self, next: &Self) -> Option<Self> {
+        let duration = self.duration + next.duration;
+        let (s, v, _) = next.at(next.duration);
+        let least = self.v.min(v);
+        // s and v at the end, by a and j
+        let way = (s - self.s - self.v * duration) / (duration * duration);
+        let change = (v - self.v) / duration;
+        let (a, j) = (6.0 * way - 2.0 * change, 6.0 * (change - 2.0 * way) / duration);
+        let evenly = a.abs().max((a + j * duration).abs()) * duration < EVEN * least;
+        evenly.then_some(Self { duration, s: self.s, v: self.v, a, j })
+    }
+
     /// When it is at `s`, which lies on it: by Newton's method, within bounds that close in.
     pub(super) fn time_at(&self, s: f64) -> f64 {
         let [mut low, mut high] = [0.0, self.duration];
@@ -55,6 +69,8 @@ pub struct Timed {
     pub phase: Phase,
 }
 
+/// Phases are merged where their speed changes by less than this share of it.
+const EVEN: f64 = 0.25;
 /// Shorter phases are rounding, s.
 const SHORTEST: f64 = 1e-13;
 

@@ -236,6 +236,8 @@ impl Planner {
                 let text =
                     format!("the machine has no {} axis, and the program moves it", axis.letter());
                 self.findings.add(Diagnostic::error("M0305", job.span, text));
+                // what follows does not begin where the motion planned so far ends
+                self.only_judges = true;
                 None
             }
         }
