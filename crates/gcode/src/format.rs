@@ -10,7 +10,7 @@
 //! that cannot be read stays as it was, byte for byte, and so does all that follows a tape's second
 //! `%`. Line ends stay CR LF where the file's first line has them.
 
-use crate::{Block, Grammar, Keyword, Label, Parser, print::WithPoints};
+use crate::{Block, Grammar, Keyword, Label, Parser, print::Printed};
 
 /// Blanks a level is moved in by.
 const STEP: usize = 2;
@@ -27,16 +27,16 @@ pub fn format(source: &[u8], grammar: Grammar) -> Vec<u8> {
     let (mut parser, mut block) = (Parser::with_grammar(source, 0, grammar), Block::new());
     let mut out = Vec::with_capacity(source.len() + source.len() / 8);
     let mut open: Vec<(Keyword, String)> = Vec::new();
-    let mut tape = 0;
+    let (mut tape, mut continues) = (0, false);
     while parser.next(&mut block) {
         if block.faulty {
-            out.extend_from_slice(line_of(source, &block));
+            let line = line_of(source, &block);
+            // behind another block of its line there is one blank already
+            out.extend_from_slice(if continues { line.trim_ascii_start() } else { line });
         } else {
             let depth = depth(&block, &mut open).min(DEEPEST);
-            let mut text = WithPoints(&block, source).to_string();
-            if grammar == Grammar::Fanuc {
-                text = with_head_as_written(&block, text, source);
-            }
+            let text = Printed { block: &block, source, grammar }.to_string();
+            let text = with_head_as_written(&block, text, source);
             if !text.is_empty() {
                 out.extend(std::iter::repeat_n(b' ', STEP * depth));
                 out.extend_from_slice(text.trim_end().as_bytes());
@@ -49,8 +49,10 @@ pub fn format(source: &[u8], grammar: Grammar) -> Vec<u8> {
         let (rest, line) = parser.position();
         if line == block.span.line && (rest as usize) < source.len() {
             out.push(b' '); // another block of this line
+            continues = true;
             continue;
         }
+        continues = false;
         out.extend_from_slice(line_end);
         tape += u8::from(block.percent);
         if tape == 2 {
@@ -66,21 +68,37 @@ fn line_of<'a>(source: &'a [u8], block: &Block) -> &'a [u8] {
     source.get(block.span.start as usize..block.span.end as usize).unwrap_or_default()
 }
 
-/// O0012, :12 and <NAME> as they stand in the text: a machine lists programs by them.
+/// O0012, :12 and <NAME> as they stand in the text: a machine lists programs by them. The letter is a capital where a
+/// program begins, and small before a keyword (`o100 sub`).
 fn with_head_as_written(block: &Block, text: String, source: &[u8]) -> String {
     let Some(o) = block.o else { return text };
-    let printed = match o.label {
-        Label::Number(number) => format!("o{number}"),
-        Label::Name(name) => format!("o<{}>", block.text(name)),
-        Label::Computed(_) => return text.replacen('o', "O", 1),
+    let head = source.get(o.span.start as usize..o.span.end as usize).unwrap_or_default();
+    let first = head.first().map_or('O', |byte| char::from(*byte));
+    let letter = match first {
+        ':' | '<' => String::new(),
+        _ if o.keyword == Keyword::Program => "O".to_owned(),
+        _ => "o".to_owned(),
     };
-    let written = source.get(o.span.start as usize..o.span.end as usize).unwrap_or_default();
-    let written: Vec<u8> = written.iter().filter(|b| !b.is_ascii_whitespace()).copied().collect();
-    let mut written = String::from_utf8_lossy(&written).into_owned();
-    if let Some(first) = written.get_mut(..1) {
-        first.make_ascii_uppercase();
-    }
+    let (printed, written) = match o.label {
+        Label::Number(number) => {
+            let letter = if first == ':' { ":".to_owned() } else { letter };
+            (format!("o{number}"), letter + &digits_as_written(number, head))
+        }
+        Label::Name(name) => {
+            let name = block.text(name);
+            (format!("o<{name}>"), format!("{letter}<{name}>"))
+        }
+        Label::Computed(_) => ("o".to_owned(), letter),
+    };
     text.replacen(&printed, &written, 1)
+}
+
+/// The digits of a program's number with the zeros before it.
+fn digits_as_written(number: u32, head: &[u8]) -> String {
+    let digits = head.iter().skip(1).filter(|byte| !byte.is_ascii_whitespace());
+    let digits: String =
+        digits.take_while(|byte| byte.is_ascii_digit()).map(|b| char::from(*b)).collect();
+    if digits.parse() == Ok(number) { digits } else { number.to_string() }
 }
 
 /// Levels this block is moved in by, and what is open after it.
@@ -148,6 +166,30 @@ mod tests {
     #[test]
     fn blanks_and_case_become_one_way_to_write_it() {
         assert_eq!(formatted("n10g1x1.50 y[ #1 * 2 ](in)\n"), "N10 G1 X1.5 Y[#1*2] (in)\n");
+    }
+
+    #[test]
+    fn a_programs_number_stays_as_it_is_and_an_o_word_is_small() {
+        let text = "%\no1000(plate)\nm98p0012l2\nt0101\nm30\nO0012\nm99\nO007SUB\nO007 endsub\n%\n";
+        let wanted =
+            "%\nO1000 (plate)\nM98 P0012 L2\nT0101\nM30\nO0012\nM99\no007 sub\no007 endsub\n%\n";
+        assert_eq!(formatted(text), wanted);
+        assert_eq!(formatted(wanted), wanted);
+    }
+
+    #[test]
+    fn brackets_stay_where_the_dialect_needs_them() {
+        let fanuc = |text: &str| {
+            String::from_utf8(format(text.as_bytes(), Grammar::Fanuc)).unwrap_or_default()
+        };
+        // of Fanuc's, AND binds like a product, OR like a sum; of LinuxCNC's both bind least of all
+        let text = "#5=[#1+#2]AND#3\n#6=[#1EQ1]AND[#2EQ2]\n#7=[#1OR#2]EQ3\n";
+        let wanted = "#5=[[#1+#2] AND #3]\n#6=[[#1 EQ 1] AND [#2 EQ 2]]\n#7=[#1 OR #2 EQ 3]\n";
+        assert_eq!(fanuc(text), wanted);
+        assert_eq!(fanuc(wanted), wanted);
+        let text = "#5=[[#1+#2]AND#3]\n#6=[[#1EQ1]AND[#2EQ2]]\n#7=[[#1OR#2]EQ3]\n";
+        let wanted = "#5=[#1+#2 AND #3]\n#6=[#1 EQ 1 AND #2 EQ 2]\n#7=[[#1 OR #2] EQ 3]\n";
+        assert_eq!(formatted(text), wanted);
     }
 
     #[test]

@@ -10,85 +10,111 @@
 
 use crate::block::{Block, Comment, Label, Word};
 use crate::expression::{Expr, ExprId, Operator, Parameter, Value};
-use crate::fanuc::{Control, Output, Piece};
+use crate::fanuc::{Control, Grammar, Output, Piece};
 use core::fmt::{Display, Formatter, Result};
+use diag::Span;
 
 impl Display for Block {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        self.write(f, &[])
+        Printed { block: self, source: &[], grammar: Grammar::Rs274 }.fmt(f)
     }
 }
 
-/// A block whose whole numbers keep the decimal point that the source has: where a number without one counts least
-/// increments, it is no matter of spacing.
-pub(crate) struct WithPoints<'a>(pub(crate) &'a Block, pub(crate) &'a [u8]);
+/// A block as text of a grammar. What of the source is no matter of spacing stays: the decimal point of a whole number
+/// (where a number without one counts least increments), and the digits that name a program or a tool.
+pub(crate) struct Printed<'a> {
+    pub(crate) block: &'a Block,
+    /// The text that the block was read from; empty if it is not known.
+    pub(crate) source: &'a [u8],
+    /// By whose rules the text will be read: how strongly operators bind.
+    pub(crate) grammar: Grammar,
+}
 
-impl Display for WithPoints<'_> {
+impl Display for Printed<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        self.0.write(f, self.1)
+        self.write(f)
     }
 }
 
-impl Block {
-    /// As text; whole numbers keep the points of the source, as far as it is known.
-    fn write(&self, f: &mut Formatter<'_>, source: &[u8]) -> Result {
+impl Printed<'_> {
+    /// What a stretch of the source says; nothing if the source is not known.
+    fn written(&self, span: Span) -> &[u8] {
+        self.source.get(span.start as usize..span.end as usize).unwrap_or_default()
+    }
+
+    /// The digits of a whole number as the source has them, if they begin with a zero and name something.
+    fn named_digits(&self, word: &Word) -> Option<&str> {
+        let names = match word.letter {
+            b'T' => true,
+            b'P' => self.block.words.iter().any(calls_a_program),
+            _ => false,
+        };
+        let text = self.written(word.span).get(1..)?.trim_ascii();
+        let padded = text.len() > 1 && text[0] == b'0' && text.iter().all(u8::is_ascii_digit);
+        core::str::from_utf8(text).ok().filter(|_| names && padded)
+    }
+
+    fn write(&self, f: &mut Formatter<'_>) -> Result {
         let pointed = |word: &Word| match word.value {
-            Value::Number(number) if number.fract() == 0.0 => source
-                .get(word.span.start as usize..word.span.end as usize)
-                .is_some_and(|text| text.contains(&b'.')),
+            Value::Number(number) if number.fract() == 0.0 => {
+                self.written(word.span).contains(&b'.')
+            }
             _ => false,
         };
         let mut gap = "";
-        if let Some(level) = self.delete {
+        if let Some(level) = self.block.delete {
             f.write_str("/")?;
             if level != 1 {
                 write!(f, "{level} ")?;
             }
         }
-        if let Some(number) = self.number {
+        if let Some(number) = self.block.number {
             write!(f, "N{number}")?;
             gap = " ";
         }
-        if self.percent {
+        if self.block.percent {
             write!(f, "{gap}%")?;
             gap = " ";
         }
-        if let Some(o) = self.o {
+        if let Some(o) = self.block.o {
             f.write_str(gap)?;
             self.write_o_word(f, o.label, o.keyword.text())?;
             gap = " ";
         }
-        if let Some(control) = self.control {
+        if let Some(control) = self.block.control {
             f.write_str(gap)?;
             self.write_control(f, control)?;
             gap = " ";
         }
-        if let Some(output) = self.output {
+        if let Some(output) = self.block.output {
             f.write_str(gap)?;
             self.write_output(f, output)?;
             gap = " ";
         }
-        for word in &self.words {
+        for word in &self.block.words {
             let comma = if word.letter.is_ascii_lowercase() { "," } else { "" };
             write!(f, "{gap}{comma}{}", word.letter.to_ascii_uppercase() as char)?;
-            self.write_atom(f, word.value)?;
+            match self.named_digits(word) {
+                Some(digits) => f.write_str(digits)?,
+                None => self.write_atom(f, word.value)?,
+            }
             if pointed(word) {
                 f.write_str(".")?;
             }
             gap = " ";
         }
-        if let Some(name) = self.called {
-            write!(f, "{gap}<{}>", self.text(name))?;
+        if let Some(name) = self.block.called {
+            write!(f, "{gap}<{}>", self.block.text(name))?;
             gap = " ";
         }
-        for setting in &self.assignments {
+        for setting in &self.block.assignments {
             write!(f, "{gap}")?;
             self.write_parameter(f, setting.target)?;
             f.write_str("=")?;
             self.write_atom(f, setting.value)?;
             gap = " ";
         }
-        for comment in &self.comments {
+        for comment in &self.block.comments {
             f.write_str(gap)?;
             self.write_comment(f, comment)?;
             gap = " ";
@@ -99,14 +125,14 @@ impl Block {
     fn write_o_word(&self, f: &mut Formatter<'_>, label: Label, keyword: &str) -> Result {
         match label {
             Label::Number(number) => write!(f, "o{number}")?,
-            Label::Name(name) => write!(f, "o<{}>", self.text(name))?,
+            Label::Name(name) => write!(f, "o<{}>", self.block.text(name))?,
             Label::Computed(value @ Value::Number(_)) => {
                 f.write_str("o")?;
                 self.write_bracket(f, value)?;
             }
             Label::Computed(value @ Value::Expression(id)) => {
                 f.write_str("o")?;
-                match self.expr(id) {
+                match self.block.expr(id) {
                     Expr::Parameter(_) => self.write_atom(f, value)?,
                     _ => self.write_bracket(f, value)?,
                 }
@@ -115,7 +141,7 @@ impl Block {
         if !keyword.is_empty() {
             write!(f, " {keyword}")?;
         }
-        for argument in &self.arguments {
+        for argument in &self.block.arguments {
             f.write_str(" ")?;
             self.write_bracket(f, *argument)?;
         }
@@ -157,9 +183,9 @@ impl Block {
             Output::Decimal => f.write_str("DPRNT[")?,
             Output::Binary => f.write_str("BPRNT[")?,
         }
-        for piece in &self.pieces {
+        for piece in &self.block.pieces {
             match *piece {
-                Piece::Text(text) => f.write_str(&self.text(text).replace(' ', "*"))?,
+                Piece::Text(text) => f.write_str(&self.block.text(text).replace(' ', "*"))?,
                 Piece::Value { value, whole, decimals } => {
                     self.write_atom(f, value)?;
                     if output == Output::Decimal || whole > 0 {
@@ -174,7 +200,7 @@ impl Block {
     }
 
     fn write_comment(&self, f: &mut Formatter<'_>, comment: &Comment) -> Result {
-        let (text, keyword) = (self.text(comment.text), comment.kind.keyword());
+        let (text, keyword) = (self.block.text(comment.text), comment.kind.keyword());
         if comment.semicolon {
             return write!(f, ";{keyword}{text}");
         }
@@ -185,7 +211,7 @@ impl Block {
     fn write_atom(&self, f: &mut Formatter<'_>, value: Value) -> Result {
         match value {
             Value::Number(number) => write!(f, "{number}"),
-            Value::Expression(id) => match self.expr(id) {
+            Value::Expression(id) => match self.block.expr(id) {
                 Expr::Binary { .. } => self.write_bracket(f, value),
                 _ => self.write_expr(f, id),
             },
@@ -211,12 +237,12 @@ impl Block {
                 f.write_str("#")?;
                 self.write_atom(f, value)
             }
-            Parameter::Named(name) => write!(f, "#<{}>", self.text(name)),
+            Parameter::Named(name) => write!(f, "#<{}>", self.block.text(name)),
         }
     }
 
     fn write_expr(&self, f: &mut Formatter<'_>, id: ExprId) -> Result {
-        match self.expr(id) {
+        match self.block.expr(id) {
             Expr::Parameter(parameter) => self.write_parameter(f, parameter),
             // -5 would be read as a literal
             Expr::Negate(Value::Number(number)) if number.is_sign_positive() => {
@@ -227,9 +253,10 @@ impl Block {
                 self.write_atom(f, operand)
             }
             Expr::Binary { operator, left, right } => {
-                self.write_side(f, left, operator.strength())?;
+                let strength = self.grammar.strength(operator);
+                self.write_side(f, left, strength)?;
                 write_operator(f, operator)?;
-                self.write_side(f, right, operator.strength() + 1)
+                self.write_side(f, right, strength + 1)
             }
             Expr::Function { function, argument } => {
                 f.write_str(function.text())?;
@@ -259,15 +286,25 @@ impl Block {
     /// One side of an operator, in brackets if it binds more weakly than `strength`.
     fn write_side(&self, f: &mut Formatter<'_>, side: Value, strength: u8) -> Result {
         if let Value::Expression(id) = side
-            && let Expr::Binary { operator, .. } = self.expr(id)
+            && let Expr::Binary { operator, .. } = self.block.expr(id)
         {
-            if operator.strength() >= strength {
+            if self.grammar.strength(operator) >= strength {
                 return self.write_expr(f, id);
             }
             return self.write_bracket(f, side);
         }
         self.write_atom(f, side)
     }
+}
+
+/// M98, M198, G65, G66: P is a program's number.
+fn calls_a_program(word: &Word) -> bool {
+    let codes: &[f64] = match word.letter {
+        b'M' => &[98.0, 198.0],
+        b'G' => &[65.0, 66.0, 66.1],
+        _ => &[],
+    };
+    matches!(word.value, Value::Number(number) if codes.contains(&number))
 }
 
 fn write_operator(f: &mut Formatter<'_>, operator: Operator) -> Result {
