@@ -9,9 +9,20 @@ use std::path::Path;
 /// Format them all; with `--check` change nothing and return false if something would change.
 pub(crate) fn command(args: &FormatArgs, quiet: bool) -> Result<bool, Refused> {
     let mut clean = true;
-    let grammar = crate::dialect::named(args.dialect).grammar();
+    let dialect = crate::dialect::named(args.dialect);
+    let grammar = dialect.grammar();
     for path in crate::check::programs(&args.programs)? {
         let text = read_program(&path)?;
+        let other = interp::looks_like(&text, dialect).filter(|other| other.grammar() != grammar);
+        if let Some(other) = other {
+            // what is read wrongly would be written wrongly
+            let (path, name) = (path.display(), other.name());
+            say::err(&format!(
+                "error: {path} looks like a program of another dialect and stays as it is: format it with --dialect {name}\n"
+            ));
+            clean = false;
+            continue;
+        }
         let anew = gcode::format(&text, grammar);
         let same = anew == text;
         if args.check {

@@ -17,30 +17,33 @@ pub struct Ops<'s> {
     interpreter: Interpreter<'s>,
     resolver: Resolver,
     ended: bool,
+    /// The program looks like one for another dialect.
+    other_dialect: Option<Diagnostic>,
 }
 
 impl<'s> Ops<'s> {
     /// At the beginning of a program.
     pub fn new(source: &'s [u8], setup: &'s Setup) -> Self {
-        Self {
-            interpreter: Interpreter::new(source, setup),
-            resolver: Resolver::new(setup),
-            ended: false,
-        }
+        Self::with(Interpreter::new(source, setup), Resolver::new(setup)).suspecting(source, setup)
+    }
+
+    /// With what the beginning of the program looks like.
+    pub(crate) fn suspecting(self, source: &[u8], setup: &Setup) -> Self {
+        Self { other_dialect: crate::other_dialect(source, setup), ..self }
     }
 
     pub(crate) const fn with(interpreter: Interpreter<'s>, resolver: Resolver) -> Self {
-        Self { interpreter, resolver, ended: false }
+        Self { interpreter, resolver, ended: false, other_dialect: None }
     }
 
     pub(crate) fn parts(self) -> (Interpreter<'s>, Resolver) {
         (self.interpreter, self.resolver)
     }
 
-    /// What was found so far, in the order of the text.
+    /// What was found so far, in the order of the text; first of all that it looks like a program for another dialect.
     pub fn diagnostics(&self) -> Vec<Diagnostic> {
         let both = self.interpreter.diagnostics().iter().chain(self.resolver.diagnostics());
-        in_order(both.cloned())
+        with_dialect(self.other_dialect.clone(), in_order(both.cloned()))
     }
 
     /// Whether the program is refused, as far as it was read.
@@ -86,8 +89,19 @@ pub fn check(source: &[u8], setup: &Setup) -> Vec<Diagnostic> {
     let mut found = syntax(source, setup);
     let mut ops = Ops::new(source, setup);
     for _ in ops.by_ref() {}
+    let other_dialect = ops.other_dialect.take();
     found.extend(ops.diagnostics());
-    in_order(found)
+    with_dialect(other_dialect, in_order(found))
+}
+
+/// What is found in a program, after the suspicion that it is one for another dialect. That is an error where there are
+/// others, which may be due to it alone, and so it comes before them in whatever order they are told.
+pub fn with_dialect(suspicion: Option<Diagnostic>, found: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    let Some(mut suspicion) = suspicion else { return found };
+    if found.iter().any(Diagnostic::is_error) {
+        suspicion.severity = diag::Severity::Error;
+    }
+    core::iter::once(suspicion).chain(found).collect()
 }
 
 /// What the parser finds wrong, in all lines.

@@ -67,12 +67,14 @@ impl<'s> Ops<'s> {
         rest: Option<OpsRest>,
         more_follows: bool,
     ) -> Self {
+        let first = rest.is_none();
         let (rest, resolver) = match rest {
             None => (None, Resolver::new(setup)),
             Some(OpsRest { rest, resolver }) => (Some(rest), resolver),
         };
         let interpreter = Interpreter::of_piece(piece, setup, rest.as_ref(), more_follows);
-        Self::with(interpreter, resolver)
+        let new = Self::with(interpreter, resolver);
+        if first { new.suspecting(piece, setup) } else { new }
     }
 
     /// What is known at the end of the piece, without what was found so far.

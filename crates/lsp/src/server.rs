@@ -386,7 +386,7 @@ impl Open {
             all.push(Diagnostic::error("A0102", Span::default(), trouble.clone()));
         }
         all.sort_by_key(|finding| finding.span.start);
-        all
+        interp::with_dialect(interp::other_dialect(&self.document.text, setup), all)
     }
 
     fn shown(&self, uri: &Uri, finding: &Diagnostic) -> lsp::Diagnostic {

@@ -155,4 +155,10 @@ pub(super) const ROWS: &[Finding] = &[
         "S500 M3 F100\nG95\nG0 X1",
         "S500 M3\nG95 F0.1\nG0 X1",
     ),
+    row(
+        "I0909",
+        "The program looks like one for another dialect than the one it is read in.",
+        "O1000\n#1=10\nG65 P9100 A#1\nM30",
+        "o<hole> sub\nG0 X#1\no<hole> endsub\n#1=10\no<hole> call [#1]\nM30",
+    ),
 ];
