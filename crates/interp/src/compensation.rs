@@ -18,9 +18,14 @@
 //! On a lathe (G18) the tool's orientation 1 to 9 shifts all of it, so that the imagined tip, and
 //! not the centre of the nose, is where the program says.
 //!
+//! Fanuc's start-up is another (type A, as its controls are delivered): the first move goes straight to where the tool
+//! stands beside the *beginning of the move that follows*, at right angles to it, however short it is and at whatever angle
+//! that one goes on. So a lead-in into a pocket's arc is possible from any side.
+//!
 //! A corner that the tool cannot reach without cutting into what was programmed before is an error.
 //!
-//! Source: LinuxCNC 2.9 manual, "Cutter compensation"; NISTIR 6556, appendix B. Angles, shifts and
+//! Source: LinuxCNC 2.9 manual, "Cutter compensation"; NISTIR 6556, appendix B; Fanuc, operator's manual of series 30i for
+//! machining centres, "Tool movement in start-up" (type A, SUP of parameter 5003 is 0). Angles, shifts and
 //! the order of what is held were measured on LinuxCNC's stand-alone interpreter.
 use crate::{
     arcs::sweep_rad,
@@ -84,14 +89,14 @@ impl Compensation {
                 *centre = times(*centre, factor);
                 *radius *= factor;
             }
-            None => {}
+            Some(Curve::StartUp { .. }) | None => {}
         }
     }
 
     /// How much a way curves away from the tool, one over its radius.
     fn bulge(&self, way: &Curve) -> f64 {
         match way {
-            Curve::Line { .. } => 0.0,
+            Curve::Line { .. } | Curve::StartUp { .. } => 0.0,
             Curve::Circle { radius, turns, .. } => -self.side * f64::from(turns.signum()) / radius,
         }
     }
@@ -239,7 +244,7 @@ impl Executor {
         let at = compensation.at;
         let distance = length(minus(way.to, way.from));
         let Some(at) = at else {
-            return self.begin_straight(&way, rapid, to);
+            return self.begin_straight(&way, rapid, to, sink);
         };
         if distance == 0.0 {
             self.push_line(rapid, to, at);
@@ -331,6 +336,11 @@ impl Executor {
         // The offset end lies beside the corner: there the last move has the corner's direction.
         let before = last.direction(at);
         let after = next.direction(next.from);
+        if matches!(last, Curve::StartUp { .. }) {
+            let beside = compensation.beside(next.from, after);
+            self.settle(Some(beside), sink)?;
+            return Ok(beside);
+        }
         let turn = turn_rad(before, after);
         let half_turn = turn.abs() > PI - HALF_TURN_RAD;
         let inner = if half_turn {

@@ -118,13 +118,18 @@ pub(crate) enum Curve {
         /// Largest angle that it may sweep: that of the programmed arc.
         sweep_rad: f64,
     },
+    /// Fanuc's start-up: straight to beside the beginning of the move that follows, wherever that is.
+    StartUp {
+        /// Unit vector of the programmed move.
+        direction: Flat,
+    },
 }
 
 impl Curve {
     /// Direction of travel at one of its points.
     pub(crate) fn direction(&self, at: Flat) -> Flat {
         match *self {
-            Self::Line { direction, .. } => direction,
+            Self::Line { direction, .. } | Self::StartUp { direction } => direction,
             Self::Circle { centre, turns, .. } => {
                 let out = minus(at, centre);
                 times(left(out), f64::from(turns.signum()) / length(out).max(NOTHING))
@@ -135,7 +140,7 @@ impl Curve {
     /// Of its circle; of a line, 0.
     pub(crate) const fn radius(&self) -> f64 {
         match *self {
-            Self::Line { .. } => 0.0,
+            Self::Line { .. } | Self::StartUp { .. } => 0.0,
             Self::Circle { radius, .. } => radius,
         }
     }
@@ -144,6 +149,7 @@ impl Curve {
     pub(crate) fn turns_back(&self, end: Flat) -> bool {
         match *self {
             Self::Line { from, direction, .. } => dot(minus(end, from), direction) <= 0.0,
+            Self::StartUp { .. } => false,
             Self::Circle { from, centre, turns, sweep_rad: most, .. } => {
                 // Inwards moves make the sweep shorter; past zero it is nearly a whole turn.
                 let between = f64::midpoint(most.abs(), core::f64::consts::TAU);
@@ -179,6 +185,7 @@ impl Curve {
                 Self::Circle { centre, radius, .. },
                 Self::Circle { centre: centre_2, radius: radius_2, .. },
             ) => two_circles(centre, radius, centre_2, radius_2, slack),
+            (Self::StartUp { .. }, _) | (_, Self::StartUp { .. }) => [None; 2],
         }
     }
 }

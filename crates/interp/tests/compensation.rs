@@ -190,3 +190,41 @@ fn with_g91_all_control_points_of_a_nurbs_count_from_its_beginning() {
     assert_eq!(absolute, [[10., 0.], [14., 1.]]);
     assert_eq!(at_end("G91 G5.2 P1 L2 F100\nX2 Y3 P1\nX4 Y1 P1\nG5.3").0, absolute);
 }
+
+fn in_fanucs(program: &str) -> (Vec<[f64; 2]>, Vec<&'static str>) {
+    let tools = interp::example_setup(interp::Dialect::Fanuc);
+    let mut interpreter = Interpreter::new(program.as_bytes(), &tools);
+    let mut ends = Ends::default();
+    interpreter.run(&mut ends);
+    (ends.0, interpreter.diagnostics().iter().filter(|d| d.is_error()).map(|d| d.code).collect())
+}
+
+/// Fanuc's type A: at the end of the start-up block the tool stands beside the beginning of the next one, at right angles
+/// to it, whatever the angle between the two.
+#[test]
+fn in_fanucs_dialect_the_tool_starts_up_to_beside_the_next_moves_beginning() {
+    // an arc of radius 7 about the origin from (7, 0), run through to the left; the tool of radius 2 is inside of it
+    for degrees in [-82.0, -30.0, 0.0, 40.0, 82.0, 120.0, 170.0_f64] {
+        let (sin, cos) = (degrees + 90.0).to_radians().sin_cos();
+        let from = [7.0 - 3.0 * cos, -3.0 * sin];
+        let text = format!(
+            "O1\nG90 G17\nG10 L12 P1 R2.\nG0 X{:.6} Y{:.6}\nG41 D1 G1 X7. Y0. F100.\nG3 X-7. I-7. J0.\nG40 G1 X0.\nM30\n",
+            from[0], from[1]
+        );
+        let (found, errors) = in_fanucs(&text);
+        assert_eq!(errors, [""; 0], "{degrees}°");
+        let [x, y] = found[1];
+        assert!((x - 5.0).abs() < 1e-9 && y.abs() < 1e-9, "{degrees}°: {:?}", found[1]);
+        let [x, y] = found[2];
+        assert!((x + 5.0).abs() < 1e-9 && y.abs() < 1e-9, "{degrees}°: {:?}", found[2]);
+    }
+}
+
+#[test]
+fn a_start_up_that_is_shorter_than_the_radius_or_along_the_tool_is_fanucs_as_well() {
+    let (found, errors) = in_fanucs(
+        "O1\nG90 G17\nG10 L12 P1 R2.\nG0 X0. Y0.\nG41 D1\nG1 Z-1. F100.\nG1 X1. Y0.\nY10.\nG40 X20.\nM30\n",
+    );
+    assert_eq!(errors, [""; 0]);
+    assert_eq!(found, [[0., 0.], [0., 0.], [-1., 0.], [-1., 10.], [20., 10.]]);
+}

@@ -6,18 +6,46 @@
 //!          ╱      n, inwards      its centre lies on the line through `end` along n:
 //!   from  ●                       |from − (end + k·n)| = k
 //! ```
+use super::Compensation;
 use crate::{
+    call::Sink,
     execute::Executor,
     fault::{Outcome, error, refuse},
     frame::Point,
     offset_curve::{Curve, Flat, Way, dot, length, minus, plus, times},
 };
 
+/// A lathe tool's shift.
+fn compensation_shift(compensation: &Option<Compensation>) -> Flat {
+    compensation.as_ref().map_or([0.0; 2], |c| c.shift)
+}
+
 impl Executor {
-    /// Straight to beside the end.
-    pub(super) fn begin_straight(&mut self, way: &Way, rapid: bool, to: &Point) -> Outcome {
+    /// Straight to beside the end; in Fanuc's dialects to beside the beginning of what follows.
+    pub(super) fn begin_straight<S: Sink>(
+        &mut self,
+        way: &Way,
+        rapid: bool,
+        to: &Point,
+        sink: &mut S,
+    ) -> Outcome {
+        let fanuc = self.dialect.grammar() == gcode::Grammar::Fanuc;
         let Some(compensation) = &mut self.state.compensation else { return Ok(()) };
         let (distance, radius) = (length(minus(way.to, way.from)), compensation.radius);
+        if fanuc && distance == 0.0 {
+            // along the tool alone: the next move of the plane starts up
+            self.push_line(rapid, to, minus(way.to, compensation_shift(&self.state.compensation)));
+            self.let_go(sink);
+            return Ok(());
+        }
+        if fanuc {
+            let direction = way.direction(way.to);
+            let end = compensation.beside(way.to, direction);
+            compensation.at = Some(end);
+            compensation.last = Some(Curve::StartUp { direction });
+            self.push_line(rapid, to, end);
+            return Ok(());
+        }
         if distance <= radius {
             let text = format!(
                 "the first move after G41 or G42 must be longer than the tool's radius: {distance:.4} is not above {radius:.4}"
