@@ -1,6 +1,7 @@
 //! `leadscrew check`: everything that is wrong with programs, at once, without moving anything.
 use crate::args::{CheckArgs, FindingsFormat, MissingTools};
 use crate::pieces::{self, Pieces};
+use crate::preflight::{self, add};
 use crate::refused::Refused;
 use crate::render::{self, Source};
 use crate::say;
@@ -15,9 +16,6 @@ use std::{
 /// Endings of files that are taken for programs in a folder.
 const PROGRAM_ENDINGS: [&str; 6] = ["ngc", "nc", "tap", "gcode", "cnc", "mpf"];
 
-/// Of a program that does not end.
-const NO_END: &str = "I0301";
-
 /// Of a file that is no text.
 const NO_TEXT: &str = "P0191";
 
@@ -31,7 +29,7 @@ pub(crate) fn command(args: &CheckArgs, quiet: bool) -> Result<bool, Refused> {
     let programs = programs(&args.programs)?;
     for path in &programs {
         let name = path.display().to_string();
-        let mut told = Told { format: args.format, quiet, results, errors: 0, others: 0 };
+        let mut told = Told { format: args.format, quiet, results, errors: 0, others: 0, tools_from: String::new() };
         if let Some(session) = long_session(args, path)? {
             in_pieces(&session, path, &name, &mut told)?;
         } else {
@@ -66,6 +64,8 @@ struct Told {
     results: Vec<serde_json::Value>,
     errors: usize,
     others: usize,
+    /// The tool table that it was checked with.
+    tools_from: String,
 }
 
 impl Told {
@@ -105,7 +105,11 @@ impl Told {
         } else {
             String::new()
         };
-        say::out(&format!("{name}: {e}, {o}{hidden}\n"))
+        let tools = match &*self.tools_from {
+            "" => String::new(),
+            from => format!("; tools from {from}"),
+        };
+        say::out(&format!("{name}: {e}, {o}{hidden}{tools}\n"))
     }
 }
 
@@ -117,18 +121,9 @@ fn whole(args: &CheckArgs, path: &Path, text: &[u8], told: &mut Told) -> Result<
     let name = path.display().to_string();
     let mut session = Session::load(&args.source, path, text)?;
     let options = session.plan_options(session.machine.setup.stock.material);
-    let mut found = crate::preflight::judge(&mut session, text, options);
-    add(&mut found, interp::lint(text, &session.interp_setup()));
-    if is_subprogram(path, text) {
-        found.retain(|finding| finding.code != NO_END);
-    }
+    let found = preflight::judge(&mut session, text, options, &|| true);
+    told.tools_from = session.tools_from;
     told.tell(&found, &Source { name: &name, text, drawn: &session.drawn })
-}
-
-/// Whether a file is one of subprograms, which ends without M2: it has the name of one that it defines.
-fn is_subprogram(path: &Path, text: &[u8]) -> bool {
-    let name = path.file_stem().map(|stem| stem.to_string_lossy().to_lowercase());
-    name.is_some_and(|name| interp::defined_subprograms(text).contains(&name))
 }
 
 /// A long program that cannot be read in pieces, for its O-words lead here and there: what is found is told as it goes.
@@ -137,6 +132,7 @@ fn as_found(args: &CheckArgs, path: &Path, text: &[u8], told: &mut Told) -> Resu
     let mut session = Session::load(&args.source, path, text)?;
     let options = session.plan_options(session.machine.setup.stock.material);
     let drawn = session.drawn.clone();
+    told.tools_from.clone_from(&session.tools_from);
     let progress = progress(path, told.quiet);
     let mut known = HashSet::new();
     let mut tell = |mut found: Vec<Diagnostic>, furthest: u32| {
@@ -145,17 +141,10 @@ fn as_found(args: &CheckArgs, path: &Path, text: &[u8], told: &mut Told) -> Resu
         progress.set_position(furthest.into());
         progress.suspend(|| told.tell(&found, &Source { name: &name, text, drawn: &drawn }))
     };
-    crate::preflight::judge_and_tell(&mut session, text, options, &mut tell)?;
+    preflight::judge_and_tell(&mut session, text, options, &mut tell)?;
     tell(interp::lint(text, &session.interp_setup()), text.len() as u32)?;
     progress.finish_and_clear();
     Ok(())
-}
-
-/// Add what is not there yet, by place.
-fn add(found: &mut Vec<Diagnostic>, more: impl IntoIterator<Item = Diagnostic>) {
-    let mut known: HashSet<_> = found.iter().map(|f| (f.code, f.span)).collect();
-    found.extend(more.into_iter().filter(|finding| known.insert((finding.code, finding.span))));
-    found.sort_by_key(|f| (f.span.file, f.span.start, !f.is_error()));
 }
 
 /// The session of a program that is read in pieces. To find the tools that are to be stood in for, the whole program
@@ -170,11 +159,10 @@ fn long_session(args: &CheckArgs, path: &Path) -> Result<Option<Session>, Refuse
 /// Interpreter, planner and remarks, piece by piece; what is found in a piece is told before the next one is read.
 fn in_pieces(session: &Session, path: &Path, name: &str, told: &mut Told) -> Result<(), Refused> {
     let setup = session.interp_setup();
-    let mut planner = crate::preflight::planner(
-        session,
-        session.plan_options(session.machine.setup.stock.material),
-    )
-    .only_judging();
+    told.tools_from.clone_from(&session.tools_from);
+    let options = session.plan_options(session.machine.setup.stock.material);
+    let mut planner = preflight::judging(session, options).only_judging();
+    let mut table = preflight::TableNotes::default();
     let mut linter = interp::Linter::new(&setup);
     let (mut rest, mut index, mut first_line) = (None, 0, 1);
     let mut late = Vec::new();
@@ -182,14 +170,17 @@ fn in_pieces(session: &Session, path: &Path, name: &str, told: &mut Told) -> Res
     let mut pieces = Pieces::open(path)?;
     while let Some(piece) = pieces.next()? {
         let mut ops = interp::Ops::of_piece(piece.text, &setup, rest.take(), piece.more_follows);
-        for op in ops.by_ref() {
+        while let Some(op) = ops.next() {
+            planner.written_in(ops.frame());
             planner.push(index, &op, &mut |_| ());
+            table.see(session, &op);
             index += 1;
         }
         if !piece.more_follows {
             planner.finish(&mut |_| ());
         }
         let mut found = ops.diagnostics();
+        found.extend(table.take());
         add(&mut found, linter.piece(piece.text));
         // of what the planner held back, the bytes are those of a piece that is gone
         let (now, before): (Vec<_>, Vec<_>) =

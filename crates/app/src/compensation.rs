@@ -159,6 +159,7 @@ fn program(args: &CompensationArgs, method: Compensation, estimator: Estimator) 
     ProgramArgs {
         machine: args.machine.clone(),
         tools: None,
+        tool_unit: crate::args::ToolUnit::Mm,
         parameters: None,
         missing_tools: MissingTools::Refuse,
         tapping: None,

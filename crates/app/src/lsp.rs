@@ -2,8 +2,14 @@
 use crate::args::ProgramArgs;
 use crate::refused::Refused;
 use crate::session::Session;
+use diag::Diagnostic;
 use lsp_server::Connection;
 use std::path::{Path, PathBuf};
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, Ordering},
+    mpsc::{Receiver, TryRecvError, sync_channel},
+};
 
 /// Serve one editor. True if it took leave in order.
 pub(crate) fn command(source: &ProgramArgs) -> Result<bool, Refused> {
@@ -36,6 +42,55 @@ impl lsp::Host for Machines {
         let (args, machine) = (&self.source, &session.machine);
         let file = crate::subprograms::file_of(args, machine, &program, name, grammar)?;
         Some(written(&std::path::absolute(file).ok()?))
+    }
+
+    fn preflight(&self, uri: &str, text: &[u8]) -> Box<dyn lsp::Preflight> {
+        Box::new(Running::start(self.source.clone(), program(uri), text.to_vec()))
+    }
+}
+
+/// The preflight of `check`, in a thread of its own: an editor that asks meanwhile is answered.
+struct Running {
+    answer: Receiver<Result<Vec<Diagnostic>, String>>,
+    /// Nobody wants to know any more.
+    stop: Arc<AtomicBool>,
+}
+
+impl Running {
+    fn start(source: ProgramArgs, program: PathBuf, text: Vec<u8>) -> Self {
+        let (tell, answer) = sync_channel(1);
+        let stop = Arc::new(AtomicBool::new(false));
+        let stopped = Arc::clone(&stop);
+        let work = move || {
+            let found = Session::load(&source, &program, &text).map(|mut session| {
+                let options = session.plan_options(session.machine.setup.stock.material);
+                let goes_on = || !stopped.load(Ordering::Relaxed);
+                crate::preflight::judge(&mut session, &text, options, &goes_on)
+            });
+            // an editor that has closed the file does not listen
+            _ = tell.send(found.map_err(|refused| refused.sentence()));
+        };
+        // without a thread the sender is gone, which `take` says
+        _ = std::thread::Builder::new().name("preflight".into()).spawn(work);
+        Self { answer, stop }
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+    }
+}
+
+impl lsp::Preflight for Running {
+    fn take(&mut self) -> Option<Result<Vec<Diagnostic>, String>> {
+        match self.answer.try_recv() {
+            Ok(answer) => Some(answer),
+            Err(TryRecvError::Empty) => None,
+            Err(TryRecvError::Disconnected) => {
+                Some(Err("the program could not be checked against the machine".into()))
+            }
+        }
     }
 }
 

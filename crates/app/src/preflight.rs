@@ -1,16 +1,24 @@
 //! Everything that can be known before anything moves.
 //!
-//! The whole program is interpreted and planned once without moving: all findings of interpreter and planner
-//! come out at once, with the planned time; tools that the table lacks get their stand-ins here if the user
-//! allows them.
+//! The whole program is interpreted and planned once without moving: all findings of interpreter and planner, what is
+//! legal but hurts, and what is to be said of the tool table come out at once, with the planned time; tools that the
+//! table lacks get their stand-ins here if the user allows them.
+//!
+//! ```text
+//!   check ─┐                      ┌─ interpreter   what blocks mean
+//!   time  ─┼─► one preflight ─────┼─ planner       machine, tools, stock
+//!   run   ─┤    one order         ├─ remarks       legal, and likely to hurt
+//!   lsp   ─┘                      └─ tool table    which one, and what was not understood of it
+//! ```
 use crate::args::MissingTools;
 use crate::program::Ops;
 use crate::refused::Refused;
 use crate::restart::Restart;
 use crate::session::Session;
-use canon::{OpKind, Tool, ToolKind};
+use canon::{Op, OpKind, Tool, ToolKind};
 use diag::{Diagnostic, Severity};
 use plan::{Options, Planner, Start};
+use std::collections::{BTreeSet, HashSet};
 use units::{Length, Time};
 
 /// What is known.
@@ -41,7 +49,23 @@ pub(crate) fn preflight_with(
     look: &mut impl FnMut(plan::Step),
 ) -> Preflight {
     let assumed = stand_in(session, source);
-    read(session, source, planner(session, options), assumed, look)
+    let planner = judging(session, options);
+    read(session, source, planner, assumed, look, &|| true)
+}
+
+/// Plan a program of which all is known that is wrong with it, for a look at every step.
+pub(crate) fn steps(
+    session: &Session,
+    source: &[u8],
+    options: Options,
+    look: &mut impl FnMut(plan::Step),
+) {
+    let setup = session.interp_setup();
+    let mut planner = planner(session, options);
+    for (index, op) in Ops::new(source, &setup, session.auto()) {
+        planner.push(index, &op, look);
+    }
+    planner.finish(look);
 }
 
 /// What is wrong with a program that is begun in its middle: what it leaves out may be missing.
@@ -61,11 +85,16 @@ pub(crate) fn wrong_from(
     planner.take_findings().into_iter().filter(Diagnostic::is_error).collect()
 }
 
-/// What is wrong with a program, without the time it takes.
-pub(crate) fn judge(session: &mut Session, source: &[u8], options: Options) -> Vec<Diagnostic> {
+/// What is wrong with a program, without the time it takes; nothing, if it is broken off on the way.
+pub(crate) fn judge(
+    session: &mut Session,
+    source: &[u8],
+    options: Options,
+    goes_on: &dyn Fn() -> bool,
+) -> Vec<Diagnostic> {
     let assumed = stand_in(session, source);
-    let planner = planner(session, options).only_judging();
-    read(session, source, planner, assumed, &mut |_| ()).findings
+    let planner = judging(session, options).only_judging();
+    read(session, source, planner, assumed, &mut |_| (), goes_on).findings
 }
 
 /// The same for a long program: what was found since the last time is told as it goes, with the furthest byte executed.
@@ -75,29 +104,38 @@ pub(crate) fn judge_and_tell(
     options: Options,
     tell: &mut impl FnMut(Vec<Diagnostic>, u32) -> Result<(), Refused>,
 ) -> Result<(), Refused> {
-    /// Operations between two tellings.
-    const OFTEN: u32 = 1 << 14;
     tell(stand_in(session, source), 0)?;
-    let mut planner = planner(session, options).only_judging();
+    let mut planner = judging(session, options).only_judging();
+    let mut table = TableNotes::default();
     let setup = session.interp_setup();
     let mut ops = Ops::new(source, &setup, session.auto());
     let mut furthest = 0;
     while let Some((index, op)) = ops.next() {
+        planner.written_in(ops.frame());
         planner.push(index, &op, &mut |_| ());
+        table.see(session, &op);
         if op.span.file == 0 {
             furthest = furthest.max(op.span.end);
         }
         if index % OFTEN == OFTEN - 1 {
             let mut found = planner.take_findings();
             found.extend(ops.diagnostics());
+            found.extend(table.take());
             tell(found, furthest)?;
         }
     }
     planner.finish(&mut |_| ());
     let mut found = planner.take_findings();
     found.extend(ops.diagnostics());
+    found.extend(table.take());
     tell(found, furthest)
 }
+
+/// Operations between two tellings, and between two looks whether anybody still wants to know.
+const OFTEN: u32 = 1 << 14;
+
+/// Of a program that does not end.
+const NO_END: &str = "I0301";
 
 fn read(
     session: &Session,
@@ -105,17 +143,87 @@ fn read(
     mut planner: Planner,
     mut findings: Vec<Diagnostic>,
     look: &mut impl FnMut(plan::Step),
+    goes_on: &dyn Fn() -> bool,
 ) -> Preflight {
     let setup = session.interp_setup();
+    let mut table = TableNotes::default();
     let mut ops = Ops::new(source, &setup, session.auto());
-    for (index, op) in ops.by_ref() {
+    while let Some((index, op)) = ops.next() {
+        planner.written_in(ops.frame());
         planner.push(index, &op, look);
+        table.see(session, &op);
+        if index % OFTEN == OFTEN - 1 && !goes_on() {
+            return Preflight { findings: Vec::new(), planned: Time::ZERO };
+        }
     }
     planner.finish(look);
     findings.extend(ops.diagnostics());
     findings.extend(planner.take_findings());
-    findings.sort_by_key(|f| (f.span.file, f.span.start, f.severity != Severity::Error));
+    findings.extend(table.take());
+    add(&mut findings, interp::lint(source, &setup));
+    if session.is_subprogram {
+        findings.retain(|finding| finding.code != NO_END);
+    }
     Preflight { findings, planned: planner.duration() }
+}
+
+/// Add what is not there yet, and put all in the order of the program: by place, errors first.
+pub(crate) fn add(found: &mut Vec<Diagnostic>, more: impl IntoIterator<Item = Diagnostic>) {
+    let mut known: HashSet<_> = found.iter().map(|f| (f.code, f.span)).collect();
+    found.extend(more.into_iter().filter(|finding| known.insert((finding.code, finding.span))));
+    found.sort_by_key(|f| (f.span.file, f.span.start, f.severity != Severity::Error));
+}
+
+/// What is to be said of the tool table, where a program calls a tool: that it is the built-in one, and what was not
+/// understood in a tool's row.
+#[derive(Default)]
+pub(crate) struct TableNotes {
+    called: BTreeSet<u32>,
+    found: Vec<Diagnostic>,
+}
+
+impl TableNotes {
+    /// An operation of the program.
+    pub(crate) fn see(&mut self, session: &Session, op: &Op) {
+        let OpKind::ChangeTool { number: number @ 1.. } = op.kind else { return };
+        let Some(tool) = session.tools.get(number) else { return };
+        if !self.called.insert(number) || tool.stand_in {
+            return;
+        }
+        match &session.table {
+            None if self.called.len() == 1 => self.found.push(built_in(tool, op.span)),
+            None => {}
+            Some(table) => {
+                let from = &session.tools_from;
+                self.found.extend(table.remarks_of(number).map(|remark| {
+                    let line = remark.span.line;
+                    let text = format!("T{number} in {from}, line {line}: {}", remark.message);
+                    Diagnostic { code: "A0104", severity: remark.severity, ..Diagnostic::warning("A0104", op.span, text) }
+                }));
+            }
+        }
+    }
+
+    /// What was found since the last time.
+    pub(crate) fn take(&mut self) -> Vec<Diagnostic> {
+        std::mem::take(&mut self.found)
+    }
+}
+
+fn built_in(tool: &Tool, span: diag::Span) -> Diagnostic {
+    let text = format!(
+        "T{} is \"{}\" of the built-in tool table: no table is named, and none lies beside the program",
+        tool.number, tool.description
+    );
+    Diagnostic::note("A0103", span, text)
+        .with_help("--tools FILE names the shop's own; tools.toml or tool.tbl beside the program is found by itself")
+}
+
+/// A planner that also knows the workpiece.
+pub(crate) fn judging(session: &Session, options: Options) -> Planner {
+    let planner = planner(session, options);
+    // cams are ground from blanks of their own
+    if session.cams.is_wanted() { planner } else { planner.with_stock(session.stock()) }
 }
 
 /// A planner for this session's machine, standing where the machine stands when it is switched on.

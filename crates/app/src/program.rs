@@ -1,7 +1,7 @@
 //! A program's operations, numbered in the order in which they come; what G51.2 leaves to the control is filled in.
 use crate::polygon::auto::Auto;
 use crate::polygon::cuts;
-use canon::{Op, OpKind};
+use canon::{Op, OpKind, ProgramFrame};
 use diag::Diagnostic;
 use std::collections::VecDeque;
 
@@ -11,7 +11,8 @@ const LOOK_AHEAD: usize = 1000;
 /// Operations with their index.
 pub(crate) struct Ops<'a> {
     read: interp::Ops<'a>,
-    ahead: VecDeque<Op>,
+    ahead: VecDeque<(Op, ProgramFrame)>,
+    frame: ProgramFrame,
     auto: Auto<'a>,
     next: u32,
     prelude: std::vec::IntoIter<Op>,
@@ -21,7 +22,14 @@ impl<'a> Ops<'a> {
     /// Of a program.
     pub(crate) fn new(source: &'a [u8], setup: &'a interp::Setup, auto: Auto<'a>) -> Self {
         let read = interp::Ops::new(source, setup);
-        Self { read, ahead: VecDeque::new(), auto, next: 0, prelude: Vec::new().into_iter() }
+        Self {
+            read,
+            ahead: VecDeque::new(),
+            frame: ProgramFrame::default(),
+            auto,
+            next: 0,
+            prelude: Vec::new().into_iter(),
+        }
     }
 
     /// The same, begun in the middle.
@@ -37,6 +45,11 @@ impl<'a> Ops<'a> {
         self
     }
 
+    /// Frame and units in which the operation that came last was written.
+    pub(crate) const fn frame(&self) -> ProgramFrame {
+        self.frame
+    }
+
     /// What was found so far.
     pub(crate) fn diagnostics(&self) -> Vec<Diagnostic> {
         self.read.diagnostics().iter().chain(self.auto.findings()).cloned().collect()
@@ -46,7 +59,7 @@ impl<'a> Ops<'a> {
     fn look_ahead(&mut self) {
         while self.ahead.len() < LOOK_AHEAD {
             let Some(op) = self.read.next() else { return };
-            self.ahead.push_back(op);
+            self.ahead.push_back((op, self.read.frame()));
         }
     }
 }
@@ -55,12 +68,20 @@ impl Iterator for Ops<'_> {
     type Item = (u32, Op);
 
     fn next(&mut self) -> Option<Self::Item> {
-        let mut op =
-            self.prelude.next().or_else(|| self.ahead.pop_front()).or_else(|| self.read.next())?;
+        let mut op = if let Some(op) = self.prelude.next() {
+            op // machine coordinates, which no block has written
+        } else if let Some((op, frame)) = self.ahead.pop_front() {
+            self.frame = frame;
+            op
+        } else {
+            let op = self.read.next()?;
+            self.frame = self.read.frame();
+            op
+        };
         self.auto.see(&op.kind);
         if let OpKind::Polygon(polygon) = &mut op.kind {
             self.look_ahead();
-            self.auto.fill(polygon, cuts::cut(self.ahead.iter()), op.span);
+            self.auto.fill(polygon, cuts::cut(self.ahead.iter().map(|(op, _)| op)), op.span);
         }
         let index = self.next;
         self.next += 1;

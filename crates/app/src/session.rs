@@ -1,6 +1,6 @@
 //! What a program meets: its text, the machine, the tools, the parameters; loaded once, from wherever they are.
 use crate::args::{
-    ClutchDwell, DecimalPoint, MissingTools, ProgramArgs, Switch, Tapping, TappingPreset,
+    ClutchDwell, DecimalPoint, MissingTools, ProgramArgs, Switch, Tapping, TappingPreset, ToolUnit,
 };
 use crate::cams::CamSetup;
 use crate::dialect;
@@ -12,6 +12,7 @@ use std::{
     path::{Path, PathBuf},
 };
 use store::machine::{MachineFile, Material, Preset, Ramp};
+use store::tools::ToolTable;
 use units::Length;
 
 /// The table that is used when none is named and none lies beside the program.
@@ -33,6 +34,10 @@ pub(crate) struct Session {
     pub(crate) tools: ToolLibrary,
     /// Where the tools came from, for people.
     pub(crate) tools_from: String,
+    /// The tools' table: `None` is the built-in one.
+    pub(crate) table: Option<ToolTable>,
+    /// The program is a file of one subprogram, which ends without M2.
+    pub(crate) is_subprogram: bool,
     /// Values of the numbered parameters when a program begins.
     pub(crate) parameters: interp::Parameters,
     /// What to do with tools that the table lacks.
@@ -78,7 +83,7 @@ impl Session {
                 TappingPreset::Max => Preset::Max,
             };
         }
-        let (tools, tools_from) = tools(args.tools.as_deref(), program)?;
+        let (tools, tools_from, table) = tools(args, program)?;
         let missing_tools = args.missing_tools;
         let dialect = dialect::of(args.dialect, &machine);
         let cams = CamSetup::load(args, program, &machine)?;
@@ -92,6 +97,8 @@ impl Session {
             machine,
             tools,
             tools_from,
+            table,
+            is_subprogram: is_subprogram(program, text),
             missing_tools,
             standing: None,
             dialect,
@@ -196,6 +203,15 @@ impl Session {
         zero
     }
 
+    /// The workpiece before it is cut, in machine coordinates of a tool's tip.
+    pub(crate) fn stock(&self) -> plan::Stock {
+        let (zero, stock) = (self.work_zero().linear, self.machine.setup.stock);
+        plan::Stock {
+            from: [0, 1, 2].map(|i| zero[i] + stock.from[i]),
+            to: [0, 1, 2].map(|i| zero[i] + stock.to[i]),
+        }
+    }
+
     /// Who computes the oscillations that a program leaves to the control.
     pub(crate) fn auto(&self) -> crate::polygon::auto::Auto<'_> {
         let axis = self.work_zero().linear[0];
@@ -251,21 +267,35 @@ pub(crate) fn read_program(path: &Path) -> Result<Vec<u8>, Refused> {
     Ok(text)
 }
 
-fn tools(named: Option<&Path>, program: &Path) -> Result<(ToolLibrary, String), Refused> {
+/// The tools, where they came from, and their table if it is not the built-in one.
+fn tools(
+    args: &ProgramArgs,
+    program: &Path,
+) -> Result<(ToolLibrary, String, Option<ToolTable>), Refused> {
     let beside = || -> Option<PathBuf> {
         let folder = program.parent()?;
         TOOLS_BESIDE.iter().map(|name| folder.join(name)).find(|path| path.is_file())
     };
     let is_stdin = program == Path::new("-");
-    let found = named.map(Path::to_owned).or_else(|| if is_stdin { None } else { beside() });
+    let found = args.tools.clone().or_else(|| if is_stdin { None } else { beside() });
     let Some(path) = found else {
         let table = store::tools::parse_toml(EMBEDDED_TOOLS, 0).map_err(|findings| {
             Refused::text("the embedded tools".into(), EMBEDDED_TOOLS, findings)
         })?;
-        return Ok((table.library, "the embedded table".into()));
+        return Ok((table.library, "the embedded table".into(), None));
     };
-    let table = store::tools::load(&path)?;
-    Ok((table.library, path.display().to_string()))
+    let unit = match args.tool_unit {
+        ToolUnit::Mm => store::tools::TableUnit::Millimetre,
+        ToolUnit::Inch => store::tools::TableUnit::Inch,
+    };
+    let table = store::tools::load(&path, unit)?;
+    Ok((table.library.clone(), path.display().to_string(), Some(table)))
+}
+
+/// Whether a file is one of subprograms, which ends without M2: it has the name of one that it defines.
+fn is_subprogram(path: &Path, text: &[u8]) -> bool {
+    let name = path.file_stem().map(|stem| stem.to_string_lossy().to_lowercase());
+    name.is_some_and(|name| interp::defined_subprograms(text).contains(&name))
 }
 
 /// From a `.var` file, or from the machine's set-up.

@@ -21,6 +21,7 @@ extern crate alloc;
 
 mod cam;
 mod coupling;
+mod frame;
 mod op;
 mod position;
 mod thread;
@@ -29,6 +30,7 @@ mod tool;
 pub use cam::{CamLibrary, CamOrder, CamProfile};
 pub use coupling::{Actuator, Harmonic, Hob, Oscillating, Oscillation, Polygon, Ratio};
 pub use diag::Span;
+pub use frame::{LengthUnit, ProgramFrame};
 pub use op::{
     Arc, Await, ChipRemoval, Feed, Hole, InputWait, Op, OpKind, Output, PathMode,
     ReturnAcceleration, Signal, SpindleOrder, Spline, Tap, Threading, UserCode,

@@ -4,7 +4,7 @@ use crate::{
     resolve::Resolver,
     setup::{Parameters, Setup},
 };
-use canon::{Op, ToolLibrary};
+use canon::{Op, ProgramFrame, ToolLibrary};
 use diag::{Diagnostic, Span};
 use gcode::{Block, Grammar, Keyword, Label, Parser};
 use std::collections::HashSet;
@@ -60,6 +60,12 @@ impl<'s> Ops<'s> {
     /// What the control believes about a tool, as the program has left it.
     pub fn tool_entry(&self, number: u32) -> crate::ToolEntry {
         self.interpreter.executor.tool_entry(number)
+    }
+
+    /// Frame and units in which the operation that came last was written. What one block orders is written in one frame.
+    pub fn frame(&self) -> ProgramFrame {
+        let state = &self.interpreter.executor.state;
+        self.resolver.program_frame(state.system, state.diameter)
     }
 
     /// The numbered parameters as the program has set them.

@@ -17,8 +17,8 @@ use crate::{
     setup::Setup,
 };
 use canon::{
-    Arc, Axis, Feed, Hole, Op, OpKind, Output, PathMode, Plane, Position, SpindleOrder, Threading,
-    ToolLibrary,
+    Arc, Axis, Feed, Hole, LengthUnit, Op, OpKind, Output, PathMode, Plane, Position, ProgramFrame,
+    SpindleOrder, Threading, ToolLibrary,
 };
 use diag::{Diagnostic, Span};
 use std::collections::VecDeque;
@@ -115,6 +115,22 @@ impl Resolver {
 
     pub(crate) fn forget_findings(&mut self) {
         self.diagnostics.clear();
+    }
+
+    /// How the program writes places now; `system` is the work offset in force.
+    pub(crate) fn program_frame(&self, system: u8, x_is_diameter: bool) -> ProgramFrame {
+        ProgramFrame {
+            unit: match self.units {
+                Units::Millimetre => LengthUnit::Millimetre,
+                Units::Inch => LengthUnit::Inch,
+            },
+            work_offset: system,
+            origin: position(&self.frame.origin),
+            added: position(&self.frame.added),
+            rotation: Angle::deg(self.frame.rotation()),
+            tool: position(&self.frame.tool),
+            x_is_diameter,
+        }
     }
 
     pub(crate) fn report(&mut self, diagnostic: Diagnostic) {

@@ -13,7 +13,8 @@
 //! it changes: where things stand again as they stood before it, what followed follows again. A hover runs from the nearest
 //! snapshot to the block pointed at; where execution has not come to it again, it looks ahead, over what the edit does not matter to.
 //! This crate knows programs, not machines: what a program meets (tools, offsets, subprogram
-//! files) comes from a [`Host`].
+//! files) comes from a [`Host`], and so does what is wrong with it there ([`Preflight`]): what an editor shows is what
+//! `leadscrew check` says, in the same order.
 //!
 //! Source: Language Server Protocol 3.17, Microsoft.
 
@@ -29,4 +30,4 @@ mod roles;
 mod server;
 mod slice;
 
-pub use server::{Host, serve};
+pub use server::{Host, Preflight, serve};

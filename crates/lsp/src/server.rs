@@ -21,10 +21,16 @@ use lsp_types::request::{
 };
 use lsp_types::{InitializeParams, PositionEncodingKind, Uri};
 use serde_json::{Value, json};
-use std::collections::HashMap;
+use std::{collections::HashMap, time::Duration};
 
 /// Blocks read at once for what is found by reading alone: an editor that asks meanwhile waits that long.
 const READ_AT_ONCE: usize = 8192;
+/// A message is waited for so long before a preflight is looked at again.
+const LOOK_AGAIN: Duration = Duration::from_millis(2);
+/// Of programs longer than this, what the machine has to do with is not waited for.
+const LONG: usize = 1 << 18;
+/// Findings shown: more of them tell nothing new.
+const MOST_FINDINGS: usize = 1000;
 
 /// What the server asks of the program it runs in: what a G-code program meets outside its text.
 pub trait Host {
@@ -35,6 +41,14 @@ pub trait Host {
     fn setup(&self, uri: &str, text: &[u8]) -> Result<interp::Setup, String>;
     /// The URI of the file that `o<name> call` opens from this program, if it exists.
     fn subprogram(&self, uri: &str, name: &str) -> Option<String>;
+    /// Begin to find out everything that is wrong with a program, with what it meets: machine, tools and workpiece too.
+    fn preflight(&self, uri: &str, text: &[u8]) -> Box<dyn Preflight>;
+}
+
+/// What is being found out about a text. Who drops it does not want to know any more.
+pub trait Preflight {
+    /// All findings, in their order, once they are known; or why they cannot be had.
+    fn take(&mut self) -> Option<Result<Vec<Diagnostic>, String>>;
 }
 
 /// Serve one editor until it says goodbye. True if it took leave in order.
@@ -85,6 +99,10 @@ struct Open {
     trouble: Option<String>,
     /// What is found by reading it as it is, as far as it has been read.
     lint: Option<Lint>,
+    /// What is being found out with the machine.
+    preflight: Option<Box<dyn Preflight>>,
+    /// What was found without it is shown, for that takes long.
+    told_early: bool,
     /// Its findings are shown as they are.
     told: bool,
 }
@@ -102,8 +120,15 @@ type Answer = Result<Value, String>;
 impl Server<'_> {
     fn converse(&mut self) -> Result<bool, ProtocolError> {
         loop {
-            let busy = self.open.values().any(|open| !open.told);
-            let message = if busy {
+            let busy = self.open.values().any(|open| !open.told && open.preflight.is_none());
+            let waits = self.open.values().any(|open| open.preflight.is_some());
+            let message = if waits && !busy {
+                match self.connection.receiver.recv_timeout(LOOK_AGAIN) {
+                    Ok(message) => Some(message),
+                    Err(e) if e.is_disconnected() => return Ok(false),
+                    Err(_) => None,
+                }
+            } else if busy {
                 match self.connection.receiver.try_recv() {
                     Ok(message) => Some(message),
                     Err(e) if e.is_disconnected() => return Ok(false),
@@ -131,7 +156,9 @@ impl Server<'_> {
 
     /// A slice of what is still to be found out.
     fn work(&mut self) {
-        let Some((uri, open)) = self.open.iter_mut().find(|(_, open)| !open.told) else { return };
+        self.look();
+        let wanted = |(_, open): &(&Uri, &mut Open)| !open.told && open.preflight.is_none();
+        let Some((uri, open)) = self.open.iter_mut().find(wanted) else { return };
         if !open.analysis.is_done() {
             open.analysis.advance(&open.document);
             return;
@@ -140,8 +167,40 @@ impl Server<'_> {
         if lint.advance(&open.document.text, READ_AT_ONCE) {
             return;
         }
-        open.told = true;
-        let findings = open.findings();
+        open.preflight = Some(self.host.preflight(uri.as_str(), &open.document.text));
+        if open.document.text.len() > LONG && !open.told_early {
+            open.told_early = true;
+            let findings = open.findings();
+            let uri = uri.clone();
+            self.publish(&uri, &findings);
+        }
+    }
+
+    /// Whether a preflight is over: what it found is shown, and nothing else.
+    fn look(&mut self) {
+        let over = self.open.iter_mut().find_map(|(uri, open)| {
+            let answer = open.preflight.as_mut()?.take()?;
+            Some((uri.clone(), answer))
+        });
+        let Some((uri, answer)) = over else { return };
+        let Some(open) = self.open.get_mut(&uri) else { return };
+        (open.preflight, open.told) = (None, true);
+        let findings = match answer {
+            Ok(mut findings) => {
+                findings.retain(|finding| finding.span.file == 0);
+                findings.truncate(MOST_FINDINGS);
+                findings
+            }
+            Err(trouble) => {
+                open.trouble.get_or_insert(trouble);
+                open.findings()
+            }
+        };
+        self.publish(&uri, &findings);
+    }
+
+    fn publish(&self, uri: &Uri, findings: &[Diagnostic]) {
+        let Some(open) = self.open.get(uri) else { return };
         let params = lsp::PublishDiagnosticsParams {
             diagnostics: findings.iter().map(|finding| open.shown(uri, finding)).collect(),
             uri: uri.clone(),
@@ -166,8 +225,17 @@ impl Server<'_> {
                     let document = Document::new(item.text, &self.encoding);
                     let (analysis, trouble) = self.begin(&item.uri, &document);
                     let version = item.version;
-                    let (called, lint, told) = (Called::default(), None, false);
-                    let open = Open { document, analysis, version, called, trouble, lint, told };
+                    let open = Open {
+                        document,
+                        analysis,
+                        version,
+                        called: Called::default(),
+                        trouble,
+                        lint: None,
+                        preflight: None,
+                        told_early: false,
+                        told: false,
+                    };
                     self.open.insert(item.uri, open);
                 }
             }
@@ -211,7 +279,8 @@ impl Server<'_> {
             calls |= called.edited(&edit, document, &analysis.setup, is_there);
         }
         open.version = params.text_document.version;
-        (open.lint, open.told) = (None, false);
+        (open.lint, open.preflight) = (None, None);
+        (open.told_early, open.told) = (false, false);
         if calls {
             let Some(mut open) = self.open.remove(&uri) else { return };
             (open.analysis, open.trouble) = self.begin(&uri, &open.document);
@@ -395,7 +464,8 @@ impl Open {
             Severity::Warning => lsp::DiagnosticSeverity::WARNING,
             Severity::Note => lsp::DiagnosticSeverity::INFORMATION,
         };
-        let related = finding.labels.iter().map(|label| lsp::DiagnosticRelatedInformation {
+        let here = finding.labels.iter().filter(|label| label.span.file == 0);
+        let related = here.map(|label| lsp::DiagnosticRelatedInformation {
             location: lsp::Location::new(uri.clone(), self.document.range(label.span)),
             message: label.text.clone(),
         });

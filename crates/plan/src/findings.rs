@@ -1,18 +1,49 @@
 //! What the planner has found, all of it, with an end to repetition.
 //!
-//! One wrong offset puts every block of a program outside the travel. The first findings of a kind are
-//! kept word for word, the rest are counted, and a note says how many there were.
-use alloc::{collections::BTreeMap, format, string::String, vec::Vec};
+//! One wrong offset puts every block of a program outside the travel: findings of one cause are one finding, with the
+//! worst place and their number. Of those that have causes of their own the first of a kind are kept word for word, the
+//! rest are counted, and a note says how many there were.
+use alloc::{
+    collections::{BTreeMap, BTreeSet},
+    format,
+    string::String,
+    vec::Vec,
+};
 use diag::{Diagnostic, Span};
 
 /// Findings of one code that are kept.
 pub(crate) const FINDINGS_PER_CODE: usize = 40;
+
+/// Why something is wrong: findings of one cause are one finding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Cause {
+    /// Code of the finding.
+    pub(crate) code: &'static str,
+    /// Which of its kind: an axis and its end, a tool, a work offset.
+    pub(crate) which: [u32; 3],
+}
+
+/// Moves that are wrong for one cause.
+#[derive(Clone, Debug)]
+struct Merged {
+    /// Where its finding is kept.
+    at: usize,
+    moves: usize,
+    /// How wrong the worst of them is, and where it stands.
+    worst: f64,
+    line: u32,
+    /// What is said of the worst: what is wrong, and what works.
+    said: [String; 2],
+}
 
 /// A collector of diagnostics.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Findings {
     kept: Vec<Diagnostic>,
     count: BTreeMap<&'static str, (usize, Span)>,
+    merged: BTreeMap<Cause, Merged>,
+    /// Causes that were said already.
+    said: BTreeSet<Cause>,
 }
 
 impl Findings {
@@ -26,6 +57,33 @@ impl Findings {
         if count.0 <= FINDINGS_PER_CODE {
             self.kept.push(finding);
         }
+    }
+
+    /// Add a move that is wrong by so much for this cause: the worst is said, and how many there are. `finding` makes what is
+    /// said of it: severity, place and help; then what is wrong, and what works.
+    pub(crate) fn merge(
+        &mut self,
+        cause: Cause,
+        wrong_by: f64,
+        finding: impl FnOnce() -> (Diagnostic, [String; 2]),
+    ) {
+        if self.said.contains(&cause) {
+            return;
+        }
+        if let Some(merged) = self.merged.get_mut(&cause) {
+            merged.moves += 1;
+            if wrong_by > merged.worst {
+                let (worse, said) = finding();
+                let first = &mut self.kept[merged.at];
+                first.severity = first.severity.max(worse.severity);
+                (merged.worst, merged.line, merged.said) = (wrong_by, worse.span.line, said);
+            }
+            return;
+        }
+        let (first, said) = finding();
+        let (at, line) = (self.kept.len(), first.span.line);
+        self.kept.push(first);
+        self.merged.insert(cause, Merged { at, moves: 1, worst: wrong_by, line, said });
     }
 
     /// How many are kept so far.
@@ -42,6 +100,15 @@ impl Findings {
 
     /// All so far, and no longer here.
     pub(crate) fn take(&mut self) -> Vec<Diagnostic> {
+        for (cause, merged) in core::mem::take(&mut self.merged) {
+            let [wrong, works] = merged.said;
+            let many = match merged.moves {
+                1 => String::new(),
+                n => format!(", in line {}, the worst of {n} such moves", merged.line),
+            };
+            self.kept[merged.at].message = format!("{wrong}{many}{works}");
+            self.said.insert(cause);
+        }
         for (code, (count, last)) in &self.count {
             if *count > FINDINGS_PER_CODE {
                 let more = count - FINDINGS_PER_CODE;

@@ -16,12 +16,14 @@
 //! | `ramp` | the fastest change of speed under a ceiling and a jerk |
 //! | `coupled` | gears between spindles, and what is superposed on an axis |
 //! | `tap_check`, `holes` | taps that cannot come out right |
+//! | `planner::contact`, `stock`, `chip` | the tool against the stock: what would break it |
 //! | `run` | moves that go on into one another (crate `path`) |
 //! | `ends` | where the program's lines end on a joined path |
 //! | `repace` | what was handed on and not yet done, planned anew: for more feed, for stops at each line |
 //! | `timing` | one law of time along a path, as steps |
 //! | `path`, `profile`, `step` | what the kernel evaluates |
 //! | `clock` | how long steps will take |
+//! | `words` | places, lengths and feeds as the program writes them |
 //!
 //! Findings have codes that stay: M0301 travel, M0302 coordinate, M0303 feed, M0304 feed clipped, M0305 axis missing,
 //! M0306 G95 at rest, M0307 cutting at rest, M0308 spindle speed, M0309 tool missing, M0310 G96, M0311 arc, M0312
@@ -31,6 +33,8 @@
 //! not along the tool axis, M0335 beside its hole, M0336 blind hole too near for this spindle,
 //! M0337 no angle; clutch and floating holders: M0340 dwell, M0341 stroke, M0342 travel,
 //! M0343 words; chip removal: M0350 too fast for the spindle, M0351 not against the cut;
+//! tool and stock: M0360 rapid into it, M0361 sideways in it, M0362 fed at rest, M0363 fed too fast, M0364 tap without its cycle,
+//! M0365 length offset, M0366 nothing is cut, M0367 reach;
 //! polygon turning: M0401 spindles missing, M0402 ratio, M0403 work spindle at rest, M0404 tool spindle too fast;
 //! cam grinding: M0411 no such profile, M0412 nothing sampled, M0413 not measured, M0414 too fast, M0415 wheel too near;
 //! turned threads: M0421 spindle at rest, M0422 stretch too short, M0423 axis too slow, M0424 lead, M0425 another axis,
@@ -40,6 +44,7 @@
 extern crate alloc;
 
 mod cams;
+mod chip;
 mod clock;
 mod clutch;
 mod coupled;
@@ -57,12 +62,14 @@ mod ramp;
 mod repace;
 mod run;
 mod step;
+mod stock;
 mod stroke;
 mod tap_check;
 mod thread;
 mod timing;
 mod travel;
 mod way_out;
+mod words;
 
 pub use crate::motion::coordinate;
 pub use crate::path::{Motion, Path};
@@ -77,6 +84,7 @@ pub use limits::{
 pub use planner::{Planner, Preflight, Start, preflight};
 pub use profile::{Instant, MAX_PIECES, Piece, Profile};
 pub use repace::{HandedBack, Wish};
+pub use stock::Stock;
 pub use step::{
     ChipThrow, Follow, Limiting, Move, PHASES, Pace, Programmed, SpindleStep, Step, StepKind,
     TapLimiting, TapPlan,

@@ -30,12 +30,13 @@ use crate::step::{Step, StepKind};
 use crate::stroke::{Stroke, StrokeRequest};
 use crate::way_out::CameFrom;
 use alloc::{format, vec::Vec};
-use canon::{Axis, Op, OpKind, PathMode, Position, ToolLibrary};
+use canon::{Axis, Op, OpKind, PathMode, Position, ProgramFrame, ToolLibrary};
 use diag::{Diagnostic, Span};
 use units::{Length, Spin, Time};
 
 mod cam;
 mod chips;
+mod contact;
 mod coupled;
 mod moves;
 mod refuse;
@@ -78,6 +79,8 @@ pub struct Planner {
     /// Moves are judged and then forgotten: no law of time is found for them.
     only_judges: bool,
     tools: ToolLibrary,
+    /// How the program writes places now: findings are said in its words.
+    frame: ProgramFrame,
     /// Where the program has the axes.
     programmed: Position,
     /// Where Z really is, if a tool change has lifted it.
@@ -86,6 +89,8 @@ pub struct Planner {
     spindles: Vec<SpindleState>,
     mode: PathMode,
     holes: Holes,
+    /// The tool against the stock, if that is known.
+    contact: Option<contact::Contact>,
     /// In and out.
     last_strokes: [Option<(StrokeRequest, Stroke)>; 2],
     warned_still: bool,
@@ -198,11 +203,13 @@ impl Planner {
             options,
             only_judges: false,
             tools,
+            frame: ProgramFrame::default(),
             programmed: start.position,
             lifted: None,
             tool: start.tool,
             mode,
             holes: Holes::default(),
+            contact: None,
             last_strokes: [None; 2],
             warned_still: false,
             reversed_along: None,
@@ -227,6 +234,11 @@ impl Planner {
     #[must_use]
     pub fn only_judging(self) -> Self {
         Self { only_judges: true, ..self }
+    }
+
+    /// The frame and units in which the ops that follow are written: findings are said in them.
+    pub const fn written_in(&mut self, frame: ProgramFrame) {
+        self.frame = frame;
     }
 
     /// Plan one op. Steps of it, and of ops before it that had to wait for it, go to `emit`, in order.
@@ -255,6 +267,7 @@ impl Planner {
             OpKind::Tap(tap) => self.tap(&mut job, tap),
             OpKind::Threading(order) => self.threading(&mut job, order),
             OpKind::Hole(hole) => {
+                self.judge_hole(&job, hole);
                 if let Some(tool) = self.tools.get(self.tool) {
                     self.holes.drill(hole, tool, op.span);
                 } else if self.tool == 0 {
@@ -376,6 +389,7 @@ impl Planner {
             let path = Path::Line { from, to: from.with(Axis::Z, z) };
             self.lifted = Some(z);
             if !self.is_refused(job, &[path]) {
+                self.sweep(job, &path, contact::Run::Rapid);
                 self.rapid_along(job, path);
             }
         }
@@ -383,6 +397,7 @@ impl Planner {
         self.await_spindles(job);
         self.hand_on(job, StepKind::ChangeTool(number));
         self.tool = number;
+        self.tool_mounted();
     }
 
     fn end(&mut self, job: &mut Job) {

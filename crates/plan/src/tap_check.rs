@@ -17,8 +17,9 @@ use crate::findings::number;
 use crate::holes::Drilled;
 use crate::limits::{AxisLimits, OwnRamps, SpindleLimits};
 use crate::stroke::tapping_torque;
+use crate::words::{WHICH_UNIT, bare_length, feed, is_other_unit, length};
 use alloc::{format, string::String, vec::Vec};
-use canon::{Tap, TapTool, Tool};
+use canon::{ProgramFrame, Tap, TapTool, Tool};
 use diag::{Diagnostic, Span};
 use units::{Lead, Length, Spin, Torque};
 
@@ -39,6 +40,8 @@ pub(crate) struct TapCheck<'a> {
     pub(crate) spindle: &'a SpindleLimits,
     pub(crate) hole: Option<Drilled>,
     pub(crate) own_ramps: Option<OwnRamps>,
+    /// How the program writes it.
+    pub(crate) frame: &'a ProgramFrame,
 }
 
 impl TapCheck<'_> {
@@ -66,11 +69,16 @@ impl TapCheck<'_> {
         let letter = self.tap.axis.letter();
         let start = self.tap.start.along(self.tap.axis);
         if self.tap.surface == start {
-            format!("{} mm below the start of the tap", number(depth))
+            format!("{} below the start of the tap", self.length(depth))
         } else {
             let sign = if self.tap.bottom < self.tap.surface { -1.0 } else { 1.0 };
-            format!("{letter}{}", number(sign * depth))
+            format!("{letter}{}", bare_length(self.frame, sign * depth))
         }
+    }
+
+    /// A length in the program's unit.
+    fn length(&self, mm: f64) -> String {
+        length(self.frame, mm)
     }
 
     fn hand_or_lead(&self) -> Option<Diagnostic> {
@@ -93,17 +101,19 @@ impl TapCheck<'_> {
         let off = (programmed.abs() - own.abs()).abs();
         (off > LEAD_TOLERANCE * own.abs()).then(|| {
             let rpm = self.tap.spin.in_rpm();
+            let bare = |mm: f64| bare_length(self.frame, mm);
             let text = format!(
-                "expected the tap's lead of {} mm per revolution ({name}), found {}: F{} with G94 and S{}, \
+                "expected the tap's lead of {} per revolution ({name}), found {}: F{} with G94 and S{}, \
                  F{} with G95, K{} with G33.1",
-                number(own.abs()),
-                number(programmed.abs()),
-                number(own.abs() * rpm),
+                self.length(own.abs()),
+                bare(programmed.abs()),
+                bare(own.abs() * rpm),
                 number(rpm),
-                number(own.abs()),
-                number(own.abs()),
+                bare(own.abs()),
+                bare(own.abs()),
             );
-            Diagnostic::error("M0326", self.span, text)
+            let finding = Diagnostic::error("M0326", self.span, text);
+            if is_other_unit(programmed, own) { finding.with_help(WHICH_UNIT) } else { finding }
         })
     }
 
@@ -123,11 +133,11 @@ impl TapCheck<'_> {
         (spin.value() > highest.value() * (1.0 + ROUNDING)).then(|| {
             let why = match code {
                 "M0320" => format!(
-                    "{} feeds at {} mm/min at most, and {} mm per revolution need {}",
+                    "{} feeds at {} at most, and {} per revolution need {}",
                     self.tap.axis.letter(),
-                    number(self.axis.feed_speed.in_mm_per_min()),
-                    number(lead.value()),
-                    number((lead * spin).in_mm_per_min()),
+                    feed(self.frame, self.axis.feed_speed.in_mm_per_min()),
+                    self.length(lead.value()),
+                    bare_length(self.frame, (lead * spin).in_mm_per_min()),
                 ),
                 "M0321" => format!("the spindle taps at {} rpm at most", number(highest.in_rpm())),
                 _ => format!(
@@ -140,7 +150,7 @@ impl TapCheck<'_> {
                 "S{} is too fast for this tap: {why}; S{} works (with G94: F{})",
                 number(spin.in_rpm()),
                 number(works),
-                number(works * lead.value()),
+                bare_length(self.frame, works * lead.value()),
             );
             Diagnostic::error(code, self.span, text)
         })
@@ -163,11 +173,11 @@ impl TapCheck<'_> {
         let (depth, flutes) = (self.depth().value(), self.tap_tool.thread_length.value());
         (depth > flutes + ROUNDING).then(|| {
             let text = format!(
-                "T{} {} can cut {} mm deep before its flutes end, found {} mm: {} is the deepest that works",
+                "T{} {} can cut {} deep before its flutes end, found {}: {} is the deepest that works",
                 self.tool.number,
                 self.tap_tool.designation,
-                number(flutes),
-                number(depth),
+                self.length(flutes),
+                self.length(depth),
                 self.word(flutes),
             );
             Diagnostic::error("M0322", self.span, text)
@@ -183,25 +193,25 @@ impl TapCheck<'_> {
             let point = hole.point.value();
             let text = if full > 0.0 {
                 format!(
-                    "the tap goes {} mm deep, but the hole has its full diameter only down to {} mm: {} is the deepest \
+                    "the tap goes {} deep, but the hole has its full diameter only down to {}: {} is the deepest \
                      that works",
-                    number(depth),
-                    number(full),
+                    self.length(depth),
+                    self.length(full),
                     self.word(floor_um(full)),
                 )
             } else {
                 format!(
-                    "the tap goes {} mm deep, but the hole has its full diameter nowhere: drill it {} mm deep, of which \
-                     {} mm is the drill's point",
-                    number(depth),
-                    number(depth + point),
-                    number(point),
+                    "the tap goes {} deep, but the hole has its full diameter nowhere: drill it {} deep, of which \
+                     {} is the drill's point",
+                    self.length(depth),
+                    self.length(depth + point),
+                    self.length(point),
                 )
             };
             let label = format!(
-                "drilled {} mm deep here, of which {} mm is the drill's point",
-                number(full + point),
-                number(point),
+                "drilled {} deep here, of which {} is the drill's point",
+                self.length(full + point),
+                self.length(point),
             );
             Diagnostic::error("M0323", self.span, text).with_label(hole.span, label)
         })
@@ -220,13 +230,13 @@ impl TapCheck<'_> {
             return None; // hole_depth() has refused it, or there is room
         }
         let text = format!(
-            "S{} may turn back up to {} mm too deep, and the hole has {} mm below the tap: {} works, or a hole {} mm \
+            "S{} may turn back up to {} too deep, and the hole has {} below the tap: {} works, or a hole {} \
              deeper{}",
             number(self.tap.spin.in_rpm()),
-            number(needed),
-            number(floor_um(margin)),
+            self.length(needed),
+            self.length(floor_um(margin)),
             self.word(floor_um(self.depth().value() - (needed - margin))),
-            number(ceil_um(needed - margin)),
+            self.length(ceil_um(needed - margin)),
             slower_that_works(self.tap.spin, |spin| miss(spin) <= margin),
         );
         let help = "this spindle's drive is only told a speed: [spindles.drive] says how well its stopping angle is \
@@ -246,11 +256,11 @@ impl TapCheck<'_> {
             return None;
         }
         let text = format!(
-            "expected a hole of {} to {} mm for {}, found {} mm",
-            number(core.0),
-            number(core.1),
+            "expected a hole of {} to {} for {}, found {}",
+            bare_length(self.frame, core.0),
+            self.length(core.1),
             self.tap_tool.designation,
-            number(drilled),
+            self.length(drilled),
         );
         let finding = if drilled >= nominal {
             Diagnostic::error("M0325", self.span, text)

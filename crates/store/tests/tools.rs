@@ -173,8 +173,8 @@ fn the_table_of_linuxcnc_before_2_4_is_named() {
 #[test]
 fn the_shipped_tables_describe_the_same_tools() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../programs");
-    let toml = tools::load(&folder.join("tools.toml")).unwrap();
-    let tbl = tools::load(&folder.join("tools.tbl")).unwrap();
+    let toml = tools::load(&folder.join("tools.toml"), tools::TableUnit::Millimetre).unwrap();
+    let tbl = tools::load(&folder.join("tools.tbl"), tools::TableUnit::Millimetre).unwrap();
     assert!(tbl.remarks.is_empty(), "{:?}", tbl.remarks);
     assert_eq!(toml.library.iter().count(), tbl.library.iter().count());
     for (a, b) in toml.library.iter().zip(tbl.library.iter()) {
@@ -198,8 +198,8 @@ fn the_notation_is_told_by_the_files_end() {
     let (a, b) = (dir.path().join("a.tbl"), dir.path().join("b.toml"));
     std::fs::write(&a, "T1 P1 Z92 D10 ;spot drill").unwrap();
     std::fs::write(&b, SHOP).unwrap();
-    let by_tbl = tools::load(&a).unwrap();
-    let by_toml = tools::load(&b).unwrap();
+    let by_tbl = tools::load(&a, tools::TableUnit::Millimetre).unwrap();
+    let by_toml = tools::load(&b, tools::TableUnit::Millimetre).unwrap();
     assert_eq!(tool(&by_tbl, 1).kind, tool(&by_toml, 1).kind);
 }
 

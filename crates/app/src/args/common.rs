@@ -11,6 +11,9 @@ pub(crate) struct ProgramArgs {
     /// Tool table: TOML, or LinuxCNC's .tbl [default: tools.toml or tool.tbl beside the program, else the embedded one]
     #[arg(long, value_name = "FILE")]
     pub(crate) tools: Option<PathBuf>,
+    /// Unit of the lengths in a .tbl, which does not state it (a TOML table does)
+    #[arg(long, value_enum, default_value_t = ToolUnit::Mm)]
+    pub(crate) tool_unit: ToolUnit,
     /// Parameter file (.var) with work offsets [default: the machine's set-up]
     #[arg(long, value_name = "FILE")]
     pub(crate) parameters: Option<PathBuf>,
@@ -59,6 +62,15 @@ pub(crate) struct ProgramArgs {
     /// How hard taps are driven [default: the machine's]
     #[arg(long, value_enum, value_name = "PRESET")]
     pub(crate) tapping_preset: Option<TappingPreset>,
+}
+
+/// Unit of the lengths in a tool table.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum ToolUnit {
+    /// Millimetres
+    Mm,
+    /// Inches
+    Inch,
 }
 
 /// What to do with tools that the table lacks.

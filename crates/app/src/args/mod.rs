@@ -13,7 +13,7 @@ pub(crate) use cam::{CamArgs, CamFormName, CamOutput};
 use clap::{Parser, Subcommand};
 pub(crate) use common::{
     ClutchDwell, Compensation, DecimalPoint, Dialect, Estimator, Format, MissingTools, ProgramArgs,
-    Switch, Tapping, TappingPreset, WorkSpeedChoice,
+    Switch, Tapping, TappingPreset, ToolUnit, WorkSpeedChoice,
 };
 pub(crate) use compare::CompareArgs;
 pub(crate) use compensation::{CompensationArgs, CompensationOutput};

@@ -108,7 +108,7 @@ pub(crate) fn without_jerk(
     }
     let limits = crate::wiring::planner(&session.machine);
     let mut added = Added::new(&limits);
-    crate::preflight::preflight_with(session, text, options, &mut |step| {
+    crate::preflight::steps(session, text, options, &mut |step| {
         added.step(&step);
     });
     session.machine.axes = limited;

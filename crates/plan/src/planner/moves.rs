@@ -1,4 +1,5 @@
 //! Rapids and cuts: judged, bounded, and handed to the run that joins them.
+use super::contact::Run;
 use super::refuse::clipped;
 use super::{Job, NOTHING, Planner};
 use crate::motion::{Along, along, coordinate};
@@ -32,6 +33,7 @@ impl Planner {
         if self.is_refused(job, &[path]) {
             return;
         }
+        self.sweep(job, &path, Run::Rapid);
         if !is_back {
             return self.rapid_along(job, path);
         }
@@ -90,6 +92,7 @@ impl Planner {
         let path = make(self.programmed);
         self.programmed = *to;
         if self.may_cut(job, &[path], feed) {
+            self.sweep(job, &path, Run::Feed(feed));
             self.cut_along(job, path, feed);
             self.stop_exactly(job);
         }
@@ -126,6 +129,7 @@ impl Planner {
                     Feed::Duration(time) => Feed::Duration(time * (path.length() / length)),
                     Feed::PerTime(_) | Feed::PerRevolution(_) => feed,
                 };
+                self.sweep(job, &path, Run::Feed(feed));
                 self.cut_along(job, path, feed);
             }
             self.stop_exactly(job);
@@ -160,7 +164,8 @@ impl Planner {
         };
         let Some(bound) = self.bound(job, &path, false, wanted) else { return };
         if wanted > bound.axis_speed * (1.0 + 1e-9) {
-            self.findings.add_once(clipped(job.span, &path, wanted, bound.axis_speed));
+            let feeds = (wanted, bound.axis_speed);
+            self.findings.add_once(clipped(job.span, &path, feeds, &self.frame));
         }
         if self.motion_is_refused(job, &bound, length, wanted) {
             return;
@@ -248,6 +253,7 @@ impl Planner {
         if self.lifted.is_some() {
             let path = Path::Line { from: self.position(), to: self.programmed };
             self.lifted = None;
+            self.sweep(job, &path, Run::Rapid);
             self.rapid_along(job, path);
         }
     }

@@ -3,12 +3,13 @@
 //! Every refusal names what was found, what the machine can do, and the number that would work.
 use super::{Job, Planner};
 use crate::Profile;
-use crate::findings::number;
+use crate::findings::{Cause, number};
 use crate::motion::{Along, change, coordinate};
 use crate::path::{Path, radius};
-use crate::travel::beyond;
-use alloc::format;
-use canon::{Arc, Axis, Feed, Position};
+use crate::travel::{Beyond, beyond};
+use crate::words::{WHICH_UNIT, feed, feed_that_works, is_rotary, length, place, word};
+use alloc::{format, vec::Vec};
+use canon::{Arc, Axis, Feed, LengthUnit, Position, ProgramFrame};
 use diag::{Diagnostic, Span};
 use units::Spin;
 
@@ -34,28 +35,54 @@ impl Planner {
             return true;
         }
         let mut refused = false;
-        for out in beyond(paths, &self.limits) {
+        let all: Vec<_> = beyond(paths, &self.limits).collect();
+        for out in all {
             refused = true;
-            let letter = out.axis.letter();
-            let unit = if is_rotary(out.axis) { "°" } else { " mm" };
-            let text = format!(
-                "{letter} would go to {}{unit} (machine coordinate), {}{unit} beyond its travel of {} to {}{unit}: \
-                 {letter}{} is the nearest that works",
-                number(out.reaches),
-                number((out.reaches - out.nearest()).abs()),
-                number(out.travel.0),
-                number(out.travel.1),
-                number(out.nearest()),
+            self.beyond_travel(job.span, &out);
+        }
+        refused
+    }
+
+    /// An axis that leaves its travel, in the program's words; all moves beyond one end are one finding.
+    fn beyond_travel(&mut self, span: Span, out: &Beyond) {
+        let (axis, frame) = (out.axis, self.frame);
+        let is_high = out.reaches > out.travel.1;
+        let tool = if axis == Axis::Z { self.tool } else { 0 };
+        let which =
+            [(axis.index() * 2) as u32 + u32::from(is_high), u32::from(frame.work_offset), tool];
+        let by = (out.reaches - out.nearest()).abs();
+        let unit_help = is_of_other_unit(&frame, out);
+        self.findings.merge(Cause { code: "M0301", which }, by, || {
+            let is_written =
+                frame.work_offset != 0 && frame.written(axis, out.reaches).is_some();
+            let unit = if is_rotary(axis) { "°" } else { " mm" };
+            let (by, travel) = if is_written && !is_rotary(axis) {
+                let travel = [out.travel.0, out.travel.1].map(|at| word(&frame, axis, at));
+                (length(&frame, by), format!("{} to {}", travel[0], travel[1]))
+            } else {
+                let travel = [out.travel.0, out.travel.1].map(number);
+                (format!("{}{unit}", number(by)), format!("{} to {}{unit}", travel[0], travel[1]))
+            };
+            let wrong = format!(
+                "{} would go to {}, {by} beyond its travel of {travel}",
+                axis.letter(),
+                place(&frame, axis, out.reaches),
             );
-            let help = match out.axis {
+            let nearest = if is_written {
+                word(&frame, axis, out.nearest())
+            } else {
+                format!("{}{}", axis.letter(), number(out.nearest()))
+            };
+            let works = format!(": {nearest} is the nearest that works");
+            let help = match axis {
+                _ if unit_help => WHICH_UNIT,
                 Axis::Z => {
                     "shift the work offset, raise or lower the work, or take a tool of another length"
                 }
                 _ => "shift the work offset or the work",
             };
-            self.findings.add(Diagnostic::error("M0301", job.span, text).with_help(help));
-        }
-        refused
+            (Diagnostic::error("M0301", span, "").with_help(help), [wrong, works])
+        });
     }
 
     pub(super) fn feed_is_refused(&mut self, job: &Job, feed: Feed, turning: Spin) -> bool {
@@ -144,8 +171,14 @@ impl Planner {
     }
 }
 
-const fn is_rotary(axis: Axis) -> bool {
-    matches!(axis, Axis::A | Axis::B | Axis::C)
+/// Whether a coordinate in inches would be within the travel if its number were meant in millimetres.
+fn is_of_other_unit(frame: &ProgramFrame, out: &Beyond) -> bool {
+    let Some(written) = frame.written(out.axis, out.reaches) else { return false };
+    let zero = out.reaches - written * frame.unit.in_mm();
+    let meant = zero + written;
+    frame.unit == LengthUnit::Inch
+        && !is_rotary(out.axis)
+        && (out.travel.0..=out.travel.1).contains(&meant)
 }
 
 /// A coordinate that no machine has.
@@ -158,16 +191,28 @@ pub(super) fn wild(position: &Position) -> Option<(Axis, f64)> {
 }
 
 /// A warning that a feed is not reached; per second, along a path.
-pub(super) fn clipped(span: Span, path: &Path, wanted: f64, possible: f64) -> Diagnostic {
+pub(super) fn clipped(
+    span: Span,
+    path: &Path,
+    (wanted, possible): (f64, f64),
+    frame: &ProgramFrame,
+) -> Diagnostic {
     let (from, to) = (path.from(), path.to());
     let turns_only = matches!(path, Path::Line { .. })
         && Axis::ALL.into_iter().all(|axis| is_rotary(axis) || change(from, to, axis) == 0.0);
-    let unit = if turns_only { "degrees a minute" } else { "mm/min" };
-    let text = format!(
-        "a feed of {} {unit} is faster than the axes can along this path: it runs at {}",
-        number(wanted * 60.0),
-        number(libm::floor(possible * 60.0 + 1e-6)),
-    );
-    Diagnostic::warning("M0304", span, text)
-        .with_help("said once; later moves may be slowed down likewise")
+    let (asked, works) = if turns_only {
+        let whole = number(libm::floor(possible * 60.0 + 1e-6));
+        (format!("{} degrees a minute", number(wanted * 60.0)), whole)
+    } else {
+        (feed(frame, wanted * 60.0), feed_that_works(frame, possible * 60.0))
+    };
+    let text =
+        format!("a feed of {asked} is faster than the axes can along this path: it runs at {works}");
+    let is_inches = frame.unit == LengthUnit::Inch && wanted / units::MM_PER_INCH <= possible;
+    let help = if is_inches && !turns_only {
+        "said once; G20 is in force: if F was meant in mm/min, write G21"
+    } else {
+        "said once; later moves may be slowed down likewise"
+    };
+    Diagnostic::warning("M0304", span, text).with_help(help)
 }

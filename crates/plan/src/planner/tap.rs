@@ -24,8 +24,9 @@ use crate::motion::change;
 use crate::step::{StepKind, TapPlan};
 use crate::stroke::{Stroke, StrokeRequest};
 use crate::tap_check::{TapCheck, cutting_torque, whole_rpm};
+use crate::words::length;
 use alloc::{format, string::String};
-use canon::{Axis, Holder, ReturnAcceleration, Tap, TapTool, Tool, ToolKind};
+use canon::{Axis, Holder, ProgramFrame, ReturnAcceleration, Tap, TapTool, Tool, ToolKind};
 use diag::{Diagnostic, Span};
 use units::{Angle, Lead, Length, Spin, SpinAccel, Time, Torque};
 
@@ -63,6 +64,7 @@ struct Peck {
 impl Planner {
     pub(super) fn tap(&mut self, job: &mut Job, tap: &Tap) {
         self.come_down(job);
+        self.judge_tap(job, tap);
         let means = self.judge(job, tap);
         match (means, self.tap_in_spindle().map(|(_, tool)| tool.holder)) {
             (Some(means), Some(Holder::Clutch { spline_length, pawl_backlash, .. })) => {
@@ -119,11 +121,13 @@ impl Planner {
             spindle: &inward.1,
             hole,
             own_ramps: self.limits.tapping.own_ramps,
+            frame: &self.frame,
         };
         let mut found = check.findings(cut);
         if hole.is_none() && tap.axis == Axis::Z {
             let beside = self.holes.beside(&tap.start, tool.diameter);
-            found.extend(beside.map(|(hole, off)| beside_its_hole(job.span, &hole, off)));
+            let frame = &self.frame;
+            found.extend(beside.map(|(hole, off)| beside_its_hole(job.span, &hole, off, frame)));
         }
         let gentle = self.return_acceleration(job, tap, &outward, cut);
         if let Err(finding) = &gentle {
@@ -216,15 +220,20 @@ impl Planner {
 
     fn not_a_tap(&self, job: &Job) -> Diagnostic {
         let number = self.tool;
-        let (code, text): (_, String) = match self.tools.get(number) {
+        let text: String = match self.tools.get(number) {
             Some(tool) => {
                 let kind = kind_name(tool);
-                ("M0328", format!("expected a tap in the spindle, found T{number} ({kind})"))
+                let text = format!("expected a tap in the spindle, found T{number} ({kind})");
+                let finding = Diagnostic::error("M0328", job.span, text);
+                return match thread_missing(tool) {
+                    Some(help) => finding.with_help(help),
+                    None => finding,
+                };
             }
-            None if number == 0 => ("M0329", "there is no tool in the spindle to tap with".into()),
-            None => ("M0329", format!("T{number} is in the spindle, but not in the tool table")),
+            None if number == 0 => "there is no tool in the spindle to tap with".into(),
+            None => format!("T{number} is in the spindle, but not in the tool table"),
         };
-        Diagnostic::error(code, job.span, text)
+        Diagnostic::error("M0329", job.span, text)
     }
 
     fn drilled_hole(&self, tap: &Tap, tool: &Tool) -> Option<Drilled> {
@@ -407,18 +416,35 @@ fn pecks(tap: &Tap, retract: Retract) -> impl Iterator<Item = Peck> {
 }
 
 /// A tap that would meet a drilled hole off its centre: it would be bent and break.
-fn beside_its_hole(span: Span, hole: &Drilled, off: Length) -> Diagnostic {
+fn beside_its_hole(
+    span: Span,
+    hole: &Drilled,
+    off: Length,
+    frame: &ProgramFrame,
+) -> Diagnostic {
     let text = format!(
-        "the tap would meet the hole of {} mm drilled here {} mm off its centre",
-        number(hole.diameter.value()),
-        number(off.value()),
+        "the tap would meet the hole of {} drilled here {} off its centre",
+        length(frame, hole.diameter.value()),
+        length(frame, off.value()),
     );
     Diagnostic::error("M0335", span, text)
         .with_label(hole.span, "drilled here")
         .with_help("tap at the place that was drilled")
 }
 
-fn kind_name(tool: &Tool) -> &'static str {
+/// What to write in the row of a tool whose description speaks of a tap and names no thread.
+fn thread_missing(tool: &Tool) -> Option<String> {
+    let mut words = tool.description.split(|c: char| !c.is_alphanumeric());
+    let says_tap = words.any(|word| word.eq_ignore_ascii_case("tap"));
+    (says_tap && matches!(tool.kind, ToolKind::Other)).then(|| {
+        format!(
+            "its row in the tool table says \"{}\" and no thread: \"M6 tap\" or \"1/4-20 UNC tap\" would be understood",
+            tool.description
+        )
+    })
+}
+
+pub(super) fn kind_name(tool: &Tool) -> &'static str {
     match tool.kind {
         ToolKind::Drill { .. } => "a drill",
         ToolKind::SpotDrill { .. } => "a spot drill",

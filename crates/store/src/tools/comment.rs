@@ -71,6 +71,25 @@ pub(super) fn understand(comment: &str) -> Understood {
     understood
 }
 
+/// Whether a comment names a diameter in inches that is this number: `1/4 end mill` and 0.25, `1/4-20 tap` and 0.25.
+pub(super) fn is_in_inches(comment: &str, number: f64) -> bool {
+    const ALIKE: f64 = 0.003;
+    let lower = comment.to_lowercase();
+    if number <= 0.0 || lower.contains("mm") {
+        return false;
+    }
+    let words = lower.split(|c: char| c.is_whitespace() || ",()".contains(c));
+    words.map(|word| word.trim_end_matches(['"', '\u{201d}'])).any(|word| {
+        let size = word.split_once('-').map_or(word, |(size, _)| size);
+        let inches = match size.split_once('/') {
+            Some((above, below)) => above.parse::<f64>().ok().zip(below.parse::<f64>().ok()),
+            // a bare number is of inches where it has no whole part: .201 drill
+            None => size.starts_with(['.', '0']).then(|| size.parse().ok()).flatten().map(|n| (n, 1.0)),
+        };
+        inches.is_some_and(|(above, below): (f64, f64)| (above / below - number).abs() < ALIKE)
+    })
+}
+
 /// The number before "inserts".
 fn inserts(words: &[&str]) -> Option<u32> {
     let pair = words.windows(2).find(|w| matches!(w[1], "insert" | "inserts"))?;
@@ -162,6 +181,20 @@ mod tests {
             assert_eq!(kind(comment), "other", "{comment}");
         }
         assert!(understand("tap for the lid").thread_missing);
+    }
+
+    #[test]
+    fn a_diameter_that_is_its_comments_in_inches_is_known() {
+        for (comment, number) in
+            [("1/4 end mill", 0.25), ("1/4-20 UNC tap", 0.25), (".201 drill", 0.201), ("drill 3/8\"", 0.375)]
+        {
+            assert!(is_in_inches(comment, number), "{comment}");
+        }
+        for (comment, number) in
+            [("1/4 end mill", 6.35), ("M6 tap", 6.0), ("0.5 mm drill", 0.5), ("drill 2.5", 2.5)]
+        {
+            assert!(!is_in_inches(comment, number), "{comment}");
+        }
     }
 
     #[test]

@@ -13,7 +13,7 @@
 //! |---|---|---|
 //! | `number` | all | T number, from 1 |
 //! | `pocket` | all | else the number |
-//! | `length_mm` | all | gauge line to tip, G43's H |
+//! | `length_mm` | all | gauge line to tip, G43's H; every key in `_mm` may be written in inches, as `length_in` |
 //! | `diameter_mm` | all | taps: else the thread's nominal diameter |
 //! | `kind` | all | drill, spot-drill, end-mill, tap, polygon-cutter, other |
 //! | `description` | all | else empty |
@@ -36,7 +36,7 @@ pub use tbl::{TableLine, TableUnit, to_tbl};
 use crate::{Error, SMALL_FILE_LIMIT, read_text};
 use canon::{Flute, Holder, TapTool, ThreadSize, Tool, ToolLibrary};
 use diag::Diagnostic;
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 use units::{Length, Stiffness};
 
 /// Tools a table may have.
@@ -49,6 +49,16 @@ pub struct ToolTable {
     pub library: ToolLibrary,
     /// Warnings and notes: words without effect, comments that were not understood.
     pub remarks: Vec<Diagnostic>,
+    /// The line of the table in which each tool stands.
+    pub lines: BTreeMap<u32, u32>,
+}
+
+impl ToolTable {
+    /// What is worth knowing about one tool.
+    pub fn remarks_of(&self, number: u32) -> impl Iterator<Item = &Diagnostic> {
+        let line = self.lines.get(&number).copied();
+        self.remarks.iter().filter(move |remark| Some(remark.span.line) == line)
+    }
 }
 
 /// Read a table in TOML; `file` is the number that spans carry.
@@ -56,7 +66,8 @@ pub struct ToolTable {
 /// # Errors
 /// Everything that is wrong with the text, in its order.
 pub fn parse_toml(text: &str, file: u16) -> Result<ToolTable, Vec<Diagnostic>> {
-    table::parse(text, file).map(|library| ToolTable { library, remarks: Vec::new() })
+    let library = table::parse(text, file)?;
+    Ok(ToolTable { library, ..ToolTable::default() })
 }
 
 /// Read a table in LinuxCNC's notation, whose lengths are in the machine's unit.
@@ -67,14 +78,14 @@ pub fn parse_tbl(text: &str, file: u16, unit: TableUnit) -> Result<ToolTable, Ve
     tbl::parse(text, file, unit)
 }
 
-/// Read a table from its file: `.tbl` in millimetres, anything else as TOML.
+/// Read a table from its file: `.tbl` in this unit, anything else as TOML.
 ///
 /// # Errors
 /// When the file cannot be read, or [`Error::Refused`] with everything that is wrong with it.
-pub fn load(path: &Path) -> Result<ToolTable, Error> {
+pub fn load(path: &Path, unit: TableUnit) -> Result<ToolTable, Error> {
     let text = read_text(path, "a tool table", SMALL_FILE_LIMIT)?;
     let table = match path.extension() {
-        Some(end) if end.eq_ignore_ascii_case("tbl") => parse_tbl(&text, 0, TableUnit::Millimetre),
+        Some(end) if end.eq_ignore_ascii_case("tbl") => parse_tbl(&text, 0, unit),
         _ => parse_toml(&text, 0),
     };
     table.map_err(|findings| Error::refused(path, text, findings))

@@ -6,7 +6,8 @@ use crate::{
 };
 use canon::{Flute, Hand, Holder, PolygonCutter, TapTool, ThreadSize, Tool, ToolKind, ToolLibrary};
 use diag::{Diagnostic, Span};
-use units::{Angle, Length, Stiffness};
+use std::ops::RangeInclusive;
+use units::{Angle, Length, MM_PER_INCH, Stiffness};
 
 #[derive(Clone, Copy)]
 enum Kind {
@@ -51,13 +52,37 @@ fn read_tool(keys: &mut Keys<'_>) -> (Tool, Span) {
     let tool = Tool {
         number,
         pocket: keys.optional_whole("pocket", 0..=u32::MAX).unwrap_or(number),
-        length: Length::mm(keys.number("length_mm", 0.0..=LONGEST.value())),
+        length: length(keys, ["length_mm", "length_in"], 0.0..=LONGEST.value()),
         diameter: read_diameter(nominal, keys),
         kind,
         description: keys.optional_text("description").unwrap_or_default(),
         stand_in: false,
     };
     (tool, keys.span_of("number"))
+}
+
+/// A length that is stated in millimetres, or in inches.
+fn length(keys: &mut Keys<'_>, names: [&'static str; 2], bounds: RangeInclusive<f64>) -> Length {
+    let stated = optional_length(keys, names, bounds.clone());
+    stated.unwrap_or_else(|| Length::mm(keys.number(names[0], bounds)))
+}
+
+fn optional_length(
+    keys: &mut Keys<'_>,
+    [in_mm, in_inches]: [&'static str; 2],
+    bounds: RangeInclusive<f64>,
+) -> Option<Length> {
+    let inches = bounds.start() / MM_PER_INCH..=bounds.end() / MM_PER_INCH;
+    let stated = keys.optional(in_inches, inches).map(|value| Length::mm(value * MM_PER_INCH));
+    if stated.is_some() && keys.has(in_mm) {
+        keys.conflict(in_inches, format!("`{in_mm}` states it too: expected one of them"));
+        keys.optional(in_mm, bounds);
+        return stated;
+    }
+    stated.or_else(|| {
+        let is_stated = keys.has(in_mm);
+        is_stated.then(|| keys.optional(in_mm, bounds).map(Length::mm)).flatten()
+    })
 }
 
 fn point_angle(keys: &mut Keys<'_>, usual_deg: f64) -> Angle {
@@ -67,7 +92,7 @@ fn point_angle(keys: &mut Keys<'_>, usual_deg: f64) -> Angle {
 /// Inserts by their number, or by the angles at which they stand.
 fn read_polygon_cutter(keys: &mut Keys<'_>) -> PolygonCutter {
     const MOST_INSERTS: u32 = 64;
-    let radius = Length::mm(keys.number("tip_radius_mm", 0.1..=LONGEST.value()));
+    let radius = length(keys, ["tip_radius_mm", "tip_radius_in"], 0.1..=LONGEST.value());
     let angles = keys.optional_numbers("insert_angles_deg", 0.0..=359.999);
     let inserts = if let Some(angles) = angles {
         if keys.has("inserts") {
@@ -86,7 +111,8 @@ fn read_polygon_cutter(keys: &mut Keys<'_>) -> PolygonCutter {
         let count = keys.whole("inserts", 1..=MOST_INSERTS);
         (0..count).map(|n| Angle::rev(f64::from(n) / f64::from(count))).collect()
     };
-    let nose_radius = Length::mm(keys.optional("nose_radius_mm", 0.0..=100.0).unwrap_or(0.8));
+    let nose_radius = optional_length(keys, ["nose_radius_mm", "nose_radius_in"], 0.0..=100.0)
+        .unwrap_or(Length::mm(0.8));
     PolygonCutter { radius, inserts, nose_radius }
 }
 
@@ -94,8 +120,9 @@ fn read_polygon_cutter(keys: &mut Keys<'_>) -> PolygonCutter {
 fn read_diameter(nominal: Option<Length>, keys: &mut Keys<'_>) -> Length {
     const ALIKE: f64 = 0.05;
     let bounds = 0.001..=LONGEST.value();
-    let Some(nominal) = nominal else { return Length::mm(keys.number("diameter_mm", bounds)) };
-    let Some(stated) = keys.optional("diameter_mm", bounds).map(Length::mm) else { return nominal };
+    const KEYS: [&str; 2] = ["diameter_mm", "diameter_in"];
+    let Some(nominal) = nominal else { return length(keys, KEYS, bounds) };
+    let Some(stated) = optional_length(keys, KEYS, bounds) else { return nominal };
     if (stated - nominal).abs() > nominal * ALIKE {
         keys.conflict(
             "diameter_mm",
@@ -131,7 +158,7 @@ fn read_tap(thread: &ThreadSize, keys: &mut Keys<'_>) -> TapTool {
         designation: thread.designation.clone(),
         lead: thread.lead(),
         chamfer_pitches: keys.number("chamfer_pitches", 0.0..=20.0),
-        thread_length: Length::mm(keys.number("thread_length_mm", 0.1..=LONGEST.value())),
+        thread_length: length(keys, ["thread_length_mm", "thread_length_in"], 0.1..=LONGEST.value()),
         flute: keys.choice("flute", &flutes),
         oversize: oversize.unwrap_or_else(|| usual_oversize(thread)),
         holder: keys.section("holder", read_holder),

@@ -9,7 +9,8 @@
 //!   └ number              I J Q (angles and orientation of a turning tool) have no effect either
 //! ```
 //!
-//! Lengths are in the machine's unit, which the table does not state.
+//! Lengths are in the machine's unit, which the table does not state: who reads it says it. A diameter that is what the
+//! comment says in inches, in a table that is read in millimetres, is remarked upon.
 //!
 //! | code | what was found |
 //! |---|---|
@@ -20,6 +21,7 @@
 //! | S0505 | the table of LinuxCNC before 2.4 |
 //! | S0506 | words without effect (warning) |
 //! | S0507 | a tap whose thread is not named (warning) |
+//! | S0508 | a table in inches that is read in millimetres (warning) |
 use super::{LONGEST, MOST_TOOLS, ToolTable, comment, without_doubles};
 use crate::text::{Lines, in_order};
 use canon::{PolygonCutter, Tool, ToolKind};
@@ -64,6 +66,7 @@ pub(super) fn parse(text: &str, file: u16, unit: TableUnit) -> Result<ToolTable,
         start += line.len();
     }
     let Reader { mut findings, .. } = reader;
+    let lines = tools.iter().map(|(tool, place)| (tool.number, place.line)).collect();
     let library = without_doubles(tools, "S0502").unwrap_or_else(|doubles| {
         findings.extend(doubles);
         canon::ToolLibrary::default()
@@ -71,7 +74,7 @@ pub(super) fn parse(text: &str, file: u16, unit: TableUnit) -> Result<ToolTable,
     if findings.iter().any(Diagnostic::is_error) {
         return Err(in_order(findings));
     }
-    Ok(ToolTable { library, remarks: in_order(findings) })
+    Ok(ToolTable { library, remarks: in_order(findings), lines })
 }
 
 /// A line to write; lengths in mm, angles in degrees.
@@ -192,8 +195,15 @@ impl Reader {
         self.warn_of_words_without_effect(words, place);
         let understood = comment::understand(remark);
         if understood.thread_missing {
-            let message = "the comment says tap and no thread: expected one such as `M6x1 tap`";
+            let message = "the comment says tap and no thread: \"M6 tap\" or \"1/4-20 UNC tap\" would be understood";
             self.findings.push(Diagnostic::warning("S0507", place, message));
+        }
+        if self.unit == TableUnit::Millimetre && comment::is_in_inches(remark, diameter.value()) {
+            let message = format!(
+                "D{} is the diameter of \"{remark}\" in inches, and the table is read in millimetres: --tool-unit inch reads it in inches",
+                diameter.value()
+            );
+            self.findings.push(Diagnostic::warning("S0508", place, message));
         }
         let kind = match understood.kind {
             ToolKind::PolygonCutter(cutter) => {
