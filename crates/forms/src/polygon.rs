@@ -19,6 +19,7 @@
 //! with half-axes l−r and l+r: a facet that bulges. Oscillations take the bulge away.
 //!
 //! Source: seed 004 (JP7525593B2); its "2π/n" means 2πn/N, and its first disclosure swings X where it says Z.
+mod cut;
 mod drive;
 mod fine;
 mod form;
@@ -29,6 +30,7 @@ mod profile;
 mod series;
 mod servo;
 
+pub use cut::Cut;
 pub use drive::{Drive, Effort, Limits};
 pub use form::{Facet, Form, Refusal, regular_corner};
 pub use kinematics::{Cutter, Swing, Tip, insert_phases};

@@ -257,3 +257,72 @@ fn what_cannot_be_cut_is_refused_with_what_works() {
     assert!(said(inside.clone()).contains("above 8.251 mm works, or a bar below Ø44.200"));
     Form { stock_radius: Length::mm(22.0), ..inside }.check().unwrap();
 }
+
+/// An ellipse with half-axes l − r and l + r, from its vertex to the corner.
+#[test]
+fn what_is_left_without_a_swing_is_what_the_ellipse_says() {
+    let form = hexagon();
+    let cut = form.cut(&Swings::default()).unwrap();
+    // x²/8.5² + y²/108.5² = 1 on the ray at 30°
+    let (sine, cosine) = 30_f64.to_radians().sin_cos();
+    let corner = cosine / (cosine / 8.5_f64).hypot(sine / 108.5);
+    assert!((cut.flatness.value() - (8.5 - corner)).abs() < 1e-6, "{cut:?}");
+    assert!((cut.across_flats.value() - (8.5 + corner)).abs() < 1e-6, "{cut:?}");
+    assert!(cut.tilt.in_deg().abs() < 1e-9);
+}
+
+#[test]
+fn a_tip_that_cuts_into_another_ones_facet_is_seen() {
+    // eight times a turn X comes to where it belongs at a facet, four times with an insert between two of them
+    let form = document();
+    let dip = Swings(vec![forms::polygon::Series {
+        actuator: Actuator::CentreLine,
+        terms: vec![
+            forms::polygon::Term { per_turn: 8.0, cosine: 1.0, sine: 0.0 },
+            forms::polygon::Term { per_turn: 0.0, cosine: -1.0, sine: 0.0 },
+        ],
+    }]);
+    let seen = form.cut(&dip).unwrap().flatness;
+    assert!(seen > Length::um(200.0), "{seen}");
+}
+
+/// The size is part of what is solved: whatever swings, the facets come out flat at the size that was asked, by the exact
+/// kinematics of all inserts.
+#[test]
+fn every_form_comes_out_flat_at_the_size_that_was_asked() {
+    let sets: [&[Actuator]; 6] = [
+        &[Actuator::CentreLine],
+        &[Actuator::Across],
+        &[Actuator::ToolPhase],
+        &[Actuator::CentreLine, Actuator::Across],
+        &[Actuator::CentreLine, Actuator::ToolPhase],
+        &Actuator::ALL,
+    ];
+    let forms: [(f64, f64, Vec<Angle>, [i32; 2]); 6] = [
+        (30.0, 50.0, insert_phases(2), [2, 1]),
+        (10.0, 5.0, insert_phases(2), [2, 1]),
+        (17.0, 50.0, insert_phases(3), [2, 1]),
+        (17.0, 50.0, vec![Angle::ZERO, Angle::rev(0.25)], [2, 1]),
+        (17.0, 50.0, insert_phases(1), [5, 2]),
+        (12.0, 30.0, insert_phases(4), [2, 1]),
+    ];
+    for (size, radius, inserts, turns) in forms {
+        let form = Form {
+            inserts,
+            turns,
+            across_flats: Length::mm(size),
+            tip_radius: Length::mm(radius),
+            stock_radius: Length::mm(25.0),
+        };
+        for who in sets {
+            let harmonics = if form.is_regular() { 6 } else { 16 };
+            let found = solve(&form, who.iter().map(|a| free(*a)).collect(), harmonics);
+            let cut = form.cut(&found.actual).unwrap();
+            let claimed = found.flatness.in_um();
+            println!("{size} mm by {radius}: {who:?} {claimed:.4} µm claimed, {cut:?}");
+            assert!(cut.flatness.in_um() <= claimed + 0.01, "{cut:?} {claimed}");
+            let off = (cut.across_flats - form.across_flats).in_um().abs();
+            assert!(off <= claimed + 0.01, "{off} {claimed}");
+        }
+    }
+}

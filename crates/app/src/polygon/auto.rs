@@ -16,8 +16,8 @@ use store::machine::MachineFile;
 use store::phases::Phases;
 use units::{Length, Spin};
 
-/// An offset of the facets that X need not be moved for, mm.
-const NOT_WORTH_MM: f64 = 2e-4;
+/// Where X does not swing, it need not be moved by less than this for the size, mm.
+pub(super) const NOT_WORTH_MM: f64 = 2e-4;
 /// Share of the flatness allowed that the swing may take; the machine takes the rest.
 const LEFT_TO_THE_CUT: f64 = 0.85;
 /// How near to the fastest speed that works the one is that is said, as a share of the one ordered.
@@ -166,7 +166,8 @@ impl<'a> Auto<'a> {
         if best.flatness <= allowed {
             return Ok(best);
         }
-        let who: Vec<Actuator> = best.command.0.iter().map(|series| series.actuator).collect();
+        let swinging = best.command.0.iter().filter(|series| series.swings());
+        let who: Vec<Actuator> = swinging.map(|series| series.actuator).collect();
         let flat = |rpm: f64| {
             self.problem(asked, Spin::rpm(rpm), &who)
                 .and_then(|problem| problem.solve_well(Detail::Drawn))
@@ -245,20 +246,12 @@ const fn refused<T>(text: String) -> Result<T, Refusal> {
     Err(("A0401", text))
 }
 
-/// What swings, with X so much nearer as the swing leaves the facets farther out.
+/// What swings, and where X stands meanwhile.
 fn oscillations(solution: &Solution, turns: i32) -> Vec<Oscillation> {
-    let of = |series| oscillation(series, f64::from(turns));
-    let mut all: Vec<Oscillation> = solution.command.0.iter().map(of).collect();
-    let nearer = Harmonic { per_turn: 0, cosine: -solution.offset.value(), sine: 0.0 };
-    let on = Oscillating::Axis(Axis::X);
-    match all.iter_mut().find(|o| o.on == on) {
-        Some(x) => x.harmonics.push(nearer),
-        None if nearer.cosine.abs() > NOT_WORTH_MM => {
-            all.push(Oscillation { on, harmonics: vec![nearer] });
-        }
-        None => {}
-    }
-    all
+    let all = solution.command.0.iter().map(|series| oscillation(series, f64::from(turns)));
+    let stands_only = |o: &Oscillation| o.harmonics.iter().all(|h| h.per_turn == 0);
+    let worth_it = |o: &Oscillation| o.harmonics.iter().any(|h| h.cosine.abs() > NOT_WORTH_MM);
+    all.filter(|o| !stands_only(o) || worth_it(o)).collect()
 }
 
 fn oscillation(series: &Series, turns: f64) -> Oscillation {

@@ -1,6 +1,8 @@
 //! The block that cuts a design, and what stands around it.
+use super::auto::NOT_WORTH_MM;
 use super::{CANDIDATES, Design, refuse};
-use forms::polygon::{Actuator, Solution};
+use forms::polygon::{Actuator, Solution, Term};
+use std::collections::BTreeSet;
 use units::{Length, Spin};
 
 /// The word D of G51.2 for each of the candidates.
@@ -16,18 +18,24 @@ impl Design {
         looks: Option<u32>,
     ) -> String {
         let Self { form, .. } = self;
-        // so much closer as the swing leaves the facets farther out
-        let x = form.centres() - solution.offset;
         let mut text = self.before(work);
         let series = &solution.command.0;
-        let count = series.iter().map(|one| one.terms.len()).max().unwrap_or(0);
-        for h in 0..count {
+        let turns = f64::from(form.turns[1]);
+        let periods = |term: &Term| (term.per_turn * turns).round() as u32;
+        let all: BTreeSet<u32> = series.iter().flat_map(|s| s.terms.iter().map(periods)).collect();
+        for count in all {
             let mut line = String::new();
             // jerk counts a harmonic by the cube of its number
-            let decimals = 6 + (3.0 * ((h + 1) as f64).log10()).ceil() as usize;
+            let number = (f64::from(count) / turns / form.base()).max(1.0);
+            let decimals = 6 + (3.0 * number.log10()).ceil() as usize;
             let least = 0.5 * 10_f64.powf(-(decimals as f64));
             for one in series {
-                let Some(term) = one.terms.get(h) else { continue };
+                let Some(term) = one.terms.iter().find(|term| periods(term) == count) else {
+                    continue;
+                };
+                if !one.swings() && term.cosine.abs() <= NOT_WORTH_MM {
+                    continue;
+                }
                 let (letters, factor) = match one.actuator {
                     Actuator::CentreLine => (['X', 'I'], 1.0),
                     Actuator::Across => (['Y', 'J'], 1.0),
@@ -40,12 +48,11 @@ impl Design {
                 }
             }
             if !line.is_empty() {
-                let per_turn = (form.base() * f64::from(form.turns[1]) * (h + 1) as f64).round();
-                text += &format!("G51.3 L{per_turn:.0}{line}\n");
+                text += &format!("G51.3 L{count}{line}\n");
             }
         }
         let looks = looks.map_or_else(String::new, |n| format!("G51.4 P{n}\n"));
-        text + &self.cut("", x, work, length, &looks)
+        text + &self.cut("", form.centres(), work, length, &looks)
     }
 
     /// What cuts it with an oscillation that the control computes, of what goes by this name.

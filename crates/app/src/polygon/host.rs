@@ -142,7 +142,9 @@ impl PolygonHost {
                 errors: Vec::new(),
             }
         };
-        self.followers = polygon.oscillations.iter().map(follower).collect();
+        // where X only stands, nothing swings that could be measured
+        let swings = |o: &&canon::Oscillation| o.harmonics.iter().any(|h| h.per_turn > 0);
+        self.followers = polygon.oscillations.iter().filter(swings).map(follower).collect();
         (self.looks_left, self.settled_at) = (looks, None);
     }
 

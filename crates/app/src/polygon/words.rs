@@ -194,7 +194,6 @@ impl Told<'_> {
                 "swings": way.name,
                 "chosen": std::ptr::eq(way, self.best),
                 "flatness_um": way.solution.flatness.in_um(),
-                "offset_um": way.solution.offset.in_um(),
                 "limited_by": way.solution.binding,
                 "peaks": way.solution.peaks,
                 "series": series.collect::<Vec<_>>(),
@@ -256,17 +255,15 @@ impl Told<'_> {
                 })
                 .collect()
         });
-        // with X as much nearer as the block has it
-        let nearer = self.best.solution.offset;
-        let profile = |facet: &Facet, swings: &Swings, nearer: Length| -> Vec<(f64, f64)> {
+        let profile = |facet: &Facet, swings: &Swings| -> Vec<(f64, f64)> {
             let found = form.profile(facet, swings);
-            found.points.iter().map(|p| (p[0].value(), (p[1] - nearer).in_um())).collect()
+            found.points.iter().map(|p| (p[0].value(), p[1].in_um())).collect()
         };
-        let sides = |swings: &Swings, nearer: Length| -> Vec<Side> {
+        let sides = |swings: &Swings| -> Vec<Side> {
             let side = |facet: &Facet| Side {
                 normal_rad: (-facet.centre).in_rad(),
                 distance: d,
-                profile: profile(facet, swings, nearer),
+                profile: profile(facet, swings),
             };
             facets.iter().map(side).collect()
         };
@@ -285,8 +282,8 @@ impl Told<'_> {
             stock_radius: form.stock_radius.value(),
             outline,
             sides: vec![
-                ("without oscillation".to_owned(), sides(&Swings::default(), Length::ZERO)),
-                (format!("by {}", self.best.name), sides(swings, nearer)),
+                ("without oscillation".to_owned(), sides(&Swings::default())),
+                (format!("by {}", self.best.name), sides(swings)),
             ],
             speeds: self.speeds(),
             proved_heads: PROVED.map(str::to_owned).to_vec(),

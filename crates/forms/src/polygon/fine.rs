@@ -17,6 +17,7 @@ use super::lp::{Lp, Row};
 use super::optimise::{Best, Detail, Problem, Solution, flat};
 use super::series::{Series, Swings, Term};
 use std::f64::consts::{PI, TAU};
+use units::Length;
 
 /// Knots of a period: as it is to be cut, and to be drawn.
 const KNOTS: [usize; 2] = [120, 36];
@@ -36,7 +37,7 @@ const EFFORT_SHARE: f64 = 0.995;
 /// Which of a drive's limits are in the problem: travel, speed, acceleration, jerk, effort.
 type Looked = [bool; 5];
 
-/// The linear problem. Unknowns: each drive's coefficients, t, offset, s, the share of the limits that is used, and e at
+/// The linear problem. Unknowns: each drive's coefficients, t, x₀, s, the share of the limits that is used, and e at
 /// each contact, so that a row has either many entries or both bounds, not both.
 struct Spline<'p> {
     problem: &'p Problem<'p>,
@@ -69,7 +70,7 @@ impl Problem<'_> {
             }
         }
         let x = best.0?.1;
-        Some(self.solution(spline.swings(&x, false), spline.swings(&x, true), x[n + 1]))
+        Some(self.solution(spline.swings(&x, false), spline.swings(&x, true)))
     }
 }
 
@@ -137,19 +138,19 @@ impl<'p> Spline<'p> {
             });
             Series { actuator: drive.actuator, terms: terms.collect() }
         });
-        Swings(series.collect())
+        Swings(series.collect()).standing(Length::mm(x[self.unknowns() + 1]))
     }
 
     fn linear(&self, before: &Swings, looked: &[Looked]) -> Lp {
         let (knots, n) = (self.knots, self.unknowns());
         let base = self.problem.form.base();
-        let errors = self.problem.errors(before, self.contacts, |k, work, slope| {
+        let errors = self.problem.errors(before, self.contacts, n + 1, |k, work, slope| {
             let at = (work.value() * base).rem_euclid(1.0) * knots as f64;
             self.values(k, at, slope)
         });
         let units = (0..n).map(|column| self.problem.drives[column / knots].actuator.unit());
-        let scale = units.chain([1e-3, 1e-2, 1.0]).chain(errors.iter().map(|_| 1e-3)).collect();
-        // a swing about a middle: a constant would be another distance of the axes
+        let scale = units.chain([1e-3, 0.1, 1.0]).chain(errors.iter().map(|_| 1e-3)).collect();
+        // a swing about a middle: where X stands is an unknown of its own
         let middle = |k: usize| Row {
             weights: (0..knots).map(|i| (k * knots + i, 1.0)).collect(),
             bound: 0.0,

@@ -4,11 +4,14 @@
 //! phase (a few corrections make it exact):
 //!
 //! ```text
-//!   minimise t      subject to   |e(u) − offset| ≤ t                      wherever a tip touches a facet
+//!   minimise t      subject to   |e(u)| ≤ t                               wherever a tip touches a facet
 //!                                |x|, |ẋ|, |ẍ|, |x⃛|, |m·ẍ + c·ẋ| ≤ limit   over a whole period, each actuator
-//!   e(u) = l·cos u − r·cos(qu) − (l−r)  +  dx·cos u + dy·sin u + r·sin(qu)·ε        q = R − 1
+//!   e(u) = l·cos u − r·cos(qu) − (l−r)  +  (dx + x₀)·cos u + dy·sin u + r·sin(qu)·ε        q = R − 1
 //!   dx = Σ G(m)·(a·cos mφ + b·sin mφ)       G: answer of the closed loop; 1 where it is compensated
 //! ```
+//!
+//! The size is part of the problem: what swings has no mean, and x₀, by which the axes stand nearer, is an unknown. It moves
+//! the facet by x₀·cos u, not by x₀: a facet that is flat somewhere else is not flat here.
 //!
 //! A first solution finds the least t; a second one, of all that are as flat, the one that asks least of the drives.
 //! Limits between two samples: a trigonometric polynomial of degree H sampled n times exceeds its samples by no more
@@ -65,14 +68,12 @@ pub enum Detail {
 /// An answer.
 #[derive(Clone, Debug)]
 pub struct Solution {
-    /// What to command.
+    /// What to command about the distance of the axes that the size asks for, the constant part of X included.
     pub command: Swings,
     /// What the loops make of it.
     pub actual: Swings,
-    /// Flatness of the worst facet that comes of it.
+    /// Flatness of the worst facet that comes of it, at the size that is wanted.
     pub flatness: Length,
-    /// The facets lie so much farther out: take it off the distance of the axes.
-    pub offset: Length,
     /// Largest travel, speed, acceleration, jerk, effort of each drive.
     pub peaks: Vec<[f64; 5]>,
     /// The limit that is used up, if one is: "acceleration of X".
@@ -121,16 +122,11 @@ impl Problem<'_> {
             }
         }
         let x = best.0?.1;
-        Some(self.solution(self.swings(&x, false), self.swings(&x, true), x[n + 1]))
+        Some(self.solution(self.swings(&x, false), self.swings(&x, true)))
     }
 
     /// A command and what comes of it, made smaller where a peak is over its limit.
-    pub(super) fn solution(
-        &self,
-        mut command: Swings,
-        mut actual: Swings,
-        offset_mm: f64,
-    ) -> Solution {
+    pub(super) fn solution(&self, mut command: Swings, mut actual: Swings) -> Solution {
         let mut peaks = self.peaks(&command);
         let used = self.used(&peaks).map_or(0.0, |(used, _)| used);
         if used > 1.0 {
@@ -144,7 +140,7 @@ impl Problem<'_> {
         }
         let binding = self.used(&peaks).filter(|(used, _)| *used > BINDING).map(|(_, name)| name);
         let flatness = self.form.flatness(&actual);
-        Solution { command, actual, flatness, offset: Length::mm(offset_mm), peaks, binding }
+        Solution { command, actual, flatness, peaks, binding }
     }
 
     /// Coefficients: cosine and sine of each harmonic of each drive.
@@ -167,7 +163,7 @@ impl Problem<'_> {
             });
             Series { actuator: drive.actuator, terms: terms.collect() }
         });
-        Swings(series.collect())
+        Swings(series.collect()).standing(Length::mm(x[self.unknowns() + 1]))
     }
 
     /// Solve it with a few harmonics; where a limit binds, as finely as it takes.
@@ -218,11 +214,12 @@ impl Problem<'_> {
     }
 
     /// e at places along every facet, as the weights of the unknowns that move it and a constant; `at` says with which
-    /// weights a drive's unknowns do so at an angle of the work.
+    /// weights a drive's unknowns do so at an angle of the work, the unknown `standing` is x₀.
     pub(super) fn errors(
         &self,
         before: &Swings,
         count: usize,
+        standing: usize,
         mut at: impl FnMut(usize, Angle, f64) -> Vec<(usize, f64)>,
     ) -> Vec<(Vec<(usize, f64)>, f64)> {
         let cutter = self.form.cutter();
@@ -236,11 +233,13 @@ impl Problem<'_> {
                 let work = facet.centre + u;
                 let now = before.at(work);
                 let mut constant = (cutter.tip_at_facet(u, now).x - cutter.flat()).value();
-                let mut weights = Vec::new();
+                let mut weights = vec![(standing, cutter.slope(u, now, Actuator::CentreLine))];
+                // whatever is there: X stands somewhere even where it does not swing
+                for actuator in Actuator::ALL {
+                    constant -= cutter.slope(u, now, actuator) * actuator.of(now);
+                }
                 for (k, drive) in self.drives.iter().enumerate() {
-                    let slope = cutter.slope(u, now, drive.actuator);
-                    constant -= slope * drive.actuator.of(now);
-                    weights.extend(at(k, work, slope));
+                    weights.extend(at(k, work, cutter.slope(u, now, drive.actuator)));
                 }
                 all.push((weights, constant));
             }
@@ -248,14 +247,14 @@ impl Problem<'_> {
         all
     }
 
-    /// The linear problem about a swing. Unknowns: coefficients, t, offset, and s, the share of the limits that is used.
+    /// The linear problem about a swing. Unknowns: coefficients, t, x₀, and s, the share of the limits that is used.
     fn linear(&self, before: &Swings) -> Lp {
         let n = self.unknowns();
         let unit = |column: usize| {
             let (drive, term) = (column / (2 * self.harmonics), column % (2 * self.harmonics));
             self.drives[drive].actuator.unit() / (term / 2 + 1) as f64
         };
-        let errors = self.errors(before, CONTACTS, |k, work, slope| {
+        let errors = self.errors(before, CONTACTS, n + 1, |k, work, slope| {
             let weights = (0..self.harmonics).flat_map(|h| {
                 let column = 2 * (k * self.harmonics + h);
                 let m = self.form.base() * (h + 1) as f64;
@@ -268,7 +267,7 @@ impl Problem<'_> {
         });
         let within = errors.into_iter().flat_map(|(weights, constant)| flat(&weights, constant, n));
         let within = within.collect();
-        let scale = (0..n).map(unit).chain([1e-3, 1e-2, 1.0]).collect();
+        let scale = (0..n).map(unit).chain([1e-3, 0.1, 1.0]).collect();
         let mut lp = Lp { scale, within, ..Lp::default() };
         for (k, drive) in self.drives.iter().enumerate() {
             self.limits(k, drive, &mut lp);
@@ -317,11 +316,11 @@ impl Problem<'_> {
     }
 }
 
-/// |e − offset| ≤ t, where t and offset are the unknowns n and n + 1.
+/// |e| ≤ t, where t is the unknown n.
 pub(super) fn flat(e: &[(usize, f64)], constant: f64, n: usize) -> [Row; 2] {
     [1.0, -1.0].map(|sign| {
         let mut signed: Vec<_> = e.iter().map(|(column, a)| (*column, a * sign)).collect();
-        signed.extend([(n, -1.0), (n + 1, -sign)]);
+        signed.push((n, -1.0));
         Row { weights: signed, bound: -constant * sign }
     })
 }

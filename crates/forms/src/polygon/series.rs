@@ -71,6 +71,11 @@ pub struct Series {
 }
 
 impl Series {
+    /// Whether it is more than a constant.
+    pub fn swings(&self) -> bool {
+        self.terms.iter().any(|term| term.per_turn > 0.0)
+    }
+
     /// Value, and its first three derivatives by the work's angle in radians, at an angle.
     pub fn at(&self, work: Angle) -> [f64; 4] {
         let mut sum = [0.0; 4];
@@ -132,6 +137,19 @@ impl Swings {
             }
         }
         swing
+    }
+
+    /// The same with X standing so much farther from the work.
+    #[must_use]
+    pub fn standing(mut self, farther: Length) -> Self {
+        let constant = Term { per_turn: 0.0, cosine: farther.value(), sine: 0.0 };
+        match self.0.iter_mut().find(|series| series.actuator == Actuator::CentreLine) {
+            Some(x) => x.terms.push(constant),
+            None => {
+                self.0.push(Series { actuator: Actuator::CentreLine, terms: vec![constant] });
+            }
+        }
+        self
     }
 
     /// The document's oscillation along the line of centres: dx = a·l·(1 − cos Mφ).

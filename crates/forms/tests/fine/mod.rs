@@ -120,7 +120,8 @@ impl Fine<'_> {
             let t = 4 * N * self.drives.len();
             for sign in [1.0, -1.0] {
                 let mut row: Vec<_> = e.iter().map(|(column, a)| (*column, a * sign)).collect();
-                row.extend([(t, -1.0), (t + 1, -sign)]);
+                // the axes stand nearer by an unknown, which moves the facet by its cosine
+                row.extend([(t, -1.0), (t + 1, sign * u.cos())]);
                 rows.push((row, -sign * constant));
             }
         }
@@ -151,8 +152,7 @@ impl Fine<'_> {
     }
 }
 
-/// A drive's place and derivatives from step to step, about a middle: else the axes would come nearer, and the part
-/// would be smaller.
+/// A drive's place and derivatives from step to step, about a middle: where the axes stand is an unknown of its own.
 fn motion(k: usize, rows: &mut Vec<Row>) {
     for i in 0..N {
         for order in 0..3 {
