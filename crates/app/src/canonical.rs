@@ -330,12 +330,8 @@ fn return_acceleration(asked: ReturnAcceleration) -> Value {
 fn position(at: &Position) -> Value {
     let mut map = serde_json::Map::new();
     for axis in Axis::ALL {
-        let i = axis.index();
-        let value = match i {
-            3..=5 => at.rotary[i - 3].in_deg(),
-            _ => at.along(axis).value(),
-        };
-        if i < 3 || value != 0.0 {
+        let value = at.along(axis).value();
+        if axis.index() < 3 || value != 0.0 {
             map.insert(axis.letter().to_string(), json!(value));
         }
     }

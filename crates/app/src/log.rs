@@ -56,7 +56,7 @@ impl Log {
         let text = match &event.kind {
             EventKind::FaultRaised(fault) => fault.to_string(),
             EventKind::FollowingWarning { axis, error } => {
-                format!("following error of {}: {:.0} µm", axis.letter(), error.in_um())
+                format!("following error of {}: {}", axis.letter(), small(*axis, *error))
             }
             EventKind::SyncWarning { error } => format!("sync error {:.1} µm", error.in_um()),
             EventKind::ChipRemovalBegun { spin, .. } => {
@@ -124,3 +124,14 @@ fn tidy(value: f64, decimals: usize) -> String {
         text
     }
 }
+/// A small way of an axis: of a rotary one degrees stand for millimetres.
+pub(crate) fn small(axis: canon::Axis, way: units::Length) -> String {
+    const ARCSEC: f64 = 3600.0;
+    match axis {
+        canon::Axis::A | canon::Axis::B | canon::Axis::C => {
+            format!("{:.0} arcsec", way.value() * ARCSEC)
+        }
+        _ => format!("{:.0} µm", way.in_um()),
+    }
+}
+

@@ -107,10 +107,8 @@ fn warnings(outcome: &Outcome) -> String {
         let (line, time) = (event.line, event.time.value());
         said += &match &event.kind {
             EventKind::FollowingWarning { axis, error } => {
-                let (axis, um) = (axis.letter(), error.in_um());
-                format!(
-                    "line {line}: following error of {axis} reached {um:.0} µm at {time:.3} s\n"
-                )
+                let (letter, way) = (axis.letter(), crate::log::small(*axis, *error));
+                format!("line {line}: following error of {letter} reached {way} at {time:.3} s\n")
             }
             EventKind::SyncWarning { error } => {
                 let um = error.in_um();

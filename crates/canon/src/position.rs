@@ -61,24 +61,24 @@ impl Position {
         }
     }
 
-    /// Coordinate of a linear axis (X, Y, Z, U, V, W); zero for a rotary one.
+    /// Coordinate of an axis. Of a rotary one degrees stand for millimetres, as everywhere behind the machine's file.
     pub const fn along(&self, axis: Axis) -> Length {
         let i = axis.index();
         match i {
             0..=2 => self.linear[i],
             6..=8 => self.parallel[i - 6],
-            _ => Length::ZERO,
+            _ => Length::mm(self.rotary[i - 3].in_deg()),
         }
     }
 
-    /// The same point with one linear axis moved; unchanged for a rotary one.
+    /// The same point with one axis moved, to where [`Position::along`] then says it is.
     #[must_use]
     pub const fn with(mut self, axis: Axis, value: Length) -> Self {
         let i = axis.index();
         match i {
             0..=2 => self.linear[i] = value,
             6..=8 => self.parallel[i - 6] = value,
-            _ => {}
+            _ => self.rotary[i - 3] = Angle::deg(value.value()),
         }
         self
     }
@@ -109,5 +109,26 @@ impl Plane {
     /// The axis along which a cycle drills.
     pub const fn normal(self) -> Axis {
         self.axes()[2]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_axis_stands_where_it_was_put_and_no_other_one_moves() {
+        let origin = Position::default();
+        for axis in Axis::ALL {
+            for value in [-250.0, -0.125, 30.0, 359.5, 1e5] {
+                let moved = origin.with(axis, Length::mm(value));
+                for other in Axis::ALL {
+                    let expected = if other == axis { value } else { 0.0 };
+                    let found = moved.along(other).value();
+                    assert!((found - expected).abs() <= 1e-12 * value.abs(), "{axis:?} {other:?} {found}");
+                }
+            }
+        }
+        assert_eq!(origin.with(Axis::A, Length::mm(90.0)).rotary[0], Angle::deg(90.0));
     }
 }

@@ -9,6 +9,7 @@
 //!
 //! The alarm list of the manual is made from [`FaultKind::ALL`].
 use crate::config::Subject;
+use canon::Axis;
 use core::fmt;
 use units::Time;
 
@@ -328,9 +329,19 @@ pub struct Fault {
     pub line: u32,
 }
 
+impl Fault {
+    /// Unit of its value and limit: a rotary axis is off by degrees.
+    pub fn unit(&self) -> &'static str {
+        match (self.subject, self.kind.unit()) {
+            (Subject::Axis(Axis::A | Axis::B | Axis::C), "mm") => "°",
+            (Subject::Machine | Subject::Axis(_) | Subject::Spindle(_), unit) => unit,
+        }
+    }
+}
+
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (number, sentence, unit) = (self.kind.number(), self.kind.sentence(), self.kind.unit());
+        let (number, sentence, unit) = (self.kind.number(), self.kind.sentence(), self.unit());
         write!(f, "alarm {number}: {}: {sentence}", self.subject)?;
         if !unit.is_empty() {
             write!(f, ": {:.4} {unit}, limit {:.4} {unit}", self.value, self.limit)?;

@@ -213,10 +213,7 @@ fn in_force(standing: &Standing) -> String {
 }
 
 pub(crate) fn along(position: &Position, axis: Axis) -> f64 {
-    match axis.index() {
-        i @ 3..=5 => position.rotary[i - 3].in_deg(),
-        _ => position.along(axis).value(),
-    }
+    position.along(axis).value()
 }
 
 /// Four decimals, as few as it takes.

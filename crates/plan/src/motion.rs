@@ -152,10 +152,7 @@ pub(crate) fn change(from: &Position, to: &Position, axis: Axis) -> f64 {
 
 /// Coordinate of any axis, in mm or degrees.
 pub fn coordinate(position: &Position, axis: Axis) -> f64 {
-    match axis {
-        Axis::A | Axis::B | Axis::C => position.rotary[axis.index() - 3].in_deg(),
-        _ => position.along(axis).value(),
-    }
+    position.along(axis).value()
 }
 
 impl Along {

@@ -1,0 +1,24 @@
+//! A program begins where the machine stands: also on rotary axes, on a machine that another program has left there.
+#![allow(clippy::unwrap_used)] // a test may panic
+#[allow(dead_code)] // each test binary uses its own part
+mod common;
+#[allow(dead_code)]
+#[path = "common/iron.rs"]
+mod iron;
+
+use common::{complained, said};
+use iron::Iron;
+
+#[test]
+fn a_program_begins_where_the_last_one_has_left_a_rotary_axis() {
+    let iron = Iron::start(&["--machine", "mill-5-axis"]);
+    let machine = ["--machine", "mill-5-axis"];
+    let run = |text: &str| {
+        let output = iron.run(text, &machine);
+        assert_eq!(output.status.code(), Some(0), "{}{}", said(&output), complained(&output));
+    };
+    run("G21 G90 G54 G17\nG1 A30 C-400 F9000\nM2\n");
+    // other axes move, and A stays where it is; then all of them go on from there
+    run("G21 G90 G54 G17\nG0 X5 Y5\nG1 A12.5 C-395 F9000\nM2\n");
+    run("G21 G90 G54 G17\nG1 A0 C0 F9000\nM2\n");
+}
