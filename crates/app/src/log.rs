@@ -83,7 +83,7 @@ impl Log {
                 figures.helix_error_max.in_um()
             ),
             EventKind::Withdrawn { .. } => "recovery: the tool is off the work".to_owned(),
-            EventKind::Operator(notice) => notice.sentence().to_owned(),
+            EventKind::Operator(notice) => notice.to_string(),
             EventKind::OutputSet(Output { number, signal: Signal::Digital { on }, .. }) => {
                 format!("digital output {number} {}", if *on { "on" } else { "off" })
             }
@@ -134,4 +134,3 @@ pub(crate) fn small(axis: canon::Axis, way: units::Length) -> String {
         _ => format!("{:.0} µm", way.in_um()),
     }
 }
-

@@ -319,11 +319,12 @@ impl What for Order {
             ["abort"] => Ok(Self::Abort),
             ["retract"] => Ok(Self::Retract),
             ["override", share] => percent(share).map(Self::FeedOverride),
+            ["spindle-override", share] => percent(share).map(Self::SpindleOverride),
             ["rapid-override", share] => percent(share).map(Self::RapidOverride),
             ["single-block", "on"] => Ok(Self::SingleBlock(true)),
             ["single-block", "off"] => Ok(Self::SingleBlock(false)),
             _ => Err(format!(
-                "expected one of hold, resume, abort, retract, override PERCENT, rapid-override PERCENT, single-block on|off, \
+                "expected one of hold, resume, abort, retract, override PERCENT, rapid-override PERCENT, spindle-override PERCENT, single-block on|off, \
                  emergency-stop; found \"{}\"",
                 words.join(" ")
             )),

@@ -219,6 +219,7 @@ impl Simulation<'_> {
             let sample = Sample { feedback, command, report, truth: self.machine.truth() };
             self.listen(&sample);
             self.stops.act(&sample, &mut self.kernel, &mut self.machine);
+            self.watch.spindle_override(self.kernel.operator().spindle_share());
             let Self { kernel, planner, sent, .. } = &mut self;
             paced.keep(kernel, planner, &mut queue, sent);
             if feedback.spindles[0].saturated {

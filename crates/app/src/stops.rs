@@ -274,6 +274,7 @@ fn name(order: Order) -> String {
         Order::Abort => "abort".into(),
         Order::Retract => "retract".into(),
         Order::FeedOverride(share) => format!("override {:.0} %", share * 100.0),
+        Order::SpindleOverride(share) => format!("spindle override {:.0} %", share * 100.0),
         Order::RapidOverride(share) => format!("rapid override {:.0} %", share * 100.0),
         Order::SingleBlock(on) => format!("single block {}", if on { "on" } else { "off" }),
     }

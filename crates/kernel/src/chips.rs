@@ -83,8 +83,10 @@ impl Drives {
         for (index, spindle) in self.spindles.iter().enumerate() {
             let Some(spindle) = spindle else { continue };
             let swings = Spin::rev_per_s(spindle.swing.0.rate);
-            let (has, wanted) = (spindle.now().spin - swings, self.in_force[index]);
+            let wanted = self.in_force[index] * spindle.share();
+            let has = spindle.now().spin - swings;
             let astray = wanted != Spin::ZERO
+                && !spindle.is_changing()
                 && (has - wanted).abs() > wanted.abs() * spindle.control.windows.in_cut;
             if astray || self.removals[index].is_some() {
                 let of = Subject::Spindle(index as u8);

@@ -31,6 +31,8 @@ pub struct Config {
     pub motion: path::Limits,
     /// What is done when a geared spindle loses its phase; `None`: everything stops at once.
     pub phase_loss: Option<PhaseLoss>,
+    /// How far the operator may override.
+    pub overrides: crate::Overrides,
     /// What a program's stop does.
     pub pause: Pause,
     /// Repeated taps learn from one another; `None`: they do not.
@@ -233,6 +235,8 @@ pub struct SpindleControl {
     pub inertia: Inertia,
     /// Friction of the bearings.
     pub friction: SpindleFriction,
+    /// Fastest speed.
+    pub highest: Spin,
     /// Most torque the drive can give.
     pub peak_torque: Torque,
     /// Most power the drive can give.

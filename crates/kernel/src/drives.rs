@@ -52,6 +52,10 @@ pub(crate) struct Drives {
     pub(crate) turned: Turned,
     /// The program lets the operator's feed override act.
     pub(crate) overridden: bool,
+    /// The program lets the operator's spindle override act.
+    pub(crate) spindle_overridden: bool,
+    /// So long a spindle may take to a speed that the operator has changed, s.
+    at_speed_s: f64,
     /// A move is under way: the axes need not stand where the next step begins.
     pub(crate) flowing: bool,
     pub(crate) tool: u32,
@@ -86,6 +90,8 @@ impl Drives {
             owed: None,
             turned: Turned::default(),
             overridden: true,
+            spindle_overridden: true,
+            at_speed_s: config.waits.at_speed.value(),
             flowing: false,
             tool: 0,
             mist: false,
@@ -183,6 +189,14 @@ impl Drives {
             command.spindles[index] = spindle.command();
         }
         command
+    }
+
+    /// Spindles turn at the operator's share of what is programmed, where the program lets it act.
+    pub(crate) fn override_spindles(&mut self, share: f64) {
+        let share = if self.spindle_overridden { share } else { 1.0 };
+        for spindle in self.spindles.iter_mut().flatten() {
+            spindle.override_by(share, self.at_speed_s);
+        }
     }
 
     /// Advance what spindles do by themselves.

@@ -157,6 +157,19 @@ impl Activity {
                 drives.overridden = *acts;
                 Self::AtOnce
             }
+            StepKind::SpindleOverride(acts) => {
+                let locks = drives.spindle_overridden && !acts;
+                drives.spindle_overridden = *acts;
+                drives.override_spindles(context.operator.spindle_share());
+                let changing = |spindle: &Option<SpindleLoop>| {
+                    spindle.as_ref().is_some_and(SpindleLoop::is_changing)
+                };
+                // what needs the programmed speed waits for it
+                match drives.spindles.iter().position(changing).filter(|_| locks) {
+                    Some(index) => Self::AwaitingSpeed { spindle: index as u8, waited_s: 0.0 },
+                    None => Self::AtOnce,
+                }
+            }
             StepKind::Output(output) => {
                 context.note(EventKind::OutputSet(*output));
                 Self::AtOnce

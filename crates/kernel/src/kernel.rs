@@ -105,7 +105,6 @@ impl Kernel {
     pub fn new(config: Config) -> Self {
         Self {
             drives: Drives::new(&config),
-            config,
             queue: VecDeque::with_capacity(QUEUE),
             chained: 0,
             activity: Activity::Idle,
@@ -114,7 +113,7 @@ impl Kernel {
             faults: Vec::with_capacity(FAULTS),
             events: Ring::new(),
             report: Report::default(),
-            operator: Operator::new(),
+            operator: Operator::new(config.overrides),
             reported: None,
             doubts: Doubts::default(),
             lame: None,
@@ -124,6 +123,7 @@ impl Kernel {
             withdrawing: None,
             aborted: false,
             now: Time::ZERO,
+            config,
         }
     }
 
@@ -230,6 +230,7 @@ impl Kernel {
     /// Execute steps, then close the loops.
     fn run(&mut self, feedback: &Feedback) -> Command {
         self.drives.rest();
+        self.drives.override_spindles(self.operator.spindle_share());
         let mut left = self.config.period.value();
         for _ in 0..STEPS_PER_TICK {
             match self.step(left, feedback) {

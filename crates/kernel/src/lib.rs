@@ -53,7 +53,7 @@ pub use event::{EVENTS, Event, EventKind, RecoveryFigures, TapFigures};
 pub use fault::{AlarmList, Fault, FaultKind, Reaction};
 pub use kernel::{FAULTS, Full, Kernel, QUEUE};
 pub use lessons::LESSONS;
-pub use operator::{FEED_MOST, Notice, Operator, Order};
+pub use operator::{Notice, Operator, Order, Overrides};
 pub use problems::Problem;
 pub use recovering::RecoveryPlan;
 pub use scribe::{RECORD_WAIT, Wish, WorkRecord};

@@ -14,10 +14,12 @@
 //! | a move | [`Operator::wants_rest`], [`Operator::share`] | slows down along its path; goes slower or faster |
 //! | a dwell | [`Operator::wants_rest`] | its clock stands |
 //! | a tap | [`Operator::wants_rest`], [`Operator::wants_out`] | stops on its coupling, all of it together; backs out |
+//! | a spindle | [`Operator::spindle_share`] | turns slower or faster, unless a tap, a thread or a gear needs its speed |
 //! | between steps | [`Operator::wants_rest`] | no step begins |
 //!
 //! In a synchronised move overrides are locked: they are remembered, and act after it. What the operator may
 //! wonder about is said as a [`Notice`].
+use core::fmt;
 
 /// An order, at any time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,16 +33,29 @@ pub enum Order {
     Abort,
     /// Back a held tap out of its hole along its thread.
     Retract,
-    /// Share of the programmed feed, 0 to [`FEED_MOST`].
+    /// Share of the programmed feed, within [`Overrides`].
     FeedOverride(f64),
     /// Share of the rapids' speed, 0 to 1.
     RapidOverride(f64),
+    /// Share of the programmed spindle speed, within [`Overrides`].
+    SpindleOverride(f64),
     /// Hold before each program line.
     SingleBlock(bool),
 }
 
-/// The highest feed override.
-pub const FEED_MOST: f64 = 2.0;
+/// How far the operator may override, as the machine's file has it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Overrides {
+    /// Largest share of the programmed feed; the least is nothing.
+    pub feed_most: f64,
+    /// Least and largest share of the programmed spindle speed.
+    pub spindle: (f64, f64),
+}
+
+impl Overrides {
+    /// Feeds to twice, spindles from half to 1.2 times what is programmed, as most panels have it.
+    pub const USUAL: Self = Self { feed_most: 2.0, spindle: (0.5, 1.2) };
+}
 
 /// Something that the operator should know of an order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,8 +66,13 @@ pub enum Notice {
     HeldInThread,
     /// An override was turned during a synchronised move.
     OverrideLocked,
-    /// A share that is no number or out of its range was taken as the nearest one that is.
-    OverrideOutOfRange,
+    /// A share that is no number or out of its range, in percent, was taken as the nearest one that is.
+    OverrideOutOfRange {
+        /// The least that there is.
+        least: u16,
+        /// The largest.
+        most: u16,
+    },
     /// The tap backs out.
     BackingOut,
     /// It is out, after a stop.
@@ -67,9 +87,21 @@ pub enum Notice {
     Aborted,
 }
 
+impl fmt::Display for Notice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::OverrideOutOfRange { least, most } => write!(
+                f,
+                "this override goes from {least} to {most} %; the nearest possible one is taken"
+            ),
+            _ => f.write_str(self.sentence()),
+        }
+    }
+}
+
 impl Notice {
-    /// What is said.
-    pub const fn sentence(self) -> &'static str {
+    /// What is said where no number belongs to it.
+    const fn sentence(self) -> &'static str {
         match self {
             Self::Held => "held: resume goes on, abort gives the program up",
             Self::HeldInThread => {
@@ -78,9 +110,7 @@ impl Notice {
             Self::OverrideLocked => {
                 "overrides are locked while spindle and feed are synchronised; the new one acts after the thread"
             }
-            Self::OverrideOutOfRange => {
-                "an override goes from 0 to 200 % (rapids: to 100 %); the nearest possible one is taken"
-            }
+            Self::OverrideOutOfRange { .. } => "the nearest possible override is taken",
             Self::BackingOut => "backing out along the thread",
             Self::Out => "the tap is out of its hole",
             Self::NothingToRetract => "nothing to retract: no tap is held in a hole",
@@ -100,8 +130,10 @@ pub struct Operator {
     held: bool,
     aborting: bool,
     retract: bool,
+    limits: Overrides,
     feed: f64,
     rapid: f64,
+    spindle: f64,
     single_block: bool,
     /// The line that single block has let pass.
     admitted: Option<u32>,
@@ -110,13 +142,15 @@ pub struct Operator {
 }
 
 impl Operator {
-    pub(crate) const fn new() -> Self {
+    pub(crate) const fn new(limits: Overrides) -> Self {
         Self {
             held: false,
             aborting: false,
             retract: false,
+            limits,
             feed: 1.0,
             rapid: 1.0,
+            spindle: 1.0,
             single_block: false,
             admitted: None,
             said: false,
@@ -152,14 +186,19 @@ impl Operator {
             }
             Order::Retract => Some(Notice::NothingToRetract),
             Order::FeedOverride(share) => {
-                let before = self.feed;
-                self.feed = within(share, FEED_MOST, before);
-                override_notice(share, self.feed, synchronised)
+                let range = (0.0, self.limits.feed_most);
+                self.feed = within(share, range, self.feed);
+                override_notice(share, self.feed, range, synchronised)
             }
             Order::RapidOverride(share) => {
-                let before = self.rapid;
-                self.rapid = within(share, 1.0, before);
-                override_notice(share, self.rapid, synchronised)
+                let range = (0.0, 1.0);
+                self.rapid = within(share, range, self.rapid);
+                override_notice(share, self.rapid, range, synchronised)
+            }
+            Order::SpindleOverride(share) => {
+                let range = self.limits.spindle;
+                self.spindle = within(share, range, self.spindle);
+                override_notice(share, self.spindle, range, synchronised)
             }
             Order::SingleBlock(on) => {
                 self.single_block = on;
@@ -186,6 +225,11 @@ impl Operator {
     /// The override for a move: of rapids, or of feeds. Whoever is synchronised does not ask.
     pub const fn share(&self, rapid: bool) -> f64 {
         if rapid { self.rapid } else { self.feed }
+    }
+
+    /// The override of spindles. Whoever is synchronised does not ask.
+    pub const fn spindle_share(&self) -> f64 {
+        self.spindle
     }
 
     /// Each program line shall be followed by a hold: a move must come to rest at its end.
@@ -225,13 +269,19 @@ impl Operator {
 }
 
 /// The nearest share that can be meant; a number that is none changes nothing.
-fn within(share: f64, most: f64, before: f64) -> f64 {
-    if share.is_nan() { before } else { share.clamp(0.0, most) }
+fn within(share: f64, (least, most): (f64, f64), before: f64) -> f64 {
+    if share.is_nan() { before } else { share.max(least).min(most) }
 }
 
-fn override_notice(wanted: f64, taken: f64, synchronised: bool) -> Option<Notice> {
+fn override_notice(
+    wanted: f64,
+    taken: f64,
+    (least, most): (f64, f64),
+    synchronised: bool,
+) -> Option<Notice> {
     if wanted.is_nan() || (wanted - taken).abs() > 1e-12 {
-        Some(Notice::OverrideOutOfRange)
+        let percent = |share: f64| (share * 100.0 + 0.5) as u16; // rounded; a machine file has 400 at most
+        Some(Notice::OverrideOutOfRange { least: percent(least), most: percent(most) })
     } else {
         synchronised.then_some(Notice::OverrideLocked)
     }
@@ -243,20 +293,28 @@ mod tests {
 
     #[test]
     fn overrides_are_kept_within_their_range_and_said_when_locked() {
-        let mut operator = Operator::new();
+        let mut operator = Operator::new(Overrides::USUAL);
         assert_eq!(operator.take(Order::FeedOverride(0.5), false, false), None);
         assert_eq!(operator.share(false), 0.5);
         let notice = operator.take(Order::FeedOverride(9.0), false, false);
-        assert_eq!((notice, operator.share(false)), (Some(Notice::OverrideOutOfRange), FEED_MOST));
+        let out_of = |least, most| Some(Notice::OverrideOutOfRange { least, most });
+        assert_eq!((notice, operator.share(false)), (out_of(0, 200), 2.0));
         let notice = operator.take(Order::RapidOverride(f64::NAN), false, false);
-        assert_eq!((notice, operator.share(true)), (Some(Notice::OverrideOutOfRange), 1.0));
+        assert_eq!((notice, operator.share(true)), (out_of(0, 100), 1.0));
         let notice = operator.take(Order::RapidOverride(0.25), true, false);
         assert_eq!((notice, operator.share(true)), (Some(Notice::OverrideLocked), 0.25));
+        let notice = operator.take(Order::SpindleOverride(0.1), false, false);
+        assert_eq!((notice, operator.spindle_share()), (out_of(50, 120), 0.5));
+        let mut weak = Operator::new(Overrides { feed_most: 1.5, spindle: (0.8, 1.0) });
+        let notice = weak.take(Order::FeedOverride(2.0), false, false);
+        assert_eq!((notice, weak.share(false)), (out_of(0, 150), 1.5));
+        let said = notice.map(|n| std::string::ToString::to_string(&n)).unwrap_or_default();
+        assert!(said.contains("from 0 to 150 %"), "{said}");
     }
 
     #[test]
     fn a_hold_ends_with_resume_and_an_abort_does_not() {
-        let mut operator = Operator::new();
+        let mut operator = Operator::new(Overrides::USUAL);
         assert_eq!(operator.take(Order::Resume, false, false), Some(Notice::NothingHeld));
         operator.take(Order::FeedHold, false, false);
         assert!(operator.wants_rest() && !operator.wants_abort());
@@ -269,7 +327,7 @@ mod tests {
 
     #[test]
     fn only_a_tap_that_is_held_can_be_retracted() {
-        let mut operator = Operator::new();
+        let mut operator = Operator::new(Overrides::USUAL);
         assert_eq!(operator.take(Order::Retract, true, false), Some(Notice::NothingToRetract));
         operator.take(Order::FeedHold, true, false);
         assert_eq!(operator.take(Order::Retract, false, false), Some(Notice::NothingToRetract));
@@ -279,7 +337,7 @@ mod tests {
 
     #[test]
     fn single_block_holds_each_line_once() {
-        let mut operator = Operator::new();
+        let mut operator = Operator::new(Overrides::USUAL);
         assert!(!operator.holds_line(2, 1));
         operator.take(Order::SingleBlock(true), false, false);
         assert!(!operator.holds_line(1, 1));

@@ -76,6 +76,11 @@ pub(crate) struct SpindleLoop {
     saturated: bool,
     /// Its reading is not believed: see [`crate::doubt`].
     pub(crate) blind: bool,
+    /// What the program has ordered, rev/s, while it turns by itself; the operator's share of it.
+    programmed: Option<f64>,
+    share: f64,
+    /// So long a change of the share may take yet, s.
+    changing_s: f64,
 }
 
 impl SpindleLoop {
@@ -111,6 +116,9 @@ impl SpindleLoop {
             error: 0.0,
             saturated: false,
             blind: false,
+            programmed: None,
+            share: 1.0,
+            changing_s: 0.0,
             control,
         }
     }
@@ -123,6 +131,7 @@ impl SpindleLoop {
         let still = Rotation { angle: feedback.angle, ..Rotation::default() };
         (self.ordered, self.before, self.ahead) = (still, still, still);
         self.order = Order::Slew(0.0);
+        self.programmed = None;
         self.pace = None;
         self.swing = (Swing::default(), Swing::default());
         self.error = 0.0;
@@ -151,6 +160,7 @@ impl SpindleLoop {
 
     /// Turn at a speed that may change each period.
     pub(crate) fn slew_to(&mut self, spin: Spin) {
+        self.programmed = None;
         self.order = Order::Slew(spin.value());
     }
 
@@ -234,8 +244,10 @@ impl SpindleLoop {
     /// all the same.
     pub(crate) fn turn(&mut self, spin: Spin, ramp: &Profile) {
         let begins = ramp.at(0.0).v;
-        let to = spin.value();
-        let fits = (begins - self.ordered.spin.value()).abs() <= RAMP_FITS;
+        self.programmed = Some(spin.value());
+        let to = self.overridden(spin.value());
+        let as_planned = to == spin.value();
+        let fits = as_planned && (begins - self.ordered.spin.value()).abs() <= RAMP_FITS;
         if fits && ramp.duration() > 0.0 && self.pace.is_none() {
             self.ramp = *ramp;
             self.order = Order::Ramp(0.0, to);
@@ -244,8 +256,42 @@ impl SpindleLoop {
         }
     }
 
+    /// What the operator makes of a speed, rev/s; never above what the spindle may turn.
+    fn overridden(&self, spin: f64) -> f64 {
+        let highest = self.control.highest.value().max(spin.abs());
+        (spin * self.share).clamp(-highest, highest)
+    }
+
+    /// The operator's share of the programmed speed, from now on; `within_s`: so long it may take.
+    pub(crate) fn override_by(&mut self, share: f64, within_s: f64) {
+        self.changing_s -= self.period_s;
+        if self.at_speed().is_some() {
+            self.changing_s = 0.0;
+        }
+        if share == self.share {
+            return;
+        }
+        self.share = share;
+        let turns = matches!(self.order, Order::Slew(_) | Order::Ramp(..));
+        if let Some(spin) = self.programmed.filter(|_| turns) {
+            self.order = Order::Slew(self.overridden(spin));
+            self.changing_s = within_s;
+        }
+    }
+
+    /// It is on its way to a speed that the operator has changed.
+    pub(crate) fn is_changing(&self) -> bool {
+        self.changing_s > 0.0
+    }
+
+    /// The operator's share of what is programmed.
+    pub(crate) const fn share(&self) -> f64 {
+        self.share
+    }
+
     /// Come to rest under speed control.
     pub(crate) fn stop(&mut self) {
+        self.programmed = None;
         if !matches!(self.order, Order::Slew(0.0)) {
             self.order = Order::Slew(0.0);
         }
@@ -253,6 +299,7 @@ impl SpindleLoop {
 
     /// Come to rest in the kind of control that it is in: the stop of a fault.
     pub(crate) fn brake(&mut self) {
+        self.programmed = None;
         self.order = if self.position_controlled() { Order::Brake } else { Order::Slew(0.0) };
     }
 
@@ -269,6 +316,7 @@ impl SpindleLoop {
                 }
                 self.ordered = Rotation { angle: self.now().angle, ..Rotation::default() };
                 self.before = self.ordered;
+                self.programmed = None;
                 self.order = Order::Held;
             }
         }
@@ -284,6 +332,7 @@ impl SpindleLoop {
 
     /// A tap leads: the setpoint now, and when the torque acts.
     pub(crate) fn lead(&mut self, now: Rotation, ahead: Rotation, by_angle: bool) {
+        self.programmed = None;
         self.order = if by_angle { Order::LedAngle } else { Order::LedSpeed };
         self.ordered = now;
         self.ahead = ahead;

@@ -86,6 +86,7 @@ impl Clock {
             | StepKind::Consult(_)
             | StepKind::Coolant { .. }
             | StepKind::FeedOverride(_)
+            | StepKind::SpindleOverride(_)
             | StepKind::Output(_)
             | StepKind::Input(_)
             | StepKind::UserCode(_)

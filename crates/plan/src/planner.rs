@@ -41,6 +41,7 @@ mod coupled;
 mod moves;
 mod refuse;
 mod spindle;
+mod spindle_override;
 mod tap;
 mod thread;
 mod unsynchronised;
@@ -114,6 +115,8 @@ pub struct Planner {
     pub(crate) outbox: Outbox,
     /// The operator's feed override acts.
     overridden: bool,
+    /// What becomes of the spindle override.
+    spindle_override: spindle_override::SpindleOverride,
     /// What the operator wants of moves to come.
     pub(crate) wanted: Wish,
 }
@@ -225,6 +228,7 @@ impl Planner {
             findings: Findings::default(),
             outbox: Outbox::default(),
             overridden: true,
+            spindle_override: spindle_override::SpindleOverride::default(),
             wanted: Wish::default(),
         }
     }
@@ -250,6 +254,7 @@ impl Planner {
         if !matches!(op.kind, OpKind::Threading(_)) {
             self.end_thread(job.emit);
         }
+        self.lock_spindle_override(&mut job, &op.kind);
         let before = self.programmed.linear;
         match &op.kind {
             OpKind::Rapid { to } => self.rapid(&mut job, to),
@@ -304,12 +309,16 @@ impl Planner {
                 self.hand_on(&mut job, StepKind::Pause { optional: *optional });
             }
             OpKind::End => self.end(&mut job),
-            OpKind::Overrides { feed, .. } if *feed != self.overridden => {
+            OpKind::Overrides { feed, spindle } => {
+                self.allow_spindle_override(&mut job, *spindle);
+                if *feed == self.overridden {
+                    return;
+                }
                 self.overridden = *feed;
                 let step = job.step(StepKind::FeedOverride(*feed));
                 self.after_spindle(&mut job, step);
             }
-            OpKind::SelectTool { .. } | OpKind::Overrides { .. } | OpKind::Message(_) => {}
+            OpKind::SelectTool { .. } | OpKind::Message(_) => {}
         }
         if !matches!(op.kind, OpKind::Threading(_)) {
             self.came_from.moved(&before, &self.programmed.linear);

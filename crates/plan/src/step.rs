@@ -71,6 +71,9 @@ pub enum StepKind {
     },
     /// Whether the operator's feed override acts from here on (M48, M49, M50).
     FeedOverride(bool),
+    /// Whether the operator's spindle override acts from here on (M48, M49, M51); what needs the programmed speed locks it, and
+    /// goes on when the spindle has it.
+    SpindleOverride(bool),
     /// Switch an output.
     Output(Output),
     /// Read an input or wait for it.

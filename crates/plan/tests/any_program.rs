@@ -161,6 +161,7 @@ fn assert_hangs_together(steps: &[Step]) {
             | StepKind::Dwell(_)
             | StepKind::Coolant { .. }
             | StepKind::FeedOverride(_)
+            | StepKind::SpindleOverride(_)
             | StepKind::Output(_)
             | StepKind::Input(_)
             | StepKind::UserCode(_)

@@ -54,6 +54,7 @@ fn said(steps: &[Step]) -> Vec<String> {
             format!("turn {:.0}", spin.in_rpm())
         }
         StepKind::Spindle { order: SpindleStep::AwaitSpeed, .. } => "await".into(),
+        StepKind::SpindleOverride(acts) => format!("spindle override {acts}"),
         other => format!("{other:?}"),
     };
     steps.iter().map(said).collect()
@@ -71,6 +72,7 @@ fn dwells(steps: &[Step]) -> Vec<f64> {
 fn the_clutch_cycle_is_its_seven_steps_and_leaves_the_spindle_forward() {
     let steps = steps_of(planner(CLUTCH, Unsynchronised::default()), order(0.0));
     let expected = [
+        "spindle override false",
         "turn 3000",
         "await",
         "feed -10",
@@ -161,6 +163,7 @@ fn the_floating_cycle_feeds_all_the_way_stops_and_reverses() {
     let tapping = Unsynchronised { method: TapMethod::Floating, ..Unsynchronised::default() };
     let steps = steps_of(planner(FLOATING, tapping), order(0.0));
     let expected = [
+        "spindle override false",
         "turn 3000",
         "await",
         "feed -15",

@@ -49,6 +49,7 @@ fn words(steps: &[Step]) -> String {
         StepKind::ChangeTool(n) => format!("tool({n})"),
         StepKind::Coolant { .. } => "coolant".into(),
         StepKind::FeedOverride(acts) => format!("override({acts})"),
+        StepKind::SpindleOverride(acts) => format!("spindle override({acts})"),
         StepKind::Output(output) => format!("output({})", output.number),
         StepKind::Input(wait) => format!("input({})", wait.number),
         StepKind::UserCode(number) => format!("M{number}"),

@@ -67,6 +67,8 @@ pub struct Watch {
     works: BTreeMap<u32, Work>,
     speeds: VecDeque<(u32, Spin)>,
     in_force: Spin,
+    /// Least and largest share of it that the operator has asked for in this run.
+    shares: (f64, f64),
     tool: Option<u32>,
     before: Option<(Time, Angle, Length)>,
     /// By how much tap and helix have passed each other since they last went the same way, mm.
@@ -86,6 +88,7 @@ impl Watch {
             works: BTreeMap::new(),
             speeds: VecDeque::new(),
             in_force: Spin::ZERO,
+            shares: (1.0, 1.0),
             tool: None,
             before: None,
             against_mm: 0.0,
@@ -141,6 +144,11 @@ impl Watch {
                 ToolKind::Tap(tap) => !matches!(tap.holder, Holder::Clutch { .. }),
                 _ => false,
             })
+    }
+
+    /// The operator has turned the spindle override: any speed up to there is meant from then on.
+    pub const fn spindle_override(&mut self, share: f64) {
+        self.shares = (self.shares.0.min(share), self.shares.1.max(share));
     }
 
     /// What happened: every servo period, in order.
@@ -217,8 +225,10 @@ impl Watch {
                 (across > ACROSS_MM).then(|| "a tap is moved sideways in its thread".into())
             }
             None if state == State::Feed && self.in_force != Spin::ZERO && feed * into > 0.0 => {
-                let off = (spin - self.in_force).abs();
-                let wrong = off > self.in_force.abs() * SPEED_SHARE;
+                let meant = self.in_force.abs();
+                let turns = if self.in_force < Spin::ZERO { -spin } else { spin };
+                let (least, most) = (self.shares.0 - SPEED_SHARE, self.shares.1 + SPEED_SHARE);
+                let wrong = turns < meant * least || turns > meant * most;
                 (wrong && !self.is_tap(sample)).then(|| {
                     "a cut with the spindle at the wrong speed or in the wrong sense".into()
                 })

@@ -54,7 +54,8 @@ move; 3 an alarm on the machine.
 --fault takes power-cut, kill, emergency-stop, drive-fault spindle [N]|AXIS, lost-index, encoder-slip ANGLE,
 dropout TIME, stuck AXIS, feedback-jump AXIS LENGTH, scale-error AXIS PPM (from where the axis stands then),
 eccentricity ANGLE [spindle N] (of an encoder), late, missed, torque-loss PERCENT [spindle N]; spindles count from 0.
---operator takes hold, resume, abort, retract, override PERCENT, rapid-override PERCENT, single-block on|off, emergency-stop.
+--operator takes hold, resume, abort, retract, override PERCENT, rapid-override PERCENT, spindle-override PERCENT,
+single-block on|off, emergency-stop.
 A MOMENT is a time (1.5s, 250ms), line N, depth 8mm [out]
 (of the tip below the work's zero), angle 12rev (turned since the start), random; or between 1s and 2s.
 

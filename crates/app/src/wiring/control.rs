@@ -1,7 +1,7 @@
 //! The control's loops, windows and waits.
 use kernel::{
     AxisControl, AxisEncoder, AxisFriction, AxisWindows, Config, EncoderPlace, FeedForward,
-    OwnRamps, Pause, PhaseLoss, SpindleControl, SpindleFriction, SpindleWindows, Waits,
+    Overrides, OwnRamps, Pause, PhaseLoss, SpindleControl, SpindleFriction, SpindleWindows, Waits,
 };
 use store::machine::{self, Axis, Control, Follows, Loops, MachineFile, PositionFrom, Spindle};
 use sync::{Prediction, SyncMode, Windows};
@@ -37,6 +37,10 @@ pub(crate) fn control(machine: &MachineFile, mode: Option<SyncMode>, learns: boo
             let most = (axis.rapid, axis.acceleration);
             Some(PhaseLoss { window: loss.window, axis: loss.axis, by: loss.by, most })
         }),
+        overrides: Overrides {
+            feed_most: control.overrides.feed_most_share,
+            spindle: (control.overrides.spindle_least_share, control.overrides.spindle_most_share),
+        },
         pause: Pause::GoOn,
         learning: learns.then(|| crate::learning::how(machine)),
     }
@@ -118,6 +122,7 @@ fn spindle(file: &Spindle, observer_bandwidth_hz: f64) -> SpindleControl {
             rounding: file.friction.smoothing,
             viscous_n_m_s_per_rad: file.friction.viscous_n_m_s_per_rad,
         },
+        highest: file.max,
         peak_torque: file.peak_torque,
         peak_power: file.peak_power,
         torque_lag: file.torque_lag,

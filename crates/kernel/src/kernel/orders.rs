@@ -23,7 +23,11 @@ impl Kernel {
         if order == Order::Retract && synchronised && self.operator.wants_rest() {
             self.note(EventKind::Operator(Notice::BackingOut));
         }
-        if let Some(notice) = self.operator.take(order, synchronised, paused) {
+        let locked = match order {
+            Order::SpindleOverride(_) => synchronised || !self.drives.spindle_overridden,
+            _ => synchronised,
+        };
+        if let Some(notice) = self.operator.take(order, locked, paused) {
             self.note(EventKind::Operator(notice));
         }
         if order == Order::Resume && paused && !self.operator.wants_rest() {

@@ -24,7 +24,8 @@ impl Kernel {
         self.queue.clear();
         self.faults.clear();
         (self.activity, self.begun, self.mode) = (Activity::Idle, false, Mode::New);
-        (self.operator, self.aborted, self.reported) = (Operator::new(), false, None);
+        (self.operator, self.aborted, self.reported) =
+            (Operator::new(self.config.overrides), false, None);
         (self.doubts, self.lame) = (Doubts::default(), None);
         (self.chained, self.way_out, self.retreating) = (0, None, None);
         (self.recovering, self.withdrawing) = (None, None);
@@ -34,7 +35,7 @@ impl Kernel {
     /// After a recovery: execute steps again, from where everything stands.
     pub fn go_on(&mut self) {
         if self.recovering.take_if(|recovering| recovering.is_done()).is_some() {
-            self.operator = Operator::new();
+            self.operator = Operator::new(self.config.overrides);
         }
     }
 

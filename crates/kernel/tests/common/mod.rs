@@ -189,6 +189,7 @@ pub fn control(machine: &sim::Config) -> Config {
                 rounding: model.rounding,
                 viscous_n_m_s_per_rad: model.viscous_n_m_s_per_rad,
             },
+            highest: Spin::rpm(10_000.0),
             peak_torque: model.peak_torque,
             peak_power: model.peak_power,
             torque_lag: model.torque_lag,
@@ -221,6 +222,7 @@ pub fn control(machine: &sim::Config) -> Config {
         },
         motion: path::Limits { feed: UNLIMITED, rapid: UNLIMITED },
         phase_loss: None,
+        overrides: kernel::Overrides::USUAL,
         pause: Pause::GoOn,
         learning: None,
     }

@@ -156,6 +156,7 @@ impl Planner {
         }
         self.coupled.swings.clear();
         self.coupled.fastest = Spin::ZERO;
+        self.free_geared_override(job);
     }
 
     /// Let it swing while somebody looks, so many times.
