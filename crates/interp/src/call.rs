@@ -136,6 +136,8 @@ pub struct CycleTap {
     pub overrides: (bool, bool),
     /// F stands in the tap's own block; in a clutch holder an older one is no order to the tap.
     pub feed_stated: bool,
+    /// The lead in mm where the block states it, whatever F is: Brother's I and J.
+    pub lead_mm: Option<f64>,
 }
 
 /// How fast a tap comes out.

@@ -140,6 +140,18 @@ pub fn describe_in(dialect: Dialect, letter: u8, value: f64) -> Option<CodeInfo>
         let info = describe(letter, crate::cam::shared_code(dialect, value))?;
         return Some(CodeInfo { code: format!("G{value}"), dialects: vec![dialect], ..info });
     }
+    if letter == b'G'
+        && let Some(own) = crate::brother::own_code(dialect, value).and_then(codes::g_code)
+    {
+        let repeats = if own.group == GGroup::Motion { codes::set("KS") } else { codes::set("ST") };
+        let letters = letters_of(own.letters | repeats);
+        return Some(CodeInfo {
+            code: format!("G{value}"),
+            letters,
+            dialects: vec![dialect],
+            ..of_g(own)
+        });
+    }
     let Some((_, kind)) = FANUC.into_iter().find(|(fanuc, _)| *fanuc == dialect) else {
         return describe(letter, value);
     };
@@ -172,7 +184,8 @@ pub fn describe_in(dialect: Dialect, letter: u8, value: f64) -> Option<CodeInfo>
 
 /// What dialects have beside the shared codes, or with another meaning, dialect by dialect.
 pub fn dialect_codes() -> impl Iterator<Item = CodeInfo> {
-    let dialects = FANUC.into_iter().map(|(dialect, _)| dialect).chain([Dialect::Toyoda]);
+    let dialects =
+        FANUC.into_iter().map(|(dialect, _)| dialect).chain([Dialect::Brother, Dialect::Toyoda]);
     dialects.flat_map(|dialect| {
         let described = move |tenths| describe_in(dialect, b'G', f64::from(tenths) / 10.0);
         let own = move |info: &CodeInfo| {
@@ -180,7 +193,7 @@ pub fn dialect_codes() -> impl Iterator<Item = CodeInfo> {
             shared.is_none_or(|shared| shared.name != info.name)
         };
         let file = describe_in(dialect, b'M', 198.0).filter(|code| code.code == "M198");
-        (0..1000u16)
+        (0..=1000u16)
             .filter_map(described)
             .chain(file)
             .filter(own)

@@ -294,13 +294,20 @@ pub(crate) const FINE_BORE: u16 = OWN + 760;
 pub(crate) const BORE_UPWARDS: u16 = OWN + 870;
 /// Fanuc's G44: the tool's length is taken away.
 pub(crate) const LENGTH_BACK: u16 = OWN + 440;
+/// Brother's G77 and G78: synchronised tapping by its pitch; G100: the non-stop tool change.
+pub(crate) const SYNCHRO_RIGHT: u16 = OWN + 770;
+pub(crate) const SYNCHRO_LEFT: u16 = OWN + 780;
+pub(crate) const NON_STOP_CHANGE: u16 = OWN + 1000;
 /// Added to a code that no program can write so.
 pub(crate) const OWN: u16 = 10_000;
 
-static OWN_CODES: [Code<GGroup>; 3] = [
+static OWN_CODES: [Code<GGroup>; 6] = [
     g(LENGTH_BACK, ToolLength, "H", "tool length offset, negative"),
     g(FINE_BORE, Motion, "XYZRLPQ", "fine boring, spindle stop, aside, rapid out"),
     g(BORE_UPWARDS, Motion, "XYZRLPQ", "back boring, from below"),
+    g(SYNCHRO_RIGHT, Motion, "XYZRLPQIJ", "right-hand synchronised tapping"),
+    g(SYNCHRO_LEFT, Motion, "XYZRLPQIJ", "left-hand synchronised tapping"),
+    g(NON_STOP_CHANGE, NonModal, "XYZABCHDL", "tool change, move and spindle in one block"),
 ];
 
 /// The G code with this number.

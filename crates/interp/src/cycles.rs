@@ -59,10 +59,10 @@ impl Executor {
                 format!("G{code} needs an axis word: where to drill"),
             );
         }
-        if !self.lead_is_the_taps(cycle) {
+        if !self.lead_is_the_taps(cycle) && !cycle.is_synchro() {
             self.check_cycle_feed(code)?;
         }
-        let repeats = self.repeats()?;
+        let repeats = self.repeats(cycle)?;
         let mut sticky = self.sticky(cycle, code)?;
         sticky.chips = self.chips(cycle, code, sticky.chips)?;
         if repeats == 0 {
@@ -132,10 +132,10 @@ impl Executor {
     }
 
     /// L, in Brother's dialect K.
-    fn repeats(&mut self) -> Outcome<u32> {
+    fn repeats(&mut self, cycle: Cycle) -> Outcome<u32> {
         let letter = if self.dialect == Dialect::Brother { b'K' } else { b'L' };
         let name = letter as char;
-        if letter == b'K' && self.words.get(b'L').is_some() {
+        if letter == b'K' && self.words.get(b'L').is_some() && !cycle.is_synchro() {
             let text = "L has no effect here: in this dialect K counts repetitions";
             return refuse("I0517", self.words.span(b'L'), text);
         }
@@ -213,6 +213,7 @@ impl Executor {
             self.check_fine_boring(cycle, peck)?;
         }
         let tap = match cycle.tap_sense() {
+            Some(_) if cycle.is_synchro() => self.synchro_words(cycle, kept.map(|k| k.tap))?,
             Some(_) => self.tap_words(kept.map(|k| k.tap))?,
             None => TapWords::default(),
         };
@@ -286,8 +287,16 @@ impl Executor {
     fn check_spindle(&self, cycle: Cycle, code: Written) -> Outcome {
         let turning = self.state.spindle.turning;
         let span = self.words.place.span;
-        let rigid = self.state.rigid != Rigid::Off;
+        // Brother's cycles turn the spindle themselves
+        let brother = self.dialect == Dialect::Brother && self.state.spindle.speed > 0.0;
+        let rigid = self.state.rigid != Rigid::Off || brother;
         match (cycle.tap_sense(), turning) {
+            (Some(_), _) if cycle.is_synchro() && brother => return Ok(()),
+            (Some(_), None) if self.dialect == Dialect::Brother && !rigid => {
+                let text =
+                    format!("G{code} needs S, the speed of the tap, in its block or before it");
+                return refuse("I0597", span, text);
+            }
             (Some(_), None) if rigid => return Ok(()),
             (Some(sense), None) => {
                 let start = if sense == Sense::Clockwise { "M3" } else { "M4" };

@@ -11,7 +11,7 @@
 use crate::{
     asked::Asked,
     call::{Call, Place, Sink},
-    codes::{AXES, CENTRE, GGroup, MGroup, POLAR},
+    codes::{AXES, CENTRE, GGroup, MGroup, NON_STOP_CHANGE, POLAR},
     context::Context,
     eval::Values,
     fault::{Outcome, error, refuse},
@@ -140,6 +140,7 @@ impl Executor {
             return self.stops(sink);
         }
         let motion = self.motion()?;
+        self.non_stop_change()?;
         if !self.words.heard {
             return self.obey(motion, sink);
         }
@@ -187,9 +188,10 @@ impl Executor {
     fn motion(&self) -> Outcome<Option<Motion>> {
         let words = &self.words;
         let axes = words.any(AXES | POLAR);
-        let uses_axes =
-            matches!(words.g(GGroup::NonModal), Some(100 | 280 | 300 | 513 | 520 | 920))
-                || matches!(words.g(GGroup::ToolLength), Some(431 | 432));
+        let uses_axes = matches!(
+            words.g(GGroup::NonModal),
+            Some(100 | 280 | 300 | 513 | 520 | 920 | NON_STOP_CHANGE)
+        ) || matches!(words.g(GGroup::ToolLength), Some(431 | 432));
         if let Some(code) = words.g(GGroup::Motion) {
             let motion = Motion::from_code(code);
             if axes && uses_axes && motion != Motion::None {

@@ -119,7 +119,9 @@ impl Executor {
             | Cycle::TapLeft
             | Cycle::TapRight
             | Cycle::RigidLeft
-            | Cycle::RigidRight => self.say(sink, &Call::Rapid(out)),
+            | Cycle::RigidRight
+            | Cycle::SynchroLeft
+            | Cycle::SynchroRight => self.say(sink, &Call::Rapid(out)),
         }
     }
 

@@ -26,6 +26,7 @@
 mod arcs;
 mod asked;
 mod boring;
+mod brother;
 mod call;
 mod cam;
 mod carry;

@@ -5,7 +5,7 @@
 //! units and in the numbered parameters (mm), as LinuxCNC does, so that `#5221` reads G54's X.
 use crate::{
     call::{Call, Sink},
-    codes::GGroup,
+    codes::{GGroup, NON_STOP_CHANGE},
     execute::Executor,
     fault::{Outcome, error, refuse},
     frame::{self, Frame, Point},
@@ -224,6 +224,7 @@ impl Executor {
                 self.set_added(added, sink);
                 Ok(())
             }
+            Some(NON_STOP_CHANGE) => self.non_stop_move(sink),
             Some(502) => {
                 self.polygon_end(sink);
                 Ok(())

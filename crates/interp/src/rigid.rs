@@ -52,10 +52,12 @@ pub(crate) enum Rigid {
 /// The words of a tapping cycle that no other cycle has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct TapWords {
-    start_angle_deg: f64,
-    return_speed: ReturnSpeed,
-    return_acceleration: ReturnAcceleration,
-    peck: Option<f64>,
+    pub(crate) start_angle_deg: f64,
+    pub(crate) return_speed: ReturnSpeed,
+    pub(crate) return_acceleration: ReturnAcceleration,
+    pub(crate) peck: Option<f64>,
+    /// I or J of Brother's G77 and G78, mm.
+    pub(crate) lead_mm: Option<f64>,
 }
 
 impl Default for TapWords {
@@ -65,6 +67,7 @@ impl Default for TapWords {
             return_speed: ReturnSpeed::Times(1.0),
             return_acceleration: ReturnAcceleration::AsSet,
             peck: None,
+            lead_mm: None,
         }
     }
 }
@@ -78,7 +81,7 @@ impl TapWords {
         dwell_s: f64,
         overrides: (bool, bool),
     ) -> CycleTap {
-        let &Self { start_angle_deg, return_speed, return_acceleration, peck } = self;
+        let &Self { start_angle_deg, return_speed, return_acceleration, peck, lead_mm } = self;
         CycleTap {
             hole,
             sense,
@@ -89,6 +92,7 @@ impl TapWords {
             peck,
             overrides,
             feed_stated: false,
+            lead_mm,
         }
     }
 }
@@ -135,7 +139,12 @@ impl Executor {
     pub(crate) fn rigid_motion(&mut self, motion: Motion) -> Outcome {
         let was = self.state.rigid;
         self.state.rigid = match (tap_cycle(motion), was) {
-            (Some(Cycle::RigidRight | Cycle::RigidLeft), _)
+            (
+                Some(
+                    Cycle::RigidRight | Cycle::RigidLeft | Cycle::SynchroRight | Cycle::SynchroLeft,
+                ),
+                _,
+            )
             | (Some(_), Rigid::Ordered(_) | Rigid::Cycling) => Rigid::Cycling,
             (Some(_), Rigid::Off) | (None, _) => Rigid::Off,
         };
@@ -177,22 +186,28 @@ impl Executor {
                 return refuse("I0535", self.words.span(b'J'), text);
             }
         };
-        let peck = match self.words.get(b'Q') {
-            None => kept.peck,
-            Some(0.0) => None,
-            Some(depth) if depth > 0.0 => Some(depth),
-            Some(other) => {
-                let text = format!("Q is the depth of each peck, above 0, found {other}");
-                return refuse("I0536", self.words.span(b'Q'), text);
-            }
-        };
+        let peck = self.peck_word(kept.peck)?;
         let start_angle_deg = self.words.get(b'A').unwrap_or(kept.start_angle_deg);
         if start_angle_deg.abs() > 1e6 {
             let text = format!("A is an angle within a turn, 0 to 360, found {start_angle_deg}");
             return refuse("I0537", self.words.span(b'A'), text);
         }
         let return_acceleration = self.return_acceleration(kept.return_acceleration)?;
-        Ok(TapWords { start_angle_deg, return_speed, return_acceleration, peck })
+        let lead_mm = None;
+        Ok(TapWords { start_angle_deg, return_speed, return_acceleration, peck, lead_mm })
+    }
+
+    /// Q of this block, or the one kept; Q0 ends it.
+    pub(crate) fn peck_word(&self, kept: Option<f64>) -> Outcome<Option<f64>> {
+        match self.words.get(b'Q') {
+            None => Ok(kept),
+            Some(0.0) => Ok(None),
+            Some(depth) if depth > 0.0 => Ok(Some(depth)),
+            Some(other) => {
+                let text = format!("Q is the depth of each peck, above 0, found {other}");
+                refuse("I0536", self.words.span(b'Q'), text)
+            }
+        }
     }
 
     /// I of this block.

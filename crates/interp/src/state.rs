@@ -1,6 +1,6 @@
 //! What holds from block to block: the modal state.
 use crate::boring::Shift;
-use crate::codes::{BORE_UPWARDS, FINE_BORE};
+use crate::codes::{BORE_UPWARDS, FINE_BORE, SYNCHRO_LEFT, SYNCHRO_RIGHT};
 use crate::compensation::Compensation;
 use crate::rigid::{Rigid, TapWords};
 use crate::setup::Chips;
@@ -66,6 +66,10 @@ pub(crate) enum Cycle {
     RigidRight,
     /// G84.3: as G74 after M29.
     RigidLeft,
+    /// Brother's G77: right-hand, by its pitch.
+    SynchroRight,
+    /// Brother's G78: left-hand, by its pitch.
+    SynchroLeft,
     /// G85: feeds out.
     BoreFeedOut,
     /// G86: waits, stops the spindle, comes out fast.
@@ -114,6 +118,8 @@ impl Motion {
             890 => Self::Cycle(Cycle::BoreDwellFeedOut),
             FINE_BORE => Self::Cycle(Cycle::FineBore),
             BORE_UPWARDS => Self::Cycle(Cycle::BoreUpwards),
+            SYNCHRO_RIGHT => Self::Cycle(Cycle::SynchroRight),
+            SYNCHRO_LEFT => Self::Cycle(Cycle::SynchroLeft),
             _ => Self::None, // G80
         }
     }
@@ -171,6 +177,8 @@ impl Cycle {
             Self::BoreDwellFeedOut => 890,
             Self::FineBore => FINE_BORE,
             Self::BoreUpwards => BORE_UPWARDS,
+            Self::SynchroRight => SYNCHRO_RIGHT,
+            Self::SynchroLeft => SYNCHRO_LEFT,
         }
     }
 }
@@ -179,10 +187,15 @@ impl Cycle {
     /// Sense of rotation inwards of a tapping cycle.
     pub(crate) const fn tap_sense(self) -> Option<Sense> {
         match self {
-            Self::TapRight | Self::RigidRight => Some(Sense::Clockwise),
-            Self::TapLeft | Self::RigidLeft => Some(Sense::Counterclockwise),
+            Self::TapRight | Self::RigidRight | Self::SynchroRight => Some(Sense::Clockwise),
+            Self::TapLeft | Self::RigidLeft | Self::SynchroLeft => Some(Sense::Counterclockwise),
             _ => None,
         }
+    }
+
+    /// Whether it is one of Brother's G77 and G78.
+    pub(crate) const fn is_synchro(self) -> bool {
+        matches!(self, Self::SynchroRight | Self::SynchroLeft)
     }
 }
 

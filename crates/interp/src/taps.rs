@@ -3,6 +3,7 @@
 //! ```text
 //!   G84, G84.2   lead = F/S (G94), F (G95), else the tap's pitch: right-hand; starts at the angle A
 //!   G74, G84.3   the same, left-hand
+//!   G77, G78     lead = I, or 25.4/J: Brother's, right-hand and left-hand
 //!   G33.1        lead = K;  right-hand if M3 goes into the negative direction of its axis; starts at 0°
 //! ```
 //!
@@ -26,7 +27,7 @@ impl Resolver {
         if !self.plane_is_straight(hole.plane, span) {
             return;
         }
-        let Some(lead_mm) = self.programmed_lead(tap.feed_stated, span) else { return };
+        let Some(lead_mm) = self.programmed_lead(tap, span) else { return };
         let axis = hole.plane.normal();
         let sign = if tap.sense == Sense::Clockwise { 1.0 } else { -1.0 };
         let surface = Self::surface(hole.at[axis.index()], hole.bottom);
@@ -76,7 +77,7 @@ impl Resolver {
     }
 
     /// F/S, or F with G95, or the pitch of the tap in the spindle where no F is in force.
-    fn programmed_lead(&mut self, feed_stated: bool, span: Span) -> Option<f64> {
+    fn programmed_lead(&mut self, tap: &CycleTap, span: Span) -> Option<f64> {
         if self.spindle.surface.is_some() {
             let text =
                 "a tap needs a speed in revolutions per minute, but G96 is in force: write G97 S…";
@@ -88,10 +89,13 @@ impl Resolver {
             self.report(Diagnostic::error("I0703", span, text));
             return None;
         }
+        if tap.lead_mm.is_some() {
+            return tap.lead_mm;
+        }
         let by_feed = self.lead_by_feed();
         let is_other =
             |own: f64| by_feed.is_some_and(|lead| (lead - own).abs() > LEAD_TOLERANCE * own);
-        if !feed_stated && self.clutch_lead().is_some_and(is_other) {
+        if !tap.feed_stated && self.clutch_lead().is_some_and(is_other) {
             return self.clutch_lead();
         }
         by_feed.or_else(|| self.lead_of_the_tap(span))

@@ -1,5 +1,6 @@
 //! The words of one block as numbers: each letter once, each modal group once.
 use crate::{
+    brother::own_code,
     call::Place,
     cam::shared_code,
     codes::{self, AXES, CENTRE, Code, FREE, G_GROUPS, GGroup, Letters, M_GROUPS, MGroup, POLAR},
@@ -76,7 +77,10 @@ impl Words {
                 gcode::Value::Expression(_) => values.evaluate(block, word.value, word.span)?,
             };
             match word.letter {
-                b'G' => self.take_g(shared_code(self.dialect, value), word.span)?,
+                b'G' => match own_code(self.dialect, value).and_then(codes::g_code) {
+                    Some(own) => self.take_code(own, word.span)?,
+                    None => self.take_g(shared_code(self.dialect, value), word.span)?,
+                },
                 b'M' => self.take_m(value, word.span)?,
                 letter => self.put(letter, value, word.span)?,
             }
@@ -186,6 +190,12 @@ impl Words {
         }
         *slot = tenths(value).unwrap_or(code.tenths);
         Ok(())
+    }
+
+    /// An M code of this group, in tenths, as if it stood in the block.
+    pub(crate) fn put_m(&mut self, group: MGroup, tenths: u16) {
+        (self.any_code, self.any_mode) = (true, true);
+        self.m[group as usize] = tenths;
     }
 
     /// One code of a group in the place of another, and the other way round.

@@ -1,5 +1,6 @@
 //! I058: lathe cycles that cut a profile.
 use super::{Finding, row};
+use crate::setup::Dialect::Brother;
 
 pub(super) const ROWS: &[Finding] = &[
     row(
@@ -70,4 +71,46 @@ pub(super) const ROWS: &[Finding] = &[
         "O1\nS500 M3 F100\nG0 Z5.\nG98 G87 X1. Z-5. R-9. Q1.\nG80\nM30",
     )
     .of(crate::Dialect::Fanuc),
+    row(
+        "I0592",
+        "Pitch, threads per inch and speed of the way out are above 0.",
+        "T2 M6\nG0 Z5\nG77 X1 Z-10 R2 I-1 S500\nG80",
+        "T2 M6\nG0 Z5\nG77 X1 Z-10 R2 I1 S500\nG80",
+    )
+    .of(Brother),
+    row(
+        "I0593",
+        "The pitch is given once: in mm, or as threads per inch.",
+        "T2 M6\nG0 Z5\nG77 X1 Z-10 R2 I1 J20 S500\nG80",
+        "T2 M6\nG0 Z5\nG77 X1 Z-10 R2 J25.4 S500\nG80",
+    )
+    .of(Brother),
+    row(
+        "I0594",
+        "Synchronised tapping needs the pitch.",
+        "T2 M6\nG0 Z5\nG77 X1 Z-10 R2 S500\nG80",
+        "T2 M6\nG0 Z5\nG77 X1 Z-10 R2 I1 S500\nG80",
+    )
+    .of(Brother),
+    row(
+        "I0595",
+        "The non-stop tool change needs the tool.",
+        "G100 X10 Y10",
+        "G100 T1 X10 Y10 G43 Z30 H1",
+    )
+    .of(Brother),
+    row(
+        "I0596",
+        "The non-stop tool change brings the tool and moves by itself.",
+        "G100 T1 M6 X10",
+        "G100 T1 X10",
+    )
+    .of(Brother),
+    row(
+        "I0597",
+        "A tapping cycle of Brother's turns the spindle itself, and needs its speed.",
+        "T2 M6\nG0 Z5\nG84 X1 Z-10 R2 F500\nG80",
+        "T2 M6\nG0 Z5\nG84 X1 Z-10 R2 F500 S500\nG80",
+    )
+    .of(Brother),
 ];
