@@ -101,7 +101,10 @@ impl Executor {
                     none as char, first as char, second as char
                 )
             };
-            return Err(self.words.fault(|| error("I0410", self.words.span(none), text())).into());
+            return Err(self
+                .words
+                .fault("I0410", || error("I0410", self.words.span(none), text()))
+                .into());
         }
         let offsets = [first, second].map(|letter| self.words.get(letter));
         let centre = match (offsets, self.state.absolute_centres) {
@@ -112,7 +115,7 @@ impl Executor {
                         first as char, second as char
                     )
                 };
-                return Err(self.words.fault(|| error("I0411", span, text())).into());
+                return Err(self.words.fault("I0411", || error("I0411", span, text())).into());
             }
             ([Some(x), Some(y)], true) => [x, y],
             (_, true) => {
@@ -139,7 +142,7 @@ impl Executor {
         let tolerance = Tolerance::of(self.state.units);
         let off = (radius - other).abs();
         if off > tolerance.ends && off > RELATIVE * radius.max(other) {
-            return Err(self.words.fault(|| self.uneven(start, end, centre)).into());
+            return Err(self.words.fault("I0414", || self.uneven(start, end, centre)).into());
         }
         Ok(centre)
     }
@@ -210,7 +213,10 @@ impl Executor {
         if size < half - tolerance.radius {
             let text =
                 || format!("R{radius} is too small to reach the end: at least {half:.4} is needed");
-            return Err(self.words.fault(|| error("I0418", self.words.span(b'R'), text())).into());
+            return Err(self
+                .words
+                .fault("I0418", || error("I0418", self.words.span(b'R'), text()))
+                .into());
         }
         let height = (size * size - half * half).max(0.0).sqrt();
         // The centre lies to the right of the chord for a clockwise arc of less than half a turn.

@@ -25,6 +25,9 @@ pub struct Place {
 pub trait Sink {
     /// One call. Calls come in the order in which a machine would obey them.
     fn call(&mut self, place: &Place, call: &Call<'_>);
+
+    /// From here on this much is in doubt, because a block before was refused.
+    fn doubt(&mut self, _: crate::Doubts) {}
 }
 
 /// Nobody listens.

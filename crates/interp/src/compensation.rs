@@ -36,6 +36,7 @@ use crate::{
     frame::Point,
     held::Held,
     offset_curve::{Curve, Flat, Way, left, length, minus, plus, times, turn_rad},
+    refused::Doubts,
     state::Motion,
 };
 use canon::Plane;
@@ -128,6 +129,7 @@ impl Executor {
         match self.words.g(GGroup::Compensation) {
             None => Ok(()),
             Some(400) => {
+                self.state.doubts.clear(Doubts::COMPENSATION);
                 self.compensation_off(sink)?;
                 self.say(sink, &Call::Note("cutter radius compensation off"));
                 Ok(())
@@ -155,7 +157,7 @@ impl Executor {
                 error("I0540", span, "cutter radius compensation is on already")
                     .with_help("write G40 before it is changed")
             };
-            return Err(self.words.fault(say).into());
+            return Err(self.words.fault("I0540", say).into());
         }
         if self.state.plane == Plane::YZ {
             let text = "cutter radius compensation works in G17 and G18, but G19 is in force";
@@ -212,7 +214,7 @@ impl Executor {
     pub(crate) fn no_compensation(&self) -> Outcome {
         let text = "this move cannot be made beside its way: only G0, G1, G2 and G3 can, while G41 or G42 is in force";
         let say = || error("I0544", self.words.place.span, text).with_help("write G40 before it");
-        Err(self.words.fault(say).into())
+        Err(self.words.fault("I0544", say).into())
     }
 
     /// The first move after G40 leads back onto the programmed way: not along an arc.
@@ -286,7 +288,10 @@ impl Executor {
                     compensation.radius
                 )
             };
-            return Err(self.words.fault(|| error("I0546", self.words.place.span, text())).into());
+            return Err(self
+                .words
+                .fault("I0546", || error("I0546", self.words.place.span, text()))
+                .into());
         }
         let direction = way.direction(way.to);
         let end = compensation.beside(way.to, direction);
@@ -373,7 +378,7 @@ impl Executor {
             if let Some(compensation) = &mut self.state.compensation {
                 compensation.last = None;
             }
-            return Err(self.words.fault(|| self.unreachable()).into());
+            return Err(self.words.fault("I0548", || self.unreachable()).into());
         };
         self.settle(Some(met), sink)?;
         Ok(met)
@@ -402,7 +407,7 @@ impl Executor {
             && last.turns_back(end.unwrap_or(at))
         {
             compensation.last = None; // said once
-            return Err(self.words.fault(|| self.unreachable()).into());
+            return Err(self.words.fault("I0548", || self.unreachable()).into());
         }
         if let Some(end) = end {
             let shifted = plus(end, shift);

@@ -162,11 +162,11 @@ impl Executor {
         let span = self.words.place.span;
         let Some(r) = self.words.get(b'R').or(kept.map(|k| k.r)) else {
             let text = || format!("G{code} needs R, the level just above the work");
-            return Err(self.words.fault(|| error("I0504", span, text())).into());
+            return Err(self.words.fault("I0504", || error("I0504", span, text())).into());
         };
         let Some(bottom) = self.axis_word(n).or(kept.map(|k| k.bottom)) else {
             let text = || format!("G{code} needs {axis}, the depth");
-            return Err(self.words.fault(|| error("I0505", span, text())).into());
+            return Err(self.words.fault("I0505", || error("I0505", span, text())).into());
         };
         let tapping = cycle.tap_sense().is_some() && self.dialect == Dialect::LinuxCnc;
         let before = if tapping { self.state.last_dwell } else { None };
@@ -246,7 +246,7 @@ impl Executor {
             (sticky.r, sticky.bottom)
         };
         if r < bottom {
-            return Err(self.words.fault(|| self.upside_down(code, r, bottom)).into());
+            return Err(self.words.fault("I0510", || self.upside_down(code, r, bottom)).into());
         }
         let peck = sticky.peck.unwrap_or(f64::INFINITY);
         if matches!(cycle, Cycle::ChipBreak | Cycle::Peck) && (r - bottom) / peck > MAX_PECKS {

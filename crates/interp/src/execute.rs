@@ -18,6 +18,7 @@ use crate::{
     held::Held,
     names::Store,
     profile::Recording,
+    refused::Stage,
     setup::{Cycles, Dialect, MissingTools, Setup, UserCode},
     state::{Motion, State},
     tool_table::ToolTable,
@@ -140,6 +141,10 @@ impl Executor {
             return self.stops(sink);
         }
         let motion = self.motion()?;
+        if self.motion_is_in_doubt() {
+            self.follow(sink);
+            return self.stops(sink);
+        }
         self.non_stop_change()?;
         if !self.words.heard {
             return self.obey(motion, sink);
@@ -161,20 +166,28 @@ impl Executor {
             // of the lines of a long program many name their motion, and nothing else
             let modes = self.words.has_modes();
             if modes || self.words.any(crate::codes::set("STF$")) {
+                self.words.stage = Stage::Feed;
                 self.feed_mode(sink)?;
+                self.words.stage = Stage::Speed;
                 self.spindle_speed(sink)?;
+                self.words.stage = Stage::Tools;
                 self.tools_and_switches(sink)?;
             }
+            self.words.stage = Stage::Rigid;
             self.rigid_mode(motion)?;
             if modes {
+                self.words.stage = Stage::Modes;
                 self.modes(sink)?;
+                self.words.stage = Stage::NonModal;
                 self.non_modal(sink)?;
             }
         }
+        self.words.stage = Stage::Motion;
         if let Some(motion) = motion {
             self.rigid_motion(motion)?;
             self.move_along(motion, sink)?;
         }
+        self.words.stage = Stage::Done;
         if let Some(before) = &before {
             self.ask_where(motion, before);
         }
@@ -185,7 +198,7 @@ impl Executor {
     }
 
     /// Which motion this block asks for: its own code, or the one in force if there are axis words for it.
-    fn motion(&self) -> Outcome<Option<Motion>> {
+    pub(crate) fn motion(&self) -> Outcome<Option<Motion>> {
         let words = &self.words;
         let axes = words.any(AXES | POLAR);
         let uses_axes = matches!(
@@ -269,19 +282,9 @@ impl Executor {
 
     /// Plane, units, offsets and the other modes, in order.
     fn modes<S: Sink>(&mut self, sink: &mut S) -> Outcome {
-        if let Some(code) = self.words.g(GGroup::Plane) {
-            self.state.plane = match code {
-                180 => Plane::ZX,
-                190 => Plane::YZ,
-                _ => Plane::XY,
-            };
-            self.say(sink, &Call::SelectPlane(self.state.plane));
-        }
+        self.plane(sink);
         self.units(sink);
-        let diameter = self.words.g(GGroup::Diameter).map(|code| code == 70);
-        if let Some(diameter) = diameter.filter(|d| *d != self.state.diameter) {
-            self.set_diameter(diameter, sink);
-        }
+        self.diameter(sink);
         self.compensation(sink)?;
         self.tool_length(sink)?;
         self.work_offset(sink);
@@ -290,8 +293,28 @@ impl Executor {
         Ok(())
     }
 
+    /// G17, G18, G19.
+    pub(crate) fn plane<S: Sink>(&mut self, sink: &mut S) {
+        if let Some(code) = self.words.g(GGroup::Plane) {
+            self.state.plane = match code {
+                180 => Plane::ZX,
+                190 => Plane::YZ,
+                _ => Plane::XY,
+            };
+            self.say(sink, &Call::SelectPlane(self.state.plane));
+        }
+    }
+
+    /// G7, G8.
+    pub(crate) fn diameter<S: Sink>(&mut self, sink: &mut S) {
+        let diameter = self.words.g(GGroup::Diameter).map(|code| code == 70);
+        if let Some(diameter) = diameter.filter(|d| *d != self.state.diameter) {
+            self.set_diameter(diameter, sink);
+        }
+    }
+
     /// G90 G91, G90.1 G91.1, G98 G99.
-    fn distances<S: Sink>(&mut self, sink: &mut S) {
+    pub(crate) fn distances<S: Sink>(&mut self, sink: &mut S) {
         let words = &self.words;
         let incremental = words.g(GGroup::Distance).map_or(self.state.incremental, |c| c == 910);
         let absolute_centres =

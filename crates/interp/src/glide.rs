@@ -9,6 +9,7 @@
 //! All that is not plainly such a block, or meets a mode in which it means more, is executed as ever.
 use crate::{
     execute::Executor,
+    refused::Doubts,
     rigid::Rigid,
     setup::Dialect,
     state::{FeedMode, Motion},
@@ -62,6 +63,7 @@ impl Executor {
     fn is_plain(&self) -> bool {
         let state = &self.state;
         self.dialect == Dialect::LinuxCnc
+            && state.doubts == Doubts::default()
             && matches!(state.motion, Motion::Rapid | Motion::Feed)
             && state.feed_mode == FeedMode::PerMinute
             && state.compensation.is_none()

@@ -8,6 +8,7 @@ use crate::{
     flow::Frame,
     outline::Outline,
     pages::Pages,
+    refused::Doubts,
     reread::Reread,
     setup::{Limits, Parameters, Setup},
 };
@@ -139,8 +140,13 @@ impl<'s> Interpreter<'s> {
         if self.ended || self.piece_over {
             return Progress::Ended;
         }
-        if let Err(fault) = self.block(sink) {
-            self.report(*fault);
+        let before = self.executor.state.doubts;
+        match self.block(sink) {
+            Err(fault) => self.refuse(*fault, before, sink),
+            Ok(()) if self.executor.state.doubts != Doubts::default() && !self.block.faulty => {
+                self.executor.settle_doubts(&self.block, sink);
+            }
+            Ok(()) => {}
         }
         if !self.executor.remarks.is_empty() {
             let remarks = core::mem::take(&mut self.executor.remarks);
@@ -209,6 +215,9 @@ impl<'s> Interpreter<'s> {
         if self.block.faulty {
             let found = self.parsers[self.file].take_diagnostics();
             self.report_all(found);
+            let text = self.text_of_block();
+            self.executor.doubt_unreadable(text);
+            sink.doubt(self.executor.state.doubts);
             return Ok(());
         }
         if let Some(mut fanuc) = self.fanuc.take() {
@@ -229,9 +238,15 @@ impl<'s> Interpreter<'s> {
         if self.executor.glides(&self.block) {
             return Ok(());
         }
-        self.executor.read(&self.block)?;
+        let read = self.executor.read(&self.block);
         if !self.block.assignments.is_empty() {
-            self.assign()?;
+            let assigned = self.assign();
+            if assigned.is_err() {
+                self.executor.doubt_parameters();
+            }
+            read.and(assigned)?;
+        } else {
+            read?;
         }
         if self.executor.recording.is_some() {
             return self.executor.record();
@@ -253,6 +268,25 @@ impl<'s> Interpreter<'s> {
             After::Call(number, times) => self.call_program(number, times),
             After::Return => self.return_from_program(sink),
             After::Profile(number) => self.take_down_profile(number),
+        }
+    }
+
+    fn text_of_block(&self) -> &'s [u8] {
+        let span = self.block.span;
+        self.sources[self.file].get(span.start as usize..span.end as usize).unwrap_or_default()
+    }
+
+    /// Keep a fault, unless it follows from one before; and go on as if the block had done what it could.
+    fn refuse<S: Sink>(&mut self, fault: Diagnostic, before: Doubts, sink: &mut S) {
+        let explained = before.may_cause(fault.code, &self.block);
+        if fault.is_error() {
+            let text = self.text_of_block();
+            self.executor.after_refusal(fault.code, &self.block, text, sink);
+        }
+        if explained {
+            self.faults += 1;
+        } else {
+            self.report(fault);
         }
     }
 

@@ -67,6 +67,7 @@ mod pieces;
 mod polygon;
 mod probe;
 mod profile;
+mod refused;
 mod reread;
 mod resolve;
 mod rigid;
@@ -101,6 +102,7 @@ pub use ops::{Ops, called_files, check, defined_subprograms, with_dialect};
 pub use other_dialect::{looks_like, other_dialect};
 pub use pieces::{Linter, OpsRest, Rest, can_be_read_in_pieces};
 pub use polygon::PolygonOrder;
+pub use refused::Doubts;
 pub use resolve::Resolver;
 pub use setup::{
     Aside, Chips, Cycles, DepthFrom, Dialect, Increments, Limits, MAX_PARAMETER, MissingTools,

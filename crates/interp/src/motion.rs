@@ -112,7 +112,7 @@ impl Executor {
                             "{code} with G93 needs an F above 0 in its own block: moves per minute"
                         )
                     };
-                    return Err(self.words.fault(|| error("I0407", self.words.place.span, text())).into());
+                    return Err(self.words.fault("I0407", || error("I0407", self.words.place.span, text())).into());
                 };
                 // LinuxCNC never says less than 0.1.
                 let rate = (feed * length()).max(0.1);
@@ -123,10 +123,10 @@ impl Executor {
                 let text = || {
                     format!("{code} would never move: with G95 it follows the spindle, and S is 0")
                 };
-                Err(self.words.fault(|| error("I0434", self.words.place.span, text())).into())
+                Err(self.words.fault("I0434", || error("I0434", self.words.place.span, text())).into())
             }
             _ if feed > 0.0 => Ok(()),
-            mode => Err(self.words.fault(|| {
+            mode => Err(self.words.fault("I0408", || {
                 let unit = if mode == FeedMode::PerMinute { "minute" } else { "revolution" };
                 let text = format!("{code} has no feed: write F above 0, units per {unit}");
                 let fault = error("I0408", self.words.place.span, text);

@@ -24,6 +24,8 @@ const LINES: usize = 4000;
 const BYTES: u32 = 1 << 18;
 /// Pieces of evidence that are named.
 const NAMED: usize = 4;
+/// Brother's U and E, which a machine's setting gives to all dialects.
+const CHIP_REMOVAL: &str = "chip removal after every so many holes";
 /// Keywords of O-words in LinuxCNC's language.
 const O_KEYWORDS: [&str; 15] = [
     "SUB",
@@ -108,7 +110,10 @@ fn heaviest(evidence: &[Evidence], own: Dialect) -> Option<Dialect> {
 
 /// What a program looks like, if that is not the dialect it is read in; a warning, at the program's first line.
 pub fn other_dialect(source: &[u8], setup: &Setup) -> Option<Diagnostic> {
-    let (evidence, own) = (gather(source), setup.dialect);
+    let (mut evidence, own) = (gather(source), setup.dialect);
+    if setup.cycles.chip_removal.is_some() {
+        evidence.retain(|e| e.what != CHIP_REMOVAL); // every dialect has the words there
+    }
     let other = heaviest(&evidence, own)?;
     let mut speaks: Vec<_> = evidence.iter().filter(|e| e.of.belongs_to(other)).collect();
     speaks.sort_by_key(|e| core::cmp::Reverse(e.weight));
@@ -399,7 +404,7 @@ impl Line {
             }
             740 | 810 | 820 | 840 if self.has("E") => {
                 let weight = if self.has("U") { 5 } else { 4 };
-                say(Of::Brother, weight, "chip removal after every so many holes");
+                say(Of::Brother, weight, CHIP_REMOVAL);
             }
             331 | 382..=385 => say(Of::LinuxCnc, 4, "rigid tapping or probing"),
             52 | 53 => say(Of::LinuxCnc, 3, "a NURBS"),

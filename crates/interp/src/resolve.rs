@@ -14,6 +14,7 @@ use crate::{
     call::{Call, Corners, CycleHole, Place, Sense, Sink, Units},
     frame::machine_point,
     frame::{self, Frame, Point},
+    refused::Doubts,
     setup::Setup,
 };
 use canon::{
@@ -55,6 +56,9 @@ pub struct Resolver {
     pub(crate) pitch_said: Option<u32>,
     /// Outputs that change when the next move begins.
     pub(crate) with_motion: Vec<(Span, Output)>,
+    /// What is not known since a block was refused, and what operations have missed.
+    doubts: Doubts,
+    missed: Doubts,
 }
 
 /// F and what it counts.
@@ -100,7 +104,14 @@ impl Resolver {
             coolant: (false, false),
             pitch_said: None,
             with_motion: Vec::new(),
+            doubts: Doubts::default(),
+            missed: Doubts::default(),
         }
+    }
+
+    /// Whether it follows from a refusal before, or was told of the operation before.
+    fn is_explained(&self, code: &str) -> bool {
+        self.doubts.explain(code) || self.missed.explain(code)
     }
 
     /// The next operation, if one is ready.
@@ -134,8 +145,11 @@ impl Resolver {
     }
 
     pub(crate) fn report(&mut self, diagnostic: Diagnostic) {
-        if self.knows_enough() {
+        if self.knows_enough() || diagnostic.is_error() && self.is_explained(diagnostic.code) {
             return;
+        }
+        if diagnostic.is_error() {
+            self.missed.miss(diagnostic.code);
         }
         let known =
             self.diagnostics.iter().any(|d| d.code == diagnostic.code && d.span == diagnostic.span);
@@ -397,8 +411,15 @@ impl Resolver {
 }
 
 impl Sink for Resolver {
+    fn doubt(&mut self, doubts: Doubts) {
+        self.doubts = doubts;
+    }
+
     fn call(&mut self, place: &Place, call: &Call<'_>) {
         let span = place.span;
+        if self.missed != Doubts::default() {
+            self.missed.told(call);
+        }
         match call {
             Call::Rapid(to) | Call::OutByHand(to) => {
                 let to = self.machine(to);

@@ -2,6 +2,7 @@
 use crate::boring::Shift;
 use crate::codes::{BORE_UPWARDS, FINE_BORE, SYNCHRO_LEFT, SYNCHRO_RIGHT};
 use crate::compensation::Compensation;
+use crate::refused::Doubts;
 use crate::rigid::{Rigid, TapWords};
 use crate::setup::Chips;
 use crate::splines::Nurbs;
@@ -313,6 +314,8 @@ pub(crate) struct State {
     pub(crate) cam: bool,
     /// S of the last grinding block.
     pub(crate) cam_rpm: f64,
+    /// What is not known since a block was refused.
+    pub(crate) doubts: Doubts,
 }
 
 impl State {
@@ -367,6 +370,7 @@ impl State {
             hobbing: false,
             cam: false,
             cam_rpm: 0.0,
+            doubts: Doubts::default(),
         }
     }
 

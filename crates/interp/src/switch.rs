@@ -161,6 +161,15 @@ impl Executor {
             None => {}
         }
         self.spindle(sink)?;
+        self.coolant(sink);
+        self.overrides(sink);
+        self.context(sink)?;
+        self.user_code(sink)?;
+        self.dwell(sink)
+    }
+
+    /// M7, M8, M9.
+    pub(crate) fn coolant<S: Sink>(&mut self, sink: &mut S) {
         match self.words.m(MGroup::Coolant) {
             Some(7) => self.mist(true, sink),
             Some(8) => self.flood(true, sink),
@@ -170,10 +179,6 @@ impl Executor {
             }
             None => {}
         }
-        self.overrides(sink);
-        self.context(sink)?;
-        self.user_code(sink)?;
-        self.dwell(sink)
     }
 
     fn mist<S: Sink>(&mut self, on: bool, sink: &mut S) {
@@ -186,7 +191,7 @@ impl Executor {
         self.say(sink, &Call::Flood(on));
     }
 
-    fn spindle<S: Sink>(&mut self, sink: &mut S) -> Outcome {
+    pub(crate) fn spindle<S: Sink>(&mut self, sink: &mut S) -> Outcome {
         let sense = match self.words.m(MGroup::Spindle) {
             None => return Ok(()),
             Some(3) => Sense::Clockwise,

@@ -6,6 +6,7 @@ use crate::{
     codes::{self, AXES, CENTRE, Code, FREE, G_GROUPS, GGroup, Letters, M_GROUPS, MGroup, POLAR},
     eval::Values,
     fault::{Outcome, error},
+    refused::Stage,
     setup::Dialect,
 };
 use diag::Span;
@@ -32,6 +33,10 @@ pub(crate) struct Words {
     /// What the block's codes take.
     letters: Letters,
     dialect: Dialect,
+    /// Letters of words that could not be understood.
+    pub(crate) unread: Letters,
+    /// How far the block was executed.
+    pub(crate) stage: Stage,
     /// Somebody reads what is wrong with a block.
     pub(crate) heard: bool,
 }
@@ -50,6 +55,8 @@ impl Words {
             any_mode: false,
             letters: 0,
             dialect,
+            unread: 0,
+            stage: Stage::Words,
             heard: true,
         }
     }
@@ -58,7 +65,7 @@ impl Words {
     #[inline]
     pub(crate) fn begin(&mut self, block: &gcode::Block) {
         self.place = Place { span: block.span, number: block.number.map(|n| n as u32) };
-        self.present = 0;
+        (self.present, self.unread, self.stage) = (0, 0, Stage::Words);
         self.cycle_off = false;
         if self.any_code {
             self.g = [NONE; G_GROUPS];
@@ -71,27 +78,40 @@ impl Words {
     /// Fill from a block, evaluating what is not a plain number.
     pub(crate) fn read(&mut self, block: &gcode::Block, values: &Values) -> Outcome {
         self.begin(block);
+        let mut first = Ok(());
         for word in &block.words {
-            let value = match word.value {
-                gcode::Value::Number(number) => number,
-                gcode::Value::Expression(_) => values.evaluate(block, word.value, word.span)?,
-            };
-            match word.letter {
-                b'G' => match own_code(self.dialect, value).and_then(codes::g_code) {
-                    Some(own) => self.take_code(own, word.span)?,
-                    None => self.take_g(shared_code(self.dialect, value), word.span)?,
-                },
-                b'M' => self.take_m(value, word.span)?,
-                letter => self.put(letter, value, word.span)?,
+            if let Err(fault) = self.take_word(block, word, values) {
+                // the others are understood all the same: what follows must not suffer
+                self.unread |= 1 << codes::index(word.letter);
+                first = first.and(Err(fault));
             }
         }
-        Ok(())
+        first
+    }
+
+    fn take_word(&mut self, block: &gcode::Block, word: &gcode::Word, values: &Values) -> Outcome {
+        let value = match word.value {
+            gcode::Value::Number(number) => number,
+            gcode::Value::Expression(_) => values.evaluate(block, word.value, word.span)?,
+        };
+        match word.letter {
+            b'G' => match own_code(self.dialect, value).and_then(codes::g_code) {
+                Some(own) => self.take_code(own, word.span),
+                None => self.take_g(shared_code(self.dialect, value), word.span),
+            },
+            b'M' => self.take_m(value, word.span),
+            letter => self.put(letter, value, word.span),
+        }
     }
 
     /// A fault, put into words if somebody reads them: an edit may make one of every line.
     #[cold]
-    pub(crate) fn fault(&self, say: impl FnOnce() -> diag::Diagnostic) -> diag::Diagnostic {
-        if self.heard { say() } else { error("", self.place.span, "") }
+    pub(crate) fn fault(
+        &self,
+        code: &'static str,
+        say: impl FnOnce() -> diag::Diagnostic,
+    ) -> diag::Diagnostic {
+        if self.heard { say() } else { error(code, self.place.span, "") }
     }
 
     /// Add a word that is no code.
@@ -99,7 +119,7 @@ impl Words {
     pub(crate) fn put(&mut self, letter: u8, value: f64, span: Span) -> Outcome {
         let i = codes::index(letter);
         if self.present & (1 << i) != 0 {
-            return Err(self.fault(|| self.twice(i, span)).into());
+            return Err(self.fault("I0101", || self.twice(i, span)).into());
         }
         self.present |= 1 << i;
         self.value[i] = value;
@@ -127,7 +147,7 @@ impl Words {
                 let text = format!("G{value} is no known code");
                 guessed(error("I0102", span, text), crate::spelling::similar_g(value))
             };
-            return Err(self.fault(say).into());
+            return Err(self.fault("I0102", say).into());
         };
         self.take_code(code, span)
     }
@@ -163,7 +183,7 @@ impl Words {
             error("I0104", span, text)
                 .with_help("both set the same mode: write one of them, or two blocks")
         };
-        Err(self.fault(say).into())
+        Err(self.fault("I0104", say).into())
     }
 
     /// Add an M code of the shared table.
@@ -173,7 +193,7 @@ impl Words {
                 let text = format!("M{value} is no known code");
                 guessed(error("I0105", span, text), crate::spelling::similar_m(value))
             };
-            return Err(self.fault(say).into());
+            return Err(self.fault("I0105", say).into());
         };
         let written = || crate::spelling::written(code.tenths);
         (self.any_code, self.any_mode) = (true, true);
@@ -186,7 +206,7 @@ impl Words {
                 let text = format!("M{} and M{other} exclude each other in one block", written());
                 error("I0107", span, text).with_help("write two blocks")
             };
-            return Err(self.fault(say).into());
+            return Err(self.fault("I0107", say).into());
         }
         *slot = tenths(value).unwrap_or(code.tenths);
         Ok(())
@@ -253,6 +273,11 @@ impl Words {
         (self.present & (1 << i) != 0).then(|| self.value[i])
     }
 
+    /// The letters of its words that are no codes.
+    pub(crate) const fn letters_present(&self) -> Letters {
+        self.present
+    }
+
     /// Where a letter's word is; the block if it is not there.
     pub(crate) fn span(&self, letter: u8) -> Span {
         let i = codes::index(letter);
@@ -298,7 +323,7 @@ impl Words {
             allowed |= modal;
         }
         let stray = self.present & !allowed;
-        if stray == 0 { Ok(()) } else { Err(self.fault(|| self.stray(stray)).into()) }
+        if stray == 0 { Ok(()) } else { Err(self.fault("I0110", || self.stray(stray)).into()) }
     }
 
     fn stray(&self, stray: Letters) -> diag::Diagnostic {

@@ -28,7 +28,7 @@ impl Executor {
         let Some(what) = what else { return Ok(()) };
         Err(self
             .words
-            .fault(|| {
+            .fault("I0544", || {
                 let text = format!("{what} while cutter radius compensation is on");
                 let help = "write G40 in a block before it, and G41 or G42 in one after it";
                 error("I0544", self.words.place.span, text).with_help(help)

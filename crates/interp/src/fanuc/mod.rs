@@ -266,7 +266,7 @@ impl Fanuc {
                 return Ok(());
             }
         }
-        self.assign(it, sink)?;
+        self.assign(it, sink).inspect_err(|_| it.executor.doubt_parameters())?;
         it.executor.words.begin(&it.block);
         if let Some(comment) = it.block.comments.last().filter(|_| it.block.assignments.is_empty())
         {

@@ -1,0 +1,374 @@
+//! After a refusal nothing is condemned on its behalf: the block is followed as far as it can be understood, and what
+//! cannot be known any more is in doubt until the program says it again.
+//!
+//! ```text
+//!   G1 G41 D99 X10 Y0      refused: no such tool          followed: G1, X10 Y0, compensation as if off
+//!   G3 X20 I5              the arc begins where it was meant to begin: no error
+//!   G0 X[1/0]              refused                         in doubt: where X stands
+//!   G2 X30 I5              says nothing: whether its ends fit is not known
+//!   G0 X0                  X is known again
+//! ```
+//!
+//! A finding that asks for what is in doubt ([`needs`]) is not told: it would say again what the first refusal has said,
+//! or what is not so. One that says that something is missing puts that in doubt itself, so that it is told once and not
+//! in each of a hundred lines.
+use crate::{
+    call::{Call, Sink},
+    codes::{self, AXES, CENTRE, GGroup, Letters, POLAR, index},
+    execute::Executor,
+    state::Motion,
+};
+
+/// How far a block was executed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Stage {
+    /// Its words, and whether they belong together.
+    Words,
+    /// F.
+    Feed,
+    /// S.
+    Speed,
+    /// T, M6, spindle, coolant, dwell.
+    Tools,
+    /// M29.
+    Rigid,
+    /// Plane, units, compensation, offsets, distances.
+    Modes,
+    /// G10, G28, G52, G92 and the like.
+    NonModal,
+    /// The move.
+    Motion,
+    /// All but stops and calls.
+    Done,
+}
+
+/// What is not known since a block was refused.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Doubts(u32);
+
+impl Doubts {
+    /// Where the axes stand: a bit each.
+    const PLACE: u32 = (1 << 9) - 1;
+    const FEED: u32 = 1 << 9;
+    const SPEED: u32 = 1 << 10;
+    const SENSE: u32 = 1 << 11;
+    const TOOL: u32 = 1 << 12;
+    /// Which motion or cycle is in force, and the words it keeps.
+    const MOTION: u32 = 1 << 13;
+    const PLANE: u32 = 1 << 14;
+    pub(crate) const COMPENSATION: u32 = 1 << 15;
+    const PARAMETERS: u32 = 1 << 16;
+    /// G90 or G91.
+    const DISTANCE: u32 = 1 << 17;
+
+    pub(crate) const fn clear(&mut self, doubts: u32) {
+        self.0 &= !doubts;
+    }
+
+    const fn add(&mut self, doubts: u32) {
+        self.0 |= doubts;
+    }
+
+    const fn has(self, doubts: u32) -> bool {
+        self.0 & doubts != 0
+    }
+
+    /// Whether what was found in a block may follow from a refusal before it.
+    pub(crate) fn may_cause(self, code: &str, block: &gcode::Block) -> bool {
+        self.explain(code) || self.has(Self::PARAMETERS) && computes(block)
+    }
+
+    /// After an error of an operation: what it has missed, which is told once.
+    pub(crate) fn miss(&mut self, code: &str) {
+        self.add(needs(code) & !(Self::PLACE | Self::DISTANCE));
+    }
+
+    /// What a call says is known again.
+    pub(crate) fn told(&mut self, call: &Call<'_>) {
+        match call {
+            Call::SpindleSpeed(_) | Call::SpindleMode(_) => self.clear(Self::SPEED),
+            Call::SpindleTurn(_) | Call::SpindleStop => self.clear(Self::SENSE),
+            Call::SelectPlane(_) | Call::Rotation(_) => self.clear(Self::PLANE),
+            _ => {}
+        }
+    }
+
+    /// Everything.
+    const ALL: Self = Self(u32::MAX);
+
+    /// Whether a finding says what may follow from a refusal before it.
+    pub(crate) fn explain(self, code: &str) -> bool {
+        self.has(needs(code))
+    }
+}
+
+/// What a finding with this code takes for known.
+fn needs(code: &str) -> u32 {
+    match code {
+        "I0408" => Doubts::FEED,
+        "I0434" | "I0532" | "I0597" | "I0703" => Doubts::SPEED,
+        "I0512" | "I0513" | "I0514" | "I0515" | "I0702" => Doubts::SENSE,
+        "I0109" | "I0110" | "I0112" | "I0504" | "I0505" | "I0507" | "I0508" | "I0516" | "I0534"
+        | "I0594" => Doubts::MOTION,
+        "I0413" | "I0414" | "I0417" | "I0418" | "I0433" | "I0701" | "I0705" | "I0709" => {
+            Doubts::PLACE | Doubts::DISTANCE
+        }
+        "I0410" | "I0411" | "I0412" | "I0541" | "I0706" => Doubts::PLANE,
+        "I0540" | "I0544" | "I0550" => Doubts::COMPENSATION,
+        "I0545" | "I0546" | "I0547" | "I0548" => {
+            Doubts::PLACE | Doubts::TOOL | Doubts::COMPENSATION | Doubts::SPEED
+        }
+        _ => 0,
+    }
+}
+
+/// What words with these letters set.
+fn said_by(letters: Letters) -> u32 {
+    let has = |letter: u8| letters >> index(letter) & 1 == 1;
+    let mut doubts = 0;
+    for (axis, letter) in b"XYZABCUVW".iter().enumerate() {
+        doubts |= u32::from(has(*letter)) << axis;
+    }
+    for (letter, what) in [
+        (b'@', Doubts::PLACE),
+        (b'^', Doubts::PLACE),
+        (b'F', Doubts::FEED),
+        (b'S', Doubts::SPEED),
+        (b'T', Doubts::TOOL),
+        (b'D', Doubts::TOOL),
+        (b'G', Doubts::MOTION | Doubts::PLANE | Doubts::COMPENSATION),
+        (b'M', Doubts::SENSE | Doubts::TOOL),
+        (b'R', Doubts::MOTION),
+        (b'Q', Doubts::MOTION),
+    ] {
+        doubts |= if has(letter) { what } else { 0 };
+    }
+    doubts
+}
+
+/// The letters of a text, comments apart.
+fn letters_of(text: &[u8]) -> Letters {
+    let (mut letters, mut inside) = (0, false);
+    for byte in text {
+        match byte.to_ascii_uppercase() {
+            b'(' => inside = true,
+            b')' => inside = false,
+            b';' if !inside => break,
+            letter @ (b'A'..=b'Z' | b'@' | b'^' | b'$') if !inside => letters |= 1 << index(letter),
+            _ => {}
+        }
+    }
+    letters
+}
+
+impl Executor {
+    /// A block that nobody could read: what it may have said.
+    pub(crate) fn doubt_unreadable(&mut self, text: &[u8]) {
+        self.asked.more();
+        let letters = letters_of(text);
+        self.state.doubts.add(said_by(letters));
+        let upper = text.to_ascii_uppercase();
+        if upper.windows(2).any(|pair| pair == b"G9") {
+            self.state.doubts.add(Doubts::DISTANCE);
+        }
+        if text.contains(&b'#') {
+            self.state.doubts.add(Doubts::PARAMETERS);
+        }
+    }
+
+    /// A parameter could not be set.
+    pub(crate) fn doubt_parameters(&mut self) {
+        self.state.doubts.add(Doubts::PARAMETERS);
+    }
+
+    /// Whether nobody knows what a block of axis words alone would do.
+    pub(crate) fn motion_is_in_doubt(&self) -> bool {
+        self.state.doubts.has(Doubts::MOTION)
+            && self.words.g(GGroup::Motion).is_none()
+            && self.words.any(AXES | CENTRE | POLAR)
+    }
+
+    /// After a block was refused.
+    pub(crate) fn after_refusal<S: Sink>(
+        &mut self,
+        code: &str,
+        block: &gcode::Block,
+        text: &[u8],
+        sink: &mut S,
+    ) {
+        self.asked.more();
+        let needed = needs(code);
+        let read = self.words.place.span == block.span;
+        let failed = self.words.stage;
+        let mut missing = needed & !(Doubts::PLACE | Doubts::DISTANCE);
+        if read {
+            missing |= match failed {
+                Stage::Feed => Doubts::FEED,
+                Stage::Speed => Doubts::SPEED,
+                Stage::Tools => Doubts::TOOL,
+                _ => 0,
+            };
+            if needed & Doubts::PLACE != 0 {
+                // a word may be missing that says where it ends
+                missing |= Doubts::PLACE & !said_by(self.words.letters_present());
+            }
+        }
+        if read && self.recording.is_none() {
+            if needed & Doubts::COMPENSATION != 0 {
+                self.give_up_compensation(sink);
+            }
+            self.follow(sink);
+        }
+        let unread = match (read, failed) {
+            (false, _) => letters_of(text),
+            (true, Stage::Words) if self.dialect.grammar() == gcode::Grammar::Fanuc => {
+                letters_of(text)
+            }
+            (true, _) => self.words.unread,
+        };
+        let of_computed =
+            if self.state.doubts.has(Doubts::PARAMETERS) { computed(block) } else { 0 };
+        self.state.doubts.add(said_by(unread | of_computed) | missing);
+        sink.doubt(self.state.doubts);
+    }
+
+    /// After a block was executed: what it has said is known again.
+    pub(crate) fn settle_doubts<S: Sink>(&mut self, block: &gcode::Block, sink: &mut S) {
+        let words = &self.words;
+        if words.place.span != block.span {
+            return; // O-words, jumps: no words were read
+        }
+        let mut known = 0;
+        let mut says = |is: bool, what: u32| known |= if is { what } else { 0 };
+        says(words.get(b'F').is_some(), Doubts::FEED);
+        says(words.get(b'S').is_some(), Doubts::SPEED);
+        says(words.get(b'T').is_some(), Doubts::TOOL);
+        says(words.m(codes::MGroup::Spindle).is_some(), Doubts::SENSE);
+        says(words.g(GGroup::Motion).is_some(), Doubts::MOTION);
+        says(words.g(GGroup::Plane).is_some(), Doubts::PLANE);
+        says(words.g(GGroup::Compensation).is_some(), Doubts::COMPENSATION);
+        says(words.g(GGroup::Distance).is_some(), Doubts::DISTANCE);
+        let absolute = !(self.state.incremental || self.state.doubts.has(Doubts::DISTANCE));
+        for (axis, letter) in b"XYZABCUVW".iter().enumerate() {
+            says(words.get(*letter).is_some() && absolute, 1 << axis);
+        }
+        self.state.doubts.clear(known);
+        if self.state.doubts.has(Doubts::PARAMETERS) {
+            self.state.doubts.add(said_by(computed(block)));
+        }
+        sink.doubt(self.state.doubts);
+    }
+
+    /// What the block says as far as it is understood, without complaints: modes, and where it leads.
+    pub(crate) fn follow<S: Sink>(&mut self, sink: &mut S) {
+        let failed = self.words.stage;
+        let known = self.state.doubts;
+        sink.doubt(Doubts::ALL);
+        if failed <= Stage::Words {
+            _ = self.feed_mode(sink);
+        }
+        if failed <= Stage::Feed {
+            _ = self.spindle_speed(sink);
+        }
+        if failed <= Stage::Speed {
+            _ = self.tools_and_switches(sink);
+        } else if failed == Stage::Tools {
+            _ = self.spindle(sink);
+            self.coolant(sink);
+        }
+        if failed <= Stage::Modes {
+            self.follow_modes(failed, sink);
+        }
+        if failed <= Stage::Motion {
+            self.follow_motion(sink);
+        }
+        self.words.stage = Stage::Done;
+        self.state.doubts.add(known.0);
+        sink.doubt(self.state.doubts);
+    }
+
+    fn follow_modes<S: Sink>(&mut self, failed: Stage, sink: &mut S) {
+        self.plane(sink);
+        self.units(sink);
+        self.diameter(sink);
+        let side = self.words.g(GGroup::Compensation);
+        if failed < Stage::Modes || side == Some(400) {
+            _ = self.compensation(sink);
+        }
+        if side.is_some_and(|code| code != 400) && self.state.compensation.is_none() {
+            self.compensating = false;
+            self.state.doubts.add(Doubts::COMPENSATION);
+        }
+        _ = self.tool_length(sink);
+        self.work_offset(sink);
+        _ = self.path_control(sink);
+        self.distances(sink);
+    }
+
+    /// Refused compensation is as if off, until it is called again.
+    fn give_up_compensation<S: Sink>(&mut self, sink: &mut S) {
+        if self.state.compensation.take().is_some() || self.compensating {
+            self.let_go(sink);
+            self.compensating = false;
+        }
+        self.state.left_beside = None;
+        self.state.doubts.add(Doubts::COMPENSATION);
+    }
+
+    /// The place where the block leads to, and the motion that it puts in force.
+    fn follow_motion<S: Sink>(&mut self, sink: &mut S) {
+        let named = self.words.g(GGroup::Motion).map(Motion::from_code);
+        let motion = named.unwrap_or(self.state.motion);
+        if matches!(self.words.g(GGroup::NonModal), Some(280 | 300)) {
+            self.state.doubts.add(Doubts::PLACE);
+            return;
+        }
+        if matches!(motion, Motion::Cycle(_)) && named.is_some() {
+            (self.state.sticky, self.state.initial) = (None, None);
+            self.state.doubts.add(Doubts::MOTION);
+        }
+        if named.is_some() {
+            self.state.motion = motion;
+        }
+        if !self.words.any(AXES | POLAR) || self.is_set_by_axes() {
+            return;
+        }
+        let machine_coordinates = self.words.g(GGroup::NonModal) == Some(530);
+        let Ok(mut to) = self.destination(machine_coordinates) else {
+            self.state.doubts.add(Doubts::PLACE);
+            return;
+        };
+        if matches!(motion, Motion::Cycle(_)) {
+            let [_, _, n] = self.state.plane_axes();
+            to[n] = self.state.at[n];
+        }
+        if self.compensating {
+            self.give_up_compensation(sink);
+        }
+        self.state.nurbs = None;
+        self.state.left_beside = None;
+        if to != self.state.at {
+            let feeds = !matches!(motion, Motion::Rapid | Motion::None | Motion::Cycle(_));
+            let line = feeds && self.state.feed > 0.0;
+            self.state.at = to;
+            self.say(sink, &if line { Call::Line(to) } else { Call::Rapid(to) });
+        }
+    }
+
+    /// The axis words are an offset's, not a move's.
+    fn is_set_by_axes(&self) -> bool {
+        matches!(self.words.g(GGroup::NonModal), Some(100 | 513 | 520 | 920))
+            || matches!(self.words.g(GGroup::ToolLength), Some(431 | 432))
+    }
+}
+
+/// Letters of the words whose values are computed.
+fn computed(block: &gcode::Block) -> Letters {
+    let words = block.words.iter().filter(|w| matches!(w.value, gcode::Value::Expression(_)));
+    words.map(|word| 1 << index(word.letter.to_ascii_uppercase())).fold(0, |all, bit| all | bit)
+}
+
+/// Whether anything in a block is computed.
+fn computes(block: &gcode::Block) -> bool {
+    computed(block) != 0 || !block.assignments.is_empty() || block.o.is_some()
+}
