@@ -198,6 +198,29 @@ pub struct Report {
     pub sync_error: Option<Length>,
 }
 
+/// What broke a tool: what was put on it, and what it withstands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ToolBreak {
+    /// Torque and pull stressed its core together.
+    Stress {
+        /// Torque of the cut.
+        torque: Torque,
+        /// Axial force of the cut, without its sign.
+        force: Force,
+        /// What it withstands of torque alone.
+        most_torque: Torque,
+        /// What it withstands of force alone.
+        most_force: Force,
+    },
+    /// It was moved across its axis in the work.
+    Sideways {
+        /// How far from where it went in.
+        by: Length,
+        /// What it withstands.
+        most: Length,
+    },
+}
+
 /// What only a simulated machine can know, for the judge and for people.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Truth {
@@ -223,6 +246,8 @@ pub struct Truth {
     pub cutting_force: Force,
     /// The tool has broken.
     pub tool_broken: bool,
+    /// What broke it, where that is known.
+    pub broken_by: Option<ToolBreak>,
 }
 
 /// One servo period, recorded: what the judge and the trace are made from.

@@ -314,8 +314,16 @@ fn a_tap_of_no_depth_lead_or_speed() {
 }
 
 #[test]
+fn all_moves_beyond_one_end_of_the_travel_are_one_finding_with_the_worst() {
+    let text = findings((0..100).map(|i| rapid(300.0 + f64::from(i % 50), 0.0, 0.0)));
+    assert_eq!(text.matches("M0301").count(), 1, "{text}");
+    assert!(text.contains("line 1: X would go to 349 mm (machine coordinate), 99 mm beyond its travel"), "{text}");
+    assert!(text.contains(", in line 50, the worst of 100 such moves: X250 is the nearest that works"), "{text}");
+}
+
+#[test]
 fn many_findings_of_a_kind_are_counted_after_the_fortieth() {
-    let text = findings((0..100).map(|i| rapid(300.0 + f64::from(i), 0.0, 0.0)));
-    assert_eq!(text.matches("M0301 Error").count(), 40);
-    assert!(text.contains("60 more findings of the kind M0301"), "{text}");
+    let text = findings((0..100).map(|_| line(10.0, 0.0, 0.0, 0.0)));
+    assert_eq!(text.matches("M0303 Error").count(), 40);
+    assert!(text.contains("60 more findings of the kind M0303"), "{text}");
 }

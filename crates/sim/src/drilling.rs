@@ -46,6 +46,8 @@ pub(crate) struct Drilling {
     thickness: f64,
     feed: f64,
     angle: f64,
+    /// Torque and force that its core bore last, N·m and N.
+    stress: (f64, f64),
 }
 
 impl Drilling {
@@ -78,6 +80,7 @@ impl Drilling {
             thickness: stock.thickness.map_or(f64::INFINITY, Length::value),
             feed: 0.0,
             angle: pose.angle,
+            stress: (0.0, 0.0),
         }
     }
 
@@ -108,11 +111,17 @@ impl Drilling {
         let inner = self.open_diameter(depth, hole).min(outer);
         let force = 0.5 * self.kc * chip * (outer - inner) / 2.0 * self.sine;
         let torque = self.kc * chip * (outer * outer - inner * inner) / 8000.0;
+        self.stress = (torque, force);
         if !self.core.bears(torque, force) {
             return None;
         }
         let turning = torque * smooth_sign(pose.omega / ROUNDING_RAD_PER_S);
         Some(Load { force, torque: turning, friction: torque })
+    }
+
+    /// What breaks it as it is stressed now.
+    pub(crate) fn broken_by(&self) -> bus::ToolBreak {
+        self.core.broken_by(self.stress)
     }
 
     /// What is open already at the tip: by other bores, or because the tip is through.

@@ -217,6 +217,7 @@ impl SimulatedMachine {
         self.truth.cutting_force = Force::n(force);
         self.truth.cutting_torque = Torque::n_m(-torque);
         self.truth.tool_broken = cutting.is_broken();
+        self.truth.broken_by = cutting.broken_by();
     }
 
     /// Read encoders, and the truth beside them.

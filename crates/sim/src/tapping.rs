@@ -37,7 +37,8 @@ use crate::friction::{between, smooth_sign};
 use crate::seat::Seat;
 use crate::work::{Hole, Stock, Thread};
 use core::f64::consts::{PI, TAU};
-use units::{Angle, Length};
+use bus::ToolBreak;
+use units::{Angle, Force, Length, Torque};
 
 /// Shear strength of a tap's core, N/mm²: high-speed steel, from known break torques.
 pub(crate) const SHEAR_LIMIT_N_PER_MM2: f64 = 1000.0;
@@ -100,6 +101,16 @@ impl Core {
         }
     }
 
+    /// What breaks it: this torque and pull, beside what it bears of each alone.
+    pub(crate) fn broken_by(&self, (torque, force): (f64, f64)) -> ToolBreak {
+        ToolBreak::Stress {
+            torque: Torque::n_m(torque.abs()),
+            force: Force::n(force.abs()),
+            most_torque: Torque::n_m(SHEAR_LIMIT_N_PER_MM2 / self.shear_per_n_m),
+            most_force: Force::n(SHEAR_LIMIT_N_PER_MM2 / self.tension_per_n),
+        }
+    }
+
     /// It bears this torque and pull together.
     #[inline]
     pub(crate) fn bears(&self, torque: f64, force: f64) -> bool {
@@ -141,6 +152,8 @@ pub(crate) struct Tapping {
     chip_root: bool,
     deflection: f64,
     deepest: f64,
+    /// Torque and force that its core bore last, N·m and N.
+    stress: (f64, f64),
 }
 
 impl Tapping {
@@ -195,6 +208,7 @@ impl Tapping {
             chip_root: false,
             deflection: 0.0,
             deepest: 0.0,
+            stress: (0.0, 0.0),
         }
     }
 
@@ -265,10 +279,12 @@ impl Tapping {
             self.cutting_torque(self.top - helix, depth, engaged) + self.rubbing * pressed;
         if !driven {
             // the thread itself holds the tap: it is self-locking
+            self.stress = (0.0, pressed);
             return self.core.bears(0.0, pressed).then_some(Load { force, ..Load::default() });
         }
         let torque =
             against * smooth_sign(pose.omega / ROUNDING_RAD_PER_S) + (force - jam) * self.screw;
+        self.stress = (torque, pressed);
         self.core.bears(torque, pressed).then_some(Load { force, torque, friction: against })
     }
 
@@ -296,6 +312,11 @@ impl Tapping {
     /// Offset of the cutting edges from where the axis holds them, mm.
     pub(crate) const fn deflection(&self) -> f64 {
         self.deflection
+    }
+
+    /// What breaks it as it is stressed now.
+    pub(crate) fn broken_by(&self) -> ToolBreak {
+        self.core.broken_by(self.stress)
     }
 
     /// Write down what was cut.

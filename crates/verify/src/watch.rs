@@ -22,6 +22,8 @@ use canon::{Axis, Holder, Op, OpKind, SpindleOrder, ToolKind};
 use std::collections::{BTreeMap, VecDeque};
 use units::{Angle, Length, Spin, Time};
 
+mod breakage;
+
 /// Most that a tap in its thread is moved sideways, mm: encoders and feeds that stand still do less.
 pub const ACROSS_MM: f64 = 0.05;
 /// Most that a tip goes beyond the bottom, mm: what a hole's point leaves, and twice what a thread may overrun.
@@ -73,6 +75,8 @@ pub struct Watch {
     before: Option<(Time, Angle, Length)>,
     /// By how much tap and helix have passed each other since they last went the same way, mm.
     against_mm: f64,
+    /// What was said of the tool that is broken.
+    broken: Option<String>,
     /// The breach that goes on.
     open: Option<String>,
     periods: u64,
@@ -92,6 +96,7 @@ impl Watch {
             tool: None,
             before: None,
             against_mm: 0.0,
+            broken: None,
             open: None,
             periods: 0,
             breaches: Vec::new(),
@@ -187,8 +192,12 @@ impl Watch {
     }
 
     fn look(&mut self, sample: &Sample, op: u32) -> Option<String> {
+        if sample.truth.as_ref().is_some_and(|truth| !truth.tool_broken) {
+            self.broken = None; // another tool
+        }
         if sample.truth.as_ref().is_some_and(|truth| truth.tool_broken) {
-            return Some("the tool is broken".into());
+            let said = self.broken.take().unwrap_or_else(|| breakage::text(sample, &self.config));
+            return self.broken.insert(said).clone().into();
         }
         let (&first, &work) = self.works.range(..=op).next_back()?;
         while self.works.first_key_value().is_some_and(|(&done, _)| done < first) {

@@ -2,7 +2,7 @@
 use crate::bytes::{Reader, Writer};
 use bus::{
     AXES, AxisCommand, AxisFeedback, Command, Feedback, SPINDLES, SpindleCommand, SpindleFeedback,
-    Truth,
+    ToolBreak, Truth,
 };
 use units::{Angle, Force, Length, Speed, Spin, Time, Torque};
 
@@ -345,6 +345,17 @@ fn write_truth(w: &mut Writer<'_>, truth: &Truth) {
         truth.cutting_force.value(),
     ]);
     w.u8(truth.tool_broken.into());
+    match truth.broken_by {
+        None => w.u8(0),
+        Some(ToolBreak::Stress { torque, force, most_torque, most_force }) => {
+            w.u8(1);
+            w.f64s([torque.value(), force.value(), most_torque.value(), most_force.value()]);
+        }
+        Some(ToolBreak::Sideways { by, most }) => {
+            w.u8(2);
+            w.f64s([by.value(), most.value()]);
+        }
+    }
 }
 
 fn read_truth(r: &mut Reader<'_>) -> Option<Truth> {
@@ -363,5 +374,16 @@ fn read_truth(r: &mut Reader<'_>) -> Option<Truth> {
     truth.cutting_torque = Torque::n_m(r.f64()?);
     truth.cutting_force = Force::n(r.f64()?);
     truth.tool_broken = r.flag()?;
+    truth.broken_by = match r.u8()? {
+        0 => None,
+        1 => Some(ToolBreak::Stress {
+            torque: Torque::n_m(r.f64()?),
+            force: Force::n(r.f64()?),
+            most_torque: Torque::n_m(r.f64()?),
+            most_force: Force::n(r.f64()?),
+        }),
+        2 => Some(ToolBreak::Sideways { by: Length::mm(r.f64()?), most: Length::mm(r.f64()?) }),
+        _ => return None,
+    };
     Some(truth)
 }

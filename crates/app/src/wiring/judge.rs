@@ -16,6 +16,7 @@ pub(crate) fn judge(
         stock_top: Some(zero.linear[2] + machine.setup.stock.to[2]),
         work_axis: [zero.linear[0], zero.linear[1]],
         stock_radius: Some(machine.setup.stock.to[0]), // a bar, where it is turned
+        work_zero: Some(*zero),
         ..Config::new(tools.clone())
     }
 }

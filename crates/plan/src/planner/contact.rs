@@ -32,7 +32,7 @@ const DRILL_SIDEWAYS: f64 = 0.25;
 const TAP_SIDEWAYS: f64 = 0.1;
 /// Load of a drill's core, over its strength, from which on it surely breaks, and likely does.
 const BREAKS: f64 = 1.25;
-const MAY_BREAK: f64 = 0.75;
+const MAY_BREAK: f64 = 0.9;
 /// Load that is advised.
 const ADVISED: f64 = 0.5;
 /// A tip may stand so far from where the program has it, mm: wear offsets.
@@ -73,8 +73,8 @@ pub(super) struct Contact {
     rotary: [Angle; 3],
     /// It was said that the length offset is not the tool's.
     offset_said: bool,
-    /// It was said that the drill is fed too fast.
-    fed_too_fast: bool,
+    /// Code of what the length offset was blamed for: whatever else it causes is no finding of its own.
+    blamed: Option<&'static str>,
 }
 
 /// What is wrong with a motion.
@@ -101,7 +101,7 @@ impl Contact {
             mounted: 0,
             rotary,
             offset_said: false,
-            fed_too_fast: false,
+            blamed: None,
         }
     }
 
@@ -296,7 +296,7 @@ impl Planner {
             contact.mounted += 1;
             contact.entered = None;
             contact.offset_said = false;
-            contact.fed_too_fast = false;
+            contact.blamed = None;
         }
     }
 
@@ -374,6 +374,7 @@ impl Planner {
             Some(ToolKind::Tap(tool)) => Some(tool.thread_length),
             _ => None,
         };
+        self.judge_offset(job.span);
         // what the flutes cut by the program's own numbers is judged with the tap
         let programmed = (tap.surface - tap.bottom).abs();
         self.judge_reach(job.span, tap.bottom, flutes.filter(|flutes| programmed <= *flutes));
@@ -392,7 +393,6 @@ impl Planner {
         let Some((depth, _, contact)) = self.depth_at(bottom) else { return true };
         let is_over = contact.stock.is_below(at.map(Length::value));
         if is_over && depth > ROUNDING {
-            self.judge_offset(span);
             return false;
         }
         self.say_air(span, at, bottom, is_over);

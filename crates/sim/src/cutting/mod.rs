@@ -17,6 +17,7 @@ use crate::tapping::{self, Load, Pose, Tapping, is_too_wide};
 use crate::wear::{TapWear, Worn};
 use crate::work::{Bore, Hole, SAME_HOLE, Stock};
 use crate::{Tap, Tool, ToolKind};
+use bus::ToolBreak;
 use units::{Angle, Length};
 
 /// A tip that is deeper than this when it is first seen below the surface has not come from above: at 100 m/min
@@ -47,6 +48,8 @@ pub(crate) struct Cutting {
     stock: Stock,
     magazine: Vec<Tool>,
     broken: Vec<u32>,
+    /// What broke the tool in the spindle.
+    broken_by: Option<ToolBreak>,
     scatter: f64,
     rng: Rng,
     mounted: Option<Tool>,
@@ -67,6 +70,7 @@ impl Cutting {
             stock,
             magazine,
             broken: Vec::new(),
+            broken_by: None,
             scatter,
             rng,
             mounted: None,
@@ -95,6 +99,7 @@ impl Cutting {
         if self.mounted.map(|t| t.number) != tool {
             self.leave();
             self.slip = 0.0;
+            self.broken_by = None;
             self.mounted = self.magazine.iter().find(|t| Some(t.number) == tool).copied();
             let is_broken = self.mounted.is_some_and(|t| self.broken.contains(&t.number));
             self.engagement = if is_broken { Engagement::Broken } else { Engagement::Clear };
@@ -106,8 +111,9 @@ impl Cutting {
             Engagement::Air | Engagement::Clear | Engagement::Broken => return,
         };
         let diameter = self.mounted.map_or(Length::ZERO, |t| t.diameter());
-        if distance(at, self.entered) > diameter * sideways {
-            self.break_tool();
+        let (by, most) = (distance(at, self.entered), diameter * sideways);
+        if by > most {
+            self.break_tool(ToolBreak::Sideways { by, most });
         }
     }
 
@@ -150,10 +156,17 @@ impl Cutting {
             }
             Engagement::Air | Engagement::Clear | Engagement::Broken => Some(Load::default()),
         };
-        self.load = answer.unwrap_or_else(|| {
-            self.break_tool();
-            Load::default()
-        });
+        self.load = answer.unwrap_or_default();
+        if answer.is_none() {
+            let why = match &self.engagement {
+                Engagement::Drilling(drill) => Some(drill.broken_by()),
+                Engagement::Tapping(tap) => Some(tap.broken_by()),
+                Engagement::Air | Engagement::Clear | Engagement::Broken => None,
+            };
+            if let Some(why) = why {
+                self.break_tool(why);
+            }
+        }
         self.load
     }
 
@@ -238,8 +251,9 @@ impl Cutting {
         }
     }
 
-    fn break_tool(&mut self) {
+    fn break_tool(&mut self, why: ToolBreak) {
         self.leave();
+        self.broken_by = Some(why);
         self.broken.extend(self.mounted.map(|tool| tool.number));
         self.engagement = Engagement::Broken;
     }
@@ -273,6 +287,11 @@ impl Cutting {
     /// What the work does to the machine now.
     pub(crate) const fn load(&self) -> Load {
         self.load
+    }
+
+    /// What broke the tool in the spindle.
+    pub(crate) const fn broken_by(&self) -> Option<ToolBreak> {
+        self.broken_by
     }
 
     /// The tool in the spindle is in pieces.

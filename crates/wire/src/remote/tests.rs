@@ -58,6 +58,12 @@ fn observed(time: f64) -> Observed {
     truth.axes[2] = Length::mm(-151.249);
     truth.spins[0] = Spin::rpm(1000.0);
     truth.tool_broken = true;
+    truth.broken_by = Some(bus::ToolBreak::Stress {
+        torque: units::Torque::n_m(9.8),
+        force: Force::n(120.0),
+        most_torque: units::Torque::n_m(9.2),
+        most_force: Force::n(17_000.0),
+    });
     observed.truth = Some(truth);
     observed
 }

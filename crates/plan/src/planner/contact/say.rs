@@ -88,6 +88,9 @@ impl Planner {
         let cause = Cause { code, which: [contact.mounted, severity as u32, 0] };
         let offset = self.offset_cause();
         let is_offset = offset.is_some() && !matches!(wrong, Wrong::TooFast { .. });
+        if is_offset && contact.blamed.is_some_and(|blamed| blamed != code) {
+            return;
+        }
         let help = offset.filter(|_| is_offset).or_else(|| help.map(String::from));
         self.findings.merge(cause, by, || {
             let mut finding = match severity {
@@ -99,6 +102,7 @@ impl Planner {
         });
         if let Some(contact) = self.contact.as_mut().filter(|_| is_offset) {
             contact.offset_said = true;
+            contact.blamed = Some(code);
         }
     }
 
@@ -143,9 +147,10 @@ impl Planner {
         let rpm = self.spindles.first().map_or(0.0, |state| state.ordered.in_rpm());
         let bears = per_turn / load;
         let works = per_turn * ADVISED / load;
+        let how = if load > 1.0 { "more than" } else { "nearly all that" };
         [
             format!(
-                "a feed of {} at S{}, {} per turn, is more than {} of {} bears in this material, about {} per turn",
+                "a feed of {} at S{}, {} per turn, is {how} {} of {} bears in this material, about {} per turn",
                 feed(frame, per_turn * rpm),
                 number(rpm),
                 length(frame, per_turn),
@@ -232,9 +237,11 @@ impl Planner {
         };
         let is_offset = offset.is_some();
         let usual = "[setup.stock] in the machine's file says how large the work is and where it lies";
-        let help = offset.unwrap_or_else(|| usual.into());
+        let help = offset.or_else(|| (!is_over).then(|| usual.into()));
         self.findings.merge(Cause { code: "M0366", which }, by, || {
-            (Diagnostic::warning("M0366", span, "").with_help(help), said)
+            let mut finding = Diagnostic::warning("M0366", span, "");
+            finding.help = help;
+            (finding, said)
         });
         if let Some(contact) = self.contact.as_mut().filter(|_| is_offset) {
             contact.offset_said = true;

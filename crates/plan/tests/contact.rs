@@ -1,0 +1,201 @@
+//! The tool against the stock, before motion: what breaks it is refused, with what works, in the program's words.
+mod common;
+use canon::{LengthUnit, OpKind, Position, ProgramFrame, Tool, ToolKind, ToolLibrary};
+use common::{TOP, change, hole, line, machine, mm, program, rapid, tap, tools, turn};
+use plan::{Planner, Start, Stock};
+use units::{Angle, Length};
+
+/// 100 mm square, 40 mm thick, its top at Z0 of G54.
+const STOCK: Stock = Stock {
+    from: [Length::mm(-50.0), Length::mm(-50.0), Length::mm(TOP - 40.0)],
+    to: [Length::mm(50.0), Length::mm(50.0), Length::mm(TOP)],
+};
+
+/// A frame with a tool length offset in force.
+fn g54(offset: f64) -> ProgramFrame {
+    ProgramFrame {
+        work_offset: 1,
+        origin: Position::xyz(0.0, 0.0, TOP),
+        tool: Position::xyz(0.0, 0.0, offset),
+        ..ProgramFrame::default()
+    }
+}
+
+fn all_tools() -> ToolLibrary {
+    let mut tools = tools();
+    let tool = |number, diameter, kind| Tool {
+        number,
+        pocket: number,
+        length: mm(120.0),
+        diameter: mm(diameter),
+        kind,
+        description: String::new(),
+        stand_in: false,
+    };
+    tools.insert(tool(8, 10.0, ToolKind::EndMill));
+    tools.insert(tool(9, 10.0, ToolKind::SpotDrill { point_angle: Angle::deg(90.0) }));
+    tools.insert(Tool { stand_in: true, ..tool(10, 5.0, ToolKind::Other) });
+    tools
+}
+
+/// Findings of a program whose Z is that of the tip over the stock's top, with a tool of length 120.
+fn said_in(frame: ProgramFrame, number: u32, kinds: impl IntoIterator<Item = OpKind>) -> String {
+    let start = Start { position: Position::xyz(0.0, 0.0, -10.0), tool: 0 };
+    let planner = Planner::new(machine(), all_tools(), common::OPTIONS, start);
+    let mut planner = planner.with_stock(STOCK).only_judging();
+    planner.written_in(frame);
+    let ops = program([change(number), turn(3000.0)].into_iter().chain(kinds));
+    for (index, op) in (0..).zip(&ops) {
+        planner.push(index, op, &mut |_| ());
+    }
+    planner.finish(&mut |_| ());
+    let found = planner.take_findings();
+    let one = |d: &diag::Diagnostic| {
+        let help = d.help.as_ref().map_or(String::new(), |h| format!(" | {h}"));
+        format!("{} {:?} line {}: {}{help}\n", d.code, d.severity, d.span.line, d.message)
+    };
+    found.iter().map(one).collect()
+}
+
+fn said(number: u32, kinds: impl IntoIterator<Item = OpKind>) -> String {
+    said_in(g54(120.0), number, kinds)
+}
+
+fn to(x: f64, z: f64) -> OpKind {
+    rapid(x, 0.0, TOP + 120.0 + z)
+}
+
+fn fed(x: f64, z: f64) -> OpKind {
+    line(x, 0.0, TOP + 120.0 + z, 300.0)
+}
+
+#[test]
+fn a_rapid_into_the_stock_is_refused_with_the_height_that_works() {
+    assert_eq!(
+        said(1, [to(5.0, 10.0), to(5.0, -5.0)]),
+        "M0360 Error line 4: the rapid to Z-5 of G54 takes the tip of T1 (a drill) 5 mm into the stock, whose top it touches \
+         at Z0: Z2 or higher works, or a feed (G1)\n"
+    );
+    // across from beside the work
+    assert!(said(1, [to(80.0, 10.0), to(80.0, -5.0), to(0.0, -5.0)]).starts_with("M0361 Error line 5"));
+}
+
+#[test]
+fn a_rapid_into_what_is_drilled_already_is_none_into_the_stock() {
+    assert_eq!(said(1, [to(5.0, 2.0), fed(5.0, -12.0), to(5.0, 2.0), to(5.0, -11.8), fed(5.0, -20.0), to(5.0, 9.0)]), "");
+    let deeper = said(1, [to(5.0, 2.0), fed(5.0, -12.0), to(5.0, 2.0), to(5.0, -14.0)]);
+    assert!(deeper.contains("2 mm deeper than what is open here: Z-12 is the deepest that works"), "{deeper}");
+}
+
+#[test]
+fn a_tool_that_cuts_along_its_axis_may_not_mill() {
+    for tool in [1, 9] {
+        let text = said(tool, [to(0.0, 2.0), fed(0.0, -1.0), fed(20.0, -1.0), to(20.0, 2.0)]);
+        assert!(text.starts_with("M0361 Error line 5") && text.contains("20 mm sideways, 1 mm deep"), "{text}");
+    }
+    assert_eq!(said(8, [to(0.0, 2.0), fed(0.0, -1.0), fed(20.0, -1.0), to(20.0, 2.0)]), "", "an end mill may");
+    assert_eq!(said(1, [to(-80.0, -5.0), to(-80.0, 2.0)]), "", "beside the stock nothing is touched");
+}
+
+#[test]
+fn a_rapid_where_a_mill_has_passed_is_no_error_of_any_tool() {
+    let pocket = [to(0.0, 2.0), fed(0.0, -5.0), fed(20.0, -5.0), to(20.0, 5.0)];
+    let again = [to(0.0, 5.0), to(0.0, -4.9), to(20.0, -4.9), to(20.0, 5.0)];
+    assert_eq!(said(8, pocket.clone().into_iter().chain(again)), "");
+    let elsewhere = said(8, pocket.clone().into_iter().chain([to(40.0, 5.0), to(40.0, -4.0)]));
+    assert!(elsewhere.starts_with("M0360 Warning line 8"), "{elsewhere}");
+    // the simulator mills nothing, so that a drill there is worth a word
+    let drilled = said(8, pocket.into_iter().chain([change(1), turn(3000.0), to(10.0, 5.0), to(10.0, -4.0)]));
+    assert!(drilled.starts_with("M0360 Warning line 10") && drilled.contains("a mill has passed here"), "{drilled}");
+}
+
+#[test]
+fn a_drill_is_fed_only_while_it_turns_forwards_and_no_faster_than_it_bears() {
+    let down = |feed| [to(5.0, 2.0), line(5.0, 0.0, TOP + 120.0 - 12.0, feed)];
+    assert_eq!(said(1, down(300.0)), "");
+    let still = said(1, [turn(0.0)].into_iter().chain(down(300.0)));
+    assert!(still.contains("M0362 Error line 5") && still.contains("at rest: M3"), "{still}");
+    let back = said(1, [turn(-3000.0)].into_iter().chain(down(300.0)));
+    assert!(back.contains("M0362 Error") && back.contains("backwards (M4)"), "{back}");
+    // 1 mm a turn: the core of 5 mm bears 5.3 N·m, which 0.43 mm a turn takes in C45
+    let fast = said(1, down(3000.0));
+    assert!(fast.starts_with("M0363 Error line 4") && fast.contains(": F645 works"), "{fast}");
+}
+
+#[test]
+fn a_tap_goes_into_the_work_in_its_cycle_only() {
+    let at = |z: f64| rapid(5.0, 0.0, TOP + 100.0 + z);
+    let by_hand = said_in(g54(100.0), 2, [at(5.0), line(5.0, 0.0, TOP + 90.0, 3000.0)]);
+    assert!(by_hand.starts_with("M0364 Error line 4"), "{by_hand}");
+    let cycle = said_in(g54(100.0), 2, [at(5.0), OpKind::Tap(tap(5.0, 0.0, 5.0, -10.0, 1.0, 3000.0))]);
+    assert!(cycle.starts_with("M0324 Note") && cycle.lines().count() == 1, "{cycle}");
+}
+
+#[test]
+fn a_length_offset_that_is_missing_or_anothers_is_named_once_with_what_it_does() {
+    // no G43: the axis stands where a tool of no length would have its tip
+    let forgotten = said_in(g54(0.0), 1, [rapid(5.0, 0.0, TOP + 30.0), rapid(9.0, 0.0, TOP + 30.0)]);
+    assert!(forgotten.contains("M0360 Error line 3"), "{forgotten}");
+    assert!(
+        forgotten.contains("T1 is 120 mm long and no length offset is in force, so its tip is 120 mm below where the program has it: G43 H1 before this move works"),
+        "{forgotten}"
+    );
+    assert_eq!(forgotten.matches("is 120 mm long").count(), 1, "{forgotten}");
+    // another tool's H: 20 mm too high, and the tap is told of it in its cycle
+    let mut high = tap(5.0, 0.0, 5.0, -30.0, 1.0, 3000.0);
+    let by = mm(20.0);
+    (high.start.linear[2], high.bottom, high.surface) =
+        (high.start.linear[2] + by, high.bottom + by, high.surface + by);
+    let up = rapid(5.0, 0.0, TOP + 125.0);
+    let wrong = said_in(g54(120.0), 2, [up, OpKind::Tap(high)]);
+    assert!(
+        wrong.contains("M0365 Warning line 4: T2 is 100 mm long and H1 applies 120 mm, so its tip is 20 mm above where the program has it: G43 H2 works"),
+        "{wrong}"
+    );
+}
+
+#[test]
+fn a_work_offset_that_carries_the_tools_length_needs_no_g43() {
+    let frame = ProgramFrame { origin: Position::xyz(0.0, 0.0, TOP + 120.0), ..g54(0.0) };
+    assert_eq!(said_in(frame, 1, [to(5.0, 2.0), fed(5.0, -10.0), to(5.0, 2.0)]), "");
+}
+
+#[test]
+fn a_hole_or_thread_that_meets_no_stock_is_said_before_it_is_not_cut() {
+    let above = said(1, [to(5.0, 30.0), hole(5.0, 0.0, 10.0)]);
+    assert!(above.starts_with("M0366 Warning line 4: T1 (a drill) goes down to Z10 of G54"), "{above}");
+    let beside = said(1, [to(70.0, 30.0), hole(70.0, 0.0, -10.0)]);
+    assert!(beside.contains("X70 Y0 lies beside the stock, which reaches from X-50 to X50 of G54"), "{beside}");
+}
+
+#[test]
+fn a_tip_deeper_than_the_flutes_is_refused_though_the_program_says_less() {
+    // 10 mm too low by a length offset of 90: 25 mm programmed, 35 mm cut, flutes of 32 mm
+    let low = tap(5.0, 0.0, 5.0, -35.0, 1.0, 3000.0);
+    let low = canon::Tap { surface: mm(TOP + 90.0), ..low };
+    let said = said_in(g54(90.0), 2, [rapid(5.0, 0.0, TOP + 105.0), OpKind::Tap(low)]);
+    assert!(said.contains("M0367 Error line 4: T2 (a tap) goes 35 mm deep into the stock, and its flutes end 32 mm above its tip: Z-22 is the deepest that works"), "{said}");
+}
+
+#[test]
+fn advice_comes_in_inches_where_the_program_is_in_inches() {
+    let inches = ProgramFrame { unit: LengthUnit::Inch, ..g54(120.0) };
+    let text = said_in(inches, 1, [to(5.0, 10.0), to(5.0, -2.54)]);
+    assert!(text.contains("Z-0.1 of G54 takes the tip of T1 (a drill) 0.1 in into the stock"), "{text}");
+    assert!(text.contains(": Z0.1 or higher works"), "{text}");
+    let fast = said_in(inches, 1, [to(5.0, 2.0), line(5.0, 0.0, TOP + 100.0, 3000.0)]);
+    assert!(fast.contains("118.1102 in/min") && fast.contains(": F25.4 works"), "{fast}");
+}
+
+#[test]
+fn stand_ins_of_no_known_length_are_not_looked_at() {
+    assert_eq!(said(10, [to(5.0, 10.0), to(5.0, -20.0), fed(40.0, -20.0)]), "");
+}
+
+#[test]
+fn many_moves_of_one_cause_are_one_finding_with_their_number_and_the_worst() {
+    let moves = (1..=30).flat_map(|k| [to(f64::from(k), 5.0), to(f64::from(k), -f64::from(k % 7) - 1.0)]);
+    let text = said(1, moves);
+    assert_eq!(text.lines().count(), 1, "{text}");
+    assert!(text.contains("line 4: the rapid to Z-7 of G54") && text.contains(", in line 14, the worst of 30 such moves"), "{text}");
+}
