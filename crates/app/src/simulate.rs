@@ -415,7 +415,7 @@ impl Simulation<'_> {
 
     fn listen(&mut self, sample: &Sample) {
         self.cams.sample(sample);
-        self.polygons.sample(sample);
+        self.polygons.sample(sample, &self.kernel);
         self.timings.judging(|| self.judge.sample(sample));
         if let Some(idle) = &mut self.idle {
             idle.sample(sample);

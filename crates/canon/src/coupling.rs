@@ -64,8 +64,10 @@ pub struct Polygon {
     pub ratio: Ratio,
     /// Angle of the tool spindle while the work spindle's is zero.
     pub phase: Angle,
-    /// What swings with the work spindle; none: nothing does.
+    /// What swings with the work spindle, as it is sent; none: nothing does.
     pub oscillations: Vec<Oscillation>,
+    /// What shall come of it at the tool, where what is sent has the answers of the loops in it already; empty: the same.
+    pub wanted: Vec<Oscillation>,
     /// The control computes what swings, within the limits of the machine; `oscillations` is empty then.
     pub auto: Option<Actuator>,
     /// What swings is sent as a measurement kept from before has it compensated.

@@ -28,7 +28,6 @@ mod lp;
 mod optimise;
 mod profile;
 mod series;
-mod servo;
 
 pub use cut::Cut;
 pub use drive::{Drive, Effort, Limits};
@@ -37,4 +36,3 @@ pub use kinematics::{Cutter, Swing, Tip, insert_phases};
 pub use optimise::{Detail, Problem, Solution};
 pub use profile::Profile;
 pub use series::{Actuator, Series, Swings, Term};
-pub use servo::Loop;

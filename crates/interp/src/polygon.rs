@@ -269,6 +269,7 @@ impl Resolver {
             ratio: order.ratio,
             phase: Angle::deg(order.phase_deg),
             oscillations: order.oscillations.iter().map(resolved).collect(),
+            wanted: Vec::new(),
             auto: order.auto,
             compensated: order.compensated,
         };

@@ -27,7 +27,7 @@ use crate::withdrawing::Withdrawing;
 use alloc::{collections::VecDeque, vec::Vec};
 use bus::{Command, Feedback, Report, State};
 use plan::{Step, StepKind, WayOut};
-use units::Time;
+use units::{Length, Time};
 
 /// Steps that may wait.
 pub const QUEUE: usize = 64;
@@ -164,6 +164,12 @@ impl Kernel {
     /// The kernel's view of the last period.
     pub const fn report(&self) -> Report {
         self.report
+    }
+
+    /// Where the tool side of an axis is believed to be: by its scale, or by its motor and the model of its screw.
+    pub fn tool_side(&self, axis: canon::Axis) -> Option<Length> {
+        let axis = self.drives.axes.get(axis.index())?.as_ref()?;
+        Some(Length::mm(axis.position()))
     }
 
     /// The faults that have happened, oldest first.

@@ -86,6 +86,7 @@ fn program(oscillation: Oscillation, cuts: &[OpKind]) -> Vec<Op> {
         phase: Angle::ZERO,
         oscillations: vec![oscillation],
         auto: None,
+        wanted: Vec::new(),
         compensated: false,
     };
     let before = [

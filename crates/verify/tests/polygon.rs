@@ -89,6 +89,7 @@ impl Cut {
                 harmonics: vec![Harmonic { per_turn: 6, cosine: 0.0, sine: 0.0 }],
             }],
             auto: None,
+            wanted: Vec::new(),
             compensated: false,
         };
         judge.op(0, &op(1, OpKind::ChangeTool { number: 9 }));

@@ -10,7 +10,7 @@ use canon::{
     Axis, Harmonic, OpKind, Oscillating, Oscillation, Polygon, SpindleOrder, ToolKind, ToolLibrary,
 };
 use diag::{Diagnostic, Span};
-use forms::polygon::{Actuator, Detail, Form, Problem, Series, Solution};
+use forms::polygon::{Actuator, Detail, Form, Problem, Series, Solution, Swings};
 use std::cell::RefCell;
 use store::machine::MachineFile;
 use store::phases::Phases;
@@ -91,7 +91,9 @@ impl<'a> Auto<'a> {
         if polygon.auto.is_some() {
             match self.solve(polygon, cut) {
                 Ok(solution) => {
-                    polygon.oscillations = oscillations(&solution, settled(polygon).master);
+                    let turns = settled(polygon).master;
+                    polygon.oscillations = oscillations(&solution.command, turns);
+                    polygon.wanted = oscillations(&solution.actual, turns);
                 }
                 Err((code, text)) => {
                     return self.findings.push(Diagnostic::error(code, span, text));
@@ -120,6 +122,7 @@ impl<'a> Auto<'a> {
     /// What is sent instead of what was ordered.
     fn compensate(&mut self, polygon: &mut Polygon, span: Span) {
         let turns = polygon.period();
+        polygon.wanted.clone_from(&polygon.oscillations);
         for oscillation in &mut polygon.oscillations {
             if let Some(sent) = kept::sent(self.phases, oscillation, self.work, turns) {
                 oscillation.harmonics = sent;
@@ -247,8 +250,8 @@ const fn refused<T>(text: String) -> Result<T, Refusal> {
 }
 
 /// What swings, and where X stands meanwhile.
-fn oscillations(solution: &Solution, turns: i32) -> Vec<Oscillation> {
-    let all = solution.command.0.iter().map(|series| oscillation(series, f64::from(turns)));
+fn oscillations(swings: &Swings, turns: i32) -> Vec<Oscillation> {
+    let all = swings.0.iter().map(|series| oscillation(series, f64::from(turns)));
     let stands_only = |o: &Oscillation| o.harmonics.iter().all(|h| h.per_turn == 0);
     let worth_it = |o: &Oscillation| o.harmonics.iter().any(|h| h.cosine.abs() > NOT_WORTH_MM);
     all.filter(|o| !stands_only(o) || worth_it(o)).collect()

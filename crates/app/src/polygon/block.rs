@@ -1,6 +1,6 @@
 //! The block that cuts a design, and what stands around it.
 use super::auto::NOT_WORTH_MM;
-use super::{CANDIDATES, Design, refuse};
+use super::{CANDIDATES, Design, Way, refuse};
 use forms::polygon::{Actuator, Solution, Term};
 use std::collections::BTreeSet;
 use units::{Length, Spin};
@@ -8,7 +8,20 @@ use units::{Length, Spin};
 /// The word D of G51.2 for each of the candidates.
 const D: [u32; CANDIDATES.len()] = [4, 2, 1, 3, 5, 6];
 
+/// Harmonics that a person reads.
+const READABLE: usize = 16;
+
 impl Design {
+    /// The block to use, and what stands around it; what would be a page of harmonics is left to the control.
+    pub(super) fn gcode(&self, way: &Way) -> String {
+        let written = self.program(&way.solution, self.work, self.length, None);
+        let count = written.lines().filter(|line| line.starts_with("G51.3")).count();
+        if count <= READABLE || self.harmonics.is_some() {
+            return written;
+        }
+        self.short_program(way.name)
+    }
+
     /// What cuts it with this oscillation, and measures it in the air afterwards if so asked.
     pub(super) fn program(
         &self,

@@ -117,6 +117,7 @@ mod tests {
             phase: units::Angle::ZERO,
             oscillations: Vec::new(),
             auto: None,
+            wanted: Vec::new(),
             compensated: false,
         });
         let with = |from: f64, to: f64| {

@@ -1,9 +1,11 @@
 //! What a machine's file says of the actuators that may swing.
+use super::servo::Servo;
 use super::slide::Slide;
-use canon::{Oscillating, Polygon};
-use forms::polygon::{Actuator, Drive, Effort, Form, Limits, Loop};
+use canon::{Harmonic, Oscillating, Oscillation, Polygon};
+use forms::polygon::{Actuator, Drive, Effort, Form, Limits};
 use std::f64::consts::TAU;
-use store::machine::{Axis, MachineFile, Spindle};
+use store::machine::{Axis, MachineFile, PositionFrom, Spindle};
+use sync::Complex;
 use units::Spin;
 
 /// Share of an axis' force that an oscillation may use: the rest is for the cut and for control.
@@ -11,11 +13,8 @@ const PLANNED_SHARE: f64 = 0.9;
 /// Share of an axis' speed, acceleration and jerk that an oscillation may use: the rest is for fading it in and for moves
 /// of that axis meanwhile.
 const SWING_SHARE: f64 = 0.9;
-/// What a loop makes of a harmonic that was not measured.
-const ASSUMED: [f64; 2] = [1.0, 0.0];
-
 /// An actuator of this machine, swinging at this speed of the work; `None` if the machine lacks it. `measured`: what
-/// an air cut has shown of its loop, harmonic by harmonic; else the loop is taken to be as good as its feed-forwards.
+/// an air cut has shown of its loop, harmonic by harmonic; else what the machine's file says of it.
 pub(super) fn drive(
     machine: &MachineFile,
     actuator: Actuator,
@@ -24,30 +23,85 @@ pub(super) fn drive(
     harmonics: usize,
     measured: &[[f64; 2]],
 ) -> Option<Drive> {
-    let frequency = |h: usize| work.value().abs() * form.base() * (h + 1) as f64;
-    let (limits, answer): (Limits, Box<dyn Fn(f64) -> [f64; 2]>) = match on(actuator) {
+    let limits = limits(machine, actuator, form, work)?;
+    let answer = Answer::new(machine, actuator, form, work)?;
+    let response = (0..harmonics).map(|h| {
+        let frequency = work.value().abs() * form.base() * (h + 1) as f64;
+        let measured = measured.get(h).map(|[re, im]| Complex { re: *re, im: *im });
+        let answer = answer.at(frequency, measured);
+        [answer.re, answer.im]
+    });
+    Some(Drive { actuator, limits, response: response.collect() })
+}
+
+/// What a loop makes of what is ordered, as the machine's file has it.
+pub(super) enum Answer {
+    /// A slide: as it is believed to be.
+    Sliding(Servo, Slide),
+    /// The tool spindle.
+    Turning(Servo),
+}
+
+impl Answer {
+    /// Of an actuator of this machine, swinging at this speed of the work.
+    pub(super) fn new(
+        machine: &MachineFile,
+        actuator: Actuator,
+        form: &Form,
+        work: Spin,
+    ) -> Option<Self> {
+        let control = &machine.control;
+        match on(actuator) {
+            Oscillating::Axis(letter) => {
+                let axis = machine.axes.iter().flatten().find(|axis| axis.letter == letter)?;
+                let frequency = work.value().abs() * form.base();
+                let most = farthest(&limits(machine, actuator, form, work)?, frequency);
+                let believed = Slide::swinging(axis, frequency, most);
+                let servo = Servo::of_axis(axis, control);
+                Some(Self::Sliding(servo, believed))
+            }
+            Oscillating::ToolPhase => {
+                let spindle = machine.spindles.get(1)?;
+                Some(Self::Turning(Servo::of_spindle(spindle, control)))
+            }
+        }
+    }
+
+    /// At a frequency in Hz. `measured`: what an air cut has shown of it.
+    pub(super) fn at(&self, frequency: f64, measured: Option<Complex>) -> Complex {
+        measured.unwrap_or_else(|| match self {
+            Self::Sliding(servo, slide) => servo.sliding(frequency, slide, slide),
+            Self::Turning(servo) => servo.turning(frequency),
+        })
+    }
+}
+
+/// The screw of an axis that swings, which repeats so many times a second, where a motor's encoder does not see its far end.
+pub(super) fn screw(machine: &MachineFile, swing: &Oscillation, repeats: Spin) -> Option<Slide> {
+    let Oscillating::Axis(letter) = swing.on else { return None };
+    let axis = machine.axes.iter().flatten().find(|axis| axis.letter == letter)?;
+    let size = |h: &&Harmonic| h.cosine.hypot(h.sine);
+    let swinging = swing.harmonics.iter().filter(|h| h.per_turn > 0);
+    let most = swinging.max_by(|a, b| size(a).total_cmp(&size(b)))?;
+    let frequency = f64::from(most.per_turn) * repeats.abs().value();
+    matches!(axis.position_from, PositionFrom::Motor { .. })
+        .then(|| Slide::swinging(axis, frequency, size(&most)))
+}
+
+/// What an actuator of this machine can do; `None` if the machine lacks it.
+fn limits(machine: &MachineFile, actuator: Actuator, form: &Form, work: Spin) -> Option<Limits> {
+    Some(match on(actuator) {
         Oscillating::Axis(letter) => {
-            let axis = machine.axes.iter().flatten().find(|axis| axis.letter == letter)?.clone();
+            let axis = machine.axes.iter().flatten().find(|axis| axis.letter == letter)?;
             let middle = match actuator {
                 Actuator::CentreLine => machine.setup.g54.along(letter) + form.centres(),
                 Actuator::Across | Actuator::ToolPhase => machine.setup.g54.along(letter),
             };
             let travel = (middle - axis.travel.from).min(axis.travel.to - middle).value();
-            let limits = slide(&axis, travel);
-            let moved = Slide::swinging(&axis, frequency(0), farthest(&limits, frequency(0)));
-            (limits, Box::new(move |f| [moved.answer(f).re, moved.answer(f).im]))
+            slide(axis, travel)
         }
-        Oscillating::ToolPhase => {
-            let spindle = machine.spindles.get(1)?.clone();
-            let tool = work * form.ratio();
-            (turning(&spindle, tool), Box::new(move |f| answer(&spindle, f)))
-        }
-    };
-    let response = (0..harmonics).map(|h| {
-        let ([a, b], [c, d]) = (answer(frequency(h)), measured.get(h).copied().unwrap_or(ASSUMED));
-        [a * c - b * d, a * d + b * c]
-    });
-    Some(Drive { actuator, limits, response: response.collect() })
+        Oscillating::ToolPhase => turning(machine.spindles.get(1)?, work * form.ratio()),
+    })
 }
 
 /// What swings, as the program says it.
@@ -123,16 +177,4 @@ fn farthest(limits: &Limits, frequency: f64) -> f64 {
     let w = TAU * frequency.max(1e-6);
     let most = [limits.speed / w, limits.acceleration / (w * w), limits.jerk / (w * w * w)];
     most.into_iter().fold(limits.travel, f64::min)
-}
-
-/// The spindle's loop; the control takes delay and lag of the torque off beforehand.
-fn answer(spindle: &Spindle, frequency: f64) -> [f64; 2] {
-    Loop {
-        position_gain: spindle.loops.position_gain_per_s,
-        velocity_bandwidth: spindle.loops.velocity_bandwidth_hz,
-        damping: 0.0,
-        torque_lag: 0.0,
-        delay: 0.0,
-    }
-    .at(frequency)
 }

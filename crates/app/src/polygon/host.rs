@@ -3,16 +3,18 @@
 //!
 //! ```text
 //!   samples of a few turns ─► fold over the work's angle ─► sync::Repetition, harmonic by harmonic
-//!       X, Y: place of the axis        less its mean              │
+//!       X, Y: place of the tool side   less its mean              │
 //!       tool: θ_tool − R·θ_work − phase                           ▼
 //!   kernel ◄─ next table, faded over, settled ◄─ within the limits of the actuator
 //! ```
 //!
-//! What is compared is what the encoders say in the air, with the work's own angle as it really is: gain and phase of
-//! each harmonic, and of the tool spindle also the constant lag behind its gear, which would turn all facets a little.
+//! What is compared is what the encoders say in the air (of a slide less the stretch that the control knows of its screw:
+//! its motor goes farther on purpose), with the work's own angle as it really is: gain and phase of each harmonic, and of
+//! the tool spindle also the constant lag behind its gear, which would turn all facets a little.
 //! The last look measures what will cut. No correction may ask more of an actuator than its limits, or than was ordered.
 use super::drives;
 use super::kept;
+use super::slide::Slide;
 use bus::Sample;
 use canon::{Harmonic, Op, OpKind, Oscillating, Polygon, SpindleOrder};
 use kernel::{Kernel, Periodic};
@@ -49,8 +51,11 @@ struct Follower {
     on: Oscillating,
     ordered: Vec<Harmonic>,
     ideal: Vec<f64>,
-    /// What the kernel sends at present.
+    /// What the program has it send, and what the kernel sends at present.
+    sent: Vec<f64>,
     active: Vec<f64>,
+    /// A slide's screw, whose far end no motor's encoder sees.
+    through: Option<Slide>,
     learning: Option<Repetition>,
     samples: Vec<Pair>,
     /// Root mean square of the error, before and now.
@@ -102,7 +107,7 @@ impl PolygonHost {
     }
 
     /// One servo period.
-    pub(crate) fn sample(&mut self, sample: &Sample) {
+    pub(crate) fn sample(&mut self, sample: &Sample, kernel: &Kernel) {
         while self.orders.front().is_some_and(|(index, _)| *index <= sample.report.op) {
             let Some((_, order)) = self.orders.pop_front() else { return };
             match order {
@@ -117,7 +122,8 @@ impl PolygonHost {
         let tool = sample.feedback.spindles[usize::from(polygon.tool)].angle;
         for follower in &mut self.followers {
             let place = match follower.on {
-                Oscillating::Axis(axis) => sample.feedback.axes[axis.index()].position.value(),
+                // the motor goes farther than the tool side by what its screw gives
+                Oscillating::Axis(axis) => kernel.tool_side(axis).unwrap_or_default().value(),
                 Oscillating::ToolPhase => {
                     (tool - angle * polygon.ratio.value() - polygon.phase).value()
                 }
@@ -130,13 +136,16 @@ impl PolygonHost {
 
     fn begin(&mut self, looks: u32) {
         let Some(polygon) = &self.polygon else { return };
+        let wanted = |on| polygon.wanted.iter().find(|o| o.on == on);
         let follower = |o: &canon::Oscillation| {
-            let ideal = sampled(&o.harmonics);
+            let ordered = wanted(o.on).unwrap_or(o).harmonics.clone();
             Follower {
                 on: o.on,
-                ordered: o.harmonics.clone(),
-                active: ideal.clone(),
-                ideal,
+                ideal: sampled(&ordered),
+                ordered,
+                active: sampled(&o.harmonics),
+                sent: sampled(&o.harmonics),
+                through: drives::screw(&self.machine, o, self.repeats(polygon)),
                 learning: None,
                 samples: Vec::new(),
                 errors: Vec::new(),
@@ -196,7 +205,7 @@ impl PolygonHost {
 
     /// Compare and correct one follower; whether another table was sent.
     fn look(&mut self, follower: &mut Follower, polygon: &Polygon, kernel: &mut Kernel) -> bool {
-        let measured = match follower.measured() {
+        let measured = match follower.measured(self.repeats(polygon)) {
             Ok(measured) => measured,
             Err(why) => {
                 self.said.push(format!("{} was not measured: {why}", kept::name(follower.on)));
@@ -213,7 +222,7 @@ impl PolygonHost {
                 highest_hz: (f64::from(highest) + 0.5) * repeats.abs().value(),
                 floor: Length::mm(FLOOR_COUNTS * count(&self.machine, follower.on, polygon)),
             };
-            Repetition::new(&follower.ideal, repeats, options, None)
+            Repetition::resumed(&follower.ideal, repeats, options, &follower.active)
         });
         let taught = learning.learn(&measured);
         // what was measured last is what cuts, unless something measured before was better
@@ -221,7 +230,7 @@ impl PolygonHost {
             return false;
         }
         let most = drives::most(&self.machine, follower.on, polygon, self.work);
-        let next = within(most, &follower.ideal, &learning.table(), repeats);
+        let next = within(most, &follower.sent, &learning.table(), repeats);
         if next == follower.active {
             return false;
         }
@@ -287,8 +296,8 @@ impl PolygonHost {
 }
 
 impl Follower {
-    /// The last turns over the work's angle, at the ideal's nodes.
-    fn measured(&self) -> Result<Vec<f64>, String> {
+    /// The last turns over the work's angle, at the ideal's nodes; `repeats` times a second.
+    fn measured(&self, repeats: Spin) -> Result<Vec<f64>, String> {
         let samples = &self.samples;
         let (Some(first), Some(last)) = (samples.first(), samples.last()) else {
             return Err("there are no samples".to_owned());
@@ -309,7 +318,24 @@ impl Follower {
         for x in &mut measured {
             *x -= off;
         }
-        Ok(measured)
+        Ok(self.at_the_tool(measured, repeats))
+    }
+
+    /// What came at the tool side of what came by the motor less the stretch that the control believes: the motor is told that
+    /// stretch, and where it cannot follow it the tool side goes farther.
+    fn at_the_tool(&self, measured: Vec<f64>, repeats: Spin) -> Vec<f64> {
+        let Some(slide) = &self.through else { return measured };
+        let highest = self.ordered.iter().map(|h| h.per_turn).max().unwrap_or(0) as usize;
+        let of = |nodes: &[f64]| Spectrum::of(nodes, highest).harmonics;
+        let pairs = of(&measured).into_iter().zip(of(&self.active)).enumerate();
+        let change = pairs.map(|(m, (came, sent))| {
+            let hz = m as f64 * repeats.abs().value();
+            let stretch = slide.stretch(hz) * f64::from(u8::from(m > 0));
+            slide.answer(hz) * (came + stretch * sent) - came
+        });
+        let change = Spectrum { harmonics: change.collect() };
+        let values = change.values(measured.len());
+        measured.iter().zip(values).map(|(m, c)| m + c).collect()
     }
 }
 
@@ -328,12 +354,12 @@ fn count(machine: &MachineFile, on: Oscillating, polygon: &Polygon) -> f64 {
 }
 
 /// The corrected table, or as much of the correction as the limits allow.
-fn within(most: [f64; 3], ideal: &[f64], corrected: &[f64], work: Spin) -> Vec<f64> {
+fn within(most: [f64; 3], sent: &[f64], corrected: &[f64], work: Spin) -> Vec<f64> {
     let blend = |share: f64| -> Vec<f64> {
-        ideal.iter().zip(corrected).map(|(d, u)| d + share * (u - d)).collect()
+        sent.iter().zip(corrected).map(|(d, u)| d + share * (u - d)).collect()
     };
     let peaks = |nodes: &[f64]| peaks(nodes, work);
-    let ordered = peaks(ideal);
+    let ordered = peaks(sent);
     let room: [f64; 3] = [0, 1, 2].map(|i| most[i].max(ordered[i]) * (1.0 + 1e-9));
     let fits = |nodes: &[f64]| peaks(nodes).iter().zip(room).all(|(peak, most)| *peak <= most);
     let whole = blend(1.0);

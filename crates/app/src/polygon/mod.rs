@@ -5,12 +5,15 @@
 //! ```
 pub(crate) mod auto;
 mod block;
+mod claim;
 pub(crate) mod cuts;
 mod drives;
 pub(crate) mod host;
 mod kept;
 mod prove;
 mod refuse;
+mod servo;
+mod servo_error;
 mod slide;
 mod words;
 
@@ -96,7 +99,8 @@ pub(crate) fn command(args: &PolygonArgs, quiet: bool) -> Result<(), Refused> {
     };
     let aim = aim.map(|aim| (design.fastest(best, aim.flatness), aim));
     let proofs = if args.simulate { prove::proofs(&design, &args.machine)? } else { Vec::new() };
-    let told = words::Told { design: &design, ways: &ways, best, aim, proofs };
+    let claim = design.claim(&design.gcode(best), &args.machine, design.work)?;
+    let told = words::Told { design: &design, ways: &ways, best, aim, claim: &claim, proofs };
     if let Some(out) = &args.out {
         let page = report::polygon_html(&told.page());
         std::fs::write(out, page)

@@ -5,6 +5,7 @@
 //!   speed ─► computed ─► run: cut, retreat, G51.4 in the air ─► flatness as sent
 //!                                       └─ answers of the loops ─► computed again ─► run: cut ─► compensated
 //! ```
+use super::claim::Claim;
 use super::{CANDIDATES, Design, Way, best, flattest};
 use crate::args::ProgramArgs;
 use crate::cam_host::CamHost;
@@ -43,8 +44,8 @@ pub(super) struct Proof {
     pub(super) spin: Spin,
     /// Who swings.
     pub(super) name: &'static str,
-    /// What was to be expected, at the limits.
-    pub(super) computed: Length,
+    /// What the block is claimed to cut.
+    pub(super) claim: Claim,
     pub(super) sent: Cut,
     pub(super) compensated: Cut,
     pub(super) binding: Option<String>,
@@ -71,17 +72,16 @@ fn proof(design: &Design, machine: &str, spin: Spin) -> Result<Proof, Refused> {
     let Some(way) = design.flattest(spin, &none) else {
         return Err(Refused::because(format!("nothing can swing at {:.0} rpm", spin.in_rpm())));
     };
+    let block = design.program(&way.solution, spin, Length::mm(LENGTH_MM), None);
+    let claim = design.claim(&block, machine, spin)?.map_err(|why| {
+        Refused::because(format!("the block for {:.0} rpm cannot be run: {why}", spin.in_rpm()))
+    })?;
     let (sent, measured) = run(design, machine, spin, &way, Some(LOOKS))?;
     let again = design.solve(way.name, way.who(), spin, &measured, Detail::Full);
     let (compensated, _) = run(design, machine, spin, again.as_ref().unwrap_or(&way), None)?;
-    Ok(Proof {
-        spin,
-        name: way.name,
-        computed: way.solution.flatness,
-        sent,
-        compensated,
-        binding: way.solution.binding,
-    })
+    // who measures keeps what cuts flatter
+    let compensated = if compensated.flatness < sent.flatness { compensated } else { sent };
+    Ok(Proof { spin, name: way.name, claim, sent, compensated, binding: way.solution.binding })
 }
 
 impl Way {
@@ -117,13 +117,7 @@ fn run(
     looks: Option<u32>,
 ) -> Result<(Cut, Phases), Refused> {
     let text = design.program(&way.solution, spin, Length::mm(LENGTH_MM), looks) + "M2\n";
-    let words = ["polygon", "--machine", machine, "--dialect", "linuxcnc"];
-    let matches = ProgramArgs::augment_args(Command::new("polygon")).try_get_matches_from(words);
-    let args = matches
-        .and_then(|matches| ProgramArgs::from_arg_matches(&matches))
-        .map_err(|e| Refused::because(e.to_string()))?;
-    let mut session = Session::load(&args, Path::new("-"), text.as_bytes())?;
-    session.tools.insert(cutter(design));
+    let mut session = session(design, machine, &text)?;
     let material = session.machine.setup.stock.material;
     let options = session.plan_options(material);
     let known = preflight(&mut session, text.as_bytes(), options);
@@ -174,6 +168,18 @@ fn run(
     cut.map(|cut| (cut, phases)).ok_or_else(|| {
         Refused::because(format!("at {:.0} rpm not every facet was cut", spin.in_rpm()))
     })
+}
+
+/// A session for a program that cuts a design with its cutter.
+pub(super) fn session(design: &Design, machine: &str, text: &str) -> Result<Session, Refused> {
+    let words = ["polygon", "--machine", machine, "--dialect", "linuxcnc"];
+    let matches = ProgramArgs::augment_args(Command::new("polygon")).try_get_matches_from(words);
+    let args = matches
+        .and_then(|matches| ProgramArgs::from_arg_matches(&matches))
+        .map_err(|e| Refused::because(e.to_string()))?;
+    let mut session = Session::load(&args, Path::new("-"), text.as_bytes())?;
+    session.tools.insert(cutter(design));
+    Ok(session)
 }
 
 /// The cutter of the design under its number, whatever the table has there.

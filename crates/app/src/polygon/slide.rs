@@ -25,6 +25,9 @@ const REPETITIONS: usize = 60;
 pub(super) struct Slide {
     mass: f64,
     damping: f64,
+    viscous: f64,
+    /// Of the screw alone, and behind its play.
+    stiffness: f64,
     spring: f64,
     guide: Complex,
     /// Share of the bending of the guide's bristles in its damping.
@@ -36,13 +39,16 @@ impl Slide {
     /// For a motor that swings at a frequency in Hz with an amplitude in mm.
     pub(super) fn swinging(axis: &Axis, frequency: f64, amplitude_mm: f64) -> Self {
         let stiffness = axis.structure.stiffness.value() * 1e3;
-        let mass = axis.moving_mass.value();
+        let (mass, motor) = (axis.moving_mass.value(), axis.drive.motor_mass().value());
         let sent = amplitude_mm.max(0.0) * 1e-3;
         let friction = &axis.friction;
-        let damping = 2.0 * axis.structure.damping_ratio * (stiffness * mass).sqrt();
+        let reduced = mass * motor / (mass + motor);
+        let damping = 2.0 * axis.structure.damping_ratio * (stiffness * reduced).sqrt();
         let mut slide = Self {
             mass,
-            damping: damping + friction.viscous_n_s_per_m,
+            damping,
+            viscous: friction.viscous_n_s_per_m,
+            stiffness,
             spring: stiffness,
             guide: Complex::default(),
             bent: 0.0,
@@ -61,13 +67,49 @@ impl Slide {
         slide
     }
 
+    /// Another one, with so many times the stiffness, friction and play.
+    pub(super) fn with(&self, [stiffness, friction, play]: [f64; 3]) -> Self {
+        // behind the play as much less is left as it takes
+        let taken = 1.0 - (1.0 - self.spring / self.stiffness) * play;
+        Self {
+            stiffness: self.stiffness * stiffness,
+            spring: self.stiffness * stiffness * taken.max(1e-6),
+            guide: self.guide * friction,
+            ..*self
+        }
+    }
+
     /// G at a frequency in Hz, of this swing or of what is superposed on it.
     pub(super) fn answer(&self, frequency: f64) -> Complex {
+        let pull = self.pull(frequency);
+        pull / (pull + self.held(frequency))
+    }
+
+    /// Force on the screw that a swing of one takes.
+    pub(super) fn held(&self, frequency: f64) -> Complex {
         let w = TAU * frequency;
-        let pull = Complex { re: self.spring, im: 0.0 };
-        let lost = w * (self.damping + self.bent * self.bristle_damping);
-        let held = Complex { re: self.guide.re - self.mass * w * w, im: self.guide.im + lost };
-        pull / (pull + held)
+        self.guide(frequency) - Complex { re: self.mass * w * w, im: 0.0 }
+    }
+
+    /// Force of the guide against a swing of one.
+    pub(super) fn guide(&self, frequency: f64) -> Complex {
+        let w = TAU * frequency;
+        let lost = w * (self.viscous + self.bent * self.bristle_damping);
+        Complex { re: self.guide.re, im: self.guide.im + lost }
+    }
+
+    /// The screw's stretch in a swing of one, by its spring and play.
+    pub(super) fn stretch(&self, frequency: f64) -> Complex {
+        self.held(frequency) / Complex { re: self.spring, im: 0.0 }
+    }
+
+    /// Of the screw, N/m.
+    pub(super) const fn stiffness(&self) -> f64 {
+        self.stiffness
+    }
+
+    fn pull(&self, frequency: f64) -> Complex {
+        Complex { re: self.spring, im: TAU * frequency * self.damping }
     }
 }
 
@@ -108,7 +150,8 @@ mod tests {
     fn in_time(axis: &Axis, frequency: f64, amplitude_mm: f64) -> Complex {
         const STEPS: usize = 40_000;
         let (k, m) = (axis.structure.stiffness.value() * 1e3, axis.moving_mass.value());
-        let c = 2.0 * axis.structure.damping_ratio * (k * m).sqrt();
+        let motor_mass = axis.drive.motor_mass().value();
+        let c = 2.0 * axis.structure.damping_ratio * (k * m * motor_mass / (m + motor_mass)).sqrt();
         let half = axis.structure.backlash.value() * 1e-3 / 2.0;
         let f = &axis.friction;
         let (sent, w) = (amplitude_mm * 1e-3, TAU * frequency);

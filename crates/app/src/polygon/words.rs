@@ -1,4 +1,5 @@
 //! What is told of a design: table, G-code, JSON and page.
+use super::claim::Claim;
 use super::prove::Proof;
 use super::{Aim, CANDIDATES, Design, Way};
 use crate::tables::table;
@@ -12,14 +13,12 @@ use units::{Angle, Length, Spin};
 /// Speeds of the picture.
 const SPEEDS: u32 = 9;
 
-/// Harmonics that a person reads.
-const READABLE: usize = 16;
-
 /// Heads of the table of what was cut.
-const PROVED: [&str; 8] = [
+const PROVED: [&str; 9] = [
     "work",
     "swings",
-    "computed",
+    "claimed",
+    "servo error",
     "cut, uncompensated",
     "cut, compensated",
     "across flats",
@@ -34,6 +33,8 @@ pub(super) struct Told<'d> {
     pub(super) best: &'d Way,
     /// A flatness that is aimed at, and the fastest speed with it, if there is one.
     pub(super) aim: Option<(Option<Spin>, Aim)>,
+    /// What the block is claimed to cut, or why it cannot be run.
+    pub(super) claim: &'d Result<Claim, String>,
     /// What came of it on the machine, over the speeds, if that was asked.
     pub(super) proofs: Vec<Proof>,
 }
@@ -55,17 +56,27 @@ impl Told<'_> {
             }
             format!("\ncut on the simulated machine:\n{rows}\n")
         };
-        format!("{words}\n{rows}\n{proved}\n{}", self.gcode())
+        let claimed = self.claimed();
+        format!("{words}\n{rows}\n{proved}\n{claimed}\n\n{}", self.design.gcode(self.best))
+    }
+
+    /// What the block below is claimed to cut.
+    fn claimed(&self) -> String {
+        match self.claim {
+            Ok(claim) => claim.words(),
+            Err(why) => format!("the block below is refused as it stands: {why}"),
+        }
     }
 
     /// A row for each speed that was run.
-    fn proved(&self) -> Vec<[String; 8]> {
+    fn proved(&self) -> Vec<[String; 9]> {
         let um = |x: Length| format!("{:.3} µm", x.in_um());
         let row = |p: &Proof| {
             [
                 format!("{:.0} rpm", p.spin.in_rpm()),
                 p.name.to_owned(),
-                um(p.computed),
+                um(p.claim.cut.flatness),
+                um(p.claim.servo.flatness),
                 um(p.sent.flatness),
                 um(p.compensated.flatness),
                 format!("{:+.1} µm", p.compensated.size.in_um()),
@@ -167,22 +178,6 @@ impl Told<'_> {
             .collect()
     }
 
-    /// The block to use, and what stands around it; what would be a page of harmonics is left to the control.
-    fn gcode(&self) -> String {
-        let written = self.harmonics_written();
-        let count = written.lines().filter(|line| line.starts_with("G51.3")).count();
-        if count <= READABLE || self.design.harmonics.is_some() {
-            return written;
-        }
-        self.design.short_program(self.best.name)
-    }
-
-    /// The same with every harmonic written.
-    fn harmonics_written(&self) -> String {
-        let Design { length, work, .. } = self.design;
-        self.design.program(&self.best.solution, *work, *length, None)
-    }
-
     pub(super) fn json(&self) -> Value {
         let Design { form, machine, work, .. } = self.design;
         let ways = self.ways.iter().map(|way| {
@@ -211,7 +206,8 @@ impl Told<'_> {
             "simulated": self.proofs.iter().map(|p| json!({
                 "rpm": p.spin.in_rpm(),
                 "swings": p.name,
-                "computed_um": p.computed.in_um(),
+                "claimed_um": p.claim.cut.flatness.in_um(),
+                "servo_error_um": p.claim.servo.flatness.in_um(),
                 "flatness_um": p.sent.flatness.in_um(),
                 "flatness_compensated_um": p.compensated.flatness.in_um(),
                 "across_flats_error_um": p.compensated.size.in_um(),
@@ -220,7 +216,16 @@ impl Told<'_> {
             })).collect::<Vec<_>>(),
             "fastest_rpm": self.aim.as_ref().and_then(|aim| aim.0).map(Spin::in_rpm),
             "ways": ways.collect::<Vec<_>>(),
-            "gcode": self.harmonics_written(),
+            "claim": self.claim.as_ref().ok().map(|claim| json!({
+                "flatness_um": claim.cut.flatness.in_um(),
+                "flatness_as_ordered_um": claim.as_ordered.flatness.in_um(),
+                "across_flats_mm": claim.cut.across_flats.value(),
+                "servo_error_um": claim.servo.flatness.in_um(),
+                "across_flats_error_um": claim.servo.across_flats.in_um(),
+                "flatness_at_most_um": claim.flatness_at_most().in_um(),
+            })),
+            "refused": self.claim.as_ref().err(),
+            "gcode": self.design.gcode(self.best),
         })
     }
 
@@ -273,7 +278,7 @@ impl Told<'_> {
                 facets.len(),
                 form.across_flats.value()
             ),
-            words: self.words(),
+            words: self.words().into_iter().chain([self.claimed()]).collect(),
             heads: ["swings", "flatness", "largest swing", "acceleration", "drive", "limited by"]
                 .map(str::to_owned)
                 .to_vec(),
@@ -290,7 +295,7 @@ impl Told<'_> {
             proved: self.proved().into_iter().map(|row| row.to_vec()).collect(),
             proved_speeds: self.proved_speeds(),
             wanted: self.design.wanted.map(Length::in_um),
-            gcode: self.gcode(),
+            gcode: self.design.gcode(self.best),
         }
     }
 
@@ -304,7 +309,7 @@ impl Told<'_> {
         vec![
             ("compensated".to_owned(), line(|p| p.compensated.flatness)),
             ("as computed, uncompensated".to_owned(), line(|p| p.sent.flatness)),
-            ("least within the limits".to_owned(), line(|p| p.computed)),
+            ("claimed".to_owned(), line(|p| p.claim.cut.flatness)),
         ]
     }
 
