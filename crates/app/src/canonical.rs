@@ -281,17 +281,21 @@ fn cam_op(order: &CamOrder) -> Value {
 }
 
 fn polygon_op(polygon: &Polygon) -> Value {
-    let swings = polygon.oscillations.iter().map(|oscillation| {
-        let on = match oscillation.on {
-            Oscillating::Axis(axis) => axis.letter().to_string(),
-            Oscillating::ToolPhase => "tool-phase".to_owned(),
-        };
-        let harmonics = oscillation.harmonics.iter();
-        let harmonics: Vec<_> = harmonics
-            .map(|h| json!({ "per_turn": h.per_turn, "cosine": h.cosine, "sine": h.sine }))
-            .collect();
-        json!({ "on": on, "harmonics": harmonics })
-    });
+    let swings = |all: &[canon::Oscillation]| {
+        all.iter()
+            .map(|oscillation| {
+                let on = match oscillation.on {
+                    Oscillating::Axis(axis) => axis.letter().to_string(),
+                    Oscillating::ToolPhase => "tool-phase".to_owned(),
+                };
+                let harmonics = oscillation.harmonics.iter();
+                let harmonics: Vec<_> = harmonics
+                    .map(|h| json!({ "per_turn": h.per_turn, "cosine": h.cosine, "sine": h.sine }))
+                    .collect();
+                json!({ "on": on, "harmonics": harmonics })
+            })
+            .collect::<Vec<_>>()
+    };
     json!({
         "op": "polygon",
         "work_spindle": polygon.work,
@@ -299,7 +303,8 @@ fn polygon_op(polygon: &Polygon) -> Value {
         "tool_turns": polygon.ratio.follower,
         "work_turns": polygon.ratio.master,
         "phase_deg": polygon.phase.in_deg(),
-        "oscillations": swings.collect::<Vec<_>>(),
+        "oscillations": swings(&polygon.oscillations),
+        "by_distance": swings(&polygon.by_distance),
         "compensated": polygon.compensated,
     })
 }

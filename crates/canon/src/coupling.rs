@@ -66,6 +66,9 @@ pub struct Polygon {
     pub phase: Angle,
     /// What swings with the work spindle, as it is sent; none: nothing does.
     pub oscillations: Vec<Oscillation>,
+    /// What swings beside that by a share of the distance of the axes at the cut, which only the cuts that follow say:
+    /// amplitudes are shares of it.
+    pub by_distance: Vec<Oscillation>,
     /// What shall come of it at the tool, where what is sent has the answers of the loops in it already; empty: the same.
     pub wanted: Vec<Oscillation>,
     /// The control computes what swings, within the limits of the machine; `oscillations` is empty then.

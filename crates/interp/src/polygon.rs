@@ -10,8 +10,8 @@
 //! L counts the periods in P turns of the work, one as a rule: after them the gear begins anew.
 //!
 //! G51.2 takes the source's own form as well: I is the parameter a of dx = a·l·(1 − cos Mφ), J that of
-//! dy = a·l·sin Mφ, K the amplitude d in degrees of the tool's phase, d·sin Mφ; l is the work coordinate X where
-//! the block stands, M = N·Q/P, N the inserts of the cutter in the spindle. D asks the control to choose: D0 the
+//! dy = a·l·sin Mφ, K the amplitude d in degrees of the tool's phase, d·sin Mφ; l is the distance of the axes at the cut,
+//! which the cuts that follow say, M = N·Q/P, N the inserts of the cutter in the spindle. D asks the control to choose: D0 the
 //! actuator too, D1 X, D2 Y, D3 X and Y, D4 the tool's phase, D5 X and the phase, D6 all three. E1 sends what swings as
 //! the kept measurement of this oscillation at this speed has it compensated; G51.4 measures it, in the air, and compensates it there and then.
 //!
@@ -46,6 +46,8 @@ pub struct PolygonOrder {
     pub phase_deg: f64,
     /// What swings: program units, or revolutions of the tool.
     pub oscillations: Vec<Oscillation>,
+    /// I, J: what swings by a share of the distance of the axes at the cut.
+    pub by_distance: Vec<Oscillation>,
     /// D: the control chooses, and what.
     pub auto: Option<canon::Actuator>,
     /// E1: as it was measured before.
@@ -116,13 +118,15 @@ impl Executor {
             let text = "D lets the control choose the oscillation, but one is written too: leave out D, or I, J, K and G51.3";
             return refuse("I0806", self.words.span(b'D'), text);
         }
+        let mut by_distance = Vec::new();
         if !written.is_empty() {
-            self.written_form(ratio, &mut oscillations)?;
+            self.written_form(ratio, &mut oscillations, &mut by_distance)?;
         }
         let order = PolygonOrder {
             ratio,
             phase_deg: self.words.get(b'R').unwrap_or(0.0),
             oscillations,
+            by_distance,
             auto,
             compensated: self.words.whole(b'E', 1)? == Some(1),
         };
@@ -162,7 +166,12 @@ impl Executor {
     }
 
     /// a of X and Y, and d of the tool's phase, as the source writes them.
-    fn written_form(&self, ratio: Ratio, oscillations: &mut Vec<Oscillation>) -> Outcome {
+    fn written_form(
+        &self,
+        ratio: Ratio,
+        oscillations: &mut Vec<Oscillation>,
+        by_distance: &mut Vec<Oscillation>,
+    ) -> Outcome {
         let span = self.words.place.span;
         let tool = self.tools.get(self.state.current_tool).map(|tool| &tool.kind);
         let Some(ToolKind::PolygonCutter(cutter)) = tool else {
@@ -181,22 +190,15 @@ impl Executor {
             return refuse("I0809", span, text);
         }
         let per_turn = facets as u32;
-        let l = self.state.at[0];
         let [a_x, a_y, d] = [b'I', b'J', b'K'].map(|letter| self.words.get(letter).unwrap_or(0.0));
-        if (a_x != 0.0 || a_y != 0.0) && l <= 0.0 {
-            let text = format!(
-                "I and J count in the distance of the axes, the work coordinate X, which is {l} here: move there before G51.2"
-            );
-            return refuse("I0810", span, text);
-        }
         if a_x != 0.0 {
             let on = Oscillating::Axis(Axis::X);
-            add(oscillations, on, Harmonic { per_turn: 0, cosine: a_x * l, sine: 0.0 });
-            add(oscillations, on, Harmonic { per_turn, cosine: -a_x * l, sine: 0.0 });
+            add(by_distance, on, Harmonic { per_turn: 0, cosine: a_x, sine: 0.0 });
+            add(by_distance, on, Harmonic { per_turn, cosine: -a_x, sine: 0.0 });
         }
         if a_y != 0.0 {
             let on = Oscillating::Axis(Axis::Y);
-            add(oscillations, on, Harmonic { per_turn, cosine: 0.0, sine: a_y * l });
+            add(by_distance, on, Harmonic { per_turn, cosine: 0.0, sine: a_y });
         }
         if d != 0.0 {
             let sine = d / 360.0;
@@ -269,6 +271,7 @@ impl Resolver {
             ratio: order.ratio,
             phase: Angle::deg(order.phase_deg),
             oscillations: order.oscillations.iter().map(resolved).collect(),
+            by_distance: order.by_distance.clone(),
             wanted: Vec::new(),
             auto: order.auto,
             compensated: order.compensated,

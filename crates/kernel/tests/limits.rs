@@ -86,6 +86,7 @@ fn program(oscillation: Oscillation, cuts: &[OpKind]) -> Vec<Op> {
         phase: Angle::ZERO,
         oscillations: vec![oscillation],
         auto: None,
+        by_distance: Vec::new(),
         wanted: Vec::new(),
         compensated: false,
     };

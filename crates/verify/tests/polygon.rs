@@ -89,6 +89,7 @@ impl Cut {
                 harmonics: vec![Harmonic { per_turn: 6, cosine: 0.0, sine: 0.0 }],
             }],
             auto: None,
+            by_distance: Vec::new(),
             wanted: Vec::new(),
             compensated: false,
         };

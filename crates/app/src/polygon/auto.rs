@@ -88,6 +88,9 @@ impl<'a> Auto<'a> {
         if is_refused {
             return;
         }
+        if let Err(text) = self.scale(polygon, cut) {
+            return self.findings.push(finding(text));
+        }
         if polygon.auto.is_some() {
             match self.solve(polygon, cut) {
                 Ok(solution) => {
@@ -117,6 +120,33 @@ impl<'a> Auto<'a> {
             tip_radius: cutter.radius,
             stock_radius: self.machine.setup.stock.to[0],
         })
+    }
+
+    /// What is written as a share of the distance of the axes, at the distance at which it cuts.
+    fn scale(&self, polygon: &mut Polygon, cut: Option<Cut>) -> Result<(), String> {
+        let shares = core::mem::take(&mut polygon.by_distance);
+        if shares.is_empty() {
+            return Ok(());
+        }
+        let Some(cut) = cut else {
+            return Err("I and J count in the distance of the axes at the cut, and no cut follows that says it: write the G1 after G51.2, or G51.3 instead of I and J".to_owned());
+        };
+        let distance = (cut.at[0] - self.axis).value();
+        for share in shares {
+            let scaled = share.harmonics.iter().map(|h| Harmonic {
+                cosine: h.cosine * distance,
+                sine: h.sine * distance,
+                ..*h
+            });
+            match polygon.oscillations.iter_mut().find(|o| o.on == share.on) {
+                Some(known) => known.harmonics.extend(scaled),
+                None => {
+                    let harmonics = scaled.collect();
+                    polygon.oscillations.push(Oscillation { on: share.on, harmonics });
+                }
+            }
+        }
+        Ok(())
     }
 
     /// What is sent instead of what was ordered.

@@ -51,7 +51,8 @@ impl Design {
             OpKind::Polygon(polygon) => Some((at, polygon)),
             _ => None,
         });
-        let place = begun.and_then(|(at, polygon)| Some((polygon, cuts::cut(ops[at + 1..].iter())?)));
+        let place =
+            begun.and_then(|(at, polygon)| Some((polygon, cuts::cut(ops[at + 1..].iter())?)));
         let Some((polygon, place)) = place else {
             return Ok(Err("nothing is cut".to_owned()));
         };
@@ -72,8 +73,7 @@ impl Design {
             false => Vec::new(),
         };
         let measured = ordered.0.iter().map(measured).collect();
-        let swung =
-            Swung { machine: &self.machine, form, work, ordered: &ordered, measured };
+        let swung = Swung { machine: &self.machine, form, work, ordered: &ordered, measured };
         let as_ordered = form.cut(&ordered)?;
         let cut = form.cut(&swung.expected()?)?;
         Some(Claim { as_ordered, cut, servo: swung.error()? })

@@ -117,6 +117,7 @@ mod tests {
             phase: units::Angle::ZERO,
             oscillations: Vec::new(),
             auto: None,
+            by_distance: Vec::new(),
             wanted: Vec::new(),
             compensated: false,
         });

@@ -3,11 +3,14 @@ use super::servo::Servo;
 use super::slide::Slide;
 use canon::{Harmonic, Oscillating, Oscillation, Polygon};
 use forms::polygon::{Actuator, Drive, Effort, Form, Limits};
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use store::machine::{Axis, MachineFile, PositionFrom, Spindle};
 use sync::Complex;
 use units::Spin;
 
+/// What a commissioning leaves undecided of a screw's stiffness, and of friction and play, as shares.
+pub(super) const STIFFNESS: f64 = 0.15;
+pub(super) const FRICTION: f64 = 0.20;
 /// Share of an axis' force that an oscillation may use: the rest is for the cut and for control.
 const PLANNED_SHARE: f64 = 0.9;
 /// Share of an axis' speed, acceleration and jerk that an oscillation may use: the rest is for fading it in and for moves
@@ -76,16 +79,51 @@ impl Answer {
     }
 }
 
-/// The screw of an axis that swings, which repeats so many times a second, where a motor's encoder does not see its far end.
-pub(super) fn screw(machine: &MachineFile, swing: &Oscillation, repeats: Spin) -> Option<Slide> {
+/// A slide that swings, and how far its friction and play may take it off at a reversal, as far as they are not known.
+pub(super) struct Reversing {
+    servo: Servo,
+    slide: Slide,
+    off_mm: f64,
+}
+
+impl Reversing {
+    /// Of what repeats so many times a second; `None`: it is no slide.
+    pub(super) fn of(machine: &MachineFile, swing: &Oscillation, repeats: Spin) -> Option<Self> {
+        let (axis, frequency, size) = slide_of(machine, swing, repeats)?;
+        let held = axis.friction.static_force.value() / axis.structure.stiffness.value();
+        let play = axis.structure.backlash.value() / 2.0;
+        // the fundamental of a motion that is off by as much, now this way and now that way
+        let off_mm = (held * (STIFFNESS + FRICTION) + play * FRICTION) * 4.0 / PI;
+        let slide = Slide::swinging(axis, frequency, size);
+        Some(Self { servo: Servo::of_axis(axis, &machine.control), slide, off_mm })
+    }
+
+    /// What the machine's file says of the answer at a frequency, where a reversal explains how a swing of this size came.
+    pub(super) fn explains(&self, hz: f64, came: Complex, swing: f64) -> Option<Complex> {
+        let file = self.servo.sliding(hz, &self.slide, &self.slide);
+        ((came - file).size() * swing <= self.off_mm).then_some(file)
+    }
+}
+
+/// The axis that swings, and the frequency and amplitude of its strongest harmonic.
+fn slide_of<'m>(
+    machine: &'m MachineFile,
+    swing: &Oscillation,
+    repeats: Spin,
+) -> Option<(&'m Axis, f64, f64)> {
     let Oscillating::Axis(letter) = swing.on else { return None };
     let axis = machine.axes.iter().flatten().find(|axis| axis.letter == letter)?;
     let size = |h: &&Harmonic| h.cosine.hypot(h.sine);
     let swinging = swing.harmonics.iter().filter(|h| h.per_turn > 0);
     let most = swinging.max_by(|a, b| size(a).total_cmp(&size(b)))?;
-    let frequency = f64::from(most.per_turn) * repeats.abs().value();
+    Some((axis, f64::from(most.per_turn) * repeats.abs().value(), size(&most)))
+}
+
+/// The screw of an axis that swings, which repeats so many times a second, where a motor's encoder does not see its far end.
+pub(super) fn screw(machine: &MachineFile, swing: &Oscillation, repeats: Spin) -> Option<Slide> {
+    let (axis, frequency, size) = slide_of(machine, swing, repeats)?;
     matches!(axis.position_from, PositionFrom::Motor { .. })
-        .then(|| Slide::swinging(axis, frequency, size(&most)))
+        .then(|| Slide::swinging(axis, frequency, size))
 }
 
 /// What an actuator of this machine can do; `None` if the machine lacks it.

@@ -12,7 +12,7 @@
 //! its motor goes farther on purpose), with the work's own angle as it really is: gain and phase of each harmonic, and of
 //! the tool spindle also the constant lag behind its gear, which would turn all facets a little.
 //! The last look measures what will cut. No correction may ask more of an actuator than its limits, or than was ordered.
-use super::drives;
+use super::drives::{self, Reversing};
 use super::kept;
 use super::slide::Slide;
 use bus::Sample;
@@ -22,7 +22,7 @@ use plan::{OSCILLATION_SEEN, Superpose, Superposed, TableId, sampled};
 use std::collections::VecDeque;
 use store::machine::MachineFile;
 use store::phases::Swung;
-use sync::{Pair, Repetition, RepetitionOptions, Spectrum, Taught, fold};
+use sync::{Complex, Pair, Repetition, RepetitionOptions, Spectrum, Taught, fold};
 use units::{Angle, Length, Spin};
 
 /// Turns over which one table fades into the next.
@@ -56,6 +56,8 @@ struct Follower {
     active: Vec<f64>,
     /// A slide's screw, whose far end no motor's encoder sees.
     through: Option<Slide>,
+    /// What a slide's friction may do to it.
+    friction: Option<Reversing>,
     learning: Option<Repetition>,
     samples: Vec<Pair>,
     /// Root mean square of the error, before and now.
@@ -146,6 +148,7 @@ impl PolygonHost {
                 active: sampled(&o.harmonics),
                 sent: sampled(&o.harmonics),
                 through: drives::screw(&self.machine, o, self.repeats(polygon)),
+                friction: Reversing::of(&self.machine, o, self.repeats(polygon)),
                 learning: None,
                 samples: Vec::new(),
                 errors: Vec::new(),
@@ -261,11 +264,17 @@ impl PolygonHost {
             [m as f64, round(twice * c.re), round(-twice * c.im)]
         });
         let sent = sent.filter(|[_, cosine, sine]| cosine.abs().max(sine.abs()) > 1e-8).collect();
-        let response: Vec<[f64; 3]> = learning
-            .response()
-            .points()
-            .map(|(hz, gain, delay)| [round(hz), round(gain), round(delay)])
-            .collect();
+        let known = learning.response();
+        let points = known.points().map(|(hz, gain, delay)| {
+            let came = Complex::polar(gain, -delay);
+            let m = (hz / self.repeats(polygon).abs().value()).round() as usize;
+            let swing = spectrum.harmonics.get(m).map_or(0.0, |c| 2.0 * c.size());
+            // what friction may have done is no answer of the loop
+            let file = follower.friction.as_ref().and_then(|f| f.explains(hz, came, swing));
+            let came = file.unwrap_or(came);
+            [round(hz), round(came.size()), round(-came.turn())]
+        });
+        let response: Vec<[f64; 3]> = points.collect();
         let (on, rpm) = (kept::name(follower.on), self.work.abs().in_rpm());
         let (factor, unit) = match follower.on {
             Oscillating::Axis(_) => (1e3, "µm"),

@@ -179,6 +179,11 @@ pub(super) fn session(design: &Design, machine: &str, text: &str) -> Result<Sess
         .map_err(|e| Refused::because(e.to_string()))?;
     let mut session = Session::load(&args, Path::new("-"), text.as_bytes())?;
     session.tools.insert(cutter(design));
+    // from the bar that the design is for
+    let (stock, radius) = (&mut session.machine.setup.stock, design.form.stock_radius);
+    for side in 0..2 {
+        (stock.from[side], stock.to[side]) = (-radius, radius);
+    }
     Ok(session)
 }
 

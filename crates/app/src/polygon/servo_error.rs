@@ -13,7 +13,7 @@
 //! At a reversal friction and play change sides. The motor has to get ahead by w(t) = F(t)/k ± b/2; F(t) by the bristles of
 //! LuGre along the ordered motion, harmonic by harmonic through the loops ([`super::servo`]). Sums of what each cause can do
 //! alone, all at their worst together: a bound, several times what is usual.
-use super::drives::{self, Answer};
+use super::drives::{self, Answer, FRICTION, STIFFNESS};
 use super::servo::Servo;
 use super::slide::Slide;
 use forms::polygon::{Actuator, Cut, Form, Series, Swings, Term};
@@ -22,9 +22,6 @@ use store::machine::{Axis, MachineFile, PositionFrom};
 use sync::{Complex, Spectrum};
 use units::{Length, Spin};
 
-/// What a commissioning leaves undecided of a screw's stiffness, and of friction and play.
-const STIFFNESS: f64 = 0.15;
-const FRICTION: f64 = 0.20;
 /// How well a loop's answer is known, as a share of what it differs from one: by the machine's file, and measured.
 const BY_FILE: f64 = 0.5;
 const MEASURED: f64 = 0.1;
@@ -102,14 +99,17 @@ impl Swung<'_> {
             let ways = plants.map(|factors| {
                 let slide = believed.with(factors);
                 self.through(Some(k), &|_, g, hz| {
-                    g * servo.sliding(hz, &slide, &believed) / servo.sliding(hz, &believed, &believed)
+                    g * servo.sliding(hz, &slide, &believed)
+                        / servo.sliding(hz, &believed, &believed)
                 })
             });
             let [softer, stiffer, less, more] = ways;
             all.push(vec![softer?, stiffer?]);
             all.push(vec![less?, more?]);
             for left in self.reversals(series, axis, &servo, &believed) {
-                all.push([1.0, -1.0].map(|sign| with(expected, series.actuator, &left, sign)).into());
+                all.push(
+                    [1.0, -1.0].map(|sign| with(expected, series.actuator, &left, sign)).into(),
+                );
             }
         }
         Some(all)
@@ -184,9 +184,9 @@ impl Swung<'_> {
     /// What encoders do not tell apart, mm on a facet.
     fn counts(&self) -> f64 {
         let count = |series: &Series| match self.axis(series.actuator).map(|a| a.position_from) {
-            Some(PositionFrom::Motor { resolution, .. } | PositionFrom::Scale { resolution, .. }) => {
-                resolution.value()
-            }
+            Some(
+                PositionFrom::Motor { resolution, .. } | PositionFrom::Scale { resolution, .. },
+            ) => resolution.value(),
             None => self.machine.spindles.get(1).map_or(0.0, |spindle| {
                 let turn = TAU * self.form.tip_radius.value();
                 turn / f64::from(spindle.encoder_counts_per_rev) * self.widest()

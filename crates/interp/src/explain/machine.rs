@@ -103,12 +103,6 @@ pub(super) const ROWS: &[Finding] = &[
         "G51.2 P1 Q2\nG50.2",
     ),
     row("I0809", "The inserts pass the work too often before the gear begins anew.", "", ""),
-    row(
-        "I0810",
-        "The oscillation counts in the distance of the axes, which is not above zero here.",
-        "",
-        "",
-    ),
     row("I0811", "A harmonic of G51.3 needs its periods per turn.", "G51.3 A1", "G51.3 L6 A1"),
     row("I0812", "A harmonic of G51.3 needs amplitudes.", "G51.3 L6", "G51.3 L6 A1"),
     row("I0813", "An oscillation has too many harmonics.", "", ""),
