@@ -323,6 +323,7 @@ fn stiffness(kind: &ToolKind) -> Stiffness {
         | ToolKind::SpotDrill { .. }
         | ToolKind::EndMill
         | ToolKind::PolygonCutter(_)
+        | ToolKind::Insert(_)
         | ToolKind::Other => Stiffness::ZERO,
     }
 }

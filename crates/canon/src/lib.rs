@@ -24,6 +24,7 @@ mod coupling;
 mod frame;
 mod op;
 mod position;
+mod series;
 mod thread;
 mod tool;
 
@@ -37,4 +38,7 @@ pub use op::{
 };
 pub use position::{Axis, Plane, Position};
 pub use thread::{Family, Hand, ThreadSize, UnknownSize};
-pub use tool::{Flute, Holder, PolygonCutter, TapTool, Tool, ToolKind, ToolLibrary};
+pub use series::standard_sizes;
+pub use tool::{
+    Flute, Holder, Insert, InsertPoint, PolygonCutter, TapTool, Tool, ToolKind, ToolLibrary,
+};

@@ -24,7 +24,7 @@ use core::{fmt, ops::RangeInclusive, str::FromStr};
 use units::{Lead, Length};
 
 /// Nominal diameters and coarse pitches of ISO 261, mm.
-const COARSE_MM: [(f64, f64); 34] = [
+pub(crate) const COARSE_MM: [(f64, f64); 34] = [
     (1.0, 0.25),
     (1.2, 0.25),
     (1.4, 0.3),
@@ -63,7 +63,7 @@ const COARSE_MM: [(f64, f64); 34] = [
 
 /// Unified threads of ASME B1.1: nominal diameter in inches, threads per inch of the coarse and of the fine series;
 /// 0 where there is none.
-const UNIFIED: [(f64, f64, f64); 26] = [
+pub(crate) const UNIFIED: [(f64, f64, f64); 26] = [
     (0.060, 0.0, 80.0),
     (0.073, 64.0, 72.0),
     (0.086, 56.0, 64.0),

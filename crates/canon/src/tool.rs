@@ -40,6 +40,8 @@ pub enum ToolKind {
     Tap(TapTool),
     /// Cuts flats beside a turning workpiece.
     PolygonCutter(PolygonCutter),
+    /// Turns with a single point: surfaces and threads.
+    Insert(Insert),
     /// Anything else; it makes no feature that is judged.
     Other,
 }
@@ -54,6 +56,43 @@ pub struct PolygonCutter {
     pub inserts: Vec<Angle>,
     /// Radius of the inserts' noses, in the plane of the axis.
     pub nose_radius: Length,
+}
+
+/// An insert of a lathe, as it stands in the plane of the work's axis, its point towards the work.
+///
+/// ```text
+///     crest_height ──┬─┐        ┌─      full profile: the edge that cuts the thread's crest
+///                    │  ╲ angle╱
+///                    │   ╲    ╱
+///                    ┴    ╲__╱         point: a nose radius, or a flat
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Insert {
+    /// Between its flanks: 60° for metric and unified threads.
+    pub angle: Angle,
+    /// Its point; `None`: the table does not say.
+    pub point: Option<InsertPoint>,
+    /// From its point to the edge that cuts the crest; `None`: partial profile, which leaves the crest as it is.
+    pub crest_height: Option<Length>,
+}
+
+impl Insert {
+    /// Twice its nose radius, which tables of lathes state as its diameter; zero for another point.
+    pub fn nose_diameter(&self) -> Length {
+        match self.point {
+            Some(InsertPoint::Nose(radius)) => radius * 2.0,
+            Some(InsertPoint::Flat(_)) | None => Length::ZERO,
+        }
+    }
+}
+
+/// The point of an insert.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum InsertPoint {
+    /// Rounded with this radius.
+    Nose(Length),
+    /// Flat over this width.
+    Flat(Length),
 }
 
 /// A tap.

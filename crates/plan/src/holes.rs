@@ -55,7 +55,10 @@ impl Holes {
         let point = match tool.kind {
             ToolKind::Drill { point_angle } => radius / libm::tan(point_angle.in_rad() / 2.0),
             ToolKind::EndMill | ToolKind::Other => 0.0,
-            ToolKind::SpotDrill { .. } | ToolKind::Tap(_) | ToolKind::PolygonCutter(_) => return,
+            ToolKind::SpotDrill { .. }
+            | ToolKind::Tap(_)
+            | ToolKind::PolygonCutter(_)
+            | ToolKind::Insert(_) => return,
         };
         if hole.axis != Axis::Z || !point.is_finite() {
             return;

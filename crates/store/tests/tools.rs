@@ -187,6 +187,7 @@ fn the_shipped_tables_describe_the_same_tools() {
                 assert_eq!((&a.designation, a.lead), (&b.designation, b.lead));
             }
             (ToolKind::PolygonCutter(a), ToolKind::PolygonCutter(b)) => assert_eq!(a, b),
+            (ToolKind::Insert(a), ToolKind::Insert(b)) => assert_eq!(a, b),
             (a, b) => assert_eq!(std::mem::discriminant(a), std::mem::discriminant(b)),
         }
     }

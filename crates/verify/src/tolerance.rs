@@ -145,7 +145,7 @@ fn metric_by_formula(size: &ThreadSize, grade: usize) -> (f64, f64) {
 }
 
 /// Geometric mean of the diameter step that holds `d_mm`.
-fn step_mean_mm(d_mm: f64) -> f64 {
+pub(crate) fn step_mean_mm(d_mm: f64) -> f64 {
     STEPS_MM
         .windows(2)
         .find(|step| step[0] < d_mm && d_mm <= step[1])
@@ -153,7 +153,7 @@ fn step_mean_mm(d_mm: f64) -> f64 {
 }
 
 /// The nearest number of the series R 40.
-fn preferred(value: f64) -> f64 {
+pub(crate) fn preferred(value: f64) -> f64 {
     let decade = 10_f64.powf(value.log10().floor());
     let distance = |r: f64| (r * decade / value).ln().abs();
     R40.into_iter()

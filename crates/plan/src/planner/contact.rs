@@ -259,7 +259,7 @@ fn form(tool: &Tool, pressure: f64) -> Option<Form> {
         }
         ToolKind::Tap(_) => Some(Form::Tap { diameter }),
         ToolKind::EndMill => Some(Form::Mill { radius: diameter / 2.0 }),
-        ToolKind::PolygonCutter(_) | ToolKind::Other => None,
+        ToolKind::Insert(_) | ToolKind::PolygonCutter(_) | ToolKind::Other => None,
     }
 }
 

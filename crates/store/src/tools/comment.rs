@@ -7,9 +7,11 @@
 //! | "drill", also "tap drill" | drill, 118° unless "… deg" is stated |
 //! | "mill", "endmill" | end mill |
 //! | "polygon" and "… inserts" | polygon cutter whose diameter is that of its tips, nose radius 0.8 |
+//! | "threading" or "thread" with "insert", "tool" or "bar" | threading insert, 60° unless "… deg" is stated, with the point of the thread's standard unless D says it (twice the nose radius); "full profile 0.92 mm" cuts the crest so far above its point |
+//! | "turning" with "insert" or "tool" | turning insert, 80° unless stated, nose radius half of D or 0.4 |
 //! | none of these, or several, or "chuck" | other |
 use super::usual_tap;
-use canon::{Flute, Hand, PolygonCutter, ThreadSize, ToolKind};
+use canon::{Flute, Hand, Insert, InsertPoint, PolygonCutter, ThreadSize, ToolKind};
 use units::{Angle, Length};
 
 /// What a comment says.
@@ -43,6 +45,25 @@ pub(super) fn understand(comment: &str) -> Understood {
             radius: Length::ZERO, // the table's D says it
             inserts: (0..inserts).map(|n| Angle::rev(f64::from(n) / f64::from(inserts))).collect(),
             nose_radius: Length::mm(0.8),
+        });
+        return understood;
+    }
+    let thread = has(&["threading"]) || has(&["thread"]) && has(&["insert", "tool", "bar"]);
+    if thread && !has(&["tap", "drill", "mill", "endmill", "end-mill", "thread-mill", "forming"]) {
+        understood.kind = ToolKind::Insert(Insert {
+            angle: Angle::deg(degrees(&words).unwrap_or(60.0)),
+            point: None,
+            // "full profile 0.92 mm": from the point to the edge that cuts the crest
+            crest_height: followed("full", "profile").then(|| millimetres(&words)).flatten(),
+        });
+        return understood;
+    }
+    if has(&["turning"]) && has(&["insert", "tool"]) {
+        const NOSE: Length = Length::mm(0.4);
+        understood.kind = ToolKind::Insert(Insert {
+            angle: Angle::deg(degrees(&words).unwrap_or(80.0)),
+            point: Some(InsertPoint::Nose(NOSE)),
+            crest_height: None,
         });
         return understood;
     }
@@ -149,6 +170,7 @@ mod tests {
             ToolKind::EndMill => "mill".into(),
             ToolKind::Tap(tap) => format!("tap {} {}", tap.designation, tap.lead.value()),
             ToolKind::PolygonCutter(_) => "polygon cutter".into(),
+            ToolKind::Insert(insert) => format!("insert {}", insert.angle.in_deg().round()),
             ToolKind::Other => "other".into(),
         }
     }
@@ -165,6 +187,9 @@ mod tests {
         assert_eq!(kind("1/4-20 UNC tap"), "tap 1/4-20 UNC 1.27");
         assert_eq!(kind("M8x1.25-LH tap"), "tap M8x1.25 -1.25");
         assert_eq!(kind("left-hand tap M8"), "tap M8x1.25 -1.25");
+        assert_eq!(kind("threading insert 60 degrees external"), "insert 60");
+        assert_eq!(kind("thread tool 55 deg"), "insert 55");
+        assert_eq!(kind("thread mill M8"), "mill");
     }
 
     #[test]

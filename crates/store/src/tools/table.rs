@@ -4,7 +4,10 @@ use crate::{
     keys::{self, Keys},
     machine::n_per_um,
 };
-use canon::{Flute, Hand, Holder, PolygonCutter, TapTool, ThreadSize, Tool, ToolKind, ToolLibrary};
+use canon::{
+    Flute, Hand, Holder, Insert, InsertPoint, PolygonCutter, TapTool, ThreadSize, Tool, ToolKind,
+    ToolLibrary,
+};
 use diag::{Diagnostic, Span};
 use std::ops::RangeInclusive;
 use units::{Angle, Length, MM_PER_INCH, Stiffness};
@@ -16,6 +19,8 @@ enum Kind {
     EndMill,
     Tap,
     PolygonCutter,
+    ThreadingInsert,
+    TurningInsert,
     Other,
 }
 
@@ -32,6 +37,8 @@ fn read_tool(keys: &mut Keys<'_>) -> (Tool, Span) {
         ("end-mill", Kind::EndMill),
         ("tap", Kind::Tap),
         ("polygon-cutter", Kind::PolygonCutter),
+        ("threading-insert", Kind::ThreadingInsert),
+        ("turning-insert", Kind::TurningInsert),
         ("other", Kind::Other),
     ];
     let (kind, nominal) = match keys.choice("kind", &kinds) {
@@ -47,13 +54,18 @@ fn read_tool(keys: &mut Keys<'_>) -> (Tool, Span) {
             let diameter = cutter.radius * 2.0;
             (ToolKind::PolygonCutter(cutter), Some(diameter))
         }
+        Kind::ThreadingInsert => (ToolKind::Insert(read_threading_insert(keys)), None),
+        Kind::TurningInsert => (ToolKind::Insert(read_turning_insert(keys)), None),
         Kind::Other => (ToolKind::Other, None),
     };
     let tool = Tool {
         number,
         pocket: keys.optional_whole("pocket", 0..=u32::MAX).unwrap_or(number),
         length: length(keys, ["length_mm", "length_in"], 0.0..=LONGEST.value()),
-        diameter: read_diameter(nominal, keys),
+        diameter: match &kind {
+            ToolKind::Insert(insert) => insert.nose_diameter(),
+            _ => read_diameter(nominal, keys),
+        },
         kind,
         description: keys.optional_text("description").unwrap_or_default(),
         stand_in: false,
@@ -83,6 +95,27 @@ fn optional_length(
         let is_stated = keys.has(in_mm);
         is_stated.then(|| keys.optional(in_mm, bounds).map(Length::mm)).flatten()
     })
+}
+
+/// 60° unless stated; a point that is not stated is the one that the thread's standard has.
+fn read_threading_insert(keys: &mut Keys<'_>) -> Insert {
+    let angle = Angle::deg(keys.optional("flank_angle_deg", 10.0..=120.0).unwrap_or(60.0));
+    let nose = keys.optional("nose_radius_mm", 0.0..=10.0);
+    let flat = keys.optional("flat_mm", 0.0..=10.0);
+    if nose.is_some() && flat.is_some() {
+        keys.conflict("flat_mm", "the insert's point is stated twice: expected one of `nose_radius_mm` and `flat_mm`");
+    }
+    let crest_height = keys.optional("crest_height_mm", 0.01..=50.0).map(Length::mm);
+    let nose = nose.map(|radius| InsertPoint::Nose(Length::mm(radius)));
+    let flat = flat.map(|width| InsertPoint::Flat(Length::mm(width)));
+    Insert { angle, point: nose.or(flat), crest_height }
+}
+
+/// 80° between its edges and a nose of 0.4 mm unless stated.
+fn read_turning_insert(keys: &mut Keys<'_>) -> Insert {
+    let angle = Angle::deg(keys.optional("point_angle_deg", 10.0..=120.0).unwrap_or(80.0));
+    let nose = keys.optional("nose_radius_mm", 0.0..=100.0).unwrap_or(0.4);
+    Insert { angle, point: Some(InsertPoint::Nose(Length::mm(nose))), crest_height: None }
 }
 
 fn point_angle(keys: &mut Keys<'_>, usual_deg: f64) -> Angle {
