@@ -3,7 +3,8 @@ use canon::Position;
 use store::certificate::{self as file, Common, Measured};
 use units::Length;
 use verify::{
-    Feature, FeatureKind, Gear, GroundCam, Hand, Hole, Polygon, Thread, TurnedThread, Verdict,
+    Feature, FeatureKind, Gear, GroundCam, Hand, Hole, Polygon, Thread, TurnedLimits, TurnedSizes,
+    TurnedThread, Verdict,
 };
 
 /// One feature, in the certificate's keys and units; places in the frame of the workpiece, whose zero is there.
@@ -13,6 +14,7 @@ pub(crate) fn feature(found: &Feature, zero: &Position) -> file::Feature {
         verdict: match found.verdict {
             Verdict::Pass => file::Verdict::Pass,
             Verdict::Fail { .. } => file::Verdict::Fail,
+            Verdict::NotJudged { .. } => file::Verdict::NotJudged,
         },
         reason: found.verdict.reason().map(str::to_owned),
         time_s: Measured::s(found.time),
@@ -77,6 +79,45 @@ fn turned(common: Common, found: &TurnedThread, zero: &Position) -> file::Turned
         lead_error_um: um(found.lead_error),
         pass_spread_um: um(found.pass_spread),
         infeed_error_um: um(found.infeed_error),
+        internal: found.internal,
+        starts: found.starts,
+        size: found.size.clone(),
+        class: found.class.to_owned(),
+        insert: found.insert.clone(),
+        before_mm: found.before.map_or(Measured::UNKNOWN, Measured::mm),
+        contact_percent: found
+            .contact
+            .map_or(Measured::UNKNOWN, |share| Measured::number(share * 100.0)),
+        groove_depth_mm: found.groove_depth.map_or(Measured::UNKNOWN, Measured::mm),
+        not_judged: Some(found.not_judged.clone()).filter(|why| !why.is_empty()),
+        sizes: found.sizes.as_ref().map(|sizes| turned_sizes(sizes, found)),
+        force_max_n: found.force_max.map_or(Measured::UNKNOWN, |f| Measured::number(f.value())),
+        torque_max_n_m: torque(found.torque_max),
+    }
+}
+
+fn turned_sizes(sizes: &TurnedSizes, found: &TurnedThread) -> file::TurnedSizes {
+    let mm = |lengths: [Length; 2]| lengths.map(Measured::mm);
+    let limits = |of: fn(&TurnedLimits) -> [Length; 2]| {
+        found.limits.as_ref().map(|limits| {
+            // a diameter without a largest has no number there
+            of(limits).map(|d| if d.value().is_finite() { Measured::mm(d) } else { Measured::UNKNOWN })
+        })
+    };
+    file::TurnedSizes {
+        major_mm: mm(sizes.major),
+        major_limits_mm: limits(|l| l.major),
+        pitch_mm: mm(sizes.pitch),
+        virtual_pitch_mm: Measured::mm(sizes.virtual_pitch),
+        pitch_limits_mm: limits(|l| l.pitch),
+        minor_mm: mm(sizes.minor),
+        minor_limits_mm: limits(|l| l.minor),
+        pitch_error_um: Measured::um(sizes.pitch_error),
+        flank_error_um: Measured::um(sizes.flank_error),
+        flank_contact_percent: Measured::number(sizes.flank_contact * 100.0),
+        full_length_mm: Measured::mm(sizes.full_length),
+        run_in_mm: Measured::mm(sizes.run_in),
+        run_out_mm: Measured::mm(sizes.run_out),
     }
 }
 

@@ -25,6 +25,8 @@ pub(crate) fn text(job: &Job, outcome: &Outcome, out: Option<&Path>, quiet: bool
         said += &format!("{}\n", table(outcome));
     }
     let bad: Vec<_> = outcome.features.iter().filter(|f| !f.verdict.is_pass()).collect();
+    let unjudged =
+        bad.iter().filter(|f| matches!(f.verdict, verify::Verdict::NotJudged { .. })).count();
     for feature in bad.iter().take(MOST_FAILURES) {
         let reason = feature.verdict.reason().unwrap_or_default();
         said += &format!("line {}: {}: {reason}\n", feature.line, feature.kind_name());
@@ -49,14 +51,14 @@ pub(crate) fn text(job: &Job, outcome: &Outcome, out: Option<&Path>, quiet: bool
     for fault in &outcome.faults {
         said += &format!("{fault}\n  {}\n", fault.kind.remedy());
     }
-    said += &format!("{}, cycle time {}\n", verdict(outcome, bad.len()), clock(outcome));
+    said += &format!("{}, cycle time {}\n", verdict(outcome, [bad.len() - unjudged, unjudged]), clock(outcome));
     if let Some(out) = out.filter(|_| !quiet) {
         said += &format!("report: {}\n", out.join("report.html").display());
     }
     said
 }
 
-fn verdict(outcome: &Outcome, bad: usize) -> String {
+fn verdict(outcome: &Outcome, [bad, unjudged]: [usize; 2]) -> String {
     if !outcome.ended {
         let what = if outcome.faults.is_empty() { "STOPPED" } else { "STOPPED BY AN ALARM" };
         return match (outcome.stops.is_empty(), outcome.withdrawn.is_empty()) {
@@ -66,6 +68,9 @@ fn verdict(outcome: &Outcome, bad: usize) -> String {
         };
     }
     match (bad, outcome.features.len()) {
+        (0, all) if unjudged > 0 => {
+            format!("NOT JUDGED: {unjudged} of {}", plural(all, "feature"))
+        }
         (0, _) if !outcome.watch.breaches().is_empty() => {
             "FAIL: what must never be was seen on the way".to_owned()
         }
@@ -230,8 +235,14 @@ fn turned_cells(group: &[&Feature]) -> Vec<Cell> {
         Cell::new(format!("{:.3}", most(|t| t.length().value()))),
         Cell::new(format!("{:.1} µm", most(|t| t.infeed_error.in_um()))),
         Cell::new(format!("{:.1} µm", most(|t| t.sync_error_max.in_um()))),
-        Cell::new(""),
-        Cell::new(""),
+        Cell::new(threads().next().map_or(String::new(), verify::TurnedThread::class_and_size)),
+        Cell::new(
+            threads()
+                .filter_map(verify::TurnedThread::pitch_margin)
+                .map(|margin| margin.in_um())
+                .reduce(f64::min)
+                .map_or(String::new(), |least| format!("{least:.0} µm")),
+        ),
         Cell::new(format!("{:.0}", most(|t| t.spin_max.in_rpm()))),
     ]
 }

@@ -15,7 +15,7 @@ use std::path::Path;
 use units::{Angle, Force, Lead, Length, Spin, Time, Torque};
 
 mod turned;
-pub use turned::TurnedThread;
+pub use turned::{TurnedSizes, TurnedThread};
 
 /// Bytes a certificate may have: a feature takes about 700.
 pub const CERTIFICATE_LIMIT: u64 = 256 * SMALL_FILE_LIMIT;
@@ -124,6 +124,9 @@ pub enum Verdict {
     Pass,
     /// Not.
     Fail,
+    /// Nothing is known to be wrong, and nobody can say that it is right.
+    #[serde(rename = "not judged")]
+    NotJudged,
 }
 
 impl Feature {

@@ -14,7 +14,7 @@
 //! bores.
 use crate::insert::{Form, Side};
 use bus::Sample;
-use canon::{Tool, ToolKind};
+use canon::{InsertPoint, Tool, ToolKind};
 use std::f64::consts::TAU;
 use units::Length;
 
@@ -24,6 +24,13 @@ pub(crate) const SECTIONS: usize = 12;
 const STEP_MM: f64 = 0.01;
 /// Places along the axis at most.
 const MOST_PLACES: usize = 20_000;
+/// The trailing edge of a turning tool: its slope (an insert of 80° that leads with 95°), and its length, mm (ISO 1832: size 12).
+const TRAILING_SLOPE: f64 = 0.087_488_663_525_924;
+const TRAILING_MM: f64 = 12.0;
+/// A way along Z in a period that is a feed, mm: 0.2 mm a minute.
+const FEED_MM: f64 = 1e-6;
+/// A turning tool's nose where the table does not state one, mm (estimate: the usual one for finishing).
+const USUAL_NOSE_MM: f64 = 0.4;
 /// A tool nearer to the axis than this is on it, mm.
 const ON_AXIS_MM: f64 = 0.05;
 
@@ -70,6 +77,21 @@ pub(crate) struct TurnedBar {
     inner: Vec<f64>,
     last: Option<Pose>,
     side: Side,
+    /// −1 while the tool goes towards the chuck, and until it goes the other way; +1 then.
+    feed: f64,
+}
+
+/// Nose radius of a tool that turns, mm; `None` of one that does not.
+fn turning_nose(tool: Option<&Tool>) -> Option<f64> {
+    match tool.map(|tool| &tool.kind) {
+        Some(ToolKind::Insert(insert)) => match insert.point {
+            Some(InsertPoint::Nose(radius)) => Some(radius.value()),
+            Some(InsertPoint::Flat(_)) => Some(0.0),
+            None => Some(USUAL_NOSE_MM),
+        },
+        Some(ToolKind::Other) => Some(USUAL_NOSE_MM),
+        _ => None,
+    }
 }
 
 impl TurnedBar {
@@ -85,6 +107,7 @@ impl TurnedBar {
             inner: vec![bar.bore.value(); SECTIONS * places],
             last: None,
             side: Side::External,
+            feed: -1.0,
         }
     }
 
@@ -130,6 +153,39 @@ impl TurnedBar {
         }
     }
 
+    /// From which side the tool came last.
+    pub(crate) const fn side(&self) -> Side {
+        self.side
+    }
+
+    /// Middle one of the diameters of bar or bore between two places; of the stock, where the bar does not reach there.
+    pub(crate) fn diameter(&self, [low, high]: [f64; 2], side: Side) -> Length {
+        let stock = match side {
+            Side::External => self.bar.radius,
+            Side::Internal => self.bar.bore,
+        };
+        let mut radii: Vec<f64> = self
+            .heights(0, side)
+            .enumerate()
+            .filter(|(place, _)| (low..=high).contains(&self.z(*place)) && self.is_there(*place))
+            .map(|(_, height)| height.abs())
+            .collect();
+        radii.sort_by(f64::total_cmp);
+        radii.get(radii.len() / 2).map_or(stock, |radius| Length::mm(*radius)) * 2.0
+    }
+
+    /// There is material in the first section at a place.
+    fn is_there(&self, place: usize) -> bool {
+        self.outer[place] > self.inner[place]
+    }
+
+    /// Machine Z of the free end of what is higher than a level.
+    pub(crate) fn end(&self, side: Side, level: f64) -> Option<f64> {
+        let higher = |(place, height): &(usize, f64)| *height > level && self.is_there(*place);
+        let last = self.heights(0, side).enumerate().filter(higher).last();
+        last.map(|(place, _)| self.z(place) + self.step / 2.0)
+    }
+
     /// The sections that the tool's point has passed since the last sample.
     pub(crate) fn follow(&mut self, sample: &Sample, tool: Option<&Tool>) -> Vec<Crossing> {
         let (x, y) =
@@ -148,6 +204,9 @@ impl TurnedBar {
             return Vec::new();
         };
         self.find_side(&now);
+        if (now.z - before.z).abs() > FEED_MM {
+            self.feed = (now.z - before.z).signum();
+        }
         let (from, to) = (before.turn * SECTIONS as f64, now.turn * SECTIONS as f64);
         // a point that passes behind the axis, or a record with a gap, says nothing of the way between
         if (to - from).abs() > SECTIONS as f64 / 2.0 {
@@ -194,9 +253,36 @@ impl TurnedBar {
         if crossings.is_empty() || self.last.is_none_or(|at| at.radius > self.bar.radius.value()) {
             return;
         }
-        let Some(form) = Form::of_turning(tool) else { return };
+        let Some(nose) = turning_nose(tool) else { return };
         let side = self.side;
-        crossings.iter().for_each(|at| self.cut(at, &form, side));
+        crossings.iter().for_each(|at| self.turn(at, nose, side));
+    }
+
+    /// Cut with a turning tool: its nose, square towards the way of the feed, and a trailing edge behind.
+    fn turn(&mut self, at: &Crossing, nose: f64, side: Side) {
+        let trails = -self.feed;
+        let place = |z: f64| ((z - self.bar.rear.value()) / self.step - 0.5).max(0.0);
+        let [a, b] = [at.z - trails * nose, at.z + trails * TRAILING_MM];
+        let (low, high) = (a.min(b), a.max(b));
+        if high < self.bar.rear.value() {
+            return;
+        }
+        let last = (place(high).floor() as usize).min(self.places - 1);
+        for place in place(low).ceil() as usize..=last {
+            let behind = (self.z(place) - at.z) * trails;
+            let round = nose - (nose * nose - behind * behind).max(0.0).sqrt();
+            // on the trailing side the nose goes over into an edge that rises little
+            let tangent = nose * TRAILING_SLOPE;
+            let edge = if behind > tangent { (behind - tangent) * TRAILING_SLOPE } else { round };
+            self.cut_to(at.section * self.places + place, at.radius, edge, side);
+        }
+    }
+
+    fn cut_to(&mut self, index: usize, radius: f64, rise: f64, side: Side) {
+        match side {
+            Side::External => self.outer[index] = self.outer[index].min(radius + rise),
+            Side::Internal => self.inner[index] = self.inner[index].max(radius - rise),
+        }
     }
 
     /// Cut an insert's form out of a section.
@@ -218,14 +304,7 @@ impl TurnedBar {
         for place in first..=last {
             let rise = form.rise((self.z(place) - at.z).abs());
             let index = at.section * self.places + place;
-            match side {
-                Side::External => {
-                    self.outer[index] = self.outer[index].min(at.radius + rise);
-                }
-                Side::Internal => {
-                    self.inner[index] = self.inner[index].max(at.radius - rise);
-                }
-            }
+            self.cut_to(index, at.radius, rise, side);
         }
     }
 
@@ -251,7 +330,7 @@ impl TurnedBar {
 mod tests {
     use super::*;
     use bus::Truth;
-    use canon::{Insert, InsertPoint};
+    use canon::Insert;
     use units::Angle;
 
     fn bar() -> TurnedBar {
@@ -332,7 +411,7 @@ mod tests {
         moves(&mut bar, &turning(), &[[3.5, 2.0], [4.5, 2.0], [4.5, -15.0], [3.5, -15.0]]);
         let [low, high] = radius(&bar, -10.0, Side::Internal);
         assert!((4.49..4.5001).contains(&low) && high < 4.5001, "{low} {high}");
-        assert_eq!(radius(&bar, -18.0, Side::Internal), [4.0, 4.0]);
+        assert_eq!(radius(&bar, -17.0, Side::Internal), [4.0, 4.0]);
     }
 
     #[test]

@@ -1,5 +1,5 @@
 //! What the judge is told beforehand: the tools, what was asked of the workpiece, the material.
-use crate::ThreadClass;
+use crate::{Bar, ThreadClass};
 use canon::{CamLibrary, Flute, Position, ToolLibrary};
 use units::{Angle, Length, Torque};
 
@@ -24,6 +24,8 @@ pub struct Config {
     pub work_axis: [Length; 2],
     /// Radius of the bar that is turned; `None`: nothing limits what is cut.
     pub stock_radius: Option<Length>,
+    /// The bar that threads are turned on; `None`: the work is no bar about the spindle's axis.
+    pub bar: Option<Bar>,
     /// Axial play, flank to flank, of the tap's *following* teeth in the groove that its leading
     /// teeth have cut: back taper and relief make them thinner. The leading teeth have none.
     pub flank_clearance: Length,
@@ -48,6 +50,7 @@ impl Config {
             stock_top: None,
             work_axis: [Length::ZERO; 2],
             stock_radius: None,
+            bar: None,
             flank_clearance: Length::ZERO,
             flank_angle_allowance: Length::ZERO,
             synchronised: true,

@@ -84,6 +84,11 @@ pub enum Verdict {
         /// One sentence with the numbers: everything that is wrong, gravest first.
         reason: String,
     },
+    /// Nothing is known to be wrong, and nobody can say that it is right.
+    NotJudged {
+        /// What could not be judged, and why.
+        reason: String,
+    },
 }
 
 impl Verdict {
@@ -97,11 +102,12 @@ impl Verdict {
         matches!(self, Self::Pass)
     }
 
-    /// `"pass"` or `"fail"`.
+    /// `"pass"`, `"fail"` or `"not judged"`.
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Pass => "pass",
             Self::Fail { .. } => "fail",
+            Self::NotJudged { .. } => "not judged",
         }
     }
 
@@ -109,7 +115,7 @@ impl Verdict {
     pub fn reason(&self) -> Option<&str> {
         match self {
             Self::Pass => None,
-            Self::Fail { reason } => Some(reason),
+            Self::Fail { reason } | Self::NotJudged { reason } => Some(reason),
         }
     }
 }

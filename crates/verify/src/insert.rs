@@ -20,13 +20,6 @@ pub(crate) const TRIANGLE: f64 = 0.866_025_403_784_438_6;
 const HALF_ANGLE: Angle = Angle::deg(30.0);
 /// How far the edge that cuts the crest reaches beyond the flanks, as a share of the width there.
 const OVER_THE_CREST: f64 = 0.3;
-/// A turning tool whose table says nothing: between its edges, and its nose (ISO 1832: an insert C.. 04).
-const TURNING: Insert = Insert {
-    angle: Angle::deg(80.0),
-    point: Some(InsertPoint::Nose(Length::mm(0.4))),
-    crest_height: None,
-};
-
 /// Whether material outside or inside the tool's point is cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Side {
@@ -82,18 +75,6 @@ impl Form {
         match tool.map(|tool| &tool.kind) {
             Some(ToolKind::Insert(insert)) => Self::new(insert, pitch, side),
             _ => Self::new(&usual, pitch, side),
-        }
-    }
-
-    /// Of a tool that turns; `None` if it does not.
-    pub(crate) fn of_turning(tool: Option<&Tool>) -> Option<Self> {
-        match tool.map(|tool| &tool.kind) {
-            Some(ToolKind::Insert(insert)) => {
-                let insert = Insert { point: insert.point.or(TURNING.point), ..*insert };
-                Some(Self::new(&insert, 0.0, Side::External))
-            }
-            Some(ToolKind::Other) => Some(Self::new(&TURNING, 0.0, Side::External)),
-            _ => None,
         }
     }
 

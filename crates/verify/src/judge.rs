@@ -10,6 +10,7 @@
 //!
 //! A sample between features costs a comparison; within one, memory is bounded by the bins of its depth.
 use crate::Config;
+use crate::bar::TurnedBar;
 use crate::cam::{self, CamTrack};
 use crate::chips::Removals;
 use crate::feature::Feature;
@@ -34,6 +35,8 @@ pub struct Judge {
     /// The tool that the ops so far have put into the spindle.
     tool_ordered: Option<u32>,
     drilled: Vec<Drilled>,
+    /// The bar as it has been turned so far.
+    bar: Option<TurnedBar>,
     features: Vec<Feature>,
     removals: Removals,
     /// Where the ops so far have brought the axes.
@@ -83,6 +86,7 @@ impl Judge {
     /// A judge who has seen nothing yet.
     pub fn new(config: Config) -> Self {
         Self {
+            bar: config.bar.map(|bar| TurnedBar::new(bar, config.work_axis)),
             config,
             orders: VecDeque::new(),
             track: None,
@@ -206,17 +210,25 @@ impl Judge {
                 None => self.thrown.push(feature),
             }
         }
-        while let Some(order) = self.orders.front() {
-            if op < order.first {
-                return;
-            }
-            if order.end.is_none_or(|end| op < end) {
-                break;
-            }
+        while self.orders.front().is_some_and(|order| order.end.is_some_and(|end| op >= end)) {
             self.close();
         }
-        let Some(order) = self.orders.front() else { return };
         let config = &self.config;
+        let order = self.orders.front().filter(|order| op >= order.first);
+        let tool = sample.feedback.tool.and_then(|number| config.tools.get(number));
+        let is_thread = order.is_some_and(|order| matches!(order.what, What::Turned(_)));
+        let turning = match &mut self.bar {
+            Some(bar) if is_thread => {
+                let crossings = bar.follow(sample, tool);
+                Some((&*bar, crossings))
+            }
+            Some(bar) => {
+                bar.sample(sample, tool);
+                None
+            }
+            None => None,
+        };
+        let Some(order) = order else { return };
         let track = self
             .track
             .get_or_insert_with(|| Track::new(order, sample.feedback.tool.or(order.tool), config));
@@ -228,7 +240,7 @@ impl Judge {
             Track::Cam(track) => track.sample(sample),
             Track::Turned(track) => {
                 if let What::Turned(ordered) = &order.what {
-                    track.sample(sample, ordered);
+                    track.sample(sample, ordered, turning.as_ref(), config.work_axis);
                 }
             }
         }
@@ -276,7 +288,8 @@ impl Judge {
             }
             Track::Turned(track) => {
                 if let What::Turned(ordered) = &order.what {
-                    self.features.push(track.finish(op, line, ordered, &self.config, self.now));
+                    let with = (&self.config, self.bar.as_mut());
+                    self.features.push(track.finish(op, line, ordered, with, self.now));
                 }
             }
             Track::Hole { track, tool } => {

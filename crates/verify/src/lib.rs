@@ -10,6 +10,7 @@
 //!                                                ├─► Judge ─► Feature { Hole | Thread, Verdict }
 //!   bus::Sample ──► where the edges really were ─┘
 //! ```
+mod bar;
 mod cam;
 mod chips;
 mod class;
@@ -20,6 +21,7 @@ mod gear;
 mod groove;
 mod hole;
 mod idle;
+mod insert;
 mod inspection;
 mod judge;
 mod polygon;
@@ -31,6 +33,7 @@ mod trend;
 mod turned;
 mod watch;
 
+pub use bar::Bar;
 pub use cam::GroundCam;
 pub use canon::{Family, Hand, ThreadSize};
 pub use class::{ThreadClass, UnknownClass};
@@ -44,5 +47,5 @@ pub use polygon::{Along, Facet, Polygon, Section};
 pub use summary::{Count, Criterion, Headroom, Summary};
 pub use tolerance::Limits;
 pub use trend::TorqueTrend;
-pub use turned::{LeadOfTurn, TurnedThread};
+pub use turned::{LeadOfTurn, TurnedLimits, TurnedSizes, TurnedThread};
 pub use watch::{ACROSS_MM, AGAINST_MM, BEYOND_MM, Breach, Watch};

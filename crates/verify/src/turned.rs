@@ -1,4 +1,17 @@
-//! Turned threads: the groove that the passes of a single point have left, from recorded motion.
+//! Turned threads: the groove that the passes of a single point have left in the bar, from recorded motion.
+//!
+//! A thread is judged whole, by what the insert's form has left of the bar that was there before (stock, turned passes, bores), in axial
+//! sections of it:
+//!
+//! ```text
+//!   contact       the point was in the material along the ordered thread, or nothing was cut
+//!   sizes         major, pitch and minor diameter, flanks, length of full thread, run-in, run-out      ([`sizes`], [`profile`])
+//!   limits        of the standard thread of that pitch and bar: ISO 965-1, ASME B1.1                   ([`size`])
+//! ```
+//!
+//! A thread whose lead is not the same everywhere (G34, chains of blocks) has no limits of size; what it asks for is its program: it is
+//! judged by contact, helix and infeed, and its diameters are named as not judged. A straight thread of one lead that is none of a standard, a
+//! taper, a thread in a face, and one on work that is no bar are *not judged*: nobody knows what they must fit.
 //!
 //! Each pass is judged against the helix that its own block orders: where the thread's stretch starts, the spindle has
 //! turned so far from the start angle.
@@ -18,115 +31,40 @@
 //! A tool that is taken off the work, as for a hold, is judged until it is clear: until it stands where it stood before it was fed
 //! in. The pass then counts once it has been cut to its end.
 //!
-//! The material begins at the surface that the block names. Where the chain ends the axes come to rest, which takes a part
+//! The helix is judged from the surface that the block names on. Where the chain ends the axes come to rest, which takes a part
 //! of a revolution: the last revolution before it is the run-out and is not judged.
+mod feature;
 mod figures;
+mod inspection;
 mod law;
+mod profile;
+mod size;
+mod sizes;
+mod verdict;
+
+pub use feature::{LeadOfTurn, TurnedThread};
+pub use size::TurnedLimits;
+pub use sizes::TurnedSizes;
 
 use crate::Config;
-use crate::feature::{Feature, FeatureKind, Verdict};
+use crate::bar::{Crossing, TurnedBar};
+use crate::feature::{Feature, FeatureKind};
+use crate::insert::Side;
 use bus::Sample;
 use canon::{Axis, Hand, OpKind, Position};
 use figures::{lead_error, leads, start_angle, thinned};
+use inspection::{Contact, Inspected, inspect};
 use law::{Law, Stretch};
-use units::{Angle, Lead, LeadGrowth, Length, Spin, Time};
+use units::{Angle, Force, Lead, LeadGrowth, Length, Spin, Time, Torque};
 
 /// Share of the way back to where a tool stood before it was fed in, from which on it is clear of the work.
 const CLEAR: f64 = 0.99;
+/// Shorter than this is no way in which a tool was fed in: the rounding of coordinates.
+const FED_IN_MM: f64 = 1e-3;
 /// Turns before the chain's end that are run-out.
 const RUN_OUT: f64 = 1.0;
-
-/// A thread that was turned with a single point, in one or more passes.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TurnedThread {
-    /// Advance along its axis for each revolution, without sign, where the longest of its blocks begins.
-    pub lead: Lead,
-    /// By how much that grows with each revolution of that block; negative where it shrinks.
-    pub growth: LeadGrowth,
-    /// Turn by turn, where the lead is not the same everywhere; of the last pass.
-    pub leads: Vec<LeadOfTurn>,
-    /// Where the spindle stood when the last pass was where it begins, as it was cut: in (−½, ½] turns.
-    pub start_angle: Angle,
-    /// Which way it winds.
-    pub hand: Hand,
-    /// The axis along which it runs.
-    pub axis: Axis,
-    /// Machine coordinate of the tip along `axis` where the material begins.
-    pub surface: Length,
-    /// Likewise at its end.
-    pub end: Length,
-    /// Passes that were cut.
-    pub passes: u32,
-    /// Passes that the program orders.
-    pub passes_ordered: u32,
-    /// Fastest that the spindle turned in the material.
-    pub spin_max: Spin,
-    /// Largest distance from the helix in the material, magnitude.
-    pub sync_error_max: Length,
-    /// Its root mean square.
-    pub sync_error_rms: Length,
-    /// Error of the lead over the thread's length, signed: positive is longer.
-    pub lead_error: Length,
-    /// Largest mean distance from the helix of a pass less the smallest.
-    pub pass_spread: Length,
-    /// Mean distance from the helix of each pass that was cut.
-    pub pass_means: Vec<Length>,
-    /// Largest distance from the ordered infeed in the deepest pass.
-    pub infeed_error: Length,
-    /// Of the pass with the largest error, along the thread from the surface on: depth and distance from the helix.
-    pub profile: Vec<[Length; 2]>,
-}
-
-/// The lead of one turn of a thread, without sign.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LeadOfTurn {
-    /// Depth below the surface at which it begins.
-    pub depth: Length,
-    /// As it was ordered.
-    pub ordered: Lead,
-    /// As it was cut.
-    pub cut: Lead,
-}
-
-impl TurnedThread {
-    /// Such as "turned thread 1.500 left", "turned thread 2.000 growing 0.050 a turn".
-    pub fn name(&self) -> String {
-        let hand = if self.hand == Hand::Left { " left" } else { "" };
-        let growth = self.growth.value();
-        let changes = match growth {
-            0.0 => String::new(),
-            _ if growth > 0.0 => format!(" growing {growth:.3} a turn"),
-            _ => format!(" shrinking {:.3} a turn", -growth),
-        };
-        format!("turned thread {:.3}{changes}{hand}", self.lead.value())
-    }
-
-    /// For people: "lead 2 mm growing 0.05 mm a turn".
-    pub fn lead_in_words(&self) -> String {
-        let (lead, growth) = (rounded(self.lead.value()), rounded(self.growth.value()));
-        if growth == 0.0 {
-            return format!("lead {lead} mm");
-        }
-        let changes = if growth > 0.0 { "growing" } else { "shrinking" };
-        format!("lead {lead} mm {changes} {} mm a turn", growth.abs())
-    }
-
-    /// The turn whose lead is farthest off.
-    pub fn worst_turn(&self) -> Option<&LeadOfTurn> {
-        let off = |turn: &LeadOfTurn| (turn.cut - turn.ordered).abs().value();
-        self.leads.iter().max_by(|a, b| off(a).total_cmp(&off(b)))
-    }
-
-    /// From where the material begins to the end.
-    pub fn length(&self) -> Length {
-        (self.end - self.surface).abs()
-    }
-}
-
-/// To a hundredth of a micrometre.
-fn rounded(mm: f64) -> f64 {
-    (mm * 1e5).round() / 1e5
-}
+/// Passes of the point through sections that are kept of one thread: 24 MB, 80,000 turns.
+const MOST_CROSSINGS: usize = 1_000_000;
 
 /// The passes that a program orders over one thread.
 #[derive(Clone, Debug, Default)]
@@ -219,6 +157,7 @@ struct Pass {
     sense: Option<f64>,
     /// The run-out began.
     whole: bool,
+    contact: Contact,
 }
 
 /// What was recorded of a thread.
@@ -232,10 +171,52 @@ pub(crate) struct TurnedTrack {
     /// +1 or −1: the way the spindle turns.
     sense: f64,
     tool: Option<u32>,
+    /// Where the point has passed the bar's sections; emptied where there were too many.
+    crossings: Vec<Crossing>,
+    too_many: bool,
+    side: Option<Side>,
+    force: Option<Force>,
+    torque: Option<Torque>,
+}
+
+/// The bar, and the sections of it that the point has passed since the last sample.
+pub(crate) type Turning<'a> = (&'a TurnedBar, Vec<Crossing>);
+
+/// Whether a tool is off the work: back where it stood before it was fed in, along the way it was.
+fn is_clear(axis: usize, stood: &Position, from: &Position, across: impl Fn(usize) -> f64) -> bool {
+    let (mut back, mut whole) = (0.0, 0.0);
+    for i in (0..3).filter(|i| *i != axis) {
+        let way = (stood.linear[i] - from.linear[i]).value();
+        back += across(i) * way;
+        whole += way * way;
+    }
+    whole > FED_IN_MM * FED_IN_MM && back > CLEAR * whole
+}
+
+/// From outside, or from within a bore; `None` where the way does not say.
+fn side_fed_in_from(stood: &Position, from: &Position, axis: [Length; 2]) -> Option<Side> {
+    let radius = |at: &Position| {
+        (at.linear[0] - axis[0]).value().hypot((at.linear[1] - axis[1]).value())
+    };
+    let way = radius(stood) - radius(from);
+    match way {
+        way if way > FED_IN_MM => Some(Side::External),
+        way if way < -FED_IN_MM => Some(Side::Internal),
+        _ => None,
+    }
 }
 
 impl TurnedTrack {
-    pub(crate) fn sample(&mut self, sample: &Sample, ordered: &Ordered) {
+    pub(crate) fn sample(
+        &mut self,
+        sample: &Sample,
+        ordered: &Ordered,
+        turning: Option<&Turning<'_>>,
+        work_axis: [Length; 2],
+    ) {
+        if let Some((bar, crossings)) = turning {
+            self.keep(bar, crossings);
+        }
         let (angle, time) = (sample.spindle(0).value(), sample.feedback.time);
         let Some(was) = self.before.replace(angle) else { return };
         let elapsed = (time - self.last).value();
@@ -270,11 +251,7 @@ impl TurnedTrack {
             sample.axis(i).value() - (from + share * (to - from))
         };
         let stood = law.main().stood;
-        let is_clear = |i: usize| {
-            let way = (stood.linear[i] - from.linear[i]).value();
-            way != 0.0 && across(i) / way > CLEAR
-        };
-        if (0..3).any(|i| i != axis && is_clear(i)) {
+        if is_clear(axis, &stood, &from, across) {
             (pass.infeed, pass.sense) = (0.0, None); // it is turned again
             return;
         }
@@ -286,6 +263,17 @@ impl TurnedTrack {
         if !law.is_at_step(along) {
             pass.at.push([depth, error, along]);
         }
+        self.side = side_fed_in_from(&stood, &from, work_axis).or(self.side);
+        if let Some((bar, crossings)) = turning {
+            let side = self.side.unwrap_or_else(|| bar.side());
+            let is_beyond = (w - law.span()[1].value()) * law.sign() > 0.0;
+            crossings.iter().filter(|_| !is_beyond).for_each(|at| pass.contact.see(at, bar.depth(at, side)));
+        }
+        if let Some(truth) = &sample.truth {
+            let (force, torque) = (truth.cutting_force.abs(), truth.cutting_torque.abs());
+            self.force = Some(self.force.map_or(force, |most| most.max(force)));
+            self.torque = Some(self.torque.map_or(torque, |most| most.max(torque)));
+        }
         self.began.get_or_insert(time);
         self.tool = sample.feedback.tool.or(self.tool);
         if elapsed > 0.0 {
@@ -293,12 +281,44 @@ impl TurnedTrack {
         }
     }
 
+    /// Keep what can have cut.
+    fn keep(&mut self, bar: &TurnedBar, crossings: &[Crossing]) {
+        let stock = bar.stock();
+        let near = |at: &&Crossing| at.radius < stock.radius.value() && at.radius > stock.bore.value();
+        self.crossings.extend(crossings.iter().filter(near));
+        if self.crossings.len() > MOST_CROSSINGS {
+            self.too_many = true;
+            self.crossings = Vec::new();
+        }
+    }
+
+    /// What the passes have left of the bar.
+    fn inspect(
+        &self,
+        ordered: &Ordered,
+        law: Law<'_>,
+        hand: Hand,
+        bar: &mut TurnedBar,
+        config: &Config,
+    ) -> Inspected {
+        // by the pass that cut most of the thread
+        let most = |a: &Contact, b: &Contact| {
+            (a.share(), a.deepest).partial_cmp(&(b.share(), b.deepest)).unwrap_or(std::cmp::Ordering::Equal)
+        };
+        let contact = self.passes.iter().map(|pass| pass.contact).max_by(most).unwrap_or_default();
+        let chain = ordered.passes.last().and_then(|pass| pass.last());
+        let whole = chain.map_or(0.0, |last| last.before + last.turns) - law.first().before;
+        let tool = self.tool.and_then(|number| config.tools.get(number));
+        let of = inspection::Ordered { law, whole, hand, tool, side: self.side };
+        inspect(&of, &self.crossings, contact, bar, config)
+    }
+
     pub(crate) fn finish(
         self,
         op: u32,
         line: u32,
         ordered: &Ordered,
-        config: &Config,
+        (config, bar): (&Config, Option<&mut TurnedBar>),
         now: Time,
     ) -> Feature {
         let law = ordered.passes.last().and_then(|pass| Law::of(pass));
@@ -327,6 +347,11 @@ impl TurnedTrack {
         let none = (Axis::Z, [Length::ZERO; 2]);
         let (axis, [surface, end]) =
             law.map_or(none, |law| (law.axis(), law.span().map(|at| tip(at, law.axis()))));
+        let hand = if slope * self.sense > 0.0 { Hand::Left } else { Hand::Right };
+        let inspected = law
+            .zip(bar)
+            .filter(|_| !self.too_many)
+            .map(|(law, bar)| self.inspect(ordered, law, hand, bar, config));
         let found = TurnedThread {
             lead: Lead::mm_per_rev(slope.abs()),
             growth: LeadGrowth::mm_per_rev2(
@@ -334,7 +359,7 @@ impl TurnedTrack {
             ),
             leads: law.filter(Law::varies).map_or_else(Vec::new, |law| leads(&law, last)),
             start_angle: law.map_or(Angle::ZERO, |law| start_angle(&law, last, self.sense)),
-            hand: if slope * self.sense > 0.0 { Hand::Left } else { Hand::Right },
+            hand,
             axis,
             surface,
             end,
@@ -351,6 +376,9 @@ impl TurnedTrack {
             pass_means: means.into_iter().map(Length::mm).collect(),
             infeed_error: Length::mm(self.passes.last().map_or(0.0, |pass| pass.infeed)),
             profile: worst.map_or_else(Vec::new, |pass| thinned(&pass.at)),
+            force_max: self.force,
+            torque_max: self.torque,
+            ..TurnedThread::of_bar(inspected.as_ref(), law.as_ref())
         };
         Feature {
             op,
@@ -358,31 +386,10 @@ impl TurnedTrack {
             tool: self.tool,
             time: self.began.unwrap_or(now),
             duration: self.began.map_or(Time::ZERO, |began| self.last - began),
-            verdict: Verdict::from_findings(&findings(&found, config)),
+            verdict: verdict::of(&found, law.as_ref(), inspected.as_ref(), config),
             kind: FeatureKind::Turned(Box::new(found)),
         }
     }
-}
-
-fn findings(found: &TurnedThread, config: &Config) -> Vec<String> {
-    let mut findings = Vec::new();
-    let tolerances = &config.tolerances;
-    if found.passes < found.passes_ordered {
-        findings.push(format!(
-            "{} of {} passes were cut to their end",
-            found.passes, found.passes_ordered
-        ));
-    }
-    let mut off = |what: &str, has: Length, may: Length| {
-        if has > may {
-            findings.push(format!("{what} {:.1} µm, {:.1} allowed", has.in_um(), may.in_um()));
-        }
-    };
-    off("distance from the helix", found.sync_error_max, tolerances.turned_thread);
-    off("lead error over the thread's length", found.lead_error.abs(), tolerances.turned_thread);
-    off("passes beside one another by", found.pass_spread, tolerances.turned_thread);
-    off("infeed error", found.infeed_error, tolerances.position);
-    findings
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 use canon::{Position, ToolLibrary};
 use store::machine::{MachineFile, Material};
 use units::Length;
-use verify::{Config, Tolerances};
+use verify::{Bar, Config, Tolerances};
 
 /// Class 6H, the shop's usual tolerances, and the stock clamped at the workpiece's zero.
 pub(crate) fn judge(
@@ -17,8 +17,21 @@ pub(crate) fn judge(
         work_axis: [zero.linear[0], zero.linear[1]],
         stock_radius: Some(machine.setup.stock.to[0]), // a bar, where it is turned
         work_zero: Some(*zero),
+        bar: bar(machine, zero),
         ..Config::new(tools.clone())
     }
+}
+
+/// The stock, if it is a bar about the spindle's axis: X and Y from −r to r.
+fn bar(machine: &MachineFile, zero: &Position) -> Option<Bar> {
+    let radius = machine.setup.stock.bar_radius()?;
+    let stock = &machine.setup.stock;
+    Some(Bar {
+        radius,
+        bore: stock.bore / 2.0,
+        face: zero.linear[2] + stock.to[2],
+        rear: zero.linear[2] + stock.from[2],
+    })
 }
 
 /// The shop's usual tolerances. Where the spindle turns back by itself and the feed only follows it, a thread may

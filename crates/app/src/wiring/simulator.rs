@@ -227,7 +227,10 @@ fn tool(tool: &Tool, seat: &TapSeat, material: Material) -> sim::Tool {
             holder: holder(tap.holder),
             clutch: clutch(tap.holder),
         }),
-        ToolKind::EndMill | ToolKind::PolygonCutter(_) | ToolKind::Other => sim::ToolKind::Other,
+        ToolKind::EndMill
+        | ToolKind::PolygonCutter(_)
+        | ToolKind::Insert(_)
+        | ToolKind::Other => sim::ToolKind::Other,
     };
     sim::Tool { number: tool.number, length: tool.length, kind }
 }

@@ -29,6 +29,8 @@ pub struct Stock {
     pub from: [Length; 3],
     /// Corner at the positive ends; its Z is the surface.
     pub to: [Length; 3],
+    /// Diameter of a bore along Z through its middle; zero: it is solid.
+    pub bore: Length,
 }
 
 /// A material.
@@ -174,7 +176,23 @@ impl Stock {
                 keys.conflict(key, format!("`{key}` is not below its other end at {most}"));
             }
         }
-        Self { material: Material::read(keys), from, to }
+        let bore = Length::mm(keys.optional("bore_mm", 0.0..=FARTHEST_MM).unwrap_or(0.0));
+        let stock = Self { material: Material::read(keys), from, to, bore };
+        if bore > Length::ZERO && stock.bar_radius().is_none_or(|radius| bore >= radius * 2.0) {
+            keys.conflict(
+                "bore_mm",
+                "a bore is for a bar, x and y from −r to r, and smaller than that",
+            );
+        }
+        stock
+    }
+
+    /// Radius of a bar about Z: X and Y from −r to r.
+    pub fn bar_radius(&self) -> Option<Length> {
+        let radius = self.to[0];
+        let same = |end: Length| (end - radius).abs() < Length::um(1.0);
+        let is_bar = same(-self.from[0]) && same(self.to[1]) && same(-self.from[1]);
+        (is_bar && radius > Length::ZERO).then_some(radius)
     }
 }
 

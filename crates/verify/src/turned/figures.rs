@@ -1,5 +1,5 @@
 //! Figures of a thread from what was seen of a pass: points of depth and distance from the helix, mm, and turns.
-use super::LeadOfTurn;
+use super::feature::LeadOfTurn;
 use super::law::Law;
 use units::{Angle, Lead, Length};
 

@@ -182,16 +182,43 @@ impl<'a> Law<'a> {
             || self.0.windows(2).any(|p| (p[1].lead() - p[0].lead()).abs() > SAME_LEAD)
     }
 
-    /// Where the material begins: the surface of the first stretch that meets it.
-    pub(super) fn surface(&self) -> Length {
+    /// The surface of the first stretch that passes one; `None` where the thread begins and ends in the material.
+    fn passed(&self) -> Option<Length> {
         let inside =
             |stretch: &&Stretch| stretch.order.surface != stretch.from.along(stretch.order.axis);
-        self.0.iter().find(inside).unwrap_or(self.first()).order.surface
+        self.0.iter().find(inside).map(|stretch| stretch.order.surface)
+    }
+
+    /// It runs out of the work, towards its free end: along +Z.
+    fn runs_out(&self) -> bool {
+        self.axis() == Axis::Z && self.sign() > 0.0
+    }
+
+    /// Where the material begins, in the direction of the cut: the surface that is passed, or where a thread begins that runs out of the
+    /// work.
+    pub(super) fn surface(&self) -> Length {
+        match self.passed() {
+            Some(surface) if !self.runs_out() => surface,
+            _ => self.ends()[0].along(self.axis()),
+        }
     }
 
     /// Places of the axis where the material begins and where the thread ends.
     pub(super) fn span(&self) -> [Length; 2] {
-        [self.surface(), self.ends()[1].along(self.axis())]
+        let end = self.passed().filter(|_| self.runs_out());
+        [self.surface(), end.unwrap_or(self.ends()[1].along(self.axis()))]
+    }
+
+    /// The tool is to come out of the air, or to go into it: the thread is to reach the end of the work.
+    pub(super) fn is_open(&self) -> bool {
+        self.passed().is_some()
+    }
+
+    /// Its ends are as far from the axis as one another.
+    pub(super) fn is_straight(&self) -> bool {
+        let [from, to] = self.ends();
+        let axis = self.axis().index();
+        (0..3).all(|i| i == axis || (to.linear[i] - from.linear[i]).abs() < Length::um(1.0))
     }
 
     pub(super) fn start_angle(&self) -> Angle {

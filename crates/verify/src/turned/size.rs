@@ -7,8 +7,10 @@
 //!   es = −(15 + 11·P) µm       Td = 180·P^⅔ − 3.15/√P µm       Td2 = 90·P^0.4·d^0.1 µm       rounded to R 40
 //!
 //!   major  d + es − Td … d + es         pitch  d2 + es − Td2 … d2 + es
-//!   minor  d2min − H + P/4 … d1 + es    the root's truncation at least P/8, which is a radius of P/8 on both flanks
+//!   minor  d2min − H … d1 + es          the root from the sharp V to the Go gauge's crest
 //! ```
+//!
+//! A root radius of at least P/8 is asked of fasteners of strength 8.8 and more only; it is the insert's, and not judged.
 //!
 //! Of an external unified thread it is 2A of ASME B1.1: the allowance is 0.3·Td2 and Td = 0.06·P^⅔ in, Td2 as in
 //! [`crate::tolerance`]. Internal threads are 6H and 2B: [`Limits`].
@@ -125,7 +127,7 @@ fn external(size: &ThreadSize) -> (&'static str, TurnedLimits) {
     };
     let below = |basic: Length, width: Length| [basic - deviation - width, basic - deviation];
     let pitch_limits = below(size.pitch_diameter(), pitch);
-    let least_root = pitch_limits[0] - size.pitch * (TRIANGLE - 0.25);
+    let least_root = pitch_limits[0] - size.pitch * TRIANGLE;
     let limits = TurnedLimits {
         major: below(size.nominal, major),
         pitch: pitch_limits,
@@ -179,9 +181,9 @@ mod tests {
     }
 
     #[test]
-    fn the_root_of_m20x1_5_is_17_93_mm_at_least() {
-        // DIN 13-21
-        assert!((of("M20x1.5").minor[0].value() - 17.930).abs() < 0.0015);
+    fn the_root_of_m20x1_5_is_at_least_the_sharp_v_of_its_least_pitch_diameter() {
+        // 18.854 − √3/2·1.5
+        assert!((of("M20x1.5").minor[0].value() - 17.555).abs() < 0.0015);
     }
 
     #[test]
