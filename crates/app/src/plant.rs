@@ -75,10 +75,15 @@ pub(crate) fn simulated(
     file: &store::machine::MachineFile,
     config: sim::Config,
 ) -> Result<SimulatedMachine, crate::refused::Refused> {
+    let bar = crate::wiring::bar(file, &config);
     let iron = SimulatedMachine::new(config).map_err(|problems| {
         let problems = problems.join("; ");
         crate::refused::Refused::because(format!("the machine cannot be simulated: {problems}"))
     })?;
+    let iron = match bar {
+        Some(bar) => iron.with_bar(bar),
+        None => iron,
+    };
     let iron = match crate::wiring::plain_drive(file) {
         Some(drive) => iron.with_plain_drive(drive),
         None => iron,

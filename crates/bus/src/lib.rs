@@ -242,7 +242,7 @@ pub struct Truth {
     pub tool_turn: Angle,
     /// Torque of the cut on the spindle.
     pub cutting_torque: Torque,
-    /// Axial force of the cut on the tool.
+    /// Axial force of the cut on the tool; of an insert that turns, the force along the cut.
     pub cutting_force: Force,
     /// The tool has broken.
     pub tool_broken: bool,

@@ -295,6 +295,13 @@ fn check_tool(tool: &Tool, found: &mut Vec<String>) {
                 need.not_negative("compression", clutch.compression.value(), "mm");
             }
         }
+        ToolKind::Insert(insert) => {
+            let degrees = insert.half_angle.in_deg();
+            let holds = (1.0..=89.0).contains(&degrees);
+            need.hold(holds, "half of its angle", degrees, "°", "from 1 to 89");
+            need.not_negative("nose radius", insert.nose.value(), "mm");
+            need.not_negative("flat", insert.flat.value(), "mm");
+        }
         ToolKind::Other => {}
     }
 }

@@ -6,6 +6,7 @@
 //!                          │ axes      two masses, play, LuGre friction, encoder
 //!                          │ spindles  inertia, lag, torque and power limit, encoder
 //!                          │ changer   tools from a magazine
+//!                          ├ bar       a single point in it: groove, force, torque
 //!                          ├ work      drill and tap in it: holes, torque, force, breakage
 //!                          └ grinder   a wheel against a cam's blank: force, deflection, spark-out, wear
 //! ```
@@ -35,6 +36,7 @@ mod seat;
 mod spindle;
 mod tapping;
 mod tool;
+mod turning;
 mod wear;
 mod work;
 
@@ -50,6 +52,7 @@ pub use plant::{AxisErrors, AxisScatter, SpindleScatter};
 pub use run_down::{Bus, Reaction, RunDown};
 pub use spindle::SpindleModel;
 pub use tool::{CLUTCH_RUN_OUT, Clutch, HOLDER_STOP, Holder, Tap, Tool, ToolKind};
+pub use turning::{Bar, Insert, KIENZLE, Kienzle};
 pub use wear::TapWear;
 pub use work::{Bore, Hole, MATERIALS, Material, SAME_HOLE, Sides, Stock, Thread};
 

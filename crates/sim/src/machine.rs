@@ -16,8 +16,9 @@ use crate::grinding::Grinder;
 use crate::rng::Rng;
 use crate::spindle::Spindle;
 use crate::tapping::Load;
+use crate::turning::{Turning, TurningLoad};
 use crate::wear::TapWear;
-use crate::{Config, Grinding, Hole, PlainDrive};
+use crate::{Bar, Config, Grinding, Hole, PlainDrive};
 use bus::{Command, Feedback, Truth};
 use core::f64::consts::TAU;
 use units::{Angle, Force, Length, Spin, Time, Torque};
@@ -36,6 +37,8 @@ pub struct SimulatedMachine {
     changer: Changer,
     cutting: Option<Cutting>,
     grinder: Option<Grinder>,
+    /// The bar, where one turns in the first spindle.
+    turning: Option<Turning>,
     /// Where X, Y and Z are among `axes`.
     x_y_z: [Option<usize>; 3],
     feedback: Feedback,
@@ -75,6 +78,7 @@ impl SimulatedMachine {
             changer: Changer::Holds(config.tool),
             cutting,
             grinder: None,
+            turning: None,
             x_y_z: [place(0), place(1), place(2)],
             feedback: Feedback::default(),
             truth: Truth::default(),
@@ -111,6 +115,16 @@ impl SimulatedMachine {
         self.grinder = Some(Grinder::new(grinding, energy));
         self.cutting = None;
         Ok(self)
+    }
+
+    /// The same machine with a bar in its first spindle, that inserts turn.
+    #[must_use]
+    pub fn with_bar(mut self, bar: Bar) -> Self {
+        /// The bar's own chance: that of the rest stays as it is without one.
+        const BAR: u64 = 0x0BA5;
+        let mut rng = Rng::new(self.config.seed ^ BAR);
+        self.turning = Some(Turning::new(bar, self.config.scatter, &mut rng));
+        self
     }
 
     /// How much of the grinding wheel's radius is worn off.
@@ -200,10 +214,21 @@ impl SimulatedMachine {
         };
         let over = [x, y].map(|at| at.map_or(Length::ZERO, |at| self.axes[at].position()));
         cutting.begin_period(self.changer.tool(), over);
+        let turned = self.turning.as_mut().zip(cutting.insert()).map(|(turning, (number, insert, length))| {
+            let at = [over[0].value(), over[1].value(), self.axes[z].table_mm() - length.value()];
+            let turns = (self.spindles[0].angle_rev(), self.spindles[0].omega());
+            turning.step((number, &insert), at, turns, (cutting.top(), cutting.holes()))
+        });
+        let turned = turned.unwrap_or_default();
+        for (axis, force) in [(x, turned.force[0]), (y, turned.force[1])] {
+            if let Some(axis) = axis.filter(|_| self.turning.is_some()) {
+                self.axes[axis].push(force);
+            }
+        }
         for _ in 0..self.substeps {
             let Load { force, torque, friction } = cutting.load();
-            self.axes[z].push(force);
-            self.spindles[0].resist(torque, friction);
+            self.axes[z].push(force + turned.force[2]);
+            self.spindles[0].resist(torque + turned.torque, friction + turned.torque.abs());
             step_all(&mut self.axes, &mut self.spindles);
             let axis_mm = self.axes[z].table_mm();
             if !cutting.is_idle(axis_mm) {
@@ -214,8 +239,9 @@ impl SimulatedMachine {
         let Load { force, torque, .. } = cutting.load();
         self.truth.tool_deflection = cutting.deflection();
         self.truth.tool_turn = cutting.slip();
-        self.truth.cutting_force = Force::n(force);
-        self.truth.cutting_torque = Torque::n_m(-torque);
+        let TurningLoad { main, torque: by_insert, .. } = turned;
+        self.truth.cutting_force = Force::n(force + main);
+        self.truth.cutting_torque = Torque::n_m(-torque - by_insert);
         self.truth.tool_broken = cutting.is_broken();
         self.truth.broken_by = cutting.broken_by();
     }

@@ -21,7 +21,7 @@ impl Tool {
         match &self.kind {
             ToolKind::Drill { diameter, .. } => *diameter,
             ToolKind::Tap(tap) => tap.diameter,
-            ToolKind::Other => Length::ZERO,
+            ToolKind::Insert(_) | ToolKind::Other => Length::ZERO,
         }
     }
 }
@@ -38,6 +38,8 @@ pub enum ToolKind {
     },
     /// Cuts an internal thread.
     Tap(Tap),
+    /// Turns a bar with a single point.
+    Insert(crate::Insert),
     /// Does nothing that is simulated: a probe, an end mill.
     Other,
 }

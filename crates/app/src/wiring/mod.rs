@@ -14,4 +14,4 @@ mod simulator;
 pub(crate) use control::{control, encoder};
 pub(crate) use judge::{judge, tolerances};
 pub(crate) use planner::{path_limits, planner};
-pub(crate) use simulator::{left_alone, plain_drive, simulator, start};
+pub(crate) use simulator::{bar, left_alone, plain_drive, simulator, start};

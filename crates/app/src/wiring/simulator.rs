@@ -227,12 +227,53 @@ fn tool(tool: &Tool, seat: &TapSeat, material: Material) -> sim::Tool {
             holder: holder(tap.holder),
             clutch: clutch(tap.holder),
         }),
-        ToolKind::EndMill
-        | ToolKind::PolygonCutter(_)
-        | ToolKind::Insert(_)
-        | ToolKind::Other => sim::ToolKind::Other,
+        ToolKind::Insert(form) => sim::ToolKind::Insert(insert(form)),
+        ToolKind::EndMill | ToolKind::PolygonCutter(_) | ToolKind::Other => sim::ToolKind::Other,
     };
     sim::Tool { number: tool.number, length: tool.length, kind }
+}
+
+/// The bar in the first spindle, if the stock of that machine is one about its axis.
+pub(crate) fn bar(machine: &MachineFile, config: &sim::Config) -> Option<sim::Bar> {
+    let radius = machine.setup.stock.bar_radius()?;
+    let stock = config.stock.as_ref()?;
+    let (sides, thickness) = (stock.sides?, stock.thickness?);
+    Some(sim::Bar {
+        axis: [(sides.x_from + sides.x_to) / 2.0, (sides.y_from + sides.y_to) / 2.0],
+        radius,
+        bore: machine.setup.stock.bore / 2.0,
+        face: stock.top,
+        rear: stock.top - thickness,
+        force: turning_force(machine, stock.material.cutting_n_per_mm2),
+    })
+}
+
+/// Kienzle's values of the material that is cut. A pressure that the machine's file states counts for turning by as much as for tapping.
+fn turning_force(machine: &MachineFile, tapping: f64) -> sim::Kienzle {
+    let own = machine.setup.stock.material;
+    let is = |material: &Material| material.cutting_force_n_per_mm2 == tapping;
+    let chosen = Material::KNOWN.into_iter().find(|known| is(known) && !is(&own)).unwrap_or(own);
+    let usual = sim::Kienzle::named(chosen.name);
+    let stated = Material::named(chosen.name)
+        .map_or(1.0, |known| chosen.cutting_force_n_per_mm2 / known.cutting_force_n_per_mm2);
+    sim::Kienzle { at_1_mm_n_per_mm2: usual.at_1_mm_n_per_mm2 * stated, ..usual }
+}
+
+/// An insert; of one whose point the table does not state a sharp one is simulated.
+fn insert(form: &canon::Insert) -> sim::Insert {
+    let (nose, flat) = match form.point {
+        Some(canon::InsertPoint::Nose(radius)) => (radius, Length::ZERO),
+        Some(canon::InsertPoint::Flat(width)) => (Length::ZERO, width),
+        None => (Length::ZERO, Length::ZERO),
+    };
+    const THREADS: Angle = Angle::deg(60.5); // what turns has more between its edges
+    sim::Insert {
+        half_angle: form.angle * 0.5,
+        nose,
+        flat,
+        crest_height: form.crest_height,
+        turns: form.angle > THREADS,
+    }
 }
 
 /// Torque of a flute form over the formula's (tap makers' tables).

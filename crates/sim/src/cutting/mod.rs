@@ -200,7 +200,9 @@ impl Cutting {
                     ))
                 }
             }
-            ToolKind::Drill { .. } | ToolKind::Tap(_) | ToolKind::Other => Engagement::Clear,
+            ToolKind::Drill { .. } | ToolKind::Tap(_) | ToolKind::Insert(_) | ToolKind::Other => {
+                Engagement::Clear
+            }
         };
     }
 
@@ -282,6 +284,20 @@ impl Cutting {
     /// How far a clutch has left the tap ahead of the spindle.
     pub(crate) const fn slip(&self) -> Angle {
         Angle::rev(self.slip)
+    }
+
+    /// The insert in the spindle, and its length.
+    pub(crate) fn insert(&self) -> Option<(u32, crate::Insert, Length)> {
+        let tool = self.mounted?;
+        match tool.kind {
+            ToolKind::Insert(insert) => Some((tool.number, insert, tool.length)),
+            ToolKind::Drill { .. } | ToolKind::Tap(_) | ToolKind::Other => None,
+        }
+    }
+
+    /// Machine Z of the surface.
+    pub(crate) const fn top(&self) -> Length {
+        self.stock.top
     }
 
     /// What the work does to the machine now.
