@@ -23,7 +23,7 @@
 //! Cutting Technology*, drilling formulas); M follows from Pc = 2π·n·M. A hole opened before takes its share away.
 use crate::friction::smooth_sign;
 use crate::tapping::{Core, Load, Pose, ROUNDING_RAD_PER_S};
-use crate::work::{Bore, Hole, Stock};
+use crate::work::{AT_SURFACE_MM, Bore, ENTERED_MM, Hole, Stock};
 use units::{Angle, Length};
 
 /// Lips of a drill.
@@ -48,6 +48,8 @@ pub(crate) struct Drilling {
     angle: f64,
     /// Torque and force that its core bore last, N·m and N.
     stress: (f64, f64),
+    /// Deepest since it came in.
+    deepest: f64,
 }
 
 impl Drilling {
@@ -81,19 +83,22 @@ impl Drilling {
             feed: 0.0,
             angle: pose.angle,
             stress: (0.0, 0.0),
+            deepest: 0.0,
         }
     }
 
-    /// The drill is clear of the work.
+    /// The drill is clear of the work: above its surface, or back at it.
     #[inline]
     pub(crate) fn is_out(&self, pose: &Pose) -> bool {
-        pose.tip >= self.top
+        let back = self.deepest > ENTERED_MM && pose.tip >= self.top - AT_SURFACE_MM;
+        pose.tip >= self.top || back
     }
 
     /// The drill at this pose, after one physics step; `None` where it breaks.
     #[inline]
     pub(crate) fn step(&mut self, pose: &Pose, hole: &mut Hole) -> Option<Load> {
         let depth = self.top - pose.tip;
+        self.deepest = self.deepest.max(depth);
         let ground = hole.bores[self.bore].tip_depth.value();
         let gained = (depth - ground).max(0.0);
         // only forward rotation cuts

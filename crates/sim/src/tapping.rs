@@ -35,7 +35,7 @@ use crate::Tap;
 use crate::clutch::Coupling;
 use crate::friction::{between, smooth_sign};
 use crate::seat::Seat;
-use crate::work::{Hole, Stock, Thread};
+use crate::work::{AT_SURFACE_MM, ENTERED_MM, Hole, Stock, Thread};
 use core::f64::consts::{PI, TAU};
 use bus::ToolBreak;
 use units::{Angle, Force, Length, Torque};
@@ -56,6 +56,10 @@ const CHIP_ROOT_REV: f64 = 0.1;
 const FLANK_FRICTION: f64 = 0.15;
 /// Speed over which friction changes its sign, rad/s.
 pub(crate) const ROUNDING_RAD_PER_S: f64 = 2.0;
+/// A thread of less than this share of a pitch holds no tap: a tenth of a turn of its first tooth (estimate).
+const HOLDS_PITCHES: f64 = 0.1;
+/// So far beside its first scratch a tap at the surface begins another, mm: on its helix it stands nearer than that.
+const SCRATCH_MM: f64 = 1e-3;
 /// A tap pushed sideways by this share of its diameter breaks.
 pub(crate) const SIDEWAYS_SHARE: f64 = 0.1;
 
@@ -149,6 +153,8 @@ pub(crate) struct Tapping {
     /// Depth of the helix up to which the thread is cut, and was when the tap came.
     cut_to: f64,
     cut_before: f64,
+    /// The helix was there before this tap came.
+    guided: bool,
     chip_root: bool,
     deflection: f64,
     deepest: f64,
@@ -205,6 +211,7 @@ impl Tapping {
             angle: tap_angle,
             cut_to: guide.map_or(0.0, |t| t.tip_depth.value()),
             cut_before: guide.map_or(0.0, |t| t.tip_depth.value()),
+            guided: guide.is_some(),
             chip_root: false,
             deflection: 0.0,
             deepest: 0.0,
@@ -212,11 +219,19 @@ impl Tapping {
         }
     }
 
-    /// Both the tap and the spindle are clear of the work.
+    /// Both the tap and the spindle are clear of the work: above its surface, or back at it. A stroke that begins and ends
+    /// at the surface (R0) ends at it as exactly as axis and spindle stop, which is never exactly.
     #[inline]
     pub(crate) fn is_out(&self, pose: &Pose) -> bool {
         let angle = if self.clutch.is_some() { self.angle } else { pose.angle };
-        pose.tip >= self.top && self.helix(angle) >= self.top
+        let helix = self.helix(angle);
+        if pose.tip >= self.top && helix >= self.top {
+            return true;
+        }
+        let holds = (HOLDS_PITCHES * self.lead.abs()).max(AT_SURFACE_MM);
+        self.deepest > ENTERED_MM
+            && pose.tip >= self.top - AT_SURFACE_MM
+            && helix >= self.top - holds
     }
 
     /// Depth of thread that this tap has cut here, mm.
@@ -265,6 +280,7 @@ impl Tapping {
     #[inline]
     pub(crate) fn step(&mut self, pose: &Pose) -> Option<Load> {
         let driven = self.follow(pose);
+        self.scratch(pose);
         let helix = self.helix(self.angle);
         // an extended holder leaves the tap in the thread after the spindle has gone up
         let engaged = self.share_of_chamfer(self.top - helix.min(pose.tip));
@@ -286,6 +302,15 @@ impl Tapping {
             against * smooth_sign(pose.omega / ROUNDING_RAD_PER_S) + (force - jam) * self.screw;
         self.stress = (torque, pressed);
         self.core.bears(torque, pressed).then_some(Load { force, torque, friction: against })
+    }
+
+    /// A tap that rests at the surface while it turns scratches it: no helix holds it until it goes in on one.
+    fn scratch(&mut self, pose: &Pose) {
+        let rests = !self.guided && self.deepest < AT_SURFACE_MM;
+        if rests && self.off_helix(pose.tip, self.angle).abs() > SCRATCH_MM {
+            (self.helix_angle, self.helix_tip) = (self.angle, pose.tip);
+            self.cut_to = 0.0;
+        }
     }
 
     /// Torque of chips and flanks, without what presses the flanks.

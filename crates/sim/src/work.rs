@@ -134,5 +134,12 @@ impl Hole {
     }
 }
 
+/// A tool that comes back is out of the work where its tip stands this near to the surface, mm: axes and spindles stop within
+/// micrometres of where they shall.
+pub(crate) const AT_SURFACE_MM: f64 = 0.02;
+/// A tool has been in the work once its tip was deeper than this, mm. More than [`AT_SURFACE_MM`], so that a tool which rests
+/// at the surface is not in and out by turns.
+pub(crate) const ENTERED_MM: f64 = 0.04;
+
 /// Tools closer than this to a hole's centre are in that hole.
 pub const SAME_HOLE: Length = Length::mm(0.1);

@@ -119,8 +119,11 @@ impl Kernel {
             .queue
             .get(1)
             .is_some_and(|next| next.op == *op && matches!(next.kind, StepKind::Tap(_)));
+        /// A stroke that ends at the surface, as near as its coordinates were computed, ends outside.
+        const AT_SURFACE_MM: f64 = 1e-3;
         let inward = (plan.bottom - plan.surface).value();
-        let is_outside = (plan.end - plan.surface).value() * inward <= 0.0;
+        let inside = (plan.end - plan.surface).value() * libm::copysign(1.0, inward);
+        let is_outside = inside <= AT_SURFACE_MM;
         if is_outside && !goes_on {
             self.drives.scribe.out();
         }

@@ -15,7 +15,7 @@ use crate::drilling::{self, Drilling};
 use crate::rng::Rng;
 use crate::tapping::{self, Load, Pose, Tapping, is_too_wide};
 use crate::wear::{TapWear, Worn};
-use crate::work::{Bore, Hole, SAME_HOLE, Stock};
+use crate::work::{Bore, ENTERED_MM, Hole, SAME_HOLE, Stock};
 use crate::{Tap, Tool, ToolKind};
 use bus::ToolBreak;
 use units::{Angle, Length};
@@ -57,6 +57,8 @@ pub(crate) struct Cutting {
     at: [Length; 2],
     entered: [Length; 2],
     load: Load,
+    /// From this depth on a tool enters the work: 0, or a little more for one that rests at the surface, mm.
+    enters_mm: f64,
     /// How far a clutch has left the tap ahead of the spindle, rev.
     slip: f64,
     /// Taps wear, if they do.
@@ -78,6 +80,7 @@ impl Cutting {
             at: [Length::ZERO; 2],
             entered: [Length::ZERO; 2],
             load: Load::default(),
+            enters_mm: 0.0,
             slip: 0.0,
             worn: None,
         }
@@ -117,13 +120,17 @@ impl Cutting {
         }
     }
 
-    /// Nothing to do at this pose: no tool, or above the surface and not in a thread.
+    /// Nothing to do at this pose: no tool, or above the surface and not in a thread. From above it enters as deep as it is.
     #[inline]
-    pub(crate) fn is_idle(&self, axis_mm: f64) -> bool {
+    pub(crate) fn is_idle(&mut self, axis_mm: f64) -> bool {
         match (self.mounted, &self.engagement) {
             (None, _) | (Some(_), Engagement::Broken) => true,
             (Some(tool), Engagement::Air) => {
-                axis_mm - tool.length.value() >= self.stock.top.value()
+                let above = axis_mm - tool.length.value() >= self.stock.top.value();
+                if above {
+                    self.enters_mm = 0.0;
+                }
+                above
             }
             (Some(_), Engagement::Clear | Engagement::Drilling(_) | Engagement::Tapping(_)) => {
                 false
@@ -137,7 +144,7 @@ impl Cutting {
         let pose = Pose { tip: axis_mm - tool.length.value(), angle, omega };
         let depth = self.stock.top.value() - pose.tip;
         match &self.engagement {
-            Engagement::Air if depth > 0.0 => self.enter(*tool, &pose, depth),
+            Engagement::Air if depth > self.enters_mm => self.enter(*tool, &pose, depth),
             Engagement::Clear if depth <= 0.0 => self.engagement = Engagement::Air,
             Engagement::Drilling(drill) if drill.is_out(&pose) => self.leave(),
             Engagement::Tapping(tap) if tap.is_out(&pose) => self.leave(),
@@ -241,6 +248,7 @@ impl Cutting {
             worn.cut(tool.number, tapping.newly_cut());
         }
         self.engagement = Engagement::Air;
+        self.enters_mm = ENTERED_MM;
         self.load = Load::default();
     }
 

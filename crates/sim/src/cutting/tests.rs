@@ -198,6 +198,60 @@ fn a_second_tap_in_the_same_hole_follows_the_first_ones_helix() {
 }
 
 #[test]
+fn a_tool_that_stops_at_the_surface_is_out_and_may_go_elsewhere() {
+    // a stroke from the surface and back to it, some micrometres off in either sense, in the axis and in the spindle
+    for (tip, turns) in [(0.0, 0.0), (-0.004, 0.0), (0.003, 0.002), (-0.002, 0.004), (0.0, 0.015)] {
+        let mut hand = Hand::usual();
+        hand.take(TAP, 0.0).lead(0.0, 0.0);
+        hand.lead(-8.0, 8.0);
+        hand.lead(tip, turns);
+        hand.take(TAP, 30.0).lead(tip, turns); // sideways at the surface
+        hand.lead(30.0, turns);
+        hand.take(TAP, 60.0); // and high above it
+        assert!(!hand.cutting.is_broken(), "the axis {tip} mm, the spindle {turns} rev off");
+        // the next hole begins there as well
+        hand.lead(tip, turns);
+        hand.lead(-8.0, 8.0);
+        assert_eq!(hand.cutting.holes().len(), 2);
+        assert!(hand.cutting.load().torque > 0.5, "{:?}", hand.cutting.load());
+    }
+}
+
+#[test]
+fn a_tap_that_touches_the_surface_before_it_turns_to_its_angle_is_held_by_no_helix() {
+    let mut hand = Hand::usual();
+    hand.take(TAP, 0.0).lead(-0.003, 0.0); // the rapid to R0 overshoots
+    hand.lead(-0.001, 0.4); // the spindle turns to where the thread shall start
+    hand.lead(-8.0, 8.4);
+    assert!(hand.worst.force < 100.0, "{:?}", hand.worst);
+    hand.lead(0.001, 0.4);
+    hand.take(TAP, 30.0);
+    assert!(!hand.cutting.is_broken());
+}
+
+#[test]
+fn a_drill_that_stops_at_the_surface_is_out() {
+    for tip in [0.0, -0.004, 0.003] {
+        let mut hand = Hand::usual();
+        hand.take(DRILL, 0.0).lead(0.0, 0.0);
+        hand.lead(-8.0, 80.0);
+        hand.lead(tip, 90.0);
+        hand.take(DRILL, 30.0).lead(tip, 95.0);
+        assert!(!hand.cutting.is_broken(), "{tip} mm off");
+    }
+}
+
+#[test]
+fn a_tap_moved_sideways_in_its_thread_breaks_however_it_came_there() {
+    let mut hand = Hand::usual();
+    hand.take(TAP, 0.0).lead(0.0, 0.0);
+    hand.lead(-8.0, 8.0);
+    hand.lead(-0.5, 0.5);
+    hand.take(TAP, 30.0);
+    assert!(hand.cutting.is_broken());
+}
+
+#[test]
 fn a_tap_at_the_bottom_of_its_hole_breaks_and_one_that_stops_above_does_not() {
     for (depth, breaks) in [(8.4, false), (8.9, true)] {
         let mut hand = Hand::usual();
