@@ -318,7 +318,7 @@ impl CamHost {
     /// The program is over.
     /// The program is over; `allowed`: the planner sent the wheel so much farther for what it would lose.
     pub(crate) fn end(&mut self, allowed: Length) {
-        if self.setup.grinding().is_some() && self.back > Length::ZERO {
+        if self.setup.grinds() && self.back > Length::ZERO {
             let (lost, allowed) = (self.back.in_um(), allowed.in_um());
             self.said.push(format!(
                 "the wheel has lost {lost:.2} µm of its radius, and was sent {allowed:.2} µm farther for it"

@@ -37,8 +37,8 @@ const SWING_SHARE: f64 = 0.25;
 struct Clamped {
     profile: u32,
     phase: Angle,
-    centre: Length,
     stock: Length,
+    /// Along the work, in the frame of the program.
     z: Length,
 }
 
@@ -142,14 +142,14 @@ impl CamSetup {
         for op in ops {
             match op.kind {
                 OpKind::Rapid { to } | OpKind::Line { to, .. } => z = to.linear[2],
-                OpKind::Cam(CamOrder::Select { profile: number, phase, centre }) => {
+                OpKind::Cam(CamOrder::Select { profile: number, phase, zero, .. }) => {
                     (profile, compensated) = (number, false);
-                    on_shaft = (phase, centre);
+                    on_shaft = (phase, zero);
                 }
                 OpKind::Cam(CamOrder::Compensate) => compensated = true,
                 OpKind::Cam(CamOrder::Grind { stock, spin, .. }) => {
-                    let (phase, centre) = on_shaft;
-                    self.clamp(Clamped { profile, phase, centre, stock, z });
+                    let (phase, zero) = on_shaft;
+                    self.clamp(Clamped { profile, phase, stock, z: z - zero });
                     self.turned(profile, spin, compensated);
                 }
                 OpKind::Cam(CamOrder::SparkOut { spin, .. }) => {
@@ -198,15 +198,22 @@ impl CamSetup {
         self.courses.iter().find(|c| (c.profile, c.spin) == (profile, spin))
     }
 
-    /// What is clamped on the work spindle, for the simulator; `None`: no cam is ground.
-    pub(crate) fn grinding(&self) -> Option<sim::Grinding> {
-        let Grinding { wheel, stiffness, .. } = self.grinding?;
-        let centre = self.clamped.first()?.centre;
+    /// The program grinds cams, and the machine can.
+    pub(crate) fn grinds(&self) -> bool {
+        self.grinding.is_some() && !self.clamped.is_empty()
+    }
+
+    /// What is clamped on the work spindle, for the simulator; `None`: no cam is ground. The shaft has its cams where the
+    /// program's frame has them, and its own zero where the set-up has the work's.
+    pub(crate) fn grinding(&self, zero: &canon::Position) -> Option<sim::Grinding> {
+        let Grinding { wheel, stiffness, .. } = self.grinding.filter(|_| self.grinds())?;
+        let centre = zero.linear[0];
         let blank = |c: &Clamped| {
             let nodes = plan::turned(&self.library.get(c.profile)?.nodes, c.phase.value());
-            let touches = nodes.iter().map(|d| c.centre + Length::mm(*d) + c.stock).collect();
+            let touches = nodes.iter().map(|d| centre + Length::mm(*d) + c.stock).collect();
             let half = wheel.width / 2.0;
-            Some(sim::Blank { along: (c.z - half, c.z + half), touches })
+            let z = zero.linear[2] + c.z;
+            Some(sim::Blank { along: (z - half, z + half), touches })
         };
         Some(sim::Grinding {
             work: 0,

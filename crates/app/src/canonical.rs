@@ -259,7 +259,7 @@ fn spindle_order(spindle: u8, order: SpindleOrder) -> Value {
 
 fn cam_op(order: &CamOrder) -> Value {
     match *order {
-        CamOrder::Select { profile, phase, centre } => json!({
+        CamOrder::Select { profile, phase, centre, .. } => json!({
             "op": "cam-select", "profile": profile, "phase_deg": phase.in_deg(), "centre_mm": centre.value(),
         }),
         CamOrder::Deselect => json!({ "op": "cam-end" }),

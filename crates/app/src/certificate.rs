@@ -18,6 +18,7 @@ pub(crate) fn feature(found: &Feature, zero: &Position) -> file::Feature {
         },
         reason: found.verdict.reason().map(str::to_owned),
         time_s: Measured::s(found.time),
+        contact: contact(&found.contact),
     };
     match &found.kind {
         FeatureKind::Hole(found) => file::Feature::Hole(hole(common, found, zero)),
@@ -26,6 +27,17 @@ pub(crate) fn feature(found: &Feature, zero: &Position) -> file::Feature {
         FeatureKind::Turned(found) => file::Feature::Turned(turned(common, found, zero)),
         FeatureKind::Gear(found) => file::Feature::Gear(gear(common, found, zero)),
         FeatureKind::Polygon(found) => file::Feature::Polygon(polygon(common, found, zero)),
+    }
+}
+
+fn contact(found: &verify::Contact) -> file::Contact {
+    let known = |value: Option<f64>| value.map_or(Measured::UNKNOWN, Measured::number);
+    file::Contact {
+        cut: found.is_cut(),
+        reach_mm: known(found.reach.map(Length::value)),
+        torque_max_n_m: torque(found.torque),
+        torque_expected_n_m: torque(found.torque_expected),
+        force_max_n: known(found.force.map(units::Force::value)),
     }
 }
 

@@ -51,7 +51,8 @@ fn warnings(file: &MachineFile) -> impl Iterator<Item = String> {
     })
 }
 
-fn text(name: &str) -> Result<String, Refused> {
+/// Its text, as it is printed.
+pub(crate) fn text(name: &str) -> Result<String, Refused> {
     match machine::embedded(name) {
         Some(text) => Ok(text.to_owned()),
         None => Ok(store::read_text(&path(name)?, "a machine file", store::SMALL_FILE_LIMIT)?),

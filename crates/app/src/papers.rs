@@ -4,9 +4,10 @@ use crate::preflight::Preflight;
 use crate::run::Job;
 use crate::simulate::Outcome;
 use report::{Alarm, Limits, Note, Origin, Run};
-use store::certificate::{Certificate, Measured};
+use store::certificate::{Certificate, Count, Inputs, Measured, Verdict, sha256};
 use store::output::Folder;
 use store::solid::{Slice, dxf, radii, stl};
+use verify::Feature;
 
 /// The certificate of a run.
 pub(crate) fn certificate(job: &Job, outcome: &Outcome) -> Certificate {
@@ -24,6 +25,15 @@ pub(crate) fn certificate(job: &Job, outcome: &Outcome) -> Certificate {
         seed: job.seed,
         cycle_time_s: Measured::s(outcome.cycle_time),
         ended: outcome.ended,
+        verdict: verdict(outcome),
+        count: count(&outcome.features),
+        material: job.material.name.to_owned(),
+        tolerances: tolerances(&job.tolerances()),
+        inputs: Inputs {
+            program_sha256: sha256(&job.text),
+            machine_sha256: job.session.hashes[0].clone(),
+            tools_sha256: job.session.hashes[1].clone(),
+        },
         alarms: alarms.collect(),
         invariants: store::certificate::Invariants {
             periods: outcome.watch.periods(),
@@ -41,6 +51,48 @@ pub(crate) fn certificate(job: &Job, outcome: &Outcome) -> Certificate {
             })
             .collect(),
         features: outcome.features.iter().map(|f| certificate::feature(f, &zero)).collect(),
+    }
+}
+
+/// Of the whole run, as its exit code says it.
+fn verdict(outcome: &Outcome) -> Verdict {
+    let open = |f: &Feature| matches!(f.verdict, verify::Verdict::NotJudged { .. });
+    let good = |f: &Feature| f.verdict.is_pass();
+    if !outcome.ended || !outcome.watch.breaches().is_empty() {
+        Verdict::Fail
+    } else if outcome.features.iter().all(good) {
+        if outcome.features.is_empty() { Verdict::NotJudged } else { Verdict::Pass }
+    } else if outcome.features.iter().all(|f| good(f) || open(f)) {
+        Verdict::NotJudged
+    } else {
+        Verdict::Fail
+    }
+}
+
+fn count(features: &[Feature]) -> Count {
+    let mut count = Count::default();
+    for feature in features {
+        match feature.verdict {
+            verify::Verdict::Pass => count.passed += 1,
+            verify::Verdict::Fail { .. } => count.failed += 1,
+            verify::Verdict::NotJudged { .. } => count.not_judged += 1,
+        }
+    }
+    count
+}
+
+fn tolerances(by: &verify::Tolerances) -> store::certificate::Tolerances {
+    store::certificate::Tolerances {
+        thread_class: verify::ThreadClass::H6.name().to_owned(),
+        hole_depth_um: Measured::um(by.hole_depth),
+        position_um: Measured::um(by.position),
+        thread_depth_um: Measured::um(by.thread_depth),
+        thread_overrun_um: Measured::um(by.thread_overrun),
+        turned_thread_um: Measured::um(by.turned_thread),
+        cam_contour_um: Measured::um(by.cam_contour),
+        facet_flatness_um: Measured::um(by.facet_flatness),
+        across_flats_um: Measured::um(by.across_flats),
+        tooth_thickness_um: Measured::um(by.tooth_thickness),
     }
 }
 

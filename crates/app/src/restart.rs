@@ -266,6 +266,7 @@ M2
             profile: 7,
             phase: units::Angle::ZERO,
             centre: Length::ZERO,
+            zero: Length::ZERO,
         });
         let compensate = OpKind::Cam(CamOrder::Compensate);
         let grind = OpKind::Cam(CamOrder::Grind {

@@ -353,7 +353,7 @@ impl Link {
             let config = wiring::simulator(machine, tools, job.material, job.seed, &zero);
             let alone = wiring::left_alone(machine, &config);
             let machine = plant::simulated(machine, config)?;
-            let machine = match job.session.cams.grinding() {
+            let machine = match job.session.cams.grinding(&zero) {
                 None => machine,
                 Some(grinding) => machine.with_grinding(grinding).map_err(|problems| {
                     let problems = problems.join("; ");

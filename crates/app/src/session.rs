@@ -38,6 +38,8 @@ pub(crate) struct Session {
     pub(crate) table: Option<ToolTable>,
     /// The program is a file of one subprogram, which ends without M2.
     pub(crate) is_subprogram: bool,
+    /// SHA-256 of the machine's file and of the tool table, for the certificate.
+    pub(crate) hashes: [String; 2],
     /// Values of the numbered parameters when a program begins.
     pub(crate) parameters: interp::Parameters,
     /// What to do with tools that the table lacks.
@@ -83,7 +85,9 @@ impl Session {
                 TappingPreset::Max => Preset::Max,
             };
         }
-        let (tools, tools_from, table) = tools(args, program)?;
+        let (tools, tools_from, table, bytes) = tools(args, program)?;
+        let machine_text = crate::machine::text(&args.machine)?;
+        let hashes = [machine_text.as_bytes(), &bytes].map(store::certificate::sha256);
         let missing_tools = args.missing_tools;
         let dialect = dialect::of(args.dialect, &machine);
         let cams = CamSetup::load(args, program, &machine)?;
@@ -99,6 +103,7 @@ impl Session {
             tools_from,
             table,
             is_subprogram: is_subprogram(program, text),
+            hashes,
             missing_tools,
             standing: None,
             dialect,
@@ -267,11 +272,11 @@ pub(crate) fn read_program(path: &Path) -> Result<Vec<u8>, Refused> {
     Ok(text)
 }
 
-/// The tools, where they came from, and their table if it is not the built-in one.
+/// The tools, where they came from, their table if it is not the built-in one, and the bytes of it.
 fn tools(
     args: &ProgramArgs,
     program: &Path,
-) -> Result<(ToolLibrary, String, Option<ToolTable>), Refused> {
+) -> Result<(ToolLibrary, String, Option<ToolTable>, Vec<u8>), Refused> {
     let beside = || -> Option<PathBuf> {
         let folder = program.parent()?;
         TOOLS_BESIDE.iter().map(|name| folder.join(name)).find(|path| path.is_file())
@@ -282,14 +287,15 @@ fn tools(
         let table = store::tools::parse_toml(EMBEDDED_TOOLS, 0).map_err(|findings| {
             Refused::text("the embedded tools".into(), EMBEDDED_TOOLS, findings)
         })?;
-        return Ok((table.library, "the embedded table".into(), None));
+        return Ok((table.library, "the embedded table".into(), None, EMBEDDED_TOOLS.into()));
     };
     let unit = match args.tool_unit {
         ToolUnit::Mm => store::tools::TableUnit::Millimetre,
         ToolUnit::Inch => store::tools::TableUnit::Inch,
     };
     let table = store::tools::load(&path, unit)?;
-    Ok((table.library.clone(), path.display().to_string(), Some(table)))
+    let bytes = store::read_bytes(&path, "a tool table", store::SMALL_FILE_LIMIT)?;
+    Ok((table.library.clone(), path.display().to_string(), Some(table), bytes))
 }
 
 /// Whether a file is one of subprograms, which ends without M2: it has the name of one that it defines.

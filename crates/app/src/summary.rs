@@ -76,7 +76,20 @@ fn verdict(outcome: &Outcome, [bad, unjudged]: [usize; 2]) -> String {
         }
         (0, 0) => "ENDED, no holes or threads to judge".to_owned(),
         (0, all) => format!("PASS: {} within tolerance", plural(all, "feature")),
-        (bad, all) => format!("FAIL: {bad} of {all} features out of tolerance"),
+        (bad, all) => bad_features(outcome, bad, all),
+    }
+}
+
+/// Some are bad, or not judged.
+fn bad_features(outcome: &Outcome, bad: usize, all: usize) -> String {
+    let is_open = |f: &&Feature| matches!(f.verdict, verify::Verdict::NotJudged { .. });
+    let open = outcome.features.iter().filter(is_open).count();
+    match (bad - open, open) {
+        (failed, 0) => format!("FAIL: {failed} of {all} features out of tolerance"),
+        (0, open) => format!("NOT JUDGED: {open} of {all} features"),
+        (failed, open) => {
+            format!("FAIL: {failed} of {all} features out of tolerance, {open} not judged")
+        }
     }
 }
 
@@ -185,12 +198,16 @@ fn name(feature: &Feature) -> String {
 fn row(group: &[&Feature], outcome: &Outcome) -> Vec<Cell> {
     let good = group.iter().filter(|f| f.verdict.is_pass()).count();
     let mut cells = vec![Cell::new(name(group[0])), Cell::new(format!("{good}/{}", group.len()))];
+    let cut = || group.iter().filter(|f| f.is_cut());
+    if cut().next().is_none() {
+        cells.push(Cell::new("not cut"));
+        return cells;
+    }
     let worst = |value: &dyn Fn(&Feature) -> f64| {
-        group.iter().map(|f| value(f)).fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a })
+        cut().map(|f| value(f)).fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a })
     };
-    let least = |value: &dyn Fn(&Feature) -> f64| {
-        group.iter().map(|f| value(f)).fold(f64::INFINITY, f64::min)
-    };
+    let least =
+        |value: &dyn Fn(&Feature) -> f64| cut().map(|f| value(f)).fold(f64::INFINITY, f64::min);
     if let FeatureKind::Turned(_) = &group[0].kind {
         cells.extend(turned_cells(group));
         return cells;

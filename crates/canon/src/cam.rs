@@ -21,8 +21,10 @@ pub enum CamOrder {
         profile: u32,
         /// Angle of the work at which the profile begins: where this cam stands on its shaft.
         phase: Angle,
-        /// X of the work's axis, machine coordinate.
+        /// X of the work's axis, machine coordinate: where the program has it.
         centre: Length,
+        /// Z of the program's zero, machine coordinate of the axis.
+        zero: Length,
     },
     /// The wheel goes back and follows nothing any more.
     Deselect,

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! Source: `G51.2`/`G50.2` of polygon turning (P:Q ratio, R phase), and the oscillation of JP7525593B2.
-use crate::Axis;
+use crate::{Axis, Position};
 use alloc::vec::Vec;
 use units::{Angle, Lead, Length};
 
@@ -75,6 +75,8 @@ pub struct Polygon {
     pub auto: Option<Actuator>,
     /// What swings is sent as a measurement kept from before has it compensated.
     pub compensated: bool,
+    /// The program's zero, machine coordinates of the axes: with the offsets of work and tool in force.
+    pub zero: Position,
 }
 
 /// Hobbing: the work turns with the hob, tooth by tooth, and a turn more for each lead of its helix that Z travels.
@@ -92,6 +94,8 @@ pub struct Hob {
     pub module: Length,
     /// Helix angle on the pitch cylinder; positive: right hand.
     pub helix: Angle,
+    /// The program's zero, machine coordinates of the axes: with the offsets of work and tool in force.
+    pub zero: Position,
 }
 
 impl Hob {

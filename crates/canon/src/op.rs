@@ -273,6 +273,8 @@ pub struct Tap {
     /// Where the material is taken to begin, as a coordinate of `axis`: the work's zero if it lies
     /// between start and bottom, else the start.
     pub surface: Length,
+    /// The program's zero, as a coordinate of `axis`: with the work offset and the tool length offset in force.
+    pub zero: Length,
     /// Advance along the tap's own direction per revolution; positive right-hand, negative left-hand.
     pub lead: Lead,
     /// Spindle speed inwards (magnitude; the hand gives the sense).
@@ -335,6 +337,8 @@ pub struct Hole {
     pub bottom: Length,
     /// Where the material is taken to begin (as for [`Tap::surface`]).
     pub surface: Length,
+    /// The program's zero (as for [`Tap::zero`]).
+    pub zero: Length,
 }
 
 /// How corners are taken.

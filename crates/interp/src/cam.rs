@@ -177,13 +177,14 @@ impl Resolver {
         let mm = |value: f64| Length::mm(value * self.mm());
         let order = match call {
             CamCall::Select(profile, degrees) => {
-                let centre = Length::mm(self.machine(&[0.0; 9])[0]);
+                let zero = self.machine(&[0.0; 9]);
+                let (centre, zero) = (Length::mm(zero[0]), Length::mm(zero[2]));
                 if self.frame.rotation() != 0.0 {
                     let text =
                         "the work offset is turned about Z: a cam is ground along X of the machine";
                     self.report(Diagnostic::error("I1108", span, text));
                 }
-                CamOrder::Select { profile, phase: Angle::deg(degrees), centre }
+                CamOrder::Select { profile, phase: Angle::deg(degrees), centre, zero }
             }
             CamCall::Deselect => CamOrder::Deselect,
             CamCall::Compensate => CamOrder::Compensate,

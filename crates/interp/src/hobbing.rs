@@ -16,7 +16,7 @@ use crate::{
     codes::{AXES, GGroup, POLAR, set},
     execute::Executor,
     fault::{Outcome, refuse},
-    resolve::Resolver,
+    resolve::{Resolver, position},
 };
 use canon::{Hob, OpKind};
 use diag::Span;
@@ -125,6 +125,7 @@ impl Resolver {
             starts: order.starts,
             module: Length::mm(order.module_mm),
             helix: Angle::deg(order.helix_deg),
+            zero: position(&self.machine(&[0.0; 9])),
         };
         self.push(span, OpKind::Hob(hob));
     }

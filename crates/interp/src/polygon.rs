@@ -20,7 +20,7 @@ use crate::{
     call::{Call, Sink},
     execute::Executor,
     fault::{Outcome, error, refuse},
-    resolve::Resolver,
+    resolve::{Resolver, position},
 };
 use canon::{Axis, Harmonic, OpKind, Oscillating, Oscillation, Polygon, Ratio, ToolKind};
 use diag::{Diagnostic, Span};
@@ -275,6 +275,7 @@ impl Resolver {
             wanted: Vec::new(),
             auto: order.auto,
             compensated: order.compensated,
+            zero: position(&self.machine(&[0.0; 9])),
         };
         self.push(span, OpKind::Polygon(polygon));
     }

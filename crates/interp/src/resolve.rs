@@ -375,6 +375,7 @@ impl Resolver {
                 at: position(&self.machine(&hole.at)),
                 bottom: Length::mm(self.level(hole, hole.bottom)),
                 surface: Length::mm(self.level(hole, surface)),
+                zero: Length::mm(self.level(hole, 0.0)),
             }),
         );
     }

@@ -45,6 +45,7 @@ impl Resolver {
                 start: position(&start),
                 bottom: Length::mm(end[axis.index()]),
                 surface: Length::mm(self.level(hole, surface)),
+                zero: Length::mm(self.level(hole, 0.0)),
                 lead: Lead::mm_per_rev(sign * lead_mm),
                 spin,
                 return_spin: match tap.return_speed {
@@ -161,6 +162,7 @@ impl Resolver {
                 start: position(&start),
                 bottom: Length::mm(end[i]),
                 surface: Length::mm(surface),
+                zero: Length::mm(start[i] - program),
                 lead,
                 spin,
                 return_spin: spin * return_factor,

@@ -7,7 +7,7 @@ fn story(program: &str, dialect: Dialect) -> (Vec<String>, Vec<&'static str>) {
     let setup = Setup { dialect, ..Setup::default() };
     let mut ops = Ops::new(program.as_bytes(), &setup);
     let words = ops.by_ref().filter_map(|op| match op.kind {
-        OpKind::Cam(CamOrder::Select { profile, phase, centre }) => {
+        OpKind::Cam(CamOrder::Select { profile, phase, centre, .. }) => {
             Some(format!("follow {profile} at {}° about {}", phase.in_deg(), centre.value()))
         }
         OpKind::Cam(CamOrder::Deselect) => Some("follow nothing".into()),

@@ -89,6 +89,7 @@ fn program(oscillation: Oscillation, cuts: &[OpKind]) -> Vec<Op> {
         by_distance: Vec::new(),
         wanted: Vec::new(),
         compensated: false,
+        zero: Position::default(),
     };
     let before = [
         rapid(-30.0, -5.0),

@@ -78,6 +78,7 @@ fn ops(places: &[(f64, f64)]) -> Vec<Op> {
             at: at(x, y, 2.0, DRILL),
             bottom: mm(TOP + DRILL - 20.0),
             surface: mm(TOP + DRILL),
+            zero: mm(TOP + DRILL),
         }));
         kinds.push(OpKind::Rapid { to: at(x, y, 2.0, DRILL) });
         let feed = Feed::PerTime(Speed::mm_per_min(1200.0));
@@ -93,6 +94,7 @@ fn ops(places: &[(f64, f64)]) -> Vec<Op> {
             start: at(x, y, 3.0, TAP),
             bottom: mm(TOP + TAP - 15.0),
             surface: mm(TOP + TAP),
+            zero: mm(TOP + TAP),
             lead: Lead::mm_per_rev(1.0),
             spin: Spin::rpm(6000.0),
             return_spin: Spin::rpm(6000.0),

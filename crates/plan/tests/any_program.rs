@@ -35,6 +35,7 @@ fn tap() -> impl Strategy<Value = Tap> {
         start,
         bottom: start.linear[2] - mm(if down { depth.abs() } else { depth }),
         surface: start.linear[2],
+        zero: start.linear[2],
         lead: Lead::mm_per_rev(lead),
         spin: Spin::rpm(rpm),
         return_spin: Spin::rpm(back),
@@ -53,7 +54,13 @@ fn op() -> impl Strategy<Value = OpKind> {
         },
     );
     let hole = (position(), number(100.0)).prop_map(|(at, z)| {
-        OpKind::Hole(Hole { axis: canon::Axis::Z, at, bottom: mm(z), surface: at.linear[2] })
+        OpKind::Hole(Hole {
+            axis: canon::Axis::Z,
+            at,
+            bottom: mm(z),
+            surface: at.linear[2],
+            zero: at.linear[2],
+        })
     });
     prop_oneof![
         position().prop_map(|to| OpKind::Rapid { to }),
@@ -209,6 +216,7 @@ proptest! {
                     OpKind::Tap(Tap {
                         start: Position::xyz(x, y, z / 2.0 - 50.0),
                         surface: mm(z / 2.0 - 52.0),
+                        zero: mm(z / 2.0 - 52.0),
                         bottom: mm(z / 2.0 - 60.0),
                         ..common::tap(0.0, 0.0, 2.0, -8.0, 1.0, 3000.0)
                     }),

@@ -35,6 +35,21 @@ pub struct Certificate {
     pub cycle_time_s: Measured,
     /// The program reached its end.
     pub ended: bool,
+    /// Of the whole run: pass only if the program ended, nothing broke an invariant and every feature passed.
+    #[serde(default)]
+    pub verdict: Verdict,
+    /// Features by their verdicts.
+    #[serde(default)]
+    pub count: Count,
+    /// What the workpiece is made of.
+    #[serde(default)]
+    pub material: String,
+    /// By which the features were judged.
+    #[serde(default)]
+    pub tolerances: Tolerances,
+    /// Hashes of what the run was made from.
+    #[serde(default)]
+    pub inputs: Inputs,
     /// What stopped or warned.
     pub alarms: Vec<Alarm>,
     /// What may never happen, and whether it did.
@@ -45,6 +60,53 @@ pub struct Certificate {
     pub withdrawals: Vec<Withdrawal>,
     /// What was cut, in that order.
     pub features: Vec<Feature>,
+}
+
+/// Features by their verdicts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Count {
+    /// Within every tolerance.
+    pub passed: usize,
+    /// Out of one at least, or not cut.
+    pub failed: usize,
+    /// Not measured.
+    pub not_judged: usize,
+}
+
+/// What a feature may be off.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Tolerances {
+    /// Class asked of threads.
+    pub thread_class: String,
+    /// Depth of a hole, each way.
+    pub hole_depth_um: Measured,
+    /// Place of a hole or thread.
+    pub position_um: Measured,
+    /// Depth of a thread, each way.
+    pub thread_depth_um: Measured,
+    /// How far a tap may run beyond its bottom.
+    pub thread_overrun_um: Measured,
+    /// A turned thread beside its helix.
+    pub turned_thread_um: Measured,
+    /// Contour of a cam, each way.
+    pub cam_contour_um: Measured,
+    /// Flatness of facets.
+    pub facet_flatness_um: Measured,
+    /// Size across flats, each way.
+    pub across_flats_um: Measured,
+    /// Thickness of hobbed teeth, each way.
+    pub tooth_thickness_um: Measured,
+}
+
+/// SHA-256 of the bytes that a run was made from, in hexadecimal digits.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Inputs {
+    /// The part program.
+    pub program_sha256: String,
+    /// The machine's file; of a built-in machine what `leadscrew machine show` prints.
+    pub machine_sha256: String,
+    /// The tool table; of the built-in one its text.
+    pub tools_sha256: String,
 }
 
 /// A tool that was taken off the work after a stop.
@@ -114,17 +176,36 @@ pub struct Common {
     pub reason: Option<String>,
     /// When it was finished, since the start.
     pub time_s: Measured,
+    /// What says that the tool was in the material.
+    #[serde(default)]
+    pub contact: Contact,
+}
+
+/// What says that a tool was in the material.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Contact {
+    /// The edges were in the stock, and something resisted them where that can be known.
+    pub cut: bool,
+    /// Way of the edges within the stock, along the depth of the cut; null where the stock's place was not known.
+    pub reach_mm: Measured,
+    /// Largest torque of the cut, where it can be known.
+    pub torque_max_n_m: Measured,
+    /// Torque that a sharp tool would have taken.
+    pub torque_expected_n_m: Measured,
+    /// Largest force of the cut, where it can be known.
+    pub force_max_n: Measured,
 }
 
 /// Within tolerance or not.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// Within.
     Pass,
     /// Not.
     Fail,
-    /// Nothing is known to be wrong, and nobody can say that it is right.
+    /// Nobody could measure it.
+    #[default]
     #[serde(rename = "not judged")]
     NotJudged,
 }
@@ -424,6 +505,12 @@ impl<'de> Deserialize<'de> for Measured {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         Option::deserialize(deserializer).map(Self)
     }
+}
+
+/// SHA-256 of some bytes, in hexadecimal digits: what `sha256sum` prints of a file.
+pub fn sha256(bytes: &[u8]) -> String {
+    use sha2::Digest as _;
+    sha2::Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 impl Certificate {

@@ -2,12 +2,19 @@
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use store::certificate::{
-    Alarm, Cam, Certificate, Common, Feature, Hand, Hole, Measured, Polygon, Thread, Verdict,
+    Alarm, Cam, Certificate, Common, Contact, Count, Feature, Hand, Hole, Inputs, Measured,
+    Polygon, Thread, Tolerances, Verdict, sha256,
 };
 use units::{Angle, Force, Lead, Length, Spin, Time, Torque};
 
 fn common(line: u32) -> Common {
-    Common { line, verdict: Verdict::Pass, reason: None, time_s: Measured::s(Time::s(1.25)) }
+    Common {
+        line,
+        verdict: Verdict::Pass,
+        reason: None,
+        time_s: Measured::s(Time::s(1.25)),
+        contact: Contact { cut: true, reach_mm: Measured::number(12.5), ..Contact::default() },
+    }
 }
 
 fn thread() -> Thread {
@@ -96,6 +103,11 @@ fn certificate() -> Certificate {
         seed: 1,
         cycle_time_s: Measured::number(61.5),
         ended: true,
+        verdict: Verdict::Fail,
+        count: Count { passed: 3, failed: 1, not_judged: 0 },
+        material: "C45".into(),
+        tolerances: Tolerances { thread_class: "6H".into(), ..Tolerances::default() },
+        inputs: Inputs { program_sha256: sha256(b"abc"), ..Inputs::default() },
         alarms: vec![Alarm {
             number: 301,
             text: "the drive was at its limit".into(),
@@ -132,26 +144,40 @@ fn every_promised_key_is_there_and_no_other() {
     assert_eq!(
         keys(&value),
         sorted(
-            "leadscrew program machine seed cycle_time_s ended alarms features invariants withdrawals"
+            "leadscrew program machine seed cycle_time_s ended verdict count material tolerances inputs
+             alarms features invariants withdrawals"
         )
     );
     assert_eq!(keys(&value["alarms"][0]), sorted("number text line time_s"));
     let features = [
-        "kind line verdict reason time_s x_mm y_mm depth_mm diameter_mm chip_removal",
-        "kind line verdict reason time_s x_mm y_mm size hand lead_mm depth_mm depth_error_um rpm_max
+        "kind line verdict reason time_s contact x_mm y_mm depth_mm diameter_mm chip_removal",
+        "kind line verdict reason time_s contact x_mm y_mm size hand lead_mm depth_mm depth_error_um rpm_max
          sync_error_max_um sync_error_rms_um lead_error_um groove_widening_um pitch_diameter_mm class
          margin_um torque_max_n_m torque_in_n_m torque_out_n_m torque_model_n_m \
          torque_model_band_percent torque_expected axial_force_max_n start_angle_deg chip_removal recovered",
-        "kind line verdict reason time_s sides across_flats_mm flatness_um tilt_deg corner_angle_deg
+        "kind line verdict reason time_s contact sides across_flats_mm flatness_um tilt_deg corner_angle_deg
          z_from_mm z_to_mm rpm across_flats_error_um facet_difference_um lay_um taper_um_per_mm taper_error_um_per_mm \
          twist_deg_per_mm twist_error_deg_per_mm broken_off",
-        "kind line verdict reason time_s profile rpm phase_error_deg contour_error_max_um
+        "kind line verdict reason time_s contact profile rpm phase_error_deg contour_error_max_um
          contour_error_rms_um revolutions run_out_um speed_error_um_per_deg waviness_um waves_per_rev \
          removal_rate_peak removal_rate_peak_even",
     ];
     for (feature, expected) in value["features"].as_array().unwrap().iter().zip(features) {
         assert_eq!(keys(feature), sorted(expected));
     }
+}
+
+#[test]
+fn the_head_says_what_the_run_was_made_from_and_each_feature_whether_it_was_cut() {
+    let value: Value = serde_json::from_str(&certificate().to_json()).unwrap();
+    // FIPS 180-2, appendix B.1
+    let abc = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+    assert_eq!(value["inputs"]["program_sha256"], abc);
+    assert_eq!(keys(&value["inputs"]), sorted("program_sha256 machine_sha256 tools_sha256"));
+    assert_eq!((&value["verdict"], &value["count"]["failed"]), (&json!("fail"), &json!(1)));
+    let contact = &value["features"][0]["contact"];
+    assert_eq!((&contact["cut"], &contact["reach_mm"]), (&json!(true), &json!(12.5)));
+    assert_eq!(serde_json::to_value(Verdict::NotJudged).unwrap(), json!("not judged"));
 }
 
 #[test]

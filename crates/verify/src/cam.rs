@@ -16,12 +16,13 @@
 //! What is ground off stays off, so of all turns the nearest place counts at each angle; the wheel's edge is the axis and
 //! what the work presses it back. A wheel's wear is not known here: it shows as material that is left.
 use crate::Config;
+use crate::contact::{Contact, shifted, unknown};
 use crate::feature::{Feature, FeatureKind, Verdict};
 use bus::Sample;
 use canon::{CamOrder, CamProfile};
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
-use units::{Angle, Length, Spin, Time};
+use units::{Angle, Force, Length, Spin, Time, Torque};
 
 /// Steps of a turn at which the contour is looked at.
 pub(crate) const STEPS: usize = 720;
@@ -69,12 +70,15 @@ pub(crate) struct Ordered {
     profile: u32,
     phase: Angle,
     centre: Length,
+    zero: Length,
+    /// What is taken off, along X on the radius.
+    stock: Length,
     spin: Spin,
 }
 
 /// The profile in force while ops come in.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Selected(Option<(u32, Angle, Length)>);
+pub(crate) struct Selected(Option<(u32, Angle, [Length; 2])>);
 
 impl Ordered {
     pub(crate) const fn phase(&self) -> f64 {
@@ -85,17 +89,19 @@ impl Ordered {
 impl Selected {
     /// The profile in force, turned at a speed.
     pub(crate) fn turned(&self, spin: Spin) -> Option<Ordered> {
-        let (profile, phase, centre) = self.0?;
-        Some(Ordered { profile, phase, centre, spin })
+        let (profile, phase, [centre, zero]) = self.0?;
+        Some(Ordered { profile, phase, centre, zero, stock: Length::ZERO, spin })
     }
 
     /// What an order makes of it; a grinding one begins a feature.
     pub(crate) fn see(&mut self, order: &CamOrder) -> Option<Ordered> {
         match *order {
-            CamOrder::Select { profile, phase, centre } => self.0 = Some((profile, phase, centre)),
+            CamOrder::Select { profile, phase, centre, zero } => {
+                self.0 = Some((profile, phase, [centre, zero]));
+            }
             CamOrder::Deselect => self.0 = None,
-            CamOrder::Grind { spin, .. } => {
-                return self.turned(spin);
+            CamOrder::Grind { spin, stock, .. } => {
+                return self.turned(spin).map(|ordered| Ordered { stock, ..ordered });
             }
             CamOrder::Compensate
             | CamOrder::ResetSampling
@@ -118,6 +124,8 @@ pub(crate) struct CamTrack {
     nearest: Vec<f64>,
     /// Speed of the work when each step was passed last, rev/s.
     spins: Vec<f64>,
+    torque_max: Option<Torque>,
+    force_max: Option<Force>,
 }
 
 /// One sample: when, the turn of the profile, the place of the wheel's edge.
@@ -149,6 +157,8 @@ impl CamTrack {
             recent: VecDeque::with_capacity(5),
             nearest: vec![f64::INFINITY; STEPS],
             spins: vec![0.0; STEPS],
+            torque_max: None,
+            force_max: None,
         }
     }
 
@@ -156,6 +166,11 @@ impl CamTrack {
         let angle = sample.spindle(0);
         self.began.get_or_insert((sample.feedback.time, angle));
         self.last = angle;
+        if let Some(truth) = &sample.truth {
+            let (torque, force) = (truth.cutting_torque.abs(), truth.cutting_force.abs());
+            self.torque_max = Some(self.torque_max.map_or(torque, |most| most.max(torque)));
+            self.force_max = Some(self.force_max.map_or(force, |most| most.max(force)));
+        }
         self.see(Seen::of(sample, self.phase));
     }
 
@@ -204,6 +219,12 @@ impl CamTrack {
         let mut cam = blank(ordered, (self.last - from).abs());
         let mut findings = Vec::new();
         let whole = self.nearest.iter().all(|x| x.is_finite());
+        // the shaft turns about the axis that the set-up states, wherever the program has it
+        let centre = config.stock.map_or(ordered.centre, |stock| stock.zero[0]);
+        if let Some(stock) = &config.stock {
+            let zero = [ordered.centre, stock.zero[1], ordered.zero];
+            findings.extend(shifted(zero, stock, config.tolerances.position));
+        }
         match config.cams.get(ordered.profile) {
             None => {
                 findings.push(format!("profile P{} is not known to the judge", ordered.profile));
@@ -211,8 +232,10 @@ impl CamTrack {
             Some(_) if !whole => {
                 findings.push("the work did not turn once while the wheel was in".to_owned());
             }
-            Some(profile) => self.measure(&mut cam, profile, ordered.centre),
+            Some(profile) => self.measure(&mut cam, profile, centre),
         }
+        let contact = self.contact(&cam, ordered, config);
+        findings.extend(not_cut(&contact));
         let limit = config.tolerances.cam_contour;
         if cam.contour_error_max > limit {
             findings.push(format!(
@@ -227,10 +250,23 @@ impl CamTrack {
             tool: None,
             time,
             duration: now - time,
-            verdict: Verdict::from_findings(&findings),
+            verdict: Verdict::unless(&findings, unknown(config)),
+            contact,
             kind: FeatureKind::Cam(Box::new(cam)),
         }
     }
+}
+
+/// The wheel passed the work without touching it.
+fn not_cut(contact: &Contact) -> Option<String> {
+    let reach = contact.reach?;
+    if reach <= Length::ZERO {
+        return Some(format!(
+            "not cut: the wheel came no nearer than {:.3} mm to the blank",
+            -reach.value()
+        ));
+    }
+    contact.unresisted()
 }
 
 /// A cam of which nothing is known yet.
@@ -270,6 +306,19 @@ fn asked(profile: &CamProfile, step: usize) -> f64 {
 }
 
 impl CamTrack {
+    /// How far the wheel's edge went into the blank, and what resisted it.
+    fn contact(&self, cam: &GroundCam, ordered: &Ordered, config: &Config) -> Contact {
+        let least = cam.errors.iter().map(|e| e.value()).fold(f64::INFINITY, f64::min);
+        let reach =
+            if least.is_finite() { ordered.stock - Length::mm(least) } else { Length::ZERO };
+        Contact {
+            reach: config.stock.map(|_| reach),
+            torque: self.torque_max,
+            force: self.force_max,
+            torque_expected: None,
+        }
+    }
+
     /// The figures of a contour whose work's axis stands at `centre`.
     fn measure(&self, cam: &mut GroundCam, profile: &CamProfile, centre: Length) {
         let ideal: Vec<f64> = (0..STEPS).map(|step| asked(profile, step)).collect();
@@ -357,6 +406,7 @@ fn amplitude(values: &[f64], k: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Stock;
     use canon::{CamLibrary, ToolLibrary};
 
     const CENTRE: Length = Length::mm(-250.0);
@@ -365,16 +415,39 @@ mod tests {
         220.0 + 4.0 * (TAU * turn).cos()
     }
 
+    /// A shaft about the axis at `CENTRE`.
+    fn stock() -> Stock {
+        let mm = |v: [f64; 3]| v.map(Length::mm);
+        Stock {
+            from: mm([-300.0, -50.0, -100.0]),
+            to: mm([-200.0, 50.0, 0.0]),
+            zero: [CENTRE, Length::ZERO, Length::ZERO],
+        }
+    }
+
+    fn ordered() -> Ordered {
+        Ordered {
+            profile: 7,
+            phase: Angle::deg(30.0),
+            centre: CENTRE,
+            zero: Length::ZERO,
+            stock: Length::mm(0.1),
+            spin: Spin::rpm(60.0),
+        }
+    }
+
     /// A cam whose wheel ran where `x` says, at 60 rpm and 250 µs, judged.
     fn judged(x: impl Fn(f64) -> f64) -> (Feature, GroundCam) {
         let nodes = (0..STEPS).map(|i| lift(i as f64 / STEPS as f64)).collect();
         let wheel = Length::mm(195.0);
         let profile =
             CamProfile { number: 7, name: "eccentric".into(), nodes, wheel, steepest: [0.0; 3] };
-        let config =
-            Config { cams: CamLibrary::new([profile]), ..Config::new(ToolLibrary::default()) };
-        let ordered =
-            Ordered { profile: 7, phase: Angle::deg(30.0), centre: CENTRE, spin: Spin::rpm(60.0) };
+        let config = Config {
+            cams: CamLibrary::new([profile]),
+            stock: Some(stock()),
+            ..Config::new(ToolLibrary::default())
+        };
+        let ordered = ordered();
         let mut track = CamTrack::new(&ordered);
         for i in 0..12_000 {
             let turn = f64::from(i) * 250e-6 + 0.1;
@@ -384,8 +457,6 @@ mod tests {
             sample.feedback.axes[0].position = CENTRE + Length::mm(x(turn));
             track.sample(&sample);
         }
-        let ordered =
-            Ordered { profile: 7, phase: Angle::deg(30.0), centre: CENTRE, spin: Spin::rpm(60.0) };
         let feature = track.finish(3, 4, &ordered, &config, Time::s(3.0));
         let FeatureKind::Cam(cam) = feature.kind.clone() else { panic!("a cam") };
         (feature, *cam)

@@ -1,5 +1,5 @@
 //! What the judge is told beforehand: the tools, what was asked of the workpiece, the material.
-use crate::{Bar, ThreadClass};
+use crate::{Bar, Stock, ThreadClass};
 use canon::{CamLibrary, Flute, Position, ToolLibrary};
 use units::{Angle, Length, Torque};
 
@@ -16,10 +16,9 @@ pub struct Config {
     pub tolerances: Tolerances,
     /// What is cut, for the torque a sharp tap would need; `None`: no expectation.
     pub material: Option<Material>,
-    /// Machine coordinate of the tip when it touches the stock's top, where one top holds for the
-    /// whole program. With it, depth counts from the real stock wherever the stroke passes it, and a
-    /// forgotten tool length offset is found; without it the op's own surface is believed.
-    pub stock_top: Option<Length>,
+    /// The stock as it is clamped. Depths count from it, by the length of the tool that is really in the spindle; without
+    /// it nobody knows what was cut, and holes and threads are not judged.
+    pub stock: Option<Stock>,
     /// Machine coordinates, X and Y, of the axis about which the work turns.
     pub work_axis: [Length; 2],
     /// Radius of the bar that is turned; `None`: nothing limits what is cut.
@@ -38,7 +37,7 @@ pub struct Config {
 }
 
 impl Config {
-    /// Class 6H, default tolerances, no material, stock where the program says, a tap whose
+    /// Class 6H, default tolerances, no material, no stock, a tap whose
     /// following teeth are as thick as its leading ones (the strictest assumption).
     pub fn new(tools: ToolLibrary) -> Self {
         Self {
@@ -47,7 +46,7 @@ impl Config {
             class: ThreadClass::H6,
             tolerances: Tolerances::default(),
             material: None,
-            stock_top: None,
+            stock: None,
             work_axis: [Length::ZERO; 2],
             stock_radius: None,
             bar: None,
@@ -85,11 +84,13 @@ pub struct Tolerances {
     pub facet_tilt: Angle,
     /// Size across flats, each way.
     pub across_flats: Length,
+    /// Thickness of hobbed teeth, each way: what the depth of the cut makes of it.
+    pub tooth_thickness: Length,
 }
 
 impl Default for Tolerances {
     /// Usual shop practice for drilled and tapped holes: ±0.05 mm, threads ±0.1 mm. Polygons: ISO 2768-1 f for
-    /// 6 to 30 mm, ISO 2768-2 H for facets up to 10 mm. Turned threads: what lathe builders promise of their leads, typical.
+    /// 6 to 30 mm, ISO 2768-2 H for facets up to 10 mm. Teeth: DIN 3967, series 26, 50 to 125 mm. Turned threads: what lathe builders promise of their leads, typical.
     fn default() -> Self {
         Self {
             hole_depth: Length::mm(0.05),
@@ -103,6 +104,7 @@ impl Default for Tolerances {
             facet_flatness: Length::mm(0.02),
             facet_tilt: Angle::deg(0.5),
             across_flats: Length::mm(0.1),
+            tooth_thickness: Length::um(60.0),
         }
     }
 }

@@ -12,7 +12,7 @@
 //! Positions are machine coordinates; depths count from the surface, positive into the material;
 //! errors are signed so that positive means *deeper* or *more*. Values keep their units here;
 //! the certificate's keys (`depth_error_um`, …) are made where the file is written.
-use crate::ThreadClass;
+use crate::{Contact, ThreadClass};
 use canon::Hand;
 use units::{Angle, Force, Lead, Length, Spin, Time, Torque};
 
@@ -31,6 +31,8 @@ pub struct Feature {
     pub duration: Time,
     /// Whether it is good.
     pub verdict: Verdict,
+    /// What says that the tool was in the material.
+    pub contact: Contact,
     /// What it is, with its measures.
     pub kind: FeatureKind,
 }
@@ -46,6 +48,11 @@ impl Feature {
             FeatureKind::Turned(_) => "turned thread",
             FeatureKind::Gear(_) => "gear",
         }
+    }
+
+    /// Whether there is something that could be measured; of what nobody knows, it is taken to be.
+    pub fn is_cut(&self) -> bool {
+        self.contact.reach.is_none() || self.contact.is_cut()
     }
 
     /// Chips were thrown off the tool after it.
@@ -95,6 +102,14 @@ impl Verdict {
     /// `Pass` if nothing was found, else all findings as one sentence.
     pub(crate) fn from_findings(findings: &[String]) -> Self {
         if findings.is_empty() { Self::Pass } else { Self::Fail { reason: findings.join("; ") } }
+    }
+
+    /// The same of a feature that could not be judged as a whole: it may be bad, but never good.
+    pub(crate) fn unless(findings: &[String], not_judged: Option<String>) -> Self {
+        match (Self::from_findings(findings), not_judged) {
+            (Self::Pass, Some(reason)) => Self::NotJudged { reason },
+            (verdict, _) => verdict,
+        }
     }
 
     /// Good.

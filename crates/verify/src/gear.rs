@@ -17,9 +17,10 @@
 //! `f_pT` = (0.001 d + 0.4 m + 5)·√2^(A−5), `F_pT` = (0.002 d + 0.55 √d + 0.7 m + 12)·√2^(A−5),
 //! `f_HβT` = (0.05 √d + 0.35 √b + 4)·√2^(A−5), µm.
 use crate::Config;
+use crate::contact::{Contact, shifted, unknown};
 use crate::feature::{Feature, FeatureKind, Verdict};
 use bus::{Sample, State};
-use canon::{Hob, OpKind};
+use canon::{Hob, OpKind, Tool};
 use core::f64::consts::PI;
 use units::{Angle, Length, Spin, Time};
 
@@ -31,6 +32,8 @@ const GRADE_ASKED: u8 = 7;
 const COARSEST: u8 = 11;
 /// The hob cuts to depth where it is within this of its least distance.
 const AT_DEPTH_MM: f64 = 0.02;
+/// Of the basic rack (ISO 53).
+const PRESSURE_ANGLE: Angle = Angle::deg(20.0);
 /// Passes that are kept.
 const MOST_PASSES: usize = 1 << 20;
 
@@ -61,6 +64,8 @@ pub struct Gear {
     pub z_from: Length,
     /// Where it ends.
     pub z_to: Length,
+    /// How much deeper than ordered the hob stood where it was worst; negative: not deep enough.
+    pub depth_error: Length,
     /// Of the work, mean over the cut.
     pub spin: Spin,
     /// Deviation of each tooth's place at the middle of the face.
@@ -78,6 +83,7 @@ impl Gear {
 #[derive(Clone, Debug)]
 pub(crate) struct Ordered {
     pub(crate) hob: Hob,
+    /// Least distance of the axes, machine coordinate.
     pub(crate) least_x: Option<Length>,
 }
 
@@ -108,6 +114,8 @@ struct Pass {
 pub(crate) struct GearTrack {
     hob: Hob,
     tool_length: f64,
+    /// Of the hob, mm.
+    radius: f64,
     /// Angles of hob and work and the hob's height, one period ago.
     before: Option<[f64; 3]>,
     passes: Vec<Pass>,
@@ -115,10 +123,11 @@ pub(crate) struct GearTrack {
 }
 
 impl GearTrack {
-    pub(crate) fn new(ordered: &Ordered, tool_length: Length) -> Self {
+    pub(crate) fn new(ordered: &Ordered, tool: Option<&Tool>) -> Self {
         Self {
             hob: ordered.hob,
-            tool_length: tool_length.value(),
+            tool_length: tool.map_or(0.0, |t| t.length.value()),
+            radius: tool.map_or(0.0, |t| t.diameter.value() / 2.0),
             before: None,
             passes: Vec::new(),
             faulted: false,
@@ -162,6 +171,7 @@ impl GearTrack {
         config: &Config,
         now: Time,
     ) -> Feature {
+        let contact = self.contact(config);
         let passes = self.of_the_face(ordered, config);
         let ends = passes.as_ref().and_then(|all| all.first().zip(all.last()));
         let (time, duration, spin) = ends.map_or((now, Time::ZERO, Spin::ZERO), |(a, b)| {
@@ -172,9 +182,17 @@ impl GearTrack {
         if self.faulted {
             findings.push("the machine stopped while the work was geared to the hob".to_owned());
         }
+        if let Some(stock) = &config.stock {
+            let [x, y, z] = self.hob.zero.linear;
+            let zero = [x, y, z - Length::mm(self.tool_length)];
+            findings.extend(shifted(zero, stock, config.tolerances.position));
+        }
         let mut gear = self.empty(spin);
         if let Some(passes) = passes {
             measure(&mut gear, &self.hob, &passes, &mut findings);
+            self.depth(&mut gear, &passes, ordered, config, &mut findings);
+        } else if contact.reach.is_some_and(|reach| reach <= Length::ZERO) {
+            findings.push("not cut: the hob never touched the blank".to_owned());
         } else {
             findings.push("the hob never cut the stock to its depth".to_owned());
         }
@@ -184,7 +202,8 @@ impl GearTrack {
             tool,
             time,
             duration,
-            verdict: Verdict::from_findings(&findings),
+            verdict: Verdict::unless(&findings, unknown(config)),
+            contact,
             kind: FeatureKind::Gear(Box::new(gear)),
         }
     }
@@ -203,21 +222,67 @@ impl GearTrack {
             allowed: [Length::ZERO; 3],
             z_from: Length::ZERO,
             z_to: Length::ZERO,
+            depth_error: Length::ZERO,
             spin,
             places: Vec::new(),
         }
     }
 
+    /// How far the hob's teeth went into the blank; nobody simulates what hobbing takes.
+    fn contact(&self, config: &Config) -> Contact {
+        let reach = |radius: Length| {
+            let axis = config.work_axis[0].value();
+            let edges = self.passes.iter().filter(|p| within(config, p.z)).map(|p| p.x - axis);
+            let least = edges.fold(f64::INFINITY, f64::min) - self.radius;
+            Length::mm((radius.value() - least).max(0.0))
+        };
+        let known = config.stock_radius.filter(|_| config.stock.is_some());
+        Contact { reach: known.map(reach), ..Contact::default() }
+    }
+
+    /// How deep the teeth are, against the distance of the axes that was ordered: each tooth is thinner by 2·Δ·tan 20°.
+    fn depth(
+        &self,
+        gear: &mut Gear,
+        passes: &[Pass],
+        ordered: &Ordered,
+        config: &Config,
+        findings: &mut Vec<String>,
+    ) {
+        let Some(least_x) = ordered.least_x else { return };
+        let asked = (least_x - self.hob.zero.linear[0]).value();
+        let axis = config.work_axis[0].value();
+        let too_deep = passes.iter().map(|p| asked - (p.x - axis));
+        let worst = too_deep.fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
+        gear.depth_error = Length::mm(worst);
+        let thinner = 2.0 * worst * PRESSURE_ANGLE.in_rad().tan();
+        let allowed = config.tolerances.tooth_thickness.value();
+        if thinner.abs() > allowed {
+            let (word, than) =
+                if worst > 0.0 { ("deep", "thinner") } else { ("shallow", "thicker") };
+            findings.push(format!(
+                "the teeth are cut {:.3} mm too {word}: {:.0} µm {than} than ordered, {:.0} µm allowed",
+                worst.abs(),
+                thinner.abs() * 1e3,
+                allowed * 1e3
+            ));
+        }
+    }
+
     /// The passes within the stock, if there are enough of each tooth.
     fn of_the_face(&self, ordered: &Ordered, config: &Config) -> Option<Vec<Pass>> {
-        let top = config.stock_top.map_or(f64::INFINITY, Length::value);
         let deep = ordered.least_x?.value() + AT_DEPTH_MM;
-        let cuts = |p: &&Pass| p.z <= top && p.x <= deep;
+        let cuts = |p: &&Pass| within(config, p.z) && p.x <= deep;
         let inside: Vec<Pass> = self.passes.iter().filter(cuts).copied().collect();
         let teeth = self.hob.teeth as usize;
         let each = |tooth: usize| inside.iter().filter(|p| p.tooth == tooth).count() >= 3;
         (inside.len() >= 3 * teeth && (0..teeth).all(each)).then_some(inside)
     }
+}
+
+/// Between the faces of the stock.
+fn within(config: &Config, z: f64) -> bool {
+    config.stock.is_none_or(|stock| (stock.from[2].value()..=stock.to[2].value()).contains(&z))
 }
 
 /// Everything about the gear that the passes say.

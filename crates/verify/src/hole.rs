@@ -8,12 +8,15 @@
 //!                 ╲   ╱          a spot drill leaves the cone alone: its diameter at the surface
 //!                   V            is 2·depth·tan(point angle / 2), at most D
 //! ```
-use crate::Config;
 use crate::feature::{Feature, FeatureKind, Hole, Verdict};
 use crate::stroke::{Stroke, Visit};
+use crate::{Config, Contact};
 use bus::Sample;
 use canon::{Tool, ToolKind};
 use units::{Angle, Length, Time};
+
+/// Holes this near to each other are one.
+const SAME_HOLE: Length = Length::mm(0.1);
 
 /// Follows one hole.
 #[derive(Clone, Debug)]
@@ -51,6 +54,7 @@ impl HoleTrack {
         tool: (Option<u32>, Option<&Tool>),
         now: Time,
         config: &Config,
+        holes: &[Drilled],
     ) -> Option<(Feature, Option<Drilled>)> {
         let depth_mm = self.visit.deepest_mm.max(0.0);
         let mut findings = Vec::new();
@@ -86,11 +90,24 @@ impl HoleTrack {
             ));
         }
         let [x, y] = self.visit.position(&self.stroke);
+        let contact = self.contact(tool.1);
+        let full_mm = (depth_mm - point_mm).max(0.0);
+        let is_there = |hole: &Drilled| {
+            let near = (hole.at[0] - x).abs() < SAME_HOLE && (hole.at[1] - y).abs() < SAME_HOLE;
+            let length_mm = tool.1.map_or(0.0, |t| t.length.value());
+            let bottom_mm = self.stroke.coordinate_mm(full_mm) - length_mm;
+            near && self.stroke.sense * (bottom_mm - hole.bottom_mm) <= allowed.value()
+        };
+        // a drill that finds its hole made already meets nothing in it
+        if self.visit.times_s.is_some() && !holes.iter().any(is_there) {
+            findings.extend(contact.unresisted());
+        }
+        let findings = Visit::causes(&self.stroke, findings);
         let hole = Hole {
             x,
             y,
             depth: Length::mm(depth_mm),
-            full_diameter_depth: Length::mm((depth_mm - point_mm).max(0.0)),
+            full_diameter_depth: Length::mm(full_mm),
             depth_error,
             position_error: self.visit.position_error(),
             diameter: Length::mm(diameter_mm),
@@ -105,9 +122,19 @@ impl HoleTrack {
                 - tool.length.value(),
         });
         let [time, duration] = times(&self.visit, now);
-        let verdict = Verdict::from_findings(&findings);
+        let verdict = Verdict::unless(&findings, self.stroke.not_judged());
         let kind = FeatureKind::Hole(hole);
-        Some((Feature { op, line, tool: tool.0, time, duration, verdict, kind }, drilled))
+        let tool = tool.0;
+        Some((Feature { op, line, tool, time, duration, verdict, contact, kind }, drilled))
+    }
+
+    /// The evidence of contact; nobody simulates what an end mill takes.
+    fn contact(&self, tool: Option<&Tool>) -> Contact {
+        let known = self.visit.contact(&self.stroke);
+        match tool.map(|tool| &tool.kind) {
+            Some(ToolKind::Drill { .. } | ToolKind::SpotDrill { .. }) => known,
+            _ => Contact { torque: None, force: None, ..known },
+        }
     }
 }
 

@@ -10,15 +10,16 @@
 //!
 //! Axis and edges differ by the holder's deflection: a soft holder lets the tap follow its thread where
 //! the machine does not. The sync error is the machine's, the thread is the edges'.
-use crate::Config;
 use crate::class::ThreadClass;
 use crate::feature::{Gauge, ProfilePoint, Thread};
 use crate::gauge::{CutThread, Gauged};
 use crate::groove::{Cut, OffHelix, TapForm};
 use crate::hole::Drilled;
+use crate::stroke::Visit;
 use crate::thread::ThreadTrack;
 use crate::tolerance::{Limits, normal_engagement};
-use units::{Angle, Length, Spin};
+use crate::{Config, Contact};
+use units::{Angle, Length, Spin, Torque};
 
 /// A tap may stand this much deeper than the hole's full diameter: it is the drill's own tolerance.
 const HOLE_BOTTOM_MM: f64 = 0.05;
@@ -43,7 +44,7 @@ impl<'a> Inspection<'a> {
         let (tap, size) = (track.tap_tool(), &track.size);
         let tip_mm = track.visit.deepest_mm.max(0.0);
         let chamfer_mm = tap.map_or(0.0, |t| t.chamfer_pitches.max(0.0)) * size.pitch.value();
-        let full_mm = (tip_mm - chamfer_mm).max(0.0);
+        let full_mm = track.stroke.within_mm(tip_mm - chamfer_mm);
         let form = TapForm {
             chamfer_mm,
             clearance_mm: config.flank_clearance.value().max(0.0),
@@ -82,7 +83,6 @@ impl<'a> Inspection<'a> {
             if self.is_thread() { gauged.margin() } else { (Length::ZERO, Gauge::Go) };
         let if_cut = |value: Length| if self.is_thread() { value } else { Length::ZERO };
         let class = self.is_thread().then(|| Gauged::finest_class(&track.size, flanks)).flatten();
-        let flute = track.tap_tool().map(|tap| tap.flute);
         Thread {
             x,
             y,
@@ -115,9 +115,7 @@ impl<'a> Inspection<'a> {
             torque_max: track.torque_max,
             torque_in: track.torque_in,
             torque_out: track.torque_out,
-            torque_expected: self.config.material.zip(flute).map(|(material, flute)| {
-                material.tapping_torque(track.size.nominal, flanks.minor_diameter, flute)
-            }),
+            torque_expected: self.torque_expected(),
             axial_force_max: track.force_max,
             start_angle: track
                 .start_rev()
@@ -126,6 +124,19 @@ impl<'a> Inspection<'a> {
             recovered: track.faulted && !track.stroke.cuts(track.visit.last_mm),
             profile: self.profile(),
         }
+    }
+
+    /// What a sharp tap would take, if the material is known.
+    fn torque_expected(&self) -> Option<Torque> {
+        let flute = self.track.tap_tool()?.flute;
+        let material = self.config.material?;
+        Some(material.tapping_torque(self.track.size.nominal, self.flanks.minor_diameter, flute))
+    }
+
+    /// The evidence of contact.
+    pub(crate) fn contact(&self) -> Contact {
+        let torque_expected = self.torque_expected();
+        Contact { torque_expected, ..self.track.visit.contact(&self.track.stroke) }
     }
 
     fn profile(&self) -> Vec<ProfilePoint> {
@@ -150,8 +161,9 @@ impl<'a> Inspection<'a> {
             findings.extend(self.bottom_findings());
             findings.extend(self.sync_finding());
             findings.extend(self.start_finding());
+            findings.extend(self.contact().unresisted());
         }
-        findings
+        Visit::causes(&self.track.stroke, findings)
     }
 
     /// What the gauges find.

@@ -295,7 +295,7 @@ impl Judge {
             Track::Hole { track, tool } => {
                 let with = (tool, tool.and_then(|number| self.config.tools.get(number)));
                 if let Some((feature, drilled)) =
-                    track.finish(op, line, with, self.now, &self.config)
+                    track.finish(op, line, with, self.now, &self.config, &self.drilled)
                 {
                     self.features.push(feature);
                     self.drilled.extend(drilled);
@@ -315,22 +315,18 @@ impl Track {
     fn new(order: &Order, number: Option<u32>, config: &Config) -> Self {
         let tool: Option<&Tool> = number.and_then(|number| config.tools.get(number));
         let stroke = match &order.what {
-            What::Hole(hole) => Stroke::new(hole.axis, &hole.at, hole.surface, hole.bottom),
-            What::Tap(tap) => Stroke::new(tap.axis, &tap.start, tap.surface, tap.bottom),
+            What::Hole(hole) => Stroke::of_hole(hole),
+            What::Tap(tap) => Stroke::of_tap(tap),
             What::Cam(ordered) => return Self::Cam(CamTrack::new(ordered)),
             What::Turned(_) => return Self::Turned(TurnedTrack::default()),
             What::Gear(ordered) => {
-                let length = tool.map_or(units::Length::ZERO, |tool| tool.length);
-                return Self::Gear(Box::new(GearTrack::new(ordered, length)));
+                return Self::Gear(Box::new(GearTrack::new(ordered, tool)));
             }
             What::Polygon(ordered) => {
                 return Self::Polygon(Box::new(PolygonTrack::new(ordered, number, tool, config)));
             }
         };
-        let stroke = match (config.stock_top, tool) {
-            (Some(top), Some(tool)) => stroke.with_stock_top(top, tool.length),
-            _ => stroke,
-        };
+        let stroke = stroke.in_stock(config.stock.as_ref(), tool, &config.tools);
         match &order.what {
             What::Tap(tap) => Self::Thread(Box::new(ThreadTrack::new(tap, number, tool, stroke))),
             What::Hole(_) | What::Cam(_) | What::Turned(_) | What::Polygon(_) | What::Gear(_) => {

@@ -8,16 +8,27 @@
 //!               ▼ tip        ↓ depth
 //! ```
 //!
-//! Op and sample both speak of the axis, so the tool's length cancels out, unless the stock's real
-//! top is known: then depth counts from there.
+//! Surface and depth are those of the stock as it is clamped, by the length of the tool that is in the spindle. The
+//! ordered depth counts from the program's zero, with the offsets that the program had in force:
+//!
+//! ```text
+//!   real     stock's top − (axis − length of the tool)
+//!   ordered  (program's zero − bottom) + (stock's top − work's zero)
+//! ```
+//!
+//! So a wrong H, a forgotten G43 and a zero that was shifted are errors of depth. Without a stock the op's own surface
+//! counts, and nothing can be said of contact.
+use crate::{Contact, Stock};
 use bus::Sample;
-use canon::{Axis, Position};
-use units::Length;
+use canon::{Axis, Hole, Position, Tap, Tool, ToolLibrary};
+use units::{Force, Length, Torque};
 
 /// Below this the tip counts as in the material: less is the axis' own noise at the R plane.
 const TOUCH_MM: f64 = 0.02;
-/// Coordinates nearer than this are one and the same, written twice.
-const SAME_MM: f64 = 1e-4;
+/// A tool is left in the material from this share of the touch on: nearer to the surface its axis stands at the R plane.
+const LEFT_TOUCHES: f64 = 5.0;
+/// Lengths nearer than this are one and the same, written twice.
+const SAME_MM: f64 = 2e-3;
 
 /// Straight in and out along one axis.
 #[derive(Clone, Debug)]
@@ -32,13 +43,36 @@ pub(crate) struct Stroke {
     /// Programmed depth of the tip.
     pub(crate) programmed_mm: f64,
     touch_mm: f64,
-    /// Length of the tool, if the program ran without its offset.
-    offset_forgotten_mm: Option<f64>,
+    along: Axis,
+    zero_mm: f64,
+    bottom_mm: f64,
+    in_stock: Option<InStock>,
+}
+
+/// How a stroke lies to the stock.
+#[derive(Clone, Debug)]
+struct InStock {
+    stock: Stock,
+    /// Of the tool's circle.
+    radius_mm: f64,
+    /// By how much the program's zero stood above the work's for the tool that was in the spindle.
+    zero_off_mm: f64,
+    /// What that comes from, as far as it can be told; `None` without a tool.
+    cause: Option<String>,
 }
 
 impl Stroke {
-    /// From what the op says.
-    pub(crate) fn new(axis: Axis, start: &Position, surface: Length, bottom: Length) -> Self {
+    /// Of a hole, from what the op says.
+    pub(crate) fn of_hole(hole: &Hole) -> Self {
+        Self::new(hole.axis, &hole.at, [hole.surface, hole.bottom, hole.zero])
+    }
+
+    /// Likewise of a tap.
+    pub(crate) fn of_tap(tap: &Tap) -> Self {
+        Self::new(tap.axis, &tap.start, [tap.surface, tap.bottom, tap.zero])
+    }
+
+    fn new(axis: Axis, start: &Position, [surface, bottom, zero]: [Length; 3]) -> Self {
         let start_mm = start.along(axis).value();
         let sense = if bottom.value() > start_mm { 1.0 } else { -1.0 };
         let programmed_mm = sense * (bottom - surface).value();
@@ -56,31 +90,80 @@ impl Stroke {
             programmed_at_mm: across.map(|a| start.along(a).value()),
             programmed_mm,
             touch_mm: TOUCH_MM.min(programmed_mm.abs() * 0.1),
-            offset_forgotten_mm: None,
+            along: axis,
+            zero_mm: zero.value(),
+            bottom_mm: bottom.value(),
+            in_stock: None,
         }
     }
 
-    /// Count depth from the stock's real top where that lies in the stroke. Where the op takes its depth
-    /// from the stock's top as if the tool had no length, none was in force: then the tip really is
-    /// that much deeper than ordered.
-    pub(crate) fn with_stock_top(mut self, top: Length, tool_length: Length) -> Self {
-        if self.axis != Axis::Z.index() || self.sense > 0.0 {
+    /// Count depth from the stock as it is clamped, for this tool. The stock is known along the spindle only.
+    pub(crate) fn in_stock(
+        mut self,
+        stock: Option<&Stock>,
+        tool: Option<&Tool>,
+        tools: &ToolLibrary,
+    ) -> Self {
+        let Some(stock) = stock.filter(|_| self.axis == Axis::Z.index() && self.sense < 0.0) else {
             return self;
-        }
-        let bottom_mm = self.coordinate_mm(self.programmed_mm);
-        let real_mm = (top + tool_length).value();
-        let offset_mm = self.surface_mm - top.value();
-        let forgotten = self.surface_mm != self.start_mm
-            && offset_mm.abs() < SAME_MM
-            && tool_length.value() > SAME_MM;
-        if forgotten {
-            self.offset_forgotten_mm = Some(tool_length.value());
-            self.surface_mm = real_mm;
-        } else if bottom_mm < real_mm && real_mm < self.start_mm {
-            self.surface_mm = real_mm;
-            self.programmed_mm = real_mm - bottom_mm;
-        }
+        };
+        let [length_mm, radius_mm] =
+            tool.map_or([0.0; 2], |t| [t.length.value(), t.diameter.value() / 2.0]);
+        let above_zero_mm = (stock.top() - stock.zero[2]).value();
+        let zero_off_mm = self.zero_mm - length_mm - stock.zero[2].value();
+        self.surface_mm = stock.top().value() + length_mm;
+        self.programmed_mm = self.zero_mm - self.bottom_mm + above_zero_mm;
+        self.touch_mm = TOUCH_MM.min(self.programmed_mm.abs() * 0.1);
+        let cause = cause(zero_off_mm + length_mm, tool, tools);
+        self.in_stock = Some(InStock { stock: *stock, radius_mm, zero_off_mm, cause });
         self
+    }
+
+    /// Why nobody can say whether the tool was in the material.
+    pub(crate) fn not_judged(&self) -> Option<String> {
+        if self.in_stock.is_some() {
+            return None;
+        }
+        let along = (self.along, self.sense < 0.0);
+        Some(match along {
+            (Axis::Z, true) => crate::contact::NO_STOCK.to_owned(),
+            (axis, _) => format!(
+                "cut along {}{}: the stock is known to the judge towards Z- only",
+                axis.letter(),
+                if self.sense < 0.0 { '-' } else { '+' }
+            ),
+        })
+    }
+
+    /// Deepest that the record will go, as far as the op says.
+    pub(crate) fn deepest_ordered_mm(&self) -> f64 {
+        self.programmed_mm.max(self.depth_mm(self.bottom_mm)).max(0.0)
+    }
+
+    /// The part of a depth that lies within the stock.
+    pub(crate) fn within_mm(&self, depth_mm: f64) -> f64 {
+        let thickness =
+            self.in_stock.as_ref().map_or(f64::INFINITY, |s| s.stock.thickness().value());
+        depth_mm.clamp(0.0, thickness)
+    }
+
+    /// How far the tool's circle reaches over a side of the stock, and its diameter; `None` without a stock.
+    fn over_side(&self, at_mm: [f64; 2]) -> Option<[f64; 2]> {
+        let InStock { stock, radius_mm, .. } = self.in_stock.as_ref()?;
+        Some([stock.over_side(at_mm, *radius_mm), 2.0 * radius_mm])
+    }
+
+    /// That the program's zero was not the work's.
+    fn zero_finding(&self) -> Option<String> {
+        let InStock { zero_off_mm, cause, .. } = self.in_stock.as_ref()?;
+        let cause = cause.as_ref()?;
+        let side = if *zero_off_mm > 0.0 { "above" } else { "below" };
+        (zero_off_mm.abs() > SAME_MM).then(|| {
+            format!(
+                "the program's zero stood {:.3} mm {side} the work's: {cause}",
+                zero_off_mm.abs()
+            )
+        })
     }
 
     /// Coordinate of the axis.
@@ -120,6 +203,31 @@ impl Stroke {
     }
 }
 
+/// Where an offset between the program's zero and the work's comes from. `in_force`: the length that the program took the
+/// tool to have, if its work offset was right.
+fn cause(in_force_mm: f64, tool: Option<&Tool>, tools: &ToolLibrary) -> Option<String> {
+    let tool = tool?;
+    let (number, length_mm) = (tool.number, tool.length.value());
+    let near = |mm: f64| (mm - in_force_mm).abs() < SAME_MM;
+    if near(0.0) {
+        return Some(format!(
+            "no tool length offset was in force (G43), and T{number} is {length_mm:.3} mm long"
+        ));
+    }
+    let other = tools.iter().find(|other| other.number != number && near(other.length.value()));
+    Some(other.map_or_else(
+        || "look at the work offset (G54 to G59, G52, G92) and at the length offset (G43 H)".to_owned(),
+        |other| {
+            format!(
+                "the length offset in force was that of T{}, {:.3} mm, and T{number} in the spindle is \
+                 {length_mm:.3} mm long",
+                other.number,
+                other.length.value()
+            )
+        },
+    ))
+}
+
 /// [`Sample::axis`] without copying the whole truth.
 fn axis_mm(sample: &Sample, axis: usize) -> f64 {
     sample.truth.as_ref().map_or(sample.feedback.axes[axis].position, |t| t.axes[axis]).value()
@@ -138,6 +246,13 @@ pub(crate) struct Visit {
     pub(crate) broken_at_mm: Option<f64>,
     /// A recorded value was not a number: nothing measured here can be trusted.
     unreadable: bool,
+    /// Farthest that the tool's circle reached over a side of the stock while in it.
+    over_side_mm: f64,
+    /// Least distance from the stock's side while below its top and beside it.
+    beside_mm: Option<f64>,
+    /// Largest torque and force in the material, where they can be known.
+    pub(crate) torque_max: Option<Torque>,
+    pub(crate) force_max: Option<Force>,
     sum_mm: [f64; 2],
     count: f64,
     position_error_mm: f64,
@@ -151,6 +266,10 @@ impl Visit {
             times_s: None,
             broken_at_mm: None,
             unreadable: false,
+            over_side_mm: f64::NEG_INFINITY,
+            beside_mm: None,
+            torque_max: None,
+            force_max: None,
             sum_mm: [0.0; 2],
             count: 0.0,
             position_error_mm: 0.0,
@@ -174,9 +293,25 @@ impl Visit {
             self.broken_at_mm.get_or_insert(depth_mm);
             return false; // what is left of the tool cuts nothing that could be measured
         }
+        let over = stroke.over_side([x, y]);
+        if let Some([over, diameter]) = over.filter(|[over, diameter]| over >= diameter) {
+            if stroke.cuts(depth_mm) {
+                let away = over - diameter;
+                self.beside_mm = Some(self.beside_mm.map_or(away, |least| least.min(away)));
+            }
+            return false;
+        }
         self.deepest_mm = self.deepest_mm.max(depth_mm);
         if !stroke.cuts(depth_mm) {
             return false;
+        }
+        if let Some([over, _]) = over {
+            self.over_side_mm = self.over_side_mm.max(over);
+        }
+        if let Some(truth) = &sample.truth {
+            let (torque, force) = (truth.cutting_torque.abs(), truth.cutting_force.abs());
+            self.torque_max = Some(self.torque_max.map_or(torque, |most| most.max(torque)));
+            self.force_max = Some(self.force_max.map_or(force, |most| most.max(force)));
         }
         let now_s = sample.feedback.time.value();
         self.times_s = Some([self.times_s.map_or(now_s, |[first, _]| first), now_s]);
@@ -203,11 +338,6 @@ impl Visit {
     /// What is wrong with any feature whatever it is; empty if nothing.
     pub(crate) fn findings(&self, stroke: &Stroke, position_tolerance: Length) -> Vec<String> {
         let mut findings = Vec::new();
-        if let Some(length_mm) = stroke.offset_forgotten_mm {
-            findings.push(format!(
-                "no tool length offset was in force (G43): the tip of a tool {length_mm:.3} mm long went that much deeper than ordered"
-            ));
-        }
         if self.unreadable {
             findings.push("the record holds a position or angle that is not a number".into());
         }
@@ -219,16 +349,15 @@ impl Visit {
             });
         }
         if self.times_s.is_none() {
-            findings.push(if self.deepest_mm.is_finite() {
-                format!(
-                    "never cut: the tip came no nearer than {:.3} mm to the surface",
-                    -self.deepest_mm
-                )
-            } else {
-                "never cut: the program ended before it".into()
-            });
-        } else if stroke.cuts(self.last_mm) {
+            findings.push(self.not_cut(stroke));
+        } else if self.last_mm > LEFT_TOUCHES * stroke.touch_mm {
             findings.push(format!("the tool was left {:.2} mm deep in the material", self.last_mm));
+        }
+        if self.over_side_mm > 0.0 {
+            findings.push(format!(
+                "it breaks through a side of the stock: {:.2} mm of it are in the air",
+                self.over_side_mm
+            ));
         }
         if self.position_error() > position_tolerance {
             findings.push(format!(
@@ -238,5 +367,40 @@ impl Visit {
             ));
         }
         findings
+    }
+
+    /// Nothing was cut: how far from the stock the tool passed.
+    fn not_cut(&self, stroke: &Stroke) -> String {
+        if let Some(away) = self.beside_mm {
+            return format!("not cut: the tool passed {away:.3} mm beside the stock");
+        }
+        let what = if stroke.in_stock.is_some() { "stock" } else { "surface" };
+        if self.deepest_mm.is_finite() {
+            let away = -self.deepest_mm;
+            format!("not cut: the tip came no nearer than {away:.3} mm to the {what}")
+        } else {
+            "not cut: the program ended before it".into()
+        }
+    }
+
+    /// What a failed feature's zero and offsets had to do with it.
+    pub(crate) fn causes(stroke: &Stroke, mut findings: Vec<String>) -> Vec<String> {
+        if !findings.is_empty()
+            && let Some(finding) = stroke.zero_finding()
+        {
+            findings.push(finding);
+        }
+        findings
+    }
+
+    /// The evidence of contact.
+    pub(crate) fn contact(&self, stroke: &Stroke) -> Contact {
+        let reach = if self.times_s.is_some() { stroke.within_mm(self.deepest_mm) } else { 0.0 };
+        Contact {
+            reach: stroke.in_stock.is_some().then(|| Length::mm(reach)),
+            torque: self.torque_max,
+            force: self.force_max,
+            torque_expected: None,
+        }
     }
 }

@@ -9,7 +9,7 @@
 //! A feature has as many headrooms as tolerances; its own is the least of them. Of gauges, the tolerance
 //! is TD2, so 0.4 means the same for an M3 and an M20.
 use crate::config::Tolerances;
-use crate::feature::{Feature, FeatureKind, Gauge, Hole, Thread};
+use crate::feature::{Feature, FeatureKind, Gauge, Hole, Thread, Verdict};
 use std::fmt;
 use units::Length;
 
@@ -20,19 +20,21 @@ pub struct Count {
     pub passed: usize,
     /// Out of at least one.
     pub failed: usize,
+    /// Not measured: neither.
+    pub not_judged: usize,
 }
 
 impl Count {
     /// All of them.
     pub const fn total(self) -> usize {
-        self.passed + self.failed
+        self.passed + self.failed + self.not_judged
     }
 
-    fn add(&mut self, passed: bool) {
-        if passed {
-            self.passed += 1;
-        } else {
-            self.failed += 1;
+    const fn add(&mut self, verdict: &Verdict) {
+        match verdict {
+            Verdict::Pass => self.passed += 1,
+            Verdict::Fail { .. } => self.failed += 1,
+            Verdict::NotJudged { .. } => self.not_judged += 1,
         }
     }
 }
@@ -134,6 +136,9 @@ fn place(depth: Length, thread: &Thread) -> &'static str {
 impl Feature {
     /// Why it is as near to its limit as it is: what the motion, the tool and the hole had to do with it.
     pub fn why(&self, headroom: &Headroom) -> Option<String> {
+        if headroom.of == Criterion::Whole {
+            return self.verdict.reason().map(str::to_owned);
+        }
         let FeatureKind::Thread(thread) = &self.kind else { return None };
         let um = |length: Length| length.in_um();
         Some(match headroom.of {
@@ -174,8 +179,8 @@ impl Feature {
             | Criterion::AcrossFlats
             | Criterion::Contour
             | Criterion::Pitch
-            | Criterion::Helix => return None, // no thread has one
-            Criterion::Whole => return self.verdict.reason().map(str::to_owned),
+            | Criterion::Helix
+            | Criterion::Whole => return None, // no thread has one, and the whole was named
         })
     }
 
@@ -193,7 +198,8 @@ impl Feature {
         // a feature that failed for what has no measure must not look good by its measures
         let whole =
             Headroom { of: Criterion::Whole, left: -Length::um(1.0), tolerance: Length::ZERO };
-        least.filter(|least| self.verdict.is_pass() || least.share() < 0.0).unwrap_or(whole)
+        let measured = least.filter(|_| self.is_cut());
+        measured.filter(|least| self.verdict.is_pass() || least.share() < 0.0).unwrap_or(whole)
     }
 }
 
@@ -316,15 +322,15 @@ impl Summary {
             if summary.worst.is_none_or(|(_, worst)| headroom.share() < worst.share()) {
                 summary.worst = Some((index, headroom));
             }
-            let passed = feature.verdict.is_pass();
+            let verdict = &feature.verdict;
             match &feature.kind {
-                FeatureKind::Hole(_) => summary.holes.add(passed),
-                FeatureKind::Polygon(_) => summary.polygons.add(passed),
-                FeatureKind::Cam(_) => summary.cams.add(passed),
-                FeatureKind::Turned(_) => summary.threads.add(passed),
-                FeatureKind::Gear(_) => summary.gears.add(passed),
+                FeatureKind::Hole(_) => summary.holes.add(verdict),
+                FeatureKind::Polygon(_) => summary.polygons.add(verdict),
+                FeatureKind::Cam(_) => summary.cams.add(verdict),
+                FeatureKind::Turned(_) => summary.threads.add(verdict),
+                FeatureKind::Gear(_) => summary.gears.add(verdict),
                 FeatureKind::Thread(thread) => {
-                    summary.threads.add(passed);
+                    summary.threads.add(verdict);
                     let (sync, depth) = (thread.sync_error_max, thread.depth_error);
                     if summary.sync_error_max.is_none_or(|(_, most)| sync > most) {
                         summary.sync_error_max = Some((index, sync));
@@ -339,8 +345,8 @@ impl Summary {
     }
 
     /// Every feature is good.
-    pub const fn passes(&self) -> bool {
-        let failed = [self.holes, self.threads, self.polygons, self.cams];
-        failed[0].failed + failed[1].failed + failed[2].failed + failed[3].failed == 0
+    pub fn passes(&self) -> bool {
+        let all = [self.holes, self.threads, self.polygons, self.cams, self.gears];
+        all.iter().all(|count| count.failed + count.not_judged == 0)
     }
 }

@@ -57,7 +57,7 @@ impl ThreadTrack {
         let (size, findings) = what_is_cut(tap, tool_number, tool);
         let pitch_mm = size.pitch.value();
         let groove =
-            Groove::new(pitch_mm, pitch_mm * size.hand.sign(), stroke.programmed_mm.max(0.0));
+            Groove::new(pitch_mm, pitch_mm * size.hand.sign(), stroke.deepest_ordered_mm());
         Self {
             tap: *tap,
             tool_number,
@@ -156,7 +156,8 @@ impl ThreadTrack {
             tool: self.tool_number,
             time,
             duration,
-            verdict: Verdict::from_findings(&inspection.findings()),
+            verdict: Verdict::unless(&inspection.findings(), self.stroke.not_judged()),
+            contact: inspection.contact(),
             kind: FeatureKind::Thread(Box::new(inspection.thread())),
         }
     }

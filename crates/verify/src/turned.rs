@@ -387,6 +387,7 @@ impl TurnedTrack {
             time: self.began.unwrap_or(now),
             duration: self.began.map_or(Time::ZERO, |began| self.last - began),
             verdict: verdict::of(&found, law.as_ref(), inspected.as_ref(), config),
+            contact: crate::Contact::default(),
             kind: FeatureKind::Turned(Box::new(found)),
         }
     }

@@ -17,6 +17,7 @@
 //! The judge grades what was cut; this one says whether it was ever cut in a way that no program may ask for. It
 //! believes real positions and speeds only, and knows neither plan nor kernel.
 use crate::config::Config;
+use crate::stroke::Stroke;
 use bus::{Sample, State};
 use canon::{Axis, Holder, Op, OpKind, SpindleOrder, ToolKind};
 use std::collections::{BTreeMap, VecDeque};
@@ -50,12 +51,11 @@ pub struct Breach {
 }
 
 /// What is in work.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Work {
     axis: Axis,
     at: [Length; 3],
-    surface: Length,
-    bottom: Length,
+    stroke: Stroke,
     /// Program line: what another line does is none of this one's work.
     line: u32,
     /// Lead of a tap that is tied to the spindle, as travel by positive turn, mm/rev.
@@ -117,8 +117,7 @@ impl Watch {
                 let work = Work {
                     axis: hole.axis,
                     at: place(&hole.at),
-                    surface: hole.surface,
-                    bottom: hole.bottom,
+                    stroke: self.clamped(Stroke::of_hole(hole)),
                     line: op.span.line,
                     lead: None,
                 };
@@ -130,8 +129,7 @@ impl Watch {
                 let work = Work {
                     axis: tap.axis,
                     at: place(&tap.start),
-                    surface: tap.surface,
-                    bottom: tap.bottom,
+                    stroke: self.clamped(Stroke::of_tap(tap)),
                     line: op.span.line,
                     lead,
                 };
@@ -139,6 +137,12 @@ impl Watch {
             }
             _ => {}
         }
+    }
+
+    /// The stroke in the stock, for the tool that is ordered.
+    fn clamped(&self, stroke: Stroke) -> Stroke {
+        let tool = self.tool.and_then(|number| self.config.tools.get(number));
+        stroke.in_stock(self.config.stock.as_ref(), tool, &self.config.tools)
     }
 
     /// The tap is in a holder that ties it to the spindle.
@@ -199,10 +203,11 @@ impl Watch {
             let said = self.broken.take().unwrap_or_else(|| breakage::text(sample, &self.config));
             return self.broken.insert(said).clone().into();
         }
-        let (&first, &work) = self.works.range(..=op).next_back()?;
+        let (&first, _) = self.works.range(..=op).next_back()?;
         while self.works.first_key_value().is_some_and(|(&done, _)| done < first) {
             self.works.pop_first();
         }
+        let work = self.works.get(&first)?;
         let now = sample.feedback.time;
         let (angle, z) = (sample.spindle(0), sample.axis(work.axis.index()));
         let (then, was, z_was) = self.before.replace((now, angle, z))?;
@@ -210,15 +215,15 @@ impl Watch {
             self.against_mm = 0.0;
             return None;
         }
-        let into = if work.bottom < work.surface { -1.0 } else { 1.0 };
-        let depth = (z - work.surface).value() * into;
+        let into = work.stroke.sense;
+        let depth = work.stroke.depth_mm(z.value());
         if depth < TOUCH_MM {
             self.against_mm = 0.0;
             return None;
         }
         let spin = sample.truth.as_ref().map_or((angle - was) / (now - then), |t| t.spins[0]);
         let feed = (z - z_was).value() / (now - then).value();
-        let beyond = (z - work.bottom).value() * into;
+        let beyond = depth - work.stroke.programmed_mm;
         if beyond > BEYOND_MM {
             return Some("the tip is beyond the programmed bottom".into());
         }
@@ -226,11 +231,11 @@ impl Watch {
         let taps = matches!(state, State::TapIn | State::TapBottom | State::TapOut);
         match work.lead {
             Some(lead) if taps => {
+                let across = across(sample, work);
                 self.part((z - z_was).value(), (angle - was).value() * lead);
                 if self.against_mm > AGAINST_MM {
                     return Some("the spindle turns against the tap's way in the material".into());
                 }
-                let across = across(sample, &work);
                 (across > ACROSS_MM).then(|| "a tap is moved sideways in its thread".into())
             }
             None if state == State::Feed && self.in_force != Spin::ZERO && feed * into > 0.0 => {
@@ -297,6 +302,7 @@ mod tests {
             at: Position::xyz(0.0, 0.0, 5.0),
             bottom: Length::mm(-20.0),
             surface: Length::ZERO,
+            zero: Length::ZERO,
         };
         watch.op(1, &op(OpKind::Hole(hole)));
         let mut sample = Sample::default();
@@ -347,6 +353,7 @@ mod tests {
                 start: Position::xyz(0.0, 0.0, 5.0),
                 bottom: Length::mm(-10.0),
                 surface: Length::ZERO,
+                zero: Length::ZERO,
                 lead: units::Lead::mm_per_rev(1.0),
                 spin,
                 return_spin: spin,

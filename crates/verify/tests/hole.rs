@@ -1,9 +1,9 @@
 //! Holes judged from synthetic records.
 mod common;
 use canon::{Op, OpKind, Tool, ToolKind, ToolLibrary};
-use common::{drill, drilling, hole_ops};
+use common::{config, drill, drilling, hole_ops};
 use units::{Angle, Length};
-use verify::{Config, Feature, FeatureKind, Hole, Judge};
+use verify::{Config, Feature, FeatureKind, Hole, Judge, Stock};
 
 fn tools() -> ToolLibrary {
     let spot = ToolKind::SpotDrill { point_angle: Angle::deg(90.0) };
@@ -33,7 +33,7 @@ fn cut(
 }
 
 fn one(tool: u32, at_mm: [f64; 2], depth_mm: f64) -> (Feature, Hole) {
-    let feature = cut(tool, at_mm, 12.0, depth_mm, Config::new(tools())).remove(0);
+    let feature = cut(tool, at_mm, 12.0, depth_mm, config(tools())).remove(0);
     let FeatureKind::Hole(hole) = feature.kind.clone() else { panic!("{feature:?}") };
     (feature, hole)
 }
@@ -76,7 +76,7 @@ fn a_hole_beside_its_place_fails_by_the_distance() {
 
 #[test]
 fn a_spot_drill_leaves_a_cone_as_wide_as_twice_its_depth() {
-    let mut features = cut(2, [30.0, 20.0], 1.5, 1.5, Config::new(tools()));
+    let mut features = cut(2, [30.0, 20.0], 1.5, 1.5, config(tools()));
     let FeatureKind::Hole(hole) = features.remove(0).kind else { panic!("a hole") };
     near(hole.diameter, 3.0);
     near(hole.full_diameter_depth, 0.0);
@@ -84,7 +84,7 @@ fn a_spot_drill_leaves_a_cone_as_wide_as_twice_its_depth() {
 
 #[test]
 fn a_tool_that_makes_no_feature_is_not_judged() {
-    assert!(cut(3, [30.0, 20.0], 12.0, 12.0, Config::new(tools())).is_empty());
+    assert!(cut(3, [30.0, 20.0], 12.0, 12.0, config(tools())).is_empty());
 }
 
 #[test]
@@ -92,43 +92,123 @@ fn a_hole_that_was_never_reached_says_how_near_the_tip_came() {
     let (feature, _) = one(1, [30.0, 20.0], -0.5);
     assert_eq!(
         feature.verdict.reason().unwrap(),
-        "never cut: the tip came no nearer than 0.500 mm to the surface"
+        "not cut: the tip came no nearer than 0.500 mm to the stock"
     );
 }
 
-/// A hole 12 mm below the work's zero, with the stock's top at this coordinate of the tip.
-fn on_stock(top_mm: f64) -> (Feature, Hole) {
-    let config = Config { stock_top: Some(Length::mm(top_mm)), ..Config::new(tools()) };
+/// A hole 12 mm below the program's zero, which the tip touches at −150; top and zero of the work are there.
+fn on_stock(top_mm: f64, zero_mm: f64) -> (Feature, Hole) {
+    let stock = Some(common::stock_at(top_mm, zero_mm));
+    let config = Config { stock, ..config(tools()) };
     let feature = cut(1, [30.0, 20.0], 12.0, 12.0, config).remove(0);
     let FeatureKind::Hole(hole) = feature.kind.clone() else { panic!("{feature:?}") };
     (feature, hole)
 }
 
 #[test]
-fn depth_counts_from_the_real_stock_wherever_the_works_zero_is() {
-    // the tip is at −150 when the axis is at the work's zero
+fn depth_counts_from_the_real_stock_wherever_its_top_lies_over_the_works_zero() {
+    // what is to be faced off later is drilled through too
     for (top_mm, depth_mm) in [(-150.0, 12.0), (-149.0, 13.0), (-151.0, 11.0)] {
-        let (feature, hole) = on_stock(top_mm);
+        let (feature, hole) = on_stock(top_mm, -150.0);
         assert!(feature.verdict.is_pass(), "{:?}", feature.verdict);
         near(hole.depth, depth_mm);
+        near(feature.contact.reach.unwrap(), depth_mm);
     }
-    // a start within the stock (a pocket) says nothing of it: the op's surface counts
-    near(on_stock(-120.0).1.depth, 12.0);
+}
+
+#[test]
+fn a_programs_zero_that_is_not_the_works_is_an_error_of_depth() {
+    for (zero_mm, depth_mm, what) in
+        [(-153.0, 9.0, "3000 µm too shallow"), (-147.0, 15.0, "3000 µm too deep")]
+    {
+        let (feature, hole) = on_stock(zero_mm, zero_mm);
+        near(hole.depth, depth_mm);
+        let reason = feature.verdict.reason().unwrap();
+        assert!(reason.contains(what) && reason.contains("look at the work offset"), "{reason}");
+    }
+}
+
+#[test]
+fn above_the_stock_and_beside_it_nothing_is_cut() {
+    let (feature, hole) = on_stock(-165.0, -165.0);
+    near(hole.depth, 0.0);
+    let reason = feature.verdict.reason().unwrap();
+    assert!(
+        reason.contains("not cut: the tip came no nearer than 3.000 mm to the stock"),
+        "{reason}"
+    );
+    assert!(!feature.contact.is_cut());
+    let [_, y, z] = common::stock().to;
+    let beside = Stock { to: [Length::mm(20.0), y, z], ..common::stock() };
+    let config = Config { stock: Some(beside), ..config(tools()) };
+    let feature = cut(1, [30.0, 20.0], 12.0, 12.0, config).remove(0);
+    let reason = feature.verdict.reason().unwrap();
+    assert_eq!(reason, "not cut: the tool passed 7.500 mm beside the stock");
+}
+
+#[test]
+fn a_hole_at_the_stocks_side_breaks_through_it() {
+    let stock = common::stock();
+    let [_, y, z] = stock.to;
+    let stock = Stock { to: [Length::mm(31.0), y, z], ..stock };
+    let config = Config { stock: Some(stock), ..config(tools()) };
+    let feature = cut(1, [30.0, 20.0], 12.0, 12.0, config).remove(0);
+    let reason = feature.verdict.reason().unwrap();
+    assert_eq!(reason, "it breaks through a side of the stock: 1.50 mm of it are in the air");
+}
+
+#[test]
+fn without_a_stock_a_hole_is_not_judged() {
+    let feature = cut(1, [30.0, 20.0], 12.0, 12.0, Config::new(tools())).remove(0);
+    assert_eq!((feature.verdict.name(), feature.verdict.is_pass()), ("not judged", false));
+    assert!(feature.contact.reach.is_none());
+    // what is bad anyhow is bad
+    let off = cut(1, [30.5, 20.0], 12.0, 12.0, Config::new(tools())).remove(0);
+    assert_eq!(off.verdict.name(), "fail");
+}
+
+#[test]
+fn a_drill_that_nothing_resists_has_cut_nothing() {
+    let mut judge = Judge::new(config(tools()));
+    for (index, op) in hole_ops(7, [30.0, 20.0], 12.0).iter().enumerate() {
+        judge.op(index as u32, op);
+    }
+    for mut sample in drilling(0, 1, [30.0, 20.0], 12.0) {
+        if let Some(truth) = &mut sample.truth {
+            truth.cutting_torque = units::Torque::ZERO;
+        }
+        judge.sample(&sample);
+    }
+    let feature = judge.finish().remove(0);
+    let reason = feature.verdict.reason().unwrap();
+    assert!(reason.starts_with("not cut: 12.00 mm deep in the stock nothing resisted"), "{reason}");
 }
 
 #[test]
 fn a_forgotten_tool_length_offset_is_found() {
     // zero on the stock's top, and the axis goes there as if the tool had no length
-    let (feature, hole) = on_stock(-50.0);
+    let (feature, hole) = on_stock(-50.0, -50.0);
     near(hole.depth, 112.0);
     let reason = feature.verdict.reason().unwrap();
-    assert!(reason.starts_with("no tool length offset was in force (G43)"), "{reason}");
+    assert!(reason.contains("no tool length offset was in force (G43)"), "{reason}");
     assert!(reason.contains("100000 µm too deep"), "{reason}");
 }
 
 #[test]
+fn a_length_offset_of_another_tool_is_named() {
+    let mut long = drill(6, 5.0);
+    long.length = Length::mm(113.25);
+    let tools = ToolLibrary::new([drill(1, 5.0), long]);
+    // T6 would touch the work's zero where the program has its own; T1 is 13.25 mm shorter
+    let stock = Some(common::stock_at(-163.25, -163.25));
+    let feature = cut(1, [30.0, 20.0], 12.0, 12.0, Config { stock, ..config(tools) }).remove(0);
+    let reason = feature.verdict.reason().unwrap();
+    assert!(reason.contains("the length offset in force was that of T6, 113.250 mm"), "{reason}");
+}
+
+#[test]
 fn the_moves_of_the_next_block_are_no_part_of_a_hole() {
-    let mut judge = Judge::new(Config::new(tools()));
+    let mut judge = Judge::new(config(tools()));
     let ops = hole_ops(7, [30.0, 20.0], 12.0);
     for (index, op) in ops.iter().enumerate() {
         judge.op(index as u32, op);
@@ -148,7 +228,7 @@ fn the_moves_of_the_next_block_are_no_part_of_a_hole() {
 
 #[test]
 fn a_block_that_repeats_makes_one_hole_each_time() {
-    let mut judge = Judge::new(Config::new(tools()));
+    let mut judge = Judge::new(config(tools()));
     let places = [[30.0, 20.0], [40.0, 20.0], [50.0, 20.0]];
     for (k, at) in places.into_iter().enumerate() {
         for (index, op) in hole_ops(7, at, 12.0).iter().enumerate() {

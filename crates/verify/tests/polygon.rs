@@ -7,7 +7,7 @@ use canon::{
 };
 use core::f64::consts::{PI, TAU};
 use units::{Angle, Lead, Length, Spin, Time};
-use verify::{Config, Feature, FeatureKind, Judge, Polygon};
+use verify::{Config, Feature, FeatureKind, Judge, Polygon, Stock};
 
 /// A cut as the equations have it: mm, rad, turns.
 struct Cut {
@@ -29,6 +29,16 @@ struct Cut {
 const RPM: f64 = 500.0;
 /// Machine Z at which the cutter, 40 mm long, is at the face of the bar.
 const TOP: f64 = -350.0 + 40.0;
+
+/// A bar of this radius about the work's axis, its face at the work's zero.
+fn stock(radius: f64) -> Stock {
+    let mm = |v: [f64; 3]| v.map(Length::mm);
+    Stock {
+        from: mm([-150.0 - radius, -60.0 - radius, -410.0]),
+        to: mm([-150.0 + radius, -60.0 + radius, -350.0]),
+        zero: mm([-150.0, -60.0, -350.0]),
+    }
+}
 
 impl Cut {
     fn hexagon() -> Self {
@@ -75,7 +85,7 @@ impl Cut {
         let mut judge = Judge::new(Config {
             work_axis: [Length::mm(-150.0), Length::mm(-60.0)],
             stock_radius: Some(Length::mm(self.stock)),
-            stock_top: Some(Length::mm(-350.0)),
+            stock: Some(stock(self.stock)),
             ..Config::new(ToolLibrary::new([tool]))
         });
         let op = |line, kind| Op { span: Span { line, ..Span::default() }, kind };
@@ -92,6 +102,7 @@ impl Cut {
             by_distance: Vec::new(),
             wanted: Vec::new(),
             compensated: false,
+            zero: Position::xyz(-150.0, -60.0, TOP),
         };
         judge.op(0, &op(1, OpKind::ChangeTool { number: 9 }));
         judge.op(1, &op(2, OpKind::Polygon(polygon)));

@@ -1,7 +1,7 @@
 //! Threads judged from synthetic records whose error is known in closed form.
 mod common;
 use canon::{Op, OpKind, ToolKind, ToolLibrary};
-use common::{Record, judge, judge_with, thread, tools};
+use common::{Record, config, judge, judge_with, thread, tools};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
 use units::{Angle, Length};
@@ -91,7 +91,7 @@ fn a_go_gauge_follows_wherever_the_tap_itself_has_been() {
 
 #[test]
 fn with_clearance_only_the_leading_teeth_widen_and_the_lead_error_jams_the_gauge() {
-    let config = Config { flank_clearance: Length::um(30.0), ..Config::new(tools()) };
+    let config = Config { flank_clearance: Length::um(30.0), ..config(tools()) };
     let feature = judge_with(config, &Record::new(2, 1.0), |depth, _| 0.001 * depth);
     let m6 = thread(&feature);
     // 12.75 µm of shift are less than the play; left is the leading stretch c/2 + P = 2.25 mm
@@ -105,7 +105,7 @@ fn with_clearance_only_the_leading_teeth_widen_and_the_lead_error_jams_the_gauge
 fn an_offset_beyond_the_clearance_counts_only_by_what_is_beyond() {
     // e jumps by 20 µm once the tip is 10 mm deep, in and out alike: the grooves above 6.5 mm are
     // touched at the jump by following teeth alone, which have ±6 µm of play
-    let config = Config { flank_clearance: Length::um(12.0), ..Config::new(tools()) };
+    let config = Config { flank_clearance: Length::um(12.0), ..config(tools()) };
     let jump = |depth: f64, _| if depth > 10.0 { 0.020 } else { 0.0 };
     let feature = judge_with(config, &Record::new(2, 1.0), jump);
     let shallow = thread(&feature).profile.iter().find(|p| p.tip_depth > Length::mm(3.0)).unwrap();
@@ -172,7 +172,7 @@ fn a_tap_may_go_as_deep_as_its_flutes_are_long_with_what_any_thread_may_overrun(
 #[test]
 fn a_tap_that_broke_stayed_in_or_never_came_is_no_thread() {
     let record = Record::new(2, 1.0);
-    let mut judge = Judge::new(Config::new(tools()));
+    let mut judge = Judge::new(config(tools()));
     judge.op(0, &Op { span: common::span(9), kind: OpKind::ChangeTool { number: 2 } });
     for index in 1..4 {
         judge.op(index, &record.op(10 + index));
@@ -192,14 +192,14 @@ fn a_tap_that_broke_stayed_in_or_never_came_is_no_thread() {
     assert!(broke.tip_depth < Length::mm(13.9), "what was cut after it broke: {}", broke.tip_depth);
     assert_eq!((broke.class, broke.margin), (None, Length::ZERO));
     assert!(reasons[1].starts_with("the tool was left"), "{}", reasons[1]);
-    assert_eq!(reasons[2], "never cut: the program ended before it");
+    assert_eq!(reasons[2], "not cut: the program ended before it");
     assert_eq!(thread(&features[2]).class, None);
 }
 
 #[test]
 fn a_record_with_a_hole_in_it_proves_nothing() {
     let record = Record::new(2, 1.0);
-    let mut judge = Judge::new(Config::new(tools()));
+    let mut judge = Judge::new(config(tools()));
     judge.op(0, &record.op(10));
     let mut samples = record.samples(0, |_, _| 0.0);
     let middle = samples.len() / 3;
@@ -216,7 +216,7 @@ fn a_record_with_a_hole_in_it_proves_nothing() {
 fn a_tap_pulled_straight_out_tears_its_thread() {
     // in on the helix; then the spindle stands and the axis withdraws
     let record = Record::new(2, 1.0);
-    let mut judge = Judge::new(Config::new(tools()));
+    let mut judge = Judge::new(config(tools()));
     judge.op(0, &record.op(10));
     let samples = record.samples(0, |_, _| 0.0);
     let bottom = samples.len() / 2;
@@ -264,7 +264,7 @@ fn a_thread_is_held_to_the_start_angle_it_was_asked_for() {
 
 #[test]
 fn a_sync_error_limit_counts_even_where_the_gauges_agree() {
-    let mut config = Config::new(tools());
+    let mut config = common::config(tools());
     config.tolerances.sync_error = Some(Length::um(10.0));
     let feature =
         judge_with(config, &Record::new(2, 1.0), |depth, _| 0.0125 * (TAU * depth / 2.0).sin());
@@ -274,7 +274,7 @@ fn a_sync_error_limit_counts_even_where_the_gauges_agree() {
 
 #[test]
 fn the_expected_torque_stands_beside_the_largest() {
-    let config = Config { material: Some(Material::CarbonSteel), ..Config::new(tools()) };
+    let config = Config { material: Some(Material::CarbonSteel), ..config(tools()) };
     let feature = judge_with(config, &Record::new(2, 1.0), |_, _| 0.0);
     let expected = thread(&feature).torque_expected.unwrap().value();
     assert!((expected - 1.73).abs() < 0.01, "{expected}");
@@ -283,7 +283,7 @@ fn the_expected_torque_stands_beside_the_largest() {
 #[test]
 fn the_holders_deflection_moves_the_edges_and_is_no_sync_error() {
     let record = Record::new(2, 1.0);
-    let mut judge = Judge::new(Config::new(tools()));
+    let mut judge = Judge::new(config(tools()));
     judge.op(0, &record.op(10));
     for mut sample in record.samples(0, |_, _| 0.0) {
         let out = sample.report.state == bus::State::TapOut;
@@ -298,7 +298,7 @@ fn the_holders_deflection_moves_the_edges_and_is_no_sync_error() {
 #[test]
 fn a_tap_that_a_clutch_lets_slip_is_judged_by_its_own_angle_not_by_the_spindles() {
     let record = Record::new(2, 1.0);
-    let mut judge = Judge::new(Config::new(tools()));
+    let mut judge = Judge::new(config(tools()));
     judge.op(0, &record.op(10));
     for mut sample in record.samples(0, |_, _| 0.0) {
         let out = sample.report.state == bus::State::TapOut;
@@ -316,7 +316,7 @@ fn a_tap_that_a_clutch_lets_slip_is_judged_by_its_own_angle_not_by_the_spindles(
 #[test]
 fn without_a_simulator_the_encoders_are_believed() {
     let record = Record::new(2, 1.0);
-    let mut judge = Judge::new(Config::new(tools()));
+    let mut judge = Judge::new(config(tools()));
     judge.op(0, &record.op(10));
     for mut sample in record.samples(0, |_, out| if out { 0.010 } else { 0.0 }) {
         let truth = sample.truth.take().unwrap();
@@ -341,7 +341,7 @@ fn drill_then_tap(drilled_mm: f64, at_mm: [f64; 2]) -> Vec<verify::Feature> {
     let mut ops = vec![change(1, 1)];
     ops.extend(common::hole_ops(2, at_mm, drilled_mm));
     ops.extend([change(3, 2), record.op(4)]);
-    let mut judge = Judge::new(Config::new(tools()));
+    let mut judge = Judge::new(config(tools()));
     for (index, op) in ops.iter().enumerate() {
         judge.op(index as u32, op);
     }
@@ -386,7 +386,7 @@ proptest! {
         start_rev in -1e5..1e5, rpm in 100.0..8000.0, depth_mm in 4.0..24.0, oversize_um in 0.0..149.0,
     ) {
         let record = Record { start_rev, rpm, depth_mm, programmed_mm: depth_mm, ..Record::new(2, 1.0) };
-        let feature = judge_with(Config::new(oversize_m6(oversize_um)), &record, |_, _| 0.0);
+        let feature = judge_with(config(oversize_m6(oversize_um)), &record, |_, _| 0.0);
         prop_assert!(feature.verdict.is_pass(), "{:?}", feature.verdict);
         prop_assert!(thread(&feature).groove_widening.in_um() < 1e-3);
     }
@@ -395,7 +395,7 @@ proptest! {
     fn an_offset_between_in_and_out_is_recovered_within_a_micrometre(
         offset_um in -200.0..200.0_f64, rpm in 100.0..8000.0, clearance_um in 0.0..40.0,
     ) {
-        let config = Config { flank_clearance: Length::um(clearance_um), ..Config::new(tools()) };
+        let config = Config { flank_clearance: Length::um(clearance_um), ..config(tools()) };
         let record = Record { rpm, ..Record::new(2, 1.0) };
         let shift = offset_um * 1e-3;
         let feature = judge_with(config, &record, |_, out| if out { shift } else { 0.0 });
@@ -405,7 +405,7 @@ proptest! {
 
     #[test]
     fn no_error_narrows_the_groove(a in -0.05..0.05_f64, b in -0.01..0.01_f64, c in 0.1..9.0_f64, clearance_um in 0.0..40.0) {
-        let config = Config { flank_clearance: Length::um(clearance_um), ..Config::new(tools()) };
+        let config = Config { flank_clearance: Length::um(clearance_um), ..config(tools()) };
         let feature = judge_with(config, &Record::new(2, 1.0), |depth, out| {
             a * (c * depth).sin() + b * depth * if out { -1.0_f64 } else { 1.0 }
         });
@@ -425,7 +425,7 @@ proptest! {
         bottom in prop::num::f64::ANY, lead in prop::num::f64::ANY, tool in 0..7_u32,
     ) {
         let record = Record { lead_mm: lead, programmed_mm: bottom, ..Record::new(tool, 1.0) };
-        let mut judge = Judge::new(Config::new(tools()));
+        let mut judge = Judge::new(config(tools()));
         for (index, op) in common::hole_ops(7, [0.0, 0.0], bottom).iter().enumerate() {
             judge.op(index as u32, op);
         }

@@ -120,6 +120,7 @@ mod tests {
             by_distance: Vec::new(),
             wanted: Vec::new(),
             compensated: false,
+            zero: canon::Position::default(),
         });
         let with = |from: f64, to: f64| {
             let then = [again.clone(), RAPID(58.5, from), LINE(58.5, to), OpKind::End];

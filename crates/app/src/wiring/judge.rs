@@ -13,7 +13,11 @@ pub(crate) fn judge(
 ) -> Config {
     Config {
         material: known(material),
-        stock_top: Some(zero.linear[2] + machine.setup.stock.to[2]),
+        stock: Some(verify::Stock {
+            from: [0, 1, 2].map(|i| zero.linear[i] + machine.setup.stock.from[i]),
+            to: [0, 1, 2].map(|i| zero.linear[i] + machine.setup.stock.to[i]),
+            zero: zero.linear,
+        }),
         work_axis: [zero.linear[0], zero.linear[1]],
         stock_radius: Some(machine.setup.stock.to[0]), // a bar, where it is turned
         work_zero: Some(*zero),

@@ -72,6 +72,7 @@ pub(super) fn op(order: &TapOrder) -> Op {
             start: plan.start,
             bottom: plan.bottom,
             surface: plan.surface,
+            zero: plan.surface,
             lead: Lead::mm_per_rev(hand * order.lead_mm),
             spin: Spin::rpm(order.rpm),
             return_spin: Spin::rpm(order.rpm),

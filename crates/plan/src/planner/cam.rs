@@ -64,7 +64,7 @@ pub(super) struct Cam {
 impl Planner {
     pub(super) fn cam(&mut self, job: &mut Job, order: &CamOrder) {
         match *order {
-            CamOrder::Select { profile, phase, centre } => {
+            CamOrder::Select { profile, phase, centre, .. } => {
                 self.cam_end(job);
                 if self.cams.library.get(profile).is_none() {
                     let text = format!("profile P{profile} is not in the cam library");

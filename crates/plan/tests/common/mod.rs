@@ -117,6 +117,7 @@ pub fn tap(x: f64, y: f64, r: f64, z: f64, lead: f64, rpm: f64) -> Tap {
         start: Position::xyz(x, y, TOP + 100.0 + r),
         bottom: mm(TOP + 100.0 + z),
         surface: mm(TOP + 100.0),
+        zero: mm(TOP + 100.0),
         lead: Lead::mm_per_rev(lead),
         spin: Spin::rpm(rpm),
         return_spin: Spin::rpm(rpm),
@@ -134,6 +135,7 @@ pub fn hole(x: f64, y: f64, z: f64) -> OpKind {
         at: Position::xyz(x, y, TOP + 120.0 + 2.0),
         bottom: mm(TOP + 120.0 + z),
         surface: mm(TOP + 120.0),
+        zero: mm(TOP + 120.0),
     })
 }
 

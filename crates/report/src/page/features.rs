@@ -2,7 +2,7 @@
 use crate::Run;
 use crate::svg::{Tag, escape, fixed};
 use units::{Length, Torque};
-use verify::{Criterion, Feature, FeatureKind, Headroom};
+use verify::{Criterion, Feature, FeatureKind, Headroom, Verdict};
 
 /// Columns: name, unit, and whether they hold words.
 const COLUMNS: [(&str, &str, bool); 15] = [
@@ -70,8 +70,11 @@ fn head(name: &str, unit: &str, words: bool) -> String {
 
 fn row(run: &Run, number: usize, feature: &Feature, left: &Headroom) -> String {
     let [x0, y0, _] = run.zero();
-    let (class, verdict) =
-        if feature.verdict.is_pass() { ("pass", "✓ pass") } else { ("fail", "✗ fail") };
+    let (class, verdict) = match feature.verdict {
+        Verdict::Pass => ("pass", "✓ pass"),
+        Verdict::Fail { .. } => ("fail", "✗ fail"),
+        Verdict::NotJudged { .. } => ("fail", "○ not judged"),
+    };
     let um = |value: Length, decimals| fixed(value.in_um(), decimals);
     let mut cells = vec![
         number.to_string(),

@@ -53,10 +53,12 @@ fn rate(run: &Run, recorder: &Recorder) -> String {
 }
 
 fn count(name: &str, count: Count) -> String {
-    let why = match (count.total(), count.failed) {
-        (0, _) => "none cut".into(),
-        (_, 0) => "✓ all".into(),
-        (_, bad) => format!("✗ {bad} out of tolerance"),
+    let why = match (count.total(), count.failed, count.not_judged) {
+        (0, ..) => "none cut".into(),
+        (_, 0, 0) => "✓ all".into(),
+        (_, 0, open) => format!("○ {open} not judged"),
+        (_, bad, 0) => format!("✗ {bad} out of tolerance"),
+        (_, bad, open) => format!("✗ {bad} out of tolerance, {open} not judged"),
     };
     let value = format!("{} of {}", count.passed, count.total());
     card(&format!("{name} within tolerance"), &value, &why)

@@ -2,7 +2,7 @@
 use super::features::by_badness;
 use crate::Run;
 use crate::svg::{Tag, escape};
-use verify::Feature;
+use verify::{Feature, Verdict};
 
 /// What the run came to.
 struct Outcome {
@@ -10,6 +10,22 @@ struct Outcome {
     sign: &'static str,
     word: String,
     sentence: String,
+}
+
+/// How many are bad, and how many nobody could judge.
+fn bad_features(features: &[Feature], bad: usize) -> String {
+    let open = features.iter().filter(|f| matches!(f.verdict, Verdict::NotJudged { .. })).count();
+    let (all, failed) = (features.len(), bad - open);
+    let are = |count: usize| if count == 1 { "is" } else { "are" };
+    match (failed, open) {
+        (_, 0) => format!("{failed} of {all} features {} out of tolerance.", are(failed)),
+        (0, _) => format!("{open} of {all} features {} not judged.", are(open)),
+        _ => format!(
+            "{failed} of {all} features {} out of tolerance, {open} {} not judged.",
+            are(failed),
+            are(open)
+        ),
+    }
 }
 
 fn outcome(run: &Run, features: &[Feature]) -> Outcome {
@@ -21,10 +37,7 @@ fn outcome(run: &Run, features: &[Feature]) -> Outcome {
         (0, _) => "No hole or thread was cut.".to_owned(),
         (1, 0) => "The one feature that was cut is within tolerance.".to_owned(),
         (_, 0) => format!("All {all} features that were cut are within tolerance."),
-        _ => format!(
-            "{bad} of {all} features {} out of tolerance.",
-            if bad == 1 { "is" } else { "are" }
-        ),
+        _ => bad_features(features, bad),
     };
     if let Some(alarm) = run.alarms.first() {
         let place = if alarm.line > 0 { format!(" in line {}", alarm.line) } else { String::new() };
@@ -43,7 +56,9 @@ fn outcome(run: &Run, features: &[Feature]) -> Outcome {
         let worst = by_badness(run, features).first().map(|&(index, _)| &features[index]);
         let why = worst
             .and_then(|f| f.verdict.reason().map(|r| format!(" Worst: line {}, {r}.", f.line)));
-        return fail("OUT OF TOLERANCE".into(), judged + &why.unwrap_or_default());
+        let failed = features.iter().any(|f| matches!(f.verdict, Verdict::Fail { .. }));
+        let word = if failed { "OUT OF TOLERANCE" } else { "NOT JUDGED" };
+        return fail(word.into(), judged + &why.unwrap_or_default());
     }
     if all == 0 {
         let sentence =

@@ -25,6 +25,7 @@ impl Tapper {
             start: Position::xyz(10.0, 20.0, 2.0),
             bottom: Length::mm(-13.0),
             surface: Length::ZERO,
+            zero: Length::ZERO,
             lead: Lead::mm_per_rev(1.25 * self.hand),
             spin: Spin::rpm(1000.0),
             return_spin: Spin::rpm(1000.0),

@@ -205,6 +205,7 @@ fn tap_op(x: f64, y: f64) -> Tap {
         start: Position::xyz(x, y, SURFACE + CLEARANCE),
         bottom: Length::mm(SURFACE - DEPTH),
         surface: Length::mm(SURFACE),
+        zero: Length::mm(SURFACE),
         lead: Lead::mm_per_rev(1.0),
         spin: Spin::rpm(6000.0),
         return_spin: Spin::rpm(6000.0),
@@ -252,6 +253,11 @@ fn stroke(machine: &mut Machine, x: f64, y: f64, out: bool, saturated: bool, unt
     }
 }
 
+/// In the material.
+fn contact() -> verify::Contact {
+    verify::Contact { reach: Some(Length::mm(10.0)), ..verify::Contact::default() }
+}
+
 pub fn hole(op: u32, line: u32, x: f64, y: f64) -> Feature {
     let hole = Hole {
         x: Length::mm(x),
@@ -265,7 +271,16 @@ pub fn hole(op: u32, line: u32, x: f64, y: f64) -> Feature {
     };
     let kind = FeatureKind::Hole(hole);
     let (time, duration) = (Time::s(1.0), Time::s(0.8));
-    Feature { op, line, tool: Some(2), time, duration, verdict: Verdict::Pass, kind }
+    Feature {
+        op,
+        line,
+        tool: Some(2),
+        time,
+        duration,
+        verdict: Verdict::Pass,
+        contact: contact(),
+        kind,
+    }
 }
 
 pub fn thread(op: u32, line: u32, x: f64, y: f64, bad: bool) -> Feature {
@@ -337,7 +352,7 @@ pub fn thread(op: u32, line: u32, x: f64, y: f64, bad: bool) -> Feature {
     };
     let kind = FeatureKind::Thread(Box::new(thread));
     let (time, duration) = (Time::s(9.0), Time::s(0.5));
-    Feature { op, line, tool: Some(3), time, duration, verdict, kind }
+    Feature { op, line, tool: Some(3), time, duration, verdict, contact: contact(), kind }
 }
 
 /// Drills and taps a grid of columns × rows holes.

@@ -4,6 +4,7 @@ use super::passes::{Pass, Passes, Place};
 use super::section::{Cutters, measure, nose_height, surface};
 use super::{Along, Facet, Polygon, Section};
 use crate::Config;
+use crate::contact::{Contact, shifted, unknown};
 use crate::feature::{Feature, FeatureKind, Verdict};
 use bus::{Sample, State};
 use canon::{PolygonCutter, Tool, ToolKind};
@@ -64,7 +65,12 @@ impl PolygonTrack {
         let place = Place {
             axis: config.work_axis.map(Length::value),
             stock_radius: config.stock_radius.map_or(f64::INFINITY, Length::value),
-            stock_top: config.stock_top.map_or(f64::INFINITY, Length::value),
+            stock_top: config.stock.map_or(f64::INFINITY, |stock| stock.top().value()),
+            stock_bottom: config.stock.map_or(f64::NEG_INFINITY, |stock| stock.from[2].value()),
+            zero: config.stock.map_or_else(
+                || ordered.polygon.zero.linear[2].value() - tool.map_or(0.0, |t| t.length.value()),
+                |stock| stock.zero[2].value(),
+            ),
             tool_length: tool.map_or(0.0, |t| t.length.value()),
             spindles: [usize::from(ordered.polygon.work), usize::from(ordered.polygon.tool)],
         };
@@ -129,8 +135,16 @@ impl PolygonTrack {
         };
         let number = self.tool.as_ref().map(|(number, _)| *number);
         let mut findings = Vec::new();
+        if let Some(stock) = &config.stock {
+            let [x, y, z] = ordered.polygon.zero.linear;
+            let zero = [x, y, z - Length::mm(self.place.tool_length)];
+            findings.extend(shifted(zero, stock, config.tolerances.position));
+        }
+        let known = config.stock_radius.filter(|_| config.stock.is_some());
+        let mut contact = Contact { reach: known.map(|_| Length::ZERO), ..Contact::default() };
         let polygon = if let (Some((_, cutter)), Some(passes)) = (self.tool, self.passes) {
             let part = Part { cutter, passes: passes.finish(), place: self.place, ordered };
+            contact.reach = known.map(|radius| part.reach(radius));
             part.judge(spin, self.stop, config, &mut findings)
         } else {
             findings.push("no polygon cutter was in the tool spindle".to_owned());
@@ -142,7 +156,8 @@ impl PolygonTrack {
             tool: number,
             time,
             duration,
-            verdict: Verdict::from_findings(&findings),
+            verdict: Verdict::unless(&findings, unknown(config)),
+            contact,
             kind: FeatureKind::Polygon(Box::new(polygon)),
         }
     }
@@ -201,7 +216,7 @@ impl Part<'_> {
             return polygon;
         }
         let Some([low, high]) = self.heights() else {
-            findings.push("the cutter never touched the stock".to_owned());
+            findings.push("not cut: the cutter never touched the stock".to_owned());
             return polygon;
         };
         (polygon.z_from, polygon.z_to) = (Length::mm(low), Length::mm(high));
@@ -233,7 +248,7 @@ impl Part<'_> {
     fn heights(&self) -> Option<[f64; 2]> {
         let low = self.passes.iter().map(Pass::z).fold(f64::INFINITY, f64::min);
         let high = self.passes.iter().map(Pass::z).fold(f64::NEG_INFINITY, f64::max);
-        let high = high.min(self.place.stock_top);
+        let (low, high) = (low.max(self.place.stock_bottom), high.min(self.place.stock_top));
         (low < high).then_some([low, high])
     }
 
@@ -264,14 +279,22 @@ impl Part<'_> {
         all
     }
 
-    /// Distance of a facet from the axis where the tool cuts at this machine X.
+    /// Distance of a facet from the axis that is ordered by this machine X: the program's zero is where the program has the
+    /// work's axis.
     fn flat(&self, x: f64) -> f64 {
-        x - self.place.axis[0] - self.cutter.radius.value()
+        x - self.ordered.polygon.zero.linear[0].value() - self.cutter.radius.value()
+    }
+
+    /// How far the inserts went into the bar; nobody simulates what turning polygons takes.
+    fn reach(&self, radius: Length) -> Length {
+        let least = self.passes.iter().map(Pass::closest_mm).fold(f64::INFINITY, f64::min);
+        Length::mm((radius.value() - least).max(0.0))
     }
 
     /// What was ordered at the height of a section: size across flats.
     fn across_flats_at(&self, section: &Section) -> f64 {
-        let x = self.ordered.x_at(section.z.value() + self.place.tool_length);
+        let above_zero = section.z.value() - self.place.zero;
+        let x = self.ordered.x_at(self.ordered.polygon.zero.linear[2].value() + above_zero);
         x.map_or(0.0, |x| 2.0 * self.flat(x))
     }
 

@@ -27,6 +27,11 @@ pub(super) struct Pass {
 }
 
 impl Pass {
+    /// Its least distance from the work's axis.
+    pub(super) fn closest_mm(&self) -> f64 {
+        self.closest.sqrt()
+    }
+
     pub(super) fn z(&self) -> f64 {
         f64::midpoint(self.z_first, self.z_last)
     }
@@ -60,6 +65,9 @@ pub(super) struct Place {
     pub(super) axis: [f64; 2],
     pub(super) stock_radius: f64,
     pub(super) stock_top: f64,
+    pub(super) stock_bottom: f64,
+    /// Z of the work's zero.
+    pub(super) zero: f64,
     pub(super) tool_length: f64,
     /// Work, tool.
     pub(super) spindles: [usize; 2],

@@ -10,7 +10,7 @@ use canon::{
     ToolLibrary,
 };
 use units::{Angle, Force, Lead, Length, Spin, Stiffness, Time, Torque};
-use verify::{Config, Feature, FeatureKind, Judge, Thread};
+use verify::{Config, Feature, FeatureKind, Judge, Stock, Thread};
 
 /// Servo period of the records, s.
 pub const PERIOD_S: f64 = 250e-6;
@@ -60,6 +60,26 @@ pub fn tools() -> ToolLibrary {
     ])
 }
 
+/// A block of 400 × 300 × 40 mm whose top is the work's zero, under the tools above.
+pub fn stock() -> Stock {
+    stock_at(SURFACE_MM - LENGTH_MM, SURFACE_MM - LENGTH_MM)
+}
+
+/// The same with its top and the work's zero at these coordinates of the tip.
+pub fn stock_at(top_mm: f64, zero_mm: f64) -> Stock {
+    let mm = |v: [f64; 3]| v.map(Length::mm);
+    Stock {
+        from: mm([-200.0, -150.0, top_mm - 40.0]),
+        to: mm([200.0, 150.0, top_mm]),
+        zero: mm([0.0, 0.0, zero_mm]),
+    }
+}
+
+/// These tools and that stock, nothing special.
+pub fn config(tools: ToolLibrary) -> Config {
+    Config { stock: Some(stock()), ..Config::new(tools) }
+}
+
 /// What a record is made of.
 #[derive(Clone, Debug)]
 pub struct Record {
@@ -98,6 +118,7 @@ impl Record {
             start: Position::xyz(x, y, SURFACE_MM + 2.0),
             bottom: Length::mm(SURFACE_MM - self.programmed_mm),
             surface: Length::mm(SURFACE_MM),
+            zero: Length::mm(SURFACE_MM),
             lead: Lead::mm_per_rev(self.lead_mm),
             spin: Spin::rpm(self.rpm),
             return_spin: Spin::rpm(self.rpm),
@@ -177,7 +198,7 @@ pub fn judge_with(config: Config, record: &Record, error_mm: impl Fn(f64, bool) 
 
 /// The same with the tools above and nothing special.
 pub fn judge(record: &Record, error_mm: impl Fn(f64, bool) -> f64) -> Feature {
-    judge_with(Config::new(tools()), record, error_mm)
+    judge_with(config(tools()), record, error_mm)
 }
 
 pub fn thread(feature: &Feature) -> &Thread {
@@ -192,7 +213,8 @@ pub fn hole_ops(line: u32, at_mm: [f64; 2], depth_mm: f64) -> [Op; 3] {
     let [x, y] = at_mm;
     let at = Position::xyz(x, y, SURFACE_MM + 2.0);
     let bottom = Length::mm(SURFACE_MM - depth_mm);
-    let hole = Hole { axis: Axis::Z, at, bottom, surface: Length::mm(SURFACE_MM) };
+    let surface = Length::mm(SURFACE_MM);
+    let hole = Hole { axis: Axis::Z, at, bottom, surface, zero: surface };
     let kinds = [
         OpKind::Hole(hole),
         OpKind::Rapid { to: at.with(Axis::Z, bottom) },
@@ -212,7 +234,9 @@ pub fn drilling(first_op: u32, tool: u32, at_mm: [f64; 2], depth_mm: f64) -> Vec
             sample.feedback.tool = Some(tool);
             sample.report.op = first_op + if k <= steps { 1 } else { 2 };
             let z_mm = SURFACE_MM + 2.0 - part * (depth_mm + 2.0);
-            sample.truth = Some(Truth { axes: axes(at_mm, z_mm), ..Truth::default() });
+            let torque = if z_mm < SURFACE_MM { Torque::n_m(1.2) } else { Torque::ZERO };
+            sample.truth =
+                Some(Truth { axes: axes(at_mm, z_mm), cutting_torque: torque, ..Truth::default() });
             sample
         })
         .collect()
