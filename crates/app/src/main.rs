@@ -104,7 +104,11 @@ fn execute(cli: &Cli) -> Result<ExitCode, Refused> {
         }),
         Command::Iron(args) => iron::command(args).map(|()| ExitCode::SUCCESS),
         Command::Recover(args) => Ok(accepted(recover::command(args)?)),
-        Command::Compare(args) => compare::command(args, cli.quiet).map(|()| ExitCode::SUCCESS),
+        Command::Compare(args) => Ok(if compare::command(args, cli.quiet)? {
+            ExitCode::SUCCESS
+        } else {
+            ExitCode::from(OUT_OF_TOLERANCE)
+        }),
         Command::Compensation(args) => {
             compensation::command(args, cli.quiet).map(|()| ExitCode::SUCCESS)
         }

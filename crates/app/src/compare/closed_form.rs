@@ -22,6 +22,17 @@ const BAND: [Length; 2] = [Length::um(130.0), Length::um(330.0)];
 /// Speeds that are tried for the band are so far apart.
 const STEP: Spin = Spin::rpm(10.0);
 
+/// By how much the conventional cycle runs beyond its bottom: H·n·(delay + t/2).
+pub(super) fn overrun(thread: &ThreadSize, spin: Spin, drive: &sim::PlainDrive) -> Length {
+    thread.lead().abs() * (spin * (drive.delay + spin / drive.decel / 2.0))
+}
+
+/// How far its holder is pulled out on the way back: by what the spindle has run on, and as much again that it misses while it
+/// runs up and the feed goes at once.
+pub(super) fn pulled_out(thread: &ThreadSize, spin: Spin, drive: &sim::PlainDrive) -> Length {
+    overrun(thread, spin, drive) * 2.0
+}
+
 /// A thread, and the spindle that scatters.
 pub(super) struct Scatter {
     pub(super) thread: ThreadSize,
@@ -60,10 +71,12 @@ impl Scatter {
             None => "at no speed that this spindle taps with".to_owned(),
         };
         format!(
-            "conventional cycle by the closed form: {name}, {depth} mm deep, S{:.0}: 1σ {:.0} µm\n  \
+            "conventional cycle by the closed form: {name}, {depth} mm deep, S{:.0}: {:.2} mm too deep = H·n·(delay + t/2), \
+             1σ {:.0} µm\n  \
              = √((H·n·σd)² + (H·n·σs·t/2)² + (σn·way in the work)²); with this drive it lies between {:.2} and {:.2} mm \
              {band}\n",
             spin.in_rpm(),
+            overrun(&self.thread, spin, &self.drive).value(),
             self.sigma(spin).in_um(),
             BAND[0].value(),
             BAND[1].value(),

@@ -29,6 +29,12 @@ const RELAY_DELAY: Time = Time::s(0.020);
 const AT_SPEED: f64 = 0.10;
 /// Holes of one run of the program made for a size: 20 mm apart within the machine's stock.
 const HOLES_A_RUN: usize = 200;
+/// R plane over the work, unless the conventional cycle needs a higher one.
+const CLEARANCE: Length = Length::mm(5.0);
+/// By how much more than the mean the scattered spindle overruns and pulls its holder out, as a share.
+const SCATTERED: f64 = 0.5;
+/// Most travel that tension/compression holders have (makers' tables: 5 to 40 mm for M3 to M30).
+const MOST_TRAVEL: Length = Length::mm(40.0);
 /// Of the holes: the stock has a lower side.
 const DEEPEST: Length = Length::mm(35.0);
 /// Runs that a comparison may take.
@@ -39,6 +45,26 @@ struct Case {
     name: &'static str,
     holder: Holder,
     method: TapMethod,
+}
+
+impl Case {
+    /// Its holder; one that floats has the travel that the spindle asks for, as far as there are such holders.
+    fn holder(&self, args: &CompareArgs, drive: &sim::PlainDrive) -> Holder {
+        let thread = args.size.as_deref().unwrap_or("M6").parse::<ThreadSize>();
+        match (self.holder, thread) {
+            (Holder::TensionCompression { stiffness, travel }, Ok(thread))
+                if args.program.is_none() =>
+            {
+                let out = closed_form::pulled_out(&thread, Spin::rpm(args.speed), drive);
+                let needed = out * (1.0 + SCATTERED);
+                Holder::TensionCompression {
+                    stiffness,
+                    travel: travel.max(needed.min(MOST_TRAVEL)),
+                }
+            }
+            (holder, _) => holder,
+        }
+    }
 }
 
 const CASES: [Case; 2] = [
@@ -62,21 +88,24 @@ const CASES: [Case; 2] = [
     },
 ];
 
-/// Do it.
-pub(crate) fn command(args: &CompareArgs, quiet: bool) -> Result<(), Refused> {
+/// Do it; whether every hole was cut.
+pub(crate) fn command(args: &CompareArgs, quiet: bool) -> Result<bool, Refused> {
+    let drive = drive(args)?;
     let (name, text) = match (&args.program, &args.size) {
         (Some(path), None) => (path.display().to_string(), read_program(path)?),
         (_, size) => {
             let size = size.as_deref().unwrap_or("M6");
-            (size.to_owned(), program_for(size, args)?)
+            (size.to_owned(), program_for(size, args, &drive)?)
         }
     };
-    let drive = drive(args)?;
     let mut ways = Vec::new();
     for case in &CASES {
         ways.push(way(args, case, &text, drive)?);
     }
     let mut said = summary(&ways);
+    for way in &ways {
+        said += &not_cut(way);
+    }
     if args.program.is_none() {
         let thread = thread_of(args.size.as_deref().unwrap_or("M6"))?;
         let fastest = drive_limits(args)?.tapping_max;
@@ -97,7 +126,8 @@ pub(crate) fn command(args: &CompareArgs, quiet: bool) -> Result<(), Refused> {
             .map_err(|e| Refused::because(format!("cannot write {}: {e}", out.display())))?;
         said += &format!("report: {}\n", out.display());
     }
-    say::out(&said)
+    say::out(&said)?;
+    Ok(comparison.ways.iter().all(|way| way.not_cut == 0))
 }
 
 /// The spindle that taps.
@@ -158,10 +188,16 @@ fn way(
     text: &[u8],
     drive: sim::PlainDrive,
 ) -> Result<Way, Refused> {
-    let mut way = Way { name: case.name.to_owned(), depth_errors_mm: Vec::new(), failed: 0 };
+    let mut way = Way {
+        name: case.name.to_owned(),
+        depth_errors_mm: Vec::new(),
+        failed: 0,
+        not_cut: 0,
+        why_not: None,
+    };
     let wanted = args.samples as usize;
     for run in 0..MOST_RUNS {
-        if way.depth_errors_mm.len() >= wanted {
+        if way.depth_errors_mm.len() + way.not_cut >= wanted {
             break;
         }
         let threads = run_once(args, case, text, drive, args.seed + run)?;
@@ -171,15 +207,33 @@ fn way(
             ));
         }
         for feature in &threads {
-            if let FeatureKind::Thread(thread) = &feature.kind
-                && way.depth_errors_mm.len() < wanted
-            {
+            let FeatureKind::Thread(thread) = &feature.kind else { continue };
+            if way.depth_errors_mm.len() + way.not_cut >= wanted {
+                break;
+            }
+            if is_cut(feature, thread) {
                 way.depth_errors_mm.push(thread.depth_error.value());
                 way.failed += usize::from(!feature.verdict.is_pass());
+            } else {
+                way.not_cut += 1;
+                let why = || {
+                    let reason = feature.verdict.reason().unwrap_or("not cut");
+                    format!(
+                        "hole {} of seed {}: {reason}",
+                        way.depth_errors_mm.len() + way.not_cut,
+                        args.seed + run
+                    )
+                };
+                way.why_not = Some(way.why_not.take().unwrap_or_else(why));
             }
         }
     }
     Ok(way)
+}
+
+/// There is a thread whose depth means something: the tap was in the material, and came out of it whole.
+fn is_cut(feature: &Feature, thread: &verify::Thread) -> bool {
+    feature.contact.is_cut() && thread.pitch_diameter > Length::ZERO
 }
 
 /// One run of the program; its threads.
@@ -193,9 +247,9 @@ fn run_once(
     let path = args.program.as_deref().unwrap_or(Path::new("-"));
     let mut session = Session::load(&args.source, path, text)?;
     if let Some(size) = args.size.as_deref().or(args.program.is_none().then_some("M6")) {
-        session.tools.insert(tap_of(size)?);
+        session.tools.insert(tap_of(size, args, &drive)?);
     }
-    session.tools = held(&session.tools, case.holder);
+    session.tools = held(&session.tools, case.holder(args, &drive));
     let told = PlainDrive { delay: drive.delay, accel: drive.accel };
     session.taps = Unsynchronised { method: case.method, drive: Some(told), ..session.taps };
     for spindle in &mut session.machine.spindles {
@@ -248,9 +302,12 @@ fn thread_of(size: &str) -> Result<ThreadSize, Refused> {
     size.parse().map_err(|why: UnknownSize| Refused::because(format!("--size: {why}")))
 }
 
-fn tap_of(size: &str) -> Result<Tool, Refused> {
+/// Its flutes are as long as the conventional cycle needs them: it overruns.
+fn tap_of(size: &str, args: &CompareArgs, drive: &sim::PlainDrive) -> Result<Tool, Refused> {
     let thread = thread_of(size)?;
-    let tap = store::tools::usual_tap(&thread);
+    let mut tap = store::tools::usual_tap(&thread);
+    let overrun = closed_form::overrun(&thread, Spin::rpm(args.speed), drive) * (1.0 + SCATTERED);
+    tap.thread_length = tap.thread_length.max(depth(args, &thread) + overrun);
     Ok(Tool {
         number: TAP,
         pocket: TAP,
@@ -268,9 +325,31 @@ fn depth(args: &CompareArgs, thread: &ThreadSize) -> Length {
 }
 
 /// Holes on a grid in the middle of the stock.
-fn program_for(size: &str, args: &CompareArgs) -> Result<Vec<u8>, Refused> {
+fn program_for(
+    size: &str,
+    args: &CompareArgs,
+    drive: &sim::PlainDrive,
+) -> Result<Vec<u8>, Refused> {
     let thread = thread_of(size)?;
     let depth = depth(args, &thread).value();
+    let spin = Spin::rpm(args.speed);
+    let overrun = closed_form::overrun(&thread, spin, drive).value() * (1.0 + SCATTERED);
+    if depth + overrun > DEEPEST.value() {
+        let (stock, works) = (DEEPEST.value(), (DEEPEST.value() - overrun).floor());
+        let speed = args.speed;
+        let remedy = if works > 5.0 {
+            format!("--depth {works} works, or a shorter stopping time")
+        } else {
+            "a shorter stopping time or a lower --speed works".to_owned()
+        };
+        return Err(Refused::because(format!(
+            "the conventional cycle overruns by up to {overrun:.1} mm at S{speed}: a hole of {depth} mm and that are more than \
+             the {stock} mm of the work: {remedy}"
+        )));
+    }
+    // at the R plane the tap must be out of its thread, as far as its holder has been pulled out
+    let clear = CLEARANCE.max(closed_form::pulled_out(&thread, spin, drive) * (1.0 + SCATTERED));
+    let clear = clear.value().ceil();
     let flutes = store::tools::usual_tap(&thread).thread_length;
     let deepest = flutes.min(DEEPEST).value();
     if !(depth > 5.0 && depth <= deepest) {
@@ -283,33 +362,58 @@ fn program_for(size: &str, args: &CompareArgs) -> Result<Vec<u8>, Refused> {
     let feed = thread.pitch.value() * args.speed;
     let (code, turn) = cycle;
     let mut text = format!(
-        "G21 G17 G40 G49 G80 G90 G94 G54\nT{TAP} M6\nG43 H{TAP}\nS{} {turn}\nG0 X-180 Y-130 Z10\n",
-        args.speed
+        "G21 G17 G40 G49 G80 G90 G94 G54\nT{TAP} M6\nG43 H{TAP}\nS{} {turn}\nG0 X-180 Y-130 Z{}\n",
+        args.speed,
+        clear + 5.0
     );
     let holes = HOLES_A_RUN.min(args.samples as usize);
     for hole in 0..holes {
         let (x, y) = (hole % 19, hole / 19);
-        let words =
-            if hole == 0 { format!("G98 {code} Z-{depth} R5 F{feed} ") } else { String::new() };
+        let words = if hole == 0 {
+            format!("G98 {code} Z-{depth} R{clear} F{feed} ")
+        } else {
+            String::new()
+        };
         text += &format!("{words}X{} Y{}\n", x as f64 * 20.0 - 180.0, y as f64 * 20.0 - 130.0);
     }
     text += "G80\nM2\n";
     Ok(text.into_bytes())
 }
 
+/// How many holes a cycle did not cut, and why the first of them.
+fn not_cut(way: &Way) -> String {
+    let Some(why) = way.why_not.as_ref().filter(|_| way.not_cut > 0) else { return String::new() };
+    let all = way.not_cut + way.depth_errors_mm.len();
+    format!(
+        "{}: {} of {all} holes were not cut and are in no figure; {why}\n",
+        way.name, way.not_cut
+    )
+}
+
 fn summary(ways: &[Way]) -> String {
-    let heads =
-        ["cycle", "holes", "depth error mm", "1σ µm", "least mm", "largest mm", "out of tolerance"];
+    let heads = [
+        "cycle",
+        "holes cut",
+        "depth error mm",
+        "1σ µm",
+        "least mm",
+        "largest mm",
+        "out of tolerance",
+        "not cut",
+    ];
     let mut table = tables::table(heads);
     for way in ways {
         let of = |f: fn(f64, f64) -> f64, from| way.depth_errors_mm.iter().copied().fold(from, f);
+        let known =
+            |text: String| if way.depth_errors_mm.is_empty() { "–".to_owned() } else { text };
         let cells = [
             way.depth_errors_mm.len().to_string(),
-            format!("{:+.3}", way.mean_mm()),
-            format!("{:.2}", way.sigma_mm() * 1e3),
-            format!("{:+.3}", of(f64::min, f64::INFINITY)),
-            format!("{:+.3}", of(f64::max, f64::NEG_INFINITY)),
+            known(format!("{:+.3}", way.mean_mm())),
+            known(format!("{:.2}", way.sigma_mm() * 1e3)),
+            known(format!("{:+.3}", of(f64::min, f64::INFINITY))),
+            known(format!("{:+.3}", of(f64::max, f64::NEG_INFINITY))),
             way.failed.to_string(),
+            way.not_cut.to_string(),
         ];
         let right = |cell: String| Cell::new(cell).set_alignment(CellAlignment::Right);
         table.add_row(std::iter::once(Cell::new(&way.name)).chain(cells.map(right)));

@@ -1,7 +1,7 @@
 //! Two ways of tapping side by side: how deep each of many holes became, and how much that scatters.
 use super::{STYLE, section};
 use crate::pictures::figure;
-use crate::svg::{Chart, Range, Stroke, Tag, fixed};
+use crate::svg::{Chart, Range, Stroke, Tag, escape, fixed};
 
 /// One way of tapping, over many holes.
 #[derive(Clone, Debug, PartialEq)]
@@ -10,8 +10,12 @@ pub struct Way {
     pub name: String,
     /// Depth error of each hole, mm; plus is too deep.
     pub depth_errors_mm: Vec<f64>,
-    /// Holes whose thread failed.
+    /// Holes whose thread failed, of those that were cut.
     pub failed: usize,
+    /// Holes that were not cut, or in which the tap broke: they are in no figure.
+    pub not_cut: usize,
+    /// Why, of the first of them.
+    pub why_not: Option<String>,
 }
 
 /// Both ways, and what they were driven with.
@@ -57,7 +61,7 @@ pub fn comparison_html(comparison: &Comparison) -> String {
 }
 
 fn table(ways: &[Way]) -> String {
-    let head = "<thead><tr><th class=\"l\">cycle</th><th>holes</th><th>depth error, mean<small>mm</small></th><th>scatter, 1σ<small>µm</small></th><th>least<small>mm</small></th><th>largest<small>mm</small></th></tr></thead>";
+    let head = "<thead><tr><th class=\"l\">cycle</th><th>holes</th><th>depth error, mean<small>mm</small></th><th>scatter, 1σ<small>µm</small></th><th>least<small>mm</small></th><th>largest<small>mm</small></th><th>not cut</th></tr></thead>";
     let rows: String = ways.iter().map(row).collect();
     let table = Tag::new("table").around(&(head.to_owned() + &Tag::new("tbody").around(&rows)));
     Tag::new("div").class("scroll").with("tabindex", "0").around(&table)
@@ -74,9 +78,12 @@ fn row(way: &Way) -> String {
         fixed(way.sigma_mm() * 1e3, 2),
         fixed(least, 3),
         fixed(largest, 3),
+        way.not_cut.to_string(),
     ];
     let cells: String = cells.iter().map(|cell| Tag::new("td").text(cell)).collect();
-    Tag::new("tr").around(&(Tag::new("td").class("l").text(&way.name) + &cells))
+    let why = way.why_not.as_ref().map_or_else(String::new, |why| Tag::new("div").text(why));
+    let name = escape(&way.name) + &why;
+    Tag::new("tr").around(&(Tag::new("td").class("l").around(&name) + &cells))
 }
 
 /// Each hole's depth off the mean, in units that show the scatter.
