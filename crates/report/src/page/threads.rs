@@ -1,4 +1,5 @@
 //! The threads that deserve a closer look: the worst one, the first one, and the runners-up.
+use super::features::by_badness;
 use crate::Run;
 use crate::pictures::{self, ThreadView};
 use crate::record::{Recorder, TapTrace};
@@ -20,26 +21,45 @@ pub(super) fn threads(run: &Run, recorder: &Recorder, features: &[Feature]) -> S
         features.iter().filter(|f| f.op == trace.op).all(|f| f.verdict.is_pass())
     };
     kept.sort_by_key(|trace| (trace.completed, good(trace)));
+    let nearest = nearest(run, features);
     let first = recorder.first.as_ref().map(|trace| trace.op);
     let (mut open, mut folded) = (String::new(), String::new());
     for (rank, trace) in kept.iter().enumerate() {
         let is_first = first == Some(trace.op);
         let role = match (rank, is_first) {
-            (0, true) if recorder.taps <= 1 => "The thread",
-            (0, true) => "Worst thread, which is the first",
-            (0, false) => "Worst thread",
-            (_, true) => "First thread",
-            (_, false) => "Runner-up",
+            (0, true) if recorder.taps <= 1 => "The thread".to_owned(),
+            (0, true) => format!("{}, which is the first", role(trace, good(trace), nearest)),
+            (0, false) => role(trace, good(trace), nearest).to_owned(),
+            (_, true) => "First thread".to_owned(),
+            (_, false) => "Next largest sync error".to_owned(),
         };
-        let one = thread(run, trace, judged(features, trace.op), role);
+        let one = thread(run, trace, judged(features, trace.op), &role);
         let place = if rank == 0 || is_first { &mut open } else { &mut folded };
         *place += &one;
     }
     if !folded.is_empty() {
-        let summary = Tag::new("summary").text("The next worst threads");
+        let summary = Tag::new("summary").text("Threads with the next largest sync errors");
         open += &Tag::new("details").around(&(summary + &folded));
     }
     open
+}
+
+/// The op of the thread that is nearest to its limit, as the page's figures and table have it.
+fn nearest(run: &Run, features: &[Feature]) -> Option<u32> {
+    let order = by_badness(run, features);
+    let mut threads = order.iter().map(|(index, _)| &features[*index]);
+    threads.find(|f| matches!(f.kind, FeatureKind::Thread(_))).map(|f| f.op)
+}
+
+/// What the first of the threads that were kept is: pictures are kept of those with the largest sync error, and that need
+/// not be the one with the least of its tolerance left.
+fn role(trace: &TapTrace, good: bool, nearest: Option<u32>) -> &'static str {
+    match (nearest == Some(trace.op), good) {
+        (true, false) => "Worst thread",
+        (true, true) => "Thread nearest to its limit",
+        (false, false) => "Thread out of tolerance",
+        (false, true) => "Largest sync error, and yet not the thread nearest to its limit",
+    }
 }
 
 fn thread(run: &Run, trace: &TapTrace, judged: Option<(usize, &Thread)>, role: &str) -> String {
