@@ -20,6 +20,7 @@ use std::thread::JoinHandle;
 use store::sync_record::slots::{Kept, Slots, StateFolder};
 use store::sync_record::{Cut, Geared, Identity, Place, Retreat, Stage, Stroke, SyncRecord};
 use units::{Angle, Length, Stiffness, Time};
+use wire::Engagement;
 
 /// What a record may take to be on the disk: four times the median of an fsync'ed write on a solid-state disk.
 const ALLOWANCE: Time = Time::s(0.020);
@@ -91,15 +92,18 @@ pub(crate) struct Keeper {
     command: Vec<String>,
     /// The hole whose tap a recovery has taken out, and its operation once the program has come to it.
     recovered: (Option<u32>, Option<u32>),
-    /// Wishes on their way: number, and when they may be acknowledged.
-    underway: VecDeque<(u32, Time)>,
+    /// Wishes on their way: number, when they may be acknowledged, what is written.
+    underway: VecDeque<(u32, Time, SyncRecord)>,
     last: Option<SyncRecord>,
+    /// Number of the machine's last engagement, and the tool that the machine is told to be in its work.
+    engaged: u64,
+    engagement: Option<Engagement>,
     problem: Option<String>,
 }
 
 impl Keeper {
     /// Start the thread. `before`: holes that the program made before it was begun in its middle. `recovered`: the hole
-    /// whose tap a recovery took out.
+    /// whose tap a recovery took out. `engaged`: number of the machine's last engagement.
     ///
     /// # Errors
     /// No thread can be started.
@@ -109,8 +113,7 @@ impl Keeper {
         program: (&str, &[u8]),
         tools: &ToolLibrary,
         real_time: bool,
-        before: u32,
-        recovered: Option<u32>,
+        (before, recovered, engaged): (u32, Option<u32>, u64),
     ) -> Result<Self, Refused> {
         let (orders, work) = channel::<(SyncRecord, Option<u32>)>();
         let (done, answers) = channel();
@@ -142,6 +145,8 @@ impl Keeper {
             recovered: (recovered, None),
             underway: VecDeque::new(),
             last: None,
+            engaged,
+            engagement: None,
             problem: None,
         })
     }
@@ -165,25 +170,39 @@ impl Keeper {
         self.recovered.1
     }
 
-    /// Take the kernel's wishes, hand it its acknowledgements.
-    pub(crate) fn serve(&mut self, kernel: &mut Kernel, now: Time) {
+    /// Take the kernel's wishes, hand it its acknowledgements. The tool that is in the work from now on, as the machine is told
+    /// with each command: from when the record is on the disk until the tool is out.
+    pub(crate) fn serve(&mut self, kernel: &mut Kernel, now: Time) -> Option<Engagement> {
         while let Some(wish) = kernel.next_wish() {
             let (record, number) = match (wish, &self.last) {
                 (Wish::Inward(number, tap), _) => (self.record(&tap), Some(number)),
-                (Wish::Outward, Some(last)) => {
-                    (SyncRecord { stage: Stage::Outward, ..last.clone() }, None)
+                (Wish::Outward(number), Some(last)) => {
+                    (SyncRecord { stage: Stage::Outward, ..last.clone() }, Some(number))
                 }
-                (Wish::Out, Some(last)) => (SyncRecord { stage: Stage::Out, ..last.clone() }, None),
-                (Wish::Outward | Wish::Out, None) => continue,
+                (Wish::Out, Some(last)) => {
+                    self.engagement = None;
+                    (SyncRecord { stage: Stage::Out, ..last.clone() }, None)
+                }
+                (Wish::Outward(_) | Wish::Out, None) => continue,
             };
             if let Some(number) = number {
-                self.underway.push_back((number, now + ALLOWANCE));
+                self.underway.push_back((number, now + ALLOWANCE, record.clone()));
             }
             self.last = Some(record.clone());
             // a thread that has ended has said why
             let _ = self.orders.send((record, number));
         }
-        while let Some(&(number, due)) = self.underway.front() {
+        self.acknowledge(kernel, now);
+        let error = kernel.report().sync_error.map_or(Length::ZERO, Length::abs);
+        if let Some(engagement) = &mut self.engagement {
+            engagement.sync_error = engagement.sync_error.max(error);
+        }
+        self.engagement
+    }
+
+    fn acknowledge(&mut self, kernel: &mut Kernel, now: Time) {
+        while let Some((number, due, _)) = self.underway.front() {
+            let (number, due) = (*number, *due);
             let answer = if self.real_time {
                 self.answers.try_recv()
             } else if now < due {
@@ -198,11 +217,25 @@ impl Keeper {
                 }
                 Ok((_, Err(e))) => return self.fail(kernel, &e.to_string()),
                 Ok((Some(done), Ok(()))) if done == number => {
-                    self.underway.pop_front();
+                    let written = self.underway.pop_front().map(|(.., record)| record);
+                    written.iter().for_each(|record| self.engage(record));
                     kernel.acknowledge(number);
                 }
                 Ok((_, Ok(()))) => {}
             }
+        }
+    }
+
+    /// A record is on the disk: its tool may go in, unless it has come out meanwhile.
+    fn engage(&mut self, record: &SyncRecord) {
+        let is_still = self
+            .last
+            .as_ref()
+            .is_some_and(|last| last.engagement == record.engagement && last.stage.is_in_work());
+        if is_still && self.engagement.is_none() {
+            let (number, tool) = (record.engagement, record.stroke.tool);
+            self.engaged = number;
+            self.engagement = Some(Engagement { number, tool, sync_error: Length::ZERO });
         }
     }
 
@@ -220,8 +253,12 @@ impl Keeper {
         {
             geared.radius = cutter.radius;
         }
+        // pecks of one tap are one engagement, and so is what is asked for anew before the tool has gone in
+        let goes_on = self.last.as_ref().filter(|l| l.place.op == tap.op && l.stage.is_in_work());
+        let engagement = goes_on.map_or(self.engaged + 1, |last| last.engagement);
         SyncRecord {
             identity: self.identity.clone(),
+            engagement,
             place: Place {
                 program: self.program.clone(),
                 checksum: self.checksum,
@@ -238,6 +275,7 @@ impl Keeper {
                     Some(TiedCut::Cam) => Cut::Cam,
                     Some(TiedCut::Polygon) => Cut::Polygon,
                     Some(TiedCut::Gear) => Cut::Gear,
+                    Some(TiedCut::FloatingTap) => Cut::FloatingTap,
                 },
                 retreat: tap.retreat.map(|(axis, clear, outward)| Retreat {
                     axis,
@@ -257,6 +295,7 @@ impl Keeper {
                 surface: tap.surface,
                 spin: tap.spin,
                 stiffness: tool.map_or(Stiffness::ZERO, |tool| stiffness(&tool.kind)),
+                thread_length: tool.map_or(Length::ZERO, |tool| thread_length(&tool.kind)),
                 geared,
             },
         }
@@ -328,6 +367,18 @@ fn stiffness(kind: &ToolKind) -> Stiffness {
     }
 }
 
+/// How long the thread of a tap is.
+const fn thread_length(kind: &ToolKind) -> Length {
+    match kind {
+        ToolKind::Tap(tap) => tap.thread_length,
+        ToolKind::Drill { .. }
+        | ToolKind::SpotDrill { .. }
+        | ToolKind::EndMill
+        | ToolKind::PolygonCutter(_)
+        | ToolKind::Other => Length::ZERO,
+    }
+}
+
 /// Where the tool of a record is.
 pub(crate) fn whereabouts(record: &SyncRecord) -> String {
     let Place { program, line, hole, .. } = &record.place;
@@ -368,11 +419,39 @@ pub(crate) fn unsure(
     if let store::sync_record::Untrusted::OtherMachine { .. } = why {
         return Refused::because(format!("{why}\n  name this machine's own folder with --state"));
     }
-    let state = state.map_or_else(String::new, |path| format!(" --state {}", path.display()));
-    let machine = typed::value(&typed::of_this_run(), "--machine")
-        .map_or_else(String::new, |named| format!(" --machine {}", typed::quoted(named)));
+    unknown(&why.to_string(), iron, state)
+}
+
+/// What is said where the machine still keeps a tool that the encoders show outside of the work.
+pub(crate) fn settle(iron: &Path, state: Option<&Path>) -> Refused {
+    let typed = typed::of_this_run();
+    let machine = typed::value(&typed, "--machine");
     Refused::because(format!(
-        "{why}\n  whether a tap is in the work is not known, so nothing may move. See for yourself; once no tool is in the work: leadscrew recover --iron {}{machine}{state} --discard-record",
-        iron.display(),
+        "the machine keeps a tool in its work that the encoders show outside of it\n  have that settled with: {}",
+        recovery(iron, machine, state)
     ))
+}
+
+/// The command that recovers.
+fn recovery(iron: &Path, machine: Option<&str>, state: Option<&Path>) -> String {
+    let quoted = |path: &Path| typed::quoted(&path.display().to_string());
+    let machine =
+        machine.map_or_else(String::new, |name| format!(" --machine {}", typed::quoted(name)));
+    let state = state.map_or_else(String::new, |path| format!(" --state {}", quoted(path)));
+    format!("leadscrew recover --iron {}{machine}{state}", quoted(iron))
+}
+
+/// What is said where it cannot be known whether a tool is in the work.
+pub(crate) fn unknown(why: &str, iron: &Path, state: Option<&Path>) -> Refused {
+    let typed = typed::of_this_run();
+    let free = free_by_hand(iron, typed::value(&typed, "--machine"), state);
+    Refused::because(format!(
+        "{why}\n  nothing may move: name the folder of the control that led the tool there with --state, and recover. Where that folder is \
+         lost, see for yourself; once no tool is in the work: {free}"
+    ))
+}
+
+/// What somebody types who has seen that no tool is in the work.
+pub(crate) fn free_by_hand(iron: &Path, machine: Option<&str>, state: Option<&Path>) -> String {
+    recovery(iron, machine, state) + " --tool-is-free"
 }

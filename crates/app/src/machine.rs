@@ -18,7 +18,7 @@ pub(crate) fn command(order: &MachineCommand) -> Result<(), Refused> {
         MachineCommand::Check { machine } => {
             let file = load(machine)?;
             let mut text = format!("{}: in order. {}\n", file.name, file.description);
-            for warning in warnings(&file) {
+            for warning in warnings(&file).chain(crate::coasting::warnings(&file)) {
                 text += &format!("warning: {warning}\n");
             }
             say::out(&text)

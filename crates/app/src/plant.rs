@@ -3,7 +3,7 @@ use bus::{Command, Feedback, Machine, Truth};
 use sim::{Fault, Faulty, SimulatedMachine};
 use std::os::unix::net::UnixStream;
 use units::Time;
-use wire::{Remote, Welcome};
+use wire::{Engagement, Remote, Welcome};
 
 /// A machine.
 pub(crate) enum Plant {
@@ -34,6 +34,13 @@ impl Plant {
     /// The control is gone: nobody should tick.
     pub(crate) fn is_abandoned(&self) -> bool {
         matches!(self, Self::Inside(machine) if machine.is_abandoned())
+    }
+
+    /// With each command from now on: the tool that is in the work. A machine within this process is gone with its control.
+    pub(crate) fn engage(&mut self, engagement: Option<Engagement>) {
+        if let Self::Outside(remote) = self {
+            remote.engage(engagement);
+        }
     }
 
     /// A period without a control.

@@ -1,6 +1,7 @@
 //! `leadscrew run`: prove a program, run it on the simulated machine, judge the workpiece, leave the papers.
 use crate::args::{Format, RunArgs, Synchronisation};
 use crate::cam_host::CamHost;
+use crate::in_work::{self, InWork};
 use crate::keeper::{self, Keeper};
 use crate::learning::Memory;
 use crate::log::Log;
@@ -325,10 +326,16 @@ impl Link {
         let identity = plant::identity(remote.welcome());
         let named = args.state.as_deref();
         let folder = keeper::folder(named, &identity)?;
+        let (welcome, shown) = (remote.welcome(), folder.display().to_string());
+        if !folder.exists() {
+            in_work(None, welcome, &shown, path, named)?; // no folder is made where nothing may begin
+        }
         let (slots, kept) =
             keeper::open(&folder, &identity)?.map_err(|why| keeper::unsure(&why, path, named))?;
-        if let Some(record) = kept.record.as_ref().filter(|r| keeper::in_work(r, &feedback)) {
-            return Err(keeper::interlock(record, path, named));
+        in_work(kept.record.clone(), welcome, &shown, path, named)?;
+        if welcome.evidence.in_work.is_some() {
+            // the encoders show the tool outside: that is for a recovery to settle
+            return Err(keeper::settle(path, named));
         }
         let checksum = crc32fast::hash(&job.text);
         let of_this = |r: &SyncRecord| r.stage == Stage::Recovered && r.place.checksum == checksum;
@@ -340,11 +347,14 @@ impl Link {
     /// The plant, and who keeps its record.
     fn join(self, job: &Job) -> Result<(Plant, Option<Keeper>), Refused> {
         let Session { machine, tools, .. } = &job.session;
-        let real_time = self.remote.as_ref().is_some_and(|remote| remote.welcome().real_time);
+        let welcome = self.remote.as_ref().map(Remote::welcome);
+        let real_time = welcome.is_some_and(|welcome| welcome.real_time);
+        let engaged = welcome.map_or(0, |welcome| welcome.evidence.last);
         let before = job.restart.as_ref().map_or(0, |restart| restart.holes);
         let program = (job.program.as_str(), &job.text[..]);
         let keeper = self.state.map(|(slots, identity)| {
-            Keeper::start(slots, identity, program, tools, real_time, before, self.recovered)
+            let known = (before, self.recovered, engaged);
+            Keeper::start(slots, identity, program, tools, real_time, known)
         });
         let plant = if let Some(remote) = self.remote {
             Plant::Outside(Box::new(remote))
@@ -363,6 +373,21 @@ impl Link {
             Plant::Inside(Box::new(Faulty::new(machine, &[], job.seed).left_alone(alone)))
         };
         Ok((plant, keeper.transpose()?))
+    }
+}
+
+/// Refuse where a tool is in the work, or may be.
+fn in_work(
+    record: Option<SyncRecord>,
+    welcome: &wire::Welcome,
+    folder: &str,
+    iron: &Path,
+    state: Option<&Path>,
+) -> Result<(), Refused> {
+    match in_work::judge(record, welcome, folder) {
+        InWork::Nothing(_) => Ok(()),
+        InWork::Tool(record) => Err(keeper::interlock(&record, iron, state)),
+        InWork::Unknown(why) => Err(keeper::unknown(&why, iron, state)),
     }
 }
 

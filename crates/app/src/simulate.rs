@@ -226,7 +226,8 @@ impl Simulation<'_> {
                 *saturated.entry(report.op).or_insert(0) += 1;
             }
             if let Some(keeper) = &mut self.keeper {
-                keeper.serve(&mut self.kernel, feedback.time);
+                let engagement = keeper.serve(&mut self.kernel, feedback.time);
+                self.machine.engage(engagement);
             }
             self.cams.consult(&mut self.kernel, &mut self.planner);
             self.polygons.consult(&mut self.kernel);

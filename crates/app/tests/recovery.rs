@@ -103,7 +103,7 @@ fn a_power_cut_is_recovered_and_without_turns_only_where_the_turn_can_be_shown()
     let cut = ["--power-cut-at", &at];
     recovered(&Iron::start(&cut), "G84", 11, &at);
     let shown = recovered(&Iron::start(&[&cut[..], &["--single-turn"]].concat()), "G84", 11, &at);
-    assert_eq!(number(&shown, "phase_error_bound_um"), 300.0);
+    assert!(number(&shown, "phase_error_bound_um") < 40.0, "{shown:#}");
     let coasting = ["--single-turn", "--on-power-loss", "off"];
     let iron = Iron::start(&[&cut[..], &coasting].concat());
     iron.run(&one_tap("G84", 11), &[]);

@@ -104,6 +104,19 @@ impl Screw {
     }
 }
 
+impl AxisControl {
+    /// Where the tool side stands at rest, by the encoder: the weight that hangs on a screw stretches it, and what the control
+    /// calls the axis' position is the tool side everywhere.
+    pub fn tool_side_at_rest(&self, reading: Length) -> Length {
+        match self.encoder.place {
+            EncoderPlace::Motor => {
+                reading - Length::mm(Screw::new(self).stretch(-self.weight.value()))
+            }
+            EncoderPlace::Scale => reading,
+        }
+    }
+}
+
 /// Behind the screw's spring a tracker must not take the resonance for motion: at this share of it, what
 /// the encoder says of the resonance is damped more than the resonance is sharp.
 const BELOW_RESONANCE: f64 = 0.15;

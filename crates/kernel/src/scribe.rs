@@ -1,11 +1,14 @@
 //! What somebody must write down before a tap, or another tool that is tied to a spindle, may touch the work.
 //!
 //! ```text
-//!   positioning          at the hole, spindle held           in            bottom        out
-//!   ── wish Inward ──►   acknowledged? ── yes ─────────────► In ─ Outward ──► … ── Out ──►
-//!      (θ₀ foreseen)          │ no: wait, alarm after RECORD_WAIT
+//!   positioning          at the hole, spindle held           in, braking      bottom            out
+//!   ── wish Inward ──►   acknowledged? ── yes ─────────────► In ─ Outward ──► acknowledged? ──► … ── Out ──►
+//!      (θ₀ foreseen)          │ no: wait, alarm after RECORD_WAIT                 no: wait, TURN_WAIT at most
 //!                             └ not written: alarm at once
 //! ```
+//!
+//! The turn at the bottom is asked for while the tap still brakes on its way in, so that it is on the disk before the tap turns
+//! back and the tap waits for no disk. A disk that takes longer than [`TURN_WAIT`] does not keep a tap in its hole.
 //!
 //! The kernel has no files. It says what to write as a [`Wish`] and goes in only after [`crate::Kernel::acknowledge`].
 //! Between two holes the spindle is held at the angle at which the last tap left it, so θ₀ of the next one is known while the
@@ -16,6 +19,11 @@ use units::{Angle, Lead, LeadGrowth, Length, Spin, Time};
 
 /// How long a tap waits for its record.
 pub const RECORD_WAIT: Time = Time::s(2.0);
+/// How long before the bottom the turn is asked for, at least; and how long a tap waits there for a disk that hangs.
+pub(crate) const TURN_AHEAD: Time = Time::s(0.05);
+pub(crate) const TURN_WAIT: Time = Time::s(0.5);
+/// And how often it looks meanwhile.
+pub(crate) const TURN_AGAIN: Time = Time::s(0.01);
 /// Wishes that nobody has taken yet; there are never more than three.
 const WISHES: usize = 8;
 /// A foreseen angle is right within this, rev.
@@ -63,8 +71,8 @@ pub struct WorkRecord {
 pub enum Wish {
     /// The tap is about to go in; to be acknowledged by this number.
     Inward(u32, WorkRecord),
-    /// It has turned round.
-    Outward,
+    /// It is about to turn back; to be acknowledged by this number.
+    Outward(u32),
     /// It is out.
     Out,
 }
@@ -75,8 +83,12 @@ pub(crate) struct Scribe {
     on: bool,
     wishes: VecDeque<Wish>,
     asked: Option<WorkRecord>,
+    /// Number of the last wish, and of the last one to go in.
     number: u32,
+    inward: u32,
     acknowledged: bool,
+    /// Number of the wish to turn back, and whether it is on the disk.
+    turn: Option<(u32, bool)>,
     refused: bool,
 }
 
@@ -169,7 +181,9 @@ impl Scribe {
             wishes: VecDeque::with_capacity(WISHES),
             asked: None,
             number: 0,
+            inward: 0,
             acknowledged: false,
+            turn: None,
             refused: false,
         }
     }
@@ -187,7 +201,11 @@ impl Scribe {
     }
 
     pub(crate) fn acknowledge(&mut self, number: u32) {
-        self.acknowledged |= number == self.number && self.asked.is_some();
+        if let Some((_, on_disk)) = self.turn.as_mut().filter(|(turn, _)| *turn == number) {
+            *on_disk = true;
+            return;
+        }
+        self.acknowledged |= number == self.inward && self.asked.is_some();
     }
 
     pub(crate) const fn refuse(&mut self) {
@@ -202,6 +220,7 @@ impl Scribe {
         if self.refused {
             return Leave::Refused;
         }
+        self.turn = None;
         let mut record = *record;
         let before = self.asked;
         if let Some(before) = before.filter(|before| record.continues(before)) {
@@ -211,20 +230,32 @@ impl Scribe {
             record.theta0 = before.theta0;
         }
         if !before.is_some_and(|before| record.is_like(&before)) {
-            self.number = self.number.wrapping_add(1);
+            self.inward = self.next_number();
             // what is on the disk already leads out on the same line
             self.acknowledged &= before.is_some_and(|before| record.continues(&before));
             self.asked = Some(record);
-            self.wish(Wish::Inward(self.number, record));
+            self.wish(Wish::Inward(self.inward, record));
         }
         if self.acknowledged { Leave::Granted } else { Leave::Waiting }
     }
 
-    /// The tap has turned round.
-    pub(crate) fn turned(&mut self) {
-        if self.on {
-            self.wish(Wish::Outward);
+    /// The tap is about to turn back; whether that is on the disk. What cannot be written keeps no tap in its hole.
+    pub(crate) fn turn(&mut self) -> Leave {
+        if !self.on || self.asked.is_none() || self.refused {
+            return Leave::Granted;
         }
+        let Some((_, on_disk)) = self.turn else {
+            let number = self.next_number();
+            self.turn = Some((number, false));
+            self.wish(Wish::Outward(number));
+            return Leave::Waiting;
+        };
+        if on_disk { Leave::Granted } else { Leave::Waiting }
+    }
+
+    const fn next_number(&mut self) -> u32 {
+        self.number = self.number.wrapping_add(1);
+        self.number
     }
 
     /// The tap is out.
@@ -327,6 +358,36 @@ mod tests {
         scribe.refuse();
         scribe.acknowledge(1);
         assert_eq!(scribe.ask(&record(1, 5.0, -10.0)), Leave::Refused);
+    }
+
+    #[test]
+    fn a_tap_turns_back_once_that_is_on_the_disk_and_a_further_peck_asks_anew() {
+        let mut scribe = scribe();
+        let first = record(1, 5.0, -4.0);
+        scribe.ask(&first);
+        scribe.acknowledge(1);
+        scribe.take();
+        assert_eq!((scribe.turn(), scribe.turn()), (Leave::Waiting, Leave::Waiting));
+        assert_eq!((scribe.take(), scribe.take()), (Some(Wish::Outward(2)), None));
+        scribe.acknowledge(1);
+        assert_eq!(scribe.turn(), Leave::Waiting);
+        scribe.acknowledge(2);
+        assert_eq!(scribe.turn(), Leave::Granted);
+        let second = WorkRecord { theta0: Angle::rev(13.0), ..record(1, -3.0, -8.0) };
+        assert_eq!(scribe.ask(&second), Leave::Granted);
+        assert_eq!(scribe.turn(), Leave::Waiting);
+        scribe.acknowledge(4);
+        assert_eq!(scribe.turn(), Leave::Granted);
+    }
+
+    #[test]
+    fn a_disk_that_refuses_keeps_no_tap_in_its_hole() {
+        let mut scribe = scribe();
+        scribe.ask(&record(1, 5.0, -10.0));
+        scribe.acknowledge(1);
+        assert_eq!(scribe.turn(), Leave::Waiting);
+        scribe.refuse();
+        assert_eq!((scribe.turn(), Scribe::new().turn()), (Leave::Granted, Leave::Granted));
     }
 
     #[test]

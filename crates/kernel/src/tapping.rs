@@ -14,7 +14,7 @@ use crate::event::{EventKind, TapFigures};
 use crate::execute::Context;
 use crate::fault::FaultKind;
 use crate::moving::stand_at;
-use crate::scribe::{Leave, RECORD_WAIT, WorkRecord};
+use crate::scribe::{Leave, RECORD_WAIT, Scribe, TURN_AGAIN, TURN_AHEAD, TURN_WAIT, WorkRecord};
 use crate::spindle::SpindleLoop;
 use crate::stroke::{Mark, Planned};
 use crate::terms::{clear, corrected, feed_forwards, halt, held, spoken, target, turned};
@@ -22,7 +22,7 @@ use crate::track::point;
 use plan::TapPlan;
 use sync::recovery::{Direction, Stored};
 use sync::{
-    Ask, Correction, Coupling, Cycle, MAX_TRANSPORT, Monitor, Phase, Prediction, Rotation,
+    Ask, Correction, Coupling, Cycle, MAX_TRANSPORT, Monitor, Phase, Prediction, Rotation, Stroke,
     SyncMode, Tap, Tick, Verdict,
 };
 use units::{Angle, Length, Spin, Time};
@@ -58,6 +58,8 @@ pub(crate) struct TapRun {
     waited_s: f64,
     /// For so long the record has kept it from going in.
     unwritten_s: f64,
+    /// For so long it has kept it from turning back.
+    unturned_s: f64,
     engaged_s: f64,
     deepest: Length,
     fastest: Spin,
@@ -118,6 +120,7 @@ impl TapRun {
             marks: [Mark::default(), Mark::default()],
             waited_s: 0.0,
             unwritten_s: 0.0,
+            unturned_s: 0.0,
             engaged_s: 0.0,
             deepest: -(plan.bottom - plan.start.along(plan.axis)).abs(),
             fastest: Spin::ZERO,
@@ -233,15 +236,12 @@ impl TapRun {
         let record = engages
             .map(|theta0| WorkRecord::of(plan, context.op, context.line, drives.tool, theta0));
         match record.map_or(Leave::Granted, |record| drives.scribe.ask(&record)) {
-            Leave::Granted => self.cycle = self.cycle.next(&tap, &tick),
+            Leave::Granted => self.cycle = self.turn_back(&tap, &tick, &mut drives.scribe),
             Leave::Waiting => {
                 self.waited_s = 0.0; // the spindle is where it should be
                 self.unwritten_s += dt;
             }
             Leave::Refused => self.unwritten_s = f64::INFINITY,
-        }
-        if was != Phase::Out && self.cycle.phase() == Phase::Out {
-            drives.scribe.turned();
         }
         self.taught = self.taught.or(self.cycle.taught());
         let lessons = &mut drives.lessons;
@@ -290,6 +290,35 @@ impl TapRun {
             }
             Ok(()) => Outcome::Busy,
         }
+    }
+
+    /// The cycle after this period: it turns back at the bottom when that is on the disk. A spindle on the ramps of its own drive
+    /// has been told to turn back before it stands, and waits for nothing.
+    fn turn_back(&mut self, tap: &Tap<Planned>, tick: &Tick, scribe: &mut Scribe) -> Cycle {
+        let next = self.cycle.next(tap, tick);
+        let at = self.cycle.moment(tap);
+        let brakes = at.is_some_and(|at| at >= tap.inward.duration() - TURN_AHEAD);
+        let told = matches!(self.cycle, Cycle::Told(..));
+        let halted = matches!(self.cycle, Cycle::Halted(..));
+        let turns = next.phase() == Phase::Out;
+        let about_to = match self.cycle.phase() {
+            Phase::In => brakes || told || turns,
+            Phase::Bottom => true,
+            Phase::Prepare | Phase::Out | Phase::Done => false,
+        };
+        if !about_to || scribe.turn() == Leave::Granted || !turns || told {
+            return next;
+        }
+        let Some(coupling) = self.coupling().filter(|_| self.unturned_s < TURN_WAIT.value()) else {
+            return next;
+        };
+        if halted {
+            self.unturned_s += tick.elapsed.value();
+            return if self.cycle.is_standing() { self.cycle } else { next };
+        }
+        self.unturned_s += TURN_AGAIN.value();
+        // so far before the end of its dwell that the spindle does not turn back by its lookahead either
+        Cycle::Bottom(coupling, tap.dwell - TURN_AGAIN)
     }
 
     /// A spindle that did not obey stands: the axis does too, and goes by orders again if there is a drive to obey them.

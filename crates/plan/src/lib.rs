@@ -31,7 +31,7 @@
 //! flutes, M0323 hole depth, M0324 hole not drilled here, M0325 hole diameter, M0326 lead, M0327 hand, M0328 no tap,
 //! M0329 no tool, M0330 another axis moves, M0331 spindle too weak, M0332 return slowed, M0333 no tap at all, M0334
 //! not along the tool axis, M0335 beside its hole, M0336 blind hole too near for this spindle,
-//! M0337 no angle; clutch and floating holders: M0340 dwell, M0341 stroke, M0342 travel,
+//! M0337 no angle, M0338 a spindle that coasts when the control dies; clutch and floating holders: M0340 dwell, M0341 stroke, M0342 travel,
 //! M0343 words; chip removal: M0350 too fast for the spindle, M0351 not against the cut;
 //! tool and stock: M0360 rapid into it, M0361 sideways in it, M0362 fed at rest, M0363 fed too fast, M0364 tap without its cycle,
 //! M0365 length offset, M0366 nothing is cut, M0367 reach;
@@ -52,6 +52,7 @@ mod curve;
 mod ends;
 mod findings;
 mod holes;
+mod left_alone;
 mod limits;
 mod motion;
 mod outbox;
@@ -77,9 +78,10 @@ pub use cams::{CamCommand, Cams, Course, TURN_ENDED, WheelWear, turned};
 pub use clock::Clock;
 pub use clutch::{ClutchCycle, DwellWindow};
 pub use coupled::{GearStep, OSCILLATION_SEEN, Superpose, Superposed, Table, TableId, sampled};
+pub use left_alone::{coasts, overrun, survives};
 pub use limits::{
-    AxisLimits, DwellCheck, Effort, Joining, MachineLimits, Options, OwnRamps, PlainDrive, Retract,
-    SpindleLimits, TapMethod, Tapping, ToolChange, Unsynchronised,
+    AxisLimits, Coasts, DwellCheck, Effort, Joining, MachineLimits, Options, OwnRamps, PlainDrive,
+    Retract, SpindleLimits, TapMethod, Tapping, ToolChange, Unsynchronised,
 };
 pub use planner::{Planner, Preflight, Start, preflight};
 pub use profile::{Instant, MAX_PIECES, Piece, Profile};

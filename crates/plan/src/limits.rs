@@ -90,6 +90,22 @@ pub struct Tapping {
     pub outward: Effort,
     /// The spindle's drive is only told a speed and makes its own ramps.
     pub own_ramps: Option<OwnRamps>,
+    /// When its spindle is left to coast.
+    pub coasts: Coasts,
+}
+
+/// When a spindle is left to coast, with the feed along with it or hanging on the tap.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Coasts {
+    /// The control falls silent.
+    pub on_link_loss: bool,
+    /// The mains fail, and no DC bus pays for braking.
+    pub on_power_loss: bool,
+}
+
+impl Coasts {
+    /// Its drive brakes it, whatever happens.
+    pub const NEVER: Self = Self { on_link_loss: false, on_power_loss: false };
 }
 
 /// A spindle drive that is only told a speed, with what is known of it.
@@ -203,7 +219,14 @@ impl Tapping {
     pub const fn along_z(margin: f64) -> Self {
         let effort = Effort { margin, jerk: 1.0 };
         let (inward, outward) = (effort, effort);
-        Self { axis: Axis::Z, retract: Retract::Full, inward, outward, own_ramps: None }
+        Self {
+            axis: Axis::Z,
+            retract: Retract::Full,
+            inward,
+            outward,
+            own_ramps: None,
+            coasts: Coasts::NEVER,
+        }
     }
 }
 

@@ -15,7 +15,8 @@
 //! formula: 230·P^0.7 µm, or 433·P − 190·P^1.22 up to 0.8 mm.
 use crate::findings::number;
 use crate::holes::Drilled;
-use crate::limits::{AxisLimits, OwnRamps, SpindleLimits};
+use crate::left_alone::{overrun, survives};
+use crate::limits::{AxisLimits, Coasts, OwnRamps, SpindleLimits};
 use crate::stroke::tapping_torque;
 use crate::words::{WHICH_UNIT, bare_length, feed, is_other_unit, length};
 use alloc::{format, string::String, vec::Vec};
@@ -42,6 +43,7 @@ pub(crate) struct TapCheck<'a> {
     pub(crate) own_ramps: Option<OwnRamps>,
     /// How the program writes it.
     pub(crate) frame: &'a ProgramFrame,
+    pub(crate) coasts: Coasts,
 }
 
 impl TapCheck<'_> {
@@ -51,6 +53,7 @@ impl TapCheck<'_> {
         all.extend(self.hand_or_lead());
         all.extend(self.speed(cut));
         all.extend(self.flutes());
+        all.extend(self.left_alone(cut));
         if let Some(hole) = &self.hole {
             all.extend(self.hole_depth(hole));
             all.extend(self.stopping_margin(hole));
@@ -246,6 +249,44 @@ impl TapCheck<'_> {
                 .with_help(help)
                 .with_label(hole.span, "drilled here"),
         )
+    }
+
+    /// A spindle that coasts when the control dies or the mains fail, deeper than there is room for.
+    fn left_alone(&self, cut: Torque) -> Option<Diagnostic> {
+        let Coasts { on_link_loss, on_power_loss } = self.coasts;
+        let (when, key) = match (on_link_loss, on_power_loss) {
+            (true, true) => ("control dies or the mains fail", "on_link_loss and on_power_loss"),
+            (true, false) => ("control dies", "on_link_loss"),
+            (false, true) => ("mains fail", "on_power_loss"),
+            (false, false) => return None,
+        };
+        let (lead, spin) = (self.tap.lead, self.tap.spin);
+        let deeper = overrun(self.spindle, cut, lead, spin).value();
+        let flutes = (self.tap_tool.thread_length - self.depth()).value();
+        let below = self.hole.map(|h| (self.tap.bottom - self.tool.length - h.full_bottom).value());
+        let (room, what) = match below {
+            Some(below) if below < flutes => (below, "the hole has"),
+            _ => (flutes, "its flutes reach"),
+        };
+        if room < 0.0 || deeper <= room {
+            return None; // too deep as programmed, which is refused, or deep enough for anything
+        }
+        let slow = survives(self.spindle, cut, lead, Length::mm(room), spin);
+        let works = match slow.in_rpm() {
+            rpm if rpm >= 10.0 => format!("S{} survives that", number(rpm)),
+            _ => "no speed survives that".into(),
+        };
+        let text = format!(
+            "if the {when} in this tap its spindle coasts: from S{} it goes up to {} mm deeper than programmed, {what} {} mm more, and the \
+             tap breaks; {works}",
+            number(spin.in_rpm()),
+            number(libm::ceil(deeper * 10.0) / 10.0),
+            number(floor_um(room)),
+        );
+        let help = format!(
+            "[drives] {key} = \"coupled-stop\" or \"quick-stop\" brakes instead, at every speed"
+        );
+        Some(Diagnostic::warning("M0338", self.span, text).with_help(help))
     }
 
     fn hole_diameter(&self, hole: &Drilled) -> Option<Diagnostic> {

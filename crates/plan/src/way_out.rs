@@ -24,6 +24,8 @@ pub enum TiedCut {
     Polygon,
     /// A gear.
     Gear,
+    /// A thread, by a tap in a floating or clutch holder: no axis is tied to its spindle, and the thread holds it.
+    FloatingTap,
 }
 
 /// See the module's header.
@@ -70,6 +72,19 @@ impl WayOut {
     /// Of a tool that X takes off the work, towards plus, to where it stands now.
     pub(crate) const fn along_x(cut: TiedCut, spindle: u8, clear: Length) -> Self {
         Self { cut, spindle, infeed: Axis::X, clear, outward: 1.0, pass: None }
+    }
+
+    /// Of a tap that no axis is tied to: it is in the work below where it starts, and only its spindle turned backwards takes it out.
+    pub(crate) const fn floating(spindle: u8, infeed: Axis, clear: Length, outward: f64) -> Self {
+        Self { cut: TiedCut::FloatingTap, spindle, infeed, clear, outward, pass: None }
+    }
+
+    /// Nothing but the infeed axis is needed to take the tool off the work: it is held by nothing on the side from which it came.
+    pub const fn is_straight(&self) -> bool {
+        match self.cut {
+            TiedCut::Thread | TiedCut::Cam | TiedCut::Polygon | TiedCut::Gear => true,
+            TiedCut::FloatingTap => false,
+        }
     }
 
     /// How far a place of the infeed axis is inside of where the tool is clear.

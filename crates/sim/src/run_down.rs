@@ -25,7 +25,7 @@
 use crate::{AxisModel, Config, SpindleModel};
 use bus::{AxisCommand, Command, Coupled, Feedback, SpindleCommand};
 use core::f64::consts::TAU;
-use units::{Force, Length, Time, Torque};
+use units::{Force, Length, SpinAccel, Time, Torque};
 
 /// Share of a drive's limit that it brakes with.
 const BRAKING: f64 = 0.95;
@@ -109,6 +109,8 @@ struct SpindleDrive {
     /// rad/s, rad/s²: the speed that brakes, and how fast it changes.
     setpoint: (f64, f64),
     torque: f64,
+    /// Of a drive that makes its own ramps: what is left of its delay, s, and its ramp, rad/s².
+    own: (f64, f64),
 }
 
 impl RunDown {
@@ -148,6 +150,16 @@ impl RunDown {
             reserve: bus.map_or(0.0, |bus| 0.5 * energy(bus)),
             off: reaction == Reaction::Off || !powered,
         }
+    }
+
+    /// The first spindle's drive makes its own ramps: it begins to brake after this delay, with this deceleration, and the axis' ramp
+    /// was set to that.
+    #[must_use]
+    pub fn on_own_ramps(mut self, delay: Time, decel: SpinAccel) -> Self {
+        if let Some(spindle) = self.spindles.first_mut() {
+            spindle.own = (delay.value(), decel.value() * TAU);
+        }
+        self
     }
 
     /// Everything stands, and all outputs are off.
@@ -287,6 +299,7 @@ impl SpindleDrive {
             omega,
             setpoint: (omega, 0.0),
             torque: 0.0,
+            own: (0.0, f64::INFINITY),
         }
     }
 
@@ -309,7 +322,10 @@ impl SpindleDrive {
     fn brake(&mut self, h: f64) -> SpindleCommand {
         let limit = BRAKING * self.peak.min(self.power / self.omega.abs().max(1e-9));
         let (before, _) = self.setpoint;
-        let slower = before.signum() * (before.abs() - limit / self.inertia * h).max(0.0);
+        let (delay, own) = self.own;
+        self.own.0 = (delay - h).max(0.0);
+        let change = if delay > 0.0 { 0.0 } else { (limit / self.inertia).min(own) };
+        let slower = before.signum() * (before.abs() - change * h).max(0.0);
         self.setpoint = (slower, (slower - before) / h);
         let torque = self.inertia * (self.setpoint.1 + TAU * SPINDLE_HZ * (slower - self.omega));
         self.torque = torque.clamp(-self.peak, self.peak);

@@ -60,7 +60,7 @@ impl Setting {
     }
 
     /// How far off its coupling a tap is when its core tears.
-    fn bears(&self) -> Length {
+    pub fn bears(&self) -> Length {
         let core = CORE * self.diameter.value();
         let force = libm::sqrt(3.0) * SHEAR_N_PER_MM2 * core::f64::consts::FRAC_PI_4 * core * core;
         Length::mm(force / self.holder.value().max(f64::MIN_POSITIVE))

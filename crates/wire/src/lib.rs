@@ -4,7 +4,7 @@
 //!   control                                                   iron
 //!     Hello ───────────────────────────────────────────────────►
 //!     ◄─────────────────────── Welcome: which machine, which encoders, where it stands
-//!     Command ─────────────────────────────────────────────────►   each servo period
+//!     Command, tool in the work ───────────────────────────────►   each servo period
 //!     ◄──────────────────────────────── Observed: feedback, and the truth where it is known
 //!                        …
 //!     the stream ends, or nothing comes: the drives' own watchdog stops the iron
@@ -22,6 +22,9 @@
 //! | … | payload |
 //! | 4 | CRC-32 of all before it |
 //!
+//! Each command says which tool the control has in the work. The machine keeps that ([`Evidence`]): when a control dies, the
+//! next one is told of the tool whatever has become of its files, and may move nothing before it has stated it.
+//!
 //! A frame that is not whole, not this version's, or not in sequence ends the connection: what a drive is told is
 //! certain, or it is not told. Axes and spindles that say nothing are left out by a mask.
 mod bytes;
@@ -30,5 +33,5 @@ mod message;
 mod remote;
 
 pub use frame::{LONGEST, VERSION, decode, encode};
-pub use message::{Hello, Message, Observed, Order, Stop, Welcome};
+pub use message::{Engagement, Evidence, Hello, Message, Observed, Order, Sense, Stop, Welcome};
 pub use remote::{Error, Port, Remote, order};

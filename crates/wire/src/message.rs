@@ -21,8 +21,8 @@ pub enum Message {
     Welcome(Welcome),
     /// The iron does not, or has stopped: one sentence.
     Refused(String),
-    /// What the iron shall do for a period.
-    Command(Command),
+    /// What the machine shall do for a period, and which tool the control has in the work.
+    Command(Command, Option<Engagement>),
     /// What came of it.
     Observed(Observed),
     /// Something for the iron itself, instead of a session.
@@ -56,6 +56,41 @@ pub enum Stop {
     Coupled = 3,
 }
 
+/// A tool in the work that only recovery may take out: a tap in its thread, or one that is tied to a spindle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Engagement {
+    /// The machine counts them, from 1.
+    pub number: u64,
+    /// The tool.
+    pub tool: u32,
+    /// How far the axis was from its coupling at most since the tool touched the work, by the encoders.
+    pub sync_error: Length,
+}
+
+/// In which sense a spindle turned that an axis was tied to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Sense {
+    /// It has not turned since the tool went in.
+    #[default]
+    Unknown = 0,
+    /// With growing angle.
+    Positive = 1,
+    /// With falling angle.
+    Negative = 2,
+}
+
+/// What the machine itself keeps of a tool in its work, whatever becomes of the control and of its files.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Evidence {
+    /// Number of the last engagement; 0: there has been none.
+    pub last: u64,
+    /// The tool that is in the work now; `None`: the control that led it there has taken it out.
+    pub in_work: Option<Engagement>,
+    /// How the spindle of the last engagement turned last while an axis was tied to it.
+    pub sense: Sense,
+}
+
 /// Which machine it is, and what its encoders know.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Welcome {
@@ -71,8 +106,11 @@ pub struct Welcome {
     pub real_time: bool,
     /// By spindle: it has lost count of its turns; the angle within a turn is right.
     pub turns_lost: [bool; SPINDLES],
-    /// How the drives came to rest the last time that they were left alone.
+    /// How the drives came to rest when they were left alone; of several times since a tool went into the work, the one
+    /// that leaves least certain how far it is from its coupling.
     pub stop: Stop,
+    /// Whether a tool is in the work.
+    pub evidence: Evidence,
     /// Where everything stands.
     pub observed: Observed,
 }
@@ -96,6 +134,8 @@ pub enum Order {
     PowerCut = 2,
     /// End.
     Quit = 3,
+    /// Somebody has seen that no tool is in the work.
+    ToolIsFree = 4,
 }
 
 impl Message {
@@ -104,7 +144,7 @@ impl Message {
             Self::Hello(_) => 1,
             Self::Welcome(_) => 2,
             Self::Refused(_) => 3,
-            Self::Command(_) => 4,
+            Self::Command(..) => 4,
             Self::Observed(_) => 5,
             Self::Order(_) => 6,
             Self::Told(_) => 7,
@@ -117,7 +157,7 @@ impl Message {
             Self::Hello(_) => "a greeting",
             Self::Welcome(_) => "a welcome",
             Self::Refused(_) => "a refusal",
-            Self::Command(_) => "a command",
+            Self::Command(..) => "a command",
             Self::Observed(_) => "feedback",
             Self::Order(_) => "an order",
             Self::Told(_) => "an answer",
@@ -133,7 +173,10 @@ impl Message {
             }
             Self::Welcome(welcome) => write_welcome(w, welcome),
             Self::Refused(text) | Self::Told(text) => w.text(text, LONGEST_TEXT),
-            Self::Command(command) => write_command(w, command),
+            Self::Command(command, engagement) => {
+                write_command(w, command);
+                write_engagement(w, engagement.as_ref());
+            }
             Self::Observed(observed) => write_observed(w, observed),
             Self::Order(order) => w.u8(*order as u8),
         }
@@ -144,12 +187,13 @@ impl Message {
             1 => Self::Hello(Hello { name: r.text()?, machine: r.text()?, process: r.u32()? }),
             2 => Self::Welcome(read_welcome(r)?),
             3 => Self::Refused(r.text()?),
-            4 => Self::Command(read_command(r)?),
+            4 => Self::Command(read_command(r)?, read_engagement(r)?),
             5 => Self::Observed(read_observed(r)?),
             6 => Self::Order(match r.u8()? {
                 1 => Order::Status,
                 2 => Order::PowerCut,
                 3 => Order::Quit,
+                4 => Order::ToolIsFree,
                 _ => return None,
             }),
             7 => Self::Told(r.text()?),
@@ -177,6 +221,9 @@ fn write_welcome(w: &mut Writer<'_>, welcome: &Welcome) {
     w.u8(welcome.real_time.into());
     w.u16(mask(&welcome.turns_lost));
     w.u8(welcome.stop as u8);
+    w.u64(welcome.evidence.last);
+    write_engagement(w, welcome.evidence.in_work.as_ref());
+    w.u8(welcome.evidence.sense as u8);
     write_observed(w, &welcome.observed);
 }
 
@@ -195,8 +242,38 @@ fn read_welcome(r: &mut Reader<'_>) -> Option<Welcome> {
             3 => Stop::Coupled,
             _ => return None,
         },
+        evidence: Evidence {
+            last: r.u64()?,
+            in_work: read_engagement(r)?,
+            sense: match r.u8()? {
+                0 => Sense::Unknown,
+                1 => Sense::Positive,
+                2 => Sense::Negative,
+                _ => return None,
+            },
+        },
         observed: read_observed(r)?,
     })
+}
+
+fn write_engagement(w: &mut Writer<'_>, engagement: Option<&Engagement>) {
+    w.u8(engagement.is_some().into());
+    if let Some(engagement) = engagement {
+        w.u64(engagement.number);
+        w.u32(engagement.tool);
+        w.f64(engagement.sync_error.value());
+    }
+}
+
+/// `None`: none can be read; that there is none is something else.
+#[allow(clippy::option_option)] // as said
+fn read_engagement(r: &mut Reader<'_>) -> Option<Option<Engagement>> {
+    if !r.flag()? {
+        return Some(None);
+    }
+    let (number, tool, sync_error) = (r.u64()?, r.u32()?, Length::mm(r.f64()?));
+    let is_possible = number > 0 && sync_error.is_finite() && sync_error >= Length::ZERO;
+    is_possible.then_some(Some(Engagement { number, tool, sync_error }))
 }
 
 fn flags<const N: usize>(r: &mut Reader<'_>) -> Option<[bool; N]> {

@@ -1,6 +1,6 @@
 //! The two ends of the stream.
 use crate::frame::{HEAD, decode, encode, head};
-use crate::message::{Hello, Message, Observed, Order, Welcome};
+use crate::message::{Engagement, Hello, Message, Observed, Order, Welcome};
 use bus::{Command, Feedback, Truth};
 use std::io::{self, Read, Write};
 use units::Time;
@@ -143,6 +143,7 @@ pub struct Remote<S> {
     port: Port<S>,
     welcome: Welcome,
     last: Observed,
+    engagement: Option<Engagement>,
     lost: Option<Error>,
 }
 
@@ -156,7 +157,7 @@ impl<S: Read + Write> Remote<S> {
         port.send(&Message::Hello(hello))?;
         match port.take()? {
             Message::Welcome(welcome) => {
-                Ok(Self { port, last: welcome.observed, welcome, lost: None })
+                Ok(Self { port, last: welcome.observed, welcome, engagement: None, lost: None })
             }
             Message::Refused(why) => Err(Error::Refused(why)),
             other => Err(Error::Unexpected { found: other.name(), expected: "a welcome" }),
@@ -173,8 +174,13 @@ impl<S: Read + Write> Remote<S> {
         self.lost.as_ref()
     }
 
+    /// With each command from now on: the tool that is in the work.
+    pub const fn engage(&mut self, engagement: Option<Engagement>) {
+        self.engagement = engagement;
+    }
+
     fn ask(&mut self, command: &Command) -> Result<Observed, Error> {
-        self.port.send(&Message::Command(*command))?;
+        self.port.send(&Message::Command(*command, self.engagement))?;
         match self.port.take()? {
             Message::Observed(observed) => Ok(observed),
             Message::Refused(why) => Err(Error::Refused(why)),

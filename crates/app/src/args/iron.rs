@@ -101,9 +101,9 @@ pub(crate) struct RecoverArgs {
     /// How the answer is printed
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(crate) format: Format,
-    /// Forget the record: you have seen that no tool is in the work
-    #[arg(long, conflicts_with_all = ["dry_run", "picture"])]
-    pub(crate) discard_record: bool,
+    /// State that you have seen that no tool is in the work: record and machine forget it
+    #[arg(long, alias = "discard-record", conflicts_with_all = ["dry_run", "picture"])]
+    pub(crate) tool_is_free: bool,
 }
 
 /// Who moves back onto the thread.

@@ -1,4 +1,5 @@
 //! The iron itself: the simulated machine, what its encoders keep, and its drives when they are alone.
+use super::retained::{Retained, least_certain};
 use crate::args::IronArgs;
 use crate::refused::Refused;
 use crate::session::Session;
@@ -8,8 +9,8 @@ use sim::{Bus, RunDown, SimulatedMachine};
 use std::hash::{BuildHasher, Hasher, RandomState};
 use std::path::Path;
 use store::machine::Reaction;
-use units::{Angle, Length, Time};
-use wire::{Observed, Stop, Welcome};
+use units::{Angle, Length, SpinAccel, Time};
+use wire::{Engagement, Observed, Stop, Welcome};
 
 /// See the module's header.
 pub(super) struct Iron {
@@ -20,11 +21,14 @@ pub(super) struct Iron {
     epoch: u64,
     reactions: [Reaction; 2],
     bus: Option<Bus>,
+    /// Delay and deceleration of a spindle's drive that makes its own ramps, as set in it.
+    own_ramps: Option<(Time, SpinAccel)>,
     keeps_turns: [bool; SPINDLES],
     /// Turns that an encoder no longer counts.
     forgotten: [f64; SPINDLES],
     turns_lost: [bool; SPINDLES],
     stop: Stop,
+    retained: Retained,
     last: Command,
     /// The latest first.
     cuts: Vec<Time>,
@@ -91,10 +95,16 @@ impl Iron {
                 volt: bus.voltage_v,
                 trip_volt: bus.trip_v,
             }),
+            own_ramps: file
+                .spindles
+                .first()
+                .and_then(|spindle| spindle.own_ramps)
+                .map(|own| (own.delay, own.deceleration)),
             keeps_turns,
             forgotten: [0.0; SPINDLES],
             turns_lost: [false; SPINDLES],
             stop: Stop::None,
+            retained: Retained::default(),
             last: Command::default(),
             cuts: latest_first(&args.power_cut_at),
             kills: latest_first(&args.kill_control_at),
@@ -112,6 +122,7 @@ impl Iron {
     pub(super) fn welcome(&mut self) -> Welcome {
         self.sessions += 1;
         (self.off_helix, self.force_n) = (Length::ZERO, 0.0);
+        self.retained.begin_session();
         Welcome {
             machine: self.name.clone(),
             serial: self.serial,
@@ -120,6 +131,7 @@ impl Iron {
             real_time: self.real_time,
             turns_lost: self.turns_lost,
             stop: self.stop,
+            evidence: self.retained.evidence(),
             observed: self.observed(),
         }
     }
@@ -146,6 +158,22 @@ impl Iron {
         Observed { feedback, truth }
     }
 
+    /// A control says which tool it has in the work, with a command that it sends.
+    ///
+    /// # Errors
+    /// Another tool is in the work than it says: it may move nothing.
+    pub(super) fn hear(&mut self, said: Option<Engagement>) -> Result<(), String> {
+        if self.retained.hear(said)? {
+            self.stop = Stop::None;
+        }
+        Ok(())
+    }
+
+    /// Somebody has seen that no tool is in the work.
+    pub(super) const fn tool_is_free(&mut self) {
+        self.retained.tool_is_free();
+    }
+
     /// Obey for a period, unless something happens instead.
     pub(super) fn obey(&mut self, command: &Command) -> Obeyed {
         let now = self.machine.feedback().time;
@@ -157,7 +185,13 @@ impl Iron {
             return Obeyed::Kill;
         }
         self.last = *command;
-        self.machine.exchange(command);
+        let before = self.machine.feedback();
+        let after = self.machine.exchange(command);
+        if let Some(coupled) = command.coupled {
+            let turned =
+                |feedback: &Feedback| feedback.spindles[usize::from(coupled.spindle)].angle;
+            self.retained.turned((turned(&after) - turned(&before)) / self.config.period);
+        }
         self.feel();
         if let Some(off) = self.machine.off_helix().filter(|_| command.coupled.is_some()) {
             self.off_helix = self.off_helix.max(off.abs());
@@ -172,8 +206,20 @@ impl Iron {
         }
     }
 
-    /// The drives are alone: until everything stands. What an encoder does not keep without power is gone then.
+    /// The drives are alone: until everything stands. What an encoder does not keep without power is gone then. Drives that
+    /// nobody had enabled do nothing: a control that only looked leaves no trace.
     pub(super) fn leave_alone(&mut self, why: Alone) {
+        let enabled = self.last.axes.iter().any(|axis| axis.enable)
+            || self.last.spindles.iter().any(|spindle| spindle.enable);
+        if enabled {
+            self.run_down(why);
+        }
+        if why == Alone::Power {
+            self.lose_turns();
+        }
+    }
+
+    fn run_down(&mut self, why: Alone) {
         let bus = self.bus.filter(|_| why == Alone::Power);
         let reaction = match self.reactions[usize::from(why == Alone::Power)] {
             Reaction::Off => sim::Reaction::Off,
@@ -183,7 +229,9 @@ impl Iron {
         };
         let began = self.observed().feedback;
         let mut drives = RunDown::new(&self.config, reaction, bus, &self.last, &began);
-        let moved = began.axes.iter().any(|axis| axis.ready);
+        if let Some((delay, decel)) = self.own_ramps {
+            drives = drives.on_own_ramps(delay, decel);
+        }
         while !drives.is_over() {
             let now = self.observed().feedback;
             if now.time - began.time > RunDown::LONGEST {
@@ -193,21 +241,21 @@ impl Iron {
             self.machine.exchange(&command);
             self.feel();
         }
-        if moved {
-            self.stop = match reaction {
-                _ if drives.has_tripped() => Stop::Coasted,
-                sim::Reaction::Off => Stop::Coasted,
-                sim::Reaction::Coast if self.last.coupled.is_none() => Stop::Coasted,
-                sim::Reaction::QuickStop => Stop::QuickStop,
-                // tied to nothing, they have stopped apart
-                sim::Reaction::CoupledStop if self.last.coupled.is_none() => Stop::QuickStop,
-                sim::Reaction::Coast | sim::Reaction::CoupledStop => Stop::Coupled,
-            };
-        }
+        let stop = match reaction {
+            _ if drives.has_tripped() => Stop::Coasted,
+            sim::Reaction::Off => Stop::Coasted,
+            sim::Reaction::Coast if self.last.coupled.is_none() => Stop::Coasted,
+            sim::Reaction::QuickStop => Stop::QuickStop,
+            // tied to nothing, they have stopped apart
+            sim::Reaction::CoupledStop if self.last.coupled.is_none() => Stop::QuickStop,
+            sim::Reaction::Coast | sim::Reaction::CoupledStop => Stop::Coupled,
+        };
+        self.stop = if self.retained.evidence().in_work.is_some() {
+            least_certain(self.stop, stop)
+        } else {
+            stop
+        };
         self.last = Command { tool: self.last.tool, ..Command::default() };
-        if why == Alone::Power {
-            self.lose_turns();
-        }
     }
 
     fn lose_turns(&mut self) {
@@ -262,6 +310,8 @@ impl Iron {
             "z_mm": truth.axes[2].value(),
             "spindle_rev": truth.spindles[0].value(),
             "spindle_rpm": truth.spins[0].in_rpm(),
+            "tool_in_work": self.retained.evidence().in_work.map(|engagement| engagement.tool),
+            "engagements": self.retained.evidence().last,
             "turns_lost": self.turns_lost[0],
             "stop": match self.stop {
                 Stop::None => "none",

@@ -12,6 +12,7 @@
 //! last command repeated until the drives' watchdog has had enough. Workpiece, tap and encoders live here and
 //! outlive every control.
 mod machine;
+mod retained;
 mod serve;
 
 use crate::args::IronArgs;

@@ -57,8 +57,10 @@ fn session(iron: &mut Iron, stream: UnixStream) -> Result<After, Error> {
     let control;
     match port.take()? {
         Message::Order(order) => {
-            if order == Order::PowerCut {
-                iron.leave_alone(Alone::Power);
+            match order {
+                Order::PowerCut => iron.leave_alone(Alone::Power),
+                Order::ToolIsFree => iron.tool_is_free(),
+                Order::Status | Order::Quit => {}
             }
             port.send(&Message::Told(iron.status()))?;
             return Ok(if order == Order::Quit { After::Quit } else { After::Next });
@@ -77,7 +79,7 @@ fn session(iron: &mut Iron, stream: UnixStream) -> Result<After, Error> {
         }
         Message::Welcome(_)
         | Message::Refused(_)
-        | Message::Command(_)
+        | Message::Command(..)
         | Message::Observed(_)
         | Message::Told(_) => {
             port.send(&Message::Refused("expected a greeting or an order".into()))?;
@@ -90,6 +92,10 @@ fn session(iron: &mut Iron, stream: UnixStream) -> Result<After, Error> {
         pace.set_read_timeout(None)?;
         in_lock_step(iron, &mut port, control)
     };
+    if let Err(Error::Refused(why)) = &ended {
+        // one that is gone already does not hear it
+        let _ = port.send(&Message::Refused(why.clone()));
+    }
     iron.leave_alone(if matches!(ended, Ok(())) { Alone::Power } else { Alone::Link });
     match ended {
         // the whole cabinet is dark: nobody is told
@@ -101,9 +107,12 @@ fn session(iron: &mut Iron, stream: UnixStream) -> Result<After, Error> {
 }
 
 /// A command, as something that may be due.
-fn command(message: &Message) -> Result<bus::Command, Error> {
+fn command(iron: &mut Iron, message: &Message) -> Result<bus::Command, Error> {
     match message {
-        Message::Command(command) => Ok(*command),
+        Message::Command(command, engagement) => {
+            iron.hear(*engagement).map_err(Error::Refused)?;
+            Ok(*command)
+        }
         Message::Hello(_)
         | Message::Welcome(_)
         | Message::Refused(_)
@@ -129,7 +138,7 @@ fn kill(control: u32) -> Result<(), Error> {
 /// Time waits for the control. Returns when the power is cut.
 fn in_lock_step(iron: &mut Iron, port: &mut Port<UnixStream>, control: u32) -> Result<(), Error> {
     loop {
-        let order = command(&port.take()?)?;
+        let order = command(iron, &port.take()?)?;
         match iron.obey(&order) {
             Obeyed::Done => {}
             Obeyed::PowerCut => return Ok(()),
@@ -154,7 +163,7 @@ fn in_real_time(
         let left = due.saturating_duration_since(clock::now());
         pace.set_read_timeout(Some(left.max(Duration::from_micros(1))))?;
         let answer = if let Some(message) = port.take_soon()? {
-            last = command(&message)?;
+            last = command(iron, &message)?;
             silent = Duration::ZERO;
             true
         } else {

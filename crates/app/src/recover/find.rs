@@ -1,4 +1,5 @@
 //! Where a tap stands, how certainly, and the way it is taken out.
+use super::bound::unseen;
 use super::{LONGEST, OUT};
 use crate::args::RecoveryWay;
 use crate::plant::Plant;
@@ -11,7 +12,10 @@ use sync::Coupling;
 use sync::leaving::{Leaving, Setting};
 use sync::recovery::{Direction, Point, Projection, Seat, Stored, Way};
 use units::{Angle, Length};
-use wire::{Stop, Welcome};
+use wire::{Sense, Stop, Welcome};
+
+/// A spindle may turn more easily than its file has it.
+const LESS_FRICTION: f64 = 0.8;
 
 /// What is found out.
 pub(super) struct Findings {
@@ -23,6 +27,32 @@ pub(super) struct Findings {
     pub(super) projection: Projection,
     pub(super) direct: Projection,
     pub(super) way: Way,
+    /// How far the tap has gone beyond where its stroke was to end.
+    pub(super) overrun: Length,
+    /// Why it may be broken.
+    pub(super) doubt: Option<String>,
+}
+
+/// A tap that also turns bears this share of the pull that tears it: √(1 − τ²) with two thirds of its torque.
+const WHOLE: f64 = 0.75;
+
+/// Why a tap that stands so may be broken: beyond the end of its stroke by more than a lead, which a hole has in reserve; or so far off its
+/// thread that its holder may have torn it.
+fn doubt(stroke: &Stroke, overrun: Length, error: Length, bears: Length) -> Option<String> {
+    let lead = Length::mm(stroke.lead.value().abs());
+    if overrun > lead {
+        return Some(format!(
+            "the tap ran {:.3} mm deeper than programmed: where its hole ended before, it is broken",
+            overrun.value()
+        ));
+    }
+    (error > bears * WHOLE).then(|| {
+        format!(
+            "the axis may stand {:.3} mm off the thread, and in this holder a tap tears at {:.3} mm, or before where it also turns",
+            error.value(),
+            bears.value()
+        )
+    })
 }
 
 /// Where the tap stands, and the way back onto its coupling; or why that cannot be known.
@@ -35,28 +65,35 @@ pub(super) fn find(
 ) -> Result<Findings, String> {
     let coupling = Coupling::line(stroke.lead, stroke.theta0, stroke.z0);
     let angle = |z: Length| stroke.theta0 + (z - stroke.z0) / stroke.lead;
-    let direction = match stage {
-        Stage::Inward | Stage::Out | Stage::Recovered => Direction::Inward,
-        Stage::Outward => Direction::Outward,
-    };
+    let direction = direction(stroke, stage, welcome);
     let stored = Stored::on(coupling, angle(stroke.start), angle(stroke.bottom), direction);
     let feedback = &welcome.observed.feedback;
-    let place = feedback.axes[usize::from(stroke.axis)].position;
     let reading = feedback.spindles[usize::from(stroke.spindle)].angle;
     let Some(spindle) = file.spindles.get(usize::from(stroke.spindle)) else {
         return Err(format!("the machine's file has no spindle {}", stroke.spindle));
     };
-    let (turned, bound, why_bound) = if welcome.turns_lost[usize::from(stroke.spindle)] {
+    let Some(axis) = file.axis(canon::Axis::ALL[usize::from(stroke.axis)]) else {
+        return Err(format!("the machine's file has no axis {}", stroke.axis));
+    };
+    let place = super::stands(file, feedback, stroke.axis);
+    let (turned, how) = if welcome.turns_lost[usize::from(stroke.spindle)] {
         let (bound, why) = shown(stroke, spindle, file.tapping.sync_stop, welcome.stop);
         let turned = stored.turn(reading, place, bound).map_err(|e| {
             format!("the spindle's encoder has lost count of its turns, and the turn cannot be shown from the axis: {e} ({why})")
         })?;
-        (turned, bound, format!("single-turn encoder, turn from the axis; {why}"))
+        (turned, format!("single-turn encoder, turn from the axis ({why})"))
     } else {
-        let count = 1.0 / f64::from(spindle.encoder_counts_per_rev);
-        let bound = Length::mm(stroke.lead.value().abs() * count) + Length::um(1.0);
-        (reading, bound, "multi-turn encoder".to_owned())
+        (reading, "multi-turn encoder".to_owned())
     };
+    let depth = (place - stroke.surface) * sense_in(stroke);
+    if stroke.thread_length > Length::ZERO && depth > stroke.thread_length {
+        return Err(format!(
+            "the tap stands {:.3} mm deep, and its thread is {:.3} mm long: its shank has jammed in the hole, and the tap is taken to be \
+             broken",
+            depth.value(),
+            stroke.thread_length.value()
+        ));
+    }
     let at = Point { angle: turned, place };
     let setting =
         Setting { surface: stroke.surface, holder: stroke.stiffness, diameter: stroke.diameter };
@@ -66,7 +103,18 @@ pub(super) fn find(
         (Leaving::Along, RecoveryWay::Direct) => Way::Direct,
         (Leaving::Along, RecoveryWay::UnloadFirst) => Way::UnloadFirst(seat),
     };
+    // where the control never saw the tap in the work it touched it while the drives ran down: anywhere in between
+    let helix = match welcome.evidence.in_work.map(|kept| kept.sync_error) {
+        Some(Length::ZERO) | None => stored.error(at).abs(),
+        Some(seen) => seen,
+    };
+    let unseen = unseen(stroke, axis, spindle, stored.error(at), helix);
+    let overrun = (place - stroke.bottom) * sense_in(stroke);
+    let error = stored.error(at).abs() + unseen.total;
+    let (bound, why_bound) = (unseen.total, format!("{how}; {}", unseen.why));
     Ok(Findings {
+        overrun,
+        doubt: doubt(stroke, overrun, error, setting.bears()),
         projection: stored.project(at, way),
         direct: stored.project(at, Way::Direct),
         stored,
@@ -76,6 +124,24 @@ pub(super) fn find(
         why_bound,
         way,
     })
+}
+
+/// +1 where the way in is along the axis' positive sense, else −1.
+fn sense_in(stroke: &Stroke) -> f64 {
+    if stroke.bottom > stroke.start { 1.0 } else { -1.0 }
+}
+
+/// The sense in which the tap went when the stop began. The machine keeps how the spindle turned last; where it had not turned, the
+/// record says whether the tap was about to turn back.
+fn direction(stroke: &Stroke, stage: Stage, welcome: &Welcome) -> Direction {
+    let inward_is_positive = stroke.spin.value() >= 0.0;
+    let turned = match welcome.evidence.sense {
+        Sense::Positive => Some(true),
+        Sense::Negative => Some(false),
+        Sense::Unknown => None,
+    };
+    let inward = turned.map_or(stage != Stage::Outward, |positive| positive == inward_is_positive);
+    if inward { Direction::Inward } else { Direction::Outward }
 }
 
 /// What the distance from the coupling is shown not to exceed: the monitor's window while everything was driven, and the
@@ -92,8 +158,8 @@ fn shown(stroke: &Stroke, spindle: &Spindle, window: Length, stop: Stop) -> (Len
         }
         Stop::Coasted | Stop::None => {
             // J·ω·dω/dθ = −(c₀ + c₁ω), from ω to 0
-            let c0 = spindle.friction.coulomb.value().max(1e-9);
-            let c1 = spindle.friction.viscous_n_m_s_per_rad.max(1e-12);
+            let c0 = LESS_FRICTION * spindle.friction.coulomb.value().max(1e-9);
+            let c1 = LESS_FRICTION * spindle.friction.viscous_n_m_s_per_rad.max(1e-12);
             let turns = inertia / c1 * (omega - c0 / c1 * (1.0 + c1 * omega / c0).ln()) / TAU;
             (turns, "the spindle may have coasted")
         }

@@ -10,22 +10,25 @@
 //! A tool that is not screwed to the work (a pass over a thread, a cam, a polygon, a gear) needs no angle: [`withdraw`].
 //!
 //! Nothing is written before the tap is out: whoever is killed here can be begun again, as often as it takes.
+mod bound;
 mod find;
 mod say;
 mod withdraw;
 pub(crate) use withdraw::along_pass;
 
 use crate::args::{Format, RecoverArgs};
+use crate::in_work::{self, InWork};
 use crate::plant::{Plant, identity};
 use crate::refused::Refused;
-use crate::{iron, keeper};
+use crate::{iron, keeper, wiring};
 use bus::{Feedback, Machine};
 use find::{Findings, drive_out, find};
 use kernel::{EventKind, Kernel, RecoveryFigures};
 use std::os::unix::net::UnixStream;
+use std::path::Path;
 use store::machine::MachineFile;
-use store::sync_record::slots::{Slots, StateFolder};
-use store::sync_record::{Cut, Stage, Stroke, SyncRecord};
+use store::sync_record::slots::{Kept, Slots, StateFolder};
+use store::sync_record::{Cut, Identity, Stage, Stroke, SyncRecord, Untrusted};
 use units::{Angle, Length, Spin, SpinAccel, Stiffness, Time};
 use wire::{Hello, Remote};
 use withdraw::Withdrawal;
@@ -36,6 +39,10 @@ pub(crate) const USUAL: &str = "tapping-center";
 pub(crate) const OUT: (Spin, SpinAccel) = (Spin::rpm(300.0), SpinAccel::rev_per_s2(40.0));
 /// A recovery that takes longer has gone wrong.
 pub(crate) const LONGEST: Time = Time::s(300.0);
+
+/// What is said of a tap that was not tied to the spindle.
+const FLOATING: &str = "the tap is in a floating or clutch holder, which ties no axis to the spindle: there is no line to take it back \
+     along. Turn the spindle backwards by hand while the axis gives way, until the tap is out";
 
 /// What is said of a rehearsal.
 const REHEARSED: &str = "rehearsed: nothing has moved";
@@ -49,6 +56,15 @@ pub(crate) enum Outcome {
     Refused,
     /// There is none.
     Nothing,
+    /// It is out along its thread, and went so deep before that it may have broken.
+    NotKnownWhole,
+}
+
+impl Outcome {
+    /// The tap is out, or would be.
+    const fn is_out(self) -> bool {
+        matches!(self, Self::Recovered | Self::NotKnownWhole)
+    }
 }
 
 /// What is said in the end.
@@ -85,7 +101,7 @@ pub(crate) fn command(args: &RecoverArgs) -> Result<bool, Refused> {
         Format::Text => say::text(args, &answer),
     };
     crate::say::out(&text)?;
-    Ok(answer.outcome != Outcome::Refused)
+    Ok(matches!(answer.outcome, Outcome::Recovered | Outcome::Nothing))
 }
 
 fn answer(args: &RecoverArgs) -> Result<Answer, Refused> {
@@ -97,39 +113,46 @@ fn answer(args: &RecoverArgs) -> Result<Answer, Refused> {
         machine: file.name.clone(),
         process: std::process::id(),
     };
-    let remote = Remote::connect(stream, hello).map_err(|e| iron::gone(&args.iron, &e))?;
+    let mut remote = Remote::connect(stream, hello).map_err(|e| iron::gone(&args.iron, &e))?;
     let welcome = remote.welcome().clone();
     let identity = identity(&welcome);
     let path = keeper::folder(args.state.as_deref(), &identity)?;
-    if args.discard_record {
+    if args.tool_is_free {
         Slots::discard(StateFolder::open(&path)?, &nobody(&identity))
             .map_err(|e| Refused::because(format!("cannot discard the sync record: {e}")))?;
-        return Ok(Answer::plain(Outcome::Nothing, "the sync record is discarded"));
-    }
-    let (mut slots, kept) = match keeper::open(&path, &identity)? {
-        Ok(opened) => opened,
-        Err(why) => return Ok(Answer::plain(Outcome::Refused, why.to_string())),
-    };
-    let note = kept.beside.map(|why| format!("the other generation does not count: {why}"));
-    let feedback = welcome.observed.feedback;
-    let Some(record) = kept.record.filter(|record| record.stage.is_in_work()) else {
+        drop(remote);
+        tell_machine(args)?;
         return Ok(Answer::plain(
             Outcome::Nothing,
-            "the sync record says that no tool is in the work",
+            "as you state, no tool is in the work: record and machine have forgotten it",
         ));
-    };
-    if !keeper::in_work(&record, &feedback) {
-        if !args.dry_run {
-            forget(&mut slots, &record)?;
-        }
-        let reason =
-            "the sync record tells of a tool in the work, and the encoders that it is out of it";
-        return Ok(Answer {
-            record: Some(record),
-            note,
-            ..Answer::plain(Outcome::Nothing, reason)
-        });
     }
+    let feedback = welcome.observed.feedback;
+    let folder = path.display().to_string();
+    let (mut slots, kept) = match look(&path, &identity)? {
+        Some(Ok(looked)) => looked,
+        Some(Err(why)) => return Ok(Answer::plain(Outcome::Refused, why.to_string())),
+        None => return Ok(Answer::plain(Outcome::Refused, no_record(&welcome, &folder))),
+    };
+    let note = kept.beside.map(|why| format!("the other generation does not count: {why}"));
+    let in_work = kept.record.clone().filter(|record| record.stage.is_in_work());
+    let record = match in_work::judge(kept.record, &welcome, &folder) {
+        InWork::Tool(record) => *record,
+        InWork::Unknown(why) => {
+            return Ok(Answer { record: in_work, note, ..Answer::plain(Outcome::Refused, why) });
+        }
+        InWork::Nothing(why) => {
+            if !args.dry_run {
+                in_work.as_ref().map_or(Ok(()), |record| forget(&mut slots, record))?;
+                drop(remote);
+                if welcome.evidence.in_work.is_some() {
+                    tell_machine(args)?;
+                }
+            }
+            return Ok(Answer { record: in_work, note, ..Answer::plain(Outcome::Nothing, why) });
+        }
+    };
+    remote.engage(welcome.evidence.in_work);
     if feedback.tool != Some(record.stroke.tool) {
         let reason = wrong_tool(&record, &feedback);
         return Ok(Answer {
@@ -138,8 +161,15 @@ fn answer(args: &RecoverArgs) -> Result<Answer, Refused> {
             ..Answer::plain(Outcome::Refused, reason)
         });
     }
+    if record.stroke.cut == Cut::FloatingTap {
+        return Ok(Answer {
+            record: Some(record),
+            note,
+            ..Answer::plain(Outcome::Refused, FLOATING)
+        });
+    }
     if let Some(retreat) = record.stroke.retreat {
-        let way = withdraw::find(&record.stroke, retreat, &welcome);
+        let way = withdraw::find(&record.stroke, retreat, &welcome, &file);
         let mut answer = Answer {
             note,
             ..Answer::plain(Outcome::Recovered, "off the work along its infeed axis")
@@ -175,8 +205,13 @@ fn answer(args: &RecoverArgs) -> Result<Answer, Refused> {
         let mut plant = Plant::Outside(Box::new(remote));
         match drive_out(&mut plant, &file, &record.stroke, &findings) {
             Ok(figures) => {
+                is_out(&mut plant, &file)?;
                 forget(&mut slots, &record)?;
                 answer.figures = Some(figures);
+                if findings.doubt.is_some() {
+                    (answer.outcome, answer.reason) =
+                        (Outcome::NotKnownWhole, "the axis is back along its thread".into());
+                }
             }
             Err(reason) => (answer.outcome, answer.reason) = (Outcome::Refused, reason),
         }
@@ -201,6 +236,7 @@ fn withdrawn(
         let mut plant = Plant::Outside(Box::new(remote));
         match withdraw::drive(&mut plant, file, &record.stroke, &way) {
             Ok(drawn) => {
+                is_out(&mut plant, file)?;
                 forget(slots, &record)?;
                 (answer.figures, taken) = (drawn.figures, Some(drawn.duration));
                 drawn.note.iter().for_each(|note| answer.add_note(note));
@@ -243,6 +279,56 @@ fn obey(
     Ok(())
 }
 
+/// The tool is out: the machine is told with a command that holds everything where it stands.
+fn is_out(plant: &mut Plant, file: &MachineFile) -> Result<(), Refused> {
+    plant.engage(None);
+    let command = Kernel::new(wiring::control(file, None, false)).tick(&plant.feedback());
+    plant.exchange(&command);
+    match plant.lost() {
+        Some(why) => Err(Refused::because(format!(
+            "the tool is out, but the machine cannot be told so: {why}; recover again"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// No tool is in the work: the machine forgets the one that it keeps.
+fn tell_machine(args: &RecoverArgs) -> Result<(), Refused> {
+    let told = wire::order(iron::connect(&args.iron)?, wire::Order::ToolIsFree);
+    told.map(|_| ()).map_err(|e| iron::gone(&args.iron, &e))
+}
+
+/// Where the tool side of an axis stands, at rest: an encoder at the motor does not see that a weight stretches its screw.
+fn stands(file: &MachineFile, feedback: &Feedback, axis: u8) -> Length {
+    let reading = feedback.axes[usize::from(axis)].position;
+    let control = wiring::control(file, None, false);
+    let control = control.axes.get(usize::from(axis)).and_then(Option::as_ref);
+    control.map_or(reading, |control| control.tool_side_at_rest(reading))
+}
+
+/// What lies in a state folder.
+type Looked = Result<(Slots<StateFolder>, Kept), Untrusted>;
+
+/// Look into the state folder; `None`: there has never been a record in it. Who only looks makes no folder.
+fn look(path: &Path, identity: &Identity) -> Result<Option<Looked>, Refused> {
+    if !path.exists() {
+        return Ok(None);
+    }
+    let looked = Slots::open(StateFolder::open_existing(path)?, identity);
+    Ok(Some(looked).filter(|looked| !matches!(looked, Ok((_, Kept { record: None, .. })))))
+}
+
+/// What is said where there is no record.
+fn no_record(welcome: &wire::Welcome, folder: &str) -> String {
+    match in_work::judge(None, welcome, folder) {
+        InWork::Unknown(why) => why,
+        InWork::Tool(_) | InWork::Nothing(_) => format!(
+            "there is no sync record in {folder}, so nothing is known from it. The machine itself keeps that no tool is in its work: a run \
+             may begin"
+        ),
+    }
+}
+
 /// The tool is out: say so on the disk.
 fn forget(slots: &mut Slots<StateFolder>, record: &SyncRecord) -> Result<(), Refused> {
     let out = SyncRecord { stage: Stage::Recovered, ..record.clone() };
@@ -254,9 +340,10 @@ fn forget(slots: &mut Slots<StateFolder>, record: &SyncRecord) -> Result<(), Ref
 }
 
 /// A record that tells of no tap.
-fn nobody(identity: &store::sync_record::Identity) -> SyncRecord {
+pub(crate) fn nobody(identity: &Identity) -> SyncRecord {
     SyncRecord {
         identity: identity.clone(),
+        engagement: 0,
         place: store::sync_record::Place {
             program: String::new(),
             checksum: 0,
@@ -282,6 +369,7 @@ fn nobody(identity: &store::sync_record::Identity) -> SyncRecord {
             surface: Length::ZERO,
             spin: Spin::ZERO,
             stiffness: Stiffness::ZERO,
+            thread_length: Length::ZERO,
             geared: None,
         },
     }

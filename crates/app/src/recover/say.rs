@@ -115,12 +115,15 @@ pub(super) fn json(args: &RecoverArgs, answer: &Answer) -> String {
             Outcome::Recovered => "recovered",
             Outcome::Refused => "refused",
             Outcome::Nothing => "nothing-to-do",
+            Outcome::NotKnownWhole => "not-known-whole",
         },
         "reason": answer.reason,
         "phase_error_before_um": error.map(units::Length::in_um),
         "phase_error_before_deg": phase.map(units::Angle::in_deg),
         "phase_error_unknown": way.and_then(|way| way.off.err()),
         "phase_error_bound_um": findings.map(|f| f.bound.in_um()),
+        "overrun_mm": findings.map(|f| f.overrun.value().max(0.0)),
+        "not_known_whole": doubt(answer),
         "helix_error_max_um": answer.figures.as_ref().map(|f| f.helix_error_max.in_um()),
         "cut": record.map(|r| r.stroke.cut.name()),
         "moved_first": findings.map(|f| first(f).to_owned()).or_else(|| way.map(off_the_work)),
@@ -132,7 +135,7 @@ pub(super) fn json(args: &RecoverArgs, answer: &Answer) -> String {
         "tool": record.map(|r| r.stroke.tool),
         "dry_run": args.dry_run,
         "note": answer.note,
-        "continue_with": record.filter(|_| answer.outcome == Outcome::Recovered).map(|r| go_on(args, r)),
+        "continue_with": record.filter(|_| answer.outcome.is_out()).map(|r| go_on(args, r)),
     });
     format!("{value:#}\n")
 }
@@ -142,6 +145,7 @@ pub(super) fn text(args: &RecoverArgs, answer: &Answer) -> String {
         Outcome::Recovered => "recovered: ".to_owned(),
         Outcome::Refused => "refused: ".to_owned(),
         Outcome::Nothing => "nothing to do: ".to_owned(),
+        Outcome::NotKnownWhole => "not known to be whole: ".to_owned(),
     };
     text += &answer.reason;
     text.push('\n');
@@ -183,6 +187,9 @@ pub(super) fn text(args: &RecoverArgs, answer: &Answer) -> String {
             figures.duration.value()
         );
     }
+    if let Some(doubt) = doubt(answer) {
+        text += &format!("  look at it     {doubt}. See that it is whole before you go on\n");
+    }
     if let Some(note) = &answer.note {
         text += &format!("  note           {note}\n");
     }
@@ -192,15 +199,27 @@ pub(super) fn text(args: &RecoverArgs, answer: &Answer) -> String {
         text += &format!("  picture        {}\n", path.display());
     }
     match (&answer.record, answer.outcome) {
-        (Some(record), Outcome::Recovered) if !args.dry_run => {
+        (Some(record), Outcome::Recovered | Outcome::NotKnownWhole) if !args.dry_run => {
             text += &format!("  go on with     {}\n", go_on(args, record));
         }
         (_, Outcome::Refused) => {
-            text += "  help           take the tool out by hand; then: leadscrew recover … --discard-record\n";
+            text += &format!(
+                "  help           see for yourself; once no tool is in the work: {}\n",
+                crate::keeper::free_by_hand(
+                    &args.iron,
+                    args.machine.as_deref(),
+                    args.state.as_deref()
+                )
+            );
         }
         _ => {}
     }
     text
+}
+
+/// Why a tap may be broken.
+fn doubt(answer: &Answer) -> Option<&str> {
+    answer.findings.as_ref()?.doubt.as_deref()
 }
 
 /// Which tool is in the work, and where.

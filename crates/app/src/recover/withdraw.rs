@@ -50,7 +50,12 @@ const INFEED: &str =
     "a wheel's infeed goes on top of its profile, and how far that had come is not written down";
 
 /// From record and encoders.
-pub(super) fn find(stroke: &Stroke, retreat: Retreat, welcome: &Welcome) -> Withdrawal {
+pub(super) fn find(
+    stroke: &Stroke,
+    retreat: Retreat,
+    welcome: &Welcome,
+    file: &MachineFile,
+) -> Withdrawal {
     let feedback = &welcome.observed.feedback;
     let place = |axis: u8| feedback.axes[usize::from(axis)].position;
     let leg = |axis: u8, to| Leg { axis: Axis::ALL[usize::from(axis)], from: place(axis), to };
@@ -59,14 +64,14 @@ pub(super) fn find(stroke: &Stroke, retreat: Retreat, welcome: &Welcome) -> With
         infeed: leg(retreat.axis, retreat.clear),
         along: is_thread.then(|| leg(stroke.axis, stroke.start)),
         together: is_thread && stroke.growth == LeadGrowth::ZERO,
-        off: off(stroke, welcome),
+        off: off(stroke, welcome, file),
     }
 }
 
 /// How far what follows stands off its coupling.
-fn off(stroke: &Stroke, welcome: &Welcome) -> Result<Off, &'static str> {
+fn off(stroke: &Stroke, welcome: &Welcome, file: &MachineFile) -> Result<Off, &'static str> {
     let feedback = &welcome.observed.feedback;
-    let place = |axis: u8| feedback.axes[usize::from(axis)].position;
+    let place = |axis: u8| super::stands(file, feedback, axis);
     let reading = |spindle: u8| feedback.spindles[usize::from(spindle)].angle;
     if stroke.cut == Cut::Thread {
         let (theta, lead) = stroke.belongs(place(stroke.axis));

@@ -30,12 +30,18 @@ const fn name(cut: TiedCut) -> &'static str {
         TiedCut::Cam => "a cam",
         TiedCut::Polygon => "a polygon",
         TiedCut::Gear => "a gear",
+        TiedCut::FloatingTap => "its hole",
     }
 }
 
 /// What is said where it is left.
 pub(super) fn left_in(line: u32, way_out: &WayOut, by: &str) -> String {
     let (cut, axis) = (name(way_out.cut), way_out.infeed.letter());
+    if !way_out.is_straight() {
+        return format!(
+            "line {line}: the tap was left in {cut}, and nothing ties it to an axis: turn the spindle backwards by hand until it is out"
+        );
+    }
     format!("line {line}: the tool was left in {cut}; {by} takes it off the work along {axis}")
 }
 
@@ -60,7 +66,7 @@ pub(super) fn deal_with(
     run_down(kernel, plant, hear);
     // with the drives alive the kernel has seen to it
     if kernel.way_out().is_some() {
-        let Some(feed) = recovers else {
+        let Some(feed) = recovers.filter(|_| way_out.is_straight()) else {
             return Ok(Some(Err(left_in(line, &way_out, "--recover"))));
         };
         plant.mend();

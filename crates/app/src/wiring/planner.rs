@@ -50,6 +50,18 @@ fn tapping(machine: &MachineFile) -> Tapping {
         inward: share(effort.planned_share),
         outward: share(effort.return_planned_share),
         own_ramps: machine.spindles.first().and_then(|spindle| spindle.own_ramps).map(own_ramps),
+        coasts: coasts(&machine.drives),
+    }
+}
+
+/// When a spindle is left to coast. A DC bus pays for braking where there is one, unless the outputs are off.
+pub(crate) fn coasts(drives: &store::machine::Drives) -> plan::Coasts {
+    use store::machine::Reaction;
+    let coasts = |reaction| matches!(reaction, Reaction::Coast | Reaction::Off);
+    let unpaid = drives.on_power_loss == Reaction::Off || drives.bus.is_none();
+    plan::Coasts {
+        on_link_loss: coasts(drives.on_link_loss),
+        on_power_loss: coasts(drives.on_power_loss) && unpaid,
     }
 }
 

@@ -58,6 +58,10 @@ pub(crate) const SENTENCES: &[(&str, &str)] = &[
         "The spindle's drive is only told a speed: where it stops is not known well enough for this hole.",
     ),
     ("M0337", "The drive of this spindle is only told a speed, and cannot stop at an angle."),
+    (
+        "M0338",
+        "If the control dies in this tap its spindle coasts, deeper than there is room; the speed that survives is said.",
+    ),
     ("M0340", "A clutch holder does not work with this dwell; the dwell that works is said."),
     ("M0341", "A clutch holder pulls the tap in farther than the stroke is long."),
     ("M0342", "An unsynchronised tap pulls its holder out farther than it gives."),

@@ -82,6 +82,11 @@ impl Kernel {
         self.drives.chain.is_some_and(|chain| chain.is_off())
     }
 
+    /// The way off work that the infeed axis alone takes the tool off.
+    fn straight(&self) -> Option<WayOut> {
+        self.way_out.filter(WayOut::is_straight)
+    }
+
     fn turns_thread(&self) -> bool {
         self.way_out.is_some_and(|way_out| way_out.cut == TiedCut::Thread)
     }
@@ -113,7 +118,7 @@ impl Kernel {
         if let Some(leaving) = self.drives.chain.and_then(|chain| chain.leaving()) {
             return Some(leaving);
         }
-        let way_out = self.way_out.filter(|way_out| of != Subject::Axis(way_out.infeed))?;
+        let way_out = self.straight().filter(|way_out| of != Subject::Axis(way_out.infeed))?;
         Retreating::to_clear(&way_out, &self.drives, &self.config)
     }
 
@@ -121,7 +126,7 @@ impl Kernel {
     pub(super) fn leaves_work(&mut self) -> bool {
         if self.retreating.is_none() {
             let begun = self
-                .way_out
+                .straight()
                 .and_then(|way_out| Retreating::to_clear(&way_out, &self.drives, &self.config));
             self.retreating = begun;
         }

@@ -122,6 +122,7 @@ impl Planner {
             hole,
             own_ramps: self.limits.tapping.own_ramps,
             frame: &self.frame,
+            coasts: self.limits.tapping.coasts,
         };
         let mut found = check.findings(cut);
         if hole.is_none() && tap.axis == Axis::Z {

@@ -20,6 +20,7 @@ use crate::limits::{DwellCheck, PlainDrive, SpindleLimits};
 use crate::path::Path;
 use crate::step::{Move, StepKind};
 use crate::tap_check::whole_rpm;
+use crate::way_out::WayOut;
 use crate::{Piece, Profile};
 use alloc::format;
 use canon::{Holder, Tap};
@@ -82,11 +83,13 @@ impl Planner {
         }
         let spin = tap.spin * if tap.lead.value() < 0.0 { -1.0 } else { 1.0 };
         self.turn_and_await(job, spin);
+        self.goes_in(job, tap);
         self.feed(job, &there, false);
         self.hand_on(job, StepKind::Dwell(dwell));
         self.turn_now(job, -spin);
         self.hand_on(job, StepKind::Dwell(dwell));
         self.feed(job, &back, true);
+        self.hand_on(job, StepKind::WayOut(None));
         self.reversed_along = Some(tap.axis);
     }
 
@@ -101,6 +104,7 @@ impl Planner {
         }
         let spin = tap.spin * if tap.lead.value() < 0.0 { -1.0 } else { 1.0 };
         self.turn_and_await(job, spin);
+        self.goes_in(job, tap);
         self.feed(job, &there, false);
         self.turn_now(job, Spin::ZERO);
         self.await_spindles(job);
@@ -109,7 +113,16 @@ impl Planner {
         }
         self.turn_now(job, -spin);
         self.feed(job, &back, true);
+        self.hand_on(job, StepKind::WayOut(None));
         self.reversed_along = Some(tap.axis);
+    }
+
+    /// From here on the tool is in the work: whoever comes after a control that has died must know.
+    fn goes_in(&mut self, job: &mut Job, tap: &Tap) {
+        let start = tap.start.along(tap.axis);
+        let outward = if tap.bottom < start { 1.0 } else { -1.0 };
+        let way_out = WayOut::floating(0, tap.axis, start, outward);
+        self.hand_on(job, StepKind::WayOut(Some(way_out)));
     }
 
     /// Pecks and a return of another speed need a synchronised spindle.

@@ -7,7 +7,7 @@
 //!          ╲                                              encoders + record = where on the line
 //!        PE ● bottom                                      the tap stands, and the way back
 //!
-//!   positioning ──► Inward ──► (bottom) Outward ──► Out     each arrow is a generation on the disk
+//!   positioning ──► Inward ──► (braking) Outward ──► Out    each arrow is a generation on the disk
 //! ```
 //!
 //! A record that is not certainly right is worse than none: axes would move a tap off its thread. So it
@@ -29,7 +29,7 @@ pub use untrusted::Untrusted;
 /// First bytes of every record.
 const MAGIC: [u8; 4] = *b"LSYN";
 /// Layout that this version writes and reads.
-pub const VERSION: u16 = 4;
+pub const VERSION: u16 = 5;
 /// No record is longer.
 pub const LONGEST: usize = 8192;
 /// Longest name in it, bytes; longer ones are cut.
@@ -74,9 +74,9 @@ pub struct Place {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Stage {
-    /// Going in, or about to.
+    /// Going in, or about to: it has not turned back.
     Inward = 1,
-    /// Turned round at the bottom.
+    /// About to turn back at the bottom, or on its way out.
     Outward = 2,
     /// Out of the work: nothing to recover.
     Out = 3,
@@ -99,6 +99,8 @@ impl Stage {
 pub struct SyncRecord {
     /// Whose.
     pub identity: Identity,
+    /// The number under which the machine itself keeps that this tool is in its work.
+    pub engagement: u64,
     /// At what work.
     pub place: Place,
     /// How far.
@@ -125,6 +127,7 @@ impl SyncRecord {
         w.name(&self.identity.machine, LONGEST_NAME);
         w.u64(self.identity.serial);
         w.u64(self.identity.epoch);
+        w.u64(self.engagement);
         w.name(&self.place.program, LONGEST_NAME);
         for number in [self.place.checksum, self.place.op, self.place.line, self.place.hole] {
             w.u32(number);
@@ -151,6 +154,7 @@ impl SyncRecord {
             s.surface.value(),
             s.spin.value(),
             s.stiffness.value(),
+            s.thread_length.value(),
         ] {
             w.f64(value);
         }
@@ -206,6 +210,7 @@ impl SyncRecord {
     fn fields(r: &mut Reader<'_>) -> Option<(Self, u64)> {
         let generation = r.u64()?;
         let identity = Identity { machine: r.name()?, serial: r.u64()?, epoch: r.u64()? };
+        let engagement = r.u64()?;
         let place = Place {
             program: r.name()?,
             checksum: r.u32()?,
@@ -242,9 +247,10 @@ impl SyncRecord {
             surface: Length::mm(r.f64()?),
             spin: Spin::rev_per_s(r.f64()?),
             stiffness: Stiffness::n_per_mm(r.f64()?),
+            thread_length: Length::mm(r.f64()?),
             geared: r.geared()?,
         };
-        Some((Self { identity, place, stage, stroke }, generation))
+        Some((Self { identity, engagement, place, stage, stroke }, generation))
     }
 
     /// Numbers that no tool can have.
@@ -259,7 +265,7 @@ impl SyncRecord {
             return wrong("an infeed axis that no machine has");
         }
         let clear = s.retreat.map_or(Length::ZERO, |retreat| retreat.clear);
-        let lengths = [s.diameter, s.z0, s.start, s.bottom, s.surface, clear];
+        let lengths = [s.diameter, s.z0, s.start, s.bottom, s.surface, s.thread_length, clear];
         if !lengths.iter().all(|l| l.is_finite() && l.value().abs() < 1e6) {
             return wrong("a length that is no length");
         }

@@ -60,12 +60,30 @@ impl StateFolder {
     /// # Errors
     /// When it cannot be made, or another control has it open.
     pub fn open(path: &Path) -> Result<Self, crate::Error> {
+        fs::create_dir_all(path).map_err(|cause| crate::Error::File {
+            action: "create the state folder",
+            path: path.to_owned(),
+            cause,
+        })?;
+        Self::open_existing(path)
+    }
+
+    /// Open it where it is there: who only looks makes none.
+    ///
+    /// # Errors
+    /// When there is none, or another control has it open.
+    pub fn open_existing(path: &Path) -> Result<Self, crate::Error> {
         let failed = |action| {
             let path = path.to_owned();
             move |cause| crate::Error::File { action, path, cause }
         };
-        fs::create_dir_all(path).map_err(failed("create the state folder"))?;
-        let lock = File::create(path.join(LOCK)).map_err(failed("write to the state folder"))?;
+        // not truncated: the name may be a link to something else
+        let lock = File::options()
+            .create(true)
+            .truncate(false)
+            .write(true)
+            .open(path.join(LOCK))
+            .map_err(failed("write to the state folder"))?;
         lock.try_lock().map_err(|cause| {
             let cause = match cause {
                 fs::TryLockError::WouldBlock => {

@@ -15,11 +15,13 @@ pub enum Cut {
     Polygon = 4,
     /// A gear is hobbed.
     Gear = 5,
+    /// It taps in a holder that gives or has a clutch: the spindle is not tied to the feed, so there is no line to go back along.
+    FloatingTap = 6,
 }
 
 impl Cut {
-    pub(super) const ALL: [Self; 5] =
-        [Self::Tap, Self::Thread, Self::Cam, Self::Polygon, Self::Gear];
+    pub(super) const ALL: [Self; 6] =
+        [Self::Tap, Self::Thread, Self::Cam, Self::Polygon, Self::Gear, Self::FloatingTap];
 
     /// For people: what the tool is doing.
     pub const fn name(self) -> &'static str {
@@ -29,6 +31,7 @@ impl Cut {
             Self::Cam => "cam grinding",
             Self::Polygon => "polygon turning",
             Self::Gear => "hobbing",
+            Self::FloatingTap => "tapping without synchronisation",
         }
     }
 
@@ -89,6 +92,8 @@ pub struct Stroke {
     pub spin: Spin,
     /// Axial stiffness of the holder.
     pub stiffness: Stiffness,
+    /// Of a tap: how long its thread is; zero where that is not known.
+    pub thread_length: Length,
     /// The spindle that follows, where one does.
     pub geared: Option<Geared>,
 }
@@ -205,6 +210,7 @@ mod tests {
             surface: Length::mm(-152.0),
             spin: Spin::rpm(1000.0),
             stiffness: Stiffness::ZERO,
+            thread_length: Length::ZERO,
             geared: None,
         };
         // 2·20 + 0.1·20²/2 = 60 mm in 20 turns, up to 4 mm

@@ -12,6 +12,7 @@ fn identity() -> Identity {
 fn record(hole: u32, stage: Stage) -> SyncRecord {
     SyncRecord {
         identity: identity(),
+        engagement: 7,
         place: Place {
             program: "programs/plate-12xM6.ngc".into(),
             checksum: 0x1234_5678,
@@ -37,6 +38,7 @@ fn record(hole: u32, stage: Stage) -> SyncRecord {
             surface: Length::mm(-152.0),
             spin: Spin::rpm(1000.0),
             stiffness: Stiffness::n_per_mm(20_000.0),
+            thread_length: Length::mm(30.0),
             geared: None,
         },
     }
@@ -210,11 +212,11 @@ fn damage_to_the_newer_generation_is_refused_with_its_own_sentence() {
     // generation 4 says that a tap is in hole 2, generation 3 that hole 1 is done
     let said = |damage: &dyn Fn(&mut Vec<u8>)| damaged(B, damage).unwrap_err().to_string();
     let torn = said(&|bytes| bytes.truncate(100));
-    assert!(torn.ends_with("the sync record is torn: 100 bytes are there of 226"), "{torn}");
+    assert!(torn.ends_with("the sync record is torn: 100 bytes are there of 242"), "{torn}");
     let empty = said(&Vec::clear);
     assert!(empty.ends_with("0 bytes are there of 22"), "{empty}");
     let longer = said(&|bytes| bytes.push(0));
-    assert!(longer.ends_with("227 are there, and it ends after 226"), "{longer}");
+    assert!(longer.ends_with("243 are there, and it ends after 242"), "{longer}");
     let flipped = said(&|bytes| bytes[120] ^= 0x10);
     assert!(flipped.ends_with("its checksum does not fit"), "{flipped}");
     let foreign = said(&|bytes| *bytes = b"%PDF-1.7".to_vec());
@@ -300,9 +302,10 @@ fn a_record_that_says_out_does_not_depend_on_the_epoch() {
 #[test]
 fn numbers_that_no_tap_can_have_are_refused_though_the_checksum_fits() {
     type Change = fn(&mut Stroke);
-    let changes: [(&str, Change); 9] = [
+    let changes: [(&str, Change); 10] = [
         ("axis", |s| s.axis = 200),
         ("length", |s| s.bottom = Length::mm(f64::NAN)),
+        ("length", |s| s.thread_length = Length::mm(f64::INFINITY)),
         ("angle", |s| s.theta0 = Angle::rev(f64::INFINITY)),
         ("lead", |s| s.lead = Lead::ZERO),
         ("lead", |s| {

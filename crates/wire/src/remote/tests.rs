@@ -92,6 +92,8 @@ fn command() -> Command {
     command
 }
 
+const ENGAGEMENT: Engagement = Engagement { number: 8, tool: 11, sync_error: Length::mm(0.004) };
+
 fn welcome() -> Welcome {
     Welcome {
         machine: "tapping-center".into(),
@@ -101,6 +103,11 @@ fn welcome() -> Welcome {
         real_time: true,
         turns_lost: [true, false],
         stop: crate::Stop::QuickStop,
+        evidence: crate::Evidence {
+            last: 8,
+            in_work: Some(ENGAGEMENT),
+            sense: crate::Sense::Negative,
+        },
         observed: observed(1.0),
     }
 }
@@ -114,10 +121,12 @@ fn every_message() -> Vec<Message> {
         Message::Hello(hello()),
         Message::Welcome(welcome()),
         Message::Refused("no".into()),
-        Message::Command(command()),
+        Message::Command(command(), None),
+        Message::Command(command(), Some(ENGAGEMENT)),
         Message::Observed(observed(2.0)),
         Message::Observed(Observed::default()),
         Message::Order(Order::PowerCut),
+        Message::Order(Order::ToolIsFree),
         Message::Told("{}".into()),
     ]
 }
@@ -129,6 +138,44 @@ fn what_is_sent_is_taken() {
         assert_eq!(port.take().unwrap(), message);
     }
     assert!(matches!(port.take(), Err(Error::Gone(_))));
+}
+
+#[test]
+fn a_tool_in_the_work_that_cannot_be_is_no_message() {
+    let wrong = [
+        Engagement { number: 0, ..ENGAGEMENT },
+        Engagement { sync_error: Length::mm(f64::NAN), ..ENGAGEMENT },
+        Engagement { sync_error: Length::mm(-1.0), ..ENGAGEMENT },
+    ];
+    let mut frame = Vec::new();
+    for engagement in wrong {
+        encode(&Message::Command(command(), Some(engagement)), 3, &mut frame);
+        assert!(matches!(decode(&frame), Err(Error::Senseless)), "{engagement:?}");
+    }
+}
+
+#[test]
+fn each_command_says_which_tool_is_in_the_work() {
+    let mut remote = Remote::connect(
+        script(&[
+            Message::Welcome(welcome()),
+            Message::Observed(observed(1.0)),
+            Message::Observed(observed(1.0)),
+        ]),
+        hello(),
+    )
+    .unwrap();
+    remote.engage(Some(ENGAGEMENT));
+    remote.exchange(&command());
+    remote.engage(None);
+    remote.exchange(&command());
+    let mut sent = Port::new(Script {
+        comes: remote.port.stream().sent.iter().copied().collect(),
+        ..Script::default()
+    });
+    assert_eq!(sent.take().unwrap(), Message::Hello(hello()));
+    assert_eq!(sent.take().unwrap(), Message::Command(command(), Some(ENGAGEMENT)));
+    assert_eq!(sent.take().unwrap(), Message::Command(command(), None));
 }
 
 #[test]
@@ -165,7 +212,7 @@ fn another_version_and_a_length_beyond_bounds_are_named() {
     let mut frame = Vec::new();
     encode(&Message::Order(Order::Status), 0, &mut frame);
     frame[2] = VERSION + 1;
-    assert!(decode(&frame).unwrap_err().to_string().contains("layout 2"));
+    assert!(decode(&frame).unwrap_err().to_string().contains("layout 3"));
     frame[2] = VERSION;
     frame[8..10].copy_from_slice(&(LONGEST as u16 + 1).to_le_bytes());
     assert!(matches!(decode(&frame), Err(Error::TooLong(_))));
