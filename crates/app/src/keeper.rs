@@ -375,6 +375,7 @@ const fn thread_length(kind: &ToolKind) -> Length {
         | ToolKind::SpotDrill { .. }
         | ToolKind::EndMill
         | ToolKind::PolygonCutter(_)
+        | ToolKind::Insert(_)
         | ToolKind::Other => Length::ZERO,
     }
 }

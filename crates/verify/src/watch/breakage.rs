@@ -23,7 +23,9 @@ fn name(tool: &Tool) -> String {
         ToolKind::Drill { .. } => format!("drill {} mm", tool.diameter.value()),
         ToolKind::SpotDrill { .. } => format!("spot drill {} mm", tool.diameter.value()),
         ToolKind::EndMill => format!("end mill {} mm", tool.diameter.value()),
-        ToolKind::PolygonCutter(_) | ToolKind::Other => tool.description.clone(),
+        ToolKind::Insert(_) | ToolKind::PolygonCutter(_) | ToolKind::Other => {
+            tool.description.clone()
+        }
     };
     format!("T{} {what}", tool.number).trim_end().to_owned()
 }
