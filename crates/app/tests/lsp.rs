@@ -164,7 +164,7 @@ fn findings_come_with_their_place_code_and_remedy() {
 
 #[test]
 fn a_correction_makes_the_finding_go() {
-    let mut editor = Editor::open("G21 G90\nG1 X1\nM2\n");
+    let mut editor = Editor::open("G21 G90 S500 M3\nG1 X1\nM2\n");
     assert_eq!(editor.findings()[0]["code"], "I0408");
     editor.replace(1, 5, 5, " F100");
     assert!(editor.findings().is_empty());

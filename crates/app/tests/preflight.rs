@@ -256,16 +256,16 @@ impl Random {
 
 /// Drill and tap one hole, with lengths, offsets, feeds and moves that may be wrong.
 fn shifted(random: &mut Random) -> String {
-    let offset = |random: &mut Random, tool: u32| match random.below(6) {
+    let offset = |random: &mut Random, tool: u32| match random.below(12) {
         0 => String::new(),
         1 => format!("G43 H{}\n", random.pick(&[1, 2, 3, 10, 11])),
         2 => format!("G43.1 Z{}\n", 105.25 + random.pick(&[-40.0, -12.0, -1.0, 0.5, 6.0])),
         _ => format!("G43 H{tool}\n"),
     };
     let depth = random.pick(&[12.0, 18.0, 24.0]);
-    let x = random.pick(&[10.0, 40.0, 199.0, 205.0]);
+    let x = random.pick(&[10.0, 40.0, 80.0, 199.0, 205.0]);
     let tap_depth = depth - random.pick(&[6.0, 6.0, 4.0, 2.0, 0.0]);
-    let shift = match random.below(6) {
+    let shift = match random.below(10) {
         0 => format!("G92 Z{}\n", random.pick(&[40.0, 28.0, 33.0])),
         1 => format!("G10 L2 P1 Z{}\n", -300.0 + random.pick(&[-5.0, 3.0, 20.0])),
         _ => String::new(),
@@ -273,12 +273,12 @@ fn shifted(random: &mut Random) -> String {
     let mut text = "G21 G17 G40 G49 G80 G90 G94 G54\n".to_owned();
     text += "T2 M6\n";
     text += &offset(random, 2);
-    text += &format!("S6000 {}\nG0 X{x} Y10 Z30\n", random.pick(&["M3", "M3", "M3", "M3", "M4", "M5"]));
+    text += &format!("S6000 {}\nG0 X{x} Y10 Z30\n", random.pick(&["M3", "M3", "M3", "M3", "M3", "M3", "M4", "M5"]));
     text += &shift;
-    let r = random.pick(&[2.0, 2.0, 2.0, 0.5, -3.0]);
-    let feed = random.pick(&[600.0, 900.0, 900.0, 2000.0, 5000.0]);
+    let r = random.pick(&[2.0, 2.0, 2.0, 2.0, 0.5, -3.0]);
+    let feed = random.pick(&[600.0, 900.0, 900.0, 900.0, 2000.0, 5000.0]);
     text += &format!("G99 G81 X{x} Y10 Z-{depth} R{r} F{feed}\nG80\n");
-    match random.below(6) {
+    match random.below(10) {
         0 => text += &format!("G0 X{}\n", x + random.pick(&[0.5, 30.0])),
         1 => text += &format!("G0 Z-{}\n", random.pick(&[3.0, 30.0])),
         2 => text += "G1 Z-4 F600\nG1 X60\n",
@@ -292,7 +292,7 @@ fn shifted(random: &mut Random) -> String {
 
 #[test]
 fn a_program_that_check_calls_clean_breaks_no_tool_when_it_is_run() {
-    const TRIALS: usize = 60;
+    const TRIALS: usize = 80;
     let folder = tempfile::tempdir().unwrap();
     std::fs::copy(root().join("programs/tools.toml"), folder.path().join("tools.toml")).unwrap();
     let program = folder.path().join("part.ngc");

@@ -49,7 +49,23 @@ pub(crate) fn word(frame: &ProgramFrame, axis: Axis, machine: f64) -> String {
     format!("{}{value}", axis.letter())
 }
 
-/// The same, with the work offset in which it is written.
+/// A coordinate that works as the program writes it, rounded to the side of `inward`: that of a positive or a negative
+/// number.
+pub(crate) fn word_within(frame: &ProgramFrame, axis: Axis, machine: f64, inward: f64) -> String {
+    let Some(value) = frame.written(axis, machine).filter(|_| frame.work_offset != 0) else {
+        return format!("{}{}", axis.letter(), number(machine));
+    };
+    let steps = if frame.unit == LengthUnit::Inch && !is_rotary(axis) { 1e4 } else { 1e3 };
+    let value = if inward > 0.0 {
+        libm::ceil(value * steps - 1e-3) / steps
+    } else {
+        libm::floor(value * steps + 1e-3) / steps
+    };
+    let value = if is_rotary(axis) { number(value) } else { in_unit(frame, value) };
+    format!("{}{value}", axis.letter())
+}
+
+/// A coordinate with the work offset in which it is written.
 pub(crate) fn place(frame: &ProgramFrame, axis: Axis, machine: f64) -> String {
     match frame.work_offset_code() {
         Some(code) if frame.written(axis, machine).is_some() => {
@@ -110,6 +126,19 @@ mod tests {
         frame.x_is_diameter = true;
         assert_eq!(place(&frame, Axis::X, -87.3), "X1 of G54 (a diameter)");
         assert_eq!(place(&ProgramFrame::default(), Axis::X, 1.5), "1.5 mm (machine coordinate)");
+    }
+
+    #[test]
+    fn a_coordinate_that_works_is_rounded_into_what_works() {
+        let frame =
+            ProgramFrame { work_offset: 1, unit: LengthUnit::Inch, ..ProgramFrame::default() };
+        for limit in [250.0, 199.9, 123.456, -250.0, -199.9] {
+            let inward = if limit > 0.0 { -1.0 } else { 1.0 };
+            let text = word_within(&frame, Axis::X, limit, inward);
+            let inches: f64 = text[1..].parse().unwrap_or(f64::NAN);
+            let beyond = (inches * units::MM_PER_INCH - limit) * -inward;
+            assert!((-0.003..=1e-6).contains(&beyond), "{text} for {limit}");
+        }
     }
 
     #[test]

@@ -169,6 +169,13 @@ fn a_hole_or_thread_that_meets_no_stock_is_said_before_it_is_not_cut() {
 }
 
 #[test]
+fn a_tap_of_which_only_the_chamfer_enters_cuts_no_full_thread() {
+    let short = tap(5.0, 0.0, 5.0, -2.0, 1.0, 3000.0);
+    let said = said_in(g54(100.0), 2, [rapid(5.0, 0.0, TOP + 105.0), OpKind::Tap(short)]);
+    assert!(said.contains("M0368 Warning line 4: T2 (a tap) goes 2 mm deep into the stock, and its chamfer is 2.5 mm long"), "{said}");
+}
+
+#[test]
 fn a_tip_deeper_than_the_flutes_is_refused_though_the_program_says_less() {
     // 10 mm too low by a length offset of 90: 25 mm programmed, 35 mm cut, flutes of 32 mm
     let low = tap(5.0, 0.0, 5.0, -35.0, 1.0, 3000.0);

@@ -370,10 +370,16 @@ impl Planner {
         if self.meets_air(job.span, [at[0], at[1]], tap.bottom) {
             return;
         }
-        let flutes = match self.tools.get(self.tool).map(|tool| &tool.kind) {
-            Some(ToolKind::Tap(tool)) => Some(tool.thread_length),
-            _ => None,
+        let (flutes, chamfer) = match self.tools.get(self.tool).map(|tool| &tool.kind) {
+            Some(ToolKind::Tap(tool)) => {
+                let chamfer = tool.chamfer_pitches * tool.lead.abs().value();
+                (Some(tool.thread_length), chamfer)
+            }
+            _ => (None, 0.0),
         };
+        if let Some((depth, _, _)) = self.depth_at(tap.bottom).filter(|(d, ..)| *d <= chamfer) {
+            self.say_chamfer(job.span, depth, chamfer);
+        }
         self.judge_offset(job.span);
         // what the flutes cut by the program's own numbers is judged with the tap
         let programmed = (tap.surface - tap.bottom).abs();

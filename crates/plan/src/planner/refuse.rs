@@ -7,7 +7,7 @@ use crate::findings::{Cause, number};
 use crate::motion::{Along, change, coordinate};
 use crate::path::{Path, radius};
 use crate::travel::{Beyond, beyond};
-use crate::words::{WHICH_UNIT, feed, feed_that_works, is_rotary, length, place, word};
+use crate::words::{WHICH_UNIT, feed, feed_that_works, is_rotary, length, place, word, word_within};
 use alloc::{format, vec::Vec};
 use canon::{Arc, Axis, Feed, LengthUnit, Position, ProgramFrame};
 use diag::{Diagnostic, Span};
@@ -68,11 +68,8 @@ impl Planner {
                 axis.letter(),
                 place(&frame, axis, out.reaches),
             );
-            let nearest = if is_written {
-                word(&frame, axis, out.nearest())
-            } else {
-                format!("{}{}", axis.letter(), number(out.nearest()))
-            };
+            let nearest =
+                word_within(&frame, axis, out.nearest(), if is_high { -1.0 } else { 1.0 });
             let works = format!(": {nearest} is the nearest that works");
             let help = match axis {
                 _ if unit_help => WHICH_UNIT,

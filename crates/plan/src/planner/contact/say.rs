@@ -248,6 +248,24 @@ impl Planner {
         }
     }
 
+    pub(super) fn say_chamfer(&mut self, span: Span, depth: f64, chamfer: f64) {
+        let Some((tool, contact)) = self.tools.get(self.tool).zip(self.contact.as_ref()) else {
+            return;
+        };
+        let frame = &self.frame;
+        let wrong = format!(
+            "{} goes {} deep into the stock, and its chamfer is {} long",
+            name(tool),
+            length(frame, depth),
+            length(frame, chamfer),
+        );
+        let which = [contact.mounted, 0, 0];
+        self.findings.merge(Cause { code: "M0368", which }, -depth, || {
+            let finding = Diagnostic::warning("M0368", span, "");
+            (finding, [wrong, ": no full thread is cut".into()])
+        });
+    }
+
     pub(super) fn say_reach(&mut self, span: Span, depth: f64, most: f64, why: &str) {
         let Some((tool, contact)) = self.tools.get(self.tool).zip(self.contact.as_ref()) else {
             return;
