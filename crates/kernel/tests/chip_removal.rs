@@ -305,6 +305,55 @@ fn the_cut_waits_at_r_for_what_the_travel_did_not_cover_and_no_longer() {
     assert!(waited.count() > 100, "it has to wait at R");
 }
 
+/// What may come after the last hole of a series, with M3 in force all the while.
+fn endings() -> Vec<(&'static str, Vec<OpKind>)> {
+    let stop = OpKind::Spindle { spindle: 0, order: SpindleOrder::Stop };
+    let away = OpKind::Rapid { to: at(30.0, INITIAL) };
+    let slower = OpKind::Spindle { spindle: 0, order: SpindleOrder::Turn(Spin::rpm(500.0)) };
+    let feed = Feed::PerTime(Speed::mm_per_min(6000.0));
+    let cut = OpKind::Line { to: at(40.0, INITIAL), feed };
+    vec![
+        ("M30", vec![stop.clone()]),
+        ("G80 G0 X30, M5", vec![away.clone(), stop.clone()]),
+        ("S500 G0 X30", vec![slower, away.clone()]),
+        ("G0 X30, G1", vec![away, cut]),
+        ("G4", vec![OpKind::Dwell { time: Time::s(0.01) }, stop]),
+    ]
+}
+
+#[test]
+fn the_chips_of_the_last_tap_fly_off_on_the_way_out_and_the_tool_does_not_wait_at_r() {
+    for (name, ending) in endings() {
+        let one = Repetition { x_mm: -10.0, tap: true, throw_rpm: 2500.0, clear_mm: 50.0 };
+        let mut ops = ops(3000.0, &[one, Repetition { x_mm: -20.0, ..one }]);
+        let last = ops.pop().expect("the end");
+        let line = last.span.line;
+        for (i, kind) in (0..).zip(ending.into_iter().chain([OpKind::End])) {
+            let span = Span { line: line + i, ..last.span };
+            ops.push(Op { span, kind });
+        }
+        let run = run_ideal(&ops, 12_000.0);
+        assert!(run.kernel.faults().is_empty(), "{name}: {:?}", run.kernel.faults());
+        let [begun, _, ended] = removal_times(&run);
+        assert_eq!((begun.len(), ended.len()), (2, 2), "{name}");
+        // from R up by 5 mm with an acceleration a: sqrt(2 s/a), the whole removal lasts longer than that
+        let rise = (2.0 * 5.0 / 12_000.0_f64).sqrt();
+        let higher = run.samples.iter().find(|sample| {
+            sample.feedback.time.value() > begun[1]
+                && sample.feedback.axes[2].position.value() > R + 5.0
+        });
+        let left = higher.expect("it comes out").feedback.time.value() - begun[1];
+        assert!(
+            ended[1] - begun[1] > 2.0 * rise,
+            "{name}: the removal is long enough to be hidden"
+        );
+        assert!(
+            left < rise + 0.01,
+            "{name}: out by 5 mm after {left:.3} s, without waiting {rise:.3} s"
+        );
+    }
+}
+
 /// By how much the spindle is astray in a cut: judged from the record alone, by what the program wanted.
 fn violations(run: &Run, s_rpm: f64) -> usize {
     let spin = |pair: &[Sample]| {

@@ -7,7 +7,8 @@
 //!
 //! `ordered` is what the program has in force, `told` what the kernel has been told. While the two differ, rapids
 //! wait in the outbox, because only the op after them shows whether the spindle shall turn (a cut) or stand
-//! still (a tap). A ramp is planned from `told`, so a change of speed begins when the one before is reached.
+//! still (a tap). A ramp is planned from `told`, so a change of speed begins when the one before is reached. While chips
+//! are thrown off (see the `chips` module) rapids wait for nothing.
 use super::{Job, Planner, SpindleState};
 use crate::findings::number;
 use crate::step::{SpindleStep, Step, StepKind};
@@ -58,12 +59,20 @@ impl Planner {
             self.findings.add(Diagnostic::error("M0308", job.span, text));
         }
         self.go_along(job, usize::from(index), bounded);
-        if self.outbox.is_waiting() {
+        if self.is_throwing() {
+            // what was in force is told to nobody: only rapids came since
+            self.outbox.release(&[], &self.limits, job.emit);
+        } else if self.outbox.is_waiting() {
             self.tell_spindles(job);
         }
         self.warned_still = false;
         self.spindles[usize::from(index)].ordered =
             if spin < Spin::ZERO { -bounded } else { bounded };
+    }
+
+    /// Whether chips are being thrown off, and no step has waited for the end of it.
+    fn is_throwing(&self) -> bool {
+        self.spindles.iter().any(|state| state.throwing)
     }
 
     /// Whether an order has not reached the kernel yet.
@@ -87,6 +96,10 @@ impl Planner {
 
     /// Tell the kernel the speeds that are in force, ahead of the rapids that waited.
     pub(super) fn tell_spindles(&mut self, job: &mut Job) {
+        if self.is_throwing() {
+            // chips fly off while the axes travel: a ramp after that is awaited where the travel ends, not at R
+            self.outbox.release(&[], &self.limits, job.emit);
+        }
         let mut steps = Vec::new();
         for index in 0..self.spindles.len() {
             let ordered = self.spindles[index].ordered;
