@@ -73,6 +73,16 @@ impl Doubts {
         self.0 & doubts != 0
     }
 
+    /// Whether only one of two knows which motion is in force.
+    pub(crate) const fn differ_in_motion(self, other: Self) -> bool {
+        (self.0 ^ other.0) & Self::MOTION != 0
+    }
+
+    /// These, at the end of a stretch that began with `before`, if it begins with `now`: at most.
+    pub(crate) const fn carried(self, before: Self, now: Self) -> Self {
+        Self(self.0 & !(before.0 & !now.0) | now.0 & !before.0)
+    }
+
     /// Whether what was found in a block may follow from a refusal before it.
     pub(crate) fn may_cause(self, code: &str, block: &gcode::Block) -> bool {
         self.explain(code) || self.has(Self::PARAMETERS) && computes(block)
