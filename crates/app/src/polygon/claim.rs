@@ -11,6 +11,7 @@ use super::{Design, FINE_HARMONICS, drives, kept};
 use crate::preflight::preflight;
 use crate::program::Ops;
 use crate::refused::Refused;
+use crate::wiring::tolerances;
 use canon::{OpKind, Oscillating, Oscillation, Polygon};
 use forms::polygon::{Actuator, Cut, Form, Series, Swings, Term};
 use units::{Length, Spin};
@@ -81,15 +82,26 @@ impl Design {
 }
 
 impl Claim {
-    /// The flattest and the least flat that it may come out.
+    /// The least flat that it may come out.
     pub(super) fn flatness_at_most(&self) -> Length {
         self.cut.flatness + self.servo.flatness
     }
 
     /// For people.
     pub(super) fn words(&self) -> String {
+        let allowed = tolerances(false).facet_flatness;
+        let verdict = if self.cut.flatness > allowed {
+            format!(": more than the {:.0} µm allowed (ISO 2768-2 H)", allowed.in_um())
+        } else if self.flatness_at_most() > allowed {
+            format!(
+                ": {:.0} µm are allowed (ISO 2768-2 H), so look at the first one",
+                allowed.in_um()
+            )
+        } else {
+            String::new()
+        };
         format!(
-            "the block below, by the exact path of every insert: flat to {:.3} µm, {:.4} mm across flats; servo error up to {:.2} µm and {:.1} µm, so it may be cut flat to {:.2} µm",
+            "the block below, by the exact path of every insert: flat to {:.3} µm, {:.4} mm across flats; servo error up to {:.2} µm and {:.1} µm, so it may be cut flat to {:.2} µm{verdict}",
             self.cut.flatness.in_um(),
             self.cut.across_flats.value(),
             self.servo.flatness.in_um(),

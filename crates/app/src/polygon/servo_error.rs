@@ -4,6 +4,7 @@
 //!   ordered ─► G as the machine's file says ─► expected                       flatness, size
 //!        │
 //!        ├─► G by half as far from 1 again, in each direction ─► worst ─┐
+//!        ├─► X stands at either end of its friction and play ► worst ─┤
 //!        ├─► screw 15 % softer or stiffer ───────────────────► worst ─┤     each less what is expected, summed:
 //!        ├─► friction and play 20 % more or less ─────────────► worst ─┼──►  the cut differs by no more
 //!        └─► what reversals leave: lead that comes late,              │
@@ -65,7 +66,7 @@ impl Swung<'_> {
     pub(super) fn error(&self) -> Option<ServoError> {
         let expected = self.expected()?;
         let nominal = self.form.cut(&expected)?;
-        let mut sum = (self.counts(), self.standing());
+        let mut sum = (self.counts(), 0.0);
         for ways in self.causes(&expected)? {
             let cuts: Option<Vec<Cut>> = ways.iter().map(|way| self.form.cut(way)).collect();
             let worst = |of: fn(&Cut, &Cut) -> f64| {
@@ -80,7 +81,11 @@ impl Swung<'_> {
 
     /// Every cause of a difference.
     fn causes(&self, expected: &Swings) -> Option<Vec<Ways>> {
-        let mut all = Vec::new();
+        let stands = |sign: f64| {
+            let term = Term { per_turn: 0.0, cosine: sign * self.standing(), sine: 0.0 };
+            with(expected, Actuator::CentreLine, &[term], 1.0)
+        };
+        let mut all = vec![vec![stands(1.0), stands(-1.0)]];
         for (k, series) in self.ordered.0.iter().enumerate().filter(|(_, s)| s.swings()) {
             let known = if self.measured[k].is_empty() { BY_FILE } else { MEASURED };
             let ways = (0..4).map(|quarter| {
@@ -202,11 +207,11 @@ impl Swung<'_> {
         (half / self.form.tip_radius.value()).min(FRAC_PI_2).sin()
     }
 
-    /// Where X stands between the ends of its friction and play, on both sides, mm.
+    /// How far from where it is believed X may stand, between the ends of its friction and play, mm.
     fn standing(&self) -> f64 {
         self.axis(Actuator::CentreLine).map_or(0.0, |axis| {
             let held = axis.friction.static_force.value() / axis.structure.stiffness.value();
-            2.0 * (held + axis.structure.backlash.value() / 2.0)
+            held + axis.structure.backlash.value() / 2.0
         })
     }
 }
