@@ -141,6 +141,15 @@ pub(crate) struct Trial<'a> {
 impl<'a> Trial<'a> {
     /// Run it; an alarm is a refusal.
     pub(crate) fn run(self) -> Result<Outcome, Refused> {
+        let outcome = self.run_to_its_end()?;
+        match outcome.faults.first() {
+            Some(fault) => Err(Refused::because(fault.to_string())),
+            None => Ok(outcome),
+        }
+    }
+
+    /// Run it to its end, or to the alarm that ends it.
+    pub(crate) fn run_to_its_end(self) -> Result<Outcome, Refused> {
         let Trial { session, text, setup, options, planned, iron, judge, idle } = self;
         let simulation: Simulation<'a> = Simulation {
             ops: Ops::new(text, setup, session.auto()),
@@ -163,11 +172,7 @@ impl<'a> Trial<'a> {
             planned,
             taps: BTreeSet::new(),
         };
-        let outcome = simulation.run(&ProgressBar::hidden())?;
-        match outcome.faults.first() {
-            Some(fault) => Err(Refused::because(fault.to_string())),
-            None => Ok(outcome),
-        }
+        Ok(simulation.run(&ProgressBar::hidden())?)
     }
 }
 

@@ -200,7 +200,7 @@ fn way(
         if way.depth_errors_mm.len() + way.not_cut >= wanted {
             break;
         }
-        let threads = run_once(args, case, text, drive, args.seed + run)?;
+        let (threads, alarm) = run_once(args, case, text, drive, args.seed + run)?;
         if threads.is_empty() {
             return Err(Refused::because(
                 "the program taps no hole: there is nothing to compare".to_owned(),
@@ -218,8 +218,9 @@ fn way(
                 way.not_cut += 1;
                 let why = || {
                     let reason = feature.verdict.reason().unwrap_or("not cut");
+                    let alarm = alarm.as_ref().map_or_else(String::new, |text| format!("; {text}"));
                     format!(
-                        "hole {} of seed {}: {reason}",
+                        "hole {} of seed {}: {reason}{alarm}",
                         way.depth_errors_mm.len() + way.not_cut,
                         args.seed + run
                     )
@@ -236,14 +237,14 @@ fn is_cut(feature: &Feature, thread: &verify::Thread) -> bool {
     feature.contact.is_cut() && thread.pitch_diameter > Length::ZERO
 }
 
-/// One run of the program; its threads.
+/// One run of the program: its threads, and the alarm that ended it if one did.
 fn run_once(
     args: &CompareArgs,
     case: &Case,
     text: &[u8],
     drive: sim::PlainDrive,
     seed: u64,
-) -> Result<Vec<Feature>, Refused> {
+) -> Result<(Vec<Feature>, Option<String>), Refused> {
     let path = args.program.as_deref().unwrap_or(Path::new("-"));
     let mut session = Session::load(&args.source, path, text)?;
     if let Some(size) = args.size.as_deref().or(args.program.is_none().then_some("M6")) {
@@ -279,10 +280,10 @@ fn run_once(
     };
     let (session, options, planned) = (&session, options, known.planned);
     let trial = Trial { session, text, setup: &setup, options, planned, iron, judge, idle: false };
-    let outcome =
-        trial.run().map_err(|e| Refused::because(format!("{}: {}", case.name, e.sentence())))?;
+    let outcome = trial.run_to_its_end()?;
+    let alarm = outcome.faults.first().map(ToString::to_string);
     let is_thread = |f: &Feature| matches!(f.kind, FeatureKind::Thread(_));
-    Ok(outcome.features.into_iter().filter(is_thread).collect())
+    Ok((outcome.features.into_iter().filter(is_thread).collect(), alarm))
 }
 
 /// The same tools, with every tap in this holder.
