@@ -10,6 +10,7 @@
 //! time it comes when it comes.
 use crate::refused::Refused;
 use crate::typed;
+use bus::State;
 use canon::{Holder, Op, OpKind, ToolKind, ToolLibrary};
 use kernel::{Kernel, Wish, WorkRecord};
 use plan::TiedCut;
@@ -193,9 +194,15 @@ impl Keeper {
             let _ = self.orders.send((record, number));
         }
         self.acknowledge(kernel, now);
-        let error = kernel.report().sync_error.map_or(Length::ZERO, Length::abs);
         if let Some(engagement) = &mut self.engagement {
-            engagement.sync_error = engagement.sync_error.max(error);
+            let report = kernel.report();
+            let taps = matches!(report.state, State::TapIn | State::TapBottom | State::TapOut);
+            engagement.sync_error = match report.sync_error {
+                Some(error) => engagement.sync_error.max(error.abs()),
+                // over the work: before the first touch, and between two pecks
+                None if taps => Length::ZERO,
+                None => engagement.sync_error,
+            };
         }
         self.engagement
     }

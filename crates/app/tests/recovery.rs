@@ -228,3 +228,162 @@ fn what_the_iron_cuts_is_what_the_machine_within_the_process_cuts() {
     assert_eq!(a[0]["verdict"], "pass");
     assert!((depth(&a) - depth(&b)).abs() < 0.5, "{a:#} {b:#}");
 }
+
+/// A machine that differs from what its control knows of it, as a commissioning may leave it: more play and friction, softer screws.
+fn another_machine(folder: &std::path::Path) -> String {
+    let file = folder.join("as-built.toml");
+    let text = "extends = \"tapping-center\"\nname = \"tapping-center\"\n\n[axes.z.structure]\nstiffness_n_per_um = 68\nbacklash_um = 1.2\n\n\
+                [axes.z.friction]\nviscous_n_s_per_m = 720\ncoulomb_n = 180\nstatic_n = 228\n\n[spindles.friction]\n";
+    std::fs::write(&file, text.replace("[spindles.friction]\n", "")).unwrap();
+    file.to_str().unwrap().to_owned()
+}
+
+/// A peck tap, M6 at 3000 rpm.
+fn pecks() -> String {
+    "G21 G90 G54 G17\nT3 M6\nS3000 M3\nG0 X0 Y0\nG43 H3 Z20\nG99 G84 X0 Y0 Z-12 R2 Q6 F3000\nG80\nG0 Z50\nM2\n".into()
+}
+
+#[test]
+fn the_truth_lies_within_the_bound_that_recovery_states_on_a_machine_unlike_its_file() {
+    let here = tempfile::tempdir().unwrap();
+    let built = another_machine(here.path());
+    let reactions = ["coupled-stop", "quick-stop", "off", "coast"];
+    let programs = [(one_tap("G84", 11), (1.9, 3.9)), (pecks(), (1.75, 2.3))];
+    let (mut compared, mut widest) = (0, 0.0_f64);
+    for (program, span) in programs {
+        for (at, reaction) in instants(6, span, 0xb0d).into_iter().zip(reactions.iter().cycle()) {
+            let at = format!("{at:.6}");
+            let stop = ["--machine", &built, "--kill-control-at", &at, "--on-link-loss", reaction];
+            let iron = Iron::start(&stop);
+            iron.run(&program, &[]);
+            let truth = iron.status();
+            let said = iron.recover(&["--dry-run"]);
+            let Some(truth) = truth["off_helix_um"]
+                .as_f64()
+                .filter(|_| said["phase_error_before_um"].is_number())
+            else {
+                continue;
+            };
+            let bound = number(&said, "phase_error_bound_um");
+            let off = (number(&said, "phase_error_before_um") - truth).abs();
+            assert!(off <= bound, "{reaction} at {at}: {off:.1} µm off: {truth:.1}, {said:#}");
+            // no wider than what the largest distance itself explains
+            let most = 25.0 + 0.5 * number(&said, "phase_error_before_um").abs();
+            assert!(bound < most, "{reaction} at {at}: {said:#}");
+            (compared, widest) = (compared + 1, widest.max(bound));
+        }
+    }
+    assert!(compared >= 6, "only {compared} stood in their thread");
+}
+
+/// A tap in its hole whose control has been killed.
+fn killed_in_its_tap(options: &[&str]) -> Iron {
+    let iron = Iron::start(&[&["--kill-control-at", "2.5"], options].concat());
+    iron.run(&one_tap("G84", 11), &[]);
+    assert_eq!(iron.status()["tool_in_work"], 11);
+    iron
+}
+
+#[test]
+fn a_missing_and_a_foreign_record_are_no_proof_that_no_tool_is_in_the_work() {
+    let iron = killed_in_its_tap(&[]);
+    let before = iron.status();
+    let here = iron.folder.path().to_owned();
+    // the state folder is lost, empty, or one that says that all is well
+    let kept = here.join("kept");
+    std::fs::rename(iron.state(), &kept).unwrap();
+    let of_before = {
+        let other = Iron::start(&["--epoch", "1"]);
+        other.run(&one_tap("G84", 11), &[]);
+        other
+    };
+    for (name, prepare) in [
+        ("missing", None),
+        ("empty", Some(None)),
+        ("of another machine", Some(Some(of_before.state()))),
+    ] {
+        let _ = std::fs::remove_dir_all(iron.state());
+        if let Some(from) = prepare {
+            std::fs::create_dir(iron.state()).unwrap();
+            for file in from.iter().flat_map(|from| std::fs::read_dir(from).unwrap()) {
+                let file = file.unwrap();
+                std::fs::copy(file.path(), iron.state().join(file.file_name())).unwrap();
+            }
+        }
+        let refused = iron.recover(&[]);
+        assert_eq!(refused["outcome"], "refused", "{name}: {refused:#}");
+        let run = iron.run(&one_tap("G84", 11), &[]);
+        let why = complained(&run);
+        assert_eq!(run.status.code(), Some(2), "{name}: {why}");
+        assert!(why.contains("tool 11 is in its work") && why.contains("state"), "{name}: {why}");
+        let after = iron.status();
+        assert_eq!(
+            (&after["tap_in_thread"], &after["z_mm"]),
+            (&before["tap_in_thread"], &before["z_mm"])
+        );
+    }
+    let _ = std::fs::remove_dir_all(iron.state());
+    std::fs::rename(&kept, iron.state()).unwrap();
+    assert_eq!(iron.recover(&[])["outcome"], "recovered");
+}
+
+#[test]
+fn somebody_who_has_looked_may_state_that_the_tool_is_free_and_a_new_machine_needs_no_record() {
+    let iron = Iron::start(&[]);
+    let answer = iron.recover(&[]);
+    assert_eq!(answer["outcome"], "refused", "{answer:#}");
+    let reason = answer["reason"].as_str().unwrap();
+    assert!(reason.contains("no sync record in") && reason.contains("a run may begin"), "{reason}");
+    assert!(!iron.state().exists(), "looking has made a folder");
+    let iron = killed_in_its_tap(&[]);
+    std::fs::remove_dir_all(iron.state()).unwrap();
+    assert_eq!(iron.recover(&["--tool-is-free"])["outcome"], "nothing-to-do");
+    assert!(iron.status()["tool_in_work"].is_null());
+    assert_eq!(iron.recover(&[])["outcome"], "nothing-to-do");
+}
+
+#[test]
+fn looking_changes_nothing_for_the_recovery_that_follows() {
+    // without turns only a coupled stop shows the turn: what the machine keeps of its stop has to last
+    let iron = Iron::start(&["--power-cut-at", "2.5", "--single-turn"]);
+    iron.run(&one_tap("G84", 11), &[]);
+    assert_eq!(iron.status()["stop"], "coupled-stop");
+    for _ in 0..2 {
+        assert_eq!(iron.recover(&["--dry-run"])["outcome"], "recovered");
+        assert_eq!(iron.run(&one_tap("G84", 11), &[]).status.code(), Some(2));
+        assert_eq!(iron.status()["stop"], "coupled-stop");
+    }
+    assert_eq!(iron.recover(&[])["outcome"], "recovered");
+}
+
+#[test]
+fn a_tap_that_coasts_far_beyond_its_hole_is_not_said_to_be_recovered() {
+    let fast = "G21 G90 G54 G17\nT3 M6\nS6000 M3\nG0 X0 Y0\nG43 H3 Z20\nG99 G84 X0 Y0 Z-12 R5 F6000\nG80\nG0 Z50\nM2\n";
+    for at in ["1.80", "1.84", "1.88"] {
+        let iron = Iron::start(&["--kill-control-at", at, "--on-link-loss", "coast"]);
+        iron.run(fast, &[]);
+        let stopped = iron.status();
+        let answer = iron.recover(&[]);
+        let torn = stopped["tool_broken"] == true;
+        assert!(!torn || answer["outcome"] != "recovered", "{at}: {stopped:#} {answer:#}");
+        assert!(iron.status()["tool_broken"] == stopped["tool_broken"], "{at}: {answer:#}");
+    }
+}
+
+#[test]
+fn a_clutch_tap_in_its_hole_is_kept_and_taken_out_by_hand_alone() {
+    let text = "G21 G90 G54 G17\nT13 M6\nS1000 M3\nG0 X0 Y0\nG43 H13 Z20\nG99 G84 X0 Y0 Z-15 R8 F1000\nG80\nG0 Z50\nM2\n";
+    let iron = Iron::start(&["--kill-control-at", "2.6"]);
+    iron.run(text, &[]);
+    let before = iron.status();
+    assert!(before["tap_in_thread"] == true && before["tool_in_work"] == 13, "{before:#}");
+    let run = iron.run(text, &[]);
+    assert_eq!(run.status.code(), Some(2), "{}", complained(&run));
+    let answer = iron.recover(&[]);
+    assert_eq!(answer["outcome"], "refused", "{answer:#}");
+    assert!(answer["reason"].as_str().unwrap().contains("by hand"), "{answer:#}");
+    std::fs::remove_dir_all(iron.state()).unwrap();
+    assert_eq!(iron.run(text, &[]).status.code(), Some(2));
+    let after = iron.status();
+    assert!(after["tap_in_thread"] == true && after["tool_broken"] == false, "{after:#}");
+}

@@ -63,7 +63,8 @@ pub struct Engagement {
     pub number: u64,
     /// The tool.
     pub tool: u32,
-    /// How far the axis was from its coupling at most since the tool touched the work, by the encoders.
+    /// How far the axis was from its coupling at most since the tool touched the work, by the encoders; zero where it has not, or is
+    /// over the work between two pecks.
     pub sync_error: Length,
 }
 

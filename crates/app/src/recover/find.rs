@@ -14,6 +14,9 @@ use sync::recovery::{Direction, Point, Projection, Seat, Stored, Way};
 use units::{Angle, Length};
 use wire::{Sense, Stop, Welcome};
 
+/// A tap that the control never had in the work.
+const NO_THREAD: &str = "the tap came into the work only after the control had been lost, spindle and feed apart, so it is not in the thread of the record";
+
 /// A spindle may turn more easily than its file has it.
 const LESS_FRICTION: f64 = 0.8;
 
@@ -22,8 +25,8 @@ pub(super) struct Findings {
     pub(super) stored: Stored,
     pub(super) at: Point,
     pub(super) turn: Angle,
-    pub(super) bound: Length,
-    pub(super) why_bound: String,
+    /// What the distance from the thread is certain to, and by what; or why the thread is not where the record has it.
+    pub(super) bound: Result<(Length, String), &'static str>,
     pub(super) projection: Projection,
     pub(super) direct: Projection,
     pub(super) way: Way,
@@ -103,25 +106,37 @@ pub(super) fn find(
         (Leaving::Along, RecoveryWay::Direct) => Way::Direct,
         (Leaving::Along, RecoveryWay::UnloadFirst) => Way::UnloadFirst(seat),
     };
-    // where the control never saw the tap in the work it touched it while the drives ran down: anywhere in between
-    let helix = match welcome.evidence.in_work.map(|kept| kept.sync_error) {
-        Some(Length::ZERO) | None => stored.error(at).abs(),
-        Some(seen) => seen,
+    let seen = welcome.evidence.in_work.map(|kept| kept.sync_error).filter(|e| *e > Length::ZERO);
+    let apart = matches!(welcome.stop, Stop::Coasted | Stop::None);
+    let beyond = stored.error(at).abs() > setting.bears();
+    let (way, bound) = if apart && (seen.is_none() || beyond) {
+        // its first turns were cut by spindle and feed apart: so near the surface few teeth hold it, deeper they do
+        let lead = Length::mm(stroke.lead.value().abs());
+        if depth > lead {
+            return Err(format!(
+                "{NO_THREAD}: it stands {:.3} mm deep, and up to {:.3} mm, one lead, it could be pulled out straight",
+                depth.value(),
+                lead.value()
+            ));
+        }
+        (Way::Straight, Err(NO_THREAD))
+    } else {
+        // a tap that touched the work while the drives ran down by their ramps did so anywhere in between
+        let helix = seen.unwrap_or(stored.error(at).abs());
+        let unseen = unseen(stroke, axis, spindle, stored.error(at), helix);
+        (way, Ok((unseen.total, format!("{how}; {}", unseen.why))))
     };
-    let unseen = unseen(stroke, axis, spindle, stored.error(at), helix);
     let overrun = (place - stroke.bottom) * sense_in(stroke);
-    let error = stored.error(at).abs() + unseen.total;
-    let (bound, why_bound) = (unseen.total, format!("{how}; {}", unseen.why));
+    let certain = bound.as_ref().map_or(Length::ZERO, |(bound, _)| stored.error(at).abs() + *bound);
     Ok(Findings {
         overrun,
-        doubt: doubt(stroke, overrun, error, setting.bears()),
+        doubt: doubt(stroke, overrun, certain, setting.bears()),
         projection: stored.project(at, way),
         direct: stored.project(at, Way::Direct),
         stored,
         at,
         turn: turned - reading,
         bound,
-        why_bound,
         way,
     })
 }
@@ -151,6 +166,14 @@ fn shown(stroke: &Stroke, spindle: &Spindle, window: Length, stop: Stop) -> (Len
     let inertia = spindle.inertia.value();
     let (turns, how) = match stop {
         Stop::Coupled => (0.0, "the drives stopped together"),
+        Stop::QuickStop if spindle.own_ramps.is_some() => {
+            // on the drive's own ramp, which may be a quarter longer than set
+            let turns = spindle.own_ramps.map_or(0.0, |own| {
+                let rev_per_s = stroke.spin.value().abs();
+                rev_per_s * (own.delay.value() + rev_per_s / (1.5 * own.deceleration.value()))
+            });
+            (turns, "the spindle braked on its drive's own ramp")
+        }
         Stop::QuickStop => {
             let torque =
                 0.9 * spindle.peak_torque.value().min(spindle.peak_power.value() / omega.max(1e-9));

@@ -108,8 +108,11 @@ pub(super) fn json(args: &RecoverArgs, answer: &Answer) -> String {
     let findings = answer.findings.as_ref();
     let way = answer.withdrawal.as_ref().map(|(way, _)| way);
     let off = way.and_then(|way| way.off.ok());
-    let error = findings.map(|f| f.stored.error(f.at)).or(off.map(|off| off.length));
-    let phase = findings.map(|f| f.stored.phase_difference(f.at)).or(off.map(|off| off.angle));
+    let known = findings.and_then(|f| f.bound.as_ref().ok());
+    let on_thread = findings.filter(|_| known.is_some());
+    let error = on_thread.map(|f| f.stored.error(f.at)).or(off.map(|off| off.length));
+    let phase = on_thread.map(|f| f.stored.phase_difference(f.at)).or(off.map(|off| off.angle));
+    let unknown = findings.and_then(|f| f.bound.as_ref().err().copied());
     let value = serde_json::json!({
         "outcome": match answer.outcome {
             Outcome::Recovered => "recovered",
@@ -120,8 +123,8 @@ pub(super) fn json(args: &RecoverArgs, answer: &Answer) -> String {
         "reason": answer.reason,
         "phase_error_before_um": error.map(units::Length::in_um),
         "phase_error_before_deg": phase.map(units::Angle::in_deg),
-        "phase_error_unknown": way.and_then(|way| way.off.err()),
-        "phase_error_bound_um": findings.map(|f| f.bound.in_um()),
+        "phase_error_unknown": unknown.or_else(|| way.and_then(|way| way.off.err())),
+        "phase_error_bound_um": known.map(|(bound, _)| bound.in_um()),
         "overrun_mm": findings.map(|f| f.overrun.value().max(0.0)),
         "not_known_whole": doubt(answer),
         "helix_error_max_um": answer.figures.as_ref().map(|f| f.helix_error_max.in_um()),
@@ -155,12 +158,14 @@ pub(super) fn text(args: &RecoverArgs, answer: &Answer) -> String {
     if let Some(findings) = &answer.findings {
         let error = findings.stored.error(findings.at);
         let phase = findings.stored.phase_difference(findings.at).in_deg();
-        text += &format!(
-            "  before         {:.1} µm off its thread ({phase:.2}° of the spindle), known within {:.1} µm: {}\n",
-            error.in_um(),
-            findings.bound.in_um(),
-            findings.why_bound
-        );
+        text += &match &findings.bound {
+            Ok((bound, why)) => format!(
+                "  before         {:.1} µm off its thread ({phase:.2}° of the spindle), known within {:.1} µm: {why}\n",
+                error.in_um(),
+                bound.in_um(),
+            ),
+            Err(why) => format!("  before         not known: {why}\n"),
+        };
         text += &format!("  moves first    {}\n", first(findings));
     }
     if let Some((way, taken)) = &answer.withdrawal {

@@ -255,7 +255,7 @@ pub fn scale(resolution: Length) -> AxisEncoder {
 }
 
 /// A tap to make: M6 at 6000 rpm, 30 mm of stroke, unless told otherwise.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct TapOrder {
     pub lead_mm: f64,
     pub rpm: f64,
