@@ -49,7 +49,7 @@ const FEATURES: [Feature; 9] = [
         name: "speed-commanded spindle M8, S1000",
         program: TAP,
         options: &["--machine", "vfd-mill"],
-        window: (8.6, 11.2),
+        window: (8.6, 11.0),
     },
     Feature {
         name: "turned thread M20",

@@ -6,7 +6,7 @@ use canon::{Axis, Holder, OpKind, ToolKind, ToolLibrary};
 use common::{OPTIONS, TOP, findings_of, machine, rapid, steps_of, tap, tap_tool, tools, turn};
 use plan::{
     DwellCheck, Effort, Options, PlainDrive, Planner, SpindleStep, Start, Step, StepKind,
-    TapMethod, Unsynchronised,
+    TapMethod, TiedCut, Unsynchronised,
 };
 use units::{Angle, Length, Spin, SpinAccel, Stiffness, Time};
 
@@ -55,6 +55,11 @@ fn said(steps: &[Step]) -> Vec<String> {
         }
         StepKind::Spindle { order: SpindleStep::AwaitSpeed, .. } => "await".into(),
         StepKind::SpindleOverride(acts) => format!("spindle override {acts}"),
+        StepKind::WayOut(Some(way_out)) => {
+            assert!(way_out.cut == TiedCut::FloatingTap && !way_out.is_straight());
+            "kept in the work".into()
+        }
+        StepKind::WayOut(None) => "kept as out of it".into(),
         other => format!("{other:?}"),
     };
     steps.iter().map(said).collect()
@@ -75,11 +80,13 @@ fn the_clutch_cycle_is_its_seven_steps_and_leaves_the_spindle_forward() {
         "spindle override false",
         "turn 3000",
         "await",
+        "kept in the work",
         "feed -10",
         "dwell",
         "turn -3000",
         "dwell",
         "feed 5",
+        "kept as out of it",
         "rapid 30",
         "await",
         "turn 3000",
@@ -166,11 +173,13 @@ fn the_floating_cycle_feeds_all_the_way_stops_and_reverses() {
         "spindle override false",
         "turn 3000",
         "await",
+        "kept in the work",
         "feed -15",
         "turn 0",
         "await",
         "turn -3000",
         "feed 5",
+        "kept as out of it",
         "rapid 30",
         "await",
         "turn 3000",

@@ -17,6 +17,10 @@ use wire::{Sense, Stop, Welcome};
 /// A tap that the control never had in the work.
 const NO_THREAD: &str = "the tap came into the work only after the control had been lost, spindle and feed apart, so it is not in the thread of the record";
 
+/// One that is in no thread now, after drives that were off.
+const APART: &str =
+    "spindle and feed ran down apart, and the tap is not in the thread of the record";
+
 /// A spindle may turn more easily than its file has it.
 const LESS_FRICTION: f64 = 0.8;
 
@@ -130,7 +134,11 @@ pub(super) fn find(
     let certain = bound.as_ref().map_or(Length::ZERO, |(bound, _)| stored.error(at).abs() + *bound);
     Ok(Findings {
         overrun,
-        doubt: doubt(stroke, overrun, certain, setting.bears()),
+        doubt: if apart && way == Way::Straight {
+            Some(format!("{APART}: what it met meanwhile is not known"))
+        } else {
+            doubt(stroke, overrun, certain, setting.bears())
+        },
         projection: stored.project(at, way),
         direct: stored.project(at, Way::Direct),
         stored,
