@@ -223,7 +223,12 @@ fn of_gear(gear: &crate::Gear) -> Vec<Headroom> {
 fn of_turned(thread: &crate::TurnedThread, tolerances: &Tolerances) -> Vec<Headroom> {
     let tolerance = tolerances.turned_thread;
     let off = thread.sync_error_max.max(thread.pass_spread).max(thread.lead_error.abs());
-    vec![Headroom { of: Criterion::SyncError, left: tolerance - off, tolerance }]
+    let mut all = vec![Headroom { of: Criterion::SyncError, left: tolerance - off, tolerance }];
+    if let (Some(left), Some(limits)) = (thread.pitch_margin(), &thread.limits) {
+        let tolerance = limits.pitch[1] - limits.pitch[0];
+        all.push(Headroom { of: Criterion::PitchDiameter(thread.limiting_gauge()), left, tolerance });
+    }
+    all
 }
 
 fn position_left(position_error: Length, tolerances: &Tolerances) -> Headroom {

@@ -59,8 +59,8 @@ use units::{Angle, Force, Lead, LeadGrowth, Length, Spin, Time, Torque};
 
 /// Share of the way back to where a tool stood before it was fed in, from which on it is clear of the work.
 const CLEAR: f64 = 0.99;
-/// Shorter than this is no way in which a tool was fed in: the rounding of coordinates.
-const FED_IN_MM: f64 = 1e-3;
+/// Shorter than this is no way in which a tool was fed in: the rounding of coordinates, and where axes stand.
+const FED_IN_MM: f64 = 0.01;
 /// Turns before the chain's end that are run-out.
 const RUN_OUT: f64 = 1.0;
 /// Passes of the point through sections that are kept of one thread: 24 MB, 80,000 turns.
@@ -73,25 +73,33 @@ pub(crate) struct Ordered {
     chained: bool,
 }
 
-/// Where each linear axis was before the last rapid that moved it.
+/// Where each linear axis was before the last rapid that moved it, and which rapid that was.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct CameFrom([Option<Length>; 3]);
+pub(crate) struct CameFrom {
+    axes: [Option<(u64, Length)>; 3],
+    rapids: u64,
+}
 
 impl CameFrom {
     /// A rapid of the program.
     pub(crate) fn rapid(&mut self, from: &Position, to: &Position) {
-        for (came, (from, to)) in self.0.iter_mut().zip(from.linear.iter().zip(&to.linear)) {
-            if from != to {
-                *came = Some(*from);
+        self.rapids += 1;
+        for (came, (from, to)) in self.axes.iter_mut().zip(from.linear.iter().zip(&to.linear)) {
+            if (*from - *to).abs().value() > FED_IN_MM {
+                *came = Some((self.rapids, *from));
             }
         }
     }
 
-    /// Where the tool stood before it was fed in to here.
-    fn before(&self, here: &Position) -> Position {
+    /// Where the tool stood before the last rapid that fed it in to here, across a thread's axis.
+    fn before(&self, here: &Position, thread: Axis) -> Position {
         let mut stood = *here;
-        for (stood, came) in stood.linear.iter_mut().zip(self.0) {
-            *stood = came.unwrap_or(*stood);
+        let across = || (0..3).filter(|i| *i != thread.index());
+        let last = across().filter_map(|i| self.axes[i]).map(|(rapid, _)| rapid).max();
+        for i in across() {
+            if let Some((_, from)) = self.axes[i].filter(|(rapid, _)| Some(*rapid) == last) {
+                stood.linear[i] = from;
+            }
         }
         stood
     }
@@ -114,7 +122,7 @@ impl Ordered {
                     | OpKind::Message(_)
             );
         };
-        let stood = came.before(from);
+        let stood = came.before(from, order.axis);
         let stretch = Stretch::new(op, from, order, stood);
         match self.passes.last_mut() {
             Some(pass) if self.chained => {
@@ -182,15 +190,12 @@ pub(crate) struct TurnedTrack {
 /// The bar, and the sections of it that the point has passed since the last sample.
 pub(crate) type Turning<'a> = (&'a TurnedBar, Vec<Crossing>);
 
-/// Whether a tool is off the work: back where it stood before it was fed in, along the way it was.
+/// Whether a tool is off the work: an axis is back where it stood before it was fed in.
 fn is_clear(axis: usize, stood: &Position, from: &Position, across: impl Fn(usize) -> f64) -> bool {
-    let (mut back, mut whole) = (0.0, 0.0);
-    for i in (0..3).filter(|i| *i != axis) {
+    (0..3).filter(|i| *i != axis).any(|i| {
         let way = (stood.linear[i] - from.linear[i]).value();
-        back += across(i) * way;
-        whole += way * way;
-    }
-    whole > FED_IN_MM * FED_IN_MM && back > CLEAR * whole
+        way.abs() > FED_IN_MM && across(i) / way > CLEAR
+    })
 }
 
 /// From outside, or from within a bore; `None` where the way does not say.
@@ -267,7 +272,7 @@ impl TurnedTrack {
         if let Some((bar, crossings)) = turning {
             let side = self.side.unwrap_or_else(|| bar.side());
             let is_beyond = (w - law.span()[1].value()) * law.sign() > 0.0;
-            crossings.iter().filter(|_| !is_beyond).for_each(|at| pass.contact.see(at, bar.depth(at, side)));
+            crossings.iter().filter(|_| !is_beyond).for_each(|at| pass.contact.see(bar.depth(at, side)));
         }
         if let Some(truth) = &sample.truth {
             let (force, torque) = (truth.cutting_force.abs(), truth.cutting_torque.abs());

@@ -193,7 +193,7 @@ fn a_thread_in_the_middle_of_its_tolerance_is_good_and_measured() {
     assert!(sizes.pitch_error < Length::um(0.5) && sizes.flank_error < Length::um(1.0));
     // from the face to Z−15, where the point stands half a groove further
     assert!((15.0..16.0).contains(&sizes.full_length.value()), "{sizes:?}");
-    assert_eq!(thread.contact, Some(1.0));
+    assert!(thread.contact.unwrap() > 0.98, "but for the one at the face");
 }
 
 #[test]

@@ -73,7 +73,7 @@ fn row(run: &Run, number: usize, feature: &Feature, left: &Headroom) -> String {
     let (class, verdict) = match feature.verdict {
         Verdict::Pass => ("pass", "✓ pass"),
         Verdict::Fail { .. } => ("fail", "✗ fail"),
-        Verdict::NotJudged { .. } => ("fail", "○ not judged"),
+        Verdict::NotJudged { .. } => ("none", "○ not judged"),
     };
     let um = |value: Length, decimals| fixed(value.in_um(), decimals);
     let mut cells = vec![
@@ -103,9 +103,12 @@ fn row(run: &Run, number: usize, feature: &Feature, left: &Headroom) -> String {
                 fixed(thread.length().value(), 3),
                 um(thread.infeed_error, 1),
                 um(thread.sync_error_max, 1),
+                thread.sizes.as_ref().map_or(String::new(), |s| fixed(s.pitch[0].value(), 3)),
+                thread.class_and_size(),
+                thread.pitch_margin().map_or(String::new(), |margin| um(margin, 0)),
+                thread.torque_max.map_or(String::new(), |torque| fixed(torque.value(), 2)),
+                fixed(thread.spin_max.in_rpm(), 0),
             ]);
-            cells.extend(std::iter::repeat_n(String::new(), 4));
-            cells.push(fixed(thread.spin_max.in_rpm(), 0));
         }
         FeatureKind::Polygon(polygon) => {
             cells[2] = polygon.name();

@@ -29,12 +29,17 @@ fn bad_features(features: &[Feature], bad: usize) -> String {
 }
 
 fn outcome(run: &Run, features: &[Feature]) -> Outcome {
-    let bad = features.iter().filter(|f| !f.verdict.is_pass()).count();
+    let unjudged =
+        features.iter().filter(|f| matches!(f.verdict, verify::Verdict::NotJudged { .. })).count();
+    let bad = features.iter().filter(|f| !f.verdict.is_pass()).count() - unjudged;
     let all = features.len();
     let fail =
         |word: String, sentence: String| Outcome { class: "fail", sign: "✗", word, sentence };
     let judged = match (all, bad) {
         (0, _) => "No hole or thread was cut.".to_owned(),
+        (_, 0) if unjudged > 0 => {
+            format!("{unjudged} of {all} features could not be judged; nothing is known to be wrong.")
+        }
         (1, 0) => "The one feature that was cut is within tolerance.".to_owned(),
         (_, 0) => format!("All {all} features that were cut are within tolerance."),
         _ => bad_features(features, bad),
@@ -59,6 +64,14 @@ fn outcome(run: &Run, features: &[Feature]) -> Outcome {
         let failed = features.iter().any(|f| matches!(f.verdict, Verdict::Fail { .. }));
         let word = if failed { "OUT OF TOLERANCE" } else { "NOT JUDGED" };
         return fail(word.into(), judged + &why.unwrap_or_default());
+    }
+    if unjudged > 0 {
+        let why = features.iter().find_map(|f| match &f.verdict {
+            verify::Verdict::NotJudged { reason } => Some(format!(" Line {}: {reason}.", f.line)),
+            _ => None,
+        });
+        let sentence = judged + &why.unwrap_or_default();
+        return Outcome { class: "none", sign: "○", word: "NOT JUDGED".into(), sentence };
     }
     if all == 0 {
         let sentence =

@@ -3,6 +3,7 @@ use super::inspection::Inspected;
 use super::law::Law;
 use super::size::TurnedLimits;
 use super::sizes::TurnedSizes;
+use crate::feature::Gauge;
 use crate::insert::Side;
 use canon::{Axis, Hand};
 use units::{Angle, Force, Lead, LeadGrowth, Length, Spin, Torque};
@@ -157,15 +158,27 @@ impl TurnedThread {
         self.size.as_ref().map_or_else(String::new, |size| format!("{size}-{}", self.class))
     }
 
-    /// The smaller distance of the pitch diameters from their limits: virtual one from Go, simple one from No-go.
-    pub fn pitch_margin(&self) -> Option<Length> {
+    /// Distances of the pitch diameters from their limits: the virtual one from Go, the simple one from No-go.
+    fn margins(&self) -> Option<[Length; 2]> {
         let (sizes, limits) = (self.sizes.as_ref()?, self.limits.as_ref()?);
-        let (go, no_go) = if self.internal {
-            (sizes.virtual_pitch - limits.pitch[0], limits.pitch[1] - sizes.pitch[1])
+        Some(if self.internal {
+            [sizes.virtual_pitch - limits.pitch[0], limits.pitch[1] - sizes.pitch[1]]
         } else {
-            (limits.pitch[1] - sizes.virtual_pitch, sizes.pitch[0] - limits.pitch[0])
-        };
-        Some(go.min(no_go))
+            [limits.pitch[1] - sizes.virtual_pitch, sizes.pitch[0] - limits.pitch[0]]
+        })
+    }
+
+    /// The smaller one of them; negative is out.
+    pub fn pitch_margin(&self) -> Option<Length> {
+        self.margins().map(|[go, no_go]| go.min(no_go))
+    }
+
+    /// Which gauge leaves it.
+    pub fn limiting_gauge(&self) -> Gauge {
+        match self.margins() {
+            Some([go, no_go]) if no_go < go => Gauge::NoGo,
+            _ => Gauge::Go,
+        }
     }
 
     /// The turn whose lead is farthest off.

@@ -5,7 +5,7 @@
 //!   bar before, pitch ─► standard size, limits of size                                           grooves ─► diameters, lengths
 //! ```
 use super::law::Law;
-use super::profile::{Frame, TOUCH_MM, grooves, starts};
+use super::profile::{Frame, TOUCH_MM, grooves, starts, touched};
 use super::size::Size;
 use super::sizes::{Against, TurnedSizes, median};
 use crate::Config;
@@ -26,29 +26,20 @@ pub(super) struct Contact {
     pub(super) touched: u32,
     /// Deepest, mm; negative: it came no nearer.
     pub(super) deepest: f64,
-    /// Machine Z between which it touched.
-    pub(super) from_to: [f64; 2],
 }
 
 impl Default for Contact {
     fn default() -> Self {
-        Self {
-            passed: 0,
-            touched: 0,
-            deepest: f64::NEG_INFINITY,
-            from_to: [f64::INFINITY, f64::NEG_INFINITY],
-        }
+        Self { passed: 0, touched: 0, deepest: f64::NEG_INFINITY }
     }
 }
 
 impl Contact {
-    pub(super) fn see(&mut self, at: &Crossing, depth: f64) {
+    pub(super) fn see(&mut self, depth: f64) {
         self.passed += 1;
         self.deepest = self.deepest.max(depth);
         if depth > TOUCH_MM {
             self.touched += 1;
-            let [low, high] = self.from_to;
-            self.from_to = [low.min(at.z), high.max(at.z)];
         }
     }
 
@@ -142,7 +133,7 @@ pub(super) fn inspect(
         .then(|| Size::nearest(Length::mm(pitch), ordered.hand, diameter, side, config.class))
         .flatten();
     let sizes = found.and_then(|_| {
-        measured(ordered, &frame, [&before, bar], pitch, standard.as_ref(), contact)
+        measured(ordered, &frame, [&before, bar], pitch, standard.as_ref())
     });
     Inspected {
         side,
@@ -163,7 +154,6 @@ fn measured(
     bars: [&TurnedBar; 2],
     pitch: f64,
     standard: Option<&Size>,
-    contact: Contact,
 ) -> Option<TurnedSizes> {
     let [begins, ends] = ordered.expected();
     let height = |diameter: Length| match frame.side {
@@ -183,15 +173,15 @@ fn measured(
     let level = median(grooves.iter().map(|groove| groove.root).collect());
     let open = ordered.law.is_open();
     let free_end = bars[0].end(frame.side, level).filter(|_| open);
-    let last = contact.from_to[usize::from(begins < ends)];
+    let [low, high] = touched(frame.side, bars).unwrap_or([begins, ends]);
     let against = Against {
         side: frame.side,
         pitch,
         expected: [begins.min(ends), begins.max(ends)],
-        ends: match (free_end, ordered.law.sign() < 0.0) {
-            (Some(face), true) => [face, last],
-            (Some(face), false) => [face, contact.from_to[0]],
-            (None, _) => [begins, last],
+        ends: match free_end {
+            Some(face) => [face, low],
+            None if begins > ends => [begins, low],
+            None => [begins, high],
         },
         full_root: go,
         mate,

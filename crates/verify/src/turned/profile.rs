@@ -139,6 +139,20 @@ pub(super) fn starts(frame: &Frame, bars: [&TurnedBar; 2]) -> Option<u32> {
     Some((frame.lead.abs() / pitch).round().clamp(1.0, 1000.0) as u32)
 }
 
+/// Machine Z between which the passes have taken something off the bar, in any section.
+pub(super) fn touched(side: Side, bars: [&TurnedBar; 2]) -> Option<[f64; 2]> {
+    let mut ends: Option<[f64; 2]> = None;
+    for section in 0..SECTIONS {
+        let pairs = bars[0].heights(section, side).zip(bars[1].heights(section, side));
+        for (place, _) in pairs.enumerate().filter(|(_, (before, after))| before - after > TOUCH_MM) {
+            let z = bars[1].z(place);
+            let [low, high] = ends.unwrap_or([z, z]);
+            ends = Some([low.min(z), high.max(z)]);
+        }
+    }
+    ends
+}
+
 /// All grooves that lie wholly within, by rising Z. `go`: the level at which the Go gauge's crest must find room.
 pub(super) fn grooves(
     frame: &Frame,

@@ -247,12 +247,25 @@ fn rounding_across_the_way_in_takes_no_tool_off_the_work() {
         let [x, y] = [x, y].map(Length::mm);
         Position { linear: [x, y, Length::ZERO], ..Position::default() }
     };
-    let (stood, from) = (place(12.0, -60.0), place(10.0, -60.0 + 7e-15));
+    let (stood, from) = (place(12.0, -60.0), place(10.0, -60.0 + 7e-4));
     let off = |x: f64, y: f64| move |i: usize| [x, y, 0.0][i];
     assert!(!is_clear(2, &stood, &from, off(0.0, -0.001)));
     assert!(!is_clear(2, &stood, &from, off(1.5, 0.0)));
     assert!(is_clear(2, &stood, &from, off(1.99, 0.001)));
     assert!(!is_clear(2, &from, &from, off(0.0, 0.0)), "not fed in at all");
+}
+
+#[test]
+fn only_the_last_rapid_across_the_thread_fed_the_tool_in() {
+    let place = |x: f64, y: f64, z: f64| {
+        Position { linear: [x, y, z].map(Length::mm), ..Position::default() }
+    };
+    let mut came = CameFrom::default();
+    let way = [place(150.0, 60.0, 350.0), place(12.0, 0.0, 8.0), place(10.0, 1e-6, 8.0), place(10.0, 1e-6, 5.0)];
+    way.windows(2).for_each(|pair| came.rapid(&pair[0], &pair[1]));
+    let stood = came.before(&way[3], Axis::Z);
+    assert_eq!(stood.linear, [12.0, 1e-6, 5.0].map(Length::mm));
+    assert_eq!(side_fed_in_from(&stood, &way[3], [Length::ZERO; 2]), Some(Side::External));
 }
 
 #[test]
