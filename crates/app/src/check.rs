@@ -7,7 +7,7 @@ use crate::render::{self, Source};
 use crate::say;
 use crate::session::{Session, read_program};
 use diag::Diagnostic;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use crate::progress::Progress;
 use std::{
     collections::HashSet,
     path::{Path, PathBuf},
@@ -76,6 +76,10 @@ impl Told {
         self.errors += errors;
         self.others += found.len() - errors;
         match self.format {
+            FindingsFormat::Text if self.quiet => {
+                let wrong: Vec<_> = shown.iter().filter(|f| f.is_error()).cloned().collect();
+                say::out(&render::text(&wrong, source))
+            }
             FindingsFormat::Text => say::out(&render::text(shown, source)),
             FindingsFormat::Json => {
                 self.results.extend(shown.iter().map(|f| render::json(f, source)));
@@ -91,6 +95,9 @@ impl Told {
     /// One of several that cannot be read: the others are looked at all the same.
     fn unreadable(&mut self, why: &Refused) {
         why.say();
+        if self.format == FindingsFormat::Json {
+            self.results.extend(why.findings_as_json());
+        }
         self.errors += 1;
     }
 
@@ -121,7 +128,9 @@ fn whole(args: &CheckArgs, path: &Path, text: &[u8], told: &mut Told) -> Result<
     let name = path.display().to_string();
     let mut session = Session::load(&args.source, path, text)?;
     let options = session.plan_options(session.machine.setup.stock.material);
+    let progress = Progress::new(1, "checking");
     let found = preflight::judge(&mut session, text, options, &|| true);
+    drop(progress);
     told.tools_from = session.tools_from;
     told.tell(&found, &Source { name: &name, text, drawn: &session.drawn })
 }
@@ -133,7 +142,7 @@ fn as_found(args: &CheckArgs, path: &Path, text: &[u8], told: &mut Told) -> Resu
     let options = session.plan_options(session.machine.setup.stock.material);
     let drawn = session.drawn.clone();
     told.tools_from.clone_from(&session.tools_from);
-    let progress = progress(path, told.quiet);
+    let progress = progress(path);
     let mut known = HashSet::new();
     let mut tell = |mut found: Vec<Diagnostic>, furthest: u32| {
         found.retain(|finding| known.insert((finding.code, finding.span)));
@@ -143,7 +152,7 @@ fn as_found(args: &CheckArgs, path: &Path, text: &[u8], told: &mut Told) -> Resu
     };
     preflight::judge_and_tell(&mut session, text, options, &mut tell)?;
     tell(interp::lint(text, &session.interp_setup()), text.len() as u32)?;
-    progress.finish_and_clear();
+    drop(progress);
     Ok(())
 }
 
@@ -166,7 +175,7 @@ fn in_pieces(session: &Session, path: &Path, name: &str, told: &mut Told) -> Res
     let mut linter = interp::Linter::new(&setup);
     let (mut rest, mut index, mut first_line) = (None, 0, 1);
     let mut late = Vec::new();
-    let progress = progress(path, told.quiet);
+    let progress = progress(path);
     let mut pieces = Pieces::open(path)?;
     while let Some(piece) = pieces.next()? {
         let mut ops = interp::Ops::of_piece(piece.text, &setup, rest.take(), piece.more_follows);
@@ -196,23 +205,13 @@ fn in_pieces(session: &Session, path: &Path, name: &str, told: &mut Told) -> Res
         }
     }
     late.extend(linter.finish());
-    progress.finish_and_clear();
+    drop(progress);
     tell_late(late, path, name, told)
 }
 
-/// How much of a long program is read, where somebody looks on.
-fn progress(path: &Path, quiet: bool) -> ProgressBar {
-    let length = path.metadata().map_or(0, |data| data.len());
-    if !quiet {
-        say::err(&format!("checking {}, {:.1} MB\n", path.display(), length as f64 / 1e6));
-    }
-    let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-    let bar = ProgressBar::with_draw_target(Some(length), target);
-    let style = ProgressStyle::with_template("{wide_bar} {bytes} of {total_bytes}");
-    if let Ok(style) = style {
-        bar.set_style(style);
-    }
-    bar
+/// How much of a long program is read, in bytes.
+fn progress(path: &Path) -> Progress {
+    Progress::new(path.metadata().map_or(0, |data| data.len()), "checking")
 }
 
 /// What only the end of a program shows: its lines are read once more.

@@ -2,7 +2,7 @@
 use crate::args::CodesFormat;
 use crate::refused::Refused;
 use crate::say;
-use comfy_table::{ContentArrangement, Table, presets};
+use comfy_table::{Table, presets};
 use interp::CodeInfo;
 use serde_json::{Value, json};
 
@@ -22,7 +22,7 @@ pub(crate) fn command(format: CodesFormat) -> Result<(), Refused> {
 fn table() -> Table {
     let mut table = Table::new();
     table.load_style(presets::UTF8_HORIZONTAL_ONLY);
-    table.set_content_arrangement(ContentArrangement::Dynamic);
+    crate::tables::fit(&mut table);
     table.set_header(["code", "what it does", "takes", "group", "status", "dialects"]);
     for code in interp::codes().chain(interp::dialect_codes()) {
         let dialects = dialects(&code).join(", ");

@@ -13,12 +13,12 @@ use crate::args::{
     Estimator, MissingTools, ProgramArgs,
 };
 use crate::preflight::preflight;
+use crate::progress::Progress;
 use crate::refused::Refused;
 use crate::session::Session;
 use crate::simulate::{Outcome, Trial};
 use crate::{plant, say, tables, wiring};
-use comfy_table::{Cell, CellAlignment};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::ProgressBar;
 use report::{CompensationPage, CompensationRow, WayOfCompensation};
 use serde_json::json;
 use std::num::NonZero;
@@ -90,7 +90,10 @@ pub(crate) fn command(args: &CompensationArgs, quiet: bool) -> Result<(), Refuse
         })
         .collect();
     let mut cost = Duration::ZERO;
-    for row in rows(&cases, &progress(cases.len(), quiet)) {
+    let progress = Progress::new((cases.len() * (1 + WAYS.len())) as u64, "turning cams (simulated)");
+    let found = rows(&cases, &progress);
+    drop(progress);
+    for row in found {
         let (row, took) = row?;
         cost = cost.max(took);
         page.rows.push(row);
@@ -100,6 +103,7 @@ pub(crate) fn command(args: &CompensationArgs, quiet: bool) -> Result<(), Refuse
         store::output::write_file(out, report::compensation_html(&page).as_bytes())?;
     }
     say::out(&match args.format {
+        CompensationOutput::Text if quiet => String::new(),
         CompensationOutput::Text => text(&page),
         CompensationOutput::Json => format!("{}\n", as_json(&page)),
     })
@@ -129,18 +133,7 @@ fn rows(cases: &[Case], bar: &ProgressBar) -> Vec<Result<Row, Refused>> {
         rows
     });
     rows.sort_by_key(|(index, _)| *index);
-    bar.finish_and_clear();
     rows.into_iter().map(|(_, row)| row).collect()
-}
-
-fn progress(rows: usize, quiet: bool) -> ProgressBar {
-    let bar = ProgressBar::new((rows * (1 + WAYS.len())) as u64);
-    let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-    bar.set_draw_target(target);
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} runs  {msg}") {
-        bar.set_style(style);
-    }
-    bar
 }
 
 fn notes(args: &CompensationArgs, cost: Duration) -> Vec<String> {
@@ -287,18 +280,34 @@ fn way(cam: &GroundCam) -> WayOfCompensation {
     }
 }
 
+/// Two tables: a screen has no room for phase errors and what the ways leave beside one another.
 fn text(page: &CompensationPage) -> String {
-    let heads = ["cam", "rpm", "phase error °", "by flanks °", "by maximum °"].map(str::to_owned);
-    let ways = page.ways.iter().map(|way| format!("{way} µm"));
-    let mut table = tables::table(heads.into_iter().chain(ways).collect::<Vec<_>>());
-    for row in &page.rows {
-        let shifts = row.shifts_deg.iter().map(|deg| format!("{deg:.4}"));
-        let errors = row.ways.iter().map(|way| report::um_figure(way.contour_um));
-        let cells = std::iter::once(format!("{}", row.rpm)).chain(shifts).chain(errors);
-        let right = |cell: String| Cell::new(cell).set_alignment(CellAlignment::Right);
-        table.add_row(std::iter::once(Cell::new(&row.name)).chain(cells.map(right)));
-    }
-    format!("{table}\n{}\n", page.notes.join("\n"))
+    let named = |row: &CompensationRow| vec![row.name.clone(), row.rpm.to_string()];
+    let rows: Vec<_> = page
+        .rows
+        .iter()
+        .map(|row| {
+            let shifts = row.shifts_deg.iter().map(|deg| format!("{deg:.4}"));
+            named(row).into_iter().chain(shifts).collect()
+        })
+        .collect();
+    let heads = ["cam", "rpm", "least squares", "by the flanks", "by the maximum"];
+    let phases = tables::figures(&heads, &rows);
+    let rows: Vec<_> = page
+        .rows
+        .iter()
+        .map(|row| {
+            let errors = row.ways.iter().map(|way| report::um_figure(way.contour_um));
+            named(row).into_iter().chain(errors).collect()
+        })
+        .collect();
+    let heads = ["cam", "rpm"].map(str::to_owned).into_iter();
+    // a word a line: the columns are as narrow as their figures
+    let heads: Vec<_> = heads.chain(page.ways.iter().map(|way| way.replace(' ', "\n"))).collect();
+    let errors =
+        tables::figures(&heads.iter().map(String::as_str).collect::<Vec<_>>(), &rows);
+    let notes = page.notes.join("\n");
+    format!("phase error, °\n{phases}\n\ncontour error, µm\n{errors}\n{notes}\n")
 }
 
 fn as_json(page: &CompensationPage) -> serde_json::Value {

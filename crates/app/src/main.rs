@@ -41,6 +41,7 @@ mod left;
 mod log;
 mod lsp;
 mod machine;
+mod measures;
 mod pace;
 mod papers;
 mod patience;
@@ -50,6 +51,7 @@ mod plant_table;
 mod polygon;
 mod preflight;
 mod program;
+mod progress;
 mod recover;
 mod refused;
 mod render;
@@ -86,14 +88,33 @@ const INTERRUPTED: u8 = 130;
 const ALARM: u8 = 3;
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(wrong) => return misread(&wrong),
+    };
+    progress::ask(if cli.quiet { progress::Shown::Off } else { cli.progress });
     match execute(&cli) {
         Ok(code) => code,
         Err(refused) => {
             refused.say();
+            if cli.command.answers_in_json() {
+                let _ = say::out(&refused.json()); // standard error has it as well
+            }
             ExitCode::from(if interrupt::came() { INTERRUPTED } else { REFUSED })
         }
     }
+}
+
+/// A command line that is none, or that asks for help: as clap has it, and in JSON where that is asked for.
+fn misread(wrong: &clap::Error) -> ExitCode {
+    let _ = wrong.print(); // nobody reads standard error
+    let refused = wrong.use_stderr();
+    if refused && args::asks_for_json(std::env::args()) {
+        let text = wrong.render().to_string();
+        let sentence = text.lines().next().unwrap_or_default().trim_start_matches("error: ");
+        let _ = say::out(&Refused::because(sentence).json());
+    }
+    if refused { ExitCode::from(REFUSED) } else { ExitCode::SUCCESS }
 }
 
 fn execute(cli: &Cli) -> Result<ExitCode, Refused> {

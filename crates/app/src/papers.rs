@@ -50,7 +50,11 @@ pub(crate) fn certificate(job: &Job, outcome: &Outcome) -> Certificate {
                 by_mm: Measured::mm(w.by),
             })
             .collect(),
-        features: outcome.features.iter().map(|f| certificate::feature(f, &zero)).collect(),
+        features: outcome
+            .features
+            .iter()
+            .map(|f| certificate::feature(f, &outcome.recorder.zero_of(f.op).unwrap_or(zero)))
+            .collect(),
     }
 }
 
@@ -169,7 +173,7 @@ pub(crate) fn report(
         material: job.material.name.to_owned(),
         seed: job.seed,
         tools: job.session.tools.clone(),
-        origin: Some(Origin { name: "G54".to_owned(), at: job.session.work_zero() }),
+        origin: outcome.recorder.origin(),
         cycle_time: outcome.cycle_time,
         ended: outcome.ended,
         alarms: outcome.faults.iter().map(alarm).collect(),
@@ -183,6 +187,7 @@ pub(crate) fn report(
         limiting: outcome.limiting.clone(),
         stops: outcome.stops.clone(),
         motion: Some(motion),
+        listing: job.text.clone(),
     };
     report::html(&run, &outcome.recorder, &outcome.features)
 }

@@ -16,6 +16,7 @@ pub(crate) struct Ops<'a> {
     auto: Auto<'a>,
     next: u32,
     prelude: std::vec::IntoIter<Op>,
+    frame: ProgramFrame,
 }
 
 impl<'a> Ops<'a> {
@@ -53,6 +54,16 @@ impl<'a> Ops<'a> {
     /// What was found so far.
     pub(crate) fn diagnostics(&self) -> Vec<Diagnostic> {
         self.read.diagnostics().iter().chain(self.auto.findings()).cloned().collect()
+    }
+
+    /// How the program writes places and lengths where the operation stands that came last.
+    pub(crate) const fn frame(&self) -> ProgramFrame {
+        self.frame
+    }
+
+    fn read_next(&mut self) -> Option<(Op, ProgramFrame)> {
+        let op = self.read.next()?;
+        Some((op, self.read.frame()))
     }
 
     /// The operations after a polygon's beginning.

@@ -54,6 +54,22 @@ impl Refused {
         }
     }
 
+    /// As `check --format json` prints findings: an array of objects.
+    pub(crate) fn json(&self) -> String {
+        format!("{:#}\n", serde_json::Value::Array(self.findings_as_json()))
+    }
+
+    /// Each finding as an object; one sentence is a finding without a place.
+    pub(crate) fn findings_as_json(&self) -> Vec<serde_json::Value> {
+        match self {
+            Self::Sentence(sentence) => vec![render::sentence_json(sentence)],
+            Self::Findings { name, text, drawn, findings } => {
+                let source = Source { name, text, drawn };
+                findings.iter().map(|finding| render::json(finding, &source)).collect()
+            }
+        }
+    }
+
     /// Tell the user.
     pub(crate) fn say(&self) {
         match self {

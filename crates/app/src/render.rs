@@ -182,6 +182,19 @@ pub(crate) fn json(finding: &Diagnostic, source: &Source<'_>) -> Value {
     })
 }
 
+/// What is refused in one sentence, with no text that it points into, as a finding.
+pub(crate) fn sentence_json(sentence: &str) -> Value {
+    json!({
+        "file": Value::Null,
+        "code": Value::Null,
+        "severity": severity_name(Severity::Error),
+        "message": sentence,
+        "help": Value::Null,
+        "place": Value::Null,
+        "labels": [],
+    })
+}
+
 /// One finding as a SARIF result.
 pub(crate) fn sarif_result(finding: &Diagnostic, source: &Source<'_>) -> Value {
     let (name, bytes) = source.file(finding.span);

@@ -9,6 +9,7 @@ use crate::plant::{self, Plant};
 use crate::polygon::host::PolygonHost;
 use crate::preflight::{Preflight, planner, preflight_with, wrong_from};
 use crate::program::Ops;
+use crate::progress::Progress;
 use crate::refused::Refused;
 use crate::render::{self, Source};
 use crate::restart::Restart;
@@ -21,7 +22,7 @@ use crate::timings::Timings;
 use crate::trace_thread::TraceThread;
 use crate::{interrupt, iron, papers, say, summary, wiring};
 use bus::Machine;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::ProgressBar;
 use sim::Faulty;
 use std::os::unix::net::UnixStream;
 use std::path::Path;
@@ -39,7 +40,7 @@ use wire::{Hello, Remote};
 pub(crate) enum Ending {
     /// The program ended and every feature is within tolerance.
     Good,
-    /// A feature is out of tolerance.
+    /// A feature is not good, or a fault that was told to happen has not.
     OutOfTolerance,
     /// An alarm on the machine.
     Alarm,
@@ -71,9 +72,12 @@ pub(crate) fn command(args: &RunArgs, quiet: bool) -> Result<Ending, Refused> {
     job.begin_at(args, quiet)?;
     let limits = wiring::planner(&job.session.machine);
     let mut added = Added::new(&limits);
+    let progress = Progress::of_lines(&job.text, "planning");
     let mut known = preflight_with(&mut job.session, &job.text, job.options, &mut |step| {
+        progress.reached(step.line);
         added.step(&step);
     });
+    drop(progress);
     if let Some(restart) = job.restart.as_ref().filter(|_| !known.is_refused()) {
         known.findings.extend(wrong_from(&job.session, &job.text, job.options, restart));
     }
@@ -88,9 +92,10 @@ pub(crate) fn command(args: &RunArgs, quiet: bool) -> Result<Ending, Refused> {
     if folder.is_some() {
         interrupt::watch()?;
     }
-    let progress = progress(&known, quiet || args.log || args.format == Format::Json);
+    let planned_ms = (known.planned.value() * 1e3) as u64;
+    let progress = Progress::new(planned_ms, "machining (simulated)");
     let outcome = job.simulate(args, link, &known, folder.as_ref(), &progress)?;
-    progress.finish_and_clear();
+    drop(progress);
     interrupt::refuse()?;
     for why in &outcome.broke_off {
         say::err(&format!("error: {why}\n"));
@@ -120,7 +125,11 @@ pub(crate) fn command(args: &RunArgs, quiet: bool) -> Result<Ending, Refused> {
     }
     match args.format {
         Format::Json => say::out(&format!("{}\n", certificate.to_json()))?,
-        Format::Text => say::out(&summary::text(&job, &outcome, args.out.as_deref(), quiet))?,
+        Format::Text if quiet => say::out(&summary::wrong(&outcome))?,
+        Format::Text => say::out(&summary::text(&job, &outcome, args.out.as_deref()))?,
+    }
+    for missing in &outcome.not_triggered {
+        say::err(&format!("error: {missing}\n"));
     }
     if args.timings {
         say::err(&format!("{}\n", outcome.timings.text()));
@@ -131,6 +140,8 @@ pub(crate) fn command(args: &RunArgs, quiet: bool) -> Result<Ending, Refused> {
 fn ending(outcome: &Outcome) -> Ending {
     if !outcome.ended {
         Ending::Alarm
+    } else if !outcome.not_triggered.is_empty() {
+        Ending::OutOfTolerance
     } else if outcome.features.iter().any(|f| !f.verdict.is_pass())
         || !outcome.watch.breaches().is_empty()
     {
@@ -262,7 +273,9 @@ impl Job {
                 cams: self.session.cams.library.clone(),
                 ..wiring::judge(machine, tools, self.material, &zero)
             }),
-            recorder: report::Recorder::new(tools).limited(wiring::path_limits(machine)),
+            recorder: report::Recorder::new(tools)
+                .limited(wiring::path_limits(machine))
+                .shown_in(args.units.map(Into::into)),
             trace: folder.map(|folder| self.trace(folder)).transpose()?,
             log: args.log.then(|| Log::new(tools.clone(), zero)),
             sent: std::collections::VecDeque::new(),
@@ -408,19 +421,4 @@ fn begin_folder(path: &Path) -> Result<Folder, Refused> {
         })?;
     }
     Ok(Folder::begin(path)?)
-}
-
-fn progress(known: &Preflight, hidden: bool) -> ProgressBar {
-    let bar = ProgressBar::new((known.planned.value() * 1e3) as u64);
-    bar.set_draw_target(if hidden {
-        ProgressDrawTarget::hidden()
-    } else {
-        ProgressDrawTarget::stderr()
-    });
-    let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {msg}");
-    if let Ok(style) = style {
-        bar.set_style(style);
-    }
-    bar.set_message("machining (simulated)");
-    bar
 }

@@ -110,6 +110,8 @@ pub(crate) struct Outcome {
     pub(crate) timings: Timings,
     /// What stopped it from outside, and what became of that.
     pub(crate) happened: Vec<String>,
+    /// Faults that were told to happen and have not, in sentences.
+    pub(crate) not_triggered: Vec<String>,
     /// Stops in a thread, and the ways out.
     pub(crate) stops: Vec<report::ThreadStop>,
     /// Tools taken off work that they were not screwed to.
@@ -256,7 +258,7 @@ impl Simulation<'_> {
         }
         let features = self.timings.judging(|| self.judge.finish());
         self.timings.stop(periods, feedback.time - begun);
-        self.stops.say_what_never_came();
+        let not_triggered = self.stops.not_triggered(feedback.time - begun);
         let lost = self.machine.lost().map(|why| format!("the iron is gone: {why}"));
         let recovered = self.keeper.as_ref().and_then(Keeper::recovered);
         let unwritten = self.keeper.and_then(Keeper::finish);
@@ -286,6 +288,7 @@ impl Simulation<'_> {
             cams: self.cams,
             idle: self.idle.map(verify::IdleTurns::finish).unwrap_or_default(),
             timings: self.timings,
+            not_triggered,
             happened: self.stops.happened,
             stops: self.stops.threads,
             withdrawn: self.stops.withdrawn,
@@ -388,6 +391,7 @@ impl Simulation<'_> {
             }
             self.watch.op(index, &op);
             self.recorder.op(index, &op);
+            self.recorder.frame(index, self.ops.frame());
             self.planner.push(index, &op, &mut |step| queue.push_back(step));
             for table in self.planner.take_tables() {
                 // the planner's tables are finite, and a step without its table is an alarm

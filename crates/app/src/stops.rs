@@ -140,11 +140,16 @@ impl Stops {
         }
     }
 
-    /// The run is over: what was told to come and has not is said.
-    pub(crate) fn say_what_never_came(&mut self) {
-        let left = self.faults.left().chain(self.orders.left());
-        let left: Vec<_> = left.map(|text| format!("never came: {text}")).collect();
-        self.happened.extend(left);
+    /// The run is over after so long: faults that were to happen in it and have not. An operator's orders that were never
+    /// given are only said: what they are for may be over before.
+    pub(crate) fn not_triggered(&mut self, after: Time) -> Vec<String> {
+        let sentence = |what: &str, text: &str| {
+            let seconds = after.value();
+            format!("{what} not triggered: {text}: the run was over after {seconds:.3} s without that moment")
+        };
+        let orders: Vec<_> = self.orders.left().map(|text| sentence("order", text)).collect();
+        self.happened.extend(orders);
+        self.faults.left().map(|text| sentence("fault", text)).collect()
     }
 
     /// A run that has stopped: run down, and out of the thread if that is asked for. Whether the program goes on.

@@ -3,6 +3,7 @@
 //! Times are added up from the planner's own steps: motion, spindle ramps, waits, tool changes. Peaks are taken from the
 //! setpoints as a drive would get them: differences at the servo period.
 use crate::args::{Format, TimeArgs};
+use crate::progress::Progress;
 use crate::refused::Refused;
 use crate::session::{Session, read_program};
 use crate::{render, say};
@@ -59,8 +60,12 @@ pub(crate) fn command(args: &TimeArgs, quiet: bool) -> Result<bool, Refused> {
         steps: 0,
     };
     let began = args.timings.then(crate::clock::now);
-    let known =
-        crate::preflight::preflight_with(&mut session, &text, options, &mut |s| tally.step(&s));
+    let progress = Progress::of_lines(&text, "planning");
+    let known = crate::preflight::preflight_with(&mut session, &text, options, &mut |step| {
+        progress.reached(step.line);
+        tally.step(&step);
+    });
+    drop(progress);
     let took = began.map(|began| (crate::clock::now() - began).as_secs_f64());
     let name = args.program.display().to_string();
     if known.is_refused() {
@@ -72,11 +77,10 @@ pub(crate) fn command(args: &TimeArgs, quiet: bool) -> Result<bool, Refused> {
     }
     let free = without_jerk(&mut session, &text, options);
     match args.format {
+        Format::Text if quiet => {}
         Format::Text => {
-            if !quiet {
-                let source = render::Source { name: &name, text: &text, drawn: &session.drawn };
-                say::err(&render::text(&known.findings, &source));
-            }
+            let source = render::Source { name: &name, text: &text, drawn: &session.drawn };
+            say::err(&render::text(&known.findings, &source));
             say::out(&(people(&tally, &name) + &trade(tally.all.shares.motion(), free)))?;
         }
         Format::Json => {

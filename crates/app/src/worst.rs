@@ -5,15 +5,19 @@
 //!   torque     of each tap over the thread that it cut: wear; and against the tap makers' formula
 //! ```
 use crate::check::plural;
+use report::Standing;
 use verify::{Feature, FeatureKind, Summary, Tolerances, TorqueTrend};
 
 /// A line for the worst feature and why, one for each tap that cut two threads or more of one size, and one for torques that
 /// the formula does not explain.
 pub(crate) fn text(features: &[Feature], tolerances: &Tolerances) -> String {
-    let summary = Summary::of(features, tolerances);
+    // what was not cut has no measures that could be near to anything
+    let cut: Vec<Feature> =
+        features.iter().filter(|f| Standing::of(f) != Standing::NotCut).cloned().collect();
+    let summary = Summary::of(&cut, tolerances);
     let mut said = String::new();
     if let Some((index, left)) = summary.worst {
-        let feature = &features[index];
+        let feature = &cut[index];
         said += &format!(
             "nearest to its limit: line {}, {}: {left}{}\n",
             feature.line,
@@ -31,13 +35,13 @@ pub(crate) fn text(features: &[Feature], tolerances: &Tolerances) -> String {
 /// How the torque of a tap has gone over the thread that it cut.
 fn torque(trend: &TorqueTrend) -> Option<String> {
     let [first, .., last] = trend.threads.as_slice() else { return None };
-    let wear = match trend.rise_per_m {
+    let wear = match trend.significant() {
         Some(rise) => {
             let (rise, doubt) = (rise * 100.0, trend.uncertainty_per_m * 100.0);
-            let called = if trend.is_wear() { "wear" } else { "no wear to be told from chance" };
+            let called = if rise > 0.0 { "wear" } else { "falling" };
             format!("; {rise:+.1} ± {doubt:.1} % by metre of thread: {called}")
         }
-        None => String::new(),
+        None => "; no significant wear".to_owned(),
     };
     Some(format!(
         "torque of T{} over {}, {:.2} m: in {:.2} N·m in the first, {:.2} N·m in the last, out {}{wear}\n",

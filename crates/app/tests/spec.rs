@@ -53,8 +53,8 @@ fn rewritten(page: &str) -> (String, usize) {
                 options = gcode.split(' ').skip(1).filter(|word| *word != "refused").collect();
             }
             "log" => {
-                let arguments = [&["run", "-", "--log", "-q"], &options[..]].concat();
-                out.push_str(&run(&arguments, &program, 0));
+                let arguments = [&["run", "-", "--log"], &options[..]].concat();
+                out.push_str(&without_names(&run(&arguments, &program, 0)));
                 out.push_str("```\n");
                 checked += 1;
                 continue;
@@ -80,6 +80,12 @@ fn rewritten(page: &str) -> (String, usize) {
         out.push_str("```\n");
     }
     (out, checked)
+}
+
+/// Without the lines that name program and tools: the page has told of both.
+fn without_names(text: &str) -> String {
+    let names = |line: &&str| !line.starts_with("- on ") && !line.starts_with("tools from ");
+    text.lines().filter(names).map(|line| line.to_owned() + "\n").collect()
 }
 
 /// The picture of the steps, which must be that of the page's first log; what is wrong with it.

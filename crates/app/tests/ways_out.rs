@@ -186,7 +186,7 @@ fn a_wheel_whose_axis_has_lost_its_encoder_is_not_said_to_be_off_the_cam_by_itse
 }
 
 #[test]
-fn what_is_wrong_with_faults_and_orders_is_said_at_once_and_what_never_came_in_the_end() {
+fn what_is_wrong_with_faults_and_orders_is_said_at_once_and_what_was_not_triggered_in_the_end() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("tap.ngc");
     std::fs::write(&file, iron::one_tap("G84", 11)).unwrap();
@@ -200,7 +200,7 @@ fn what_is_wrong_with_faults_and_orders_is_said_at_once_and_what_never_came_in_t
     let output = leadscrew(&[&run[..], &orders].concat());
     let text = said(&output);
     assert!(text.contains("emergency-stop at") && text.contains("THE TAP IS OUT"), "{text}");
-    assert!(text.contains("never came: resume at 900s"), "{text}");
+    assert!(text.contains("order not triggered: resume at 900s"), "{text}");
 }
 
 #[test]

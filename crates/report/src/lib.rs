@@ -12,20 +12,24 @@
 //! the page: the verdict first, then figures, then pictures, each with the sentence that says what
 //! to look for. The pictures are drawn by this crate's own writer of SVG.
 
+mod measure;
 mod page;
 mod pictures;
 mod record;
 mod recovery;
 mod run;
+mod standing;
 mod stops;
 mod svg;
 mod thin;
 
+pub use measure::Measure;
 pub use page::{
     CamPage, Comparison, CompensationPage, CompensationRow, Named, PolygonPlan, Side, Way,
-    WayOfCompensation, cam_html, comparison_html, compensation_html, html, polygon_html, um_figure,
+    WayOfCompensation, cam_html, comparison_html, compensation_html, feature_name, html, polygon_html, um_figure,
 };
 pub use record::{AxisLimits, Recorder, WORST_KEPT};
 pub use recovery::{Recovery, recovery_svg};
 pub use run::{Alarm, Limits, Motion, Note, Origin, Run};
+pub use standing::Standing;
 pub use stops::{PlanePoint, ThreadStop, WayBack};

@@ -41,6 +41,8 @@ pub struct Run {
     pub stops: Vec<crate::ThreadStop>,
     /// How long it was planned to move; `None`: nobody has asked.
     pub motion: Option<Motion>,
+    /// The program's text, for the listing; empty: there is none.
+    pub listing: Vec<u8>,
 }
 
 /// Planned time in motion, and what it would be if no axis had a limit of jerk.
@@ -121,6 +123,13 @@ impl Limits {
         curve
     }
 
+    /// The torque curve from rest up to a speed, which ends it wherever it lies between two of its points.
+    pub(crate) fn torque_up_to(&self, spin: Spin) -> Vec<(Spin, Torque)> {
+        let below = self.torque.iter().copied().filter(|(speed, _)| *speed < spin);
+        let last = self.torque_at(spin).map(|torque| (spin, torque));
+        below.chain(last).collect()
+    }
+
     /// Largest torque at a speed, either sense; `None` without a curve or beyond its end.
     pub(crate) fn torque_at(&self, spin: Spin) -> Option<Torque> {
         let spin = spin.abs();
@@ -171,5 +180,9 @@ mod tests {
         let exact = 15_000.0 / (std::f64::consts::TAU * 100.0);
         assert!((at(6000.0).expect("within the curve") - exact).abs() < 0.01 * exact);
         assert_eq!(at(10_001.0), None);
+        // slower than the base speed: flat, and as long as what is asked for
+        let slow = limits.torque_up_to(Spin::rpm(1300.0));
+        let slow: Vec<_> = slow.iter().map(|(n, m)| (n.in_rpm().round(), m.value())).collect();
+        assert_eq!(slow, [(0.0, 42.0), (1300.0, 42.0)]);
     }
 }

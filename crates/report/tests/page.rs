@@ -93,10 +93,10 @@ fn a_bad_thread_comes_first_with_its_reason() {
     let document = check(&page);
     let words = words(&document);
     assert!(
-        words.contains("✗\nOUT OF TOLERANCE\n1 of 24 features is out of tolerance. Worst: line 36"),
+        words.contains("✗\nOUT OF TOLERANCE\nOf 24 features: 1 out of tolerance. Worst: line 36"),
         "{words}"
     );
-    assert!(words.contains("Worst thread: M6x1, No. 19, line 36"));
+    assert!(words.contains("Thread that failed: M6x1, No. 19, line 36"));
     assert!(words.contains("First thread: M6x1, No. 13, line 30"));
     let rows: Vec<_> = document
         .descendants()
@@ -126,7 +126,7 @@ fn a_run_that_faulted_says_so_before_anything_else() {
         "{words}"
     );
     assert!(words.contains("✗ The tap of line 32 did not come out of its hole in step."));
-    assert!(words.contains("Worst thread: M6x1, No. 15, line 32"));
+    assert!(words.contains("Thread that failed: M6x1, No. 15, line 32"));
 }
 
 #[test]

@@ -21,6 +21,8 @@ const BELIEVED: [f64; 12] =
     [12.71, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179];
 /// The same with more of them.
 const BELIEVED_OF_MANY: f64 = 2.1;
+/// With fewer threads of a tap nothing is said of a trend.
+const FEWEST: usize = 5;
 /// Threads whose depths differ by less are equally deep, mm.
 const SAME_DEPTH_MM: f64 = 0.05;
 
@@ -72,9 +74,19 @@ impl TorqueTrend {
 
     /// Whether the torque rises, and not by chance.
     pub fn is_wear(&self) -> bool {
+        self.significant().is_some_and(|rise| rise > 0.0)
+    }
+
+    /// The rise by metre as far as the threads carry one: more than chance makes of it, either way, and from threads enough
+    /// that a trend is a question at all.
+    pub fn significant(&self) -> Option<f64> {
+        let rise = self.rise_per_m.filter(|_| self.threads.len() >= FEWEST)?;
+        (rise.abs() > self.believed() * self.uncertainty_per_m).then_some(rise)
+    }
+
+    fn believed(&self) -> f64 {
         let believed = BELIEVED.get(self.spare.saturating_sub(1)).copied();
-        let believed = believed.unwrap_or(BELIEVED_OF_MANY);
-        self.rise_per_m.is_some_and(|rise| rise > believed * self.uncertainty_per_m)
+        believed.unwrap_or(BELIEVED_OF_MANY)
     }
 
     /// The fitted line at so much thread cut.
@@ -220,5 +232,7 @@ mod tests {
         let seen = trend(&[2.0, 2.09, 2.2]);
         assert!(seen.rise_per_m.unwrap() > 2.0 * seen.uncertainty_per_m && seen.spare == 1);
         assert!(!trend(&[2.0, 2.15, 2.2]).is_wear());
+        // exactly on a line, and yet only three
+        assert_eq!(trend(&[2.0, 1.9, 1.8]).significant(), None);
     }
 }

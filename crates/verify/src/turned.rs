@@ -392,7 +392,12 @@ impl TurnedTrack {
             time: self.began.unwrap_or(now),
             duration: self.began.map_or(Time::ZERO, |began| self.last - began),
             verdict: verdict::of(&found, law.as_ref(), inspected.as_ref(), config),
-            contact: crate::Contact::default(),
+            contact: crate::Contact {
+                reach: found.groove_depth.map(|depth| depth.max(Length::ZERO)),
+                torque: found.torque_max,
+                force: found.force_max,
+                torque_expected: None,
+            },
             kind: FeatureKind::Turned(Box::new(found)),
         }
     }

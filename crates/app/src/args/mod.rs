@@ -3,6 +3,9 @@ mod cam;
 mod common;
 mod compare;
 mod compensation;
+#[cfg(test)]
+#[allow(clippy::unwrap_used)] // a test may panic
+mod documented;
 mod iron;
 mod lists;
 mod polygon;
@@ -10,6 +13,7 @@ mod run;
 mod text;
 
 pub(crate) use cam::{CamArgs, CamFormName, CamOutput};
+use crate::progress::Shown;
 use clap::{Parser, Subcommand};
 pub(crate) use common::{
     ClutchDwell, Compensation, DecimalPoint, Dialect, Estimator, Format, MissingTools, ProgramArgs,
@@ -34,9 +38,13 @@ pub(crate) use text::{
   leadscrew canon part.ngc --format linuxcnc                 compare with LinuxCNC's rs274 by diff
   leadscrew machine show tapping-center                      the machine's values, with their sources")]
 pub(crate) struct Cli {
-    /// Say only what went wrong
+    /// Say only what went wrong: no answer for people, no remarks, no progress; the exit code tells. Data that is
+    /// asked for (--format json, canon, --log, --out) comes all the same
     #[arg(short, long, global = true)]
     pub(crate) quiet: bool,
+    /// How progress is shown
+    #[arg(long, global = true, value_enum, default_value_t = Shown::Auto, value_name = "HOW")]
+    pub(crate) progress: Shown,
     /// What to do
     #[command(subcommand)]
     pub(crate) command: Command,
@@ -179,4 +187,34 @@ subprograms, definitions, renaming and formatting. An editor starts it; see docs
         /// For which shell
         shell: clap_complete::Shell,
     },
+}
+
+impl Command {
+    /// Whether whoever asked reads JSON: then a refusal is JSON, too.
+    pub(crate) fn answers_in_json(&self) -> bool {
+        match self {
+            Self::Run(args) => args.format == Format::Json,
+            Self::Recover(args) => args.format == Format::Json,
+            Self::Time(args) => args.format == Format::Json,
+            Self::Polygon(args) => args.format == Format::Json,
+            Self::Check(args) => args.format == FindingsFormat::Json,
+            Self::Canon(args) => args.format == CanonFormat::Json,
+            Self::Cam(args) => args.format == CamOutput::Json,
+            Self::Compensation(args) => args.format == CompensationOutput::Json,
+            Self::Codes { format } => *format == CodesFormat::Json,
+            Self::Iron(_)
+            | Self::Compare(_)
+            | Self::Fmt(_)
+            | Self::Lsp(_)
+            | Self::Machine(_)
+            | Self::Completions { .. } => false,
+        }
+    }
+}
+
+/// Whether a command line that could not be read asks for JSON.
+pub(crate) fn asks_for_json(words: impl Iterator<Item = String>) -> bool {
+    let words: Vec<String> = words.collect();
+    words.iter().any(|word| word == "--format=json")
+        || words.windows(2).any(|pair| pair[0] == "--format" && pair[1] == "json")
 }

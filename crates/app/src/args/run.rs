@@ -22,6 +22,9 @@ pub(crate) struct RunArgs {
     /// Material of the workpiece [default: the machine's set-up]
     #[arg(long, value_name = "NAME")]
     pub(crate) material: Option<String>,
+    /// Unit of lengths in report and tables [default: as the program writes them]
+    #[arg(long, value_enum)]
+    pub(crate) units: Option<Units>,
     /// How the summary is printed
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(crate) format: Format,
@@ -61,6 +64,24 @@ pub(crate) struct RunArgs {
     pub(crate) synchronisation: Option<Synchronisation>,
     #[command(flatten)]
     pub(crate) left: super::LeftArgs,
+}
+
+/// Unit of lengths.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Units {
+    /// Millimetres and micrometres
+    Mm,
+    /// Inches and microinches
+    Inch,
+}
+
+impl From<Units> for canon::LengthUnit {
+    fn from(units: Units) -> Self {
+        match units {
+            Units::Mm => Self::Millimetre,
+            Units::Inch => Self::Inch,
+        }
+    }
 }
 
 /// What comes after a tap has been taken out.

@@ -11,12 +11,12 @@ mod closed_form;
 
 use crate::args::CompareArgs;
 use crate::preflight::preflight;
+use crate::progress::Progress;
 use crate::refused::Refused;
 use crate::session::{Session, read_program};
 use crate::simulate::Trial;
 use crate::{say, tables, wiring};
 use canon::{Hand, Holder, ThreadSize, Tool, ToolKind, ToolLibrary, UnknownSize};
-use comfy_table::{Cell, CellAlignment};
 use plan::{PlainDrive, TapMethod, Unsynchronised};
 use report::{Comparison, Way};
 use std::path::Path;
@@ -99,9 +99,11 @@ pub(crate) fn command(args: &CompareArgs, quiet: bool) -> Result<bool, Refused> 
         }
     };
     let mut ways = Vec::new();
+    let progress = Progress::new(u64::from(args.samples) * CASES.len() as u64, "tapping (simulated)");
     for case in &CASES {
-        ways.push(way(args, case, &text, drive)?);
+        ways.push(way(args, case, &text, drive, &progress)?);
     }
+    drop(progress);
     let mut said = summary(&ways);
     for way in &ways {
         said += &not_cut(way);
@@ -117,16 +119,16 @@ pub(crate) fn command(args: &CompareArgs, quiet: bool) -> Result<bool, Refused> 
         scatter: scatter_sentence(args, &drive),
         ways,
     };
-    if !quiet {
-        said += &format!("{}\n", comparison.scatter);
-    }
+    said += &format!("{}\n", comparison.scatter);
     if let Some(out) = &args.out {
         let page = report::comparison_html(&comparison);
         std::fs::write(out, page)
             .map_err(|e| Refused::because(format!("cannot write {}: {e}", out.display())))?;
         said += &format!("report: {}\n", out.display());
     }
-    say::out(&said)?;
+    if !quiet {
+        say::out(&said)?;
+    }
     Ok(comparison.ways.iter().all(|way| way.not_cut == 0))
 }
 
@@ -187,6 +189,7 @@ fn way(
     case: &Case,
     text: &[u8],
     drive: sim::PlainDrive,
+    progress: &Progress,
 ) -> Result<Way, Refused> {
     let mut way = Way {
         name: case.name.to_owned(),
@@ -227,6 +230,7 @@ fn way(
                 };
                 way.why_not = Some(way.why_not.take().unwrap_or_else(why));
             }
+            progress.inc(1);
         }
     }
     Ok(way)
@@ -394,20 +398,20 @@ fn not_cut(way: &Way) -> String {
 fn summary(ways: &[Way]) -> String {
     let heads = [
         "cycle",
-        "holes cut",
-        "depth error mm",
-        "1σ µm",
-        "least mm",
-        "largest mm",
-        "out of tolerance",
-        "not cut",
+        "holes\ncut",
+        "depth error\nmm",
+        "1σ\nµm",
+        "least\nmm",
+        "largest\nmm",
+        "out of\ntolerance",
+        "not\ncut",
     ];
-    let mut table = tables::table(heads);
-    for way in ways {
+    let row = |way: &Way| {
         let of = |f: fn(f64, f64) -> f64, from| way.depth_errors_mm.iter().copied().fold(from, f);
         let known =
             |text: String| if way.depth_errors_mm.is_empty() { "–".to_owned() } else { text };
-        let cells = [
+        vec![
+            way.name.clone(),
             way.depth_errors_mm.len().to_string(),
             known(format!("{:+.3}", way.mean_mm())),
             known(format!("{:.2}", way.sigma_mm() * 1e3)),
@@ -415,9 +419,8 @@ fn summary(ways: &[Way]) -> String {
             known(format!("{:+.3}", of(f64::max, f64::NEG_INFINITY))),
             way.failed.to_string(),
             way.not_cut.to_string(),
-        ];
-        let right = |cell: String| Cell::new(cell).set_alignment(CellAlignment::Right);
-        table.add_row(std::iter::once(Cell::new(&way.name)).chain(cells.map(right)));
-    }
-    format!("{table}\n")
+        ]
+    };
+    let rows: Vec<_> = ways.iter().map(row).collect();
+    format!("{}\n", tables::figures(&heads, &rows))
 }

@@ -82,6 +82,7 @@ struct Way {
 pub(crate) fn command(args: &PolygonArgs, quiet: bool) -> Result<(), Refused> {
     let design = Design::of(args)?;
     let way = |(name, who)| design.solve(name, who, design.work, &design.phases, Detail::Full);
+    let progress = crate::progress::Progress::new(1, "solving");
     let ways: Vec<Way> = design.candidates().filter_map(way).collect();
     let Some(best) = best(&ways) else {
         return Err(Refused::because(format!(
@@ -98,6 +99,7 @@ pub(crate) fn command(args: &PolygonArgs, quiet: bool) -> Result<(), Refused> {
         None => None,
     };
     let aim = aim.map(|aim| (design.fastest(best, aim.flatness), aim));
+    drop(progress);
     let proofs = if args.simulate { prove::proofs(&design, &args.machine)? } else { Vec::new() };
     let claim = design.claim(&design.gcode(best), &args.machine, design.work)?;
     let told = words::Told { design: &design, ways: &ways, best, aim, claim: &claim, proofs };
@@ -108,8 +110,9 @@ pub(crate) fn command(args: &PolygonArgs, quiet: bool) -> Result<(), Refused> {
     }
     match args.format {
         Format::Json => say::out(&format!("{:#}\n", told.json())),
+        Format::Text if quiet => Ok(()),
         Format::Text => {
-            let report = args.out.as_ref().filter(|_| !quiet);
+            let report = args.out.as_ref();
             let written = report.map_or(String::new(), |out| format!("page: {}\n", out.display()));
             say::out(&(told.text() + &written))
         }

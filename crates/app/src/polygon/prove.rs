@@ -63,8 +63,9 @@ pub(super) struct Cut {
 /// All speeds that the spindles reach.
 pub(super) fn proofs(design: &Design, machine: &str) -> Result<Vec<Proof>, Refused> {
     let most = design.fastest_turning();
+    let progress = crate::progress::Progress::new(SPEEDS.len() as u64, "cutting (simulated)");
     let speeds = SPEEDS.into_iter().map(Spin::rpm).filter(|spin| *spin <= most);
-    speeds.map(|spin| proof(design, machine, spin)).collect()
+    speeds.map(|spin| proof(design, machine, spin)).inspect(|_| progress.inc(1)).collect()
 }
 
 fn proof(design: &Design, machine: &str, spin: Spin) -> Result<Proof, Refused> {

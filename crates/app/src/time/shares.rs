@@ -1,4 +1,5 @@
 //! What the planned time is made of.
+use crate::progress::Progress;
 use crate::session::Session;
 use plan::{Clock, MachineLimits, Step, StepKind};
 use serde_json::{Value, json};
@@ -108,7 +109,9 @@ pub(crate) fn without_jerk(
     }
     let limits = crate::wiring::planner(&session.machine);
     let mut added = Added::new(&limits);
+    let progress = Progress::of_lines(text, "planning without limits of jerk");
     crate::preflight::steps(session, text, options, &mut |step| {
+        progress.reached(step.line);
         added.step(&step);
     });
     session.machine.axes = limited;

@@ -119,9 +119,9 @@ fn over_speed(index: usize, name: &str, page: &CompensationPage) -> String {
     };
     let all: Vec<_> = DRAWN.iter().flat_map(|(way, _)| of(*way)).collect();
     let x = Range::of("speed of the work / rev/min", all.iter().map(|p| p.0).chain([0.0]));
-    let y = Range::of("error / µm, power of ten", all.iter().map(|p| p.1)).padded(0.08);
+    let y = Range::of("error / µm", all.iter().map(|p| p.1)).padded(0.08).powers_of_ten();
     let heading = format!("{name}: what each way leaves");
-    let caption = "The largest contour error over the speed of the work; 0 is 1 µm, −1 is 0.1 µm.";
+    let caption = "The largest contour error over the speed of the work; the scale of errors is logarithmic.";
     let mut chart = Chart::new(&heading, caption, x, y, 260.0);
     for (way, stroke) in DRAWN {
         chart.line(stroke, &of(way), page.ways.get(way).map(String::as_str));
@@ -140,7 +140,7 @@ fn left(index: usize, name: &str, page: &CompensationPage) -> String {
     let shown = &DRAWN[2..];
     let most =
         shown.iter().flat_map(|(way, _)| points(*way)).map(|p| p.1.abs()).fold(0.01, f64::max);
-    let x = Range { title: "angle / °".into(), from: 0.0, to: 360.0 };
+    let x = Range { title: "angle / °".into(), from: 0.0, to: 360.0, powers: false };
     let y = Range::of("contour error / µm", [-most, most]).padded(0.08);
     let heading = format!("{name} at {} rpm, unrolled", fixed(row.rpm, 0));
     let caption = "What harmonics and learning leave, over the angle of the profile.";

@@ -1,23 +1,27 @@
 //! Key figures: what a reader looks for first, each with one line of why.
 use super::features::by_badness;
-use crate::Run;
+use crate::{Measure, Run, Standing};
 use crate::pictures::tolerance_share;
 use crate::record::Recorder;
 use crate::svg::{Tag, fixed};
 use units::{Length, Time};
-use verify::{Count, Feature, FeatureKind, Summary, Thread};
+use verify::{Feature, FeatureKind, Summary, Thread};
 
 /// The figures as a row of cards.
 pub(super) fn figures(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
     let summary = Summary::of(features, &run.tolerances);
     let mut cards = vec![card("Cycle time", &duration(run.cycle_time), &rate(run, recorder))];
     let nothing = features.is_empty();
-    let counts = [("Holes", summary.holes), ("Threads", summary.threads)];
-    cards.extend(
-        counts.iter().filter(|(_, c)| nothing || c.total() > 0).map(|(name, c)| count(name, *c)),
-    );
-    cards.extend(largest_error(run, features));
-    cards.extend(depth_error(&summary));
+    for (name, of_kind) in KINDS {
+        let some: Vec<Standing> =
+            features.iter().filter(|f| of_kind(f)).map(Standing::of).collect();
+        if !some.is_empty() || nothing && name == "Holes" {
+            cards.push(count(name, &some));
+        }
+    }
+    let measure = recorder.measure();
+    cards.extend(largest_error(run, measure, features));
+    cards.extend(depth_error(&summary, measure, features));
     cards.extend(tightest(run, features));
     let see = if run.alarms.is_empty() { "none" } else { "see below" };
     cards.push(card("Alarms", &run.alarms.len().to_string(), see));
@@ -52,15 +56,30 @@ fn rate(run: &Run, recorder: &Recorder) -> String {
     format!("{} s per tap, in and out", fixed(tapping / recorder.taps as f64, 3))
 }
 
-fn count(name: &str, count: Count) -> String {
-    let why = match (count.total(), count.failed, count.not_judged) {
-        (0, ..) => "none cut".into(),
-        (_, 0, 0) => "✓ all".into(),
-        (_, 0, open) => format!("○ {open} not judged"),
-        (_, bad, 0) => format!("✗ {bad} out of tolerance"),
-        (_, bad, open) => format!("✗ {bad} out of tolerance, {open} not judged"),
+/// Kinds that are counted.
+const KINDS: [(&str, fn(&Feature) -> bool); 5] = [
+    ("Holes", |f| matches!(f.kind, FeatureKind::Hole(_))),
+    ("Threads", |f| matches!(f.kind, FeatureKind::Thread(_) | FeatureKind::Turned(_))),
+    ("Polygons", |f| matches!(f.kind, FeatureKind::Polygon(_))),
+    ("Cams", |f| matches!(f.kind, FeatureKind::Cam(_))),
+    ("Gears", |f| matches!(f.kind, FeatureKind::Gear(_))),
+];
+
+fn count(name: &str, all: &[Standing]) -> String {
+    let of = |standing: Standing| all.iter().filter(|s| **s == standing).count();
+    let some = [Standing::Bad, Standing::NotCut, Standing::NotJudged]
+        .into_iter()
+        .filter(|standing| of(*standing) > 0)
+        .map(|standing| {
+            let word = if standing == Standing::Bad { "out of tolerance" } else { standing.name() };
+            format!("{} {} {word}", standing.sign(), of(standing))
+        });
+    let why = match (all.len(), some.collect::<Vec<_>>().join(", ")) {
+        (0, _) => "none cut".into(),
+        (_, none) if none.is_empty() => "✓ all".into(),
+        (_, bad) => bad,
     };
-    let value = format!("{} of {}", count.passed, count.total());
+    let value = format!("{} of {}", of(Standing::Good), all.len());
     card(&format!("{name} within tolerance"), &value, &why)
 }
 
@@ -75,28 +94,33 @@ fn threads(features: &[Feature]) -> impl Iterator<Item = (usize, &Thread)> {
     })
 }
 
-fn largest_error(run: &Run, features: &[Feature]) -> Option<String> {
-    let finite = threads(features).filter(|(_, t)| t.sync_error_max.is_finite());
+fn largest_error(run: &Run, measure: Measure, features: &[Feature]) -> Option<String> {
+    let finite = threads(features)
+        .filter(|(_, t)| t.sync_error_max.is_finite() && t.tip_depth > Length::ZERO);
     let (number, thread) =
         finite.max_by(|a, b| a.1.sync_error_max.value().total_cmp(&b.1.sync_error_max.value()))?;
+    let (unit, small) = (measure.symbol(), measure.small_symbol());
     let why = format!(
-        "No. {number}, {} deep; warn {} µm, a quarter of TD2 is {} µm",
-        format_args!("{} mm", fixed(thread.sync_error_depth.value(), 1)),
-        fixed(run.limits.sync_warn.in_um(), 0),
-        fixed(tolerance_share(thread).in_um(), 0)
+        "No. {number}, {} {unit} deep; warn {} {small}, a quarter of TD2 is {} {small}",
+        measure.length(thread.sync_error_depth),
+        measure.small(run.limits.sync_warn, 0),
+        measure.small(tolerance_share(thread), 0)
     );
-    let value = format!("{} µm", fixed(thread.sync_error_max.in_um(), 1));
+    let value = format!("{} {small}", measure.small(thread.sync_error_max, 1));
     Some(card("Largest sync error in the material", &value, &why))
 }
 
-fn depth_error(summary: &Summary) -> Option<String> {
+fn depth_error(summary: &Summary, measure: Measure, features: &[Feature]) -> Option<String> {
     let (index, error) = summary.depth_error_max?;
+    if Standing::of(features.get(index)?) == Standing::NotCut {
+        return None; // how far it is from a thread that is not there says nothing
+    }
     let sense = match error {
         e if e.abs() < Length::um(0.05) => "as programmed",
         e if e < Length::ZERO => "not deep enough",
         _ => "deeper than programmed",
     };
-    let value = format!("{} µm", fixed(error.abs().in_um(), 1));
+    let value = format!("{} {}", measure.small(error.abs(), 1), measure.small_symbol());
     Some(card("Largest depth error of a thread", &value, &format!("No. {}, {sense}", index + 1)))
 }
 
@@ -104,6 +128,11 @@ fn tightest(run: &Run, features: &[Feature]) -> Option<String> {
     let (index, left) = *by_badness(run, features).first()?;
     let feature = &features[index];
     let why = feature.verdict.reason().map_or_else(|| left.to_string(), Into::into);
-    let name = if feature.verdict.is_pass() { "Nearest to its limit" } else { "Worst feature" };
+    let name = match Standing::of(feature) {
+        Standing::Good => "Nearest to its limit",
+        Standing::Bad => "Worst feature",
+        Standing::NotCut => "Not cut",
+        Standing::NotJudged => "Not judged",
+    };
     Some(card(name, &format!("No. {}", index + 1), &format!("line {}: {why}", feature.line)))
 }

@@ -2,10 +2,10 @@
 //!
 //! ```text
 //!   verdict · key figures · alarms and notes
-//!   map of holes · table of features
+//!   map of holes · tables of features
 //!   hole by hole: sync error and torque · chip removal
 //!   the worst and the first thread: phase plane, sync error, speed and torque, operating points
-//!   tool path · the run over time · where the time went
+//!   tool path · the run over time · where the time went · the program, line by line
 //! ```
 //!
 //! Whatever came from a program or a file is text here and cannot become markup: it is escaped where it is
@@ -14,8 +14,9 @@
 mod cams;
 mod comparison;
 mod compensation;
-mod features;
+pub(crate) mod features;
 mod figures;
+mod listing;
 mod notes;
 mod polygon;
 mod sizes;
@@ -25,6 +26,7 @@ mod tools;
 mod turned;
 mod verdict;
 
+pub use features::name as feature_name;
 pub use cams::{CamPage, cam_html};
 pub use comparison::{Comparison, Way, comparison_html};
 pub use compensation::{
@@ -44,15 +46,17 @@ const SORT: &str = include_str!("sort.js");
 /// The report of a run as one HTML page: equal input gives an equal page, byte for byte.
 pub fn html(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
     let mut main = verdict::verdict(run, features);
+    let listing = listing::Listing::of(run, recorder, features);
     main += &figures::figures(run, recorder, features);
     main += &notes::notes(run, recorder, features);
     main += &cams::cams(features);
     main += &stops::recoveries(&run.stops);
-    let map = pictures::hole_map(run, features);
-    let left = map + &tools::tools(run, recorder);
-    let right = sizes::sizes(features) + &pictures::time_shares(run, recorder);
-    main += &section("Workpiece, tools, time", &grid(&(column(&left) + &column(&right))));
-    main += &section("Features", &features::table(run, features));
+    let overview = pictures::hole_map(run, recorder, features)
+        + &sizes::sizes(features, recorder.measure())
+        + &tools::tools(run, recorder)
+        + &pictures::time_shares(run, recorder);
+    main += &section("Workpiece, tools, time", &grid(&overview));
+    main += &section("Features", &features::tables(run, recorder, features, &listing));
     main += &section("Hole by hole", &grid(&pictures::hole_by_hole(run, features)));
     main += &section("Chip removal", &grid(&pictures::chip_removal(recorder)));
     let polygons = features.iter().enumerate().filter_map(|(i, f)| match &f.kind {
@@ -72,10 +76,10 @@ pub fn html(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
     main += &section("Turned threads", &grid(&turned::pictures(features)));
     main += &section("Taps in holders that give", &grid(&pictures::floating(recorder)));
     main += &threads::threads(run, recorder, features);
-    let [above, front] = pictures::tool_path(run, recorder);
-    let machine = above + &column(&(front + &pictures::timeline(run, recorder)));
-    main += &section("Machine", &grid(&machine));
+    let (path, drawn) = pictures::tool_path(run, recorder, &|line| listing.shows(line));
+    main += &section("Machine", &grid(&(path + &pictures::timeline(run, recorder))));
     main += &section("Speed along the path", &grid(&pictures::pace(run, recorder)));
+    main += &section("Program", &listing.html(run, recorder, features, &drawn));
     main += &footer(run, recorder);
     page(run, &Tag::new("main").around(&main))
 }
@@ -103,10 +107,6 @@ fn section(heading: &str, content: &str) -> String {
 
 fn grid(figures: &str) -> String {
     if figures.is_empty() { String::new() } else { Tag::new("div").class("grid").around(figures) }
-}
-
-fn column(figures: &str) -> String {
-    if figures.is_empty() { String::new() } else { Tag::new("div").class("column").around(figures) }
 }
 
 fn footer(run: &Run, recorder: &Recorder) -> String {

@@ -28,7 +28,7 @@ pub(super) fn notes(run: &Run, recorder: &Recorder, features: &[Feature]) -> Str
     let found = unfinished(recorder).into_iter().chain(saturated(recorder));
     let found = found.chain(out_of_step(run, features));
     let all = found.chain(notes).chain(limiting(run)).collect();
-    let notes = super::section("To know", &list(all));
+    let notes = super::section("Notes", &list(all));
     alarms + &notes
 }
 

@@ -1,69 +1,90 @@
 //! The workpiece by sizes: one row per size of thread and diameter of hole.
 use crate::pictures::figure;
 use crate::svg::{Tag, fixed};
+use crate::{Measure, Standing};
 use std::collections::BTreeMap;
 use verify::{Feature, FeatureKind, Thread};
 
 /// Rows at most.
 const MOST: usize = 40;
 
-/// One row per size of thread and diameter of hole: how many, and the spread of what matters.
-pub(super) fn sizes(features: &[Feature]) -> String {
+/// One row per size of thread and diameter of hole: how many, and the spread of what matters; nothing where no size has
+/// more than one, for then the tables of features say the same.
+pub(super) fn sizes(features: &[Feature], measure: Measure) -> String {
     let mut by_size: BTreeMap<String, Vec<&Feature>> = BTreeMap::new();
     for feature in features {
-        let size = match &feature.kind {
-            FeatureKind::Hole(hole) => format!("hole ⌀{}", fixed(hole.diameter.value(), 2)),
-            FeatureKind::Thread(thread) => thread.size.clone(),
-            FeatureKind::Polygon(polygon) => polygon.name(),
-            FeatureKind::Cam(cam) => format!("cam {}", cam.name),
-            FeatureKind::Turned(thread) => thread.name(),
-            FeatureKind::Gear(gear) => gear.name(),
-        };
-        by_size.entry(size).or_default().push(feature);
+        by_size.entry(super::features::name(feature, measure)).or_default().push(feature);
     }
-    if by_size.is_empty() {
+    if by_size.values().all(|of_size| of_size.len() < 2) {
         return String::new();
     }
-    let rows: String =
-        by_size.iter().take(MOST).map(|(size, of_size)| row(size, of_size)).collect();
-    let head = "<thead><tr><th class=\"l\">size</th><th>good</th><th>depth error<small>µm</small></th><th>sync error, max<small>µm</small></th><th>margin<small>µm</small></th></tr></thead>";
-    let table = Tag::new("table").around(&(head.to_owned() + &Tag::new("tbody").around(&rows)));
+    let rows: Vec<[String; 5]> =
+        by_size.iter().take(MOST).map(|(size, of_size)| row(size, of_size, measure)).collect();
+    let heads = [
+        ("size", ""),
+        ("good", ""),
+        ("depth error", measure.small_symbol()),
+        ("sync error, max", measure.small_symbol()),
+        ("margin", measure.small_symbol()),
+    ];
+    // a column in which nothing was measured says nothing
+    let used: Vec<usize> = (0..5).filter(|at| rows.iter().any(|row| row[*at] != "–")).collect();
+    let cell = |tag: &'static str, at: usize| {
+        if at == 0 { Tag::new(tag).class("l") } else { Tag::new(tag) }
+    };
+    let head: String = used
+        .iter()
+        .map(|&at| {
+            let (name, unit) = heads[at];
+            let unit = if unit.is_empty() { String::new() } else { Tag::new("small").text(unit) };
+            cell("th", at).around(&(name.to_owned() + &unit))
+        })
+        .collect();
+    let body: String = rows
+        .iter()
+        .map(|row| {
+            let cells: String = used.iter().map(|&at| cell("td", at).text(&row[at])).collect();
+            Tag::new("tr").around(&cells)
+        })
+        .collect();
+    let head = Tag::new("thead").around(&Tag::new("tr").around(&head));
+    let table = Tag::new("table").around(&(head + &Tag::new("tbody").around(&body)));
     let scroll = Tag::new("div").class("scroll").with("tabindex", "0").around(&table);
-    let caption = "Least to largest over all of a size. Depth error: plus is too deep. A wide spread within one size points to \
+    let caption = "Least to largest over all of a size that were cut. Depth error: plus is too deep. A wide spread within one size points to \
         the machine, a common offset to the program or the tool table.";
     figure("By size", &scroll, caption)
 }
 
-fn row(size: &str, features: &[&Feature]) -> String {
+fn row(size: &str, features: &[&Feature], measure: Measure) -> [String; 5] {
     let good = features.iter().filter(|f| f.verdict.is_pass()).count();
-    let depth = spread(features, |f| match &f.kind {
-        FeatureKind::Hole(hole) => Some(hole.depth_error.in_um()),
-        FeatureKind::Thread(thread) => Some(thread.depth_error.in_um()),
-        FeatureKind::Polygon(_) | FeatureKind::Turned(_) | FeatureKind::Gear(_) => None,
-        FeatureKind::Cam(cam) => Some(cam.contour_error_max.in_um()),
+    let cut = features.iter().copied().filter(|f| Standing::of(f) != Standing::NotCut);
+    let cut: Vec<&Feature> = cut.collect();
+    let small = |error: units::Length| measure.small_number(error);
+    let depth = spread(&cut, measure, |f| match &f.kind {
+        FeatureKind::Hole(hole) => Some(small(hole.depth_error)),
+        FeatureKind::Thread(thread) => Some(small(thread.depth_error)),
+        FeatureKind::Polygon(_)
+        | FeatureKind::Turned(_)
+        | FeatureKind::Gear(_)
+        | FeatureKind::Cam(_) => None,
     });
-    let of_thread = |value: fn(&Thread) -> f64| {
-        spread(features, move |f| match &f.kind {
-            FeatureKind::Hole(_)
-            | FeatureKind::Polygon(_)
-            | FeatureKind::Cam(_)
-            | FeatureKind::Turned(_)
-            | FeatureKind::Gear(_) => None,
-            FeatureKind::Thread(thread) => Some(value(thread)),
+    let of_thread = |value: fn(&Thread) -> units::Length| {
+        spread(&cut, measure, move |f| match &f.kind {
+            FeatureKind::Thread(thread) => Some(small(value(thread))),
+            _ => None, // no other feature has one
         })
     };
-    let (sync, margin) = (of_thread(|t| t.sync_error_max.in_um()), of_thread(|t| t.margin.in_um()));
-    let sign = if good == features.len() { "✓" } else { "✗" };
-    let cells = [format!("{sign} {good}/{}", features.len()), depth, sync, margin];
-    let cells: String = cells.iter().map(|cell| Tag::new("td").text(cell)).collect();
-    Tag::new("tr").around(&(Tag::new("td").class("l").text(size) + &cells))
+    let (sync, margin) = (of_thread(|t| t.sync_error_max), of_thread(|t| t.margin));
+    let worst = features.iter().map(|f| Standing::of(f)).min().unwrap_or(Standing::Good);
+    [size.to_owned(), format!("{} {good}/{}", worst.sign(), features.len()), depth, sync, margin]
 }
 
-fn spread(features: &[&Feature], value: impl Fn(&Feature) -> Option<f64>) -> String {
+fn spread(features: &[&Feature], measure: Measure, value: impl Fn(&Feature) -> Option<f64>) -> String {
     let values = features.iter().filter_map(|f| value(f)).filter(|v| v.is_finite());
     let (low, high) =
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
-    let (from, to) = (fixed(low, 1), fixed(high, 1));
+    let decimals = usize::from(measure == Measure::METRIC);
+    let (from, to) = (fixed(low, decimals), fixed(high, decimals));
     if low > high {
         "–".into()
     } else if from == to {

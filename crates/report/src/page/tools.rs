@@ -1,5 +1,5 @@
 //! The tools that were in the spindle: what the setter must have mounted for this report to hold.
-use crate::Run;
+use crate::{Measure, Run};
 use crate::pictures::figure;
 use crate::record::Recorder;
 use crate::svg::{Tag, fixed};
@@ -8,11 +8,12 @@ use units::{Length, Time};
 /// The table, or nothing if no tool was used.
 pub(super) fn tools(run: &Run, recorder: &Recorder) -> String {
     let used = recorder.shares.tools.iter().filter(|(number, _)| *number != 0);
-    let rows: String = used.map(|(number, shares)| row(run, *number, shares.total())).collect();
+    let rows: String = used.map(|(number, shares)| row(run, recorder.measure(), *number, shares.total())).collect();
     if rows.is_empty() {
         return String::new();
     }
-    let units = [("length", "mm"), ("⌀", "mm"), ("in spindle", "s")];
+    let measure = recorder.measure();
+    let units = [("length", measure.symbol()), ("⌀", measure.symbol()), ("in spindle", "s")];
     let heads: String = units
         .map(|(name, unit)| {
             Tag::new("th").around(&(name.to_owned() + &Tag::new("small").text(unit)))
@@ -26,12 +27,12 @@ pub(super) fn tools(run: &Run, recorder: &Recorder) -> String {
     figure("Tools", &scroll, caption)
 }
 
-fn row(run: &Run, number: u32, time: Time) -> String {
+fn row(run: &Run, measure: Measure, number: u32, time: Time) -> String {
     let tool = run.tools.get(number);
     let assumed =
         if tool.is_some_and(|t| t.stand_in) { " (assumed: the table lacks it)" } else { "" };
     let size =
-        |of: fn(&canon::Tool) -> Length| tool.map_or("–".into(), |t| fixed(of(t).value(), 3));
+        |of: fn(&canon::Tool) -> Length| tool.map_or("–".into(), |t| measure.length(of(t)));
     let name = Tag::new("td").class("l wide").text(&(run.tool(number) + assumed));
     let cells = [size(|t| t.length), size(|t| t.diameter), fixed(time.value(), 2)];
     let cells: String = cells.iter().map(|cell| Tag::new("td").text(cell)).collect();

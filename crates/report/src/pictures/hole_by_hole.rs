@@ -56,8 +56,8 @@ fn convergence(run: &Run, tool: u32, threads: &[&Thread]) -> String {
     chart.line(Stroke::Second, &rms, Some("root of the mean square"));
     dots(&mut chart, &largest, "µm");
     let caption = format!(
-        "{description} With --learning what one thread missed is given to the next one, and the curve falls over the first \
-         threads; without it, it stays where it is."
+        "{description} Learning (--learning, or the machine's own) gives what one thread missed to the next one: then the curve \
+         falls over the first threads."
     );
     let heading = format!("Sync error, hole by hole: {}", run.tool(tool));
     figure(&heading, &chart.finish(&format!("conv-{tool}")), &caption)
@@ -80,23 +80,30 @@ fn torque(run: &Run, trend: &TorqueTrend) -> String {
     });
     let all = inward.iter().chain(&outward).map(|p| p.1).chain(band.into_iter().flatten());
     let y = Range::of("torque / N·m", all.chain([0.0])).padded(0.08);
-    let words = match trend.rise_per_m {
+    let shown = trend.significant();
+    let words = match shown {
         Some(rise) => format!(
             "{}{} ± {} % by metre of thread: {}.",
             if rise < 0.0 { "" } else { "+" },
             fixed(rise * 100.0, 1),
             fixed(trend.uncertainty_per_m * 100.0, 1),
-            if trend.is_wear() { "the tap gets duller" } else { "no more than chance" }
+            if rise > 0.0 { "the tap gets duller" } else { "the torque falls" }
         ),
-        None => "Too few threads for a trend.".to_owned(),
+        None => format!(
+            "{} threads over {} m: no trend that is more than chance.",
+            trend.threads.len(),
+            fixed(at(trend.threads.len() - 1), 2)
+        ),
     };
     let mut chart = Chart::new("Torque of a tap over its threads", &words, x, y, 210.0);
     chart.zero(false);
     if let Some(band) = band {
         chart.area("air", &[(from, band), (to, band)], Some("the tap makers' formula"));
     }
-    let line = |x: f64| (x, trend.fitted(units::Length::mm(x * 1e3)).value());
-    chart.line(Stroke::Ideal, &[line(from), line(to)], Some("least squares"));
+    if shown.is_some() {
+        let line = |x: f64| (x, trend.fitted(units::Length::mm(x * 1e3)).value());
+        chart.line(Stroke::Ideal, &[line(from), line(to)], Some("least squares"));
+    }
     chart.line(Stroke::Main, &inward, Some("in"));
     chart.line(Stroke::Second, &outward, Some("out"));
     dots(&mut chart, &inward, "N·m");

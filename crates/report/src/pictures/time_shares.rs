@@ -1,21 +1,25 @@
 //! Where the time went: one bar for the run, one for each tool, all on one scale.
 use super::figure;
 use crate::Run;
-use crate::record::{Recorder, Shares};
+use crate::record::{Recorder, Shares, Turning};
 use crate::svg::{Tag, escape, fixed};
 use bus::State;
 use units::Time;
 
-/// What a stretch of a bar means, the states it sums up, its class.
-const KINDS: [(&str, &[State], &str); 8] = [
-    ("rapid", &[State::Rapid], "s0"),
-    ("cutting feed", &[State::Feed], "s1"),
-    ("tapping", &[State::TapIn, State::TapBottom, State::TapOut], "s2"),
-    ("tool change", &[State::ToolChange], "s3"),
-    ("waiting for the spindle", &[State::SpindleWait, State::Couple, State::Measure], "s4"),
-    ("waiting for position", &[State::Settle], "s5"),
-    ("dwell, operator, idle", &[State::Dwell, State::Paused, State::Held, State::Idle], "s6"),
-    ("stopped by a fault, recovering", &[State::Faulted, State::Recovering], "s7"),
+/// What a stretch of a bar means, the states it sums up, turns of the work that are waited for, its class.
+type Kind = (&'static str, &'static [State], Option<Turning>, &'static str);
+
+const KINDS: [Kind; 10] = [
+    ("rapid", &[State::Rapid], None, "s0"),
+    ("cutting feed", &[State::Feed], None, "s1"),
+    ("tapping", &[State::TapIn, State::TapBottom, State::TapOut], None, "s2"),
+    ("grinding, with spark-out", &[], Some(Turning::Grinding), "s8"),
+    ("turns of the work in the air, to measure", &[], Some(Turning::InTheAir), "s9"),
+    ("tool change", &[State::ToolChange], None, "s3"),
+    ("coupling, waiting for the spindle", &[State::SpindleWait, State::Couple, State::Measure], None, "s4"),
+    ("waiting for position", &[State::Settle], None, "s5"),
+    ("dwell, operator, idle", &[State::Dwell, State::Paused, State::Held, State::Idle], None, "s6"),
+    ("stopped by a fault, recovering", &[State::Faulted, State::Recovering], None, "s7"),
 ];
 
 /// Less than this, s, is not worth a word.
@@ -25,8 +29,9 @@ const MOST_BARS: usize = 16;
 const WIDTH: f64 = 480.0;
 const ROW: f64 = 44.0;
 
-fn seconds(shares: &Shares, states: &[State]) -> f64 {
-    states.iter().map(|&state| shares.of(state).value()).sum()
+fn seconds(shares: &Shares, states: &[State], turning: Option<Turning>) -> f64 {
+    let turned = turning.map_or(0.0, |kind| shares.turning(kind).value());
+    turned + states.iter().map(|&state| shares.of(state).value()).sum::<f64>()
 }
 
 /// The bars, or nothing if no time has passed.
@@ -61,8 +66,8 @@ fn bar(row: usize, name: &str, shares: &Shares, whole: Time) -> String {
     let label = format!("{name}: {} s", fixed(total.value(), 2));
     let mut out = Tag::new("text").at("x", 0.0).at("y", top + 15.0).text(&label);
     let mut left = 0.0;
-    for (what, states, class) in KINDS {
-        let spent = seconds(shares, states);
+    for (what, states, turning, class) in KINDS {
+        let spent = seconds(shares, states, turning);
         let width = spent / whole.value() * WIDTH;
         if width < 0.05 {
             continue;
@@ -78,8 +83,8 @@ fn bar(row: usize, name: &str, shares: &Shares, whole: Time) -> String {
 
 fn legend(shares: &Shares) -> String {
     let mut list = String::from("<ul class=\"legend\">");
-    for (what, states, class) in KINDS {
-        let spent = seconds(shares, states);
+    for (what, states, turning, class) in KINDS {
+        let spent = seconds(shares, states, turning);
         if spent < LEAST {
             continue;
         }
@@ -96,7 +101,7 @@ fn legend(shares: &Shares) -> String {
 fn in_words(shares: &Shares) -> String {
     let parts = KINDS
         .iter()
-        .map(|(what, states, _)| (what, seconds(shares, states)))
+        .map(|(what, states, turning, _)| (what, seconds(shares, states, *turning)))
         .filter(|(_, s)| *s >= LEAST);
     let parts: Vec<_> = parts.map(|(what, s)| format!("{what} {} s", fixed(s, 2))).collect();
     format!("Of {} s: {}.", fixed(shares.total().value(), 2), parts.join(", "))

@@ -14,10 +14,8 @@ use crate::svg::{Chart, Range, Stroke, fixed};
 pub(crate) fn torque_plane(view: &ThreadView) -> String {
     let points = view.trace.plane.points();
     let fastest = points.iter().map(|p| p.0.abs()).fold(0.0, f64::max).max(100.0) * 1.12;
-    let curve = &view.run.limits.torque;
-    let within =
-        curve.iter().map(|&(n, m)| (n.in_rpm(), m.value())).filter(|p| p.0 <= fastest * 1.3);
-    let right: Vec<_> = within.collect();
+    let right = view.run.limits.torque_up_to(units::Spin::rpm(fastest * 1.3));
+    let right: Vec<_> = right.iter().map(|&(n, m)| (n.in_rpm(), m.value())).collect();
     let mut upper: Vec<_> = right.iter().rev().map(|&(n, m)| (-n, m)).collect();
     upper.extend(&right);
     let lower: Vec<_> = upper.iter().map(|&(n, m)| (n, -m)).collect();

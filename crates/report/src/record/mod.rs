@@ -10,6 +10,8 @@
 
 mod chips;
 mod floating;
+pub(crate) mod frames;
+mod lines;
 mod pace;
 mod series;
 mod shares;
@@ -21,6 +23,9 @@ mod track;
 pub(crate) use chips::{Chips, Hop, Row};
 pub(crate) use floating::{Floating, Moment};
 pub use pace::AxisLimits;
+use frames::Frames;
+use lines::Lines;
+pub(crate) use lines::Turning;
 pub(crate) use pace::{CLASSES, Limiter, Pace, class_bounds};
 pub(crate) use series::Series;
 pub(crate) use shares::{Shares, SharesByTool};
@@ -28,7 +33,9 @@ pub(crate) use tap::TapTrace;
 pub(crate) use track::{Point, Track};
 
 use bus::{Sample, State};
-use canon::{Axis, Op, OpKind, Tap, ToolLibrary};
+use crate::run::Origin;
+use crate::Measure;
+use canon::{Axis, LengthUnit, Op, OpKind, ProgramFrame, Tap, ToolLibrary};
 use std::collections::BTreeMap;
 use units::{Angle, Length, Time};
 
@@ -62,6 +69,14 @@ pub struct Recorder {
     pub(crate) saturated: usize,
     /// The longest time it was so in one of them.
     pub(crate) saturated_longest: Time,
+    /// How the program wrote what it ordered.
+    pub(crate) frames: Frames,
+    /// What its lines took.
+    pub(crate) lines: Lines,
+    /// Something was turned: with a single point (X is its radius), or with a tool that turns itself.
+    turns: Option<bool>,
+    /// Unit in which lengths are shown; `None`: the program's.
+    unit: Option<LengthUnit>,
     periods: u64,
     tool: Option<u32>,
     /// Its length.
@@ -84,10 +99,53 @@ impl Recorder {
         self
     }
 
+    /// Show lengths in this unit, whatever the program writes.
+    #[must_use]
+    pub const fn shown_in(mut self, unit: Option<LengthUnit>) -> Self {
+        self.unit = unit;
+        self
+    }
+
+    /// How lengths are shown: as the program writes them, unless a unit was asked for.
+    pub fn measure(&self) -> Measure {
+        Measure { unit: self.unit.or_else(|| self.frames.unit()).unwrap_or_default() }
+    }
+
+    /// Say how the program has written the operation that was announced last.
+    pub fn frame(&mut self, index: u32, frame: ProgramFrame) {
+        self.frames.put(index, frame);
+    }
+
+    /// Zero of the work offset in which an operation was programmed, in machine coordinates; `None`: nobody has said, or it
+    /// is turned.
+    pub fn zero_of(&self, op: u32) -> Option<canon::Position> {
+        self.frames.of(op).filter(|frame| frame.work_offset > 0).and_then(frames::zero)
+    }
+
+    /// The work offset in which everything was cut, if there is only one and it is not turned.
+    pub fn origin(&self) -> Option<Origin> {
+        let frame = self.frames.only().filter(|frame| frame.work_offset > 0)?;
+        Some(Origin { name: frames::name(frame), at: frames::zero(frame)? })
+    }
+
+    /// Whether the path is a lathe's, and if so whether its X is shown as a diameter: of two spindles that turn against each
+    /// other X is the distance of their axes.
+    pub(crate) fn turned_by_diameter(&self) -> Option<bool> {
+        let by_words = self.frames.only().is_some_and(|frame| frame.x_is_diameter);
+        (self.turns.is_some() || by_words).then(|| self.turns.unwrap_or(true))
+    }
+
     /// Announce an operation, before the machine begins it. `index` counts from 0 in program order.
     pub fn op(&mut self, index: u32, op: &Op) {
         self.chips.op(index, op);
         self.pace.op(index, op);
+        self.frames.op(&op.kind);
+        self.lines.op(index, op);
+        match &op.kind {
+            OpKind::Threading(_) => self.turns = Some(true),
+            OpKind::Polygon(_) | OpKind::Cam(_) | OpKind::Hob(_) => self.turns = Some(false),
+            _ => {}
+        }
         if let OpKind::Tap(tap) = &op.kind {
             self.announced.insert(index, *tap);
         }
@@ -100,7 +158,9 @@ impl Recorder {
         let state = sample.report.state;
         if let Some((before, was)) = self.previous {
             let period = now - before;
-            self.shares.push(state, sample.feedback.tool, period);
+            let turning = self.lines.turning(sample);
+            self.shares.push(state, turning, sample.feedback.tool, period);
+            self.lines.push(sample, period);
             if period > Time::ZERO {
                 let angle = sample.feedback.spindles[0].angle;
                 let spin = sample.truth.as_ref().map_or((angle - was) / period, |t| t.spins[0]);
@@ -150,7 +210,9 @@ impl Recorder {
             | State::Faulted
             | State::Ended => {}
         }
-        let point = Point { at, rapid: self.rapid, lifted, class: 0 };
+        let report = &sample.report;
+        let line = if self.lines.is_elsewhere(report.op) { 0 } else { report.line };
+        let point = Point { at, rapid: self.rapid, lifted, class: 0, line };
         self.track.push(point);
         self.pace.sample(sample, point);
     }

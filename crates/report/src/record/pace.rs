@@ -44,14 +44,22 @@ pub(crate) enum Limiter {
     Acceleration,
     /// An axis' acceleration changes as fast as it can.
     Jerk,
+    /// A thread, or another cut tied to the spindle's turns: the spindle is as fast as programmed.
+    Spindle,
     /// None of these: overrides, holds, or too short to tell.
     Nothing,
 }
 
 impl Limiter {
     /// All of them, in their order.
-    pub(crate) const ALL: [Self; 5] =
-        [Self::Feed, Self::Speed, Self::Acceleration, Self::Jerk, Self::Nothing];
+    pub(crate) const ALL: [Self; 6] = [
+        Self::Feed,
+        Self::Speed,
+        Self::Acceleration,
+        Self::Jerk,
+        Self::Spindle,
+        Self::Nothing,
+    ];
 }
 
 /// A programmed feed.
@@ -61,6 +69,8 @@ enum Fed {
     PerTime(f64),
     /// mm a revolution.
     PerRevolution(f64),
+    /// Tied to the spindle's angle.
+    Thread,
 }
 
 /// X, Y and Z.
@@ -99,8 +109,8 @@ pub(crate) struct Pace {
     pub(crate) turning: Option<Series>,
     pub(crate) accel: Series,
     pub(crate) jerk: Series,
-    /// Seconds by what limited.
-    pub(crate) limited: [f64; 5],
+    /// Seconds by what limited, of cuts and of rapids.
+    pub(crate) limited: [[f64; Limiter::ALL.len()]; 2],
 }
 
 impl Pace {
@@ -116,6 +126,10 @@ impl Pace {
             }
             OpKind::Line { to, feed } | OpKind::Spline { to, feed, .. } => (to, None, Some(feed)),
             OpKind::Arc { to, arc, feed } => (to, Some(arc), Some(feed)),
+            OpKind::Threading(_) => {
+                self.feeds.insert(index, Fed::Thread);
+                return;
+            }
             _ => return, // nothing else has a feed along a path
         };
         let from = self.programmed.replace(*to);
@@ -178,12 +192,17 @@ impl Pace {
             () if fast >= FED => Limiter::Speed,
             () if hard >= AT => Limiter::Acceleration,
             () if sudden >= AT => Limiter::Jerk,
+            () if self.is_thread(sample.report.op) => Limiter::Spindle,
             () => Limiter::Nothing,
         };
-        self.limited[limiter as usize] += period;
+        self.limited[usize::from(rapid)][limiter as usize] += period;
         self.class = class_near(speed, self.class);
-        self.track.push(Point { class: self.class, rapid, ..tip });
-        self.limiting.push(Point { class: limiter as u8, rapid, ..tip });
+        self.track.push(Point { class: self.class, rapid, line: 0, ..tip });
+        self.limiting.push(Point { class: limiter as u8, rapid, line: 0, ..tip });
+    }
+
+    fn is_thread(&self, op: u32) -> bool {
+        matches!(self.feeds.get(&op), Some(Fed::Thread))
     }
 
     /// The programmed feed of the op under way, per second; `spin`: revolutions per second.
@@ -191,10 +210,11 @@ impl Pace {
         while self.feeds.first_key_value().is_some_and(|(before, _)| *before < op) {
             self.feeds.pop_first();
         }
-        self.feeds.get(&op).map(|fed| match fed {
-            Fed::PerTime(feed) => *feed,
-            Fed::PerRevolution(lead) => lead * spin,
-        })
+        match self.feeds.get(&op)? {
+            Fed::PerTime(feed) => Some(*feed),
+            Fed::PerRevolution(lead) => Some(lead * spin),
+            Fed::Thread => None,
+        }
     }
 }
 
@@ -254,7 +274,7 @@ mod tests {
         pace.op(0, &op(OpKind::Rapid { to: at(0.0) }));
         let feed = Feed::Duration(Time::s(9.0));
         pace.op(1, &op(OpKind::Line { to: at(180.0), feed }));
-        let tip = Point { at: [0.0; 3], rapid: false, lifted: false, class: 0 };
+        let tip = Point { at: [0.0; 3], rapid: false, lifted: false, class: 0, line: 0 };
         for period in 0..1003 {
             let mut sample = Sample::default();
             sample.feedback.time = Time::s(f64::from(period) * 1e-3);
@@ -263,7 +283,7 @@ mod tests {
                 units::Length::mm(20e-3 * f64::from(period));
             pace.sample(&sample, tip);
         }
-        assert!((pace.limited[Limiter::Feed as usize] - 0.999).abs() < 2e-3, "{:?}", pace.limited);
+        assert!((pace.limited[0][Limiter::Feed as usize] - 0.999).abs() < 2e-3, "{:?}", pace.limited);
         let turning = pace.turning.expect("C turns").points();
         assert!(turning.iter().all(|(_, speed)| (speed - 20.0).abs() < 1e-6), "{turning:?}");
     }

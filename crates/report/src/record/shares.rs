@@ -1,4 +1,6 @@
-//! Where the time went: per state of the control, for the whole run and for each tool.
+//! Where the time went: per state of the control, for the whole run and for each tool. While a cam is ground the control
+//! waits for turns of the work: that is no idling, and is counted apart.
+use super::Turning;
 use bus::State;
 use units::Time;
 
@@ -11,6 +13,8 @@ const TOOLS: usize = 64;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Shares {
     seconds: [f64; STATES],
+    /// Cams ground, and turns of the work in the air.
+    turning: [f64; 2],
 }
 
 impl Shares {
@@ -19,11 +23,23 @@ impl Shares {
         Time::s(self.seconds[state as usize])
     }
 
+    /// Time for which the work turned under or before the wheel.
+    pub(crate) const fn turning(&self, kind: Turning) -> Time {
+        Time::s(self.turning[kind as usize])
+    }
+
+    const fn add(&mut self, state: State, turning: Option<Turning>, seconds: f64) {
+        match turning {
+            Some(kind) => self.turning[kind as usize] += seconds,
+            None => self.seconds[state as usize] += seconds,
+        }
+    }
+
     /// Time spent altogether, up to the program's end.
     pub(crate) fn total(&self) -> Time {
         let ended = State::Ended as usize;
         let running = self.seconds.iter().enumerate().filter(|&(state, _)| state != ended);
-        Time::s(running.map(|(_, s)| s).sum())
+        Time::s(running.map(|(_, s)| s).sum::<f64>() + self.turning.iter().sum::<f64>())
     }
 }
 
@@ -38,20 +54,25 @@ pub(crate) struct SharesByTool {
 
 impl SharesByTool {
     /// Count a period. While the changer is at work (`None`) it counts for the tool before.
-    pub(crate) fn push(&mut self, state: State, tool: Option<u32>, period: Time) {
+    pub(crate) fn push(
+        &mut self,
+        state: State,
+        turning: Option<Turning>,
+        tool: Option<u32>,
+        period: Time,
+    ) {
         let seconds = period.value();
         if !seconds.is_finite() || seconds <= 0.0 {
             return;
         }
-        let state = state as usize;
-        self.run.seconds[state] += seconds;
+        self.run.add(state, turning, seconds);
         if let Some(number) = tool
             && self.tools.get(self.current).is_none_or(|t| t.0 != number)
         {
             self.current = self.slot(number);
         }
         if let Some((_, shares)) = self.tools.get_mut(self.current) {
-            shares.seconds[state] += seconds;
+            shares.add(state, turning, seconds);
         }
     }
 
@@ -83,7 +104,7 @@ mod tests {
             (State::Rapid, Some(1), 0.25),
             (State::Ended, Some(1), 9.0),
         ] {
-            shares.push(state, tool, Time::s(seconds));
+            shares.push(state, None, tool, Time::s(seconds));
         }
         assert_eq!(shares.run.total(), Time::s(4.5));
         assert_eq!(shares.run.of(State::Rapid), Time::s(0.75));
@@ -92,10 +113,20 @@ mod tests {
     }
 
     #[test]
+    fn a_cam_that_is_ground_is_neither_a_dwell_nor_a_wait() {
+        let mut shares = SharesByTool::default();
+        shares.push(State::Dwell, Some(Turning::Grinding), Some(1), Time::s(3.0));
+        shares.push(State::Dwell, None, Some(1), Time::s(0.5));
+        assert_eq!(shares.run.turning(Turning::Grinding), Time::s(3.0));
+        assert_eq!(shares.run.of(State::Dwell), Time::s(0.5));
+        assert_eq!(shares.run.total(), Time::s(3.5));
+    }
+
+    #[test]
     fn a_thousand_tools_take_no_more_room_than_the_first_sixty_four() {
         let mut shares = SharesByTool::default();
         for number in 0..1000 {
-            shares.push(State::Feed, Some(number), Time::s(1.0));
+            shares.push(State::Feed, None, Some(number), Time::s(1.0));
         }
         assert_eq!(shares.tools.len(), TOOLS);
         assert_eq!(shares.run.total(), Time::s(1000.0));

@@ -25,6 +25,8 @@ pub(crate) struct Point {
     pub(crate) rapid: bool,
     /// The pen is lifted before this point: another tool begins.
     pub(crate) lifted: bool,
+    /// Program line that ordered it; 0: a line of another file.
+    pub(crate) line: u32,
     /// Class of the speed with which it came, if that matters.
     pub(crate) class: u8,
 }
@@ -59,8 +61,8 @@ impl Track {
 
     fn take(&mut self, point: Point) {
         let lifted = point.lifted || self.points.is_empty();
-        let changed =
-            self.last.is_some_and(|last| (last.rapid, last.class) != (point.rapid, point.class));
+        let kind = |p: &Point| (p.rapid, p.class, p.line);
+        let changed = self.last.is_some_and(|last| kind(&last) != kind(&point));
         if lifted {
             self.keep_last();
             self.keep(Point { lifted, ..point });
@@ -118,7 +120,7 @@ mod tests {
     use super::*;
 
     fn feed(at: [f64; 3]) -> Point {
-        Point { at, rapid: false, lifted: false, class: 0 }
+        Point { at, rapid: false, lifted: false, class: 0, line: 1 }
     }
 
     #[test]
@@ -162,7 +164,7 @@ mod tests {
         for i in 0..500_000u32 {
             let t = f64::from(i) * 0.7;
             let at = [100.0 * t.sin(), 100.0 * (t * 1.3).cos(), t * 0.001];
-            track.push(Point { at, rapid: i % 3 == 0, lifted: false, class: 0 });
+            track.push(Point { at, rapid: i % 3 == 0, lifted: false, class: 0, line: 1 });
         }
         let kept = track.points().count();
         assert!((5_000..=POINTS + 1).contains(&kept), "{kept}");

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Legends are HTML, below the drawing: there their words wrap on a phone.
-use super::{Tag, escape, fixed, path_data, ticks};
+use super::{Tag, escape, fixed, path_data, plain, powers, ticks};
 use std::fmt::Write as _;
 
 /// Room for tick labels and titles around the plot, picture units.
@@ -78,6 +78,8 @@ pub(crate) struct Range {
     pub(crate) from: f64,
     /// Value at its right or upper end.
     pub(crate) to: f64,
+    /// The values are powers of ten: ticks stand at 1, 2, 5 and 10, and so are labelled.
+    pub(crate) powers: bool,
 }
 
 impl Range {
@@ -88,7 +90,25 @@ impl Range {
             finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
         let (from, to) = if from <= to { (from, to) } else { (0.0, 1.0) };
         let (from, to) = if to - from > 1e-9 { (from, to) } else { (from - 0.5, to + 0.5) };
-        Self { title: title.into(), from, to }
+        Self { title: title.into(), from, to, powers: false }
+    }
+
+    /// The same, its values being the logarithms of what is shown.
+    pub(crate) const fn powers_of_ten(mut self) -> Self {
+        self.powers = true;
+        self
+    }
+
+    /// Where its ticks stand, and their labels.
+    fn labels(&self, at_most: usize) -> Vec<(f64, String)> {
+        if self.powers {
+            return powers(self.from, self.to, at_most)
+                .into_iter()
+                .map(|value| (value.log10(), plain(value)))
+                .collect();
+        }
+        let found = ticks(self.from, self.to, at_most);
+        found.values.iter().map(|value| (*value, fixed(*value, found.decimals))).collect()
     }
 
     /// With a share of its span added at each end.
@@ -116,6 +136,16 @@ pub(crate) struct Mark<'a> {
     pub(crate) title: &'a str,
     /// Drawn as a cross in a square instead of a circle.
     pub(crate) crossed: bool,
+}
+
+/// Where a line is found, and where it leads.
+pub(crate) struct Linked {
+    /// Unique on the page.
+    pub(crate) id: String,
+    /// Such as "#L12".
+    pub(crate) to: String,
+    /// What a pointer that rests on it reads.
+    pub(crate) title: String,
 }
 
 /// A chart being drawn.
@@ -179,6 +209,13 @@ impl Chart {
     /// A line through points, clipped to the plot; `label` goes into the legend.
     pub(crate) fn line(&mut self, stroke: Stroke, points: &[(f64, f64)], label: Option<&str>) {
         let data = path_data(points.iter().map(|&p| self.place(p)));
+        if data.matches(' ').count() == 1 {
+            // a line of one point is a dot: else the legend names what nobody sees
+            let class = format!("{} dot", stroke.class());
+            self.body += &Tag::new("path").class(&class).with("d", &(data + "h0")).empty();
+            self.legend.extend(label.map(|label| (stroke.class(), label.into())));
+            return;
+        }
         self.path(stroke.class(), &data, label);
     }
 
@@ -240,6 +277,17 @@ impl Chart {
     /// Several lines of a class of their own, with one entry in the legend.
     pub(crate) fn coloured(&mut self, class: &'static str, lines: &[Vec<(f64, f64)>], label: &str) {
         self.path(class, &self.data(lines), Some(label));
+    }
+
+    /// Lines that are each a link of their own, so that they can be found from elsewhere on the page.
+    pub(crate) fn linked(&mut self, stroke: Stroke, line: &Linked, lines: &[Vec<(f64, f64)>]) {
+        let data = self.data(lines);
+        if data.is_empty() {
+            return;
+        }
+        let title = Tag::new("title").text(&line.title);
+        let path = Tag::new("path").class(stroke.class()).with("id", &line.id).with("d", &data);
+        self.body += &Tag::new("a").with("href", &line.to).around(&path.around(&title));
     }
 
     fn path(&mut self, class: &'static str, data: &str, label: Option<&str>) {
@@ -336,19 +384,17 @@ impl Chart {
         let floor = self.height - BOTTOM;
         let most_x = ((self.width - LEFT - RIGHT) / 62.0) as usize;
         let most_y = (((self.height - TOP - BOTTOM) / 30.0) as usize).max(5);
-        let x = ticks(self.x.from, self.x.to, most_x);
-        for &value in &x.values {
+        for (value, text) in self.x.labels(most_x) {
             let at = self.place((value, 0.0)).0;
             lines.extend([(at, TOP), (at, floor + 4.0), (f64::NAN, 0.0)]);
             let label = Tag::new("text").class("tick x").at("x", at).at("y", floor + 17.0);
-            labels += &label.text(&fixed(value, x.decimals));
+            labels += &label.text(&text);
         }
-        let y = ticks(self.y.from, self.y.to, most_y);
-        for &value in &y.values {
+        for (value, text) in self.y.labels(most_y) {
             let at = self.place((0.0, value)).1;
             lines.extend([(LEFT - 4.0, at), (self.width - RIGHT, at), (f64::NAN, 0.0)]);
             let label = Tag::new("text").class("tick y").at("x", LEFT - 7.0).at("y", at + 4.0);
-            labels += &label.text(&fixed(value, y.decimals));
+            labels += &label.text(&text);
         }
         Tag::new("path").class("mesh").with("d", &path_data(lines)).empty() + &labels
     }
@@ -391,6 +437,9 @@ impl Chart {
             let sign = match *class {
                 "dots" => "M5 6h0M13 6h0M21 6h0",
                 line if line.starts_with("line") => "M0 6H26",
+                // the crossed square and the circles of a map
+                "mark fail" => "M8 1H18V11H8ZM10 3L16 9M10 9L16 3",
+                mark if mark.starts_with("mark") => "M8 6a5 5 0 1 0 10 0a5 5 0 1 0 -10 0Z",
                 _ => "M8 1H18V11H8Z",
             };
             let _ = write!(
@@ -409,8 +458,8 @@ mod tests {
 
     #[test]
     fn a_chart_is_a_grid_a_clipped_line_and_titles() {
-        let x = Range { title: "time / s".into(), from: 0.0, to: 2.0 };
-        let y = Range { title: "a < b / µm".into(), from: -1.0, to: 1.0 };
+        let x = Range { title: "time / s".into(), from: 0.0, to: 2.0, powers: false };
+        let y = Range { title: "a < b / µm".into(), from: -1.0, to: 1.0, powers: false };
         let mut chart = Chart::new("Error", "It is small.", x, y, 120.0);
         chart.line(Stroke::In, &[(0.0, 0.0), (1.0, f64::NAN), (1.0, 0.5), (9.0, 0.5)], Some("in"));
         chart.limits(Stroke::Warn, 0.5, "warn");
@@ -421,12 +470,31 @@ mod tests {
     #[test]
     fn a_chart_to_scale_has_millimetres_of_one_length_both_ways() {
         for (width, height) in [(100.0, 1.0), (1.0, 100.0), (30.0, 20.0)] {
-            let x = Range { title: String::new(), from: 5.0, to: 5.0 + width };
-            let y = Range { title: String::new(), from: -height, to: 0.0 };
+            let x = Range { title: String::new(), from: 5.0, to: 5.0 + width, powers: false };
+            let y = Range { title: String::new(), from: -height, to: 0.0, powers: false };
             let chart = Chart::to_scale("", "", x, y);
             let (a, b) = (chart.place((5.0, 0.0)), chart.place((6.0, -1.0)));
             assert!((b.0 - a.0 - (b.1 - a.1)).abs() < 1e-9, "{a:?} {b:?}");
         }
+    }
+
+    #[test]
+    fn a_line_of_a_single_point_is_a_dot() {
+        let range = || Range::of("", [0.0, 1.0]);
+        let mut chart = Chart::new("", "", range(), range(), 120.0);
+        chart.line(Stroke::Main, &[(0.5, 0.5)], Some("one"));
+        assert!(chart.finish("e").contains("h0\""), "it is to be seen");
+    }
+
+    #[test]
+    fn a_logarithmic_axis_is_labelled_with_plain_numbers() {
+        let labels = |from: f64, to: f64| -> Vec<String> {
+            let range = Range::of("", [from.log10(), to.log10()]).powers_of_ten();
+            range.labels(9).into_iter().map(|(_, text)| text).collect()
+        };
+        assert_eq!(labels(0.2, 20.0), ["0.2", "0.5", "1", "2", "5", "10", "20"]);
+        assert_eq!(labels(0.01, 1000.0), ["0.01", "0.1", "1", "10", "100", "1000"]);
+        assert_eq!(labels(3.0, 4.0), ["3", "3.2", "3.4", "3.6", "3.8", "4"]);
     }
 
     #[test]

@@ -15,7 +15,7 @@ mod path;
 mod text;
 mod ticks;
 
-pub(crate) use chart::{Chart, Mark, Range, Stroke};
+pub(crate) use chart::{Chart, Linked, Mark, Range, Stroke};
 pub(crate) use path::{path_data, thinned};
 pub(crate) use text::{Tag, coordinate, escape, fixed};
-pub(crate) use ticks::ticks;
+pub(crate) use ticks::{plain, powers, ticks};

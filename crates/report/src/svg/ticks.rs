@@ -36,6 +36,43 @@ pub(crate) fn ticks(from: f64, to: f64, at_most: usize) -> Ticks {
     Ticks { step, values, decimals: (-power).max(0) as usize }
 }
 
+/// Ticks of a logarithmic axis whose ends are these logarithms: 1, 2, 5 and 10 times powers of ten, only the powers where
+/// that would be too many; round numbers between where there is less than one of them.
+pub(crate) fn powers(from: f64, to: f64, at_most: usize) -> Vec<f64> {
+    if !(from.is_finite() && to.is_finite() && to > from) {
+        return Vec::new();
+    }
+    let (low, high) = (from.floor() as i32, to.ceil() as i32);
+    let within = |value: &f64| {
+        let at = value.log10();
+        at >= from - 1e-9 && at <= to + 1e-9
+    };
+    let of = |factors: &[f64], step: i32| -> Vec<f64> {
+        (low..=high)
+            .filter(|power| power.rem_euclid(step) == 0)
+            .flat_map(|power| factors.iter().map(move |f| f * 10f64.powi(power)))
+            .filter(within)
+            .collect()
+    };
+    let fine = of(&[1.0, 2.0, 5.0], 1);
+    if fine.len() < 3 {
+        return ticks(10f64.powf(from), 10f64.powf(to), at_most).values;
+    }
+    if fine.len() <= at_most {
+        return fine;
+    }
+    (1..).map(|step| of(&[1.0], step)).find(|ticks| ticks.len() <= at_most.max(2)).unwrap_or_default()
+}
+
+/// A tick's label: as many decimals as it has.
+pub(crate) fn plain(value: f64) -> String {
+    let decimals = (0..9).find(|d| {
+        let scaled = value * 10f64.powi(*d);
+        (scaled - scaled.round()).abs() < 1e-6 * scaled.abs()
+    });
+    super::fixed(value, decimals.unwrap_or(9) as usize)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

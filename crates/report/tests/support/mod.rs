@@ -92,6 +92,7 @@ pub fn run(program: &str) -> Run {
         limiting: BTreeMap::new(),
         stops: Vec::new(),
         motion: None,
+        listing: Vec::new(),
     }
 }
 
