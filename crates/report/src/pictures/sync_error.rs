@@ -34,7 +34,7 @@ pub(crate) fn sync_error(view: &ThreadView) -> String {
     let widening = judged.map_or_else(Vec::new, widening);
     let limits = limits(view);
     // limits far beyond the curve would press it flat: the caption names them instead
-    let near = limits.iter().map(|l| l.1).filter(|l| *l < 5.0 * largest.max(5.0));
+    let near = limits.iter().map(|l| l.1).filter(|l| *l < 5.0 * largest);
     let reach = near.chain(widening.iter().map(|p| p.1)).fold(largest, f64::max).max(1.0);
     let depths = all().map(|p| p.0).chain([0.0]);
     let x = Range::of("depth of the tip below the surface / mm", depths).padded(0.03);

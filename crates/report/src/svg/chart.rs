@@ -300,15 +300,13 @@ impl Chart {
         }
     }
 
-    /// Limits at plus and minus a value, where the plot shows them. The upper one is named at its end
-    /// unless that would cover another name; the legend names it in any case.
+    /// Limits at plus and minus a value, where the plot shows them; the legend names them.
     pub(crate) fn limits(&mut self, stroke: Stroke, value: f64, name: &str) {
         if !(self.y.from..=self.y.to).contains(&value) {
             return;
         }
         self.line(stroke, &[(self.x.from, value), (self.x.to, value)], Some(name));
         self.line(stroke, &[(self.x.from, -value), (self.x.to, -value)], None);
-        self.name_at(value, name);
     }
 
     /// A horizontal line across the plot, named at its end.
