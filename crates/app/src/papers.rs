@@ -3,7 +3,7 @@ use crate::certificate;
 use crate::preflight::Preflight;
 use crate::run::Job;
 use crate::simulate::Outcome;
-use report::{Alarm, Limits, Note, Origin, Run};
+use report::{Alarm, Limits, Note, Run};
 use store::certificate::{Certificate, Count, Inputs, Measured, Verdict, sha256};
 use store::output::Folder;
 use store::solid::{Slice, dxf, radii, stl};

@@ -16,7 +16,6 @@ pub(crate) struct Ops<'a> {
     auto: Auto<'a>,
     next: u32,
     prelude: std::vec::IntoIter<Op>,
-    frame: ProgramFrame,
 }
 
 impl<'a> Ops<'a> {
@@ -46,11 +45,6 @@ impl<'a> Ops<'a> {
         self
     }
 
-    /// Frame and units in which the operation that came last was written.
-    pub(crate) const fn frame(&self) -> ProgramFrame {
-        self.frame
-    }
-
     /// What was found so far.
     pub(crate) fn diagnostics(&self) -> Vec<Diagnostic> {
         self.read.diagnostics().iter().chain(self.auto.findings()).cloned().collect()
@@ -69,8 +63,8 @@ impl<'a> Ops<'a> {
     /// The operations after a polygon's beginning.
     fn look_ahead(&mut self) {
         while self.ahead.len() < LOOK_AHEAD {
-            let Some(op) = self.read.next() else { return };
-            self.ahead.push_back((op, self.read.frame()));
+            let Some(next) = self.read_next() else { return };
+            self.ahead.push_back(next);
         }
     }
 }
@@ -79,16 +73,11 @@ impl Iterator for Ops<'_> {
     type Item = (u32, Op);
 
     fn next(&mut self) -> Option<Self::Item> {
-        let mut op = if let Some(op) = self.prelude.next() {
-            op // machine coordinates, which no block has written
-        } else if let Some((op, frame)) = self.ahead.pop_front() {
-            self.frame = frame;
-            op
-        } else {
-            let op = self.read.next()?;
-            self.frame = self.read.frame();
-            op
-        };
+        // the prelude's are machine coordinates, which no block has written
+        let prelude = self.prelude.next().map(|op| (op, self.frame));
+        let (mut op, frame) =
+            prelude.or_else(|| self.ahead.pop_front()).or_else(|| self.read_next())?;
+        self.frame = frame;
         self.auto.see(&op.kind);
         if let OpKind::Polygon(polygon) = &mut op.kind {
             self.look_ahead();

@@ -1,7 +1,7 @@
 //! Whole runs of the shipped programs: what is judged, and that it is good.
 #![allow(clippy::unwrap_used)] // a test may panic
 mod common;
-use common::{complained, leadscrew, said};
+use common::{complained, leadscrew, root, said};
 use serde_json::Value;
 
 /// Every feature of a run in a line of figures that a person can check: rounded so that a change of tuning below the
@@ -72,10 +72,73 @@ fn the_bolt_gets_its_thread_in_sixteen_passes() {
     let thread = &certificate["features"][0];
     let number = |key: &str| thread[key].as_f64().unwrap();
     assert_eq!(thread["kind"], "turned-thread");
-    // 0.25·n^½ ≥ 0.92 at n = 14, and two spring passes
+    // 0.27·n^½ ≥ 0.985 at n = 14, and two spring passes
     assert_eq!((number("passes"), number("passes_ordered")), (16.0, 16.0));
     assert_eq!((number("from_mm"), number("to_mm")), (0.0, -23.5));
     assert!(number("sync_error_max_um") < 10.0 && number("pass_spread_um") < 5.0, "{thread}");
+    assert_eq!((thread["size"].as_str(), thread["class"].as_str()), (Some("M20x1.5"), Some("6g")));
+    // by hand: 2·9.015 − 2·0.2 + √3/2·1.5 = 18.929, less or more by how the machine gives way
+    let found = |key: &str| thread["sizes"][key][0].as_f64().unwrap();
+    assert!((found("pitch_mm") - 18.929).abs() < 0.01, "{thread}");
+    assert!((found("major_mm") - (18.03 + 2.0 * 0.92)).abs() < 0.01, "{thread}");
+    // equal areas of chip: hundreds of newtons along the cut, and their torque at 9.5 mm
+    let (force, torque) = (number("force_max_n"), number("torque_max_n_m"));
+    assert!((150.0..1000.0).contains(&force), "{force} N");
+    assert!((torque / (force * 9.5e-3) - 1.0).abs() < 0.1, "{torque} N·m");
+}
+
+/// The verdict on one turned thread of a program for the lathe, and why.
+fn verdict(text: &str, dialect: &str) -> (String, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let (part, out) = (folder.path().join("part.ngc"), folder.path().join("out"));
+    std::fs::write(&part, text).unwrap();
+    let paths = [&part, &out].map(|path| path.to_str().unwrap());
+    let tools = root().join("programs/tools.toml");
+    let output = leadscrew(&[
+        "run", paths[0], "-q", "--machine", "lathe", "--dialect", dialect, "--out", paths[1], "--tools",
+        tools.to_str().unwrap(),
+    ]);
+    let text = std::fs::read_to_string(out.join("certificate.json"))
+        .unwrap_or_else(|_| panic!("{}", complained(&output)));
+    let certificate: Value = serde_json::from_str(&text).unwrap();
+    let thread = &certificate["features"][0];
+    let verdict = thread["verdict"].as_str().unwrap().to_owned();
+    assert_eq!(output.status.code(), Some(i32::from(verdict != "pass")), "{thread}");
+    (verdict, thread["reason"].as_str().unwrap_or_default().to_owned())
+}
+
+/// G76 of a Fanuc lathe to a root diameter, on a bar that was turned to 19.85 mm.
+fn cycle(root: f64, offset: &str) -> String {
+    format!(
+        "%\nO1\nG21 G18 G97 G99 S1000 M3\nT3333\nG0 X24. Y0 Z2.\nX19.85\nG1 Z-20. F0.3\nX24.\nG0 Z50.\n{offset}\nT3131\n\
+         G0 X24. Y0 Z6.\nG76 P020060 Q100 R0.02\nG76 X{root:.3} Z-15. P910 Q400 F1.5\nG0 X60. Z50.\nM30\n%\n"
+    )
+}
+
+#[test]
+fn a_turned_thread_passes_on_the_work_and_nowhere_else() {
+    let fanuc = |root, offset| verdict(&cycle(root, offset), "fanuc-lathe-a");
+    // 2·9.015 − 2·0.2 + √3/2·1.5 = 18.929 mm of pitch diameter, in 18.854 to 18.994
+    assert_eq!(fanuc(18.03, "").0, "pass");
+    let (in_the_air, why) = fanuc(21.0, "");
+    assert_eq!(in_the_air, "fail");
+    assert!(why.starts_with("not cut: the insert passed the bar of ⌀19.85"), "{why}");
+    let (too_deep, why) = fanuc(17.0, "");
+    assert_eq!(too_deep, "fail");
+    assert!(why.contains("pitch diameter 17.89") && why.contains("too deep"), "{why}");
+    let (too_shallow, why) = fanuc(18.16, "");
+    assert_eq!(too_shallow, "fail");
+    assert!(why.contains("at least 0.03") && why.contains("too shallow"), "{why}");
+    let (offset_in_x, _) = fanuc(18.03, "G10 P31 X1.5");
+    assert_eq!(offset_in_x, "fail");
+}
+
+#[test]
+fn a_bar_that_was_not_turned_is_too_thick_for_a_partial_profile() {
+    let text = cycle(18.03, "").replace("X19.85\n", "");
+    let (verdict, why) = verdict(&text, "fanuc-lathe-a");
+    assert_eq!(verdict, "fail");
+    assert!(why.contains("major diameter 20.000 mm, 19.732 to 19.968 mm in M20x1.5-6g"), "{why}");
 }
 
 /// The certificate of a program for the lathe, in a Fanuc lathe's words.

@@ -194,6 +194,24 @@ fn the_shipped_tables_describe_the_same_tools() {
 }
 
 #[test]
+fn an_insert_has_an_angle_and_a_point_that_may_be_left_to_the_standard() {
+    let insert = |keys: &str| {
+        let text = format!("[[tool]]\nnumber = 1\nkind = \"threading-insert\"\nlength_mm = 60.0\n{keys}\n");
+        tools::parse_toml(&text, 0).map(|table| match tool(&table, 1).kind {
+            ToolKind::Insert(insert) => insert,
+            ref other => panic!("{other:?}"),
+        })
+    };
+    let bare = insert("").unwrap();
+    assert!((bare.angle.in_deg() - 60.0).abs() < 1e-9 && bare.point.is_none());
+    let stated = insert("flank_angle_deg = 55\nflat_mm = 0.2\ncrest_height_mm = 0.9").unwrap();
+    assert_eq!(stated.point, Some(canon::InsertPoint::Flat(Length::mm(0.2))));
+    assert_eq!(stated.crest_height, Some(Length::mm(0.9)));
+    let twice = insert("flat_mm = 0.2\nnose_radius_mm = 0.1").unwrap_err();
+    assert!(twice[0].message.contains("stated twice"), "{twice:?}");
+}
+
+#[test]
 fn the_notation_is_told_by_the_files_end() {
     let dir = tempfile::tempdir().unwrap();
     let (a, b) = (dir.path().join("a.tbl"), dir.path().join("b.toml"));

@@ -134,7 +134,10 @@ impl Ordered {
                 let stood = if feeds_in { first } else { stood };
                 pass.push(Stretch { stood, before, ..stretch });
             }
-            _ => {
+            last => {
+                if last.and_then(|pass| pass.first()).is_some_and(|first| !first.is_under(&stretch)) {
+                    return false; // another thread
+                }
                 self.passes.push(vec![stretch]);
                 self.chained = true;
             }

@@ -80,6 +80,23 @@ impl Stretch {
         self.lead_at(0.0)
     }
 
+    /// Another pass over the same thread: it has its lead, and half of its way at least.
+    pub(super) fn is_under(&self, other: &Self) -> bool {
+        let same = |a: f64, b: f64| (a - b).abs() <= 1e-4 * a.abs().max(b.abs());
+        let (a, b) = (&self.order, &other.order);
+        let ends = |stretch: &Self| {
+            let axis = stretch.order.axis;
+            let ends = [stretch.from.along(axis).value(), stretch.order.to.along(axis).value()];
+            [ends[0].min(ends[1]), ends[0].max(ends[1])]
+        };
+        let ([low, high], [from, to]) = (ends(self), ends(other));
+        let common = high.min(to) - low.max(from);
+        a.axis == b.axis
+            && same(a.lead.value(), b.lead.value())
+            && same(a.growth.value(), b.growth.value())
+            && common >= 0.5 * (high - low).max(to - from)
+    }
+
     fn goes_on_as(&self, other: &Self) -> bool {
         let (a, b) = (self.delta(), other.delta());
         let dot: f64 = (0..3).map(|i| a[i] * b[i]).sum();

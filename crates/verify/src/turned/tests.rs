@@ -284,3 +284,31 @@ fn a_pass_that_ends_early_fails() {
     let reason = feature.verdict.reason().unwrap_or_default();
     assert_eq!(reason, "0 of 1 passes were cut to their end");
 }
+
+#[test]
+fn a_thread_beside_another_is_a_thread_of_its_own() {
+    let mut judge = Judge::new(Config::new(ToolLibrary::default()));
+    let thread = |from: f64, to: f64, lead: f64| {
+        let order = Threading {
+            to: at(9.0, to),
+            lead: Lead::mm_per_rev(lead),
+            growth: LeadGrowth::ZERO,
+            start_angle: Angle::ZERO,
+            axis: Axis::Z,
+            surface: Length::mm(from),
+        };
+        [OpKind::Rapid { to: at(12.0, from) }, OpKind::Rapid { to: at(9.0, from) }, OpKind::Threading(order)]
+    };
+    // two passes of one, 0.3 mm apart by the slide; another lead; another place
+    let threads =
+        [thread(5.0, -20.0, 1.5), thread(4.7, -20.3, 1.5), thread(5.0, -20.0, 2.0), thread(-30.0, -50.0, 2.0)];
+    for (index, kind) in (0..).zip(threads.into_iter().flatten()) {
+        judge.op(index, &Op { span: Span::default(), kind });
+    }
+    let ordered = |feature: &Feature| match &feature.kind {
+        FeatureKind::Turned(thread) => (thread.passes_ordered, thread.lead.value()),
+        other => panic!("{other:?}"),
+    };
+    let found: Vec<_> = judge.finish().iter().map(ordered).collect();
+    assert_eq!(found, [(2, 1.5), (1, 2.0), (1, 2.0)]);
+}
