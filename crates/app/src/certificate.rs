@@ -113,7 +113,8 @@ fn turned_sizes(sizes: &TurnedSizes, found: &TurnedThread) -> file::TurnedSizes 
     let limits = |of: fn(&TurnedLimits) -> [Length; 2]| {
         found.limits.as_ref().map(|limits| {
             // a diameter without a largest has no number there
-            of(limits).map(|d| if d.value().is_finite() { Measured::mm(d) } else { Measured::UNKNOWN })
+            of(limits)
+                .map(|d| if d.value().is_finite() { Measured::mm(d) } else { Measured::UNKNOWN })
         })
     };
     file::TurnedSizes {

@@ -95,7 +95,16 @@ fn verdict(text: &str, dialect: &str) -> (String, String) {
     let paths = [&part, &out].map(|path| path.to_str().unwrap());
     let tools = root().join("programs/tools.toml");
     let output = leadscrew(&[
-        "run", paths[0], "-q", "--machine", "lathe", "--dialect", dialect, "--out", paths[1], "--tools",
+        "run",
+        paths[0],
+        "-q",
+        "--machine",
+        "lathe",
+        "--dialect",
+        dialect,
+        "--out",
+        paths[1],
+        "--tools",
         tools.to_str().unwrap(),
     ]);
     let text = std::fs::read_to_string(out.join("certificate.json"))

@@ -37,8 +37,8 @@ pub use op::{
     ReturnAcceleration, Signal, SpindleOrder, Spline, Tap, Threading, UserCode,
 };
 pub use position::{Axis, Plane, Position};
-pub use thread::{Family, Hand, ThreadSize, UnknownSize};
 pub use series::standard_sizes;
+pub use thread::{Family, Hand, ThreadSize, UnknownSize};
 pub use tool::{
     Flute, Holder, Insert, InsertPoint, PolygonCutter, TapTool, Tool, ToolKind, ToolLibrary,
 };

@@ -57,12 +57,11 @@ pub fn standard_sizes(pitch: Length, hand: Hand) -> Vec<ThreadSize> {
     let mut metric: Vec<_> = coarse.chain(fine).collect();
     metric.sort_by(|a, b| a.0.total_cmp(&b.0));
     metric.dedup();
-    let metric = metric
-        .into_iter()
-        .map(|(d, p)| ThreadSize::metric(Length::mm(d), Length::mm(p), hand));
-    let unified = UNIFIED.iter().flat_map(|(inches, coarse, fine)| {
-        [(*inches, *coarse, "UNC"), (*inches, *fine, "UNF")]
-    });
+    let metric =
+        metric.into_iter().map(|(d, p)| ThreadSize::metric(Length::mm(d), Length::mm(p), hand));
+    let unified = UNIFIED
+        .iter()
+        .flat_map(|(inches, coarse, fine)| [(*inches, *coarse, "UNC"), (*inches, *fine, "UNF")]);
     let unified = unified
         .filter(|(_, per_inch, _)| *per_inch > 0.0 && is(MM_PER_INCH / per_inch))
         .map(|(inches, per_inch, series)| ThreadSize {
@@ -80,7 +79,8 @@ fn in_inches(inches: f64) -> String {
     if inches < 0.25 {
         return format!("#{}", libm::round((inches - 0.060) / 0.013));
     }
-    let (whole, sixteenths) = (libm::floor(inches), libm::round((inches - libm::floor(inches)) * 16.0));
+    let (whole, sixteenths) =
+        (libm::floor(inches), libm::round((inches - libm::floor(inches)) * 16.0));
     if sixteenths == 0.0 {
         return format!("{whole}");
     }

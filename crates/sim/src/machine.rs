@@ -214,11 +214,14 @@ impl SimulatedMachine {
         };
         let over = [x, y].map(|at| at.map_or(Length::ZERO, |at| self.axes[at].position()));
         cutting.begin_period(self.changer.tool(), over);
-        let turned = self.turning.as_mut().zip(cutting.insert()).map(|(turning, (number, insert, length))| {
-            let at = [over[0].value(), over[1].value(), self.axes[z].table_mm() - length.value()];
-            let turns = (self.spindles[0].angle_rev(), self.spindles[0].omega());
-            turning.step((number, &insert), at, turns, (cutting.top(), cutting.holes()))
-        });
+        let turned = self.turning.as_mut().zip(cutting.insert()).map(
+            |(turning, (number, insert, length))| {
+                let at =
+                    [over[0].value(), over[1].value(), self.axes[z].table_mm() - length.value()];
+                let turns = (self.spindles[0].angle_rev(), self.spindles[0].omega());
+                turning.step((number, &insert), at, turns, (cutting.top(), cutting.holes()))
+            },
+        );
         let turned = turned.unwrap_or_default();
         for (axis, force) in [(x, turned.force[0]), (y, turned.force[1])] {
             if let Some(axis) = axis.filter(|_| self.turning.is_some()) {

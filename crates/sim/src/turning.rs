@@ -247,7 +247,8 @@ impl Turning {
         }
         self.come(&now);
         let before = self.last.replace(now);
-        if radius > self.bar.radius.value() + STEP_MM || at[2] > self.bar.face.value() + TRAILING.1 {
+        if radius > self.bar.radius.value() + STEP_MM || at[2] > self.bar.face.value() + TRAILING.1
+        {
             return TurningLoad::default();
         }
         let Some(before) = before.filter(|p| (p.column - now.column).abs() < COLUMNS as f64 / 2.0)
@@ -405,8 +406,9 @@ mod tests {
         // a sharp V 0.3 mm deep: area d²·tan 30° = 0.0520 mm²; across each flank the chip is d(z)·sin 30° thick,
         // kc = 2220·h^-0.14, so Fc = 2·∫ 2220·(t·sin 30°)^-0.14·t dz with t from 0 to 0.3, dz = dt·tan 30°
         let load = pass(&mut fresh(0.0), &v(0.0), 9.7, 1.5);
-        let closed = 2.0 * 30_f64.to_radians().tan() * 2220.0 * 0.5_f64.powf(-0.14)
-            * 0.3_f64.powf(1.86) / 1.86;
+        let closed =
+            2.0 * 30_f64.to_radians().tan() * 2220.0 * 0.5_f64.powf(-0.14) * 0.3_f64.powf(1.86)
+                / 1.86;
         assert!((load.main / closed - 1.0).abs() < 0.02, "{} for {closed} N", load.main);
         assert!((150.0..200.0).contains(&load.main), "{load:?}");
         // torque at the point's radius; both flanks alike push outwards only: half of it, times sin 30°

@@ -196,7 +196,9 @@ fn the_shipped_tables_describe_the_same_tools() {
 #[test]
 fn an_insert_has_an_angle_and_a_point_that_may_be_left_to_the_standard() {
     let insert = |keys: &str| {
-        let text = format!("[[tool]]\nnumber = 1\nkind = \"threading-insert\"\nlength_mm = 60.0\n{keys}\n");
+        let text = format!(
+            "[[tool]]\nnumber = 1\nkind = \"threading-insert\"\nlength_mm = 60.0\n{keys}\n"
+        );
         tools::parse_toml(&text, 0).map(|table| match tool(&table, 1).kind {
             ToolKind::Insert(insert) => insert,
             ref other => panic!("{other:?}"),

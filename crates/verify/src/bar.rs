@@ -188,8 +188,7 @@ impl TurnedBar {
 
     /// The sections that the tool's point has passed since the last sample.
     pub(crate) fn follow(&mut self, sample: &Sample, tool: Option<&Tool>) -> Vec<Crossing> {
-        let (x, y) =
-            (sample.axis(0).value() - self.axis[0], sample.axis(1).value() - self.axis[1]);
+        let (x, y) = (sample.axis(0).value() - self.axis[0], sample.axis(1).value() - self.axis[1]);
         let length = tool.map_or(0.0, |tool| tool.length.value());
         let number = tool.map(|tool| tool.number);
         let now = Pose {
@@ -352,10 +351,7 @@ mod tests {
 
     fn turning() -> Tool {
         let point = Some(InsertPoint::Nose(Length::mm(0.4)));
-        tool(
-            ToolKind::Insert(Insert { angle: Angle::deg(80.0), point, crest_height: None }),
-            0.8,
-        )
+        tool(ToolKind::Insert(Insert { angle: Angle::deg(80.0), point, crest_height: None }), 0.8)
     }
 
     /// The tip goes straight from place to place (X and Z), 0.1 mm a turn, 60 samples a turn.

@@ -68,7 +68,9 @@ impl HoleTrack {
                 findings.push("a tap was used as a drill".into());
                 (d, 0.0)
             }
-            Some((ToolKind::PolygonCutter(_) | ToolKind::Insert(_) | ToolKind::Other, _)) => return None,
+            Some((ToolKind::PolygonCutter(_) | ToolKind::Insert(_) | ToolKind::Other, _)) => {
+                return None;
+            }
             None => {
                 findings.push(match tool.0 {
                     Some(number) => format!("T{number} is not in the tool table"),

@@ -134,7 +134,8 @@ mod tests {
 
     #[test]
     fn nose_and_flank_meet_without_a_step_and_the_flank_has_its_slope() {
-        let form = Form::new(&insert(Some(InsertPoint::Nose(Length::mm(0.2)))), 1.5, Side::External);
+        let form =
+            Form::new(&insert(Some(InsertPoint::Nose(Length::mm(0.2)))), 1.5, Side::External);
         let meet = 0.2 * 30_f64.to_radians().cos();
         assert!((form.rise(meet - 1e-9) - form.rise(meet + 1e-9)).abs() < 1e-8);
         assert!((form.rise(meet) - 0.1).abs() < 1e-9, "R·(1 − sin a)");

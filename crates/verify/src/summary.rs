@@ -226,7 +226,11 @@ fn of_turned(thread: &crate::TurnedThread, tolerances: &Tolerances) -> Vec<Headr
     let mut all = vec![Headroom { of: Criterion::SyncError, left: tolerance - off, tolerance }];
     if let (Some(left), Some(limits)) = (thread.pitch_margin(), &thread.limits) {
         let tolerance = limits.pitch[1] - limits.pitch[0];
-        all.push(Headroom { of: Criterion::PitchDiameter(thread.limiting_gauge()), left, tolerance });
+        all.push(Headroom {
+            of: Criterion::PitchDiameter(thread.limiting_gauge()),
+            left,
+            tolerance,
+        });
     }
     all
 }

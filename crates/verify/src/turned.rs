@@ -135,7 +135,8 @@ impl Ordered {
                 pass.push(Stretch { stood, before, ..stretch });
             }
             last => {
-                if last.and_then(|pass| pass.first()).is_some_and(|first| !first.is_under(&stretch)) {
+                if last.and_then(|pass| pass.first()).is_some_and(|first| !first.is_under(&stretch))
+                {
                     return false; // another thread
                 }
                 self.passes.push(vec![stretch]);
@@ -203,9 +204,8 @@ fn is_clear(axis: usize, stood: &Position, from: &Position, across: impl Fn(usiz
 
 /// From outside, or from within a bore; `None` where the way does not say.
 fn side_fed_in_from(stood: &Position, from: &Position, axis: [Length; 2]) -> Option<Side> {
-    let radius = |at: &Position| {
-        (at.linear[0] - axis[0]).value().hypot((at.linear[1] - axis[1]).value())
-    };
+    let radius =
+        |at: &Position| (at.linear[0] - axis[0]).value().hypot((at.linear[1] - axis[1]).value());
     let way = radius(stood) - radius(from);
     match way {
         way if way > FED_IN_MM => Some(Side::External),
@@ -275,7 +275,10 @@ impl TurnedTrack {
         if let Some((bar, crossings)) = turning {
             let side = self.side.unwrap_or_else(|| bar.side());
             let is_beyond = (w - law.span()[1].value()) * law.sign() > 0.0;
-            crossings.iter().filter(|_| !is_beyond).for_each(|at| pass.contact.see(bar.depth(at, side)));
+            crossings
+                .iter()
+                .filter(|_| !is_beyond)
+                .for_each(|at| pass.contact.see(bar.depth(at, side)));
         }
         if let Some(truth) = &sample.truth {
             let (force, torque) = (truth.cutting_force.abs(), truth.cutting_torque.abs());
@@ -292,7 +295,8 @@ impl TurnedTrack {
     /// Keep what can have cut.
     fn keep(&mut self, bar: &TurnedBar, crossings: &[Crossing]) {
         let stock = bar.stock();
-        let near = |at: &&Crossing| at.radius < stock.radius.value() && at.radius > stock.bore.value();
+        let near =
+            |at: &&Crossing| at.radius < stock.radius.value() && at.radius > stock.bore.value();
         self.crossings.extend(crossings.iter().filter(near));
         if self.crossings.len() > MOST_CROSSINGS {
             self.too_many = true;
@@ -311,7 +315,9 @@ impl TurnedTrack {
     ) -> Inspected {
         // by the pass that cut most of the thread
         let most = |a: &Contact, b: &Contact| {
-            (a.share(), a.deepest).partial_cmp(&(b.share(), b.deepest)).unwrap_or(std::cmp::Ordering::Equal)
+            (a.share(), a.deepest)
+                .partial_cmp(&(b.share(), b.deepest))
+                .unwrap_or(std::cmp::Ordering::Equal)
         };
         let contact = self.passes.iter().map(|pass| pass.contact).max_by(most).unwrap_or_default();
         let chain = ordered.passes.last().and_then(|pass| pass.last());

@@ -158,12 +158,24 @@ impl Case {
                     time += PERIOD;
                 };
                 for k in 0..20 {
-                    see(op + 1, clear + f64::from(k) / 20.0 * (x - clear), from, f64::from(k) * 0.01 - 0.2);
+                    see(
+                        op + 1,
+                        clear + f64::from(k) / 20.0 * (x - clear),
+                        from,
+                        f64::from(k) * 0.01 - 0.2,
+                    );
                 }
                 let count = (turns / STEP) as u32;
-                (0..count).for_each(|k| see(op + 2, x, from - lead * STEP * f64::from(k), STEP * f64::from(k)));
+                (0..count).for_each(|k| {
+                    see(op + 2, x, from - lead * STEP * f64::from(k), STEP * f64::from(k))
+                });
                 for k in 0..20 {
-                    see(op + 3, x + f64::from(k) / 20.0 * (clear - x), to, turns + f64::from(k) * 0.01);
+                    see(
+                        op + 3,
+                        x + f64::from(k) / 20.0 * (clear - x),
+                        to,
+                        turns + f64::from(k) * 0.01,
+                    );
                 }
                 for k in 0..20 {
                     let share = f64::from(k) / 20.0;
@@ -224,7 +236,12 @@ fn a_full_profile_cuts_the_crest_of_a_bar_that_is_too_thick() {
     let (partial, verdict) = thread(None);
     assert!((partial.before.unwrap().value() - 20.002).abs() < 0.001, "{:?}", partial.before);
     let reason = verdict.reason().unwrap();
-    assert!(reason.contains("major diameter 20.002 mm, 19.732 to 19.968 mm in M20x1.5-6g: turn the bar to it before"), "{reason}");
+    assert!(
+        reason.contains(
+            "major diameter 20.002 mm, 19.732 to 19.968 mm in M20x1.5-6g: turn the bar to it before"
+        ),
+        "{reason}"
+    );
     let [before, tip] = Case::default().radii();
     let (full, verdict) = thread(Some(Length::mm(before - tip)));
     assert!(verdict.is_pass(), "{verdict:?}");

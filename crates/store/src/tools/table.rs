@@ -103,7 +103,10 @@ fn read_threading_insert(keys: &mut Keys<'_>) -> Insert {
     let nose = keys.optional("nose_radius_mm", 0.0..=10.0);
     let flat = keys.optional("flat_mm", 0.0..=10.0);
     if nose.is_some() && flat.is_some() {
-        keys.conflict("flat_mm", "the insert's point is stated twice: expected one of `nose_radius_mm` and `flat_mm`");
+        keys.conflict(
+            "flat_mm",
+            "the insert's point is stated twice: expected one of `nose_radius_mm` and `flat_mm`",
+        );
     }
     let crest_height = keys.optional("crest_height_mm", 0.01..=50.0).map(Length::mm);
     let nose = nose.map(|radius| InsertPoint::Nose(Length::mm(radius)));

@@ -119,7 +119,8 @@ pub(super) fn inspect(
         lead: ordered.hand.sign() * lead,
         half_tan: form.half_angle().in_rad().tan(),
     };
-    let measurable = ordered.law.axis() == Axis::Z && ordered.law.is_straight() && !ordered.law.varies();
+    let measurable =
+        ordered.law.axis() == Axis::Z && ordered.law.is_straight() && !ordered.law.varies();
     let found = measurable.then(|| starts(&frame, [&before, bar])).flatten();
     let starts = found.unwrap_or(1);
     let pitch = lead / f64::from(starts);
@@ -132,9 +133,8 @@ pub(super) fn inspect(
     let standard = (measurable && form.has_60_degrees())
         .then(|| Size::nearest(Length::mm(pitch), ordered.hand, diameter, side, config.class))
         .flatten();
-    let sizes = found.and_then(|_| {
-        measured(ordered, &frame, [&before, bar], pitch, standard.as_ref())
-    });
+    let sizes =
+        found.and_then(|_| measured(ordered, &frame, [&before, bar], pitch, standard.as_ref()));
     Inspected {
         side,
         form,

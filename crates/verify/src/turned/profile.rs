@@ -144,7 +144,8 @@ pub(super) fn touched(side: Side, bars: [&TurnedBar; 2]) -> Option<[f64; 2]> {
     let mut ends: Option<[f64; 2]> = None;
     for section in 0..SECTIONS {
         let pairs = bars[0].heights(section, side).zip(bars[1].heights(section, side));
-        for (place, _) in pairs.enumerate().filter(|(_, (before, after))| before - after > TOUCH_MM) {
+        for (place, _) in pairs.enumerate().filter(|(_, (before, after))| before - after > TOUCH_MM)
+        {
             let z = bars[1].z(place);
             let [low, high] = ends.unwrap_or([z, z]);
             ends = Some([low.min(z), high.max(z)]);
@@ -193,9 +194,8 @@ fn measured(
     bar: &TurnedBar,
 ) -> Groove {
     let (_, step) = bar.places();
-    let width = |level: f64| {
-        section.flanks(root, ends, level).map(|[left, right]| (right - left) * step)
-    };
+    let width =
+        |level: f64| section.flanks(root, ends, level).map(|[left, right]| (right - left) * step);
     let crests = [section.highest(ends[0], root), section.highest(root, ends[1])];
     let (crest, bottom) = (crests[0].min(crests[1]), section.heights[root]);
     let half_pitch = pitch / 2.0;

@@ -97,9 +97,7 @@ impl Against {
     /// Everything, if there is a turn of full thread between its ends.
     pub(super) fn sizes(&self, all: &[Groove]) -> Option<TurnedSizes> {
         let [low, high] = self.expected;
-        let inside = |groove: &&Groove| {
-            groove.z > low + self.pitch && groove.z < high - self.pitch
-        };
+        let inside = |groove: &&Groove| groove.z > low + self.pitch && groove.z < high - self.pitch;
         let grooves: Vec<Groove> = all.iter().filter(inside).copied().collect();
         let [from, to] = self.full_run(all)?;
         if grooves.is_empty() {

@@ -257,11 +257,17 @@ fn rounding_across_the_way_in_takes_no_tool_off_the_work() {
 
 #[test]
 fn only_the_last_rapid_across_the_thread_fed_the_tool_in() {
-    let place = |x: f64, y: f64, z: f64| {
-        Position { linear: [x, y, z].map(Length::mm), ..Position::default() }
+    let place = |x: f64, y: f64, z: f64| Position {
+        linear: [x, y, z].map(Length::mm),
+        ..Position::default()
     };
     let mut came = CameFrom::default();
-    let way = [place(150.0, 60.0, 350.0), place(12.0, 0.0, 8.0), place(10.0, 1e-6, 8.0), place(10.0, 1e-6, 5.0)];
+    let way = [
+        place(150.0, 60.0, 350.0),
+        place(12.0, 0.0, 8.0),
+        place(10.0, 1e-6, 8.0),
+        place(10.0, 1e-6, 5.0),
+    ];
     way.windows(2).for_each(|pair| came.rapid(&pair[0], &pair[1]));
     let stood = came.before(&way[3], Axis::Z);
     assert_eq!(stood.linear, [12.0, 1e-6, 5.0].map(Length::mm));
@@ -297,11 +303,19 @@ fn a_thread_beside_another_is_a_thread_of_its_own() {
             axis: Axis::Z,
             surface: Length::mm(from),
         };
-        [OpKind::Rapid { to: at(12.0, from) }, OpKind::Rapid { to: at(9.0, from) }, OpKind::Threading(order)]
+        [
+            OpKind::Rapid { to: at(12.0, from) },
+            OpKind::Rapid { to: at(9.0, from) },
+            OpKind::Threading(order),
+        ]
     };
     // two passes of one, 0.3 mm apart by the slide; another lead; another place
-    let threads =
-        [thread(5.0, -20.0, 1.5), thread(4.7, -20.3, 1.5), thread(5.0, -20.0, 2.0), thread(-30.0, -50.0, 2.0)];
+    let threads = [
+        thread(5.0, -20.0, 1.5),
+        thread(4.7, -20.3, 1.5),
+        thread(5.0, -20.0, 2.0),
+        thread(-30.0, -50.0, 2.0),
+    ];
     for (index, kind) in (0..).zip(threads.into_iter().flatten()) {
         judge.op(index, &Op { span: Span::default(), kind });
     }

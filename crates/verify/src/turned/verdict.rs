@@ -34,7 +34,10 @@ pub(super) fn of(
         ));
     }
     findings.extend(helix(found, config));
-    if complete && contact.is_none() && let Some(bar) = inspected {
+    if complete
+        && contact.is_none()
+        && let Some(bar) = inspected
+    {
         findings.extend(form(found, bar));
     }
     let is_its_own = law.is_some_and(Law::varies) && inspected.is_some();
