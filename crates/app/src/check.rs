@@ -2,12 +2,12 @@
 use crate::args::{CheckArgs, FindingsFormat, MissingTools};
 use crate::pieces::{self, Pieces};
 use crate::preflight::{self, add};
+use crate::progress::Progress;
 use crate::refused::Refused;
 use crate::render::{self, Source};
 use crate::say;
 use crate::session::{Session, read_program};
 use diag::Diagnostic;
-use crate::progress::Progress;
 use std::{
     collections::HashSet,
     path::{Path, PathBuf},
@@ -29,7 +29,14 @@ pub(crate) fn command(args: &CheckArgs, quiet: bool) -> Result<bool, Refused> {
     let programs = programs(&args.programs)?;
     for path in &programs {
         let name = path.display().to_string();
-        let mut told = Told { format: args.format, quiet, results, errors: 0, others: 0, tools_from: String::new() };
+        let mut told = Told {
+            format: args.format,
+            quiet,
+            results,
+            errors: 0,
+            others: 0,
+            tools_from: String::new(),
+        };
         if let Some(session) = long_session(args, path)? {
             in_pieces(&session, path, &name, &mut told)?;
         } else {

@@ -90,7 +90,8 @@ pub(crate) fn command(args: &CompensationArgs, quiet: bool) -> Result<(), Refuse
         })
         .collect();
     let mut cost = Duration::ZERO;
-    let progress = Progress::new((cases.len() * (1 + WAYS.len())) as u64, "turning cams (simulated)");
+    let progress =
+        Progress::new((cases.len() * (1 + WAYS.len())) as u64, "turning cams (simulated)");
     let found = rows(&cases, &progress);
     drop(progress);
     for row in found {
@@ -304,8 +305,7 @@ fn text(page: &CompensationPage) -> String {
     let heads = ["cam", "rpm"].map(str::to_owned).into_iter();
     // a word a line: the columns are as narrow as their figures
     let heads: Vec<_> = heads.chain(page.ways.iter().map(|way| way.replace(' ', "\n"))).collect();
-    let errors =
-        tables::figures(&heads.iter().map(String::as_str).collect::<Vec<_>>(), &rows);
+    let errors = tables::figures(&heads.iter().map(String::as_str).collect::<Vec<_>>(), &rows);
     let notes = page.notes.join("\n");
     format!("phase error, °\n{phases}\n\ncontour error, µm\n{errors}\n{notes}\n")
 }

@@ -106,7 +106,8 @@ fn groups(features: &[Feature], measure: Measure) -> Vec<Vec<&Feature>> {
 
 fn row(group: &[&Feature], measure: Measure) -> Vec<String> {
     let good = group.iter().filter(|f| f.verdict.is_pass()).count();
-    let mut cells = vec![report::feature_name(group[0], measure), format!("{good}/{}", group.len())];
+    let mut cells =
+        vec![report::feature_name(group[0], measure), format!("{good}/{}", group.len())];
     // what was not cut has no measures
     let cut: Vec<&Feature> = group
         .iter()

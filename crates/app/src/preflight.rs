@@ -198,7 +198,11 @@ impl TableNotes {
                 self.found.extend(table.remarks_of(number).map(|remark| {
                     let line = remark.span.line;
                     let text = format!("T{number} in {from}, line {line}: {}", remark.message);
-                    Diagnostic { code: "A0104", severity: remark.severity, ..Diagnostic::warning("A0104", op.span, text) }
+                    Diagnostic {
+                        code: "A0104",
+                        severity: remark.severity,
+                        ..Diagnostic::warning("A0104", op.span, text)
+                    }
                 }));
             }
         }

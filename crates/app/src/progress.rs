@@ -55,7 +55,8 @@ impl Progress {
             if draws { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() },
         );
         // 80 columns hold it with its name
-        if let Ok(style) = ProgressStyle::with_template("{msg:34} {bar:24} {percent:>3} %  {elapsed}")
+        if let Ok(style) =
+            ProgressStyle::with_template("{msg:34} {bar:24} {percent:>3} %  {elapsed}")
         {
             bar.set_style(style);
         }

@@ -145,7 +145,9 @@ impl Stops {
     pub(crate) fn not_triggered(&mut self, after: Time) -> Vec<String> {
         let sentence = |what: &str, text: &str| {
             let seconds = after.value();
-            format!("{what} not triggered: {text}: the run was over after {seconds:.3} s without that moment")
+            format!(
+                "{what} not triggered: {text}: the run was over after {seconds:.3} s without that moment"
+            )
         };
         let orders: Vec<_> = self.orders.left().map(|text| sentence("order", text)).collect();
         self.happened.extend(orders);

@@ -86,7 +86,9 @@ fn verdict(outcome: &Outcome) -> String {
     let features = &outcome.features;
     let all = features.len();
     match Standing::counts(features) {
-        Some(counts) if Standing::Good.count(features) + Standing::NotJudged.count(features) == all => {
+        Some(counts)
+            if Standing::Good.count(features) + Standing::NotJudged.count(features) == all =>
+        {
             format!("NOT JUDGED: of {}, {counts}", plural(all, "feature"))
         }
         Some(counts) => format!("FAIL: of {}, {counts}", plural(all, "feature")),

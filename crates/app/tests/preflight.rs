@@ -18,8 +18,10 @@ fn checked(program: &Path, arguments: &[&str]) -> Vec<Finding> {
         .unwrap_or_else(|_| panic!("{}{}", said(&output), complained(&output)));
     let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
     let here = program.to_str().unwrap();
-    let own = found.as_array().unwrap().iter().filter(|f| f["file"] == here || f["place"].is_null());
-    own.map(|f| (text(&f["code"]), f["place"]["line"].as_u64().unwrap_or(0), text(&f["message"]))).collect()
+    let own =
+        found.as_array().unwrap().iter().filter(|f| f["file"] == here || f["place"].is_null());
+    own.map(|f| (text(&f["code"]), f["place"]["line"].as_u64().unwrap_or(0), text(&f["message"])))
+        .collect()
 }
 
 /// The codes of findings as they are printed with carets, in their order.
@@ -174,7 +176,9 @@ fn check_time_run_and_editor_say_the_same_of_every_shipped_program() {
         editor.leave();
         // the editor has no line 0: what has no place is shown at the top
         let placed = |all: &[Finding]| -> Vec<Finding> {
-            all.iter().map(|(code, line, text)| (code.clone(), (*line).max(1), text.clone())).collect()
+            all.iter()
+                .map(|(code, line, text)| (code.clone(), (*line).max(1), text.clone()))
+                .collect()
         };
         assert_eq!(placed(&shown), placed(&found), "{name}");
         let mut time = vec!["time", program.to_str().unwrap()];
@@ -193,7 +197,8 @@ fn check_time_run_and_editor_say_the_same_of_programs_on_spec_pages_and_of_rando
     let mut editor = Editor::start(&[]);
     let mut is_open = false;
     let mut seen = std::collections::BTreeSet::new();
-    for (text, words) in of_spec_pages().into_iter().filter(|(_, words)| words.is_empty()).take(16) {
+    for (text, words) in of_spec_pages().into_iter().filter(|(_, words)| words.is_empty()).take(16)
+    {
         assert!(words.is_empty());
         for edit in 0..3 {
             let text = if edit == 0 { text.clone() } else { edited(&text, &mut random) };
@@ -245,7 +250,8 @@ struct Random(u64);
 
 impl Random {
     fn below(&mut self, most: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 33) as usize % most.max(1)
     }
 
@@ -273,7 +279,10 @@ fn shifted(random: &mut Random) -> String {
     let mut text = "G21 G17 G40 G49 G80 G90 G94 G54\n".to_owned();
     text += "T2 M6\n";
     text += &offset(random, 2);
-    text += &format!("S6000 {}\nG0 X{x} Y10 Z30\n", random.pick(&["M3", "M3", "M3", "M3", "M3", "M3", "M4", "M5"]));
+    text += &format!(
+        "S6000 {}\nG0 X{x} Y10 Z30\n",
+        random.pick(&["M3", "M3", "M3", "M3", "M3", "M3", "M4", "M5"])
+    );
     text += &shift;
     let r = random.pick(&[2.0, 2.0, 2.0, 2.0, 0.5, -3.0]);
     let feed = random.pick(&[600.0, 900.0, 900.0, 900.0, 2000.0, 5000.0]);
@@ -286,7 +295,9 @@ fn shifted(random: &mut Random) -> String {
     }
     text += "G0 Z40\nT3 M6\n";
     text += &offset(random, 3);
-    text += &format!("S1500 M3\nG0 X{x} Y10 Z30\nG99 G84 X{x} Y10 Z-{tap_depth} R5 F1500\nG80\nG0 Z40\nM2\n");
+    text += &format!(
+        "S1500 M3\nG0 X{x} Y10 Z30\nG99 G84 X{x} Y10 Z-{tap_depth} R5 F1500\nG80\nG0 Z40\nM2\n"
+    );
     text
 }
 
@@ -321,6 +332,8 @@ fn a_program_that_check_calls_clean_breaks_no_tool_when_it_is_run() {
             "check is clean and run is not good:\n{text}{out}{told}"
         );
     }
-    println!("{clean} clean and good, {warned} warned, {refused} refused, {broke} broke with a warning");
+    println!(
+        "{clean} clean and good, {warned} warned, {refused} refused, {broke} broke with a warning"
+    );
     assert!(clean >= 5 && refused >= 15, "{clean} clean, {warned} warned, {refused} refused");
 }

@@ -252,7 +252,8 @@ fn a_ramp_steeper_than_the_power_curve_saturates_the_drive_and_the_error_grows()
 fn a_run_that_breaks_its_tool_is_not_called_good() {
     let folder = tempfile::tempdir().unwrap();
     let program = folder.path().join("sideways.ngc");
-    let text = "G21 G90 G54\nT1 M6\nS3000 M3\nG43 H1\nG0 X0 Y0 Z2\nG1 Z-0.045 F300\nX5\nG0 Z20\nM30\n";
+    let text =
+        "G21 G90 G54\nT1 M6\nS3000 M3\nG43 H1\nG0 X0 Y0 Z2\nG1 Z-0.045 F300\nX5\nG0 Z20\nM30\n";
     std::fs::write(&program, text).unwrap();
     let output = leadscrew(&["run", program.to_str().unwrap()]);
     assert!(said(&output).contains("INVARIANT BROKEN: ") && said(&output).contains("FAIL: "));

@@ -7,7 +7,11 @@ use serde_json::Value;
 const PLATE: &str = "programs/plate-12xM6.ngc";
 
 fn widest(text: &str) -> usize {
-    text.lines().filter(|line| line.contains('─')).map(|line| line.chars().count()).max().unwrap_or(0)
+    text.lines()
+        .filter(|line| line.contains('─'))
+        .map(|line| line.chars().count())
+        .max()
+        .unwrap_or(0)
 }
 
 #[test]

@@ -112,8 +112,7 @@ mod tests {
 
     #[test]
     fn x_of_a_lathe_is_a_diameter_and_no_other_axis_is() {
-        let frame =
-            ProgramFrame { work_offset: 1, x_is_diameter: true, ..ProgramFrame::default() };
+        let frame = ProgramFrame { work_offset: 1, x_is_diameter: true, ..ProgramFrame::default() };
         assert_eq!(frame.written(Axis::X, 12.5), Some(25.0));
         assert_eq!(frame.written(Axis::Z, 12.5), Some(12.5));
     }

@@ -125,7 +125,10 @@ mod tests {
                 for other in Axis::ALL {
                     let expected = if other == axis { value } else { 0.0 };
                     let found = moved.along(other).value();
-                    assert!((found - expected).abs() <= 1e-12 * value.abs(), "{axis:?} {other:?} {found}");
+                    assert!(
+                        (found - expected).abs() <= 1e-12 * value.abs(),
+                        "{axis:?} {other:?} {found}"
+                    );
                 }
             }
         }

@@ -86,11 +86,11 @@ pub use limits::{
 pub use planner::{Planner, Preflight, Start, preflight};
 pub use profile::{Instant, MAX_PIECES, Piece, Profile};
 pub use repace::{HandedBack, Wish};
-pub use stock::Stock;
 pub use step::{
     ChipThrow, Follow, Limiting, Move, PHASES, Pace, Programmed, SpindleStep, Step, StepKind,
     TapLimiting, TapPlan,
 };
+pub use stock::Stock;
 pub use stroke::{Stroke, StrokeRequest, tapping_torque};
 pub use thread::{Corner, OnThread, THREADING_AXES, ThreadStretch};
 pub use way_out::{Pass, TiedCut, WayOut};

@@ -32,11 +32,7 @@ impl Stock {
     }
 
     /// The part of a line, as shares of it within `part`, that lies over the block; `None`: no part does.
-    pub(crate) fn over(
-        &self,
-        [a, b]: [[f64; 3]; 2],
-        part: (f64, f64),
-    ) -> Option<(f64, f64)> {
+    pub(crate) fn over(&self, [a, b]: [[f64; 3]; 2], part: (f64, f64)) -> Option<(f64, f64)> {
         let (mut from, mut to) = part;
         for i in 0..2 {
             let (low, high) = (self.from[i].value(), self.to[i].value());

@@ -18,7 +18,8 @@ const INCH: f64 = units::MM_PER_INCH;
 const LIKE_INCHES: f64 = 0.03;
 
 /// What to ask where a number is off by the ratio of inches to millimetres.
-pub(crate) const WHICH_UNIT: &str = "the numbers differ by 25.4: is this block in inches (G20) or in millimetres (G21)?";
+pub(crate) const WHICH_UNIT: &str =
+    "the numbers differ by 25.4: is this block in inches (G20) or in millimetres (G21)?";
 
 /// Whether one number is the other in the other unit.
 pub(crate) fn is_other_unit(found: f64, expected: f64) -> bool {
@@ -69,7 +70,8 @@ pub(crate) fn word_within(frame: &ProgramFrame, axis: Axis, machine: f64, inward
 pub(crate) fn place(frame: &ProgramFrame, axis: Axis, machine: f64) -> String {
     match frame.work_offset_code() {
         Some(code) if frame.written(axis, machine).is_some() => {
-            let diameter = if axis == Axis::X && frame.x_is_diameter { " (a diameter)" } else { "" };
+            let diameter =
+                if axis == Axis::X && frame.x_is_diameter { " (a diameter)" } else { "" };
             format!("{} of {code}{diameter}", word(frame, axis, machine))
         }
         _ => {

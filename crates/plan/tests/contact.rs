@@ -77,24 +77,53 @@ fn a_rapid_into_the_stock_is_refused_with_the_height_that_works() {
          at Z0: Z2 or higher works, or a feed (G1)\n"
     );
     // across from beside the work
-    assert!(said(1, [to(80.0, 10.0), to(80.0, -5.0), to(0.0, -5.0)]).starts_with("M0361 Error line 5"));
+    assert!(
+        said(1, [to(80.0, 10.0), to(80.0, -5.0), to(0.0, -5.0)]).starts_with("M0361 Error line 5")
+    );
 }
 
 #[test]
 fn a_rapid_into_what_is_drilled_already_is_none_into_the_stock() {
-    assert_eq!(said(1, [to(5.0, 2.0), fed(5.0, -12.0), to(5.0, 2.0), to(5.0, -11.8), fed(5.0, -20.0), to(5.0, 9.0)]), "");
+    assert_eq!(
+        said(
+            1,
+            [
+                to(5.0, 2.0),
+                fed(5.0, -12.0),
+                to(5.0, 2.0),
+                to(5.0, -11.8),
+                fed(5.0, -20.0),
+                to(5.0, 9.0)
+            ]
+        ),
+        ""
+    );
     let deeper = said(1, [to(5.0, 2.0), fed(5.0, -12.0), to(5.0, 2.0), to(5.0, -14.0)]);
-    assert!(deeper.contains("2 mm deeper than what is open here: Z-12 is the deepest that works"), "{deeper}");
+    assert!(
+        deeper.contains("2 mm deeper than what is open here: Z-12 is the deepest that works"),
+        "{deeper}"
+    );
 }
 
 #[test]
 fn a_tool_that_cuts_along_its_axis_may_not_mill() {
     for tool in [1, 9] {
         let text = said(tool, [to(0.0, 2.0), fed(0.0, -1.0), fed(20.0, -1.0), to(20.0, 2.0)]);
-        assert!(text.starts_with("M0361 Error line 5") && text.contains("20 mm sideways, 1 mm deep"), "{text}");
+        assert!(
+            text.starts_with("M0361 Error line 5") && text.contains("20 mm sideways, 1 mm deep"),
+            "{text}"
+        );
     }
-    assert_eq!(said(8, [to(0.0, 2.0), fed(0.0, -1.0), fed(20.0, -1.0), to(20.0, 2.0)]), "", "an end mill may");
-    assert_eq!(said(1, [to(-80.0, -5.0), to(-80.0, 2.0)]), "", "beside the stock nothing is touched");
+    assert_eq!(
+        said(8, [to(0.0, 2.0), fed(0.0, -1.0), fed(20.0, -1.0), to(20.0, 2.0)]),
+        "",
+        "an end mill may"
+    );
+    assert_eq!(
+        said(1, [to(-80.0, -5.0), to(-80.0, 2.0)]),
+        "",
+        "beside the stock nothing is touched"
+    );
 }
 
 #[test]
@@ -105,8 +134,12 @@ fn a_rapid_where_a_mill_has_passed_is_no_error_of_any_tool() {
     let elsewhere = said(8, pocket.clone().into_iter().chain([to(40.0, 5.0), to(40.0, -4.0)]));
     assert!(elsewhere.starts_with("M0360 Warning line 8"), "{elsewhere}");
     // the simulator mills nothing, so that a drill there is worth a word
-    let drilled = said(8, pocket.into_iter().chain([change(1), turn(3000.0), to(10.0, 5.0), to(10.0, -4.0)]));
-    assert!(drilled.starts_with("M0360 Warning line 10") && drilled.contains("a mill has passed here"), "{drilled}");
+    let drilled =
+        said(8, pocket.into_iter().chain([change(1), turn(3000.0), to(10.0, 5.0), to(10.0, -4.0)]));
+    assert!(
+        drilled.starts_with("M0360 Warning line 10") && drilled.contains("a mill has passed here"),
+        "{drilled}"
+    );
 }
 
 #[test]
@@ -127,14 +160,16 @@ fn a_tap_goes_into_the_work_in_its_cycle_only() {
     let at = |z: f64| rapid(5.0, 0.0, TOP + 100.0 + z);
     let by_hand = said_in(g54(100.0), 2, [at(5.0), line(5.0, 0.0, TOP + 90.0, 3000.0)]);
     assert!(by_hand.starts_with("M0364 Error line 4"), "{by_hand}");
-    let cycle = said_in(g54(100.0), 2, [at(5.0), OpKind::Tap(tap(5.0, 0.0, 5.0, -10.0, 1.0, 3000.0))]);
+    let cycle =
+        said_in(g54(100.0), 2, [at(5.0), OpKind::Tap(tap(5.0, 0.0, 5.0, -10.0, 1.0, 3000.0))]);
     assert!(cycle.starts_with("M0324 Note") && cycle.lines().count() == 1, "{cycle}");
 }
 
 #[test]
 fn a_length_offset_that_is_missing_or_anothers_is_named_once_with_what_it_does() {
     // no G43: the axis stands where a tool of no length would have its tip
-    let forgotten = said_in(g54(0.0), 1, [rapid(5.0, 0.0, TOP + 30.0), rapid(9.0, 0.0, TOP + 30.0)]);
+    let forgotten =
+        said_in(g54(0.0), 1, [rapid(5.0, 0.0, TOP + 30.0), rapid(9.0, 0.0, TOP + 30.0)]);
     assert!(forgotten.contains("M0360 Error line 3"), "{forgotten}");
     assert!(
         forgotten.contains("T1 is 120 mm long and no length offset is in force, so its tip is 120 mm below where the program has it: G43 H1 before this move works"),
@@ -163,9 +198,15 @@ fn a_work_offset_that_carries_the_tools_length_needs_no_g43() {
 #[test]
 fn a_hole_or_thread_that_meets_no_stock_is_said_before_it_is_not_cut() {
     let above = said(1, [to(5.0, 30.0), hole(5.0, 0.0, 10.0)]);
-    assert!(above.starts_with("M0366 Warning line 4: T1 (a drill) goes down to Z10 of G54"), "{above}");
+    assert!(
+        above.starts_with("M0366 Warning line 4: T1 (a drill) goes down to Z10 of G54"),
+        "{above}"
+    );
     let beside = said(1, [to(70.0, 30.0), hole(70.0, 0.0, -10.0)]);
-    assert!(beside.contains("X70 Y0 lies beside the stock, which reaches from X-50 to X50 of G54"), "{beside}");
+    assert!(
+        beside.contains("X70 Y0 lies beside the stock, which reaches from X-50 to X50 of G54"),
+        "{beside}"
+    );
 }
 
 #[test]
@@ -188,7 +229,10 @@ fn a_tip_deeper_than_the_flutes_is_refused_though_the_program_says_less() {
 fn advice_comes_in_inches_where_the_program_is_in_inches() {
     let inches = ProgramFrame { unit: LengthUnit::Inch, ..g54(120.0) };
     let text = said_in(inches, 1, [to(5.0, 10.0), to(5.0, -2.54)]);
-    assert!(text.contains("Z-0.1 of G54 takes the tip of T1 (a drill) 0.1 in into the stock"), "{text}");
+    assert!(
+        text.contains("Z-0.1 of G54 takes the tip of T1 (a drill) 0.1 in into the stock"),
+        "{text}"
+    );
     assert!(text.contains(": Z0.1 or higher works"), "{text}");
     let fast = said_in(inches, 1, [to(5.0, 2.0), line(5.0, 0.0, TOP + 100.0, 3000.0)]);
     assert!(fast.contains("118.1102 in/min") && fast.contains(": F25.4 works"), "{fast}");
@@ -201,8 +245,13 @@ fn stand_ins_of_no_known_length_are_not_looked_at() {
 
 #[test]
 fn many_moves_of_one_cause_are_one_finding_with_their_number_and_the_worst() {
-    let moves = (1..=30).flat_map(|k| [to(f64::from(k), 5.0), to(f64::from(k), -f64::from(k % 7) - 1.0)]);
+    let moves =
+        (1..=30).flat_map(|k| [to(f64::from(k), 5.0), to(f64::from(k), -f64::from(k % 7) - 1.0)]);
     let text = said(1, moves);
     assert_eq!(text.lines().count(), 1, "{text}");
-    assert!(text.contains("line 4: the rapid to Z-7 of G54") && text.contains(", in line 14, the worst of 30 such moves"), "{text}");
+    assert!(
+        text.contains("line 4: the rapid to Z-7 of G54")
+            && text.contains(", in line 14, the worst of 30 such moves"),
+        "{text}"
+    );
 }

@@ -317,8 +317,14 @@ fn a_tap_of_no_depth_lead_or_speed() {
 fn all_moves_beyond_one_end_of_the_travel_are_one_finding_with_the_worst() {
     let text = findings((0..100).map(|i| rapid(300.0 + f64::from(i % 50), 0.0, 0.0)));
     assert_eq!(text.matches("M0301").count(), 1, "{text}");
-    assert!(text.contains("line 1: X would go to 349 mm (machine coordinate), 99 mm beyond its travel"), "{text}");
-    assert!(text.contains(", in line 50, the worst of 100 such moves: X250 is the nearest that works"), "{text}");
+    assert!(
+        text.contains("line 1: X would go to 349 mm (machine coordinate), 99 mm beyond its travel"),
+        "{text}"
+    );
+    assert!(
+        text.contains(", in line 50, the worst of 100 such moves: X250 is the nearest that works"),
+        "{text}"
+    );
 }
 
 #[test]

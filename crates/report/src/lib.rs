@@ -26,7 +26,8 @@ mod thin;
 pub use measure::Measure;
 pub use page::{
     CamPage, Comparison, CompensationPage, CompensationRow, Named, PolygonPlan, Side, Way,
-    WayOfCompensation, cam_html, comparison_html, compensation_html, feature_name, html, polygon_html, um_figure,
+    WayOfCompensation, cam_html, comparison_html, compensation_html, feature_name, html,
+    polygon_html, um_figure,
 };
 pub use record::{AxisLimits, Recorder, WORST_KEPT};
 pub use recovery::{Recovery, recovery_svg};

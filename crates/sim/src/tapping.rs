@@ -36,8 +36,8 @@ use crate::clutch::Coupling;
 use crate::friction::{between, smooth_sign};
 use crate::seat::Seat;
 use crate::work::{AT_SURFACE_MM, ENTERED_MM, Hole, Stock, Thread};
-use core::f64::consts::{PI, TAU};
 use bus::ToolBreak;
+use core::f64::consts::{PI, TAU};
 use units::{Angle, Force, Length, Torque};
 
 /// Shear strength of a tap's core, N/mm²: high-speed steel, from known break torques.

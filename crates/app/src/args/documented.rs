@@ -62,9 +62,10 @@ fn every_command_of_readme_and_docs_is_understood() {
     for page in pages.chain([root.join("README.md")]) {
         for command in commands(&std::fs::read_to_string(&page).unwrap()) {
             seen += 1;
-            wrong.extend(misread(&command).map(|why| {
-                format!("{}: leadscrew {command}: {why}", page.display())
-            }));
+            wrong.extend(
+                misread(&command)
+                    .map(|why| format!("{}: leadscrew {command}: {why}", page.display())),
+            );
         }
     }
     assert!(seen > 30, "the commands were not found: {seen}");

@@ -12,8 +12,8 @@ mod polygon;
 mod run;
 mod text;
 
-pub(crate) use cam::{CamArgs, CamFormName, CamOutput};
 use crate::progress::Shown;
+pub(crate) use cam::{CamArgs, CamFormName, CamOutput};
 use clap::{Parser, Subcommand};
 pub(crate) use common::{
     ClutchDwell, Compensation, DecimalPoint, Dialect, Estimator, Format, MissingTools, ProgramArgs,

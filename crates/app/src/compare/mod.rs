@@ -99,7 +99,8 @@ pub(crate) fn command(args: &CompareArgs, quiet: bool) -> Result<bool, Refused> 
         }
     };
     let mut ways = Vec::new();
-    let progress = Progress::new(u64::from(args.samples) * CASES.len() as u64, "tapping (simulated)");
+    let progress =
+        Progress::new(u64::from(args.samples) * CASES.len() as u64, "tapping (simulated)");
     for case in &CASES {
         ways.push(way(args, case, &text, drive, &progress)?);
     }

@@ -86,7 +86,10 @@ pub(crate) const SENTENCES: &[(&str, &str)] = &[
     ("M0362", "A drill is fed into the stock while the spindle stands still or turns backwards."),
     ("M0363", "A feed per turn is more than the drill's core bears; the F that works is said."),
     ("M0364", "A tap is fed into the stock without the cycle that ties it to the spindle."),
-    ("M0365", "The length offset in force is not that of the tool in the spindle; by how much its tip is off is said."),
+    (
+        "M0365",
+        "The length offset in force is not that of the tool in the spindle; by how much its tip is off is said.",
+    ),
     ("M0366", "A hole or thread lies above or beside the stock: nothing is cut."),
     ("M0367", "The tip goes deeper into the stock than the tool reaches."),
     ("M0368", "Only the tap's chamfer enters the stock: no full thread is cut."),
@@ -136,7 +139,10 @@ pub(crate) const SENTENCES: &[(&str, &str)] = &[
     ("S0505", "A tool table of LinuxCNC before 2.4."),
     ("S0506", "Words of a tool table that have no effect."),
     ("S0507", "A tool's remark says tap, and no thread."),
-    ("S0508", "A diameter is what its remark says in inches, and the table is read in millimetres."),
+    (
+        "S0508",
+        "A diameter is what its remark says in inches, and the table is read in millimetres.",
+    ),
     ("S0601", "A parameter file's line: expected a number and its value."),
     ("S0602", "A parameter's number or value is out of bounds."),
     ("S0603", "A parameter is there twice."),

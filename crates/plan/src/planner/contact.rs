@@ -173,9 +173,8 @@ impl Contact {
         let off = |at: Point| libm::hypot(at[0] - entered[0], at[1] - entered[1]);
         let depth = self.depth(part[0]).max(self.depth(part[1]));
         let off = off(part[0]).max(off(part[1]));
-        let is_milled = |at: Point| {
-            self.removed.milled_depth([at[0], at[1]]) >= self.depth(at) - SLIDES
-        };
+        let is_milled =
+            |at: Point| self.removed.milled_depth([at[0], at[1]]) >= self.depth(at) - SLIDES;
         let milled = part.into_iter().all(is_milled);
         (off > most && depth > ROUNDING)
             .then_some((Wrong::Sideways { off, depth, milled }, part[1]))

@@ -7,7 +7,9 @@ use crate::findings::{Cause, number};
 use crate::motion::{Along, change, coordinate};
 use crate::path::{Path, radius};
 use crate::travel::{Beyond, beyond};
-use crate::words::{WHICH_UNIT, feed, feed_that_works, is_rotary, length, place, word, word_within};
+use crate::words::{
+    WHICH_UNIT, feed, feed_that_works, is_rotary, length, place, word, word_within,
+};
 use alloc::{format, vec::Vec};
 use canon::{Arc, Axis, Feed, LengthUnit, Position, ProgramFrame};
 use diag::{Diagnostic, Span};
@@ -203,8 +205,9 @@ pub(super) fn clipped(
     } else {
         (feed(frame, wanted * 60.0), feed_that_works(frame, possible * 60.0))
     };
-    let text =
-        format!("a feed of {asked} is faster than the axes can along this path: it runs at {works}");
+    let text = format!(
+        "a feed of {asked} is faster than the axes can along this path: it runs at {works}"
+    );
     let is_inches = frame.unit == LengthUnit::Inch && wanted / units::MM_PER_INCH <= possible;
     let help = if is_inches && !turns_only {
         "said once; G20 is in force: if F was meant in mm/min, write G21"

@@ -417,12 +417,7 @@ fn pecks(tap: &Tap, retract: Retract) -> impl Iterator<Item = Peck> {
 }
 
 /// A tap that would meet a drilled hole off its centre: it would be bent and break.
-fn beside_its_hole(
-    span: Span,
-    hole: &Drilled,
-    off: Length,
-    frame: &ProgramFrame,
-) -> Diagnostic {
+fn beside_its_hole(span: Span, hole: &Drilled, off: Length, frame: &ProgramFrame) -> Diagnostic {
     let text = format!(
         "the tap would meet the hole of {} drilled here {} off its centre",
         length(frame, hole.diameter.value()),

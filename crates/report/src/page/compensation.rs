@@ -121,7 +121,8 @@ fn over_speed(index: usize, name: &str, page: &CompensationPage) -> String {
     let x = Range::of("speed of the work / rev/min", all.iter().map(|p| p.0).chain([0.0]));
     let y = Range::of("error / µm", all.iter().map(|p| p.1)).padded(0.08).powers_of_ten();
     let heading = format!("{name}: what each way leaves");
-    let caption = "The largest contour error over the speed of the work; the scale of errors is logarithmic.";
+    let caption =
+        "The largest contour error over the speed of the work; the scale of errors is logarithmic.";
     let mut chart = Chart::new(&heading, caption, x, y, 260.0);
     for (way, stroke) in DRAWN {
         chart.line(stroke, &of(way), page.ways.get(way).map(String::as_str));

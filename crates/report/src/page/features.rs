@@ -200,20 +200,12 @@ impl Page<'_> {
         match self.recorder.frames.of(feature.op) {
             Some(frame) => {
                 let [x, y] = frames::within(frame, at).map(Length::mm);
-                [
-                    Cell::plain(frames::name(frame)),
-                    self.writer.length(x),
-                    self.writer.length(y),
-                ]
+                [Cell::plain(frames::name(frame)), self.writer.length(x), self.writer.length(y)]
             }
             None => {
                 let zero = self.run.zero();
                 let [x, y] = [0, 1].map(|i| at[i] - Length::mm(zero[i]));
-                [
-                    Cell::plain(self.run.frame()),
-                    self.writer.length(x),
-                    self.writer.length(y),
-                ]
+                [Cell::plain(self.run.frame()), self.writer.length(x), self.writer.length(y)]
             }
         }
     }
@@ -268,7 +260,9 @@ fn columns(kind: usize) -> Vec<Column> {
             ("torque of the cut", "N·m", false),
             ("speed", "rpm", false),
         ],
-        1 => &[("depth", "mm", false), ("depth error", "µm", false), ("off its place", "µm", false)],
+        1 => {
+            &[("depth", "mm", false), ("depth error", "µm", false), ("off its place", "µm", false)]
+        }
         2 => &[
             ("length", "mm", false),
             ("passes", "", false),
@@ -327,8 +321,12 @@ const fn explained(kind: usize) -> &'static str {
             "Sync error: distance of the tool from the ideal helix in the worst pass. Passes apart: how well each finds the \
              groove of the others."
         }
-        3 => "Size error: across flats, less what was ordered. Facets differ: the farthest less the nearest.",
-        4 => "Contour error: distance of the wheel's edge from the profile along X, in the last turns.",
+        3 => {
+            "Size error: across flats, less what was ordered. Facets differ: the farthest less the nearest."
+        }
+        4 => {
+            "Contour error: distance of the wheel's edge from the profile along X, in the last turns."
+        }
         _ => "Deviations at the middle of the face, by ISO 1328-1. Speed of the work.",
     }
 }

@@ -1,9 +1,9 @@
 //! Key figures: what a reader looks for first, each with one line of why.
 use super::features::by_badness;
-use crate::{Measure, Run, Standing};
 use crate::pictures::tolerance_share;
 use crate::record::Recorder;
 use crate::svg::{Tag, fixed};
+use crate::{Measure, Run, Standing};
 use units::{Length, Time};
 use verify::{Feature, FeatureKind, Summary, Thread};
 

@@ -26,12 +26,12 @@ mod tools;
 mod turned;
 mod verdict;
 
-pub use features::name as feature_name;
 pub use cams::{CamPage, cam_html};
 pub use comparison::{Comparison, Way, comparison_html};
 pub use compensation::{
     CompensationPage, CompensationRow, WayOfCompensation, compensation_html, um_figure,
 };
+pub use features::name as feature_name;
 pub use polygon::{Named, PolygonPlan, Side, polygon_html};
 
 use crate::Run;

@@ -79,7 +79,11 @@ fn row(size: &str, features: &[&Feature], measure: Measure) -> [String; 5] {
     [size.to_owned(), format!("{} {good}/{}", worst.sign(), features.len()), depth, sync, margin]
 }
 
-fn spread(features: &[&Feature], measure: Measure, value: impl Fn(&Feature) -> Option<f64>) -> String {
+fn spread(
+    features: &[&Feature],
+    measure: Measure,
+    value: impl Fn(&Feature) -> Option<f64>,
+) -> String {
     let values = features.iter().filter_map(|f| value(f)).filter(|v| v.is_finite());
     let (low, high) =
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));

@@ -1,14 +1,16 @@
 //! The tools that were in the spindle: what the setter must have mounted for this report to hold.
-use crate::{Measure, Run};
 use crate::pictures::figure;
 use crate::record::Recorder;
 use crate::svg::{Tag, fixed};
+use crate::{Measure, Run};
 use units::{Length, Time};
 
 /// The table, or nothing if no tool was used.
 pub(super) fn tools(run: &Run, recorder: &Recorder) -> String {
     let used = recorder.shares.tools.iter().filter(|(number, _)| *number != 0);
-    let rows: String = used.map(|(number, shares)| row(run, recorder.measure(), *number, shares.total())).collect();
+    let rows: String = used
+        .map(|(number, shares)| row(run, recorder.measure(), *number, shares.total()))
+        .collect();
     if rows.is_empty() {
         return String::new();
     }

@@ -1,7 +1,7 @@
 //! The verdict: a sign, a word, a sentence.
 use super::features::by_badness;
-use crate::{Run, Standing};
 use crate::svg::{Tag, escape};
+use crate::{Run, Standing};
 use verify::Feature;
 
 /// What the run came to.
@@ -51,8 +51,7 @@ fn outcome(run: &Run, features: &[Feature]) -> Outcome {
         };
     }
     if all == 0 {
-        let sentence =
-            "The program ran to its end; it made nothing that could be judged.".into();
+        let sentence = "The program ran to its end; it made nothing that could be judged.".into();
         return Outcome { class: "none", sign: "○", word: "NOTHING TO JUDGE".into(), sentence };
     }
     let sentence = format!("{judged} The program ran to its end without an alarm.");

@@ -90,9 +90,8 @@ fn places(run: &Run, recorder: &Recorder, features: &[Feature], frame: &Frame) -
         let cell = ((x * 10.0).round() as i64, (y * 10.0).round() as i64);
         let at = *by_cell.entry(cell).or_insert(places.len());
         if at == places.len() {
-            let [x, y] = [0, 1].map(|i| {
-                frame.measure.number(machine[i] - Length::mm(frame.zero[i]))
-            });
+            let [x, y] =
+                [0, 1].map(|i| frame.measure.number(machine[i] - Length::mm(frame.zero[i])));
             places.push(Place {
                 at: (x, y),
                 named: named(run, recorder, feature, machine),

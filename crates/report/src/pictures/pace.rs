@@ -115,7 +115,8 @@ fn by_limit(run: &Run, looking: &Looking, points: &[Point]) -> String {
     let lines = by_class(run, looking, points);
     let description =
         "Path of the tool's tip while cutting, coloured by what kept it from being faster.";
-    let Some(mut chart) = view_of(looking, &lines, "Tool path by what limited it", description) else {
+    let Some(mut chart) = view_of(looking, &lines, "Tool path by what limited it", description)
+    else {
         return String::new();
     };
     for limiter in Limiter::ALL {
@@ -164,7 +165,8 @@ fn over_time(recorder: &Recorder) -> String {
 fn limiters(run: &Run, recorder: &Recorder, all: f64) -> String {
     let head = "<thead><tr><th class=\"l\">motion</th><th class=\"l\">limited by</th><th>s</th><th>%</th><th class=\"l\">faster with</th></tr></thead>";
     let of = |(what, seconds): (&'static str, [f64; 6])| {
-        let each = Limiter::ALL.iter().map(move |limiter| (what, *limiter, seconds[*limiter as usize]));
+        let each =
+            Limiter::ALL.iter().map(move |limiter| (what, *limiter, seconds[*limiter as usize]));
         each.filter(move |(.., seconds)| *seconds > 5e-4 * all)
     };
     let kinds = ["cut", "rapid"].into_iter().zip(recorder.pace.limited);

@@ -16,7 +16,12 @@ const KINDS: [Kind; 10] = [
     ("grinding, with spark-out", &[], Some(Turning::Grinding), "s8"),
     ("turns of the work in the air, to measure", &[], Some(Turning::InTheAir), "s9"),
     ("tool change", &[State::ToolChange], None, "s3"),
-    ("coupling, waiting for the spindle", &[State::SpindleWait, State::Couple, State::Measure], None, "s4"),
+    (
+        "coupling, waiting for the spindle",
+        &[State::SpindleWait, State::Couple, State::Measure],
+        None,
+        "s4",
+    ),
     ("waiting for position", &[State::Settle], None, "s5"),
     ("dwell, operator, idle", &[State::Dwell, State::Paused, State::Held, State::Idle], None, "s6"),
     ("stopped by a fault, recovering", &[State::Faulted, State::Recovering], None, "s7"),

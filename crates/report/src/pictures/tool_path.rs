@@ -100,7 +100,11 @@ pub(crate) fn tool_path(
     }
     let mut pictures = String::new();
     for (nth, drawing) in drawings(run, recorder).iter().enumerate() {
-        let lines = if nth == 0 { lines_of(&points, drawing.looking.view, listed) } else { BTreeMap::new() };
+        let lines = if nth == 0 {
+            lines_of(&points, drawing.looking.view, listed)
+        } else {
+            BTreeMap::new()
+        };
         drawn.extend(lines.keys());
         let picture = draw(drawing, &points, &lines);
         pictures += &figure(drawing.heading, &picture, drawing.caption);
@@ -190,8 +194,11 @@ fn draw(drawing: &Drawing, points: &[Point], lines: &BTreeMap<u32, Vec<Line>>) -
     let mut chart = drawing.looking.chart(drawing.heading, description, x, y);
     chart.lines(Stroke::Rapid, &rapids, Some("rapid"));
     chart.lines(Stroke::Feed, &feeds, Some("cutting"));
-    let points: Vec<(f64, f64)> =
-        feeds.iter().filter(|line| is_point(line)).filter_map(|line| line.first().copied()).collect();
+    let points: Vec<(f64, f64)> = feeds
+        .iter()
+        .filter(|line| is_point(line))
+        .filter_map(|line| line.first().copied())
+        .collect();
     if !points.is_empty() {
         chart.dots(&points, "cutting, straight down");
     }

@@ -22,19 +22,19 @@ mod track;
 
 pub(crate) use chips::{Chips, Hop, Row};
 pub(crate) use floating::{Floating, Moment};
-pub use pace::AxisLimits;
 use frames::Frames;
 use lines::Lines;
 pub(crate) use lines::Turning;
+pub use pace::AxisLimits;
 pub(crate) use pace::{CLASSES, Limiter, Pace, class_bounds};
 pub(crate) use series::Series;
 pub(crate) use shares::{Shares, SharesByTool};
 pub(crate) use tap::TapTrace;
 pub(crate) use track::{Point, Track};
 
-use bus::{Sample, State};
-use crate::run::Origin;
 use crate::Measure;
+use crate::run::Origin;
+use bus::{Sample, State};
 use canon::{Axis, LengthUnit, Op, OpKind, ProgramFrame, Tap, ToolLibrary};
 use std::collections::BTreeMap;
 use units::{Angle, Length, Time};

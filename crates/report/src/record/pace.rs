@@ -52,14 +52,8 @@ pub(crate) enum Limiter {
 
 impl Limiter {
     /// All of them, in their order.
-    pub(crate) const ALL: [Self; 6] = [
-        Self::Feed,
-        Self::Speed,
-        Self::Acceleration,
-        Self::Jerk,
-        Self::Spindle,
-        Self::Nothing,
-    ];
+    pub(crate) const ALL: [Self; 6] =
+        [Self::Feed, Self::Speed, Self::Acceleration, Self::Jerk, Self::Spindle, Self::Nothing];
 }
 
 /// A programmed feed.
@@ -283,7 +277,11 @@ mod tests {
                 units::Length::mm(20e-3 * f64::from(period));
             pace.sample(&sample, tip);
         }
-        assert!((pace.limited[0][Limiter::Feed as usize] - 0.999).abs() < 2e-3, "{:?}", pace.limited);
+        assert!(
+            (pace.limited[0][Limiter::Feed as usize] - 0.999).abs() < 2e-3,
+            "{:?}",
+            pace.limited
+        );
         let turning = pace.turning.expect("C turns").points();
         assert!(turning.iter().all(|(_, speed)| (speed - 20.0).abs() < 1e-6), "{turning:?}");
     }

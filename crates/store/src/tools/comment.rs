@@ -105,7 +105,9 @@ pub(super) fn is_in_inches(comment: &str, number: f64) -> bool {
         let inches = match size.split_once('/') {
             Some((above, below)) => above.parse::<f64>().ok().zip(below.parse::<f64>().ok()),
             // a bare number is of inches where it has no whole part: .201 drill
-            None => size.starts_with(['.', '0']).then(|| size.parse().ok()).flatten().map(|n| (n, 1.0)),
+            None => {
+                size.starts_with(['.', '0']).then(|| size.parse().ok()).flatten().map(|n| (n, 1.0))
+            }
         };
         inches.is_some_and(|(above, below): (f64, f64)| (above / below - number).abs() < ALIKE)
     })
@@ -210,9 +212,12 @@ mod tests {
 
     #[test]
     fn a_diameter_that_is_its_comments_in_inches_is_known() {
-        for (comment, number) in
-            [("1/4 end mill", 0.25), ("1/4-20 UNC tap", 0.25), (".201 drill", 0.201), ("drill 3/8\"", 0.375)]
-        {
+        for (comment, number) in [
+            ("1/4 end mill", 0.25),
+            ("1/4-20 UNC tap", 0.25),
+            (".201 drill", 0.201),
+            ("drill 3/8\"", 0.375),
+        ] {
             assert!(is_in_inches(comment, number), "{comment}");
         }
         for (comment, number) in

@@ -194,7 +194,11 @@ fn read_tap(thread: &ThreadSize, keys: &mut Keys<'_>) -> TapTool {
         designation: thread.designation.clone(),
         lead: thread.lead(),
         chamfer_pitches: keys.number("chamfer_pitches", 0.0..=20.0),
-        thread_length: length(keys, ["thread_length_mm", "thread_length_in"], 0.1..=LONGEST.value()),
+        thread_length: length(
+            keys,
+            ["thread_length_mm", "thread_length_in"],
+            0.1..=LONGEST.value(),
+        ),
         flute: keys.choice("flute", &flutes),
         oversize: oversize.unwrap_or_else(|| usual_oversize(thread)),
         holder: keys.section("holder", read_holder),

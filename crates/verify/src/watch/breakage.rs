@@ -33,13 +33,25 @@ fn name(tool: &Tool) -> String {
 fn why(by: ToolBreak) -> String {
     match by {
         ToolBreak::Sideways { by, most } => {
-            format!("moved {:.2} mm sideways in the work of {:.2} mm it withstands", by.value(), most.value())
+            format!(
+                "moved {:.2} mm sideways in the work of {:.2} mm it withstands",
+                by.value(),
+                most.value()
+            )
         }
         ToolBreak::Stress { torque, force, most_torque, most_force } => {
             let shares = [torque.value() / most_torque.value(), force.value() / most_force.value()];
             let [twisted, pulled] = [
-                format!("torque {:.1} N·m of {:.1} N·m it withstands", torque.value(), most_torque.value()),
-                format!("axial force {:.0} N of {:.0} N it withstands", force.value(), most_force.value()),
+                format!(
+                    "torque {:.1} N·m of {:.1} N·m it withstands",
+                    torque.value(),
+                    most_torque.value()
+                ),
+                format!(
+                    "axial force {:.0} N of {:.0} N it withstands",
+                    force.value(),
+                    most_force.value()
+                ),
             ];
             // below a fifth the other one's part in the stress is below 2 %
             match shares {
@@ -88,7 +100,8 @@ mod tests {
         let mut sample = Sample::default();
         sample.feedback.tool = Some(2);
         let mut truth = Truth { tool_broken: true, ..Truth::default() };
-        truth.axes = [-48.0, -28.0, -200.0 + 118.5 - 14.2, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0].map(Length::mm);
+        truth.axes =
+            [-48.0, -28.0, -200.0 + 118.5 - 14.2, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0].map(Length::mm);
         let stress = |torque: f64, force: f64| ToolBreak::Stress {
             torque: Torque::n_m(torque),
             force: Force::n(force),
@@ -104,8 +117,13 @@ mod tests {
             said(stress(5.5, 300.0)),
             "the tool is broken: T2 drill 5 mm, torque 5.5 N·m of 5.3 N·m it withstands, at X12 Y12 Z-14.2 of G54"
         );
-        assert!(said(stress(4.0, 9000.0)).contains("it withstands together with axial force 9000 N of 12000 N"));
+        assert!(
+            said(stress(4.0, 9000.0))
+                .contains("it withstands together with axial force 9000 N of 12000 N")
+        );
         let sideways = ToolBreak::Sideways { by: Length::mm(1.3), most: Length::mm(1.25) };
-        assert!(said(sideways).contains("moved 1.30 mm sideways in the work of 1.25 mm it withstands"));
+        assert!(
+            said(sideways).contains("moved 1.30 mm sideways in the work of 1.25 mm it withstands")
+        );
     }
 }

@@ -181,7 +181,9 @@ impl Planner {
         let so = format!("its tip is {} {way} where the program has it", length(frame, off.abs()));
         let n = tool.number;
         Some(if applied == 0.0 {
-            format!("{is} and no length offset is in force, so {so}: G43 H{n} before this move works")
+            format!(
+                "{is} and no length offset is in force, so {so}: G43 H{n} before this move works"
+            )
         } else {
             let same = |t: &&Tool| (t.length.value() - applied).abs() < 1e-6;
             let whose = match self.tools.iter().find(same) {
@@ -236,7 +238,8 @@ impl Planner {
             ]
         };
         let is_offset = offset.is_some();
-        let usual = "[setup.stock] in the machine's file says how large the work is and where it lies";
+        let usual =
+            "[setup.stock] in the machine's file says how large the work is and where it lies";
         let help = offset.or_else(|| (!is_over).then(|| usual.into()));
         self.findings.merge(Cause { code: "M0366", which }, by, || {
             let mut finding = Diagnostic::warning("M0366", span, "");
