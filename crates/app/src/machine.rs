@@ -3,6 +3,7 @@ use crate::args::MachineCommand;
 use crate::refused::Refused;
 use crate::say;
 use crate::tables::table;
+use crate::wiring;
 use store::machine::{self, MachineFile, Reaction};
 
 /// Do it.
@@ -17,6 +18,8 @@ pub(crate) fn command(order: &MachineCommand) -> Result<(), Refused> {
         }
         MachineCommand::Check { machine } => {
             let file = load(machine)?;
+            crate::subprograms::folders_of(machine, &file)?;
+            crate::learning::Memory::load(None, &file)?;
             let mut text = format!("{}: in order. {}\n", file.name, file.description);
             for warning in warnings(&file).chain(crate::coasting::warnings(&file)) {
                 text += &format!("warning: {warning}\n");
@@ -26,13 +29,29 @@ pub(crate) fn command(order: &MachineCommand) -> Result<(), Refused> {
     }
 }
 
-/// A machine by its embedded name, or from a file.
+/// A machine by its embedded name, or from a file: one that can be controlled and simulated.
 pub(crate) fn load(name: &str) -> Result<MachineFile, Refused> {
-    match machine::embedded(name) {
-        None => Ok(machine::load(&path(name)?)?),
+    let file = match machine::embedded(name) {
+        None => machine::load(&path(name)?)?,
         Some(text) => machine::parse(text, 0)
-            .map_err(|findings| Refused::text(name.to_owned(), text, findings)),
+            .map_err(|findings| Refused::text(name.to_owned(), text, findings))?,
+    };
+    can_be_run(name, &file)?;
+    Ok(file)
+}
+
+/// What no section of the file can see alone: loops too fast for the servo period, physics too coarse for an axis.
+fn can_be_run(name: &str, file: &MachineFile) -> Result<(), Refused> {
+    let mut wrong = Vec::new();
+    wiring::control(file, None, true).problems(|problem| wrong.push(problem.to_string()));
+    let (tools, seed) = (canon::ToolLibrary::default(), u64::from(file.simulation.seed));
+    let material = file.setup.stock.material;
+    let config = wiring::simulator(file, &tools, material, seed, &file.setup.g54);
+    wrong.extend(config.problems());
+    if wrong.is_empty() {
+        return Ok(());
     }
+    Err(Refused::because(format!("the machine {name} cannot be run: {}", wrong.join("; "))))
 }
 
 /// What is allowed and yet leaves a tool in the work without help.

@@ -101,16 +101,28 @@ fn search_path(
     };
     let mut folders = vec![beside];
     folders.extend(args.subprograms.iter().cloned());
-    let home = Path::new(&args.machine).parent().unwrap_or(Path::new(""));
-    let listed = machine.control.subprogram_path.as_deref().unwrap_or_default();
-    folders.extend(listed.split(':').filter(|name| !name.is_empty()).map(|name| home.join(name)));
-    if let Some(missing) = folders.iter().skip(1).find(|folder| !folder.is_dir()) {
-        let missing = missing.display();
-        return Err(Refused::because(format!(
-            "subprograms are to be looked for in {missing}, which is no folder"
-        )));
-    }
+    are_there(folders.get(1..).unwrap_or_default())?;
+    folders.extend(folders_of(&args.machine, machine)?);
     Ok(folders)
+}
+
+/// The folders that a machine's file lists, beside the file.
+pub(crate) fn folders_of(name: &str, machine: &MachineFile) -> Result<Vec<PathBuf>, Refused> {
+    let home = Path::new(name).parent().unwrap_or(Path::new(""));
+    let listed = machine.control.subprogram_path.as_deref().unwrap_or_default();
+    let folders = listed.split(':').filter(|name| !name.is_empty()).map(|name| home.join(name));
+    let folders: Vec<_> = folders.collect();
+    are_there(&folders)?;
+    Ok(folders)
+}
+
+fn are_there(folders: &[PathBuf]) -> Result<(), Refused> {
+    folders.iter().find(|folder| !folder.is_dir()).map_or(Ok(()), |missing| {
+        let missing = missing.display();
+        Err(Refused::because(format!(
+            "subprograms are to be looked for in {missing}, which is no folder"
+        )))
+    })
 }
 
 /// A file in a folder, if it is really there.

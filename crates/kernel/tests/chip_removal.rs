@@ -57,7 +57,7 @@ fn limits(accel: f64) -> MachineLimits {
     MachineLimits {
         axes,
         spindles: vec![spindle],
-        tool_change: ToolChange { z: None, time: Time::s(0.9) },
+        tool_change: ToolChange { z: None, x: None, y: None, pockets: 0, time: Time::s(0.9) },
         settling: Time::s(5e-3),
         tapping: Tapping::along_z(SPINDLE_LIMITS.margin),
         joining: plan::Joining::EXACT,

@@ -30,6 +30,8 @@ const AXIS: AxisLimits = AxisLimits {
 const SPINDLE: SpindleLimits = SpindleLimits {
     inertia: Inertia::kg_m2(0.010),
     peak_torque: Torque::n_m(42.0),
+    continuous_torque: units::Torque::n_m(1e9),
+    thermal_time: units::Time::s(60.0),
     peak_power: Power::w(15_000.0),
     friction: Torque::n_m(0.3),
     viscous_n_m_s_per_rad: 0.0012,
@@ -109,7 +111,7 @@ fn limits() -> MachineLimits {
     MachineLimits {
         axes,
         spindles: vec![SPINDLE; 2],
-        tool_change: ToolChange { z: None, time: Time::ZERO },
+        tool_change: ToolChange { z: None, x: None, y: None, pockets: 0, time: Time::ZERO },
         settling: Time::ZERO,
         tapping: Tapping::along_z(0.85),
         joining: plan::Joining::EXACT,

@@ -33,7 +33,13 @@ fn limits() -> MachineLimits {
     MachineLimits {
         axes,
         spindles: vec![SPINDLE_LIMITS],
-        tool_change: ToolChange { z: Some(Length::ZERO), time: Time::s(0.9) },
+        tool_change: ToolChange {
+            z: Some(Length::ZERO),
+            x: None,
+            y: None,
+            pockets: 0,
+            time: Time::s(0.9),
+        },
         settling: Time::s(5e-3),
         tapping: Tapping::along_z(SPINDLE_LIMITS.margin),
         joining: plan::Joining::EXACT,

@@ -51,6 +51,10 @@ pub struct SpindleLimits {
     pub inertia: Inertia,
     /// Largest torque of the drive.
     pub peak_torque: Torque,
+    /// Torque that it can give for ever.
+    pub continuous_torque: Torque,
+    /// Time in which drive and winding warm.
+    pub thermal_time: Time,
     /// Largest power of the drive: above `power / torque` the torque falls as power over speed.
     pub peak_power: Power,
     /// Friction that does not depend on speed.
@@ -73,6 +77,12 @@ pub struct SpindleLimits {
 pub struct ToolChange {
     /// Machine coordinate of Z at which tools are changed; `None`: wherever it stands.
     pub z: Option<Length>,
+    /// The same of X.
+    pub x: Option<Length>,
+    /// The same of Y.
+    pub y: Option<Length>,
+    /// Pockets of the magazine; 0: not known.
+    pub pockets: u32,
     /// How long a change takes, for the estimate of the cycle time.
     pub time: Time,
 }

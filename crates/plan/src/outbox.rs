@@ -13,6 +13,7 @@
 use crate::Step;
 use crate::clock::Clock;
 use crate::ends::Ends;
+use crate::heat::Heat;
 use crate::limits::MachineLimits;
 use crate::repace::{Row, Wish};
 use crate::run::{Order, Run};
@@ -34,6 +35,8 @@ pub(crate) struct Outbox {
     waiting: Vec<Step>,
     /// Planned time of all that was handed on.
     clock: Clock,
+    /// What the spindles' drives warm by.
+    pub(crate) heat: Heat,
 }
 
 impl Outbox {
@@ -133,6 +136,7 @@ impl Outbox {
         emit: &mut dyn FnMut(Step),
     ) {
         self.clock.count(&step, limits);
+        self.heat.count(&step.kind, limits);
         emit(step);
     }
 }

@@ -15,9 +15,8 @@
 //! **Spindle.** An M3 or M4 stays in force over taps and orientations, which leave the spindle at rest; it is told
 //! to turn again as early as possible before the next cut, and the first cut awaits its speed.
 //!
-//! **Tool change.** The spindle is stopped, Z goes to the change position, the tool is changed. The program does
-//! not know that Z has moved: a rapid that leaves Z where the program has it stays at the change position; the first op that
-//! cuts brings Z back first.
+//! **Tool change.** The spindle is stopped, Z goes to the change position, then X and Y where the machine has one for them, the
+//! tool is changed. The program does not know that they have moved ([`tool_change`]).
 use crate::cams::Cams;
 use crate::coupled::Table;
 use crate::findings::{Findings, number};
@@ -32,7 +31,7 @@ use crate::way_out::CameFrom;
 use alloc::{format, vec::Vec};
 use canon::{Axis, Op, OpKind, PathMode, Position, ProgramFrame, ToolLibrary};
 use diag::{Diagnostic, Span};
-use units::{Length, Spin, Time};
+use units::{Length, Spin, Time, Torque};
 
 mod cam;
 mod chips;
@@ -44,6 +43,7 @@ mod spindle;
 mod spindle_override;
 mod tap;
 mod thread;
+mod tool_change;
 mod unsynchronised;
 use refuse::wild;
 
@@ -84,8 +84,8 @@ pub struct Planner {
     frame: ProgramFrame,
     /// Where the program has the axes.
     programmed: Position,
-    /// Where Z really is, if a tool change has lifted it.
-    lifted: Option<Length>,
+    /// Where X, Y and Z really are, if a tool change has taken them there.
+    away: tool_change::Away,
     tool: u32,
     spindles: Vec<SpindleState>,
     mode: PathMode,
@@ -112,6 +112,8 @@ pub struct Planner {
     tables: Vec<Table>,
     next_table: u16,
     findings: Findings,
+    /// Where each drive was hottest so far.
+    hottest: [(Torque, Span); crate::heat::SPINDLES],
     pub(crate) outbox: Outbox,
     /// The operator's feed override acts.
     overridden: bool,
@@ -208,7 +210,7 @@ impl Planner {
             tools,
             frame: ProgramFrame::default(),
             programmed: start.position,
-            lifted: None,
+            away: tool_change::Away::default(),
             tool: start.tool,
             mode,
             holes: Holes::default(),
@@ -226,6 +228,7 @@ impl Planner {
             tables: Vec::new(),
             next_table: 0,
             findings: Findings::default(),
+            hottest: Default::default(),
             outbox: Outbox::default(),
             overridden: true,
             spindle_override: spindle_override::SpindleOverride::default(),
@@ -311,15 +314,14 @@ impl Planner {
             OpKind::End => self.end(&mut job),
             OpKind::Overrides { feed, spindle } => {
                 self.allow_spindle_override(&mut job, *spindle);
-                if *feed == self.overridden {
-                    return;
+                if core::mem::replace(&mut self.overridden, *feed) != *feed {
+                    let step = job.step(StepKind::FeedOverride(*feed));
+                    self.after_spindle(&mut job, step);
                 }
-                self.overridden = *feed;
-                let step = job.step(StepKind::FeedOverride(*feed));
-                self.after_spindle(&mut job, step);
             }
             OpKind::SelectTool { .. } | OpKind::Message(_) => {}
         }
+        self.feel_heat(op.span);
         if !matches!(op.kind, OpKind::Threading(_)) {
             self.came_from.moved(&before, &self.programmed.linear);
         }
@@ -329,6 +331,7 @@ impl Planner {
     pub fn finish(&mut self, emit: &mut impl FnMut(Step)) {
         self.end_thread(emit);
         self.outbox.release(&[], &self.limits, emit);
+        self.say_heat();
     }
 
     /// The cams that programs may call, and what is sent of them.
@@ -358,10 +361,7 @@ impl Planner {
 
     /// Where the axes are when all ops so far are done.
     pub fn position(&self) -> Position {
-        match self.lifted {
-            Some(z) => self.programmed.with(Axis::Z, z),
-            None => self.programmed,
-        }
+        self.away.instead_of(self.programmed)
     }
 
     fn dwell(&mut self, job: &mut Job, time: Time) {
@@ -376,37 +376,6 @@ impl Planner {
         }
         self.tell_spindles(job);
         self.hand_on(job, StepKind::Dwell(time));
-    }
-
-    fn change_tool(&mut self, job: &mut Job, number: u32) {
-        if number != 0 && self.tools.get(number).is_none() {
-            let text = format!("T{number} is not in the tool table");
-            let finding = Diagnostic::error("M0309", job.span, text);
-            self.findings.add(
-                finding.with_help("add it to the table, or let missing tools be stood in for"),
-            );
-        }
-        for state in &mut self.spindles {
-            state.ordered = Spin::ZERO;
-        }
-        if number == self.tool {
-            return; // it is there already
-        }
-        self.tell_spindles(job);
-        if let Some(z) = self.limits.tool_change.z {
-            let from = self.position();
-            let path = Path::Line { from, to: from.with(Axis::Z, z) };
-            self.lifted = Some(z);
-            if !self.is_refused(job, &[path]) {
-                self.sweep(job, &path, contact::Run::Rapid);
-                self.rapid_along(job, path);
-            }
-        }
-        self.outbox.release(&[], &self.limits, job.emit);
-        self.await_spindles(job);
-        self.hand_on(job, StepKind::ChangeTool(number));
-        self.tool = number;
-        self.tool_mounted();
     }
 
     fn end(&mut self, job: &mut Job) {

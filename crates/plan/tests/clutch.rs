@@ -77,8 +77,8 @@ fn dwells(steps: &[Step]) -> Vec<f64> {
 fn the_clutch_cycle_is_its_seven_steps_and_leaves_the_spindle_forward() {
     let steps = steps_of(planner(CLUTCH, Unsynchronised::default()), order(0.0));
     let expected = [
-        "spindle override false",
         "turn 3000",
+        "spindle override false",
         "await",
         "kept in the work",
         "feed -10",
@@ -170,8 +170,8 @@ fn the_floating_cycle_feeds_all_the_way_stops_and_reverses() {
     let tapping = Unsynchronised { method: TapMethod::Floating, ..Unsynchronised::default() };
     let steps = steps_of(planner(FLOATING, tapping), order(0.0));
     let expected = [
-        "spindle override false",
         "turn 3000",
+        "spindle override false",
         "await",
         "kept in the work",
         "feed -15",

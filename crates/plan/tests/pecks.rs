@@ -95,6 +95,8 @@ fn a_short_stroke_is_within_3_percent_of_the_time_that_no_tap_can_beat() {
         inertia: Inertia::kg_m2(0.01),
         // 500 rev/s² = 1000·π rad/s²
         peak_torque: Torque::n_m(0.01 * 1000.0 * core::f64::consts::PI),
+        continuous_torque: units::Torque::n_m(1e9),
+        thermal_time: units::Time::s(60.0),
         peak_power: Power::w(1e9),
         friction: Torque::ZERO,
         viscous_n_m_s_per_rad: 0.0,

@@ -1,11 +1,13 @@
 //! From ops to steps: order, waiting, time.
 mod common;
 use canon::{Feed, OpKind, PathMode, Position, ReturnAcceleration};
-use common::{change, hole, line, mm, planner_at, rapid, steps, steps_of, tap, turn};
+use common::{
+    change, hole, line, machine, mm, planner_at, rapid, steps, steps_of, steps_on, tap, turn,
+};
 use path::Shape;
 use plan::{SpindleStep, Step, StepKind};
 use std::f64::consts::TAU;
-use units::{Lead, Time};
+use units::{Lead, Length, Time};
 
 /// Whether a step goes on with the one before, along the same straight line and without a stop between them: a law with
 /// a limit of jerk has more phases than one step holds.
@@ -124,6 +126,31 @@ fn a_tool_change_lifts_z_and_the_first_cut_brings_it_back() {
         words(&steps),
         "rapid(0,0,-100) turn(1000) await cut(5,0,-100) turn(0) rapid(5,0,0) await tool(1) \
          rapid(50,20,0) rapid(50,20,-100) cut(60,20,-100)"
+    );
+}
+
+#[test]
+fn tools_are_changed_where_the_machine_has_it_and_the_way_there_and_back_is_at_the_top() {
+    let mut limits = machine();
+    limits.tool_change.x = Some(Length::mm(-200.0));
+    limits.tool_change.y = Some(Length::mm(30.0));
+    let ops = [
+        rapid(0.0, 0.0, -100.0),
+        change(1),
+        // X and Y alone: straight there, at the top
+        rapid(50.0, 20.0, -100.0),
+        line(60.0, 20.0, -100.0, 600.0),
+        change(2),
+        // Z alone: back over the work first
+        rapid(60.0, 20.0, -90.0),
+        change(1),
+        line(70.0, 20.0, -90.0, 600.0),
+    ];
+    assert_eq!(
+        words(&steps_on(limits, ops)),
+        "rapid(0,0,-100) rapid(0,0,0) rapid(-200,30,0) tool(1) rapid(50,20,0) rapid(50,20,-100) cut(60,20,-100) \
+         rapid(60,20,0) rapid(-200,30,0) tool(2) rapid(60,20,0) rapid(60,20,-90) \
+         rapid(60,20,0) rapid(-200,30,0) tool(1) rapid(60,20,0) rapid(60,20,-90) cut(70,20,-90)"
     );
 }
 

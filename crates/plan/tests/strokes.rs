@@ -22,6 +22,8 @@ fn ideal(accel: f64, rise: f64) -> SpindleLimits {
     SpindleLimits {
         inertia: Inertia::kg_m2(0.01),
         peak_torque: Torque::n_m(0.01 * TAU * accel),
+        continuous_torque: units::Torque::n_m(1e9),
+        thermal_time: units::Time::s(60.0),
         peak_power: Power::w(1e12),
         friction: Torque::ZERO,
         viscous_n_m_s_per_rad: 0.0,
@@ -238,6 +240,8 @@ fn any_spindle() -> impl Strategy<Value = SpindleLimits> {
         .prop_map(|(j, torque, power, (c0, c1), rpm, margin, rise)| SpindleLimits {
             inertia: Inertia::kg_m2(j),
             peak_torque: Torque::n_m(torque),
+            continuous_torque: units::Torque::n_m(1e9),
+            thermal_time: units::Time::s(60.0),
             peak_power: Power::w(power),
             friction: Torque::n_m(c0),
             viscous_n_m_s_per_rad: c1,

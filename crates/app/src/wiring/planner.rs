@@ -17,7 +17,13 @@ pub(crate) fn planner(machine: &MachineFile) -> MachineLimits {
     MachineLimits {
         axes: machine.axes.each_ref().map(|file| file.as_ref().map(axis)),
         spindles: machine.spindles.iter().map(spindle).collect(),
-        tool_change: ToolChange { z: Some(machine.tool_change.z), time: machine.tool_change.time },
+        tool_change: ToolChange {
+            z: Some(machine.tool_change.z),
+            x: machine.tool_change.x,
+            y: machine.tool_change.y,
+            pockets: machine.tool_change.pockets,
+            time: machine.tool_change.time,
+        },
         settling: windows.fold(Time::ZERO, Time::max),
         tapping: tapping(machine),
         joining: joining(machine),
@@ -98,6 +104,8 @@ fn spindle(file: &Spindle) -> SpindleLimits {
     SpindleLimits {
         inertia: file.inertia,
         peak_torque: file.peak_torque,
+        continuous_torque: file.continuous_torque,
+        thermal_time: file.thermal_time,
         peak_power: file.peak_power,
         friction: file.friction.coulomb,
         viscous_n_m_s_per_rad: file.friction.viscous_n_m_s_per_rad,

@@ -25,7 +25,7 @@ pub(crate) fn tools() -> String {
     let left = r#"
 [[tool]]
 number = 41
-pocket = 41
+pocket = 16
 kind = "tap"
 description = "M8 left hand, rigid collet"
 diameter_mm = 8.0

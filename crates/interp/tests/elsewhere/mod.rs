@@ -42,6 +42,11 @@ pub(crate) const SENTENCES: &[(&str, &str)] = &[
     ("M0314", "The program would take absurdly long."),
     ("M0315", "A hole is drilled with no tool in the spindle."),
     ("M0316", "No time law was found for a path; the line and the reason are said."),
+    ("M0317", "The tool's pocket is one that the magazine does not have."),
+    (
+        "M0318",
+        "The drive of a spindle is asked for more than its torque of continuous duty, as the root of the mean square.",
+    ),
     ("M0320", "At this speed a tap's axis would have to feed faster than it can."),
     ("M0321", "The speed is above the spindle's highest for tapping."),
     ("M0322", "The hole is deeper than the tap's flutes reach."),

@@ -231,6 +231,8 @@ pub fn control(machine: &sim::Config) -> Config {
 pub const SPINDLE_LIMITS: SpindleLimits = SpindleLimits {
     inertia: Inertia::kg_m2(0.010),
     peak_torque: Torque::n_m(42.0),
+    continuous_torque: units::Torque::n_m(1e9),
+    thermal_time: units::Time::s(60.0),
     peak_power: Power::w(15_000.0),
     friction: Torque::n_m(0.3),
     viscous_n_m_s_per_rad: 0.0012,

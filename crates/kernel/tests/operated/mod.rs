@@ -33,7 +33,7 @@ fn limits(jerk: f64) -> MachineLimits {
     MachineLimits {
         axes,
         spindles: vec![SPINDLE_LIMITS],
-        tool_change: ToolChange { z: None, time: Time::s(1.0) },
+        tool_change: ToolChange { z: None, x: None, y: None, pockets: 0, time: Time::s(1.0) },
         settling: Time::ZERO,
         tapping: Tapping::along_z(0.9),
         joining: Joining { period: Time::s(PERIOD), ..Joining::EXACT },

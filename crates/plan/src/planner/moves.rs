@@ -20,15 +20,14 @@ const MERGED_MOST: f64 = 0.3;
 
 impl Planner {
     pub(super) fn rapid(&mut self, job: &mut Job, to: &Position) {
+        self.leave_change_position(job, to);
         let from = self.position();
         let reversed = self.reversed_along.take();
         let is_back = reversed.is_some_and(|axis| to.with(axis, from.along(axis)) == from);
         if reversed.is_some() && !is_back {
             self.tell_spindles(job);
         }
-        let stays_up = self.lifted.filter(|_| to.linear[2] == self.programmed.linear[2]);
-        self.programmed = *to;
-        self.lifted = stays_up;
+        self.arrive(to);
         let path = Path::Line { from, to: self.position() };
         if self.is_refused(job, &[path]) {
             return;
@@ -193,6 +192,10 @@ impl Planner {
         alone: Alone,
         (feed, rapid): (f64, bool),
     ) {
+        if bound.speed > 0.0 {
+            let time = path.length() / bound.speed;
+            self.outbox.heat.passes(time);
+        }
         if self.only_judges {
             return;
         }
@@ -245,16 +248,6 @@ impl Planner {
                 self.only_judges = true;
                 None
             }
-        }
-    }
-
-    /// Back from the change position, before something is cut.
-    pub(super) fn come_down(&mut self, job: &mut Job) {
-        if self.lifted.is_some() {
-            let path = Path::Line { from: self.position(), to: self.programmed };
-            self.lifted = None;
-            self.sweep(job, &path, Run::Rapid);
-            self.rapid_along(job, path);
         }
     }
 }

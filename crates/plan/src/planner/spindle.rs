@@ -16,7 +16,7 @@ use crate::tap_check::whole_rpm;
 use alloc::{format, vec::Vec};
 use canon::SpindleOrder;
 use diag::Diagnostic;
-use units::Spin;
+use units::{Spin, Torque};
 
 impl Planner {
     pub(super) fn spindle(&mut self, job: &mut Job, index: u8, order: &SpindleOrder) {
@@ -73,6 +73,40 @@ impl Planner {
     /// Whether chips are being thrown off, and no step has waited for the end of it.
     fn is_throwing(&self) -> bool {
         self.spindles.iter().any(|state| state.throwing)
+    }
+
+    /// Remember where the drives are hottest, for what is said in the end.
+    pub(super) fn feel_heat(&mut self, span: diag::Span) {
+        let overloads = self.outbox.heat.overloads(&self.limits);
+        for (most, torque) in self.hottest.iter_mut().zip(overloads) {
+            if let Some(torque) = torque.filter(|torque| *torque > most.0) {
+                *most = (torque, span);
+            }
+        }
+    }
+
+    /// Say which drives the program asks for more than they can give for ever.
+    pub(super) fn say_heat(&mut self) {
+        for (index, (torque, span)) in self.hottest.iter().enumerate() {
+            let Some(limits) = self.limits.spindles.get(index).filter(|_| *torque > Torque::ZERO)
+            else {
+                continue;
+            };
+            let (has, asked) = (limits.continuous_torque.value(), torque.value());
+            let longer = ((asked / has) * (asked / has) - 1.0) * 100.0;
+            let text = format!(
+                "the drive of spindle {index} is asked for {} N·m, the root of the mean square over {} s: {} N·m is what it can give for ever",
+                number(asked),
+                number(limits.thermal_time.value()),
+                number(has),
+            );
+            let help = format!(
+                "what comes before this takes {longer:.0} % longer at least on a drive that protects itself: a gentler tapping preset, a lower \
+                 S or pauses of as much keep it cool"
+            );
+            self.findings.add(Diagnostic::warning("M0318", *span, text).with_help(help));
+        }
+        self.hottest = Default::default();
     }
 
     /// Whether an order has not reached the kernel yet.

@@ -74,6 +74,8 @@ impl Planner {
             let step = job.step(step);
             self.after_spindle(job, step);
         } else {
+            // what needs the speed needs the spindle: it runs up beside the rapids that wait
+            self.tell_spindles(job);
             self.hand_on(job, step);
         }
     }

@@ -134,6 +134,7 @@ impl Planner {
         if let Err(finding) = &gentle {
             found.push(finding.clone());
         }
+        self.outbox.heat.cuts_with(cut);
         let refused = place || found.iter().any(Diagnostic::is_error);
         for finding in found {
             self.findings.add(finding);

@@ -18,6 +18,8 @@ pub fn mm(x: f64) -> Length {
 pub const SPINDLE: SpindleLimits = SpindleLimits {
     inertia: Inertia::kg_m2(0.010),
     peak_torque: Torque::n_m(42.0),
+    continuous_torque: units::Torque::n_m(1e9),
+    thermal_time: units::Time::s(60.0),
     peak_power: Power::w(15_000.0),
     friction: Torque::n_m(0.3),
     viscous_n_m_s_per_rad: 0.0012,
@@ -46,7 +48,13 @@ pub fn machine() -> MachineLimits {
     MachineLimits {
         axes,
         spindles: vec![SPINDLE],
-        tool_change: ToolChange { z: Some(Length::ZERO), time: Time::s(1.5) },
+        tool_change: ToolChange {
+            z: Some(Length::ZERO),
+            x: None,
+            y: None,
+            pockets: 0,
+            time: Time::s(1.5),
+        },
         settling: Time::ZERO,
         tapping: Tapping::along_z(SPINDLE.margin),
         joining: plan::Joining::EXACT,
@@ -163,6 +171,11 @@ pub fn program(kinds: impl IntoIterator<Item = OpKind>) -> Vec<Op> {
 
 pub fn planner_at(position: Position, tool: u32) -> Planner {
     Planner::new(machine(), tools(), OPTIONS, Start { position, tool })
+}
+
+/// All steps of a program on another machine, from machine zero.
+pub fn steps_on(limits: MachineLimits, kinds: impl IntoIterator<Item = OpKind>) -> Vec<Step> {
+    steps_of(Planner::new(limits, tools(), OPTIONS, Start::default()), kinds)
 }
 
 /// All steps of a program from machine zero.

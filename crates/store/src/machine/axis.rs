@@ -377,7 +377,7 @@ impl PositionFrom {
 
 impl Loops {
     pub(super) fn read(keys: &mut Keys<'_>) -> Self {
-        let feed_forward = 0.0..=200.0;
+        let feed_forward = 0.0..=150.0; // beyond, no loop is better for it
         Self {
             position_gain_per_s: keys.number("position_gain_per_s", 0.1..=10_000.0),
             velocity_bandwidth_hz: keys.number("velocity_bandwidth_hz", 0.1..=5000.0),

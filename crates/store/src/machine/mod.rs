@@ -210,6 +210,26 @@ impl MachineFile {
                 keys.conflict("setup", message);
             }
         }
+        let change = &self.tool_change;
+        let at = [
+            (canon::Axis::X, "x_mm", change.x),
+            (canon::Axis::Y, "y_mm", change.y),
+            (canon::Axis::Z, "z_mm", Some(change.z)),
+        ];
+        for (letter, key, place) in at {
+            let (Some(axis), Some(place)) = (self.axis(letter), place) else { continue };
+            let travel = &axis.travel;
+            if travel.from < travel.to && !travel.contains(place) {
+                let message = format!(
+                    "`{key}` of the tool change is {}: outside the travel of {} from {} to {} mm",
+                    place.value(),
+                    letter.letter(),
+                    travel.from.value(),
+                    travel.to.value()
+                );
+                keys.conflict("tool_change", message);
+            }
+        }
         let names = self.spindles.iter().map(|s| s.name.as_str()).collect::<Vec<_>>();
         if names.len() == 2 && names[0] == names[1] {
             keys.conflict("spindles", format!("two spindles are named \"{}\"", names[0]));
