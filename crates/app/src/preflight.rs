@@ -226,8 +226,12 @@ fn built_in(tool: &Tool, span: diag::Span) -> Diagnostic {
 /// A planner that also knows the workpiece.
 pub(crate) fn judging(session: &Session, options: Options) -> Planner {
     let planner = planner(session, options);
-    // cams are ground from blanks of their own
-    if session.cams.is_wanted() { planner } else { planner.with_stock(session.stock()) }
+    if session.cams.is_wanted() {
+        return planner; // cams are ground from blanks of their own
+    }
+    let planner = planner.with_stock(session.stock());
+    let is_assumed = session.table.is_none() && session.missing_tools == MissingTools::StandIn;
+    if is_assumed { planner.with_assumed_tools() } else { planner }
 }
 
 /// A planner for this session's machine, standing where the machine stands when it is switched on.

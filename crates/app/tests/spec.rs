@@ -110,11 +110,10 @@ fn picture_of(page: &Path, text: &str) -> Option<String> {
 
 /// What the program prints for a G-code program on its standard input.
 fn run(arguments: &[&str], program: &str, exit_code: i32) -> String {
-    let tools = root().join("programs/tools.toml");
     let mut child = Command::new(env!("CARGO_BIN_EXE_leadscrew"))
         .args(arguments)
         .arg("--tools")
-        .arg(tools)
+        .arg("programs/tools.toml")
         .current_dir(root())
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

@@ -244,6 +244,19 @@ fn stand_ins_of_no_known_length_are_not_looked_at() {
 }
 
 #[test]
+fn of_tools_that_are_assumed_nothing_is_refused() {
+    let start = Start { position: Position::xyz(0.0, 0.0, -10.0), tool: 0 };
+    let planner = Planner::new(machine(), all_tools(), common::OPTIONS, start);
+    let mut planner = planner.with_stock(STOCK).with_assumed_tools();
+    let ops = [change(1), turn(3000.0), to(5.0, 10.0), to(5.0, -30.0), fed(40.0, -30.0)];
+    for (index, op) in (0..).zip(&program(ops)) {
+        planner.push(index, op, &mut |_| ());
+    }
+    let found = planner.take_findings();
+    assert!(!found.is_empty() && found.iter().all(|f| !f.is_error()), "{found:?}");
+}
+
+#[test]
 fn many_moves_of_one_cause_are_one_finding_with_their_number_and_the_worst() {
     let moves =
         (1..=30).flat_map(|k| [to(f64::from(k), 5.0), to(f64::from(k), -f64::from(k % 7) - 1.0)]);

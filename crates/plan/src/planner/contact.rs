@@ -71,10 +71,14 @@ pub(super) struct Contact {
     mounted: u32,
     /// Where the rotary axes stood when the program began: the stock lies as it was clamped.
     rotary: [Angle; 3],
+    /// The tools are not known to be the shop's: nothing is sure to break.
+    doubtful: bool,
     /// It was said that the length offset is not the tool's.
     offset_said: bool,
     /// Code of what the length offset was blamed for: whatever else it causes is no finding of its own.
     blamed: Option<&'static str>,
+    /// The block of which something was said last: what follows from that is no finding of its own.
+    said: Option<diag::Span>,
 }
 
 /// What is wrong with a motion.
@@ -100,8 +104,10 @@ impl Contact {
             entered: None,
             mounted: 0,
             rotary,
+            doubtful: false,
             offset_said: false,
             blamed: None,
+            said: None,
         }
     }
 
@@ -289,6 +295,15 @@ impl Planner {
         Self { contact: Some(Contact::new(stock, rotary)), ..self }
     }
 
+    /// One whose tools are assumed and not the shop's own: what they would do to the stock is worth a warning at most.
+    #[must_use]
+    pub fn with_assumed_tools(mut self) -> Self {
+        if let Some(contact) = &mut self.contact {
+            contact.doubtful = true;
+        }
+        self
+    }
+
     /// Another tool is in the spindle.
     pub(super) const fn tool_mounted(&mut self) {
         if let Some(contact) = &mut self.contact {
@@ -322,8 +337,13 @@ impl Planner {
                 contact.segment([before, at], &form, run, per_turn, &mut found);
             }
         });
-        let is_tilted = [path.from(), path.to()].into_iter().any(|at| at.rotary != contact.rotary);
+        let is_tilted = [path.from(), path.to()].into_iter().any(|at| at.rotary != contact.rotary)
+            || contact.doubtful;
         for (wrong, at) in found {
+            let again = self.contact.as_mut().and_then(|contact| contact.said.replace(job.span));
+            if again == Some(job.span) && matches!(wrong, Wrong::Sideways { .. }) {
+                continue;
+            }
             self.say_wrong(job.span, wrong, at, is_tilted);
         }
         if let (Run::Feed(_), Some(contact)) = (run, &self.contact)

@@ -285,10 +285,15 @@ impl Planner {
             format!(": {} is the deepest that works", word(frame, Axis::Z, deepest)),
         ];
         let cause = Cause { code: "M0367", which: [contact.mounted, 0, 0] };
+        let is_doubtful = contact.doubtful;
         let offset = self.offset_cause();
         let is_offset = offset.is_some();
         self.findings.merge(cause, depth, || {
-            let mut finding = Diagnostic::error("M0367", span, "");
+            let mut finding = if is_doubtful {
+                Diagnostic::warning("M0367", span, "")
+            } else {
+                Diagnostic::error("M0367", span, "")
+            };
             finding.help = offset;
             (finding, said)
         });
