@@ -22,6 +22,7 @@ mod ahead;
 mod analysis;
 mod called;
 mod document;
+mod host;
 mod hover;
 mod jumps;
 mod names;
@@ -30,4 +31,5 @@ mod roles;
 mod server;
 mod slice;
 
-pub use server::{Host, Preflight, serve};
+pub use host::{Host, Preflight};
+pub use server::serve;

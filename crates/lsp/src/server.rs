@@ -2,6 +2,7 @@
 use crate::analysis::Analysis;
 use crate::called::Called;
 use crate::document::Document;
+use crate::host::{Host, Preflight};
 use crate::{
     hover,
     jumps::{self, Target},
@@ -31,25 +32,6 @@ const LOOK_AGAIN: Duration = Duration::from_millis(2);
 const LONG: usize = 1 << 18;
 /// Findings shown: more of them tell nothing new.
 const MOST_FINDINGS: usize = 1000;
-
-/// What the server asks of the program it runs in: what a G-code program meets outside its text.
-pub trait Host {
-    /// Tools, offsets, start and subprogram files for the program at this URI.
-    ///
-    /// # Errors
-    /// With a sentence, if they cannot be had.
-    fn setup(&self, uri: &str, text: &[u8]) -> Result<interp::Setup, String>;
-    /// The URI of the file that `o<name> call` opens from this program, if it exists.
-    fn subprogram(&self, uri: &str, name: &str) -> Option<String>;
-    /// Begin to find out everything that is wrong with a program, with what it meets: machine, tools and workpiece too.
-    fn preflight(&self, uri: &str, text: &[u8]) -> Box<dyn Preflight>;
-}
-
-/// What is being found out about a text. Who drops it does not want to know any more.
-pub trait Preflight {
-    /// All findings, in their order, once they are known; or why they cannot be had.
-    fn take(&mut self) -> Option<Result<Vec<Diagnostic>, String>>;
-}
 
 /// Serve one editor until it says goodbye. True if it took leave in order.
 ///

@@ -137,7 +137,9 @@ fn a_linuxcnc_table_is_read_in_either_order_of_words() {
     assert_eq!((tool(&table, 3).pocket, tool(&table, 3).diameter), (5, Length::mm(5.0)));
     assert_eq!(tool(&table, 3).description, "5mm tap drill");
     assert_eq!(tool(&table, 7).kind, ToolKind::Other);
-    assert!(table.remarks.is_empty());
+    // the first row is one of inches, and the table was read in millimetres
+    assert_eq!(table.remarks.iter().map(|r| (r.code, r.span.line)).collect::<Vec<_>>(), [("S0508", 1)]);
+    assert_eq!((table.remarks_of(1).count(), table.remarks_of(3).count()), (1, 0));
 }
 
 #[test]
@@ -147,6 +149,16 @@ fn an_inch_table_is_converted() {
         (tool(&table, 1).length, tool(&table, 1).diameter),
         (Length::mm(25.4), Length::mm(6.35))
     );
+}
+
+#[test]
+fn a_toml_table_may_state_lengths_in_inches() {
+    let text = "[[tool]]\nnumber = 1\nkind = \"end-mill\"\nlength_in = 2\ndiameter_in = 0.25\n";
+    let table = tools::parse_toml(text, 0).unwrap();
+    let (length, diameter) = (tool(&table, 1).length, tool(&table, 1).diameter);
+    assert_eq!((length, diameter), (Length::mm(50.8), Length::mm(6.35)));
+    let twice = text.replace("length_in = 2", "length_in = 2\nlength_mm = 50.8");
+    assert!(refused_toml(&twice).contains("`length_mm` states it too"), "{}", refused_toml(&twice));
 }
 
 #[test]

@@ -37,6 +37,8 @@ const MAY_BREAK: f64 = 0.9;
 const ADVISED: f64 = 0.5;
 /// A tip may stand so far from where the program has it, mm: wear offsets.
 const WEAR: f64 = 0.1;
+/// Places of a mill's rapid that are looked at.
+const LOOKS: u32 = 64;
 /// Rounding of a program's numbers, mm.
 const ROUNDING: f64 = 1e-6;
 
@@ -157,7 +159,6 @@ impl Contact {
         if let Run::Feed(_) = run {
             return self.removed.mill(&self.stock, part, radius);
         }
-        const LOOKS: u32 = 64;
         let [a, b] = part;
         let over = |k: u32| {
             let share = f64::from(k) / f64::from(LOOKS);

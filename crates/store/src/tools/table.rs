@@ -75,8 +75,10 @@ fn read_tool(keys: &mut Keys<'_>) -> (Tool, Span) {
 
 /// A length that is stated in millimetres, or in inches.
 fn length(keys: &mut Keys<'_>, names: [&'static str; 2], bounds: RangeInclusive<f64>) -> Length {
-    let stated = optional_length(keys, names, bounds.clone());
-    stated.unwrap_or_else(|| Length::mm(keys.number(names[0], bounds)))
+    if keys.has(names[1]) {
+        return optional_length(keys, names, bounds).unwrap_or(Length::ZERO); // what is none is refused there
+    }
+    Length::mm(keys.number(names[0], bounds))
 }
 
 fn optional_length(
@@ -84,17 +86,15 @@ fn optional_length(
     [in_mm, in_inches]: [&'static str; 2],
     bounds: RangeInclusive<f64>,
 ) -> Option<Length> {
-    let inches = bounds.start() / MM_PER_INCH..=bounds.end() / MM_PER_INCH;
-    let stated = keys.optional(in_inches, inches).map(|value| Length::mm(value * MM_PER_INCH));
-    if stated.is_some() && keys.has(in_mm) {
-        keys.conflict(in_inches, format!("`{in_mm}` states it too: expected one of them"));
-        keys.optional(in_mm, bounds);
-        return stated;
+    if !keys.has(in_inches) {
+        return keys.optional(in_mm, bounds).map(Length::mm);
     }
-    stated.or_else(|| {
-        let is_stated = keys.has(in_mm);
-        is_stated.then(|| keys.optional(in_mm, bounds).map(Length::mm)).flatten()
-    })
+    if keys.has(in_mm) {
+        keys.conflict(in_inches, format!("`{in_mm}` states it too: expected one of them"));
+        keys.optional(in_mm, bounds.clone());
+    }
+    let inches = bounds.start() / MM_PER_INCH..=bounds.end() / MM_PER_INCH;
+    keys.optional(in_inches, inches).map(|value| Length::mm(value * MM_PER_INCH))
 }
 
 /// 60° unless stated; a point that is not stated is the one that the thread's standard has.
