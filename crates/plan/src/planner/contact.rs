@@ -79,8 +79,8 @@ pub(super) struct Contact {
     offset_said: bool,
     /// Code of what the length offset was blamed for: whatever else it causes is no finding of its own.
     blamed: Option<&'static str>,
-    /// The block of which something was said last: what follows from that is no finding of its own.
-    said: Option<diag::Span>,
+    /// It has crashed into solid stock and not come out since: what follows from that is no finding of its own.
+    crashed: bool,
 }
 
 /// What is wrong with a motion.
@@ -109,7 +109,7 @@ impl Contact {
             doubtful: false,
             offset_said: false,
             blamed: None,
-            said: None,
+            crashed: false,
         }
     }
 
@@ -312,6 +312,7 @@ impl Planner {
             contact.entered = None;
             contact.offset_said = false;
             contact.blamed = None;
+            contact.crashed = false;
         }
     }
 
@@ -329,6 +330,7 @@ impl Planner {
         let is_flat = !matches!(path, Path::Arc { arc, .. } if arc.plane != canon::Plane::XY);
         if is_flat && lowest >= contact.stock.top() {
             contact.entered = None;
+            contact.crashed = false;
             return;
         }
         let mut found = Vec::new();
@@ -341,9 +343,12 @@ impl Planner {
         let is_tilted = [path.from(), path.to()].into_iter().any(|at| at.rotary != contact.rotary)
             || contact.doubtful;
         for (wrong, at) in found {
-            let again = self.contact.as_mut().and_then(|contact| contact.said.replace(job.span));
-            if again == Some(job.span) && matches!(wrong, Wrong::Sideways { .. }) {
-                continue;
+            let Some(contact) = &mut self.contact else { return };
+            match wrong {
+                Wrong::Sideways { .. } if contact.crashed => continue,
+                Wrong::RapidIn { milled, .. } => contact.crashed |= !milled,
+                Wrong::Still { .. } | Wrong::TapFed { .. } => contact.crashed = true,
+                Wrong::Sideways { .. } | Wrong::TooFast { .. } => {}
             }
             self.say_wrong(job.span, wrong, at, is_tilted);
         }
