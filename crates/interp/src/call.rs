@@ -28,6 +28,11 @@ pub trait Sink {
 
     /// From here on this much is in doubt, because a block before was refused.
     fn doubt(&mut self, _: crate::Doubts) {}
+
+    /// What an operation has missed, and was told of.
+    fn missed(&self) -> crate::Doubts {
+        crate::Doubts::default()
+    }
 }
 
 /// Nobody listens.

@@ -71,14 +71,14 @@ impl Executor {
         let Some(rpm) = said.or(usual.map(|u| u.rpm)) else {
             if self.words.get(b'E').is_some_and(|e| e > 0.0) {
                 let text = "E throws no chips off without U, the spindle speed that does";
-                return refuse("I0541", self.words.span(b'E'), text);
+                return refuse("I0563", self.words.span(b'E'), text);
             }
             return Ok(None);
         };
         let chips = Chips { rpm, every: every.unwrap_or(0) };
         if said.is_some() && every.is_none() {
             let text = "U throws no chips off without E: E1 does after every repetition, E2 after every second";
-            self.remarks.push(Diagnostic::warning("I0542", self.words.span(b'U'), text));
+            self.remarks.push(Diagnostic::warning("I0564", self.words.span(b'U'), text));
         }
         self.chips_are_possible(chips, cycle, code, said.is_some())
     }
@@ -97,14 +97,14 @@ impl Executor {
                 "U is a spindle speed, 0 or more, found {}: its sense is against the cut",
                 chips.rpm
             );
-            return refuse("I0543", span, text);
+            return refuse("I0565", span, text);
         }
         if chips.rpm == 0.0 || chips.every == 0 {
             return Ok(Some(chips));
         }
         if spindle.constant_surface_speed {
             return refuse(
-                "I0544",
+                "I0566",
                 span,
                 "chips are thrown off at U against S in revolutions per minute: write G97 S",
             );
@@ -116,17 +116,17 @@ impl Executor {
             );
             let below = (spindle.speed / 2.0).floor();
             if said {
-                return Err(error("I0545", span, text).with_help(format!("U{below} works")).into());
+                return Err(error("I0567", span, text).with_help(format!("U{below} works")).into());
             }
             let help = format!("the machine's setting is left out here; U{below} works");
-            self.remarks.push(Diagnostic::warning("I0545", span, text).with_help(help));
+            self.remarks.push(Diagnostic::warning("I0567", span, text).with_help(help));
             return Ok(None);
         }
         if spindle.turning.is_none() && cycle.tap_sense().is_none() {
             let text = format!(
                 "G{code} with U turns the spindle against its direction, but it stands: write M3 or M4"
             );
-            return refuse("I0546", span, text);
+            return refuse("I0568", span, text);
         }
         Ok(Some(chips))
     }

@@ -277,8 +277,12 @@ impl<'s> Interpreter<'s> {
     }
 
     /// Keep a fault, unless it follows from one before; and go on as if the block had done what it could.
-    fn refuse<S: Sink>(&mut self, fault: Diagnostic, before: Doubts, sink: &mut S) {
-        let explained = before.may_cause(fault.code, &self.block);
+    fn refuse<S: Sink>(&mut self, fault: Diagnostic, mut before: Doubts, sink: &mut S) {
+        if self.executor.names_its_motion(&self.block) {
+            before.clear(Doubts::MOTION);
+        }
+        let explained = before.and(sink.missed()).may_cause(fault.code, &self.block)
+            || self.executor.state.doubts.hide_blocks(fault.code);
         if fault.is_error() {
             let text = self.text_of_block();
             self.executor.after_refusal(fault.code, &self.block, text, sink);

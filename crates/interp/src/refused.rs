@@ -54,10 +54,14 @@ impl Doubts {
     const SENSE: u32 = 1 << 11;
     const TOOL: u32 = 1 << 12;
     /// Which motion or cycle is in force, and the words it keeps.
-    const MOTION: u32 = 1 << 13;
+    pub(crate) const MOTION: u32 = 1 << 13;
     const PLANE: u32 = 1 << 14;
     pub(crate) const COMPENSATION: u32 = 1 << 15;
     const PARAMETERS: u32 = 1 << 16;
+    /// Which numbered blocks there are: one that is looked for cannot be read.
+    const BLOCKS: u32 = 1 << 18;
+    /// Fanuc's rotation, scaling, mirror image, polar coordinates.
+    const MAPPING: u32 = 1 << 19;
     /// G90 or G91.
     const DISTANCE: u32 = 1 << 17;
 
@@ -81,6 +85,16 @@ impl Doubts {
     /// These, at the end of a stretch that began with `before`, if it begins with `now`: at most.
     pub(crate) const fn carried(self, before: Self, now: Self) -> Self {
         Self(self.0 & !(before.0 & !now.0) | now.0 & !before.0)
+    }
+
+    /// Both.
+    pub(crate) const fn and(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// Whether a numbered block is not found because it cannot be read.
+    pub(crate) fn hide_blocks(self, code: &str) -> bool {
+        self.has(needs(code) & Self::BLOCKS)
     }
 
     /// Whether what was found in a block may follow from a refusal before it.
@@ -116,8 +130,15 @@ impl Doubts {
 fn needs(code: &str) -> u32 {
     match code {
         "I0408" => Doubts::FEED,
-        "I0434" | "I0532" | "I0597" | "I0703" => Doubts::SPEED,
-        "I0512" | "I0513" | "I0514" | "I0515" | "I0702" => Doubts::SENSE,
+        "I0434" | "I0532" | "I0567" | "I0597" | "I0703" => Doubts::SPEED,
+        "I0427" => Doubts::SENSE | Doubts::SPEED,
+        "I0425" | "I0426" => Doubts::FEED,
+        "I1031" => Doubts::MOTION,
+        "I1032" | "I1006" => Doubts::BLOCKS,
+        "I1041" | "I1042" | "I1043" | "I1044" | "I1045" | "I1046" | "I1047" | "I1048" => {
+            Doubts::MAPPING
+        }
+        "I0512" | "I0513" | "I0514" | "I0515" | "I0568" | "I0702" => Doubts::SENSE,
         "I0109" | "I0110" | "I0112" | "I0504" | "I0505" | "I0507" | "I0508" | "I0516" | "I0534"
         | "I0594" => Doubts::MOTION,
         "I0413" | "I0414" | "I0417" | "I0418" | "I0433" | "I0701" | "I0705" | "I0709" => {
@@ -126,7 +147,7 @@ fn needs(code: &str) -> u32 {
         "I0410" | "I0411" | "I0412" | "I0541" | "I0706" => Doubts::PLANE,
         "I0540" | "I0544" | "I0550" => Doubts::COMPENSATION,
         "I0545" | "I0546" | "I0547" | "I0548" => {
-            Doubts::PLACE | Doubts::TOOL | Doubts::COMPENSATION | Doubts::SPEED
+            Doubts::PLACE | Doubts::TOOL | Doubts::COMPENSATION
         }
         _ => 0,
     }
@@ -146,7 +167,7 @@ fn said_by(letters: Letters) -> u32 {
         (b'S', Doubts::SPEED),
         (b'T', Doubts::TOOL),
         (b'D', Doubts::TOOL),
-        (b'G', Doubts::MOTION | Doubts::PLANE | Doubts::COMPENSATION),
+        (b'G', Doubts::MOTION | Doubts::PLANE | Doubts::COMPENSATION | Doubts::MAPPING),
         (b'M', Doubts::SENSE | Doubts::TOOL),
         (b'R', Doubts::MOTION),
         (b'Q', Doubts::MOTION),
@@ -191,6 +212,16 @@ impl Executor {
         self.state.doubts.add(Doubts::PARAMETERS);
     }
 
+    /// A numbered block that is looked for is there, and cannot be read.
+    pub(crate) fn doubt_blocks(&mut self) {
+        self.state.doubts.add(Doubts::BLOCKS);
+    }
+
+    /// Whether it is no matter for this block which motion was in force.
+    pub(crate) fn names_its_motion(&self, block: &gcode::Block) -> bool {
+        self.words.place.span == block.span && self.words.g(GGroup::Motion).is_some()
+    }
+
     /// Whether nobody knows what a block of axis words alone would do.
     pub(crate) fn motion_is_in_doubt(&self) -> bool {
         self.state.doubts.has(Doubts::MOTION)
@@ -207,8 +238,8 @@ impl Executor {
         sink: &mut S,
     ) {
         self.asked.more();
-        let needed = needs(code);
         let read = self.words.place.span == block.span;
+        let needed = needs(code);
         let failed = self.words.stage;
         let mut missing = needed & !(Doubts::PLACE | Doubts::DISTANCE);
         if read {
@@ -223,9 +254,13 @@ impl Executor {
                 missing |= Doubts::PLACE & !said_by(self.words.letters_present());
             }
         }
-        if read && self.recording.is_none() {
+        let grinds = self.state.cam || read && self.words.g(GGroup::Cam).is_some();
+        if read && self.recording.is_none() && !grinds {
             if needed & Doubts::COMPENSATION != 0 {
                 self.give_up_compensation(sink);
+            }
+            if code == "I0533" {
+                self.words.forget_g(GGroup::Plane); // this is what was refused
             }
             self.follow(sink);
         }
@@ -260,7 +295,8 @@ impl Executor {
         says(words.g(GGroup::Distance).is_some(), Doubts::DISTANCE);
         let absolute = !(self.state.incremental || self.state.doubts.has(Doubts::DISTANCE));
         for (axis, letter) in b"XYZABCUVW".iter().enumerate() {
-            says(words.get(*letter).is_some() && absolute, 1 << axis);
+            // as written: Fanuc's maps add words
+            says(block.word(*letter).is_some() && absolute, 1 << axis);
         }
         self.state.doubts.clear(known);
         if self.state.doubts.has(Doubts::PARAMETERS) {
@@ -349,8 +385,11 @@ impl Executor {
             return;
         };
         if matches!(motion, Motion::Cycle(_)) {
-            let [_, _, n] = self.state.plane_axes();
-            to[n] = self.state.at[n];
+            // along the plane's axes alone: of other letters a cycle has meanings of its own
+            let [a, b, _] = self.state.plane_axes();
+            let (x, y) = (to[a], to[b]);
+            to = self.state.at;
+            (to[a], to[b]) = (x, y);
         }
         if self.compensating {
             self.give_up_compensation(sink);

@@ -416,6 +416,10 @@ impl Sink for Resolver {
         self.doubts = doubts;
     }
 
+    fn missed(&self) -> Doubts {
+        self.missed
+    }
+
     fn call(&mut self, place: &Place, call: &Call<'_>) {
         let span = place.span;
         if self.missed != Doubts::default() {

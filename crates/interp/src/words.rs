@@ -218,6 +218,11 @@ impl Words {
         self.m[group as usize] = tenths;
     }
 
+    /// As if the block had no code of this group.
+    pub(crate) fn forget_g(&mut self, group: GGroup) {
+        self.g[group as usize] = NONE;
+    }
+
     /// One code of a group in the place of another, and the other way round.
     pub(crate) fn exchange_g(&mut self, group: GGroup, one: u16, other: u16) {
         let slot = &mut self.g[group as usize];

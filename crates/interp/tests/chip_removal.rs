@@ -107,14 +107,14 @@ fn blocks_that_repeat_the_cycle_go_on_counting() {
 
 #[test]
 fn the_speed_that_throws_chips_is_below_s_and_not_negative() {
-    for (word, code) in [("U5000", "I0545"), ("U6000", "I0545"), ("U-1", "I0543")] {
+    for (word, code) in [("U5000", "I0567"), ("U6000", "I0567"), ("U-1", "I0565")] {
         let (_, found) = story(&EXAMPLE.replace("U2000", word), &brother());
         assert!(found.iter().any(|f| f.starts_with(code)), "{word}: {found:?}");
     }
     let (_, found) = story(&EXAMPLE.replace(" M03", ""), &brother());
-    assert!(found.iter().any(|f| f.starts_with("I0546")), "{found:?}");
+    assert!(found.iter().any(|f| f.starts_with("I0568")), "{found:?}");
     let (_, found) = story(&EXAMPLE.replace("U2000 ", ""), &brother());
-    assert!(found.iter().any(|f| f.starts_with("I0541")), "{found:?}");
+    assert!(found.iter().any(|f| f.starts_with("I0563")), "{found:?}");
 }
 
 #[test]

@@ -325,6 +325,48 @@ pub(super) const ROWS: &[Finding] = &[
         "F100\nG5.2 P1 L2\nX2 P1\nX4 Y0 P1\nG5.3",
         "F100\nG5.2 P1 L2\nX2 Y0 P1\nX4 Y0 P1\nG5.3",
     ),
+    row(
+        "I0563",
+        "E throws no chips off without U, the speed that does.",
+        "G0 Z5\nM3 S2000 F100\nG81 X1 Z-5 R2 E2\nG80",
+        "G0 Z5\nM3 S2000 F100\nG81 X1 Z-5 R2 U500 E2\nG80",
+    )
+    .of(Brother),
+    row(
+        "I0564",
+        "U throws no chips off without E, how often.",
+        "G0 Z5\nM3 S2000 F100\nG81 X1 Z-5 R2 U500\nG80",
+        "G0 Z5\nM3 S2000 F100\nG81 X1 Z-5 R2 U500 E1\nG80",
+    )
+    .of(Brother),
+    row(
+        "I0565",
+        "The speed that throws chips off is 0 or more.",
+        "G0 Z5\nM3 S2000 F100\nG81 X1 Z-5 R2 U-500 E1\nG80",
+        "G0 Z5\nM3 S2000 F100\nG81 X1 Z-5 R2 U500 E1\nG80",
+    )
+    .of(Brother),
+    row(
+        "I0566",
+        "Chips are thrown off against a speed in revolutions per minute.",
+        "G0 Z5\nM3 F100\nG96 S100\nG81 X1 Z-5 R2 U50 E1\nG80",
+        "G0 Z5\nM3 F100\nG97 S100\nG81 X1 Z-5 R2 U50 E1\nG80",
+    )
+    .of(Brother),
+    row(
+        "I0567",
+        "The speed that throws chips off is below that of the cut.",
+        "G0 Z5\nM3 S2000 F100\nG81 X1 Z-5 R2 U2000 E1\nG80",
+        "G0 Z5\nM3 S2000 F100\nG81 X1 Z-5 R2 U1000 E1\nG80",
+    )
+    .of(Brother),
+    row(
+        "I0568",
+        "To turn the spindle against its direction, it must have one.",
+        "G0 Z5\nS2000 F100\nG81 X1 Z-5 R2 U500 E1\nG80",
+        "G0 Z5\nM3 S2000 F100\nG81 X1 Z-5 R2 U500 E1\nG80",
+    )
+    .of(Brother),
     row("I0570", "Probing needs an axis word.", "F100\nG38.2", "F100\nG38.2 Z-10"),
     row("I0571", "Probing needs a feed.", "G38.2 Z-10", "F100\nG38.2 Z-10"),
     row("I0572", "Probing needs a way.", "F100\nG38.2 Z0", "F100\nG38.2 Z-10"),

@@ -219,6 +219,14 @@ impl<S: Sink> Bent<'_, S> {
 }
 
 impl<S: Sink> Sink for Bent<'_, S> {
+    fn doubt(&mut self, doubts: crate::Doubts) {
+        self.sink.doubt(doubts);
+    }
+
+    fn missed(&self) -> crate::Doubts {
+        self.sink.missed()
+    }
+
     fn call(&mut self, place: &Place, call: &Call<'_>) {
         match call {
             Call::Line(to) => return self.line(place, to),

@@ -215,7 +215,11 @@ impl Fanuc {
             at
         });
         let (Some(begin), None, Some(_)) = (begin, missing, end) else {
-            let text = format!("there is no block N{} in this program", missing.unwrap_or(last));
+            let number = missing.unwrap_or(last);
+            if stands_in(it.sources[it.file], number) {
+                it.executor.doubt_blocks(); // it cannot be read, which is told there
+            }
+            let text = format!("there is no block N{number} in this program");
             let fault = error("I1032", span, text);
             return Err(fault.with_help("P and Q name the profile's first and last block").into());
         };
@@ -292,4 +296,14 @@ impl Fanuc {
         }
         it.executor.cut_profile(&recording, sink)
     }
+}
+
+/// Whether a line of the text begins with N and this number, readable or not.
+fn stands_in(text: &[u8], number: u32) -> bool {
+    text.split(|byte| *byte == b'\n').any(|line| {
+        let Some((b'N' | b'n', rest)) = line.trim_ascii_start().split_first() else { return false };
+        let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
+        let written = core::str::from_utf8(&rest[..digits]).ok();
+        written.and_then(|digits| digits.parse().ok()) == Some(number)
+    })
 }
