@@ -379,6 +379,11 @@ impl Executor {
         if !self.words.any(AXES | POLAR) || self.is_set_by_axes() {
             return;
         }
+        if named.is_none() && self.words.unread & codes::set("G") != 0 {
+            // the words of a code that nobody knows: it may move, or not
+            self.state.doubts.add(said_by(self.words.letters_present() & (AXES | POLAR)));
+            return;
+        }
         let machine_coordinates = self.words.g(GGroup::NonModal) == Some(530);
         let Ok(mut to) = self.destination(machine_coordinates) else {
             self.state.doubts.add(Doubts::PLACE);
