@@ -73,7 +73,7 @@ impl Executor {
         }
         let return_speed = out.map_or(kept.return_speed, ReturnSpeed::Rpm);
         let peck = self.peck_word(kept.peck)?;
-        Ok(TapWords { lead_mm, return_speed, peck, ..kept })
+        Ok(TapWords { return_speed, peck, lead_mm, ..kept })
     }
 
     /// G100: the block's words as those of M6.

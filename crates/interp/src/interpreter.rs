@@ -239,14 +239,14 @@ impl<'s> Interpreter<'s> {
             return Ok(());
         }
         let read = self.executor.read(&self.block);
-        if !self.block.assignments.is_empty() {
+        if self.block.assignments.is_empty() {
+            read?;
+        } else {
             let assigned = self.assign();
             if assigned.is_err() {
                 self.executor.doubt_parameters();
             }
             read.and(assigned)?;
-        } else {
-            read?;
         }
         if self.executor.recording.is_some() {
             return self.executor.record();

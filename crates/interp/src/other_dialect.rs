@@ -212,7 +212,7 @@ impl Line {
                     if let Some((keyword, _)) =
                         comment.split_once(',').filter(|_| line.keyword.is_empty())
                     {
-                        line.keyword = keyword.trim().to_owned();
+                        keyword.trim().clone_into(&mut line.keyword);
                     }
                     comment.clear();
                 }
@@ -292,7 +292,7 @@ impl Line {
                 (1980, 'M') => say(Of::Fanuc, 3, "a program in another file is called"),
                 (610, 'M') => say(Of::LinuxCnc, 3, "the tool's number is set"),
                 (620..=680 | 700..=730, 'M') => {
-                    say(Of::LinuxCnc, 2, "outputs, or modes that are kept")
+                    say(Of::LinuxCnc, 2, "outputs, or modes that are kept");
                 }
                 (60, 'M') => say(Of::FanucMill, 1, "a tool is changed by M6"),
                 (_, 'T') if number.len() == 4 && number.starts_with('0') && !self.has("M") => {
@@ -377,7 +377,7 @@ impl Line {
             160 if !self.has_any("XYZ") => say(Of::FanucMill, 3, "polar coordinates"),
             541 if self.has("P") => say(Of::FanucMill, 3, "a work offset beyond the sixth"),
             51 if self.has("Q") && !self.has_any("XYIJ") => {
-                say(Of::Fanuc, 3, "look-ahead or smoothing")
+                say(Of::Fanuc, 3, "look-ahead or smoothing");
             }
             440 if self.has("H") => say(Of::FanucMill, 3, "a tool length that is taken away"),
             430 if self.has("H") => say(Of::FanucMill, 1, "a tool length"),
@@ -396,7 +396,7 @@ impl Line {
                 say(Of::FanucLathe, 4, "a thread in passes");
             }
             280 if self.has_any("UW") => {
-                say(Of::FanucLathe, 3, "the reference point by increments")
+                say(Of::FanucLathe, 3, "the reference point by increments");
             }
             1000 if self.has("T") => say(Of::Brother, 6, "the non-stop tool change"),
             770 | 780 if self.has_any("IJ") && self.has_any("ZR") && self.has_any("SR") => {
@@ -410,7 +410,7 @@ impl Line {
             52 | 53 => say(Of::LinuxCnc, 3, "a NURBS"),
             640 if self.has("P") => say(Of::LinuxCnc, 3, "a tolerance of the path"),
             611 | 591..=593 | 901 | 911 | 922 | 923 | 432 => {
-                say(Of::LinuxCnc, 2, "a code with a point")
+                say(Of::LinuxCnc, 2, "a code with a point");
             }
             _ => {}
         }

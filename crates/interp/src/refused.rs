@@ -129,18 +129,16 @@ impl Doubts {
 /// What a finding with this code takes for known.
 fn needs(code: &str) -> u32 {
     match code {
-        "I0408" => Doubts::FEED,
+        "I0408" | "I0425" | "I0426" => Doubts::FEED,
         "I0434" | "I0532" | "I0567" | "I0597" | "I0703" => Doubts::SPEED,
         "I0427" => Doubts::SENSE | Doubts::SPEED,
-        "I0425" | "I0426" => Doubts::FEED,
-        "I1031" => Doubts::MOTION,
         "I1032" | "I1006" => Doubts::BLOCKS,
         "I1041" | "I1042" | "I1043" | "I1044" | "I1045" | "I1046" | "I1047" | "I1048" => {
             Doubts::MAPPING
         }
         "I0512" | "I0513" | "I0514" | "I0515" | "I0568" | "I0702" => Doubts::SENSE,
-        "I0109" | "I0110" | "I0112" | "I0504" | "I0505" | "I0507" | "I0508" | "I0516" | "I0534"
-        | "I0594" => Doubts::MOTION,
+        "I1031" | "I0109" | "I0110" | "I0112" | "I0504" | "I0505" | "I0507" | "I0508" | "I0516"
+        | "I0534" | "I0594" => Doubts::MOTION,
         "I0413" | "I0414" | "I0417" | "I0418" | "I0433" | "I0701" | "I0705" | "I0709" => {
             Doubts::PLACE | Doubts::DISTANCE
         }

@@ -1,6 +1,6 @@
 //! One mistake in a program is told once, where it is: nothing that follows it is condemned on its behalf.
 #![allow(clippy::unwrap_used)] // a test may panic
-use interp::{Dialect, Setup, check, example_setup};
+use interp::{Dialect, check, example_setup};
 use proptest::prelude::*;
 
 /// Programs without an error. T1 is an end mill of 10 mm, T2 a tap M6.
@@ -43,12 +43,8 @@ const PROGRAMS: &[(Dialect, &str)] = &[
     ),
 ];
 
-fn setup(dialect: Dialect) -> Setup {
-    example_setup(dialect)
-}
-
 fn errors(text: &str, dialect: Dialect) -> Vec<(u32, &'static str, String)> {
-    let found = check(text.as_bytes(), &setup(dialect));
+    let found = check(text.as_bytes(), &example_setup(dialect));
     found.into_iter().filter(|d| d.is_error()).map(|d| (d.span.line, d.code, d.message)).collect()
 }
 

@@ -6,7 +6,6 @@
 //!          ╱      n, inwards      its centre lies on the line through `end` along n:
 //!   from  ●                       |from − (end + k·n)| = k
 //! ```
-use super::Compensation;
 use crate::{
     call::Sink,
     execute::Executor,
@@ -14,11 +13,6 @@ use crate::{
     frame::Point,
     offset_curve::{Curve, Flat, Way, dot, length, minus, plus, times},
 };
-
-/// A lathe tool's shift.
-fn compensation_shift(compensation: &Option<Compensation>) -> Flat {
-    compensation.as_ref().map_or([0.0; 2], |c| c.shift)
-}
 
 impl Executor {
     /// Straight to beside the end; in Fanuc's dialects to beside the beginning of what follows.
@@ -34,7 +28,8 @@ impl Executor {
         let (distance, radius) = (length(minus(way.to, way.from)), compensation.radius);
         if fanuc && distance == 0.0 {
             // along the tool alone: the next move of the plane starts up
-            self.push_line(rapid, to, minus(way.to, compensation_shift(&self.state.compensation)));
+            let end = minus(way.to, compensation.shift);
+            self.push_line(rapid, to, end);
             self.let_go(sink);
             return Ok(());
         }
