@@ -85,7 +85,7 @@ impl Session {
                 TappingPreset::Max => Preset::Max,
             };
         }
-        let (tools, tools_from, table, bytes) = tools(args, program)?;
+        let (tools, tools_from, table, bytes) = tools(args.tools.as_deref(), args.tool_unit, program)?;
         let machine_text = crate::machine::text(&args.machine)?;
         let hashes = [machine_text.as_bytes(), &bytes].map(store::certificate::sha256);
         let missing_tools = args.missing_tools;
@@ -273,8 +273,9 @@ pub(crate) fn read_program(path: &Path) -> Result<Vec<u8>, Refused> {
 }
 
 /// The tools, where they came from, their table if it is not the built-in one, and the bytes of it.
-fn tools(
-    args: &ProgramArgs,
+pub(crate) fn tools(
+    named: Option<&Path>,
+    unit: ToolUnit,
     program: &Path,
 ) -> Result<(ToolLibrary, String, Option<ToolTable>, Vec<u8>), Refused> {
     let beside = || -> Option<PathBuf> {
@@ -282,14 +283,14 @@ fn tools(
         TOOLS_BESIDE.iter().map(|name| folder.join(name)).find(|path| path.is_file())
     };
     let is_stdin = program == Path::new("-");
-    let found = args.tools.clone().or_else(|| if is_stdin { None } else { beside() });
+    let found = named.map(Path::to_owned).or_else(|| if is_stdin { None } else { beside() });
     let Some(path) = found else {
         let table = store::tools::parse_toml(EMBEDDED_TOOLS, 0).map_err(|findings| {
             Refused::text("the embedded tools".into(), EMBEDDED_TOOLS, findings)
         })?;
         return Ok((table.library, "the embedded table".into(), None, EMBEDDED_TOOLS.into()));
     };
-    let unit = match args.tool_unit {
+    let unit = match unit {
         ToolUnit::Mm => store::tools::TableUnit::Millimetre,
         ToolUnit::Inch => store::tools::TableUnit::Inch,
     };

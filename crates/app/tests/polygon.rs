@@ -145,5 +145,24 @@ fn a_phase_that_is_lost_in_the_cut_takes_the_tool_away_along_x_and_the_certifica
 fn the_helper_prints_a_table_and_the_block() {
     let output = leadscrew(&["polygon", "--across-flats", "17", "--actuator", "phase"]);
     let text = said(&output);
-    assert!(text.contains("▸ tool phase") && text.contains("G51.3 L6 B0.94"), "{text}");
+    assert!(text.contains("▸ tool phase") && text.contains("G51.3 L6 A0.02"), "{text}");
+    // the closed loop lets the tool fall 1.3° behind at 50 Hz: it is sent that much earlier
+    assert!(text.contains(" B0.97") && text.contains("T21 M6"), "{text}");
+    assert!(text.contains("flat to 0.00") && text.contains("servo error up to"), "{text}");
+}
+
+#[test]
+fn the_helper_calls_the_cutter_of_the_table_that_the_form_needs_or_says_what_to_enter() {
+    let block = |words: &[&str]| {
+        said(&leadscrew(&[&["polygon", "--actuator", "phase", "--speed", "100"], words].concat()))
+    };
+    // T21 of the embedded table has three inserts, T22 two
+    assert!(block(&["--across-flats", "17"]).contains("T21 M6"));
+    assert!(block(&["--across-flats", "30", "--sides", "4"]).contains("T22 M6"));
+    let rhombus = block(&["--across-flats", "17", "--insert-angles", "0,90"]);
+    assert!(rhombus.contains("not in the tool table"), "{rhombus}");
+    assert!(!rhombus.contains("T21 M6") && !rhombus.contains("T22 M6"), "{rhombus}");
+    // the embedded table's T21 has another cutter
+    let wrong = leadscrew(&["polygon", "--across-flats", "30", "--sides", "4", "--tool", "21"]);
+    assert!(said(&wrong).contains("T21 of the embedded table is another tool"), "{}", said(&wrong));
 }

@@ -33,8 +33,9 @@ impl Design {
             ("--tip-radius", radius.to_string()),
             ("--actuator", actuator.to_owned()),
             ("--speed", rpm.to_string()),
+            ("--tool", "21".to_owned()),
             ("--length", "1".to_owned()),
-            ("--feed", "0.25".to_owned()),
+            ("--feed", "0.1".to_owned()),
         ];
         let words = pairs.into_iter().flat_map(|(name, value)| [name.to_owned(), value]);
         Self { words: words.collect(), radius, inserts: inserts.to_vec() }

@@ -51,9 +51,12 @@ pub(crate) struct PolygonArgs {
     /// Feed along Z, mm per turn of the work
     #[arg(long, value_name = "MM", default_value_t = 0.1)]
     pub(crate) feed: f64,
-    /// Number of the cutter in the tool table
-    #[arg(long, value_name = "N", default_value_t = 21)]
-    pub(crate) tool: u32,
+    /// Number of the cutter in the tool table [default: the one that the form needs, else a number that is free]
+    #[arg(long, value_name = "N")]
+    pub(crate) tool: Option<u32>,
+    /// The tool table [default: the embedded one]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) tools: Option<PathBuf>,
     /// Inside a bore instead of outside
     #[arg(long)]
     pub(crate) internal: bool,

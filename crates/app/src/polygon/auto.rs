@@ -138,12 +138,11 @@ impl<'a> Auto<'a> {
                 sine: h.sine * distance,
                 ..*h
             });
-            match polygon.oscillations.iter_mut().find(|o| o.on == share.on) {
-                Some(known) => known.harmonics.extend(scaled),
-                None => {
-                    let harmonics = scaled.collect();
-                    polygon.oscillations.push(Oscillation { on: share.on, harmonics });
-                }
+            if let Some(known) = polygon.oscillations.iter_mut().find(|o| o.on == share.on) {
+                known.harmonics.extend(scaled);
+            } else {
+                let harmonics = scaled.collect();
+                polygon.oscillations.push(Oscillation { on: share.on, harmonics });
             }
         }
         Ok(())

@@ -36,11 +36,13 @@ impl Design {
         let turns = f64::from(form.turns[1]);
         let periods = |term: &Term| (term.per_turn * turns).round() as u32;
         let all: BTreeSet<u32> = series.iter().flat_map(|s| s.terms.iter().map(periods)).collect();
+        // what is rounded of a few hundred harmonics adds up
+        let many = usize::from(all.len() > READABLE);
         for count in all {
             let mut line = String::new();
             // jerk counts a harmonic by the cube of its number
             let number = (f64::from(count) / turns / form.base()).max(1.0);
-            let decimals = 6 + (3.0 * number.log10()).ceil() as usize;
+            let decimals = 6 + many + (3.0 * number.log10()).ceil() as usize;
             let least = 0.5 * 10_f64.powf(-(decimals as f64));
             for one in series {
                 let Some(term) = one.terms.iter().find(|term| periods(term) == count) else {
@@ -81,9 +83,23 @@ impl Design {
         let (tool, clear) = (self.tool, refuse::clear(&self.form).value());
         let (rpm, radius) = (work.in_rpm(), self.form.tip_radius.value());
         let inserts = self.form.inserts.iter().map(|insert| format!("{:.1}", insert.in_deg()));
-        let inserts = inserts.collect::<Vec<_>>().join(" ");
+        let inserts: Vec<String> = inserts.collect();
+        let enter = self.to_enter.as_ref().map_or_else(String::new, |why| {
+            let lines = [
+                why.clone(),
+                "[[tool]]".to_owned(),
+                format!("number = {tool}"),
+                "kind = \"polygon-cutter\"".to_owned(),
+                format!("tip_radius_mm = {radius:.3}"),
+                format!("insert_angles_deg = [{}]", inserts.join(", ")),
+                "nose_radius_mm = 0.8".to_owned(),
+                "length_mm = 60.0".to_owned(),
+            ];
+            lines.map(|line| format!("({line})\n")).concat()
+        });
+        let inserts = inserts.join(" ");
         format!(
-            "(T{tool}: tip radius {radius:.3} mm, inserts at {inserts} degrees)\n\
+            "(T{tool}: tip radius {radius:.3} mm, inserts at {inserts} degrees)\n{enter}\
              T{tool} M6\nG43 H{tool}\nG0 X{clear:.4} Y0 Z5\nM3 S{rpm:.0}\n"
         )
     }

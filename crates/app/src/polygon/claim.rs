@@ -65,13 +65,9 @@ impl Design {
 
     fn claim_of(&self, form: &Form, polygon: &Polygon, work: Spin) -> Option<Claim> {
         let ordered = ordered(polygon);
-        let compensated = !self.phases.swung.is_empty();
-        let measured = |series: &Series| match compensated {
-            true => {
-                let on = drives::on(series.actuator);
-                kept::answers(&self.phases, on, form.base(), work, FINE_HARMONICS)
-            }
-            false => Vec::new(),
+        let measured = |series: &Series| {
+            let on = drives::on(series.actuator);
+            kept::answers(&self.phases, on, form.base(), work, FINE_HARMONICS)
         };
         let measured = ordered.0.iter().map(measured).collect();
         let swung = Swung { machine: &self.machine, form, work, ordered: &ordered, measured };

@@ -63,6 +63,8 @@ struct Design {
     length: Length,
     feed_per_rev: Length,
     tool: u32,
+    /// What is to be known of the tool table, if the cutter is not in it.
+    to_enter: Option<String>,
 }
 
 /// A flatness for which the fastest speed is looked for.
@@ -210,7 +212,9 @@ impl Design {
             tip_radius: Length::mm(args.tip_radius),
             stock_radius: stock,
         };
+        let (tool, to_enter) = called(args, &form)?;
         let design = Self {
+            to_enter,
             work: Spin::rpm(args.speed),
             harmonics: args.harmonics.map(|n| n as usize),
             phases: phases(args.phase_table.as_deref(), &machine)?,
@@ -218,7 +222,7 @@ impl Design {
             wanted: args.flatness.map(Length::um),
             length: Length::mm(args.length),
             feed_per_rev: Length::mm(args.feed),
-            tool: args.tool,
+            tool,
             machine,
             form,
         };
@@ -318,6 +322,35 @@ impl Design {
         let spin = fastest(near, 1.0, |rpm| flat(rpm, Detail::Full)).unwrap_or(about);
         Some(Spin::rpm(spin.floor()))
     }
+}
+
+/// The number of the cutter that a form needs, and what is wrong with the table if that has another one or none.
+fn called(args: &PolygonArgs, form: &Form) -> Result<(u32, Option<String>), Refused> {
+    /// Lowest number of a cutter that the table lacks.
+    const FIRST_FREE: u32 = 21;
+    /// Highest one.
+    const LAST: u32 = 9999;
+    let mm = crate::args::ToolUnit::Mm;
+    let (library, from, ..) = crate::session::tools(args.tools.as_deref(), mm, Path::new("-"))?;
+    let near = |a: f64, b: f64| (a - b).abs() < 1e-6;
+    let is_it = |tool: &canon::Tool| match &tool.kind {
+        canon::ToolKind::PolygonCutter(cutter) => {
+            let (has, needs) = (&cutter.inserts, &form.inserts);
+            let mut pairs = has.iter().zip(needs);
+            near(cutter.radius.value(), form.tip_radius.value())
+                && has.len() == needs.len()
+                && pairs.all(|(a, b)| near(a.value(), b.value()))
+        }
+        _ => false,
+    };
+    let free = || (FIRST_FREE..=LAST).find(|number| library.get(*number).is_none());
+    let known = library.iter().find(|tool| is_it(tool)).map(|tool| tool.number);
+    let number = args.tool.or(known).or_else(free).unwrap_or(FIRST_FREE);
+    Ok(match library.get(number) {
+        Some(tool) if is_it(tool) => (number, None),
+        Some(_) => (number, Some(format!("T{number} of {from} is another tool: enter this one"))),
+        None => (number, Some(format!("T{number} is not in the tool table, {from}: enter it"))),
+    })
 }
 
 /// The fastest speed in rpm that passes, between one that may and one that does not; `None`: not even the slowest does.
