@@ -1,4 +1,5 @@
 //! The page as a whole: well formed, harmless, self-contained, the same every time, and small.
+use canon::{LengthUnit, Position, ProgramFrame};
 use report::{Alarm, Limits, Note, Recorder, Run};
 use roxmltree::{Document, Node, ParsingOptions};
 use std::collections::BTreeSet;
@@ -47,11 +48,9 @@ fn check(page: &str) -> Document<'_> {
                 let broken = value.contains("NaN") || value.contains("inf") || value.contains('–');
                 assert!(!broken, "{}={value}", attribute.name());
             }
-            assert!(
-                !["src", "href", "onclick", "onload"].contains(&attribute.name()),
-                "{}",
-                attribute.name()
-            );
+            assert!(!["src", "onclick", "onload"].contains(&attribute.name()), "{attribute:?}");
+            let leaves = attribute.name() == "href" && !value.starts_with('#');
+            assert!(!leaves, "{value} leads off the page");
         }
     }
     for chart in charts(&document) {
@@ -321,4 +320,94 @@ fn an_engraving_that_never_is_straight_still_gives_a_small_page() {
     let page = report::html(&run("engraving.ngc"), &recorder, &[]);
     check(&page);
     assert!(page.len() < 1_500_000, "{}", page.len());
+}
+
+/// A frame whose zero lies there.
+fn frame(work_offset: u8, x: f64, unit: LengthUnit) -> ProgramFrame {
+    ProgramFrame { unit, work_offset, origin: Position::xyz(x, 100.0, 0.0), ..Default::default() }
+}
+
+/// The cells of a row of a feature's table.
+fn row_of(document: &Document<'_>, number: usize) -> Vec<String> {
+    let id = format!("F{number}");
+    let row = document.descendants().find(|n| n.attribute("id") == Some(&id)).expect("its row");
+    let text = |cell: Node<'_, '_>| {
+        cell.descendants().filter(Node::is_text).filter_map(|n| n.text()).collect::<String>()
+    };
+    row.children().filter(Node::is_element).map(text).collect()
+}
+
+#[test]
+fn each_feature_is_told_in_the_work_offset_in_which_it_was_programmed() {
+    let mut world = plate(2, 1, Mishap::None);
+    for feature in &world.features {
+        let [number, zero] = if feature.op <= 2 { [1.0, 150.0] } else { [2.0, 170.0] };
+        world.recorder.frame(feature.op, frame(number as u8, zero, LengthUnit::Millimetre));
+    }
+    let page = page(&world);
+    let document = check(&page);
+    // both are at X165 of the machine
+    let (first, last) = (row_of(&document, 1), row_of(&document, 3));
+    assert!(first.contains(&"G54".into()) && first.contains(&"15.000".into()), "{first:?}");
+    assert!(last.contains(&"G55".into()) && last.contains(&"-5.000".into()), "{last:?}");
+    assert!(words(&document).contains("X in machine coordinates / mm"), "the map has both");
+}
+
+#[test]
+fn what_was_not_cut_is_not_cut_and_has_no_depth_that_is_out_of_tolerance() {
+    let mut world = plate(2, 1, Mishap::None);
+    let feature = &mut world.features[3];
+    let reason = "never cut: the program ended before it".to_owned();
+    feature.verdict = Verdict::Fail { reason };
+    if let FeatureKind::Thread(thread) = &mut feature.kind {
+        thread.tip_depth = Length::ZERO;
+        thread.depth_error = Length::mm(-20.0);
+    }
+    let page = page(&world);
+    let document = check(&page);
+    let words = words(&document);
+    assert!(words.contains("∅\nNOT CUT") || words.contains("✗\nNOT CUT"), "{words}");
+    assert!(words.contains("Of 4 features: 1 not cut."), "{words}");
+    assert!(words.contains("∅ 1 not cut") && !words.contains("-20000"), "{words}");
+    let row = row_of(&document, 4);
+    assert!(row.contains(&"∅ not cut".into()), "{row:?}");
+    assert!(document.descendants().any(|n| n.attribute("class") == Some("mark uncut")));
+}
+
+#[test]
+fn a_program_in_inches_has_its_places_in_inches_and_millimetres_behind_them() {
+    let mut world = plate(2, 1, Mishap::None);
+    world.recorder = world.recorder.shown_in(Some(LengthUnit::Inch));
+    let page = page(&world);
+    let document = check(&page);
+    let row = row_of(&document, 1);
+    // 15 mm, 19.003 mm, 3 µm
+    for text in ["0.5906", "0.7481", "118"] {
+        assert!(row.contains(&text.into()), "{text}: {row:?}");
+    }
+    assert!(document.descendants().any(|n| n.attribute("title") == Some("15.000 mm")));
+}
+
+#[test]
+fn every_link_of_a_page_leads_somewhere_and_a_line_to_what_it_cut() {
+    for lines in [40, 5000] {
+        let mut world = plate(4, 3, Mishap::Saturated(6));
+        let line = |n: u32| format!("N{n} G84 <b>X{n}\n");
+        world.run.listing = (1..=lines).map(line).collect::<String>().into_bytes();
+        let page = page(&world);
+        let document = check(&page);
+        let all = || document.descendants().filter(Node::is_element);
+        let ids: BTreeSet<&str> = all().filter_map(|n| n.attribute("id")).collect();
+        let links: Vec<&str> = all().filter_map(|n| n.attribute("href")).collect();
+        for link in &links {
+            let target = link.strip_prefix('#').expect("it stays on the page");
+            assert!(ids.contains(target), "{link} leads nowhere");
+        }
+        // a thread's line, and back; a drilled hole's path, and back
+        for link in ["#L36", "#F19", "#P12", "#L12"] {
+            assert!(links.contains(&link), "{link} of {lines} lines");
+        }
+        let shown = ids.iter().filter(|id| id.starts_with('L')).count();
+        assert!(shown <= 200, "{shown} of {lines} lines are shown");
+    }
 }
