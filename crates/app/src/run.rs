@@ -140,9 +140,8 @@ pub(crate) fn command(args: &RunArgs, quiet: bool) -> Result<Ending, Refused> {
 fn ending(outcome: &Outcome) -> Ending {
     if !outcome.ended {
         Ending::Alarm
-    } else if !outcome.not_triggered.is_empty() {
-        Ending::OutOfTolerance
-    } else if outcome.features.iter().any(|f| !f.verdict.is_pass())
+    } else if !outcome.not_triggered.is_empty()
+        || outcome.features.iter().any(|f| !f.verdict.is_pass())
         || !outcome.watch.breaches().is_empty()
     {
         Ending::OutOfTolerance

@@ -258,7 +258,6 @@ impl Simulation<'_> {
         }
         let features = self.timings.judging(|| self.judge.finish());
         self.timings.stop(periods, feedback.time - begun);
-        let not_triggered = self.stops.not_triggered(feedback.time - begun);
         let lost = self.machine.lost().map(|why| format!("the iron is gone: {why}"));
         let recovered = self.keeper.as_ref().and_then(Keeper::recovered);
         let unwritten = self.keeper.and_then(Keeper::finish);
@@ -288,7 +287,7 @@ impl Simulation<'_> {
             cams: self.cams,
             idle: self.idle.map(verify::IdleTurns::finish).unwrap_or_default(),
             timings: self.timings,
-            not_triggered,
+            not_triggered: self.stops.not_triggered(feedback.time - begun),
             happened: self.stops.happened,
             stops: self.stops.threads,
             withdrawn: self.stops.withdrawn,

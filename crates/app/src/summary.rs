@@ -67,11 +67,16 @@ fn features(outcome: &Outcome) -> String {
 
 fn went_wrong(outcome: &Outcome) -> String {
     let breaches = outcome.watch.breaches().iter().take(MOST_FAILURES);
-    breaches.map(|b| format!("INVARIANT BROKEN: {}\n", crate::papers::breach(b))).collect()
+    breaches.fold(String::new(), |said, b| {
+        said + &format!("INVARIANT BROKEN: {}\n", crate::papers::breach(b))
+    })
 }
 
 fn alarms(outcome: &Outcome) -> String {
-    outcome.faults.iter().map(|fault| format!("{fault}\n  {}\n", fault.kind.remedy())).collect()
+    outcome
+        .faults
+        .iter()
+        .fold(String::new(), |said, fault| said + &format!("{fault}\n  {}\n", fault.kind.remedy()))
 }
 
 fn verdict(outcome: &Outcome) -> String {

@@ -75,8 +75,13 @@ pub fn cam_html(page: &CamPage) -> String {
         &page.speed,
         "Of the wheelhead while the work turns at the speed asked.",
     );
-    pictures +=
-        &curve("accel", "Acceleration of X", "acceleration / m/s²", &page.accel, "Likewise.");
+    pictures += &curve(
+        "accel",
+        "Acceleration of X",
+        "acceleration / m/s²",
+        &page.accel,
+        "Of the wheel's slide at the speed of the work, as the speed above it.",
+    );
     pictures += &curve(
         "curvature",
         "Curvature",

@@ -197,17 +197,13 @@ impl Page<'_> {
     /// Work offset, X and Y in it.
     fn place(&self, feature: &Feature) -> [Cell; 3] {
         let Some(at) = feature.position() else { return [const { Cell::empty() }; 3] };
-        match self.recorder.frames.of(feature.op) {
-            Some(frame) => {
-                let [x, y] = frames::within(frame, at).map(Length::mm);
-                [Cell::plain(frames::name(frame)), self.writer.length(x), self.writer.length(y)]
-            }
-            None => {
-                let zero = self.run.zero();
-                let [x, y] = [0, 1].map(|i| at[i] - Length::mm(zero[i]));
-                [Cell::plain(self.run.frame()), self.writer.length(x), self.writer.length(y)]
-            }
-        }
+        let (frame, [x, y]) = if let Some(frame) = self.recorder.frames.of(feature.op) {
+            (frames::name(frame), frames::within(frame, at).map(Length::mm))
+        } else {
+            let zero = self.run.zero();
+            (self.run.frame().to_owned(), [0, 1].map(|i| at[i] - Length::mm(zero[i])))
+        };
+        [Cell::plain(frame), self.writer.length(x), self.writer.length(y)]
     }
 
     fn measures(&self, feature: &Feature) -> Vec<Cell> {

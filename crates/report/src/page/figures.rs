@@ -56,8 +56,11 @@ fn rate(run: &Run, recorder: &Recorder) -> String {
     format!("{} s per tap, in and out", fixed(tapping / recorder.taps as f64, 3))
 }
 
+/// A kind that is counted, and whether a feature is of it.
+type Kind = (&'static str, fn(&Feature) -> bool);
+
 /// Kinds that are counted.
-const KINDS: [(&str, fn(&Feature) -> bool); 5] = [
+const KINDS: [Kind; 5] = [
     ("Holes", |f| matches!(f.kind, FeatureKind::Hole(_))),
     ("Threads", |f| matches!(f.kind, FeatureKind::Thread(_) | FeatureKind::Turned(_))),
     ("Polygons", |f| matches!(f.kind, FeatureKind::Polygon(_))),

@@ -37,9 +37,9 @@ impl Listing {
     /// Of a run; nothing is shown of a program whose text is not known.
     pub(super) fn of(run: &Run, recorder: &Recorder, features: &[Feature]) -> Self {
         let text = &run.listing[..];
-        let ends = text.iter().filter(|byte| **byte == b'\n').count();
-        let open = usize::from(text.last().is_some_and(|last| *last != b'\n'));
-        let lines = u32::try_from(ends + open).unwrap_or(u32::MAX);
+        let text = text.strip_suffix(b"\n").unwrap_or(text);
+        let lines = if text.is_empty() { 0 } else { text.split(|byte| *byte == b'\n').count() };
+        let lines = u32::try_from(lines).unwrap_or(u32::MAX);
         let mut cut: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
         for (index, feature) in features.iter().enumerate() {
             if !recorder.lines.is_elsewhere(feature.op) {

@@ -68,12 +68,11 @@ impl Frame {
 
 fn named(run: &Run, recorder: &Recorder, feature: &Feature, at: [Length; 2]) -> String {
     let measure = recorder.measure();
-    let (frame, [x, y]) = match recorder.frames.of(feature.op) {
-        Some(frame) => (frames::name(frame), frames::within(frame, at).map(Length::mm)),
-        None => {
-            let zero = run.zero();
-            (run.frame().to_owned(), [0, 1].map(|i| at[i] - Length::mm(zero[i])))
-        }
+    let (frame, [x, y]) = if let Some(frame) = recorder.frames.of(feature.op) {
+        (frames::name(frame), frames::within(frame, at).map(Length::mm))
+    } else {
+        let zero = run.zero();
+        (run.frame().to_owned(), [0, 1].map(|i| at[i] - Length::mm(zero[i])))
     };
     format!("{frame}: X{} Y{}", measure.length(x), measure.length(y))
 }

@@ -61,7 +61,7 @@ pub(crate) fn powers(from: f64, to: f64, at_most: usize) -> Vec<f64> {
     if fine.len() <= at_most {
         return fine;
     }
-    (1..)
+    (1..=600)
         .map(|step| of(&[1.0], step))
         .find(|ticks| ticks.len() <= at_most.max(2))
         .unwrap_or_default()
