@@ -1,6 +1,7 @@
 //! What README and docs tell a reader to type does what they say: every shipped program is accepted by its machine in its
 //! dialect, and every command of the docs that runs one of them ends well.
 #![allow(clippy::unwrap_used)] // a test may panic
+#[allow(dead_code)] // commands are typed in a folder of their own here
 mod common;
 use common::{complained, root, said};
 use std::{fs, os::unix::fs::symlink, path::Path, process::Command};
