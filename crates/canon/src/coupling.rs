@@ -77,6 +77,8 @@ pub struct Polygon {
     pub compensated: bool,
     /// The program's zero, machine coordinates of the axes: with the offsets of work and tool in force.
     pub zero: Position,
+    /// Where another work offset than the first (G55 and on) has its zero; `None`: G54 is in force.
+    pub own_zero: Option<Position>,
 }
 
 /// Hobbing: the work turns with the hob, tooth by tooth, and a turn more for each lead of its helix that Z travels.
@@ -96,6 +98,8 @@ pub struct Hob {
     pub helix: Angle,
     /// The program's zero, machine coordinates of the axes: with the offsets of work and tool in force.
     pub zero: Position,
+    /// Where another work offset than the first (G55 and on) has its zero; `None`: G54 is in force.
+    pub own_zero: Option<Position>,
 }
 
 impl Hob {

@@ -275,6 +275,9 @@ pub struct Tap {
     pub surface: Length,
     /// The program's zero, as a coordinate of `axis`: with the work offset and the tool length offset in force.
     pub zero: Length,
+    /// Where another work offset than the first (G55 and on) has its zero, without what G52, G92 and the tool add; `None`:
+    /// G54 is in force, whose place the set-up states.
+    pub own_zero: Option<Length>,
     /// Advance along the tap's own direction per revolution; positive right-hand, negative left-hand.
     pub lead: Lead,
     /// Spindle speed inwards (magnitude; the hand gives the sense).
@@ -339,6 +342,8 @@ pub struct Hole {
     pub surface: Length,
     /// The program's zero (as for [`Tap::zero`]).
     pub zero: Length,
+    /// Zero of another work offset (as for [`Tap::own_zero`]).
+    pub own_zero: Option<Length>,
 }
 
 /// How corners are taken.

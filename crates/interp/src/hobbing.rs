@@ -126,6 +126,7 @@ impl Resolver {
             module: Length::mm(order.module_mm),
             helix: Angle::deg(order.helix_deg),
             zero: position(&self.machine(&[0.0; 9])),
+            own_zero: self.own_zero(),
         };
         self.push(span, OpKind::Hob(hob));
     }

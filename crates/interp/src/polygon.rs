@@ -276,6 +276,7 @@ impl Resolver {
             auto: order.auto,
             compensated: order.compensated,
             zero: position(&self.machine(&[0.0; 9])),
+            own_zero: self.own_zero(),
         };
         self.push(span, OpKind::Polygon(polygon));
     }

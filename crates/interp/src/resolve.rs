@@ -38,6 +38,8 @@ pub struct Resolver {
     pub(crate) units: Units,
     /// Offsets, mm.
     pub(crate) frame: Frame,
+    /// Number of the work offset in force, 1 for G54.
+    work_offset: u8,
     /// Where the axes stand, mm and degrees.
     pub(crate) at: Point,
     pub(crate) feed: FeedOrder,
@@ -92,6 +94,7 @@ impl Resolver {
             tool: 0,
             units: Units::Millimetre,
             frame: Frame::default(),
+            work_offset: 1,
             at: machine_point(&setup.start),
             feed: FeedOrder { rate: 0.0, mm: 1.0, per_revolution: false, duration_s: None },
             threading: None,
@@ -356,6 +359,11 @@ impl Resolver {
         self.machine(&point)[n]
     }
 
+    /// Where another work offset than the first has its zero; `None` with the first one, G54.
+    pub(crate) fn own_zero(&self) -> Option<Position> {
+        (self.work_offset != 1).then(|| position(&self.frame.origin))
+    }
+
     /// Where the material is taken to begin: the work's zero if it lies in the stroke, else its start.
     pub(crate) fn surface(start: f64, bottom: f64) -> f64 {
         if start.min(bottom) <= 0.0 && 0.0 <= start.max(bottom) { 0.0 } else { start }
@@ -376,6 +384,7 @@ impl Resolver {
                 bottom: Length::mm(self.level(hole, hole.bottom)),
                 surface: Length::mm(self.level(hole, surface)),
                 zero: Length::mm(self.level(hole, 0.0)),
+                own_zero: self.own_zero().map(|at| at.along(axis)),
             }),
         );
     }
@@ -395,7 +404,10 @@ impl Resolver {
     pub(crate) fn mode(&mut self, call: &Call<'_>) {
         match call {
             Call::UseUnits(units) => self.units = *units,
-            Call::WorkOffset(_, offset) => self.frame.origin = self.in_mm(*offset),
+            Call::WorkOffset(system, offset) => {
+                self.frame.origin = self.in_mm(*offset);
+                self.work_offset = *system;
+            }
             Call::AddedOffset(offset) => self.frame.added = self.in_mm(*offset),
             Call::ToolOffset(offset) => self.frame.tool = self.in_mm(*offset),
             Call::Rotation(degrees) => self.frame.rotate(*degrees),

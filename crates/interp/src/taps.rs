@@ -46,6 +46,7 @@ impl Resolver {
                 bottom: Length::mm(end[axis.index()]),
                 surface: Length::mm(self.level(hole, surface)),
                 zero: Length::mm(self.level(hole, 0.0)),
+                own_zero: self.own_zero().map(|at| at.along(axis)),
                 lead: Lead::mm_per_rev(sign * lead_mm),
                 spin,
                 return_spin: match tap.return_speed {
@@ -163,6 +164,7 @@ impl Resolver {
                 bottom: Length::mm(end[i]),
                 surface: Length::mm(surface),
                 zero: Length::mm(start[i] - program),
+                own_zero: self.own_zero().map(|at| at.along(axis)),
                 lead,
                 spin,
                 return_spin: spin * return_factor,

@@ -117,6 +117,7 @@ fn ops(s_rpm: f64, repetitions: &[Repetition]) -> Vec<Op> {
                 bottom: Length::mm(R - 10.0),
                 surface: Length::mm(R - 2.0),
                 zero: Length::mm(R - 2.0),
+                own_zero: None,
                 lead: Lead::mm_per_rev(1.0),
                 spin: Spin::rpm(s_rpm.min(3000.0)),
                 return_spin: Spin::rpm(s_rpm.min(3000.0)),
@@ -134,6 +135,7 @@ fn ops(s_rpm: f64, repetitions: &[Repetition]) -> Vec<Op> {
                 bottom: Length::mm(BOTTOM),
                 surface: Length::mm(R),
                 zero: Length::mm(R),
+                own_zero: None,
             }));
             let feed = Feed::PerTime(Speed::mm_per_min(6000.0));
             kinds.push(OpKind::Line { to: at(r.x_mm, BOTTOM), feed });

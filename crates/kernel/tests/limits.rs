@@ -92,6 +92,7 @@ fn program(oscillation: Oscillation, cuts: &[OpKind]) -> Vec<Op> {
         wanted: Vec::new(),
         compensated: false,
         zero: Position::default(),
+        own_zero: None,
     };
     let before = [
         rapid(-30.0, -5.0),

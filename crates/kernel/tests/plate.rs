@@ -85,6 +85,7 @@ fn ops(places: &[(f64, f64)]) -> Vec<Op> {
             bottom: mm(TOP + DRILL - 20.0),
             surface: mm(TOP + DRILL),
             zero: mm(TOP + DRILL),
+            own_zero: None,
         }));
         kinds.push(OpKind::Rapid { to: at(x, y, 2.0, DRILL) });
         let feed = Feed::PerTime(Speed::mm_per_min(1200.0));
@@ -101,6 +102,7 @@ fn ops(places: &[(f64, f64)]) -> Vec<Op> {
             bottom: mm(TOP + TAP - 15.0),
             surface: mm(TOP + TAP),
             zero: mm(TOP + TAP),
+            own_zero: None,
             lead: Lead::mm_per_rev(1.0),
             spin: Spin::rpm(6000.0),
             return_spin: Spin::rpm(6000.0),

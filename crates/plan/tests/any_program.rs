@@ -36,6 +36,7 @@ fn tap() -> impl Strategy<Value = Tap> {
         bottom: start.linear[2] - mm(if down { depth.abs() } else { depth }),
         surface: start.linear[2],
         zero: start.linear[2],
+        own_zero: None,
         lead: Lead::mm_per_rev(lead),
         spin: Spin::rpm(rpm),
         return_spin: Spin::rpm(back),
@@ -60,6 +61,7 @@ fn op() -> impl Strategy<Value = OpKind> {
             bottom: mm(z),
             surface: at.linear[2],
             zero: at.linear[2],
+            own_zero: None,
         })
     });
     prop_oneof![
@@ -217,6 +219,7 @@ proptest! {
                         start: Position::xyz(x, y, z / 2.0 - 50.0),
                         surface: mm(z / 2.0 - 52.0),
                         zero: mm(z / 2.0 - 52.0),
+                        own_zero: None,
                         bottom: mm(z / 2.0 - 60.0),
                         ..common::tap(0.0, 0.0, 2.0, -8.0, 1.0, 3000.0)
                     }),

@@ -50,9 +50,10 @@ impl Feature {
         }
     }
 
-    /// Whether there is something that could be measured; of what nobody knows, it is taken to be.
-    pub fn is_cut(&self) -> bool {
-        self.contact.reach.is_none() || self.contact.is_cut()
+    /// Whether there is something that could be measured: a hole that was there before its drill came is, and of what nobody
+    /// knows it is taken to be.
+    pub fn is_there(&self) -> bool {
+        self.verdict.is_pass() || self.contact.reach.is_none() || self.contact.is_cut()
     }
 
     /// Chips were thrown off the tool after it.

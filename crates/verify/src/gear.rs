@@ -182,7 +182,7 @@ impl GearTrack {
         if self.faulted {
             findings.push("the machine stopped while the work was geared to the hob".to_owned());
         }
-        if let Some(stock) = &config.stock {
+        if let Some(stock) = config.stock.as_ref().filter(|_| self.hob.own_zero.is_none()) {
             let [x, y, z] = self.hob.zero.linear;
             let zero = [x, y, z - Length::mm(self.tool_length)];
             findings.extend(shifted(zero, stock, config.tolerances.position));

@@ -45,6 +45,7 @@ pub(crate) struct Stroke {
     touch_mm: f64,
     along: Axis,
     zero_mm: f64,
+    own_zero: Option<Length>,
     bottom_mm: f64,
     in_stock: Option<InStock>,
 }
@@ -64,15 +65,20 @@ struct InStock {
 impl Stroke {
     /// Of a hole, from what the op says.
     pub(crate) fn of_hole(hole: &Hole) -> Self {
-        Self::new(hole.axis, &hole.at, [hole.surface, hole.bottom, hole.zero])
+        Self::new(hole.axis, &hole.at, [hole.surface, hole.bottom, hole.zero], hole.own_zero)
     }
 
     /// Likewise of a tap.
     pub(crate) fn of_tap(tap: &Tap) -> Self {
-        Self::new(tap.axis, &tap.start, [tap.surface, tap.bottom, tap.zero])
+        Self::new(tap.axis, &tap.start, [tap.surface, tap.bottom, tap.zero], tap.own_zero)
     }
 
-    fn new(axis: Axis, start: &Position, [surface, bottom, zero]: [Length; 3]) -> Self {
+    fn new(
+        axis: Axis,
+        start: &Position,
+        [surface, bottom, zero]: [Length; 3],
+        own_zero: Option<Length>,
+    ) -> Self {
         let start_mm = start.along(axis).value();
         let sense = if bottom.value() > start_mm { 1.0 } else { -1.0 };
         let programmed_mm = sense * (bottom - surface).value();
@@ -92,6 +98,7 @@ impl Stroke {
             touch_mm: TOUCH_MM.min(programmed_mm.abs() * 0.1),
             along: axis,
             zero_mm: zero.value(),
+            own_zero,
             bottom_mm: bottom.value(),
             in_stock: None,
         }
@@ -109,14 +116,25 @@ impl Stroke {
         };
         let [length_mm, radius_mm] =
             tool.map_or([0.0; 2], |t| [t.length.value(), t.diameter.value() / 2.0]);
-        let above_zero_mm = (stock.top() - stock.zero[2]).value();
-        let zero_off_mm = self.zero_mm - length_mm - stock.zero[2].value();
+        let zero = self.zero_in(stock);
+        let above_zero_mm = (stock.top() - zero).value();
+        let zero_off_mm = self.zero_mm - length_mm - zero.value();
         self.surface_mm = stock.top().value() + length_mm;
         self.programmed_mm = self.zero_mm - self.bottom_mm + above_zero_mm;
         self.touch_mm = TOUCH_MM.min(self.programmed_mm.abs() * 0.1);
         let cause = cause(zero_off_mm + length_mm, tool, tools);
         self.in_stock = Some(InStock { stock: *stock, radius_mm, zero_off_mm, cause });
         self
+    }
+
+    /// Where the work's zero is that the program means. The set-up states that of G54. Of another work offset the program
+    /// states it; where it lies in the stroke, the program says that the material begins there.
+    fn zero_in(&self, stock: &Stock) -> Length {
+        match self.own_zero {
+            None => stock.zero[2],
+            Some(_) if (self.surface_mm - self.zero_mm).abs() < SAME_MM => stock.top(),
+            Some(own) => own,
+        }
     }
 
     /// Why nobody can say whether the tool was in the material.

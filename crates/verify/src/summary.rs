@@ -198,7 +198,7 @@ impl Feature {
         // a feature that failed for what has no measure must not look good by its measures
         let whole =
             Headroom { of: Criterion::Whole, left: -Length::um(1.0), tolerance: Length::ZERO };
-        let measured = least.filter(|_| self.is_cut());
+        let measured = least.filter(|_| self.is_there());
         measured.filter(|least| self.verdict.is_pass() || least.share() < 0.0).unwrap_or(whole)
     }
 }

@@ -303,6 +303,7 @@ mod tests {
             bottom: Length::mm(-20.0),
             surface: Length::ZERO,
             zero: Length::ZERO,
+            own_zero: None,
         };
         watch.op(1, &op(OpKind::Hole(hole)));
         let mut sample = Sample::default();
@@ -354,6 +355,7 @@ mod tests {
                 bottom: Length::mm(-10.0),
                 surface: Length::ZERO,
                 zero: Length::ZERO,
+                own_zero: None,
                 lead: units::Lead::mm_per_rev(1.0),
                 spin,
                 return_spin: spin,

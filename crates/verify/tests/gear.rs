@@ -14,6 +14,7 @@ const HOB: Hob = Hob {
     module: Length::mm(2.0),
     helix: Angle::deg(20.0),
     zero: Position::xyz(0.0, 0.0, 0.0),
+    own_zero: None,
 };
 
 /// 70 mm in diameter, its height measured from the axis of the hob.

@@ -103,6 +103,7 @@ impl Cut {
             wanted: Vec::new(),
             compensated: false,
             zero: Position::xyz(-150.0, -60.0, TOP),
+            own_zero: None,
         };
         judge.op(0, &op(1, OpKind::ChangeTool { number: 9 }));
         judge.op(1, &op(2, OpKind::Polygon(polygon)));

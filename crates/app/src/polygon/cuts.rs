@@ -121,6 +121,7 @@ mod tests {
             wanted: Vec::new(),
             compensated: false,
             zero: canon::Position::default(),
+            own_zero: None,
         });
         let with = |from: f64, to: f64| {
             let then = [again.clone(), RAPID(58.5, from), LINE(58.5, to), OpKind::End];

@@ -73,6 +73,7 @@ pub(super) fn op(order: &TapOrder) -> Op {
             bottom: plan.bottom,
             surface: plan.surface,
             zero: plan.surface,
+            own_zero: None,
             lead: Lead::mm_per_rev(hand * order.lead_mm),
             spin: Spin::rpm(order.rpm),
             return_spin: Spin::rpm(order.rpm),

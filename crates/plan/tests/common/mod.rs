@@ -126,6 +126,7 @@ pub fn tap(x: f64, y: f64, r: f64, z: f64, lead: f64, rpm: f64) -> Tap {
         bottom: mm(TOP + 100.0 + z),
         surface: mm(TOP + 100.0),
         zero: mm(TOP + 100.0),
+        own_zero: None,
         lead: Lead::mm_per_rev(lead),
         spin: Spin::rpm(rpm),
         return_spin: Spin::rpm(rpm),
@@ -144,6 +145,7 @@ pub fn hole(x: f64, y: f64, z: f64) -> OpKind {
         bottom: mm(TOP + 120.0 + z),
         surface: mm(TOP + 120.0),
         zero: mm(TOP + 120.0),
+        own_zero: None,
     })
 }
 

@@ -26,6 +26,7 @@ impl Tapper {
             bottom: Length::mm(-13.0),
             surface: Length::ZERO,
             zero: Length::ZERO,
+            own_zero: None,
             lead: Lead::mm_per_rev(1.25 * self.hand),
             spin: Spin::rpm(1000.0),
             return_spin: Spin::rpm(1000.0),

@@ -207,6 +207,7 @@ fn tap_op(x: f64, y: f64) -> Tap {
         bottom: Length::mm(SURFACE - DEPTH),
         surface: Length::mm(SURFACE),
         zero: Length::mm(SURFACE),
+        own_zero: None,
         lead: Lead::mm_per_rev(1.0),
         spin: Spin::rpm(6000.0),
         return_spin: Spin::rpm(6000.0),

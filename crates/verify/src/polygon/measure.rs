@@ -69,7 +69,7 @@ impl PolygonTrack {
             stock_bottom: config.stock.map_or(f64::NEG_INFINITY, |stock| stock.from[2].value()),
             zero: config.stock.map_or_else(
                 || ordered.polygon.zero.linear[2].value() - tool.map_or(0.0, |t| t.length.value()),
-                |stock| stock.zero[2].value(),
+                |stock| ordered.polygon.own_zero.map_or(stock.zero[2], |own| own.linear[2]).value(),
             ),
             tool_length: tool.map_or(0.0, |t| t.length.value()),
             spindles: [usize::from(ordered.polygon.work), usize::from(ordered.polygon.tool)],
@@ -135,7 +135,7 @@ impl PolygonTrack {
         };
         let number = self.tool.as_ref().map(|(number, _)| *number);
         let mut findings = Vec::new();
-        if let Some(stock) = &config.stock {
+        if let Some(stock) = config.stock.as_ref().filter(|_| ordered.polygon.own_zero.is_none()) {
             let [x, y, z] = ordered.polygon.zero.linear;
             let zero = [x, y, z - Length::mm(self.place.tool_length)];
             findings.extend(shifted(zero, stock, config.tolerances.position));

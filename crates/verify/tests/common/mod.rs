@@ -119,6 +119,7 @@ impl Record {
             bottom: Length::mm(SURFACE_MM - self.programmed_mm),
             surface: Length::mm(SURFACE_MM),
             zero: Length::mm(SURFACE_MM),
+            own_zero: None,
             lead: Lead::mm_per_rev(self.lead_mm),
             spin: Spin::rpm(self.rpm),
             return_spin: Spin::rpm(self.rpm),
@@ -214,7 +215,7 @@ pub fn hole_ops(line: u32, at_mm: [f64; 2], depth_mm: f64) -> [Op; 3] {
     let at = Position::xyz(x, y, SURFACE_MM + 2.0);
     let bottom = Length::mm(SURFACE_MM - depth_mm);
     let surface = Length::mm(SURFACE_MM);
-    let hole = Hole { axis: Axis::Z, at, bottom, surface, zero: surface };
+    let hole = Hole { axis: Axis::Z, at, bottom, surface, zero: surface, own_zero: None };
     let kinds = [
         OpKind::Hole(hole),
         OpKind::Rapid { to: at.with(Axis::Z, bottom) },
