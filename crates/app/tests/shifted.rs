@@ -92,12 +92,11 @@ impl Case {
             Some(Shift::G92(by)) => {
                 format!("G0 Z{}\nG92 Z{}\n", self.mm(60.0), self.mm(60.0 - by))
             }
-            Some(Shift::G52(by)) => format!("G52 Z{}\n", self.mm(by)),
             Some(Shift::Table(by)) if !self.fanuc => {
                 let length = if tool == 2 { 118.5 } else { 105.25 };
                 format!("G10 L1 P{tool} Z{}\nG43 H{tool}\n", self.mm(length + by))
             }
-            Some(Shift::Table(by)) => format!("G52 Z{}\n", self.mm(by)),
+            Some(Shift::G52(by) | Shift::Table(by)) => format!("G52 Z{}\n", self.mm(by)),
             _ => String::new(),
         };
         format!(

@@ -14,8 +14,10 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::path::Path;
 use units::{Angle, Force, Lead, Length, Spin, Time, Torque};
 
+mod evidence;
 mod turned;
 pub use turned::{TurnedSizes, TurnedThread};
+pub use evidence::{Contact, Count, Inputs, Tolerances, sha256};
 
 /// Bytes a certificate may have: a feature takes about 700.
 pub const CERTIFICATE_LIMIT: u64 = 256 * SMALL_FILE_LIMIT;
@@ -60,53 +62,6 @@ pub struct Certificate {
     pub withdrawals: Vec<Withdrawal>,
     /// What was cut, in that order.
     pub features: Vec<Feature>,
-}
-
-/// Features by their verdicts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Count {
-    /// Within every tolerance.
-    pub passed: usize,
-    /// Out of one at least, or not cut.
-    pub failed: usize,
-    /// Not measured.
-    pub not_judged: usize,
-}
-
-/// What a feature may be off.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Tolerances {
-    /// Class asked of threads.
-    pub thread_class: String,
-    /// Depth of a hole, each way.
-    pub hole_depth_um: Measured,
-    /// Place of a hole or thread.
-    pub position_um: Measured,
-    /// Depth of a thread, each way.
-    pub thread_depth_um: Measured,
-    /// How far a tap may run beyond its bottom.
-    pub thread_overrun_um: Measured,
-    /// A turned thread beside its helix.
-    pub turned_thread_um: Measured,
-    /// Contour of a cam, each way.
-    pub cam_contour_um: Measured,
-    /// Flatness of facets.
-    pub facet_flatness_um: Measured,
-    /// Size across flats, each way.
-    pub across_flats_um: Measured,
-    /// Thickness of hobbed teeth, each way.
-    pub tooth_thickness_um: Measured,
-}
-
-/// SHA-256 of the bytes that a run was made from, in hexadecimal digits.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Inputs {
-    /// The part program.
-    pub program_sha256: String,
-    /// The machine's file; of a built-in machine what `leadscrew machine show` prints.
-    pub machine_sha256: String,
-    /// The tool table; of the built-in one its text.
-    pub tools_sha256: String,
 }
 
 /// A tool that was taken off the work after a stop.
@@ -179,21 +134,6 @@ pub struct Common {
     /// What says that the tool was in the material.
     #[serde(default)]
     pub contact: Contact,
-}
-
-/// What says that a tool was in the material.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Contact {
-    /// The edges were in the stock, and something resisted them where that can be known.
-    pub cut: bool,
-    /// Way of the edges within the stock, along the depth of the cut; null where the stock's place was not known.
-    pub reach_mm: Measured,
-    /// Largest torque of the cut, where it can be known.
-    pub torque_max_n_m: Measured,
-    /// Torque that a sharp tool would have taken.
-    pub torque_expected_n_m: Measured,
-    /// Largest force of the cut, where it can be known.
-    pub force_max_n: Measured,
 }
 
 /// Within tolerance or not.
@@ -505,12 +445,6 @@ impl<'de> Deserialize<'de> for Measured {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         Option::deserialize(deserializer).map(Self)
     }
-}
-
-/// SHA-256 of some bytes, in hexadecimal digits: what `sha256sum` prints of a file.
-pub fn sha256(bytes: &[u8]) -> String {
-    use sha2::Digest as _;
-    sha2::Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 impl Certificate {

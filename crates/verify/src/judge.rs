@@ -74,7 +74,7 @@ enum What {
 
 #[derive(Clone, Debug)]
 enum Track {
-    Hole { track: HoleTrack, tool: Option<u32> },
+    Hole { track: Box<HoleTrack>, tool: Option<u32> },
     Thread(Box<ThreadTrack>),
     Polygon(Box<PolygonTrack>),
     Cam(CamTrack),
@@ -330,7 +330,7 @@ impl Track {
         match &order.what {
             What::Tap(tap) => Self::Thread(Box::new(ThreadTrack::new(tap, number, tool, stroke))),
             What::Hole(_) | What::Cam(_) | What::Turned(_) | What::Polygon(_) | What::Gear(_) => {
-                Self::Hole { track: HoleTrack::new(stroke), tool: number }
+                Self::Hole { track: Box::new(HoleTrack::new(stroke)), tool: number }
             }
         }
     }

@@ -14,7 +14,9 @@ fn drilled(stock: Stock) -> Feature {
     for (index, op) in hole_ops(7, [30.0, 20.0], 12.0).iter().enumerate() {
         judge.op(index as u32, op);
     }
-    drilling(0, 1, [30.0, 20.0], 12.0).iter().for_each(|sample| judge.sample(sample));
+    for sample in drilling(0, 1, [30.0, 20.0], 12.0) {
+        judge.sample(&sample);
+    }
     judge.finish().remove(0)
 }
 

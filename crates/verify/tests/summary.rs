@@ -81,3 +81,16 @@ fn an_empty_workpiece_passes_and_has_no_worst() {
     let summary = Summary::of(&[], &tolerances());
     assert!(summary.passes() && summary.worst.is_none() && summary.sync_error_max.is_none());
 }
+
+#[test]
+fn what_was_not_judged_is_counted_and_no_pass() {
+    let unknown = verify::Config::new(tools());
+    let feature = common::judge_with(unknown, &Record::new(2, 1.0), |_, _| 0.0);
+    assert_eq!((feature.verdict.name(), feature.verdict.is_pass()), ("not judged", false));
+    assert!(feature.verdict.reason().unwrap_or_default().contains("[setup.stock]"));
+    let features = [m6(0.0), feature];
+    let summary = Summary::of(&features, &tolerances());
+    assert_eq!(summary.threads, Count { passed: 1, failed: 0, not_judged: 1 });
+    assert!(!summary.passes());
+    assert_eq!(summary.worst.map(|(index, left)| (index, left.of)), Some((1, Criterion::Whole)));
+}

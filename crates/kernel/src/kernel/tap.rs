@@ -11,6 +11,9 @@ use bus::State;
 use plan::{Step, StepKind};
 use sync::{Coupling, SyncMode};
 
+/// A stroke that ends at the surface, as near as its coordinates were computed, ends outside, mm.
+const AT_SURFACE_MM: f64 = 1e-3;
+
 impl Kernel {
     /// Take a tool out of the work, and do nothing else: what waited is forgotten, what stopped the machine before
     /// has had its answer. The drives come up, each where it stands.
@@ -119,8 +122,6 @@ impl Kernel {
             .queue
             .get(1)
             .is_some_and(|next| next.op == *op && matches!(next.kind, StepKind::Tap(_)));
-        /// A stroke that ends at the surface, as near as its coordinates were computed, ends outside.
-        const AT_SURFACE_MM: f64 = 1e-3;
         let inward = (plan.bottom - plan.surface).value();
         let inside = (plan.end - plan.surface).value() * libm::copysign(1.0, inward);
         let is_outside = inside <= AT_SURFACE_MM;
