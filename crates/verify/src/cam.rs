@@ -475,6 +475,17 @@ mod tests {
     }
 
     #[test]
+    fn a_wheel_that_stays_clear_of_its_blank_has_ground_nothing() {
+        let (feature, _) = judged(|turn| ideal(turn) + 5.0);
+        let reason = feature.verdict.reason().unwrap_or_default();
+        assert!(reason.contains("not cut: the wheel came no nearer than 4.900 mm"), "{reason}");
+        assert!(!feature.contact.is_cut());
+        // 0.1 mm is taken off a blank, to the micrometre
+        let (feature, _) = judged(ideal);
+        assert!((feature.contact.reach.map_or(0.0, |r| r.value()) - 0.1).abs() < 1e-6);
+    }
+
+    #[test]
     fn a_lag_is_a_phase_error_and_a_contour_error_of_slope_times_lag() {
         let lag = 0.2;
         let (feature, cam) = judged(|turn| ideal(turn - lag / 360.0));

@@ -33,6 +33,11 @@ fn hob_tool() -> Tool {
 /// Hob at 300 rev/min, 2 mm a turn of the work; the work stands beside its gear by `off` (turns) of the time, the
 /// work's angle and the height.
 fn judged(hob: Hob, off: impl Fn(f64, f64) -> f64) -> Feature {
+    judged_at(hob, |_| 75.0, off)
+}
+
+/// The same with the hob at another distance than the ordered 75 mm, by the height.
+fn judged_at(hob: Hob, x: impl Fn(f64) -> f64, off: impl Fn(f64, f64) -> f64) -> Feature {
     let mm = |v: [f64; 3]| v.map(Length::mm);
     let stock =
         Stock { from: mm([-44.6, -44.6, -30.0]), to: mm([44.6, 44.6, 0.0]), zero: mm([0.0; 3]) };
@@ -61,7 +66,7 @@ fn judged(hob: Hob, off: impl Fn(f64, f64) -> f64) -> Feature {
         sample.report.op = 1;
         sample.report.state = State::Feed;
         let mut truth = Truth::default();
-        truth.axes[0] = Length::mm(75.0);
+        truth.axes[0] = Length::mm(x(z));
         truth.axes[2] = Length::mm(z);
         truth.spindles = [Angle::rev(turned), Angle::rev(work + off(work, z))];
         sample.truth = Some(truth);
@@ -128,4 +133,29 @@ fn a_tooth_that_was_skipped_is_seen() {
 fn straight_teeth_have_no_lead() {
     let feature = judged(Hob { helix: Angle::ZERO, ..HOB }, |_, _| 0.0);
     assert!(feature.verdict.is_pass() && gear(&feature).lead.is_none());
+}
+
+#[test]
+fn teeth_that_are_cut_too_deep_or_not_deep_enough_fail_by_their_thickness() {
+    // 2·Δ·tan 20°: 60 µm are 82.4 µm of depth
+    for (depth, good) in [(0.0, true), (0.08, true), (0.09, false), (1.5, false)] {
+        // from the middle of the face on, as when an encoder jumps
+        let feature = judged_at(HOB, |z| if z < -10.0 { 75.0 - depth } else { 75.0 }, |_, _| 0.0);
+        assert_eq!(feature.verdict.is_pass(), good, "{depth}: {:?}", feature.verdict);
+        assert!((gear(&feature).depth_error.value() - depth).abs() < 1e-9);
+    }
+    let shallow = judged_at(Hob { helix: Angle::ZERO, ..HOB }, |_| 75.01, |_, _| 0.0);
+    assert!(shallow.verdict.is_pass(), "{:?}", shallow.verdict);
+    let away = judged_at(HOB, |_| 80.0, |_, _| 0.0);
+    assert!(!away.verdict.is_pass() && !away.contact.is_cut(), "{:?}", away);
+}
+
+#[test]
+fn a_gear_whose_program_has_its_zero_elsewhere_fails() {
+    for zero in [[5.0, 0.0, 0.0], [0.0, -5.0, 0.0], [0.0, 0.0, 5.0]] {
+        let [x, y, z] = zero;
+        let feature = judged(Hob { zero: Position::xyz(x, y, z), ..HOB }, |_, _| 0.0);
+        let reason = feature.verdict.reason().unwrap_or_default();
+        assert!(reason.contains("off the work's along"), "{zero:?}: {reason}");
+    }
 }

@@ -24,6 +24,8 @@ struct Cut {
     stock: f64,
     /// X per Z, both in mm.
     taper: f64,
+    /// Where the program has its zero, off the work's.
+    zero_off: [f64; 3],
 }
 
 const RPM: f64 = 500.0;
@@ -53,6 +55,7 @@ impl Cut {
             nose: 0.0,
             stock: 12.0,
             taper: 0.0,
+            zero_off: [0.0; 3],
         }
     }
 
@@ -102,7 +105,10 @@ impl Cut {
             by_distance: Vec::new(),
             wanted: Vec::new(),
             compensated: false,
-            zero: Position::xyz(-150.0, -60.0, TOP),
+            zero: {
+                let [x, y, z] = self.zero_off;
+                Position::xyz(-150.0 + x, -60.0 + y, TOP + z)
+            },
             own_zero: None,
         };
         judge.op(0, &op(1, OpKind::ChangeTool { number: 9 }));
@@ -353,4 +359,21 @@ fn a_polygon_that_was_never_cut_fails_and_says_so() {
         "{:?}",
         feature.verdict
     );
+}
+
+#[test]
+fn a_polygon_whose_program_has_its_zero_elsewhere_fails() {
+    for zero_off in [[5.0, 0.0, 0.0], [0.0, 5.0, 0.0], [0.0, 0.0, -5.0]] {
+        let feature = Cut { zero_off, ..Cut::hexagon() }.judged();
+        let reason = feature.verdict.reason().unwrap_or_default();
+        assert!(reason.contains("off the work's along"), "{zero_off:?}: {reason}");
+    }
+}
+
+#[test]
+fn a_cutter_that_passes_beside_the_bar_has_cut_nothing() {
+    let feature = Cut { centres: 65.0, ..Cut::hexagon() }.judged();
+    let reason = feature.verdict.reason().unwrap_or_default();
+    assert!(reason.contains("not cut: the cutter never touched the stock"), "{reason}");
+    assert!(!feature.contact.is_cut());
 }
