@@ -197,12 +197,9 @@ impl Keeper {
         if let Some(engagement) = &mut self.engagement {
             let report = kernel.report();
             let taps = matches!(report.state, State::TapIn | State::TapBottom | State::TapOut);
-            engagement.sync_error = match report.sync_error {
-                Some(error) => engagement.sync_error.max(error.abs()),
-                // over the work: before the first touch, and between two pecks
-                None if taps => Length::ZERO,
-                None => engagement.sync_error,
-            };
+            engagement.touches = report.sync_error.is_some() || engagement.touches && !taps;
+            let error = report.sync_error.map_or(Length::ZERO, Length::abs);
+            engagement.sync_error = engagement.sync_error.max(error);
         }
         self.engagement
     }
@@ -242,7 +239,7 @@ impl Keeper {
         if is_still && self.engagement.is_none() {
             let (number, tool) = (record.engagement, record.stroke.tool);
             self.engaged = number;
-            self.engagement = Some(Engagement { number, tool, sync_error: Length::ZERO });
+            self.engagement = Some(Engagement { number, tool, ..Engagement::default() });
         }
     }
 

@@ -387,3 +387,16 @@ fn a_clutch_tap_in_its_hole_is_kept_and_taken_out_by_hand_alone() {
     let after = iron.status();
     assert!(after["tap_in_thread"] == true && after["tool_broken"] == false, "{after:#}");
 }
+
+#[test]
+fn the_axis_ramps_as_long_as_a_spindle_that_makes_its_own_ramps() {
+    let machine = ["--machine", "vfd-mill"];
+    let stop = ["--kill-control-at", "9.3", "--on-link-loss", "quick-stop"];
+    let iron = Iron::start(&[&machine[..], &stop].concat());
+    iron.run(&one_tap("G84", 11), &machine);
+    let stopped = iron.status();
+    assert!(stopped["tap_in_thread"] == true && stopped["tool_broken"] == false, "{stopped:#}");
+    // v²/2a is 2.6 mm of M8, of which the drive's ramp is known to a quarter; an axis that stopped as fast as it can tore the tap
+    assert!(number(&stopped, "off_helix_um").abs() < 650.0, "{stopped:#}");
+    assert_eq!(iron.recover(&machine)["outcome"], "recovered");
+}

@@ -333,3 +333,34 @@ fn many_findings_of_a_kind_are_counted_after_the_fortieth() {
     assert_eq!(text.matches("M0303 Error").count(), 40);
     assert!(text.contains("60 more findings of the kind M0303"), "{text}");
 }
+
+/// A machine whose spindle coasts when its control dies.
+fn coasting(tool: u32, t: canon::Tap) -> plan::Planner {
+    let mut machine = common::machine();
+    machine.tapping.coasts = plan::Coasts { on_link_loss: true, on_power_loss: false };
+    let start = plan::Start { position: t.start, tool };
+    plan::Planner::new(machine, common::tools(), common::OPTIONS, start)
+}
+
+#[test]
+fn a_tap_that_would_coast_into_the_ground_is_warned_of_with_the_speed_that_survives() {
+    let t = tap(0.0, 0.0, 2.0, -20.0, 1.0, 3000.0);
+    assert_snapshot!(findings_of(coasting(2, t), [OpKind::Tap(t)]), @r#"
+    M0338 Warning line 1: if the control dies in this tap its spindle coasts: from S3000 it goes up to 45.7 mm deeper than programmed, its flutes reach 12 mm more, and the tap breaks; S1480 survives that
+        help: [drives] on_link_loss = "coupled-stop" or "quick-stop" brakes instead, at every speed
+    M0324 Note line 1: no hole was drilled here by this program: it is taken to be there, deep enough and of the right size
+    "#);
+    assert!(!tap_findings(2, t).contains("M0338"), "a spindle that brakes does not coast");
+    // up to the speed that is said nothing is said, and from the next one on something is
+    let said = findings_of(coasting(2, t), [OpKind::Tap(t)]);
+    let works: f64 = said
+        .split("; S")
+        .nth(1)
+        .and_then(|rest| rest.split(' ').next()?.parse().ok())
+        .expect("a speed is said");
+    for (rpm, warned) in [(works, false), (works + 10.0, true), (100.0, false)] {
+        let t = tap(0.0, 0.0, 2.0, -20.0, 1.0, rpm);
+        let found = findings_of(coasting(2, t), [OpKind::Tap(t)]);
+        assert_eq!(found.contains("M0338"), warned, "S{rpm}: {found}");
+    }
+}

@@ -63,8 +63,9 @@ pub struct Engagement {
     pub number: u64,
     /// The tool.
     pub tool: u32,
-    /// How far the axis was from its coupling at most since the tool touched the work, by the encoders; zero where it has not, or is
-    /// over the work between two pecks.
+    /// It is in the material now, as far as the control sees; before its first touch and between two pecks it is not.
+    pub touches: bool,
+    /// How far the axis was from its coupling at most in the material, by the encoders.
     pub sync_error: Length,
 }
 
@@ -262,6 +263,7 @@ fn write_engagement(w: &mut Writer<'_>, engagement: Option<&Engagement>) {
     if let Some(engagement) = engagement {
         w.u64(engagement.number);
         w.u32(engagement.tool);
+        w.u8(engagement.touches.into());
         w.f64(engagement.sync_error.value());
     }
 }
@@ -272,9 +274,10 @@ fn read_engagement(r: &mut Reader<'_>) -> Option<Option<Engagement>> {
     if !r.flag()? {
         return Some(None);
     }
-    let (number, tool, sync_error) = (r.u64()?, r.u32()?, Length::mm(r.f64()?));
+    let (number, tool, touches) = (r.u64()?, r.u32()?, r.flag()?);
+    let sync_error = Length::mm(r.f64()?);
     let is_possible = number > 0 && sync_error.is_finite() && sync_error >= Length::ZERO;
-    is_possible.then_some(Some(Engagement { number, tool, sync_error }))
+    is_possible.then_some(Some(Engagement { number, tool, touches, sync_error }))
 }
 
 fn flags<const N: usize>(r: &mut Reader<'_>) -> Option<[bool; N]> {

@@ -97,10 +97,9 @@ pub(super) const fn least_certain(one: Stop, other: Stop) -> Stop {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use units::Length;
 
     fn tool(number: u64) -> Option<Engagement> {
-        Some(Engagement { number, tool: 11, sync_error: Length::ZERO })
+        Some(Engagement { number, tool: 11, ..Engagement::default() })
     }
 
     #[test]

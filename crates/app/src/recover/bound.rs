@@ -16,6 +16,7 @@
 //! | friction | Fs/k | which way the guide's friction holds the table, standing |
 //! | touching | 0.4·(Fs + σ2·v + m·a)/k, a = H/2π·M/J at most | what the control's model of the screw missed when the tap touched the work |
 //! | holder | e·k_h/(k + k_h) | of the distance e that the encoders show, what the screw gives |
+//! | ground | F/k | a tap that ran too deep may press on the ground with what its core bears |
 //! | helix | the largest sync error while the control lived | as the machine keeps it |
 //! | screw, encoders | 3 µm + 0.1 µm/mm of the stroke | lead error and eccentricity (estimate) |
 //!
@@ -23,7 +24,7 @@
 //! scale at the table sees the screw's spring and play: there those terms are nought.
 use store::machine::{Axis, PositionFrom, Spindle};
 use store::sync_record::Stroke;
-use units::Length;
+use units::{Force, Length};
 
 /// By how much a machine may have more play, friction and stiffness of a holder than its file, and less stiffness of its screw.
 const MORE: f64 = 1.2;
@@ -41,12 +42,14 @@ pub(super) struct Unseen {
 }
 
 /// Of a tap that the encoders show this far off its thread. `helix`: how far the axis was from its coupling at most while the control lived.
+/// `ground`: with how much force its tip may press on the ground of the hole.
 pub(super) fn unseen(
     stroke: &Stroke,
     axis: &Axis,
     spindle: &Spindle,
     error: Length,
     helix: Length,
+    ground: Force,
 ) -> Unseen {
     let lead = stroke.lead.value().abs();
     let stroke_mm = (stroke.bottom - stroke.start).value().abs();
@@ -59,7 +62,10 @@ pub(super) fn unseen(
         PositionFrom::Scale { resolution, .. } => (resolution, None),
     };
     let counts = Length::mm(count) + resolution;
-    let (play, spring) = of_screw.unwrap_or_default();
+    let (play, mut spring) = of_screw.unwrap_or_default();
+    if of_screw.is_some() {
+        spring += Length::mm(ground.value() / (SOFTER * axis.structure.stiffness.value()));
+    }
     let total = counts + encoders + play + spring + helix;
     Unseen {
         total,

@@ -11,7 +11,7 @@ use store::sync_record::{Stage, Stroke};
 use sync::Coupling;
 use sync::leaving::{Leaving, Setting};
 use sync::recovery::{Direction, Point, Projection, Seat, Stored, Way};
-use units::{Angle, Length};
+use units::{Angle, Force, Length};
 use wire::{Sense, Stop, Welcome};
 
 /// A tap that the control never had in the work.
@@ -110,12 +110,16 @@ pub(super) fn find(
         (Leaving::Along, RecoveryWay::Direct) => Way::Direct,
         (Leaving::Along, RecoveryWay::UnloadFirst) => Way::UnloadFirst(seat),
     };
-    let seen = welcome.evidence.in_work.map(|kept| kept.sync_error).filter(|e| *e > Length::ZERO);
+    let kept = welcome.evidence.in_work.unwrap_or_default();
+    let overrun = (place - stroke.bottom) * sense_in(stroke);
+    let lead = Length::mm(stroke.lead.value().abs());
+    // what it may press on the ground with: its core bears no more
+    let core = Force::n(setting.bears().value() * stroke.stiffness.value());
+    let ground = if overrun > lead { core } else { Force::ZERO };
     let apart = matches!(welcome.stop, Stop::Coasted | Stop::None);
     let beyond = stored.error(at).abs() > setting.bears();
-    let (way, bound) = if apart && (seen.is_none() || beyond) {
+    let (way, bound) = if apart && (!kept.touches || beyond) {
         // its first turns were cut by spindle and feed apart: so near the surface few teeth hold it, deeper they do
-        let lead = Length::mm(stroke.lead.value().abs());
         if depth > lead {
             return Err(format!(
                 "{NO_THREAD}: it stands {:.3} mm deep, and up to {:.3} mm, one lead, it could be pulled out straight",
@@ -126,11 +130,11 @@ pub(super) fn find(
         (Way::Straight, Err(NO_THREAD))
     } else {
         // a tap that touched the work while the drives ran down by their ramps did so anywhere in between
-        let helix = seen.unwrap_or(stored.error(at).abs());
-        let unseen = unseen(stroke, axis, spindle, stored.error(at), helix);
+        let touched = kept.sync_error > Length::ZERO;
+        let helix = if touched { kept.sync_error } else { stored.error(at).abs() };
+        let unseen = unseen(stroke, axis, spindle, stored.error(at), helix, ground);
         (way, Ok((unseen.total, format!("{how}; {}", unseen.why))))
     };
-    let overrun = (place - stroke.bottom) * sense_in(stroke);
     let certain = bound.as_ref().map_or(Length::ZERO, |(bound, _)| stored.error(at).abs() + *bound);
     Ok(Findings {
         overrun,

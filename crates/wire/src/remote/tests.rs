@@ -92,7 +92,8 @@ fn command() -> Command {
     command
 }
 
-const ENGAGEMENT: Engagement = Engagement { number: 8, tool: 11, sync_error: Length::mm(0.004) };
+const ENGAGEMENT: Engagement =
+    Engagement { number: 8, tool: 11, touches: true, sync_error: Length::mm(0.004) };
 
 fn welcome() -> Welcome {
     Welcome {
