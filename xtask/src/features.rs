@@ -36,7 +36,7 @@ const SOFT: &str = "G21 G90 G54 G17\nT6 M6\nS2000 M3\nG0 X0 Y0\nG43 H6 Z20\nG99 
 const CHIP_BREAK: &str = "extends = \"tapping-center\"\nname = \"tapping-center\"\n\n[tapping.peck]\nretract = \"chip-break\"\n";
 
 const FEATURES: [Feature; 9] = [
-    Feature { name: "tap M8, S1000", program: TAP, options: &[], window: (1.75, 4.1) },
+    Feature { name: "tap M8, S1000", program: TAP, options: &[], window: (1.75, 4.0) },
     Feature { name: "peck tap M6, S3000", program: PECK, options: &[], window: (1.7, 3.4) },
     Feature {
         name: "chip-break peck M6, S3000",

@@ -189,8 +189,53 @@ impl Stroke {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
+
+    /// A helical gear of 40 teeth, lead 734.8 mm, that follows its hob.
+    pub(in crate::sync_record) fn geared() -> Geared {
+        Geared {
+            follower: 1,
+            turns: 1,
+            master_turns: 40,
+            phase: Angle::rev(0.1),
+            axis: Some((2, Lead::mm_per_rev(-734.8))),
+            radius: Length::mm(42.567),
+            swing: Vec::new(),
+            swing_turns: 1.0,
+        }
+    }
+
+    #[test]
+    fn a_follower_belongs_where_the_gear_its_helix_and_its_swing_have_it() {
+        let place = |_: u8| Length::mm(-73.48);
+        // 83 turns of the hob: 2 3/40 of the work, a tenth by the helix, and the phase
+        let on = geared().follow(Angle::rev(83.0), place);
+        assert!((on.value() - (2.0 + 3.0 / 40.0 + 0.1 + 0.1)).abs() < 1e-12, "{on:?}");
+        let tool = Geared {
+            turns: 2,
+            master_turns: 1,
+            axis: None,
+            swing: vec![(4, 0.01, 0.0), (8, 0.0, 0.002)],
+            ..geared()
+        };
+        // an eighth of a turn: half a period of the one, a whole one of the other
+        let on = tool.follow(Angle::rev(-2.875), place);
+        assert!((on.value() - (-5.75 + 0.1 - 0.01)).abs() < 1e-12, "{on:?}");
+    }
+
+    #[test]
+    fn the_error_of_a_follower_is_that_of_the_nearest_turn_and_of_the_nearest_tooth_where_turns_are_lost()
+     {
+        let place = |_: u8| Length::ZERO;
+        let theta = Angle::rev(83.0);
+        let on = geared().follow(theta, place);
+        let off =
+            |more: f64, lost| geared().error(theta, on + Angle::rev(more), place, lost).value();
+        assert!((off(7.002, false) - 0.002).abs() < 1e-12 && (off(0.3, false) - 0.3).abs() < 1e-12);
+        // the master may be any turn further: each is a tooth
+        assert!((off(0.3 + 0.002, true) - 0.002).abs() < 1e-12, "{}", off(0.302, true));
+    }
 
     #[test]
     fn a_place_of_a_thread_whose_lead_grows_belongs_to_an_angle() {
