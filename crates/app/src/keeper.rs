@@ -10,7 +10,7 @@
 //! time it comes when it comes.
 use crate::refused::Refused;
 use crate::typed;
-use bus::State;
+use bus::{Feedback, State};
 use canon::{Holder, Op, OpKind, ToolKind, ToolLibrary};
 use kernel::{Kernel, Wish, WorkRecord};
 use plan::TiedCut;
@@ -99,12 +99,14 @@ pub(crate) struct Keeper {
     /// Number of the machine's last engagement, and the tool that the machine is told to be in its work.
     engaged: u64,
     engagement: Option<Engagement>,
+    /// Where the workpiece begins, by the machine's set-up.
+    top: Length,
     problem: Option<String>,
 }
 
 impl Keeper {
     /// Start the thread. `before`: holes that the program made before it was begun in its middle. `recovered`: the hole
-    /// whose tap a recovery took out. `engaged`: number of the machine's last engagement.
+    /// whose tap a recovery took out. `engaged`: number of the machine's last engagement. `top`: where the workpiece begins.
     ///
     /// # Errors
     /// No thread can be started.
@@ -115,6 +117,7 @@ impl Keeper {
         tools: &ToolLibrary,
         real_time: bool,
         (before, recovered, engaged): (u32, Option<u32>, u64),
+        top: Length,
     ) -> Result<Self, Refused> {
         let (orders, work) = channel::<(SyncRecord, Option<u32>)>();
         let (done, answers) = channel();
@@ -148,6 +151,7 @@ impl Keeper {
             last: None,
             engaged,
             engagement: None,
+            top,
             problem: None,
         })
     }
@@ -173,7 +177,8 @@ impl Keeper {
 
     /// Take the kernel's wishes, hand it its acknowledgements. The tool that is in the work from now on, as the machine is told
     /// with each command: from when the record is on the disk until the tool is out.
-    pub(crate) fn serve(&mut self, kernel: &mut Kernel, now: Time) -> Option<Engagement> {
+    pub(crate) fn serve(&mut self, kernel: &mut Kernel, feedback: &Feedback) -> Option<Engagement> {
+        let now = feedback.time;
         while let Some(wish) = kernel.next_wish() {
             let (record, number) = match (wish, &self.last) {
                 (Wish::Inward(number, tap), _) => (self.record(&tap), Some(number)),
@@ -197,7 +202,9 @@ impl Keeper {
         if let Some(engagement) = &mut self.engagement {
             let report = kernel.report();
             let taps = matches!(report.state, State::TapIn | State::TapBottom | State::TapOut);
-            engagement.touches = report.sync_error.is_some() || engagement.touches && !taps;
+            let inside =
+                self.last.as_ref().map(|last| is_inside(last, &self.tools, self.top, feedback));
+            engagement.touches = if taps { inside == Some(true) } else { engagement.touches };
             let error = report.sync_error.map_or(Length::ZERO, Length::abs);
             engagement.sync_error = engagement.sync_error.max(error);
         }
@@ -369,6 +376,19 @@ fn stiffness(kind: &ToolKind) -> Stiffness {
         | ToolKind::Insert(_)
         | ToolKind::Other => Stiffness::ZERO,
     }
+}
+
+/// The tip of a tap along Z is certainly in the workpiece: below where the program and the set-up have it begin, by more than an axis'
+/// reading is off.
+fn is_inside(record: &SyncRecord, tools: &ToolLibrary, top: Length, feedback: &Feedback) -> bool {
+    const CERTAIN: Length = Length::mm(0.1);
+    let stroke = &record.stroke;
+    let length = tools.get(stroke.tool).map_or(Length::ZERO, |tool| tool.length);
+    let place = feedback.axes[usize::from(stroke.axis)].position;
+    if usize::from(stroke.axis) != canon::Axis::Z.index() || stroke.bottom > stroke.start {
+        return stroke.inside(place) > stroke.inside(stroke.surface) + CERTAIN;
+    }
+    place < stroke.surface.min(top + length) - CERTAIN
 }
 
 /// How long the thread of a tap is.

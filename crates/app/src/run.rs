@@ -366,7 +366,8 @@ impl Link {
         let program = (job.program.as_str(), &job.text[..]);
         let keeper = self.state.map(|(slots, identity)| {
             let known = (before, self.recovered, engaged);
-            Keeper::start(slots, identity, program, tools, real_time, known)
+            let top = job.session.work_zero().linear[2] + machine.setup.stock.to[2];
+            Keeper::start(slots, identity, program, tools, real_time, known, top)
         });
         let plant = if let Some(remote) = self.remote {
             Plant::Outside(Box::new(remote))

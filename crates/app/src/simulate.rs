@@ -233,7 +233,7 @@ impl Simulation<'_> {
                 *saturated.entry(report.op).or_insert(0) += 1;
             }
             if let Some(keeper) = &mut self.keeper {
-                let engagement = keeper.serve(&mut self.kernel, feedback.time);
+                let engagement = keeper.serve(&mut self.kernel, &feedback);
                 self.machine.engage(engagement);
             }
             self.cams.consult(&mut self.kernel, &mut self.planner);

@@ -63,7 +63,7 @@ pub struct Engagement {
     pub number: u64,
     /// The tool.
     pub tool: u32,
-    /// It is in the material now, as far as the control sees; before its first touch and between two pecks it is not.
+    /// It is certainly in the workpiece now; before its first touch and between two pecks it is not.
     pub touches: bool,
     /// How far the axis was from its coupling at most in the material, by the encoders.
     pub sync_error: Length,

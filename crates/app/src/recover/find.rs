@@ -130,8 +130,7 @@ pub(super) fn find(
         (Way::Straight, Err(NO_THREAD))
     } else {
         // a tap that touched the work while the drives ran down by their ramps did so anywhere in between
-        let touched = kept.sync_error > Length::ZERO;
-        let helix = if touched { kept.sync_error } else { stored.error(at).abs() };
+        let helix = if kept.touches { kept.sync_error } else { stored.error(at).abs() };
         let unseen = unseen(stroke, axis, spindle, stored.error(at), helix, ground);
         (way, Ok((unseen.total, format!("{how}; {}", unseen.why))))
     };
