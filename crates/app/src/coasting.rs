@@ -32,6 +32,11 @@ pub(crate) fn warnings(file: &MachineFile) -> Vec<String> {
             )
         })
         .collect();
+    let brakes = if limits.tapping.own_ramps.is_some() {
+        "\"coupled-stop\" brakes"
+    } else {
+        "\"coupled-stop\" and \"quick-stop\" brake"
+    };
     [
         (coasts.on_link_loss, "on_link_loss", "the control dies"),
         (coasts.on_power_loss, "on_power_loss", "the mains fail"),
@@ -41,7 +46,7 @@ pub(crate) fn warnings(file: &MachineFile) -> Vec<String> {
     .map(|(_, key, when)| {
         format!(
             "[drives] {key}: if {when} in a tap the spindle coasts and the tap goes on into its hole. In {} with {} mm of hole below it \
-             survive {}; \"coupled-stop\" and \"quick-stop\" brake from every speed",
+             survive {}; {brakes} from every speed",
             material.name,
             ROOM.value(),
             survives.join(" and ")

@@ -228,8 +228,9 @@ impl Keeper {
                 }
                 Ok((_, Err(e))) => return self.fail(kernel, &e.to_string()),
                 Ok((Some(done), Ok(()))) if done == number => {
-                    let written = self.underway.pop_front().map(|(.., record)| record);
-                    written.iter().for_each(|record| self.engage(record));
+                    if let Some((.., written)) = self.underway.pop_front() {
+                        self.engage(&written);
+                    }
                     kernel.acknowledge(number);
                 }
                 Ok((_, Ok(()))) => {}

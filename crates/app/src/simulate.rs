@@ -233,8 +233,7 @@ impl Simulation<'_> {
                 *saturated.entry(report.op).or_insert(0) += 1;
             }
             if let Some(keeper) = &mut self.keeper {
-                let engagement = keeper.serve(&mut self.kernel, &feedback);
-                self.machine.engage(engagement);
+                self.machine.engage(keeper.serve(&mut self.kernel, &feedback));
             }
             self.cams.consult(&mut self.kernel, &mut self.planner);
             self.polygons.consult(&mut self.kernel);

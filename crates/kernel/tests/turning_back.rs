@@ -1,4 +1,5 @@
 //! That a tap turns back is on the disk before it does, and no disk keeps it in its hole.
+#![allow(clippy::unwrap_used)] // a test may panic
 mod common;
 use bus::Machine as _;
 use common::*;

@@ -283,9 +283,13 @@ impl TapCheck<'_> {
             number(libm::ceil(deeper * 10.0) / 10.0),
             number(floor_um(room)),
         );
-        let help = format!(
-            "[drives] {key} = \"coupled-stop\" or \"quick-stop\" brakes instead, at every speed"
-        );
+        // how long a drive's own ramp is is not known well enough to ramp the axis by it
+        let brakes = if self.own_ramps.is_some() {
+            "\"coupled-stop\""
+        } else {
+            "\"coupled-stop\" or \"quick-stop\""
+        };
+        let help = format!("[drives] {key} = {brakes} brakes instead, at every speed");
         Some(Diagnostic::warning("M0338", self.span, text).with_help(help))
     }
 

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   motor encoder ──screw, nut, bearings──► headstock ──holder──► tap in its helix
-//!                     spring k, play              spring k_h
+//!                     spring k, play              spring kh
 //! ```
 //!
 //! The encoders know motor and spindle. What lies between the motor and the tap they do not see: play, and the spring of the screw
@@ -15,12 +15,12 @@
 //! | play | b | once over |
 //! | friction | Fs/k | which way the guide's friction holds the table, standing |
 //! | touching | 0.4·(Fs + σ2·v + m·a)/k, a = H/2π·M/J at most | what the control's model of the screw missed when the tap touched the work |
-//! | holder | e·k_h/(k + k_h) | of the distance e that the encoders show, what the screw gives |
+//! | holder | e·kh/(k + kh) | of the distance e that the encoders show, what the screw gives |
 //! | ground | F/k | a tap that ran too deep may press on the ground with what its core bears |
 //! | helix | the largest sync error while the control lived | as the machine keeps it |
 //! | screw, encoders | 3 µm + 0.1 µm/mm of the stroke | lead error and eccentricity (estimate) |
 //!
-//! b, Fs, σ2 and k_h are taken a fifth larger than the machine's file has them, k 15 % smaller: a machine is never quite as its file. A
+//! b, Fs, σ2 and kh are taken a fifth larger than the machine's file has them, k 15 % smaller: a machine is never quite as its file. A
 //! scale at the table sees the screw's spring and play: there those terms are nought.
 use store::machine::{Axis, PositionFrom, Spindle};
 use store::sync_record::Stroke;

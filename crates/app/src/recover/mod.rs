@@ -118,14 +118,8 @@ fn answer(args: &RecoverArgs) -> Result<Answer, Refused> {
     let identity = identity(&welcome);
     let path = keeper::folder(args.state.as_deref(), &identity)?;
     if args.tool_is_free {
-        Slots::discard(StateFolder::open(&path)?, &nobody(&identity))
-            .map_err(|e| Refused::because(format!("cannot discard the sync record: {e}")))?;
         drop(remote);
-        tell_machine(args)?;
-        return Ok(Answer::plain(
-            Outcome::Nothing,
-            "as you state, no tool is in the work: record and machine have forgotten it",
-        ));
+        return set_free(args, &path, &identity);
     }
     let feedback = welcome.observed.feedback;
     let folder = path.display().to_string();
@@ -153,19 +147,11 @@ fn answer(args: &RecoverArgs) -> Result<Answer, Refused> {
         }
     };
     remote.engage(welcome.evidence.in_work);
-    if feedback.tool != Some(record.stroke.tool) {
-        let reason = wrong_tool(&record, &feedback);
+    if let Some(reason) = not_by_recovery(&record, &feedback) {
         return Ok(Answer {
             record: Some(record),
             note,
             ..Answer::plain(Outcome::Refused, reason)
-        });
-    }
-    if record.stroke.cut == Cut::FloatingTap {
-        return Ok(Answer {
-            record: Some(record),
-            note,
-            ..Answer::plain(Outcome::Refused, FLOATING)
         });
     }
     if let Some(retreat) = record.stroke.retreat {
@@ -279,6 +265,15 @@ fn obey(
     Ok(())
 }
 
+/// Somebody has looked, and states that no tool is in the work.
+fn set_free(args: &RecoverArgs, path: &Path, identity: &Identity) -> Result<Answer, Refused> {
+    Slots::discard(StateFolder::open(path)?, &nobody(identity))
+        .map_err(|e| Refused::because(format!("cannot discard the sync record: {e}")))?;
+    tell_machine(args)?;
+    let said = "as you state, no tool is in the work: record and machine have forgotten it";
+    Ok(Answer::plain(Outcome::Nothing, said))
+}
+
 /// The tool is out: the machine is told with a command that holds everything where it stands.
 fn is_out(plant: &mut Plant, file: &MachineFile) -> Result<(), Refused> {
     plant.engage(None);
@@ -373,6 +368,14 @@ pub(crate) fn nobody(identity: &Identity) -> SyncRecord {
             geared: None,
         },
     }
+}
+
+/// Why no recovery can take this tool out.
+fn not_by_recovery(record: &SyncRecord, feedback: &Feedback) -> Option<String> {
+    if feedback.tool != Some(record.stroke.tool) {
+        return Some(wrong_tool(record, feedback));
+    }
+    (record.stroke.cut == Cut::FloatingTap).then(|| FLOATING.into())
 }
 
 fn wrong_tool(record: &SyncRecord, feedback: &Feedback) -> String {
