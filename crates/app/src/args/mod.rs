@@ -110,7 +110,8 @@ Examples:
         after_help = "The sync record and the encoders tell where the tap stands off its thread; spindle or feed goes back onto
 it, then both come out along it together. Killed on the way, it is begun again in the same way.
 
-Exit code: 0 recovered, or nothing to do; 2 refused, with the reason.
+Without the record of just the tool that the machine keeps in its work nothing moves. Exit code: 0 recovered, or nothing to
+do; 2 refused, with the reason, or out and not known to be whole.
 
 Examples:
   leadscrew recover --iron /tmp/iron --dry-run --picture way.svg   rehearse it
