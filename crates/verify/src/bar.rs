@@ -186,6 +186,14 @@ impl TurnedBar {
         last.map(|(place, _)| self.z(place) + self.step / 2.0)
     }
 
+    /// The point stands off the material: outside of the bar, or within its bore.
+    pub(crate) fn is_beside(&self, side: Option<Side>) -> bool {
+        self.last.is_some_and(|at| {
+            let here = Crossing { section: 0, radius: at.radius, z: at.z };
+            self.depth(&here, side.unwrap_or(self.side)) <= 0.0
+        })
+    }
+
     /// The sections that the tool's point has passed since the last sample.
     pub(crate) fn follow(&mut self, sample: &Sample, tool: Option<&Tool>) -> Vec<Crossing> {
         let (x, y) = (sample.axis(0).value() - self.axis[0], sample.axis(1).value() - self.axis[1]);

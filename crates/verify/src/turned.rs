@@ -61,6 +61,8 @@ use units::{Angle, Force, Lead, LeadGrowth, Length, Spin, Time, Torque};
 const CLEAR: f64 = 0.99;
 /// Shorter than this is no way in which a tool was fed in: the rounding of coordinates, and where axes stand.
 const FED_IN_MM: f64 = 0.01;
+/// A tool so far off its ordered way across the thread is being taken off the work, mm.
+const LEAVES_MM: f64 = 0.1;
 /// Turns before the chain's end that are run-out.
 const RUN_OUT: f64 = 1.0;
 /// Passes of the point through sections that are kept of one thread: 24 MB, 80,000 turns.
@@ -263,8 +265,13 @@ impl TurnedTrack {
             (pass.infeed, pass.sense) = (0.0, None); // it is turned again
             return;
         }
-        self.sense = sense; // with the tool clear the spindle may turn as it likes
         let off = (0..3).filter(|i| *i != axis).map(|i| across(i).abs()).fold(0.0, f64::max);
+        // on its way there it leaves the material long before
+        let is_off_the_bar = turning.is_some_and(|(bar, _)| bar.is_beside(self.side));
+        if off > LEAVES_MM && is_off_the_bar {
+            return;
+        }
+        self.sense = sense; // with the tool clear the spindle may turn as it likes
         if along < law.turns() - RUN_OUT {
             pass.infeed = pass.infeed.max(off); // a taper out of the thread begins with a rounded corner
         }
