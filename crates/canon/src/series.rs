@@ -85,7 +85,7 @@ fn in_inches(inches: f64) -> String {
         return format!("{whole}");
     }
     let mut fraction = (sixteenths as u32, 16_u32);
-    while fraction.0 % 2 == 0 {
+    while fraction.0.is_multiple_of(2) {
         fraction = (fraction.0 / 2, fraction.1 / 2);
     }
     let (top, bottom) = fraction;

@@ -168,6 +168,11 @@ struct Pose {
     column: f64,
 }
 
+/// The column of a line about the axis, turn after turn.
+const fn column(line: i64) -> usize {
+    line.rem_euclid(COLUMNS.cast_signed() as i64) as usize
+}
+
 /// The bar and its surface.
 #[derive(Clone, Debug)]
 pub(crate) struct Turning {
@@ -260,7 +265,7 @@ impl Turning {
             let share = (line as f64 - before.column) / (now.column - before.column);
             let radius = before.radius + share * (now.radius - before.radius);
             let z = before.z + share * (now.z - before.z);
-            self.cut(line.rem_euclid(COLUMNS as i64) as usize, radius, z, insert);
+            self.cut(column(line), radius, z, insert);
         }
         let ahead = if now.column >= before.column {
             now.column.floor() as i64 + 1
@@ -271,7 +276,7 @@ impl Turning {
         let turned = now.column - before.column;
         let slope = if turned == 0.0 { 0.0 } else { (now.z - before.z) / turned };
         let there = Pose { z: now.z + slope * (ahead as f64 - now.column), ..now };
-        self.load(ahead.rem_euclid(COLUMNS as i64) as usize, &there, insert, omega)
+        self.load(column(ahead), &there, insert, omega)
     }
 
     /// From which side a point that is clear comes.

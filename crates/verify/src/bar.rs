@@ -224,7 +224,7 @@ impl TurnedBar {
             .map(|line| {
                 let share = (line as f64 - from) / (to - from);
                 Crossing {
-                    section: line.rem_euclid(SECTIONS as i64) as usize,
+                    section: line.rem_euclid(SECTIONS.cast_signed() as i64) as usize,
                     radius: before.radius + share * (now.radius - before.radius),
                     z: before.z + share * (now.z - before.z),
                 }
@@ -262,7 +262,9 @@ impl TurnedBar {
         }
         let Some(nose) = turning_nose(tool) else { return };
         let side = self.side;
-        crossings.iter().for_each(|at| self.turn(at, nose, side));
+        for at in &crossings {
+            self.turn(at, nose, side);
+        }
     }
 
     /// Cut with a turning tool: its nose, square towards the way of the feed, and a trailing edge behind.

@@ -268,7 +268,7 @@ impl TurnedTrack {
         let off = (0..3).filter(|i| *i != axis).map(|i| across(i).abs()).fold(0.0, f64::max);
         // on its way there it leaves the material long before
         let is_off_the_bar = turning.is_some_and(|(bar, _)| bar.is_beside(self.side));
-        if off > LEAVES_MM && is_off_the_bar {
+        if off > LEAVES_MM && is_off_the_bar && pass.contact.touched > 0 {
             return;
         }
         self.sense = sense; // with the tool clear the spindle may turn as it likes

@@ -113,7 +113,7 @@ impl TurnedThread {
             profile: Vec::new(),
             internal: inspected.is_some_and(|found| found.side == Side::Internal),
             starts: inspected.map_or(1, |found| found.starts),
-            size: standard.map(|standard| standard.size.designation.clone()),
+            size: standard.map(|standard| standard.thread.designation.clone()),
             class: standard.map_or("", |standard| standard.class),
             before: inspected.map(|found| found.before),
             insert: inspected.map_or_else(String::new, |found| found.form.in_words()),

@@ -106,7 +106,9 @@ pub(super) fn inspect(
     let before = bar.clone();
     let cut_with = |form: &Form| {
         let mut bar = before.clone();
-        crossings.iter().for_each(|at| bar.cut(at, form, side));
+        for at in crossings {
+            bar.cut(at, form, side);
+        }
         bar
     };
     let mut form = Form::of_thread(ordered.tool, lead, side);
@@ -166,8 +168,8 @@ fn measured(
         Side::Internal => height(standard.limits.major[0]),
     });
     let mate = standard.map(|standard| match frame.side {
-        Side::External => height(standard.size.minor_diameter()),
-        Side::Internal => height(standard.size.nominal),
+        Side::External => height(standard.thread.minor_diameter()),
+        Side::Internal => height(standard.thread.nominal),
     });
     let grooves = grooves(frame, bars, pitch, go);
     let level = median(grooves.iter().map(|groove| groove.root).collect());
@@ -185,7 +187,7 @@ fn measured(
         },
         full_root: go,
         mate,
-        engagement: standard.map_or(f64::INFINITY, |s| normal_engagement(&s.size).value()),
+        engagement: standard.map_or(f64::INFINITY, |s| normal_engagement(&s.thread).value()),
     };
     against.sizes(&grooves)
 }

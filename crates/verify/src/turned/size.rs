@@ -63,7 +63,7 @@ pub struct TurnedLimits {
 /// What a thread is meant to be.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Size {
-    pub(super) size: ThreadSize,
+    pub(super) thread: ThreadSize,
     /// Its class, such as "6g".
     pub(super) class: &'static str,
     pub(super) limits: TurnedLimits,
@@ -94,7 +94,7 @@ impl Size {
             Side::External => external(&size),
             Side::Internal => internal(&size, class),
         };
-        Some(Self { size, class, limits })
+        Some(Self { thread: size, class, limits })
     }
 }
 
@@ -203,7 +203,7 @@ mod tests {
         let nearest = |pitch, diameter, side| {
             let [pitch, diameter] = [pitch, diameter].map(Length::mm);
             Size::nearest(pitch, Hand::Right, diameter, side, ThreadClass::H6)
-                .map(|size| format!("{}-{}", size.size.designation, size.class))
+                .map(|size| format!("{}-{}", size.thread.designation, size.class))
         };
         let said = |text: &str| Some(text.to_owned());
         assert_eq!(nearest(1.5, 20.0, Side::External), said("M20x1.5-6g"));
