@@ -42,6 +42,8 @@ mod log;
 mod lsp;
 mod machine;
 mod measures;
+#[cfg(test)]
+mod machine_keys;
 mod pace;
 mod papers;
 mod patience;

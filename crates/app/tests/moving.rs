@@ -54,7 +54,8 @@ fn largest(mut line: Vec<f64>, period: f64) -> [f64; 3] {
 fn rotary_axes_feed_by_inverse_time_by_degrees_and_with_others_as_linuxcnc_has_it() {
     let folder = tempfile::tempdir().unwrap();
     run(SCROLL, "mill-5-axis", "override 100 at 1ms", folder.path());
-    let names = ["time_s", "c_command_deg", "a_command_deg", "x_command_mm"];
+    let names =
+        ["time_s", "c_control_setpoint_deg", "a_control_setpoint_deg", "x_control_setpoint_mm"];
     let [time, c, a, x] = columns(folder.path(), &names).try_into().unwrap();
     let first = |of: &[f64], place: f64| of.iter().position(|q| *q >= place).unwrap();
     // the spiral between two angles: 2π·r/360 a degree at 40 mm/s; a block has the radius at its end, 5° on in the mean
@@ -89,7 +90,7 @@ fn rotary_axes_keep_their_limits_under_overrides_and_holds_and_the_same_orders_g
         let [one, two] = [&outs[0], &outs[1]].map(|out| fs::read(out.join(file)).unwrap());
         assert!(one == two, "{file} differs");
     }
-    let names = ["a_command_deg", "c_command_deg", "x_command_mm"];
+    let names = ["a_control_setpoint_deg", "c_control_setpoint_deg", "x_control_setpoint_mm"];
     let limits = [[150.0, 1000.0, 50e3], [250.0, 1500.0, 80e3], [50_000.0 / 60.0, 10e3, 800e3]];
     for ((name, line), limit) in names.iter().zip(columns(&outs[0], &names)).zip(limits) {
         let seen = largest(line, PERIOD);
@@ -126,7 +127,7 @@ fn programs_at_the_edge_of_sense_end_where_they_should() {
             let out = folder.path().join("out");
             let certificate = run(program, machine, orders, &out);
             assert_eq!(certificate["ended"], true, "{what} on {machine}");
-            let seen = columns(&out, &["x_command_mm"]);
+            let seen = columns(&out, &["x_control_setpoint_mm"]);
             let end = seen[0].last().unwrap();
             assert!((end - x).abs() < 1e-6, "{what} on {machine}: X{end}");
         }
@@ -205,7 +206,7 @@ fn a_b_axis_feeds_as_a_and_c_do() {
     let took = run["cycle_time_s"].as_f64().unwrap();
     let planned = estimate["total_time_s"].as_f64().unwrap();
     assert!((took - planned).abs() < 5e-3, "{took} s of {planned} s");
-    let [b] = columns(&folder.path().join("out"), &["b_command_deg"]).try_into().unwrap();
+    let [b] = columns(&folder.path().join("out"), &["b_control_setpoint_deg"]).try_into().unwrap();
     assert!(b.iter().fold(0.0_f64, |most, x| most.max(*x)) > 90.0 - 1e-6);
     assert!(b[b.len() - 1].abs() < 1e-6, "{}", b[b.len() - 1]);
     let [speed, accel, jerk] = largest(b, 250e-6);

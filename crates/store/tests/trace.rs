@@ -45,19 +45,20 @@ fn the_columns_are_those_that_other_programs_rely_on() {
     let names = group.numbers.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>();
     let expected = [
         "time_s",
-        "x_command_mm",
-        "x_actual_mm",
+        "x_control_setpoint_mm",
+        "x_truth_mm",
         "x_encoder_mm",
-        "x_force_n",
-        "z_command_mm",
-        "z_actual_mm",
+        "x_drive_force_n",
+        "z_control_setpoint_mm",
+        "z_truth_mm",
         "z_encoder_mm",
-        "z_force_n",
-        "spindle_command_rev",
-        "spindle_actual_rev",
+        "z_drive_force_n",
+        "spindle_control_setpoint_rev",
+        "spindle_truth_rev",
+        "spindle_encoder_rev",
         "spindle_rpm",
-        "spindle_torque_n_m",
-        "sync_error_um",
+        "spindle_drive_torque_n_m",
+        "control_sync_error_um",
     ];
     assert_eq!(names, expected);
     assert_eq!(
@@ -78,14 +79,15 @@ fn the_columns_of_a_machine_are_its_axes_and_spindles() {
 }
 
 #[test]
-fn without_a_simulator_encoders_and_references_stand_for_the_truth() {
+fn without_a_simulator_the_truth_is_no_number_and_drives_give_what_they_are_ordered() {
     let group = &written(&[sample(0), sample(1)])[0];
     let at = |name: &str, row: usize| group.column(name).unwrap()[row];
     assert_eq!(at("time_s", 1), 250e-6);
-    assert!((at("z_actual_mm", 1) + 0.001).abs() < 0.5e-6);
-    assert_eq!(at("z_actual_mm", 1), at("z_encoder_mm", 1));
-    assert_eq!((at("x_command_mm", 0), at("x_force_n", 0)), (1.5, -20.0));
-    assert_eq!(at("spindle_torque_n_m", 0), 3.25);
+    assert!((at("z_encoder_mm", 1) + 0.001).abs() < 0.5e-6);
+    assert!(at("z_truth_mm", 1).is_nan() && at("spindle_truth_rev", 1).is_nan());
+    assert!((at("spindle_encoder_rev", 1) - 0.025).abs() < 1e-6);
+    assert_eq!((at("x_control_setpoint_mm", 0), at("x_drive_force_n", 0)), (1.5, -20.0));
+    assert_eq!(at("spindle_drive_torque_n_m", 0), 3.25);
     // 0.025 rev in 250 µs are 100 rev/s
     assert!((at("spindle_rpm", 1) - 6000.0).abs() < 1e-3);
     assert_eq!(at("spindle_rpm", 0), 0.0);
@@ -103,8 +105,8 @@ fn with_a_simulator_the_truth_is_recorded_beside_the_encoders() {
     with_truth.truth = Some(truth);
     let group = &written(&[with_truth])[0];
     let at = |name: &str| group.column(name).unwrap()[0];
-    assert_eq!((at("z_actual_mm"), at("z_force_n")), (-0.25, 1234.5));
-    assert_eq!((at("spindle_actual_rev"), at("spindle_torque_n_m")), (0.5, -42.0));
+    assert_eq!((at("z_truth_mm"), at("z_drive_force_n")), (-0.25, 1234.5));
+    assert_eq!((at("spindle_truth_rev"), at("spindle_drive_torque_n_m")), (0.5, -42.0));
     assert!((at("spindle_rpm") - 6000.0).abs() < 1e-9);
     assert!((at("z_encoder_mm") + 0.001).abs() < 0.5e-6);
 }
@@ -115,7 +117,7 @@ fn the_sync_error_is_null_outside_the_material() {
     cutting.report.sync_error = Some(Length::um(-2.5));
     cutting.report.state = State::TapIn;
     let group = &written(&[sample(0), cutting, sample(2)])[0];
-    let error = group.column("sync_error_um").unwrap();
+    let error = group.column("control_sync_error_um").unwrap();
     assert!(error[0].is_nan() && error[2].is_nan());
     assert_eq!(error[1], -2.5);
     assert_eq!(group.state, ["idle", "tap-in", "idle"]);

@@ -3,18 +3,22 @@
 //! | column | type | unit, meaning | stored in steps of |
 //! |---|---|---|---|
 //! | `time_s` | f64 | since the machine was started | — |
-//! | `<axis>_command_mm` | f64 | setpoint | 2⁻²⁶ mm, 15 pm: third differences are jerk |
-//! | `<axis>_actual_mm` | f64 | where the table or ram really is; without a simulator as the encoder | 2⁻²⁰ mm |
-//! | `<axis>_encoder_mm` | f64 | position by the encoder | 2⁻²⁰ mm |
-//! | `<axis>_force_n` | f64 | force of the drive; without a simulator its reference | 2⁻⁷ N |
-//! | `<axis>_command_deg`, `_actual_deg`, `_encoder_deg`, `_torque_n_m` | f64 | the same of a rotary axis | 2⁻³⁰ °, 2⁻²⁰ °, 2⁻¹⁴ N·m |
-//! | `<spindle>_command_rev` | f64 | setpoint, unwrapped | 2⁻²⁴ rev, 0.08″ |
-//! | `<spindle>_actual_rev` | f64 | where the nose really is | 2⁻²⁴ rev |
-//! | `<spindle>_rpm` | f64 | real speed; without a simulator from the last two angles | 2⁻¹⁰ rpm |
-//! | `<spindle>_torque_n_m` | f64 | torque of the drive; without a simulator its reference | 2⁻¹⁴ N·m |
-//! | `sync_error_um` | f64, null outside the material | the kernel's monitor | 2⁻¹⁰ µm |
+//! | `<axis>_control_setpoint_mm` | f64 | control's view: where the axis shall be | 2⁻²⁶ mm, 15 pm: third differences are jerk |
+//! | `<axis>_truth_mm` | f64 | ground truth: where the table or ram really is; no number without a simulator | 2⁻²⁰ mm |
+//! | `<axis>_encoder_mm` | f64 | control's view: position by the encoder | 2⁻²⁰ mm |
+//! | `<axis>_drive_force_n` | f64 | of the drive: what it gives, without a simulator what it is ordered | 2⁻⁷ N |
+//! | `<axis>_control_setpoint_deg`, `_truth_deg`, `_encoder_deg`, `_drive_torque_n_m` | f64 | the same of a rotary axis | 2⁻³⁰ °, 2⁻²⁰ °, 2⁻¹⁴ N·m |
+//! | `<spindle>_control_setpoint_rev` | f64 | control's view: where it shall be, unwrapped | 2⁻²⁴ rev, 0.08″ |
+//! | `<spindle>_truth_rev` | f64 | ground truth: where the nose really is; no number without a simulator | 2⁻²⁴ rev |
+//! | `<spindle>_encoder_rev` | f64 | control's view: angle by the encoder | 2⁻²⁴ rev |
+//! | `<spindle>_rpm` | f64 | ground truth: real speed; without a simulator from the last two angles of the encoder | 2⁻¹⁰ rpm |
+//! | `<spindle>_drive_torque_n_m` | f64 | of the drive: what it gives, without a simulator what it is ordered | 2⁻¹⁴ N·m |
+//! | `control_sync_error_um` | f64, null outside the material | control's view: the kernel's monitor, from encoders; the certificate has the judge's, from the truth | 2⁻¹⁰ µm |
 //! | `line` | i32 | program line at work, 0 for none | 1 |
 //! | `state` | text | what the kernel was doing | — |
+//!
+//! The control never sees the ground truth: where `truth` and `encoder` differ is what play, springs, screws and encoders hide
+//! from it. Figures of report and certificate are the judge's, from the truth; the kernel's own monitor is named as such.
 //!
 //! The steps are finer than any encoder here and are powers of two, so that the low bits of each number
 //! are zero and compress to nothing: the byte planes of a column lie together (byte-stream split), then

@@ -38,7 +38,7 @@ pub struct Writer {
 /// The rows of the group in the making, column by column.
 struct Rows {
     time_s: Vec<f64>,
-    /// Four to an axis, then four to a spindle, as the table of the module has them.
+    /// Four to an axis, then five to a spindle, as the table of the module has them.
     numbers: Vec<Vec<f64>>,
     sync_error_um: Vec<f64>,
     sync_error_known: Vec<i16>,
@@ -49,7 +49,7 @@ struct Rows {
 }
 
 const PER_AXIS: usize = 4;
-const PER_SPINDLE: usize = 4;
+const PER_SPINDLE: usize = 5;
 
 impl Writer {
     /// Begin a trace in a new file. `about` is kept as the file's metadata, such as the program's name.
@@ -82,8 +82,9 @@ impl Writer {
             let (index, command) = (*index, &sample.command.axes[*index]);
             let force = sample.truth.map_or(command.force, |t| t.axis_forces[index]);
             let setpoint = if is_rotary(index) { ROTARY_SETPOINT } else { SETPOINT };
+            let real = sample.truth.map_or(f64::NAN, |t| t.axes[index].value());
             put(setpoint.snap(command.position.value()));
-            put(NM.snap(sample.axis(index).value()));
+            put(NM.snap(real));
             put(NM.snap(sample.feedback.axes[index].position.value()));
             if is_rotary(index) {
                 put(TORQUE.snap(force.value() / RAD_PER_M));
@@ -94,8 +95,10 @@ impl Writer {
         for index in 0..self.columns.spindles.len() {
             let command = &sample.command.spindles[index];
             let torque = sample.truth.map_or(command.torque, |t| t.spindle_torques[index]);
+            let real = sample.truth.map_or(f64::NAN, |t| t.spindles[index].value());
             put(ANGLE.snap(command.angle.value()));
-            put(ANGLE.snap(sample.spindle(index).value()));
+            put(ANGLE.snap(real));
+            put(ANGLE.snap(sample.feedback.spindles[index].angle.value()));
             put(SPEED.snap(rpm(sample, index, self.before.as_ref())));
             put(TORQUE.snap(torque.value()));
         }
@@ -239,18 +242,20 @@ fn schema(columns: &Columns) -> ParquetResult<Type> {
     };
     let mut fields = vec![number("time_s".into(), Repetition::REQUIRED)?];
     for (index, axis) in &columns.axes {
-        let linear = ["command_mm", "actual_mm", "encoder_mm", "force_n"];
-        let rotary = ["command_deg", "actual_deg", "encoder_deg", "torque_n_m"];
+        let linear = ["control_setpoint_mm", "truth_mm", "encoder_mm", "drive_force_n"];
+        let rotary = ["control_setpoint_deg", "truth_deg", "encoder_deg", "drive_torque_n_m"];
         for what in if is_rotary(*index) { rotary } else { linear } {
             fields.push(number(format!("{axis}_{what}"), Repetition::REQUIRED)?);
         }
     }
     for spindle in &columns.spindles {
-        for what in ["command_rev", "actual_rev", "rpm", "torque_n_m"] {
+        let columns =
+            ["control_setpoint_rev", "truth_rev", "encoder_rev", "rpm", "drive_torque_n_m"];
+        for what in columns {
             fields.push(number(format!("{spindle}_{what}"), Repetition::REQUIRED)?);
         }
     }
-    fields.push(number("sync_error_um".into(), Repetition::OPTIONAL)?);
+    fields.push(number("control_sync_error_um".into(), Repetition::OPTIONAL)?);
     let line = Type::primitive_type_builder("line", Physical::INT32);
     fields.push(line.with_repetition(Repetition::REQUIRED).build()?);
     let state = Type::primitive_type_builder("state", Physical::BYTE_ARRAY)
