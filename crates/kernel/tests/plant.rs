@@ -1,4 +1,5 @@
 //! A plant that is not what its control was told: what play, stretch and errors of encoders cost then, by closed forms.
+#![allow(clippy::unwrap_used)] // a test may panic
 mod common;
 use canon::Position;
 use common::{control, line, machine, run};

@@ -158,7 +158,7 @@ impl Warm {
     /// So much of M²·t in so much time.
     fn takes(&mut self, heat: f64, time: f64, drive: &SpindleLimits) {
         let constant = drive.thermal_time.value();
-        if !(constant > 0.0) || !heat.is_finite() || !time.is_finite() {
+        if constant <= 0.0 || !(constant + heat + time).is_finite() {
             return;
         }
         let steps = libm::ceil(time / (COARSE * constant)).clamp(1.0, 64.0);
@@ -183,7 +183,7 @@ fn friction(drive: &SpindleLimits, spin: f64) -> f64 {
 /// ∫M²·dt along a profile of the speed; `cut` resists it all the way.
 fn ramp_heat(drive: &SpindleLimits, profile: &Profile, cut: f64) -> f64 {
     let lasts = profile.duration();
-    if !(lasts > 0.0) {
+    if lasts <= 0.0 || !lasts.is_finite() {
         return 0.0;
     }
     let slice = lasts / f64::from(SLICES);

@@ -15,6 +15,7 @@ use canon::{Holder, OpKind, ToolKind};
 
 /// Whether it acts.
 #[derive(Clone, Copy, Debug)]
+#[allow(clippy::struct_excessive_bools)] // independent reasons: any of them may hold with any other
 pub(super) struct SpindleOverride {
     /// The program lets it.
     allowed: bool,
