@@ -225,8 +225,7 @@ impl Simulation<'_> {
             let report = self.kernel.report();
             let sample = Sample { feedback, command, report, truth: self.machine.truth() };
             self.listen(&sample);
-            self.stops.act(&sample, &mut self.kernel, &mut self.machine);
-            self.watch.spindle_override(self.kernel.operator().spindle_share());
+            self.let_come(&sample);
             let Self { kernel, planner, sent, .. } = &mut self;
             paced.keep(kernel, planner, &mut queue, sent);
             if feedback.spindles[0].saturated {
@@ -292,6 +291,12 @@ impl Simulation<'_> {
             withdrawn: self.stops.withdrawn,
             broke_off,
         })
+    }
+
+    /// What comes in this period; the judge knows how far the operator has turned the spindle override.
+    fn let_come(&mut self, sample: &Sample) {
+        self.stops.act(sample, &mut self.kernel, &mut self.machine);
+        self.watch.spindle_override(self.kernel.operator().spindle_share());
     }
 
     /// What is ordered from the beginning is known before the first move is planned.

@@ -340,7 +340,7 @@ mod tests {
             for ((index, file), (_, real)) in believed.axes.iter().zip(&axes) {
                 let letter = canon::Axis::ALL[*index].letter();
                 let mut note = |what, found, allowed| {
-                    self.note(format!("{name} {letter} {what}"), found, allowed)
+                    self.note(format!("{name} {letter} {what}"), found, allowed);
                 };
                 let off = |real: f64, file: f64| if file == 0.0 { 0.0 } else { real / file - 1.0 };
                 let (scatter, errors) = (file.scatter, real.errors);
@@ -361,7 +361,7 @@ mod tests {
             }
             for (index, (file, real)) in believed.spindles.iter().zip(&spindles).enumerate() {
                 let mut note = |what, found, allowed| {
-                    self.note(format!("{name} S{index} {what}"), found, allowed)
+                    self.note(format!("{name} S{index} {what}"), found, allowed);
                 };
                 let friction = real.coulomb.value() / file.coulomb.value() - 1.0;
                 note("friction", friction, file.scatter.friction);
@@ -417,7 +417,7 @@ mod tests {
         assert!((lead - 50e-6).abs() < 1e-12, "{lead}");
         let (disk, _) = axes[0].1.errors.eccentricity.expect("it is stated");
         // 5 µm of a graduation of 40 mm: 2·5/40,000 rad, on a screw of 16 mm 0.64 µm
-        assert!((disk.value() * 16_000.0 - 0.6366).abs() < 1e-4, "{disk}");
+        assert!((disk.value() * 16_000.0 - 4.0 / std::f64::consts::TAU).abs() < 1e-9, "{disk}");
         assert!((spindles[0].encoder.eccentricity.in_deg() * 3600.0 - 55.0).abs() < 0.1);
         let told = super::super::control(&file, None, false);
         let usual =
