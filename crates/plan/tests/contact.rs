@@ -168,8 +168,11 @@ fn a_tap_goes_into_the_work_in_its_cycle_only() {
 #[test]
 fn a_length_offset_that_is_missing_or_anothers_is_named_once_with_what_it_does() {
     // no G43: the axis stands where a tool of no length would have its tip
-    let forgotten =
-        said_in(g54(0.0), 1, [rapid(5.0, 0.0, TOP + 30.0), rapid(9.0, 0.0, TOP + 30.0)]);
+    let forgotten = said_in(
+        g54(0.0),
+        1,
+        [rapid(5.0, 0.0, TOP + 30.0), rapid(9.0, 0.0, TOP + 30.0), hole(9.0, 0.0, -140.0)],
+    );
     assert!(forgotten.contains("M0360 Error line 3"), "{forgotten}");
     assert!(
         forgotten.contains("T1 is 120 mm long and no length offset is in force, so its tip is 120 mm below where the program has it: G43 H1 before this move works"),

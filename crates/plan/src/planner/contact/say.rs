@@ -288,6 +288,9 @@ impl Planner {
         let is_doubtful = contact.doubtful;
         let offset = self.offset_cause();
         let is_offset = offset.is_some();
+        if is_offset && contact.blamed.is_some() {
+            return; // what the length offset causes was said
+        }
         self.findings.merge(cause, depth, || {
             let mut finding = if is_doubtful {
                 Diagnostic::warning("M0367", span, "")
