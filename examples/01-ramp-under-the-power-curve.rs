@@ -34,6 +34,8 @@ fn main() -> std::io::Result<()> {
     let spindle = SpindleLimits {
         inertia: Inertia::kg_m2(0.010),
         peak_torque: Torque::n_m(42.0),
+        continuous_torque: Torque::n_m(20.0),
+        thermal_time: Time::s(60.0),
         peak_power: Power::w(15_000.0),
         friction: Torque::n_m(0.3),
         viscous_n_m_s_per_rad: 0.0012,

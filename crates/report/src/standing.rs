@@ -24,7 +24,7 @@ impl Standing {
         match feature.verdict.name() {
             "pass" => Self::Good,
             "not judged" => Self::NotJudged,
-            _ if !feature.is_cut() => Self::NotCut,
+            _ if !feature.is_there() => Self::NotCut,
             _ => Self::Bad,
         }
     }

@@ -138,7 +138,10 @@ fn a_linuxcnc_table_is_read_in_either_order_of_words() {
     assert_eq!(tool(&table, 3).description, "5mm tap drill");
     assert_eq!(tool(&table, 7).kind, ToolKind::Other);
     // the first row is one of inches, and the table was read in millimetres
-    assert_eq!(table.remarks.iter().map(|r| (r.code, r.span.line)).collect::<Vec<_>>(), [("S0508", 1)]);
+    assert_eq!(
+        table.remarks.iter().map(|r| (r.code, r.span.line)).collect::<Vec<_>>(),
+        [("S0508", 1)]
+    );
     assert_eq!((table.remarks_of(1).count(), table.remarks_of(3).count()), (1, 0));
 }
 
