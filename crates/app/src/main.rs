@@ -41,9 +41,9 @@ mod left;
 mod log;
 mod lsp;
 mod machine;
-mod measures;
 #[cfg(test)]
 mod machine_keys;
+mod measures;
 mod pace;
 mod papers;
 mod patience;

@@ -85,7 +85,8 @@ impl Session {
                 TappingPreset::Max => Preset::Max,
             };
         }
-        let (tools, tools_from, table, bytes) = tools(args.tools.as_deref(), args.tool_unit, program)?;
+        let (tools, tools_from, table, bytes) =
+            tools(args.tools.as_deref(), args.tool_unit, program)?;
         let machine_text = crate::machine::text(&args.machine)?;
         let hashes = [machine_text.as_bytes(), &bytes].map(store::certificate::sha256);
         let missing_tools = args.missing_tools;

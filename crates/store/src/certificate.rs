@@ -16,8 +16,8 @@ use units::{Angle, Force, Lead, Length, Spin, Time, Torque};
 
 mod evidence;
 mod turned;
-pub use turned::{TurnedSizes, TurnedThread};
 pub use evidence::{Contact, Count, Inputs, Tolerances, sha256};
+pub use turned::{TurnedSizes, TurnedThread};
 
 /// Bytes a certificate may have: a feature takes about 700.
 pub const CERTIFICATE_LIMIT: u64 = 256 * SMALL_FILE_LIMIT;
