@@ -62,17 +62,9 @@ const fn heads(kind: &FeatureKind) -> &'static [&'static str] {
             "margin\nUM",
             "rpm",
         ],
-        FeatureKind::Turned(_) => &[
-            "feature",
-            "good",
-            "length\nMM",
-            "infeed\nerror UM",
-            "sync\nerror UM",
-            "passes\napart UM",
-            "class",
-            "margin\nUM",
-            "rpm",
-        ],
+        FeatureKind::Turned(_) => {
+            &["feature", "good", "length\nMM", "sync\nUM", "class", "margin\nUM", "rpm"]
+        }
         FeatureKind::Polygon(_) => &[
             "feature",
             "good",
@@ -214,9 +206,7 @@ impl Figures<'_> {
         let margin = margins.into_iter().reduce(Length::min);
         vec![
             self.length(of_kind!(Turned, thread => thread.length())),
-            self.error(of_kind!(Turned, thread => thread.infeed_error), 1),
             self.error(of_kind!(Turned, thread => thread.sync_error_max), 2),
-            self.error(of_kind!(Turned, thread => thread.pass_spread), 2),
             first.class_and_size(),
             margin.map_or_else(String::new, |margin| self.measure.small(margin, 0)),
         ]

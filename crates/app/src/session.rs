@@ -215,6 +215,7 @@ impl Session {
         plan::Stock {
             from: [0, 1, 2].map(|i| zero[i] + stock.from[i]),
             to: [0, 1, 2].map(|i| zero[i] + stock.to[i]),
+            zero: zero[2],
         }
     }
 

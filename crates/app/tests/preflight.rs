@@ -303,7 +303,7 @@ fn shifted(random: &mut Random) -> String {
 
 #[test]
 fn a_program_that_check_calls_clean_breaks_no_tool_when_it_is_run() {
-    const TRIALS: usize = 80;
+    const TRIALS: usize = 120;
     let folder = tempfile::tempdir().unwrap();
     std::fs::copy(root().join("programs/tools.toml"), folder.path().join("tools.toml")).unwrap();
     let program = folder.path().join("part.ngc");

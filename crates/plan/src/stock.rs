@@ -18,6 +18,8 @@ pub struct Stock {
     pub from: [Length; 3],
     /// Corner at the positive ends; its Z is the top.
     pub to: [Length; 3],
+    /// Z of the workpiece's zero, where a program's zero belongs.
+    pub zero: Length,
 }
 
 impl Stock {
@@ -29,6 +31,14 @@ impl Stock {
     /// Whether a place lies over it.
     pub(crate) fn is_below(&self, at: [f64; 2]) -> bool {
         (0..2).all(|i| (self.from[i].value()..=self.to[i].value()).contains(&at[i]))
+    }
+
+    /// How far a circle about a place reaches over the nearest side, mm; negative: by so much it is inside.
+    pub(crate) fn over_side(&self, at: [f64; 2], radius: f64) -> f64 {
+        let over = |i: usize| {
+            (self.from[i].value() - at[i] + radius).max(at[i] + radius - self.to[i].value())
+        };
+        over(0).max(over(1))
     }
 
     /// The part of a line, as shares of it within `part`, that lies over the block; `None`: no part does.
@@ -226,7 +236,7 @@ mod tests {
 
     fn plate() -> Stock {
         let corner = |x: f64, z: f64| [Length::mm(x), Length::mm(x), Length::mm(z)];
-        Stock { from: corner(-50.0, -30.0), to: corner(50.0, 0.0) }
+        Stock { from: corner(-50.0, -30.0), to: corner(50.0, 0.0), zero: Length::ZERO }
     }
 
     #[test]

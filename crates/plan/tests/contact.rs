@@ -9,6 +9,7 @@ use units::{Angle, Length};
 const STOCK: Stock = Stock {
     from: [Length::mm(-50.0), Length::mm(-50.0), Length::mm(TOP - 40.0)],
     to: [Length::mm(50.0), Length::mm(50.0), Length::mm(TOP)],
+    zero: Length::mm(TOP),
 };
 
 /// A frame with a tool length offset in force.
@@ -270,4 +271,26 @@ fn many_moves_of_one_cause_are_one_finding_with_their_number_and_the_worst() {
             && text.contains(", in line 14, the worst of 30 such moves"),
         "{text}"
     );
+}
+
+#[test]
+fn a_hole_that_breaks_through_a_side_of_the_stock_is_named() {
+    // T1 is 5 mm thick, the block ends at X50
+    let drilled = |x: f64| said(1, [to(x, 10.0), hole(x, 0.0, -10.0)]);
+    let broken = drilled(49.0);
+    assert!(broken.contains("M0366 Warning line 4"), "{broken}");
+    assert!(broken.contains("breaks through a side of the stock: 1.5 mm of it are in the air"));
+    assert_eq!(drilled(47.0), "");
+}
+
+#[test]
+fn a_zero_that_is_not_the_workpieces_is_named_with_what_comes_of_it() {
+    let shifted = |by: f64| {
+        let OpKind::Hole(mut drilled) = hole(0.0, 0.0, -10.0) else { unreachable!() };
+        drilled.zero += mm(by);
+        said(1, [to(0.0, 10.0), OpKind::Hole(drilled)])
+    };
+    assert_eq!(shifted(0.0), "");
+    assert!(shifted(3.0).contains("M0369 Warning line 4: the program's zero stands 3 mm above that of the workpiece: what is cut is 3 mm too shallow"), "{}", shifted(3.0));
+    assert!(shifted(-5.0).contains("5 mm below"));
 }

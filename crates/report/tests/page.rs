@@ -95,7 +95,7 @@ fn a_bad_thread_comes_first_with_its_reason() {
         words.contains("✗\nOUT OF TOLERANCE\nOf 24 features: 1 out of tolerance. Worst: line 36"),
         "{words}"
     );
-    assert!(words.contains("Thread that failed: M6x1, No. 19, line 36"));
+    assert!(words.contains("Worst thread: M6x1, No. 19, line 36"));
     assert!(words.contains("First thread: M6x1, No. 13, line 30"));
     let rows: Vec<_> = document
         .descendants()
@@ -125,7 +125,7 @@ fn a_run_that_faulted_says_so_before_anything_else() {
         "{words}"
     );
     assert!(words.contains("✗ The tap of line 32 did not come out of its hole in step."));
-    assert!(words.contains("Thread that failed: M6x1, No. 15, line 32"));
+    assert!(words.contains("Worst thread: M6x1, No. 15, line 32"));
 }
 
 #[test]
@@ -357,8 +357,9 @@ fn each_feature_is_told_in_the_work_offset_in_which_it_was_programmed() {
 fn what_was_not_cut_is_not_cut_and_has_no_depth_that_is_out_of_tolerance() {
     let mut world = plate(2, 1, Mishap::None);
     let feature = &mut world.features[3];
-    let reason = "never cut: the program ended before it".to_owned();
+    let reason = "not cut: the program ended before it".to_owned();
     feature.verdict = Verdict::Fail { reason };
+    feature.contact.reach = Some(Length::ZERO);
     if let FeatureKind::Thread(thread) = &mut feature.kind {
         thread.tip_depth = Length::ZERO;
         thread.depth_error = Length::mm(-20.0);

@@ -5,6 +5,7 @@
 //!        │
 //!        ├─► G by half as far from 1 again, in each direction ─► worst ─┐
 //!        ├─► X stands at either end of its friction and play ► worst ─┤
+//!        ├─► screw's and encoder's errors: where X stands, slope ► worst ─┤
 //!        ├─► screw 15 % softer or stiffer ───────────────────► worst ─┤     each less what is expected, summed:
 //!        ├─► friction and play 20 % more or less ─────────────► worst ─┼──►  the cut differs by no more
 //!        └─► what reversals leave: lead that comes late,              │
@@ -19,7 +20,7 @@ use super::servo::Servo;
 use super::slide::Slide;
 use forms::polygon::{Actuator, Cut, Form, Series, Swings, Term};
 use std::f64::consts::{FRAC_PI_2, TAU};
-use store::machine::{Axis, MachineFile, PositionFrom};
+use store::machine::{Axis, MachineFile, Motor, PositionFrom, eccentric};
 use sync::{Complex, Spectrum};
 use units::{Length, Spin};
 
@@ -53,6 +54,13 @@ pub(super) struct Swung<'a> {
     pub(super) measured: Vec<Vec<[f64; 2]>>,
 }
 
+/// Errors of position of an axis: once per turn of its screw (amplitude, mm), growing with the way, and the steepest of both.
+struct Pitch {
+    wobble: f64,
+    cumulative: f64,
+    slope: f64,
+}
+
 /// The ways in which one cause may change a motion; one of them comes about.
 type Ways = Vec<Swings>;
 
@@ -66,7 +74,7 @@ impl Swung<'_> {
     pub(super) fn error(&self) -> Option<ServoError> {
         let expected = self.expected()?;
         let nominal = self.form.cut(&expected)?;
-        let mut sum = (self.counts(), 0.0);
+        let mut sum = (self.counts(), 2.0 * self.misplaced());
         for ways in self.causes(&expected)? {
             let cuts: Option<Vec<Cut>> = ways.iter().map(|way| self.form.cut(way)).collect();
             let worst = |of: fn(&Cut, &Cut) -> f64| {
@@ -108,6 +116,10 @@ impl Swung<'_> {
                         / servo.sliding(hz, &believed, &believed)
                 })
             });
+            let slope = self.pitch(axis).slope;
+            let ways_of_pitch =
+                [1.0 - slope, 1.0 + slope].map(|by| self.through(Some(k), &|_, g, _| g * by));
+            all.push(ways_of_pitch.into_iter().collect::<Option<Ways>>()?);
             let [softer, stiffer, less, more] = ways;
             all.push(vec![softer?, stiffer?]);
             all.push(vec![less?, more?]);
@@ -205,6 +217,29 @@ impl Swung<'_> {
         let facets = self.form.kinds();
         let half = facets.iter().map(|f| f.to.value().max(-f.from.value())).fold(0.0, f64::max);
         (half / self.form.tip_radius.value()).min(FRAC_PI_2).sin()
+    }
+
+    /// How far X may stand from where its encoder says, by its screw or scale, mm; its zero was touched off as much off.
+    fn misplaced(&self) -> f64 {
+        self.axis(Actuator::CentreLine).map_or(0.0, |axis| {
+            let distance = self.form.across_flats.value() / 2.0 + self.form.tip_radius.value();
+            let pitch = self.pitch(axis);
+            2.0 * pitch.wobble + pitch.cumulative * distance
+        })
+    }
+
+    /// Errors of an axis' screw and encoder, as far as machines of this kind have them.
+    fn pitch(&self, axis: &Axis) -> Pitch {
+        let plant = &self.machine.simulation.plant;
+        match (axis.position_from, axis.drive.motor) {
+            (PositionFrom::Motor { .. }, Motor::BallScrew { lead, .. }) => {
+                let reading = eccentric(plant.encoder_eccentricity, plant.motor_encoder_diameter);
+                let wobble = plant.screw_wobble.value() + (lead * reading).value();
+                let cumulative = plant.screw_lead_error;
+                Pitch { wobble, cumulative, slope: TAU * wobble / lead.value() + cumulative }
+            }
+            _ => Pitch { wobble: 0.0, cumulative: plant.scale_error, slope: plant.scale_error },
+        }
     }
 
     /// How far from where it is believed X may stand, between the ends of its friction and play, mm.

@@ -39,6 +39,8 @@ const ADVISED: f64 = 0.5;
 const WEAR: f64 = 0.1;
 /// Places of a mill's rapid that are looked at.
 const LOOKS: u32 = 64;
+/// The program's zero may stand so far from the workpiece's along Z: as far as depths of holes may be off (ISO 2768-1 f).
+const MISPLACED: Length = Length::mm(0.05);
 /// Rounding of a program's numbers, mm.
 const ROUNDING: f64 = 1e-6;
 
@@ -383,6 +385,7 @@ impl Planner {
         if self.meets_air(job.span, [at[0], at[1]], hole.bottom) {
             return;
         }
+        self.judge_zero(job.span, hole.zero, hole.own_zero);
         self.judge_reach(job.span, hole.bottom, None);
     }
 
@@ -395,6 +398,7 @@ impl Planner {
         if self.meets_air(job.span, [at[0], at[1]], tap.bottom) {
             return;
         }
+        self.judge_zero(job.span, tap.zero, tap.own_zero);
         let (flutes, chamfer) = match self.tools.get(self.tool).map(|tool| &tool.kind) {
             Some(ToolKind::Tap(tool)) => {
                 let chamfer = tool.chamfer_pitches * tool.lead.abs().value();
@@ -421,13 +425,28 @@ impl Planner {
     }
 
     fn meets_air(&mut self, span: diag::Span, at: [Length; 2], bottom: Length) -> bool {
-        let Some((depth, _, contact)) = self.depth_at(bottom) else { return true };
-        let is_over = contact.stock.is_below(at.map(Length::value));
+        let Some((depth, tool, contact)) = self.depth_at(bottom) else { return true };
+        let place = at.map(Length::value);
+        let is_over = contact.stock.is_below(place);
         if is_over && depth > ROUNDING {
+            let over = contact.stock.over_side(place, tool.diameter.value() / 2.0);
+            if over > ROUNDING {
+                self.say_side(span, at, over);
+            }
             return false;
         }
         self.say_air(span, at, bottom, is_over);
         true
+    }
+
+    /// Whether the program's zero, without the tool's length offset, is the workpiece's. A work offset other than the first
+    /// states its own.
+    fn judge_zero(&mut self, span: diag::Span, zero: Length, own: Option<Length>) {
+        let Some(contact) = self.contact.as_ref().filter(|_| own.is_none()) else { return };
+        let off = zero - self.frame.tool.linear[2] - contact.stock.zero;
+        if off.abs() > MISPLACED {
+            self.say_zero(span, off);
+        }
     }
 
     /// Depth against what the tool reaches: its length to the spindle's nose, and a tap's flutes.

@@ -251,6 +251,46 @@ impl Planner {
         }
     }
 
+    /// What comes of a zero that is not the workpiece's, once a tool.
+    pub(super) fn say_zero(&mut self, span: Span, off: Length) {
+        let Some(contact) = &self.contact else { return };
+        let which = [contact.mounted, 0, 0];
+        let way = if off > Length::ZERO { ("above", "shallow") } else { ("below", "deep") };
+        let by = length(&self.frame, off.value().abs());
+        let said = [
+            format!("the program's zero stands {by} {} that of the workpiece", way.0),
+            format!(": what is cut is {by} too {}", way.1),
+        ];
+        self.findings.merge(Cause { code: "M0369", which }, off.value().abs(), || {
+            let help = "look at G92, G52 and G10 L2, and at where the workpiece lies in the machine's file ([setup])";
+            (Diagnostic::warning("M0369", span, "").with_help(help), said)
+        });
+    }
+
+    /// A hole or thread that is partly in the air.
+    pub(super) fn say_side(&mut self, span: Span, at: [Length; 2], over: f64) {
+        let Some((tool, contact)) = self.tools.get(self.tool).zip(self.contact.as_ref()) else {
+            return;
+        };
+        let frame = &self.frame;
+        let said = [
+            format!(
+                "{} at {} and {} breaks through a side of the stock: {} of it are in the air",
+                name(tool),
+                word(frame, Axis::X, at[0].value()),
+                word(frame, Axis::Y, at[1].value()),
+                length(frame, over),
+            ),
+            ": it is not whole".into(),
+        ];
+        let which = [contact.mounted, 2, 0];
+        self.findings.merge(Cause { code: "M0366", which }, over, || {
+            let help =
+                "[setup.stock] in the machine's file says how large the work is and where it lies";
+            (Diagnostic::warning("M0366", span, "").with_help(help), said)
+        });
+    }
+
     pub(super) fn say_chamfer(&mut self, span: Span, depth: f64, chamfer: f64) {
         let Some((tool, contact)) = self.tools.get(self.tool).zip(self.contact.as_ref()) else {
             return;
