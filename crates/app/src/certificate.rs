@@ -24,7 +24,7 @@ pub(crate) fn feature(found: &Feature, zero: &Position) -> file::Feature {
         FeatureKind::Hole(found) => file::Feature::Hole(hole(common, found, zero)),
         FeatureKind::Thread(found) => file::Feature::Thread(Box::new(thread(common, found, zero))),
         FeatureKind::Cam(found) => file::Feature::Cam(cam(common, found)),
-        FeatureKind::Turned(found) => file::Feature::Turned(turned(common, found, zero)),
+        FeatureKind::Turned(found) => file::Feature::Turned(Box::new(turned(common, found, zero))),
         FeatureKind::Gear(found) => file::Feature::Gear(gear(common, found, zero)),
         FeatureKind::Polygon(found) => file::Feature::Polygon(polygon(common, found, zero)),
     }

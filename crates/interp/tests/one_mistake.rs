@@ -45,7 +45,11 @@ const PROGRAMS: &[(Dialect, &str)] = &[
 
 fn errors(text: &str, dialect: Dialect) -> Vec<(u32, &'static str, String)> {
     let found = check(text.as_bytes(), &example_setup(dialect));
-    found.into_iter().filter(|d| d.is_error()).map(|d| (d.span.line, d.code, d.message)).collect()
+    found
+        .into_iter()
+        .filter(diag::Diagnostic::is_error)
+        .map(|d| (d.span.line, d.code, d.message))
+        .collect()
 }
 
 /// What becomes of a line.

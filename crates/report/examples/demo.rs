@@ -11,12 +11,13 @@ fn main() -> std::io::Result<()> {
     let folder =
         PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| "target/report-demo".into()));
     std::fs::create_dir_all(&folder)?;
-    for (name, world) in [
-        ("good", plate(4, 3, Mishap::None)),
-        ("bad", plate(4, 3, Mishap::Saturated(6))),
-        ("fault", plate(4, 3, Mishap::Faulted(2))),
-        ("many", plate(25, 10, Mishap::Saturated(77))),
+    for (name, columns, rows, mishap) in [
+        ("good", 4, 3, Mishap::None),
+        ("bad", 4, 3, Mishap::Saturated(6)),
+        ("fault", 4, 3, Mishap::Faulted(2)),
+        ("many", 25, 10, Mishap::Saturated(77)),
     ] {
+        let world = plate(columns, rows, mishap);
         let page = report::html(&world.run, &world.recorder, &world.features);
         std::fs::write(folder.join(format!("{name}.html")), &page)?;
         println!("{name}.html: {} kB, {} features", page.len() / 1000, world.features.len());

@@ -115,7 +115,7 @@ pub enum Feature {
     Cam(Cam),
     /// A thread turned with a single point.
     #[serde(rename = "turned-thread")]
-    Turned(TurnedThread),
+    Turned(Box<TurnedThread>),
     /// A hobbed gear.
     Gear(Gear),
 }

@@ -482,7 +482,7 @@ mod tests {
         assert!(!feature.contact.is_cut());
         // 0.1 mm is taken off a blank, to the micrometre
         let (feature, _) = judged(ideal);
-        assert!((feature.contact.reach.map_or(0.0, |r| r.value()) - 0.1).abs() < 1e-6);
+        assert!((feature.contact.reach.map_or(0.0, units::Length::value) - 0.1).abs() < 1e-6);
     }
 
     #[test]

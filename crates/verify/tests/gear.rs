@@ -147,7 +147,7 @@ fn teeth_that_are_cut_too_deep_or_not_deep_enough_fail_by_their_thickness() {
     let shallow = judged_at(Hob { helix: Angle::ZERO, ..HOB }, |_| 75.01, |_, _| 0.0);
     assert!(shallow.verdict.is_pass(), "{:?}", shallow.verdict);
     let away = judged_at(HOB, |_| 80.0, |_, _| 0.0);
-    assert!(!away.verdict.is_pass() && !away.contact.is_cut(), "{:?}", away);
+    assert!(!away.verdict.is_pass() && !away.contact.is_cut(), "{away:?}");
 }
 
 #[test]

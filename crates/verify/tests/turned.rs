@@ -167,7 +167,7 @@ impl Case {
                 }
                 let count = (turns / STEP) as u32;
                 (0..count).for_each(|k| {
-                    see(op + 2, x, from - lead * STEP * f64::from(k), STEP * f64::from(k))
+                    see(op + 2, x, from - lead * STEP * f64::from(k), STEP * f64::from(k));
                 });
                 for k in 0..20 {
                     see(

@@ -98,6 +98,7 @@ pub(super) const fn least_certain(one: Stop, other: Stop) -> Stop {
 mod tests {
     use super::*;
 
+    #[allow(clippy::unnecessary_wraps)] // as it is asked and told
     fn tool(number: u64) -> Option<Engagement> {
         Some(Engagement { number, tool: 11, ..Engagement::default() })
     }

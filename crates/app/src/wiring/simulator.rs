@@ -261,12 +261,12 @@ fn turning_force(machine: &MachineFile, tapping: f64) -> sim::Kienzle {
 
 /// An insert; of one whose point the table does not state a sharp one is simulated.
 fn insert(form: &canon::Insert) -> sim::Insert {
+    const THREADS: Angle = Angle::deg(60.5); // what turns has more between its edges
     let (nose, flat) = match form.point {
         Some(canon::InsertPoint::Nose(radius)) => (radius, Length::ZERO),
         Some(canon::InsertPoint::Flat(width)) => (Length::ZERO, width),
         None => (Length::ZERO, Length::ZERO),
     };
-    const THREADS: Angle = Angle::deg(60.5); // what turns has more between its edges
     sim::Insert {
         half_angle: form.angle * 0.5,
         nose,

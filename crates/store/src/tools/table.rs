@@ -155,8 +155,8 @@ fn read_polygon_cutter(keys: &mut Keys<'_>) -> PolygonCutter {
 /// A tap's diameter may be left out; stated, it must be its thread's.
 fn read_diameter(nominal: Option<Length>, keys: &mut Keys<'_>) -> Length {
     const ALIKE: f64 = 0.05;
-    let bounds = 0.001..=LONGEST.value();
     const KEYS: [&str; 2] = ["diameter_mm", "diameter_in"];
+    let bounds = 0.001..=LONGEST.value();
     let Some(nominal) = nominal else { return length(keys, KEYS, bounds) };
     let Some(stated) = optional_length(keys, KEYS, bounds) else { return nominal };
     if (stated - nominal).abs() > nominal * ALIKE {

@@ -15,6 +15,7 @@ fn at(x: f64, z: f64) -> Position {
 }
 
 /// A solid bar from Z0 to Z−120.
+#[allow(clippy::unnecessary_wraps)] // as the configuration has it
 fn bar(radius: f64) -> Option<crate::Bar> {
     let [radius, bore, face, rear] = [radius, 0.0, 0.0, -120.0].map(Length::mm);
     Some(crate::Bar { radius, bore, face, rear })
