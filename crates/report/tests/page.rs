@@ -76,7 +76,7 @@ fn a_good_plate_is_called_good_in_words_and_by_sign() {
     let document = check(&page);
     let words = words(&document);
     assert!(
-        words.contains("✓\nGOOD\nAll 24 features that were cut are within tolerance."),
+        words.contains("✓\nPASS\nAll 24 features that were cut are within tolerance."),
         "{words}"
     );
     assert!(words.contains("Threads within tolerance\n12 of 12\n✓ all"));
@@ -92,7 +92,9 @@ fn a_bad_thread_comes_first_with_its_reason() {
     let document = check(&page);
     let words = words(&document);
     assert!(
-        words.contains("✗\nOUT OF TOLERANCE\nOf 24 features: 1 out of tolerance. Worst: line 36"),
+        words.contains(
+            "✗\nFAIL: OUT OF TOLERANCE\nOf 24 features: 1 out of tolerance. Worst: line 36"
+        ),
         "{words}"
     );
     assert!(words.contains("Worst thread: M6x1, No. 19, line 36"));
@@ -132,7 +134,7 @@ fn a_run_that_faulted_says_so_before_anything_else() {
 fn a_program_that_did_not_end_is_not_good_though_every_feature_is() {
     let mut world = plate(2, 1, Mishap::None);
     world.run.ended = false;
-    assert!(words(&check(&page(&world))).contains("✗\nDID NOT END"));
+    assert!(words(&check(&page(&world))).contains("✗\nSTOPPED"));
 }
 
 #[test]
@@ -367,7 +369,7 @@ fn what_was_not_cut_is_not_cut_and_has_no_depth_that_is_out_of_tolerance() {
     let page = page(&world);
     let document = check(&page);
     let words = words(&document);
-    assert!(words.contains("∅\nNOT CUT") || words.contains("✗\nNOT CUT"), "{words}");
+    assert!(words.contains("✗\nFAIL: NOT CUT"), "{words}");
     assert!(words.contains("Of 4 features: 1 not cut."), "{words}");
     assert!(words.contains("∅ 1 not cut") && !words.contains("-20000"), "{words}");
     let row = row_of(&document, 4);
@@ -411,4 +413,23 @@ fn every_link_of_a_page_leads_somewhere_and_a_line_to_what_it_cut() {
         let shown = ids.iter().filter(|id| id.starts_with('L')).count();
         assert!(shown <= 200, "{shown} of {lines} lines are shown");
     }
+}
+
+#[test]
+fn a_thread_that_was_not_cut_has_no_sync_error_on_the_page() {
+    let mut world = plate(4, 1, Mishap::None);
+    for feature in &mut world.features[4..] {
+        let reason = "not cut: the tip came no nearer than 3.000 mm to the stock".to_owned();
+        feature.verdict = Verdict::Fail { reason };
+        feature.contact.reach = Some(Length::ZERO);
+        if let FeatureKind::Thread(thread) = &mut feature.kind {
+            thread.tip_depth = Length::ZERO;
+            thread.sync_error_max = Length::ZERO;
+        }
+    }
+    let words = words(&check(&page(&world)));
+    assert!(words.contains("Thread not cut"), "{words}");
+    assert!(words.contains("no contact with the material"), "{words}");
+    assert!(!words.contains("in the last."), "no course from hole to hole: {words}");
+    assert!(!words.contains("Sync error 0.0") && !words.contains("sync error 0.0"), "{words}");
 }

@@ -116,8 +116,8 @@ fn degrees() -> Range {
 
 /// Ground cams, each unrolled and polar; nothing if there are none.
 pub(super) fn cams(features: &[Feature]) -> String {
-    let ground = features.iter().filter_map(|f| match &f.kind {
-        FeatureKind::Cam(cam) if !cam.errors.is_empty() => Some(cam.as_ref()),
+    let ground = features.iter().enumerate().filter_map(|(index, f)| match &f.kind {
+        FeatureKind::Cam(cam) if !cam.errors.is_empty() => Some((index, cam.as_ref())),
         FeatureKind::Cam(_)
         | FeatureKind::Hole(_)
         | FeatureKind::Thread(_)
@@ -126,11 +126,11 @@ pub(super) fn cams(features: &[Feature]) -> String {
         | FeatureKind::Gear(_) => None,
     });
     let pictures: String =
-        ground.take(12).enumerate().map(|(i, cam)| unrolled(i, cam) + &polar(i, cam)).collect();
+        ground.take(12).map(|(i, cam)| unrolled(i, cam) + &polar(i, cam)).collect();
     if pictures.is_empty() {
         return pictures;
     }
-    section("Ground cams", &Tag::new("div").class("grid").around(&pictures))
+    section("Cams", &Tag::new("div").class("grid").around(&pictures))
 }
 
 fn unrolled(index: usize, cam: &GroundCam) -> String {
@@ -139,12 +139,15 @@ fn unrolled(index: usize, cam: &GroundCam) -> String {
         (0..).zip(&cam.errors).map(|(i, e)| (f64::from(i) * step, e.in_um())).collect();
     let most = points.iter().map(|p| p.1.abs()).fold(0.1, f64::max);
     let y = Range::of("contour error / µm", [-most, most]).padded(0.08);
-    let heading = format!("{} at {} rpm, unrolled", cam.name, fixed(cam.spin.in_rpm(), 0));
+    let number = index + 1;
+    let heading =
+        format!("{number}: {} at {} rpm, unrolled", cam.name, fixed(cam.spin.in_rpm(), 0));
+    let late = fixed(cam.phase_error.in_deg().abs(), 4);
+    let sense = if cam.phase_error.in_deg() < 0.0 { "early" } else { "late" };
     let caption = format!(
-        "The wheel's edge less the profile over the last turn: {} µm at most, {} µm rms; all of it late by {}°. Largest wave from 30 to 180 a turn: {} µm, {} a turn. Removal rate: its peak is {} of its mean ({} if the work turned evenly).",
+        "The wheel's edge less the profile over the last turn: {} µm at most, {} µm rms; all of it {sense} by {late}°. Largest wave from 30 to 180 a turn: {} µm, {} a turn. Removal rate: its peak is {} of its mean ({} if the work turned evenly).",
         fixed(cam.contour_error_max.in_um(), 2),
         fixed(cam.contour_error_rms.in_um(), 2),
-        fixed(cam.phase_error.in_deg(), 4),
         fixed(cam.waviness.0.in_um(), 3),
         cam.waviness.1,
         fixed(cam.removal_peak, 2),
@@ -175,7 +178,7 @@ fn polar(index: usize, cam: &GroundCam) -> String {
     let all = || ideal.iter().chain(&real).chain(&more);
     let x = Range::of("mm", all().map(|p| p.0)).padded(0.05);
     let y = Range::of("mm", all().map(|p| p.1)).padded(0.05);
-    let heading = format!("{}, polar", cam.name);
+    let heading = format!("{}: {}, polar", index + 1, cam.name);
     let caption = format!(
         "Stroke of the wheel about a circle, and the same with its error {} times as large; outside of the ideal line material is left.",
         fixed(times, 0)

@@ -5,7 +5,7 @@ use crate::record::Recorder;
 use crate::svg::{Tag, fixed};
 use crate::{Measure, Run, Standing};
 use units::{Length, Time};
-use verify::{Feature, FeatureKind, Summary, Thread};
+use verify::{Criterion, Feature, FeatureKind, Headroom, Summary, Thread};
 
 /// The figures as a row of cards.
 pub(super) fn figures(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
@@ -22,7 +22,7 @@ pub(super) fn figures(run: &Run, recorder: &Recorder, features: &[Feature]) -> S
     let measure = recorder.measure();
     cards.extend(largest_error(run, measure, features));
     cards.extend(depth_error(&summary, measure, features));
-    cards.extend(tightest(run, features));
+    cards.extend(tightest(run, measure, features));
     let see = if run.alarms.is_empty() { "none" } else { "see below" };
     cards.push(card("Alarms", &run.alarms.len().to_string(), see));
     Tag::new("dl").class("figures").around(&cards.concat())
@@ -127,10 +127,20 @@ fn depth_error(summary: &Summary, measure: Measure, features: &[Feature]) -> Opt
     Some(card("Largest depth error of a thread", &value, &format!("No. {}, {sense}", index + 1)))
 }
 
-fn tightest(run: &Run, features: &[Feature]) -> Option<String> {
+/// What is left of the nearest tolerance, in the unit of the page.
+fn room(left: &Headroom, measure: Measure) -> String {
+    if measure == Measure::METRIC || left.of == Criterion::Whole {
+        return left.to_string();
+    }
+    let unit = measure.small_symbol();
+    let (rest, whole) = (measure.small(left.left, 0), measure.small(left.tolerance, 0));
+    format!("{}: {rest} of {whole} {unit} left", left.of.name())
+}
+
+fn tightest(run: &Run, measure: Measure, features: &[Feature]) -> Option<String> {
     let (index, left) = *by_badness(run, features).first()?;
     let feature = &features[index];
-    let why = feature.verdict.reason().map_or_else(|| left.to_string(), Into::into);
+    let why = feature.verdict.reason().map_or_else(|| room(&left, measure), Into::into);
     let name = match Standing::of(feature) {
         Standing::Good => "Nearest to its limit",
         Standing::Bad => "Worst feature",

@@ -49,7 +49,6 @@ pub fn html(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
     let listing = listing::Listing::of(run, recorder, features);
     main += &figures::figures(run, recorder, features);
     main += &notes::notes(run, recorder, features);
-    main += &cams::cams(features);
     main += &stops::recoveries(&run.stops);
     let overview = pictures::hole_map(run, recorder, features)
         + &sizes::sizes(features, recorder.measure())
@@ -68,6 +67,7 @@ pub fn html(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
         | FeatureKind::Gear(_) => None,
     });
     main += &section("Polygons", &grid(&polygons.collect::<String>()));
+    main += &cams::cams(features);
     let gears = features.iter().enumerate().filter_map(|(i, feature)| match &feature.kind {
         FeatureKind::Gear(gear) => Some(pictures::gear(i + 1, gear)),
         _ => None, // no other feature has teeth

@@ -50,8 +50,12 @@ pub(super) fn sizes(features: &[Feature], measure: Measure) -> String {
     let head = Tag::new("thead").around(&Tag::new("tr").around(&head));
     let table = Tag::new("table").around(&(head + &Tag::new("tbody").around(&body)));
     let scroll = Tag::new("div").class("scroll").with("tabindex", "0").around(&table);
-    let caption = "Least to largest over all of a size that were cut. Depth error: plus is too deep. A wide spread within one size points to \
-        the machine, a common offset to the program or the tool table.";
+    let caption = if used.len() > 2 {
+        "Least to largest over all of a size that were cut. Depth error: plus is too deep. A wide spread within one size points to \
+         the machine, a common offset to the program or the tool table."
+    } else {
+        "How many of each size are within tolerance."
+    };
     figure("By size", &scroll, caption)
 }
 

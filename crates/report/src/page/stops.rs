@@ -28,27 +28,35 @@ fn block(index: usize, recovery: &ThreadStop) -> String {
         "axial force",
         "thread",
     ];
-    let head: String = head.iter().map(|h| Tag::new("th").text(h)).collect();
+    let head: String = head
+        .iter()
+        .map(|h| {
+            let words = ["way back", "who goes back", "thread"].contains(h);
+            if words { Tag::new("th").class("l").text(h) } else { Tag::new("th").text(h) }
+        })
+        .collect();
     let rows: String = recovery
         .ways
         .iter()
         .map(|way| {
             let name = if way.taken { format!("{} (taken)", way.name) } else { way.name.clone() };
             let cells = [
-                name,
-                way.mover.clone(),
                 fixed(recovery.damage_um_rev(way), 2),
                 format!("{} µm", fixed(way.helix_error.in_um(), 1)),
                 format!("{} N", fixed(way.force_n, 0)),
             ];
-            let mut row: String = cells.iter().map(|cell| Tag::new("td").text(cell)).collect();
+            let words = [name, way.mover.clone()];
+            let mut row: String =
+                words.iter().map(|cell| Tag::new("td").class("l words").text(cell)).collect();
+            row += &cells.iter().map(|cell| Tag::new("td").text(cell)).collect::<String>();
             row += &Tag::new("td").class("l wide").text(&way.class);
             Tag::new("tr").around(&row)
         })
         .collect();
-    let table = Tag::new("table").around(
-        &(Tag::new("thead").around(&Tag::new("tr").around(&head))
-            + &Tag::new("tbody").around(&rows)),
-    );
+    let table =
+        Tag::new("div").class("scroll").with("tabindex", "0").around(&Tag::new("table").around(
+            &(Tag::new("thead").around(&Tag::new("tr").around(&head))
+                + &Tag::new("tbody").around(&rows)),
+        ));
     Tag::new("p").text(&words) + &table + &super::grid(&pictures::recovery_plane(recovery, index))
 }

@@ -104,7 +104,7 @@ fn run_in_and_out(sizes: &TurnedSizes) -> String {
 fn along(index: usize, thread: &TurnedThread) -> String {
     let points: Vec<_> = thread.profile.iter().map(|[w, e]| (w.value(), e.in_um())).collect();
     let most = points.iter().map(|p| p.1.abs()).fold(0.1, f64::max);
-    let y = Range::of("distance from the helix / µm", [-most, most]).padded(0.08);
+    let y = Range::of("off the helix / µm", [-most, most]).padded(0.08);
     let x = Range::of("depth along the thread / mm", points.iter().map(|p| p.0).chain([0.0]));
     let heading = format!("{}: {}, along it", index + 1, thread.name());
     let caption = format!(

@@ -25,17 +25,16 @@ fn outcome(run: &Run, features: &[Feature]) -> Outcome {
         (_, Some(counts)) => format!("Of {all} features: {counts}."),
     };
     if let Some(alarm) = run.alarms.first() {
+        let out = if run.stops.is_empty() { "" } else { ", THE TAP IS OUT" };
         let place = if alarm.line > 0 { format!(" in line {}", alarm.line) } else { String::new() };
         return fail(
-            "STOPPED BY AN ALARM".into(),
+            format!("STOPPED BY AN ALARM{out}"),
             format!("Alarm {}{place}: {} {judged}", alarm.number, alarm.text),
         );
     }
     if !run.ended {
-        return fail(
-            "DID NOT END".into(),
-            format!("The program did not come to its end. {judged}"),
-        );
+        let word = if run.stops.is_empty() { "STOPPED" } else { "STOPPED, THE TAP IS OUT" };
+        return fail(word.into(), format!("The program did not come to its end. {judged}"));
     }
     if counts.is_some() {
         let worst = by_badness(run, features).first().map(|&(index, _)| &features[index]);
@@ -46,8 +45,8 @@ fn outcome(run: &Run, features: &[Feature]) -> Outcome {
             Standing::NotJudged => {
                 Outcome { class: "unjudged", sign: "?", word: "NOT JUDGED".into(), sentence }
             }
-            Standing::NotCut => fail("NOT CUT".into(), sentence),
-            Standing::Bad | Standing::Good => fail("OUT OF TOLERANCE".into(), sentence),
+            Standing::NotCut => fail("FAIL: NOT CUT".into(), sentence),
+            Standing::Bad | Standing::Good => fail("FAIL: OUT OF TOLERANCE".into(), sentence),
         };
     }
     if all == 0 {
@@ -55,7 +54,7 @@ fn outcome(run: &Run, features: &[Feature]) -> Outcome {
         return Outcome { class: "none", sign: "○", word: "NOTHING TO JUDGE".into(), sentence };
     }
     let sentence = format!("{judged} The program ran to its end without an alarm.");
-    Outcome { class: "pass", sign: "✓", word: "GOOD".into(), sentence }
+    Outcome { class: "pass", sign: "✓", word: "PASS".into(), sentence }
 }
 
 /// How the only feature stands.

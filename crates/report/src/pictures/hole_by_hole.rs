@@ -1,7 +1,7 @@
 //! Hole by hole: how the synchronism of equal threads goes (learning), and how the torque of a tap goes (wear).
 use super::figure;
-use crate::Run;
 use crate::svg::{Chart, Mark, Range, Stroke, fixed};
+use crate::{Run, Standing};
 use verify::{Feature, FeatureKind, Thread, TorqueTrend};
 
 /// With fewer threads of a tap there is no course to look at.
@@ -12,13 +12,15 @@ const MOST_TAPS: usize = 6;
 /// A picture of the sync error and one of the torque for each tap with threads enough.
 pub(crate) fn hole_by_hole(run: &Run, features: &[Feature]) -> String {
     let trends = TorqueTrend::of(features);
-    let mut tools: Vec<u32> = features.iter().filter_map(|f| thread(f).and(f.tool)).collect();
+    // a thread that is not there has no error and no torque
+    let cut = || features.iter().filter(|f| Standing::of(f) != Standing::NotCut);
+    let mut tools: Vec<u32> = cut().filter_map(|f| thread(f).and(f.tool)).collect();
     tools.sort_unstable();
     tools.dedup();
     let mut all = String::new();
     for tool in tools.into_iter().take(MOST_TAPS) {
         let threads: Vec<&Thread> =
-            features.iter().filter(|f| f.tool == Some(tool)).filter_map(thread).collect();
+            cut().filter(|f| f.tool == Some(tool)).filter_map(thread).collect();
         if threads.len() < FEWEST {
             continue;
         }

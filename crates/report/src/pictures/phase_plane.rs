@@ -40,7 +40,8 @@ fn height(view: &ThreadView) -> String {
     );
     let mut chart =
         Chart::new("Height of the tap over the spindle angle", &description, x, y, 250.0);
-    chart.level(Stroke::Capability, 0.0, "surface");
+    let surface = if view.thread.is_some() { "surface" } else { "programmed surface" };
+    chart.level(Stroke::Capability, 0.0, surface);
     chart.line(Stroke::In, &inward, Some("in"));
     chart.line(Stroke::Out, &outward, Some("out"));
     chart.line(Stroke::Ideal, &ideal, Some("ideal: one lead per turn"));
@@ -66,6 +67,11 @@ fn residual(view: &ThreadView) -> String {
     chart.zero(false);
     chart.line(Stroke::In, &inward, None);
     chart.line(Stroke::Out, &outward, None);
-    chart.legend("air", "not yet in the material");
+    let above = if view.thread.is_some() {
+        "not yet in the material"
+    } else {
+        "above the programmed surface"
+    };
+    chart.legend("air", above);
     chart.finish(&format!("{}-r", view.id))
 }

@@ -69,7 +69,7 @@ fn height(recovery: &ThreadStop, index: usize) -> String {
     let all: Vec<_> =
         within(&recovery.stop, span, y).into_iter().chain(shown).chain(ideal).collect();
     let x = Range::of("spindle angle / rev", [span.0, span.1]);
-    let z = Range::of("z, from where the stop began / mm", all.iter().map(|p| p.1)).padded(0.06);
+    let z = Range::of("z from the stop / mm", all.iter().map(|p| p.1)).padded(0.06);
     let description = "Height over spindle angle from the stop's beginning to the way back.";
     let mut chart =
         Chart::new("Stop and way back over the spindle angle", description, x, z, 260.0);

@@ -120,8 +120,11 @@ fn caption(judged: bool, limits: &[(Stroke, f64, String)], reach: f64) -> String
     let what = if judged {
         "How far the axis left the ideal helix, least to largest at each depth, in the material only; plus is deeper."
     } else {
-        "How far the axis left its line, in the material only; plus is deeper. The judge saw no cut here."
+        "How far the axis left its line below the programmed surface; plus is deeper. No material was cut here."
     };
+    if !judged {
+        return what.to_owned();
+    }
     let outside: Vec<_> = limits.iter().filter(|l| l.1 > reach * 1.09).cloned().collect();
     let beyond = if outside.is_empty() {
         String::new()

@@ -33,6 +33,8 @@ const LEAST: f64 = 0.005;
 const MOST_BARS: usize = 16;
 const WIDTH: f64 = 480.0;
 const ROW: f64 = 44.0;
+/// Characters of a tool's name that stand above a bar, on a narrow screen too; the table of tools has it whole.
+const NAME: usize = 42;
 
 fn seconds(shares: &Shares, states: &[State], turning: Option<Turning>) -> f64 {
     let turned = turning.map_or(0.0, |kind| shares.turning(kind).value());
@@ -68,7 +70,7 @@ pub(crate) fn time_shares(run: &Run, recorder: &Recorder) -> String {
 fn bar(row: usize, name: &str, shares: &Shares, whole: Time) -> String {
     let top = ROW * row as f64;
     let total = shares.total();
-    let label = format!("{name}: {} s", fixed(total.value(), 2));
+    let label = format!("{}: {} s", shortened(name), fixed(total.value(), 2));
     let mut out = Tag::new("text").at("x", 0.0).at("y", top + 15.0).text(&label);
     let mut left = 0.0;
     for (what, states, turning, class) in KINDS {
@@ -84,6 +86,15 @@ fn bar(row: usize, name: &str, shares: &Shares, whole: Time) -> String {
         left += width;
     }
     out
+}
+
+/// A name as far as there is room for it.
+fn shortened(name: &str) -> String {
+    if name.chars().count() <= NAME {
+        return name.to_owned();
+    }
+    let start: String = name.chars().take(NAME - 1).collect();
+    format!("{}…", start.trim_end_matches([' ', ',']))
 }
 
 fn legend(shares: &Shares) -> String {
