@@ -42,7 +42,7 @@ const WAYS: [(&str, Compensation, Estimator); 6] = [
     ("address, by the flanks", Compensation::Address, Estimator::Flanks),
     ("fractional shift", Compensation::Shift, Estimator::LeastSquares),
     ("harmonics", Compensation::Harmonics, Estimator::LeastSquares),
-    ("learnt", Compensation::Learn, Estimator::LeastSquares),
+    ("after learning", Compensation::Learn, Estimator::LeastSquares),
     ("wrong sign", Compensation::Wrong, Estimator::LeastSquares),
 ];
 
@@ -71,7 +71,7 @@ pub(crate) fn command(args: &CompensationArgs, quiet: bool) -> Result<(), Refuse
     }
     let mut page = CompensationPage {
         title: format!("Compensation of cams on {}", session.machine.name),
-        ways: std::iter::once("as it comes")
+        ways: std::iter::once("uncompensated")
             .chain(WAYS.iter().map(|w| w.0))
             .map(str::to_owned)
             .collect(),

@@ -227,7 +227,7 @@ impl Stops {
             let other = if preferred == Way::Straight { preferred } else { Way::Direct };
             let plan = RecoveryPlan { way: other, ..plan };
             let track = drive_out(&mut kernel, &mut copy, plan, &mut |sample| judge.sample(sample));
-            ways.extend(track.map(|track| way_back("the document's way", false, &track, &judge)));
+            ways.extend(track.map(|track| way_back("the direct way", false, &track, &judge)));
         }
         let track = drive_out(kernel, plant, plan, &mut |sample| {
             judge.sample(sample);

@@ -11,9 +11,10 @@ use verify::{Feature, FeatureKind, Summary, Tolerances, TorqueTrend};
 /// A line for the worst feature and why, one for each tap that cut two threads or more of one size, and one for torques that
 /// the formula does not explain.
 pub(crate) fn text(features: &[Feature], tolerances: &Tolerances) -> String {
-    // what was not cut has no measures that could be near to anything
-    let cut: Vec<Feature> =
-        features.iter().filter(|f| Standing::of(f) != Standing::NotCut).cloned().collect();
+    // what was not cut or not judged is not near to anything
+    let measured =
+        |f: &&Feature| !matches!(Standing::of(f), Standing::NotCut | Standing::NotJudged);
+    let cut: Vec<Feature> = features.iter().filter(measured).cloned().collect();
     let summary = Summary::of(&cut, tolerances);
     let mut said = String::new();
     if let Some((index, left)) = summary.worst {

@@ -41,8 +41,14 @@ pub(super) struct Told<'d> {
 
 impl Told<'_> {
     pub(super) fn text(&self) -> String {
-        let mut rows =
-            table(["swings", "flatness", "largest swing", "acceleration", "drive", "limited by"]);
+        let mut rows = table([
+            "oscillating axis",
+            "flatness",
+            "amplitude",
+            "acceleration",
+            "drive",
+            "limited by",
+        ]);
         for row in self.rows() {
             rows.add_row(row.into_iter().map(Cell::new).collect::<Vec<_>>());
         }
@@ -279,9 +285,16 @@ impl Told<'_> {
                 form.across_flats.value()
             ),
             words: self.words().into_iter().chain([self.claimed()]).collect(),
-            heads: ["swings", "flatness", "largest swing", "acceleration", "drive", "limited by"]
-                .map(str::to_owned)
-                .to_vec(),
+            heads: [
+                "oscillating axis",
+                "flatness",
+                "amplitude",
+                "acceleration",
+                "drive",
+                "limited by",
+            ]
+            .map(str::to_owned)
+            .to_vec(),
             rows: self.rows().into_iter().map(|row| row.to_vec()).collect(),
             tips: tips.collect(),
             stock_radius: form.stock_radius.value(),

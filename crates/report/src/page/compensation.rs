@@ -108,7 +108,7 @@ fn table(page: &CompensationPage) -> String {
     Tag::new("div").class("scroll").with("tabindex", "0").around(&table)
 }
 
-/// Strokes of the ways that are drawn: as it comes, shift, harmonics, learnt.
+/// Strokes of the ways that are drawn: uncompensated, shift, harmonics, after learning.
 const DRAWN: [(usize, Stroke); 4] =
     [(0, Stroke::Stop), (3, Stroke::Out), (4, Stroke::Second), (5, Stroke::Main)];
 
@@ -118,7 +118,8 @@ fn over_speed(index: usize, name: &str, page: &CompensationPage) -> String {
         rows.filter_map(|row| Some((row.rpm, row.ways.get(way)?.contour_um.log10()))).collect()
     };
     let all: Vec<_> = DRAWN.iter().flat_map(|(way, _)| of(*way)).collect();
-    let x = Range::of("speed of the work / rev/min", all.iter().map(|p| p.0).chain([0.0]));
+    let x =
+        Range::of("speed of the work / rev/min", all.iter().map(|p| p.0).chain([0.0])).padded(0.03);
     let y = Range::of("error / µm", all.iter().map(|p| p.1)).padded(0.08).powers_of_ten();
     let heading = format!("{name}: what each way leaves");
     let caption =

@@ -68,7 +68,7 @@ pub fn polygon_html(plan: &PolygonPlan) -> String {
     let heading = Tag::new("h1").text(&plan.title) + &words;
     let pictures = paths(plan) + &magnified(plan) + &profiles(plan) + &speeds(plan) + &cut(plan);
     let main = heading
-        + &section("What may swing", &table(&plan.heads, &plan.rows))
+        + &section("Oscillating axes", &table(&plan.heads, &plan.rows))
         + &cut_table(plan)
         + &section("Pictures", &Tag::new("div").class("grid").around(&pictures))
         + &section("In the program", &Tag::new("pre").text(&plan.gcode));

@@ -87,7 +87,10 @@ fn sizes(index: usize, thread: &TurnedThread) -> String {
             thread.class_and_size()
         )
     } else {
-        thread.not_judged.clone()
+        match thread.not_judged.strip_prefix("not judged: ") {
+            Some(why) => format!("Not judged: {why}."),
+            None => thread.not_judged.clone() + ".",
+        }
     };
     let force = thread.force_max.filter(|force| force.value() > 0.0).map_or_else(
         || " No force of the cut is known.".to_owned(),

@@ -38,8 +38,9 @@ fn outcome(run: &Run, features: &[Feature]) -> Outcome {
     }
     if counts.is_some() {
         let worst = by_badness(run, features).first().map(|&(index, _)| &features[index]);
-        let why = worst
-            .and_then(|f| f.verdict.reason().map(|r| format!(" Worst: line {}, {r}.", f.line)));
+        let first = if all == 1 { "Line" } else { "Worst: line" };
+        let why =
+            worst.and_then(|f| f.verdict.reason().map(|r| format!(" {first} {}, {r}.", f.line)));
         let sentence = judged + &why.unwrap_or_default();
         return match worst.map_or(Standing::Bad, Standing::of) {
             Standing::NotJudged => {

@@ -34,7 +34,7 @@ const MOST_BARS: usize = 16;
 const WIDTH: f64 = 480.0;
 const ROW: f64 = 44.0;
 /// Characters of a tool's name that stand above a bar, on a narrow screen too; the table of tools has it whole.
-const NAME: usize = 42;
+const NAME: usize = 48;
 
 fn seconds(shares: &Shares, states: &[State], turning: Option<Turning>) -> f64 {
     let turned = turning.map_or(0.0, |kind| shares.turning(kind).value());
@@ -94,7 +94,8 @@ fn shortened(name: &str) -> String {
         return name.to_owned();
     }
     let start: String = name.chars().take(NAME - 1).collect();
-    format!("{}…", start.trim_end_matches([' ', ',']))
+    let words = start.rsplit_once(' ').map_or(start.as_str(), |(words, _)| words);
+    format!("{} …", words.trim_end_matches(','))
 }
 
 fn legend(shares: &Shares) -> String {
