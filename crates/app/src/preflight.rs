@@ -62,7 +62,9 @@ pub(crate) fn steps(
 ) {
     let setup = session.interp_setup();
     let mut planner = planner(session, options);
-    for (index, op) in Ops::new(source, &setup, session.auto()) {
+    let mut ops = Ops::new(source, &setup, session.auto());
+    while let Some((index, op)) = ops.next() {
+        planner.written_in(ops.frame());
         planner.push(index, &op, look);
     }
     planner.finish(look);
@@ -77,8 +79,9 @@ pub(crate) fn wrong_from(
 ) -> Vec<Diagnostic> {
     let setup = session.interp_setup();
     let mut planner = planner(session, options).only_judging();
-    let ops = Ops::new(source, &setup, session.auto()).begun_at(Some(restart));
-    for (index, op) in ops {
+    let mut ops = Ops::new(source, &setup, session.auto()).begun_at(Some(restart));
+    while let Some((index, op)) = ops.next() {
+        planner.written_in(ops.frame());
         planner.push(index, &op, &mut |_| ());
     }
     planner.finish(&mut |_| ());
@@ -240,7 +243,7 @@ pub(crate) fn planner(session: &Session, options: Options) -> Planner {
     let limits = crate::wiring::planner(&session.machine);
     let mut planner = Planner::new(limits, session.tools.clone(), options, start);
     *planner.cams() = session.cams.for_planner();
-    planner
+    if session.machine.setup.stock.bar_radius().is_some() { planner.turning_work() } else { planner }
 }
 
 /// Add a tool of no length for every number that the program calls and the table lacks, and for an empty spindle

@@ -395,6 +395,7 @@ impl Simulation<'_> {
             self.watch.op(index, &op);
             self.recorder.op(index, &op);
             self.recorder.frame(index, self.ops.frame());
+            self.planner.written_in(self.ops.frame());
             self.planner.push(index, &op, &mut |step| queue.push_back(step));
             for table in self.planner.take_tables() {
                 // the planner's tables are finite, and a step without its table is an alarm

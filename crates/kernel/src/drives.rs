@@ -17,7 +17,7 @@ use crate::threading::Chain;
 use bus::{AXES, Command, Feedback, SPINDLES};
 use canon::Axis;
 use sync::SyncMode;
-use units::Spin;
+use units::{Length, Spin};
 
 /// Indices of the axes that moves move: all. Of A, B, C read degrees where it says millimetres.
 pub(crate) const MOVING: core::ops::Range<usize> = 0..AXES;
@@ -201,8 +201,18 @@ impl Drives {
 
     /// Advance what spindles do by themselves.
     pub(crate) fn advance_spindles(&mut self) {
+        self.follow_surface();
         for spindle in self.spindles.iter_mut().flatten() {
             spindle.advance();
+        }
+    }
+
+    /// Spindles whose speed goes by the place of X take it from where X is ordered to be.
+    pub(crate) fn follow_surface(&mut self) {
+        let Some(x) = &self.axes[Axis::X.index()] else { return };
+        let x = Length::mm(x.target.position);
+        for spindle in self.spindles.iter_mut().flatten() {
+            spindle.follow_surface(x);
         }
     }
 

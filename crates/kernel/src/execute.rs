@@ -380,6 +380,13 @@ fn begin_spindle(
             drives.removals[index] = Some(Removal::new(order));
             Activity::AtOnce
         }
+        SpindleStep::Surface { surface, ramp: _ } => {
+            control.turn_by_surface(*surface);
+            drives.in_force[index] = Spin::ZERO; // by the place of X
+            drives.removals[index] = None;
+            drives.follow_surface();
+            Activity::AtOnce
+        }
         SpindleStep::AwaitSpeed => Activity::AwaitingSpeed { spindle, waited_s: 0.0 },
         SpindleStep::Orient(angle) => {
             drives.in_force[index] = Spin::ZERO;

@@ -20,9 +20,9 @@ use crate::friction::spindle_friction;
 use crate::servo::{Gains, Input, Servo};
 use bus::{SpindleCommand, SpindleFeedback};
 use core::f64::consts::TAU;
-use plan::Profile;
+use plan::{Profile, SurfaceSpeed};
 use sync::{Blend, Observer, Rotation, Swing, Tracker};
-use units::{Angle, Spin, SpinAccel, Time, Torque};
+use units::{Angle, Length, Spin, SpinAccel, Time, Torque};
 
 /// Share of the torque curve that unplanned changes of speed use.
 const UNPLANNED: f64 = 0.75;
@@ -78,6 +78,8 @@ pub(crate) struct SpindleLoop {
     pub(crate) blind: bool,
     /// What the program has ordered, rev/s, while it turns by itself; the operator's share of it.
     programmed: Option<f64>,
+    /// It turns by the place of X, G96: `programmed` is that of this period.
+    surface: Option<SurfaceSpeed>,
     share: f64,
     /// So long a change of the share may take yet, s.
     changing_s: f64,
@@ -117,6 +119,7 @@ impl SpindleLoop {
             saturated: false,
             blind: false,
             programmed: None,
+            surface: None,
             share: 1.0,
             changing_s: 0.0,
             control,
@@ -131,7 +134,7 @@ impl SpindleLoop {
         let still = Rotation { angle: feedback.angle, ..Rotation::default() };
         (self.ordered, self.before, self.ahead) = (still, still, still);
         self.order = Order::Slew(0.0);
-        self.programmed = None;
+        self.release();
         self.pace = None;
         self.swing = (Swing::default(), Swing::default());
         self.error = 0.0;
@@ -160,7 +163,7 @@ impl SpindleLoop {
 
     /// Turn at a speed that may change each period.
     pub(crate) fn slew_to(&mut self, spin: Spin) {
-        self.programmed = None;
+        self.release();
         self.order = Order::Slew(spin.value());
     }
 
@@ -245,6 +248,7 @@ impl SpindleLoop {
     pub(crate) fn turn(&mut self, spin: Spin, ramp: &Profile) {
         let begins = ramp.at(0.0).v;
         self.programmed = Some(spin.value());
+        self.surface = None;
         let to = self.overridden(spin.value());
         let as_planned = to == spin.value();
         let fits = as_planned && (begins - self.ordered.spin.value()).abs() <= RAMP_FITS;
@@ -254,6 +258,32 @@ impl SpindleLoop {
         } else {
             self.order = Order::Slew(to);
         }
+    }
+
+    /// No speed of the program is in force.
+    const fn release(&mut self) {
+        (self.programmed, self.surface) = (None, None);
+    }
+
+    /// Turn by the place of X from now on.
+    pub(crate) const fn turn_by_surface(&mut self, surface: SurfaceSpeed) {
+        self.surface = Some(surface);
+        self.changing_s = 0.0;
+    }
+
+    /// X is ordered to this place: the speed that belongs to it, which is reached on the ramps that nobody planned. The
+    /// operator's share acts on it, and the program's limit on both.
+    pub(crate) fn follow_surface(&mut self, x: Length) {
+        let Some(surface) = self.surface else { return };
+        let spin = surface.at(x).value();
+        let limit = surface.limit.abs().value();
+        self.programmed = Some(spin);
+        self.order = Order::Slew(self.overridden(spin).clamp(-limit, limit));
+    }
+
+    /// The speed that a cut needs where it turns by the place of X: the one that its ramps have reached.
+    pub(crate) fn by_surface(&self) -> Option<Spin> {
+        self.surface.map(|_| self.ordered.spin)
     }
 
     /// What the operator makes of a speed, rev/s; never above what the spindle may turn.
@@ -273,7 +303,7 @@ impl SpindleLoop {
         }
         self.share = share;
         let turns = matches!(self.order, Order::Slew(_) | Order::Ramp(..));
-        if let Some(spin) = self.programmed.filter(|_| turns) {
+        if let Some(spin) = self.programmed.filter(|_| turns && self.surface.is_none()) {
             self.order = Order::Slew(self.overridden(spin));
             self.changing_s = within_s;
         }
@@ -291,7 +321,7 @@ impl SpindleLoop {
 
     /// Come to rest under speed control.
     pub(crate) fn stop(&mut self) {
-        self.programmed = None;
+        self.release();
         if !matches!(self.order, Order::Slew(0.0)) {
             self.order = Order::Slew(0.0);
         }
@@ -299,7 +329,7 @@ impl SpindleLoop {
 
     /// Come to rest in the kind of control that it is in: the stop of a fault.
     pub(crate) fn brake(&mut self) {
-        self.programmed = None;
+        self.release();
         self.order = if self.position_controlled() { Order::Brake } else { Order::Slew(0.0) };
     }
 
@@ -316,7 +346,7 @@ impl SpindleLoop {
                 }
                 self.ordered = Rotation { angle: self.now().angle, ..Rotation::default() };
                 self.before = self.ordered;
-                self.programmed = None;
+                self.release();
                 self.order = Order::Held;
             }
         }
@@ -332,7 +362,7 @@ impl SpindleLoop {
 
     /// A tap leads: the setpoint now, and when the torque acts.
     pub(crate) fn lead(&mut self, now: Rotation, ahead: Rotation, by_angle: bool) {
-        self.programmed = None;
+        self.release();
         self.order = if by_angle { Order::LedAngle } else { Order::LedSpeed };
         self.ordered = now;
         self.ahead = ahead;

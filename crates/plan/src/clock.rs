@@ -1,7 +1,12 @@
 //! The planned time of steps: how long they will take, one after another, with the spindle ramps that run beside them.
 use crate::limits::MachineLimits;
-use crate::{ChipThrow, Profile, SpindleStep, Step, StepKind};
-use units::{Angle, Spin, Time};
+use crate::step::{Follow, Move};
+use crate::{ChipThrow, Profile, SpindleStep, Step, StepKind, SurfaceSpeed};
+use ::path::geometry::Shape;
+use units::{Angle, Length, Spin, Time};
+
+/// Places along a path where its speed by the surface is looked at.
+const LOOKS: u8 = 16;
 
 /// Adds up the planned time of steps.
 #[derive(Clone, Copy, Debug, Default)]
@@ -12,6 +17,8 @@ pub struct Clock {
     ready_at: f64,
     /// Speed of spindle 0 that was ordered last, rev/s, without sign.
     speed: f64,
+    /// It turns by the place of X.
+    surface: Option<SurfaceSpeed>,
     /// Chips that are to be thrown off once a move passes their level.
     throw: Option<ChipThrow>,
 }
@@ -31,9 +38,11 @@ impl Clock {
                     self.ready_at = self.ready_at.max(self.elapsed + at + lasts);
                     self.throw = None;
                 }
+                self.by_surface(m, limits);
                 self.motion(m.profile.duration(), m.per_revolution, m.exact_stop, limits);
             }
             StepKind::Follow(follow) => {
+                self.follows_surface(follow);
                 self.motion(follow.duration(), follow.per_revolution, follow.exact_stop, limits);
             }
             StepKind::Dwell(time) => self.elapsed += time.value(),
@@ -41,7 +50,13 @@ impl Clock {
                 SpindleStep::Turn { spin, ramp } => {
                     self.ready_at = self.ready_at.max(self.elapsed + ramp_lasts(ramp, limits));
                     if *spindle == 0 {
-                        self.speed = spin.abs().value();
+                        (self.speed, self.surface) = (spin.abs().value(), None);
+                    }
+                }
+                SpindleStep::Surface { surface, ramp } => {
+                    self.ready_at = self.ready_at.max(self.elapsed + ramp_lasts(ramp, limits));
+                    if *spindle == 0 {
+                        (self.speed, self.surface) = (ramp.end().v.abs(), Some(*surface));
                     }
                 }
                 SpindleStep::AwaitSpeed => self.elapsed = self.elapsed.max(self.ready_at),
@@ -50,6 +65,7 @@ impl Clock {
                     self.throw = Some(*throw);
                     self.ready_at = self.ready_at.max(self.elapsed + throw_lasts(throw, limits));
                     if *spindle == 0 {
+                        self.surface = None;
                         self.speed = throw.then.abs().value();
                     }
                 }
@@ -93,6 +109,39 @@ impl Clock {
             | StepKind::Pause { .. }
             | StepKind::End => {}
         }
+    }
+
+    /// A move changes the speed that the surface asks for: of a rapid the spindle has to come to it beside the travel, a cut
+    /// takes the mean of what its turns last.
+    fn by_surface(&mut self, order: &Move, limits: &MachineLimits) {
+        let Some(surface) = self.surface else { return };
+        if order.rapid {
+            let spin = surface.at(order.path.to().linear[0]);
+            if let Some(drive) = limits.spindles.first() {
+                let ramp = drive.ramp(Spin::rev_per_s(self.speed), spin.abs());
+                self.ready_at = self.ready_at.max(self.elapsed + ramp_lasts(&ramp, limits));
+            }
+            self.speed = spin.abs().value();
+        } else {
+            let curve = order.path.curve();
+            self.mean_along(&surface, (0.0, curve.length()), |s| curve.at(s).q[0]);
+        }
+    }
+
+    fn follows_surface(&mut self, follow: &Follow) {
+        let Some(surface) = self.surface else { return };
+        let (from, ..) = follow.at(0.0);
+        let (to, ..) = follow.at(follow.duration());
+        self.mean_along(&surface, (from, to), |s| follow.piece.at(s).q[0]);
+    }
+
+    /// The speed at which turns last as long as they do on the mean of a way.
+    fn mean_along(&mut self, surface: &SurfaceSpeed, (from, to): (f64, f64), x: impl Fn(f64) -> f64) {
+        let looks = (0..LOOKS).map(|k| {
+            let share = (f64::from(k) + 0.5) / f64::from(LOOKS);
+            1.0 / surface.at(Length::mm(x(from + share * (to - from)))).abs().value()
+        });
+        self.speed = f64::from(LOOKS) / looks.sum::<f64>();
     }
 
     fn motion(&mut self, over: f64, per_revolution: bool, stops: bool, limits: &MachineLimits) {

@@ -111,6 +111,11 @@ impl Heat {
                         state.takes(heat, 0.0, drive);
                         state.spin = spin.value();
                     }
+                    SpindleStep::Surface { surface: _, ramp } => {
+                        let heat = ramp_heat(drive, ramp, 0.0);
+                        state.takes(heat, 0.0, drive);
+                        state.spin = ramp.end().v;
+                    }
                     SpindleStep::Throw(throw) => {
                         let heat = ramp_heat(drive, &throw.against, 0.0)
                             + ramp_heat(drive, &throw.back, 0.0);

@@ -27,6 +27,7 @@ use crate::path::Path;
 use crate::repace::Wish;
 use crate::step::{Step, StepKind};
 use crate::stroke::{Stroke, StrokeRequest};
+use crate::surface::SurfaceSpeed;
 use crate::way_out::CameFrom;
 use alloc::{format, vec::Vec};
 use canon::{Axis, Op, OpKind, PathMode, Position, ProgramFrame, ToolLibrary};
@@ -41,6 +42,7 @@ mod moves;
 mod refuse;
 mod spindle;
 mod spindle_override;
+mod surface;
 mod tap;
 mod thread;
 mod tool_change;
@@ -70,6 +72,23 @@ struct SpindleState {
     awaited: bool,
     /// Chips are being thrown off until then.
     throwing: bool,
+    /// G96 is in force: `ordered` is its speed where the program has X.
+    surface: Option<SurfaceSpeed>,
+    /// The kernel has been told that.
+    told_surface: Option<SurfaceSpeed>,
+}
+
+impl SpindleState {
+    /// An order has not reached the kernel yet.
+    fn is_open(&self) -> bool {
+        self.surface != self.told_surface || (self.surface.is_none() && self.told != self.ordered)
+    }
+
+    /// From now on it shall stand, or turn at a speed in revolutions.
+    const fn order(&mut self, spin: Spin) {
+        self.ordered = spin;
+        self.surface = None;
+    }
 }
 
 /// From operations to steps. See the module's header.
@@ -80,6 +99,8 @@ pub struct Planner {
     /// Moves are judged and then forgotten: no law of time is found for them.
     only_judges: bool,
     tools: ToolLibrary,
+    /// The first spindle turns the work, and the tool stands.
+    turns_work: bool,
     /// How the program writes places now: findings are said in its words.
     frame: ProgramFrame,
     /// Where the program has the axes.
@@ -208,6 +229,7 @@ impl Planner {
             options,
             only_judges: false,
             tools,
+            turns_work: false,
             frame: ProgramFrame::default(),
             programmed: start.position,
             away: tool_change::Away::default(),
@@ -243,6 +265,12 @@ impl Planner {
         Self { only_judges: true, ..self }
     }
 
+    /// Of a machine whose first spindle turns the work: G96 acts there.
+    #[must_use]
+    pub fn turning_work(self) -> Self {
+        Self { turns_work: true, ..self }
+    }
+
     /// The frame and units in which the ops that follow are written: findings are said in them.
     pub const fn written_in(&mut self, frame: ProgramFrame) {
         self.frame = frame;
@@ -257,6 +285,7 @@ impl Planner {
         if !matches!(op.kind, OpKind::Threading(_)) {
             self.end_thread(job.emit);
         }
+        self.aim_surface(&job, &op.kind);
         self.lock_spindle_override(&mut job, &op.kind);
         let before = self.programmed.linear;
         match &op.kind {
@@ -321,6 +350,7 @@ impl Planner {
             }
             OpKind::SelectTool { .. } | OpKind::Message(_) => {}
         }
+        self.follow_surface(&op.kind);
         self.feel_heat(op.span);
         if !matches!(op.kind, OpKind::Threading(_)) {
             self.came_from.moved(&before, &self.programmed.linear);
@@ -380,7 +410,7 @@ impl Planner {
 
     fn end(&mut self, job: &mut Job) {
         for state in &mut self.spindles {
-            state.ordered = Spin::ZERO;
+            state.order(Spin::ZERO);
         }
         self.tell_spindles(job);
         if self.spindles.iter().any(|state| state.throwing) {

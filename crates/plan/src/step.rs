@@ -1,5 +1,5 @@
 //! What the kernel executes, one after the other.
-use crate::{GearStep, Path, Profile, Superpose, ThreadStretch, WayOut};
+use crate::{GearStep, Path, Profile, Superpose, SurfaceSpeed, ThreadStretch, WayOut};
 use canon::{Axis, InputWait, Output, Position};
 use path::{Phase, Piece};
 use units::{Angle, Lead, Length, Spin, Time};
@@ -185,6 +185,13 @@ pub enum SpindleStep {
         /// Speed to hold.
         spin: Spin,
         /// Speed over time, as the profile's `v`; its `s` is revolutions.
+        ramp: Profile,
+    },
+    /// Turn by the place of X from now on, on the ramps that the spindle's drive has; go on to the next step at once.
+    Surface {
+        /// Surface speed, limit and axis of the work.
+        surface: SurfaceSpeed,
+        /// As the planner expects it to come from its speed to the one at the place where X is, for the planned time alone.
         ramp: Profile,
     },
     /// Wait until the spindle is within its at-speed window of the ordered speed (or at rest).

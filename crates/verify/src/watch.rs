@@ -21,7 +21,8 @@ use crate::stroke::Stroke;
 use bus::{Sample, State};
 use canon::{Axis, Holder, Op, OpKind, SpindleOrder, ToolKind};
 use std::collections::{BTreeMap, VecDeque};
-use units::{Angle, Length, Spin, Time};
+use core::f64::consts::TAU;
+use units::{Angle, Length, Speed, Spin, Time};
 
 mod breakage;
 
@@ -36,6 +37,8 @@ const SPEED_SHARE: f64 = 0.25;
 pub const AGAINST_MM: f64 = 0.005;
 /// The tip is in the material from here on, mm.
 const TOUCH_MM: f64 = 0.05;
+/// Nearer to the axis of the work than this, mm, a surface speed without a limit asks for whatever the spindle has.
+const NEAR_AXIS_MM: f64 = 5.0;
 /// Breaches that are kept.
 const MOST: usize = 100;
 
@@ -62,13 +65,42 @@ struct Work {
     lead: Option<f64>,
 }
 
+/// What the program has ordered of the spindle.
+#[derive(Clone, Copy, Debug)]
+enum Ordered {
+    /// Turn so fast.
+    Turn(Spin),
+    /// G96: by the place of X, never above the limit.
+    Surface(Speed, Option<Spin>),
+}
+
+impl Ordered {
+    /// The speed with the tip so far from the axis of the work; `None`: at its highest, which the program does not say.
+    fn at(self, radius: Length) -> Option<Spin> {
+        match self {
+            Self::Turn(spin) => Some(spin),
+            Self::Surface(speed, limit) => {
+                let around = TAU * radius.abs().value();
+                let free = (around > 0.0).then(|| speed.abs().value() / around);
+                let most = limit.map(|limit| limit.abs().value());
+                let spin = match (free, most) {
+                    (Some(free), Some(most)) => free.min(most),
+                    (Some(free), None) if radius.abs().value() > NEAR_AXIS_MM => free,
+                    (_, most) => most?,
+                };
+                Some(Spin::rev_per_s(if speed.value() < 0.0 { -spin } else { spin }))
+            }
+        }
+    }
+}
+
 /// Looks on.
 #[derive(Debug)]
 pub struct Watch {
     config: Config,
     works: BTreeMap<u32, Work>,
-    speeds: VecDeque<(u32, Spin)>,
-    in_force: Spin,
+    speeds: VecDeque<(u32, Ordered)>,
+    in_force: Ordered,
     /// Least and largest share of it that the operator has asked for in this run.
     shares: (f64, f64),
     tool: Option<u32>,
@@ -91,7 +123,7 @@ impl Watch {
             config,
             works: BTreeMap::new(),
             speeds: VecDeque::new(),
-            in_force: Spin::ZERO,
+            in_force: Ordered::Turn(Spin::ZERO),
             shares: (1.0, 1.0),
             tool: None,
             before: None,
@@ -109,8 +141,11 @@ impl Watch {
         match &op.kind {
             OpKind::ChangeTool { number } => self.tool = (*number != 0).then_some(*number),
             OpKind::Spindle { spindle: 0, order } => match order {
-                SpindleOrder::Turn(spin) => self.speeds.push_back((index, *spin)),
-                SpindleOrder::Stop => self.speeds.push_back((index, Spin::ZERO)),
+                SpindleOrder::Turn(spin) => self.speeds.push_back((index, Ordered::Turn(*spin))),
+                SpindleOrder::Stop => self.speeds.push_back((index, Ordered::Turn(Spin::ZERO))),
+                SpindleOrder::ConstantSurfaceSpeed { speed, limit } => {
+                    self.speeds.push_back((index, Ordered::Surface(*speed, *limit)));
+                }
                 _ => {}
             },
             OpKind::Hole(hole) => {
@@ -165,7 +200,7 @@ impl Watch {
         self.periods += 1;
         let op = sample.report.op;
         while self.speeds.front().is_some_and(|(at, _)| *at <= op) {
-            self.in_force = self.speeds.pop_front().map_or(self.in_force, |(_, spin)| spin);
+            self.in_force = self.speeds.pop_front().map_or(self.in_force, |(_, ordered)| ordered);
         }
         let found = self.look(sample, op);
         if found.is_some() {
@@ -229,6 +264,8 @@ impl Watch {
         }
         let state = sample.report.state;
         let taps = matches!(state, State::TapIn | State::TapBottom | State::TapOut);
+        let radius = sample.axis(Axis::X.index()) - self.config.work_axis[0];
+        let in_force = self.in_force.at(radius).unwrap_or(Spin::ZERO);
         match work.lead {
             Some(lead) if taps => {
                 let across = across(sample, work);
@@ -238,9 +275,9 @@ impl Watch {
                 }
                 (across > ACROSS_MM).then(|| "a tap is moved sideways in its thread".into())
             }
-            None if state == State::Feed && self.in_force != Spin::ZERO && feed * into > 0.0 => {
-                let meant = self.in_force.abs();
-                let turns = if self.in_force < Spin::ZERO { -spin } else { spin };
+            None if state == State::Feed && in_force != Spin::ZERO && feed * into > 0.0 => {
+                let meant = in_force.abs();
+                let turns = if in_force < Spin::ZERO { -spin } else { spin };
                 let (least, most) = (self.shares.0 - SPEED_SHARE, self.shares.1 + SPEED_SHARE);
                 let wrong = turns < meant * least || turns > meant * most;
                 (wrong && !self.is_tap(sample)).then(|| {
@@ -284,7 +321,6 @@ fn place(at: &canon::Position) -> [Length; 3] {
 mod tests {
     use super::*;
     use canon::{Position, Span};
-    use units::Speed;
 
     /// A hole 20 mm deep, drilled at this spindle speed, rpm, where 5000 is in force.
     fn breaches(rpm: f64, to_mm: f64) -> Vec<String> {
@@ -293,9 +329,12 @@ mod tests {
 
     /// The same, while a block of some line is in work; the hole's is line 0.
     fn breaches_in_line(line: u32, rpm: f64, to_mm: f64) -> Vec<String> {
+        breaches_of(SpindleOrder::Turn(Spin::rpm(5000.0)), line, rpm, to_mm)
+    }
+
+    fn breaches_of(order: SpindleOrder, line: u32, rpm: f64, to_mm: f64) -> Vec<String> {
         let mut watch = Watch::new(Config::new(canon::ToolLibrary::new([])));
         let op = |kind| Op { kind, span: Span::default() };
-        let order = SpindleOrder::Turn(Spin::rpm(5000.0));
         watch.op(0, &op(OpKind::Spindle { spindle: 0, order }));
         let hole = canon::Hole {
             axis: Axis::Z,
@@ -316,6 +355,17 @@ mod tests {
             watch.sample(&sample);
         }
         watch.breaches().iter().map(|breach| breach.what.clone()).collect()
+    }
+
+    #[test]
+    fn a_hole_in_the_axis_of_the_work_is_drilled_at_the_limit_of_the_surface_speed() {
+        let order = SpindleOrder::ConstantSurfaceSpeed {
+            speed: Speed::mm_per_min(100_000.0),
+            limit: Some(Spin::rpm(2000.0)),
+        };
+        assert_eq!(breaches_of(order, 0, 1950.0, -20.0), Vec::<String>::new());
+        assert_eq!(breaches_of(order, 0, 1000.0, -20.0).len(), 1);
+        assert_eq!(breaches_of(order, 0, 3000.0, -20.0).len(), 1);
     }
 
     #[test]

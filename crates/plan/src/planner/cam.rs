@@ -135,7 +135,7 @@ impl Planner {
         (cam.follows, cam.superposed) = (None, Superposition::None);
         self.cam = Some(cam);
         if let Some(state) = self.spindles.get_mut(usize::from(WORK)) {
-            state.ordered = Spin::ZERO;
+            state.order(Spin::ZERO);
         }
         self.tell_spindles(job);
     }
@@ -219,7 +219,7 @@ impl Planner {
         }
         let nodes = self.table(job, &cam, spin)?;
         if let Some(state) = self.spindles.get_mut(usize::from(WORK)) {
-            state.ordered = spin;
+            state.order(spin);
         }
         self.tell_spindles(job);
         self.await_spindles(job);

@@ -29,7 +29,7 @@ const LOOK: Angle = Angle::rev(6.0);
 /// What is coupled at present.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Coupled {
-    gear: Option<GearStep>,
+    pub(super) gear: Option<GearStep>,
     /// The gear is that of a hob.
     hobbing: bool,
     /// Turns of its master after which it passes the same facets again.

@@ -47,7 +47,7 @@ impl Planner {
     pub(super) fn rapid_along(&mut self, job: &mut Job, path: Path) {
         let busy = self.is_open()
             || self.outbox.is_waiting()
-            || self.spindles.iter().any(|state| state.throwing);
+            || self.spindles.iter().any(|state| state.throwing || state.surface.is_some());
         if self.joins_rapids() && !busy {
             let Some(bound) = self.bound(job, &path, true, f64::INFINITY) else { return };
             if !self.motion_is_refused(job, &bound, path.length(), bound.speed) {
@@ -143,8 +143,9 @@ impl Planner {
     }
 
     /// How fast the spindle is to turn.
+    /// With G96 the limit: motion by turns is planned for the fastest of them.
     fn turning(&self) -> Spin {
-        self.spindles.first().map_or(Spin::ZERO, |s| s.ordered.abs())
+        self.spindles.first().map_or(Spin::ZERO, |s| s.surface.map_or(s.ordered.abs(), |s| s.limit))
     }
 
     /// At rest before the next move, if the program wants that.

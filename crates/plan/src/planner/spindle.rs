@@ -43,9 +43,8 @@ impl Planner {
             SpindleOrder::ThrowChips(chips) => {
                 return self.throw_chips(job, usize::from(index), chips);
             }
-            SpindleOrder::ConstantSurfaceSpeed { .. } => {
-                let text = "constant surface speed (G96) is not available on this machine: give rpm with G97 S";
-                return self.findings.add(Diagnostic::error("M0310", job.span, text));
+            SpindleOrder::ConstantSurfaceSpeed { speed, limit } => {
+                return self.surface_speed(job, usize::from(index), *speed, *limit);
             }
         };
         let highest = limits.reachable(units::Torque::ZERO);
@@ -66,8 +65,7 @@ impl Planner {
             self.tell_spindles(job);
         }
         self.warned_still = false;
-        self.spindles[usize::from(index)].ordered =
-            if spin < Spin::ZERO { -bounded } else { bounded };
+        self.spindles[usize::from(index)].order(if spin < Spin::ZERO { -bounded } else { bounded });
     }
 
     /// Whether chips are being thrown off, and no step has waited for the end of it.
@@ -111,7 +109,7 @@ impl Planner {
 
     /// Whether an order has not reached the kernel yet.
     pub(super) fn is_open(&self) -> bool {
-        self.spindles.iter().any(|s| s.told != s.ordered)
+        self.spindles.iter().any(SpindleState::is_open)
     }
 
     /// A step that may go with a spindle order still open: waits behind it.
@@ -136,8 +134,11 @@ impl Planner {
         }
         let mut steps = Vec::new();
         for index in 0..self.spindles.len() {
-            let ordered = self.spindles[index].ordered;
-            steps.extend(self.turn(job, index, ordered));
+            let SpindleState { ordered, surface, .. } = self.spindles[index];
+            steps.extend(match surface {
+                Some(surface) => self.turn_by_surface(job, index, surface),
+                None => self.turn(job, index, ordered),
+            });
         }
         if !steps.is_empty() || self.outbox.is_waiting() {
             self.outbox.release(&steps, &self.limits, job.emit);
@@ -147,8 +148,9 @@ impl Planner {
     /// Steps that make a spindle turn at a speed. A ramp begins where the one before has ended, so that one
     /// is awaited.
     pub(super) fn turn(&mut self, job: &Job, index: usize, spin: Spin) -> Vec<Step> {
-        let told = self.spindles[index].told;
-        let ramp = (told != spin).then(|| self.told_ramp(&self.limits.spindles[index], told, spin));
+        let SpindleState { told, told_surface, .. } = self.spindles[index];
+        let differs = told != spin || told_surface.is_some();
+        let ramp = differs.then(|| self.told_ramp(&self.limits.spindles[index], told, spin));
         let state = &mut self.spindles[index];
         let mut steps = Vec::new();
         if let Some(ramp) = ramp {
@@ -159,7 +161,7 @@ impl Planner {
             steps.push(
                 job.step(StepKind::Spindle { spindle, order: SpindleStep::Turn { spin, ramp } }),
             );
-            *state = SpindleState { told: spin, awaited: false, throwing: false, ..*state };
+            *state = SpindleState { told: spin, awaited: false, throwing: false, told_surface: None, ..*state };
         }
         steps
     }

@@ -50,7 +50,7 @@ impl Planner {
         }
         self.pocket_is_reached(job, number);
         for state in &mut self.spindles {
-            state.ordered = Spin::ZERO;
+            state.order(Spin::ZERO);
         }
         if number == self.tool {
             return; // it is there already

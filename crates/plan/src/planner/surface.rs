@@ -1,0 +1,141 @@
+//! Constant surface speed (G96): what the kernel is told, and what cannot be done while it is in force.
+//!
+//! ```text
+//!   G96 ──► speed, limit, place of the work's axis ──► kernel: n by X, in every period
+//!           tool or work offset changes: the place again
+//! ```
+//!
+//! The axis of the work is where the program has its X zero, with the tool's offset, as on every lathe. The spindle
+//! follows X in rapids too, and the first cut after one awaits its speed.
+use super::{Job, Planner, SpindleState};
+use crate::findings::number;
+use crate::step::{SpindleStep, Step, StepKind};
+use crate::surface::SurfaceSpeed;
+use crate::tap_check::whole_rpm;
+use alloc::{format, vec, vec::Vec};
+use canon::OpKind;
+use diag::Diagnostic;
+use units::{Angle, Length, Speed, Spin, Torque};
+
+/// The spindle whose speed goes by X.
+const SPINDLE: usize = 0;
+/// The axis of the work is known to so much, mm.
+const SAME_AXIS: f64 = 1e-9;
+
+impl Planner {
+    /// G96.
+    pub(super) fn surface_speed(
+        &mut self,
+        job: &mut Job,
+        index: usize,
+        speed: Speed,
+        limit: Option<Spin>,
+    ) {
+        if !self.turns_work || index != SPINDLE {
+            let text = "constant surface speed (G96) is for a spindle that turns the work, and this one turns the tool: give rpm with G97 S";
+            return self.findings.add(Diagnostic::error("M0310", job.span, text));
+        }
+        if self.frame.rotation != Angle::ZERO {
+            let text = "constant surface speed (G96) needs X across the work's axis, and the program's X is turned away from it";
+            return self.findings.add(Diagnostic::error("M0310", job.span, text));
+        }
+        if !speed.is_finite() || limit.is_some_and(|limit| !(limit > Spin::ZERO)) {
+            let text = "G96 needs a surface speed and a limit above zero";
+            return self.findings.add(Diagnostic::error("M0310", job.span, text));
+        }
+        if speed.value() == 0.0 {
+            return self.spindle(job, index as u8, &canon::SpindleOrder::Stop);
+        }
+        let highest = self.limits.spindles[index].reachable(Torque::ZERO);
+        if limit.is_none() {
+            let text = format!(
+                "G96 without a limit: near the work's axis the spindle turns at its highest speed, {} rpm",
+                number(whole_rpm(highest)),
+            );
+            let help = "state what chuck and work bear: D in the block of G96, on a Fanuc lathe G50 S before it";
+            self.findings.add_once(Diagnostic::warning("M0319", job.span, text).with_help(help));
+        }
+        let limit = limit.map_or(highest, |limit| limit.min(highest));
+        if self.coupled.gear.is_some() {
+            return self.refuse_surface(job, "what is geared to the spindle");
+        }
+        let surface = SurfaceSpeed { speed, limit, axis: self.work_axis() };
+        if self.outbox.is_waiting() {
+            self.tell_spindles(job);
+        }
+        self.warned_still = false;
+        let x = self.position().linear[0];
+        let state = &mut self.spindles[index];
+        (state.surface, state.ordered) = (Some(surface), surface.at(x));
+    }
+
+    /// Where X has the tip on the axis of the work.
+    fn work_axis(&self) -> Length {
+        self.frame.origin.linear[0] + self.frame.tool.linear[0] + self.frame.added.linear[0]
+    }
+
+    /// Before an op: the axis of the work may lie elsewhere now, and some ops need revolutions per minute.
+    pub(super) fn aim_surface(&mut self, job: &Job, kind: &OpKind) {
+        let axis = self.work_axis();
+        let Some(state) = self.spindles.get_mut(SPINDLE) else { return };
+        let Some(surface) = &mut state.surface else { return };
+        if (surface.axis - axis).abs().value() > SAME_AXIS {
+            surface.axis = axis;
+        }
+        let what = match kind {
+            OpKind::Threading(_) => "a thread",
+            OpKind::Tap(_) => "a tap",
+            OpKind::Polygon(_) => "a polygon",
+            OpKind::Hob(_) => "a gear",
+            OpKind::Cam(_) => "a cam",
+            _ => return,
+        };
+        self.refuse_surface(job, what);
+    }
+
+    fn refuse_surface(&mut self, job: &Job, what: &str) {
+        let text = format!(
+            "{what} needs a speed in revolutions per minute, but constant surface speed (G96) is in force: write G97 S… before it"
+        );
+        self.findings.add(Diagnostic::error("M0355", job.span, text));
+        // what follows is judged as at the speed that there is
+        if let Some(state) = self.spindles.get_mut(SPINDLE) {
+            state.order(state.ordered);
+        }
+    }
+
+    /// After an op: the speed that is in force where X is now. A rapid changes it, and the next cut waits for it.
+    pub(super) fn follow_surface(&mut self, kind: &OpKind) {
+        let x = self.position().linear[0];
+        let Some(state) = self.spindles.get_mut(SPINDLE) else { return };
+        if let Some(surface) = state.surface {
+            state.ordered = surface.at(x);
+        }
+        if let Some(surface) = state.told_surface {
+            let spin = surface.at(x);
+            if matches!(kind, OpKind::Rapid { .. }) && spin != state.told {
+                state.awaited = false;
+            }
+            state.told = spin;
+        }
+    }
+
+    /// Steps that make a spindle turn by the place of X.
+    pub(super) fn turn_by_surface(
+        &mut self,
+        job: &Job,
+        index: usize,
+        surface: SurfaceSpeed,
+    ) -> Vec<Step> {
+        let SpindleState { told, told_surface, ordered, .. } = self.spindles[index];
+        if told_surface == Some(surface) {
+            return Vec::new();
+        }
+        let ramp = self.told_ramp(&self.limits.spindles[index], told, ordered);
+        let state = &mut self.spindles[index];
+        (state.told, state.told_surface) = (ordered, Some(surface));
+        (state.awaited, state.throwing) = (false, false);
+        let order = SpindleStep::Surface { surface, ramp };
+        vec![job.step(StepKind::Spindle { spindle: index as u8, order })]
+    }
+}

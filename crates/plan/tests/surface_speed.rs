@@ -1,0 +1,103 @@
+//! Constant surface speed (G96), as it is planned.
+mod common;
+use canon::{Axis, Feed, OpKind, Position, ProgramFrame, SpindleOrder};
+use common::{findings_of, line, planner_at, program, rapid, steps_of, turn};
+use plan::{Planner, SpindleStep, Step, StepKind};
+use units::{Angle, Lead, Length, Speed, Spin};
+
+/// A lathe whose work turns about X-30, standing on a diameter of 60 mm.
+fn lathe() -> Planner {
+    let mut planner = planner_at(Position::default(), 0).turning_work();
+    let (origin, tool) = (Position::xyz(-50.0, 0.0, 0.0), Position::xyz(20.0, 0.0, 0.0));
+    planner.written_in(ProgramFrame { origin, tool, ..ProgramFrame::default() });
+    planner
+}
+
+/// 100 m/min.
+fn surface(limit_rpm: Option<f64>) -> OpKind {
+    let limit = limit_rpm.map(Spin::rpm);
+    let speed = Speed::mm_per_min(100_000.0);
+    let order = SpindleOrder::ConstantSurfaceSpeed { speed, limit };
+    OpKind::Spindle { spindle: 0, order }
+}
+
+fn words(steps: &[Step]) -> String {
+    let word = |step: &Step| match &step.kind {
+        StepKind::Spindle { order: SpindleStep::Surface { surface, ramp }, .. } => format!(
+            "surface({:.0},{:.0},{:.0},{:.0})",
+            surface.speed.in_mm_per_min(),
+            surface.limit.in_rpm(),
+            surface.axis.value(),
+            ramp.end().v * 60.0,
+        ),
+        StepKind::Spindle { order: SpindleStep::Turn { spin, .. }, .. } => {
+            format!("turn({:.0})", spin.in_rpm())
+        }
+        StepKind::Spindle { order: SpindleStep::AwaitSpeed, .. } => "await".into(),
+        StepKind::Move(order) if order.rapid => format!("rapid({})", order.path.to().along(Axis::X).value()),
+        StepKind::Move(order) => format!("cut({})", order.path.to().along(Axis::X).value()),
+        StepKind::End => "end".into(),
+        other => format!("{other:?}"),
+    };
+    steps.iter().map(word).collect::<Vec<_>>().join(" ")
+}
+
+/// 100 m/min at X0 of this machine, 30 mm from the axis: 530.5 rpm.
+#[test]
+fn it_goes_about_the_programs_x_zero_and_each_cut_after_a_rapid_awaits_it() {
+    let ops = [
+        surface(Some(2500.0)),
+        rapid(-10.0, 0.0, 0.0),
+        line(-29.0, 0.0, 0.0, 200.0),
+        rapid(-10.0, 0.0, 0.0),
+        line(-29.0, 0.0, 0.0, 200.0),
+        turn(600.0),
+        line(-10.0, 0.0, 0.0, 200.0),
+        OpKind::End,
+    ];
+    assert_eq!(
+        words(&steps_of(lathe(), ops)),
+        "surface(100000,2500,-30,796) rapid(-10) await cut(-29) rapid(-10) await cut(-29) turn(600) await \
+         cut(-10) turn(0) end"
+    );
+}
+
+#[test]
+fn a_limit_above_the_spindles_own_is_its_own_and_none_is_said() {
+    let steps = steps_of(lathe(), [surface(Some(99_000.0)), line(-29.0, 0.0, 0.0, 200.0)]);
+    assert!(words(&steps).starts_with("surface(100000,10000,-30,531)"), "{}", words(&steps));
+    let said = findings_of(lathe(), [surface(None), line(-29.0, 0.0, 0.0, 200.0)]);
+    assert!(said.starts_with("M0319 Warning line 1: G96 without a limit: near the work's axis the spindle turns at its highest speed, 10000 rpm"), "{said}");
+}
+
+#[test]
+fn a_thread_needs_revolutions_per_minute() {
+    let thread = OpKind::Threading(canon::Threading {
+        to: Position::xyz(0.0, 0.0, -30.0),
+        lead: Lead::mm_per_rev(1.5),
+        growth: units::LeadGrowth::ZERO,
+        start_angle: Angle::ZERO,
+        axis: Axis::Z,
+        surface: Length::mm(-10.0),
+    });
+    let said = findings_of(lathe(), [surface(Some(2500.0)), thread.clone(), thread]);
+    let refused = "M0355 Error line 2: a thread needs a speed in revolutions per minute, but constant surface speed (G96) is in force: write G97 S… before it";
+    assert_eq!(said.matches("M0355").count(), 1, "{said}");
+    assert!(said.contains(refused), "{said}");
+}
+
+/// A cut from 30 mm to 1 mm with 0.3 mm a turn, at rest at both ends: t = ∫ 2πr/(v·f)·dr, and turns at the limit below
+/// r = v/(2π·n).
+#[test]
+fn the_time_of_a_feed_per_revolution_is_the_integral_over_the_radius() {
+    let feed = Feed::PerRevolution(Lead::mm_per_rev(0.3));
+    let facing = OpKind::Line { to: Position::xyz(-29.0, 0.0, 0.0), feed };
+    let lasts = |ops: Vec<OpKind>| plan::preflight(lathe(), &program(ops)).duration.value();
+    let alone = lasts(vec![surface(Some(2500.0)), line(-1e-6, 0.0, 0.0, 200.0)]);
+    let all = lasts(vec![surface(Some(2500.0)), facing]);
+    let (v, n) = (100e3 / 60.0, 2500.0 / 60.0);
+    let turn = core::f64::consts::TAU;
+    let knee = v / (turn * n);
+    let wanted = turn / 2.0 * (900.0 - knee * knee) / (v * 0.3) + (knee - 1.0) / 0.3 / n;
+    assert!(((all - alone) / wanted - 1.0).abs() < 0.01, "{} s, {wanted} s", all - alone);
+}
