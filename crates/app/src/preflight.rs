@@ -243,7 +243,11 @@ pub(crate) fn planner(session: &Session, options: Options) -> Planner {
     let limits = crate::wiring::planner(&session.machine);
     let mut planner = Planner::new(limits, session.tools.clone(), options, start);
     *planner.cams() = session.cams.for_planner();
-    if session.machine.setup.stock.bar_radius().is_some() { planner.turning_work() } else { planner }
+    if session.machine.setup.stock.bar_radius().is_some() {
+        planner.turning_work()
+    } else {
+        planner
+    }
 }
 
 /// Add a tool of no length for every number that the program calls and the table lacks, and for an empty spindle

@@ -83,8 +83,7 @@ impl Drives {
         for (index, spindle) in self.spindles.iter().enumerate() {
             let Some(spindle) = spindle else { continue };
             let swings = Spin::rev_per_s(spindle.swing.0.rate);
-            let wanted =
-                spindle.by_surface().unwrap_or(self.in_force[index] * spindle.share());
+            let wanted = spindle.by_surface().unwrap_or(self.in_force[index] * spindle.share());
             let has = spindle.now().spin - swings;
             let astray = wanted != Spin::ZERO
                 && !spindle.is_changing()

@@ -114,7 +114,13 @@ fn at_the_axis_of_the_work_and_beyond_it_the_limit_holds_in_either_sense() {
 fn after_it_a_speed_in_revolutions_is_held_wherever_x_goes() {
     let mut steps = facing(face(30.0, 10.0, 10.0, false));
     steps.pop();
-    let back = [turn(1500.0, 800.0), await_speed(), settled(), face(10.0, 30.0, 10.0, false), StepKind::End];
+    let back = [
+        turn(1500.0, 800.0),
+        await_speed(),
+        settled(),
+        face(10.0, 30.0, 10.0, false),
+        StepKind::End,
+    ];
     steps.extend(back);
     let seen = run_here(&steps, &[]);
     for sample in cut(&seen).filter(|s| s.report.op == 6) {

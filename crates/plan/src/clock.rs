@@ -136,7 +136,12 @@ impl Clock {
     }
 
     /// The speed at which turns last as long as they do on the mean of a way.
-    fn mean_along(&mut self, surface: &SurfaceSpeed, (from, to): (f64, f64), x: impl Fn(f64) -> f64) {
+    fn mean_along(
+        &mut self,
+        surface: &SurfaceSpeed,
+        (from, to): (f64, f64),
+        x: impl Fn(f64) -> f64,
+    ) {
         let looks = (0..LOOKS).map(|k| {
             let share = (f64::from(k) + 0.5) / f64::from(LOOKS);
             1.0 / surface.at(Length::mm(x(from + share * (to - from)))).abs().value()

@@ -149,6 +149,9 @@ fn assert_hangs_together(steps: &[Step]) {
                 );
                 (spin, awaited) = (*to, false);
             }
+            StepKind::Spindle { order: SpindleStep::Surface { .. }, .. } => {
+                panic!("this machine's spindle turns the tool")
+            }
             StepKind::Spindle { order: SpindleStep::AwaitSpeed, .. } => awaited = true,
             StepKind::Spindle { order: SpindleStep::Orient(_), .. } => assert_eq!(spin, Spin::ZERO),
             StepKind::Spindle { order: SpindleStep::Throw(throw), .. } => {

@@ -38,6 +38,7 @@ fn words(steps: &[Step]) -> String {
         StepKind::Spindle { order: SpindleStep::Turn { spin, .. }, .. } => {
             format!("turn({})", spin.in_rpm().round())
         }
+        StepKind::Spindle { order: SpindleStep::Surface { .. }, .. } => "surface".into(),
         StepKind::Spindle { order: SpindleStep::AwaitSpeed, .. } => "await".into(),
         StepKind::Spindle { order: SpindleStep::Orient(_), .. } => "orient".into(),
         StepKind::Spindle { order: SpindleStep::Throw(throw), .. } => {

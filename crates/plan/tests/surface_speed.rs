@@ -34,7 +34,9 @@ fn words(steps: &[Step]) -> String {
             format!("turn({:.0})", spin.in_rpm())
         }
         StepKind::Spindle { order: SpindleStep::AwaitSpeed, .. } => "await".into(),
-        StepKind::Move(order) if order.rapid => format!("rapid({})", order.path.to().along(Axis::X).value()),
+        StepKind::Move(order) if order.rapid => {
+            format!("rapid({})", order.path.to().along(Axis::X).value())
+        }
         StepKind::Move(order) => format!("cut({})", order.path.to().along(Axis::X).value()),
         StepKind::End => "end".into(),
         other => format!("{other:?}"),

@@ -20,8 +20,8 @@ use crate::config::Config;
 use crate::stroke::Stroke;
 use bus::{Sample, State};
 use canon::{Axis, Holder, Op, OpKind, SpindleOrder, ToolKind};
-use std::collections::{BTreeMap, VecDeque};
 use core::f64::consts::TAU;
+use std::collections::{BTreeMap, VecDeque};
 use units::{Angle, Length, Speed, Spin, Time};
 
 mod breakage;

@@ -161,7 +161,13 @@ impl Planner {
             steps.push(
                 job.step(StepKind::Spindle { spindle, order: SpindleStep::Turn { spin, ramp } }),
             );
-            *state = SpindleState { told: spin, awaited: false, throwing: false, told_surface: None, ..*state };
+            *state = SpindleState {
+                told: spin,
+                awaited: false,
+                throwing: false,
+                told_surface: None,
+                ..*state
+            };
         }
         steps
     }

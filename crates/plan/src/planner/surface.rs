@@ -33,7 +33,14 @@ impl Planner {
     ) {
         if !self.turns_work || index != SPINDLE {
             let text = "constant surface speed (G96) is for a spindle that turns the work, and this one turns the tool: give rpm with G97 S";
-            return self.findings.add(Diagnostic::error("M0310", job.span, text));
+            self.findings.add(Diagnostic::error("M0310", job.span, text));
+            // what follows is judged as though it turned
+            if let Some(state) = self.spindles.get_mut(index) {
+                let highest = self.limits.spindles[index].reachable(Torque::ZERO);
+                let spin = limit.map_or(highest, |limit| limit.abs().min(highest));
+                state.order(if speed < Speed::ZERO { -spin } else { spin });
+            }
+            return;
         }
         if self.frame.rotation != Angle::ZERO {
             let text = "constant surface speed (G96) needs X across the work's axis, and the program's X is turned away from it";
