@@ -72,12 +72,11 @@ fn without_a_limit_it_is_said_and_where_the_spindle_turns_the_tool_it_is_refused
     let program = "G21 G90\nG96 S100 M3\nG1 X10 F100\nM2\n";
     let (_, text) = leadscrew(&["check"], program, &LINUXCNC);
     assert!(text.contains("warning[M0319]: G96 without a limit"), "{text}");
-    let (code, text) = leadscrew(&["check"], program, &["--machine", "tapping-center"]);
-    assert_eq!(code, Some(2), "{text}");
-    assert!(
-        text.contains(
-            "error[M0310]: constant surface speed (G96) is for a spindle that turns the work"
-        ),
-        "{text}"
-    );
+    for machine in ["tapping-center", "gear-hobber", "cam-grinder"] {
+        let (code, text) = leadscrew(&["check"], program, &["--machine", machine]);
+        assert_eq!(code, Some(2), "{text}");
+        let refused =
+            "error[M0310]: constant surface speed (G96) is for a spindle that turns the work";
+        assert!(text.contains(refused), "{machine}: {text}");
+    }
 }

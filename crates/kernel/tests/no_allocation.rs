@@ -44,6 +44,26 @@ fn ticks_learning(mode: SyncMode, steps: &[StepKind], learning: Option<Learning>
 }
 
 #[test]
+fn no_tick_of_a_surface_speed_takes_memory() {
+    let (near, far) = (Position::xyz(20.0, 0.0, 0.0), Position::xyz(60.0, 0.0, 0.0));
+    let surface = plan::SurfaceSpeed {
+        speed: units::Speed::mm_per_min(100e3),
+        limit: units::Spin::rpm(3000.0),
+        axis: units::Length::ZERO,
+    };
+    let order = plan::SpindleStep::Surface { surface, ramp: plan::Profile::EMPTY };
+    let steps = [
+        line(Position::default(), far, 100.0, true),
+        StepKind::Spindle { spindle: 0, order },
+        await_speed(),
+        line(far, near, 20.0, true),
+        StepKind::End,
+    ];
+    let ticks = ticks_without_memory(SyncMode::CommandSynchronised, &steps);
+    assert!(ticks > 8000, "{ticks}");
+}
+
+#[test]
 fn no_tick_of_a_whole_tapping_program_takes_memory() {
     let (zero, corner) = (Position::default(), Position::xyz(50.0, 20.0, 0.0));
     let mut steps = vec![turn(0.0, 3000.0), await_speed(), line(zero, corner, 100.0, true)];
