@@ -93,6 +93,7 @@ impl SpindleState {
 
 /// From operations to steps. See the module's header.
 #[derive(Clone, Debug)]
+#[allow(clippy::struct_excessive_bools)] // each on its own: any of them may hold with any other
 pub struct Planner {
     pub(crate) limits: MachineLimits,
     options: Options,

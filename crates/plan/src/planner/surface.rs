@@ -46,7 +46,9 @@ impl Planner {
             let text = "constant surface speed (G96) needs X across the work's axis, and the program's X is turned away from it";
             return self.findings.add(Diagnostic::error("M0310", job.span, text));
         }
-        if !speed.is_finite() || limit.is_some_and(|limit| !(limit > Spin::ZERO)) {
+        if !speed.is_finite()
+            || limit.is_some_and(|limit| limit <= Spin::ZERO || !limit.is_finite())
+        {
             let text = "G96 needs a surface speed and a limit above zero";
             return self.findings.add(Diagnostic::error("M0310", job.span, text));
         }
