@@ -101,16 +101,13 @@ impl State {
     fn carried(&self, before: &Self, after: &Self, asked: &Asked) -> Option<Self> {
         let mut then = self.lend(before, before.clone());
         (then.at, then.line, then.motion) = (self.at, self.line, self.motion);
-        then.doubts = self.doubts;
         if then != *self || !self.is_unasked(before, asked) {
             return None;
         }
-        let lines = |it: &Self| matches!(it.motion, Motion::Rapid | Motion::Feed);
-        if self.doubts.differ_in_motion(before.doubts) && !(lines(self) && lines(before)) {
-            return None; // what a block of axis words does is known in one of the two only
+        if self.doubts.changes_what_is_done() {
+            return None; // what is followed after a refusal asks for anything
         }
         let mut new = self.lend(before, after.clone());
-        new.doubts = after.doubts.carried(before.doubts, self.doubts);
         if !asked.motion && self.motion != before.motion {
             new.motion = self.motion;
         }

@@ -77,14 +77,9 @@ impl Doubts {
         self.0 & doubts != 0
     }
 
-    /// Whether only one of two knows which motion is in force.
-    pub(crate) const fn differ_in_motion(self, other: Self) -> bool {
-        (self.0 ^ other.0) & Self::MOTION != 0
-    }
-
-    /// These, at the end of a stretch that began with `before`, if it begins with `now`: at most.
-    pub(crate) const fn carried(self, before: Self, now: Self) -> Self {
-        Self(self.0 & !(before.0 & !now.0) | now.0 & !before.0)
+    /// Whether blocks do something else than without; what else is not known hides findings only.
+    pub(crate) const fn changes_what_is_done(self) -> bool {
+        self.has(Self::MOTION | Self::PARAMETERS)
     }
 
     /// Both.
@@ -277,6 +272,9 @@ impl Executor {
 
     /// After a block was executed: what it has said is known again.
     pub(crate) fn settle_doubts<S: Sink>(&mut self, block: &gcode::Block, sink: &mut S) {
+        if self.state.doubts.changes_what_is_done() {
+            self.asked.more(); // what is followed asks for anything
+        }
         let words = &self.words;
         if words.place.span != block.span {
             return; // O-words, jumps: no words were read
@@ -305,6 +303,7 @@ impl Executor {
 
     /// What the block says as far as it is understood, without complaints: modes, and where it leads.
     pub(crate) fn follow<S: Sink>(&mut self, sink: &mut S) {
+        self.asked.more();
         let failed = self.words.stage;
         let known = self.state.doubts;
         sink.doubt(Doubts::ALL);
