@@ -15,6 +15,8 @@
 //! stays its followers' master.
 //!
 //! Numbers here are in rev, s, N·m; inertia in N·m per rev/s² (J·2π).
+mod surface;
+
 use crate::config::{Config, SpindleControl};
 use crate::friction::spindle_friction;
 use crate::servo::{Gains, Input, Servo};
@@ -22,7 +24,7 @@ use bus::{SpindleCommand, SpindleFeedback};
 use core::f64::consts::TAU;
 use plan::{Profile, SurfaceSpeed};
 use sync::{Blend, Observer, Rotation, Swing, Tracker};
-use units::{Angle, Length, Spin, SpinAccel, Time, Torque};
+use units::{Angle, Spin, SpinAccel, Time, Torque};
 
 /// Share of the torque curve that unplanned changes of speed use.
 const UNPLANNED: f64 = 0.75;
@@ -263,27 +265,6 @@ impl SpindleLoop {
     /// No speed of the program is in force.
     const fn release(&mut self) {
         (self.programmed, self.surface) = (None, None);
-    }
-
-    /// Turn by the place of X from now on.
-    pub(crate) const fn turn_by_surface(&mut self, surface: SurfaceSpeed) {
-        self.surface = Some(surface);
-        self.changing_s = 0.0;
-    }
-
-    /// X is ordered to this place: the speed that belongs to it, which is reached on the ramps that nobody planned. The
-    /// operator's share acts on it, and the program's limit on both.
-    pub(crate) fn follow_surface(&mut self, x: Length) {
-        let Some(surface) = self.surface else { return };
-        let spin = surface.at(x).value();
-        let limit = surface.limit.abs().value();
-        self.programmed = Some(spin);
-        self.order = Order::Slew(self.overridden(spin).clamp(-limit, limit));
-    }
-
-    /// The speed that a cut needs where it turns by the place of X: the one that its ramps have reached.
-    pub(crate) fn by_surface(&self) -> Option<Spin> {
-        self.surface.map(|_| self.ordered.spin)
     }
 
     /// What the operator makes of a speed, rev/s; never above what the spindle may turn.
