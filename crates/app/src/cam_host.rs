@@ -6,9 +6,9 @@
 //! ```
 //!
 //! The kernel waits at the end of a turn with everything coupled and turning, so nothing here hurries.
-use crate::args::Compensation;
 use crate::cams::CamSetup;
 use crate::clock::now;
+use crate::options::Compensation;
 use bus::Sample;
 use canon::{Axis, CamOrder, Op, OpKind};
 use kernel::Kernel;

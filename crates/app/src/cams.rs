@@ -7,7 +7,7 @@
 //! ```
 mod library;
 
-use crate::args::{Compensation, Estimator, ProgramArgs, WorkSpeedChoice};
+use crate::options::{Compensation, Estimator, ProgramOptions};
 use crate::refused::Refused;
 use crate::wiring;
 use canon::{Axis, CamLibrary, CamOrder, CamProfile, OpKind};
@@ -57,7 +57,7 @@ pub(crate) struct CamSetup {
     wanted: Vec<(u32, Spin)>,
     courses: Vec<Course>,
     made: Vec<Made>,
-    work_speed: Option<WorkSpeedChoice>,
+    work_speed: Option<WorkSpeed>,
     grinding: Option<Grinding>,
     clamped: Vec<Clamped>,
     taught: RepetitionOptions,
@@ -69,10 +69,10 @@ pub(crate) struct CamSetup {
 }
 
 impl CamSetup {
-    /// As the arguments say, for a program at this path. A library that only lies beside the program counts where the
+    /// As the options say, for a program at this path. A library that only lies beside the program counts where the
     /// machine grinds cams.
     pub(crate) fn load(
-        args: &ProgramArgs,
+        options: &ProgramOptions,
         program: &Path,
         machine: &MachineFile,
     ) -> Result<Self, Refused> {
@@ -80,7 +80,7 @@ impl CamSetup {
             let folder = program.parent().filter(|_| machine.grinding.is_some())?;
             Some(folder.join(BESIDE)).filter(|path| path.is_file())
         };
-        let made = match args.cams.clone().or_else(beside) {
+        let made = match options.cams.clone().or_else(beside) {
             None => Vec::new(),
             Some(path) => library::read(&path, machine)?,
         };
@@ -88,13 +88,13 @@ impl CamSetup {
         Ok(Self {
             library: CamLibrary::new(made.iter().map(|made| made.profile.clone())),
             phases: Phases::new(&machine.name, mark(machine)),
-            path: args.phase_table.clone(),
-            method: args.compensation,
-            estimator: args.estimator,
+            path: options.phase_table.clone(),
+            method: options.compensation,
+            estimator: options.estimator,
             wanted: Vec::new(),
             courses: Vec::new(),
             made,
-            work_speed: args.work_speed,
+            work_speed: options.work_speed,
             grinding: machine.grinding,
             clamped: Vec::new(),
             taught: RepetitionOptions {
@@ -181,10 +181,7 @@ impl CamSetup {
         let Some(made) = self.made.iter().find(|m| m.profile.number == profile && !known) else {
             return;
         };
-        let even = match self.work_speed {
-            None => made.work_speed == WorkSpeed::Even,
-            Some(choice) => choice == WorkSpeedChoice::Even,
-        };
+        let even = self.work_speed.unwrap_or(made.work_speed) == WorkSpeed::Even;
         let swing = self.bounds.filter(|_| even).map(|(b, hz)| made.path.rhythm(spin, &b, hz));
         let (nodes, lead) = match swing {
             None => (made.profile.nodes.clone(), None),

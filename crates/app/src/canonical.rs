@@ -16,7 +16,7 @@ use std::io::{self, BufWriter, Write};
 /// Print them; true if the program is not refused.
 pub(crate) fn command(args: &CanonArgs) -> Result<bool, Refused> {
     if !args.left.is_asked()
-        && let Some(session) = pieces::session(&args.source, &args.program)?
+        && let Some(session) = pieces::session(&args.source.options(), &args.program)?
     {
         let name = args.program.display().to_string();
         let show = |findings: &[Diagnostic], text: &[u8]| {
@@ -32,7 +32,7 @@ pub(crate) fn command(args: &CanonArgs) -> Result<bool, Refused> {
         };
     }
     let text = read_program(&args.program)?;
-    let session = Session::load(&args.source, &args.program, &text)?;
+    let session = Session::load(&args.source.options(), &args.program, &text)?;
     let out = io::stdout().lock();
     let (written, findings) = match args.format {
         CanonFormat::Linuxcnc => listing(&session, &text, out),

@@ -1,5 +1,5 @@
 //! `leadscrew check`: everything that is wrong with programs, at once, without moving anything.
-use crate::args::{CheckArgs, FindingsFormat, MissingTools};
+use crate::args::{CheckArgs, FindingsFormat};
 use crate::pieces::{self, Pieces};
 use crate::preflight::{self, add};
 use crate::progress::Progress;
@@ -133,7 +133,7 @@ fn whole(args: &CheckArgs, path: &Path, text: &[u8], told: &mut Told) -> Result<
         return as_found(args, path, text, told);
     }
     let name = path.display().to_string();
-    let mut session = Session::load(&args.source, path, text)?;
+    let mut session = Session::load(&args.source.options(), path, text)?;
     let options = session.plan_options(session.machine.setup.stock.material);
     let progress = Progress::new(1, "checking");
     let found = preflight::judge(&mut session, text, options, &|| true);
@@ -145,7 +145,7 @@ fn whole(args: &CheckArgs, path: &Path, text: &[u8], told: &mut Told) -> Result<
 /// A long program that cannot be read in pieces, for its O-words lead here and there: what is found is told as it goes.
 fn as_found(args: &CheckArgs, path: &Path, text: &[u8], told: &mut Told) -> Result<(), Refused> {
     let name = path.display().to_string();
-    let mut session = Session::load(&args.source, path, text)?;
+    let mut session = Session::load(&args.source.options(), path, text)?;
     let options = session.plan_options(session.machine.setup.stock.material);
     let drawn = session.drawn.clone();
     told.tools_from.clone_from(&session.tools_from);
@@ -166,9 +166,10 @@ fn as_found(args: &CheckArgs, path: &Path, text: &[u8], told: &mut Told) -> Resu
 /// The session of a program that is read in pieces. To find the tools that are to be stood in for, the whole program
 /// is needed.
 fn long_session(args: &CheckArgs, path: &Path) -> Result<Option<Session>, Refused> {
-    match args.source.missing_tools {
-        MissingTools::Refuse => pieces::session(&args.source, path),
-        MissingTools::StandIn => Ok(None),
+    let options = args.source.options();
+    match options.missing_tools {
+        interp::MissingTools::Refuse => pieces::session(&options, path),
+        interp::MissingTools::StandIn => Ok(None),
     }
 }
 

@@ -8,10 +8,8 @@
 //!
 //! Every processor of the computer runs rows. Every cell is a run of its own on a machine that has just been switched on, by a program of the neutral codes; the last
 //! whole turn is judged by where work and wheel really were.
-use crate::args::{
-    ClutchDwell, Compensation, CompensationArgs, CompensationOutput, DecimalPoint, Dialect,
-    Estimator, MissingTools, ProgramArgs,
-};
+use crate::args::{CompensationArgs, CompensationOutput, Switch};
+use crate::options::{Compensation, DecimalPoint, Estimator, ProgramOptions};
 use crate::preflight::preflight;
 use crate::progress::Progress;
 use crate::refused::Refused;
@@ -149,26 +147,16 @@ fn notes(args: &CompensationArgs, cost: Duration) -> Vec<String> {
 }
 
 /// What a session is told for one cell.
-fn program(args: &CompensationArgs, method: Compensation, estimator: Estimator) -> ProgramArgs {
-    ProgramArgs {
-        machine: args.machine.clone(),
-        tools: None,
-        tool_unit: crate::args::ToolUnit::Mm,
-        parameters: None,
-        missing_tools: MissingTools::Refuse,
-        tapping: None,
-        clutch_dwell: ClutchDwell::Refuse,
-        dialect: Some(Dialect::Linuxcnc),
+fn program(args: &CompensationArgs, method: Compensation, estimator: Estimator) -> ProgramOptions {
+    ProgramOptions {
+        dialect: Some(interp::Dialect::LinuxCnc),
         decimal_point: Some(DecimalPoint::Calculator),
-        block_skip: Vec::new(),
-        subprograms: Vec::new(),
         cams: Some(args.library.clone()),
-        phase_table: None,
         compensation: method,
         estimator,
-        work_speed: args.work_speed,
-        feed_forward: Some(args.feed_forward),
-        tapping_preset: None,
+        work_speed: args.work_speed.map(Into::into),
+        without_feed_forward: args.feed_forward == Switch::Off,
+        ..ProgramOptions::on(&args.machine)
     }
 }
 

@@ -1,11 +1,10 @@
 //! How a program is read: by the command line, else by the machine's file; and what the machine has set for cycles.
-use crate::args;
 use store::machine::{self, BoringAside, Control, CycleDepth, MachineFile};
 
 /// The dialect asked for, or the machine's own.
-pub(crate) fn of(asked: Option<args::Dialect>, machine: &MachineFile) -> interp::Dialect {
+pub(crate) fn of(asked: Option<interp::Dialect>, machine: &MachineFile) -> interp::Dialect {
     match asked {
-        Some(asked) => named(asked),
+        Some(asked) => asked,
         None => match machine.control.dialect {
             machine::Dialect::LinuxCnc => interp::Dialect::LinuxCnc,
             machine::Dialect::Brother => interp::Dialect::Brother,
@@ -15,19 +14,6 @@ pub(crate) fn of(asked: Option<args::Dialect>, machine: &MachineFile) -> interp:
             machine::Dialect::FanucLatheC => interp::Dialect::FanucLatheC,
             machine::Dialect::Toyoda => interp::Dialect::Toyoda,
         },
-    }
-}
-
-/// The dialect of this name.
-pub(crate) const fn named(name: args::Dialect) -> interp::Dialect {
-    match name {
-        args::Dialect::Linuxcnc => interp::Dialect::LinuxCnc,
-        args::Dialect::Brother => interp::Dialect::Brother,
-        args::Dialect::Fanuc => interp::Dialect::Fanuc,
-        args::Dialect::FanucLatheA => interp::Dialect::FanucLatheA,
-        args::Dialect::FanucLatheB => interp::Dialect::FanucLatheB,
-        args::Dialect::FanucLatheC => interp::Dialect::FanucLatheC,
-        args::Dialect::Toyoda => interp::Dialect::Toyoda,
     }
 }
 

@@ -9,7 +9,7 @@ use std::path::Path;
 /// Format them all; with `--check` change nothing and return false if something would change.
 pub(crate) fn command(args: &FormatArgs, quiet: bool) -> Result<bool, Refused> {
     let mut clean = true;
-    let dialect = crate::dialect::named(args.dialect);
+    let dialect = interp::Dialect::from(args.dialect);
     let grammar = dialect.grammar();
     for path in crate::check::programs(&args.programs)? {
         let text = read_program(&path)?;

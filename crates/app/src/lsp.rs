@@ -1,5 +1,5 @@
 //! `leadscrew lsp`: the language server on standard input and output.
-use crate::args::ProgramArgs;
+use crate::options::ProgramOptions;
 use crate::refused::Refused;
 use crate::session::Session;
 use diag::Diagnostic;
@@ -12,9 +12,9 @@ use std::sync::{
 };
 
 /// Serve one editor. True if it took leave in order.
-pub(crate) fn command(source: &ProgramArgs) -> Result<bool, Refused> {
+pub(crate) fn command(source: ProgramOptions) -> Result<bool, Refused> {
     let (connection, threads) = Connection::stdio();
-    let host = Machines { source: source.clone() };
+    let host = Machines { source };
     let served = lsp::serve(&connection, &host);
     drop(connection);
     let served = served.map_err(|e| Refused::because(format!("the editor broke off: {e}")))?;
@@ -24,7 +24,7 @@ pub(crate) fn command(source: &ProgramArgs) -> Result<bool, Refused> {
 
 /// What programs meet: the machine, the tools and the files beside them.
 struct Machines {
-    source: ProgramArgs,
+    source: ProgramOptions,
 }
 
 impl lsp::Host for Machines {
@@ -39,8 +39,8 @@ impl lsp::Host for Machines {
         let program = program(uri);
         let session = Session::load(&self.source, &program, b"").ok()?;
         let grammar = session.dialect.grammar();
-        let (args, machine) = (&self.source, &session.machine);
-        let file = crate::subprograms::file_of(args, machine, &program, name, grammar)?;
+        let (options, machine) = (&self.source, &session.machine);
+        let file = crate::subprograms::file_of(options, machine, &program, name, grammar)?;
         Some(written(&std::path::absolute(file).ok()?))
     }
 
@@ -57,7 +57,7 @@ struct Running {
 }
 
 impl Running {
-    fn start(source: ProgramArgs, program: PathBuf, text: Vec<u8>) -> Self {
+    fn start(source: ProgramOptions, program: PathBuf, text: Vec<u8>) -> Self {
         let (tell, answer) = sync_channel(1);
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = Arc::clone(&stop);

@@ -1,9 +1,8 @@
 //! Every key of every embedded machine does something: changed, it changes what control, planner, simulated plant, judge or
 //! interpreter is told. A key that is read and then forgotten is a promise that nobody keeps.
-use crate::args::{Cli, Command, ProgramArgs};
+use crate::options::ProgramOptions;
 use crate::session::Session;
 use crate::wiring;
-use clap::Parser;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::Path;
 use store::machine::{EMBEDDED, MachineFile, Preset, embedded, parse};
@@ -104,16 +103,6 @@ fn others(value: &str) -> Vec<String> {
     }
 }
 
-/// What a program meets, that grinds cams where the machine does.
-fn arguments(machine: &MachineFile, file: &Path) -> ProgramArgs {
-    let program = if machine.grinding.is_some() { "cam-grind.nc" } else { "plate-12xM6.ngc" };
-    let words = ["leadscrew", "run", program, "--machine", file.to_str().unwrap_or_default()];
-    match Cli::parse_from(words).command {
-        Command::Run(run) => run.source,
-        _ => unreachable!("`run` is a run"),
-    }
-}
-
 /// What control, planner and plant are told, in one number.
 fn wired(machine: &MachineFile) -> u64 {
     let mut hash = DefaultHasher::new();
@@ -144,7 +133,7 @@ fn met(machine: &MachineFile, text: &str, file: &Path) -> Option<u64> {
     let grinds = machine.grinding.is_some();
     let program = programs.join(if grinds { "cam-grind.nc" } else { "plate-12xM6.ngc" });
     let source = std::fs::read(&program).ok()?;
-    let session = Session::load(&arguments(machine, file), &program, &source).ok()?;
+    let session = Session::load(&ProgramOptions::on(file.to_str()?), &program, &source).ok()?;
     let material = machine.setup.stock.material;
     let seed = u64::from(machine.simulation.seed);
     let config = wiring::simulator(machine, &session.tools, material, seed, &session.work_zero());

@@ -44,6 +44,7 @@ mod machine;
 #[cfg(test)]
 mod machine_keys;
 mod measures;
+mod options;
 mod pace;
 mod papers;
 mod patience;
@@ -143,7 +144,7 @@ fn execute(cli: &Cli) -> Result<ExitCode, Refused> {
         Command::Check(args) => Ok(accepted(check::command(args, cli.quiet)?)),
         Command::Canon(args) => Ok(accepted(canonical::command(args)?)),
         Command::Fmt(args) => Ok(accepted(format::command(args, cli.quiet)?)),
-        Command::Lsp(source) => Ok(accepted(lsp::command(source)?)),
+        Command::Lsp(source) => Ok(accepted(lsp::command(source.options())?)),
         Command::Codes { format } => {
             codes::command(*format)?;
             Ok(ExitCode::SUCCESS)

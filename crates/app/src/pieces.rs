@@ -7,7 +7,7 @@
 //! ```
 //!
 //! So the first findings of a program of any length are there at once, and memory stays what a piece needs.
-use crate::args::ProgramArgs;
+use crate::options::ProgramOptions;
 use crate::refused::Refused;
 use crate::say;
 use crate::session::Session;
@@ -34,12 +34,12 @@ fn suits(path: &Path, setup: &interp::Setup) -> Result<bool, Refused> {
 }
 
 /// What a program meets, if it is read in pieces.
-pub(crate) fn session(args: &ProgramArgs, path: &Path) -> Result<Option<Session>, Refused> {
+pub(crate) fn session(options: &ProgramOptions, path: &Path) -> Result<Option<Session>, Refused> {
     let long = path.metadata().is_ok_and(|data| data.is_file() && data.len() > WHOLE);
     if !long {
         return Ok(None);
     }
-    let session = Session::load(args, path, b"")?;
+    let session = Session::load(options, path, b"")?;
     Ok(suits(path, &session.interp_setup())?.then_some(session))
 }
 

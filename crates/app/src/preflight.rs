@@ -10,13 +10,13 @@
 //!   run   ─┤    one order         ├─ remarks       legal, and likely to hurt
 //!   lsp   ─┘                      └─ tool table    which one, and what was not understood of it
 //! ```
-use crate::args::MissingTools;
 use crate::program::Ops;
 use crate::refused::Refused;
 use crate::restart::Restart;
 use crate::session::Session;
 use canon::{Op, OpKind, Tool, ToolKind};
 use diag::{Diagnostic, Severity};
+use interp::MissingTools;
 use plan::{Options, Planner, Start};
 use std::collections::{BTreeSet, HashSet};
 use units::{Length, Time};

@@ -153,7 +153,7 @@ fn ending(outcome: &Outcome) -> Ending {
 impl Job {
     fn load(args: &RunArgs) -> Result<Self, Refused> {
         let text = read_program(&args.program)?;
-        let mut session = Session::load(&args.source, &args.program, &text)?;
+        let mut session = Session::load(&args.source.options(), &args.program, &text)?;
         let material = material(args.material.as_deref(), session.machine.setup.stock.material)?;
         let told = script::told(&args.fault, &args.operator, &session.machine);
         let told = told.map_err(Refused::because)?;

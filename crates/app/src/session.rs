@@ -1,9 +1,7 @@
 //! What a program meets: its text, the machine, the tools, the parameters; loaded once, from wherever they are.
-use crate::args::{
-    ClutchDwell, DecimalPoint, MissingTools, ProgramArgs, Switch, Tapping, TappingPreset, ToolUnit,
-};
 use crate::cams::CamSetup;
 use crate::dialect;
+use crate::options::{DecimalPoint, ProgramOptions};
 use crate::refused::Refused;
 use crate::subprograms::Drawn;
 use canon::ToolLibrary;
@@ -11,8 +9,8 @@ use std::{
     io::Read,
     path::{Path, PathBuf},
 };
-use store::machine::{MachineFile, Material, Preset, Ramp};
-use store::tools::ToolTable;
+use store::machine::{MachineFile, Material, Ramp};
+use store::tools::{TableUnit, ToolTable};
 use units::Length;
 
 /// The table that is used when none is named and none lies beside the program.
@@ -43,7 +41,7 @@ pub(crate) struct Session {
     /// Values of the numbered parameters when a program begins.
     pub(crate) parameters: interp::Parameters,
     /// What to do with tools that the table lacks.
-    pub(crate) missing_tools: MissingTools,
+    pub(crate) missing_tools: interp::MissingTools,
     /// How taps are driven that are not tied to the spindle.
     pub(crate) taps: plan::Unsynchronised,
     /// How the program is read.
@@ -74,31 +72,30 @@ impl Session {
         }
     }
 
-    /// Load what the arguments name, for a program at `program` with this text.
-    pub(crate) fn load(args: &ProgramArgs, program: &Path, text: &[u8]) -> Result<Self, Refused> {
-        let mut machine = crate::machine::load(&args.machine)?;
-        if let Some(asked) = args.tapping_preset {
-            machine.tapping.preset = match asked {
-                TappingPreset::Gentle => Preset::Gentle,
-                TappingPreset::Standard => Preset::Standard,
-                TappingPreset::Fast => Preset::Fast,
-                TappingPreset::Max => Preset::Max,
-            };
+    /// Load what the options name, for a program at `program` with this text.
+    pub(crate) fn load(
+        options: &ProgramOptions,
+        program: &Path,
+        text: &[u8],
+    ) -> Result<Self, Refused> {
+        let mut machine = crate::machine::load(&options.machine)?;
+        if let Some(asked) = options.tapping_preset {
+            machine.tapping.preset = asked;
         }
         let (tools, tools_from, table, bytes) =
-            tools(args.tools.as_deref(), args.tool_unit, program)?;
-        let machine_text = crate::machine::text(&args.machine)?;
+            tools(options.tools.as_deref(), options.tool_unit, program)?;
+        let machine_text = crate::machine::text(&options.machine)?;
         let hashes = [machine_text.as_bytes(), &bytes].map(store::certificate::sha256);
-        let missing_tools = args.missing_tools;
-        let dialect = dialect::of(args.dialect, &machine);
-        let cams = CamSetup::load(args, program, &machine)?;
+        let missing_tools = options.missing_tools;
+        let dialect = dialect::of(options.dialect, &machine);
+        let cams = CamSetup::load(options, program, &machine)?;
         let mut session = Self {
             cams,
             oscillations: crate::polygon::auto::Answers::default(),
-            parameters: parameters(args.parameters.as_deref(), &machine)?,
-            has_parameter_file: args.parameters.is_some(),
-            drawn: crate::subprograms::find(args, &machine, program, text, dialect.grammar())?,
-            taps: taps(args, &machine),
+            parameters: parameters(options.parameters.as_deref(), &machine)?,
+            has_parameter_file: options.parameters.is_some(),
+            drawn: crate::subprograms::find(options, &machine, program, text, dialect.grammar())?,
+            taps: taps(options, &machine),
             machine,
             tools,
             tools_from,
@@ -108,14 +105,14 @@ impl Session {
             missing_tools,
             standing: None,
             dialect,
-            decimal_point: args.decimal_point,
-            block_skip: args.block_skip.clone(),
+            decimal_point: options.decimal_point,
+            block_skip: options.block_skip.clone(),
         };
         if session.cams.library.iter().next().is_some() {
             let setup = session.interp_setup();
             session.cams.look_ahead(interp::Ops::new(text, &setup));
         }
-        if args.feed_forward == Some(Switch::Off) {
+        if options.without_feed_forward {
             session.take_feed_forward();
         }
         session.cams.recall(&session.machine)?;
@@ -181,10 +178,7 @@ impl Session {
             c_is_a_chamfer: self.machine.axis(canon::Axis::C).is_none(),
             cycles: dialect::cycles(self.dialect, &self.machine.control),
             tools: self.tools.clone(),
-            missing_tools: match self.missing_tools {
-                MissingTools::Refuse => interp::MissingTools::Refuse,
-                MissingTools::StandIn => interp::MissingTools::StandIn,
-            },
+            missing_tools: self.missing_tools,
             parameters: self.parameters.clone(),
             subprograms: self.drawn.iter().map(|drawn| drawn.sub.clone()).collect(),
             user_codes: self
@@ -240,17 +234,15 @@ impl Session {
 }
 
 /// As the machine's file has it, unless the user says otherwise.
-fn taps(args: &ProgramArgs, machine: &MachineFile) -> plan::Unsynchronised {
-    let usual = if machine.tapping.floating { Tapping::Floating } else { Tapping::Synchronised };
+fn taps(options: &ProgramOptions, machine: &MachineFile) -> plan::Unsynchronised {
+    let usual = if machine.tapping.floating {
+        plan::TapMethod::Floating
+    } else {
+        plan::TapMethod::Synchronised
+    };
     plan::Unsynchronised {
-        method: match args.tapping.unwrap_or(usual) {
-            Tapping::Synchronised => plan::TapMethod::Synchronised,
-            Tapping::Floating => plan::TapMethod::Floating,
-        },
-        dwell: match args.clutch_dwell {
-            ClutchDwell::Refuse => plan::DwellCheck::Refuse,
-            ClutchDwell::Warn => plan::DwellCheck::Warn,
-        },
+        method: options.tapping.unwrap_or(usual),
+        dwell: options.clutch_dwell,
         drive: machine.spindles.first().and_then(|spindle| spindle.own_ramps).map(|own| {
             plan::PlainDrive { delay: own.delay, accel: own.acceleration.min(own.deceleration) }
         }),
@@ -277,7 +269,7 @@ pub(crate) fn read_program(path: &Path) -> Result<Vec<u8>, Refused> {
 /// The tools, where they came from, their table if it is not the built-in one, and the bytes of it.
 pub(crate) fn tools(
     named: Option<&Path>,
-    unit: ToolUnit,
+    unit: TableUnit,
     program: &Path,
 ) -> Result<(ToolLibrary, String, Option<ToolTable>, Vec<u8>), Refused> {
     let beside = || -> Option<PathBuf> {
@@ -291,10 +283,6 @@ pub(crate) fn tools(
             Refused::text("the embedded tools".into(), EMBEDDED_TOOLS, findings)
         })?;
         return Ok((table.library, "the embedded table".into(), None, EMBEDDED_TOOLS.into()));
-    };
-    let unit = match unit {
-        ToolUnit::Mm => store::tools::TableUnit::Millimetre,
-        ToolUnit::Inch => store::tools::TableUnit::Inch,
     };
     let table = store::tools::load(&path, unit)?;
     let bytes = store::read_bytes(&path, "a tool table", store::SMALL_FILE_LIMIT)?;

@@ -11,7 +11,7 @@
 //!
 //! A name is a file's name and nothing else: it has no folders in it, and a link that leads out of its folder is not
 //! followed. So no program can read what lies elsewhere.
-use crate::args::ProgramArgs;
+use crate::options::ProgramOptions;
 use crate::refused::Refused;
 use gcode::Grammar;
 use std::path::{Path, PathBuf};
@@ -33,13 +33,13 @@ pub(crate) struct Drawn {
 
 /// Those that the program calls and does not define, and what they call in turn.
 pub(crate) fn find(
-    args: &ProgramArgs,
+    options: &ProgramOptions,
     machine: &MachineFile,
     program: &Path,
     text: &[u8],
     grammar: Grammar,
 ) -> Result<Vec<Drawn>, Refused> {
-    let folders = search_path(args, machine, program)?;
+    let folders = search_path(options, machine, program)?;
     let mut found: Vec<Drawn> = Vec::new();
     let mut wanted = interp::called_files(text, grammar);
     while let Some(name) = wanted.pop() {
@@ -64,13 +64,13 @@ pub(crate) fn find(
 
 /// The file in which a program finds a subprogram of this name.
 pub(crate) fn file_of(
-    args: &ProgramArgs,
+    options: &ProgramOptions,
     machine: &MachineFile,
     program: &Path,
     name: &str,
     grammar: Grammar,
 ) -> Option<PathBuf> {
-    let folders = search_path(args, machine, program).ok()?;
+    let folders = search_path(options, machine, program).ok()?;
     folders.iter().find_map(|folder| named(folder, name, grammar))
 }
 
@@ -91,7 +91,7 @@ fn named(folder: &Path, name: &str, grammar: Grammar) -> Option<PathBuf> {
 
 /// The folders in which files are looked for, in order. One that is not there is refused: it is a slip of the pen.
 fn search_path(
-    args: &ProgramArgs,
+    options: &ProgramOptions,
     machine: &MachineFile,
     program: &Path,
 ) -> Result<Vec<PathBuf>, Refused> {
@@ -100,9 +100,9 @@ fn search_path(
         _ => PathBuf::from("."),
     };
     let mut folders = vec![beside];
-    folders.extend(args.subprograms.iter().cloned());
+    folders.extend(options.subprograms.iter().cloned());
     are_there(folders.get(1..).unwrap_or_default())?;
-    folders.extend(folders_of(&args.machine, machine)?);
+    folders.extend(folders_of(&options.machine, machine)?);
     Ok(folders)
 }
 

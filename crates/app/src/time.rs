@@ -48,7 +48,7 @@ impl Tally<'_> {
 /// Say how long it takes.
 pub(crate) fn command(args: &TimeArgs, quiet: bool) -> Result<bool, Refused> {
     let text = read_program(&args.program)?;
-    let mut session = Session::load(&args.source, &args.program, &text)?;
+    let mut session = Session::load(&args.source.options(), &args.program, &text)?;
     let options = session.plan_options(session.machine.setup.stock.material);
     let limits = crate::wiring::planner(&session.machine);
     let mut tally = Tally {

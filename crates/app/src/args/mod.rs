@@ -8,6 +8,7 @@ mod compensation;
 mod documented;
 mod iron;
 mod lists;
+mod options;
 mod polygon;
 mod run;
 mod text;
@@ -15,10 +16,7 @@ mod text;
 use crate::progress::Shown;
 pub(crate) use cam::{CamArgs, CamFormName, CamOutput};
 use clap::{Parser, Subcommand};
-pub(crate) use common::{
-    ClutchDwell, Compensation, DecimalPoint, Dialect, Estimator, Format, MissingTools, ProgramArgs,
-    Switch, Tapping, TappingPreset, ToolUnit, WorkSpeedChoice,
-};
+pub(crate) use common::{Dialect, Format, ProgramArgs, Switch, WorkSpeedChoice};
 pub(crate) use compare::CompareArgs;
 pub(crate) use compensation::{CompensationArgs, CompensationOutput};
 pub(crate) use iron::{IronArgs, RecoverArgs, RecoveryWay};

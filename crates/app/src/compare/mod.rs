@@ -251,7 +251,7 @@ fn run_once(
     seed: u64,
 ) -> Result<(Vec<Feature>, Option<String>), Refused> {
     let path = args.program.as_deref().unwrap_or(Path::new("-"));
-    let mut session = Session::load(&args.source, path, text)?;
+    let mut session = Session::load(&args.source.options(), path, text)?;
     if let Some(size) = args.size.as_deref().or(args.program.is_none().then_some("M6")) {
         session.tools.insert(tap_of(size, args, &drive)?);
     }

@@ -64,7 +64,7 @@ pub(super) enum Alone {
 impl Iron {
     /// As the arguments have it, at rest.
     pub(super) fn new(args: &IronArgs) -> Result<Self, Refused> {
-        let session = Session::load(&args.source, Path::new("-"), b"")?;
+        let session = Session::load(&args.source.options(), Path::new("-"), b"")?;
         let file = &session.machine;
         let material = crate::run::material(args.material.as_deref(), file.setup.stock.material)?;
         let seed = args.seed.unwrap_or(u64::from(file.simulation.seed));

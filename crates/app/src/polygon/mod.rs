@@ -330,7 +330,7 @@ fn called(args: &PolygonArgs, form: &Form) -> Result<(u32, Option<String>), Refu
     const FIRST_FREE: u32 = 21;
     /// Highest one.
     const LAST: u32 = 9999;
-    let mm = crate::args::ToolUnit::Mm;
+    let mm = store::tools::TableUnit::Millimetre;
     let (library, from, ..) = crate::session::tools(args.tools.as_deref(), mm, Path::new("-"))?;
     let near = |a: f64, b: f64| (a - b).abs() < 1e-6;
     let is_it = |tool: &canon::Tool| match &tool.kind {

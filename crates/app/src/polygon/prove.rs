@@ -7,8 +7,8 @@
 //! ```
 use super::claim::Claim;
 use super::{CANDIDATES, Design, Way, best, flattest};
-use crate::args::ProgramArgs;
 use crate::cam_host::CamHost;
+use crate::options::ProgramOptions;
 use crate::plant::{self, Plant};
 use crate::polygon::host::PolygonHost;
 use crate::preflight::{planner, preflight};
@@ -20,7 +20,6 @@ use crate::stops::Stops;
 use crate::timings::Timings;
 use crate::wiring;
 use canon::{PolygonCutter, Tool, ToolKind};
-use clap::{Args, Command, FromArgMatches};
 use forms::polygon::Detail;
 use indicatif::ProgressBar;
 use std::path::Path;
@@ -173,12 +172,9 @@ fn run(
 
 /// A session for a program that cuts a design with its cutter.
 pub(super) fn session(design: &Design, machine: &str, text: &str) -> Result<Session, Refused> {
-    let words = ["polygon", "--machine", machine, "--dialect", "linuxcnc"];
-    let matches = ProgramArgs::augment_args(Command::new("polygon")).try_get_matches_from(words);
-    let args = matches
-        .and_then(|matches| ProgramArgs::from_arg_matches(&matches))
-        .map_err(|e| Refused::because(e.to_string()))?;
-    let mut session = Session::load(&args, Path::new("-"), text.as_bytes())?;
+    let options =
+        ProgramOptions { dialect: Some(interp::Dialect::LinuxCnc), ..ProgramOptions::on(machine) };
+    let mut session = Session::load(&options, Path::new("-"), text.as_bytes())?;
     session.tools.insert(cutter(design));
     // from the bar that the design is for
     let (stock, radius) = (&mut session.machine.setup.stock, design.form.stock_radius);
