@@ -9,13 +9,14 @@
 //! Every processor of the computer runs rows. Every cell is a run of its own on a machine that has just been switched on, by a program of the neutral codes; the last
 //! whole turn is judged by where work and wheel really were.
 use crate::args::{CompensationArgs, CompensationOutput, Switch};
+use crate::control::{Loaded, Outcome, ProgramRun};
 use crate::options::{Compensation, DecimalPoint, Estimator, ProgramOptions};
+use crate::plant::{self, Plant};
 use crate::preflight::preflight;
 use crate::progress::Progress;
 use crate::refused::Refused;
 use crate::session::Session;
-use crate::simulate::{Outcome, Trial};
-use crate::{plant, say, tables, wiring};
+use crate::{say, tables, wiring};
 use indicatif::ProgressBar;
 use report::{CompensationPage, CompensationRow, WayOfCompensation};
 use serde_json::json;
@@ -252,12 +253,14 @@ impl Case<'_> {
             cams: session.cams.library.clone(),
             ..wiring::judge(&session.machine, &session.tools, material, &zero)
         };
-        let (session, planned) = (&session, known.planned);
-        Trial { session, text, setup: &setup, options, planned, iron, judge, idle: true }
-            .run()
-            .map_err(|e| {
-                Refused::because(format!("P{} at {} rpm: {}", self.number, self.rpm, e.sentence()))
-            })
+        let planned = known.planned;
+        let loaded = Loaded { session: &session, text, setup: &setup, options, planned };
+        let idle = verify::IdleTurns::new(judge.clone());
+        let mut run = ProgramRun::new(&loaded, Plant::simulated(iron), judge);
+        run.observers.idle = Some(idle);
+        run.run_without_alarm().map_err(|e| {
+            Refused::because(format!("P{} at {} rpm: {}", self.number, self.rpm, e.sentence()))
+        })
     }
 }
 

@@ -1,7 +1,7 @@
 //! The `leadscrew` program: command line, threads, clock, wiring. The only crate that knows all the others.
 //!
 //! ```text
-//!   args ─► run       session ─► preflight ─► simulate ─► papers, summary
+//!   args ─► run       session ─► preflight ─► control ─► papers, summary
 //!        ├► check     session ─► preflight ─► render
 //!        ├► time      session ─► preflight, its steps added up
 //!        ├► iron      the simulated machine as a process of its own
@@ -29,13 +29,13 @@ mod coasting;
 mod codes;
 mod compare;
 mod compensation;
+mod control;
 mod dialect;
 mod format;
 mod in_work;
 mod interrupt;
 mod iron;
 mod keeper;
-mod late;
 mod learning;
 mod left;
 mod log;
@@ -45,9 +45,7 @@ mod machine;
 mod machine_keys;
 mod measures;
 mod options;
-mod pace;
 mod papers;
-mod patience;
 mod pieces;
 mod plant;
 mod plant_table;
@@ -63,13 +61,11 @@ mod run;
 mod say;
 mod script;
 mod session;
-mod simulate;
 mod stops;
 mod subprograms;
 mod summary;
 mod tables;
 mod time;
-mod timings;
 mod trace_thread;
 mod typed;
 mod wiring;

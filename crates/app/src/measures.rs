@@ -1,7 +1,7 @@
 //! The short tables of what was cut: one for each kind of feature, a row for each size, with what matters for that kind.
 //!
 //! Lengths are in the unit in which the program is written.
-use crate::simulate::Outcome;
+use crate::control::Outcome;
 use crate::tables;
 use report::Measure;
 use units::{Length, Spin};

@@ -1,8 +1,8 @@
 //! What a run leaves behind: the certificate for programs, the report for people.
 use crate::certificate;
+use crate::control::Outcome;
 use crate::preflight::Preflight;
 use crate::run::Job;
-use crate::simulate::Outcome;
 use report::{Alarm, Limits, Note, Run};
 use store::certificate::{Certificate, Count, Inputs, Measured, Verdict, sha256};
 use store::output::Folder;

@@ -14,6 +14,16 @@ pub(crate) enum Plant {
 }
 
 impl Plant {
+    /// A simulated machine in which nothing fails.
+    pub(crate) fn simulated(machine: SimulatedMachine) -> Self {
+        Self::simulated_with_seed(machine, 0)
+    }
+
+    /// The same; the seed is that of faults which scatter.
+    pub(crate) fn simulated_with_seed(machine: SimulatedMachine, seed: u64) -> Self {
+        Self::Inside(Box::new(Faulty::new(machine, &[], seed)))
+    }
+
     /// Holes that somebody tapped and nobody drilled, as far as is known.
     pub(crate) fn assumed_holes(&self) -> usize {
         match self {

@@ -1,24 +1,20 @@
 //! `leadscrew run`: prove a program, run it on the simulated machine, judge the workpiece, leave the papers.
 use crate::args::{Format, RunArgs, Synchronisation};
-use crate::cam_host::CamHost;
+use crate::control::{Loaded, Outcome, ProgramRun, TickTimes, Timings};
 use crate::in_work::{self, InWork};
 use crate::keeper::{self, Keeper};
 use crate::learning::Memory;
 use crate::log::Log;
 use crate::plant::{self, Plant};
-use crate::polygon::host::PolygonHost;
-use crate::preflight::{Preflight, planner, preflight_with, wrong_from};
-use crate::program::Ops;
+use crate::preflight::{Preflight, preflight_with, wrong_from};
 use crate::progress::Progress;
 use crate::refused::Refused;
 use crate::render::{self, Source};
 use crate::restart::Restart;
 use crate::script::{self, Told};
 use crate::session::{Session, read_program};
-use crate::simulate::{Outcome, Simulation};
 use crate::stops::Stops;
 use crate::time::{Added, without_jerk};
-use crate::timings::Timings;
 use crate::trace_thread::TraceThread;
 use crate::{interrupt, iron, papers, say, summary, wiring};
 use bus::Machine;
@@ -132,7 +128,7 @@ pub(crate) fn command(args: &RunArgs, quiet: bool) -> Result<Ending, Refused> {
         say::err(&format!("error: {missing}\n"));
     }
     if args.timings {
-        say::err(&format!("{}\n", outcome.timings.text()));
+        say::err(&format!("{}\n", outcome.timings.text(&outcome.ticks)));
     }
     Ok(ending(&outcome))
 }
@@ -252,44 +248,29 @@ impl Job {
         let learns = self.memory.is_some() || wiring::plain_drive(machine).is_some();
         let mut kernel = kernel::Kernel::new(wiring::control(machine, self.mode, learns));
         kernel.recall(self.memory.as_ref().map_or_else(Vec::new, |m| m.lessons.clone()));
-        let simulation = Simulation {
-            ops: Ops::new(&self.text, &setup, self.session.auto()).begun_at(self.restart.as_ref()),
-            planner: planner(&self.session, self.options),
-            kernel,
-            machine: plant,
-            keeper,
-            watch: verify::Watch::new(verify::Config {
-                synchronised: self.session.taps.method == plan::TapMethod::Synchronised,
-                ..wiring::judge(machine, tools, self.material, &zero)
-            }),
-            cams: CamHost::new(self.session.cams.clone()),
-            polygons: PolygonHost::new(machine),
-            waiting: None,
-            idle: None,
-            judge: verify::Judge::new(verify::Config {
-                synchronised: self.session.taps.method == plan::TapMethod::Synchronised,
-                tolerances: self.tolerances(),
-                cams: self.session.cams.library.clone(),
-                ..wiring::judge(machine, tools, self.material, &zero)
-            }),
-            recorder: report::Recorder::new(tools)
-                .limited(wiring::path_limits(machine))
-                .shown_in(args.units.map(Into::into)),
-            trace: folder.map(|folder| self.trace(folder)).transpose()?,
-            log: args.log.then(|| Log::new(tools.clone(), zero)),
-            sent: std::collections::VecDeque::new(),
-            stops: Stops::new(
-                args.recover,
-                self.told.clone(),
-                &self.session,
-                self.seed,
-                known.planned,
-            ),
-            timings: Timings::new(args.timings),
-            planned: known.planned,
-            taps: std::collections::BTreeSet::new(),
+        let judge = verify::Config {
+            synchronised: self.session.taps.method == plan::TapMethod::Synchronised,
+            tolerances: self.tolerances(),
+            cams: self.session.cams.library.clone(),
+            ..wiring::judge(machine, tools, self.material, &zero)
         };
-        Ok(simulation.run(progress)?)
+        let (session, options, planned) = (&self.session, self.options, known.planned);
+        let loaded = Loaded { session, text: &self.text, setup: &setup, options, planned };
+        let mut run = ProgramRun::new(&loaded, plant, judge);
+        run.executor.kernel = kernel;
+        run.executor.ticks = TickTimes::new(args.timings);
+        run.feeder.ops = run.feeder.ops.begun_at(self.restart.as_ref());
+        run.services.keeper = keeper;
+        run.services.stops =
+            Stops::new(args.recover, self.told.clone(), session, self.seed, planned);
+        let observers = &mut run.observers;
+        observers.recorder = report::Recorder::new(tools)
+            .limited(wiring::path_limits(machine))
+            .shown_in(args.units.map(Into::into));
+        observers.trace = folder.map(|folder| self.trace(folder)).transpose()?;
+        observers.log = args.log.then(|| Log::new(tools.clone(), zero));
+        observers.timings = Timings::new(args.timings);
+        Ok(run.run(progress)?)
     }
 
     fn trace(&self, folder: &Folder) -> Result<TraceThread, Refused> {

@@ -11,15 +11,17 @@ mod off;
 pub(crate) use off::Withdrawn;
 
 use crate::args::AfterStop;
+use crate::control::period;
 use crate::plant::Plant;
 use crate::recover;
 use crate::script::{Script, Told};
 use crate::session::Session;
-use bus::{Machine, Sample, State};
+use bus::{Machine, Sample};
 use canon::{Holder, ToolKind};
 use kernel::{EventKind, Kernel, Notice, Order, RecoveryFigures, RecoveryPlan};
 use report::{PlanePoint, ThreadStop, WayBack};
 use sim::Fault;
+use std::ops::ControlFlow;
 use sync::leaving::{Leaving, Setting};
 use sync::recovery::{Mover, Point, Seat, Way};
 use units::{Angle, Length, Spin, Stiffness, Time};
@@ -292,19 +294,14 @@ fn point(sample: &Sample) -> PlanePoint {
 }
 
 /// One period without orders: the drives alone, or a control that has stopped.
-fn period(kernel: &mut Kernel, plant: &mut Plant) -> Sample {
-    let feedback = plant.feedback();
-    let mut sample = Sample { feedback, truth: plant.truth(), ..Sample::default() };
-    if plant.is_abandoned() {
-        sample.report = kernel.report();
-        sample.report.state = State::Faulted;
-        plant.wait();
-    } else {
-        sample.command = kernel.tick(&feedback);
-        sample.report = kernel.report();
-        plant.exchange(&sample.command);
-    }
-    sample
+fn one_period(kernel: &mut Kernel, plant: &mut Plant) -> Sample {
+    let mut seen = Sample::default();
+    // what only looks breaks nothing off
+    let _ = period(kernel, plant, |_, _, sample| {
+        seen = *sample;
+        ControlFlow::<()>::Continue(())
+    });
+    seen
 }
 
 /// Until nothing turns or moves.
@@ -314,7 +311,7 @@ fn run_down(kernel: &mut Kernel, plant: &mut Plant, hear: Ears<'_>) {
     let end = plant.feedback().time + RUN_DOWN;
     let (mut still, mut before) = (0, None);
     while plant.feedback().time < end && (still < STANDS.2 || kernel.is_retreating()) {
-        let sample = period(kernel, plant);
+        let sample = one_period(kernel, plant);
         let (angle, places): (_, [Length; bus::AXES]) =
             (sample.spindle(0), core::array::from_fn(|axis| sample.axis(axis)));
         let stands = before.replace((angle, places)).is_some_and(|(a, was)| {
@@ -356,7 +353,7 @@ fn drive_out(
         if plant.feedback().time > end {
             return Err("the tap is not out after five minutes".into());
         }
-        let sample = period(kernel, plant);
+        let sample = one_period(kernel, plant);
         let (angle, place) = point(&sample);
         track.points.push((angle, place));
         if let Some(truth) = &sample.truth {

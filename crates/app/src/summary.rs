@@ -1,7 +1,7 @@
 //! The short table at the end of a run.
 use crate::check::plural;
+use crate::control::Outcome;
 use crate::run::Job;
-use crate::simulate::Outcome;
 use kernel::EventKind;
 use report::Standing;
 use std::path::Path;

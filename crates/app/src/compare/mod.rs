@@ -10,13 +10,15 @@
 mod closed_form;
 
 use crate::args::CompareArgs;
+use crate::control::{Loaded, ProgramRun};
+use crate::plant::Plant;
 use crate::preflight::preflight;
 use crate::progress::Progress;
 use crate::refused::Refused;
 use crate::session::{Session, read_program};
-use crate::simulate::Trial;
 use crate::{say, tables, wiring};
 use canon::{Hand, Holder, ThreadSize, Tool, ToolKind, ToolLibrary, UnknownSize};
+use indicatif::ProgressBar;
 use plan::{PlainDrive, TapMethod, Unsynchronised};
 use report::{Comparison, Way};
 use std::path::Path;
@@ -283,9 +285,10 @@ fn run_once(
         synchronised: false,
         ..wiring::judge(&session.machine, &session.tools, material, &zero)
     };
-    let (session, options, planned) = (&session, options, known.planned);
-    let trial = Trial { session, text, setup: &setup, options, planned, iron, judge, idle: false };
-    let outcome = trial.run_to_its_end()?;
+    let planned = known.planned;
+    let loaded = Loaded { session: &session, text, setup: &setup, options, planned };
+    let machine = Plant::simulated(iron);
+    let outcome = ProgramRun::new(&loaded, machine, judge).run(&ProgressBar::hidden())?;
     let alarm = outcome.faults.first().map(ToString::to_string);
     let is_thread = |f: &Feature| matches!(f.kind, FeatureKind::Thread(_));
     Ok((outcome.features.into_iter().filter(is_thread).collect(), alarm))

@@ -7,17 +7,12 @@
 //! ```
 use super::claim::Claim;
 use super::{CANDIDATES, Design, Way, best, flattest};
-use crate::cam_host::CamHost;
+use crate::control::{Loaded, ProgramRun};
 use crate::options::ProgramOptions;
 use crate::plant::{self, Plant};
-use crate::polygon::host::PolygonHost;
-use crate::preflight::{planner, preflight};
-use crate::program::Ops;
+use crate::preflight::preflight;
 use crate::refused::Refused;
 use crate::session::Session;
-use crate::simulate::Simulation;
-use crate::stops::Stops;
-use crate::timings::Timings;
 use crate::wiring;
 use canon::{PolygonCutter, Tool, ToolKind};
 use forms::polygon::Detail;
@@ -131,28 +126,15 @@ fn run(
     let iron = wiring::simulator(&session.machine, &session.tools, material, seed, &zero);
     let iron = plant::simulated(&session.machine, iron)?;
     let judge = wiring::judge(&session.machine, &session.tools, material, &zero);
-    let simulation = Simulation {
-        ops: Ops::new(text.as_bytes(), &setup, session.auto()),
-        planner: planner(&session, options),
-        kernel: kernel::Kernel::new(wiring::control(&session.machine, None, false)),
-        machine: Plant::Inside(Box::new(sim::Faulty::new(iron, &[], seed))),
-        keeper: None,
-        watch: verify::Watch::new(judge.clone()),
-        cams: CamHost::new(session.cams.clone()),
-        polygons: PolygonHost::new(&session.machine),
-        waiting: None,
-        judge: verify::Judge::new(judge),
-        idle: None,
-        recorder: report::Recorder::new(&session.tools),
-        trace: None,
-        log: None,
-        stops: Stops::none(),
-        sent: std::collections::VecDeque::new(),
-        timings: Timings::new(false),
+    let loaded = Loaded {
+        session: &session,
+        text: text.as_bytes(),
+        setup: &setup,
+        options,
         planned: known.planned,
-        taps: std::collections::BTreeSet::new(),
     };
-    let outcome = simulation.run(&ProgressBar::hidden())?;
+    let run = ProgramRun::new(&loaded, Plant::simulated_with_seed(iron, seed), judge);
+    let outcome = run.run(&ProgressBar::hidden())?;
     if let Some(fault) = outcome.faults.first() {
         return Err(Refused::because(format!("at {:.0} rpm: {fault}", spin.in_rpm())));
     }

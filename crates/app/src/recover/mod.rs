@@ -17,6 +17,7 @@ mod withdraw;
 pub(crate) use withdraw::along_pass;
 
 use crate::args::{Format, RecoverArgs};
+use crate::control::period;
 use crate::in_work::{self, InWork};
 use crate::plant::{Plant, identity};
 use crate::refused::Refused;
@@ -24,6 +25,7 @@ use crate::{iron, keeper, wiring};
 use bus::{Feedback, Machine};
 use find::{Findings, drive_out, find};
 use kernel::{EventKind, Kernel, RecoveryFigures};
+use std::ops::ControlFlow;
 use std::os::unix::net::UnixStream;
 use std::path::Path;
 use store::machine::MachineFile;
@@ -240,27 +242,23 @@ fn obey(
     plant: &mut Plant,
     hear: &mut dyn FnMut(&EventKind),
 ) -> Result<(), String> {
-    let mut feedback = plant.feedback();
-    let until = feedback.time + LONGEST;
-    while feedback.time < until {
-        let command = kernel.tick(&feedback);
-        while let Some(event) = kernel.next_event() {
-            hear(&event.kind);
+    let until = plant.feedback().time + LONGEST;
+    while plant.feedback().time < until {
+        let ended = period(kernel, plant, |kernel, plant, _| {
+            while let Some(event) = kernel.next_event() {
+                hear(&event.kind);
+            }
+            if let Some(why) = plant.lost() {
+                return ControlFlow::Break(Err(format!("the iron is gone: {why}")));
+            }
+            if let Some(fault) = kernel.faults().first() {
+                return ControlFlow::Break(Err(fault.to_string()));
+            }
+            if kernel.is_over() { ControlFlow::Break(Ok(())) } else { ControlFlow::Continue(()) }
+        });
+        if let ControlFlow::Break(ended) = ended {
+            return ended;
         }
-        if let Some(why) = plant.lost() {
-            return Err(format!("the iron is gone: {why}"));
-        }
-        if let Some(fault) = kernel.faults().first() {
-            return Err(fault.to_string());
-        }
-        if kernel.is_over() {
-            break;
-        }
-        let heard = plant.exchange(&command);
-        for between in crate::late::missed(&feedback, &heard, plant.period()) {
-            kernel.tick(&between);
-        }
-        feedback = heard;
     }
     Ok(())
 }
@@ -277,8 +275,9 @@ fn set_free(args: &RecoverArgs, path: &Path, identity: &Identity) -> Result<Answ
 /// The tool is out: the machine is told with a command that holds everything where it stands.
 fn is_out(plant: &mut Plant, file: &MachineFile) -> Result<(), Refused> {
     plant.engage(None);
-    let command = Kernel::new(wiring::control(file, None, false)).tick(&plant.feedback());
-    plant.exchange(&command);
+    let mut kernel = Kernel::new(wiring::control(file, None, false));
+    // nothing breaks it off
+    let _ = period(&mut kernel, plant, |_, _, _| ControlFlow::<()>::Continue(()));
     match plant.lost() {
         Some(why) => Err(Refused::because(format!(
             "the tool is out, but the machine cannot be told so: {why}; recover again"

@@ -2,7 +2,7 @@
 //!
 //! With the drives alive the kernel itself takes the tool off the work; else, when drives and control are back, its infeed
 //! axis does.
-use super::{Ears, RUN_DOWN, period, run_down};
+use super::{Ears, RUN_DOWN, one_period, run_down};
 use crate::plant::Plant;
 use crate::recover;
 use bus::Machine;
@@ -100,7 +100,7 @@ fn until_over(kernel: &mut Kernel, plant: &mut Plant, hear: Ears<'_>) -> Result<
         if plant.feedback().time > end {
             return Err("the tool is not off the work after five minutes".into());
         }
-        let sample = period(kernel, plant);
+        let sample = one_period(kernel, plant);
         hear(&sample);
         while let Some(event) = kernel.next_event() {
             match event.kind {

@@ -5,9 +5,9 @@ use std::collections::VecDeque;
 
 /// What the moves that wait were planned for.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Paced(Wish);
+pub(crate) struct Pace(Wish);
 
-impl Paced {
+impl Pace {
     /// Look what the operator wants. `queue`: steps on their way to the kernel; `sent`: steps that it has.
     pub(crate) fn keep(
         &mut self,

@@ -1,4 +1,4 @@
-//! How long a run is waited for: every wait of the control has its own limit, but an operator's has none.
+//! How long a run may stand still before it is given up: every wait of the control has its own limit, but an operator's has none.
 use bus::{AXES, Command};
 use kernel::Operator;
 use units::{Length, Time};
@@ -11,14 +11,14 @@ const SLOWEST: f64 = 100.0;
 
 /// See the module's header.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Patience {
+pub(crate) struct StallGuard {
     planned: Time,
     stands: Time,
     moved: Time,
     last: [Length; AXES],
 }
 
-impl Patience {
+impl StallGuard {
     /// With a run that begins now and was planned to take so long.
     pub(crate) fn new(planned: Time, now: Time) -> Self {
         let stands = STANDS_AT_LEAST.max(planned * STANDS);

@@ -7,6 +7,46 @@ use units::Time;
 const BINS: usize = 2000;
 const BIN_NS: usize = 10;
 
+/// How long ticks take, as a histogram.
+pub(crate) struct TickTimes {
+    ticks: Vec<u32>,
+    worst: Duration,
+}
+
+impl TickTimes {
+    /// Ready; `asked`: time each tick, which costs some time itself.
+    pub(crate) fn new(asked: bool) -> Self {
+        Self { ticks: vec![0; if asked { BINS } else { 0 }], worst: Duration::ZERO }
+    }
+
+    /// Time a tick.
+    pub(super) fn time<T>(&mut self, tick: impl FnOnce() -> T) -> T {
+        if self.ticks.is_empty() {
+            return tick();
+        }
+        let began = now();
+        let answer = tick();
+        let took = now() - began;
+        self.worst = self.worst.max(took);
+        let bin = (took.as_nanos() as usize / BIN_NS).min(BINS - 1);
+        self.ticks[bin] += 1;
+        answer
+    }
+
+    /// Upper end of the bin below which this share of the ticks lies, ns.
+    fn quantile(&self, share: f64) -> usize {
+        let total: u64 = self.ticks.iter().map(|n| u64::from(*n)).sum();
+        let mut rest = (total as f64 * share) as u64;
+        for (bin, &count) in self.ticks.iter().enumerate() {
+            if u64::from(count) > rest {
+                return (bin + 1) * BIN_NS;
+            }
+            rest -= u64::from(count);
+        }
+        BINS * BIN_NS
+    }
+}
+
 /// Measures a run.
 pub(crate) struct Timings {
     asked: bool,
@@ -14,15 +54,13 @@ pub(crate) struct Timings {
     took: Duration,
     periods: u64,
     simulated: Time,
-    ticks: Vec<u32>,
-    worst: Duration,
     /// What the judge took, in all and for the longest step: there a feature is judged from all that was recorded of it.
     judge: Duration,
     longest: Duration,
 }
 
 impl Timings {
-    /// Ready; `asked`: also time each tick, which costs some time itself.
+    /// Ready; `asked`: also time the judge.
     pub(crate) fn new(asked: bool) -> Self {
         Self {
             asked,
@@ -30,8 +68,6 @@ impl Timings {
             took: Duration::ZERO,
             periods: 0,
             simulated: Time::ZERO,
-            ticks: vec![0; if asked { BINS } else { 0 }],
-            worst: Duration::ZERO,
             judge: Duration::ZERO,
             longest: Duration::ZERO,
         }
@@ -48,14 +84,9 @@ impl Timings {
         (self.periods, self.simulated) = (periods, simulated);
     }
 
-    /// A tick, or a step of the judge, begins.
-    pub(crate) fn begins(&self) -> Option<Instant> {
-        self.asked.then(now)
-    }
-
     /// A step of the judge.
     pub(crate) fn judging<T>(&mut self, step: impl FnOnce() -> T) -> T {
-        let began = self.begins();
+        let began = self.asked.then(now);
         let found = step();
         if let Some(began) = began {
             let took = now() - began;
@@ -65,25 +96,16 @@ impl Timings {
         found
     }
 
-    /// A tick has ended.
-    pub(crate) fn tick_ends(&mut self, began: Option<Instant>) {
-        let Some(began) = began else { return };
-        let took = now() - began;
-        self.worst = self.worst.max(took);
-        let bin = (took.as_nanos() as usize / BIN_NS).min(BINS - 1);
-        self.ticks[bin] += 1;
-    }
-
     /// Simulated time over time.
     pub(crate) fn ratio(&self) -> f64 {
         self.simulated.value() / self.took.as_secs_f64().max(1e-9)
     }
 
     /// For people.
-    pub(crate) fn text(&self) -> String {
+    pub(crate) fn text(&self, ticks: &TickTimes) -> String {
         let rate = self.periods as f64 / self.took.as_secs_f64().max(1e-9);
-        let median = self.quantile(0.5);
-        let late = self.quantile(0.999);
+        let median = ticks.quantile(0.5);
+        let late = ticks.quantile(0.999);
         format!(
             "{} servo periods in {:.2} s: {:.0} periods/s, {:.0} times real time\n\
              kernel tick: median {median} ns, p99.9 {late} ns, worst {:.1} µs (the clock's own cost included)\n\
@@ -92,22 +114,9 @@ impl Timings {
             self.took.as_secs_f64(),
             rate,
             self.ratio(),
-            self.worst.as_secs_f64() * 1e6,
+            ticks.worst.as_secs_f64() * 1e6,
             self.judge.as_secs_f64(),
             self.longest.as_secs_f64() * 1e3,
         )
-    }
-
-    /// Upper end of the bin below which this share of the ticks lies, ns.
-    fn quantile(&self, share: f64) -> usize {
-        let total: u64 = self.ticks.iter().map(|n| u64::from(*n)).sum();
-        let mut rest = (total as f64 * share) as u64;
-        for (bin, &count) in self.ticks.iter().enumerate() {
-            if u64::from(count) > rest {
-                return (bin + 1) * BIN_NS;
-            }
-            rest -= u64::from(count);
-        }
-        BINS * BIN_NS
     }
 }
