@@ -1,0 +1,125 @@
+//! The arguments of `leadscrew iron` and `leadscrew recover`.
+use super::{Format, ProgramArgs};
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// `leadscrew iron`.
+#[derive(Args, Debug, Clone)]
+#[command(group = clap::ArgGroup::new("what").required(true).args(["listen", "status", "power_cut", "quit"]))]
+pub(crate) struct IronArgs {
+    /// Listen here, a Unix socket, for one control after the other
+    #[arg(long, value_name = "PATH")]
+    pub(crate) listen: Option<PathBuf>,
+    /// Ask the iron that listens here how it is
+    #[arg(long, value_name = "PATH")]
+    pub(crate) status: Option<PathBuf>,
+    /// Cut the power of the iron that listens here, and give it back
+    #[arg(long, value_name = "PATH")]
+    pub(crate) power_cut: Option<PathBuf>,
+    /// End the iron that listens here
+    #[arg(long, value_name = "PATH")]
+    pub(crate) quit: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) source: ProgramArgs,
+    /// Seed of the machine that is simulated: what its control does not know (`machine show NAME --seed N`), and the cut's scatter
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+    /// Material of the workpiece [default: the machine's set-up]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) material: Option<String>,
+    /// Let time pass as on the wall, instead of waiting for the control
+    #[arg(long)]
+    pub(crate) real_time: bool,
+    /// The mains fail at this machine time, seconds; several separated by commas. They come back for the next control
+    #[arg(long, value_name = "SECONDS", value_delimiter = ',')]
+    pub(crate) power_cut_at: Vec<f64>,
+    /// Kill the control (SIGKILL) at this machine time, seconds; several separated by commas
+    #[arg(long, value_name = "SECONDS", value_delimiter = ',')]
+    pub(crate) kill_control_at: Vec<f64>,
+    /// What the drives do when the control falls silent [default: the machine's]
+    #[arg(long, value_enum)]
+    pub(crate) on_link_loss: Option<DriveReaction>,
+    /// What they do when the mains fail [default: the machine's]
+    #[arg(long, value_enum)]
+    pub(crate) on_power_loss: Option<DriveReaction>,
+    /// The spindle's encoder does not count turns without power [default: the machine's]
+    #[arg(long)]
+    pub(crate) single_turn: bool,
+    /// Number of this very machine
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) serial: u64,
+    /// Epoch of its encoders [default: a new one, as for new encoders]
+    #[arg(long, value_name = "N")]
+    pub(crate) epoch: Option<u64>,
+}
+
+/// What drives do that are left alone.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum DriveReaction {
+    /// Outputs off: brakes clamp, spindles coast
+    Off,
+    /// Spindles coast; an axis that is tied to one goes with it
+    Coast,
+    /// Each brakes by itself
+    QuickStop,
+    /// Coupled ones brake together
+    CoupledStop,
+}
+
+impl From<DriveReaction> for store::machine::Reaction {
+    fn from(reaction: DriveReaction) -> Self {
+        match reaction {
+            DriveReaction::Off => Self::Off,
+            DriveReaction::Coast => Self::Coast,
+            DriveReaction::QuickStop => Self::QuickStop,
+            DriveReaction::CoupledStop => Self::CoupledStop,
+        }
+    }
+}
+
+/// `leadscrew recover`.
+#[derive(Args, Debug, Clone)]
+pub(crate) struct RecoverArgs {
+    /// The iron
+    #[arg(long, value_name = "PATH")]
+    pub(crate) iron: PathBuf,
+    /// The machine: a name from `leadscrew machine list`, or a file [default: tapping-center]
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(crate) machine: Option<String>,
+    /// Folder of the sync record [default: $XDG_STATE_HOME/leadscrew/MACHINE-NUMBER, or below ~/.local/state]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) state: Option<PathBuf>,
+    /// Rehearse: say what would be done, and move nothing
+    #[arg(long)]
+    pub(crate) dry_run: bool,
+    /// Draw where the tap stands and the way back
+    #[arg(long, value_name = "FILE.svg")]
+    pub(crate) picture: Option<PathBuf>,
+    /// Who moves back onto the thread
+    #[arg(long, value_enum, default_value_t = RecoveryWay::UnloadFirst)]
+    pub(crate) way: RecoveryWay,
+    /// How the answer is printed
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(crate) format: Format,
+    /// State that you have seen that no tool is in the work: record and machine forget it
+    #[arg(long, alias = "discard-record", conflicts_with_all = ["dry_run", "picture"])]
+    pub(crate) tool_is_free: bool,
+}
+
+/// Who moves back onto the thread.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum RecoveryWay {
+    /// In a stiff holder the feed, to where nothing presses; then the axis that overran
+    UnloadFirst,
+    /// The axis that overran
+    Direct,
+}
+
+impl From<RecoveryWay> for control::recovery::RecoveryWay {
+    fn from(way: RecoveryWay) -> Self {
+        match way {
+            RecoveryWay::UnloadFirst => Self::UnloadFirst,
+            RecoveryWay::Direct => Self::Direct,
+        }
+    }
+}

@@ -1,0 +1,219 @@
+//! What users type.
+mod cam;
+mod common;
+mod compare;
+mod compensation;
+#[cfg(test)]
+#[allow(clippy::unwrap_used)] // a test may panic
+mod documented;
+mod iron;
+mod lists;
+mod options;
+mod polygon;
+mod run;
+mod text;
+
+use crate::progress::Shown;
+pub(crate) use cam::{CamArgs, CamFormName, CamOutput};
+use clap::{Parser, Subcommand};
+pub(crate) use common::{Dialect, Format, ProgramArgs, Switch, WorkSpeedChoice};
+pub(crate) use compare::CompareArgs;
+pub(crate) use compensation::{CompensationArgs, CompensationOutput};
+pub(crate) use iron::{IronArgs, RecoverArgs};
+pub(crate) use lists::{CodesFormat, MachineCommand};
+pub(crate) use polygon::{ActuatorChoice, PolygonArgs};
+pub(crate) use run::{RunArgs, Synchronisation};
+pub(crate) use text::{
+    CanonArgs, CanonFormat, CheckArgs, FindingsFormat, FormatArgs, LeftArgs, TimeArgs,
+};
+
+/// An open numerical control for spindle-synchronised machining.
+#[derive(Parser, Debug)]
+#[command(name = "leadscrew", version, propagate_version = true, max_term_width = 100)]
+#[command(after_help = "Examples:
+  leadscrew run programs/plate-12xM6.ngc --out out/plate     prove a program, leave report and certificate
+  leadscrew check programs/*.ngc                             everything wrong with them, at once
+  leadscrew canon part.ngc --format linuxcnc                 compare with LinuxCNC's rs274 by diff
+  leadscrew machine show tapping-center                      the machine's values, with their sources")]
+pub(crate) struct Cli {
+    /// Say only what went wrong: no answer for people, no remarks, no progress; the exit code tells. Data that is
+    /// asked for (--format json, canon, --log, --out) comes all the same
+    #[arg(short, long, global = true)]
+    pub(crate) quiet: bool,
+    /// How progress is shown
+    #[arg(long, global = true, value_enum, default_value_t = Shown::Auto, value_name = "HOW")]
+    pub(crate) progress: Shown,
+    /// What to do
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+/// What to do.
+#[derive(Subcommand, Debug)]
+pub(crate) enum Command {
+    /// Run a program on the simulated machine and judge the workpiece
+    #[command(
+        after_help = "Exit code: 0 the program ended and every feature is within tolerance; 1 a feature is out of
+tolerance; 2 the program or a file was refused, or a tap is in the work and nothing but `leadscrew recover` may
+move; 3 an alarm on the machine.
+
+--fault takes power-cut, kill, emergency-stop, drive-fault spindle [N]|AXIS, lost-index, encoder-slip ANGLE,
+dropout TIME, stuck AXIS, feedback-jump AXIS LENGTH, scale-error AXIS PPM (from where the axis stands then),
+eccentricity ANGLE [spindle N] (of an encoder), late, missed, torque-loss PERCENT [spindle N]; spindles count from 0.
+--operator takes hold, resume, abort, retract, override PERCENT, rapid-override PERCENT, spindle-override PERCENT,
+single-block on|off, emergency-stop.
+A MOMENT is a time (1.5s, 250ms), line N, depth 8mm [out]
+(of the tip below the work's zero), angle 12rev (turned since the start), random; or between 1s and 2s.
+
+With --iron the sync record, which recovery needs, is kept in the state folder: by default
+$XDG_STATE_HOME/leadscrew/MACHINE-NUMBER, or ~/.local/state/leadscrew/MACHINE-NUMBER. Without --iron there is one only
+if --state names its folder.
+
+Examples:
+  leadscrew run programs/plate-12xM6.ngc
+  leadscrew run part.ngc --machine shop.toml --tools shop.tbl --out out/part
+  leadscrew run part.ngc --missing-tools stand-in --material 42CrMo4
+  leadscrew run part.ngc --fault 'power-cut at depth 8mm' --recover   and the way out along the thread
+  leadscrew run part.ngc --operator 'hold at 2.5s; resume at 4s; override 50 at line 30'
+  leadscrew run part.ngc --force-ramp 0.12       what a spindle ramp steeper than the power curve does
+  leadscrew run part.ngc --synchronisation encoder-no-prediction   what a lagging feed does to a thread
+  generator | leadscrew run - --format json"
+    )]
+    Run(RunArgs),
+    /// Say everything that is wrong with programs, without moving anything
+    #[command(after_help = "Examples:
+  leadscrew check part.ngc
+  leadscrew check programs/ --format json")]
+    Check(CheckArgs),
+    /// Say how long a program takes, by the planner that would run it
+    #[command(after_help = "Examples:
+  leadscrew time part.ngc
+  leadscrew time part.ngc --machine bench-xyz --format json     key motion_time_s: from first to last motion")]
+    Time(TimeArgs),
+    /// Run the simulated machine, its drives and encoders as a process of its own
+    #[command(
+        after_help = "A control that connects drives it; when the control dies, the drives stop by themselves and the
+encoders keep the truth. In lock-step (the default) time waits for the control.
+
+Examples:
+  leadscrew iron --listen /tmp/iron &                      then: leadscrew run part.ngc --iron /tmp/iron
+  leadscrew iron --listen /tmp/iron --real-time            time as on the wall
+  leadscrew iron --listen /tmp/iron --power-cut-at 7.2     the mains fail after 7.2 s of machine time
+  leadscrew iron --status /tmp/iron                        how it is, as JSON
+  leadscrew iron --quit /tmp/iron"
+    )]
+    Iron(IronArgs),
+    /// Take a tap out of its hole after the control died, or say why that is not safe
+    #[command(
+        after_help = "The sync record and the encoders tell where the tap stands off its thread; spindle or feed goes back onto
+it, then both come out along it together. Killed on the way, it is begun again in the same way.
+
+Without the record of just the tool that the machine keeps in its work nothing moves. Exit code: 0 recovered, or nothing to
+do; 2 refused, with the reason, or out and not known to be whole.
+
+Examples:
+  leadscrew recover --iron /tmp/iron --dry-run --picture way.svg   rehearse it
+  leadscrew recover --iron /tmp/iron
+  leadscrew recover --iron /tmp/iron --format json"
+    )]
+    Recover(RecoverArgs),
+    /// Tap the same holes with a clutch holder and conventionally, on a spindle that scatters
+    #[command(after_help = "Examples:
+  leadscrew compare --size M6                    100 holes each at S2000
+  leadscrew compare --size M6 --depth 10 --speed 2800   the conventional cycle scatters by 0.33 mm, at S1000 by 0.13 mm
+  leadscrew compare --size M8 --speed 1500 --samples 400 --out m8.html
+  leadscrew compare part.ngc --speed-scatter 2   the taps of a program, in both holders")]
+    Compare(CompareArgs),
+    /// Compare the ways of compensating a cam's phase error: contour errors over cams and speeds
+    #[command(
+        after_help = "Each cam is measured in idle turns at each speed, then turned with what is sent compensated by each method;
+the judge looks at the last turn. Nothing is kept.
+
+Examples:
+  leadscrew compensation programs/cams.toml
+  leadscrew compensation programs/cams.toml --machine cam-grinder-coarse     1 µm table pulses, 0.01° counts
+  leadscrew compensation programs/cams.toml --cams 1237 --speeds 60 --format json
+  leadscrew compensation programs/cams.toml --out compensation.html"
+    )]
+    Compensation(CompensationArgs),
+    /// Find the flattest polygon that a machine can turn, and the block that cuts it
+    #[command(after_help = "Examples:
+  leadscrew polygon --sides 6 --across-flats 17 --speed 500
+  leadscrew polygon --sides 4 --across-flats 30 --speed 500 --flatness 2 --out square.html
+  leadscrew polygon --sides 4 --across-flats 30 --simulate                  cut at each speed, compensated and not
+  leadscrew polygon --insert-angles 0,90 --across-flats 20 --actuator x --format json
+  leadscrew polygon --sides 5 --ratio 2:5 --across-flats 17 --tip-radius 6.8   a pentagon")]
+    Polygon(PolygonArgs),
+    /// From a cam's lift to the path of the grinding wheel: checks, highest speed, table, G-code, pictures
+    #[command(after_help = "Examples:
+  leadscrew cam --form automotive --base 34 --lift 9 --half-angle 65       an engine's cam for a flat follower
+  leadscrew cam lift.csv --base 18 --follower roller --roller-radius 10    a table of angle and lift, degrees and mm
+  leadscrew cam lift.csv --base 18 --wheel-wear 12.5 --format table        C, X and work speed for a worn wheel
+  leadscrew cam --form lobes --lift 3 --lobes 3 --out lobes.html           lift, speed, acceleration, curvature drawn")]
+    Cam(CamArgs),
+    /// Print the operations that a program means
+    #[command(after_help = "Examples:
+  leadscrew canon part.ngc                       operations in machine coordinates, mm
+  leadscrew canon part.ngc --format json         one JSON object a line
+  leadscrew canon part.ngc --format linuxcnc     the notation of LinuxCNC's rs274 -g")]
+    Canon(CanonArgs),
+    /// Write programs in canonical spacing; what they mean, and their comments, stay
+    #[command(after_help = "Examples:
+  leadscrew fmt part.ngc
+  leadscrew fmt --check programs/    exit code 2 if something is not in canonical spacing
+  leadscrew fmt - < part.ngc         standard input to standard output")]
+    Fmt(FormatArgs),
+    /// Serve an editor: the language server, on standard input and output
+    #[command(
+        after_help = "Findings as you type, what a word does and where the machine stands, the outline of tools and
+subprograms, definitions, renaming and formatting. An editor starts it; see docs/editors.md."
+    )]
+    Lsp(ProgramArgs),
+    /// List every G and M code, with what it takes and whether it is executed
+    Codes {
+        /// How they are printed
+        #[arg(long, value_enum, default_value_t = CodesFormat::Text)]
+        format: CodesFormat,
+    },
+    /// The machines Leadscrew knows, and files that describe others
+    #[command(subcommand)]
+    Machine(MachineCommand),
+    /// Write a shell's completion script to standard output
+    #[command(
+        after_help = "Example: leadscrew completions bash > /etc/bash_completion.d/leadscrew"
+    )]
+    Completions {
+        /// For which shell
+        shell: clap_complete::Shell,
+    },
+}
+
+impl Command {
+    /// Whether whoever asked reads JSON: then a refusal is JSON, too.
+    pub(crate) fn answers_in_json(&self) -> bool {
+        match self {
+            Self::Run(args) => args.format == Format::Json,
+            Self::Recover(args) => args.format == Format::Json,
+            Self::Time(args) => args.format == Format::Json,
+            Self::Polygon(args) => args.format == Format::Json,
+            Self::Check(args) => args.format == FindingsFormat::Json,
+            Self::Canon(args) => args.format == CanonFormat::Json,
+            Self::Cam(args) => args.format == CamOutput::Json,
+            Self::Compensation(args) => args.format == CompensationOutput::Json,
+            Self::Codes { format } => *format == CodesFormat::Json,
+            Self::Iron(_)
+            | Self::Compare(_)
+            | Self::Fmt(_)
+            | Self::Lsp(_)
+            | Self::Machine(_)
+            | Self::Completions { .. } => false,
+        }
+    }
+}
+
+/// Whether a command line that could not be read asks for JSON.
+pub(crate) fn asks_for_json(words: impl Iterator<Item = String>) -> bool {
+    let words: Vec<String> = words.collect();
+    words.iter().any(|word| word == "--format=json")
+        || words.windows(2).any(|pair| pair[0] == "--format" && pair[1] == "json")
+}

@@ -1,0 +1,87 @@
+//! From arguments to the plain options that programs are loaded with.
+use super::common::{
+    ClutchDwell, Compensation, DecimalPoint, Dialect, Estimator, MissingTools, ProgramArgs, Switch,
+    Tapping, TappingPreset, ToolUnit, WorkSpeedChoice,
+};
+use control::job::options::{self, ProgramOptions};
+use store::{cams::WorkSpeed, machine::Preset, tools::TableUnit};
+
+impl ProgramArgs {
+    /// The same without a command line.
+    pub(crate) fn options(&self) -> ProgramOptions {
+        ProgramOptions {
+            machine: self.machine.clone(),
+            tools: self.tools.clone(),
+            tool_unit: match self.tool_unit {
+                ToolUnit::Mm => TableUnit::Millimetre,
+                ToolUnit::Inch => TableUnit::Inch,
+            },
+            parameters: self.parameters.clone(),
+            missing_tools: match self.missing_tools {
+                MissingTools::Refuse => interp::MissingTools::Refuse,
+                MissingTools::StandIn => interp::MissingTools::StandIn,
+            },
+            tapping: self.tapping.map(|asked| match asked {
+                Tapping::Synchronised => plan::TapMethod::Synchronised,
+                Tapping::Floating => plan::TapMethod::Floating,
+            }),
+            clutch_dwell: match self.clutch_dwell {
+                ClutchDwell::Refuse => plan::DwellCheck::Refuse,
+                ClutchDwell::Warn => plan::DwellCheck::Warn,
+            },
+            dialect: self.dialect.map(Into::into),
+            decimal_point: self.decimal_point.map(|asked| match asked {
+                DecimalPoint::Increments => options::DecimalPoint::Increments,
+                DecimalPoint::Calculator => options::DecimalPoint::Calculator,
+            }),
+            block_skip: self.block_skip.clone(),
+            subprograms: self.subprograms.clone(),
+            cams: self.cams.clone(),
+            phase_table: self.phase_table.clone(),
+            compensation: match self.compensation {
+                Compensation::Off => options::Compensation::Off,
+                Compensation::Address => options::Compensation::Address,
+                Compensation::Shift => options::Compensation::Shift,
+                Compensation::Wrong => options::Compensation::Wrong,
+                Compensation::Harmonics => options::Compensation::Harmonics,
+                Compensation::Learn => options::Compensation::Learn,
+            },
+            estimator: match self.estimator {
+                Estimator::LeastSquares => options::Estimator::LeastSquares,
+                Estimator::Flanks => options::Estimator::Flanks,
+                Estimator::Maximum => options::Estimator::Maximum,
+            },
+            work_speed: self.work_speed.map(Into::into),
+            without_feed_forward: self.feed_forward == Some(Switch::Off),
+            tapping_preset: self.tapping_preset.map(|asked| match asked {
+                TappingPreset::Gentle => Preset::Gentle,
+                TappingPreset::Standard => Preset::Standard,
+                TappingPreset::Fast => Preset::Fast,
+                TappingPreset::Max => Preset::Max,
+            }),
+        }
+    }
+}
+
+impl From<Dialect> for interp::Dialect {
+    fn from(named: Dialect) -> Self {
+        match named {
+            Dialect::Linuxcnc => Self::LinuxCnc,
+            Dialect::Brother => Self::Brother,
+            Dialect::Fanuc => Self::Fanuc,
+            Dialect::FanucLatheA => Self::FanucLatheA,
+            Dialect::FanucLatheB => Self::FanucLatheB,
+            Dialect::FanucLatheC => Self::FanucLatheC,
+            Dialect::Toyoda => Self::Toyoda,
+        }
+    }
+}
+
+impl From<WorkSpeedChoice> for WorkSpeed {
+    fn from(choice: WorkSpeedChoice) -> Self {
+        match choice {
+            WorkSpeedChoice::Constant => Self::Constant,
+            WorkSpeedChoice::Even => Self::Even,
+        }
+    }
+}

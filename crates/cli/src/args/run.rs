@@ -1,0 +1,116 @@
+//! The arguments of `leadscrew run`.
+use super::{Format, ProgramArgs};
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// `leadscrew run`.
+#[derive(Args, Debug, Clone)]
+pub(crate) struct RunArgs {
+    /// The program; `-` reads standard input
+    pub(crate) program: PathBuf,
+    #[command(flatten)]
+    pub(crate) source: ProgramArgs,
+    /// Folder for report.html, certificate.json and trace.parquet; written whole or not at all
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// The report alone, without a folder for the rest [default: report.html here]
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "report.html")]
+    pub(crate) report: Option<PathBuf>,
+    /// Seed of the machine that is simulated: what its control does not know (`machine show NAME --seed N`), and the cut's scatter
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+    /// Material of the workpiece [default: the machine's set-up]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) material: Option<String>,
+    /// Unit of lengths in report and tables [default: as the program writes them]
+    #[arg(long, value_enum)]
+    pub(crate) units: Option<Units>,
+    /// How the summary is printed
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub(crate) format: Format,
+    /// Also say how fast the simulation and the kernel's tick were
+    #[arg(long)]
+    pub(crate) timings: bool,
+    /// Also print what happened, a line an event
+    #[arg(long)]
+    pub(crate) log: bool,
+    /// Control the iron that listens here, instead of simulating one
+    #[arg(long, value_name = "PATH")]
+    pub(crate) iron: Option<PathBuf>,
+    /// Folder of the sync record [default with --iron: see below; else none is kept]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) state: Option<PathBuf>,
+    /// Begin at a line, as in 27, or at a hole, as in "hole 5": tool, spindle and modes as they would be there; never
+    /// within a cycle
+    #[arg(long, value_name = "LINE|hole N")]
+    pub(crate) from: Option<control::job::restart::From>,
+    /// Let the iron fail: WHAT at MOMENT; several parted by `;`, see below
+    #[arg(long, value_name = "WHAT at MOMENT", conflicts_with = "iron")]
+    pub(crate) fault: Vec<String>,
+    /// What the operator orders: WHAT at MOMENT; several parted by `;`, see below
+    #[arg(long, value_name = "WHAT at MOMENT")]
+    pub(crate) operator: Vec<String>,
+    /// After a stop in a thread: take the tap out along it, and end there, or continue with the remaining holes
+    #[arg(long, value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "out", conflicts_with = "iron")]
+    pub(crate) recover: Option<AfterStop>,
+    /// Force the tapping ramp from rest to full speed into this time, against the power curve
+    #[arg(long, value_name = "SECONDS")]
+    pub(crate) force_ramp: Option<f64>,
+    /// Learn from tap to tap, and keep what was learnt in this file; `off`: do not [default: as the machine's file says]
+    #[arg(long, value_name = "FILE|off")]
+    pub(crate) learning: Option<PathBuf>,
+    /// How the feed is tied to the spindle [default: the machine's]
+    #[arg(long, value_enum)]
+    pub(crate) synchronisation: Option<Synchronisation>,
+    #[command(flatten)]
+    pub(crate) left: super::LeftArgs,
+}
+
+/// Unit of lengths.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Units {
+    /// Millimetres and micrometres
+    Mm,
+    /// Inches and microinches
+    Inch,
+}
+
+impl From<Units> for canon::LengthUnit {
+    fn from(units: Units) -> Self {
+        match units {
+            Units::Mm => Self::Millimetre,
+            Units::Inch => Self::Inch,
+        }
+    }
+}
+
+/// What comes after a tap has been taken out.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum AfterStop {
+    /// The end
+    Out,
+    /// The remaining holes
+    Continue,
+}
+
+/// How the feed is tied to the spindle.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Synchronisation {
+    /// Spindle and feed obey one planned trajectory
+    Command,
+    /// The feed follows the observed spindle, predicted to when the command acts
+    Encoder,
+    /// The feed follows the measured angle with speed feed-forward, not predicted: lags by v·Ts
+    EncoderNoPrediction,
+    /// The feed follows the measured angle by its position gain alone: lags by v/Kp + v·Ts
+    EncoderNoFeedForward,
+}
+
+impl From<AfterStop> for control::stops::AfterStop {
+    fn from(after: AfterStop) -> Self {
+        match after {
+            AfterStop::Out => Self::Out,
+            AfterStop::Continue => Self::Continue,
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! One control after the other.
+use super::machine::{Alone, Iron, Obeyed};
+use crate::say;
+use control::Refused;
+use control::clock;
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::path::Path;
+use std::time::Duration;
+use wire::{Error, Message, Order, Port};
+
+/// How long somebody who connects may take to say what he wants.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// Listen until somebody says that it is enough.
+pub(super) fn serve(mut iron: Iron, path: &Path) -> Result<(), Refused> {
+    let listener = listen(path)?;
+    say::out(&format!("listening at {}: {}\n", path.display(), iron.who()))?;
+    loop {
+        let Ok((stream, _)) = listener.accept() else { continue };
+        match session(&mut iron, stream) {
+            Ok(After::Next) => {}
+            Ok(After::Quit) => {
+                let _ = std::fs::remove_file(path);
+                return Ok(());
+            }
+            Err(why) => say::err(&format!("a control is gone: {why}\n")),
+        }
+    }
+}
+
+/// What comes after a session.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum After {
+    Next,
+    Quit,
+}
+
+/// A socket of that name, in place of one that nobody listens at any more.
+fn listen(path: &Path) -> Result<UnixListener, Refused> {
+    let failed = |e| Refused::because(format!("cannot listen at {}: {e}", path.display()));
+    match UnixListener::bind(path) {
+        Err(e) if e.kind() == std::io::ErrorKind::AddrInUse => {
+            if UnixStream::connect(path).is_ok() {
+                let path = path.display();
+                return Err(Refused::because(format!("another iron listens at {path} already")));
+            }
+            std::fs::remove_file(path).map_err(failed)?;
+            UnixListener::bind(path).map_err(failed)
+        }
+        other => other.map_err(failed),
+    }
+}
+
+fn session(iron: &mut Iron, stream: UnixStream) -> Result<After, Error> {
+    stream.set_read_timeout(Some(PATIENCE))?;
+    let pace = stream.try_clone()?;
+    let mut port = Port::new(stream);
+    let control;
+    match port.take()? {
+        Message::Order(order) => {
+            match order {
+                Order::PowerCut => iron.leave_alone(Alone::Power),
+                Order::ToolIsFree => iron.tool_is_free(),
+                Order::Status | Order::Quit => {}
+            }
+            port.send(&Message::Told(iron.status()))?;
+            return Ok(if order == Order::Quit { After::Quit } else { After::Next });
+        }
+        Message::Hello(hello) if hello.machine != iron.name() => {
+            let (has, wants) = (iron.name(), hello.machine);
+            port.send(&Message::Refused(format!(
+                "this iron is a {has}, and {} is set up for a {wants}: name the machine with --machine {has}",
+                hello.name
+            )))?;
+            return Ok(After::Next);
+        }
+        Message::Hello(hello) => {
+            control = hello.process;
+            port.send(&Message::Welcome(iron.welcome()))?;
+        }
+        Message::Welcome(_)
+        | Message::Refused(_)
+        | Message::Command(..)
+        | Message::Observed(_)
+        | Message::Told(_) => {
+            port.send(&Message::Refused("expected a greeting or an order".into()))?;
+            return Ok(After::Next);
+        }
+    }
+    let ended = if iron.real_time {
+        in_real_time(iron, &mut port, &pace, control)
+    } else {
+        pace.set_read_timeout(None)?;
+        in_lock_step(iron, &mut port, control)
+    };
+    if let Err(Error::Refused(why)) = &ended {
+        // one that is gone already does not hear it
+        let _ = port.send(&Message::Refused(why.clone()));
+    }
+    iron.leave_alone(if matches!(ended, Ok(())) { Alone::Power } else { Alone::Link });
+    match ended {
+        // the whole cabinet is dark: nobody is told
+        Ok(()) => Ok(After::Next),
+        Err(Error::Gone(e)) if e.kind() == std::io::ErrorKind::UnexpectedEof => Ok(After::Next),
+        Err(Error::Gone(e)) if e.kind() == std::io::ErrorKind::ConnectionReset => Ok(After::Next),
+        Err(why) => Err(why),
+    }
+}
+
+/// A command, as something that may be due.
+fn command(iron: &mut Iron, message: &Message) -> Result<bus::Command, Error> {
+    match message {
+        Message::Command(command, engagement) => {
+            iron.hear(*engagement).map_err(Error::Refused)?;
+            Ok(*command)
+        }
+        Message::Hello(_)
+        | Message::Welcome(_)
+        | Message::Refused(_)
+        | Message::Observed(_)
+        | Message::Order(_)
+        | Message::Told(_) => {
+            Err(Error::Unexpected { found: "another message", expected: "a command" })
+        }
+    }
+}
+
+/// Kill the control as nobody can prevent; what the drives see of it.
+fn kill(control: u32) -> Result<(), Error> {
+    let pid = control.to_string();
+    let killed =
+        std::process::Command::new("sh").args(["-c", "kill -KILL \"$0\"", &pid]).status()?;
+    if !killed.success() {
+        return Err(Error::Refused(format!("the control, process {pid}, cannot be killed")));
+    }
+    Err(Error::Gone(std::io::ErrorKind::UnexpectedEof.into()))
+}
+
+/// Time waits for the control. Returns when the power is cut.
+fn in_lock_step(iron: &mut Iron, port: &mut Port<UnixStream>, control: u32) -> Result<(), Error> {
+    loop {
+        let order = command(iron, &port.take()?)?;
+        match iron.obey(&order) {
+            Obeyed::Done => {}
+            Obeyed::PowerCut => return Ok(()),
+            Obeyed::Kill => return kill(control),
+        }
+        port.send(&Message::Observed(iron.observed()))?;
+    }
+}
+
+/// Time waits for nobody: what comes too late acts a period later.
+fn in_real_time(
+    iron: &mut Iron,
+    port: &mut Port<UnixStream>,
+    pace: &UnixStream,
+    control: u32,
+) -> Result<(), Error> {
+    let period = Duration::from_secs_f64(iron.period().value());
+    let mut last = bus::Command::default();
+    let mut silent = Duration::ZERO;
+    let mut due = clock::now() + period;
+    loop {
+        let left = due.saturating_duration_since(clock::now());
+        pace.set_read_timeout(Some(left.max(Duration::from_micros(1))))?;
+        let answer = if let Some(message) = port.take_soon()? {
+            last = command(iron, &message)?;
+            silent = Duration::ZERO;
+            true
+        } else {
+            silent += period;
+            false
+        };
+        std::thread::sleep(due.saturating_duration_since(clock::now()));
+        // an iron that was late itself has not waited for the control: its time begins anew from here
+        due = clock::now().max(due) + period;
+        if silent.as_secs_f64() > iron.watchdog.value() {
+            return Err(Error::Refused("silent for longer than the drives' watchdog".into()));
+        }
+        match iron.obey(&last) {
+            Obeyed::Done => {}
+            Obeyed::PowerCut => return Ok(()),
+            Obeyed::Kill => return kill(control),
+        }
+        if answer {
+            port.send(&Message::Observed(iron.observed()))?;
+        }
+    }
+}

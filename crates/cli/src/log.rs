@@ -1,0 +1,139 @@
+//! `--log`: what happened, a line for each change of state, as a machinist would note it.
+//!
+//! Positions are the tool *tip's*, in the work's frame (machine position less G54 less the tool's length); the spindle
+//! angle is not shown modulo a turn, so that in a tap it can be checked against the lead by hand.
+use crate::say;
+use bus::{Sample, State};
+use canon::{Await, InputWait, Output, Position, Signal, ToolLibrary};
+use control::observers::Observer;
+use kernel::{Event, EventKind};
+use units::Length;
+
+/// Prints to standard output.
+pub(crate) struct Log {
+    tools: ToolLibrary,
+    zero: Position,
+    last: Option<(State, u32)>,
+    length: Length,
+}
+
+impl Log {
+    /// A log for a workpiece whose zero is there.
+    pub(crate) fn new(tools: ToolLibrary, zero: Position) -> Self {
+        line("     t s  line  state              x        y        z       rev     rpm");
+        Self { tools, zero, last: None, length: Length::ZERO }
+    }
+}
+
+impl Observer for Log {
+    /// A servo period.
+    fn sample(&mut self, sample: &Sample) {
+        if let Some(number) = sample.feedback.tool {
+            self.length = self.tools.get(number).map_or(Length::ZERO, |tool| tool.length);
+        }
+        let now = (sample.report.state, sample.report.line);
+        if self.last == Some(now) {
+            return;
+        }
+        self.last = Some(now);
+        let tip = |axis: usize| {
+            let tool = if axis == 2 { self.length } else { Length::ZERO };
+            (sample.axis(axis) - self.zero.linear[axis] - tool).value()
+        };
+        let spin = sample.truth.map_or(sample.command.spindles[0].spin, |t| t.spins[0]);
+        line(&format!(
+            "{:8.3} {:5}  {:<12} {:>8} {:>8} {:>8} {:>9} {:>7}",
+            sample.feedback.time.value(),
+            now.1,
+            now.0.name(),
+            tidy(tip(0), 2),
+            tidy(tip(1), 2),
+            tidy(tip(2), 2),
+            tidy(sample.spindle(0).value(), 2),
+            tidy(spin.in_rpm(), 0),
+        ));
+    }
+
+    /// Something that is no change of state.
+    fn event(&mut self, event: &Event) {
+        let text = match &event.kind {
+            EventKind::FaultRaised(fault) => fault.to_string(),
+            EventKind::FollowingWarning { axis, error } => {
+                format!("following error of {}: {}", axis.letter(), small(*axis, *error))
+            }
+            EventKind::SyncWarning { error } => format!("sync error {:.1} µm", error.in_um()),
+            EventKind::ChipRemovalBegun { spin, .. } => {
+                format!("chip removal: told {:.0} rpm", spin.in_rpm())
+            }
+            EventKind::ChipsThrown { spin, .. } => {
+                format!("chip removal: {:.0} rpm reached, turned round", spin.in_rpm())
+            }
+            EventKind::ChipRemovalEnded { spin, .. } => {
+                format!("chip removal: over, {:.0} rpm", spin.in_rpm())
+            }
+            EventKind::RecoveryBegun { error, mover } => format!(
+                "recovery: {:.1} µm off the coupling, {}",
+                error.in_um(),
+                match mover {
+                    Some(sync::recovery::Mover::Feed) => "the feed overran and goes back",
+                    Some(sync::recovery::Mover::Spindle) => "the spindle overran and turns back",
+                    None => "nobody overran",
+                }
+            ),
+            EventKind::OnCoupling => "recovery: on the coupling, coming out along it".to_owned(),
+            EventKind::RecoveryEnded(figures) => format!(
+                "recovery: out, at most {:.1} µm off the helix on the way",
+                figures.helix_error_max.in_um()
+            ),
+            EventKind::Withdrawn { .. } => "recovery: the tool is off the work".to_owned(),
+            EventKind::Operator(notice) => notice.to_string(),
+            EventKind::OutputSet(Output { number, signal: Signal::Digital { on }, .. }) => {
+                format!("digital output {number} {}", if *on { "on" } else { "off" })
+            }
+            EventKind::OutputSet(Output { number, signal: Signal::Analogue { value }, .. }) => {
+                format!("analogue output {number} at {value}")
+            }
+            EventKind::InputRead(InputWait { number, digital, until, .. }) => {
+                let kind = if *digital { "digital" } else { "analogue" };
+                match until {
+                    Await::Nothing => format!("{kind} input {number} read"),
+                    Await::Rise | Await::Fall | Await::On | Await::Off => {
+                        format!("{kind} input {number}: what was waited for has come")
+                    }
+                }
+            }
+            EventKind::UserCode { number } => format!("M{number} done"),
+            EventKind::ToolChanged { tool } => format!("tool {tool} in the spindle"),
+            EventKind::SpindlesCoupled { follower } => {
+                format!("spindle {follower} follows, speed and phase are reached")
+            }
+            _ => return,
+        };
+        line(&format!("{:8.3} {:5}  {text}", event.time.value(), event.line));
+    }
+}
+
+/// One line. A log that nobody can read stops no machine; what is said at the end tells why.
+fn line(text: &str) {
+    let _ = say::out(&format!("{text}\n"));
+}
+
+/// A number without "-0.00".
+fn tidy(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    if text.starts_with('-') && text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.')) {
+        text[1..].to_owned()
+    } else {
+        text
+    }
+}
+/// A small way of an axis: of a rotary one degrees stand for millimetres.
+pub(crate) fn small(axis: canon::Axis, way: units::Length) -> String {
+    const ARCSEC: f64 = 3600.0;
+    match axis {
+        canon::Axis::A | canon::Axis::B | canon::Axis::C => {
+            format!("{:.0} arcsec", way.value() * ARCSEC)
+        }
+        _ => format!("{:.0} µm", way.in_um()),
+    }
+}

@@ -1,0 +1,60 @@
+//! `leadscrew machine`: what machines there are, and what is wrong with a file that describes one.
+use crate::args::MachineCommand;
+use crate::say;
+use crate::tables::table;
+use control::Refused;
+use control::config::machine_file::{load, text};
+use store::machine::{self, MachineFile, Reaction};
+
+/// Do it.
+pub(crate) fn command(order: &MachineCommand) -> Result<(), Refused> {
+    match order {
+        MachineCommand::List => list(),
+        MachineCommand::Show { machine, seed } => {
+            let text = text(machine)?;
+            // a file that is wrong is shown as it is
+            let plant = load(machine).map(|file| crate::plant_table::lines(&file, *seed));
+            say::out(&(text + &plant.unwrap_or_default()))
+        }
+        MachineCommand::Check { machine } => {
+            let file = load(machine)?;
+            control::job::subprograms::folders_of(machine, &file)?;
+            control::services::learning::Memory::load(None, &file)?;
+            let mut text = format!("{}: in order. {}\n", file.name, file.description);
+            for warning in warnings(&file).chain(crate::coasting::warnings(&file)) {
+                text += &format!("warning: {warning}\n");
+            }
+            say::out(&text)
+        }
+    }
+}
+
+/// What is allowed and yet leaves a tool in the work without help.
+fn warnings(file: &MachineFile) -> impl Iterator<Item = String> {
+    let drives = file.drives;
+    let keys = [
+        ("on_link_loss", drives.on_link_loss, "the control dies"),
+        ("on_power_loss", drives.on_power_loss, "the mains fail"),
+    ];
+    keys.into_iter().filter(|(_, reaction, _)| *reaction == Reaction::Off).map(|(key, _, when)| {
+        format!(
+            "[drives] {key} is \"off\": if {when} in a synchronised cut, spindle and axes run down apart, and nothing is guaranteed of the \
+             tool: \"coupled-stop\", \"quick-stop\" or \"coast\" works where the drives can{}",
+            if key == "on_power_loss" { ", with [drives.bus]" } else { "" }
+        )
+    })
+}
+
+fn list() -> Result<(), Refused> {
+    let mut table = table(["machine", "what it is", "axes", "spindles"]);
+    for name in machine::EMBEDDED {
+        let file = load(name)?;
+        let axes: String = file.axes.iter().flatten().map(|a| a.letter.letter()).collect();
+        let spindles: Vec<_> =
+            file.spindles.iter().map(|s| format!("{} {:.0} rpm", s.name, s.max.in_rpm())).collect();
+        table.add_row([name, &file.description, &axes, &spindles.join(", ")]);
+    }
+    say::out(&format!(
+        "{table}\n\nThe first is the default. `leadscrew machine show NAME` prints its file to start your own from.\n"
+    ))
+}

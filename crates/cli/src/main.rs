@@ -1,0 +1,135 @@
+//! The `leadscrew` program: command line, threads, clock, wiring. The only crate that knows all the others.
+//!
+//! ```text
+//!   args ─► run       session ─► preflight ─► control ─► papers, summary
+//!        ├► check     session ─► preflight ─► render
+//!        ├► time      session ─► preflight, its steps added up
+//!        ├► iron      the simulated machine as a process of its own
+//!        ├► recover   what is known of a tap in the work, and the way out
+//!        ├► compare   the same holes with a clutch holder and without, on a spindle that scatters
+//!        ├► polygon   forms: from a form to the block that cuts it
+//!        ├► cam       forms::cam, printed and drawn
+//!        ├► canon     session ─► interp, printed
+//!        ├► fmt       gcode
+//!        ├► codes     interp's tables
+//!        ├► lsp       session ─► lsp
+//!        └► machine   store
+//! ```
+#![forbid(unsafe_code)]
+
+mod args;
+mod cam;
+mod canonical;
+mod certificate;
+mod check;
+mod coasting;
+mod codes;
+mod compare;
+mod compensation;
+mod format;
+mod interrupt;
+mod iron;
+mod left;
+mod log;
+mod lsp;
+mod machine;
+mod measures;
+mod papers;
+mod pieces;
+mod plant_table;
+mod polygon;
+mod progress;
+mod recover;
+mod refusal;
+mod render;
+mod run;
+mod say;
+mod summary;
+mod tables;
+mod time;
+mod typed;
+mod worst;
+
+use args::{Cli, Command};
+use clap::{CommandFactory, Parser};
+use control::Refused;
+use run::Ending;
+use std::process::ExitCode;
+
+/// A feature is out of tolerance.
+const OUT_OF_TOLERANCE: u8 = 1;
+/// The program or a file was refused.
+const REFUSED: u8 = 2;
+/// Ctrl-C: 128 and the number of the signal, as shells have it.
+const INTERRUPTED: u8 = 130;
+/// An alarm on the machine.
+const ALARM: u8 = 3;
+
+fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(wrong) => return misread(&wrong),
+    };
+    progress::ask(if cli.quiet { progress::Shown::Off } else { cli.progress });
+    match execute(&cli) {
+        Ok(code) => code,
+        Err(refused) => {
+            refusal::say(&refused);
+            if cli.command.answers_in_json() {
+                let _ = say::out(&refusal::json(&refused)); // standard error has it as well
+            }
+            ExitCode::from(if interrupt::came() { INTERRUPTED } else { REFUSED })
+        }
+    }
+}
+
+/// A command line that is none, or that asks for help: as clap has it, and in JSON where that is asked for.
+fn misread(wrong: &clap::Error) -> ExitCode {
+    let _ = wrong.print(); // nobody reads standard error
+    let refused = wrong.use_stderr();
+    if refused && args::asks_for_json(std::env::args()) {
+        let text = wrong.render().to_string();
+        let sentence = text.lines().next().unwrap_or_default().trim_start_matches("error: ");
+        let _ = say::out(&refusal::json(&Refused::because(sentence)));
+    }
+    if refused { ExitCode::from(REFUSED) } else { ExitCode::SUCCESS }
+}
+
+fn execute(cli: &Cli) -> Result<ExitCode, Refused> {
+    let accepted = |good| if good { ExitCode::SUCCESS } else { ExitCode::from(REFUSED) };
+    match &cli.command {
+        Command::Run(args) => Ok(match run::command(args, cli.quiet)? {
+            Ending::Good => ExitCode::SUCCESS,
+            Ending::OutOfTolerance => ExitCode::from(OUT_OF_TOLERANCE),
+            Ending::Alarm => ExitCode::from(ALARM),
+        }),
+        Command::Iron(args) => iron::command(args).map(|()| ExitCode::SUCCESS),
+        Command::Recover(args) => Ok(accepted(recover::command(args)?)),
+        Command::Compare(args) => Ok(if compare::command(args, cli.quiet)? {
+            ExitCode::SUCCESS
+        } else {
+            ExitCode::from(OUT_OF_TOLERANCE)
+        }),
+        Command::Compensation(args) => {
+            compensation::command(args, cli.quiet).map(|()| ExitCode::SUCCESS)
+        }
+        Command::Time(args) => Ok(accepted(time::command(args, cli.quiet)?)),
+        Command::Polygon(args) => polygon::command(args, cli.quiet).map(|()| ExitCode::SUCCESS),
+        Command::Cam(args) => cam::command(args).map(|()| ExitCode::SUCCESS),
+        Command::Check(args) => Ok(accepted(check::command(args, cli.quiet)?)),
+        Command::Canon(args) => Ok(accepted(canonical::command(args)?)),
+        Command::Fmt(args) => Ok(accepted(format::command(args, cli.quiet)?)),
+        Command::Lsp(source) => Ok(accepted(lsp::command(source.options())?)),
+        Command::Codes { format } => {
+            codes::command(*format)?;
+            Ok(ExitCode::SUCCESS)
+        }
+        Command::Machine(order) => machine::command(order).map(|()| ExitCode::SUCCESS),
+        Command::Completions { shell } => {
+            let mut script = Vec::new();
+            clap_complete::generate(*shell, &mut Cli::command(), "leadscrew", &mut script);
+            say::out(&String::from_utf8_lossy(&script))?;
+            Ok(ExitCode::SUCCESS)
+        }
+    }
+}

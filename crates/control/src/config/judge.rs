@@ -1,0 +1,62 @@
+//! What the judge goes by.
+use canon::{Position, ToolLibrary};
+use store::machine::{MachineFile, Material};
+use units::Length;
+use verify::{Bar, Config, Tolerances};
+
+/// Class 6H, the shop's usual tolerances, and the stock clamped at the workpiece's zero.
+pub fn judge(
+    machine: &MachineFile,
+    tools: &ToolLibrary,
+    material: Material,
+    zero: &Position,
+) -> Config {
+    Config {
+        material: known(material),
+        stock: Some(verify::Stock {
+            from: [0, 1, 2].map(|i| zero.linear[i] + machine.setup.stock.from[i]),
+            to: [0, 1, 2].map(|i| zero.linear[i] + machine.setup.stock.to[i]),
+            zero: zero.linear,
+        }),
+        work_axis: [zero.linear[0], zero.linear[1]],
+        stock_radius: Some(machine.setup.stock.to[0]), // a bar, where it is turned
+        work_zero: Some(*zero),
+        bar: bar(machine, zero),
+        ..Config::new(tools.clone())
+    }
+}
+
+/// The stock, if it is a bar about the spindle's axis: X and Y from −r to r.
+fn bar(machine: &MachineFile, zero: &Position) -> Option<Bar> {
+    let radius = machine.setup.stock.bar_radius()?;
+    let stock = &machine.setup.stock;
+    Some(Bar {
+        radius,
+        bore: stock.bore / 2.0,
+        face: zero.linear[2] + stock.to[2],
+        rear: zero.linear[2] + stock.from[2],
+    })
+}
+
+/// The shop's usual tolerances. Where the spindle turns back by itself and the feed only follows it, a thread may
+/// run as much beyond its bottom as such a spindle repeats its stop.
+pub fn tolerances(follows_encoder: bool) -> Tolerances {
+    const TURNS_BACK_WITHIN: Length = Length::mm(0.05);
+    let usual = Tolerances::default();
+    Tolerances {
+        thread_overrun: if follows_encoder { TURNS_BACK_WITHIN } else { usual.thread_overrun },
+        ..usual
+    }
+}
+
+fn known(material: Material) -> Option<verify::Material> {
+    match material.name {
+        "C45" => Some(verify::Material::CarbonSteel),
+        "42CrMo4" => Some(verify::Material::AlloySteel),
+        "stainless" => Some(verify::Material::Stainless),
+        "GG25" => Some(verify::Material::CastIron),
+        "AlSi" => Some(verify::Material::Aluminium),
+        "brass" => Some(verify::Material::Brass),
+        _ => None,
+    }
+}

@@ -1,0 +1,18 @@
+//! From the machine file's one description to what each crate asks for: the only place that knows all of them.
+//!
+//! ```text
+//!                      ┌─► simulator   sim::Config          the iron
+//!   store::MachineFile ┼─► control     kernel::Config       the loops
+//!   canon::ToolLibrary ┼─► planner     plan::MachineLimits  what may be asked of the iron
+//!                      └─► judge       verify::Config       what was asked of the work
+//! ```
+mod control;
+mod judge;
+pub mod machine_file;
+mod planner;
+mod simulator;
+
+pub use control::{control, encoder};
+pub use judge::{judge, tolerances};
+pub use planner::{path_limits, planner};
+pub use simulator::{bar, left_alone, plain_drive, simulator, start};

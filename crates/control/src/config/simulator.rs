@@ -1,0 +1,427 @@
+//! The iron: axes, spindles, magazine and workpiece for the simulator.
+use canon::{Flute, Holder, Position, Tool, ToolKind, ToolLibrary};
+use store::machine::{
+    Axis, MachineFile, Material, Motor, PlantScatter, PositionFrom, Reaction, Spindle, TapSeat,
+    eccentric,
+};
+use units::{Angle, Inertia, Lead, Length};
+
+/// Screw lead that stands in for a linear motor: one radian a millimetre, so that N·m and N agree by 10³.
+const DIRECT_LEAD: Lead = Lead::mm_per_rev(std::f64::consts::TAU);
+
+/// A simulated machine of this file, with these tools in its magazine and nothing in its spindle; the stock is
+/// clamped at `zero`.
+pub fn simulator(
+    machine: &MachineFile,
+    tools: &ToolLibrary,
+    material: Material,
+    seed: u64,
+    zero: &Position,
+) -> sim::Config {
+    let axes = machine.axes.iter().enumerate();
+    let spindles = machine.spindles.iter().map(|file| spindle(file, &machine.simulation.plant));
+    let stock = machine.setup.stock;
+    sim::Config {
+        period: machine.control.period,
+        substep: machine.simulation.substep,
+        command_delay: machine.control.command_delay_periods as usize,
+        axes: axes
+            .filter_map(|(at, file)| {
+                let file = file.as_ref()?;
+                Some((at, axis(file, &machine.simulation.plant, zero.along(file.letter))))
+            })
+            .collect(),
+        spindles: spindles.collect(),
+        magazine: tools
+            .iter()
+            .filter(|t| t.number != 0) // 0 stands for an empty spindle
+            .map(|t| tool(t, &machine.simulation.tap_seat, material))
+            .collect(),
+        tool: 0,
+        tool_change_time: machine.tool_change.time,
+        stock: Some(sim::Stock {
+            top: zero.linear[2] + stock.to[2],
+            thickness: Some(stock.to[2] - stock.from[2]),
+            sides: Some(sim::Sides {
+                x_from: zero.linear[0] + stock.from[0],
+                x_to: zero.linear[0] + stock.to[0],
+                y_from: zero.linear[1] + stock.from[1],
+                y_to: zero.linear[1] + stock.to[1],
+            }),
+            material: sim::Material { cutting_n_per_mm2: material.cutting_force_n_per_mm2 },
+            holes: Vec::new(),
+            assume_predrilled: true,
+        }),
+        scatter: machine.simulation.scatter_share,
+        seed,
+    }
+}
+
+/// What the drives of that machine do by themselves.
+pub fn left_alone(machine: &MachineFile, config: &sim::Config) -> sim::LeftAlone {
+    let drives = &machine.drives;
+    sim::LeftAlone {
+        config: config.clone(),
+        watchdog: drives.watchdog,
+        on_silence: reaction(drives.on_link_loss),
+        on_power_loss: reaction(drives.on_power_loss),
+        bus: drives.bus.map(|bus| sim::Bus {
+            farad: bus.capacitance_f,
+            volt: bus.voltage_v,
+            trip_volt: bus.trip_v,
+        }),
+    }
+}
+
+const fn reaction(file: Reaction) -> sim::Reaction {
+    match file {
+        Reaction::Off => sim::Reaction::Off,
+        Reaction::Coast => sim::Reaction::Coast,
+        Reaction::QuickStop => sim::Reaction::QuickStop,
+        Reaction::CoupledStop => sim::Reaction::CoupledStop,
+    }
+}
+
+/// How far the real axis may be from its file.
+fn scatter(file: &Axis, plant: &PlantScatter) -> sim::AxisScatter {
+    let rotary = matches!(file.letter, canon::Axis::A | canon::Axis::B | canon::Axis::C);
+    let has_screw = matches!(file.drive.motor, Motor::BallScrew { .. });
+    let disk = eccentric(plant.encoder_eccentricity, plant.motor_encoder_diameter);
+    sim::AxisScatter {
+        backlash: plant.backlash_share,
+        stiffness: plant.stiffness_share,
+        friction: plant.friction_share,
+        // a gear's turn is a whole turn of the table after so many of the motor: nothing grows
+        lead_error: if has_screw && !rotary { plant.screw_lead_error } else { 0.0 },
+        wobble: match (has_screw, rotary) {
+            (true, true) => plant.gear_wobble,
+            (true, false) => plant.screw_wobble,
+            (false, _) => Length::ZERO,
+        },
+        eccentricity: if has_screw { disk } else { Angle::ZERO },
+        scale_error: if rotary { 0.0 } else { plant.scale_error },
+    }
+}
+
+/// What is stated to be wrong with it. Everything is zero where the work was touched off.
+fn errors(file: &Axis, plant: &PlantScatter, zero: Length) -> sim::AxisErrors {
+    let by_scale = matches!(file.position_from, PositionFrom::Scale { .. });
+    let stated = file.errors;
+    sim::AxisErrors {
+        lead: stated.scale.filter(|_| !by_scale),
+        scale: stated.scale.filter(|_| by_scale),
+        wobble: None,
+        eccentricity: stated
+            .encoder_eccentricity
+            .map(|by| (eccentric(by, plant.motor_encoder_diameter), Angle::ZERO)),
+        zero,
+    }
+}
+
+fn axis(file: &Axis, plant: &PlantScatter, zero: Length) -> sim::AxisModel {
+    let (screw_lead, inertia) = match file.drive.motor {
+        Motor::BallScrew { lead, rotating_inertia, .. } => (lead, rotating_inertia),
+        Motor::Linear { motor_mass, .. } => {
+            // J = m·(lead/2π)², with the lead in metres
+            (DIRECT_LEAD, Inertia::kg_m2(motor_mass.value() * 1e-6))
+        }
+    };
+    let metres_per_rad = screw_lead.value() * 1e-3 / std::f64::consts::TAU;
+    let friction = &file.friction;
+    sim::AxisModel {
+        table: file.moving_mass,
+        inertia,
+        screw_lead: screw_lead * Angle::rev(1.0),
+        peak_torque: units::Torque::n_m(file.drive.peak_force().value() * metres_per_rad),
+        force_lag: file.drive.force_lag,
+        stiffness: file.structure.stiffness,
+        damping_ratio: file.structure.damping_ratio,
+        backlash: file.structure.backlash,
+        friction: sim::Lugre {
+            bristle_stiffness: friction.bristle_stiffness,
+            bristle_damping_n_s_per_m: friction.bristle_damping_n_s_per_m,
+            viscous_n_s_per_m: friction.viscous_n_s_per_m,
+            coulomb: friction.coulomb,
+            breakaway: friction.static_force,
+            stribeck: friction.stribeck_speed,
+        },
+        weight_share: file.weight_share,
+        brake: file.drive.brake,
+        encoder: match file.position_from {
+            PositionFrom::Motor { counts_per_rev, .. } => {
+                sim::AxisEncoder::Motor { counts_per_rev }
+            }
+            PositionFrom::Scale { resolution, motor } => sim::AxisEncoder::Scale {
+                resolution,
+                motor_counts_per_rev: motor.map(|(counts, _)| counts),
+            },
+        },
+        start: start(file),
+        scatter: scatter(file, plant),
+        errors: errors(file, plant, zero),
+    }
+}
+
+/// Where an axis stands when the machine is switched on: at machine zero, or as near as its travel allows.
+pub fn start(file: &Axis) -> Length {
+    Length::ZERO.max(file.travel.from).min(file.travel.to)
+}
+
+fn spindle(file: &Spindle, plant: &PlantScatter) -> sim::SpindleModel {
+    let disk = |by| eccentric(by, plant.spindle_encoder_diameter);
+    let stated = file.errors.encoder_eccentricity;
+    sim::SpindleModel {
+        inertia: file.inertia,
+        peak_torque: file.peak_torque,
+        peak_power: file.peak_power,
+        torque_lag: file.torque_lag,
+        coulomb: file.friction.coulomb,
+        viscous_n_m_s_per_rad: file.friction.viscous_n_m_s_per_rad,
+        rounding: file.friction.smoothing,
+        encoder: sim::SpindleEncoder {
+            counts_per_rev: file.encoder_counts_per_rev,
+            eccentricity: stated.map_or(Angle::ZERO, disk),
+            eccentric_at: Angle::ZERO,
+            noise_counts: 0.0,
+        },
+        start: Angle::ZERO,
+        scatter: sim::SpindleScatter {
+            friction: plant.friction_share,
+            eccentricity: if stated.is_some() {
+                Angle::ZERO
+            } else {
+                disk(plant.encoder_eccentricity)
+            },
+        },
+    }
+}
+
+/// The drive of the first spindle, if it makes its own ramps: as its file says, but for what the simulation knows
+/// better.
+pub fn plain_drive(machine: &MachineFile) -> Option<sim::PlainDrive> {
+    let own = machine.spindles.first()?.own_ramps?;
+    let real = machine.simulation.spindle_drive;
+    Some(sim::PlainDrive {
+        delay: own.delay,
+        delay_scatter: real.delay_scatter,
+        accel: own.acceleration,
+        decel: own.deceleration * real.deceleration_share,
+        ramp_scatter: real.ramp_scatter_share,
+        speed_scatter: real.speed_scatter_share,
+    })
+}
+
+fn tool(tool: &Tool, seat: &TapSeat, material: Material) -> sim::Tool {
+    let kind = match &tool.kind {
+        ToolKind::Drill { point_angle } | ToolKind::SpotDrill { point_angle } => {
+            sim::ToolKind::Drill { diameter: tool.diameter, point_angle: *point_angle }
+        }
+        ToolKind::Tap(tap) => sim::ToolKind::Tap(sim::Tap {
+            diameter: tool.diameter,
+            lead: tap.lead,
+            chamfer_pitches: tap.chamfer_pitches,
+            flute_factor: flute_factor(tap.flute, material),
+            thread_length: tap.thread_length,
+            flank_play: seat.flank_clearance,
+            flank_stiffness: seat.flank_stiffness,
+            holder: holder(tap.holder),
+            clutch: clutch(tap.holder),
+        }),
+        ToolKind::Insert(form) => sim::ToolKind::Insert(insert(form)),
+        ToolKind::EndMill | ToolKind::PolygonCutter(_) | ToolKind::Other => sim::ToolKind::Other,
+    };
+    sim::Tool { number: tool.number, length: tool.length, kind }
+}
+
+/// The bar in the first spindle, if the stock of that machine is one about its axis.
+pub fn bar(machine: &MachineFile, config: &sim::Config) -> Option<sim::Bar> {
+    let radius = machine.setup.stock.bar_radius()?;
+    let stock = config.stock.as_ref()?;
+    let (sides, thickness) = (stock.sides?, stock.thickness?);
+    Some(sim::Bar {
+        axis: [(sides.x_from + sides.x_to) / 2.0, (sides.y_from + sides.y_to) / 2.0],
+        radius,
+        bore: machine.setup.stock.bore / 2.0,
+        face: stock.top,
+        rear: stock.top - thickness,
+        force: turning_force(machine, stock.material.cutting_n_per_mm2),
+    })
+}
+
+/// Kienzle's values of the material that is cut. A pressure that the machine's file states counts for turning by as much as for tapping.
+fn turning_force(machine: &MachineFile, tapping: f64) -> sim::Kienzle {
+    let own = machine.setup.stock.material;
+    let is = |material: &Material| material.cutting_force_n_per_mm2 == tapping;
+    let chosen = Material::KNOWN.into_iter().find(|known| is(known) && !is(&own)).unwrap_or(own);
+    let usual = sim::Kienzle::named(chosen.name);
+    let stated = Material::named(chosen.name)
+        .map_or(1.0, |known| chosen.cutting_force_n_per_mm2 / known.cutting_force_n_per_mm2);
+    sim::Kienzle { at_1_mm_n_per_mm2: usual.at_1_mm_n_per_mm2 * stated, ..usual }
+}
+
+/// An insert; of one whose point the table does not state a sharp one is simulated.
+fn insert(form: &canon::Insert) -> sim::Insert {
+    const THREADS: Angle = Angle::deg(60.5); // what turns has more between its edges
+    let (nose, flat) = match form.point {
+        Some(canon::InsertPoint::Nose(radius)) => (radius, Length::ZERO),
+        Some(canon::InsertPoint::Flat(width)) => (Length::ZERO, width),
+        None => (Length::ZERO, Length::ZERO),
+    };
+    sim::Insert {
+        half_angle: form.angle * 0.5,
+        nose,
+        flat,
+        crest_height: form.crest_height,
+        turns: form.angle > THREADS,
+    }
+}
+
+/// Torque of a flute form over the formula's (tap makers' tables).
+fn flute_factor(flute: Flute, material: Material) -> f64 {
+    let aluminium = material.name == "AlSi";
+    match flute {
+        Flute::SpiralFlute if aluminium => 1.05,
+        Flute::SpiralFlute => 1.15,
+        Flute::SpiralPoint => 0.95,
+        Flute::Straight => 1.35,
+    }
+}
+
+fn holder(holder: Holder) -> sim::Holder {
+    match holder {
+        Holder::Rigid { stiffness } | Holder::Clutch { stiffness, .. } => {
+            sim::Holder { stiffness, travel: None }
+        }
+        Holder::SoftSynchro { stiffness, travel }
+        | Holder::TensionCompression { stiffness, travel } => {
+            sim::Holder { stiffness, travel: Some(travel) }
+        }
+    }
+}
+
+/// What lets go of a tap in a clutch holder.
+fn clutch(holder: Holder) -> Option<sim::Clutch> {
+    match holder {
+        Holder::Clutch { spline_length, pawl_backlash, compression, .. } => {
+            Some(sim::Clutch { spline_length, pawl_backlash, compression })
+        }
+        Holder::Rigid { .. } | Holder::SoftSynchro { .. } | Holder::TensionCompression { .. } => {
+            None
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use store::machine::{EMBEDDED, find};
+
+    /// Largest of what seeds 1 to 40 make of a machine, each as a share of what its file allows.
+    #[derive(Debug, Default)]
+    struct Spread {
+        most: Vec<(String, f64)>,
+    }
+
+    impl Spread {
+        fn note(&mut self, what: String, found: f64, allowed: f64) {
+            assert!(found.abs() <= allowed * (1.0 + 1e-9), "{what}: {found} of {allowed}");
+            if allowed == 0.0 {
+                return;
+            }
+            let share = found.abs() / allowed;
+            match self.most.iter_mut().find(|(name, _)| *name == what) {
+                Some((_, most)) => *most = most.max(share),
+                None => self.most.push((what, share)),
+            }
+        }
+
+        fn look(&mut self, name: &str, believed: &sim::Config) {
+            let (axes, spindles) = believed.plant();
+            for ((index, file), (_, real)) in believed.axes.iter().zip(&axes) {
+                let letter = canon::Axis::ALL[*index].letter();
+                let mut note = |what, found, allowed| {
+                    self.note(format!("{name} {letter} {what}"), found, allowed);
+                };
+                let off = |real: f64, file: f64| if file == 0.0 { 0.0 } else { real / file - 1.0 };
+                let (scatter, errors) = (file.scatter, real.errors);
+                if file.backlash > Length::ZERO {
+                    let play = off(real.backlash.value(), file.backlash.value());
+                    note("play", play, scatter.backlash);
+                }
+                let stiffness = off(real.stiffness.value(), file.stiffness.value());
+                note("stiffness", stiffness, scatter.stiffness);
+                let friction = off(real.friction.coulomb.value(), file.friction.coulomb.value());
+                note("friction", friction, scatter.friction);
+                note("lead", errors.lead.unwrap_or(0.0), scatter.lead_error);
+                let (wobble, _) = errors.wobble.unwrap_or_default();
+                note("wobble", wobble.value(), scatter.wobble.value());
+                let (disk, _) = errors.eccentricity.unwrap_or_default();
+                note("encoder", disk.value(), scatter.eccentricity.value());
+                note("scale", errors.scale.unwrap_or(0.0), scatter.scale_error);
+            }
+            for (index, (file, real)) in believed.spindles.iter().zip(&spindles).enumerate() {
+                let mut note = |what, found, allowed| {
+                    self.note(format!("{name} S{index} {what}"), found, allowed);
+                };
+                let friction = real.coulomb.value() / file.coulomb.value() - 1.0;
+                note("friction", friction, file.scatter.friction);
+                let disk = real.encoder.eccentricity.value();
+                note("encoder", disk, file.scatter.eccentricity.value());
+            }
+        }
+    }
+
+    fn believed(name: &str, seed: u64) -> sim::Config {
+        let file = find(name).expect("an embedded machine");
+        let zero = file.setup.g54;
+        simulator(&file, &ToolLibrary::default(), file.setup.stock.material, seed, &zero)
+    }
+
+    #[test]
+    fn no_embedded_machine_is_what_its_control_believes() {
+        for name in EMBEDDED {
+            let mut spread = Spread::default();
+            for seed in 1..=40 {
+                spread.look(name, &believed(name, seed));
+            }
+            let kinds = ["play", "stiffness", "friction", "encoder"];
+            for kind in kinds {
+                assert!(spread.most.iter().any(|(what, _)| what.ends_with(kind)), "{name}: {kind}");
+            }
+            for (what, share) in &spread.most {
+                assert!(*share > 0.8, "{what}: 40 seeds come to {share:.2} of what may be at most");
+            }
+        }
+    }
+
+    #[test]
+    fn a_screw_has_an_error_of_its_lead_and_a_linear_motor_one_of_its_scale() {
+        let config = believed("cam-grinder", 1);
+        let of = |axis: usize| {
+            config.axes.iter().find(|(index, _)| *index == axis).expect("it is there").1.scatter
+        };
+        assert!(of(0).lead_error == 0.0 && of(0).wobble == Length::ZERO && of(0).scale_error > 0.0);
+        assert!(of(2).lead_error > 0.0 && of(2).wobble > Length::ZERO);
+    }
+
+    #[test]
+    fn a_stated_error_is_in_the_plant_and_not_in_what_the_control_is_told() {
+        let text = "extends = \"tapping-center\"\nname = \"off\"\n[axes.x.errors]\nscale_error_ppm = 50\n\
+                    encoder_eccentricity_um = 5\n[[spindles]]\n[spindles.errors]\nencoder_eccentricity_um = 8\n";
+        let file = store::machine::parse(text, 0).expect("it is in order");
+        let zero = file.setup.g54;
+        let material = file.setup.stock.material;
+        let config = simulator(&file, &ToolLibrary::default(), material, 9, &zero);
+        let (axes, spindles) = config.plant();
+        let lead = axes[0].1.errors.lead.expect("it is stated");
+        assert!((lead - 50e-6).abs() < 1e-12, "{lead}");
+        let (disk, _) = axes[0].1.errors.eccentricity.expect("it is stated");
+        // 5 µm of a graduation of 40 mm: 2·5/40,000 rad, on a screw of 16 mm 0.64 µm
+        assert!((disk.value() * 16_000.0 - 4.0 / std::f64::consts::TAU).abs() < 1e-9, "{disk}");
+        assert!((spindles[0].encoder.eccentricity.in_deg() * 3600.0 - 55.0).abs() < 0.1);
+        let told = super::super::control(&file, None, false);
+        let usual =
+            super::super::control(&find("tapping-center").expect("it is there"), None, false);
+        assert_eq!(format!("{:?}", told.axes), format!("{:?}", usual.axes));
+    }
+}

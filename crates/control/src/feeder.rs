@@ -1,0 +1,127 @@
+//! Keeps the kernel supplied: operations are planned ahead, steps wait in a queue, and the kernel's is kept full.
+use crate::job::Ops;
+use crate::override_pace::Pace;
+use crate::{Observers, Services};
+use canon::{Op, OpKind};
+use kernel::Kernel;
+use plan::{Planner, Step, StepKind};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+
+/// From a program's operations to the steps that the kernel executes.
+pub struct Feeder<'a> {
+    /// The program's operations.
+    pub ops: Ops<'a>,
+    /// The planner.
+    pub planner: Planner,
+    /// Steps on their way to the kernel.
+    queue: VecDeque<Step>,
+    /// Steps that the kernel has and has not done.
+    sent: VecDeque<Step>,
+    /// An operation that waits for a measurement.
+    waiting: Option<(u32, Op)>,
+    /// What the waiting steps were planned for.
+    pace: Pace,
+    /// What kept each tap from being faster, by the index of its operation.
+    pub(super) limiting: BTreeMap<u32, String>,
+    /// Indices of the operations that tap.
+    taps: BTreeSet<u32>,
+}
+
+impl<'a> Feeder<'a> {
+    /// Of these operations, with this planner.
+    pub fn new(ops: Ops<'a>, planner: Planner) -> Self {
+        Self {
+            ops,
+            planner,
+            queue: VecDeque::new(),
+            sent: VecDeque::new(),
+            waiting: None,
+            pace: Pace::default(),
+            limiting: BTreeMap::new(),
+            taps: BTreeSet::new(),
+        }
+    }
+
+    /// Plan anew what has not been done, if the operator's overrides want it.
+    pub(super) fn follow_overrides(&mut self, kernel: &mut Kernel) {
+        self.pace.keep(kernel, &mut self.planner, &mut self.queue, &mut self.sent);
+    }
+
+    /// The kernel has lost its steps after a stop in `stopped`: what follows that operation is sent again.
+    pub(super) fn send_again_after(&mut self, stopped: u32) {
+        self.sent.retain(|step| step.op > stopped);
+        for step in self.sent.drain(..).rev() {
+            self.queue.push_front(step);
+        }
+    }
+
+    /// Keep the kernel's queue full, as far as the program goes.
+    pub(super) fn fill(
+        &mut self,
+        kernel: &mut Kernel,
+        services: &mut Services,
+        observers: &mut Observers,
+    ) {
+        while !kernel.is_full() {
+            if let Some(step) = self.queue.pop_front() {
+                self.limits_of(&step);
+                let done = kernel.report().op;
+                self.sent.retain(|step| step.op >= done);
+                self.sent.push_back(step);
+                // there is room: it has just been asked
+                let _ = kernel.push(step);
+                continue;
+            }
+            let next = match self.waiting.take() {
+                Some(waiting) => Some(waiting),
+                None => self.ops.next().inspect(|(index, op)| services.announced(*index, op)),
+            };
+            let Some((index, op)) = next else {
+                self.planner.finish(&mut |step| self.queue.push_back(step));
+                if self.queue.is_empty() {
+                    return;
+                }
+                continue;
+            };
+            if services.cams.is_early(&op) {
+                self.waiting = Some((index, op));
+                return;
+            }
+            if let OpKind::Tap(_) = &op.kind {
+                self.taps.insert(index);
+            }
+            services.op(index, &op);
+            observers.op(index, &op, self.ops.frame());
+            self.planner.written_in(self.ops.frame());
+            self.planner.push(index, &op, &mut |step| self.queue.push_back(step));
+            for table in self.planner.take_tables() {
+                // the planner's tables are finite, and a step without its table is an alarm
+                if let Ok(function) = kernel::Periodic::new(&table.nodes) {
+                    let _ = kernel.put_table(table.id, function);
+                }
+            }
+        }
+    }
+
+    /// What keeps a tap from being faster. One that is not tied to the spindle is a feed in and out at the programmed
+    /// speed; in a clutch holder it also waits until the splines have let go and the spindle has turned round.
+    fn limits_of(&mut self, step: &Step) {
+        match &step.kind {
+            StepKind::Tap(tap) => {
+                let speed = tap.limiting.speed.name();
+                let text = format!("{speed}; run-up: {}", tap.limiting.ramp.name());
+                self.limiting.insert(step.op, text);
+            }
+            StepKind::Dwell(time) if self.taps.contains(&step.op) => {
+                let text = format!("programmed speed; dwell {:.3} s each way", time.value());
+                self.limiting.insert(step.op, text);
+            }
+            StepKind::Move(_) if self.taps.contains(&step.op) => {
+                self.limiting
+                    .entry(step.op)
+                    .or_insert_with(|| "programmed speed; reversal: the spindle's own".to_owned());
+            }
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! How a program is read: by the command line, else by the machine's file; and what the machine has set for cycles.
+use store::machine::{self, BoringAside, Control, CycleDepth, MachineFile};
+
+/// The dialect asked for, or the machine's own.
+pub fn of(asked: Option<interp::Dialect>, machine: &MachineFile) -> interp::Dialect {
+    match asked {
+        Some(asked) => asked,
+        None => match machine.control.dialect {
+            machine::Dialect::LinuxCnc => interp::Dialect::LinuxCnc,
+            machine::Dialect::Brother => interp::Dialect::Brother,
+            machine::Dialect::Fanuc => interp::Dialect::Fanuc,
+            machine::Dialect::FanucLatheA => interp::Dialect::FanucLatheA,
+            machine::Dialect::FanucLatheB => interp::Dialect::FanucLatheB,
+            machine::Dialect::FanucLatheC => interp::Dialect::FanucLatheC,
+            machine::Dialect::Toyoda => interp::Dialect::Toyoda,
+        },
+    }
+}
+
+/// Fanuc's increment system, as the machine's file has it.
+pub fn increments(control: &Control) -> interp::Increments {
+    match control.fanuc.map(|fanuc| fanuc.increments) {
+        Some(machine::Increments::A) => interp::Increments::A,
+        Some(machine::Increments::C) => interp::Increments::C,
+        Some(machine::Increments::B) | None => interp::Increments::B,
+    }
+}
+
+/// What `[control.canned]` sets; where it is silent, the dialect decides.
+pub fn cycles(dialect: interp::Dialect, control: &Control) -> interp::Cycles {
+    interp::Cycles {
+        depth_from: match control.cycle_depth {
+            Some(CycleDepth::FromRPlane) => interp::DepthFrom::RPlane,
+            Some(CycleDepth::FromInitialLevel) => interp::DepthFrom::InitialLevel,
+            None => dialect.depth_from(),
+        },
+        chip_removal: control
+            .chip_removal
+            .map(|chips| interp::Chips { rpm: chips.spin.in_rpm(), every: chips.every }),
+        aside: interp::Aside {
+            second: matches!(control.boring_aside, Some(BoringAside::PlusY | BoringAside::MinusY)),
+            back: matches!(control.boring_aside, Some(BoringAside::MinusX | BoringAside::MinusY)),
+        },
+    }
+}

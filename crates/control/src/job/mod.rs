@@ -1,0 +1,22 @@
+//! A loaded program and all that it meets: text, machine, tools, parameters, cams; what is known before anything moves.
+//!
+//! ```text
+//!   options ─► session ─► operations ─► preflight ─► time, run
+//!                │            ▲
+//!       subprograms, cams   restart
+//! ```
+pub mod cams;
+pub mod dialect;
+mod operations;
+pub mod options;
+pub mod preflight;
+pub mod restart;
+mod session;
+pub mod subprograms;
+
+pub use operations::Ops;
+pub use options::ProgramOptions;
+pub use session::{Session, read_program, tools};
+
+/// The embedded machine that is taken where none is named.
+pub const DEFAULT_MACHINE: &str = "tapping-center";

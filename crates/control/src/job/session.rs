@@ -1,0 +1,337 @@
+//! What a program meets: its text, the machine, the tools, the parameters; loaded once, from wherever they are.
+use crate::Refused;
+use crate::job::cams::CamSetup;
+use crate::job::dialect;
+use crate::job::options::{DecimalPoint, ProgramOptions};
+use crate::job::subprograms::Drawn;
+use canon::ToolLibrary;
+use std::{
+    io::Read,
+    path::{Path, PathBuf},
+};
+use store::machine::{MachineFile, Material, Ramp};
+use store::tools::{TableUnit, ToolTable};
+use units::Length;
+
+/// The table that is used when none is named and none lies beside the program.
+const EMBEDDED_TOOLS: &str = include_str!("../../../../programs/tools.toml");
+/// Tool tables looked for beside a program, in this order.
+const TOOLS_BESIDE: [&str; 2] = ["tools.toml", "tool.tbl"];
+
+/// Share of the following error's limit that the lag of a rapid may take without feed-forward.
+const LAG_SHARE: f64 = 0.8;
+
+/// Number of the parameter that holds X of the work offset G54.
+const G54: usize = 5221;
+
+/// Everything that is loaded before a program is read.
+pub struct Session {
+    /// The machine.
+    pub machine: MachineFile,
+    /// The tools.
+    pub tools: ToolLibrary,
+    /// Where the tools came from, for people.
+    pub tools_from: String,
+    /// The tools' table: `None` is the built-in one.
+    pub table: Option<ToolTable>,
+    /// The program is a file of one subprogram, which ends without M2.
+    pub is_subprogram: bool,
+    /// SHA-256 of the machine's file and of the tool table, for the certificate.
+    pub hashes: [String; 2],
+    /// Values of the numbered parameters when a program begins.
+    pub parameters: interp::Parameters,
+    /// What to do with tools that the table lacks.
+    pub missing_tools: interp::MissingTools,
+    /// How taps are driven that are not tied to the spindle.
+    pub taps: plan::Unsynchronised,
+    /// How the program is read.
+    pub dialect: interp::Dialect,
+    /// The cams that the program may grind.
+    pub cams: CamSetup,
+    /// Oscillations of polygons that were computed for this program.
+    oscillations: crate::polygon::oscillation::Answers,
+    decimal_point: Option<DecimalPoint>,
+    block_skip: Vec<u8>,
+    has_parameter_file: bool,
+    /// Where the machine stands and which tool it holds, if it was not switched on just now.
+    standing: Option<(canon::Position, u32)>,
+    /// Files that the program draws in, in the order of their file numbers.
+    pub drawn: Vec<Drawn>,
+}
+
+impl Session {
+    /// What the machine's file says of planning, for a work of this material.
+    pub const fn plan_options(&self, material: Material) -> plan::Options {
+        plan::Options {
+            force_ramp: match self.machine.tapping.ramp {
+                Ramp::PowerCurve => None,
+                Ramp::Linear(time) => Some(time),
+            },
+            cutting_pressure_n_per_mm2: material.cutting_force_n_per_mm2,
+            taps: self.taps,
+        }
+    }
+
+    /// Load what the options name, for a program at `program` with this text.
+    pub fn load(options: &ProgramOptions, program: &Path, text: &[u8]) -> Result<Self, Refused> {
+        let mut machine = crate::config::machine_file::load(&options.machine)?;
+        if let Some(asked) = options.tapping_preset {
+            machine.tapping.preset = asked;
+        }
+        let (tools, tools_from, table, bytes) =
+            tools(options.tools.as_deref(), options.tool_unit, program)?;
+        let machine_text = crate::config::machine_file::text(&options.machine)?;
+        let hashes = [machine_text.as_bytes(), &bytes].map(store::certificate::sha256);
+        let missing_tools = options.missing_tools;
+        let dialect = dialect::of(options.dialect, &machine);
+        let cams = CamSetup::load(options, program, &machine)?;
+        let mut session = Self {
+            cams,
+            oscillations: crate::polygon::oscillation::Answers::default(),
+            parameters: parameters(options.parameters.as_deref(), &machine)?,
+            has_parameter_file: options.parameters.is_some(),
+            drawn: crate::job::subprograms::find(
+                options,
+                &machine,
+                program,
+                text,
+                dialect.grammar(),
+            )?,
+            taps: taps(options, &machine),
+            machine,
+            tools,
+            tools_from,
+            table,
+            is_subprogram: is_subprogram(program, text),
+            hashes,
+            missing_tools,
+            standing: None,
+            dialect,
+            decimal_point: options.decimal_point,
+            block_skip: options.block_skip.clone(),
+        };
+        if session.cams.library.iter().next().is_some() {
+            let setup = session.interp_setup();
+            session.cams.look_ahead(interp::Ops::new(text, &setup));
+        }
+        if options.without_feed_forward {
+            session.take_feed_forward();
+        }
+        session.cams.recall(&session.machine)?;
+        Ok(session)
+    }
+
+    /// The axes lag as their loops alone make them: where cams are ground X, which follows the work, else all.
+    fn take_feed_forward(&mut self) {
+        let of_all = !self.cams.is_wanted();
+        let lags = |axis: &&mut store::machine::Axis| of_all || axis.letter == canon::Axis::X;
+        for axis in self.machine.axes.iter_mut().flatten().filter(lags) {
+            // an axis lags by its speed over its gain: no rapid may take it out of its window
+            let most = axis.windows.following_error_stop.value() * axis.loops.position_gain_per_s;
+            axis.rapid = axis.rapid.min(units::Speed::mm_per_s(LAG_SHARE * most));
+            axis.loops.velocity_feed_forward_share = 0.0;
+            axis.loops.acceleration_feed_forward_share = 0.0;
+            axis.loops.friction_feed_forward_share = 0.0;
+        }
+    }
+
+    /// The machine stands where its encoders say. An axis that hangs at the end of its travel reads beyond it by what its screw
+    /// gives: the kernel smooths as much away.
+    pub fn stands(&mut self, feedback: &bus::Feedback) {
+        const GIVES: Length = Length::um(50.0);
+        let mut place = canon::Position::default();
+        for axis in self.machine.axes.iter().flatten() {
+            let reading = feedback.axes[axis.letter.index()].position;
+            let within = reading.max(axis.travel.from).min(axis.travel.to);
+            let stands = if (reading - within).abs() <= GIVES { within } else { reading };
+            place = place.with(axis.letter, stands);
+        }
+        self.standing = Some((place, feedback.tool.unwrap_or(0)));
+    }
+
+    /// The tool in the spindle when a program begins.
+    pub fn tool(&self) -> u32 {
+        self.standing.map_or(0, |(_, tool)| tool)
+    }
+
+    /// What the interpreter is told before it begins.
+    pub fn interp_setup(&self) -> interp::Setup {
+        let mut start = canon::Position::default();
+        for axis in self.machine.axes.iter().flatten() {
+            start = start.with(axis.letter, crate::config::start(axis));
+        }
+        if let Some((place, _)) = self.standing {
+            start = place;
+        }
+        interp::Setup {
+            dialect: self.dialect,
+            block_delete: self.block_skip.contains(&1),
+            block_delete_levels: self.block_skip.iter().fold(0, |mask, level| mask | 1 << level),
+            whole_units_without_point: match (self.decimal_point, self.machine.control.fanuc) {
+                (Some(asked), _) => asked == DecimalPoint::Calculator,
+                (None, fanuc) => fanuc.is_some_and(|fanuc| fanuc.calculator),
+            },
+            stroke_check_outside: self
+                .machine
+                .control
+                .fanuc
+                .is_some_and(|f| f.stroke_check_outside),
+            increments: dialect::increments(&self.machine.control),
+            c_is_a_chamfer: self.machine.axis(canon::Axis::C).is_none(),
+            cycles: dialect::cycles(self.dialect, &self.machine.control),
+            tools: self.tools.clone(),
+            missing_tools: self.missing_tools,
+            parameters: self.parameters.clone(),
+            subprograms: self.drawn.iter().map(|drawn| drawn.sub.clone()).collect(),
+            user_codes: self
+                .machine
+                .user_codes
+                .iter()
+                .map(|(number, name)| interp::UserCode { number: *number, name: name.clone() })
+                .collect(),
+            start,
+            ..interp::Setup::default()
+        }
+    }
+
+    /// Zero of the workpiece in machine coordinates: the work offset G54 that is in force when the program begins.
+    /// The stock is clamped there.
+    pub fn work_zero(&self) -> canon::Position {
+        let mut zero = canon::Position::default();
+        for axis in [canon::Axis::X, canon::Axis::Y, canon::Axis::Z] {
+            let value = self.parameters.get(G54 + axis.index()).unwrap_or(0.0);
+            zero = zero.with(axis, units::Length::mm(value));
+        }
+        zero
+    }
+
+    /// The workpiece before it is cut, in machine coordinates of a tool's tip.
+    pub fn stock(&self) -> plan::Stock {
+        let (zero, stock) = (self.work_zero().linear, self.machine.setup.stock);
+        plan::Stock {
+            from: [0, 1, 2].map(|i| zero[i] + stock.from[i]),
+            to: [0, 1, 2].map(|i| zero[i] + stock.to[i]),
+            zero: zero[2],
+        }
+    }
+
+    /// Who computes the oscillations that a program leaves to the control.
+    pub fn auto(&self) -> crate::polygon::oscillation::Auto<'_> {
+        let axis = self.work_zero().linear[0];
+        let (phases, answers) = (&self.cams.phases, &self.oscillations);
+        crate::polygon::oscillation::Auto::new(&self.machine, &self.tools, phases, answers, axis)
+    }
+
+    /// The same as a stand-alone interpreter has it: no machine, so no work offsets but those of a parameter
+    /// file, and the axes at zero.
+    pub fn bare_setup(&self) -> interp::Setup {
+        let mut setup = self.interp_setup();
+        setup.start = canon::Position::default();
+        setup.stand_alone = true;
+        if !self.has_parameter_file {
+            setup.parameters = interp::Parameters::default();
+        }
+        setup
+    }
+}
+
+/// As the machine's file has it, unless the user says otherwise.
+fn taps(options: &ProgramOptions, machine: &MachineFile) -> plan::Unsynchronised {
+    let usual = if machine.tapping.floating {
+        plan::TapMethod::Floating
+    } else {
+        plan::TapMethod::Synchronised
+    };
+    plan::Unsynchronised {
+        method: options.tapping.unwrap_or(usual),
+        dwell: options.clutch_dwell,
+        drive: machine.spindles.first().and_then(|spindle| spindle.own_ramps).map(|own| {
+            plan::PlainDrive { delay: own.delay, accel: own.acceleration.min(own.deceleration) }
+        }),
+    }
+}
+
+/// A program's bytes; `-` is standard input.
+pub fn read_program(path: &Path) -> Result<Vec<u8>, Refused> {
+    if path != Path::new("-") {
+        return Ok(store::read_bytes(path, "a program", store::PROGRAM_LIMIT)?);
+    }
+    let mut text = Vec::new();
+    let read = std::io::stdin().take(store::PROGRAM_LIMIT + 1).read_to_end(&mut text);
+    read.map_err(|e| Refused::because(format!("cannot read standard input: {e}")))?;
+    if text.len() as u64 > store::PROGRAM_LIMIT {
+        let limit = store::PROGRAM_LIMIT;
+        return Err(Refused::because(format!(
+            "standard input is larger than the {limit} bytes that a program may have"
+        )));
+    }
+    Ok(text)
+}
+
+/// The tools, where they came from, their table if it is not the built-in one, and the bytes of it.
+pub fn tools(
+    named: Option<&Path>,
+    unit: TableUnit,
+    program: &Path,
+) -> Result<(ToolLibrary, String, Option<ToolTable>, Vec<u8>), Refused> {
+    let beside = || -> Option<PathBuf> {
+        let folder = program.parent()?;
+        TOOLS_BESIDE.iter().map(|name| folder.join(name)).find(|path| path.is_file())
+    };
+    let is_stdin = program == Path::new("-");
+    let found = named.map(Path::to_owned).or_else(|| if is_stdin { None } else { beside() });
+    let Some(path) = found else {
+        let table = store::tools::parse_toml(EMBEDDED_TOOLS, 0).map_err(|findings| {
+            Refused::text("the embedded tools".into(), EMBEDDED_TOOLS, findings)
+        })?;
+        return Ok((table.library, "the embedded table".into(), None, EMBEDDED_TOOLS.into()));
+    };
+    let table = store::tools::load(&path, unit)?;
+    let bytes = store::read_bytes(&path, "a tool table", store::SMALL_FILE_LIMIT)?;
+    Ok((table.library.clone(), path.display().to_string(), Some(table), bytes))
+}
+
+/// Whether a file is one of subprograms, which ends without M2: it has the name of one that it defines.
+fn is_subprogram(path: &Path, text: &[u8]) -> bool {
+    let name = path.file_stem().map(|stem| stem.to_string_lossy().to_lowercase());
+    name.is_some_and(|name| interp::defined_subprograms(text).contains(&name))
+}
+
+/// From a `.var` file, or from the machine's set-up.
+fn parameters(named: Option<&Path>, machine: &MachineFile) -> Result<interp::Parameters, Refused> {
+    let mut parameters = interp::Parameters::default();
+    if let Some(path) = named {
+        for (number, value) in store::parameters::Parameters::load(path)?.iter() {
+            if !parameters.set(number as usize, value) {
+                let most = interp::MAX_PARAMETER;
+                let path = path.display();
+                return Err(Refused::because(format!(
+                    "{path}: there is no parameter #{number}: they go from 1 to {most}"
+                )));
+            }
+        }
+        return Ok(parameters);
+    }
+    for axis in [canon::Axis::X, canon::Axis::Y, canon::Axis::Z] {
+        parameters.set(G54 + axis.index(), machine.setup.g54.along(axis).value());
+    }
+    Ok(parameters)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_embedded_tools_are_in_order() {
+        let table = store::tools::parse_toml(EMBEDDED_TOOLS, 0).unwrap();
+        assert!(table.library.get(3).is_some());
+    }
+
+    #[test]
+    fn every_embedded_machine_is_in_order() {
+        for name in store::machine::EMBEDDED {
+            assert!(crate::config::machine_file::load(name).is_ok(), "{name}");
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! What looks on and changes nothing: the judge, the safety checks, the recorder of the report, the trace, the log.
+mod trace;
+
+pub use trace::TraceThread;
+
+use crate::Timings;
+use crate::job::Session;
+use bus::Sample;
+use canon::{Op, ProgramFrame};
+use kernel::{Event, EventKind};
+use report::Recorder;
+use std::collections::BTreeMap;
+use verify::{IdleTurns, Judge, Watch};
+
+/// More warnings than a person reads.
+const MOST_WARNINGS: usize = 100;
+
+/// Looks at everything that happens, and changes nothing.
+pub trait Observer {
+    /// What was heard and commanded in a period.
+    fn sample(&mut self, sample: &Sample);
+    /// What the kernel has said.
+    fn event(&mut self, event: &Event);
+}
+
+/// The observers of a run.
+pub struct Observers {
+    /// Judges what is cut.
+    pub judge: Judge,
+    /// Looks for what may never happen.
+    pub watch: Watch,
+    /// Looks at a wheel's idle turns.
+    pub idle: Option<IdleTurns>,
+    /// Keeps what pictures need.
+    pub recorder: Recorder,
+    /// Keeps everything.
+    pub trace: Option<TraceThread>,
+    /// Whatever else looks on: a log, a screen.
+    pub others: Vec<Box<dyn Observer>>,
+    /// Measures how long the run and its judge take.
+    pub timings: Timings,
+    /// Periods in which drills and taps were at the spindle drive's limit, by the index of their operation.
+    pub(super) saturated: BTreeMap<u32, u32>,
+    /// Warnings at run time.
+    pub(super) warnings: Vec<Event>,
+}
+
+impl Observers {
+    /// Judge by this; keep no trace, print nothing.
+    pub fn new(session: &Session, judge: verify::Config) -> Self {
+        Self {
+            watch: Watch::new(judge.clone()),
+            judge: Judge::new(judge),
+            idle: None,
+            recorder: Recorder::new(&session.tools),
+            trace: None,
+            others: Vec::new(),
+            timings: Timings::new(false),
+            saturated: BTreeMap::new(),
+            warnings: Vec::new(),
+        }
+    }
+
+    /// An operation is planned.
+    pub(super) fn op(&mut self, index: u32, op: &Op, frame: ProgramFrame) {
+        self.judge.op(index, op);
+        if let Some(idle) = &mut self.idle {
+            idle.op(index, op);
+        }
+        self.watch.op(index, op);
+        self.recorder.op(index, op);
+        self.recorder.frame(index, frame);
+    }
+
+    /// What was heard and commanded in a period.
+    pub(super) fn sample(&mut self, sample: &Sample) {
+        let Self { timings, judge, .. } = self;
+        timings.judging(|| judge.sample(sample));
+        if let Some(idle) = &mut self.idle {
+            idle.sample(sample);
+        }
+        self.watch.sample(sample);
+        self.recorder.sample(sample);
+        if let Some(trace) = &mut self.trace {
+            trace.push(sample);
+        }
+        for other in &mut self.others {
+            other.sample(sample);
+        }
+        if sample.feedback.spindles[0].saturated {
+            *self.saturated.entry(sample.report.op).or_insert(0) += 1;
+        }
+    }
+
+    /// What the kernel has said.
+    pub(super) fn event(&mut self, event: &Event) {
+        for other in &mut self.others {
+            other.event(event);
+        }
+        let warns = matches!(
+            event.kind,
+            EventKind::FollowingWarning { .. } | EventKind::SyncWarning { .. }
+        );
+        if warns && self.warnings.len() < MOST_WARNINGS {
+            self.warnings.push(*event);
+        }
+    }
+}

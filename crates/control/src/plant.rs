@@ -1,0 +1,179 @@
+//! What the kernel controls: a simulated machine within this process, or an iron in another one.
+use crate::{Refused, config};
+use bus::{Command, Feedback, Machine, Truth};
+use sim::{Fault, Faulty, SimulatedMachine};
+use std::os::unix::net::UnixStream;
+use std::path::Path;
+use std::time::Duration;
+use units::Time;
+use wire::{Engagement, Remote, Welcome};
+
+/// How long a control waits for an iron to answer.
+const ANSWER: Duration = Duration::from_secs(20);
+
+/// A machine.
+pub enum Plant {
+    /// Within this process.
+    Inside(Box<Faulty<SimulatedMachine>>),
+    /// At the other end of a socket.
+    Outside(Box<Remote<UnixStream>>),
+}
+
+impl Plant {
+    /// A simulated machine in which nothing fails.
+    pub fn simulated(machine: SimulatedMachine) -> Self {
+        Self::simulated_with_seed(machine, 0)
+    }
+
+    /// The same; the seed is that of faults which scatter.
+    pub fn simulated_with_seed(machine: SimulatedMachine, seed: u64) -> Self {
+        Self::Inside(Box::new(Faulty::new(machine, &[], seed)))
+    }
+
+    /// Holes that somebody tapped and nobody drilled, as far as is known.
+    pub fn assumed_holes(&self) -> usize {
+        match self {
+            Self::Inside(machine) => {
+                machine.machine().holes().iter().filter(|hole| hole.assumed).count()
+            }
+            Self::Outside(_) => 0,
+        }
+    }
+
+    /// Let a fault of the iron come now.
+    pub fn strike(&mut self, fault: Fault) {
+        if let Self::Inside(machine) = self {
+            machine.strike(fault);
+        }
+    }
+
+    /// The control is gone: nobody should tick.
+    pub fn is_abandoned(&self) -> bool {
+        matches!(self, Self::Inside(machine) if machine.is_abandoned())
+    }
+
+    /// With each command from now on: the tool that is in the work. A machine within this process is gone with its control.
+    pub fn engage(&mut self, engagement: Option<Engagement>) {
+        if let Self::Outside(remote) = self {
+            remote.engage(engagement);
+        }
+    }
+
+    /// A period without a control.
+    pub fn wait(&mut self) {
+        if let Self::Inside(machine) = self {
+            machine.wait();
+        }
+    }
+
+    /// Power and control are back.
+    pub fn mend(&mut self) {
+        if let Self::Inside(machine) = self {
+            machine.mend();
+        }
+    }
+
+    /// The same machine in the same state, to try something on; another process has no copy.
+    pub fn copy(&self) -> Option<Self> {
+        match self {
+            Self::Inside(machine) => Some(Self::Inside(machine.clone())),
+            Self::Outside(_) => None,
+        }
+    }
+
+    /// Why the connection is gone, once it is.
+    pub fn lost(&self) -> Option<String> {
+        match self {
+            Self::Inside(_) => None,
+            Self::Outside(remote) => remote.lost().map(ToString::to_string),
+        }
+    }
+}
+
+/// A simulated machine of this file.
+///
+/// # Errors
+/// It has numbers that no machine can have.
+pub fn simulated(
+    file: &store::machine::MachineFile,
+    config: sim::Config,
+) -> Result<SimulatedMachine, Refused> {
+    let bar = config::bar(file, &config);
+    let iron = SimulatedMachine::new(config).map_err(|problems| {
+        let problems = problems.join("; ");
+        Refused::because(format!("the machine cannot be simulated: {problems}"))
+    })?;
+    let iron = match bar {
+        Some(bar) => iron.with_bar(bar),
+        None => iron,
+    };
+    let iron = match config::plain_drive(file) {
+        Some(drive) => iron.with_plain_drive(drive),
+        None => iron,
+    };
+    Ok(match file.simulation.tap_wear {
+        Some(wear) => iron.with_tap_wear(sim::TapWear {
+            life: wear.life,
+            rise: wear.rise_share,
+            scatter: wear.scatter_share,
+        }),
+        None => iron,
+    })
+}
+
+/// Which machine, which encoders: for the sync record.
+pub fn identity(welcome: &Welcome) -> store::sync_record::Identity {
+    store::sync_record::Identity {
+        machine: welcome.machine.clone(),
+        serial: welcome.serial,
+        epoch: welcome.epoch,
+    }
+}
+
+impl Machine for Plant {
+    fn period(&self) -> Time {
+        match self {
+            Self::Inside(machine) => machine.period(),
+            Self::Outside(remote) => remote.period(),
+        }
+    }
+
+    fn feedback(&self) -> Feedback {
+        match self {
+            Self::Inside(machine) => machine.feedback(),
+            Self::Outside(remote) => remote.feedback(),
+        }
+    }
+
+    fn exchange(&mut self, command: &Command) -> Feedback {
+        match self {
+            Self::Inside(machine) => machine.exchange(command),
+            Self::Outside(remote) => remote.exchange(command),
+        }
+    }
+
+    fn truth(&self) -> Option<Truth> {
+        match self {
+            Self::Inside(machine) => machine.truth(),
+            Self::Outside(remote) => remote.truth(),
+        }
+    }
+}
+
+/// A connection to the iron that listens there.
+pub fn connect(path: &Path) -> Result<UnixStream, Refused> {
+    let failed = |e| {
+        let path = path.display();
+        Refused::because(format!(
+            "no iron listens at {path}: {e}; start one with: leadscrew iron --machine NAME --listen {path}"
+        ))
+    };
+    let stream = UnixStream::connect(path).map_err(failed)?;
+    stream.set_read_timeout(Some(ANSWER)).map_err(failed)?;
+    Ok(stream)
+}
+
+/// What is said of an iron that does not answer as it should.
+pub fn gone(path: &Path, error: &wire::Error) -> Refused {
+    Refused::because(format!("the iron at {}: {error}", path.display()))
+}

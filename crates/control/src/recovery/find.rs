@@ -1,0 +1,238 @@
+//! Where a tap stands, how certainly, and the way it is taken out.
+use super::bound::unseen;
+use super::{LONGEST, OUT, RecoveryWay};
+use crate::Plant;
+use crate::config;
+use kernel::{EventKind, Kernel, RecoveryFigures, RecoveryPlan};
+use std::f64::consts::TAU;
+use store::machine::{MachineFile, Spindle};
+use store::sync_record::{Stage, Stroke};
+use sync::Coupling;
+use sync::leaving::{Leaving, Setting};
+use sync::recovery::{Direction, Point, Projection, Seat, Stored, Way};
+use units::{Angle, Force, Length};
+use wire::{Sense, Stop, Welcome};
+
+/// A tap that the control never had in the work.
+const NO_THREAD: &str = "the tap came into the work only after the control had been lost, spindle and feed apart, so it is not in the thread of the record";
+
+/// One that is in no thread now, after drives that were off.
+const APART: &str =
+    "spindle and feed ran down apart, and the tap is not in the thread of the record";
+
+/// A spindle may turn more easily than its file has it.
+const LESS_FRICTION: f64 = 0.8;
+
+/// What is found out.
+pub struct Findings {
+    /// The thread, as it was written down.
+    pub stored: Stored,
+    /// Where spindle and feed stand.
+    pub at: Point,
+    /// Whole turns between the spindle's reading now and then.
+    pub turn: Angle,
+    /// What the distance from the thread is certain to, and by what; or why the thread is not where the record has it.
+    pub bound: Result<(Length, String), &'static str>,
+    /// The way back onto the thread that is taken.
+    pub projection: Projection,
+    /// The one by the axis that overran alone.
+    pub direct: Projection,
+    /// Who moves first.
+    pub way: Way,
+    /// How far the tap has gone beyond where its stroke was to end.
+    pub overrun: Length,
+    /// Why it may be broken.
+    pub doubt: Option<String>,
+}
+
+/// A tap that also turns bears this share of the pull that tears it: √(1 − τ²) with two thirds of its torque.
+const WHOLE: f64 = 0.75;
+
+/// Why a tap that stands so may be broken: beyond the end of its stroke by more than a lead, which a hole has in reserve; or so far off its
+/// thread that its holder may have torn it.
+fn doubt(stroke: &Stroke, overrun: Length, error: Length, bears: Length) -> Option<String> {
+    let lead = Length::mm(stroke.lead.value().abs());
+    if overrun > lead {
+        return Some(format!(
+            "the tap ran {:.3} mm deeper than programmed: where its hole ended before, it is broken",
+            overrun.value()
+        ));
+    }
+    (error > bears * WHOLE).then(|| {
+        format!(
+            "the axis may stand {:.3} mm off the thread, and in this holder a tap tears at {:.3} mm, or before where it also turns",
+            error.value(),
+            bears.value()
+        )
+    })
+}
+
+/// Where the tap stands, and the way back onto its coupling; or why that cannot be known.
+pub(super) fn find(
+    stroke: &Stroke,
+    stage: Stage,
+    welcome: &Welcome,
+    file: &MachineFile,
+    way: RecoveryWay,
+) -> Result<Findings, String> {
+    let coupling = Coupling::line(stroke.lead, stroke.theta0, stroke.z0);
+    let angle = |z: Length| stroke.theta0 + (z - stroke.z0) / stroke.lead;
+    let direction = direction(stroke, stage, welcome);
+    let stored = Stored::on(coupling, angle(stroke.start), angle(stroke.bottom), direction);
+    let feedback = &welcome.observed.feedback;
+    let reading = feedback.spindles[usize::from(stroke.spindle)].angle;
+    let Some(spindle) = file.spindles.get(usize::from(stroke.spindle)) else {
+        return Err(format!("the machine's file has no spindle {}", stroke.spindle));
+    };
+    let Some(axis) = file.axis(canon::Axis::ALL[usize::from(stroke.axis)]) else {
+        return Err(format!("the machine's file has no axis {}", stroke.axis));
+    };
+    let place = super::stands(file, feedback, stroke.axis);
+    let (turned, how) = if welcome.turns_lost[usize::from(stroke.spindle)] {
+        let (bound, why) = shown(stroke, spindle, file.tapping.sync_stop, welcome.stop);
+        let turned = stored.turn(reading, place, bound).map_err(|e| {
+            format!("the spindle's encoder has lost count of its turns, and the turn cannot be shown from the axis: {e} ({why})")
+        })?;
+        (turned, format!("single-turn encoder, turn from the axis ({why})"))
+    } else {
+        (reading, "multi-turn encoder".to_owned())
+    };
+    let depth = (place - stroke.surface) * sense_in(stroke);
+    if stroke.thread_length > Length::ZERO && depth > stroke.thread_length {
+        return Err(format!(
+            "the tap stands {:.3} mm deep, and its thread is {:.3} mm long: its shank has jammed in the hole, and the tap is taken to be \
+             broken",
+            depth.value(),
+            stroke.thread_length.value()
+        ));
+    }
+    let at = Point { angle: turned, place };
+    let setting =
+        Setting { surface: stroke.surface, holder: stroke.stiffness, diameter: stroke.diameter };
+    let seat = Seat { play: Length::ZERO, is_stiff: setting.is_stiff() };
+    let way = match (stored.leaving(at, &setting).map_err(|e| e.to_string())?, way) {
+        (Leaving::Straight, _) => Way::Straight,
+        (Leaving::Along, RecoveryWay::Direct) => Way::Direct,
+        (Leaving::Along, RecoveryWay::UnloadFirst) => Way::UnloadFirst(seat),
+    };
+    let kept = welcome.evidence.in_work.unwrap_or_default();
+    let overrun = (place - stroke.bottom) * sense_in(stroke);
+    let lead = Length::mm(stroke.lead.value().abs());
+    // what it may press on the ground with: its core bears no more
+    let core = Force::n(setting.bears().value() * stroke.stiffness.value());
+    let ground = if overrun > lead { core } else { Force::ZERO };
+    let apart = matches!(welcome.stop, Stop::Coasted | Stop::None);
+    let beyond = stored.error(at).abs() > setting.bears();
+    let (way, bound) = if apart && (!kept.touches || beyond) {
+        // its first turns were cut by spindle and feed apart: so near the surface few teeth hold it, deeper they do
+        if depth > lead {
+            return Err(format!(
+                "{NO_THREAD}: it stands {:.3} mm deep, and up to {:.3} mm, one lead, it could be pulled out straight",
+                depth.value(),
+                lead.value()
+            ));
+        }
+        (Way::Straight, Err(NO_THREAD))
+    } else {
+        // a tap that touched the work while the drives ran down by their ramps did so anywhere in between
+        let helix = if kept.touches { kept.sync_error } else { stored.error(at).abs() };
+        let unseen = unseen(stroke, axis, spindle, stored.error(at), helix, ground);
+        (way, Ok((unseen.total, format!("{how}; {}", unseen.why))))
+    };
+    let certain = bound.as_ref().map_or(Length::ZERO, |(bound, _)| stored.error(at).abs() + *bound);
+    Ok(Findings {
+        overrun,
+        doubt: if apart && way == Way::Straight {
+            Some(format!("{APART}: what it met meanwhile is not known"))
+        } else {
+            doubt(stroke, overrun, certain, setting.bears())
+        },
+        projection: stored.project(at, way),
+        direct: stored.project(at, Way::Direct),
+        stored,
+        at,
+        turn: turned - reading,
+        bound,
+        way,
+    })
+}
+
+/// +1 where the way in is along the axis' positive sense, else −1.
+fn sense_in(stroke: &Stroke) -> f64 {
+    if stroke.bottom > stroke.start { 1.0 } else { -1.0 }
+}
+
+/// The sense in which the tap went when the stop began. The machine keeps how the spindle turned last; where it had not turned, the
+/// record says whether the tap was about to turn back.
+fn direction(stroke: &Stroke, stage: Stage, welcome: &Welcome) -> Direction {
+    let inward_is_positive = stroke.spin.value() >= 0.0;
+    let turned = match welcome.evidence.sense {
+        Sense::Positive => Some(true),
+        Sense::Negative => Some(false),
+        Sense::Unknown => None,
+    };
+    let inward = turned.map_or(stage != Stage::Outward, |positive| positive == inward_is_positive);
+    if inward { Direction::Inward } else { Direction::Outward }
+}
+
+/// What the distance from the coupling is shown not to exceed: the monitor's window while everything was driven, and the
+/// turns that the spindle ran down alone.
+fn shown(stroke: &Stroke, spindle: &Spindle, window: Length, stop: Stop) -> (Length, String) {
+    let omega = stroke.spin.in_rad_per_s().abs();
+    let inertia = spindle.inertia.value();
+    let (turns, how) = match stop {
+        Stop::Coupled => (0.0, "the drives stopped together"),
+        Stop::QuickStop if spindle.own_ramps.is_some() => {
+            // on the drive's own ramp, which may be a quarter longer than set
+            let turns = spindle.own_ramps.map_or(0.0, |own| {
+                let rev_per_s = stroke.spin.value().abs();
+                rev_per_s * (own.delay.value() + rev_per_s / (1.5 * own.deceleration.value()))
+            });
+            (turns, "the spindle braked on its drive's own ramp")
+        }
+        Stop::QuickStop => {
+            let torque =
+                0.9 * spindle.peak_torque.value().min(spindle.peak_power.value() / omega.max(1e-9));
+            (inertia * omega * omega / 2.0 / torque / TAU, "the spindle braked by itself")
+        }
+        Stop::Coasted | Stop::None => {
+            // J·ω·dω/dθ = −(c₀ + c₁ω), from ω to 0
+            let c0 = LESS_FRICTION * spindle.friction.coulomb.value().max(1e-9);
+            let c1 = LESS_FRICTION * spindle.friction.viscous_n_m_s_per_rad.max(1e-12);
+            let turns = inertia / c1 * (omega - c0 / c1 * (1.0 + c1 * omega / c0).ln()) / TAU;
+            (turns, "the spindle may have coasted")
+        }
+    };
+    let bound = window + Length::mm(stroke.lead.value().abs() * turns);
+    (bound, format!("{how}: {:.3} mm from the thread at most", bound.value()))
+}
+
+/// Take it out.
+pub(super) fn drive_out(
+    plant: &mut Plant,
+    file: &MachineFile,
+    stroke: &Stroke,
+    findings: &Findings,
+) -> Result<RecoveryFigures, String> {
+    let letter = canon::Axis::ALL[usize::from(stroke.axis)];
+    let Some(axis) = file.axis(letter) else {
+        return Err(format!("the machine's file has no axis {}", letter.letter()));
+    };
+    let mut kernel = Kernel::new(config::control(file, None, false));
+    kernel.recover(RecoveryPlan {
+        axis: letter,
+        spindle: stroke.spindle,
+        stored: findings.stored,
+        turn: findings.turn,
+        way: findings.way,
+        spin: OUT,
+        feed: (axis.gentle.speed / 10.0, axis.gentle.acceleration),
+    });
+    let mut figures = None;
+    super::obey(&mut kernel, plant, &mut |event| {
+        if let EventKind::RecoveryEnded(ended) = event {
+            figures = Some(*ended);
+        }
+    })?;
+    figures.ok_or_else(|| format!("it is not out after {LONGEST}"))
+}

@@ -1,0 +1,283 @@
+//! A program on a machine, from the first period to its end, or to the alarm that ends it.
+use crate::Plant;
+use crate::Refused;
+use crate::config;
+use crate::job::Ops;
+use crate::job::Session;
+use crate::job::preflight::planner;
+use crate::services::CamHost;
+use crate::services::Keeper;
+use crate::stall::StallGuard;
+use crate::{Executor, Feeder, Observers, Services, TickTimes, Timings};
+use bus::{Machine, Sample, State};
+use kernel::{Event, Fault, Kernel};
+use report::Recorder;
+use std::collections::BTreeMap;
+use units::Time;
+use verify::{Feature, IdleTurns, Watch};
+
+/// Servo periods between two looks of the progress bar.
+const PROGRESS_EVERY: u64 = 4096;
+
+/// A program that is ready to run. What is usual stands in it from the beginning; a caller changes what is not.
+pub struct ProgramRun<'a> {
+    /// Kernel and machine.
+    pub executor: Executor,
+    /// Operations, planner and steps.
+    pub feeder: Feeder<'a>,
+    /// What answers the kernel.
+    pub services: Services,
+    /// What looks on.
+    pub observers: Observers,
+    /// Asked every period: whether somebody wants the run to end at once.
+    pub is_interrupted: fn() -> bool,
+    planned: Time,
+}
+
+/// What a run cannot do without.
+pub struct Loaded<'a> {
+    /// What the program meets.
+    pub session: &'a Session,
+    /// The program.
+    pub text: &'a [u8],
+    /// What the interpreter is told.
+    pub setup: &'a interp::Setup,
+    /// What the planner is told.
+    pub options: plan::Options,
+    /// How long it is planned to take.
+    pub planned: Time,
+}
+
+/// What came of a run.
+pub struct Outcome {
+    /// What was cut.
+    pub features: Vec<Feature>,
+    /// What pictures need.
+    pub recorder: Recorder,
+    /// What may never happen, and whether it did.
+    pub watch: Watch,
+    /// How long the machine took.
+    pub cycle_time: Time,
+    /// The program came to its end.
+    pub ended: bool,
+    /// Alarms.
+    pub faults: Vec<Fault>,
+    /// Warnings at run time.
+    pub warnings: Vec<Event>,
+    /// What kept each tap from being faster, by the index of its op.
+    pub limiting: BTreeMap<u32, String>,
+    /// Drills and taps that were at the spindle drive's limit, by the index of their op.
+    pub saturated: BTreeMap<u32, u32>,
+    /// Holes that the program tapped but did not drill.
+    pub assumed_holes: usize,
+    /// What repeated taps have learnt.
+    pub lessons: Vec<sync::Lesson>,
+    /// What was measured and taught of cams.
+    pub cams: CamHost,
+    /// What a wheel's idle turns would have ground.
+    pub idle: Vec<verify::GroundCam>,
+    /// How long it took here.
+    pub timings: Timings,
+    /// How long its ticks took here.
+    pub ticks: TickTimes,
+    /// What stopped it from outside, and what became of that.
+    pub happened: Vec<String>,
+    /// Faults that were told to happen and have not, in sentences.
+    pub not_triggered: Vec<String>,
+    /// Stops in a thread, and the ways out.
+    pub stops: Vec<report::ThreadStop>,
+    /// Tools taken off work that they were not screwed to.
+    pub withdrawn: Vec<crate::stops::Withdrawn>,
+    /// Why the iron is gone, if it is; why the record is not on the disk, if it is not.
+    pub broke_off: Vec<String>,
+}
+
+/// A thread that is cut again after its tap was taken out was recovered, though the judge has not seen it.
+fn told_of_recovery(mut features: Vec<Feature>, op: Option<u32>) -> Vec<Feature> {
+    for feature in features.iter_mut().filter(|feature| Some(feature.op) == op) {
+        if let verify::FeatureKind::Thread(thread) = &mut feature.kind {
+            thread.recovered = true;
+        }
+    }
+    features
+}
+
+impl<'a> ProgramRun<'a> {
+    /// Of this program, on this machine, judged by this: nothing stops it, nothing is kept, nothing is learnt.
+    pub fn new(loaded: &Loaded<'a>, machine: Plant, judge: verify::Config) -> Self {
+        let Loaded { session, text, setup, options, planned } = *loaded;
+        let ops = Ops::new(text, setup, session.auto());
+        Self {
+            executor: Executor {
+                kernel: Kernel::new(config::control(&session.machine, None, false)),
+                machine,
+                ticks: TickTimes::new(false),
+            },
+            feeder: Feeder::new(ops, planner(session, options)),
+            services: Services::new(session),
+            observers: Observers::new(session, judge),
+            is_interrupted: || false,
+            planned,
+        }
+    }
+
+    /// Run it; an alarm is a refusal.
+    pub fn run_without_alarm(self) -> Result<Outcome, Refused> {
+        let outcome = self.run(&mut |_| {})?;
+        match outcome.faults.first() {
+            Some(fault) => Err(Refused::because(fault.to_string())),
+            None => Ok(outcome),
+        }
+    }
+
+    /// Run to the end of the program, or to the alarm that ends it. `progress` hears now and then how long the machine has
+    /// been at it.
+    ///
+    /// # Errors
+    /// The trace cannot be written.
+    pub fn run(mut self, progress: &mut dyn FnMut(Time)) -> Result<Outcome, store::Error> {
+        let begun = self.executor.machine.feedback().time;
+        // a way out of a thread after the last stop is no part of the cycle
+        let mut now = begun;
+        let mut stall = StallGuard::new(self.planned, begun);
+        let (mut periods, mut faults, mut broke_off) = (0_u64, Vec::new(), Vec::new());
+        if self.services.keeper.is_some() {
+            self.executor.kernel.keep_records();
+        }
+        self.observers.timings.start();
+        self.orders_from_the_beginning();
+        while !(self.is_interrupted)() {
+            if self.is_stopped() {
+                match self.deal_with_stop(&mut faults) {
+                    Ok(true) => {}
+                    Ok(false) => break,
+                    Err(why) => {
+                        broke_off.push(format!("the tool could not be taken out: {why}"));
+                        break;
+                    }
+                }
+            }
+            let Self { executor, feeder, services, observers, .. } = &mut self;
+            feeder.fill(&mut executor.kernel, services, observers);
+            let sample = executor.period(|kernel, machine, sample| {
+                services.sample(sample, kernel);
+                observers.sample(sample);
+                services.stops.act(sample, kernel, machine);
+                observers.watch.spindle_override(kernel.operator().spindle_share());
+                feeder.follow_overrides(kernel);
+                services.serve(kernel, machine, &mut feeder.planner, sample);
+                while let Some(event) = kernel.next_event() {
+                    observers.event(&event);
+                }
+            });
+            periods += 1;
+            now = executor.machine.feedback().time;
+            let operator = executor.kernel.operator();
+            if let Some(why) = stall.ends(&sample.command, (begun, now), operator) {
+                broke_off.push(why);
+                break;
+            }
+            if periods.is_multiple_of(PROGRESS_EVERY) {
+                progress(now);
+            }
+        }
+        self.finish(faults, broke_off, (periods, now - begun))
+    }
+
+    /// What is ordered from the beginning is known before the first move is planned.
+    fn orders_from_the_beginning(&mut self) {
+        let Executor { kernel, machine, .. } = &mut self.executor;
+        let (feedback, report) = (machine.feedback(), kernel.report());
+        let first = Sample { feedback, report, truth: machine.truth(), ..Sample::default() };
+        self.services.stops.act(&first, kernel, machine);
+        self.feeder.follow_overrides(kernel);
+    }
+
+    /// Nothing more will happen by itself: the program is over, the control is gone, or it is held and no order to resume
+    /// will come.
+    fn is_stopped(&self) -> bool {
+        let Executor { kernel, machine, .. } = &self.executor;
+        let rests = kernel.operator().wants_rest() && kernel.is_standing();
+        let held = rests && kernel.report().state == State::Held;
+        kernel.is_over() || machine.is_abandoned() || held && self.services.stops.no_orders_left()
+    }
+
+    /// Let the machine run down, take a tap out if that is asked for; whether the program goes on.
+    fn deal_with_stop(&mut self, faults: &mut Vec<Fault>) -> Result<bool, String> {
+        let Self { executor, feeder, services, observers, .. } = self;
+        let Executor { kernel, machine, .. } = executor;
+        let known = kernel.faults().len();
+        faults.extend_from_slice(kernel.faults());
+        if matches!(kernel.report().state, State::Ended) {
+            return Ok(false);
+        }
+        let stopped = kernel.report().op;
+        let Observers { judge, recorder, trace, others, .. } = observers;
+        let goes_on = services.stops.deal_with(kernel, machine, judge, &mut |sample| {
+            recorder.sample(sample);
+            if let Some(trace) = trace {
+                trace.push(sample);
+            }
+            for other in &mut *others {
+                other.sample(sample);
+            }
+        })?;
+        if !goes_on || !kernel.is_over() {
+            faults.extend_from_slice(kernel.faults().get(known..).unwrap_or(&[]));
+            return Ok(false);
+        }
+        kernel.go_on();
+        feeder.send_again_after(stopped);
+        Ok(true)
+    }
+
+    /// All is over after so many periods and so long.
+    fn finish(
+        self,
+        mut faults: Vec<Fault>,
+        mut broke_off: Vec<String>,
+        (periods, took): (u64, Time),
+    ) -> Result<Outcome, store::Error> {
+        let Self { executor, feeder, services, observers, .. } = self;
+        let Executor { kernel, machine, ticks } = executor;
+        let Services { keeper, mut cams, polygons, mut stops } = services;
+        let Observers { judge, mut timings, trace, .. } = observers;
+        let features = timings.judging(|| judge.finish());
+        timings.stop(periods, took);
+        let lost = machine.lost().map(|why| format!("the iron is gone: {why}"));
+        let recovered = keeper.as_ref().and_then(Keeper::recovered);
+        let unwritten = keeper.and_then(Keeper::finish);
+        let unwritten = unwritten.map(|why| format!("the sync record cannot be written: {why}"));
+        if let Some(trace) = trace {
+            trace.finish()?;
+        }
+        broke_off.extend(lost.into_iter().chain(unwritten));
+        if faults.is_empty() {
+            faults.extend_from_slice(kernel.faults());
+        }
+        cams.end(feeder.planner.worn());
+        cams.keep(polygons.said, polygons.kept);
+        Ok(Outcome {
+            features: told_of_recovery(features, recovered),
+            recorder: observers.recorder,
+            watch: observers.watch,
+            cycle_time: took,
+            ended: kernel.report().state == State::Ended,
+            faults,
+            warnings: observers.warnings,
+            limiting: feeder.limiting,
+            saturated: observers.saturated,
+            assumed_holes: machine.assumed_holes(),
+            lessons: kernel.lessons().to_vec(),
+            cams,
+            idle: observers.idle.map(IdleTurns::finish).unwrap_or_default(),
+            timings,
+            ticks,
+            not_triggered: stops.not_triggered(took),
+            happened: stops.happened,
+            stops: stops.threads,
+            withdrawn: stops.withdrawn,
+            broke_off,
+        })
+    }
+}

@@ -1,0 +1,76 @@
+//! What answers the kernel beside the loop: the sync record, measuring and teaching of cams and polygons, and what comes
+//! from outside to stop the run.
+pub mod cam;
+pub mod learning;
+pub mod polygon;
+pub mod sync_record;
+
+pub use cam::CamHost;
+pub use polygon::PolygonHost;
+pub use sync_record::Keeper;
+
+use crate::Plant;
+use crate::job::Session;
+use crate::stops::Stops;
+use bus::Sample;
+use canon::Op;
+use kernel::Kernel;
+use plan::Planner;
+
+/// The services of a run.
+pub struct Services {
+    /// Writes the sync record: what taking a tap out needs.
+    pub keeper: Option<Keeper>,
+    /// Measures and teaches cams.
+    pub cams: CamHost,
+    /// Measures and compensates oscillations of polygons.
+    pub polygons: PolygonHost,
+    /// What comes from outside to stop it.
+    pub stops: Stops,
+}
+
+impl Services {
+    /// Of a run that nothing stops and that keeps no record.
+    pub fn new(session: &Session) -> Self {
+        Self {
+            keeper: None,
+            cams: CamHost::new(session.cams.clone()),
+            polygons: PolygonHost::new(&session.machine),
+            stops: Stops::none(),
+        }
+    }
+
+    /// An operation has been read.
+    pub(super) fn announced(&mut self, index: u32, op: &Op) {
+        self.cams.op(index, op);
+        self.polygons.op(index, op);
+    }
+
+    /// An operation is planned.
+    pub(super) fn op(&mut self, index: u32, op: &Op) {
+        if let Some(keeper) = &mut self.keeper {
+            keeper.op(index, op);
+        }
+    }
+
+    /// What was heard and commanded in a period.
+    pub(super) fn sample(&mut self, sample: &Sample, kernel: &Kernel) {
+        self.cams.sample(sample);
+        self.polygons.sample(sample, kernel);
+    }
+
+    /// Answer what the kernel has asked.
+    pub(super) fn serve(
+        &mut self,
+        kernel: &mut Kernel,
+        machine: &mut Plant,
+        planner: &mut Planner,
+        sample: &Sample,
+    ) {
+        if let Some(keeper) = &mut self.keeper {
+            machine.engage(keeper.serve(kernel, &sample.feedback));
+        }
+        self.cams.consult(kernel, planner);
+        self.polygons.consult(kernel);
+    }
+}

@@ -1,0 +1,441 @@
+//! What stops a run in the middle, and the way out of a thread after it.
+//!
+//! ```text
+//!   --fault, --operator ─► Script ─┬─► the iron fails, the operator orders
+//!                                  ▼
+//!   a tap in its thread ── runs down ── mended ─► kernel: back onto the coupling, out ─► end, or the remaining holes
+//!                              │
+//!                              └─ a copy of the machine takes the other way, for the report
+//! ```
+mod off;
+pub use off::Withdrawn;
+
+use crate::Plant;
+use crate::executor::period;
+use crate::job::Session;
+use crate::recovery;
+use crate::script::{Script, Told};
+use bus::{Machine, Sample};
+use canon::{Holder, ToolKind};
+use kernel::{EventKind, Kernel, Notice, Order, RecoveryFigures, RecoveryPlan};
+use report::{PlanePoint, ThreadStop, WayBack};
+use sim::Fault;
+use std::ops::ControlFlow;
+use sync::leaving::{Leaving, Setting};
+use sync::recovery::{Mover, Point, Seat, Way};
+use units::{Angle, Length, Spin, Stiffness, Time};
+use verify::{FeatureKind, Judge};
+
+/// Whatever was switched off stands by then: somebody switches it on again.
+const RUN_DOWN: Time = Time::s(10.0);
+
+/// What comes after a tool has been taken out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AfterStop {
+    /// The end.
+    Out,
+    /// The remaining holes.
+    Continue,
+}
+
+/// What is to come, and what has come.
+pub struct Stops {
+    faults: Script<Fault>,
+    orders: Script<Order>,
+    recover: Option<AfterStop>,
+    lengths: Vec<(u32, Length)>,
+    zero: Length,
+    play: Length,
+    taps: Vec<(u32, Setting)>,
+    feed: (units::Speed, units::Accel),
+    /// What has come, for people.
+    pub happened: Vec<String>,
+    /// Stops in a thread.
+    pub threads: Vec<ThreadStop>,
+    /// Tools taken off work that they were not screwed to.
+    pub withdrawn: Vec<Withdrawn>,
+    /// Of the last fault: its name and when.
+    last: Option<(String, Time)>,
+}
+
+/// What the machine does while a stop is dealt with.
+pub type Ears<'a> = &'a mut dyn FnMut(&Sample);
+
+impl Stops {
+    /// As the arguments have it.
+    pub fn new(
+        recover: Option<AfterStop>,
+        told: Told,
+        session: &Session,
+        seed: u64,
+        planned: Time,
+    ) -> Self {
+        let taps = session.tools.iter().filter_map(|tool| match &tool.kind {
+            ToolKind::Tap(tap) => Some((
+                tool.number,
+                Setting {
+                    surface: Length::ZERO, // known when it is in the work
+                    holder: stiffness(tap.holder),
+                    diameter: tool.diameter,
+                },
+            )),
+            _ => None,
+        });
+        let gentle = session.machine.axis(canon::Axis::Z).map(|z| z.gentle);
+        let slow = units::Speed::mm_per_s(2.0);
+        Self {
+            faults: Script::new(told.faults, seed, planned),
+            orders: Script::new(told.orders, seed ^ 1, planned),
+            recover,
+            lengths: session.tools.iter().map(|tool| (tool.number, tool.length)).collect(),
+            zero: session.work_zero().linear[2],
+            play: session.machine.simulation.tap_seat.flank_clearance,
+            taps: taps.collect(),
+            feed: gentle.map_or((slow, units::Accel::mm_per_s2(100.0)), |g| {
+                (g.speed.min(slow), g.acceleration * 0.1)
+            }),
+            happened: Vec::new(),
+            threads: Vec::new(),
+            withdrawn: Vec::new(),
+            last: None,
+        }
+    }
+
+    /// Nothing comes.
+    pub fn none() -> Self {
+        Self {
+            faults: Script::new(Vec::new(), 0, Time::ZERO),
+            orders: Script::new(Vec::new(), 0, Time::ZERO),
+            recover: None,
+            lengths: Vec::new(),
+            zero: Length::ZERO,
+            play: Length::ZERO,
+            taps: Vec::new(),
+            feed: (units::Speed::ZERO, units::Accel::ZERO),
+            happened: Vec::new(),
+            threads: Vec::new(),
+            withdrawn: Vec::new(),
+            last: None,
+        }
+    }
+
+    /// Nothing was told to come.
+    pub fn is_quiet(&self) -> bool {
+        self.faults.is_empty() && self.orders.is_empty()
+    }
+
+    /// The operator has nothing more to say.
+    pub fn no_orders_left(&self) -> bool {
+        self.orders.is_empty()
+    }
+
+    /// Let come what comes in this period.
+    pub fn act(&mut self, sample: &Sample, kernel: &mut Kernel, plant: &mut Plant) {
+        if self.is_quiet() {
+            return;
+        }
+        let tool = sample.feedback.tool.unwrap_or(0);
+        let length = self.lengths.iter().find(|(number, _)| *number == tool);
+        let length = length.map_or(Length::ZERO, |(_, length)| *length);
+        let below = self.zero - (sample.axis(2) - length);
+        let now = sample.feedback.time;
+        for order in self.orders.due(sample, below) {
+            self.happened.push(format!("operator at {:.3} s: {}", now.value(), name(order)));
+            kernel.order(order);
+        }
+        for fault in self.faults.due(sample, below) {
+            self.happened.push(format!("fault at {:.3} s: {}", now.value(), fault.name()));
+            self.last = Some((fault.name().to_owned(), now));
+            plant.strike(fault);
+        }
+    }
+
+    /// The run is over after so long: faults that were to happen in it and have not. An operator's orders that were never
+    /// given are only said: what they are for may be over before.
+    pub fn not_triggered(&mut self, after: Time) -> Vec<String> {
+        let sentence = |what: &str, text: &str| {
+            let seconds = after.value();
+            format!(
+                "{what} not triggered: {text}: the run was over after {seconds:.3} s without that moment"
+            )
+        };
+        let orders: Vec<_> = self.orders.left().map(|text| sentence("order", text)).collect();
+        self.happened.extend(orders);
+        self.faults.left().map(|text| sentence("fault", text)).collect()
+    }
+
+    /// A run that has stopped: run down, and out of the thread if that is asked for. Whether the program goes on.
+    pub fn deal_with(
+        &mut self,
+        kernel: &mut Kernel,
+        plant: &mut Plant,
+        judge: &mut Judge,
+        hear: Ears<'_>,
+    ) -> Result<bool, String> {
+        if matches!(plant, Plant::Outside(_)) {
+            // its drives and a recovery see to that
+            self.happened.extend(left_to_recovery(kernel, plant));
+            return Ok(false);
+        }
+        let Some(stored) = kernel.engaged() else {
+            let recovers = self.recover.map(|_| self.feed);
+            let said = off::deal_with(kernel, plant, recovers, &mut |sample| {
+                judge.sample(sample);
+                hear(sample);
+            })?;
+            match said {
+                Some(Ok(withdrawn)) => self.withdrawn.push(withdrawn),
+                Some(Err(left)) => self.happened.push(left),
+                None => {}
+            }
+            return Ok(false);
+        };
+        let line = kernel.report().line;
+        let alarm = kernel.faults().first().map(|f| (f.kind.sentence().to_owned(), f.time));
+        let (cause, time) =
+            self.last.take().or(alarm).unwrap_or_else(|| ("a stop".into(), plant.feedback().time));
+        let mut stop = Vec::new();
+        run_down(kernel, plant, &mut |sample| {
+            stop.push(point(sample));
+            judge.sample(sample);
+            hear(sample);
+        });
+        let surface = kernel.surface().unwrap_or(stored.start().place);
+        let Some(after) = self.recover else {
+            self.happened.extend(left_in(line, plant, surface, "--recover"));
+            return Ok(false);
+        };
+        let tool = plant.feedback().tool.unwrap_or(0);
+        let setting = self.taps.iter().find(|(number, _)| *number == tool);
+        let setting = setting.map(|(_, setting)| Setting { surface, ..*setting });
+        plant.mend();
+        let preferred = match setting {
+            None => Way::Direct,
+            Some(setting) => {
+                let now = plant.feedback();
+                let at = Point { angle: now.spindles[0].angle, place: now.axes[2].position };
+                match stored.leaving(at, &setting).map_err(|why| why.to_string())? {
+                    Leaving::Straight => Way::Straight,
+                    Leaving::Along => {
+                        Way::UnloadFirst(Seat { play: self.play, is_stiff: setting.is_stiff() })
+                    }
+                }
+            }
+        };
+        let plan = RecoveryPlan {
+            axis: canon::Axis::Z,
+            spindle: 0,
+            stored,
+            turn: Angle::ZERO,
+            way: preferred,
+            spin: recovery::OUT,
+            feed: self.feed,
+        };
+        let mut ways = Vec::new();
+        if let Some(mut copy) = plant.copy() {
+            let (mut kernel, mut judge) = (kernel.clone(), judge.clone());
+            let other = if preferred == Way::Straight { preferred } else { Way::Direct };
+            let plan = RecoveryPlan { way: other, ..plan };
+            let track = drive_out(&mut kernel, &mut copy, plan, &mut |sample| judge.sample(sample));
+            ways.extend(track.map(|track| way_back("the direct way", false, &track, &judge)));
+        }
+        let track = drive_out(kernel, plant, plan, &mut |sample| {
+            judge.sample(sample);
+            hear(sample);
+        })?;
+        ways.insert(0, way_back("unloaded first", true, &track, judge));
+        let start = stored.start();
+        self.threads.push(ThreadStop {
+            line,
+            cause,
+            time,
+            coupling: ((start.angle, start.place), stored.lead() * Angle::rev(1.0)),
+            stop,
+            ways,
+        });
+        Ok(after == AfterStop::Continue)
+    }
+}
+
+/// What is said of a tap that nobody takes out.
+fn left_in(line: u32, plant: &Plant, surface: Length, by: &str) -> Option<String> {
+    let depth = (surface - plant.feedback().axes[2].position).value();
+    (depth > 0.0).then(|| {
+        format!("line {line}: the tap was left {depth:.2} mm deep in its thread; {by} takes it out along it")
+    })
+}
+
+/// What is said of a tool that is left in the work of an iron.
+fn left_to_recovery(kernel: &Kernel, plant: &Plant) -> Option<String> {
+    let (line, by) = (kernel.report().line, "leadscrew recover");
+    match (kernel.surface(), kernel.way_out()) {
+        (Some(surface), _) => left_in(line, plant, surface, by),
+        (None, Some(way_out)) => Some(off::left_in(line, way_out, by)),
+        (None, None) => None,
+    }
+}
+
+fn stiffness(holder: Holder) -> Stiffness {
+    match holder {
+        Holder::Rigid { stiffness }
+        | Holder::SoftSynchro { stiffness, .. }
+        | Holder::TensionCompression { stiffness, .. }
+        | Holder::Clutch { stiffness, .. } => stiffness,
+    }
+}
+
+fn name(order: Order) -> String {
+    match order {
+        Order::FeedHold => "hold".into(),
+        Order::Resume => "resume".into(),
+        Order::Abort => "abort".into(),
+        Order::Retract => "retract".into(),
+        Order::FeedOverride(share) => format!("override {:.0} %", share * 100.0),
+        Order::SpindleOverride(share) => format!("spindle override {:.0} %", share * 100.0),
+        Order::RapidOverride(share) => format!("rapid override {:.0} %", share * 100.0),
+        Order::SingleBlock(on) => format!("single block {}", if on { "on" } else { "off" }),
+    }
+}
+
+fn point(sample: &Sample) -> PlanePoint {
+    (sample.spindle(0), sample.axis(2))
+}
+
+/// One period without orders: the drives alone, or a control that has stopped.
+fn one_period(kernel: &mut Kernel, plant: &mut Plant) -> Sample {
+    let mut seen = Sample::default();
+    // what only looks breaks nothing off
+    let _ = period(kernel, plant, |_, _, sample| {
+        seen = *sample;
+        ControlFlow::<()>::Continue(())
+    });
+    seen
+}
+
+/// Until nothing turns or moves.
+fn run_down(kernel: &mut Kernel, plant: &mut Plant, hear: Ears<'_>) {
+    /// What stands, and for how many periods.
+    const STANDS: (Spin, Length, u32) = (Spin::rpm(1.0), Length::mm(2.5e-5), 200);
+    let end = plant.feedback().time + RUN_DOWN;
+    let (mut still, mut before) = (0, None);
+    while plant.feedback().time < end && (still < STANDS.2 || kernel.is_retreating()) {
+        let sample = one_period(kernel, plant);
+        let (angle, places): (_, [Length; bus::AXES]) =
+            (sample.spindle(0), core::array::from_fn(|axis| sample.axis(axis)));
+        let stands = before.replace((angle, places)).is_some_and(|(a, was)| {
+            let moved = places.iter().zip(was).any(|(place, was)| (*place - was).abs() >= STANDS.1);
+            ((angle - a) / plant.period()).abs() < STANDS.0 && !moved
+        });
+        still = if stands { still + 1 } else { 0 };
+        hear(&sample);
+    }
+}
+
+/// What a way out came to.
+struct Track {
+    points: Vec<PlanePoint>,
+    mover: Option<Mover>,
+    helix: Length,
+    force_n: f64,
+}
+
+/// Take the tap out along its thread: by the control that stopped coupled and still has its drives, or by a recovery.
+fn drive_out(
+    kernel: &mut Kernel,
+    plant: &mut Plant,
+    plan: RecoveryPlan,
+    hear: Ears<'_>,
+) -> Result<Track, String> {
+    let alive = kernel.can_back_out() && plant.feedback().axes[2].ready;
+    while kernel.next_event().is_some() {} // what was said while everything ran down is no news
+    let stored = plan.stored;
+    if alive {
+        kernel.order(Order::Retract);
+    } else {
+        kernel.recover(plan);
+    }
+    let end = plant.feedback().time + recovery::LONGEST;
+    let mut track = Track { points: Vec::new(), mover: None, helix: Length::ZERO, force_n: 0.0 };
+    let (mut on, mut out) = (alive, None);
+    while out.is_none() {
+        if plant.feedback().time > end {
+            return Err("the tap is not out after five minutes".into());
+        }
+        let sample = one_period(kernel, plant);
+        let (angle, place) = point(&sample);
+        track.points.push((angle, place));
+        if let Some(truth) = &sample.truth {
+            track.force_n = track.force_n.max(truth.cutting_force.value().abs());
+            let touches = truth.cutting_torque.value() != 0.0;
+            let off = stored.error(Point { angle, place }).abs();
+            if on && touches {
+                track.helix = track.helix.max(off);
+            }
+        }
+        while let Some(event) = kernel.next_event() {
+            match event.kind {
+                EventKind::RecoveryBegun { mover, .. } => track.mover = mover,
+                EventKind::OnCoupling => on = true,
+                EventKind::RecoveryEnded(RecoveryFigures { .. })
+                | EventKind::Operator(Notice::Out) => out = Some(()),
+                EventKind::FaultRaised(fault) => return Err(fault.to_string()),
+                _ => {}
+            }
+        }
+        hear(&sample);
+    }
+    Ok(track)
+}
+
+fn way_back(name: &str, taken: bool, track: &Track, judge: &Judge) -> WayBack {
+    let features = judge.clone().finish();
+    let class = features.iter().rev().find_map(|f| match &f.kind {
+        FeatureKind::Thread(thread) if thread.recovered => Some(match f.verdict.reason() {
+            Some(reason) => format!("{}: {reason}", thread.class_name()),
+            None => thread.class_name().to_owned(),
+        }),
+        _ => None,
+    });
+    WayBack {
+        name: name.to_owned(),
+        taken,
+        track: track.points.clone(),
+        mover: match track.mover {
+            Some(Mover::Feed) => "the feed".into(),
+            Some(Mover::Spindle) => "the spindle".into(),
+            None => "nobody".into(),
+        },
+        helix_error: track.helix,
+        force_n: track.force_n,
+        class: class.unwrap_or_else(|| "none".into()),
+    }
+}
+
+/// For people: what happened, and what came of it.
+pub fn text(stops: &[ThreadStop], happened: &[String], withdrawn: &[Withdrawn]) -> String {
+    let mut said = String::new();
+    for line in happened {
+        said += line;
+        said.push('\n');
+    }
+    for Withdrawn { line, cut, axis, by } in withdrawn {
+        let by = by.value();
+        said +=
+            &format!("line {line}: {axis} took the tool {by:+.3} mm off the work, out of {cut}\n");
+    }
+    for stop in stops {
+        let Some(way) = stop.ways.first() else { continue };
+        said += &format!(
+            "line {}: {} at {:.3} s left the tap {:.1} µm off its helix; recovered: {} went back, then out with at most {:.1} µm, \
+             damage index {:.2} µm·rev\n",
+            stop.line,
+            stop.cause,
+            stop.time.value(),
+            stop.rest_um().abs(),
+            way.mover,
+            way.helix_error.in_um(),
+            stop.damage_um_rev(way),
+        );
+    }
+    said
+}
