@@ -101,6 +101,11 @@ impl CamLibrary {
         self.profiles.iter().find(|profile| profile.number == number)
     }
 
+    /// Whether it holds none.
+    pub fn is_empty(&self) -> bool {
+        self.iter().next().is_none()
+    }
+
     /// All of them.
     pub fn iter(&self) -> impl Iterator<Item = &CamProfile> {
         self.profiles.iter()

@@ -8,7 +8,7 @@ use canon::{
     ReturnAcceleration, Signal, SpindleOrder,
 };
 use control::Refused;
-use control::job::{Session, read_program};
+use control::job::{Operations, Session, read_program};
 use diag::Diagnostic;
 use serde_json::{Value, json};
 use std::io::{self, BufWriter, Write};
@@ -43,8 +43,9 @@ pub(crate) fn command(args: &CanonArgs) -> Result<bool, Refused> {
     let name = args.program.display().to_string();
     say::err(&render::text(&findings, &Source { name: &name, text: &text, drawn: &session.drawn }));
     let good = !findings.iter().any(Diagnostic::is_error);
-    if good {
-        crate::left::write(&args.left, &text, &session.interp_setup())?;
+    if good && args.left.is_asked() {
+        let operations = Operations::of(&text, &session.interp_setup());
+        crate::left::write(&args.left, operations.left())?;
     }
     Ok(good)
 }

@@ -4,30 +4,20 @@
 //! and the entries of tools that G10 L1, L10 or L11 has changed. Lengths are in mm.
 use crate::args::LeftArgs;
 use control::Refused;
+use control::job::Left;
 use store::parameters::Parameters;
 use store::tools::{TableLine, to_tbl};
 
 /// The first parameter that outlives a subprogram's call.
 const FIRST_KEPT: u32 = 31;
 
-/// Execute the program once more, moving nothing, and write what was asked for. Nothing is written of one that is
-/// refused.
-pub(crate) fn write(args: &LeftArgs, text: &[u8], setup: &interp::Setup) -> Result<(), Refused> {
-    if !args.is_asked() {
-        return Ok(());
-    }
-    let mut ops = interp::Ops::new(text, setup);
-    for _ in ops.by_ref() {}
-    if ops.has_errors() {
-        return Ok(());
-    }
+/// Write what was asked for.
+pub(crate) fn write(args: &LeftArgs, left: &Left) -> Result<(), Refused> {
     if let Some(path) = &args.write_parameters {
-        parameters(ops.parameters()).save(path)?;
+        parameters(&left.parameters).save(path)?;
     }
     if let Some(path) = &args.write_tools {
-        let lines: Vec<_> = ops.tools().iter().filter(|tool| !tool.stand_in).collect();
-        let lines: Vec<_> =
-            lines.iter().map(|tool| line(tool, &ops.tool_entry(tool.number))).collect();
+        let lines: Vec<_> = left.tools.iter().map(|(tool, entry)| line(tool, entry)).collect();
         store::output::write_file(path, to_tbl(&lines).as_bytes())?;
     }
     Ok(())

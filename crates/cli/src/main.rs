@@ -20,7 +20,6 @@
 mod args;
 mod cam;
 mod canonical;
-mod certificate;
 mod check;
 mod coasting;
 mod codes;
@@ -34,7 +33,6 @@ mod log;
 mod lsp;
 mod machine;
 mod measures;
-mod papers;
 mod pieces;
 mod plant_table;
 mod polygon;
@@ -53,7 +51,7 @@ mod worst;
 use args::{Cli, Command};
 use clap::{CommandFactory, Parser};
 use control::Refused;
-use run::Ending;
+use leadscrew::Ending;
 use std::process::ExitCode;
 
 /// A feature is out of tolerance.

@@ -1,8 +1,8 @@
 //! The short table at the end of a run.
 use crate::check::plural;
-use crate::run::Job;
 use control::Outcome;
 use kernel::EventKind;
+use leadscrew::Finished;
 use report::Standing;
 use std::path::Path;
 use verify::FeatureKind;
@@ -13,13 +13,14 @@ const MOST_FAILURES: usize = 20;
 const MOST_WARNINGS: usize = 5;
 
 /// For people.
-pub(crate) fn text(job: &Job, outcome: &Outcome, out: Option<&Path>) -> String {
+pub(crate) fn text(finished: &Finished, out: Option<&Path>) -> String {
+    let Finished { job, outcome, seed, tolerances, .. } = finished;
     let (machine, material) = (&job.session.machine.name, job.material.name);
-    let mut said = format!("{} on {machine}, {material}, seed {}\n", job.program, job.seed);
+    let mut said = format!("{} on {machine}, {material}, seed {seed}\n", job.program.name);
     said += &format!("tools from {}\n", job.session.tools_from);
     said += &crate::measures::tables(outcome);
     said += &features(outcome);
-    said += &crate::worst::text(&outcome.features, &job.tolerances());
+    said += &crate::worst::text(&outcome.features, tolerances);
     said += &went_wrong(outcome);
     said += &saturation(outcome);
     said += &warnings(outcome);
@@ -67,9 +68,7 @@ fn features(outcome: &Outcome) -> String {
 
 fn went_wrong(outcome: &Outcome) -> String {
     let breaches = outcome.watch.breaches().iter().take(MOST_FAILURES);
-    breaches.fold(String::new(), |said, b| {
-        said + &format!("INVARIANT BROKEN: {}\n", crate::papers::breach(b))
-    })
+    breaches.fold(String::new(), |said, b| said + &format!("INVARIANT BROKEN: {}\n", b))
 }
 
 fn alarms(outcome: &Outcome) -> String {

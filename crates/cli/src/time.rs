@@ -1,133 +1,99 @@
-//! `leadscrew time`: how long a program takes, by the planner that would run it, and what it asks of the axes.
-//!
-//! Times are added up from the planner's own steps: motion, spindle ramps, waits, tool changes. Peaks are taken from the
-//! setpoints as a drive would get them: differences at the servo period.
+//! `leadscrew time`: how long a program takes, and what it asks of the axes.
 use crate::args::{Format, TimeArgs};
 use crate::progress::Progress;
 use crate::{render, say};
 use control::Refused;
-use control::job::{Session, read_program};
-use plan::{Step, StepKind};
+use control::clock::now;
+use control::job::preflight::preflight_with;
+use leadscrew::Program;
+use leadscrew::time::{Peak, Peaks, Shares, Timed, Times, WithoutJerk};
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
+use units::Time;
 
-mod longest;
-mod peaks;
-mod shares;
-use longest::{Longest, Timed};
-use peaks::Peaks;
-pub(crate) use shares::{Added, without_jerk};
-use shares::{Shares, rounded};
-
-/// Operations that are listed without `--operations`: the longest.
-const LONGEST: usize = 10;
-
-/// What was added up.
-struct Tally<'a> {
-    all: Added<'a>,
-    tool: u32,
-    by_tool: BTreeMap<u32, Shares>,
-    by_op: Longest,
-    peaks: Peaks,
-    steps: u64,
-}
-
-impl Tally<'_> {
-    fn step(&mut self, step: &Step) {
-        let time = self.all.step(step);
-        if let StepKind::ChangeTool(number) = step.kind {
-            self.tool = number;
-        }
-        self.by_tool.entry(self.tool).or_default().add(&step.kind, time);
-        self.by_op.add(step.op, step.line, time);
-        self.peaks.step(&step.kind);
-        self.steps += 1;
-    }
-}
-
-/// Say how long it takes.
+/// Say how long it takes. Nothing is kept of a program but what is added up: it may have any length.
 pub(crate) fn command(args: &TimeArgs, quiet: bool) -> Result<bool, Refused> {
-    let text = read_program(&args.program)?;
-    let mut session = Session::load(&args.source.options(), &args.program, &text)?;
-    let options = session.plan_options(session.machine.setup.stock.material);
-    let limits = control::config::planner(&session.machine);
-    let mut tally = Tally {
-        all: Added::new(&limits),
-        tool: session.tool(),
-        by_tool: BTreeMap::new(),
-        by_op: Longest::new(if args.operations { usize::MAX } else { LONGEST }),
-        peaks: Peaks::new(session.machine.control.period.value()),
-        steps: 0,
+    let mut job = Program::open(&args.program)?.on(args.source.options())?;
+    let mut times = Times::new(&job.session, args.operations.then_some(usize::MAX));
+    let mut free = WithoutJerk::of(&mut job.session, job.plan);
+    let began = args.timings.then(now);
+    let progress = Progress::of_lines(&job.program.text, "planning");
+    let mut steps = |step: plan::Step| {
+        progress.reached(step.line);
+        times.step(&step);
     };
-    let began = args.timings.then(control::clock::now);
-    let progress = Progress::of_lines(&text, "planning");
-    let known =
-        control::job::preflight::preflight_with(&mut session, &text, options, &mut |step| {
-            progress.reached(step.line);
-            tally.step(&step);
-        });
+    let mut ops = |index, op: &canon::Op, frame| {
+        if let Some(free) = &mut free {
+            free.op(index, op, frame);
+        }
+    };
+    let known = preflight_with(&mut job.session, &job.program.text, job.plan, &mut steps, &mut ops);
     drop(progress);
-    let took = began.map(|began| (control::clock::now() - began).as_secs_f64());
-    let name = args.program.display().to_string();
+    let took = began.map(|began| (now() - began).as_secs_f64());
     if known.is_refused() {
-        return Err(Refused::program(name, text, session.drawn, known.findings));
+        return Err(job.refused(known.findings));
     }
+    times.without_jerk = free.map(WithoutJerk::motion);
     if let Some(took) = took {
-        let ratio = tally.all.shares.total() / took.max(1e-9);
+        let ratio = times.total().value() / took.max(1e-9);
         say::err(&format!("planned in {took:.3} s: {ratio:.0} times faster than it runs\n"));
     }
-    let free = without_jerk(&mut session, &text, options);
+    let name = &job.program.name;
     match args.format {
         Format::Text if quiet => {}
         Format::Text => {
-            let source = render::Source { name: &name, text: &text, drawn: &session.drawn };
-            say::err(&render::text(&known.findings, &source));
-            say::out(&(people(&tally, &name) + &trade(tally.all.shares.motion(), free)))?;
+            let (text, drawn) = (&job.program.text, &job.session.drawn);
+            say::err(&render::text(&known.findings, &render::Source { name, text, drawn }));
+            say::out(
+                &(people(&times, name) + &trade(times.shares().motion(), times.without_jerk)),
+            )?;
         }
         Format::Json => {
-            let mut value = programs(&tally, &name, &session.machine.name, args.operations);
-            value["motion_time_without_jerk_limits_s"] = json!(free.map(rounded));
+            let mut value = programs(&times, name, &job.session.machine.name, args.operations);
+            let free = times.without_jerk.map(rounded);
+            value["motion_time_without_jerk_limits_s"] = json!(free);
             say::out(&format!("{value:#}\n"))?;
         }
     }
     Ok(true)
 }
 
-fn trade(motion: f64, free: Option<f64>) -> String {
-    let Some(free) = free.filter(|free| *free > 0.0) else { return String::new() };
+fn trade(motion: Time, free: Option<Time>) -> String {
+    let Some(free) = free.filter(|free| *free > Time::ZERO) else { return String::new() };
     let more = (100.0 * (motion / free - 1.0)).max(0.0);
-    format!("  without limits of jerk {free:>12.3} s in motion: they cost {more:.1} %\n")
+    format!("  without limits of jerk {:>12.3} s in motion: they cost {more:.1} %\n", free.value())
 }
 
-fn operations(tally: &Tally) -> Vec<Value> {
+fn operations(times: &Times) -> Vec<Value> {
     let of = |(op, (line, time)): Timed| json!({ "operation": op, "line": line, "time_s": rounded(time) });
-    tally.by_op.all().into_iter().map(of).collect()
+    times.longest().into_iter().map(of).collect()
 }
 
-fn programs(tally: &Tally, name: &str, machine: &str, every: bool) -> Value {
-    let mut value = tally.all.shares.json();
-    let tools: Vec<Value> = tally
-        .by_tool
-        .iter()
+fn programs(times: &Times, name: &str, machine: &str, every: bool) -> Value {
+    let mut value = shares_as_json(times.shares());
+    let tools: Vec<Value> = times
+        .by_tool()
         .map(|(tool, shares)| {
-            let mut value = shares.json();
+            let mut value = shares_as_json(shares);
             value["tool"] = json!(tool);
             value
         })
         .collect();
     value["program"] = json!(name);
     value["machine"] = json!(machine);
-    value["steps"] = json!(tally.steps);
-    value["peaks"] = tally.peaks.json();
+    value["steps"] = json!(times.steps);
+    value["peaks"] = peaks_as_json(times.peaks());
     value["tools"] = json!(tools);
-    value[if every { "operations" } else { "longest_operations" }] = json!(operations(tally));
+    value[if every { "operations" } else { "longest_operations" }] = json!(operations(times));
     value
 }
 
-fn people(tally: &Tally, name: &str) -> String {
-    let all = &tally.all.shares;
-    let mut text =
-        format!("{name}: {:.3} s, of which {:.3} s in motion\n", all.total(), all.motion());
+fn people(times: &Times, name: &str) -> String {
+    let all = times.shares();
+    let mut text = format!(
+        "{name}: {:.3} s, of which {:.3} s in motion\n",
+        all.total().value(),
+        all.motion().value()
+    );
     for (what, time) in [
         ("feed", all.feed),
         ("rapids", all.rapid),
@@ -138,16 +104,74 @@ fn people(tally: &Tally, name: &str) -> String {
         ("dwells", all.dwell),
         ("tool changes", all.tool_change),
     ] {
-        if time > 0.0 {
-            text += &format!("  {what:<24} {time:>10.3} s\n");
+        if time > Time::ZERO {
+            text += &format!("  {what:<24} {:>10.3} s\n", time.value());
         }
     }
-    if tally.by_tool.len() > 1 {
-        for (tool, shares) in &tally.by_tool {
-            text += &format!("  T{tool:<23} {:>10.3} s\n", shares.total());
+    if times.by_tool().len() > 1 {
+        for (tool, shares) in times.by_tool() {
+            text += &format!("  T{tool:<23} {:>10.3} s\n", shares.total().value());
         }
     }
-    text + &tally.peaks.text()
+    text + &peaks_as_text(times.peaks())
+}
+
+/// Times by what takes them, s.
+fn shares_as_json(shares: &Shares) -> Value {
+    json!({
+        "total_time_s": rounded(shares.total()),
+        "motion_time_s": rounded(shares.motion()),
+        "feed_time_s": rounded(shares.feed),
+        "rapid_time_s": rounded(shares.rapid),
+        "tapping_time_s": rounded(shares.tap),
+        "threading_time_s": rounded(shares.thread),
+        "turning_time_s": rounded(shares.turn),
+        "waiting_time_s": rounded(shares.wait),
+        "dwell_time_s": rounded(shares.dwell),
+        "tool_change_time_s": rounded(shares.tool_change),
+    })
+}
+
+/// Seconds, to a microsecond.
+fn rounded(time: Time) -> f64 {
+    (time.value() * 1e6).round() / 1e6
+}
+
+fn peaks_as_json(peaks: &Peaks) -> Value {
+    let of = |(letter, peak): (char, &Peak)| {
+        let Peak { speed, accel, jerk } = peak;
+        if is_rotary(letter) {
+            return json!({
+                "axis": letter.to_string(),
+                "speed_deg_per_s": speed,
+                "acceleration_deg_per_s2": accel,
+                "jerk_deg_per_s3": jerk,
+            });
+        }
+        json!({
+            "axis": letter.to_string(),
+            "speed_mm_per_s": speed,
+            "acceleration_mm_per_s2": accel,
+            "jerk_m_per_s3": jerk / 1e3,
+        })
+    };
+    peaks.moved().map(of).collect()
+}
+
+fn peaks_as_text(peaks: &Peaks) -> String {
+    let of = |(letter, peak): (char, &Peak)| {
+        let Peak { speed, accel, jerk } = peak;
+        if is_rotary(letter) {
+            return format!("  {letter} at most {speed:.1} °/s, {accel:.0} °/s², {jerk:.0} °/s³\n");
+        }
+        let jerk = jerk / 1e3;
+        format!("  {letter} at most {speed:.1} mm/s, {accel:.0} mm/s², {jerk:.1} m/s³\n")
+    };
+    peaks.moved().map(of).collect()
+}
+
+const fn is_rotary(letter: char) -> bool {
+    matches!(letter, 'A' | 'B' | 'C')
 }
 
 #[cfg(test)]
@@ -156,7 +180,7 @@ mod tests {
 
     #[test]
     fn what_jerk_costs_is_a_share_of_the_time_without() {
-        assert!(trade(2.3, Some(2.0)).ends_with("they cost 15.0 %\n"));
-        assert_eq!(trade(2.0, None), "");
+        assert!(trade(Time::s(2.3), Some(Time::s(2.0))).ends_with("they cost 15.0 %\n"));
+        assert_eq!(trade(Time::s(2.0), None), "");
     }
 }

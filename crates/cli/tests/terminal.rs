@@ -98,6 +98,6 @@ fn a_fault_that_was_not_triggered_fails_the_run() {
 fn progress_is_said_in_plain_lines_where_that_is_asked_for() {
     let output = leadscrew(&["time", PLATE, "--progress", "lines"]);
     let text = complained(&output);
-    assert!(text.contains("planning: ") && text.contains("without limits of jerk"), "{text}");
+    assert!(text.contains("planning: "), "{text}");
     assert_eq!(complained(&leadscrew(&["time", PLATE])), "");
 }

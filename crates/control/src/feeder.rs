@@ -1,5 +1,5 @@
 //! Keeps the kernel supplied: operations are planned ahead, steps wait in a queue, and the kernel's is kept full.
-use crate::job::Ops;
+use crate::job::{Cursor, Source};
 use crate::override_pace::Pace;
 use crate::{Observers, Services};
 use canon::{Op, OpKind};
@@ -8,9 +8,9 @@ use plan::{Planner, Step, StepKind};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 /// From a program's operations to the steps that the kernel executes.
-pub struct Feeder<'a> {
+pub struct Feeder {
     /// The program's operations.
-    pub ops: Ops<'a>,
+    pub ops: Cursor,
     /// The planner.
     pub planner: Planner,
     /// Steps on their way to the kernel.
@@ -27,9 +27,9 @@ pub struct Feeder<'a> {
     taps: BTreeSet<u32>,
 }
 
-impl<'a> Feeder<'a> {
+impl Feeder {
     /// Of these operations, with this planner.
-    pub fn new(ops: Ops<'a>, planner: Planner) -> Self {
+    pub fn new(ops: Cursor, planner: Planner) -> Self {
         Self {
             ops,
             planner,

@@ -40,7 +40,7 @@ pub(crate) fn missed(
 
 #[cfg(test)]
 mod tests {
-    use crate::*;
+    use super::*;
     use units::{Angle, Length};
 
     #[test]

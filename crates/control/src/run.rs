@@ -2,9 +2,10 @@
 use crate::Plant;
 use crate::Refused;
 use crate::config;
-use crate::job::Ops;
 use crate::job::Session;
 use crate::job::preflight::planner;
+use crate::job::restart::Restart;
+use crate::job::{Cursor, Operations};
 use crate::services::CamHost;
 use crate::services::Keeper;
 use crate::stall::StallGuard;
@@ -13,6 +14,7 @@ use bus::{Machine, Sample, State};
 use kernel::{Event, Fault, Kernel};
 use report::Recorder;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use units::Time;
 use verify::{Feature, IdleTurns, Watch};
 
@@ -20,11 +22,11 @@ use verify::{Feature, IdleTurns, Watch};
 const PROGRESS_EVERY: u64 = 4096;
 
 /// A program that is ready to run. What is usual stands in it from the beginning; a caller changes what is not.
-pub struct ProgramRun<'a> {
+pub struct ProgramRun {
     /// Kernel and machine.
     pub executor: Executor,
     /// Operations, planner and steps.
-    pub feeder: Feeder<'a>,
+    pub feeder: Feeder,
     /// What answers the kernel.
     pub services: Services,
     /// What looks on.
@@ -38,10 +40,10 @@ pub struct ProgramRun<'a> {
 pub struct Loaded<'a> {
     /// What the program meets.
     pub session: &'a Session,
-    /// The program.
-    pub text: &'a [u8],
-    /// What the interpreter is told.
-    pub setup: &'a interp::Setup,
+    /// The program's operations.
+    pub operations: &'a Arc<Operations>,
+    /// Where it is begun, if not at its beginning.
+    pub restart: Option<&'a Restart>,
     /// What the planner is told.
     pub options: plan::Options,
     /// How long it is planned to take.
@@ -102,11 +104,11 @@ fn told_of_recovery(mut features: Vec<Feature>, op: Option<u32>) -> Vec<Feature>
     features
 }
 
-impl<'a> ProgramRun<'a> {
+impl ProgramRun {
     /// Of this program, on this machine, judged by this: nothing stops it, nothing is kept, nothing is learnt.
-    pub fn new(loaded: &Loaded<'a>, machine: Plant, judge: verify::Config) -> Self {
-        let Loaded { session, text, setup, options, planned } = *loaded;
-        let ops = Ops::new(text, setup, session.auto());
+    pub fn new(loaded: &Loaded<'_>, machine: Plant, judge: verify::Config) -> Self {
+        let Loaded { session, operations, restart, options, planned } = *loaded;
+        let ops = Cursor::new(Arc::clone(operations), restart);
         Self {
             executor: Executor {
                 kernel: Kernel::new(config::control(&session.machine, None, false)),

@@ -53,6 +53,12 @@ pub struct Breach {
     pub time: Time,
 }
 
+impl core::fmt::Display for Breach {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "line {}, {:.3} s: {}", self.line, self.time.value(), self.what)
+    }
+}
+
 /// What is in work.
 #[derive(Clone, Debug)]
 struct Work {

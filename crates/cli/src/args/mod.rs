@@ -21,8 +21,8 @@ pub(crate) use compare::CompareArgs;
 pub(crate) use compensation::{CompensationArgs, CompensationOutput};
 pub(crate) use iron::{IronArgs, RecoverArgs};
 pub(crate) use lists::{CodesFormat, MachineCommand};
-pub(crate) use polygon::{ActuatorChoice, PolygonArgs};
-pub(crate) use run::{RunArgs, Synchronisation};
+pub(crate) use polygon::PolygonArgs;
+pub(crate) use run::RunArgs;
 pub(crate) use text::{
     CanonArgs, CanonFormat, CheckArgs, FindingsFormat, FormatArgs, LeftArgs, TimeArgs,
 };

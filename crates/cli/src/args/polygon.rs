@@ -89,3 +89,17 @@ pub(crate) enum ActuatorChoice {
     /// The tool spindle's phase
     Phase,
 }
+
+impl From<ActuatorChoice> for canon::Actuator {
+    fn from(choice: ActuatorChoice) -> Self {
+        match choice {
+            ActuatorChoice::Auto => Self::Any,
+            ActuatorChoice::Phase => Self::ToolPhase,
+            ActuatorChoice::X => Self::CentreLine,
+            ActuatorChoice::Y => Self::Across,
+            ActuatorChoice::Xy => Self::Both,
+            ActuatorChoice::XPhase => Self::CentreLineAndPhase,
+            ActuatorChoice::All => Self::All,
+        }
+    }
+}

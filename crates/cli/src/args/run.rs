@@ -106,6 +106,17 @@ pub(crate) enum Synchronisation {
     EncoderNoFeedForward,
 }
 
+impl From<Synchronisation> for leadscrew::Synchronisation {
+    fn from(asked: Synchronisation) -> Self {
+        match asked {
+            Synchronisation::Command => Self::Command,
+            Synchronisation::Encoder => Self::Encoder,
+            Synchronisation::EncoderNoPrediction => Self::EncoderNoPrediction,
+            Synchronisation::EncoderNoFeedForward => Self::EncoderNoFeedForward,
+        }
+    }
+}
+
 impl From<AfterStop> for control::stops::AfterStop {
     fn from(after: AfterStop) -> Self {
         match after {

@@ -66,7 +66,7 @@ impl Iron {
     pub(super) fn new(args: &IronArgs) -> Result<Self, Refused> {
         let session = Session::load(&args.source.options(), Path::new("-"), b"")?;
         let file = &session.machine;
-        let material = crate::run::material(args.material.as_deref(), file.setup.stock.material)?;
+        let material = leadscrew::material(args.material.as_deref(), file.setup.stock.material)?;
         let seed = args.seed.unwrap_or(u64::from(file.simulation.seed));
         let zero = session.work_zero();
         let config = config::simulator(file, &session.tools, material, seed, &zero);

@@ -14,7 +14,7 @@ pub mod restart;
 mod session;
 pub mod subprograms;
 
-pub use operations::Ops;
+pub use operations::{Cursor, Left, Operations, Reading, Source};
 pub use options::ProgramOptions;
 pub use session::{Session, read_program, tools};
 

@@ -1,58 +1,44 @@
 //! A program's operations, numbered in the order in which they come; what G51.2 leaves to the control is filled in.
+//!
+//! ```text
+//!   text ─► interp ─┬─► Reading      one after the other, nothing is kept: check, time
+//!                   └─► Operations   all of them, interpreted once: preflight, restart and run share them
+//!                            └─► Cursor  from the beginning, or from where a program is begun in its middle
+//! ```
+use super::restart::Restart;
 use crate::polygon::cuts;
 use crate::polygon::oscillation::Auto;
-use canon::{Op, OpKind, ProgramFrame};
+use canon::{Op, OpKind, ProgramFrame, Tool};
 use diag::Diagnostic;
+use interp::{Parameters, ToolEntry};
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 /// Operations that are looked at ahead for where a polygon is cut.
 const LOOK_AHEAD: usize = 1000;
 
-/// Operations with their index.
-pub struct Ops<'a> {
+/// Operations with their index, and how the program writes places and lengths where the one stands that came last.
+pub trait Source: Iterator<Item = (u32, Op)> {
+    /// Frame and units of the operation that came last.
+    fn frame(&self) -> ProgramFrame;
+    /// What the interpreter has found so far.
+    fn findings(&self) -> Vec<Diagnostic>;
+}
+
+/// A program that is interpreted as it is read.
+pub struct Reading<'a> {
     read: interp::Ops<'a>,
     ahead: VecDeque<(Op, ProgramFrame)>,
     frame: ProgramFrame,
     auto: Auto<'a>,
     next: u32,
-    prelude: std::vec::IntoIter<Op>,
 }
 
-impl<'a> Ops<'a> {
+impl<'a> Reading<'a> {
     /// Of a program.
     pub fn new(source: &'a [u8], setup: &'a interp::Setup, auto: Auto<'a>) -> Self {
-        let read = interp::Ops::new(source, setup);
-        Self {
-            read,
-            ahead: VecDeque::new(),
-            frame: ProgramFrame::default(),
-            auto,
-            next: 0,
-            prelude: Vec::new().into_iter(),
-        }
-    }
-
-    /// The same, begun in the middle.
-    pub fn begun_at(mut self, restart: Option<&crate::job::restart::Restart>) -> Self {
-        if let Some(restart) = restart {
-            for _ in 0..restart.skip {
-                if let Some(op) = self.read.next() {
-                    self.auto.see(&op.kind);
-                }
-            }
-            self.prelude = restart.prelude.clone().into_iter();
-        }
-        self
-    }
-
-    /// What was found so far.
-    pub fn diagnostics(&self) -> Vec<Diagnostic> {
-        self.read.diagnostics().iter().chain(self.auto.findings()).cloned().collect()
-    }
-
-    /// How the program writes places and lengths where the operation stands that came last.
-    pub const fn frame(&self) -> ProgramFrame {
-        self.frame
+        let (ahead, frame) = (VecDeque::new(), ProgramFrame::default());
+        Self { read: interp::Ops::new(source, setup), ahead, frame, auto, next: 0 }
     }
 
     fn read_next(&mut self) -> Option<(Op, ProgramFrame)> {
@@ -69,20 +55,156 @@ impl<'a> Ops<'a> {
     }
 }
 
-impl Iterator for Ops<'_> {
+impl Source for Reading<'_> {
+    fn frame(&self) -> ProgramFrame {
+        self.frame
+    }
+
+    fn findings(&self) -> Vec<Diagnostic> {
+        self.read.diagnostics().iter().chain(self.auto.findings()).cloned().collect()
+    }
+}
+
+impl Iterator for Reading<'_> {
     type Item = (u32, Op);
 
-    fn next(&mut self) -> Option<Self::Item> {
-        // the prelude's are machine coordinates, which no block has written
-        let prelude = self.prelude.next().map(|op| (op, self.frame));
-        let (mut op, frame) =
-            prelude.or_else(|| self.ahead.pop_front()).or_else(|| self.read_next())?;
+    fn next(&mut self) -> Option<(u32, Op)> {
+        let (mut op, frame) = self.ahead.pop_front().or_else(|| self.read_next())?;
         self.frame = frame;
         self.auto.see(&op.kind);
         if let OpKind::Polygon(polygon) = &mut op.kind {
             self.look_ahead();
             self.auto.fill(polygon, cuts::cut(self.ahead.iter().map(|(op, _)| op)), op.span);
         }
+        let index = self.next;
+        self.next += 1;
+        Some((index, op))
+    }
+}
+
+/// A whole program, interpreted once.
+#[derive(Default)]
+pub struct Operations {
+    ops: Vec<Op>,
+    /// Each frame, with the operation from which on it holds.
+    frames: Vec<(usize, ProgramFrame)>,
+    findings: Vec<Diagnostic>,
+    /// Tools that the program calls and the table lacks.
+    stand_ins: Vec<Tool>,
+    /// What the program leaves behind.
+    left: Left,
+}
+
+/// What a program leaves in the control when it has ended.
+#[derive(Debug, Clone, Default)]
+pub struct Left {
+    /// The numbered parameters.
+    pub parameters: Parameters,
+    /// The tools that are in the table, each with what the control believes of it.
+    pub tools: Vec<(Tool, ToolEntry)>,
+}
+
+impl Operations {
+    /// Interpret a program.
+    pub fn of(source: &[u8], setup: &interp::Setup) -> Self {
+        let mut read = interp::Ops::new(source, setup);
+        let (mut ops, mut frames) = (Vec::new(), Vec::<(usize, ProgramFrame)>::new());
+        while let Some(op) = read.next() {
+            let frame = read.frame();
+            if frames.last().is_none_or(|(_, last)| *last != frame) {
+                frames.push((ops.len(), frame));
+            }
+            ops.push(op);
+        }
+        let (stand_ins, known): (Vec<Tool>, Vec<Tool>) =
+            read.tools().iter().cloned().partition(|tool| tool.stand_in);
+        let entry = |tool: Tool| {
+            let entry = read.tool_entry(tool.number);
+            (tool, entry)
+        };
+        let left = Left {
+            tools: known.into_iter().map(entry).collect(),
+            parameters: read.parameters().clone(),
+        };
+        Self { ops, frames, findings: read.diagnostics(), stand_ins, left }
+    }
+
+    /// Fill in what G51.2 leaves to the control.
+    pub fn fill(&mut self, mut auto: Auto<'_>) {
+        for at in 0..self.ops.len() {
+            let (before, after) = self.ops.split_at_mut(at + 1);
+            let Some(op) = before.last_mut() else { continue };
+            auto.see(&op.kind);
+            if let OpKind::Polygon(polygon) = &mut op.kind {
+                auto.fill(polygon, cuts::cut(after.iter().take(LOOK_AHEAD)), op.span);
+            }
+        }
+        self.findings.extend_from_slice(auto.findings());
+    }
+
+    /// All of them.
+    pub fn all(&self) -> &[Op] {
+        &self.ops
+    }
+
+    /// Tools that the program calls and the table lacks.
+    pub fn stand_ins(&self) -> &[Tool] {
+        &self.stand_ins
+    }
+
+    /// What the program leaves behind.
+    pub const fn left(&self) -> &Left {
+        &self.left
+    }
+
+    fn frame_of(&self, at: usize) -> ProgramFrame {
+        let after = self.frames.partition_point(|(from, _)| *from <= at);
+        after.checked_sub(1).and_then(|last| self.frames.get(last)).map(|f| f.1).unwrap_or_default()
+    }
+}
+
+/// Goes through a program that was interpreted.
+pub struct Cursor {
+    operations: Arc<Operations>,
+    prelude: VecDeque<Op>,
+    at: usize,
+    frame: ProgramFrame,
+    next: u32,
+}
+
+impl Cursor {
+    /// From the program's beginning, or from where it is begun in its middle.
+    pub fn new(operations: Arc<Operations>, restart: Option<&Restart>) -> Self {
+        let at = restart.map_or(0, |restart| restart.skip);
+        let prelude = restart.map_or_else(VecDeque::new, |r| r.prelude.iter().cloned().collect());
+        Self { operations, prelude, at, frame: ProgramFrame::default(), next: 0 }
+    }
+}
+
+impl Source for Cursor {
+    fn frame(&self) -> ProgramFrame {
+        self.frame
+    }
+
+    fn findings(&self) -> Vec<Diagnostic> {
+        self.operations.findings.clone()
+    }
+}
+
+impl Iterator for Cursor {
+    type Item = (u32, Op);
+
+    fn next(&mut self) -> Option<(u32, Op)> {
+        // the prelude's are machine coordinates, which no block has written
+        let op = match self.prelude.pop_front() {
+            Some(op) => op,
+            None => {
+                let op = self.operations.ops.get(self.at)?.clone();
+                self.frame = self.operations.frame_of(self.at);
+                self.at += 1;
+                op
+            }
+        };
         let index = self.next;
         self.next += 1;
         Some((index, op))

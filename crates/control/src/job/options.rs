@@ -71,6 +71,12 @@ impl ProgramOptions {
     }
 }
 
+impl From<&str> for ProgramOptions {
+    fn from(machine: &str) -> Self {
+        Self::on(machine)
+    }
+}
+
 /// What a number without a decimal point counts in Fanuc's dialects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DecimalPoint {

@@ -10,15 +10,16 @@
 //!   run   ─┤    one order         ├─ remarks       legal, and likely to hurt
 //!   lsp   ─┘                      └─ tool table    which one, and what was not understood of it
 //! ```
+use super::operations::{Cursor, Operations, Reading, Source};
+use super::restart::Restart;
 use crate::Refused;
-use crate::job::Ops;
 use crate::job::Session;
-use crate::job::restart::Restart;
-use canon::{Op, OpKind, Tool, ToolKind};
+use canon::{Op, OpKind, ProgramFrame, Tool, ToolKind};
 use diag::{Diagnostic, Severity};
 use interp::MissingTools;
 use plan::{Options, Planner, Start};
 use std::collections::{BTreeSet, HashSet};
+use std::sync::Arc;
 use units::{Length, Time};
 
 /// What is known.
@@ -36,56 +37,110 @@ impl Preflight {
     }
 }
 
-/// Interpret and plan a program without moving. Stand-ins are added to the session's tools.
-pub fn preflight(session: &mut Session, source: &[u8], options: Options) -> Preflight {
-    preflight_with(session, source, options, &mut |_| ())
+/// A program that was interpreted and planned once.
+pub struct Proved {
+    /// Its operations, for the run.
+    pub operations: Arc<Operations>,
+    /// What is known of it.
+    pub known: Preflight,
 }
 
-/// The same, with a look at every step.
+/// Interpret a program, with all that has to be known of it before it is planned: stand-ins are added to the session's
+/// tools. Also what is to be said of them.
+pub fn interpret(session: &mut Session, source: &[u8]) -> (Arc<Operations>, Vec<Diagnostic>) {
+    let setup = session.interp_setup();
+    let mut operations = Operations::of(source, &setup);
+    if session.depends_on_program() {
+        session.prepare(operations.all());
+    }
+    let assumed = stand_in(session, &operations);
+    operations.fill(session.auto());
+    (Arc::new(operations), assumed)
+}
+
+/// Interpret and plan a program without moving, and keep its operations for a run; with a look at every step.
+pub fn prove(
+    session: &mut Session,
+    source: &[u8],
+    options: Options,
+    look: &mut impl FnMut(plan::Step),
+) -> Proved {
+    let (operations, assumed) = interpret(session, source);
+    let planner = judging(session, options);
+    let mut cursor = Cursor::new(Arc::clone(&operations), None);
+    let known = read(session, source, &mut cursor, planner, assumed, look, &|| true);
+    Proved { operations, known }
+}
+
+/// The same of a program that will not run, with a look at every step and every operation: nothing is kept of it where
+/// nothing has to be known ahead.
 pub fn preflight_with(
     session: &mut Session,
     source: &[u8],
     options: Options,
     look: &mut impl FnMut(plan::Step),
+    each: &mut impl FnMut(u32, &Op, ProgramFrame),
 ) -> Preflight {
-    let assumed = stand_in(session, source);
+    if session.depends_on_program() {
+        let Proved { operations, known } = prove(session, source, options, look);
+        let mut cursor = Cursor::new(operations, None);
+        while let Some((index, op)) = cursor.next() {
+            each(index, &op, cursor.frame());
+        }
+        return known;
+    }
     let planner = judging(session, options);
-    read(session, source, planner, assumed, look, &|| true)
+    let setup = session.interp_setup();
+    let mut reading = Reading::new(source, &setup, session.auto());
+    let seen = &mut Seen { source: &mut reading, each };
+    read(session, source, seen, planner, Vec::new(), look, &|| true)
 }
 
-/// Plan a program of which all is known that is wrong with it, for a look at every step.
-pub fn steps(
-    session: &Session,
-    source: &[u8],
-    options: Options,
-    look: &mut impl FnMut(plan::Step),
-) {
-    let setup = session.interp_setup();
-    let mut planner = planner(session, options);
-    let mut ops = Ops::new(source, &setup, session.auto());
-    while let Some((index, op)) = ops.next() {
-        planner.written_in(ops.frame());
-        planner.push(index, &op, look);
+/// Operations that something else looks at as they pass.
+struct Seen<'a, S, F> {
+    source: &'a mut S,
+    each: &'a mut F,
+}
+
+impl<S: Source, F: FnMut(u32, &Op, ProgramFrame)> Iterator for Seen<'_, S, F> {
+    type Item = (u32, Op);
+
+    fn next(&mut self) -> Option<(u32, Op)> {
+        let (index, op) = self.source.next()?;
+        (self.each)(index, &op, self.source.frame());
+        Some((index, op))
     }
-    planner.finish(look);
+}
+
+impl<S: Source, F: FnMut(u32, &Op, ProgramFrame)> Source for Seen<'_, S, F> {
+    fn frame(&self) -> ProgramFrame {
+        self.source.frame()
+    }
+
+    fn findings(&self) -> Vec<Diagnostic> {
+        self.source.findings()
+    }
 }
 
 /// What is wrong with a program that is begun in its middle: what it leaves out may be missing.
 pub fn wrong_from(
     session: &Session,
-    source: &[u8],
+    operations: &Arc<Operations>,
     options: Options,
     restart: &Restart,
 ) -> Vec<Diagnostic> {
-    let setup = session.interp_setup();
     let mut planner = planner(session, options).only_judging();
-    let mut ops = Ops::new(source, &setup, session.auto()).begun_at(Some(restart));
-    while let Some((index, op)) = ops.next() {
-        planner.written_in(ops.frame());
-        planner.push(index, &op, &mut |_| ());
-    }
-    planner.finish(&mut |_| ());
+    plan(&mut Cursor::new(Arc::clone(operations), Some(restart)), &mut planner, &mut |_| ());
     planner.take_findings().into_iter().filter(Diagnostic::is_error).collect()
+}
+
+/// Plan operations from the first to the last.
+pub fn plan(source: &mut impl Source, planner: &mut Planner, look: &mut impl FnMut(plan::Step)) {
+    while let Some((index, op)) = source.next() {
+        planner.written_in(source.frame());
+        planner.push(index, &op, look);
+    }
+    planner.finish(look);
 }
 
 /// What is wrong with a program, without the time it takes; nothing, if it is broken off on the way.
@@ -95,23 +150,48 @@ pub fn judge(
     options: Options,
     goes_on: &dyn Fn() -> bool,
 ) -> Vec<Diagnostic> {
-    let assumed = stand_in(session, source);
+    if session.depends_on_program() {
+        let (operations, assumed) = interpret(session, source);
+        let planner = judging(session, options).only_judging();
+        let mut cursor = Cursor::new(operations, None);
+        return read(session, source, &mut cursor, planner, assumed, &mut |_| (), goes_on).findings;
+    }
     let planner = judging(session, options).only_judging();
-    read(session, source, planner, assumed, &mut |_| (), goes_on).findings
+    let setup = session.interp_setup();
+    let mut reading = Reading::new(source, &setup, session.auto());
+    read(session, source, &mut reading, planner, Vec::new(), &mut |_| (), goes_on).findings
 }
 
 /// The same for a long program: what was found since the last time is told as it goes, with the furthest byte executed.
+///
+/// # Errors
+/// Whoever is told cannot be told any more.
 pub fn judge_and_tell(
     session: &mut Session,
     source: &[u8],
     options: Options,
-    tell: &mut impl FnMut(Vec<Diagnostic>, u32) -> Result<(), Refused>,
+    tell: Tell<'_>,
 ) -> Result<(), Refused> {
-    tell(stand_in(session, source), 0)?;
+    if session.depends_on_program() {
+        let (operations, assumed) = interpret(session, source);
+        tell(assumed, 0)?;
+        return telling(session, &mut Cursor::new(operations, None), options, tell);
+    }
+    let setup = session.interp_setup();
+    telling(session, &mut Reading::new(source, &setup, session.auto()), options, tell)
+}
+
+/// Who is told what was found, and the furthest byte executed.
+pub type Tell<'a> = &'a mut dyn FnMut(Vec<Diagnostic>, u32) -> Result<(), Refused>;
+
+fn telling(
+    session: &Session,
+    ops: &mut impl Source,
+    options: Options,
+    tell: Tell<'_>,
+) -> Result<(), Refused> {
     let mut planner = judging(session, options).only_judging();
     let mut table = TableNotes::default();
-    let setup = session.interp_setup();
-    let mut ops = Ops::new(source, &setup, session.auto());
     let mut furthest = 0;
     while let Some((index, op)) = ops.next() {
         planner.written_in(ops.frame());
@@ -122,14 +202,14 @@ pub fn judge_and_tell(
         }
         if index % OFTEN == OFTEN - 1 {
             let mut found = planner.take_findings();
-            found.extend(ops.diagnostics());
+            found.extend(ops.findings());
             found.extend(table.take());
             tell(found, furthest)?;
         }
     }
     planner.finish(&mut |_| ());
     let mut found = planner.take_findings();
-    found.extend(ops.diagnostics());
+    found.extend(ops.findings());
     found.extend(table.take());
     tell(found, furthest)
 }
@@ -143,14 +223,13 @@ const NO_END: &str = "I0301";
 fn read(
     session: &Session,
     source: &[u8],
+    ops: &mut impl Source,
     mut planner: Planner,
     mut findings: Vec<Diagnostic>,
     look: &mut impl FnMut(plan::Step),
     goes_on: &dyn Fn() -> bool,
 ) -> Preflight {
-    let setup = session.interp_setup();
     let mut table = TableNotes::default();
-    let mut ops = Ops::new(source, &setup, session.auto());
     while let Some((index, op)) = ops.next() {
         planner.written_in(ops.frame());
         planner.push(index, &op, look);
@@ -160,10 +239,10 @@ fn read(
         }
     }
     planner.finish(look);
-    findings.extend(ops.diagnostics());
+    findings.extend(ops.findings());
     findings.extend(planner.take_findings());
     findings.extend(table.take());
-    add(&mut findings, interp::lint(source, &setup));
+    add(&mut findings, interp::lint(source, &session.interp_setup()));
     if session.is_subprogram {
         findings.retain(|finding| finding.code != NO_END);
     }
@@ -254,22 +333,20 @@ fn turns_work(machine: &store::machine::MachineFile) -> bool {
 
 /// Add a tool of no length for every number that the program calls and the table lacks, and for an empty spindle
 /// that drills, if the user allows it.
-fn stand_in(session: &mut Session, source: &[u8]) -> Vec<Diagnostic> {
+fn stand_in(session: &mut Session, operations: &Operations) -> Vec<Diagnostic> {
     if session.missing_tools == MissingTools::Refuse {
         return Vec::new();
     }
-    let setup = session.interp_setup();
-    let mut ops = interp::Ops::new(source, &setup);
     let mut mounted = 0;
     let mut empty_drills = false;
-    for op in ops.by_ref() {
+    for op in operations.all() {
         match op.kind {
             OpKind::ChangeTool { number } => mounted = number,
             OpKind::Hole(_) => empty_drills |= mounted == 0,
             _ => {}
         }
     }
-    let mut assumed: Vec<_> = ops.tools().iter().filter(|tool| tool.stand_in).cloned().collect();
+    let mut assumed = operations.stand_ins().to_vec();
     if empty_drills {
         assumed.push(no_tool());
     }

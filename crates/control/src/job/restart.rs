@@ -95,12 +95,7 @@ impl InForce {
 }
 
 /// Where a program's operations are begun for this wish, with Z lifted to `top` first and the machine standing at `at`.
-pub fn find(
-    ops: impl IntoIterator<Item = Op>,
-    from: From,
-    at: &Position,
-    top: Length,
-) -> Result<Restart, String> {
+pub fn find(ops: &[Op], from: From, at: &Position, top: Length) -> Result<Restart, String> {
     let mut in_force = InForce::default();
     // where the program may be begun: at a drilled hole, or at the first of a row of rapids
     let mut begin: Option<(usize, Op, InForce)> = None;
@@ -109,7 +104,7 @@ pub fn find(
     // moves of a drilled hole, and of a polygon, belong to it
     let mut hole = None;
     let mut in_polygon = false;
-    for (index, op) in ops.into_iter().enumerate() {
+    for (index, op) in ops.iter().enumerate() {
         lines = lines.max(op.span.line);
         let is_drilled = matches!(op.kind, OpKind::Hole(_));
         in_polygon |= matches!(op.kind, OpKind::Polygon(_) | OpKind::Hob(_));
@@ -150,7 +145,7 @@ pub fn find(
             })?;
             return Ok(restart(skip, &op, &in_force, at, top));
         }
-        in_force.after(&op);
+        in_force.after(op);
     }
     Err(match from {
         From::Hole(number) => {
@@ -224,8 +219,8 @@ M2
         let tools =
             store::tools::parse_toml(include_str!("../../../../programs/tools.toml"), 0).unwrap();
         let setup = interp::Setup { tools: tools.library, ..interp::Setup::default() };
-        let ops = interp::Ops::new(PROGRAM.as_bytes(), &setup);
-        find(ops, from, &Position::default(), Length::mm(300.0))
+        let ops: Vec<Op> = interp::Ops::new(PROGRAM.as_bytes(), &setup).collect();
+        find(&ops, from, &Position::default(), Length::mm(300.0))
     }
 
     fn tool_and_line(from: From) -> (u32, u32, u32) {

@@ -48,8 +48,8 @@ pub struct Session {
     pub dialect: interp::Dialect,
     /// The cams that the program may grind.
     pub cams: CamSetup,
-    /// Oscillations of polygons that were computed for this program.
-    oscillations: crate::polygon::oscillation::Answers,
+    /// The axes are driven without their feed-forward.
+    without_feed_forward: bool,
     decimal_point: Option<DecimalPoint>,
     block_skip: Vec<u8>,
     has_parameter_file: bool,
@@ -87,7 +87,7 @@ impl Session {
         let cams = CamSetup::load(options, program, &machine)?;
         let mut session = Self {
             cams,
-            oscillations: crate::polygon::oscillation::Answers::default(),
+            without_feed_forward: options.without_feed_forward,
             parameters: parameters(options.parameters.as_deref(), &machine)?,
             has_parameter_file: options.parameters.is_some(),
             drawn: crate::job::subprograms::find(
@@ -110,15 +110,25 @@ impl Session {
             decimal_point: options.decimal_point,
             block_skip: options.block_skip.clone(),
         };
-        if session.cams.library.iter().next().is_some() {
-            let setup = session.interp_setup();
-            session.cams.look_ahead(interp::Ops::new(text, &setup));
-        }
-        if options.without_feed_forward {
-            session.take_feed_forward();
-        }
         session.cams.recall(&session.machine)?;
+        if !session.depends_on_program() {
+            session.prepare(&[]);
+        }
         Ok(session)
+    }
+
+    /// What a program does must be known before it is planned: which cams it grinds, and which tools it lacks.
+    pub fn depends_on_program(&self) -> bool {
+        self.missing_tools == interp::MissingTools::StandIn || !self.cams.library.is_empty()
+    }
+
+    /// The program does this: the machine is prepared for it.
+    pub fn prepare(&mut self, ops: &[canon::Op]) {
+        self.cams.look_ahead(ops);
+        if std::mem::take(&mut self.without_feed_forward) {
+            self.take_feed_forward();
+        }
+        self.cams.assume(&self.machine);
     }
 
     /// The axes lag as their loops alone make them: where cams are ground X, which follows the work, else all.
@@ -218,8 +228,8 @@ impl Session {
     /// Who computes the oscillations that a program leaves to the control.
     pub fn auto(&self) -> crate::polygon::oscillation::Auto<'_> {
         let axis = self.work_zero().linear[0];
-        let (phases, answers) = (&self.cams.phases, &self.oscillations);
-        crate::polygon::oscillation::Auto::new(&self.machine, &self.tools, phases, answers, axis)
+        let phases = &self.cams.phases;
+        crate::polygon::oscillation::Auto::new(&self.machine, &self.tools, phases, axis)
     }
 
     /// The same as a stand-alone interpreter has it: no machine, so no work offsets but those of a parameter

@@ -11,7 +11,6 @@ use canon::{
 };
 use diag::{Diagnostic, Span};
 use forms::polygon::{Actuator, Detail, Form, Problem, Series, Solution, Swings};
-use std::cell::RefCell;
 use store::machine::MachineFile;
 use store::phases::Phases;
 use units::{Length, Spin};
@@ -22,10 +21,6 @@ pub const NOT_WORTH_MM: f64 = 2e-4;
 const LEFT_TO_THE_CUT: f64 = 0.85;
 /// How near to the fastest speed that works the one is that is said, as a share of the one ordered.
 const NEAR_SHARE: f64 = 0.005;
-
-/// What was asked before, and what came of it: a program is planned before it runs, and asks the same twice.
-#[derive(Default)]
-pub struct Answers(RefCell<Vec<(Asked, Result<Solution, Refusal>)>>);
 
 /// All that an oscillation depends on beside the machine and what was measured of it.
 #[derive(Clone, PartialEq)]
@@ -41,7 +36,8 @@ pub struct Auto<'a> {
     machine: &'a MachineFile,
     tools: &'a ToolLibrary,
     phases: &'a Phases,
-    answers: &'a Answers,
+    /// What was asked before, and what came of it: a bar of many pieces asks the same for each.
+    answers: Vec<(Asked, Result<Solution, Refusal>)>,
     /// Machine X of the work's axis.
     axis: Length,
     tool: u32,
@@ -55,11 +51,19 @@ impl<'a> Auto<'a> {
         machine: &'a MachineFile,
         tools: &'a ToolLibrary,
         phases: &'a Phases,
-        answers: &'a Answers,
         axis: Length,
     ) -> Self {
         let work = Spin::ZERO;
-        Self { machine, tools, phases, answers, axis, tool: 0, work, findings: Vec::new() }
+        Self {
+            machine,
+            tools,
+            phases,
+            answers: Vec::new(),
+            axis,
+            tool: 0,
+            work,
+            findings: Vec::new(),
+        }
     }
 
     /// What was found.
@@ -167,7 +171,7 @@ impl<'a> Auto<'a> {
         }
     }
 
-    fn solve(&self, polygon: &Polygon, cut: Option<Cut>) -> Result<Solution, Refusal> {
+    fn solve(&mut self, polygon: &Polygon, cut: Option<Cut>) -> Result<Solution, Refusal> {
         let is_cutter = self
             .tools
             .get(self.tool)
@@ -183,10 +187,10 @@ impl<'a> Auto<'a> {
         })?;
         let who = polygon.auto;
         let asked = Asked { form, work: self.work, who, compensated: polygon.compensated };
-        let known = self.answers.0.borrow().iter().find(|a| a.0 == asked).map(|a| a.1.clone());
+        let known = self.answers.iter().find(|a| a.0 == asked).map(|a| a.1.clone());
         known.unwrap_or_else(|| {
             let answer = self.flat_enough(&asked);
-            self.answers.0.borrow_mut().push((asked, answer.clone()));
+            self.answers.push((asked, answer.clone()));
             answer
         })
     }

@@ -115,13 +115,19 @@ impl CamSetup {
         })
     }
 
-    /// Read what was measured on this machine before, and what its loops say.
+    /// Read what was measured on this machine before.
     pub fn recall(&mut self, machine: &MachineFile) -> Result<(), Refused> {
         let mark = mark(machine);
         let known = match &self.path {
             None => None,
             Some(path) => Phases::load(path, &machine.name, mark)?,
         };
+        self.phases = known.unwrap_or_else(|| Phases::new(&machine.name, mark));
+        Ok(())
+    }
+
+    /// Where nothing was measured, what the machine's loops say counts.
+    pub fn assume(&mut self, machine: &MachineFile) {
         if let Some(x) = &machine.axes[0] {
             let loops = DriveLoops {
                 position_gain: x.loops.position_gain_per_s,
@@ -131,29 +137,27 @@ impl CamSetup {
             };
             self.assumed = Response::of_loops(&loops, self.taught.highest_hz * 1.01);
         }
-        self.phases = known.unwrap_or_else(|| Phases::new(&machine.name, mark));
-        Ok(())
     }
 
     /// Find out what the program grinds, at which speeds, and what of it compensated.
-    pub fn look_ahead(&mut self, ops: impl Iterator<Item = canon::Op>) {
+    pub fn look_ahead(&mut self, ops: &[canon::Op]) {
         let (mut profile, mut compensated) = (0, false);
         let (mut on_shaft, mut z) = ((Angle::ZERO, Length::ZERO), Length::ZERO);
         for op in ops {
-            match op.kind {
+            match &op.kind {
                 OpKind::Rapid { to } | OpKind::Line { to, .. } => z = to.linear[2],
                 OpKind::Cam(CamOrder::Select { profile: number, phase, zero, .. }) => {
-                    (profile, compensated) = (number, false);
-                    on_shaft = (phase, zero);
+                    (profile, compensated) = (*number, false);
+                    on_shaft = (*phase, *zero);
                 }
                 OpKind::Cam(CamOrder::Compensate) => compensated = true,
                 OpKind::Cam(CamOrder::Grind { stock, spin, .. }) => {
                     let (phase, zero) = on_shaft;
-                    self.clamp(Clamped { profile, phase, stock, z: z - zero });
-                    self.turned(profile, spin, compensated);
+                    self.clamp(Clamped { profile, phase, stock: *stock, z: z - zero });
+                    self.turned(profile, *spin, compensated);
                 }
                 OpKind::Cam(CamOrder::SparkOut { spin, .. }) => {
-                    self.turned(profile, spin, compensated);
+                    self.turned(profile, *spin, compensated);
                 }
                 _ => {}
             }

@@ -13,7 +13,7 @@ const READABLE: usize = 16;
 
 impl Design {
     /// The block to use, and what stands around it; what would be a page of harmonics is left to the control.
-    pub(super) fn gcode(&self, way: &Way) -> String {
+    pub fn gcode(&self, way: &Way) -> String {
         let written = self.program(&way.solution, self.work, self.length, None);
         let count = written.lines().filter(|line| line.starts_with("G51.3")).count();
         if count <= READABLE || self.harmonics.is_some() {
@@ -71,7 +71,7 @@ impl Design {
     }
 
     /// What cuts it with an oscillation that the control computes, of what goes by this name.
-    pub(super) fn short_program(&self, name: &str) -> String {
+    pub fn short_program(&self, name: &str) -> String {
         let measured = if self.phases.swung.is_empty() { "" } else { " E1" };
         let by = CANDIDATES.iter().zip(D).find(|(c, _)| c.0 == name).map_or(0, |(_, d)| d);
         let by = format!(" D{by}{measured}");

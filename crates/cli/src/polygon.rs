@@ -1,10 +1,12 @@
-//! What is told of a design: table, G-code, JSON and page.
-use super::claim::Claim;
-use super::prove::Proof;
-use super::{Aim, CANDIDATES, Design, Way};
+//! `leadscrew polygon`: from the form wanted to the block that cuts it; table, G-code, JSON and page.
+use crate::args::{Format, PolygonArgs};
 use crate::tables::table;
+use crate::{progress, say};
 use comfy_table::Cell;
+use control::Refused;
+use control::polygon::CANDIDATES;
 use forms::polygon::{Actuator, Detail, Facet, Swings};
+use leadscrew::polygon::{Aim, Design, Designed, PolygonOptions, Progress, Proof, Way, design};
 use report::{PolygonPlan, Side};
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
@@ -26,21 +28,65 @@ const PROVED: [&str; 9] = [
     "limited by",
 ];
 
+/// Do it.
+pub(crate) fn command(args: &PolygonArgs, quiet: bool) -> Result<(), Refused> {
+    let bar = progress::Progress::new(1, "cutting (simulated)");
+    let designed = design(&options(args), &mut |told| match told {
+        Progress::Runs(runs) => bar.set_length(runs.max(1)),
+        Progress::Run => bar.inc(1),
+    })?;
+    drop(bar);
+    let told =
+        Told { design: &designed.design, best: &designed.ways[designed.best], all: &designed };
+    if let Some(out) = &args.out {
+        let page = report::polygon_html(&told.page());
+        std::fs::write(out, page)
+            .map_err(|e| Refused::because(format!("cannot write {}: {e}", out.display())))?;
+    }
+    match args.format {
+        Format::Json => say::out(&format!("{:#}\n", told.json())),
+        Format::Text if quiet => Ok(()),
+        Format::Text => {
+            let report = args.out.as_ref();
+            let written = report.map_or(String::new(), |out| format!("page: {}\n", out.display()));
+            say::out(&(told.text() + &written))
+        }
+    }
+}
+
+fn options(args: &PolygonArgs) -> PolygonOptions {
+    PolygonOptions {
+        machine: args.machine.clone(),
+        sides: args.sides,
+        insert_angles: args.insert_angles.clone(),
+        inserts: args.inserts,
+        across_flats: args.across_flats,
+        tip_radius: args.tip_radius,
+        ratio: args.ratio.clone(),
+        stock: args.stock,
+        speed: args.speed,
+        flatness: args.flatness,
+        actuator: args.actuator.into(),
+        harmonics: args.harmonics,
+        phase_table: args.phase_table.clone(),
+        length: args.length,
+        feed: args.feed,
+        tool: args.tool,
+        tools: args.tools.clone(),
+        internal: args.internal,
+        simulate: args.simulate,
+    }
+}
+
 /// Everything that is told.
-pub(super) struct Told<'d> {
-    pub(super) design: &'d Design,
-    pub(super) ways: &'d [Way],
-    pub(super) best: &'d Way,
-    /// A flatness that is aimed at, and the fastest speed with it, if there is one.
-    pub(super) aim: Option<(Option<Spin>, Aim)>,
-    /// What the block is claimed to cut, or why it cannot be run.
-    pub(super) claim: &'d Result<Claim, String>,
-    /// What came of it on the machine, over the speeds, if that was asked.
-    pub(super) proofs: Vec<Proof>,
+struct Told<'d> {
+    all: &'d Designed,
+    design: &'d Design,
+    best: &'d Way,
 }
 
 impl Told<'_> {
-    pub(super) fn text(&self) -> String {
+    fn text(&self) -> String {
         let mut rows = table([
             "oscillating axis",
             "flatness",
@@ -53,7 +99,7 @@ impl Told<'_> {
             rows.add_row(row.into_iter().map(Cell::new).collect::<Vec<_>>());
         }
         let words = self.words().join("\n");
-        let proved = if self.proofs.is_empty() {
+        let proved = if self.all.proofs.is_empty() {
             String::new()
         } else {
             let mut rows = table(PROVED);
@@ -68,7 +114,7 @@ impl Told<'_> {
 
     /// What the block below is claimed to cut.
     fn claimed(&self) -> String {
-        match self.claim {
+        match &self.all.claim {
             Ok(claim) => claim.words(),
             Err(why) => format!("the block below is refused as it stands: {why}"),
         }
@@ -90,7 +136,7 @@ impl Told<'_> {
                 p.binding.clone().unwrap_or_default(),
             ]
         };
-        self.proofs.iter().map(row).collect()
+        self.all.proofs.iter().map(row).collect()
     }
 
     fn sides(&self) -> usize {
@@ -137,7 +183,7 @@ impl Told<'_> {
                 work.in_rpm()
             ),
         ];
-        if let Some((fastest, Aim { flatness, whose })) = &self.aim {
+        if let Some((fastest, Aim { flatness, whose })) = &self.all.aim {
             let (flatness, name) = (flatness.in_um(), self.best.name);
             words.push(match fastest {
                 Some(spin) => {
@@ -154,7 +200,8 @@ impl Told<'_> {
     }
 
     fn rows(&self) -> Vec<[String; 6]> {
-        self.ways
+        self.all
+            .ways
             .iter()
             .map(|way| {
                 let who = CANDIDATES.iter().find(|c| c.0 == way.name).map_or(&[][..], |c| c.1);
@@ -184,9 +231,9 @@ impl Told<'_> {
             .collect()
     }
 
-    pub(super) fn json(&self) -> Value {
+    fn json(&self) -> Value {
         let Design { form, machine, work, .. } = self.design;
-        let ways = self.ways.iter().map(|way| {
+        let ways = self.all.ways.iter().map(|way| {
             let series = way.solution.command.0.iter().map(|s| {
                 let terms = s.terms.iter().map(|t| json!([t.per_turn, t.cosine, t.sine]));
                 json!({ "actuator": s.actuator.name(), "terms": terms.collect::<Vec<_>>() })
@@ -209,7 +256,7 @@ impl Told<'_> {
             "rpm": work.in_rpm(),
             "flatness_without_um": form.flatness(&Swings::default()).in_um(),
             "flatness_um": self.best.solution.flatness.in_um(),
-            "simulated": self.proofs.iter().map(|p| json!({
+            "simulated": self.all.proofs.iter().map(|p| json!({
                 "rpm": p.spin.in_rpm(),
                 "swings": p.name,
                 "claimed_um": p.claim.cut.flatness.in_um(),
@@ -220,9 +267,9 @@ impl Told<'_> {
                 "tilt_deg": p.compensated.tilt.in_deg(),
                 "limited_by": p.binding,
             })).collect::<Vec<_>>(),
-            "fastest_rpm": self.aim.as_ref().and_then(|aim| aim.0).map(Spin::in_rpm),
+            "fastest_rpm": self.all.aim.as_ref().and_then(|aim| aim.0).map(Spin::in_rpm),
             "ways": ways.collect::<Vec<_>>(),
-            "claim": self.claim.as_ref().ok().map(|claim| json!({
+            "claim": self.all.claim.as_ref().ok().map(|claim| json!({
                 "flatness_um": claim.cut.flatness.in_um(),
                 "flatness_as_ordered_um": claim.as_ordered.flatness.in_um(),
                 "across_flats_mm": claim.cut.across_flats.value(),
@@ -230,12 +277,12 @@ impl Told<'_> {
                 "across_flats_error_um": claim.servo.across_flats.in_um(),
                 "flatness_at_most_um": claim.flatness_at_most().in_um(),
             })),
-            "refused": self.claim.as_ref().err(),
+            "refused": self.all.claim.as_ref().err(),
             "gcode": self.design.gcode(self.best),
         })
     }
 
-    pub(super) fn page(&self) -> PolygonPlan {
+    fn page(&self) -> PolygonPlan {
         let Design { form, .. } = self.design;
         let facets = form.facets();
         let d = form.across_flats.value() / 2.0;
@@ -314,9 +361,9 @@ impl Told<'_> {
 
     fn proved_speeds(&self) -> Vec<report::Named> {
         let line = |of: fn(&Proof) -> Length| {
-            self.proofs.iter().map(|p| (p.spin.in_rpm(), of(p).in_um())).collect::<Vec<_>>()
+            self.all.proofs.iter().map(|p| (p.spin.in_rpm(), of(p).in_um())).collect::<Vec<_>>()
         };
-        if self.proofs.is_empty() {
+        if self.all.proofs.is_empty() {
             return Vec::new();
         }
         vec![
@@ -333,7 +380,7 @@ impl Told<'_> {
         let at = |i: u32| 50.0 + (most - 50.0) * f64::from(i) / f64::from(SPEEDS - 1);
         let still = self.design.form.flatness(&Swings::default()).in_um();
         let without = ("without".to_owned(), (0..SPEEDS).map(|i| (at(i), still)).collect());
-        let ways = self.ways.iter().filter_map(|way| {
+        let ways = self.all.ways.iter().filter_map(|way| {
             let (name, who) = CANDIDATES.iter().find(|c| c.0 == way.name)?;
             let line = (0..SPEEDS).filter_map(|i| {
                 let Design { phases, .. } = self.design;

@@ -1,18 +1,20 @@
 //! The highest speed, acceleration and jerk of any axis, from setpoints at the servo period.
 use path::{AXES, Shape};
 use plan::{StepKind, coordinate};
-use serde_json::{Value, json};
 
-/// Of one axis.
+/// Of one axis: mm or degrees, and seconds.
 #[derive(Clone, Copy, Debug, Default)]
-struct Peak {
-    speed: f64,
-    accel: f64,
-    jerk: f64,
+pub struct Peak {
+    /// Highest speed.
+    pub speed: f64,
+    /// Highest acceleration.
+    pub accel: f64,
+    /// Highest jerk.
+    pub jerk: f64,
 }
 
 /// Samples what steps order, one after another; where their time is the spindle's turns, at the speed that is ordered.
-pub(super) struct Peaks {
+pub struct Peaks {
     period: f64,
     /// From the step's start to its first sample.
     next: f64,
@@ -22,11 +24,13 @@ pub(super) struct Peaks {
 }
 
 impl Peaks {
-    pub(super) fn new(period: f64) -> Self {
+    /// Of nothing yet, with a servo period of so many seconds.
+    pub fn new(period: f64) -> Self {
         Self { period, next: 0.0, last: Vec::new(), axes: [Peak::default(); AXES] }
     }
 
-    pub(super) fn step(&mut self, kind: &StepKind) {
+    /// One more step.
+    pub fn step(&mut self, kind: &StepKind) {
         match kind {
             StepKind::Follow(order) => {
                 let n = if order.per_revolution { order.pace.turning } else { 1.0 };
@@ -88,49 +92,11 @@ impl Peaks {
         self.last = vec![b, c, q];
     }
 
-    fn moved(&self) -> impl Iterator<Item = (char, &Peak)> {
+    /// Each axis that moves, by its letter.
+    pub fn moved(&self) -> impl Iterator<Item = (char, &Peak)> {
         let letters = canon::Axis::ALL.map(canon::Axis::letter);
         letters.into_iter().zip(&self.axes).filter(|(_, peak)| peak.speed > 0.0)
     }
-
-    pub(super) fn json(&self) -> Value {
-        let of = |(letter, peak): (char, &Peak)| {
-            let Peak { speed, accel, jerk } = peak;
-            if is_rotary(letter) {
-                return json!({
-                    "axis": letter.to_string(),
-                    "speed_deg_per_s": speed,
-                    "acceleration_deg_per_s2": accel,
-                    "jerk_deg_per_s3": jerk,
-                });
-            }
-            json!({
-                "axis": letter.to_string(),
-                "speed_mm_per_s": speed,
-                "acceleration_mm_per_s2": accel,
-                "jerk_m_per_s3": jerk / 1e3,
-            })
-        };
-        self.moved().map(of).collect()
-    }
-
-    pub(super) fn text(&self) -> String {
-        let of = |(letter, peak): (char, &Peak)| {
-            let Peak { speed, accel, jerk } = peak;
-            if is_rotary(letter) {
-                return format!(
-                    "  {letter} at most {speed:.1} °/s, {accel:.0} °/s², {jerk:.0} °/s³\n"
-                );
-            }
-            let jerk = jerk / 1e3;
-            format!("  {letter} at most {speed:.1} mm/s, {accel:.0} mm/s², {jerk:.1} m/s³\n")
-        };
-        self.moved().map(of).collect()
-    }
-}
-
-const fn is_rotary(letter: char) -> bool {
-    matches!(letter, 'A' | 'B' | 'C')
 }
 
 #[cfg(test)]

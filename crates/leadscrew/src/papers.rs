@@ -1,8 +1,6 @@
 //! What a run leaves behind: the certificate for programs, the report for people.
-use crate::certificate;
-use crate::run::Job;
+use crate::{Finished, certificate};
 use control::Outcome;
-use control::job::preflight::Preflight;
 use report::{Alarm, Limits, Note, Run};
 use store::certificate::{Certificate, Count, Inputs, Measured, Verdict, sha256};
 use store::output::Folder;
@@ -10,7 +8,8 @@ use store::solid::{Slice, dxf, radii, stl};
 use verify::Feature;
 
 /// The certificate of a run.
-pub(crate) fn certificate(job: &Job, outcome: &Outcome) -> Certificate {
+pub(crate) fn certificate(finished: &Finished) -> Certificate {
+    let Finished { job, outcome, .. } = finished;
     let alarms = outcome.faults.iter().map(|fault| store::certificate::Alarm {
         number: u32::from(fault.kind.number()),
         text: fault.to_string(),
@@ -20,17 +19,17 @@ pub(crate) fn certificate(job: &Job, outcome: &Outcome) -> Certificate {
     let zero = job.session.work_zero();
     Certificate {
         leadscrew: env!("CARGO_PKG_VERSION").to_owned(),
-        program: job.program.clone(),
+        program: job.program.name.clone(),
         machine: job.session.machine.name.clone(),
-        seed: job.seed,
+        seed: finished.seed,
         cycle_time_s: Measured::s(outcome.cycle_time),
         ended: outcome.ended,
         verdict: verdict(outcome),
         count: count(&outcome.features),
         material: job.material.name.to_owned(),
-        tolerances: tolerances(&job.tolerances()),
+        tolerances: tolerances(&finished.tolerances),
         inputs: Inputs {
-            program_sha256: sha256(&job.text),
+            program_sha256: sha256(&job.program.text),
             machine_sha256: job.session.hashes[0].clone(),
             tools_sha256: job.session.hashes[1].clone(),
         },
@@ -38,7 +37,7 @@ pub(crate) fn certificate(job: &Job, outcome: &Outcome) -> Certificate {
         invariants: store::certificate::Invariants {
             periods: outcome.watch.periods(),
             violations: outcome.watch.violations(),
-            breaches: outcome.watch.breaches().iter().map(breach).collect(),
+            breaches: outcome.watch.breaches().iter().map(ToString::to_string).collect(),
         },
         withdrawals: outcome
             .withdrawn
@@ -100,29 +99,12 @@ fn tolerances(by: &verify::Tolerances) -> store::certificate::Tolerances {
     }
 }
 
-/// What may never happen, in one sentence.
-pub(crate) fn breach(breach: &verify::Breach) -> String {
-    format!("line {}, {:.3} s: {}", breach.line, breach.time.value(), breach.what)
-}
-
-/// Into the folder of the run.
-pub(crate) fn write_certificate(
-    folder: &Folder,
-    certificate: &Certificate,
-) -> Result<(), store::Error> {
-    folder.write(store::output::CERTIFICATE, certificate.to_json().as_bytes())
-}
-
 /// Each polygon as a solid and as a cross-section: `polygon-1.stl`, `polygon-1.dxf`.
-pub(crate) fn write_solids(
-    folder: &Folder,
-    job: &Job,
-    outcome: &Outcome,
-) -> Result<(), store::Error> {
+pub(crate) fn write_solids(folder: &Folder, finished: &Finished) -> Result<(), store::Error> {
     /// Directions in which a solid's radius is stated: half a degree.
     const DIRECTIONS: usize = 720;
-    let zero = job.session.work_zero().linear[2];
-    let polygons = outcome.features.iter().filter_map(|f| match &f.kind {
+    let zero = finished.job.session.work_zero().linear[2];
+    let polygons = finished.outcome.features.iter().filter_map(|f| match &f.kind {
         verify::FeatureKind::Polygon(polygon) if polygon.sections.len() > 1 => Some(polygon),
         _ => None, // no other feature has an outline
     });
@@ -155,30 +137,26 @@ fn beyond(nearest: &Slice, next: &Slice, z: units::Length) -> Slice {
 }
 
 /// The page that a process engineer pins to the job.
-pub(crate) fn report(
-    job: &Job,
-    outcome: &Outcome,
-    known: &Preflight,
-    motion: report::Motion,
-) -> String {
+pub(crate) fn report(finished: &Finished, motion: report::Motion) -> String {
+    let Finished { job, outcome, .. } = finished;
     let machine = &job.session.machine;
     let spindle = machine.spindles.first();
     let torque =
         spindle.map_or_else(Vec::new, |s| Limits::torque_curve(s.peak_torque, s.peak_power, s.max));
     let run = Run {
         version: env!("CARGO_PKG_VERSION").to_owned(),
-        program: job.program.clone(),
+        program: job.program.name.clone(),
         machine: machine.name.clone(),
         dialect: job.session.dialect.name().to_owned(),
         material: job.material.name.to_owned(),
-        seed: job.seed,
+        seed: finished.seed,
         tools: job.session.tools.clone(),
         origin: outcome.recorder.origin(),
         cycle_time: outcome.cycle_time,
         ended: outcome.ended,
         alarms: outcome.faults.iter().map(alarm).collect(),
-        notes: notes(outcome, known),
-        tolerances: job.tolerances(),
+        notes: notes(finished),
+        tolerances: finished.tolerances.clone(),
         limits: Limits {
             torque,
             sync_warn: machine.tapping.sync_warn,
@@ -187,7 +165,7 @@ pub(crate) fn report(
         limiting: outcome.limiting.clone(),
         stops: outcome.stops.clone(),
         motion: Some(motion),
-        listing: job.text.clone(),
+        listing: job.program.text.clone(),
     };
     report::html(&run, &outcome.recorder, &outcome.features)
 }
@@ -203,8 +181,9 @@ fn alarm(fault: &kernel::Fault) -> Alarm {
 }
 
 /// What a reader must know to trust the rest.
-pub(crate) fn notes(outcome: &Outcome, known: &Preflight) -> Vec<Note> {
-    let findings = known.findings.iter().map(|finding| Note {
+pub(crate) fn notes(finished: &Finished) -> Vec<Note> {
+    let outcome = &finished.outcome;
+    let findings = finished.findings().iter().map(|finding| Note {
         warning: finding.severity == diag::Severity::Warning,
         text: finding.message.clone(),
         line: finding.span.line,
@@ -213,9 +192,14 @@ pub(crate) fn notes(outcome: &Outcome, known: &Preflight) -> Vec<Note> {
         warning: false,
         text: format!(
             "{} tapped but not drilled by this program: taken as drilled with the tap drill, deep enough",
-            crate::check::plural(outcome.assumed_holes, "hole")
+            plural(outcome.assumed_holes, "hole")
         ),
         line: 0,
     });
     findings.chain(assumed).collect()
+}
+
+/// A count and its noun.
+fn plural(count: usize, noun: &str) -> String {
+    if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
 }

@@ -1,4 +1,4 @@
-//! `leadscrew polygon`: from the form wanted to the block that cuts it, on this machine.
+//! From the form wanted to the block that cuts it, on this machine.
 //!
 //! ```text
 //!   form, cutter ─► refusals ─► every actuator: flattest within its limits ─► the best one ─► table, page, G-code
@@ -7,59 +7,145 @@ mod block;
 mod claim;
 mod prove;
 mod servo_error;
-mod words;
 
-use crate::args::{ActuatorChoice, Format, PolygonArgs};
-use crate::say;
+pub use claim::Claim;
+pub use prove::{Cut, Proof};
+pub use servo_error::ServoError;
+
 use control::Refused;
 use control::polygon::{
     AS_FLAT, CANDIDATES, FINE_HARMONICS, HARMONICS, SLOWEST_RPM, drives, fastest, flattest, kept,
     may_swing, problem, refuse,
 };
 use forms::polygon::{Actuator, Detail, Form, Problem, Solution, insert_phases};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use store::machine::MachineFile;
 use store::phases::Phases;
 use units::{Angle, Length, Spin};
 
 /// How much faster it may be had by a swing in full detail than by one that is drawn.
 const ROUGHLY: f64 = 1.04;
+
 /// Everything that was asked, checked.
-struct Design {
-    machine: MachineFile,
-    form: Form,
-    work: Spin,
+pub struct Design {
+    /// The machine.
+    pub machine: MachineFile,
+    /// The form, and the cutter.
+    pub form: Form,
+    /// Speed of the work.
+    pub work: Spin,
     /// As many as the user asks for; else as many as it takes.
-    harmonics: Option<usize>,
+    pub harmonics: Option<usize>,
     /// What air cuts have shown.
-    phases: Phases,
-    chosen: ActuatorChoice,
-    wanted: Option<Length>,
-    length: Length,
-    feed_per_rev: Length,
-    tool: u32,
+    pub phases: Phases,
+    /// What may swing.
+    pub chosen: canon::Actuator,
+    /// Flatness that is wanted.
+    pub wanted: Option<Length>,
+    /// Length of the polygon.
+    pub length: Length,
+    /// Feed along Z for a turn of the work.
+    pub feed_per_rev: Length,
+    /// Number of the cutter.
+    pub tool: u32,
     /// What is to be known of the tool table, if the cutter is not in it.
-    to_enter: Option<String>,
+    pub to_enter: Option<String>,
 }
 
 /// A flatness for which the fastest speed is looked for.
-struct Aim {
-    flatness: Length,
+pub struct Aim {
+    /// The flatness.
+    pub flatness: Length,
     /// Where it comes from.
-    whose: &'static str,
+    pub whose: &'static str,
 }
 
 /// One way, solved.
-struct Way {
-    name: &'static str,
-    solution: Solution,
+pub struct Way {
+    /// Who swings.
+    pub name: &'static str,
+    /// What comes of it.
+    pub solution: Solution,
 }
 
-/// Do it.
-pub(crate) fn command(args: &PolygonArgs, quiet: bool) -> Result<(), Refused> {
-    let design = Design::of(args)?;
+/// What is wanted.
+#[derive(Debug, Clone)]
+pub struct PolygonOptions {
+    /// The machine: an embedded name, or a file.
+    pub machine: String,
+    /// Sides of a regular polygon.
+    pub sides: u32,
+    /// Where the inserts stand in the cutter, degrees; empty: equally spaced.
+    pub insert_angles: Vec<f64>,
+    /// Equally spaced inserts; `None` is as the sides need.
+    pub inserts: Option<u32>,
+    /// Size across flats, mm.
+    pub across_flats: f64,
+    /// From the tool spindle's axis to the inserts' tips, mm.
+    pub tip_radius: f64,
+    /// Turns of work and tool, as in `1:2`.
+    pub ratio: String,
+    /// Diameter of the bar, mm; `None` is the machine's stock.
+    pub stock: Option<f64>,
+    /// Speed of the work, rev/min.
+    pub speed: f64,
+    /// Flatness wanted, µm: how fast it can be had is found.
+    pub flatness: Option<f64>,
+    /// What may swing.
+    pub actuator: canon::Actuator,
+    /// Harmonics of each oscillation; `None` is as many as it takes.
+    pub harmonics: Option<u32>,
+    /// Table of what air cuts have shown.
+    pub phase_table: Option<PathBuf>,
+    /// Length of the polygon, mm.
+    pub length: f64,
+    /// Feed along Z, mm per turn of the work.
+    pub feed: f64,
+    /// Number of the cutter in the tool table; `None` finds one.
+    pub tool: Option<u32>,
+    /// The tool table; `None` is the built-in one.
+    pub tools: Option<PathBuf>,
+    /// Inside a bore.
+    pub internal: bool,
+    /// Cut it on the simulated machine, over the speeds.
+    pub simulate: bool,
+}
+
+/// What came of it.
+pub struct Designed {
+    /// What was asked.
+    pub design: Design,
+    /// Every way that this machine has.
+    pub ways: Vec<Way>,
+    /// Which of them is taken.
+    pub best: usize,
+    /// A flatness that is aimed at, and the fastest speed with it, if there is one.
+    pub aim: Option<(Option<Spin>, Aim)>,
+    /// What the block is claimed to cut, or why it cannot be run.
+    pub claim: Result<Claim, String>,
+    /// What came of it on the machine, over the speeds, if that was asked.
+    pub proofs: Vec<Proof>,
+}
+
+/// What is told of a design under way.
+#[derive(Debug, Clone, Copy)]
+pub enum Progress {
+    /// So many runs are to come.
+    Runs(u64),
+    /// One is done.
+    Run,
+}
+
+/// From the form wanted to the block that cuts it.
+///
+/// # Errors
+/// A number is out of its range, the form cannot be cut so, or this machine has nothing that may swing.
+pub fn design(
+    options: &PolygonOptions,
+    hear: &mut dyn FnMut(Progress),
+) -> Result<Designed, Refused> {
+    let design = Design::of(options)?;
     let way = |(name, who)| design.solve(name, who, design.work, &design.phases, Detail::Full);
-    let progress = crate::progress::Progress::new(1, "solving");
     let ways: Vec<Way> = design.candidates().filter_map(way).collect();
     let Some(best) = best(&ways) else {
         return Err(Refused::because(format!(
@@ -67,56 +153,30 @@ pub(crate) fn command(args: &PolygonArgs, quiet: bool) -> Result<(), Refused> {
             design.machine.name
         )));
     };
+    let taken = &ways[best];
     let allowed = control::config::tolerances(false).facet_flatness;
     let aim = match design.wanted {
         Some(wanted) => Some(Aim { flatness: wanted, whose: "wanted" }),
-        None if best.solution.flatness > allowed => {
+        None if taken.solution.flatness > allowed => {
             Some(Aim { flatness: allowed, whose: "all that is allowed of a facet (ISO 2768-2 H)" })
         }
         None => None,
     };
-    let aim = aim.map(|aim| (design.fastest(best, aim.flatness), aim));
-    drop(progress);
-    let proofs = if args.simulate { prove::proofs(&design, &args.machine)? } else { Vec::new() };
-    let claim = design.claim(&design.gcode(best), &args.machine, design.work)?;
-    let told = words::Told { design: &design, ways: &ways, best, aim, claim: &claim, proofs };
-    if let Some(out) = &args.out {
-        let page = report::polygon_html(&told.page());
-        std::fs::write(out, page)
-            .map_err(|e| Refused::because(format!("cannot write {}: {e}", out.display())))?;
-    }
-    match args.format {
-        Format::Json => say::out(&format!("{:#}\n", told.json())),
-        Format::Text if quiet => Ok(()),
-        Format::Text => {
-            let report = args.out.as_ref();
-            let written = report.map_or(String::new(), |out| format!("page: {}\n", out.display()));
-            say::out(&(told.text() + &written))
-        }
-    }
+    let aim = aim.map(|aim| (design.fastest(taken, aim.flatness), aim));
+    let machine = &options.machine;
+    let proofs = if options.simulate { prove::proofs(&design, machine, hear)? } else { Vec::new() };
+    let claim = design.claim(&design.gcode(taken), machine, design.work)?;
+    Ok(Designed { ways, best, aim, claim, proofs, design })
 }
 
-fn asked(choice: ActuatorChoice, who: &[Actuator]) -> bool {
-    use canon::Actuator as Order;
-    let order = match choice {
-        ActuatorChoice::Auto => Order::Any,
-        ActuatorChoice::Phase => Order::ToolPhase,
-        ActuatorChoice::X => Order::CentreLine,
-        ActuatorChoice::Y => Order::Across,
-        ActuatorChoice::Xy => Order::Both,
-        ActuatorChoice::XPhase => Order::CentreLineAndPhase,
-        ActuatorChoice::All => Order::All,
-    };
-    may_swing(order, who)
-}
-
-fn best(ways: &[Way]) -> Option<&Way> {
+/// The first that is as flat as the flattest, by its place.
+fn best(ways: &[Way]) -> Option<usize> {
     let flattest = ways.iter().map(|w| w.solution.flatness.value()).fold(f64::INFINITY, f64::min);
-    ways.iter().find(|w| w.solution.flatness.value() <= flattest + AS_FLAT.value())
+    ways.iter().position(|w| w.solution.flatness.value() <= flattest + AS_FLAT.value())
 }
 
 impl Design {
-    fn of(args: &PolygonArgs) -> Result<Self, Refused> {
+    fn of(args: &PolygonOptions) -> Result<Self, Refused> {
         let machine = control::config::machine_file::load(&args.machine)?;
         let mut wrong = Vec::new();
         if args.internal {
@@ -206,10 +266,11 @@ impl Design {
 
     /// Who may swing.
     fn candidates(&self) -> impl Iterator<Item = (&'static str, &'static [Actuator])> {
-        CANDIDATES.into_iter().filter(|c| asked(self.chosen, c.1))
+        CANDIDATES.into_iter().filter(|c| may_swing(self.chosen, c.1))
     }
 
-    fn solve(
+    /// What these make of it at a speed, with what air cuts have shown.
+    pub fn solve(
         &self,
         name: &'static str,
         who: &[Actuator],
@@ -263,7 +324,7 @@ impl Design {
 }
 
 /// The number of the cutter that a form needs, and what is wrong with the table if that has another one or none.
-fn called(args: &PolygonArgs, form: &Form) -> Result<(u32, Option<String>), Refused> {
+fn called(args: &PolygonOptions, form: &Form) -> Result<(u32, Option<String>), Refused> {
     /// Lowest number of a cutter that the table lacks.
     const FIRST_FREE: u32 = 21;
     /// Highest one.
@@ -313,7 +374,7 @@ fn turns(text: &str, wrong: &mut Vec<String>) -> [i32; 2] {
 }
 
 /// By their angles, their number, or the sides wanted.
-fn inserts(args: &PolygonArgs, [tool, work]: [i32; 2], wrong: &mut Vec<String>) -> Vec<Angle> {
+fn inserts(args: &PolygonOptions, [tool, work]: [i32; 2], wrong: &mut Vec<String>) -> Vec<Angle> {
     if !args.insert_angles.is_empty() {
         let angles = &args.insert_angles;
         let rising = angles.windows(2).all(|p| p[0] < p[1]);

@@ -2,19 +2,20 @@
 //!
 //! Steps of neighbouring operations may alternate where a corner is rounded: only what lies far behind is over.
 use std::collections::BTreeMap;
+use units::Time;
 
 /// Operations whose time may still grow.
 const OPEN: usize = 4096;
 
-/// An operation with its line and its time, s.
-pub(super) type Timed = (u32, (u32, f64));
+/// An operation with its line and its time.
+pub type Timed = (u32, (u32, Time));
 
 /// Times by operation.
 pub(super) struct Longest {
     /// How many of those that are over are kept.
     most: usize,
     over: Vec<Timed>,
-    open: BTreeMap<u32, (u32, f64)>,
+    open: BTreeMap<u32, (u32, Time)>,
 }
 
 impl Longest {
@@ -24,8 +25,8 @@ impl Longest {
     }
 
     /// Time of an operation in a line.
-    pub(super) fn add(&mut self, operation: u32, line: u32, time: f64) {
-        self.open.entry(operation).or_insert((line, 0.0)).1 += time;
+    pub(super) fn add(&mut self, operation: u32, line: u32, time: Time) {
+        self.open.entry(operation).or_insert((line, Time::ZERO)).1 += time;
         if self.open.len() >= 2 * OPEN {
             let first = self.open.keys().nth(OPEN).copied().unwrap_or(0);
             let still_open = self.open.split_off(&first);
@@ -47,7 +48,7 @@ impl Longest {
 /// Leave the longest ones, by their numbers.
 fn keep(all: &mut Vec<Timed>, most: usize) {
     if most < all.len() {
-        all.sort_by(|a, b| b.1.1.total_cmp(&a.1.1));
+        all.sort_by(|a, b| b.1.1.value().total_cmp(&a.1.1.value()));
         all.truncate(most);
     }
     all.sort_by_key(|(operation, _)| *operation);
@@ -62,19 +63,19 @@ mod tests {
         let mut longest = Longest::new(3);
         for operation in 0..100_000_u32 {
             let time = if operation % 40_000 == 7 { 2.0 } else { 0.5 };
-            longest.add(operation, operation + 1, time);
-            longest.add(operation.saturating_sub(1), 0, 0.25); // a rounded corner
+            longest.add(operation, operation + 1, Time::s(time));
+            longest.add(operation.saturating_sub(1), 0, Time::s(0.25)); // a rounded corner
         }
         let found: Vec<_> = longest.all().iter().map(|(operation, _)| *operation).collect();
         assert_eq!(found, [7, 40_007, 80_007]);
-        assert_eq!(longest.all()[1].1, (40_008, 2.25));
+        assert_eq!(longest.all()[1].1, (40_008, Time::s(2.25)));
         assert!(longest.over.len() <= 3 && longest.open.len() < 2 * OPEN);
     }
 
     #[test]
     fn all_are_kept_where_all_are_asked_for() {
         let mut longest = Longest::new(usize::MAX);
-        (0..20_000).for_each(|operation| longest.add(operation, 1, 1.0));
+        (0..20_000).for_each(|operation| longest.add(operation, 1, Time::s(1.0)));
         assert_eq!(longest.all().len(), 20_000);
     }
 }

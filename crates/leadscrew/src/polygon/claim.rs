@@ -10,21 +10,19 @@ use super::{Design, FINE_HARMONICS, drives, kept};
 use canon::{OpKind, Oscillating, Oscillation, Polygon};
 use control::Refused;
 use control::config::tolerances;
-use control::job::Ops;
-use control::job::preflight::preflight;
 use control::polygon::cuts;
 use forms::polygon::{Actuator, Cut, Form, Series, Swings, Term};
 use units::{Length, Spin};
 
 /// What comes of a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Claim {
+pub struct Claim {
     /// If every axis went where it is told.
-    pub(super) as_ordered: Cut,
+    pub as_ordered: Cut,
     /// As the loops answer.
-    pub(super) cut: Cut,
+    pub cut: Cut,
     /// By how much a machine may differ from that.
-    pub(super) servo: ServoError,
+    pub servo: ServoError,
 }
 
 impl Design {
@@ -36,18 +34,19 @@ impl Design {
         work: Spin,
     ) -> Result<Result<Claim, String>, Refused> {
         let text = format!("{block}M2\n");
-        let mut session = prove::session(self, machine, &text)?;
-        session.cams.phases = self.phases.clone();
-        let options = session.plan_options(session.machine.setup.stock.material);
-        let known = preflight(&mut session, text.as_bytes(), options);
-        if known.is_refused() {
-            let errors = known.findings.iter().filter(|finding| finding.is_error());
-            let said: Vec<String> = errors.map(|finding| finding.message.clone()).collect();
-            return Ok(Err(said.join("; ")));
+        let mut job = prove::job(self, machine, text)?;
+        job.session.cams.phases = self.phases.clone();
+        let errors: Vec<String> = job
+            .check()
+            .iter()
+            .filter(|finding| finding.is_error())
+            .map(|finding| finding.message.clone())
+            .collect();
+        if !errors.is_empty() {
+            return Ok(Err(errors.join("; ")));
         }
-        let setup = session.interp_setup();
-        let ops: Vec<canon::Op> =
-            Ops::new(text.as_bytes(), &setup, session.auto()).map(|(_, op)| op).collect();
+        let operations = job.operations();
+        let ops = operations.all();
         let begun = ops.iter().enumerate().find_map(|(at, op)| match &op.kind {
             OpKind::Polygon(polygon) => Some((at, polygon)),
             _ => None,
@@ -57,7 +56,7 @@ impl Design {
         let Some((polygon, place)) = place else {
             return Ok(Err("nothing is cut".to_owned()));
         };
-        let distance = place.at[0] - session.work_zero().linear[0];
+        let distance = place.at[0] - job.session.work_zero().linear[0];
         let across_flats = (distance - self.form.tip_radius) * 2.0;
         let form = Form { across_flats, ..self.form.clone() };
         Ok(self.claim_of(&form, polygon, work).ok_or_else(|| "not every facet is cut".to_owned()))
@@ -79,12 +78,12 @@ impl Design {
 
 impl Claim {
     /// The least flat that it may come out.
-    pub(super) fn flatness_at_most(&self) -> Length {
+    pub fn flatness_at_most(&self) -> Length {
         self.cut.flatness + self.servo.flatness
     }
 
     /// For people.
-    pub(super) fn words(&self) -> String {
+    pub fn words(&self) -> String {
         let allowed = tolerances(false).facet_flatness;
         let verdict = if self.cut.flatness > allowed {
             format!(": more than the {:.0} µm allowed (ISO 2768-2 H)", allowed.in_um())

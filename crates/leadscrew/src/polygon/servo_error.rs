@@ -37,11 +37,11 @@ const PERIODS: usize = 3;
 
 /// By how much a cut may differ from what is claimed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct ServoError {
+pub struct ServoError {
     /// Flatness.
-    pub(super) flatness: Length,
+    pub flatness: Length,
     /// Across flats, either way.
-    pub(super) across_flats: Length,
+    pub across_flats: Length,
 }
 
 /// A block's swings on a machine.

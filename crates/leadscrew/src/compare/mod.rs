@@ -1,4 +1,4 @@
-//! `leadscrew compare`: what a clutch holder is for, shown. The same holes are tapped twice on a spindle whose speed,
+//! What a clutch holder is for, shown. The same holes are tapped twice on a spindle whose speed,
 //! stopping time and relay scatter: with a clutch holder, and conventionally with a tension/compression holder.
 //!
 //! ```text
@@ -9,19 +9,15 @@
 //! What the conventional cycle must scatter by is said beside it, by [`closed_form`].
 mod closed_form;
 
-use crate::args::CompareArgs;
-use crate::progress::Progress;
-use crate::{say, tables};
+use crate::Program;
 use canon::{Hand, Holder, ThreadSize, Tool, ToolKind, ToolLibrary, UnknownSize};
 use control::Refused;
 use control::config;
-use control::job::preflight::preflight;
-use control::job::{Session, read_program};
+use control::job::ProgramOptions;
 use control::plant::Plant;
-use control::{Loaded, ProgramRun};
 use plan::{PlainDrive, TapMethod, Unsynchronised};
 use report::{Comparison, Way};
-use std::path::Path;
+use std::path::PathBuf;
 use units::{Angle, Length, Spin, Stiffness, Time};
 use verify::{Feature, FeatureKind};
 
@@ -51,7 +47,7 @@ struct Case {
 
 impl Case {
     /// Its holder; one that floats has the travel that the spindle asks for, as far as there are such holders.
-    fn holder(&self, args: &CompareArgs, drive: &sim::PlainDrive) -> Holder {
+    fn holder(&self, args: &CompareOptions, drive: &sim::PlainDrive) -> Holder {
         let thread = args.size.as_deref().unwrap_or("M6").parse::<ThreadSize>();
         match (self.holder, thread) {
             (Holder::TensionCompression { stiffness, travel }, Ok(thread))
@@ -90,53 +86,84 @@ const CASES: [Case; 2] = [
     },
 ];
 
-/// Do it; whether every hole was cut.
-pub(crate) fn command(args: &CompareArgs, quiet: bool) -> Result<bool, Refused> {
+/// What is compared, and on which spindle.
+#[derive(Debug, Clone)]
+pub struct CompareOptions {
+    /// Machine, tools, and how a program is read.
+    pub source: ProgramOptions,
+    /// The program whose taps are compared; `None` is holes of one size.
+    pub program: Option<PathBuf>,
+    /// Instead of a program: holes of this thread; `None` is M6.
+    pub size: Option<String>,
+    /// Speed of the holes of a size, and at which the stopping time is taken, rev/min.
+    pub speed: f64,
+    /// Depth of the holes, mm; `None` is 5 mm and 1.5 diameters.
+    pub depth: Option<f64>,
+    /// Holes tapped each way.
+    pub samples: u32,
+    /// Seed of the scatter.
+    pub seed: u64,
+    /// Stopping time of the spindle, s; `None` is the machine's own ramp.
+    pub stopping_time: Option<f64>,
+    /// 1σ of the spindle speed, percent.
+    pub speed_scatter: f64,
+    /// 1σ of the stopping time, percent.
+    pub stopping_scatter: f64,
+    /// 1σ of the relay's delay, ms.
+    pub relay_scatter: f64,
+}
+
+/// What came of it.
+pub struct Compared {
+    /// Both ways, with the depth of every hole.
+    pub comparison: Comparison,
+    /// What the conventional cycle must scatter by, for holes of a size.
+    pub closed_form: Option<String>,
+}
+
+/// Tap the same holes with a clutch holder and without, on a spindle that scatters; `progress` hears of every hole.
+///
+/// # Errors
+/// A number is out of its range, the program is refused, or there is nothing to tap.
+pub fn compare(args: &CompareOptions, progress: &mut dyn FnMut()) -> Result<Compared, Refused> {
     let drive = drive(args)?;
-    let (name, text) = match (&args.program, &args.size) {
-        (Some(path), None) => (path.display().to_string(), read_program(path)?),
+    let (program, name) = match (&args.program, &args.size) {
+        (Some(path), None) => {
+            let program = Program::open(path)?;
+            let name = program.name.clone();
+            (program, name)
+        }
         (_, size) => {
             let size = size.as_deref().unwrap_or("M6");
-            (size.to_owned(), program_for(size, args, &drive)?)
+            let text = program_for(size, args, &drive)?;
+            (Program::of("the program for this size", text), size.to_owned())
         }
     };
     let mut ways = Vec::new();
-    let progress =
-        Progress::new(u64::from(args.samples) * CASES.len() as u64, "tapping (simulated)");
     for case in &CASES {
-        ways.push(way(args, case, &text, drive, &progress)?);
+        ways.push(way(args, case, &program, drive, progress)?);
     }
-    drop(progress);
-    let mut said = summary(&ways);
-    for way in &ways {
-        said += &not_cut(way);
-    }
-    if args.program.is_none() {
+    let closed_form = if args.program.is_none() {
         let thread = thread_of(args.size.as_deref().unwrap_or("M6"))?;
         let fastest = drive_limits(args)?.tapping_max;
         let depth = depth(args, &thread);
-        said += &closed_form::Scatter { thread, depth, drive }.text(Spin::rpm(args.speed), fastest);
-    }
+        Some(closed_form::Scatter { thread, depth, drive }.text(Spin::rpm(args.speed), fastest))
+    } else {
+        None
+    };
     let comparison = Comparison {
         title: format!("{name}: clutch holder and conventional cycle"),
         scatter: scatter_sentence(args, &drive),
         ways,
     };
-    said += &format!("{}\n", comparison.scatter);
-    if let Some(out) = &args.out {
-        let page = report::comparison_html(&comparison);
-        std::fs::write(out, page)
-            .map_err(|e| Refused::because(format!("cannot write {}: {e}", out.display())))?;
-        said += &format!("report: {}\n", out.display());
-    }
-    if !quiet {
-        say::out(&said)?;
-    }
-    Ok(comparison.ways.iter().all(|way| way.not_cut == 0))
+    Ok(Compared { comparison, closed_form })
 }
 
+/// Holders that are compared.
+pub const WAYS: u32 = CASES.len() as u32;
+
 /// The spindle that taps.
-fn drive_limits(args: &CompareArgs) -> Result<plan::SpindleLimits, Refused> {
+fn drive_limits(args: &CompareOptions) -> Result<plan::SpindleLimits, Refused> {
     let machine = control::config::machine_file::load(&args.source.machine)?;
     config::planner(&machine)
         .spindles
@@ -146,7 +173,7 @@ fn drive_limits(args: &CompareArgs) -> Result<plan::SpindleLimits, Refused> {
 }
 
 /// The drive that scatters; its ramp is as long as the machine's own from the speed of the comparison to rest.
-fn drive(args: &CompareArgs) -> Result<sim::PlainDrive, Refused> {
+fn drive(args: &CompareOptions) -> Result<sim::PlainDrive, Refused> {
     let spindle = drive_limits(args)?;
     let speed = Spin::rpm(args.speed);
     let stopping = match args.stopping_time {
@@ -173,7 +200,7 @@ fn drive(args: &CompareArgs) -> Result<sim::PlainDrive, Refused> {
     })
 }
 
-fn scatter_sentence(args: &CompareArgs, drive: &sim::PlainDrive) -> String {
+fn scatter_sentence(args: &CompareOptions, drive: &sim::PlainDrive) -> String {
     let stopping = Spin::rpm(args.speed) / drive.accel;
     format!(
         "1σ of the spindle: speed {} %, stopping time {} % of {:.3} s, relay {} ms about {:.0} ms; seed {}",
@@ -188,11 +215,11 @@ fn scatter_sentence(args: &CompareArgs, drive: &sim::PlainDrive) -> String {
 
 /// Run the program until there are enough holes.
 fn way(
-    args: &CompareArgs,
+    args: &CompareOptions,
     case: &Case,
-    text: &[u8],
+    program: &Program,
     drive: sim::PlainDrive,
-    progress: &Progress,
+    progress: &mut dyn FnMut(),
 ) -> Result<Way, Refused> {
     let mut way = Way {
         name: case.name.to_owned(),
@@ -206,7 +233,7 @@ fn way(
         if way.depth_errors_mm.len() + way.not_cut >= wanted {
             break;
         }
-        let (threads, alarm) = run_once(args, case, text, drive, args.seed + run)?;
+        let (threads, alarm) = run_once(args, case, program, drive, args.seed + run)?;
         if threads.is_empty() {
             return Err(Refused::because(
                 "the program taps no hole: there is nothing to compare".to_owned(),
@@ -233,7 +260,7 @@ fn way(
                 };
                 way.why_not = Some(way.why_not.take().unwrap_or_else(why));
             }
-            progress.inc(1);
+            progress();
         }
     }
     Ok(way)
@@ -246,14 +273,14 @@ fn is_cut(feature: &Feature, thread: &verify::Thread) -> bool {
 
 /// One run of the program: its threads, and the alarm that ended it if one did.
 fn run_once(
-    args: &CompareArgs,
+    args: &CompareOptions,
     case: &Case,
-    text: &[u8],
+    program: &Program,
     drive: sim::PlainDrive,
     seed: u64,
 ) -> Result<(Vec<Feature>, Option<String>), Refused> {
-    let path = args.program.as_deref().unwrap_or(Path::new("-"));
-    let mut session = Session::load(&args.source.options(), path, text)?;
+    let mut job = program.clone().on(args.source.clone())?;
+    let session = &mut job.session;
     if let Some(size) = args.size.as_deref().or(args.program.is_none().then_some("M6")) {
         session.tools.insert(tap_of(size, args, &drive)?);
     }
@@ -263,32 +290,14 @@ fn run_once(
     for spindle in &mut session.machine.spindles {
         spindle.windows.at_speed_share = AT_SPEED;
     }
-    let material = session.machine.setup.stock.material;
-    let options = session.plan_options(material);
-    let known = preflight(&mut session, text, options);
-    if known.is_refused() {
-        let name = args
-            .program
-            .as_ref()
-            .map_or("the program for this size".into(), |p| p.display().to_string());
-        return Err(Refused::program(name, text.to_vec(), session.drawn, known.findings));
-    }
-    let setup = session.interp_setup();
-    let zero = session.work_zero();
-    let iron = config::simulator(&session.machine, &session.tools, material, seed, &zero);
-    let iron = sim::SimulatedMachine::new(iron)
+    job.plan = job.session.plan_options(job.material);
+    let machine = sim::SimulatedMachine::new(job.simulator(seed))
         .map_err(|problems| {
             Refused::because(format!("the machine cannot be simulated: {}", problems.join("; ")))
         })?
         .with_plain_drive(drive);
-    let judge = verify::Config {
-        synchronised: false,
-        ..config::judge(&session.machine, &session.tools, material, &zero)
-    };
-    let planned = known.planned;
-    let loaded = Loaded { session: &session, text, setup: &setup, options, planned };
-    let machine = Plant::simulated(iron);
-    let outcome = ProgramRun::new(&loaded, machine, judge).run(&mut |_| {})?;
+    let judge = verify::Config { synchronised: false, ..job.judge() };
+    let outcome = job.start(Plant::simulated(machine), judge)?.run(&mut |_| {})?;
     let alarm = outcome.faults.first().map(ToString::to_string);
     let is_thread = |f: &Feature| matches!(f.kind, FeatureKind::Thread(_));
     Ok((outcome.features.into_iter().filter(is_thread).collect(), alarm))
@@ -312,7 +321,7 @@ fn thread_of(size: &str) -> Result<ThreadSize, Refused> {
 }
 
 /// Its flutes are as long as the conventional cycle needs them: it overruns.
-fn tap_of(size: &str, args: &CompareArgs, drive: &sim::PlainDrive) -> Result<Tool, Refused> {
+fn tap_of(size: &str, args: &CompareOptions, drive: &sim::PlainDrive) -> Result<Tool, Refused> {
     let thread = thread_of(size)?;
     let mut tap = store::tools::usual_tap(&thread);
     let overrun = closed_form::overrun(&thread, Spin::rpm(args.speed), drive) * (1.0 + SCATTERED);
@@ -329,14 +338,14 @@ fn tap_of(size: &str, args: &CompareArgs, drive: &sim::PlainDrive) -> Result<Too
 }
 
 /// Depth of the holes: as asked, or 1.5 diameters and the splines' length.
-fn depth(args: &CompareArgs, thread: &ThreadSize) -> Length {
+fn depth(args: &CompareOptions, thread: &ThreadSize) -> Length {
     args.depth.map_or_else(|| Length::mm(5.0) + thread.nominal * 1.5, Length::mm)
 }
 
 /// Holes on a grid in the middle of the stock.
 fn program_for(
     size: &str,
-    args: &CompareArgs,
+    args: &CompareOptions,
     drive: &sim::PlainDrive,
 ) -> Result<Vec<u8>, Refused> {
     let thread = thread_of(size)?;
@@ -387,44 +396,4 @@ fn program_for(
     }
     text += "G80\nM2\n";
     Ok(text.into_bytes())
-}
-
-/// How many holes a cycle did not cut, and why the first of them.
-fn not_cut(way: &Way) -> String {
-    let Some(why) = way.why_not.as_ref().filter(|_| way.not_cut > 0) else { return String::new() };
-    let all = way.not_cut + way.depth_errors_mm.len();
-    format!(
-        "{}: {} of {all} holes were not cut and are in no figure; {why}\n",
-        way.name, way.not_cut
-    )
-}
-
-fn summary(ways: &[Way]) -> String {
-    let heads = [
-        "cycle",
-        "holes\ncut",
-        "depth error\nmm",
-        "1σ\nµm",
-        "least\nmm",
-        "largest\nmm",
-        "out of\ntolerance",
-        "not\ncut",
-    ];
-    let row = |way: &Way| {
-        let of = |f: fn(f64, f64) -> f64, from| way.depth_errors_mm.iter().copied().fold(from, f);
-        let known =
-            |text: String| if way.depth_errors_mm.is_empty() { "–".to_owned() } else { text };
-        vec![
-            way.name.clone(),
-            way.depth_errors_mm.len().to_string(),
-            known(format!("{:+.3}", way.mean_mm())),
-            known(format!("{:.2}", way.sigma_mm() * 1e3)),
-            known(format!("{:+.3}", of(f64::min, f64::INFINITY))),
-            known(format!("{:+.3}", of(f64::max, f64::NEG_INFINITY))),
-            way.failed.to_string(),
-            way.not_cut.to_string(),
-        ]
-    };
-    let rows: Vec<_> = ways.iter().map(row).collect();
-    format!("{}\n", tables::figures(&heads, &rows))
 }

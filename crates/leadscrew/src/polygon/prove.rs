@@ -6,17 +6,13 @@
 //!                                       └─ answers of the loops ─► computed again ─► run: cut ─► compensated
 //! ```
 use super::claim::Claim;
-use super::{CANDIDATES, Design, Way, best, flattest};
+use super::{CANDIDATES, Design, Progress, Way, best, flattest};
+use crate::{Job, Program};
 use canon::{PolygonCutter, Tool, ToolKind};
 use control::Refused;
-use control::config;
-use control::job::Session;
-use control::job::options::ProgramOptions;
-use control::job::preflight::preflight;
-use control::plant::{self, Plant};
-use control::{Loaded, ProgramRun};
+use control::job::ProgramOptions;
+use control::plant::Plant;
 use forms::polygon::Detail;
-use std::path::Path;
 use store::phases::Phases;
 use units::{Angle, Length, Spin};
 use verify::FeatureKind;
@@ -33,32 +29,42 @@ const NOSE_MM: f64 = 0.8;
 const CUTTER_MM: f64 = 60.0;
 
 /// One speed, run.
-pub(super) struct Proof {
-    pub(super) spin: Spin,
+pub struct Proof {
+    /// Speed of the work.
+    pub spin: Spin,
     /// Who swings.
-    pub(super) name: &'static str,
+    pub name: &'static str,
     /// What the block is claimed to cut.
-    pub(super) claim: Claim,
-    pub(super) sent: Cut,
-    pub(super) compensated: Cut,
-    pub(super) binding: Option<String>,
+    pub claim: Claim,
+    /// What was cut as computed.
+    pub sent: Cut,
+    /// What was cut with what an air cut has shown.
+    pub compensated: Cut,
+    /// The limit that binds.
+    pub binding: Option<String>,
 }
 
 /// What was cut.
 #[derive(Clone, Copy)]
-pub(super) struct Cut {
-    pub(super) flatness: Length,
-    pub(super) tilt: Angle,
+pub struct Cut {
+    /// Of the least flat facet.
+    pub flatness: Length,
+    /// Of all facets.
+    pub tilt: Angle,
     /// Across flats less what was wanted.
-    pub(super) size: Length,
+    pub size: Length,
 }
 
 /// All speeds that the spindles reach.
-pub(super) fn proofs(design: &Design, machine: &str) -> Result<Vec<Proof>, Refused> {
+pub(super) fn proofs(
+    design: &Design,
+    machine: &str,
+    hear: &mut dyn FnMut(Progress),
+) -> Result<Vec<Proof>, Refused> {
     let most = design.fastest_turning();
-    let progress = crate::progress::Progress::new(SPEEDS.len() as u64, "cutting (simulated)");
+    hear(Progress::Runs(SPEEDS.len() as u64));
     let speeds = SPEEDS.into_iter().map(Spin::rpm).filter(|spin| *spin <= most);
-    speeds.map(|spin| proof(design, machine, spin)).inspect(|_| progress.inc(1)).collect()
+    speeds.map(|spin| proof(design, machine, spin)).inspect(|_| hear(Progress::Run)).collect()
 }
 
 fn proof(design: &Design, machine: &str, spin: Spin) -> Result<Proof, Refused> {
@@ -79,7 +85,8 @@ fn proof(design: &Design, machine: &str, spin: Spin) -> Result<Proof, Refused> {
 }
 
 impl Way {
-    pub(super) fn who(&self) -> &'static [forms::polygon::Actuator] {
+    /// The actuators that swing.
+    pub fn who(&self) -> &'static [forms::polygon::Actuator] {
         CANDIDATES.iter().find(|c| c.0 == self.name).map_or(&[], |c| c.1)
     }
 }
@@ -92,8 +99,8 @@ impl Design {
                 .candidates()
                 .filter_map(|(n, who)| self.solve(n, who, spin, phases, Detail::Full))
                 .collect();
-            let best = best(&ways)?.name;
-            return ways.into_iter().find(|way| way.name == best);
+            let best = best(&ways)?;
+            return ways.into_iter().nth(best);
         }
         let problems = self
             .candidates()
@@ -111,28 +118,11 @@ fn run(
     looks: Option<u32>,
 ) -> Result<(Cut, Phases), Refused> {
     let text = design.program(&way.solution, spin, Length::mm(LENGTH_MM), looks) + "M2\n";
-    let mut session = session(design, machine, &text)?;
-    let material = session.machine.setup.stock.material;
-    let options = session.plan_options(material);
-    let known = preflight(&mut session, text.as_bytes(), options);
-    if known.is_refused() {
-        let name = "the program for this polygon".into();
-        return Err(Refused::program(name, text.into(), session.drawn, known.findings));
-    }
-    let setup = session.interp_setup();
-    let zero = session.work_zero();
-    let seed = u64::from(session.machine.simulation.seed);
-    let iron = config::simulator(&session.machine, &session.tools, material, seed, &zero);
-    let iron = plant::simulated(&session.machine, iron)?;
-    let judge = config::judge(&session.machine, &session.tools, material, &zero);
-    let loaded = Loaded {
-        session: &session,
-        text: text.as_bytes(),
-        setup: &setup,
-        options,
-        planned: known.planned,
-    };
-    let run = ProgramRun::new(&loaded, Plant::simulated_with_seed(iron, seed), judge);
+    let mut job = job(design, machine, text)?;
+    let seed = u64::from(job.session.machine.simulation.seed);
+    let plant = Plant::simulated_with_seed(job.machine(seed)?, seed);
+    let judge = job.judge();
+    let run = job.start(plant, judge)?;
     let outcome = run.run(&mut |_| {})?;
     if let Some(fault) = outcome.faults.first() {
         return Err(Refused::because(format!("at {:.0} rpm: {fault}", spin.in_rpm())));
@@ -151,18 +141,18 @@ fn run(
     })
 }
 
-/// A session for a program that cuts a design with its cutter.
-pub(super) fn session(design: &Design, machine: &str, text: &str) -> Result<Session, Refused> {
+/// A program that cuts a design, with its cutter.
+pub(super) fn job(design: &Design, machine: &str, text: String) -> Result<Job, Refused> {
     let options =
         ProgramOptions { dialect: Some(interp::Dialect::LinuxCnc), ..ProgramOptions::on(machine) };
-    let mut session = Session::load(&options, Path::new("-"), text.as_bytes())?;
-    session.tools.insert(cutter(design));
+    let mut job = Program::of("the program for this polygon", text).on(options)?;
+    job.session.tools.insert(cutter(design));
     // from the bar that the design is for
-    let (stock, radius) = (&mut session.machine.setup.stock, design.form.stock_radius);
+    let (stock, radius) = (&mut job.session.machine.setup.stock, design.form.stock_radius);
     for side in 0..2 {
         (stock.from[side], stock.to[side]) = (-radius, radius);
     }
-    Ok(session)
+    Ok(job)
 }
 
 /// The cutter of the design under its number, whatever the table has there.

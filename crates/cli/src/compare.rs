@@ -1,0 +1,86 @@
+//! `leadscrew compare`: the same holes with a clutch holder and without, on a spindle that scatters.
+use crate::args::CompareArgs;
+use crate::progress::Progress;
+use crate::{say, tables};
+use control::Refused;
+use leadscrew::compare::{CompareOptions, Compared, WAYS, compare};
+use report::Way;
+
+/// Do it; whether every hole was cut.
+pub(crate) fn command(args: &CompareArgs, quiet: bool) -> Result<bool, Refused> {
+    let progress = Progress::new(u64::from(args.samples * WAYS), "tapping (simulated)");
+    let Compared { comparison, closed_form } = compare(&options(args), &mut || progress.inc(1))?;
+    drop(progress);
+    let mut said = summary(&comparison.ways);
+    for way in &comparison.ways {
+        said += &not_cut(way);
+    }
+    said += &closed_form.unwrap_or_default();
+    said += &format!("{}\n", comparison.scatter);
+    if let Some(out) = &args.out {
+        let page = report::comparison_html(&comparison);
+        std::fs::write(out, page)
+            .map_err(|e| Refused::because(format!("cannot write {}: {e}", out.display())))?;
+        said += &format!("report: {}\n", out.display());
+    }
+    if !quiet {
+        say::out(&said)?;
+    }
+    Ok(comparison.ways.iter().all(|way| way.not_cut == 0))
+}
+
+fn options(args: &CompareArgs) -> CompareOptions {
+    CompareOptions {
+        source: args.source.options(),
+        program: args.program.clone(),
+        size: args.size.clone(),
+        speed: args.speed,
+        depth: args.depth,
+        samples: args.samples,
+        seed: args.seed,
+        stopping_time: args.stopping_time,
+        speed_scatter: args.speed_scatter,
+        stopping_scatter: args.stopping_scatter,
+        relay_scatter: args.relay_scatter,
+    }
+}
+
+/// How many holes a cycle did not cut, and why the first of them.
+fn not_cut(way: &Way) -> String {
+    let Some(why) = way.why_not.as_ref().filter(|_| way.not_cut > 0) else { return String::new() };
+    let all = way.not_cut + way.depth_errors_mm.len();
+    format!(
+        "{}: {} of {all} holes were not cut and are in no figure; {why}\n",
+        way.name, way.not_cut
+    )
+}
+
+fn summary(ways: &[Way]) -> String {
+    let heads = [
+        "cycle",
+        "holes\ncut",
+        "depth error\nmm",
+        "1σ\nµm",
+        "least\nmm",
+        "largest\nmm",
+        "out of\ntolerance",
+        "not\ncut",
+    ];
+    let row = |way: &Way| {
+        let of = |f: fn(f64, f64) -> f64, from| way.depth_errors_mm.iter().copied().fold(from, f);
+        let known =
+            |text: String| if way.depth_errors_mm.is_empty() { "–".to_owned() } else { text };
+        vec![
+            way.name.clone(),
+            way.depth_errors_mm.len().to_string(),
+            known(format!("{:+.3}", way.mean_mm())),
+            known(format!("{:.2}", way.sigma_mm() * 1e3)),
+            known(format!("{:+.3}", of(f64::min, f64::INFINITY))),
+            known(format!("{:+.3}", of(f64::max, f64::NEG_INFINITY))),
+            way.failed.to_string(),
+            way.not_cut.to_string(),
+        ]
+    };
+    let rows: Vec<_> = ways.iter().map(row).collect();
+    format!("{}\n", tables::figures(&heads, &rows))
+}

@@ -1,0 +1,159 @@
+//! The machine that a run controls, in this process or in another one, and the sync record that is kept of it.
+use crate::RunOptions;
+use crate::program::Job;
+use bus::Machine as _;
+use control::job::Session;
+use control::job::restart::Restart;
+use control::plant::{self, Plant};
+use control::recovery::in_work::{self, InWork};
+use control::services::{Keeper, sync_record};
+use control::{Refused, config};
+use sim::Faulty;
+use std::os::unix::net::UnixStream;
+use store::sync_record::slots::{Slots, StateFolder};
+use store::sync_record::{Identity, Stage, SyncRecord, Untrusted};
+use wire::{Hello, Remote};
+
+/// Why a run may not begin.
+#[derive(Debug)]
+pub enum NotReady {
+    /// Something is wrong with options or files.
+    Refused(Refused),
+    /// This tool is in the work: nothing but recovery may move.
+    InWork(Box<SyncRecord>),
+    /// It cannot be told whether a tool is in the work, and why.
+    Unknown(String),
+    /// The sync record is not to be trusted.
+    Untrusted(Untrusted),
+    /// The machine keeps a tool in its work that the encoders show outside of it.
+    Unsettled,
+}
+
+impl From<Refused> for NotReady {
+    fn from(refused: Refused) -> Self {
+        Self::Refused(refused)
+    }
+}
+
+impl From<store::Error> for NotReady {
+    fn from(error: store::Error) -> Self {
+        Self::Refused(error.into())
+    }
+}
+
+impl From<NotReady> for Refused {
+    fn from(why: NotReady) -> Self {
+        match why {
+            NotReady::Refused(refused) => refused,
+            NotReady::InWork(record) => Self::because(format!(
+                "tool {} is in the work (line {} of {}): nothing but recovery may move",
+                record.stroke.tool, record.place.line, record.place.program
+            )),
+            NotReady::Unknown(why) => Self::because(why),
+            NotReady::Untrusted(why) => Self::because(why.to_string()),
+            NotReady::Unsettled => Self::because(
+                "the machine keeps a tool in its work that the encoders show outside of it: recovery settles that",
+            ),
+        }
+    }
+}
+
+/// The machine that is controlled, and the state that is kept of it, before the program is known to be in order.
+pub(crate) struct Link {
+    remote: Option<Remote<UnixStream>>,
+    state: Option<(Slots<StateFolder>, Identity)>,
+    /// The hole of this program whose tap a recovery took out, where the program goes on after that.
+    recovered: Option<u32>,
+}
+
+impl Link {
+    /// Connect to the iron, if one is named; refuse where a tap may be in the work.
+    pub(crate) fn open(options: &RunOptions, job: &mut Job) -> Result<Self, NotReady> {
+        let Some(path) = &options.socket else {
+            let Some(folder) = &options.state else {
+                return Ok(Self { remote: None, state: None, recovered: None });
+            };
+            // a machine within this process begins anew each time: nothing can be in its work
+            let machine = job.session.machine.name.clone();
+            let identity = Identity { machine, serial: 0, epoch: 0 };
+            let (slots, _) = sync_record::open(folder, &identity)?
+                .map_err(|why| Refused::because(why.to_string()))?;
+            return Ok(Self { remote: None, state: Some((slots, identity)), recovered: None });
+        };
+        let machine = job.session.machine.name.clone();
+        let hello = Hello { name: "leadscrew run".into(), machine, process: std::process::id() };
+        let remote =
+            Remote::connect(plant::connect(path)?, hello).map_err(|e| plant::gone(path, &e))?;
+        let feedback = remote.feedback();
+        job.session.stands(&feedback);
+        let identity = plant::identity(remote.welcome());
+        let named = options.state.as_deref();
+        let folder = sync_record::folder(named, &identity)?;
+        let (welcome, shown) = (remote.welcome(), folder.display().to_string());
+        if !folder.exists() {
+            in_work(None, welcome, &shown)?; // no folder is made where nothing may begin
+        }
+        let (slots, kept) = sync_record::open(&folder, &identity)?.map_err(NotReady::Untrusted)?;
+        in_work(kept.record.clone(), welcome, &shown)?;
+        if welcome.evidence.in_work.is_some() {
+            // the encoders show the tool outside: that is for a recovery to settle
+            return Err(NotReady::Unsettled);
+        }
+        let checksum = crc32fast::hash(&job.program.text);
+        let of_this = |r: &SyncRecord| r.stage == Stage::Recovered && r.place.checksum == checksum;
+        let recovered = kept.record.filter(|r| options.from.is_some() && of_this(r));
+        let recovered = recovered.map(|record| record.place.hole);
+        Ok(Self { remote: Some(remote), state: Some((slots, identity)), recovered })
+    }
+
+    /// The plant, and who keeps its record.
+    pub(crate) fn join(
+        self,
+        job: &Job,
+        restart: Option<&Restart>,
+        command: &[String],
+        seed: u64,
+    ) -> Result<(Plant, Option<Keeper>), Refused> {
+        let Session { machine, tools, .. } = &job.session;
+        let welcome = self.remote.as_ref().map(Remote::welcome);
+        let real_time = welcome.is_some_and(|welcome| welcome.real_time);
+        let engaged = welcome.map_or(0, |welcome| welcome.evidence.last);
+        let before = restart.map_or(0, |restart| restart.holes);
+        let program = (job.program.name.as_str(), &job.program.text[..]);
+        let keeper = self.state.map(|(slots, identity)| {
+            let known = (before, self.recovered, engaged);
+            let top = job.session.work_zero().linear[2] + machine.setup.stock.to[2];
+            Keeper::start(slots, identity, program, command.to_vec(), tools, real_time, known, top)
+        });
+        let plant = if let Some(remote) = self.remote {
+            Plant::Outside(Box::new(remote))
+        } else {
+            let zero = job.session.work_zero();
+            let config = job.simulator(seed);
+            let alone = config::left_alone(machine, &config);
+            let machine = plant::simulated(machine, config)?;
+            let machine = match job.session.cams.grinding(&zero) {
+                None => machine,
+                Some(grinding) => machine.with_grinding(grinding).map_err(|problems| {
+                    let problems = problems.join("; ");
+                    Refused::because(format!("cams cannot be ground here: {problems}"))
+                })?,
+            };
+            Plant::Inside(Box::new(Faulty::new(machine, &[], seed).left_alone(alone)))
+        };
+        Ok((plant, keeper.transpose()?))
+    }
+}
+
+/// Refuse where a tool is in the work, or may be.
+fn in_work(
+    record: Option<SyncRecord>,
+    welcome: &wire::Welcome,
+    folder: &str,
+) -> Result<(), NotReady> {
+    match in_work::judge(record, welcome, folder) {
+        InWork::Nothing(_) => Ok(()),
+        InWork::Tool(record) => Err(NotReady::InWork(record)),
+        InWork::Unknown(why) => Err(NotReady::Unknown(why)),
+    }
+}

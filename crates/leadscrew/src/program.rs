@@ -1,0 +1,170 @@
+//! A program, and what it meets on a machine.
+use crate::time::{Times, WithoutJerk};
+use crate::{Finished, RunOptions};
+use control::job::preflight::{self, Proved};
+use control::job::{Cursor, Operations, ProgramOptions, Session, read_program};
+use control::plant::{self, Plant};
+use control::{Loaded, ProgramRun, Refused, config};
+use diag::Diagnostic;
+use sim::SimulatedMachine;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use store::machine::Material;
+
+/// The text of a program.
+#[derive(Debug, Clone)]
+pub struct Program {
+    /// Its name, for people.
+    pub name: String,
+    /// Where it lies: tables and subprograms are looked for beside it.
+    pub path: PathBuf,
+    /// Its bytes.
+    pub text: Vec<u8>,
+}
+
+impl Program {
+    /// Read a file; `-` is standard input.
+    ///
+    /// # Errors
+    /// It cannot be read, or is larger than a program may be.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, Refused> {
+        let path = path.as_ref();
+        let text = read_program(path)?;
+        Ok(Self { name: path.display().to_string(), path: path.to_owned(), text })
+    }
+
+    /// A text that lies in no file.
+    pub fn of(name: impl Into<String>, text: impl Into<Vec<u8>>) -> Self {
+        Self { name: name.into(), path: "-".into(), text: text.into() }
+    }
+
+    /// Bring it to a machine: a name from `leadscrew machine list`, a machine file, or everything in [`ProgramOptions`].
+    ///
+    /// # Errors
+    /// The machine, the tools, or another file that the options name cannot be read or is wrong.
+    pub fn on(self, options: impl Into<ProgramOptions>) -> Result<Job, Refused> {
+        let session = Session::load(&options.into(), &self.path, &self.text)?;
+        let material = session.machine.setup.stock.material;
+        let plan = session.plan_options(material);
+        Ok(Job { program: self, session, material, plan, proved: None })
+    }
+}
+
+/// A program with the machine, the tools and the work that it meets. It is interpreted once: what is found in it, how long
+/// it takes and the run share its operations.
+pub struct Job {
+    /// The program.
+    pub program: Program,
+    /// Machine, tools, parameters, cams.
+    pub session: Session,
+    /// What the workpiece is made of.
+    pub material: Material,
+    /// What the planner is told.
+    pub plan: plan::Options,
+    pub(crate) proved: Option<Proved>,
+}
+
+impl Job {
+    /// Everything that is wrong with the program, and what is likely to hurt, in the order of its text.
+    pub fn check(&mut self) -> &[Diagnostic] {
+        &self.proved(&mut |_| ()).known.findings
+    }
+
+    /// How long it takes, by the planner that would run it.
+    ///
+    /// # Errors
+    /// It is refused.
+    pub fn time(&mut self) -> Result<Times, Refused> {
+        self.prove(&mut |_| ())?;
+        let mut free = WithoutJerk::of(&mut self.session, self.plan);
+        let mut times = Times::new(&self.session, None);
+        let mut planner = preflight::planner(&self.session, self.plan);
+        preflight::plan(&mut self.cursor(), &mut planner, &mut |step| times.step(&step));
+        if let Some(free) = &mut free {
+            free.all(&mut self.cursor());
+        }
+        times.without_jerk = free.map(WithoutJerk::motion);
+        Ok(times)
+    }
+
+    /// Run it on the simulated machine, and judge the workpiece.
+    ///
+    /// # Errors
+    /// It is refused; a file that the options name cannot be read or is wrong. An alarm on the machine and a workpiece out
+    /// of tolerance are no errors: [`Finished::verdict`] says them.
+    pub fn run(self, options: &RunOptions) -> Result<Finished, Refused> {
+        let mut run = crate::Run::prepare(self, options)?;
+        run.prove(&mut |_| ())?;
+        run.execute(&mut |_| {})
+    }
+
+    /// Interpret and plan it, if that has not been done; a look at every step.
+    pub(crate) fn proved(&mut self, look: &mut impl FnMut(plan::Step)) -> &Proved {
+        let Self { program, session, plan, proved, .. } = self;
+        proved.get_or_insert_with(|| preflight::prove(session, &program.text, *plan, look))
+    }
+
+    /// The same; what is wrong with it is a refusal.
+    pub(crate) fn prove(&mut self, look: &mut impl FnMut(plan::Step)) -> Result<&Proved, Refused> {
+        if self.proved(look).known.is_refused() {
+            let findings = self.proved(look).known.findings.clone();
+            return Err(self.refused(findings));
+        }
+        Ok(self.proved(look))
+    }
+
+    /// Machine or planning have changed: what is known of the program is known no more.
+    pub(crate) fn forget(&mut self) {
+        self.proved = None;
+    }
+
+    /// The program is refused for this.
+    pub fn refused(&self, findings: Vec<Diagnostic>) -> Refused {
+        let Self { program, session, .. } = self;
+        let drawn = session.drawn.clone();
+        Refused::program(program.name.clone(), program.text.clone(), drawn, findings)
+    }
+
+    /// Its operations; none before it is proved.
+    pub(crate) fn operations(&self) -> Arc<Operations> {
+        self.proved.as_ref().map(|proved| Arc::clone(&proved.operations)).unwrap_or_default()
+    }
+
+    /// The same, from the first on.
+    pub(crate) fn cursor(&self) -> Cursor {
+        Cursor::new(self.operations(), None)
+    }
+
+    /// The machine, simulated, with what its control does not know by this seed.
+    pub(crate) fn machine(&self, seed: u64) -> Result<SimulatedMachine, Refused> {
+        plant::simulated(&self.session.machine, self.simulator(seed))
+    }
+
+    /// The numbers of that machine.
+    pub(crate) fn simulator(&self, seed: u64) -> sim::Config {
+        let Session { machine, tools, .. } = &self.session;
+        config::simulator(machine, tools, self.material, seed, &self.session.work_zero())
+    }
+
+    /// What the workpiece is judged by.
+    pub(crate) fn judge(&self) -> verify::Config {
+        let Session { machine, tools, .. } = &self.session;
+        config::judge(machine, tools, self.material, &self.session.work_zero())
+    }
+
+    /// Prove it, and make it ready to run on this machine, judged by this. Nothing stops it, nothing is kept.
+    pub(crate) fn start(
+        &mut self,
+        machine: Plant,
+        judge: verify::Config,
+    ) -> Result<ProgramRun, Refused> {
+        self.prove(&mut |_| ())?;
+        let Self { session, plan, .. } = self;
+        let Some(Proved { operations, known }) = &self.proved else {
+            return Err(Refused::because("the program was not interpreted"));
+        };
+        let planned = known.planned;
+        let loaded = Loaded { session, operations, restart: None, options: *plan, planned };
+        Ok(ProgramRun::new(&loaded, machine, judge))
+    }
+}

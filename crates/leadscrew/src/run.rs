@@ -1,0 +1,367 @@
+//! One run of a program: on the machine that is simulated, or on one in another process; what stops it, what is learnt and
+//! written down meanwhile, and what is known at its end.
+//!
+//! ```text
+//!   Job + RunOptions ─► Run::prepare ─► link, memory ─► prove ─► execute ─► Finished ─► certificate, report
+//!                            └► NotReady: a tool is, or may be, in the work
+//! ```
+use crate::link::{Link, NotReady};
+use crate::papers;
+use crate::program::Job;
+use crate::time::{Added, WithoutJerk};
+use control::job::preflight::{Proved, wrong_from};
+use control::job::restart::{self, Restart};
+use control::observers::{Observer, TraceThread};
+use control::script::{self, Told};
+use control::services::learning::Memory;
+use control::stops::{AfterStop, Stops};
+use control::{Loaded, Outcome, ProgramRun, Refused, TickTimes, Timings, config};
+use kernel::Kernel;
+use std::path::{Path, PathBuf};
+use store::certificate::Certificate;
+use store::machine::{Follows, Material};
+use store::trace::{Columns, Writer};
+use sync::{Prediction, SyncMode};
+use units::Time;
+
+/// How a run is done; the default is that of `leadscrew run` without options.
+#[derive(Debug, Clone, Default)]
+pub struct RunOptions {
+    /// Seed of what the control does not know of its machine, and of what scatters; `None` is the machine file's.
+    pub seed: Option<u64>,
+    /// Material of the workpiece by its name; `None` is the machine's set-up.
+    pub material: Option<String>,
+    /// Unit of lengths in report and tables; `None` is as the program writes them.
+    pub units: Option<canon::LengthUnit>,
+    /// How the feed is tied to the spindle; `None` is as the machine's file says.
+    pub synchronisation: Option<Synchronisation>,
+    /// Force the tapping ramp from rest to full speed into this time, 1 ms to 60 s.
+    pub force_ramp: Option<Time>,
+    /// File of what is learnt from tap to tap; `off` is none; `None` is as the machine's file says.
+    pub learning: Option<PathBuf>,
+    /// Begin in the middle.
+    pub from: Option<restart::From>,
+    /// Faults of the machine, as `WHAT at MOMENT`.
+    pub faults: Vec<String>,
+    /// Orders of the operator, as `WHAT at MOMENT`.
+    pub operator: Vec<String>,
+    /// After a stop in a thread, take the tool out.
+    pub recover: Option<AfterStop>,
+    /// Socket of a machine in another process.
+    pub socket: Option<PathBuf>,
+    /// Folder of the sync record.
+    pub state: Option<PathBuf>,
+    /// The words behind `leadscrew run` that do the same job again.
+    pub command: Vec<String>,
+    /// Measure how long the kernel's ticks take.
+    pub timings: bool,
+}
+
+/// How the feed is tied to the spindle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Synchronisation {
+    /// Spindle and feed obey one planned trajectory.
+    Command,
+    /// The feed follows the observed spindle, predicted to when the command acts.
+    Encoder,
+    /// The feed follows the measured angle with speed feed-forward, not predicted: lags by v·Ts.
+    EncoderNoPrediction,
+    /// The feed follows the measured angle by its position gain alone: lags by v/Kp + v·Ts.
+    EncoderNoFeedForward,
+}
+
+/// A run that is made ready.
+pub struct Run {
+    /// The program and what it meets.
+    pub job: Job,
+    /// Where it is begun, if that is not its beginning; known when it is proved.
+    pub restart: Option<Restart>,
+    /// What else looks on.
+    pub observers: Vec<Box<dyn Observer>>,
+    /// File in which every period is recorded.
+    pub trace: Option<PathBuf>,
+    /// Asked every period: whether the run is to end at once.
+    pub is_interrupted: fn() -> bool,
+    options: RunOptions,
+    seed: u64,
+    mode: Option<SyncMode>,
+    memory: Option<Memory>,
+    told: Told,
+    link: Link,
+    motion: Time,
+}
+
+impl Run {
+    /// Check the options, and connect to the machine.
+    ///
+    /// # Errors
+    /// An option is wrong, a file that it names cannot be read, or a tool is, or may be, in the work.
+    pub fn prepare(mut job: Job, options: &RunOptions) -> Result<Self, NotReady> {
+        let session = &mut job.session;
+        job.material = material(options.material.as_deref(), job.material)?;
+        let told = script::told(&options.faults, &options.operator, &session.machine);
+        let told = told.map_err(Refused::because)?;
+        if options.socket.is_some() && !told.faults.is_empty() {
+            return Err(Refused::because(
+                "--operator: emergency-stop is for a machine simulated within the run; an iron has its own chain (abort works)",
+            )
+            .into());
+        }
+        if let Some(ramp) = options.force_ramp.map(Time::value)
+            && !(ramp.is_finite() && (0.001..=60.0).contains(&ramp))
+        {
+            return Err(Refused::because(format!(
+                "--force-ramp {ramp}: expected a time from 0.001 to 60 seconds"
+            ))
+            .into());
+        }
+        let memory = Memory::load(options.learning.as_deref(), &session.machine)?;
+        let control = &session.machine.control;
+        let mode = options.synchronisation.map(|asked| match asked {
+            Synchronisation::Command => SyncMode::CommandSynchronised,
+            Synchronisation::Encoder => config::encoder(control, Prediction::Observer),
+            Synchronisation::EncoderNoPrediction => config::encoder(control, Prediction::Speed),
+            Synchronisation::EncoderNoFeedForward => config::encoder(control, Prediction::None),
+        });
+        if mode == Some(SyncMode::CommandSynchronised)
+            && config::plain_drive(&session.machine).is_some()
+        {
+            return Err(Refused::because(format!(
+                "the spindle drive of {} is only told a speed and obeys no trajectory: --synchronisation encoder works",
+                session.machine.name
+            ))
+            .into());
+        }
+        if matches!(mode, Some(SyncMode::EncoderFollowing { .. })) {
+            session.machine.tapping.peck = store::machine::Peck::Full; // see config::planner
+        }
+        let own = session.plan_options(job.material);
+        job.plan = plan::Options { force_ramp: options.force_ramp.or(own.force_ramp), ..own };
+        let seed = options.seed.unwrap_or(u64::from(session.machine.simulation.seed));
+        let link = Link::open(options, &mut job)?;
+        job.forget();
+        Ok(Self {
+            restart: None,
+            observers: Vec::new(),
+            trace: None,
+            is_interrupted: || false,
+            options: options.clone(),
+            seed,
+            mode,
+            memory,
+            told,
+            link,
+            motion: Time::ZERO,
+            job,
+        })
+    }
+
+    /// Interpret and plan the program before anything moves, and find out where it is begun; a look at every step.
+    ///
+    /// # Errors
+    /// The program is refused, or cannot be begun there.
+    pub fn prove(&mut self, look: &mut impl FnMut(&plan::Step)) -> Result<(), Refused> {
+        let mut added = Added::new(config::planner(&self.job.session.machine));
+        self.job.prove(&mut |step| {
+            look(&step);
+            added.step(&step);
+        })?;
+        self.motion = added.motion();
+        let (Some(from), Some(Proved { operations, .. })) = (self.options.from, &self.job.proved)
+        else {
+            return Ok(());
+        };
+        let session = &self.job.session;
+        let (start, top) = (session.interp_setup().start, session.machine.tool_change.z);
+        let restart = restart::find(operations.all(), from, &start, top)
+            .map_err(|why| Refused::because(format!("--from: {why}")))?;
+        let wrong = wrong_from(session, operations, self.job.plan, &restart);
+        if !wrong.is_empty() {
+            return Err(self.job.refused(wrong));
+        }
+        self.restart = Some(restart);
+        Ok(())
+    }
+
+    /// What is known of the program: empty before it is proved.
+    pub fn findings(&self) -> &[diag::Diagnostic] {
+        self.job.proved.as_ref().map_or(&[], |proved| &proved.known.findings)
+    }
+
+    /// How long it is planned to take.
+    pub fn planned(&self) -> Time {
+        self.job.proved.as_ref().map_or(Time::ZERO, |proved| proved.known.planned)
+    }
+
+    /// What the workpiece is judged by.
+    fn tolerances(&self) -> verify::Tolerances {
+        let own = self.job.session.machine.control.synchronisation.follows == Follows::Encoder;
+        config::tolerances(self.mode.map_or(own, |mode| mode != SyncMode::CommandSynchronised))
+    }
+
+    /// Run it to its end, or to the alarm that ends it. `progress` hears now and then how long the machine has been at it.
+    ///
+    /// # Errors
+    /// It was not proved; the machine cannot be simulated; the trace or what was learnt cannot be written.
+    pub fn execute(self, progress: &mut dyn FnMut(Time)) -> Result<Finished, Refused> {
+        let tolerances = self.tolerances();
+        let Self {
+            job, restart, observers, trace, options, seed, mode, memory, told, link, ..
+        } = self;
+        let Some(Proved { operations, known }) = &job.proved else {
+            return Err(Refused::because("the program was not proved"));
+        };
+        let (session, planned) = (&job.session, known.planned);
+        let (plant, keeper) = link.join(&job, restart.as_ref(), &options.command, seed)?;
+        // a spindle that makes its own ramps shows in the first hole how it stops: what it shows is used, and kept
+        // if there is a file for it
+        let learns = memory.is_some() || config::plain_drive(&session.machine).is_some();
+        let mut kernel = Kernel::new(config::control(&session.machine, mode, learns));
+        kernel.recall(memory.as_ref().map_or_else(Vec::new, |m| m.lessons.clone()));
+        let judge = verify::Config {
+            synchronised: session.taps.method == plan::TapMethod::Synchronised,
+            tolerances: tolerances.clone(),
+            cams: session.cams.library.clone(),
+            ..job.judge()
+        };
+        let restart = restart.as_ref();
+        let loaded = Loaded { session, operations, restart, options: job.plan, planned };
+        let mut run = ProgramRun::new(&loaded, plant, judge);
+        run.executor.kernel = kernel;
+        run.executor.ticks = TickTimes::new(options.timings);
+        run.is_interrupted = self.is_interrupted;
+        run.services.keeper = keeper;
+        run.services.stops = Stops::new(options.recover, told, session, seed, planned);
+        run.observers.recorder = report::Recorder::new(&session.tools)
+            .limited(config::path_limits(&session.machine))
+            .shown_in(options.units);
+        run.observers.trace =
+            trace.as_deref().map(|path| start_trace(path, &job, seed)).transpose()?;
+        run.observers.others = observers;
+        run.observers.timings = Timings::new(options.timings);
+        let outcome = run.run(progress)?;
+        Ok(Finished { motion: self.motion, job, outcome, seed, tolerances, memory })
+    }
+}
+
+fn start_trace(path: &Path, job: &Job, seed: u64) -> Result<TraceThread, Refused> {
+    let seed = seed.to_string();
+    let about = [
+        ("leadscrew", env!("CARGO_PKG_VERSION")),
+        ("program", job.program.name.as_str()),
+        ("machine", job.session.machine.name.as_str()),
+        ("seed", seed.as_str()),
+    ];
+    let columns = Columns::of(&job.session.machine);
+    let writer = Writer::create(path, columns, &about)?;
+    TraceThread::start(writer)
+        .map_err(|e| Refused::because(format!("cannot start the trace's thread: {e}")))
+}
+
+/// By name, or as the machine's set-up has it.
+///
+/// # Errors
+/// There is none of this name.
+pub fn material(named: Option<&str>, usual: Material) -> Result<Material, Refused> {
+    let Some(name) = named else { return Ok(usual) };
+    Material::KNOWN.iter().find(|m| m.name.eq_ignore_ascii_case(name)).copied().ok_or_else(|| {
+        let known = Material::KNOWN.map(|m| m.name).join(", ");
+        Refused::because(format!("there is no material \"{name}\": expected one of {known}"))
+    })
+}
+
+/// A run that has come to its end, or to an alarm.
+pub struct Finished {
+    /// The program and what it met.
+    pub job: Job,
+    /// What came of it.
+    pub outcome: Outcome,
+    /// Seed of the machine that was simulated.
+    pub seed: u64,
+    /// What the workpiece was judged by.
+    pub tolerances: verify::Tolerances,
+    memory: Option<Memory>,
+    motion: Time,
+}
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// The program ended and every feature is within tolerance.
+    Good,
+    /// A feature is not good or not judged, or a fault that was told to happen has not.
+    OutOfTolerance,
+    /// An alarm on the machine.
+    Alarm,
+}
+
+impl Finished {
+    /// How it ended.
+    pub fn ending(&self) -> Ending {
+        let Outcome { ended, not_triggered, features, watch, .. } = &self.outcome;
+        let is_good = |feature: &verify::Feature| feature.verdict.is_pass();
+        if !ended {
+            Ending::Alarm
+        } else if !not_triggered.is_empty()
+            || !features.iter().all(is_good)
+            || !watch.breaches().is_empty()
+        {
+            Ending::OutOfTolerance
+        } else {
+            Ending::Good
+        }
+    }
+
+    /// What was cut, with its verdict.
+    pub fn features(&self) -> &[verify::Feature] {
+        &self.outcome.features
+    }
+
+    /// What other programs rely on.
+    pub fn certificate(&self) -> Certificate {
+        papers::certificate(self)
+    }
+
+    /// The page that a process engineer pins to the job: HTML in one file.
+    pub fn report(&mut self) -> String {
+        let mut free = WithoutJerk::of(&mut self.job.session, self.job.plan);
+        if let Some(free) = &mut free {
+            free.all(&mut self.job.cursor());
+        }
+        let without_jerk = free.map(WithoutJerk::motion);
+        papers::report(self, report::Motion { planned: self.motion, without_jerk })
+    }
+
+    /// What is known of the program from before anything moved.
+    pub fn findings(&self) -> &[diag::Diagnostic] {
+        self.job.proved.as_ref().map_or(&[], |proved| &proved.known.findings)
+    }
+
+    /// Keep what was learnt and measured, where the options and the machine's file say.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn keep(&self) -> Result<(), Refused> {
+        if !self.outcome.ended {
+            return Ok(());
+        }
+        if let Some(memory) = &self.memory {
+            memory.save(&self.outcome.lessons)?;
+        }
+        self.outcome.cams.save()
+    }
+
+    /// What the program leaves behind: parameters and tools.
+    pub fn left(&self) -> Option<&control::job::Left> {
+        let proved = self.job.proved.as_ref().filter(|_| self.outcome.ended);
+        proved.map(|proved| proved.operations.left())
+    }
+
+    /// Into the folder of the run: each polygon as a solid and as a cross-section.
+    ///
+    /// # Errors
+    /// They cannot be written.
+    pub fn write_solids(&self, folder: &store::output::Folder) -> Result<(), Refused> {
+        Ok(papers::write_solids(folder, self)?)
+    }
+}

@@ -1,0 +1,133 @@
+//! What the planned time is made of.
+use canon::{Op, ProgramFrame};
+use control::config;
+use control::job::{Session, Source, preflight};
+use plan::{Clock, MachineLimits, Planner, Step, StepKind};
+use units::{Jerk, Time};
+
+/// What takes time, in the order of the report.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Shares {
+    /// Moves at feed.
+    pub feed: Time,
+    /// Rapids.
+    pub rapid: Time,
+    /// Taps.
+    pub tap: Time,
+    /// Turned threads.
+    pub thread: Time,
+    /// Turns of the work that are counted: a cam ground or measured, spark-out.
+    pub turn: Time,
+    /// Waiting for spindles, drives and couplings.
+    pub wait: Time,
+    /// Dwells.
+    pub dwell: Time,
+    /// Tool changes.
+    pub tool_change: Time,
+}
+
+impl Shares {
+    /// A step that takes so long.
+    pub fn add(&mut self, step: &StepKind, time: Time) {
+        let share = match step {
+            StepKind::Move(order) if order.rapid => &mut self.rapid,
+            StepKind::Follow(order) if order.piece.rapid => &mut self.rapid,
+            StepKind::Move(_) | StepKind::Follow(_) => &mut self.feed,
+            StepKind::Tap(_) => &mut self.tap,
+            StepKind::Thread(_) => &mut self.thread,
+            StepKind::Revolve { .. } => &mut self.turn,
+            StepKind::Dwell(_) => &mut self.dwell,
+            StepKind::ChangeTool(_) => &mut self.tool_change,
+            _ => &mut self.wait,
+        };
+        *share += time;
+    }
+
+    /// In motion.
+    pub fn motion(&self) -> Time {
+        self.feed + self.rapid + self.tap + self.thread
+    }
+
+    /// Of everything.
+    pub fn total(&self) -> Time {
+        self.motion() + self.turn + self.wait + self.dwell + self.tool_change
+    }
+}
+
+/// Adds up planned steps, one after another.
+pub struct Added {
+    limits: MachineLimits,
+    clock: Clock,
+    /// What was added up.
+    pub shares: Shares,
+}
+
+impl Added {
+    /// Nothing yet.
+    pub fn new(limits: MachineLimits) -> Self {
+        Self { limits, clock: Clock::default(), shares: Shares::default() }
+    }
+
+    /// One more; how long it takes.
+    pub fn step(&mut self, step: &Step) -> Time {
+        let before = self.clock.elapsed();
+        self.clock.count(step, &self.limits);
+        let time = self.clock.elapsed() - before;
+        self.shares.add(&step.kind, time);
+        time
+    }
+
+    /// Time in motion.
+    pub fn motion(&self) -> Time {
+        self.shares.motion()
+    }
+}
+
+/// The same program planned as if no axis had a limit of jerk, beside what it is planned for.
+pub struct WithoutJerk {
+    planner: Planner,
+    added: Added,
+}
+
+impl WithoutJerk {
+    /// `None`: no axis has such a limit.
+    pub fn of(session: &mut Session, options: plan::Options) -> Option<Self> {
+        let free = Jerk::mm_per_s3(f64::INFINITY);
+        let limited = session.machine.axes.clone();
+        if limited.iter().flatten().all(|axis| axis.jerk_feed == free && axis.jerk_rapid == free) {
+            return None;
+        }
+        for axis in session.machine.axes.iter_mut().flatten() {
+            (axis.jerk_feed, axis.jerk_rapid) = (free, free);
+        }
+        let planner = preflight::planner(session, options);
+        let added = Added::new(config::planner(&session.machine));
+        session.machine.axes = limited;
+        Some(Self { planner, added })
+    }
+
+    /// One more operation.
+    pub fn op(&mut self, index: u32, op: &Op, frame: ProgramFrame) {
+        let Self { planner, added } = self;
+        planner.written_in(frame);
+        planner.push(index, op, &mut |step| {
+            added.step(&step);
+        });
+    }
+
+    /// All operations of a program.
+    pub fn all(&mut self, source: &mut impl Source) {
+        while let Some((index, op)) = source.next() {
+            self.op(index, &op, source.frame());
+        }
+    }
+
+    /// Time in motion, after the last operation.
+    pub fn motion(mut self) -> Time {
+        let Self { planner, added } = &mut self;
+        planner.finish(&mut |step| {
+            added.step(&step);
+        });
+        added.motion()
+    }
+}
