@@ -45,13 +45,21 @@ impl Refused {
     pub fn sentence(&self) -> String {
         match self {
             Self::Sentence(sentence) => sentence.clone(),
-            Self::Findings { name, findings, .. } => match findings.first() {
+            Self::Findings { name, findings, .. } => match findings.iter().find(|f| f.is_error()) {
                 Some(first) => format!("{name} is refused: {}", first.message),
                 None => format!("{name} is refused"),
             },
         }
     }
 }
+
+impl std::fmt::Display for Refused {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.sentence())
+    }
+}
+
+impl std::error::Error for Refused {}
 
 impl From<store::Error> for Refused {
     fn from(error: store::Error) -> Self {

@@ -264,7 +264,7 @@ fn start_trace(path: &Path, job: &Job, seed: u64) -> Result<TraceThread, Refused
 /// There is none of this name.
 pub fn material(named: Option<&str>, usual: Material) -> Result<Material, Refused> {
     let Some(name) = named else { return Ok(usual) };
-    Material::KNOWN.iter().find(|m| m.name.eq_ignore_ascii_case(name)).copied().ok_or_else(|| {
+    Material::named(name).ok_or_else(|| {
         let known = Material::KNOWN.map(|m| m.name).join(", ");
         Refused::because(format!("there is no material \"{name}\": expected one of {known}"))
     })
