@@ -1,0 +1,59 @@
+//! What there is one of stays one: the command line's library in one crate, one call of the servo loop.
+#![allow(clippy::unwrap_used)] // a test may panic
+use std::fs;
+use std::path::{Path, PathBuf};
+
+#[test]
+fn only_the_command_line_knows_the_library_that_reads_command_lines() {
+    let with_clap: Vec<String> = crates()
+        .filter(|folder| {
+            let manifest = fs::read_to_string(folder.join("Cargo.toml")).unwrap();
+            manifest.lines().any(|line| line.starts_with("clap"))
+        })
+        .map(|folder| name(&folder))
+        .collect();
+    assert_eq!(with_clap, ["cli"]);
+}
+
+#[test]
+fn the_executor_alone_calls_the_kernels_tick() {
+    let mut callers = Vec::new();
+    for folder in crates().filter(|folder| name(folder) != "kernel") {
+        let mut files = Vec::new();
+        collect(&folder.join("src"), &mut files);
+        let calls = |file: &PathBuf| production(file).contains("kernel.tick(");
+        callers.extend(files.into_iter().filter(calls));
+    }
+    let callers: Vec<_> = callers.iter().map(|file| file.strip_prefix(root()).unwrap()).collect();
+    assert_eq!(callers, [Path::new("crates/control/src/executor.rs")]);
+}
+
+/// The text before its tests.
+fn production(file: &Path) -> String {
+    let text = fs::read_to_string(file).unwrap();
+    text.split("#[cfg(test)]").next().unwrap_or_default().to_owned()
+}
+
+fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            collect(&path, found);
+        } else if path.extension().is_some_and(|ending| ending == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+fn crates() -> impl Iterator<Item = PathBuf> {
+    let entries = fs::read_dir(root().join("crates")).unwrap();
+    entries.map(|entry| entry.unwrap().path()).filter(|path| path.join("Cargo.toml").exists())
+}
+
+fn name(folder: &Path) -> String {
+    folder.file_name().unwrap().to_string_lossy().into_owned()
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
+}
