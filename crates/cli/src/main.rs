@@ -1,19 +1,17 @@
-//! The `leadscrew` program: command line, threads, clock, wiring. The only crate that knows all the others.
+//! The `leadscrew` program: arguments in, tables and pages out. What it does is done by the library.
 //!
 //! ```text
-//!   args ─► run       session ─► preflight ─► control ─► papers, summary
-//!        ├► check     session ─► preflight ─► render
-//!        ├► time      session ─► preflight, its steps added up
-//!        ├► iron      the simulated machine as a process of its own
-//!        ├► recover   what is known of a tap in the work, and the way out
-//!        ├► compare   the same holes with a clutch holder and without, on a spindle that scatters
-//!        ├► polygon   forms: from a form to the block that cuts it
-//!        ├► cam       forms::cam, printed and drawn
-//!        ├► canon     session ─► interp, printed
-//!        ├► fmt       gcode
-//!        ├► codes     interp's tables
-//!        ├► lsp       session ─► lsp
-//!        └► machine   store
+//!   args ─► run           leadscrew::Run ─► papers, summary
+//!        ├► check         control::job::preflight ─► render
+//!        ├► time          leadscrew::time ─► tables
+//!        ├► compare       leadscrew::compare        holders, on a spindle that scatters
+//!        ├► compensation  leadscrew::compensation   cams, in every way
+//!        ├► polygon       leadscrew::polygon        from a form to the block that cuts it
+//!        ├► recover       control::recovery         what is known of a tool in the work, and the way out
+//!        ├► iron          the simulated machine as a process of its own
+//!        ├► cam           forms::cam, printed and drawn
+//!        ├► canon, codes, fmt, lsp    interp, gcode, lsp
+//!        └► machine       store
 //! ```
 #![forbid(unsafe_code)]
 
