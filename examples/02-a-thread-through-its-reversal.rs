@@ -1,14 +1,13 @@
 //! A follower axis is a function of a master angle. The spindle slows, stands, turns back; the axis only ever
 //! asks the line where it belongs, so the reversal needs no special case.
 use examples::{Line, draw};
-use plan::Profile;
 use sync::Coupling;
 use units::{Angle, Lead, Length};
 
 fn main() -> std::io::Result<()> {
     // M8, 17.6 turns in and out at 1000 rpm: a right-hand thread goes down as the spindle turns clockwise
     let thread = Coupling::line(Lead::mm_per_rev(-1.25), Angle::ZERO, Length::mm(2.0));
-    let stroke = Profile::rest_to_rest(17.6, 1000.0 / 60.0, 66.7, 2000.0);
+    let stroke = plan::rest_to_rest(17.6, 1000.0 / 60.0, 66.7, 2000.0);
     let whole = stroke.duration();
     let turned = |t: f64| {
         if t < whole { stroke.at(t).s } else { 17.6 - stroke.at(t - whole).s }

@@ -6,43 +6,9 @@
 //! ```
 //!
 //! Source: `G51.2`/`G50.2` of polygon turning (P:Q ratio, R phase), and the oscillation of JP7525593B2.
-use crate::{Axis, Position};
+use crate::{Axis, Position, Ratio};
 use alloc::vec::Vec;
 use units::{Angle, Lead, Length};
-
-/// Turns of the follower in so many turns of the master, in whole numbers, so that nothing drifts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Ratio {
-    /// Turns of the follower; negative turns it the other way.
-    pub follower: i32,
-    /// Turns of the master meanwhile; above zero.
-    pub master: i32,
-}
-
-impl Ratio {
-    /// Turns of the follower per turn of the master.
-    pub fn value(self) -> f64 {
-        f64::from(self.follower) / f64::from(self.master)
-    }
-
-    /// The gear of a few turns about which this one winds slowly: 3600:7201 about 1:2, or itself. `None`: there is none.
-    pub fn settled(self) -> Option<Self> {
-        /// Turns of the master after which a gear begins anew.
-        const FEW: i32 = 8;
-        /// Share of a turn that it may wind in one.
-        const SLOWLY: f64 = 0.01;
-        if self.master <= FEW {
-            return Some(self);
-        }
-        let value = self.value();
-        (1..=FEW).find_map(|master| {
-            let follower = libm::round(value * f64::from(master));
-            let off = follower / f64::from(master) - value;
-            (follower != 0.0 && off.abs() <= SLOWLY * value.abs())
-                .then_some(Self { follower: follower as i32, master })
-        })
-    }
-}
 
 impl Polygon {
     /// Turns of the work after which the tool passes the same facets again: those of a ratio of a few turns; of one that
@@ -172,19 +138,4 @@ pub struct Harmonic {
     pub cosine: f64,
     /// Amplitude of the sine, mm or rev.
     pub sine: f64,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_gear_winds_about_the_one_of_a_few_turns_that_is_near() {
-        let settled = |master, follower| Ratio { follower, master }.settled();
-        assert_eq!(settled(1, 2), Some(Ratio { follower: 2, master: 1 }));
-        assert_eq!(settled(2, 5), Some(Ratio { follower: 5, master: 2 }));
-        assert_eq!(settled(3600, 7201), Some(Ratio { follower: 2, master: 1 }));
-        assert_eq!(settled(1000, -2501), Some(Ratio { follower: -5, master: 2 }));
-        assert_eq!(settled(100, 294), None);
-    }
 }

@@ -23,22 +23,21 @@ mod cam;
 mod coupling;
 mod frame;
 mod op;
-mod position;
 mod series;
 mod thread;
 mod tool;
 
 pub use cam::{CamLibrary, CamOrder, CamProfile};
-pub use coupling::{Actuator, Harmonic, Hob, Oscillating, Oscillation, Polygon, Ratio};
+pub use coupling::{Actuator, Harmonic, Hob, Oscillating, Oscillation, Polygon};
 pub use diag::Span;
 pub use frame::{LengthUnit, ProgramFrame};
 pub use op::{
-    Arc, Await, ChipRemoval, Feed, Hole, InputWait, Op, OpKind, Output, PathMode,
-    ReturnAcceleration, Signal, SpindleOrder, Spline, Tap, Threading, UserCode,
+    Await, ChipRemoval, Feed, Hole, InputWait, Op, OpKind, Output, PathMode, ReturnAcceleration,
+    Signal, SpindleOrder, Spline, Tap, Threading, UserCode,
 };
-pub use position::{Axis, Plane, Position};
 pub use series::standard_sizes;
 pub use thread::{Family, Hand, ThreadSize, UnknownSize};
 pub use tool::{
     Flute, Holder, Insert, InsertPoint, PolygonCutter, TapTool, Tool, ToolKind, ToolLibrary,
 };
+pub use units::{Arc, Axis, Plane, Position, Ratio};

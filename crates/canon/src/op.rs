@@ -1,5 +1,5 @@
 //! The operations.
-use crate::{Axis, CamOrder, Hob, Plane, Polygon, Position, Span};
+use crate::{Arc, Axis, CamOrder, Hob, Polygon, Position, Span};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 use units::{Angle, Lead, LeadGrowth, Length, Speed, Spin, SpinAccel, Time};
@@ -199,17 +199,6 @@ pub enum Feed {
     PerRevolution(Lead),
     /// G93, and moves of rotary axes alone: the whole move takes this long.
     Duration(Time),
-}
-
-/// Which circle, in the plane's first and second axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Arc {
-    /// The plane.
-    pub plane: Plane,
-    /// Centre in machine coordinates, along the plane's first and second axis.
-    pub centre: [Length; 2],
-    /// Angle swept, counter-clockwise positive as seen against the normal; more than one turn is allowed.
-    pub sweep: Angle,
 }
 
 /// A curve in X and Y, from where the axes stand; all others stay.

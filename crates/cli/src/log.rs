@@ -4,9 +4,10 @@
 //! angle is not shown modulo a turn, so that in a tap it can be checked against the lead by hand.
 use crate::say;
 use bus::{Sample, State};
-use canon::{Await, InputWait, Output, Position, Signal, ToolLibrary};
+use canon::{Position, ToolLibrary};
 use control::observers::Observer;
 use kernel::{Event, EventKind};
+use motion::{Await, InputWait, Output, Signal};
 use units::Length;
 
 /// Prints to standard output.

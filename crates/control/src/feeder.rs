@@ -4,7 +4,8 @@ use crate::override_pace::Pace;
 use crate::{Observers, Services};
 use canon::{Op, OpKind};
 use kernel::Kernel;
-use plan::{Planner, Step, StepKind};
+use motion::{Step, StepKind};
+use plan::Planner;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 /// From a program's operations to the steps that the kernel executes.

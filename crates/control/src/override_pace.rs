@@ -1,6 +1,7 @@
 //! More feed than programmed, and stops at each line, at any moment: what has not been done is planned anew.
 use kernel::Kernel;
-use plan::{Planner, Step, Wish};
+use motion::Step;
+use plan::{Planner, Wish};
 use std::collections::VecDeque;
 
 /// What the moves that wait were planned for.
@@ -27,10 +28,10 @@ impl Pace {
             self.0 = wish;
             return planner.wish(wish);
         }
-        let Some(mut back) = kernel.hand_back() else { return };
+        let Some(back) = kernel.hand_back() else { return };
         self.0 = wish;
-        sent.truncate(sent.len().saturating_sub(back.steps.len()));
-        back.steps.extend(queue.drain(..));
-        planner.repace(wish, back, &mut |step| queue.push_back(step));
+        let mut steps = Vec::from(sent.split_off(sent.len().saturating_sub(back.steps)));
+        steps.extend(queue.drain(..));
+        planner.repace(wish, steps, back.done, &mut |step| queue.push_back(step));
     }
 }

@@ -14,7 +14,7 @@ use bus::{Machine, State};
 use canon::Position;
 use common::{M6, TapOrder, await_speed, control, line, machine, tapping, turn};
 use kernel::{Kernel, Prediction, SyncMode};
-use plan::{Step, StepKind};
+use motion::{Step, StepKind};
 use std::time::{Duration, Instant};
 
 /// Runs of the program: enough for a 99.9th percentile.

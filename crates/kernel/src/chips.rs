@@ -6,7 +6,7 @@
 //! ```
 //!
 //! It runs beside the steps: the axes rise, move and come down meanwhile. A step that waits for the spindle
-//! ([`plan::SpindleStep::AwaitSpeed`]) waits until there is none left, so the cut waits at R if it must.
+//! ([`motion::SpindleStep::AwaitSpeed`]) waits until there is none left, so the cut waits at R if it must.
 //!
 //! **The watch.** While a cutting move goes on the spindle must turn in the sense that is in force, within
 //! the window `in_cut` of its speed, with no chip removal open. It is checked every period, and a breach is alarm 204.
@@ -14,7 +14,7 @@ use crate::config::Subject;
 use crate::drives::{Drives, Finding};
 use crate::event::EventKind;
 use crate::fault::FaultKind;
-use plan::ChipThrow;
+use motion::ChipThrow;
 use units::Spin;
 
 /// How far a chip removal is.

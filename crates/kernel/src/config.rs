@@ -2,8 +2,8 @@
 //!
 //! Plain data. The machine file fills it; [`Config::problems`] finds what cannot be meant, all at once.
 use bus::{AXES, SPINDLES};
-use canon::Axis;
 use sync::{SyncMode, Windows};
+use units::Axis;
 use units::{
     Accel, Angle, Force, Inertia, Length, Mass, Power, Speed, Spin, SpinAccel, Stiffness, Time,
     Torque,
@@ -28,7 +28,7 @@ pub struct Config {
     /// How long each wait may last.
     pub waits: Waits,
     /// What the axes can do: overrides and holds keep it, as the plan does.
-    pub motion: path::Limits,
+    pub motion: motion::Limits,
     /// What is done when a geared spindle loses its phase; `None`: everything stops at once.
     pub phase_loss: Option<PhaseLoss>,
     /// How far the operator may override.

@@ -20,7 +20,7 @@ use crate::fault::FaultKind;
 use crate::spindle::SpindleLoop;
 use alloc::vec::Vec;
 use bus::{AXES, SPINDLES};
-use plan::{GearStep, Superpose, Superposed, TableId};
+use motion::{GearStep, Superpose, Superposed, TableId};
 use sync::{Blend, Engagement, Engaging, Fade, Gear, Periodic, Rotation, Swing, Travel};
 use units::{Accel, Angle, Length, Speed, Time};
 

@@ -28,7 +28,7 @@ use crate::config::{EncoderPlace, FeedForward, Subject};
 use crate::drives::{Drives, Finding};
 use crate::fault::FaultKind;
 use bus::Feedback;
-use canon::Axis;
+use units::Axis;
 
 /// Steps may differ by what the drive's most acceleration does in a period, times this: cut and springs add to it.
 const BEYOND_DRIVE: f64 = 3.0;

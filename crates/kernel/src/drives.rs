@@ -15,8 +15,8 @@ use crate::spindle::SpindleLoop;
 use crate::tempo::Tempo;
 use crate::threading::Chain;
 use bus::{AXES, Command, Feedback, SPINDLES};
-use canon::Axis;
 use sync::SyncMode;
+use units::Axis;
 use units::{Length, Spin};
 
 /// Indices of the axes that moves move: all. Of A, B, C read degrees where it says millimetres.

@@ -7,8 +7,9 @@
 use crate::fault::Fault;
 use crate::operator::Notice;
 use alloc::collections::VecDeque;
-use canon::{Axis, InputWait, Output};
+use motion::{InputWait, Output};
 use sync::Figures;
+use units::Axis;
 use units::{Length, Spin, Time};
 
 /// Events kept for who has not asked yet.

@@ -27,7 +27,7 @@ use crate::threading::{self, Chain, Leave, Pass};
 use crate::track::Track;
 use alloc::collections::VecDeque;
 use bus::{Feedback, State};
-use plan::{SpindleStep, Step, StepKind, WayOut};
+use motion::{SpindleStep, Step, StepKind, WayOut};
 use sync::Phase;
 use units::{Spin, Time};
 

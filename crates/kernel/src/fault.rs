@@ -9,8 +9,8 @@
 //!
 //! The alarm list of the manual is made from [`FaultKind::ALL`].
 use crate::config::Subject;
-use canon::Axis;
 use core::fmt;
+use units::Axis;
 use units::Time;
 
 /// A kind of alarm.

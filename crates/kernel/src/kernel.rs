@@ -26,7 +26,7 @@ use crate::retreating::Retreating;
 use crate::withdrawing::Withdrawing;
 use alloc::{collections::VecDeque, vec::Vec};
 use bus::{Command, Feedback, Report, State};
-use plan::{Step, StepKind, WayOut};
+use motion::{Step, StepKind, WayOut};
 use units::{Length, Time};
 
 /// Steps that may wait.
@@ -167,7 +167,7 @@ impl Kernel {
     }
 
     /// Where the tool side of an axis is believed to be: by its scale, or by its motor and the model of its screw.
-    pub fn tool_side(&self, axis: canon::Axis) -> Option<Length> {
+    pub fn tool_side(&self, axis: units::Axis) -> Option<Length> {
         let axis = self.drives.axes.get(axis.index())?.as_ref()?;
         Some(Length::mm(axis.position()))
     }
@@ -362,7 +362,7 @@ impl Kernel {
         let led = self.retreat(threading).or(tapping);
         self.drives.advance_spindles();
         for (index, axis) in self.drives.axes.iter_mut().enumerate() {
-            let coupled = led == Some(index) || threading && index < plan::THREADING_AXES;
+            let coupled = led == Some(index) || threading && index < motion::THREADING_AXES;
             if let Some(axis) = axis.as_mut().filter(|_| !coupled) {
                 axis.brake();
             }

@@ -6,7 +6,7 @@
 //! ```
 use crate::event::TapFigures;
 use alloc::vec::Vec;
-use plan::TapPlan;
+use motion::TapPlan;
 use sync::{Correction, Learning, Lesson, StrokeKey, Taught};
 use units::{Angle, Length, Time};
 

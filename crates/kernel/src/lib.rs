@@ -1,7 +1,7 @@
 //! The control: one function per servo period, from what the machine says to what it shall do.
 //!
 //! ```text
-//!            plan::Step (bounded queue)
+//!            motion::Step (bounded queue)
 //!                  │
 //!   Feedback ─► tick ─► Command       1 readings, observers     4 setpoints of spindles
 //!                  │                  2 faults                  5 servo loops

@@ -16,8 +16,8 @@ use crate::spindle::SpindleLoop;
 use crate::tempo::Period;
 use crate::track::{Ahead, Rates, Track};
 use alloc::collections::VecDeque;
-use path::AXES;
-use plan::Step;
+use motion::AXES;
+use motion::Step;
 
 /// A step may begin this far from where the axis stands, mm; the difference is smoothed away.
 pub(crate) const JUMP_MM: f64 = 0.050;
@@ -48,7 +48,7 @@ impl Moving {
         stand_at(&track.begins(), drives)?;
         for index in MOVING {
             if track.moves(index) && drives.axes[index].is_none() {
-                let of = Subject::Axis(canon::Axis::ALL[index]);
+                let of = Subject::Axis(units::Axis::ALL[index]);
                 return Err((FaultKind::NotConfigured, of, 0.0, 0.0));
             }
         }
@@ -132,7 +132,7 @@ pub(crate) fn stand_at(place: &[f64; AXES], drives: &mut Drives) -> Result<(), F
         let jump = place[index] - control.target.position;
         let on_the_way = drives.flowing;
         if jump.is_nan() || (jump.abs() > JUMP_MM && !on_the_way) {
-            let of = Subject::Axis(canon::Axis::ALL[index]);
+            let of = Subject::Axis(units::Axis::ALL[index]);
             return Err((FaultKind::SetpointJump, of, jump, JUMP_MM));
         }
     }

@@ -4,8 +4,8 @@
 //!   axis Z: position_gain is NaN, expected a finite number above zero
 //! ```
 use crate::config::{AxisControl, Config, FeedForward, SpindleControl, Subject};
-use canon::Axis;
 use sync::{MAX_TRANSPORT, SyncMode};
+use units::Axis;
 
 /// Something in a [`Config`] that cannot be meant: the field, what it is, and what it must be.
 #[derive(Clone, Copy, Debug, PartialEq)]

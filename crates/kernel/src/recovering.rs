@@ -15,9 +15,9 @@ use crate::drives::{Drives, Finding};
 use crate::event::{EventKind, RecoveryFigures};
 use crate::execute::Context;
 use crate::fault::FaultKind;
-use canon::Axis;
 use sync::recovery::{Mover, Point, Projection, Stored, Way};
 use sync::{Blend, BlendPoint, Coupling, Rotation};
+use units::Axis;
 use units::{Accel, Angle, Length, Speed, Spin, SpinAccel, Time};
 
 /// What to take out, and how.

@@ -9,9 +9,9 @@
 use crate::axis::{AxisLoop, Target};
 use crate::config::{Config, PhaseLoss};
 use crate::drives::Drives;
-use canon::Axis;
-use plan::WayOut;
+use motion::WayOut;
 use sync::Blend;
+use units::Axis;
 use units::Length;
 
 /// Share of what the axis can, as for any move that nobody planned.

@@ -14,7 +14,7 @@
 //! Between two holes the spindle is held at the angle at which the last tap left it, so θ₀ of the next one is known while the
 //! axes are still on their way, and nobody waits. Where it comes otherwise, the wish is renewed at the hole.
 use alloc::collections::VecDeque;
-use plan::{TapPlan, TiedCut, WayOut};
+use motion::{TapPlan, TiedCut, WayOut};
 use units::{Angle, Lead, LeadGrowth, Length, Spin, Time};
 
 /// How long a tap waits for its record.

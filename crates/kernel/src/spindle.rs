@@ -22,7 +22,7 @@ use crate::friction::spindle_friction;
 use crate::servo::{Gains, Input, Servo};
 use bus::{SpindleCommand, SpindleFeedback};
 use core::f64::consts::TAU;
-use plan::{Profile, SurfaceSpeed};
+use motion::{Profile, SurfaceSpeed};
 use sync::{Blend, Observer, Rotation, Swing, Tracker};
 use units::{Angle, Spin, SpinAccel, Time, Torque};
 

@@ -8,7 +8,7 @@
 //!                ▲ brake: from here on the speed only falls
 //! ```
 use core::cell::Cell;
-use plan::Profile;
+use motion::Profile;
 use sync::{Stroke, StrokePoint};
 use units::{Angle, Spin, SpinAccel, Time};
 
@@ -63,7 +63,7 @@ impl Stroke for Planned<'_> {
     }
 }
 
-fn point(at: &plan::Instant) -> StrokePoint {
+fn point(at: &motion::Instant) -> StrokePoint {
     StrokePoint {
         turned: Angle::rev(at.s),
         spin: Spin::rev_per_s(at.v),
@@ -74,13 +74,13 @@ fn point(at: &plan::Instant) -> StrokePoint {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use plan::Piece;
+    use motion::Phase;
 
     /// 0.1 s up, 0.1 s at 10 rev/s, 0.1 s down.
     fn trapezoid() -> Profile {
         let mut profile = Profile::EMPTY;
         for (s, v, a) in [(0.0, 0.0, 100.0), (0.5, 10.0, 0.0), (1.5, 10.0, -100.0)] {
-            assert!(profile.push(Piece { duration: 0.1, s, v, a, j: 0.0 }));
+            assert!(profile.push(Phase { duration: 0.1, s, v, a, j: 0.0 }));
         }
         profile
     }

@@ -19,7 +19,7 @@ use crate::spindle::SpindleLoop;
 use crate::stroke::{Mark, Planned};
 use crate::terms::{clear, corrected, feed_forwards, halt, held, spoken, target, turned};
 use crate::track::point;
-use plan::TapPlan;
+use motion::TapPlan;
 use sync::recovery::{Direction, Stored};
 use sync::{
     Ask, Correction, Coupling, Cycle, MAX_TRANSPORT, Monitor, Phase, Prediction, Rotation, Stroke,

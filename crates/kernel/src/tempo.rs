@@ -28,7 +28,7 @@
 //! | `rate` x | planned time that passes in a period, over the period |
 //! | `change` d | of the rate, from a period to the next |
 //! | `first`, `second` | differences of the setpoints, mm |
-use path::{AXES, Bounds, Limits};
+use motion::{AXES, Bounds, Limits};
 
 /// A place on planned motion.
 #[derive(Clone, Copy, Debug, Default)]

@@ -2,7 +2,7 @@
 use crate::axis::{AxisLoop, Target};
 use crate::config::{Config, FeedForward, SpindleControl};
 use crate::spindle::SpindleLoop;
-use plan::TapPlan;
+use motion::TapPlan;
 use sync::{Correction, Follower, Halt, Prediction, Rotation, Spoken, Stopping, SyncMode};
 use units::{Accel, Angle, Length, Speed, Spin, SpinAccel, SpinJerk, Time};
 

@@ -20,9 +20,9 @@ use crate::drives::{Drives, Finding};
 use crate::fault::FaultKind;
 use crate::moving::stand_at;
 use crate::retreating::Retreating;
-use canon::Axis;
-use path::AXES;
-use plan::{OnThread, THREADING_AXES, ThreadStretch, WayOut};
+use motion::AXES;
+use motion::{OnThread, THREADING_AXES, ThreadStretch, WayOut};
+use units::Axis;
 use units::{Angle, Lead, Length, Time};
 
 /// The chain under way.

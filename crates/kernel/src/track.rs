@@ -6,9 +6,9 @@
 //! ```
 use crate::tempo::{Motion, Place};
 use alloc::collections::VecDeque;
-use canon::Position;
-use path::{AXES, Shape};
-use plan::{Follow, Move, Step, StepKind, coordinate};
+use motion::{AXES, Shape};
+use motion::{Follow, Move, Step, StepKind, coordinate};
+use units::Position;
 use units::{Length, Speed};
 
 /// What is followed.
@@ -201,5 +201,5 @@ impl Motion for Ahead<'_> {
 }
 
 pub(crate) fn point(position: &Position) -> [f64; AXES] {
-    canon::Axis::ALL.map(|axis| coordinate(position, axis))
+    units::Axis::ALL.map(|axis| coordinate(position, axis))
 }

@@ -11,7 +11,7 @@ use crate::config::Subject;
 use crate::drives::{Drives, Finding};
 use crate::fault::FaultKind;
 use crate::retreating::Retreating;
-use canon::Axis;
+use units::Axis;
 use units::{Length, Time};
 
 /// Which axes move, one after the other, and where to.

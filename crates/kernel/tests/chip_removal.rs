@@ -11,9 +11,9 @@ use canon::{
 };
 use common::*;
 use kernel::{Event, EventKind, FaultKind};
+use motion::{ChipThrow, Path, SpindleStep, StepKind};
 use plan::{
-    AxisLimits, ChipThrow, MachineLimits, Options, Path, Planner, Profile, SpindleLimits,
-    SpindleStep, Start, StepKind, Tapping, ToolChange,
+    AxisLimits, MachineLimits, Options, Planner, SpindleLimits, Start, Tapping, ToolChange,
 };
 use proptest::prelude::*;
 use units::{Accel, Force, Jerk, Lead, Length, Power, Speed, Spin, Stiffness, Time, Torque};
@@ -438,9 +438,9 @@ fn careless(then_rpm: f64) -> Vec<StepKind> {
         upwards: true,
     });
     let path = Path::Line { from: Position::default(), to: Position::xyz(0.0, 0.0, -20.0) };
-    let cut = plan::Move {
+    let cut = motion::Move {
         path,
-        profile: Profile::rest_to_rest(20.0, 50.0, 1000.0, 1e5),
+        profile: plan::rest_to_rest(20.0, 50.0, 1000.0, 1e5),
         rapid: false,
         per_revolution: false,
         exact_stop: true,

@@ -6,7 +6,7 @@ use canon::{Axis, Position, Ratio};
 use common::{Run, await_speed, control, line, machine, run_kernel_on, turn};
 use core::f64::consts::TAU;
 use kernel::{FaultKind, Kernel, Periodic, PhaseLoss};
-use plan::{GearStep, Step, StepKind, Superpose, Superposed, TableId};
+use motion::{GearStep, Step, StepKind, Superpose, Superposed, TableId};
 use sim::SimulatedMachine;
 use units::{Accel, Angle, Inertia, Length, Power, Speed, Torque};
 

@@ -6,7 +6,7 @@ use bus::Machine;
 use canon::Position;
 use common::{M6, TapOrder, await_speed, control, line, machine, tapping, turn};
 use kernel::{Kernel, Learning, Prediction, SyncMode};
-use plan::{Step, StepKind};
+use motion::{Step, StepKind};
 use sim::SimulatedMachine;
 
 #[global_allocator]
@@ -47,12 +47,12 @@ fn ticks_learning(mode: SyncMode, steps: &[StepKind], learning: Option<Learning>
 #[test]
 fn no_tick_of_a_surface_speed_takes_memory() {
     let (near, far) = (Position::xyz(20.0, 0.0, 0.0), Position::xyz(60.0, 0.0, 0.0));
-    let surface = plan::SurfaceSpeed {
+    let surface = motion::SurfaceSpeed {
         speed: units::Speed::mm_per_min(100e3),
         limit: units::Spin::rpm(3000.0),
         axis: units::Length::ZERO,
     };
-    let order = plan::SpindleStep::Surface { surface, ramp: plan::Profile::EMPTY };
+    let order = motion::SpindleStep::Surface { surface, ramp: motion::Profile::EMPTY };
     let steps = [
         line(Position::default(), far, 100.0, true),
         StepKind::Spindle { spindle: 0, order },

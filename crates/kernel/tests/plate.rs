@@ -7,7 +7,8 @@ use canon::{
 };
 use common::*;
 use kernel::{EventKind, Kernel, TapFigures};
-use plan::{AxisLimits, MachineLimits, Options, Planner, Start, Step, Tapping, ToolChange};
+use motion::Step;
+use plan::{AxisLimits, MachineLimits, Options, Planner, Start, Tapping, ToolChange};
 use sim::SimulatedMachine;
 use units::{Accel, Angle, Lead, Length, Speed, Spin, Stiffness, Time};
 

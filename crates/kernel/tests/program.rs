@@ -5,7 +5,7 @@ use bus::State;
 use canon::{Arc, Plane, Position};
 use common::*;
 use kernel::{EventKind, Kernel, Pause, QUEUE};
-use plan::{Move, Path, Piece, Profile, SpindleStep, Step, StepKind};
+use motion::{Move, Path, Phase, Profile, SpindleStep, Step, StepKind};
 use sim::{Tool, ToolKind};
 use units::{Angle, Length, Spin, Time};
 
@@ -133,7 +133,7 @@ fn a_turn_that_the_ramp_does_not_fit_gets_there_all_the_same() {
 fn a_move_per_revolution_follows_the_real_spindle() {
     // 0.2 mm a revolution over 10 mm: the profile's time is revolutions
     let mut profile = Profile::EMPTY;
-    assert!(profile.push(Piece { duration: 50.0, s: 0.0, v: 0.2, a: 0.0, j: 0.0 }));
+    assert!(profile.push(Phase { duration: 50.0, s: 0.0, v: 0.2, a: 0.0, j: 0.0 }));
     let path = Path::Line { from: ZERO, to: Position::xyz(10.0, 0.0, 0.0) };
     let feed = Move {
         path,

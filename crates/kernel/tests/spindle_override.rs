@@ -6,7 +6,7 @@ mod common;
 use canon::Position;
 use common::{await_speed, control, line, machine, run_ordered, turn};
 use kernel::{EventKind, Kernel, Notice, Order, Overrides};
-use plan::StepKind;
+use motion::StepKind;
 use sim::SimulatedMachine;
 use units::Spin;
 

@@ -6,7 +6,7 @@ use canon::Position;
 use common::*;
 use core::f64::consts::TAU;
 use kernel::Order;
-use plan::{Move, Path, Piece, Profile, SpindleStep, StepKind, SurfaceSpeed};
+use motion::{Move, Path, Phase, Profile, SpindleStep, StepKind, SurfaceSpeed};
 use units::{Length, Speed, Spin, Time};
 
 /// 100 m/min about X-30, 3000 rpm at most.
@@ -34,7 +34,7 @@ fn face(from: f64, to: f64, feed: f64, per_revolution: bool) -> StepKind {
     let path = Path::Line { from: at(from), to: at(to) };
     let mut profile = Profile::EMPTY;
     let duration = path.length() / feed;
-    assert!(profile.push(Piece { duration, s: 0.0, v: feed, a: 0.0, j: 0.0 }));
+    assert!(profile.push(Phase { duration, s: 0.0, v: feed, a: 0.0, j: 0.0 }));
     StepKind::Move(Move {
         path,
         profile,

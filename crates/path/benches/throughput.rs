@@ -1,7 +1,7 @@
 //! How many segments a second the law of time plans, and how much memory it needs: `cargo bench -p path`.
-use path::geometry::Line;
+use motion::Line;
+use motion::{AXES, Bounds, Curve, Entry, Limits, Piece, Shape};
 use path::law::{Config, Law};
-use path::{AXES, Bounds, Curve, Entry, Limits, Piece, Shape};
 
 #[allow(clippy::disallowed_methods)] // a bench measures
 fn main() {

@@ -4,7 +4,7 @@
 //!   programmed lines, arcs, splines ─► geometry: one joined curve q(s), in pieces ─► law: s(t), in phases
 //! ```
 //!
-//! The two halves meet in [`Piece`]: what is to be followed, how fast it may be at most, and how it joins the piece
+//! The two halves meet in [`motion::Piece`]: what is to be followed, how fast it may be at most, and how it joins the piece
 //! before. Everything is in mm (degrees for rotary axes), s, and their quotients.
 #![no_std]
 extern crate alloc;
@@ -12,5 +12,4 @@ extern crate alloc;
 pub mod geometry;
 pub mod law;
 
-pub use geometry::{AXES, Bounds, Curve, Derivatives, Entry, Limits, Piece, Shape};
-pub use law::Phase;
+use motion::{AXES, Bounds, Curve, Derivatives, Entry, Instant, Limits, Phase, Piece, Shape};

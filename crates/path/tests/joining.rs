@@ -1,6 +1,7 @@
 //! What joining promises: near enough to what was programmed, exact at its ends, and smooth where it says so.
-use path::geometry::{Arc, Bezier, Joiner, Line, Segment};
-use path::{AXES, Bounds, Curve, Derivatives, Entry, Limits, Piece, Shape};
+use motion::{AXES, Bounds, Curve, Derivatives, Entry, Limits, Piece, Shape};
+use motion::{Arc, Line};
+use path::geometry::{Joiner, Segment, cubic};
 use proptest::prelude::*;
 
 type Point = [f64; AXES];
@@ -239,7 +240,7 @@ fn a_line_and_an_arc_are_joined_with_one_bend_flowing_into_the_other() {
 #[test]
 fn a_spline_is_run_by_its_length() {
     let mut parts = Vec::new();
-    Bezier::cubic(
+    cubic(
         [at(0.0, 0.0, 0.0), at(1.0, 30.0, 0.0), at(40.0, -20.0, 5.0), at(50.0, 0.0, 0.0)],
         &mut parts,
     );

@@ -1,8 +1,8 @@
 //! What the law of time promises, checked on the setpoints that a machine would get.
 mod setpoints;
-use path::geometry::{Bezier, Joiner, Line, Segment};
+use motion::{AXES, Bezier, Bounds, Curve, Entry, Instant, Limits, Line, Piece, Shape};
+use path::geometry::{Joiner, Segment, cubic};
 use path::law::{Config, Law, Timed};
-use path::{AXES, Bounds, Curve, Entry, Limits, Piece, Shape};
 use proptest::prelude::*;
 use setpoints::{PERIOD, inside, joined, loads, setpoints};
 
@@ -53,7 +53,7 @@ fn a_slow_arc_from_rest_to_rest_takes_as_long_as_a_line() {
     let point = |x: f64, y: f64| core::array::from_fn(|k| [x, y].get(k).copied().unwrap_or(0.0));
     for turns in [0.002, 0.02, 0.25, 1.0] {
         let angle = std::f64::consts::TAU * turns;
-        let arc = path::geometry::Arc {
+        let arc = motion::Arc {
             from: point(radius, 0.0),
             to: point(radius * angle.cos(), radius * angle.sin()),
             plane: [0, 1],
@@ -84,7 +84,7 @@ fn a_flat_arc_takes_as_long_as_a_line() {
     let arc = |from: f64, entry: Entry| {
         let place =
             |s: f64| point(radius * (s / radius).sin(), radius * (1.0 - (s / radius).cos()));
-        let curve = Curve::Arc(path::geometry::Arc {
+        let curve = Curve::Arc(motion::Arc {
             from: place(from),
             to: place(from + length),
             plane: [0, 1],
@@ -107,7 +107,7 @@ fn a_spline_that_ends_in_a_sharp_bend_is_slow_there() {
     let point = |x: f64, y: f64| core::array::from_fn(|k| [x, y].get(k).copied().unwrap_or(0.0));
     let control = [point(0.0, 0.0), point(2.0, 3.0), point(2.01, -0.01), point(2.0, 0.0)];
     let mut parts = Vec::new();
-    Bezier::cubic(control, &mut parts);
+    cubic(control, &mut parts);
     let entry = |k: usize| if k == 0 { Entry::Rest } else { Entry::Smooth };
     let piece = |(k, part): (usize, &Bezier)| {
         let curve = Curve::Bezier(*part);
@@ -130,7 +130,7 @@ fn a_cusp_is_passed_nearly_at_rest_and_takes_no_time_to_plan() {
     for beside in [0.0, 1e-9, 1e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 0.03, 0.1, 0.3] {
         let control = [point(0.0, 0.0), point(4.0, 4.0 + beside), point(0.0, 4.0), point(4.0, 0.0)];
         let mut parts = Vec::new();
-        Bezier::cubic(control, &mut parts);
+        cubic(control, &mut parts);
         let piece = |(k, part): (usize, &Bezier)| {
             let curve = Curve::Bezier(*part);
             let entry = if k == 0 { Entry::Rest } else { Entry::Smooth };
@@ -156,7 +156,7 @@ fn a_period_longer_than_the_longest_step_is_no_panic() {
     let limits = config(bounds(20.0, 50.0, 500.0));
     for period in [0.022_698, 0.5, 10.0] {
         let phases = timed(&[piece], &Config { period, ..limits });
-        let (s, v, _) = phases[phases.len() - 1].phase.at(phases[phases.len() - 1].phase.duration);
+        let Instant { s, v, .. } = phases[phases.len() - 1].phase.end();
         assert!((s - 10.0).abs() < 1e-9 && v.abs() < 1e-6, "{period}: ends at {s} with {v}");
     }
 }
@@ -257,7 +257,7 @@ fn with_jerk_a_slow_arc_takes_as_long_as_its_feed_and_few_phases() {
     let point = |x: f64, y: f64| core::array::from_fn(|k| [x, y].get(k).copied().unwrap_or(0.0));
     let (start, length) = (point(radius, 0.0), radius * std::f64::consts::TAU);
     let (sweep, centre) = (std::f64::consts::TAU, [0.0; 2]);
-    let arc = path::geometry::Arc { from: start, to: start, plane: [0, 1], centre, sweep, length };
+    let arc = motion::Arc { from: start, to: start, plane: [0, 1], centre, sweep, length };
     for feed in [100.0, 10.0, 1.0, 0.1, 0.01] {
         let (curve, entry) = (Curve::Arc(arc), Entry::Rest);
         let arc = Piece { curve, begin: 0.0, length, feed, rapid: false, entry, op: 0, line: 0 };

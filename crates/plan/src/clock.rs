@@ -1,8 +1,7 @@
 //! The planned time of steps: how long they will take, one after another, with the spindle ramps that run beside them.
 use crate::limits::MachineLimits;
-use crate::step::{Follow, Move};
-use crate::{ChipThrow, Profile, SpindleStep, Step, StepKind, SurfaceSpeed};
-use ::path::geometry::Shape;
+use crate::planner::passed_by;
+use motion::{ChipThrow, Follow, Move, Profile, Shape, SpindleStep, Step, StepKind, SurfaceSpeed};
 use units::{Angle, Length, Spin, Time};
 
 /// Places along a path where its speed by the surface is looked at.
@@ -33,7 +32,7 @@ impl Clock {
     pub fn count(&mut self, step: &Step, limits: &MachineLimits) {
         match &step.kind {
             StepKind::Move(m) => {
-                if let Some((throw, at)) = self.throw.and_then(|t| Some((t, t.passed_by(m)?))) {
+                if let Some((throw, at)) = self.throw.and_then(|t| Some((t, passed_by(&t, m)?))) {
                     let lasts = throw_lasts(&throw, limits);
                     self.ready_at = self.ready_at.max(self.elapsed + at + lasts);
                     self.throw = None;

@@ -1,17 +1,9 @@
-//! Steps that couple: an electronic gear between spindles, and what is superposed on an axis by a spindle's turn.
-//!
-//! ```text
-//!   Engage   follower = ratio·θ (+ axis/lead) + phase     coarse: same speed; fine: same phase; then locked
-//!   Superpose   axis or spindle += g(θ)                   faded in, exchanged and faded out smoothly
-//!   Release  the follower is a spindle of its own again
-//! ```
-//!
-//! The functions g are tables over one turn of the master, or over the few after which a gear begins anew. A step is `Copy` and short, so it names its table by a
-//! number; whoever feeds the kernel hands it the tables themselves ([`Table`]) before the steps.
+//! Tables of what is superposed on an axis by a spindle's turn: over one turn of the master, or over the few after which a gear
+//! begins anew. Whoever feeds the kernel hands it the tables before the steps that name them ([`motion::Superpose`]).
 use alloc::vec::Vec;
-use canon::{Axis, Harmonic, Ratio};
+use canon::Harmonic;
 use core::f64::consts::TAU;
-use units::{Angle, Lead};
+use motion::TableId;
 
 /// Nodes of a table that is made from harmonics: a cubic through 720 of them errs by 4·10⁻⁹ of the amplitude of
 /// the fourth harmonic.
@@ -24,10 +16,6 @@ const MOST_NODES: usize = 7200;
 /// The number by which a step asks whoever runs the kernel to look at how a polygon's oscillation came out.
 pub const OSCILLATION_SEEN: u16 = 514;
 
-/// Names a table that the kernel has been given.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct TableId(pub u16);
-
 /// A function of one turn of a master, or of a few, at equal steps from 0: mm on an axis, rev on a spindle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
@@ -35,45 +23,6 @@ pub struct Table {
     pub id: TableId,
     /// Its values.
     pub nodes: Vec<f64>,
-}
-
-/// A spindle that follows another one, and an axis beside it where a helix is cut.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GearStep {
-    /// The spindle that follows.
-    pub follower: u8,
-    /// The spindle that leads.
-    pub master: u8,
-    /// Follower's turns per master's turns.
-    pub ratio: Ratio,
-    /// A second master: the follower turns once more for each lead that this axis travels from zero.
-    pub axis: Option<(Axis, Lead)>,
-    /// Angle of the follower while the masters are at zero.
-    pub phase: Angle,
-}
-
-/// What a superposition moves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Superposed {
-    /// A linear axis.
-    Axis(Axis),
-    /// A geared spindle's phase; where the spindle is its own master, its swing about an even turn.
-    Spindle(u8),
-}
-
-/// Begin, exchange or end what is superposed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Superpose {
-    /// On what.
-    pub on: Superposed,
-    /// The spindle whose angle is the table's argument.
-    pub master: u8,
-    /// Which function from now on; `None`: none.
-    pub table: Option<TableId>,
-    /// Turns of the master that the table spans, one or more.
-    pub turns: f64,
-    /// Turns of the master over which it fades in or out, at least; the limits of gentle moves may ask for more.
-    pub over: Angle,
 }
 
 /// A sum of harmonics at equal steps of a turn.

@@ -28,8 +28,8 @@
 //! the commonest way for fast tapping to fail.
 use crate::SpindleLimits;
 use crate::ramp::{Ceiling, MAX_STRETCHES, Ramp, Stretch};
-use crate::{Piece, Profile};
 use core::f64::consts::TAU;
+use motion::{Phase, Profile};
 use units::{Spin, Torque};
 
 /// Ratio of the speeds at which neighbouring tangents touch the curve, if their number suffices.
@@ -120,7 +120,7 @@ impl SpindleLimits {
             self.change(&mut profile, a, b);
         }
         let end = profile.end();
-        profile.ending_at(crate::Instant { s: end.s, v: b, a: 0.0 })
+        profile.ending_at(motion::Instant { s: end.s, v: b, a: 0.0 })
     }
 
     /// Append a change of speed within one sense.
@@ -128,7 +128,7 @@ impl SpindleLimits {
         let (low, high) = (from.abs().min(to.abs()), from.abs().max(to.abs()));
         let sense = if from + to < 0.0 { -1.0 } else { 1.0 };
         let start = profile.end().s;
-        let signed = |p: Piece| Piece {
+        let signed = |p: Phase| Phase {
             duration: p.duration,
             s: start + sense * p.s,
             v: sense * p.v,
@@ -136,7 +136,7 @@ impl SpindleLimits {
             j: sense * p.j,
         };
         let jerk = self.jerk();
-        let mut add = |piece: Piece| {
+        let mut add = |piece: Phase| {
             // cannot fail: two ramps fit into a profile, see MAX_STRETCHES
             let fits = profile.push(signed(piece));
             debug_assert!(fits);

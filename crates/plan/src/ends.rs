@@ -9,7 +9,7 @@
 //! One piece of a joined path may serve many lines: its own `op` is the first, and all that come before the next piece's end
 //! on it. Where every line is to end at rest, such a piece is cut at the places nearest to their ends.
 use alloc::collections::VecDeque;
-use path::{AXES, Piece, Shape};
+use motion::{AXES, Piece, Shape};
 
 /// Ends that are kept: more lines than can be on their way. Of those before, a stop may come where the next piece begins.
 const KEPT: usize = 1 << 16;
@@ -101,7 +101,7 @@ fn cut(piece: &Piece, done: f64, next: u32, ends: &Ends, emit: &mut impl FnMut(P
         if at - done > SHORTEST && piece.length - at > SHORTEST {
             emit(Piece { length: at - begun, ..rest });
             rest = Piece { begin: piece.begin + at, length: piece.length - at, ..*piece };
-            rest.entry = path::Entry::Smooth;
+            rest.entry = motion::Entry::Smooth;
             (begun, done) = (at, at);
         }
         if piece.length - at > SHORTEST {

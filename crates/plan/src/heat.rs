@@ -17,8 +17,8 @@
 //!
 //! Source: IEC 60034-1, duty types S1 and S3; a winding warms by the square of its current.
 use crate::limits::{MachineLimits, SpindleLimits};
-use crate::{Profile, SpindleStep, StepKind};
 use core::f64::consts::TAU;
+use motion::{Profile, SpindleStep, StepKind};
 use units::{Spin, Torque};
 
 /// Slices of a profile over which its torque is averaged.

@@ -2,26 +2,22 @@
 //! machine cannot do, before it moves.
 //!
 //! ```text
-//!   canon::Op ─► Planner (limits of the machine) ─► Step ─► kernel (evaluates, bounded cost)
+//!   canon::Op ─► Planner (limits of the machine) ─► motion::Step ─► kernel (evaluates, bounded cost)
 //! ```
-//!
-//! A [`Step`] is plain data, `Copy`, and complete: whoever has it can say where every axis shall be at
-//! every instant of it, with velocity and acceleration, without asking anybody.
 //!
 //! | file | answers |
 //! |---|---|
 //! | `planner` | which steps an op becomes, in which order; what refuses it |
-//! | `motion`, `travel` | how fast a path may be run; whether it stays within the travel |
+//! | `along`, `travel` | how fast a path may be run; whether it stays within the travel |
 //! | `stroke`, `curve` | a tap's spindle profile; the drive's torque and power curve |
 //! | `ramp` | the fastest change of speed under a ceiling and a jerk |
-//! | `coupled` | gears between spindles, and what is superposed on an axis |
+//! | `coupled` | tables of what is superposed on an axis |
 //! | `tap_check`, `holes` | taps that cannot come out right |
 //! | `planner::contact`, `stock`, `chip` | the tool against the stock: what would break it |
 //! | `run` | moves that go on into one another (crate `path`) |
 //! | `ends` | where the program's lines end on a joined path |
 //! | `repace` | what was handed on and not yet done, planned anew: for more feed, for stops at each line |
 //! | `timing` | one law of time along a path, as steps |
-//! | `path`, `profile`, `step` | what the kernel evaluates |
 //! | `clock` | how long steps will take |
 //! | `words` | places, lengths and feeds as the program writes them |
 //!
@@ -43,6 +39,7 @@
 #![allow(clippy::large_types_passed_by_value)] // a step is moved once, into the queue
 extern crate alloc;
 
+mod along;
 mod cams;
 mod chip;
 mod clock;
@@ -55,18 +52,14 @@ mod heat;
 mod holes;
 mod left_alone;
 mod limits;
-mod motion;
 mod outbox;
-mod path;
 mod planner;
-mod profile;
 mod ramp;
 mod repace;
 mod run;
-mod step;
+mod signals;
 mod stock;
 mod stroke;
-mod surface;
 mod tap_check;
 mod thread;
 mod timing;
@@ -74,26 +67,17 @@ mod travel;
 mod way_out;
 mod words;
 
-pub use crate::motion::coordinate;
-pub use crate::path::{Motion, Path};
 pub use cams::{CamCommand, Cams, Course, TURN_ENDED, WheelWear, turned};
 pub use clock::Clock;
 pub use clutch::{ClutchCycle, DwellWindow};
-pub use coupled::{GearStep, OSCILLATION_SEEN, Superpose, Superposed, Table, TableId, sampled};
+pub use coupled::{OSCILLATION_SEEN, Table, sampled};
 pub use left_alone::{coasts, overrun, survives};
 pub use limits::{
     AxisLimits, Coasts, DwellCheck, Effort, Joining, MachineLimits, Options, OwnRamps, PlainDrive,
     Retract, SpindleLimits, TapMethod, Tapping, ToolChange, Unsynchronised,
 };
 pub use planner::{Planner, Preflight, Start, preflight};
-pub use profile::{Instant, MAX_PIECES, Piece, Profile};
-pub use repace::{HandedBack, Wish};
-pub use step::{
-    ChipThrow, Follow, Limiting, Move, PHASES, Pace, Programmed, SpindleStep, Step, StepKind,
-    TapLimiting, TapPlan,
-};
+pub use ramp::rest_to_rest;
+pub use repace::Wish;
 pub use stock::Stock;
 pub use stroke::{Stroke, StrokeRequest, tapping_torque};
-pub use surface::SurfaceSpeed;
-pub use thread::{Corner, OnThread, THREADING_AXES, ThreadStretch};
-pub use way_out::{Pass, TiedCut, WayOut};

@@ -4,7 +4,7 @@
 //! RS-274/NGC does for the feed of a rotary axis.
 use alloc::vec::Vec;
 use canon::{Axis, PathMode};
-use path::{AXES, Bounds, Limits};
+use motion::{AXES, Bounds, Limits};
 use units::{
     Accel, Angle, Inertia, Jerk, Lead, Length, Power, Speed, Spin, SpinAccel, Time, Torque,
 };

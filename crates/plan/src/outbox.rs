@@ -10,7 +10,6 @@
 //! ```
 //!
 //! So rapids wait while a spindle order is open, and cuts are gathered in a [`Run`] until something else comes.
-use crate::Step;
 use crate::clock::Clock;
 use crate::ends::Ends;
 use crate::heat::Heat;
@@ -18,7 +17,8 @@ use crate::limits::MachineLimits;
 use crate::repace::{Row, Wish};
 use crate::run::{Order, Run};
 use alloc::vec::Vec;
-use path::{Shape, geometry::Segment};
+use motion::{Shape, Step};
+use path::geometry::Segment;
 use units::Time;
 
 /// Steps that may wait behind an open spindle order: rapids from one cut to the next are few.

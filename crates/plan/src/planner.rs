@@ -23,15 +23,14 @@ use crate::findings::{Findings, number};
 use crate::holes::Holes;
 use crate::limits::{MachineLimits, Options};
 use crate::outbox::Outbox;
-use crate::path::Path;
 use crate::repace::Wish;
-use crate::step::{Step, StepKind};
+use crate::signals;
 use crate::stroke::{Stroke, StrokeRequest};
-use crate::surface::SurfaceSpeed;
 use crate::way_out::CameFrom;
 use alloc::{format, vec::Vec};
 use canon::{Axis, Op, OpKind, PathMode, Position, ProgramFrame, ToolLibrary};
 use diag::{Diagnostic, Span};
+use motion::{Path, Step, StepKind, SurfaceSpeed};
 use units::{Length, Spin, Time, Torque};
 
 mod cam;
@@ -47,6 +46,7 @@ mod tap;
 mod thread;
 mod tool_change;
 mod unsynchronised;
+pub(crate) use chips::passed_by;
 use refuse::wild;
 
 /// Moves shorter than this are no moves: a picometre.
@@ -324,12 +324,12 @@ impl Planner {
                 self.after_spindle(&mut job, step);
             }
             OpKind::Output(output) => {
-                let step = job.step(StepKind::Output(*output));
+                let step = job.step(StepKind::Output(signals::output(output)));
                 self.after_spindle(&mut job, step);
             }
             OpKind::Input(wait) => {
                 self.tell_spindles(&mut job);
-                self.hand_on(&mut job, StepKind::Input(*wait));
+                self.hand_on(&mut job, StepKind::Input(signals::input(wait)));
             }
             OpKind::UserCode(code) => {
                 self.tell_spindles(&mut job);

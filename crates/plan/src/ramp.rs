@@ -22,7 +22,7 @@
 //!
 //! Under a level ceiling this is the known seven-piece profile: a/j up, level, a/j down, cruise, and
 //! the same mirrored (Biagiotti, Melchiorri: Trajectory Planning for Automatic Machines, 3.4).
-use crate::{Instant, Piece, Profile};
+use motion::{Instant, Phase, Profile};
 
 /// A stretch of a ceiling: y = `y` + `slope`·(speed − `v`), up to the next stretch's `v`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -119,7 +119,7 @@ impl Ceiling {
 /// Pieces from one speed to a higher one, with no acceleration at either end (unless the jerk is infinite).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ramp {
-    pieces: [Piece; MAX_STRETCHES + 2],
+    pieces: [Phase; MAX_STRETCHES + 2],
     count: usize,
     end: Instant,
 }
@@ -130,7 +130,7 @@ impl Ramp {
     /// The ceiling must not fall more steeply than the jerk.
     pub(crate) fn up(ceiling: &Ceiling, jerk: f64, v0: f64, v1: f64) -> Self {
         let mut ramp = Self {
-            pieces: [Piece::default(); MAX_STRETCHES + 2],
+            pieces: [Phase::default(); MAX_STRETCHES + 2],
             count: 0,
             end: Instant { s: 0.0, v: v0, a: 0.0 },
         };
@@ -175,14 +175,14 @@ impl Ramp {
     fn add(&mut self, duration: f64, a: f64, j: f64) {
         // a stretch that rounding has made empty would only cost the kernel time
         if duration > 0.0 && duration.is_finite() {
-            let piece = Piece { duration, s: self.end.s, v: self.end.v, a, j };
+            let piece = Phase { duration, s: self.end.s, v: self.end.v, a, j };
             self.pieces[self.count] = piece;
             self.count += 1;
             self.end = piece.end();
         }
     }
 
-    pub(crate) fn pieces(&self) -> &[Piece] {
+    pub(crate) fn pieces(&self) -> &[Phase] {
         &self.pieces[..self.count]
     }
 
@@ -192,47 +192,44 @@ impl Ramp {
     }
 
     /// The same ramp backwards in time, so that it ends at `s_end`: s(t) = `s_end` − s(T − t).
-    pub(crate) fn mirrored(&self, s_end: f64) -> impl Iterator<Item = Piece> + '_ {
+    pub(crate) fn mirrored(&self, s_end: f64) -> impl Iterator<Item = Phase> + '_ {
         self.pieces().iter().rev().map(move |p| {
             let last = p.end();
-            Piece { duration: p.duration, s: s_end - last.s, v: last.v, a: -last.a, j: p.j }
+            Phase { duration: p.duration, s: s_end - last.s, v: last.v, a: -last.a, j: p.j }
         })
     }
 }
 
-impl Profile {
-    /// Up one ramp, along at its speed, and down the other one backwards, over exactly `length`; both
-    /// ramps lead to the same speed and are together not longer than that.
-    pub(crate) fn stroke(length: f64, up: &Ramp, down: &Ramp) -> Self {
-        let mut profile = Self::EMPTY;
-        let cruise = length - up.length() - down.length();
-        let along =
-            Piece { duration: cruise / up.end.v, s: up.length(), v: up.end.v, a: 0.0, j: 0.0 };
-        let along = (cruise > 0.0 && up.end.v > 0.0).then_some(along);
-        for piece in up.pieces().iter().copied().chain(along).chain(down.mirrored(length)) {
-            // cannot fail: two ramps and a cruise fit, see MAX_STRETCHES
-            let fits = profile.push(piece);
-            debug_assert!(fits);
-        }
-        profile.ending_at(Instant { s: length, v: 0.0, a: 0.0 })
+/// Up one ramp, along at its speed, and down the other one backwards, over exactly `length`; both
+/// ramps lead to the same speed and are together not longer than that.
+pub(crate) fn stroke(length: f64, up: &Ramp, down: &Ramp) -> Profile {
+    let mut profile = Profile::EMPTY;
+    let cruise = length - up.length() - down.length();
+    let along = Phase { duration: cruise / up.end.v, s: up.length(), v: up.end.v, a: 0.0, j: 0.0 };
+    let along = (cruise > 0.0 && up.end.v > 0.0).then_some(along);
+    for piece in up.pieces().iter().copied().chain(along).chain(down.mirrored(length)) {
+        // cannot fail: two ramps and a cruise fit, see MAX_STRETCHES
+        let fits = profile.push(piece);
+        debug_assert!(fits);
     }
+    profile.ending_at(Instant { s: length, v: 0.0, a: 0.0 })
+}
 
-    /// The fastest way over `length` from rest to rest with speed, acceleration and jerk within limits;
-    /// the jerk may be infinite. In seven pieces or fewer, with no acceleration at either end.
-    ///
-    /// A length that is not positive gives [`Profile::EMPTY`], as do limits that are not.
-    ///
-    /// With the peak speed v: the two ramps take v/a + a/j each (2·√(v/j) when a is never reached), so that
-    /// their length is v²/a + v·a/j (2·√(v³/j)); v is the programmed speed, or where that is `length`.
-    pub fn rest_to_rest(length: f64, speed: f64, accel: f64, jerk: f64) -> Self {
-        let sound = length > 0.0 && speed > 0.0 && accel > 0.0 && accel.is_finite() && jerk > 0.0;
-        if !(sound && length.is_finite()) {
-            return Self::EMPTY;
-        }
-        let peak = speed.min(peak_speed(length, accel, jerk));
-        let ramp = Ramp::up(&Ceiling::level(accel), jerk, 0.0, peak);
-        Self::stroke(length, &ramp, &ramp)
+/// The fastest way over `length` from rest to rest with speed, acceleration and jerk within limits;
+/// the jerk may be infinite. In seven pieces or fewer, with no acceleration at either end.
+///
+/// A length that is not positive gives [`Profile::EMPTY`], as do limits that are not.
+///
+/// With the peak speed v: the two ramps take v/a + a/j each (2·√(v/j) when a is never reached), so that
+/// their length is v²/a + v·a/j (2·√(v³/j)); v is the programmed speed, or where that is `length`.
+pub fn rest_to_rest(length: f64, speed: f64, accel: f64, jerk: f64) -> Profile {
+    let sound = length > 0.0 && speed > 0.0 && accel > 0.0 && accel.is_finite() && jerk > 0.0;
+    if !(sound && length.is_finite()) {
+        return Profile::EMPTY;
     }
+    let peak = speed.min(peak_speed(length, accel, jerk));
+    let ramp = Ramp::up(&Ceiling::level(accel), jerk, 0.0, peak);
+    stroke(length, &ramp, &ramp)
 }
 
 /// Highest speed on a way from rest to rest that is not otherwise limited.

@@ -16,11 +16,12 @@ use crate::ends::{Cutter, Ends};
 use crate::limits::MachineLimits;
 use crate::planner::Planner;
 use crate::run::Run;
-use crate::step::{Follow, Move, PHASES, Pace, Step, StepKind};
 use crate::timing::{Timing, step};
 use alloc::vec::Vec;
+use motion::{
+    Curve, Entry, Follow, Instant, Move, PHASES, Pace, Phase, Piece, Shape, Step, StepKind,
+};
 use path::law::State;
-use path::{Curve, Entry, Phase, Piece, Shape};
 
 /// Where less of a piece is left, it has been done, mm.
 const SHORTEST: f64 = 1e-9;
@@ -42,15 +43,6 @@ impl Default for Wish {
     fn default() -> Self {
         Self { share: 1.0, stops: false }
     }
-}
-
-/// What a kernel was given and has not done.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct HandedBack {
-    /// In their order.
-    pub steps: Vec<Step>,
-    /// Planned time of the first that is done, if it is under way, s or revolutions.
-    pub done: Option<f64>,
 }
 
 /// Steps along one path, as they were planned.
@@ -79,7 +71,7 @@ impl Part {
     /// Whether its speed hardly changes.
     fn is_level(&self) -> bool {
         let Phase { duration, v, .. } = self.phase;
-        let (_, end, _) = self.phase.at(duration);
+        let end = self.phase.at(duration).v;
         (end - v).abs() < LEVEL * v
     }
 }
@@ -90,21 +82,27 @@ impl Planner {
         self.wanted = wish;
     }
 
-    /// Plan anew what the kernel has not done, as the operator wants it. All that comes of it goes to `emit`, in order; the
-    /// kernel must have nothing else.
+    /// Plan anew what the kernel has not done, as the operator wants it: these steps, and of the first of them the planned time
+    /// that is done, if it is under way, s or revolutions ([`motion::HandedBack`]). All that comes of it goes to `emit`, in
+    /// order; the kernel must have nothing else.
     ///
     /// Where an axis begins or ceases to swing among these steps, the limits are not the same for all of them: they stay as
     /// they were planned.
-    pub fn repace(&mut self, wish: Wish, back: HandedBack, emit: &mut impl FnMut(Step)) {
+    pub fn repace(
+        &mut self,
+        wish: Wish,
+        steps: Vec<Step>,
+        mut done: Option<f64>,
+        emit: &mut impl FnMut(Step),
+    ) {
         self.wish(wish);
         let swings = |step: &Step| {
             matches!(step.kind, StepKind::Superpose(_) | StepKind::AwaitFades | StepKind::Engage(_))
                 || matches!(step.kind, StepKind::Release { .. })
         };
-        let stays = back.steps.iter().any(swings);
+        let stays = steps.iter().any(swings);
         let mut row: Option<Row> = None;
-        let mut done = back.done;
-        for step in back.steps {
+        for step in steps {
             let Some((new, ends)) = row_of(&step, done.take().unwrap_or(0.0)) else {
                 emit(step); // a run ends at rest before anything else
                 continue;
@@ -271,7 +269,7 @@ impl Run {
 fn pieces(parts: &[Part], waits: &[Piece]) -> Vec<Piece> {
     let mut pieces: Vec<Piece> = Vec::new();
     let mut left = 0.0;
-    let with_ends = parts.iter().map(|part| (part.piece, part.phase.at(part.phase.duration).0));
+    let with_ends = parts.iter().map(|part| (part.piece, part.phase.end().s));
     for (piece, end) in with_ends.chain(waits.iter().map(|piece| (*piece, piece.length))) {
         match pieces.last_mut() {
             Some(last) if left > SHORTEST || is_same(last, &piece) => *last = piece,
@@ -295,7 +293,7 @@ fn row_of(of: &Step, done: f64) -> Option<(Row, bool)> {
             left -= phase.duration;
             return;
         }
-        let (s, v, a) = phase.at(left);
+        let Instant { s, v, a } = phase.at(left);
         let phase = Phase { duration: phase.duration - left, s, v, a, ..phase };
         left = 0.0;
         parts.push(Part { piece, phase });
@@ -319,9 +317,7 @@ fn row_of(of: &Step, done: f64) -> Option<(Row, bool)> {
             let (op, line, length) = (of.op, of.line, curve.length());
             let (begin, feed, rapid, entry) = (0.0, own.feed, false, Entry::Rest);
             let piece = Piece { curve, begin, length, feed, rapid, entry, op, line };
-            for crate::Piece { duration, s, v, a, j } in profile.pieces() {
-                add(piece, Phase { duration: *duration, s: *s, v: *v, a: *a, j: *j });
-            }
+            profile.pieces().iter().for_each(|phase| add(piece, *phase));
             let pace = Pace { share: 1.0, turning: own.turning };
             Some((Row { parts, pace, per_revolution: *per_revolution }, *exact_stop))
         }

@@ -5,13 +5,12 @@
 //! ```
 //!
 //! A move that stays alone between two stops is a [`Move`] with its own profile, as before: it needs no joining.
+use crate::along::Along;
 use crate::ends::{Cutter, Ends};
 use crate::limits::MachineLimits;
-use crate::motion::Along;
-use crate::path::Path;
 use crate::repace::Wish;
-use crate::step::{Move, Programmed, Step, StepKind};
 use crate::timing::Timing;
+use motion::{Move, Path, Programmed, Step, StepKind};
 use path::geometry::{Joiner, Segment};
 use path::law::Refusal;
 

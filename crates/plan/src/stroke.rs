@@ -16,9 +16,10 @@
 //! A stroke too short for S gets the highest speed whose two ramps still fit; what rounding leaves of
 //! the stroke is a short cruise.
 use crate::limits::{AxisLimits, SpindleLimits};
+use crate::ramp::stroke;
 use crate::ramp::{Ceiling, Ramp};
-use crate::{Limiting, Profile, TapLimiting};
 use canon::Flute;
+use motion::{Limiting, Profile, TapLimiting};
 use units::{Angle, Lead, Length, Spin, SpinAccel, Time, Torque};
 
 /// One way of a tap: from rest to rest.
@@ -65,10 +66,7 @@ impl StrokeRequest {
         let (up, down) = ramps.to(peak);
         let speed = if peak < top { Limiting::StrokeLength } else { speed_bound };
         let ramp = ramps.bound_of(&up);
-        Stroke {
-            profile: Profile::stroke(length, &up, &down),
-            limiting: TapLimiting { speed, ramp },
-        }
+        Stroke { profile: stroke(length, &up, &down), limiting: TapLimiting { speed, ramp } }
     }
 
     /// The acceleration that spindle and feed axis allow from rest, whatever gentler one is asked for.

@@ -5,10 +5,9 @@
 //! ```
 use crate::limits::MachineLimits;
 use crate::repace::Wish;
-use crate::step::{Follow, PHASES, Pace, Step, StepKind};
 use alloc::collections::VecDeque;
-use path::law::{Config, Law, Refusal, State, Timed};
-use path::{Entry, Limits, Phase, Piece, Shape};
+use motion::{Entry, Follow, Limits, PHASES, Pace, Phase, Piece, Shape, Step, StepKind};
+use path::law::{Config, Law, Refusal, State, Timed, merged};
 
 /// How much farther ahead than braking takes the first stop is that is asked for in motion.
 const AHEAD: f64 = 2.0;
@@ -133,7 +132,7 @@ impl Timing {
             let count = usize::from(follow.count);
             let last = &mut follow.phases[count - 1];
             if last.duration + timed.phase.duration < self.shortest
-                && let Some(merged) = last.merged(&timed.phase)
+                && let Some(merged) = merged(last, &timed.phase)
             {
                 *last = merged;
                 return;
@@ -166,7 +165,7 @@ impl Timing {
 
 /// How far it is from a speed to rest for the slowest axis alone.
 fn braking(config: &Config, v: f64) -> f64 {
-    let least = |of: fn(&path::Bounds) -> &[f64; path::AXES]| {
+    let least = |of: fn(&motion::Bounds) -> &[f64; motion::AXES]| {
         let both = [&config.limits.feed, &config.limits.rapid];
         both.iter().flat_map(|b| of(b)).fold(f64::INFINITY, |m: f64, x| m.min(*x))
     };

@@ -8,14 +8,10 @@
 //!        ┤   ┼   ├ 0 turn: highest X            extremes at whole quarter turns within the sweep
 //!         ╰──┬──╯
 //! ```
-use crate::Path;
 use crate::limits::MachineLimits;
-use crate::motion::coordinate;
-use crate::path::radius;
 use canon::{Arc, Axis, Position};
 use core::f64::consts::TAU;
-use path::Shape;
-use path::geometry::Bezier;
+use motion::{Bezier, Path, Shape, coordinate, radius};
 
 /// An axis that would leave its travel.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,8 +2,9 @@
 mod common;
 use canon::{Arc, Feed, Hole, OpKind, PathMode, Plane, Position, SpindleOrder, Tap};
 use common::{OPTIONS, machine, mm, program, tools};
-use path::Shape;
-use plan::{Planner, SpindleStep, Start, Step, StepKind, preflight};
+use motion::Shape;
+use motion::{SpindleStep, Step, StepKind};
+use plan::{Planner, Start, preflight};
 use proptest::prelude::*;
 use units::{Angle, Lead, Speed, Spin, Time};
 

@@ -2,7 +2,8 @@
 mod common;
 use canon::{Arc, Axis, Feed, OpKind, Plane, Position};
 use common::{axis, machine, mm, program};
-use plan::{AxisLimits, MachineLimits, Move, Planner, Start, StepKind};
+use motion::{Move, StepKind};
+use plan::{AxisLimits, MachineLimits, Planner, Start};
 use proptest::prelude::*;
 use units::{Accel, Angle, Jerk, Speed};
 
@@ -11,7 +12,7 @@ fn planned(limits: &MachineLimits, from: Position, kind: OpKind) -> Move {
     let start = Start { position: from, tool: 0 };
     let mut planner = Planner::new(limits.clone(), common::tools(), common::OPTIONS, start);
     let mut moves = Vec::new();
-    let mut emit = |step: plan::Step| {
+    let mut emit = |step: motion::Step| {
         if let StepKind::Move(m) = step.kind {
             moves.push(m);
         }
@@ -26,7 +27,7 @@ fn planned(limits: &MachineLimits, from: Position, kind: OpKind) -> Move {
 fn assert_within_limits(m: &Move, limits: &MachineLimits) {
     let n = 400;
     let dt = m.profile.duration() / f64::from(n);
-    let mut before: Option<plan::Motion> = None;
+    let mut before: Option<motion::Motion> = None;
     for i in 0..=n {
         let now = m.path.motion(m.profile.at(dt * f64::from(i)));
         for (k, of) in limits.axes.iter().enumerate() {

@@ -4,10 +4,8 @@
 mod common;
 use canon::{Axis, Holder, OpKind, ToolKind, ToolLibrary};
 use common::{OPTIONS, TOP, findings_of, machine, rapid, steps_of, tap, tap_tool, tools, turn};
-use plan::{
-    DwellCheck, Effort, Options, PlainDrive, Planner, SpindleStep, Start, Step, StepKind,
-    TapMethod, TiedCut, Unsynchronised,
-};
+use motion::{SpindleStep, Step, StepKind, TiedCut};
+use plan::{DwellCheck, Effort, Options, PlainDrive, Planner, Start, TapMethod, Unsynchronised};
 use units::{Angle, Length, Spin, SpinAccel, Stiffness, Time};
 
 /// D 5 mm, β 0.1 rev.

@@ -2,10 +2,8 @@
 mod common;
 use canon::OpKind;
 use common::{steps_of, tap, turn};
-use plan::{
-    AxisLimits, MachineLimits, Planner, Profile, Retract, SpindleLimits, Start, StepKind,
-    StrokeRequest, TapPlan,
-};
+use motion::{Profile, StepKind, TapPlan};
+use plan::{AxisLimits, MachineLimits, Planner, Retract, SpindleLimits, Start, StrokeRequest};
 use units::{Accel, Angle, Inertia, Jerk, Lead, Length, Power, Speed, Spin, Time, Torque};
 
 fn tap_plans(limits: MachineLimits, tap: canon::Tap) -> Vec<TapPlan> {

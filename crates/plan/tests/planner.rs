@@ -4,8 +4,8 @@ use canon::{Feed, OpKind, PathMode, Position, ReturnAcceleration};
 use common::{
     change, hole, line, machine, mm, planner_at, rapid, steps, steps_of, steps_on, tap, turn,
 };
-use path::Shape;
-use plan::{SpindleStep, Step, StepKind};
+use motion::Shape;
+use motion::{SpindleStep, Step, StepKind};
 use std::f64::consts::TAU;
 use units::{Lead, Length, Time};
 
@@ -15,7 +15,7 @@ fn goes_on(before: &Step, step: &Step) -> bool {
     let (StepKind::Follow(a), StepKind::Follow(b)) = (&before.kind, &step.kind) else {
         return false;
     };
-    let straight = matches!(a.piece.curve, path::Curve::Line(_));
+    let straight = matches!(a.piece.curve, motion::Curve::Line(_));
     straight && a.piece == b.piece && before.op == step.op && !a.exact_stop
 }
 

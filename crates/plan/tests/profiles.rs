@@ -1,10 +1,10 @@
 //! Profiles from rest to rest against their closed forms, their limits and a search by brute force.
-use plan::{Piece, Profile};
+use motion::{Phase, Profile};
 use proptest::prelude::*;
 
 /// States at both ends and inside of every piece.
-fn samples(profile: &Profile) -> impl Iterator<Item = (Piece, plan::Instant)> + '_ {
-    let inside = |p: Piece| (0..=8).map(move |i| (p, p.at(p.duration * f64::from(i) / 8.0)));
+fn samples(profile: &Profile) -> impl Iterator<Item = (Phase, motion::Instant)> + '_ {
+    let inside = |p: Phase| (0..=8).map(move |i| (p, p.at(p.duration * f64::from(i) / 8.0)));
     profile.pieces().iter().copied().flat_map(inside)
 }
 
@@ -26,7 +26,7 @@ fn assert_sound(profile: &Profile, length: f64, speed: f64, accel: f64, jerk: f6
     }
     let last = profile.pieces().last().expect("a profile with a length has pieces").end();
     assert!((last.s - length).abs() <= 1e-12 * length && last.v.abs() <= 1e-9 * speed);
-    assert_eq!(profile.end(), plan::Instant { s: length, v: 0.0, a: 0.0 });
+    assert_eq!(profile.end(), motion::Instant { s: length, v: 0.0, a: 0.0 });
     assert_eq!(profile.at(profile.duration()), profile.end());
 }
 
@@ -52,7 +52,7 @@ fn by_trying(length: f64, speed: f64, accel: f64, jerk: f64) -> f64 {
 }
 
 fn check(length: f64, speed: f64, accel: f64, jerk: f64, pieces: usize, expected: f64) {
-    let profile = Profile::rest_to_rest(length, speed, accel, jerk);
+    let profile = plan::rest_to_rest(length, speed, accel, jerk);
     assert_sound(&profile, length, speed, accel, jerk);
     assert_eq!(profile.pieces().len(), pieces);
     assert!(
@@ -95,12 +95,12 @@ fn without_a_limit_on_the_jerk_it_is_a_trapezium_or_a_triangle() {
 #[test]
 fn what_cannot_be_planned_is_empty() {
     for bad in [0.0, -1.0, f64::NAN] {
-        assert_eq!(Profile::rest_to_rest(bad, 1.0, 1.0, 1.0), Profile::EMPTY);
-        assert_eq!(Profile::rest_to_rest(1.0, bad, 1.0, 1.0), Profile::EMPTY);
-        assert_eq!(Profile::rest_to_rest(1.0, 1.0, bad, 1.0), Profile::EMPTY);
-        assert_eq!(Profile::rest_to_rest(1.0, 1.0, 1.0, bad), Profile::EMPTY);
+        assert_eq!(plan::rest_to_rest(bad, 1.0, 1.0, 1.0), Profile::EMPTY);
+        assert_eq!(plan::rest_to_rest(1.0, bad, 1.0, 1.0), Profile::EMPTY);
+        assert_eq!(plan::rest_to_rest(1.0, 1.0, bad, 1.0), Profile::EMPTY);
+        assert_eq!(plan::rest_to_rest(1.0, 1.0, 1.0, bad), Profile::EMPTY);
     }
-    assert_eq!(Profile::rest_to_rest(f64::INFINITY, 1.0, 1.0, 1.0), Profile::EMPTY);
+    assert_eq!(plan::rest_to_rest(f64::INFINITY, 1.0, 1.0, 1.0), Profile::EMPTY);
 }
 
 fn decades(low: i32, high: i32) -> impl Strategy<Value = f64> {
@@ -114,10 +114,10 @@ proptest! {
     fn limits_are_never_exceeded_and_the_end_is_exact(
         length in decades(-6, 5), speed in decades(-3, 4), accel in decades(-1, 5), jerk in decades(0, 9),
     ) {
-        let profile = Profile::rest_to_rest(length, speed, accel, jerk);
+        let profile = plan::rest_to_rest(length, speed, accel, jerk);
         assert_sound(&profile, length, speed, accel, jerk);
         assert!(profile.pieces().len() <= 7);
-        let level = Profile::rest_to_rest(length, speed, accel, f64::INFINITY);
+        let level = plan::rest_to_rest(length, speed, accel, f64::INFINITY);
         assert_sound(&level, length, speed, accel, f64::INFINITY);
         assert!(level.duration() <= profile.duration() * (1.0 + 1e-12));
     }
@@ -126,7 +126,7 @@ proptest! {
     fn no_profile_found_by_trying_is_faster(
         length in decades(-2, 2), speed in decades(-1, 1), accel in decades(-1, 1), jerk in decades(-1, 2),
     ) {
-        let ours = Profile::rest_to_rest(length, speed, accel, jerk).duration();
+        let ours = plan::rest_to_rest(length, speed, accel, jerk).duration();
         let tried = by_trying(length, speed, accel, jerk);
         assert!(ours <= tried * (1.0 + 1e-9), "{ours} s, but {tried} s was found");
         assert!(tried <= ours * 1.05 || !tried.is_finite(), "the search is too coarse to prove anything");

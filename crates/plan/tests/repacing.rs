@@ -2,7 +2,8 @@
 mod common;
 use canon::OpKind;
 use common::{line, planner_at, program, rapid, turn};
-use plan::{HandedBack, Step, StepKind, Superpose, Superposed, TableId, Wish};
+use motion::{Step, StepKind, Superpose, Superposed, TableId};
+use plan::Wish;
 use units::Angle;
 
 fn steps() -> (plan::Planner, Vec<Step>) {
@@ -29,7 +30,7 @@ fn cutting(steps: &[Step]) -> f64 {
 fn repaced(steps: Vec<Step>, planner: &mut plan::Planner) -> Vec<Step> {
     let mut after = Vec::new();
     let wish = Wish { share: 2.0, stops: false };
-    planner.repace(wish, HandedBack { steps, done: None }, &mut |step| after.push(step));
+    planner.repace(wish, steps, None, &mut |step| after.push(step));
     after
 }
 

@@ -1,7 +1,8 @@
 //! A tap's stroke against closed forms, lower bounds and the spindle's curve.
 mod common;
 use common::{SPINDLE, axis};
-use plan::{AxisLimits, Limiting, Limiting as L, SpindleLimits, Stroke, StrokeRequest};
+use motion::{Limiting, Limiting as L};
+use plan::{AxisLimits, SpindleLimits, Stroke, StrokeRequest};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
 use units::{Accel, Angle, Inertia, Jerk, Lead, Power, Speed, Spin, Time, Torque};
@@ -171,7 +172,7 @@ fn free_ramps_go_from_any_speed_to_any_speed_and_through_rest() {
 
 /// The drive's torque for a state, against margin · min(peak, P/ω): friction and cut burden the run-up,
 /// friction helps to brake.
-fn assert_within_curve(spindle: &SpindleLimits, now: plan::Instant, cut: f64) {
+fn assert_within_curve(spindle: &SpindleLimits, now: motion::Instant, cut: f64) {
     let omega = TAU * now.v.abs();
     let inertia = TAU * spindle.inertia.value() * now.a;
     let along = inertia * now.v.signum();
@@ -217,7 +218,7 @@ fn assert_sound(
             start.a
         );
     }
-    assert_eq!(stroke.profile.end(), plan::Instant { s: turns, v: 0.0, a: 0.0 });
+    assert_eq!(stroke.profile.end(), motion::Instant { s: turns, v: 0.0, a: 0.0 });
     let last = stroke.profile.pieces().last().expect("a stroke has pieces").end();
     assert!((last.s - turns).abs() <= 1e-12 * turns, "{} of {turns}", last.s);
 }

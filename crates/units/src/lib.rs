@@ -16,7 +16,10 @@
 //! (`Spin::rpm(600.0)`); `value()` gives the base unit back.
 #![no_std]
 
+mod axes;
 mod quantity;
+
+pub use axes::{Arc, Axis, Plane, Position, Ratio};
 use quantity::{product, quantity};
 
 quantity!(/// Time.

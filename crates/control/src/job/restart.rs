@@ -273,17 +273,15 @@ M2
         let rapid = |z| OpKind::Rapid { to: Position::xyz(248.0, 0.0, z) };
         let kinds =
             [rapid(-20.0), select.clone(), compensate.clone(), grind.clone(), rapid(-100.0), grind];
-        let ops = || {
-            let op = |(line, kind)| Op { span: Span { line, ..Span::default() }, kind };
-            (1..).zip(kinds.clone()).map(op)
-        };
+        let op = |(line, kind)| Op { span: Span { line, ..Span::default() }, kind };
+        let ops: Vec<Op> = (1..).zip(kinds).map(op).collect();
         let top = Length::mm(0.0);
-        let second = find(ops(), From::Line(6), &Position::default(), top).unwrap();
+        let second = find(&ops, From::Line(6), &Position::default(), top).unwrap();
         assert_eq!((second.line, second.skip), (5, 4));
         let end: Vec<_> = second.prelude.into_iter().map(|op| op.kind).rev().take(2).collect();
         assert_eq!(end, [compensate, select]);
         // the first one is begun before it is selected
-        let first = find(ops(), From::Line(4), &Position::default(), top).unwrap();
+        let first = find(&ops, From::Line(4), &Position::default(), top).unwrap();
         assert_eq!((first.line, first.skip), (1, 0));
         assert!(!first.prelude.iter().any(|op| matches!(op.kind, OpKind::Cam(_))));
     }

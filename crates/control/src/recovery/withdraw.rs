@@ -6,7 +6,7 @@ use crate::config;
 use bus::{Feedback, Machine as _};
 use canon::Axis;
 use kernel::{EventKind, Kernel, RecoveryFigures, RecoveryPlan, WithdrawalPlan};
-use plan::Pass;
+use motion::Pass;
 use store::machine::MachineFile;
 use store::sync_record::{Cut, Retreat, Stroke};
 use sync::Coupling;

@@ -12,7 +12,7 @@ use crate::Refused;
 use bus::{Feedback, State};
 use canon::{Holder, Op, OpKind, ToolKind, ToolLibrary};
 use kernel::{Kernel, Wish, WorkRecord};
-use plan::TiedCut;
+use motion::TiedCut;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};

@@ -7,7 +7,7 @@ use crate::Plant;
 use crate::recovery;
 use bus::Machine;
 use kernel::{EventKind, Kernel, WithdrawalPlan};
-use plan::{TiedCut, WayOut};
+use motion::{TiedCut, WayOut};
 use units::{Accel, Length, Speed};
 
 /// A tool that was taken off the work.

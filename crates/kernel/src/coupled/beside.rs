@@ -10,7 +10,7 @@
 use super::{Coupled, Slot, Wave};
 use crate::drives::Drives;
 use bus::AXES;
-use path::Limits;
+use motion::Limits;
 use sync::{Periodic, PeriodicPoint};
 
 /// Least share of an axis' limits that moves keep beside what swings, as they are planned.

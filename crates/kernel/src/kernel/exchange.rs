@@ -7,7 +7,7 @@ use crate::execute::Activity;
 use crate::fault::FaultKind;
 use crate::scribe::Wish;
 use alloc::vec::Vec;
-use plan::{Step, StepKind, Superpose, TableId};
+use motion::{Step, StepKind, Superpose, TableId};
 use sync::Periodic;
 
 impl Kernel {

@@ -18,8 +18,8 @@ use crate::execute::Activity;
 use crate::fault::{Fault, FaultKind, Reaction};
 use crate::spindle::SpindleLoop;
 use bus::Feedback;
-use canon::Axis;
-use plan::StepKind;
+use motion::StepKind;
+use units::Axis;
 
 /// What has to stand before outputs go off stands for so long, s.
 const STANDS_S: f64 = 0.05;
@@ -125,9 +125,9 @@ impl Kernel {
     }
 
     /// The plan of the tap that is coupled.
-    fn tap_in_work(&self) -> Option<plan::TapPlan> {
+    fn tap_in_work(&self) -> Option<motion::TapPlan> {
         match (&self.activity, self.queue.front()) {
-            (Activity::Tapping(run), Some(plan::Step { kind: StepKind::Tap(plan), .. }))
+            (Activity::Tapping(run), Some(motion::Step { kind: StepKind::Tap(plan), .. }))
                 if run.coupling().is_some() =>
             {
                 Some(*plan)

@@ -8,7 +8,7 @@ use crate::execute::Activity;
 use crate::operator::{Notice, Operator, Order};
 use crate::spindle::SpindleLoop;
 use crate::track::Track;
-use plan::{HandedBack, Step, StepKind};
+use motion::{HandedBack, Step, StepKind};
 
 impl Kernel {
     /// Take an order of the operator; it acts from the next tick on.
@@ -36,7 +36,7 @@ impl Kernel {
         }
     }
 
-    /// Give back what has not been done, so that it can be planned anew: whoever takes it pushes what comes of it. A step that
+    /// Give back what has not been done, so that it can be planned anew: whoever has pushed it pushes what comes of it. A step that
     /// is under way and is no feed along a path stays. `None`: an override or a hold is just changing how fast the plan is
     /// run through, and how that ends is known of this plan only; ask again after the next tick.
     pub fn hand_back(&mut self) -> Option<HandedBack> {
@@ -50,11 +50,13 @@ impl Kernel {
             }
             _ => None,
         };
-        let stays = usize::from(self.begun && done.is_none());
+        let stays = self.chained + usize::from(self.begun && done.is_none());
         if done.is_some() {
             (self.activity, self.begun) = (Activity::Idle, false);
         }
-        Some(HandedBack { steps: self.queue.drain(stays..).collect(), done })
+        let steps = self.queue.len().saturating_sub(stays);
+        self.queue.truncate(stays);
+        Some(HandedBack { steps, done })
     }
 
     /// Go on after a program's stop.

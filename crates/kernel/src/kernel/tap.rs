@@ -8,7 +8,7 @@ use crate::recovering::{Recovering, RecoveryPlan};
 use crate::scribe::WorkRecord;
 use crate::spindle::SpindleLoop;
 use bus::State;
-use plan::{Step, StepKind};
+use motion::{Step, StepKind};
 use sync::{Coupling, SyncMode};
 
 /// A stroke that ends at the surface, as near as its coordinates were computed, ends outside, mm.

@@ -15,7 +15,7 @@ use crate::scribe::WorkRecord;
 use crate::spindle::SpindleLoop;
 use crate::threading;
 use crate::withdrawing::{WithdrawalPlan, Withdrawing};
-use plan::{Step, StepKind, TiedCut, WayOut};
+use motion::{Step, StepKind, TiedCut, WayOut};
 
 /// Of a chain of stretches so many are kept, to turn it again after a hold.
 const KEPT: usize = super::QUEUE / 2;

@@ -1,6 +1,6 @@
 //! Constant surface speed (G96): the speed by the place of X, n = v/(2π·r), period by period.
 use super::{Order, SpindleLoop};
-use plan::SurfaceSpeed;
+use motion::SurfaceSpeed;
 use units::{Length, Spin};
 
 impl SpindleLoop {

@@ -8,10 +8,10 @@ use kernel::{
     AxisControl, AxisFriction, AxisWindows, Config, EncoderPlace, Event, FeedForward, Kernel,
     Pause, SpindleControl, SpindleFriction, SpindleWindows, SyncMode, Waits, Windows,
 };
-use plan::{
-    AxisLimits, Limiting, Move, Path, Piece, Profile, SpindleLimits, SpindleStep, Step, StepKind,
-    StrokeRequest, TapLimiting, TapPlan,
+use motion::{
+    Limiting, Move, Path, Phase, Profile, SpindleStep, Step, StepKind, TapLimiting, TapPlan,
 };
+use plan::{AxisLimits, SpindleLimits, StrokeRequest};
 use sim::{AxisEncoder, AxisModel, Lugre, SimulatedMachine, SpindleEncoder, SpindleModel};
 use units::{
     Accel, Angle, Force, Inertia, Jerk, Lead, Length, Mass, Power, Speed, Spin, SpinAccel,
@@ -169,8 +169,11 @@ fn axis_control(model: &AxisModel) -> AxisControl {
 
 /// The control of a machine.
 /// No limit that an override could break.
-pub const UNLIMITED: path::Bounds =
-    path::Bounds { speed: [f64::INFINITY; 9], accel: [f64::INFINITY; 9], jerk: [f64::INFINITY; 9] };
+pub const UNLIMITED: motion::Bounds = motion::Bounds {
+    speed: [f64::INFINITY; 9],
+    accel: [f64::INFINITY; 9],
+    jerk: [f64::INFINITY; 9],
+};
 
 pub fn control(machine: &sim::Config) -> Config {
     let mut axes = [None; bus::AXES];
@@ -220,7 +223,7 @@ pub fn control(machine: &sim::Config) -> Config {
             in_position: Time::s(2.0),
             tool_change: Time::s(30.0),
         },
-        motion: path::Limits { feed: UNLIMITED, rapid: UNLIMITED },
+        motion: motion::Limits { feed: UNLIMITED, rapid: UNLIMITED },
         phase_loss: None,
         overrides: kernel::Overrides::USUAL,
         pause: Pause::GoOn,
@@ -332,7 +335,7 @@ pub fn line(from: Position, to: Position, speed: f64, exact_stop: bool) -> StepK
     let (mut s, mut v, mut a) = (0.0, 0.0, 0.0);
     let cruise = (length - 2.0 * ramp) / speed;
     for (duration, j) in [(half, jerk), (half, -jerk), (cruise, 0.0), (half, -jerk), (half, jerk)] {
-        let piece = Piece { duration, s, v, a, j };
+        let piece = Phase { duration, s, v, a, j };
         let end = piece.at(duration);
         (s, v, a) = (end.s, end.v, if j == 0.0 { 0.0 } else { end.a });
         assert!(profile.push(piece));
@@ -353,7 +356,7 @@ pub fn turn(from_rpm: f64, to_rpm: f64) -> StepKind {
     let (from, to) = (from_rpm / 60.0, to_rpm / 60.0);
     let a = 200.0 * (to - from).signum();
     let mut ramp = Profile::EMPTY;
-    assert!(ramp.push(Piece { duration: (to - from) / a, s: 0.0, v: from, a, j: 0.0 }));
+    assert!(ramp.push(Phase { duration: (to - from) / a, s: 0.0, v: from, a, j: 0.0 }));
     let order = SpindleStep::Turn { spin: Spin::rpm(to_rpm), ramp };
     StepKind::Spindle { spindle: 0, order }
 }

@@ -5,8 +5,9 @@ use super::common::{SPINDLE_LIMITS, control, machine};
 use bus::{AXES, AxisFeedback, Feedback, SpindleFeedback};
 use canon::{Op, Position, ToolLibrary};
 use kernel::{Kernel, Order};
+use motion::Step;
 use plan::{
-    AxisLimits, Joining, MachineLimits, Options, Planner, Start, Step, Tapping, ToolChange, Wish,
+    AxisLimits, Joining, MachineLimits, Options, Planner, Start, Tapping, ToolChange, Wish,
 };
 use proptest::prelude::*;
 use std::collections::VecDeque;
@@ -72,7 +73,7 @@ pub fn run(ops: &[Op], jerk: f64, orders: &[(usize, Order)]) -> Seen {
     let mut kernel = Kernel::new(config);
     let start = Start { position: Position::default(), tool: 0 };
     let mut planner = Planner::new(limits, ToolLibrary::new([]), OPTIONS, start);
-    let mut queue: VecDeque<Step> = VecDeque::new();
+    let (mut queue, mut sent) = (VecDeque::<Step>::new(), Vec::new());
     let (mut open, mut wish) = (true, Wish::default());
     wish.stops = orders.contains(&(0, Order::SingleBlock(true)));
     planner.wish(wish);
@@ -97,9 +98,10 @@ pub fn run(ops: &[Op], jerk: f64, orders: &[(usize, Order)]) -> Seen {
         let operator = kernel.operator();
         let now = Wish { share: operator.share(false).max(1.0), stops: operator.single_block() };
         if now.share > wish.share || (now.stops && !wish.stops) {
-            if let Some(mut back) = kernel.hand_back() {
-                back.steps.extend(queue.drain(..));
-                planner.repace(now, back, &mut |step| queue.push_back(step));
+            if let Some(back) = kernel.hand_back() {
+                let mut steps = sent.split_off(sent.len() - back.steps);
+                steps.extend(queue.drain(..));
+                planner.repace(now, steps, back.done, &mut |step| queue.push_back(step));
                 wish = now;
             }
         } else {
@@ -115,6 +117,7 @@ pub fn run(ops: &[Op], jerk: f64, orders: &[(usize, Order)]) -> Seen {
                 continue;
             };
             kernel.push(step).expect("room has just been asked for");
+            sent.push(step);
         }
         feedback.time = Time::s(tick as f64 * PERIOD);
         feedback.tool = Some(0);

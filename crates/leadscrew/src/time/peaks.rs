@@ -1,6 +1,5 @@
 //! The highest speed, acceleration and jerk of any axis, from setpoints at the servo period.
-use path::{AXES, Shape};
-use plan::{StepKind, coordinate};
+use motion::{AXES, Shape, StepKind, coordinate};
 
 /// Of one axis: mm or degrees, and seconds.
 #[derive(Clone, Copy, Debug, Default)]
@@ -103,7 +102,7 @@ impl Peaks {
 mod tests {
     use super::*;
     use canon::Position;
-    use plan::{Move, Path, Profile};
+    use motion::{Move, Path};
 
     /// 10 mm from rest to rest at 1000 mm/s²: 0.1 s up, 0.1 s down, wherever a period ends.
     #[test]
@@ -111,7 +110,7 @@ mod tests {
         for length in [10.0, 10.01, 10.03, 10.05, 10.07] {
             let path =
                 Path::Line { from: Position::default(), to: Position::xyz(length, 0.0, 0.0) };
-            let profile = Profile::rest_to_rest(length, 1e3, 1e3, f64::INFINITY);
+            let profile = plan::rest_to_rest(length, 1e3, 1e3, f64::INFINITY);
             let mut peaks = Peaks::new(1e-3);
             peaks.step(&StepKind::Move(Move {
                 path,
@@ -131,7 +130,7 @@ mod tests {
     #[test]
     fn a_feed_per_revolution_is_as_fast_as_the_spindle_turns() {
         let path = Path::Line { from: Position::default(), to: Position::xyz(10.0, 0.0, 0.0) };
-        let profile = Profile::rest_to_rest(10.0, 0.5, 1e3, f64::INFINITY);
+        let profile = plan::rest_to_rest(10.0, 0.5, 1e3, f64::INFINITY);
         let mut peaks = Peaks::new(1e-3);
         peaks.step(&StepKind::Move(Move {
             path,
@@ -140,7 +139,7 @@ mod tests {
             per_revolution: true,
             exact_stop: true,
             floats: false,
-            programmed: Some(plan::Programmed { feed: 0.5, turning: 20.0 }),
+            programmed: Some(motion::Programmed { feed: 0.5, turning: 20.0 }),
         }));
         assert!((peaks.axes[0].speed - 10.0).abs() < 1e-6, "{}", peaks.axes[0].speed);
     }

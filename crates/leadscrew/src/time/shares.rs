@@ -2,7 +2,8 @@
 use canon::{Op, ProgramFrame};
 use control::config;
 use control::job::{Session, Source, preflight};
-use plan::{Clock, MachineLimits, Planner, Step, StepKind};
+use motion::{Step, StepKind};
+use plan::{Clock, MachineLimits, Planner};
 use units::{Jerk, Time};
 
 /// What takes time, in the order of the report.

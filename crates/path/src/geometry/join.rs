@@ -14,11 +14,12 @@
 //!
 //! A move is long if three blends fit into it at both of its ends, narrow ones where a sharp corner has a choice; a curve that
 //! was chopped finely has small corners, which would allow blends much longer than its moves, and therefore none of them is.
-use super::bezier::measure;
 use super::bow::{Bow, INNER};
 use super::corner::{Bend, Corner, ROOM, off};
 use super::fastest::Rests;
-use super::{AXES, Curve, Derivatives, Entry, Limits, Line, Piece, Point, Polynomial, Shape, fit};
+use super::{
+    AXES, Curve, Derivatives, Entry, Limits, Line, Piece, Point, Polynomial, Shape, fit, measure,
+};
 use alloc::vec::Vec;
 
 /// A programmed move.

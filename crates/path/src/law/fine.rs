@@ -1,6 +1,6 @@
 //! A cell of the jerk-limited plan's grid: the motion at both its ends, the phases that join them, and what jerk it may have.
 use super::cell::{Cell, Demand, Row, Rows};
-use super::phase::Phase;
+use crate::{Instant, Phase};
 
 /// Share of the limit of jerk that the plan uses; the rest is for what happens between the places that are looked at.
 pub(super) const JERK_SHARE: f64 = 0.99;
@@ -59,7 +59,7 @@ impl Fine {
             }
             Demand::Curve(rows) => {
                 for share in [0.0, 0.5, 1.0] {
-                    let (s, v, a) = phase.at(share * phase.duration);
+                    let Instant { s, v, a } = phase.at(share * phase.duration);
                     each(rows, (s / cell.h).clamp(0.0, 1.0), |r| {
                         let j = r.j1 * phase.j + 3.0 * r.j2 * v * a + r.j3 * v * v * v;
                         jerk = jerk.max(j.abs());
@@ -92,7 +92,7 @@ impl Fine {
         let turn = (a1 - a) / t;
         let j = (v1 - v - 2.0 * a * t) / (t * t) - turn / 2.0;
         let first = Phase { duration: t, s, v, a, j };
-        let (s, v, a) = first.at(t);
+        let Instant { s, v, a } = first.at(t);
         give(first);
         give(Phase { duration: t, s, v, a, j: turn - j });
     }
@@ -173,12 +173,12 @@ mod tests {
             let mut phases = Vec::new();
             fine.phases(|phase| phases.push(phase));
             let last = phases[phases.len() - 1];
-            let (s, v1, a1) = last.at(last.duration);
+            let Instant { s, v: v1, a: a1 } = last.end();
             assert!((s - 0.5 - h).abs() < 1e-12, "ends {} off", s - 0.5 - h);
             assert!((v1 - v).abs() < 1e-9 && (a1 - a).abs() < 1e-6, "{v1} {a1}");
             for phase in &phases {
                 for n in 0..=4 {
-                    let (_, v, _) = phase.at(phase.duration * f64::from(n) / 4.0);
+                    let Instant { v, .. } = phase.at(phase.duration * f64::from(n) / 4.0);
                     assert!(v >= -1e-9, "{v} mm/s at {least}");
                 }
             }
@@ -192,12 +192,12 @@ mod tests {
             let (v, a, v1) = (2.769, -933.3, 0.3538);
             let h = (v1 * v1 - v * v) / (a + a1);
             let fine = Fine { v, a, v1, a1, ..Fine::new(0, 0.0, h) };
-            let mut end = (0.0, v, a);
+            let mut end = Instant { s: 0.0, v, a };
             fine.phases(|phase| {
-                assert!((phase.a - end.2).abs() < 1e-6, "from {} to {} at once", end.2, phase.a);
-                end = phase.at(phase.duration);
+                assert!((phase.a - end.a).abs() < 1e-6, "from {} to {} at once", end.a, phase.a);
+                end = phase.end();
             });
-            assert!((end.0 - h).abs() < 1e-12 && (end.2 - a1).abs() < 1e-6, "{end:?}");
+            assert!((end.s - h).abs() < 1e-12 && (end.a - a1).abs() < 1e-6, "{end:?}");
         }
     }
 
@@ -207,7 +207,7 @@ mod tests {
         let (mut at, mut speed) = (1.0, 0.03);
         fine.phases(|phase| {
             assert!((phase.s - at).abs() < 1e-12 && (phase.v - speed).abs() < 1e-9);
-            (at, speed, _) = phase.at(phase.duration);
+            Instant { s: at, v: speed, .. } = phase.end();
         });
         assert!((at - 1.002).abs() < 1e-12 && (speed - 0.002).abs() < 1e-9, "{at} {speed}");
     }

@@ -26,12 +26,12 @@ mod refusal;
 mod runs;
 mod smooth;
 
-use crate::{AXES, Bounds, Derivatives, Limits, Piece};
+use crate::{AXES, Bounds, Derivatives, Limits, Phase, Piece};
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 pub(crate) use cell::TOP_SPEED;
 use cell::{Cell, Demand, Sampler, Start};
-pub use phase::{Phase, Timed};
+pub use phase::{Timed, merged};
 pub use refusal::Refusal;
 use runs::Cut;
 use smooth::{From, Smooth};

@@ -1,63 +1,40 @@
-//! What the kernel evaluates: stretches of constant s⃛ along one piece.
+//! Stretches of constant s⃛ along one piece: how they are made, joined and searched.
 use super::cell::{Row, Rows};
+use crate::{Instant, Phase};
 
-/// A stretch of constant third derivative by time, along one piece of the path.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Phase {
-    /// How long it lasts, s; above zero.
-    pub duration: f64,
-    /// Parameter of the piece at its start, mm.
-    pub s: f64,
-    /// ṡ at its start, mm/s; never negative.
-    pub v: f64,
-    /// s̈ at its start, mm/s².
-    pub a: f64,
-    /// s⃛ all along, mm/s³.
-    pub j: f64,
+/// A phase and the one after it as one: the same time, and place and speed at its end. What lies between differs, by
+/// acceleration too, so it is for phases much shorter than a servo period. `None` where the speed changes too much for that.
+pub fn merged(phase: &Phase, next: &Phase) -> Option<Phase> {
+    let duration = phase.duration + next.duration;
+    let Instant { s, v, .. } = next.at(next.duration);
+    let least = phase.v.min(v);
+    // s and v at the end, by a and j
+    let way = (s - phase.s - phase.v * duration) / (duration * duration);
+    let change = (v - phase.v) / duration;
+    let (a, j) = (6.0 * way - 2.0 * change, 6.0 * (change - 2.0 * way) / duration);
+    let evenly = a.abs().max((a + j * duration).abs()) * duration < EVEN * least;
+    evenly.then_some(Phase { duration, s: phase.s, v: phase.v, a, j })
 }
 
-impl Phase {
-    /// s, ṡ, s̈ at a time after its start, s.
-    pub fn at(&self, t: f64) -> (f64, f64, f64) {
-        let s = self.s + t * (self.v + t * (self.a / 2.0 + t * self.j / 6.0));
-        (s, self.v + t * (self.a + t * self.j / 2.0), self.a + t * self.j)
-    }
-
-    /// This phase and the one after it as one: the same time, and place and speed at its end. What lies between differs, by
-    /// acceleration too, so it is for phases much shorter than a servo period. `None` where the speed changes too much for that.
-    pub fn merged(&self, next: &Self) -> Option<Self> {
-        let duration = self.duration + next.duration;
-        let (s, v, _) = next.at(next.duration);
-        let least = self.v.min(v);
-        // s and v at the end, by a and j
-        let way = (s - self.s - self.v * duration) / (duration * duration);
-        let change = (v - self.v) / duration;
-        let (a, j) = (6.0 * way - 2.0 * change, 6.0 * (change - 2.0 * way) / duration);
-        let evenly = a.abs().max((a + j * duration).abs()) * duration < EVEN * least;
-        evenly.then_some(Self { duration, s: self.s, v: self.v, a, j })
-    }
-
-    /// When it is at `s`, which lies on it: by Newton's method, within bounds that close in.
-    pub(super) fn time_at(&self, s: f64) -> f64 {
-        let [mut low, mut high] = [0.0, self.duration];
-        let mut t =
-            self.duration * ((s - self.s) / (self.at(self.duration).0 - self.s)).clamp(0.0, 1.0);
-        for _ in 0..64 {
-            let (at, v, _) = self.at(t);
-            if at < s {
-                low = t;
-            } else {
-                high = t;
-            }
-            let next = t - (at - s) / v;
-            let next = if next > low && next < high { next } else { f64::midpoint(low, high) };
-            if (next - t).abs() <= f64::EPSILON * self.duration {
-                return next;
-            }
-            t = next;
+/// When a phase is at `s`, which lies on it: by Newton's method, within bounds that close in.
+pub(super) fn time_at(phase: &Phase, s: f64) -> f64 {
+    let [mut low, mut high] = [0.0, phase.duration];
+    let mut t = phase.duration * ((s - phase.s) / (phase.end().s - phase.s)).clamp(0.0, 1.0);
+    for _ in 0..64 {
+        let Instant { s: at, v, .. } = phase.at(t);
+        if at < s {
+            low = t;
+        } else {
+            high = t;
         }
-        t
+        let next = t - (at - s) / v;
+        let next = if next > low && next < high { next } else { f64::midpoint(low, high) };
+        if (next - t).abs() <= f64::EPSILON * phase.duration {
+            return next;
+        }
+        t = next;
     }
+    t
 }
 
 /// A phase, and the piece along which it goes.
@@ -137,7 +114,7 @@ pub(crate) fn from_rest_to_rest(
     for (duration, a, j) in up.into_iter().chain([(cruise, 0.0, 0.0)]).chain(down) {
         if duration > SHORTEST {
             let phase = Phase { duration, s, v, a, j };
-            (s, v, _) = phase.at(duration);
+            Instant { s, v, .. } = phase.at(duration);
             give(phase);
         }
     }

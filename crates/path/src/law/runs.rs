@@ -4,7 +4,8 @@
 //! handed out is cut at these again.
 use super::cell::{Cell, Demand, Start};
 use super::fine::Fine;
-use super::phase::{Phase, Timed};
+use super::phase::{Timed, time_at};
+use crate::{Instant, Phase};
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
@@ -107,12 +108,12 @@ impl<'a> Cut<'a> {
     pub(super) fn give(&mut self, mut phase: Phase) {
         while self.border(1.0 + SAME) < self.end {
             let border = self.border(1.0);
-            if phase.at(phase.duration).0 <= border {
+            if phase.end().s <= border {
                 break;
             }
-            let t = phase.time_at(border);
+            let t = time_at(&phase, border);
             self.push(Phase { duration: t, ..phase });
-            let (_, v, a) = phase.at(t);
+            let Instant { v, a, .. } = phase.at(t);
             phase = Phase { duration: phase.duration - t, s: border, v, a, j: phase.j };
             self.go_on();
         }

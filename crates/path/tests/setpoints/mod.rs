@@ -1,6 +1,6 @@
 //! What a machine would get, and what it asks of the axes.
+use motion::{AXES, Bounds, Piece, Shape};
 use path::law::Timed;
-use path::{AXES, Bounds, Piece, Shape};
 
 /// Servo period of the checks, s.
 pub(crate) const PERIOD: f64 = 1e-3;
@@ -11,7 +11,7 @@ pub(crate) fn setpoints(pieces: &[Piece], phases: &[Timed]) -> Vec<[f64; AXES]> 
     let mut t = 0.0;
     for Timed { piece, phase } in phases {
         while t < phase.duration {
-            points.push(pieces[*piece as usize].at(phase.at(t).0).q);
+            points.push(pieces[*piece as usize].at(phase.at(t).s).q);
             t += PERIOD;
         }
         t -= phase.duration;
@@ -42,7 +42,7 @@ pub(crate) fn inside(pieces: &[Piece], phases: &[Timed], b: &Bounds) -> [f64; 3]
     let mut most = [0.0_f64; 3];
     for Timed { piece, phase } in phases {
         for n in 0..=8 {
-            let (s, v, a) = phase.at(phase.duration * f64::from(n) / 8.0);
+            let motion::Instant { s, v, a } = phase.at(phase.duration * f64::from(n) / 8.0);
             let d = pieces[*piece as usize].at(s);
             for k in 0..AXES {
                 let speed = d.q1[k] * v / b.speed[k];
@@ -61,7 +61,7 @@ pub(crate) fn inside(pieces: &[Piece], phases: &[Timed], b: &Bounds) -> [f64; 3]
 pub(crate) fn joined(pieces: &[Piece], phases: &[Timed]) {
     for w in phases.windows(2) {
         let (a, b) = (&w[0], &w[1]);
-        let (s, v, _) = a.phase.at(a.phase.duration);
+        let motion::Instant { s, v, .. } = a.phase.end();
         assert!((v - b.phase.v).abs() < 1e-6 * (1.0 + v), "speed jumps: {a:?} {b:?}");
         if a.piece == b.piece {
             assert!((s - b.phase.s).abs() < 1e-9 * (1.0 + s), "place jumps: {a:?} {b:?}");

@@ -9,15 +9,14 @@
 //! stands clear of the top stays clear. Idle turns are made where the wheel stands.
 use super::{Job, Planner};
 use crate::cams::{TURN_ENDED, turned};
-use crate::coupled::{Superpose, Superposed, Table};
+use crate::coupled::Table;
 use crate::findings::number;
-use crate::path::Path;
-use crate::step::{Move, StepKind};
 use crate::tap_check::whole_rpm;
-use crate::way_out::{TiedCut, WayOut};
+use crate::way_out::along_x;
 use alloc::{format, vec::Vec};
 use canon::{Axis, CamOrder};
 use diag::Diagnostic;
+use motion::{Move, Path, StepKind, Superpose, Superposed, TiedCut};
 use units::{Angle, Lead, Length, Spin};
 
 /// The spindle that turns the work.
@@ -263,7 +262,7 @@ impl Planner {
         if cam.retreat.is_none() {
             let clear = self.position().linear[0];
             cam.retreat = Some(clear);
-            self.hand_on(job, StepKind::WayOut(Some(WayOut::along_x(TiedCut::Cam, WORK, clear))));
+            self.hand_on(job, StepKind::WayOut(Some(along_x(TiedCut::Cam, WORK, clear))));
         }
         self.cam = Some(cam);
         self.wheel_to(job, finished + stock);

@@ -12,12 +12,11 @@
 //! obeys it when the axis passes the R plane; the next cut or tap awaits the spindle as after any other order.
 use super::{Job, Planner, SpindleState};
 use crate::findings::number;
-use crate::motion::coordinate;
-use crate::step::{ChipThrow, Move, SpindleStep, StepKind};
 use crate::tap_check::whole_rpm;
 use alloc::format;
 use canon::ChipRemoval;
 use diag::Diagnostic;
+use motion::{ChipThrow, Move, SpindleStep, StepKind, coordinate};
 use units::{Spin, Torque};
 
 /// Halvings of a move's time until the place is found: 2⁻⁴⁰ of it.
@@ -63,24 +62,22 @@ impl Planner {
     }
 }
 
-impl ChipThrow {
-    /// When a move passes the level, s after its start; `None` if it stays before it.
-    pub(crate) fn passed_by(&self, order: &Move) -> Option<f64> {
-        let beyond = |t: f64| {
-            let at = order.path.motion(order.profile.at(t)).position[self.axis.index()];
-            (at - self.level).value() * if self.upwards { 1.0 } else { -1.0 } >= -super::NOTHING
-        };
-        let (mut low, mut high) = (0.0, order.profile.duration());
-        if beyond(low) {
-            return Some(low);
-        }
-        if !beyond(high) {
-            return None;
-        }
-        for _ in 0..HALVINGS {
-            let middle = f64::midpoint(low, high);
-            if beyond(middle) { high = middle } else { low = middle }
-        }
-        Some(high)
+/// When a move passes the level of a chip removal, s after its start; `None` if it stays before it.
+pub(crate) fn passed_by(throw: &ChipThrow, order: &Move) -> Option<f64> {
+    let beyond = |t: f64| {
+        let at = order.path.motion(order.profile.at(t)).position[throw.axis.index()];
+        (at - throw.level).value() * if throw.upwards { 1.0 } else { -1.0 } >= -super::NOTHING
+    };
+    let (mut low, mut high) = (0.0, order.profile.duration());
+    if beyond(low) {
+        return Some(low);
     }
+    if !beyond(high) {
+        return None;
+    }
+    for _ in 0..HALVINGS {
+        let middle = f64::midpoint(low, high);
+        if beyond(middle) { high = middle } else { low = middle }
+    }
+    Some(high)
 }

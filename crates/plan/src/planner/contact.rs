@@ -14,11 +14,10 @@
 //! work. Tools of no known length (stand-ins) and of no known form are not looked at.
 use super::{Job, Planner};
 use crate::chip::Drill;
-use crate::path::Path;
-use crate::profile::Instant;
 use crate::stock::{Removed, Stock};
 use alloc::vec::Vec;
 use canon::{Axis, Feed, Hole, Tap, Tool, ToolKind};
+use motion::{Instant, Path};
 use units::{Angle, Length, Spin};
 
 mod say;

@@ -8,17 +8,15 @@
 //!   G81 T L Q P   hob at speed ─► engage the work, with Z as its second master ─► cuts ─► G80: release
 //! ```
 use super::{Job, Planner};
-use crate::coupled::{
-    GearStep, OSCILLATION_SEEN, Superpose, Superposed, Table, TableId, rates, sampled,
-};
+use crate::coupled::{OSCILLATION_SEEN, Table, rates, sampled};
 use crate::findings::number;
 use crate::limits::AxisLimits;
-use crate::step::StepKind;
 use crate::tap_check::whole_rpm;
-use crate::way_out::{TiedCut, WayOut};
+use crate::way_out::along_x;
 use alloc::{format, vec::Vec};
 use canon::{Axis, Hob, Oscillating, Polygon};
 use diag::Diagnostic;
+use motion::{GearStep, StepKind, Superpose, Superposed, TableId, TiedCut};
 use units::{Angle, Spin};
 
 /// Turns of the work spindle over which an oscillation fades in and out.
@@ -109,7 +107,7 @@ impl Planner {
 
     /// From here on the tool may be in the work. It was geared up where it stands, so there it is clear.
     fn enter_geared(&mut self, job: &mut Job, cut: TiedCut, master: u8) {
-        let way_out = WayOut::along_x(cut, master, self.position().linear[0]);
+        let way_out = along_x(cut, master, self.position().linear[0]);
         self.hand_on(job, StepKind::WayOut(Some(way_out)));
     }
 

@@ -2,15 +2,15 @@
 use super::contact::Run;
 use super::refuse::clipped;
 use super::{Job, NOTHING, Planner};
-use crate::motion::{Along, along, coordinate};
-use crate::path::Path;
+use crate::along::{Along, along};
 use crate::run::{Alone, Order};
-use crate::step::{Move, Step, StepKind};
 use alloc::format;
 use alloc::vec::Vec;
 use canon::{Axis, Feed, PathMode, Position, Spline};
 use diag::Diagnostic;
-use path::geometry::{Bezier, Segment};
+use motion::{Move, Path, Step, StepKind, coordinate};
+use path::geometry::Segment;
+use path::geometry::quintic;
 use units::{Length, Spin};
 
 /// Share of P for merging collinear moves, where no Q below P is stated, and the most of it that Q may take: what merging
@@ -107,7 +107,7 @@ impl Planner {
             let [a, b, c, d, end] = piece.map(place);
             let control = [from, a, b, c, d, end];
             let control = control.map(|at| Axis::ALL.map(|axis| coordinate(&at, axis)));
-            Bezier::parts(control, &mut parts);
+            quintic(control, &mut parts);
             from = end;
         }
         let mut from = self.programmed;

@@ -2,10 +2,8 @@
 //!
 //! Every refusal names what was found, what the machine can do, and the number that would work.
 use super::{Job, Planner};
-use crate::Profile;
+use crate::along::{Along, change};
 use crate::findings::{Cause, number};
-use crate::motion::{Along, change, coordinate};
-use crate::path::{Path, radius};
 use crate::travel::{Beyond, beyond};
 use crate::words::{
     WHICH_UNIT, feed, feed_that_works, is_rotary, length, place, word, word_within,
@@ -13,6 +11,7 @@ use crate::words::{
 use alloc::{format, vec::Vec};
 use canon::{Arc, Axis, Feed, LengthUnit, Position, ProgramFrame};
 use diag::{Diagnostic, Span};
+use motion::{Path, Profile, coordinate, radius};
 use units::Spin;
 
 /// Coordinates beyond this are a mistake on any machine: a kilometre.

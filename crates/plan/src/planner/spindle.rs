@@ -11,11 +11,11 @@
 //! are thrown off (see the `chips` module) rapids wait for nothing.
 use super::{Job, Planner, SpindleState};
 use crate::findings::number;
-use crate::step::{SpindleStep, Step, StepKind};
 use crate::tap_check::whole_rpm;
 use alloc::{format, vec::Vec};
 use canon::SpindleOrder;
 use diag::Diagnostic;
+use motion::{SpindleStep, Step, StepKind};
 use units::{Spin, Torque};
 
 impl Planner {

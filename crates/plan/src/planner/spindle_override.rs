@@ -10,8 +10,8 @@
 //! S. Between the passes of a thread it stays locked, as on Fanuc's and Siemens' controls.
 use super::{Job, Planner};
 use crate::limits::TapMethod;
-use crate::step::StepKind;
 use canon::{Holder, OpKind, ToolKind};
+use motion::StepKind;
 
 /// Whether it acts.
 #[derive(Clone, Copy, Debug)]

@@ -9,12 +9,11 @@
 //! follows X in rapids too, and the first cut after one awaits its speed.
 use super::{Job, Planner, SpindleState};
 use crate::findings::number;
-use crate::step::{SpindleStep, Step, StepKind};
-use crate::surface::SurfaceSpeed;
 use crate::tap_check::whole_rpm;
 use alloc::{format, vec, vec::Vec};
 use canon::OpKind;
 use diag::Diagnostic;
+use motion::{SpindleStep, Step, StepKind, SurfaceSpeed};
 use units::{Angle, Length, Speed, Spin, Torque};
 
 /// The spindle whose speed goes by X.

@@ -17,17 +17,17 @@
 use super::refuse::wild;
 use super::unsynchronised::Clutch;
 use super::{Job, Planner};
+use crate::along::change;
 use crate::findings::number;
 use crate::holes::Drilled;
 use crate::limits::{AxisLimits, Retract, SpindleLimits, TapMethod};
-use crate::motion::change;
-use crate::step::{StepKind, TapPlan};
 use crate::stroke::{Stroke, StrokeRequest};
 use crate::tap_check::{TapCheck, cutting_torque, whole_rpm};
 use crate::words::length;
 use alloc::{format, string::String};
 use canon::{Axis, Holder, ProgramFrame, ReturnAcceleration, Tap, TapTool, Tool, ToolKind};
 use diag::{Diagnostic, Span};
+use motion::{StepKind, TapPlan};
 use units::{Angle, Lead, Length, Spin, SpinAccel, Time, Torque};
 
 /// The axes stand at the start if they are this near to it, mm.
@@ -285,7 +285,7 @@ impl Planner {
                 self.findings.add(Diagnostic::error("M0330", job.span, text));
             }
         }
-        let path = crate::Path::Line { from: tap.start, to: tap.start.with(tap.axis, tap.bottom) };
+        let path = motion::Path::Line { from: tap.start, to: tap.start.with(tap.axis, tap.bottom) };
         self.is_refused(job, &[path]) || refused
     }
 

@@ -10,14 +10,14 @@
 use super::{Job, Planner};
 use crate::findings::number;
 use crate::limits::AxisLimits;
-use crate::path::Path;
-use crate::step::{Step, StepKind};
 use crate::tap_check::whole_rpm;
-use crate::thread::{Change, Corner, THREADING_AXES, ThreadStretch, Vector};
-use crate::way_out::{Pass, TiedCut, WayOut};
+use crate::thread::Change;
 use alloc::{format, vec::Vec};
 use canon::{Axis, Position, Threading};
 use diag::{Diagnostic, Span};
+use motion::{
+    Corner, Pass, Path, Step, StepKind, THREADING_AXES, ThreadStretch, TiedCut, Vector, WayOut,
+};
 use units::{Angle, Lead, LeadGrowth, Length, Spin};
 
 /// The spindle that threads follow.

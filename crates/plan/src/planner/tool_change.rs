@@ -6,11 +6,10 @@
 //!          ╵ programmed ▼ x, y                 anything else has X and Y back first, then Z
 //! ```
 use super::{Job, Planner};
-use crate::path::Path;
-use crate::step::StepKind;
 use alloc::format;
 use canon::{Axis, Position};
 use diag::Diagnostic;
+use motion::{Path, StepKind};
 use units::{Length, Spin};
 
 /// Where axes really are that a tool change has taken away; `None`: where the program has them.

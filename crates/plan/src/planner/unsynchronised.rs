@@ -17,14 +17,12 @@ use super::{Job, Planner};
 use crate::clutch::{ClutchCycle, DwellWindow};
 use crate::findings::number;
 use crate::limits::{DwellCheck, PlainDrive, SpindleLimits};
-use crate::path::Path;
-use crate::step::{Move, StepKind};
 use crate::tap_check::whole_rpm;
-use crate::way_out::WayOut;
-use crate::{Piece, Profile};
+use crate::way_out;
 use alloc::format;
 use canon::{Holder, Tap};
 use diag::Diagnostic;
+use motion::{Move, Path, Phase, Profile, StepKind};
 use units::{Angle, Length, Spin, Time};
 
 /// Within which a drive that makes its own ramp is told a new speed, s.
@@ -121,7 +119,7 @@ impl Planner {
     fn goes_in(&mut self, job: &mut Job, tap: &Tap) {
         let start = tap.start.along(tap.axis);
         let outward = if tap.bottom < start { 1.0 } else { -1.0 };
-        let way_out = WayOut::floating(0, tap.axis, start, outward);
+        let way_out = way_out::floating(0, tap.axis, start, outward);
         self.hand_on(job, StepKind::WayOut(Some(way_out)));
     }
 
@@ -285,7 +283,7 @@ impl Planner {
             return limits.ramp(from, to);
         }
         let (v, change) = (from.value(), (to - from).value());
-        let step = Piece { duration: TOLD_WITHIN, s: 0.0, v, a: change / TOLD_WITHIN, j: 0.0 };
+        let step = Phase { duration: TOLD_WITHIN, s: 0.0, v, a: change / TOLD_WITHIN, j: 0.0 };
         let mut profile = Profile::EMPTY;
         // cannot fail: it is the first piece
         let fits = profile.push(step);

@@ -4,8 +4,9 @@ use canon::{
     Axis, Feed, Flute, Holder, Hole, Op, OpKind, Position, Span, SpindleOrder, Tap, TapTool, Tool,
     ToolKind, ToolLibrary,
 };
+use motion::Step;
 use plan::{
-    AxisLimits, MachineLimits, Options, Planner, SpindleLimits, Start, Step, Tapping, ToolChange,
+    AxisLimits, MachineLimits, Options, Planner, SpindleLimits, Start, Tapping, ToolChange,
 };
 use units::{
     Accel, Angle, Inertia, Jerk, Lead, Length, Power, Speed, Spin, Stiffness, Time, Torque,

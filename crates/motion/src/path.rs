@@ -16,17 +16,13 @@
 //! | e | what the rotated start lacks to the programmed end: rounding of the program | mm |
 //!
 //! Spreading e over the path (instead of jumping at its end) keeps the motion smooth and its end exact.
-//! Of a spline X and Y are its own polynomials of the length (`path::geometry::Bezier`).
+//! Of a spline X and Y are its own polynomials of the length ([`Bezier`]).
 //! On a circle the acceleration has a part towards the centre, v²/r, beside the part along the path.
 //!
 //! Length follows RS-274/NGC (NIST IR 6556, 2.1.2.5): along X Y Z if one of them moves, else along
 //! U V W, else the turn of the rotary axes in degrees; all others arrive at the same time.
-use crate::Instant;
-use crate::motion::coordinate;
-use ::path::geometry::Bezier;
-use ::path::{Curve, Shape};
-use canon::{Arc, Axis, Position};
-use units::{Accel, Length, Speed};
+use crate::{Bezier, Curve, Instant, Line, Shape};
+use units::{Accel, Arc, Axis, Length, Position, Speed};
 
 /// A path of the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,7 +55,7 @@ pub enum Path {
     },
 }
 
-/// Where the axes shall be, and how they move, by `canon::Axis` index. Of rotary axes (A, B, C) read degrees where it
+/// Where the axes shall be, and how they move, by [`Axis`] index. Of rotary axes (A, B, C) read degrees where it
 /// says millimetres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
@@ -100,15 +96,15 @@ impl Path {
         }
     }
 
-    /// As the crate `path` has it.
-    pub(crate) fn curve(&self) -> Curve {
+    /// As a [`Curve`] of all axes.
+    pub fn curve(&self) -> Curve {
         let point = |position: &Position| Axis::ALL.map(|axis| coordinate(position, axis));
         let (from, to, length) = (point(self.from()), point(self.to()), self.length());
         match self {
-            Self::Line { .. } => Curve::Line(::path::geometry::Line { from, to, length }),
+            Self::Line { .. } => Curve::Line(Line { from, to, length }),
             Self::Arc { arc, .. } => {
                 let [first, second, _] = arc.plane.axes().map(Axis::index);
-                Curve::Arc(::path::geometry::Arc {
+                Curve::Arc(crate::Arc {
                     from,
                     to,
                     plane: [first, second],
@@ -197,8 +193,13 @@ fn rotated([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
     [cos * x - sin * y, sin * x + cos * y]
 }
 
+/// Coordinate of any axis, in mm or degrees.
+pub fn coordinate(position: &Position, axis: Axis) -> f64 {
+    position.along(axis).value()
+}
+
 /// Radius at the start of an arc, mm.
-pub(crate) fn radius(from: &Position, arc: &Arc) -> f64 {
+pub fn radius(from: &Position, arc: &Arc) -> f64 {
     let [first, second, _] = arc.plane.axes();
     libm::hypot(
         from.along(first).value() - arc.centre[0].value(),
@@ -223,8 +224,7 @@ fn line_length(from: &Position, to: &Position) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use canon::Plane;
-    use units::Angle;
+    use units::{Angle, Plane};
 
     fn at(s: f64, v: f64, a: f64) -> Instant {
         Instant { s, v, a }

@@ -90,7 +90,7 @@ pub struct Bounds {
 
 impl Bounds {
     /// Whether any axis has a limit of jerk.
-    pub(crate) fn has_jerk(&self) -> bool {
+    pub fn has_jerk(&self) -> bool {
         self.jerk.iter().any(|jerk| jerk.is_finite())
     }
 }
@@ -114,7 +114,7 @@ pub struct Limits {
 
 impl Limits {
     /// Whether any axis has a limit of jerk, while cutting or in rapids.
-    pub(crate) fn has_jerk(&self) -> bool {
+    pub fn has_jerk(&self) -> bool {
         self.feed.has_jerk() || self.rapid.has_jerk()
     }
 }

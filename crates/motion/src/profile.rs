@@ -10,14 +10,15 @@
 //! | v, a, j | its rates | mm/s, mm/s², mm/s³ | rev/s, rev/s², rev/s³ |
 //! | t | time | s | s |
 //!
-//! How profiles are made is in `ramp`; here is what the kernel evaluates each period.
+//! The same phases run along a joined path ([`crate::Follow`]). How they are made is the planner's; here is what the kernel
+//! evaluates each period.
 
 /// Most pieces a profile may have: a spindle's run-up on a power curve needs the most.
-pub const MAX_PIECES: usize = 64;
+pub const MAX_PHASES: usize = 64;
 
-/// A stretch of constant jerk.
+/// A stretch of constant jerk, along a path or of a spindle's speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Piece {
+pub struct Phase {
     /// How long it lasts, s.
     pub duration: f64,
     /// Path parameter at its start.
@@ -30,7 +31,7 @@ pub struct Piece {
     pub j: f64,
 }
 
-impl Piece {
+impl Phase {
     /// State at a time after its start, s.
     pub fn at(&self, t: f64) -> Instant {
         Instant {
@@ -46,7 +47,7 @@ impl Piece {
     }
 }
 
-/// State of a profile at one time.
+/// State at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Instant {
     /// Path parameter.
@@ -60,7 +61,7 @@ pub struct Instant {
 /// Pieces in a row, of fixed capacity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Profile {
-    pieces: [Piece; MAX_PIECES],
+    pieces: [Phase; MAX_PHASES],
     count: usize,
     duration: f64,
     end: Instant,
@@ -69,7 +70,7 @@ pub struct Profile {
 impl Profile {
     /// Nothing yet: stays at 0.
     pub const EMPTY: Self = Self {
-        pieces: [Piece { duration: 0.0, s: 0.0, v: 0.0, a: 0.0, j: 0.0 }; MAX_PIECES],
+        pieces: [Phase { duration: 0.0, s: 0.0, v: 0.0, a: 0.0, j: 0.0 }; MAX_PHASES],
         count: 0,
         duration: 0.0,
         end: Instant { s: 0.0, v: 0.0, a: 0.0 },
@@ -77,8 +78,8 @@ impl Profile {
 
     /// Append a piece; `false`, and nothing appended, when the profile is full.
     #[must_use]
-    pub fn push(&mut self, piece: Piece) -> bool {
-        if self.count == MAX_PIECES {
+    pub fn push(&mut self, piece: Phase) -> bool {
+        if self.count == MAX_PHASES {
             return false;
         }
         self.pieces[self.count] = piece;
@@ -96,7 +97,7 @@ impl Profile {
     }
 
     /// The pieces, in order.
-    pub fn pieces(&self) -> &[Piece] {
+    pub fn pieces(&self) -> &[Phase] {
         &self.pieces[..self.count]
     }
 

@@ -21,10 +21,10 @@
 //! ```text
 //!   a_t = min(√(A² − v⁴/r²), 0.2·J·r/v)        j_t = √(J² − (3·v·a_t/r)²) − v³/r²
 //! ```
-use crate::Profile;
 use crate::limits::{AxisLimits, MachineLimits};
-use crate::path::{Path, radius};
+use crate::ramp::rest_to_rest;
 use canon::{Arc, Axis, Plane, Position};
+use motion::{Path, Profile, coordinate, radius};
 
 /// Limits along a path, in the units of its parameter (mm, or degrees for rotary axes) and seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -150,22 +150,17 @@ pub(crate) fn change(from: &Position, to: &Position, axis: Axis) -> f64 {
     coordinate(to, axis) - coordinate(from, axis)
 }
 
-/// Coordinate of any axis, in mm or degrees.
-pub fn coordinate(position: &Position, axis: Axis) -> f64 {
-    position.along(axis).value()
-}
-
 impl Along {
     /// From rest to rest at a speed (or the highest allowed).
     pub(crate) fn profile(&self, length: f64, speed: f64) -> Profile {
-        Profile::rest_to_rest(length, speed.min(self.speed), self.accel, self.jerk)
+        rest_to_rest(length, speed.min(self.speed), self.accel, self.jerk)
     }
 
     /// From rest to rest at a feed per revolution of a spindle that turns at `n` rev/s: the profile's
     /// time is revolutions, in which speed is v/n, acceleration a/n², jerk j/n³.
     pub(crate) fn profile_over_revolutions(&self, length: f64, feed: f64, n: f64) -> Profile {
         let speed = feed.min(self.speed / n);
-        Profile::rest_to_rest(length, speed, self.accel / (n * n), self.jerk / (n * n * n))
+        rest_to_rest(length, speed, self.accel / (n * n), self.jerk / (n * n * n))
     }
 
     /// From rest to rest in a given time, or as fast as allowed.

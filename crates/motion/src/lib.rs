@@ -1,0 +1,50 @@
+//! What the kernel executes: steps, and what evaluates them, each at bounded cost.
+//!
+//! ```text
+//!   plan ─► Step ─► kernel      q(s) of a path, s(t) of a profile, θ(t) of a spindle, z(θ) of a tap, X Z(θ) of a thread
+//! ```
+//!
+//! A [`Step`] is plain data and complete: whoever has it can say where every axis shall be at every instant of it, with velocity
+//! and acceleration, without asking anybody. Nothing here allocates, optimises or knows a machine; all has a fixed size.
+//!
+//! | file | answers |
+//! |---|---|
+//! | `step` | what there is to do, and in which order |
+//! | `curve` | where the axes are along a joined path; what they can do |
+//! | `path` | where they are along a move from rest to rest |
+//! | `profile` | how far along it, when |
+//! | `tap`, `thread` | an axis as a function of a spindle's turns |
+//! | `coupled` | gears between spindles, and what is superposed on an axis |
+//! | `surface` | a spindle's speed as a function of X |
+//! | `way_out` | how a tool that is tied to a spindle comes out of the work |
+//! | `signal` | inputs and outputs |
+#![no_std]
+#[cfg(test)]
+extern crate std;
+
+mod coupled;
+mod curve;
+mod path;
+mod profile;
+mod signal;
+mod step;
+mod surface;
+mod tap;
+mod thread;
+mod way_out;
+
+pub use coupled::{GearStep, Superpose, Superposed, TableId};
+pub use curve::{
+    AXES, Arc, Bezier, Bounds, Curve, Derivatives, Entry, Limits, Line, Piece, Point, Polynomial,
+    Shape, measure,
+};
+pub use path::{Motion, Path, coordinate, radius};
+pub use profile::{Instant, MAX_PHASES, Phase, Profile};
+pub use signal::{Await, InputWait, Output, Signal};
+pub use step::{
+    ChipThrow, Follow, HandedBack, Move, PHASES, Pace, Programmed, SpindleStep, Step, StepKind,
+};
+pub use surface::SurfaceSpeed;
+pub use tap::{Limiting, TapLimiting, TapPlan};
+pub use thread::{Corner, OnThread, THREADING_AXES, ThreadStretch, Vector};
+pub use way_out::{Pass, TiedCut, WayOut};

@@ -1,0 +1,54 @@
+//! Inputs and outputs that a step reads, waits for or switches.
+use units::Time;
+
+/// An output and what it is switched to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Output {
+    /// Which of its kind, counted from 0.
+    pub number: u8,
+    /// What it is to be.
+    pub signal: Signal,
+}
+
+/// What an output is to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Signal {
+    /// On or off.
+    Digital {
+        /// On.
+        on: bool,
+    },
+    /// A value in the machine's own unit.
+    Analogue {
+        /// The value.
+        value: f64,
+    },
+}
+
+/// An input, and what is waited for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InputWait {
+    /// Which of its kind, counted from 0.
+    pub number: u8,
+    /// On or off; else a value.
+    pub digital: bool,
+    /// What ends the wait.
+    pub until: Await,
+    /// How long it lasts at most.
+    pub longest: Time,
+}
+
+/// What a wait for an input waits for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Await {
+    /// Nothing: the input is only read.
+    Nothing,
+    /// That it turns on.
+    Rise,
+    /// That it turns off.
+    Fall,
+    /// That it is on.
+    On,
+    /// That it is off.
+    Off,
+}
