@@ -1,107 +1,24 @@
 //! The language server, spoken to as an editor speaks: JSON-RPC over the program's standard input and output.
 #![allow(clippy::unwrap_used, clippy::needless_pass_by_value)] // a test may panic
+#[path = "common/editor.rs"]
+mod editor;
+use editor::Editor;
 use serde_json::{Value, json};
-use std::{
-    io::{BufRead, BufReader, Read, Write},
-    process::{Child, ChildStdin, ChildStdout, Command, Stdio},
-};
 
 const URI: &str = "file:///tmp/part.ngc";
 
-/// An editor with a scripted user.
-struct Editor {
-    child: Child,
-    to: ChildStdin,
-    from: BufReader<ChildStdout>,
-    next: i64,
-    told: Vec<Value>,
+/// An editor in which this program is open.
+fn open(text: &str) -> Editor {
+    open_with(&[], text)
+}
+
+fn open_with(arguments: &[&str], text: &str) -> Editor {
+    let mut editor = Editor::start(arguments);
+    editor.open(URI, text);
+    editor
 }
 
 impl Editor {
-    fn start() -> Self {
-        Self::start_with(&[])
-    }
-
-    fn start_with(arguments: &[&str]) -> Self {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_leadscrew"))
-            .arg("lsp")
-            .args(arguments)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let to = child.stdin.take().unwrap();
-        let from = BufReader::new(child.stdout.take().unwrap());
-        let mut editor = Self { child, to, from, next: 0, told: Vec::new() };
-        let greeting = editor.ask("initialize", json!({ "capabilities": {} }));
-        assert_eq!(greeting["serverInfo"]["name"], "leadscrew");
-        editor.tell("initialized", json!({}));
-        editor
-    }
-
-    fn open(text: &str) -> Self {
-        Self::start().opened(text)
-    }
-
-    fn opened(self, text: &str) -> Self {
-        let mut editor = self;
-        let item = json!({ "uri": URI, "languageId": "gcode", "version": 1, "text": text });
-        editor.tell("textDocument/didOpen", json!({ "textDocument": item }));
-        editor
-    }
-
-    fn send(&mut self, message: &Value) {
-        let body = message.to_string();
-        write!(self.to, "Content-Length: {}\r\n\r\n{body}", body.len()).unwrap();
-        self.to.flush().unwrap();
-    }
-
-    fn tell(&mut self, method: &str, params: Value) {
-        self.send(&json!({ "jsonrpc": "2.0", "method": method, "params": params }));
-    }
-
-    fn receive(&mut self) -> Value {
-        let mut length = 0;
-        loop {
-            let mut line = String::new();
-            assert!(self.from.read_line(&mut line).unwrap() > 0, "the server has gone");
-            if let Some(number) = line.strip_prefix("Content-Length: ") {
-                length = number.trim().parse().unwrap();
-            }
-            if line.trim().is_empty() {
-                break;
-            }
-        }
-        let mut body = vec![0; length];
-        self.from.read_exact(&mut body).unwrap();
-        serde_json::from_slice(&body).unwrap()
-    }
-
-    /// Ask and wait; the result, or the error.
-    fn ask(&mut self, method: &str, params: Value) -> Value {
-        self.next += 1;
-        let id = self.next;
-        self.send(&json!({ "jsonrpc": "2.0", "id": id, "method": method, "params": params }));
-        loop {
-            let mut message = self.receive();
-            if message["id"] == id {
-                let key = if message["error"].is_null() { "result" } else { "error" };
-                return message[key].take();
-            }
-            self.told.push(message);
-        }
-    }
-
-    /// The findings, once the whole program is known.
-    fn findings(&mut self) -> Vec<Value> {
-        let message = match self.told.pop() {
-            Some(message) => message,
-            None => self.receive(),
-        };
-        assert_eq!(message["method"], "textDocument/publishDiagnostics");
-        message["params"]["diagnostics"].as_array().unwrap().clone()
-    }
-
     fn at(&mut self, what: &str, line: u32, character: u32) -> Value {
         let place = json!({ "line": line, "character": character });
         let params = json!({ "textDocument": { "uri": URI }, "position": place });
@@ -117,16 +34,7 @@ impl Editor {
             "start": { "line": line, "character": from },
             "end": { "line": line, "character": to },
         });
-        let changes = json!([{ "range": range, "text": text }]);
-        let item = json!({ "uri": URI, "version": 2 });
-        let params = json!({ "textDocument": item, "contentChanges": changes });
-        self.tell("textDocument/didChange", params);
-    }
-
-    fn leave(mut self) {
-        self.ask("shutdown", Value::Null);
-        self.tell("exit", Value::Null);
-        assert!(self.child.wait().unwrap().success());
+        self.change(URI, json!({ "range": range, "text": text }));
     }
 }
 
@@ -151,7 +59,7 @@ M2
 
 #[test]
 fn findings_come_with_their_place_code_and_remedy() {
-    let mut editor = Editor::open("G21 G90\nG0 X1\nG331 Z-5 K1\nG4 P500\nM2\n");
+    let mut editor = open("G21 G90\nG0 X1\nG331 Z-5 K1\nG4 P500\nM2\n");
     let findings = editor.findings();
     let codes: Vec<_> = findings.iter().map(|f| f["code"].as_str().unwrap()).collect();
     assert_eq!(codes, ["I0102", "I0904"]);
@@ -164,7 +72,7 @@ fn findings_come_with_their_place_code_and_remedy() {
 
 #[test]
 fn a_correction_makes_the_finding_go() {
-    let mut editor = Editor::open("G21 G90 S500 M3\nG1 X1\nM2\n");
+    let mut editor = open("G21 G90 S500 M3\nG1 X1\nM2\n");
     assert_eq!(editor.findings()[0]["code"], "I0408");
     editor.replace(1, 5, 5, " F100");
     assert!(editor.findings().is_empty());
@@ -173,7 +81,7 @@ fn a_correction_makes_the_finding_go() {
 
 #[test]
 fn a_hover_says_what_the_word_does_and_where_the_machine_stands() {
-    let mut editor = Editor::open(PART);
+    let mut editor = open(PART);
     let text = editor.hover(12, 1);
     assert!(text.contains("**G0** rapid move"), "{text}");
     assert!(text.contains("| X | 10 | 1 |"), "{text}");
@@ -190,7 +98,7 @@ fn a_hover_says_what_the_word_does_and_where_the_machine_stands() {
 
 #[test]
 fn a_hover_over_a_code_that_nobody_knows_says_so() {
-    let mut editor = Editor::open("G21 G90\nG123 X1\nM2\n");
+    let mut editor = open("G21 G90\nG123 X1\nM2\n");
     let text = editor.hover(1, 1);
     assert!(text.contains("**G123** is no known code"), "{text}");
     editor.leave();
@@ -198,7 +106,7 @@ fn a_hover_over_a_code_that_nobody_knows_says_so() {
 
 #[test]
 fn the_outline_shows_tools_and_subprograms() {
-    let mut editor = Editor::open(PART);
+    let mut editor = open(PART);
     let symbols =
         editor.ask("textDocument/documentSymbol", json!({ "textDocument": { "uri": URI } }));
     let names: Vec<_> =
@@ -212,7 +120,7 @@ fn the_outline_shows_tools_and_subprograms() {
 
 #[test]
 fn a_call_leads_to_its_subprogram() {
-    let mut editor = Editor::open(PART);
+    let mut editor = open(PART);
     let place = editor.at("definition", 11, 3);
     assert_eq!(place["range"]["start"], json!({ "line": 1, "character": 2 }));
     editor.leave();
@@ -220,7 +128,7 @@ fn a_call_leads_to_its_subprogram() {
 
 #[test]
 fn renaming_a_parameter_changes_it_wherever_it_is_the_same_one() {
-    let mut editor = Editor::open(PART);
+    let mut editor = open(PART);
     let place = json!({ "line": 4, "character": 9 });
     let params = json!({ "textDocument": { "uri": URI }, "position": place, "newName": "bottom" });
     let edits = editor.ask("textDocument/rename", params.clone());
@@ -237,7 +145,7 @@ fn renaming_a_parameter_changes_it_wherever_it_is_the_same_one() {
 
 #[test]
 fn formatting_touches_only_the_lines_that_change() {
-    let mut editor = Editor::open("G21 G90\ng0x1 y2 (there)\nM2\n");
+    let mut editor = open("G21 G90\ng0x1 y2 (there)\nM2\n");
     let params = json!({
         "textDocument": { "uri": URI },
         "options": { "tabSize": 2, "insertSpaces": true },
@@ -253,7 +161,7 @@ fn formatting_touches_only_the_lines_that_change() {
 fn a_range_is_formatted_alone_as_it_would_be_in_the_whole() {
     let text = "o1 sub\ng0x1\nif [1 gt 0]\ng0x2\no1 endif\no1 endsub\ng0x3\nM2\n";
     let text = text.replace("\nif", "\no1 if");
-    let mut editor = Editor::open(&text);
+    let mut editor = open(&text);
     let mut ask = |method: &str, range: Value| {
         let params = json!({
             "textDocument": { "uri": URI },
@@ -278,7 +186,7 @@ fn a_range_is_formatted_alone_as_it_would_be_in_the_whole() {
 #[test]
 fn a_goto_leads_to_its_block_and_a_do_to_its_end() {
     let text = "O1\n#1=0\nWHILE [#1 LT 2] DO1\n#1=#1+1\nEND1\nIF [#1 GT 5] GOTO 90\nG0 X1.\nGOTO 77\nN90 M30\n";
-    let mut editor = Editor::start_with(&["--dialect", "fanuc"]).opened(text);
+    let mut editor = open_with(&["--dialect", "fanuc"], text);
     let mut line = |from: u32, character: u32| {
         editor.at("definition", from, character)["range"]["start"]["line"].as_u64()
     };
@@ -297,22 +205,16 @@ fn a_goto_leads_to_its_block_and_a_do_to_its_end() {
 
 #[test]
 fn what_is_not_served_is_refused_in_words() {
-    let mut editor = Editor::start();
+    let mut editor = Editor::start(&[]);
     let answer = editor.ask("textDocument/inlayHint", json!({}));
     assert!(answer["message"].as_str().unwrap().contains("not served"));
-    assert!(editor.hover_of_nothing().is_null());
+    assert!(editor.at("hover", 0, 0).is_null());
     editor.leave();
-}
-
-impl Editor {
-    fn hover_of_nothing(&mut self) -> Value {
-        self.at("hover", 0, 0)
-    }
 }
 
 #[test]
 fn places_behind_the_text_are_answered() {
-    let mut editor = Editor::open(PART);
+    let mut editor = open(PART);
     for what in ["hover", "definition", "prepareRename"] {
         for (line, character) in [(9999, 0), (u32::MAX, u32::MAX)] {
             assert_eq!(editor.at(what, line, character), Value::Null, "{what}");

@@ -1,11 +1,12 @@
 //! One preflight behind check, time, run and the editor; and what it calls clean breaks nothing when it is run.
-#![allow(clippy::unwrap_used)] // a test may panic
+#![allow(clippy::unwrap_used, clippy::needless_pass_by_value)] // a test may panic
 mod common;
+#[path = "common/editor.rs"]
+mod editor;
 use common::{complained, leadscrew, root, said};
+use editor::Editor;
 use serde_json::{Value, json};
-use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 /// Code, line and message of a finding.
 type Finding = (String, u64, String);
@@ -34,91 +35,30 @@ fn printed(text: &str) -> Vec<String> {
     text.lines().filter_map(code).collect()
 }
 
-/// An editor that opens one program after the other.
-struct Editor {
-    child: Child,
-    to: ChildStdin,
-    from: BufReader<ChildStdout>,
-}
-
 impl Editor {
-    fn start(arguments: &[&str]) -> Self {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_leadscrew"))
-            .arg("lsp")
-            .args(arguments)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let to = child.stdin.take().unwrap();
-        let from = BufReader::new(child.stdout.take().unwrap());
-        let mut editor = Self { child, to, from };
-        editor.send(&json!({ "jsonrpc": "2.0", "id": 1, "method": "initialize", "params": { "capabilities": {} } }));
-        editor.receive();
-        editor.send(&json!({ "jsonrpc": "2.0", "method": "initialized", "params": {} }));
-        editor
-    }
-
-    fn send(&mut self, message: &Value) {
-        let body = message.to_string();
-        write!(self.to, "Content-Length: {}\r\n\r\n{body}", body.len()).unwrap();
-        self.to.flush().unwrap();
-    }
-
-    fn receive(&mut self) -> Value {
-        let mut length = 0;
-        loop {
-            let mut line = String::new();
-            assert!(self.from.read_line(&mut line).unwrap() > 0, "the server has gone");
-            if let Some(number) = line.strip_prefix("Content-Length: ") {
-                length = number.trim().parse().unwrap();
-            }
-            if line.trim().is_empty() {
-                break;
-            }
-        }
-        let mut body = vec![0; length];
-        self.from.read_exact(&mut body).unwrap();
-        serde_json::from_slice(&body).unwrap()
-    }
-
-    fn notify(&mut self, method: &str, params: &Value) {
-        self.send(&json!({ "jsonrpc": "2.0", "method": method, "params": params }));
-    }
-
-    fn open(&mut self, program: &Path, text: &str) -> Vec<Finding> {
-        let uri = format!("file://{}", program.display());
-        let item = json!({ "uri": uri, "languageId": "gcode", "version": 1, "text": text });
-        self.notify("textDocument/didOpen", &json!({ "textDocument": item }));
+    fn opened(&mut self, program: &Path, text: &str) -> Vec<Finding> {
+        self.open(&uri(program), text);
         self.shown()
     }
 
-    fn edit(&mut self, program: &Path, text: &str) -> Vec<Finding> {
-        let uri = format!("file://{}", program.display());
-        let params = json!({
-            "textDocument": { "uri": uri, "version": 2 },
-            "contentChanges": [{ "text": text }],
-        });
-        self.notify("textDocument/didChange", &params);
+    fn edited(&mut self, program: &Path, text: &str) -> Vec<Finding> {
+        self.change(&uri(program), json!({ "text": text }));
         self.shown()
     }
 
     fn shown(&mut self) -> Vec<Finding> {
-        let message = self.receive();
-        assert_eq!(message["method"], "textDocument/publishDiagnostics");
         let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
         let of = |f: &Value| {
             let message = text(&f["message"]);
             let message = message.lines().next().unwrap_or_default().to_owned();
             (text(&f["code"]), f["range"]["start"]["line"].as_u64().unwrap() + 1, message)
         };
-        message["params"]["diagnostics"].as_array().unwrap().iter().map(of).collect()
+        self.findings().iter().map(of).collect()
     }
+}
 
-    fn leave(mut self) {
-        drop(self.to);
-        self.child.wait().unwrap();
-    }
+fn uri(program: &Path) -> String {
+    format!("file://{}", program.display())
 }
 
 /// The machine and dialect for a shipped program.
@@ -172,7 +112,7 @@ fn check_time_run_and_editor_say_the_same_of_every_shipped_program() {
         let found = checked(&program, arguments);
         let text = std::fs::read_to_string(&program).unwrap();
         let mut editor = Editor::start(arguments);
-        let shown = editor.open(&program, &text);
+        let shown = editor.opened(&program, &text);
         editor.leave();
         // the editor has no line 0: what has no place is shown at the top
         let placed = |all: &[Finding]| -> Vec<Finding> {
@@ -203,8 +143,11 @@ fn check_time_run_and_editor_say_the_same_of_programs_on_spec_pages_and_of_rando
         for edit in 0..3 {
             let text = if edit == 0 { text.clone() } else { edited(&text, &mut random) };
             std::fs::write(&program, &text).unwrap();
-            let shown =
-                if is_open { editor.edit(&program, &text) } else { editor.open(&program, &text) };
+            let shown = if is_open {
+                editor.edited(&program, &text)
+            } else {
+                editor.opened(&program, &text)
+            };
             is_open = true;
             let found = checked(&program, &[]);
             assert_eq!(shown, found, "{text}");

@@ -32,16 +32,13 @@ mod format;
 mod line;
 mod number;
 mod o_word;
-mod page;
 mod parser;
 mod print;
 mod problem;
-mod same;
 mod value;
 
 pub use block::{Assignment, Block, Comment, CommentKind, Keyword, Label, OWord, Text, Word};
 pub use expression::{Expr, ExprId, Function, Operator, Parameter, Value};
 pub use fanuc::{Control, Grammar, Output, Piece};
 pub use format::format;
-pub use page::Page;
 pub use parser::{MAX_DIAGNOSTICS, MAX_LINE_BYTES, MAX_NESTING, MAX_OPERATIONS, Parser};

@@ -2,7 +2,8 @@
 
 #![allow(clippy::format_collect)] // clear beats quick in a test
 
-use gcode::{Block, Grammar, Page, Parser};
+mod common;
+use gcode::{Block, Parser};
 use proptest::prelude::*;
 
 fn blocks(program: &[u8]) -> (Vec<Block>, Vec<diag::Diagnostic>) {
@@ -73,74 +74,7 @@ fn line() -> impl Strategy<Value = String> {
     (start, body, end).prop_map(|(start, body, end)| format!("{start}{body}{end}\n"))
 }
 
-/// The blocks of a text and what is found in it, read in pages of so many lines, each of them moved by what comes before.
-fn by_pages(program: &[u8], grammar: Grammar, lines: u32, before: &str) -> String {
-    let text = [before.as_bytes(), program].concat();
-    let (mut parser, mut own) =
-        (Parser::with_grammar(&text, 0, grammar), Parser::with_grammar(program, 0, grammar));
-    own.seek(0, 1);
-    let moved = (before.len() as u32, before.matches('\n').count() as u32);
-    let (mut block, mut all) = (Block::new(), String::new());
-    loop {
-        let from = own.position();
-        let page = Page::read(program, grammar, from, u32::MAX, lines);
-        if page.blocks() == 0 {
-            return all + &format!("{:?}", parser.take_diagnostics());
-        }
-        let here = (from.0 + moved.0, from.1 + moved.1);
-        for i in 0..page.blocks() {
-            let [begin, mut end] = [i, i + 1].map(|i| page.begin(i));
-            assert_eq!(page.at(begin.0), Some(i));
-            if !page.load(i, here, &mut block) {
-                parser.seek(here.0 + begin.0, here.1 + begin.1);
-                assert!(parser.next(&mut block));
-                let (byte, line) = parser.position();
-                end = (byte - here.0, line - here.1);
-            }
-            all += &format!("{block:?}\n");
-            own.seek(from.0 + end.0, from.1 + end.1);
-            if end != page.begin(i + 1) {
-                break; // whether a text is one at all is asked once
-            }
-        }
-    }
-}
-
-fn at_once(program: &[u8], grammar: Grammar, before: &str) -> String {
-    let text = [before.as_bytes(), program].concat();
-    let mut parser = Parser::with_grammar(&text, 0, grammar);
-    parser.seek(before.len() as u32, 1 + before.matches('\n').count() as u32);
-    let (mut block, mut all) = (Block::new(), String::new());
-    while parser.next(&mut block) {
-        all += &format!("{block:?}\n");
-    }
-    all + &format!("{:?}", parser.take_diagnostics())
-}
-
-const GRAMMARS: [Grammar; 2] = [Grammar::Rs274, Grammar::Fanuc];
-
 proptest! {
-    #[test]
-    fn a_page_has_the_blocks_that_reading_gives(
-        program in prop::collection::vec(prop_oneof![line(), "[ -~]{0,20}\r?\n", "N[1-9] X1(a;b);? *;Y#2\n",
-            "(IF|WHILE)\\[#1 GT 2\\](GOTO|DO)1\n", "DPRNT\\[A#1\\[53\\]\\]\n"], 0..12)
-            .prop_map(|lines| lines.concat()),
-        lines in 1u32..6,
-        before in "(G0\n){0,3}",
-    ) {
-        for grammar in GRAMMARS {
-            let anew = at_once(program.as_bytes(), grammar, &before);
-            prop_assert_eq!(by_pages(program.as_bytes(), grammar, lines, &before), anew);
-        }
-    }
-
-    #[test]
-    fn any_bytes_are_the_same_in_pages(program in prop::collection::vec(any::<u8>(), 0..200)) {
-        for grammar in GRAMMARS {
-            prop_assert_eq!(by_pages(&program, grammar, 2, ""), at_once(&program, grammar, ""));
-        }
-    }
-
     #[test]
     fn any_bytes_are_read_without_a_panic(program in prop::collection::vec(any::<u8>(), 0..400)) {
         let (blocks, found) = blocks(&program);
@@ -167,7 +101,7 @@ proptest! {
         prop_assert_eq!(found, [], "in {:?}", printed);
         prop_assert_eq!(first.len(), second.len());
         for (a, b) in first.iter().zip(&second) {
-            prop_assert!(a.says_the_same(b), "{} against {}", a, b);
+            prop_assert_eq!(common::content(a), common::content(b));
             prop_assert_eq!(a.to_string(), b.to_string());
         }
     }

@@ -95,27 +95,20 @@ impl Executor {
         let [first, second, none] = self.centre_letters();
         let span = self.words.place.span;
         if self.words.get(none).is_some() {
-            let text = || {
-                format!(
-                    "{} has no effect: arcs of this plane have their centre at {} and {}",
-                    none as char, first as char, second as char
-                )
-            };
-            return Err(self
-                .words
-                .fault("I0410", || error("I0410", self.words.span(none), text()))
-                .into());
+            let text = format!(
+                "{} has no effect: arcs of this plane have their centre at {} and {}",
+                none as char, first as char, second as char
+            );
+            return refuse("I0410", self.words.span(none), text);
         }
         let offsets = [first, second].map(|letter| self.words.get(letter));
         let centre = match (offsets, self.state.absolute_centres) {
             ([None, None], _) => {
-                let text = || {
-                    format!(
-                        "an arc needs its centre ({} and {}) or its radius (R)",
-                        first as char, second as char
-                    )
-                };
-                return Err(self.words.fault("I0411", || error("I0411", span, text())).into());
+                let text = format!(
+                    "an arc needs its centre ({} and {}) or its radius (R)",
+                    first as char, second as char
+                );
+                return refuse("I0411", span, text);
             }
             ([Some(x), Some(y)], true) => [x, y],
             (_, true) => {
@@ -142,7 +135,7 @@ impl Executor {
         let tolerance = Tolerance::of(self.state.units);
         let off = (radius - other).abs();
         if off > tolerance.ends && off > RELATIVE * radius.max(other) {
-            return Err(self.words.fault("I0414", || self.uneven(start, end, centre)).into());
+            return Err(self.uneven(start, end, centre).into());
         }
         Ok(centre)
     }
@@ -212,11 +205,8 @@ impl Executor {
         let tolerance = Tolerance::of(self.state.units);
         if size < half - tolerance.radius {
             let text =
-                || format!("R{radius} is too small to reach the end: at least {half:.4} is needed");
-            return Err(self
-                .words
-                .fault("I0418", || error("I0418", self.words.span(b'R'), text()))
-                .into());
+                format!("R{radius} is too small to reach the end: at least {half:.4} is needed");
+            return refuse("I0418", self.words.span(b'R'), text);
         }
         let height = (size * size - half * half).max(0.0).sqrt();
         // The centre lies to the right of the chord for a clockwise arc of less than half a turn.

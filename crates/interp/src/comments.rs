@@ -24,9 +24,6 @@ impl Executor {
     ) -> Outcome {
         for (i, comment) in block.comments.iter().enumerate() {
             let text = block.text(comment.text);
-            if !matches!(comment.kind, CommentKind::Plain | CommentKind::Message) {
-                self.asked.more();
-            }
             match comment.kind {
                 CommentKind::Plain => {
                     let bracketed = source.get(comment.span.start as usize) == Some(&b'(');

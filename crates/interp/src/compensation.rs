@@ -153,11 +153,8 @@ impl Executor {
     fn compensation_on<S: Sink>(&mut self, code: u16, sink: &mut S) -> Outcome {
         let span = self.words.place.span;
         if self.state.compensation.is_some() {
-            let say = || {
-                error("I0540", span, "cutter radius compensation is on already")
-                    .with_help("write G40 before it is changed")
-            };
-            return Err(self.words.fault("I0540", say).into());
+            let fault = error("I0540", span, "cutter radius compensation is on already");
+            return Err(fault.with_help("write G40 before it is changed").into());
         }
         if self.state.plane == Plane::YZ {
             let text = "cutter radius compensation works in G17 and G18, but G19 is in force";
@@ -213,8 +210,7 @@ impl Executor {
 
     pub(crate) fn no_compensation(&self) -> Outcome {
         let text = "this move cannot be made beside its way: only G0, G1, G2 and G3 can, while G41 or G42 is in force";
-        let say = || error("I0544", self.words.place.span, text).with_help("write G40 before it");
-        Err(self.words.fault("I0544", say).into())
+        Err(error("I0544", self.words.place.span, text).with_help("write G40 before it").into())
     }
 
     /// The first move after G40 leads back onto the programmed way: not along an arc.
@@ -282,16 +278,11 @@ impl Executor {
         let inside = compensation.side * f64::from(turns.signum()) > 0.0;
         let first = compensation.at.is_none();
         if programmed <= compensation.radius && inside {
-            let text = || {
-                format!(
-                    "the tool's radius, {:.4}, must be smaller than the arc's, {programmed:.4}",
-                    compensation.radius
-                )
-            };
-            return Err(self
-                .words
-                .fault("I0546", || error("I0546", self.words.place.span, text()))
-                .into());
+            let text = format!(
+                "the tool's radius, {:.4}, must be smaller than the arc's, {programmed:.4}",
+                compensation.radius
+            );
+            return refuse("I0546", self.words.place.span, text);
         }
         let direction = way.direction(way.to);
         let end = compensation.beside(way.to, direction);
@@ -378,16 +369,14 @@ impl Executor {
             if let Some(compensation) = &mut self.state.compensation {
                 compensation.last = None;
             }
-            return Err(self.words.fault("I0548", || self.unreachable()).into());
+            return Err(self.unreachable().into());
         };
         self.settle(Some(met), sink)?;
         Ok(met)
     }
 
     fn remark(&mut self, text: &str) {
-        if self.words.heard {
-            self.remarks.push(Diagnostic::warning("I0549", self.words.place.span, text));
-        }
+        self.remarks.push(Diagnostic::warning("I0549", self.words.place.span, text));
     }
 
     fn unreachable(&self) -> Diagnostic {
@@ -407,7 +396,7 @@ impl Executor {
             && last.turns_back(end.unwrap_or(at))
         {
             compensation.last = None; // said once
-            return Err(self.words.fault("I0548", || self.unreachable()).into());
+            return Err(self.unreachable().into());
         }
         if let Some(end) = end {
             let shifted = plus(end, shift);

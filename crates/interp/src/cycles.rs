@@ -161,12 +161,12 @@ impl Executor {
         let kept = self.state.sticky.filter(|kept| kept.plane == self.state.plane);
         let span = self.words.place.span;
         let Some(r) = self.words.get(b'R').or(kept.map(|k| k.r)) else {
-            let text = || format!("G{code} needs R, the level just above the work");
-            return Err(self.words.fault("I0504", || error("I0504", span, text())).into());
+            let text = format!("G{code} needs R, the level just above the work");
+            return refuse("I0504", span, text);
         };
         let Some(bottom) = self.axis_word(n).or(kept.map(|k| k.bottom)) else {
-            let text = || format!("G{code} needs {axis}, the depth");
-            return Err(self.words.fault("I0505", || error("I0505", span, text())).into());
+            let text = format!("G{code} needs {axis}, the depth");
+            return refuse("I0505", span, text);
         };
         let tapping = cycle.tap_sense().is_some() && self.dialect == Dialect::LinuxCnc;
         let before = if tapping { self.state.last_dwell } else { None };
@@ -246,7 +246,7 @@ impl Executor {
             (sticky.r, sticky.bottom)
         };
         if r < bottom {
-            return Err(self.words.fault("I0510", || self.upside_down(code, r, bottom)).into());
+            return Err(self.upside_down(code, r, bottom).into());
         }
         let peck = sticky.peck.unwrap_or(f64::INFINITY);
         if matches!(cycle, Cycle::ChipBreak | Cycle::Peck) && (r - bottom) / peck > MAX_PECKS {

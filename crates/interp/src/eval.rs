@@ -5,7 +5,6 @@
 //!
 //! Source: LinuxCNC 2.9 manual, "G-code overview", sections "Parameters" and "Expressions".
 use crate::{
-    asked::Asked,
     fault::{Outcome, refuse},
     names::{self, Store},
     spelling::short,
@@ -22,9 +21,6 @@ const EQUAL: f64 = 1e-4;
 pub(crate) struct Values<'a> {
     pub(crate) store: &'a Store,
     pub(crate) state: &'a State,
-    pub(crate) asked: &'a Asked,
-    /// Somebody reads what is wrong.
-    pub(crate) heard: bool,
 }
 
 impl Values<'_> {
@@ -61,7 +57,6 @@ impl Values<'_> {
             Expr::Exists(parameter) => match parameter {
                 Parameter::Named(name) => {
                     let name = block.text(name);
-                    self.asked.name(name);
                     let there = self.store.named(name).is_some()
                         || names::system(self.state, name).is_some();
                     Ok(f64::from(u8::from(there)))
@@ -75,25 +70,17 @@ impl Values<'_> {
         }
     }
 
-    fn system(&self, name: &str) -> Option<f64> {
-        self.asked.more();
-        names::system(self.state, name)
-    }
-
     fn parameter(&self, block: &Block, parameter: Parameter, span: Span) -> Outcome<f64> {
         match parameter {
             Parameter::Numbered(number) => {
                 let number = names::number(self.evaluate(block, number, span)?, span)?;
-                self.asked.number(number);
                 Ok(names::numbered(self.state, self.store, number))
             }
             Parameter::Named(name) => {
                 let name = block.text(name);
-                self.asked.name(name);
-                match self.store.named(name).or_else(|| self.system(name)) {
+                match self.store.named(name).or_else(|| names::system(self.state, name)) {
                     Some(value) => Ok(value),
-                    None if self.heard => Err(Box::new(names::unknown(self.store, name, span))),
-                    None => refuse("I0207", span, ""),
+                    None => Err(Box::new(names::unknown(self.store, name, span))),
                 }
             }
         }

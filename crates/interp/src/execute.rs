@@ -9,7 +9,6 @@
 //! The order is the language's, not the text's: `G1 X1 M3 S500` starts the spindle first.
 //! Source: NISTIR 6556 table 8; LinuxCNC 2.9 manual, "Order of execution".
 use crate::{
-    asked::Asked,
     call::{Call, Place, Sink},
     codes::{AXES, CENTRE, GGroup, MGroup, NON_STOP_CHANGE, POLAR},
     context::Context,
@@ -68,8 +67,6 @@ pub(crate) struct Executor {
     pub(crate) recording: Option<Box<Recording>>,
     /// Warnings and notes of the block at hand.
     pub(crate) remarks: Vec<Diagnostic>,
-    /// Since the last snapshot.
-    pub(crate) asked: Asked,
 }
 
 impl Executor {
@@ -90,7 +87,6 @@ impl Executor {
             cycles: setup.cycles,
             recording: None,
             remarks: Vec::new(),
-            asked: Asked::default(),
         };
         // where none was called yet LinuxCNC's stand-alone interpreter believes in the first pocket
         new.state.current_pocket = u32::from(setup.stand_alone);
@@ -102,8 +98,7 @@ impl Executor {
     }
 
     pub(crate) fn values(&self) -> Values<'_> {
-        let heard = self.words.heard;
-        Values { store: &self.store, state: &self.state, asked: &self.asked, heard }
+        Values { store: &self.store, state: &self.state }
     }
 
     #[inline]
@@ -129,15 +124,13 @@ impl Executor {
     /// Read a block's words.
     pub(crate) fn read(&mut self, block: &Block) -> Outcome {
         self.state.line = block.span.line;
-        let heard = self.words.heard;
-        let values = Values { store: &self.store, state: &self.state, asked: &self.asked, heard };
+        let values = Values { store: &self.store, state: &self.state };
         self.words.read(block, &values)
     }
 
     /// Execute the words read.
     pub(crate) fn execute<S: Sink>(&mut self, sink: &mut S) -> Outcome<After> {
         if self.cam(sink)? || self.hobbing(sink)? {
-            self.asked.more();
             return self.stops(sink);
         }
         let motion = self.motion()?;
@@ -146,13 +139,7 @@ impl Executor {
             return self.stops(sink);
         }
         self.non_stop_change()?;
-        if !self.words.heard {
-            return self.obey(motion, sink);
-        }
-        self.ask(motion);
-        let result = self.obey(motion, sink);
-        self.asked(motion, result.is_ok());
-        result
+        self.obey(motion, sink)
     }
 
     fn obey<S: Sink>(&mut self, motion: Option<Motion>, sink: &mut S) -> Outcome<After> {

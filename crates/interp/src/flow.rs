@@ -194,7 +194,6 @@ impl Interpreter<'_> {
             *argument = self.executor.values().evaluate(&self.block, *value, span)?;
         }
         self.enter(file, mark, None, span)?;
-        self.executor.asked.enters();
         self.executor.store.enter(&arguments[..count]);
         Ok(())
     }
@@ -283,7 +282,6 @@ impl Interpreter<'_> {
             let span = self.block.o.map_or(self.block.span, |o| o.span);
             return refuse("I0312", span, "no subprogram is being executed here");
         }
-        self.executor.asked.leaves();
         self.executor.store.leave();
         self.leave(sink)
     }

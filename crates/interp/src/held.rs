@@ -22,9 +22,6 @@ pub(crate) enum Held {
 
 impl Executor {
     pub(crate) fn push_line(&self, rapid: bool, to: &Point, end: Flat) {
-        if !self.keeps_back() {
-            return;
-        }
         let to = self.beside(to, end);
         self.hold(Held::Call(if rapid { Call::Rapid(to) } else { Call::Line(to) }));
     }
@@ -34,11 +31,6 @@ impl Executor {
         let to = self.beside(to, end);
         let centre = plus(centre, shift);
         self.hold(Held::Call(Call::Arc { plane: self.state.plane, to, centre, turns }));
-    }
-
-    /// Whether anybody asks for what waits: of Fanuc's dialect a way on a surface is bent by listening to it.
-    fn keeps_back(&self) -> bool {
-        self.words.heard || self.dialect.grammar() == gcode::Grammar::Fanuc
     }
 
     fn beside(&self, to: &Point, end: Flat) -> Point {
@@ -51,9 +43,6 @@ impl Executor {
     }
 
     fn hold(&self, held: Held) {
-        if !self.keeps_back() {
-            return;
-        }
         self.held.borrow_mut().push((self.words.place, held));
     }
 
@@ -70,9 +59,6 @@ impl Executor {
 
     /// A call while moves are held back: those of the machine wait behind them, the rest does not.
     pub(crate) fn say_behind<S: Sink>(&self, sink: &mut S, call: &Call<'_>) {
-        if !self.keeps_back() {
-            return;
-        }
         let waits = match *call {
             Call::Comment(text) => Held::Comment(text.into()),
             Call::Note(text) => Held::Note(text.into()),

@@ -1,19 +1,17 @@
 //! The program, block by block: reads, follows O-words, executes, collects what was found.
 use crate::{
-    asked::of_name,
     call::{Call, Sink},
     execute::{After, Executor},
     fanuc::Fanuc,
     fault::{Outcome, error},
     flow::Frame,
     outline::Outline,
-    pages::Pages,
     refused::Doubts,
     reread::Reread,
     setup::{Limits, Parameters, Setup},
 };
 use diag::{Diagnostic, Span};
-use gcode::{Block, Grammar, Parameter, Parser};
+use gcode::{Block, Parameter, Parser};
 use std::collections::HashSet;
 
 /// Whether there is more to execute.
@@ -24,9 +22,6 @@ pub enum Progress {
     /// The program is over: it ended, or nothing after its last error could be executed.
     Ended,
 }
-
-/// Findings kept: more of them tell nothing new.
-const MOST_FINDINGS: usize = 400;
 
 /// Executes a program's blocks and says, call by call, what they order.
 ///
@@ -71,11 +66,8 @@ pub struct Interpreter<'s> {
     /// Numbers and values of the block's settings, before any is set.
     settings: Vec<(Option<f64>, f64)>,
     reread: Reread,
-    /// The program's blocks, where they are kept.
-    pub(crate) pages: Option<Box<Pages>>,
     /// More of the program follows this piece of it.
     more_follows: bool,
-    grammar: Grammar,
     /// The piece is over.
     piece_over: bool,
 }
@@ -120,9 +112,7 @@ impl<'s> Interpreter<'s> {
             faults: 0,
             settings: Vec::new(),
             reread: Reread::default(),
-            pages: None,
             more_follows: false,
-            grammar,
             piece_over: false,
         }
     }
@@ -235,9 +225,6 @@ impl<'s> Interpreter<'s> {
             self.percent_sign(sink);
             return Ok(());
         }
-        if self.executor.glides(&self.block) {
-            return Ok(());
-        }
         let read = self.executor.read(&self.block);
         if self.block.assignments.is_empty() {
             read?;
@@ -294,14 +281,9 @@ impl<'s> Interpreter<'s> {
         }
     }
 
-    /// Read on; what is kept, or has O-words, is perhaps not read again.
+    /// Read on; what has O-words is perhaps not read again.
     fn next_block(&mut self) -> bool {
         let parser = &mut self.parsers[self.file];
-        if self.file == 0
-            && let Some(pages) = &mut self.pages
-        {
-            return pages.next(self.sources[0], self.grammar, parser, &mut self.block);
-        }
         if !self.steered {
             return parser.next(&mut self.block);
         }
@@ -327,7 +309,6 @@ impl<'s> Interpreter<'s> {
             match (assignment.target, *number) {
                 (Parameter::Numbered(_), Some(number)) => {
                     let number = crate::names::number(number, span)?;
-                    self.executor.asked.sets(number);
                     crate::names::assign(&mut self.executor.store, number, value, span)?;
                 }
                 (Parameter::Named(name), _) => {
@@ -338,7 +319,6 @@ impl<'s> Interpreter<'s> {
                         let text = format!("more than {} named parameters", self.limits.names);
                         return Err(error("I0802", span, text).into());
                     }
-                    self.executor.asked.assigns(of_name(written));
                     self.executor.store.set_named(written, value);
                 }
                 (Parameter::Numbered(_), None) => {}
@@ -398,8 +378,7 @@ impl<'s> Interpreter<'s> {
     /// Keep a finding; the same one at the same place once.
     pub(crate) fn report(&mut self, diagnostic: Diagnostic) {
         self.faults += u64::from(diagnostic.is_error());
-        let heard = self.executor.words.heard;
-        if heard && !self.seen.insert((diagnostic.code, diagnostic.span)) {
+        if !self.seen.insert((diagnostic.code, diagnostic.span)) {
             return;
         }
         if diagnostic.is_error() {
@@ -408,7 +387,7 @@ impl<'s> Interpreter<'s> {
         }
         let enough = diagnostic.is_error() && self.errors == self.limits.errors;
         let span = diagnostic.span;
-        if heard && self.diagnostics.len() < MOST_FINDINGS {
+        if self.diagnostics.len() < self.limits.findings {
             self.diagnostics.push(diagnostic);
         }
         if enough {

@@ -24,12 +24,10 @@
 //! ```
 
 mod arcs;
-mod asked;
 mod boring;
 mod brother;
 mod call;
 mod cam;
-mod carry;
 mod catalogue;
 mod chips;
 mod codes;
@@ -46,7 +44,6 @@ mod fanuc;
 mod fault;
 mod flow;
 mod frame;
-mod glide;
 mod held;
 mod hobbing;
 mod holes;
@@ -62,7 +59,6 @@ mod orders;
 mod other_dialect;
 mod outline;
 mod outputs;
-mod pages;
 mod pieces;
 mod polygon;
 mod probe;
@@ -72,7 +68,6 @@ mod reread;
 mod resolve;
 mod rigid;
 mod setup;
-mod shift;
 mod snapshot;
 mod spelling;
 mod splines;
@@ -91,7 +86,7 @@ pub use call::{
 };
 pub use cam::CamCall;
 pub use catalogue::{CodeInfo, codes, describe, describe_in, dialect_codes};
-pub use contents::{Contents, Steering};
+pub use contents::Contents;
 pub use explain::{Finding, example_setup, explain, findings};
 pub use frame::{Frame, Point};
 pub use hobbing::HobOrder;
@@ -108,7 +103,6 @@ pub use setup::{
     Aside, Chips, Cycles, DepthFrom, Dialect, Increments, Limits, MAX_PARAMETER, MissingTools,
     Parameters, Setup, Subprogram, UserCode,
 };
-pub use shift::Shift;
 pub use snapshot::{Snapshot, Standing};
 pub use splines::ControlPoint;
 pub use stroke::StrokeZone;

@@ -107,12 +107,10 @@ impl Executor {
         match self.state.feed_mode {
             FeedMode::InverseTime => {
                 let Some(feed) = self.words.get(b'F').filter(|f| *f > 0.0) else {
-                    let text = || {
-                        format!(
-                            "{code} with G93 needs an F above 0 in its own block: moves per minute"
-                        )
-                    };
-                    return Err(self.words.fault("I0407", || error("I0407", self.words.place.span, text())).into());
+                    let text = format!(
+                        "{code} with G93 needs an F above 0 in its own block: moves per minute"
+                    );
+                    return refuse("I0407", self.words.place.span, text);
                 };
                 // LinuxCNC never says less than 0.1.
                 let rate = (feed * length()).max(0.1);
@@ -120,19 +118,18 @@ impl Executor {
                 Ok(())
             }
             FeedMode::PerRevolution if feed > 0.0 && self.state.spindle.speed == 0.0 => {
-                let text = || {
-                    format!("{code} would never move: with G95 it follows the spindle, and S is 0")
-                };
-                Err(self.words.fault("I0434", || error("I0434", self.words.place.span, text())).into())
+                let text =
+                    format!("{code} would never move: with G95 it follows the spindle, and S is 0");
+                refuse("I0434", self.words.place.span, text)
             }
             _ if feed > 0.0 => Ok(()),
-            mode => Err(self.words.fault("I0408", || {
+            mode => {
                 let unit = if mode == FeedMode::PerMinute { "minute" } else { "revolution" };
                 let text = format!("{code} has no feed: write F above 0, units per {unit}");
                 let fault = error("I0408", self.words.place.span, text);
                 let help = "G94 and G95 clear the feed, also when they were in force already: write F after them";
-                fault.with_help(help)
-            }).into()),
+                Err(fault.with_help(help).into())
+            }
         }
     }
 }

@@ -46,11 +46,6 @@ impl Store {
         }
     }
 
-    /// Value of #1 to #30 in the main program.
-    pub(crate) fn of_main(&self, number: usize) -> f64 {
-        self.saved.first().map_or_else(|| self.numbered.at(number), |saved| saved[number - 1])
-    }
-
     /// How many named parameters are held.
     pub(crate) fn names(&self) -> usize {
         self.global.len() + self.local.iter().map(HashMap::len).sum::<usize>()

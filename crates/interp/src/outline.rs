@@ -9,8 +9,7 @@
 //!
 //! Made when a file's first O-word is executed, by one reading of the whole file: a program without
 //! O-words costs nothing, and every word without its partner is reported at once.
-use crate::{contents::Edited, fault::error};
-use core::ops::Range;
+use crate::fault::error;
 use diag::{Diagnostic, Span};
 use gcode::{Block, Keyword, Label, Parser};
 use std::collections::HashMap;
@@ -88,71 +87,6 @@ impl Outline {
         outline.numbered = numbers.collect();
         outline.numbered.sort_unstable();
         outline
-    }
-
-    /// The same after an edit, if its O-words are still the same; or if all that is without those in the lines edited
-    /// still belongs together as it did.
-    pub(crate) fn edited(mut self, edited: &Edited<'_>) -> Option<Self> {
-        let (new, faults) = read(edited.source, 0, edited.first);
-        let first = self.marks.partition_point(|mark| mark.at.0 < edited.first.0);
-        let count = self.marks[first..].iter().take_while(|mark| edited.had(mark.at)).count();
-        let same = |(old, new): (&Mark, &Mark)| (&old.key, old.keyword) == (&new.key, new.keyword);
-        let old = &self.marks[first..first + count];
-        if !faults.is_empty() {
-            return None;
-        }
-        // a line that an edit only moves has its O-word still
-        let alike = |pairs: &mut dyn Iterator<Item = (&Mark, &Mark)>| {
-            pairs.take_while(|pair| same(*pair)).count()
-        };
-        let head = alike(&mut old.iter().zip(&new));
-        let tail = alike(&mut old[head..].iter().rev().zip(new[head..].iter().rev()));
-        for mark in &mut self.marks[first + count..] {
-            (mark.at, mark.after) = (edited.moved(mark.at), edited.moved(mark.after));
-            mark.span = edited.moved_span(mark.span);
-        }
-        let (others, there) = (head..count - tail, head..new.len() - tail);
-        let moved = self.marks[first..first + count].iter_mut();
-        let (before, behind) = (0..head, others.end..count);
-        for (i, mark) in moved.enumerate().filter(|(i, _)| before.contains(i) || behind.contains(i))
-        {
-            let new = &new[if i < head { i } else { i - others.end + there.end }];
-            (mark.at, mark.after, mark.span) = (new.at, new.after, new.span);
-        }
-        if others.is_empty() && there.is_empty() {
-            return Some(self);
-        }
-        self.spliced(first + others.start..first + others.end, new[there].to_vec())
-    }
-
-    /// Others in the place of these, if the rest belongs together as it did.
-    fn spliced(self, old: Range<usize>, new: Vec<Mark>) -> Option<Self> {
-        let called = |mark: &Mark| matches!(mark.keyword, Keyword::Sub | Keyword::Program);
-        if self.marks[old.clone()].iter().chain(&new).any(called) {
-            return None;
-        }
-        let more = new.len();
-        let place = |i: usize| match i {
-            usize::MAX => Some(i),
-            i if i < old.start => Some(i),
-            i => Some(i.checked_sub(old.end)? + old.start + more),
-        };
-        let mut marks = self.marks.clone();
-        marks.splice(old.clone(), new);
-        for mark in &mut marks {
-            (mark.partner, mark.end, mark.closes_do) = (usize::MAX, usize::MAX, false);
-        }
-        let mut faults = Vec::new();
-        let joined = Self::with(marks, &mut faults);
-        let is_kept = |(i, mark): (usize, &Mark)| {
-            let other = place(i).and_then(|i| joined.marks.get(i));
-            other.is_some_and(|other| {
-                let ends = (place(mark.partner), place(mark.end), mark.closes_do);
-                ends == (Some(other.partner), Some(other.end), other.closes_do)
-            })
-        };
-        let mut rest = self.marks.iter().enumerate().filter(|(i, _)| !old.contains(i));
-        (faults.is_empty() && rest.all(is_kept)).then_some(joined)
     }
 
     /// The mark of the block at this byte.

@@ -80,7 +80,7 @@ impl<'s> Ops<'s> {
     /// What is known at the end of the piece, without what was found so far.
     pub fn rest(self) -> OpsRest {
         let (mut interpreter, mut resolver) = self.parts();
-        resolver.forget_findings();
+        drop(resolver.take_findings());
         OpsRest { rest: interpreter.rest(), resolver }
     }
 }

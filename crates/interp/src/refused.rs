@@ -77,11 +77,6 @@ impl Doubts {
         self.0 & doubts != 0
     }
 
-    /// Whether blocks do something else than without; what else is not known hides findings only.
-    pub(crate) const fn changes_what_is_done(self) -> bool {
-        self.has(Self::MOTION | Self::PARAMETERS)
-    }
-
     /// Both.
     pub(crate) const fn and(self, other: Self) -> Self {
         Self(self.0 | other.0)
@@ -188,7 +183,6 @@ fn letters_of(text: &[u8]) -> Letters {
 impl Executor {
     /// A block that nobody could read: what it may have said.
     pub(crate) fn doubt_unreadable(&mut self, text: &[u8]) {
-        self.asked.more();
         let letters = letters_of(text);
         self.state.doubts.add(said_by(letters));
         let upper = text.to_ascii_uppercase();
@@ -230,7 +224,6 @@ impl Executor {
         text: &[u8],
         sink: &mut S,
     ) {
-        self.asked.more();
         let read = self.words.place.span == block.span;
         let needed = needs(code);
         let failed = self.words.stage;
@@ -272,9 +265,6 @@ impl Executor {
 
     /// After a block was executed: what it has said is known again.
     pub(crate) fn settle_doubts<S: Sink>(&mut self, block: &gcode::Block, sink: &mut S) {
-        if self.state.doubts.changes_what_is_done() {
-            self.asked.more(); // what is followed asks for anything
-        }
         let words = &self.words;
         if words.place.span != block.span {
             return; // O-words, jumps: no words were read
@@ -303,7 +293,6 @@ impl Executor {
 
     /// What the block says as far as it is understood, without complaints: modes, and where it leads.
     pub(crate) fn follow<S: Sink>(&mut self, sink: &mut S) {
-        self.asked.more();
         let failed = self.words.stage;
         let known = self.state.doubts;
         sink.doubt(Doubts::ALL);

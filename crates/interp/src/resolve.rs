@@ -33,6 +33,7 @@ const FARTHEST: f64 = 1e7;
 pub struct Resolver {
     pub(crate) ops: VecDeque<Op>,
     pub(crate) diagnostics: Vec<Diagnostic>,
+    most_findings: usize,
     pub(crate) tools: ToolLibrary,
     pub(crate) tool: u32,
     pub(crate) units: Units,
@@ -90,6 +91,7 @@ impl Resolver {
         Self {
             ops: VecDeque::new(),
             diagnostics: Vec::new(),
+            most_findings: setup.limits.findings,
             tools: setup.tools.clone(),
             tool: 0,
             units: Units::Millimetre,
@@ -127,8 +129,9 @@ impl Resolver {
         &self.diagnostics
     }
 
-    pub(crate) fn forget_findings(&mut self) {
-        self.diagnostics.clear();
+    /// What was found, which it forgets.
+    pub fn take_findings(&mut self) -> Vec<Diagnostic> {
+        core::mem::take(&mut self.diagnostics)
     }
 
     /// How the program writes places now; `system` is the work offset in force.
@@ -148,7 +151,7 @@ impl Resolver {
     }
 
     pub(crate) fn report(&mut self, diagnostic: Diagnostic) {
-        if self.knows_enough() || diagnostic.is_error() && self.is_explained(diagnostic.code) {
+        if diagnostic.is_error() && self.is_explained(diagnostic.code) {
             return;
         }
         if diagnostic.is_error() {
@@ -156,15 +159,9 @@ impl Resolver {
         }
         let known =
             self.diagnostics.iter().any(|d| d.code == diagnostic.code && d.span == diagnostic.span);
-        if !known {
+        if !known && self.diagnostics.len() < self.most_findings {
             self.diagnostics.push(diagnostic);
         }
-    }
-
-    /// So much was found that more, each at its own place, tells nothing new.
-    fn knows_enough(&self) -> bool {
-        const MOST: usize = 400;
-        self.diagnostics.len() >= MOST
     }
 
     pub(crate) fn push(&mut self, span: Span, kind: OpKind) {
@@ -205,19 +202,14 @@ impl Resolver {
         point
     }
 
-    /// Reported, unless enough is known.
+    /// Reported.
     pub(crate) fn is_too_far(&mut self, to: &Point, span: Span) -> bool {
         let Some(i) = (0..9).find(|i| to[*i].is_nan() || to[*i].abs() > FARTHEST) else {
             return false;
         };
-        if !self.knows_enough() {
-            let text = format!(
-                "{} would go to {} mm: farther than any machine",
-                Axis::ALL[i].letter(),
-                to[i]
-            );
-            self.report(Diagnostic::error("I0701", span, text));
-        }
+        let text =
+            format!("{} would go to {} mm: farther than any machine", Axis::ALL[i].letter(), to[i]);
+        self.report(Diagnostic::error("I0701", span, text));
         true
     }
 

@@ -194,6 +194,8 @@ pub struct Limits {
     pub errors: usize,
     /// Blocks executed after the first error, to find more.
     pub blocks_after_error: u64,
+    /// Findings kept: more of them tell nothing new.
+    pub findings: usize,
     /// Named parameters.
     pub names: usize,
 }
@@ -205,6 +207,7 @@ impl Default for Limits {
             blocks: 50_000_000,
             errors: 200,
             blocks_after_error: 1_000_000,
+            findings: 400,
             names: 10_000,
         }
     }
@@ -276,12 +279,6 @@ impl Parameters {
     pub fn iter(&self) -> impl Iterator<Item = (usize, f64)> {
         let said = |(n, v): &(usize, f64)| *v != 0.0 || self.zeros.contains(n);
         self.values.iter().copied().enumerate().filter(said)
-    }
-
-    /// Numbers of those that have another value there.
-    pub(crate) fn differing<'a>(&'a self, other: &'a Self) -> impl Iterator<Item = usize> + 'a {
-        let both = self.values.iter().zip(&other.values).enumerate();
-        both.filter(|(_, (own, other))| own != other).map(|(number, _)| number)
     }
 
     pub(crate) fn at(&self, number: usize) -> f64 {

@@ -7,8 +7,7 @@
 //!
 //! A [`Snapshot`] owns what an [`Interpreter`] knows, and borrows nothing: an editor keeps the snapshots while
 //! the text changes. It holds for every text that agrees with the old one in what had been executed; and, if O-words had
-//! been executed ([`Snapshot::has_o_words`]), whose O-words are the same and in the same order
-//! ([`Contents::edited`](crate::Contents::edited)).
+//! been executed ([`Snapshot::has_o_words`]), whose O-words are the same and in the same order.
 use crate::{
     execute::Executor, fanuc::Fanuc, flow::Frame, interpreter::Interpreter, names, outline::At,
     setup::Setup,
@@ -64,6 +63,17 @@ impl Snapshot {
         self
     }
 
+    /// File and byte where the next block begins.
+    pub fn position(&self) -> (usize, u32) {
+        (self.file, self.positions.get(self.file).map_or(0, |at| at.0))
+    }
+
+    /// What was found, which it forgets.
+    pub fn take_findings(&mut self) -> Vec<Diagnostic> {
+        self.seen.clear();
+        core::mem::take(&mut self.diagnostics)
+    }
+
     /// What was found up to here.
     pub fn diagnostics(&self) -> &[Diagnostic] {
         &self.diagnostics
@@ -103,8 +113,6 @@ impl<'s> Interpreter<'s> {
             parser.seek(at.0, at.1);
         }
         new.executor = from.executor.clone();
-        new.executor.asked = crate::asked::Asked::default();
-        new.executor.words.heard = true;
         new.frames.clone_from(&from.frames);
         new.repeats.clone_from(&from.repeats);
         new.file = from.file;
@@ -121,21 +129,6 @@ impl<'s> Interpreter<'s> {
         new.faults = from.faults;
         new.fanuc.clone_from(&from.fanuc);
         new
-    }
-
-    /// The same for one who asks for nothing but how things stand: of errors it is only said that they are there, and
-    /// a sink does not hear what waits behind a compensated move.
-    #[must_use]
-    pub fn unheard(mut self) -> Self {
-        self.executor.words.heard = false;
-        self
-    }
-
-    /// Forget what was found; only its errors are still counted.
-    pub fn forget_findings(&mut self) {
-        self.finish();
-        self.diagnostics.clear();
-        self.seen.clear();
     }
 
     /// Blocks executed so far.

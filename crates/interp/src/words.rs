@@ -37,8 +37,6 @@ pub(crate) struct Words {
     pub(crate) unread: Letters,
     /// How far the block was executed.
     pub(crate) stage: Stage,
-    /// Somebody reads what is wrong with a block.
-    pub(crate) heard: bool,
 }
 
 impl Words {
@@ -57,7 +55,6 @@ impl Words {
             dialect,
             unread: 0,
             stage: Stage::Words,
-            heard: true,
         }
     }
 
@@ -104,22 +101,12 @@ impl Words {
         }
     }
 
-    /// A fault, put into words if somebody reads them: an edit may make one of every line.
-    #[cold]
-    pub(crate) fn fault(
-        &self,
-        code: &'static str,
-        say: impl FnOnce() -> diag::Diagnostic,
-    ) -> diag::Diagnostic {
-        if self.heard { say() } else { error(code, self.place.span, "") }
-    }
-
     /// Add a word that is no code.
     #[inline]
     pub(crate) fn put(&mut self, letter: u8, value: f64, span: Span) -> Outcome {
         let i = codes::index(letter);
         if self.present & (1 << i) != 0 {
-            return Err(self.fault("I0101", || self.twice(i, span)).into());
+            return Err(self.twice(i, span).into());
         }
         self.present |= 1 << i;
         self.value[i] = value;
@@ -143,11 +130,10 @@ impl Words {
     /// Add a G code of the shared table.
     pub(crate) fn take_g(&mut self, value: f64, span: Span) -> Outcome {
         let Some(code) = tenths(value).filter(|t| *t < codes::OWN).and_then(codes::g_code) else {
-            let say = || {
-                let text = format!("G{value} is no known code");
-                guessed(error("I0102", span, text), crate::spelling::similar_g(value))
-            };
-            return Err(self.fault("I0102", say).into());
+            let text = format!("G{value} is no known code");
+            return Err(
+                guessed(error("I0102", span, text), crate::spelling::similar_g(value)).into()
+            );
         };
         self.take_code(code, span)
     }
@@ -177,23 +163,20 @@ impl Words {
             return Ok(());
         }
         let other = *slot;
-        let say = || {
-            let other = crate::spelling::written(other);
-            let text = format!("G{} and G{other} exclude each other in one block", written());
-            error("I0104", span, text)
-                .with_help("both set the same mode: write one of them, or two blocks")
-        };
-        Err(self.fault("I0104", say).into())
+        let other = crate::spelling::written(other);
+        let text = format!("G{} and G{other} exclude each other in one block", written());
+        Err(error("I0104", span, text)
+            .with_help("both set the same mode: write one of them, or two blocks")
+            .into())
     }
 
     /// Add an M code of the shared table.
     pub(crate) fn take_m(&mut self, value: f64, span: Span) -> Outcome {
         let Some(code) = tenths(value).and_then(codes::m_code) else {
-            let say = || {
-                let text = format!("M{value} is no known code");
-                guessed(error("I0105", span, text), crate::spelling::similar_m(value))
-            };
-            return Err(self.fault("I0105", say).into());
+            let text = format!("M{value} is no known code");
+            return Err(
+                guessed(error("I0105", span, text), crate::spelling::similar_m(value)).into()
+            );
         };
         let written = || crate::spelling::written(code.tenths);
         (self.any_code, self.any_mode) = (true, true);
@@ -201,12 +184,9 @@ impl Words {
         let slot = &mut self.m[code.group as usize];
         if *slot != NONE {
             let other = *slot;
-            let say = || {
-                let other = crate::spelling::written(other);
-                let text = format!("M{} and M{other} exclude each other in one block", written());
-                error("I0107", span, text).with_help("write two blocks")
-            };
-            return Err(self.fault("I0107", say).into());
+            let other = crate::spelling::written(other);
+            let text = format!("M{} and M{other} exclude each other in one block", written());
+            return Err(error("I0107", span, text).with_help("write two blocks").into());
         }
         *slot = tenths(value).unwrap_or(code.tenths);
         Ok(())
@@ -257,13 +237,6 @@ impl Words {
     #[inline]
     pub(crate) const fn has_modes(&self) -> bool {
         self.any_mode
-    }
-
-    /// Whether there is no M code, and no G code of another group than these.
-    pub(crate) fn has_only(&self, groups: &[GGroup]) -> bool {
-        let there = self.g.iter().filter(|code| **code != NONE).count();
-        let known = groups.iter().filter(|group| self.g(**group).is_some()).count();
-        there == known && !self.has_m()
     }
 
     /// Whether there is any M code.
@@ -328,7 +301,7 @@ impl Words {
             allowed |= modal;
         }
         let stray = self.present & !allowed;
-        if stray == 0 { Ok(()) } else { Err(self.fault("I0110", || self.stray(stray)).into()) }
+        if stray == 0 { Ok(()) } else { Err(self.stray(stray).into()) }
     }
 
     fn stray(&self, stray: Letters) -> diag::Diagnostic {

@@ -4,18 +4,18 @@ use interp::Dialect;
 use lsp_types::{PositionEncodingKind, TextDocumentContentChangeEvent};
 use proptest::prelude::*;
 
-pub(crate) fn open(text: String) -> (Document, Analysis) {
+fn open(text: String) -> (Document, Analysis) {
     let document = Document::new(text, &PositionEncodingKind::UTF16);
     (document, Analysis::new(Setup::default()))
 }
 
-pub(crate) fn finish(document: &Document, analysis: &mut Analysis) {
+fn finish(document: &Document, analysis: &mut Analysis) {
     while !analysis.is_done() {
         analysis.advance(document);
     }
 }
 
-pub(crate) fn x_after(document: &Document, analysis: &mut Analysis, line: u32) -> Option<f64> {
+fn x_after(document: &Document, analysis: &mut Analysis, line: u32) -> Option<f64> {
     analysis.visit(document, line, None).map(|visit| visit.after.program[0])
 }
 
@@ -24,7 +24,7 @@ fn staircase(steps: usize) -> String {
     format!("G21 G91\nF100 G1\n{}M2\n", "X1\n".repeat(steps))
 }
 
-pub(crate) fn replace(line: u32, text: &str) -> TextDocumentContentChangeEvent {
+fn replace(line: u32, text: &str) -> TextDocumentContentChangeEvent {
     use lsp_types::{Position, Range};
     let range = Range { start: Position::new(line, 0), end: Position::new(line, 2) };
     TextDocumentContentChangeEvent { range: Some(range), range_length: None, text: text.into() }
@@ -43,7 +43,7 @@ fn an_edit_keeps_what_lies_before_it_and_changes_what_follows() {
     let (mut document, mut analysis) = open(staircase(20_000));
     finish(&document, &mut analysis);
     let edit = document.apply(replace(16_000, "X5"));
-    analysis.edited(&edit, &document);
+    analysis.edited(&edit);
     assert!(analysis.kept.len() >= 3, "snapshots before the edit were thrown away");
     assert_eq!(x_after(&document, &mut analysis, 3000), Some(2998.0));
     assert_eq!(x_after(&document, &mut analysis, 16_001), Some(15_999.0 + 4.0));
@@ -64,7 +64,7 @@ fn an_edit_in_a_subprogram_that_was_executed_starts_anew() {
         range_length: None,
         text: "9".into(),
     });
-    analysis.edited(&edit, &document);
+    analysis.edited(&edit);
     assert_eq!(x_after(&document, &mut analysis, 2), Some(9.0));
 }
 
@@ -84,18 +84,51 @@ fn an_endless_loop_does_not_hold_the_editor() {
 }
 
 #[test]
-fn what_follows_an_edit_follows_again_where_things_stand_as_before() {
-    let steps: Vec<_> = (0..20_000).map(|i| format!("X{} Y{}\n", i % 97, i % 89)).collect();
-    let steps = steps.concat();
-    let (mut document, mut analysis) = open(format!("G21 G90\nF100 G1\n{steps}M2\n"));
+fn an_edited_line_is_known_after_one_slice_from_the_snapshot_before_it() {
+    for (dialect, end) in [(Dialect::LinuxCnc, "M2\n"), (Dialect::Fanuc, "M30\n")] {
+        let text = format!("G21 G91\nF100. G1\n{}{end}", "X1.\n".repeat(100_000));
+        let mut document = Document::new(text, &PositionEncodingKind::UTF16);
+        let limits = interp::Limits::default();
+        let setup = Setup { dialect, limits, ..interp::example_setup(dialect) };
+        let mut analysis = Analysis::new(setup);
+        finish(&document, &mut analysis);
+        let all = analysis.slices;
+        assert_eq!(u64::from(all), 100_003_u64.div_ceil(SLICE));
+        for line in [90_000, 50_000, 10] {
+            let edit = document.apply(replace(line, "X5"));
+            analysis.edited(&edit);
+            let before = analysis.slices;
+            assert!(x_after(&document, &mut analysis, line + 1).is_some());
+            assert!(analysis.slices <= before + 1, "line {line} of {dialect:?}");
+            finish(&document, &mut analysis);
+            let again = u64::from(analysis.slices - before);
+            let behind = u64::from(100_003 - line);
+            assert!(again <= behind.div_ceil(SLICE) + 1, "{again} slices behind line {line}");
+        }
+    }
+}
+
+#[test]
+fn a_line_that_was_executed_is_at_most_one_slice_behind_a_snapshot() {
+    let (document, mut analysis) = open(staircase(100_000));
     finish(&document, &mut analysis);
     let slices = analysis.slices;
-    for text in ["X7 Y8\nX", "(\n) X", ""] {
-        let edit = document.apply(replace(3, text));
-        analysis.edited(&edit, &document);
-        finish(&document, &mut analysis);
+    for line in [100_002, 100_001, 51_234, 2] {
+        let block = analysis.first_block(&document, line).unwrap();
+        let from = analysis.slice_before(block).map_or(0, Slice::end);
+        assert!(block - from <= SLICE, "{} blocks up to line {line}", block - from);
     }
-    assert!(analysis.slices <= slices + 3, "{} slices were executed", analysis.slices - slices);
+    assert_eq!(x_after(&document, &mut analysis, 100_002), Some(100_000.0));
+    assert_eq!(analysis.slices, slices, "nothing is executed again for a hover");
+}
+
+#[test]
+fn a_line_far_behind_what_was_executed_is_not_waited_for() {
+    let (document, mut analysis) = open(staircase(200_000));
+    assert!(analysis.visit(&document, 200_002, None).is_none());
+    assert!(!analysis.is_done());
+    finish(&document, &mut analysis);
+    assert_eq!(x_after(&document, &mut analysis, 200_002), Some(200_000.0));
 }
 
 /// Lines of which programs are made: what carries over, what does not, and what is wrong.
@@ -215,18 +248,14 @@ const FANUC: &[&str] = &[
     "Y#101",
 ];
 
-pub(crate) fn lines(menu: &'static [&'static str], most: usize) -> impl Strategy<Value = String> {
+fn lines(menu: &'static [&'static str], most: usize) -> impl Strategy<Value = String> {
     let line = prop::sample::select(menu);
     prop::collection::vec(line, 0..most)
         .prop_map(|lines| lines.iter().fold(String::new(), |text, line| text + line + "\n"))
 }
 
 /// Edit by edit, with slices executed between them: every line stands as in an interpretation from the beginning.
-pub(crate) fn holds_over_edits(
-    dialect: Dialect,
-    text: String,
-    edits: &[(u32, u32, String, usize)],
-) {
+fn holds_over_edits(dialect: Dialect, text: String, edits: &[(u32, u32, String, usize)]) {
     let encoding = PositionEncodingKind::UTF16;
     let mut document = Document::new(text, &encoding);
     let setup = || {
@@ -247,49 +276,23 @@ pub(crate) fn holds_over_edits(
             range.end = lsp_types::Position::new(line + character / 3 % 4, character % 5);
         }
         let edit = document.apply(change);
-        analysis.edited(&edit, &document);
+        analysis.edited(&edit);
         let now = String::from_utf8(document.text.clone()).unwrap();
         let fresh_document = Document::new(now.clone(), &encoding);
         let mut fresh = Analysis::new(setup());
         for line in 1..=document.lines() as u32 {
-            let both = |visit: Option<Visit>| {
-                visit.map(|v| (rounded(v.before), rounded(v.after), v.parameter))
-            };
+            let both = |visit: Option<Visit>| visit.map(|v| (v.before, v.after, v.parameter));
             let found = both(analysis.visit(&document, line, Some("#1")));
             let wanted = both(fresh.visit(&fresh_document, line, Some("#1")));
-            prop_assert_same(&found, &wanted, &format!("line {line} of\n{now}"));
+            assert_eq!(found, wanted, "line {line} of\n{now}");
         }
         finish(&document, &mut analysis);
         finish(&fresh_document, &mut fresh);
-        let sorted = |analysis: &Analysis| {
-            let mut all: Vec<_> = analysis
-                .findings()
-                .into_iter()
-                .map(|f| (f.span.start, f.span.line, f.span.end, f.code, f.message))
-                .collect();
-            all.sort();
-            all
-        };
-        prop_assert_same(&sorted(&analysis), &sorted(&fresh), &format!("findings of\n{now}"));
+        assert_eq!(analysis.findings(), fresh.findings(), "findings of\n{now}");
     }
 }
 
-/// Sums that were made in another order differ in their last bits.
-fn rounded(mut standing: Standing) -> (Standing, [f64; 9]) {
-    let round = |value: f64| (value * 1e6).round() / 1e6 + 0.0;
-    let machine = canon::Axis::ALL.map(|axis| round(crate::hover::along(&standing.machine, axis)));
-    standing.program = standing.program.map(round);
-    standing.machine = canon::Position::xyz(0.0, 0.0, 0.0);
-    (standing, machine)
-}
-
-fn prop_assert_same<T: PartialEq + std::fmt::Debug>(found: &T, wanted: &T, what: &str) {
-    assert!(found == wanted, "{what}\nfound {found:?}\nwanted {wanted:?}");
-}
-
-pub(crate) fn edits(
-    menu: &'static [&'static str],
-) -> impl Strategy<Value = Vec<(u32, u32, String, usize)>> {
+fn edits(menu: &'static [&'static str]) -> impl Strategy<Value = Vec<(u32, u32, String, usize)>> {
     let edit = (any::<u32>(), any::<u32>(), lines(menu, 3), 0..12_usize);
     prop::collection::vec(edit, 1..6)
 }
@@ -345,5 +348,41 @@ fn what_is_written_behind_a_program_that_did_not_end_goes_on_with_it() {
         let text = format!("O1\nG0\n{}", lines(count));
         holds_over_edits(Dialect::Fanuc, text.clone(), &edits);
         holds_over_edits(Dialect::LinuxCnc, text, &edits);
+    }
+}
+
+#[test]
+fn a_call_of_a_tape_goes_back_to_where_its_block_has_moved() {
+    let head = "O1\nG21 G90\nF100 S500 M3\nG54\nT1 M6\nZ5.\nX1. Y2.\n#101=1.\n";
+    let body = "X#101\nX1. Y2.\nX#101\nN7 X2. Y1.\nX1. Y2.\nM98 P7\nX1. Y2.\nX1. Y2.\nX1. Y2.\nIF [#101 LT 3] GOTO 7\n";
+    let text = format!("{head}{body}M30\nO7\nX#101\nM99\n");
+    holds_over_edits(Dialect::Fanuc, text, &[(3, 1, "G49\n".to_owned(), 35)]);
+}
+
+#[test]
+fn a_corner_is_cut_for_the_block_behind_it_also_where_a_slice_ends_between_them() {
+    // slices end after every twelfth block
+    let line = |i: usize| format!("X{}.\n", i + 1);
+    let fill = |count: usize| (0..count).map(line).collect::<Vec<_>>().concat();
+    for before in 7..9 {
+        let head = "O1\nG21 G90 G94\nF100 G1\n";
+        let text =
+            format!("{head}{}X50. ,C2.\nY10. ,C3.\nX0. ,R1.\nY0.\n{}M30\n", fill(before), fill(30));
+        // what is written before the corner's second way, or in the place of its first two letters
+        let corner = before as u32 + 4;
+        for (line, character, new) in [
+            (corner, 0, "Y-10. ,C3.\n"),
+            (corner, 0, "G0 Y10.\n"),
+            (corner, 0, "X90.\n"),
+            (corner, 12, "Y-1"),
+            (corner, 12, "X1"),
+            // farther into its line than the corner's block has read
+            (corner, 13, "1"),
+            (corner, 2, "5"),
+            (corner + 1, 0, "X70. ,R1.\n"),
+            (corner + 1, 12, "(X"),
+        ] {
+            holds_over_edits(Dialect::Fanuc, text.clone(), &[(line, character, new.to_owned(), 9)]);
+        }
     }
 }

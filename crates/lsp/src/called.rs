@@ -19,7 +19,7 @@ impl Called {
         is_there: impl Fn(&str) -> bool,
     ) -> bool {
         let grammar = setup.dialect.grammar();
-        let (from, to) = (edit.shift.from as usize, edit.shift.new_end as usize);
+        let (from, to) = (edit.from as usize, edit.end as usize);
         let text = if edit.subprograms && grammar == Grammar::Rs274 {
             &document.text
         } else if document.may_call(from, to, grammar) {

@@ -4,7 +4,6 @@
 //! spans count bytes. This is the only place where the two meet.
 use diag::Span;
 use gcode::Grammar;
-use interp::Shift;
 use lsp_types::{Position, PositionEncodingKind, Range, TextDocumentContentChangeEvent};
 
 /// A text and where its lines begin.
@@ -17,10 +16,10 @@ pub(crate) struct Document {
 /// What an edit touched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Edit {
-    /// What has moved where.
-    pub(crate) shift: Shift,
-    /// Where the first line touched begins: byte, and its number from 1.
-    pub(crate) first: (u32, u32),
+    /// First byte that is not as it was.
+    pub(crate) from: u32,
+    /// One past the last byte of what is new.
+    pub(crate) end: u32,
     /// Whether lines with O-words may have come, gone or changed.
     pub(crate) o_words: bool,
     /// Whether those lines may begin or end a subprogram of O-words.
@@ -72,34 +71,27 @@ impl Document {
             && (all
                 || !whole_lines && self.has_near(from, to, &SUBPROGRAMS)
                 || has(&self.text[from..to], &SUBPROGRAMS));
-        let first = self.starts.partition_point(|start| *start as usize <= from).max(1);
-        let first = (self.starts[first - 1], first as u32);
         let end = from + change.text.len();
-        let lines = self.move_lines(from, to, change.text.as_bytes());
+        self.move_lines(from, to, change.text.as_bytes());
         self.text.splice(from..to, change.text.into_bytes());
         let o_words = o_words || self.o_word_near(from, end);
         let subprograms = subprograms
             || o_words
                 && (!whole_lines && self.has_near(from, end, &SUBPROGRAMS)
                     || has(&self.text[from..end], &SUBPROGRAMS));
-        let [from, old_end, new_end] = [from, to, end].map(|byte| byte as u32);
-        let shift = Shift { from, old_end, new_end, lines, whole_lines };
-        Edit { shift, first, o_words, subprograms }
+        Edit { from: from as u32, end: end as u32, o_words, subprograms }
     }
 
-    /// Where lines begin once these bytes are replaced by this text; how many lines more there are then.
-    #[allow(clippy::cast_possible_wrap)] // bytes are counted with 32 bits
-    fn move_lines(&mut self, from: usize, to: usize, text: &[u8]) -> i32 {
+    /// Where lines begin once these bytes are replaced by this text.
+    fn move_lines(&mut self, from: usize, to: usize, text: &[u8]) {
         let behind = |byte: usize| self.starts.partition_point(|start| *start as usize <= byte);
         let (first, last) = (behind(from), behind(to));
         let grown = (text.len() as u32).wrapping_sub((to - from) as u32);
         for start in &mut self.starts[last..] {
             *start = start.wrapping_add(grown);
         }
-        let before = self.starts.len();
         let new = memchr::memchr_iter(b'\n', text).map(|at| (from + at) as u32 + 1);
         self.starts.splice(first..last, new);
-        self.starts.len() as i32 - before as i32
     }
 
     /// Whether the lines that these bytes lie in have a letter O at all.
@@ -218,14 +210,13 @@ mod tests {
         let mut document = open("G21\nX1\nX2\n");
         let edit = document.apply(change((1, 1), (1, 2), "77"));
         assert_eq!(document.text, b"G21\nX77\nX2\n");
-        let shift = Shift { from: 5, old_end: 6, new_end: 7, lines: 0, whole_lines: false };
-        assert_eq!(edit, Edit { shift, first: (4, 2), o_words: false, subprograms: false });
+        assert_eq!(edit, Edit { from: 5, end: 7, o_words: false, subprograms: false });
         let edit = document.apply(change((2, 0), (2, 0), "o1 sub\n"));
         assert!(edit.o_words && edit.subprograms);
         let edit = document.apply(change((2, 0), (2, 0), "o2 if [1]\n"));
         assert!(edit.o_words && !edit.subprograms);
         let edit = document.apply(change((2, 4), (2, 5), "call"));
-        let (from, to) = (edit.shift.from as usize, edit.shift.new_end as usize);
+        let (from, to) = (edit.from as usize, edit.end as usize);
         assert!(!edit.subprograms && document.may_call(from, to, Grammar::Rs274));
         assert_eq!(document.lines(), 6);
     }

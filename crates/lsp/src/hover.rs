@@ -60,7 +60,8 @@ pub(crate) fn at(
     }
     match &visit {
         Some(visit) => markdown.push_str(&around(visit)),
-        None => markdown.push_str("This block is never executed.\n"),
+        None if analysis.is_done() => markdown.push_str("This block is never executed.\n"),
+        None => markdown.push_str("The program has not been executed up to this block yet.\n"),
     }
     Some(Hover { markdown, from: first, to: last })
 }

@@ -255,7 +255,7 @@ impl Server<'_> {
         let mut calls = false; // other files may be called now: they belong to the set-up
         for change in params.content_changes {
             let edit = open.document.apply(change);
-            open.analysis.edited(&edit, &open.document);
+            open.analysis.edited(&edit);
             let is_there = |name: &str| self.host.subprogram(uri.as_str(), name).is_some();
             let Open { called, document, analysis, .. } = &mut *open;
             calls |= called.edited(&edit, document, &analysis.setup, is_there);

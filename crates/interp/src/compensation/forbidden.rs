@@ -26,14 +26,9 @@ impl Executor {
             .or_else(|| self.forbidden_before().filter(|_| before))
             .or_else(|| self.forbidden_after(strict).filter(|_| after));
         let Some(what) = what else { return Ok(()) };
-        Err(self
-            .words
-            .fault("I0544", || {
-                let text = format!("{what} while cutter radius compensation is on");
-                let help = "write G40 in a block before it, and G41 or G42 in one after it";
-                error("I0544", self.words.place.span, text).with_help(help)
-            })
-            .into())
+        let text = format!("{what} while cutter radius compensation is on");
+        let help = "write G40 in a block before it, and G41 or G42 in one after it";
+        Err(error("I0544", self.words.place.span, text).with_help(help).into())
     }
 
     fn forbidden_before(&self) -> Option<&'static str> {

@@ -16,7 +16,6 @@ use super::{
     values::Locals,
 };
 use crate::{
-    Shift,
     call::Sink,
     fault::{Outcome, error, refuse},
     interpreter::Interpreter,
@@ -53,26 +52,11 @@ pub(super) struct Macro {
     pub(super) locals: Locals,
 }
 
-impl Level {
-    /// Where it goes back to, in the edited text.
-    pub(super) fn shift(&mut self, shift: &Shift) -> Option<()> {
-        for place in [&mut self.back, &mut self.start] {
-            if place.file == 0 {
-                place.at = shift.at(place.at)?;
-            }
-        }
-        if self.back.file == 0 {
-            self.caller = shift.byte(self.caller)?;
-        }
-        Some(())
-    }
-}
-
 impl Fanuc {
     fn tape<'a>(&'a mut self, it: &mut Interpreter<'_>) -> Outcome<&'a Tape> {
         it.steered = true;
         if self.tape.is_none() {
-            let (tape, faults) = Tape::of(&it.sources, &it.names, it.pages.as_deref_mut());
+            let (tape, faults) = Tape::of(&it.sources, &it.names);
             self.tape = Some(tape);
             let mut faults = faults.into_iter();
             if let Some(first) = faults.next() {
@@ -129,10 +113,7 @@ impl Fanuc {
         let span = it.block.span;
         let whole = near_whole(number).and_then(|n| u32::try_from(n).ok()).filter(|n| *n > 0);
         let found = match whole {
-            Some(whole) => {
-                it.executor.asked.jumps(whole);
-                self.tape(it)?.block(whole, it.file, from)
-            }
+            Some(whole) => self.tape(it)?.block(whole, it.file, from),
             None => None,
         };
         if let Some(place) = found {
@@ -147,7 +128,6 @@ impl Fanuc {
     /// The block N of the program at hand.
     pub(super) fn block_at(&mut self, it: &mut Interpreter<'_>, number: u32) -> Option<Place> {
         let (file, from) = (it.file, it.block.span.start);
-        it.executor.asked.jumps(number);
         self.tape(it).ok().and_then(|tape| tape.block(number, file, from))
     }
 
@@ -160,7 +140,6 @@ impl Fanuc {
             None => Place { file: it.file, at: (it.block.span.start, 0) }, // of the program at hand
         };
         let Some(number) = start else { return self.enter(it, program, begin, times, None) };
-        it.executor.asked.jumps(number);
         match self.tape(it)?.block(number, begin.file, begin.at.0) {
             Some(place) => self.enter(it, program.or(self.program), place, times, None),
             None => {
@@ -258,9 +237,6 @@ impl Fanuc {
             return Ok(());
         }
         let Some(level) = self.levels.pop() else { return Ok(()) };
-        if level.locals.is_some() || level.modals.is_some() {
-            it.executor.asked.more();
-        }
         self.program = level.program;
         it.executor.state.call_level = self.levels.len();
         if let Some(locals) = level.locals {
@@ -282,7 +258,6 @@ impl Fanuc {
     /// M99 of the main program.
     fn next_round<S: Sink>(&mut self, it: &mut Interpreter<'_>, sink: &mut S) -> Outcome {
         let span = it.block.span;
-        it.executor.asked.more();
         if self.round_before == self.variables {
             let text = "M99 repeats the main program for ever: it is read once here";
             let remark = Diagnostic::warning("I1050", span, text);

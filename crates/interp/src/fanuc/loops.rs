@@ -3,11 +3,11 @@
 //! ```text
 //!   WHILE[#1 LT 3]DO1 ─┐        bounds in the order of the text; each knows its partner
 //!     DO2 ─┐           │
-//!     END2 ┘           │        an edit that brings or takes loops that are whole
-//!   END1 ──────────────┘        leaves all others with the partners they had
+//!     END2 ┘           │
+//!   END1 ──────────────┘
 //! ```
 use super::tape::Mark;
-use crate::{contents::Edited, fault::error};
+use crate::fault::error;
 use diag::{Diagnostic, Span};
 use gcode::{Block, Control};
 
@@ -84,42 +84,6 @@ impl Loops {
             }
         }
         faults.extend(open.into_iter().map(|open| not_closed(&self.bounds[open])));
-    }
-
-    /// The same after an edit, with these in the lines edited; none if the others lead elsewhere then.
-    pub(super) fn edited(
-        mut self,
-        edited: &Edited<'_>,
-        new: Vec<Bound>,
-        begins: Begins<'_>,
-    ) -> Option<Self> {
-        let own = self.bounds.partition_point(|bound| bound.file == 0);
-        let first = self.bounds[..own].partition_point(|bound| bound.mark.at.0 < edited.first.0);
-        let had = |bound: &&Bound| edited.had(bound.mark.at);
-        let behind = first + self.bounds[first..own].iter().take_while(had).count();
-        for bound in &mut self.bounds[behind..own] {
-            bound.mark = bound.mark.moved(edited);
-            bound.span = edited.moved_span(bound.span);
-        }
-        let kind = |bound: &Bound| (bound.level, bound.ends);
-        if self.bounds[first..behind].iter().map(kind).eq(new.iter().map(kind)) {
-            self.bounds.splice(first..behind, new);
-            return Some(self);
-        }
-        let more = new.len();
-        let place = |i: usize| match i {
-            i if i < first => Some(i),
-            i => Some(i.checked_sub(behind)? + first + more),
-        };
-        let then = core::mem::take(&mut self.partners);
-        self.bounds.splice(first..behind, new);
-        let mut faults = Vec::new();
-        self.join(begins, &mut faults);
-        let mut pairs = then.iter().enumerate().filter_map(|(i, other)| Some((place(i)?, *other)));
-        let kept = pairs.all(|(now, other)| {
-            place(other as usize).is_some_and(|other| self.partners[now] == other as u32)
-        });
-        (faults.is_empty() && kept).then_some(self)
     }
 }
 

@@ -19,7 +19,6 @@
 #![allow(clippy::single_match_else)] // both outcomes are worth a line
 mod arguments;
 mod calls;
-mod carried;
 mod codes;
 mod corner;
 mod figure;
@@ -73,7 +72,7 @@ pub(crate) struct Fanuc {
     kind: Kind,
     calculator: bool,
     skip_levels: u16,
-    tape: Option<Tape>,
+    pub(crate) tape: Option<Tape>,
     variables: Variables,
     levels: Vec<Level>,
     /// G66: the macros called after each block that moves, the last first.
@@ -224,9 +223,14 @@ impl Fanuc {
         }))
     }
 
-    /// Whether no profile is being taken down.
-    pub(crate) const fn is_between_profiles(&self) -> bool {
-        self.shape.is_none()
+    /// The same, which reads its tape again when it needs it.
+    pub(crate) fn without_tape(&mut self) -> Self {
+        let tape = self.tape.take();
+        let mut copy = self.clone();
+        copy.said.clear(); // the last block's
+        copy.inch = false;
+        self.tape = tape;
+        copy
     }
 
     const fn is_lathe(&self) -> bool {
@@ -258,7 +262,7 @@ impl Fanuc {
             return self.percent(it, sink);
         }
         if let Some(number) = it.block.number {
-            self.kept.word(b'N', number, &it.executor.asked);
+            self.kept.word(b'N', number);
         }
         if let Some(control) = it.block.control {
             let Control::IfThen(condition) = control else { return self.control(it, control) };
@@ -300,7 +304,6 @@ impl Fanuc {
     /// A block with words.
     fn words<S: Sink>(&mut self, it: &mut Interpreter<'_>, sink: &mut S) -> Outcome {
         self.read(it)?;
-        self.ask(it);
         if self.only_moves(&it.executor) {
             let moves = self.move_only(&mut it.executor, sink)?;
             return if moves { self.modal_call(it) } else { Ok(()) };
@@ -341,9 +344,6 @@ impl Fanuc {
     fn obey<S: Sink>(&mut self, it: &mut Interpreter<'_>, sink: &mut S) -> Outcome<(Then, After)> {
         self.once = Once::default();
         let then = self.translate(&mut it.executor)?;
-        if self.once != Once::default() || self.surface.is_some() {
-            it.executor.asked.more();
-        }
         if self.called.is_some() && !matches!(then, Then::Call(_)) {
             let text = "a program's name goes with M98, G65 or G66: M98<NAME>";
             return refuse("I1049", it.block.span, text);

@@ -21,7 +21,6 @@ use super::{
 };
 use crate::{
     Parameters,
-    asked::Asked,
     call::{Call, Sink},
     fault::{Outcome, refuse},
     interpreter::Interpreter,
@@ -63,22 +62,12 @@ impl Kept {
     }
 
     /// Remember a word that variables tell.
-    pub(super) fn word(&mut self, letter: u8, value: f64, asked: &Asked) {
+    pub(super) fn word(&mut self, letter: u8, value: f64) {
         if !matches!(letter, b'B' | b'D' | b'E' | b'H' | b'M' | b'N') {
             return; // nearly all
         }
         if let Some(at) = LETTERS.iter().position(|(kept, _)| *kept == letter) {
             self.words[at] = value;
-            asked.keeps(at);
-        }
-    }
-
-    /// Behind a stretch that began with `before` as it would be if it began with `own`.
-    pub(super) fn carry(&mut self, own: &Self, before: &Self, asked: &Asked) {
-        for (i, word) in self.words.iter_mut().enumerate() {
-            if own.words[i] != before.words[i] && !asked.kept(i) {
-                *word = own.words[i];
-            }
         }
     }
 }

@@ -15,7 +15,7 @@
 //!
 //! Made at the first jump or call, by one reading of the whole tape.
 use super::loops::{Bound, Loops};
-use crate::{contents::Edited, outline::At, pages::Pages};
+use crate::outline::At;
 use diag::Diagnostic;
 use gcode::{Block, Grammar, Label, Parser};
 
@@ -24,15 +24,6 @@ use gcode::{Block, Grammar, Label, Parser};
 pub(super) struct Mark {
     pub(super) at: At,
     pub(super) after: At,
-}
-
-impl Mark {
-    pub(super) fn moved(self, edited: &Edited<'_>) -> Self {
-        // what comes right behind a block belongs behind it
-        let stays = self.after.0 <= edited.first.0;
-        let after = if stays { self.after } else { edited.moved(self.after) };
-        Self { at: edited.moved(self.at), after }
-    }
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -67,30 +58,21 @@ pub(crate) struct Tape {
 }
 
 impl Tape {
-    /// Of the program and the files beside it, which have these names. The program's blocks may have been read before.
-    pub(crate) fn of(
-        sources: &[&[u8]],
-        names: &[String],
-        mut pages: Option<&mut Pages>,
-    ) -> (Self, Vec<Diagnostic>) {
+    /// Of the program and the files beside it, which have these names.
+    pub(crate) fn of(sources: &[&[u8]], names: &[String]) -> (Self, Vec<Diagnostic>) {
         let (mut tape, mut faults) = (Self::default(), Vec::new());
         for (file, source) in sources.iter().enumerate() {
             let name = names.get(file).map_or("", String::as_str);
-            let pages = if file == 0 { pages.take() } else { None };
-            tape.read(file, source, name, pages);
+            tape.read(file, source, name);
         }
-        tape.sort();
+        tape.sorted = (0..tape.numbers.len() as u32).collect();
+        tape.sorted.sort_by_key(|i| tape.numbers[*i as usize].0);
         let begins = tape.programs.iter().map(|program| (program.file, program.begin.at.0));
         tape.loops.join(&mut begins.clone(), &mut faults);
         (tape, faults)
     }
 
-    fn sort(&mut self) {
-        self.sorted = (0..self.numbers.len() as u32).collect();
-        self.sorted.sort_by_key(|i| self.numbers[*i as usize].0);
-    }
-
-    fn read(&mut self, file: usize, source: &[u8], name: &str, mut pages: Option<&mut Pages>) {
+    fn read(&mut self, file: usize, source: &[u8], name: &str) {
         let mut parser = Parser::with_grammar(source, file as u16, Grammar::Fanuc);
         let mut block = Block::new();
         let begin = Mark { at: (0, 1), after: (0, 1) };
@@ -98,14 +80,7 @@ impl Tape {
         let number = (file > 0).then(|| self.number_of_file(name));
         self.programs.push(Program { number, file, begin });
         let mut first = true;
-        loop {
-            let more = match &mut pages {
-                Some(pages) => pages.next(source, Grammar::Fanuc, &mut parser, &mut block),
-                None => parser.next(&mut block),
-            };
-            if !more {
-                break;
-            }
+        while parser.next(&mut block) {
             if block.faulty {
                 continue;
             }
@@ -130,83 +105,6 @@ impl Tape {
                 self.loops.push(bound);
             }
         }
-    }
-
-    /// The same after an edit, and the numbers of blocks that have come, gone or changed their place among the others;
-    /// none where a program begins in the lines edited, or loops that go on outside of them.
-    pub(crate) fn edited(mut self, edited: &Edited<'_>) -> Option<(Self, Vec<u32>)> {
-        let mut parser = Parser::with_grammar(edited.source, 0, Grammar::Fanuc);
-        let mut block = Block::new();
-        parser.seek(edited.first.0, edited.first.1);
-        let (mut new, mut bounds, mut blank) = (Vec::new(), Vec::new(), true);
-        while parser.next(&mut block) {
-            if block.o.is_some() {
-                return None;
-            }
-            if block.faulty {
-                continue;
-            }
-            blank &= block.is_blank() || block.percent;
-            let mark = Mark { at: (block.span.start, block.span.line), after: parser.position() };
-            if let Some(number) = block.number {
-                new.push((number as u32, Place { file: 0, at: mark.at }));
-            }
-            bounds.extend(Bound::of(&block, 0, mark));
-        }
-        self.move_begins(blank, edited)?;
-        let changed = self.renumber(new, edited);
-        let mut begins = self.programs.iter().map(|program| (program.file, program.begin.at.0));
-        self.loops = self.loops.edited(edited, bounds, &mut begins)?;
-        Some((self, changed))
-    }
-
-    /// Where programs begin now; none where that is in the lines edited, which have nothing in them if they are `blank`.
-    fn move_begins(&mut self, blank: bool, edited: &Edited<'_>) -> Option<()> {
-        // behind its number a program begins, whatever stands there
-        let numbered = |program: &Program| program.number.is_some() && program.file == 0;
-        let begins = |program: &Program| numbered(program) && program.begin.after == edited.first;
-        let behind_number = self.programs.iter().any(begins);
-        if let Some((main, others)) = self.programs.split_first_mut() {
-            let after = main.begin.after;
-            let named = others.first().filter(|it| numbered(it) && it.begin.after == after);
-            let first = named.map_or(after, |program| program.begin.at);
-            let stays = edited.first > after || edited.first == after && behind_number;
-            if !stays && (edited.old_end > first.0 || !blank) {
-                return None;
-            }
-            if !stays {
-                main.begin.after = edited.moved(after);
-            }
-        }
-        let own = self.programs.iter_mut().skip(1).filter(|program| program.file == 0);
-        for program in own {
-            let Mark { at, after } = program.begin;
-            if edited.had(at) || edited.had(after) && edited.first != after {
-                return None;
-            }
-            program.begin = program.begin.moved(edited);
-        }
-        Some(())
-    }
-
-    /// These numbered blocks in the place of those in the lines edited; which numbers are not where they were.
-    fn renumber(&mut self, new: Vec<(u32, Place)>, edited: &Edited<'_>) -> Vec<u32> {
-        // the program's own come first, in the order of the text
-        let own = self.numbers.partition_point(|(_, place)| place.file == 0);
-        let before = self.numbers[..own].partition_point(|(_, at)| at.at.0 < edited.first.0);
-        let count = self.numbers[before..own].iter().take_while(|n| edited.had(n.1.at)).count();
-        for (_, place) in &mut self.numbers[before + count..own] {
-            place.at = edited.moved(place.at);
-        }
-        let numbers = |all: &[(u32, Place)]| all.iter().map(|n| n.0).collect::<Vec<_>>();
-        let now = numbers(&new);
-        let then = numbers(&self.numbers[before..before + count]);
-        self.numbers.splice(before..before + count, new);
-        if now == then {
-            return Vec::new();
-        }
-        self.sort();
-        [now, then].concat()
     }
 
     /// The number of the program that a file is: what its name says.

@@ -14,7 +14,6 @@
 //! variable has in that word; elsewhere ROUND goes to whole numbers.
 use super::Fanuc;
 use crate::{
-    asked::of_number,
     call::Sink,
     eval,
     execute::Executor,
@@ -60,19 +59,6 @@ pub(super) fn rounded(value: f64, per_unit: f64) -> f64 {
 }
 
 impl Variables {
-    /// All of them with their numbers.
-    pub(super) fn all(&self) -> impl Iterator<Item = (usize, Option<f64>)> {
-        let local = self.local.iter().enumerate().map(|(i, value)| (i + 1, *value));
-        local.chain(self.common.iter().enumerate().map(|(i, value)| (i + 100, *value)))
-    }
-
-    pub(super) fn slot(&mut self, number: usize) -> Option<&mut Option<f64>> {
-        match number {
-            1..=LOCALS => self.local.get_mut(number - 1),
-            _ => self.common.get_mut(number.checked_sub(100)?),
-        }
-    }
-
     /// Those that the parameter file kept.
     pub(super) fn kept(parameters: &crate::Parameters) -> Self {
         let mut new = Self::default();
@@ -117,10 +103,6 @@ impl Fanuc {
             let values = self.values(&it.executor);
             let number = variable(values.value(&it.block, number, span)?, span)?;
             let value = values.value(&it.block, assignment.value, span)?;
-            match number {
-                1..=999 => it.executor.asked.assigns(of_number(number)),
-                _ => it.executor.asked.more(),
-            }
             match number {
                 1..=33 => self.variables.local[number - 1] = value,
                 100..=199 | 500..=999 => self.set_common(it, number, value),
@@ -191,10 +173,6 @@ impl Values<'_> {
     }
 
     fn variable(&self, number: usize, span: Span) -> Outcome<Option<f64>> {
-        match number {
-            0..=999 => self.executor.asked.number(number),
-            _ => self.executor.asked.more(),
-        }
         Ok(match number {
             0 => None,
             1..=33 => self.fanuc.variables.local[number - 1],

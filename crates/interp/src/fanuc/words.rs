@@ -46,7 +46,7 @@ impl Fanuc {
                 }
             };
             let Some(value) = value else { continue };
-            self.kept.word(word.letter, value, &ex.asked);
+            self.kept.word(word.letter, value);
             let text = source.get(word.span.start as usize..word.span.end as usize);
             let counts =
                 matches!(word.value, Value::Number(_)) && !text.is_some_and(|t| t.contains(&b'.'));
@@ -79,14 +79,6 @@ impl Fanuc {
             }
             _ => 1.0,
         }
-    }
-
-    /// Whether it matters to the block's values how long an increment is.
-    pub(super) fn counts_increments(&self, block: &Block) -> bool {
-        let computed = |word: &gcode::Word| matches!(word.value, Value::Expression(_));
-        let counts =
-            |said: &Said| said.counts && said.value != 0.0 && !b"GMNP".contains(&said.letter);
-        self.said.iter().any(counts) || block.words.iter().any(computed)
     }
 
     /// A value in the program's unit of length (or degrees): increments counted.
