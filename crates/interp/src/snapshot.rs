@@ -51,6 +51,11 @@ impl Snapshot {
         self.has_o_words
     }
 
+    /// Whether the place of a block that was not executed yet is known: where Fanuc's profile ends.
+    pub fn looks_ahead(&self) -> bool {
+        self.fanuc.as_ref().is_some_and(|fanuc| fanuc.takes_down_profile())
+    }
+
     /// Whether the program was over.
     pub const fn has_ended(&self) -> bool {
         self.ended

@@ -11,7 +11,6 @@
 use crate::document::{Document, Edit};
 use crate::slice::{Notes, Slice, key};
 use diag::Diagnostic;
-use gcode::Grammar;
 use interp::{Contents, Interpreter, Progress, Resolver, Setup, Silence, Standing};
 use std::collections::HashSet;
 
@@ -68,9 +67,7 @@ impl Analysis {
     /// Take in an edit that the document has taken in: what may depend on the edited text is forgotten.
     pub(crate) fn edited(&mut self, edit: &Edit) {
         self.contents = Contents::default();
-        // numbered blocks and loops of Fanuc's may stand in any line
-        let jumps = edit.o_words || self.setup.dialect.grammar() == Grammar::Fanuc;
-        let holds = |slice: &&Slice| slice.holds(edit.from, jumps);
+        let holds = |slice: &&Slice| slice.holds(edit);
         self.kept.truncate(self.kept.iter().take_while(holds).count());
     }
 

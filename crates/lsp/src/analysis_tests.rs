@@ -1,5 +1,6 @@
 //! Interpretation kept over edits is the interpretation of the edited text.
 use super::*;
+use gcode::Grammar;
 use interp::Dialect;
 use lsp_types::{PositionEncodingKind, TextDocumentContentChangeEvent};
 use proptest::prelude::*;
@@ -42,7 +43,7 @@ fn each_block_is_known_before_and_after() {
 fn an_edit_keeps_what_lies_before_it_and_changes_what_follows() {
     let (mut document, mut analysis) = open(staircase(20_000));
     finish(&document, &mut analysis);
-    let edit = document.apply(replace(16_000, "X5"));
+    let edit = document.apply(replace(16_000, "X5"), Grammar::Rs274);
     analysis.edited(&edit);
     assert!(analysis.kept.len() >= 3, "snapshots before the edit were thrown away");
     assert_eq!(x_after(&document, &mut analysis, 3000), Some(2998.0));
@@ -56,14 +57,17 @@ fn an_edit_in_a_subprogram_that_was_executed_starts_anew() {
     let text = "o1 sub\nG0 X1\no1 endsub\nG21 G90\no1 call\nM2\n";
     let (mut document, mut analysis) = open(text.to_owned());
     finish(&document, &mut analysis);
-    let edit = document.apply(TextDocumentContentChangeEvent {
-        range: Some(lsp_types::Range {
-            start: lsp_types::Position::new(1, 4),
-            end: lsp_types::Position::new(1, 5),
-        }),
-        range_length: None,
-        text: "9".into(),
-    });
+    let edit = document.apply(
+        TextDocumentContentChangeEvent {
+            range: Some(lsp_types::Range {
+                start: lsp_types::Position::new(1, 4),
+                end: lsp_types::Position::new(1, 5),
+            }),
+            range_length: None,
+            text: "9".into(),
+        },
+        Grammar::Rs274,
+    );
     analysis.edited(&edit);
     assert_eq!(x_after(&document, &mut analysis, 2), Some(9.0));
 }
@@ -95,7 +99,7 @@ fn an_edited_line_is_known_after_one_slice_from_the_snapshot_before_it() {
         let all = analysis.slices;
         assert_eq!(u64::from(all), 100_003_u64.div_ceil(SLICE));
         for line in [90_000, 50_000, 10] {
-            let edit = document.apply(replace(line, "X5"));
+            let edit = document.apply(replace(line, "X5"), dialect.grammar());
             analysis.edited(&edit);
             let before = analysis.slices;
             assert!(x_after(&document, &mut analysis, line + 1).is_some());
@@ -248,6 +252,36 @@ const FANUC: &[&str] = &[
     "Y#101",
 ];
 
+const LATHE: &[&str] = &[
+    "G71 U2. R1.\nG71 P10 Q20 U.5 W.1 F.3\nN10 G0 X10.\nG1 Z-5.\nX20.\nN20 Z-20.",
+    "G70 P10 Q20",
+    "N10 G0 X12.",
+    "N20 G1 X30.",
+    "G1 X20. Z-3.",
+    "X22.",
+    "Z-9. F.1",
+    "G0 X50. Z2.",
+    "U1. W-1.",
+    "G2 X30. Z-12. R9.",
+    "T0101",
+    "T0202",
+    "G92 X19. Z-10. F1.5",
+    "G90 X18. Z-8.",
+    "G96 S120",
+    "G97 S600",
+    "G50 S2000",
+    "#100=#100+1",
+    "IF [#100 LT 3] GOTO 5",
+    "N5",
+    "M98 P7",
+    "M30",
+    "O7",
+    "M99",
+    "X[",
+    "G999",
+    "",
+];
+
 fn lines(menu: &'static [&'static str], most: usize) -> impl Strategy<Value = String> {
     let line = prop::sample::select(menu);
     prop::collection::vec(line, 0..most)
@@ -275,7 +309,7 @@ fn holds_over_edits(dialect: Dialect, text: String, edits: &[(u32, u32, String, 
             range.start.character = character % 3;
             range.end = lsp_types::Position::new(line + character / 3 % 4, character % 5);
         }
-        let edit = document.apply(change);
+        let edit = document.apply(change, dialect.grammar());
         analysis.edited(&edit);
         let now = String::from_utf8(document.text.clone()).unwrap();
         let fresh_document = Document::new(now.clone(), &encoding);
@@ -321,6 +355,28 @@ proptest! {
     #[test]
     fn so_are_tapes(text in lines(FANUC, 60), edits in edits(FANUC)) {
         holds_over_edits(Dialect::Fanuc, format!("O1\n{text}M30\n"), &edits);
+    }
+
+    #[test]
+    fn so_are_tapes_that_jump_before_and_call_behind_what_is_edited(
+        text in lines(FANUC, 40),
+        edits in edits(FANUC),
+    ) {
+        let loops = "WHILE [#120 LT 3] DO2\n#120=#120+1\nM98 P8\nEND2\nG66 P8\nX1.\n";
+        let subprogram = "M30\nO8\nY[#120]\nM99\n";
+        holds_over_edits(Dialect::Fanuc, format!("O1\n{loops}{text}{subprogram}"), &edits);
+    }
+
+    #[test]
+    fn so_are_those_of_other_controls(text in lines(LINES, 60), edits in edits(LINES)) {
+        holds_over_edits(Dialect::Brother, text.clone() + "M30\n", &edits);
+        holds_over_edits(Dialect::Toyoda, text + "M30\n", &edits);
+    }
+
+    #[test]
+    fn so_are_those_of_lathes(text in lines(LATHE, 60), edits in edits(LATHE)) {
+        let text = format!("O1\nG99 F.2 S500 M3\nG0 X50. Z2.\n{text}M30\n");
+        holds_over_edits(Dialect::FanucLatheA, text, &edits);
     }
 }
 

@@ -3,7 +3,7 @@
 //! Editors count lines from 0 and columns in UTF-16 units (or bytes, if both sides agree on UTF-8);
 //! spans count bytes. This is the only place where the two meet.
 use diag::Span;
-use gcode::Grammar;
+use gcode::{Block, Control, Grammar, Keyword, Label, Parser};
 use lsp_types::{Position, PositionEncodingKind, Range, TextDocumentContentChangeEvent};
 
 /// A text and where its lines begin.
@@ -20,8 +20,8 @@ pub(crate) struct Edit {
     pub(crate) from: u32,
     /// One past the last byte of what is new.
     pub(crate) end: u32,
-    /// Whether lines with O-words may have come, gone or changed.
-    pub(crate) o_words: bool,
+    /// Whether anything has come, gone or changed that jumps and calls lead to.
+    pub(crate) jumps: bool,
     /// Whether those lines may begin or end a subprogram of O-words.
     pub(crate) subprograms: bool,
 }
@@ -54,7 +54,11 @@ impl Document {
     }
 
     /// Take in one change.
-    pub(crate) fn apply(&mut self, change: TextDocumentContentChangeEvent) -> Edit {
+    pub(crate) fn apply(
+        &mut self,
+        change: TextDocumentContentChangeEvent,
+        grammar: Grammar,
+    ) -> Edit {
         let (from, to) = match change.range {
             Some(range) => {
                 let from = self.byte(range.start);
@@ -63,23 +67,21 @@ impl Document {
             None => (0, self.text.len()),
         };
         let all = change.range.is_none();
-        let o_words = all || self.o_word_near(from, to);
         // of a line that is only moved nothing changes
         let begins_line = |at: usize| at == 0 || self.text[at - 1] == b'\n';
         let whole_lines = begins_line(from) && begins_line(to) && is_of_lines(&change.text);
-        let subprograms = o_words
-            && (all
-                || !whole_lines && self.has_near(from, to, &SUBPROGRAMS)
-                || has(&self.text[from..to], &SUBPROGRAMS));
+        let subprograms = |document: &Self, to: usize| {
+            let lines =
+                if whole_lines { &document.text[from..to] } else { document.lines_of(from, to) };
+            has(lines, &SUBPROGRAMS)
+        };
+        let (targets, had) = (targets(self.lines_of(from, to), grammar), subprograms(self, to));
         let end = from + change.text.len();
         self.move_lines(from, to, change.text.as_bytes());
         self.text.splice(from..to, change.text.into_bytes());
-        let o_words = o_words || self.o_word_near(from, end);
-        let subprograms = subprograms
-            || o_words
-                && (!whole_lines && self.has_near(from, end, &SUBPROGRAMS)
-                    || has(&self.text[from..end], &SUBPROGRAMS));
-        Edit { from: from as u32, end: end as u32, o_words, subprograms }
+        let jumps = all || targets != self::targets(self.lines_of(from, end), grammar);
+        let subprograms = all || had || subprograms(self, end);
+        Edit { from: from as u32, end: end as u32, jumps, subprograms }
     }
 
     /// Where lines begin once these bytes are replaced by this text.
@@ -92,13 +94,6 @@ impl Document {
         }
         let new = memchr::memchr_iter(b'\n', text).map(|at| (from + at) as u32 + 1);
         self.starts.splice(first..last, new);
-    }
-
-    /// Whether the lines that these bytes lie in have a letter O at all.
-    fn o_word_near(&self, from: usize, to: usize) -> bool {
-        let first = self.text[..from].iter().rposition(|b| *b == b'\n').map_or(0, |at| at + 1);
-        let last = memchr::memchr(b'\n', &self.text[to..]).map_or(self.text.len(), |at| to + at);
-        memchr::memchr2(b'o', b'O', &self.text[first..last]).is_some()
     }
 
     /// Whether a line that these bytes lie in may call a subprogram.
@@ -172,6 +167,36 @@ impl Document {
     }
 }
 
+/// What jumps and calls lead to in these lines, in their order: O-words, numbered blocks, begins and ends of loops.
+fn targets(lines: &[u8], grammar: Grammar) -> Vec<String> {
+    let (mut parser, mut block) = (Parser::with_grammar(lines, 0, grammar), Block::new());
+    parser.seek(0, 2); // what only a program's first line can be, these are not
+    let mut targets = Vec::new();
+    while parser.next(&mut block) {
+        if block.faulty {
+            continue;
+        }
+        if let Some(number) = block.number.filter(|_| grammar == Grammar::Fanuc) {
+            targets.push(format!("N{number}"));
+        }
+        match block.o {
+            Some(o) if grammar == Grammar::Rs274 && o.keyword == Keyword::Call => {}
+            Some(o) => targets.push(match o.label {
+                Label::Number(number) => format!("{number} {:?}", o.keyword),
+                Label::Name(name) => format!("<{}> {:?}", block.text(name), o.keyword),
+                Label::Computed(_) => format!("{block}"),
+            }),
+            None => {}
+        }
+        match block.control {
+            Some(Control::While { level, .. }) => targets.push(format!("DO{level}")),
+            Some(Control::End(level)) => targets.push(format!("END{level}")),
+            Some(Control::GoTo(_) | Control::IfGoTo { .. } | Control::IfThen(_)) | None => {}
+        }
+    }
+    targets
+}
+
 /// Whether a text is nothing but whole lines.
 fn is_of_lines(text: &str) -> bool {
     text.is_empty() || text.ends_with('\n')
@@ -208,14 +233,14 @@ mod tests {
     #[test]
     fn an_edit_says_from_where_the_text_is_new() {
         let mut document = open("G21\nX1\nX2\n");
-        let edit = document.apply(change((1, 1), (1, 2), "77"));
+        let edit = document.apply(change((1, 1), (1, 2), "77"), Grammar::Rs274);
         assert_eq!(document.text, b"G21\nX77\nX2\n");
-        assert_eq!(edit, Edit { from: 5, end: 7, o_words: false, subprograms: false });
-        let edit = document.apply(change((2, 0), (2, 0), "o1 sub\n"));
-        assert!(edit.o_words && edit.subprograms);
-        let edit = document.apply(change((2, 0), (2, 0), "o2 if [1]\n"));
-        assert!(edit.o_words && !edit.subprograms);
-        let edit = document.apply(change((2, 4), (2, 5), "call"));
+        assert_eq!(edit, Edit { from: 5, end: 7, jumps: false, subprograms: false });
+        let edit = document.apply(change((2, 0), (2, 0), "o1 sub\n"), Grammar::Rs274);
+        assert!(edit.jumps && edit.subprograms);
+        let edit = document.apply(change((2, 0), (2, 0), "o2 if [1]\n"), Grammar::Rs274);
+        assert!(edit.jumps && !edit.subprograms);
+        let edit = document.apply(change((2, 4), (2, 5), "call"), Grammar::Rs274);
         let (from, to) = (edit.from as usize, edit.end as usize);
         assert!(!edit.subprograms && document.may_call(from, to, Grammar::Rs274));
         assert_eq!(document.lines(), 6);
@@ -228,7 +253,7 @@ mod tests {
         assert_eq!(document.at(Position::new(u32::MAX, u32::MAX)), None);
         assert_eq!(document.byte(Position::new(u32::MAX, u32::MAX)), 2);
         assert_eq!(document.at(Position::new(0, u32::MAX)), Some((0, 2)));
-        document.apply(change((5, 5), (1, 0), "X"));
+        document.apply(change((5, 5), (1, 0), "X"), Grammar::Rs274);
         assert_eq!(document.place(1000).line, 0);
     }
 }

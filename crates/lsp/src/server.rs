@@ -254,7 +254,8 @@ impl Server<'_> {
         let Some(open) = self.open.get_mut(&uri) else { return };
         let mut calls = false; // other files may be called now: they belong to the set-up
         for change in params.content_changes {
-            let edit = open.document.apply(change);
+            let grammar = open.grammar();
+            let edit = open.document.apply(change, grammar);
             open.analysis.edited(&edit);
             let is_there = |name: &str| self.host.subprogram(uri.as_str(), name).is_some();
             let Open { called, document, analysis, .. } = &mut *open;

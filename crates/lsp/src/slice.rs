@@ -1,4 +1,5 @@
 //! A stretch of a program's execution: what it read, what it found, and the interpreter's state at its end.
+use crate::document::Edit;
 use diag::{Diagnostic, Span};
 use interp::{Resolver, Snapshot};
 use std::collections::HashSet;
@@ -82,10 +83,10 @@ impl Slice {
         Some(self.begin + u64::from(run.block + (line - run.line)))
     }
 
-    /// Whether it is executed alike once the text is another one from this byte on; `jumps`: O-words, numbered blocks or
-    /// loops may be others, too. How a program ends depends on the text behind it.
-    pub(crate) const fn holds(&self, from: u32, jumps: bool) -> bool {
-        self.notes.up_to < from && !(jumps && self.steered) && !self.snapshot.has_ended()
+    /// Whether it is executed alike after an edit. How a program ends depends on the text behind it.
+    pub(crate) fn holds(&self, edit: &Edit) -> bool {
+        let jumps = edit.jumps || self.snapshot.looks_ahead();
+        self.notes.up_to < edit.from && !(jumps && self.steered) && !self.snapshot.has_ended()
     }
 
     /// This slice and the one before it as one.

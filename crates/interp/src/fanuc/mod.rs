@@ -233,6 +233,11 @@ impl Fanuc {
         copy
     }
 
+    /// Whether a profile is being taken down, up to a numbered block that was looked for.
+    pub(crate) const fn takes_down_profile(&self) -> bool {
+        self.shape.is_some()
+    }
+
     const fn is_lathe(&self) -> bool {
         self.kind.is_lathe()
     }
