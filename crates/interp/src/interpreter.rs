@@ -205,6 +205,7 @@ impl<'s> Interpreter<'s> {
         if self.block.faulty {
             let found = self.parsers[self.file].take_diagnostics();
             self.report_all(found);
+            self.faults += 1; // read again, it is not reported again
             let text = self.text_of_block();
             self.executor.doubt_unreadable(text);
             sink.doubt(self.executor.state.doubts);

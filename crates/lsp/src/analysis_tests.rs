@@ -442,3 +442,23 @@ fn a_corner_is_cut_for_the_block_behind_it_also_where_a_slice_ends_between_them(
         }
     }
 }
+
+#[test]
+fn a_profile_with_an_unreadable_block_is_not_cut_the_second_time_either() {
+    let head = "O1\nG99 F.2 S500 M3\nG0 X50. Z2.\n";
+    let text = format!("{head}G70 P10 Q20\nG70 P10 Q20\nM30\nN10 G0 X12.\n0 P\nN20 G1 X30.\n");
+    holds_over_edits(Dialect::FanucLatheA, text, &[(6, 0, "\n".to_owned(), 9)]);
+    let document = Document::new(
+        "O1\nG99 F.2 S500 M3\nG0 X50. Z2.\nG70 P10 Q20\nG70 P10 Q20\nM30\nN10 G0 X12.\n0 P\nN20 G1 X30.\n".to_owned(),
+        &PositionEncodingKind::UTF16,
+    );
+    let setup = Setup { dialect: Dialect::FanucLatheA, ..Setup::default() };
+    let mut interpreter = Interpreter::new(&document.text, &setup);
+    let mut lengths = Vec::new();
+    while interpreter.step(&mut Silence) == Progress::More {
+        lengths.push(interpreter.standing().codes[0].clone());
+    }
+    let after = |block: usize| lengths[block].clone();
+    // three blocks, the call, its three; and the same again
+    assert_eq!(after(6), after(10), "{lengths:?}");
+}
