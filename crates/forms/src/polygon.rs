@@ -31,7 +31,7 @@ mod series;
 
 pub use cut::Cut;
 pub use drive::{Drive, Effort, Limits};
-pub use form::{Facet, Form, Refusal, regular_corner};
+pub use form::{Facet, Form, Refusal};
 pub use kinematics::{Cutter, Swing, Tip, insert_phases};
 pub use optimise::{Detail, Problem, Solution};
 pub use profile::Profile;

@@ -182,11 +182,6 @@ impl Kernel {
         self.events.pop()
     }
 
-    /// Events that were lost because nobody took them in time.
-    pub const fn events_lost(&self) -> u64 {
-        self.events.lost()
-    }
-
     /// One servo period: from what the machine says to what it shall do.
     pub fn tick(&mut self, feedback: &Feedback) -> Command {
         self.now = feedback.time;

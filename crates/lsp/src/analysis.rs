@@ -21,7 +21,7 @@ const MOST_KEPT: usize = 256;
 /// Blocks executed of one program: an editor need not wait for a longer one.
 const MOST_BLOCKS: u64 = 2_000_000;
 /// Blocks executed at most before the editor is answered about a line that was not executed yet.
-const MOST_WAITED: u64 = 100_000;
+const MOST_WAITED: u64 = 4 * SLICE;
 /// Code of the finding that the bound on blocks was reached; here that says nothing of the program.
 const TOO_LONG: &str = "I0803";
 /// Findings shown: more of them tell nothing new.

@@ -119,11 +119,6 @@ pub struct Pace {
     pub turning: f64,
 }
 
-impl Pace {
-    /// As programmed, per second.
-    pub const PROGRAMMED: Self = Self { share: 1.0, turning: 1.0 };
-}
-
 /// The feed that a move asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Programmed {

@@ -61,7 +61,7 @@ impl Stopping {
     /// The same drive, if from a speed it needs so many turns more than by delay and deceleration. What would leave no
     /// turns to brake is not believed.
     #[must_use]
-    pub fn later_by(&self, early: Angle, from: Spin) -> Self {
+    pub(crate) fn later_by(&self, early: Angle, from: Spin) -> Self {
         let ramp = stopping_angle(from, self.decel);
         let longer = ramp + early;
         let share = if longer > ramp * LEAST_RAMP { ramp / longer } else { 1.0 };
@@ -70,7 +70,7 @@ impl Stopping {
 
     /// The same drive, if its deceleration is less by so much of itself.
     #[must_use]
-    pub fn slower_by(&self, share: f64) -> Self {
+    pub(crate) fn slower_by(&self, share: f64) -> Self {
         Self { decel: self.decel / (1.0 + share), ..*self }
     }
 }

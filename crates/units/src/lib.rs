@@ -136,13 +136,6 @@ impl Torque {
     }
 }
 
-impl Inertia {
-    /// Torque that accelerates this inertia: M = J·2π·α.
-    pub const fn torque_for(self, accel: SpinAccel) -> Torque {
-        Torque::n_m(self.value() * core::f64::consts::TAU * accel.value())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -94,7 +94,7 @@ impl Cam {
     ///
     /// # Errors
     /// The contour would be cut away under itself, with the base or roller radius that works.
-    pub fn is_makeable(&self) -> Result<(), CamError> {
+    pub(crate) fn is_makeable(&self) -> Result<(), CamError> {
         let turns = || (0..CHECKED).map(|i| i as f64 / CHECKED as f64);
         match self.follower {
             Follower::Flat => {

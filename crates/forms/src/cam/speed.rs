@@ -117,7 +117,7 @@ impl WheelPath {
     }
 
     /// A speed over the turn that removes as evenly as the axes allow, at a mean of `mean`.
-    pub fn even_removal(&self, mean: Spin, bounds: &AxisBounds) -> WorkSpeed {
+    pub(crate) fn even_removal(&self, mean: Spin, bounds: &AxisBounds) -> WorkSpeed {
         // the share of X's acceleration that C's own leaves
         const FOR_BEND: f64 = 0.7;
         let n = self.centre.len();

@@ -52,7 +52,7 @@ struct Spline<'p> {
 impl Problem<'_> {
     /// Solve it with as much detail as the limits make use of, from what a few harmonics made of it; `None` if the
     /// solver fails.
-    pub fn solve_finely(&self, few: &Solution, detail: Detail) -> Option<Solution> {
+    pub(crate) fn solve_finely(&self, few: &Solution, detail: Detail) -> Option<Solution> {
         let spline = Spline::new(self, detail);
         let n = spline.unknowns();
         let mut looked: Vec<Looked> = self.drives.iter().zip(&few.peaks).map(matters).collect();

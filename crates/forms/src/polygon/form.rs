@@ -7,7 +7,7 @@
 //!   ╱    d    ╲
 //! ```
 use super::kinematics::Cutter;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 use std::fmt;
 use units::{Angle, Length};
 
@@ -272,9 +272,4 @@ impl Form {
 /// To the next thousandth above.
 fn up(mm: f64) -> f64 {
     ((mm * 1000.0).floor() + 1.0) / 1000.0
-}
-
-/// Inner angle at the corners of a regular polygon.
-pub fn regular_corner(sides: u32) -> Angle {
-    Angle::rev((PI - TAU / f64::from(sides.max(3))) / TAU)
 }

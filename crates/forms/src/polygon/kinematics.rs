@@ -107,11 +107,6 @@ impl Cutter {
         })
     }
 
-    /// The tip's radius with which a facet is flat to second order without any swing: r = l/(R−1)².
-    pub fn naturally_flat_radius(&self) -> Length {
-        self.centres / (self.ratio - 1.0).powi(2)
-    }
-
     fn in_rad_mm(&self, angle: Angle) -> (f64, f64, f64) {
         (angle.in_rad(), self.centres.value(), self.radius.value())
     }

@@ -167,12 +167,6 @@ impl Swings {
         let term = Term { per_turn: form.base(), cosine: 0.0, sine: a * form.centres().value() };
         Self(vec![Series { actuator: Actuator::Across, terms: vec![term] }])
     }
-
-    /// Of the tool's phase: ε = d·sin Mφ.
-    pub fn of_phase(form: &Form, d: Angle) -> Self {
-        let term = Term { per_turn: form.base(), cosine: 0.0, sine: d.value() };
-        Self(vec![Series { actuator: Actuator::ToolPhase, terms: vec![term] }])
-    }
 }
 
 impl Form {

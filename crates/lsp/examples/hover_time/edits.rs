@@ -15,8 +15,6 @@ pub(crate) enum Edit {
     /// Twenty lines from elsewhere.
     Paste,
     Removed,
-    /// The first line of the program is another one.
-    First(&'static str),
 }
 
 /// Edits of every program.
@@ -25,72 +23,24 @@ const COMMON: &[(&str, Edit)] = &[
     ("a line more", Edit::Lines("X3.5\n")),
     ("a line less", Edit::Removed),
     ("a paste", Edit::Paste),
-    ("half: G", Edit::After(" G")),
-    ("half: X", Edit::After(" X")),
-    ("half: Q", Edit::After(" Q")),
     ("half: (", Edit::After(" (no")),
     ("half: [", Edit::After(" [")),
     ("error", Edit::Lines("G999\n")),
-    ("G20", Edit::Lines("G20\n")),
     ("G91", Edit::Lines("G91\n")),
-    ("G90", Edit::Lines("G90\n")),
-    ("G41", Edit::Lines("G41 D1\n")),
-    ("G42", Edit::Lines("G42 D1\n")),
-    ("G18", Edit::Lines("G18\n")),
-    ("G19", Edit::Lines("G19\n")),
-    ("G49", Edit::Lines("G49\n")),
-    ("G43", Edit::Lines("G43 H2\n")),
-    ("G55", Edit::Lines("G55\n")),
     ("tool", Edit::Lines("T2 M6\n")),
-    ("G93", Edit::Lines("G93\n")),
-    ("G95", Edit::Lines("G95 F0.1\n")),
-    ("F", Edit::Lines("F77\n")),
-    ("F0", Edit::Lines("F0\n")),
-    ("G94", Edit::Lines("G94\n")),
-    ("S", Edit::Lines("S77\n")),
-    ("M5", Edit::Lines("M5\n")),
-    ("M8", Edit::Lines("M8\n")),
-    ("G0", Edit::Lines("G0 X1\n")),
-    ("G2", Edit::Lines("G2 X0 Y0 R500\n")),
-    ("G80", Edit::Lines("G80\n")),
-    ("G81", Edit::Lines("G81 X1 Y1 Z-3 R1\n")),
-    ("G98", Edit::Lines("G98\n")),
-    ("G92", Edit::Lines("G92 X7\n")),
-    ("G52", Edit::Lines("G52 X7\n")),
-    ("G10", Edit::Lines("G10 L2 P1 X3\n")),
-    ("G64", Edit::Lines("G64 P0.1\n")),
-    ("G28", Edit::Lines("G28\n")),
-    ("#1", Edit::Lines("#1=5\n")),
-    ("#5", Edit::Lines("#5=5\n")),
-    ("M0", Edit::Lines("M0\n")),
-    ("/", Edit::Before("/")),
-    ("note", Edit::Before("(note) ")),
 ];
 const OF_LINUXCNC: &[(&str, Edit)] = &[
-    ("G10 R", Edit::Lines("G10 L2 P1 R30\n")),
     ("loop", Edit::Lines("o9 repeat [2]\nX1\no9 endrepeat\n")),
     ("half: loop", Edit::Lines("o9 repeat [2]\n")),
     ("half: o", Edit::Before("o")),
-    ("G90.1", Edit::Lines("G90.1\n")),
-    ("G7", Edit::Lines("G7\n")),
-    ("M70", Edit::Lines("M70\n")),
-    ("%", Edit::First("%\n")),
 ];
 const OF_FANUC: &[(&str, Edit)] = &[
-    ("G68", Edit::Lines("G68 X1. Y1. R30.\n")),
-    ("G51", Edit::Lines("G51 X0 Y0 P2000\n")),
-    ("G51.1", Edit::Lines("G51.1 X0\n")),
-    ("G16", Edit::Lines("G16\n")),
     ("N", Edit::Before("N5 ")),
-    ("#100", Edit::Lines("#100=5\n")),
-    ("#500", Edit::Lines("#500=5.\n")),
     ("GOTO", Edit::Lines("GOTO 9999\n")),
     ("loop", Edit::Lines("WHILE [#120 LT 2] DO2\n#120=#120+1\nEND2\n")),
     ("half: loop", Edit::Lines("WHILE [#120 LT 2] DO2\n")),
     ("M98", Edit::Lines("M98 P8\n")),
-    ("G66", Edit::Lines("G66 P7\n")),
     ("O", Edit::Lines("O2\n")),
-    ("%", Edit::First("\n")),
 ];
 
 /// Those of a dialect's programs.
@@ -114,7 +64,6 @@ impl Edit {
             Self::Lines(text) => (line, 0, text.to_owned()),
             Self::Paste => (line, 0, lines[lines.len() / 3..][..20].concat()),
             Self::Removed => (line, 1, String::new()),
-            Self::First(text) => (0, 1, text.to_owned()),
         };
         Change { line, taken: lines[line..line + taken].concat(), text }
     }

@@ -1,11 +1,12 @@
-//! How long a hover takes in programs of 100,000 lines, right after an edit.
+//! Processor time of the language server in programs of 100,000 lines, after an edit.
 //!
-//! `cargo run --release -p lsp --example hover_time [PROGRAM [EDIT [REPETITIONS]]]`: the whole way, from the client's
-//! request over the protocol to its answer, with the edit sent just before and nothing known of the new text. Each edit
-//! is made near the beginning, in the middle and near the end, and taken back; a pointer rests at the edit, in the
-//! middle, or at the end. A row says how long the worst of these places took: least, median and most of its
-//! repetitions, in milliseconds, and where that was. Without arguments everything is measured, once for each place.
-#![allow(clippy::unwrap_used, clippy::disallowed_methods)] // a measurement may stop, and needs a clock
+//! `cargo run --release -p lsp --example hover_time [PROGRAM [EDIT [REPETITIONS]]]`: the whole way, over the protocol,
+//! with the edit sent just before and nothing known of the new text. Each edit is made near the beginning, in the
+//! middle and near the end, and taken back. A row says, of one place of the edit, the median and the worst of all edits
+//! for a hover at the edit, for one at the end of the program, and for all findings of the new text being told;
+//! milliseconds of the server's own thread (`/proc/PID/task/TID/schedstat` of Linux). Without arguments everything is
+//! measured, once for each place.
+#![allow(clippy::unwrap_used, clippy::disallowed_methods)] // a measurement may stop
 mod edits;
 mod programs;
 
@@ -14,7 +15,6 @@ use interp::Dialect;
 use lsp_server::{Connection, Message, Notification, Request, RequestId};
 use programs::Program;
 use serde_json::{Value, json};
-use std::time::Instant;
 
 const PROGRAM: &str = "file:///long.ngc";
 const TAPE: &str = "file:///long.nc";
@@ -55,6 +55,8 @@ struct Client {
     uri: &'static str,
     version: i32,
     lines: Vec<String>,
+    /// Where the time of the server's thread stands.
+    clock: std::path::PathBuf,
 }
 
 impl Client {
@@ -99,9 +101,14 @@ impl Client {
         self.settle();
     }
 
-    /// Make a change and hover at once over a line (from 0), or the nearest one before it that has something to say.
-    /// How many milliseconds it took.
-    fn hover_after(&mut self, change: &Change, line: usize) -> f64 {
+    /// Milliseconds for which the server's thread has run.
+    fn server_ms(&self) -> f64 {
+        let text = std::fs::read_to_string(&self.clock).unwrap();
+        text.split(' ').next().unwrap().parse::<f64>().unwrap() * 1e-6
+    }
+
+    /// Make a change, hover at once over a line (from 0) and wait for the findings: milliseconds up to either.
+    fn hover_after(&mut self, change: &Change, line: usize) -> [f64; 2] {
         let (first, gone) = (change.line, change.taken.matches('\n').count());
         let new: Vec<_> = change.text.split_inclusive('\n').map(str::to_owned).collect();
         self.lines.splice(first..first + gone, new);
@@ -114,76 +121,48 @@ impl Client {
         let edit = json!({ "textDocument": item, "contentChanges": [change] });
         let place = place(line.min(self.lines.len() - 1) as u32, 0);
         let hover = json!({ "textDocument": { "uri": self.uri }, "position": place });
-        let begun = Instant::now();
+        let begun = self.server_ms();
         self.tell("textDocument/didChange", edit);
         let answer = self.ask("textDocument/hover", hover);
-        let took = begun.elapsed().as_secs_f64() * 1e3;
+        let answered = self.server_ms() - begun;
         assert!(answer.is_null() || answer["contents"]["value"].is_string());
-        took
+        self.settle();
+        [answered, self.server_ms() - begun]
     }
 }
 
-/// Times of the same question.
-struct Times(Vec<f64>);
-
-impl Times {
-    fn new(mut times: Vec<f64>) -> Self {
-        times.sort_by(f64::total_cmp);
-        Self(times)
-    }
-
-    fn median(&self) -> f64 {
-        self.0[self.0.len() / 2]
-    }
-
-    fn least_median_most(&self) -> [f64; 3] {
-        [self.0[0], self.median(), self.0[self.0.len() - 1]]
-    }
+/// Median and worst.
+fn median_and_worst(times: &mut [f64]) -> String {
+    times.sort_by(f64::total_cmp);
+    let (median, worst) = (times[times.len() / 2], times[times.len() - 1]);
+    format!("{median:7.1} {worst:7.1}")
 }
 
-/// The slowest of all places to edit and to look at, and where that is.
-fn worst(
-    client: &mut Client,
-    program: &Program,
-    edit: Edit,
-    repetitions: usize,
-) -> (Times, String, Vec<f64>) {
+/// A row for each place of the edits.
+fn rows(client: &mut Client, program: &Program, edits: &[Edit], repetitions: usize) {
     let round = program.round as usize;
     let rounds = client.lines.len() / round;
     let line_at = |rounds: usize| program.first as usize + rounds * round;
-    let mut places =
-        vec![("top", line_at(3)), ("middle", line_at(rounds / 2)), ("end", line_at(rounds - 20))];
-    places.extend(program.called.map(|line| ("subprogram", line as usize)));
-    let (mut medians, mut slowest) = (Vec::new(), None);
-    for (where_edited, line) in places {
-        let looked =
-            [("end", line_at(rounds - 12)), ("middle", line_at(rounds / 2)), ("edit", line)];
-        for (where_looked, at) in looked {
-            let before = at < line && where_edited != "subprogram";
-            if before || matches!(edit, Edit::First(_)) && where_edited != "top" {
-                continue;
-            }
-            let mut times = [Vec::new(), Vec::new()];
-            for repetition in 0..repetitions {
-                let change = edit.at(&client.lines, line, repetition);
-                for (times, change) in times.iter_mut().zip([&change, &change.undone()]) {
-                    times.push(client.hover_after(change, at));
-                    client.settle();
-                }
-            }
-            for (times, way) in times.into_iter().zip(["", ", undone"]) {
-                let times = Times::new(times);
-                medians.push(times.median());
-                let slower = |(slowest, _): &(Times, String)| slowest.median() < times.median();
-                if slowest.as_ref().is_none_or(slower) {
-                    let place = format!("{where_edited}{way}, hover at the {where_looked}");
-                    slowest = Some((times, place));
+    let end = line_at(rounds - 12);
+    let places =
+        [("top", line_at(3)), ("middle", line_at(rounds / 2)), ("end", line_at(rounds - 20))];
+    for (name, line) in places {
+        let [mut here, mut last, mut told] = [Vec::new(), Vec::new(), Vec::new()];
+        for (edit, repetition) in
+            edits.iter().flat_map(|edit| (0..repetitions).map(move |i| (*edit, i)))
+        {
+            let change = edit.at(&client.lines, line, repetition);
+            for (times, at) in [(&mut here, line), (&mut last, end)] {
+                for change in [&change, &change.undone()] {
+                    let [answered, all] = client.hover_after(change, at);
+                    times.push(answered);
+                    told.push(all);
                 }
             }
         }
+        let [here, last, told] = [&mut here, &mut last, &mut told].map(|it| median_and_worst(it));
+        println!("  {name:<7} {here}   {last}   {told}");
     }
-    let (times, place) = slowest.unwrap();
-    (times, place, medians)
 }
 
 fn main() {
@@ -191,27 +170,25 @@ fn main() {
     let argument = |i: usize| arguments.get(i).map_or("", |it| it.as_str());
     let repetitions = argument(2).parse().unwrap_or(1);
     let (ours, theirs) = Connection::memory();
-    let server = std::thread::spawn(move || lsp::serve(&theirs, &Shop).unwrap());
-    let mut client = Client { connection: ours, next: 0, uri: "", version: 0, lines: Vec::new() };
+    let (sender, clock) = std::sync::mpsc::channel();
+    let server = std::thread::spawn(move || {
+        let own = std::fs::read_link("/proc/thread-self").unwrap();
+        sender.send(std::path::Path::new("/proc").join(own).join("schedstat")).unwrap();
+        lsp::serve(&theirs, &Shop).unwrap()
+    });
+    let clock = clock.recv().unwrap();
+    let mut client =
+        Client { connection: ours, next: 0, uri: "", version: 0, lines: Vec::new(), clock };
     client.ask("initialize", json!({ "capabilities": {} }));
     client.tell("initialized", json!({}));
+    println!("edit at    hover there       hover at the end  findings (median, worst; ms)");
     for program in programs::all().iter().filter(|it| it.name.starts_with(argument(0))) {
-        let begun = Instant::now();
+        let begun = client.server_ms();
         client.open(program);
-        let opened = begun.elapsed().as_secs_f64() * 1e3;
-        println!("{}: open to findings {opened:.0} ms", program.name);
-        let mut all = Vec::new();
-        for (name, edit) in edits::of(program.dialect) {
-            if !argument(1).is_empty() && *name != argument(1) {
-                continue;
-            }
-            let (times, place, medians) = worst(&mut client, program, *edit, repetitions);
-            let [least, median, most] = times.least_median_most();
-            println!("  {name:<11} {least:6.1} {median:6.1} {most:6.1}  {place}");
-            all.extend(medians);
-        }
-        let all = Times::new(all);
-        println!("  of all      {:6.1} median {:6.1} worst", all.median(), all.0[all.0.len() - 1]);
+        println!("{}: open to findings {:.0} ms", program.name, client.server_ms() - begun);
+        let named = |name: &str| argument(1).is_empty() || name == argument(1);
+        let edits = edits::of(program.dialect).filter(|(name, _)| named(name));
+        rows(&mut client, program, &edits.map(|(_, edit)| *edit).collect::<Vec<_>>(), repetitions);
         client.tell("textDocument/didClose", json!({ "textDocument": { "uri": client.uri } }));
     }
     client.ask("shutdown", Value::Null);

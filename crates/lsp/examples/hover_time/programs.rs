@@ -17,8 +17,6 @@ pub(crate) struct Program {
     pub(crate) round: u32,
     /// Its first such line, from 0.
     pub(crate) first: u32,
-    /// A line of its subprogram.
-    pub(crate) called: Option<u32>,
 }
 
 fn made(
@@ -32,8 +30,7 @@ fn made(
     let rounds = (LINES - first - tail.lines().count() as u32) / round;
     let body: String = (0..rounds).map(lines).collect();
     let text = format!("{head}{body}{tail}");
-    let called = text.lines().position(|line| line.starts_with("Z0.1") || line == "G1 Z-1.");
-    Program { name, dialect, text, round, first, called: called.map(|line| line as u32) }
+    Program { name, dialect, text, round, first }
 }
 
 /// Coordinates that do not repeat soon.

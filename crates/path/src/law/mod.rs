@@ -70,7 +70,7 @@ pub struct State {
 
 /// Plans time along pieces that arrive one after another.
 ///
-/// Push pieces while [`Law::wants_more`], take phases with [`Law::next`]; [`Law::close`] when the path ends. Memory is
+/// Push pieces, take phases with [`Law::next`]; [`Law::close`] when the path ends. Memory is
 /// bounded by the window, not by the path.
 #[derive(Clone, Debug)]
 pub struct Law {
@@ -182,11 +182,6 @@ impl Law {
     /// The path ends with the last piece, at rest.
     pub fn close(&mut self) {
         self.closed = true;
-    }
-
-    /// Whether [`Law::next`] would need more pieces, or the end of the path, before it can answer.
-    pub fn wants_more(&self) -> bool {
-        !self.closed && self.ready.is_empty() && self.pending.is_empty()
     }
 
     /// The next phase; `None`: more pieces are needed, or the path has ended.
