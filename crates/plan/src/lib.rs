@@ -13,7 +13,7 @@
 //! | `ramp` | the fastest change of speed under a ceiling and a jerk |
 //! | `coupled` | tables of what is superposed on an axis |
 //! | `tap_check`, `holes` | taps that cannot come out right |
-//! | `planner::contact`, `stock`, `chip` | the tool against the stock: what would break it |
+//! | `planner::contact`, `stock`, `bar`, `chip` | the tool against the stock: what would break it |
 //! | `run` | moves that go on into one another (crate `path`) |
 //! | `ends` | where the program's lines end on a joined path |
 //! | `repace` | what was handed on and not yet done, planned anew: for more feed, for stops at each line |
@@ -40,6 +40,7 @@
 extern crate alloc;
 
 mod along;
+mod bar;
 mod cams;
 mod chip;
 mod clock;
@@ -67,6 +68,7 @@ mod travel;
 mod way_out;
 mod words;
 
+pub use bar::Bar;
 pub use cams::{CamCommand, Cams, Course, TURN_ENDED, WheelWear, turned};
 pub use clock::Clock;
 pub use clutch::{ClutchCycle, DwellWindow};

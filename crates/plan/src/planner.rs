@@ -314,10 +314,16 @@ impl Planner {
             }
             OpKind::Dwell { time } => self.dwell(&mut job, *time),
             OpKind::Spindle { spindle, order } => self.spindle(&mut job, *spindle, order),
-            OpKind::Polygon(polygon) => self.polygon(&mut job, polygon),
+            OpKind::Polygon(polygon) => {
+                self.forget_bar();
+                self.polygon(&mut job, polygon);
+            }
             OpKind::PolygonMeasure { looks } => self.polygon_measure(&mut job, *looks),
             OpKind::PolygonEnd | OpKind::HobEnd => self.polygon_end(&mut job),
-            OpKind::Hob(hob) => self.hob(&mut job, hob),
+            OpKind::Hob(hob) => {
+                self.forget_bar();
+                self.hob(&mut job, hob);
+            }
             OpKind::Cam(order) => self.cam(&mut job, order),
             OpKind::Coolant { mist, flood } => {
                 let step = job.step(StepKind::Coolant { mist: *mist, flood: *flood });

@@ -8,6 +8,7 @@
 //!
 //! Coordinates are those of the tool's *tip* in the machine's frame, mm; depths count from the top downwards. What is
 //! remembered errs on the side of too much removed: a place that a mill has passed is never taken for solid.
+use crate::bar::Bar;
 use alloc::{collections::BTreeMap, vec, vec::Vec};
 use units::Length;
 
@@ -20,6 +21,8 @@ pub struct Stock {
     pub to: [Length; 3],
     /// Z of the workpiece's zero, where a program's zero belongs.
     pub zero: Length,
+    /// It is a bar that the first spindle turns.
+    pub bar: Option<Bar>,
 }
 
 impl Stock {
@@ -236,7 +239,7 @@ mod tests {
 
     fn plate() -> Stock {
         let corner = |x: f64, z: f64| [Length::mm(x), Length::mm(x), Length::mm(z)];
-        Stock { from: corner(-50.0, -30.0), to: corner(50.0, 0.0), zero: Length::ZERO }
+        Stock { from: corner(-50.0, -30.0), to: corner(50.0, 0.0), zero: Length::ZERO, bar: None }
     }
 
     #[test]

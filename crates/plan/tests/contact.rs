@@ -10,6 +10,7 @@ const STOCK: Stock = Stock {
     from: [Length::mm(-50.0), Length::mm(-50.0), Length::mm(TOP - 40.0)],
     to: [Length::mm(50.0), Length::mm(50.0), Length::mm(TOP)],
     zero: Length::mm(TOP),
+    bar: None,
 };
 
 /// A frame with a tool length offset in force.

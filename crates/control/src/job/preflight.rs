@@ -322,13 +322,7 @@ pub fn planner(session: &Session, options: Options) -> Planner {
     let limits = crate::config::planner(&session.machine);
     let mut planner = Planner::new(limits, session.tools.clone(), options, start);
     *planner.cams() = session.cams.for_planner();
-    if turns_work(&session.machine) { planner.turning_work() } else { planner }
-}
-
-/// The machine's first spindle turns a bar: its file names it "work". A hob, a mill's spindle and a cam's axis do not.
-fn turns_work(machine: &store::machine::MachineFile) -> bool {
-    let is_work = machine.spindles.first().is_some_and(|spindle| spindle.name == "work");
-    is_work && machine.setup.stock.bar_radius().is_some()
+    if session.machine.turned_bar().is_some() { planner.turning_work() } else { planner }
 }
 
 /// Add a tool of no length for every number that the program calls and the table lacks, and for an empty spindle

@@ -222,6 +222,10 @@ impl Session {
             from: [0, 1, 2].map(|i| zero[i] + stock.from[i]),
             to: [0, 1, 2].map(|i| zero[i] + stock.to[i]),
             zero: zero[2],
+            bar: self
+                .machine
+                .turned_bar()
+                .map(|radius| plan::Bar { radius, bore: stock.bore / 2.0 }),
         }
     }
 

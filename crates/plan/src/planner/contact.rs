@@ -13,6 +13,7 @@
 //! smaller than the machine file says), a pocket that was milled (the simulator mills none), axes that have turned the
 //! work. Tools of no known length (stand-ins) and of no known form are not looked at.
 use super::{Job, Planner};
+use crate::bar::Outline;
 use crate::chip::Drill;
 use crate::stock::{Removed, Stock};
 use alloc::vec::Vec;
@@ -20,6 +21,7 @@ use canon::{Axis, Feed, Hole, Tap, Tool, ToolKind};
 use motion::{Instant, Path};
 use units::{Angle, Length, Spin};
 
+mod bar;
 mod say;
 
 /// A rapid may be so much deeper than what is open, mm: scraping, rounding.
@@ -68,6 +70,8 @@ enum Form {
 pub(super) struct Contact {
     stock: Stock,
     removed: Removed,
+    /// What is left of a bar that is turned; `None`: it is none, or not known.
+    outline: Option<Outline>,
     /// Where the tip went into the work.
     entered: Option<[f64; 2]>,
     /// Counts the tools that were put into the spindle: findings of one of them are of one cause.
@@ -104,6 +108,7 @@ impl Contact {
         Self {
             stock,
             removed: Removed::default(),
+            outline: stock.bar.map(|bar| Outline::new(&stock, bar)),
             entered: None,
             mounted: 0,
             rotary,
@@ -319,6 +324,9 @@ impl Planner {
 
     /// Tool and stock along a path that the axes can go.
     pub(super) fn sweep(&mut self, job: &Job, path: &Path, run: Run) {
+        if self.sweep_bar(job, path, run) {
+            return;
+        }
         let Some(tool) = self.tools.get(self.tool) else { return };
         let Some(form) = form(tool, self.options.cutting_pressure_n_per_mm2) else { return };
         if self.limits.tapping.axis != Axis::Z {

@@ -64,6 +64,8 @@ impl Planner {
         self.programmed = order.to;
         let path = Path::Line { from, to: order.to };
         if !self.is_refused(job, &[path]) && !self.threading_is_refused(job, &from, order) {
+            let feed = canon::Feed::PerRevolution(order.lead);
+            self.sweep_bar(job, &path, super::contact::Run::Feed(feed));
             self.chain.push(Waiting { index: job.index, span: job.span, from, order: *order });
         }
     }

@@ -165,6 +165,13 @@ impl MachineFile {
         self.axes[letter.index()].as_ref()
     }
 
+    /// Radius of the bar that the machine's first spindle turns; `None`: the machine is no lathe. That it is one is said by
+    /// the name of that spindle, "work", and by its stock: a hob, a mill's spindle and a cam's axis turn no bar.
+    pub fn turned_bar(&self) -> Option<units::Length> {
+        let is_work = self.spindles.first().is_some_and(|spindle| spindle.name == "work");
+        self.setup.stock.bar_radius().filter(|_| is_work)
+    }
+
     fn read(keys: &mut Keys<'_>) -> Self {
         let file = Self {
             name: keys.text("name"),

@@ -18,7 +18,7 @@ fn name(tool: &Tool) -> String {
 
 impl Planner {
     /// Severity of what surely breaks the tool, if the stock lies where it was clamped.
-    const fn sure(is_tilted: bool) -> Severity {
+    pub(super) const fn sure(is_tilted: bool) -> Severity {
         if is_tilted { Severity::Warning } else { Severity::Error }
     }
 

@@ -1,0 +1,238 @@
+//! The bar of a lathe as far as it is known before motion: between which radii there is material, along Z.
+//!
+//! ```text
+//!   r │ outer ────╮            ╭──────      what feeds of an insert have left
+//!     │           ╰────────────╯
+//!     │ ▒▒▒▒▒▒▒▒▒▒ material ▒▒▒▒▒▒▒▒▒
+//!     │ inner ─────────────────┐            a bore: of the blank, or drilled
+//!     └────────────────────────┴─────► z
+//!                                    face
+//! ```
+//!
+//! Coordinates are those of the insert's *tip* in the machine's frame, mm. What is remembered errs on the side of too much
+//! removed: a cut takes the width of the insert to both sides, a thread takes all down to its root, thin material before
+//! the tip is cut by its edge, and of a bored place nothing is known once it was cut, from inside or from outside.
+use crate::stock::Stock;
+use alloc::{vec, vec::Vec};
+use units::Length;
+
+/// A bar about Z, in the middle of the stock's sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bar {
+    /// Its radius.
+    pub radius: Length,
+    /// Radius of the bore along it; zero: it is solid.
+    pub bore: Length,
+}
+
+/// Length of a cell along Z at least, mm, and the most cells.
+const CELL: f64 = 0.1;
+const MOST_CELLS: f64 = 4096.0;
+/// Material so thin before the tip is cut by the insert's edge, mm.
+const EDGE: f64 = 6.0;
+
+/// Where a line goes into the material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Met {
+    /// The place of the tip that is deepest.
+    pub(crate) at: [f64; 3],
+    /// How deep, by the shortest way out: across the axis or through the face.
+    pub(crate) depth: f64,
+    /// Radius of the surface there.
+    pub(crate) surface: f64,
+    /// Radius that is clear of all that the line passes.
+    pub(crate) clear: f64,
+}
+
+/// What is left of a bar.
+#[derive(Clone, Debug)]
+pub(crate) struct Outline {
+    pub(crate) axis: [f64; 2],
+    radius: f64,
+    rear: f64,
+    face: f64,
+    cell: f64,
+    outer: Vec<f64>,
+    inner: Vec<f64>,
+}
+
+impl Outline {
+    /// The blank.
+    pub(crate) fn new(stock: &Stock, bar: Bar) -> Self {
+        let [rear, face] = [stock.from, stock.to].map(|corner| corner[2].value());
+        let cell = ((face - rear) / MOST_CELLS).max(CELL);
+        let count = libm::ceil((face - rear) / cell).max(1.0) as usize;
+        Self {
+            axis: [0, 1].map(|i| f64::midpoint(stock.from[i].value(), stock.to[i].value())),
+            radius: bar.radius.value(),
+            rear,
+            face,
+            cell,
+            outer: vec![bar.radius.value(); count],
+            inner: vec![bar.bore.value(); count],
+        }
+    }
+
+    /// Distance from the axis.
+    fn off_axis(&self, at: [f64; 3]) -> f64 {
+        libm::hypot(at[0] - self.axis[0], at[1] - self.axis[1])
+    }
+
+    /// The cells between two places of Z; `None`: they lie beside the bar.
+    fn cells(&self, low: f64, high: f64) -> Option<(usize, usize)> {
+        if high < self.rear || low >= self.face {
+            return None;
+        }
+        let index = |z: f64| libm::floor((z - self.rear) / self.cell).max(0.0) as usize;
+        Some((index(low), index(high).min(self.outer.len() - 1)))
+    }
+
+    /// Places along the part of a line that lies between the bar's ends, no farther from one another than a cell.
+    fn along(&self, [a, b]: [[f64; 3]; 2], beyond: f64, mut each: impl FnMut([f64; 3])) {
+        let sides = [a[0] - self.axis[0], b[0] - self.axis[0]];
+        let nearest = sides[0].abs().min(sides[1].abs());
+        if sides[0] * sides[1] > 0.0 && nearest >= self.radius {
+            return;
+        }
+        let (low, high) = (self.rear - beyond, self.face + beyond);
+        let way = b[2] - a[2];
+        let (mut from, mut to) = (0.0_f64, 1.0_f64);
+        if way == 0.0 {
+            if !(low..=high).contains(&a[2]) {
+                return;
+            }
+        } else {
+            let ends = [(low - a[2]) / way, (high - a[2]) / way];
+            from = from.max(ends[0].min(ends[1]));
+            to = to.min(ends[0].max(ends[1]));
+        }
+        if from > to {
+            return;
+        }
+        let whole = libm::sqrt((0..3).map(|i| (b[i] - a[i]) * (b[i] - a[i])).sum());
+        let pieces = libm::ceil((to - from) * whole / self.cell).max(1.0);
+        for k in 0..=pieces as u32 {
+            let share = from + (to - from) * f64::from(k) / pieces;
+            each([0, 1, 2].map(|i| a[i] + (b[i] - a[i]) * share));
+        }
+    }
+
+    /// An insert that cuts so far to both sides of its tip was fed along a line.
+    pub(crate) fn cut(&mut self, ends: [[f64; 3]; 2], side: f64) {
+        let side = side + self.cell;
+        let mut places = Vec::new();
+        self.along(ends, side, |at| places.push(at));
+        for at in places {
+            let r = self.off_axis(at);
+            let Some((first, mut last)) = self.cells(at[2] - side, at[2] + side) else { continue };
+            let edge = last + (EDGE / self.cell) as usize;
+            let free = (last..self.outer.len()).find(|i| self.outer[*i] <= r);
+            let free = free.unwrap_or(self.outer.len());
+            if free <= edge {
+                last = last.max(free - 1);
+            }
+            for i in first..=last.min(self.outer.len() - 1) {
+                if self.inner[i] <= 0.0 {
+                    self.outer[i] = self.outer[i].min(r);
+                } else if r > self.inner[i] && r < self.outer[i] {
+                    (self.inner[i], self.outer[i]) = (0.0, 0.0);
+                }
+            }
+        }
+    }
+
+    /// A drill of this radius has gone along a line; only near the axis it leaves a bore.
+    pub(crate) fn bored(&mut self, ends: [[f64; 3]; 2], radius: f64) {
+        let deepest = ends[0][2].min(ends[1][2]);
+        let Some((first, _)) = self.cells(deepest, self.face) else { return };
+        let off = self.off_axis(ends[0]).max(self.off_axis(ends[1]));
+        for i in first..self.outer.len() {
+            self.inner[i] = self.inner[i].max(radius + off);
+        }
+    }
+
+    /// Where a line goes deepest into the material, if it goes deeper than `scrapes`.
+    pub(crate) fn met(&self, ends: [[f64; 3]; 2], scrapes: f64) -> Option<Met> {
+        let mut met: Option<Met> = None;
+        self.along(ends, 0.0, |at| {
+            let r = self.off_axis(at);
+            let Some((i, _)) = self.cells(at[2], at[2]) else { return };
+            let (inner, outer) = (self.inner[i], self.outer[i]);
+            if r >= outer - scrapes || inner > 0.0 && r <= inner + scrapes {
+                return;
+            }
+            let free = (i..self.outer.len()).find(|k| self.outer[*k] <= r);
+            let front = free.map_or(self.face, |k| self.rear + k as f64 * self.cell);
+            let out = if inner > 0.0 { (outer - r).min(r - inner) } else { outer - r };
+            let depth = out.min(front - at[2]);
+            if depth > scrapes && met.is_none_or(|met| depth > met.depth) {
+                met = Some(Met { at, depth, surface: outer, clear: 0.0 });
+            }
+        });
+        let (low, high) = (ends[0][2].min(ends[1][2]), ends[0][2].max(ends[1][2]));
+        let (first, last) = self.cells(low, high)?;
+        let clear = self.outer[first..=last].iter().copied().fold(0.0, f64::max);
+        met.map(|met| Met { clear, ..met })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 20 mm, from Z-100 to its face at Z0, about X5.
+    fn bar(bore: f64) -> Outline {
+        let corner = |x: f64, y: f64, z: f64| [x, y, z].map(Length::mm);
+        let bar = Bar { radius: Length::mm(10.0), bore: Length::mm(bore) };
+        let (from, to) = (corner(-5.0, -10.0, -100.0), corner(15.0, 10.0, 0.0));
+        Outline::new(&Stock { from, to, zero: Length::ZERO, bar: Some(bar) }, bar)
+    }
+
+    fn line(from: [f64; 2], to: [f64; 2]) -> [[f64; 3]; 2] {
+        [from, to].map(|[r, z]| [5.0 + r, 0.0, z])
+    }
+
+    #[test]
+    fn a_line_beside_or_before_the_bar_meets_nothing() {
+        let bar = bar(0.0);
+        assert_eq!(bar.met(line([10.0, 5.0], [10.0, -80.0]), 0.2), None);
+        assert_eq!(bar.met(line([30.0, 0.0], [0.0, 0.0]), 0.2), None);
+        assert_eq!(bar.met(line([30.0, 1.0], [-3.0, 1.0]), 0.2), None);
+    }
+
+    #[test]
+    fn what_was_turned_is_open_down_to_where_it_was_turned() {
+        let mut bar = bar(0.0);
+        bar.cut(line([7.0, 2.0], [7.0, -30.0]), 0.4);
+        assert_eq!(bar.met(line([7.0, 2.0], [7.0, -30.0]), 0.2), None);
+        let met = bar.met(line([7.0, 2.0], [7.0, -40.0]), 0.2).unwrap();
+        assert!((met.depth - 3.0).abs() < 1e-9 && met.surface == 10.0 && met.clear == 10.0);
+        assert!(met.at[2] < -30.4, "{met:?}");
+        let met = bar.met(line([5.0, 2.0], [5.0, -20.0]), 0.2).unwrap();
+        assert!((met.depth - 2.0).abs() < 1e-9, "{met:?}");
+    }
+
+    #[test]
+    fn facing_takes_what_is_before_the_edge() {
+        let mut bar = bar(0.0);
+        bar.cut(line([12.0, -1.0], [-0.5, -1.0]), 0.4);
+        assert_eq!(bar.met(line([0.5, -1.0], [0.5, 5.0]), 0.2), None);
+        let met = bar.met(line([0.5, 5.0], [0.5, -3.0]), 0.2).unwrap();
+        assert!((1.0..=2.0).contains(&met.depth), "{met:?}");
+        // a groove leaves what is before it
+        bar.cut(line([12.0, -30.0], [6.0, -30.0]), 0.4);
+        assert!(bar.met(line([12.0, -20.0], [8.0, -20.0]), 0.2).is_some());
+    }
+
+    #[test]
+    fn a_bore_is_open_and_what_was_cut_in_it_is_not_known() {
+        let mut bar = bar(0.0);
+        assert!(bar.met(line([3.0, 5.0], [3.0, -10.0]), 0.2).is_some());
+        bar.bored(line([0.0, 5.0], [0.0, -50.0]), 4.0);
+        assert_eq!(bar.met(line([3.0, 5.0], [3.0, -10.0]), 0.2), None);
+        assert!(bar.met(line([6.0, 5.0], [6.0, -10.0]), 0.2).is_some());
+        bar.cut(line([5.0, 5.0], [5.0, -20.0]), 0.4);
+        assert_eq!(bar.met(line([6.0, 5.0], [6.0, -10.0]), 0.2), None);
+        assert!(bar.met(line([6.0, 5.0], [6.0, -30.0]), 0.2).is_some());
+    }
+}

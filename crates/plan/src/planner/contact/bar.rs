@@ -1,0 +1,127 @@
+//! Inserts against the bar of a lathe: rapids through what has not been turned away.
+//!
+//! ```text
+//!   feed, thread ──► the outline of the bar shrinks to the tip
+//!   rapid ─────────► nothing deeper in the outline than scraping, or it is said with the X that is clear of it
+//! ```
+//!
+//! The tip lies where the program has it across the axis, with the tool's offset in X; along Z the real length of the tool
+//! counts, as with every tool. Tools of which it is not known what they leave end what is known of the bar.
+use super::{Job, Planner, Run, SCRAPES, places};
+use crate::bar::Met;
+use crate::findings::Cause;
+use crate::words::{length, place, word};
+use alloc::{format, string::String, vec::Vec};
+use canon::{Axis, InsertPoint, ToolKind};
+use diag::{Diagnostic, Span};
+use motion::Path;
+
+/// How far an insert of an unknown point cuts to either side, mm.
+const UNKNOWN_POINT: f64 = 3.0;
+/// So far off the bar a rapid is clear of it, mm.
+const CLEAR: f64 = 2.0;
+
+impl Planner {
+    /// A tool along a path, on a lathe; whether that is all there is to judge.
+    pub(in crate::planner) fn sweep_bar(&mut self, job: &Job, path: &Path, run: Run) -> bool {
+        let Some(tool) = self.tools.get(self.tool) else { return false };
+        let is_known = !tool.stand_in && tool.number != 0;
+        let (tool_length, radius) = (tool.length.value(), tool.diameter.value() / 2.0);
+        let kind = &tool.kind;
+        let Some(contact) = &mut self.contact else { return false };
+        let Some(outline) = &mut contact.outline else { return false };
+        let across = self.frame.tool.linear[0].value();
+        let ends = [path.from(), path.to()];
+        let side = match (kind, run) {
+            _ if ends.iter().any(|at| (0..2).any(|i| at.rotary[i] != contact.rotary[i])) => {
+                contact.outline = None;
+                return false;
+            }
+            (ToolKind::Insert(insert), _) if is_known => match insert.point {
+                Some(InsertPoint::Nose(nose)) => 2.0 * nose.value(),
+                Some(InsertPoint::Flat(width)) => width.value(),
+                None => UNKNOWN_POINT,
+            },
+            (_, Run::Rapid) => return false,
+            (ToolKind::Drill { .. } | ToolKind::SpotDrill { .. } | ToolKind::Tap(_), _)
+                if is_known =>
+            {
+                let tip = |at: &canon::Position| {
+                    let [x, y, z] = at.linear.map(units::Length::value);
+                    [x, y, z - tool_length]
+                };
+                outline.bored(ends.map(tip), radius);
+                return false;
+            }
+            _ => {
+                contact.outline = None;
+                return false;
+            }
+        };
+        let mut before = None;
+        let mut met: Option<Met> = None;
+        places(path, tool_length, |[x, y, z]| {
+            let at = [x - across, y, z];
+            let Some(before) = before.replace(at) else { return };
+            if run == Run::Rapid {
+                met = outline.met([before, at], SCRAPES).or(met);
+            }
+            if run != Run::Rapid || met.is_some() {
+                outline.cut([before, at], side); // and what was met is said once
+            }
+        });
+        if let Some(met) = met {
+            self.say_bar(job.span, &met, across);
+        }
+        true
+    }
+
+    /// The bar is machined by a process whose form is not followed here.
+    pub(in crate::planner) fn forget_bar(&mut self) {
+        if let Some(contact) = &mut self.contact {
+            contact.outline = None;
+        }
+    }
+
+    fn say_bar(&mut self, span: Span, met: &Met, across: f64) {
+        let Some((tool, contact)) = self.tools.get(self.tool).zip(self.contact.as_ref()) else {
+            return;
+        };
+        let Some(outline) = &contact.outline else { return };
+        let frame = &self.frame;
+        let centre = outline.axis[0];
+        let outward = if met.at[0] < centre { -1.0 } else { 1.0 };
+        let at_radius = |r: f64| word(frame, Axis::X, centre + across + outward * r);
+        let here: Vec<String> = [
+            place(frame, Axis::X, met.at[0] + across),
+            place(frame, Axis::Z, met.at[2] + tool.length.value()),
+        ]
+        .into();
+        let more = if outward < 0.0 { "or less" } else { "or more" };
+        let said = [
+            format!(
+                "the rapid takes T{} ({}) {} deep into the bar, at {}: the bar is there up to {}",
+                tool.number,
+                crate::planner::tap::kind_name(tool),
+                length(frame, met.depth),
+                here.join(" and "),
+                at_radius(met.surface),
+            ),
+            format!(
+                ": {} {more} is clear of it on this way, or a feed (G1) where the rapid goes in",
+                at_radius(met.clear + CLEAR),
+            ),
+        ];
+        let severity = Self::sure(contact.doubtful);
+        let cause = Cause { code: "M0360", which: [contact.mounted, severity as u32, 1] };
+        let help = self.offset_cause().unwrap_or_else(|| SMALLER_BAR.into());
+        self.findings.merge(cause, met.depth, || {
+            let mut finding = Diagnostic::error("M0360", span, "").with_help(help);
+            finding.severity = severity;
+            (finding, said)
+        });
+    }
+}
+
+/// Of a rapid into the bar.
+const SMALLER_BAR: &str = "[setup.stock] in the machine's file says how large the bar is: if the real one is smaller or turned before, write its size there";

@@ -1,0 +1,126 @@
+//! Inserts against the bar of a lathe, before motion: a rapid goes only where the program has turned the bar away.
+mod common;
+use canon::{
+    Feed, Insert, InsertPoint, OpKind, Position, ProgramFrame, Threading, Tool, ToolKind,
+    ToolLibrary,
+};
+use common::{change, line, machine, mm, program, rapid, turn};
+use plan::{Bar, Planner, Start, Stock};
+use units::{Angle, Lead, LeadGrowth, Length};
+
+/// 20 mm, its face at Z0 of G54, which is Z-200 of the machine.
+const FACE: f64 = -200.0;
+const STOCK: Stock = Stock {
+    from: [Length::mm(-10.0), Length::mm(-10.0), Length::mm(FACE - 120.0)],
+    to: [Length::mm(10.0), Length::mm(10.0), Length::mm(FACE)],
+    zero: Length::mm(FACE),
+    bar: Some(Bar { radius: Length::mm(10.0), bore: Length::ZERO }),
+};
+
+fn tools() -> ToolLibrary {
+    let mut tools = ToolLibrary::default();
+    let point = Some(InsertPoint::Nose(mm(0.4)));
+    let insert = Insert { angle: Angle::deg(80.0), point, crest_height: None };
+    let tool = |number, diameter, kind| Tool {
+        number,
+        pocket: number,
+        length: mm(60.0),
+        diameter: mm(diameter),
+        kind,
+        description: String::new(),
+        stand_in: false,
+    };
+    tools.insert(tool(1, 0.0, ToolKind::Insert(insert)));
+    tools.insert(tool(2, 8.0, ToolKind::Drill { point_angle: Angle::deg(118.0) }));
+    tools
+}
+
+/// Findings of a program in diameters, on a bar of 20 mm.
+fn said(kinds: impl IntoIterator<Item = OpKind>) -> String {
+    let start = Start { position: Position::xyz(100.0, 0.0, -10.0), tool: 0 };
+    let planner = Planner::new(machine(), tools(), common::OPTIONS, start);
+    let mut planner = planner.turning_work().with_stock(STOCK).only_judging();
+    planner.written_in(ProgramFrame {
+        work_offset: 1,
+        origin: Position::xyz(0.0, 0.0, FACE),
+        tool: Position::xyz(0.0, 0.0, 60.0),
+        x_is_diameter: true,
+        ..ProgramFrame::default()
+    });
+    for (index, op) in (0..).zip(&program(kinds)) {
+        planner.push(index, op, &mut |_| ());
+    }
+    planner.finish(&mut |_| ());
+    let found = planner.take_findings();
+    found
+        .iter()
+        .filter(|d| d.code == "M0360")
+        .map(|d| format!("{:?} line {}: {}\n", d.severity, d.span.line, d.message))
+        .collect()
+}
+
+/// A rapid to a diameter and a Z of the program; the same as a cut.
+fn to(x: f64, z: f64) -> OpKind {
+    rapid(x / 2.0, 0.0, FACE + 60.0 + z)
+}
+
+fn cut(x: f64, z: f64) -> OpKind {
+    line(x / 2.0, 0.0, FACE + 60.0 + z, 100.0)
+}
+
+fn with_insert(kinds: impl IntoIterator<Item = OpKind>) -> String {
+    said([change(1), turn(800.0)].into_iter().chain(kinds))
+}
+
+#[test]
+fn a_rapid_through_a_shoulder_is_refused_with_the_diameter_that_is_clear() {
+    let roughed = [to(30.0, 2.0), to(16.0, 2.0), cut(16.0, -30.0), cut(24.0, -30.0)];
+    let shoulder = [to(24.0, 2.0), to(16.0, 2.0), to(16.0, -45.0)];
+    let text = with_insert(roughed.into_iter().chain(shoulder));
+    assert!(text.starts_with("Error line 9: the rapid takes T1 (an insert of a lathe) 2 mm deep into the bar, at X16 of G54 (a diameter) and Z-"), "{text}");
+    assert!(text.contains("the bar is there up to X20: X24 or more is clear of it"), "{text}");
+}
+
+#[test]
+fn rapids_where_the_bar_was_turned_away_are_not_said() {
+    let pass = |x: f64| [to(x, 2.0), cut(x, -30.0), cut(x + 2.0, -29.0), to(x + 2.0, 2.0)];
+    let passes = [18.0, 16.0, 14.0].into_iter().flat_map(pass);
+    let face = [to(30.0, 5.0), to(30.0, -1.0), cut(-1.0, -1.0), to(-1.0, 2.0), to(30.0, 2.0)];
+    let finish = [to(14.0, 2.0), to(14.0, -28.0), cut(14.0, -30.0), to(60.0, 100.0)];
+    assert_eq!(with_insert(face.into_iter().chain(passes).chain(finish)), "");
+}
+
+#[test]
+fn a_thread_is_open_down_to_its_root_and_not_deeper() {
+    let thread = |x: f64| {
+        OpKind::Threading(Threading {
+            to: Position::xyz(x / 2.0, 0.0, FACE + 60.0 - 25.0),
+            lead: Lead::mm_per_rev(1.5),
+            growth: LeadGrowth::ZERO,
+            start_angle: Angle::ZERO,
+            axis: canon::Axis::Z,
+            surface: Length::mm(FACE + 60.0),
+        })
+    };
+    let before = [to(30.0, 6.0), to(18.2, 6.0), thread(18.2), to(30.0, -25.0), to(30.0, 6.0)];
+    let beside = before.clone().into_iter().chain([to(18.2, 6.0), to(18.2, -20.0)]);
+    assert_eq!(with_insert(beside), "");
+    let deeper = with_insert(before.into_iter().chain([to(16.0, 6.0), to(16.0, -20.0)]));
+    assert!(deeper.contains("1.1 mm deep into the bar"), "{deeper}");
+}
+
+#[test]
+fn a_drilled_hole_is_open_for_a_boring_tool() {
+    let hole = [to(0.0, 2.0), cut(0.0, -40.0), to(0.0, 50.0)];
+    let bore = [change(1), turn(800.0), to(6.0, 2.0), to(6.0, -30.0), to(6.0, 50.0)];
+    let drilled = [change(2), turn(800.0)].into_iter().chain(hole).chain(bore.clone());
+    assert_eq!(said(drilled), "");
+    assert!(said(bore).starts_with("Error line 4"));
+}
+
+#[test]
+fn a_feed_is_never_said() {
+    let feed = Feed::PerRevolution(Lead::mm_per_rev(0.2));
+    let deep = OpKind::Line { to: Position::xyz(2.0, 0.0, FACE + 30.0), feed };
+    assert_eq!(with_insert([to(30.0, 2.0), deep]), "");
+}
