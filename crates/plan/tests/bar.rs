@@ -77,7 +77,7 @@ fn a_rapid_through_a_shoulder_is_refused_with_the_diameter_that_is_clear() {
     let roughed = [to(30.0, 2.0), to(16.0, 2.0), cut(16.0, -30.0), cut(24.0, -30.0)];
     let shoulder = [to(24.0, 2.0), to(16.0, 2.0), to(16.0, -45.0)];
     let text = with_insert(roughed.into_iter().chain(shoulder));
-    assert!(text.starts_with("Error line 9: the rapid takes T1 (an insert of a lathe) 2 mm deep into the bar, at X16 of G54 (a diameter) and Z-"), "{text}");
+    assert!(text.starts_with("Error line 9: the rapid takes T1 (an insert of a lathe) 2 mm deep into the bar, which it enters at X16 of G54 (a diameter) and Z-3"), "{text}");
     assert!(text.contains("the bar is there up to X20: X24 or more is clear of it"), "{text}");
 }
 

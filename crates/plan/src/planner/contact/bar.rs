@@ -100,7 +100,7 @@ impl Planner {
         let more = if outward < 0.0 { "or less" } else { "or more" };
         let said = [
             format!(
-                "the rapid takes T{} ({}) {} deep into the bar, at {}: the bar is there up to {}",
+                "the rapid takes T{} ({}) {} deep into the bar, which it enters at {}: the bar is there up to {}",
                 tool.number,
                 crate::planner::tap::kind_name(tool),
                 length(frame, met.depth),
