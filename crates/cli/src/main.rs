@@ -11,7 +11,8 @@
 //!        ├► iron          the simulated machine as a process of its own
 //!        ├► cam           forms::cam, printed and drawn
 //!        ├► canon, codes, fmt, lsp    interp, gcode, lsp
-//!        └► machine       store
+//!        ├► machine       store
+//!        └► man           args, as a manual page
 //! ```
 #![forbid(unsafe_code)]
 
@@ -30,6 +31,7 @@ mod left;
 mod log;
 mod lsp;
 mod machine;
+mod man;
 mod measures;
 mod pieces;
 mod plant_table;
@@ -121,6 +123,7 @@ fn execute(cli: &Cli) -> Result<ExitCode, Refused> {
             Ok(ExitCode::SUCCESS)
         }
         Command::Machine(order) => machine::command(order).map(|()| ExitCode::SUCCESS),
+        Command::Man { of } => man::command(of.as_deref()).map(|()| ExitCode::SUCCESS),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(*shell, &mut Cli::command(), "leadscrew", &mut script);

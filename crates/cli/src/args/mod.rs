@@ -29,7 +29,7 @@ pub(crate) use text::{
 
 /// An open numerical control for spindle-synchronised machining.
 #[derive(Parser, Debug)]
-#[command(name = "leadscrew", version, propagate_version = true, max_term_width = 100)]
+#[command(name = "leadscrew", version = env!("LEADSCREW_VERSION"), propagate_version = true, max_term_width = 100)]
 #[command(after_help = "Examples:
   leadscrew run programs/plate-12xM6.ngc --out out/plate     prove a program, leave report and certificate
   leadscrew check programs/*.ngc                             everything wrong with them, at once
@@ -186,6 +186,15 @@ subprograms, definitions, renaming and formatting. An editor starts it; see docs
         /// For which shell
         shell: clap_complete::Shell,
     },
+    /// Write the manual page of leadscrew, or of one command, to standard output
+    #[command(after_help = "Examples:
+  leadscrew man > leadscrew.1
+  leadscrew man run | man -l -")]
+    Man {
+        /// Of which command; without it, of leadscrew itself
+        #[arg(value_name = "COMMAND")]
+        of: Option<String>,
+    },
 }
 
 impl Command {
@@ -206,7 +215,8 @@ impl Command {
             | Self::Fmt(_)
             | Self::Lsp(_)
             | Self::Machine(_)
-            | Self::Completions { .. } => false,
+            | Self::Completions { .. }
+            | Self::Man { .. } => false,
         }
     }
 }
