@@ -2,7 +2,7 @@
 //! became of the tool, and whether what `recover` said of it was true.
 //!
 //! ```text
-//!   leadscrew iron … --on-link-loss REACTION --kill-control-at t  ◄── leadscrew run: pecks, threads, gears, …
+//!   leadscrew simulator … --on-link-loss REACTION --kill-control-at t  ◄── leadscrew run: pecks, threads, gears, …
 //!            │ SIGKILL at t
 //!            ▼
 //!   drives alone ─► looked at: dry run, no record, a refused run ─► nothing may have changed
@@ -197,18 +197,27 @@ impl Trial<'_> {
     }
 
     fn status(&self) -> Result<Value, String> {
-        self.json(&["iron", "--status", "iron"])
+        self.json(&["simulator", "--status", "iron"])
     }
 
     fn run(&self, state: &str) -> Result<Output, String> {
-        let run =
-            ["run", "part.nc", "--iron", "iron", "--state", state, "--tools", "tools.toml", "-q"];
+        let run = [
+            "run",
+            "part.nc",
+            "--simulator",
+            "iron",
+            "--state",
+            state,
+            "--tools",
+            "tools.toml",
+            "-q",
+        ];
         self.output(&[&run[..], self.feature.options].concat())
     }
 
     fn recover(&self, state: &str, more: &[&str]) -> Result<Value, String> {
         let machine = self.feature.options;
-        let recover = ["recover", "--iron", "iron", "--state", state, "--format", "json"];
+        let recover = ["recover", "--simulator", "iron", "--state", state, "--format", "json"];
         self.json(&[&recover[..], machine, more].concat())
     }
 }
@@ -230,12 +239,13 @@ fn trial(
         std::fs::write(folder.path().join(name), text).map_err(|e| e.to_string())?;
     }
     let trial = Trial { binary, folder, feature };
-    let listen = ["iron", "--listen", "iron", "--tools", "tools.toml", "--kill-control-at", at];
+    let listen =
+        ["simulator", "--listen", "iron", "--tools", "tools.toml", "--kill-control-at", at];
     let listen = [&listen[..], &["--on-link-loss", reaction], feature.options].concat();
     let iron = trial.leadscrew(&listen).stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
     let mut iron = Behind(iron.map_err(|e| e.to_string())?);
     let mut line = String::new();
-    let said = iron.0.stdout.take().ok_or("the iron says nothing")?;
+    let said = iron.0.stdout.take().ok_or("the machine simulator says nothing")?;
     BufReader::new(said).read_line(&mut line).map_err(|e| e.to_string())?;
     let ran = trial.run("state")?;
     if ran.status.code().is_some() {

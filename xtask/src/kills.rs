@@ -1,7 +1,7 @@
 //! Controls killed and mains cut in a tap, over processes, as often as you like; a table of what became of it.
 //!
 //! ```text
-//!   leadscrew iron … --kill-control-at t   ◄── leadscrew run: an M8×1.25, 20 mm, 1000 rpm, right or left hand
+//!   leadscrew simulator … --kill-control-at t   ◄── leadscrew run: an M8×1.25, 20 mm, 1000 rpm, right or left hand
 //!            │ SIGKILL, or the mains, at t
 //!            ▼
 //!   drives alone ─► leadscrew recover ─► out, at most 20 µm off the helix that was cut, tap whole?
@@ -14,7 +14,7 @@ use std::process::{Child, Command, Stdio};
 /// Furthest off the helix on the way out, µm.
 const OFF_HELIX_UM: f64 = 20.0;
 
-/// How the iron is stopped: name, option that takes the time, further options, and whether a refusal is right.
+/// How the machine simulator is stopped: name, option that takes the time, further options, and whether a refusal is right.
 const WAYS: [(&str, &str, &[&str]); 8] = [
     ("SIGKILL, coupled stop", "--kill-control-at", &[]),
     ("SIGKILL, quick stop", "--kill-control-at", &["--on-link-loss", "quick-stop"]),
@@ -122,20 +122,21 @@ fn trial(binary: &Path, stop: &[&str], tool: u32, turn: &str, row: &mut Row) -> 
         serde_json::from_slice(&output.stdout)
             .map_err(|e| format!("{e}: {}", String::from_utf8_lossy(&output.stderr)))
     };
-    let listen = [&["iron", "--listen", "iron", "--tools", "tools.toml"][..], stop].concat();
+    let listen = [&["simulator", "--listen", "iron", "--tools", "tools.toml"][..], stop].concat();
     let mut iron =
         Behind(leadscrew(&listen).stdout(Stdio::piped()).spawn().map_err(|e| e.to_string())?);
     let mut line = String::new();
-    let said = iron.0.stdout.take().ok_or("the iron says nothing")?;
+    let said = iron.0.stdout.take().ok_or("the machine simulator says nothing")?;
     BufReader::new(said).read_line(&mut line).map_err(|e| e.to_string())?;
-    let run = ["run", "part.ngc", "--iron", "iron", "--state", "state", "-q"];
+    let run = ["run", "part.ngc", "--simulator", "iron", "--state", "state", "-q"];
     let output = leadscrew(&run).output().map_err(|e| e.to_string())?;
     if output.status.success() {
         return Err("nothing stopped it".into());
     }
-    let before = answer(&["iron", "--status", "iron"])?;
-    let recovered = answer(&["recover", "--iron", "iron", "--state", "state", "--format", "json"])?;
-    let after = answer(&["iron", "--status", "iron"])?;
+    let before = answer(&["simulator", "--status", "iron"])?;
+    let recovered =
+        answer(&["recover", "--simulator", "iron", "--state", "state", "--format", "json"])?;
+    let after = answer(&["simulator", "--status", "iron"])?;
     row.worst_before_um =
         row.worst_before_um.max(before["off_helix_um"].as_f64().unwrap_or(0.0).abs());
     if after["tool_broken"] != false {

@@ -1,4 +1,4 @@
-//! What crosses the kernel's edge each servo period: the narrow waist between control and iron.
+//! What crosses the kernel's edge each servo period: the narrow waist between control and machine.
 //!
 //! ```text
 //!             Command (setpoints, force and torque references)

@@ -8,7 +8,7 @@
 //!        ├► compensation  leadscrew::compensation   cams, in every way
 //!        ├► polygon       leadscrew::polygon        from a form to the block that cuts it
 //!        ├► recover       control::recovery         what is known of a tool in the work, and the way out
-//!        ├► iron          the simulated machine as a process of its own
+//!        ├► simulator     the simulated machine as a process of its own
 //!        ├► cam           forms::cam, printed and drawn
 //!        ├► canon, codes, fmt, lsp    interp, gcode, lsp
 //!        ├► machine       store
@@ -101,7 +101,7 @@ fn execute(cli: &Cli) -> Result<ExitCode, Refused> {
             Ending::OutOfTolerance => ExitCode::from(OUT_OF_TOLERANCE),
             Ending::Alarm => ExitCode::from(ALARM),
         }),
-        Command::Iron(args) => iron::command(args).map(|()| ExitCode::SUCCESS),
+        Command::Simulator(args) => iron::command(args).map(|()| ExitCode::SUCCESS),
         Command::Recover(args) => Ok(accepted(recover::command(args)?)),
         Command::Compare(args) => Ok(if compare::command(args, cli.quiet)? {
             ExitCode::SUCCESS

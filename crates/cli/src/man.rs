@@ -1,8 +1,8 @@
 //! `leadscrew man`: the command line as a manual page (roff), from the same texts as `--help`.
 use crate::args::Cli;
-use control::Refused;
 use crate::say;
 use clap::{Command, CommandFactory};
+use control::Refused;
 
 /// Write the page of `of`, or of the program itself, to standard output.
 pub(crate) fn command(of: Option<&str>) -> Result<(), Refused> {

@@ -117,7 +117,7 @@ fn options(args: &RunArgs) -> RunOptions {
         faults: args.fault.clone(),
         operator: args.operator.clone(),
         recover: args.recover.map(Into::into),
-        socket: args.iron.clone(),
+        socket: args.simulator.clone(),
         state: args.state.clone(),
         command: typed::of_this_run(),
         timings: args.timings,
@@ -126,7 +126,7 @@ fn options(args: &RunArgs) -> RunOptions {
 
 /// What is said where a run may not begin, with what to type.
 fn not_ready(why: NotReady, args: &RunArgs) -> Refused {
-    let (Some(socket), state) = (&args.iron, args.state.as_deref()) else { return why.into() };
+    let (Some(socket), state) = (&args.simulator, args.state.as_deref()) else { return why.into() };
     match why {
         NotReady::Refused(refused) => refused,
         NotReady::InWork(record) => advice::interlock(&record, socket, state),

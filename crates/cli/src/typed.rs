@@ -1,10 +1,10 @@
 //! What was typed behind `leadscrew run`, kept so that whoever takes a tool out can be told the whole command that goes on.
 //!
-//! Where the iron is, where its state is kept, where to begin and what the operator ordered belong to one run; everything else (machine, tools,
+//! Where the machine simulator is, where its state is kept, where to begin and what the operator ordered belong to one run; everything else (machine, tools,
 //! dialect, cams, parameters, learning, papers) belongs to the job.
 
 /// Options that belong to one run, each with a value.
-const OF_ONE_RUN: [&str; 4] = ["--iron", "--state", "--from", "--operator"];
+const OF_ONE_RUN: [&str; 5] = ["--simulator", "--iron", "--state", "--from", "--operator"];
 
 /// What only says how much is printed.
 const SAYS: [&str; 4] = ["-q", "--quiet", "--log", "--timings"];
@@ -68,7 +68,7 @@ mod tests {
 
     #[test]
     fn what_belongs_to_the_job_is_kept_in_order() {
-        let typed = "leadscrew -q run part.nc --log --iron /tmp/i --cams cams.toml --state=/tmp/s --from 12 --machine=a.toml";
+        let typed = "leadscrew -q run part.nc --log --simulator /tmp/i --cams cams.toml --state=/tmp/s --from 12 --machine=a.toml";
         let kept = of_job(words(typed).into_iter());
         assert_eq!(kept, words("part.nc --cams cams.toml --machine=a.toml"));
         assert_eq!(value(&kept, "--machine"), Some("a.toml"));

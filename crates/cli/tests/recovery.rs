@@ -125,7 +125,7 @@ fn while_a_tap_is_in_its_hole_nothing_but_recovery_moves() {
     let said = complained(&refused);
     assert_eq!(refused.status.code(), Some(2), "{said}");
     assert!(
-        said.contains("tool 11 is in hole 1") && said.contains("leadscrew recover --iron"),
+        said.contains("tool 11 is in hole 1") && said.contains("leadscrew recover --simulator"),
         "{said}"
     );
     assert_eq!(iron.recover(&["--dry-run"])["outcome"], "recovered");
@@ -143,7 +143,7 @@ fn while_a_tap_is_in_its_hole_nothing_but_recovery_moves() {
 }
 
 #[test]
-fn an_operators_hold_on_an_iron_is_resumed_backed_out_or_recovered() {
+fn an_operators_hold_on_a_machine_simulator_is_resumed_backed_out_or_recovered() {
     for (orders, ended, inside) in [
         ("hold at depth 8mm; resume at 4s", true, false),
         ("hold at depth 8mm; retract at 4s", false, false),
@@ -165,7 +165,7 @@ fn an_operators_hold_on_an_iron_is_resumed_backed_out_or_recovered() {
 fn a_recovery_that_is_killed_is_begun_again() {
     let (from, to) = stroke("G84", 11);
     let first = from + 0.4 * (to - from);
-    // the iron runs down within a tenth of a second; the way out takes several
+    // the machine simulator runs down within a tenth of a second; the way out takes several
     let times = [first, first + 0.8, first + 1.6].map(|t| format!("{t:.6}")).join(",");
     let iron = Iron::start(&["--kill-control-at", &times, "--on-link-loss", "quick-stop"]);
     iron.run(&one_tap("G84", 11), &[]);
@@ -214,7 +214,7 @@ fn a_full_disk_keeps_the_tap_out_of_the_work() {
 }
 
 #[test]
-fn what_the_iron_cuts_is_what_the_machine_within_the_process_cuts() {
+fn what_the_machine_simulator_cuts_is_what_the_machine_within_the_process_cuts() {
     let features = |output: &std::process::Output| -> Value {
         let mut value: Value = serde_json::from_slice(&output.stdout).unwrap();
         value["features"].take()

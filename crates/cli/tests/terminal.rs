@@ -67,7 +67,7 @@ fn a_refusal_is_json_where_json_is_asked_for() {
         &["run", PLATE, "--machine", "nothing-like-it"],
         &["check", none],
         &["time", bad],
-        &["recover", "--iron", "/nowhere/iron"],
+        &["recover", "--simulator", "/nowhere/iron"],
         &["cam", "/nowhere/lift.csv", "--base", "18"],
         &["polygon", "--across-flats", "-1"],
         &["compensation", none],

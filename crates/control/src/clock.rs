@@ -1,4 +1,4 @@
-//! The one place of the program that reads a clock: to measure ourselves, and to pace an iron in real time. Nothing
+//! The one place of the program that reads a clock: to measure ourselves, and to pace a machine simulator in real time. Nothing
 //! that is simulated ever sees it.
 use std::time::Instant;
 

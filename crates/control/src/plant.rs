@@ -1,4 +1,4 @@
-//! What the kernel controls: a simulated machine within this process, or an iron in another one.
+//! What the kernel controls: a simulated machine within this process, or a machine simulator in another one.
 use crate::{Refused, config};
 use bus::{Command, Feedback, Machine, Truth};
 use sim::{Fault, Faulty, SimulatedMachine};
@@ -8,7 +8,7 @@ use std::time::Duration;
 use units::Time;
 use wire::{Engagement, Remote, Welcome};
 
-/// How long a control waits for an iron to answer.
+/// How long a control waits for a machine simulator to answer.
 const ANSWER: Duration = Duration::from_secs(20);
 
 /// A machine.
@@ -40,7 +40,7 @@ impl Plant {
         }
     }
 
-    /// Let a fault of the iron come now.
+    /// Let a fault of the machine come now.
     pub fn strike(&mut self, fault: Fault) {
         if let Self::Inside(machine) = self {
             machine.strike(fault);
@@ -99,25 +99,25 @@ pub fn simulated(
     config: sim::Config,
 ) -> Result<SimulatedMachine, Refused> {
     let bar = config::bar(file, &config);
-    let iron = SimulatedMachine::new(config).map_err(|problems| {
+    let simulator = SimulatedMachine::new(config).map_err(|problems| {
         let problems = problems.join("; ");
         Refused::because(format!("the machine cannot be simulated: {problems}"))
     })?;
-    let iron = match bar {
-        Some(bar) => iron.with_bar(bar),
-        None => iron,
+    let simulator = match bar {
+        Some(bar) => simulator.with_bar(bar),
+        None => simulator,
     };
-    let iron = match config::plain_drive(file) {
-        Some(drive) => iron.with_plain_drive(drive),
-        None => iron,
+    let simulator = match config::plain_drive(file) {
+        Some(drive) => simulator.with_plain_drive(drive),
+        None => simulator,
     };
     Ok(match file.simulation.tap_wear {
-        Some(wear) => iron.with_tap_wear(sim::TapWear {
+        Some(wear) => simulator.with_tap_wear(sim::TapWear {
             life: wear.life,
             rise: wear.rise_share,
             scatter: wear.scatter_share,
         }),
-        None => iron,
+        None => simulator,
     })
 }
 
@@ -160,12 +160,12 @@ impl Machine for Plant {
     }
 }
 
-/// A connection to the iron that listens there.
+/// A connection to the machine simulator that listens there.
 pub fn connect(path: &Path) -> Result<UnixStream, Refused> {
     let failed = |e| {
         let path = path.display();
         Refused::because(format!(
-            "no iron listens at {path}: {e}; start one with: leadscrew iron --machine NAME --listen {path}"
+            "no machine simulator listens at {path}: {e}; start one with: leadscrew simulator --machine NAME --listen {path}"
         ))
     };
     let stream = UnixStream::connect(path).map_err(failed)?;
@@ -173,7 +173,7 @@ pub fn connect(path: &Path) -> Result<UnixStream, Refused> {
     Ok(stream)
 }
 
-/// What is said of an iron that does not answer as it should.
+/// What is said of a machine simulator that does not answer as it should.
 pub fn gone(path: &Path, error: &wire::Error) -> Refused {
-    Refused::because(format!("the iron at {}: {error}", path.display()))
+    Refused::because(format!("the machine simulator at {}: {error}", path.display()))
 }

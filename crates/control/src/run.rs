@@ -90,7 +90,7 @@ pub struct Outcome {
     pub stops: Vec<report::ThreadStop>,
     /// Tools taken off work that they were not screwed to.
     pub withdrawn: Vec<crate::stops::Withdrawn>,
-    /// Why the iron is gone, if it is; why the record is not on the disk, if it is not.
+    /// Why the machine simulator is gone, if it is; why the record is not on the disk, if it is not.
     pub broke_off: Vec<String>,
 }
 
@@ -246,7 +246,7 @@ impl ProgramRun {
         let Observers { judge, mut timings, trace, .. } = observers;
         let features = timings.judging(|| judge.finish());
         timings.stop(periods, took);
-        let lost = machine.lost().map(|why| format!("the iron is gone: {why}"));
+        let lost = machine.lost().map(|why| format!("the machine simulator is gone: {why}"));
         let recovered = keeper.as_ref().and_then(Keeper::recovered);
         let unwritten = keeper.and_then(Keeper::finish);
         let unwritten = unwritten.map(|why| format!("the sync record cannot be written: {why}"));

@@ -67,7 +67,7 @@ pub(crate) struct Link {
 }
 
 impl Link {
-    /// Connect to the iron, if one is named; refuse where a tap may be in the work.
+    /// Connect to the machine simulator, if one is named; refuse where a tap may be in the work.
     pub(crate) fn open(options: &RunOptions, job: &mut Job) -> Result<Self, NotReady> {
         let Some(path) = &options.socket else {
             let Some(folder) = &options.state else {

@@ -103,7 +103,7 @@ impl Run {
         let told = told.map_err(Refused::because)?;
         if options.socket.is_some() && !told.faults.is_empty() {
             return Err(Refused::because(
-                "--operator: emergency-stop is for a machine simulated within the run; an iron has its own chain (abort works)",
+                "--operator: emergency-stop is for a machine simulated within the run; a machine simulator has its own chain (abort works)",
             )
             .into());
         }

@@ -1,4 +1,4 @@
-//! Faults as wrappers of a machine: what happens to iron, seeded and to the point.
+//! Faults as wrappers of a machine: what happens to a real machine, seeded and to the point.
 //!
 //! ```text
 //!             Command                       Command, or none

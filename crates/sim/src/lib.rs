@@ -1,4 +1,4 @@
-//! Machines made of equations: what the control moves when there is no iron.
+//! Machines made of equations: what the control moves when there is no real machine.
 //!
 //! ```text
 //!              Command                          Feedback, Truth

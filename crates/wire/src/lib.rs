@@ -1,13 +1,13 @@
-//! The bus over a stream of bytes: control and iron in two processes.
+//! The bus over a stream of bytes: control and machine simulator in two processes.
 //!
 //! ```text
-//!   control                                                   iron
+//!   control                                                   machine simulator
 //!     Hello ───────────────────────────────────────────────────►
 //!     ◄─────────────────────── Welcome: which machine, which encoders, where it stands
 //!     Command, tool in the work ───────────────────────────────►   each servo period
 //!     ◄──────────────────────────────── Observed: feedback, and the truth where it is known
 //!                        …
-//!     the stream ends, or nothing comes: the drives' own watchdog stops the iron
+//!     the stream ends, or nothing comes: the drives' own watchdog stops the machine simulator
 //! ```
 //!
 //! A frame, little-endian:

@@ -17,15 +17,15 @@ const LONGEST_TEXT: usize = 8192;
 pub enum Message {
     /// A control reports.
     Hello(Hello),
-    /// The iron takes it.
+    /// The machine simulator takes it.
     Welcome(Welcome),
-    /// The iron does not, or has stopped: one sentence.
+    /// The machine simulator does not, or has stopped: one sentence.
     Refused(String),
     /// What the machine shall do for a period, and which tool the control has in the work.
     Command(Command, Option<Engagement>),
     /// What came of it.
     Observed(Observed),
-    /// Something for the iron itself, instead of a session.
+    /// Something for the machine simulator itself, instead of a session.
     Order(Order),
     /// Its answer, as JSON.
     Told(String),
@@ -38,7 +38,7 @@ pub struct Hello {
     pub name: String,
     /// The machine it is set up for.
     pub machine: String,
-    /// Number of its process, for an iron that is told to kill it.
+    /// Number of its process, for a machine simulator that is told to kill it.
     pub process: u32,
 }
 
@@ -46,7 +46,7 @@ pub struct Hello {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Stop {
-    /// They have not been left alone since the iron was switched on.
+    /// They have not been left alone since the machine simulator was switched on.
     None = 0,
     /// Axes clamped, spindles coasted.
     Coasted = 1,
@@ -117,7 +117,7 @@ pub struct Welcome {
     pub observed: Observed,
 }
 
-/// One period, as the iron has it.
+/// One period, as the machine simulator has it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Observed {
     /// What it says.
@@ -126,7 +126,7 @@ pub struct Observed {
     pub truth: Option<Truth>,
 }
 
-/// Something for the iron itself.
+/// Something for the machine simulator itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Order {

@@ -137,7 +137,7 @@ impl<S: Read + Write> Port<S> {
     }
 }
 
-/// The iron, seen from the control.
+/// The machine simulator, seen from the control.
 #[derive(Debug)]
 pub struct Remote<S> {
     port: Port<S>,
@@ -148,7 +148,7 @@ pub struct Remote<S> {
 }
 
 impl<S: Read + Write> Remote<S> {
-    /// Greet the iron at the other end.
+    /// Greet the machine simulator at the other end.
     ///
     /// # Errors
     /// It does not answer, or refuses.
@@ -164,7 +164,7 @@ impl<S: Read + Write> Remote<S> {
         }
     }
 
-    /// What the iron said first.
+    /// What the machine simulator said first.
     pub const fn welcome(&self) -> &Welcome {
         &self.welcome
     }
@@ -189,7 +189,7 @@ impl<S: Read + Write> Remote<S> {
     }
 }
 
-/// Tell the iron at the other end something, instead of controlling it; its answer.
+/// Tell the machine simulator at the other end something, instead of controlling it; its answer.
 ///
 /// # Errors
 /// It does not answer, or refuses.
@@ -203,7 +203,7 @@ pub fn order(stream: impl Read + Write, order: Order) -> Result<String, Error> {
     }
 }
 
-/// An iron whose connection is gone says that no drive is ready, for ever.
+/// A machine simulator whose connection is gone says that no drive is ready, for ever.
 impl<S: Read + Write> bus::Machine for Remote<S> {
     fn period(&self) -> Time {
         self.welcome.period

@@ -1,22 +1,22 @@
-//! The arguments of `leadscrew iron` and `leadscrew recover`.
+//! The arguments of `leadscrew simulator` and `leadscrew recover`.
 use super::{Format, ProgramArgs};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
-/// `leadscrew iron`.
+/// `leadscrew simulator`.
 #[derive(Args, Debug, Clone)]
 #[command(group = clap::ArgGroup::new("what").required(true).args(["listen", "status", "power_cut", "quit"]))]
-pub(crate) struct IronArgs {
+pub(crate) struct SimulatorArgs {
     /// Listen here, a Unix socket, for one control after the other
     #[arg(long, value_name = "PATH")]
     pub(crate) listen: Option<PathBuf>,
-    /// Ask the iron that listens here how it is
+    /// Ask the machine simulator that listens here how it is
     #[arg(long, value_name = "PATH")]
     pub(crate) status: Option<PathBuf>,
-    /// Cut the power of the iron that listens here, and give it back
+    /// Cut the power of the machine simulator that listens here, and give it back
     #[arg(long, value_name = "PATH")]
     pub(crate) power_cut: Option<PathBuf>,
-    /// End the iron that listens here
+    /// End the machine simulator that listens here
     #[arg(long, value_name = "PATH")]
     pub(crate) quit: Option<PathBuf>,
     #[command(flatten)]
@@ -80,9 +80,9 @@ impl From<DriveReaction> for store::machine::Reaction {
 /// `leadscrew recover`.
 #[derive(Args, Debug, Clone)]
 pub(crate) struct RecoverArgs {
-    /// The iron
-    #[arg(long, value_name = "PATH")]
-    pub(crate) iron: PathBuf,
+    /// The machine simulator
+    #[arg(long, alias = "iron", value_name = "PATH")]
+    pub(crate) simulator: PathBuf,
     /// The machine: a name from `leadscrew machine list`, or a file [default: tapping-center]
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) machine: Option<String>,
@@ -120,6 +120,36 @@ impl From<RecoveryWay> for control::recovery::RecoveryWay {
         match way {
             RecoveryWay::UnloadFirst => Self::UnloadFirst,
             RecoveryWay::Direct => Self::Direct,
+        }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)] // a test may panic
+mod tests {
+    use crate::args::{Cli, Command};
+    use clap::{CommandFactory, Parser};
+
+    fn parsed(line: &str) -> Command {
+        Cli::try_parse_from(line.split_whitespace()).unwrap().command
+    }
+
+    #[test]
+    fn names_of_one_version_ago_are_read_and_not_shown() {
+        for name in ["simulator", "iron"] {
+            let listening = parsed(&format!("leadscrew {name} --listen a"));
+            assert!(matches!(listening, Command::Simulator(args) if args.listen.is_some()));
+            let run = parsed(&format!("leadscrew run part.ngc --{name} a"));
+            assert!(matches!(run, Command::Run(args) if args.simulator.is_some()));
+            let recover = parsed(&format!("leadscrew recover --{name} a"));
+            assert!(matches!(recover, Command::Recover(args) if args.simulator.ends_with("a")));
+        }
+        let mut all = Cli::command();
+        let shown = all.render_long_help().to_string();
+        assert!(shown.contains("simulator") && !shown.contains("iron "), "{shown}");
+        for command in all.get_subcommands_mut() {
+            let shown = command.render_long_help().to_string();
+            assert!(!shown.contains("--iron"), "{shown}");
         }
     }
 }

@@ -19,7 +19,7 @@ use clap::{Parser, Subcommand};
 pub(crate) use common::{Dialect, Format, ProgramArgs, Switch, WorkSpeedChoice};
 pub(crate) use compare::CompareArgs;
 pub(crate) use compensation::{CompensationArgs, CompensationOutput};
-pub(crate) use iron::{IronArgs, RecoverArgs};
+pub(crate) use iron::{RecoverArgs, SimulatorArgs};
 pub(crate) use lists::{CodesFormat, MachineCommand};
 pub(crate) use polygon::PolygonArgs;
 pub(crate) use run::RunArgs;
@@ -65,8 +65,8 @@ single-block on|off, emergency-stop.
 A MOMENT is a time (1.5s, 250ms), line N, depth 8mm [out]
 (of the tip below the work's zero), angle 12rev (turned since the start), random; or between 1s and 2s.
 
-With --iron the sync record, which recovery needs, is kept in the state folder: by default
-$XDG_STATE_HOME/leadscrew/MACHINE-NUMBER, or ~/.local/state/leadscrew/MACHINE-NUMBER. Without --iron there is one only
+With --simulator the sync record, which recovery needs, is kept in the state folder: by default
+$XDG_STATE_HOME/leadscrew/MACHINE-NUMBER, or ~/.local/state/leadscrew/MACHINE-NUMBER. Without --simulator there is one only
 if --state names its folder.
 
 Examples:
@@ -92,17 +92,18 @@ Examples:
     Time(TimeArgs),
     /// Run the simulated machine, its drives and encoders as a process of its own
     #[command(
+        alias = "iron",
         after_help = "A control that connects drives it; when the control dies, the drives stop by themselves and the
 encoders keep the truth. In lock-step (the default) time waits for the control.
 
 Examples:
-  leadscrew iron --listen /tmp/iron &                      then: leadscrew run part.ngc --iron /tmp/iron
-  leadscrew iron --listen /tmp/iron --real-time            time as on the wall
-  leadscrew iron --listen /tmp/iron --power-cut-at 7.2     the mains fail after 7.2 s of machine time
-  leadscrew iron --status /tmp/iron                        how it is, as JSON
-  leadscrew iron --quit /tmp/iron"
+  leadscrew simulator --listen /tmp/machine &                     then: leadscrew run part.ngc --simulator /tmp/machine
+  leadscrew simulator --listen /tmp/machine --real-time            time as on the wall
+  leadscrew simulator --listen /tmp/machine --power-cut-at 7.2     the mains fail after 7.2 s of machine time
+  leadscrew simulator --status /tmp/machine                        how it is, as JSON
+  leadscrew simulator --quit /tmp/machine"
     )]
-    Iron(IronArgs),
+    Simulator(SimulatorArgs),
     /// Take a tap out of its hole after the control died, or say why that is not safe
     #[command(
         after_help = "The sync record and the encoders tell where the tap stands off its thread; spindle or feed goes back onto
@@ -112,9 +113,9 @@ Without the record of just the tool that the machine keeps in its work nothing m
 do; 2 refused, with the reason, or out and not known to be whole.
 
 Examples:
-  leadscrew recover --iron /tmp/iron --dry-run --picture way.svg   rehearse it
-  leadscrew recover --iron /tmp/iron
-  leadscrew recover --iron /tmp/iron --format json"
+  leadscrew recover --simulator /tmp/machine --dry-run --picture way.svg   rehearse it
+  leadscrew recover --simulator /tmp/machine
+  leadscrew recover --simulator /tmp/machine --format json"
     )]
     Recover(RecoverArgs),
     /// Tap the same holes with a clutch holder and conventionally, on a spindle that scatters
@@ -210,7 +211,7 @@ impl Command {
             Self::Cam(args) => args.format == CamOutput::Json,
             Self::Compensation(args) => args.format == CompensationOutput::Json,
             Self::Codes { format } => *format == CodesFormat::Json,
-            Self::Iron(_)
+            Self::Simulator(_)
             | Self::Compare(_)
             | Self::Fmt(_)
             | Self::Lsp(_)

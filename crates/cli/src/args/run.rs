@@ -34,24 +34,24 @@ pub(crate) struct RunArgs {
     /// Also print what happened, a line an event
     #[arg(long)]
     pub(crate) log: bool,
-    /// Control the iron that listens here, instead of simulating one
-    #[arg(long, value_name = "PATH")]
-    pub(crate) iron: Option<PathBuf>,
-    /// Folder of the sync record [default with --iron: see below; else none is kept]
+    /// Control the machine simulator that listens here, instead of simulating one
+    #[arg(long, alias = "iron", value_name = "PATH")]
+    pub(crate) simulator: Option<PathBuf>,
+    /// Folder of the sync record [default with --simulator: see below; else none is kept]
     #[arg(long, value_name = "DIR")]
     pub(crate) state: Option<PathBuf>,
     /// Begin at a line, as in 27, or at a hole, as in "hole 5": tool, spindle and modes as they would be there; never
     /// within a cycle
     #[arg(long, value_name = "LINE|hole N")]
     pub(crate) from: Option<control::job::restart::From>,
-    /// Let the iron fail: WHAT at MOMENT; several parted by `;`, see below
-    #[arg(long, value_name = "WHAT at MOMENT", conflicts_with = "iron")]
+    /// Let the machine fail: WHAT at MOMENT; several separated by `;`, see below
+    #[arg(long, value_name = "WHAT at MOMENT", conflicts_with = "simulator")]
     pub(crate) fault: Vec<String>,
-    /// What the operator orders: WHAT at MOMENT; several parted by `;`, see below
+    /// What the operator orders: WHAT at MOMENT; several separated by `;`, see below
     #[arg(long, value_name = "WHAT at MOMENT")]
     pub(crate) operator: Vec<String>,
     /// After a stop in a thread: take the tap out along it, and end there, or continue with the remaining holes
-    #[arg(long, value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "out", conflicts_with = "iron")]
+    #[arg(long, value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "out", conflicts_with = "simulator")]
     pub(crate) recover: Option<AfterStop>,
     /// Force the tapping ramp from rest to full speed into this time, against the power curve
     #[arg(long, value_name = "SECONDS")]

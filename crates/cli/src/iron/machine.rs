@@ -1,6 +1,6 @@
-//! The iron itself: the simulated machine, what its encoders keep, and its drives when they are alone.
+//! The machine simulator itself: the simulated machine, what its encoders keep, and its drives when they are alone.
 use super::retained::{Retained, least_certain};
-use crate::args::IronArgs;
+use crate::args::SimulatorArgs;
 use bus::{Command, Feedback, Machine, SPINDLES, Truth};
 use control::Refused;
 use control::config;
@@ -13,7 +13,7 @@ use units::{Angle, Length, SpinAccel, Time};
 use wire::{Engagement, Observed, Stop, Welcome};
 
 /// See the module's header.
-pub(super) struct Iron {
+pub(super) struct SimulatorProcess {
     config: sim::Config,
     machine: SimulatedMachine,
     name: String,
@@ -61,9 +61,9 @@ pub(super) enum Alone {
     Power,
 }
 
-impl Iron {
+impl SimulatorProcess {
     /// As the arguments have it, at rest.
-    pub(super) fn new(args: &IronArgs) -> Result<Self, Refused> {
+    pub(super) fn new(args: &SimulatorArgs) -> Result<Self, Refused> {
         let session = Session::load(&args.source.options(), Path::new("-"), b"")?;
         let file = &session.machine;
         let material = leadscrew::material(args.material.as_deref(), file.setup.stock.material)?;
@@ -84,7 +84,7 @@ impl Iron {
         Ok(Self {
             name: file.name.clone(),
             serial: args.serial,
-            // a new iron has new encoders: nothing that was written of others holds for them
+            // a new machine simulator has new encoders: nothing that was written of others holds for them
             epoch: args.epoch.unwrap_or_else(|| RandomState::new().build_hasher().finish()),
             reactions: [
                 args.on_link_loss.map_or(drives.on_link_loss, Into::into),

@@ -1,4 +1,4 @@
-//! `leadscrew iron`: the simulated machine with its drives and encoders, as a process of its own.
+//! `leadscrew simulator`: the simulated machine with its drives and encoders, as a process of its own.
 //!
 //! ```text
 //!   control ══ Unix socket ══► session: command ─► exchange ─► feedback
@@ -7,7 +7,7 @@
 //!              drives left alone: coast, quick stop or coupled stop ─► everything stands ─► next session
 //! ```
 //!
-//! In lock-step time waits for the control: the same inputs give the same outputs. When the control is gone the iron
+//! In lock-step time waits for the control: the same inputs give the same outputs. When the control is gone the machine simulator
 //! runs down in its own time. With `--real-time` a period lasts as long as on a machine, and a control that is late gets its
 //! last command repeated until the drives' watchdog has had enough. Workpiece, tap and encoders live here and
 //! outlive every control.
@@ -15,15 +15,15 @@ mod machine;
 mod retained;
 mod serve;
 
-use crate::args::IronArgs;
+use crate::args::SimulatorArgs;
 use crate::say;
 use control::Refused;
 use control::plant::{connect, gone};
-use machine::Iron;
+use machine::SimulatorProcess;
 use wire::Order;
 
 /// Do it.
-pub(crate) fn command(args: &IronArgs) -> Result<(), Refused> {
+pub(crate) fn command(args: &SimulatorArgs) -> Result<(), Refused> {
     let orders = [
         (&args.status, Order::Status),
         (&args.power_cut, Order::PowerCut),
@@ -36,7 +36,7 @@ pub(crate) fn command(args: &IronArgs) -> Result<(), Refused> {
         }
     }
     let Some(listen) = &args.listen else {
-        return Err(Refused::because("leadscrew iron: expected --listen PATH"));
+        return Err(Refused::because("leadscrew simulator: expected --listen PATH"));
     };
-    serve::serve(Iron::new(args)?, listen)
+    serve::serve(SimulatorProcess::new(args)?, listen)
 }

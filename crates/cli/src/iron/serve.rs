@@ -1,5 +1,5 @@
 //! One control after the other.
-use super::machine::{Alone, Iron, Obeyed};
+use super::machine::{Alone, Obeyed, SimulatorProcess};
 use crate::say;
 use control::Refused;
 use control::clock;
@@ -12,12 +12,12 @@ use wire::{Error, Message, Order, Port};
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Listen until somebody says that it is enough.
-pub(super) fn serve(mut iron: Iron, path: &Path) -> Result<(), Refused> {
+pub(super) fn serve(mut simulator: SimulatorProcess, path: &Path) -> Result<(), Refused> {
     let listener = listen(path)?;
-    say::out(&format!("listening at {}: {}\n", path.display(), iron.who()))?;
+    say::out(&format!("listening at {}: {}\n", path.display(), simulator.who()))?;
     loop {
         let Ok((stream, _)) = listener.accept() else { continue };
-        match session(&mut iron, stream) {
+        match session(&mut simulator, stream) {
             Ok(After::Next) => {}
             Ok(After::Quit) => {
                 let _ = std::fs::remove_file(path);
@@ -42,7 +42,9 @@ fn listen(path: &Path) -> Result<UnixListener, Refused> {
         Err(e) if e.kind() == std::io::ErrorKind::AddrInUse => {
             if UnixStream::connect(path).is_ok() {
                 let path = path.display();
-                return Err(Refused::because(format!("another iron listens at {path} already")));
+                return Err(Refused::because(format!(
+                    "another machine simulator listens at {path} already"
+                )));
             }
             std::fs::remove_file(path).map_err(failed)?;
             UnixListener::bind(path).map_err(failed)
@@ -51,7 +53,7 @@ fn listen(path: &Path) -> Result<UnixListener, Refused> {
     }
 }
 
-fn session(iron: &mut Iron, stream: UnixStream) -> Result<After, Error> {
+fn session(simulator: &mut SimulatorProcess, stream: UnixStream) -> Result<After, Error> {
     stream.set_read_timeout(Some(PATIENCE))?;
     let pace = stream.try_clone()?;
     let mut port = Port::new(stream);
@@ -59,24 +61,24 @@ fn session(iron: &mut Iron, stream: UnixStream) -> Result<After, Error> {
     match port.take()? {
         Message::Order(order) => {
             match order {
-                Order::PowerCut => iron.leave_alone(Alone::Power),
-                Order::ToolIsFree => iron.tool_is_free(),
+                Order::PowerCut => simulator.leave_alone(Alone::Power),
+                Order::ToolIsFree => simulator.tool_is_free(),
                 Order::Status | Order::Quit => {}
             }
-            port.send(&Message::Told(iron.status()))?;
+            port.send(&Message::Told(simulator.status()))?;
             return Ok(if order == Order::Quit { After::Quit } else { After::Next });
         }
-        Message::Hello(hello) if hello.machine != iron.name() => {
-            let (has, wants) = (iron.name(), hello.machine);
+        Message::Hello(hello) if hello.machine != simulator.name() => {
+            let (has, wants) = (simulator.name(), hello.machine);
             port.send(&Message::Refused(format!(
-                "this iron is a {has}, and {} is set up for a {wants}: name the machine with --machine {has}",
+                "this machine simulator is a {has}, and {} is set up for a {wants}: name the machine with --machine {has}",
                 hello.name
             )))?;
             return Ok(After::Next);
         }
         Message::Hello(hello) => {
             control = hello.process;
-            port.send(&Message::Welcome(iron.welcome()))?;
+            port.send(&Message::Welcome(simulator.welcome()))?;
         }
         Message::Welcome(_)
         | Message::Refused(_)
@@ -87,17 +89,17 @@ fn session(iron: &mut Iron, stream: UnixStream) -> Result<After, Error> {
             return Ok(After::Next);
         }
     }
-    let ended = if iron.real_time {
-        in_real_time(iron, &mut port, &pace, control)
+    let ended = if simulator.real_time {
+        in_real_time(simulator, &mut port, &pace, control)
     } else {
         pace.set_read_timeout(None)?;
-        in_lock_step(iron, &mut port, control)
+        in_lock_step(simulator, &mut port, control)
     };
     if let Err(Error::Refused(why)) = &ended {
         // one that is gone already does not hear it
         let _ = port.send(&Message::Refused(why.clone()));
     }
-    iron.leave_alone(if matches!(ended, Ok(())) { Alone::Power } else { Alone::Link });
+    simulator.leave_alone(if matches!(ended, Ok(())) { Alone::Power } else { Alone::Link });
     match ended {
         // the whole cabinet is dark: nobody is told
         Ok(()) => Ok(After::Next),
@@ -108,10 +110,10 @@ fn session(iron: &mut Iron, stream: UnixStream) -> Result<After, Error> {
 }
 
 /// A command, as something that may be due.
-fn command(iron: &mut Iron, message: &Message) -> Result<bus::Command, Error> {
+fn command(simulator: &mut SimulatorProcess, message: &Message) -> Result<bus::Command, Error> {
     match message {
         Message::Command(command, engagement) => {
-            iron.hear(*engagement).map_err(Error::Refused)?;
+            simulator.hear(*engagement).map_err(Error::Refused)?;
             Ok(*command)
         }
         Message::Hello(_)
@@ -137,26 +139,30 @@ fn kill(control: u32) -> Result<(), Error> {
 }
 
 /// Time waits for the control. Returns when the power is cut.
-fn in_lock_step(iron: &mut Iron, port: &mut Port<UnixStream>, control: u32) -> Result<(), Error> {
+fn in_lock_step(
+    simulator: &mut SimulatorProcess,
+    port: &mut Port<UnixStream>,
+    control: u32,
+) -> Result<(), Error> {
     loop {
-        let order = command(iron, &port.take()?)?;
-        match iron.obey(&order) {
+        let order = command(simulator, &port.take()?)?;
+        match simulator.obey(&order) {
             Obeyed::Done => {}
             Obeyed::PowerCut => return Ok(()),
             Obeyed::Kill => return kill(control),
         }
-        port.send(&Message::Observed(iron.observed()))?;
+        port.send(&Message::Observed(simulator.observed()))?;
     }
 }
 
 /// Time waits for nobody: what comes too late acts a period later.
 fn in_real_time(
-    iron: &mut Iron,
+    simulator: &mut SimulatorProcess,
     port: &mut Port<UnixStream>,
     pace: &UnixStream,
     control: u32,
 ) -> Result<(), Error> {
-    let period = Duration::from_secs_f64(iron.period().value());
+    let period = Duration::from_secs_f64(simulator.period().value());
     let mut last = bus::Command::default();
     let mut silent = Duration::ZERO;
     let mut due = clock::now() + period;
@@ -164,7 +170,7 @@ fn in_real_time(
         let left = due.saturating_duration_since(clock::now());
         pace.set_read_timeout(Some(left.max(Duration::from_micros(1))))?;
         let answer = if let Some(message) = port.take_soon()? {
-            last = command(iron, &message)?;
+            last = command(simulator, &message)?;
             silent = Duration::ZERO;
             true
         } else {
@@ -172,18 +178,18 @@ fn in_real_time(
             false
         };
         std::thread::sleep(due.saturating_duration_since(clock::now()));
-        // an iron that was late itself has not waited for the control: its time begins anew from here
+        // a machine simulator that was late itself has not waited for the control: its time begins anew from here
         due = clock::now().max(due) + period;
-        if silent.as_secs_f64() > iron.watchdog.value() {
+        if silent.as_secs_f64() > simulator.watchdog.value() {
             return Err(Error::Refused("silent for longer than the drives' watchdog".into()));
         }
-        match iron.obey(&last) {
+        match simulator.obey(&last) {
             Obeyed::Done => {}
             Obeyed::PowerCut => return Ok(()),
             Obeyed::Kill => return kill(control),
         }
         if answer {
-            port.send(&Message::Observed(iron.observed()))?;
+            port.send(&Message::Observed(simulator.observed()))?;
         }
     }
 }

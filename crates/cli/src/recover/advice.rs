@@ -24,48 +24,48 @@ pub(crate) fn option_machine(record: &SyncRecord) -> String {
 }
 
 /// What is said where a tap is in the work and somebody wants to move something else.
-pub(crate) fn interlock(record: &SyncRecord, iron: &Path, state: Option<&Path>) -> Refused {
+pub(crate) fn interlock(record: &SyncRecord, simulator: &Path, state: Option<&Path>) -> Refused {
     let state = state.map_or_else(String::new, |path| format!(" --state {}", path.display()));
     let machine = option_machine(record);
     Refused::because(format!(
-        "tool {} is in {}: nothing but recovery may move\n  take it out with: leadscrew recover --iron {}{machine}{state}",
+        "tool {} is in {}: nothing but recovery may move\n  take it out with: leadscrew recover --simulator {}{machine}{state}",
         record.stroke.tool,
         whereabouts(record),
-        iron.display(),
+        simulator.display(),
     ))
 }
 
 /// What is said where nobody can tell.
-pub(crate) fn unsure(why: &Untrusted, iron: &Path, state: Option<&Path>) -> Refused {
+pub(crate) fn unsure(why: &Untrusted, simulator: &Path, state: Option<&Path>) -> Refused {
     if let Untrusted::OtherMachine { .. } = why {
         return Refused::because(format!("{why}\n  name this machine's own folder with --state"));
     }
-    unknown(&why.to_string(), iron, state)
+    unknown(&why.to_string(), simulator, state)
 }
 
 /// What is said where the machine still keeps a tool that the encoders show outside of the work.
-pub(crate) fn settle(iron: &Path, state: Option<&Path>) -> Refused {
+pub(crate) fn settle(simulator: &Path, state: Option<&Path>) -> Refused {
     let typed = typed::of_this_run();
     let machine = typed::value(&typed, "--machine");
     Refused::because(format!(
         "the machine keeps a tool in its work that the encoders show outside of it\n  have that settled with: {}",
-        recovery(iron, machine, state)
+        recovery(simulator, machine, state)
     ))
 }
 
 /// The command that recovers.
-fn recovery(iron: &Path, machine: Option<&str>, state: Option<&Path>) -> String {
+fn recovery(simulator: &Path, machine: Option<&str>, state: Option<&Path>) -> String {
     let quoted = |path: &Path| typed::quoted(&path.display().to_string());
     let machine =
         machine.map_or_else(String::new, |name| format!(" --machine {}", typed::quoted(name)));
     let state = state.map_or_else(String::new, |path| format!(" --state {}", quoted(path)));
-    format!("leadscrew recover --iron {}{machine}{state}", quoted(iron))
+    format!("leadscrew recover --simulator {}{machine}{state}", quoted(simulator))
 }
 
 /// What is said where it cannot be known whether a tool is in the work.
-pub(crate) fn unknown(why: &str, iron: &Path, state: Option<&Path>) -> Refused {
+pub(crate) fn unknown(why: &str, simulator: &Path, state: Option<&Path>) -> Refused {
     let typed = typed::of_this_run();
-    let free = free_by_hand(iron, typed::value(&typed, "--machine"), state);
+    let free = free_by_hand(simulator, typed::value(&typed, "--machine"), state);
     Refused::because(format!(
         "{why}\n  nothing may move: name the folder of the control that led the tool there with --state, and recover. Where that folder is \
          lost, see for yourself; once no tool is in the work: {free}"
@@ -73,6 +73,10 @@ pub(crate) fn unknown(why: &str, iron: &Path, state: Option<&Path>) -> Refused {
 }
 
 /// What somebody types who has seen that no tool is in the work.
-pub(crate) fn free_by_hand(iron: &Path, machine: Option<&str>, state: Option<&Path>) -> String {
-    recovery(iron, machine, state) + " --tool-is-free"
+pub(crate) fn free_by_hand(
+    simulator: &Path,
+    machine: Option<&str>,
+    state: Option<&Path>,
+) -> String {
+    recovery(simulator, machine, state) + " --tool-is-free"
 }

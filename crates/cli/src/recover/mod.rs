@@ -20,7 +20,7 @@ pub(crate) fn command(args: &RecoverArgs) -> Result<bool, Refused> {
 
 fn options(args: &RecoverArgs) -> RecoveryOptions {
     RecoveryOptions {
-        socket: args.iron.clone(),
+        socket: args.simulator.clone(),
         machine: args.machine.clone().unwrap_or_else(|| DEFAULT_MACHINE.into()),
         state: args.state.clone(),
         dry_run: args.dry_run,

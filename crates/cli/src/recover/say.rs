@@ -94,8 +94,8 @@ fn go_on(args: &RecoverArgs, record: &SyncRecord) -> String {
         [] => typed::quoted(&record.place.program) + &advice::option_machine(record),
         command => typed::joined(command),
     };
-    let iron = typed::quoted(&args.iron.display().to_string());
-    format!("leadscrew run {job} --iron {iron}{state} --from {from}")
+    let simulator = typed::quoted(&args.simulator.display().to_string());
+    format!("leadscrew run {job} --simulator {simulator}{state} --from {from}")
 }
 
 pub(super) fn json(args: &RecoverArgs, answer: &Answer) -> String {
@@ -205,7 +205,11 @@ pub(super) fn text(args: &RecoverArgs, answer: &Answer) -> String {
         (_, Outcome::Refused) => {
             text += &format!(
                 "  help           see for yourself; once no tool is in the work: {}\n",
-                advice::free_by_hand(&args.iron, args.machine.as_deref(), args.state.as_deref())
+                advice::free_by_hand(
+                    &args.simulator,
+                    args.machine.as_deref(),
+                    args.state.as_deref()
+                )
             );
         }
         _ => {}

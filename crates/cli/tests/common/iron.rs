@@ -46,7 +46,7 @@ impl Iron {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("tools.toml"), tools()).unwrap();
         let mut process = Command::new(env!("CARGO_BIN_EXE_leadscrew"))
-            .args(["iron", "--listen"])
+            .args(["simulator", "--listen"])
             .arg(folder.path().join("iron"))
             .arg("--tools")
             .arg(folder.path().join("tools.toml"))
@@ -80,7 +80,7 @@ impl Iron {
         let mut arguments = vec![
             "run",
             file.to_str().unwrap(),
-            "--iron",
+            "--simulator",
             iron.to_str().unwrap(),
             "--state",
             state.to_str().unwrap(),
@@ -99,7 +99,7 @@ impl Iron {
         let (iron, state) = (self.path("iron"), self.path("state"));
         let mut arguments = vec![
             "recover",
-            "--iron",
+            "--simulator",
             iron.to_str().unwrap(),
             "--state",
             state.to_str().unwrap(),
@@ -116,12 +116,13 @@ impl Iron {
     pub(crate) fn recover_killed(&self) -> bool {
         let (iron, state) = (self.path("iron"), self.path("state"));
         let [iron, state] = [&iron, &state].map(|path| path.to_str().unwrap());
-        Self::leadscrew(&["recover", "--iron", iron, "--state", state]).status.code().is_none()
+        Self::leadscrew(&["recover", "--simulator", iron, "--state", state]).status.code().is_none()
     }
 
     /// How it is.
     pub(crate) fn status(&self) -> Value {
-        let output = Self::leadscrew(&["iron", "--status", self.path("iron").to_str().unwrap()]);
+        let output =
+            Self::leadscrew(&["simulator", "--status", self.path("iron").to_str().unwrap()]);
         serde_json::from_slice(&output.stdout).unwrap()
     }
 

@@ -1,9 +1,9 @@
 //! From the machine file's one description to what each crate asks for: the only place that knows all of them.
 //!
 //! ```text
-//!                      ┌─► simulator   sim::Config          the iron
+//!                      ┌─► simulator   sim::Config          the simulated machine
 //!   store::MachineFile ┼─► control     kernel::Config       the loops
-//!   canon::ToolLibrary ┼─► planner     plan::MachineLimits  what may be asked of the iron
+//!   canon::ToolLibrary ┼─► planner     plan::MachineLimits  what may be asked of the machine
 //!                      └─► judge       verify::Config       what was asked of the work
 //! ```
 mod control;

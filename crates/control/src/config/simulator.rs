@@ -1,4 +1,4 @@
-//! The iron: axes, spindles, magazine and workpiece for the simulator.
+//! The simulated machine: axes, spindles, magazine and workpiece for the simulator.
 use canon::{Flute, Holder, Position, Tool, ToolKind, ToolLibrary};
 use store::machine::{
     Axis, MachineFile, Material, Motor, PlantScatter, PositionFrom, Reaction, Spindle, TapSeat,

@@ -1,7 +1,7 @@
 //! What stops a run in the middle, and the way out of a thread after it.
 //!
 //! ```text
-//!   --fault, --operator ─► Script ─┬─► the iron fails, the operator orders
+//!   --fault, --operator ─► Script ─┬─► the machine fails, the operator orders
 //!                                  ▼
 //!   a tap in its thread ── runs down ── mended ─► kernel: back onto the coupling, out ─► end, or the remaining holes
 //!                              │
@@ -265,7 +265,7 @@ fn left_in(line: u32, plant: &Plant, surface: Length, by: &str) -> Option<String
     })
 }
 
-/// What is said of a tool that is left in the work of an iron.
+/// What is said of a tool that is left in the work of a machine simulator.
 fn left_to_recovery(kernel: &Kernel, plant: &Plant) -> Option<String> {
     let (line, by) = (kernel.report().line, "leadscrew recover");
     match (kernel.surface(), kernel.way_out()) {

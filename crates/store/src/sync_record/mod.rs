@@ -66,7 +66,7 @@ pub struct Place {
     pub line: u32,
     /// Which of the program's holes and threads, counted from 1 in the order in which they are cut.
     pub hole: u32,
-    /// What was typed behind `leadscrew run`, but for where the iron is and where to begin: all that is needed to go on.
+    /// What was typed behind `leadscrew run`, but for where the machine simulator is and where to begin: all that is needed to go on.
     pub command: Vec<String>,
 }
 

@@ -223,21 +223,21 @@ fn another_version_and_a_length_beyond_bounds_are_named() {
 #[test]
 fn an_iron_that_vanishes_has_no_ready_drive_and_time_goes_on() {
     let answers = [Message::Welcome(welcome()), Message::Observed(observed(1.000_25))];
-    let mut iron = Remote::connect(script(&answers), hello()).unwrap();
-    assert_eq!(iron.feedback(), observed(1.0).feedback);
-    assert_eq!(iron.exchange(&command()), observed(1.000_25).feedback);
-    assert!(iron.lost().is_none());
-    let after = iron.exchange(&command());
+    let mut simulator = Remote::connect(script(&answers), hello()).unwrap();
+    assert_eq!(simulator.feedback(), observed(1.0).feedback);
+    assert_eq!(simulator.exchange(&command()), observed(1.000_25).feedback);
+    assert!(simulator.lost().is_none());
+    let after = simulator.exchange(&command());
     assert!(!after.axes[2].ready && !after.spindles[0].ready);
     assert_eq!(after.axes[2].position, Length::mm(-151.25));
-    assert!(after.time > Time::s(1.000_25) && iron.lost().is_some());
+    assert!(after.time > Time::s(1.000_25) && simulator.lost().is_some());
 }
 
 #[test]
 fn a_refusal_is_handed_on() {
-    let no = [Message::Refused("the iron is a lathe".into())];
+    let no = [Message::Refused("the machine simulator is a lathe".into())];
     let refused = Remote::connect(script(&no), hello()).unwrap_err();
-    assert_eq!(refused.to_string(), "the iron is a lathe");
+    assert_eq!(refused.to_string(), "the machine simulator is a lathe");
 }
 
 proptest! {
