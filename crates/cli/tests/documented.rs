@@ -1,10 +1,14 @@
 //! What README and docs tell a reader to type does what they say: every shipped program is accepted by its machine in its
-//! dialect, and every command of the docs that runs one of them ends well.
+//! dialect, every fenced block of commands (`sh`, `console`) runs line by line with the exit code that it states, and so does
+//! every command in the text that runs a shipped program.
+//!
+//! A block that takes a network, a release build or minutes begins with a comment that a reader sees too:
+//! `# not run by the tests: WHY`. The real command line reads its options all the same (`args/documented.rs`).
 #![allow(clippy::unwrap_used)] // a test may panic
 #[allow(dead_code)] // commands are typed in a folder of their own here
 mod common;
 use common::{complained, root, said};
-use std::{fs, os::unix::fs::symlink, path::Path, process::Command};
+use std::{collections::BTreeSet, fs, os::unix::fs::symlink, path::Path, process::Command};
 
 /// What each shipped program has to be run with.
 const PROGRAMS: [(&str, &[&str]); 18] = [
@@ -62,57 +66,185 @@ fn every_shipped_program_is_in_order_on_its_machine_in_its_dialect() {
         assert_eq!(output.status.code(), Some(0), "{name}: {text}");
         shipped.retain(|s| s != name);
     }
-    assert!(shipped.is_empty(), "nobody says how these are run: {shipped:?}");
+    assert!(shipped.is_empty(), "not in the table of this test: {shipped:?}");
 }
 
-/// Commands in the text whose program is a shipped one; what is left out with `…` is not run.
-fn runnable(text: &str) -> Vec<String> {
-    let blocks = text.lines().filter_map(|line| line.trim_start().strip_prefix("leadscrew "));
-    let spans = text.lines().flat_map(|line| line.split('`').skip(1).step_by(2));
-    let spans = spans.filter_map(|span| span.strip_prefix("leadscrew "));
-    let commands = blocks.chain(spans).map(|c| c.split(" #").next().unwrap_or(c).trim().to_owned());
-    let concrete = |c: &String| {
-        let words: Vec<&str> = c.split_whitespace().collect();
-        // ten speeds of a polygon, each cut twice; every cam at every speed: they are read as commands only
-        let long = c.contains("--simulate") || words[0] == "compensation";
-        !long
-            && !c.contains('…')
-            && (words.iter().any(|word| word.starts_with("programs/"))
-                || matches!(words[0], "polygon" | "cam" | "compare") && words.len() > 1)
+/// README and the pages of `docs/`, by name: their texts.
+fn pages() -> Vec<(String, String)> {
+    let docs = fs::read_dir(root().join("docs")).unwrap().map(|entry| entry.unwrap().path());
+    let mut paths: Vec<_> =
+        docs.filter(|path| path.extension().is_some_and(|e| e == "md")).collect();
+    paths.extend(["README.md", "CONTRIBUTING.md"].map(|name| root().join(name)));
+    paths.sort();
+    let page = |path: &std::path::PathBuf| {
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        (name, fs::read_to_string(path).unwrap())
     };
-    commands.filter(concrete).collect()
+    paths.iter().map(page).collect()
+}
+
+/// A fenced block of commands.
+#[derive(Debug, PartialEq, Eq)]
+enum Block {
+    /// Each line with the exit code that it states, 0 if none.
+    Run(Vec<(String, i32)>),
+    /// Why it is not run.
+    NotRun(String),
+}
+
+/// The blocks of commands in a page; `Err`: what is wrong with one of them.
+fn blocks(text: &str) -> Result<Vec<Block>, String> {
+    let mut found = Vec::new();
+    let mut lines = text.lines();
+    while let Some(fence) = lines.next() {
+        let Some(language) = fence.trim_start().strip_prefix("```") else { continue };
+        let inside: Vec<&str> =
+            lines.by_ref().take_while(|line| !line.trim_start().starts_with("```")).collect();
+        if matches!(language.trim(), "sh" | "console") {
+            found.push(block(language.trim() == "console", &inside)?);
+        } else if matches!(language.trim(), "bash" | "shell" | "") {
+            return Err(format!("a block is `sh`, `console` or another language: ```{language}"));
+        }
+    }
+    Ok(found)
+}
+
+fn block(console: bool, lines: &[&str]) -> Result<Block, String> {
+    const MARK: &str = "# not run by the tests:";
+    if let Some(why) = lines.first().and_then(|line| line.strip_prefix(MARK)) {
+        let why = why.trim();
+        return if why.len() > 3 { Ok(Block::NotRun(why.into())) } else { Err("no reason".into()) };
+    }
+    let mut commands = Vec::new();
+    for line in lines.iter().map(|line| line.trim()).filter(|line| !line.is_empty()) {
+        let prompt = line.strip_prefix("$ ");
+        let line = match prompt {
+            Some(line) if console => line,
+            None if !console => line,
+            _ => {
+                return Err(format!(
+                    "a console's commands begin with `$ `, those of sh do not: {line}"
+                ));
+            }
+        };
+        let (command, remark) = line.split_once(" #").unwrap_or((line, ""));
+        let code = remark.split_once("exit code ").map_or(Ok(0), |(_, code)| {
+            code.split(|c: char| !c.is_ascii_digit()).next().unwrap_or_default().parse()
+        });
+        let code = code.map_err(|_| format!("which exit code? {line}"))?;
+        commands.push((command.trim().to_owned(), code));
+    }
+    if commands.is_empty() { Err("an empty block".into()) } else { Ok(Block::Run(commands)) }
+}
+
+/// As a script that stops at the first line with another exit code. A simulator in the background listens before it goes on.
+fn script(commands: &[(String, i32)]) -> String {
+    let mut script = String::from("trap 'kill $(jobs -p) 2>/dev/null; wait' EXIT\n");
+    for (command, code) in commands {
+        script += command;
+        script += "\n";
+        if command.ends_with('&') {
+            let words: Vec<&str> = command.split_whitespace().collect();
+            if let Some(at) = words.windows(2).find(|pair| pair[0] == "--listen") {
+                script += &format!(
+                    "for i in $(seq 200); do [ -S {0} ] && break; sleep 0.05; done\n",
+                    at[1]
+                );
+            }
+        } else {
+            script += &format!(
+                "code=$?; [ $code = {code} ] || {{ echo \"exit code $code instead of {code}\"; exit 99; }} >&2\n"
+            );
+        }
+    }
+    script
+}
+
+/// Run it in the folder, `leadscrew` being the one under test; `Err`: what it printed.
+fn shell(folder: &Path, commands: &[(String, i32)]) -> Result<(), String> {
+    let tools = tempfile::tempdir().unwrap();
+    symlink(env!("CARGO_BIN_EXE_leadscrew"), tools.path().join("leadscrew")).unwrap();
+    let path = format!("{}:{}", tools.path().display(), std::env::var("PATH").unwrap());
+    let mut command = Command::new("bash");
+    command.args(["-c", &script(commands)]).current_dir(folder);
+    command.env("PATH", path).env("NO_COLOR", "1").env("XDG_STATE_HOME", folder.join("state-home"));
+    let output = command.output().unwrap();
+    let text = || said(&output) + &complained(&output);
+    if output.status.success() { Ok(()) } else { Err(text()) }
+}
+
+/// Commands in the text of a page (`between backticks`) whose program is a shipped one; what is left out with `…` is not run.
+fn spans(text: &str) -> Vec<String> {
+    let fenced = text.split("\n```").step_by(2).flat_map(str::lines);
+    let spans = fenced.flat_map(|line| line.split('`').skip(1).step_by(2));
+    let spans = spans.filter(|span| span.starts_with("leadscrew "));
+    let concrete = |command: &str| {
+        let words: Vec<&str> = command.split_whitespace().skip(1).collect();
+        // ten speeds of a polygon, each cut twice; every cam at every speed: they are read as commands only
+        let long = command.contains("--simulate") || words.first() == Some(&"compensation");
+        !long
+            && !command.contains('…')
+            && (words.iter().any(|word| word.starts_with("programs/"))
+                || words.len() > 1 && matches!(words[0], "polygon" | "cam" | "compare"))
+    };
+    spans.filter(|command| concrete(command)).map(str::to_owned).collect()
 }
 
 #[test]
-fn every_command_of_readme_and_docs_on_a_shipped_program_does_its_work() {
+fn every_command_of_readme_and_docs_does_its_work() {
     let folder = shop();
-    let mut pages: Vec<_> = fs::read_dir(root().join("docs"))
-        .unwrap()
-        .map(|entry| entry.unwrap().path())
-        .filter(|path| path.extension().is_some_and(|e| e == "md"))
-        .collect();
-    pages.sort();
-    pages.push(root().join("README.md"));
-    let mut ran = 0;
-    for page in pages {
-        for command in runnable(&fs::read_to_string(&page).unwrap()) {
-            let words: Vec<String> = command
-                .split(['\'', '"'])
-                .enumerate()
-                .flat_map(|(at, part)| match at % 2 {
-                    1 => vec![part.to_owned()],
-                    _ => part.split_whitespace().map(str::to_owned).collect(),
-                })
-                .collect();
-            let words: Vec<&str> = words.iter().map(String::as_str).collect();
-            let output = typed(folder.path(), &words);
-            let text = said(&output) + &complained(&output);
-            // a stop that is shown is an alarm
-            let stopped = words.iter().any(|word| *word == "--fault" || *word == "--operator");
-            let good = output.status.success() || stopped && output.status.code() == Some(3);
-            assert!(good, "{}: leadscrew {command}: {text}", page.display());
-            ran += 1;
+    let (mut ran, mut wrong) = (BTreeSet::new(), Vec::new());
+    for (page, text) in pages() {
+        let blocks = blocks(&text).unwrap_or_else(|why| panic!("{page}: {why}"));
+        let blocks = blocks.into_iter().filter_map(|block| match block {
+            Block::Run(commands) => Some(commands),
+            Block::NotRun(_) => None,
+        });
+        // a stop that is shown in the text is an alarm
+        let stops = |command: &str| command.contains("--fault") || command.contains("--operator");
+        let spans = spans(&text).into_iter().map(|c| {
+            let code = if stops(&c) { 3 } else { 0 };
+            vec![(c, code)]
+        });
+        for commands in blocks.chain(spans) {
+            if ran.insert(commands.clone())
+                && let Err(printed) = shell(folder.path(), &commands)
+            {
+                wrong.push(format!("{page}: {commands:#?}\n{printed}"));
+            }
         }
     }
-    assert!(ran >= 3, "the commands were not found: {ran}");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+    assert!(ran.len() >= 10, "the commands were not found: {ran:?}");
+}
+
+#[test]
+fn a_block_is_run_line_by_line_or_says_why_not() {
+    let page = "a\n```sh\nleadscrew run a.ngc   # exit code 3\nb &\n```\n```console\n$ c\n```\n```gcode\nM2\n```\n\
+                ```sh\n# not run by the tests: it takes minutes\nd\n```\n";
+    let run = |line: &str, code| (line.to_owned(), code);
+    assert_eq!(
+        blocks(page).unwrap(),
+        [
+            Block::Run(vec![run("leadscrew run a.ngc", 3), run("b &", 0)]),
+            Block::Run(vec![run("c", 0)]),
+            Block::NotRun("it takes minutes".into()),
+        ]
+    );
+    for wrong in [
+        "```sh\n# not run by the tests:\nd\n```",
+        "```console\nd\n```",
+        "```sh\n$ d\n```",
+        "```bash\nd\n```",
+        "```sh\n```",
+        "```sh\nd # exit code many\n```",
+    ] {
+        assert!(blocks(wrong).is_err(), "{wrong}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    assert!(shell(folder.path(), &[run("false", 1), run("leadscrew codes > codes", 0)]).is_ok());
+    assert!(folder.path().join("codes").exists());
+    let wrong = shell(folder.path(), &[run("false", 0), run("touch on", 0)]);
+    assert!(wrong.unwrap_err().contains("exit code 1 instead of 0"));
+    assert!(!folder.path().join("on").exists(), "it went on");
 }

@@ -9,9 +9,13 @@ fn commands(text: &str) -> Vec<String> {
     let mut found = Vec::new();
     for line in text.lines() {
         let shown = line.trim_start().trim_start_matches("$ ");
-        if let Some(command) = shown.strip_prefix("leadscrew ") {
-            let end = command.find(" #").unwrap_or(command.len());
-            found.push(command[..end].trim().trim_end_matches(" &").to_owned());
+        let program = ["leadscrew ", "cargo run --release -- "];
+        for shown in shown.split(" && ") {
+            let command = program.iter().find_map(|name| shown.strip_prefix(name));
+            found.extend(command.map(|command| {
+                let end = command.find(" #").unwrap_or(command.len());
+                command[..end].trim().trim_end_matches(" &").to_owned()
+            }));
         }
         let spans = line.split('`').skip(1).step_by(2);
         found.extend(spans.filter_map(|s| s.strip_prefix("leadscrew ").map(str::to_owned)));
@@ -46,6 +50,8 @@ fn misread(command: &str) -> Option<String> {
             ErrorKind::MissingRequiredArgument
                 | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
                 | ErrorKind::MissingSubcommand
+                | ErrorKind::DisplayHelp
+                | ErrorKind::DisplayVersion
         )
     };
     let first = parsed(&[]).filter(|wrong| !lacks(wrong.kind()))?;
@@ -74,9 +80,10 @@ fn every_command_of_readme_and_docs_is_understood() {
 
 #[test]
 fn a_command_that_is_none_is_found() {
-    let text = "Type `leadscrew run part.ngc --no-such-thing` or\n\n    leadscrew time part.ngc --format json   # so\n";
+    let text = "Type `leadscrew run part.ngc --no-such-thing` or\n\n    leadscrew time part.ngc --format json   # so\n\
+                tools/setup && cargo run --release -- codes\n";
     let found = commands(text);
-    assert_eq!(found, ["run part.ngc --no-such-thing", "time part.ngc --format json"]);
+    assert_eq!(found, ["run part.ngc --no-such-thing", "time part.ngc --format json", "codes"]);
     assert!(misread(&found[0]).is_some() && misread(&found[1]).is_none());
     assert!(misread("run --fault 'power-cut at depth 8mm' --recover").is_none());
     assert!(misread("rum part.ngc").is_some());
