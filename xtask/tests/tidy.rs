@@ -60,13 +60,100 @@ fn nothing_is_left_open_in_the_code() {
 
 #[test]
 fn the_manuals_pages_and_the_programs_they_name_exist() {
-    for page in ["README.md", "docs/ARCHITECTURE.md", "docs/DESIGN.md"] {
+    for page in [
+        "README.md",
+        "CONTRIBUTING.md",
+        "docs/ARCHITECTURE.md",
+        "docs/DESIGN.md",
+        "docs/GLOSSARY.md",
+        "docs/commands.md",
+        "docs/conformance.md",
+        "docs/performance.md",
+    ] {
         let text = read(&root().join(page));
         let base = root().join(page);
         let base = base.parent().unwrap();
         for target in links(&text) {
             assert!(base.join(&target).exists(), "{page} links to {target}, which does not exist");
         }
+    }
+}
+
+/// Items of the code that ARCHITECTURE.md and GLOSSARY.md name stand in the file that their link leads to: `Type::function()`, `function()`,
+/// or `Type`.
+#[test]
+fn what_the_architecture_and_the_glossary_name_is_in_the_file_that_it_links_to() {
+    let doc = read(&root().join("docs/ARCHITECTURE.md"));
+    let glossary = read(&root().join("docs/GLOSSARY.md"));
+    let named = [named_items(&doc), named_items(&glossary)].concat();
+    let wrong: Vec<_> = named
+        .iter()
+        .filter(|(item, file)| {
+            let file = root().join("docs").join(file);
+            !file.is_file() || !has(&read(&file), item)
+        })
+        .collect();
+    assert!(wrong.is_empty(), "not in the linked file: {wrong:#?}");
+    let life = doc.split("## The life of a G84").nth(1).and_then(|s| s.split("\n## ").next());
+    let steps = split_steps(life.unwrap());
+    assert_eq!(steps.len(), 9, "the life of a G84 has nine steps");
+    for step in steps {
+        let calls = named_items(&step).iter().any(|(item, _)| item.ends_with("()"));
+        assert!(calls, "a step without a function: {step}");
+    }
+}
+
+#[test]
+fn an_item_that_is_not_in_its_file_is_found() {
+    let text = "pub struct Kernel {}\nimpl Kernel {\n    pub fn tick(&mut self) {}\n}\n";
+    assert!(has(text, "Kernel::tick()") && has(text, "tick()") && has(text, "Kernel"));
+    assert!(!has(text, "Kernel::tock()") && !has(text, "Servo::tick()") && !has(text, "Servo"));
+}
+
+/// The numbered steps of a list, each with its further lines.
+fn split_steps(text: &str) -> Vec<String> {
+    let mut steps: Vec<String> = Vec::new();
+    for line in text.lines() {
+        let starts = line.split_once(". **").is_some_and(|(n, _)| n.parse::<u32>().is_ok());
+        match steps.last_mut() {
+            _ if starts => steps.push(line.to_owned()),
+            Some(step) => *step += &format!("\n{line}"),
+            None => {}
+        }
+    }
+    steps
+}
+
+/// `[`item`](file.rs)`: items and files.
+fn named_items(text: &str) -> Vec<(String, String)> {
+    let links = text
+        .split("[`")
+        .skip(1)
+        .filter_map(|rest| rest.split_once("`]("))
+        .filter_map(|(item, rest)| Some((item.to_owned(), rest.split(')').next()?.to_owned())));
+    let is_item = |item: &str| item.ends_with("()") || item.starts_with(char::is_uppercase);
+    links.filter(|(item, file)| file.ends_with(".rs") && is_item(item)).collect()
+}
+
+/// Whether a source has the item: the function, and the type before it.
+fn has(source: &str, item: &str) -> bool {
+    let words = |kind: &str, name: &str| {
+        let words = format!("{kind} {name}");
+        source.match_indices(&words).any(|(at, whole)| {
+            let after = source[at + whole.len()..].chars().next();
+            !after.is_some_and(|c| c.is_alphanumeric() || c == '_')
+        })
+    };
+    let is_type = |name: &str| {
+        let kinds = ["struct", "enum", "trait", "type", "const", "static", "impl", "for"];
+        kinds.iter().any(|kind| words(kind, name))
+    };
+    match item.strip_suffix("()") {
+        None => is_type(item),
+        Some(path) => match path.rsplit_once("::") {
+            None => words("fn", path),
+            Some((ty, function)) => words("fn", function) && is_type(ty),
+        },
     }
 }
 
