@@ -52,7 +52,7 @@ impl lsp::Host for Machines {
 /// The preflight of `check`, in a thread of its own: an editor that asks meanwhile is answered.
 struct Running {
     answer: Receiver<Result<Vec<Diagnostic>, String>>,
-    /// Nobody wants to know any more.
+    /// The editor has cancelled the request.
     stop: Arc<AtomicBool>,
 }
 

@@ -83,7 +83,7 @@ fn main() -> ExitCode {
 
 /// A command line that is none, or that asks for help: as clap has it, and in JSON where that is asked for.
 fn misread(wrong: &clap::Error) -> ExitCode {
-    let _ = wrong.print(); // nobody reads standard error
+    let _ = wrong.print(); // standard error is closed
     let refused = wrong.use_stderr();
     if refused && args::asks_for_json(std::env::args()) {
         let text = wrong.render().to_string();

@@ -1,4 +1,4 @@
-//! How far a command has come, on standard error, while somebody looks on.
+//! How far a command has come, on standard error, where that is a terminal.
 //!
 //! ```text
 //!   terminal             a bar, from the first tenth of a second on: nothing seems to hang

@@ -112,7 +112,7 @@ fn clock(outcome: &Outcome) -> String {
     format!("{seconds:.1} s ({} min {:04.1} s)", (seconds / 60.0) as u64, seconds % 60.0)
 }
 
-/// Drives that could not give what was asked of them: whoever reads a bad thread must know.
+/// Drives that could not give what was asked of them: they explain a bad thread.
 fn saturation(outcome: &Outcome) -> String {
     let limited: Vec<_> = outcome
         .features

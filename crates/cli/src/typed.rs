@@ -1,4 +1,4 @@
-//! What was typed behind `leadscrew run`, kept so that whoever takes a tool out can be told the whole command that goes on.
+//! What was typed behind `leadscrew run`, kept so that the recovery can print the whole command that goes on.
 //!
 //! Where the machine simulator is, where its state is kept, where to begin and what the operator ordered belong to one run; everything else (machine, tools,
 //! dialect, cams, parameters, learning, papers) belongs to the job.

@@ -30,7 +30,7 @@ impl Plant {
         Self::Inside(Box::new(Faulty::new(machine, &[], seed)))
     }
 
-    /// Holes that somebody tapped and nobody drilled, as far as is known.
+    /// Holes that were tapped and, as far as is known, not drilled.
     pub fn assumed_holes(&self) -> usize {
         match self {
             Self::Inside(machine) => {
@@ -47,7 +47,7 @@ impl Plant {
         }
     }
 
-    /// The control is gone: nobody should tick.
+    /// The control is gone: the kernel must not tick.
     pub fn is_abandoned(&self) -> bool {
         matches!(self, Self::Inside(machine) if machine.is_abandoned())
     }

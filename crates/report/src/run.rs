@@ -39,7 +39,7 @@ pub struct Run {
     pub limiting: BTreeMap<u32, String>,
     /// Stops in a thread, and the ways out.
     pub stops: Vec<crate::ThreadStop>,
-    /// How long it was planned to move; `None`: nobody has asked.
+    /// How long it was planned to move; `None`: the planner was not asked.
     pub motion: Option<Motion>,
     /// The program's text, for the listing; empty: there is none.
     pub listing: Vec<u8>,

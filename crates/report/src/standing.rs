@@ -9,7 +9,7 @@ pub enum Standing {
     Bad,
     /// The tool has not been in the material.
     NotCut,
-    /// Nobody measured what it would have to be judged by.
+    /// What it would have to be judged by was not measured.
     NotJudged,
     /// Within every tolerance.
     Good,

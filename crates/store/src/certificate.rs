@@ -144,7 +144,7 @@ pub enum Verdict {
     Pass,
     /// Not.
     Fail,
-    /// Nobody could measure it.
+    /// It could not be measured.
     #[default]
     #[serde(rename = "not judged")]
     NotJudged,
@@ -206,7 +206,7 @@ pub struct Thread {
     pub lead_mm: Measured,
     /// Depth of full thread.
     pub depth_mm: Measured,
-    /// That depth less the programmed one.
+    /// Depth of the tap's tip less the programmed one.
     pub depth_error_um: Measured,
     /// Fastest that the spindle turned.
     pub rpm_max: Measured,

@@ -1,7 +1,7 @@
 //! What can go wrong with a file, each in one sentence that names the file.
 //!
 //! Two kinds: the file system refuses (missing, forbidden, full), or the content does. The second
-//! keeps the text and every [`Diagnostic`], so that whoever shows it can draw the carets.
+//! keeps the text and every [`Diagnostic`], so that the renderer can draw the carets.
 use diag::Diagnostic;
 use std::{
     fmt, io,

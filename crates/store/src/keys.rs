@@ -3,7 +3,7 @@
 //! Deriving a deserialiser stops at the first mistake. Here the document is first parsed as it stands,
 //! with the place of every value; then the reader asks for each key by name and bounds. A key that is
 //! missing, of the wrong type or out of bounds is noted and answered with a harmless value, and reading
-//! goes on; a key that nobody asked for is unknown, and its nearest neighbour in spelling is offered.
+//! goes on; a key that no reader asked for is unknown, and its nearest neighbour in spelling is offered.
 //! Only if nothing was noted does the caller get what was read.
 //!
 //! | code | what was found |
@@ -456,7 +456,7 @@ impl<'d> Keys<'d> {
         }
     }
 
-    /// Note the keys that nobody asked for.
+    /// Note the keys that no reader asked for.
     fn finish(self) {
         for key in self.table.keys() {
             let name: &str = key.get_ref();

@@ -19,7 +19,7 @@
 //! ```
 //!
 //! The file is written beside its name and renamed: a reader finds the old table or the new one. What is known of a
-//! machine that has been changed since is refused, since it would be compensated with somebody else's lag.
+//! machine that has been changed since is refused, since it would be compensated with another machine's lag.
 use crate::{Error, SMALL_FILE_LIMIT, learning::mark, output, read_text, text::Lines};
 use diag::Diagnostic;
 use serde::{Deserialize, Serialize};

@@ -33,7 +33,7 @@ pub fn read_bytes(path: &Path, what: &'static str, limit: u64) -> Result<Vec<u8>
     read_stream(file, path, what, limit)
 }
 
-/// Whether nobody may ever write to it. One that a process holds open, such as a shell's `<(…)`, has its writer.
+/// Whether no process may ever write to it. One that a process holds open, such as a shell's `<(…)`, has its writer.
 #[cfg(unix)]
 fn is_named_pipe(path: &Path) -> bool {
     use std::os::unix::fs::FileTypeExt;

@@ -17,7 +17,8 @@ pub struct Config {
     /// What is cut, for the torque a sharp tap would need; `None`: no expectation.
     pub material: Option<Material>,
     /// The stock as it is clamped. Depths count from it, by the length of the tool that is really in the spindle; without
-    /// it nobody knows what was cut, and holes and threads are not judged.
+    /// it what was cut is not known, and holes and threads are not judged. Its zero is that of the work offset G54, in which
+    /// messages give places.
     pub stock: Option<Stock>,
     /// Machine coordinates, X and Y, of the axis about which the work turns.
     pub work_axis: [Length; 2],

@@ -50,7 +50,7 @@ impl Stock {
     }
 }
 
-/// Nobody said where the stock is.
+/// The configuration does not state where the stock is.
 pub(crate) const NO_STOCK: &str =
     "where the material is was not known: state [setup.stock] in the machine's file";
 

@@ -50,8 +50,8 @@ impl Feature {
         }
     }
 
-    /// Whether there is something that could be measured: a hole that was there before its drill came is, and of what nobody
-    /// knows it is taken to be.
+    /// Whether there is something that could be measured: a hole that was there before its drill came is, and where it
+    /// is not known it is taken to be.
     pub fn is_there(&self) -> bool {
         self.verdict.is_pass() || self.contact.reach.is_none() || self.contact.is_cut()
     }
@@ -92,7 +92,7 @@ pub enum Verdict {
         /// One sentence with the numbers: everything that is wrong, gravest first.
         reason: String,
     },
-    /// Nothing is known to be wrong, and nobody can say that it is right.
+    /// Nothing is known to be wrong, and the judge lacks what it would need to find it right.
     NotJudged {
         /// What could not be judged, and why.
         reason: String,

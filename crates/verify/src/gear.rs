@@ -228,7 +228,7 @@ impl GearTrack {
         }
     }
 
-    /// How far the hob's teeth went into the blank; nobody simulates what hobbing takes.
+    /// How far the hob's teeth went into the blank; what hobbing takes is not simulated.
     fn contact(&self, config: &Config) -> Contact {
         let reach = |radius: Length| {
             let axis = config.work_axis[0].value();

@@ -130,7 +130,7 @@ impl HoleTrack {
         Some((Feature { op, line, tool, time, duration, verdict, contact, kind }, drilled))
     }
 
-    /// The evidence of contact; nobody simulates what an end mill takes.
+    /// The evidence of contact; what an end mill takes is not simulated.
     fn contact(&self, tool: Option<&Tool>) -> Contact {
         let known = self.visit.contact(&self.stroke);
         match tool.map(|tool| &tool.kind) {

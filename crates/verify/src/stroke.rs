@@ -137,7 +137,7 @@ impl Stroke {
         }
     }
 
-    /// Why nobody can say whether the tool was in the material.
+    /// Why it is not known whether the tool was in the material.
     pub(crate) fn not_judged(&self) -> Option<String> {
         if self.in_stock.is_some() {
             return None;

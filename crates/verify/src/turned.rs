@@ -11,7 +11,7 @@
 //!
 //! A thread whose lead is not the same everywhere (G34, chains of blocks) has no limits of size; what it asks for is its program: it is
 //! judged by contact, helix and infeed, and its diameters are named as not judged. A straight thread of one lead that is none of a standard, a
-//! taper, a thread in a face, and one on work that is no bar are *not judged*: nobody knows what they must fit.
+//! taper, a thread in a face, and one on work that is no bar are *not judged*: no standard here says what they must fit.
 //!
 //! Each pass is judged against the helix that its own block orders: where the thread's stretch starts, the spindle has
 //! turned so far from the start angle.

@@ -199,7 +199,7 @@ subprograms, definitions, renaming and formatting. An editor starts it; see docs
 }
 
 impl Command {
-    /// Whether whoever asked reads JSON: then a refusal is JSON, too.
+    /// Whether the caller reads JSON: then a refusal is JSON, too.
     pub(crate) fn answers_in_json(&self) -> bool {
         match self {
             Self::Run(args) => args.format == Format::Json,

@@ -118,7 +118,7 @@ impl SimulatorProcess {
         })
     }
 
-    /// What it says when somebody comes.
+    /// What it says when a control connects.
     pub(super) fn welcome(&mut self) -> Welcome {
         self.sessions += 1;
         (self.off_helix, self.force_n) = (Length::ZERO, 0.0);
@@ -169,7 +169,7 @@ impl SimulatorProcess {
         Ok(())
     }
 
-    /// Somebody has seen that no tool is in the work.
+    /// The operator has seen that no tool is in the work.
     pub(super) const fn tool_is_free(&mut self) {
         self.retained.tool_is_free();
     }

@@ -75,7 +75,7 @@ impl Retained {
         }
     }
 
-    /// Somebody has seen that no tool is in the work.
+    /// The operator has seen that no tool is in the work.
     pub(super) const fn tool_is_free(&mut self) {
         self.evidence.in_work = None;
     }

@@ -8,10 +8,10 @@ use std::path::Path;
 use std::time::Duration;
 use wire::{Error, Message, Order, Port};
 
-/// How long somebody who connects may take to say what he wants.
+/// How long a client that connects may take to state what it wants.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// Listen until somebody says that it is enough.
+/// Listen until a client orders the end.
 pub(super) fn serve(mut simulator: SimulatorProcess, path: &Path) -> Result<(), Refused> {
     let listener = listen(path)?;
     say::out(&format!("listening at {}: {}\n", path.display(), simulator.who()))?;
@@ -35,7 +35,7 @@ enum After {
     Quit,
 }
 
-/// A socket of that name, in place of one that nobody listens at any more.
+/// A socket of that name, in place of one at which no process listens any more.
 fn listen(path: &Path) -> Result<UnixListener, Refused> {
     let failed = |e| Refused::because(format!("cannot listen at {}: {e}", path.display()));
     match UnixListener::bind(path) {
@@ -101,7 +101,7 @@ fn session(simulator: &mut SimulatorProcess, stream: UnixStream) -> Result<After
     }
     simulator.leave_alone(if matches!(ended, Ok(())) { Alone::Power } else { Alone::Link });
     match ended {
-        // the whole cabinet is dark: nobody is told
+        // the whole cabinet is dark: no message is sent
         Ok(()) => Ok(After::Next),
         Err(Error::Gone(e)) if e.kind() == std::io::ErrorKind::UnexpectedEof => Ok(After::Next),
         Err(Error::Gone(e)) if e.kind() == std::io::ErrorKind::ConnectionReset => Ok(After::Next),
@@ -127,7 +127,7 @@ fn command(simulator: &mut SimulatorProcess, message: &Message) -> Result<bus::C
     }
 }
 
-/// Kill the control as nobody can prevent; what the drives see of it.
+/// Kill the control without warning; what the drives see of it.
 fn kill(control: u32) -> Result<(), Error> {
     let pid = control.to_string();
     let killed =
@@ -155,7 +155,7 @@ fn in_lock_step(
     }
 }
 
-/// Time waits for nobody: what comes too late acts a period later.
+/// Time does not wait for the control: what comes too late acts a period later.
 fn in_real_time(
     simulator: &mut SimulatorProcess,
     port: &mut Port<UnixStream>,

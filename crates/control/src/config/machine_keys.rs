@@ -1,5 +1,5 @@
 //! Every key of every embedded machine does something: changed, it changes what control, planner, simulated plant, judge or
-//! interpreter is told. A key that is read and then forgotten is a promise that nobody keeps.
+//! interpreter is told. A key that is read and then forgotten changes nothing.
 use crate::job::options::ProgramOptions;
 use crate::job::Session;
 use crate::config;
@@ -146,7 +146,7 @@ fn met(machine: &MachineFile, text: &str, file: &Path) -> Option<u64> {
     Some(hash.finish())
 }
 
-/// Whether a change of the text is told to anybody; `None` where it is refused.
+/// Whether a change of the text reaches any component; `None` where it is refused.
 fn is_told(before: &MachineFile, text: &str, file: &Path) -> Option<bool> {
     let after = parse(text, 0).ok()?;
     if wired(before) != wired(&after) {

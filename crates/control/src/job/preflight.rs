@@ -214,7 +214,7 @@ fn telling(
     tell(found, furthest)
 }
 
-/// Operations between two tellings, and between two looks whether anybody still wants to know.
+/// Operations between two tellings, and between two looks whether the check has been cancelled.
 const OFTEN: u32 = 1 << 14;
 
 /// Of a program that does not end.

@@ -42,7 +42,7 @@ impl TraceThread {
                     writer.push(sample)?;
                 }
                 batch.clear();
-                // nobody waits for empty batches once the run is over
+                // the run is over and its end of the channel closed: empty batches are not needed
                 let _ = give_back.send(batch);
             }
             writer.finish()

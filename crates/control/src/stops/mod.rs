@@ -26,7 +26,7 @@ use sync::recovery::{Mover, Point, Seat, Way};
 use units::{Angle, Length, Spin, Stiffness, Time};
 use verify::{FeatureKind, Judge};
 
-/// Whatever was switched off stands by then: somebody switches it on again.
+/// Whatever was switched off stands by then: the operator switches it on again.
 const RUN_DOWN: Time = Time::s(10.0);
 
 /// What comes after a tool has been taken out.
@@ -257,7 +257,7 @@ impl Stops {
     }
 }
 
-/// What is said of a tap that nobody takes out.
+/// What is said of a tap that is not taken out.
 fn left_in(line: u32, plant: &Plant, surface: Length, by: &str) -> Option<String> {
     let depth = (surface - plant.feedback().axes[2].position).value();
     (depth > 0.0).then(|| {

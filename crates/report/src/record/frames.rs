@@ -58,7 +58,7 @@ impl Frames {
         }
     }
 
-    /// The frame of an operation; `None`: nobody has said.
+    /// The frame of an operation; `None`: the interpreter has not reported one.
     pub(crate) fn of(&self, op: u32) -> Option<&ProgramFrame> {
         let after = self.changes.partition_point(|(from, _)| *from <= op);
         let (_, number) = self.changes.get(after.checked_sub(1)?)?;

@@ -116,8 +116,8 @@ impl Recorder {
         self.frames.put(index, frame);
     }
 
-    /// Zero of the work offset in which an operation was programmed, in machine coordinates; `None`: nobody has said, or it
-    /// is turned.
+    /// Zero of the work offset in which an operation was programmed, in machine coordinates; `None`: the interpreter
+    /// has not reported one, or it is turned.
     pub fn zero_of(&self, op: u32) -> Option<canon::Position> {
         self.frames.of(op).filter(|frame| frame.work_offset > 0).and_then(frames::zero)
     }

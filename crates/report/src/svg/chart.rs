@@ -210,7 +210,7 @@ impl Chart {
     pub(crate) fn line(&mut self, stroke: Stroke, points: &[(f64, f64)], label: Option<&str>) {
         let data = path_data(points.iter().map(|&p| self.place(p)));
         if data.matches(' ').count() == 1 {
-            // a line of one point is a dot: else the legend names what nobody sees
+            // a line of one point is a dot: else the legend names a line that is not visible
             let class = format!("{} dot", stroke.class());
             self.body += &Tag::new("path").class(&class).with("d", &(data + "h0")).empty();
             self.legend.extend(label.map(|label| (stroke.class(), label.into())));

@@ -35,7 +35,7 @@ pub struct Axis {
     pub jerk_feed: Jerk,
     /// Largest jerk on rapids; may be infinite.
     pub jerk_rapid: Jerk,
-    /// Limits of what nobody planned.
+    /// Limits of motion that is not planned.
     pub gentle: Gentle,
     /// What it moves: table, column or ram.
     pub moving_mass: Mass,
@@ -57,7 +57,7 @@ pub struct Axis {
     pub errors: AxisErrors,
 }
 
-/// Limits of small moves and of stops that nobody planned.
+/// Limits of small moves and of stops that are not planned.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gentle {
     /// Speed.

@@ -1,6 +1,6 @@
 //! What a machine really is, as far as it differs from what its file says and its control believes.
 //!
-//! Two kinds: what nobody knows, drawn from the seed within `[simulation.plant]`, and errors that are stated to see what they do,
+//! Two kinds: what is not known, drawn from the seed within `[simulation.plant]`, and errors that are stated to see what they do,
 //! in `[axes.x.errors]` and `[spindles.errors]`. The simulated plant alone reads either; the control is never told.
 //!
 //! | key | what it is |

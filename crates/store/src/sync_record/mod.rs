@@ -3,7 +3,7 @@
 //!
 //! ```text
 //!   (θ, z) plane          z(θ) = z₀ + H·(θ − θ₀)          written before the tap touches the work,
-//!      PS ●  θ₀, z₀                                       read by whoever comes after:
+//!      PS ●  θ₀, z₀                                       read by the next start:
 //!          ╲                                              encoders + record = where on the line
 //!        PE ● bottom                                      the tap stands, and the way back
 //!

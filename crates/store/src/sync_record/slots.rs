@@ -7,7 +7,7 @@
 //!                                                       fsync the folder
 //! ```
 //!
-//! A kill at any byte leaves the file `sync-record.new` in pieces, which nobody reads, and both generations as
+//! A kill at any byte leaves the file `sync-record.new` in pieces, which is never read, and both generations as
 //! they were. What is torn or changed in a generation has therefore been damaged otherwise. Of two whole ones the
 //! newer counts. If one is damaged, the other is believed where it says that a tap is in the work: the damaged one
 //! can then only be older, or say the same, or say that the tap is out, which the encoders show. Where it says that nothing is in
@@ -171,7 +171,7 @@ impl<D: Disk> Slots<D> {
         Ok((Self { disk, generation }, Kept { record: Some(record), beside }))
     }
 
-    /// Forget what is there, whatever it is: somebody has seen to it that no tap is in the work.
+    /// Forget what is there, whatever it is: the operator has seen to it that no tap is in the work.
     ///
     /// # Errors
     /// When the disk refuses.
@@ -242,7 +242,7 @@ fn choose(a: Slot, b: Slot) -> Result<(Option<(SyncRecord, u64)>, Option<Untrust
         },
         (Some(Ok(whole)), Some(Err(why))) | (Some(Err(why)), Some(Ok(whole))) => {
             match (whole.0.stage, &why) {
-                // a generation in the wrong place has been put there by somebody
+                // a generation in the wrong place has been put there by hand
                 (_, Untrusted::Swapped { .. }) => Err(why),
                 (Stage::Inward | Stage::Outward, _) => Ok((Some(whole), Some(why))),
                 (Stage::Out | Stage::Recovered, _) => Err(Untrusted::Unsure(Box::new(why))),

@@ -25,13 +25,13 @@ use std::{
 };
 use units::{Angle, Time};
 
-/// Writes a trace. It may move between threads; whoever has it may push.
+/// Writes a trace. It may move between threads; the thread that has it may push.
 pub struct Writer {
     path: PathBuf,
     file: SerializedFileWriter<File>,
     columns: Columns,
     rows: Rows,
-    /// Time and spindle angles of the sample before, for speeds that nobody else tells.
+    /// Time and spindle angles of the sample before, for speeds that the sample itself does not hold.
     before: Option<(Time, [Angle; bus::SPINDLES])>,
 }
 

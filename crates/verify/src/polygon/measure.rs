@@ -285,7 +285,7 @@ impl Part<'_> {
         x - self.ordered.polygon.zero.linear[0].value() - self.cutter.radius.value()
     }
 
-    /// How far the inserts went into the bar; nobody simulates what turning polygons takes.
+    /// How far the inserts went into the bar; what turning polygons takes is not simulated.
     fn reach(&self, radius: Length) -> Length {
         let least = self.passes.iter().map(Pass::closest_mm).fold(f64::INFINITY, f64::min);
         Length::mm((radius.value() - least).max(0.0))

@@ -59,7 +59,7 @@ pub struct TurnedThread {
     pub before: Option<Length>,
     /// The insert, and where its form was taken from.
     pub insert: String,
-    /// Share of the ordered length in which the point was in the material, in the pass that cut most; `None` where nobody knows.
+    /// Share of the ordered length in which the point was in the material, in the pass that cut most; `None` where it is not known.
     pub contact: Option<f64>,
     /// Deepest that the point was below the bar or bore, radial; negative: it passed it by so much.
     pub groove_depth: Option<Length>,

@@ -59,7 +59,7 @@ fn judged(error: impl Fn(usize, f64) -> f64) -> TurnedThread {
     let features = judge.finish();
     let [feature] = &features[..] else { panic!("{features:?}") };
     let FeatureKind::Turned(thread) = &feature.kind else { panic!("{feature:?}") };
-    // without a bar nobody can say that it is good, but that it is bad
+    // without a bar the judge cannot find it good, but it can find it bad
     let expected = if thread.sync_error_max < Length::um(10.0) { "not judged" } else { "fail" };
     assert_eq!(feature.verdict.name(), expected, "{:?}", feature.verdict);
     (**thread).clone()

@@ -1,4 +1,4 @@
-//! What is wrong with a turned thread, gravest first, and what nobody can judge of it.
+//! What is wrong with a turned thread, gravest first, and what cannot be judged of it.
 use super::feature::TurnedThread;
 use super::inspection::Inspected;
 use super::law::Law;
@@ -17,7 +17,7 @@ const NEAR: Length = Length::um(1.0);
 /// Width of the Go gauge's crest, in pitches: outside, and inside (ISO 1502, basic profile of ISO 68-1).
 const GO_CREST: [f64; 2] = [0.25, 0.125];
 
-/// Everything that is wrong; else what makes the thread one that nobody can judge.
+/// Everything that is wrong; else what makes the thread one that cannot be judged.
 pub(super) fn of(
     found: &TurnedThread,
     law: Option<&Law<'_>>,
