@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Legends are HTML, below the drawing: there their words wrap on a phone.
-use super::{Tag, escape, fixed, path_data, plain, powers, ticks};
+use super::{Range, Stroke, Tag, escape, path_data};
 use std::fmt::Write as _;
 
 /// Room for tick labels and titles around the plot, picture units.
@@ -16,113 +16,6 @@ const LEFT: f64 = 66.0;
 const RIGHT: f64 = 14.0;
 const TOP: f64 = 12.0;
 const BOTTOM: f64 = 44.0;
-
-/// How a line looks; the style sheet says what that is in light, dark and print.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Stroke {
-    /// On the way in.
-    In,
-    /// On the way out.
-    Out,
-    /// What should be.
-    Ideal,
-    /// What was commanded or is the main quantity.
-    Main,
-    /// A second quantity beside the main one.
-    Second,
-    /// What the machine can.
-    Capability,
-    /// A limit that warns.
-    Warn,
-    /// A limit that stops.
-    Stop,
-    /// A share of the tolerance.
-    Share,
-    /// A rapid move.
-    Rapid,
-    /// A cutting move.
-    Feed,
-    /// Where a quantity is zero.
-    Zero,
-    /// A direction of the machine.
-    Axis,
-}
-
-impl Stroke {
-    /// Its class in the style sheet.
-    pub(crate) const fn class(self) -> &'static str {
-        match self {
-            Self::In => "line in",
-            Self::Out => "line out",
-            Self::Ideal => "line ideal",
-            Self::Main => "line main",
-            Self::Second => "line second",
-            Self::Capability => "line capability",
-            Self::Warn => "line warn",
-            Self::Stop => "line stop",
-            Self::Share => "line share",
-            Self::Rapid => "line rapid",
-            Self::Feed => "line feed",
-            Self::Zero => "line zero",
-            Self::Axis => "line axes",
-        }
-    }
-}
-
-/// What an axis shows.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Range {
-    /// Title with unit.
-    pub(crate) title: String,
-    /// Value at its left or lower end.
-    pub(crate) from: f64,
-    /// Value at its right or upper end.
-    pub(crate) to: f64,
-    /// The values are powers of ten: ticks stand at 1, 2, 5 and 10, and so are labelled.
-    pub(crate) powers: bool,
-}
-
-impl Range {
-    /// The range of some values; those that are no numbers are passed over, and without any it is 0 to 1.
-    pub(crate) fn of(title: &str, values: impl IntoIterator<Item = f64>) -> Self {
-        let finite = values.into_iter().filter(|v| v.is_finite());
-        let (from, to) =
-            finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
-        let (from, to) = if from <= to { (from, to) } else { (0.0, 1.0) };
-        let (from, to) = if to - from > 1e-9 { (from, to) } else { (from - 0.5, to + 0.5) };
-        Self { title: title.into(), from, to, powers: false }
-    }
-
-    /// The same, its values being the logarithms of what is shown.
-    pub(crate) const fn powers_of_ten(mut self) -> Self {
-        self.powers = true;
-        self
-    }
-
-    /// Where its ticks stand, and their labels.
-    fn labels(&self, at_most: usize) -> Vec<(f64, String)> {
-        if self.powers {
-            return powers(self.from, self.to, at_most)
-                .into_iter()
-                .map(|value| (value.log10(), plain(value)))
-                .collect();
-        }
-        let found = ticks(self.from, self.to, at_most);
-        found.values.iter().map(|value| (*value, fixed(*value, found.decimals))).collect()
-    }
-
-    /// With a share of its span added at each end.
-    pub(crate) fn padded(mut self, share: f64) -> Self {
-        let more = (self.to - self.from) * share;
-        self.from -= more;
-        self.to += more;
-        self
-    }
-
-    fn span(&self) -> f64 {
-        self.to - self.from
-    }
-}
 
 /// A sign at a point.
 pub(crate) struct Mark<'a> {
@@ -482,24 +375,5 @@ mod tests {
         let mut chart = Chart::new("", "", range(), range(), 120.0);
         chart.line(Stroke::Main, &[(0.5, 0.5)], Some("one"));
         assert!(chart.finish("e").contains("h0\""), "it is to be seen");
-    }
-
-    #[test]
-    fn a_logarithmic_axis_is_labelled_with_plain_numbers() {
-        let labels = |from: f64, to: f64| -> Vec<String> {
-            let range = Range::of("", [from.log10(), to.log10()]).powers_of_ten();
-            range.labels(9).into_iter().map(|(_, text)| text).collect()
-        };
-        assert_eq!(labels(0.2, 20.0), ["0.2", "0.5", "1", "2", "5", "10", "20"]);
-        assert_eq!(labels(0.01, 1000.0), ["0.01", "0.1", "1", "10", "100", "1000"]);
-        assert_eq!(labels(3.0, 4.0), ["3", "3.2", "3.4", "3.6", "3.8", "4"]);
-    }
-
-    #[test]
-    fn the_range_of_nothing_or_of_one_value_is_still_a_range() {
-        for values in [vec![], vec![f64::NAN], vec![7.0], vec![7.0, 7.0]] {
-            let range = Range::of("", values.clone());
-            assert!(range.to > range.from, "{values:?}");
-        }
     }
 }

@@ -12,10 +12,14 @@
 
 mod chart;
 mod path;
+mod range;
+mod stroke;
 mod text;
 mod ticks;
 
-pub(crate) use chart::{Chart, Linked, Mark, Range, Stroke};
+pub(crate) use chart::{Chart, Linked, Mark};
 pub(crate) use path::{path_data, thinned};
+pub(crate) use range::Range;
+pub(crate) use stroke::Stroke;
 pub(crate) use text::{Tag, coordinate, escape, fixed};
 pub(crate) use ticks::{plain, powers, ticks};
