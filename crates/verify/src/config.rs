@@ -1,6 +1,6 @@
 //! What the judge is told beforehand: the tools, what was asked of the workpiece, the material.
 use crate::{Bar, Stock, ThreadClass};
-use canon::{CamLibrary, Flute, Position, ToolLibrary};
+use canon::{CamLibrary, Flute, ToolLibrary};
 use units::{Angle, Length, Torque};
 
 /// What to judge by.
@@ -33,8 +33,6 @@ pub struct Config {
     pub flank_angle_allowance: Length,
     /// Taps were synchronised with the spindle, so that it can be asked where their threads start.
     pub synchronised: bool,
-    /// Zero of the work offset G54 in machine coordinates: places are said in it.
-    pub work_zero: Option<Position>,
 }
 
 impl Config {
@@ -54,7 +52,6 @@ impl Config {
             flank_clearance: Length::ZERO,
             flank_angle_allowance: Length::ZERO,
             synchronised: true,
-            work_zero: None,
         }
     }
 }

@@ -20,7 +20,6 @@ pub fn judge(
         }),
         work_axis: [zero.linear[0], zero.linear[1]],
         stock_radius: Some(machine.setup.stock.to[0]), // a bar, where it is turned
-        work_zero: Some(*zero),
         bar: bar(machine, zero),
         ..Config::new(tools.clone())
     }

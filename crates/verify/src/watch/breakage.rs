@@ -63,12 +63,12 @@ fn why(by: ToolBreak) -> String {
     }
 }
 
-/// Where the tip was, in G54 if that is known.
+/// Where the tip was, in G54 if the stock, and with it the zero of G54, is known.
 fn place(sample: &Sample, tool: Option<&Tool>, config: &Config) -> String {
-    let zero = config.work_zero.map_or([Length::ZERO; 3], |zero| zero.linear);
+    let zero = config.stock.map_or([Length::ZERO; 3], |stock| stock.zero);
     let length = tool.map_or(Length::ZERO, |tool| tool.length);
     let [x, y, z] = [0, 1, 2].map(|i| (sample.axis(i) - zero[i]).value());
-    let frame = if config.work_zero.is_some() { "of G54" } else { "of the machine" };
+    let frame = if config.stock.is_some() { "of G54" } else { "of the machine" };
     let number = |value: f64| {
         let text = format!("{value:.2}");
         let text = text.trim_end_matches('0').trim_end_matches('.');
@@ -80,8 +80,9 @@ fn place(sample: &Sample, tool: Option<&Tool>, config: &Config) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Stock;
     use bus::Truth;
-    use canon::{Position, ToolLibrary};
+    use canon::ToolLibrary;
     use units::{Angle, Force, Torque};
 
     #[test]
@@ -96,7 +97,8 @@ mod tests {
             stand_in: false,
         };
         let mut config = Config::new(ToolLibrary::new([drill]));
-        config.work_zero = Some(Position::xyz(-60.0, -40.0, -200.0));
+        let zero = [-60.0, -40.0, -200.0].map(Length::mm);
+        config.stock = Some(Stock { from: zero, to: zero, zero });
         let mut sample = Sample::default();
         sample.feedback.tool = Some(2);
         let mut truth = Truth { tool_broken: true, ..Truth::default() };
