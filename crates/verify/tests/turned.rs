@@ -312,7 +312,8 @@ proptest! {
 
     #[test]
     fn a_tool_path_off_the_work_is_never_good(
-        case in any_case(), x in 0.12..3.0_f64, z in 2.0..20.0_f64, how in 0..4,
+        // 1.5 pitches may be left uncut, and the groove reaches half a pitch beyond the point that cuts it
+        case in any_case(), x in 0.12..3.0_f64, z in 2.1..20.0_f64, how in 0..4,
     ) {
         let shift = match how {
             0 => [x, 0.0],                    // too far out: too shallow, or in the air
