@@ -29,9 +29,14 @@ impl Measure {
         if self.is_inch() { "µin" } else { "µm" }
     }
 
+    /// Decimals of places and sizes.
+    pub const fn decimals(self) -> usize {
+        if self.is_inch() { 4 } else { 3 }
+    }
+
     /// A place or a size, without its unit.
     pub fn length(self, length: Length) -> String {
-        fixed(self.number(length), if self.is_inch() { 4 } else { 3 })
+        fixed(self.number(length), self.decimals())
     }
 
     /// A place or a size in its unit.
@@ -39,9 +44,14 @@ impl Measure {
         length.value() / self.unit.in_mm()
     }
 
+    /// Decimals of an error that has `decimals` in micrometres.
+    pub const fn small_decimals(self, decimals: usize) -> usize {
+        if self.is_inch() { 0 } else { decimals }
+    }
+
     /// An error, without its unit; `decimals` of a micrometre, a microinch is small enough to have none.
     pub fn small(self, error: Length, decimals: usize) -> String {
-        fixed(self.small_number(error), if self.is_inch() { 0 } else { decimals })
+        fixed(self.small_number(error), self.small_decimals(decimals))
     }
 
     /// An error in its unit.

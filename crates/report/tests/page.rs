@@ -392,6 +392,37 @@ fn a_program_in_inches_has_its_places_in_inches_and_millimetres_behind_them() {
 }
 
 #[test]
+fn the_pictures_of_a_program_in_inches_are_in_inches() {
+    let mut world = plate(3, 2, Mishap::None);
+    let texts_of_charts = |world: &World| -> Vec<String> {
+        let page = page(world);
+        let document = check(&page);
+        let charts = document.descendants().filter(|n| n.has_tag_name("svg"));
+        charts
+            .flat_map(|svg| svg.descendants().filter(Node::is_text))
+            .filter_map(|n| n.text().map(str::to_owned))
+            .collect()
+    };
+    let has = |texts: &[String], part: &str| texts.iter().any(|text| text.contains(part));
+    let metric = texts_of_charts(&world);
+    assert!(has(&metric, "sync error / µm") && has(&metric, "z over the surface / mm"));
+    world.recorder = world.recorder.shown_in(Some(LengthUnit::Inch));
+    let inch = texts_of_charts(&world);
+    for title in [
+        "sync error / µin",
+        "depth of the tip below the surface / in",
+        "z over the surface / in",
+        "off the line / µin",
+    ] {
+        assert!(has(&inch, title), "{title}: {inch:?}");
+    }
+    for unit in ["µm", "/ mm", " mm "] {
+        let left: Vec<_> = inch.iter().filter(|text| text.contains(unit)).collect();
+        assert!(left.is_empty(), "{left:?}");
+    }
+}
+
+#[test]
 fn every_link_of_a_page_leads_somewhere_and_a_line_to_what_it_cut() {
     for lines in [40, 5000] {
         let mut world = plate(4, 3, Mishap::Saturated(6));

@@ -56,7 +56,8 @@ pub fn html(run: &Run, recorder: &Recorder, features: &[Feature]) -> String {
         + &pictures::time_shares(run, recorder);
     main += &section("Workpiece, tools, time", &grid(&overview));
     main += &section("Features", &features::tables(run, recorder, features, &listing));
-    main += &section("Hole by hole", &grid(&pictures::hole_by_hole(run, features)));
+    main +=
+        &section("Hole by hole", &grid(&pictures::hole_by_hole(run, recorder.measure(), features)));
     main += &section("Chip removal", &grid(&pictures::chip_removal(recorder)));
     let polygons = features.iter().enumerate().filter_map(|(i, f)| match &f.kind {
         FeatureKind::Polygon(polygon) => Some(pictures::polygon(i + 1, polygon)),

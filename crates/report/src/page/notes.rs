@@ -1,7 +1,7 @@
 //! Alarms, warnings and notes: what a reader must know before believing the figures.
-use crate::Run;
 use crate::record::Recorder;
 use crate::svg::{Tag, escape, fixed};
+use crate::{Measure, Run};
 use std::collections::BTreeMap;
 use verify::{Feature, FeatureKind};
 
@@ -26,7 +26,7 @@ pub(super) fn notes(run: &Run, recorder: &Recorder, features: &[Feature]) -> Str
     });
     let alarms = super::section("Alarms", &list(alarms.collect()));
     let found = unfinished(recorder).into_iter().chain(saturated(recorder));
-    let found = found.chain(out_of_step(run, features));
+    let found = found.chain(out_of_step(run, recorder.measure(), features));
     let all = found.chain(notes).chain(limiting(run)).collect();
     let notes = super::section("Notes", &list(all));
     alarms + &notes
@@ -65,7 +65,11 @@ fn saturated(recorder: &Recorder) -> Option<(&'static str, String)> {
 }
 
 /// Threads whose sync error passed the warning limit.
-fn out_of_step(run: &Run, features: &[Feature]) -> Option<(&'static str, String)> {
+fn out_of_step(
+    run: &Run,
+    measure: Measure,
+    features: &[Feature],
+) -> Option<(&'static str, String)> {
     let warn = run.limits.sync_warn;
     let numbers: Vec<_> = features
         .iter()
@@ -77,8 +81,9 @@ fn out_of_step(run: &Run, features: &[Feature]) -> Option<(&'static str, String)
     let first = numbers.iter().take(10).map(String::as_str).collect::<Vec<_>>().join(", ");
     let threads = count(numbers.len(), "thread");
     let words = format!(
-        "⚠ In {threads} the sync error passed the warning limit of {} µm: No. {first}{more}.",
-        fixed(warn.in_um(), 0)
+        "⚠ In {threads} the sync error passed the warning limit of {} {}: No. {first}{more}.",
+        measure.small(warn, 0),
+        measure.small_symbol()
     );
     (!numbers.is_empty()).then_some(("warning", words))
 }

@@ -86,7 +86,7 @@ fn thread(
     // of a thread that is not there nothing was judged: the pictures show how the tap was moved
     let cut = judged.filter(|(_, standing, _)| *standing != Standing::NotCut);
     let thread = cut.map(|(_, _, thread)| thread);
-    let view = ThreadView { id: format!("t{}", trace.op), run, trace, thread };
+    let view = ThreadView { id: format!("t{}", trace.op), run, trace, measure, thread };
     let pictures = pictures::sync_error(&view)
         + &pictures::torque_plane(&view)
         + &pictures::phase_plane(&view)

@@ -1,7 +1,8 @@
 //! Hole by hole: how the synchronism of equal threads goes (learning), and how the torque of a tap goes (wear).
 use super::figure;
 use crate::svg::{Chart, Mark, Range, Stroke, fixed};
-use crate::{Run, Standing};
+use crate::{Measure, Run, Standing};
+use units::Length;
 use verify::{Feature, FeatureKind, Thread, TorqueTrend};
 
 /// With fewer threads of a tap there is no course to look at.
@@ -10,7 +11,7 @@ const FEWEST: usize = 3;
 const MOST_TAPS: usize = 6;
 
 /// A picture of the sync error and one of the torque for each tap with threads enough.
-pub(crate) fn hole_by_hole(run: &Run, features: &[Feature]) -> String {
+pub(crate) fn hole_by_hole(run: &Run, measure: Measure, features: &[Feature]) -> String {
     let trends = TorqueTrend::of(features);
     // a thread that is not there has no error and no torque
     let cut = || features.iter().filter(|f| Standing::of(f) != Standing::NotCut);
@@ -24,7 +25,7 @@ pub(crate) fn hole_by_hole(run: &Run, features: &[Feature]) -> String {
         if threads.len() < FEWEST {
             continue;
         }
-        all += &convergence(run, tool, &threads);
+        all += &convergence(run, measure, tool, &threads);
         for trend in trends.iter().filter(|trend| trend.tool == tool) {
             if trend.threads.len() >= FEWEST {
                 all += &torque(run, trend);
@@ -41,22 +42,28 @@ fn thread(feature: &Feature) -> Option<&Thread> {
     }
 }
 
-fn convergence(run: &Run, tool: u32, threads: &[&Thread]) -> String {
-    let points = |of: fn(&Thread) -> f64| -> Vec<(f64, f64)> {
-        threads.iter().enumerate().map(|(n, t)| (n as f64 + 1.0, of(t))).collect()
+fn convergence(run: &Run, measure: Measure, tool: u32, threads: &[&Thread]) -> String {
+    let points = |of: fn(&Thread) -> Length| -> Vec<(f64, f64)> {
+        let point = |(n, t): (usize, &&Thread)| (n as f64 + 1.0, measure.small_number(of(t)));
+        threads.iter().enumerate().map(point).collect()
     };
-    let largest = points(|t| t.sync_error_max.in_um());
-    let rms = points(|t| t.sync_error_rms.in_um());
+    let (small, decimals) = (measure.small_symbol(), measure.small_decimals(2));
+    let largest = points(|t| t.sync_error_max);
+    let rms = points(|t| t.sync_error_rms);
     let x = Range::of("thread of this tap, in the order cut", [0.5, threads.len() as f64 + 0.5]);
-    let y = Range::of("sync error / µm", largest.iter().map(|p| p.1).chain([0.0])).padded(0.08);
+    let y = Range::of(&format!("sync error / {small}"), largest.iter().map(|p| p.1).chain([0.0]));
+    let y = y.padded(0.08);
     let (first, last) = (largest[0].1, largest[largest.len() - 1].1);
-    let description =
-        format!("{} µm in the first thread, {} µm in the last.", fixed(first, 2), fixed(last, 2));
+    let description = format!(
+        "{} {small} in the first thread, {} {small} in the last.",
+        fixed(first, decimals),
+        fixed(last, decimals)
+    );
     let mut chart = Chart::new("Sync error hole by hole", &description, x, y, 200.0);
     chart.zero(false);
     chart.line(Stroke::Main, &largest, Some("largest in the material"));
     chart.line(Stroke::Second, &rms, Some("root of the mean square"));
-    dots(&mut chart, &largest, "µm");
+    dots(&mut chart, &largest, small);
     let caption = format!(
         "{description} Learning (--learning, or the machine's own) gives what one thread missed to the next one: then the curve \
          falls over the first threads."
@@ -103,7 +110,7 @@ fn torque(run: &Run, trend: &TorqueTrend) -> String {
         chart.area("air", &[(from, band), (to, band)], Some("the tap makers' formula"));
     }
     if shown.is_some() {
-        let line = |x: f64| (x, trend.fitted(units::Length::mm(x * 1e3)).value());
+        let line = |x: f64| (x, trend.fitted(Length::mm(x * 1e3)).value());
         chart.line(Stroke::Ideal, &[line(from), line(to)], Some("least squares"));
     }
     chart.line(Stroke::Main, &inward, Some("in"));

@@ -33,9 +33,9 @@ pub(crate) use timeline::timeline;
 pub(crate) use tool_path::tool_path;
 pub(crate) use torque_plane::torque_plane;
 
-use crate::Run;
 use crate::record::TapTrace;
 use crate::svg::Tag;
+use crate::{Measure, Run};
 use verify::Thread;
 
 /// A thread with everything there is to draw of it.
@@ -46,6 +46,8 @@ pub(crate) struct ThreadView<'a> {
     pub(crate) run: &'a Run,
     /// How it was driven.
     pub(crate) trace: &'a TapTrace,
+    /// The unit in which lengths are written.
+    pub(crate) measure: Measure,
     /// How it was judged; `None` if it never became a feature.
     pub(crate) thread: Option<&'a Thread>,
 }

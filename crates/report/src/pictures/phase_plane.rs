@@ -9,6 +9,7 @@
 //! ```
 use super::{ThreadView, figure};
 use crate::svg::{Chart, Range, Stroke, fixed};
+use units::Length;
 
 /// The tap's height and its residual over the spindle's angle.
 pub(crate) fn phase_plane(view: &ThreadView) -> String {
@@ -21,21 +22,23 @@ pub(crate) fn phase_plane(view: &ThreadView) -> String {
 }
 
 fn height(view: &ThreadView) -> String {
-    let trace = view.trace;
-    let clearance = trace.clearance().value();
-    let lead = trace.tap.lead.value().abs();
-    let to_z = |(turns, stroke): (f64, f64)| (turns, clearance - stroke);
+    let (trace, measure) = (view.trace, view.measure);
+    let unit = measure.symbol();
+    let clearance = trace.clearance();
+    let to_z =
+        |(turns, stroke): (f64, f64)| (turns, measure.number(clearance - Length::mm(stroke)));
     let [inward, outward] =
         trace.stroke.each_ref().map(|s| s.points().into_iter().map(to_z).collect::<Vec<_>>());
-    let turns = trace.whole().value() / lead;
-    let ideal = [(0.0, clearance), (turns, clearance - trace.whole().value())];
+    let turns = (trace.whole() / trace.tap.lead.abs()).value();
+    let ideal =
+        [(0.0, measure.number(clearance)), (turns, measure.number(clearance - trace.whole()))];
     let all = || inward.iter().chain(&outward).chain(&ideal);
     let x = Range::of("spindle angle from the start, turns / rev", all().map(|p| p.0)).padded(0.03);
-    let y = Range::of("z over the surface / mm", all().map(|p| p.1)).padded(0.06);
+    let y = Range::of(&format!("z over the surface / {unit}"), all().map(|p| p.1)).padded(0.06);
     let description = format!(
-        "The tap goes from {} mm over the surface to {} mm below it in {} turns, and back.",
-        fixed(clearance, 2),
-        fixed(trace.whole().value() - clearance, 2),
+        "The tap goes from {} {unit} over the surface to {} {unit} below it in {} turns, and back.",
+        measure.length(clearance),
+        measure.length(trace.whole() - clearance),
         fixed(turns, 2)
     );
     let mut chart =
@@ -50,17 +53,23 @@ fn height(view: &ThreadView) -> String {
 
 fn residual(view: &ThreadView) -> String {
     let trace = view.trace;
-    let [inward, outward] = trace.error.each_ref().map(super::super::record::Series::points);
+    let measure = view.measure;
+    let small = measure.small_symbol();
+    let least = measure.small_number(Length::um(1.0));
+    let to_error = |(turns, e): (f64, f64)| (turns, measure.small_number(Length::um(e)));
+    let [inward, outward] =
+        trace.error.each_ref().map(|s| s.points().into_iter().map(to_error).collect::<Vec<_>>());
     let all = || inward.iter().chain(&outward);
     let turns = trace.whole() / trace.tap.lead.abs();
     let ends = [0.0, turns.value()];
     let x = Range::of("spindle angle from the start, turns / rev", all().map(|p| p.0).chain(ends))
         .padded(0.03);
-    let y = Range::of("off the line / µm", all().map(|p| p.1).chain([-1.0, 1.0])).padded(0.08);
+    let errors = all().map(|p| p.1).chain([-least, least]);
+    let y = Range::of(&format!("off the line / {small}"), errors).padded(0.08);
     let largest = all().map(|p| p.1.abs()).fold(0.0, f64::max);
     let description = format!(
-        "The axis is off the line by {} µm at most, in air and material.",
-        fixed(largest, 1)
+        "The axis is off the line by {} {small} at most, in air and material.",
+        fixed(largest, measure.small_decimals(1))
     );
     let mut chart = Chart::new("Distance of the axis from the line", &description, x, y, 180.0);
     chart.band("air", f64::NEG_INFINITY, (trace.clearance() / trace.tap.lead.abs()).value());

@@ -12,6 +12,7 @@
 //! A groove that is wider by e, axially and peak to peak, opens the pitch diameter of a 60° thread by
 //! √3·e: a quarter of the tolerance TD2 is used up by e = TD2 / (4·√3).
 use super::{ThreadView, figure};
+use crate::Measure;
 use crate::svg::{Chart, Range, Stroke, fixed};
 use units::Length;
 use verify::{ProfilePoint, Thread};
@@ -21,27 +22,30 @@ pub(crate) fn tolerance_share(thread: &Thread) -> Length {
     thread.pitch_diameter_tolerance / (4.0 * 3f64.sqrt())
 }
 
-/// The error on the way in or out: at each depth, mm, least and largest, µm.
+/// The error on the way in or out: at each depth, mm or in, least and largest, µm or µin.
 type Bounds = Vec<(f64, [f64; 2])>;
 
 /// The error over depth: as it was judged, else as it was recorded.
 pub(crate) fn sync_error(view: &ThreadView) -> String {
     let judged = view.thread.filter(|thread| !thread.profile.is_empty());
-    let [inward, outward] = judged.map_or_else(|| recorded(view), of_judge);
+    let [inward, outward] =
+        judged.map_or_else(|| recorded(view), |thread| of_judge(thread, view.measure));
     let all = || inward.iter().chain(&outward);
     let errors = all().flat_map(|(_, bounds)| *bounds).filter(|e| e.is_finite());
     let largest = errors.map(f64::abs).fold(0.0, f64::max);
-    let widening = judged.map_or_else(Vec::new, widening);
+    let (unit, small) = (view.measure.symbol(), view.measure.small_symbol());
+    let least = view.measure.small_number(Length::um(1.0));
+    let widening = judged.map_or_else(Vec::new, |thread| widening(thread, view.measure));
     let limits = limits(view);
     // limits far beyond the curve would press it flat: the caption names them instead
     let near = limits.iter().map(|l| l.1).filter(|l| *l < 5.0 * largest);
-    let reach = near.chain(widening.iter().map(|p| p.1)).fold(largest, f64::max).max(1.0);
+    let reach = near.chain(widening.iter().map(|p| p.1)).fold(largest, f64::max).max(least);
     let depths = all().map(|p| p.0).chain([0.0]);
-    let x = Range::of("depth of the tip below the surface / mm", depths).padded(0.03);
-    let y = Range::of("sync error / µm", [-reach, reach]).padded(0.09);
+    let x = Range::of(&format!("depth of the tip below the surface / {unit}"), depths).padded(0.03);
+    let y = Range::of(&format!("sync error / {small}"), [-reach, reach]).padded(0.09);
     let description = format!(
-        "Synchronisation error over depth, in and out: {} µm at most. Limits: {}.",
-        fixed(largest, 1),
+        "Synchronisation error over depth, in and out: {} {small} at most. Limits: {}.",
+        fixed(largest, view.measure.small_decimals(1)),
         in_words(&limits)
     );
     let mut chart = Chart::new("Synchronisation error over depth", &description, x, y, 330.0);
@@ -57,19 +61,20 @@ pub(crate) fn sync_error(view: &ThreadView) -> String {
 }
 
 /// What the judge found, in and out.
-fn of_judge(thread: &Thread) -> [Bounds; 2] {
+fn of_judge(thread: &Thread, measure: Measure) -> [Bounds; 2] {
     let way = |way: fn(&ProfilePoint) -> Option<[Length; 2]>| {
-        let bounds = |p| way(p).map_or([f64::NAN; 2], |b| b.map(Length::in_um));
-        thread.profile.iter().map(|p| (p.tip_depth.value(), bounds(p))).collect()
+        let bounds =
+            |p| way(p).map_or([f64::NAN; 2], |b| b.map(|error| measure.small_number(error)));
+        thread.profile.iter().map(|p| (measure.number(p.tip_depth), bounds(p))).collect()
     };
     [way(|p| p.inward), way(|p| p.outward)]
 }
 
 /// By how much the groove is wider than the tap's tooth.
-fn widening(thread: &Thread) -> Vec<(f64, f64)> {
-    let there =
-        thread.profile.iter().filter_map(|p| Some((p.tip_depth.value(), p.widening?.in_um())));
-    there.collect()
+fn widening(thread: &Thread, measure: Measure) -> Vec<(f64, f64)> {
+    let point =
+        |p: &ProfilePoint| Some((measure.number(p.tip_depth), measure.small_number(p.widening?)));
+    thread.profile.iter().filter_map(point).collect()
 }
 
 fn draw(chart: &mut Chart, bounds: &Bounds, class: &'static str, stroke: Stroke, name: &str) {
@@ -80,22 +85,18 @@ fn draw(chart: &mut Chart, bounds: &Bounds, class: &'static str, stroke: Stroke,
 
 fn limits(view: &ThreadView) -> Vec<(Stroke, f64, String)> {
     let of_run = &view.run.limits;
+    let measure = view.measure;
+    let limit = |stroke, name: &str, at: Length, decimals| {
+        let text = format!("{name} ±{} {}", measure.small(at, decimals), measure.small_symbol());
+        (stroke, measure.small_number(at), text)
+    };
     let mut limits = vec![
-        (
-            Stroke::Stop,
-            of_run.sync_stop.in_um(),
-            format!("stop ±{} µm", fixed(of_run.sync_stop.in_um(), 0)),
-        ),
-        (
-            Stroke::Warn,
-            of_run.sync_warn.in_um(),
-            format!("warn ±{} µm", fixed(of_run.sync_warn.in_um(), 0)),
-        ),
+        limit(Stroke::Stop, "stop", of_run.sync_stop, 0),
+        limit(Stroke::Warn, "warn", of_run.sync_warn, 0),
     ];
-    if let Some(thread) = view.thread {
-        let share = tolerance_share(thread).in_um();
-        limits.push((Stroke::Share, share, format!("25 % of TD2 ±{} µm", fixed(share, 1))));
-    }
+    limits.extend(
+        view.thread.map(|thread| limit(Stroke::Share, "25 % of TD2", tolerance_share(thread), 1)),
+    );
     limits.retain(|(_, limit, _)| limit.is_finite() && *limit > 0.0);
     limits
 }
@@ -110,9 +111,11 @@ fn recorded(view: &ThreadView) -> [Bounds; 2] {
     let lead = trace.tap.lead.value().abs();
     let clearance = trace.clearance().value();
     trace.error.each_ref().map(|series| {
-        let over_depth =
-            series.points().into_iter().map(|(turns, e)| (turns * lead - clearance, [e, e]));
-        over_depth.filter(|(depth, _)| *depth >= 0.0).collect()
+        let point = |(turns, e): (f64, f64)| {
+            let depth = Length::mm(turns * lead - clearance);
+            (view.measure.number(depth), [view.measure.small_number(Length::um(e)); 2])
+        };
+        series.points().into_iter().map(point).filter(|(depth, _)| *depth >= 0.0).collect()
     })
 }
 
