@@ -188,7 +188,11 @@ impl Figures<'_> {
     fn threads(&self, first: &Thread) -> Vec<String> {
         let measure = self.measure;
         let shallowest = self.least(of_kind!(Thread, thread => thread.depth));
-        let margin = self.least(of_kind!(Thread, thread => thread.margin));
+        let margins = (self.lengths)(&|feature: &Feature| match &feature.kind {
+            FeatureKind::Thread(thread) => thread.is_gauged().then_some(thread.margin),
+            _ => None, // the group is of one kind
+        });
+        let margin = margins.into_iter().reduce(Length::min);
         vec![
             shallowest.map_or_else(String::new, |depth| measure.length(depth)),
             self.signed(of_kind!(Thread, thread => thread.depth_error), 1),

@@ -1,4 +1,5 @@
-//! From what the judge found to the certificate that other programs rely on.
+//! From what the judge found to the certificate that other programs rely on. What was not cut has no measures: they are `null`,
+//! as the report leaves their cells empty.
 use canon::Position;
 use store::certificate::{self as file, Common, Measured};
 use units::Length;
@@ -20,13 +21,18 @@ pub(crate) fn feature(found: &Feature, zero: &Position) -> file::Feature {
         time_s: Measured::s(found.time),
         contact: contact(&found.contact),
     };
+    let there = found.is_there();
     match &found.kind {
-        FeatureKind::Hole(found) => file::Feature::Hole(hole(common, found, zero)),
-        FeatureKind::Thread(found) => file::Feature::Thread(Box::new(thread(common, found, zero))),
-        FeatureKind::Cam(found) => file::Feature::Cam(cam(common, found)),
-        FeatureKind::Turned(found) => file::Feature::Turned(Box::new(turned(common, found, zero))),
-        FeatureKind::Gear(found) => file::Feature::Gear(gear(common, found, zero)),
-        FeatureKind::Polygon(found) => file::Feature::Polygon(polygon(common, found, zero)),
+        FeatureKind::Hole(found) => file::Feature::Hole(hole(common, found, zero, there)),
+        FeatureKind::Thread(found) => {
+            file::Feature::Thread(Box::new(thread(common, found, zero, there)))
+        }
+        FeatureKind::Cam(found) => file::Feature::Cam(cam(common, found, there)),
+        FeatureKind::Turned(found) => {
+            file::Feature::Turned(Box::new(turned(common, found, zero, there)))
+        }
+        FeatureKind::Gear(found) => file::Feature::Gear(gear(common, found, zero, there)),
+        FeatureKind::Polygon(found) => file::Feature::Polygon(polygon(common, found, zero, there)),
     }
 }
 
@@ -41,8 +47,13 @@ fn contact(found: &verify::Contact) -> file::Contact {
     }
 }
 
-fn cam(common: Common, found: &GroundCam) -> file::Cam {
-    let measured = |value| if found.errors.is_empty() { Measured::UNKNOWN } else { value };
+/// The value where it was measured, else unknown.
+const fn known_if(measured: bool, value: Measured) -> Measured {
+    if measured { value } else { Measured::UNKNOWN }
+}
+
+fn cam(common: Common, found: &GroundCam, there: bool) -> file::Cam {
+    let measured = |value| known_if(there && !found.errors.is_empty(), value);
     file::Cam {
         common,
         profile: found.name.clone(),
@@ -51,17 +62,22 @@ fn cam(common: Common, found: &GroundCam) -> file::Cam {
         contour_error_max_um: measured(Measured::um(found.contour_error_max)),
         contour_error_rms_um: measured(Measured::um(found.contour_error_rms)),
         revolutions: Measured::number(found.turns.value()),
-        run_out_um: found.run_out.map_or(Measured::UNKNOWN, Measured::um),
+        run_out_um: measured(found.run_out.map_or(Measured::UNKNOWN, Measured::um)),
         speed_error_um_per_deg: measured(Measured::um(found.speed_error_per_deg)),
         waviness_um: measured(Measured::um(found.waviness.0)),
         waves_per_rev: measured(Measured::number(found.waviness.1 as f64)),
-        removal_rate_peak: Measured::number(found.removal_peak),
-        removal_rate_peak_even: Measured::number(found.removal_peak_even),
+        removal_rate_peak: measured(Measured::number(found.removal_peak)),
+        removal_rate_peak_even: measured(Measured::number(found.removal_peak_even)),
     }
 }
 
-fn turned(common: Common, found: &TurnedThread, zero: &Position) -> file::TurnedThread {
-    let measured = |value| if found.passes == 0 { Measured::UNKNOWN } else { value };
+fn turned(
+    common: Common,
+    found: &TurnedThread,
+    zero: &Position,
+    there: bool,
+) -> file::TurnedThread {
+    let measured = |value| known_if(there && found.passes > 0, value);
     let um = |value| measured(Measured::um(value));
     let zero = zero.along(found.axis);
     file::TurnedThread {
@@ -134,8 +150,8 @@ fn turned_sizes(sizes: &TurnedSizes, found: &TurnedThread) -> file::TurnedSizes 
     }
 }
 
-fn gear(common: Common, found: &Gear, zero: &Position) -> file::Gear {
-    let measured = |value| if found.places.is_empty() { Measured::UNKNOWN } else { value };
+fn gear(common: Common, found: &Gear, zero: &Position, there: bool) -> file::Gear {
+    let measured = |value| known_if(there && !found.places.is_empty(), value);
     file::Gear {
         common,
         teeth: found.teeth,
@@ -153,8 +169,8 @@ fn gear(common: Common, found: &Gear, zero: &Position) -> file::Gear {
     }
 }
 
-fn polygon(common: Common, found: &Polygon, zero: &Position) -> file::Polygon {
-    let measured = |value| if found.sections.is_empty() { Measured::UNKNOWN } else { value };
+fn polygon(common: Common, found: &Polygon, zero: &Position, there: bool) -> file::Polygon {
+    let measured = |value| known_if(there && !found.sections.is_empty(), value);
     file::Polygon {
         common,
         sides: found.sides,
@@ -182,18 +198,23 @@ fn polygon(common: Common, found: &Polygon, zero: &Position) -> file::Polygon {
     }
 }
 
-fn hole(common: Common, found: &Hole, zero: &Position) -> file::Hole {
+fn hole(common: Common, found: &Hole, zero: &Position, there: bool) -> file::Hole {
+    let measured = |value| known_if(there && found.depth > Length::ZERO, value);
     file::Hole {
         common,
         x_mm: Measured::mm(found.x - zero.linear[0]),
         y_mm: Measured::mm(found.y - zero.linear[1]),
-        depth_mm: Measured::mm(found.depth),
-        diameter_mm: Measured::mm(found.diameter),
+        depth_mm: measured(Measured::mm(found.depth)),
+        diameter_mm: measured(Measured::mm(found.diameter)),
         chip_removal: found.chip_removal,
     }
 }
 
-fn thread(common: Common, found: &Thread, zero: &Position) -> file::Thread {
+fn thread(common: Common, found: &Thread, zero: &Position, there: bool) -> file::Thread {
+    let is_cut = there && found.tip_depth > Length::ZERO;
+    let measured = |value| known_if(is_cut, value);
+    let gauged = |length| known_if(is_cut && found.is_gauged(), length);
+    let torque_of_cut = |known| measured(torque(known));
     file::Thread {
         common,
         x_mm: Some(Measured::mm(found.x - zero.linear[0])),
@@ -205,34 +226,30 @@ fn thread(common: Common, found: &Thread, zero: &Position) -> file::Thread {
             Hand::Left => file::Hand::Left,
         },
         lead_mm: Measured::lead(found.lead),
-        depth_mm: Measured::mm(found.depth),
-        depth_error_um: Measured::um(found.depth_error),
-        rpm_max: Measured::rpm(found.spin_max),
-        sync_error_max_um: Measured::um(found.sync_error_max),
-        sync_error_rms_um: Measured::um(found.sync_error_rms),
-        lead_error_um: Measured::um(found.lead_error),
-        groove_widening_um: Measured::um(found.groove_widening),
-        pitch_diameter_mm: Measured::mm(found.pitch_diameter),
+        depth_mm: measured(Measured::mm(found.depth)),
+        depth_error_um: measured(Measured::um(found.depth_error)),
+        rpm_max: measured(Measured::rpm(found.spin_max)),
+        sync_error_max_um: measured(Measured::um(found.sync_error_max)),
+        sync_error_rms_um: measured(Measured::um(found.sync_error_rms)),
+        lead_error_um: gauged(Measured::um(found.lead_error)),
+        groove_widening_um: gauged(Measured::um(found.groove_widening)),
+        pitch_diameter_mm: gauged(Measured::mm(found.pitch_diameter)),
         class: found.class_name().to_owned(),
-        margin_um: if found.class.is_none() && found.margin == Length::ZERO {
-            Measured::UNKNOWN // nothing that a gauge could be tried on
-        } else {
-            Measured::um(found.margin)
-        },
-        torque_max_n_m: torque(found.torque_max),
-        torque_in_n_m: torque(found.torque_in),
-        torque_out_n_m: torque(found.torque_out),
+        margin_um: gauged(Measured::um(found.margin)),
+        torque_max_n_m: torque_of_cut(found.torque_max),
+        torque_in_n_m: torque_of_cut(found.torque_in),
+        torque_out_n_m: torque_of_cut(found.torque_out),
         torque_model_n_m: torque(found.torque_expected),
         torque_model_band_percent: if found.torque_expected.is_some() {
             Measured::number(Thread::TORQUE_BAND * 100.0)
         } else {
             Measured::UNKNOWN
         },
-        torque_expected: found.torque_is_expected(),
-        axial_force_max_n: found
-            .axial_force_max
-            .map_or(Measured::UNKNOWN, |f| Measured::number(f.value())),
-        start_angle_deg: Measured::deg(found.start_angle),
+        torque_expected: found.torque_is_expected().filter(|_| is_cut),
+        axial_force_max_n: measured(
+            found.axial_force_max.map_or(Measured::UNKNOWN, |f| Measured::number(f.value())),
+        ),
+        start_angle_deg: measured(found.start_angle.map_or(Measured::UNKNOWN, Measured::deg)),
         chip_removal: found.chip_removal,
         recovered: found.recovered,
     }

@@ -263,8 +263,8 @@ pub struct Thread {
     pub torque_expected: Option<Torque>,
     /// Largest axial force on the tap (magnitude), where it can be known.
     pub axial_force_max: Option<Force>,
-    /// Spindle angle within a turn at which the fitted helix passes the start plane.
-    pub start_angle: Angle,
+    /// Spindle angle within a turn at which the fitted helix passes the start plane; `None`: too little was cut to fit one.
+    pub start_angle: Option<Angle>,
     /// Chips were thrown off the tap after it, on the way to the next hole: seen, not only ordered.
     pub chip_removal: bool,
     /// The motion was faulted in the thread and the tap was driven out of it afterwards.
@@ -279,6 +279,11 @@ impl Thread {
     pub const TORQUE_BAND: f64 = 0.25;
     /// Torque of flanks in a thread that is cut, as shares of the formula (published: 10 to 30 %).
     pub const TORQUE_OUT_SHARES: [f64; 2] = [0.1, 0.3];
+
+    /// There is a length of full thread that a gauge could be tried on: what gauges find means something.
+    pub fn is_gauged(&self) -> bool {
+        self.pitch_diameter > Length::ZERO
+    }
 
     /// What the formula expects on the way in, from and to.
     pub fn torque_in_band(&self) -> Option<[Torque; 2]> {

@@ -117,9 +117,7 @@ impl<'a> Inspection<'a> {
             torque_out: track.torque_out,
             torque_expected: self.torque_expected(),
             axial_force_max: track.force_max,
-            start_angle: track
-                .start_rev()
-                .map_or(Angle::ZERO, |rev| Angle::rev(rev.rem_euclid(1.0))),
+            start_angle: track.start_rev().map(|rev| Angle::rev(rev.rem_euclid(1.0))),
             chip_removal: false, // the judge sees that later
             recovered: track.faulted && !track.stroke.cuts(track.visit.last_mm),
             profile: self.profile(),

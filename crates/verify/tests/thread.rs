@@ -42,7 +42,7 @@ fn a_constant_offset_is_another_start_angle_and_no_error() {
     let feature = judge(&Record::new(2, 1.0), |_, _| 0.040);
     close(thread(&feature).sync_error_max, 0.0, 1e-6);
     // 40 µm deeper on a lead of 1 mm: the helix passes the start plane 0.04 rev = 14.4° earlier
-    let start = thread(&feature).start_angle.in_deg();
+    let start = thread(&feature).start_angle.unwrap().in_deg();
     assert!((start - (90.0 - 14.4)).abs() < 1e-6, "{start}");
 }
 

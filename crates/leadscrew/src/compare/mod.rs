@@ -268,7 +268,7 @@ fn way(
 
 /// There is a thread whose depth means something: the tap was in the material, and came out of it whole.
 fn is_cut(feature: &Feature, thread: &verify::Thread) -> bool {
-    feature.contact.is_cut() && thread.pitch_diameter > Length::ZERO
+    feature.contact.is_cut() && thread.is_gauged()
 }
 
 /// One run of the program: its threads, and the alarm that ended it if one did.

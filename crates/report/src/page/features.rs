@@ -340,14 +340,15 @@ fn of_hole(write: Writer, hole: &Hole) -> Vec<Cell> {
 }
 
 fn of_thread(write: Writer, thread: &Thread) -> Vec<Cell> {
+    let gauged = |cell| if thread.is_gauged() { cell } else { Cell::empty() };
     let torque = thread.torque_max.map_or(String::new(), |torque: Torque| fixed(torque.value(), 2));
     vec![
         write.length(thread.depth),
         write.small(thread.depth_error, 1),
         write.small(thread.sync_error_max, 1),
-        write.length(thread.pitch_diameter),
+        gauged(write.length(thread.pitch_diameter)),
         Cell::plain(thread.class_name()),
-        write.small(thread.margin, 0),
+        gauged(write.small(thread.margin, 0)),
         Cell::plain(torque),
         rpm(thread.spin_max),
     ]

@@ -72,13 +72,14 @@ fn row(size: &str, features: &[&Feature], measure: Measure) -> [String; 5] {
         | FeatureKind::Gear(_)
         | FeatureKind::Cam(_) => None,
     });
-    let of_thread = |value: fn(&Thread) -> units::Length| {
+    let of_thread = |value: fn(&Thread) -> Option<units::Length>| {
         spread(&cut, measure, move |f| match &f.kind {
-            FeatureKind::Thread(thread) => Some(small(value(thread))),
+            FeatureKind::Thread(thread) => value(thread).map(small),
             _ => None, // no other feature has one
         })
     };
-    let (sync, margin) = (of_thread(|t| t.sync_error_max), of_thread(|t| t.margin));
+    let (sync, margin) =
+        (of_thread(|t| Some(t.sync_error_max)), of_thread(|t| t.is_gauged().then_some(t.margin)));
     let worst = features.iter().map(|f| Standing::of(f)).min().unwrap_or(Standing::Good);
     [size.to_owned(), format!("{} {good}/{}", worst.sign(), features.len()), depth, sync, margin]
 }

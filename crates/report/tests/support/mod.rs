@@ -347,7 +347,7 @@ pub fn thread(op: u32, line: u32, x: f64, y: f64, bad: bool) -> Feature {
         torque_out: Some(Torque::n_m(0.35)),
         torque_expected: Some(Torque::n_m(1.73)),
         axial_force_max: Some(Force::n(30.0)),
-        start_angle: Angle::deg(12.0),
+        start_angle: Some(Angle::deg(12.0)),
         chip_removal: false,
         recovered: false,
         profile,
