@@ -113,12 +113,14 @@ impl Headroom {
 impl fmt::Display for Headroom {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (left, tolerance) = (self.left.in_um(), self.tolerance.in_um());
+        // of a small tolerance whole micrometres would say that all of it is left
+        let decimals = usize::from(tolerance < 20.0);
         match self.of {
             Criterion::Whole => f.write_str("not made as ordered"),
             of if left < 0.0 => {
-                write!(f, "{}: {:.0} µm out of {tolerance:.0} µm", of.name(), -left)
+                write!(f, "{}: {:.decimals$} µm out of {tolerance:.0} µm", of.name(), -left)
             }
-            of => write!(f, "{}: {left:.0} of {tolerance:.0} µm left", of.name()),
+            of => write!(f, "{}: {left:.decimals$} of {tolerance:.0} µm left", of.name()),
         }
     }
 }

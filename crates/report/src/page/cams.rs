@@ -111,7 +111,7 @@ pub fn cam_html(page: &CamPage) -> String {
 }
 
 fn degrees() -> Range {
-    Range { title: "angle / °".into(), from: 0.0, to: 360.0, powers: false }
+    Range { title: "angle / °".into(), from: 0.0, to: 360.0, powers: false, counted: false }
 }
 
 /// Ground cams, each unrolled and polar; nothing if there are none.

@@ -142,7 +142,8 @@ fn left(index: usize, name: &str, page: &CompensationPage) -> String {
     let shown = &DRAWN[2..];
     let most =
         shown.iter().flat_map(|(way, _)| points(*way)).map(|p| p.1.abs()).fold(0.01, f64::max);
-    let x = Range { title: "angle / °".into(), from: 0.0, to: 360.0, powers: false };
+    let x =
+        Range { title: "angle / °".into(), from: 0.0, to: 360.0, powers: false, counted: false };
     let y = Range::of("contour error / µm", [-most, most]).padded(0.08);
     let heading = format!("{name} at {} rpm, unrolled", fixed(row.rpm, 0));
     let caption = "What harmonics and learning leave, over the angle of the profile.";

@@ -50,7 +50,8 @@ fn convergence(run: &Run, measure: Measure, tool: u32, threads: &[&Thread]) -> S
     let (small, decimals) = (measure.small_symbol(), measure.small_decimals(2));
     let largest = points(|t| t.sync_error_max);
     let rms = points(|t| t.sync_error_rms);
-    let x = Range::of("thread of this tap, in the order cut", [0.5, threads.len() as f64 + 0.5]);
+    let x = Range::of("thread of this tap, in the order cut", [0.5, threads.len() as f64 + 0.5])
+        .counted();
     let y = Range::of(&format!("sync error / {small}"), largest.iter().map(|p| p.1).chain([0.0]));
     let y = y.padded(0.08);
     let (first, last) = (largest[0].1, largest[largest.len() - 1].1);

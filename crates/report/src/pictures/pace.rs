@@ -106,8 +106,8 @@ fn by_speed(run: &Run, looking: &Looking, points: &[Point], turns_too: bool) -> 
     }
     axes(&mut chart, looking);
     let turns = if turns_too { " The rotary axes that turn meanwhile are not in it." } else { "" };
-    let caption = "Cutting moves by the speed of their setpoints along X, Y and Z. Slow stretches are corners, tight \
-        bends and short moves; the next picture says what kept them slow.";
+    let caption = "Cutting moves by the speed of their setpoints along X, Y and Z. Slow stretches are corners, small \
+        radii and short moves; the next picture says what kept them slow.";
     figure("Tool path by speed", &chart.finish("pace-path"), &(caption.to_owned() + turns))
 }
 
@@ -153,13 +153,16 @@ fn over_time(recorder: &Recorder) -> String {
         curves.insert(0, (Stroke::Share, jerk.as_slice(), "jerk"));
     }
     let shares =
-        chart("pace-shares", "Share of the axes' limits", "share of an axis' limit / %", &curves);
-    figure("Speed over time", &speeds, "Of the axes' setpoints, in feeds and rapids.")
-        + &figure(
-            "Acceleration and jerk over time",
-            &shares,
-            "The largest share that any axis has of what it can, by differences of the setpoints.",
-        )
+        chart("pace-shares", "Share of the axes' limits", "share of the limit / %", &curves);
+    figure(
+        "Speed over time",
+        &speeds,
+        "Of the axes' setpoints, in feeds and rapids; zero is shown between them.",
+    ) + &figure(
+        "Acceleration and jerk over time",
+        &shares,
+        "The largest share that any axis has of what it can, by differences of the setpoints.",
+    )
 }
 
 fn limiters(run: &Run, recorder: &Recorder, all: f64) -> String {

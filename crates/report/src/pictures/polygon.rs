@@ -75,7 +75,7 @@ fn facets(number: usize, polygon: &Polygon, section: &Section) -> String {
     let lines: Vec<_> = section.facets.iter().map(errors).collect();
     let all = || lines.iter().flatten();
     let x = Range::of("along the facet / mm", all().map(|p| p.0));
-    let y = Range::of("over the facet's middle line / µm", all().map(|p| p.1)).padded(0.1);
+    let y = Range::of("off the middle line / µm", all().map(|p| p.1)).padded(0.1);
     let description = format!(
         "All {} facets, one over the other: flat to {:.2} µm, tilted by {:.3}° at most, {:.2} µm between the nearest and the \
          farthest; the feed leaves marks of {:.2} µm along Z{}.",

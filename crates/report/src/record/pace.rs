@@ -145,12 +145,15 @@ impl Pace {
         let period = self.last.replace(now).map_or(0.0, |last| (now - last).value());
         let moves = matches!(sample.report.state, State::Feed | State::Rapid);
         let (Some(limits), true) = (self.limits, moves && period > 0.0) else {
-            self.count = 0;
+            self.between_moves(now);
             return;
         };
         let at: [f64; AXES] = std::array::from_fn(|i| sample.command.axes[i].position.value());
         let [q1, q2, q3] = self.before;
         self.before = [at, q1, q2];
+        if self.count == 3 {
+            self.still(now - Time::s(period)); // the curves rise from there
+        }
         self.count = (self.count + 1).min(4);
         if self.count < 4 {
             return;
@@ -193,6 +196,23 @@ impl Pace {
         self.class = class_near(speed, self.class);
         self.track.push(Point { class: self.class, rapid, line: 0, ..tip });
         self.limiting.push(Point { class: limiter as u8, rapid, line: 0, ..tip });
+    }
+
+    /// The curves fall to zero where the moves end: drawn through to the next move they would show what never was.
+    fn between_moves(&mut self, now: Time) {
+        if self.count == 4 {
+            self.still(now);
+        }
+        self.count = 0;
+    }
+
+    fn still(&mut self, at: Time) {
+        for series in [&mut self.speed, &mut self.accel, &mut self.jerk] {
+            series.push(at.value(), 0.0);
+        }
+        if let Some(turning) = &mut self.turning {
+            turning.push(at.value(), 0.0);
+        }
     }
 
     fn is_thread(&self, op: u32) -> bool {
@@ -284,6 +304,30 @@ mod tests {
         );
         let turning = pace.turning.expect("C turns").points();
         assert!(turning.iter().all(|(_, speed)| (speed - 20.0).abs() < 1e-6), "{turning:?}");
+    }
+
+    /// Two rapids with a second of dwell between them.
+    #[test]
+    fn between_moves_the_curves_lie_at_zero() {
+        let mut pace = Pace::default();
+        pace.limits(AxisLimits { speed: [Speed::mm_per_s(100.0); AXES], ..AxisLimits::NONE });
+        let tip = Point { at: [0.0; 3], rapid: false, lifted: false, class: 0, line: 0 };
+        for period in 0..3000 {
+            let mut sample = Sample::default();
+            sample.feedback.time = Time::s(f64::from(period) * 1e-3);
+            let dwells = (1000..2000).contains(&period);
+            sample.report.state = if dwells { State::Dwell } else { State::Rapid };
+            let moved = if period < 2000 { period.min(1000) } else { period - 1000 };
+            sample.command.axes[0].position = units::Length::mm(0.05 * f64::from(moved));
+            pace.sample(&sample, tip);
+        }
+        let speed = pace.speed.points();
+        let between: Vec<_> = speed.iter().filter(|(t, _)| (1.0..2.0).contains(t)).collect();
+        assert!(!between.is_empty() && between.iter().all(|(_, v)| *v == 0.0), "{between:?}");
+        let falls = speed.windows(2).filter(|pair| pair[0].1 > 0.0 && pair[1].1 == 0.0);
+        assert!(falls.clone().all(|pair| pair[1].0 - pair[0].0 < 0.02) && falls.count() == 1);
+        let rises = speed.windows(2).filter(|pair| pair[0].1 == 0.0 && pair[1].1 > 0.0);
+        assert!(rises.clone().all(|pair| pair[1].0 - pair[0].0 < 0.02) && rises.count() == 2);
     }
 
     #[test]

@@ -349,8 +349,15 @@ mod tests {
 
     #[test]
     fn a_chart_is_a_grid_a_clipped_line_and_titles() {
-        let x = Range { title: "time / s".into(), from: 0.0, to: 2.0, powers: false };
-        let y = Range { title: "a < b / µm".into(), from: -1.0, to: 1.0, powers: false };
+        let x =
+            Range { title: "time / s".into(), from: 0.0, to: 2.0, powers: false, counted: false };
+        let y = Range {
+            title: "a < b / µm".into(),
+            from: -1.0,
+            to: 1.0,
+            powers: false,
+            counted: false,
+        };
         let mut chart = Chart::new("Error", "It is small.", x, y, 120.0);
         chart.line(Stroke::In, &[(0.0, 0.0), (1.0, f64::NAN), (1.0, 0.5), (9.0, 0.5)], Some("in"));
         chart.limits(Stroke::Warn, 0.5, "warn");
@@ -361,8 +368,20 @@ mod tests {
     #[test]
     fn a_chart_to_scale_has_millimetres_of_one_length_both_ways() {
         for (width, height) in [(100.0, 1.0), (1.0, 100.0), (30.0, 20.0)] {
-            let x = Range { title: String::new(), from: 5.0, to: 5.0 + width, powers: false };
-            let y = Range { title: String::new(), from: -height, to: 0.0, powers: false };
+            let x = Range {
+                title: String::new(),
+                from: 5.0,
+                to: 5.0 + width,
+                powers: false,
+                counted: false,
+            };
+            let y = Range {
+                title: String::new(),
+                from: -height,
+                to: 0.0,
+                powers: false,
+                counted: false,
+            };
             let chart = Chart::to_scale("", "", x, y);
             let (a, b) = (chart.place((5.0, 0.0)), chart.place((6.0, -1.0)));
             assert!((b.0 - a.0 - (b.1 - a.1)).abs() < 1e-9, "{a:?} {b:?}");

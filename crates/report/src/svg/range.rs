@@ -12,6 +12,8 @@ pub(crate) struct Range {
     pub(crate) to: f64,
     /// The values are powers of ten: ticks stand at 1, 2, 5 and 10, and so are labelled.
     pub(crate) powers: bool,
+    /// The values are counted: ticks stand at whole numbers.
+    pub(crate) counted: bool,
 }
 
 impl Range {
@@ -22,12 +24,18 @@ impl Range {
             finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
         let (from, to) = if from <= to { (from, to) } else { (0.0, 1.0) };
         let (from, to) = if to - from > 1e-9 { (from, to) } else { (from - 0.5, to + 0.5) };
-        Self { title: title.into(), from, to, powers: false }
+        Self { title: title.into(), from, to, powers: false, counted: false }
     }
 
     /// The same, its values being the logarithms of what is shown.
     pub(crate) const fn powers_of_ten(mut self) -> Self {
         self.powers = true;
+        self
+    }
+
+    /// The same, of what is counted.
+    pub(crate) const fn counted(mut self) -> Self {
+        self.counted = true;
         self
     }
 
@@ -40,6 +48,10 @@ impl Range {
                 .collect();
         }
         let found = ticks(self.from, self.to, at_most);
+        if self.counted && found.step < 1.0 {
+            let whole = found.values.iter().filter(|value| value.round() == **value);
+            return whole.map(|value| (*value, fixed(*value, 0))).collect();
+        }
         found.values.iter().map(|value| (*value, fixed(*value, found.decimals))).collect()
     }
 
@@ -69,6 +81,13 @@ mod tests {
         assert_eq!(labels(0.2, 20.0), ["0.2", "0.5", "1", "2", "5", "10", "20"]);
         assert_eq!(labels(0.01, 1000.0), ["0.01", "0.1", "1", "10", "100", "1000"]);
         assert_eq!(labels(3.0, 4.0), ["3", "3.2", "3.4", "3.6", "3.8", "4"]);
+    }
+
+    #[test]
+    fn what_is_counted_has_ticks_at_whole_numbers() {
+        let labels: Vec<_> = Range::of("", [0.5, 3.5]).counted().labels(8);
+        assert_eq!(labels, [1.0, 2.0, 3.0].map(|n| (n, format!("{n:.0}"))));
+        assert_eq!(Range::of("", [0.5, 100.5]).counted().labels(5)[0].1, "20");
     }
 
     #[test]
