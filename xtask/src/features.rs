@@ -197,7 +197,7 @@ impl Trial<'_> {
     }
 
     fn status(&self) -> Result<Value, String> {
-        self.json(&["simulator", "--status", "iron"])
+        self.json(&["simulator", "--status", "simulator"])
     }
 
     fn run(&self, state: &str) -> Result<Output, String> {
@@ -205,7 +205,7 @@ impl Trial<'_> {
             "run",
             "part.nc",
             "--simulator",
-            "iron",
+            "simulator",
             "--state",
             state,
             "--tools",
@@ -217,7 +217,7 @@ impl Trial<'_> {
 
     fn recover(&self, state: &str, more: &[&str]) -> Result<Value, String> {
         let machine = self.feature.options;
-        let recover = ["recover", "--simulator", "iron", "--state", state, "--format", "json"];
+        let recover = ["recover", "--simulator", "simulator", "--state", state, "--format", "json"];
         self.json(&[&recover[..], machine, more].concat())
     }
 }
@@ -240,12 +240,12 @@ fn trial(
     }
     let trial = Trial { binary, folder, feature };
     let listen =
-        ["simulator", "--listen", "iron", "--tools", "tools.toml", "--kill-control-at", at];
+        ["simulator", "--listen", "simulator", "--tools", "tools.toml", "--kill-control-at", at];
     let listen = [&listen[..], &["--on-link-loss", reaction], feature.options].concat();
-    let iron = trial.leadscrew(&listen).stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
-    let mut iron = Behind(iron.map_err(|e| e.to_string())?);
+    let simulator = trial.leadscrew(&listen).stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
+    let mut simulator = Behind(simulator.map_err(|e| e.to_string())?);
     let mut line = String::new();
-    let said = iron.0.stdout.take().ok_or("the machine simulator says nothing")?;
+    let said = simulator.0.stdout.take().ok_or("the machine simulator says nothing")?;
     BufReader::new(said).read_line(&mut line).map_err(|e| e.to_string())?;
     let ran = trial.run("state")?;
     if ran.status.code().is_some() {

@@ -122,21 +122,22 @@ fn trial(binary: &Path, stop: &[&str], tool: u32, turn: &str, row: &mut Row) -> 
         serde_json::from_slice(&output.stdout)
             .map_err(|e| format!("{e}: {}", String::from_utf8_lossy(&output.stderr)))
     };
-    let listen = [&["simulator", "--listen", "iron", "--tools", "tools.toml"][..], stop].concat();
-    let mut iron =
+    let listen =
+        [&["simulator", "--listen", "simulator", "--tools", "tools.toml"][..], stop].concat();
+    let mut simulator =
         Behind(leadscrew(&listen).stdout(Stdio::piped()).spawn().map_err(|e| e.to_string())?);
     let mut line = String::new();
-    let said = iron.0.stdout.take().ok_or("the machine simulator says nothing")?;
+    let said = simulator.0.stdout.take().ok_or("the machine simulator says nothing")?;
     BufReader::new(said).read_line(&mut line).map_err(|e| e.to_string())?;
-    let run = ["run", "part.ngc", "--simulator", "iron", "--state", "state", "-q"];
+    let run = ["run", "part.ngc", "--simulator", "simulator", "--state", "state", "-q"];
     let output = leadscrew(&run).output().map_err(|e| e.to_string())?;
     if output.status.success() {
         return Err("nothing stopped it".into());
     }
-    let before = answer(&["simulator", "--status", "iron"])?;
+    let before = answer(&["simulator", "--status", "simulator"])?;
     let recovered =
-        answer(&["recover", "--simulator", "iron", "--state", "state", "--format", "json"])?;
-    let after = answer(&["simulator", "--status", "iron"])?;
+        answer(&["recover", "--simulator", "simulator", "--state", "state", "--format", "json"])?;
+    let after = answer(&["simulator", "--status", "simulator"])?;
     row.worst_before_um =
         row.worst_before_um.max(before["off_helix_um"].as_f64().unwrap_or(0.0).abs());
     if after["tool_broken"] != false {

@@ -132,7 +132,8 @@ fn named_items(text: &str) -> Vec<(String, String)> {
         .filter_map(|rest| rest.split_once("`]("))
         .filter_map(|(item, rest)| Some((item.to_owned(), rest.split(')').next()?.to_owned())));
     let is_item = |item: &str| item.ends_with("()") || item.starts_with(char::is_uppercase);
-    links.filter(|(item, file)| file.ends_with(".rs") && is_item(item)).collect()
+    let is_source = |file: &str| Path::new(file).extension().is_some_and(|e| e == "rs");
+    links.filter(|(item, file)| is_source(file) && is_item(item)).collect()
 }
 
 /// Whether a source has the item: the function, and the type before it.

@@ -40,7 +40,7 @@ fn collect(folder: &Path, found: &mut BTreeSet<String>) {
         if path.is_dir() && name != "target" {
             found.extend(is_picture(&name).then(|| format!("folder {name}")));
             collect(&path, found);
-        } else if name.ends_with(".rs") {
+        } else if path.extension().is_some_and(|e| e == "rs") {
             found.extend(is_picture(&name).then(|| format!("file {name}")));
             let text = fs::read_to_string(&path).unwrap();
             for kind in ["fn", "struct", "enum", "trait", "type", "mod"] {

@@ -102,9 +102,9 @@ impl Told {
 
     /// One of several that cannot be read: the others are looked at all the same.
     fn unreadable(&mut self, why: &Refused) {
-        refusal::say(&why);
+        refusal::say(why);
         if self.format == FindingsFormat::Json {
-            self.results.extend(refusal::findings_as_json(&why));
+            self.results.extend(refusal::findings_as_json(why));
         }
         self.errors += 1;
     }

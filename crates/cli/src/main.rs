@@ -26,7 +26,6 @@ mod compare;
 mod compensation;
 mod format;
 mod interrupt;
-mod iron;
 mod left;
 mod log;
 mod lsp;
@@ -42,6 +41,7 @@ mod refusal;
 mod render;
 mod run;
 mod say;
+mod simulator;
 mod summary;
 mod tables;
 mod time;
@@ -101,7 +101,7 @@ fn execute(cli: &Cli) -> Result<ExitCode, Refused> {
             Ending::OutOfTolerance => ExitCode::from(OUT_OF_TOLERANCE),
             Ending::Alarm => ExitCode::from(ALARM),
         }),
-        Command::Simulator(args) => iron::command(args).map(|()| ExitCode::SUCCESS),
+        Command::Simulator(args) => simulator::command(args).map(|()| ExitCode::SUCCESS),
         Command::Recover(args) => Ok(accepted(recover::command(args)?)),
         Command::Compare(args) => Ok(if compare::command(args, cli.quiet)? {
             ExitCode::SUCCESS

@@ -145,11 +145,10 @@ fn script(commands: &[(String, i32)]) -> String {
         script += "\n";
         if command.ends_with('&') {
             let words: Vec<&str> = command.split_whitespace().collect();
-            if let Some(at) = words.windows(2).find(|pair| pair[0] == "--listen") {
-                script += &format!(
-                    "for i in $(seq 200); do [ -S {0} ] && break; sleep 0.05; done\n",
-                    at[1]
-                );
+            let mut pairs = words.windows(2).map(|pair| (pair[0], pair[1]));
+            if let Some((_, at)) = pairs.find(|(option, _)| *option == "--listen") {
+                script +=
+                    &format!("for i in $(seq 200); do [ -S {at} ] && break; sleep 0.05; done\n");
             }
         } else {
             script += &format!(

@@ -1,17 +1,17 @@
-//! Controls that are killed in a tap, irons whose power fails, and the way out: over processes, as a user has it.
+//! Controls that are killed in a tap, simulators whose power fails, and the way out: over processes, as a user has it.
 #![allow(clippy::unwrap_used)] // a test may panic
 #[allow(dead_code)] // each test binary uses its own part
 mod common;
-#[path = "common/iron.rs"]
-mod iron;
+#[path = "common/simulator.rs"]
+mod simulator;
 use common::{complained, said};
-use iron::{Iron, number, one_tap};
 use serde_json::Value;
+use simulator::{Simulator, number, one_tap};
 
 /// Machine time at which the tap of [`one_tap`] begins to go in, and at which it is out, s.
 fn stroke(hand: &str, tool: u32) -> (f64, f64) {
-    let iron = Iron::start(&[]);
-    let output = iron.run(&one_tap(hand, tool), &["--log"]);
+    let simulator = Simulator::start(&[]);
+    let output = simulator.run(&one_tap(hand, tool), &["--log"]);
     assert_eq!(output.status.code(), Some(0), "{}{}", said(&output), complained(&output));
     let log = said(&output) + &complained(&output);
     let time = |word: &str| -> f64 {
@@ -27,16 +27,16 @@ fn killed(hand: &str, tool: u32, at: f64, options: &[&str]) -> Value {
     let at = format!("{at:.6}");
     let mut all = vec!["--kill-control-at", &at];
     all.extend(options);
-    recovered(&Iron::start(&all), hand, tool, &at)
+    recovered(&Simulator::start(&all), hand, tool, &at)
 }
 
 /// What is promised of whatever stopped the control.
-fn recovered(iron: &Iron, hand: &str, tool: u32, at: &str) -> Value {
-    let output = iron.run(&one_tap(hand, tool), &[]);
+fn recovered(simulator: &Simulator, hand: &str, tool: u32, at: &str) -> Value {
+    let output = simulator.run(&one_tap(hand, tool), &[]);
     assert_ne!(output.status.code(), Some(0), "nothing stopped it at {at}");
-    let stopped = iron.status();
-    let answer = iron.recover(&[]);
-    let after = iron.status();
+    let stopped = simulator.status();
+    let answer = simulator.recover(&[]);
+    let after = simulator.status();
     assert_eq!(after["tool_broken"], false, "{at} s: {stopped:#} {answer:#} {after:#}");
     assert_eq!(after["tap_in_thread"], false, "{at} s: {stopped:#} {answer:#} {after:#}");
     match answer["outcome"].as_str().unwrap() {
@@ -101,40 +101,42 @@ fn a_power_cut_is_recovered_and_without_turns_only_where_the_turn_can_be_shown()
     let (from, to) = stroke("G84", 11);
     let at = format!("{:.6}", from + 0.3 * (to - from));
     let cut = ["--power-cut-at", &at];
-    recovered(&Iron::start(&cut), "G84", 11, &at);
-    let shown = recovered(&Iron::start(&[&cut[..], &["--single-turn"]].concat()), "G84", 11, &at);
+    recovered(&Simulator::start(&cut), "G84", 11, &at);
+    let shown =
+        recovered(&Simulator::start(&[&cut[..], &["--single-turn"]].concat()), "G84", 11, &at);
     assert!(number(&shown, "phase_error_bound_um") < 40.0, "{shown:#}");
     let coasting = ["--single-turn", "--on-power-loss", "off"];
-    let iron = Iron::start(&[&cut[..], &coasting].concat());
-    iron.run(&one_tap("G84", 11), &[]);
-    let refused = iron.recover(&[]);
+    let simulator = Simulator::start(&[&cut[..], &coasting].concat());
+    simulator.run(&one_tap("G84", 11), &[]);
+    let refused = simulator.recover(&[]);
     assert_eq!(refused["outcome"], "refused");
     let reason = refused["reason"].as_str().unwrap();
     assert!(reason.contains("half a lead, 0.625 mm") && reason.contains("coasted"), "{reason}");
-    let still = iron.status();
+    let still = simulator.status();
     assert!(still["tap_in_thread"] == true && still["tool_broken"] == false, "{still:#}");
 }
 
 #[test]
 fn while_a_tap_is_in_its_hole_nothing_but_recovery_moves() {
     let (from, to) = stroke("G84", 11);
-    let iron = Iron::start(&["--kill-control-at", &format!("{:.6}", from + 0.4 * (to - from))]);
-    iron.run(&one_tap("G84", 11), &[]);
-    let before = iron.status();
-    let refused = iron.run(&one_tap("G84", 11), &[]);
+    let simulator =
+        Simulator::start(&["--kill-control-at", &format!("{:.6}", from + 0.4 * (to - from))]);
+    simulator.run(&one_tap("G84", 11), &[]);
+    let before = simulator.status();
+    let refused = simulator.run(&one_tap("G84", 11), &[]);
     let said = complained(&refused);
     assert_eq!(refused.status.code(), Some(2), "{said}");
     assert!(
         said.contains("tool 11 is in hole 1") && said.contains("leadscrew recover --simulator"),
         "{said}"
     );
-    assert_eq!(iron.recover(&["--dry-run"])["outcome"], "recovered");
-    let after = iron.status();
+    assert_eq!(simulator.recover(&["--dry-run"])["outcome"], "recovered");
+    let after = simulator.status();
     let moved = number(&before, "spindle_rev") - number(&after, "spindle_rev");
     assert!(moved.abs() < 1e-6, "something has moved: {moved} rev"); // a drive lets go of its torque
-    assert_eq!(iron.recover(&[])["outcome"], "recovered");
-    assert_eq!(iron.recover(&[])["outcome"], "nothing-to-do");
-    let again = iron.run(&one_tap("G84", 11), &["--from", "hole 1"]);
+    assert_eq!(simulator.recover(&[])["outcome"], "recovered");
+    assert_eq!(simulator.recover(&[])["outcome"], "nothing-to-do");
+    let again = simulator.run(&one_tap("G84", 11), &["--from", "hole 1"]);
     let said_again = common::said(&again);
     assert_eq!(again.status.code(), Some(0), "{}{}", said_again, complained(&again));
     let certificate: Value = serde_json::from_slice(&again.stdout).unwrap();
@@ -149,12 +151,12 @@ fn an_operators_hold_on_a_machine_simulator_is_resumed_backed_out_or_recovered()
         ("hold at depth 8mm; retract at 4s", false, false),
         ("hold at depth 8mm", false, true),
     ] {
-        let iron = Iron::start(&[]);
-        let output = iron.run(&one_tap("G84", 11), &["--operator", orders]);
+        let simulator = Simulator::start(&[]);
+        let output = simulator.run(&one_tap("G84", 11), &["--operator", orders]);
         let certificate: Value = serde_json::from_slice(&output.stdout).unwrap();
         assert_eq!(certificate["ended"], ended, "{orders}: {certificate:#}");
-        assert_eq!(iron.status()["tap_in_thread"], inside, "{orders}: {certificate:#}");
-        let answer = iron.recover(&[]);
+        assert_eq!(simulator.status()["tap_in_thread"], inside, "{orders}: {certificate:#}");
+        let answer = simulator.recover(&[]);
         assert_eq!(answer["outcome"] == "recovered", inside, "{orders}: {answer:#}");
         let go_on = answer["continue_with"].as_str().unwrap_or("");
         assert!(!go_on.contains("hold") && go_on.contains("--from") == inside, "{go_on}");
@@ -167,14 +169,15 @@ fn a_recovery_that_is_killed_is_begun_again() {
     let first = from + 0.4 * (to - from);
     // the machine simulator runs down within a tenth of a second; the way out takes several
     let times = [first, first + 0.8, first + 1.6].map(|t| format!("{t:.6}")).join(",");
-    let iron = Iron::start(&["--kill-control-at", &times, "--on-link-loss", "quick-stop"]);
-    iron.run(&one_tap("G84", 11), &[]);
+    let simulator =
+        Simulator::start(&["--kill-control-at", &times, "--on-link-loss", "quick-stop"]);
+    simulator.run(&one_tap("G84", 11), &[]);
     for _ in 0..2 {
-        assert!(iron.recover_killed(), "it was not killed");
-        assert_eq!(iron.status()["tap_in_thread"], true);
+        assert!(simulator.recover_killed(), "it was not killed");
+        assert_eq!(simulator.status()["tap_in_thread"], true);
     }
-    let answer = iron.recover(&[]);
-    let after = iron.status();
+    let answer = simulator.recover(&[]);
+    let after = simulator.status();
     assert_eq!(answer["outcome"], "recovered", "{answer:#}");
     assert!(after["tool_broken"] == false && after["tap_in_thread"] == false, "{after:#}");
 }
@@ -182,34 +185,35 @@ fn a_recovery_that_is_killed_is_begun_again() {
 #[test]
 fn a_record_that_is_damaged_stops_everything_until_somebody_has_looked() {
     let (from, to) = stroke("G84", 11);
-    let iron = Iron::start(&["--kill-control-at", &format!("{:.6}", from + 0.4 * (to - from))]);
-    iron.run(&one_tap("G84", 11), &[]);
+    let simulator =
+        Simulator::start(&["--kill-control-at", &format!("{:.6}", from + 0.4 * (to - from))]);
+    simulator.run(&one_tap("G84", 11), &[]);
     for name in ["sync-record.a", "sync-record.b"] {
-        let path = iron.state().join(name);
+        let path = simulator.state().join(name);
         if let Ok(mut bytes) = std::fs::read(&path) {
             bytes[40] ^= 4;
             std::fs::write(&path, bytes).unwrap();
         }
     }
-    let run = iron.run(&one_tap("G84", 11), &[]);
+    let run = simulator.run(&one_tap("G84", 11), &[]);
     assert_eq!(run.status.code(), Some(2));
     assert!(complained(&run).contains("its checksum does not fit"), "{}", complained(&run));
-    assert_eq!(iron.recover(&[])["outcome"], "refused");
-    assert_eq!(iron.recover(&["--discard-record"])["outcome"], "nothing-to-do");
-    assert_eq!(iron.recover(&[])["outcome"], "nothing-to-do");
+    assert_eq!(simulator.recover(&[])["outcome"], "refused");
+    assert_eq!(simulator.recover(&["--discard-record"])["outcome"], "nothing-to-do");
+    assert_eq!(simulator.recover(&[])["outcome"], "nothing-to-do");
 }
 
 #[test]
 #[cfg(target_os = "linux")]
 fn a_full_disk_keeps_the_tap_out_of_the_work() {
-    let iron = Iron::start(&[]);
-    std::fs::create_dir(iron.state()).unwrap();
-    std::os::unix::fs::symlink("/dev/full", iron.state().join("sync-record.new")).unwrap();
-    let output = iron.run(&one_tap("G84", 11), &[]);
+    let simulator = Simulator::start(&[]);
+    std::fs::create_dir(simulator.state()).unwrap();
+    std::os::unix::fs::symlink("/dev/full", simulator.state().join("sync-record.new")).unwrap();
+    let output = simulator.run(&one_tap("G84", 11), &[]);
     assert_eq!(output.status.code(), Some(3), "{}", complained(&output));
     assert!(complained(&output).contains("No space left on device"), "{}", complained(&output));
     assert!(said(&output).contains("308"), "{}", said(&output));
-    let after = iron.status();
+    let after = simulator.status();
     assert!(after["threads"].as_array().unwrap().is_empty(), "{after:#}");
 }
 
@@ -219,9 +223,9 @@ fn what_the_machine_simulator_cuts_is_what_the_machine_within_the_process_cuts()
         let mut value: Value = serde_json::from_slice(&output.stdout).unwrap();
         value["features"].take()
     };
-    let iron = Iron::start(&[]);
-    let outside = iron.run(&one_tap("G84", 11), &[]);
-    let file = iron.folder.path().join("part.ngc");
+    let simulator = Simulator::start(&[]);
+    let outside = simulator.run(&one_tap("G84", 11), &[]);
+    let file = simulator.folder.path().join("part.ngc");
     let inside = common::leadscrew(&["run", file.to_str().unwrap(), "-q", "--format", "json"]);
     let depth = |features: &Value| number(&features[0], "depth_error_um");
     let (a, b) = (features(&outside), features(&inside));
@@ -254,10 +258,10 @@ fn the_truth_lies_within_the_bound_that_recovery_states_on_a_machine_unlike_its_
         for (at, reaction) in instants(6, span, 0xb0d).into_iter().zip(reactions.iter().cycle()) {
             let at = format!("{at:.6}");
             let stop = ["--machine", &built, "--kill-control-at", &at, "--on-link-loss", reaction];
-            let iron = Iron::start(&stop);
-            iron.run(&program, &[]);
-            let truth = iron.status();
-            let said = iron.recover(&["--dry-run"]);
+            let simulator = Simulator::start(&stop);
+            simulator.run(&program, &[]);
+            let truth = simulator.status();
+            let said = simulator.recover(&["--dry-run"]);
             let Some(truth) = truth["off_helix_um"]
                 .as_f64()
                 .filter(|_| said["phase_error_before_um"].is_number())
@@ -277,23 +281,23 @@ fn the_truth_lies_within_the_bound_that_recovery_states_on_a_machine_unlike_its_
 }
 
 /// A tap in its hole whose control has been killed.
-fn killed_in_its_tap(options: &[&str]) -> Iron {
-    let iron = Iron::start(&[&["--kill-control-at", "2.5"], options].concat());
-    iron.run(&one_tap("G84", 11), &[]);
-    assert_eq!(iron.status()["tool_in_work"], 11);
-    iron
+fn killed_in_its_tap(options: &[&str]) -> Simulator {
+    let simulator = Simulator::start(&[&["--kill-control-at", "2.5"], options].concat());
+    simulator.run(&one_tap("G84", 11), &[]);
+    assert_eq!(simulator.status()["tool_in_work"], 11);
+    simulator
 }
 
 #[test]
 fn a_missing_and_a_foreign_record_are_no_proof_that_no_tool_is_in_the_work() {
-    let iron = killed_in_its_tap(&[]);
-    let before = iron.status();
-    let here = iron.folder.path().to_owned();
+    let simulator = killed_in_its_tap(&[]);
+    let before = simulator.status();
+    let here = simulator.folder.path().to_owned();
     // the state folder is lost, empty, or one that says that all is well
     let kept = here.join("kept");
-    std::fs::rename(iron.state(), &kept).unwrap();
+    std::fs::rename(simulator.state(), &kept).unwrap();
     let of_before = {
-        let other = Iron::start(&["--epoch", "1"]);
+        let other = Simulator::start(&["--epoch", "1"]);
         other.run(&one_tap("G84", 11), &[]);
         other
     };
@@ -302,89 +306,89 @@ fn a_missing_and_a_foreign_record_are_no_proof_that_no_tool_is_in_the_work() {
         ("empty", Some(None)),
         ("of another machine", Some(Some(of_before.state()))),
     ] {
-        let _ = std::fs::remove_dir_all(iron.state());
+        let _ = std::fs::remove_dir_all(simulator.state());
         if let Some(from) = prepare {
-            std::fs::create_dir(iron.state()).unwrap();
+            std::fs::create_dir(simulator.state()).unwrap();
             for file in from.iter().flat_map(|from| std::fs::read_dir(from).unwrap()) {
                 let file = file.unwrap();
-                std::fs::copy(file.path(), iron.state().join(file.file_name())).unwrap();
+                std::fs::copy(file.path(), simulator.state().join(file.file_name())).unwrap();
             }
         }
-        let refused = iron.recover(&[]);
+        let refused = simulator.recover(&[]);
         assert_eq!(refused["outcome"], "refused", "{name}: {refused:#}");
-        let run = iron.run(&one_tap("G84", 11), &[]);
+        let run = simulator.run(&one_tap("G84", 11), &[]);
         let why = complained(&run);
         assert_eq!(run.status.code(), Some(2), "{name}: {why}");
         assert!(why.contains("tool 11 is in its work") && why.contains("state"), "{name}: {why}");
-        let after = iron.status();
+        let after = simulator.status();
         assert_eq!(
             (&after["tap_in_thread"], &after["z_mm"]),
             (&before["tap_in_thread"], &before["z_mm"])
         );
     }
-    let _ = std::fs::remove_dir_all(iron.state());
-    std::fs::rename(&kept, iron.state()).unwrap();
-    assert_eq!(iron.recover(&[])["outcome"], "recovered");
+    let _ = std::fs::remove_dir_all(simulator.state());
+    std::fs::rename(&kept, simulator.state()).unwrap();
+    assert_eq!(simulator.recover(&[])["outcome"], "recovered");
 }
 
 #[test]
 fn somebody_who_has_looked_may_state_that_the_tool_is_free_and_a_new_machine_needs_no_record() {
-    let iron = Iron::start(&[]);
-    let answer = iron.recover(&[]);
+    let simulator = Simulator::start(&[]);
+    let answer = simulator.recover(&[]);
     assert_eq!(answer["outcome"], "refused", "{answer:#}");
     let reason = answer["reason"].as_str().unwrap();
     assert!(reason.contains("no sync record in") && reason.contains("a run may begin"), "{reason}");
-    assert!(!iron.state().exists(), "looking has made a folder");
-    let iron = killed_in_its_tap(&[]);
-    std::fs::remove_dir_all(iron.state()).unwrap();
-    assert_eq!(iron.recover(&["--tool-is-free"])["outcome"], "nothing-to-do");
-    assert!(iron.status()["tool_in_work"].is_null());
-    assert_eq!(iron.recover(&[])["outcome"], "nothing-to-do");
+    assert!(!simulator.state().exists(), "looking has made a folder");
+    let simulator = killed_in_its_tap(&[]);
+    std::fs::remove_dir_all(simulator.state()).unwrap();
+    assert_eq!(simulator.recover(&["--tool-is-free"])["outcome"], "nothing-to-do");
+    assert!(simulator.status()["tool_in_work"].is_null());
+    assert_eq!(simulator.recover(&[])["outcome"], "nothing-to-do");
 }
 
 #[test]
 fn looking_changes_nothing_for_the_recovery_that_follows() {
     // without turns only a coupled stop shows the turn: what the machine keeps of its stop has to last
-    let iron = Iron::start(&["--power-cut-at", "2.5", "--single-turn"]);
-    iron.run(&one_tap("G84", 11), &[]);
-    assert_eq!(iron.status()["stop"], "coupled-stop");
+    let simulator = Simulator::start(&["--power-cut-at", "2.5", "--single-turn"]);
+    simulator.run(&one_tap("G84", 11), &[]);
+    assert_eq!(simulator.status()["stop"], "coupled-stop");
     for _ in 0..2 {
-        assert_eq!(iron.recover(&["--dry-run"])["outcome"], "recovered");
-        assert_eq!(iron.run(&one_tap("G84", 11), &[]).status.code(), Some(2));
-        assert_eq!(iron.status()["stop"], "coupled-stop");
+        assert_eq!(simulator.recover(&["--dry-run"])["outcome"], "recovered");
+        assert_eq!(simulator.run(&one_tap("G84", 11), &[]).status.code(), Some(2));
+        assert_eq!(simulator.status()["stop"], "coupled-stop");
     }
-    assert_eq!(iron.recover(&[])["outcome"], "recovered");
+    assert_eq!(simulator.recover(&[])["outcome"], "recovered");
 }
 
 #[test]
 fn a_tap_that_coasts_far_beyond_its_hole_is_not_said_to_be_recovered() {
     let fast = "G21 G90 G54 G17\nT3 M6\nS6000 M3\nG0 X0 Y0\nG43 H3 Z20\nG99 G84 X0 Y0 Z-12 R5 F6000\nG80\nG0 Z50\nM2\n";
     for at in ["1.80", "1.84", "1.88"] {
-        let iron = Iron::start(&["--kill-control-at", at, "--on-link-loss", "coast"]);
-        iron.run(fast, &[]);
-        let stopped = iron.status();
-        let answer = iron.recover(&[]);
+        let simulator = Simulator::start(&["--kill-control-at", at, "--on-link-loss", "coast"]);
+        simulator.run(fast, &[]);
+        let stopped = simulator.status();
+        let answer = simulator.recover(&[]);
         let torn = stopped["tool_broken"] == true;
         assert!(!torn || answer["outcome"] != "recovered", "{at}: {stopped:#} {answer:#}");
-        assert!(iron.status()["tool_broken"] == stopped["tool_broken"], "{at}: {answer:#}");
+        assert!(simulator.status()["tool_broken"] == stopped["tool_broken"], "{at}: {answer:#}");
     }
 }
 
 #[test]
 fn a_clutch_tap_in_its_hole_is_kept_and_taken_out_by_hand_alone() {
     let text = "G21 G90 G54 G17\nT13 M6\nS1000 M3\nG0 X0 Y0\nG43 H13 Z20\nG99 G84 X0 Y0 Z-15 R8 F1000\nG80\nG0 Z50\nM2\n";
-    let iron = Iron::start(&["--kill-control-at", "2.6"]);
-    iron.run(text, &[]);
-    let before = iron.status();
+    let simulator = Simulator::start(&["--kill-control-at", "2.6"]);
+    simulator.run(text, &[]);
+    let before = simulator.status();
     assert!(before["tap_in_thread"] == true && before["tool_in_work"] == 13, "{before:#}");
-    let run = iron.run(text, &[]);
+    let run = simulator.run(text, &[]);
     assert_eq!(run.status.code(), Some(2), "{}", complained(&run));
-    let answer = iron.recover(&[]);
+    let answer = simulator.recover(&[]);
     assert_eq!(answer["outcome"], "refused", "{answer:#}");
     assert!(answer["reason"].as_str().unwrap().contains("by hand"), "{answer:#}");
-    std::fs::remove_dir_all(iron.state()).unwrap();
-    assert_eq!(iron.run(text, &[]).status.code(), Some(2));
-    let after = iron.status();
+    std::fs::remove_dir_all(simulator.state()).unwrap();
+    assert_eq!(simulator.run(text, &[]).status.code(), Some(2));
+    let after = simulator.status();
     assert!(after["tap_in_thread"] == true && after["tool_broken"] == false, "{after:#}");
 }
 
@@ -392,11 +396,11 @@ fn a_clutch_tap_in_its_hole_is_kept_and_taken_out_by_hand_alone() {
 fn the_axis_ramps_as_long_as_a_spindle_that_makes_its_own_ramps() {
     let machine = ["--machine", "vfd-mill"];
     let stop = ["--kill-control-at", "9.3", "--on-link-loss", "quick-stop"];
-    let iron = Iron::start(&[&machine[..], &stop].concat());
-    iron.run(&one_tap("G84", 11), &machine);
-    let stopped = iron.status();
+    let simulator = Simulator::start(&[&machine[..], &stop].concat());
+    simulator.run(&one_tap("G84", 11), &machine);
+    let stopped = simulator.status();
     assert!(stopped["tap_in_thread"] == true && stopped["tool_broken"] == false, "{stopped:#}");
     // v²/2a is 2.6 mm of M8, of which the drive's ramp is known to a quarter; an axis that stopped as fast as it can tore the tap
     assert!(number(&stopped, "off_helix_um").abs() < 650.0, "{stopped:#}");
-    assert_eq!(iron.recover(&machine)["outcome"], "recovered");
+    assert_eq!(simulator.recover(&machine)["outcome"], "recovered");
 }

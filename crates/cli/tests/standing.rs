@@ -3,18 +3,18 @@
 #[allow(dead_code)] // each test binary uses its own part
 mod common;
 #[allow(dead_code)]
-#[path = "common/iron.rs"]
-mod iron;
+#[path = "common/simulator.rs"]
+mod simulator;
 
 use common::{complained, said};
-use iron::Iron;
+use simulator::Simulator;
 
 #[test]
 fn a_program_begins_where_the_last_one_has_left_a_rotary_axis() {
-    let iron = Iron::start(&["--machine", "mill-5-axis"]);
+    let simulator = Simulator::start(&["--machine", "mill-5-axis"]);
     let machine = ["--machine", "mill-5-axis"];
     let run = |text: &str| {
-        let output = iron.run(text, &machine);
+        let output = simulator.run(text, &machine);
         assert_eq!(output.status.code(), Some(0), "{}{}", said(&output), complained(&output));
     };
     run("G21 G90 G54 G17\nG1 A30 C-400 F9000\nM2\n");

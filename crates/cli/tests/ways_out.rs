@@ -4,36 +4,36 @@
 #[allow(dead_code)] // each test binary uses its own part
 mod common;
 #[allow(dead_code)]
-#[path = "common/iron.rs"]
-mod iron;
+#[path = "common/simulator.rs"]
+mod simulator;
 use common::{complained, leadscrew, root, said};
-use iron::{Iron, number};
 use serde_json::Value;
+use simulator::{Simulator, number};
 
 fn program(name: &str) -> String {
     std::fs::read_to_string(root().join("programs").join(name)).unwrap()
 }
 
 /// Stopped by what the options say, then held to what is promised; the answer of the recovery.
-fn stopped(text: &str, machine: &[&str], stop: &[&str], cut: &str) -> (Iron, Value) {
-    let iron = Iron::start(&[&["--machine", machine[1]], stop].concat());
-    let output = iron.run(text, machine);
+fn stopped(text: &str, machine: &[&str], stop: &[&str], cut: &str) -> (Simulator, Value) {
+    let simulator = Simulator::start(&[&["--machine", machine[1]], stop].concat());
+    let output = simulator.run(text, machine);
     assert_ne!(output.status.code(), Some(0), "nothing stopped it: {stop:?}");
-    let again = iron.run(text, machine);
+    let again = simulator.run(text, machine);
     let why = complained(&again);
     assert_eq!(again.status.code(), Some(2), "{why}");
     assert!(why.contains(cut) && why.contains("nothing but recovery may move"), "{why}");
     assert!(why.contains(&format!("--machine {}", machine[1])), "{why}");
-    let before = iron.status();
-    let rehearsed = iron.recover(&["--machine", machine[1], "--dry-run"]);
+    let before = simulator.status();
+    let rehearsed = simulator.recover(&["--machine", machine[1], "--dry-run"]);
     assert_eq!(rehearsed["outcome"], "recovered", "{rehearsed:#}");
-    assert!((number(&before, "z_mm") - number(&iron.status(), "z_mm")).abs() < 0.01);
-    let answer = iron.recover(&["--machine", machine[1]]);
+    assert!((number(&before, "z_mm") - number(&simulator.status(), "z_mm")).abs() < 0.01);
+    let answer = simulator.recover(&["--machine", machine[1]]);
     assert_eq!(answer["outcome"], "recovered", "{answer:#}");
     assert_eq!(answer["cut"], cut, "{answer:#}");
-    let twice = iron.recover(&["--machine", machine[1]]);
+    let twice = simulator.recover(&["--machine", machine[1]]);
     assert_eq!(twice["outcome"], "nothing-to-do", "{twice:#}");
-    (iron, answer)
+    (simulator, answer)
 }
 
 #[test]
@@ -41,7 +41,7 @@ fn a_threading_pass_is_left_along_x_and_turned_again_after_a_kill_or_a_power_cut
     let (text, machine) = (program("thread-m20x1.5.ngc"), ["--machine", "lathe"]);
     for stop in ["--kill-control-at", "--power-cut-at"] {
         for at in ["3.3", "3.8"] {
-            let (iron, answer) = stopped(&text, &machine, &[stop, at], "threading pass");
+            let (simulator, answer) = stopped(&text, &machine, &[stop, at], "threading pass");
             // a pass stood 1 mm and the thread's depth off its cut before
             assert!((number(&answer, "retreat_mm") - 1.985).abs() < 0.05, "{answer:#}");
             // drives that stop on the thread leave the tool on it
@@ -53,7 +53,7 @@ fn a_threading_pass_is_left_along_x_and_turned_again_after_a_kill_or_a_power_cut
             assert!(number(&answer, "helix_error_max_um") < 5.0, "{answer:#}");
             assert!(answer["note"].is_null(), "{answer:#}");
             let line = answer["line"].to_string();
-            let again = iron.run(&text, &["--machine", "lathe", "--from", &line]);
+            let again = simulator.run(&text, &["--machine", "lathe", "--from", &line]);
             let certificate = said(&again);
             assert_eq!(again.status.code(), Some(0), "{certificate}{}", complained(&again));
         }
@@ -65,13 +65,17 @@ fn a_thread_whose_lead_grows_is_left_along_x_and_its_axis_goes_back_by_itself() 
     let text = program("feed-screw.nc");
     let machine = ["--machine", "lathe", "--dialect", "fanuc-lathe-a"];
     for stop in ["--kill-control-at", "--power-cut-at"] {
-        let (iron, answer) = stopped(&text, &machine, &[stop, "3.0"], "threading pass");
+        let (simulator, answer) = stopped(&text, &machine, &[stop, "3.0"], "threading pass");
         // from X9.7, by a diameter of 0.6 less each pass, to X13
         assert!((number(&answer, "retreat_mm") - 3.3).abs() < 0.05, "{stop}: {answer:#}");
         // a drive that brakes along the tangent for part of a turn is off by 0.1·n²
         assert!(number(&answer, "phase_error_before_um").abs() < 50.0, "{stop}: {answer:#}");
         assert!(answer["moved_first"].as_str().unwrap().contains("Z back by itself"), "{answer:#}");
-        assert!((number(&iron.status(), "z_mm") - -281.0).abs() < 0.05, "{:#}", iron.status());
+        assert!(
+            (number(&simulator.status(), "z_mm") - -281.0).abs() < 0.05,
+            "{:#}",
+            simulator.status()
+        );
         assert!(answer["note"].is_null(), "{answer:#}");
     }
 }
@@ -131,7 +135,7 @@ fn a_hold_in_a_thread_takes_the_tool_off_it_and_the_thread_is_good_in_the_end() 
 fn encoders_that_lie_and_spindles_that_fail_in_a_tap_are_recovered_within_one_run() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("tap.ngc");
-    std::fs::write(&file, iron::one_tap("G84", 11)).unwrap();
+    std::fs::write(&file, simulator::one_tap("G84", 11)).unwrap();
     let tools = root().join("programs/tools.toml");
     for fault in [
         "encoder-slip 5deg at depth 3mm",
@@ -189,7 +193,7 @@ fn a_wheel_whose_axis_has_lost_its_encoder_is_not_said_to_be_off_the_cam_by_itse
 fn what_is_wrong_with_faults_and_orders_is_said_at_once_and_what_was_not_triggered_in_the_end() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("tap.ngc");
-    std::fs::write(&file, iron::one_tap("G84", 11)).unwrap();
+    std::fs::write(&file, simulator::one_tap("G84", 11)).unwrap();
     let tools = root().join("programs/tools.toml");
     let run = ["run", file.to_str().unwrap(), "--tools", tools.to_str().unwrap(), "-q"];
     let wrong = ["--fault", "stuck A at 1s; explode at 2s", "--operator", "hold at 9x"];

@@ -161,6 +161,9 @@ impl Machine for Plant {
 }
 
 /// A connection to the machine simulator that listens there.
+///
+/// # Errors
+/// Nothing listens there, or what does is no machine.
 pub fn connect(path: &Path) -> Result<UnixStream, Refused> {
     let failed = |e| {
         let path = path.display();

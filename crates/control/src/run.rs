@@ -7,7 +7,7 @@ use crate::job::preflight::planner;
 use crate::job::restart::Restart;
 use crate::job::{Cursor, Operations};
 use crate::services::CamHost;
-use crate::services::Keeper;
+use crate::services::RecordWriter;
 use crate::stall::StallGuard;
 use crate::{Executor, Feeder, Observers, Services, TickTimes, Timings};
 use bus::{Machine, Sample, State};
@@ -124,6 +124,9 @@ impl ProgramRun {
     }
 
     /// Run it; an alarm is a refusal.
+    ///
+    /// # Errors
+    /// The alarm, and what a run cannot begin or go on with.
     pub fn run_without_alarm(self) -> Result<Outcome, Refused> {
         let outcome = self.run(&mut |_| {})?;
         match outcome.faults.first() {
@@ -143,7 +146,7 @@ impl ProgramRun {
         let mut now = begun;
         let mut stall = StallGuard::new(self.planned, begun);
         let (mut periods, mut faults, mut broke_off) = (0_u64, Vec::new(), Vec::new());
-        if self.services.keeper.is_some() {
+        if self.services.record_writer.is_some() {
             self.executor.kernel.keep_records();
         }
         self.observers.timings.start();
@@ -242,13 +245,13 @@ impl ProgramRun {
     ) -> Result<Outcome, store::Error> {
         let Self { executor, feeder, services, observers, .. } = self;
         let Executor { kernel, machine, ticks } = executor;
-        let Services { keeper, mut cams, polygons, mut stops } = services;
+        let Services { record_writer, mut cams, polygons, mut stops } = services;
         let Observers { judge, mut timings, trace, .. } = observers;
         let features = timings.judging(|| judge.finish());
         timings.stop(periods, took);
         let lost = machine.lost().map(|why| format!("the machine simulator is gone: {why}"));
-        let recovered = keeper.as_ref().and_then(Keeper::recovered);
-        let unwritten = keeper.and_then(Keeper::finish);
+        let recovered = record_writer.as_ref().and_then(RecordWriter::recovered);
+        let unwritten = record_writer.and_then(RecordWriter::finish);
         let unwritten = unwritten.map(|why| format!("the sync record cannot be written: {why}"));
         if let Some(trace) = trace {
             trace.finish()?;

@@ -53,6 +53,9 @@ pub struct Item<T> {
 /// What can be told to come.
 pub trait What: Sized {
     /// What `words` order, all words before the moment.
+    ///
+    /// # Errors
+    /// What the words lack.
     fn read(words: &[&str]) -> Result<Self, String>;
 }
 

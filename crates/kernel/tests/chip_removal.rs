@@ -224,8 +224,8 @@ fn run_ideal(ops: &[Op], accel: f64) -> Run {
         axis.weight = Force::ZERO;
         axis.stiffness = Stiffness::n_per_mm(1e12);
     }
-    let mut iron = Obedient(Feedback::default(), Spin::ZERO);
-    let run = run_on(&mut iron, &control, &steps(ops, accel), 200_000);
+    let mut plant = Obedient(Feedback::default(), Spin::ZERO);
+    let run = run_on(&mut plant, &control, &steps(ops, accel), 200_000);
     assert!(run.kernel.is_over(), "the program did not end");
     run
 }

@@ -198,9 +198,9 @@ fn a_phase_window_finer_than_the_encoder_is_never_reached_and_said_so() {
     if let Some(follower) = &mut control.spindles[1] {
         follower.windows.oriented = Angle::rev(1e-9); // its encoder tells a millionth of a turn
     }
-    let mut iron = SimulatedMachine::new(machine).expect("it can be built");
+    let mut plant = SimulatedMachine::new(machine).expect("it can be built");
     let steps = [turn(0.0, 300.0), await_speed(), StepKind::Engage(GEAR), StepKind::End];
-    let run = run_kernel_on(Kernel::new(control), &mut iron, &steps, 64_000);
+    let run = run_kernel_on(Kernel::new(control), &mut plant, &steps, 64_000);
     assert_eq!(run.kernel.faults()[0].kind, FaultKind::PhaseNotReached);
 }
 

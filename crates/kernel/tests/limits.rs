@@ -141,9 +141,9 @@ fn run_with(ops: &[Op], orders: &[(usize, Order)]) -> Run {
     let refused: Vec<_> =
         planner.take_findings().into_iter().filter(diag::Diagnostic::is_error).collect();
     assert!(refused.is_empty(), "{refused:?}");
-    let mut iron = machine(1);
-    iron.spindles.push(iron.spindles[0]);
-    let mut control = control(&iron);
+    let mut plant = machine(1);
+    plant.spindles.push(plant.spindles[0]);
+    let mut control = control(&plant);
     control.motion = limits().motion(1.0);
     // fades as gentle moves are, and no gentler
     for axis in control.axes.iter_mut().flatten() {
@@ -154,8 +154,8 @@ fn run_with(ops: &[Op], orders: &[(usize, Order)]) -> Run {
         let nodes = Periodic::new(&table.nodes).expect("it is a table");
         kernel.put_table(table.id, nodes).expect("there is room");
     }
-    let mut iron = SimulatedMachine::new(iron).expect("it can be built");
-    run_ordered(kernel, &mut iron, &steps, 80_000, orders)
+    let mut plant = SimulatedMachine::new(plant).expect("it can be built");
+    run_ordered(kernel, &mut plant, &steps, 80_000, orders)
 }
 
 /// Largest speed, acceleration and jerk of an axis' setpoints, from the first move on: before it they are where the

@@ -6,7 +6,7 @@ use control::job::Session;
 use control::job::restart::Restart;
 use control::plant::{self, Plant};
 use control::recovery::in_work::{self, InWork};
-use control::services::{Keeper, sync_record};
+use control::services::{RecordWriter, sync_record};
 use control::{Refused, config};
 use sim::Faulty;
 use std::os::unix::net::UnixStream;
@@ -113,17 +113,21 @@ impl Link {
         restart: Option<&Restart>,
         command: &[String],
         seed: u64,
-    ) -> Result<(Plant, Option<Keeper>), Refused> {
+    ) -> Result<(Plant, Option<RecordWriter>), Refused> {
         let Session { machine, tools, .. } = &job.session;
         let welcome = self.remote.as_ref().map(Remote::welcome);
         let real_time = welcome.is_some_and(|welcome| welcome.real_time);
         let engaged = welcome.map_or(0, |welcome| welcome.evidence.last);
         let before = restart.map_or(0, |restart| restart.holes);
-        let program = (job.program.name.as_str(), &job.program.text[..]);
-        let keeper = self.state.map(|(slots, identity)| {
+        let program = sync_record::Program {
+            name: &job.program.name,
+            text: &job.program.text,
+            command: command.to_vec(),
+        };
+        let record_writer = self.state.map(|(slots, identity)| {
             let known = (before, self.recovered, engaged);
             let top = job.session.work_zero().linear[2] + machine.setup.stock.to[2];
-            Keeper::start(slots, identity, program, command.to_vec(), tools, real_time, known, top)
+            RecordWriter::start(slots, identity, program, tools, real_time, known, top)
         });
         let plant = if let Some(remote) = self.remote {
             Plant::Outside(Box::new(remote))
@@ -141,7 +145,7 @@ impl Link {
             };
             Plant::Inside(Box::new(Faulty::new(machine, &[], seed).left_alone(alone)))
         };
-        Ok((plant, keeper.transpose()?))
+        Ok((plant, record_writer.transpose()?))
     }
 }
 

@@ -156,7 +156,7 @@ pub(crate) fn report(finished: &Finished, motion: report::Motion) -> String {
         ended: outcome.ended,
         alarms: outcome.faults.iter().map(alarm).collect(),
         notes: notes(finished),
-        tolerances: finished.tolerances.clone(),
+        tolerances: finished.tolerances,
         limits: Limits {
             torque,
             sync_warn: machine.tapping.sync_warn,

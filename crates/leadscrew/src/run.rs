@@ -212,7 +212,7 @@ impl Run {
             return Err(Refused::because("the program was not proved"));
         };
         let (session, planned) = (&job.session, known.planned);
-        let (plant, keeper) = link.join(&job, restart.as_ref(), &options.command, seed)?;
+        let (plant, record_writer) = link.join(&job, restart.as_ref(), &options.command, seed)?;
         // a spindle that makes its own ramps shows in the first hole how it stops: what it shows is used, and kept
         // if there is a file for it
         let learns = memory.is_some() || config::plain_drive(&session.machine).is_some();
@@ -220,7 +220,7 @@ impl Run {
         kernel.recall(memory.as_ref().map_or_else(Vec::new, |m| m.lessons.clone()));
         let judge = verify::Config {
             synchronised: session.taps.method == plan::TapMethod::Synchronised,
-            tolerances: tolerances.clone(),
+            tolerances,
             cams: session.cams.library.clone(),
             ..job.judge()
         };
@@ -230,7 +230,7 @@ impl Run {
         run.executor.kernel = kernel;
         run.executor.ticks = TickTimes::new(options.timings);
         run.is_interrupted = self.is_interrupted;
-        run.services.keeper = keeper;
+        run.services.record_writer = record_writer;
         run.services.stops = Stops::new(options.recover, told, session, seed, planned);
         run.observers.recorder = report::Recorder::new(&session.tools)
             .limited(config::path_limits(&session.machine))

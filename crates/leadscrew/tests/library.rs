@@ -1,4 +1,5 @@
-//! What somebody who calls the library relies on.
+//! What a caller of the library relies on.
+#![allow(clippy::unwrap_used)] // a test may panic
 use leadscrew::{Ending, Program, RunOptions};
 use std::path::PathBuf;
 

@@ -52,11 +52,9 @@ fn said(kinds: impl IntoIterator<Item = OpKind>) -> String {
     }
     planner.finish(&mut |_| ());
     let found = planner.take_findings();
-    found
-        .iter()
-        .filter(|d| d.code == "M0360")
-        .map(|d| format!("{:?} line {}: {}\n", d.severity, d.span.line, d.message))
-        .collect()
+    found.iter().filter(|d| d.code == "M0360").fold(String::new(), |all, d| {
+        format!("{all}{:?} line {}: {}\n", d.severity, d.span.line, d.message)
+    })
 }
 
 /// A rapid to a diameter and a Z of the program; the same as a cut.

@@ -6,11 +6,11 @@ mod compensation;
 #[cfg(test)]
 #[allow(clippy::unwrap_used)] // a test may panic
 mod documented;
-mod iron;
 mod lists;
 mod options;
 mod polygon;
 mod run;
+mod simulator;
 mod text;
 
 use crate::progress::Shown;
@@ -19,10 +19,10 @@ use clap::{Parser, Subcommand};
 pub(crate) use common::{Dialect, Format, ProgramArgs, Switch, WorkSpeedChoice};
 pub(crate) use compare::CompareArgs;
 pub(crate) use compensation::{CompensationArgs, CompensationOutput};
-pub(crate) use iron::{RecoverArgs, SimulatorArgs};
 pub(crate) use lists::{CodesFormat, MachineCommand};
 pub(crate) use polygon::PolygonArgs;
 pub(crate) use run::RunArgs;
+pub(crate) use simulator::{RecoverArgs, SimulatorArgs};
 pub(crate) use text::{
     CanonArgs, CanonFormat, CheckArgs, FindingsFormat, FormatArgs, LeftArgs, TimeArgs,
 };

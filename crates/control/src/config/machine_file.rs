@@ -4,6 +4,9 @@ use crate::Refused;
 use store::machine::{self, MachineFile};
 
 /// A machine by its embedded name, or from a file: one that can be controlled and simulated.
+///
+/// # Errors
+/// A name that is not known, a file that cannot be read, and what the machine's file says wrong.
 pub fn load(name: &str) -> Result<MachineFile, Refused> {
     let file = match machine::embedded(name) {
         None => machine::load(&path(name)?)?,
@@ -29,6 +32,9 @@ fn can_be_run(name: &str, file: &MachineFile) -> Result<(), Refused> {
 }
 
 /// Its text, as it is printed.
+///
+/// # Errors
+/// A name that is not known, and a file that cannot be read.
 pub fn text(name: &str) -> Result<String, Refused> {
     match machine::embedded(name) {
         Some(text) => Ok(text.to_owned()),

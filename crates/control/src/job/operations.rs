@@ -196,14 +196,13 @@ impl Iterator for Cursor {
 
     fn next(&mut self) -> Option<(u32, Op)> {
         // the prelude's are machine coordinates, which no block has written
-        let op = match self.prelude.pop_front() {
-            Some(op) => op,
-            None => {
-                let op = self.operations.ops.get(self.at)?.clone();
-                self.frame = self.operations.frame_of(self.at);
-                self.at += 1;
-                op
-            }
+        let op = if let Some(op) = self.prelude.pop_front() {
+            op
+        } else {
+            let op = self.operations.ops.get(self.at)?.clone();
+            self.frame = self.operations.frame_of(self.at);
+            self.at += 1;
+            op
         };
         let index = self.next;
         self.next += 1;

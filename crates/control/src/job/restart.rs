@@ -95,6 +95,9 @@ impl InForce {
 }
 
 /// Where a program's operations are begun for this wish, with Z lifted to `top` first and the machine standing at `at`.
+///
+/// # Errors
+/// A place that the program does not have, or where it cannot be begun.
 pub fn find(ops: &[Op], from: From, at: &Position, top: Length) -> Result<Restart, String> {
     let mut in_force = InForce::default();
     // where the program may be begun: at a drilled hole, or at the first of a row of rapids

@@ -73,6 +73,9 @@ impl Session {
     }
 
     /// Load what the options name, for a program at `program` with this text.
+    ///
+    /// # Errors
+    /// All that is wrong with the options, the machine, the tools and the program's text.
     pub fn load(options: &ProgramOptions, program: &Path, text: &[u8]) -> Result<Self, Refused> {
         let mut machine = crate::config::machine_file::load(&options.machine)?;
         if let Some(asked) = options.tapping_preset {
@@ -266,6 +269,9 @@ fn taps(options: &ProgramOptions, machine: &MachineFile) -> plan::Unsynchronised
 }
 
 /// A program's bytes; `-` is standard input.
+///
+/// # Errors
+/// A file that cannot be read, or is too large.
 pub fn read_program(path: &Path) -> Result<Vec<u8>, Refused> {
     if path != Path::new("-") {
         return Ok(store::read_bytes(path, "a program", store::PROGRAM_LIMIT)?);
@@ -283,6 +289,9 @@ pub fn read_program(path: &Path) -> Result<Vec<u8>, Refused> {
 }
 
 /// The tools, where they came from, their table if it is not the built-in one, and the bytes of it.
+///
+/// # Errors
+/// A table that cannot be read.
 pub fn tools(
     named: Option<&Path>,
     unit: TableUnit,

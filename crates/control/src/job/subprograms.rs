@@ -33,6 +33,9 @@ pub struct Drawn {
 }
 
 /// Those that the program calls and does not define, and what they call in turn.
+///
+/// # Errors
+/// Files that cannot be read, or are too large or too many.
 pub fn find(
     options: &ProgramOptions,
     machine: &MachineFile,
@@ -108,6 +111,9 @@ fn search_path(
 }
 
 /// The folders that a machine's file lists, beside the file.
+///
+/// # Errors
+/// A folder that is not there.
 pub fn folders_of(name: &str, machine: &MachineFile) -> Result<Vec<PathBuf>, Refused> {
     let home = Path::new(name).parent().unwrap_or(Path::new(""));
     let listed = machine.control.subprogram_path.as_deref().unwrap_or_default();

@@ -29,6 +29,9 @@ pub struct TraceThread {
 
 impl TraceThread {
     /// Start the thread.
+    ///
+    /// # Errors
+    /// A thread that the operating system does not give.
     pub fn start(mut writer: Writer) -> std::io::Result<Self> {
         let (full, batches) = sync_channel::<Vec<Sample>>(BATCHES);
         let (give_back, empty) = sync_channel(BATCHES + 1);
@@ -62,6 +65,9 @@ impl TraceThread {
     }
 
     /// Write the rest, close the file, end the thread.
+    ///
+    /// # Errors
+    /// A file that could not be written.
     pub fn finish(self) -> Result<(), store::Error> {
         let _ = self.full.send(self.batch);
         drop(self.full);

@@ -68,6 +68,7 @@ impl Slide {
     }
 
     /// Another one, with so many times the stiffness, friction and play.
+    #[must_use]
     pub fn with(&self, [stiffness, friction, play]: [f64; 3]) -> Self {
         // behind the play as much less is left as it takes
         let taken = 1.0 - (1.0 - self.spring / self.stiffness) * play;

@@ -349,6 +349,9 @@ impl CamHost {
     }
 
     /// Keep what was found on disk.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
     pub fn save(&self) -> Result<(), crate::Refused> {
         if self.changed { self.setup.save() } else { Ok(()) }
     }

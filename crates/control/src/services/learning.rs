@@ -24,6 +24,9 @@ pub struct Memory {
 
 impl Memory {
     /// As the command line says, else as the machine's file says; `None`: off.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
     pub fn load(asked: Option<&Path>, machine: &MachineFile) -> Result<Option<Self>, Refused> {
         let of_machine = machine.control.learning.as_ref().and_then(|l| l.file.as_deref());
         let path = match asked.or(of_machine.map(Path::new)) {
@@ -39,6 +42,9 @@ impl Memory {
     }
 
     /// Write what is known now.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
     pub fn save(&self, lessons: &[Lesson]) -> Result<(), Refused> {
         let list = lessons.iter().filter(|lesson| lesson.strokes > 0).map(packed).collect();
         let lessons = Lessons { machine: self.machine.clone(), mark: self.mark, list };

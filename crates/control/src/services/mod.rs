@@ -7,7 +7,7 @@ pub mod sync_record;
 
 pub use cam::CamHost;
 pub use polygon::PolygonHost;
-pub use sync_record::Keeper;
+pub use sync_record::RecordWriter;
 
 use crate::Plant;
 use crate::job::Session;
@@ -20,7 +20,7 @@ use plan::Planner;
 /// The services of a run.
 pub struct Services {
     /// Writes the sync record: what taking a tap out needs.
-    pub keeper: Option<Keeper>,
+    pub record_writer: Option<RecordWriter>,
     /// Measures and teaches cams.
     pub cams: CamHost,
     /// Measures and compensates oscillations of polygons.
@@ -33,7 +33,7 @@ impl Services {
     /// Of a run that nothing stops and that keeps no record.
     pub fn new(session: &Session) -> Self {
         Self {
-            keeper: None,
+            record_writer: None,
             cams: CamHost::new(session.cams.clone()),
             polygons: PolygonHost::new(&session.machine),
             stops: Stops::none(),
@@ -48,8 +48,8 @@ impl Services {
 
     /// An operation is planned.
     pub(super) fn op(&mut self, index: u32, op: &Op) {
-        if let Some(keeper) = &mut self.keeper {
-            keeper.op(index, op);
+        if let Some(record_writer) = &mut self.record_writer {
+            record_writer.op(index, op);
         }
     }
 
@@ -67,8 +67,8 @@ impl Services {
         planner: &mut Planner,
         sample: &Sample,
     ) {
-        if let Some(keeper) = &mut self.keeper {
-            machine.engage(keeper.serve(kernel, &sample.feedback));
+        if let Some(record_writer) = &mut self.record_writer {
+            machine.engage(record_writer.serve(kernel, &sample.feedback));
         }
         self.cams.consult(kernel, planner);
         self.polygons.consult(kernel);

@@ -1,8 +1,8 @@
 //! Keeps the sync record on the disk while a program runs, beside the servo loop.
 //!
 //! ```text
-//!   kernel ──wish──► keeper ──record──► thread: write, fsync, rename, fsync
-//!          ◄──acknowledged──── keeper ◄──done, or why not──┘
+//!   kernel ──wish──► record_writer ──record──► thread: write, fsync, rename, fsync
+//!          ◄──acknowledged──── record_writer ◄──done, or why not──┘
 //! ```
 //!
 //! In lock-step simulated time stands while the disk works, so a fast disk and a slow one would differ: there an
@@ -50,6 +50,9 @@ pub fn folder(named: Option<&Path>, identity: &Identity) -> Result<PathBuf, Refu
 }
 
 /// Open a machine's state; what it says of a tap in the work.
+///
+/// # Errors
+/// A folder that cannot be used, and a record that is damaged or of another machine.
 pub fn open(
     path: &Path,
     identity: &Identity,
@@ -73,8 +76,18 @@ pub fn in_work(record: &SyncRecord, feedback: &bus::Feedback) -> bool {
     record.stage.is_in_work() && stroke.inside(z) > AT_START && below > -CLEAR
 }
 
+/// The program that a record is kept of.
+pub struct Program<'a> {
+    /// Its path, as it is shown.
+    pub name: &'a str,
+    /// Its text.
+    pub text: &'a [u8],
+    /// The words that started it, for whoever goes on after a recovery.
+    pub command: Vec<String>,
+}
+
 /// See the module's header.
-pub struct Keeper {
+pub struct RecordWriter {
     orders: Sender<(SyncRecord, Option<u32>)>,
     answers: Receiver<(Option<u32>, std::io::Result<()>)>,
     thread: JoinHandle<()>,
@@ -103,18 +116,16 @@ pub struct Keeper {
     problem: Option<String>,
 }
 
-impl Keeper {
+impl RecordWriter {
     /// Start the thread. `before`: holes that the program made before it was begun in its middle. `recovered`: the hole
     /// whose tap a recovery took out. `engaged`: number of the machine's last engagement. `top`: where the workpiece begins.
-    /// `command`: the words that started the program, for whoever goes on after a recovery.
     ///
     /// # Errors
     /// No thread can be started.
     pub fn start(
         mut slots: Slots<StateFolder>,
         identity: Identity,
-        program: (&str, &[u8]),
-        command: Vec<String>,
+        program: Program<'_>,
         tools: &ToolLibrary,
         real_time: bool,
         (before, recovered, engaged): (u32, Option<u32>, u64),
@@ -139,14 +150,14 @@ impl Keeper {
             answers,
             thread,
             identity,
-            program: program.0.to_owned(),
-            checksum: crc32fast::hash(program.1),
+            program: program.name.to_owned(),
+            checksum: crc32fast::hash(program.text),
             tools: tools.clone(),
             real_time,
             holes: BTreeMap::new(),
             made: before,
             gears: BTreeMap::new(),
-            command,
+            command: program.command,
             recovered: (recovered, None),
             underway: VecDeque::new(),
             last: None,

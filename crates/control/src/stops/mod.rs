@@ -165,6 +165,9 @@ impl Stops {
     }
 
     /// A run that has stopped: run down, and out of the thread if that is asked for. Whether the program goes on.
+    ///
+    /// # Errors
+    /// A connection to the machine that is gone.
     pub fn deal_with(
         &mut self,
         kernel: &mut Kernel,

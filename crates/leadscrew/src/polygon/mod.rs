@@ -166,7 +166,7 @@ pub fn design(
     let machine = &options.machine;
     let proofs = if options.simulate { prove::proofs(&design, machine, hear)? } else { Vec::new() };
     let claim = design.claim(&design.gcode(taken), machine, design.work)?;
-    Ok(Designed { ways, best, aim, claim, proofs, design })
+    Ok(Designed { design, ways, best, aim, claim, proofs })
 }
 
 /// The first that is as flat as the flattest, by its place.

@@ -64,6 +64,9 @@ fn made(entry: &CamEntry, folder: &Path, wheel: Length, nodes: usize) -> Result<
 }
 
 /// A lift table from a file.
+///
+/// # Errors
+/// A file that cannot be read, and a table that is no cam.
 pub fn table(path: &Path, base: Length, follower: Follower) -> Result<Cam, Refused> {
     let text = store::cams::table_text(path)?;
     let name = path.display().to_string();
@@ -82,6 +85,9 @@ pub fn table(path: &Path, base: Length, follower: Follower) -> Result<Cam, Refus
 }
 
 /// A follower's words in a file or on the command line.
+///
+/// # Errors
+/// A roller without a radius, and a radius without a roller.
 pub fn of_kind(kind: FollowerKind, roller_mm: Option<f64>) -> Result<Follower, Refused> {
     match (kind, roller_mm) {
         (FollowerKind::Flat, None) => Ok(Follower::Flat),

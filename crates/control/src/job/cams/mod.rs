@@ -71,6 +71,9 @@ pub struct CamSetup {
 impl CamSetup {
     /// As the options say, for a program at this path. A library that only lies beside the program counts where the
     /// machine grinds cams.
+    ///
+    /// # Errors
+    /// A library or a record that cannot be read.
     pub fn load(
         options: &ProgramOptions,
         program: &Path,
@@ -116,6 +119,9 @@ impl CamSetup {
     }
 
     /// Read what was measured on this machine before.
+    ///
+    /// # Errors
+    /// A record that cannot be read.
     pub fn recall(&mut self, machine: &MachineFile) -> Result<(), Refused> {
         let mark = mark(machine);
         let known = match &self.path {
@@ -325,6 +331,9 @@ impl CamSetup {
     }
 
     /// Keep it on disk, if there is a place for it.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
     pub fn save(&self) -> Result<(), Refused> {
         match &self.path {
             Some(path) => Ok(self.phases.save(path)?),

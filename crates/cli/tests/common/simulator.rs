@@ -1,4 +1,4 @@
-//! An iron as a process of its own, a folder for its state, and programs for it.
+//! A simulator as a process of its own, a folder for its state, and programs for it.
 use crate::common::{complained, root, said};
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use std::process::{Child, Command, Output, Stdio};
 use tempfile::TempDir;
 
-/// A running iron; it ends with the test.
-pub(crate) struct Iron {
+/// A running simulator; it ends with the test.
+pub(crate) struct Simulator {
     process: Child,
     pub(crate) folder: TempDir,
 }
@@ -40,14 +40,14 @@ holder = { kind = "rigid", stiffness_n_per_um = 20.0 }
     std::fs::read_to_string(root().join("programs/tools.toml")).unwrap() + left
 }
 
-impl Iron {
+impl Simulator {
     /// Start one, with these options beside its socket.
     pub(crate) fn start(options: &[&str]) -> Self {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("tools.toml"), tools()).unwrap();
         let mut process = Command::new(env!("CARGO_BIN_EXE_leadscrew"))
             .args(["simulator", "--listen"])
-            .arg(folder.path().join("iron"))
+            .arg(folder.path().join("simulator"))
             .arg("--tools")
             .arg(folder.path().join("tools.toml"))
             .args(options)
@@ -76,12 +76,13 @@ impl Iron {
     pub(crate) fn run(&self, program: &str, options: &[&str]) -> Output {
         let file = self.path("part.ngc");
         std::fs::write(&file, program).unwrap();
-        let (iron, state, tools) = (self.path("iron"), self.path("state"), self.path("tools.toml"));
+        let (simulator, state, tools) =
+            (self.path("simulator"), self.path("state"), self.path("tools.toml"));
         let mut arguments = vec![
             "run",
             file.to_str().unwrap(),
             "--simulator",
-            iron.to_str().unwrap(),
+            simulator.to_str().unwrap(),
             "--state",
             state.to_str().unwrap(),
             "--tools",
@@ -96,11 +97,11 @@ impl Iron {
 
     /// Recover; the answer.
     pub(crate) fn recover(&self, options: &[&str]) -> Value {
-        let (iron, state) = (self.path("iron"), self.path("state"));
+        let (simulator, state) = (self.path("simulator"), self.path("state"));
         let mut arguments = vec![
             "recover",
             "--simulator",
-            iron.to_str().unwrap(),
+            simulator.to_str().unwrap(),
             "--state",
             state.to_str().unwrap(),
             "--format",
@@ -114,15 +115,18 @@ impl Iron {
 
     /// Recover, and be killed at it.
     pub(crate) fn recover_killed(&self) -> bool {
-        let (iron, state) = (self.path("iron"), self.path("state"));
-        let [iron, state] = [&iron, &state].map(|path| path.to_str().unwrap());
-        Self::leadscrew(&["recover", "--simulator", iron, "--state", state]).status.code().is_none()
+        let (simulator, state) = (self.path("simulator"), self.path("state"));
+        let [simulator, state] = [&simulator, &state].map(|path| path.to_str().unwrap());
+        Self::leadscrew(&["recover", "--simulator", simulator, "--state", state])
+            .status
+            .code()
+            .is_none()
     }
 
     /// How it is.
     pub(crate) fn status(&self) -> Value {
         let output =
-            Self::leadscrew(&["simulator", "--status", self.path("iron").to_str().unwrap()]);
+            Self::leadscrew(&["simulator", "--status", self.path("simulator").to_str().unwrap()]);
         serde_json::from_slice(&output.stdout).unwrap()
     }
 
@@ -132,7 +136,7 @@ impl Iron {
     }
 }
 
-impl Drop for Iron {
+impl Drop for Simulator {
     fn drop(&mut self) {
         let _ = self.process.kill();
         let _ = self.process.wait();
