@@ -115,12 +115,14 @@ impl fmt::Display for Headroom {
         let (left, tolerance) = (self.left.in_um(), self.tolerance.in_um());
         // of a small tolerance whole micrometres would say that all of it is left
         let decimals = usize::from(tolerance < 20.0);
+        let is_whole = (tolerance - tolerance.round()).abs() < 0.05;
+        let tolerance = format!("{tolerance:.*}", if is_whole { 0 } else { decimals });
         match self.of {
             Criterion::Whole => f.write_str("not made as ordered"),
             of if left < 0.0 => {
-                write!(f, "{}: {:.decimals$} µm out of {tolerance:.0} µm", of.name(), -left)
+                write!(f, "{}: {:.decimals$} µm out of {tolerance} µm", of.name(), -left)
             }
-            of => write!(f, "{}: {left:.decimals$} of {tolerance:.0} µm left", of.name()),
+            of => write!(f, "{}: {left:.decimals$} of {tolerance} µm left", of.name()),
         }
     }
 }

@@ -152,7 +152,8 @@ impl Pace {
         let [q1, q2, q3] = self.before;
         self.before = [at, q1, q2];
         if self.count == 3 {
-            self.still(now - Time::s(period)); // the curves rise from there
+            let from = (now - Time::s(period)).value();
+            self.curves().for_each(|curve| curve.rest_until(from));
         }
         self.count = (self.count + 1).min(4);
         if self.count < 4 {
@@ -201,18 +202,14 @@ impl Pace {
     /// The curves fall to zero where the moves end: drawn through to the next move they would show what never was.
     fn between_moves(&mut self, now: Time) {
         if self.count == 4 {
-            self.still(now);
+            self.curves().for_each(|curve| curve.push(now.value(), 0.0));
         }
         self.count = 0;
     }
 
-    fn still(&mut self, at: Time) {
-        for series in [&mut self.speed, &mut self.accel, &mut self.jerk] {
-            series.push(at.value(), 0.0);
-        }
-        if let Some(turning) = &mut self.turning {
-            turning.push(at.value(), 0.0);
-        }
+    fn curves(&mut self) -> impl Iterator<Item = &mut Series> {
+        let Self { speed, accel, jerk, turning, .. } = self;
+        [speed, accel, jerk].into_iter().chain(turning)
     }
 
     fn is_thread(&self, op: u32) -> bool {

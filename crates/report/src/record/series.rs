@@ -9,7 +9,7 @@
 //! No sample is ever forgotten that was the extreme of its stretch, so a spike of one servo period in
 //! an hour is still on the picture.
 
-/// Bins a series holds at most; it shows at most two points each.
+/// Bins a series holds at most; it shows two points of each, and two more where the curve rests.
 const BINS: usize = 256;
 
 #[derive(Clone, Copy, Debug)]
@@ -17,11 +17,13 @@ struct Bin {
     low: (f64, f64),
     high: (f64, f64),
     low_came_first: bool,
+    /// The longest time at zero between two moves that ends in it: a line straight through would show what never was.
+    rest: Option<(f64, f64)>,
 }
 
 impl Bin {
     const fn of(point: (f64, f64)) -> Self {
-        Self { low: point, high: point, low_came_first: true }
+        Self { low: point, high: point, low_came_first: true, rest: None }
     }
 
     fn take(&mut self, point: (f64, f64)) {
@@ -34,10 +36,29 @@ impl Bin {
         }
     }
 
+    fn rests(&mut self, rest: (f64, f64)) {
+        let length = |(from, to): (f64, f64)| to - from;
+        if self.rest.is_none_or(|before| length(rest) > length(before)) {
+            self.rest = Some(rest);
+        }
+    }
+
+    /// What is shown of it, in order.
+    fn points(&self) -> Vec<(f64, f64)> {
+        let pair = if self.low_came_first { [self.low, self.high] } else { [self.high, self.low] };
+        let rest = self.rest.into_iter().flat_map(|(from, to)| [(from, 0.0), (to, 0.0)]);
+        let mut points: Vec<_> = pair.into_iter().chain(rest).collect();
+        if self.rest.is_some() {
+            points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        }
+        points
+    }
+
     fn followed_by(self, next: Self) -> Self {
         let low_is_mine = self.low.1 <= next.low.1;
         let high_is_mine = self.high.1 >= next.high.1;
-        Self {
+        let mut both = Self {
+            rest: self.rest,
             low: if low_is_mine { self.low } else { next.low },
             high: if high_is_mine { self.high } else { next.high },
             low_came_first: match (low_is_mine, high_is_mine) {
@@ -45,7 +66,11 @@ impl Bin {
                 (false, false) => next.low_came_first,
                 (low_is_mine, _) => low_is_mine,
             },
+        };
+        if let Some(rest) = next.rest {
+            both.rests(rest);
         }
+        both
     }
 }
 
@@ -97,6 +122,16 @@ impl Series {
         }
     }
 
+    /// It has lain at zero since its last sample, which is one, and rises from here.
+    pub(crate) fn rest_until(&mut self, x: f64) {
+        let (from, y) = self.last;
+        let bin = if self.in_open > 0 { Some(&mut self.open) } else { self.bins.last_mut() };
+        if let Some(bin) = bin.filter(|_| y == 0.0) {
+            bin.rests((from, x));
+        }
+        self.push(x, 0.0);
+    }
+
     fn close(&mut self) {
         self.bins.push(self.open);
         self.in_open = 0;
@@ -118,8 +153,7 @@ impl Series {
         }
         let mut points = vec![self.first];
         for bin in self.bins.iter().chain(open) {
-            let pair = if bin.low_came_first { [bin.low, bin.high] } else { [bin.high, bin.low] };
-            points.extend(pair);
+            points.extend(bin.points());
         }
         points.push(self.last);
         points.dedup();
