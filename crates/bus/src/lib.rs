@@ -151,6 +151,8 @@ pub enum State {
     Paused,
     /// Held by the operator: everything that was to stop stands, or slows down.
     Held,
+    /// An axis is moved by hand: jog, handwheel, homing.
+    Manual,
     /// Taking a tool out after a stop.
     Recovering,
     /// Stopped by a fault.
@@ -177,6 +179,7 @@ impl State {
             Self::Measure => "measure",
             Self::Paused => "paused",
             Self::Held => "held",
+            Self::Manual => "manual",
             Self::Recovering => "recovering",
             Self::Faulted => "faulted",
             Self::Ended => "ended",

@@ -14,6 +14,7 @@ use bus::{Machine, Sample, State};
 use kernel::{Event, Fault, Kernel};
 use report::Recorder;
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 use units::Time;
 use verify::{Feature, IdleTurns, Watch};
@@ -108,13 +109,10 @@ impl ProgramRun {
     /// Of this program, on this machine, judged by this: nothing stops it, nothing is kept, nothing is learnt.
     pub fn new(loaded: &Loaded<'_>, machine: Plant, judge: verify::Config) -> Self {
         let Loaded { session, operations, restart, options, planned } = *loaded;
+        let kernel = Kernel::new(config::control(&session.machine, None, false));
         let ops = Cursor::new(Arc::clone(operations), restart);
         Self {
-            executor: Executor {
-                kernel: Kernel::new(config::control(&session.machine, None, false)),
-                machine,
-                ticks: TickTimes::new(false),
-            },
+            executor: Executor { kernel, machine, ticks: TickTimes::new(false) },
             feeder: Feeder::new(ops, planner(session, options)),
             services: Services::new(session),
             observers: Observers::new(session, judge),
@@ -140,76 +138,154 @@ impl ProgramRun {
     ///
     /// # Errors
     /// The trace cannot be written.
-    pub fn run(mut self, progress: &mut dyn FnMut(Time)) -> Result<Outcome, store::Error> {
-        let begun = self.executor.machine.feedback().time;
-        // a way out of a thread after the last stop is no part of the cycle
-        let mut now = begun;
-        let mut stall = StallGuard::new(self.planned, begun);
-        let (mut periods, mut faults, mut broke_off) = (0_u64, Vec::new(), Vec::new());
-        if self.services.record_writer.is_some() {
-            self.executor.kernel.keep_records();
-        }
-        self.observers.timings.start();
-        self.orders_from_the_beginning();
-        while !(self.is_interrupted)() {
-            if self.is_stopped() {
-                match self.deal_with_stop(&mut faults) {
-                    Ok(true) => {}
-                    Ok(false) => break,
-                    Err(why) => {
-                        broke_off.push(format!("the tool could not be taken out: {why}"));
-                        break;
-                    }
-                }
-            }
-            let Self { executor, feeder, services, observers, .. } = &mut self;
-            feeder.fill(&mut executor.kernel, services, observers);
-            let sample = executor.period(|kernel, machine, sample| {
-                services.sample(sample, kernel);
-                observers.sample(sample);
-                services.stops.act(sample, kernel, machine);
-                observers.watch.spindle_override(kernel.operator().spindle_share());
-                feeder.follow_overrides(kernel);
-                services.serve(kernel, machine, &mut feeder.planner, sample);
-                while let Some(event) = kernel.next_event() {
-                    observers.event(&event);
-                }
-            });
-            periods += 1;
-            now = executor.machine.feedback().time;
-            let operator = executor.kernel.operator();
-            if let Some(why) = stall.ends(&sample.command, (begun, now), operator) {
-                broke_off.push(why);
-                break;
-            }
-            if periods.is_multiple_of(PROGRESS_EVERY) {
-                progress(now);
+    pub fn run(self, progress: &mut dyn FnMut(Time)) -> Result<Outcome, store::Error> {
+        let is_interrupted = self.is_interrupted;
+        let (mut running, mut executor) = self.begin();
+        while !is_interrupted() && running.period(&mut executor).is_continue() {
+            if running.periods.is_multiple_of(PROGRESS_EVERY) {
+                progress(running.now);
             }
         }
-        self.finish(faults, broke_off, (periods, now - begun))
+        running.finish(&mut executor)
+    }
+
+    /// The first period is about to come, of this kernel and machine.
+    pub fn begin(self) -> (Running, Executor) {
+        let Self { mut executor, feeder, services, observers, planned, .. } = self;
+        let begun = executor.machine.feedback().time;
+        let stall = Some(StallGuard::new(planned, begun));
+        let parts = (feeder, services, observers);
+        (Running::with(parts, planned, stall, &mut executor), executor)
+    }
+}
+
+/// A program that is under way.
+pub struct Running {
+    feeder: Feeder,
+    services: Services,
+    observers: Observers,
+    is_attended: bool,
+    planned: Time,
+    begun: Time,
+    now: Time,
+    stall: Option<StallGuard>,
+    periods: u64,
+    faults: Vec<Fault>,
+    broke_off: Vec<String>,
+}
+
+impl Running {
+    /// A program begins on a machine whose kernel is at work, before an operator who resumes what is held, confirms stops and
+    /// takes tools out.
+    pub fn attended(loaded: &Loaded<'_>, judge: verify::Config, executor: &mut Executor) -> Self {
+        let Loaded { session, operations, restart, options, planned } = *loaded;
+        let feeder =
+            Feeder::new(Cursor::new(Arc::clone(operations), restart), planner(session, options));
+        let parts = (feeder, Services::new(session), Observers::new(session, judge));
+        Self::with(parts, planned, None, executor)
+    }
+
+    fn with(
+        (feeder, services, observers): (Feeder, Services, Observers),
+        planned: Time,
+        stall: Option<StallGuard>,
+        executor: &mut Executor,
+    ) -> Self {
+        if services.record_writer.is_some() {
+            executor.kernel.keep_records();
+        }
+        let begun = executor.machine.feedback().time;
+        let mut running = Self {
+            feeder,
+            services,
+            observers,
+            is_attended: stall.is_none(),
+            planned,
+            begun,
+            now: begun,
+            stall,
+            periods: 0,
+            faults: Vec::new(),
+            broke_off: Vec::new(),
+        };
+        running.observers.timings.start();
+        running.orders_from_the_beginning(executor);
+        running
     }
 
     /// What is ordered from the beginning is known before the first move is planned.
-    fn orders_from_the_beginning(&mut self) {
-        let Executor { kernel, machine, .. } = &mut self.executor;
+    fn orders_from_the_beginning(&mut self, executor: &mut Executor) {
+        let Executor { kernel, machine, .. } = executor;
         let (feedback, report) = (machine.feedback(), kernel.report());
         let first = Sample { feedback, report, truth: machine.truth(), ..Sample::default() };
         self.services.stops.act(&first, kernel, machine);
         self.feeder.follow_overrides(kernel);
     }
 
+    /// How long it is planned to take, and since when it runs.
+    pub const fn planned(&self) -> (Time, Time) {
+        (self.planned, self.begun)
+    }
+
+    /// What was cut so far, and what the judge thinks of it.
+    pub fn judged(&self) -> Vec<Feature> {
+        self.observers.judge.clone().finish()
+    }
+
+    /// One servo period; it breaks off when the program is over.
+    pub fn period(&mut self, executor: &mut Executor) -> ControlFlow<()> {
+        if self.is_stopped(executor) {
+            if self.is_attended {
+                return ControlFlow::Break(());
+            }
+            match self.deal_with_stop(executor) {
+                Ok(true) => {}
+                Ok(false) => return ControlFlow::Break(()),
+                Err(why) => {
+                    self.broke_off.push(format!("the tool could not be taken out: {why}"));
+                    return ControlFlow::Break(());
+                }
+            }
+        }
+        let Self { feeder, services, observers, .. } = self;
+        feeder.fill(&mut executor.kernel, services, observers);
+        let sample = executor.period(|kernel, machine, sample| {
+            services.sample(sample, kernel);
+            observers.sample(sample);
+            services.stops.act(sample, kernel, machine);
+            observers.watch.spindle_override(kernel.operator().spindle_share());
+            feeder.follow_overrides(kernel);
+            services.serve(kernel, machine, &mut feeder.planner, sample);
+            while let Some(event) = kernel.next_event() {
+                observers.event(&event);
+            }
+        });
+        self.periods += 1;
+        self.now = executor.machine.feedback().time;
+        let (times, operator) = ((self.begun, self.now), executor.kernel.operator());
+        let given_up =
+            self.stall.as_mut().and_then(|stall| stall.ends(&sample.command, times, operator));
+        match given_up {
+            Some(why) => {
+                self.broke_off.push(why);
+                ControlFlow::Break(())
+            }
+            None => ControlFlow::Continue(()),
+        }
+    }
+
     /// Nothing more will happen by itself: the program is over, the control is gone, or it is held and no order to resume
     /// will come.
-    fn is_stopped(&self) -> bool {
-        let Executor { kernel, machine, .. } = &self.executor;
+    fn is_stopped(&self, executor: &Executor) -> bool {
+        let Executor { kernel, machine, .. } = executor;
         let rests = kernel.operator().wants_rest() && kernel.is_standing();
-        let held = rests && kernel.report().state == State::Held;
+        let held = rests && kernel.report().state == State::Held && !self.is_attended;
         kernel.is_over() || machine.is_abandoned() || held && self.services.stops.no_orders_left()
     }
 
     /// Let the machine run down, take a tap out if that is asked for; whether the program goes on.
-    fn deal_with_stop(&mut self, faults: &mut Vec<Fault>) -> Result<bool, String> {
-        let Self { executor, feeder, services, observers, .. } = self;
+    fn deal_with_stop(&mut self, executor: &mut Executor) -> Result<bool, String> {
+        let Self { feeder, services, observers, faults, .. } = self;
         let Executor { kernel, machine, .. } = executor;
         let known = kernel.faults().len();
         faults.extend_from_slice(kernel.faults());
@@ -236,15 +312,26 @@ impl ProgramRun {
         Ok(true)
     }
 
-    /// All is over after so many periods and so long.
-    fn finish(
-        self,
-        mut faults: Vec<Fault>,
-        mut broke_off: Vec<String>,
-        (periods, took): (u64, Time),
-    ) -> Result<Outcome, store::Error> {
-        let Self { executor, feeder, services, observers, .. } = self;
-        let Executor { kernel, machine, ticks } = executor;
+    /// All is over: what came of it.
+    ///
+    /// # Errors
+    /// The trace cannot be written.
+    pub fn finish(self, executor: &mut Executor) -> Result<Outcome, store::Error> {
+        let Self {
+            feeder,
+            services,
+            observers,
+            begun,
+            now,
+            mut faults,
+            mut broke_off,
+            periods,
+            ..
+        } = self;
+        // a way out of a thread after the last stop is no part of the cycle
+        let took = now - begun;
+        let ticks = std::mem::replace(&mut executor.ticks, TickTimes::new(false));
+        let Executor { kernel, machine, .. } = &*executor;
         let Services { record_writer, mut cams, polygons, mut stops } = services;
         let Observers { judge, mut timings, trace, .. } = observers;
         let features = timings.judging(|| judge.finish());

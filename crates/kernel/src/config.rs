@@ -70,11 +70,8 @@ pub struct PhaseLoss {
 /// What a program's stop (M0, M1) does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pause {
-    /// Wait for [`crate::Kernel::resume`]; optional stops too if `optional_stop` is set.
-    Wait {
-        /// M1 counts.
-        optional_stop: bool,
-    },
+    /// Wait for [`crate::Kernel::resume`]; optional stops too if [`crate::Order::OptionalStop`] has been given.
+    Wait,
     /// Go on at once: nobody is there, as in a simulation.
     GoOn,
 }

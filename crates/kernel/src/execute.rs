@@ -399,8 +399,8 @@ fn begin_spindle(
 fn begin_pause(optional: bool, context: &mut Context) -> Activity {
     match context.config.pause {
         Pause::GoOn => Activity::AtOnce,
-        Pause::Wait { optional_stop } if optional && !optional_stop => Activity::AtOnce,
-        Pause::Wait { .. } => {
+        Pause::Wait if optional && !context.operator.optional_stop() => Activity::AtOnce,
+        Pause::Wait => {
             context.note(EventKind::Paused);
             Activity::Pausing
         }

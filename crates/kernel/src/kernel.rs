@@ -10,6 +10,7 @@
 //! on the kernel only holds it.
 mod exchange;
 mod faults;
+mod manual;
 mod orders;
 mod tap;
 mod way_out;
@@ -20,6 +21,7 @@ use crate::drives::{Drives, Finding};
 use crate::event::{Event, EventKind, Ring};
 use crate::execute::{Activity, Context, Progress};
 use crate::fault::Fault;
+use crate::manual::Manual;
 use crate::operator::{Notice, Operator};
 use crate::recovering::Recovering;
 use crate::retreating::Retreating;
@@ -85,6 +87,8 @@ pub struct Kernel {
     doubts: Doubts,
     /// A drive or an encoder is gone: once everything stands, outputs go off; the periods for which it has stood.
     lame: Option<u32>,
+    /// Axes that are moved by hand.
+    manual: Manual,
     /// A tool is being taken out; nothing else is done.
     recovering: Option<Recovering>,
     /// The tool leaves the work before the spindles stop.
@@ -117,6 +121,7 @@ impl Kernel {
             reported: None,
             doubts: Doubts::default(),
             lame: None,
+            manual: Manual::default(),
             recovering: None,
             retreating: None,
             way_out: None,
@@ -246,6 +251,7 @@ impl Kernel {
         if matches!(self.mode, Mode::Halted) {
             return self.halt(feedback);
         }
+        self.advance_manual();
         self.hold();
         self.warn();
         self.drives.advance_spindles();
@@ -278,7 +284,7 @@ impl Kernel {
         if let Some(withdrawn) = self.withdraw_on(dt) {
             return withdrawn.map(|()| Progress::Busy);
         }
-        let Some(step) = self.queue.get(self.chained) else {
+        let Some(step) = self.queue.get(self.chained).filter(|_| !self.manual.is_active()) else {
             return Ok(Progress::Busy);
         };
         if !self.begun && self.holds_before(step.line) {
@@ -377,11 +383,13 @@ impl Kernel {
     fn summarise(&mut self) {
         let held = self.operator.wants_rest() && self.is_held();
         self.report.state = match (&self.mode, &self.recovering) {
+            (Mode::Disabled, _) if self.faults.is_empty() => State::Idle,
             (Mode::Halted | Mode::Disabled, _) => State::Faulted,
             (Mode::New | Mode::Starting(_), _) => State::Idle,
             (Mode::Running, Some(_)) => State::Recovering,
             (Mode::Running, None) if self.withdrawing.is_some() => State::Recovering,
             (Mode::Running, None) if self.aborted => State::Idle,
+            (Mode::Running, None) if self.manual.is_active() => State::Manual,
             (Mode::Running, None) if held => State::Held,
             (Mode::Running, None) if self.is_off_thread() => State::Rapid,
             (Mode::Running, None) => self.activity.state(),

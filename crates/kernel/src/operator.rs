@@ -41,6 +41,8 @@ pub enum Order {
     SpindleOverride(f64),
     /// Hold before each program line.
     SingleBlock(bool),
+    /// M1 stops the program as M0 does.
+    OptionalStop(bool),
 }
 
 /// How far the operator may override, as the machine's file has it.
@@ -135,6 +137,7 @@ pub struct Operator {
     rapid: f64,
     spindle: f64,
     single_block: bool,
+    optional_stop: bool,
     /// The line that single block has let pass.
     admitted: Option<u32>,
     /// The hold has been said.
@@ -152,9 +155,15 @@ impl Operator {
             rapid: 1.0,
             spindle: 1.0,
             single_block: false,
+            optional_stop: false,
             admitted: None,
             said: false,
         }
+    }
+
+    /// Overrides and single block as they are; nothing is held or given up.
+    pub(crate) const fn without_orders(&self) -> Self {
+        Self { held: false, aborting: false, retract: false, admitted: None, said: false, ..*self }
     }
 
     /// Take an order; what is to be said about it. `synchronised`: a coupling is engaged; `paused`: the
@@ -204,6 +213,10 @@ impl Operator {
                 self.single_block = on;
                 None
             }
+            Order::OptionalStop(on) => {
+                self.optional_stop = on;
+                None
+            }
         }
     }
 
@@ -235,6 +248,11 @@ impl Operator {
     /// Each program line shall be followed by a hold: a move must come to rest at its end.
     pub const fn single_block(&self) -> bool {
         self.single_block
+    }
+
+    /// M1 stops the program.
+    pub const fn optional_stop(&self) -> bool {
+        self.optional_stop
     }
 
     /// A step of another line is about to begin, with everything at rest: whether single block holds it.

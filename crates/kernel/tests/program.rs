@@ -177,7 +177,7 @@ fn coolant_is_switched_at_once_and_stays() {
 #[test]
 fn a_stop_waits_for_the_operator_and_an_optional_one_only_if_it_is_set() {
     let mut config = control(&machine(0));
-    config.pause = Pause::Wait { optional_stop: false };
+    config.pause = Pause::Wait;
     let mut kernel = Kernel::new(config);
     let mut machine = sim::SimulatedMachine::new(machine(0)).expect("it can be built");
     for (op, kind) in

@@ -17,6 +17,7 @@
 //! | `coupled` | gears between spindles, and what is superposed on an axis |
 //! | `surface` | a spindle's speed as a function of X |
 //! | `way_out` | how a tool that is tied to a spindle comes out of the work |
+//! | `online` | where an axis is whose target may change at any moment |
 //! | `signal` | inputs and outputs |
 #![no_std]
 #[cfg(test)]
@@ -24,6 +25,7 @@ extern crate std;
 
 mod coupled;
 mod curve;
+mod online;
 mod path;
 mod profile;
 mod signal;
@@ -38,6 +40,7 @@ pub use curve::{
     AXES, Arc, Bezier, Bounds, Curve, Derivatives, Entry, Limits, Line, Piece, Point, Polynomial,
     Shape, measure,
 };
+pub use online::{Goal, OnlineLimits, OnlineState};
 pub use path::{Motion, Path, coordinate, radius};
 pub use profile::{Instant, MAX_PHASES, Phase, Profile};
 pub use signal::{Await, InputWait, Output, Signal};

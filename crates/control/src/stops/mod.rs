@@ -297,6 +297,7 @@ fn name(order: Order) -> String {
         Order::SpindleOverride(share) => format!("spindle override {:.0} %", share * 100.0),
         Order::RapidOverride(share) => format!("rapid override {:.0} %", share * 100.0),
         Order::SingleBlock(on) => format!("single block {}", if on { "on" } else { "off" }),
+        Order::OptionalStop(on) => format!("optional stop {}", if on { "on" } else { "off" }),
     }
 }
 

@@ -62,6 +62,7 @@ impl Kernel {
             self.faults.push(fault);
         }
         self.note(EventKind::FaultRaised(fault));
+        self.manual.forget(); // what moves brakes from where it is
         let in_tap = self.tap_in_work();
         let gone = matches!(
             kind,

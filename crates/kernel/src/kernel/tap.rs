@@ -25,6 +25,7 @@ impl Kernel {
     /// Forget what there was.
     pub(super) fn begin_anew(&mut self) {
         self.queue.clear();
+        self.manual.forget();
         self.faults.clear();
         (self.activity, self.begun, self.mode) = (Activity::Idle, false, Mode::New);
         (self.operator, self.aborted, self.reported) =

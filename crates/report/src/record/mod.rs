@@ -198,6 +198,7 @@ impl Recorder {
             State::Feed | State::TapIn | State::TapBottom | State::TapOut => self.rapid = false,
             // standing still belongs to the move before it
             State::Idle
+            | State::Manual
             | State::Dwell
             | State::SpindleWait
             | State::Settle

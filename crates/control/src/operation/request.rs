@@ -1,0 +1,144 @@
+//! Everything that an operator, a program or a network client can ask of the control.
+use super::state::Need;
+use crate::job::restart;
+use canon::Axis;
+use core::fmt;
+use std::path::PathBuf;
+use units::Time;
+
+/// How an axis is jogged. Of A, B and C read degrees for millimetres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Jog {
+    /// On and on, at this speed, signed, mm/s, as long as it is asked for again within [`Jog::LEASE`].
+    Continuous(f64),
+    /// By this much from where the axis is told to be, mm.
+    Increment(f64),
+    /// To this machine coordinate, mm.
+    To(f64),
+}
+
+impl Jog {
+    /// A continuous jog ends by itself after so long.
+    pub const LEASE: Time = Time::s(0.2);
+}
+
+/// A request.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Request {
+    /// Drives on or off.
+    Power(bool),
+    /// Press the emergency stop button (true) or release it: for tests of the chain.
+    EmergencyStop(bool),
+    /// Home an axis, or all in the machine's order.
+    Home(Option<Axis>),
+    /// Jog an axis.
+    Jog(Axis, Jog),
+    /// Bring every axis that is moved by hand to rest.
+    JogStop,
+    /// Load a program.
+    Load(PathBuf),
+    /// Start the program that is loaded, from its beginning or from a line or a hole.
+    Start(Option<restart::From>),
+    /// Execute blocks that are typed.
+    ManualDataInput(String),
+    /// Hold the feed.
+    FeedHold,
+    /// Go on after a hold.
+    Resume,
+    /// Go on after M0 or M1.
+    Confirm,
+    /// Give the program up.
+    Stop,
+    /// Back a tap out of the thread in which it was stopped.
+    Retract,
+    /// Clear alarms; make ready for the next program.
+    Reset,
+    /// Hold after each block.
+    SingleBlock(bool),
+    /// Stop at M1.
+    OptionalStop(bool),
+    /// Leave out blocks of this level of `/`, 1 to 9; acts on the next start.
+    BlockSkip(u8, bool),
+    /// Share of the programmed feed.
+    FeedOverride(f64),
+    /// Share of the rapids.
+    RapidOverride(f64),
+    /// Share of the programmed spindle speed.
+    SpindleOverride(f64),
+    /// Set the work offset in force so that the tool's tip is at this coordinate of the axis, mm.
+    TouchOff(Axis, f64),
+}
+
+/// Why a request was refused: the first of its needs that is not met, or a sentence.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// The control's state.
+    State(Need),
+    /// The request itself.
+    Request(String),
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::State(need) => need.fmt(f),
+            Self::Request(sentence) => f.write_str(sentence),
+        }
+    }
+}
+
+impl Request {
+    /// What it needs, in the order in which it is asked: the one table of what is allowed when.
+    pub const fn needs(&self) -> &'static [Need] {
+        use Need::{
+            EmergencyStopArmed, EmergencyStopTriggered, Homed, NoAlarm, NoManualMotion,
+            NoProgramUnderWay, NoTapInThread, PowerOn, ProgramHeld, ProgramLoaded, ProgramUnderWay,
+            ProgramWaitsForConfirmation, Standstill, TapInThread,
+        };
+        match self {
+            Self::Power(true) => &[EmergencyStopArmed, NoAlarm],
+            Self::Power(false) => &[NoProgramUnderWay, NoTapInThread, Standstill],
+            Self::EmergencyStop(true)
+            | Self::JogStop
+            | Self::SingleBlock(_)
+            | Self::OptionalStop(_)
+            | Self::FeedOverride(_)
+            | Self::RapidOverride(_)
+            | Self::SpindleOverride(_) => &[],
+            Self::EmergencyStop(false) => &[EmergencyStopTriggered],
+            Self::Home(_) => {
+                &[EmergencyStopArmed, NoAlarm, PowerOn, NoProgramUnderWay, NoManualMotion]
+            }
+            Self::Jog(..) => {
+                &[EmergencyStopArmed, NoAlarm, PowerOn, NoProgramUnderWay, NoTapInThread]
+            }
+            Self::Load(_) | Self::BlockSkip(..) => &[NoProgramUnderWay],
+            Self::Start(_) => &[
+                ProgramLoaded,
+                EmergencyStopArmed,
+                NoAlarm,
+                PowerOn,
+                NoProgramUnderWay,
+                NoManualMotion,
+                NoTapInThread,
+                Homed(None),
+            ],
+            Self::ManualDataInput(_) => &[
+                EmergencyStopArmed,
+                NoAlarm,
+                PowerOn,
+                NoProgramUnderWay,
+                NoManualMotion,
+                NoTapInThread,
+                Homed(None),
+            ],
+            Self::FeedHold => &[ProgramUnderWay, NoAlarm],
+            Self::Resume => &[ProgramUnderWay, NoAlarm, ProgramHeld],
+            Self::Confirm => &[ProgramUnderWay, NoAlarm, ProgramWaitsForConfirmation],
+            Self::Stop => &[ProgramUnderWay],
+            Self::Retract => &[TapInThread],
+            Self::Reset => &[EmergencyStopArmed, NoProgramUnderWay, NoTapInThread, NoManualMotion],
+            Self::TouchOff(..) => &[NoProgramUnderWay, NoManualMotion, Homed(None)],
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! What is done without a program: drives on and off, axes moved by hand, all forgotten after an alarm.
+use super::{Kernel, Mode};
+use crate::execute::Activity;
+use crate::manual::{ManualOrder, ManualRefusal};
+use crate::spindle::SpindleLoop;
+use units::Axis;
+
+impl Kernel {
+    /// Outputs off: everything stands and nothing is executed. Whether that is so.
+    pub fn switch_off(&mut self) -> bool {
+        let may = self.is_standing() && !self.manual.is_active() && self.queue.is_empty();
+        if may || matches!(self.mode, Mode::New | Mode::Starting(_)) {
+            let operator = self.operator.without_orders();
+            self.begin_anew();
+            (self.operator, self.mode) = (operator, Mode::Disabled);
+        }
+        matches!(self.mode, Mode::Disabled)
+    }
+
+    /// Outputs are off.
+    pub const fn is_off(&self) -> bool {
+        matches!(self.mode, Mode::Disabled)
+    }
+
+    /// The drives are up and no alarm has stopped the machine.
+    pub const fn is_ready(&self) -> bool {
+        matches!(self.mode, Mode::Running)
+    }
+
+    /// The drives come up, each axis where it stands; what stopped the machine before has had its answer. Overrides stay.
+    pub fn switch_on(&mut self) {
+        let operator = self.operator.without_orders();
+        self.begin_anew();
+        self.operator = operator;
+    }
+
+    /// A program has ended or was given up, and everything stands: another one may come. Whether that is so.
+    pub fn clear(&mut self) -> bool {
+        let stands = matches!(self.mode, Mode::Running) && self.is_standing();
+        if !stands || self.engaged().is_some() || self.way_out.is_some() {
+            return false;
+        }
+        self.queue.clear();
+        (self.chained, self.drives.chain) = (0, None);
+        (self.activity, self.begun, self.aborted) = (Activity::Idle, false, false);
+        self.operator = self.operator.without_orders();
+        true
+    }
+
+    /// Move an axis by hand from the next tick on, or otherwise than until now.
+    ///
+    /// # Errors
+    /// There is no such axis, it cannot be moved by hand now, or the order makes no sense.
+    pub fn move_manually(&mut self, axis: Axis, order: ManualOrder) -> Result<(), ManualRefusal> {
+        let Some(moved) = self.drives.axes.get(axis.index()).and_then(Option::as_ref) else {
+            return Err(ManualRefusal::NoAxis);
+        };
+        if !order.is_sound() {
+            return Err(ManualRefusal::NotANumber);
+        }
+        let ready = matches!(self.mode, Mode::Running) && self.recovering.is_none();
+        if !ready || self.withdrawing.is_some() {
+            return Err(ManualRefusal::NotReady);
+        }
+        if !self.queue.is_empty() || self.drives.flowing {
+            return Err(ManualRefusal::Busy);
+        }
+        self.manual.take(axis.index(), order, moved.target.position);
+        Ok(())
+    }
+
+    /// An axis is moved by hand.
+    pub fn is_moving_manually(&self) -> bool {
+        self.manual.is_active()
+    }
+
+    /// Where an axis is told to be, mm or degrees.
+    pub fn setpoint(&self, axis: Axis) -> Option<f64> {
+        Some(self.drives.axes.get(axis.index())?.as_ref()?.target.position)
+    }
+
+    /// No spindle is told to turn.
+    pub fn spindles_rest(&self) -> bool {
+        let spindles = self.drives.spindles.iter().flatten();
+        spindles.map(SpindleLoop::ordered).all(|ordered| ordered.spin.value() == 0.0)
+    }
+
+    /// Axes that are moved by hand go on.
+    pub(super) fn advance_manual(&mut self) {
+        let rests = self.operator.wants_rest();
+        let period_s = self.config.period.value();
+        self.manual.advance(self.now, rests, period_s, &mut self.drives);
+    }
+}

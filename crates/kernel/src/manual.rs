@@ -1,0 +1,108 @@
+//! Axes that are moved by hand: jog, handwheel, homing.
+//!
+//! ```text
+//!   ManualOrder: goal, limits, ends of travel, lease ─► OnlineState::next, every period ─► the axis' target
+//!                                                            ▲
+//!                 lease over, hold, alarm ── goal: rest ─────┘
+//! ```
+//!
+//! A continuous jog is a lease: whoever wants the axis to go on says so again before it ends. A client that is lost, or a
+//! control that hangs, leaves no axis moving.
+use crate::axis::Target;
+use crate::drives::Drives;
+use bus::AXES;
+use motion::{Goal, OnlineLimits, OnlineState};
+use units::Time;
+
+/// How one axis is moved by hand. Of A, B and C read degrees for millimetres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ManualOrder {
+    /// Where it shall go.
+    pub goal: Goal,
+    /// What it keeps.
+    pub limits: OnlineLimits,
+    /// Ends of travel, from and to; infinite while the axis is not homed.
+    pub ends: (f64, f64),
+    /// The moment from which on it comes to rest by itself; `None`: at its goal.
+    pub lease: Option<Time>,
+}
+
+/// Why an axis cannot be moved by hand now.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ManualRefusal {
+    /// The machine has no such axis.
+    NoAxis,
+    /// The drives are off, or an alarm has stopped the machine.
+    NotReady,
+    /// Steps of a program wait or are executed.
+    Busy,
+    /// A speed, a place or a limit is no number that an axis could obey.
+    NotANumber,
+}
+
+/// The axes that are moved by hand at present.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Manual {
+    moving: [Option<(ManualOrder, OnlineState)>; AXES],
+}
+
+impl Manual {
+    /// An axis is moving, or about to.
+    pub(crate) fn is_active(&self) -> bool {
+        self.moving.iter().any(Option::is_some)
+    }
+
+    pub(crate) fn take(&mut self, index: usize, order: ManualOrder, position: f64) {
+        let state = match self.moving[index] {
+            Some((_, state)) => state,
+            None => OnlineState::at_rest(position),
+        };
+        self.moving[index] = Some((order, state));
+    }
+
+    pub(crate) fn forget(&mut self) {
+        self.moving = [None; AXES];
+    }
+
+    /// One period; `rests`: all shall come to rest.
+    pub(crate) fn advance(&mut self, now: Time, rests: bool, period_s: f64, drives: &mut Drives) {
+        for (moving, axis) in self.moving.iter_mut().zip(&mut drives.axes) {
+            let (Some((order, state)), Some(axis)) = (moving.as_mut(), axis.as_mut()) else {
+                continue;
+            };
+            let is_over = order.lease.is_some_and(|end| now >= end);
+            let goal = if rests || is_over { Goal::Speed(0.0) } else { order.goal };
+            *state = state.next(goal, &order.limits, order.ends, period_s);
+            axis.target = Target {
+                position: state.position,
+                speed: state.speed,
+                accel: state.accel,
+                jerk: state.jerk,
+            };
+            // at the end of its travel it stands as long as its goal lies beyond
+            let waits = order.lease.is_some() && !is_over && !rests;
+            if state.is_at_standstill() && (state.has_reached(goal) || !waits) {
+                axis.target = Target { position: state.position, ..Target::default() };
+                *moving = None;
+            }
+        }
+    }
+}
+
+impl ManualOrder {
+    /// All of it are numbers that an axis can obey.
+    pub(crate) fn is_sound(&self) -> bool {
+        let OnlineLimits { speed, accel, jerk } = self.limits;
+        let goal = match self.goal {
+            Goal::Speed(value) | Goal::Position(value) => value,
+        };
+        let positive = |value: f64| value > 0.0; // not a number is not
+        goal.is_finite()
+            && positive(speed)
+            && speed.is_finite()
+            && positive(accel)
+            && accel.is_finite()
+            && positive(jerk)
+            && self.ends.0 <= self.ends.1
+    }
+}
