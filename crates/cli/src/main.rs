@@ -8,7 +8,7 @@
 //!        ├► compensation  leadscrew::compensation   cams, in every way
 //!        ├► polygon       leadscrew::polygon        from a form to the block that cuts it
 //!        ├► recover       control::recovery         what is known of a tool in the work, and the way out
-//!        ├► simulator     the simulated machine as a process of its own
+//!        ├► simulator     leadscrew::simulator      the simulated machine as a process of its own
 //!        ├► cam           forms::cam, printed and drawn
 //!        ├► canon, codes, fmt, lsp    interp, gcode, lsp
 //!        ├► machine       store

@@ -16,6 +16,7 @@
 //!   Program ──on──► Job ─┬─ check ─► findings
 //!                        ├─ time  ─► Times
 //!                        └─ run   ─► Finished ─► certificate, report
+//!   simulator: the simulated machine as a process of its own, for controls that connect
 //!   studies: compare (holders), compensation (cams), polygon (from a form to the block that cuts it)
 //! ```
 #![forbid(unsafe_code)]
@@ -28,6 +29,7 @@ mod papers;
 pub mod polygon;
 mod program;
 mod run;
+pub mod simulator;
 pub mod time;
 
 pub use control::Refused;

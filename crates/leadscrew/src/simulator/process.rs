@@ -1,6 +1,6 @@
 //! The machine simulator itself: the simulated machine, what its encoders keep, and its drives when they are alone.
+use super::SimulatorOptions;
 use super::retained::{Retained, least_certain};
-use crate::args::SimulatorArgs;
 use bus::{Command, Feedback, Machine, SPINDLES, Truth};
 use control::Refused;
 use control::config;
@@ -12,8 +12,8 @@ use store::machine::Reaction;
 use units::{Angle, Length, SpinAccel, Time};
 use wire::{Engagement, Observed, Stop, Welcome};
 
-/// See the module's header.
-pub(super) struct SimulatorProcess {
+/// The simulated machine, what its encoders and its retentive bits keep, and its drives when they are alone.
+pub struct SimulatorProcess {
     config: sim::Config,
     machine: SimulatedMachine,
     name: String,
@@ -62,33 +62,36 @@ pub(super) enum Alone {
 }
 
 impl SimulatorProcess {
-    /// As the arguments have it, at rest.
-    pub(super) fn new(args: &SimulatorArgs) -> Result<Self, Refused> {
-        let session = Session::load(&args.source.options(), Path::new("-"), b"")?;
+    /// As the options have it, at rest.
+    ///
+    /// # Errors
+    /// Machine, tools or material cannot be read, or no machine can be as the file says.
+    pub fn new(options: &SimulatorOptions) -> Result<Self, Refused> {
+        let session = Session::load(&options.source, Path::new("-"), b"")?;
         let file = &session.machine;
-        let material = leadscrew::material(args.material.as_deref(), file.setup.stock.material)?;
-        let seed = args.seed.unwrap_or(u64::from(file.simulation.seed));
+        let material = crate::material(options.material.as_deref(), file.setup.stock.material)?;
+        let seed = options.seed.unwrap_or(u64::from(file.simulation.seed));
         let zero = session.work_zero();
         let config = config::simulator(file, &session.tools, material, seed, &zero);
         let machine = control::plant::simulated(file, config.clone())?;
         let mut keeps_turns = [true; SPINDLES];
         for (keeps, spindle) in keeps_turns.iter_mut().zip(&file.spindles) {
-            *keeps = spindle.encoder_keeps_turns && !args.single_turn;
+            *keeps = spindle.encoder_keeps_turns && !options.single_turn;
         }
-        let latest_first = |times: &[f64]| {
-            let mut times: Vec<_> = times.iter().copied().map(Time::s).collect();
+        let latest_first = |times: &[Time]| {
+            let mut times = times.to_vec();
             times.sort_by(|a, b| b.value().total_cmp(&a.value()));
             times
         };
         let drives = &file.drives;
         Ok(Self {
             name: file.name.clone(),
-            serial: args.serial,
+            serial: options.serial,
             // a new machine simulator has new encoders: nothing that was written of others holds for them
-            epoch: args.epoch.unwrap_or_else(|| RandomState::new().build_hasher().finish()),
+            epoch: options.epoch.unwrap_or_else(|| RandomState::new().build_hasher().finish()),
             reactions: [
-                args.on_link_loss.map_or(drives.on_link_loss, Into::into),
-                args.on_power_loss.map_or(drives.on_power_loss, Into::into),
+                options.on_link_loss.unwrap_or(drives.on_link_loss),
+                options.on_power_loss.unwrap_or(drives.on_power_loss),
             ],
             bus: drives.bus.map(|bus| Bus {
                 farad: bus.capacitance_f,
@@ -106,12 +109,12 @@ impl SimulatorProcess {
             stop: Stop::None,
             retained: Retained::default(),
             last: Command::default(),
-            cuts: latest_first(&args.power_cut_at),
-            kills: latest_first(&args.kill_control_at),
+            cuts: latest_first(&options.power_cuts),
+            kills: latest_first(&options.control_kills),
             sessions: 0,
             off_helix: Length::ZERO,
             force_n: 0.0,
-            real_time: args.real_time,
+            real_time: options.real_time,
             watchdog: drives.watchdog,
             config,
             machine,

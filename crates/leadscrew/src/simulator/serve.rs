@@ -1,29 +1,51 @@
 //! One control after the other.
-use super::machine::{Alone, Obeyed, SimulatorProcess};
-use crate::say;
+use super::process::{Alone, Obeyed, SimulatorProcess};
 use control::Refused;
 use control::clock;
 use std::os::unix::net::{UnixListener, UnixStream};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 use wire::{Error, Message, Order, Port};
 
 /// How long a client that connects may take to state what it wants.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// Listen until a client orders the end.
-pub(super) fn serve(mut simulator: SimulatorProcess, path: &Path) -> Result<(), Refused> {
-    let listener = listen(path)?;
-    say::out(&format!("listening at {}: {}\n", path.display(), simulator.who()))?;
-    loop {
-        let Ok((stream, _)) = listener.accept() else { continue };
-        match session(&mut simulator, stream) {
-            Ok(After::Next) => {}
-            Ok(After::Quit) => {
-                let _ = std::fs::remove_file(path);
-                return Ok(());
+/// A machine simulator at its socket.
+pub struct Listening {
+    simulator: SimulatorProcess,
+    listener: UnixListener,
+    path: PathBuf,
+}
+
+impl SimulatorProcess {
+    /// Listen at `path`, a Unix socket, in place of one at which no process listens any more.
+    ///
+    /// # Errors
+    /// Another machine simulator listens there, or no socket can be made there.
+    pub fn listen(self, path: &Path) -> Result<Listening, Refused> {
+        Ok(Listening { simulator: self, listener: listen(path)?, path: path.to_owned() })
+    }
+}
+
+impl Listening {
+    /// For people: which machine it is, and which encoders.
+    pub fn name(&self) -> String {
+        self.simulator.who()
+    }
+
+    /// One control after the other, until a client orders the end. `lost` is told why a control is gone that did not
+    /// just end.
+    pub fn serve(mut self, mut lost: impl FnMut(&Error)) {
+        loop {
+            let Ok((stream, _)) = self.listener.accept() else { continue };
+            match session(&mut self.simulator, stream) {
+                Ok(After::Next) => {}
+                Ok(After::Quit) => {
+                    let _ = std::fs::remove_file(&self.path); // removed already
+                    return;
+                }
+                Err(why) => lost(&why),
             }
-            Err(why) => say::err(&format!("a control is gone: {why}\n")),
         }
     }
 }

@@ -1,0 +1,45 @@
+//! `leadscrew simulator`: the machine simulator as a process of its own, and orders to one that listens.
+use crate::args::SimulatorArgs;
+use crate::say;
+use control::Refused;
+use leadscrew::simulator::{SimulatorOptions, SimulatorProcess, order};
+use units::Time;
+use wire::Order;
+
+/// Listen, or give an order to the machine simulator that listens.
+pub(crate) fn command(args: &SimulatorArgs) -> Result<(), Refused> {
+    let orders = [
+        (&args.status, Order::Status),
+        (&args.power_cut, Order::PowerCut),
+        (&args.quit, Order::Quit),
+    ];
+    for (path, what) in orders {
+        if let Some(path) = path {
+            return say::out(&format!("{}\n", order(path, what)?));
+        }
+    }
+    let Some(path) = &args.listen else {
+        return Err(Refused::because("leadscrew simulator: expected --listen PATH"));
+    };
+    let listening = SimulatorProcess::new(&options(args))?.listen(path)?;
+    say::out(&format!("listening at {}: {}\n", path.display(), listening.name()))?;
+    listening.serve(|why| say::err(&format!("a control is gone: {why}\n")));
+    Ok(())
+}
+
+fn options(args: &SimulatorArgs) -> SimulatorOptions {
+    let times = |seconds: &[f64]| seconds.iter().copied().map(Time::s).collect();
+    SimulatorOptions {
+        source: args.source.options(),
+        material: args.material.clone(),
+        seed: args.seed,
+        real_time: args.real_time,
+        power_cuts: times(&args.power_cut_at),
+        control_kills: times(&args.kill_control_at),
+        on_link_loss: args.on_link_loss.map(Into::into),
+        on_power_loss: args.on_power_loss.map(Into::into),
+        single_turn: args.single_turn,
+        serial: args.serial,
+        epoch: args.epoch,
+    }
+}
