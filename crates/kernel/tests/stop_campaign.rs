@@ -89,8 +89,9 @@ fn every_millisecond(work: &Work, hand: &str) {
     }
     let (mut rows, mut all) = (vec![Tally::head()], Tally::default());
     for (fault, reaction, way) in ways {
-        let document = if way == Way::Direct { ", the document's way" } else { "" };
-        let title = format!("{}, {}{document}", fault.name(), name(reaction));
+        let direct =
+            if way == Way::Direct { ", the axis that overran goes back at once" } else { "" };
+        let title = format!("{}, {}{direct}", fault.name(), name(reaction));
         for (part, tally) in sweep(work, fault, reaction, 4 * every, way) {
             rows.push(tally.row(&format!("{title}, {}, {hand}", part.name())));
             println!("{}", tally.sum(&format!("{title}, {} ({hand})", part.name())));

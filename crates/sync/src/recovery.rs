@@ -99,9 +99,10 @@ pub struct Seat {
 /// Which way back is taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Way {
-    /// The document's: the axis that overran goes back.
+    /// The axis that overran goes back onto the coupling, at once.
     Direct,
-    /// First the feed goes to zero axial force, if the holder is stiff; what is left is the document's.
+    /// First the feed goes to zero axial force, if the holder is stiff; then the axis that overran goes back as far as is
+    /// left.
     UnloadFirst(Seat),
     /// The follower alone, to PS: the tap is in no thread ([`crate::leaving`]).
     Straight,
