@@ -35,7 +35,7 @@ const SOFT: &str = "G21 G90 G54 G17\nT6 M6\nS2000 M3\nG0 X0 Y0\nG43 H6 Z20\nG99 
 /// A machine that breaks chips instead of going out with each peck.
 const CHIP_BREAK: &str = "extends = \"tapping-center\"\nname = \"tapping-center\"\n\n[tapping.peck]\nretract = \"chip-break\"\n";
 
-const FEATURES: [Feature; 9] = [
+const FEATURES: [Feature; 10] = [
     Feature { name: "tap M8, S1000", program: TAP, options: &[], window: (1.75, 4.0) },
     Feature { name: "peck tap M6, S3000", program: PECK, options: &[], window: (1.7, 3.4) },
     Feature {
@@ -68,6 +68,12 @@ const FEATURES: [Feature; 9] = [
         program: include_str!("../../programs/hexagon-af17.nc"),
         options: &["--machine", "polygon-lathe"],
         window: (8.0, 13.0),
+    },
+    Feature {
+        name: "cam grinding, 60 rpm",
+        program: include_str!("../../programs/cam-shaft.nc"),
+        options: &["--machine", "cam-grinder"],
+        window: (7.7, 12.9), // cylinder 1: down to size and sparked out
     },
     Feature {
         name: "clutch tap M6, S1000",
@@ -234,6 +240,7 @@ fn trial(
     for (name, text) in [
         ("part.nc", feature.program),
         ("tools.toml", include_str!("../../programs/tools.toml")),
+        ("cams.toml", include_str!("../../programs/cams.toml")),
         ("chip-break.toml", CHIP_BREAK),
     ] {
         std::fs::write(folder.path().join(name), text).map_err(|e| e.to_string())?;
