@@ -9,6 +9,7 @@
 #![no_std]
 extern crate alloc;
 
+mod banded;
 pub mod geometry;
 pub mod law;
 

@@ -21,12 +21,12 @@
 //! nothing within the tolerance, and what is straight should not bend for it. x is a product of shape and speed, so this is
 //! not convex: the method begins at the curve that bends least and takes Gauss's steps, which only count x's own first
 //! derivatives, no farther than the goal falls. The speeds found serve to find the shape alone; `law` plans the time along it.
-use super::banded::Banded;
 use super::fit::Sample;
 use super::gathered::Gathered;
 use super::load::{At, Loads, Place, SAY, SAY_B, mix};
 use super::spline::{Halved, Knots};
 use super::{Limits, Point};
+use crate::banded::Banded;
 use crate::law::TOP_SPEED;
 use alloc::vec::Vec;
 
@@ -115,7 +115,7 @@ pub(crate) struct Fastest<const N: usize, const B: usize> {
     beta_before: Vec<f64>,
     /// By span: time that it takes, and how many of the samples are in it.
     spans: Vec<(f64, usize)>,
-    matrix: Banded<B>,
+    matrix: Banded<B, SAY>,
     gradient: Vec<[f64; B]>,
     step: Vec<[f64; B]>,
 }
@@ -322,7 +322,9 @@ impl<const N: usize, const B: usize> Fastest<N, B> {
         }
         self.step.clear();
         self.step.extend(self.gradient.iter().map(|g| g.map(|g| -g)));
-        self.matrix.solve(&mut self.step, DAMPING);
+        self.matrix.damp(DAMPING);
+        self.matrix.factor();
+        self.matrix.solve_one(&mut self.step);
         let all = self.step.as_flattened().iter().zip(self.gradient.as_flattened());
         all.map(|(step, g)| step * g).sum()
     }

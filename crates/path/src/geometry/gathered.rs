@@ -5,9 +5,9 @@
 //!   P₀ … P₃ of an axis         own                   across           mixed
 //!   β₀ … β₂                                                           speed
 //! ```
-use super::banded::Banded;
 use super::load::{At, Load, Place, SAY, SAY_B};
 use super::spline::Rows;
+use crate::banded::Banded;
 
 /// Pairs of control points, each once.
 const PAIRS: [(usize, usize); 10] =
@@ -109,7 +109,7 @@ impl<const N: usize> Gathered<N> {
     pub(crate) fn put<const B: usize>(
         &mut self,
         first: usize,
-        matrix: &mut Banded<B>,
+        matrix: &mut Banded<B, SAY>,
         gradient: &mut [[f64; B]],
     ) {
         let (rows, gradient) = (&mut matrix.rows[first..][..SAY], &mut gradient[first..][..SAY]);

@@ -1,6 +1,5 @@
 //! From programmed lines, arcs and splines to one joined curve, in pieces: what can be cut at corners, and what can be fitted.
 
-mod banded;
 mod bezier;
 mod bow;
 mod corner;

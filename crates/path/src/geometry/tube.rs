@@ -15,8 +15,8 @@
 //! long ones are as quick.
 use super::Point;
 use super::fit::Sample;
+use crate::banded::Banded;
 use alloc::vec::Vec;
-use core::ops::Range;
 
 /// r of the header; samples are good up to [`super::fit::NEAR`].
 const RADIUS: f64 = 0.982;
@@ -36,12 +36,10 @@ type Place<const N: usize> = [f64; N];
 /// Memory of the method, for N axes; kept from one curve to the next.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tube<const N: usize> {
-    /// The matrix: the diagonal, and up to three before it; then its factors.
-    rows: Vec<[f64; 4]>,
+    matrix: Banded<1, 4>,
     control: Vec<Place<N>>,
     /// What the given control points put on the right-hand side.
     base: Vec<Place<N>>,
-    right: Vec<Place<N>>,
     held: Vec<Held<N>>,
 }
 
@@ -115,9 +113,8 @@ impl<const N: usize> Tube<N> {
             self.held.push(held);
         }
         self.assemble(bends);
-        self.factor(&free);
         for round in 1..=ROUNDS {
-            self.solve(&free);
+            self.solve();
             if self.keep() <= super::fit::NEAR && round >= LEAST {
                 break;
             }
@@ -127,78 +124,56 @@ impl<const N: usize> Tube<N> {
         }
     }
 
+    /// The matrix' factors, and what the given control points put on the right-hand side.
     fn assemble(&mut self, bends: &[([f64; 3], f64)]) {
-        self.rows.clear();
-        self.rows.resize(self.control.len(), [0.0; 4]);
+        let count = self.control.len();
+        self.matrix.clear(count);
         for (knot, (shares, length)) in bends.iter().enumerate() {
             for i in 0..3 {
                 for j in 0..=i {
-                    self.rows[knot + i][i - j] += length * shares[i] * shares[j];
+                    *self.matrix.entry(knot + j, i - j) += length * shares[i] * shares[j];
                 }
             }
         }
         for held in &self.held {
             for i in 0..4 {
                 for j in 0..=i {
-                    self.rows[held.first + i][i - j] += held.rho * held.basis[i] * held.basis[j];
+                    let by = held.rho * held.basis[i] * held.basis[j];
+                    *self.matrix.entry(held.first + j, i - j) += by;
                 }
             }
         }
-    }
-
-    /// L·D·Lᵀ of the free unknowns, in place; the given ones go to the right-hand side.
-    fn factor(&mut self, free: &Range<usize>) {
+        let is_given = |i: usize| i < GIVEN || i >= count - GIVEN;
         self.base.clear();
-        self.base.resize(self.control.len(), [0.0; N]);
-        for i in 0..self.control.len() {
-            for back in 1..=i.min(3) {
-                let (j, a) = (i - back, self.rows[i][back]);
-                match (free.contains(&i), free.contains(&j)) {
-                    (true, false) => subtract(&mut self.base[i], a, &self.control[j]),
-                    (false, true) => subtract(&mut self.base[j], a, &self.control[i]),
+        self.base.resize(count, [0.0; N]);
+        for i in 0..count {
+            for after in 1..4.min(count - i) {
+                let (j, a) = (i + after, *self.matrix.entry(i, after));
+                match (is_given(i), is_given(j)) {
+                    (true, false) => subtract(&mut self.base[j], a, &self.control[i]),
+                    (false, true) => subtract(&mut self.base[i], a, &self.control[j]),
                     _ => {}
                 }
             }
         }
-        for i in free.clone() {
-            let first = free.start.max(i.saturating_sub(3));
-            let mut row = self.rows[i];
-            for j in first..i {
-                // L_ij·D_j, then L_ij
-                for k in first..j {
-                    row[i - j] -= row[i - k] * self.rows[j][j - k] * self.rows[k][0];
-                }
-                row[i - j] /= self.rows[j][0];
-                row[0] -= row[i - j] * row[i - j] * self.rows[j][0];
-            }
-            self.rows[i] = row;
+        for i in (0..count).filter(|i| is_given(*i)) {
+            self.base[i] = self.control[i];
+            self.matrix.fix(i, 0);
         }
+        self.matrix.factor();
     }
 
-    fn solve(&mut self, free: &Range<usize>) {
-        self.right.clone_from(&self.base);
+    fn solve(&mut self) {
+        let free = GIVEN..self.control.len() - GIVEN;
+        self.control.clone_from(&self.base);
         for held in &self.held {
             let wanted: Place<N> = core::array::from_fn(|i| held.rho * (held.z[i] - held.u[i]));
-            for (right, n) in self.right[held.first..held.first + 4].iter_mut().zip(held.basis) {
-                subtract(right, -n, &wanted);
+            let met = held.first..held.first + 4;
+            for (i, n) in met.zip(held.basis).filter(|(i, _)| free.contains(i)) {
+                subtract(&mut self.control[i], -n, &wanted);
             }
         }
-        for i in free.clone() {
-            let mut x = self.right[i];
-            for back in 1..=3.min(i - free.start) {
-                subtract(&mut x, self.rows[i][back], &self.right[i - back]);
-            }
-            self.right[i] = x;
-        }
-        for i in free.clone().rev() {
-            let d = self.rows[i][0];
-            let mut x = self.right[i].map(|x| x / d);
-            for ahead in 1..=3.min(free.end - 1 - i) {
-                subtract(&mut x, self.rows[i + ahead][ahead], &self.right[i + ahead]);
-            }
-            self.right[i] = x;
-            self.control[i] = x;
-        }
+        self.matrix.solve(self.control.as_chunks_mut::<1>().0);
     }
 
     /// z and u of the next round; how far the farthest sample is off, over its tolerance.

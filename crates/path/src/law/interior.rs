@@ -9,7 +9,7 @@
 //! The acceleration's bounds are straight; v̂/√c is convex in c, so a step that keeps its tangent keeps it too. Boyd and
 //! Vandenberghe, *Convex Optimization*, ch. 11; the jerk's bound is not convex as a set, so the optimum that is found may be
 //! a local one.
-use super::band::Band;
+use crate::banded::Banded;
 use alloc::vec::Vec;
 
 /// Newton steps at most.
@@ -164,7 +164,7 @@ pub(crate) struct Chain {
     under: Vec<Slack>,
     /// The pairs of the problem before.
     known: Vec<Pair>,
-    band: Band,
+    band: Banded<1, 3>,
     step: Vec<f64>,
 }
 
@@ -294,7 +294,7 @@ impl Chain {
         self.band.clear(n);
         self.step.clear();
         self.step.resize(n, 0.0);
-        let rows = &mut self.band.rows;
+        let band = &mut self.band;
         for p in &self.pairs {
             let i = p.at;
             let [a, b, c] = p.g;
@@ -305,16 +305,15 @@ impl Chain {
             let (w0, w1) = (low.price * low.over, high.price * high.over);
             let (w, d) = (w0 + w1, (w1 - w0) * dr);
             let middle = w * b + d;
-            rows[i][0] += w * a * a;
+            *band.entry(i, 0) += w * a * a;
             let (m0, m1) = (dr - b, dr + b);
-            rows[i + 1][0] += w0 * m0 * m0 + w1 * m1 * m1;
-            rows[i + 1][1] += a * middle;
-            rows[i + 2][0] += w * c * c;
-            rows[i + 2][1] += c * middle;
-            rows[i + 2][2] += w * a * c;
+            *band.entry(i + 1, 0) += w0 * m0 * m0 + w1 * m1 * m1;
+            *band.entry(i, 1) += a * middle;
+            *band.entry(i + 2, 0) += w * c * c;
+            *band.entry(i + 1, 1) += c * middle;
+            *band.entry(i, 2) += w * a * c;
         }
-        let free = rows.iter_mut().enumerate().take(n - self.given[1]).skip(self.given[0]);
-        for (i, row) in free {
+        for i in self.given[0]..n - self.given[1] {
             let y = self.root[i] * self.root[i];
             let weight = more(self.weight[i] - self.step[i], 0.1 * self.weight[i]);
             let mut own = 0.75 * weight * self.root[i] * y * y;
@@ -322,10 +321,10 @@ impl Chain {
                 let slack = &self.under[i];
                 own += slack.price * slack.over / (self.cap[i] * self.cap[i]);
             }
-            row[0] += own;
+            *band.entry(i, 0) += own;
         }
         for i in (0..self.given[0]).chain(n - self.given[1]..n) {
-            self.band.pin(i);
+            band.fix(i, 0);
         }
     }
 
@@ -355,7 +354,7 @@ impl Chain {
         for i in (0..self.given[0]).chain(n - self.given[1]..n) {
             self.step[i] = 0.0;
         }
-        self.band.solve(&mut self.step);
+        self.band.solve_one(self.step.as_chunks_mut::<1>().0);
     }
 
     /// How far the unknowns with their slacks, and the prices, may go.

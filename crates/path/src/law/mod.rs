@@ -14,7 +14,6 @@
 //! The law is as fast as these leave room for, with as many pieces of look-ahead as the braking distance needs. At any
 //! time it ends at rest within what is known of the path: when no more pieces arrive, the motion that was planned stops.
 //! Nothing in here depends on a clock: the same pieces give the same phases to the last bit, however they arrive.
-mod band;
 mod cell;
 mod fine;
 mod guess;
