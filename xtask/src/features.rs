@@ -2,7 +2,7 @@
 //! became of the tool, and whether what `recover` said of it was true.
 //!
 //! ```text
-//!   leadscrew simulator … --on-link-loss REACTION --kill-control-at t  ◄── leadscrew run: pecks, threads, gears, …
+//!   leadscrew simulator … --on-link-loss REACTION ◄── relay, which kills at t ◄── leadscrew run: pecks, threads, gears, …
 //!            │ SIGKILL at t
 //!            ▼
 //!   drives alone ─► looked at: dry run, no record, a refused run ─► nothing may have changed
@@ -16,6 +16,7 @@ use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
+use test_support::Relay;
 
 /// What drives do that are left alone.
 const REACTIONS: [&str; 4] = ["coupled-stop", "quick-stop", "coast", "off"];
@@ -150,10 +151,10 @@ pub(crate) fn run(binary: &Path, count: u32, seed: u64) -> bool {
                 random ^= random << 17;
                 let (from, to) = feature.window;
                 let share = (f64::from(case) + (random % 1000) as f64 / 1000.0) / f64::from(count);
-                let at = format!("{:.6}", from + (to - from) * share);
+                let at = from + (to - from) * share;
                 row.cases += 1;
-                if let Err(why) = trial(binary, feature, reaction, &at, case, &mut row) {
-                    row.problems.push(format!("{}, {reaction}, {at} s: {why}", feature.name));
+                if let Err(why) = trial(binary, feature, reaction, at, case, &mut row) {
+                    row.problems.push(format!("{}, {reaction}, {at:.6} s: {why}", feature.name));
                 }
             }
             println!("{}", row.text(&format!("{}, {reaction}", feature.name)));
@@ -206,7 +207,7 @@ impl Trial<'_> {
         self.json(&["simulator", "--status", "simulator"])
     }
 
-    fn run(&self, state: &str) -> Result<Output, String> {
+    fn run(&self, state: &str) -> Command {
         let run = [
             "run",
             "part.nc",
@@ -218,7 +219,7 @@ impl Trial<'_> {
             "tools.toml",
             "-q",
         ];
-        self.output(&[&run[..], self.feature.options].concat())
+        self.leadscrew(&[&run[..], self.feature.options].concat())
     }
 
     fn recover(&self, state: &str, more: &[&str]) -> Result<Value, String> {
@@ -232,7 +233,7 @@ fn trial(
     binary: &Path,
     feature: &Feature,
     reaction: &str,
-    at: &str,
+    at: f64,
     case: u32,
     row: &mut Row,
 ) -> Result<(), String> {
@@ -246,15 +247,16 @@ fn trial(
         std::fs::write(folder.path().join(name), text).map_err(|e| e.to_string())?;
     }
     let trial = Trial { binary, folder, feature };
-    let listen =
-        ["simulator", "--listen", "simulator", "--tools", "tools.toml", "--kill-control-at", at];
+    let listen = ["simulator", "--listen", "simulator", "--tools", "tools.toml"];
     let listen = [&listen[..], &["--on-link-loss", reaction], feature.options].concat();
     let simulator = trial.leadscrew(&listen).stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
     let mut simulator = Behind(simulator.map_err(|e| e.to_string())?);
     let mut line = String::new();
     let said = simulator.0.stdout.take().ok_or("the machine simulator says nothing")?;
     BufReader::new(said).read_line(&mut line).map_err(|e| e.to_string())?;
-    let ran = trial.run("state")?;
+    let relay = Relay::in_place_of(&trial.folder.path().join("simulator"), &[at]);
+    let relay = relay.map_err(|e| e.to_string())?;
+    let ran = relay.output(&mut trial.run("state")).map_err(|e| e.to_string())?;
     if ran.status.code().is_some() {
         return Err(format!("nothing killed it: {}", String::from_utf8_lossy(&ran.stderr)));
     }
@@ -283,7 +285,7 @@ fn look(trial: &Trial<'_>, before: &Value, case: u32) -> Result<(), String> {
         }
         _ if kept => {
             for state in ["state", "missing"] {
-                let code = trial.run(state)?.status.code();
+                let code = trial.run(state).output().map_err(|e| e.to_string())?.status.code();
                 if code != Some(2) {
                     return Err(format!("a run with a tool in the work ends with {code:?}"));
                 }

@@ -1,8 +1,8 @@
 //! Controls killed and mains cut in a tap, over processes, as often as you like; a table of what became of it.
 //!
 //! ```text
-//!   leadscrew simulator … --kill-control-at t   ◄── leadscrew run: an M8×1.25, 20 mm, 1000 rpm, right or left hand
-//!            │ SIGKILL, or the mains, at t
+//!   leadscrew simulator … ◄── relay ◄── leadscrew run: an M8×1.25, 20 mm, 1000 rpm, right or left hand
+//!            │ the mains      │ SIGKILL, at t
 //!            ▼
 //!   drives alone ─► leadscrew recover ─► out, at most 20 µm off the helix that was cut, tap whole?
 //! ```
@@ -10,26 +10,34 @@ use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
+use test_support::Relay;
 
 /// Furthest off the helix on the way out, µm.
 const OFF_HELIX_UM: f64 = 20.0;
 
-/// How the machine simulator is stopped: name, option that takes the time, further options, and whether a refusal is right.
-const WAYS: [(&str, &str, &[&str]); 8] = [
-    ("SIGKILL, coupled stop", "--kill-control-at", &[]),
-    ("SIGKILL, quick stop", "--kill-control-at", &["--on-link-loss", "quick-stop"]),
-    ("SIGKILL, coasting", "--kill-control-at", &["--on-link-loss", "coast"]),
-    ("power cut, coupled stop", "--power-cut-at", &[]),
-    ("power cut, single turn", "--power-cut-at", &["--single-turn"]),
+/// What stops a run.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Stop {
+    Kill,
+    PowerCut,
+}
+
+/// How a run is stopped: name, by what, and further options of the machine simulator.
+const WAYS: [(&str, Stop, &[&str]); 8] = [
+    ("SIGKILL, coupled stop", Stop::Kill, &[]),
+    ("SIGKILL, quick stop", Stop::Kill, &["--on-link-loss", "quick-stop"]),
+    ("SIGKILL, coasting", Stop::Kill, &["--on-link-loss", "coast"]),
+    ("power cut, coupled stop", Stop::PowerCut, &[]),
+    ("power cut, single turn", Stop::PowerCut, &["--single-turn"]),
     (
         "power cut, single turn, coasting",
-        "--power-cut-at",
+        Stop::PowerCut,
         &["--single-turn", "--on-power-loss", "coast"],
     ),
-    ("power cut, outputs off", "--power-cut-at", &["--on-power-loss", "off"]),
+    ("power cut, outputs off", Stop::PowerCut, &["--on-power-loss", "off"]),
     (
         "power cut, single turn, outputs off",
-        "--power-cut-at",
+        Stop::PowerCut,
         &["--single-turn", "--on-power-loss", "off"],
     ),
 ];
@@ -55,7 +63,7 @@ pub(crate) fn run(binary: &Path, count: u32, seed: u64) -> bool {
         "{:<34} {:>5} {:>6} {:>9} {:>7} {:>7} {:>6} {:>12} {:>12}",
         "", "hand", "cases", "recovered", "nothing", "refused", "broken", "before µm", "way out µm"
     );
-    for (name, option, options) in WAYS {
+    for (name, stop, options) in WAYS {
         for (hand, tool, turn) in [("right", 11, "M3"), ("left", 41, "M4")] {
             let mut row = Row::default();
             for case in 0..count {
@@ -65,10 +73,8 @@ pub(crate) fn run(binary: &Path, count: u32, seed: u64) -> bool {
                 // the tap is in its cycle from 1.75 s to 4.3 s
                 let part = 2.55 / f64::from(count);
                 let at = 1.75 + part * (f64::from(case) + (random % 1000) as f64 / 1000.0);
-                let at = format!("{at:.6}");
-                let stop = [&[option, &at][..], options].concat();
-                trial(binary, &stop, tool, turn, &mut row).unwrap_or_else(|why| {
-                    row.problems.push(format!("{name}, {hand}, {at} s: {why}"));
+                trial(binary, (stop, at, options), (tool, turn), &mut row).unwrap_or_else(|why| {
+                    row.problems.push(format!("{name}, {hand}, {at:.6} s: {why}"));
                 });
             }
             println!(
@@ -100,7 +106,12 @@ impl Drop for Behind {
     }
 }
 
-fn trial(binary: &Path, stop: &[&str], tool: u32, turn: &str, row: &mut Row) -> Result<(), String> {
+fn trial(
+    binary: &Path,
+    (stop, at, options): (Stop, f64, &[&str]),
+    (tool, turn): (u32, &str),
+    row: &mut Row,
+) -> Result<(), String> {
     row.cases += 1;
     let folder = tempfile::tempdir().map_err(|e| e.to_string())?;
     let cycle = if turn == "M4" { "G74" } else { "G84" };
@@ -122,15 +133,23 @@ fn trial(binary: &Path, stop: &[&str], tool: u32, turn: &str, row: &mut Row) -> 
         serde_json::from_slice(&output.stdout)
             .map_err(|e| format!("{e}: {}", String::from_utf8_lossy(&output.stderr)))
     };
-    let listen =
-        [&["simulator", "--listen", "simulator", "--tools", "tools.toml"][..], stop].concat();
+    let mut listen =
+        [&["simulator", "--listen", "simulator", "--tools", "tools.toml"][..], options].concat();
+    let seconds = at.to_string();
+    if stop == Stop::PowerCut {
+        listen.extend(["--power-cut-at", &seconds]);
+    }
     let mut simulator =
         Behind(leadscrew(&listen).stdout(Stdio::piped()).spawn().map_err(|e| e.to_string())?);
     let mut line = String::new();
     let said = simulator.0.stdout.take().ok_or("the machine simulator says nothing")?;
     BufReader::new(said).read_line(&mut line).map_err(|e| e.to_string())?;
     let run = ["run", "part.ngc", "--simulator", "simulator", "--state", "state", "-q"];
-    let output = leadscrew(&run).output().map_err(|e| e.to_string())?;
+    let mut run = leadscrew(&run);
+    let kills = if stop == Stop::Kill { &[at][..] } else { &[] };
+    let relay = Relay::in_place_of(&folder.path().join("simulator"), kills);
+    let relay = relay.map_err(|e| e.to_string())?;
+    let output = relay.output(&mut run).map_err(|e| e.to_string())?;
     if output.status.success() {
         return Err("nothing stopped it".into());
     }
@@ -158,7 +177,7 @@ fn trial(binary: &Path, stop: &[&str], tool: u32, turn: &str, row: &mut Row) -> 
             row.refused += 1;
             let reason = recovered["reason"].as_str().unwrap_or("");
             // without turns and without a bound there is nothing that could be shown
-            let explained = stop.contains(&"--single-turn") && reason.contains("half a lead");
+            let explained = options.contains(&"--single-turn") && reason.contains("half a lead");
             return if explained { Ok(()) } else { Err(format!("refused: {reason}")) };
         }
         _ => return Err(format!("no answer: {recovered}")),

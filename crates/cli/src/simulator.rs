@@ -35,7 +35,6 @@ fn options(args: &SimulatorArgs) -> SimulatorOptions {
         seed: args.seed,
         real_time: args.real_time,
         power_cuts: times(&args.power_cut_at),
-        control_kills: times(&args.kill_control_at),
         on_link_loss: args.on_link_loss.map(Into::into),
         on_power_loss: args.on_power_loss.map(Into::into),
         single_turn: args.single_turn,

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)] // a test may panic
 #[allow(dead_code)] // each test binary uses its own part
 mod common;
+#[allow(dead_code)]
 #[path = "common/simulator.rs"]
 mod simulator;
 use common::{complained, said};
@@ -24,10 +25,7 @@ fn stroke(hand: &str, tool: u32) -> (f64, f64) {
 
 /// Kill the control at this machine time, recover, and hold it to what is promised; the answer.
 fn killed(hand: &str, tool: u32, at: f64, options: &[&str]) -> Value {
-    let at = format!("{at:.6}");
-    let mut all = vec!["--kill-control-at", &at];
-    all.extend(options);
-    recovered(&Simulator::start(&all), hand, tool, &at)
+    recovered(&Simulator::killing_at(&[at], options), hand, tool, &format!("{at:.6}"))
 }
 
 /// What is promised of whatever stopped the control.
@@ -119,8 +117,7 @@ fn a_power_cut_is_recovered_and_without_turns_only_where_the_turn_can_be_shown()
 #[test]
 fn while_a_tap_is_in_its_hole_nothing_but_recovery_moves() {
     let (from, to) = stroke("G84", 11);
-    let simulator =
-        Simulator::start(&["--kill-control-at", &format!("{:.6}", from + 0.4 * (to - from))]);
+    let simulator = Simulator::killing_at(&[from + 0.4 * (to - from)], &[]);
     simulator.run(&one_tap("G84", 11), &[]);
     let before = simulator.status();
     let refused = simulator.run(&one_tap("G84", 11), &[]);
@@ -168,9 +165,8 @@ fn a_recovery_that_is_killed_is_begun_again() {
     let (from, to) = stroke("G84", 11);
     let first = from + 0.4 * (to - from);
     // the machine simulator runs down within a tenth of a second; the way out takes several
-    let times = [first, first + 0.8, first + 1.6].map(|t| format!("{t:.6}")).join(",");
-    let simulator =
-        Simulator::start(&["--kill-control-at", &times, "--on-link-loss", "quick-stop"]);
+    let times = [first, first + 0.8, first + 1.6];
+    let simulator = Simulator::killing_at(&times, &["--on-link-loss", "quick-stop"]);
     simulator.run(&one_tap("G84", 11), &[]);
     for _ in 0..2 {
         assert!(simulator.recover_killed(), "it was not killed");
@@ -185,8 +181,7 @@ fn a_recovery_that_is_killed_is_begun_again() {
 #[test]
 fn a_record_that_is_damaged_stops_everything_until_somebody_has_looked() {
     let (from, to) = stroke("G84", 11);
-    let simulator =
-        Simulator::start(&["--kill-control-at", &format!("{:.6}", from + 0.4 * (to - from))]);
+    let simulator = Simulator::killing_at(&[from + 0.4 * (to - from)], &[]);
     simulator.run(&one_tap("G84", 11), &[]);
     for name in ["sync-record.a", "sync-record.b"] {
         let path = simulator.state().join(name);
@@ -256,9 +251,8 @@ fn the_truth_lies_within_the_bound_that_recovery_states_on_a_machine_unlike_its_
     let (mut compared, mut widest) = (0, 0.0_f64);
     for (program, span) in programs {
         for (at, reaction) in instants(6, span, 0xb0d).into_iter().zip(reactions.iter().cycle()) {
-            let at = format!("{at:.6}");
-            let stop = ["--machine", &built, "--kill-control-at", &at, "--on-link-loss", reaction];
-            let simulator = Simulator::start(&stop);
+            let options = ["--machine", &built, "--on-link-loss", reaction];
+            let simulator = Simulator::killing_at(&[at], &options);
             simulator.run(&program, &[]);
             let truth = simulator.status();
             let said = simulator.recover(&["--dry-run"]);
@@ -282,7 +276,7 @@ fn the_truth_lies_within_the_bound_that_recovery_states_on_a_machine_unlike_its_
 
 /// A tap in its hole whose control has been killed.
 fn killed_in_its_tap(options: &[&str]) -> Simulator {
-    let simulator = Simulator::start(&[&["--kill-control-at", "2.5"], options].concat());
+    let simulator = Simulator::killing_at(&[2.5], options);
     simulator.run(&one_tap("G84", 11), &[]);
     assert_eq!(simulator.status()["tool_in_work"], 11);
     simulator
@@ -363,8 +357,8 @@ fn looking_changes_nothing_for_the_recovery_that_follows() {
 #[test]
 fn a_tap_that_coasts_far_beyond_its_hole_is_not_said_to_be_recovered() {
     let fast = "G21 G90 G54 G17\nT3 M6\nS6000 M3\nG0 X0 Y0\nG43 H3 Z20\nG99 G84 X0 Y0 Z-12 R5 F6000\nG80\nG0 Z50\nM2\n";
-    for at in ["1.80", "1.84", "1.88"] {
-        let simulator = Simulator::start(&["--kill-control-at", at, "--on-link-loss", "coast"]);
+    for at in [1.80, 1.84, 1.88] {
+        let simulator = Simulator::killing_at(&[at], &["--on-link-loss", "coast"]);
         simulator.run(fast, &[]);
         let stopped = simulator.status();
         let answer = simulator.recover(&[]);
@@ -377,7 +371,7 @@ fn a_tap_that_coasts_far_beyond_its_hole_is_not_said_to_be_recovered() {
 #[test]
 fn a_clutch_tap_in_its_hole_is_kept_and_taken_out_by_hand_alone() {
     let text = "G21 G90 G54 G17\nT13 M6\nS1000 M3\nG0 X0 Y0\nG43 H13 Z20\nG99 G84 X0 Y0 Z-15 R8 F1000\nG80\nG0 Z50\nM2\n";
-    let simulator = Simulator::start(&["--kill-control-at", "2.6"]);
+    let simulator = Simulator::killing_at(&[2.6], &[]);
     simulator.run(text, &[]);
     let before = simulator.status();
     assert!(before["tap_in_thread"] == true && before["tool_in_work"] == 13, "{before:#}");
@@ -395,8 +389,8 @@ fn a_clutch_tap_in_its_hole_is_kept_and_taken_out_by_hand_alone() {
 #[test]
 fn the_axis_ramps_as_long_as_a_spindle_that_makes_its_own_ramps() {
     let machine = ["--machine", "vfd-mill"];
-    let stop = ["--kill-control-at", "9.3", "--on-link-loss", "quick-stop"];
-    let simulator = Simulator::start(&[&machine[..], &stop].concat());
+    let reaction = ["--on-link-loss", "quick-stop"];
+    let simulator = Simulator::killing_at(&[9.3], &[&machine[..], &reaction].concat());
     simulator.run(&one_tap("G84", 11), &machine);
     let stopped = simulator.status();
     assert!(stopped["tap_in_thread"] == true && stopped["tool_broken"] == false, "{stopped:#}");

@@ -10,6 +10,7 @@ use std::{
     path::{Path, PathBuf},
     process::{Command, Stdio},
 };
+use test_support::Relay;
 
 #[test]
 fn every_page_shows_what_the_program_does() {
@@ -130,15 +131,17 @@ fn run(arguments: &[&str], program: &str, exit_code: i32) -> String {
 }
 
 /// A session in a folder that holds the program as `part.ngc`: each line that begins with `$` is typed, and what it
-/// prints stands below it. What ends in `&` goes on until the session is over.
+/// prints stands below it. What ends in `&` goes on until the session is over; `# killed at 2.5 s` behind a control: at that
+/// machine time, by SIGKILL.
 fn session(lines: &[&str], program: &str) -> String {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("part.ngc"), program).unwrap();
     fs::copy(root().join("programs/tools.toml"), folder.path().join("tools.toml")).unwrap();
-    let mut behind = Vec::new();
+    let (mut behind, mut relay) = (Vec::new(), None);
     let mut out = String::new();
     for line in lines.iter().filter_map(|line| line.strip_prefix("$ leadscrew ")) {
         out.push_str(&format!("$ leadscrew {line}\n"));
+        let (line, killed) = line.split_once(" # killed at ").unwrap_or((line, ""));
         let (typed, stays) = line.strip_suffix(" &").map_or((line, false), |typed| (typed, true));
         let quoted = typed.split('"').enumerate();
         let words = quoted.flat_map(|(at, part)| match at % 2 {
@@ -155,7 +158,14 @@ fn session(lines: &[&str], program: &str) -> String {
             behind.push(process);
             continue;
         }
-        let output = command.output().unwrap();
+        if let Some(at) = killed.strip_suffix(" s") {
+            let socket = folder.path().join("machine");
+            relay = Some(Relay::in_place_of(&socket, &[at.parse().unwrap()]).unwrap());
+        }
+        let output = match &relay {
+            Some(relay) => relay.output(&mut command).unwrap(),
+            None => command.output().unwrap(),
+        };
         let said = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
         out.extend(said.concat().lines().map(|line| line.trim_end().to_owned() + "\n"));
         match output.status.code() {

@@ -8,15 +8,15 @@ mod common;
 mod simulator;
 use common::{complained, leadscrew, root, said};
 use serde_json::Value;
-use simulator::{Simulator, number};
+use simulator::{Simulator, Stop, number};
 
 fn program(name: &str) -> String {
     std::fs::read_to_string(root().join("programs").join(name)).unwrap()
 }
 
-/// Stopped by what the options say, then held to what is promised; the answer of the recovery.
-fn stopped(text: &str, machine: &[&str], stop: &[&str], cut: &str) -> (Simulator, Value) {
-    let simulator = Simulator::start(&[&["--machine", machine[1]], stop].concat());
+/// Stopped, then held to what is promised; the answer of the recovery.
+fn stopped(text: &str, machine: &[&str], stop: Stop, cut: &str) -> (Simulator, Value) {
+    let simulator = Simulator::stopping(stop, &["--machine", machine[1]]);
     let output = simulator.run(text, machine);
     assert_ne!(output.status.code(), Some(0), "nothing stopped it: {stop:?}");
     let again = simulator.run(text, machine);
@@ -39,15 +39,16 @@ fn stopped(text: &str, machine: &[&str], stop: &[&str], cut: &str) -> (Simulator
 #[test]
 fn a_threading_pass_is_left_along_x_and_turned_again_after_a_kill_or_a_power_cut() {
     let (text, machine) = (program("thread-m20x1.5.ngc"), ["--machine", "lathe"]);
-    for stop in ["--kill-control-at", "--power-cut-at"] {
-        for at in ["3.3", "3.8"] {
-            let (simulator, answer) = stopped(&text, &machine, &[stop, at], "threading pass");
+    for stop in [Stop::Kill, Stop::PowerCut] {
+        for at in [3.3, 3.8] {
+            let (simulator, answer) = stopped(&text, &machine, stop(at), "threading pass");
             // a pass stood 1 mm and the thread's depth off its cut before
             assert!((number(&answer, "retreat_mm") - 1.985).abs() < 0.05, "{answer:#}");
             // drives that stop on the thread leave the tool on it
             assert!(
                 number(&answer, "phase_error_before_um").abs() < 30.0,
-                "{stop} {at}: {answer:#}"
+                "{:?}: {answer:#}",
+                stop(at)
             );
             // X first, then spindle and Z together along the thread
             assert!(number(&answer, "helix_error_max_um") < 5.0, "{answer:#}");
@@ -64,12 +65,12 @@ fn a_threading_pass_is_left_along_x_and_turned_again_after_a_kill_or_a_power_cut
 fn a_thread_whose_lead_grows_is_left_along_x_and_its_axis_goes_back_by_itself() {
     let text = program("feed-screw.nc");
     let machine = ["--machine", "lathe", "--dialect", "fanuc-lathe-a"];
-    for stop in ["--kill-control-at", "--power-cut-at"] {
-        let (simulator, answer) = stopped(&text, &machine, &[stop, "3.0"], "threading pass");
+    for stop in [Stop::Kill(3.0), Stop::PowerCut(3.0)] {
+        let (simulator, answer) = stopped(&text, &machine, stop, "threading pass");
         // from X9.7, by a diameter of 0.6 less each pass, to X13
-        assert!((number(&answer, "retreat_mm") - 3.3).abs() < 0.05, "{stop}: {answer:#}");
+        assert!((number(&answer, "retreat_mm") - 3.3).abs() < 0.05, "{stop:?}: {answer:#}");
         // a drive that brakes along the tangent for part of a turn is off by 0.1·n²
-        assert!(number(&answer, "phase_error_before_um").abs() < 50.0, "{stop}: {answer:#}");
+        assert!(number(&answer, "phase_error_before_um").abs() < 50.0, "{stop:?}: {answer:#}");
         assert!(answer["moved_first"].as_str().unwrap().contains("Z back by itself"), "{answer:#}");
         assert!(
             (number(&simulator.status(), "z_mm") - -281.0).abs() < 0.05,
@@ -83,7 +84,7 @@ fn a_thread_whose_lead_grows_is_left_along_x_and_its_axis_goes_back_by_itself() 
 #[test]
 fn a_gear_is_left_along_x_and_it_is_said_how_far_the_work_was_off_its_hob() {
     let (text, machine) = (program("gear-m2-z40.nc"), ["--machine", "gear-hobber"]);
-    for stop in [&["--kill-control-at", "60"][..], &["--power-cut-at", "60"]] {
+    for stop in [Stop::Kill(60.0), Stop::PowerCut(60.0)] {
         let (_, answer) = stopped(&text, &machine, stop, "hobbing");
         assert!((number(&answer, "retreat_mm") - (110.0 - 75.067)).abs() < 0.1, "{answer:#}");
         // the drives brake by themselves: the work is off by less than half a tooth's pitch, and by something
@@ -100,7 +101,7 @@ fn a_gear_is_left_along_x_and_it_is_said_how_far_the_work_was_off_its_hob() {
 fn a_polygon_and_a_cam_are_left_along_x() {
     let hexagon = program("hexagon-af17.nc");
     let machine = ["--machine", "polygon-lathe"];
-    let (_, answer) = stopped(&hexagon, &machine, &["--power-cut-at", "12"], "polygon turning");
+    let (_, answer) = stopped(&hexagon, &machine, Stop::PowerCut(12.0), "polygon turning");
     assert!((number(&answer, "retreat_mm") - 16.5).abs() < 1.0, "{answer:#}");
     // each brakes by itself, with 0.95 of its torque: J·ω²/2M is 0.72 rad of the work, twice that on the gear, and 0.87 rad of the
     // cutter, which stands 33° behind; friction and the loops add to it
@@ -109,8 +110,7 @@ fn a_polygon_and_a_cam_are_left_along_x() {
     let cams = root().join("programs/cams.toml");
     let machine =
         ["--machine", "cam-grinder", "--dialect", "toyoda", "--cams", cams.to_str().unwrap()];
-    let (_, answer) =
-        stopped(&program("cam-shaft.nc"), &machine, &["--kill-control-at", "9"], "cam grinding");
+    let (_, answer) = stopped(&program("cam-shaft.nc"), &machine, Stop::Kill(9.0), "cam grinding");
     assert!(number(&answer, "retreat_mm") > 5.0, "{answer:#}");
     assert!(answer["phase_error_before_um"].is_null(), "{answer:#}");
     assert!(answer["phase_error_unknown"].as_str().unwrap().contains("infeed"), "{answer:#}");

@@ -81,7 +81,7 @@ impl Link {
             return Ok(Self { remote: None, state: Some((slots, identity)), recovered: None });
         };
         let machine = job.session.machine.name.clone();
-        let hello = Hello { name: "leadscrew run".into(), machine, process: std::process::id() };
+        let hello = Hello { name: "leadscrew run".into(), machine };
         let remote =
             Remote::connect(plant::connect(path)?, hello).map_err(|e| plant::gone(path, &e))?;
         let feedback = remote.feedback();

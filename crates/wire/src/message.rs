@@ -38,8 +38,6 @@ pub struct Hello {
     pub name: String,
     /// The machine it is set up for.
     pub machine: String,
-    /// Number of its process, for a machine simulator that is told to kill it.
-    pub process: u32,
 }
 
 /// How drives came to rest that were left alone.
@@ -171,7 +169,6 @@ impl Message {
             Self::Hello(hello) => {
                 w.text(&hello.name, LONGEST_NAME);
                 w.text(&hello.machine, LONGEST_NAME);
-                w.u32(hello.process);
             }
             Self::Welcome(welcome) => write_welcome(w, welcome),
             Self::Refused(text) | Self::Told(text) => w.text(text, LONGEST_TEXT),
@@ -186,7 +183,7 @@ impl Message {
 
     pub(crate) fn read(kind: u8, r: &mut Reader<'_>) -> Option<Self> {
         Some(match kind {
-            1 => Self::Hello(Hello { name: r.text()?, machine: r.text()?, process: r.u32()? }),
+            1 => Self::Hello(Hello { name: r.text()?, machine: r.text()? }),
             2 => Self::Welcome(read_welcome(r)?),
             3 => Self::Refused(r.text()?),
             4 => Self::Command(read_command(r)?, read_engagement(r)?),

@@ -33,9 +33,6 @@ pub(crate) struct SimulatorArgs {
     /// The mains fail at this machine time, seconds; several separated by commas. They come back for the next control
     #[arg(long, value_name = "SECONDS", value_delimiter = ',')]
     pub(crate) power_cut_at: Vec<f64>,
-    /// Kill the control (SIGKILL) at this machine time, seconds; several separated by commas
-    #[arg(long, value_name = "SECONDS", value_delimiter = ',')]
-    pub(crate) kill_control_at: Vec<f64>,
     /// What the drives do when the control falls silent [default: the machine's]
     #[arg(long, value_enum)]
     pub(crate) on_link_loss: Option<DriveReaction>,

@@ -5,11 +5,20 @@ use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
 use std::process::{Child, Command, Output, Stdio};
 use tempfile::TempDir;
+use test_support::Relay;
+
+/// What stops a run, and at which machine time, s.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Stop {
+    Kill(f64),
+    PowerCut(f64),
+}
 
 /// A running simulator; it ends with the test.
 pub(crate) struct Simulator {
     process: Child,
     pub(crate) folder: TempDir,
+    relay: Option<Relay>,
 }
 
 /// One M8 tap, 20 mm deep at 1000 rpm; `hand` is the cycle.
@@ -57,19 +66,45 @@ impl Simulator {
         let mut line = String::new();
         BufReader::new(process.stdout.take().unwrap()).read_line(&mut line).unwrap();
         assert!(line.starts_with("listening at"), "{line}");
-        Self { process, folder }
+        Self { process, folder, relay: None }
+    }
+
+    /// Start one whose controls are killed (SIGKILL) at these machine times, s, rising.
+    pub(crate) fn killing_at(kills: &[f64], options: &[&str]) -> Self {
+        let mut simulator = Self::start(options);
+        let relay = Relay::in_place_of(&simulator.path("simulator"), kills).unwrap();
+        simulator.relay = Some(relay);
+        simulator
+    }
+
+    /// Start one that is stopped so.
+    pub(crate) fn stopping(stop: Stop, options: &[&str]) -> Self {
+        match stop {
+            Stop::Kill(at) => Self::killing_at(&[at], options),
+            Stop::PowerCut(at) => {
+                let at = at.to_string();
+                Self::start(&[&["--power-cut-at", &at], options].concat())
+            }
+        }
     }
 
     fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
-    fn leadscrew(arguments: &[&str]) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_leadscrew"))
-            .args(arguments)
-            .env("NO_COLOR", "1")
-            .output()
-            .unwrap()
+    fn leadscrew(arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_leadscrew"));
+        command.args(arguments).env("NO_COLOR", "1");
+        command
+    }
+
+    /// A control at this simulator.
+    fn control(&self, arguments: &[&str]) -> Output {
+        let mut command = Self::leadscrew(arguments);
+        match &self.relay {
+            Some(relay) => relay.output(&mut command).unwrap(),
+            None => command.output().unwrap(),
+        }
     }
 
     /// Run a program on it, with further options.
@@ -92,7 +127,7 @@ impl Simulator {
             "json",
         ];
         arguments.extend(options);
-        Self::leadscrew(&arguments)
+        self.control(&arguments)
     }
 
     /// Recover; the answer.
@@ -108,7 +143,7 @@ impl Simulator {
             "json",
         ];
         arguments.extend(options);
-        let output = Self::leadscrew(&arguments);
+        let output = self.control(&arguments);
         serde_json::from_slice(&output.stdout)
             .unwrap_or_else(|e| panic!("{e}: {}{}", said(&output), complained(&output)))
     }
@@ -117,7 +152,7 @@ impl Simulator {
     pub(crate) fn recover_killed(&self) -> bool {
         let (simulator, state) = (self.path("simulator"), self.path("state"));
         let [simulator, state] = [&simulator, &state].map(|path| path.to_str().unwrap());
-        Self::leadscrew(&["recover", "--simulator", simulator, "--state", state])
+        self.control(&["recover", "--simulator", simulator, "--state", state])
             .status
             .code()
             .is_none()
@@ -125,8 +160,9 @@ impl Simulator {
 
     /// How it is.
     pub(crate) fn status(&self) -> Value {
+        let socket = self.path("simulator");
         let output =
-            Self::leadscrew(&["simulator", "--status", self.path("simulator").to_str().unwrap()]);
+            Self::leadscrew(&["simulator", "--status", socket.to_str().unwrap()]).output().unwrap();
         serde_json::from_slice(&output.stdout).unwrap()
     }
 

@@ -146,11 +146,7 @@ pub fn recover(options: &RecoveryOptions, look: Look<'_>) -> Result<Answer, Refu
 fn answer(args: &RecoveryOptions, see: Look<'_>) -> Result<Answer, Refused> {
     let stream = connect(&args.socket)?;
     let file = config::machine_file::load(&args.machine)?;
-    let hello = Hello {
-        name: "leadscrew recover".into(),
-        machine: file.name.clone(),
-        process: std::process::id(),
-    };
+    let hello = Hello { name: "leadscrew recover".into(), machine: file.name.clone() };
     let mut remote = Remote::connect(stream, hello).map_err(|e| gone(&args.socket, &e))?;
     let welcome = remote.welcome().clone();
     let identity = identity(&welcome);

@@ -39,8 +39,6 @@ pub struct SimulatorOptions {
     pub real_time: bool,
     /// Machine times at which the mains fail; they come back for the next control.
     pub power_cuts: Vec<Time>,
-    /// Machine times at which the control is killed (SIGKILL).
-    pub control_kills: Vec<Time>,
     /// What the drives do when the control falls silent; as in the machine's file if `None`.
     pub on_link_loss: Option<Reaction>,
     /// What they do when the mains fail; as in the machine's file if `None`.

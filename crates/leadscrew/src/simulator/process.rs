@@ -32,24 +32,12 @@ pub struct SimulatorProcess {
     last: Command,
     /// The latest first.
     cuts: Vec<Time>,
-    kills: Vec<Time>,
     sessions: u64,
     /// Since the session began: of the axis from the helix while tied to the spindle; of the force on the tap.
     off_helix: Length,
     force_n: f64,
     pub(super) real_time: bool,
     pub(super) watchdog: Time,
-}
-
-/// What came of a period.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Obeyed {
-    /// It was obeyed.
-    Done,
-    /// The power was cut.
-    PowerCut,
-    /// The control shall be killed.
-    Kill,
 }
 
 /// Why the drives are alone.
@@ -78,11 +66,8 @@ impl SimulatorProcess {
         for (keeps, spindle) in keeps_turns.iter_mut().zip(&file.spindles) {
             *keeps = spindle.encoder_keeps_turns && !options.single_turn;
         }
-        let latest_first = |times: &[Time]| {
-            let mut times = times.to_vec();
-            times.sort_by(|a, b| b.value().total_cmp(&a.value()));
-            times
-        };
+        let mut cuts = options.power_cuts.clone();
+        cuts.sort_by(|a, b| b.value().total_cmp(&a.value()));
         let drives = &file.drives;
         Ok(Self {
             name: file.name.clone(),
@@ -109,8 +94,7 @@ impl SimulatorProcess {
             stop: Stop::None,
             retained: Retained::default(),
             last: Command::default(),
-            cuts: latest_first(&options.power_cuts),
-            kills: latest_first(&options.control_kills),
+            cuts,
             sessions: 0,
             off_helix: Length::ZERO,
             force_n: 0.0,
@@ -177,15 +161,11 @@ impl SimulatorProcess {
         self.retained.tool_is_free();
     }
 
-    /// Obey for a period, unless something happens instead.
-    pub(super) fn obey(&mut self, command: &Command) -> Obeyed {
+    /// Obey for a period; `false`: the mains have failed instead.
+    pub(super) fn obey(&mut self, command: &Command) -> bool {
         let now = self.machine.feedback().time;
-        let due = |times: &mut Vec<Time>| times.pop_if(|at| *at <= now).is_some();
-        if due(&mut self.cuts) {
-            return Obeyed::PowerCut;
-        }
-        if due(&mut self.kills) {
-            return Obeyed::Kill;
+        if self.cuts.pop_if(|at| *at <= now).is_some() {
+            return false;
         }
         self.last = *command;
         let before = self.machine.feedback();
@@ -199,7 +179,7 @@ impl SimulatorProcess {
         if let Some(off) = self.machine.off_helix().filter(|_| command.coupled.is_some()) {
             self.off_helix = self.off_helix.max(off.abs());
         }
-        Obeyed::Done
+        true
     }
 
     /// Remember the largest force on the tap.

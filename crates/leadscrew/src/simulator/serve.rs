@@ -1,5 +1,5 @@
 //! One control after the other.
-use super::process::{Alone, Obeyed, SimulatorProcess};
+use super::process::{Alone, SimulatorProcess};
 use control::Refused;
 use control::clock;
 use std::os::unix::net::{UnixListener, UnixStream};
@@ -79,7 +79,6 @@ fn session(simulator: &mut SimulatorProcess, stream: UnixStream) -> Result<After
     stream.set_read_timeout(Some(PATIENCE))?;
     let pace = stream.try_clone()?;
     let mut port = Port::new(stream);
-    let control;
     match port.take()? {
         Message::Order(order) => {
             match order {
@@ -98,10 +97,7 @@ fn session(simulator: &mut SimulatorProcess, stream: UnixStream) -> Result<After
             )))?;
             return Ok(After::Next);
         }
-        Message::Hello(hello) => {
-            control = hello.process;
-            port.send(&Message::Welcome(simulator.welcome()))?;
-        }
+        Message::Hello(_) => port.send(&Message::Welcome(simulator.welcome()))?,
         Message::Welcome(_)
         | Message::Refused(_)
         | Message::Command(..)
@@ -112,10 +108,10 @@ fn session(simulator: &mut SimulatorProcess, stream: UnixStream) -> Result<After
         }
     }
     let ended = if simulator.real_time {
-        in_real_time(simulator, &mut port, &pace, control)
+        in_real_time(simulator, &mut port, &pace)
     } else {
         pace.set_read_timeout(None)?;
-        in_lock_step(simulator, &mut port, control)
+        in_lock_step(simulator, &mut port)
     };
     if let Err(Error::Refused(why)) = &ended {
         // one that is gone already does not hear it
@@ -149,29 +145,15 @@ fn command(simulator: &mut SimulatorProcess, message: &Message) -> Result<bus::C
     }
 }
 
-/// Kill the control without warning; what the drives see of it.
-fn kill(control: u32) -> Result<(), Error> {
-    let pid = control.to_string();
-    let killed =
-        std::process::Command::new("sh").args(["-c", "kill -KILL \"$0\"", &pid]).status()?;
-    if !killed.success() {
-        return Err(Error::Refused(format!("the control, process {pid}, cannot be killed")));
-    }
-    Err(Error::Gone(std::io::ErrorKind::UnexpectedEof.into()))
-}
-
 /// Time waits for the control. Returns when the power is cut.
 fn in_lock_step(
     simulator: &mut SimulatorProcess,
     port: &mut Port<UnixStream>,
-    control: u32,
 ) -> Result<(), Error> {
     loop {
         let order = command(simulator, &port.take()?)?;
-        match simulator.obey(&order) {
-            Obeyed::Done => {}
-            Obeyed::PowerCut => return Ok(()),
-            Obeyed::Kill => return kill(control),
+        if !simulator.obey(&order) {
+            return Ok(());
         }
         port.send(&Message::Observed(simulator.observed()))?;
     }
@@ -182,7 +164,6 @@ fn in_real_time(
     simulator: &mut SimulatorProcess,
     port: &mut Port<UnixStream>,
     pace: &UnixStream,
-    control: u32,
 ) -> Result<(), Error> {
     let period = Duration::from_secs_f64(simulator.period().value());
     let mut last = bus::Command::default();
@@ -205,10 +186,8 @@ fn in_real_time(
         if silent.as_secs_f64() > simulator.watchdog.value() {
             return Err(Error::Refused("silent for longer than the drives' watchdog".into()));
         }
-        match simulator.obey(&last) {
-            Obeyed::Done => {}
-            Obeyed::PowerCut => return Ok(()),
-            Obeyed::Kill => return kill(control),
+        if !simulator.obey(&last) {
+            return Ok(());
         }
         if answer {
             port.send(&Message::Observed(simulator.observed()))?;

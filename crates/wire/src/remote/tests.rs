@@ -114,7 +114,7 @@ fn welcome() -> Welcome {
 }
 
 fn hello() -> Hello {
-    Hello { name: "test".into(), machine: "tapping-center".into(), process: 99 }
+    Hello { name: "test".into(), machine: "tapping-center".into() }
 }
 
 fn every_message() -> Vec<Message> {

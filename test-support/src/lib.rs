@@ -1,0 +1,5 @@
+//! What tests and campaigns of several crates share, and no product contains.
+
+mod relay;
+
+pub use relay::Relay;
