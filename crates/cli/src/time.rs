@@ -17,7 +17,7 @@ pub(crate) fn command(args: &TimeArgs, quiet: bool) -> Result<bool, Refused> {
     let mut free = WithoutJerk::of(&mut job.session, job.plan);
     let began = args.timings.then(now);
     let progress = Progress::of_lines(&job.program.text, "planning");
-    let mut steps = |step: motion::Step| {
+    let mut steps = |step: plan::Step| {
         progress.reached(step.line);
         times.step(&step);
     };

@@ -4,8 +4,8 @@ use crate::override_pace::Pace;
 use crate::{Observers, Services};
 use canon::{Op, OpKind};
 use kernel::Kernel;
-use motion::{Step, StepKind};
 use plan::Planner;
+use plan::{Step, StepKind};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 /// From a program's operations to the steps that the kernel executes.
@@ -65,12 +65,14 @@ impl Feeder {
     ) {
         while !kernel.is_full() {
             if let Some(step) = self.queue.pop_front() {
+                if kernel.push(&step).is_err() {
+                    // no room for a plan of its kind: again after the next tick
+                    return self.queue.push_front(step);
+                }
                 self.limits_of(&step);
                 let done = kernel.report().op;
                 self.sent.retain(|step| step.op >= done);
                 self.sent.push_back(step);
-                // there is room: it has just been asked
-                let _ = kernel.push(step);
                 continue;
             }
             let next = match self.waiting.take() {

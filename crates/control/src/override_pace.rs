@@ -1,6 +1,6 @@
 //! More feed than programmed, and stops at each line, at any moment: what has not been done is planned anew.
 use kernel::Kernel;
-use motion::Step;
+use plan::Step;
 use plan::{Planner, Wish};
 use std::collections::VecDeque;
 

@@ -14,7 +14,7 @@ use bus::{Machine, State};
 use canon::Position;
 use common::{M6, TapOrder, await_speed, control, line, machine, tapping, turn};
 use kernel::{Kernel, Prediction, SyncMode};
-use motion::{Step, StepKind};
+use plan::{Step, StepKind};
 use std::time::{Duration, Instant};
 
 /// Runs of the program: enough for a 99.9th percentile.
@@ -64,7 +64,7 @@ fn program() -> Vec<StepKind> {
     feed.rapid = false;
     steps.extend([StepKind::Move(feed), turn(3000.0, 0.0), await_speed()]);
     for rpm in [1000.0, 3000.0, 4500.0, 6000.0] {
-        steps.extend(&tapping(&TapOrder { rpm, ..M6 })[..2]);
+        steps.extend(tapping(&TapOrder { rpm, ..M6 }).into_iter().take(2));
         steps.push(line(Position::xyz(0.0, 0.0, M6.from_mm), zero, 100.0, true));
     }
     steps.push(StepKind::End);
@@ -79,15 +79,12 @@ fn measure(mode: SyncMode, clock_ns: u64, costs: &mut Vec<(State, u64)>) -> Dura
     let mut kernel = Kernel::new(config);
     let mut machine = sim::SimulatedMachine::new(model).expect("the machine can be built");
     let mut feedback = machine.feedback();
-    let program = program();
-    let mut waiting = program.iter();
+    let steps = program().into_iter().map(|kind| Step { op: 0, line: 1, kind });
+    let steps: Vec<Step> = steps.collect();
+    let mut waiting = steps.iter().peekable();
     let started = Instant::now();
     while !kernel.is_over() {
-        while !kernel.is_full()
-            && let Some(kind) = waiting.next()
-        {
-            kernel.push(Step { op: 0, line: 1, kind: *kind }).expect("there is room");
-        }
+        while waiting.next_if(|step| kernel.push(step).is_ok()).is_some() {}
         let before = Instant::now();
         let command = kernel.tick(&feedback);
         let ns = before.elapsed().as_nanos() as u64;

@@ -20,14 +20,14 @@ use crate::event::{Event, EventKind, Ring};
 use crate::fault::FaultKind;
 use crate::moving::Moving;
 use crate::operator::Operator;
+use crate::queue::{Queue, SpindleStep, StepKind};
 use crate::scribe::{self, RECORD_WAIT, WorkRecord};
 use crate::spindle::SpindleLoop;
 use crate::tapping::{Outcome, TapRun};
 use crate::threading::{self, Chain, Leave, Pass};
 use crate::track::Track;
-use alloc::collections::VecDeque;
 use bus::{Feedback, State};
-use motion::{SpindleStep, Step, StepKind, WayOut};
+use motion::WayOut;
 use sync::Phase;
 use units::{Spin, Time};
 
@@ -36,7 +36,7 @@ pub(crate) struct Context<'a> {
     pub(crate) config: &'a Config,
     pub(crate) feedback: &'a Feedback,
     /// What waits, and the place in it of what is executed.
-    pub(crate) steps: (&'a VecDeque<Step>, usize),
+    pub(crate) steps: (&'a Queue, usize),
     pub(crate) events: &'a mut Ring,
     /// What the operator has ordered.
     pub(crate) operator: &'a Operator,

@@ -23,32 +23,19 @@ use crate::execute::{Activity, Context, Progress};
 use crate::fault::Fault;
 use crate::manual::Manual;
 use crate::operator::{Notice, Operator};
+use crate::queue::{Full, QUEUE, Queue, StepKind};
 use crate::recovering::Recovering;
 use crate::retreating::Retreating;
 use crate::withdrawing::Withdrawing;
-use alloc::{collections::VecDeque, vec::Vec};
+use alloc::vec::Vec;
 use bus::{Command, Feedback, Report, State};
-use motion::{Step, StepKind, WayOut};
+use motion::{Readable, Step, WayOut};
 use units::{Length, Time};
 
-/// Steps that may wait.
-pub const QUEUE: usize = 64;
 /// Faults that are kept; the first ones tell why.
 pub const FAULTS: usize = 16;
 /// Steps that may be done within one period: what needs no time must not starve the loops.
 const STEPS_PER_TICK: usize = QUEUE;
-
-/// The queue is full: try again after the next tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Full;
-
-impl core::fmt::Display for Full {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "the kernel's queue of {QUEUE} steps is full")
-    }
-}
-
-impl core::error::Error for Full {}
 
 /// How the machine is run at present.
 #[derive(Clone, Copy, Debug)]
@@ -70,7 +57,7 @@ enum Mode {
 pub struct Kernel {
     config: Config,
     drives: Drives,
-    queue: VecDeque<Step>,
+    queue: Queue,
     /// Stretches at the queue's front that are done: a thread is kept from its beginning, to be turned again after a hold.
     chained: usize,
     activity: Activity,
@@ -109,7 +96,7 @@ impl Kernel {
     pub fn new(config: Config) -> Self {
         Self {
             drives: Drives::new(&config),
-            queue: VecDeque::with_capacity(QUEUE),
+            queue: Queue::new(),
             chained: 0,
             activity: Activity::Idle,
             begun: false,
@@ -132,21 +119,17 @@ impl Kernel {
         }
     }
 
-    /// Append a step.
+    /// Append a step; its plan is copied.
     ///
     /// # Errors
-    /// The queue is full.
-    pub fn push(&mut self, step: Step) -> Result<(), Full> {
-        if self.is_full() {
-            return Err(Full);
-        }
-        self.queue.push_back(step);
-        Ok(())
+    /// There is no room for it: the kernel is as it was, and after a tick there may be.
+    pub fn push<S: Readable>(&mut self, step: &Step<S>) -> Result<(), Full> {
+        self.queue.push(step)
     }
 
-    /// No step can be pushed now.
+    /// No step can be pushed now, of whatever kind.
     pub fn is_full(&self) -> bool {
-        self.queue.len() == QUEUE
+        self.queue.is_full()
     }
 
     /// Nothing left to do: no step waits or runs.

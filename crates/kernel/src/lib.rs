@@ -31,7 +31,9 @@ mod lessons;
 mod manual;
 mod moving;
 mod operator;
+mod plans;
 mod problems;
+mod queue;
 mod recovering;
 mod retreating;
 mod scribe;
@@ -52,11 +54,12 @@ pub use config::{
 pub use coupled::TABLES;
 pub use event::{EVENTS, Event, EventKind, RecoveryFigures, TapFigures};
 pub use fault::{AlarmList, Fault, FaultKind, Reaction};
-pub use kernel::{FAULTS, Full, Kernel, QUEUE};
+pub use kernel::{FAULTS, Kernel};
 pub use lessons::LESSONS;
 pub use manual::{ManualOrder, ManualRefusal};
 pub use operator::{Notice, Operator, Order, Overrides};
 pub use problems::Problem;
+pub use queue::{CHIP_REMOVALS, Full, MOVES, QUEUE, RAMPS, STRETCHES, TAPS};
 pub use recovering::RecoveryPlan;
 pub use scribe::{RECORD_WAIT, Wish, WorkRecord};
 pub use sync::{

@@ -12,12 +12,11 @@ use crate::config::{Config, Subject};
 use crate::drives::{Drives, Finding, MOVING};
 use crate::fault::FaultKind;
 use crate::operator::Operator;
+use crate::queue::Queue;
 use crate::spindle::SpindleLoop;
 use crate::tempo::Period;
 use crate::track::{Ahead, Rates, Track};
-use alloc::collections::VecDeque;
 use motion::AXES;
-use motion::Step;
 
 /// A step may begin this far from where the axis stands, mm; the difference is smoothed away.
 pub(crate) const JUMP_MM: f64 = 0.050;
@@ -68,7 +67,7 @@ impl Moving {
     /// Go on for `dt` seconds along the step at this place of the queue; the seconds that were left over when it is done.
     pub(crate) fn advance(
         &mut self,
-        (steps, index): (&VecDeque<Step>, usize),
+        (steps, index): (&Queue, usize),
         dt: f64,
         drives: &mut Drives,
         (operator, config): (&Operator, &Config),

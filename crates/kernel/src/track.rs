@@ -4,10 +4,10 @@
 //!   queue  │ Follow │ Follow │ Follow ▌ Tap │ …        planned time runs on from step to step, to the next rest
 //!              ▲ now ──────────────► ▲ known
 //! ```
+use crate::queue::{Queue, StepKind};
 use crate::tempo::{Motion, Place};
-use alloc::collections::VecDeque;
 use motion::{AXES, Shape};
-use motion::{Follow, Move, Step, StepKind, coordinate};
+use motion::{Follow, Move, coordinate};
 use units::Position;
 use units::{Length, Speed};
 
@@ -32,7 +32,7 @@ pub(crate) struct Rates {
 /// Planned motion from a place in the queue's front step on, to the next rest or to the last step that is known.
 #[derive(Clone, Copy)]
 pub(crate) struct Ahead<'a> {
-    steps: &'a VecDeque<Step>,
+    steps: &'a Queue,
     index: usize,
     track: Track<'a>,
     /// Planned time of the step.
@@ -43,7 +43,7 @@ pub(crate) struct Ahead<'a> {
 
 impl<'a> Track<'a> {
     /// Of a step that moves along a path.
-    pub(crate) const fn of(kind: &'a StepKind) -> Option<Self> {
+    pub(crate) const fn of(kind: &StepKind<'a>) -> Option<Self> {
         match kind {
             StepKind::Move(order) => Some(Self::Move(order)),
             StepKind::Follow(order) => Some(Self::Follow(order)),
@@ -161,7 +161,7 @@ fn along(order: &Move, t: f64, n: f64, ahead: f64) -> Rates {
 
 impl<'a> Ahead<'a> {
     /// From a planned time of the step at this place of the queue, if it is one that moves.
-    pub(crate) fn new(steps: &'a VecDeque<Step>, index: usize, at: f64, pace: f64) -> Option<Self> {
+    pub(crate) fn new(steps: &'a Queue, index: usize, at: f64, pace: f64) -> Option<Self> {
         let track = Track::of(&steps.get(index)?.kind)?;
         Some(Self { steps, index, track, at, pace })
     }
@@ -175,7 +175,7 @@ impl Motion for Ahead<'_> {
             if over < 0.0 || self.track.rests() {
                 return true;
             }
-            let next = self.steps.get(self.index + 1).map(|step| &step.kind);
+            let next = self.steps.get(self.index + 1).map(|step| step.kind);
             let Some(StepKind::Follow(next)) = next else { return false };
             (self.index, self.track, self.at) = (self.index + 1, Track::Follow(next), over);
         }

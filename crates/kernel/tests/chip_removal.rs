@@ -11,10 +11,11 @@ use canon::{
 };
 use common::*;
 use kernel::{Event, EventKind, FaultKind};
-use motion::{ChipThrow, Path, SpindleStep, StepKind};
+use motion::{ChipThrow, Path};
 use plan::{
     AxisLimits, MachineLimits, Options, Planner, SpindleLimits, Start, Tapping, ToolChange,
 };
+use plan::{SpindleStep, StepKind};
 use proptest::prelude::*;
 use units::{Accel, Force, Jerk, Lead, Length, Power, Speed, Spin, Stiffness, Time, Torque};
 
@@ -427,8 +428,8 @@ proptest! {
 fn careless(then_rpm: f64) -> Vec<StepKind> {
     let spindle = |order| StepKind::Spindle { spindle: 0, order };
     let ramp = |from: f64, to: f64| limits(1e4).spindles[0].ramp(Spin::rpm(from), Spin::rpm(to));
-    let turn = SpindleStep::Turn { spin: Spin::rpm(3000.0), ramp: ramp(0.0, 3000.0) };
-    let throw = SpindleStep::Throw(ChipThrow {
+    let turn = SpindleStep::Turn { spin: Spin::rpm(3000.0), ramp: ramp(0.0, 3000.0).into() };
+    let throw = SpindleStep::Throw(Box::new(ChipThrow {
         throw: Spin::rpm(-1000.0),
         against: ramp(3000.0, -1000.0),
         then: Spin::rpm(then_rpm),
@@ -436,7 +437,7 @@ fn careless(then_rpm: f64) -> Vec<StepKind> {
         axis: Axis::Z,
         level: Length::mm(-1e3),
         upwards: true,
-    });
+    }));
     let path = Path::Line { from: Position::default(), to: Position::xyz(0.0, 0.0, -20.0) };
     let cut = motion::Move {
         path,
@@ -447,7 +448,7 @@ fn careless(then_rpm: f64) -> Vec<StepKind> {
         floats: false,
         programmed: None,
     };
-    vec![spindle(turn), await_speed(), spindle(throw), StepKind::Move(cut), StepKind::End]
+    vec![spindle(turn), await_speed(), spindle(throw), StepKind::Move(cut.into()), StepKind::End]
 }
 
 #[test]

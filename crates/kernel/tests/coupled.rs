@@ -6,7 +6,8 @@ use canon::{Axis, Position, Ratio};
 use common::{Run, await_speed, control, line, machine, run_kernel_on, turn};
 use core::f64::consts::TAU;
 use kernel::{FaultKind, Kernel, Periodic, PhaseLoss};
-use motion::{GearStep, Step, StepKind, Superpose, Superposed, TableId};
+use motion::{GearStep, Superpose, Superposed, TableId};
+use plan::{Step, StepKind};
 use sim::SimulatedMachine;
 use units::{Accel, Angle, Inertia, Length, Power, Speed, Torque};
 
@@ -308,7 +309,7 @@ fn a_phase_that_is_lost_takes_the_tool_away_before_the_spindles_stop() {
         await_speed(),
     ];
     for (op, kind) in (0..).zip(steps) {
-        kernel.push(Step { op, line: op + 1, kind }).expect("there is room");
+        kernel.push(&Step { op, line: op + 1, kind }).expect("there is room");
     }
     let mut feedback = machine.feedback();
     let mut at_fault = None;

@@ -4,7 +4,7 @@ use bus::{Command, Feedback, Machine, State, Truth};
 use canon::{Axis, Position};
 use common::*;
 use kernel::{Config, EventKind, FaultKind, Subject};
-use motion::StepKind;
+use plan::StepKind;
 use sim::SimulatedMachine;
 use units::{Length, Time};
 
@@ -125,7 +125,7 @@ fn halted(
     let mut machine = SimulatedMachine::new(machine(0)).expect("the test's machine can be built");
     let mut kernel = kernel::Kernel::new(config.clone());
     for kind in steps {
-        kernel.push(motion::Step { op: 0, line: 1, kind: *kind }).expect("there is room");
+        kernel.push(&plan::Step { op: 0, line: 1, kind: kind.clone() }).expect("there is room");
     }
     let (mut samples, mut feedback) = (Vec::new(), machine.feedback());
     for _ in 0..40_000 {

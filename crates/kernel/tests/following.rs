@@ -3,7 +3,7 @@ mod common;
 use bus::State;
 use common::*;
 use kernel::{Config, MAX_TRANSPORT, Prediction, SyncMode};
-use motion::StepKind;
+use plan::StepKind;
 use units::{Angle, Length, Speed, Time};
 
 fn following(prediction: Prediction, transport: u8) -> (sim::Config, Config) {

@@ -2,7 +2,7 @@
 mod common;
 use common::*;
 use kernel::{Config, Learning, Prediction, SyncMode};
-use motion::StepKind;
+use plan::StepKind;
 use units::{Length, Torque};
 
 const HOW: Learning = Learning { gain: 0.7, bandwidth_hz: 70.0 };

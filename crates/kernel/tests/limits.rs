@@ -135,9 +135,9 @@ fn run_with(ops: &[Op], orders: &[(usize, Order)]) -> Run {
     let mut planner = Planner::new(limits(), ToolLibrary::new([]), options, start);
     let mut steps = Vec::new();
     for (index, op) in (0..).zip(ops) {
-        planner.push(index, op, &mut |step: motion::Step| steps.push(step.kind));
+        planner.push(index, op, &mut |step: plan::Step| steps.push(step.kind));
     }
-    planner.finish(&mut |step: motion::Step| steps.push(step.kind));
+    planner.finish(&mut |step: plan::Step| steps.push(step.kind));
     let refused: Vec<_> =
         planner.take_findings().into_iter().filter(diag::Diagnostic::is_error).collect();
     assert!(refused.is_empty(), "{refused:?}");

@@ -6,7 +6,7 @@ use bus::Machine;
 use canon::Position;
 use common::{M6, TapOrder, await_speed, control, line, machine, tapping, turn};
 use kernel::{Kernel, Learning, Prediction, SyncMode};
-use motion::{Step, StepKind};
+use plan::{Step, StepKind};
 use sim::SimulatedMachine;
 
 #[global_allocator]
@@ -26,15 +26,12 @@ fn ticks_learning(mode: SyncMode, steps: &[StepKind], learning: Option<Learning>
     let mut kernel = Kernel::new(config);
     let mut machine = SimulatedMachine::new(machine).expect("the test's machine can be built");
     let mut feedback = machine.feedback();
-    let mut waiting = steps.iter();
+    let steps = steps.iter().map(|kind| Step { op: 0, line: 1, kind: kind.clone() });
+    let steps: Vec<Step> = steps.collect();
+    let mut waiting = steps.iter().peekable();
     let mut ticks = 0;
     while !kernel.is_over() && ticks < 40_000 {
-        while !kernel.is_full()
-            && let Some(kind) = waiting.next()
-        {
-            let step = Step { op: 0, line: 1, kind: *kind };
-            assert_no_alloc(|| kernel.push(step)).expect("there is room");
-        }
+        while waiting.next_if(|step| assert_no_alloc(|| kernel.push(step)).is_ok()).is_some() {}
         // nobody takes the events: the ring has to cope by itself
         let command = assert_no_alloc(|| kernel.tick(&feedback));
         feedback = machine.exchange(&command);
@@ -52,7 +49,7 @@ fn no_tick_of_a_surface_speed_takes_memory() {
         limit: units::Spin::rpm(3000.0),
         axis: units::Length::ZERO,
     };
-    let order = motion::SpindleStep::Surface { surface, ramp: motion::Profile::EMPTY };
+    let order = plan::SpindleStep::Surface { surface, ramp: motion::Profile::EMPTY.into() };
     let steps = [
         line(Position::default(), far, 100.0, true),
         StepKind::Spindle { spindle: 0, order },
@@ -70,7 +67,7 @@ fn no_tick_of_a_whole_tapping_program_takes_memory() {
     let mut steps = vec![turn(0.0, 3000.0), await_speed(), line(zero, corner, 100.0, true)];
     steps.extend([line(corner, zero, 100.0, false), turn(3000.0, 0.0), await_speed()]);
     for _ in 0..3 {
-        steps.extend(&tapping(&TapOrder { dwell_s: 0.1, ..M6 })[..2]);
+        steps.extend(tapping(&TapOrder { dwell_s: 0.1, ..M6 }).into_iter().take(2));
         steps.push(line(Position::xyz(0.0, 0.0, M6.from_mm), zero, 100.0, true));
     }
     steps.push(StepKind::End);

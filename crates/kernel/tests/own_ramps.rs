@@ -3,7 +3,7 @@ mod common;
 use bus::State;
 use common::*;
 use kernel::{Config, Learning, OwnRamps, Prediction, SyncMode};
-use motion::StepKind;
+use plan::StepKind;
 use units::{Angle, SpinAccel, Time};
 
 const STATED: SpinAccel = SpinAccel::rev_per_s2(67.0);

@@ -7,7 +7,7 @@ use canon::{
 };
 use common::*;
 use kernel::{EventKind, Kernel, TapFigures};
-use motion::Step;
+use plan::Step;
 use plan::{AxisLimits, MachineLimits, Options, Planner, Start, Tapping, ToolChange};
 use sim::SimulatedMachine;
 use units::{Accel, Angle, Lead, Length, Speed, Spin, Stiffness, Time};
@@ -159,11 +159,7 @@ fn a_plate_is_drilled_and_tapped_to_the_end_within_10_um_and_the_planned_time() 
     let mut taps: Vec<TapFigures> = Vec::new();
     let (mut ticks, mut broken, mut worst_mm) = (0u32, false, 0.0f64);
     while !kernel.is_over() && ticks < 400_000 {
-        while !kernel.is_full()
-            && let Some(step) = waiting.next()
-        {
-            kernel.push(*step).expect("there is room");
-        }
+        while waiting.next_if(|step| kernel.push(step).is_ok()).is_some() {}
         let command = kernel.tick(&feedback);
         let truth = machine.truth().expect("it is simulated");
         broken |= truth.tool_broken;

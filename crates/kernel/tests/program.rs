@@ -4,8 +4,9 @@ mod common;
 use bus::State;
 use canon::{Arc, Plane, Position};
 use common::*;
-use kernel::{EventKind, Kernel, Pause, QUEUE};
-use motion::{Move, Path, Phase, Profile, SpindleStep, Step, StepKind};
+use kernel::{EventKind, Full, Kernel, Pause, QUEUE};
+use motion::{Move, Path, Phase, Profile};
+use plan::{SpindleStep, Step, StepKind};
 use sim::{Tool, ToolKind};
 use units::{Angle, Length, Spin, Time};
 
@@ -144,7 +145,8 @@ fn a_move_per_revolution_follows_the_real_spindle() {
         floats: false,
         programmed: None,
     };
-    let seen = run_here(&[turn(0.0, 600.0), await_speed(), StepKind::Move(feed), StepKind::End]);
+    let seen =
+        run_here(&[turn(0.0, 600.0), await_speed(), StepKind::Move(feed.into()), StepKind::End]);
     // 50 revolutions at 10 rev/s
     assert!((lasted(&seen, State::Feed) - 5.0).abs() < 0.02, "{}", lasted(&seen, State::Feed));
     let feeding: Vec<_> = seen.samples.iter().filter(|s| s.report.state == State::Feed).collect();
@@ -185,7 +187,7 @@ fn a_stop_waits_for_the_operator_and_an_optional_one_only_if_it_is_set() {
             .into_iter()
             .enumerate()
     {
-        kernel.push(Step { op: op as u32, line: 1, kind }).expect("there is room");
+        kernel.push(&Step { op: op as u32, line: 1, kind }).expect("there is room");
     }
     let mut feedback = bus::Machine::feedback(&machine);
     let mut run = |kernel: &mut Kernel| {
@@ -207,9 +209,9 @@ fn a_full_queue_says_so_and_takes_no_more() {
     let step = Step { op: 0, line: 1, kind: StepKind::End };
     for _ in 0..QUEUE {
         assert!(!kernel.is_full());
-        kernel.push(step).expect("there is room");
+        kernel.push(&step).expect("there is room");
     }
-    assert!(kernel.is_full() && kernel.push(step).is_err());
+    assert!(kernel.is_full() && kernel.push(&step) == Err(Full::Steps));
 }
 
 #[test]

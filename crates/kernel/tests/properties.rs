@@ -3,7 +3,7 @@ mod common;
 use bus::{AxisFeedback, Feedback, SpindleFeedback};
 use common::*;
 use kernel::{Kernel, Prediction, SyncMode};
-use motion::Step;
+use plan::Step;
 use proptest::prelude::*;
 use units::{Angle, Length, Time};
 
@@ -49,9 +49,9 @@ proptest! {
             spindle.windows.following_stop = Angle::rev(1e300);
         }
         let mut kernel = Kernel::new(config);
-        let tap = motion::StepKind::Tap(TapOrder { from_mm: 0.0, surface_mm: -2.0, to_mm: -30.0, ..M6 }.plan());
-        kernel.push(Step { op: 0, line: 1, kind: turn(0.0, 3000.0) }).unwrap();
-        kernel.push(Step { op: 1, line: 2, kind: tap }).unwrap();
+        let tap = plan::StepKind::Tap(TapOrder { from_mm: 0.0, surface_mm: -2.0, to_mm: -30.0, ..M6 }.plan());
+        kernel.push(&Step { op: 0, line: 1, kind: turn(0.0, 3000.0) }).unwrap();
+        kernel.push(&Step { op: 1, line: 2, kind: tap }).unwrap();
         for (tick, (z, angle)) in [(0.0, 0.0); 3].iter().chain(&said).enumerate() {
             let command = kernel.tick(&feedback(tick, *z, *angle, tick > 0));
             prop_assert!(numbers(&command), "{command:?}");

@@ -6,7 +6,7 @@ mod common;
 use canon::Position;
 use common::{await_speed, control, line, machine, run_ordered, turn};
 use kernel::{EventKind, Kernel, Notice, Order, Overrides};
-use motion::StepKind;
+use plan::StepKind;
 use sim::SimulatedMachine;
 use units::Spin;
 

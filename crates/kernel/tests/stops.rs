@@ -21,7 +21,7 @@ impl Bench {
         let model = machine(0);
         let mut kernel = Kernel::new(control(&model));
         for (line, kind) in tapping(order).into_iter().enumerate() {
-            kernel.push(motion::Step { op: 0, line: line as u32 + 1, kind }).unwrap();
+            kernel.push(&plan::Step { op: 0, line: line as u32 + 1, kind }).unwrap();
         }
         let machine = SimulatedMachine::new(model).unwrap();
         Self { machine, kernel, samples: Vec::new(), events: Vec::new() }
@@ -190,7 +190,7 @@ fn after_an_alarm_with_drives_alive_the_tap_can_be_taken_out() {
     let mut bench = Bench::new(&order);
     bench.kernel = Kernel::new(config);
     for kind in tapping(&order) {
-        bench.kernel.push(motion::Step { op: 0, line: 1, kind }).unwrap();
+        bench.kernel.push(&plan::Step { op: 0, line: 1, kind }).unwrap();
     }
     bench.until(|b| b.kernel.report().state == State::Faulted && b.kernel.is_standing());
     assert!(bench.z() < order.surface_mm);

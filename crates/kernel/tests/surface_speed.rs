@@ -6,7 +6,8 @@ use canon::Position;
 use common::*;
 use core::f64::consts::TAU;
 use kernel::Order;
-use motion::{Move, Path, Phase, Profile, SpindleStep, StepKind, SurfaceSpeed};
+use motion::{Move, Path, Phase, Profile, SurfaceSpeed};
+use plan::{SpindleStep, StepKind};
 use units::{Length, Speed, Spin, Time};
 
 /// 100 m/min about X-30, 3000 rpm at most.
@@ -20,7 +21,7 @@ fn surface(sign: f64) -> StepKind {
         limit: LIMIT,
         axis: Length::mm(AXIS_MM),
     };
-    let order = SpindleStep::Surface { surface, ramp: Profile::EMPTY };
+    let order = SpindleStep::Surface { surface, ramp: Profile::EMPTY.into() };
     StepKind::Spindle { spindle: 0, order }
 }
 
@@ -35,7 +36,7 @@ fn face(from: f64, to: f64, feed: f64, per_revolution: bool) -> StepKind {
     let mut profile = Profile::EMPTY;
     let duration = path.length() / feed;
     assert!(profile.push(Phase { duration, s: 0.0, v: feed, a: 0.0, j: 0.0 }));
-    StepKind::Move(Move {
+    StepKind::Move(Box::new(Move {
         path,
         profile,
         rapid: false,
@@ -43,7 +44,7 @@ fn face(from: f64, to: f64, feed: f64, per_revolution: bool) -> StepKind {
         exact_stop: true,
         floats: false,
         programmed: None,
-    })
+    }))
 }
 
 fn rpm(sample: &Sample) -> f64 {

@@ -139,8 +139,8 @@ fn a_hole_is_tapped_twice_on_the_same_helix_when_its_start_angle_is_given() {
     let start = canon::Position::xyz(0.0, 0.0, order.from_mm);
     steps.truncate(2);
     steps.extend([line(start, elsewhere, 100.0, true), turn(0.0, 777.0), await_speed()]);
-    steps.extend([line(elsewhere, start, 100.0, true), motion::StepKind::Tap(order.plan())]);
-    steps.push(motion::StepKind::End);
+    steps.extend([line(elsewhere, start, 100.0, true), plan::StepKind::Tap(order.plan())]);
+    steps.push(plan::StepKind::End);
     let seen = run(&machine, &control(&machine), &steps);
     assert_eq!(seen.kernel.faults(), []);
     for s in seen.synchronised().filter(|s| s.axis(2).value() < order.surface_mm) {

@@ -4,7 +4,8 @@ mod common;
 use canon::{Axis, Position};
 use common::{Run, await_speed, control, line, machine, run_kernel_on, turn};
 use kernel::{EventKind, Kernel, Order, Wish, WithdrawalPlan};
-use motion::{Corner, Pass, StepKind, ThreadStretch, TiedCut, WayOut};
+use motion::{Corner, Pass, ThreadStretch, TiedCut, WayOut};
+use plan::StepKind;
 use sim::SimulatedMachine;
 use units::{Angle, Lead, LeadGrowth, Length, Spin};
 
@@ -69,7 +70,7 @@ fn loaded() -> (Kernel, SimulatedMachine) {
     let machine = machine(1);
     let mut kernel = Kernel::new(control(&machine));
     for (op, kind) in (0..).zip(steps(1200.0)) {
-        kernel.push(motion::Step { op, line: op + 1, kind }).expect("there is room");
+        kernel.push(&plan::Step { op, line: op + 1, kind }).expect("there is room");
     }
     (kernel, SimulatedMachine::new(machine).expect("it can be built"))
 }
@@ -264,7 +265,7 @@ impl Bench {
         let mut steps = steps(1200.0);
         steps.insert(3, StepKind::WayOut(Some(way_out())));
         for (op, kind) in (0..).zip(steps) {
-            kernel.push(motion::Step { op, line: op + 1, kind }).expect("there is room");
+            kernel.push(&plan::Step { op, line: op + 1, kind }).expect("there is room");
         }
         let machine = SimulatedMachine::new(machine).expect("it can be built");
         let feedback = bus::Machine::feedback(&machine);

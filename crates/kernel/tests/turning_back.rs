@@ -15,7 +15,7 @@ fn tap(order: &TapOrder, disk: Time) -> (f64, bool) {
     let mut kernel = Kernel::new(control(&model));
     kernel.keep_records();
     for kind in tapping(order) {
-        kernel.push(motion::Step { op: 0, line: 1, kind }).unwrap();
+        kernel.push(&plan::Step { op: 0, line: 1, kind }).unwrap();
     }
     let mut machine = SimulatedMachine::new(model).unwrap();
     let sense = if order.left { -1.0 } else { 1.0 };

@@ -99,16 +99,13 @@ impl Job {
     }
 
     /// Interpret and plan it, if that has not been done; a look at every step.
-    pub(crate) fn proved(&mut self, look: &mut impl FnMut(motion::Step)) -> &Proved {
+    pub(crate) fn proved(&mut self, look: &mut impl FnMut(plan::Step)) -> &Proved {
         let Self { program, session, plan, proved, .. } = self;
         proved.get_or_insert_with(|| preflight::prove(session, &program.text, *plan, look))
     }
 
     /// The same; what is wrong with it is a refusal.
-    pub(crate) fn prove(
-        &mut self,
-        look: &mut impl FnMut(motion::Step),
-    ) -> Result<&Proved, Refused> {
+    pub(crate) fn prove(&mut self, look: &mut impl FnMut(plan::Step)) -> Result<&Proved, Refused> {
         if self.proved(look).known.is_refused() {
             let findings = self.proved(look).known.findings.clone();
             return Err(self.refused(findings));

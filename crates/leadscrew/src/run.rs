@@ -160,7 +160,7 @@ impl Run {
     ///
     /// # Errors
     /// The program is refused, or cannot be begun there.
-    pub fn prove(&mut self, look: &mut impl FnMut(&motion::Step)) -> Result<(), Refused> {
+    pub fn prove(&mut self, look: &mut impl FnMut(&plan::Step)) -> Result<(), Refused> {
         let mut added = Added::new(config::planner(&self.job.session.machine));
         self.job.prove(&mut |step| {
             look(&step);

@@ -4,12 +4,12 @@
 //!   plan ─► Step ─► kernel      q(s) of a path, s(t) of a profile, θ(t) of a spindle, z(θ) of a tap, X Z(θ) of a thread
 //! ```
 //!
-//! A [`Step`] is plain data and complete: whoever has it can say where every axis shall be at every instant of it, with velocity
-//! and acceleration, without asking anybody. Nothing here allocates, optimises or knows a machine; all has a fixed size.
+//! A [`Step`] with its plan is complete: position, velocity and acceleration of every axis at every instant follow from it alone. Nothing here allocates, optimises or knows a machine; all has a fixed size.
 //!
 //! | file | answers |
 //! |---|---|
 //! | `step` | what there is to do, and in which order |
+//! | `storage` | where the plans are that are too large to be in a step |
 //! | `curve` | where the axes are along a joined path; what they can do |
 //! | `path` | where they are along a move from rest to rest |
 //! | `profile` | how far along it, when |
@@ -30,6 +30,7 @@ mod path;
 mod profile;
 mod signal;
 mod step;
+mod storage;
 mod surface;
 mod tap;
 mod thread;
@@ -45,8 +46,10 @@ pub use path::{Motion, Path, coordinate, radius};
 pub use profile::{Instant, MAX_PHASES, Phase, Profile};
 pub use signal::{Await, InputWait, Output, Signal};
 pub use step::{
-    ChipThrow, Follow, HandedBack, Move, PHASES, Pace, Programmed, SpindleStep, Step, StepKind,
+    ChipThrow, Follow, HandedBack, Move, PHASES, Pace, Programmed, STEP_BYTES, SpindleStep, Step,
+    StepKind,
 };
+pub use storage::{Borrowed, Plan, Readable, Storage, Transfer};
 pub use surface::SurfaceSpeed;
 pub use tap::{Limiting, TapLimiting, TapPlan};
 pub use thread::{Corner, OnThread, THREADING_AXES, ThreadStretch, Vector};

@@ -1,29 +1,33 @@
 //! What the kernel executes, one after the other.
 use crate::{
-    GearStep, InputWait, Instant, Output, Path, Phase, Piece, Profile, Superpose, SurfaceSpeed,
-    TapPlan, ThreadStretch, WayOut,
+    Borrowed, GearStep, InputWait, Instant, Output, Path, Phase, Piece, Profile, Storage,
+    Superpose, SurfaceSpeed, TapPlan, ThreadStretch, WayOut,
 };
 use units::{Angle, Axis, Length, Spin, Time};
 
-/// One step and the operation it serves.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Step {
+/// Most bytes in a step whose storage takes no more than a reference for a plan.
+pub const STEP_BYTES: usize = 256;
+
+const _: () = assert!(size_of::<Step<Borrowed<'static>>>() <= STEP_BYTES);
+
+/// One step and the operation it serves; its plans are where the storage says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Step<S: Storage> {
     /// Index of the op, counted from 0.
     pub op: u32,
     /// Program line of the op.
     pub line: u32,
     /// What to do.
-    pub kind: StepKind,
+    pub kind: StepKind<S>,
 }
 
 /// What to do.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(clippy::large_enum_variant)] // the queue is short and boxes would be freed in the servo thread
-pub enum StepKind {
+#[derive(Clone, Debug, PartialEq)]
+pub enum StepKind<S: Storage> {
     /// Move along a path; rest to rest while there is no look-ahead.
-    Move(Move),
+    Move(S::Of<Move>),
     /// Go on along a joined path.
-    Follow(Follow),
+    Follow(S::Of<Follow>),
     /// Wait.
     Dwell(Time),
     /// Order a spindle, and wait if the order says so.
@@ -31,10 +35,10 @@ pub enum StepKind {
         /// Which, counted from 0.
         spindle: u8,
         /// What.
-        order: SpindleStep,
+        order: SpindleStep<S>,
     },
     /// Tap.
-    Tap(TapPlan),
+    Tap(S::Of<TapPlan>),
     /// Turn a stretch of a thread.
     Thread(ThreadStretch),
     /// From here on the tool may be in the work, tied to a spindle, and this is the way out: wait until it is written down
@@ -172,30 +176,29 @@ pub struct Move {
 }
 
 /// What a spindle is told.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(clippy::large_enum_variant)] // as for `StepKind`
-pub enum SpindleStep {
+#[derive(Clone, Debug, PartialEq)]
+pub enum SpindleStep<S: Storage> {
     /// Turn at this speed (sign: sense; zero stops) along `ramp`, which runs from the speed that the
     /// planner knows the spindle to be ordered to; go on to the next step at once.
     Turn {
         /// Speed to hold.
         spin: Spin,
         /// Speed over time, as the profile's `v`; its `s` is revolutions.
-        ramp: Profile,
+        ramp: S::Of<Profile>,
     },
     /// Turn by the place of X from now on, on the ramps that the spindle's drive has; go on to the next step at once.
     Surface {
         /// Surface speed, limit and axis of the work.
         surface: SurfaceSpeed,
         /// As the planner expects it to come from its speed to the one at the place where X is, for the planned time alone.
-        ramp: Profile,
+        ramp: S::Of<Profile>,
     },
     /// Wait until the spindle is within its at-speed window of the ordered speed (or at rest).
     AwaitSpeed,
     /// Stop at this angle within a turn and hold it there.
     Orient(Angle),
     /// Throw chips off while the axes go on; go on to the next step at once.
-    Throw(ChipThrow),
+    Throw(S::Of<ChipThrow>),
 }
 
 /// Chip removal: wait until an axis passes a level, run against the cut, turn round as soon as that speed is

@@ -1,7 +1,8 @@
 //! The planned time of steps: how long they will take, one after another, with the spindle ramps that run beside them.
 use crate::limits::MachineLimits;
 use crate::planner::passed_by;
-use motion::{ChipThrow, Follow, Move, Profile, Shape, SpindleStep, Step, StepKind, SurfaceSpeed};
+use crate::{SpindleStep, Step, StepKind};
+use motion::{ChipThrow, Follow, Move, Profile, Shape, SurfaceSpeed};
 use units::{Angle, Length, Spin, Time};
 
 /// Places along a path where its speed by the surface is looked at.
@@ -61,7 +62,7 @@ impl Clock {
                 SpindleStep::AwaitSpeed => self.elapsed = self.elapsed.max(self.ready_at),
                 SpindleStep::Orient(_) => {}
                 SpindleStep::Throw(throw) => {
-                    self.throw = Some(*throw);
+                    self.throw = Some(**throw);
                     self.ready_at = self.ready_at.max(self.elapsed + throw_lasts(throw, limits));
                     if *spindle == 0 {
                         self.surface = None;

@@ -17,8 +17,9 @@
 //!
 //! Source: IEC 60034-1, duty types S1 and S3; a winding warms by the square of its current.
 use crate::limits::{MachineLimits, SpindleLimits};
+use crate::{SpindleStep, StepKind};
 use core::f64::consts::TAU;
-use motion::{Profile, SpindleStep, StepKind};
+use motion::Profile;
 use units::{Spin, Torque};
 
 /// Slices of a profile over which its torque is averaged.

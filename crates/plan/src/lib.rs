@@ -2,7 +2,7 @@
 //! machine cannot do, before it moves.
 //!
 //! ```text
-//!   canon::Op ─► Planner (limits of the machine) ─► motion::Step ─► kernel (evaluates, bounded cost)
+//!   canon::Op ─► Planner (limits of the machine) ─► crate::Step ─► kernel (evaluates, bounded cost)
 //! ```
 //!
 //! | file | answers |
@@ -36,11 +36,12 @@
 //! turned threads: M0421 spindle at rest, M0422 stretch too short, M0423 axis too slow, M0424 lead, M0425 another axis,
 //! M0426 run-in too short.
 #![no_std]
-#![allow(clippy::large_types_passed_by_value)] // a step is moved once, into the queue
+#![allow(clippy::large_types_passed_by_value)] // a path is moved once, into its step
 extern crate alloc;
 
 mod along;
 mod bar;
+mod boxed;
 mod cams;
 mod chip;
 mod clock;
@@ -69,6 +70,7 @@ mod way_out;
 mod words;
 
 pub use bar::Bar;
+pub use boxed::{Boxed, SpindleStep, Step, StepKind};
 pub use cams::{CamCommand, Cams, Course, TURN_ENDED, WheelWear, turned};
 pub use clock::Clock;
 pub use clutch::{ClutchCycle, DwellWindow};

@@ -10,6 +10,7 @@
 //! ```
 //!
 //! So rapids wait while a spindle order is open, and cuts are gathered in a [`Run`] until something else comes.
+use crate::Step;
 use crate::clock::Clock;
 use crate::ends::Ends;
 use crate::heat::Heat;
@@ -17,7 +18,7 @@ use crate::limits::MachineLimits;
 use crate::repace::{Row, Wish};
 use crate::run::{Order, Run};
 use alloc::vec::Vec;
-use motion::{Shape, Step};
+use motion::Shape;
 use path::geometry::Segment;
 use units::Time;
 
@@ -67,7 +68,7 @@ impl Outbox {
     /// ops of the steps never run backwards.
     pub(crate) fn release(
         &mut self,
-        before: &[Step],
+        before: impl IntoIterator<Item = Step>,
         limits: &MachineLimits,
         emit: &mut dyn FnMut(Step),
     ) {
@@ -75,7 +76,7 @@ impl Outbox {
         let mut waiting = core::mem::take(&mut self.waiting);
         for step in before {
             let (op, line) = waiting.first().map_or((step.op, step.line), |w| (w.op, w.line));
-            self.hand_on(Step { op, line, ..*step }, limits, emit);
+            self.hand_on(Step { op, line, ..step }, limits, emit);
         }
         for step in waiting.drain(..) {
             self.hand_on(step, limits, emit);

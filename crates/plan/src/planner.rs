@@ -27,10 +27,11 @@ use crate::repace::Wish;
 use crate::signals;
 use crate::stroke::{Stroke, StrokeRequest};
 use crate::way_out::CameFrom;
+use crate::{Step, StepKind};
 use alloc::{format, vec::Vec};
 use canon::{Axis, Op, OpKind, PathMode, Position, ProgramFrame, ToolLibrary};
 use diag::{Diagnostic, Span};
-use motion::{Path, Step, StepKind, SurfaceSpeed};
+use motion::{Path, SurfaceSpeed};
 use units::{Length, Spin, Time, Torque};
 
 mod cam;
@@ -367,7 +368,7 @@ impl Planner {
     /// The program is over: hand on what still waits.
     pub fn finish(&mut self, emit: &mut impl FnMut(Step)) {
         self.end_thread(emit);
-        self.outbox.release(&[], &self.limits, emit);
+        self.outbox.release([], &self.limits, emit);
         self.say_heat();
     }
 
@@ -428,7 +429,7 @@ impl Planner {
 
     /// Hand on a step at once, after all that waits.
     fn hand_on(&mut self, job: &mut Job, kind: StepKind) {
-        self.outbox.release(&[], &self.limits, job.emit);
+        self.outbox.release([], &self.limits, job.emit);
         let step = job.step(kind);
         self.outbox.hand_on(step, &self.limits, job.emit);
     }

@@ -17,10 +17,9 @@ use crate::limits::MachineLimits;
 use crate::planner::Planner;
 use crate::run::Run;
 use crate::timing::{Timing, step};
+use crate::{Step, StepKind};
 use alloc::vec::Vec;
-use motion::{
-    Curve, Entry, Follow, Instant, Move, PHASES, Pace, Phase, Piece, Shape, Step, StepKind,
-};
+use motion::{Curve, Entry, Follow, Instant, Move, PHASES, Pace, Phase, Piece, Shape};
 use path::law::State;
 
 /// Where less of a piece is left, it has been done, mm.
@@ -300,19 +299,14 @@ fn row_of(of: &Step, done: f64) -> Option<(Row, bool)> {
     };
     match &of.kind {
         StepKind::Follow(follow) => {
-            let Follow { piece, per_revolution, exact_stop, pace, .. } = *follow;
+            let Follow { piece, per_revolution, exact_stop, pace, .. } = **follow;
             let piece = Piece { feed: piece.feed / pace.share, ..piece };
             follow.phases[..usize::from(follow.count)].iter().for_each(|phase| add(piece, *phase));
             Some((Row { parts, pace, per_revolution }, exact_stop))
         }
-        StepKind::Move(Move {
-            path,
-            profile,
-            programmed: Some(own),
-            per_revolution,
-            exact_stop,
-            ..
-        }) => {
+        StepKind::Move(order) => {
+            let Move { path, profile, per_revolution, exact_stop, .. } = &**order;
+            let own = order.programmed?;
             let curve = path.curve();
             let (op, line, length) = (of.op, of.line, curve.length());
             let (begin, feed, rapid, entry) = (0.0, own.feed, false, Entry::Rest);

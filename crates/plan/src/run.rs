@@ -10,7 +10,9 @@ use crate::ends::{Cutter, Ends};
 use crate::limits::MachineLimits;
 use crate::repace::Wish;
 use crate::timing::Timing;
-use motion::{Move, Path, Programmed, Step, StepKind};
+use crate::{Step, StepKind};
+use alloc::boxed::Box;
+use motion::{Move, Path, Programmed};
 use path::geometry::{Joiner, Segment};
 use path::law::Refusal;
 
@@ -59,7 +61,7 @@ impl Order {
         };
         let Segment { rapid, op, line, .. } = self.segment;
         let per_revolution = self.spin().is_some();
-        let kind = StepKind::Move(Move {
+        let kind = StepKind::Move(Box::new(Move {
             path: self.path,
             profile,
             rapid,
@@ -67,7 +69,7 @@ impl Order {
             exact_stop: true,
             floats: false,
             programmed: self.programmed(),
-        });
+        }));
         Step { op, line, kind }
     }
 }

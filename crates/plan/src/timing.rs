@@ -5,8 +5,9 @@
 //! ```
 use crate::limits::MachineLimits;
 use crate::repace::Wish;
+use crate::{Step, StepKind};
 use alloc::collections::VecDeque;
-use motion::{Entry, Follow, Limits, PHASES, Pace, Phase, Piece, Shape, Step, StepKind};
+use motion::{Entry, Follow, Limits, PHASES, Pace, Phase, Piece, Shape};
 use path::law::{Config, Law, Refusal, State, Timed, merged};
 
 /// How much farther ahead than braking takes the first stop is that is asked for in motion.
@@ -173,7 +174,7 @@ fn braking(config: &Config, v: f64) -> f64 {
     v * (v / accel + accel / jerk) / 2.0
 }
 
-pub(crate) const fn step(follow: Follow) -> Step {
+pub(crate) fn step(follow: Follow) -> Step {
     let Piece { op, line, .. } = follow.piece;
-    Step { op, line, kind: StepKind::Follow(follow) }
+    Step { op, line, kind: StepKind::Follow(follow.into()) }
 }

@@ -3,8 +3,8 @@ mod common;
 use canon::{Arc, Feed, Hole, OpKind, PathMode, Plane, Position, SpindleOrder, Tap};
 use common::{OPTIONS, machine, mm, program, tools};
 use motion::Shape;
-use motion::{SpindleStep, Step, StepKind};
 use plan::{Planner, Start, preflight};
+use plan::{SpindleStep, Step, StepKind};
 use proptest::prelude::*;
 use units::{Angle, Lead, Speed, Spin, Time};
 

@@ -2,7 +2,8 @@
 mod common;
 use canon::{Arc, Axis, Feed, OpKind, Plane, Position};
 use common::{axis, machine, mm, program};
-use motion::{Move, StepKind};
+use motion::Move;
+use plan::StepKind;
 use plan::{AxisLimits, MachineLimits, Planner, Start};
 use proptest::prelude::*;
 use units::{Accel, Angle, Jerk, Speed};
@@ -12,7 +13,7 @@ fn planned(limits: &MachineLimits, from: Position, kind: OpKind) -> Move {
     let start = Start { position: from, tool: 0 };
     let mut planner = Planner::new(limits.clone(), common::tools(), common::OPTIONS, start);
     let mut moves = Vec::new();
-    let mut emit = |step: motion::Step| {
+    let mut emit = |step: plan::Step| {
         if let StepKind::Move(m) = step.kind {
             moves.push(m);
         }
@@ -20,7 +21,7 @@ fn planned(limits: &MachineLimits, from: Position, kind: OpKind) -> Move {
     planner.push(0, &program([kind])[0], &mut emit);
     planner.finish(&mut emit);
     assert_eq!(moves.len(), 1, "{:?}", planner.take_findings());
-    moves[0]
+    *moves[0]
 }
 
 /// Sample a move and compare speed, acceleration and (by differences) jerk of each axis with its limits.

@@ -4,8 +4,9 @@
 mod common;
 use canon::{Axis, Holder, OpKind, ToolKind, ToolLibrary};
 use common::{OPTIONS, TOP, findings_of, machine, rapid, steps_of, tap, tap_tool, tools, turn};
-use motion::{SpindleStep, Step, StepKind, TiedCut};
+use motion::TiedCut;
 use plan::{DwellCheck, Effort, Options, PlainDrive, Planner, Start, TapMethod, Unsynchronised};
+use plan::{SpindleStep, Step, StepKind};
 use units::{Angle, Length, Spin, SpinAccel, Stiffness, Time};
 
 /// D 5 mm, β 0.1 rev.

@@ -2,8 +2,8 @@
 mod common;
 use canon::{OpKind, SpindleOrder, ToolLibrary};
 use common::{OPTIONS, change, findings_of, machine, tools, turn};
-use motion::{SpindleStep, Step, StepKind};
 use plan::{MachineLimits, Planner, Start};
+use plan::{SpindleStep, Step, StepKind};
 use std::f64::consts::TAU;
 use units::{Time, Torque};
 

@@ -2,7 +2,8 @@
 mod common;
 use canon::OpKind;
 use common::{steps_of, tap, turn};
-use motion::{Profile, StepKind, TapPlan};
+use motion::{Profile, TapPlan};
+use plan::StepKind;
 use plan::{AxisLimits, MachineLimits, Planner, Retract, SpindleLimits, Start, StrokeRequest};
 use units::{Accel, Angle, Inertia, Jerk, Lead, Length, Power, Speed, Spin, Time, Torque};
 
@@ -11,7 +12,7 @@ fn tap_plans(limits: MachineLimits, tap: canon::Tap) -> Vec<TapPlan> {
     let planner = Planner::new(limits, common::tools(), common::OPTIONS, start);
     steps_of(planner, [turn(600.0), OpKind::Tap(tap)])
         .into_iter()
-        .filter_map(|step| if let StepKind::Tap(plan) = step.kind { Some(plan) } else { None })
+        .filter_map(|step| if let StepKind::Tap(plan) = step.kind { Some(*plan) } else { None })
         .collect()
 }
 

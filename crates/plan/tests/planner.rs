@@ -5,7 +5,7 @@ use common::{
     change, hole, line, machine, mm, planner_at, rapid, steps, steps_of, steps_on, tap, turn,
 };
 use motion::Shape;
-use motion::{SpindleStep, Step, StepKind};
+use plan::{SpindleStep, Step, StepKind};
 use std::f64::consts::TAU;
 use units::{Lead, Length, Time};
 
@@ -208,7 +208,7 @@ fn the_time_of_a_cut_is_its_closed_form() {
 fn a_feed_per_revolution_is_planned_over_revolutions() {
     let feed = Feed::PerRevolution(Lead::mm_per_rev(0.2));
     let steps = steps([turn(1000.0), OpKind::Line { to: Position::xyz(10.0, 0.0, 0.0), feed }]);
-    let StepKind::Move(m) = steps.last().unwrap().kind else { panic!("{}", words(&steps)) };
+    let StepKind::Move(m) = &steps.last().unwrap().kind else { panic!("{}", words(&steps)) };
     assert!(m.per_revolution);
     assert!((m.profile.peak() - 0.2).abs() < 1e-12);
     assert!(
@@ -223,12 +223,12 @@ fn an_inverse_time_move_lasts_as_long_as_programmed_unless_the_axes_are_slower()
     for (seconds, lasts) in [(2.0, 2.0), (0.11, 0.11)] {
         let feed = Feed::Duration(Time::s(seconds));
         let steps = steps([turn(1.0), OpKind::Line { to: Position::xyz(10.0, 0.0, 0.0), feed }]);
-        let StepKind::Move(m) = steps.last().unwrap().kind else { panic!("{}", words(&steps)) };
+        let StepKind::Move(m) = &steps.last().unwrap().kind else { panic!("{}", words(&steps)) };
         assert!((m.profile.duration() - lasts).abs() < 1e-9, "{} s", m.profile.duration());
     }
     let feed = Feed::Duration(Time::s(1e-6));
     let steps = steps([turn(1.0), OpKind::Line { to: Position::xyz(10.0, 0.0, 0.0), feed }]);
-    let StepKind::Move(m) = steps.last().unwrap().kind else { panic!("{}", words(&steps)) };
+    let StepKind::Move(m) = &steps.last().unwrap().kind else { panic!("{}", words(&steps)) };
     assert!(m.profile.duration() > 0.05, "{} s", m.profile.duration());
 }
 
@@ -259,7 +259,7 @@ fn in_and_out_are_alike_at_one_speed_and_a_left_hand_tap_turns_the_other_way() {
     for (lead, tool, sense) in [(1.0, 2, 1.0), (-1.0, 3, -1.0)] {
         let t = tap(0.0, 0.0, 2.0, -20.0, lead, 3000.0);
         let steps = steps_of(planner_at(t.start, tool), [OpKind::Tap(t)]);
-        let [Step { kind: StepKind::Tap(plan), .. }] = steps[..] else {
+        let [Step { kind: StepKind::Tap(plan), .. }] = &steps[..] else {
             panic!("{}", words(&steps))
         };
         assert_eq!(plan.inward, plan.outward);
@@ -277,7 +277,7 @@ fn a_faster_return_takes_less_time() {
     let t = tap(0.0, 0.0, 2.0, -20.0, 1.0, 1500.0);
     let t = canon::Tap { return_spin: units::Spin::rpm(3000.0), ..t };
     let steps = steps_of(planner_at(t.start, 2), [OpKind::Tap(t)]);
-    let [Step { kind: StepKind::Tap(plan), .. }] = steps[..] else { panic!("{}", words(&steps)) };
+    let [Step { kind: StepKind::Tap(plan), .. }] = &steps[..] else { panic!("{}", words(&steps)) };
     assert!(plan.outward.duration() < 0.7 * plan.inward.duration());
 }
 
@@ -288,7 +288,7 @@ fn the_way_out_has_an_acceleration_of_its_own() {
     let out = |asked: ReturnAcceleration| {
         let t = canon::Tap { return_acceleration: asked, ..t };
         let steps = steps_of(planner_at(t.start, 2), [OpKind::Tap(t)]);
-        let [Step { kind: StepKind::Tap(plan), .. }] = steps[..] else {
+        let [Step { kind: StepKind::Tap(plan), .. }] = &steps[..] else {
             panic!("{}", words(&steps))
         };
         (plan.inward.duration(), plan.outward.duration())
@@ -321,7 +321,7 @@ fn a_tool_that_is_in_the_spindle_is_not_changed() {
 fn waiting_for_the_spindle_counts_in_the_planned_time() {
     let ramp = common::SPINDLE.ramp(units::Spin::ZERO, units::Spin::rpm(9000.0)).duration();
     let far = steps([turn(9000.0), rapid(1.0, 0.0, 0.0), line(2.0, 0.0, 0.0, 600.0)]);
-    let (StepKind::Move(way), StepKind::Move(cut)) = (far[1].kind, far[3].kind) else {
+    let (StepKind::Move(way), StepKind::Move(cut)) = (&far[1].kind, &far[3].kind) else {
         panic!("{}", words(&far))
     };
     assert!(way.profile.duration() < ramp);

@@ -2,8 +2,9 @@
 mod common;
 use canon::OpKind;
 use common::{line, planner_at, program, rapid, turn};
-use motion::{Step, StepKind, Superpose, Superposed, TableId};
+use motion::{Superpose, Superposed, TableId};
 use plan::Wish;
+use plan::{Step, StepKind};
 use units::Angle;
 
 fn steps() -> (plan::Planner, Vec<Step>) {
@@ -43,7 +44,7 @@ fn a_cut_takes_half_the_time_with_twice_the_feed_and_all_else_is_as_it_was() {
             matches!(&s.kind, StepKind::Move(m) if !m.rapid)
                 || matches!(s.kind, StepKind::Follow(_))
         };
-        steps.iter().filter(|s| !is_cut(s)).copied().collect()
+        steps.iter().filter(|s| !is_cut(s)).cloned().collect()
     };
     let kept = others(&before);
     assert!((cutting(&before) - 10.0).abs() < 0.1);

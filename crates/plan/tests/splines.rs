@@ -3,7 +3,7 @@ mod common;
 use canon::{Feed, OpKind, PathMode, Position, Spline};
 use common::{line, mm, planner_at, steps_of, turn};
 use motion::Shape;
-use motion::{Step, StepKind};
+use plan::{Step, StepKind};
 use units::{Length, Speed, Time};
 
 /// y = x²/20 from the origin to (20, 20), as G5.1 writes it, raised to the fifth degree: points (4·k, k·(k − 1)).

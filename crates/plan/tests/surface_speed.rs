@@ -2,8 +2,8 @@
 mod common;
 use canon::{Axis, Feed, OpKind, Position, ProgramFrame, SpindleOrder};
 use common::{findings_of, line, planner_at, program, rapid, steps_of, turn};
-use motion::{SpindleStep, Step, StepKind};
 use plan::Planner;
+use plan::{SpindleStep, Step, StepKind};
 use units::{Angle, Lead, Length, Speed, Spin};
 
 /// A lathe whose work turns about X-30, standing on a diameter of 60 mm.

@@ -2,7 +2,8 @@
 mod common;
 use canon::{Axis, OpKind, Position, Threading};
 use common::{findings, mm, rapid, steps, turn};
-use motion::{StepKind, ThreadStretch, TiedCut, WayOut};
+use motion::{ThreadStretch, TiedCut, WayOut};
+use plan::StepKind;
 use proptest::prelude::*;
 use units::{Angle, Lead, LeadGrowth};
 
@@ -26,7 +27,7 @@ fn growing(x: f64, z: f64, lead: f64, growth: f64) -> OpKind {
 }
 
 fn stretches(kinds: impl IntoIterator<Item = OpKind>) -> Vec<ThreadStretch> {
-    let stretch = |step: motion::Step| match step.kind {
+    let stretch = |step: plan::Step| match step.kind {
         StepKind::Thread(stretch) => Some(stretch),
         _ => None,
     };
@@ -100,7 +101,7 @@ fn a_thread_with_a_spindle_at_rest_is_refused_and_a_short_run_in_is_said() {
 }
 
 fn ways_out(kinds: impl IntoIterator<Item = OpKind>) -> Vec<WayOut> {
-    let way_out = |step: motion::Step| match step.kind {
+    let way_out = |step: plan::Step| match step.kind {
         StepKind::WayOut(way_out) => way_out,
         _ => None,
     };

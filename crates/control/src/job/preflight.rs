@@ -63,7 +63,7 @@ pub fn prove(
     session: &mut Session,
     source: &[u8],
     options: Options,
-    look: &mut impl FnMut(motion::Step),
+    look: &mut impl FnMut(plan::Step),
 ) -> Proved {
     let (operations, assumed) = interpret(session, source);
     let planner = judging(session, options);
@@ -78,7 +78,7 @@ pub fn preflight_with(
     session: &mut Session,
     source: &[u8],
     options: Options,
-    look: &mut impl FnMut(motion::Step),
+    look: &mut impl FnMut(plan::Step),
     each: &mut impl FnMut(u32, &Op, ProgramFrame),
 ) -> Preflight {
     if session.depends_on_program() {
@@ -135,7 +135,7 @@ pub fn wrong_from(
 }
 
 /// Plan operations from the first to the last.
-pub fn plan(source: &mut impl Source, planner: &mut Planner, look: &mut impl FnMut(motion::Step)) {
+pub fn plan(source: &mut impl Source, planner: &mut Planner, look: &mut impl FnMut(plan::Step)) {
     while let Some((index, op)) = source.next() {
         planner.written_in(source.frame());
         planner.push(index, &op, look);
@@ -226,7 +226,7 @@ fn read(
     ops: &mut impl Source,
     mut planner: Planner,
     mut findings: Vec<Diagnostic>,
-    look: &mut impl FnMut(motion::Step),
+    look: &mut impl FnMut(plan::Step),
     goes_on: &dyn Fn() -> bool,
 ) -> Preflight {
     let mut table = TableNotes::default();

@@ -5,9 +5,10 @@
 use super::Kernel;
 use crate::execute::Activity;
 use crate::fault::FaultKind;
+use crate::queue::{Step, StepKind};
 use crate::scribe::Wish;
 use alloc::vec::Vec;
-use motion::{Step, StepKind, Superpose, TableId};
+use motion::{Superpose, TableId};
 use sync::Periodic;
 
 impl Kernel {
@@ -36,7 +37,7 @@ impl Kernel {
     /// What the step in work waits for from outside, if it does: see [`StepKind::Consult`].
     pub fn consulted(&self) -> Option<u16> {
         match self.queue.front() {
-            Some(Step { kind: StepKind::Consult(what), .. }) if self.begun => Some(*what),
+            Some(Step { kind: StepKind::Consult(what), .. }) if self.begun => Some(what),
             _ => None,
         }
     }

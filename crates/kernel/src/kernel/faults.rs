@@ -16,9 +16,10 @@ use crate::drives::Finding;
 use crate::event::EventKind;
 use crate::execute::Activity;
 use crate::fault::{Fault, FaultKind, Reaction};
+use crate::queue::{Step, StepKind};
 use crate::spindle::SpindleLoop;
 use bus::Feedback;
-use motion::StepKind;
+
 use units::Axis;
 
 /// What has to stand before outputs go off stands for so long, s.
@@ -128,7 +129,7 @@ impl Kernel {
     /// The plan of the tap that is coupled.
     fn tap_in_work(&self) -> Option<motion::TapPlan> {
         match (&self.activity, self.queue.front()) {
-            (Activity::Tapping(run), Some(motion::Step { kind: StepKind::Tap(plan), .. }))
+            (Activity::Tapping(run), Some(Step { kind: StepKind::Tap(plan), .. }))
                 if run.coupling().is_some() =>
             {
                 Some(*plan)

@@ -6,9 +6,10 @@ use crate::config::Subject;
 use crate::event::EventKind;
 use crate::execute::Activity;
 use crate::operator::{Notice, Operator, Order};
+use crate::queue::{Step, StepKind};
 use crate::spindle::SpindleLoop;
 use crate::track::Track;
-use motion::{HandedBack, Step, StepKind};
+use motion::HandedBack;
 
 impl Kernel {
     /// Take an order of the operator; it acts from the next tick on.

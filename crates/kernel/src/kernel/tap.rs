@@ -4,11 +4,11 @@ use super::{Kernel, Mode};
 use crate::doubt::Doubts;
 use crate::execute::Activity;
 use crate::operator::Operator;
+use crate::queue::{Step, StepKind};
 use crate::recovering::{Recovering, RecoveryPlan};
 use crate::scribe::WorkRecord;
 use crate::spindle::SpindleLoop;
 use bus::State;
-use motion::{Step, StepKind};
 use sync::{Coupling, SyncMode};
 
 /// A stroke that ends at the surface, as near as its coordinates were computed, ends outside, mm.
@@ -110,7 +110,7 @@ impl Kernel {
         let Some(held) = spindle.and_then(|s| s.held().or_else(|| stands(s))) else { return };
         let turns = plan.start_angle.map_or(0.0, |angle| (angle - held).value());
         let theta0 = held + units::Angle::rev(turns - libm::round(turns));
-        let record = WorkRecord::of(plan, *op, *line, self.drives.tool, theta0);
+        let record = WorkRecord::of(plan, op, line, self.drives.tool, theta0);
         self.drives.scribe.ask(&record);
     }
 
@@ -122,7 +122,7 @@ impl Kernel {
         let goes_on = self
             .queue
             .get(1)
-            .is_some_and(|next| next.op == *op && matches!(next.kind, StepKind::Tap(_)));
+            .is_some_and(|next| next.op == op && matches!(next.kind, StepKind::Tap(_)));
         let inward = (plan.bottom - plan.surface).value();
         let inside = (plan.end - plan.surface).value() * libm::copysign(1.0, inward);
         let is_outside = inside <= AT_SURFACE_MM;

@@ -10,15 +10,16 @@ use crate::config::Subject;
 use crate::event::EventKind;
 use crate::execute::Activity;
 use crate::fault::FaultKind;
+use crate::queue::{Step, StepKind};
 use crate::retreating::{self, Retreating};
 use crate::scribe::WorkRecord;
 use crate::spindle::SpindleLoop;
 use crate::threading;
 use crate::withdrawing::{WithdrawalPlan, Withdrawing};
-use motion::{Step, StepKind, TiedCut, WayOut};
+use motion::{TiedCut, WayOut};
 
 /// Of a chain of stretches so many are kept, to turn it again after a hold.
-const KEPT: usize = super::QUEUE / 2;
+const KEPT: usize = crate::queue::QUEUE / 2;
 
 impl Kernel {
     /// Take a tool out of work that it is not screwed to, and do nothing else, as for [`Kernel::recover`].
@@ -73,7 +74,7 @@ impl Kernel {
             _ => {}
         }
         self.leave_hole();
-        self.queue.drain(..=self.chained);
+        self.queue.remove_first(self.chained + 1);
         (self.chained, self.begun, self.activity) = (0, false, Activity::Idle);
     }
 
@@ -217,7 +218,7 @@ impl Kernel {
         if !self.drives.scribe.is_on() || !travels || self.way_out.is_some() {
             return;
         }
-        let passes = |step: &&Step| {
+        let passes = |step: &Step<'_>| {
             !matches!(step.kind, StepKind::Move(_) | StepKind::Follow(_) | StepKind::Spindle { .. })
         };
         let Some(Step { op, line, kind: StepKind::WayOut(Some(way_out)) }) =
@@ -225,7 +226,7 @@ impl Kernel {
         else {
             return;
         };
-        let record = WorkRecord::of_way_out(way_out, *op, *line, self.drives.tool);
+        let record = WorkRecord::of_way_out(&way_out, op, line, self.drives.tool);
         self.drives.scribe.ask(&record);
     }
 }

@@ -56,7 +56,7 @@ impl Bench {
         };
         let mut kernel = Kernel::new(control(&model));
         for kind in tapping(&work.order).into_iter().skip(1) {
-            kernel.push(motion::Step { op: 0, line: 1, kind }).unwrap();
+            kernel.push(&plan::Step { op: 0, line: 1, kind }).unwrap();
         }
         let machine = SimulatedMachine::new(model).unwrap();
         let mut judge = Judge::new(verify::Config::new(ToolLibrary::new([tool(work)])));

@@ -8,10 +8,9 @@ use kernel::{
     AxisControl, AxisFriction, AxisWindows, Config, EncoderPlace, Event, FeedForward, Kernel,
     Pause, SpindleControl, SpindleFriction, SpindleWindows, SyncMode, Waits, Windows,
 };
-use motion::{
-    Limiting, Move, Path, Phase, Profile, SpindleStep, Step, StepKind, TapLimiting, TapPlan,
-};
+use motion::{Limiting, Move, Path, Phase, Profile, TapLimiting, TapPlan};
 use plan::{AxisLimits, SpindleLimits, StrokeRequest};
+use plan::{SpindleStep, Step, StepKind};
 use sim::{AxisEncoder, AxisModel, Lugre, SimulatedMachine, SpindleEncoder, SpindleModel};
 use units::{
     Accel, Angle, Force, Inertia, Jerk, Lead, Length, Mass, Power, Speed, Spin, SpinAccel,
@@ -289,7 +288,7 @@ pub const M6: TapOrder = TapOrder {
 };
 
 impl TapOrder {
-    pub fn plan(&self) -> TapPlan {
+    pub fn plan(&self) -> Box<TapPlan> {
         let request = StrokeRequest {
             revolutions: Angle::rev((self.to_mm - self.from_mm).abs() / self.lead_mm),
             spin: Spin::rpm(self.rpm),
@@ -300,7 +299,7 @@ impl TapOrder {
         };
         let stroke = request.plan(&SPINDLE_LIMITS, &Z_LIMITS).profile;
         let hand = if self.left { -1.0 } else { 1.0 };
-        TapPlan {
+        Box::new(TapPlan {
             axis: Axis::Z,
             spindle: 0,
             start: Position::xyz(0.0, 0.0, self.from_mm),
@@ -319,7 +318,7 @@ impl TapOrder {
                 speed: Limiting::ProgrammedSpeed,
                 ramp: Limiting::ProgrammedSpeed,
             },
-        }
+        })
     }
 }
 
@@ -340,7 +339,7 @@ pub fn line(from: Position, to: Position, speed: f64, exact_stop: bool) -> StepK
         (s, v, a) = (end.s, end.v, if j == 0.0 { 0.0 } else { end.a });
         assert!(profile.push(piece));
     }
-    StepKind::Move(Move {
+    StepKind::Move(Box::new(Move {
         path,
         profile,
         rapid: true,
@@ -348,7 +347,7 @@ pub fn line(from: Position, to: Position, speed: f64, exact_stop: bool) -> StepK
         exact_stop,
         floats: false,
         programmed: None,
-    })
+    }))
 }
 
 /// A straight ramp of the spindle from one speed to another, at an acceleration the drive has anywhere.
@@ -357,7 +356,7 @@ pub fn turn(from_rpm: f64, to_rpm: f64) -> StepKind {
     let a = 200.0 * (to - from).signum();
     let mut ramp = Profile::EMPTY;
     assert!(ramp.push(Phase { duration: (to - from) / a, s: 0.0, v: from, a, j: 0.0 }));
-    let order = SpindleStep::Turn { spin: Spin::rpm(to_rpm), ramp };
+    let order = SpindleStep::Turn { spin: Spin::rpm(to_rpm), ramp: ramp.into() };
     StepKind::Spindle { spindle: 0, order }
 }
 
@@ -411,21 +410,16 @@ pub fn run_ordered(
     ticks: usize,
     orders: &[(usize, kernel::Order)],
 ) -> Run {
-    let mut waiting = steps.iter().enumerate();
+    let step = |(op, kind): (u32, &StepKind)| Step { op, line: op + 1, kind: kind.clone() };
+    let steps: Vec<Step> = (0..).zip(steps).map(step).collect();
+    let mut waiting = steps.iter().peekable();
     let (mut samples, mut events) = (Vec::new(), Vec::new());
-    let mut next = waiting.next();
     let mut feedback = machine.feedback();
     for tick in 0..ticks {
         for (_, order) in orders.iter().filter(|(at, _)| *at == tick) {
             kernel.order(*order);
         }
-        while let Some((index, kind)) = next {
-            let op = index as u32;
-            if kernel.push(Step { op, line: op + 1, kind: *kind }).is_err() {
-                break;
-            }
-            next = waiting.next();
-        }
+        while waiting.next_if(|step| kernel.push(step).is_ok()).is_some() {}
         let truth = machine.truth();
         let command = kernel.tick(&feedback);
         samples.push(Sample { feedback, command, report: kernel.report(), truth });

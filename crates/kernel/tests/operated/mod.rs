@@ -5,7 +5,7 @@ use super::common::{SPINDLE_LIMITS, control, machine};
 use bus::{AXES, AxisFeedback, Feedback, SpindleFeedback};
 use canon::{Op, Position, ToolLibrary};
 use kernel::{Kernel, Order};
-use motion::Step;
+use plan::Step;
 use plan::{
     AxisLimits, Joining, MachineLimits, Options, Planner, Start, Tapping, ToolChange, Wish,
 };
@@ -107,17 +107,12 @@ pub fn run(ops: &[Op], jerk: f64, orders: &[(usize, Order)]) -> Seen {
         } else {
             wish = now;
         }
-        while !kernel.is_full() {
-            let Some(step) = queue.pop_front() else {
-                if !open {
-                    break;
-                }
-                open = false;
-                planner.finish(&mut |step| queue.push_back(step));
-                continue;
-            };
-            kernel.push(step).expect("room has just been asked for");
-            sent.push(step);
+        if queue.is_empty() && open && !kernel.is_full() {
+            open = false;
+            planner.finish(&mut |step| queue.push_back(step));
+        }
+        while queue.front().is_some_and(|step| kernel.push(step).is_ok()) {
+            sent.extend(queue.pop_front());
         }
         feedback.time = Time::s(tick as f64 * PERIOD);
         feedback.tool = Some(0);

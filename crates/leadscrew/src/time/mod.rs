@@ -13,7 +13,7 @@ pub use shares::{Added, Shares, WithoutJerk};
 use control::config;
 use control::job::Session;
 use longest::Longest;
-use motion::{Step, StepKind};
+use plan::{Step, StepKind};
 use std::collections::BTreeMap;
 use units::Time;
 

@@ -1,5 +1,6 @@
 //! The highest speed, acceleration and jerk of any axis, from setpoints at the servo period.
-use motion::{AXES, Shape, StepKind, coordinate};
+use motion::{AXES, Shape, coordinate};
+use plan::StepKind;
 
 /// Of one axis: mm or degrees, and seconds.
 #[derive(Clone, Copy, Debug, Default)]
@@ -112,7 +113,7 @@ mod tests {
                 Path::Line { from: Position::default(), to: Position::xyz(length, 0.0, 0.0) };
             let profile = plan::rest_to_rest(length, 1e3, 1e3, f64::INFINITY);
             let mut peaks = Peaks::new(1e-3);
-            peaks.step(&StepKind::Move(Move {
+            peaks.step(&StepKind::Move(Box::new(Move {
                 path,
                 profile,
                 rapid: true,
@@ -120,7 +121,7 @@ mod tests {
                 exact_stop: true,
                 floats: false,
                 programmed: None,
-            }));
+            })));
             let accel = peaks.axes[0].accel;
             assert!((999.0..1000.0 + 1e-3).contains(&accel), "{length}: {accel}");
         }
@@ -132,7 +133,7 @@ mod tests {
         let path = Path::Line { from: Position::default(), to: Position::xyz(10.0, 0.0, 0.0) };
         let profile = plan::rest_to_rest(10.0, 0.5, 1e3, f64::INFINITY);
         let mut peaks = Peaks::new(1e-3);
-        peaks.step(&StepKind::Move(Move {
+        peaks.step(&StepKind::Move(Box::new(Move {
             path,
             profile,
             rapid: false,
@@ -140,7 +141,7 @@ mod tests {
             exact_stop: true,
             floats: false,
             programmed: Some(motion::Programmed { feed: 0.5, turning: 20.0 }),
-        }));
+        })));
         assert!((peaks.axes[0].speed - 10.0).abs() < 1e-6, "{}", peaks.axes[0].speed);
     }
 }

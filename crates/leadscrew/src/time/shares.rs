@@ -2,8 +2,8 @@
 use canon::{Op, ProgramFrame};
 use control::config;
 use control::job::{Session, Source, preflight};
-use motion::{Step, StepKind};
 use plan::{Clock, MachineLimits, Planner};
+use plan::{Step, StepKind};
 use units::{Jerk, Time};
 
 /// What takes time, in the order of the report.

@@ -8,6 +8,7 @@
 //! The table is superposed less its top, so that fading it in only moves the wheel away from the top, and a wheel that
 //! stands clear of the top stays clear. Idle turns are made where the wheel stands.
 use super::{Job, Planner};
+use crate::StepKind;
 use crate::cams::{TURN_ENDED, turned};
 use crate::coupled::Table;
 use crate::findings::number;
@@ -16,7 +17,7 @@ use crate::way_out::along_x;
 use alloc::{format, vec::Vec};
 use canon::{Axis, CamOrder};
 use diag::Diagnostic;
-use motion::{Move, Path, StepKind, Superpose, Superposed, TiedCut};
+use motion::{Move, Path, Superpose, Superposed, TiedCut};
 use units::{Angle, Lead, Length, Spin};
 
 /// The spindle that turns the work.
@@ -161,7 +162,7 @@ impl Planner {
             floats: false,
             programmed: None,
         };
-        self.hand_on(job, StepKind::Move(step));
+        self.hand_on(job, StepKind::Move(step.into()));
     }
 
     fn store_phase(&mut self, job: &mut Job) {
@@ -304,7 +305,7 @@ impl Planner {
             floats: false,
             programmed: None,
         };
-        self.hand_on(job, StepKind::Move(infeed));
+        self.hand_on(job, StepKind::Move(infeed.into()));
     }
 
     fn spark_out(&mut self, job: &mut Job, spin: Spin, turns: u32) {

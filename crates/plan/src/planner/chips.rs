@@ -13,10 +13,12 @@
 use super::{Job, Planner, SpindleState};
 use crate::findings::number;
 use crate::tap_check::whole_rpm;
+use crate::{SpindleStep, StepKind};
+use alloc::boxed::Box;
 use alloc::format;
 use canon::ChipRemoval;
 use diag::Diagnostic;
-use motion::{ChipThrow, Move, SpindleStep, StepKind, coordinate};
+use motion::{ChipThrow, Move, coordinate};
 use units::{Spin, Torque};
 
 /// Halvings of a move's time until the place is found: 2⁻⁴⁰ of it.
@@ -45,7 +47,7 @@ impl Planner {
             return self.findings.add(Diagnostic::error("M0351", job.span, text));
         }
         let here = coordinate(&self.position(), chips.axis);
-        let order = SpindleStep::Throw(ChipThrow {
+        let order = SpindleStep::Throw(Box::new(ChipThrow {
             throw: chips.throw,
             against: limits.ramp(state.told, chips.throw),
             then: chips.then,
@@ -53,8 +55,8 @@ impl Planner {
             axis: chips.axis,
             level: chips.level,
             upwards: chips.level.value() >= here,
-        });
-        self.outbox.release(&[], &self.limits, job.emit);
+        }));
+        self.outbox.release([], &self.limits, job.emit);
         self.await_spindles(job); // a ramp begins where the one before has ended
         self.hand_on(job, StepKind::Spindle { spindle: index as u8, order });
         self.spindles[index] =

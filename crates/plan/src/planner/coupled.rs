@@ -8,6 +8,7 @@
 //!   G81 T L Q P   hob at speed ─► engage the work, with Z as its second master ─► cuts ─► G80: release
 //! ```
 use super::{Job, Planner};
+use crate::StepKind;
 use crate::coupled::{OSCILLATION_SEEN, Table, rates, sampled};
 use crate::findings::number;
 use crate::limits::AxisLimits;
@@ -16,7 +17,7 @@ use crate::way_out::along_x;
 use alloc::{format, vec::Vec};
 use canon::{Axis, Hob, Oscillating, Polygon};
 use diag::Diagnostic;
-use motion::{GearStep, StepKind, Superpose, Superposed, TableId, TiedCut};
+use motion::{GearStep, Superpose, Superposed, TableId, TiedCut};
 use units::{Angle, Spin};
 
 /// Turns of the work spindle over which an oscillation fades in and out.

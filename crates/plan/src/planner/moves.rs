@@ -4,11 +4,12 @@ use super::refuse::clipped;
 use super::{Job, NOTHING, Planner};
 use crate::along::{Along, along};
 use crate::run::{Alone, Order};
+use crate::{Step, StepKind};
 use alloc::format;
 use alloc::vec::Vec;
 use canon::{Axis, Feed, PathMode, Position, Spline};
 use diag::Diagnostic;
-use motion::{Move, Path, Step, StepKind, coordinate};
+use motion::{Move, Path, coordinate};
 use path::geometry::Segment;
 use path::geometry::quintic;
 use units::{Length, Spin};
@@ -76,7 +77,7 @@ impl Planner {
             floats: false,
             programmed: None,
         };
-        Some(job.step(StepKind::Move(rapid)))
+        Some(job.step(StepKind::Move(rapid.into())))
     }
 
     /// A cutting move; `make` builds its path from where the axes are.

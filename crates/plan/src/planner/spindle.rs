@@ -12,10 +12,10 @@
 use super::{Job, Planner, SpindleState};
 use crate::findings::number;
 use crate::tap_check::whole_rpm;
+use crate::{SpindleStep, Step, StepKind};
 use alloc::{format, vec::Vec};
 use canon::SpindleOrder;
 use diag::Diagnostic;
-use motion::{SpindleStep, Step, StepKind};
 use units::{Spin, Torque};
 
 impl Planner {
@@ -60,7 +60,7 @@ impl Planner {
         self.go_along(job, usize::from(index), bounded);
         if self.is_throwing() {
             // what was in force is told to nobody: only rapids came since
-            self.outbox.release(&[], &self.limits, job.emit);
+            self.outbox.release([], &self.limits, job.emit);
         } else if self.outbox.is_waiting() {
             self.tell_spindles(job);
         }
@@ -121,7 +121,7 @@ impl Planner {
             }
             self.outbox.wait(step);
         } else {
-            self.outbox.release(&[], &self.limits, job.emit);
+            self.outbox.release([], &self.limits, job.emit);
             self.outbox.hand_on(step, &self.limits, job.emit);
         }
     }
@@ -130,7 +130,7 @@ impl Planner {
     pub(super) fn tell_spindles(&mut self, job: &mut Job) {
         if self.is_throwing() {
             // chips fly off while the axes travel: a ramp after that is awaited where the travel ends, not at R
-            self.outbox.release(&[], &self.limits, job.emit);
+            self.outbox.release([], &self.limits, job.emit);
         }
         let mut steps = Vec::new();
         for index in 0..self.spindles.len() {
@@ -141,7 +141,7 @@ impl Planner {
             });
         }
         if !steps.is_empty() || self.outbox.is_waiting() {
-            self.outbox.release(&steps, &self.limits, job.emit);
+            self.outbox.release(steps, &self.limits, job.emit);
         }
     }
 
@@ -158,9 +158,10 @@ impl Planner {
             if !state.awaited {
                 steps.push(job.step(StepKind::Spindle { spindle, order: SpindleStep::AwaitSpeed }));
             }
-            steps.push(
-                job.step(StepKind::Spindle { spindle, order: SpindleStep::Turn { spin, ramp } }),
-            );
+            steps.push(job.step(StepKind::Spindle {
+                spindle,
+                order: SpindleStep::Turn { spin, ramp: ramp.into() },
+            }));
             *state = SpindleState {
                 told: spin,
                 awaited: false,
@@ -186,7 +187,7 @@ impl Planner {
     /// Bring a spindle to rest and wait for it; the order in force stays open.
     pub(super) fn rest(&mut self, job: &mut Job, index: usize) {
         let steps = self.turn(job, index, Spin::ZERO);
-        self.outbox.release(&steps, &self.limits, job.emit);
+        self.outbox.release(steps, &self.limits, job.emit);
         self.await_spindles(job);
     }
 }

@@ -9,9 +9,9 @@
 //! have its run-in elsewhere, a gear's oscillation was computed for its speed, and a feed that is only as fast as S says needs
 //! S. Between the passes of a thread it stays locked, as on Fanuc's and Siemens' controls.
 use super::{Job, Planner};
+use crate::StepKind;
 use crate::limits::TapMethod;
 use canon::{Holder, OpKind, ToolKind};
-use motion::StepKind;
 
 /// Whether it acts.
 #[derive(Clone, Copy, Debug)]

@@ -10,10 +10,11 @@
 use super::{Job, Planner, SpindleState};
 use crate::findings::number;
 use crate::tap_check::whole_rpm;
+use crate::{SpindleStep, Step, StepKind};
 use alloc::{format, vec, vec::Vec};
 use canon::OpKind;
 use diag::Diagnostic;
-use motion::{SpindleStep, Step, StepKind, SurfaceSpeed};
+use motion::SurfaceSpeed;
 use units::{Angle, Length, Speed, Spin, Torque};
 
 /// The spindle whose speed goes by X.
@@ -143,7 +144,7 @@ impl Planner {
         let state = &mut self.spindles[index];
         (state.told, state.told_surface) = (ordered, Some(surface));
         (state.awaited, state.throwing) = (false, false);
-        let order = SpindleStep::Surface { surface, ramp };
+        let order = SpindleStep::Surface { surface, ramp: ramp.into() };
         vec![job.step(StepKind::Spindle { spindle: index as u8, order })]
     }
 }

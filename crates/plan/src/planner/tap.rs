@@ -17,6 +17,7 @@
 use super::refuse::wild;
 use super::unsynchronised::Clutch;
 use super::{Job, Planner};
+use crate::StepKind;
 use crate::along::change;
 use crate::findings::number;
 use crate::holes::Drilled;
@@ -27,7 +28,7 @@ use crate::words::length;
 use alloc::{format, string::String};
 use canon::{Axis, Holder, ProgramFrame, ReturnAcceleration, Tap, TapTool, Tool, ToolKind};
 use diag::{Diagnostic, Span};
-use motion::{StepKind, TapPlan};
+use motion::TapPlan;
 use units::{Angle, Lead, Length, Spin, SpinAccel, Time, Torque};
 
 /// The axes stand at the start if they are this near to it, mm.
@@ -86,7 +87,7 @@ impl Planner {
             self.warn_of_slow_return(job, tap, &means);
             for peck in pecks(tap, self.limits.tapping.retract) {
                 let plan = self.tap_plan(tap, &peck, &means);
-                self.hand_on(job, StepKind::Tap(plan));
+                self.hand_on(job, StepKind::Tap(plan.into()));
             }
         }
     }

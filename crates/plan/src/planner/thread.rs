@@ -12,12 +12,11 @@ use crate::findings::number;
 use crate::limits::AxisLimits;
 use crate::tap_check::whole_rpm;
 use crate::thread::Change;
+use crate::{Step, StepKind};
 use alloc::{format, vec::Vec};
 use canon::{Axis, Position, Threading};
 use diag::{Diagnostic, Span};
-use motion::{
-    Corner, Pass, Path, Step, StepKind, THREADING_AXES, ThreadStretch, TiedCut, Vector, WayOut,
-};
+use motion::{Corner, Pass, Path, THREADING_AXES, ThreadStretch, TiedCut, Vector, WayOut};
 use units::{Angle, Lead, LeadGrowth, Length, Spin};
 
 /// The spindle that threads follow.
@@ -106,7 +105,7 @@ impl Planner {
         let Some(corners) = self.corners(&chain, &straight, spin) else { return };
         self.judge_run_in(first, &straight[0], corners[0], spin);
         let last = chain.len() - 1;
-        self.outbox.release(&[], &self.limits, emit);
+        self.outbox.release([], &self.limits, emit);
         if let Some(way_out) = self.way_out(first, &straight) {
             let (op, line) = (first.index, first.span.line);
             let step = Step { op, line, kind: StepKind::WayOut(Some(way_out)) };

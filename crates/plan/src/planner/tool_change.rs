@@ -6,10 +6,11 @@
 //!          ╵ programmed ▼ x, y                 anything else has X and Y back first, then Z
 //! ```
 use super::{Job, Planner};
+use crate::StepKind;
 use alloc::format;
 use canon::{Axis, Position};
 use diag::Diagnostic;
-use motion::{Path, StepKind};
+use motion::Path;
 use units::{Length, Spin};
 
 /// Where axes really are that a tool change has taken away; `None`: where the program has them.
@@ -62,7 +63,7 @@ impl Planner {
         if change.x.is_some() || change.y.is_some() {
             self.go_away(job, Away { across: [change.x, change.y], ..self.away });
         }
-        self.outbox.release(&[], &self.limits, job.emit);
+        self.outbox.release([], &self.limits, job.emit);
         self.await_spindles(job);
         self.hand_on(job, StepKind::ChangeTool(number));
         self.tool = number;

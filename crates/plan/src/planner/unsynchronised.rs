@@ -14,6 +14,7 @@
 //! tap runs deeper by H·n·(delay + `t_stop`/2), and as that scatters, so does the depth.
 use super::tap::Means;
 use super::{Job, Planner};
+use crate::StepKind;
 use crate::clutch::{ClutchCycle, DwellWindow};
 use crate::findings::number;
 use crate::limits::{DwellCheck, PlainDrive, SpindleLimits};
@@ -22,7 +23,7 @@ use crate::way_out;
 use alloc::format;
 use canon::{Holder, Tap};
 use diag::Diagnostic;
-use motion::{Move, Path, Phase, Profile, StepKind};
+use motion::{Move, Path, Phase, Profile};
 use units::{Angle, Length, Spin, Time};
 
 /// Within which a drive that makes its own ramp is told a new speed, s.
@@ -298,7 +299,7 @@ impl Planner {
 
     fn turn_now(&mut self, job: &mut Job, spin: Spin) {
         let steps = self.turn(job, 0, spin);
-        self.outbox.release(&steps, &self.limits, job.emit);
+        self.outbox.release(steps, &self.limits, job.emit);
     }
 
     fn feed(&mut self, job: &mut Job, way: &Way, exact_stop: bool) {
@@ -312,7 +313,7 @@ impl Planner {
             floats: true,
             programmed: None,
         };
-        self.hand_on(job, StepKind::Move(cut));
+        self.hand_on(job, StepKind::Move(cut.into()));
     }
 }
 

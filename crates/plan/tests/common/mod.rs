@@ -4,7 +4,7 @@ use canon::{
     Axis, Feed, Flute, Holder, Hole, Op, OpKind, Position, Span, SpindleOrder, Tap, TapTool, Tool,
     ToolKind, ToolLibrary,
 };
-use motion::Step;
+use plan::Step;
 use plan::{
     AxisLimits, MachineLimits, Options, Planner, SpindleLimits, Start, Tapping, ToolChange,
 };
