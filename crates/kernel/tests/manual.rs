@@ -95,8 +95,8 @@ fn steps_wait_until_axes_that_are_moved_by_hand_stand_and_none_is_moved_while_st
     bench.kernel.move_manually(Axis::X, order).unwrap();
     let from = Position::xyz(10.0, 0.0, 0.0);
     let step = |kind| Step { op: 0, line: 1, kind };
-    bench.kernel.push(step(line(from, Position::xyz(20.0, 0.0, 0.0), 50.0, true))).unwrap();
-    bench.kernel.push(step(StepKind::End)).unwrap();
+    bench.kernel.push(&step(line(from, Position::xyz(20.0, 0.0, 0.0), 50.0, true))).unwrap();
+    bench.kernel.push(&step(StepKind::End)).unwrap();
     assert_eq!(bench.kernel.move_manually(Axis::X, order), Err(ManualRefusal::Busy));
     bench.run(3.0);
     assert_eq!(bench.kernel.report().state, State::Ended);
