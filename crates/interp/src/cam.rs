@@ -19,13 +19,14 @@ use crate::{
     execute::Executor,
     fault::{Outcome, refuse},
     resolve::Resolver,
-    setup::Dialect,
     state::Motion,
 };
 use canon::{CamOrder, OpKind};
 use diag::{Diagnostic, Span};
 use units::{Angle, Lead, Length, Spin};
 
+/// The code that selects a profile, in tenths.
+const SELECT: u16 = 1510;
 /// Most turns of one spark-out.
 const MOST_TURNS: u32 = 10_000;
 
@@ -59,12 +60,6 @@ pub enum CamCall {
     SparkOut(u32, f64),
 }
 
-/// A word of Toyoda's dialect as the shared code that it means.
-pub(crate) fn shared_code(dialect: Dialect, value: f64) -> f64 {
-    let cam = dialect == Dialect::Toyoda && [50.0, 51.0, 52.0, 53.0, 55.0].contains(&value);
-    if cam { value + 100.0 } else { value }
-}
-
 impl Executor {
     /// The cam code of the block at hand, in tenths, if it has one.
     fn cam_code(&self) -> Option<u16> {
@@ -72,7 +67,7 @@ impl Executor {
         if let Some(code) = words.g(GGroup::Cam) {
             return Some(code);
         }
-        if self.dialect != Dialect::Toyoda || !self.state.cam {
+        if !self.rules.grinds_by_feed || !self.state.cam {
             return None;
         }
         let dwell = words.g(GGroup::NonModal) == Some(40);
@@ -92,7 +87,7 @@ impl Executor {
         }
         let call = match code {
             1500 => CamCall::Compensate,
-            1510 => self.select()?,
+            SELECT => self.select()?,
             1520 => CamCall::ResetSampling,
             1530 => CamCall::StartSampling,
             1550 => CamCall::StorePhase,
@@ -100,11 +95,8 @@ impl Executor {
         };
         let place = self.words.place.span;
         if !self.state.cam && !matches!(call, CamCall::Select(..) | CamCall::Deselect) {
-            let (word, code) = match self.dialect {
-                Dialect::Toyoda => ("G51 P…", code / 10 - 100),
-                _ => ("G151 P…", code / 10),
-            };
-            let text = format!("G{code} needs a profile: write {word} before it");
+            let [code, select] = [code, SELECT].map(|code| self.rules.writes(code));
+            let text = format!("G{code} needs a profile: write G{select} P… before it");
             return refuse("I1101", place, text);
         }
         self.state.cam = !matches!(call, CamCall::Deselect);

@@ -3,8 +3,7 @@
 //! Nothing is told here that the interpreter does not use itself: a [`CodeInfo`] is a view of a row of
 //! the tables by which words are read, checked and executed.
 use crate::codes::{self, Code, GGroup, Letters, MGroup};
-use crate::fanuc::{self, Kind};
-use crate::setup::Dialect;
+use crate::dialect::{Dialect, rules::Meaning};
 
 /// One G or M code.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -23,21 +22,6 @@ pub struct CodeInfo {
     pub executed: bool,
     /// The dialects that have it.
     pub dialects: Vec<Dialect>,
-}
-
-impl Dialect {
-    /// Its name on the command line and in machine files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::LinuxCnc => "linuxcnc",
-            Self::Brother => "brother",
-            Self::Fanuc => "fanuc",
-            Self::FanucLatheA => "fanuc-lathe-a",
-            Self::FanucLatheB => "fanuc-lathe-b",
-            Self::FanucLatheC => "fanuc-lathe-c",
-            Self::Toyoda => "toyoda",
-        }
-    }
 }
 
 /// All of them, G before M, by rising number.
@@ -109,84 +93,45 @@ fn info<G>(letter: char, code: &Code<G>, group: &'static str, modal: bool) -> Co
     }
 }
 
-/// Fanuc's dialects and their kinds.
-const FANUC: [(Dialect, Kind); 4] = [
-    (Dialect::Fanuc, Kind::Mill),
-    (Dialect::FanucLatheA, Kind::LatheA),
-    (Dialect::FanucLatheB, Kind::LatheB),
-    (Dialect::FanucLatheC, Kind::LatheC),
-];
-
 /// The dialects in which a code means what it means in the shared language.
 fn dialects_of(letter: char, tenths: u16) -> Vec<Dialect> {
-    let same = |kind: Kind| match letter {
-        'G' => fanuc::told(kind, tenths).is_some_and(|(shared, _, _)| shared == Some(tenths)),
-        _ => tenths.is_multiple_of(10) && fanuc::has_m(tenths / 10),
-    };
-    let cam = letter == 'G' && is_toyodas(f64::from(tenths) / 10.0);
-    let toyoda = (!cam).then_some(Dialect::Toyoda);
-    let more = FANUC.into_iter().filter(|(_, kind)| same(*kind)).map(|(dialect, _)| dialect);
-    [Dialect::LinuxCnc, Dialect::Brother].into_iter().chain(toyoda).chain(more).collect()
-}
-
-/// Whether Toyoda's dialect has a word of its own for this G code.
-fn is_toyodas(value: f64) -> bool {
-    crate::cam::shared_code(Dialect::Toyoda, value) != value
+    let shares = |dialect: &Dialect| dialect.rules().shares(letter as u8, tenths);
+    Dialect::ALL.into_iter().filter(shares).collect()
 }
 
 /// The code that a word means in a dialect.
 pub fn describe_in(dialect: Dialect, letter: u8, value: f64) -> Option<CodeInfo> {
-    if dialect == Dialect::Toyoda && letter == b'G' && is_toyodas(value) {
-        let info = describe(letter, crate::cam::shared_code(dialect, value))?;
-        return Some(CodeInfo { code: format!("G{value}"), dialects: vec![dialect], ..info });
-    }
+    let rules = dialect.rules();
     if letter == b'G'
-        && let Some(own) = crate::brother::own_code(dialect, value).and_then(codes::g_code)
+        && let Some(own) = rules.own(value)
+        && let Some(code) = codes::g_code(own.code)
     {
-        let repeats = if own.group == GGroup::Motion { codes::set("KS") } else { codes::set("ST") };
-        let letters = letters_of(own.letters | repeats);
-        return Some(CodeInfo {
-            code: format!("G{value}"),
-            letters,
-            dialects: vec![dialect],
-            ..of_g(own)
-        });
+        let letters = letters_of(code.letters | own.beside);
+        let written = format!("G{value}");
+        return Some(CodeInfo { code: written, letters, dialects: vec![dialect], ..of_g(code) });
     }
-    let Some((_, kind)) = FANUC.into_iter().find(|(fanuc, _)| *fanuc == dialect) else {
-        return describe(letter, value);
-    };
+    let Some(front_end) = rules.codes else { return describe(letter, value) };
     let tenths = crate::words::tenths(value)?;
-    if (letter, tenths) == (b'M', 1980) {
-        let (code, name) = ("M198".to_owned(), "call a program in a file of its own");
-        let (group, letters, dialects) = ("stop", "PQL".to_owned(), vec![dialect]);
-        return Some(CodeInfo {
-            code,
-            name,
-            group,
-            modal: false,
-            letters,
-            executed: true,
-            dialects,
-        });
+    let code = format!("{}{}", letter as char, crate::spelling::written(tenths));
+    match front_end.meaning(letter, tenths)? {
+        Meaning::Shared(shared) if letter == b'G' => {
+            codes::g_code(shared).map(|shared| CodeInfo { code, ..of_g(shared) })
+        }
+        Meaning::Shared(_) => describe(letter, value),
+        Meaning::Own { name, group, modal, letters, executed } => {
+            let (letters, dialects) = (letters.to_owned(), vec![dialect]);
+            Some(CodeInfo { code, name, group, modal, letters, executed, dialects })
+        }
     }
-    if letter != b'G' {
-        return describe(letter, value).filter(|_| fanuc::has_m(tenths / 10));
-    }
-    let (shared, name, executed) = fanuc::told(kind, tenths)?;
-    let code = format!("G{}", crate::spelling::written(tenths));
-    if let Some(shared) = shared.and_then(codes::g_code) {
-        return Some(CodeInfo { code, ..of_g(shared) });
-    }
-    let (group, letters, dialects) = ("Fanuc's own", String::new(), vec![dialect]);
-    let modal = fanuc::stays(kind, tenths);
-    Some(CodeInfo { code, name, group, modal, letters, executed, dialects })
 }
 
 /// What dialects have beside the shared codes, or with another meaning, dialect by dialect.
 pub fn dialect_codes() -> impl Iterator<Item = CodeInfo> {
-    let dialects =
-        FANUC.into_iter().map(|(dialect, _)| dialect).chain([Dialect::Brother, Dialect::Toyoda]);
-    dialects.flat_map(|dialect| {
+    let with = |front_end: bool| {
+        let same = move |dialect: &Dialect| dialect.rules().codes.is_some() == front_end;
+        Dialect::ALL.into_iter().filter(same)
+    };
+    with(true).chain(with(false)).flat_map(|dialect| {
         let described = move |tenths| describe_in(dialect, b'G', f64::from(tenths) / 10.0);
         let own = move |info: &CodeInfo| {
             let shared = codes().find(|code| code.code == info.code);

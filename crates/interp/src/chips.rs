@@ -19,11 +19,11 @@
 use crate::spelling::Written;
 use crate::{
     call::CycleHole,
-    codes::{Letters, set},
+    codes::{Letters, index, set},
     execute::Executor,
     fault::{Outcome, error, refuse},
     resolve::Resolver,
-    setup::{Chips, Dialect},
+    setup::Chips,
     state::{Cycle, Motion},
 };
 use canon::{ChipRemoval, OpKind, SpindleOrder};
@@ -44,12 +44,12 @@ impl Executor {
     /// Letters that a cycle takes beside those of its code: the dialect's and the machine's.
     pub(crate) fn letters_beside(&self, motion: Option<Motion>) -> Letters {
         let Some(Motion::Cycle(cycle)) = motion else { return 0 };
-        let brother = self.dialect == Dialect::Brother;
-        let mut letters = if brother { set("K") } else { 0 };
-        if cycle.throws_chips() && (brother || self.cycles.chip_removal.is_some()) {
+        let rules = self.rules;
+        let mut letters = 1 << index(rules.repeats);
+        if cycle.throws_chips() && (rules.chip_removal || self.cycles.chip_removal.is_some()) {
             letters |= set("UE");
         }
-        if brother && cycle == Cycle::Drill {
+        if rules.drilling_waits && cycle == Cycle::Drill {
             letters |= set("P");
         }
         letters

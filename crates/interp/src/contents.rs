@@ -2,7 +2,7 @@
 //!
 //! A first jump costs one reading of the whole text. An editor executes a text in slices, each with an [`Interpreter`]
 //! of its own: without this every slice would read it again. It holds for the very text that it was taken from.
-use crate::{Interpreter, fanuc::Tape, outline::Outline};
+use crate::{Interpreter, dialect::fanuc::Tape, outline::Outline};
 
 /// Of each file, if it was needed.
 #[derive(Clone, Debug, Default)]

@@ -22,10 +22,10 @@ use crate::{
     boring::Shift,
     call::{Call, Corners, Sense, Silence, Sink},
     codes::{AXES, GGroup, POLAR},
+    dialect::DepthFrom,
     execute::Executor,
     fault::{Outcome, error, refuse},
     rigid::{Rigid, TapWords},
-    setup::{DepthFrom, Dialect},
     spelling::{Written, short},
     state::{Cycle, FeedMode, Sticky},
 };
@@ -131,17 +131,17 @@ impl Executor {
         self.say_feed(format_args!("G{code}"), || 0.0, &mut Silence)
     }
 
-    /// L, in Brother's dialect K.
+    /// How often: L, or the dialect's letter.
     fn repeats(&mut self, cycle: Cycle) -> Outcome<u32> {
-        let letter = if self.dialect == Dialect::Brother { b'K' } else { b'L' };
+        let letter = self.rules.repeats;
         let name = letter as char;
-        if letter == b'K' && self.words.get(b'L').is_some() && !cycle.is_synchro() {
-            let text = "L has no effect here: in this dialect K counts repetitions";
+        if letter != b'L' && self.words.get(b'L').is_some() && !cycle.is_synchro() {
+            let text = format!("L has no effect here: in this dialect {name} counts repetitions");
             return refuse("I0517", self.words.span(b'L'), text);
         }
         let repeats = self.words.whole(letter, 100_000)?.unwrap_or(1);
         let span = self.words.span(letter);
-        if repeats == 0 && self.dialect.grammar() == gcode::Grammar::Rs274 {
+        if repeats == 0 && !self.rules.no_repetition {
             let text = format!("{name}0 makes no hole: {name} counts repetitions, 1 or more");
             return refuse("I0502", span, text);
         }
@@ -168,7 +168,7 @@ impl Executor {
             let text = format!("G{code} needs {axis}, the depth");
             return refuse("I0505", span, text);
         };
-        let tapping = cycle.tap_sense().is_some() && self.dialect == Dialect::LinuxCnc;
+        let tapping = cycle.tap_sense().is_some() && self.rules.taps_keep_dwell;
         let before = if tapping { self.state.last_dwell } else { None };
         let dwell = self.words.get(b'P').or(kept.and_then(|k| k.dwell)).or(before);
         let peck = self.words.get(b'Q').or(kept.and_then(|k| k.peck));
@@ -287,12 +287,12 @@ impl Executor {
     fn check_spindle(&self, cycle: Cycle, code: Written) -> Outcome {
         let turning = self.state.spindle.turning;
         let span = self.words.place.span;
-        // Brother's cycles turn the spindle themselves
-        let brother = self.dialect == Dialect::Brother && self.state.spindle.speed > 0.0;
-        let rigid = self.state.rigid != Rigid::Off || brother;
+        let by_cycle = self.rules.taps_turn_spindle;
+        let turned = by_cycle && self.state.spindle.speed > 0.0;
+        let rigid = self.state.rigid != Rigid::Off || turned;
         match (cycle.tap_sense(), turning) {
-            (Some(_), _) if cycle.is_synchro() && brother => return Ok(()),
-            (Some(_), None) if self.dialect == Dialect::Brother && !rigid => {
+            (Some(_), _) if cycle.is_synchro() && turned => return Ok(()),
+            (Some(_), None) if by_cycle && !rigid => {
                 let text =
                     format!("G{code} needs S, the speed of the tap, in its block or before it");
                 return refuse("I0597", span, text);

@@ -5,7 +5,7 @@
 //!
 //! Source: LinuxCNC 2.9 manual, "G-code overview", sections "Parameters" and "Expressions".
 use crate::{
-    fault::{Outcome, refuse},
+    fault::{Outcome, error, refuse},
     names::{self, Store},
     spelling::short,
     state::State,
@@ -138,6 +138,30 @@ pub(crate) fn apply(function: Function, x: f64, span: Span) -> Outcome<f64> {
         Function::Sqrt => Ok(x.sqrt()),
         Function::Tan => Ok(x.to_radians().tan()),
         Function::Atan => Ok(x.atan().to_degrees()),
-        Function::Bin | Function::Bcd => crate::fanuc::binary_coded(function, x, span),
+        Function::Bin | Function::Bcd => binary_coded(function, x, span),
     }
+}
+
+/// BIN and BCD: decimal digits, four bits each.
+fn binary_coded(function: Function, x: f64, span: Span) -> Outcome<f64> {
+    let whole = near_whole(x).and_then(|n| u32::try_from(n).ok()).filter(|n| *n <= 0x9999_9999);
+    let (from, to) = if function == Function::Bcd { (10, 16) } else { (16, 10) };
+    let (mut rest, mut value, mut place) = (whole.unwrap_or(u32::MAX), 0_u64, 1_u64);
+    let mut good = whole.is_some() && !(function == Function::Bcd && rest > 99_999_999);
+    while rest > 0 && good {
+        let digit = rest % from;
+        good = digit <= 9;
+        value += u64::from(digit) * place;
+        place *= to;
+        rest /= from;
+    }
+    if good {
+        return Ok(value as f64);
+    }
+    let fault = error(
+        "I1015",
+        span,
+        format!("{} takes up to eight decimal digits, found {x}", function.text()),
+    );
+    Err(fault.into())
 }

@@ -12,13 +12,14 @@ use crate::{
     call::{Call, Place, Sink},
     codes::{AXES, CENTRE, GGroup, MGroup, NON_STOP_CHANGE, POLAR},
     context::Context,
+    dialect::rules::Rules,
     eval::Values,
     fault::{Outcome, error, refuse},
     held::Held,
     names::Store,
     profile::Recording,
     refused::Stage,
-    setup::{Cycles, Dialect, MissingTools, Setup, UserCode},
+    setup::{Cycles, MissingTools, Setup, UserCode},
     state::{Motion, State},
     tool_table::ToolTable,
     words::Words,
@@ -58,7 +59,8 @@ pub(crate) struct Executor {
     /// Whether moves go beside the programmed ones, and what is held back meanwhile.
     pub(crate) compensating: bool,
     pub(crate) held: RefCell<Vec<(Place, Held)>>,
-    pub(crate) dialect: Dialect,
+    /// What the dialect has of its own.
+    pub(crate) rules: &'static Rules,
     pub(crate) stand_alone: bool,
     pub(crate) user_codes: Vec<UserCode>,
     /// The machine's settings for cycles.
@@ -74,14 +76,14 @@ impl Executor {
         let mut new = Self {
             state: State::new(),
             store: Store::new(setup.parameters.clone()),
-            words: Words::new(setup.dialect),
+            words: Words::new(setup.dialect.rules()),
             tools: setup.tools.clone(),
             missing_tools: setup.missing_tools,
             tool_table: ToolTable::default(),
             contexts: vec![Context::default()],
             compensating: false,
             held: RefCell::default(),
-            dialect: setup.dialect,
+            rules: setup.dialect.rules(),
             stand_alone: setup.stand_alone,
             user_codes: setup.user_codes.clone(),
             cycles: setup.cycles,
@@ -90,7 +92,7 @@ impl Executor {
         };
         // where none was called yet LinuxCNC's stand-alone interpreter believes in the first pocket
         new.state.current_pocket = u32::from(setup.stand_alone);
-        new.state.retract_to_initial = setup.dialect == Dialect::Brother;
+        new.state.retract_to_initial = new.rules.starts_at_initial_level;
         new.load_offsets();
         let machine = crate::frame::machine_point(&setup.start);
         new.state.at = new.state.frame.to_program(&machine);

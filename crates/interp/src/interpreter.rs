@@ -1,8 +1,8 @@
 //! The program, block by block: reads, follows O-words, executes, collects what was found.
 use crate::{
     call::{Call, Sink},
+    dialect::fanuc::Fanuc,
     execute::{After, Executor},
-    fanuc::Fanuc,
     fault::{Outcome, error},
     flow::Frame,
     outline::Outline,

@@ -25,7 +25,6 @@
 
 mod arcs;
 mod boring;
-mod brother;
 mod call;
 mod cam;
 mod catalogue;
@@ -37,10 +36,10 @@ mod contents;
 mod context;
 mod cycles;
 mod decimal;
+mod dialect;
 mod eval;
 mod execute;
 mod explain;
-mod fanuc;
 mod fault;
 mod flow;
 mod frame;
@@ -74,9 +73,11 @@ mod splines;
 mod state;
 mod stroke;
 mod switch;
+mod synchro;
 mod taps;
 mod thread_cycle;
 mod threads;
+mod tool_change;
 mod tool_table;
 mod words;
 
@@ -87,6 +88,7 @@ pub use call::{
 pub use cam::CamCall;
 pub use catalogue::{CodeInfo, codes, describe, describe_in, dialect_codes};
 pub use contents::Contents;
+pub use dialect::{DepthFrom, Dialect};
 pub use explain::{Finding, example_setup, explain, findings};
 pub use frame::{Frame, Point};
 pub use hobbing::HobOrder;
@@ -100,8 +102,8 @@ pub use polygon::PolygonOrder;
 pub use refused::Doubts;
 pub use resolve::Resolver;
 pub use setup::{
-    Aside, Chips, Cycles, DepthFrom, Dialect, Increments, Limits, MAX_PARAMETER, MissingTools,
-    Parameters, Setup, Subprogram, UserCode,
+    Aside, Chips, Cycles, Increments, Limits, MAX_PARAMETER, MissingTools, Parameters, Setup,
+    Subprogram, UserCode,
 };
 pub use snapshot::{Snapshot, Standing};
 pub use splines::ControlPoint;

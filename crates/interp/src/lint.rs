@@ -84,8 +84,8 @@ impl Lint {
 #[allow(clippy::struct_excessive_bools)] // independent facts about the text so far
 #[derive(Default)]
 pub(crate) struct Reader {
-    /// G100 changes tools.
-    brother: bool,
+    /// The G word that changes tools, if there is one.
+    changes_tools: Option<f64>,
     found: Vec<Diagnostic>,
     /// Subprograms by label, and where they begin.
     subs: Vec<(String, Span)>,
@@ -111,8 +111,8 @@ pub(crate) struct Reader {
 impl Reader {
     pub(crate) fn new(setup: &Setup) -> Self {
         let known = setup.parameters.iter().map(|(number, _)| number as u32).collect();
-        let brother = setup.dialect == crate::Dialect::Brother;
-        Self { brother, set: known, ..Self::default() }
+        let changes_tools = setup.dialect.rules().writes_own(crate::codes::NON_STOP_CHANGE);
+        Self { changes_tools, set: known, ..Self::default() }
     }
 
     pub(crate) fn block(&mut self, block: &Block) {
@@ -275,7 +275,7 @@ impl Reader {
         } else if block.word(b'T').is_some() {
             (self.selected, self.spindle) = (None, None);
         }
-        if is(b'M', 6.0) || self.brother && is(b'G', 100.0) {
+        if is(b'M', 6.0) || self.changes_tools.is_some_and(|code| is(b'G', code)) {
             self.spindle = self.selected.take().map(|(number, _)| number);
         }
         if is(b'M', 61.0) {

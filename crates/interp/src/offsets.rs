@@ -43,7 +43,7 @@ impl Executor {
     }
 
     fn has_external_offset(&self) -> bool {
-        self.dialect.grammar() == gcode::Grammar::Fanuc
+        self.rules.external_offset
     }
 
     /// Fanuc's external work offset lies under all others.

@@ -135,7 +135,7 @@ fn in_order(found: impl IntoIterator<Item = Diagnostic>) -> Vec<Diagnostic> {
 pub fn called_files(source: &[u8], grammar: Grammar) -> Vec<String> {
     let (mut called, defined) = match grammar {
         Grammar::Rs274 => subprograms(source),
-        Grammar::Fanuc => crate::fanuc::programs(source),
+        Grammar::Fanuc => crate::dialect::fanuc::programs(source),
     };
     called.retain(|name| !defined.contains(name));
     called

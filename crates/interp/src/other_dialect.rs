@@ -14,7 +14,10 @@
 //!
 //! Source: the code lists of Fanuc's series 30i (machining centres, lathes), of LinuxCNC 2.9 and of Brother's CNC-B00; figures
 //! 8 and 9 of JPH0622778B2 for Toyoda.
-use crate::setup::{Dialect, Setup};
+use crate::{
+    dialect::{Dialect, rules::Family},
+    setup::Setup,
+};
 use diag::{Diagnostic, Span};
 
 /// Weight from which on a dialect is suspected.
@@ -45,40 +48,21 @@ const O_KEYWORDS: [&str; 15] = [
     "CONTINUE",
 ];
 
-/// Whose words they are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Of {
-    LinuxCnc,
-    Brother,
-    Toyoda,
-    /// All of Fanuc's.
-    Fanuc,
-    FanucMill,
-    FanucLathe,
-}
-
-impl Of {
-    /// Whether a dialect has such words.
-    const fn belongs_to(self, dialect: Dialect) -> bool {
-        match self {
-            Self::LinuxCnc => matches!(dialect, Dialect::LinuxCnc),
-            Self::Brother => matches!(dialect, Dialect::Brother),
-            Self::Toyoda => matches!(dialect, Dialect::Toyoda),
-            Self::Fanuc => matches!(dialect, Dialect::Fanuc) || dialect.is_fanuc_lathe(),
-            Self::FanucMill => matches!(dialect, Dialect::Fanuc),
-            Self::FanucLathe => dialect.is_fanuc_lathe(),
-        }
-    }
-}
-
 /// A word that gives a dialect away.
 struct Evidence {
-    of: Of,
+    of: Family,
     weight: u32,
     what: &'static str,
     /// As the program has it.
     written: String,
     span: Span,
+}
+
+impl Evidence {
+    /// Whether a dialect has such words.
+    fn belongs_to(&self, dialect: Dialect) -> bool {
+        dialect.rules().evidence.contains(&self.of)
+    }
 }
 
 /// The dialect that a program is written for, if that is plainly not the one it is read in.
@@ -88,19 +72,13 @@ pub fn looks_like(source: &[u8], read_in: Dialect) -> Option<Dialect> {
 
 fn heaviest(evidence: &[Evidence], own: Dialect) -> Option<Dialect> {
     let weight = |dialect: Dialect| -> u32 {
-        evidence.iter().filter(|e| e.of.belongs_to(dialect)).map(|e| e.weight).sum()
+        evidence.iter().filter(|e| e.belongs_to(dialect)).map(|e| e.weight).sum()
     };
+    let family = |dialect: Dialect| dialect.rules().evidence;
     // of two as likely, the one with the rarer words
-    let others = [
-        Dialect::Brother,
-        Dialect::Toyoda,
-        Dialect::Fanuc,
-        Dialect::FanucLatheA,
-        Dialect::LinuxCnc,
-    ];
-    let same = |other: Dialect| other == own || other.is_fanuc_lathe() && own.is_fanuc_lathe();
+    let others = Dialect::BY_RARITY.into_iter().filter(|other| family(*other) != family(own));
     let mut best = (DECISIVE.max(weight(own) + 1) - 1, None);
-    for other in others.into_iter().filter(|other| !same(*other)) {
+    for other in others {
         if weight(other) > best.0 {
             best = (weight(other), Some(other));
         }
@@ -115,7 +93,7 @@ pub fn other_dialect(source: &[u8], setup: &Setup) -> Option<Diagnostic> {
         evidence.retain(|e| e.what != CHIP_REMOVAL); // every dialect has the words there
     }
     let other = heaviest(&evidence, own)?;
-    let mut speaks: Vec<_> = evidence.iter().filter(|e| e.of.belongs_to(other)).collect();
+    let mut speaks: Vec<_> = evidence.iter().filter(|e| e.belongs_to(other)).collect();
     speaks.sort_by_key(|e| core::cmp::Reverse(e.weight));
     speaks.truncate(NAMED);
     speaks.sort_by_key(|e| e.span.start);
@@ -125,8 +103,8 @@ pub fn other_dialect(source: &[u8], setup: &Setup) -> Option<Diagnostic> {
     let span = Span { file: 0, line: 1, start: 0, end: end as u32 };
     let text = format!(
         "this looks like a program for {}, and is read as one for {}: {}",
-        people(other),
-        people(own),
+        other.rules().people,
+        own.rules().people,
         named.join(", ")
     );
     let help = format!(
@@ -139,18 +117,6 @@ pub fn other_dialect(source: &[u8], setup: &Setup) -> Option<Diagnostic> {
         finding = finding.with_label(e.span, e.what);
     }
     Some(finding)
-}
-
-const fn people(dialect: Dialect) -> &'static str {
-    match dialect {
-        Dialect::LinuxCnc => "LinuxCNC",
-        Dialect::Brother => "Brother's controls",
-        Dialect::Fanuc => "Fanuc's machining centres",
-        Dialect::FanucLatheA => "Fanuc's lathes (system A)",
-        Dialect::FanucLatheB => "Fanuc's lathes (system B)",
-        Dialect::FanucLatheC => "Fanuc's lathes (system C)",
-        Dialect::Toyoda => "Toyoda's grinders",
-    }
 }
 
 /// Each kind of evidence once.
@@ -289,14 +255,14 @@ impl Line {
             };
             match code {
                 (tenths, 'G') => self.g(tenths, &mut say),
-                (1980, 'M') => say(Of::Fanuc, 3, "a program in another file is called"),
-                (610, 'M') => say(Of::LinuxCnc, 3, "the tool's number is set"),
+                (1980, 'M') => say(Family::Fanuc, 3, "a program in another file is called"),
+                (610, 'M') => say(Family::LinuxCnc, 3, "the tool's number is set"),
                 (620..=680 | 700..=730, 'M') => {
-                    say(Of::LinuxCnc, 2, "outputs, or modes that are kept");
+                    say(Family::LinuxCnc, 2, "outputs, or modes that are kept");
                 }
-                (60, 'M') => say(Of::FanucMill, 1, "a tool is changed by M6"),
+                (60, 'M') => say(Family::FanucMill, 1, "a tool is changed by M6"),
                 (_, 'T') if number.len() == 4 && number.starts_with('0') && !self.has("M") => {
-                    say(Of::FanucLathe, 2, "tool and offset in one number");
+                    say(Family::FanucLathe, 2, "tool and offset in one number");
                 }
                 _ => {}
             }
@@ -319,98 +285,110 @@ impl Line {
             let behind = &rest[label..];
             if label > 0 && behind.is_empty() && !rest.starts_with(['<', '[']) {
                 let weight = if first { 2 } else { 1 };
-                say(Of::Fanuc, weight, "a numbered program begins", code);
+                say(Family::Fanuc, weight, "a numbered program begins", code);
             }
             let keyword = behind.split('[').next().unwrap_or_default();
             if label > 0 && O_KEYWORDS.contains(&keyword) {
-                say(Of::LinuxCnc, 5, "an O-word", &format!("O{} {keyword}", &rest[..label]));
+                say(Family::LinuxCnc, 5, "an O-word", &format!("O{} {keyword}", &rest[..label]));
             }
         }
         if code.starts_with(':') && digits(&code[1..]) > 0 {
-            say(Of::Fanuc, 4, "a numbered program begins, in the ISO way", code);
+            say(Family::Fanuc, 4, "a numbered program begins, in the ISO way", code);
         }
         let jumps = ["IF[", "WHILE[", "GOTO"].into_iter().find(|word| code.starts_with(word));
         if let Some(word) = jumps {
-            say(Of::Fanuc, 4, "a custom macro's jump or loop", word.trim_end_matches('['));
+            say(Family::Fanuc, 4, "a custom macro's jump or loop", word.trim_end_matches('['));
         }
         if ["DPRNT[", "BPRNT[", "POPEN", "PCLOS"].iter().any(|word| code.starts_with(word)) {
-            say(Of::Fanuc, 4, "a custom macro's output", code.split('[').next().unwrap_or(code));
+            say(
+                Family::Fanuc,
+                4,
+                "a custom macro's output",
+                code.split('[').next().unwrap_or(code),
+            );
         }
         if code.contains("#3000=") || code.contains("#3006=") {
-            say(Of::Fanuc, 3, "a custom macro's alarm or message", "#3000");
+            say(Family::Fanuc, 3, "a custom macro's alarm or message", "#3000");
         }
         for corner in [",R", ",C"] {
             let number = code.split(corner).nth(1).and_then(|rest| rest.chars().next());
             if number.is_some_and(|c| c.is_ascii_digit() || matches!(c, '.' | '#' | '[')) {
-                say(Of::Fanuc, 4, "a corner's chamfer or radius", corner);
+                say(Family::Fanuc, 4, "a corner's chamfer or radius", corner);
             }
         }
         if code.contains("#<") {
-            say(Of::LinuxCnc, 3, "a parameter with a name", "#<…>");
+            say(Family::LinuxCnc, 3, "a parameter with a name", "#<…>");
         }
         if code.contains("**") {
-            say(Of::LinuxCnc, 3, "a power", "**");
+            say(Family::LinuxCnc, 3, "a power", "**");
         }
         match self.divided {
-            Some((false, true)) => say(Of::LinuxCnc, 2, "a comment behind a semicolon", ";"),
-            Some((true, false)) => say(Of::Fanuc, 1, "a semicolon ends the block", ";"),
+            Some((false, true)) => say(Family::LinuxCnc, 2, "a comment behind a semicolon", ";"),
+            Some((true, false)) => say(Family::Fanuc, 1, "a semicolon ends the block", ";"),
             _ => {}
         }
         if ["MSG", "DEBUG", "PRINT", "LOG", "LOGOPEN", "PROBEOPEN"].contains(&self.keyword.as_str())
         {
-            say(Of::LinuxCnc, 2, "a comment that does something", &format!("({},", self.keyword));
+            say(
+                Family::LinuxCnc,
+                2,
+                "a comment that does something",
+                &format!("({},", self.keyword),
+            );
         }
     }
 
     /// What a G code gives away, in tenths.
-    fn g(&self, tenths: i32, say: &mut impl FnMut(Of, u32, &'static str)) {
+    fn g(&self, tenths: i32, say: &mut impl FnMut(Family, u32, &'static str)) {
         match tenths {
-            650 | 660 | 661 if self.has("P") => say(Of::Fanuc, 4, "a custom macro is called"),
-            510 if self.has_any("XYZIJK") => say(Of::FanucMill, 3, "scaling"),
-            510 if self.has("P") => say(Of::Toyoda, 3, "a cam's profile is called"),
+            650 | 660 | 661 if self.has("P") => say(Family::Fanuc, 4, "a custom macro is called"),
+            510 if self.has_any("XYZIJK") => say(Family::FanucMill, 3, "scaling"),
+            510 if self.has("P") => say(Family::Toyoda, 3, "a cam's profile is called"),
             530 if self.words.iter().filter(|(c, ..)| *c == 'G').count() == 2 && self.has("SP") => {
-                say(Of::Toyoda, 4, "samples are taken in a spark-out");
+                say(Family::Toyoda, 4, "samples are taken in a spark-out");
             }
-            40 if self.has("SP") => say(Of::Toyoda, 3, "a spark-out of so many turns"),
-            511 if !self.has("P") => say(Of::FanucMill, 3, "a mirror image"),
-            680 if self.has("R") => say(Of::FanucMill, 3, "the coordinates are turned"),
-            160 if !self.has_any("XYZ") => say(Of::FanucMill, 3, "polar coordinates"),
-            541 if self.has("P") => say(Of::FanucMill, 3, "a work offset beyond the sixth"),
+            40 if self.has("SP") => say(Family::Toyoda, 3, "a spark-out of so many turns"),
+            511 if !self.has("P") => say(Family::FanucMill, 3, "a mirror image"),
+            680 if self.has("R") => say(Family::FanucMill, 3, "the coordinates are turned"),
+            160 if !self.has_any("XYZ") => say(Family::FanucMill, 3, "polar coordinates"),
+            541 if self.has("P") => say(Family::FanucMill, 3, "a work offset beyond the sixth"),
             51 if self.has("Q") && !self.has_any("XYIJ") => {
-                say(Of::Fanuc, 3, "look-ahead or smoothing");
+                say(Family::Fanuc, 3, "look-ahead or smoothing");
             }
-            440 if self.has("H") => say(Of::FanucMill, 3, "a tool length that is taken away"),
-            430 if self.has("H") => say(Of::FanucMill, 1, "a tool length"),
-            71 | 121 | 1070 | 1120 => say(Of::Fanuc, 2, "a path on a cylinder or a face"),
-            500 if self.has("S") => say(Of::FanucLathe, 4, "the highest speed of the spindle"),
-            320 if self.has_any("ZW") && self.has_any("FE") => say(Of::FanucLathe, 4, "a thread"),
+            440 if self.has("H") => say(Family::FanucMill, 3, "a tool length that is taken away"),
+            430 if self.has("H") => say(Family::FanucMill, 1, "a tool length"),
+            71 | 121 | 1070 | 1120 => say(Family::Fanuc, 2, "a path on a cylinder or a face"),
+            500 if self.has("S") => say(Family::FanucLathe, 4, "the highest speed of the spindle"),
+            320 if self.has_any("ZW") && self.has_any("FE") => {
+                say(Family::FanucLathe, 4, "a thread")
+            }
             700..=720
                 if tenths % 10 == 0 && (self.has("PQ") || self.has_any("UW") && self.has("R")) =>
             {
-                say(Of::FanucLathe, 4, "a multiple repetitive cycle");
+                say(Family::FanucLathe, 4, "a multiple repetitive cycle");
             }
             760 if !self.has_any("XYZ")
                 && self.has("PR")
                 && self.number('P').is_some_and(|(p, _)| p.len() > 4 && !p.contains('.')) =>
             {
-                say(Of::FanucLathe, 4, "a thread in passes");
+                say(Family::FanucLathe, 4, "a thread in passes");
             }
             280 if self.has_any("UW") => {
-                say(Of::FanucLathe, 3, "the reference point by increments");
+                say(Family::FanucLathe, 3, "the reference point by increments");
             }
-            1000 if self.has("T") => say(Of::Brother, 6, "the non-stop tool change"),
+            1000 if self.has("T") => say(Family::Brother, 6, "the non-stop tool change"),
             770 | 780 if self.has_any("IJ") && self.has_any("ZR") && self.has_any("SR") => {
-                say(Of::Brother, 6, "synchronised tapping by its pitch");
+                say(Family::Brother, 6, "synchronised tapping by its pitch");
             }
             740 | 810 | 820 | 840 if self.has("E") => {
                 let weight = if self.has("U") { 5 } else { 4 };
-                say(Of::Brother, weight, CHIP_REMOVAL);
+                say(Family::Brother, weight, CHIP_REMOVAL);
             }
-            331 | 382..=385 => say(Of::LinuxCnc, 4, "rigid tapping or probing"),
-            52 | 53 => say(Of::LinuxCnc, 3, "a NURBS"),
-            640 if self.has("P") => say(Of::LinuxCnc, 3, "a tolerance of the path"),
+            331 | 382..=385 => say(Family::LinuxCnc, 4, "rigid tapping or probing"),
+            52 | 53 => say(Family::LinuxCnc, 3, "a NURBS"),
+            640 if self.has("P") => say(Family::LinuxCnc, 3, "a tolerance of the path"),
             611 | 591..=593 | 901 | 911 | 922 | 923 | 432 => {
-                say(Of::LinuxCnc, 2, "a code with a point");
+                say(Family::LinuxCnc, 2, "a code with a point");
             }
             _ => {}
         }

@@ -252,9 +252,7 @@ impl Executor {
         }
         let unread = match (read, failed) {
             (false, _) => letters_of(text),
-            (true, Stage::Words) if self.dialect.grammar() == gcode::Grammar::Fanuc => {
-                letters_of(text)
-            }
+            (true, Stage::Words) if self.rules.reads_up_to_fault => letters_of(text),
             (true, _) => self.words.unread,
         };
         let of_computed =

@@ -1,66 +1,7 @@
 //! What the interpreter is told before it begins: plain data, no files.
+use crate::dialect::{DepthFrom, Dialect};
 use canon::{Position, ToolLibrary};
-use gcode::Grammar;
 use std::collections::BTreeSet;
-
-/// Whose words a program uses.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Dialect {
-    /// RS-274/NGC as LinuxCNC 2.9 reads it, and M29 (rigid tapping follows) as Fanuc has it.
-    #[default]
-    LinuxCnc,
-    /// The same core with the cycles of Brother's tapping centres: K counts repetitions, P waits at the
-    /// bottom in G81 too, U and E throw chips off on the way; G98 at the start of a program.
-    Brother,
-    /// Fanuc's machining centres: custom macro B, least input increments, milliseconds.
-    Fanuc,
-    /// Fanuc's lathes, G code system A.
-    FanucLatheA,
-    /// Fanuc's lathes, G code system B.
-    FanucLatheB,
-    /// Fanuc's lathes, G code system C.
-    FanucLatheC,
-    /// The same core with the cam grinding words of Toyoda's grinders: G50 to G53 and G55, and in cam mode G01 and G04.
-    Toyoda,
-}
-
-impl Dialect {
-    /// How its text is read.
-    pub const fn grammar(self) -> Grammar {
-        match self {
-            Self::Fanuc | Self::FanucLatheA | Self::FanucLatheB | Self::FanucLatheC => {
-                Grammar::Fanuc
-            }
-            Self::LinuxCnc | Self::Brother | Self::Toyoda => Grammar::Rs274,
-        }
-    }
-
-    /// Whether it is one of Fanuc's lathes, which change tools by T0101.
-    pub const fn is_fanuc_lathe(self) -> bool {
-        matches!(self, Self::FanucLatheA | Self::FanucLatheB | Self::FanucLatheC)
-    }
-
-    /// Where its cycles measure Z from under G91, unless the machine says otherwise.
-    pub const fn depth_from(self) -> DepthFrom {
-        match self {
-            Self::Brother => DepthFrom::InitialLevel,
-            Self::LinuxCnc | Self::Toyoda => DepthFrom::RPlane,
-            Self::Fanuc | Self::FanucLatheA | Self::FanucLatheB | Self::FanucLatheC => {
-                DepthFrom::RPlane
-            }
-        }
-    }
-}
-
-/// Where a cycle's Z counts from under G91.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum DepthFrom {
-    /// The R plane.
-    #[default]
-    RPlane,
-    /// The level where the axis stood before the cycle, like R.
-    InitialLevel,
-}
 
 /// What a machine has set for its drilling and tapping cycles.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

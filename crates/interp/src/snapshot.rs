@@ -9,8 +9,8 @@
 //! the text changes. It holds for every text that agrees with the old one in what had been executed; and, if O-words had
 //! been executed ([`Snapshot::has_o_words`]), whose O-words are the same and in the same order.
 use crate::{
-    execute::Executor, fanuc::Fanuc, flow::Frame, interpreter::Interpreter, names, outline::At,
-    setup::Setup,
+    dialect::fanuc::Fanuc, execute::Executor, flow::Frame, interpreter::Interpreter, names,
+    outline::At, setup::Setup,
 };
 use canon::Position;
 use diag::{Diagnostic, Span};

@@ -4,7 +4,6 @@ use crate::{
     execute::Executor,
     fault::{Outcome, error, refuse},
     frame::Point,
-    setup::Dialect,
 };
 use diag::Diagnostic;
 
@@ -20,9 +19,8 @@ impl Executor {
             );
         }
         let to = self.destination(false)?;
-        // LinuxCNC's lead is that of the path, Fanuc's that of the axis
-        let own = self.dialect == Dialect::Fanuc || self.dialect.is_fanuc_lathe();
-        let lead = if own { along_path(lead, &self.state.at, &to) } else { lead };
+        let lead =
+            if self.rules.lead_along_axis { along_path(lead, &self.state.at, &to) } else { lead };
         self.say(sink, &Call::SyncStart(lead));
         self.state.at = to;
         self.say(sink, &Call::Line(to));

@@ -1,13 +1,11 @@
 //! The words of one block as numbers: each letter once, each modal group once.
 use crate::{
-    brother::own_code,
     call::Place,
-    cam::shared_code,
     codes::{self, AXES, CENTRE, Code, FREE, G_GROUPS, GGroup, Letters, M_GROUPS, MGroup, POLAR},
+    dialect::rules::Rules,
     eval::Values,
     fault::{Outcome, error},
     refused::Stage,
-    setup::Dialect,
 };
 use diag::Span;
 
@@ -32,7 +30,7 @@ pub(crate) struct Words {
     any_mode: bool,
     /// What the block's codes take.
     letters: Letters,
-    dialect: Dialect,
+    rules: &'static Rules,
     /// Letters of words that could not be understood.
     pub(crate) unread: Letters,
     /// How far the block was executed.
@@ -40,7 +38,7 @@ pub(crate) struct Words {
 }
 
 impl Words {
-    pub(crate) fn new(dialect: Dialect) -> Self {
+    pub(crate) fn new(rules: &'static Rules) -> Self {
         Self {
             place: Place::default(),
             present: 0,
@@ -52,7 +50,7 @@ impl Words {
             any_code: false,
             any_mode: false,
             letters: 0,
-            dialect,
+            rules,
             unread: 0,
             stage: Stage::Words,
         }
@@ -92,9 +90,9 @@ impl Words {
             gcode::Value::Expression(_) => values.evaluate(block, word.value, word.span)?,
         };
         match word.letter {
-            b'G' => match own_code(self.dialect, value).and_then(codes::g_code) {
+            b'G' => match self.rules.own_code(value) {
                 Some(own) => self.take_code(own, word.span),
-                None => self.take_g(shared_code(self.dialect, value), word.span),
+                None => self.take_g(value, word.span),
             },
             b'M' => self.take_m(value, word.span),
             letter => self.put(letter, value, word.span),

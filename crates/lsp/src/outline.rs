@@ -19,7 +19,7 @@ pub(crate) fn symbols(document: &Document, setup: &Setup) -> Vec<DocumentSymbol>
     let grammar = setup.dialect.grammar();
     let (mut parser, mut block) = (Parser::with_grammar(&document.text, 0, grammar), Block::new());
     let tools = &setup.tools;
-    let turret = setup.dialect.is_fanuc_lathe();
+    let turret = setup.dialect.has_turret();
     let mut found = Vec::new();
     let (mut sub, mut tool): (Option<Entry>, Option<Entry>) = (None, None);
     let mut selected = 0;

@@ -7,7 +7,6 @@ use crate::{
     codes::{GGroup, MGroup},
     execute::Executor,
     fault::{Outcome, error},
-    setup::Dialect,
 };
 use canon::Plane;
 
@@ -15,7 +14,7 @@ impl Executor {
     pub(crate) fn check_compensated(&self) -> Outcome {
         let code = self.words.g(GGroup::Compensation);
         // other controls than LinuxCNC restate and end modes in one block with whatever they like
-        let strict = self.dialect == Dialect::LinuxCnc;
+        let strict = !self.rules.restates_modes;
         let before = self.compensating && (strict || code != Some(400));
         let after = match code {
             Some(400) => false,

@@ -8,6 +8,7 @@
 //! ```
 use crate::{
     call::Sink,
+    dialect::rules::StartUp,
     execute::Executor,
     fault::{Outcome, error, refuse},
     frame::Point,
@@ -15,7 +16,7 @@ use crate::{
 };
 
 impl Executor {
-    /// Straight to beside the end; in Fanuc's dialects to beside the beginning of what follows.
+    /// Straight to beside the end, or to beside the beginning of what follows, as the dialect has it.
     pub(super) fn begin_straight<S: Sink>(
         &mut self,
         way: &Way,
@@ -23,17 +24,17 @@ impl Executor {
         to: &Point,
         sink: &mut S,
     ) -> Outcome {
-        let fanuc = self.dialect.grammar() == gcode::Grammar::Fanuc;
+        let beside_next = self.rules.start_up == StartUp::BesideNext;
         let Some(compensation) = &mut self.state.compensation else { return Ok(()) };
         let (distance, radius) = (length(minus(way.to, way.from)), compensation.radius);
-        if fanuc && distance == 0.0 {
+        if beside_next && distance == 0.0 {
             // along the tool alone: the next move of the plane starts up
             let end = minus(way.to, compensation.shift);
             self.push_line(rapid, to, end);
             self.let_go(sink);
             return Ok(());
         }
-        if fanuc {
+        if beside_next {
             let direction = way.direction(way.to);
             let end = compensation.beside(way.to, direction);
             compensation.at = Some(end);

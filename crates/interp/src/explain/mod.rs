@@ -13,7 +13,10 @@ mod tools;
 mod turning;
 mod words;
 
-use crate::setup::{Dialect, Limits, Setup};
+use crate::{
+    dialect::Dialect,
+    setup::{Limits, Setup},
+};
 use canon::{Flute, Holder, TapTool, Tool, ToolKind, ToolLibrary};
 use units::{Lead, Length, Stiffness};
 

@@ -1,6 +1,6 @@
 //! I058: lathe cycles that cut a profile.
 use super::{Finding, row};
-use crate::setup::Dialect::Brother;
+use crate::dialect::Dialect::Brother;
 
 pub(super) const ROWS: &[Finding] = &[
     row(

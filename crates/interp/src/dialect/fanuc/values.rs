@@ -17,7 +17,7 @@ use crate::{
     call::Sink,
     eval,
     execute::Executor,
-    fault::{Outcome, error, refuse},
+    fault::{Outcome, refuse},
     interpreter::Interpreter,
     words::near_whole,
 };
@@ -215,28 +215,4 @@ fn binary(operator: Operator, left: Option<f64>, right: Option<f64>, span: Span)
         Operator::Modulo if b != 0.0 => Ok(a % b),
         _ => eval::binary(operator, a, b, span),
     }
-}
-
-/// BIN and BCD: decimal digits, four bits each.
-pub(crate) fn binary_coded(function: Function, x: f64, span: Span) -> Outcome<f64> {
-    let whole = near_whole(x).and_then(|n| u32::try_from(n).ok()).filter(|n| *n <= 0x9999_9999);
-    let (from, to) = if function == Function::Bcd { (10, 16) } else { (16, 10) };
-    let (mut rest, mut value, mut place) = (whole.unwrap_or(u32::MAX), 0_u64, 1_u64);
-    let mut good = whole.is_some() && !(function == Function::Bcd && rest > 99_999_999);
-    while rest > 0 && good {
-        let digit = rest % from;
-        good = digit <= 9;
-        value += u64::from(digit) * place;
-        place *= to;
-        rest /= from;
-    }
-    if good {
-        return Ok(value as f64);
-    }
-    let fault = error(
-        "I1015",
-        span,
-        format!("{} takes up to eight decimal digits, found {x}", function.text()),
-    );
-    Err(fault.into())
 }

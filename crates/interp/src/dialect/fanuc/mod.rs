@@ -19,12 +19,13 @@
 #![allow(clippy::single_match_else)] // both outcomes are worth a line
 mod arguments;
 mod calls;
+mod catalogue;
 mod codes;
 mod corner;
 mod figure;
 mod grooving;
 mod growing;
-mod kind;
+pub(crate) mod kind;
 mod lathe;
 mod longer;
 mod loops;
@@ -33,6 +34,7 @@ mod moves;
 mod offsets;
 mod output;
 mod reference;
+pub(crate) mod rules;
 mod sense;
 mod steering;
 mod stroke;
@@ -47,22 +49,21 @@ mod words;
 
 use crate::{
     call::{Call, Corners, Sink},
+    dialect::rules::FrontEndKind,
     execute::{After, Executor},
     fault::{Outcome, error, refuse},
     interpreter::Interpreter,
-    setup::{Dialect, Increments, Setup},
+    setup::{Increments, Setup},
     state::Motion,
 };
 use calls::Level;
 pub(crate) use calls::programs;
-pub(crate) use codes::{has_m, stays, told};
 use diag::Span;
 use gcode::Control;
-pub(crate) use kind::Kind;
+use kind::Kind;
 use lathe::drills;
 pub(crate) use tape::Tape;
 use values::Variables;
-pub(crate) use values::binary_coded;
 use words::Said;
 
 /// The front end's own state.
@@ -178,13 +179,7 @@ enum Then {
 impl Fanuc {
     /// The front end that a set-up asks for.
     pub(crate) fn of(setup: &Setup) -> Option<Box<Self>> {
-        let kind = match setup.dialect {
-            Dialect::Fanuc => Kind::Mill,
-            Dialect::FanucLatheA => Kind::LatheA,
-            Dialect::FanucLatheB => Kind::LatheB,
-            Dialect::FanucLatheC => Kind::LatheC,
-            Dialect::LinuxCnc | Dialect::Brother | Dialect::Toyoda => return None,
-        };
+        let FrontEndKind::Fanuc(kind) = setup.dialect.rules().front_end else { return None };
         Some(Box::new(Self {
             kind,
             calculator: setup.whole_units_without_point,

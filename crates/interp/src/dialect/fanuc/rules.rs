@@ -1,0 +1,54 @@
+//! Fanuc's controls in the shared language: what they differ in once the front end has read their words.
+use super::kind::Kind;
+use crate::dialect::{
+    linuxcnc,
+    rules::{Family, FrontEndKind, Rules, StartUp},
+};
+use gcode::Grammar;
+
+/// Machining centres.
+pub(crate) const MILL: Rules = Rules {
+    name: "fanuc",
+    people: "Fanuc's machining centres",
+    grammar: Grammar::Fanuc,
+    front_end: FrontEndKind::Fanuc(Kind::Mill),
+    codes: Some(&Kind::Mill),
+    evidence: &[Family::Fanuc, Family::FanucMill],
+    no_repetition: true,
+    taps_keep_dwell: false,
+    restates_modes: true,
+    start_up: StartUp::BesideNext,
+    external_offset: true,
+    lead_along_axis: true,
+    reads_up_to_fault: true,
+    ..linuxcnc::RULES
+};
+
+/// Lathes, G code system A.
+pub(crate) const LATHE_A: Rules = Rules {
+    name: "fanuc-lathe-a",
+    people: "Fanuc's lathes (system A)",
+    front_end: FrontEndKind::Fanuc(Kind::LatheA),
+    codes: Some(&Kind::LatheA),
+    evidence: &[Family::Fanuc, Family::FanucLathe],
+    turret: true,
+    ..MILL
+};
+
+/// Lathes, G code system B.
+pub(crate) const LATHE_B: Rules = Rules {
+    name: "fanuc-lathe-b",
+    people: "Fanuc's lathes (system B)",
+    front_end: FrontEndKind::Fanuc(Kind::LatheB),
+    codes: Some(&Kind::LatheB),
+    ..LATHE_A
+};
+
+/// Lathes, G code system C.
+pub(crate) const LATHE_C: Rules = Rules {
+    name: "fanuc-lathe-c",
+    people: "Fanuc's lathes (system C)",
+    front_end: FrontEndKind::Fanuc(Kind::LatheC),
+    codes: Some(&Kind::LatheC),
+    ..LATHE_A
+};

@@ -1,0 +1,31 @@
+//! RS-274/NGC as LinuxCNC 2.9 reads it: the shared language, of which the other dialects say where they differ.
+//!
+//! Source: NISTIR 6556; LinuxCNC 2.9 manual, "G codes", "M codes", "O codes".
+use super::rules::{DepthFrom, Family, FrontEndKind, Rules, StartUp};
+use gcode::Grammar;
+
+/// What the shared language does.
+pub(crate) const RULES: Rules = Rules {
+    name: "linuxcnc",
+    people: "LinuxCNC",
+    grammar: Grammar::Rs274,
+    front_end: FrontEndKind::Rs274,
+    codes: None,
+    own_codes: &[],
+    evidence: &[Family::LinuxCnc],
+    turret: false,
+    depth_from: DepthFrom::RPlane,
+    starts_at_initial_level: false,
+    repeats: b'L',
+    no_repetition: false,
+    chip_removal: false,
+    drilling_waits: false,
+    taps_keep_dwell: true,
+    taps_turn_spindle: false,
+    restates_modes: false,
+    start_up: StartUp::BesideEnd,
+    external_offset: false,
+    lead_along_axis: false,
+    grinds_by_feed: false,
+    reads_up_to_fault: false,
+};

@@ -1,0 +1,113 @@
+//! The controls whose programs can be read, and the one table that says what is whose.
+//!
+//! ```text
+//!   Dialect ──rules()──► Rules     data: letters, codes, conventions of the shared language
+//!                          └─ front_end      the reader of blocks: O-words, or tapes and macros
+//! ```
+//!
+//! A dialect is a folder here with its [`Rules`], and a line in [`Dialect::rules`] and [`Dialect::ALL`]. Nothing else in this
+//! crate asks which dialect is read: it asks for the rule.
+pub(crate) mod brother;
+pub(crate) mod fanuc;
+pub(crate) mod linuxcnc;
+pub(crate) mod rules;
+pub(crate) mod toyoda;
+
+use gcode::Grammar;
+pub use rules::DepthFrom;
+use rules::Rules;
+
+/// Whose words a program uses.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Dialect {
+    /// RS-274/NGC as LinuxCNC 2.9 reads it, and M29 (rigid tapping follows) as Fanuc has it.
+    #[default]
+    LinuxCnc,
+    /// The same core with the cycles of Brother's tapping centres: K counts repetitions, P waits at the
+    /// bottom in G81 too, U and E throw chips off on the way; G98 at the start of a program.
+    Brother,
+    /// Fanuc's machining centres: custom macro B, least input increments, milliseconds.
+    Fanuc,
+    /// Fanuc's lathes, G code system A.
+    FanucLatheA,
+    /// Fanuc's lathes, G code system B.
+    FanucLatheB,
+    /// Fanuc's lathes, G code system C.
+    FanucLatheC,
+    /// The same core with the cam grinding words of Toyoda's grinders: G50 to G53 and G55, and in cam mode G01 and G04.
+    Toyoda,
+}
+
+impl Dialect {
+    /// All of them, the shared language first.
+    pub const ALL: [Self; 7] = [
+        Self::LinuxCnc,
+        Self::Brother,
+        Self::Toyoda,
+        Self::Fanuc,
+        Self::FanucLatheA,
+        Self::FanucLatheB,
+        Self::FanucLatheC,
+    ];
+
+    /// Those that a program's words can tell apart, the rarer words first.
+    pub(crate) const BY_RARITY: [Self; 5] =
+        [Self::Brother, Self::Toyoda, Self::Fanuc, Self::FanucLatheA, Self::LinuxCnc];
+
+    /// What it has of its own.
+    pub(crate) const fn rules(self) -> &'static Rules {
+        match self {
+            Self::LinuxCnc => &linuxcnc::RULES,
+            Self::Brother => &brother::RULES,
+            Self::Fanuc => &fanuc::rules::MILL,
+            Self::FanucLatheA => &fanuc::rules::LATHE_A,
+            Self::FanucLatheB => &fanuc::rules::LATHE_B,
+            Self::FanucLatheC => &fanuc::rules::LATHE_C,
+            Self::Toyoda => &toyoda::RULES,
+        }
+    }
+
+    /// Its name on the command line and in machine files.
+    pub const fn name(self) -> &'static str {
+        self.rules().name
+    }
+
+    /// How its text is read.
+    pub const fn grammar(self) -> Grammar {
+        self.rules().grammar
+    }
+
+    /// Whether tools are called by a turret's number, T0101: place 1 with offset 1.
+    pub const fn has_turret(self) -> bool {
+        self.rules().turret
+    }
+
+    /// Where its cycles measure Z from under G91, unless the machine says otherwise.
+    pub const fn depth_from(self) -> DepthFrom {
+        self.rules().depth_from
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_dialect_is_listed_once_and_has_a_name_of_its_own() {
+        for (i, dialect) in Dialect::ALL.into_iter().enumerate() {
+            let others = &Dialect::ALL[i + 1..];
+            assert!(others.iter().all(|other| other.name() != dialect.name()), "{dialect:?}");
+        }
+        assert!(Dialect::BY_RARITY.iter().all(|dialect| Dialect::ALL.contains(dialect)));
+    }
+
+    #[test]
+    fn words_of_a_dialects_own_have_a_code_in_the_shared_table() {
+        for rules in Dialect::ALL.map(Dialect::rules) {
+            for own in rules.own_codes {
+                assert!(rules.own_code(f64::from(own.written)).is_some(), "{}", rules.name);
+                assert_eq!(rules.writes(own.code), own.written, "{}", rules.name);
+            }
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! What differs from control to control in the shared language, as data.
+//!
+//! Each control's folder has one [`Rules`] for each of its dialects. What a control does not say of its own is taken from
+//! [`SHARED`](super::linuxcnc::RULES), RS-274/NGC as LinuxCNC reads it.
+use super::fanuc::kind::Kind;
+use crate::codes::{Code, GGroup, Letters, g_code};
+use gcode::Grammar;
+
+/// A dialect's differences.
+pub(crate) struct Rules {
+    /// Its name on the command line and in machine files.
+    pub(crate) name: &'static str,
+    /// Whose programs these are, as a sentence says it.
+    pub(crate) people: &'static str,
+    /// How its text is read.
+    pub(crate) grammar: Grammar,
+    /// What decides which block comes next, and what its words mean in the shared language.
+    pub(crate) front_end: FrontEndKind,
+    /// What its codes are, where the front end knows other ones than the shared table.
+    pub(crate) codes: Option<&'static (dyn FrontEndCodes + Sync)>,
+    /// Its own G words of codes in the shared table.
+    pub(crate) own_codes: &'static [OwnCode],
+    /// Words that give it away.
+    pub(crate) evidence: &'static [Family],
+    /// Tool and offset are called in one number, T0101.
+    pub(crate) turret: bool,
+    /// Where its cycles measure Z from under G91, unless the machine says otherwise.
+    pub(crate) depth_from: DepthFrom,
+    /// G98 is in force where a program begins.
+    pub(crate) starts_at_initial_level: bool,
+    /// Letter that counts a cycle's repetitions.
+    pub(crate) repeats: u8,
+    /// No repetition at all is allowed: it makes no hole.
+    pub(crate) no_repetition: bool,
+    /// U and E throw chips off in cycles, whatever the machine has set.
+    pub(crate) chip_removal: bool,
+    /// P waits at the bottom in G81 too.
+    pub(crate) drilling_waits: bool,
+    /// A tap without P waits as long as the last cycle with P.
+    pub(crate) taps_keep_dwell: bool,
+    /// Tapping cycles turn the spindle by themselves where S is known.
+    pub(crate) taps_turn_spindle: bool,
+    /// Modes may be restated and ended in one block with G40, and the work offset in force may be called again.
+    pub(crate) restates_modes: bool,
+    /// How the tool comes beside the way.
+    pub(crate) start_up: StartUp,
+    /// An external work offset lies under all others.
+    pub(crate) external_offset: bool,
+    /// The lead of a straight thread is that of the axis that goes farthest, not that of the path.
+    pub(crate) lead_along_axis: bool,
+    /// In cam mode G1 X grinds, and G4 sparks out.
+    pub(crate) grinds_by_feed: bool,
+    /// Reading a block stops at the first word that is not understood.
+    pub(crate) reads_up_to_fault: bool,
+}
+
+/// What decides which block comes next, and what its words mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FrontEndKind {
+    /// O-words, and words that are those of the shared language.
+    Rs274,
+    /// Tapes, custom macros.
+    Fanuc(Kind),
+}
+
+/// How the first move of a cutter radius compensation is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum StartUp {
+    /// To beside its own end; it must be longer than the tool's radius.
+    BesideEnd,
+    /// To beside the beginning of the move that follows (Fanuc's type A).
+    BesideNext,
+}
+
+/// Where a cycle's Z counts from under G91.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DepthFrom {
+    /// The R plane.
+    #[default]
+    RPlane,
+    /// The level where the axis stood before the cycle, like R.
+    InitialLevel,
+}
+
+/// A dialect's G word whose code is in the shared table.
+pub(crate) struct OwnCode {
+    /// The whole number after G.
+    pub(crate) written: u16,
+    /// The code, in tenths.
+    pub(crate) code: u16,
+    /// Letters it takes besides those of the table.
+    pub(crate) beside: Letters,
+}
+
+/// Words of one origin, by which a program is recognised.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Family {
+    LinuxCnc,
+    Brother,
+    Toyoda,
+    /// All of Fanuc's.
+    Fanuc,
+    FanucMill,
+    FanucLathe,
+}
+
+/// What a front end's codes mean, for people.
+pub(crate) trait FrontEndCodes {
+    /// The meaning of a G or M word, in tenths; none if there is no such code.
+    fn meaning(&self, letter: u8, tenths: u16) -> Option<Meaning>;
+}
+
+/// What a word means to a front end.
+pub(crate) enum Meaning {
+    /// This code of the shared table, in tenths.
+    Shared(u16),
+    /// Something of its own.
+    Own {
+        /// What it does, in a few words.
+        name: &'static str,
+        /// The codes that it excludes.
+        group: &'static str,
+        /// Whether it stays in force.
+        modal: bool,
+        /// Letters that it takes.
+        letters: &'static str,
+        /// Whether it is executed.
+        executed: bool,
+    },
+}
+
+impl Rules {
+    /// The code of the shared table that a G word of the dialect's own means.
+    #[inline]
+    pub(crate) fn own_code(&self, value: f64) -> Option<&'static Code<GGroup>> {
+        if self.own_codes.is_empty() {
+            return None;
+        }
+        self.own(value).and_then(|own| g_code(own.code))
+    }
+
+    /// The same with the letters that it takes.
+    pub(crate) fn own(&self, value: f64) -> Option<&'static OwnCode> {
+        self.own_codes.iter().find(|own| f64::from(own.written) == value)
+    }
+
+    /// The whole number by which it writes a code of the shared table, in tenths.
+    pub(crate) fn writes(&self, code: u16) -> u16 {
+        let own = self.own_codes.iter().find(|own| own.code == code);
+        own.map_or(code / 10, |own| own.written)
+    }
+
+    /// The same as a number, if the word is the dialect's own.
+    pub(crate) fn writes_own(&self, code: u16) -> Option<f64> {
+        let own = self.own_codes.iter().find(|own| own.code == code)?;
+        Some(f64::from(own.written))
+    }
+
+    /// Whether a code, in tenths, means what it means in the shared language.
+    pub(crate) fn shares(&self, letter: u8, tenths: u16) -> bool {
+        if letter == b'G' && self.own(f64::from(tenths) / 10.0).is_some() {
+            return false;
+        }
+        self.codes.is_none_or(|codes| {
+            matches!(codes.meaning(letter, tenths), Some(Meaning::Shared(shared)) if shared == tenths)
+        })
+    }
+}
