@@ -15,10 +15,13 @@
 //! Source: LinuxCNC 2.9 manual, "G2, G3 Arc Move"; tolerances measured on its stand-alone interpreter.
 use crate::{
     call::{Call, Sink, Units},
-    execute::Executor,
+    compensation,
     fault::{Outcome, error, refuse},
     frame::Point,
-    state::Motion,
+    modes::{Modes, Motion},
+    motion, offsets,
+    out::Out,
+    words::Words,
 };
 use diag::Diagnostic;
 
@@ -45,176 +48,194 @@ impl Tolerance {
     }
 }
 
-impl Executor {
-    pub(crate) fn arc<S: Sink>(&mut self, motion: Motion, sink: &mut S) -> Outcome {
-        let clockwise = motion == Motion::ArcClockwise;
-        let code = if clockwise { "G2" } else { "G3" };
-        let turns = match self.words.whole(b'P', 1_000_000)? {
-            Some(0) => return refuse("I0409", self.words.span(b'P'), "P counts turns: 1 or more"),
-            other => other.unwrap_or(1).cast_signed(),
-        };
-        let to = self.destination(false)?;
-        let [a, b, n] = self.state.plane_axes();
-        let (start, end) = ([self.state.at[a], self.state.at[b]], [to[a], to[b]]);
-        let centre = self.centre(start, end, clockwise)?;
-        let turns = if clockwise { -turns } else { turns };
-        let length = || {
-            let radius = (start[0] - centre[0]).hypot(start[1] - centre[1]);
-            (radius * sweep_rad(start, end, centre, turns)).hypot(to[n] - self.state.at[n])
-        };
-        self.say_feed(code, length, sink)?;
-        if self.compensating {
-            self.arc_beside(&to, centre, turns, sink)?;
-            self.state.at = to;
-            return Ok(());
-        }
-        self.state.at = to;
-        self.say(sink, &Call::Arc { plane: self.state.plane, to, centre, turns });
-        Ok(())
-    }
-
-    /// By R, or by I, J, K.
-    pub(crate) fn centre(
-        &self,
-        start: [f64; 2],
-        end: [f64; 2],
-        clockwise: bool,
-    ) -> Outcome<[f64; 2]> {
-        match self.words.get(b'R') {
-            Some(radius) => self.centre_by_radius(radius, start, end, clockwise),
-            None => self.centre_by_offsets(start, end),
-        }
-    }
-
-    /// Letters of the centre's offsets along the plane's axes, and the one that has no place in it.
-    fn centre_letters(&self) -> [u8; 3] {
-        self.state.plane_axes().map(|axis| b"IJK"[axis])
-    }
-
-    fn centre_by_offsets(&self, start: [f64; 2], end: [f64; 2]) -> Outcome<[f64; 2]> {
-        let [first, second, none] = self.centre_letters();
-        let span = self.words.place.span;
-        if self.words.get(none).is_some() {
-            let text = format!(
-                "{} has no effect: arcs of this plane have their centre at {} and {}",
-                none as char, first as char, second as char
-            );
-            return refuse("I0410", self.words.span(none), text);
-        }
-        let offsets = [first, second].map(|letter| self.words.get(letter));
-        let centre = match (offsets, self.state.absolute_centres) {
-            ([None, None], _) => {
-                let text = format!(
-                    "an arc needs its centre ({} and {}) or its radius (R)",
-                    first as char, second as char
-                );
-                return refuse("I0411", span, text);
-            }
-            ([Some(x), Some(y)], true) => [x, y],
-            (_, true) => {
-                let missing = if offsets[0].is_none() { first } else { second } as char;
-                return refuse(
-                    "I0412",
-                    span,
-                    format!(
-                        "{missing} is missing: with G90.1 both coordinates of the centre are needed"
-                    ),
-                );
-            }
-            ([x, y], false) => [start[0] + x.unwrap_or(0.0), start[1] + y.unwrap_or(0.0)],
-        };
+pub(crate) fn arc<S: Sink>(
+    words: &Words,
+    modes: &mut Modes,
+    motion: Motion,
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    let clockwise = motion == Motion::ArcClockwise;
+    let code = if clockwise { "G2" } else { "G3" };
+    let turns = match words.whole(b'P', 1_000_000)? {
+        Some(0) => return refuse("I0409", words.span(b'P'), "P counts turns: 1 or more"),
+        other => other.unwrap_or(1).cast_signed(),
+    };
+    let to = motion::destination(words, modes, false)?;
+    let [a, b, n] = modes.plane_axes();
+    let (start, end) = ([modes.at[a], modes.at[b]], [to[a], to[b]]);
+    let centre = centre(words, modes, start, end, clockwise, false)?;
+    let turns = if clockwise { -turns } else { turns };
+    let length = || {
         let radius = (start[0] - centre[0]).hypot(start[1] - centre[1]);
-        let other = (end[0] - centre[0]).hypot(end[1] - centre[1]);
-        if radius < SAME_POINT || other < SAME_POINT {
-            return refuse(
-                "I0413",
-                span,
-                "the arc's centre lies on one of its ends: its radius would be zero",
-            );
-        }
-        let tolerance = Tolerance::of(self.state.units);
-        let off = (radius - other).abs();
-        if off > tolerance.ends && off > RELATIVE * radius.max(other) {
-            return Err(self.uneven(start, end, centre).into());
-        }
-        Ok(centre)
+        (radius * sweep_rad(start, end, centre, turns)).hypot(to[n] - modes.at[n])
+    };
+    motion::say_feed(words, modes, code, length, out)?;
+    if modes.compensating() {
+        compensation::arc_beside(words, modes, &to, centre, turns, out)?;
+        modes.at = to;
+        return Ok(());
     }
+    modes.at = to;
+    out.say(&Call::Arc { plane: modes.plane, to, centre, turns });
+    Ok(())
+}
 
-    /// The centre is not as far from one end as from the other; the nearest one that is, for the help.
-    fn uneven(&self, start: [f64; 2], end: [f64; 2], centre: [f64; 2]) -> Diagnostic {
-        let from = |p: [f64; 2]| (p[0] - centre[0]).hypot(p[1] - centre[1]);
-        let (radius, other) = (from(start), from(end));
+/// By R, or by I, J, K. The end of a profile's arc may be given by U and W, which are no words any more.
+pub(crate) fn centre(
+    words: &Words,
+    modes: &Modes,
+    start: [f64; 2],
+    end: [f64; 2],
+    clockwise: bool,
+    in_profile: bool,
+) -> Outcome<[f64; 2]> {
+    match words.get(b'R') {
+        Some(radius) => centre_by_radius(words, modes, radius, start, end, clockwise, in_profile),
+        None => centre_by_offsets(words, modes, start, end),
+    }
+}
+
+/// Letters of the centre's offsets along the plane's axes, and the one that has no place in it.
+fn centre_letters(modes: &Modes) -> [u8; 3] {
+    modes.plane_axes().map(|axis| b"IJK"[axis])
+}
+
+fn centre_by_offsets(
+    words: &Words,
+    modes: &Modes,
+    start: [f64; 2],
+    end: [f64; 2],
+) -> Outcome<[f64; 2]> {
+    let [first, second, none] = centre_letters(modes);
+    let span = words.place.span;
+    if words.get(none).is_some() {
         let text = format!(
-            "the arc's ends are {radius:.4} and {other:.4} from its centre: they differ by {:.4}",
-            (radius - other).abs()
+            "{} has no effect: arcs of this plane have their centre at {} and {}",
+            none as char, first as char, second as char
         );
-        let chord = [end[0] - start[0], end[1] - start[1]];
-        let length_squared = chord[0] * chord[0] + chord[1] * chord[1];
-        let middle = [start[0].midpoint(end[0]), start[1].midpoint(end[1])];
-        // On the chord's bisector every point is as far from one end as from the other.
-        let along = (centre[0] - middle[0]) * chord[0] + (centre[1] - middle[1]) * chord[1];
-        let fits: [f64; 2] =
-            core::array::from_fn(|i| centre[i] - along / length_squared.max(1e-300) * chord[i]);
-        let [first, second, _] = self.centre_letters().map(char::from);
-        let (shown, meant) = if self.state.absolute_centres {
-            (fits, "coordinates, because G90.1 is in force")
-        } else {
-            ([fits[0] - start[0], fits[1] - start[1]], "distances from the start of the arc")
-        };
-        let (x, y) = (shown[0] + 0.0, shown[1] + 0.0);
-        error("I0414", self.words.place.span, text).with_help(format!(
-            "{first}{x:.4} {second}{y:.4} would fit; {first} and {second} are {meant}"
-        ))
+        return refuse("I0410", words.span(none), text);
     }
+    let offsets = [first, second].map(|letter| words.get(letter));
+    let centre = match (offsets, modes.absolute_centres) {
+        ([None, None], _) => {
+            let text = format!(
+                "an arc needs its centre ({} and {}) or its radius (R)",
+                first as char, second as char
+            );
+            return refuse("I0411", span, text);
+        }
+        ([Some(x), Some(y)], true) => [x, y],
+        (_, true) => {
+            let missing = if offsets[0].is_none() { first } else { second } as char;
+            return refuse(
+                "I0412",
+                span,
+                format!(
+                    "{missing} is missing: with G90.1 both coordinates of the centre are needed"
+                ),
+            );
+        }
+        ([x, y], false) => [start[0] + x.unwrap_or(0.0), start[1] + y.unwrap_or(0.0)],
+    };
+    let radius = (start[0] - centre[0]).hypot(start[1] - centre[1]);
+    let other = (end[0] - centre[0]).hypot(end[1] - centre[1]);
+    if radius < SAME_POINT || other < SAME_POINT {
+        return refuse(
+            "I0413",
+            span,
+            "the arc's centre lies on one of its ends: its radius would be zero",
+        );
+    }
+    let tolerance = Tolerance::of(modes.units);
+    let off = (radius - other).abs();
+    if off > tolerance.ends && off > RELATIVE * radius.max(other) {
+        return Err(uneven(words, modes, start, end, centre).into());
+    }
+    Ok(centre)
+}
 
-    fn centre_by_radius(
-        &self,
-        radius: f64,
-        start: [f64; 2],
-        end: [f64; 2],
-        clockwise: bool,
-    ) -> Outcome<[f64; 2]> {
-        let span = self.words.place.span;
-        if self.words.any(crate::codes::CENTRE) {
-            return refuse(
-                "I0415",
-                span,
-                "an arc takes its centre (I, J, K) or its radius (R), not both",
-            );
-        }
-        let axes = self.state.plane_axes();
-        let named = self.axis_word(axes[0]).or(self.axis_word(axes[1]));
-        let polar = self.words.any(crate::codes::POLAR);
-        if named.is_none() && !polar && self.recording.is_none() {
-            return refuse(
-                "I0416",
-                span,
-                "an arc with R needs its end: a full circle is written with its centre",
-            );
-        }
-        let chord = [end[0] - start[0], end[1] - start[1]];
-        let half = chord[0].hypot(chord[1]) / 2.0;
-        if half < SAME_POINT {
-            return refuse(
-                "I0417",
-                span,
-                "an arc with R must not end where it begins: write its centre for a full circle",
-            );
-        }
-        let size = radius.abs();
-        let tolerance = Tolerance::of(self.state.units);
-        if size < half - tolerance.radius {
-            let text =
-                format!("R{radius} is too small to reach the end: at least {half:.4} is needed");
-            return refuse("I0418", self.words.span(b'R'), text);
-        }
-        let height = (size * size - half * half).max(0.0).sqrt();
-        // The centre lies to the right of the chord for a clockwise arc of less than half a turn.
-        let side = if clockwise == (radius > 0.0) { -1.0 } else { 1.0 };
-        let along = side * height / (2.0 * half);
-        let middle = [start[0].midpoint(end[0]), start[1].midpoint(end[1])];
-        Ok([middle[0] - chord[1] * along, middle[1] + chord[0] * along])
+/// The centre is not as far from one end as from the other; the nearest one that is, for the help.
+fn uneven(
+    words: &Words,
+    modes: &Modes,
+    start: [f64; 2],
+    end: [f64; 2],
+    centre: [f64; 2],
+) -> Diagnostic {
+    let from = |p: [f64; 2]| (p[0] - centre[0]).hypot(p[1] - centre[1]);
+    let (radius, other) = (from(start), from(end));
+    let text = format!(
+        "the arc's ends are {radius:.4} and {other:.4} from its centre: they differ by {:.4}",
+        (radius - other).abs()
+    );
+    let chord = [end[0] - start[0], end[1] - start[1]];
+    let length_squared = chord[0] * chord[0] + chord[1] * chord[1];
+    let middle = [start[0].midpoint(end[0]), start[1].midpoint(end[1])];
+    // On the chord's bisector every point is as far from one end as from the other.
+    let along = (centre[0] - middle[0]) * chord[0] + (centre[1] - middle[1]) * chord[1];
+    let fits: [f64; 2] =
+        core::array::from_fn(|i| centre[i] - along / length_squared.max(1e-300) * chord[i]);
+    let [first, second, _] = centre_letters(modes).map(char::from);
+    let (shown, meant) = if modes.absolute_centres {
+        (fits, "coordinates, because G90.1 is in force")
+    } else {
+        ([fits[0] - start[0], fits[1] - start[1]], "distances from the start of the arc")
+    };
+    let (x, y) = (shown[0] + 0.0, shown[1] + 0.0);
+    error("I0414", words.place.span, text).with_help(format!(
+        "{first}{x:.4} {second}{y:.4} would fit; {first} and {second} are {meant}"
+    ))
+}
+
+fn centre_by_radius(
+    words: &Words,
+    modes: &Modes,
+    radius: f64,
+    start: [f64; 2],
+    end: [f64; 2],
+    clockwise: bool,
+    in_profile: bool,
+) -> Outcome<[f64; 2]> {
+    let span = words.place.span;
+    if words.any(crate::codes::CENTRE) {
+        return refuse(
+            "I0415",
+            span,
+            "an arc takes its centre (I, J, K) or its radius (R), not both",
+        );
     }
+    let axes = modes.plane_axes();
+    let named =
+        offsets::axis_word(words, modes, axes[0]).or(offsets::axis_word(words, modes, axes[1]));
+    let polar = words.any(crate::codes::POLAR);
+    if named.is_none() && !polar && !in_profile {
+        return refuse(
+            "I0416",
+            span,
+            "an arc with R needs its end: a full circle is written with its centre",
+        );
+    }
+    let chord = [end[0] - start[0], end[1] - start[1]];
+    let half = chord[0].hypot(chord[1]) / 2.0;
+    if half < SAME_POINT {
+        return refuse(
+            "I0417",
+            span,
+            "an arc with R must not end where it begins: write its centre for a full circle",
+        );
+    }
+    let size = radius.abs();
+    let tolerance = Tolerance::of(modes.units);
+    if size < half - tolerance.radius {
+        let text = format!("R{radius} is too small to reach the end: at least {half:.4} is needed");
+        return refuse("I0418", words.span(b'R'), text);
+    }
+    let height = (size * size - half * half).max(0.0).sqrt();
+    // The centre lies to the right of the chord for a clockwise arc of less than half a turn.
+    let side = if clockwise == (radius > 0.0) { -1.0 } else { 1.0 };
+    let along = side * height / (2.0 * half);
+    let middle = [start[0].midpoint(end[0]), start[1].midpoint(end[1])];
+    Ok([middle[0] - chord[1] * along, middle[1] + chord[0] * along])
 }
 
 /// Angle swept from start to end about a centre, radians, counter-clockwise positive; ends in the

@@ -7,7 +7,7 @@
 //! [`Call::Tap`], which the listing expands into LinuxCNC's moves and the resolver does not.
 use crate::{
     frame::Point, hobbing::HobOrder, polygon::PolygonOrder, splines::ControlPoint,
-    stroke::StrokeZone, tool_table::ToolEntry,
+    stroke::StrokeZone, tools::ToolEntry,
 };
 use canon::{InputWait, Output, Plane};
 use diag::Span;

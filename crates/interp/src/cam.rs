@@ -16,10 +16,12 @@
 use crate::{
     call::{Call, Sink},
     codes::GGroup,
-    execute::Executor,
+    executor::Settings,
     fault::{Outcome, refuse},
+    modes::{Modes, Motion},
+    out::Out,
     resolve::Resolver,
-    state::Motion,
+    words::Words,
 };
 use canon::{CamOrder, OpKind};
 use diag::{Diagnostic, Span};
@@ -60,107 +62,105 @@ pub enum CamCall {
     SparkOut(u32, f64),
 }
 
-impl Executor {
-    /// The cam code of the block at hand, in tenths, if it has one.
-    fn cam_code(&self) -> Option<u16> {
-        let words = &self.words;
-        if let Some(code) = words.g(GGroup::Cam) {
-            return Some(code);
-        }
-        if !self.rules.grinds_by_feed || !self.state.cam {
-            return None;
-        }
-        let dwell = words.g(GGroup::NonModal) == Some(40);
-        let code = words.g(GGroup::Motion).map(Motion::from_code);
-        let feed =
-            code == Some(Motion::Feed) || code.is_none() && self.state.motion == Motion::Feed;
-        (dwell || feed && words.get(b'X').is_some()).then_some(1540)
+/// The cam code of the block at hand, in tenths, if it has one.
+fn cam_code(words: &Words, modes: &Modes, settings: &Settings) -> Option<u16> {
+    if let Some(code) = words.g(GGroup::Cam) {
+        return Some(code);
     }
-
-    /// Execute the block if it is one of cam grinding. Whether it was.
-    pub(crate) fn cam<S: Sink>(&mut self, sink: &mut S) -> Outcome<bool> {
-        let Some(code) = self.cam_code() else { return Ok(false) };
-        let allowed = crate::codes::g_code(code).map_or(0, |code| code.letters);
-        let sampled = self.words.g(GGroup::NonModal) == Some(40);
-        if self.words.g(GGroup::Cam).is_some() && !sampled {
-            self.words.check_letters(0, allowed)?;
-        }
-        let call = match code {
-            1500 => CamCall::Compensate,
-            SELECT => self.select()?,
-            1520 => CamCall::ResetSampling,
-            1530 => CamCall::StartSampling,
-            1550 => CamCall::StorePhase,
-            _ => self.grind()?,
-        };
-        let place = self.words.place.span;
-        if !self.state.cam && !matches!(call, CamCall::Select(..) | CamCall::Deselect) {
-            let [code, select] = [code, SELECT].map(|code| self.rules.writes(code));
-            let text = format!("G{code} needs a profile: write G{select} P… before it");
-            return refuse("I1101", place, text);
-        }
-        self.state.cam = !matches!(call, CamCall::Deselect);
-        self.state.motion = Motion::None;
-        self.say(sink, &Call::Cam(call));
-        if call == CamCall::StartSampling && self.words.g(GGroup::NonModal) == Some(40) {
-            // G53 G04 S P: the turns that are sampled stand in the same block
-            let turns = self.grind()?;
-            self.say(sink, &Call::Cam(turns));
-        }
-        Ok(true)
+    if !settings.rules.grinds_by_feed || !modes.cam {
+        return None;
     }
+    let dwell = words.g(GGroup::NonModal) == Some(40);
+    let code = words.g(GGroup::Motion).map(Motion::from_code);
+    let feed = code == Some(Motion::Feed) || code.is_none() && modes.motion == Motion::Feed;
+    (dwell || feed && words.get(b'X').is_some()).then_some(1540)
+}
 
-    fn select(&self) -> Outcome<CamCall> {
-        let place = self.words.place.span;
-        match self.words.whole(b'P', 999_999)? {
-            None => refuse(
-                "I1102",
-                place,
-                "expected P, the number of the profile (P0 ends cam grinding)",
+/// Execute the block if it is one of cam grinding. Whether it was.
+pub(crate) fn cam<S: Sink>(
+    words: &Words,
+    modes: &mut Modes,
+    settings: &Settings,
+    out: &mut Out<'_, S>,
+) -> Outcome<bool> {
+    let Some(code) = cam_code(words, modes, settings) else { return Ok(false) };
+    let allowed = crate::codes::g_code(code).map_or(0, |code| code.letters);
+    let sampled = words.g(GGroup::NonModal) == Some(40);
+    if words.g(GGroup::Cam).is_some() && !sampled {
+        words.check_letters(0, allowed)?;
+    }
+    let call = match code {
+        1500 => CamCall::Compensate,
+        SELECT => select(words)?,
+        1520 => CamCall::ResetSampling,
+        1530 => CamCall::StartSampling,
+        1550 => CamCall::StorePhase,
+        _ => grind(words, modes)?,
+    };
+    let place = words.place.span;
+    if !modes.cam && !matches!(call, CamCall::Select(..) | CamCall::Deselect) {
+        let [code, select] = [code, SELECT].map(|code| settings.rules.writes(code));
+        let text = format!("G{code} needs a profile: write G{select} P… before it");
+        return refuse("I1101", place, text);
+    }
+    modes.cam = !matches!(call, CamCall::Deselect);
+    modes.motion = Motion::None;
+    out.say(&Call::Cam(call));
+    if call == CamCall::StartSampling && words.g(GGroup::NonModal) == Some(40) {
+        // G53 G04 S P: the turns that are sampled stand in the same block
+        let turns = grind(words, modes)?;
+        out.say(&Call::Cam(turns));
+    }
+    Ok(true)
+}
+
+fn select(words: &Words) -> Outcome<CamCall> {
+    let place = words.place.span;
+    match words.whole(b'P', 999_999)? {
+        None => {
+            refuse("I1102", place, "expected P, the number of the profile (P0 ends cam grinding)")
+        }
+        Some(0) => Ok(CamCall::Deselect),
+        Some(number) => Ok(CamCall::Select(number, words.get(b'R').unwrap_or(0.0))),
+    }
+}
+
+fn grind(words: &Words, modes: &mut Modes) -> Outcome<CamCall> {
+    if let Some(rpm) = words.get(b'S') {
+        modes.cam_rpm = rpm;
+    }
+    let rpm = modes.cam_rpm;
+    if rpm.is_nan() || rpm <= 0.0 {
+        let text = format!("expected S, the speed of the work in rpm, above 0, found {rpm}");
+        return refuse("I1103", words.span(b'S'), text);
+    }
+    let Some(x) = words.get(b'X') else {
+        return match words.whole(b'P', MOST_TURNS)? {
+            Some(turns) if turns > 0 => Ok(CamCall::SparkOut(turns, rpm)),
+            _ => refuse(
+                "I1104",
+                words.place.span,
+                "expected X, what to take off, or P, whole turns to spark out",
             ),
-            Some(0) => Ok(CamCall::Deselect),
-            Some(number) => Ok(CamCall::Select(number, self.words.get(b'R').unwrap_or(0.0))),
-        }
-    }
-
-    fn grind(&mut self) -> Outcome<CamCall> {
-        let words = &self.words;
-        if let Some(rpm) = words.get(b'S') {
-            self.state.cam_rpm = rpm;
-        }
-        let rpm = self.state.cam_rpm;
-        if rpm.is_nan() || rpm <= 0.0 {
-            let text = format!("expected S, the speed of the work in rpm, above 0, found {rpm}");
-            return refuse("I1103", words.span(b'S'), text);
-        }
-        let Some(x) = words.get(b'X') else {
-            return match words.whole(b'P', MOST_TURNS)? {
-                Some(turns) if turns > 0 => Ok(CamCall::SparkOut(turns, rpm)),
-                _ => refuse(
-                    "I1104",
-                    words.place.span,
-                    "expected X, what to take off, or P, whole turns to spark out",
-                ),
-            };
         };
-        if x.is_nan() || x >= 0.0 {
-            let text = format!("expected X below 0, towards the work, found X{x}");
-            return refuse("I1105", words.span(b'X'), text);
-        }
-        let per_turn = words.get(b'F').unwrap_or(0.0);
-        if per_turn.is_nan() || per_turn <= 0.0 {
-            let text = format!("expected F, the infeed of each turn, above 0, found {per_turn}");
-            return refuse("I1106", words.span(b'F'), text);
-        }
-        let rate = words.get(b'R').unwrap_or(per_turn);
-        if rate.is_nan() || rate < per_turn {
-            let text = format!(
-                "R{rate} a turn cannot make an infeed of F{per_turn} within the turn: R{per_turn} works"
-            );
-            return refuse("I1107", words.span(b'R'), text);
-        }
-        Ok(CamCall::Grind { stock: -x, per_turn, rate, rpm })
+    };
+    if x.is_nan() || x >= 0.0 {
+        let text = format!("expected X below 0, towards the work, found X{x}");
+        return refuse("I1105", words.span(b'X'), text);
     }
+    let per_turn = words.get(b'F').unwrap_or(0.0);
+    if per_turn.is_nan() || per_turn <= 0.0 {
+        let text = format!("expected F, the infeed of each turn, above 0, found {per_turn}");
+        return refuse("I1106", words.span(b'F'), text);
+    }
+    let rate = words.get(b'R').unwrap_or(per_turn);
+    if rate.is_nan() || rate < per_turn {
+        let text = format!(
+            "R{rate} a turn cannot make an infeed of F{per_turn} within the turn: R{per_turn} works"
+        );
+        return refuse("I1107", words.span(b'R'), text);
+    }
+    Ok(CamCall::Grind { stock: -x, per_turn, rate, rpm })
 }
 
 impl Resolver {

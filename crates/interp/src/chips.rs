@@ -16,16 +16,16 @@
 //!
 //! Source: Brother's description of the cycle, paragraphs 21 to 51; its text breaks off, and what follows the
 //! reversal is deduced: forward again at S after drilling, at rest after a tap.
-use crate::spelling::Written;
 use crate::{
-    call::CycleHole,
+    call::{CycleHole, Sink},
     codes::{Letters, index, set},
-    execute::Executor,
+    executor::Executor,
     fault::{Outcome, error, refuse},
+    modes::{Cycle, Motion},
     resolve::Resolver,
     setup::Chips,
-    state::{Cycle, Motion},
 };
+use crate::{executor::Settings, modes::Modes, out::Out, spelling::Written, words::Words};
 use canon::{ChipRemoval, OpKind, SpindleOrder};
 use diag::{Diagnostic, Span};
 use units::{Length, Spin};
@@ -40,103 +40,106 @@ impl Cycle {
     }
 }
 
-impl Executor {
-    /// Letters that a cycle takes beside those of its code: the dialect's and the machine's.
-    pub(crate) fn letters_beside(&self, motion: Option<Motion>) -> Letters {
-        let Some(Motion::Cycle(cycle)) = motion else { return 0 };
-        let rules = self.rules;
-        let mut letters = 1 << index(rules.repeats);
-        if cycle.throws_chips() && (rules.chip_removal || self.cycles.chip_removal.is_some()) {
-            letters |= set("UE");
-        }
-        if rules.drilling_waits && cycle == Cycle::Drill {
-            letters |= set("P");
-        }
-        letters
+/// Letters that a cycle takes beside those of its code: the dialect's and the machine's.
+pub(crate) fn letters_beside(settings: &Settings, motion: Option<Motion>) -> Letters {
+    let Some(Motion::Cycle(cycle)) = motion else { return 0 };
+    let rules = settings.rules;
+    let mut letters = 1 << index(rules.repeats);
+    if cycle.throws_chips() && (rules.chip_removal || settings.cycles.chip_removal.is_some()) {
+        letters |= set("UE");
     }
+    if rules.drilling_waits && cycle == Cycle::Drill {
+        letters |= set("P");
+    }
+    letters
+}
 
-    /// U and E of this block, or what the cycle kept, or the machine's setting.
-    pub(crate) fn chips(
-        &mut self,
-        cycle: Cycle,
-        code: Written,
-        kept: Option<Chips>,
-    ) -> Outcome<Option<Chips>> {
-        if !cycle.throws_chips() {
-            return Ok(None);
-        }
-        let usual = kept.or(self.cycles.chip_removal);
-        let said = self.words.get(b'U');
-        let every = self.words.whole(b'E', MAX_INTERVAL)?.or(usual.map(|u| u.every));
-        let Some(rpm) = said.or(usual.map(|u| u.rpm)) else {
-            if self.words.get(b'E').is_some_and(|e| e > 0.0) {
-                let text = "E throws no chips off without U, the spindle speed that does";
-                return refuse("I0563", self.words.span(b'E'), text);
-            }
-            return Ok(None);
-        };
-        let chips = Chips { rpm, every: every.unwrap_or(0) };
-        if said.is_some() && every.is_none() {
-            let text = "U throws no chips off without E: E1 does after every repetition, E2 after every second";
-            self.remarks.push(Diagnostic::warning("I0564", self.words.span(b'U'), text));
-        }
-        self.chips_are_possible(chips, cycle, code, said.is_some())
+/// U and E of this block, or what the cycle kept, or the machine's setting.
+pub(crate) fn chips<S: Sink>(
+    words: &Words,
+    modes: &Modes,
+    settings: &Settings,
+    cycle: Cycle,
+    code: Written,
+    kept: Option<Chips>,
+    out: &mut Out<'_, S>,
+) -> Outcome<Option<Chips>> {
+    if !cycle.throws_chips() {
+        return Ok(None);
     }
+    let usual = kept.or(settings.cycles.chip_removal);
+    let said = words.get(b'U');
+    let every = words.whole(b'E', MAX_INTERVAL)?.or(usual.map(|u| u.every));
+    let Some(rpm) = said.or(usual.map(|u| u.rpm)) else {
+        if words.get(b'E').is_some_and(|e| e > 0.0) {
+            let text = "E throws no chips off without U, the spindle speed that does";
+            return refuse("I0563", words.span(b'E'), text);
+        }
+        return Ok(None);
+    };
+    let chips = Chips { rpm, every: every.unwrap_or(0) };
+    if said.is_some() && every.is_none() {
+        let text = "U throws no chips off without E: E1 does after every repetition, E2 after every second";
+        out.remarks.push(Diagnostic::warning("I0564", words.span(b'U'), text));
+    }
+    chips_are_possible(words, modes, chips, cycle, code, said.is_some(), out)
+}
 
-    /// Against S, which must be above U, and the sense, which must be known.
-    fn chips_are_possible(
-        &mut self,
-        chips: Chips,
-        cycle: Cycle,
-        code: Written,
-        said: bool,
-    ) -> Outcome<Option<Chips>> {
-        let (span, spindle) = (self.words.span(b'U'), self.state.spindle);
-        if !(chips.rpm.is_finite() && chips.rpm >= 0.0) {
-            let text = format!(
-                "U is a spindle speed, 0 or more, found {}: its sense is against the cut",
-                chips.rpm
-            );
-            return refuse("I0565", span, text);
-        }
-        if chips.rpm == 0.0 || chips.every == 0 {
-            return Ok(Some(chips));
-        }
-        if spindle.constant_surface_speed {
-            return refuse(
-                "I0566",
-                span,
-                "chips are thrown off at U against S in revolutions per minute: write G97 S",
-            );
-        }
-        if chips.rpm >= spindle.speed {
-            let text = format!(
-                "the speed that throws chips off must be below S{}, found {}",
-                spindle.speed, chips.rpm
-            );
-            let below = (spindle.speed / 2.0).floor();
-            if said {
-                return Err(error("I0567", span, text).with_help(format!("U{below} works")).into());
-            }
-            let help = format!("the machine's setting is left out here; U{below} works");
-            self.remarks.push(Diagnostic::warning("I0567", span, text).with_help(help));
-            return Ok(None);
-        }
-        if spindle.turning.is_none() && cycle.tap_sense().is_none() {
-            let text = format!(
-                "G{code} with U turns the spindle against its direction, but it stands: write M3 or M4"
-            );
-            return refuse("I0568", span, text);
-        }
-        Ok(Some(chips))
+/// Against S, which must be above U, and the sense, which must be known.
+fn chips_are_possible<S: Sink>(
+    words: &Words,
+    modes: &Modes,
+    chips: Chips,
+    cycle: Cycle,
+    code: Written,
+    said: bool,
+    out: &mut Out<'_, S>,
+) -> Outcome<Option<Chips>> {
+    let (span, spindle) = (words.span(b'U'), modes.spindle);
+    if !(chips.rpm.is_finite() && chips.rpm >= 0.0) {
+        let text = format!(
+            "U is a spindle speed, 0 or more, found {}: its sense is against the cut",
+            chips.rpm
+        );
+        return refuse("I0565", span, text);
     }
+    if chips.rpm == 0.0 || chips.every == 0 {
+        return Ok(Some(chips));
+    }
+    if spindle.constant_surface_speed {
+        return refuse(
+            "I0566",
+            span,
+            "chips are thrown off at U against S in revolutions per minute: write G97 S",
+        );
+    }
+    if chips.rpm >= spindle.speed {
+        let text = format!(
+            "the speed that throws chips off must be below S{}, found {}",
+            spindle.speed, chips.rpm
+        );
+        let below = (spindle.speed / 2.0).floor();
+        if said {
+            return Err(error("I0567", span, text).with_help(format!("U{below} works")).into());
+        }
+        let help = format!("the machine's setting is left out here; U{below} works");
+        out.remarks.push(Diagnostic::warning("I0567", span, text).with_help(help));
+        return Ok(None);
+    }
+    if spindle.turning.is_none() && cycle.tap_sense().is_none() {
+        let text = format!(
+            "G{code} with U turns the spindle against its direction, but it stands: write M3 or M4"
+        );
+        return refuse("I0568", span, text);
+    }
+    Ok(Some(chips))
+}
 
-    /// Count a repetition: the speed against the cut if chips are thrown off after it.
-    pub(crate) fn throw_after_this(&mut self, chips: Option<Chips>) -> Option<f64> {
-        self.state.repetition = self.state.repetition.saturating_add(1);
-        let chips = chips.filter(|c| c.rpm > 0.0 && c.every > 0)?;
-        self.state.repetition.is_multiple_of(chips.every).then_some(chips.rpm)
-    }
+/// Count a repetition: the speed against the cut if chips are thrown off after it.
+pub(crate) fn throw_after_this(modes: &mut Modes, chips: Option<Chips>) -> Option<f64> {
+    modes.repetition = modes.repetition.saturating_add(1);
+    let chips = chips.filter(|c| c.rpm > 0.0 && c.every > 0)?;
+    modes.repetition.is_multiple_of(chips.every).then_some(chips.rpm)
 }
 
 impl Resolver {

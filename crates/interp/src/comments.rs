@@ -5,70 +5,71 @@
 use crate::{
     call::{Call, Sink},
     eval::Values,
-    execute::Executor,
     fault::Outcome,
-    names,
+    modes::Modes,
+    names::{self, Store},
+    out::Out,
 };
 use diag::Diagnostic;
 use gcode::{Block, CommentKind};
 use std::fmt::Write;
 
-impl Executor {
-    /// Say what the comments of a block ask for. ABORT comes back as a fault. Of comments that are only
-    /// for people the last one in brackets is said, as LinuxCNC does.
-    pub(crate) fn comments<S: Sink>(
-        &mut self,
-        block: &Block,
-        source: &[u8],
-        sink: &mut S,
-    ) -> Outcome {
-        for (i, comment) in block.comments.iter().enumerate() {
-            let text = block.text(comment.text);
-            match comment.kind {
-                CommentKind::Plain => {
-                    let bracketed = source.get(comment.span.start as usize) == Some(&b'(');
-                    if bracketed && i + 1 == block.comments.len() {
-                        self.say(sink, &Call::Comment(text.trim_start()));
-                    }
-                }
-                CommentKind::Message => self.say(sink, &Call::Message(text)),
-                CommentKind::Debug if self.store.numbered.at(5599) == 0.0 => {}
-                CommentKind::Debug => {
-                    let text = expand(text, &self.values());
-                    self.say(sink, &Call::Message(&text));
-                }
-                CommentKind::Print => {
-                    let text = expand(text, &self.values());
-                    self.say(sink, &Call::Print(&text));
-                }
-                CommentKind::Log => {
-                    let text = expand(text, &self.values());
-                    self.say(sink, &Call::Log(&text));
-                }
-                CommentKind::LogOpen | CommentKind::LogAppend => {
-                    self.say(sink, &Call::LogOpen(text));
-                }
-                CommentKind::LogClose => self.say(sink, &Call::LogClose),
-                CommentKind::Abort => {
-                    let text = expand(text, &self.values());
-                    return crate::fault::refuse(
-                        "I0316",
-                        comment.span,
-                        format!("the program ends itself: {text}"),
-                    );
-                }
-                CommentKind::ProbeOpen | CommentKind::ProbeClose | CommentKind::Python => {
-                    if comment.kind != CommentKind::Python {
-                        let text = format!("{}{text}", comment.kind.keyword());
-                        self.say(sink, &Call::Comment(&text));
-                    }
-                    let text = "this comment asks for something that Leadscrew does not do: it is passed over";
-                    self.remarks.push(Diagnostic::warning("I0317", comment.span, text));
+/// Say what the comments of a block ask for. ABORT comes back as a fault. Of comments that are only
+/// for people the last one in brackets is said, as LinuxCNC does.
+pub(crate) fn comments<S: Sink>(
+    modes: &Modes,
+    store: &Store,
+    block: &Block,
+    source: &[u8],
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    for (i, comment) in block.comments.iter().enumerate() {
+        let text = block.text(comment.text);
+        match comment.kind {
+            CommentKind::Plain => {
+                let bracketed = source.get(comment.span.start as usize) == Some(&b'(');
+                if bracketed && i + 1 == block.comments.len() {
+                    out.say(&Call::Comment(text.trim_start()));
                 }
             }
+            CommentKind::Message => out.say(&Call::Message(text)),
+            CommentKind::Debug if store.numbered.at(5599) == 0.0 => {}
+            CommentKind::Debug => {
+                let text = expand(text, &Values { store: store, modes: modes });
+                out.say(&Call::Message(&text));
+            }
+            CommentKind::Print => {
+                let text = expand(text, &Values { store: store, modes: modes });
+                out.say(&Call::Print(&text));
+            }
+            CommentKind::Log => {
+                let text = expand(text, &Values { store: store, modes: modes });
+                out.say(&Call::Log(&text));
+            }
+            CommentKind::LogOpen | CommentKind::LogAppend => {
+                out.say(&Call::LogOpen(text));
+            }
+            CommentKind::LogClose => out.say(&Call::LogClose),
+            CommentKind::Abort => {
+                let text = expand(text, &Values { store: store, modes: modes });
+                return crate::fault::refuse(
+                    "I0316",
+                    comment.span,
+                    format!("the program ends itself: {text}"),
+                );
+            }
+            CommentKind::ProbeOpen | CommentKind::ProbeClose | CommentKind::Python => {
+                if comment.kind != CommentKind::Python {
+                    let text = format!("{}{text}", comment.kind.keyword());
+                    out.say(&Call::Comment(&text));
+                }
+                let text =
+                    "this comment asks for something that Leadscrew does not do: it is passed over";
+                out.remarks.push(Diagnostic::warning("I0317", comment.span, text));
+            }
         }
-        Ok(())
     }
+    Ok(())
 }
 
 /// The text with values in the place of parameters.
@@ -104,13 +105,13 @@ fn parameter(text: &str, values: &Values) -> Option<(usize, Option<f64>)> {
         let end = inner.find('>')?;
         let name: String = inner[..end].chars().filter(|c| !c.is_whitespace()).collect();
         let name = name.to_lowercase();
-        let value = values.store.named(&name).or_else(|| names::system(values.state, &name));
+        let value = values.store.named(&name).or_else(|| names::system(values.modes, &name));
         return Some((end + 3, value));
     }
     let digits = inner.bytes().take_while(u8::is_ascii_digit).count();
     let number = inner[..digits].parse::<usize>().ok()?;
     let there = i64::try_from(number).is_ok_and(names::exists);
-    Some((digits + 1, there.then(|| names::numbered(values.state, values.store, number))))
+    Some((digits + 1, there.then(|| names::numbered(values.modes, values.store, number))))
 }
 
 /// Length of the format that the text begins with, and the decimals it asks for.

@@ -31,19 +31,21 @@ use crate::{
     arcs::sweep_rad,
     call::{Call, Sink},
     codes::GGroup,
-    execute::Executor,
+    executor::Settings,
     fault::{Outcome, error, refuse},
     frame::Point,
-    held::Held,
+    modes::{Modes, Motion},
     offset_curve::{Curve, Flat, Way, left, length, minus, plus, times, turn_rad},
+    out::{Out, Waiting},
     refused::Doubts,
-    state::Motion,
+    tools::Tools,
+    words::Words,
 };
 use canon::Plane;
 use core::f64::consts::PI;
 use diag::Diagnostic;
 
-mod forbidden;
+pub(crate) mod forbidden;
 mod lead_in;
 
 /// Directions nearer than this are one: neither an arc is put in nor an end moved.
@@ -123,314 +125,363 @@ const fn orientation_shift(orientation: u32) -> Flat {
     }
 }
 
-impl Executor {
-    /// G40, G41, G42 of the block at hand.
-    pub(crate) fn compensation<S: Sink>(&mut self, sink: &mut S) -> Outcome {
-        match self.words.g(GGroup::Compensation) {
-            None => Ok(()),
-            Some(400) => {
-                self.state.doubts.clear(Doubts::COMPENSATION);
-                self.compensation_off(sink)?;
-                self.say(sink, &Call::Note("cutter radius compensation off"));
-                Ok(())
-            }
-            Some(code) => self.compensation_on(code, sink),
+/// G40, G41, G42 of the block at hand.
+pub(crate) fn compensation<S: Sink>(
+    words: &Words,
+    modes: &mut Modes,
+    tools: &mut Tools,
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    match words.g(GGroup::Compensation) {
+        None => Ok(()),
+        Some(400) => {
+            modes.doubts.clear(Doubts::COMPENSATION);
+            compensation_off(words, modes, out)?;
+            out.say(&Call::Note("cutter radius compensation off"));
+            Ok(())
         }
+        Some(code) => compensation_on(words, modes, tools, code, out),
     }
+}
 
-    /// The tool goes on beside the last programmed point; the next move leads back onto the programmed way.
-    pub(crate) fn compensation_off<S: Sink>(&mut self, sink: &mut S) -> Outcome {
-        let settled = self.settle(None, sink);
-        let place = self.state.place();
-        if self.state.compensation.take().is_some_and(|compensation| compensation.at.is_some()) {
-            self.state.left_beside = Some(self.state.frame.to_machine(&place));
-        }
-        self.let_go(sink);
-        self.compensating = false;
-        settled
+/// The tool goes on beside the last programmed point; the next move leads back onto the programmed way.
+pub(crate) fn compensation_off<S: Sink>(
+    words: &Words,
+    modes: &mut Modes,
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    let settled = settle(words, modes, None, out);
+    let place = modes.place();
+    if modes.compensation.take().is_some_and(|compensation| compensation.at.is_some()) {
+        modes.left_beside = Some(modes.frame.to_machine(&place));
     }
+    out.let_go();
+    settled
+}
 
-    fn compensation_on<S: Sink>(&mut self, code: u16, sink: &mut S) -> Outcome {
-        let span = self.words.place.span;
-        if self.state.compensation.is_some() {
-            let fault = error("I0540", span, "cutter radius compensation is on already");
-            return Err(fault.with_help("write G40 before it is changed").into());
-        }
-        if self.state.plane == Plane::YZ {
-            let text = "cutter radius compensation works in G17 and G18, but G19 is in force";
-            return refuse("I0541", span, text);
-        }
-        let (diameter, orientation) = self.cutter(code)?;
-        let left_side = matches!(code, 410 | 411) == (diameter >= 0.0);
-        let radius = diameter.abs() / 2.0;
-        let left_text = matches!(code, 410 | 411);
-        self.say(
-            sink,
-            &Call::Note(if left_text {
-                "cutter radius compensation on left"
-            } else {
-                "cutter radius compensation on right"
-            }),
-        );
-        self.state.compensation = Some(Compensation {
-            code,
-            side: if left_side { 1.0 } else { -1.0 },
-            radius,
-            shift: times(orientation_shift(orientation), radius),
-            at: None,
-            last: None,
-        });
-        self.compensating = true;
-        Ok(())
+fn compensation_on<S: Sink>(
+    words: &Words,
+    modes: &mut Modes,
+    tools: &mut Tools,
+    code: u16,
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    let span = words.place.span;
+    if modes.compensation.is_some() {
+        let fault = error("I0540", span, "cutter radius compensation is on already");
+        return Err(fault.with_help("write G40 before it is changed").into());
     }
-
-    /// Diameter (program units) and orientation: of the words with G41.1 and G42.1, else of a tool.
-    fn cutter(&mut self, code: u16) -> Outcome<(f64, u32)> {
-        if matches!(code, 411 | 421) {
-            let Some(diameter) = self.words.get(b'D') else {
-                let text =
-                    format!("G{} needs D, the cutter's diameter", crate::spelling::written(code));
-                return refuse("I0542", self.words.place.span, text);
-            };
-            let orientation = self.words.whole(b'L', 9)?;
-            if orientation.is_some() && self.state.plane != Plane::ZX {
-                let text = "L is the orientation of a lathe tool: it needs G18";
-                return refuse("I0543", self.words.span(b'L'), text);
-            }
-            return Ok((diameter, orientation.unwrap_or(0)));
-        }
-        let number = match self.words.get(b'D') {
-            Some(0.0) | None => self.state.current_tool,
-            Some(_) => self.tool_word(b'D')?,
-        };
-        let entry = self.tool_entry(number);
-        let orientation = if self.state.plane == Plane::ZX { entry.orientation } else { 0 };
-        Ok((entry.diameter / self.state.units.in_mm(), orientation))
+    if modes.plane == Plane::YZ {
+        let text = "cutter radius compensation works in G17 and G18, but G19 is in force";
+        return refuse("I0541", span, text);
     }
+    let (diameter, orientation) = cutter(words, modes, tools, code)?;
+    let left_side = matches!(code, 410 | 411) == (diameter >= 0.0);
+    let radius = diameter.abs() / 2.0;
+    let left_text = matches!(code, 410 | 411);
+    out.say(&Call::Note(if left_text {
+        "cutter radius compensation on left"
+    } else {
+        "cutter radius compensation on right"
+    }));
+    modes.compensation = Some(Compensation {
+        code,
+        side: if left_side { 1.0 } else { -1.0 },
+        radius,
+        shift: times(orientation_shift(orientation), radius),
+        at: None,
+        last: None,
+    });
+    Ok(())
+}
 
-    pub(crate) fn no_compensation(&self) -> Outcome {
-        let text = "this move cannot be made beside its way: only G0, G1, G2 and G3 can, while G41 or G42 is in force";
-        Err(error("I0544", self.words.place.span, text).with_help("write G40 before it").into())
-    }
-
-    /// The first move after G40 leads back onto the programmed way: not along an arc.
-    pub(crate) fn leave_compensation(&mut self, motion: Motion) -> Outcome {
-        if matches!(motion, Motion::ArcClockwise | Motion::ArcCounterclockwise) {
+/// Diameter (program units) and orientation: of the words with G41.1 and G42.1, else of a tool.
+fn cutter(words: &Words, modes: &Modes, tools: &mut Tools, code: u16) -> Outcome<(f64, u32)> {
+    if matches!(code, 411 | 421) {
+        let Some(diameter) = words.get(b'D') else {
             let text =
-                "the move after G40 leads the tool back to the programmed way: it must be straight";
-            return Err(error("I0550", self.words.place.span, text)
-                .with_help("write G0 or G1 before the arc")
-                .into());
-        }
-        if motion != Motion::None {
-            self.state.left_beside = None;
-        }
-        Ok(())
-    }
-
-    /// A straight move with the tool beside it.
-    pub(crate) fn straight_beside<S: Sink>(
-        &mut self,
-        rapid: bool,
-        to: &Point,
-        sink: &mut S,
-    ) -> Outcome {
-        let [a, b, _] = self.state.plane_axes();
-        let way =
-            Way { from: [self.state.at[a], self.state.at[b]], to: [to[a], to[b]], circle: None };
-        let Some(compensation) = &self.state.compensation else { return Ok(()) };
-        let at = compensation.at;
-        let distance = length(minus(way.to, way.from));
-        let Some(at) = at else {
-            return self.begin_straight(&way, rapid, to, sink);
+                format!("G{} needs D, the cutter's diameter", crate::spelling::written(code));
+            return refuse("I0542", words.place.span, text);
         };
-        if distance == 0.0 {
-            self.push_line(rapid, to, at);
-            return Ok(());
+        let orientation = words.whole(b'L', 9)?;
+        if orientation.is_some() && modes.plane != Plane::ZX {
+            let text = "L is the orientation of a lathe tool: it needs G18";
+            return refuse("I0543", words.span(b'L'), text);
         }
-        let direction = way.direction(way.to);
-        let through = compensation.beside(way.to, direction);
-        let line = Curve::Line { from: through, through, direction };
-        let from = self.corner(&way, line, rapid, to, sink)?;
-        let Some(compensation) = &mut self.state.compensation else { return Ok(()) };
-        compensation.at = Some(through);
-        compensation.last = Some(Curve::Line { from, through, direction });
-        self.push_line(rapid, to, through);
-        Ok(())
+        return Ok((diameter, orientation.unwrap_or(0)));
     }
+    let number = match words.get(b'D') {
+        Some(0.0) | None => modes.current_tool,
+        Some(_) => tools.word(words, b'D')?,
+    };
+    let entry = tools.entry(number);
+    let orientation = if modes.plane == Plane::ZX { entry.orientation } else { 0 };
+    Ok((entry.diameter / modes.units.in_mm(), orientation))
+}
 
-    /// An arc with the tool beside it.
-    pub(crate) fn arc_beside<S: Sink>(
-        &mut self,
-        to: &Point,
-        centre: Flat,
-        turns: i32,
-        sink: &mut S,
-    ) -> Outcome {
-        let [a, b, _] = self.state.plane_axes();
-        let way = Way {
-            from: [self.state.at[a], self.state.at[b]],
-            to: [to[a], to[b]],
-            circle: Some((centre, turns)),
-        };
-        let Some(compensation) = self.state.compensation.clone() else { return Ok(()) };
-        let programmed = length(minus(way.to, centre));
-        let inside = compensation.side * f64::from(turns.signum()) > 0.0;
-        let first = compensation.at.is_none();
-        if programmed <= compensation.radius && inside {
-            let text = format!(
-                "the tool's radius, {:.4}, must be smaller than the arc's, {programmed:.4}",
-                compensation.radius
-            );
-            return refuse("I0546", self.words.place.span, text);
-        }
-        let direction = way.direction(way.to);
-        let end = compensation.beside(way.to, direction);
-        let sweep = sweep_rad(way.from, way.to, centre, turns);
-        let curve = if first {
-            let inwards = times(minus(centre, way.to), 1.0 / programmed);
-            let centre = self.entry_centre([way.from, end], inwards, inside, programmed)?;
-            let sweep_rad = sweep_rad(way.from, end, centre, turns);
-            Curve::Circle {
-                from: way.from,
-                centre,
-                radius: length(minus(end, centre)),
-                turns,
-                sweep_rad,
-            }
-        } else {
-            let radius = if inside {
-                programmed - compensation.radius
-            } else {
-                programmed + compensation.radius
-            };
-            let from = compensation.beside(way.from, way.direction(way.from));
-            let curve = Curve::Circle { from, centre, radius, turns, sweep_rad: sweep };
-            let from = self.corner(&way, curve, false, to, sink)?;
-            Curve::Circle { from, centre, radius, turns, sweep_rad: sweep }
-        };
-        let Curve::Circle { centre, .. } = curve else { return Ok(()) };
-        let Some(compensation) = &mut self.state.compensation else { return Ok(()) };
-        compensation.at = Some(end);
-        compensation.last = Some(curve);
-        self.push_arc(to, centre, turns, end);
-        Ok(())
+pub(crate) fn no_compensation(words: &Words) -> Outcome {
+    let text = "this move cannot be made beside its way: only G0, G1, G2 and G3 can, while G41 or G42 is in force";
+    Err(error("I0544", words.place.span, text).with_help("write G40 before it").into())
+}
+
+/// The first move after G40 leads back onto the programmed way: not along an arc.
+pub(crate) fn leave_compensation(words: &Words, modes: &mut Modes, motion: Motion) -> Outcome {
+    if matches!(motion, Motion::ArcClockwise | Motion::ArcCounterclockwise) {
+        let text =
+            "the move after G40 leads the tool back to the programmed way: it must be straight";
+        return Err(error("I0550", words.place.span, text)
+            .with_help("write G0 or G1 before the arc")
+            .into());
     }
-
-    /// Settle the end of the move held back by what follows it; where the next one begins.
-    fn corner<S: Sink>(
-        &mut self,
-        next: &Way,
-        curve: Curve,
-        rapid: bool,
-        to: &Point,
-        sink: &mut S,
-    ) -> Outcome<Flat> {
-        let Some(compensation) = self.state.compensation.clone() else { return Ok(next.from) };
-        let at = compensation.at.unwrap_or(next.from);
-        let Some(last) = compensation.last else { return Ok(at) };
-        // The offset end lies beside the corner: there the last move has the corner's direction.
-        let before = last.direction(at);
-        let after = next.direction(next.from);
-        if matches!(last, Curve::StartUp { .. }) {
-            let beside = compensation.beside(next.from, after);
-            self.settle(Some(beside), sink)?;
-            return Ok(beside);
-        }
-        let turn = turn_rad(before, after);
-        let half_turn = turn.abs() > PI - HALF_TURN_RAD;
-        let inner = if half_turn {
-            // Back the way it came: between two bumps the tool stops short, else it goes round.
-            compensation.bulge(&last) + compensation.bulge(&curve) > 0.0
-        } else {
-            turn * compensation.side > 0.0
-        };
-        if turn.abs() < SAME_DIRECTION_RAD {
-            if last.turns_back(at) {
-                self.remark("this corner comes too soon after the one before it: the tool goes back a little and cuts into the part");
-            }
-            self.let_go(sink);
-            return Ok(at);
-        }
-        if !inner {
-            if half_turn && turn * compensation.side > 1e-9 {
-                self.remark("this move goes back almost the way it came, with the part between: the tool goes round the corner and cuts into the part");
-            }
-            self.settle(None, sink)?;
-            let round = compensation.beside(next.from, after);
-            self.go_round(&compensation, next.from, round, rapid, to, sink);
-            return Ok(round);
-        }
-        // Of two points as near, the one that the tool comes to before the corner; so too on the way straight back.
-        let back =
-            if half_turn { last.radius() + curve.radius() } else { NEARER * compensation.radius };
-        let near = minus(next.from, times(before, back));
-        let Some(met) = last.meets(&curve, near) else {
-            if let Some(compensation) = &mut self.state.compensation {
-                compensation.last = None;
-            }
-            return Err(self.unreachable().into());
-        };
-        self.settle(Some(met), sink)?;
-        Ok(met)
+    if motion != Motion::None {
+        modes.left_beside = None;
     }
+    Ok(())
+}
 
-    fn remark(&mut self, text: &str) {
-        self.remarks.push(Diagnostic::warning("I0549", self.words.place.span, text));
+/// A straight move with the tool beside it.
+pub(crate) fn straight_beside<S: Sink>(
+    words: &Words,
+    modes: &mut Modes,
+    settings: &Settings,
+    rapid: bool,
+    to: &Point,
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    let [a, b, _] = modes.plane_axes();
+    let way = Way { from: [modes.at[a], modes.at[b]], to: [to[a], to[b]], circle: None };
+    let Some(compensation) = &modes.compensation else { return Ok(()) };
+    let at = compensation.at;
+    let distance = length(minus(way.to, way.from));
+    let Some(at) = at else {
+        return lead_in::begin_straight(words, modes, settings, &way, rapid, to, out);
+    };
+    if distance == 0.0 {
+        push_line(modes, rapid, to, at, out);
+        return Ok(());
     }
+    let direction = way.direction(way.to);
+    let through = compensation.beside(way.to, direction);
+    let line = Curve::Line { from: through, through, direction };
+    let from = corner(words, modes, &way, line, rapid, to, out)?;
+    let Some(compensation) = &mut modes.compensation else { return Ok(()) };
+    compensation.at = Some(through);
+    compensation.last = Some(Curve::Line { from, through, direction });
+    push_line(modes, rapid, to, through, out);
+    Ok(())
+}
 
-    fn unreachable(&self) -> Diagnostic {
-        let radius = self.state.compensation.as_ref().map_or(0.0, |c| c.radius);
+/// An arc with the tool beside it.
+pub(crate) fn arc_beside<S: Sink>(
+    words: &Words,
+    modes: &mut Modes,
+    to: &Point,
+    centre: Flat,
+    turns: i32,
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    let [a, b, _] = modes.plane_axes();
+    let way =
+        Way { from: [modes.at[a], modes.at[b]], to: [to[a], to[b]], circle: Some((centre, turns)) };
+    let Some(compensation) = modes.compensation.clone() else { return Ok(()) };
+    let programmed = length(minus(way.to, centre));
+    let inside = compensation.side * f64::from(turns.signum()) > 0.0;
+    let first = compensation.at.is_none();
+    if programmed <= compensation.radius && inside {
         let text = format!(
-            "a tool of radius {radius:.4} does not fit into the inner corner before this move"
+            "the tool's radius, {:.4}, must be smaller than the arc's, {programmed:.4}",
+            compensation.radius
         );
-        error("I0548", self.words.place.span, text)
-            .with_help("it would cut into what was programmed before: take a smaller tool, or make the corner wider")
+        return refuse("I0546", words.place.span, text);
     }
-
-    /// The held move ends here (or where it was to end); then everything held goes on its way.
-    fn settle<S: Sink>(&mut self, end: Option<Flat>, sink: &mut S) -> Outcome {
-        let Some(compensation) = &mut self.state.compensation else { return Ok(()) };
-        let shift = compensation.shift;
-        if let (Some(last), Some(at)) = (compensation.last, compensation.at)
-            && last.turns_back(end.unwrap_or(at))
-        {
-            compensation.last = None; // said once
-            return Err(self.unreachable().into());
+    let direction = way.direction(way.to);
+    let end = compensation.beside(way.to, direction);
+    let sweep = sweep_rad(way.from, way.to, centre, turns);
+    let curve = if first {
+        let inwards = times(minus(centre, way.to), 1.0 / programmed);
+        let centre =
+            lead_in::entry_centre(words, modes, [way.from, end], inwards, inside, programmed)?;
+        let sweep_rad = sweep_rad(way.from, end, centre, turns);
+        Curve::Circle {
+            from: way.from,
+            centre,
+            radius: length(minus(end, centre)),
+            turns,
+            sweep_rad,
         }
-        if let Some(end) = end {
-            let shifted = plus(end, shift);
-            let [a, b, _] = self.state.plane_axes();
-            for (_, held) in self.held.borrow_mut().iter_mut() {
-                if let Held::Call(Call::Line(to) | Call::Rapid(to) | Call::Arc { to, .. }) = held {
-                    (to[a], to[b]) = (shifted[0], shifted[1]);
-                }
+    } else {
+        let radius = if inside {
+            programmed - compensation.radius
+        } else {
+            programmed + compensation.radius
+        };
+        let from = compensation.beside(way.from, way.direction(way.from));
+        let curve = Curve::Circle { from, centre, radius, turns, sweep_rad: sweep };
+        let from = corner(words, modes, &way, curve, false, to, out)?;
+        Curve::Circle { from, centre, radius, turns, sweep_rad: sweep }
+    };
+    let Curve::Circle { centre, .. } = curve else { return Ok(()) };
+    let Some(compensation) = &mut modes.compensation else { return Ok(()) };
+    compensation.at = Some(end);
+    compensation.last = Some(curve);
+    push_arc(modes, to, centre, turns, end, out);
+    Ok(())
+}
+
+fn push_line<S: Sink>(modes: &Modes, rapid: bool, to: &Point, end: Flat, out: &mut Out<'_, S>) {
+    let to = beside(modes, to, end);
+    out.hold(if rapid { Call::Rapid(to) } else { Call::Line(to) });
+}
+
+fn push_arc<S: Sink>(
+    modes: &Modes,
+    to: &Point,
+    centre: Flat,
+    turns: i32,
+    end: Flat,
+    out: &mut Out<'_, S>,
+) {
+    let shift = modes.compensation.as_ref().map_or([0.0; 2], |c| c.shift);
+    let to = beside(modes, to, end);
+    let centre = plus(centre, shift);
+    out.hold(Call::Arc { plane: modes.plane, to, centre, turns });
+}
+
+fn beside(modes: &Modes, to: &Point, end: Flat) -> Point {
+    let [a, b, _] = modes.plane_axes();
+    let shift = modes.compensation.as_ref().map_or([0.0; 2], |c| c.shift);
+    let end = plus(end, shift);
+    let mut to = *to;
+    (to[a], to[b]) = (end[0], end[1]);
+    to
+}
+
+/// Settle the end of the move held back by what follows it; where the next one begins.
+fn corner<S: Sink>(
+    words: &Words,
+    modes: &mut Modes,
+    next: &Way,
+    curve: Curve,
+    rapid: bool,
+    to: &Point,
+    out: &mut Out<'_, S>,
+) -> Outcome<Flat> {
+    let Some(compensation) = modes.compensation.clone() else { return Ok(next.from) };
+    let at = compensation.at.unwrap_or(next.from);
+    let Some(last) = compensation.last else { return Ok(at) };
+    // The offset end lies beside the corner: there the last move has the corner's direction.
+    let before = last.direction(at);
+    let after = next.direction(next.from);
+    if matches!(last, Curve::StartUp { .. }) {
+        let beside = compensation.beside(next.from, after);
+        settle(words, modes, Some(beside), out)?;
+        return Ok(beside);
+    }
+    let turn = turn_rad(before, after);
+    let half_turn = turn.abs() > PI - HALF_TURN_RAD;
+    let inner = if half_turn {
+        // Back the way it came: between two bumps the tool stops short, else it goes round.
+        compensation.bulge(&last) + compensation.bulge(&curve) > 0.0
+    } else {
+        turn * compensation.side > 0.0
+    };
+    if turn.abs() < SAME_DIRECTION_RAD {
+        if last.turns_back(at) {
+            remark(
+                words,
+                "this corner comes too soon after the one before it: the tool goes back a little and cuts into the part",
+                out,
+            );
+        }
+        out.let_go();
+        return Ok(at);
+    }
+    if !inner {
+        if half_turn && turn * compensation.side > 1e-9 {
+            remark(
+                words,
+                "this move goes back almost the way it came, with the part between: the tool goes round the corner and cuts into the part",
+                out,
+            );
+        }
+        settle(words, modes, None, out)?;
+        let round = compensation.beside(next.from, after);
+        go_round(modes, &compensation, next.from, round, rapid, to, out);
+        return Ok(round);
+    }
+    // Of two points as near, the one that the tool comes to before the corner; so too on the way straight back.
+    let back =
+        if half_turn { last.radius() + curve.radius() } else { NEARER * compensation.radius };
+    let near = minus(next.from, times(before, back));
+    let Some(met) = last.meets(&curve, near) else {
+        if let Some(compensation) = &mut modes.compensation {
+            compensation.last = None;
+        }
+        return Err(unreachable(words, modes).into());
+    };
+    settle(words, modes, Some(met), out)?;
+    Ok(met)
+}
+
+fn remark<S: Sink>(words: &Words, text: &str, out: &mut Out<'_, S>) {
+    out.remarks.push(Diagnostic::warning("I0549", words.place.span, text));
+}
+
+fn unreachable(words: &Words, modes: &Modes) -> Diagnostic {
+    let radius = modes.compensation.as_ref().map_or(0.0, |c| c.radius);
+    let text =
+        format!("a tool of radius {radius:.4} does not fit into the inner corner before this move");
+    error("I0548", words.place.span, text)
+        .with_help("it would cut into what was programmed before: take a smaller tool, or make the corner wider")
+}
+
+/// The held move ends here (or where it was to end); then everything held goes on its way.
+fn settle<S: Sink>(
+    words: &Words,
+    modes: &mut Modes,
+    end: Option<Flat>,
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    let Some(compensation) = &mut modes.compensation else { return Ok(()) };
+    let shift = compensation.shift;
+    if let (Some(last), Some(at)) = (compensation.last, compensation.at)
+        && last.turns_back(end.unwrap_or(at))
+    {
+        compensation.last = None; // said once
+        return Err(unreachable(words, modes).into());
+    }
+    if let Some(end) = end {
+        let shifted = plus(end, shift);
+        let [a, b, _] = modes.plane_axes();
+        for (_, held) in out.held.iter_mut() {
+            if let Waiting::Call(Call::Line(to) | Call::Rapid(to) | Call::Arc { to, .. }) = held {
+                (to[a], to[b]) = (shifted[0], shifted[1]);
             }
         }
-        self.let_go(sink);
-        Ok(())
     }
+    out.let_go();
+    Ok(())
+}
 
-    /// An arc about an outer corner; a rapid cuts it short.
-    fn go_round<S: Sink>(
-        &mut self,
-        compensation: &Compensation,
-        corner: Flat,
-        end: Flat,
-        rapid: bool,
-        next: &Point,
-        sink: &mut S,
-    ) {
-        let [a, b, n] = self.state.plane_axes();
-        let (end, centre) = (plus(end, compensation.shift), plus(corner, compensation.shift));
-        let mut to = *next;
-        (to[a], to[b], to[n]) = (end[0], end[1], self.state.at[n]);
-        let call = if rapid {
-            Call::Rapid(to)
-        } else {
-            let turns = if compensation.side > 0.0 { -1 } else { 1 };
-            Call::Arc { plane: self.state.plane, to, centre, turns }
-        };
-        sink.call(&self.words.place, &call);
-    }
+/// An arc about an outer corner; a rapid cuts it short.
+fn go_round<S: Sink>(
+    modes: &Modes,
+    compensation: &Compensation,
+    corner: Flat,
+    end: Flat,
+    rapid: bool,
+    next: &Point,
+    out: &mut Out<'_, S>,
+) {
+    let [a, b, n] = modes.plane_axes();
+    let (end, centre) = (plus(end, compensation.shift), plus(corner, compensation.shift));
+    let mut to = *next;
+    (to[a], to[b], to[n]) = (end[0], end[1], modes.at[n]);
+    let call = if rapid {
+        Call::Rapid(to)
+    } else {
+        let turns = if compensation.side > 0.0 { -1 } else { 1 };
+        Call::Arc { plane: modes.plane, to, centre, turns }
+    };
+    out.say_now(&call);
 }

@@ -19,15 +19,22 @@
 //!
 //! Source: NISTIR 6556, section 3.5.16; LinuxCNC 2.9 manual, "Canned cycles".
 use crate::{
-    boring::Shift,
-    call::{Call, Corners, Sense, Silence, Sink},
+    boring::{self, Shift},
+    call::{Call, Corners, Sense, Sink},
+    chips,
     codes::{AXES, GGroup, POLAR},
     dialect::DepthFrom,
-    execute::Executor,
+    executor::Settings,
     fault::{Outcome, error, refuse},
-    rigid::{Rigid, TapWords},
+    holes,
+    modes::{Cycle, FeedMode, Modes, Sticky},
+    motion, offsets,
+    out::Out,
+    rigid::{self, Rigid, TapWords},
     spelling::{Written, short},
-    state::{Cycle, FeedMode, Sticky},
+    synchro,
+    tools::Tools,
+    words::Words,
 };
 use core::fmt::Display;
 use diag::Diagnostic;
@@ -48,292 +55,317 @@ pub(crate) struct Pattern {
     pub(crate) counterbore: f64,
 }
 
-impl Executor {
-    pub(crate) fn cycle<S: Sink>(&mut self, cycle: Cycle, sink: &mut S) -> Outcome {
-        let code = crate::spelling::written(cycle.code());
-        let [a, b, n] = self.state.plane_axes();
-        if !self.words.any(AXES | POLAR) {
-            return refuse(
-                "I0516",
-                self.words.place.span,
-                format!("G{code} needs an axis word: where to drill"),
-            );
-        }
-        if !self.lead_is_the_taps(cycle) && !cycle.is_synchro() {
-            self.check_cycle_feed(code)?;
-        }
-        let repeats = self.repeats(cycle)?;
-        let mut sticky = self.sticky(cycle, code)?;
-        sticky.chips = self.chips(cycle, code, sticky.chips)?;
-        if repeats == 0 {
-            // Fanuc's K0: the words are kept for the blocks that follow
-            self.state.sticky = Some(sticky);
-            return Ok(());
-        }
-        let initial = *self.state.initial.get_or_insert(self.state.at[n]);
-        let pattern = self.pattern(cycle, code, &sticky, initial)?;
-        self.check_spindle(cycle, code)?;
-        if self.state.sticky.is_none() || self.words.g(GGroup::Motion).is_some() {
-            self.state.repetition = 0;
-        }
-        self.state.sticky = Some(sticky);
-        self.state.last_dwell = sticky.dwell.or(self.state.last_dwell);
-
-        if initial < pattern.r {
-            self.state.at[n] = pattern.r;
-            self.say(sink, &Call::Rapid(self.state.at));
-        }
-        if self.state.at[n] <= pattern.r {
-            // To the next hole at the level where this one ends, which is not lower.
-            self.state.at[n] = pattern.clear;
-        }
-        let exact = self.state.corners == Corners::ExactPath;
-        if !exact {
-            self.say(sink, &Call::PathControl { corners: Corners::ExactPath, merge: None });
-        }
-        for _ in 0..repeats {
-            self.step_in_plane([a, b])?;
-            let throw_rpm = self.throw_after_this(sticky.chips);
-            self.hole(&pattern, throw_rpm, sink);
-        }
-        if !exact {
-            self.say(
-                sink,
-                &Call::PathControl { corners: self.state.corners, merge: Some(self.state.merge) },
-            );
-        }
-        Ok(())
-    }
-
-    /// Where the next hole is, along the plane's two axes.
-    fn step_in_plane(&mut self, axes: [usize; 2]) -> Outcome {
-        if self.words.any(POLAR) {
-            [self.state.at[0], self.state.at[1]] = self.polar()?;
-            return Ok(());
-        }
-        for axis in axes {
-            if let Some(value) = self.axis_word(axis) {
-                self.state.at[axis] =
-                    if self.state.incremental { self.state.at[axis] + value } else { value };
-            }
-        }
-        Ok(())
-    }
-
-    pub(crate) fn check_cycle_feed(&self, code: impl Display) -> Outcome {
-        if self.state.feed_mode == FeedMode::InverseTime {
-            return refuse(
-                "I0501",
-                self.words.place.span,
-                format!("G{code} needs G94 or G95: G93 is in force"),
-            );
-        }
-        self.say_feed(format_args!("G{code}"), || 0.0, &mut Silence)
-    }
-
-    /// How often: L, or the dialect's letter.
-    fn repeats(&mut self, cycle: Cycle) -> Outcome<u32> {
-        let letter = self.rules.repeats;
-        let name = letter as char;
-        if letter != b'L' && self.words.get(b'L').is_some() && !cycle.is_synchro() {
-            let text = format!("L has no effect here: in this dialect {name} counts repetitions");
-            return refuse("I0517", self.words.span(b'L'), text);
-        }
-        let repeats = self.words.whole(letter, 100_000)?.unwrap_or(1);
-        let span = self.words.span(letter);
-        if repeats == 0 && !self.rules.no_repetition {
-            let text = format!("{name}0 makes no hole: {name} counts repetitions, 1 or more");
-            return refuse("I0502", span, text);
-        }
-        if repeats > 1 && !self.state.incremental {
-            let text = format!("{name}{repeats} with G90 makes the same hole {repeats} times");
-            self.remarks.push(
-                Diagnostic::warning("I0503", span, text).with_help("G91 steps from hole to hole"),
-            );
-        }
-        Ok(repeats)
-    }
-
-    /// R, Z, P, Q of this block, or those that the cycle kept.
-    fn sticky(&self, cycle: Cycle, code: Written) -> Outcome<Sticky> {
-        let [_, _, n] = self.state.plane_axes();
-        let axis = b"XYZ"[n] as char;
-        let kept = self.state.sticky.filter(|kept| kept.plane == self.state.plane);
-        let span = self.words.place.span;
-        let Some(r) = self.words.get(b'R').or(kept.map(|k| k.r)) else {
-            let text = format!("G{code} needs R, the level just above the work");
-            return refuse("I0504", span, text);
-        };
-        let Some(bottom) = self.axis_word(n).or(kept.map(|k| k.bottom)) else {
-            let text = format!("G{code} needs {axis}, the depth");
-            return refuse("I0505", span, text);
-        };
-        let tapping = cycle.tap_sense().is_some() && self.rules.taps_keep_dwell;
-        let before = if tapping { self.state.last_dwell } else { None };
-        let dwell = self.words.get(b'P').or(kept.and_then(|k| k.dwell)).or(before);
-        let peck = self.words.get(b'Q').or(kept.and_then(|k| k.peck));
-        if let Some(seconds) = dwell.filter(|p| *p < 0.0) {
-            return refuse(
-                "I0506",
-                self.words.span(b'P'),
-                format!("P is a time in seconds, 0 or more, found {seconds}"),
-            );
-        }
-        let waits = matches!(
-            cycle,
-            Cycle::DrillDwell | Cycle::BoreStopOut | Cycle::BoreManualOut | Cycle::BoreDwellFeedOut
+pub(crate) fn cycle<S: Sink>(
+    words: &Words,
+    modes: &mut Modes,
+    tools: &Tools,
+    settings: &Settings,
+    cycle: Cycle,
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    let code = crate::spelling::written(cycle.code());
+    let [a, b, n] = modes.plane_axes();
+    if !words.any(AXES | POLAR) {
+        return refuse(
+            "I0516",
+            words.place.span,
+            format!("G{code} needs an axis word: where to drill"),
         );
-        if waits && dwell.is_none() {
-            return refuse(
-                "I0507",
-                span,
-                format!("G{code} needs P, the seconds to wait at the bottom"),
-            );
-        }
-        if matches!(cycle, Cycle::ChipBreak | Cycle::Peck) {
-            match peck {
-                None => {
-                    return refuse(
-                        "I0508",
-                        span,
-                        format!("G{code} needs Q, the depth of each peck"),
-                    );
-                }
-                Some(q) if q <= 0.0 => {
-                    return refuse(
-                        "I0509",
-                        self.words.span(b'Q'),
-                        format!("Q is the depth of each peck, above 0, found {q}"),
-                    );
-                }
-                Some(_) => {}
-            }
-        }
-        if matches!(cycle, Cycle::FineBore | Cycle::BoreUpwards) {
-            self.check_fine_boring(cycle, peck)?;
-        }
-        let tap = match cycle.tap_sense() {
-            Some(_) if cycle.is_synchro() => self.synchro_words(cycle, kept.map(|k| k.tap))?,
-            Some(_) => self.tap_words(kept.map(|k| k.tap))?,
-            None => TapWords::default(),
-        };
-        let chips = kept.and_then(|k| k.chips);
-        let shift = self.shift_words(cycle, kept.and_then(|k| k.shift))?;
-        Ok(Sticky { r, bottom, dwell, peck, tap, shift, chips, plane: self.state.plane })
     }
-
-    fn pattern(
-        &self,
-        cycle: Cycle,
-        code: Written,
-        sticky: &Sticky,
-        initial: f64,
-    ) -> Outcome<Pattern> {
-        if crate::holes::bores_upwards(cycle) {
-            let [bottom, counterbore] = self.upward_levels(sticky.r, sticky.bottom, initial)?;
-            let (dwell, peck) = (sticky.dwell.unwrap_or(0.0), sticky.peck.unwrap_or(0.0));
-            let (tap, shift) = (sticky.tap, None);
-            let (r, clear) = (initial, initial);
-            return Ok(Pattern { cycle, r, bottom, clear, dwell, peck, tap, shift, counterbore });
-        }
-        let (r, bottom) = if self.state.incremental {
-            let r = initial + sticky.r;
-            match self.cycles.depth_from {
-                DepthFrom::RPlane => (r, r + sticky.bottom),
-                DepthFrom::InitialLevel => (r, initial + sticky.bottom),
-            }
-        } else {
-            (sticky.r, sticky.bottom)
-        };
-        if r < bottom {
-            return Err(self.upside_down(code, r, bottom).into());
-        }
-        let peck = sticky.peck.unwrap_or(f64::INFINITY);
-        if matches!(cycle, Cycle::ChipBreak | Cycle::Peck) && (r - bottom) / peck > MAX_PECKS {
-            let text = format!(
-                "Q{peck} would make more than {MAX_PECKS} pecks: at least {} is needed",
-                short((r - bottom) / MAX_PECKS)
-            );
-            return refuse("I0511", self.words.span(b'Q'), text);
-        }
-        self.check_pecks(&sticky.tap, r - bottom)?;
-        let clear = if self.state.retract_to_initial { initial.max(r) } else { r };
-        let dwell = sticky.dwell.unwrap_or(0.0);
-        let counterbore = self.counterbore(sticky.shift, bottom)?;
-        let (tap, shift) = (sticky.tap, sticky.shift);
-        Ok(Pattern { cycle, r, bottom, clear, dwell, peck, tap, shift, counterbore })
+    if !rigid::lead_is_the_taps(modes, tools, cycle) && !cycle.is_synchro() {
+        check_cycle_feed(words, modes, code)?;
     }
-
-    fn upside_down(&self, code: Written, r: f64, bottom: f64) -> Diagnostic {
-        let [_, _, n] = self.state.plane_axes();
-        let axis = b"XYZ"[n] as char;
-        let (r, bottom) = (short(r), short(bottom));
-        let text = format!("G{code} would end above where it begins: R is {r}, {axis} is {bottom}");
-        error("I0510", self.words.place.span, text).with_help(
-            match (self.state.incremental, self.cycles.depth_from) {
-                (false, _) => {
-                    format!("R must be at or above {axis}; both count from the work's zero (G90)")
-                }
-                (true, DepthFrom::RPlane) => {
-                    format!("R counts from the initial level, {axis} from R (G91): {axis} must be negative")
-                }
-                (true, DepthFrom::InitialLevel) => format!(
-                    "R and {axis} both count from the initial level (G91): {axis} must be below R"
-                ),
-            },
-        )
+    let repeats = repeats(words, modes, settings, cycle, out)?;
+    let mut sticky = sticky(words, modes, settings, cycle, code)?;
+    sticky.chips = chips::chips(words, modes, settings, cycle, code, sticky.chips, out)?;
+    if repeats == 0 {
+        // Fanuc's K0: the words are kept for the blocks that follow
+        modes.sticky = Some(sticky);
+        return Ok(());
     }
+    let initial = *modes.initial.get_or_insert(modes.at[n]);
+    let pattern = pattern(words, modes, settings, cycle, code, &sticky, initial)?;
+    check_spindle(words, modes, settings, cycle, code)?;
+    if modes.sticky.is_none() || words.g(GGroup::Motion).is_some() {
+        modes.repetition = 0;
+    }
+    modes.sticky = Some(sticky);
+    modes.last_dwell = sticky.dwell.or(modes.last_dwell);
 
-    fn check_spindle(&self, cycle: Cycle, code: Written) -> Outcome {
-        let turning = self.state.spindle.turning;
-        let span = self.words.place.span;
-        let by_cycle = self.rules.taps_turn_spindle;
-        let turned = by_cycle && self.state.spindle.speed > 0.0;
-        let rigid = self.state.rigid != Rigid::Off || turned;
-        match (cycle.tap_sense(), turning) {
-            (Some(_), _) if cycle.is_synchro() && turned => return Ok(()),
-            (Some(_), None) if by_cycle && !rigid => {
-                let text =
-                    format!("G{code} needs S, the speed of the tap, in its block or before it");
-                return refuse("I0597", span, text);
-            }
-            (Some(_), None) if rigid => return Ok(()),
-            (Some(sense), None) => {
-                let start = if sense == Sense::Clockwise { "M3" } else { "M4" };
-                let text =
-                    format!("G{code} needs a turning spindle: write {start} and S before it");
-                let fault = error("I0512", span, text);
-                return Err(fault.with_help("or M29 and S: the cycle turns it then").into());
-            }
-            (Some(Sense::Clockwise), Some(Sense::Counterclockwise)) => {
-                let text =
-                    format!("G{code} taps right-hand threads and needs M3, but M4 is in force");
-                let fault = error("I0513", span, text);
-                return Err(fault.with_help("G74 taps left-hand threads with M4").into());
-            }
-            (Some(Sense::Counterclockwise), Some(Sense::Clockwise)) => {
-                let text =
-                    format!("G{code} taps left-hand threads and needs M4, but M3 is in force");
-                let fault = error("I0514", span, text);
-                return Err(fault.with_help("G84 taps right-hand threads with M3").into());
-            }
-            _ => {}
+    if initial < pattern.r {
+        modes.at[n] = pattern.r;
+        out.say(&Call::Rapid(modes.at));
+    }
+    if modes.at[n] <= pattern.r {
+        // To the next hole at the level where this one ends, which is not lower.
+        modes.at[n] = pattern.clear;
+    }
+    let exact = modes.corners == Corners::ExactPath;
+    if !exact {
+        out.say(&Call::PathControl { corners: Corners::ExactPath, merge: None });
+    }
+    for _ in 0..repeats {
+        step_in_plane(words, modes, [a, b])?;
+        let throw_rpm = chips::throw_after_this(modes, sticky.chips);
+        holes::hole(words, modes, settings, &pattern, throw_rpm, out);
+    }
+    if !exact {
+        out.say(&Call::PathControl { corners: modes.corners, merge: Some(modes.merge) });
+    }
+    Ok(())
+}
+
+/// Where the next hole is, along the plane's two axes.
+fn step_in_plane(words: &Words, modes: &mut Modes, axes: [usize; 2]) -> Outcome {
+    if words.any(POLAR) {
+        [modes.at[0], modes.at[1]] = motion::polar(words, modes)?;
+        return Ok(());
+    }
+    for axis in axes {
+        if let Some(value) = offsets::axis_word(words, modes, axis) {
+            modes.at[axis] = if modes.incremental { modes.at[axis] + value } else { value };
         }
-        match (cycle, turning) {
-            (
-                Cycle::BoreStopOut
-                | Cycle::BackBore
-                | Cycle::BoreManualOut
-                | Cycle::FineBore
-                | Cycle::BoreUpwards,
-                None,
-            ) => {
-                let text = format!(
-                    "G{code} stops the spindle and starts it again: it must turn before, write M3 or M4"
+    }
+    Ok(())
+}
+
+pub(crate) fn check_cycle_feed(words: &Words, modes: &Modes, code: impl Display) -> Outcome {
+    if modes.feed_mode == FeedMode::InverseTime {
+        return refuse(
+            "I0501",
+            words.place.span,
+            format!("G{code} needs G94 or G95: G93 is in force"),
+        );
+    }
+    motion::check_feed(words, modes, format_args!("G{code}"))
+}
+
+/// How often: L, or the dialect's letter.
+fn repeats<S: Sink>(
+    words: &Words,
+    modes: &Modes,
+    settings: &Settings,
+    cycle: Cycle,
+    out: &mut Out<'_, S>,
+) -> Outcome<u32> {
+    let letter = settings.rules.repeats;
+    let name = letter as char;
+    if letter != b'L' && words.get(b'L').is_some() && !cycle.is_synchro() {
+        let text = format!("L has no effect here: in this dialect {name} counts repetitions");
+        return refuse("I0517", words.span(b'L'), text);
+    }
+    let repeats = words.whole(letter, 100_000)?.unwrap_or(1);
+    let span = words.span(letter);
+    if repeats == 0 && !settings.rules.no_repetition {
+        let text = format!("{name}0 makes no hole: {name} counts repetitions, 1 or more");
+        return refuse("I0502", span, text);
+    }
+    if repeats > 1 && !modes.incremental {
+        let text = format!("{name}{repeats} with G90 makes the same hole {repeats} times");
+        out.remarks.push(
+            Diagnostic::warning("I0503", span, text).with_help("G91 steps from hole to hole"),
+        );
+    }
+    Ok(repeats)
+}
+
+/// R, Z, P, Q of this block, or those that the cycle kept.
+fn sticky(
+    words: &Words,
+    modes: &Modes,
+    settings: &Settings,
+    cycle: Cycle,
+    code: Written,
+) -> Outcome<Sticky> {
+    let [_, _, n] = modes.plane_axes();
+    let axis = b"XYZ"[n] as char;
+    let kept = modes.sticky.filter(|kept| kept.plane == modes.plane);
+    let span = words.place.span;
+    let Some(r) = words.get(b'R').or(kept.map(|k| k.r)) else {
+        let text = format!("G{code} needs R, the level just above the work");
+        return refuse("I0504", span, text);
+    };
+    let Some(bottom) = offsets::axis_word(words, modes, n).or(kept.map(|k| k.bottom)) else {
+        let text = format!("G{code} needs {axis}, the depth");
+        return refuse("I0505", span, text);
+    };
+    let tapping = cycle.tap_sense().is_some() && settings.rules.taps_keep_dwell;
+    let before = if tapping { modes.last_dwell } else { None };
+    let dwell = words.get(b'P').or(kept.and_then(|k| k.dwell)).or(before);
+    let peck = words.get(b'Q').or(kept.and_then(|k| k.peck));
+    if let Some(seconds) = dwell.filter(|p| *p < 0.0) {
+        return refuse(
+            "I0506",
+            words.span(b'P'),
+            format!("P is a time in seconds, 0 or more, found {seconds}"),
+        );
+    }
+    let waits = matches!(
+        cycle,
+        Cycle::DrillDwell | Cycle::BoreStopOut | Cycle::BoreManualOut | Cycle::BoreDwellFeedOut
+    );
+    if waits && dwell.is_none() {
+        return refuse(
+            "I0507",
+            span,
+            format!("G{code} needs P, the seconds to wait at the bottom"),
+        );
+    }
+    if matches!(cycle, Cycle::ChipBreak | Cycle::Peck) {
+        match peck {
+            None => {
+                return refuse("I0508", span, format!("G{code} needs Q, the depth of each peck"));
+            }
+            Some(q) if q <= 0.0 => {
+                return refuse(
+                    "I0509",
+                    words.span(b'Q'),
+                    format!("Q is the depth of each peck, above 0, found {q}"),
                 );
-                refuse("I0515", span, text)
             }
-            _ => Ok(()),
+            Some(_) => {}
         }
+    }
+    if matches!(cycle, Cycle::FineBore | Cycle::BoreUpwards) {
+        boring::check_fine_boring(words, modes, cycle, peck)?;
+    }
+    let tap = match cycle.tap_sense() {
+        Some(_) if cycle.is_synchro() => {
+            synchro::synchro_words(words, modes, cycle, kept.map(|k| k.tap))?
+        }
+        Some(_) => rigid::tap_words(words, kept.map(|k| k.tap))?,
+        None => TapWords::default(),
+    };
+    let chips = kept.and_then(|k| k.chips);
+    let shift = boring::shift_words(words, cycle, kept.and_then(|k| k.shift))?;
+    Ok(Sticky { r, bottom, dwell, peck, tap, shift, chips, plane: modes.plane })
+}
+
+fn pattern(
+    words: &Words,
+    modes: &Modes,
+    settings: &Settings,
+    cycle: Cycle,
+    code: Written,
+    sticky: &Sticky,
+    initial: f64,
+) -> Outcome<Pattern> {
+    if crate::holes::bores_upwards(cycle) {
+        let [bottom, counterbore] =
+            boring::upward_levels(words, modes, sticky.r, sticky.bottom, initial)?;
+        let (dwell, peck) = (sticky.dwell.unwrap_or(0.0), sticky.peck.unwrap_or(0.0));
+        let (tap, shift) = (sticky.tap, None);
+        let (r, clear) = (initial, initial);
+        return Ok(Pattern { cycle, r, bottom, clear, dwell, peck, tap, shift, counterbore });
+    }
+    let (r, bottom) = if modes.incremental {
+        let r = initial + sticky.r;
+        match settings.cycles.depth_from {
+            DepthFrom::RPlane => (r, r + sticky.bottom),
+            DepthFrom::InitialLevel => (r, initial + sticky.bottom),
+        }
+    } else {
+        (sticky.r, sticky.bottom)
+    };
+    if r < bottom {
+        return Err(upside_down(words, modes, settings, code, r, bottom).into());
+    }
+    let peck = sticky.peck.unwrap_or(f64::INFINITY);
+    if matches!(cycle, Cycle::ChipBreak | Cycle::Peck) && (r - bottom) / peck > MAX_PECKS {
+        let text = format!(
+            "Q{peck} would make more than {MAX_PECKS} pecks: at least {} is needed",
+            short((r - bottom) / MAX_PECKS)
+        );
+        return refuse("I0511", words.span(b'Q'), text);
+    }
+    rigid::check_pecks(words, &sticky.tap, r - bottom)?;
+    let clear = if modes.retract_to_initial { initial.max(r) } else { r };
+    let dwell = sticky.dwell.unwrap_or(0.0);
+    let counterbore = boring::counterbore(words, modes, sticky.shift, bottom)?;
+    let (tap, shift) = (sticky.tap, sticky.shift);
+    Ok(Pattern { cycle, r, bottom, clear, dwell, peck, tap, shift, counterbore })
+}
+
+fn upside_down(
+    words: &Words,
+    modes: &Modes,
+    settings: &Settings,
+    code: Written,
+    r: f64,
+    bottom: f64,
+) -> Diagnostic {
+    let [_, _, n] = modes.plane_axes();
+    let axis = b"XYZ"[n] as char;
+    let (r, bottom) = (short(r), short(bottom));
+    let text = format!("G{code} would end above where it begins: R is {r}, {axis} is {bottom}");
+    error("I0510", words.place.span, text).with_help(
+        match (modes.incremental, settings.cycles.depth_from) {
+            (false, _) => {
+                format!("R must be at or above {axis}; both count from the work's zero (G90)")
+            }
+            (true, DepthFrom::RPlane) => {
+                format!(
+                    "R counts from the initial level, {axis} from R (G91): {axis} must be negative"
+                )
+            }
+            (true, DepthFrom::InitialLevel) => format!(
+                "R and {axis} both count from the initial level (G91): {axis} must be below R"
+            ),
+        },
+    )
+}
+
+fn check_spindle(
+    words: &Words,
+    modes: &Modes,
+    settings: &Settings,
+    cycle: Cycle,
+    code: Written,
+) -> Outcome {
+    let turning = modes.spindle.turning;
+    let span = words.place.span;
+    let by_cycle = settings.rules.taps_turn_spindle;
+    let turned = by_cycle && modes.spindle.speed > 0.0;
+    let rigid = modes.rigid != Rigid::Off || turned;
+    match (cycle.tap_sense(), turning) {
+        (Some(_), _) if cycle.is_synchro() && turned => return Ok(()),
+        (Some(_), None) if by_cycle && !rigid => {
+            let text = format!("G{code} needs S, the speed of the tap, in its block or before it");
+            return refuse("I0597", span, text);
+        }
+        (Some(_), None) if rigid => return Ok(()),
+        (Some(sense), None) => {
+            let start = if sense == Sense::Clockwise { "M3" } else { "M4" };
+            let text = format!("G{code} needs a turning spindle: write {start} and S before it");
+            let fault = error("I0512", span, text);
+            return Err(fault.with_help("or M29 and S: the cycle turns it then").into());
+        }
+        (Some(Sense::Clockwise), Some(Sense::Counterclockwise)) => {
+            let text = format!("G{code} taps right-hand threads and needs M3, but M4 is in force");
+            let fault = error("I0513", span, text);
+            return Err(fault.with_help("G74 taps left-hand threads with M4").into());
+        }
+        (Some(Sense::Counterclockwise), Some(Sense::Clockwise)) => {
+            let text = format!("G{code} taps left-hand threads and needs M4, but M3 is in force");
+            let fault = error("I0514", span, text);
+            return Err(fault.with_help("G84 taps right-hand threads with M3").into());
+        }
+        _ => {}
+    }
+    match (cycle, turning) {
+        (
+            Cycle::BoreStopOut
+            | Cycle::BackBore
+            | Cycle::BoreManualOut
+            | Cycle::FineBore
+            | Cycle::BoreUpwards,
+            None,
+        ) => {
+            let text = format!(
+                "G{code} stops the spindle and starts it again: it must turn before, write M3 or M4"
+            );
+            refuse("I0515", span, text)
+        }
+        _ => Ok(()),
     }
 }

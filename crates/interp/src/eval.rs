@@ -6,9 +6,9 @@
 //! Source: LinuxCNC 2.9 manual, "G-code overview", sections "Parameters" and "Expressions".
 use crate::{
     fault::{Outcome, error, refuse},
+    modes::Modes,
     names::{self, Store},
     spelling::short,
-    state::State,
     words::near_whole,
 };
 use diag::Span;
@@ -20,7 +20,7 @@ const EQUAL: f64 = 1e-4;
 /// Everything an expression may read.
 pub(crate) struct Values<'a> {
     pub(crate) store: &'a Store,
-    pub(crate) state: &'a State,
+    pub(crate) modes: &'a Modes,
 }
 
 impl Values<'_> {
@@ -58,7 +58,7 @@ impl Values<'_> {
                 Parameter::Named(name) => {
                     let name = block.text(name);
                     let there = self.store.named(name).is_some()
-                        || names::system(self.state, name).is_some();
+                        || names::system(self.modes, name).is_some();
                     Ok(f64::from(u8::from(there)))
                 }
                 Parameter::Numbered(number) => {
@@ -74,11 +74,11 @@ impl Values<'_> {
         match parameter {
             Parameter::Numbered(number) => {
                 let number = names::number(self.evaluate(block, number, span)?, span)?;
-                Ok(names::numbered(self.state, self.store, number))
+                Ok(names::numbered(self.modes, self.store, number))
             }
             Parameter::Named(name) => {
                 let name = block.text(name);
-                match self.store.named(name).or_else(|| names::system(self.state, name)) {
+                match self.store.named(name).or_else(|| names::system(self.modes, name)) {
                     Some(value) => Ok(value),
                     None => Err(Box::new(names::unknown(self.store, name, span))),
                 }

@@ -1,9 +1,11 @@
 //! O-words executed: subprograms, branches, loops; M98 and M99.
 use crate::{
-    Sink,
+    Sink, context,
     fault::{Outcome, error, refuse},
     interpreter::Interpreter,
+    out::Out,
     outline::{self, At, Mark, Outline},
+    profile::cycle,
     words::near_whole,
 };
 use gcode::{Keyword, Label, Value};
@@ -26,7 +28,7 @@ pub(crate) struct Frame {
 
 impl Interpreter<'_> {
     /// Execute the O-word of the block at hand.
-    pub(crate) fn o_word<S: Sink>(&mut self, sink: &mut S) -> Outcome {
+    pub(crate) fn o_word<S: Sink>(&mut self, out: &mut Out<'_, S>) -> Outcome {
         let Some(word) = self.block.o else { return Ok(()) };
         if word.keyword == Keyword::Program {
             return Ok(()); // the program's own number, or the begin of one that M98 calls
@@ -35,11 +37,11 @@ impl Interpreter<'_> {
         let ends = matches!(word.keyword, Keyword::EndSub | Keyword::Return);
         let depth = self.executor.recording.as_ref().map(|recording| recording.depth);
         if ends && depth == Some(self.frames.len()) {
-            return self.end_of_profile(sink);
+            return self.end_of_profile(out);
         }
         match word.keyword {
             Keyword::Call => return self.call(word.label),
-            Keyword::EndSub | Keyword::Return => return self.give_back(sink),
+            Keyword::EndSub | Keyword::Return => return self.give_back(out),
             _ => {}
         }
         let Some(i) = self.outline().at(self.block.span.start) else { return Ok(()) };
@@ -142,7 +144,7 @@ impl Interpreter<'_> {
     fn argument(&mut self) -> Outcome<f64> {
         let span = self.block.o.map_or(self.block.span, |o| o.span);
         let value = self.block.arguments.first().copied().unwrap_or(Value::Number(0.0));
-        self.executor.state.line = self.block.span.line;
+        self.executor.modes.line = self.block.span.line;
         let result = self.executor.values().evaluate(&self.block, value, span);
         self.ended |= result.is_err();
         result
@@ -180,7 +182,7 @@ impl Interpreter<'_> {
 
     fn call(&mut self, label: Label) -> Outcome {
         let span = self.block.o.map_or(self.block.span, |o| o.span);
-        self.executor.state.line = self.block.span.line;
+        self.executor.modes.line = self.block.span.line;
         let (file, mark) = self.called(label, span)?;
         let count = self.block.arguments.len();
         let mut arguments = [0.0; MOST_ARGUMENTS];
@@ -267,32 +269,32 @@ impl Interpreter<'_> {
         let again = again.map(|times| (start, times));
         self.frames.push(Frame { file: self.file, back, repeats, again });
         self.file = file;
-        self.executor.state.call_level = self.frames.len();
-        self.executor.enter_context();
+        self.executor.modes.call_level = self.frames.len();
+        context::enter_context(&mut self.executor);
         self.jump(start);
         Ok(())
     }
 
     /// `endsub`, `return`: with the value, if one is given.
-    fn give_back<S: Sink>(&mut self, sink: &mut S) -> Outcome {
+    fn give_back<S: Sink>(&mut self, out: &mut Out<'_, S>) -> Outcome {
         let value = if self.block.arguments.is_empty() { None } else { Some(self.argument()?) };
-        self.executor.state.returned = value;
-        self.executor.state.value = value.unwrap_or(0.0);
+        self.executor.modes.returned = value;
+        self.executor.modes.value = value.unwrap_or(0.0);
         if self.frames.is_empty() {
             let span = self.block.o.map_or(self.block.span, |o| o.span);
             return refuse("I0312", span, "no subprogram is being executed here");
         }
         self.executor.store.leave();
-        self.leave(sink)
+        self.leave(out)
     }
 
-    fn leave<S: Sink>(&mut self, sink: &mut S) -> Outcome {
+    fn leave<S: Sink>(&mut self, out: &mut Out<'_, S>) -> Outcome {
         if let Some(frame) = self.frames.pop() {
             self.file = frame.file;
             self.repeats = frame.repeats;
-            self.executor.state.call_level = self.frames.len();
+            self.executor.modes.call_level = self.frames.len();
             self.jump(frame.back);
-            return self.executor.leave_context(sink);
+            return context::leave_context(&mut self.executor, out);
         }
         Ok(())
     }
@@ -314,11 +316,17 @@ impl Interpreter<'_> {
     }
 
     /// Its subprogram is over: cut it.
-    fn end_of_profile<S: Sink>(&mut self, sink: &mut S) -> Outcome {
+    fn end_of_profile<S: Sink>(&mut self, out: &mut Out<'_, S>) -> Outcome {
         let recording = self.executor.recording.take();
-        self.leave(sink)?;
+        self.leave(out)?;
         match recording.filter(|recording| recording.faults == self.faults) {
-            Some(recording) => self.executor.cut_profile(&recording, sink),
+            Some(recording) => cycle::cut_profile(
+                &mut self.executor.words,
+                &mut self.executor.modes,
+                &self.executor.settings,
+                &recording,
+                out,
+            ),
             None => Ok(()),
         }
     }
@@ -340,7 +348,7 @@ impl Interpreter<'_> {
     }
 
     /// M99.
-    pub(crate) fn return_from_program<S: Sink>(&mut self, sink: &mut S) -> Outcome {
+    pub(crate) fn return_from_program<S: Sink>(&mut self, out: &mut Out<'_, S>) -> Outcome {
         let Some(frame) = self.frames.last_mut() else {
             self.ended = true;
             let text = "M99 in the main program would repeat it for ever";
@@ -353,7 +361,7 @@ impl Interpreter<'_> {
                 self.jump(start);
                 Ok(())
             }
-            Some(_) => self.leave(sink),
+            Some(_) => self.leave(out),
             None => refuse(
                 "I0315",
                 self.block.span,

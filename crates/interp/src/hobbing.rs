@@ -14,9 +14,12 @@
 use crate::{
     call::{Call, Sink},
     codes::{AXES, GGroup, POLAR, set},
-    execute::Executor,
+    compensation,
     fault::{Outcome, refuse},
+    modes::Modes,
+    out::Out,
     resolve::{Resolver, position},
+    words::Words,
 };
 use canon::{Hob, OpKind};
 use diag::Span;
@@ -46,72 +49,72 @@ pub struct HobOrder {
     pub helix_deg: f64,
 }
 
-impl Executor {
-    /// Execute the block if it begins hobbing. Whether it did.
-    pub(crate) fn hobbing<S: Sink>(&mut self, sink: &mut S) -> Outcome<bool> {
-        let words = &self.words;
-        let told = [b'T', b'L', b'Q'].map(|letter| words.get(letter));
-        let drills = words.any(AXES | POLAR);
-        if words.g(GGroup::Motion) != Some(810) || drills || told.iter().all(Option::is_none) {
-            return Ok(false);
-        }
-        let span = words.place.span;
-        if !words.is_alone(set("TLQP")) {
-            let text = "G81 T L Q P gears the work to the hob: write it in a block of its own";
-            return refuse("I0823", span, text);
-        }
-        if self.compensating {
-            return self.no_compensation().map(|()| true);
-        }
-        let [Some(teeth), Some(starts), Some(size)] = told else {
-            let text = "hobbing needs T teeth, L starts of the hob and Q the module: G81 T40 L1 Q2 works; drilling needs an axis word";
-            return refuse("I0821", span, text);
-        };
-        let whole = crate::words::near_whole;
-        let (fewest, most) = TEETH;
-        let Some(teeth) = whole(teeth)
-            .and_then(|n| u32::try_from(n).ok())
-            .filter(|n| (fewest..=most).contains(n))
-        else {
-            let text = format!("expected {fewest} to {most} teeth, found T{teeth}");
-            return refuse("I0822", words.span(b'T'), text);
-        };
-        let Some(starts) =
-            whole(starts).filter(|n| *n != 0 && n.abs() <= MOST_STARTS).map(|n| n as i32)
-        else {
-            let text = format!(
-                "expected 1 to {MOST_STARTS} starts of the hob (below zero: the work turns against it), found L{starts}"
-            );
-            return refuse("I0822", words.span(b'L'), text);
-        };
-        let inches = self.state.units == crate::call::Units::Inch;
-        let module_mm = if inches { 25.4 / size } else { size };
-        if !(MODULE_MM.0..=MODULE_MM.1).contains(&module_mm) {
-            let text = format!(
-                "expected a module from {} to {} mm, found Q{size}{}",
-                MODULE_MM.0,
-                MODULE_MM.1,
-                if inches { " (diametral pitch)" } else { "" }
-            );
-            return refuse("I0822", words.span(b'Q'), text);
-        }
-        let helix_deg = words.get(b'P').unwrap_or(0.0);
-        if helix_deg.abs() > STEEPEST_DEG {
-            let text =
-                format!("expected a helix of up to {STEEPEST_DEG}° either way, found P{helix_deg}");
-            return refuse("I0822", words.span(b'P'), text);
-        }
-        self.state.hobbing = true;
-        self.state.motion = crate::state::Motion::None;
-        self.say(sink, &Call::Hob(&HobOrder { teeth, starts, module_mm, helix_deg }));
-        Ok(true)
+/// Execute the block if it begins hobbing. Whether it did.
+pub(crate) fn hobbing<S: Sink>(
+    words: &Words,
+    modes: &mut Modes,
+    out: &mut Out<'_, S>,
+) -> Outcome<bool> {
+    let told = [b'T', b'L', b'Q'].map(|letter| words.get(letter));
+    let drills = words.any(AXES | POLAR);
+    if words.g(GGroup::Motion) != Some(810) || drills || told.iter().all(Option::is_none) {
+        return Ok(false);
     }
+    let span = words.place.span;
+    if !words.is_alone(set("TLQP")) {
+        let text = "G81 T L Q P gears the work to the hob: write it in a block of its own";
+        return refuse("I0823", span, text);
+    }
+    if modes.compensating() {
+        return compensation::no_compensation(words).map(|()| true);
+    }
+    let [Some(teeth), Some(starts), Some(size)] = told else {
+        let text = "hobbing needs T teeth, L starts of the hob and Q the module: G81 T40 L1 Q2 works; drilling needs an axis word";
+        return refuse("I0821", span, text);
+    };
+    let whole = crate::words::near_whole;
+    let (fewest, most) = TEETH;
+    let Some(teeth) =
+        whole(teeth).and_then(|n| u32::try_from(n).ok()).filter(|n| (fewest..=most).contains(n))
+    else {
+        let text = format!("expected {fewest} to {most} teeth, found T{teeth}");
+        return refuse("I0822", words.span(b'T'), text);
+    };
+    let Some(starts) =
+        whole(starts).filter(|n| *n != 0 && n.abs() <= MOST_STARTS).map(|n| n as i32)
+    else {
+        let text = format!(
+            "expected 1 to {MOST_STARTS} starts of the hob (below zero: the work turns against it), found L{starts}"
+        );
+        return refuse("I0822", words.span(b'L'), text);
+    };
+    let inches = modes.units == crate::call::Units::Inch;
+    let module_mm = if inches { 25.4 / size } else { size };
+    if !(MODULE_MM.0..=MODULE_MM.1).contains(&module_mm) {
+        let text = format!(
+            "expected a module from {} to {} mm, found Q{size}{}",
+            MODULE_MM.0,
+            MODULE_MM.1,
+            if inches { " (diametral pitch)" } else { "" }
+        );
+        return refuse("I0822", words.span(b'Q'), text);
+    }
+    let helix_deg = words.get(b'P').unwrap_or(0.0);
+    if helix_deg.abs() > STEEPEST_DEG {
+        let text =
+            format!("expected a helix of up to {STEEPEST_DEG}° either way, found P{helix_deg}");
+        return refuse("I0822", words.span(b'P'), text);
+    }
+    modes.hobbing = true;
+    modes.motion = crate::modes::Motion::None;
+    out.say(&Call::Hob(&HobOrder { teeth, starts, module_mm, helix_deg }));
+    Ok(true)
+}
 
-    /// G80 ends hobbing, if it was begun.
-    pub(crate) fn hobbing_end<S: Sink>(&mut self, sink: &mut S) {
-        if core::mem::take(&mut self.state.hobbing) {
-            self.say(sink, &Call::HobEnd);
-        }
+/// G80 ends hobbing, if it was begun.
+pub(crate) fn hobbing_end<S: Sink>(modes: &mut Modes, out: &mut Out<'_, S>) {
+    if core::mem::take(&mut modes.hobbing) {
+        out.say(&Call::HobEnd);
     }
 }
 

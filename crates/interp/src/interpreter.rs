@@ -1,12 +1,16 @@
 //! The program, block by block: reads, follows O-words, executes, collects what was found.
 use crate::{
     call::{Call, Sink},
+    comments,
     dialect::fanuc::Fanuc,
-    execute::{After, Executor},
+    execute::{self, After},
+    executor::Executor,
     fault::{Outcome, error},
     flow::Frame,
+    out::Out,
     outline::Outline,
-    refused::Doubts,
+    profile::record,
+    refused::{self, Doubts},
     reread::Reread,
     setup::{Limits, Parameters, Setup},
 };
@@ -93,7 +97,7 @@ impl<'s> Interpreter<'s> {
             parsers,
             file: 0,
             block: Block::new(),
-            executor: Executor::new(setup),
+            executor: execute::new(setup),
             frames: Vec::new(),
             repeats: Vec::new(),
             choosing: false,
@@ -120,26 +124,22 @@ impl<'s> Interpreter<'s> {
     /// Execute one block.
     #[inline]
     pub fn step<S: Sink>(&mut self, sink: &mut S) -> Progress {
+        let mut held = core::mem::take(&mut self.executor.held);
+        let mut remarks = Vec::new();
+        let place = self.executor.words.place;
+        let mut out = Out { sink, held: &mut held, remarks: &mut remarks, place };
         if !self.begun {
             self.begun = true;
-            self.executor.begin(sink);
+            execute::begin(&self.executor.modes, &mut out);
             if let Some(fanuc) = &self.fanuc {
-                fanuc.begin(&mut self.executor, sink);
+                fanuc.begin(&mut self.executor, &mut out);
             }
         }
-        if self.ended || self.piece_over {
-            return Progress::Ended;
+        if !(self.ended || self.piece_over) {
+            self.execute_block(&mut out);
         }
-        let before = self.executor.state.doubts;
-        match self.block(sink) {
-            Err(fault) => self.refuse(*fault, before, sink),
-            Ok(()) if self.executor.state.doubts != Doubts::default() && !self.block.faulty => {
-                self.executor.settle_doubts(&self.block, sink);
-            }
-            Ok(()) => {}
-        }
-        if !self.executor.remarks.is_empty() {
-            let remarks = core::mem::take(&mut self.executor.remarks);
+        self.executor.held = held;
+        for remarks in [core::mem::take(&mut self.executor.remarks), remarks] {
             self.report_all(remarks);
         }
         if self.ended || self.piece_over {
@@ -147,6 +147,23 @@ impl<'s> Interpreter<'s> {
             return Progress::Ended;
         }
         Progress::More
+    }
+
+    #[inline]
+    fn execute_block<S: Sink>(&mut self, out: &mut Out<'_, S>) {
+        let before = self.executor.modes.doubts;
+        match self.block(out) {
+            Err(fault) => self.refuse(*fault, before, out),
+            Ok(()) if self.executor.modes.doubts != Doubts::default() && !self.block.faulty => {
+                refused::settle_doubts(
+                    &self.executor.words,
+                    &mut self.executor.modes,
+                    &self.block,
+                    out,
+                );
+            }
+            Ok(()) => {}
+        }
     }
 
     pub(crate) fn expect_more(&mut self, more_follows: bool) {
@@ -190,7 +207,7 @@ impl<'s> Interpreter<'s> {
         (self.file, self.parsers[self.file].position().0)
     }
 
-    fn block<S: Sink>(&mut self, sink: &mut S) -> Outcome {
+    fn block<S: Sink>(&mut self, out: &mut Out<'_, S>) -> Outcome {
         if !self.next_block() {
             if self.more_follows {
                 self.piece_over = true;
@@ -207,12 +224,12 @@ impl<'s> Interpreter<'s> {
             self.report_all(found);
             self.faults += 1; // read again, it is not reported again
             let text = self.text_of_block();
-            self.executor.doubt_unreadable(text);
-            sink.doubt(self.executor.state.doubts);
+            refused::doubt_unreadable(&mut self.executor.modes, text);
+            out.sink.doubt(self.executor.modes.doubts);
             return Ok(());
         }
         if let Some(mut fanuc) = self.fanuc.take() {
-            let result = fanuc.block(self, sink);
+            let result = fanuc.block(self, out);
             self.fanuc = Some(fanuc);
             return result;
         }
@@ -220,41 +237,53 @@ impl<'s> Interpreter<'s> {
             return Ok(());
         }
         if self.block.o.is_some() {
-            return self.o_word(sink);
+            return self.o_word(out);
         }
         if self.block.percent {
-            self.percent_sign(sink);
+            self.percent_sign(out);
             return Ok(());
         }
-        let read = self.executor.read(&self.block);
+        let read = execute::read(
+            &mut self.executor.words,
+            &mut self.executor.modes,
+            &self.executor.store,
+            &self.block,
+        );
+        out.place = self.executor.words.place;
         if self.block.assignments.is_empty() {
             read?;
         } else {
             let assigned = self.assign();
             if assigned.is_err() {
-                self.executor.doubt_parameters();
+                refused::doubt_parameters(&mut self.executor.modes);
             }
             read.and(assigned)?;
         }
         if self.executor.recording.is_some() {
-            return self.executor.record();
+            return record::record(&mut self.executor, out);
         }
         if !self.block.comments.is_empty() {
-            let result = self.executor.comments(&self.block, self.sources[self.file], sink);
+            let result = comments::comments(
+                &self.executor.modes,
+                &self.executor.store,
+                &self.block,
+                self.sources[self.file],
+                out,
+            );
             self.ended |= result.is_err();
             result?;
         }
         if self.block.words.is_empty() {
             return Ok(());
         }
-        match self.executor.execute(sink)? {
+        match execute::execute(&mut self.executor, out)? {
             After::Next => Ok(()),
             After::End => {
                 self.ended = true;
                 Ok(())
             }
             After::Call(number, times) => self.call_program(number, times),
-            After::Return => self.return_from_program(sink),
+            After::Return => self.return_from_program(out),
             After::Profile(number) => self.take_down_profile(number),
         }
     }
@@ -265,15 +294,15 @@ impl<'s> Interpreter<'s> {
     }
 
     /// Keep a fault, unless it follows from one before; and go on as if the block had done what it could.
-    fn refuse<S: Sink>(&mut self, fault: Diagnostic, mut before: Doubts, sink: &mut S) {
-        if self.executor.names_its_motion(&self.block) {
+    fn refuse<S: Sink>(&mut self, fault: Diagnostic, mut before: Doubts, out: &mut Out<'_, S>) {
+        if refused::names_its_motion(&self.executor.words, &self.block) {
             before.clear(Doubts::MOTION);
         }
-        let explained = before.and(sink.missed()).may_cause(fault.code, &self.block)
-            || self.executor.state.doubts.hide_blocks(fault.code);
+        let explained = before.and(out.sink.missed()).may_cause(fault.code, &self.block)
+            || self.executor.modes.doubts.hide_blocks(fault.code);
         if fault.is_error() {
             let text = self.text_of_block();
-            self.executor.after_refusal(fault.code, &self.block, text, sink);
+            refused::after_refusal(&mut self.executor, fault.code, &self.block, text, out);
         }
         if explained {
             self.faults += 1;
@@ -314,7 +343,7 @@ impl<'s> Interpreter<'s> {
                 }
                 (Parameter::Named(name), _) => {
                     let written = self.block.text(name);
-                    crate::names::assignable(&self.executor.state, written, span)?;
+                    crate::names::assignable(&self.executor.modes, written, span)?;
                     if self.executor.store.names() >= self.limits.names {
                         self.ended = true;
                         let text = format!("more than {} named parameters", self.limits.names);
@@ -328,9 +357,9 @@ impl<'s> Interpreter<'s> {
         Ok(())
     }
 
-    pub(crate) fn percent_sign<S: Sink>(&mut self, sink: &mut S) {
-        if self.percent || self.executed > 1 && self.file == 0 && self.executor.state.line > 0 {
-            self.executor.say(sink, &Call::Finish);
+    pub(crate) fn percent_sign<S: Sink>(&mut self, out: &mut Out<'_, S>) {
+        if self.percent || self.executed > 1 && self.file == 0 && self.executor.modes.line > 0 {
+            out.say(&Call::Finish);
             self.ended = true;
         }
         self.percent = true;

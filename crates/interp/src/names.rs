@@ -2,8 +2,8 @@
 use crate::{
     call::Sense,
     fault::{Outcome, error, refuse},
+    modes::{FeedMode, Modes},
     setup::{MAX_PARAMETER, Parameters},
-    state::{FeedMode, State},
     words::near_whole,
 };
 use canon::{Axis, Plane};
@@ -103,8 +103,8 @@ pub(crate) fn assign(store: &mut Store, number: usize, value: f64, span: Span) -
 }
 
 /// Whether a named parameter can be set: it is not one that the interpreter answers itself.
-pub(crate) fn assignable(state: &State, name: &str, span: Span) -> Outcome {
-    if name.starts_with('_') && system(state, name).is_some() {
+pub(crate) fn assignable(modes: &Modes, name: &str, span: Span) -> Outcome {
+    if name.starts_with('_') && system(modes, name).is_some() {
         let text = format!("#<{name}> tells how things stand and cannot be set");
         return refuse("I0206", span, text);
     }
@@ -112,77 +112,77 @@ pub(crate) fn assignable(state: &State, name: &str, span: Span) -> Outcome {
 }
 
 /// Value of a numbered parameter.
-pub(crate) fn numbered(state: &State, store: &Store, number: usize) -> f64 {
+pub(crate) fn numbered(modes: &Modes, store: &Store, number: usize) -> f64 {
     match number {
-        5400 => f64::from(state.current_tool),
-        5401..=5409 => state.loaded.offset[number - 5401],
-        5410 => state.loaded.diameter,
-        5411 => state.loaded.front_angle,
-        5412 => state.loaded.back_angle,
-        5413 => f64::from(state.loaded.orientation),
-        5420..=5428 => state.place()[number - 5420],
+        5400 => f64::from(modes.current_tool),
+        5401..=5409 => modes.loaded.offset[number - 5401],
+        5410 => modes.loaded.diameter,
+        5411 => modes.loaded.front_angle,
+        5412 => modes.loaded.back_angle,
+        5413 => f64::from(modes.loaded.orientation),
+        5420..=5428 => modes.place()[number - 5420],
         _ => store.numbered.at(number),
     }
 }
 
 /// Value of a parameter that the interpreter answers itself.
-pub(crate) fn system(state: &State, name: &str) -> Option<f64> {
+pub(crate) fn system(modes: &Modes, name: &str) -> Option<f64> {
     let name = name.strip_prefix('_')?;
     let truth = |b: bool| Some(f64::from(u8::from(b)));
     if let Some(axis) = name.strip_prefix("abs_") {
-        return axis_of(axis).map(|i| state.frame.to_machine(&state.place())[i]);
+        return axis_of(axis).map(|i| modes.frame.to_machine(&modes.place())[i]);
     }
     if let Some(axis) = axis_of(name) {
-        return Some(state.place()[axis]);
+        return Some(modes.place()[axis]);
     }
-    let turning = state.spindle.turning;
+    let turning = modes.spindle.turning;
     match name {
         "vmajor" => Some(2.9), // the language's version: programs ask for what LinuxCNC 2.9 can do
         "vminor" | "task" | "remap_level" => Some(0.0),
-        "line" => Some(f64::from(state.line)),
-        "motion_mode" => Some(f64::from(state.motion.code())),
-        "plane" => Some(match state.plane {
+        "line" => Some(f64::from(modes.line)),
+        "motion_mode" => Some(f64::from(modes.motion.code())),
+        "plane" => Some(match modes.plane {
             Plane::XY => 170.0,
             Plane::ZX => 180.0,
             Plane::YZ => 190.0,
         }),
-        "ccomp" => Some(state.compensation.as_ref().map_or(400.0, |c| f64::from(c.code))),
-        "metric" => truth(state.units == crate::Units::Millimetre),
-        "imperial" => truth(state.units == crate::Units::Inch),
-        "absolute" => truth(!state.incremental),
-        "incremental" => truth(state.incremental),
-        "inverse_time" => truth(state.feed_mode == FeedMode::InverseTime),
-        "units_per_minute" => truth(state.feed_mode == FeedMode::PerMinute),
-        "units_per_rev" => truth(state.feed_mode == FeedMode::PerRevolution),
-        "coord_system" => Some(match state.system {
+        "ccomp" => Some(modes.compensation.as_ref().map_or(400.0, |c| f64::from(c.code))),
+        "metric" => truth(modes.units == crate::Units::Millimetre),
+        "imperial" => truth(modes.units == crate::Units::Inch),
+        "absolute" => truth(!modes.incremental),
+        "incremental" => truth(modes.incremental),
+        "inverse_time" => truth(modes.feed_mode == FeedMode::InverseTime),
+        "units_per_minute" => truth(modes.feed_mode == FeedMode::PerMinute),
+        "units_per_rev" => truth(modes.feed_mode == FeedMode::PerRevolution),
+        "coord_system" => Some(match modes.system {
             n @ 1..=6 => 530.0 + 10.0 * f64::from(n),
             n => 584.0 + f64::from(n),
         }),
-        "tool_offset" => truth(state.frame.tool != [0.0; 9]),
-        "retract_r_plane" => truth(!state.retract_to_initial),
-        "retract_old_z" => truth(state.retract_to_initial),
-        "spindle_rpm_mode" => truth(!state.spindle.constant_surface_speed),
-        "spindle_css_mode" => truth(state.spindle.constant_surface_speed),
-        "ijk_absolute_mode" => truth(state.absolute_centres),
-        "lathe_diameter_mode" => truth(state.diameter),
-        "lathe_radius_mode" => truth(!state.diameter),
+        "tool_offset" => truth(modes.frame.tool != [0.0; 9]),
+        "retract_r_plane" => truth(!modes.retract_to_initial),
+        "retract_old_z" => truth(modes.retract_to_initial),
+        "spindle_rpm_mode" => truth(!modes.spindle.constant_surface_speed),
+        "spindle_css_mode" => truth(modes.spindle.constant_surface_speed),
+        "ijk_absolute_mode" => truth(modes.absolute_centres),
+        "lathe_diameter_mode" => truth(modes.diameter),
+        "lathe_radius_mode" => truth(!modes.diameter),
         "spindle_on" => truth(turning.is_some()),
         "spindle_cw" => truth(turning == Some(Sense::Clockwise)),
-        "mist" => truth(state.mist),
-        "flood" => truth(state.flood),
-        "speed_override" => truth(state.speed_override),
-        "feed_override" => truth(state.feed_override),
-        "adaptive_feed" => truth(state.adaptive_feed),
-        "feed_hold" => truth(state.feed_hold),
-        "feed" => Some(state.feed),
-        "rpm" => Some(state.spindle.speed),
-        "current_pocket" => Some(f64::from(state.current_pocket)),
-        "selected_pocket" => Some(state.selected_pocket.map_or(-1.0, f64::from)),
-        "current_tool" => Some(f64::from(state.current_tool)),
-        "selected_tool" => Some(f64::from(state.selected_tool)),
-        "call_level" => Some(state.call_level as f64),
-        "value" => Some(state.value),
-        "value_returned" => truth(state.returned.is_some()),
+        "mist" => truth(modes.mist),
+        "flood" => truth(modes.flood),
+        "speed_override" => truth(modes.speed_override),
+        "feed_override" => truth(modes.feed_override),
+        "adaptive_feed" => truth(modes.adaptive_feed),
+        "feed_hold" => truth(modes.feed_hold),
+        "feed" => Some(modes.feed),
+        "rpm" => Some(modes.spindle.speed),
+        "current_pocket" => Some(f64::from(modes.current_pocket)),
+        "selected_pocket" => Some(modes.selected_pocket.map_or(-1.0, f64::from)),
+        "current_tool" => Some(f64::from(modes.current_tool)),
+        "selected_tool" => Some(f64::from(modes.selected_tool)),
+        "call_level" => Some(modes.call_level as f64),
+        "value" => Some(modes.value),
+        "value_returned" => truth(modes.returned.is_some()),
         _ => None,
     }
 }

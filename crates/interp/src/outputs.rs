@@ -15,8 +15,11 @@
 use crate::{
     call::{Call, Sink},
     codes::MGroup,
-    execute::Executor,
+    executor::Settings,
     fault::{Outcome, error, refuse},
+    names::Store,
+    out::Out,
+    words::Words,
 };
 use canon::{Await, InputWait, Output, Signal};
 use diag::Diagnostic;
@@ -27,100 +30,110 @@ const LAST: u32 = 63;
 /// What M66 has read.
 const READ: usize = 5399;
 
-impl Executor {
-    /// M62 … M68 of the block at hand.
-    pub(crate) fn outputs<S: Sink>(&mut self, sink: &mut S) -> Outcome {
-        let Some(code) = self.words.m(MGroup::Outputs) else { return Ok(()) };
-        match code {
-            62..=65 => {
-                let number = self.signal(code, b'P', "a digital output")?;
-                let signal = Signal::Digital { on: code % 2 == 0 };
-                self.say(sink, &Call::Output(Output { number, signal, with_motion: code <= 63 }));
-                Ok(())
-            }
-            66 => self.input(sink),
-            _ => {
-                let number = self.signal(code, b'E', "an analogue output")?;
-                let Some(value) = self.words.get(b'Q') else {
-                    let text = format!("M{code} needs Q, the value to put out");
-                    return refuse("I0642", self.words.place.span, text);
-                };
-                let signal = Signal::Analogue { value };
-                self.say(sink, &Call::Output(Output { number, signal, with_motion: code == 67 }));
-                Ok(())
-            }
+/// M62 … M68 of the block at hand.
+pub(crate) fn outputs<S: Sink>(
+    words: &Words,
+    store: &mut Store,
+    settings: &Settings,
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    let Some(code) = words.m(MGroup::Outputs) else { return Ok(()) };
+    match code {
+        62..=65 => {
+            let number = signal(words, code, b'P', "a digital output")?;
+            let signal = Signal::Digital { on: code % 2 == 0 };
+            out.say(&Call::Output(Output { number, signal, with_motion: code <= 63 }));
+            Ok(())
+        }
+        66 => input(words, store, settings, out),
+        _ => {
+            let number = signal(words, code, b'E', "an analogue output")?;
+            let Some(value) = words.get(b'Q') else {
+                let text = format!("M{code} needs Q, the value to put out");
+                return refuse("I0642", words.place.span, text);
+            };
+            let signal = Signal::Analogue { value };
+            out.say(&Call::Output(Output { number, signal, with_motion: code == 67 }));
+            Ok(())
         }
     }
+}
 
-    /// The number of an output or input.
-    fn signal(&self, code: u16, letter: u8, what: &str) -> Outcome<u8> {
-        let Some(number) = self.words.whole(letter, LAST)? else {
-            let text =
-                format!("M{code} needs {}, the number of {what}: 0 to {LAST}", letter as char);
-            return refuse("I0640", self.words.place.span, text);
-        };
-        Ok(number as u8)
-    }
+/// The number of an output or input.
+fn signal(words: &Words, code: u16, letter: u8, what: &str) -> Outcome<u8> {
+    let Some(number) = words.whole(letter, LAST)? else {
+        let text = format!("M{code} needs {}, the number of {what}: 0 to {LAST}", letter as char);
+        return refuse("I0640", words.place.span, text);
+    };
+    Ok(number as u8)
+}
 
-    /// M66.
-    fn input<S: Sink>(&mut self, sink: &mut S) -> Outcome {
-        let span = self.words.place.span;
-        let digital = self.words.get(b'P').is_some();
-        if digital == self.words.get(b'E').is_some() {
-            let text = "M66 needs one input: P for a digital one, or E for an analogue one";
-            return refuse("I0641", span, text);
-        }
-        let letter = if digital { b'P' } else { b'E' };
-        let number = self.signal(66, letter, "an input")?;
-        let until = match self.words.whole(b'L', 4)?.unwrap_or(0) {
-            0 => Await::Nothing,
-            1 => Await::Rise,
-            2 => Await::Fall,
-            3 => Await::On,
-            _ => Await::Off,
-        };
-        if until != Await::Nothing && !digital {
-            let text = "an analogue input is read, not waited for: L0, or no L";
-            return refuse("I0643", self.words.span(b'L'), text);
-        }
-        let longest = self.words.get(b'Q').unwrap_or(0.0);
-        if until != Await::Nothing && longest <= 0.0 {
-            let text = "M66 with L1 to L4 needs Q above 0, the longest wait in seconds";
-            return refuse("I0644", span, text);
-        }
-        let comes = matches!(until, Await::Rise | Await::On) && !self.stand_alone;
-        self.store.numbered.set(READ, f64::from(u8::from(comes)));
-        let wait = InputWait { number, digital, until, longest: Time::s(longest.max(0.0)) };
-        self.say(sink, &Call::Input(wait));
-        Ok(())
+/// M66.
+fn input<S: Sink>(
+    words: &Words,
+    store: &mut Store,
+    settings: &Settings,
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    let span = words.place.span;
+    let digital = words.get(b'P').is_some();
+    if digital == words.get(b'E').is_some() {
+        let text = "M66 needs one input: P for a digital one, or E for an analogue one";
+        return refuse("I0641", span, text);
     }
+    let letter = if digital { b'P' } else { b'E' };
+    let number = signal(words, 66, letter, "an input")?;
+    let until = match words.whole(b'L', 4)?.unwrap_or(0) {
+        0 => Await::Nothing,
+        1 => Await::Rise,
+        2 => Await::Fall,
+        3 => Await::On,
+        _ => Await::Off,
+    };
+    if until != Await::Nothing && !digital {
+        let text = "an analogue input is read, not waited for: L0, or no L";
+        return refuse("I0643", words.span(b'L'), text);
+    }
+    let longest = words.get(b'Q').unwrap_or(0.0);
+    if until != Await::Nothing && longest <= 0.0 {
+        let text = "M66 with L1 to L4 needs Q above 0, the longest wait in seconds";
+        return refuse("I0644", span, text);
+    }
+    let comes = matches!(until, Await::Rise | Await::On) && !settings.stand_alone;
+    store.numbered.set(READ, f64::from(u8::from(comes)));
+    let wait = InputWait { number, digital, until, longest: Time::s(longest.max(0.0)) };
+    out.say(&Call::Input(wait));
+    Ok(())
+}
 
-    /// M100 … M199 of the block at hand, and what else the machine's file names.
-    pub(crate) fn user_code<S: Sink>(&mut self, sink: &mut S) -> Outcome {
-        let Some(number) = self.words.m(MGroup::User) else { return Ok(()) };
-        let Some(code) = self.user_codes.iter().find(|code| code.number == number) else {
-            return Err(self.unnamed(number).into());
-        };
-        let (p, q) = (self.words.get(b'P'), self.words.get(b'Q'));
-        self.say(sink, &Call::User { number, name: &code.name, p, q });
-        Ok(())
-    }
+/// M100 … M199 of the block at hand, and what else the machine's file names.
+pub(crate) fn user_code<S: Sink>(
+    words: &Words,
+    settings: &Settings,
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    let Some(number) = words.m(MGroup::User) else { return Ok(()) };
+    let Some(code) = settings.user_codes.iter().find(|code| code.number == number) else {
+        return Err(unnamed(words, settings, number).into());
+    };
+    let (p, q) = (words.get(b'P'), words.get(b'Q'));
+    out.say(&Call::User { number, name: &code.name, p, q });
+    Ok(())
+}
 
-    fn unnamed(&self, number: u16) -> Diagnostic {
-        let known: Vec<_> = self
-            .user_codes
-            .iter()
-            .take(12)
-            .map(|code| format!("M{} ({})", code.number, code.name))
-            .collect();
-        let text =
-            format!("M{number} is the machine's own, and its file does not say what it does");
-        let help =
-            format!("write M{number} = \"what it does\" under [user_codes] of the machine's file");
-        let help = match known.len() {
-            0 => help,
-            _ => format!("{help}; it has {}", known.join(", ")),
-        };
-        error("I0645", self.words.place.span, text).with_help(help)
-    }
+fn unnamed(words: &Words, settings: &Settings, number: u16) -> Diagnostic {
+    let known: Vec<_> = settings
+        .user_codes
+        .iter()
+        .take(12)
+        .map(|code| format!("M{} ({})", code.number, code.name))
+        .collect();
+    let text = format!("M{number} is the machine's own, and its file does not say what it does");
+    let help =
+        format!("write M{number} = \"what it does\" under [user_codes] of the machine's file");
+    let help = match known.len() {
+        0 => help,
+        _ => format!("{help}; it has {}", known.join(", ")),
+    };
+    error("I0645", words.place.span, text).with_help(help)
 }

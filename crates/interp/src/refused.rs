@@ -15,8 +15,13 @@
 use crate::{
     call::{Call, Sink},
     codes::{self, AXES, CENTRE, GGroup, Letters, POLAR, index},
-    execute::Executor,
-    state::Motion,
+    compensation, execute,
+    executor::Executor,
+    modes::{Modes, Motion},
+    motion, offsets,
+    out::Out,
+    switch,
+    words::Words,
 };
 
 /// How far a block was executed.
@@ -180,224 +185,223 @@ fn letters_of(text: &[u8]) -> Letters {
     letters
 }
 
-impl Executor {
-    /// A block that nobody could read: what it may have said.
-    pub(crate) fn doubt_unreadable(&mut self, text: &[u8]) {
-        let letters = letters_of(text);
-        self.state.doubts.add(said_by(letters));
-        let upper = text.to_ascii_uppercase();
-        if upper.windows(2).any(|pair| pair == b"G9") {
-            self.state.doubts.add(Doubts::DISTANCE);
-        }
-        if text.contains(&b'#') {
-            self.state.doubts.add(Doubts::PARAMETERS);
-        }
+/// A block that nobody could read: what it may have said.
+pub(crate) fn doubt_unreadable(modes: &mut Modes, text: &[u8]) {
+    let letters = letters_of(text);
+    modes.doubts.add(said_by(letters));
+    let upper = text.to_ascii_uppercase();
+    if upper.windows(2).any(|pair| pair == b"G9") {
+        modes.doubts.add(Doubts::DISTANCE);
     }
-
-    /// A parameter could not be set.
-    pub(crate) fn doubt_parameters(&mut self) {
-        self.state.doubts.add(Doubts::PARAMETERS);
+    if text.contains(&b'#') {
+        modes.doubts.add(Doubts::PARAMETERS);
     }
+}
 
-    /// A numbered block that is looked for is there, and cannot be read.
-    pub(crate) fn doubt_blocks(&mut self) {
-        self.state.doubts.add(Doubts::BLOCKS);
-    }
+/// A parameter could not be set.
+pub(crate) fn doubt_parameters(modes: &mut Modes) {
+    modes.doubts.add(Doubts::PARAMETERS);
+}
 
-    /// Whether it is no matter for this block which motion was in force.
-    pub(crate) fn names_its_motion(&self, block: &gcode::Block) -> bool {
-        self.words.place.span == block.span && self.words.g(GGroup::Motion).is_some()
-    }
+/// A numbered block that is looked for is there, and cannot be read.
+pub(crate) fn doubt_blocks(modes: &mut Modes) {
+    modes.doubts.add(Doubts::BLOCKS);
+}
 
-    /// Whether nobody knows what a block of axis words alone would do.
-    pub(crate) fn motion_is_in_doubt(&self) -> bool {
-        self.state.doubts.has(Doubts::MOTION)
-            && self.words.g(GGroup::Motion).is_none()
-            && self.words.any(AXES | CENTRE | POLAR)
-    }
+/// Whether it is no matter for this block which motion was in force.
+pub(crate) fn names_its_motion(words: &Words, block: &gcode::Block) -> bool {
+    words.place.span == block.span && words.g(GGroup::Motion).is_some()
+}
 
-    /// After a block was refused.
-    pub(crate) fn after_refusal<S: Sink>(
-        &mut self,
-        code: &str,
-        block: &gcode::Block,
-        text: &[u8],
-        sink: &mut S,
-    ) {
-        let read = self.words.place.span == block.span;
-        let needed = needs(code);
-        let failed = self.words.stage;
-        let mut missing = needed & !(Doubts::PLACE | Doubts::DISTANCE);
-        if read {
-            missing |= match failed {
-                Stage::Feed => Doubts::FEED,
-                Stage::Speed => Doubts::SPEED,
-                Stage::Tools => Doubts::TOOL,
-                _ => 0,
-            };
-            if needed & Doubts::PLACE != 0 {
-                // a word may be missing that says where it ends
-                missing |= Doubts::PLACE & !said_by(self.words.letters_present());
-            }
-        }
-        let grinds = self.state.cam || read && self.words.g(GGroup::Cam).is_some();
-        if read && self.recording.is_none() && !grinds {
-            if needed & Doubts::COMPENSATION != 0 {
-                self.give_up_compensation(sink);
-            }
-            if code == "I0533" {
-                self.words.forget_g(GGroup::Plane); // this is what was refused
-            }
-            self.follow(sink);
-        }
-        let unread = match (read, failed) {
-            (false, _) => letters_of(text),
-            (true, Stage::Words) if self.rules.reads_up_to_fault => letters_of(text),
-            (true, _) => self.words.unread,
+/// Whether nobody knows what a block of axis words alone would do.
+pub(crate) fn motion_is_in_doubt(words: &Words, modes: &Modes) -> bool {
+    modes.doubts.has(Doubts::MOTION)
+        && words.g(GGroup::Motion).is_none()
+        && words.any(AXES | CENTRE | POLAR)
+}
+
+/// After a block was refused.
+pub(crate) fn after_refusal<S: Sink>(
+    ex: &mut Executor,
+    code: &str,
+    block: &gcode::Block,
+    text: &[u8],
+    out: &mut Out<'_, S>,
+) {
+    let read = ex.words.place.span == block.span;
+    let needed = needs(code);
+    let failed = ex.words.stage;
+    let mut missing = needed & !(Doubts::PLACE | Doubts::DISTANCE);
+    if read {
+        missing |= match failed {
+            Stage::Feed => Doubts::FEED,
+            Stage::Speed => Doubts::SPEED,
+            Stage::Tools => Doubts::TOOL,
+            _ => 0,
         };
-        let of_computed =
-            if self.state.doubts.has(Doubts::PARAMETERS) { computed(block) } else { 0 };
-        self.state.doubts.add(said_by(unread | of_computed) | missing);
-        sink.doubt(self.state.doubts);
+        if needed & Doubts::PLACE != 0 {
+            // a word may be missing that says where it ends
+            missing |= Doubts::PLACE & !said_by(ex.words.letters_present());
+        }
     }
+    let grinds = ex.modes.cam || read && ex.words.g(GGroup::Cam).is_some();
+    if read && ex.recording.is_none() && !grinds {
+        if needed & Doubts::COMPENSATION != 0 {
+            give_up_compensation(&mut ex.modes, out);
+        }
+        if code == "I0533" {
+            ex.words.forget_g(GGroup::Plane); // this is what was refused
+        }
+        follow(ex, out);
+    }
+    let unread = match (read, failed) {
+        (false, _) => letters_of(text),
+        (true, Stage::Words) if ex.settings.rules.reads_up_to_fault => letters_of(text),
+        (true, _) => ex.words.unread,
+    };
+    let of_computed = if ex.modes.doubts.has(Doubts::PARAMETERS) { computed(block) } else { 0 };
+    ex.modes.doubts.add(said_by(unread | of_computed) | missing);
+    out.sink.doubt(ex.modes.doubts);
+}
 
-    /// After a block was executed: what it has said is known again.
-    pub(crate) fn settle_doubts<S: Sink>(&mut self, block: &gcode::Block, sink: &mut S) {
-        let words = &self.words;
-        if words.place.span != block.span {
-            return; // O-words, jumps: no words were read
-        }
-        let mut known = 0;
-        let mut says = |is: bool, what: u32| known |= if is { what } else { 0 };
-        says(words.get(b'F').is_some(), Doubts::FEED);
-        says(words.get(b'S').is_some(), Doubts::SPEED);
-        says(words.get(b'T').is_some(), Doubts::TOOL);
-        says(words.m(codes::MGroup::Spindle).is_some(), Doubts::SENSE);
-        says(words.g(GGroup::Motion).is_some(), Doubts::MOTION);
-        says(words.g(GGroup::Plane).is_some(), Doubts::PLANE);
-        says(words.g(GGroup::Compensation).is_some(), Doubts::COMPENSATION);
-        says(words.g(GGroup::Distance).is_some(), Doubts::DISTANCE);
-        let absolute = !(self.state.incremental || self.state.doubts.has(Doubts::DISTANCE));
-        for (axis, letter) in b"XYZABCUVW".iter().enumerate() {
-            // as written: Fanuc's maps add words
-            says(block.word(*letter).is_some() && absolute, 1 << axis);
-        }
-        self.state.doubts.clear(known);
-        if self.state.doubts.has(Doubts::PARAMETERS) {
-            self.state.doubts.add(said_by(computed(block)));
-        }
-        sink.doubt(self.state.doubts);
+/// After a block was executed: what it has said is known again.
+pub(crate) fn settle_doubts<S: Sink>(
+    words: &Words,
+    modes: &mut Modes,
+    block: &gcode::Block,
+    out: &mut Out<'_, S>,
+) {
+    if words.place.span != block.span {
+        return; // O-words, jumps: no words were read
     }
+    let mut known = 0;
+    let mut says = |is: bool, what: u32| known |= if is { what } else { 0 };
+    says(words.get(b'F').is_some(), Doubts::FEED);
+    says(words.get(b'S').is_some(), Doubts::SPEED);
+    says(words.get(b'T').is_some(), Doubts::TOOL);
+    says(words.m(codes::MGroup::Spindle).is_some(), Doubts::SENSE);
+    says(words.g(GGroup::Motion).is_some(), Doubts::MOTION);
+    says(words.g(GGroup::Plane).is_some(), Doubts::PLANE);
+    says(words.g(GGroup::Compensation).is_some(), Doubts::COMPENSATION);
+    says(words.g(GGroup::Distance).is_some(), Doubts::DISTANCE);
+    let absolute = !(modes.incremental || modes.doubts.has(Doubts::DISTANCE));
+    for (axis, letter) in b"XYZABCUVW".iter().enumerate() {
+        // as written: Fanuc's maps add words
+        says(block.word(*letter).is_some() && absolute, 1 << axis);
+    }
+    modes.doubts.clear(known);
+    if modes.doubts.has(Doubts::PARAMETERS) {
+        modes.doubts.add(said_by(computed(block)));
+    }
+    out.sink.doubt(modes.doubts);
+}
 
-    /// What the block says as far as it is understood, without complaints: modes, and where it leads.
-    pub(crate) fn follow<S: Sink>(&mut self, sink: &mut S) {
-        let failed = self.words.stage;
-        let known = self.state.doubts;
-        sink.doubt(Doubts::ALL);
-        if failed <= Stage::Words {
-            _ = self.feed_mode(sink);
-        }
-        if failed <= Stage::Feed {
-            _ = self.spindle_speed(sink);
-        }
-        if failed <= Stage::Speed {
-            _ = self.tools_and_switches(sink);
-        } else if failed == Stage::Tools {
-            _ = self.spindle(sink);
-            self.coolant(sink);
-        }
-        if failed <= Stage::Modes {
-            self.follow_modes(failed, sink);
-        }
-        if failed <= Stage::Motion {
-            self.follow_motion(sink);
-        }
-        self.words.stage = Stage::Done;
-        self.state.doubts.add(known.0);
-        sink.doubt(self.state.doubts);
+/// What the block says as far as it is understood, without complaints: modes, and where it leads.
+pub(crate) fn follow<S: Sink>(ex: &mut Executor, out: &mut Out<'_, S>) {
+    let failed = ex.words.stage;
+    let known = ex.modes.doubts;
+    out.sink.doubt(Doubts::ALL);
+    if failed <= Stage::Words {
+        _ = switch::feed_mode(&ex.words, &mut ex.modes, out);
     }
+    if failed <= Stage::Feed {
+        _ = switch::spindle_speed(&ex.words, &mut ex.modes, out);
+    }
+    if failed <= Stage::Speed {
+        _ = switch::tools_and_switches(ex, out);
+    } else if failed == Stage::Tools {
+        _ = switch::spindle(&ex.words, &mut ex.modes, out);
+        switch::coolant(&ex.words, &mut ex.modes, out);
+    }
+    if failed <= Stage::Modes {
+        follow_modes(ex, failed, out);
+    }
+    if failed <= Stage::Motion {
+        follow_motion(&ex.words, &mut ex.modes, out);
+    }
+    ex.words.stage = Stage::Done;
+    ex.modes.doubts.add(known.0);
+    out.sink.doubt(ex.modes.doubts);
+}
 
-    fn follow_modes<S: Sink>(&mut self, failed: Stage, sink: &mut S) {
-        self.plane(sink);
-        self.units(sink);
-        self.diameter(sink);
-        let side = self.words.g(GGroup::Compensation);
-        if failed < Stage::Modes || side == Some(400) {
-            _ = self.compensation(sink);
-        }
-        if side.is_some_and(|code| code != 400) && self.state.compensation.is_none() {
-            self.compensating = false;
-            self.state.doubts.add(Doubts::COMPENSATION);
-        }
-        _ = self.tool_length(sink);
-        self.work_offset(sink);
-        _ = self.path_control(sink);
-        self.distances(sink);
+fn follow_modes<S: Sink>(ex: &mut Executor, failed: Stage, out: &mut Out<'_, S>) {
+    execute::plane(&ex.words, &mut ex.modes, out);
+    switch::units(&ex.words, &mut ex.modes, out);
+    execute::diameter(&ex.words, &mut ex.modes, out);
+    let side = ex.words.g(GGroup::Compensation);
+    if failed < Stage::Modes || side == Some(400) {
+        _ = compensation::compensation(&ex.words, &mut ex.modes, &mut ex.tools, out);
     }
+    if side.is_some_and(|code| code != 400) && ex.modes.compensation.is_none() {
+        ex.modes.doubts.add(Doubts::COMPENSATION);
+    }
+    _ = offsets::tool_length(&ex.words, &mut ex.modes, &mut ex.tools, out);
+    offsets::work_offset(&ex.words, &mut ex.modes, &mut ex.store, &ex.settings, out);
+    _ = switch::path_control(&ex.words, &mut ex.modes, out);
+    execute::distances(&ex.words, &mut ex.modes, out);
+}
 
-    /// Refused compensation is as if off, until it is called again.
-    fn give_up_compensation<S: Sink>(&mut self, sink: &mut S) {
-        if self.state.compensation.take().is_some() || self.compensating {
-            self.let_go(sink);
-            self.compensating = false;
-        }
-        self.state.left_beside = None;
-        self.state.doubts.add(Doubts::COMPENSATION);
+/// Refused compensation is as if off, until it is called again.
+fn give_up_compensation<S: Sink>(modes: &mut Modes, out: &mut Out<'_, S>) {
+    if modes.compensation.take().is_some() {
+        out.let_go();
     }
+    modes.left_beside = None;
+    modes.doubts.add(Doubts::COMPENSATION);
+}
 
-    /// The place where the block leads to, and the motion that it puts in force.
-    fn follow_motion<S: Sink>(&mut self, sink: &mut S) {
-        let named = self.words.g(GGroup::Motion).map(Motion::from_code);
-        let motion = named.unwrap_or(self.state.motion);
-        if matches!(self.words.g(GGroup::NonModal), Some(280 | 300)) {
-            self.state.doubts.add(Doubts::PLACE);
-            return;
-        }
-        if matches!(motion, Motion::Cycle(_)) && named.is_some() {
-            (self.state.sticky, self.state.initial) = (None, None);
-            self.state.doubts.add(Doubts::MOTION);
-        }
-        if named.is_some() {
-            self.state.motion = motion;
-        }
-        if !self.words.any(AXES | POLAR) || self.is_set_by_axes() {
-            return;
-        }
-        if named.is_none() && self.words.unread & codes::set("G") != 0 {
-            // the words of a code that nobody knows: it may move, or not
-            self.state.doubts.add(said_by(self.words.letters_present() & (AXES | POLAR)));
-            return;
-        }
-        let machine_coordinates = self.words.g(GGroup::NonModal) == Some(530);
-        let Ok(mut to) = self.destination(machine_coordinates) else {
-            self.state.doubts.add(Doubts::PLACE);
-            return;
-        };
-        if matches!(motion, Motion::Cycle(_)) {
-            // along the plane's axes alone: of other letters a cycle has meanings of its own
-            let [a, b, _] = self.state.plane_axes();
-            let (x, y) = (to[a], to[b]);
-            to = self.state.at;
-            (to[a], to[b]) = (x, y);
-        }
-        if self.compensating {
-            self.give_up_compensation(sink);
-        }
-        self.state.nurbs = None;
-        self.state.left_beside = None;
-        if to != self.state.at {
-            let feeds = !matches!(motion, Motion::Rapid | Motion::None | Motion::Cycle(_));
-            let line = feeds && self.state.feed > 0.0;
-            self.state.at = to;
-            self.say(sink, &if line { Call::Line(to) } else { Call::Rapid(to) });
-        }
+/// The place where the block leads to, and the motion that it puts in force.
+fn follow_motion<S: Sink>(words: &Words, modes: &mut Modes, out: &mut Out<'_, S>) {
+    let named = words.g(GGroup::Motion).map(Motion::from_code);
+    let motion = named.unwrap_or(modes.motion);
+    if matches!(words.g(GGroup::NonModal), Some(280 | 300)) {
+        modes.doubts.add(Doubts::PLACE);
+        return;
     }
+    if matches!(motion, Motion::Cycle(_)) && named.is_some() {
+        (modes.sticky, modes.initial) = (None, None);
+        modes.doubts.add(Doubts::MOTION);
+    }
+    if named.is_some() {
+        modes.motion = motion;
+    }
+    if !words.any(AXES | POLAR) || is_set_by_axes(words) {
+        return;
+    }
+    if named.is_none() && words.unread & codes::set("G") != 0 {
+        // the words of a code that nobody knows: it may move, or not
+        modes.doubts.add(said_by(words.letters_present() & (AXES | POLAR)));
+        return;
+    }
+    let machine_coordinates = words.g(GGroup::NonModal) == Some(530);
+    let Ok(mut to) = motion::destination(words, modes, machine_coordinates) else {
+        modes.doubts.add(Doubts::PLACE);
+        return;
+    };
+    if matches!(motion, Motion::Cycle(_)) {
+        // along the plane's axes alone: of other letters a cycle has meanings of its own
+        let [a, b, _] = modes.plane_axes();
+        let (x, y) = (to[a], to[b]);
+        to = modes.at;
+        (to[a], to[b]) = (x, y);
+    }
+    if modes.compensating() {
+        give_up_compensation(modes, out);
+    }
+    modes.nurbs = None;
+    modes.left_beside = None;
+    if to != modes.at {
+        let feeds = !matches!(motion, Motion::Rapid | Motion::None | Motion::Cycle(_));
+        let line = feeds && modes.feed > 0.0;
+        modes.at = to;
+        out.say(&if line { Call::Line(to) } else { Call::Rapid(to) });
+    }
+}
 
-    /// The axis words are an offset's, not a move's.
-    fn is_set_by_axes(&self) -> bool {
-        matches!(self.words.g(GGroup::NonModal), Some(100 | 513 | 520 | 920))
-            || matches!(self.words.g(GGroup::ToolLength), Some(431 | 432))
-    }
+/// The axis words are an offset's, not a move's.
+fn is_set_by_axes(words: &Words) -> bool {
+    matches!(words.g(GGroup::NonModal), Some(100 | 513 | 520 | 920))
+        || matches!(words.g(GGroup::ToolLength), Some(431 | 432))
 }
 
 /// Letters of the words whose values are computed.

@@ -9,7 +9,7 @@
 //! the text changes. It holds for every text that agrees with the old one in what had been executed; and, if O-words had
 //! been executed ([`Snapshot::has_o_words`]), whose O-words are the same and in the same order.
 use crate::{
-    dialect::fanuc::Fanuc, execute::Executor, flow::Frame, interpreter::Interpreter, names,
+    dialect::fanuc::Fanuc, executor::Executor, flow::Frame, interpreter::Interpreter, names,
     outline::At, setup::Setup,
 };
 use canon::Position;
@@ -151,14 +151,14 @@ impl<'s> Interpreter<'s> {
         if let Some(fanuc) = &self.fanuc {
             return fanuc.variable_now(&self.executor, written.strip_prefix('#')?.parse().ok()?);
         }
-        let Executor { state, store, .. } = &self.executor;
+        let Executor { modes, store, .. } = &self.executor;
         let inner = written.strip_prefix('#')?;
         if let Some(name) = inner.strip_prefix('<').and_then(|name| name.strip_suffix('>')) {
-            return store.named(name).or_else(|| names::system(state, name));
+            return store.named(name).or_else(|| names::system(modes, name));
         }
         let number: usize = inner.parse().ok()?;
         let there = i64::try_from(number).is_ok_and(names::exists);
-        there.then(|| names::numbered(state, store, number))
+        there.then(|| names::numbered(modes, store, number))
     }
 
     /// Where the program stands: what is in force, and the position.
@@ -192,26 +192,26 @@ pub struct Standing {
 
 impl Standing {
     fn of(executor: &Executor) -> Self {
-        let state = &executor.state;
-        let mut machine = state.frame.to_machine(&state.at);
-        crate::frame::scale(&mut machine, state.units.in_mm());
+        let modes = &executor.modes;
+        let mut machine = modes.frame.to_machine(&modes.at);
+        crate::frame::scale(&mut machine, modes.units.in_mm());
         Self {
             codes: in_force(executor),
-            program: state.at,
+            program: modes.at,
             machine: crate::resolve::position(&machine),
-            units: state.units,
-            feed: state.feed,
-            speed: state.spindle.speed,
-            tool: state.current_tool,
-            selected_tool: state.selected_tool,
-            call_level: state.call_level,
+            units: modes.units,
+            feed: modes.feed,
+            speed: modes.spindle.speed,
+            tool: modes.current_tool,
+            selected_tool: modes.selected_tool,
+            call_level: modes.call_level,
         }
     }
 }
 
 /// One code of each group, as the interpreter answers programs that ask.
 fn in_force(executor: &Executor) -> Vec<String> {
-    let value = |name: &str| names::system(&executor.state, name).unwrap_or(0.0);
+    let value = |name: &str| names::system(&executor.modes, name).unwrap_or(0.0);
     let is = |name: &str| value(name) != 0.0;
     let numbered = |name: &str| format!("G{}", crate::spelling::written(value(name) as u16));
     let either = |name: &str, yes: &str, no: &str| (if is(name) { yes } else { no }).to_owned();
@@ -224,7 +224,7 @@ fn in_force(executor: &Executor) -> Vec<String> {
         numbered("_coord_system"),
         either("_tool_offset", "G43", "G49"),
         numbered("_ccomp"),
-        match executor.state.corners {
+        match executor.modes.corners {
             crate::Corners::ExactPath => "G61".to_owned(),
             crate::Corners::ExactStop => "G61.1".to_owned(),
             crate::Corners::Continuous(0.0) => "G64".to_owned(),

@@ -2,382 +2,323 @@
 use crate::{
     call::{Call, Corners, Sense, Sink, Units},
     codes::{GGroup, MGroup},
-    execute::Executor,
-    fault::{Outcome, error, refuse},
+    context,
+    executor::Executor,
+    fault::{Outcome, refuse},
     frame,
-    setup::MissingTools,
-    state::FeedMode,
+    modes::{FeedMode, Modes},
+    out::Out,
+    outputs,
+    words::Words,
 };
-use canon::{Tool, ToolKind};
-use diag::{Diagnostic, Span};
-use units::Length;
+use diag::Diagnostic;
 
 /// G96 without D: no limit. LinuxCNC says it with this number.
 pub(crate) const NO_SPEED_LIMIT: f64 = 1e30;
 
-impl Executor {
-    /// G93, G94, G95 and F.
-    pub(crate) fn feed_mode<S: Sink>(&mut self, sink: &mut S) -> Outcome {
-        if let Some(code) = self.words.g(GGroup::FeedMode) {
-            let mode = match code {
-                930 => FeedMode::InverseTime,
-                950 => FeedMode::PerRevolution,
-                _ => FeedMode::PerMinute,
-            };
-            self.set_feed_mode(mode, sink);
-        }
-        let Some(feed) = self.words.get(b'F') else { return Ok(()) };
-        if feed < 0.0 {
-            return refuse(
-                "I0402",
-                self.words.span(b'F'),
-                format!("F must not be negative, found {feed}"),
+/// G93, G94, G95 and F.
+pub(crate) fn feed_mode<S: Sink>(
+    words: &Words,
+    modes: &mut Modes,
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    if let Some(code) = words.g(GGroup::FeedMode) {
+        let mode = match code {
+            930 => FeedMode::InverseTime,
+            950 => FeedMode::PerRevolution,
+            _ => FeedMode::PerMinute,
+        };
+        set_feed_mode(modes, mode, out);
+    }
+    let Some(feed) = words.get(b'F') else { return Ok(()) };
+    if feed < 0.0 {
+        return refuse("I0402", words.span(b'F'), format!("F must not be negative, found {feed}"));
+    }
+    if modes.feed_mode != FeedMode::InverseTime {
+        out.say(&Call::FeedRate { rate: feed, duration_s: None });
+        let changed = match words.g(GGroup::Units) {
+            Some(200) => modes.units != Units::Inch,
+            Some(210) => modes.units != Units::Millimetre,
+            _ => false,
+        };
+        if changed {
+            let text = format!(
+                "F{feed} is still read in the units before this block: F comes before G20/G21"
             );
-        }
-        if self.state.feed_mode != FeedMode::InverseTime {
-            self.say(sink, &Call::FeedRate { rate: feed, duration_s: None });
-            let changed = match self.words.g(GGroup::Units) {
-                Some(200) => self.state.units != Units::Inch,
-                Some(210) => self.state.units != Units::Millimetre,
-                _ => false,
-            };
-            if changed {
-                let text = format!(
-                    "F{feed} is still read in the units before this block: F comes before G20/G21"
-                );
-                let help = "write G20 or G21 in a block before";
-                self.remarks.push(
-                    Diagnostic::warning("I0403", self.words.span(b'F'), text).with_help(help),
-                );
-            }
-        }
-        self.state.feed = feed;
-        Ok(())
-    }
-
-    pub(crate) fn set_feed_mode<S: Sink>(&mut self, mode: FeedMode, sink: &mut S) {
-        self.state.feed_mode = mode;
-        let note = match mode {
-            FeedMode::InverseTime => "feed mode set to inverse time",
-            FeedMode::PerMinute => "feed mode set to units per minute",
-            FeedMode::PerRevolution => "feed mode set to units per revolution",
-        };
-        self.say(sink, &Call::Note(note));
-        self.say(sink, &Call::FeedMode { per_revolution: mode == FeedMode::PerRevolution });
-        if mode != FeedMode::InverseTime {
-            self.say(sink, &Call::FeedRate { rate: 0.0, duration_s: None });
-            self.state.feed = 0.0; // a number per minute means nothing per revolution
+            let help = "write G20 or G21 in a block before";
+            out.remarks.push(Diagnostic::warning("I0403", words.span(b'F'), text).with_help(help));
         }
     }
+    modes.feed = feed;
+    Ok(())
+}
 
-    /// G96, G97 and S.
-    pub(crate) fn spindle_speed<S: Sink>(&mut self, sink: &mut S) -> Outcome {
-        self.spindle_number()?;
-        let speed = self.words.get(b'S');
-        match self.words.g(GGroup::SpindleMode) {
-            Some(960) => {
-                if speed.is_none() {
-                    return refuse(
-                        "I0601",
-                        self.words.place.span,
-                        "G96 needs S, the surface speed",
-                    );
-                }
-                let limit = self.words.get(b'D').unwrap_or(NO_SPEED_LIMIT);
-                self.say(sink, &Call::SpindleMode(limit.abs()));
-                self.state.spindle.constant_surface_speed = true;
-                self.state.spindle.limit = limit.abs();
-            }
-            Some(_) => {
-                self.say(sink, &Call::SpindleMode(0.0));
-                self.state.spindle.constant_surface_speed = false;
-            }
-            None => {}
-        }
-        let Some(speed) = speed else { return Ok(()) };
-        if speed < 0.0 {
-            let text = format!("S must not be negative, found {speed}; M4 turns the other way");
-            return refuse("I0602", self.words.span(b'S'), text);
-        }
-        self.state.spindle.speed = speed;
-        self.say(sink, &Call::SpindleSpeed(speed));
-        Ok(())
-    }
-
-    /// Where a tool is kept; that of no tool, and of one that the table lacks, is 0.
-    pub(crate) fn pocket(&self, number: u32) -> u32 {
-        self.tools.get(number).map_or(0, |tool| tool.pocket)
-    }
-
-    /// `$`: the only spindle is 0, and −1 means all.
-    fn spindle_number(&self) -> Outcome {
-        match self.words.get(b'$') {
-            None | Some(0.0 | -1.0) => Ok(()),
-            Some(other) => {
-                let text = format!("expected spindle $0, the only one, found ${other}");
-                refuse("I0603", self.words.span(b'$'), text)
-            }
-        }
-    }
-
-    /// T, M6, M61, M3 M4 M5 M19, coolant, overrides, G4.
-    pub(crate) fn tools_and_switches<S: Sink>(&mut self, sink: &mut S) -> Outcome {
-        if self.words.get(b'T').is_some() {
-            let number = self.tool_word(b'T')?;
-            self.state.selected_tool = number;
-            if number != 0 || !self.stand_alone {
-                self.state.selected_pocket = Some(self.pocket(number));
-            }
-            self.say(sink, &Call::SelectTool(number));
-        }
-        self.outputs(sink)?;
-        match self.words.m(MGroup::Tool) {
-            Some(6) => {
-                self.say(sink, &Call::StartChange);
-                self.state.spindle.turning = None;
-                self.say(sink, &Call::SpindleStop);
-                self.state.current_tool = self.state.selected_tool;
-                self.state.current_pocket = self.state.selected_pocket.unwrap_or(0);
-                if !self.stand_alone || self.state.current_tool != 0 {
-                    self.state.loaded = self.tool_entry(self.state.current_tool);
-                }
-                self.say(sink, &Call::ChangeTool(self.state.current_tool));
-            }
-            Some(_) => {
-                if self.words.get(b'Q').is_none() {
-                    return refuse(
-                        "I0604",
-                        self.words.place.span,
-                        "M61 needs Q, the number of the tool",
-                    );
-                }
-                self.state.current_tool = self.tool_word(b'Q')?;
-                self.state.current_pocket = self.pocket(self.state.current_tool);
-                if !self.stand_alone {
-                    self.state.loaded = self.tool_entry(self.state.current_tool);
-                }
-                self.say(sink, &Call::ToolNumber(self.state.current_tool));
-            }
-            None => {}
-        }
-        self.spindle(sink)?;
-        self.coolant(sink);
-        self.overrides(sink);
-        self.context(sink)?;
-        self.user_code(sink)?;
-        self.dwell(sink)
-    }
-
-    /// M7, M8, M9.
-    pub(crate) fn coolant<S: Sink>(&mut self, sink: &mut S) {
-        match self.words.m(MGroup::Coolant) {
-            Some(7) => self.mist(true, sink),
-            Some(8) => self.flood(true, sink),
-            Some(_) => {
-                self.mist(false, sink);
-                self.flood(false, sink);
-            }
-            None => {}
-        }
-    }
-
-    fn mist<S: Sink>(&mut self, on: bool, sink: &mut S) {
-        self.state.mist = on;
-        self.say(sink, &Call::Mist(on));
-    }
-
-    fn flood<S: Sink>(&mut self, on: bool, sink: &mut S) {
-        self.state.flood = on;
-        self.say(sink, &Call::Flood(on));
-    }
-
-    pub(crate) fn spindle<S: Sink>(&mut self, sink: &mut S) -> Outcome {
-        let sense = match self.words.m(MGroup::Spindle) {
-            None => return Ok(()),
-            Some(3) => Sense::Clockwise,
-            Some(4) => Sense::Counterclockwise,
-            Some(19) => return self.orient(sink),
-            Some(_) => {
-                self.state.spindle.turning = None;
-                self.say(sink, &Call::SpindleStop);
-                return Ok(());
-            }
-        };
-        self.state.spindle.turning = Some(sense);
-        self.say(sink, &Call::SpindleTurn(sense));
-        Ok(())
-    }
-
-    fn orient<S: Sink>(&mut self, sink: &mut S) -> Outcome {
-        let span = self.words.place.span;
-        let Some(angle) = self.words.get(b'R') else {
-            return refuse("I0605", span, "M19 needs R, the angle in degrees");
-        };
-        if !(0.0..=360.0).contains(&angle) {
-            let text = format!("M19 takes R from 0 to 360 degrees, found {angle}");
-            return refuse("I0606", self.words.span(b'R'), text);
-        }
-        let mode = self.words.whole(b'P', 2)?.unwrap_or(0) as u8;
-        self.state.spindle.turning = None;
-        self.say(sink, &Call::SpindleOrient { angle, mode });
-        if let Some(longest) = self.words.get(b'Q') {
-            if longest <= 0.0 {
-                let text = format!("M19 waits Q seconds at most: more than 0, found {longest}");
-                return refuse("I0607", self.words.span(b'Q'), text);
-            }
-            self.say(sink, &Call::WaitOriented(longest));
-        }
-        Ok(())
-    }
-
-    fn overrides<S: Sink>(&mut self, sink: &mut S) {
-        let on = self.words.get(b'P').is_none_or(|p| p != 0.0);
-        match self.words.m(MGroup::Overrides) {
-            Some(code @ (48 | 49)) => {
-                self.state.feed_override = code == 48;
-                self.state.speed_override = code == 48;
-                self.say(sink, &Call::FeedOverride(code == 48));
-                self.say(sink, &Call::SpeedOverride(code == 48));
-            }
-            Some(50) => {
-                self.state.feed_override = on;
-                self.say(sink, &Call::FeedOverride(on));
-            }
-            Some(51) => {
-                self.state.speed_override = on;
-                self.say(sink, &Call::SpeedOverride(on));
-            }
-            Some(52) => {
-                self.state.adaptive_feed = on;
-                self.say(sink, &Call::AdaptiveFeed(on));
-            }
-            Some(_) => {
-                self.state.feed_hold = on;
-                self.say(sink, &Call::FeedHold(on));
-            }
-            None => {}
-        }
-    }
-
-    fn dwell<S: Sink>(&mut self, sink: &mut S) -> Outcome {
-        if self.words.g(GGroup::NonModal) != Some(40) {
-            return Ok(());
-        }
-        match self.words.get(b'P') {
-            Some(seconds) if seconds >= 0.0 => {
-                self.say(sink, &Call::Dwell(seconds));
-                Ok(())
-            }
-            Some(seconds) => refuse(
-                "I0608",
-                self.words.span(b'P'),
-                format!("G4 waits P seconds, 0 or more, found {seconds}"),
-            ),
-            None => refuse("I0609", self.words.place.span, "G4 needs P, the seconds to wait"),
-        }
-    }
-
-    /// G20, G21.
-    pub(crate) fn units<S: Sink>(&mut self, sink: &mut S) {
-        let Some(code) = self.words.g(GGroup::Units) else { return };
-        self.set_units(if code == 200 { Units::Inch } else { Units::Millimetre }, sink);
-    }
-
-    pub(crate) fn set_units<S: Sink>(&mut self, units: Units, sink: &mut S) {
-        if units != self.state.units {
-            let factor = match units {
-                Units::Inch => 1.0 / units::MM_PER_INCH,
-                Units::Millimetre => units::MM_PER_INCH,
-            };
-            self.state.frame.scale(factor);
-            frame::scale(&mut self.state.at, factor);
-            if let Some(beside) = &mut self.state.left_beside {
-                frame::scale(beside, factor);
-            }
-            self.scale_compensation(factor);
-            self.state.units = units;
-        }
-        self.say(sink, &Call::UseUnits(units));
-    }
-
-    /// G61, G61.1, G64.
-    pub(crate) fn path_control<S: Sink>(&mut self, sink: &mut S) -> Outcome {
-        let Some(code) = self.words.g(GGroup::PathControl) else { return Ok(()) };
-        let mut merge = None;
-        self.state.corners = match code {
-            610 => Corners::ExactPath,
-            611 => Corners::ExactStop,
-            _ => {
-                for letter in [b'P', b'Q'] {
-                    if let Some(value) = self.words.get(letter).filter(|v| *v < 0.0) {
-                        let text = format!(
-                            "a tolerance must not be negative, found {}{value}",
-                            letter as char
-                        );
-                        return refuse("I0404", self.words.span(letter), text);
-                    }
-                }
-                let tolerance = self.words.get(b'P').unwrap_or(0.0);
-                merge = Some(self.words.get(b'Q').unwrap_or(tolerance));
-                Corners::Continuous(tolerance)
-            }
-        };
-        self.state.merge = merge.unwrap_or(self.state.merge);
-        self.say(sink, &Call::PathControl { corners: self.state.corners, merge });
-        Ok(())
-    }
-
-    /// The number after a letter, which must be a tool of the table, or 0.
-    pub(crate) fn tool_word(&mut self, letter: u8) -> Outcome<u32> {
-        let value = self.words.get(letter).unwrap_or(0.0);
-        let span = self.words.span(letter);
-        match crate::words::near_whole(value) {
-            Some(0) => Ok(0),
-            Some(number) if number > 0 => {
-                let number = u32::try_from(number).unwrap_or(u32::MAX);
-                let offset = letter != b'T' && self.tool_table.has(number);
-                if offset || self.tools.get(number).is_some() {
-                    return Ok(number);
-                }
-                match self.missing_tools {
-                    MissingTools::Refuse => Err(self.missing_tool(number, span).into()),
-                    MissingTools::StandIn => {
-                        self.tools.insert(stand_in(number));
-                        Ok(number)
-                    }
-                }
-            }
-            _ => refuse(
-                "I0610",
-                span,
-                format!(
-                    "expected a tool number (0, 1, 2, …) after {}, found {value}",
-                    letter as char
-                ),
-            ),
-        }
-    }
-
-    fn missing_tool(&self, number: u32, span: Span) -> Diagnostic {
-        let known: Vec<_> = self.tools.iter().map(|t| t.number.to_string()).collect();
-        let help = match known.len() {
-            0 => "the tool table is empty".to_owned(),
-            1..=24 => format!("it has {}", known.join(", ")),
-            n => format!("it has {} and {} more", known[..24].join(", "), n - 24),
-        };
-        error("I0611", span, format!("tool {number} is not in the tool table")).with_help(help)
+pub(crate) fn set_feed_mode<S: Sink>(modes: &mut Modes, mode: FeedMode, out: &mut Out<'_, S>) {
+    modes.feed_mode = mode;
+    let note = match mode {
+        FeedMode::InverseTime => "feed mode set to inverse time",
+        FeedMode::PerMinute => "feed mode set to units per minute",
+        FeedMode::PerRevolution => "feed mode set to units per revolution",
+    };
+    out.say(&Call::Note(note));
+    out.say(&Call::FeedMode { per_revolution: mode == FeedMode::PerRevolution });
+    if mode != FeedMode::InverseTime {
+        out.say(&Call::FeedRate { rate: 0.0, duration_s: None });
+        modes.feed = 0.0; // a number per minute means nothing per revolution
     }
 }
 
-/// A tool of no length that makes nothing judged.
-fn stand_in(number: u32) -> Tool {
-    Tool {
-        number,
-        pocket: number,
-        length: Length::ZERO,
-        diameter: Length::ZERO,
-        kind: ToolKind::Other,
-        description: "stand-in".into(),
-        stand_in: true,
+/// G96, G97 and S.
+pub(crate) fn spindle_speed<S: Sink>(
+    words: &Words,
+    modes: &mut Modes,
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    spindle_number(words)?;
+    let speed = words.get(b'S');
+    match words.g(GGroup::SpindleMode) {
+        Some(960) => {
+            if speed.is_none() {
+                return refuse("I0601", words.place.span, "G96 needs S, the surface speed");
+            }
+            let limit = words.get(b'D').unwrap_or(NO_SPEED_LIMIT);
+            out.say(&Call::SpindleMode(limit.abs()));
+            modes.spindle.constant_surface_speed = true;
+            modes.spindle.limit = limit.abs();
+        }
+        Some(_) => {
+            out.say(&Call::SpindleMode(0.0));
+            modes.spindle.constant_surface_speed = false;
+        }
+        None => {}
     }
+    let Some(speed) = speed else { return Ok(()) };
+    if speed < 0.0 {
+        let text = format!("S must not be negative, found {speed}; M4 turns the other way");
+        return refuse("I0602", words.span(b'S'), text);
+    }
+    modes.spindle.speed = speed;
+    out.say(&Call::SpindleSpeed(speed));
+    Ok(())
+}
+
+/// `$`: the only spindle is 0, and −1 means all.
+fn spindle_number(words: &Words) -> Outcome {
+    match words.get(b'$') {
+        None | Some(0.0 | -1.0) => Ok(()),
+        Some(other) => {
+            let text = format!("expected spindle $0, the only one, found ${other}");
+            refuse("I0603", words.span(b'$'), text)
+        }
+    }
+}
+
+/// T, M6, M61, M3 M4 M5 M19, coolant, overrides, G4.
+pub(crate) fn tools_and_switches<S: Sink>(ex: &mut Executor, out: &mut Out<'_, S>) -> Outcome {
+    if ex.words.get(b'T').is_some() {
+        let number = ex.tools.word(&ex.words, b'T')?;
+        ex.modes.selected_tool = number;
+        if number != 0 || !ex.settings.stand_alone {
+            ex.modes.selected_pocket = Some(ex.tools.pocket(number));
+        }
+        out.say(&Call::SelectTool(number));
+    }
+    outputs::outputs(&ex.words, &mut ex.store, &ex.settings, out)?;
+    match ex.words.m(MGroup::Tool) {
+        Some(6) => {
+            out.say(&Call::StartChange);
+            ex.modes.spindle.turning = None;
+            out.say(&Call::SpindleStop);
+            ex.modes.current_tool = ex.modes.selected_tool;
+            ex.modes.current_pocket = ex.modes.selected_pocket.unwrap_or(0);
+            if !ex.settings.stand_alone || ex.modes.current_tool != 0 {
+                ex.modes.loaded = ex.tools.entry(ex.modes.current_tool);
+            }
+            out.say(&Call::ChangeTool(ex.modes.current_tool));
+        }
+        Some(_) => {
+            if ex.words.get(b'Q').is_none() {
+                return refuse("I0604", ex.words.place.span, "M61 needs Q, the number of the tool");
+            }
+            ex.modes.current_tool = ex.tools.word(&ex.words, b'Q')?;
+            ex.modes.current_pocket = ex.tools.pocket(ex.modes.current_tool);
+            if !ex.settings.stand_alone {
+                ex.modes.loaded = ex.tools.entry(ex.modes.current_tool);
+            }
+            out.say(&Call::ToolNumber(ex.modes.current_tool));
+        }
+        None => {}
+    }
+    spindle(&ex.words, &mut ex.modes, out)?;
+    coolant(&ex.words, &mut ex.modes, out);
+    overrides(&ex.words, &mut ex.modes, out);
+    context::context(ex, out)?;
+    outputs::user_code(&ex.words, &ex.settings, out)?;
+    dwell(&ex.words, out)
+}
+
+/// M7, M8, M9.
+pub(crate) fn coolant<S: Sink>(words: &Words, modes: &mut Modes, out: &mut Out<'_, S>) {
+    match words.m(MGroup::Coolant) {
+        Some(7) => mist(modes, true, out),
+        Some(8) => flood(modes, true, out),
+        Some(_) => {
+            mist(modes, false, out);
+            flood(modes, false, out);
+        }
+        None => {}
+    }
+}
+
+fn mist<S: Sink>(modes: &mut Modes, on: bool, out: &mut Out<'_, S>) {
+    modes.mist = on;
+    out.say(&Call::Mist(on));
+}
+
+fn flood<S: Sink>(modes: &mut Modes, on: bool, out: &mut Out<'_, S>) {
+    modes.flood = on;
+    out.say(&Call::Flood(on));
+}
+
+pub(crate) fn spindle<S: Sink>(words: &Words, modes: &mut Modes, out: &mut Out<'_, S>) -> Outcome {
+    let sense = match words.m(MGroup::Spindle) {
+        None => return Ok(()),
+        Some(3) => Sense::Clockwise,
+        Some(4) => Sense::Counterclockwise,
+        Some(19) => return orient(words, modes, out),
+        Some(_) => {
+            modes.spindle.turning = None;
+            out.say(&Call::SpindleStop);
+            return Ok(());
+        }
+    };
+    modes.spindle.turning = Some(sense);
+    out.say(&Call::SpindleTurn(sense));
+    Ok(())
+}
+
+fn orient<S: Sink>(words: &Words, modes: &mut Modes, out: &mut Out<'_, S>) -> Outcome {
+    let span = words.place.span;
+    let Some(angle) = words.get(b'R') else {
+        return refuse("I0605", span, "M19 needs R, the angle in degrees");
+    };
+    if !(0.0..=360.0).contains(&angle) {
+        let text = format!("M19 takes R from 0 to 360 degrees, found {angle}");
+        return refuse("I0606", words.span(b'R'), text);
+    }
+    let mode = words.whole(b'P', 2)?.unwrap_or(0) as u8;
+    modes.spindle.turning = None;
+    out.say(&Call::SpindleOrient { angle, mode });
+    if let Some(longest) = words.get(b'Q') {
+        if longest <= 0.0 {
+            let text = format!("M19 waits Q seconds at most: more than 0, found {longest}");
+            return refuse("I0607", words.span(b'Q'), text);
+        }
+        out.say(&Call::WaitOriented(longest));
+    }
+    Ok(())
+}
+
+fn overrides<S: Sink>(words: &Words, modes: &mut Modes, out: &mut Out<'_, S>) {
+    let on = words.get(b'P').is_none_or(|p| p != 0.0);
+    match words.m(MGroup::Overrides) {
+        Some(code @ (48 | 49)) => {
+            modes.feed_override = code == 48;
+            modes.speed_override = code == 48;
+            out.say(&Call::FeedOverride(code == 48));
+            out.say(&Call::SpeedOverride(code == 48));
+        }
+        Some(50) => {
+            modes.feed_override = on;
+            out.say(&Call::FeedOverride(on));
+        }
+        Some(51) => {
+            modes.speed_override = on;
+            out.say(&Call::SpeedOverride(on));
+        }
+        Some(52) => {
+            modes.adaptive_feed = on;
+            out.say(&Call::AdaptiveFeed(on));
+        }
+        Some(_) => {
+            modes.feed_hold = on;
+            out.say(&Call::FeedHold(on));
+        }
+        None => {}
+    }
+}
+
+fn dwell<S: Sink>(words: &Words, out: &mut Out<'_, S>) -> Outcome {
+    if words.g(GGroup::NonModal) != Some(40) {
+        return Ok(());
+    }
+    match words.get(b'P') {
+        Some(seconds) if seconds >= 0.0 => {
+            out.say(&Call::Dwell(seconds));
+            Ok(())
+        }
+        Some(seconds) => refuse(
+            "I0608",
+            words.span(b'P'),
+            format!("G4 waits P seconds, 0 or more, found {seconds}"),
+        ),
+        None => refuse("I0609", words.place.span, "G4 needs P, the seconds to wait"),
+    }
+}
+
+/// G20, G21.
+pub(crate) fn units<S: Sink>(words: &Words, modes: &mut Modes, out: &mut Out<'_, S>) {
+    let Some(code) = words.g(GGroup::Units) else { return };
+    set_units(modes, if code == 200 { Units::Inch } else { Units::Millimetre }, out);
+}
+
+pub(crate) fn set_units<S: Sink>(modes: &mut Modes, units: Units, out: &mut Out<'_, S>) {
+    if units != modes.units {
+        let factor = match units {
+            Units::Inch => 1.0 / units::MM_PER_INCH,
+            Units::Millimetre => units::MM_PER_INCH,
+        };
+        modes.frame.scale(factor);
+        frame::scale(&mut modes.at, factor);
+        if let Some(beside) = &mut modes.left_beside {
+            frame::scale(beside, factor);
+        }
+        if let Some(compensation) = &mut modes.compensation {
+            compensation.scale(factor);
+        }
+        out.scale(factor);
+        modes.units = units;
+    }
+    out.say(&Call::UseUnits(units));
+}
+
+/// G61, G61.1, G64.
+pub(crate) fn path_control<S: Sink>(
+    words: &Words,
+    modes: &mut Modes,
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    let Some(code) = words.g(GGroup::PathControl) else { return Ok(()) };
+    let mut merge = None;
+    modes.corners = match code {
+        610 => Corners::ExactPath,
+        611 => Corners::ExactStop,
+        _ => {
+            for letter in [b'P', b'Q'] {
+                if let Some(value) = words.get(letter).filter(|v| *v < 0.0) {
+                    let text = format!(
+                        "a tolerance must not be negative, found {}{value}",
+                        letter as char
+                    );
+                    return refuse("I0404", words.span(letter), text);
+                }
+            }
+            let tolerance = words.get(b'P').unwrap_or(0.0);
+            merge = Some(words.get(b'Q').unwrap_or(tolerance));
+            Corners::Continuous(tolerance)
+        }
+    };
+    modes.merge = merge.unwrap_or(modes.merge);
+    out.say(&Call::PathControl { corners: modes.corners, merge });
+    Ok(())
 }

@@ -16,42 +16,45 @@
 //! for CNC-A00 have P in G77, the later ones have not: it is read.
 use crate::{
     call::ReturnSpeed,
-    execute::Executor,
     fault::{Outcome, refuse},
-    rigid::TapWords,
-    state::Cycle,
+    modes::{Cycle, Modes},
+    rigid::{self, TapWords},
+    words::Words,
 };
 use units::MM_PER_INCH;
 
-impl Executor {
-    /// I, J, L of G77 and G78.
-    pub(crate) fn synchro_words(&self, cycle: Cycle, kept: Option<TapWords>) -> Outcome<TapWords> {
-        let kept = kept.unwrap_or_default();
-        let positive = |letter: u8, what: &str| match self.words.get(letter) {
-            Some(value) if !(value.is_finite() && value > 0.0) => {
-                let text = format!("{} is {what}, above 0, found {value}", letter as char);
-                refuse("I0592", self.words.span(letter), text)
-            }
-            value => Ok(value),
-        };
-        let pitch = positive(b'I', "the pitch in mm")?;
-        let threads = positive(b'J', "the number of threads per inch")?;
-        let out = positive(b'L', "the speed of the way out in rev/min")?;
-        if pitch.is_some() && threads.is_some() {
-            let text = "the pitch is given by I (mm) or by J (threads per inch), not by both";
-            return refuse("I0593", self.words.span(b'J'), text);
+/// I, J, L of G77 and G78.
+pub(crate) fn synchro_words(
+    words: &Words,
+    modes: &Modes,
+    cycle: Cycle,
+    kept: Option<TapWords>,
+) -> Outcome<TapWords> {
+    let kept = kept.unwrap_or_default();
+    let positive = |letter: u8, what: &str| match words.get(letter) {
+        Some(value) if !(value.is_finite() && value > 0.0) => {
+            let text = format!("{} is {what}, above 0, found {value}", letter as char);
+            refuse("I0592", words.span(letter), text)
         }
-        let lead_mm = pitch.or(threads.map(|threads| MM_PER_INCH / threads));
-        // F in the block is a lead of its own
-        let stated = self.words.get(b'F').is_none();
-        let lead_mm = lead_mm.or(kept.lead_mm.filter(|_| stated));
-        if lead_mm.is_none() && self.state.feed <= 0.0 {
-            let code = crate::spelling::written(cycle.code());
-            let text = format!("G{code} needs I, the pitch in mm, or J, the threads per inch");
-            return refuse("I0594", self.words.place.span, text);
-        }
-        let return_speed = out.map_or(kept.return_speed, ReturnSpeed::Rpm);
-        let peck = self.peck_word(kept.peck)?;
-        Ok(TapWords { return_speed, peck, lead_mm, ..kept })
+        value => Ok(value),
+    };
+    let pitch = positive(b'I', "the pitch in mm")?;
+    let threads = positive(b'J', "the number of threads per inch")?;
+    let out = positive(b'L', "the speed of the way out in rev/min")?;
+    if pitch.is_some() && threads.is_some() {
+        let text = "the pitch is given by I (mm) or by J (threads per inch), not by both";
+        return refuse("I0593", words.span(b'J'), text);
     }
+    let lead_mm = pitch.or(threads.map(|threads| MM_PER_INCH / threads));
+    // F in the block is a lead of its own
+    let stated = words.get(b'F').is_none();
+    let lead_mm = lead_mm.or(kept.lead_mm.filter(|_| stated));
+    if lead_mm.is_none() && modes.feed <= 0.0 {
+        let code = crate::spelling::written(cycle.code());
+        let text = format!("G{code} needs I, the pitch in mm, or J, the threads per inch");
+        return refuse("I0594", words.place.span, text);
+    }
+    let return_speed = out.map_or(kept.return_speed, ReturnSpeed::Rpm);
+    let peck = rigid::peck_word(words, kept.peck)?;
+    Ok(TapWords { return_speed, peck, lead_mm, ..kept })
 }

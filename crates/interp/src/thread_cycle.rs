@@ -15,10 +15,13 @@
 //! Source: LinuxCNC 2.9 manual, "G76 Threading Cycle".
 use crate::{
     call::{Call, Sink},
-    execute::Executor,
     fault::{Outcome, error, refuse},
     frame::Point,
+    modes::Modes,
+    motion, offsets,
+    out::Out,
     spelling::short,
+    words::Words,
 };
 use canon::Plane;
 
@@ -47,173 +50,169 @@ struct Threading {
     to: f64,
 }
 
-impl Executor {
-    /// G76.
-    pub(crate) fn thread_cycle<S: Sink>(&mut self, sink: &mut S) -> Outcome {
-        let thread = self.threading()?;
-        let passes = thread.passes();
-        if passes > MAX_PASSES {
-            let text = format!("J would make more than {MAX_PASSES} passes");
-            return refuse("I0521", self.words.span(b'J'), text);
-        }
-        for pass in 1..=passes + thread.springs {
-            self.pass(&thread, thread.depth(pass), sink);
-        }
-        self.state.at[0] = thread.x;
-        self.state.at[2] = thread.to;
-        self.say(sink, &Call::Rapid(self.state.at));
-        Ok(())
+/// G76.
+pub(crate) fn thread_cycle<S: Sink>(
+    words: &Words,
+    modes: &mut Modes,
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    let thread = threading(words, modes)?;
+    let passes = thread.passes();
+    if passes > MAX_PASSES {
+        let text = format!("J would make more than {MAX_PASSES} passes");
+        return refuse("I0521", words.span(b'J'), text);
     }
-
-    fn threading(&self) -> Outcome<Threading> {
-        let block = self.words.place.span;
-        if self.state.plane != Plane::ZX {
-            return refuse(
-                "I0522",
-                block,
-                "G76 cuts a thread along Z with X across it: write G18 before",
-            );
-        }
-        if self.state.spindle.turning.is_none() {
-            return refuse(
-                "I0523",
-                block,
-                "G76 needs a turning spindle: write M3 or M4, and S, before it",
-            );
-        }
-        let [lead, peak, first, full] = self.profile()?;
-        if self.axis_word(2).is_none() {
-            return refuse("I0526", block, "G76 needs Z, the end of the thread");
-        }
-        let degression = self.words.get(b'R').unwrap_or(1.0);
-        if degression < 1.0 {
-            let text = format!(
-                "R tells how the passes get thinner: 1 (all alike) or more, found {degression}"
-            );
-            return refuse("I0527", self.words.span(b'R'), text);
-        }
-        let slide = self.words.get(b'Q').unwrap_or(0.0);
-        if !(0.0..=MAX_SLIDE_ANGLE).contains(&slide) {
-            let text = format!(
-                "Q is the angle of the compound slide, 0 to {MAX_SLIDE_ANGLE} degrees, found {slide}"
-            );
-            return refuse("I0528", self.words.span(b'Q'), text);
-        }
-        let tapers = self.words.whole(b'L', 3)?.unwrap_or(0);
-        let (from, to) = (self.state.at[2], self.destination(false)?[2]);
-        let thread = Threading {
-            lead,
-            peak,
-            first,
-            full,
-            degression,
-            slide_tan: slide.to_radians().tan() * (from - to).signum(),
-            springs: self.words.whole(b'H', MAX_PASSES)?.unwrap_or(0),
-            taper: self.words.get(b'E').unwrap_or(0.0),
-            entry: tapers & 1 != 0,
-            exit: tapers & 2 != 0,
-            x: self.state.at[0],
-            from,
-            to,
-        };
-        self.with_taper(thread, tapers)
+    for pass in 1..=passes + thread.springs {
+        cut_pass(modes, &thread, thread.depth(pass), out);
     }
+    modes.at[0] = thread.x;
+    modes.at[2] = thread.to;
+    out.say(&Call::Rapid(modes.at));
+    Ok(())
+}
 
-    /// P, I, J, K: lead, and as radii the peak, the first depth and the full depth.
-    fn profile(&self) -> Outcome<[f64; 4]> {
-        let across = if self.state.diameter { 0.5 } else { 1.0 };
-        let [lead, peak, first, full] =
-            [b'P', b'I', b'J', b'K'].map(|letter| self.words.get(letter));
-        let lead = self.positive(b'P', lead, "the lead")?;
-        let first = self.positive(b'J', first, "the depth of the first pass")? * across;
-        let full = self.positive(b'K', full, "the full depth")? * across;
-        let peak = match peak {
-            Some(peak) if peak != 0.0 => peak * across,
-            _ => {
-                let text = "G76 needs I, from here to the thread's peak: negative for an external thread, not 0";
-                return refuse("I0524", self.words.span(b'I'), text);
-            }
-        };
-        if first >= full {
-            let text = format!(
-                "the first pass (J) must be less deep than the thread (K): {first} and {full}"
-            );
-            return refuse("I0525", self.words.span(b'J'), text);
-        }
-        Ok([lead, peak, first, full])
+fn threading(words: &Words, modes: &Modes) -> Outcome<Threading> {
+    let block = words.place.span;
+    if modes.plane != Plane::ZX {
+        return refuse(
+            "I0522",
+            block,
+            "G76 cuts a thread along Z with X across it: write G18 before",
+        );
     }
-
-    fn positive(&self, letter: u8, value: Option<f64>, what: &str) -> Outcome<f64> {
-        match value {
-            Some(value) if value > 0.0 => Ok(value),
-            Some(value) => {
-                let text = format!("{} is {what}, above 0, found {value}", letter as char);
-                refuse("I0529", self.words.span(letter), text)
-            }
-            None => refuse(
-                "I0530",
-                self.words.place.span,
-                format!("G76 needs {}, {what}", letter as char),
-            ),
-        }
+    if modes.spindle.turning.is_none() {
+        return refuse(
+            "I0523",
+            block,
+            "G76 needs a turning spindle: write M3 or M4, and S, before it",
+        );
     }
-
-    /// Check the tapers against the thread's length and turn them the way of the cut.
-    fn with_taper(&self, mut thread: Threading, tapers: u32) -> Outcome<Threading> {
-        if tapers == 0 {
-            return Ok(thread);
-        }
-        let room = (thread.to - thread.from).abs() / f64::from(tapers.count_ones());
-        if !(thread.taper > 0.0 && thread.taper < room) {
-            let (room, found) = (short(room), short(thread.taper));
-            let text = if room > 0.0 {
-                format!("E, the length of a taper, must be above 0 and below {room}, found {found}")
-            } else {
-                "a taper needs a thread of some length: Z is where the tool stands".to_owned()
-            };
-            let fault = error("I0531", self.words.span(b'E'), text);
-            return Err(fault.with_help("L0 leaves the tapers out").into());
-        }
-        thread.taper *= (thread.to - thread.from).signum();
-        Ok(thread)
+    let [lead, peak, first, full] = profile(words, modes)?;
+    if offsets::axis_word(words, modes, 2).is_none() {
+        return refuse("I0526", block, "G76 needs Z, the end of the thread");
     }
+    let degression = words.get(b'R').unwrap_or(1.0);
+    if degression < 1.0 {
+        let text = format!(
+            "R tells how the passes get thinner: 1 (all alike) or more, found {degression}"
+        );
+        return refuse("I0527", words.span(b'R'), text);
+    }
+    let slide = words.get(b'Q').unwrap_or(0.0);
+    if !(0.0..=MAX_SLIDE_ANGLE).contains(&slide) {
+        let text = format!(
+            "Q is the angle of the compound slide, 0 to {MAX_SLIDE_ANGLE} degrees, found {slide}"
+        );
+        return refuse("I0528", words.span(b'Q'), text);
+    }
+    let tapers = words.whole(b'L', 3)?.unwrap_or(0);
+    let (from, to) = (modes.at[2], motion::destination(words, modes, false)?[2]);
+    let thread = Threading {
+        lead,
+        peak,
+        first,
+        full,
+        degression,
+        slide_tan: slide.to_radians().tan() * (from - to).signum(),
+        springs: words.whole(b'H', MAX_PASSES)?.unwrap_or(0),
+        taper: words.get(b'E').unwrap_or(0.0),
+        entry: tapers & 1 != 0,
+        exit: tapers & 2 != 0,
+        x: modes.at[0],
+        from,
+        to,
+    };
+    with_taper(words, thread, tapers)
+}
 
-    fn pass<S: Sink>(&self, thread: &Threading, depth: f64, sink: &mut S) {
-        let outwards = -thread.peak.signum();
-        let left = thread.full - depth;
-        let clear = thread.x + outwards * left;
-        let peak = clear + thread.peak;
-        let cut = thread.x + thread.peak - outwards * depth;
-        let from = thread.from - depth * thread.slide_tan;
-        let to = thread.to + left * thread.slide_tan;
-        let at = |x: f64, z: f64| -> Point {
-            let mut point = self.state.at;
-            (point[0], point[2]) = (x, z);
-            point
-        };
-        let tapered = thread.lead * (thread.full / thread.taper).hypot(1.0);
-        self.say(sink, &Call::Rapid(at(clear, from)));
-        if thread.entry {
-            self.say(sink, &Call::FeedOverride(false));
-            self.say(sink, &Call::SyncStart(tapered));
-            self.say(sink, &Call::Line(at(peak, from)));
-            self.say(sink, &Call::Line(at(cut, from + thread.taper)));
+/// P, I, J, K: lead, and as radii the peak, the first depth and the full depth.
+fn profile(words: &Words, modes: &Modes) -> Outcome<[f64; 4]> {
+    let across = if modes.diameter { 0.5 } else { 1.0 };
+    let [lead, peak, first, full] = [b'P', b'I', b'J', b'K'].map(|letter| words.get(letter));
+    let lead = positive(words, b'P', lead, "the lead")?;
+    let first = positive(words, b'J', first, "the depth of the first pass")? * across;
+    let full = positive(words, b'K', full, "the full depth")? * across;
+    let peak = match peak {
+        Some(peak) if peak != 0.0 => peak * across,
+        _ => {
+            let text = "G76 needs I, from here to the thread's peak: negative for an external thread, not 0";
+            return refuse("I0524", words.span(b'I'), text);
+        }
+    };
+    if first >= full {
+        let text =
+            format!("the first pass (J) must be less deep than the thread (K): {first} and {full}");
+        return refuse("I0525", words.span(b'J'), text);
+    }
+    Ok([lead, peak, first, full])
+}
+
+fn positive(words: &Words, letter: u8, value: Option<f64>, what: &str) -> Outcome<f64> {
+    match value {
+        Some(value) if value > 0.0 => Ok(value),
+        Some(value) => {
+            let text = format!("{} is {what}, above 0, found {value}", letter as char);
+            refuse("I0529", words.span(letter), text)
+        }
+        None => refuse("I0530", words.place.span, format!("G76 needs {}, {what}", letter as char)),
+    }
+}
+
+/// Check the tapers against the thread's length and turn them the way of the cut.
+fn with_taper(words: &Words, mut thread: Threading, tapers: u32) -> Outcome<Threading> {
+    if tapers == 0 {
+        return Ok(thread);
+    }
+    let room = (thread.to - thread.from).abs() / f64::from(tapers.count_ones());
+    if !(thread.taper > 0.0 && thread.taper < room) {
+        let (room, found) = (short(room), short(thread.taper));
+        let text = if room > 0.0 {
+            format!("E, the length of a taper, must be above 0 and below {room}, found {found}")
         } else {
-            self.say(sink, &Call::Rapid(at(cut, from)));
-            self.say(sink, &Call::FeedOverride(false));
-        }
-        self.say(sink, &Call::SyncStart(thread.lead));
-        if thread.exit {
-            self.say(sink, &Call::Line(at(cut, to - thread.taper)));
-            self.say(sink, &Call::SyncStart(tapered));
-            self.say(sink, &Call::Line(at(peak, to)));
-        } else {
-            self.say(sink, &Call::Line(at(cut, to)));
-        }
-        self.say(sink, &Call::SyncStop);
-        self.say(sink, &Call::Rapid(at(clear, to)));
-        self.say(sink, &Call::FeedOverride(true));
+            "a taper needs a thread of some length: Z is where the tool stands".to_owned()
+        };
+        let fault = error("I0531", words.span(b'E'), text);
+        return Err(fault.with_help("L0 leaves the tapers out").into());
     }
+    thread.taper *= (thread.to - thread.from).signum();
+    Ok(thread)
+}
+
+fn cut_pass<S: Sink>(modes: &Modes, thread: &Threading, depth: f64, out: &mut Out<'_, S>) {
+    let outwards = -thread.peak.signum();
+    let left = thread.full - depth;
+    let clear = thread.x + outwards * left;
+    let peak = clear + thread.peak;
+    let cut = thread.x + thread.peak - outwards * depth;
+    let from = thread.from - depth * thread.slide_tan;
+    let to = thread.to + left * thread.slide_tan;
+    let at = |x: f64, z: f64| -> Point {
+        let mut point = modes.at;
+        (point[0], point[2]) = (x, z);
+        point
+    };
+    let tapered = thread.lead * (thread.full / thread.taper).hypot(1.0);
+    out.say(&Call::Rapid(at(clear, from)));
+    if thread.entry {
+        out.say(&Call::FeedOverride(false));
+        out.say(&Call::SyncStart(tapered));
+        out.say(&Call::Line(at(peak, from)));
+        out.say(&Call::Line(at(cut, from + thread.taper)));
+    } else {
+        out.say(&Call::Rapid(at(cut, from)));
+        out.say(&Call::FeedOverride(false));
+    }
+    out.say(&Call::SyncStart(thread.lead));
+    if thread.exit {
+        out.say(&Call::Line(at(cut, to - thread.taper)));
+        out.say(&Call::SyncStart(tapered));
+        out.say(&Call::Line(at(peak, to)));
+    } else {
+        out.say(&Call::Line(at(cut, to)));
+    }
+    out.say(&Call::SyncStop);
+    out.say(&Call::Rapid(at(clear, to)));
+    out.say(&Call::FeedOverride(true));
 }
 
 impl Threading {

@@ -1,85 +1,84 @@
 //! Moves that follow the spindle: G33, G33.1, and what all turned threads share.
 use crate::{
     call::{Call, GrowingThread, Sense, Sink},
-    execute::Executor,
+    executor::Settings,
     fault::{Outcome, error, refuse},
     frame::Point,
+    modes::Modes,
+    motion,
+    out::Out,
+    words::Words,
 };
 use diag::Diagnostic;
 
-impl Executor {
-    /// G33: a straight move of K per revolution.
-    pub(crate) fn thread<S: Sink>(&mut self, sink: &mut S) -> Outcome {
-        let (lead, _) = self.synchronised("G33")?;
-        if self.words.any(crate::codes::set("ABC")) {
-            return refuse(
-                "I0420",
-                self.words.place.span,
-                "G33 moves linear axes: A, B and C have no lead",
-            );
-        }
-        let to = self.destination(false)?;
-        let lead =
-            if self.rules.lead_along_axis { along_path(lead, &self.state.at, &to) } else { lead };
-        self.say(sink, &Call::SyncStart(lead));
-        self.state.at = to;
-        self.say(sink, &Call::Line(to));
-        self.say(sink, &Call::SyncStop);
-        Ok(())
+/// G33: a straight move of K per revolution.
+pub(crate) fn thread<S: Sink>(
+    words: &Words,
+    modes: &mut Modes,
+    settings: &Settings,
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    let (lead, _) = synchronised(words, modes, "G33")?;
+    if words.any(crate::codes::set("ABC")) {
+        return refuse("I0420", words.place.span, "G33 moves linear axes: A, B and C have no lead");
     }
+    let to = motion::destination(words, modes, false)?;
+    let lead = if settings.rules.lead_along_axis { along_path(lead, &modes.at, &to) } else { lead };
+    out.say(&Call::SyncStart(lead));
+    modes.at = to;
+    out.say(&Call::Line(to));
+    out.say(&Call::SyncStop);
+    Ok(())
+}
 
-    /// G33.1: in to the words' point and back to where it stood, of K per revolution.
-    pub(crate) fn rigid_tap<S: Sink>(&mut self, sink: &mut S) -> Outcome {
-        let (lead, sense) = self.synchronised("G33.1")?;
-        let to = self.destination(false)?;
-        let return_factor = self.words.get(b'I').unwrap_or(1.0);
-        if return_factor <= 0.0 {
-            let text =
-                format!("I multiplies the speed of the way out: above 0, found {return_factor}");
-            return refuse("I0421", self.words.span(b'I'), text);
-        }
-        let moved: Vec<usize> = (0..9).filter(|i| to[*i] != self.state.at[*i]).collect();
-        if let [_, stray, ..] = moved[..] {
-            let letter = b"XYZABCUVW"[moved[0].min(stray)];
-            let text =
-                format!("a tap moves along its own axis only, but {} moves too", letter as char);
-            let help = "move there with G0 before the tap";
-            self.remarks
-                .push(Diagnostic::warning("I0422", self.words.span(letter), text).with_help(help));
-        }
-        self.say(sink, &Call::RigidTap { to, lead, return_factor, sense });
-        Ok(())
+/// G33.1: in to the words' point and back to where it stood, of K per revolution.
+pub(crate) fn rigid_tap<S: Sink>(words: &Words, modes: &Modes, out: &mut Out<'_, S>) -> Outcome {
+    let (lead, sense) = synchronised(words, modes, "G33.1")?;
+    let to = motion::destination(words, modes, false)?;
+    let return_factor = words.get(b'I').unwrap_or(1.0);
+    if return_factor <= 0.0 {
+        let text = format!("I multiplies the speed of the way out: above 0, found {return_factor}");
+        return refuse("I0421", words.span(b'I'), text);
     }
+    let moved: Vec<usize> = (0..9).filter(|i| to[*i] != modes.at[*i]).collect();
+    if let [_, stray, ..] = moved[..] {
+        let letter = b"XYZABCUVW"[moved[0].min(stray)];
+        let text = format!("a tap moves along its own axis only, but {} moves too", letter as char);
+        let help = "move there with G0 before the tap";
+        out.remarks.push(Diagnostic::warning("I0422", words.span(letter), text).with_help(help));
+    }
+    out.say(&Call::RigidTap { to, lead, return_factor, sense });
+    Ok(())
+}
 
-    /// What G33 and G33.1 have in common: K, a turning spindle, no F.
-    fn synchronised(&self, code: &str) -> Outcome<(f64, Sense)> {
-        let span = self.words.place.span;
-        if !self.words.any(crate::codes::AXES) {
-            return refuse("I0423", span, format!("{code} needs an axis word: where to"));
-        }
-        if self.words.get(b'F').is_some() {
-            let fault = error(
-                "I0424",
-                self.words.span(b'F'),
-                format!("{code} takes its feed from K and the spindle, not from F"),
-            );
-            return Err(fault.with_help("leave F out").into());
-        }
-        let Some(lead) = self.words.get(b'K') else {
-            return refuse("I0425", span, format!("{code} needs K, the advance per revolution"));
-        };
-        if lead <= 0.0 {
-            let text = format!("K is the advance per revolution, above 0, found {lead}");
-            return refuse("I0426", self.words.span(b'K'), text);
-        }
-        match self.state.spindle.turning {
-            Some(sense) => Ok((lead, sense)),
-            None => refuse(
-                "I0427",
-                span,
-                format!("{code} needs a turning spindle: write M3 or M4, and S, before it"),
-            ),
-        }
+/// What G33 and G33.1 have in common: K, a turning spindle, no F.
+fn synchronised(words: &Words, modes: &Modes, code: &str) -> Outcome<(f64, Sense)> {
+    let span = words.place.span;
+    if !words.any(crate::codes::AXES) {
+        return refuse("I0423", span, format!("{code} needs an axis word: where to"));
+    }
+    if words.get(b'F').is_some() {
+        let fault = error(
+            "I0424",
+            words.span(b'F'),
+            format!("{code} takes its feed from K and the spindle, not from F"),
+        );
+        return Err(fault.with_help("leave F out").into());
+    }
+    let Some(lead) = words.get(b'K') else {
+        return refuse("I0425", span, format!("{code} needs K, the advance per revolution"));
+    };
+    if lead <= 0.0 {
+        let text = format!("K is the advance per revolution, above 0, found {lead}");
+        return refuse("I0426", words.span(b'K'), text);
+    }
+    match modes.spindle.turning {
+        Some(sense) => Ok((lead, sense)),
+        None => refuse(
+            "I0427",
+            span,
+            format!("{code} needs a turning spindle: write M3 or M4, and S, before it"),
+        ),
     }
 }
 

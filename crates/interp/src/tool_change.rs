@@ -11,55 +11,60 @@
 use crate::{
     call::{Call, Sink},
     codes::{AXES, GGroup, MGroup, NON_STOP_CHANGE},
-    execute::Executor,
+    compensation,
     fault::{Outcome, error, refuse},
-    state::Motion,
+    modes::{Modes, Motion},
+    motion,
+    out::Out,
+    tools::Tools,
+    words::Words,
 };
 
-impl Executor {
-    /// G100: the block's words as those of M6.
-    pub(crate) fn non_stop_change(&mut self) -> Outcome {
-        if self.words.g(GGroup::NonModal) != Some(NON_STOP_CHANGE) {
-            return Ok(());
-        }
-        let span = self.words.place.span;
-        if self.words.get(b'T').is_none() {
-            let text = "G100 needs T, the tool to change to";
-            return Err(error("I0595", span, text)
-                .with_help("write G100 T2 X… Y… G43 Z… H2")
-                .into());
-        }
-        if self.words.g(GGroup::Motion).is_some() || self.words.m(MGroup::Tool).is_some() {
-            let text = "G100 changes the tool and moves by itself: no M6 and no motion beside it";
-            return refuse("I0596", span, text);
-        }
-        if self.compensating {
-            return self.no_compensation();
-        }
-        self.words.put_m(MGroup::Tool, 60);
-        Ok(())
+/// G100: the block's words as those of M6.
+pub(crate) fn non_stop_change(words: &mut Words, modes: &Modes) -> Outcome {
+    if words.g(GGroup::NonModal) != Some(NON_STOP_CHANGE) {
+        return Ok(());
     }
+    let span = words.place.span;
+    if words.get(b'T').is_none() {
+        let text = "G100 needs T, the tool to change to";
+        return Err(error("I0595", span, text).with_help("write G100 T2 X… Y… G43 Z… H2").into());
+    }
+    if words.g(GGroup::Motion).is_some() || words.m(MGroup::Tool).is_some() {
+        let text = "G100 changes the tool and moves by itself: no M6 and no motion beside it";
+        return refuse("I0596", span, text);
+    }
+    if modes.compensating() {
+        return compensation::no_compensation(words);
+    }
+    words.put_m(MGroup::Tool, 60);
+    Ok(())
+}
 
-    /// The move of G100, after tool, spindle and length are in force: X and Y first, then Z.
-    pub(crate) fn non_stop_move<S: Sink>(&mut self, sink: &mut S) -> Outcome {
-        if matches!(self.state.motion, Motion::Cycle(_)) {
-            (self.state.motion, self.state.sticky) = (Motion::None, None);
-        }
-        if let Some(next) = self.words.whole(b'L', 9999)? {
-            self.state.selected_tool = next;
-            self.state.selected_pocket = Some(self.pocket(next));
-            self.say(sink, &Call::SelectTool(next));
-        }
-        if !self.words.any(AXES) {
-            return Ok(());
-        }
-        let to = self.destination(false)?;
-        let [_, _, n] = self.state.plane_axes();
-        let mut over = to;
-        over[n] = self.state.at[n];
-        self.say(sink, &Call::Rapid(over));
-        self.say(sink, &Call::Rapid(to));
-        self.state.at = to;
-        Ok(())
+/// The move of G100, after tool, spindle and length are in force: X and Y first, then Z.
+pub(crate) fn non_stop_move<S: Sink>(
+    words: &Words,
+    modes: &mut Modes,
+    tools: &Tools,
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    if matches!(modes.motion, Motion::Cycle(_)) {
+        (modes.motion, modes.sticky) = (Motion::None, None);
     }
+    if let Some(next) = words.whole(b'L', 9999)? {
+        modes.selected_tool = next;
+        modes.selected_pocket = Some(tools.pocket(next));
+        out.say(&Call::SelectTool(next));
+    }
+    if !words.any(AXES) {
+        return Ok(());
+    }
+    let to = motion::destination(words, modes, false)?;
+    let [_, _, n] = modes.plane_axes();
+    let mut over = to;
+    over[n] = modes.at[n];
+    out.say(&Call::Rapid(over));
+    out.say(&Call::Rapid(to));
+    modes.at = to;
+    Ok(())
 }

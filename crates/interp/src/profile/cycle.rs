@@ -10,11 +10,16 @@
 use super::{Facing, Manner, Part, Profile, Recording, Roughing, Stroke, Unfit, parallel, rough};
 use crate::{
     call::{Call, Sink},
-    execute::Executor,
+    compensation, cycles,
+    executor::{Executor, Settings},
     fault::{Outcome, error, refuse},
     frame::Point,
+    modes::{Modes, Motion},
+    motion,
     offset_curve::{Flat, plus, times},
-    state::Motion,
+    out::Out,
+    profile::record,
+    words::Words,
 };
 use canon::Plane;
 
@@ -36,137 +41,155 @@ pub(crate) enum Order {
     Repeat { relief: Flat, shift: Flat, times: u32 },
 }
 
-impl Executor {
-    /// G70 … G72.2: the tool goes to the begin, and the profile's blocks are taken down. Which subprogram they are in.
-    pub(crate) fn turning<S: Sink>(&mut self, tenths: u16, sink: &mut S) -> Outcome {
-        let code = crate::spelling::written(tenths);
-        let span = self.words.place.span;
-        if self.state.plane != Plane::ZX {
-            let text = format!("G{code} cuts a profile of X and Z: write G18 before");
-            return refuse("I0581", span, text);
-        }
-        if tenths != 700 && self.compensating {
-            let text = format!("G{code} cannot be used with G41 or G42: roughing leaves material");
-            let fault = error("I0582", span, text);
-            return Err(fault.with_help("write G40 before it, and G42 before G70").into());
-        }
-        self.check_cycle_feed(code)?;
-        if self.words.get(b'Q').is_none() {
-            let text = format!("G{code} needs Q, the number of the subprogram with the profile");
-            return refuse("I0580", span, text);
-        }
-        let order = if tenths == 700 { self.finishing()? } else { self.roughing(tenths)? };
-        let to = self.destination(false)?;
-        self.go_straight(true, &to, sink)?;
-        self.recording = Some(Box::new(Recording::new(order, self.words.place, to)));
-        Ok(())
+/// G70 … G72.2: the tool goes to the begin, and the profile's blocks are taken down. Which subprogram they are in.
+pub(crate) fn turning<S: Sink>(ex: &mut Executor, tenths: u16, out: &mut Out<'_, S>) -> Outcome {
+    let code = crate::spelling::written(tenths);
+    let span = ex.words.place.span;
+    if ex.modes.plane != Plane::ZX {
+        let text = format!("G{code} cuts a profile of X and Z: write G18 before");
+        return refuse("I0581", span, text);
     }
-
-    fn finishing(&self) -> Outcome<Order> {
-        let passes = self.words.whole(b'P', 1_000)?.unwrap_or(1);
-        if passes == 0 {
-            return refuse("I0583", self.words.span(b'P'), "P counts passes: 1 or more");
-        }
-        let [first, last] = [b'D', b'E'].map(|letter| self.words.get(letter).unwrap_or(0.0));
-        Ok(Order::Finish { first, last, passes })
+    if tenths != 700 && ex.modes.compensating() {
+        let text = format!("G{code} cannot be used with G41 or G42: roughing leaves material");
+        let fault = error("I0582", span, text);
+        return Err(fault.with_help("write G40 before it, and G42 before G70").into());
     }
-
-    fn roughing(&self, tenths: u16) -> Outcome<Order> {
-        let [step, retract] = [(b'I', 1.0), (b'R', 0.5)]
-            .map(|(letter, usual)| self.words.get(letter).unwrap_or(usual));
-        if step <= 0.0 {
-            let text = format!("I is the depth of each pass, above 0, found {step}");
-            return refuse("I0583", self.words.span(b'I'), text);
-        }
-        if retract < 0.0 {
-            let text = format!("R is how far a pass comes away, 0 or more, found {retract}");
-            return refuse("I0583", self.words.span(b'R'), text);
-        }
-        let part = match tenths % 10 {
-            1 => Part::FirstPocket,
-            2 => Part::LaterPockets,
-            _ => Part::All,
-        };
-        let how = Roughing { part, step, retract, manner: Manner::LinuxCnc };
-        let leave = self.words.get(b'D').unwrap_or(0.0);
-        Ok(Order::Rough { across: tenths >= 720, leave, how })
+    cycles::check_cycle_feed(&ex.words, &ex.modes, code)?;
+    if ex.words.get(b'Q').is_none() {
+        let text = format!("G{code} needs Q, the number of the subprogram with the profile");
+        return refuse("I0580", span, text);
     }
+    let order = if tenths == 700 { finishing(&ex.words)? } else { roughing(&ex.words, tenths)? };
+    let to = motion::destination(&ex.words, &ex.modes, false)?;
+    go_straight(&ex.words, &mut ex.modes, &ex.settings, true, &to, out)?;
+    ex.recording = Some(Box::new(Recording::new(order, ex.words.place, to)));
+    Ok(())
+}
 
-    /// The profile is known: cut it.
-    pub(crate) fn cut_profile<S: Sink>(&mut self, recording: &Recording, sink: &mut S) -> Outcome {
-        self.words.place = recording.place;
-        self.state.at = recording.start;
-        let Some(profile) = recording.profile() else {
-            let text =
-                "the profile has no moves: its first block leads to its begin, the others along it";
-            return refuse("I0584", recording.place.span, text);
-        };
-        let start = [recording.start[2], recording.start[0]];
-        let strokes = profile.and_then(|profile| match recording.order {
-            Order::Finish { first, last, passes } => finish(start, &profile, first, last, passes),
-            Order::Rough { across, leave, how } => roughed(start, &profile, across, leave, how),
-            Order::Along => Ok(recording.with_feeds(start)),
-            Order::Shifted { across, shift, how } => {
-                let from = plus(start, shift);
-                let strokes = roughed(from, &profile.shifted(shift), across, 0.0, how)?;
-                let back = (!strokes.is_empty()).then_some(Stroke::Rapid(start));
-                Ok(strokes.into_iter().chain(back).collect())
+fn finishing(words: &Words) -> Outcome<Order> {
+    let passes = words.whole(b'P', 1_000)?.unwrap_or(1);
+    if passes == 0 {
+        return refuse("I0583", words.span(b'P'), "P counts passes: 1 or more");
+    }
+    let [first, last] = [b'D', b'E'].map(|letter| words.get(letter).unwrap_or(0.0));
+    Ok(Order::Finish { first, last, passes })
+}
+
+fn roughing(words: &Words, tenths: u16) -> Outcome<Order> {
+    let [step, retract] =
+        [(b'I', 1.0), (b'R', 0.5)].map(|(letter, usual)| words.get(letter).unwrap_or(usual));
+    if step <= 0.0 {
+        let text = format!("I is the depth of each pass, above 0, found {step}");
+        return refuse("I0583", words.span(b'I'), text);
+    }
+    if retract < 0.0 {
+        let text = format!("R is how far a pass comes away, 0 or more, found {retract}");
+        return refuse("I0583", words.span(b'R'), text);
+    }
+    let part = match tenths % 10 {
+        1 => Part::FirstPocket,
+        2 => Part::LaterPockets,
+        _ => Part::All,
+    };
+    let how = Roughing { part, step, retract, manner: Manner::LinuxCnc };
+    let leave = words.get(b'D').unwrap_or(0.0);
+    Ok(Order::Rough { across: tenths >= 720, leave, how })
+}
+
+/// The profile is known: cut it.
+pub(crate) fn cut_profile<S: Sink>(
+    words: &mut Words,
+    modes: &mut Modes,
+    settings: &Settings,
+    recording: &Recording,
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    words.place = recording.place;
+    out.place = recording.place;
+    modes.at = recording.start;
+    let Some(profile) = recording.profile() else {
+        let text =
+            "the profile has no moves: its first block leads to its begin, the others along it";
+        return refuse("I0584", recording.place.span, text);
+    };
+    let start = [recording.start[2], recording.start[0]];
+    let strokes = profile.and_then(|profile| match recording.order {
+        Order::Finish { first, last, passes } => finish(start, &profile, first, last, passes),
+        Order::Rough { across, leave, how } => roughed(start, &profile, across, leave, how),
+        Order::Along => Ok(recording.with_feeds(start)),
+        Order::Shifted { across, shift, how } => {
+            let from = plus(start, shift);
+            let strokes = roughed(from, &profile.shifted(shift), across, 0.0, how)?;
+            let back = (!strokes.is_empty()).then_some(Stroke::Rapid(start));
+            Ok(strokes.into_iter().chain(back).collect())
+        }
+        Order::Repeat { relief, shift, times } => {
+            Ok(repeated(start, &profile, relief, shift, times))
+        }
+    });
+    let strokes = match strokes {
+        Ok(strokes) => strokes,
+        Err(why) => return Err(record::unfit(words, modes, &why).into()),
+    };
+    if strokes.is_empty() {
+        let text = format!("so small a depth would make more than {MAX_PASSES} passes");
+        return refuse("I0583", recording.place.span, text);
+    }
+    modes.motion = Motion::Feed;
+    for stroke in strokes {
+        cut(words, modes, settings, stroke, out)?;
+    }
+    Ok(())
+}
+
+pub(crate) fn cut<S: Sink>(
+    words: &Words,
+    modes: &mut Modes,
+    settings: &Settings,
+    stroke: Stroke,
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    let point = |at: &Point, [z, x]: Flat| -> Point {
+        let mut to = *at;
+        (to[0], to[2]) = (x, z);
+        to
+    };
+    match stroke {
+        Stroke::Rapid(to) => go_straight(words, modes, settings, true, &point(&modes.at, to), out),
+        Stroke::Line(to) => go_straight(words, modes, settings, false, &point(&modes.at, to), out),
+        Stroke::Arc { to, centre, turns } => {
+            let to = point(&modes.at, to);
+            if modes.compensating() {
+                compensation::arc_beside(words, modes, &to, centre, turns, out)?;
+            } else {
+                out.say(&Call::Arc { plane: Plane::ZX, to, centre, turns });
             }
-            Order::Repeat { relief, shift, times } => {
-                Ok(repeated(start, &profile, relief, shift, times))
-            }
-        });
-        let strokes = match strokes {
-            Ok(strokes) => strokes,
-            Err(why) => return Err(self.unfit(&why).into()),
-        };
-        if strokes.is_empty() {
-            let text = format!("so small a depth would make more than {MAX_PASSES} passes");
-            return refuse("I0583", recording.place.span, text);
+            modes.at = to;
+            Ok(())
         }
-        self.state.motion = Motion::Feed;
-        for stroke in strokes {
-            self.stroke(stroke, sink)?;
+        Stroke::Feed(rate) => {
+            modes.feed = rate;
+            out.say(&Call::FeedRate { rate, duration_s: None });
+            Ok(())
         }
-        Ok(())
     }
+}
 
-    pub(crate) fn stroke<S: Sink>(&mut self, stroke: Stroke, sink: &mut S) -> Outcome {
-        let point = |at: &Point, [z, x]: Flat| -> Point {
-            let mut to = *at;
-            (to[0], to[2]) = (x, z);
-            to
-        };
-        match stroke {
-            Stroke::Rapid(to) => self.go_straight(true, &point(&self.state.at, to), sink),
-            Stroke::Line(to) => self.go_straight(false, &point(&self.state.at, to), sink),
-            Stroke::Arc { to, centre, turns } => {
-                let to = point(&self.state.at, to);
-                if self.compensating {
-                    self.arc_beside(&to, centre, turns, sink)?;
-                } else {
-                    self.say(sink, &Call::Arc { plane: Plane::ZX, to, centre, turns });
-                }
-                self.state.at = to;
-                Ok(())
-            }
-            Stroke::Feed(rate) => {
-                self.state.feed = rate;
-                self.say(sink, &Call::FeedRate { rate, duration_s: None });
-                Ok(())
-            }
-        }
+fn go_straight<S: Sink>(
+    words: &Words,
+    modes: &mut Modes,
+    settings: &Settings,
+    rapid: bool,
+    to: &Point,
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    if modes.compensating() {
+        compensation::straight_beside(words, modes, settings, rapid, to, out)?;
+    } else {
+        out.say(&if rapid { Call::Rapid(*to) } else { Call::Line(*to) });
     }
-
-    fn go_straight<S: Sink>(&mut self, rapid: bool, to: &Point, sink: &mut S) -> Outcome {
-        if self.compensating {
-            self.straight_beside(rapid, to, sink)?;
-        } else {
-            self.say(sink, &if rapid { Call::Rapid(*to) } else { Call::Line(*to) });
-        }
-        self.state.at = *to;
-        Ok(())
-    }
+    modes.at = *to;
+    Ok(())
 }
 
 /// Along the profile, pass by pass, each from the start.

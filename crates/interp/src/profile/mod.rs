@@ -18,9 +18,9 @@
 //!
 //! Source: LinuxCNC 2.9 manual, "G70", "G71 G72"; order of the strokes measured on its stand-alone interpreter.
 mod corner;
-mod cycle;
+pub(crate) mod cycle;
 mod parallel;
-mod record;
+pub(crate) mod record;
 mod roughing;
 
 pub(crate) use cycle::Order;

@@ -7,13 +7,17 @@ use super::{
     corner::{self, Corner},
 };
 use crate::{
-    call::Place,
+    arcs,
+    call::{Place, Sink},
     codes::{GGroup, set},
-    execute::Executor,
+    executor::Executor,
     fault::{Outcome, error, refuse},
     frame::Point,
+    modes::{Modes, Motion},
+    motion,
     offset_curve::{Flat, Way, length, minus},
-    state::Motion,
+    out::Out,
+    words::Words,
 };
 use diag::Diagnostic;
 
@@ -102,130 +106,136 @@ impl Recording {
     }
 }
 
-impl Executor {
-    /// Take down the block whose words were read.
-    pub(crate) fn record(&mut self) -> Outcome {
-        let Some(mut recording) = self.recording.take() else { return Ok(()) };
-        let result = self.take_down(&mut recording);
-        self.recording = Some(recording);
-        result
-    }
+/// Take down the block whose words were read.
+pub(crate) fn record<S: Sink>(ex: &mut Executor, out: &mut Out<'_, S>) -> Outcome {
+    let Some(mut recording) = ex.recording.take() else { return Ok(()) };
+    let result = take_down(&mut ex.words, &mut ex.modes, &mut recording, out);
+    ex.recording = Some(recording);
+    result
+}
 
-    fn take_down(&mut self, recording: &mut Recording) -> Outcome {
-        let motion = match self.words.g(GGroup::Motion) {
-            Some(code @ 0..=30) => {
-                recording.motion = Motion::from_code(code);
-                Some(recording.motion)
-            }
-            Some(_) => None,
-            None => Some(recording.motion),
-        };
-        let Some(motion) = motion.filter(|_| self.words.any(set("XZUW"))) else {
-            self.warn_of_idle_words(recording, u32::MAX);
-            return Ok(());
-        };
-        let corner = match (self.words.take(b'A'), self.words.take(b'C')) {
-            (None, None) => Corner::Sharp,
-            (Some(radius), None) if radius > 0.0 => Corner::Fillet(radius),
-            (None, Some(size)) if size > 0.0 => Corner::Chamfer(size),
-            _ => {
-                let text =
-                    "a corner of a profile is rounded (A) or cut off (C), by a length above 0";
-                return refuse("I0586", self.words.place.span, text);
-            }
-        };
-        let to = self.profile_point()?;
-        self.warn_of_idle_words(recording, !set("XZIKRGF"));
-        let way = self.profile_way(motion, &to)?;
-        if let Some(feed) = self.words.get(b'F').filter(|feed| *feed > 0.0) {
-            recording.feeds.push((recording.moves.len(), feed));
+fn take_down<S: Sink>(
+    words: &mut Words,
+    modes: &mut Modes,
+    recording: &mut Recording,
+    out: &mut Out<'_, S>,
+) -> Outcome {
+    let motion = match words.g(GGroup::Motion) {
+        Some(code @ 0..=30) => {
+            recording.motion = Motion::from_code(code);
+            Some(recording.motion)
         }
-        recording.go(way, corner);
-        self.state.at = to;
-        if recording.moves.len() > MAX_MOVES {
-            let text = format!("a profile has {MAX_MOVES} moves at most");
-            return refuse("I0584", self.words.place.span, text);
+        Some(_) => None,
+        None => Some(recording.motion),
+    };
+    let Some(motion) = motion.filter(|_| words.any(set("XZUW"))) else {
+        warn_of_idle_words(words, recording, u32::MAX, out);
+        return Ok(());
+    };
+    let corner = match (words.take(b'A'), words.take(b'C')) {
+        (None, None) => Corner::Sharp,
+        (Some(radius), None) if radius > 0.0 => Corner::Fillet(radius),
+        (None, Some(size)) if size > 0.0 => Corner::Chamfer(size),
+        _ => {
+            let text = "a corner of a profile is rounded (A) or cut off (C), by a length above 0";
+            return refuse("I0586", words.place.span, text);
         }
-        Ok(())
+    };
+    let to = profile_point(words, modes)?;
+    warn_of_idle_words(words, recording, !set("XZIKRGF"), out);
+    let way = profile_way(words, modes, motion, &to)?;
+    if let Some(feed) = words.get(b'F').filter(|feed| *feed > 0.0) {
+        recording.feeds.push((recording.moves.len(), feed));
     }
-
-    /// Where X, Z, U, W lead.
-    fn profile_point(&mut self) -> Outcome<Point> {
-        let span = self.words.place.span;
-        let steps = [(b'U', b'X'), (b'W', b'Z')].map(|(step, letter)| {
-            let twice = self.words.get(letter).is_some();
-            self.words.take(step).map(|value| (value, twice, letter))
-        });
-        let mut to = self.destination(false)?;
-        for (axis, step) in [0, 2].into_iter().zip(steps) {
-            let Some((value, twice, letter)) = step else { continue };
-            if twice {
-                let text = format!(
-                    "{} is given twice, as a coordinate and as an increment",
-                    letter as char
-                );
-                return refuse("I0101", span, text);
-            }
-            let halved = axis == 0 && self.state.diameter;
-            to[axis] = self.state.at[axis] + if halved { value / 2.0 } else { value };
-        }
-        Ok(to)
+    recording.go(way, corner);
+    modes.at = to;
+    if recording.moves.len() > MAX_MOVES {
+        let text = format!("a profile has {MAX_MOVES} moves at most");
+        return refuse("I0584", words.place.span, text);
     }
+    Ok(())
+}
 
-    fn profile_way(&self, motion: Motion, to: &Point) -> Outcome<Way> {
-        let flat = |point: &Point| -> Flat { [point[2], point[0]] };
-        let (from, to) = (flat(&self.state.at), flat(to));
-        let turns = match motion {
-            Motion::ArcClockwise => -1,
-            Motion::ArcCounterclockwise => 1,
-            _ => return Ok(Way { from, to, circle: None }),
-        };
-        let centre = self.centre(from, to, turns < 0)?;
-        Ok(Way { from, to, circle: Some((centre, turns)) })
-    }
-
-    /// Once for each profile: words that it does not take.
-    fn warn_of_idle_words(&mut self, recording: &mut Recording, idle: u32) {
-        let stray = self.words.has_m() || self.words.any(idle & !set("GF"));
-        if recording.warned || !stray {
-            return;
+/// Where X, Z, U, W lead.
+fn profile_point(words: &mut Words, modes: &Modes) -> Outcome<Point> {
+    let span = words.place.span;
+    let steps = [(b'U', b'X'), (b'W', b'Z')].map(|(step, letter)| {
+        let twice = words.get(letter).is_some();
+        words.take(step).map(|value| (value, twice, letter))
+    });
+    let mut to = motion::destination(words, modes, false)?;
+    for (axis, step) in [0, 2].into_iter().zip(steps) {
+        let Some((value, twice, letter)) = step else { continue };
+        if twice {
+            let text =
+                format!("{} is given twice, as a coordinate and as an increment", letter as char);
+            return refuse("I0101", span, text);
         }
-        recording.warned = true;
-        let text = "only G0 to G3 with X, Z, U, W, I, K, R, A and C have an effect in a profile";
-        self.remarks.push(Diagnostic::warning("I0589", self.words.place.span, text).with_help(
+        let halved = axis == 0 && modes.diameter;
+        to[axis] = modes.at[axis] + if halved { value / 2.0 } else { value };
+    }
+    Ok(to)
+}
+
+fn profile_way(words: &Words, modes: &Modes, motion: Motion, to: &Point) -> Outcome<Way> {
+    let flat = |point: &Point| -> Flat { [point[2], point[0]] };
+    let (from, to) = (flat(&modes.at), flat(to));
+    let turns = match motion {
+        Motion::ArcClockwise => -1,
+        Motion::ArcCounterclockwise => 1,
+        _ => return Ok(Way { from, to, circle: None }),
+    };
+    let centre = arcs::centre(words, modes, from, to, turns < 0, true)?;
+    Ok(Way { from, to, circle: Some((centre, turns)) })
+}
+
+/// Once for each profile: words that it does not take.
+fn warn_of_idle_words<S: Sink>(
+    words: &Words,
+    recording: &mut Recording,
+    idle: u32,
+    out: &mut Out<'_, S>,
+) {
+    let stray = words.has_m() || words.any(idle & !set("GF"));
+    if recording.warned || !stray {
+        return;
+    }
+    recording.warned = true;
+    let text = "only G0 to G3 with X, Z, U, W, I, K, R, A and C have an effect in a profile";
+    out.remarks.push(
+        Diagnostic::warning("I0589", words.place.span, text).with_help(
             "write the other words before or after the cycle. Said once for each profile",
-        ));
-    }
+        ),
+    );
+}
 
-    /// The sentence for a profile that cannot be cut.
-    pub(crate) fn unfit(&self, why: &Unfit) -> Diagnostic {
-        let span = self.words.place.span;
-        let at = |[z, x]: Flat| {
-            let (letter, x) = if self.state.diameter { ("diameter ", 2.0 * x) } else { ("X", x) };
-            format!("{letter}{x:.4} Z{z:.4}")
-        };
-        match *why {
-            Unfit::Back(point) => {
-                let text = format!("the profile runs back at {}", at(point));
-                error("I0585", span, text).with_help(
-                    "from its begin to its end it must go one way only: along Z for G71 and G73, along X for G72",
-                )
-            }
-            Unfit::Corner(size, point) => {
-                let text = format!(
-                    "a corner of {} does not fit at {}",
-                    crate::spelling::short(size),
-                    at(point)
-                );
-                error("I0586", span, text).with_help("the moves before and after it must be longer")
-            }
-            Unfit::Parallel(distance, point) => {
-                let distance = crate::spelling::short(distance);
-                let text =
-                    format!("there is no room for a distance of {distance} at {}", at(point));
-                error("I0587", span, text)
-                    .with_help("leave less material, or make the groove there wider")
-            }
+/// The sentence for a profile that cannot be cut.
+pub(crate) fn unfit(words: &Words, modes: &Modes, why: &Unfit) -> Diagnostic {
+    let span = words.place.span;
+    let at = |[z, x]: Flat| {
+        let (letter, x) = if modes.diameter { ("diameter ", 2.0 * x) } else { ("X", x) };
+        format!("{letter}{x:.4} Z{z:.4}")
+    };
+    match *why {
+        Unfit::Back(point) => {
+            let text = format!("the profile runs back at {}", at(point));
+            error("I0585", span, text).with_help(
+                "from its begin to its end it must go one way only: along Z for G71 and G73, along X for G72",
+            )
+        }
+        Unfit::Corner(size, point) => {
+            let text = format!(
+                "a corner of {} does not fit at {}",
+                crate::spelling::short(size),
+                at(point)
+            );
+            error("I0586", span, text).with_help("the moves before and after it must be longer")
+        }
+        Unfit::Parallel(distance, point) => {
+            let distance = crate::spelling::short(distance);
+            let text = format!("there is no room for a distance of {distance} at {}", at(point));
+            error("I0587", span, text)
+                .with_help("leave less material, or make the groove there wider")
         }
     }
 }

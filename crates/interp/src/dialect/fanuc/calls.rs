@@ -17,8 +17,10 @@ use super::{
 };
 use crate::{
     call::Sink,
+    execute,
     fault::{Outcome, error, refuse},
     interpreter::Interpreter,
+    out::Out,
     words::near_whole,
 };
 use diag::Diagnostic;
@@ -212,7 +214,7 @@ impl Fanuc {
             locals,
             modals: None,
         });
-        it.executor.state.call_level = self.levels.len();
+        it.executor.modes.call_level = self.levels.len();
         jump(it, start);
         Ok(())
     }
@@ -222,12 +224,12 @@ impl Fanuc {
         &mut self,
         it: &mut Interpreter<'_>,
         to: Option<u32>,
-        sink: &mut S,
+        out: &mut Out<'_, S>,
     ) -> Outcome {
         let Some(level) = self.levels.last_mut() else {
             return match to {
                 Some(number) => self.go_to(it, f64::from(number)),
-                None => self.next_round(it, sink),
+                None => self.next_round(it, out),
             };
         };
         if level.left > 0 && to.is_none() {
@@ -238,7 +240,7 @@ impl Fanuc {
         }
         let Some(level) = self.levels.pop() else { return Ok(()) };
         self.program = level.program;
-        it.executor.state.call_level = self.levels.len();
+        it.executor.modes.call_level = self.levels.len();
         if let Some(locals) = level.locals {
             self.variables.local = *locals;
         }
@@ -256,13 +258,19 @@ impl Fanuc {
     }
 
     /// M99 of the main program.
-    fn next_round<S: Sink>(&mut self, it: &mut Interpreter<'_>, sink: &mut S) -> Outcome {
+    fn next_round<S: Sink>(&mut self, it: &mut Interpreter<'_>, out: &mut Out<'_, S>) -> Outcome {
         let span = it.block.span;
         if self.round_before == self.variables {
             let text = "M99 repeats the main program for ever: it is read once here";
             let remark = Diagnostic::warning("I1050", span, text);
             it.report(remark.with_help("M30 ends a program"));
-            it.executor.end(true, sink);
+            execute::end_program(
+                &mut it.executor.modes,
+                &mut it.executor.store,
+                &it.executor.settings,
+                true,
+                out,
+            );
             it.ended = true;
             return Ok(());
         }

@@ -14,12 +14,16 @@
 use super::{Fanuc, sense::Sense, words::Said};
 use crate::{
     call::Sink,
-    execute::{After, Executor},
+    execute::After,
+    executor::Executor,
     fault::{Outcome, error, refuse},
     frame::Point,
     interpreter::Interpreter,
+    modes::Motion,
+    motion,
     offset_curve::{Flat, length, minus},
-    state::Motion,
+    out::Out,
+    profile::record,
 };
 use diag::Span;
 use gcode::{Block, Grammar, Parser};
@@ -64,7 +68,7 @@ impl Fanuc {
         &mut self,
         it: &mut Interpreter<'_>,
         corner: Corner,
-        sink: &mut S,
+        out: &mut Out<'_, S>,
     ) -> Outcome<After> {
         let ex = &it.executor;
         let code = ex.words.g(crate::codes::GGroup::Motion);
@@ -73,16 +77,16 @@ impl Fanuc {
             let text = "a corner follows a straight feed: G1";
             return refuse("I1054", corner.span, text);
         }
-        let (from, to) = (ex.state.at, ex.destination(false)?);
+        let (from, to) = (ex.modes.at, motion::destination(&ex.words, &ex.modes, false)?);
         let next = self.ahead(it, &to, corner.span)?;
-        let [a, b, _] = it.executor.state.plane_axes();
+        let [a, b, _] = it.executor.modes.plane_axes();
         let flat = |point: &Point| [point[a], point[b]];
         let taken = core::mem::take(&mut self.taken);
         let Some(cut) = corner.cut(flat(&from), flat(&to), flat(&next), taken)? else {
-            return self.move_or_record(it, sink);
+            return self.move_or_record(it, out);
         };
         put(&mut it.executor, [a, b], cut.first)?;
-        let after = self.move_or_record(it, sink)?;
+        let after = self.move_or_record(it, out)?;
         it.executor.words.begin(&it.block);
         let code = match (corner.round, cut.left) {
             (false, _) => 1.0,
@@ -94,10 +98,10 @@ impl Fanuc {
         if corner.round {
             it.executor.words.put(b'R', corner.size, corner.span)?;
         }
-        self.move_or_record(it, sink)?;
+        self.move_or_record(it, out)?;
         // what follows counts from the corner; the way from here leads along the same line
-        it.executor.state.at = to;
-        it.executor.state.motion = Motion::Feed;
+        it.executor.modes.at = to;
+        it.executor.modes.motion = Motion::Feed;
         if let Some(recording) = &mut it.executor.recording {
             recording.go_on_with(Motion::Feed);
         }
@@ -108,12 +112,12 @@ impl Fanuc {
     fn move_or_record<S: Sink>(
         &mut self,
         it: &mut Interpreter<'_>,
-        sink: &mut S,
+        out: &mut Out<'_, S>,
     ) -> Outcome<After> {
         if it.executor.recording.is_some() {
-            return it.executor.record().map(|()| After::Next);
+            return record::record(&mut it.executor, out).map(|()| After::Next);
         }
-        self.move_block(&mut it.executor, true, sink)
+        self.move_block(&mut it.executor, true, out)
     }
 
     /// Where the straight feed that follows leads.
@@ -134,21 +138,21 @@ impl Fanuc {
             }
             let mut ahead = self.without_tape();
             let mut ex = it.executor.clone();
-            ex.state.at = *corner;
-            ex.state.motion = Motion::Feed;
+            ex.modes.at = *corner;
+            ex.modes.motion = Motion::Feed;
             ex.recording = None;
             let distance = it.executor.words.g(crate::codes::GGroup::Distance);
-            ex.state.incremental = distance.map_or(ex.state.incremental, |code| code == 910);
+            ex.modes.incremental = distance.map_or(ex.modes.incremental, |code| code == 910);
             ahead.read_words(&block, source, &ex)?;
             ex.words.begin(&block);
             ahead.once = super::Once::default();
             ahead.translate(&mut ex)?;
             let code = ex.words.g(crate::codes::GGroup::Motion);
-            let motion = code.map_or(ex.state.motion, Motion::from_code);
+            let motion = code.map_or(ex.modes.motion, Motion::from_code);
             if motion != Motion::Feed || !ex.words.any(crate::codes::AXES) {
                 break;
             }
-            return ex.destination(false);
+            return motion::destination(&ex.words, &ex.modes, false);
         }
         let fault = error(
             "I1054",
@@ -161,7 +165,7 @@ impl Fanuc {
 
 /// The motion in force: a profile that is taken down has its own.
 pub(super) fn in_force(ex: &Executor) -> Motion {
-    ex.recording.as_ref().map_or(ex.state.motion, |recording| recording.motion())
+    ex.recording.as_ref().map_or(ex.modes.motion, |recording| recording.motion())
 }
 
 /// Where a corner begins and ends.
@@ -213,8 +217,8 @@ impl Corner {
 fn put(ex: &mut Executor, axes: [usize; 2], place: Flat) -> Outcome {
     for (axis, value) in axes.into_iter().zip(place) {
         let letter = b"XYZ"[axis];
-        let value = if ex.state.incremental { value - ex.state.at[axis] } else { value };
-        let value = if axis == 0 && ex.state.diameter { 2.0 * value } else { value };
+        let value = if ex.modes.incremental { value - ex.modes.at[axis] } else { value };
+        let value = if axis == 0 && ex.modes.diameter { 2.0 * value } else { value };
         let span = ex.words.span(letter);
         ex.words.take(letter);
         ex.words.put(letter, value, span)?;

@@ -4,7 +4,7 @@
 //! ```text
 //!   work = M · R · S · figure      S  c + k·(p − c)     R  about c' = S·c by the angle     M  2·m − p
 //! ```
-use crate::execute::Executor;
+use crate::executor::Executor;
 
 /// X, Y, Z.
 pub(super) type Place = [f64; 3];
@@ -51,7 +51,7 @@ pub(super) struct Rotation {
 impl Mapping {
     /// Whether this axis' word is an angle.
     pub(super) fn is_angle(&self, ex: &Executor, letter: u8) -> bool {
-        self.polar.is_some() && letter == AXIS[ex.state.plane_axes()[1]]
+        self.polar.is_some() && letter == AXIS[ex.modes.plane_axes()[1]]
     }
 
     /// Whether figures are changed.

@@ -15,10 +15,12 @@
 use super::{Fanuc, words::Said};
 use crate::{
     call::Sink,
+    cycles,
     fault::{Outcome, refuse},
     interpreter::Interpreter,
     offset_curve::Flat,
-    profile::Stroke,
+    out::Out,
+    profile::{Stroke, cycle},
 };
 
 /// More pecks than this are a slip of the pen.
@@ -30,7 +32,7 @@ impl Fanuc {
         it: &mut Interpreter<'_>,
         code: u16,
         said: &[Said],
-        sink: &mut S,
+        out: &mut Out<'_, S>,
     ) -> Outcome {
         let has = |letters: &[u8]| said.iter().any(|said| letters.contains(&said.letter));
         let span = it.block.span;
@@ -50,8 +52,8 @@ impl Fanuc {
             };
         }
         let own = self.kind.own(code);
-        it.executor.check_cycle_feed(own)?;
-        let at = it.executor.state.at;
+        cycles::check_cycle_feed(&it.executor.words, &it.executor.modes, own)?;
+        let at = it.executor.modes.at;
         let start = [at[2], at[0]];
         let end = self.corner_of(it, said);
         let length = |letter: u8| self.long(it, said, letter);
@@ -74,15 +76,21 @@ impl Fanuc {
         let pecks =
             Pecks { start, end, deep, across, peck, step, relief, back: self.first_lines.back };
         for stroke in pecks.strokes() {
-            it.executor.stroke(stroke, sink)?;
+            cycle::cut(
+                &it.executor.words,
+                &mut it.executor.modes,
+                &it.executor.settings,
+                stroke,
+                out,
+            )?;
         }
         Ok(())
     }
 
     /// Where X, Z, U, W lead, as [Z, X].
     pub(super) fn corner_of(&self, it: &Interpreter<'_>, said: &[Said]) -> Flat {
-        let at = it.executor.state.at;
-        let step = it.executor.state.incremental;
+        let at = it.executor.modes.at;
+        let step = it.executor.modes.incremental;
         let along = |value: Option<f64>, by: Option<f64>, now: f64| {
             value.map_or(now + by.unwrap_or(0.0), |value| if step { now + value } else { value })
         };

@@ -20,8 +20,9 @@ use crate::{
     call::{Call, GrowingThread, Sink},
     fault::{Outcome, error, refuse},
     interpreter::Interpreter,
+    modes::Motion,
+    out::Out,
     spelling::short,
-    state::Motion,
     threads::along_path,
     words::tenths,
 };
@@ -63,7 +64,7 @@ impl Fanuc {
         &mut self,
         it: &mut Interpreter<'_>,
         said: &[Said],
-        sink: &mut S,
+        out: &mut Out<'_, S>,
     ) -> Outcome {
         let span = it.block.span;
         let lead = word(said, b'F').map(|f| self.thread_lead(f)).or(self.lead);
@@ -75,10 +76,10 @@ impl Fanuc {
             return refuse("I0426", span, text);
         }
         (self.lead, self.growing) = (Some(lead), true);
-        it.executor.state.motion = Motion::Thread;
+        it.executor.modes.motion = Motion::Thread;
         let growth = word(said, b'K').map_or(0.0, |k| self.thread_lead(k));
         turning(&it.executor, span)?;
-        let from = it.executor.state.at;
+        let from = it.executor.modes.at;
         let [z, x] = self.corner_of(it, said);
         let mut to = from;
         (to[0], to[2]) = (x, z);
@@ -87,7 +88,7 @@ impl Fanuc {
             let text = "G34 needs an end, in X or Z, that is not where it begins";
             return refuse("I0423", span, text);
         }
-        let inch = it.executor.state.units == crate::Units::Inch;
+        let inch = it.executor.modes.units == crate::Units::Inch;
         lasts(lead, growth, far, inch, word(said, b'K').map_or(span, |k| k.span))?;
         let [path_lead, path_growth] = [lead, growth].map(|lead| along_path(lead, &from, &to));
         let thread = GrowingThread { from, to, lead: path_lead, growth: path_growth };
@@ -99,9 +100,9 @@ impl Fanuc {
             return refuse("I1034", span, text);
         }
         let ex = &mut it.executor;
-        angle(ex, self.start_angle(said), sink);
-        ex.state.at = to;
-        ex.say(sink, &Call::GrowingThread(thread));
+        angle(ex, self.start_angle(said), out);
+        ex.modes.at = to;
+        out.say(&Call::GrowingThread(thread));
         Ok(())
     }
 }

@@ -13,10 +13,13 @@ use super::{Fanuc, words};
 use crate::{
     call::{Call, Sink},
     codes::GGroup,
-    execute::{After, Executor},
+    execute::{self, After},
+    executor::Executor,
     fault::{Outcome, refuse},
     frame::Point,
-    state::{FeedMode, Motion},
+    modes::{FeedMode, Motion},
+    motion,
+    out::Out,
     threads::along_path,
 };
 use canon::Plane;
@@ -27,47 +30,47 @@ const WHOLE: f64 = 1e6;
 /// Whether the block makes holes.
 pub(super) fn drills(ex: &Executor) -> bool {
     let code = ex.words.g(GGroup::Motion);
-    let motion = code.map_or(ex.state.motion, Motion::from_code);
+    let motion = code.map_or(ex.modes.motion, Motion::from_code);
     matches!(motion, Motion::Cycle(_)) && ex.words.any(crate::codes::AXES)
 }
 
 impl Fanuc {
     /// What holds before the first block.
-    pub(crate) fn begin<S: Sink>(&self, ex: &mut Executor, sink: &mut S) {
-        ex.state.retract_to_initial = true;
-        ex.state.motion = Motion::Rapid;
+    pub(crate) fn begin<S: Sink>(&self, ex: &mut Executor, out: &mut Out<'_, S>) {
+        ex.modes.retract_to_initial = true;
+        ex.modes.motion = Motion::Rapid;
         if !self.is_lathe() {
             return;
         }
-        ex.state.plane = Plane::ZX;
-        ex.state.diameter = true;
-        ex.state.feed_mode = FeedMode::PerRevolution;
-        ex.say(sink, &Call::SelectPlane(Plane::ZX));
-        ex.say(sink, &Call::FeedMode { per_revolution: true });
+        ex.modes.plane = Plane::ZX;
+        ex.modes.diameter = true;
+        ex.modes.feed_mode = FeedMode::PerRevolution;
+        out.say(&Call::SelectPlane(Plane::ZX));
+        out.say(&Call::FeedMode { per_revolution: true });
     }
 
     /// G83, G84, G85: a hole along Z, whatever plane is in force. R counts from the initial level, W from R.
-    pub(super) fn drill<S: Sink>(&self, ex: &mut Executor, sink: &mut S) -> Outcome<After> {
-        let initial = ex.state.initial.unwrap_or(ex.state.at[2]);
-        if !ex.state.incremental {
+    pub(super) fn drill<S: Sink>(&self, ex: &mut Executor, out: &mut Out<'_, S>) -> Outcome<After> {
+        let initial = ex.modes.initial.unwrap_or(ex.modes.at[2]);
+        if !ex.modes.incremental {
             let span = ex.words.span(b'R');
             let level = ex.words.take(b'R').map(|r| initial + r);
-            let level = level.or(ex.state.sticky.map(|kept| kept.r)).unwrap_or(initial);
+            let level = level.or(ex.modes.sticky.map(|kept| kept.r)).unwrap_or(initial);
             ex.words.put(b'R', level, span)?;
             if self.once.by_w {
-                let depth = ex.words.take(b'Z').unwrap_or(0.0) - ex.state.at[2];
+                let depth = ex.words.take(b'Z').unwrap_or(0.0) - ex.modes.at[2];
                 ex.words.put(b'Z', level + depth, span)?;
             }
         }
         let code = ex.words.g(GGroup::Motion);
-        let motion = code.map_or(ex.state.motion, Motion::from_code);
-        let pecks = motion == Motion::Cycle(crate::state::Cycle::Peck);
-        if pecks && ex.words.get(b'Q').is_none() && ex.state.sticky.is_none() {
+        let motion = code.map_or(ex.modes.motion, Motion::from_code);
+        let pecks = motion == Motion::Cycle(crate::modes::Cycle::Peck);
+        if pecks && ex.words.get(b'Q').is_none() && ex.modes.sticky.is_none() {
             ex.words.put(b'Q', WHOLE, ex.words.place.span)?; // in one go
         }
-        let plane = core::mem::replace(&mut ex.state.plane, Plane::XY);
-        let after = ex.execute(sink);
-        ex.state.plane = plane;
+        let plane = core::mem::replace(&mut ex.modes.plane, Plane::XY);
+        let after = execute::execute(ex, out);
+        ex.modes.plane = plane;
         after
     }
 
@@ -76,13 +79,14 @@ impl Fanuc {
         &mut self,
         ex: &mut Executor,
         code: u16,
-        sink: &mut S,
+        out: &mut Out<'_, S>,
     ) -> Outcome<After> {
-        let start = ex.state.at;
+        let start = ex.modes.at;
         if let Some(code) = ex.words.g(GGroup::Distance) {
-            ex.set_distances(code == 910, ex.state.absolute_centres, sink);
+            let absolute_centres = ex.modes.absolute_centres;
+            execute::set_distances(&mut ex.modes, code == 910, absolute_centres, out);
         }
-        let mut corner = ex.destination(false)?;
+        let mut corner = motion::destination(&ex.words, &ex.modes, false)?;
         let span = ex.words.place.span;
         let kept = self.corner;
         for (letter, axis) in [(b'X', 0), (b'Z', 2)] {
@@ -102,13 +106,13 @@ impl Fanuc {
         for letter in *b"XZ" {
             ex.words.take(letter);
         }
-        ex.state.motion = Motion::None;
-        let after = ex.execute(sink)?;
+        ex.modes.motion = Motion::None;
+        let after = execute::execute(ex, out)?;
         if code == 780 {
             let Some(lead) = self.lead.filter(|lead| *lead > 0.0) else {
                 return Err(words::no_lead(span).into());
             };
-            if ex.state.spindle.turning.is_none() {
+            if ex.modes.spindle.turning.is_none() {
                 return refuse(
                     "I0427",
                     span,
@@ -116,20 +120,20 @@ impl Fanuc {
                 );
             }
             let [first, second, third] = path(&start, &corner, taper, 0);
-            ex.say(sink, &Call::Rapid(first));
-            ex.say(sink, &Call::SyncStart(along_path(lead, &first, &second)));
-            ex.say(sink, &Call::Line(second));
-            ex.say(sink, &Call::SyncStop);
-            ex.say(sink, &Call::Rapid(third));
+            out.say(&Call::Rapid(first));
+            out.say(&Call::SyncStart(along_path(lead, &first, &second)));
+            out.say(&Call::Line(second));
+            out.say(&Call::SyncStop);
+            out.say(&Call::Rapid(third));
         } else {
-            ex.say_feed("the cycle", || 0.0, &mut crate::call::Silence)?;
+            motion::check_feed(&ex.words, &ex.modes, "the cycle")?;
             let [first, second, third] =
                 path(&start, &corner, taper, if code == 770 { 0 } else { 2 });
-            ex.say(sink, &Call::Rapid(first));
-            ex.say(sink, &Call::Line(second));
-            ex.say(sink, &Call::Line(third));
+            out.say(&Call::Rapid(first));
+            out.say(&Call::Line(second));
+            out.say(&Call::Line(third));
         }
-        ex.say(sink, &Call::Rapid(start));
+        out.say(&Call::Rapid(start));
         Ok(after)
     }
 }

@@ -17,9 +17,9 @@ use super::{
 };
 use crate::{
     codes::GGroup,
-    execute::Executor,
+    executor::Executor,
     fault::{Outcome, error, refuse},
-    state::Motion,
+    modes::Motion,
     words::near_whole,
 };
 
@@ -27,14 +27,17 @@ impl Fanuc {
     /// Lengthen the ways of the block's words.
     pub(super) fn lengthen(&self, ex: &mut Executor, said: &[Said], sense: &Sense) -> Outcome {
         let span = ex.words.place.span;
-        if ex.compensating || self.mapping.changes() || self.mapping.polar.is_some() || sense.cycle
+        if ex.modes.compensating()
+            || self.mapping.changes()
+            || self.mapping.polar.is_some()
+            || sense.cycle
         {
             let text = "G45 to G48 cannot be used in a cycle, nor while G16, G41, G42, G51, G51.1 or G68 is in force";
             let help = "write G80, G15, G40, G50, G50.1 or G69 before it";
             return Err(error("I1058", span, text).with_help(help).into());
         }
         let code = ex.words.g(GGroup::Motion);
-        let motion = code.map_or(ex.state.motion, Motion::from_code);
+        let motion = code.map_or(ex.modes.motion, Motion::from_code);
         let arc = matches!(motion, Motion::ArcClockwise | Motion::ArcCounterclockwise);
         if arc && ex.words.get(b'R').is_some() {
             let text = "G45 to G48 lengthen an arc by I, J and K: R cannot be used with them";
@@ -55,11 +58,11 @@ impl Fanuc {
         };
         let by = f64::from(self.once.longer) * offset;
         let distance = ex.words.g(GGroup::Distance);
-        let incremental = distance.map_or(ex.state.incremental, |code| code == 910);
+        let incremental = distance.map_or(ex.modes.incremental, |code| code == 910);
         for axis in 0..3 {
             let letter = b"XYZ"[axis];
             let Some(word) = ex.words.get(letter) else { continue };
-            let way = if incremental { word } else { word - ex.state.at[axis] };
+            let way = if incremental { word } else { word - ex.modes.at[axis] };
             let negative = said.iter().any(|s| s.letter == letter && s.value.is_sign_negative());
             let sense = match way {
                 0.0 if !incremental => 0.0,

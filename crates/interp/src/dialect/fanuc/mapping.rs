@@ -28,9 +28,9 @@ use super::{
 };
 use crate::{
     codes::GGroup,
-    execute::Executor,
+    executor::Executor,
     fault::{Outcome, error, refuse},
-    state::Motion,
+    modes::Motion,
 };
 use canon::{Axis, Plane};
 use diag::{Diagnostic, Span};
@@ -42,11 +42,11 @@ impl Fanuc {
         let plane = plane(ex);
         let [a, b, _] = plane.axes().map(Axis::index);
         let before = self.mapping.flips([a, b]);
-        if ex.compensating && code != 150 {
+        if ex.modes.compensating() && code != 150 {
             let text = "G50, G51, G68 and G69 cannot be written while G41 or G42 is in force";
             return Err(error("I1040", span, text).with_help("write G40 before them").into());
         }
-        let here = [ex.state.at[0], ex.state.at[1], ex.state.at[2]];
+        let here = [ex.modes.at[0], ex.modes.at[1], ex.modes.at[2]];
         match code {
             150 => self.mapping.polar = None,
             160 => self.polar(ex, here, [a, b]),
@@ -58,7 +58,7 @@ impl Fanuc {
         }
         if before != self.mapping.flips([a, b]) {
             // the arc that is in force is one of the program's
-            ex.state.motion = match ex.state.motion {
+            ex.modes.motion = match ex.modes.motion {
                 Motion::ArcClockwise => Motion::ArcCounterclockwise,
                 Motion::ArcCounterclockwise => Motion::ArcClockwise,
                 other => other,
@@ -176,7 +176,7 @@ impl Fanuc {
             return Err(fault.with_help("write G69, G50 or G50.1 before it").into());
         }
         let [a, b, n] = plane(ex).axes().map(Axis::index);
-        if plane(ex) != ex.state.plane {
+        if plane(ex) != ex.modes.plane {
             let text = "the plane cannot change while G16, G51, G51.1 or G68 is in force";
             let fault = error("I1045", ex.words.place.span, text);
             return Err(fault.with_help("write G15, G69, G50 or G50.1 before it").into());
@@ -186,7 +186,7 @@ impl Fanuc {
         if words.iter().all(Option::is_none) {
             return if cycle { self.map_levels(ex, n, by) } else { self.map_arc(ex, [a, b]) };
         }
-        let here = [ex.state.at[0], ex.state.at[1], ex.state.at[2]];
+        let here = [ex.modes.at[0], ex.modes.at[1], ex.modes.at[2]];
         let from = self.mapping.backward(&here);
         let mut target = from;
         for i in 0..3 {
@@ -245,7 +245,7 @@ impl Fanuc {
             ex.words.exchange_g(GGroup::Motion, 20, 30);
             ex.words.exchange_g(GGroup::Compensation, 410, 420);
         }
-        let motion = ex.words.g(GGroup::Motion).map_or(ex.state.motion, Motion::from_code);
+        let motion = ex.words.g(GGroup::Motion).map_or(ex.modes.motion, Motion::from_code);
         if !matches!(motion, Motion::ArcClockwise | Motion::ArcCounterclockwise) {
             return Ok(());
         }
@@ -309,13 +309,13 @@ fn plane(ex: &Executor) -> Plane {
         Some(170) => Plane::XY,
         Some(180) => Plane::ZX,
         Some(190) => Plane::YZ,
-        _ => ex.state.plane,
+        _ => ex.modes.plane,
     }
 }
 
 /// Whether the block's words are increments.
 fn incremental(ex: &Executor) -> bool {
-    ex.words.g(GGroup::Distance).map_or(ex.state.incremental, |code| code == 910)
+    ex.words.g(GGroup::Distance).map_or(ex.modes.incremental, |code| code == 910)
 }
 
 /// What in this block stands outside of these coordinates.

@@ -10,7 +10,7 @@
 //!
 //! The front end decides which block comes next, what its variables are worth, and what its words mean
 //! in the shared language (millimetres or inches, seconds, the shared codes); everything that moves is
-//! the [`Executor`](crate::execute::Executor)'s. A variable without a value makes its word vanish.
+//! the [`Executor`](crate::executor::Executor)'s. A variable without a value makes its word vanish.
 //!
 //! Source: Fanuc, operator's manuals of series 30i and 0i for machining centres and lathes.
 #![allow(clippy::unused_self)] // steps of the front end, called alike
@@ -50,11 +50,16 @@ mod words;
 use crate::{
     call::{Call, Corners, Sink},
     dialect::rules::FrontEndKind,
-    execute::{After, Executor},
+    execute::{self, After},
+    executor::Executor,
     fault::{Outcome, error, refuse},
     interpreter::Interpreter,
+    modes::Motion,
+    motion,
+    out::Out,
+    profile::record,
+    refused,
     setup::{Increments, Setup},
-    state::Motion,
 };
 use calls::Level;
 pub(crate) use calls::programs;
@@ -238,28 +243,32 @@ impl Fanuc {
     }
 
     /// Execute the block that the interpreter has read.
-    pub(crate) fn block<S: Sink>(&mut self, it: &mut Interpreter<'_>, sink: &mut S) -> Outcome {
-        let result = self.execute(it, sink);
+    pub(crate) fn block<S: Sink>(
+        &mut self,
+        it: &mut Interpreter<'_>,
+        out: &mut Out<'_, S>,
+    ) -> Outcome {
+        let result = self.execute(it, out);
         if self.shape.is_none() {
             return result;
         }
         if let Err(fault) = result {
             it.report(*fault); // the profile is not whole, and will not be cut
         }
-        self.end_of_shape(it, sink)
+        self.end_of_shape(it, out)
     }
 
-    fn execute<S: Sink>(&mut self, it: &mut Interpreter<'_>, sink: &mut S) -> Outcome {
+    fn execute<S: Sink>(&mut self, it: &mut Interpreter<'_>, out: &mut Out<'_, S>) -> Outcome {
         if it.block.delete.is_some_and(|level| self.skip_levels >> level & 1 == 1) {
             return Ok(());
         }
-        it.executor.state.line = it.block.span.line;
+        it.executor.modes.line = it.block.span.line;
         it.ahead = 0;
         if let Some(word) = it.block.o {
             return self.program_begins(it, word.label, word.span);
         }
         if it.block.percent {
-            return self.percent(it, sink);
+            return self.percent(it, out);
         }
         if let Some(number) = it.block.number {
             self.kept.word(b'N', number);
@@ -270,15 +279,16 @@ impl Fanuc {
                 return Ok(());
             }
         }
-        self.assign(it, sink).inspect_err(|_| it.executor.doubt_parameters())?;
+        self.assign(it, out).inspect_err(|_| refused::doubt_parameters(&mut it.executor.modes))?;
         it.executor.words.begin(&it.block);
+        out.place = it.executor.words.place;
         if let Some(comment) = it.block.comments.last().filter(|_| it.block.assignments.is_empty())
         {
             let text = it.block.text(comment.text).trim_start();
-            it.executor.say(sink, &Call::Comment(text));
+            out.say(&Call::Comment(text));
         }
         if it.block.output.is_some() {
-            return self.output(it, sink);
+            return self.output(it, out);
         }
         self.called = match it.block.called {
             Some(name) => Some(self.named(it, name)?),
@@ -287,13 +297,13 @@ impl Fanuc {
         if it.block.words.is_empty() && self.called.is_none() {
             return Ok(());
         }
-        self.words(it, sink)
+        self.words(it, out)
     }
 
     /// `%`: the end of the tape, which a subprogram's file may not reach.
-    fn percent<S: Sink>(&self, it: &mut Interpreter<'_>, sink: &mut S) -> Outcome {
+    fn percent<S: Sink>(&self, it: &mut Interpreter<'_>, out: &mut Out<'_, S>) -> Outcome {
         if it.file == 0 {
-            it.percent_sign(sink);
+            it.percent_sign(out);
             return Ok(());
         }
         it.ended = true;
@@ -302,46 +312,55 @@ impl Fanuc {
     }
 
     /// A block with words.
-    fn words<S: Sink>(&mut self, it: &mut Interpreter<'_>, sink: &mut S) -> Outcome {
+    fn words<S: Sink>(&mut self, it: &mut Interpreter<'_>, out: &mut Out<'_, S>) -> Outcome {
         self.read(it)?;
         if self.only_moves(&it.executor) {
-            let moves = self.move_only(&mut it.executor, sink)?;
+            let moves = self.move_only(&mut it.executor, out)?;
             return if moves { self.modal_call(it) } else { Ok(()) };
         }
         if let Some(then) = self.only_calls(&it.executor) {
             self.once = Once::default();
-            self.group_one(&mut it.executor.state.motion);
-            return self.follow(it, then, sink);
+            self.group_one(&mut it.executor.modes.motion);
+            return self.follow(it, then, out);
         }
         if let Some(code) = self.macro_code() {
             return self.macro_call(it, code);
         }
         self.check_surface(&it.executor)?;
         if let Some(code) = self.multiple_cycle() {
-            return self.multiple(it, code, sink);
+            return self.multiple(it, code, out);
         }
         let (then, after) = match self.surface {
-            None => self.obey(it, sink)?,
-            Some(surface) => self.on_surface(it, surface, sink)?,
+            None => self.obey(it, out)?,
+            Some(surface) => self.on_surface(it, surface, out)?,
         };
         if after == After::End {
             it.ended = true;
             return Ok(());
         }
-        self.follow(it, then, sink)
+        self.follow(it, then, out)
     }
 
-    fn follow<S: Sink>(&mut self, it: &mut Interpreter<'_>, then: Then, sink: &mut S) -> Outcome {
+    fn follow<S: Sink>(
+        &mut self,
+        it: &mut Interpreter<'_>,
+        then: Then,
+        out: &mut Out<'_, S>,
+    ) -> Outcome {
         match then {
             Then::Call(callee) => self.call_program(it, callee),
-            Then::Return(to) => self.return_to(it, to, sink),
+            Then::Return(to) => self.return_to(it, to, out),
             Then::Moved => self.modal_call(it),
             Then::Next => Ok(()),
         }
     }
 
     /// Do what the words say.
-    fn obey<S: Sink>(&mut self, it: &mut Interpreter<'_>, sink: &mut S) -> Outcome<(Then, After)> {
+    fn obey<S: Sink>(
+        &mut self,
+        it: &mut Interpreter<'_>,
+        out: &mut Out<'_, S>,
+    ) -> Outcome<(Then, After)> {
         self.once = Once::default();
         let then = self.translate(&mut it.executor)?;
         if self.called.is_some() && !matches!(then, Then::Call(_)) {
@@ -353,12 +372,12 @@ impl Fanuc {
             self.taken = 0.0;
         }
         let after = match self.once.corner {
-            Some(corner) => self.cornered(it, corner, sink)?,
+            Some(corner) => self.cornered(it, corner, out)?,
             None if it.executor.recording.is_some() => {
-                it.executor.record()?;
+                record::record(&mut it.executor, out)?;
                 return Ok((Then::Next, After::Next));
             }
-            None => self.move_block(&mut it.executor, moves, sink)?,
+            None => self.move_block(&mut it.executor, moves, out)?,
         };
         Ok((if moves && then == Then::Next { Then::Moved } else { then }, after))
     }
@@ -368,55 +387,55 @@ impl Fanuc {
         &mut self,
         ex: &mut Executor,
         moves: bool,
-        sink: &mut S,
+        out: &mut Out<'_, S>,
     ) -> Outcome<After> {
         if let Some(system) = self.once.system {
-            ex.change_system(system, sink);
+            crate::offsets::change_system(&mut ex.modes, &mut ex.store, &ex.settings, system, out);
         }
         if let Some(system) = self.once.changed {
-            ex.offset_changed(system, sink);
+            crate::offsets::offset_changed(&mut ex.modes, &mut ex.store, &ex.settings, system, out);
         }
         if self.once.stroke_check {
-            ex.say(sink, &Call::StrokeCheck(self.zone.in_force()));
+            out.say(&Call::StrokeCheck(self.zone.in_force()));
         }
         let plain = !(self.once.check || self.once.skip);
         let cycle = self.lathe_cycle.filter(|_| moves && plain);
         if moves {
-            threading::angle(ex, self.thread_angle.take(), sink);
+            threading::angle(ex, self.thread_angle.take(), out);
         }
         if let Some(code) = ex.words.g(crate::codes::GGroup::ToolLength) {
             self.length_mode = f64::from(code % crate::codes::OWN) / 10.0;
         }
-        let (motion, corners) = (ex.state.motion, ex.state.corners);
+        let (motion, corners) = (ex.modes.motion, ex.modes.corners);
         let exact = self.once.exact && moves && corners != Corners::ExactStop;
         if exact {
-            ex.say(sink, &Call::PathControl { corners: Corners::ExactStop, merge: None });
+            out.say(&Call::PathControl { corners: Corners::ExactStop, merge: None });
         }
         let checked = self.once.check.then(|| reference::named(ex));
         let reference = matches!(ex.words.g(crate::codes::GGroup::NonModal), Some(280 | 300));
-        let by = reference.then(|| ex.destination(false)).transpose()?;
-        let by = by.map(|by| ex.state.frame.to_machine(&by));
+        let by = reference.then(|| motion::destination(&ex.words, &ex.modes, false)).transpose()?;
+        let by = by.map(|by| ex.modes.frame.to_machine(&by));
         let after = match cycle {
-            _ if self.once.back => self.back_from_reference(ex, sink)?,
-            Some(code) => self.lathe_move(ex, code, sink)?,
-            None if self.is_lathe() && drills(ex) => self.drill(ex, sink)?,
-            None => ex.execute(sink)?,
+            _ if self.once.back => self.back_from_reference(ex, out)?,
+            Some(code) => self.lathe_move(ex, code, out)?,
+            None if self.is_lathe() && drills(ex) => self.drill(ex, out)?,
+            None => execute::execute(ex, out)?,
         };
         self.by = by.or(self.by);
         if exact {
-            ex.say(sink, &Call::PathControl { corners, merge: Some(ex.state.merge) });
+            out.say(&Call::PathControl { corners, merge: Some(ex.modes.merge) });
         }
         if self.once.skip {
-            let at = ex.state.at;
+            let at = ex.modes.at;
             ex.store.numbered.set_point(5061, &at);
         }
         if !plain {
-            ex.state.motion = motion;
+            ex.modes.motion = motion;
         }
         if let Some(checked) = checked {
             self.at_reference(ex, checked)?;
         }
-        self.group_one(&mut ex.state.motion);
+        self.group_one(&mut ex.modes.motion);
         Ok(after)
     }
 

@@ -5,9 +5,11 @@ use super::{Callee, Fanuc, Kind, Once, Then, sense::Sense, words::Said};
 use crate::{
     call::Sink,
     codes::{AXES, g_code},
-    execute::Executor,
+    execute,
+    executor::Executor,
     fault::Outcome,
-    state::{FeedMode, Motion},
+    modes::{FeedMode, Motion},
+    out::Out,
     words::tenths,
 };
 
@@ -15,7 +17,7 @@ impl Fanuc {
     /// Whether the block at hand is one of them.
     pub(super) fn only_moves(&self, ex: &Executor) -> bool {
         let motion = matches!(
-            ex.state.motion,
+            ex.modes.motion,
             Motion::Rapid | Motion::Feed | Motion::ArcClockwise | Motion::ArcCounterclockwise
         );
         let only_moves = |said: &Said| match said.letter {
@@ -32,7 +34,11 @@ impl Fanuc {
     }
 
     /// Do what it says; whether it moves.
-    pub(super) fn move_only<S: Sink>(&mut self, ex: &mut Executor, sink: &mut S) -> Outcome<bool> {
+    pub(super) fn move_only<S: Sink>(
+        &mut self,
+        ex: &mut Executor,
+        out: &mut Out<'_, S>,
+    ) -> Outcome<bool> {
         self.once = Once::default();
         let said = core::mem::take(&mut self.said);
         let result = self.put_move(ex, &said);
@@ -42,8 +48,8 @@ impl Fanuc {
         if moves {
             self.taken = 0.0;
         }
-        ex.execute(sink)?;
-        self.group_one(&mut ex.state.motion);
+        execute::execute(ex, out)?;
+        self.group_one(&mut ex.modes.motion);
         Ok(moves)
     }
 
@@ -69,7 +75,7 @@ impl Fanuc {
 
     fn put_move(&mut self, ex: &mut Executor, said: &[Said]) -> Outcome {
         self.warn_of_points(ex, said);
-        let per_revolution = ex.state.feed_mode == FeedMode::PerRevolution;
+        let per_revolution = ex.modes.feed_mode == FeedMode::PerRevolution;
         for word in said {
             let value = match word.letter {
                 b'G' => continue,

@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     Parameters,
-    execute::Executor,
+    executor::Executor,
     fault::{Outcome, error, refuse},
     words::near_whole,
 };
@@ -48,7 +48,7 @@ impl Fanuc {
                 };
                 let part = if matches!(kind, 12 | 13) { Part::Radius } else { Part::Z };
                 let which = ToolVariable { tool: p, part, wear: matches!(kind, 1 | 11 | 13) };
-                let now = if ex.state.incremental { self.tool_value(ex, which) } else { 0.0 };
+                let now = if ex.modes.incremental { self.tool_value(ex, which) } else { 0.0 };
                 self.set_tool(ex, which, now + value);
                 Ok(())
             }
@@ -77,12 +77,12 @@ impl Fanuc {
         for axis in 0..6 {
             let letter = b"XYZABC"[axis];
             let Some(word) = ex.words.take(letter) else { continue };
-            let unit = if axis < 3 { ex.state.units.in_mm() } else { 1.0 };
+            let unit = if axis < 3 { ex.modes.units.in_mm() } else { 1.0 };
             let mm = self.radius(axis, word * unit);
-            let now = if ex.state.incremental { ex.store.numbered.at(first + axis) } else { 0.0 };
+            let now = if ex.modes.incremental { ex.store.numbered.at(first + axis) } else { 0.0 };
             ex.store.numbered.set(first + axis, now + mm);
         }
-        if ex.compensating && (system == 0 || system == usize::from(ex.state.system)) {
+        if ex.modes.compensating() && (system == 0 || system == usize::from(ex.modes.system)) {
             let text =
                 "the work offset in force cannot be changed while cutter radius compensation is on";
             return Err(error("I0544", ex.words.place.span, text)
@@ -113,7 +113,7 @@ impl Fanuc {
             let more = ex.words.take(step);
             any |= word.is_some() || more.is_some();
             let now = self.tool_value(ex, which);
-            if let Some(more) = more.or(word.filter(|_| ex.state.incremental)) {
+            if let Some(more) = more.or(word.filter(|_| ex.modes.incremental)) {
                 self.set_tool(ex, which, now + more);
             } else if let Some(value) = word {
                 self.set_tool(ex, which, value);
@@ -144,11 +144,11 @@ impl Fanuc {
             );
         };
         let (tool, offset) = (number / 100, number % 100);
-        if tool != 0 && tool != ex.state.current_tool {
+        if tool != 0 && tool != ex.modes.current_tool {
             ex.words.put(b'T', f64::from(tool), word.span)?;
             ex.words.take_m(6.0, word.span)?;
             // a turret indexes while the spindle turns
-            match ex.state.spindle.turning {
+            match ex.modes.spindle.turning {
                 Some(sense_now) if !sense.spindle => {
                     let code = if sense_now == crate::Sense::Clockwise { 3.0 } else { 4.0 };
                     ex.words.take_m(code, word.span)?;

@@ -9,12 +9,13 @@ use crate::{
     call::{Call, Sink},
     fault::Outcome,
     interpreter::Interpreter,
+    out::Out,
 };
 use gcode::{Output, Piece};
 use std::fmt::Write;
 
 impl Fanuc {
-    pub(super) fn output<S: Sink>(&self, it: &Interpreter<'_>, sink: &mut S) -> Outcome {
+    pub(super) fn output<S: Sink>(&self, it: &Interpreter<'_>, out: &mut Out<'_, S>) -> Outcome {
         let binary = match it.block.output {
             Some(Output::Decimal) => false,
             Some(Output::Binary) => true,
@@ -39,7 +40,7 @@ impl Fanuc {
                 }
             }
         }
-        it.executor.say(sink, &Call::Print(&text));
+        out.say(&Call::Print(&text));
         Ok(())
     }
 }

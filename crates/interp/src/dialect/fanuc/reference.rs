@@ -7,9 +7,12 @@
 use super::{Fanuc, words::Said};
 use crate::{
     call::{Call, Sink},
-    execute::{After, Executor},
+    execute::{self, After},
+    executor::Executor,
     fault::{Outcome, error, refuse},
-    state::Motion,
+    modes::Motion,
+    motion,
+    out::Out,
 };
 
 /// First parameter of the reference point.
@@ -30,9 +33,9 @@ impl Fanuc {
             let text = "G27 needs axis words: the reference point as this program calls it";
             return refuse("I1055", span, text);
         }
-        let here = ex.state.frame.to_machine(&ex.state.place());
+        let here = ex.modes.frame.to_machine(&ex.modes.place());
         let mut reference = ex.store.numbered.point(REFERENCE);
-        crate::frame::scale(&mut reference, 1.0 / ex.state.units.in_mm());
+        crate::frame::scale(&mut reference, 1.0 / ex.modes.units.in_mm());
         let near = 0.5 / self.per_unit(b'X', self.inch);
         let beside = |i: &usize| named[*i] && (here[*i] - reference[*i]).abs() > near;
         let written = |point: &crate::Point| {
@@ -54,7 +57,7 @@ impl Fanuc {
             written(&here),
             written(&reference)
         );
-        let right = ex.state.frame.to_program(&by_axis);
+        let right = ex.modes.frame.to_program(&by_axis);
         let help = format!(
             "with the offsets in force that is {} here; G28 goes there by itself",
             written(&right)
@@ -66,30 +69,30 @@ impl Fanuc {
     pub(super) fn back_from_reference<S: Sink>(
         &self,
         ex: &mut Executor,
-        sink: &mut S,
+        out: &mut Out<'_, S>,
     ) -> Outcome<After> {
         let Some(by) = self.by else {
             let text = "G29 comes back from the reference point: no G28 or G30 went there before";
             return refuse("I1053", ex.words.place.span, text);
         };
-        let by = ex.state.frame.to_program(&by);
-        let mut corner = ex.state.at;
+        let by = ex.modes.frame.to_program(&by);
+        let mut corner = ex.modes.at;
         for axis in 0..9 {
             if ex.words.get(b"XYZABCUVW"[axis]).is_some() {
                 corner[axis] = by[axis];
             }
         }
-        ex.state.at = corner;
-        ex.say(sink, &Call::Rapid(corner));
-        let (motion, to) = (ex.state.motion, ex.destination(false)?);
+        ex.modes.at = corner;
+        out.say(&Call::Rapid(corner));
+        let (motion, to) = (ex.modes.motion, motion::destination(&ex.words, &ex.modes, false)?);
         for letter in *b"XYZABCUVW" {
             ex.words.take(letter);
         }
-        ex.state.motion = Motion::None;
-        let after = ex.execute(sink)?;
-        ex.state.at = to;
-        ex.state.motion = motion;
-        ex.say(sink, &Call::Rapid(to));
+        ex.modes.motion = Motion::None;
+        let after = execute::execute(ex, out)?;
+        ex.modes.at = to;
+        ex.modes.motion = motion;
+        out.say(&Call::Rapid(to));
         Ok(after)
     }
 }

@@ -5,9 +5,9 @@ use super::{
     words::Said,
 };
 use crate::{
-    execute::Executor,
+    executor::Executor,
     fault::Outcome,
-    state::{FeedMode, Motion},
+    modes::{FeedMode, Motion},
     words::tenths,
 };
 
@@ -47,11 +47,11 @@ impl Fanuc {
     /// What the codes of the block say about the other words.
     pub(super) fn sense(&mut self, ex: &Executor, said: &[Said]) -> Sense {
         let mut sense = Sense {
-            cycle: matches!(ex.state.motion, Motion::Cycle(_)),
-            tap: matches!(ex.state.motion, Motion::Cycle(cycle) if cycle.tap_sense().is_some()),
-            thread: ex.state.motion == Motion::Thread,
+            cycle: matches!(ex.modes.motion, Motion::Cycle(_)),
+            tap: matches!(ex.modes.motion, Motion::Cycle(cycle) if cycle.tap_sense().is_some()),
+            thread: ex.modes.motion == Motion::Thread,
             feed: super::corner::in_force(ex) == Motion::Feed,
-            per_revolution: ex.state.feed_mode == FeedMode::PerRevolution,
+            per_revolution: ex.modes.feed_mode == FeedMode::PerRevolution,
             ..Sense::default()
         };
         let mut plain_offset = false;
@@ -118,7 +118,7 @@ impl Fanuc {
         let span = ex.words.place.span;
         if sense.cycle
             && ex.words.get(b'P').is_none()
-            && ex.state.sticky.is_none_or(|s| s.dwell.is_none())
+            && ex.modes.sticky.is_none_or(|s| s.dwell.is_none())
         {
             let waits =
                 matches!(ex.words.g(crate::codes::GGroup::Motion), Some(820 | 860 | 880 | 890));
@@ -137,7 +137,7 @@ impl Fanuc {
         }
         if sense.surface_speed {
             if ex.words.get(b'S').is_none() {
-                ex.words.put(b'S', ex.state.spindle.speed, span)?;
+                ex.words.put(b'S', ex.modes.spindle.speed, span)?;
             }
             if ex.words.g(crate::codes::GGroup::SpindleMode).is_none() {
                 ex.words.take_g(96.0, span)?;

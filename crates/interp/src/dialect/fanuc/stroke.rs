@@ -5,7 +5,7 @@
 use super::Fanuc;
 use crate::{
     StrokeZone,
-    execute::Executor,
+    executor::Executor,
     fault::{Outcome, refuse},
 };
 
@@ -45,7 +45,7 @@ impl Fanuc {
             let letters = [b"IJK"[*i], b"XYZ"[*i]];
             for (side, letter) in letters.into_iter().enumerate() {
                 if let Some(value) = ex.words.take(letter) {
-                    sides[side][*i] = self.radius(*i, value * ex.state.units.in_mm());
+                    sides[side][*i] = self.radius(*i, value * ex.modes.units.in_mm());
                     named += 1;
                 }
             }

@@ -17,11 +17,13 @@
 use super::{Fanuc, Then, words::Said};
 use crate::{
     call::{Call, Place, Sink},
-    execute::{After, Executor},
+    execute::After,
+    executor::Executor,
     fault::{Outcome, error, refuse},
     frame::Point,
     interpreter::Interpreter,
-    state::{FeedMode, Motion},
+    modes::{FeedMode, Motion},
+    out::Out,
     words::tenths,
 };
 use canon::{Axis, Plane};
@@ -67,21 +69,21 @@ pub(super) struct Surface {
 
 impl Surface {
     fn new(form: Form, ex: &Executor) -> Self {
-        let state = &ex.state;
+        let modes = &ex.modes;
         let mut new = Self {
             form,
-            at: state.at,
-            tool: state.at,
-            axes: state.at,
-            rate: state.feed,
-            per_revolution: state.feed_mode == FeedMode::PerRevolution,
-            speed: state.spindle.speed,
-            in_mm: state.units.in_mm(),
+            at: modes.at,
+            tool: modes.at,
+            axes: modes.at,
+            rate: modes.feed,
+            per_revolution: modes.feed_mode == FeedMode::PerRevolution,
+            speed: modes.spindle.speed,
+            in_mm: modes.units.in_mm(),
         };
         match form {
             Form::Cylinder { rotary, radius, place } => {
-                new.at[6 + place] = state.at[place];
-                new.at[place] = state.at[rotary].to_radians() * radius;
+                new.at[6 + place] = modes.at[place];
+                new.at[place] = modes.at[rotary].to_radians() * radius;
             }
             Form::Face => (new.at[1], new.at[C]) = (0.0, 0.0), // C stands at 0
         }
@@ -255,7 +257,7 @@ fn nearest(from: &Point, to: &Point) -> f64 {
 impl Fanuc {
     /// Where an axis stands from which a word counts.
     pub(super) fn stands(&self, ex: &Executor, axis: usize) -> f64 {
-        self.surface.map_or(ex.state.at[axis], |surface| surface.stands(axis))
+        self.surface.map_or(ex.modes.at[axis], |surface| surface.stands(axis))
     }
 
     /// G7.1 C: its radius, or its end. The word is taken away.
@@ -276,7 +278,7 @@ impl Fanuc {
         self.has_axis(rotary, span)?;
         let (along, planes) =
             [("X", "G17 or G18"), ("Y", "G17 or G19"), ("Z", "G18 or G19")][rotary - 3];
-        let [a, b, _] = ex.state.plane_axes();
+        let [a, b, _] = ex.modes.plane_axes();
         let place = match [a, b].iter().position(|axis| axis + 3 == rotary) {
             Some(0) => b,
             Some(_) => a,
@@ -307,8 +309,8 @@ impl Fanuc {
         }
         self.may_begin(ex, "G12.1")?;
         self.has_axis(C, span)?;
-        let (x, c) = (ex.state.at[0], ex.state.at[C]);
-        if c.abs() > 1e-6 || x * ex.state.units.in_mm() < TOO_NEAR_MM {
+        let (x, c) = (ex.modes.at[0], ex.modes.at[C]);
+        if c.abs() > 1e-6 || x * ex.modes.units.in_mm() < TOO_NEAR_MM {
             let (x, c) = (self.shown(0, x), crate::spelling::short(c));
             let text = format!(
                 "G12.1 begins with C at 0 and X beside the axis of C, on its positive side; found X{x} C{c}"
@@ -334,12 +336,12 @@ impl Fanuc {
         let span = ex.words.place.span;
         let what = match &self.surface {
             Some(surface) => surface.name(),
-            None if ex.compensating => "G41 or G42",
+            None if ex.modes.compensating() => "G41 or G42",
             None if self.mapping.changes() || self.mapping.polar.is_some() => {
                 "G16, G51, G51.1 or G68"
             }
-            None if matches!(ex.state.motion, Motion::Cycle(_)) => "a cycle",
-            None if ex.state.feed_mode == FeedMode::InverseTime => "G93",
+            None if matches!(ex.modes.motion, Motion::Cycle(_)) => "a cycle",
+            None if ex.modes.feed_mode == FeedMode::InverseTime => "G93",
             None if self.lathe_cycle.is_some() => "a cycle",
             None => return Ok(()),
         };
@@ -348,12 +350,12 @@ impl Fanuc {
 
     fn leave_surface(&mut self, ex: &mut Executor) -> Outcome {
         let Some(surface) = self.surface else { return Ok(()) };
-        if ex.compensating {
+        if ex.modes.compensating() {
             let span = ex.words.place.span;
             let text = format!("{} cannot end while G41 or G42 is in force", surface.name());
             return Err(error("I1059", span, text).with_help("write G40 before it").into());
         }
-        ex.state.left_beside = None;
+        ex.modes.left_beside = None;
         self.surface = None;
         Ok(())
     }
@@ -373,7 +375,7 @@ impl Fanuc {
             b'Y' | b'V' => surface.is_face(),
             _ => false,
         });
-        let motion = ex.state.motion;
+        let motion = ex.modes.motion;
         let along =
             matches!(motion, Motion::Feed | Motion::ArcClockwise | Motion::ArcCounterclockwise);
         let places = self.said.iter().any(|said| b"XYZABCUVWH".contains(&said.letter));
@@ -402,7 +404,7 @@ impl Fanuc {
         match surface.form {
             Form::Cylinder { rotary, radius, place } => {
                 // X of a lathe is a diameter, the axes beside it are none
-                let factor = if place == 0 && ex.state.diameter { 2.0 } else { 1.0 };
+                let factor = if place == 0 && ex.modes.diameter { 2.0 } else { 1.0 };
                 rename(ex, LETTERS[place], LETTERS[6 + place], |value| value / factor)?;
                 rename(ex, LETTERS[rotary], LETTERS[place], |degrees| {
                     factor * degrees.to_radians() * radius
@@ -417,20 +419,22 @@ impl Fanuc {
         &mut self,
         it: &mut Interpreter<'_>,
         mut surface: Surface,
-        sink: &mut S,
+        out: &mut Out<'_, S>,
     ) -> Outcome<(Then, After)> {
-        let plane = it.executor.state.plane;
-        it.executor.state.at = surface.at;
+        let plane = it.executor.modes.plane;
+        it.executor.modes.at = surface.at;
         if surface.is_face() {
-            it.executor.state.plane = Plane::XY;
+            it.executor.modes.plane = Plane::XY;
         }
         let mut found = Vec::new();
-        let mut bent = Bent { sink, surface: &mut surface, found: &mut found };
+        let Out { sink, held, remarks, place } = out;
+        let mut bent = Bent { sink: &mut **sink, surface: &mut surface, found: &mut found };
+        let mut bent = Out { sink: &mut bent, held, remarks, place: *place };
         let result = self.obey(it, &mut bent);
-        surface.at = it.executor.state.at;
-        it.executor.state.plane = plane;
+        surface.at = it.executor.modes.at;
+        it.executor.modes.plane = plane;
         it.report_all(found);
-        it.executor.state.at = match self.surface {
+        it.executor.modes.at = match self.surface {
             None => surface.axes, // it has ended: where the tool is
             Some(_) => surface.on_axes(&surface.at),
         };

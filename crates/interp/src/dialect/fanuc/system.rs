@@ -24,7 +24,8 @@ use crate::{
     call::{Call, Sink},
     fault::{Outcome, refuse},
     interpreter::Interpreter,
-    state::{FeedMode, Motion},
+    modes::{FeedMode, Motion},
+    out::Out,
 };
 use core::cell::Cell;
 use diag::Span;
@@ -99,7 +100,7 @@ impl Fanuc {
         it: &mut Interpreter<'_>,
         number: usize,
         value: Option<f64>,
-        sink: &mut S,
+        out: &mut Out<'_, S>,
     ) -> Outcome {
         let span = it.block.span;
         let zero = value.unwrap_or(0.0);
@@ -111,8 +112,8 @@ impl Fanuc {
             }
             3006 => {
                 let text = comment(&it.block);
-                it.executor.say(sink, &Call::Message(&text));
-                it.executor.say(sink, &Call::Stop);
+                out.say(&Call::Message(&text));
+                out.say(&Call::Stop);
             }
             _ => {
                 if let Some(at) = slot(number) {
@@ -122,7 +123,7 @@ impl Fanuc {
                 if let Some((system, axis)) =
                     work_offset(number).filter(|_| !(self.is_lathe() && number >= MORE_NEW))
                 {
-                    return self.set_work_offset(it, system, axis, zero, sink);
+                    return self.set_work_offset(it, system, axis, zero, out);
                 }
                 if let Some(tool) = ToolVariable::of(number, self.is_lathe()) {
                     self.set_tool(&mut it.executor, tool, zero);
@@ -150,15 +151,21 @@ impl Fanuc {
         system: usize,
         count: usize,
         value: f64,
-        sink: &mut S,
+        out: &mut Out<'_, S>,
     ) -> Outcome {
         let Some(axis) = self.axis(count) else {
             return refuse("I1012", it.block.span, format!("this machine has no axis {count}"));
         };
-        let mm = if axis < 3 { value * it.executor.state.units.in_mm() } else { value };
+        let mm = if axis < 3 { value * it.executor.modes.units.in_mm() } else { value };
         let first = Parameters::work_offset(system);
         it.executor.store.numbered.set(first + axis, self.radius(axis, mm));
-        it.executor.offset_changed(system, sink);
+        crate::offsets::offset_changed(
+            &mut it.executor.modes,
+            &mut it.executor.store,
+            &it.executor.settings,
+            system,
+            out,
+        );
         Ok(())
     }
 
@@ -181,7 +188,7 @@ impl Fanuc {
 impl Values<'_> {
     /// Read one.
     pub(super) fn system(&self, number: usize, span: Span) -> Outcome<Option<f64>> {
-        let state = &self.executor.state;
+        let modes = &self.executor.modes;
         let kept = &self.fanuc.kept;
         if let Some(at) = slot(number) {
             return Ok(Some(kept.set[at]));
@@ -191,7 +198,7 @@ impl Values<'_> {
             work_offset(number).filter(|_| !(lathe && number >= MORE_NEW))
         {
             let mut point = self.executor.store.numbered.point(Parameters::work_offset(system));
-            crate::frame::scale(&mut point, 1.0 / state.units.in_mm());
+            crate::frame::scale(&mut point, 1.0 / modes.units.in_mm());
             return self.coordinate(count, &point, span).map(Some);
         }
         if let Some(tool) = ToolVariable::of(number, lathe) {
@@ -210,11 +217,11 @@ impl Values<'_> {
             3012 => Ok(Some(0.0)),
             4001..=4030 | 4201..=4230 => self.modal((number - 4001) % 200 + 4001, span),
             4101..=4130 | 4301..=4330 => self.modal((number - 4101) % 200 + 4101, span),
-            5001..=5020 => coordinate(5001, &state.at),
-            5021..=5040 => coordinate(5021, &state.frame.to_machine(&state.at)),
-            5041..=5060 => coordinate(5041, &state.place()),
+            5001..=5020 => coordinate(5001, &modes.at),
+            5021..=5040 => coordinate(5021, &modes.frame.to_machine(&modes.at)),
+            5041..=5060 => coordinate(5041, &modes.place()),
             5061..=5080 => coordinate(5061, &self.executor.store.numbered.point(5061)),
-            5081..=5100 => coordinate(5081, &state.frame.tool),
+            5081..=5100 => coordinate(5081, &modes.frame.tool),
             5101..=5120 => coordinate(5101, &[0.0; 9]),
             _ => {
                 let text = format!("#{number} is not known to Leadscrew");
@@ -232,48 +239,48 @@ impl Values<'_> {
 
     /// A modal code, or the last word of a letter.
     fn modal(&self, number: usize, span: Span) -> Outcome<Option<f64>> {
-        let state = &self.executor.state;
+        let modes = &self.executor.modes;
         let pick = |first, second, is_first| Some(if is_first { first } else { second });
         let mapping = &self.fanuc.mapping;
-        let feed = match state.feed_mode {
+        let feed = match modes.feed_mode {
             FeedMode::InverseTime => 93.0,
             FeedMode::PerMinute => self.own(94),
             FeedMode::PerRevolution => self.own(95),
         };
         Ok(match number {
             4001 => Some(self.motion()),
-            4002 if self.fanuc.is_lathe() => pick(96.0, 97.0, state.spindle.constant_surface_speed),
+            4002 if self.fanuc.is_lathe() => pick(96.0, 97.0, modes.spindle.constant_surface_speed),
             4016 if self.fanuc.is_lathe() => Some(self.plane()),
             4002 => Some(self.plane()),
-            4003 => pick(91.0, 90.0, state.incremental),
+            4003 => pick(91.0, 90.0, modes.incremental),
             4004 => Some(if self.fanuc.is_lathe() { 69.0 } else { 23.0 }),
             4005 => Some(feed),
-            4006 => pick(self.own(20), self.own(21), state.units == crate::Units::Inch),
-            4007 => Some(state.compensation.as_ref().map_or(40.0, |c| f64::from(c.code) / 10.0)),
+            4006 => pick(self.own(20), self.own(21), modes.units == crate::Units::Inch),
+            4007 => Some(modes.compensation.as_ref().map_or(40.0, |c| f64::from(c.code) / 10.0)),
             4008 if !self.fanuc.is_lathe() => Some(self.fanuc.length_mode),
             4009 | 4010 if (number == 4010) == self.fanuc.is_lathe() => {
-                let code = f64::from(state.motion.code() % crate::codes::OWN) / 10.0;
-                pick(code, 80.0, matches!(state.motion, Motion::Cycle(_)))
+                let code = f64::from(modes.motion.code() % crate::codes::OWN) / 10.0;
+                pick(code, 80.0, matches!(modes.motion, Motion::Cycle(_)))
             }
             4010 | 4011 if (number == 4011) == self.fanuc.is_lathe() => {
-                pick(98.0, 99.0, state.retract_to_initial)
+                pick(98.0, 99.0, modes.retract_to_initial)
             }
             4011 => pick(51.0, 50.0, mapping.scale.is_some()),
             4012 => pick(66.0, 67.0, self.fanuc.has_modal()),
             4013 if !self.fanuc.is_lathe() => {
-                pick(96.0, 97.0, state.spindle.constant_surface_speed)
+                pick(96.0, 97.0, modes.spindle.constant_surface_speed)
             }
-            4014 if state.system > 9 => Some(54.1),
-            4014 => Some(53.0 + f64::from(state.system)),
-            4015 => pick(64.0, 61.0, matches!(state.corners, crate::Corners::Continuous(_))),
+            4014 if modes.system > 9 => Some(54.1),
+            4014 => Some(53.0 + f64::from(modes.system)),
+            4015 => pick(64.0, 61.0, matches!(modes.corners, crate::Corners::Continuous(_))),
             4016 => pick(68.0, 69.0, mapping.rotation.is_some()),
             4017 => pick(16.0, 15.0, mapping.polar.is_some()),
             4022 => pick(51.1, 50.1, mapping.mirror.iter().any(Option::is_some)),
-            4109 => Some(state.feed),
+            4109 => Some(modes.feed),
             4115 => self.fanuc.program.filter(|n| *n < super::tape::NAMED).map(f64::from),
-            4119 => Some(state.spindle.speed),
-            4120 => Some(f64::from(state.selected_tool)),
-            4130 => Some(f64::from(state.system.saturating_sub(9))),
+            4119 => Some(modes.spindle.speed),
+            4120 => Some(f64::from(modes.selected_tool)),
+            4130 => Some(f64::from(modes.system.saturating_sub(9))),
             4021 => pick(12.1, 13.1, self.fanuc.surface.is_some_and(|s| s.is_face())),
             _ => match LETTERS.iter().position(|(_, kept)| *kept == number) {
                 Some(at) => Some(self.fanuc.kept.words[at]),
@@ -285,7 +292,7 @@ impl Values<'_> {
     }
 
     fn plane(&self) -> f64 {
-        match self.executor.state.plane {
+        match self.executor.modes.plane {
             canon::Plane::XY => 17.0,
             canon::Plane::ZX => 18.0,
             canon::Plane::YZ => 19.0,
@@ -299,7 +306,7 @@ impl Values<'_> {
 
     /// The code of group 1: a cycle is none of it.
     fn motion(&self) -> f64 {
-        let motion = match self.executor.state.motion {
+        let motion = match self.executor.modes.motion {
             Motion::Cycle(_) | Motion::None => self.fanuc.before_cycle,
             other => other,
         };

@@ -14,11 +14,12 @@ use super::turning::word;
 use super::{Fanuc, words};
 use crate::{
     call::{Call, Sink},
-    execute::Executor,
+    executor::Executor,
     fault::{Outcome, refuse},
     frame::Point,
     interpreter::Interpreter,
     offset_curve::{Flat, length, minus},
+    out::Out,
     threads::along_path,
 };
 use words::Said;
@@ -48,7 +49,7 @@ impl Fanuc {
         &mut self,
         it: &mut Interpreter<'_>,
         said: &[Said],
-        sink: &mut S,
+        out: &mut Out<'_, S>,
     ) -> Outcome {
         if !said.iter().any(|said| b"XZUW".contains(&said.letter)) {
             return self.thread_first_line(it, said);
@@ -56,7 +57,7 @@ impl Fanuc {
         let thread = self.thread_words(it, said)?;
         turning(&it.executor, it.block.span)?;
         for depth in thread.depths() {
-            thread.pass(&mut it.executor, depth, sink);
+            thread.pass(&mut it.executor, depth, out);
         }
         Ok(())
     }
@@ -98,7 +99,7 @@ impl Fanuc {
             );
             return refuse("I1031", span, text);
         };
-        let at = it.executor.state.at;
+        let at = it.executor.modes.at;
         let lead = word(said, b'F').map(|f| self.thread_lead(f)).or(self.lead);
         let Some(lead) = lead.filter(|lead| *lead > 0.0) else {
             return Err(words::no_lead(span).into());
@@ -168,14 +169,14 @@ impl Fanuc {
 }
 
 /// Say where in the spindle's turn the thread that follows begins, if it is said.
-pub(super) fn angle<S: Sink>(ex: &Executor, degrees: Option<f64>, sink: &mut S) {
+pub(super) fn angle<S: Sink>(ex: &Executor, degrees: Option<f64>, out: &mut Out<'_, S>) {
     if let Some(degrees) = degrees {
-        ex.say(sink, &Call::ThreadAngle(degrees));
+        out.say(&Call::ThreadAngle(degrees));
     }
 }
 
 pub(super) fn turning(ex: &Executor, span: diag::Span) -> Outcome {
-    match ex.state.spindle.turning {
+    match ex.modes.spindle.turning {
         Some(_) => Ok(()),
         None => refuse(
             "I0427",
@@ -200,11 +201,11 @@ impl Thread {
         depths
     }
 
-    fn pass<S: Sink>(&self, ex: &mut Executor, depth: f64, sink: &mut S) {
+    fn pass<S: Sink>(&self, ex: &mut Executor, depth: f64, out: &mut Out<'_, S>) {
         let outwards = (self.start[1] - self.end[1]).signum();
         let onwards = (self.end[0] - self.start[0]).signum();
         let point = |[z, x]: Flat| -> Point {
-            let mut to = ex.state.at;
+            let mut to = ex.modes.at;
             (to[0], to[2]) = (x, z);
             to
         };
@@ -212,12 +213,12 @@ impl Thread {
         let floor = self.end[1] + outwards * (self.height - depth);
         let first = [begin, floor + self.taper];
         let last = [self.end[0], floor];
-        ex.say(sink, &Call::Rapid(point([begin, self.start[1]])));
-        ex.say(sink, &Call::Rapid(point(first)));
+        out.say(&Call::Rapid(point([begin, self.start[1]])));
+        out.say(&Call::Rapid(point(first)));
         let mut cut = |from: Flat, to: Flat| {
             let [from, to] = [point(from), point(to)];
-            ex.say(sink, &Call::SyncStart(along_path(self.lead, &from, &to)));
-            ex.say(sink, &Call::Line(to));
+            out.say(&Call::SyncStart(along_path(self.lead, &from, &to)));
+            out.say(&Call::Line(to));
         };
         let pull = self.pull_off.min(length(minus(last, first)));
         if pull > 0.0 {
@@ -229,8 +230,8 @@ impl Thread {
         } else {
             cut(first, last);
         }
-        ex.say(sink, &Call::SyncStop);
-        ex.say(sink, &Call::Rapid(point([self.end[0], self.start[1]])));
-        ex.say(sink, &Call::Rapid(point(self.start)));
+        out.say(&Call::SyncStop);
+        out.say(&Call::Rapid(point([self.end[0], self.start[1]])));
+        out.say(&Call::Rapid(point(self.start)));
     }
 }

@@ -18,7 +18,7 @@
 //!
 //! Source: Fanuc, operator's manual of series 30i, "Tool compensation memory", "System variables".
 use super::Fanuc;
-use crate::execute::Executor;
+use crate::executor::Executor;
 use std::collections::BTreeMap;
 
 /// What of a tool.
@@ -103,21 +103,21 @@ const fn place(part: Part) -> Option<usize> {
 impl Fanuc {
     /// Its value in program units.
     pub(super) fn tool_value(&self, ex: &Executor, which: ToolVariable) -> f64 {
-        let entry = ex.tool_entry(which.tool);
+        let entry = ex.tools.entry(which.tool);
         let Some(at) = place(which.part) else { return f64::from(entry.orientation) };
         let wear = self.wear.get(&which.tool).map_or(0.0, |wear| wear[at]);
         let sum = if at == 3 { entry.diameter / 2.0 } else { entry.offset[at] };
         let mm = if which.wear { wear } else { sum - wear };
-        self.shown(at, mm) / ex.state.units.in_mm()
+        self.shown(at, mm) / ex.modes.units.in_mm()
     }
 
     /// Set it, in program units.
     pub(super) fn set_tool(&mut self, ex: &mut Executor, which: ToolVariable, value: f64) {
-        let mut entry = ex.tool_entry(which.tool);
+        let mut entry = ex.tools.entry(which.tool);
         match place(which.part) {
             None => entry.orientation = value.clamp(0.0, 9.0) as u32,
             Some(at) => {
-                let mm = self.radius(at, value * ex.state.units.in_mm());
+                let mm = self.radius(at, value * ex.modes.units.in_mm());
                 let wear = self.wear.entry(which.tool).or_default();
                 let sum = if at == 3 { entry.diameter / 2.0 } else { entry.offset[at] };
                 let geometry = if which.wear { sum - wear[at] } else { mm };
@@ -132,6 +132,6 @@ impl Fanuc {
                 }
             }
         }
-        ex.tool_table.write(entry);
+        ex.tools.written.write(entry);
     }
 }

@@ -22,11 +22,14 @@ use super::{
 };
 use crate::{
     call::Sink,
+    cycles, execute,
     fault::{Outcome, error, refuse},
     interpreter::Interpreter,
     offset_curve::Flat,
+    out::Out,
     outline::At,
-    profile::{Manner, Order, Part, Recording, Roughing},
+    profile::{Manner, Order, Part, Recording, Roughing, cycle},
+    refused,
     words::{near_whole, tenths},
 };
 use canon::Plane;
@@ -97,7 +100,7 @@ impl Fanuc {
         &mut self,
         it: &mut Interpreter<'_>,
         code: u16,
-        sink: &mut S,
+        out: &mut Out<'_, S>,
     ) -> Outcome {
         let said = core::mem::take(&mut self.said);
         let (span, own) = (it.block.span, self.kind.own(code));
@@ -105,7 +108,7 @@ impl Fanuc {
             it.ended = true;
             return refuse("I1033", span, format!("G{own} cannot stand inside a profile"));
         }
-        if it.executor.state.plane != Plane::ZX {
+        if it.executor.modes.plane != Plane::ZX {
             return refuse("I0581", span, format!("G{own} works in X and Z: write G18 before"));
         }
         let threads = matches!(code, 34 | 76);
@@ -122,9 +125,9 @@ impl Fanuc {
         self.said = said.iter().filter(beside).copied().collect();
         it.executor.words.begin(&it.block);
         self.translate(&mut it.executor)?;
-        it.executor.state.motion = crate::state::Motion::None;
-        it.executor.execute(sink)?;
-        it.executor.state.motion = crate::state::Motion::Rapid;
+        it.executor.modes.motion = crate::modes::Motion::None;
+        execute::execute(&mut it.executor, out)?;
+        it.executor.modes.motion = crate::modes::Motion::Rapid;
         (self.lathe_cycle, self.growing) = (None, false);
         match code {
             70..=73 if word(&said, b'P').is_some() => self.profile_cycle(it, code, &said),
@@ -134,9 +137,9 @@ impl Fanuc {
                 format!("G{own} needs P and Q: the first and the last block of the profile"),
             ),
             71..=73 => self.first_line(it, code, &said),
-            74 | 75 => self.pecking(it, code, &said, sink),
-            76 => self.thread_passes(it, &said, sink),
-            _ => self.growing_thread(it, &said, sink),
+            74 | 75 => self.pecking(it, code, &said, out),
+            76 => self.thread_passes(it, &said, out),
+            _ => self.growing_thread(it, &said, out),
         }
     }
 
@@ -149,7 +152,7 @@ impl Fanuc {
 
     /// The same along X: a diameter becomes a radius.
     pub(super) fn across(&self, it: &Interpreter<'_>, said: &[Said], letter: u8) -> Option<f64> {
-        let half = if it.executor.state.diameter { 0.5 } else { 1.0 };
+        let half = if it.executor.modes.diameter { 0.5 } else { 1.0 };
         self.long(it, said, letter).map(|value| half * value)
     }
 
@@ -207,7 +210,7 @@ impl Fanuc {
             let text = format!("G{own} needs P and Q: the first and the last block of the profile");
             return refuse("I1030", span, text);
         };
-        it.executor.check_cycle_feed(own)?;
+        cycles::check_cycle_feed(&it.executor.words, &it.executor.modes, own)?;
         let mut missing = None;
         let [begin, end] = [first, last].map(|n| {
             let at = self.block_at(it, n);
@@ -217,7 +220,7 @@ impl Fanuc {
         let (Some(begin), None, Some(_)) = (begin, missing, end) else {
             let number = missing.unwrap_or(last);
             if stands_in(it.sources[it.file], number) {
-                it.executor.doubt_blocks(); // it cannot be read, which is told there
+                refused::doubt_blocks(&mut it.executor.modes); // it cannot be read, which is told there
             }
             let text = format!("there is no block N{number} in this program");
             let fault = error("I1032", span, text);
@@ -227,7 +230,7 @@ impl Fanuc {
         let begin = begin.at; // the profile lies in the cycle's own program
         let back = (code == 70 || begin.0 < span.start).then_some(behind);
         self.shape = Some(Shape { last, back, cycle: span.start });
-        let mut recording = Recording::new(order, it.executor.words.place, it.executor.state.at);
+        let mut recording = Recording::new(order, it.executor.words.place, it.executor.modes.at);
         recording.faults = it.faults;
         it.executor.recording = Some(Box::new(recording));
         it.jump(begin);
@@ -267,7 +270,7 @@ impl Fanuc {
         let Some(step) = depth.filter(|d| *d > 0.0).or(self.first_lines.depth) else {
             return Err(missing("how deep a pass is").into());
         };
-        let away = AWAY_MM / it.executor.state.units.in_mm();
+        let away = AWAY_MM / it.executor.modes.units.in_mm();
         let unset = depth.is_some() && self.first_lines.depth.is_none();
         let retract = if unset { away } else { self.first_lines.retract };
         let how = Roughing { part: Part::All, step, retract, manner: Manner::Fanuc };
@@ -278,7 +281,7 @@ impl Fanuc {
     pub(super) fn end_of_shape<S: Sink>(
         &mut self,
         it: &mut Interpreter<'_>,
-        sink: &mut S,
+        out: &mut Out<'_, S>,
     ) -> Outcome {
         let Some(shape) = self.shape else { return Ok(()) };
         let here = it.block.number.map(|number| number as u32);
@@ -287,14 +290,20 @@ impl Fanuc {
         }
         self.shape = None;
         let Some(recording) = it.executor.recording.take() else { return Ok(()) };
-        it.executor.state.at = recording.start;
+        it.executor.modes.at = recording.start;
         if let Some(back) = shape.back {
             it.jump(back);
         }
         if recording.faults != it.faults {
             return Ok(());
         }
-        it.executor.cut_profile(&recording, sink)
+        cycle::cut_profile(
+            &mut it.executor.words,
+            &mut it.executor.modes,
+            &it.executor.settings,
+            &recording,
+            out,
+        )
     }
 }
 

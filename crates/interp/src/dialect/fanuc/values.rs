@@ -16,9 +16,10 @@ use super::Fanuc;
 use crate::{
     call::Sink,
     eval,
-    execute::Executor,
+    executor::Executor,
     fault::{Outcome, refuse},
     interpreter::Interpreter,
+    out::Out,
     words::near_whole,
 };
 use diag::Span;
@@ -89,7 +90,11 @@ impl Fanuc {
     }
 
     /// Set the block's variables; each sees those set before it.
-    pub(super) fn assign<S: Sink>(&mut self, it: &mut Interpreter<'_>, sink: &mut S) -> Outcome {
+    pub(super) fn assign<S: Sink>(
+        &mut self,
+        it: &mut Interpreter<'_>,
+        out: &mut Out<'_, S>,
+    ) -> Outcome {
         for i in 0..it.block.assignments.len() {
             let assignment = it.block.assignments[i];
             let span = assignment.span;
@@ -106,7 +111,7 @@ impl Fanuc {
             match number {
                 1..=33 => self.variables.local[number - 1] = value,
                 100..=199 | 500..=999 => self.set_common(it, number, value),
-                _ => self.set_system(it, number, value, sink)?,
+                _ => self.set_system(it, number, value, out)?,
             }
         }
         Ok(())

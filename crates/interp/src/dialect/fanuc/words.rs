@@ -6,7 +6,7 @@ use super::{
     values::rounded,
 };
 use crate::{
-    execute::Executor,
+    executor::Executor,
     fault::{Outcome, error, refuse},
     interpreter::Interpreter,
     spelling::written,
@@ -66,7 +66,7 @@ impl Fanuc {
             },
             _ => None,
         });
-        own.unwrap_or(ex.state.units == crate::Units::Inch)
+        own.unwrap_or(ex.modes.units == crate::Units::Inch)
     }
 
     /// How many least input increments make one unit of what a letter counts; 1 for what counts itself.
@@ -174,7 +174,7 @@ impl Fanuc {
                 }
                 b'S' if sense.position => {
                     self.top_speed = Some(word.value);
-                    sense.surface_speed |= ex.state.spindle.constant_surface_speed;
+                    sense.surface_speed |= ex.modes.spindle.constant_surface_speed;
                 }
                 b'T' if self.is_lathe() => self.turret(ex, word, sense)?,
                 b'U' | b'V' | b'W' | b'H' if self.is_lathe() && !sense.set_offset => {
@@ -186,8 +186,8 @@ impl Fanuc {
                     };
                     let turn = Said { letter: b'C', ..*word };
                     let value = if axis == 5 { self.scaled(ex, &turn) } else { value };
-                    let from = if ex.state.incremental { 0.0 } else { self.stands(ex, axis) };
-                    let from = if axis == 0 && ex.state.diameter { 2.0 * from } else { from };
+                    let from = if ex.modes.incremental { 0.0 } else { self.stands(ex, axis) };
+                    let from = if axis == 0 && ex.modes.diameter { 2.0 * from } else { from };
                     self.once.by_w |= axis == 2;
                     ex.words.put(letter, from + value, word.span)?;
                 }

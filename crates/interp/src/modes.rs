@@ -6,7 +6,7 @@ use crate::refused::Doubts;
 use crate::rigid::{Rigid, TapWords};
 use crate::setup::Chips;
 use crate::splines::Nurbs;
-use crate::tool_table::ToolEntry;
+use crate::tools::ToolEntry;
 use crate::{
     call::{Corners, Sense, Units},
     frame::{Frame, Point},
@@ -243,7 +243,7 @@ pub(crate) struct Sticky {
 /// All of it.
 #[allow(clippy::struct_excessive_bools)] // each is a mode with two values and a code of its own
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct State {
+pub(crate) struct Modes {
     pub(crate) motion: Motion,
     pub(crate) plane: Plane,
     pub(crate) units: Units,
@@ -318,7 +318,7 @@ pub(crate) struct State {
     pub(crate) doubts: Doubts,
 }
 
-impl State {
+impl Modes {
     pub(crate) fn new() -> Self {
         Self {
             motion: Motion::None,
@@ -385,6 +385,12 @@ impl State {
             (at[a], at[b]) = (beside[0], beside[1]);
         }
         at
+    }
+
+    /// Whether moves go beside the programmed ones.
+    #[inline]
+    pub(crate) const fn compensating(&self) -> bool {
+        self.compensation.is_some()
     }
 
     /// Indices of the plane's first axis, second axis and normal.
