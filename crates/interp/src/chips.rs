@@ -19,7 +19,6 @@
 use crate::{
     call::{CycleHole, Sink},
     codes::{Letters, index, set},
-    executor::Executor,
     fault::{Outcome, error, refuse},
     modes::{Cycle, Motion},
     resolve::Resolver,

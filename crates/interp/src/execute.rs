@@ -33,9 +33,7 @@ use crate::{
     tools::{ToolTable, Tools},
     words::Words,
 };
-use canon::{Plane, ToolLibrary};
-use core::cell::RefCell;
-use diag::Diagnostic;
+use canon::Plane;
 use gcode::Block;
 
 /// What happens after a block.

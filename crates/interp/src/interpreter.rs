@@ -139,8 +139,9 @@ impl<'s> Interpreter<'s> {
             self.execute_block(&mut out);
         }
         self.executor.held = held;
-        for remarks in [core::mem::take(&mut self.executor.remarks), remarks] {
-            self.report_all(remarks);
+        if !(remarks.is_empty() && self.executor.remarks.is_empty()) {
+            let of_words = core::mem::take(&mut self.executor.remarks);
+            self.report_all(of_words.into_iter().chain(remarks));
         }
         if self.ended || self.piece_over {
             self.finish();

@@ -169,7 +169,7 @@ impl Fanuc {
 }
 
 /// Say where in the spindle's turn the thread that follows begins, if it is said.
-pub(super) fn angle<S: Sink>(ex: &Executor, degrees: Option<f64>, out: &mut Out<'_, S>) {
+pub(super) fn angle<S: Sink>(_ex: &Executor, degrees: Option<f64>, out: &mut Out<'_, S>) {
     if let Some(degrees) = degrees {
         out.say(&Call::ThreadAngle(degrees));
     }
