@@ -17,18 +17,17 @@ use crate::{
     call::{Call, Sink, Units},
     compensation,
     fault::{Outcome, error, refuse},
-    frame::Point,
+    frame::SAME_POINT,
     modes::{Modes, Motion},
-    motion, offsets,
+    motion, offset_curve,
     out::Out,
+    target,
     words::Words,
 };
 use diag::Diagnostic;
 
 /// Relative difference of the two radii that is let through.
 const RELATIVE: f64 = 0.001;
-/// Two points nearer than this are one.
-const SAME_POINT: f64 = 1e-9;
 
 /// Differences let through, in program units.
 struct Tolerance {
@@ -60,14 +59,14 @@ pub(crate) fn arc<S: Sink>(
         Some(0) => return refuse("I0409", words.span(b'P'), "P counts turns: 1 or more"),
         other => other.unwrap_or(1).cast_signed(),
     };
-    let to = motion::destination(words, modes, false)?;
+    let to = target::destination(words, modes, false)?;
     let [a, b, n] = modes.plane_axes();
     let (start, end) = ([modes.at[a], modes.at[b]], [to[a], to[b]]);
     let centre = centre(words, modes, start, end, clockwise, false)?;
     let turns = if clockwise { -turns } else { turns };
     let length = || {
         let radius = (start[0] - centre[0]).hypot(start[1] - centre[1]);
-        (radius * sweep_rad(start, end, centre, turns)).hypot(to[n] - modes.at[n])
+        (radius * offset_curve::sweep_rad(start, end, centre, turns)).hypot(to[n] - modes.at[n])
     };
     motion::say_feed(words, modes, code, length, out)?;
     if modes.compensating() {
@@ -206,7 +205,7 @@ fn centre_by_radius(
     }
     let axes = modes.plane_axes();
     let named =
-        offsets::axis_word(words, modes, axes[0]).or(offsets::axis_word(words, modes, axes[1]));
+        target::axis_word(words, modes, axes[0]).or(target::axis_word(words, modes, axes[1]));
     let polar = words.any(crate::codes::POLAR);
     if named.is_none() && !polar && !in_profile {
         return refuse(
@@ -236,27 +235,4 @@ fn centre_by_radius(
     let along = side * height / (2.0 * half);
     let middle = [start[0].midpoint(end[0]), start[1].midpoint(end[1])];
     Ok([middle[0] - chord[1] * along, middle[1] + chord[0] * along])
-}
-
-/// Angle swept from start to end about a centre, radians, counter-clockwise positive; ends in the
-/// same direction mean a full turn.
-pub(crate) fn sweep_rad(start: [f64; 2], end: [f64; 2], centre: [f64; 2], turns: i32) -> f64 {
-    use core::f64::consts::TAU;
-    /// Less than this is a full turn, not none.
-    const FUZZ: f64 = 1e-6;
-    let angle = |p: [f64; 2]| (p[1] - centre[1]).atan2(p[0] - centre[0]);
-    let between = (angle(end) - angle(start)).rem_euclid(TAU);
-    let more = f64::from(turns.abs().max(1) - 1) * TAU;
-    if turns >= 0 {
-        (if between < FUZZ { between + TAU } else { between }) + more
-    } else {
-        (if between < FUZZ { between } else { between - TAU }).min(0.0)
-            - if between < FUZZ { TAU } else { 0.0 }
-            - more
-    }
-}
-
-/// Whether two points are one for a move.
-pub(crate) fn same(a: &Point, b: &Point) -> bool {
-    a.iter().zip(b).all(|(x, y)| (x - y).abs() < SAME_POINT)
 }

@@ -27,6 +27,7 @@ use crate::{
     executor::Settings,
     fault::{Outcome, error, refuse},
     frame::Point,
+    modes::tapping::Shift,
     modes::{Cycle, Modes},
     out::Out,
     spelling::short,
@@ -35,9 +36,6 @@ use crate::{
 
 /// Letters of the shift and of the counterbore, by axis.
 const LETTERS: [u8; 3] = *b"IJK";
-
-/// What only G87 has: the shift along X, Y, Z (one of which is where the counterbore ends).
-pub(crate) type Shift = [f64; 3];
 
 /// I, J and K of G87, or those that the cycle kept.
 pub(crate) fn shift_words(

@@ -14,7 +14,7 @@
 //!
 //! Source: JPH0622778B2, figures 8 and 9.
 use crate::{
-    call::{Call, Sink},
+    call::{Call, CamCall, Sink},
     codes::GGroup,
     executor::Settings,
     fault::{Outcome, refuse},
@@ -31,36 +31,6 @@ use units::{Angle, Lead, Length, Spin};
 const SELECT: u16 = 1510;
 /// Most turns of one spark-out.
 const MOST_TURNS: u32 = 10_000;
-
-/// What is ordered, in the program's units.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum CamCall {
-    /// G151: profile and angle on the shaft in degrees.
-    Select(u32, f64),
-    /// G151 P0.
-    Deselect,
-    /// G150.
-    Compensate,
-    /// G152.
-    ResetSampling,
-    /// G153.
-    StartSampling,
-    /// G155.
-    StorePhase,
-    /// G154 X: what is taken off, a turn, its rate a turn, rpm.
-    Grind {
-        /// All told.
-        stock: f64,
-        /// F.
-        per_turn: f64,
-        /// R.
-        rate: f64,
-        /// S.
-        rpm: f64,
-    },
-    /// G154 P: turns and rpm.
-    SparkOut(u32, f64),
-}
 
 /// The cam code of the block at hand, in tenths, if it has one.
 fn cam_code(words: &Words, modes: &Modes, settings: &Settings) -> Option<u16> {

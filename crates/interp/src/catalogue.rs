@@ -2,8 +2,11 @@
 //!
 //! Nothing is told here that the interpreter does not use itself: a [`CodeInfo`] is a view of a row of
 //! the tables by which words are read, checked and executed.
-use crate::codes::{self, Code, GGroup, Letters, MGroup};
-use crate::dialect::{Dialect, rules::Meaning};
+use crate::{
+    codes::{self, Code, GGroup, Letters, MGroup},
+    dialect::Dialect,
+    dialect::rules::Meaning,
+};
 
 /// One G or M code.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -32,7 +35,7 @@ pub fn codes() -> impl Iterator<Item = CodeInfo> {
 
 /// The code that a word means: `describe(b'G', 33.1)`.
 pub fn describe(letter: u8, value: f64) -> Option<CodeInfo> {
-    let tenths = crate::words::tenths(value)?;
+    let tenths = crate::number::tenths(value)?;
     match letter {
         b'G' => codes::g_code(tenths).map(of_g),
         b'M' => codes::m_code(tenths).map(of_m),
@@ -111,7 +114,7 @@ pub fn describe_in(dialect: Dialect, letter: u8, value: f64) -> Option<CodeInfo>
         return Some(CodeInfo { code: written, letters, dialects: vec![dialect], ..of_g(code) });
     }
     let Some(front_end) = rules.codes else { return describe(letter, value) };
-    let tenths = crate::words::tenths(value)?;
+    let tenths = crate::number::tenths(value)?;
     let code = format!("{}{}", letter as char, crate::spelling::written(tenths));
     match front_end.meaning(letter, tenths)? {
         Meaning::Shared(shared) if letter == b'G' => {

@@ -28,16 +28,16 @@
 //! machining centres, "Tool movement in start-up" (type A, SUP of parameter 5003 is 0). Angles, shifts and
 //! the order of what is held were measured on LinuxCNC's stand-alone interpreter.
 use crate::{
-    arcs::sweep_rad,
     call::{Call, Sink},
     codes::GGroup,
+    doubts::Doubts,
     executor::Settings,
     fault::{Outcome, error, refuse},
     frame::Point,
+    modes::compensation::Compensation,
     modes::{Modes, Motion},
-    offset_curve::{Curve, Flat, Way, left, length, minus, plus, times, turn_rad},
+    offset_curve::{Curve, Flat, Way, length, minus, plus, sweep_rad, times, turn_rad},
     out::{Out, Waiting},
-    refused::Doubts,
     tools::Tools,
     words::Words,
 };
@@ -47,6 +47,7 @@ use diag::Diagnostic;
 
 pub(crate) mod forbidden;
 mod lead_in;
+mod push;
 
 /// Directions nearer than this are one: neither an arc is put in nor an end moved.
 const SAME_DIRECTION_RAD: f64 = 0.05;
@@ -54,61 +55,6 @@ const SAME_DIRECTION_RAD: f64 = 0.05;
 const HALF_TURN_RAD: f64 = 0.05;
 /// A way back from the corner that decides between two points as near, in radii.
 const NEARER: f64 = 1e-3;
-
-/// What is remembered while G41 or G42 is in force.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Compensation {
-    /// The code: 410, 411, 420, 421.
-    pub(crate) code: u16,
-    /// +1: the tool is on the left, −1: on the right.
-    side: f64,
-    /// Program units.
-    radius: f64,
-    /// Orientation of a lathe tool as a shift along the plane's axes, program units.
-    pub(crate) shift: Flat,
-    /// Where the tool's centre will be (less the shift); none before the first move.
-    at: Option<Flat>,
-    /// The move whose end is not settled.
-    last: Option<Curve>,
-}
-
-impl Compensation {
-    /// Where the tool is led to, for `#5420` and its kin.
-    pub(crate) fn place(&self) -> Option<Flat> {
-        self.at.map(|at| plus(at, self.shift))
-    }
-
-    pub(crate) fn scale(&mut self, factor: f64) {
-        self.radius *= factor;
-        self.shift = times(self.shift, factor);
-        self.at = self.at.map(|at| times(at, factor));
-        match &mut self.last {
-            Some(Curve::Line { from, through, .. }) => {
-                *from = times(*from, factor);
-                *through = times(*through, factor);
-            }
-            Some(Curve::Circle { from, centre, radius, .. }) => {
-                *from = times(*from, factor);
-                *centre = times(*centre, factor);
-                *radius *= factor;
-            }
-            Some(Curve::StartUp { .. }) | None => {}
-        }
-    }
-
-    /// How much a way curves away from the tool, one over its radius.
-    fn bulge(&self, way: &Curve) -> f64 {
-        match way {
-            Curve::Line { .. } | Curve::StartUp { .. } => 0.0,
-            Curve::Circle { radius, turns, .. } => -self.side * f64::from(turns.signum()) / radius,
-        }
-    }
-
-    /// Beside a point at which the program goes into this direction.
-    fn beside(&self, point: Flat, direction: Flat) -> Flat {
-        plus(point, times(left(direction), self.side * self.radius))
-    }
-}
 
 /// Shift of the centre for a lathe tool's orientation, in radii, along Z and X.
 const fn orientation_shift(orientation: u32) -> Flat {
@@ -257,7 +203,7 @@ pub(crate) fn straight_beside<S: Sink>(
         return lead_in::begin_straight(words, modes, settings, &way, rapid, to, out);
     };
     if distance == 0.0 {
-        push_line(modes, rapid, to, at, out);
+        push::push_line(modes, rapid, to, at, out);
         return Ok(());
     }
     let direction = way.direction(way.to);
@@ -267,7 +213,7 @@ pub(crate) fn straight_beside<S: Sink>(
     let Some(compensation) = &mut modes.compensation else { return Ok(()) };
     compensation.at = Some(through);
     compensation.last = Some(Curve::Line { from, through, direction });
-    push_line(modes, rapid, to, through, out);
+    push::push_line(modes, rapid, to, through, out);
     Ok(())
 }
 
@@ -324,36 +270,8 @@ pub(crate) fn arc_beside<S: Sink>(
     let Some(compensation) = &mut modes.compensation else { return Ok(()) };
     compensation.at = Some(end);
     compensation.last = Some(curve);
-    push_arc(modes, to, centre, turns, end, out);
+    push::push_arc(modes, to, centre, turns, end, out);
     Ok(())
-}
-
-fn push_line<S: Sink>(modes: &Modes, rapid: bool, to: &Point, end: Flat, out: &mut Out<'_, S>) {
-    let to = beside(modes, to, end);
-    out.hold(if rapid { Call::Rapid(to) } else { Call::Line(to) });
-}
-
-fn push_arc<S: Sink>(
-    modes: &Modes,
-    to: &Point,
-    centre: Flat,
-    turns: i32,
-    end: Flat,
-    out: &mut Out<'_, S>,
-) {
-    let shift = modes.compensation.as_ref().map_or([0.0; 2], |c| c.shift);
-    let to = beside(modes, to, end);
-    let centre = plus(centre, shift);
-    out.hold(Call::Arc { plane: modes.plane, to, centre, turns });
-}
-
-fn beside(modes: &Modes, to: &Point, end: Flat) -> Point {
-    let [a, b, _] = modes.plane_axes();
-    let shift = modes.compensation.as_ref().map_or([0.0; 2], |c| c.shift);
-    let end = plus(end, shift);
-    let mut to = *to;
-    (to[a], to[b]) = (end[0], end[1]);
-    to
 }
 
 /// Settle the end of the move held back by what follows it; where the next one begins.

@@ -14,7 +14,7 @@
 use crate::{
     call::{Call, Corners, Sink},
     codes::MGroup,
-    compensation, execute,
+    compensation, distances,
     executor::{Context, Executor, Settings},
     fault::{Outcome, error},
     modes::{FeedMode, Modes},
@@ -79,7 +79,7 @@ fn restore<S: Sink>(
         out.say(&Call::SelectPlane(kept.plane));
     }
     if kept.diameter != modes.diameter {
-        execute::set_diameter(modes, kept.diameter, out);
+        distances::set_diameter(modes, kept.diameter, out);
     }
     restore_compensation(words, modes, kept, out)?;
     if kept.frame.tool != modes.frame.tool {
@@ -95,9 +95,9 @@ fn restore<S: Sink>(
         let merge = matches!(kept.corners, Corners::Continuous(_)).then_some(kept.merge);
         out.say(&Call::PathControl { corners: kept.corners, merge });
     }
-    execute::set_distances(modes, kept.incremental, kept.absolute_centres, out);
+    distances::set_distances(modes, kept.incremental, kept.absolute_centres, out);
     if kept.retract_to_initial != modes.retract_to_initial {
-        execute::set_retract(modes, kept.retract_to_initial, out);
+        distances::set_retract(modes, kept.retract_to_initial, out);
     }
     if kept.frame.added != modes.frame.added {
         offsets::set_added(modes, store, kept.frame.added, out);

@@ -19,20 +19,21 @@
 //!
 //! Source: NISTIR 6556, section 3.5.16; LinuxCNC 2.9 manual, "Canned cycles".
 use crate::{
-    boring::{self, Shift},
+    boring,
     call::{Call, Corners, Sense, Sink},
     chips,
     codes::{AXES, GGroup, POLAR},
     dialect::DepthFrom,
     executor::Settings,
     fault::{Outcome, error, refuse},
-    holes,
+    holes::{self, Pattern},
+    modes::tapping::{Rigid, TapWords},
     modes::{Cycle, FeedMode, Modes, Sticky},
-    motion, offsets,
+    motion,
     out::Out,
-    rigid::{self, Rigid, TapWords},
+    rigid,
     spelling::{Written, short},
-    synchro,
+    synchro, target,
     tools::Tools,
     words::Words,
 };
@@ -41,19 +42,6 @@ use diag::Diagnostic;
 
 /// More pecks than this in one hole are a slip of the pen.
 const MAX_PECKS: f64 = 10_000.0;
-
-/// A cycle with its words read and checked.
-pub(crate) struct Pattern {
-    pub(crate) cycle: Cycle,
-    pub(crate) r: f64,
-    pub(crate) bottom: f64,
-    pub(crate) clear: f64,
-    pub(crate) dwell: f64,
-    pub(crate) peck: f64,
-    pub(crate) tap: TapWords,
-    pub(crate) shift: Option<Shift>,
-    pub(crate) counterbore: f64,
-}
 
 pub(crate) fn cycle<S: Sink>(
     words: &Words,
@@ -118,11 +106,11 @@ pub(crate) fn cycle<S: Sink>(
 /// Where the next hole is, along the plane's two axes.
 fn step_in_plane(words: &Words, modes: &mut Modes, axes: [usize; 2]) -> Outcome {
     if words.any(POLAR) {
-        [modes.at[0], modes.at[1]] = motion::polar(words, modes)?;
+        [modes.at[0], modes.at[1]] = target::polar(words, modes)?;
         return Ok(());
     }
     for axis in axes {
-        if let Some(value) = offsets::axis_word(words, modes, axis) {
+        if let Some(value) = target::axis_word(words, modes, axis) {
             modes.at[axis] = if modes.incremental { modes.at[axis] + value } else { value };
         }
     }
@@ -185,7 +173,7 @@ fn sticky(
         let text = format!("G{code} needs R, the level just above the work");
         return refuse("I0504", span, text);
     };
-    let Some(bottom) = offsets::axis_word(words, modes, n).or(kept.map(|k| k.bottom)) else {
+    let Some(bottom) = target::axis_word(words, modes, n).or(kept.map(|k| k.bottom)) else {
         let text = format!("G{code} needs {axis}, the depth");
         return refuse("I0505", span, text);
     };

@@ -8,8 +8,8 @@ use crate::{
     fault::{Outcome, error, refuse},
     modes::Modes,
     names::{self, Store},
+    number::near_whole,
     spelling::short,
-    words::near_whole,
 };
 use diag::Span;
 use gcode::{Block, Expr, Function, Operator, Parameter, Value};

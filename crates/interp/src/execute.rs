@@ -9,12 +9,12 @@
 //! The order is the language's, not the text's: `G1 X1 M3 S500` starts the spindle first.
 //! Source: NISTIR 6556 table 8; LinuxCNC 2.9 manual, "Order of execution".
 use crate::{
-    arcs,
+    arcs, auxiliary,
     call::{Call, Sink},
     cam, chips,
     codes::{AXES, CENTRE, GGroup, MGroup, NON_STOP_CHANGE, POLAR},
     compensation::{self, forbidden},
-    cycles,
+    cycles, distances,
     eval::Values,
     executor::{Context, Executor, Settings},
     fault::{Outcome, error, refuse},
@@ -22,16 +22,15 @@ use crate::{
     modes::{Modes, Motion},
     motion,
     names::Store,
-    offsets,
+    non_modal, offsets,
     out::{Held, Out},
     probe,
     profile::cycle,
-    refused::{self, Stage},
-    rigid,
+    refused, rigid,
     setup::Setup,
     splines, switch, thread_cycle, threads, tool_change,
     tools::{ToolTable, Tools},
-    words::Words,
+    words::{Stage, Words},
 };
 use canon::Plane;
 use gcode::Block;
@@ -137,7 +136,7 @@ fn obey<S: Sink>(
             ex.words.stage = Stage::Speed;
             switch::spindle_speed(&ex.words, &mut ex.modes, out)?;
             ex.words.stage = Stage::Tools;
-            switch::tools_and_switches(ex, out)?;
+            auxiliary::tools_and_switches(ex, out)?;
         }
         ex.words.stage = Stage::Rigid;
         rigid::rigid_mode(&ex.words, &mut ex.modes, motion)?;
@@ -145,7 +144,7 @@ fn obey<S: Sink>(
             ex.words.stage = Stage::Modes;
             change_modes(ex, out)?;
             ex.words.stage = Stage::NonModal;
-            offsets::non_modal(ex, out)?;
+            non_modal::non_modal(ex, out)?;
         }
     }
     ex.words.stage = Stage::Motion;
@@ -265,92 +264,15 @@ fn cycle_off<S: Sink>(modes: &mut Modes, out: &mut Out<'_, S>) {
 
 /// Plane, units, offsets and the other modes, in order.
 fn change_modes<S: Sink>(ex: &mut Executor, out: &mut Out<'_, S>) -> Outcome {
-    plane(&ex.words, &mut ex.modes, out);
+    distances::plane(&ex.words, &mut ex.modes, out);
     switch::units(&ex.words, &mut ex.modes, out);
-    diameter(&ex.words, &mut ex.modes, out);
+    distances::diameter(&ex.words, &mut ex.modes, out);
     compensation::compensation(&ex.words, &mut ex.modes, &mut ex.tools, out)?;
     offsets::tool_length(&ex.words, &mut ex.modes, &mut ex.tools, out)?;
     offsets::work_offset(&ex.words, &mut ex.modes, &mut ex.store, &ex.settings, out);
     switch::path_control(&ex.words, &mut ex.modes, out)?;
-    distances(&ex.words, &mut ex.modes, out);
+    distances::distances(&ex.words, &mut ex.modes, out);
     Ok(())
-}
-
-/// G17, G18, G19.
-pub(crate) fn plane<S: Sink>(words: &Words, modes: &mut Modes, out: &mut Out<'_, S>) {
-    if let Some(code) = words.g(GGroup::Plane) {
-        modes.plane = match code {
-            180 => Plane::ZX,
-            190 => Plane::YZ,
-            _ => Plane::XY,
-        };
-        out.say(&Call::SelectPlane(modes.plane));
-    }
-}
-
-/// G7, G8.
-pub(crate) fn diameter<S: Sink>(words: &Words, modes: &mut Modes, out: &mut Out<'_, S>) {
-    let diameter = words.g(GGroup::Diameter).map(|code| code == 70);
-    if let Some(diameter) = diameter.filter(|d| *d != modes.diameter) {
-        set_diameter(modes, diameter, out);
-    }
-}
-
-/// G90 G91, G90.1 G91.1, G98 G99.
-pub(crate) fn distances<S: Sink>(words: &Words, modes: &mut Modes, out: &mut Out<'_, S>) {
-    let incremental = words.g(GGroup::Distance).map_or(modes.incremental, |c| c == 910);
-    let absolute_centres =
-        words.g(GGroup::ArcDistance).map_or(modes.absolute_centres, |c| c == 901);
-    let retract = words.g(GGroup::Retract);
-    set_distances(modes, incremental, absolute_centres, out);
-    if let Some(code) = retract {
-        set_retract(modes, code == 980, out);
-    }
-}
-
-/// Where they differ from what is in force.
-pub(crate) fn set_distances<S: Sink>(
-    modes: &mut Modes,
-    incremental: bool,
-    absolute_centres: bool,
-    out: &mut Out<'_, S>,
-) {
-    if incremental != modes.incremental {
-        modes.incremental = incremental;
-        let note = if incremental {
-            "distance mode changed to incremental"
-        } else {
-            "distance mode changed to absolute"
-        };
-        out.say(&Call::Note(note));
-    }
-    if absolute_centres != modes.absolute_centres {
-        modes.absolute_centres = absolute_centres;
-        let note = if absolute_centres {
-            "IJK distance mode changed to absolute"
-        } else {
-            "IJK distance mode changed to incremental"
-        };
-        out.say(&Call::Note(note));
-    }
-}
-
-/// G7 (true), G8.
-pub(crate) fn set_diameter<S: Sink>(modes: &mut Modes, diameter: bool, out: &mut Out<'_, S>) {
-    modes.diameter = diameter;
-    let note = if diameter {
-        "Lathe diameter mode changed to diameter"
-    } else {
-        "Lathe diameter mode changed to radius"
-    };
-    out.say(&Call::Note(note));
-}
-
-/// G98 (true), G99.
-pub(crate) fn set_retract<S: Sink>(modes: &mut Modes, to_initial: bool, out: &mut Out<'_, S>) {
-    modes.retract_to_initial = to_initial;
-    let note = if to_initial { "retract mode set to old_z" } else { "retract mode set to r_plane" };
-    out.say(&Call::Note(note));
 }
 
 fn stops<S: Sink>(

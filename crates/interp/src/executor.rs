@@ -12,7 +12,7 @@ use crate::{
     modes::Modes,
     names::Store,
     out::Held,
-    profile::Recording,
+    profile::recording::Recording,
     setup::{Cycles, UserCode},
     tools::Tools,
     words::Words,

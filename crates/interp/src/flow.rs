@@ -3,10 +3,10 @@ use crate::{
     Sink, context,
     fault::{Outcome, error, refuse},
     interpreter::Interpreter,
+    number::near_whole,
     out::Out,
     outline::{self, At, Mark, Outline},
     profile::cycle,
-    words::near_whole,
 };
 use gcode::{Keyword, Label, Value};
 use std::sync::LazyLock;

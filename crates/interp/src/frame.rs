@@ -118,6 +118,14 @@ pub(crate) fn machine_point(position: &canon::Position) -> Point {
     point
 }
 
+/// Whether two points are one for a move.
+pub(crate) fn same(a: &Point, b: &Point) -> bool {
+    a.iter().zip(b).all(|(x, y)| (x - y).abs() < SAME_POINT)
+}
+
+/// Two points nearer than this are one.
+pub(crate) const SAME_POINT: f64 = 1e-9;
+
 #[cfg(test)]
 mod tests {
     use super::*;

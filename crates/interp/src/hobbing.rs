@@ -12,7 +12,7 @@
 //!
 //! Source: G81 T L Q P of Fanuc's hobbing function (electronic gear box); DIN 3960 for lead and pitch circle.
 use crate::{
-    call::{Call, Sink},
+    call::{Call, HobOrder, Sink},
     codes::{AXES, GGroup, POLAR, set},
     compensation,
     fault::{Outcome, refuse},
@@ -35,19 +35,6 @@ const MODULE_MM: (f64, f64) = (0.05, 100.0);
 const STEEPEST_DEG: f64 = 80.0;
 /// The hob's spindle, and that of the work.
 const SPINDLES: [u8; 2] = [0, 1];
-
-/// What G81 T L Q P says.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HobOrder {
-    /// T.
-    pub teeth: u32,
-    /// L.
-    pub starts: i32,
-    /// Q as a module, mm.
-    pub module_mm: f64,
-    /// P, degrees.
-    pub helix_deg: f64,
-}
 
 /// Execute the block if it begins hobbing. Whether it did.
 pub(crate) fn hobbing<S: Sink>(
@@ -72,7 +59,7 @@ pub(crate) fn hobbing<S: Sink>(
         let text = "hobbing needs T teeth, L starts of the hob and Q the module: G81 T40 L1 Q2 works; drilling needs an axis word";
         return refuse("I0821", span, text);
     };
-    let whole = crate::words::near_whole;
+    let whole = crate::number::near_whole;
     let (fewest, most) = TEETH;
     let Some(teeth) =
         whole(teeth).and_then(|n| u32::try_from(n).ok()).filter(|n| (fewest..=most).contains(n))

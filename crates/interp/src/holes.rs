@@ -2,9 +2,9 @@
 use crate::{
     boring,
     call::{Call, CycleHole, CycleTap, Sink, Units},
-    cycles::Pattern,
     executor::Settings,
     frame::Point,
+    modes::tapping::{Shift, TapWords},
     modes::{Cycle, Modes},
     out::Out,
     words::Words,
@@ -157,4 +157,17 @@ fn peck<S: Sink>(
         out.say(&Call::Rapid(level(depth + clearance)));
         depth -= pattern.peck;
     }
+}
+
+/// A cycle with its words read and checked.
+pub(crate) struct Pattern {
+    pub(crate) cycle: Cycle,
+    pub(crate) r: f64,
+    pub(crate) bottom: f64,
+    pub(crate) clear: f64,
+    pub(crate) dwell: f64,
+    pub(crate) peck: f64,
+    pub(crate) tap: TapWords,
+    pub(crate) shift: Option<Shift>,
+    pub(crate) counterbore: f64,
 }

@@ -3,6 +3,7 @@ use crate::{
     call::{Call, Sink},
     comments,
     dialect::fanuc::Fanuc,
+    doubts::Doubts,
     execute::{self, After},
     executor::Executor,
     fault::{Outcome, error},
@@ -10,7 +11,7 @@ use crate::{
     out::Out,
     outline::Outline,
     profile::record,
-    refused::{self, Doubts},
+    refused,
     reread::Reread,
     setup::{Limits, Parameters, Setup},
 };

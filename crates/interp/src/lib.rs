@@ -24,6 +24,7 @@
 //! ```
 
 mod arcs;
+mod auxiliary;
 mod boring;
 mod call;
 mod cam;
@@ -37,6 +38,8 @@ mod context;
 mod cycles;
 mod decimal;
 mod dialect;
+mod distances;
+mod doubts;
 mod eval;
 mod execute;
 mod executor;
@@ -52,6 +55,8 @@ mod listing;
 mod modes;
 mod motion;
 mod names;
+mod non_modal;
+mod number;
 mod offset_curve;
 mod offsets;
 mod ops;
@@ -76,6 +81,7 @@ mod stroke;
 mod switch;
 mod synchro;
 mod taps;
+mod target;
 mod thread_cycle;
 mod threads;
 mod tool_change;
@@ -84,30 +90,24 @@ mod tools;
 mod words;
 
 pub use call::{
-    Call, Corners, CycleHole, CycleTap, GrowingThread, Place, ReturnSpeed, Sense, Silence, Sink,
-    Units,
+    Call, CamCall, ControlPoint, Corners, CycleHole, CycleTap, GrowingThread, HobOrder, Place,
+    PolygonOrder, ReturnSpeed, Sense, Silence, Sink, StrokeZone, ToolEntry, Units,
 };
-pub use cam::CamCall;
 pub use catalogue::{CodeInfo, codes, describe, describe_in, dialect_codes};
 pub use contents::Contents;
 pub use dialect::{DepthFrom, Dialect};
+pub use doubts::Doubts;
 pub use explain::{Finding, example_setup, explain, findings};
 pub use frame::{Frame, Point};
-pub use hobbing::HobOrder;
 pub use interpreter::{Interpreter, Progress};
 pub use lint::{Lint, lint};
 pub use listing::Listing;
 pub use ops::{Ops, called_files, check, defined_subprograms, with_dialect};
 pub use other_dialect::{looks_like, other_dialect};
 pub use pieces::{Linter, OpsRest, Rest, can_be_read_in_pieces};
-pub use polygon::PolygonOrder;
-pub use refused::Doubts;
 pub use resolve::Resolver;
 pub use setup::{
     Aside, Chips, Cycles, Increments, Limits, MAX_PARAMETER, MissingTools, Parameters, Setup,
     Subprogram, UserCode,
 };
 pub use snapshot::{Snapshot, Standing};
-pub use splines::ControlPoint;
-pub use stroke::StrokeZone;
-pub use tools::ToolEntry;

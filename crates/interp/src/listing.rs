@@ -10,10 +10,9 @@
 //! coordinates of the feed moves in a rotated order, and so does this listing (the operations that
 //! Leadscrew machines from do not pass through here).
 use crate::{
-    call::{Call, Corners, CycleTap, GrowingThread, Place, Sense, Sink, Units},
+    call::{Call, Corners, CycleTap, GrowingThread, HobOrder, Place, Sense, Sink, Units},
     decimal::{push_fixed, push_fixed4, push_left, push_right, push_whole},
     frame::Point,
-    hobbing::HobOrder,
     switch::NO_SPEED_LIMIT,
 };
 use canon::Plane;

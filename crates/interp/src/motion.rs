@@ -5,77 +5,16 @@
 //! where the move begins.
 use crate::{
     call::{Call, Sink},
-    codes::{self, POLAR},
     compensation,
     executor::Settings,
     fault::{Outcome, error, refuse},
     frame::Point,
     modes::{FeedMode, Modes, Motion},
-    offsets,
     out::Out,
+    target,
     words::Words,
 };
-use canon::Plane;
 use core::fmt::Display;
-
-/// Where the block's axis words lead.
-#[inline]
-pub(crate) fn destination(
-    words: &Words,
-    modes: &Modes,
-    machine_coordinates: bool,
-) -> Outcome<Point> {
-    if machine_coordinates {
-        if words.any(POLAR) {
-            return refuse("I0430", words.place.span, "@ and ^ cannot be used with G53");
-        }
-        if modes.incremental {
-            let fault = error(
-                "I0406",
-                words.place.span,
-                "G53 takes machine coordinates, but G91 is in force",
-            );
-            return Err(fault.with_help("write G90 before it").into());
-        }
-        let machine = offsets::with_words(words, modes, modes.frame.to_machine(&modes.at));
-        return Ok(modes.frame.to_program(&machine));
-    }
-    let mut to = modes.at;
-    for (axis, slot) in to.iter_mut().enumerate() {
-        if let Some(value) = offsets::axis_word(words, modes, axis) {
-            *slot = if modes.incremental { *slot + value } else { value };
-        }
-    }
-    if words.any(POLAR) {
-        [to[0], to[1]] = polar(words, modes)?;
-    }
-    Ok(to)
-}
-
-/// X and Y by distance and angle.
-pub(crate) fn polar(words: &Words, modes: &Modes) -> Outcome<[f64; 2]> {
-    let span = words.place.span;
-    if modes.plane != Plane::XY {
-        return refuse("I0431", span, "@ and ^ stand for X and Y: they need G17");
-    }
-    if words.any(codes::set("XY")) {
-        return refuse("I0432", span, "a point is given by X and Y or by @ and ^, not by both");
-    }
-    let [x, y] = [modes.at[0], modes.at[1]];
-    let (radius, angle) = (x.hypot(y), y.atan2(x).to_degrees());
-    let [distance, turn] = [b'@', b'^'].map(|letter| words.get(letter));
-    if radius == 0.0 && (modes.incremental || turn.is_none()) {
-        let fault = error("I0433", span, "the move begins at the origin, which has no angle");
-        return Err(fault.with_help("write @ and ^ with G90").into());
-    }
-    let (radius, angle) = if modes.incremental {
-        (radius + distance.unwrap_or(0.0), angle + turn.unwrap_or(0.0))
-    } else {
-        (distance.unwrap_or(radius), turn.unwrap_or(angle))
-    };
-    let (sin, cos) = angle.to_radians().sin_cos();
-    Ok([radius * cos, radius * sin])
-}
 
 pub(crate) fn straight<S: Sink>(
     words: &Words,
@@ -85,7 +24,7 @@ pub(crate) fn straight<S: Sink>(
     machine_coordinates: bool,
     out: &mut Out<'_, S>,
 ) -> Outcome {
-    let to = destination(words, modes, machine_coordinates)?;
+    let to = target::destination(words, modes, machine_coordinates)?;
     if modes.compensating() {
         if motion == Motion::Feed {
             say_feed(words, modes, "G1", || distance(&modes.at, &to), out)?;

@@ -3,8 +3,8 @@ use crate::{
     call::Sense,
     fault::{Outcome, error, refuse},
     modes::{FeedMode, Modes},
+    number::near_whole,
     setup::{MAX_PARAMETER, Parameters},
-    words::near_whole,
 };
 use canon::{Axis, Plane};
 use diag::{Diagnostic, Span};

@@ -9,8 +9,6 @@
 //!
 //! Lengths in the program's units, angles in radians; points along the plane's first and second axis.
 
-use crate::arcs::sweep_rad;
-
 /// A point, or a vector, of the plane.
 pub(crate) type Flat = [f64; 2];
 
@@ -221,6 +219,24 @@ fn around(foot: Flat, along: Flat, radius: f64, distance: f64, slack: f64) -> [O
     }
     let half = squared.max(0.0).sqrt();
     [half, -half].map(|k| Some(plus(foot, times(along, k))))
+}
+
+/// Angle swept from start to end about a centre, radians, counter-clockwise positive; ends in the
+/// same direction mean a full turn.
+pub(crate) fn sweep_rad(start: [f64; 2], end: [f64; 2], centre: [f64; 2], turns: i32) -> f64 {
+    use core::f64::consts::TAU;
+    /// Less than this is a full turn, not none.
+    const FUZZ: f64 = 1e-6;
+    let angle = |p: [f64; 2]| (p[1] - centre[1]).atan2(p[0] - centre[0]);
+    let between = (angle(end) - angle(start)).rem_euclid(TAU);
+    let more = f64::from(turns.abs().max(1) - 1) * TAU;
+    if turns >= 0 {
+        (if between < FUZZ { between + TAU } else { between }) + more
+    } else {
+        (if between < FUZZ { between } else { between - TAU }).min(0.0)
+            - if between < FUZZ { TAU } else { 0.0 }
+            - more
+    }
 }
 
 #[cfg(test)]

@@ -5,23 +5,21 @@
 //! units and in the numbered parameters (mm), as LinuxCNC does, so that `#5221` reads G54's X.
 use crate::{
     call::{Call, Sink},
-    codes::{GGroup, NON_STOP_CHANGE},
-    executor::{Executor, Settings},
-    fault::{Outcome, error, refuse},
-    frame::{self, Frame, Point},
+    codes::GGroup,
+    executor::Settings,
+    fault::{Outcome, refuse},
+    frame::{self, Point},
     modes::Modes,
-    motion,
     names::Store,
     out::Out,
-    polygon,
     setup::Parameters,
-    tool_change, tool_table,
+    target,
     tools::Tools,
     words::Words,
 };
 
 /// First parameter of the G92 offset, and the one that says whether it is on.
-const ADDED: usize = 5211;
+pub(crate) const ADDED: usize = 5211;
 const ADDED_ON: usize = 5210;
 /// Work offset in force.
 const SYSTEM: usize = 5220;
@@ -54,7 +52,7 @@ fn has_external_offset(settings: &Settings) -> bool {
 }
 
 /// Fanuc's external work offset lies under all others.
-fn add_external(modes: &Modes, store: &Store, settings: &Settings, origin: &mut Point) {
+pub(crate) fn add_external(modes: &Modes, store: &Store, settings: &Settings, origin: &mut Point) {
     if has_external_offset(settings) {
         let external = read_point(modes, store, Parameters::work_offset(0));
         for axis in 0..6 {
@@ -85,32 +83,15 @@ pub(crate) fn offset_of(modes: &Modes, store: &Store, system: usize) -> (Point, 
 }
 
 /// Nine parameters, lengths in program units.
-fn read_point(modes: &Modes, store: &Store, first: usize) -> Point {
+pub(crate) fn read_point(modes: &Modes, store: &Store, first: usize) -> Point {
     let mut point = store.numbered.point(first);
     frame::scale(&mut point, 1.0 / modes.units.in_mm());
     point
 }
 
-fn write_point(modes: &Modes, store: &mut Store, first: usize, mut point: Point) {
+pub(crate) fn write_point(modes: &Modes, store: &mut Store, first: usize, mut point: Point) {
     frame::scale(&mut point, modes.units.in_mm());
     store.numbered.set_point(first, &point);
-}
-
-/// A word of an axis; diameters become radii.
-#[inline]
-pub(crate) fn axis_word(words: &Words, modes: &Modes, axis: usize) -> Option<f64> {
-    let value = words.get(b"XYZABCUVW"[axis])?;
-    Some(if axis == 0 && modes.diameter { value / 2.0 } else { value })
-}
-
-/// A point with the block's axis words put in.
-pub(crate) fn with_words(words: &Words, modes: &Modes, mut point: Point) -> Point {
-    for (axis, slot) in point.iter_mut().enumerate() {
-        if let Some(value) = axis_word(words, modes, axis) {
-            *slot = value;
-        }
-    }
-    point
 }
 
 /// G43, G43.1, G43.2, G49.
@@ -141,7 +122,7 @@ pub(crate) fn tool_length<S: Sink>(
                 *sum = kept + more;
             }
         }
-        431 => tool = with_words(words, modes, modes.frame.tool),
+        431 => tool = target::with_words(words, modes, modes.frame.tool),
         _ => {}
     }
     modes.reframe(|frame| frame.tool = tool);
@@ -164,7 +145,7 @@ fn additional_offset(words: &Words, modes: &Modes, tools: &mut Tools) -> Outcome
             let number = tools.word(words, b'H')?;
             Ok(length_offset(modes, tools, number))
         }
-        (false, true) => Ok(with_words(words, modes, [0.0; 9])),
+        (false, true) => Ok(target::with_words(words, modes, [0.0; 9])),
         (both, _) => {
             let found = if both { "both" } else { "neither" };
             let text = format!(
@@ -215,72 +196,8 @@ pub(crate) fn change_system<S: Sink>(
     out.say(&Call::Rotation(frame.rotation()));
 }
 
-/// G10, G28, G30, G52, G92 and their kin.
-pub(crate) fn non_modal<S: Sink>(ex: &mut Executor, out: &mut Out<'_, S>) -> Outcome {
-    match ex.words.g(GGroup::NonModal) {
-        Some(100) => set_offset(ex, out),
-        Some(280) => go_to_reference(&ex.words, &mut ex.modes, &ex.store, 5161, out),
-        Some(300) => go_to_reference(&ex.words, &mut ex.modes, &ex.store, 5181, out),
-        Some(281) => {
-            set_reference(&ex.modes, &mut ex.store, 5161);
-            Ok(())
-        }
-        Some(301) => {
-            set_reference(&ex.modes, &mut ex.store, 5181);
-            Ok(())
-        }
-        Some(520) if !ex.words.any(crate::codes::AXES) => {
-            refuse("I0619", ex.words.place.span, "G52 needs axis words: the offset to add")
-        }
-        Some(520) => {
-            let added = with_words(&ex.words, &ex.modes, ex.modes.frame.added);
-            set_added(&mut ex.modes, &mut ex.store, added, out);
-            Ok(())
-        }
-        Some(920) => set_position(&ex.words, &mut ex.modes, &mut ex.store, out),
-        Some(921) => {
-            write_point(&ex.modes, &mut ex.store, ADDED, [0.0; 9]);
-            suspend_added(&mut ex.modes, &mut ex.store, out);
-            Ok(())
-        }
-        Some(922) => {
-            suspend_added(&mut ex.modes, &mut ex.store, out);
-            Ok(())
-        }
-        Some(923) => {
-            let added = read_point(&ex.modes, &ex.store, ADDED);
-            set_added(&mut ex.modes, &mut ex.store, added, out);
-            Ok(())
-        }
-        Some(NON_STOP_CHANGE) => {
-            tool_change::non_stop_move(&ex.words, &mut ex.modes, &ex.tools, out)
-        }
-        Some(502) => {
-            polygon::polygon_end(&ex.words, &mut ex.modes, out);
-            Ok(())
-        }
-        Some(512) => polygon::polygon(&ex.words, &mut ex.modes, &ex.tools, out),
-        Some(513) => polygon::harmonic(&ex.words, &mut ex.modes),
-        Some(514) => polygon::polygon_measure(&ex.words, &ex.modes, out),
-        Some(530) if ex.words.g(GGroup::Motion).is_none() => lonely_g53(&ex.words, &ex.modes),
-        _ => Ok(()),
-    }
-}
-
-fn lonely_g53(words: &Words, modes: &Modes) -> Outcome {
-    let moves = matches!(modes.motion, crate::modes::Motion::Rapid | crate::modes::Motion::Feed);
-    if moves && words.any(crate::codes::AXES) {
-        return Ok(());
-    }
-    refuse(
-        "I0405",
-        words.place.span,
-        "G53 needs G0 or G1 and axis words: it is good for its own block only",
-    )
-}
-
 /// G92: this place shall be called what the words say.
-fn set_position<S: Sink>(
+pub(crate) fn set_position<S: Sink>(
     words: &Words,
     modes: &mut Modes,
     store: &mut Store,
@@ -293,7 +210,7 @@ fn set_position<S: Sink>(
             "G92 needs axis words: what this place shall be called",
         );
     }
-    let wanted = with_words(words, modes, modes.at);
+    let wanted = target::with_words(words, modes, modes.at);
     let mut added = modes.frame.added;
     for i in 0..9 {
         added[i] += modes.at[i] - wanted[i];
@@ -314,95 +231,27 @@ pub(crate) fn set_added<S: Sink>(
     out.say(&Call::AddedOffset(added));
 }
 
-fn suspend_added<S: Sink>(modes: &mut Modes, store: &mut Store, out: &mut Out<'_, S>) {
+pub(crate) fn suspend_added<S: Sink>(modes: &mut Modes, store: &mut Store, out: &mut Out<'_, S>) {
     store.numbered.set(ADDED_ON, 0.0);
     modes.reframe(|frame| frame.added = [0.0; 9]);
     out.say(&Call::AddedOffset([0.0; 9]));
 }
 
-/// G10 L2 (the offset itself) and L20 (this place shall be called what the words say).
-fn set_offset<S: Sink>(ex: &mut Executor, out: &mut Out<'_, S>) -> Outcome {
-    let span = ex.words.place.span;
-    let kind = match ex.words.whole(b'L', 9999)? {
-        Some(kind @ (2 | 20)) => kind,
-        Some(kind @ (0 | 1 | 10 | 11)) => return tool_table::set_tool(ex, kind, out),
-        Some(kind) => tool_table::unknown_g10(&ex.words, kind)?,
-        None => {
-            return refuse(
-                "I0616",
-                span,
-                "G10 needs L: 1, 10, 11 (tool table), 2 or 20 (work offset)",
-            );
-        }
-    };
-    let Some(p) = ex.words.whole(b'P', 9)? else {
-        return refuse(
-            "I0617",
-            span,
-            "G10 needs P: 1 to 9 for G54 to G59.3, 0 for the one in force",
-        );
-    };
-    let system = if p == 0 { ex.modes.system } else { p as u8 };
-    if ex.modes.compensating() && system == ex.modes.system {
-        let text =
-            "the work offset in force cannot be changed while cutter radius compensation is on";
-        return Err(error("I0544", span, text).with_help("write G40 before").into());
-    }
-    let (mut origin, mut rotation) = offset_of(&ex.modes, &ex.store, usize::from(system));
-    if kind == 2 {
-        origin = with_words(&ex.words, &ex.modes, origin);
-        rotation = ex.words.get(b'R').unwrap_or(rotation);
-    } else {
-        if ex.words.get(b'R').is_some() {
-            let fault = error("I0618", ex.words.span(b'R'), "R has no effect with G10 L20");
-            return Err(fault.with_help("G10 L2 R sets the rotation").into());
-        }
-        origin = origin_by_position(&ex.words, &ex.modes, origin, rotation);
-    }
-    let first = Parameters::work_offset(usize::from(system));
-    write_point(&ex.modes, &mut ex.store, first, origin);
-    ex.store.numbered.set(first + 9, rotation);
-    add_external(&ex.modes, &ex.store, &ex.settings, &mut origin);
-    if system == ex.modes.system {
-        ex.modes.reframe(|frame| {
-            frame.origin = origin;
-            frame.rotate(rotation);
-        });
-        out.say(&Call::WorkOffset(system, origin));
-        out.say(&Call::Rotation(rotation));
-    } else {
-        out.say(&Call::Note("setting coordinate system origin"));
-    }
-    Ok(())
-}
-
-/// The origin that a work offset must have for this place to be called what the words say.
-fn origin_by_position(words: &Words, modes: &Modes, origin: Point, rotation: f64) -> Point {
-    let machine = modes.frame.to_machine(&modes.at);
-    let mut frame: Frame = modes.frame;
-    frame.origin = origin;
-    frame.rotate(rotation);
-    let wanted = with_words(words, modes, frame.to_program(&machine));
-    frame.origin = [0.0; 9];
-    let without = frame.to_machine(&wanted);
-    core::array::from_fn(|i| machine[i] - without[i])
-}
-
 /// G28, G30: by the point of the words (or from where it stands) to the reference point.
-fn go_to_reference<S: Sink>(
+pub(crate) fn go_to_reference<S: Sink>(
     words: &Words,
     modes: &mut Modes,
     store: &Store,
     first: usize,
     out: &mut Out<'_, S>,
 ) -> Outcome {
-    let by = motion::destination(words, modes, false)?;
+    let by = target::destination(words, modes, false)?;
     out.say(&Call::Rapid(by));
     let reference = modes.frame.to_program(&read_point(modes, store, first));
     let mut to = by;
     let all = !words.any(crate::codes::AXES);
     for axis in 0..9 {
-        if all || axis_word(words, modes, axis).is_some() {
+        if all || target::axis_word(words, modes, axis).is_some() {
             to[axis] = reference[axis];
         }
     }
@@ -412,7 +261,7 @@ fn go_to_reference<S: Sink>(
 }
 
 /// G28.1, G30.1: this place is the reference point from now on.
-fn set_reference(modes: &Modes, store: &mut Store, first: usize) {
+pub(crate) fn set_reference(modes: &Modes, store: &mut Store, first: usize) {
     let machine = modes.frame.to_machine(&modes.at);
     write_point(modes, store, first, machine);
 }

@@ -17,7 +17,7 @@
 //!
 //! Source: JP7525593B2; words P Q R as on Fanuc's lathes.
 use crate::{
-    call::{Call, Sink},
+    call::{Call, PolygonOrder, Sink},
     compensation,
     fault::{Outcome, error, refuse},
     modes::Modes,
@@ -40,23 +40,6 @@ const MOST_TURNS: f64 = 1_000_000.0;
 const SPINDLES: [u8; 2] = [0, 1];
 /// Looks of a measurement; after a few nothing more is gained.
 const MOST_LOOKS: u32 = 50;
-
-/// What G51.2 says, in the program's units.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PolygonOrder {
-    /// P, Q.
-    pub ratio: Ratio,
-    /// R, degrees.
-    pub phase_deg: f64,
-    /// What swings: program units, or revolutions of the tool.
-    pub oscillations: Vec<Oscillation>,
-    /// I, J: what swings by a share of the distance of the axes at the cut.
-    pub by_distance: Vec<Oscillation>,
-    /// D: the control chooses, and what.
-    pub auto: Option<canon::Actuator>,
-    /// E1: as it was measured before.
-    pub compensated: bool,
-}
 
 /// G51.3: a harmonic for the next G51.2; alone, none.
 pub(crate) fn harmonic(words: &Words, modes: &mut Modes) -> Outcome {
@@ -229,7 +212,7 @@ fn actuator(words: &Words) -> Outcome<Option<canon::Actuator>> {
 }
 
 fn turns(words: &Words, letter: u8, value: f64, both: [f64; 2]) -> Outcome<i32> {
-    match crate::words::near_whole(value).filter(|_| value.abs() <= MOST_TURNS) {
+    match crate::number::near_whole(value).filter(|_| value.abs() <= MOST_TURNS) {
         Some(whole) => Ok(whole as i32),
         None => refuse(
             "I0805",
@@ -245,7 +228,7 @@ fn turns(words: &Words, letter: u8, value: f64, both: [f64; 2]) -> Outcome<i32> 
 
 /// The same ratio in whole turns, if a hundred turns have it.
 fn in_whole_turns([p, q]: [f64; 2]) -> String {
-    use crate::words::near_whole;
+    use crate::number::near_whole;
     let times = (1..=100).map(f64::from).map(|n| [near_whole(n * p), near_whole(n * q)]);
     let mut small = times.filter_map(|turns| match turns {
         [Some(p), Some(q)] if p > 0 && q != 0 && q.abs() <= MOST_TURNS as i64 => Some((p, q)),

@@ -10,9 +10,9 @@ use crate::{
     call::{Call, Sink, Units},
     fault::{Outcome, refuse},
     modes::{FeedMode, Modes},
-    motion,
     names::Store,
     out::Out,
+    target,
     words::Words,
 };
 
@@ -40,7 +40,7 @@ pub(crate) fn probe<S: Sink>(
         let text = "probing needs a feed per minute: write G94 and F above 0";
         return refuse("I0571", span, text);
     }
-    let to = motion::destination(words, modes, false)?;
+    let to = target::destination(words, modes, false)?;
     let from = modes.at;
     let back = match modes.units {
         Units::Inch => BACK_INCH,

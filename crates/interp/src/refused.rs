@@ -13,182 +13,23 @@
 //! or what is not so. One that says that something is missing puts that in doubt itself, so that it is told once and not
 //! in each of a hundred lines.
 use crate::{
+    auxiliary,
     call::{Call, Sink},
-    codes::{self, AXES, CENTRE, GGroup, Letters, POLAR, index},
-    compensation, execute,
+    codes::{self, AXES, CENTRE, GGroup, POLAR},
+    compensation, distances,
+    doubts::{self, Doubts},
     executor::Executor,
     modes::{Modes, Motion},
-    motion, offsets,
+    offsets,
     out::Out,
-    switch,
-    words::Words,
+    switch, target,
+    words::{Stage, Words},
 };
-
-/// How far a block was executed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Stage {
-    /// Its words, and whether they belong together.
-    Words,
-    /// F.
-    Feed,
-    /// S.
-    Speed,
-    /// T, M6, spindle, coolant, dwell.
-    Tools,
-    /// M29.
-    Rigid,
-    /// Plane, units, compensation, offsets, distances.
-    Modes,
-    /// G10, G28, G52, G92 and the like.
-    NonModal,
-    /// The move.
-    Motion,
-    /// All but stops and calls.
-    Done,
-}
-
-/// What is not known since a block was refused.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Doubts(u32);
-
-impl Doubts {
-    /// Where the axes stand: a bit each.
-    const PLACE: u32 = (1 << 9) - 1;
-    const FEED: u32 = 1 << 9;
-    const SPEED: u32 = 1 << 10;
-    const SENSE: u32 = 1 << 11;
-    const TOOL: u32 = 1 << 12;
-    /// Which motion or cycle is in force, and the words it keeps.
-    pub(crate) const MOTION: u32 = 1 << 13;
-    const PLANE: u32 = 1 << 14;
-    pub(crate) const COMPENSATION: u32 = 1 << 15;
-    const PARAMETERS: u32 = 1 << 16;
-    /// Which numbered blocks there are: one that is looked for cannot be read.
-    const BLOCKS: u32 = 1 << 18;
-    /// Fanuc's rotation, scaling, mirror image, polar coordinates.
-    const MAPPING: u32 = 1 << 19;
-    /// G90 or G91.
-    const DISTANCE: u32 = 1 << 17;
-
-    pub(crate) const fn clear(&mut self, doubts: u32) {
-        self.0 &= !doubts;
-    }
-
-    const fn add(&mut self, doubts: u32) {
-        self.0 |= doubts;
-    }
-
-    const fn has(self, doubts: u32) -> bool {
-        self.0 & doubts != 0
-    }
-
-    /// Both.
-    pub(crate) const fn and(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-
-    /// Whether a numbered block is not found because it cannot be read.
-    pub(crate) fn hide_blocks(self, code: &str) -> bool {
-        self.has(needs(code) & Self::BLOCKS)
-    }
-
-    /// Whether what was found in a block may follow from a refusal before it.
-    pub(crate) fn may_cause(self, code: &str, block: &gcode::Block) -> bool {
-        self.explain(code) || self.has(Self::PARAMETERS) && computes(block)
-    }
-
-    /// After an error of an operation: what it has missed, which is told once.
-    pub(crate) fn miss(&mut self, code: &str) {
-        self.add(needs(code) & !(Self::PLACE | Self::DISTANCE));
-    }
-
-    /// What a call says is known again.
-    pub(crate) fn told(&mut self, call: &Call<'_>) {
-        match call {
-            Call::SpindleSpeed(_) | Call::SpindleMode(_) => self.clear(Self::SPEED),
-            Call::SpindleTurn(_) | Call::SpindleStop => self.clear(Self::SENSE),
-            Call::SelectPlane(_) | Call::Rotation(_) => self.clear(Self::PLANE),
-            _ => {}
-        }
-    }
-
-    /// Everything.
-    const ALL: Self = Self(u32::MAX);
-
-    /// Whether a finding says what may follow from a refusal before it.
-    pub(crate) fn explain(self, code: &str) -> bool {
-        self.has(needs(code))
-    }
-}
-
-/// What a finding with this code takes for known.
-fn needs(code: &str) -> u32 {
-    match code {
-        "I0408" | "I0425" | "I0426" => Doubts::FEED,
-        "I0434" | "I0532" | "I0567" | "I0597" | "I0703" => Doubts::SPEED,
-        "I0427" => Doubts::SENSE | Doubts::SPEED,
-        "I1032" | "I1006" => Doubts::BLOCKS,
-        "I1041" | "I1042" | "I1043" | "I1044" | "I1045" | "I1046" | "I1047" | "I1048" => {
-            Doubts::MAPPING
-        }
-        "I0512" | "I0513" | "I0514" | "I0515" | "I0568" | "I0702" => Doubts::SENSE,
-        "I1031" | "I0109" | "I0110" | "I0112" | "I0504" | "I0505" | "I0507" | "I0508" | "I0516"
-        | "I0534" | "I0594" => Doubts::MOTION,
-        "I0413" | "I0414" | "I0417" | "I0418" | "I0433" | "I0701" | "I0705" | "I0709" => {
-            Doubts::PLACE | Doubts::DISTANCE
-        }
-        "I0410" | "I0411" | "I0412" | "I0541" | "I0706" => Doubts::PLANE,
-        "I0540" | "I0544" | "I0550" => Doubts::COMPENSATION,
-        "I0545" | "I0546" | "I0547" | "I0548" => {
-            Doubts::PLACE | Doubts::TOOL | Doubts::COMPENSATION
-        }
-        _ => 0,
-    }
-}
-
-/// What words with these letters set.
-fn said_by(letters: Letters) -> u32 {
-    let has = |letter: u8| letters >> index(letter) & 1 == 1;
-    let mut doubts = 0;
-    for (axis, letter) in b"XYZABCUVW".iter().enumerate() {
-        doubts |= u32::from(has(*letter)) << axis;
-    }
-    for (letter, what) in [
-        (b'@', Doubts::PLACE),
-        (b'^', Doubts::PLACE),
-        (b'F', Doubts::FEED),
-        (b'S', Doubts::SPEED),
-        (b'T', Doubts::TOOL),
-        (b'D', Doubts::TOOL),
-        (b'G', Doubts::MOTION | Doubts::PLANE | Doubts::COMPENSATION | Doubts::MAPPING),
-        (b'M', Doubts::SENSE | Doubts::TOOL),
-        (b'R', Doubts::MOTION),
-        (b'Q', Doubts::MOTION),
-    ] {
-        doubts |= if has(letter) { what } else { 0 };
-    }
-    doubts
-}
-
-/// The letters of a text, comments apart.
-fn letters_of(text: &[u8]) -> Letters {
-    let (mut letters, mut inside) = (0, false);
-    for byte in text {
-        match byte.to_ascii_uppercase() {
-            b'(' => inside = true,
-            b')' => inside = false,
-            b';' if !inside => break,
-            letter @ (b'A'..=b'Z' | b'@' | b'^' | b'$') if !inside => letters |= 1 << index(letter),
-            _ => {}
-        }
-    }
-    letters
-}
 
 /// A block that nobody could read: what it may have said.
 pub(crate) fn doubt_unreadable(modes: &mut Modes, text: &[u8]) {
-    let letters = letters_of(text);
-    modes.doubts.add(said_by(letters));
+    let letters = doubts::letters_of(text);
+    modes.doubts.add(doubts::said_by(letters));
     let upper = text.to_ascii_uppercase();
     if upper.windows(2).any(|pair| pair == b"G9") {
         modes.doubts.add(Doubts::DISTANCE);
@@ -229,7 +70,7 @@ pub(crate) fn after_refusal<S: Sink>(
     out: &mut Out<'_, S>,
 ) {
     let read = ex.words.place.span == block.span;
-    let needed = needs(code);
+    let needed = doubts::needs(code);
     let failed = ex.words.stage;
     let mut missing = needed & !(Doubts::PLACE | Doubts::DISTANCE);
     if read {
@@ -241,7 +82,7 @@ pub(crate) fn after_refusal<S: Sink>(
         };
         if needed & Doubts::PLACE != 0 {
             // a word may be missing that says where it ends
-            missing |= Doubts::PLACE & !said_by(ex.words.letters_present());
+            missing |= Doubts::PLACE & !doubts::said_by(ex.words.letters_present());
         }
     }
     let grinds = ex.modes.cam || read && ex.words.g(GGroup::Cam).is_some();
@@ -255,12 +96,13 @@ pub(crate) fn after_refusal<S: Sink>(
         follow(ex, out);
     }
     let unread = match (read, failed) {
-        (false, _) => letters_of(text),
-        (true, Stage::Words) if ex.settings.rules.reads_up_to_fault => letters_of(text),
+        (false, _) => doubts::letters_of(text),
+        (true, Stage::Words) if ex.settings.rules.reads_up_to_fault => doubts::letters_of(text),
         (true, _) => ex.words.unread,
     };
-    let of_computed = if ex.modes.doubts.has(Doubts::PARAMETERS) { computed(block) } else { 0 };
-    ex.modes.doubts.add(said_by(unread | of_computed) | missing);
+    let of_computed =
+        if ex.modes.doubts.has(Doubts::PARAMETERS) { doubts::computed(block) } else { 0 };
+    ex.modes.doubts.add(doubts::said_by(unread | of_computed) | missing);
     out.sink.doubt(ex.modes.doubts);
 }
 
@@ -291,7 +133,7 @@ pub(crate) fn settle_doubts<S: Sink>(
     }
     modes.doubts.clear(known);
     if modes.doubts.has(Doubts::PARAMETERS) {
-        modes.doubts.add(said_by(computed(block)));
+        modes.doubts.add(doubts::said_by(doubts::computed(block)));
     }
     out.sink.doubt(modes.doubts);
 }
@@ -308,7 +150,7 @@ pub(crate) fn follow<S: Sink>(ex: &mut Executor, out: &mut Out<'_, S>) {
         _ = switch::spindle_speed(&ex.words, &mut ex.modes, out);
     }
     if failed <= Stage::Speed {
-        _ = switch::tools_and_switches(ex, out);
+        _ = auxiliary::tools_and_switches(ex, out);
     } else if failed == Stage::Tools {
         _ = switch::spindle(&ex.words, &mut ex.modes, out);
         switch::coolant(&ex.words, &mut ex.modes, out);
@@ -325,9 +167,9 @@ pub(crate) fn follow<S: Sink>(ex: &mut Executor, out: &mut Out<'_, S>) {
 }
 
 fn follow_modes<S: Sink>(ex: &mut Executor, failed: Stage, out: &mut Out<'_, S>) {
-    execute::plane(&ex.words, &mut ex.modes, out);
+    distances::plane(&ex.words, &mut ex.modes, out);
     switch::units(&ex.words, &mut ex.modes, out);
-    execute::diameter(&ex.words, &mut ex.modes, out);
+    distances::diameter(&ex.words, &mut ex.modes, out);
     let side = ex.words.g(GGroup::Compensation);
     if failed < Stage::Modes || side == Some(400) {
         _ = compensation::compensation(&ex.words, &mut ex.modes, &mut ex.tools, out);
@@ -338,7 +180,7 @@ fn follow_modes<S: Sink>(ex: &mut Executor, failed: Stage, out: &mut Out<'_, S>)
     _ = offsets::tool_length(&ex.words, &mut ex.modes, &mut ex.tools, out);
     offsets::work_offset(&ex.words, &mut ex.modes, &mut ex.store, &ex.settings, out);
     _ = switch::path_control(&ex.words, &mut ex.modes, out);
-    execute::distances(&ex.words, &mut ex.modes, out);
+    distances::distances(&ex.words, &mut ex.modes, out);
 }
 
 /// Refused compensation is as if off, until it is called again.
@@ -370,11 +212,11 @@ fn follow_motion<S: Sink>(words: &Words, modes: &mut Modes, out: &mut Out<'_, S>
     }
     if named.is_none() && words.unread & codes::set("G") != 0 {
         // the words of a code that nobody knows: it may move, or not
-        modes.doubts.add(said_by(words.letters_present() & (AXES | POLAR)));
+        modes.doubts.add(doubts::said_by(words.letters_present() & (AXES | POLAR)));
         return;
     }
     let machine_coordinates = words.g(GGroup::NonModal) == Some(530);
-    let Ok(mut to) = motion::destination(words, modes, machine_coordinates) else {
+    let Ok(mut to) = target::destination(words, modes, machine_coordinates) else {
         modes.doubts.add(Doubts::PLACE);
         return;
     };
@@ -402,15 +244,4 @@ fn follow_motion<S: Sink>(words: &Words, modes: &mut Modes, out: &mut Out<'_, S>
 fn is_set_by_axes(words: &Words) -> bool {
     matches!(words.g(GGroup::NonModal), Some(100 | 513 | 520 | 920))
         || matches!(words.g(GGroup::ToolLength), Some(431 | 432))
-}
-
-/// Letters of the words whose values are computed.
-fn computed(block: &gcode::Block) -> Letters {
-    let words = block.words.iter().filter(|w| matches!(w.value, gcode::Value::Expression(_)));
-    words.map(|word| 1 << index(word.letter.to_ascii_uppercase())).fold(0, |all, bit| all | bit)
-}
-
-/// Whether anything in a block is computed.
-fn computes(block: &gcode::Block) -> bool {
-    computed(block) != 0 || !block.assignments.is_empty() || block.o.is_some()
 }

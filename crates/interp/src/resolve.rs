@@ -10,11 +10,10 @@
 //! What cannot be said as an operation (a tap with an X word, an arc of a plane that the rotation
 //! tilts) is an error with its place. Moves of no length are left out.
 use crate::{
-    arcs::{same, sweep_rad},
     call::{Call, Corners, CycleHole, Place, Sense, Sink, Units},
-    frame::machine_point,
-    frame::{self, Frame, Point},
-    refused::Doubts,
+    doubts::Doubts,
+    frame::{self, Frame, Point, machine_point, same},
+    offset_curve::sweep_rad,
     setup::Setup,
 };
 use canon::{
@@ -427,7 +426,7 @@ impl Sink for Resolver {
     fn call(&mut self, place: &Place, call: &Call<'_>) {
         let span = place.span;
         if self.missed != Doubts::default() {
-            self.missed.told(call);
+            known_again(&mut self.missed, call);
         }
         match call {
             Call::Rapid(to) | Call::OutByHand(to) => {
@@ -479,5 +478,15 @@ pub(crate) fn position(point: &Point) -> Position {
         linear: [x, y, z].map(Length::mm),
         rotary: [a, b, c].map(Angle::deg),
         parallel: [u, v, w].map(Length::mm),
+    }
+}
+
+/// What a call says is known again.
+fn known_again(missed: &mut Doubts, call: &Call<'_>) {
+    match call {
+        Call::SpindleSpeed(_) | Call::SpindleMode(_) => missed.clear(Doubts::SPEED),
+        Call::SpindleTurn(_) | Call::SpindleStop => missed.clear(Doubts::SENSE),
+        Call::SelectPlane(_) | Call::Rotation(_) => missed.clear(Doubts::PLANE),
+        _ => {}
     }
 }

@@ -21,15 +21,15 @@
 //! Source: Fanuc, operator's manual of series 0i, "Rigid tapping" (M29, G84.2, G84.3 and the alarms
 //! PS0203 to PS0206); J as a factor: Haas mill operator's manual, G84.
 use crate::{
-    call::{CycleHole, CycleTap, ReturnSpeed, Sense},
+    call::ReturnSpeed,
     codes::{GGroup, MGroup},
     fault::{Outcome, error, refuse},
+    modes::tapping::{Rigid, TapWords},
     modes::{Cycle, Modes, Motion},
     tools::Tools,
     words::Words,
 };
 use canon::{Plane, ReturnAcceleration, ToolKind};
-use diag::Span;
 use units::SpinAccel;
 
 /// J up to this is a factor, above it a speed in rev/min.
@@ -38,65 +38,6 @@ const LARGEST_FACTOR: f64 = 20.0;
 const LEAST_SHARE: f64 = 0.01;
 /// More pecks than this in one thread are a slip of the pen.
 const MAX_PECKS: f64 = 200.0;
-
-/// Whether the next tap, or this one, is rigid by M29 or by its code.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Rigid {
-    /// It is not.
-    Off,
-    /// M29 was here; its cycle has not come yet.
-    Ordered(Span),
-    /// Its cycle is in force.
-    Cycling,
-}
-
-/// The words of a tapping cycle that no other cycle has.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct TapWords {
-    pub(crate) start_angle_deg: f64,
-    pub(crate) return_speed: ReturnSpeed,
-    pub(crate) return_acceleration: ReturnAcceleration,
-    pub(crate) peck: Option<f64>,
-    /// I or J of Brother's G77 and G78, mm.
-    pub(crate) lead_mm: Option<f64>,
-}
-
-impl Default for TapWords {
-    fn default() -> Self {
-        Self {
-            start_angle_deg: 0.0,
-            return_speed: ReturnSpeed::Times(1.0),
-            return_acceleration: ReturnAcceleration::AsSet,
-            peck: None,
-            lead_mm: None,
-        }
-    }
-}
-
-impl TapWords {
-    /// One hole of the cycle.
-    pub(crate) const fn call(
-        &self,
-        hole: CycleHole,
-        sense: Sense,
-        dwell_s: f64,
-        overrides: (bool, bool),
-    ) -> CycleTap {
-        let &Self { start_angle_deg, return_speed, return_acceleration, peck, lead_mm } = self;
-        CycleTap {
-            hole,
-            sense,
-            dwell_s,
-            start_angle_deg,
-            return_speed,
-            return_acceleration,
-            peck,
-            overrides,
-            feed_stated: false,
-            lead_mm,
-        }
-    }
-}
 
 /// M29, and what must not change in rigid mode; before the block's modes are set.
 pub(crate) fn rigid_mode(words: &Words, modes: &mut Modes, motion: Option<Motion>) -> Outcome {

@@ -14,14 +14,16 @@
 //!
 //! Source: LinuxCNC 2.9 manual, "G5", "G5.1", "G5.2 G5.3"; L. Piegl, W. Tiller, "The NURBS Book", 2.2 and 4.2.
 use crate::{
-    call::{Call, Sink},
+    call::{Call, ControlPoint, Sink},
     codes,
     fault::{Outcome, error, refuse},
     frame::Point,
+    modes::nurbs::Nurbs,
     modes::{FeedMode, Modes, Motion},
     motion,
     out::Out,
     resolve::{Resolver, position},
+    target,
     words::Words,
 };
 use canon::{OpKind, Plane, Spline};
@@ -34,24 +36,6 @@ const TOLERANCE_MM: f64 = 1e-6;
 const MAX_HALVINGS: u32 = 12;
 /// Control points of one NURBS.
 const MAX_POINTS: usize = 10_000;
-
-/// A control point in X and Y, program units, and its weight.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ControlPoint {
-    /// X and Y.
-    pub at: [f64; 2],
-    /// Weight, above 0.
-    pub weight: f64,
-}
-
-/// A NURBS being written, from G5.2 to G5.3.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Nurbs {
-    order: usize,
-    points: Vec<ControlPoint>,
-    /// One of its blocks was refused: it will not be cut.
-    faulty: bool,
-}
 
 /// G5 and G5.1.
 pub(crate) fn spline<S: Sink>(
@@ -191,7 +175,7 @@ fn spline_end(words: &Words, modes: &Modes) -> Outcome<Point> {
     if modes.plane != Plane::XY {
         return refuse("I0559", span, "splines lie in the XY plane: write G17 before");
     }
-    let to = motion::destination(words, modes, false)?;
+    let to = target::destination(words, modes, false)?;
     if to[2..] != modes.at[2..] {
         return refuse("I0560", span, "a spline moves X and Y alone");
     }

@@ -13,20 +13,9 @@
 //!
 //! Source: Fanuc, operator's manual of series 30i, "Stored stroke check" (machine coordinates; forbidden inside or
 //! outside by parameter).
-use crate::{frame::Point, resolve::Resolver};
+use crate::{call::StrokeZone, frame::Point, resolve::Resolver};
 use core::f64::consts::{FRAC_PI_2, TAU};
 use diag::{Diagnostic, Span};
-
-/// A box in machine coordinates, mm.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StrokeZone {
-    /// Smallest X, Y, Z; infinite where the axis does not count.
-    pub from: [f64; 3],
-    /// Largest.
-    pub to: [f64; 3],
-    /// What is forbidden: its outside, else its inside.
-    pub outside: bool,
-}
 
 /// Nearer than this to a face is on it, mm.
 const ON_FACE_MM: f64 = 1e-6;

@@ -2,13 +2,10 @@
 use crate::{
     call::{Call, Corners, Sense, Sink, Units},
     codes::{GGroup, MGroup},
-    context,
-    executor::Executor,
     fault::{Outcome, refuse},
     frame,
     modes::{FeedMode, Modes},
     out::Out,
-    outputs,
     words::Words,
 };
 use diag::Diagnostic;
@@ -113,50 +110,6 @@ fn spindle_number(words: &Words) -> Outcome {
     }
 }
 
-/// T, M6, M61, M3 M4 M5 M19, coolant, overrides, G4.
-pub(crate) fn tools_and_switches<S: Sink>(ex: &mut Executor, out: &mut Out<'_, S>) -> Outcome {
-    if ex.words.get(b'T').is_some() {
-        let number = ex.tools.word(&ex.words, b'T')?;
-        ex.modes.selected_tool = number;
-        if number != 0 || !ex.settings.stand_alone {
-            ex.modes.selected_pocket = Some(ex.tools.pocket(number));
-        }
-        out.say(&Call::SelectTool(number));
-    }
-    outputs::outputs(&ex.words, &mut ex.store, &ex.settings, out)?;
-    match ex.words.m(MGroup::Tool) {
-        Some(6) => {
-            out.say(&Call::StartChange);
-            ex.modes.spindle.turning = None;
-            out.say(&Call::SpindleStop);
-            ex.modes.current_tool = ex.modes.selected_tool;
-            ex.modes.current_pocket = ex.modes.selected_pocket.unwrap_or(0);
-            if !ex.settings.stand_alone || ex.modes.current_tool != 0 {
-                ex.modes.loaded = ex.tools.entry(ex.modes.current_tool);
-            }
-            out.say(&Call::ChangeTool(ex.modes.current_tool));
-        }
-        Some(_) => {
-            if ex.words.get(b'Q').is_none() {
-                return refuse("I0604", ex.words.place.span, "M61 needs Q, the number of the tool");
-            }
-            ex.modes.current_tool = ex.tools.word(&ex.words, b'Q')?;
-            ex.modes.current_pocket = ex.tools.pocket(ex.modes.current_tool);
-            if !ex.settings.stand_alone {
-                ex.modes.loaded = ex.tools.entry(ex.modes.current_tool);
-            }
-            out.say(&Call::ToolNumber(ex.modes.current_tool));
-        }
-        None => {}
-    }
-    spindle(&ex.words, &mut ex.modes, out)?;
-    coolant(&ex.words, &mut ex.modes, out);
-    overrides(&ex.words, &mut ex.modes, out);
-    context::context(ex, out)?;
-    outputs::user_code(&ex.words, &ex.settings, out)?;
-    dwell(&ex.words, out)
-}
-
 /// M7, M8, M9.
 pub(crate) fn coolant<S: Sink>(words: &Words, modes: &mut Modes, out: &mut Out<'_, S>) {
     match words.m(MGroup::Coolant) {
@@ -219,7 +172,7 @@ fn orient<S: Sink>(words: &Words, modes: &mut Modes, out: &mut Out<'_, S>) -> Ou
     Ok(())
 }
 
-fn overrides<S: Sink>(words: &Words, modes: &mut Modes, out: &mut Out<'_, S>) {
+pub(crate) fn overrides<S: Sink>(words: &Words, modes: &mut Modes, out: &mut Out<'_, S>) {
     let on = words.get(b'P').is_none_or(|p| p != 0.0);
     match words.m(MGroup::Overrides) {
         Some(code @ (48 | 49)) => {
@@ -248,7 +201,7 @@ fn overrides<S: Sink>(words: &Words, modes: &mut Modes, out: &mut Out<'_, S>) {
     }
 }
 
-fn dwell<S: Sink>(words: &Words, out: &mut Out<'_, S>) -> Outcome {
+pub(crate) fn dwell<S: Sink>(words: &Words, out: &mut Out<'_, S>) -> Outcome {
     if words.g(GGroup::NonModal) != Some(40) {
         return Ok(());
     }

@@ -17,8 +17,9 @@
 use crate::{
     call::ReturnSpeed,
     fault::{Outcome, refuse},
+    modes::tapping::TapWords,
     modes::{Cycle, Modes},
-    rigid::{self, TapWords},
+    rigid,
     words::Words,
 };
 use units::MM_PER_INCH;

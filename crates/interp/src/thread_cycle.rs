@@ -18,9 +18,9 @@ use crate::{
     fault::{Outcome, error, refuse},
     frame::Point,
     modes::Modes,
-    motion, offsets,
     out::Out,
     spelling::short,
+    target,
     words::Words,
 };
 use canon::Plane;
@@ -88,7 +88,7 @@ fn threading(words: &Words, modes: &Modes) -> Outcome<Threading> {
         );
     }
     let [lead, peak, first, full] = profile(words, modes)?;
-    if offsets::axis_word(words, modes, 2).is_none() {
+    if target::axis_word(words, modes, 2).is_none() {
         return refuse("I0526", block, "G76 needs Z, the end of the thread");
     }
     let degression = words.get(b'R').unwrap_or(1.0);
@@ -106,7 +106,7 @@ fn threading(words: &Words, modes: &Modes) -> Outcome<Threading> {
         return refuse("I0528", words.span(b'Q'), text);
     }
     let tapers = words.whole(b'L', 3)?.unwrap_or(0);
-    let (from, to) = (modes.at[2], motion::destination(words, modes, false)?[2]);
+    let (from, to) = (modes.at[2], target::destination(words, modes, false)?[2]);
     let thread = Threading {
         lead,
         peak,

@@ -5,8 +5,8 @@ use crate::{
     fault::{Outcome, error, refuse},
     frame::Point,
     modes::Modes,
-    motion,
     out::Out,
+    target,
     words::Words,
 };
 use diag::Diagnostic;
@@ -22,7 +22,7 @@ pub(crate) fn thread<S: Sink>(
     if words.any(crate::codes::set("ABC")) {
         return refuse("I0420", words.place.span, "G33 moves linear axes: A, B and C have no lead");
     }
-    let to = motion::destination(words, modes, false)?;
+    let to = target::destination(words, modes, false)?;
     let lead = if settings.rules.lead_along_axis { along_path(lead, &modes.at, &to) } else { lead };
     out.say(&Call::SyncStart(lead));
     modes.at = to;
@@ -34,7 +34,7 @@ pub(crate) fn thread<S: Sink>(
 /// G33.1: in to the words' point and back to where it stood, of K per revolution.
 pub(crate) fn rigid_tap<S: Sink>(words: &Words, modes: &Modes, out: &mut Out<'_, S>) -> Outcome {
     let (lead, sense) = synchronised(words, modes, "G33.1")?;
-    let to = motion::destination(words, modes, false)?;
+    let to = target::destination(words, modes, false)?;
     let return_factor = words.get(b'I').unwrap_or(1.0);
     if return_factor <= 0.0 {
         let text = format!("I multiplies the speed of the way out: above 0, found {return_factor}");

@@ -14,8 +14,8 @@ use crate::{
     compensation,
     fault::{Outcome, error, refuse},
     modes::{Modes, Motion},
-    motion,
     out::Out,
+    target,
     tools::Tools,
     words::Words,
 };
@@ -59,7 +59,7 @@ pub(crate) fn non_stop_move<S: Sink>(
     if !words.any(AXES) {
         return Ok(());
     }
-    let to = motion::destination(words, modes, false)?;
+    let to = target::destination(words, modes, false)?;
     let [_, _, n] = modes.plane_axes();
     let mut over = to;
     over[n] = modes.at[n];

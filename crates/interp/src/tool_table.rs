@@ -21,6 +21,7 @@ use crate::{
     names::Store,
     offsets,
     out::Out,
+    target,
     words::Words,
 };
 
@@ -58,7 +59,7 @@ pub(crate) fn set_tool<S: Sink>(ex: &mut Executor, kind: u32, out: &mut Out<'_, 
     let mm = ex.modes.units.in_mm();
     if kind == 1 {
         frame::scale(&mut entry.offset, 1.0 / mm);
-        entry.offset = offsets::with_words(&ex.words, &ex.modes, entry.offset);
+        entry.offset = target::with_words(&ex.words, &ex.modes, entry.offset);
     } else {
         entry.offset = offset_by_position(&ex.words, &ex.modes, &ex.store, kind, entry.offset);
     }
@@ -100,10 +101,10 @@ fn offset_by_position(
         frame.rotate(rotation);
     }
     frame.tool = [0.0; 9];
-    let wanted = offsets::with_words(words, modes, frame.to_program(&machine));
+    let wanted = target::with_words(words, modes, frame.to_program(&machine));
     let without = frame.to_machine(&wanted);
     for (axis, slot) in offset.iter_mut().enumerate() {
-        if offsets::axis_word(words, modes, axis).is_some() || axis < 2 && frame.rotation() != 0.0 {
+        if target::axis_word(words, modes, axis).is_some() || axis < 2 && frame.rotation() != 0.0 {
             *slot = machine[axis] - without[axis];
         }
     }

@@ -1,31 +1,15 @@
 //! The tools that a program may call, and what the control believes about them.
 use crate::{
+    call::ToolEntry,
     fault::{Outcome, error, refuse},
-    frame::Point,
+    number::near_whole,
     setup::MissingTools,
-    words::{Words, near_whole},
+    words::Words,
 };
 use canon::{Tool, ToolKind, ToolLibrary};
 use diag::{Diagnostic, Span};
 use std::collections::BTreeMap;
 use units::Length;
-
-/// What the control believes about a tool: mm and degrees.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ToolEntry {
-    /// Number of the tool.
-    pub number: u32,
-    /// Offsets of all axes.
-    pub offset: Point,
-    /// Diameter.
-    pub diameter: f64,
-    /// Front angle.
-    pub front_angle: f64,
-    /// Back angle.
-    pub back_angle: f64,
-    /// Orientation of a lathe tool, 0 to 9.
-    pub orientation: u32,
-}
 
 /// The entries that a program has written.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -5,7 +5,7 @@ use crate::{
     dialect::rules::Rules,
     eval::Values,
     fault::{Outcome, error},
-    refused::Stage,
+    number,
 };
 use diag::Span;
 
@@ -127,7 +127,8 @@ impl Words {
 
     /// Add a G code of the shared table.
     pub(crate) fn take_g(&mut self, value: f64, span: Span) -> Outcome {
-        let Some(code) = tenths(value).filter(|t| *t < codes::OWN).and_then(codes::g_code) else {
+        let Some(code) = number::tenths(value).filter(|t| *t < codes::OWN).and_then(codes::g_code)
+        else {
             let text = format!("G{value} is no known code");
             return Err(
                 guessed(error("I0102", span, text), crate::spelling::similar_g(value)).into()
@@ -170,7 +171,7 @@ impl Words {
 
     /// Add an M code of the shared table.
     pub(crate) fn take_m(&mut self, value: f64, span: Span) -> Outcome {
-        let Some(code) = tenths(value).and_then(codes::m_code) else {
+        let Some(code) = number::tenths(value).and_then(codes::m_code) else {
             let text = format!("M{value} is no known code");
             return Err(
                 guessed(error("I0105", span, text), crate::spelling::similar_m(value)).into()
@@ -186,7 +187,7 @@ impl Words {
             let text = format!("M{} and M{other} exclude each other in one block", written());
             return Err(error("I0107", span, text).with_help("write two blocks").into());
         }
-        *slot = tenths(value).unwrap_or(code.tenths);
+        *slot = number::tenths(value).unwrap_or(code.tenths);
         Ok(())
     }
 
@@ -276,7 +277,7 @@ impl Words {
     /// The number after a letter as a whole number from 0 to `most`.
     pub(crate) fn whole(&self, letter: u8, most: u32) -> Outcome<Option<u32>> {
         let Some(value) = self.get(letter) else { return Ok(None) };
-        match near_whole(value) {
+        match number::near_whole(value) {
             Some(number) if (0..=i64::from(most)).contains(&number) => Ok(Some(number as u32)),
             _ => {
                 let text = format!(
@@ -337,16 +338,25 @@ fn guessed(fault: diag::Diagnostic, guess: String) -> diag::Diagnostic {
     if guess.is_empty() { fault } else { fault.with_help(guess) }
 }
 
-/// A code's number in tenths, if it has one decimal at most.
-pub(crate) fn tenths(value: f64) -> Option<u16> {
-    let scaled = value * 10.0;
-    let tenths = (scaled + 0.5) as u16;
-    let near = (scaled - f64::from(tenths)).abs() < 1e-3;
-    (near && tenths <= 20_000).then_some(tenths)
-}
-
-/// The whole number that a value is, as near as LinuxCNC asks (0.0001).
-pub(crate) fn near_whole(value: f64) -> Option<i64> {
-    let whole = value.round();
-    ((value - whole).abs() < 1e-4 && whole.abs() < 1e15).then_some(whole as i64)
+/// How far a block was executed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Stage {
+    /// Its words, and whether they belong together.
+    Words,
+    /// F.
+    Feed,
+    /// S.
+    Speed,
+    /// T, M6, spindle, coolant, dwell.
+    Tools,
+    /// M29.
+    Rigid,
+    /// Plane, units, compensation, offsets, distances.
+    Modes,
+    /// G10, G28, G52, G92 and the like.
+    NonModal,
+    /// The move.
+    Motion,
+    /// All but stops and calls.
+    Done,
 }

@@ -8,7 +8,7 @@
 //! ```
 use crate::{
     call::Sink,
-    compensation,
+    compensation::push,
     dialect::rules::StartUp,
     executor::Settings,
     fault::{Outcome, error, refuse},
@@ -35,7 +35,7 @@ pub(super) fn begin_straight<S: Sink>(
     if beside_next && distance == 0.0 {
         // along the tool alone: the next move of the plane starts up
         let end = minus(way.to, compensation.shift);
-        compensation::push_line(modes, rapid, to, end, out);
+        push::push_line(modes, rapid, to, end, out);
         out.let_go();
         return Ok(());
     }
@@ -44,7 +44,7 @@ pub(super) fn begin_straight<S: Sink>(
         let end = compensation.beside(way.to, direction);
         compensation.at = Some(end);
         compensation.last = Some(Curve::StartUp { direction });
-        compensation::push_line(modes, rapid, to, end, out);
+        push::push_line(modes, rapid, to, end, out);
         return Ok(());
     }
     if distance <= radius {
@@ -57,7 +57,7 @@ pub(super) fn begin_straight<S: Sink>(
     let end = compensation.beside(way.to, direction);
     compensation.at = Some(end);
     compensation.last = Some(Curve::Line { from: way.from, through: end, direction });
-    compensation::push_line(modes, rapid, to, end, out);
+    push::push_line(modes, rapid, to, end, out);
     Ok(())
 }
 

@@ -6,8 +6,10 @@
 //!   chamfer ──► ╲   ●
 //!                   │
 //! ```
-use super::{Profile, Unfit};
-use crate::offset_curve::{Curve, Flat, Way, left, length, minus, plus, times, turn_rad};
+use crate::{
+    offset_curve::{Curve, Flat, Way, left, length, minus, plus, times, turn_rad},
+    profile::shape::{Profile, Unfit},
+};
 
 /// What becomes of the corner at the end of a move.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -7,7 +7,6 @@
 //! | D | distance of the first pass | what is left on the profile |
 //! | E, P | distance of the last pass; passes | |
 //! | I, R | | from level to level (1); how far a pass comes away (0.5) |
-use super::{Facing, Manner, Part, Profile, Recording, Roughing, Stroke, Unfit, parallel, rough};
 use crate::{
     call::{Call, Sink},
     compensation, cycles,
@@ -15,31 +14,20 @@ use crate::{
     fault::{Outcome, error, refuse},
     frame::Point,
     modes::{Modes, Motion},
-    motion,
     offset_curve::{Flat, plus, times},
     out::Out,
+    profile::parallel::parallel,
     profile::record,
+    profile::recording::{Order, Recording},
+    profile::roughing::{Manner, Part, Roughing, rough},
+    profile::shape::{Facing, Profile, Stroke, Unfit},
+    target,
     words::Words,
 };
 use canon::Plane;
 
 /// More passes than this are a slip of the pen.
 const MAX_PASSES: f64 = 10_000.0;
-
-/// What is to be done with a profile.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Order {
-    /// Along it, at distances that shrink from `first` towards `last`.
-    Finish { first: f64, last: f64, passes: u32 },
-    /// Clear what lies over it.
-    Rough { across: bool, leave: f64, how: Roughing },
-    /// Fanuc's G70: along it with its own feeds, and back to the start.
-    Along,
-    /// Fanuc's G71 and G72: what is left is a shift (Z, X).
-    Shifted { across: bool, shift: Flat, how: Roughing },
-    /// Fanuc's G73: along it so many times, from `relief` further away to `shift`.
-    Repeat { relief: Flat, shift: Flat, times: u32 },
-}
 
 /// G70 … G72.2: the tool goes to the begin, and the profile's blocks are taken down. Which subprogram they are in.
 pub(crate) fn turning<S: Sink>(ex: &mut Executor, tenths: u16, out: &mut Out<'_, S>) -> Outcome {
@@ -60,7 +48,7 @@ pub(crate) fn turning<S: Sink>(ex: &mut Executor, tenths: u16, out: &mut Out<'_,
         return refuse("I0580", span, text);
     }
     let order = if tenths == 700 { finishing(&ex.words)? } else { roughing(&ex.words, tenths)? };
-    let to = motion::destination(&ex.words, &ex.modes, false)?;
+    let to = target::destination(&ex.words, &ex.modes, false)?;
     go_straight(&ex.words, &mut ex.modes, &ex.settings, true, &to, out)?;
     ex.recording = Some(Box::new(Recording::new(order, ex.words.place, to)));
     Ok(())

@@ -7,11 +7,10 @@
 //!     ╎  │    ─ ─ ─ ─ ┐ ─
 //!            ─────────┘
 //! ```
-use super::corner::beside;
-use super::{NEAR, Profile, Unfit};
 use crate::{
-    arcs::sweep_rad,
-    offset_curve::{Curve, Flat, Way, dot, length, minus, plus, times, turn_rad},
+    offset_curve::{Curve, Flat, Way, dot, length, minus, plus, sweep_rad, times, turn_rad},
+    profile::corner::beside,
+    profile::shape::{NEAR, Profile, Unfit},
 };
 
 /// Corners flatter than this are none.

@@ -2,109 +2,23 @@
 //!
 //! The first straight move leads to the profile's begin. `A` rounds the corner at a move's end, `C` cuts it off; `U` and
 //! `W` are increments of X and Z. What else a block says has no effect, as on LinuxCNC, and a warning says so.
-use super::{
-    Order, Profile, Stroke, Unfit,
-    corner::{self, Corner},
-};
 use crate::{
     arcs,
-    call::{Place, Sink},
+    call::Sink,
     codes::{GGroup, set},
     executor::Executor,
     fault::{Outcome, error, refuse},
     frame::Point,
     modes::{Modes, Motion},
-    motion,
-    offset_curve::{Flat, Way, length, minus},
+    offset_curve::{Flat, Way},
     out::Out,
+    profile::corner::Corner,
+    profile::recording::{MAX_MOVES, Recording},
+    profile::shape::Unfit,
+    target,
     words::Words,
 };
 use diag::Diagnostic;
-
-/// What has been taken down.
-#[derive(Clone)]
-pub(crate) struct Recording {
-    /// What to do with it.
-    pub(crate) order: Order,
-    /// The cycle's block.
-    pub(crate) place: Place,
-    /// Where the cycle begins: while a profile is taken down, the state's position is the profile's.
-    pub(crate) start: Point,
-    /// Errors before it.
-    pub(crate) faults: u64,
-    /// How deep the calls are where it is taken down.
-    pub(crate) depth: usize,
-    motion: Motion,
-    begin: Option<Flat>,
-    moves: Vec<(Way, Corner)>,
-    /// F of the moves that have one.
-    feeds: Vec<(usize, f64)>,
-    warned: bool,
-}
-
-/// More moves than this are no profile.
-const MAX_MOVES: usize = 10_000;
-
-impl Recording {
-    pub(crate) fn new(order: Order, place: Place, start: Point) -> Self {
-        Self {
-            order,
-            place,
-            start,
-            faults: 0,
-            depth: 0,
-            motion: Motion::Feed,
-            begin: None,
-            moves: Vec::new(),
-            feeds: Vec::new(),
-            warned: false,
-        }
-    }
-
-    /// The motion of a block that names none.
-    pub(crate) const fn motion(&self) -> Motion {
-        self.motion
-    }
-
-    pub(crate) const fn go_on_with(&mut self, motion: Motion) {
-        self.motion = motion;
-    }
-
-    /// All of it; none if it has no move.
-    pub(crate) fn profile(&self) -> Option<Result<Profile, Unfit>> {
-        let begin = self.begin.filter(|_| !self.moves.is_empty())?;
-        Some(corner::profile(begin, &self.moves))
-    }
-
-    /// Along it with the feeds of its blocks, and back: as it is finished on a Fanuc.
-    pub(crate) fn with_feeds(&self, start: Flat) -> Vec<Stroke> {
-        let mut strokes: Vec<_> = self.begin.map(Stroke::Rapid).into_iter().collect();
-        let mut feeds = self.feeds.iter().peekable();
-        for (i, (way, _)) in self.moves.iter().enumerate() {
-            while let Some((_, feed)) = feeds.next_if(|(first, _)| *first <= i) {
-                strokes.push(Stroke::Feed(*feed));
-            }
-            strokes.push(match way.circle {
-                None => Stroke::Line(way.to),
-                Some((centre, turns)) => Stroke::Arc { to: way.to, centre, turns },
-            });
-        }
-        strokes.push(Stroke::Rapid(start));
-        strokes
-    }
-
-    fn go(&mut self, way: Way, corner: Corner) {
-        if self.begin.is_none() {
-            self.begin = Some(if way.circle.is_some() { way.from } else { way.to });
-            if way.circle.is_none() {
-                return;
-            }
-        }
-        if way.circle.is_some() || length(minus(way.to, way.from)) > 0.0 {
-            self.moves.push((way, corner));
-        }
-    }
-}
 
 /// Take down the block whose words were read.
 pub(crate) fn record<S: Sink>(ex: &mut Executor, out: &mut Out<'_, S>) -> Outcome {
@@ -163,7 +77,7 @@ fn profile_point(words: &mut Words, modes: &Modes) -> Outcome<Point> {
         let twice = words.get(letter).is_some();
         words.take(step).map(|value| (value, twice, letter))
     });
-    let mut to = motion::destination(words, modes, false)?;
+    let mut to = target::destination(words, modes, false)?;
     for (axis, step) in [0, 2].into_iter().zip(steps) {
         let Some((value, twice, letter)) = step else { continue };
         if twice {

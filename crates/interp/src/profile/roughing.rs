@@ -1,6 +1,8 @@
 //! The strokes that clear what lies above a profile, level by level.
-use super::{NEAR, Profile, Stroke};
-use crate::offset_curve::{Flat, Way, length, minus};
+use crate::{
+    offset_curve::{Flat, Way, length, minus},
+    profile::shape::{NEAR, Profile, Stroke},
+};
 
 /// Which part of the work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -14,7 +14,7 @@ use super::{Fanuc, calls::Macro, values::LOCALS};
 use crate::{
     fault::{Outcome, refuse},
     interpreter::Interpreter,
-    words::near_whole,
+    number::near_whole,
 };
 
 impl Fanuc {

@@ -20,8 +20,8 @@ use crate::{
     execute,
     fault::{Outcome, error, refuse},
     interpreter::Interpreter,
+    number::near_whole,
     out::Out,
-    words::near_whole,
 };
 use diag::Diagnostic;
 use gcode::{Block, Grammar, Label, Parser, Value};

@@ -20,10 +20,10 @@ use crate::{
     frame::Point,
     interpreter::Interpreter,
     modes::Motion,
-    motion,
     offset_curve::{Flat, length, minus},
     out::Out,
     profile::record,
+    target,
 };
 use diag::Span;
 use gcode::{Block, Grammar, Parser};
@@ -77,7 +77,7 @@ impl Fanuc {
             let text = "a corner follows a straight feed: G1";
             return refuse("I1054", corner.span, text);
         }
-        let (from, to) = (ex.modes.at, motion::destination(&ex.words, &ex.modes, false)?);
+        let (from, to) = (ex.modes.at, target::destination(&ex.words, &ex.modes, false)?);
         let next = self.ahead(it, &to, corner.span)?;
         let [a, b, _] = it.executor.modes.plane_axes();
         let flat = |point: &Point| [point[a], point[b]];
@@ -152,7 +152,7 @@ impl Fanuc {
             if motion != Motion::Feed || !ex.words.any(crate::codes::AXES) {
                 break;
             }
-            return motion::destination(&ex.words, &ex.modes, false);
+            return target::destination(&ex.words, &ex.modes, false);
         }
         let fault = error(
             "I1054",

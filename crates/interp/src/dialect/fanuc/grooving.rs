@@ -20,7 +20,8 @@ use crate::{
     interpreter::Interpreter,
     offset_curve::Flat,
     out::Out,
-    profile::{Stroke, cycle},
+    profile::cycle,
+    profile::shape::Stroke,
 };
 
 /// More pecks than this are a slip of the pen.

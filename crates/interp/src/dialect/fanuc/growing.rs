@@ -21,10 +21,10 @@ use crate::{
     fault::{Outcome, error, refuse},
     interpreter::Interpreter,
     modes::Motion,
+    number::tenths,
     out::Out,
     spelling::short,
     threads::along_path,
-    words::tenths,
 };
 use diag::Span;
 

@@ -13,6 +13,7 @@ use super::{Fanuc, words};
 use crate::{
     call::{Call, Sink},
     codes::GGroup,
+    distances,
     execute::{self, After},
     executor::Executor,
     fault::{Outcome, refuse},
@@ -20,6 +21,7 @@ use crate::{
     modes::{FeedMode, Motion},
     motion,
     out::Out,
+    target,
     threads::along_path,
 };
 use canon::Plane;
@@ -84,9 +86,9 @@ impl Fanuc {
         let start = ex.modes.at;
         if let Some(code) = ex.words.g(GGroup::Distance) {
             let absolute_centres = ex.modes.absolute_centres;
-            execute::set_distances(&mut ex.modes, code == 910, absolute_centres, out);
+            distances::set_distances(&mut ex.modes, code == 910, absolute_centres, out);
         }
-        let mut corner = motion::destination(&ex.words, &ex.modes, false)?;
+        let mut corner = target::destination(&ex.words, &ex.modes, false)?;
         let span = ex.words.place.span;
         let kept = self.corner;
         for (letter, axis) in [(b'X', 0), (b'Z', 2)] {

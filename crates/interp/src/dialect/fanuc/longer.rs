@@ -20,7 +20,7 @@ use crate::{
     executor::Executor,
     fault::{Outcome, error, refuse},
     modes::Motion,
-    words::near_whole,
+    number::near_whole,
 };
 
 impl Fanuc {

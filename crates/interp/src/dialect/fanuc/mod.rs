@@ -55,11 +55,11 @@ use crate::{
     fault::{Outcome, error, refuse},
     interpreter::Interpreter,
     modes::Motion,
-    motion,
     out::Out,
     profile::record,
     refused,
     setup::{Increments, Setup},
+    target,
 };
 use calls::Level;
 pub(crate) use calls::programs;
@@ -413,7 +413,7 @@ impl Fanuc {
         }
         let checked = self.once.check.then(|| reference::named(ex));
         let reference = matches!(ex.words.g(crate::codes::GGroup::NonModal), Some(280 | 300));
-        let by = reference.then(|| motion::destination(&ex.words, &ex.modes, false)).transpose()?;
+        let by = reference.then(|| target::destination(&ex.words, &ex.modes, false)).transpose()?;
         let by = by.map(|by| ex.modes.frame.to_machine(&by));
         let after = match cycle {
             _ if self.once.back => self.back_from_reference(ex, out)?,

@@ -9,8 +9,8 @@ use crate::{
     executor::Executor,
     fault::Outcome,
     modes::{FeedMode, Motion},
+    number::tenths,
     out::Out,
-    words::tenths,
 };
 
 impl Fanuc {

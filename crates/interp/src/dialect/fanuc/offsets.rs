@@ -16,7 +16,7 @@ use crate::{
     Parameters,
     executor::Executor,
     fault::{Outcome, error, refuse},
-    words::near_whole,
+    number::near_whole,
 };
 use diag::Span;
 

@@ -11,8 +11,8 @@ use crate::{
     executor::Executor,
     fault::{Outcome, error, refuse},
     modes::Motion,
-    motion,
     out::Out,
+    target,
 };
 
 /// First parameter of the reference point.
@@ -84,7 +84,7 @@ impl Fanuc {
         }
         ex.modes.at = corner;
         out.say(&Call::Rapid(corner));
-        let (motion, to) = (ex.modes.motion, motion::destination(&ex.words, &ex.modes, false)?);
+        let (motion, to) = (ex.modes.motion, target::destination(&ex.words, &ex.modes, false)?);
         for letter in *b"XYZABCUVW" {
             ex.words.take(letter);
         }

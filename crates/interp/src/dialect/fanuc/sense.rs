@@ -8,7 +8,7 @@ use crate::{
     executor::Executor,
     fault::Outcome,
     modes::{FeedMode, Motion},
-    words::tenths,
+    number::tenths,
 };
 
 /// What the block's codes make of its other words.

@@ -23,8 +23,8 @@ use crate::{
     frame::Point,
     interpreter::Interpreter,
     modes::{FeedMode, Motion},
+    number::tenths,
     out::Out,
-    words::tenths,
 };
 use canon::{Axis, Plane};
 use diag::{Diagnostic, Span};
@@ -181,7 +181,8 @@ impl<S: Sink> Bent<'_, S> {
     /// Lines along an arc of the flat, in the plane of the axes `a` and `b`.
     fn arc(&mut self, place: &Place, [a, b]: [usize; 2], to: &Point, centre: [f64; 2], turns: i32) {
         let from = self.surface.tool;
-        let sweep = crate::arcs::sweep_rad([from[a], from[b]], [to[a], to[b]], centre, turns);
+        let sweep =
+            crate::offset_curve::sweep_rad([from[a], from[b]], [to[a], to[b]], centre, turns);
         let (x, y) = (from[a] - centre[0], from[b] - centre[1]);
         let (radius, first) = (x.hypot(y), y.atan2(x));
         let sagitta = (NEAR_MM / 2.0 / self.surface.in_mm / radius).min(1.0);

@@ -25,12 +25,14 @@ use crate::{
     cycles, execute,
     fault::{Outcome, error, refuse},
     interpreter::Interpreter,
+    number::{near_whole, tenths},
     offset_curve::Flat,
     out::Out,
     outline::At,
-    profile::{Manner, Order, Part, Recording, Roughing, cycle},
+    profile::cycle,
+    profile::recording::{Order, Recording},
+    profile::roughing::{Manner, Part, Roughing},
     refused,
-    words::{near_whole, tenths},
 };
 use canon::Plane;
 

@@ -19,8 +19,8 @@ use crate::{
     executor::Executor,
     fault::{Outcome, refuse},
     interpreter::Interpreter,
+    number::near_whole,
     out::Out,
-    words::near_whole,
 };
 use diag::Span;
 use gcode::{Block, Expr, Function, Operator, Parameter, Value};

@@ -9,8 +9,8 @@ use crate::{
     executor::Executor,
     fault::{Outcome, error, refuse},
     interpreter::Interpreter,
+    number::{near_whole, tenths},
     spelling::written,
-    words::{near_whole, tenths},
 };
 use diag::{Diagnostic, Span};
 use gcode::{Block, Value};

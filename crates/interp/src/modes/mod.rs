@@ -1,15 +1,17 @@
 //! What holds from block to block: the modal state.
-use crate::boring::Shift;
-use crate::codes::{BORE_UPWARDS, FINE_BORE, SYNCHRO_LEFT, SYNCHRO_RIGHT};
-use crate::compensation::Compensation;
-use crate::refused::Doubts;
-use crate::rigid::{Rigid, TapWords};
-use crate::setup::Chips;
-use crate::splines::Nurbs;
-use crate::tools::ToolEntry;
+pub(crate) mod compensation;
+pub(crate) mod nurbs;
+pub(crate) mod tapping;
+
 use crate::{
-    call::{Corners, Sense, Units},
+    call::{Corners, Sense, ToolEntry, Units},
+    codes::{BORE_UPWARDS, FINE_BORE, SYNCHRO_LEFT, SYNCHRO_RIGHT},
+    doubts::Doubts,
     frame::{Frame, Point},
+    modes::compensation::Compensation,
+    modes::nurbs::Nurbs,
+    modes::tapping::{Rigid, Shift, TapWords},
+    setup::Chips,
 };
 use canon::Plane;
 

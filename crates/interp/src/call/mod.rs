@@ -5,10 +5,11 @@
 //! LinuxCNC's stand-alone interpreter does, [`Resolver`](crate::Resolver) turns them into
 //! [`canon::Op`]. What the two need differently is kept whole in one call: a tapping cycle is one
 //! [`Call::Tap`], which the listing expands into LinuxCNC's moves and the resolver does not.
-use crate::{
-    frame::Point, hobbing::HobOrder, polygon::PolygonOrder, splines::ControlPoint,
-    stroke::StrokeZone, tools::ToolEntry,
-};
+mod orders;
+
+use crate::frame::Point;
+pub use orders::{CamCall, ControlPoint, HobOrder, PolygonOrder, StrokeZone, ToolEntry};
+
 use canon::{InputWait, Output, Plane};
 use diag::Span;
 
@@ -245,7 +246,7 @@ pub enum Call<'a> {
     /// The end of that.
     SyncStop,
     /// G150 … G155.
-    Cam(crate::cam::CamCall),
+    Cam(CamCall),
     /// G22: from here on no axis may enter this box, or leave it; G23: none.
     StrokeCheck(Option<StrokeZone>),
     /// G4, seconds.

@@ -1,0 +1,111 @@
+//! A profile as its blocks have told it so far, and what will be done with it.
+
+use crate::{
+    call::Place,
+    frame::Point,
+    modes::Motion,
+    offset_curve::{Flat, Way, length, minus},
+    profile::corner,
+    profile::corner::Corner,
+    profile::roughing::Roughing,
+    profile::shape::{Profile, Stroke, Unfit},
+};
+/// What has been taken down.
+#[derive(Clone)]
+pub(crate) struct Recording {
+    /// What to do with it.
+    pub(crate) order: Order,
+    /// The cycle's block.
+    pub(crate) place: Place,
+    /// Where the cycle begins: while a profile is taken down, the state's position is the profile's.
+    pub(crate) start: Point,
+    /// Errors before it.
+    pub(crate) faults: u64,
+    /// How deep the calls are where it is taken down.
+    pub(crate) depth: usize,
+    pub(crate) motion: Motion,
+    pub(crate) begin: Option<Flat>,
+    pub(crate) moves: Vec<(Way, Corner)>,
+    /// F of the moves that have one.
+    pub(crate) feeds: Vec<(usize, f64)>,
+    pub(crate) warned: bool,
+}
+
+/// More moves than this are no profile.
+pub(crate) const MAX_MOVES: usize = 10_000;
+
+impl Recording {
+    pub(crate) fn new(order: Order, place: Place, start: Point) -> Self {
+        Self {
+            order,
+            place,
+            start,
+            faults: 0,
+            depth: 0,
+            motion: Motion::Feed,
+            begin: None,
+            moves: Vec::new(),
+            feeds: Vec::new(),
+            warned: false,
+        }
+    }
+
+    /// The motion of a block that names none.
+    pub(crate) const fn motion(&self) -> Motion {
+        self.motion
+    }
+
+    pub(crate) const fn go_on_with(&mut self, motion: Motion) {
+        self.motion = motion;
+    }
+
+    /// All of it; none if it has no move.
+    pub(crate) fn profile(&self) -> Option<Result<Profile, Unfit>> {
+        let begin = self.begin.filter(|_| !self.moves.is_empty())?;
+        Some(corner::profile(begin, &self.moves))
+    }
+
+    /// Along it with the feeds of its blocks, and back: as it is finished on a Fanuc.
+    pub(crate) fn with_feeds(&self, start: Flat) -> Vec<Stroke> {
+        let mut strokes: Vec<_> = self.begin.map(Stroke::Rapid).into_iter().collect();
+        let mut feeds = self.feeds.iter().peekable();
+        for (i, (way, _)) in self.moves.iter().enumerate() {
+            while let Some((_, feed)) = feeds.next_if(|(first, _)| *first <= i) {
+                strokes.push(Stroke::Feed(*feed));
+            }
+            strokes.push(match way.circle {
+                None => Stroke::Line(way.to),
+                Some((centre, turns)) => Stroke::Arc { to: way.to, centre, turns },
+            });
+        }
+        strokes.push(Stroke::Rapid(start));
+        strokes
+    }
+
+    pub(crate) fn go(&mut self, way: Way, corner: Corner) {
+        if self.begin.is_none() {
+            self.begin = Some(if way.circle.is_some() { way.from } else { way.to });
+            if way.circle.is_none() {
+                return;
+            }
+        }
+        if way.circle.is_some() || length(minus(way.to, way.from)) > 0.0 {
+            self.moves.push((way, corner));
+        }
+    }
+}
+
+/// What is to be done with a profile.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Order {
+    /// Along it, at distances that shrink from `first` towards `last`.
+    Finish { first: f64, last: f64, passes: u32 },
+    /// Clear what lies over it.
+    Rough { across: bool, leave: f64, how: Roughing },
+    /// Fanuc's G70: along it with its own feeds, and back to the start.
+    Along,
+    /// Fanuc's G71 and G72: what is left is a shift (Z, X).
+    Shifted { across: bool, shift: Flat, how: Roughing },
+    /// Fanuc's G73: along it so many times, from `relief` further away to `shift`.
+    Repeat { relief: Flat, shift: Flat, times: u32 },
+}
