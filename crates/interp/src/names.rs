@@ -125,6 +125,16 @@ pub(crate) fn numbered(modes: &Modes, store: &Store, number: usize) -> f64 {
     }
 }
 
+/// Value of a parameter as it is written behind `#`, if it has one: `5`, `<name>`.
+pub(crate) fn written(modes: &Modes, store: &Store, text: &str) -> Option<f64> {
+    if let Some(name) = text.strip_prefix('<').and_then(|name| name.strip_suffix('>')) {
+        return store.named(name).or_else(|| system(modes, name));
+    }
+    let number: usize = text.parse().ok()?;
+    let there = i64::try_from(number).is_ok_and(exists);
+    there.then(|| numbered(modes, store, number))
+}
+
 /// Value of a parameter that the interpreter answers itself.
 pub(crate) fn system(modes: &Modes, name: &str) -> Option<f64> {
     let name = name.strip_prefix('_')?;

@@ -54,17 +54,17 @@ impl<'s> Ops<'s> {
 
     /// The tools, with the stand-ins for those that the program has called so far and the library lacks.
     pub const fn tools(&self) -> &ToolLibrary {
-        &self.interpreter.executor.tools.library
+        &self.interpreter.program.executor.tools.library
     }
 
     /// What the control believes about a tool, as the program has left it.
     pub fn tool_entry(&self, number: u32) -> crate::ToolEntry {
-        self.interpreter.executor.tools.entry(number)
+        self.interpreter.program.executor.tools.entry(number)
     }
 
     /// Frame and units in which the operation that came last was written. What one block orders is written in one frame.
     pub fn frame(&self) -> ProgramFrame {
-        let modes = &self.interpreter.executor.modes;
+        let modes = &self.interpreter.program.executor.modes;
         self.resolver.program_frame(modes.system, modes.diameter)
     }
 

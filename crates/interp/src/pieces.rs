@@ -38,18 +38,18 @@ impl<'s> Interpreter<'s> {
             None => Self::new(piece, setup),
             Some(rest) => {
                 let mut new = Self::resume(piece, setup, &rest.snapshot);
-                new.parsers[0].seek(0, rest.line);
+                new.program.parsers[0].seek(0, rest.line);
                 new
             }
         };
-        new.expect_more(more_follows);
+        new.program.more_follows = more_follows;
         new
     }
 
     /// What it knows at the end of its piece, without what was found so far: that is the caller's to keep.
     pub fn rest(&mut self) -> Rest {
         let snapshot = self.snapshot().without_findings();
-        Rest { snapshot, line: self.parsers[0].position().1 }
+        Rest { snapshot, line: self.program.parsers[0].position().1 }
     }
 }
 

@@ -9,8 +9,8 @@
 //! the text changes. It holds for every text that agrees with the old one in what had been executed; and, if O-words had
 //! been executed ([`Snapshot::has_o_words`]), whose O-words are the same and in the same order.
 use crate::{
-    dialect::fanuc::Fanuc, executor::Executor, flow::Frame, interpreter::Interpreter, names,
-    outline::At, setup::Setup,
+    executor::Executor, front_end::FrontEnd, interpreter::Interpreter, names, outline::At,
+    program::Program, setup::Setup,
 };
 use canon::Position;
 use diag::{Diagnostic, Span};
@@ -21,12 +21,9 @@ use std::collections::HashSet;
 #[derive(Clone)]
 pub struct Snapshot {
     pub(crate) executor: Executor,
-    pub(crate) frames: Vec<Frame>,
-    pub(crate) repeats: Vec<(u32, u64)>,
     pub(crate) file: usize,
     pub(crate) positions: Vec<At>,
     pub(crate) place: Span,
-    pub(crate) choosing: bool,
     pub(crate) ended: bool,
     pub(crate) begun: bool,
     pub(crate) percent: bool,
@@ -37,7 +34,7 @@ pub struct Snapshot {
     pub(crate) seen: HashSet<(&'static str, Span)>,
     errors: usize,
     faults: u64,
-    pub(crate) fanuc: Option<Box<Fanuc>>,
+    front_end: FrontEnd,
 }
 
 impl Snapshot {
@@ -53,7 +50,7 @@ impl Snapshot {
 
     /// Whether the place of a block that was not executed yet is known: where Fanuc's profile ends.
     pub fn looks_ahead(&self) -> bool {
-        self.fanuc.as_ref().is_some_and(|fanuc| fanuc.takes_down_profile())
+        self.front_end.looks_ahead()
     }
 
     /// Whether the program was over.
@@ -88,82 +85,66 @@ impl Snapshot {
 impl<'s> Interpreter<'s> {
     /// What it knows now.
     pub fn snapshot(&mut self) -> Snapshot {
-        self.finish();
+        let it = &mut self.program;
+        it.finish();
         Snapshot {
-            executor: self.executor.clone(),
-            frames: self.frames.clone(),
-            repeats: self.repeats.clone(),
-            file: self.file,
-            positions: self.parsers.iter().map(gcode::Parser::position).collect(),
-            place: self.block.span,
-            choosing: self.choosing,
-            ended: self.ended,
-            begun: self.begun,
-            percent: self.percent,
-            has_o_words: self.steered,
-            executed: self.executed,
-            last: self.last,
-            diagnostics: self.diagnostics.clone(),
-            seen: self.seen.clone(),
-            errors: self.errors,
-            faults: self.faults,
-            fanuc: self.fanuc.as_mut().map(|fanuc| Box::new(fanuc.without_tape())),
+            executor: it.executor.clone(),
+            front_end: self.front_end.without_index(),
+            file: it.file,
+            positions: it.parsers.iter().map(gcode::Parser::position).collect(),
+            place: it.block.span,
+            ended: it.ended,
+            begun: it.begun,
+            percent: it.percent,
+            has_o_words: it.steered,
+            executed: it.executed,
+            last: it.last,
+            diagnostics: it.diagnostics.clone(),
+            seen: it.seen.clone(),
+            errors: it.errors,
+            faults: it.faults,
         }
     }
 
     /// Go on from a snapshot. The set-up must be the one with which it was made.
     pub fn resume(source: &'s [u8], setup: &'s Setup, from: &Snapshot) -> Self {
-        let mut new = Self::new(source, setup);
-        for (parser, at) in new.parsers.iter_mut().zip(&from.positions) {
+        let mut program = Program::new(source, setup);
+        for (parser, at) in program.parsers.iter_mut().zip(&from.positions) {
             parser.seek(at.0, at.1);
         }
-        new.executor = from.executor.clone();
-        new.frames.clone_from(&from.frames);
-        new.repeats.clone_from(&from.repeats);
-        new.file = from.file;
-        new.block.span = from.place;
-        new.choosing = from.choosing;
-        new.ended = from.ended;
-        new.begun = from.begun;
-        new.percent = from.percent;
-        new.executed = from.executed;
-        new.last = from.last;
-        new.diagnostics.clone_from(&from.diagnostics);
-        new.seen.clone_from(&from.seen);
-        new.errors = from.errors;
-        new.faults = from.faults;
-        new.fanuc.clone_from(&from.fanuc);
-        new
+        program.executor = from.executor.clone();
+        program.file = from.file;
+        program.block.span = from.place;
+        program.ended = from.ended;
+        program.begun = from.begun;
+        program.percent = from.percent;
+        program.executed = from.executed;
+        program.last = from.last;
+        program.diagnostics.clone_from(&from.diagnostics);
+        program.seen.clone_from(&from.seen);
+        program.errors = from.errors;
+        program.faults = from.faults;
+        Self { program, front_end: from.front_end.clone() }
     }
 
     /// Blocks executed so far.
     pub const fn executed(&self) -> u64 {
-        self.executed
+        self.program.executed
     }
 
     /// Whether the program is over.
     pub const fn has_ended(&self) -> bool {
-        self.ended
+        self.program.ended
     }
 
     /// Value of a parameter, written `#5` or `#<name>`, if it has one.
     pub fn parameter(&self, written: &str) -> Option<f64> {
-        if let Some(fanuc) = &self.fanuc {
-            return fanuc.variable_now(&self.executor, written.strip_prefix('#')?.parse().ok()?);
-        }
-        let Executor { modes, store, .. } = &self.executor;
-        let inner = written.strip_prefix('#')?;
-        if let Some(name) = inner.strip_prefix('<').and_then(|name| name.strip_suffix('>')) {
-            return store.named(name).or_else(|| names::system(modes, name));
-        }
-        let number: usize = inner.parse().ok()?;
-        let there = i64::try_from(number).is_ok_and(names::exists);
-        there.then(|| names::numbered(modes, store, number))
+        self.front_end.parameter(&self.program.executor, written)
     }
 
     /// Where the program stands: what is in force, and the position.
     pub fn standing(&self) -> Standing {
-        Standing::of(&self.executor)
+        Standing::of(&self.program.executor)
     }
 }
 

@@ -1,5 +1,5 @@
 //! I05: cycles, cutter compensation, splines, probing.
-use super::{Finding, row};
+use super::finding::{Finding, row};
 use crate::Dialect::Brother;
 
 pub(super) const ROWS: &[Finding] = &[

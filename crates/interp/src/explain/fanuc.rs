@@ -1,5 +1,5 @@
 //! I10: Fanuc's dialect.
-use super::{Finding, row};
+use super::finding::{Finding, row};
 use crate::Dialect::Fanuc;
 
 const fn f(

@@ -1,5 +1,5 @@
 //! I03, I04: the course of a program, and moves.
-use super::{Finding, row};
+use super::finding::{Finding, row};
 
 pub(super) const ROWS: &[Finding] = &[
     row(

@@ -6,6 +6,7 @@
 mod cam;
 mod cycles;
 mod fanuc;
+mod finding;
 mod flow;
 mod machine;
 mod text;
@@ -17,39 +18,10 @@ use crate::{
     dialect::Dialect,
     setup::{Limits, Setup},
 };
+pub use finding::Finding;
+
 use canon::{Flute, Holder, TapTool, Tool, ToolKind, ToolLibrary};
 use units::{Lead, Length, Stiffness};
-
-/// One kind of finding.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Finding {
-    /// Its stable code.
-    pub code: &'static str,
-    /// What it means, for every program that causes it.
-    pub sentence: &'static str,
-    /// A program that causes it; empty where none fits on a page.
-    pub wrong: &'static str,
-    /// One that does what was meant.
-    pub right: &'static str,
-    /// The dialect of both.
-    pub dialect: Dialect,
-}
-
-const fn row(
-    code: &'static str,
-    sentence: &'static str,
-    wrong: &'static str,
-    right: &'static str,
-) -> Finding {
-    Finding { code, sentence, wrong, right, dialect: Dialect::LinuxCnc }
-}
-
-impl Finding {
-    const fn of(mut self, dialect: Dialect) -> Self {
-        self.dialect = dialect;
-        self
-    }
-}
 
 /// All of them, by rising code.
 pub fn findings() -> impl Iterator<Item = &'static Finding> {

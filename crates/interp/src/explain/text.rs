@@ -1,5 +1,5 @@
 //! P: the text itself.
-use super::{Finding, row};
+use super::finding::{Finding, row};
 use crate::dialect::Dialect::Fanuc;
 
 pub(super) const ROWS: &[Finding] = &[

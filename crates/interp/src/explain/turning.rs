@@ -1,5 +1,5 @@
 //! I058: lathe cycles that cut a profile.
-use super::{Finding, row};
+use super::finding::{Finding, row};
 use crate::dialect::Dialect::Brother;
 
 pub(super) const ROWS: &[Finding] = &[

@@ -1,5 +1,5 @@
 //! I01, I02: words and values.
-use super::{Finding, row};
+use super::finding::{Finding, row};
 
 pub(super) const ROWS: &[Finding] = &[
     row(

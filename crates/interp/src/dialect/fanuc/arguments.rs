@@ -13,12 +13,12 @@
 use super::{Fanuc, calls::Macro, values::LOCALS};
 use crate::{
     fault::{Outcome, refuse},
-    interpreter::Interpreter,
     number::near_whole,
+    program::Program,
 };
 
 impl Fanuc {
-    pub(super) fn arguments(&self, it: &Interpreter<'_>, code: u16) -> Outcome<Macro> {
+    pub(super) fn arguments(&self, it: &Program<'_>, code: u16) -> Outcome<Macro> {
         let span = it.block.span;
         let (mut number, mut times) = (self.called, 1);
         let mut locals = [None; LOCALS];

@@ -12,16 +12,17 @@
 //! Source: Fanuc, operator's manual of series 30i, "Subprogram", "Custom macro".
 use super::{
     Callee, Fanuc,
-    tape::{Mark, Place, Tape},
+    loops::Mark,
+    tape::{Place, Tape},
     values::Locals,
 };
 use crate::{
     call::Sink,
     execute,
     fault::{Outcome, error, refuse},
-    interpreter::Interpreter,
     number::near_whole,
     out::Out,
+    program::Program,
 };
 use diag::Diagnostic;
 use gcode::{Block, Grammar, Label, Parser, Value};
@@ -55,7 +56,7 @@ pub(super) struct Macro {
 }
 
 impl Fanuc {
-    fn tape<'a>(&'a mut self, it: &mut Interpreter<'_>) -> Outcome<&'a Tape> {
+    fn tape<'a>(&'a mut self, it: &mut Program<'_>) -> Outcome<&'a Tape> {
         it.steered = true;
         if self.tape.is_none() {
             let (tape, faults) = Tape::of(&it.sources, &it.names);
@@ -74,7 +75,7 @@ impl Fanuc {
         }
     }
 
-    pub(super) fn loop_partner(&mut self, it: &mut Interpreter<'_>) -> Outcome<Mark> {
+    pub(super) fn loop_partner(&mut self, it: &mut Program<'_>) -> Outcome<Mark> {
         let span = it.block.span;
         if let Some(mark) = self.tape(it)?.partner(it.file, span.start) {
             Ok(mark)
@@ -85,7 +86,7 @@ impl Fanuc {
     }
 
     /// The number of the program with this name.
-    pub(super) fn named(&mut self, it: &mut Interpreter<'_>, name: gcode::Text) -> Outcome<u32> {
+    pub(super) fn named(&mut self, it: &mut Program<'_>, name: gcode::Text) -> Outcome<u32> {
         let name = it.block.text(name).to_owned();
         if let Some(number) = self.tape(it)?.named(&name) {
             return Ok(number);
@@ -93,7 +94,7 @@ impl Fanuc {
         Err(self.no_program(it, &format!("<{name}>"))?.into())
     }
 
-    fn no_program(&mut self, it: &mut Interpreter<'_>, which: &str) -> Outcome<Diagnostic> {
+    fn no_program(&mut self, it: &mut Program<'_>, which: &str) -> Outcome<Diagnostic> {
         let span = it.block.span;
         let tape = self.tape(it)?;
         let known: Vec<_> = tape.programs().take(12).map(|n| tape.written(n)).collect();
@@ -107,11 +108,11 @@ impl Fanuc {
         Ok(error("I0313", span, text).with_help(help))
     }
 
-    pub(super) fn go_to(&mut self, it: &mut Interpreter<'_>, number: f64) -> Outcome {
+    pub(super) fn go_to(&mut self, it: &mut Program<'_>, number: f64) -> Outcome {
         self.go_to_from(it, number, it.block.span.start)
     }
 
-    fn go_to_from(&mut self, it: &mut Interpreter<'_>, number: f64, from: u32) -> Outcome {
+    fn go_to_from(&mut self, it: &mut Program<'_>, number: f64, from: u32) -> Outcome {
         let span = it.block.span;
         let whole = near_whole(number).and_then(|n| u32::try_from(n).ok()).filter(|n| *n > 0);
         let found = match whole {
@@ -128,13 +129,13 @@ impl Fanuc {
     }
 
     /// The block N of the program at hand.
-    pub(super) fn block_at(&mut self, it: &mut Interpreter<'_>, number: u32) -> Option<Place> {
+    pub(super) fn block_at(&mut self, it: &mut Program<'_>, number: u32) -> Option<Place> {
         let (file, from) = (it.file, it.block.span.start);
         self.tape(it).ok().and_then(|tape| tape.block(number, file, from))
     }
 
     /// M98, M198.
-    pub(super) fn call_program(&mut self, it: &mut Interpreter<'_>, callee: Callee) -> Outcome {
+    pub(super) fn call_program(&mut self, it: &mut Program<'_>, callee: Callee) -> Outcome {
         let Callee { program, in_file, times, start } = callee;
         let begin = match program {
             Some(number) if in_file => self.begin_of_file(it, number)?,
@@ -156,12 +157,12 @@ impl Fanuc {
     }
 
     /// G65.
-    fn call_macro(&mut self, it: &mut Interpreter<'_>, called: &Macro) -> Outcome {
+    fn call_macro(&mut self, it: &mut Program<'_>, called: &Macro) -> Outcome {
         let begin = self.begin_of(it, called.number)?;
         self.enter(it, Some(called.number), begin, called.times, Some(called.locals))
     }
 
-    fn begin_of(&mut self, it: &mut Interpreter<'_>, number: u32) -> Outcome<Place> {
+    fn begin_of(&mut self, it: &mut Program<'_>, number: u32) -> Outcome<Place> {
         if let Some(place) = self.tape(it)?.program(number) {
             return Ok(place);
         }
@@ -170,7 +171,7 @@ impl Fanuc {
     }
 
     /// M198: a file of the search path is what a memory card is to a control.
-    fn begin_of_file(&mut self, it: &mut Interpreter<'_>, number: u32) -> Outcome<Place> {
+    fn begin_of_file(&mut self, it: &mut Program<'_>, number: u32) -> Outcome<Place> {
         let span = it.block.span;
         let tape = self.tape(it)?;
         if let Some(place) = tape.file(number) {
@@ -188,7 +189,7 @@ impl Fanuc {
 
     fn enter(
         &mut self,
-        it: &mut Interpreter<'_>,
+        it: &mut Program<'_>,
         program: Option<u32>,
         start: Place,
         times: u32,
@@ -222,7 +223,7 @@ impl Fanuc {
     /// M99, and M99 P: on with this block of the caller.
     pub(super) fn return_to<S: Sink>(
         &mut self,
-        it: &mut Interpreter<'_>,
+        it: &mut Program<'_>,
         to: Option<u32>,
         out: &mut Out<'_, S>,
     ) -> Outcome {
@@ -258,7 +259,7 @@ impl Fanuc {
     }
 
     /// M99 of the main program.
-    fn next_round<S: Sink>(&mut self, it: &mut Interpreter<'_>, out: &mut Out<'_, S>) -> Outcome {
+    fn next_round<S: Sink>(&mut self, it: &mut Program<'_>, out: &mut Out<'_, S>) -> Outcome {
         let span = it.block.span;
         if self.round_before == self.variables {
             let text = "M99 repeats the main program for ever: it is read once here";
@@ -295,7 +296,7 @@ impl Fanuc {
         self.said.iter().find(code).map(|s| s.value as u16)
     }
 
-    pub(super) fn macro_call(&mut self, it: &mut Interpreter<'_>, code: u16) -> Outcome {
+    pub(super) fn macro_call(&mut self, it: &mut Program<'_>, code: u16) -> Outcome {
         if code == 67 {
             let span = it.block.span;
             self.modals.pop();
@@ -317,7 +318,7 @@ impl Fanuc {
     }
 
     /// G66: after a block that moves; a modal macro's own moves call the one before it.
-    pub(super) fn modal_call(&mut self, it: &mut Interpreter<'_>) -> Outcome {
+    pub(super) fn modal_call(&mut self, it: &mut Program<'_>) -> Outcome {
         let Some(called) = self.modals.last().cloned() else { return Ok(()) };
         let levels = self.levels.len();
         self.call_macro(it, &called)?;
@@ -335,7 +336,7 @@ impl Fanuc {
     }
 }
 
-fn jump(it: &mut Interpreter<'_>, to: Place) {
+fn jump(it: &mut Program<'_>, to: Place) {
     it.file = to.file;
     it.jump(to.at);
 }

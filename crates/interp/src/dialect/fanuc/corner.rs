@@ -18,11 +18,11 @@ use crate::{
     executor::Executor,
     fault::{Outcome, error, refuse},
     frame::Point,
-    interpreter::Interpreter,
     modes::Motion,
     offset_curve::{Flat, length, minus},
     out::Out,
     profile::record,
+    program::Program,
     target,
 };
 use diag::Span;
@@ -66,7 +66,7 @@ impl Fanuc {
     /// A block with a corner at its end.
     pub(super) fn cornered<S: Sink>(
         &mut self,
-        it: &mut Interpreter<'_>,
+        it: &mut Program<'_>,
         corner: Corner,
         out: &mut Out<'_, S>,
     ) -> Outcome<After> {
@@ -111,7 +111,7 @@ impl Fanuc {
 
     fn move_or_record<S: Sink>(
         &mut self,
-        it: &mut Interpreter<'_>,
+        it: &mut Program<'_>,
         out: &mut Out<'_, S>,
     ) -> Outcome<After> {
         if it.executor.recording.is_some() {
@@ -121,7 +121,7 @@ impl Fanuc {
     }
 
     /// Where the straight feed that follows leads.
-    fn ahead(&mut self, it: &mut Interpreter<'_>, corner: &Point, span: Span) -> Outcome<Point> {
+    fn ahead(&mut self, it: &mut Program<'_>, corner: &Point, span: Span) -> Outcome<Point> {
         let source = it.sources[it.file];
         let mut parser = Parser::with_grammar(source, it.file as u16, Grammar::Fanuc);
         let (byte, line) = it.parsers[it.file].position();

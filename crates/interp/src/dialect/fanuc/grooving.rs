@@ -17,11 +17,11 @@ use crate::{
     call::Sink,
     cycles,
     fault::{Outcome, refuse},
-    interpreter::Interpreter,
     offset_curve::Flat,
     out::Out,
     profile::cycle,
     profile::shape::Stroke,
+    program::Program,
 };
 
 /// More pecks than this are a slip of the pen.
@@ -30,7 +30,7 @@ const MAX_PECKS: f64 = 10_000.0;
 impl Fanuc {
     pub(super) fn pecking<S: Sink>(
         &mut self,
-        it: &mut Interpreter<'_>,
+        it: &mut Program<'_>,
         code: u16,
         said: &[Said],
         out: &mut Out<'_, S>,
@@ -89,7 +89,7 @@ impl Fanuc {
     }
 
     /// Where X, Z, U, W lead, as [Z, X].
-    pub(super) fn corner_of(&self, it: &Interpreter<'_>, said: &[Said]) -> Flat {
+    pub(super) fn corner_of(&self, it: &Program<'_>, said: &[Said]) -> Flat {
         let at = it.executor.modes.at;
         let step = it.executor.modes.incremental;
         let along = |value: Option<f64>, by: Option<f64>, now: f64| {

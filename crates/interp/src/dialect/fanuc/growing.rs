@@ -19,10 +19,10 @@ use super::{
 use crate::{
     call::{Call, GrowingThread, Sink},
     fault::{Outcome, error, refuse},
-    interpreter::Interpreter,
     modes::Motion,
     number::tenths,
     out::Out,
+    program::Program,
     spelling::short,
     threads::along_path,
 };
@@ -62,7 +62,7 @@ impl Fanuc {
     /// G34.
     pub(super) fn growing_thread<S: Sink>(
         &mut self,
-        it: &mut Interpreter<'_>,
+        it: &mut Program<'_>,
         said: &[Said],
         out: &mut Out<'_, S>,
     ) -> Outcome {

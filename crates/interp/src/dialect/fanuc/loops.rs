@@ -6,10 +6,16 @@
 //!     END2 ┘           │
 //!   END1 ──────────────┘
 //! ```
-use super::tape::Mark;
-use crate::fault::error;
+use crate::{fault::error, outline::At};
 use diag::{Diagnostic, Span};
 use gcode::{Block, Control};
+
+/// A block: where it and the next one begin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Mark {
+    pub(super) at: At,
+    pub(super) after: At,
+}
 
 /// A DO or an END.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -49,14 +49,13 @@ mod words;
 
 use crate::{
     call::{Call, Corners, Sink},
-    dialect::rules::FrontEndKind,
     execute::{self, After},
     executor::Executor,
     fault::{Outcome, error, refuse},
-    interpreter::Interpreter,
     modes::Motion,
     out::Out,
     profile::record,
+    program::Program,
     refused,
     setup::{Increments, Setup},
     target,
@@ -182,10 +181,9 @@ enum Then {
 }
 
 impl Fanuc {
-    /// The front end that a set-up asks for.
-    pub(crate) fn of(setup: &Setup) -> Option<Box<Self>> {
-        let FrontEndKind::Fanuc(kind) = setup.dialect.rules().front_end else { return None };
-        Some(Box::new(Self {
+    /// At the beginning of a program.
+    pub(crate) fn new(kind: Kind, setup: &Setup) -> Self {
+        Self {
             kind,
             calculator: setup.whole_units_without_point,
             skip_levels: setup.block_delete_levels | u16::from(setup.block_delete) << 1,
@@ -220,7 +218,7 @@ impl Fanuc {
             mapping: figure::Mapping::default(),
             first_lines: turning::FirstLines::default(),
             shape: None,
-        }))
+        }
     }
 
     /// The same, which reads its tape again when it needs it.
@@ -243,11 +241,7 @@ impl Fanuc {
     }
 
     /// Execute the block that the interpreter has read.
-    pub(crate) fn block<S: Sink>(
-        &mut self,
-        it: &mut Interpreter<'_>,
-        out: &mut Out<'_, S>,
-    ) -> Outcome {
+    pub(crate) fn block<S: Sink>(&mut self, it: &mut Program<'_>, out: &mut Out<'_, S>) -> Outcome {
         let result = self.execute(it, out);
         if self.shape.is_none() {
             return result;
@@ -258,7 +252,7 @@ impl Fanuc {
         self.end_of_shape(it, out)
     }
 
-    fn execute<S: Sink>(&mut self, it: &mut Interpreter<'_>, out: &mut Out<'_, S>) -> Outcome {
+    fn execute<S: Sink>(&mut self, it: &mut Program<'_>, out: &mut Out<'_, S>) -> Outcome {
         if it.block.delete.is_some_and(|level| self.skip_levels >> level & 1 == 1) {
             return Ok(());
         }
@@ -301,7 +295,7 @@ impl Fanuc {
     }
 
     /// `%`: the end of the tape, which a subprogram's file may not reach.
-    fn percent<S: Sink>(&self, it: &mut Interpreter<'_>, out: &mut Out<'_, S>) -> Outcome {
+    fn percent<S: Sink>(&self, it: &mut Program<'_>, out: &mut Out<'_, S>) -> Outcome {
         if it.file == 0 {
             it.percent_sign(out);
             return Ok(());
@@ -312,7 +306,7 @@ impl Fanuc {
     }
 
     /// A block with words.
-    fn words<S: Sink>(&mut self, it: &mut Interpreter<'_>, out: &mut Out<'_, S>) -> Outcome {
+    fn words<S: Sink>(&mut self, it: &mut Program<'_>, out: &mut Out<'_, S>) -> Outcome {
         self.read(it)?;
         if self.only_moves(&it.executor) {
             let moves = self.move_only(&mut it.executor, out)?;
@@ -343,7 +337,7 @@ impl Fanuc {
 
     fn follow<S: Sink>(
         &mut self,
-        it: &mut Interpreter<'_>,
+        it: &mut Program<'_>,
         then: Then,
         out: &mut Out<'_, S>,
     ) -> Outcome {
@@ -358,7 +352,7 @@ impl Fanuc {
     /// Do what the words say.
     fn obey<S: Sink>(
         &mut self,
-        it: &mut Interpreter<'_>,
+        it: &mut Program<'_>,
         out: &mut Out<'_, S>,
     ) -> Outcome<(Then, After)> {
         self.once = Once::default();
@@ -449,12 +443,7 @@ impl Fanuc {
     }
 
     /// O1234: the first one names the program; another one means that it was never ended.
-    fn program_begins(
-        &mut self,
-        it: &mut Interpreter<'_>,
-        label: gcode::Label,
-        span: Span,
-    ) -> Outcome {
+    fn program_begins(&mut self, it: &mut Program<'_>, label: gcode::Label, span: Span) -> Outcome {
         let number = match label {
             gcode::Label::Number(number) => number,
             gcode::Label::Name(_) => u32::MAX, // only what is called is found by its name

@@ -8,14 +8,14 @@ use super::Fanuc;
 use crate::{
     call::{Call, Sink},
     fault::Outcome,
-    interpreter::Interpreter,
     out::Out,
+    program::Program,
 };
 use gcode::{Output, Piece};
 use std::fmt::Write;
 
 impl Fanuc {
-    pub(super) fn output<S: Sink>(&self, it: &Interpreter<'_>, out: &mut Out<'_, S>) -> Outcome {
+    pub(super) fn output<S: Sink>(&self, it: &Program<'_>, out: &mut Out<'_, S>) -> Outcome {
         let binary = match it.block.output {
             Some(Output::Decimal) => false,
             Some(Output::Binary) => true,

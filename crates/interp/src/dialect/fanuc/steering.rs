@@ -1,16 +1,16 @@
 //! Conditions, jumps and loops: IF, GOTO, WHILE, DO and END.
 use super::Fanuc;
-use crate::{fault::Outcome, interpreter::Interpreter};
+use crate::{fault::Outcome, program::Program};
 use gcode::Control;
 
 impl Fanuc {
-    pub(super) fn condition(&self, it: &mut Interpreter<'_>, value: gcode::Value) -> Outcome<f64> {
+    pub(super) fn condition(&self, it: &mut Program<'_>, value: gcode::Value) -> Outcome<f64> {
         let result = self.values(&it.executor).value(&it.block, value, it.block.span);
         it.ended |= result.is_err(); // there is no way to go on
         Ok(result?.unwrap_or(0.0))
     }
 
-    pub(super) fn control(&mut self, it: &mut Interpreter<'_>, control: Control) -> Outcome {
+    pub(super) fn control(&mut self, it: &mut Program<'_>, control: Control) -> Outcome {
         match control {
             Control::GoTo(to) => {
                 let number = self.condition(it, to)?;

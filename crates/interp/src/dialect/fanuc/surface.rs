@@ -21,10 +21,10 @@ use crate::{
     executor::Executor,
     fault::{Outcome, error, refuse},
     frame::Point,
-    interpreter::Interpreter,
     modes::{FeedMode, Motion},
     number::tenths,
     out::Out,
+    program::Program,
 };
 use canon::{Axis, Plane};
 use diag::{Diagnostic, Span};
@@ -418,7 +418,7 @@ impl Fanuc {
     /// A block while a surface is in force: in the flat, and from there onto the axes.
     pub(super) fn on_surface<S: Sink>(
         &mut self,
-        it: &mut Interpreter<'_>,
+        it: &mut Program<'_>,
         mut surface: Surface,
         out: &mut Out<'_, S>,
     ) -> Outcome<(Then, After)> {

@@ -23,9 +23,9 @@ use crate::{
     Parameters,
     call::{Call, Sink},
     fault::{Outcome, refuse},
-    interpreter::Interpreter,
     modes::{FeedMode, Motion},
     out::Out,
+    program::Program,
 };
 use core::cell::Cell;
 use diag::Span;
@@ -97,7 +97,7 @@ impl Fanuc {
     /// Set one.
     pub(super) fn set_system<S: Sink>(
         &mut self,
-        it: &mut Interpreter<'_>,
+        it: &mut Program<'_>,
         number: usize,
         value: Option<f64>,
         out: &mut Out<'_, S>,
@@ -138,7 +138,7 @@ impl Fanuc {
         Ok(())
     }
 
-    fn alarm(&self, it: &mut Interpreter<'_>, value: f64) -> Outcome {
+    fn alarm(&self, it: &mut Program<'_>, value: f64) -> Outcome {
         it.ended = true;
         let number = 3000.0 + value;
         let text = format!("the program stops itself with alarm {number}: {}", comment(&it.block));
@@ -147,7 +147,7 @@ impl Fanuc {
 
     fn set_work_offset<S: Sink>(
         &self,
-        it: &mut Interpreter<'_>,
+        it: &mut Program<'_>,
         system: usize,
         count: usize,
         value: f64,

@@ -14,17 +14,10 @@
 //! here all the same, above all that can be written.
 //!
 //! Made at the first jump or call, by one reading of the whole tape.
-use super::loops::{Bound, Loops};
+use super::loops::{Bound, Loops, Mark};
 use crate::outline::At;
 use diag::Diagnostic;
 use gcode::{Block, Grammar, Label, Parser};
-
-/// A block: where it and the next one begin.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Mark {
-    pub(super) at: At,
-    pub(super) after: At,
-}
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Program {

@@ -17,9 +17,9 @@ use crate::{
     executor::Executor,
     fault::{Outcome, refuse},
     frame::Point,
-    interpreter::Interpreter,
     offset_curve::{Flat, length, minus},
     out::Out,
+    program::Program,
     threads::along_path,
 };
 use words::Said;
@@ -47,7 +47,7 @@ struct Thread {
 impl Fanuc {
     pub(super) fn thread_passes<S: Sink>(
         &mut self,
-        it: &mut Interpreter<'_>,
+        it: &mut Program<'_>,
         said: &[Said],
         out: &mut Out<'_, S>,
     ) -> Outcome {
@@ -63,7 +63,7 @@ impl Fanuc {
     }
 
     /// P, Q, R of the first line.
-    fn thread_first_line(&mut self, it: &Interpreter<'_>, said: &[Said]) -> Outcome {
+    fn thread_first_line(&mut self, it: &Program<'_>, said: &[Said]) -> Outcome {
         let [finishing, pull_off, angle, least, left] =
             self.first_lines.thread.unwrap_or([1.0, 0.0, 60.0, 0.0, 0.0]);
         let digits = word(said, b'P').map(|said| (said.value, said.span));
@@ -89,7 +89,7 @@ impl Fanuc {
         Ok(())
     }
 
-    fn thread_words(&mut self, it: &Interpreter<'_>, said: &[Said]) -> Outcome<Thread> {
+    fn thread_words(&mut self, it: &Program<'_>, said: &[Said]) -> Outcome<Thread> {
         let (span, code) = (it.block.span, self.kind.own(76));
         let older = word(said, b'D').is_some() || word(said, b'K').is_some();
         let own = if older { Some(self.one_line(said)?) } else { self.first_lines.thread };

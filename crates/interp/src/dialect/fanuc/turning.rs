@@ -24,7 +24,6 @@ use crate::{
     call::Sink,
     cycles, execute,
     fault::{Outcome, error, refuse},
-    interpreter::Interpreter,
     number::{near_whole, tenths},
     offset_curve::Flat,
     out::Out,
@@ -32,6 +31,7 @@ use crate::{
     profile::cycle,
     profile::recording::{Order, Recording},
     profile::roughing::{Manner, Part, Roughing},
+    program::Program,
     refused,
 };
 use canon::Plane;
@@ -100,7 +100,7 @@ impl Fanuc {
     /// Execute it: its F, S, T and M first.
     pub(super) fn multiple<S: Sink>(
         &mut self,
-        it: &mut Interpreter<'_>,
+        it: &mut Program<'_>,
         code: u16,
         out: &mut Out<'_, S>,
     ) -> Outcome {
@@ -146,19 +146,19 @@ impl Fanuc {
     }
 
     /// A word's length in the program's unit.
-    pub(super) fn long(&self, it: &Interpreter<'_>, said: &[Said], letter: u8) -> Option<f64> {
+    pub(super) fn long(&self, it: &Program<'_>, said: &[Said], letter: u8) -> Option<f64> {
         // P of G74 to G76 is a length too, and counts as Q does
         let as_length = |said: &Said| Said { letter: b'Q', ..*said };
         word(said, letter).map(|said| self.scaled(&it.executor, &as_length(said)))
     }
 
     /// The same along X: a diameter becomes a radius.
-    pub(super) fn across(&self, it: &Interpreter<'_>, said: &[Said], letter: u8) -> Option<f64> {
+    pub(super) fn across(&self, it: &Program<'_>, said: &[Said], letter: u8) -> Option<f64> {
         let half = if it.executor.modes.diameter { 0.5 } else { 1.0 };
         self.long(it, said, letter).map(|value| half * value)
     }
 
-    fn first_line(&mut self, it: &Interpreter<'_>, code: u16, said: &[Said]) -> Outcome {
+    fn first_line(&mut self, it: &Program<'_>, code: u16, said: &[Said]) -> Outcome {
         let (span, own) = (it.block.span, self.kind.own(code));
         let [u, w, r] = [b'U', b'W', b'R'].map(|letter| self.long(it, said, letter));
         if code == 73 {
@@ -201,7 +201,7 @@ impl Fanuc {
     }
 
     /// The second line: take the profile down.
-    fn profile_cycle(&mut self, it: &mut Interpreter<'_>, code: u16, said: &[Said]) -> Outcome {
+    fn profile_cycle(&mut self, it: &mut Program<'_>, code: u16, said: &[Said]) -> Outcome {
         let (span, own) = (it.block.span, self.kind.own(code));
         let order = self.order(it, code, said)?;
         let number = |letter: u8| {
@@ -239,7 +239,7 @@ impl Fanuc {
         Ok(())
     }
 
-    fn order(&self, it: &Interpreter<'_>, code: u16, said: &[Said]) -> Outcome<Order> {
+    fn order(&self, it: &Program<'_>, code: u16, said: &[Said]) -> Outcome<Order> {
         let left =
             [self.long(it, said, b'W').unwrap_or(0.0), self.across(it, said, b'U').unwrap_or(0.0)];
         let missing = |what: &str| {
@@ -282,7 +282,7 @@ impl Fanuc {
     /// After each block: was it the profile's last?
     pub(super) fn end_of_shape<S: Sink>(
         &mut self,
-        it: &mut Interpreter<'_>,
+        it: &mut Program<'_>,
         out: &mut Out<'_, S>,
     ) -> Outcome {
         let Some(shape) = self.shape else { return Ok(()) };

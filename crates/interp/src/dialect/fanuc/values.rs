@@ -18,9 +18,9 @@ use crate::{
     eval,
     executor::Executor,
     fault::{Outcome, refuse},
-    interpreter::Interpreter,
     number::near_whole,
     out::Out,
+    program::Program,
 };
 use diag::Span;
 use gcode::{Block, Expr, Function, Operator, Parameter, Value};
@@ -92,7 +92,7 @@ impl Fanuc {
     /// Set the block's variables; each sees those set before it.
     pub(super) fn assign<S: Sink>(
         &mut self,
-        it: &mut Interpreter<'_>,
+        it: &mut Program<'_>,
         out: &mut Out<'_, S>,
     ) -> Outcome {
         for i in 0..it.block.assignments.len() {
@@ -118,7 +118,7 @@ impl Fanuc {
     }
 
     /// A common variable; those that are kept go into the parameters, too.
-    fn set_common(&mut self, it: &mut Interpreter<'_>, number: usize, value: Option<f64>) {
+    fn set_common(&mut self, it: &mut Program<'_>, number: usize, value: Option<f64>) {
         self.variables.common[number - 100] = value;
         if number >= FIRST_KEPT {
             it.executor.store.numbered.keep(number, value);

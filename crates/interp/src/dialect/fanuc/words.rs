@@ -8,8 +8,8 @@ use super::{
 use crate::{
     executor::Executor,
     fault::{Outcome, error, refuse},
-    interpreter::Interpreter,
     number::{near_whole, tenths},
+    program::Program,
     spelling::written,
 };
 use diag::{Diagnostic, Span};
@@ -27,7 +27,7 @@ pub(super) struct Said {
 
 impl Fanuc {
     /// Evaluate the block's words; those without a value vanish.
-    pub(super) fn read(&mut self, it: &Interpreter<'_>) -> Outcome {
+    pub(super) fn read(&mut self, it: &Program<'_>) -> Outcome {
         self.read_words(&it.block, it.sources[it.file], &it.executor)
     }
 
