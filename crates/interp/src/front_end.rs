@@ -1,18 +1,8 @@
 //! Which front end reads a program: the one place that chooses.
 use crate::{
-    call::Sink,
-    dialect::{
-        fanuc::{Fanuc, Tape},
-        rules::FrontEndKind,
-    },
-    executor::Executor,
-    fault::Outcome,
-    names,
-    out::Out,
-    outline::Outline,
-    program::Program,
-    rs274::Rs274,
-    setup::Setup,
+    call::Sink, dialect::fanuc::Tape, dialect::fanuc::state::Fanuc, dialect::rules::FrontEndKind,
+    executor::Executor, fault::Outcome, names, out::Out, outline::Outline, program::Program,
+    rs274::Rs274, setup::Setup,
 };
 
 /// What decides which block comes next, and what its words mean.

@@ -10,8 +10,9 @@
 //! Where both ways give one variable a value, the later word holds.
 //!
 //! Source: Fanuc, operator's manual of series 30i, "Custom macro", "Argument specification".
-use super::{Fanuc, calls::Macro, values::LOCALS};
 use crate::{
+    dialect::fanuc::state::LOCALS,
+    dialect::fanuc::state::{Fanuc, Macro},
     fault::{Outcome, refuse},
     number::near_whole,
     program::Program,

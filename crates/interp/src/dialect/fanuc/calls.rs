@@ -10,14 +10,11 @@
 //! changed since the round before, the program is over here, and it is said.
 //!
 //! Source: Fanuc, operator's manual of series 30i, "Subprogram", "Custom macro".
-use super::{
-    Callee, Fanuc,
-    loops::Mark,
-    tape::{Place, Tape},
-    values::Locals,
-};
 use crate::{
     call::Sink,
+    dialect::fanuc::loops::Mark,
+    dialect::fanuc::state::{Callee, Fanuc, Level, Locals, Macro},
+    dialect::fanuc::tape::{Place, Tape},
     execute,
     fault::{Outcome, error, refuse},
     number::near_whole,
@@ -30,30 +27,6 @@ use std::collections::HashSet;
 
 /// Rounds of a main program that M99 repeats.
 const MOST_ROUNDS: u32 = 1_000;
-
-/// A call that has not returned yet.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Level {
-    back: Place,
-    /// The calling block: where GOTO of the caller searches from.
-    caller: u32,
-    program: Option<u32>,
-    start: Place,
-    /// Executions still to come after this one.
-    left: u32,
-    /// The caller's #1 to #33, if the callee has its own.
-    locals: Option<Box<Locals>>,
-    /// The caller's modal macros, if this is one of them.
-    modals: Option<Vec<Macro>>,
-}
-
-/// A macro with its arguments.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Macro {
-    pub(super) number: u32,
-    pub(super) times: u32,
-    pub(super) locals: Locals,
-}
 
 impl Fanuc {
     fn tape<'a>(&'a mut self, it: &mut Program<'_>) -> Outcome<&'a Tape> {
@@ -292,7 +265,7 @@ impl Fanuc {
     /// G65, G66 or G67, if the block at hand has one.
     pub(super) fn macro_code(&self) -> Option<u16> {
         let code =
-            |s: &&super::words::Said| s.letter == b'G' && matches!(s.value, 65.0 | 66.0 | 67.0);
+            |s: &&super::state::Said| s.letter == b'G' && matches!(s.value, 65.0 | 66.0 | 67.0);
         self.said.iter().find(code).map(|s| s.value as u16)
     }
 

@@ -1,10 +1,8 @@
 //! What Fanuc's codes mean, for people: in the shared language, or in the front end's own.
-use super::{
-    codes::{has_m, stays, told},
-    kind::Kind,
-};
 use crate::{
     codes::g_code,
+    dialect::fanuc::codes::{has_m, stays, told},
+    dialect::fanuc::kind::Kind,
     dialect::rules::{FrontEndCodes, Meaning},
 };
 

@@ -1,6 +1,8 @@
 //! Fanuc's G and M codes, and which shared code each of them is.
-use super::Kind;
-use crate::codes::{BORE_UPWARDS, FINE_BORE, LENGTH_BACK};
+use crate::{
+    codes::{BORE_UPWARDS, FINE_BORE, LENGTH_BACK},
+    dialect::fanuc::kind::Kind,
+};
 
 /// What a G code is in the shared language.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

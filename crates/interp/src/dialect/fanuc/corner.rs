@@ -11,9 +11,11 @@
 //! the machine has no C axis; I and K of its G1 are chamfers too.
 //!
 //! Source: Fanuc, operator's manual of series 30i, "Optional chamfering and corner R", "Chamfering and corner R".
-use super::{Fanuc, sense::Sense, words::Said};
 use crate::{
     call::Sink,
+    dialect::fanuc::sense,
+    dialect::fanuc::sense::Sense,
+    dialect::fanuc::state::{Corner, Fanuc, Said},
     execute::After,
     executor::Executor,
     fault::{Outcome, error, refuse},
@@ -27,14 +29,6 @@ use crate::{
 };
 use diag::Span;
 use gcode::{Block, Grammar, Parser};
-
-/// A corner to come.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Corner {
-    round: bool,
-    size: f64,
-    span: Span,
-}
 
 impl Fanuc {
     /// Whether this word of a G1 is a corner, though no comma is before it.
@@ -72,7 +66,7 @@ impl Fanuc {
     ) -> Outcome<After> {
         let ex = &it.executor;
         let code = ex.words.g(crate::codes::GGroup::Motion);
-        let motion = code.map_or(in_force(ex), Motion::from_code);
+        let motion = code.map_or(sense::in_force(ex), Motion::from_code);
         if motion != Motion::Feed {
             let text = "a corner follows a straight feed: G1";
             return refuse("I1054", corner.span, text);
@@ -161,11 +155,6 @@ impl Fanuc {
         );
         Err(fault.with_help("write the corner's own G1, G2 or G3 between other moves").into())
     }
-}
-
-/// The motion in force: a profile that is taken down has its own.
-pub(super) fn in_force(ex: &Executor) -> Motion {
-    ex.recording.as_ref().map_or(ex.modes.motion, |recording| recording.motion())
 }
 
 /// Where a corner begins and ends.

@@ -12,10 +12,10 @@
 //! The older form has one line: G74 X Z I(step along X) K(step along Z) D(relief) F.
 //!
 //! Source: Fanuc, operator's manual of series 30i for lathes, "End face peck drilling", "Outer diameter drilling".
-use super::{Fanuc, words::Said};
 use crate::{
     call::Sink,
     cycles,
+    dialect::fanuc::state::{Fanuc, Said},
     fault::{Outcome, refuse},
     offset_curve::Flat,
     out::Out,

@@ -9,15 +9,13 @@
 //! that the lead stays as it is.
 //!
 //! Source: Fanuc, operator's manual of series 30i for lathes, "Variable lead threading".
-use super::{
-    Fanuc,
-    codes::{Meaning, meaning},
-    threading::{angle, turning},
-    turning::word,
-    words::{self, Said},
-};
 use crate::{
     call::{Call, GrowingThread, Sink},
+    dialect::fanuc::codes::{Meaning, meaning},
+    dialect::fanuc::state::{Fanuc, Said},
+    dialect::fanuc::threading::{angle, turning},
+    dialect::fanuc::turning::word,
+    dialect::fanuc::words,
     fault::{Outcome, error, refuse},
     modes::Motion,
     number::tenths,
@@ -100,7 +98,7 @@ impl Fanuc {
             return refuse("I1034", span, text);
         }
         let ex = &mut it.executor;
-        angle(ex, self.start_angle(said), out);
+        angle(self.start_angle(said), out);
         ex.modes.at = to;
         out.say(&Call::GrowingThread(thread));
         Ok(())

@@ -9,10 +9,11 @@
 //! ```
 //!
 //! The cycle is modal: a block with X, Z, U or W makes the next pass from the same start.
-use super::{Fanuc, words};
 use crate::{
     call::{Call, Sink},
     codes::GGroup,
+    dialect::fanuc::state::Fanuc,
+    dialect::fanuc::words,
     distances,
     execute::{self, After},
     executor::Executor,

@@ -9,14 +9,11 @@
 //! 0 is a way too: X0 goes along +X, X-0 along −X.
 //!
 //! Source: Fanuc, operator's manual of series 30i for machining centres, "Tool offset (G45 – G48)".
-use super::{
-    Fanuc,
-    sense::Sense,
-    tool_offsets::{Part, ToolVariable},
-    words::Said,
-};
 use crate::{
     codes::GGroup,
+    dialect::fanuc::sense::Sense,
+    dialect::fanuc::state::{Fanuc, Said},
+    dialect::fanuc::tool_offsets::{Part, ToolVariable},
     executor::Executor,
     fault::{Outcome, error, refuse},
     modes::Motion,

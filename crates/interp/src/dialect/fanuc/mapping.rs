@@ -21,13 +21,10 @@
 //!
 //! Source: Fanuc, operator's manual of series 30i for machining centres, "Polar coordinate command", "Scaling",
 //! "Coordinate system rotation", "Programmable mirror image".
-use super::{
-    Fanuc,
-    figure::{AXIS, CENTRE, Place, Polar, Rotation, Scale},
-    words::Said,
-};
 use crate::{
     codes::GGroup,
+    dialect::fanuc::figure::{AXIS, CENTRE, Place, Polar, Rotation, Scale},
+    dialect::fanuc::state::{Fanuc, Said},
     executor::Executor,
     fault::{Outcome, error, refuse},
     modes::Motion,

@@ -36,6 +36,7 @@ mod output;
 mod reference;
 pub(crate) mod rules;
 mod sense;
+pub(crate) mod state;
 mod steering;
 mod stroke;
 mod surface;
@@ -47,8 +48,15 @@ mod turning;
 mod values;
 mod words;
 
+pub(crate) use calls::programs;
+pub(crate) use state::Fanuc;
+pub(crate) use tape::Tape;
+
 use crate::{
     call::{Call, Corners, Sink},
+    dialect::fanuc::kind::Kind,
+    dialect::fanuc::lathe::drills,
+    dialect::fanuc::state::{Once, Then, Variables},
     execute::{self, After},
     executor::Executor,
     fault::{Outcome, error, refuse},
@@ -57,128 +65,11 @@ use crate::{
     profile::record,
     program::Program,
     refused,
-    setup::{Increments, Setup},
+    setup::Setup,
     target,
 };
-use calls::Level;
-pub(crate) use calls::programs;
 use diag::Span;
 use gcode::Control;
-use kind::Kind;
-use lathe::drills;
-pub(crate) use tape::Tape;
-use values::Variables;
-use words::Said;
-
-/// The front end's own state.
-#[derive(Clone, PartialEq)]
-#[allow(clippy::struct_excessive_bools)] // facts of their own about machine and block
-pub(crate) struct Fanuc {
-    kind: Kind,
-    calculator: bool,
-    skip_levels: u16,
-    pub(crate) tape: Option<Tape>,
-    variables: Variables,
-    levels: Vec<Level>,
-    /// G66: the macros called after each block that moves, the last first.
-    modals: Vec<calls::Macro>,
-    /// M99 of the main program: variables when the round at hand began, and how many there were.
-    round_before: Variables,
-    rounds: u32,
-    /// The program that the block names by `<NAME>`.
-    called: Option<u32>,
-    kept: system::Kept,
-    wear: tool_offsets::Wear,
-    increments: Increments,
-    c_is_a_chamfer: bool,
-    /// G7.1, G12.1.
-    surface: Option<surface::Surface>,
-    /// G22.
-    zone: stroke::Zone,
-    /// The block at hand counts inches.
-    inch: bool,
-    /// G43, G44, G49.
-    length_mode: f64,
-    /// How much of the way that follows the corner before has taken.
-    taken: f64,
-    /// What the block at hand asks for besides its words.
-    once: Once,
-    /// Where G28 or G30 came by, in machine coordinates of program units: where G29 goes from.
-    by: Option<crate::Point>,
-    /// O of the program whose blocks are executed; none before the first.
-    program: Option<u32>,
-    /// G92 S, G50 S: no faster with G96.
-    top_speed: Option<f64>,
-    lathe_cycle: Option<u16>,
-    /// Where the cycle's last pass led, and its taper.
-    corner: Option<(crate::Point, f64)>,
-    /// The motion that G80 goes back to.
-    before_cycle: Motion,
-    /// F of a thread.
-    lead: Option<f64>,
-    /// G34 is in force.
-    growing: bool,
-    /// Q of the thread of the block at hand.
-    thread_angle: Option<f64>,
-    warned_of_point: bool,
-    said: Vec<Said>,
-    /// G16, G51, G51.1, G68.
-    mapping: figure::Mapping,
-    /// G71 to G76: what their first lines have set.
-    first_lines: turning::FirstLines,
-    /// G70 to G73: the profile being taken down.
-    shape: Option<turning::Shape>,
-}
-
-/// What one block asks for that the shared language does not have.
-#[allow(clippy::struct_excessive_bools)] // orders that exclude nothing
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Once {
-    /// G9.
-    exact: bool,
-    /// G29.
-    back: bool,
-    /// G27.
-    check: bool,
-    /// G31.
-    skip: bool,
-    /// G22, G23.
-    stroke_check: bool,
-    /// G45 to G48.
-    longer: i8,
-    /// W stands for Z.
-    by_w: bool,
-    /// G54.1: the work offset.
-    system: Option<u8>,
-    /// `,C` or `,R`.
-    corner: Option<corner::Corner>,
-    /// G10: the work offset that has other values now.
-    changed: Option<usize>,
-}
-
-/// M98, M198.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Callee {
-    /// None for the program at hand.
-    program: Option<u32>,
-    /// M198: one in a file of its own.
-    in_file: bool,
-    times: u32,
-    /// Q: the block with which it begins.
-    start: Option<u32>,
-}
-
-/// What follows a block.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Then {
-    Next,
-    /// The macro of G66: the block has named an axis.
-    Moved,
-    /// M98, M198.
-    Call(Callee),
-    /// M99, M99 P.
-    Return(Option<u32>),
-}
 
 impl Fanuc {
     /// At the beginning of a program.
@@ -194,12 +85,12 @@ impl Fanuc {
             modals: Vec::new(),
             rounds: 0,
             called: None,
-            kept: system::Kept::default(),
-            wear: tool_offsets::Wear::new(),
+            kept: state::Kept::default(),
+            wear: state::Wear::new(),
             increments: setup.increments,
             c_is_a_chamfer: setup.c_is_a_chamfer,
             surface: None,
-            zone: stroke::Zone::new(setup.stroke_check_outside),
+            zone: state::Zone::new(setup.stroke_check_outside),
             inch: false,
             length_mode: 49.0,
             taken: 0.0,
@@ -216,7 +107,7 @@ impl Fanuc {
             warned_of_point: false,
             said: Vec::new(),
             mapping: figure::Mapping::default(),
-            first_lines: turning::FirstLines::default(),
+            first_lines: state::FirstLines::default(),
             shape: None,
         }
     }
@@ -395,7 +286,7 @@ impl Fanuc {
         let plain = !(self.once.check || self.once.skip);
         let cycle = self.lathe_cycle.filter(|_| moves && plain);
         if moves {
-            threading::angle(ex, self.thread_angle.take(), out);
+            threading::angle(self.thread_angle.take(), out);
         }
         if let Some(code) = ex.words.g(crate::codes::GGroup::ToolLength) {
             self.length_mode = f64::from(code % crate::codes::OWN) / 10.0;

@@ -1,10 +1,12 @@
 //! Blocks that tapes of machining centres have by the thousand: lines and arcs, and nothing that changes the meaning
 //! of another word; calls of subprograms. They are put in the shared language in fewer steps than all others, with the
 //! same outcome.
-use super::{Callee, Fanuc, Kind, Once, Then, sense::Sense, words::Said};
 use crate::{
     call::Sink,
     codes::{AXES, g_code},
+    dialect::fanuc::kind::Kind,
+    dialect::fanuc::sense::Sense,
+    dialect::fanuc::state::{Callee, Fanuc, Once, Said, Then},
     execute,
     executor::Executor,
     fault::Outcome,

@@ -6,14 +6,11 @@
 //!   G10 L12 P R, L13                    its radius, and its wear
 //!   G10 P X Z Y R Q (or U W V)          a lathe's tool: P is its wear, P10000 + number its geometry; P0 the external offset
 //! ```
-use super::{
-    Fanuc,
-    sense::Sense,
-    tool_offsets::{Part, ToolVariable},
-    words::Said,
-};
 use crate::{
     Parameters,
+    dialect::fanuc::sense::Sense,
+    dialect::fanuc::state::{Fanuc, Said},
+    dialect::fanuc::tool_offsets::{Part, ToolVariable},
     executor::Executor,
     fault::{Outcome, error, refuse},
     number::near_whole,

@@ -4,9 +4,9 @@
 //! `BPRNT[#1[3]]` writes four bytes; here they are eight hexadecimal digits.
 //!
 //! Source: Fanuc, operator's manual of series 30i, "External output commands".
-use super::Fanuc;
 use crate::{
     call::{Call, Sink},
+    dialect::fanuc::state::Fanuc,
     fault::Outcome,
     out::Out,
     program::Program,

@@ -4,9 +4,9 @@
 //! cancelled before it, or the words allow for them.
 //!
 //! Source: Fanuc, operator's manual of series 30i, "Reference position".
-use super::{Fanuc, words::Said};
 use crate::{
     call::{Call, Sink},
+    dialect::fanuc::state::{Fanuc, Said},
     execute::{self, After},
     executor::Executor,
     fault::{Outcome, error, refuse},

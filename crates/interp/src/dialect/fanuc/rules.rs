@@ -1,8 +1,8 @@
 //! Fanuc's controls in the shared language: what they differ in once the front end has read their words.
-use super::kind::Kind;
-use crate::dialect::{
-    linuxcnc,
-    rules::{Family, FrontEndKind, Rules, StartUp},
+use crate::{
+    dialect::fanuc::kind::Kind,
+    dialect::linuxcnc,
+    dialect::rules::{Family, FrontEndKind, Rules, StartUp},
 };
 use gcode::Grammar;
 

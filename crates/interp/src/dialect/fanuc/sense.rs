@@ -1,10 +1,7 @@
 //! What the codes of a block make of its other words: P of a dwell is a time, P of a call a program.
-use super::{
-    Fanuc,
-    codes::{Meaning, meaning},
-    words::Said,
-};
 use crate::{
+    dialect::fanuc::codes::{Meaning, meaning},
+    dialect::fanuc::state::{Fanuc, Said},
     executor::Executor,
     fault::Outcome,
     modes::{FeedMode, Motion},
@@ -50,7 +47,7 @@ impl Fanuc {
             cycle: matches!(ex.modes.motion, Motion::Cycle(_)),
             tap: matches!(ex.modes.motion, Motion::Cycle(cycle) if cycle.tap_sense().is_some()),
             thread: ex.modes.motion == Motion::Thread,
-            feed: super::corner::in_force(ex) == Motion::Feed,
+            feed: in_force(ex) == Motion::Feed,
             per_revolution: ex.modes.feed_mode == FeedMode::PerRevolution,
             ..Sense::default()
         };
@@ -148,4 +145,9 @@ impl Fanuc {
         }
         Ok(())
     }
+}
+
+/// The motion in force: a profile that is taken down has its own.
+pub(super) fn in_force(ex: &Executor) -> Motion {
+    ex.recording.as_ref().map_or(ex.modes.motion, |recording| recording.motion())
 }

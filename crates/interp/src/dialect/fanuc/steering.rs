@@ -1,6 +1,5 @@
 //! Conditions, jumps and loops: IF, GOTO, WHILE, DO and END.
-use super::Fanuc;
-use crate::{fault::Outcome, program::Program};
+use crate::{dialect::fanuc::state::Fanuc, fault::Outcome, program::Program};
 use gcode::Control;
 
 impl Fanuc {

@@ -2,20 +2,12 @@
 //!
 //! `G22 X Y Z I J K`: the largest and the smallest coordinates of the machine; a lathe has X, Z, I and K, diameters along X.
 //! G22 alone brings the last box back. Whether its inside or its outside is forbidden is a parameter of the machine.
-use super::Fanuc;
 use crate::{
     StrokeZone,
+    dialect::fanuc::state::{Fanuc, Zone},
     executor::Executor,
     fault::{Outcome, refuse},
 };
-
-/// What G22 has set.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Zone {
-    outside: bool,
-    on: bool,
-    sides: Option<[[f64; 3]; 2]>,
-}
 
 impl Zone {
     pub(super) const fn new(outside: bool) -> Self {

@@ -14,9 +14,9 @@
 //! time as F says on the surface.
 //!
 //! Source: Fanuc, operator's manual of series 30i, "Cylindrical interpolation", "Polar coordinate interpolation".
-use super::{Fanuc, Then, words::Said};
 use crate::{
     call::{Call, Place, Sink},
+    dialect::fanuc::state::{Fanuc, Form, Said, Surface, Then},
     execute::After,
     executor::Executor,
     fault::{Outcome, error, refuse},
@@ -39,33 +39,6 @@ const C: usize = 5;
 /// Codes that lie on a surface, and those that end it, in tenths.
 const ALLOWED: [u16; 15] = [10, 20, 30, 40, 71, 131, 400, 410, 420, 900, 910, 940, 950, 1070, 1130];
 const LETTERS: [u8; 9] = *b"XYZABCUVW";
-
-/// Which surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Form {
-    /// The turning axis, its cylinder's radius, and the axis in whose place the unrolled length is.
-    Cylinder {
-        rotary: usize,
-        radius: f64,
-        place: usize,
-    },
-    Face,
-}
-
-/// G7.1 or G12.1 in force. Lengths are the program's.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Surface {
-    form: Form,
-    /// Where the program stands, and the tool, in the flat.
-    at: Point,
-    tool: Point,
-    /// Where the axes stand that the flat takes the place of.
-    axes: Point,
-    rate: f64,
-    per_revolution: bool,
-    speed: f64,
-    in_mm: f64,
-}
 
 impl Surface {
     fn new(form: Form, ex: &Executor) -> Self {

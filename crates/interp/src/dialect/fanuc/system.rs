@@ -14,20 +14,17 @@
 //! | #7001 – #7960, #14001 – #14960 of machining centres | G54.1 P1 – P48 |
 //!
 //! Source: Fanuc, operator's manual of series 30i, "System variables".
-use super::{
-    Fanuc,
-    tool_offsets::ToolVariable,
-    values::{Values, comment},
-};
 use crate::{
     Parameters,
     call::{Call, Sink},
+    dialect::fanuc::state::{Fanuc, Kept},
+    dialect::fanuc::tool_offsets::ToolVariable,
+    dialect::fanuc::values::{Values, comment},
     fault::{Outcome, refuse},
     modes::{FeedMode, Motion},
     out::Out,
     program::Program,
 };
-use core::cell::Cell;
 use diag::Span;
 
 /// Axes by their number in system variables.
@@ -39,17 +36,6 @@ const MORE_NEW: usize = 14_001;
 /// What the calendar says.
 const DATE: f64 = 20_000_101.0;
 const MS_PER_HOUR: f64 = 3_600_000.0;
-
-/// What system variables keep.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Kept {
-    /// #3001, #3002, in milliseconds.
-    timers: [Cell<f64>; 2],
-    /// #3003 to #3005, #3901, #3902.
-    set: [f64; 5],
-    /// #4102 …: the last B, D, E, H, M, N.
-    pub(super) words: [f64; 6],
-}
 
 /// Letters of [`Kept::words`], and the variable of each.
 const LETTERS: [(u8, usize); 6] =

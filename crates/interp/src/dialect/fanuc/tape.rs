@@ -14,8 +14,10 @@
 //! here all the same, above all that can be written.
 //!
 //! Made at the first jump or call, by one reading of the whole tape.
-use super::loops::{Bound, Loops, Mark};
-use crate::outline::At;
+use crate::{
+    dialect::fanuc::loops::{Bound, Loops, Mark},
+    outline::At,
+};
 use diag::Diagnostic;
 use gcode::{Block, Grammar, Label, Parser};
 

@@ -10,10 +10,11 @@
 //! ```
 //!
 //! Source: Fanuc, operator's manual of series 30i for lathes, "Multiple threading cycle".
-use super::turning::word;
-use super::{Fanuc, words};
 use crate::{
     call::{Call, Sink},
+    dialect::fanuc::state::{Fanuc, Said},
+    dialect::fanuc::turning::word,
+    dialect::fanuc::words,
     executor::Executor,
     fault::{Outcome, refuse},
     frame::Point,
@@ -22,7 +23,6 @@ use crate::{
     program::Program,
     threads::along_path,
 };
-use words::Said;
 
 /// More passes than this are a slip of the pen.
 const MOST: f64 = 10_000.0;
@@ -169,7 +169,7 @@ impl Fanuc {
 }
 
 /// Say where in the spindle's turn the thread that follows begins, if it is said.
-pub(super) fn angle<S: Sink>(_ex: &Executor, degrees: Option<f64>, out: &mut Out<'_, S>) {
+pub(super) fn angle<S: Sink>(degrees: Option<f64>, out: &mut Out<'_, S>) {
     if let Some(degrees) = degrees {
         out.say(&Call::ThreadAngle(degrees));
     }

@@ -17,9 +17,7 @@
 //! | | | #2701, #15001; #2801, #16001; #2901, #17001; #19001 | X; Z; nose radius; Y |
 //!
 //! Source: Fanuc, operator's manual of series 30i, "Tool compensation memory", "System variables".
-use super::Fanuc;
-use crate::executor::Executor;
-use std::collections::BTreeMap;
+use crate::{dialect::fanuc::state::Fanuc, executor::Executor};
 
 /// What of a tool.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,9 +38,6 @@ pub(super) struct ToolVariable {
     pub(super) part: Part,
     pub(super) wear: bool,
 }
-
-/// Wear of X, Y, Z and radius, mm, by the number of the offset.
-pub(super) type Wear = BTreeMap<u32, [f64; 4]>;
 
 /// First variable, how many, what.
 type Row = (usize, usize, Part, bool);

@@ -15,19 +15,15 @@
 //! after G70 behind its own block.
 //!
 //! Source: Fanuc, operator's manual of series 30i for lathes, "Multiple repetitive cycles".
-use super::{
-    Fanuc,
-    codes::{Meaning, meaning},
-    words::Said,
-};
 use crate::{
     call::Sink,
-    cycles, execute,
+    cycles,
+    dialect::fanuc::codes::{Meaning, meaning},
+    dialect::fanuc::state::{Fanuc, Said, Shape},
+    execute,
     fault::{Outcome, error, refuse},
     number::{near_whole, tenths},
-    offset_curve::Flat,
     out::Out,
-    outline::At,
     profile::cycle,
     profile::recording::{Order, Recording},
     profile::roughing::{Manner, Part, Roughing},
@@ -41,31 +37,6 @@ const MAX_TIMES: u32 = 1_000;
 
 /// How far a pass of the older form comes away, mm.
 const AWAY_MM: f64 = 0.5;
-
-/// What first lines have set.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct FirstLines {
-    /// G71, G72: depth of a pass, and how far it comes away.
-    depth: Option<f64>,
-    retract: f64,
-    /// G73: how far away it begins (Z, X), and how often.
-    relief: Flat,
-    times: Option<u32>,
-    /// G74, G75: back after each peck.
-    pub(super) back: f64,
-    /// G76: finishing passes, pull-off in tenths of the lead, angle of the tool, least depth, left for finishing.
-    pub(super) thread: Option<[f64; 5]>,
-}
-
-/// A profile being taken down.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Shape {
-    last: u32,
-    /// Where to go on; behind its last block if there is nothing here.
-    pub(super) back: Option<At>,
-    /// The cycle's block.
-    pub(super) cycle: u32,
-}
 
 /// The word with this letter.
 pub(super) fn word(said: &[Said], letter: u8) -> Option<&Said> {

@@ -12,9 +12,9 @@
 //! AND, OR and XOR work on the bits of whole numbers. Angles are in degrees; ATAN of two arguments
 //! gives 0 to 360. In a word that moves something, ROUND goes to the least input increment, and so does whatever a
 //! variable has in that word; elsewhere ROUND goes to whole numbers.
-use super::Fanuc;
 use crate::{
     call::Sink,
+    dialect::fanuc::state::{Fanuc, Variables},
     eval,
     executor::Executor,
     fault::{Outcome, refuse},
@@ -25,24 +25,12 @@ use crate::{
 use diag::Span;
 use gcode::{Block, Expr, Function, Operator, Parameter, Value};
 
-/// Variables of a macro of its own.
-pub(super) const LOCALS: usize = 33;
-/// #1 to #33.
-pub(super) type Locals = [Option<f64>; LOCALS];
 /// From here on common variables are kept.
 const FIRST_KEPT: usize = 500;
 
-/// What programs set.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Variables {
-    pub(super) local: Locals,
-    /// #100 to #999, of which #200 to #499 do not exist.
-    common: Vec<Option<f64>>,
-}
-
 impl Default for Variables {
     fn default() -> Self {
-        Self { local: [None; LOCALS], common: vec![None; 900] }
+        Self { local: [None; super::state::LOCALS], common: vec![None; 900] }
     }
 }
 

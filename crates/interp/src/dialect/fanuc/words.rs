@@ -1,11 +1,9 @@
 //! A block's words in the shared language: units, seconds, repetitions, increments, codes.
-use super::{
-    Callee, Fanuc, Then,
-    codes::{Meaning, is_shared_m, meaning},
-    sense::Sense,
-    values::rounded,
-};
 use crate::{
+    dialect::fanuc::codes::{Meaning, is_shared_m, meaning},
+    dialect::fanuc::sense::Sense,
+    dialect::fanuc::state::{Callee, Fanuc, Said, Then},
+    dialect::fanuc::values::rounded,
     executor::Executor,
     fault::{Outcome, error, refuse},
     number::{near_whole, tenths},
@@ -14,16 +12,6 @@ use crate::{
 };
 use diag::{Diagnostic, Span};
 use gcode::{Block, Value};
-
-/// A word with its value.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Said {
-    pub(super) letter: u8,
-    pub(super) value: f64,
-    /// Written as a number without a decimal point: it counts increments.
-    pub(super) counts: bool,
-    pub(super) span: Span,
-}
 
 impl Fanuc {
     /// Evaluate the block's words; those without a value vanish.
