@@ -35,15 +35,15 @@ pub(crate) fn comments<S: Sink>(
             CommentKind::Message => out.say(&Call::Message(text)),
             CommentKind::Debug if store.numbered.at(5599) == 0.0 => {}
             CommentKind::Debug => {
-                let text = expand(text, &Values { store: store, modes: modes });
+                let text = expand(text, &Values { store, modes });
                 out.say(&Call::Message(&text));
             }
             CommentKind::Print => {
-                let text = expand(text, &Values { store: store, modes: modes });
+                let text = expand(text, &Values { store, modes });
                 out.say(&Call::Print(&text));
             }
             CommentKind::Log => {
-                let text = expand(text, &Values { store: store, modes: modes });
+                let text = expand(text, &Values { store, modes });
                 out.say(&Call::Log(&text));
             }
             CommentKind::LogOpen | CommentKind::LogAppend => {
@@ -51,7 +51,7 @@ pub(crate) fn comments<S: Sink>(
             }
             CommentKind::LogClose => out.say(&Call::LogClose),
             CommentKind::Abort => {
-                let text = expand(text, &Values { store: store, modes: modes });
+                let text = expand(text, &Values { store, modes });
                 return crate::fault::refuse(
                     "I0316",
                     comment.span,

@@ -95,7 +95,7 @@ pub(crate) fn begin<S: Sink>(modes: &Modes, out: &mut Out<'_, S>) {
 /// Read a block's words.
 pub(crate) fn read(words: &mut Words, modes: &mut Modes, store: &Store, block: &Block) -> Outcome {
     modes.line = block.span.line;
-    let values = Values { store: store, modes: modes };
+    let values = Values { store, modes };
     words.read(block, &values)
 }
 
@@ -220,10 +220,10 @@ fn move_along<S: Sink>(ex: &mut Executor, motion: Motion, out: &mut Out<'_, S>) 
             out,
         )?,
         Motion::ArcClockwise | Motion::ArcCounterclockwise => {
-            arcs::arc(&ex.words, &mut ex.modes, motion, out)?
+            arcs::arc(&ex.words, &mut ex.modes, motion, out)?;
         }
         Motion::CubicSpline | Motion::QuadraticSpline => {
-            splines::spline(&ex.words, &mut ex.modes, motion, out)?
+            splines::spline(&ex.words, &mut ex.modes, motion, out)?;
         }
         Motion::Nurbs => splines::nurbs_point(&ex.words, &mut ex.modes, out)?,
         Motion::NurbsEnd => return splines::nurbs_end(&ex.words, &mut ex.modes, out),
@@ -233,7 +233,7 @@ fn move_along<S: Sink>(ex: &mut Executor, motion: Motion, out: &mut Out<'_, S>) 
         Motion::ThreadCycle => thread_cycle::thread_cycle(&ex.words, &mut ex.modes, out)?,
         Motion::Turning(code) => return cycle::turning(ex, code, out),
         Motion::Cycle(cycle) => {
-            cycles::cycle(&ex.words, &mut ex.modes, &ex.tools, &ex.settings, cycle, out)?
+            cycles::cycle(&ex.words, &mut ex.modes, &ex.tools, &ex.settings, cycle, out)?;
         }
     }
     ex.modes.motion = motion;

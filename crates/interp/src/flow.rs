@@ -80,24 +80,24 @@ impl Flow {
         match word.keyword {
             Keyword::Sub => self.jump_after(it, partner),
             Keyword::If => {
-                if self.argument(it)? == 0.0 {
+                if Self::argument(it)? == 0.0 {
                     self.next_clause(it, partner);
                 }
             }
             Keyword::ElseIf if self.choosing => {
                 self.choosing = false;
-                if self.argument(it)? == 0.0 {
+                if Self::argument(it)? == 0.0 {
                     self.next_clause(it, partner);
                 }
             }
             Keyword::ElseIf | Keyword::Else => self.jump_after(it, end),
             Keyword::While if closes_do => {
-                if self.argument(it)? != 0.0 {
+                if Self::argument(it)? != 0.0 {
                     self.jump_after(it, partner);
                 }
             }
             Keyword::While => {
-                if self.argument(it)? == 0.0 {
+                if Self::argument(it)? == 0.0 {
                     self.jump_after(it, partner);
                 }
             }
@@ -170,7 +170,7 @@ impl Flow {
     }
 
     /// The first argument of the O-word. A fault here leaves no way to go on.
-    fn argument(&mut self, it: &mut Program<'_>) -> Outcome<f64> {
+    fn argument(it: &mut Program<'_>) -> Outcome<f64> {
         let span = it.block.o.map_or(it.block.span, |o| o.span);
         let value = it.block.arguments.first().copied().unwrap_or(Value::Number(0.0));
         it.executor.modes.line = it.block.span.line;
@@ -180,7 +180,7 @@ impl Flow {
     }
 
     fn repeat(&mut self, it: &mut Program<'_>, begin: usize, end: usize) -> Outcome {
-        let count = self.argument(it)?.round();
+        let count = Self::argument(it)?.round();
         if count < 1.0 {
             self.jump_after(it, end);
         } else {
@@ -244,12 +244,12 @@ impl Flow {
         }
         let key = match outline::key(&it.block, label) {
             Some(key) => key,
-            None => self.computed_key(it, label, span)?,
+            None => Self::computed_key(it, label, span)?,
         };
         self.find_sub(it, &key, span)
     }
 
-    fn computed_key(&self, it: &Program<'_>, label: Label, span: diag::Span) -> Outcome<Box<str>> {
+    fn computed_key(it: &Program<'_>, label: Label, span: diag::Span) -> Outcome<Box<str>> {
         let Label::Computed(value) = label else { return Ok("".into()) };
         let number = it.executor.values().evaluate(&it.block, value, span)?;
         match near_whole(number).filter(|n| *n >= 0) {
@@ -323,7 +323,7 @@ impl Flow {
 
     /// `endsub`, `return`: with the value, if one is given.
     fn give_back<S: Sink>(&mut self, it: &mut Program<'_>, out: &mut Out<'_, S>) -> Outcome {
-        let value = if it.block.arguments.is_empty() { None } else { Some(self.argument(it)?) };
+        let value = if it.block.arguments.is_empty() { None } else { Some(Self::argument(it)?) };
         it.executor.modes.returned = value;
         it.executor.modes.value = value.unwrap_or(0.0);
         if self.frames.is_empty() {

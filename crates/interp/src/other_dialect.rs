@@ -360,7 +360,7 @@ impl Line {
             71 | 121 | 1070 | 1120 => say(Family::Fanuc, 2, "a path on a cylinder or a face"),
             500 if self.has("S") => say(Family::FanucLathe, 4, "the highest speed of the spindle"),
             320 if self.has_any("ZW") && self.has_any("FE") => {
-                say(Family::FanucLathe, 4, "a thread")
+                say(Family::FanucLathe, 4, "a thread");
             }
             700..=720
                 if tenths % 10 == 0 && (self.has("PQ") || self.has_any("UW") && self.has("R")) =>

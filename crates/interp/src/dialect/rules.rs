@@ -7,6 +7,7 @@ use crate::codes::{Code, GGroup, Letters, g_code};
 use gcode::Grammar;
 
 /// A dialect's differences.
+#[allow(clippy::struct_excessive_bools)] // conventions that have nothing to do with one another
 pub(crate) struct Rules {
     /// Its name on the command line and in machine files.
     pub(crate) name: &'static str,
