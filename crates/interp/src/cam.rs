@@ -33,6 +33,7 @@ const SELECT: u16 = 1510;
 const MOST_TURNS: u32 = 10_000;
 
 /// The cam code of the block at hand, in tenths, if it has one.
+#[inline]
 fn cam_code(words: &Words, modes: &Modes, settings: &Settings) -> Option<u16> {
     if let Some(code) = words.g(GGroup::Cam) {
         return Some(code);
@@ -47,6 +48,7 @@ fn cam_code(words: &Words, modes: &Modes, settings: &Settings) -> Option<u16> {
 }
 
 /// Execute the block if it is one of cam grinding. Whether it was.
+#[inline]
 pub(crate) fn cam<S: Sink>(
     words: &Words,
     modes: &mut Modes,

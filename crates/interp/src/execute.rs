@@ -93,6 +93,7 @@ pub(crate) fn begin<S: Sink>(modes: &Modes, out: &mut Out<'_, S>) {
 }
 
 /// Read a block's words.
+#[inline]
 pub(crate) fn read(words: &mut Words, modes: &mut Modes, store: &Store, block: &Block) -> Outcome {
     modes.line = block.span.line;
     let values = Values { store, modes };
@@ -100,6 +101,7 @@ pub(crate) fn read(words: &mut Words, modes: &mut Modes, store: &Store, block: &
 }
 
 /// Execute the words read.
+#[inline]
 pub(crate) fn execute<S: Sink>(ex: &mut Executor, out: &mut Out<'_, S>) -> Outcome<After> {
     if cam::cam(&ex.words, &mut ex.modes, &ex.settings, out)?
         || hobbing::hobbing(&ex.words, &mut ex.modes, out)?
@@ -114,6 +116,8 @@ pub(crate) fn execute<S: Sink>(ex: &mut Executor, out: &mut Out<'_, S>) -> Outco
     tool_change::non_stop_change(&mut ex.words, &ex.modes)?;
     obey(ex, motion, out)
 }
+
+#[inline]
 
 fn obey<S: Sink>(
     ex: &mut Executor,
@@ -163,6 +167,7 @@ fn obey<S: Sink>(
 }
 
 /// Which motion this block asks for: its own code, or the one in force if there are axis words for it.
+#[inline]
 pub(crate) fn motion(words: &Words, modes: &Modes) -> Outcome<Option<Motion>> {
     let axes = words.any(AXES | POLAR);
     let uses_axes = matches!(

@@ -37,6 +37,7 @@ const STEEPEST_DEG: f64 = 80.0;
 const SPINDLES: [u8; 2] = [0, 1];
 
 /// Execute the block if it begins hobbing. Whether it did.
+#[inline]
 pub(crate) fn hobbing<S: Sink>(
     words: &Words,
     modes: &mut Modes,

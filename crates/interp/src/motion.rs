@@ -16,6 +16,8 @@ use crate::{
 };
 use core::fmt::Display;
 
+#[inline]
+
 pub(crate) fn straight<S: Sink>(
     words: &Words,
     modes: &mut Modes,
@@ -45,6 +47,7 @@ pub(crate) fn straight<S: Sink>(
 }
 
 /// Check that there is a feed; with G93, say what it comes to on a path of this length.
+#[inline]
 pub(crate) fn say_feed<S: Sink>(
     words: &Words,
     modes: &Modes,
@@ -64,6 +67,7 @@ pub(crate) fn say_feed<S: Sink>(
 }
 
 /// Check that there is a feed.
+#[inline]
 pub(crate) fn check_feed(words: &Words, modes: &Modes, code: impl Display) -> Outcome {
     let feed = modes.feed;
     match modes.feed_mode {

@@ -91,6 +91,7 @@ impl<'s> Program<'s> {
     }
 
     /// Read the next block. Whether there is one to execute: it can be read, and nothing forbids to go on.
+    #[inline]
     pub(crate) fn read_block<S: Sink>(&mut self, out: &mut Out<'_, S>) -> Outcome<bool> {
         if !self.next_block() {
             if self.more_follows {
@@ -148,6 +149,7 @@ impl<'s> Program<'s> {
     }
 
     /// Read on; what has O-words is perhaps not read again.
+    #[inline]
     fn next_block(&mut self) -> bool {
         let parser = &mut self.parsers[self.file];
         if !self.steered {

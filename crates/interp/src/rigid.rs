@@ -40,6 +40,7 @@ const LEAST_SHARE: f64 = 0.01;
 const MAX_PECKS: f64 = 200.0;
 
 /// M29, and what must not change in rigid mode; before the block's modes are set.
+#[inline]
 pub(crate) fn rigid_mode(words: &Words, modes: &mut Modes, motion: Option<Motion>) -> Outcome {
     if motion.is_some_and(|m| tap_cycle(m).is_none()) && modes.rigid == Rigid::Cycling {
         modes.rigid = Rigid::Off;
@@ -76,6 +77,7 @@ fn fresh(words: &Words, modes: &Modes) -> bool {
 }
 
 /// What M29 waits for, and what ends it.
+#[inline]
 pub(crate) fn rigid_motion(words: &Words, modes: &mut Modes, motion: Motion) -> Outcome {
     let was = modes.rigid;
     modes.rigid = match (tap_cycle(motion), was) {

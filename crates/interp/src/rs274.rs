@@ -35,6 +35,7 @@ impl Rs274 {
     }
 
     /// Execute the block that was read.
+    #[inline]
     pub(crate) fn block<S: Sink>(&mut self, it: &mut Program<'_>, out: &mut Out<'_, S>) -> Outcome {
         if it.block.delete.is_some() && self.block_delete {
             return Ok(());
