@@ -118,7 +118,6 @@ pub(crate) fn execute<S: Sink>(ex: &mut Executor, out: &mut Out<'_, S>) -> Outco
 }
 
 #[inline]
-
 fn obey<S: Sink>(
     ex: &mut Executor,
     motion: Option<Motion>,

@@ -17,7 +17,6 @@ use crate::{
 use core::fmt::Display;
 
 #[inline]
-
 pub(crate) fn straight<S: Sink>(
     words: &Words,
     modes: &mut Modes,
