@@ -21,7 +21,7 @@ impl Bench {
     fn new() -> Self {
         let config = machine(1);
         let kernel = Kernel::new(control(&config));
-        let machine = SimulatedMachine::new(config).unwrap();
+        let machine = SimulatedMachine::new(config).expect("the test's machine can be built");
         let mut bench = Self { machine, kernel };
         bench.run(0.1);
         assert!(bench.kernel.is_ready());

@@ -261,7 +261,7 @@ mod tests {
         }
         let (mut low, mut high) = (0.0, v);
         for _ in 0..100 {
-            let middle = (low + high) / 2.0;
+            let middle = f64::midpoint(low, high);
             if middle * rise(middle) < distance { low = middle } else { high = middle }
         }
         2.0 * rise(low)

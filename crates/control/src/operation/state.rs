@@ -13,7 +13,7 @@
 //!           (from any of them)    └───────────────► WAIT ──────────────► ACTIVE
 //! ```
 //!
-//! Execution says what the program does; what the axes do is the kernel's activity. Words are those of MTConnect.
+//! Execution says what the program does; what the axes do is the kernel's activity. Words are those of `MTConnect`.
 use core::fmt;
 
 /// What the program does.
@@ -83,13 +83,13 @@ impl Execution {
     pub const fn after(self, event: ExecutionEvent) -> Option<Self> {
         use ExecutionEvent as On;
         Some(match (self, event) {
-            (Self::Ready | Self::ProgramCompleted | Self::Stopped, On::Start) => Self::Active,
             (Self::Active | Self::Wait, On::Hold) => Self::FeedHold,
             (Self::Active, On::BlockDone) => Self::Interrupted,
             (Self::Active, On::Stop) => Self::ProgramStopped,
             (Self::Active, On::OptionalStop) => Self::OptionalStop,
             (Self::Active, On::Wait) => Self::Wait,
-            (
+            (Self::Ready | Self::ProgramCompleted | Self::Stopped, On::Start)
+            | (
                 Self::Wait
                 | Self::FeedHold
                 | Self::Interrupted
@@ -117,7 +117,7 @@ impl Execution {
         )
     }
 
-    /// As MTConnect writes it.
+    /// As `MTConnect` writes it.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Ready => "READY",
@@ -146,7 +146,7 @@ pub enum Mode {
 }
 
 impl Mode {
-    /// As MTConnect writes it.
+    /// As `MTConnect` writes it.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Automatic => "AUTOMATIC",
@@ -167,7 +167,7 @@ pub enum EmergencyStop {
 }
 
 impl EmergencyStop {
-    /// As MTConnect writes it.
+    /// As `MTConnect` writes it.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Armed => "ARMED",
@@ -187,7 +187,7 @@ pub enum Power {
 }
 
 impl Power {
-    /// As MTConnect writes it.
+    /// As `MTConnect` writes it.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Off => "OFF",
