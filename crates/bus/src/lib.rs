@@ -4,7 +4,7 @@
 //!             Command (setpoints, force and torque references)
 //!   kernel ───────────────────────────────────────────────────► machine: simulated, or real drives
 //!          ◄───────────────────────────────────────────────────
-//!             Feedback (encoders, drive states, the time)
+//!             Feedback (encoders, switches, inputs, drive states, the time)
 //!
 //!   Sample = Feedback + Command + Report (the kernel's own view) + Truth (what only a simulator can know)
 //! ```
@@ -18,6 +18,10 @@ use units::{Angle, Force, Lead, Length, Speed, Spin, Time, Torque};
 pub const AXES: usize = 9;
 /// Spindles a machine may have.
 pub const SPINDLES: usize = 2;
+/// Digital signals that a machine may have, of each direction.
+pub const DIGITAL: usize = 64;
+/// Analogue signals that a machine may have, of each direction.
+pub const ANALOGUE: usize = 16;
 
 /// What a machine says of one axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -28,6 +32,13 @@ pub struct AxisFeedback {
     pub motor: Option<Length>,
     /// The drive is powered and has no fault.
     pub ready: bool,
+    /// The home switch is actuated.
+    pub home_switch: bool,
+    /// The limit switches at the negative and at the positive end of the travel are actuated.
+    pub limit_switches: [bool; 2],
+    /// Position, by the encoder that `position` is read from, at which its index mark passed, if it did during the last
+    /// period.
+    pub index: Option<Length>,
 }
 
 /// What a machine says of one spindle.
@@ -43,6 +54,30 @@ pub struct SpindleFeedback {
     pub saturated: bool,
 }
 
+/// Digital and analogue signals, each kind counted from 0: inputs that programs wait for (M66), outputs that they switch
+/// (M62 to M65, M67, M68).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Signals {
+    /// A bit for each; set is on.
+    pub digital: u64,
+    /// In the machine's own unit.
+    pub analogue: [f64; ANALOGUE],
+}
+
+impl Signals {
+    /// A digital signal is on; one that no machine has is off.
+    pub const fn is_on(&self, number: u8) -> bool {
+        (number as usize) < DIGITAL && self.digital >> number & 1 == 1
+    }
+
+    /// Switch a digital signal, if a machine can have it.
+    pub const fn switch(&mut self, number: u8, on: bool) {
+        if (number as usize) < DIGITAL {
+            self.digital = self.digital & !(1 << number) | (on as u64) << number;
+        }
+    }
+}
+
 /// What a machine says, once a period.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Feedback {
@@ -56,6 +91,10 @@ pub struct Feedback {
     pub tool: Option<u32>,
     /// The emergency stop chain is open.
     pub emergency_stop: bool,
+    /// The probe is deflected, or its circuit is closed.
+    pub probe: bool,
+    /// Inputs of the machine and of its surroundings.
+    pub inputs: Signals,
 }
 
 /// What the kernel wants of one axis.
@@ -98,6 +137,8 @@ pub struct Command {
     pub flood: bool,
     /// Mist coolant.
     pub mist: bool,
+    /// Outputs to the machine and to its surroundings.
+    pub outputs: Signals,
     /// What the drives shall keep together, should they be left alone.
     pub coupled: Option<Coupled>,
 }

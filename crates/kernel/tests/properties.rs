@@ -21,7 +21,7 @@ fn feedback(tick: usize, z: f64, angle: f64, ready: bool) -> Feedback {
     let mut said =
         Feedback { time: Time::s(tick as f64 * 250e-6), tool: Some(0), ..Feedback::default() };
     for axis in &mut said.axes {
-        *axis = AxisFeedback { position: Length::mm(0.0), motor: None, ready };
+        *axis = AxisFeedback { ready, ..AxisFeedback::default() };
     }
     said.axes[2].position = Length::mm(z);
     said.spindles[0] =

@@ -233,7 +233,7 @@ impl Axis {
     /// What the machine says of it.
     pub(crate) fn feedback(&self) -> bus::AxisFeedback {
         let (position, motor) = self.screw.read(self.motor.x, self.table.x);
-        bus::AxisFeedback { position, motor, ready: self.on }
+        bus::AxisFeedback { position, motor, ready: self.on, ..bus::AxisFeedback::default() }
     }
 
     /// Where the table really is.

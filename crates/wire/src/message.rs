@@ -1,8 +1,8 @@
 //! What is said.
 use crate::bytes::{Reader, Writer};
 use bus::{
-    AXES, AxisCommand, AxisFeedback, Command, Feedback, SPINDLES, SpindleCommand, SpindleFeedback,
-    ToolBreak, Truth,
+    ANALOGUE, AXES, AxisCommand, AxisFeedback, Command, Feedback, SPINDLES, Signals,
+    SpindleCommand, SpindleFeedback, ToolBreak, Truth,
 };
 use units::{Angle, Force, Length, Speed, Spin, Time, Torque};
 
@@ -299,6 +299,7 @@ fn write_command(w: &mut Writer<'_>, command: &Command) {
     w.u32(command.tool);
     w.u8(command.flood.into());
     w.u8(command.mist.into());
+    write_signals(w, &command.outputs);
     w.u8(command.coupled.is_some().into());
     if let Some(coupled) = &command.coupled {
         w.u8(coupled.axis);
@@ -328,6 +329,7 @@ fn read_command(r: &mut Reader<'_>) -> Option<Command> {
     command.tool = r.u32()?;
     command.flood = r.flag()?;
     command.mist = r.flag()?;
+    command.outputs = read_signals(r)?;
     command.coupled = if r.flag()? {
         Some(bus::Coupled {
             axis: r.u8()?,
@@ -342,15 +344,33 @@ fn read_command(r: &mut Reader<'_>) -> Option<Command> {
     Some(command)
 }
 
+fn write_signals(w: &mut Writer<'_>, signals: &Signals) {
+    w.u64(signals.digital);
+    w.u16(mask(&signals.analogue));
+    for value in signals.analogue.iter().filter(|value| **value != 0.0) {
+        w.f64(*value);
+    }
+}
+
+fn read_signals(r: &mut Reader<'_>) -> Option<Signals> {
+    let mut signals = Signals { digital: r.u64()?, ..Signals::default() };
+    for index in indices(r.u16()?, ANALOGUE)? {
+        signals.analogue[index] = r.f64()?;
+    }
+    Some(signals)
+}
+
 fn write_observed(w: &mut Writer<'_>, observed: &Observed) {
     let feedback = &observed.feedback;
     w.f64(feedback.time.value());
     w.u16(mask(&feedback.axes));
     for axis in feedback.axes.iter().filter(|axis| **axis != AxisFeedback::default()) {
-        w.u8(mask(&[axis.ready, axis.motor.is_some()]) as u8);
+        let [negative, positive] = axis.limit_switches;
+        let (motor, index) = (axis.motor.is_some(), axis.index.is_some());
+        w.u8(mask(&[axis.ready, motor, axis.home_switch, negative, positive, index]) as u8);
         w.f64(axis.position.value());
-        if let Some(motor) = axis.motor {
-            w.f64(motor.value());
+        for length in [axis.motor, axis.index].into_iter().flatten() {
+            w.f64(length.value());
         }
     }
     w.u16(mask(&feedback.spindles));
@@ -365,6 +385,8 @@ fn write_observed(w: &mut Writer<'_>, observed: &Observed) {
     w.u8(feedback.tool.is_some().into());
     w.u32(feedback.tool.unwrap_or(0));
     w.u8(feedback.emergency_stop.into());
+    w.u8(feedback.probe.into());
+    write_signals(w, &feedback.inputs);
     w.u8(observed.truth.is_some().into());
     if let Some(truth) = &observed.truth {
         write_truth(w, truth);
@@ -375,13 +397,16 @@ fn read_observed(r: &mut Reader<'_>) -> Option<Observed> {
     let mut feedback = Feedback { time: Time::s(r.f64()?), ..Feedback::default() };
     for index in indices(r.u16()?, AXES)? {
         let flags = r.u8()?;
-        if flags > 3 {
+        if flags > 63 {
             return None;
         }
         feedback.axes[index] = AxisFeedback {
             ready: flags & 1 != 0,
+            home_switch: flags & 4 != 0,
+            limit_switches: [flags & 8 != 0, flags & 16 != 0],
             position: Length::mm(r.f64()?),
             motor: if flags & 2 == 0 { None } else { Some(Length::mm(r.f64()?)) },
+            index: if flags & 32 == 0 { None } else { Some(Length::mm(r.f64()?)) },
         };
     }
     for index in indices(r.u16()?, SPINDLES)? {
@@ -399,6 +424,8 @@ fn read_observed(r: &mut Reader<'_>) -> Option<Observed> {
     let (has_tool, tool) = (r.flag()?, r.u32()?);
     feedback.tool = has_tool.then_some(tool);
     feedback.emergency_stop = r.flag()?;
+    feedback.probe = r.flag()?;
+    feedback.inputs = read_signals(r)?;
     let truth = if r.flag()? { Some(read_truth(r)?) } else { None };
     Some(Observed { feedback, truth })
 }

@@ -118,8 +118,12 @@ pub fn run(ops: &[Op], jerk: f64, orders: &[(usize, Order)]) -> Seen {
         feedback.tool = Some(0);
         let command = kernel.tick(&feedback);
         for (axis, told) in feedback.axes.iter_mut().zip(&command.axes) {
-            *axis =
-                AxisFeedback { position: told.position, motor: Some(told.position), ready: true };
+            *axis = AxisFeedback {
+                position: told.position,
+                motor: Some(told.position),
+                ready: true,
+                ..AxisFeedback::default()
+            };
         }
         feedback.spindles =
             [SpindleFeedback { ready: true, ..SpindleFeedback::default() }; bus::SPINDLES];

@@ -46,7 +46,13 @@ fn observed(time: f64) -> Observed {
         position: Length::mm(-151.25),
         motor: Some(Length::mm(-151.2)),
         ready: true,
+        home_switch: true,
+        limit_switches: [false, true],
+        index: Some(Length::mm(-152.0)),
     };
+    observed.feedback.probe = true;
+    observed.feedback.inputs.switch(63, true);
+    observed.feedback.inputs.analogue[15] = -2.5;
     observed.feedback.spindles[0] = bus::SpindleFeedback {
         angle: Angle::rev(12.5),
         index: Some(Angle::rev(12.0)),
@@ -82,6 +88,8 @@ fn command() -> Command {
         spin: Spin::rpm(-1000.0),
         torque: Torque::n_m(4.5),
     };
+    command.outputs.switch(3, true);
+    command.outputs.analogue[0] = 0.75;
     command.coupled = Some(bus::Coupled {
         axis: 2,
         spindle: 0,
