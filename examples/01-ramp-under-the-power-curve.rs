@@ -19,7 +19,7 @@ fn torque(spindle: &SpindleLimits, force_ramp: Option<Time>) -> Vec<(f64, f64)> 
         spin: Spin::rpm(6000.0),
         lead: Lead::mm_per_rev(1.0),
         cut: Torque::ZERO,
-        gentle: None,
+        spindle_accel: None,
         force_ramp,
     }
     .plan(spindle, &feed);

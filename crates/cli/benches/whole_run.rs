@@ -1,5 +1,5 @@
 //! How fast whole runs are: interpreting, planning, ticking, simulating, judging and recording of a shipped
-//! program, as `leadscrew run --timings` states it. Prints the median of some runs, without and with the papers.
+//! program, as `leadscrew run --timings` states it. Prints the median of some runs, without and with report files.
 //!
 //! ```text
 //!   cargo bench -p cli
@@ -19,18 +19,18 @@ fn main() {
 }
 
 /// Simulated time over time: median of some runs.
-fn median(program: &str, papers: bool) -> f64 {
-    let mut ratios: Vec<_> = (0..RUNS).map(|_| ratio(program, papers)).collect();
+fn median(program: &str, report_files: bool) -> f64 {
+    let mut ratios: Vec<_> = (0..RUNS).map(|_| ratio(program, report_files)).collect();
     ratios.sort_by(f64::total_cmp);
     ratios[RUNS / 2]
 }
 
-fn ratio(program: &str, papers: bool) -> f64 {
+fn ratio(program: &str, report_files: bool) -> f64 {
     let folder = tempfile::tempdir().unwrap();
     let mut run = Command::new(env!("CARGO_BIN_EXE_leadscrew"));
     run.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."));
     run.args(["run", program, "-q", "--timings"]);
-    if papers {
+    if report_files {
         run.arg("--out").arg(folder.path().join("out"));
     }
     let output = run.output().unwrap();

@@ -1,7 +1,7 @@
 //! The `leadscrew` program: arguments in, tables and pages out. What it does is done by the library.
 //!
 //! ```text
-//!   args ─► run           leadscrew::Run ─► papers, summary
+//!   args ─► run           leadscrew::Run ─► report files, summary
 //!        ├► check         control::job::preflight ─► render
 //!        ├► time          leadscrew::time ─► tables
 //!        ├► compare       leadscrew::compare        holders, on a spindle that scatters

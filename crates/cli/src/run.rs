@@ -1,4 +1,4 @@
-//! `leadscrew run`: prove a program, run it on the simulated machine, judge the workpiece, leave the papers.
+//! `leadscrew run`: prove a program, run it on the simulated machine, judge the workpiece, leave the report files.
 use crate::args::{Format, RunArgs};
 use crate::log::Log;
 use crate::progress::Progress;
@@ -39,7 +39,7 @@ pub(crate) fn command(args: &RunArgs, quiet: bool) -> Result<Ending, Refused> {
     if let Some(what) = finished.left() {
         left::write(&args.left, what)?;
     }
-    papers(args, folder, &mut finished)?;
+    write_outputs(args, folder, &mut finished)?;
     told(args, quiet, &finished)?;
     Ok(finished.ending())
 }
@@ -70,7 +70,11 @@ fn begins(restart: &Restart) -> String {
 }
 
 /// Report, certificate and solids: all that was asked for, or nothing.
-fn papers(args: &RunArgs, folder: Option<Folder>, finished: &mut Finished) -> Result<(), Refused> {
+fn write_outputs(
+    args: &RunArgs,
+    folder: Option<Folder>,
+    finished: &mut Finished,
+) -> Result<(), Refused> {
     if folder.is_none() && args.report.is_none() {
         return Ok(());
     }
@@ -136,7 +140,7 @@ fn not_ready(why: NotReady, args: &RunArgs) -> Refused {
     }
 }
 
-/// The folder for the papers; the folders above it are made if they are missing.
+/// The folder for the report files; the folders above it are made if they are missing.
 fn begin_folder(path: &Path) -> Result<Folder, Refused> {
     if let Some(parent) = path.parent() {
         std::fs::create_dir_all(parent).map_err(|e| {

@@ -24,7 +24,7 @@ pub(crate) fn text(finished: &Finished, out: Option<&Path>) -> String {
     said += &went_wrong(outcome);
     said += &saturation(outcome);
     said += &warnings(outcome);
-    said += &control::services::learning::text(&outcome.lessons);
+    said += &control::services::learning::text(&outcome.learning_records);
     for line in &outcome.cams.said {
         said += line;
         said.push('\n');

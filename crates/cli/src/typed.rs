@@ -1,7 +1,7 @@
 //! What was typed behind `leadscrew run`, kept so that the recovery can print the whole command that goes on.
 //!
 //! Where the machine simulator is, where its state is kept, where to begin and what the operator ordered belong to one run; everything else (machine, tools,
-//! dialect, cams, parameters, learning, papers) belongs to the job.
+//! dialect, cams, parameters, learning, report files) belongs to the job.
 
 /// Options that belong to one run, each with a value.
 const OF_ONE_RUN: [&str; 5] = ["--simulator", "--iron", "--state", "--from", "--operator"];

@@ -1,12 +1,12 @@
 //! More feed than programmed, and stops at each line, at any moment: what has not been done is planned anew.
 use kernel::Kernel;
 use plan::Step;
-use plan::{Planner, Wish};
+use plan::{OperatorSettings, Planner};
 use std::collections::VecDeque;
 
 /// What the moves that wait were planned for.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Pace(Wish);
+pub(crate) struct Pace(OperatorSettings);
 
 impl Pace {
     /// Look what the operator wants. `queue`: steps on their way to the kernel; `sent`: steps that it has.
@@ -18,20 +18,23 @@ impl Pace {
         sent: &mut VecDeque<Step>,
     ) {
         let operator = kernel.operator();
-        let wish = Wish { share: operator.share(false).max(1.0), stops: operator.single_block() };
-        if wish == self.0 || kernel.is_over() {
+        let settings = OperatorSettings {
+            share: operator.share(false).max(1.0),
+            stops: operator.single_block(),
+        };
+        if settings == self.0 || kernel.is_over() {
             return;
         }
-        let more = wish.share > self.0.share || (wish.stops && !self.0.stops);
+        let more = settings.share > self.0.share || (settings.stops && !self.0.stops);
         if !more {
             // slower is the kernel's affair, and a stop that is planned does no harm
-            self.0 = wish;
-            return planner.wish(wish);
+            self.0 = settings;
+            return planner.set_operator(settings);
         }
         let Some(back) = kernel.hand_back() else { return };
-        self.0 = wish;
+        self.0 = settings;
         let mut steps = Vec::from(sent.split_off(sent.len().saturating_sub(back.steps)));
         steps.extend(queue.drain(..));
-        planner.repace(wish, steps, back.done, &mut |step| queue.push_back(step));
+        planner.repace(settings, steps, back.done, &mut |step| queue.push_back(step));
     }
 }

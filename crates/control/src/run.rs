@@ -74,7 +74,7 @@ pub struct Outcome {
     /// Holes that the program tapped but did not drill.
     pub assumed_holes: usize,
     /// What repeated taps have learnt.
-    pub lessons: Vec<sync::Lesson>,
+    pub learning_records: Vec<sync::LearningRecord>,
     /// What was measured and taught of cams.
     pub cams: CamHost,
     /// What a wheel's idle turns would have ground.
@@ -360,7 +360,7 @@ impl Running {
             limiting: feeder.limiting,
             saturated: observers.saturated,
             assumed_holes: machine.assumed_holes(),
-            lessons: kernel.lessons().to_vec(),
+            learning_records: kernel.learning_records().to_vec(),
             cams,
             idle: observers.idle.map(IdleTurns::finish).unwrap_or_default(),
             timings,

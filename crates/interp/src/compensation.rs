@@ -30,7 +30,6 @@
 use crate::{
     call::{Call, Sink},
     codes::GGroup,
-    doubts::Doubts,
     executor::Settings,
     fault::{Outcome, error, refuse},
     frame::Point,
@@ -39,6 +38,7 @@ use crate::{
     offset_curve::{Curve, Flat, Way, length, minus, plus, sweep_rad, times, turn_rad},
     out::{Out, Waiting},
     tools::Tools,
+    unknown::Unknown,
     words::Words,
 };
 use canon::Plane;
@@ -81,7 +81,7 @@ pub(crate) fn compensation<S: Sink>(
     match words.g(GGroup::Compensation) {
         None => Ok(()),
         Some(400) => {
-            modes.doubts.clear(Doubts::COMPENSATION);
+            modes.unknown.clear(Unknown::COMPENSATION);
             compensation_off(words, modes, out)?;
             out.say(&Call::Note("cutter radius compensation off"));
             Ok(())

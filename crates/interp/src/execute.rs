@@ -109,7 +109,7 @@ pub(crate) fn execute<S: Sink>(ex: &mut Executor, out: &mut Out<'_, S>) -> Outco
         return stops(&ex.words, &mut ex.modes, &mut ex.store, &ex.settings, out);
     }
     let motion = motion(&ex.words, &ex.modes)?;
-    if refused::motion_is_in_doubt(&ex.words, &ex.modes) {
+    if refused::motion_is_unknown(&ex.words, &ex.modes) {
         refused::follow(ex, out);
         return stops(&ex.words, &mut ex.modes, &mut ex.store, &ex.settings, out);
     }

@@ -1,13 +1,13 @@
 //! The program, block by block: reads, follows its front end, collects what was found.
 use crate::{
     call::Sink,
-    doubts::Doubts,
     execute,
     front_end::FrontEnd,
     out::Out,
     program::Program,
     refused,
     setup::{Parameters, Setup},
+    unknown::Unknown,
 };
 use diag::{Diagnostic, Span};
 
@@ -69,7 +69,7 @@ impl<'s> Interpreter<'s> {
     #[inline]
     fn block<S: Sink>(&mut self, out: &mut Out<'_, S>) {
         let it = &mut self.program;
-        let before = it.executor.modes.doubts;
+        let before = it.executor.modes.unknown;
         let result = match it.read_block(out) {
             Ok(true) => self.front_end.block(it, out),
             Ok(false) => Ok(()),
@@ -77,9 +77,9 @@ impl<'s> Interpreter<'s> {
         };
         match result {
             Err(fault) => it.refuse(*fault, before, out),
-            Ok(()) if it.executor.modes.doubts != Doubts::default() && !it.block.faulty => {
+            Ok(()) if it.executor.modes.unknown != Unknown::default() && !it.block.faulty => {
                 let ex = &mut it.executor;
-                refused::settle_doubts(&ex.words, &mut ex.modes, &it.block, out);
+                refused::settle_unknown(&ex.words, &mut ex.modes, &it.block, out);
             }
             Ok(()) => {}
         }

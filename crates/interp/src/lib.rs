@@ -39,7 +39,6 @@ mod cycles;
 mod decimal;
 mod dialect;
 mod distances;
-mod doubts;
 mod eval;
 mod execute;
 mod executor;
@@ -90,6 +89,7 @@ mod threads;
 mod tool_change;
 mod tool_table;
 mod tools;
+mod unknown;
 mod words;
 
 pub use call::{
@@ -99,7 +99,6 @@ pub use call::{
 pub use catalogue::{CodeInfo, codes, describe, describe_in, dialect_codes};
 pub use contents::Contents;
 pub use dialect::{DepthFrom, Dialect};
-pub use doubts::Doubts;
 pub use explain::{Finding, example_setup, explain, findings};
 pub use frame::{Frame, Point};
 pub use interpreter::{Interpreter, Progress};
@@ -114,3 +113,4 @@ pub use setup::{
     Subprogram, UserCode,
 };
 pub use snapshot::{Snapshot, Standing};
+pub use unknown::Unknown;

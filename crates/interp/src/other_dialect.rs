@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Each kind of word counts once, for the dialects that have it, by how little the others could mean by it: 1 is a hint,
-//! 4 is a word that no other dialect has. The dialect at hand is doubted where another one has at least
+//! 4 is a word that no other dialect has. The dialect at hand is questioned where another one has at least
 //! [`DECISIVE`] and more than itself. Read are the letters alone, not what they do, and only the first lines: what a
 //! program is written for is seen at its beginning.
 //!

@@ -3,7 +3,6 @@
 //! The front end of a dialect decides which block is next and what it says; it works on this.
 use crate::{
     call::{Call, Sink},
-    doubts::Doubts,
     execute,
     executor::Executor,
     fault::{Outcome, error},
@@ -12,6 +11,7 @@ use crate::{
     refused,
     reread::Reread,
     setup::{Limits, Setup},
+    unknown::Unknown,
 };
 use diag::{Diagnostic, Span};
 use gcode::{Block, Parser};
@@ -109,8 +109,8 @@ impl<'s> Program<'s> {
             self.report_all(found);
             self.faults += 1; // read again, it is not reported again
             let text = self.text_of_block();
-            refused::doubt_unreadable(&mut self.executor.modes, text);
-            out.sink.doubt(self.executor.modes.doubts);
+            refused::forget_unreadable(&mut self.executor.modes, text);
+            out.sink.suppress(self.executor.modes.unknown);
             return Ok(false);
         }
         Ok(true)
@@ -129,14 +129,14 @@ impl<'s> Program<'s> {
     pub(crate) fn refuse<S: Sink>(
         &mut self,
         fault: Diagnostic,
-        mut before: Doubts,
+        mut before: Unknown,
         out: &mut Out<'_, S>,
     ) {
         if refused::names_its_motion(&self.executor.words, &self.block) {
-            before.clear(Doubts::MOTION);
+            before.clear(Unknown::MOTION);
         }
         let explained = before.and(out.sink.missed()).may_cause(fault.code, &self.block)
-            || self.executor.modes.doubts.hide_blocks(fault.code);
+            || self.executor.modes.unknown.hide_blocks(fault.code);
         if fault.is_error() {
             let text = self.text_of_block();
             refused::after_refusal(&mut self.executor, fault.code, &self.block, text, out);

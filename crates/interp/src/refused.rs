@@ -1,52 +1,52 @@
-//! After a refusal nothing is condemned on its behalf: the block is followed as far as it can be understood, and what
-//! cannot be known any more is in doubt until the program says it again.
+//! After a refusal nothing else is refused because of it: the block is followed as far as it can be understood, what cannot
+//! be known any more is [`Unknown`] until the program says it again, and diagnostics that ask for it are suppressed.
 //!
 //! ```text
 //!   G1 G41 D99 X10 Y0      refused: no such tool          followed: G1, X10 Y0, compensation as if off
 //!   G3 X20 I5              the arc begins where it was meant to begin: no error
-//!   G0 X[1/0]              refused                         in doubt: where X stands
+//!   G0 X[1/0]              refused                         unknown: where X stands
 //!   G2 X30 I5              says nothing: whether its ends fit is not known
 //!   G0 X0                  X is known again
 //! ```
 //!
-//! A finding that asks for what is in doubt ([`needs`]) is not told: it would say again what the first refusal has said,
-//! or what is not so. One that says that something is missing puts that in doubt itself, so that it is told once and not
+//! A finding that asks for what is unknown ([`needs`]) is not told: it would say again what the first refusal has said,
+//! or what is not so. One that says that something is missing makes that unknown itself, so that it is told once and not
 //! in each of a hundred lines.
 use crate::{
     auxiliary,
     call::{Call, Sink},
     codes::{self, AXES, CENTRE, GGroup, POLAR},
     compensation, distances,
-    doubts::{self, Doubts},
     executor::Executor,
     modes::{Modes, Motion},
     offsets,
     out::Out,
     switch, target,
+    unknown::{self, Unknown},
     words::{Stage, Words},
 };
 
-/// A block that nobody could read: what it may have said.
-pub(crate) fn doubt_unreadable(modes: &mut Modes, text: &[u8]) {
-    let letters = doubts::letters_of(text);
-    modes.doubts.add(doubts::said_by(letters));
+/// After a block that could not be read: what it may have said is unknown.
+pub(crate) fn forget_unreadable(modes: &mut Modes, text: &[u8]) {
+    let letters = unknown::letters_of(text);
+    modes.unknown.add(unknown::said_by(letters));
     let upper = text.to_ascii_uppercase();
     if upper.windows(2).any(|pair| pair == b"G9") {
-        modes.doubts.add(Doubts::DISTANCE);
+        modes.unknown.add(Unknown::DISTANCE);
     }
     if text.contains(&b'#') {
-        modes.doubts.add(Doubts::PARAMETERS);
+        modes.unknown.add(Unknown::PARAMETERS);
     }
 }
 
 /// A parameter could not be set.
-pub(crate) fn doubt_parameters(modes: &mut Modes) {
-    modes.doubts.add(Doubts::PARAMETERS);
+pub(crate) fn forget_parameters(modes: &mut Modes) {
+    modes.unknown.add(Unknown::PARAMETERS);
 }
 
 /// A numbered block that is looked for is there, and cannot be read.
-pub(crate) fn doubt_blocks(modes: &mut Modes) {
-    modes.doubts.add(Doubts::BLOCKS);
+pub(crate) fn forget_blocks(modes: &mut Modes) {
+    modes.unknown.add(Unknown::BLOCKS);
 }
 
 /// Whether it is no matter for this block which motion was in force.
@@ -54,9 +54,9 @@ pub(crate) fn names_its_motion(words: &Words, block: &gcode::Block) -> bool {
     words.place.span == block.span && words.g(GGroup::Motion).is_some()
 }
 
-/// Whether nobody knows what a block of axis words alone would do.
-pub(crate) fn motion_is_in_doubt(words: &Words, modes: &Modes) -> bool {
-    modes.doubts.has(Doubts::MOTION)
+/// Whether it is unknown what a block of axis words alone would do.
+pub(crate) fn motion_is_unknown(words: &Words, modes: &Modes) -> bool {
+    modes.unknown.has(Unknown::MOTION)
         && words.g(GGroup::Motion).is_none()
         && words.any(AXES | CENTRE | POLAR)
 }
@@ -70,24 +70,24 @@ pub(crate) fn after_refusal<S: Sink>(
     out: &mut Out<'_, S>,
 ) {
     let read = ex.words.place.span == block.span;
-    let needed = doubts::needs(code);
+    let needed = unknown::needs(code);
     let failed = ex.words.stage;
-    let mut missing = needed & !(Doubts::PLACE | Doubts::DISTANCE);
+    let mut missing = needed & !(Unknown::PLACE | Unknown::DISTANCE);
     if read {
         missing |= match failed {
-            Stage::Feed => Doubts::FEED,
-            Stage::Speed => Doubts::SPEED,
-            Stage::Tools => Doubts::TOOL,
+            Stage::Feed => Unknown::FEED,
+            Stage::Speed => Unknown::SPEED,
+            Stage::Tools => Unknown::TOOL,
             _ => 0,
         };
-        if needed & Doubts::PLACE != 0 {
+        if needed & Unknown::PLACE != 0 {
             // a word may be missing that says where it ends
-            missing |= Doubts::PLACE & !doubts::said_by(ex.words.letters_present());
+            missing |= Unknown::PLACE & !unknown::said_by(ex.words.letters_present());
         }
     }
     let grinds = ex.modes.cam || read && ex.words.g(GGroup::Cam).is_some();
     if read && ex.recording.is_none() && !grinds {
-        if needed & Doubts::COMPENSATION != 0 {
+        if needed & Unknown::COMPENSATION != 0 {
             give_up_compensation(&mut ex.modes, out);
         }
         if code == "I0533" {
@@ -96,18 +96,18 @@ pub(crate) fn after_refusal<S: Sink>(
         follow(ex, out);
     }
     let unread = match (read, failed) {
-        (false, _) => doubts::letters_of(text),
-        (true, Stage::Words) if ex.settings.rules.reads_up_to_fault => doubts::letters_of(text),
+        (false, _) => unknown::letters_of(text),
+        (true, Stage::Words) if ex.settings.rules.reads_up_to_fault => unknown::letters_of(text),
         (true, _) => ex.words.unread,
     };
     let of_computed =
-        if ex.modes.doubts.has(Doubts::PARAMETERS) { doubts::computed(block) } else { 0 };
-    ex.modes.doubts.add(doubts::said_by(unread | of_computed) | missing);
-    out.sink.doubt(ex.modes.doubts);
+        if ex.modes.unknown.has(Unknown::PARAMETERS) { unknown::computed(block) } else { 0 };
+    ex.modes.unknown.add(unknown::said_by(unread | of_computed) | missing);
+    out.sink.suppress(ex.modes.unknown);
 }
 
 /// After a block was executed: what it has said is known again.
-pub(crate) fn settle_doubts<S: Sink>(
+pub(crate) fn settle_unknown<S: Sink>(
     words: &Words,
     modes: &mut Modes,
     block: &gcode::Block,
@@ -118,31 +118,31 @@ pub(crate) fn settle_doubts<S: Sink>(
     }
     let mut known = 0;
     let mut says = |is: bool, what: u32| known |= if is { what } else { 0 };
-    says(words.get(b'F').is_some(), Doubts::FEED);
-    says(words.get(b'S').is_some(), Doubts::SPEED);
-    says(words.get(b'T').is_some(), Doubts::TOOL);
-    says(words.m(codes::MGroup::Spindle).is_some(), Doubts::SENSE);
-    says(words.g(GGroup::Motion).is_some(), Doubts::MOTION);
-    says(words.g(GGroup::Plane).is_some(), Doubts::PLANE);
-    says(words.g(GGroup::Compensation).is_some(), Doubts::COMPENSATION);
-    says(words.g(GGroup::Distance).is_some(), Doubts::DISTANCE);
-    let absolute = !(modes.incremental || modes.doubts.has(Doubts::DISTANCE));
+    says(words.get(b'F').is_some(), Unknown::FEED);
+    says(words.get(b'S').is_some(), Unknown::SPEED);
+    says(words.get(b'T').is_some(), Unknown::TOOL);
+    says(words.m(codes::MGroup::Spindle).is_some(), Unknown::SENSE);
+    says(words.g(GGroup::Motion).is_some(), Unknown::MOTION);
+    says(words.g(GGroup::Plane).is_some(), Unknown::PLANE);
+    says(words.g(GGroup::Compensation).is_some(), Unknown::COMPENSATION);
+    says(words.g(GGroup::Distance).is_some(), Unknown::DISTANCE);
+    let absolute = !(modes.incremental || modes.unknown.has(Unknown::DISTANCE));
     for (axis, letter) in b"XYZABCUVW".iter().enumerate() {
         // as written: Fanuc's maps add words
         says(block.word(*letter).is_some() && absolute, 1 << axis);
     }
-    modes.doubts.clear(known);
-    if modes.doubts.has(Doubts::PARAMETERS) {
-        modes.doubts.add(doubts::said_by(doubts::computed(block)));
+    modes.unknown.clear(known);
+    if modes.unknown.has(Unknown::PARAMETERS) {
+        modes.unknown.add(unknown::said_by(unknown::computed(block)));
     }
-    out.sink.doubt(modes.doubts);
+    out.sink.suppress(modes.unknown);
 }
 
 /// What the block says as far as it is understood, without complaints: modes, and where it leads.
 pub(crate) fn follow<S: Sink>(ex: &mut Executor, out: &mut Out<'_, S>) {
     let failed = ex.words.stage;
-    let known = ex.modes.doubts;
-    out.sink.doubt(Doubts::ALL);
+    let known = ex.modes.unknown;
+    out.sink.suppress(Unknown::ALL);
     if failed <= Stage::Words {
         _ = switch::feed_mode(&ex.words, &mut ex.modes, out);
     }
@@ -162,8 +162,8 @@ pub(crate) fn follow<S: Sink>(ex: &mut Executor, out: &mut Out<'_, S>) {
         follow_motion(&ex.words, &mut ex.modes, out);
     }
     ex.words.stage = Stage::Done;
-    ex.modes.doubts.add(known.0);
-    out.sink.doubt(ex.modes.doubts);
+    ex.modes.unknown.add(known.0);
+    out.sink.suppress(ex.modes.unknown);
 }
 
 fn follow_modes<S: Sink>(ex: &mut Executor, failed: Stage, out: &mut Out<'_, S>) {
@@ -175,7 +175,7 @@ fn follow_modes<S: Sink>(ex: &mut Executor, failed: Stage, out: &mut Out<'_, S>)
         _ = compensation::compensation(&ex.words, &mut ex.modes, &mut ex.tools, out);
     }
     if side.is_some_and(|code| code != 400) && ex.modes.compensation.is_none() {
-        ex.modes.doubts.add(Doubts::COMPENSATION);
+        ex.modes.unknown.add(Unknown::COMPENSATION);
     }
     _ = offsets::tool_length(&ex.words, &mut ex.modes, &mut ex.tools, out);
     offsets::work_offset(&ex.words, &mut ex.modes, &mut ex.store, &ex.settings, out);
@@ -189,7 +189,7 @@ fn give_up_compensation<S: Sink>(modes: &mut Modes, out: &mut Out<'_, S>) {
         out.let_go();
     }
     modes.left_beside = None;
-    modes.doubts.add(Doubts::COMPENSATION);
+    modes.unknown.add(Unknown::COMPENSATION);
 }
 
 /// The place where the block leads to, and the motion that it puts in force.
@@ -197,12 +197,12 @@ fn follow_motion<S: Sink>(words: &Words, modes: &mut Modes, out: &mut Out<'_, S>
     let named = words.g(GGroup::Motion).map(Motion::from_code);
     let motion = named.unwrap_or(modes.motion);
     if matches!(words.g(GGroup::NonModal), Some(280 | 300)) {
-        modes.doubts.add(Doubts::PLACE);
+        modes.unknown.add(Unknown::PLACE);
         return;
     }
     if matches!(motion, Motion::Cycle(_)) && named.is_some() {
         (modes.sticky, modes.initial) = (None, None);
-        modes.doubts.add(Doubts::MOTION);
+        modes.unknown.add(Unknown::MOTION);
     }
     if named.is_some() {
         modes.motion = motion;
@@ -212,12 +212,12 @@ fn follow_motion<S: Sink>(words: &Words, modes: &mut Modes, out: &mut Out<'_, S>
     }
     if named.is_none() && words.unread & codes::set("G") != 0 {
         // the words of a code that nobody knows: it may move, or not
-        modes.doubts.add(doubts::said_by(words.letters_present() & (AXES | POLAR)));
+        modes.unknown.add(unknown::said_by(words.letters_present() & (AXES | POLAR)));
         return;
     }
     let machine_coordinates = words.g(GGroup::NonModal) == Some(530);
     let Ok(mut to) = target::destination(words, modes, machine_coordinates) else {
-        modes.doubts.add(Doubts::PLACE);
+        modes.unknown.add(Unknown::PLACE);
         return;
     };
     if matches!(motion, Motion::Cycle(_)) {

@@ -11,10 +11,10 @@
 //! tilts) is an error with its place. Moves of no length are left out.
 use crate::{
     call::{Call, Corners, CycleHole, Place, Sense, Sink, Units},
-    doubts::Doubts,
     frame::{self, Frame, Point, machine_point, same},
     offset_curve::sweep_rad,
     setup::Setup,
+    unknown::Unknown,
 };
 use canon::{
     Arc, Axis, Feed, Hole, LengthUnit, Op, OpKind, Output, PathMode, Plane, Position, ProgramFrame,
@@ -59,8 +59,8 @@ pub struct Resolver {
     /// Outputs that change when the next move begins.
     pub(crate) with_motion: Vec<(Span, Output)>,
     /// What is not known since a block was refused, and what operations have missed.
-    doubts: Doubts,
-    missed: Doubts,
+    unknown: Unknown,
+    missed: Unknown,
 }
 
 /// F and what it counts.
@@ -108,14 +108,14 @@ impl Resolver {
             coolant: (false, false),
             pitch_said: None,
             with_motion: Vec::new(),
-            doubts: Doubts::default(),
-            missed: Doubts::default(),
+            unknown: Unknown::default(),
+            missed: Unknown::default(),
         }
     }
 
     /// Whether it follows from a refusal before, or was told of the operation before.
     fn is_explained(&self, code: &str) -> bool {
-        self.doubts.explain(code) || self.missed.explain(code)
+        self.unknown.explain(code) || self.missed.explain(code)
     }
 
     /// The next operation, if one is ready.
@@ -415,17 +415,17 @@ impl Resolver {
 }
 
 impl Sink for Resolver {
-    fn doubt(&mut self, doubts: Doubts) {
-        self.doubts = doubts;
+    fn suppress(&mut self, unknown: Unknown) {
+        self.unknown = unknown;
     }
 
-    fn missed(&self) -> Doubts {
+    fn missed(&self) -> Unknown {
         self.missed
     }
 
     fn call(&mut self, place: &Place, call: &Call<'_>) {
         let span = place.span;
-        if self.missed != Doubts::default() {
+        if self.missed != Unknown::default() {
             known_again(&mut self.missed, call);
         }
         match call {
@@ -482,11 +482,11 @@ pub(crate) fn position(point: &Point) -> Position {
 }
 
 /// What a call says is known again.
-fn known_again(missed: &mut Doubts, call: &Call<'_>) {
+fn known_again(missed: &mut Unknown, call: &Call<'_>) {
     match call {
-        Call::SpindleSpeed(_) | Call::SpindleMode(_) => missed.clear(Doubts::SPEED),
-        Call::SpindleTurn(_) | Call::SpindleStop => missed.clear(Doubts::SENSE),
-        Call::SelectPlane(_) | Call::Rotation(_) => missed.clear(Doubts::PLANE),
+        Call::SpindleSpeed(_) | Call::SpindleMode(_) => missed.clear(Unknown::SPEED),
+        Call::SpindleTurn(_) | Call::SpindleStop => missed.clear(Unknown::SENSE),
+        Call::SelectPlane(_) | Call::Rotation(_) => missed.clear(Unknown::PLANE),
         _ => {}
     }
 }

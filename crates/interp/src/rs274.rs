@@ -55,7 +55,7 @@ impl Rs274 {
         } else {
             let assigned = self.assign(it);
             if assigned.is_err() {
-                refused::doubt_parameters(&mut it.executor.modes);
+                refused::forget_parameters(&mut it.executor.modes);
             }
             read.and(assigned)?;
         }

@@ -183,7 +183,7 @@ pub(crate) struct AxisLoop {
     reading: f64,
     stretch: f64,
     error: f64,
-    /// Its reading is not believed: see [`crate::doubt`].
+    /// Its reading is implausible: see [`crate::encoder_plausibility`].
     pub(crate) blind: bool,
     pub(crate) warned: bool,
 }
@@ -298,10 +298,10 @@ impl AxisLoop {
         self.target.jerk = 0.0;
     }
 
-    /// Brake towards rest within the gentle acceleration.
+    /// Brake towards rest within the approach acceleration.
     pub(crate) fn brake(&mut self) {
         let before = self.target.speed;
-        let most = self.control.gentle.1.value() * self.period_s;
+        let most = self.control.approach.1.value() * self.period_s;
         let speed = before - before.clamp(-most, most);
         self.target.position += self.period_s * (before + speed) / 2.0;
         self.target.accel = (speed - before) / self.period_s;

@@ -173,7 +173,7 @@ pub struct AxisControl {
     /// Time constant of the drive's current loop.
     pub force_lag: Time,
     /// Limits of small moves and of stops that nobody planned.
-    pub gentle: (Speed, Accel),
+    pub approach: (Speed, Accel),
     /// What is watched.
     pub windows: AxisWindows,
 }

@@ -231,7 +231,7 @@ impl Drives {
                 let Some(loop_) = &self.axes[axis.index()] else {
                     return Err((FaultKind::NotConfigured, Subject::Axis(axis), 0.0, 0.0));
                 };
-                (loop_.control.gentle.0.value(), loop_.control.gentle.1.value())
+                (loop_.control.approach.0.value(), loop_.control.approach.1.value())
             }
             Superposed::Spindle(spindle) => {
                 self.has_spindle(usize::from(spindle))?;
@@ -255,10 +255,10 @@ impl Drives {
             table.map_or(0.0, |held| held.highest[0])
         };
         let way = if from.is_some() && to.is_some() { 0.0 } else { highest(from) + highest(to) };
-        let gentle_s = Blend::new(0.0, way, speed, accel).duration_s();
+        let approach_s = Blend::new(0.0, way, speed, accel).duration_s();
         let spin = self.master(master).spin.abs().value();
         let turning_s = if spin > 0.0 { order.over.abs().value() / spin } else { 0.0 };
-        let fade = Fade::lasting(turning_s.max(gentle_s).max(SHORTEST_FADE_S));
+        let fade = Fade::lasting(turning_s.max(approach_s).max(SHORTEST_FADE_S));
         self.coupled.slots[index] = Some(Slot { master, from, to, fade });
         self.pace(master, f64::INFINITY);
         Ok(())

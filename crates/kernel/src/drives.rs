@@ -8,12 +8,12 @@ use crate::chips::Removal;
 use crate::config::{Config, FeedForward, Subject};
 use crate::coupled::Coupled;
 use crate::fault::FaultKind;
-use crate::lessons::Lessons;
+use crate::learning_records::LearningRecords;
 use crate::moving::Turned;
-use crate::scribe::Scribe;
+use crate::record_requests::RecordRequests;
 use crate::spindle::SpindleLoop;
-use crate::tempo::Tempo;
 use crate::threading::Chain;
+use crate::time_scaling::TimeScaling;
 use bus::{AXES, Command, Feedback, SPINDLES};
 use sync::SyncMode;
 use units::Axis;
@@ -37,15 +37,15 @@ pub(crate) struct Drives {
     /// Masters are led by angle, where the machine's spindles can.
     pub(crate) paces: bool,
     /// What taps have learnt.
-    pub(crate) lessons: Lessons,
+    pub(crate) learning_records: LearningRecords,
     /// What is written down of taps.
-    pub(crate) scribe: Scribe,
+    pub(crate) record_requests: RecordRequests,
     /// Chip removals under way.
     pub(crate) removals: [Option<Removal>; SPINDLES],
     /// The speeds that a cut needs, as the steps have ordered them; zero: none was ordered.
     pub(crate) in_force: [Spin; SPINDLES],
     /// How fast planned time passes.
-    pub(crate) tempo: Tempo,
+    pub(crate) time_scaling: TimeScaling,
     /// Planned time of this period that the steps have not done yet: it goes on into the next one.
     pub(crate) owed: Option<f64>,
     /// What feeds per revolution go by.
@@ -73,7 +73,7 @@ impl Drives {
         let spindles = config.spindles.map(|s| s.map(|control| SpindleLoop::new(control, config)));
         let lookahead_s =
             axes.iter().flatten().map(AxisLoop::lookahead_s).fold(config.period.value(), f64::max);
-        let lessons = Lessons::new(config.learning);
+        let learning_records = LearningRecords::new(config.learning);
         let (removals, in_force) = ([None; SPINDLES], [Spin::ZERO; SPINDLES]);
         Self {
             axes,
@@ -82,11 +82,11 @@ impl Drives {
             coupled: Coupled::new(),
             chain: None,
             paces: matches!(config.synchronisation, SyncMode::CommandSynchronised),
-            lessons,
-            scribe: Scribe::new(),
+            learning_records,
+            record_requests: RecordRequests::new(),
             removals,
             in_force,
-            tempo: Tempo::FULL,
+            time_scaling: TimeScaling::FULL,
             owed: None,
             turned: Turned::default(),
             overridden: true,

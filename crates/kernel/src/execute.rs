@@ -21,7 +21,7 @@ use crate::fault::FaultKind;
 use crate::moving::Moving;
 use crate::operator::Operator;
 use crate::queue::{Queue, SpindleStep, StepKind};
-use crate::scribe::{self, RECORD_WAIT, WorkRecord};
+use crate::record_requests::{Permission, RECORD_WAIT, WorkRecord};
 use crate::spindle::SpindleLoop;
 use crate::tapping::{Outcome, TapRun};
 use crate::threading::{self, Chain, Leave, Pass};
@@ -350,10 +350,10 @@ fn record(
 ) -> Result<Progress, Finding> {
     let StepKind::WayOut(Some(way_out)) = step else { return Ok(Progress::Done(dt)) };
     let record = WorkRecord::of_way_out(way_out, context.op, context.line, drives.tool);
-    match drives.scribe.ask(&record) {
-        scribe::Leave::Granted => Ok(Progress::Done(dt)),
-        scribe::Leave::Waiting if waited_s <= RECORD_WAIT.value() => Ok(Progress::Busy),
-        scribe::Leave::Waiting | scribe::Leave::Refused => {
+    match drives.record_requests.ask(&record) {
+        Permission::Granted => Ok(Progress::Done(dt)),
+        Permission::Waiting if waited_s <= RECORD_WAIT.value() => Ok(Progress::Busy),
+        Permission::Waiting | Permission::Refused => {
             Err((FaultKind::RecordNotWritten, Subject::Machine, 0.0, 0.0))
         }
     }

@@ -16,8 +16,8 @@ mod tap;
 mod way_out;
 
 use crate::config::{Config, Subject};
-use crate::doubt::Doubts;
 use crate::drives::{Drives, Finding};
+use crate::encoder_plausibility::EncoderPlausibility;
 use crate::event::{Event, EventKind, Ring};
 use crate::execute::{Activity, Context, Progress};
 use crate::fault::Fault;
@@ -70,10 +70,10 @@ pub struct Kernel {
     operator: Operator,
     /// An alarm from outside that the next tick will find.
     reported: Option<Subject>,
-    /// Which encoders are not believed.
-    doubts: Doubts,
+    /// Which encoders give plausible readings.
+    plausibility: EncoderPlausibility,
     /// A drive or an encoder is gone: once everything stands, outputs go off; the periods for which it has stood.
-    lame: Option<u32>,
+    drive_lost: Option<u32>,
     /// Axes that are moved by hand.
     manual: Manual,
     /// A tool is being taken out; nothing else is done.
@@ -106,8 +106,8 @@ impl Kernel {
             report: Report::default(),
             operator: Operator::new(config.overrides),
             reported: None,
-            doubts: Doubts::default(),
-            lame: None,
+            plausibility: EncoderPlausibility::default(),
+            drive_lost: None,
             manual: Manual::default(),
             recovering: None,
             retreating: None,
@@ -340,7 +340,7 @@ impl Kernel {
         let threading = self.stay_on_thread();
         if self.operator.wants_out() && self.is_held() && !self.is_in_thread() {
             self.operator.is_out();
-            self.drives.scribe.out();
+            self.drives.record_requests.out();
             self.note(EventKind::Operator(Notice::Out));
         }
         let led = self.retreat(threading).or(tapping);

@@ -20,30 +20,30 @@ mod axis;
 mod chips;
 mod config;
 mod coupled;
-mod doubt;
 mod drives;
+mod encoder_plausibility;
 mod event;
 mod execute;
 mod fault;
 mod friction;
 mod kernel;
-mod lessons;
+mod learning_records;
 mod manual;
 mod moving;
 mod operator;
 mod plans;
 mod problems;
 mod queue;
+mod record_requests;
 mod recovering;
 mod retreating;
-mod scribe;
 mod servo;
 mod spindle;
 mod stroke;
 mod tapping;
-mod tempo;
 mod terms;
 mod threading;
+mod time_scaling;
 mod track;
 mod withdrawing;
 
@@ -55,15 +55,15 @@ pub use coupled::TABLES;
 pub use event::{EVENTS, Event, EventKind, RecoveryFigures, TapFigures};
 pub use fault::{AlarmList, Fault, FaultKind, Reaction};
 pub use kernel::{FAULTS, Kernel};
-pub use lessons::LESSONS;
+pub use learning_records::LEARNING_RECORDS;
 pub use manual::{ManualOrder, ManualRefusal};
 pub use operator::{Notice, Operator, Order, Overrides};
 pub use problems::Problem;
 pub use queue::{CHIP_REMOVALS, Full, MOVES, QUEUE, RAMPS, STRETCHES, TAPS};
+pub use record_requests::{RECORD_WAIT, RecordRequest, WorkRecord};
 pub use recovering::RecoveryPlan;
-pub use scribe::{RECORD_WAIT, Wish, WorkRecord};
 pub use sync::{
-    CELLS, Correction, Figures, Learning, Lesson, MAX_TRANSPORT, Periodic, Prediction, StrokeKey,
-    SyncMode, Windows,
+    CELLS, Correction, Figures, Learning, LearningRecord, MAX_TRANSPORT, Periodic, Prediction,
+    StrokeKey, SyncMode, Windows,
 };
 pub use withdrawing::WithdrawalPlan;

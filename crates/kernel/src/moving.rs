@@ -1,7 +1,7 @@
 //! Moving along a planned path.
 //!
 //! ```text
-//!   clock ──► tempo (overrides, hold) ──► planned time ──► profile or phases: s, ṡ, s̈, s⃛ ──► path: every axis
+//!   clock ──► time scaling (overrides, hold) ──► planned time ──► profile or phases: s, ṡ, s̈, s⃛ ──► path: every axis
 //!             or turns of the spindle, G95
 //! ```
 //!
@@ -14,7 +14,7 @@ use crate::fault::FaultKind;
 use crate::operator::Operator;
 use crate::queue::Queue;
 use crate::spindle::SpindleLoop;
-use crate::tempo::Period;
+use crate::time_scaling::Period;
 use crate::track::{Ahead, Rates, Track};
 use motion::AXES;
 
@@ -82,15 +82,15 @@ impl Moving {
             owed
         } else {
             if self.at == 0.0 && !drives.flowing {
-                drives.tempo.begin(wanted, track.begins()); // from rest any tempo will do
+                drives.time_scaling.begin(wanted, track.begins()); // from rest any rate will do
             }
             let period = Period { length, planned: pace * length };
             if let Some(ahead) = Ahead::new(steps, index, self.at, pace) {
                 let beside = drives.beside(&config.motion);
                 let limits = beside.as_ref().unwrap_or(&config.motion);
-                drives.tempo.advance(wanted, ahead, limits, period);
+                drives.time_scaling.advance(wanted, ahead, limits, period);
             }
-            passing * drives.tempo.rate()
+            passing * drives.time_scaling.rate()
         };
         self.at += passes;
         let over = self.at - track.duration();
@@ -102,11 +102,11 @@ impl Moving {
             let left = if passes > 0.0 { dt * (over / passes).min(1.0) } else { 0.0 };
             return Some(if track.per_revolution() { 0.0 } else { left });
         }
-        self.held = wanted == 0.0 && drives.tempo.stands();
+        self.held = wanted == 0.0 && drives.time_scaling.stands();
         drives.flowing = true;
         let rates = track.rates(self.at, pace, drives.lookahead_s());
         set(&rates, length, drives);
-        drives.tempo.reached(&rates.q, track.rapid());
+        drives.time_scaling.reached(&rates.q, track.rapid());
         None
     }
 
@@ -146,7 +146,7 @@ pub(crate) fn stand_at(place: &[f64; AXES], drives: &mut Drives) -> Result<(), F
     Ok(())
 }
 
-/// Planned time that passes in so many seconds at full tempo, and that per second by the spindle's speed.
+/// Planned time that passes in so many seconds at the full rate, and that per second by the spindle's speed.
 fn passing(track: Track, dt: f64, drives: &mut Drives) -> (f64, f64) {
     if !track.per_revolution() {
         return (dt, 1.0);
@@ -169,10 +169,10 @@ fn wanted(track: Track, drives: &Drives, operator: &Operator) -> f64 {
 }
 
 fn set(rates: &Rates, period_s: f64, drives: &mut Drives) {
-    let tempo = drives.tempo;
+    let time_scaling = drives.time_scaling;
     for index in MOVING {
         let Some(axis) = &mut drives.axes[index] else { continue };
-        let (v, a, j) = tempo.of(rates.v[index], rates.a[index], rates.j[index], period_s);
+        let (v, a, j) = time_scaling.of(rates.v[index], rates.a[index], rates.j[index], period_s);
         axis.target.position = rates.q[index];
         axis.target.speed = v;
         axis.target.accel = a;

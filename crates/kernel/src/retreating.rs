@@ -53,11 +53,12 @@ impl Retreating {
         let index = way.infeed.index();
         let axis = drives.axes[index].as_ref()?;
         let stands = Length::mm(axis.target.position);
-        let (bounds, gentle) = (&config.motion.rapid, axis.control.gentle);
-        let share = |most: f64, gentle: f64| if most.is_finite() { SHARE * most } else { gentle };
+        let (bounds, approach) = (&config.motion.rapid, axis.control.approach);
+        let share =
+            |most: f64, approach: f64| if most.is_finite() { SHARE * most } else { approach };
         let most = (
-            share(bounds.speed[index], gentle.0.value()),
-            share(bounds.accel[index], gentle.1.value()),
+            share(bounds.speed[index], approach.0.value()),
+            share(bounds.accel[index], approach.1.value()),
         );
         let inside = way.inside(stands).value() > 0.0;
         inside.then(|| Self::by(way.infeed, way.clear - stands, most, drives)).flatten()
@@ -66,7 +67,7 @@ impl Retreating {
     /// To a place, gently; `None` if there is no such axis.
     pub(crate) fn gently(axis: Axis, to: Length, drives: &Drives) -> Option<Self> {
         let control = drives.axes[axis.index()].as_ref()?;
-        let most = (control.control.gentle.0.value(), control.control.gentle.1.value());
+        let most = (control.control.approach.0.value(), control.control.approach.1.value());
         Self::by(axis, to - Length::mm(control.target.position), most, drives)
     }
 

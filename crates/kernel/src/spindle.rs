@@ -76,7 +76,7 @@ pub(crate) struct SpindleLoop {
     reading_before: f64,
     error: f64,
     saturated: bool,
-    /// Its reading is not believed: see [`crate::doubt`].
+    /// Its reading is implausible: see [`crate::encoder_plausibility`].
     pub(crate) blind: bool,
     /// What the program has ordered, rev/s, while it turns by itself; the operator's share of it.
     programmed: Option<f64>,

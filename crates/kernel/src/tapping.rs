@@ -14,7 +14,9 @@ use crate::event::{EventKind, TapFigures};
 use crate::execute::Context;
 use crate::fault::FaultKind;
 use crate::moving::stand_at;
-use crate::scribe::{Leave, RECORD_WAIT, Scribe, TURN_AGAIN, TURN_AHEAD, TURN_WAIT, WorkRecord};
+use crate::record_requests::{
+    Permission, RECORD_WAIT, RecordRequests, TURN_AGAIN, TURN_AHEAD, TURN_WAIT, WorkRecord,
+};
 use crate::spindle::SpindleLoop;
 use crate::stroke::{Mark, Planned};
 use crate::terms::{clear, corrected, feed_forwards, halt, held, spoken, target, turned};
@@ -112,7 +114,7 @@ impl TapRun {
         };
         let transport = Transport::new(spindle.now(), age);
         stand_at(&point(&plan.start), drives)?;
-        drives.lessons.begin(drives.tool, plan);
+        drives.learning_records.begin(drives.tool, plan);
         Ok(Self {
             cycle: Cycle::new(),
             monitor: Monitor::new(config.sync_windows, plan.surface, plan.bottom),
@@ -216,10 +218,10 @@ impl TapRun {
             outward: &Planned { profile: &plan.outward, mark: &marks[1] },
             start_angle: plan.start_angle,
             encoder_following: following,
-            early: drives.lessons.early(),
-            spoken: spoken(plan, &spindle.control, context.config, drives.lessons.know())
+            early: drives.learning_records.early(),
+            spoken: spoken(plan, &spindle.control, context.config, drives.learning_records.know())
                 .filter(|_| following),
-            gentle: axis.control.gentle,
+            approach: axis.control.approach,
             halt: halt(plan, axis, spindle),
         };
         let master = self.master(mode, spindle, context.config.period);
@@ -235,23 +237,25 @@ impl TapRun {
         let engages = self.engages(&tap, &tick);
         let record = engages
             .map(|theta0| WorkRecord::of(plan, context.op, context.line, drives.tool, theta0));
-        match record.map_or(Leave::Granted, |record| drives.scribe.ask(&record)) {
-            Leave::Granted => self.cycle = self.turn_back(&tap, &tick, &mut drives.scribe),
-            Leave::Waiting => {
+        match record.map_or(Permission::Granted, |record| drives.record_requests.ask(&record)) {
+            Permission::Granted => {
+                self.cycle = self.turn_back(&tap, &tick, &mut drives.record_requests)
+            }
+            Permission::Waiting => {
                 self.waited_s = 0.0; // the spindle is where it should be
                 self.unwritten_s += dt;
             }
-            Leave::Refused => self.unwritten_s = f64::INFINITY,
+            Permission::Refused => self.unwritten_s = f64::INFINITY,
         }
         self.taught = self.taught.or(self.cycle.taught());
-        let lessons = &mut drives.lessons;
+        let learning_records = &mut drives.learning_records;
         // how long an encoder-following stroke takes is not known beforehand
         let moment =
             self.cycle.moment(&tap).filter(|_| !following && self.trailing == Trailing::No);
         let standing = self.cycle.phase() == Phase::Bottom;
         let learnt = |ahead: f64| match moment {
-            Some(at) if standing => held(lessons.correction(at)),
-            Some(at) => lessons.correction(at + Time::s(ahead)),
+            Some(at) if standing => held(learning_records.correction(at)),
+            Some(at) => learning_records.correction(at + Time::s(ahead)),
             None => Default::default(),
         };
         let order = self.lead(&tap, spindle, axis.lookahead_s(), &learnt);
@@ -266,7 +270,7 @@ impl TapRun {
         let now = corrected(planned.0, learnt(0.0).0);
         if let Some(at) = moment {
             let feed = planned.0.position - Length::mm(axis.position());
-            lessons.note(at, feed, planned.1 - spindle.reading());
+            learning_records.note(at, feed, planned.1 - spindle.reading());
         }
         axis.target = target(&now, &ahead, axis.lookahead_s());
         if self.trailing != Trailing::No && self.cycle.is_standing() && spindle.at_rest() {
@@ -281,9 +285,9 @@ impl TapRun {
             Ok(()) if self.cycle == Cycle::Done => {
                 let figures = self.figures();
                 if following {
-                    drives.lessons.finish_following(&figures, self.taught);
+                    drives.learning_records.finish_following(&figures, self.taught);
                 } else {
-                    drives.lessons.finish(&figures);
+                    drives.learning_records.finish(&figures);
                 }
                 context.note(EventKind::TapEnded(figures));
                 Outcome::Done
@@ -294,7 +298,12 @@ impl TapRun {
 
     /// The cycle after this period: it turns back at the bottom when that is on the disk. A spindle on the ramps of its own drive
     /// has been told to turn back before it stands, and waits for nothing.
-    fn turn_back(&mut self, tap: &Tap<Planned>, tick: &Tick, scribe: &mut Scribe) -> Cycle {
+    fn turn_back(
+        &mut self,
+        tap: &Tap<Planned>,
+        tick: &Tick,
+        record_requests: &mut RecordRequests,
+    ) -> Cycle {
         let next = self.cycle.next(tap, tick);
         let at = self.cycle.moment(tap);
         let brakes = at.is_some_and(|at| at >= tap.inward.duration() - TURN_AHEAD);
@@ -306,7 +315,7 @@ impl TapRun {
             Phase::Bottom => true,
             Phase::Prepare | Phase::Out | Phase::Done => false,
         };
-        if !about_to || scribe.turn() == Leave::Granted || !turns || told {
+        if !about_to || record_requests.turn() == Permission::Granted || !turns || told {
             return next;
         }
         let Some(coupling) = self.coupling().filter(|_| self.unturned_s < TURN_WAIT.value()) else {
@@ -365,7 +374,7 @@ impl TapRun {
         }
     }
 
-    /// Hand the cycle's wish to the spindle; what it was ordered now and at the axis' lookahead.
+    /// Hand what the cycle orders to the spindle; what it was ordered now and at the axis' lookahead.
     fn lead(
         &self,
         tap: &Tap<Planned>,

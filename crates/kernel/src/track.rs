@@ -5,7 +5,7 @@
 //!              ▲ now ──────────────► ▲ known
 //! ```
 use crate::queue::{Queue, StepKind};
-use crate::tempo::{Motion, Place};
+use crate::time_scaling::{Motion, Place};
 use motion::{AXES, Shape};
 use motion::{Follow, Move, coordinate};
 use units::Position;
@@ -20,7 +20,7 @@ pub(crate) enum Track<'a> {
     Follow(&'a Follow),
 }
 
-/// Where the axes shall be, and their speeds, accelerations and jerks at full tempo, per second.
+/// Where the axes shall be, and their speeds, accelerations and jerks at the full rate, per second.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Rates {
     pub(crate) q: [f64; AXES],
@@ -37,7 +37,7 @@ pub(crate) struct Ahead<'a> {
     track: Track<'a>,
     /// Planned time of the step.
     at: f64,
-    /// Planned time per second at full tempo: revolutions, for a feed per revolution.
+    /// Planned time per second at the full rate: revolutions, for a feed per revolution.
     pace: f64,
 }
 

@@ -99,7 +99,7 @@ fn an_axis_that_is_stuck_is_a_following_error_and_the_others_brake_under_control
     check(&seen, FaultKind::FollowingError, Subject::Axis(Axis::X));
     let speed = |s: &bus::Sample| s.command.axes[2].speed.value();
     assert!(speed(seen.samples.last().expect("there are samples")).abs() > 100.0);
-    // go on holding: Z comes to rest within the gentle acceleration, and stays enabled
+    // go on holding: Z comes to rest within the approach acceleration, and stays enabled
     let after = halted(&config, &steps, |said| {
         if said.time > Time::s(0.2) {
             said.axes[0].position = *stuck.get_or_insert(said.axes[0].position);

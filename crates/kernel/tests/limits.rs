@@ -145,9 +145,9 @@ fn run_with(ops: &[Op], orders: &[(usize, Order)]) -> Run {
     plant.spindles.push(plant.spindles[0]);
     let mut control = control(&plant);
     control.motion = limits().motion(1.0);
-    // fades as gentle moves are, and no gentler
+    // fades as moves at approach speed do, and no slower
     for axis in control.axes.iter_mut().flatten() {
-        axis.gentle = (Speed::mm_per_s(50.0), Accel::mm_per_s2(1000.0));
+        axis.approach = (Speed::mm_per_s(50.0), Accel::mm_per_s2(1000.0));
     }
     let mut kernel = Kernel::new(control);
     for table in planner.take_tables() {

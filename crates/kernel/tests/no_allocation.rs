@@ -82,7 +82,7 @@ fn no_tick_of_an_encoder_following_tap_takes_memory() {
 }
 
 #[test]
-fn no_tick_takes_memory_while_taps_learn_even_where_a_lesson_makes_room_for_another() {
+fn no_tick_takes_memory_while_taps_learn_even_where_a_record_makes_room_for_another() {
     let learning = Some(Learning { gain: 0.7, bandwidth_hz: 70.0 });
     let mut steps = tapping(&TapOrder { to_mm: -105.0, ..M6 })[..2].to_vec();
     // more kinds of strokes than are kept

@@ -3,7 +3,7 @@
 mod common;
 use canon::{Axis, Position};
 use common::{Run, await_speed, control, line, machine, run_kernel_on, turn};
-use kernel::{EventKind, Kernel, Order, Wish, WithdrawalPlan};
+use kernel::{EventKind, Kernel, Order, RecordRequest, WithdrawalPlan};
 use motion::{Corner, Pass, ThreadStretch, TiedCut, WayOut};
 use plan::StepKind;
 use sim::SimulatedMachine;
@@ -251,7 +251,7 @@ struct Bench {
     feedback: bus::Feedback,
     /// X, Z and the spindle's turns, as they really are.
     at: [f64; 3],
-    wishes: Vec<Wish>,
+    requests: Vec<RecordRequest>,
     /// What is wrong with what the machine says.
     wrong: Option<fn(&mut bus::Feedback, &bus::Feedback)>,
     /// What it said before that.
@@ -274,7 +274,7 @@ impl Bench {
             machine,
             feedback,
             at: [0.0; 3],
-            wishes: Vec::new(),
+            requests: Vec::new(),
             wrong: None,
             before: feedback,
         }
@@ -282,7 +282,7 @@ impl Bench {
 
     fn tick(&mut self) {
         let command = self.kernel.tick(&self.feedback);
-        self.wishes.extend(self.kernel.next_wish());
+        self.requests.extend(self.kernel.next_record_request());
         self.feedback = bus::Machine::exchange(&mut self.machine, &command);
         match self.wrong {
             Some(wrong) => wrong(&mut self.feedback, &self.before),
@@ -379,7 +379,7 @@ fn a_tool_whose_infeed_axis_does_not_say_that_it_moved_counts_as_in_the_work() {
     for order in [None, Some(Order::Abort)] {
         let mut bench = Bench::new();
         bench.kernel.keep_records();
-        bench.until("asked", |b| !b.wishes.is_empty());
+        bench.until("asked", |b| !b.requests.is_empty());
         bench.kernel.acknowledge(1);
         bench.until("in the thread", |b| b.at[1] < FROM - 8.0);
         bench.wrong = Some(|now, before| now.axes[0].position = before.axes[0].position);
@@ -391,7 +391,7 @@ fn a_tool_whose_infeed_axis_does_not_say_that_it_moved_counts_as_in_the_work() {
             bench.tick();
         }
         assert!(bench.kernel.way_out().is_some(), "{order:?}: {:?}", bench.at);
-        assert!(!bench.wishes.contains(&Wish::Out), "{order:?}: {:?}", bench.wishes);
+        assert!(!bench.requests.contains(&RecordRequest::Out), "{order:?}: {:?}", bench.requests);
         // and an encoder that stands still is noticed before its axis has run away
         let faults = bench.kernel.faults();
         assert!(
@@ -461,10 +461,10 @@ fn a_spindle_or_an_axis_without_its_drive_does_not_keep_the_tool_in_the_thread()
 fn a_thread_waits_for_its_record_and_asks_for_it_on_the_way() {
     let mut bench = Bench::new();
     bench.kernel.keep_records();
-    bench.until("asked", |b| !b.wishes.is_empty());
+    bench.until("asked", |b| !b.requests.is_empty());
     assert!(bench.at[1] > FROM, "while positioning: Z{}", bench.at[1]);
-    let Some(Wish::Inward(number, record)) = bench.wishes.first().copied() else {
-        panic!("{:?}", bench.wishes)
+    let Some(RecordRequest::Inward(number, record)) = bench.requests.first().copied() else {
+        panic!("{:?}", bench.requests)
     };
     assert_eq!(record.cut, Some(TiedCut::Thread));
     assert_eq!(record.retreat, Some((0, Length::mm(CLEAR), 1.0)));

@@ -3,7 +3,7 @@
 mod common;
 use bus::Machine as _;
 use common::*;
-use kernel::{Kernel, Wish};
+use kernel::{Kernel, RecordRequest};
 use proptest::prelude::*;
 use sim::SimulatedMachine;
 use units::Time;
@@ -26,14 +26,14 @@ fn tap(order: &TapOrder, disk: Time) -> (f64, bool) {
         assert!(feedback.time < Time::s(20.0), "it never came out");
         let command = kernel.tick(&feedback);
         let now = feedback.time;
-        while let Some(wish) = kernel.next_wish() {
-            match wish {
-                Wish::Inward(number, _) => underway.push((number, now + Time::s(0.005))),
-                Wish::Outward(number) => {
+        while let Some(request) = kernel.next_record_request() {
+            match request {
+                RecordRequest::Inward(number, _) => underway.push((number, now + Time::s(0.005))),
+                RecordRequest::Outward(number) => {
                     turn = Some(number);
                     underway.push((number, now + disk));
                 }
-                Wish::Out => {}
+                RecordRequest::Out => {}
             }
         }
         underway.retain(|(number, due)| {

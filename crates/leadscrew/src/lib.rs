@@ -25,10 +25,10 @@ mod certificate;
 pub mod compare;
 pub mod compensation;
 mod link;
-mod papers;
 pub mod polygon;
 mod program;
 mod run;
+mod run_outputs;
 pub mod simulator;
 pub mod time;
 

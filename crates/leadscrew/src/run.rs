@@ -6,8 +6,8 @@
 //!                            └► NotReady: a tool is, or may be, in the work
 //! ```
 use crate::link::{Link, NotReady};
-use crate::papers;
 use crate::program::Job;
+use crate::run_outputs;
 use crate::time::{Added, WithoutJerk};
 use control::job::preflight::{Proved, wrong_from};
 use control::job::restart::{self, Restart};
@@ -217,7 +217,7 @@ impl Run {
         // if there is a file for it
         let learns = memory.is_some() || config::plain_drive(&session.machine).is_some();
         let mut kernel = Kernel::new(config::control(&session.machine, mode, learns));
-        kernel.recall(memory.as_ref().map_or_else(Vec::new, |m| m.lessons.clone()));
+        kernel.recall(memory.as_ref().map_or_else(Vec::new, |m| m.records.clone()));
         let judge = verify::Config {
             synchronised: session.taps.method == plan::TapMethod::Synchronised,
             tolerances,
@@ -319,7 +319,7 @@ impl Finished {
 
     /// What other programs rely on.
     pub fn certificate(&self) -> Certificate {
-        papers::certificate(self)
+        run_outputs::certificate(self)
     }
 
     /// The page that a process engineer pins to the job: HTML in one file.
@@ -329,7 +329,7 @@ impl Finished {
             free.all(&mut self.job.cursor());
         }
         let without_jerk = free.map(WithoutJerk::motion);
-        papers::report(self, report::Motion { planned: self.motion, without_jerk })
+        run_outputs::report(self, report::Motion { planned: self.motion, without_jerk })
     }
 
     /// What is known of the program from before anything moved.
@@ -346,7 +346,7 @@ impl Finished {
             return Ok(());
         }
         if let Some(memory) = &self.memory {
-            memory.save(&self.outcome.lessons)?;
+            memory.save(&self.outcome.learning_records)?;
         }
         self.outcome.cams.save()
     }
@@ -362,6 +362,6 @@ impl Finished {
     /// # Errors
     /// They cannot be written.
     pub fn write_solids(&self, folder: &store::output::Folder) -> Result<(), Refused> {
-        Ok(papers::write_solids(folder, self)?)
+        Ok(run_outputs::write_solids(folder, self)?)
     }
 }

@@ -49,6 +49,6 @@ pub struct Superpose {
     pub table: Option<TableId>,
     /// Turns of the master that the table spans, one or more.
     pub turns: f64,
-    /// Turns of the master over which it fades in or out, at least; the limits of gentle moves may ask for more.
+    /// Turns of the master over which it fades in or out, at least; the limits of moves at approach speed may ask for more.
     pub over: Angle,
 }

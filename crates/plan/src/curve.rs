@@ -209,7 +209,7 @@ impl Curve {
 
     /// Tangents of h₂, in equal ratios of speed.
     fn follow_power(&self, ceiling: &mut Ceiling, from: f64, to: f64, jerk: f64) {
-        let first = self.gentle_from(from, to, jerk);
+        let first = self.flattest_from(from, to, jerk);
         let count = libm::ceil(libm::log(to / first) / libm::log(TANGENT_RATIO));
         let count = count.clamp(1.0, f64::from(POWER_TANGENTS) - 1.0) as i32;
         let ratio = libm::pow(to / first, 1.0 / f64::from(count));
@@ -219,7 +219,7 @@ impl Curve {
     }
 
     /// The line that touches h² at speed `n`. (Where even the highest speed needs more than `jerk`, the
-    /// gentlest line allowed, which is below the curve on the slower side.)
+    /// flattest line allowed, which is below the curve on the slower side.)
     fn tangent(&self, n: f64, power: bool, jerk: f64) -> Stretch {
         let (h, slope) = self.h(n, power);
         Stretch { v: n, y: h * h, slope: (2.0 * h * slope).max(-2.0 * jerk) }
@@ -227,7 +227,7 @@ impl Curve {
 
     /// Lowest speed from `bend` on at which following h₂ needs no more than `jerk` = |h·dh/dn|, which falls
     /// with speed.
-    fn gentle_from(&self, bend: f64, top: f64, jerk: f64) -> f64 {
+    fn flattest_from(&self, bend: f64, top: f64, jerk: f64) -> f64 {
         let steep = |n: f64| {
             let (h, slope) = self.h(n, true);
             -h * slope > jerk

@@ -82,6 +82,6 @@ pub use limits::{
 };
 pub use planner::{Planner, Preflight, Start, preflight};
 pub use ramp::rest_to_rest;
-pub use repace::Wish;
+pub use repace::OperatorSettings;
 pub use stock::Stock;
 pub use stroke::{Stroke, StrokeRequest, tapping_torque};

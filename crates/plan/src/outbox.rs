@@ -15,7 +15,7 @@ use crate::clock::Clock;
 use crate::ends::Ends;
 use crate::heat::Heat;
 use crate::limits::MachineLimits;
-use crate::repace::{Row, Wish};
+use crate::repace::{OperatorSettings, Row};
 use crate::run::{Order, Run};
 use alloc::vec::Vec;
 use motion::Shape;
@@ -97,7 +97,7 @@ impl Outbox {
     pub(crate) fn run_on(
         &mut self,
         order: Order,
-        wish: Wish,
+        settings: OperatorSettings,
         limits: &MachineLimits,
         emit: &mut dyn FnMut(Step),
     ) {
@@ -107,7 +107,7 @@ impl Outbox {
         let Self { run, clock, ends, .. } = self;
         let Segment { curve, op, line, .. } = order.segment;
         ends.push(op, line, curve.at(curve.length()).q);
-        run.push(order, wish, (limits, ends), &mut |step| {
+        run.push(order, settings, (limits, ends), &mut |step| {
             clock.count(&step, limits);
             emit(step);
         });
@@ -117,11 +117,11 @@ impl Outbox {
     pub(crate) fn repace(
         &mut self,
         limits: &MachineLimits,
-        wish: Wish,
+        settings: OperatorSettings,
         back: Option<Row>,
         emit: &mut dyn FnMut(Step),
     ) {
-        self.run.repace((limits, &self.ends), wish, back, emit);
+        self.run.repace((limits, &self.ends), settings, back, emit);
     }
 
     /// A move of a run that no law of time exists for, with its line.

@@ -23,7 +23,7 @@ use crate::findings::{Findings, number};
 use crate::holes::Holes;
 use crate::limits::{MachineLimits, Options};
 use crate::outbox::Outbox;
-use crate::repace::Wish;
+use crate::repace::OperatorSettings;
 use crate::signals;
 use crate::stroke::{Stroke, StrokeRequest};
 use crate::way_out::CameFrom;
@@ -143,7 +143,7 @@ pub struct Planner {
     /// What becomes of the spindle override.
     spindle_override: spindle_override::SpindleOverride,
     /// What the operator wants of moves to come.
-    pub(crate) wanted: Wish,
+    pub(crate) wanted: OperatorSettings,
 }
 
 /// Whether a wheel that follows a cam goes back before this.
@@ -256,7 +256,7 @@ impl Planner {
             outbox: Outbox::default(),
             overridden: true,
             spindle_override: spindle_override::SpindleOverride::default(),
-            wanted: Wish::default(),
+            wanted: OperatorSettings::default(),
         }
     }
 

@@ -29,16 +29,16 @@ const SHORTEST: f64 = 1e-9;
 const LONG: f64 = 0.02;
 const LEVEL: f64 = 0.02;
 
-/// What the operator wants of moves.
+/// What the operator has set that moves must be planned anew for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wish {
+pub struct OperatorSettings {
     /// Share of the programmed feed; 1 or more.
     pub share: f64,
     /// Each line of the program ends at rest.
     pub stops: bool,
 }
 
-impl Default for Wish {
+impl Default for OperatorSettings {
     fn default() -> Self {
         Self { share: 1.0, stops: false }
     }
@@ -77,8 +77,8 @@ impl Part {
 
 impl Planner {
     /// What the operator wants from now on, of moves that begin at rest.
-    pub const fn wish(&mut self, wish: Wish) {
-        self.wanted = wish;
+    pub const fn set_operator(&mut self, settings: OperatorSettings) {
+        self.wanted = settings;
     }
 
     /// Plan anew what the kernel has not done, as the operator wants it: these steps, and of the first of them the planned time
@@ -89,12 +89,12 @@ impl Planner {
     /// they were planned.
     pub fn repace(
         &mut self,
-        wish: Wish,
+        settings: OperatorSettings,
         steps: Vec<Step>,
         mut done: Option<f64>,
         emit: &mut impl FnMut(Step),
     ) {
-        self.wish(wish);
+        self.set_operator(settings);
         let swings = |step: &Step| {
             matches!(step.kind, StepKind::Superpose(_) | StepKind::AwaitFades | StepKind::Engage(_))
                 || matches!(step.kind, StepKind::Release { .. })
@@ -114,12 +114,12 @@ impl Planner {
                 if stays {
                     row.as_planned(row.parts.len(), true, emit);
                 } else {
-                    row.again((&self.limits, &self.outbox.ends), wish, emit);
+                    row.again((&self.limits, &self.outbox.ends), settings, emit);
                 }
             }
         }
         if !stays {
-            self.outbox.repace(&self.limits, wish, row, emit);
+            self.outbox.repace(&self.limits, settings, row, emit);
         } else if let Some(row) = row {
             row.as_planned(row.parts.len(), false, emit);
         }
@@ -128,8 +128,13 @@ impl Planner {
 
 impl Row {
     /// A whole path, to its end.
-    fn again(self, known: (&MachineLimits, &Ends), wish: Wish, emit: &mut dyn FnMut(Step)) {
-        let Some(Anew { from, mut timing, .. }) = self.anew(known, wish, None) else {
+    fn again(
+        self,
+        known: (&MachineLimits, &Ends),
+        settings: OperatorSettings,
+        emit: &mut dyn FnMut(Step),
+    ) {
+        let Some(Anew { from, mut timing, .. }) = self.anew(known, settings, None) else {
             return self.as_planned(self.parts.len(), true, emit);
         };
         self.as_planned(from, false, emit);
@@ -140,7 +145,7 @@ impl Row {
     fn anew(
         &self,
         (limits, ends): (&MachineLimits, &Ends),
-        wish: Wish,
+        settings: OperatorSettings,
         waits: Option<&[Piece]>,
     ) -> Option<Anew> {
         let spin = self.per_revolution.then_some(self.pace.turning);
@@ -152,10 +157,10 @@ impl Row {
         let mut from = usize::from(!at_once);
         while from < self.parts.len() {
             let Phase { s, v, a, .. } = self.parts[from].phase;
-            let timing = Timing::new(limits, spin, wish, Some(State { s, v, a }));
+            let timing = Timing::new(limits, spin, settings, Some(State { s, v, a }));
             let mut anew = Anew { from, timing, cutter: Cutter::from(s) };
             for piece in pieces(&self.parts[from..], waits.unwrap_or_default()) {
-                anew.push(piece, wish, ends);
+                anew.push(piece, settings, ends);
             }
             if waits.is_none() {
                 anew.finish(ends);
@@ -216,9 +221,9 @@ impl Anew {
     }
 
     /// The next piece.
-    fn push(&mut self, piece: Piece, wish: Wish, ends: &Ends) {
+    fn push(&mut self, piece: Piece, settings: OperatorSettings, ends: &Ends) {
         let Self { timing, cutter, .. } = self;
-        if wish.stops {
+        if settings.stops {
             cutter.push(piece, ends, &mut |piece| timing.push(piece));
         } else {
             timing.push(piece);
@@ -231,24 +236,24 @@ impl Run {
     pub(crate) fn repace(
         &mut self,
         known: (&MachineLimits, &Ends),
-        wish: Wish,
+        settings: OperatorSettings,
         back: Option<Row>,
         emit: &mut dyn FnMut(Step),
     ) {
         let Some(old) = &self.timing else {
-            self.wish = wish; // of a move that is still alone
+            self.settings = settings; // of a move that is still alone
             return;
         };
         let left: Vec<Piece> = old.left().chain(self.cutter.held().copied()).collect();
         let anew = if let Some(row) = &back {
-            row.anew(known, wish, Some(&left))
+            row.anew(known, settings, Some(&left))
         } else {
             let state = old.begins();
-            let timing = Timing::new(known.0, self.spin, wish, state);
+            let timing = Timing::new(known.0, self.spin, settings, state);
             let cutter = Cutter::from(state.map_or(0.0, |state| state.s));
             let mut anew = Anew { from: 0, timing, cutter };
             for piece in &left {
-                anew.push(*piece, wish, known.1);
+                anew.push(*piece, settings, known.1);
             }
             anew.goes_on(known.1).then_some(anew)
         };
@@ -258,7 +263,7 @@ impl Run {
         if let Some(Anew { mut timing, cutter, .. }) = anew {
             timing.pump(emit);
             (self.timing, self.cutter) = (Some(timing), cutter);
-            self.wish = wish;
+            self.settings = settings;
         }
     }
 }

@@ -8,7 +8,7 @@
 use crate::along::Along;
 use crate::ends::{Cutter, Ends};
 use crate::limits::MachineLimits;
-use crate::repace::Wish;
+use crate::repace::OperatorSettings;
 use crate::timing::Timing;
 use crate::{Step, StepKind};
 use alloc::boxed::Box;
@@ -85,7 +85,7 @@ pub(crate) struct Run {
     /// Revolutions per second of a run whose feed is per revolution.
     pub(crate) spin: Option<f64>,
     /// What the operator wants of it.
-    pub(crate) wish: Wish,
+    pub(crate) settings: OperatorSettings,
     refusal: Option<(u32, Refusal)>,
 }
 
@@ -110,16 +110,16 @@ impl Run {
         self.refusal.take()
     }
 
-    /// Go on with a move; a run that begins with it is as wished.
+    /// Go on with a move; a run that begins with it is as the operator has set it.
     pub(crate) fn push(
         &mut self,
         order: Order,
-        wish: Wish,
+        settings: OperatorSettings,
         (limits, ends): (&MachineLimits, &Ends),
         emit: &mut dyn FnMut(Step),
     ) {
         if self.is_empty() {
-            (self.spin, self.wish) = (order.spin(), wish);
+            (self.spin, self.settings) = (order.spin(), settings);
             self.first = Some(order);
             return;
         }
@@ -133,7 +133,7 @@ impl Run {
     /// More than one move, or one that is not to be as programmed.
     fn begin(&mut self, limits: &MachineLimits, ends: &Ends) {
         if self.timing.is_none() {
-            self.timing = Some(Timing::new(limits, self.spin, self.wish, None));
+            self.timing = Some(Timing::new(limits, self.spin, self.settings, None));
         }
         if let Some(first) = self.first.take() {
             self.join(first.segment, ends);
@@ -141,12 +141,12 @@ impl Run {
     }
 
     fn join(&mut self, segment: Segment, ends: &Ends) {
-        let Self { joiner, timing, wish, refusal, cutter, .. } = self;
+        let Self { joiner, timing, settings, refusal, cutter, .. } = self;
         let Some(timing) = timing else { return };
         // where every line ends at rest, it ends where it was programmed to
-        let tolerance = if wish.stops { 0.0 } else { segment.tolerance };
+        let tolerance = if settings.stops { 0.0 } else { segment.tolerance };
         let joiner = joiner.get_or_insert_with(|| Joiner::new(timing.limits()));
-        let stops = wish.stops;
+        let stops = settings.stops;
         joiner.push(Segment { tolerance, ..segment }, &mut |piece| {
             if stops {
                 cutter.push(piece, ends, &mut |piece| timing.push(piece));
@@ -165,7 +165,7 @@ impl Run {
     ) {
         if let Some(first) = &self.first {
             let has_profile = !matches!(first.path, Path::Spline { .. });
-            if has_profile && self.wish.share == 1.0 {
+            if has_profile && self.settings.share == 1.0 {
                 emit(first.step());
                 self.first = None;
                 return;
@@ -173,10 +173,10 @@ impl Run {
             self.begin(limits, ends);
         }
         let Some(mut timing) = self.timing.take() else { return };
-        let Self { cutter, wish, .. } = self;
+        let Self { cutter, settings, .. } = self;
         if let Some(joiner) = &mut self.joiner {
             joiner.finish(&mut |piece| {
-                if wish.stops {
+                if settings.stops {
                     cutter.push(piece, ends, &mut |piece| timing.push(piece));
                 } else {
                     timing.push(piece);

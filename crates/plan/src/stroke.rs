@@ -34,7 +34,7 @@ pub struct StrokeRequest {
     /// Torque of the cut.
     pub cut: Torque,
     /// Highest acceleration that is asked for, below what the machine allows; `None`: all of that.
-    pub gentle: Option<SpinAccel>,
+    pub spindle_accel: Option<SpinAccel>,
     /// A straight ramp from rest to `spin` in this time instead of what the machine allows.
     pub force_ramp: Option<Time>,
 }
@@ -114,7 +114,7 @@ impl Ramps {
         top: Spin,
     ) -> Self {
         let lead = request.lead.abs();
-        let asked = request.gentle.map_or(f64::INFINITY, SpinAccel::value);
+        let asked = request.spindle_accel.map_or(f64::INFINITY, SpinAccel::value);
         let feed_accel = (axis.accel / lead).value();
         let level = feed_accel.min(asked);
         let feed_jerk = (axis.feed_jerk / lead).value();

@@ -4,7 +4,7 @@
 //!   pieces ─► Law ─► phases ─► Follow steps, as soon as nothing that comes can change them
 //! ```
 use crate::limits::MachineLimits;
-use crate::repace::Wish;
+use crate::repace::OperatorSettings;
 use crate::{Step, StepKind};
 use alloc::collections::VecDeque;
 use motion::{Entry, Follow, Limits, PHASES, Pace, Phase, Piece, Shape};
@@ -47,7 +47,7 @@ impl Timing {
     pub(crate) fn new(
         limits: &MachineLimits,
         spin: Option<f64>,
-        wish: Wish,
+        settings: OperatorSettings,
         state: Option<State>,
     ) -> Self {
         let n = spin.unwrap_or(1.0);
@@ -56,9 +56,9 @@ impl Timing {
         Self {
             law: Law::resuming(config, state),
             limits: config.limits,
-            pace: Pace { share: wish.share, turning: n },
+            pace: Pace { share: settings.share, turning: n },
             per_revolution: spin.is_some(),
-            stops: wish.stops,
+            stops: settings.stops,
             last: None,
             braking: AHEAD * braking(&config, state.v),
             pieces: VecDeque::new(),

@@ -77,7 +77,7 @@ fn feed(mm_per_min: f64) -> Feed {
 
 /// A circle of 10 mm at 6000 mm/min: v²/r = 1 m/s², v³/r² = 10 m/s³: nothing holds it back.
 #[test]
-fn a_gentle_circle_keeps_its_feed() {
+fn a_slow_circle_keeps_its_feed() {
     let limits = limits([10e3, 10e3, 15e3], 50_000.0, 5e5);
     let arc = Arc { plane: Plane::XY, centre: [mm(10.0), mm(0.0)], sweep: Angle::rev(1.0) };
     let m = planned(

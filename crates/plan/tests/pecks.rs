@@ -70,7 +70,7 @@ fn pecks_that_break_the_chip_go_on_where_the_helix_was_left() {
 }
 
 #[test]
-fn a_gentle_tap_takes_longer_and_a_hard_return_is_shorter_than_its_way_in() {
+fn a_tap_with_less_dynamics_takes_longer_and_a_hard_return_is_shorter_than_its_way_in() {
     let t = tap(10.0, 0.0, 2.0, -18.0, 1.0, 3000.0);
     let planned = |inward: f64, outward: f64| {
         let mut limits = common::machine();
@@ -115,7 +115,7 @@ fn a_short_stroke_is_within_3_percent_of_the_time_that_no_tap_can_beat() {
         spin: Spin::rpm(1e5),
         lead: Lead::mm_per_rev(1.25),
         cut: Torque::ZERO,
-        gentle: None,
+        spindle_accel: None,
         force_ramp: None,
     };
     let both = 2.0 * request.plan(&spindle, &axis).profile.duration();

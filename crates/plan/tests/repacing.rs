@@ -3,7 +3,7 @@ mod common;
 use canon::OpKind;
 use common::{line, planner_at, program, rapid, turn};
 use motion::{Superpose, Superposed, TableId};
-use plan::Wish;
+use plan::OperatorSettings;
 use plan::{Step, StepKind};
 use units::Angle;
 
@@ -30,8 +30,8 @@ fn cutting(steps: &[Step]) -> f64 {
 
 fn repaced(steps: Vec<Step>, planner: &mut plan::Planner) -> Vec<Step> {
     let mut after = Vec::new();
-    let wish = Wish { share: 2.0, stops: false };
-    planner.repace(wish, steps, None, &mut |step| after.push(step));
+    let settings = OperatorSettings { share: 2.0, stops: false };
+    planner.repace(settings, steps, None, &mut |step| after.push(step));
     after
 }
 

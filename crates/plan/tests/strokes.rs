@@ -13,7 +13,7 @@ fn request(revolutions: f64, rpm: f64, lead: f64, cut: f64) -> StrokeRequest {
         spin: Spin::rpm(rpm),
         lead: Lead::mm_per_rev(lead),
         cut: Torque::n_m(cut),
-        gentle: None,
+        spindle_accel: None,
         force_ramp: None,
     }
 }

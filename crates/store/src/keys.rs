@@ -144,6 +144,17 @@ impl<'d> Keys<'d> {
         self.required(key).and_then(|v| self.checked(key, v, &bounds)).unwrap_or(harmless)
     }
 
+    /// A number within bounds whose key had another name in the version before, which is read as well.
+    pub(crate) fn renamed(
+        &mut self,
+        key: &'static str,
+        before: &'static str,
+        bounds: RangeInclusive<f64>,
+    ) -> f64 {
+        let old = self.table.contains_key(before) && !self.table.contains_key(key);
+        self.number(if old { before } else { key }, bounds)
+    }
+
     /// A number within bounds, or "unlimited".
     pub(crate) fn limit(&mut self, key: &'static str, bounds: RangeInclusive<f64>) -> f64 {
         match self.get(key).map(Spanned::get_ref) {

@@ -19,8 +19,8 @@ use crate::{Error, SMALL_FILE_LIMIT, output, read_text, text::Lines};
 use diag::Diagnostic;
 use std::{fmt::Write, path::Path};
 
-/// Lessons that a file may have.
-const MOST_LESSONS: usize = 64;
+/// Records that a file may have.
+const MOST_RECORDS: usize = 64;
 /// Cells that a correction may have.
 const MOST_CELLS: usize = 1 << 16;
 /// Nanometres in a millimetre.
@@ -30,7 +30,7 @@ const BILLIONTH: f64 = 1e-9;
 
 /// One kind of stroke and what was learnt of it, in the units of the file.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Lesson {
+pub struct LearningRecord {
     /// The tool.
     pub tool: u32,
     /// Lead, speeds in and out, revolutions, times in and out: mm/rev, rev/s, rev, s.
@@ -51,15 +51,15 @@ pub struct Lesson {
     pub spindle: Vec<f64>,
 }
 
-/// A file of lessons.
+/// A file of learning records.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Lessons {
+pub struct LearningRecords {
     /// Name of the machine.
     pub machine: String,
     /// Mark of the machine's file.
     pub mark: u32,
     /// All of them.
-    pub list: Vec<Lesson>,
+    pub list: Vec<LearningRecord>,
 }
 
 /// FNV-1a of 32 bits.
@@ -67,25 +67,25 @@ pub fn mark(text: &str) -> u32 {
     text.bytes().fold(0x811c_9dc5, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
 }
 
-impl Lessons {
+impl LearningRecords {
     /// Their text.
     pub fn to_text(&self) -> String {
         let mut text =
             format!("leadscrew-learning 2\nmachine {} {:08x}\n", self.machine, self.mark);
-        for lesson in &self.list {
-            let [lead, spin, back, turns, into, out] = lesson.stroke;
-            let [first, best] = lesson.scores;
-            let (strokes, gain, strikes) = (lesson.strokes, lesson.gain, lesson.strikes);
-            let early = lesson.early;
+        for record in &self.list {
+            let [lead, spin, back, turns, into, out] = record.stroke;
+            let [first, best] = record.scores;
+            let (strokes, gain, strikes) = (record.strokes, record.gain, record.strikes);
+            let early = record.early;
             // writing to a String cannot fail
             let _ = writeln!(
                 text,
                 "stroke tool {} lead {lead} spin {spin} return {back} turns {turns} in {into} out {out}\n\
                  state strokes {strokes} gain {gain} strikes {strikes} first {first} best {best} early {early}",
-                lesson.tool
+                record.tool
             );
-            cells(&mut text, "feed", &lesson.feed, NANO);
-            cells(&mut text, "spindle", &lesson.spindle, BILLIONTH);
+            cells(&mut text, "feed", &record.feed, NANO);
+            cells(&mut text, "spindle", &record.spindle, BILLIONTH);
         }
         let end = mark(&text);
         let _ = writeln!(text, "end {end:08x}");
@@ -120,7 +120,7 @@ impl Lessons {
                 }
                 _ if !header => None,
                 "machine" => read.machine_line(rest),
-                "stroke" if read.list.len() < MOST_LESSONS => read.stroke_line(rest),
+                "stroke" if read.list.len() < MOST_RECORDS => read.stroke_line(rest),
                 "state" => read.list.last_mut().and_then(|l| l.state_line(rest)),
                 "feed" => read.list.last_mut().and_then(|l| values(&mut l.feed, rest, NANO)),
                 "spindle" => {
@@ -195,12 +195,12 @@ impl Lessons {
     fn stroke_line(&mut self, rest: &str) -> Option<()> {
         let [tool, stroke @ ..] =
             named(rest, ["tool", "lead", "spin", "return", "turns", "in", "out"])?;
-        self.list.push(Lesson { tool: whole(tool)?, stroke, ..Lesson::default() });
+        self.list.push(LearningRecord { tool: whole(tool)?, stroke, ..LearningRecord::default() });
         Some(())
     }
 }
 
-impl Lesson {
+impl LearningRecord {
     fn state_line(&mut self, rest: &str) -> Option<()> {
         let of_version_1 = ["strokes", "gain", "strikes", "first", "best"];
         let ([strokes, gain, strikes, scores @ ..], early) =
@@ -261,8 +261,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn lessons() -> Lessons {
-        let lesson = Lesson {
+    fn learning_records() -> LearningRecords {
+        let record = LearningRecord {
             tool: 3,
             stroke: [-1.0, 100.0, -100.0, 30.0, 0.61, 0.625],
             strokes: 12,
@@ -273,11 +273,11 @@ mod tests {
             feed: vec![0.0, 1.25e-6, -3e-6],
             spindle: vec![0.0, 2e-9],
         };
-        Lessons { machine: "tapping-center".into(), mark: 7, list: vec![lesson] }
+        LearningRecords { machine: "tapping-center".into(), mark: 7, list: vec![record] }
     }
 
     fn sentence(text: &str) -> String {
-        let found = Lessons::parse(text).unwrap_err();
+        let found = LearningRecords::parse(text).unwrap_err();
         format!("{} {} {}", found[0].span.line, found[0].code, found[0].message)
     }
 
@@ -289,24 +289,26 @@ mod tests {
 
     #[test]
     fn what_is_written_reads_back_the_same() {
-        let read = Lessons::parse(&lessons().to_text()).unwrap();
-        assert_eq!(read.to_text(), lessons().to_text());
-        assert_eq!(read.list[0].stroke, lessons().list[0].stroke);
+        let read = LearningRecords::parse(&learning_records().to_text()).unwrap();
+        assert_eq!(read.to_text(), learning_records().to_text());
+        assert_eq!(read.list[0].stroke, learning_records().list[0].stroke);
         assert_eq!(read.list[0].early, 0.25);
     }
 
     #[test]
     fn a_file_of_the_first_version_knows_no_stopping_angle() {
-        let body =
-            lessons().to_text().replace("learning 2", "learning 1").replace(" early 0.25", "");
+        let body = learning_records()
+            .to_text()
+            .replace("learning 2", "learning 1")
+            .replace(" early 0.25", "");
         let body = &body[..body.find("end ").unwrap()];
-        let read = Lessons::parse(&format!("{body}end {:08x}\n", mark(body))).unwrap();
+        let read = LearningRecords::parse(&format!("{body}end {:08x}\n", mark(body))).unwrap();
         assert_eq!((read.list[0].strokes, read.list[0].early), (12, 0.0));
     }
 
     #[test]
     fn a_file_cut_short_or_edited_is_recognised() {
-        let text = lessons().to_text();
+        let text = learning_records().to_text();
         let cut = &text[..text.len() - 14];
         assert!(sentence(cut).contains("cut short"), "{}", sentence(cut));
         assert!(sentence(&text.replace("1.25", "2.25")).contains("changed"));
@@ -317,10 +319,11 @@ mod tests {
     fn a_file_of_another_or_a_changed_machine_is_recognised() {
         let home = tempfile::tempdir().unwrap();
         let path = home.path().join("learnt.txt");
-        assert_eq!(Lessons::load(&path, "tapping-center", 7).unwrap(), None);
-        lessons().save(&path).unwrap();
-        assert!(Lessons::load(&path, "tapping-center", 7).unwrap().is_some());
-        let said = |machine, mark| Lessons::load(&path, machine, mark).unwrap_err().to_string();
+        assert_eq!(LearningRecords::load(&path, "tapping-center", 7).unwrap(), None);
+        learning_records().save(&path).unwrap();
+        assert!(LearningRecords::load(&path, "tapping-center", 7).unwrap().is_some());
+        let said =
+            |machine, mark| LearningRecords::load(&path, machine, mark).unwrap_err().to_string();
         assert!(said("vfd-mill", 7).contains("learnt on tapping-center"));
         assert!(said("tapping-center", 8).contains("has been changed"));
     }
@@ -328,7 +331,7 @@ mod tests {
     proptest! {
         #[test]
         fn no_text_makes_the_reader_panic(text in "(leadscrew-learning 1\n)?([-a-z0-9. \n]|\\PC){0,80}") {
-            let _ = Lessons::parse(&text);
+            let _ = LearningRecords::parse(&text);
         }
     }
 }

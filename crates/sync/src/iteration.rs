@@ -16,7 +16,7 @@
 //!
 //! The basis is the parameter, and all that differs ([`Basis`]): a motion that goes round has harmonics, each with the
 //! answer 1/L that was heard of it ([`crate::Repetition`]: cams, a polygon's oscillation); a motion that goes in and out
-//! has splines over its time, L = 1 and Q a low-pass without phase ([`crate::Lesson`]: repeated taps). What decides
+//! has splines over its time, L = 1 and Q a low-pass without phase ([`crate::LearningRecord`]: repeated taps). What decides
 //! whether a run taught something, what is kept, and when it ends, is here.
 //!
 //! With T from what is sent to what comes, the error shrinks where |Q·(1 − γ·L·T)| < 1 (Bristow, Tharayil, Alleyne: A

@@ -207,7 +207,7 @@ fn pass<'a>(c: &[f64; 5], cells: impl Iterator<Item = &'a mut f64>) {
 
 /// What has been learnt of one kind of stroke.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Lesson {
+pub struct LearningRecord {
     /// Of what.
     pub key: StrokeKey,
     /// Correction of the feed axis, mm.
@@ -251,7 +251,7 @@ impl Basis for Splines<'_> {
     }
 }
 
-impl Lesson {
+impl LearningRecord {
     /// Nothing learnt yet.
     pub const fn new(key: StrokeKey, gain: f64) -> Self {
         Self {

@@ -4,7 +4,7 @@ use std::boxed::Box;
 
 const HOW: Learning = Learning { gain: 0.7, bandwidth_hz: 60.0 };
 
-fn lesson() -> Box<Lesson> {
+fn record() -> Box<LearningRecord> {
     let key = StrokeKey {
         tool: 3,
         lead: Lead::mm_per_rev(-1.0),
@@ -13,22 +13,22 @@ fn lesson() -> Box<Lesson> {
         turns: Angle::rev(30.0),
         times: (Time::s(0.5), Time::s(0.5)),
     };
-    Box::new(Lesson::new(key, HOW.gain))
+    Box::new(LearningRecord::new(key, HOW.gain))
 }
 
 /// One stroke of an axis that adds a repeating disturbance to what it is given; rms of its error, mm.
-fn stroke(lesson: &mut Lesson, answer: f64, disturbance: impl Fn(f64) -> f64) -> f64 {
+fn stroke(record: &mut LearningRecord, answer: f64, disturbance: impl Fn(f64) -> f64) -> f64 {
     let (mut squares, h) = (0.0, 250e-6);
-    lesson.begin();
+    record.begin();
     for k in 0..4000 {
         let t = f64::from(k) * h;
-        let (feed, _) = lesson.correction(Time::s(t));
+        let (feed, _) = record.correction(Time::s(t));
         let error = -(answer * feed.u + disturbance(t));
-        lesson.note(Time::s(t), Length::mm(error), Angle::ZERO);
+        record.note(Time::s(t), Length::mm(error), Angle::ZERO);
         squares += error * error;
     }
     let rms = f64::sqrt(squares / 4000.0);
-    lesson.finish(Length::mm(rms), &HOW);
+    record.finish(Length::mm(rms), &HOW);
     rms
 }
 
@@ -39,8 +39,8 @@ fn bump(t: f64) -> f64 {
 
 #[test]
 fn a_repeating_error_shrinks_by_one_less_the_gain_with_every_hole() {
-    let mut lesson = lesson();
-    let rms: std::vec::Vec<f64> = (0..4).map(|_| stroke(&mut lesson, 1.0, bump)).collect();
+    let mut record = record();
+    let rms: std::vec::Vec<f64> = (0..4).map(|_| stroke(&mut record, 1.0, bump)).collect();
     for pair in rms.windows(2) {
         assert!((pair[1] / pair[0] - 0.3).abs() < 0.02, "{rms:?}");
     }
@@ -48,23 +48,23 @@ fn a_repeating_error_shrinks_by_one_less_the_gain_with_every_hole() {
 
 #[test]
 fn an_axis_that_answers_the_wrong_way_is_frozen_with_the_correction_it_had() {
-    let mut lesson = lesson();
-    let first = stroke(&mut lesson, -1.0, bump);
+    let mut record = record();
+    let first = stroke(&mut record, -1.0, bump);
     for _ in 0..12 {
-        stroke(&mut lesson, -1.0, bump);
+        stroke(&mut record, -1.0, bump);
     }
-    assert!(lesson.progress.is_over());
-    let last = stroke(&mut lesson, -1.0, bump);
+    assert!(record.progress.is_over());
+    let last = stroke(&mut record, -1.0, bump);
     assert_eq!(first, last, "what is left is not learning at all");
 }
 
 #[test]
 fn what_is_faster_than_the_filter_is_not_learnt() {
-    let mut lesson = lesson();
+    let mut record = record();
     for _ in 0..5 {
-        stroke(&mut lesson, 1.0, |t| 0.001 * f64::sin(2.0 * PI * 300.0 * t));
+        stroke(&mut record, 1.0, |t| 0.001 * f64::sin(2.0 * PI * 300.0 * t));
     }
-    let most = lesson.feed.cells.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
+    let most = record.feed.cells.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
     // what is left is the sudden beginning and end of the tone, which has low frequencies too
     assert!(most < 5e-5, "{most} mm of 1 µm at five times the bandwidth");
 }
@@ -83,12 +83,12 @@ fn the_filter_has_no_phase() {
 
 #[test]
 fn speed_and_acceleration_are_the_derivatives_of_the_correction() {
-    let mut lesson = lesson();
-    for (i, cell) in lesson.feed.cells.iter_mut().enumerate() {
+    let mut record = record();
+    for (i, cell) in record.feed.cells.iter_mut().enumerate() {
         *cell = f64::sin(i as f64 / 50.0);
     }
     let d = 1e-6;
-    let at = |t: f64| lesson.correction(Time::s(t)).0;
+    let at = |t: f64| record.correction(Time::s(t)).0;
     for t in [0.1, 0.333, 0.5, 0.77] {
         let (before, now, after) = (at(t - d), at(t), at(t + d));
         let rate = (after.u - before.u) / (2.0 * d);
@@ -100,9 +100,9 @@ fn speed_and_acceleration_are_the_derivatives_of_the_correction() {
 
 #[test]
 fn a_correction_never_exceeds_a_tenth_of_a_lead() {
-    let mut lesson = lesson();
+    let mut record = record();
     for _ in 0..4 {
-        stroke(&mut lesson, 0.0, |_| 5.0);
+        stroke(&mut record, 0.0, |_| 5.0);
     }
-    assert!(lesson.feed.cells.iter().all(|u| u.abs() <= 0.1));
+    assert!(record.feed.cells.iter().all(|u| u.abs() <= 0.1));
 }

@@ -47,7 +47,7 @@ pub use coupling::{Coupling, Follower, Line, Rotation};
 pub use gear::{Engagement, Engaging, Gear, Travel};
 pub use halting::{Braking, Course, Goal, Halt, Halting};
 pub use iteration::{Progress, Taught};
-pub use learning::{CELLS, Channel, Correction, Learning, Lesson, StrokeKey};
+pub use learning::{CELLS, Channel, Correction, Learning, LearningRecord, StrokeKey};
 pub use measure::{Estimate, HARMONICS, MeasureError, Pair, PhaseError, fold, phase_error};
 pub use mode::{MAX_TRANSPORT, Prediction, SyncMode};
 pub use monitor::{Figures, Monitor, Verdict, Windows};

@@ -62,7 +62,7 @@ pub struct Tap<'a, S> {
     /// Its drive makes its own ramps.
     pub spoken: Option<Spoken>,
     /// Limits of the small moves onto the coupling and off it.
-    pub gentle: (Speed, Accel),
+    pub approach: (Speed, Accel),
     /// How it is stopped on the way.
     pub halt: Halt,
 }
@@ -207,7 +207,7 @@ impl Cycle {
             }
             Self::RunDown(coupling) if tick.at_rest => {
                 let z = coupling.position(tick.master.angle);
-                Self::Leave(gentle(tap, z, tap.end), Time::ZERO)
+                Self::Leave(at_approach_speed(tap, z, tap.end), Time::ZERO)
             }
             Self::RunDown(_) | Self::Done => self,
             Self::Leave(blend, at) if (at + tick.elapsed).value() < blend.duration_s() => {
@@ -431,11 +431,11 @@ fn step_on<S: Stroke>(tap: &Tap<S>, angle: Angle) -> Cycle {
         turns - libm::floor(turns)
     });
     let coupling = Coupling::line(tap.lead, angle + Angle::rev(sense * ahead), tap.start);
-    Cycle::StepOn(coupling, gentle(tap, tap.start, coupling.position(angle)), Time::ZERO)
+    Cycle::StepOn(coupling, at_approach_speed(tap, tap.start, coupling.position(angle)), Time::ZERO)
 }
 
-fn gentle<S>(tap: &Tap<S>, from: Length, to: Length) -> Blend {
-    let (speed, accel) = tap.gentle;
+fn at_approach_speed<S>(tap: &Tap<S>, from: Length, to: Length) -> Blend {
+    let (speed, accel) = tap.approach;
     Blend::new(from.value(), to.value(), speed.value(), accel.value())
 }
 

@@ -64,7 +64,7 @@ fn m6(encoder_following: bool, start_angle: Option<Angle>) -> Tap<'static, Trape
         encoder_following,
         early: Angle::ZERO,
         spoken: None,
-        gentle: (Speed::mm_per_s(50.0), Accel::mm_per_s2(500.0)),
+        approach: (Speed::mm_per_s(50.0), Accel::mm_per_s2(500.0)),
         halt: Halt {
             level: SpinAccel::rev_per_s2(400.0),
             power: 20_000.0,

@@ -47,7 +47,7 @@ fn tap_at(rpm: f64, early: Angle, known: bool, dwell: Time, sense: f64) -> Tap<'
             creep: Spin::rpm(0.1 * rpm),
             at_speed: known,
         }),
-        gentle: (Speed::mm_per_s(50.0), Accel::mm_per_s2(500.0)),
+        approach: (Speed::mm_per_s(50.0), Accel::mm_per_s2(500.0)),
         halt: Halt {
             level: SpinAccel::rev_per_s2(67.0),
             power: f64::INFINITY,

@@ -20,9 +20,13 @@ pub(super) fn picture_of_pass(
     file: &MachineFile,
 ) -> Option<String> {
     let pass = pass(&record.stroke)?;
-    let gentle = file.axis(pass.axis)?.gentle;
-    let plan =
-        along_pass(&pass, record.stroke.spindle, feedback, (gentle.speed, gentle.acceleration))?;
+    let approach = file.axis(pass.axis)?.approach;
+    let plan = along_pass(
+        &pass,
+        record.stroke.spindle,
+        feedback,
+        (approach.speed, approach.acceleration),
+    )?;
     let at = Point {
         angle: feedback.spindles[usize::from(plan.spindle)].angle + plan.turn,
         place: feedback.axes[pass.axis.index()].position,
@@ -121,7 +125,7 @@ pub(super) fn json(args: &RecoverArgs, answer: &Answer) -> String {
         "phase_error_unknown": unknown.or_else(|| way.and_then(|way| way.off.err())),
         "phase_error_bound_um": known.map(|(bound, _)| bound.in_um()),
         "overrun_mm": findings.map(|f| f.overrun.value().max(0.0)),
-        "not_known_whole": doubt(answer),
+        "not_known_whole": not_known_whole(answer),
         "helix_error_max_um": answer.figures.as_ref().map(|f| f.helix_error_max.in_um()),
         "cut": record.map(|r| r.stroke.cut.name()),
         "moved_first": findings.map(|f| first(f).to_owned()).or_else(|| way.map(off_the_work)),
@@ -187,8 +191,8 @@ pub(super) fn text(args: &RecoverArgs, answer: &Answer) -> String {
             figures.duration.value()
         );
     }
-    if let Some(doubt) = doubt(answer) {
-        text += &format!("  look at it     {doubt}. See that it is whole before you go on\n");
+    if let Some(why) = not_known_whole(answer) {
+        text += &format!("  look at it     {why}. See that it is whole before you go on\n");
     }
     if let Some(note) = &answer.note {
         text += &format!("  note           {note}\n");
@@ -218,8 +222,8 @@ pub(super) fn text(args: &RecoverArgs, answer: &Answer) -> String {
 }
 
 /// Why a tap may be broken.
-fn doubt(answer: &Answer) -> Option<&str> {
-    answer.findings.as_ref()?.doubt.as_deref()
+fn not_known_whole(answer: &Answer) -> Option<&str> {
+    answer.findings.as_ref()?.not_known_whole.as_deref()
 }
 
 /// Which tool is in the work, and where.

@@ -101,7 +101,7 @@ fn axis(file: &Axis) -> AxisControl {
         encoder: AxisEncoder { place, count: file.position_from.resolution(), motor_count },
         peak_force: file.drive.peak_force(),
         force_lag: file.drive.force_lag,
-        gentle: (file.gentle.speed, file.gentle.acceleration),
+        approach: (file.approach.speed, file.approach.acceleration),
         windows: AxisWindows {
             in_position: file.windows.in_position,
             settle: file.windows.settle,

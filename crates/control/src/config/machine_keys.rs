@@ -43,7 +43,7 @@ const NAMES: [&str; 40] = [
     "chip-break",
     "linear",
     "power-curve",
-    "gentle",
+    "approach",
     "standard",
     "fast",
     "max",

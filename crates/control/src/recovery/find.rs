@@ -42,7 +42,7 @@ pub struct Findings {
     /// How far the tap has gone beyond where its stroke was to end.
     pub overrun: Length,
     /// Why it may be broken.
-    pub doubt: Option<String>,
+    pub not_known_whole: Option<String>,
 }
 
 /// A tap that also turns bears this share of the pull that tears it: √(1 − τ²) with two thirds of its torque.
@@ -50,7 +50,12 @@ const WHOLE: f64 = 0.75;
 
 /// Why a tap that stands so may be broken: beyond the end of its stroke by more than a lead, which a hole has in reserve; or so far off its
 /// thread that its holder may have torn it.
-fn doubt(stroke: &Stroke, overrun: Length, error: Length, bears: Length) -> Option<String> {
+fn not_known_whole(
+    stroke: &Stroke,
+    overrun: Length,
+    error: Length,
+    bears: Length,
+) -> Option<String> {
     let lead = Length::mm(stroke.lead.value().abs());
     if overrun > lead {
         return Some(format!(
@@ -142,10 +147,10 @@ pub(super) fn find(
     let certain = bound.as_ref().map_or(Length::ZERO, |(bound, _)| stored.error(at).abs() + *bound);
     Ok(Findings {
         overrun,
-        doubt: if apart && way == Way::Straight {
+        not_known_whole: if apart && way == Way::Straight {
             Some(format!("{APART}: what it met meanwhile is not known"))
         } else {
-            doubt(stroke, overrun, certain, setting.bears())
+            not_known_whole(stroke, overrun, certain, setting.bears())
         },
         projection: stored.project(at, way),
         direct: stored.project(at, Way::Direct),
@@ -226,7 +231,7 @@ pub(super) fn drive_out(
         turn: findings.turn,
         way: findings.way,
         spin: OUT,
-        feed: (axis.gentle.speed / 10.0, axis.gentle.acceleration),
+        feed: (axis.approach.speed / 10.0, axis.approach.acceleration),
     });
     let mut figures = None;
     super::obey(&mut kernel, plant, &mut |event| {

@@ -224,7 +224,7 @@ fn answer(args: &RecoveryOptions, see: Look<'_>) -> Result<Answer, Refused> {
                 is_out(&mut plant, &file)?;
                 forget(&mut slots, &record)?;
                 answer.figures = Some(figures);
-                if findings.doubt.is_some() {
+                if findings.not_known_whole.is_some() {
                     (answer.outcome, answer.reason) =
                         (Outcome::NotKnownWhole, "the axis is back along its thread".into());
                 }

@@ -155,10 +155,10 @@ fn back_along(
     stroke: &Stroke,
 ) -> Result<RecoveryFigures, String> {
     let Some(pass) = pass(stroke) else { return Err("it is no thread".into()) };
-    let gentle = file.axis(pass.axis).map(|axis| axis.gentle);
-    let gentle = gentle.ok_or_else(|| format!("there is no axis {}", pass.axis.letter()))?;
+    let approach = file.axis(pass.axis).map(|axis| axis.approach);
+    let approach = approach.ok_or_else(|| format!("there is no axis {}", pass.axis.letter()))?;
     let mut kernel = Kernel::new(config::control(file, None, false));
-    let feed = (gentle.speed / 10.0, gentle.acceleration);
+    let feed = (approach.speed / 10.0, approach.acceleration);
     let plan = along_pass(&pass, stroke.spindle, &plant.feedback(), feed);
     kernel.recover(plan.ok_or("its lead grows")?);
     let mut figures = None;

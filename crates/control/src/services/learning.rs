@@ -5,9 +5,9 @@
 //! ```
 use crate::Refused;
 use std::path::{Path, PathBuf};
-use store::learning::{Lesson as Filed, Lessons, mark};
+use store::learning::{LearningRecord as Filed, LearningRecords, mark};
 use store::machine::MachineFile;
-use sync::{CELLS, Learning, Lesson, StrokeKey};
+use sync::{CELLS, Learning, LearningRecord, StrokeKey};
 use units::{Angle, Lead, Length, Spin, Time};
 
 /// Gain and bandwidth where the machine's file does not state them: half the usual resonance of a screw.
@@ -19,7 +19,7 @@ pub struct Memory {
     machine: String,
     mark: u32,
     /// What the file had.
-    pub lessons: Vec<Lesson>,
+    pub records: Vec<LearningRecord>,
 }
 
 impl Memory {
@@ -36,19 +36,19 @@ impl Memory {
         };
         let parts = (&machine.control, &machine.axes, &machine.spindles, &machine.tapping);
         let mark = mark(&format!("{parts:?}"));
-        let filed = Lessons::load(&path, &machine.name, mark)?.unwrap_or_default();
-        let lessons = filed.list.iter().map(unpacked).collect();
-        Ok(Some(Self { path, machine: machine.name.clone(), mark, lessons }))
+        let filed = LearningRecords::load(&path, &machine.name, mark)?.unwrap_or_default();
+        let records = filed.list.iter().map(unpacked).collect();
+        Ok(Some(Self { path, machine: machine.name.clone(), mark, records }))
     }
 
     /// Write what is known now.
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn save(&self, lessons: &[Lesson]) -> Result<(), Refused> {
-        let list = lessons.iter().filter(|lesson| lesson.strokes > 0).map(packed).collect();
-        let lessons = Lessons { machine: self.machine.clone(), mark: self.mark, list };
-        Ok(lessons.save(&self.path)?)
+    pub fn save(&self, records: &[LearningRecord]) -> Result<(), Refused> {
+        let list = records.iter().filter(|record| record.strokes > 0).map(packed).collect();
+        let records = LearningRecords { machine: self.machine.clone(), mark: self.mark, list };
+        Ok(records.save(&self.path)?)
     }
 }
 
@@ -62,37 +62,37 @@ pub fn how(machine: &MachineFile) -> Learning {
 }
 
 /// What was learnt, a line for each kind of stroke.
-pub fn text(lessons: &[Lesson]) -> String {
+pub fn text(records: &[LearningRecord]) -> String {
     let mut said = String::new();
-    for lesson in lessons.iter().filter(|lesson| lesson.strokes > 0) {
+    for record in records.iter().filter(|record| record.strokes > 0) {
         let um = |score: Option<Length>| score.map_or(f64::NAN, Length::in_um);
-        let end = if lesson.progress.is_over() { ", frozen" } else { "" };
-        if lesson.early != Angle::ZERO {
+        let end = if record.progress.is_over() { ", frozen" } else { "" };
+        if record.early != Angle::ZERO {
             said += &format!(
                 "learning: T{} at {:.0} rpm, {} strokes: the spindle is turned back {:+.2} turns earlier than its file makes one think; \
                  bottom missed by {:.1} µm in the first, {:.1} µm in the best\n",
-                lesson.key.tool,
-                lesson.key.spin.abs().in_rpm(),
-                lesson.strokes,
-                lesson.early.value(),
-                um(lesson.first),
-                um(lesson.best()),
+                record.key.tool,
+                record.key.spin.abs().in_rpm(),
+                record.strokes,
+                record.early.value(),
+                um(record.first),
+                um(record.best()),
             );
             continue;
         }
         said += &format!(
             "learning: T{} at {:.0} rpm, {} strokes: rms by the encoders {:.2} µm in the first, {:.2} µm in the best{end}\n",
-            lesson.key.tool,
-            lesson.key.spin.abs().in_rpm(),
-            lesson.strokes,
-            um(lesson.first),
-            um(lesson.best()),
+            record.key.tool,
+            record.key.spin.abs().in_rpm(),
+            record.strokes,
+            um(record.first),
+            um(record.best()),
         );
     }
     said
 }
 
-fn unpacked(filed: &Filed) -> Lesson {
+fn unpacked(filed: &Filed) -> LearningRecord {
     let [lead, spin, back, turns, into, out] = filed.stroke;
     let key = StrokeKey {
         tool: filed.tool,
@@ -102,24 +102,24 @@ fn unpacked(filed: &Filed) -> Lesson {
         turns: Angle::rev(turns),
         times: (Time::s(into), Time::s(out)),
     };
-    let mut lesson = Lesson::new(key, filed.gain);
+    let mut record = LearningRecord::new(key, filed.gain);
     let [first, best] = filed.scores;
-    (lesson.strokes, lesson.first) = (filed.strokes, Some(Length::mm(first)));
-    (lesson.progress.best, lesson.progress.strikes) = (Some(best), filed.strikes);
-    lesson.early = Angle::rev(filed.early);
-    for (channel, cells) in [(&mut lesson.feed, &filed.feed), (&mut lesson.spindle, &filed.spindle)]
+    (record.strokes, record.first) = (filed.strokes, Some(Length::mm(first)));
+    (record.progress.best, record.progress.strikes) = (Some(best), filed.strikes);
+    record.early = Angle::rev(filed.early);
+    for (channel, cells) in [(&mut record.feed, &filed.feed), (&mut record.spindle, &filed.spindle)]
     {
         for (slot, value) in channel.best.iter_mut().zip(cells) {
             *slot = *value;
         }
         channel.cells = channel.best;
     }
-    lesson
+    record
 }
 
 /// The best correction is what is kept: it has proved itself.
-fn packed(lesson: &Lesson) -> Filed {
-    let key = &lesson.key;
+fn packed(record: &LearningRecord) -> Filed {
+    let key = &record.key;
     let cells = |cells: &[f64; CELLS]| {
         let used = cells.iter().rposition(|u| *u != 0.0).map_or(0, |last| last + 1);
         cells[..used].to_vec()
@@ -135,12 +135,12 @@ fn packed(lesson: &Lesson) -> Filed {
             key.times.0.value(),
             key.times.1.value(),
         ],
-        strokes: lesson.strokes,
-        gain: lesson.progress.gain,
-        strikes: lesson.progress.strikes,
-        scores: [mm(lesson.first), mm(lesson.best())],
-        early: lesson.early.value(),
-        feed: cells(&lesson.feed.best),
-        spindle: cells(&lesson.spindle.best),
+        strokes: record.strokes,
+        gain: record.progress.gain,
+        strikes: record.progress.strikes,
+        scores: [mm(record.first), mm(record.best())],
+        early: record.early.value(),
+        feed: cells(&record.feed.best),
+        spindle: cells(&record.spindle.best),
     }
 }

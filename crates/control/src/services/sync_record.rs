@@ -1,17 +1,17 @@
 //! Keeps the sync record on the disk while a program runs, beside the servo loop.
 //!
 //! ```text
-//!   kernel ──wish──► record_writer ──record──► thread: write, fsync, rename, fsync
+//!   kernel ──request──► record_writer ──record──► thread: write, fsync, rename, fsync
 //!          ◄──acknowledged──── record_writer ◄──done, or why not──┘
 //! ```
 //!
 //! In lock-step simulated time stands while the disk works, so a fast disk and a slow one would differ: there an
-//! acknowledgement comes [`ALLOWANCE`] after the wish, by the machine's time, whenever the disk is done before. In real
+//! acknowledgement comes [`ALLOWANCE`] after the request, by the machine's time, whenever the disk is done before. In real
 //! time it comes when it comes.
 use crate::Refused;
 use bus::{Feedback, State};
 use canon::{Holder, Op, OpKind, ToolKind, ToolLibrary};
-use kernel::{Kernel, Wish, WorkRecord};
+use kernel::{Kernel, RecordRequest, WorkRecord};
 use motion::TiedCut;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
@@ -105,7 +105,7 @@ pub struct RecordWriter {
     command: Vec<String>,
     /// The hole whose tap a recovery has taken out, and its operation once the program has come to it.
     recovered: (Option<u32>, Option<u32>),
-    /// Wishes on their way: number, when they may be acknowledged, what is written.
+    /// Requests on their way: number, when they may be acknowledged, what is written.
     underway: VecDeque<(u32, Time, SyncRecord)>,
     last: Option<SyncRecord>,
     /// Number of the machine's last engagement, and the tool that the machine is told to be in its work.
@@ -187,21 +187,21 @@ impl RecordWriter {
         self.recovered.1
     }
 
-    /// Take the kernel's wishes, hand it its acknowledgements. The tool that is in the work from now on, as the machine is told
+    /// Take the kernel's requests, hand it its acknowledgements. The tool that is in the work from now on, as the machine is told
     /// with each command: from when the record is on the disk until the tool is out.
     pub fn serve(&mut self, kernel: &mut Kernel, feedback: &Feedback) -> Option<Engagement> {
         let now = feedback.time;
-        while let Some(wish) = kernel.next_wish() {
-            let (record, number) = match (wish, &self.last) {
-                (Wish::Inward(number, tap), _) => (self.record(&tap), Some(number)),
-                (Wish::Outward(number), Some(last)) => {
+        while let Some(request) = kernel.next_record_request() {
+            let (record, number) = match (request, &self.last) {
+                (RecordRequest::Inward(number, tap), _) => (self.record(&tap), Some(number)),
+                (RecordRequest::Outward(number), Some(last)) => {
                     (SyncRecord { stage: Stage::Outward, ..last.clone() }, Some(number))
                 }
-                (Wish::Out, Some(last)) => {
+                (RecordRequest::Out, Some(last)) => {
                     self.engagement = None;
                     (SyncRecord { stage: Stage::Out, ..last.clone() }, None)
                 }
-                (Wish::Outward(_) | Wish::Out, None) => continue,
+                (RecordRequest::Outward(_) | RecordRequest::Out, None) => continue,
             };
             if let Some(number) = number {
                 self.underway.push_back((number, now + ALLOWANCE, record.clone()));

@@ -81,7 +81,7 @@ impl Stops {
             )),
             _ => None,
         });
-        let gentle = session.machine.axis(canon::Axis::Z).map(|z| z.gentle);
+        let approach = session.machine.axis(canon::Axis::Z).map(|z| z.approach);
         let slow = units::Speed::mm_per_s(2.0);
         Self {
             faults: Script::new(told.faults, seed, planned),
@@ -91,7 +91,7 @@ impl Stops {
             zero: session.work_zero().linear[2],
             play: session.machine.simulation.tap_seat.flank_clearance,
             taps: taps.collect(),
-            feed: gentle.map_or((slow, units::Accel::mm_per_s2(100.0)), |g| {
+            feed: approach.map_or((slow, units::Accel::mm_per_s2(100.0)), |g| {
                 (g.speed.min(slow), g.acceleration * 0.1)
             }),
             happened: Vec::new(),

@@ -27,12 +27,12 @@ pub trait Sink {
     /// One call. Calls come in the order in which a machine would obey them.
     fn call(&mut self, place: &Place, call: &Call<'_>);
 
-    /// From here on this much is in doubt, because a block before was refused.
-    fn doubt(&mut self, _: crate::Doubts) {}
+    /// From here on this much is unknown, because a block before was refused.
+    fn suppress(&mut self, _: crate::Unknown) {}
 
     /// What an operation has missed, and was told of.
-    fn missed(&self) -> crate::Doubts {
-        crate::Doubts::default()
+    fn missed(&self) -> crate::Unknown {
+        crate::Unknown::default()
     }
 }
 

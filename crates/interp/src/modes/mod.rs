@@ -6,12 +6,12 @@ pub(crate) mod tapping;
 use crate::{
     call::{Corners, Sense, ToolEntry, Units},
     codes::{BORE_UPWARDS, FINE_BORE, SYNCHRO_LEFT, SYNCHRO_RIGHT},
-    doubts::Doubts,
     frame::{Frame, Point},
     modes::compensation::Compensation,
     modes::nurbs::Nurbs,
     modes::tapping::{Rigid, Shift, TapWords},
     setup::Chips,
+    unknown::Unknown,
 };
 use canon::Plane;
 
@@ -317,7 +317,7 @@ pub(crate) struct Modes {
     /// S of the last grinding block.
     pub(crate) cam_rpm: f64,
     /// What is not known since a block was refused.
-    pub(crate) doubts: Doubts,
+    pub(crate) unknown: Unknown,
 }
 
 impl Modes {
@@ -372,7 +372,7 @@ impl Modes {
             hobbing: false,
             cam: false,
             cam_rpm: 0.0,
-            doubts: Doubts::default(),
+            unknown: Unknown::default(),
         }
     }
 

@@ -1,25 +1,25 @@
-//! What the kernel exchanges with those around it between two ticks: lessons, tables, records of taps.
+//! What the kernel exchanges with those around it between two ticks: learning records, tables, records of taps.
 //!
 //! It has no disk and no files: what it has learnt is read from it, what it shall know is given to it, and what has
-//! to be written down is a [`Wish`] until somebody says that it is.
+//! to be written down is a [`RecordRequest`] until somebody says that it is.
 use super::Kernel;
 use crate::execute::Activity;
 use crate::fault::FaultKind;
 use crate::queue::{Step, StepKind};
-use crate::scribe::Wish;
+use crate::record_requests::RecordRequest;
 use alloc::vec::Vec;
 use motion::{Superpose, TableId};
 use sync::Periodic;
 
 impl Kernel {
     /// What repeated taps have learnt so far.
-    pub fn lessons(&self) -> &[sync::Lesson] {
-        self.drives.lessons.list()
+    pub fn learning_records(&self) -> &[sync::LearningRecord] {
+        self.drives.learning_records.list()
     }
 
     /// Begin with what was learnt before; ignored where learning is off. Not during a tap.
-    pub fn recall(&mut self, lessons: Vec<sync::Lesson>) {
-        self.drives.lessons.recall(lessons);
+    pub fn recall(&mut self, learning_records: Vec<sync::LearningRecord>) {
+        self.drives.learning_records.recall(learning_records);
     }
 
     /// Keep the table of a function that steps superpose. What it replaces comes back.
@@ -64,21 +64,21 @@ impl Kernel {
 
     /// From now on somebody writes down what taking a tap out needs, and no tap goes in before it is.
     pub const fn keep_records(&mut self) {
-        self.drives.scribe.begin();
+        self.drives.record_requests.begin();
     }
 
     /// What shall be written down next.
-    pub fn next_wish(&mut self) -> Option<Wish> {
-        self.drives.scribe.take()
+    pub fn next_record_request(&mut self) -> Option<RecordRequest> {
+        self.drives.record_requests.take()
     }
 
-    /// The wish of this number is on the disk.
+    /// The request of this number is on the disk.
     pub fn acknowledge(&mut self, number: u32) {
-        self.drives.scribe.acknowledge(number);
+        self.drives.record_requests.acknowledge(number);
     }
 
     /// The disk refuses: no further tap goes in.
     pub const fn not_written(&mut self) {
-        self.drives.scribe.refuse();
+        self.drives.record_requests.refuse();
     }
 }

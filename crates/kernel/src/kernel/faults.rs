@@ -6,13 +6,13 @@
 //!   a tap in its thread      both brake on the coupling, whatever is wrong
 //!      spindle does not obey    the axis goes with where the spindle is, until it stands
 //!      axis does not obey       the spindle brakes; the thread takes the axis along
-//!      an encoder lies          both brake by the setpoints' own steps ([`crate::doubt`])
+//!      an encoder lies          both brake by the setpoints' own steps ([`crate::encoder_plausibility`])
 //!      drive or encoder gone    outputs off when everything stands
 //! ```
 use super::{FAULTS, Kernel, Mode};
 use crate::config::Subject;
-use crate::doubt::Tied;
 use crate::drives::Finding;
+use crate::encoder_plausibility::Tied;
 use crate::event::EventKind;
 use crate::execute::Activity;
 use crate::fault::{Fault, FaultKind, Reaction};
@@ -44,7 +44,7 @@ impl Kernel {
                 self.drives.check_coupled(waits.at_speed, waits.oriented, lost)?;
                 self.drives.check_following()
             }
-            Mode::Halted if self.lame.is_some() => self.check_retreating(),
+            Mode::Halted if self.drive_lost.is_some() => self.check_retreating(),
             Mode::Halted => {
                 self.drives.check_ready(feedback)?;
                 self.check_retreating()
@@ -77,7 +77,7 @@ impl Kernel {
             _ => false, // nobody bridges the reading
         };
         if gone && (in_tap.is_some() || tied) {
-            self.lame = self.lame.or(Some(0));
+            self.drive_lost = self.drive_lost.or(Some(0));
         }
         let lost = kind == FaultKind::DriveNotReady && matches!(subject, Subject::Spindle(_));
         let disobeys =
@@ -87,7 +87,7 @@ impl Kernel {
         }
         let runs_away = self.runs_away(kind, subject);
         self.mode = match kind.reaction() {
-            Reaction::Disable if self.lame.is_none() => Mode::Disabled,
+            Reaction::Disable if self.drive_lost.is_none() => Mode::Disabled,
             Reaction::Halt if runs_away => {
                 self.retreating = None;
                 Mode::Disabled
@@ -153,7 +153,7 @@ impl Kernel {
             Mode::New | Mode::Starting(_) | Mode::Disabled => Tied::default(),
         };
         let period_s = self.config.period.value();
-        let (taken, finding) = self.doubts.bridge(tied, feedback, &mut self.drives, period_s);
+        let (taken, finding) = self.plausibility.bridge(tied, feedback, &mut self.drives, period_s);
         if let Some(finding) = finding {
             self.raise(finding, &taken);
         }
@@ -162,11 +162,11 @@ impl Kernel {
 
     /// A drive or an encoder is gone, and everything stands: outputs off.
     pub(super) fn let_go(&mut self) {
-        let Some(stood) = self.lame else { return };
+        let Some(stood) = self.drive_lost else { return };
         let mut spindles = self.drives.spindles.iter().flatten();
         let stands = self.is_standing() && spindles.all(SpindleLoop::at_rest);
         let stood = if stands { stood + 1 } else { 0 };
-        self.lame = Some(stood);
+        self.drive_lost = Some(stood);
         if f64::from(stood) * self.config.period.value() > STANDS_S {
             self.mode = Mode::Disabled;
         }

@@ -41,7 +41,7 @@ impl Kernel {
     /// is under way and is no feed along a path stays. `None`: an override or a hold is just changing how fast the plan is
     /// run through, and how that ends is known of this plan only; ask again after the next tick.
     pub fn hand_back(&mut self) -> Option<HandedBack> {
-        if matches!(self.activity, Activity::Moving(..)) && !self.drives.tempo.is_even() {
+        if matches!(self.activity, Activity::Moving(..)) && !self.drives.time_scaling.is_even() {
             return None;
         }
         let under_way = self.begun.then(|| self.queue.front()).flatten();
@@ -89,7 +89,7 @@ impl Kernel {
 
     /// A tap that stands in its thread can come out by the control that stopped it: no drive or encoder of it is gone.
     pub fn can_back_out(&self) -> bool {
-        let drives = matches!(self.mode, Mode::Running | Mode::Halted) && self.lame.is_none();
+        let drives = matches!(self.mode, Mode::Running | Mode::Halted) && self.drive_lost.is_none();
         drives && self.is_standing() && self.engaged().is_some()
     }
 
@@ -118,7 +118,7 @@ impl Kernel {
                 return;
             }
             if matches!(self.activity, Activity::Tapping(_)) {
-                self.drives.scribe.out();
+                self.drives.record_requests.out();
             }
             self.queue.clear();
             (self.chained, self.drives.chain) = (0, None);

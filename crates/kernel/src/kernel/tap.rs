@@ -1,12 +1,12 @@
 //! The tap in work, as others have to know it: what is coupled, what is written down of it, and the way out of the
 //! work after everything has stopped.
 use super::{Kernel, Mode};
-use crate::doubt::Doubts;
+use crate::encoder_plausibility::EncoderPlausibility;
 use crate::execute::Activity;
 use crate::operator::Operator;
 use crate::queue::{Step, StepKind};
+use crate::record_requests::WorkRecord;
 use crate::recovering::{Recovering, RecoveryPlan};
-use crate::scribe::WorkRecord;
 use crate::spindle::SpindleLoop;
 use bus::State;
 use sync::{Coupling, SyncMode};
@@ -30,7 +30,7 @@ impl Kernel {
         (self.activity, self.begun, self.mode) = (Activity::Idle, false, Mode::New);
         (self.operator, self.aborted, self.reported) =
             (Operator::new(self.config.overrides), false, None);
-        (self.doubts, self.lame) = (Doubts::default(), None);
+        (self.plausibility, self.drive_lost) = (EncoderPlausibility::default(), None);
         (self.chained, self.way_out, self.retreating) = (0, None, None);
         (self.recovering, self.withdrawing) = (None, None);
         self.report.state = State::Idle;
@@ -97,7 +97,7 @@ impl Kernel {
     pub(super) fn foresee(&mut self) {
         let following = self.config.synchronisation != SyncMode::CommandSynchronised;
         let travels = matches!(self.activity, Activity::Moving(..) | Activity::Settling { .. });
-        if !self.drives.scribe.is_on() || following || !travels {
+        if !self.drives.record_requests.is_on() || following || !travels {
             return;
         }
         let mut steps = self.queue.iter().skip(1);
@@ -111,7 +111,7 @@ impl Kernel {
         let turns = plan.start_angle.map_or(0.0, |angle| (angle - held).value());
         let theta0 = held + units::Angle::rev(turns - libm::round(turns));
         let record = WorkRecord::of(plan, op, line, self.drives.tool, theta0);
-        self.drives.scribe.ask(&record);
+        self.drives.record_requests.ask(&record);
     }
 
     /// The tap at the queue's front is done: out of its hole, unless the next stroke goes on in it.
@@ -127,7 +127,7 @@ impl Kernel {
         let inside = (plan.end - plan.surface).value() * libm::copysign(1.0, inward);
         let is_outside = inside <= AT_SURFACE_MM;
         if is_outside && !goes_on {
-            self.drives.scribe.out();
+            self.drives.record_requests.out();
         }
     }
 }

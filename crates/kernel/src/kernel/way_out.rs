@@ -11,8 +11,8 @@ use crate::event::EventKind;
 use crate::execute::Activity;
 use crate::fault::FaultKind;
 use crate::queue::{Step, StepKind};
+use crate::record_requests::WorkRecord;
 use crate::retreating::{self, Retreating};
-use crate::scribe::WorkRecord;
 use crate::spindle::SpindleLoop;
 use crate::threading;
 use crate::withdrawing::{WithdrawalPlan, Withdrawing};
@@ -95,7 +95,7 @@ impl Kernel {
     /// The tool is out of the work.
     pub(super) fn is_out(&mut self) {
         if self.way_out.take().is_some() {
-            self.drives.scribe.out();
+            self.drives.record_requests.out();
         }
     }
 
@@ -215,7 +215,7 @@ impl Kernel {
     /// While the axes are on their way to where a tool is fed in: ask for its record now.
     pub(super) fn foresee_way_out(&mut self) {
         let travels = matches!(self.activity, Activity::Moving(..) | Activity::Settling { .. });
-        if !self.drives.scribe.is_on() || !travels || self.way_out.is_some() {
+        if !self.drives.record_requests.is_on() || !travels || self.way_out.is_some() {
             return;
         }
         let passes = |step: &Step<'_>| {
@@ -227,6 +227,6 @@ impl Kernel {
             return;
         };
         let record = WorkRecord::of_way_out(&way_out, op, line, self.drives.tool);
-        self.drives.scribe.ask(&record);
+        self.drives.record_requests.ask(&record);
     }
 }

@@ -156,7 +156,7 @@ fn axis_control(model: &AxisModel) -> AxisControl {
         },
         peak_force: model.peak_force(),
         force_lag: model.force_lag,
-        gentle: (Speed::mm_per_s(50.0), Accel::mm_per_s2(2000.0)),
+        approach: (Speed::mm_per_s(50.0), Accel::mm_per_s2(2000.0)),
         windows: AxisWindows {
             in_position: Length::um(5.0),
             settle: Time::s(5e-3),
@@ -294,7 +294,7 @@ impl TapOrder {
             spin: Spin::rpm(self.rpm),
             lead: Lead::mm_per_rev(self.lead_mm),
             cut: Torque::n_m(self.cut_n_m),
-            gentle: None,
+            spindle_accel: None,
             force_ramp: self.ramp_s.map(Time::s),
         };
         let stroke = request.plan(&SPINDLE_LIMITS, &Z_LIMITS).profile;

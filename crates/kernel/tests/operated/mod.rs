@@ -7,7 +7,8 @@ use canon::{Op, Position, ToolLibrary};
 use kernel::{Kernel, Order};
 use plan::Step;
 use plan::{
-    AxisLimits, Joining, MachineLimits, Options, Planner, Start, Tapping, ToolChange, Wish,
+    AxisLimits, Joining, MachineLimits, OperatorSettings, Options, Planner, Start, Tapping,
+    ToolChange,
 };
 use proptest::prelude::*;
 use std::collections::VecDeque;
@@ -74,9 +75,9 @@ pub fn run(ops: &[Op], jerk: f64, orders: &[(usize, Order)]) -> Seen {
     let start = Start { position: Position::default(), tool: 0 };
     let mut planner = Planner::new(limits, ToolLibrary::new([]), OPTIONS, start);
     let (mut queue, mut sent) = (VecDeque::<Step>::new(), Vec::new());
-    let (mut open, mut wish) = (true, Wish::default());
-    wish.stops = orders.contains(&(0, Order::SingleBlock(true)));
-    planner.wish(wish);
+    let (mut open, mut settings) = (true, OperatorSettings::default());
+    settings.stops = orders.contains(&(0, Order::SingleBlock(true)));
+    planner.set_operator(settings);
     for (index, op) in (0..).zip(ops) {
         planner.push(index, op, &mut |step| queue.push_back(step));
     }
@@ -96,16 +97,19 @@ pub fn run(ops: &[Op], jerk: f64, orders: &[(usize, Order)]) -> Seen {
             kernel.order(Order::RapidOverride(1.0));
         }
         let operator = kernel.operator();
-        let now = Wish { share: operator.share(false).max(1.0), stops: operator.single_block() };
-        if now.share > wish.share || (now.stops && !wish.stops) {
+        let now = OperatorSettings {
+            share: operator.share(false).max(1.0),
+            stops: operator.single_block(),
+        };
+        if now.share > settings.share || (now.stops && !settings.stops) {
             if let Some(back) = kernel.hand_back() {
                 let mut steps = sent.split_off(sent.len() - back.steps);
                 steps.extend(queue.drain(..));
                 planner.repace(now, steps, back.done, &mut |step| queue.push_back(step));
-                wish = now;
+                settings = now;
             }
         } else {
-            wish = now;
+            settings = now;
         }
         if queue.is_empty() && open && !kernel.is_full() {
             open = false;

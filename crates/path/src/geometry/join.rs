@@ -9,14 +9,14 @@
 //!
 //! A corner's slopes differ by |t₁ − t₀| = 2·k (k = sin(θ/2) for two lines that turn by θ). The blend goes from h before the
 //! corner to h after it, with the position, slope and bend that the path has there: between two lines as `corner` has it, or
-//! `bow` where they are short; else it is the polynomial of the fifth degree with a length of 2·h, which passes the corner at
+//! [`QuinticBlend`] where they are short; else it is the polynomial of the fifth degree with a length of 2·h, which passes the corner at
 //! a distance of ⅜·h·k, and a jump of the bend by Δ costs about Δ·h²/17 more.
 //!
 //! A move is long if three blends fit into it at both of its ends, narrow ones where a sharp corner has a choice; a curve that
 //! was chopped finely has small corners, which would allow blends much longer than its moves, and therefore none of them is.
-use super::bow::{Bow, INNER};
 use super::corner::{Bend, Corner, ROOM, off};
 use super::fastest::Rests;
+use super::quintic_blend::{INNER, QuinticBlend};
 use super::{
     AXES, Curve, Derivatives, Entry, Limits, Line, Piece, Point, Polynomial, Shape, fit, measure,
 };
@@ -402,12 +402,12 @@ fn joint(before: &Waiting, segment: &Segment, start: &Derivatives, bend: Bend) -
         let shorter = a.length.min(b.length);
         let p = tolerance * EXACT;
         let side = side(k, &before.end.q1, &start.q1);
-        let narrow = Bow::narrow(off(k, side), p);
+        let narrow = QuinticBlend::narrow(off(k, side), p);
         if let Some(corner) = Corner::of(k, side, p, shorter, bend) {
             let reach = corner.reach();
             return Joint { reach, narrow, corner: Some(corner), ..joint };
         }
-        let Bow { reach, ratio } = Bow::of(k, side, p, shorter / ROOM);
+        let QuinticBlend { reach, ratio } = QuinticBlend::of(k, side, p, shorter / ROOM);
         return Joint { reach, narrow, ratio, ..joint };
     }
     // ⅜·k·h + Δ·h²/17 = P

@@ -1,7 +1,6 @@
 //! From programmed lines, arcs and splines to one joined curve, in pieces: what can be cut at corners, and what can be fitted.
 
 mod bezier;
-mod bow;
 mod corner;
 mod fastest;
 mod fillet;
@@ -10,6 +9,7 @@ mod gathered;
 mod join;
 mod knots;
 mod load;
+mod quintic_blend;
 mod spline;
 mod tube;
 

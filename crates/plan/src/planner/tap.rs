@@ -51,7 +51,7 @@ pub(super) struct Means {
     pub(super) turning: SpindleLimits,
     cut: Torque,
     /// Acceleration asked for on the way out.
-    gentle: Option<SpinAccel>,
+    spindle_accel: Option<SpinAccel>,
 }
 
 /// One way in and the way back, as coordinates of the axis.
@@ -131,8 +131,8 @@ impl Planner {
             let frame = &self.frame;
             found.extend(beside.map(|(hole, off)| beside_its_hole(job.span, &hole, off, frame)));
         }
-        let gentle = self.return_acceleration(job, tap, &outward, cut);
-        if let Err(finding) = &gentle {
+        let spindle_accel = self.return_acceleration(job, tap, &outward, cut);
+        if let Err(finding) = &spindle_accel {
             found.push(finding.clone());
         }
         self.outbox.heat.cuts_with(cut);
@@ -145,8 +145,8 @@ impl Planner {
                         right size";
             self.findings.add_once(Diagnostic::note("M0324", job.span, text));
         }
-        let gentle = gentle.ok().filter(|_| !refused)?;
-        Some(Means { inward, outward, turning: spindle, cut, gentle })
+        let spindle_accel = spindle_accel.ok().filter(|_| !refused)?;
+        Some(Means { inward, outward, turning: spindle, cut, spindle_accel })
     }
 
     /// The acceleration asked for on the way out (I), if drives and ramps can obey it.
@@ -179,7 +179,7 @@ impl Planner {
             spin: tap.return_spin,
             lead: tap.lead,
             cut,
-            gentle: None,
+            spindle_accel: None,
             force_ramp: None,
         };
         let highest = request.acceleration_from_rest(&outward.1, &outward.0);
@@ -332,14 +332,15 @@ impl Planner {
             spin: tap.spin,
             lead: tap.lead,
             cut: means.cut,
-            gentle: None,
+            spindle_accel: None,
             force_ramp: self.ramp_of_stroke(tap.spin),
         };
         let revolutions = turns(peck.bottom, peck.end);
         let return_spin = tap.return_spin.min(highest_return(tap, means));
         let force_ramp = self.ramp_of_stroke(return_spin);
-        let gentle = means.gentle;
-        let back = StrokeRequest { revolutions, spin: return_spin, force_ramp, gentle, ..request };
+        let spindle_accel = means.spindle_accel;
+        let back =
+            StrokeRequest { revolutions, spin: return_spin, force_ramp, spindle_accel, ..request };
         let inward = self.stroke(request, &means.inward, 0);
         let outward = self.stroke(back, &means.outward, 1);
         // on the helix through the start: where a peck begins deeper, the spindle stands that much further

@@ -36,7 +36,7 @@ pub struct Axis {
     /// Largest jerk on rapids; may be infinite.
     pub jerk_rapid: Jerk,
     /// Limits of motion that is not planned.
-    pub gentle: Gentle,
+    pub approach: Approach,
     /// What it moves: table, column or ram.
     pub moving_mass: Mass,
     /// Share of its weight that the drive must hold: 0 for a horizontal or fully balanced axis.
@@ -59,7 +59,7 @@ pub struct Axis {
 
 /// Limits of small moves and of stops that are not planned.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gentle {
+pub struct Approach {
     /// Speed.
     pub speed: Speed,
     /// Acceleration.
@@ -219,10 +219,14 @@ impl Axis {
             ),
             jerk_feed: Jerk::mm_per_s3(keys.limit("jerk_feed_m_per_s3", 0.01..=1e6) * MM_PER_M),
             jerk_rapid: Jerk::mm_per_s3(keys.limit("jerk_rapid_m_per_s3", 0.01..=1e6) * MM_PER_M),
-            gentle: Gentle {
-                speed: Speed::mm_per_min(keys.number("gentle_mm_per_min", 1.0..=1e6)),
+            approach: Approach {
+                speed: Speed::mm_per_min(keys.renamed(
+                    "approach_mm_per_min",
+                    "gentle_mm_per_min",
+                    1.0..=1e6,
+                )),
                 acceleration: Accel::mm_per_s2(
-                    keys.number("gentle_m_per_s2", 1e-3..=500.0) * MM_PER_M,
+                    keys.renamed("approach_m_per_s2", "gentle_m_per_s2", 1e-3..=500.0) * MM_PER_M,
                 ),
             },
             moving_mass: Mass::kg(keys.number("moving_mass_kg", 0.01..=100_000.0)),

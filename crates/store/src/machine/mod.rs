@@ -42,7 +42,7 @@ mod tapping;
 
 pub(crate) use axis::n_per_um;
 pub use axis::{
-    Axis, AxisWindows, Drive, Friction, Gentle, Loops, Motor, PositionFrom, Structure, Travel,
+    Approach, Axis, AxisWindows, Drive, Friction, Loops, Motor, PositionFrom, Structure, Travel,
 };
 pub use control::{
     BoringAside, ChipRemoval, Control, CycleDepth, Dialect, Fanuc, Follows, Increments, Learning,

@@ -12,7 +12,7 @@
 //! | M, J | torque, inertia about the axis | N·m, kg·m² |
 //! | kt, ct | torsional stiffness, damping | N·m/rad, N·m·s/rad |
 use super::axis::{
-    Axis, AxisWindows, Drive, Friction, Gentle, Loops, Motor, PositionFrom, Structure, Travel,
+    Approach, Axis, AxisWindows, Drive, Friction, Loops, Motor, PositionFrom, Structure, Travel,
     at_least,
 };
 use super::plant::AxisErrors;
@@ -38,9 +38,17 @@ pub(super) fn read(letter: canon::Axis, keys: &mut Keys<'_>) -> Axis {
         acceleration: Accel::mm_per_s2(keys.limit("acceleration_deg_per_s2", 0.1..=1e7)),
         jerk_feed: Jerk::mm_per_s3(keys.limit("jerk_feed_deg_per_s3", 1.0..=1e10)),
         jerk_rapid: Jerk::mm_per_s3(keys.limit("jerk_rapid_deg_per_s3", 1.0..=1e10)),
-        gentle: Gentle {
-            speed: Speed::mm_per_min(keys.number("gentle_deg_per_min", 1.0..=1e7)),
-            acceleration: Accel::mm_per_s2(keys.number("gentle_deg_per_s2", 0.1..=1e7)),
+        approach: Approach {
+            speed: Speed::mm_per_min(keys.renamed(
+                "approach_deg_per_min",
+                "gentle_deg_per_min",
+                1.0..=1e7,
+            )),
+            acceleration: Accel::mm_per_s2(keys.renamed(
+                "approach_deg_per_s2",
+                "gentle_deg_per_s2",
+                0.1..=1e7,
+            )),
         },
         moving_mass: Mass::kg(inertia * RAD_PER_M * RAD_PER_M),
         weight_share: 0.0,

@@ -164,7 +164,7 @@ impl Fanuc {
                 return Ok(());
             }
         }
-        self.assign(it, out).inspect_err(|_| refused::doubt_parameters(&mut it.executor.modes))?;
+        self.assign(it, out).inspect_err(|_| refused::forget_parameters(&mut it.executor.modes))?;
         it.executor.words.begin(&it.block);
         out.place = it.executor.words.place;
         if let Some(comment) = it.block.comments.last().filter(|_| it.block.assignments.is_empty())

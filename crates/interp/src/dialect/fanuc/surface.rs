@@ -195,11 +195,11 @@ impl<S: Sink> Bent<'_, S> {
 }
 
 impl<S: Sink> Sink for Bent<'_, S> {
-    fn doubt(&mut self, doubts: crate::Doubts) {
-        self.sink.doubt(doubts);
+    fn suppress(&mut self, unknown: crate::Unknown) {
+        self.sink.suppress(unknown);
     }
 
-    fn missed(&self) -> crate::Doubts {
+    fn missed(&self) -> crate::Unknown {
         self.sink.missed()
     }
 

@@ -193,7 +193,7 @@ impl Fanuc {
         let (Some(begin), None, Some(_)) = (begin, missing, end) else {
             let number = missing.unwrap_or(last);
             if stands_in(it.sources[it.file], number) {
-                refused::doubt_blocks(&mut it.executor.modes); // it cannot be read, which is told there
+                refused::forget_blocks(&mut it.executor.modes); // it cannot be read, which is told there
             }
             let text = format!("there is no block N{number} in this program");
             let fault = error("I1032", span, text);

@@ -1,34 +1,34 @@
 //! What is not known since a block was refused, and which findings follow from that alone.
 //!
-//! A finding that asks for what is in doubt ([`needs`]) is not told: it would say again what the first refusal has said,
-//! or what is not so. One that says that something is missing puts that in doubt itself, so that it is told once and not
+//! A finding that asks for what is unknown ([`needs`]) is not told: it would say again what the first refusal has said,
+//! or what is not so. One that says that something is missing makes that unknown itself, so that it is told once and not
 //! in each of a hundred lines.
 
 use crate::codes::{Letters, index};
 /// What is not known since a block was refused.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Doubts(pub(crate) u32);
+pub struct Unknown(pub(crate) u32);
 
 /// What a finding with this code takes for known.
 pub(crate) fn needs(code: &str) -> u32 {
     match code {
-        "I0408" | "I0425" | "I0426" => Doubts::FEED,
-        "I0434" | "I0532" | "I0567" | "I0597" | "I0703" => Doubts::SPEED,
-        "I0427" => Doubts::SENSE | Doubts::SPEED,
-        "I1032" | "I1006" => Doubts::BLOCKS,
+        "I0408" | "I0425" | "I0426" => Unknown::FEED,
+        "I0434" | "I0532" | "I0567" | "I0597" | "I0703" => Unknown::SPEED,
+        "I0427" => Unknown::SENSE | Unknown::SPEED,
+        "I1032" | "I1006" => Unknown::BLOCKS,
         "I1041" | "I1042" | "I1043" | "I1044" | "I1045" | "I1046" | "I1047" | "I1048" => {
-            Doubts::MAPPING
+            Unknown::MAPPING
         }
-        "I0512" | "I0513" | "I0514" | "I0515" | "I0568" | "I0702" => Doubts::SENSE,
+        "I0512" | "I0513" | "I0514" | "I0515" | "I0568" | "I0702" => Unknown::SENSE,
         "I1031" | "I0109" | "I0110" | "I0112" | "I0504" | "I0505" | "I0507" | "I0508" | "I0516"
-        | "I0534" | "I0594" => Doubts::MOTION,
+        | "I0534" | "I0594" => Unknown::MOTION,
         "I0413" | "I0414" | "I0417" | "I0418" | "I0433" | "I0701" | "I0705" | "I0709" => {
-            Doubts::PLACE | Doubts::DISTANCE
+            Unknown::PLACE | Unknown::DISTANCE
         }
-        "I0410" | "I0411" | "I0412" | "I0541" | "I0706" => Doubts::PLANE,
-        "I0540" | "I0544" | "I0550" => Doubts::COMPENSATION,
+        "I0410" | "I0411" | "I0412" | "I0541" | "I0706" => Unknown::PLANE,
+        "I0540" | "I0544" | "I0550" => Unknown::COMPENSATION,
         "I0545" | "I0546" | "I0547" | "I0548" => {
-            Doubts::PLACE | Doubts::TOOL | Doubts::COMPENSATION
+            Unknown::PLACE | Unknown::TOOL | Unknown::COMPENSATION
         }
         _ => 0,
     }
@@ -37,25 +37,25 @@ pub(crate) fn needs(code: &str) -> u32 {
 /// What words with these letters set.
 pub(crate) fn said_by(letters: Letters) -> u32 {
     let has = |letter: u8| letters >> index(letter) & 1 == 1;
-    let mut doubts = 0;
+    let mut unknown = 0;
     for (axis, letter) in b"XYZABCUVW".iter().enumerate() {
-        doubts |= u32::from(has(*letter)) << axis;
+        unknown |= u32::from(has(*letter)) << axis;
     }
     for (letter, what) in [
-        (b'@', Doubts::PLACE),
-        (b'^', Doubts::PLACE),
-        (b'F', Doubts::FEED),
-        (b'S', Doubts::SPEED),
-        (b'T', Doubts::TOOL),
-        (b'D', Doubts::TOOL),
-        (b'G', Doubts::MOTION | Doubts::PLANE | Doubts::COMPENSATION | Doubts::MAPPING),
-        (b'M', Doubts::SENSE | Doubts::TOOL),
-        (b'R', Doubts::MOTION),
-        (b'Q', Doubts::MOTION),
+        (b'@', Unknown::PLACE),
+        (b'^', Unknown::PLACE),
+        (b'F', Unknown::FEED),
+        (b'S', Unknown::SPEED),
+        (b'T', Unknown::TOOL),
+        (b'D', Unknown::TOOL),
+        (b'G', Unknown::MOTION | Unknown::PLANE | Unknown::COMPENSATION | Unknown::MAPPING),
+        (b'M', Unknown::SENSE | Unknown::TOOL),
+        (b'R', Unknown::MOTION),
+        (b'Q', Unknown::MOTION),
     ] {
-        doubts |= if has(letter) { what } else { 0 };
+        unknown |= if has(letter) { what } else { 0 };
     }
-    doubts
+    unknown
 }
 
 /// The letters of a text, comments apart.
@@ -84,7 +84,7 @@ pub(crate) fn computes(block: &gcode::Block) -> bool {
     computed(block) != 0 || !block.assignments.is_empty() || block.o.is_some()
 }
 
-impl Doubts {
+impl Unknown {
     /// Where the axes stand: a bit each.
     pub(crate) const PLACE: u32 = (1 << 9) - 1;
     pub(crate) const FEED: u32 = 1 << 9;
@@ -103,16 +103,16 @@ impl Doubts {
     /// G90 or G91.
     pub(crate) const DISTANCE: u32 = 1 << 17;
 
-    pub(crate) const fn clear(&mut self, doubts: u32) {
-        self.0 &= !doubts;
+    pub(crate) const fn clear(&mut self, unknown: u32) {
+        self.0 &= !unknown;
     }
 
-    pub(crate) const fn add(&mut self, doubts: u32) {
-        self.0 |= doubts;
+    pub(crate) const fn add(&mut self, unknown: u32) {
+        self.0 |= unknown;
     }
 
-    pub(crate) const fn has(self, doubts: u32) -> bool {
-        self.0 & doubts != 0
+    pub(crate) const fn has(self, unknown: u32) -> bool {
+        self.0 & unknown != 0
     }
 
     /// Both.

@@ -1,8 +1,8 @@
-//! What somebody must write down before a tap, or another tool that is tied to a spindle, may touch the work.
+//! What must be on the disk before a tap, or another tool that is tied to a spindle, may touch the work.
 //!
 //! ```text
 //!   positioning          at the hole, spindle held           in, braking      bottom            out
-//!   ── wish Inward ──►   acknowledged? ── yes ─────────────► In ─ Outward ──► acknowledged? ──► … ── Out ──►
+//!   ── request Inward ─► acknowledged? ── yes ─────────────► In ─ Outward ──► acknowledged? ──► … ── Out ──►
 //!      (θ₀ foreseen)          │ no: wait, alarm after RECORD_WAIT                 no: wait, TURN_WAIT at most
 //!                             └ not written: alarm at once
 //! ```
@@ -10,9 +10,9 @@
 //! The turn at the bottom is asked for while the tap still brakes on its way in, so that it is on the disk before the tap turns
 //! back and the tap waits for no disk. A disk that takes longer than [`TURN_WAIT`] does not keep a tap in its hole.
 //!
-//! The kernel has no files. It says what to write as a [`Wish`] and goes in only after [`crate::Kernel::acknowledge`].
+//! The kernel has no files. It says what to write as a [`RecordRequest`] and goes in only after [`crate::Kernel::acknowledge`].
 //! Between two holes the spindle is held at the angle at which the last tap left it, so θ₀ of the next one is known while the
-//! axes are still on their way, and nobody waits. Where it comes otherwise, the wish is renewed at the hole.
+//! axes are still on their way, and no tap waits. Where it comes otherwise, the request is renewed at the hole.
 use alloc::collections::VecDeque;
 use motion::{TapPlan, TiedCut, WayOut};
 use units::{Angle, Lead, LeadGrowth, Length, Spin, Time};
@@ -24,8 +24,8 @@ pub(crate) const TURN_AHEAD: Time = Time::s(0.05);
 pub(crate) const TURN_WAIT: Time = Time::s(0.5);
 /// And how often it looks meanwhile.
 pub(crate) const TURN_AGAIN: Time = Time::s(0.01);
-/// Wishes that nobody has taken yet; there are never more than three.
-const WISHES: usize = 8;
+/// Requests that have not been taken yet; there are never more than three.
+const MOST_REQUESTS: usize = 8;
 /// A foreseen angle is right within this, rev.
 const SAME_ANGLE: f64 = 1e-6;
 /// Two strokes lie on one line within this, mm.
@@ -66,9 +66,9 @@ pub struct WorkRecord {
     pub spin: Spin,
 }
 
-/// What shall be written.
+/// What the writer of sync records is to put on the disk.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Wish {
+pub enum RecordRequest {
     /// The tap is about to go in; to be acknowledged by this number.
     Inward(u32, WorkRecord),
     /// It is about to turn back; to be acknowledged by this number.
@@ -77,24 +77,24 @@ pub enum Wish {
     Out,
 }
 
-/// Keeps the wishes.
+/// Requests on their way to the writer of sync records, and which of them are on the disk.
 #[derive(Clone, Debug)]
-pub(crate) struct Scribe {
+pub(crate) struct RecordRequests {
     on: bool,
-    wishes: VecDeque<Wish>,
+    requests: VecDeque<RecordRequest>,
     asked: Option<WorkRecord>,
-    /// Number of the last wish, and of the last one to go in.
+    /// Number of the last request, and of the last one to go in.
     number: u32,
     inward: u32,
     acknowledged: bool,
-    /// Number of the wish to turn back, and whether it is on the disk.
+    /// Number of the request to turn back, and whether it is on the disk.
     turn: Option<(u32, bool)>,
     refused: bool,
 }
 
 /// Whether a tap may go in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Leave {
+pub(crate) enum Permission {
     /// It may.
     Granted,
     /// Not yet.
@@ -174,11 +174,11 @@ impl WorkRecord {
     }
 }
 
-impl Scribe {
+impl RecordRequests {
     pub(crate) fn new() -> Self {
         Self {
             on: false,
-            wishes: VecDeque::with_capacity(WISHES),
+            requests: VecDeque::with_capacity(MOST_REQUESTS),
             asked: None,
             number: 0,
             inward: 0,
@@ -196,8 +196,8 @@ impl Scribe {
         self.on
     }
 
-    pub(crate) fn take(&mut self) -> Option<Wish> {
-        self.wishes.pop_front()
+    pub(crate) fn take(&mut self) -> Option<RecordRequest> {
+        self.requests.pop_front()
     }
 
     pub(crate) fn acknowledge(&mut self, number: u32) {
@@ -213,12 +213,12 @@ impl Scribe {
     }
 
     /// Ask for a record, if it is not the one that was asked for already; whether the tap may go in.
-    pub(crate) fn ask(&mut self, record: &WorkRecord) -> Leave {
+    pub(crate) fn ask(&mut self, record: &WorkRecord) -> Permission {
         if !self.on {
-            return Leave::Granted;
+            return Permission::Granted;
         }
         if self.refused {
-            return Leave::Refused;
+            return Permission::Refused;
         }
         self.turn = None;
         let mut record = *record;
@@ -234,23 +234,23 @@ impl Scribe {
             // what is on the disk already leads out on the same line
             self.acknowledged &= before.is_some_and(|before| record.continues(&before));
             self.asked = Some(record);
-            self.wish(Wish::Inward(self.inward, record));
+            self.request(RecordRequest::Inward(self.inward, record));
         }
-        if self.acknowledged { Leave::Granted } else { Leave::Waiting }
+        if self.acknowledged { Permission::Granted } else { Permission::Waiting }
     }
 
     /// The tap is about to turn back; whether that is on the disk. What cannot be written keeps no tap in its hole.
-    pub(crate) fn turn(&mut self) -> Leave {
+    pub(crate) fn turn(&mut self) -> Permission {
         if !self.on || self.asked.is_none() || self.refused {
-            return Leave::Granted;
+            return Permission::Granted;
         }
         let Some((_, on_disk)) = self.turn else {
             let number = self.next_number();
             self.turn = Some((number, false));
-            self.wish(Wish::Outward(number));
-            return Leave::Waiting;
+            self.request(RecordRequest::Outward(number));
+            return Permission::Waiting;
         };
-        if on_disk { Leave::Granted } else { Leave::Waiting }
+        if on_disk { Permission::Granted } else { Permission::Waiting }
     }
 
     const fn next_number(&mut self) -> u32 {
@@ -263,15 +263,15 @@ impl Scribe {
         if self.on && self.asked.is_some() {
             self.asked = None;
             self.acknowledged = false;
-            self.wish(Wish::Out);
+            self.request(RecordRequest::Out);
         }
     }
 
-    fn wish(&mut self, wish: Wish) {
-        if self.wishes.len() == WISHES {
-            self.wishes.pop_front();
+    fn request(&mut self, request: RecordRequest) {
+        if self.requests.len() == MOST_REQUESTS {
+            self.requests.pop_front();
         }
-        self.wishes.push_back(wish);
+        self.requests.push_back(request);
     }
 }
 
@@ -299,106 +299,111 @@ mod tests {
         }
     }
 
-    fn scribe() -> Scribe {
-        let mut scribe = Scribe::new();
-        scribe.begin();
-        scribe
+    fn requests() -> RecordRequests {
+        let mut requests = RecordRequests::new();
+        requests.begin();
+        requests
     }
 
     #[test]
     fn nobody_who_writes_means_nobody_who_waits() {
-        assert_eq!(Scribe::new().ask(&record(1, 5.0, -10.0)), Leave::Granted);
+        assert_eq!(RecordRequests::new().ask(&record(1, 5.0, -10.0)), Permission::Granted);
     }
 
     #[test]
     fn a_tap_waits_for_its_own_acknowledgement() {
-        let mut scribe = scribe();
+        let mut requests = requests();
         let first = record(1, 5.0, -10.0);
-        assert_eq!(scribe.ask(&first), Leave::Waiting);
-        assert_eq!(scribe.take(), Some(Wish::Inward(1, first)));
-        scribe.acknowledge(9);
-        assert_eq!(scribe.ask(&first), Leave::Waiting);
-        scribe.acknowledge(1);
-        assert_eq!(scribe.ask(&first), Leave::Granted);
-        assert_eq!(scribe.take(), None);
+        assert_eq!(requests.ask(&first), Permission::Waiting);
+        assert_eq!(requests.take(), Some(RecordRequest::Inward(1, first)));
+        requests.acknowledge(9);
+        assert_eq!(requests.ask(&first), Permission::Waiting);
+        requests.acknowledge(1);
+        assert_eq!(requests.ask(&first), Permission::Granted);
+        assert_eq!(requests.take(), None);
     }
 
     #[test]
     fn an_angle_that_was_not_foreseen_is_asked_for_anew() {
-        let mut scribe = scribe();
+        let mut requests = requests();
         let first = record(1, 5.0, -10.0);
-        scribe.ask(&first);
-        scribe.acknowledge(1);
+        requests.ask(&first);
+        requests.acknowledge(1);
         let other = WorkRecord { theta0: Angle::rev(6.0), ..first };
-        assert_eq!(scribe.ask(&other), Leave::Waiting);
-        scribe.acknowledge(1);
-        assert_eq!(scribe.ask(&other), Leave::Waiting);
-        scribe.acknowledge(2);
-        assert_eq!(scribe.ask(&other), Leave::Granted);
+        assert_eq!(requests.ask(&other), Permission::Waiting);
+        requests.acknowledge(1);
+        assert_eq!(requests.ask(&other), Permission::Waiting);
+        requests.acknowledge(2);
+        assert_eq!(requests.ask(&other), Permission::Granted);
     }
 
     #[test]
     fn a_further_peck_on_the_same_line_does_not_wait_and_leads_out_to_the_first_ones_start() {
-        let mut scribe = scribe();
+        let mut requests = requests();
         let first = record(1, 5.0, -4.0);
-        scribe.ask(&first);
-        scribe.acknowledge(1);
-        scribe.take();
+        requests.ask(&first);
+        requests.acknowledge(1);
+        requests.take();
         let second = WorkRecord { theta0: Angle::rev(13.0), ..record(1, -3.0, -8.0) };
-        assert_eq!(scribe.ask(&second), Leave::Granted);
-        let Some(Wish::Inward(2, written)) = scribe.take() else { panic!("nothing to write") };
+        assert_eq!(requests.ask(&second), Permission::Granted);
+        let Some(RecordRequest::Inward(2, written)) = requests.take() else {
+            panic!("nothing to write")
+        };
         let expected = WorkRecord { bottom: Length::mm(-8.0), ..first };
         assert_eq!(written, expected);
     }
 
     #[test]
     fn what_could_not_be_written_is_never_granted() {
-        let mut scribe = scribe();
-        scribe.ask(&record(1, 5.0, -10.0));
-        scribe.refuse();
-        scribe.acknowledge(1);
-        assert_eq!(scribe.ask(&record(1, 5.0, -10.0)), Leave::Refused);
+        let mut requests = requests();
+        requests.ask(&record(1, 5.0, -10.0));
+        requests.refuse();
+        requests.acknowledge(1);
+        assert_eq!(requests.ask(&record(1, 5.0, -10.0)), Permission::Refused);
     }
 
     #[test]
     fn a_tap_turns_back_once_that_is_on_the_disk_and_a_further_peck_asks_anew() {
-        let mut scribe = scribe();
+        let mut requests = requests();
         let first = record(1, 5.0, -4.0);
-        scribe.ask(&first);
-        scribe.acknowledge(1);
-        scribe.take();
-        assert_eq!((scribe.turn(), scribe.turn()), (Leave::Waiting, Leave::Waiting));
-        assert_eq!((scribe.take(), scribe.take()), (Some(Wish::Outward(2)), None));
-        scribe.acknowledge(1);
-        assert_eq!(scribe.turn(), Leave::Waiting);
-        scribe.acknowledge(2);
-        assert_eq!(scribe.turn(), Leave::Granted);
+        requests.ask(&first);
+        requests.acknowledge(1);
+        requests.take();
+        assert_eq!((requests.turn(), requests.turn()), (Permission::Waiting, Permission::Waiting));
+        assert_eq!((requests.take(), requests.take()), (Some(RecordRequest::Outward(2)), None));
+        requests.acknowledge(1);
+        assert_eq!(requests.turn(), Permission::Waiting);
+        requests.acknowledge(2);
+        assert_eq!(requests.turn(), Permission::Granted);
         let second = WorkRecord { theta0: Angle::rev(13.0), ..record(1, -3.0, -8.0) };
-        assert_eq!(scribe.ask(&second), Leave::Granted);
-        assert_eq!(scribe.turn(), Leave::Waiting);
-        scribe.acknowledge(4);
-        assert_eq!(scribe.turn(), Leave::Granted);
+        assert_eq!(requests.ask(&second), Permission::Granted);
+        assert_eq!(requests.turn(), Permission::Waiting);
+        requests.acknowledge(4);
+        assert_eq!(requests.turn(), Permission::Granted);
     }
 
     #[test]
     fn a_disk_that_refuses_keeps_no_tap_in_its_hole() {
-        let mut scribe = scribe();
-        scribe.ask(&record(1, 5.0, -10.0));
-        scribe.acknowledge(1);
-        assert_eq!(scribe.turn(), Leave::Waiting);
-        scribe.refuse();
-        assert_eq!((scribe.turn(), Scribe::new().turn()), (Leave::Granted, Leave::Granted));
+        let mut requests = requests();
+        requests.ask(&record(1, 5.0, -10.0));
+        requests.acknowledge(1);
+        assert_eq!(requests.turn(), Permission::Waiting);
+        requests.refuse();
+        assert_eq!(
+            (requests.turn(), RecordRequests::new().turn()),
+            (Permission::Granted, Permission::Granted)
+        );
     }
 
     #[test]
     fn after_a_hole_the_next_one_asks_again() {
-        let mut scribe = scribe();
-        scribe.ask(&record(1, 5.0, -10.0));
-        scribe.acknowledge(1);
-        scribe.out();
-        scribe.out();
-        scribe.take();
-        assert_eq!((scribe.take(), scribe.take()), (Some(Wish::Out), None));
-        assert_eq!(scribe.ask(&record(2, 5.0, -10.0)), Leave::Waiting);
+        let mut requests = requests();
+        requests.ask(&record(1, 5.0, -10.0));
+        requests.acknowledge(1);
+        requests.out();
+        requests.out();
+        requests.take();
+        assert_eq!((requests.take(), requests.take()), (Some(RecordRequest::Out), None));
+        assert_eq!(requests.ask(&record(2, 5.0, -10.0)), Permission::Waiting);
     }
 }

@@ -9,10 +9,10 @@
 //!         └─────────► time
 //! ```
 //!
-//! A loop that believed such a reading would drive spindle and feed apart with all its force, and switching both off
-//! lets them run down apart. The loop whose encoder is not believed goes blind: what it had learnt of the load stays,
+//! A loop that followed such a reading would drive spindle and feed apart with all its force, and switching both off
+//! lets them run down apart. The loop whose encoder is implausible goes blind: what it had learnt of the load stays,
 //! and feed-forward does the stop. That is good for the tenth of a second that a stop takes. What others ask of its place is answered by the
-//! reading before and the setpoint's own steps. Nobody believes that encoder again before the control is started anew.
+//! reading before and the setpoint's own steps. That encoder is not used again before the control is started anew.
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
@@ -47,7 +47,7 @@ struct Watched {
     step: f64,
     /// How far the setpoint has gone since the reading last changed.
     unmoved: f64,
-    believed: bool,
+    plausible: bool,
 }
 
 /// What an encoder can show.
@@ -61,26 +61,26 @@ struct Bounds {
 
 impl Watched {
     const fn new(reading: f64, step: f64) -> Self {
-        Self { last: reading, step, unmoved: 0.0, believed: true }
+        Self { last: reading, step, unmoved: 0.0, plausible: true }
     }
 
-    /// What is to be taken for a reading; whether it has just fallen out of belief.
+    /// What is to be taken for a reading; whether it has just become implausible.
     fn judge(&mut self, reading: f64, expected: f64, bounds: Bounds) -> (f64, bool) {
         let step = reading - self.last;
         self.unmoved = if step == 0.0 { self.unmoved + expected.abs() } else { 0.0 };
         let can_be = (step - self.step).abs() <= bounds.jump && self.unmoved <= bounds.stuck;
-        if self.believed && can_be {
+        if self.plausible && can_be {
             (self.last, self.step) = (reading, step);
             return (reading, false);
         }
         self.last += expected;
-        (self.last, core::mem::replace(&mut self.believed, false))
+        (self.last, core::mem::replace(&mut self.plausible, false))
     }
 }
 
 /// The encoders of what is coupled.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Doubts {
+pub(crate) struct EncoderPlausibility {
     of: Option<(usize, usize)>,
     axis: Option<Watched>,
     spindle: Option<Watched>,
@@ -96,10 +96,10 @@ pub(crate) struct Tied {
     pub(crate) infeed: Option<usize>,
 }
 
-impl Doubts {
-    /// Somebody is not believed.
+impl EncoderPlausibility {
+    /// One of the encoders is implausible.
     fn any(&self) -> bool {
-        [self.axis, self.spindle].iter().flatten().any(|watched| !watched.believed)
+        [self.axis, self.spindle].iter().flatten().any(|watched| !watched.plausible)
     }
 
     /// The readings to go by: as they are, but for what cannot be of the pair that is coupled; and what is wrong.
@@ -159,8 +159,8 @@ impl Doubts {
         drives: &mut Drives,
         period_s: f64,
     ) -> Option<Finding> {
-        let unbelieved = self.infeed.is_some_and(|(_, watched)| !watched.believed);
-        if self.infeed.map(|(axis, _)| axis) != infeed && !unbelieved {
+        let implausible = self.infeed.is_some_and(|(_, watched)| !watched.plausible);
+        if self.infeed.map(|(axis, _)| axis) != infeed && !implausible {
             self.infeed = None;
         }
         let axis = self.infeed.map(|(axis, _)| axis).or(infeed)?;
@@ -220,7 +220,7 @@ mod tests {
 
     const BOUNDS: Bounds = Bounds { jump: 0.006, stuck: 0.005 };
 
-    /// Readings of an axis that goes 4 µm a period, spoilt; what is taken, and in which period it fell out of belief.
+    /// Readings of an axis that goes 4 µm a period, spoilt; what is taken, and in which period it became implausible.
     fn taken(spoil: impl Fn(usize, f64) -> f64) -> (Vec<f64>, Option<usize>) {
         let mut watched = Watched::new(-0.004, 0.004);
         let judge = |i| watched.judge(spoil(i, i as f64 * 0.004), 0.004, BOUNDS);
@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn what_can_be_is_believed() {
+    fn a_reading_that_can_be_is_taken_as_it_is() {
         let swing = |i: usize, x: f64| x + 0.001 * (i as f64).sin();
         let (all, lost) = taken(swing);
         assert_eq!(lost, None);
@@ -244,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn a_jump_is_noticed_in_its_period_and_never_believed_again() {
+    fn a_jump_is_noticed_in_its_period_and_never_used_again() {
         let (all, lost) = taken(|i, x| if i < 10 { x } else { x + 0.05 });
         assert_eq!(lost, Some(10));
         goes_on(&all);

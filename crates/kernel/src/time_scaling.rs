@@ -58,7 +58,7 @@ pub(crate) struct Period {
 
 /// The rate, and what has been told to the axes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Tempo {
+pub(crate) struct TimeScaling {
     rate: f64,
     change: f64,
     /// Change of the change.
@@ -100,7 +100,7 @@ const STILL: f64 = 1e-9;
 /// Rates that differ by less are one.
 const SAME: f64 = 1e-12;
 
-impl Tempo {
+impl TimeScaling {
     /// As planned, at rest.
     pub(crate) const FULL: Self = Self {
         rate: 1.0,
@@ -147,7 +147,7 @@ impl Tempo {
         (v * s, a * s * s + v * slope, jerk)
     }
 
-    /// One period on, towards the wanted rate (0…1), along motion from here on: [`Tempo::rate`] is that of this period.
+    /// One period on, towards the wanted rate (0…1), along motion from here on: [`TimeScaling::rate`] is that of this period.
     pub(crate) fn advance(
         &mut self,
         wanted: f64,

@@ -53,23 +53,23 @@ impl Motion for Along<'_> {
 fn run(plan: Plan, jerk: f64, wanted: &[(usize, f64)], periods: usize) -> Vec<([f64; AXES], f64)> {
     let looks = Cell::new(0);
     let mut along = Along { plan, at: 0.0, looks: &looks };
-    let mut tempo = Tempo::FULL;
+    let mut time_scaling = TimeScaling::FULL;
     let limits = limits(jerk);
     let mut seen = Vec::new();
     for n in 0..periods {
         let wanted = wanted.iter().rev().find(|(at, _)| *at <= n).map_or(1.0, |(_, rate)| *rate);
         looks.set(0);
-        tempo.advance(wanted, along, &limits, Period { length: DT, planned: DT });
+        time_scaling.advance(wanted, along, &limits, Period { length: DT, planned: DT });
         assert!(looks.get() <= MOST_LOOKS, "{} looks in a period", looks.get());
-        along.pass(DT * tempo.rate());
+        along.pass(DT * time_scaling.rate());
         let place = along.place();
-        tempo.reached(&place.q, place.rapid);
+        time_scaling.reached(&place.q, place.rapid);
         if n == 0 {
             // it has gone on for long
-            tempo.told.first = place.v.map(|v| v * DT);
-            tempo.told.second = [0.0; AXES];
+            time_scaling.told.first = place.v.map(|v| v * DT);
+            time_scaling.told.second = [0.0; AXES];
         }
-        seen.push((place.q, tempo.rate()));
+        seen.push((place.q, time_scaling.rate()));
     }
     seen
 }
@@ -162,9 +162,10 @@ fn a_rate_that_is_wanted_but_for_rounding_is_reached() {
     let looks = Cell::new(0);
     for wanted in [0.0, 0.37] {
         let along = Along { plan: Plan::Line { speed: 50.0 }, at: 0.0, looks: &looks };
-        let mut tempo = Tempo { rate: wanted + 1e-13, settles: wanted + 1e-13, ..Tempo::FULL };
+        let mut time_scaling =
+            TimeScaling { rate: wanted + 1e-13, settles: wanted + 1e-13, ..TimeScaling::FULL };
         let period = Period { length: DT, planned: DT };
-        tempo.advance(wanted, along, &limits(20e3), period);
-        assert!(tempo.is_steady(wanted), "{}", tempo.rate());
+        time_scaling.advance(wanted, along, &limits(20e3), period);
+        assert!(time_scaling.is_steady(wanted), "{}", time_scaling.rate());
     }
 }

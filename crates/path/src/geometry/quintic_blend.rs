@@ -34,14 +34,14 @@ const HALVINGS: usize = 24;
 
 /// Reach and shape of a blend.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Bow {
+pub(crate) struct QuinticBlend {
     /// h.
     pub(crate) reach: f64,
     /// ρ.
     pub(crate) ratio: f64,
 }
 
-impl Bow {
+impl QuinticBlend {
     /// Between two lines whose slopes differ by 2·k, within a distance of `p`; `side` is how far from a line a step along the
     /// other one leads at most. It swings out as far as a reach of `room` lets it.
     pub(crate) fn of(k: f64, side: f64, p: f64, room: f64) -> Self {
@@ -103,19 +103,23 @@ mod tests {
     const K: f64 = core::f64::consts::FRAC_1_SQRT_2;
 
     /// A right angle at the origin, from −X to +Y.
-    fn blend(bow: Bow) -> Polynomial {
+    fn blend(blended: QuinticBlend) -> Polynomial {
         let at = |q: [f64; 2], q1: [f64; 2]| {
             let wide =
                 |p: [f64; 2]| core::array::from_fn(|k: usize| if k < 2 { p[k] } else { 0.0 });
             Derivatives { q: wide(q), q1: wide(q1), q2: [0.0; AXES], q3: [0.0; AXES] }
         };
-        let h = bow.reach;
-        Polynomial::between(&at([-h, 0.0], [1.0, 0.0]), &at([0.0, h], [0.0, 1.0]), bow.ratio * h)
+        let h = blended.reach;
+        Polynomial::between(
+            &at([-h, 0.0], [1.0, 0.0]),
+            &at([0.0, h], [0.0, 1.0]),
+            blended.ratio * h,
+        )
     }
 
     #[test]
     fn both_sides_of_a_right_angle_are_used_alike() {
-        let path = blend(Bow::of(K, 1.0, 0.01, 10.0));
+        let path = blend(QuinticBlend::of(K, 1.0, 0.01, 10.0));
         let middle = path.at(path.length() / 2.0).q;
         assert!((middle[0] + 0.01).abs() < 1e-6 && (middle[1] - 0.01).abs() < 1e-6, "{middle:?}");
         let least = (0..=1000)
@@ -126,17 +130,17 @@ mod tests {
 
     #[test]
     fn where_there_is_no_room_the_blend_keeps_to_the_inner_side() {
-        let bow = Bow::of(K, 1.0, 0.01, 0.0);
+        let blended = QuinticBlend::of(K, 1.0, 0.01, 0.0);
         // 3/16·h from both lines
-        assert_eq!(bow.ratio, INNER);
-        assert!((bow.reach - 0.01 * 16.0 / 3.0).abs() < 1e-12);
+        assert_eq!(blended.ratio, INNER);
+        assert!((blended.reach - 0.01 * 16.0 / 3.0).abs() < 1e-12);
     }
 
     #[test]
     fn it_reaches_as_far_as_there_is_room() {
         for room in [0.06, 0.1, 0.2, 0.3] {
-            let bow = Bow::of(K, 1.0, 0.01, room);
-            assert!((bow.reach - room).abs() < 1e-4 * room, "{bow:?} for {room}");
+            let blended = QuinticBlend::of(K, 1.0, 0.01, room);
+            assert!((blended.reach - room).abs() < 1e-4 * room, "{blended:?} for {room}");
         }
     }
 }
