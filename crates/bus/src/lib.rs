@@ -93,6 +93,8 @@ pub struct Feedback {
     pub emergency_stop: bool,
     /// The probe is deflected, or its circuit is closed.
     pub probe: bool,
+    /// How long before `time` the probe changed, if it did during the last period and the machine has seen when.
+    pub probe_age: Option<Time>,
     /// Inputs of the machine and of its surroundings.
     pub inputs: Signals,
 }

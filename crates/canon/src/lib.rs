@@ -32,12 +32,13 @@ pub use coupling::{Actuator, Harmonic, Hob, Oscillating, Oscillation, Polygon};
 pub use diag::Span;
 pub use frame::{LengthUnit, ProgramFrame};
 pub use op::{
-    Await, ChipRemoval, Feed, Hole, InputWait, Op, OpKind, Output, PathMode, ReturnAcceleration,
-    Signal, SpindleOrder, Spline, Tap, Threading, UserCode,
+    Answer, Await, ChipRemoval, Feed, Hole, InputWait, Op, OpKind, Output, PathMode, Probe,
+    ReturnAcceleration, Signal, SpindleOrder, Spline, Tap, Threading, UserCode,
 };
 pub use series::standard_sizes;
 pub use thread::{Family, Hand, ThreadSize, UnknownSize};
 pub use tool::{
     Flute, Holder, Insert, InsertPoint, PolygonCutter, TapTool, Tool, ToolKind, ToolLibrary,
+    TouchProbe,
 };
 pub use units::{Arc, Axis, Plane, Position, Ratio};

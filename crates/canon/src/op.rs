@@ -115,8 +115,10 @@ pub enum OpKind {
     Message(Box<str>),
     /// Switch an output (M62 … M65, M67, M68).
     Output(Output),
-    /// Read an input or wait for it (M66). No inputs are simulated: what is waited for comes at once.
+    /// Read an input or wait for it (M66); the program learns what was read.
     Input(InputWait),
+    /// Move until a probe touches, or leaves what it touches (G38.2 … G38.5); the program learns where.
+    Probe(Probe),
     /// A code of the machine's own (M100 … M199): what its file says that it does.
     UserCode(Box<UserCode>),
     /// The program is over.
@@ -146,6 +148,35 @@ pub enum Signal {
     Analogue {
         /// The value.
         value: f64,
+    },
+}
+
+/// A move that a probe ends. It ends at `to` if the probe does not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Probe {
+    /// Where to.
+    pub to: Position,
+    /// How fast.
+    pub feed: Speed,
+    /// What ends it: contact (G38.2, G38.3), or the end of contact (G38.4, G38.5).
+    pub until_contact: bool,
+    /// It is an alarm if the probe has not changed at its end (G38.2, G38.4).
+    pub required: bool,
+}
+
+/// What the machine answers to a program that asks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Answer {
+    /// What an input was when the wait ended; `None`: the wait ran out of its time.
+    Input(Option<f64>),
+    /// What came of a probing move.
+    Probe {
+        /// Where the axes were when the probe changed, or at the end.
+        contact: Position,
+        /// Where they stand now.
+        stands: Position,
+        /// The probe has changed.
+        changed: bool,
     },
 }
 

@@ -42,8 +42,19 @@ pub enum ToolKind {
     PolygonCutter(PolygonCutter),
     /// Turns with a single point: surfaces and threads.
     Insert(Insert),
+    /// Touches the work, and cuts nothing; its diameter is that of its ball.
+    Probe(TouchProbe),
     /// Anything else; it makes no feature that is judged.
     Other,
+}
+
+/// A touch probe.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TouchProbe {
+    /// How far its stylus gives until it switches.
+    pub pretravel: Length,
+    /// By how much that differs by direction.
+    pub lobing: Length,
 }
 
 /// A cutter head for polygon turning: a few inserts on a circle.

@@ -185,6 +185,13 @@ fn body(kind: &OpKind) -> Value {
         }
         OpKind::Pause { optional } => json!({ "op": "pause", "optional": optional }),
         OpKind::Output(output) => output_object(output),
+        OpKind::Probe(probe) => json!({
+            "op": "probe",
+            "to": position(&probe.to),
+            "feed_mm_per_min": probe.feed.in_mm_per_min(),
+            "until": if probe.until_contact { "contact" } else { "end of contact" },
+            "required": probe.required,
+        }),
         OpKind::Input(wait) => json!({
             "op": "input",
             "kind": if wait.digital { "digital" } else { "analogue" },

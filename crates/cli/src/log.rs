@@ -26,6 +26,18 @@ impl Log {
     }
 }
 
+impl Log {
+    /// Where a probe has touched: the place of its tip, in the work's frame.
+    fn probed(&self, contact: &Position, changed: bool) -> String {
+        let [x, y, z] = [0, 1, 2].map(|i| {
+            let tool = if i == 2 { self.length } else { Length::ZERO };
+            (contact.linear[i] - self.zero.linear[i] - tool).value()
+        });
+        let what = if changed { "the probe changes at" } else { "no contact up to" };
+        format!("{what} {} {} {}", tidy(x, 3), tidy(y, 3), tidy(z, 3))
+    }
+}
+
 impl Observer for Log {
     /// A servo period.
     fn sample(&mut self, sample: &Sample) {
@@ -94,14 +106,10 @@ impl Observer for Log {
             EventKind::OutputSet(Output { number, signal: Signal::Analogue { value }, .. }) => {
                 format!("analogue output {number} at {value}")
             }
-            EventKind::InputRead(InputWait { number, digital, until, .. }) => {
-                let kind = if *digital { "digital" } else { "analogue" };
-                match until {
-                    Await::Nothing => format!("{kind} input {number} read"),
-                    Await::Rise | Await::Fall | Await::On | Await::Off => {
-                        format!("{kind} input {number}: what was waited for has come")
-                    }
-                }
+            EventKind::InputRead { wait, value } => read_input(wait, *value),
+            EventKind::Probed { contact, changed } => self.probed(contact, *changed),
+            EventKind::ConfirmedAutomatically(what) => {
+                control::observers::confirmed(*what, event.line)
             }
             EventKind::UserCode { number } => format!("M{number} done"),
             EventKind::ToolChanged { tool } => format!("tool {tool} in the spindle"),
@@ -111,6 +119,22 @@ impl Observer for Log {
             _ => return,
         };
         line(&format!("{:8.3} {:5}  {text}", event.time.value(), event.line));
+    }
+}
+
+/// What came of a wait for an input.
+fn read_input(wait: &InputWait, value: Option<f64>) -> String {
+    let InputWait { number, digital, until, longest } = wait;
+    let kind = if *digital { "digital" } else { "analogue" };
+    match (until, value) {
+        (_, None) => format!(
+            "{kind} input {number}: what was waited for has not come within {} s",
+            longest.value()
+        ),
+        (Await::Nothing, Some(value)) => format!("{kind} input {number} reads {value}"),
+        (Await::Rise | Await::Fall | Await::On | Await::Off, Some(_)) => {
+            format!("{kind} input {number}: what was waited for has come")
+        }
     }
 }
 

@@ -1,9 +1,10 @@
 //! Keeps the kernel supplied: operations are planned ahead, steps wait in a queue, and the kernel's is kept full.
-use crate::job::{Cursor, Source};
+use crate::job::Source;
 use crate::override_pace::Pace;
 use crate::{Observers, Services};
 use canon::{Op, OpKind};
-use kernel::Kernel;
+use diag::Diagnostic;
+use kernel::{Answered, Kernel};
 use plan::Planner;
 use plan::{Step, StepKind};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -11,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 /// From a program's operations to the steps that the kernel executes.
 pub struct Feeder {
     /// The program's operations.
-    pub ops: Cursor,
+    pub ops: Box<dyn Source + Send>,
     /// The planner.
     pub planner: Planner,
     /// Steps on their way to the kernel.
@@ -26,11 +27,13 @@ pub struct Feeder {
     pub(super) limiting: BTreeMap<u32, String>,
     /// Indices of the operations that tap.
     taps: BTreeSet<u32>,
+    /// What is wrong with a program that is interpreted while it runs: nothing of it is planned from there on.
+    refused: Vec<Diagnostic>,
 }
 
 impl Feeder {
     /// Of these operations, with this planner.
-    pub fn new(ops: Cursor, planner: Planner) -> Self {
+    pub fn new(ops: Box<dyn Source + Send>, planner: Planner) -> Self {
         Self {
             ops,
             planner,
@@ -40,6 +43,7 @@ impl Feeder {
             pace: Pace::default(),
             limiting: BTreeMap::new(),
             taps: BTreeSet::new(),
+            refused: Vec::new(),
         }
     }
 
@@ -63,7 +67,7 @@ impl Feeder {
         services: &mut Services,
         observers: &mut Observers,
     ) {
-        while !kernel.is_full() {
+        while !kernel.is_full() && (self.refused.is_empty() || !self.queue.is_empty()) {
             if let Some(step) = self.queue.pop_front() {
                 if kernel.push(&step).is_err() {
                     // no room for a plan of its kind: again after the next tick
@@ -81,6 +85,7 @@ impl Feeder {
             };
             let Some((index, op)) = next else {
                 self.planner.finish(&mut |step| self.queue.push_back(step));
+                self.check();
                 if self.queue.is_empty() {
                     return;
                 }
@@ -97,6 +102,7 @@ impl Feeder {
             observers.op(index, &op, self.ops.frame());
             self.planner.written_in(self.ops.frame());
             self.planner.push(index, &op, &mut |step| self.queue.push_back(step));
+            self.check();
             for table in self.planner.take_tables() {
                 // the planner's tables are finite, and a step without its table is an alarm
                 if let Ok(function) = kernel::Periodic::new(&table.nodes) {
@@ -104,6 +110,31 @@ impl Feeder {
                 }
             }
         }
+    }
+
+    /// What a program orders after an answer of the machine is seen here for the first time.
+    fn check(&mut self) {
+        if self.ops.is_live() && self.refused.is_empty() {
+            let found = self.planner.take_findings().into_iter().chain(self.ops.findings());
+            self.refused.extend(found.filter(Diagnostic::is_error));
+        }
+    }
+
+    /// Why nothing more is planned, if that is so.
+    pub(super) fn refused(&self) -> &[Diagnostic] {
+        &self.refused
+    }
+
+    /// The machine has answered an operation that has asked.
+    pub(super) fn answer(&mut self, answered: &Answered) {
+        let answer = match answered.answer {
+            kernel::Answer::Input(value) => canon::Answer::Input(value),
+            kernel::Answer::Probe { contact, stands, changed } => {
+                self.planner.stands_at(stands);
+                canon::Answer::Probe { contact, stands, changed }
+            }
+        };
+        self.ops.answer(answered.op, &answer);
     }
 
     /// What keeps a tap from being faster. One that is not tied to the spindle is a feed in and out at the programmed

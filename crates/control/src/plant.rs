@@ -99,10 +99,13 @@ pub fn simulated(
     config: sim::Config,
 ) -> Result<SimulatedMachine, Refused> {
     let bar = config::bar(file, &config);
+    let (bosses, setter) = config::touched(file, &config);
     let simulator = SimulatedMachine::new(config).map_err(|problems| {
         let problems = problems.join("; ");
         Refused::because(format!("the machine cannot be simulated: {problems}"))
     })?;
+    let simulator =
+        simulator.with_inputs(config::inputs(&file.simulation.inputs)).with_touched(bosses, setter);
     let simulator = match bar {
         Some(bar) => simulator.with_bar(bar),
         None => simulator,

@@ -5,7 +5,7 @@ use crate::config;
 use crate::job::Session;
 use crate::job::preflight::planner;
 use crate::job::restart::Restart;
-use crate::job::{Cursor, Operations};
+use crate::job::{Left, Operations};
 use crate::services::CamHost;
 use crate::services::RecordWriter;
 use crate::stall::StallGuard;
@@ -91,6 +91,8 @@ pub struct Outcome {
     pub stops: Vec<report::ThreadStop>,
     /// Tools taken off work that they were not screwed to.
     pub withdrawn: Vec<crate::stops::Withdrawn>,
+    /// What the program has left behind, where that was known only when it ran.
+    pub left: Option<Left>,
     /// Why the machine simulator is gone, if it is; why the record is not on the disk, if it is not.
     pub broke_off: Vec<String>,
 }
@@ -110,7 +112,7 @@ impl ProgramRun {
     pub fn new(loaded: &Loaded<'_>, machine: Plant, judge: verify::Config) -> Self {
         let Loaded { session, operations, restart, options, planned } = *loaded;
         let kernel = Kernel::new(config::control(&session.machine, None, false));
-        let ops = Cursor::new(Arc::clone(operations), restart);
+        let ops = operations.for_run(restart);
         Self {
             executor: Executor { kernel, machine, ticks: TickTimes::new(false) },
             feeder: Feeder::new(ops, planner(session, options)),
@@ -179,8 +181,7 @@ impl Running {
     /// takes tools out.
     pub fn attended(loaded: &Loaded<'_>, judge: verify::Config, executor: &mut Executor) -> Self {
         let Loaded { session, operations, restart, options, planned } = *loaded;
-        let feeder =
-            Feeder::new(Cursor::new(Arc::clone(operations), restart), planner(session, options));
+        let feeder = Feeder::new(operations.for_run(restart), planner(session, options));
         let parts = (feeder, Services::new(session), Observers::new(session, judge));
         Self::with(parts, planned, None, executor)
     }
@@ -256,15 +257,24 @@ impl Running {
             observers.watch.spindle_override(kernel.operator().spindle_share());
             feeder.follow_overrides(kernel);
             services.serve(kernel, machine, &mut feeder.planner, sample);
+            if let Some(answered) = kernel.take_answer() {
+                feeder.answer(&answered);
+            }
             while let Some(event) = kernel.next_event() {
                 observers.event(&event);
             }
         });
+        if executor.kernel.is_idle() && !self.feeder.refused().is_empty() {
+            let said = self.feeder.refused().iter();
+            self.broke_off.extend(said.map(|d| format!("line {}: {}", d.span.line, d.message)));
+            return ControlFlow::Break(());
+        }
         self.periods += 1;
         self.now = executor.machine.feedback().time;
-        let (times, operator) = ((self.begun, self.now), executor.kernel.operator());
+        let (times, kernel) = ((self.begun, self.now), &executor.kernel);
         let given_up =
-            self.stall.as_mut().and_then(|stall| stall.ends(&sample.command, times, operator));
+            self.stall.as_mut().and_then(|stall| stall.ends(&sample.command, times, kernel));
+        let given_up = given_up.or_else(|| self.nobody_confirms(kernel));
         match given_up {
             Some(why) => {
                 self.broke_off.push(why);
@@ -281,6 +291,19 @@ impl Running {
         let rests = kernel.operator().wants_rest() && kernel.is_standing();
         let held = rests && kernel.report().state == State::Held && !self.is_attended;
         kernel.is_over() || machine.is_abandoned() || held && self.services.stops.no_orders_left()
+    }
+
+    /// Something waits to be confirmed, and nobody is left who does.
+    fn nobody_confirms(&self, kernel: &Kernel) -> Option<String> {
+        if self.is_attended || !self.services.stops.no_orders_left() {
+            return None;
+        }
+        let waiting = kernel.waiting().filter(|waiting| waiting.what.is_for_operator())?;
+        let (what, line) = (waiting.what, kernel.report().line);
+        Some(format!(
+            "line {line} waits for {what}, and no order to confirm is left: --operator \"confirm at {:.0}s\" would do",
+            waiting.since.value() + 1.0
+        ))
     }
 
     /// Let the machine run down, take a tap out if that is asked for; whether the program goes on.
@@ -366,9 +389,10 @@ impl Running {
             timings,
             ticks,
             not_triggered: stops.not_triggered(took),
-            happened: stops.happened,
+            happened: observers.confirmed.into_iter().chain(stops.happened).collect(),
             stops: stops.threads,
             withdrawn: stops.withdrawn,
+            left: feeder.ops.left(),
             broke_off,
         })
     }

@@ -81,6 +81,9 @@ pub fn told(faults: &[String], orders: &[String], machine: &MachineFile) -> Resu
         }
     }
     for text in orders.iter().flat_map(|list| items(list)) {
+        if text.split_whitespace().eq(["confirm", "always"]) {
+            continue; // what is done where nothing is said
+        }
         if text.starts_with(Fault::EmergencyStop.name()) {
             match item(text) {
                 Ok(item) => told.faults.push(item),
@@ -324,6 +327,7 @@ impl What for Order {
         match words {
             ["hold"] => Ok(Self::FeedHold),
             ["resume"] => Ok(Self::Resume),
+            ["confirm"] => Ok(Self::Confirm),
             ["abort"] => Ok(Self::Abort),
             ["retract"] => Ok(Self::Retract),
             ["override", share] => percent(share).map(Self::FeedOverride),
@@ -332,7 +336,7 @@ impl What for Order {
             ["single-block", "on"] => Ok(Self::SingleBlock(true)),
             ["single-block", "off"] => Ok(Self::SingleBlock(false)),
             _ => Err(format!(
-                "expected one of hold, resume, abort, retract, override PERCENT, rapid-override PERCENT, spindle-override PERCENT, single-block on|off, \
+                "expected one of hold, resume, confirm, abort, retract, override PERCENT, rapid-override PERCENT, spindle-override PERCENT, single-block on|off, \
                  emergency-stop; found \"{}\"",
                 words.join(" ")
             )),

@@ -1,6 +1,6 @@
 //! How long a run may stand still before it is given up: every wait of the control has its own limit, but an operator's has none.
 use bus::{AXES, Command};
-use kernel::Operator;
+use kernel::Kernel;
 use units::{Length, Time};
 
 /// A run may stand for this much longer than all of it was planned to take: waits differ from their estimates.
@@ -30,10 +30,13 @@ impl StallGuard {
         &mut self,
         command: &Command,
         (begun, now): (Time, Time),
-        operator: &Operator,
+        kernel: &Kernel,
     ) -> Option<String> {
+        let operator = kernel.operator();
+        let waiting = kernel.waiting();
+        let ends_by_itself = waiting.is_some_and(|waiting| waiting.limit.is_some());
         let at = command.axes.each_ref().map(|axis| axis.position);
-        if at != self.last {
+        if at != self.last || ends_by_itself {
             (self.last, self.moved) = (at, now);
         }
         if now - self.moved >= self.stands {
@@ -42,7 +45,8 @@ impl StallGuard {
             } else if operator.share(false) == 0.0 {
                 ": the operator's override is 0 %"
             } else {
-                ""
+                &waiting
+                    .map_or_else(String::new, |waiting| format!(": it waits for {}", waiting.what))
             };
             let stands = self.stands.value();
             return Some(format!("given up after {stands:.0} s in which no axis moved{why}"));

@@ -231,7 +231,9 @@ fn move_along<S: Sink>(ex: &mut Executor, motion: Motion, out: &mut Out<'_, S>) 
         }
         Motion::Nurbs => splines::nurbs_point(&ex.words, &mut ex.modes, out)?,
         Motion::NurbsEnd => return splines::nurbs_end(&ex.words, &mut ex.modes, out),
-        Motion::Probe(digit) => probe::probe(&ex.words, &mut ex.modes, &mut ex.store, digit, out)?,
+        Motion::Probe(digit) => {
+            probe::probe(&ex.words, &mut ex.modes, &mut ex.store, &ex.settings, digit, out)?;
+        }
         Motion::Thread => threads::thread(&ex.words, &mut ex.modes, &ex.settings, out)?,
         Motion::RigidTap => threads::rigid_tap(&ex.words, &ex.modes, out)?,
         Motion::ThreadCycle => thread_cycle::thread_cycle(&ex.words, &mut ex.modes, out)?,

@@ -322,7 +322,7 @@ impl<W: Write> Listing<W> {
             Call::Spline { points, .. } => {
                 self.text(place, &format!("NURBS_FEED({}, ...)", points.len()));
             }
-            Call::Probe(to) => {
+            Call::Probe { to, .. } => {
                 self.text(place, "TURN_PROBE_ON()");
                 self.point(place, b"STRAIGHT_PROBE", to);
                 self.text(place, "TURN_PROBE_OFF()");

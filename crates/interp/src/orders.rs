@@ -7,7 +7,7 @@ use crate::{
     resolve::Resolver,
     switch::NO_SPEED_LIMIT,
 };
-use canon::{Await, InputWait, OpKind, SpindleOrder, UserCode};
+use canon::{Await, Feed, InputWait, OpKind, Probe, SpindleOrder, UserCode};
 use diag::{Diagnostic, Span};
 use units::{Angle, MM_PER_INCH, Speed, Spin};
 
@@ -75,15 +75,41 @@ impl Resolver {
     }
 
     fn input(&mut self, wait: InputWait, span: Span) {
-        let text = match (wait.until, wait.digital) {
-            (Await::Nothing, true) => "no inputs are simulated: this one reads 0, off",
-            (Await::Nothing, false) => "no inputs are simulated: this one reads 0",
-            (Await::Rise | Await::Fall | Await::On | Await::Off, _) => {
-                "no inputs are simulated: what is waited for comes at once"
-            }
+        let kind = if wait.digital { "input" } else { "analogue input" };
+        let number = wait.number;
+        let text = match wait.until {
+            Await::Nothing => format!(
+                "what {kind} {number} reads is known when the program runs: here it is taken to be 0"
+            ),
+            Await::Rise | Await::Fall | Await::On | Await::Off => format!(
+                "when {kind} {number} comes is known when the program runs: here it is taken to come at once"
+            ),
         };
-        self.report(Diagnostic::warning("I0714", span, text));
+        self.report(Diagnostic::note("I0714", span, text));
         self.push(span, OpKind::Input(wait));
+    }
+
+    /// G38: along a line, however far.
+    pub(crate) fn probe(
+        &mut self,
+        program: &crate::Point,
+        (until_contact, required): (bool, bool),
+        span: Span,
+    ) {
+        let to = self.machine(program);
+        let from = self.at;
+        if !self.arrives(&to, span) {
+            return;
+        }
+        self.check_stroke(&from, &to, span);
+        let text = "where the probe touches is known when the program runs: here it is taken to touch at the programmed end point";
+        self.report(Diagnostic::note("I0713", span, text));
+        let Feed::PerTime(feed) = self.feed(&from, &to, span) else {
+            let text = "probing needs a way along X, Y or Z: a turn of a rotary axis alone cannot be probed";
+            return self.report(Diagnostic::error("I0573", span, text));
+        };
+        let to = crate::resolve::position(&to);
+        self.push(span, OpKind::Probe(Probe { to, feed, until_contact, required }));
     }
 
     /// Outputs that were to change with a move that never came.

@@ -1,14 +1,23 @@
 //! Probing: G38.2 … G38.5.
 //!
-//! Where the probe will touch, only the machine knows. Here a rule stands for it: **contact comes at
-//! the programmed end point**. `#5061` to `#5069` are that point, in the program's coordinates; the
-//! axes then stand 0.01 inch (0.254 mm) back towards the start, and `#5070` is 0, as in LinuxCNC's
-//! stand-alone interpreter.
+//! ```text
+//!   G38.2 G38.4   an alarm if the probe does not change on the way     G38.3 G38.5   none
+//!   G38.2 G38.3   until contact                                        G38.4 G38.5   until the end of contact
+//! ```
 //!
-//! Source: LinuxCNC 2.9 manual, "G38.n Straight Probe"; the rule was measured on its stand-alone interpreter.
+//! Where the probe touches, only the machine knows. While a program is run [`Live`](crate::Live) is told: `#5061` to `#5069`
+//! are then that place in the program's coordinates, `#5070` is 1 (0 without contact), and the axes stand where they have
+//! come to rest. Before that, in a check, a rule stands for it: **contact comes at the programmed end point**.
+//!
+//! LinuxCNC's stand-alone interpreter, to which listings are compared, has a rule of its own: the axes then stand 0.01 inch
+//! (0.254 mm) back towards the start, and `#5070` is 0.
+//!
+//! Source: LinuxCNC 2.9 manual, "G38.n Straight Probe"; the last rule was measured on its stand-alone interpreter.
 use crate::{
     call::{Call, Sink, Units},
+    executor::Settings,
     fault::{Outcome, refuse},
+    frame::Point,
     modes::{FeedMode, Modes},
     names::Store,
     out::Out,
@@ -29,6 +38,7 @@ pub(crate) fn probe<S: Sink>(
     words: &Words,
     modes: &mut Modes,
     store: &mut Store,
+    settings: &Settings,
     digit: u16,
     out: &mut Out<'_, S>,
 ) -> Outcome {
@@ -42,22 +52,29 @@ pub(crate) fn probe<S: Sink>(
     }
     let to = target::destination(words, modes, false)?;
     let from = modes.at;
-    let back = match modes.units {
-        Units::Inch => BACK_INCH,
-        Units::Millimetre => BACK_INCH * units::MM_PER_INCH,
-    };
     let length = (0..3).map(|i| (to[i] - from[i]).powi(2)).sum::<f64>().sqrt();
-    let must_touch = matches!(digit, 2 | 4);
-    if must_touch && length < SHORTEST {
+    let required = matches!(digit, 2 | 4);
+    if required && length < SHORTEST {
         let text = "probing needs a way along X, Y or Z: this one ends where it begins";
         return refuse("I0572", span, text);
     }
-    out.say(&Call::Probe(to));
-    store.numbered.set_point(CONTACT, &to);
-    store.numbered.set(TOUCHED, 0.0);
+    out.say(&Call::Probe { to, until_contact: digit <= 3, required });
+    came_to(store, &to, length >= SHORTEST && !settings.stand_alone);
     modes.at = to;
-    for i in (0..3).filter(|_| length > 0.0) {
-        modes.at[i] = to[i] - (to[i] - from[i]) * back / length;
+    if settings.stand_alone {
+        let back = match modes.units {
+            Units::Inch => BACK_INCH,
+            Units::Millimetre => BACK_INCH * units::MM_PER_INCH,
+        };
+        for i in (0..3).filter(|_| length > 0.0) {
+            modes.at[i] = to[i] - (to[i] - from[i]) * back / length;
+        }
     }
     Ok(())
+}
+
+/// The probe has changed at a place of the program, or the move has come to its end there.
+pub(crate) fn came_to(store: &mut Store, at: &Point, changed: bool) {
+    store.numbered.set_point(CONTACT, at);
+    store.numbered.set(TOUCHED, f64::from(u8::from(changed)));
 }

@@ -171,6 +171,7 @@ impl Resolver {
                     | OpKind::Line { .. }
                     | OpKind::Arc { .. }
                     | OpKind::Spline { .. }
+                    | OpKind::Probe(_)
                     | OpKind::Tap(_)
                     | OpKind::Threading(_)
             )
@@ -435,11 +436,8 @@ impl Sink for Resolver {
             }
             Call::Line(to) => self.line(to, span),
             Call::Spline { order, points } => self.spline(*order, points, span),
-            Call::Probe(to) => {
-                let text =
-                    "no probe is simulated: contact is taken to come at the programmed end point";
-                self.report(Diagnostic::warning("I0713", span, text));
-                self.line(to, span);
+            Call::Probe { to, until_contact, required } => {
+                self.probe(to, (*until_contact, *required), span);
             }
             Call::Arc { plane, to, centre, turns } => self.arc(*plane, to, *centre, *turns, span),
             Call::Hole(hole) => self.hole(hole, span),

@@ -35,6 +35,8 @@ pub struct Config {
     pub overrides: crate::Overrides,
     /// What a program's stop does.
     pub pause: Pause,
+    /// Contact of the probe is an alarm in moves that are no probing, and in those by hand.
+    pub probe_guard: bool,
     /// Repeated taps learn from one another; `None`: they do not.
     pub learning: Option<sync::Learning>,
 }

@@ -14,7 +14,8 @@ use crate::record_requests::RecordRequests;
 use crate::spindle::SpindleLoop;
 use crate::threading::Chain;
 use crate::time_scaling::TimeScaling;
-use bus::{AXES, Command, Feedback, SPINDLES};
+use bus::{AXES, Command, Feedback, SPINDLES, Signals};
+use motion::{Output, Signal};
 use sync::SyncMode;
 use units::Axis;
 use units::{Length, Spin};
@@ -61,6 +62,8 @@ pub(crate) struct Drives {
     pub(crate) tool: u32,
     pub(crate) mist: bool,
     pub(crate) flood: bool,
+    /// Outputs as the program has switched them.
+    pub(crate) outputs: Signals,
     lookahead_s: f64,
 }
 
@@ -96,6 +99,7 @@ impl Drives {
             tool: 0,
             mist: false,
             flood: false,
+            outputs: Signals::default(),
             lookahead_s,
         }
     }
@@ -175,10 +179,27 @@ impl Drives {
         self.axes.iter().flatten().map(settle).fold(0.0, f64::max)
     }
 
+    /// Switch an output.
+    pub(crate) fn switch(&mut self, output: &Output) {
+        match output.signal {
+            Signal::Digital { on } => self.outputs.switch(output.number, on),
+            Signal::Analogue { value } => {
+                if let Some(out) = self.outputs.analogue.get_mut(usize::from(output.number)) {
+                    *out = value;
+                }
+            }
+        }
+    }
+
     /// Close all loops.
     pub(crate) fn command(&mut self) -> Command {
-        let mut command =
-            Command { tool: self.tool, flood: self.flood, mist: self.mist, ..Command::default() };
+        let mut command = Command {
+            tool: self.tool,
+            flood: self.flood,
+            mist: self.mist,
+            outputs: self.outputs,
+            ..Command::default()
+        };
         for (index, axis) in self.axes.iter_mut().enumerate() {
             let Some(axis) = axis else { continue };
             let others = self.follower.and_then(|(i, others)| others.filter(|_| i == index));

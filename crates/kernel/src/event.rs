@@ -6,11 +6,11 @@
 //! ```
 use crate::fault::Fault;
 use crate::operator::Notice;
+use crate::waiting::WaitFor;
 use alloc::collections::VecDeque;
 use motion::{InputWait, Output};
 use sync::Figures;
-use units::Axis;
-use units::{Length, Spin, Time};
+use units::{Axis, Length, Position, Spin, Time};
 
 /// Events kept for who has not asked yet.
 pub const EVENTS: usize = 256;
@@ -82,8 +82,22 @@ pub enum EventKind {
     },
     /// An output is switched.
     OutputSet(Output),
-    /// An input is read, or what was waited for has come.
-    InputRead(InputWait),
+    /// An input is read, what was waited for has come, or the wait has run out of its time.
+    InputRead {
+        /// Which, and what was waited for.
+        wait: InputWait,
+        /// What it was; `None`: the time has run out.
+        value: Option<f64>,
+    },
+    /// A probing move has ended.
+    Probed {
+        /// Where the axes were when the probe changed, or at the end.
+        contact: Position,
+        /// It has changed.
+        changed: bool,
+    },
+    /// Nobody is there to be asked: what a person confirms was taken to be confirmed.
+    ConfirmedAutomatically(WaitFor),
     /// A code of the machine's own is done.
     UserCode {
         /// Its number after M.

@@ -5,6 +5,8 @@
 //!            ▼                                                            │
 //!   Idle ─► begin ─┬─► Moving ──► Settling (exact stop) ──────────────────┤
 //!                  ├─► Dwelling, AwaitingSpeed, AwaitingAngle, Changing ──┤
+//!                  ├─► AwaitingInput, Probing ──► Settling ───────────────┤
+//!                  ├─► ChangingByHand ─ confirm ─► Changing ──────────────┤
 //!                  ├─► Tapping, Threading ────────────────────────────────┤
 //!                  ├─► Recording, Engaging, Fading, Revolving, Consulting ┤
 //!                  ├─► Pausing ─ resume ──────────────────────────────────┤
@@ -22,10 +24,12 @@ use crate::moving::Moving;
 use crate::operator::Operator;
 use crate::queue::{Queue, SpindleStep, StepKind};
 use crate::record_requests::{Permission, RECORD_WAIT, WorkRecord};
+use crate::signals::{self, Answer, Answered, Probing};
 use crate::spindle::SpindleLoop;
 use crate::tapping::{Outcome, TapRun};
 use crate::threading::{self, Chain, Leave, Pass};
 use crate::track::Track;
+use crate::waiting::WaitFor;
 use bus::{Feedback, State};
 use motion::WayOut;
 use sync::Phase;
@@ -38,6 +42,8 @@ pub(crate) struct Context<'a> {
     /// What waits, and the place in it of what is executed.
     pub(crate) steps: (&'a Queue, usize),
     pub(crate) events: &'a mut Ring,
+    /// Where a step that asks the machine something leaves the answer.
+    pub(crate) answer: &'a mut Option<Answered>,
     /// What the operator has ordered.
     pub(crate) operator: &'a Operator,
     /// An alarm has stopped the machine: what is coupled stops together, and stays.
@@ -70,6 +76,12 @@ pub(crate) enum Activity {
     AwaitingSpeed { spindle: u8, waited_s: f64 },
     /// Waiting for a spindle's angle.
     AwaitingAngle { spindle: u8, angle: units::Angle, waited_s: f64 },
+    /// Waiting until somebody has put a tool in and confirms it.
+    ChangingByHand { tool: u32 },
+    /// Waiting for an input; whether it has been the other way, for how long.
+    AwaitingInput { armed: bool, waited_s: f64 },
+    /// Along a path until the probe changes.
+    Probing(Probing),
     /// Waiting for the tool.
     Changing { tool: u32, waited_s: f64 },
     /// Tapping.
@@ -145,9 +157,8 @@ impl Activity {
                 }
             },
             StepKind::Consult(_) => Self::Consulting,
-            StepKind::ChangeTool(tool) => {
-                drives.tool = *tool;
-                Self::Changing { tool: *tool, waited_s: 0.0 }
+            StepKind::ChangeTool { tool, by_hand } => {
+                begin_change(*tool, *by_hand, drives, context)
             }
             StepKind::Coolant { mist, flood } => {
                 (drives.mist, drives.flood) = (*mist, *flood);
@@ -171,13 +182,13 @@ impl Activity {
                 }
             }
             StepKind::Output(output) => {
+                drives.switch(output);
                 context.note(EventKind::OutputSet(*output));
                 Self::AtOnce
             }
-            // no inputs are simulated: what is waited for comes at once
-            StepKind::Input(wait) => {
-                context.note(EventKind::InputRead(*wait));
-                Self::AtOnce
+            StepKind::Input(_) => Self::AwaitingInput { armed: false, waited_s: 0.0 },
+            StepKind::Probe { order, until } => {
+                Self::Probing(Probing::begin(order, *until, drives, context.feedback)?)
             }
             StepKind::UserCode(number) => {
                 context.note(EventKind::UserCode { number: *number });
@@ -201,7 +212,11 @@ impl Activity {
     ) -> Result<Progress, Finding> {
         let waits = context.config.waits;
         match self {
-            Self::Idle | Self::Pausing | Self::Consulting | Self::Ended => Ok(Progress::Busy),
+            Self::Idle
+            | Self::Pausing
+            | Self::ChangingByHand { .. }
+            | Self::Consulting
+            | Self::Ended => Ok(Progress::Busy),
             Self::Engaging(follower) => {
                 if !drives.coupled.is_locked(*follower) {
                     return Ok(Progress::Busy);
@@ -261,6 +276,27 @@ impl Activity {
             Self::Settling { waited_s, inside_s } => {
                 settle(dt, waited_s, inside_s, drives, waits.in_position)
             }
+            Self::AwaitingInput { .. } if context.operator.wants_rest() => Ok(Progress::Busy),
+            Self::AwaitingInput { armed, waited_s } => {
+                let StepKind::Input(wait) = step else { return Ok(Progress::Done(dt)) };
+                let ended = signals::await_input(wait, dt, (armed, waited_s), context.feedback);
+                let Some(value) = ended else { return Ok(Progress::Busy) };
+                context.note(EventKind::InputRead { wait: *wait, value });
+                Ok(signals::answered(Answer::Input(value), context, dt))
+            }
+            Self::Probing(probing) => {
+                let StepKind::Probe { until, .. } = step else { return Ok(Progress::Done(dt)) };
+                let Some(answer) = probing.advance(*until, dt, drives, context)? else {
+                    return Ok(Progress::Busy);
+                };
+                if let Answer::Probe { contact, changed, .. } = answer {
+                    context.note(EventKind::Probed { contact, changed });
+                }
+                // the answer is there, and the axes settle
+                signals::answered(answer, context, 0.0);
+                *self = Self::Settling { waited_s: 0.0, inside_s: 0.0 };
+                Ok(Progress::Busy)
+            }
             Self::Dwelling { .. } if context.operator.wants_rest() => Ok(Progress::Busy),
             Self::Dwelling { left_s } => {
                 *left_s -= dt;
@@ -297,7 +333,12 @@ impl Activity {
     pub(crate) fn is_held(&self, operator: &Operator, chain: Option<&Chain>) -> bool {
         match self {
             Self::Threading => operator.wants_rest() && chain.is_some_and(Chain::is_standing),
-            Self::Idle | Self::Pausing | Self::Dwelling { .. } => operator.wants_rest(),
+            Self::Idle
+            | Self::Pausing
+            | Self::ChangingByHand { .. }
+            | Self::AwaitingInput { .. }
+            | Self::Dwelling { .. } => operator.wants_rest(),
+            Self::Probing(probing) => operator.wants_rest() && probing.is_held(),
             Self::Moving(moving, _) => moving.is_held(),
             Self::Tapping(run) => operator.wants_rest() && run.is_standing(),
             Self::Settling { .. }
@@ -327,7 +368,9 @@ impl Activity {
             Self::AwaitingSpeed { .. } | Self::AwaitingAngle { .. } | Self::Recording { .. } => {
                 State::SpindleWait
             }
-            Self::Changing { .. } => State::ToolChange,
+            Self::Changing { .. } | Self::ChangingByHand { .. } => State::ToolChange,
+            Self::AwaitingInput { .. } => State::Dwell,
+            Self::Probing(_) => State::Feed,
             Self::Tapping(run) => match run.phase() {
                 Phase::Prepare => State::SpindleWait,
                 Phase::In => State::TapIn,
@@ -398,13 +441,29 @@ fn begin_spindle(
 
 fn begin_pause(optional: bool, context: &mut Context) -> Activity {
     match context.config.pause {
-        Pause::GoOn => Activity::AtOnce,
-        Pause::Wait if optional && !context.operator.optional_stop() => Activity::AtOnce,
+        _ if optional && !context.operator.optional_stop() => Activity::AtOnce,
+        Pause::GoOn => {
+            context.note(EventKind::ConfirmedAutomatically(WaitFor::Operator { optional }));
+            Activity::AtOnce
+        }
         Pause::Wait => {
             context.note(EventKind::Paused);
             Activity::Pausing
         }
     }
+}
+
+/// A tool is called: the changer brings it, or somebody puts it in.
+fn begin_change(tool: u32, by_hand: bool, drives: &mut Drives, context: &mut Context) -> Activity {
+    if by_hand && context.config.pause == Pause::Wait {
+        context.note(EventKind::Paused);
+        return Activity::ChangingByHand { tool };
+    }
+    if by_hand {
+        context.note(EventKind::ConfirmedAutomatically(WaitFor::ToolByHand(tool)));
+    }
+    drives.tool = tool;
+    Activity::Changing { tool, waited_s: 0.0 }
 }
 
 fn settle(

@@ -54,6 +54,12 @@ pub enum FaultKind {
     TableMissing,
     /// What must be known to take a tap out again could not be written down.
     RecordNotWritten,
+    /// The probe touches something in a move that is no probing.
+    ProbeContact,
+    /// A probing move has come to its end, and the probe has not changed.
+    ProbeNotReached,
+    /// A probing move begins with the probe as it shall end.
+    ProbeNotReady,
     /// A step orders an axis or spindle that is not configured.
     NotConfigured,
     /// A step begins where the axes are not.
@@ -81,7 +87,7 @@ struct Text {
 
 impl FaultKind {
     /// All of them, by rising number.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 24] = [
         Self::EmergencyStop,
         Self::DriveNotReady,
         Self::FeedbackInvalid,
@@ -92,6 +98,7 @@ impl FaultKind {
         Self::SyncError,
         Self::WrongSpinInCut,
         Self::CouplingLost,
+        Self::ProbeContact,
         Self::NotAtSpeed,
         Self::NotOriented,
         Self::NotInPosition,
@@ -100,9 +107,11 @@ impl FaultKind {
         Self::StillClamped,
         Self::PhaseNotReached,
         Self::RecordNotWritten,
+        Self::ProbeNotReached,
         Self::NotConfigured,
         Self::SetpointJump,
         Self::TableMissing,
+        Self::ProbeNotReady,
     ];
 
     /// Its number in the alarm list.
@@ -217,6 +226,30 @@ impl FaultKind {
                 reaction: Reaction::Halt,
                 cause: "Too much torque of the cut, a spindle drive at its limit, or a slipping encoder.",
                 remedy: "The tool has left the work, if the machine file has control.phase_loss; else retreat from it. Reduce infeed or speed; check the encoders of both spindles.",
+            },
+            Self::ProbeContact => Text {
+                number: 206,
+                sentence: "the probe touches something in a move that is no probing",
+                unit: "",
+                reaction: Reaction::Halt,
+                cause: "The work or a clamp stands where the program has nothing, or the program rapids to where it should probe.",
+                remedy: "Jog the probe off the way it came; check the work offset and the way of the probe.",
+            },
+            Self::ProbeNotReached => Text {
+                number: 309,
+                sentence: "the probe has not changed on the whole way of a probing move",
+                unit: "",
+                reaction: Reaction::Halt,
+                cause: "The work is not where the program looks for it, or the probe gives no signal.",
+                remedy: "Check work offset, length of the probe and its battery; probe further, or with G38.3 or G38.5, which go on without contact.",
+            },
+            Self::ProbeNotReady => Text {
+                number: 404,
+                sentence: "a probing move begins with the probe as it shall end",
+                unit: "",
+                reaction: Reaction::Halt,
+                cause: "G38.2 or G38.3 with the probe in contact already, or G38.4 or G38.5 without contact.",
+                remedy: "Move off the work first, by G38.4 or G0; check the probe's signal.",
             },
             Self::NotAtSpeed => Text {
                 number: 301,

@@ -13,6 +13,7 @@ mod faults;
 mod manual;
 mod orders;
 mod tap;
+mod waiting;
 mod way_out;
 
 use crate::config::{Config, Subject};
@@ -26,6 +27,7 @@ use crate::operator::{Notice, Operator};
 use crate::queue::{Full, QUEUE, Queue, StepKind};
 use crate::recovering::Recovering;
 use crate::retreating::Retreating;
+use crate::signals::Answered;
 use crate::withdrawing::Withdrawing;
 use alloc::vec::Vec;
 use bus::{Command, Feedback, Report, State};
@@ -88,6 +90,12 @@ pub struct Kernel {
     aborted: bool,
     /// Time of the last reading.
     now: Time,
+    /// When the step at the queue's front began.
+    begun_at: Time,
+    /// What came of the last step that has asked the machine something.
+    answer: Option<Answered>,
+    /// The probe was in contact a period ago.
+    probe_before: bool,
 }
 
 impl Kernel {
@@ -115,6 +123,9 @@ impl Kernel {
             withdrawing: None,
             aborted: false,
             now: Time::ZERO,
+            begun_at: Time::ZERO,
+            answer: None,
+            probe_before: false,
             config,
         }
     }
@@ -187,6 +198,7 @@ impl Kernel {
             Mode::Halted => self.halt(feedback),
         };
         command.coupled = self.kept_together();
+        self.probe_before = feedback.probe;
         self.summarise();
         command
     }
@@ -255,6 +267,7 @@ impl Kernel {
                 feedback,
                 steps: (&self.queue, 0),
                 events: &mut self.events,
+                answer: &mut self.answer,
                 operator: &self.operator,
                 halted: false,
                 off_thread: None,
@@ -282,6 +295,7 @@ impl Kernel {
             feedback,
             steps: (&self.queue, self.chained),
             events: &mut self.events,
+            answer: &mut self.answer,
             operator: &self.operator,
             halted: false,
             off_thread,
@@ -289,7 +303,7 @@ impl Kernel {
             line: step.line,
         };
         if !self.begun {
-            (self.report.op, self.report.line) = (step.op, step.line);
+            (self.report.op, self.report.line, self.begun_at) = (step.op, step.line, self.now);
             self.activity = Activity::begin(&step.kind, &mut self.drives, &mut context)?;
             self.begun = true;
         }
@@ -315,6 +329,7 @@ impl Kernel {
                     feedback,
                     steps: (&self.queue, 0),
                     events: &mut self.events,
+                    answer: &mut self.answer,
                     operator: &self.operator,
                     halted: true,
                     off_thread: None,

@@ -38,6 +38,7 @@ mod record_requests;
 mod recovering;
 mod retreating;
 mod servo;
+mod signals;
 mod spindle;
 mod stroke;
 mod tapping;
@@ -45,6 +46,7 @@ mod terms;
 mod threading;
 mod time_scaling;
 mod track;
+mod waiting;
 mod withdrawing;
 
 pub use config::{
@@ -62,8 +64,10 @@ pub use problems::Problem;
 pub use queue::{CHIP_REMOVALS, Full, MOVES, QUEUE, RAMPS, STRETCHES, TAPS};
 pub use record_requests::{RECORD_WAIT, RecordRequest, WorkRecord};
 pub use recovering::RecoveryPlan;
+pub use signals::{Answer, Answered};
 pub use sync::{
     CELLS, Correction, Figures, Learning, LearningRecord, MAX_TRANSPORT, Periodic, Prediction,
     StrokeKey, SyncMode, Windows,
 };
+pub use waiting::{WaitFor, Waiting};
 pub use withdrawing::WithdrawalPlan;

@@ -27,6 +27,8 @@ pub(crate) struct Moving {
     /// Planned seconds or revolutions done.
     at: f64,
     held: bool,
+    /// It shall come to rest where it can, and go no further.
+    rests: bool,
 }
 
 /// How far a spindle has turned since moves per revolution began that go on into one another.
@@ -40,6 +42,11 @@ impl Moving {
     /// It stands by the operator's hold, somewhere along its path.
     pub(crate) const fn is_held(&self) -> bool {
         self.held
+    }
+
+    /// Come to rest on the path as soon as the limits allow.
+    pub(crate) const fn come_to_rest(&mut self) {
+        self.rests = true;
     }
 
     /// Begin, if the axes stand where the move begins.
@@ -61,7 +68,7 @@ impl Moving {
         if !drives.flowing {
             drives.turned = Turned { origin_rev, most_rev: 0.0 };
         }
-        Ok(Self { at: 0.0, held: false })
+        Ok(Self { at: 0.0, held: false, rests: false })
     }
 
     /// Go on for `dt` seconds along the step at this place of the queue; the seconds that were left over when it is done.
@@ -76,7 +83,7 @@ impl Moving {
             return Some(dt);
         };
         let length = config.period.value();
-        let wanted = wanted(track, drives, operator);
+        let wanted = if self.rests { 0.0 } else { wanted(track, drives, operator) };
         let (passing, pace) = passing(track, dt, drives);
         let passes = if let Some(owed) = drives.owed.take() {
             owed

@@ -29,6 +29,8 @@ pub enum Order {
     FeedHold,
     /// Go on after a hold, a program's stop or a single block.
     Resume,
+    /// What a person was asked for is done: a program's stop goes on, a tool is in the spindle.
+    Confirm,
     /// Stop as for a hold, then forget the rest of the program. A tap in its hole waits for `Retract`.
     Abort,
     /// Back a held tap out of its hole along its thread.
@@ -81,6 +83,8 @@ pub enum Notice {
     Out,
     /// A retract was ordered with no tap held in a hole.
     NothingToRetract,
+    /// A confirmation came, and nothing waits for one.
+    NothingToConfirm,
     /// A resume was ordered with nothing held.
     NothingHeld,
     /// A program that an abort or an alarm has ended cannot go on.
@@ -116,6 +120,9 @@ impl Notice {
             Self::BackingOut => "backing out along the thread",
             Self::Out => "the tap is out of its hole",
             Self::NothingToRetract => "nothing to retract: no tap is held in a hole",
+            Self::NothingToConfirm => {
+                "nothing waits to be confirmed: neither a program's stop nor a tool change by hand"
+            }
             Self::NothingHeld => "nothing is held",
             Self::NothingToResume => {
                 "the program was ended by an abort or an alarm: start it again, or from a line"
@@ -167,12 +174,12 @@ impl Operator {
     }
 
     /// Take an order; what is to be said about it. `synchronised`: a coupling is engaged; `paused`: the
-    /// program has a stop of its own.
+    /// program has a stop of its own; `asked`: that, or a tool to be changed by hand, waits to be confirmed.
     pub(crate) fn take(
         &mut self,
         order: Order,
         synchronised: bool,
-        paused: bool,
+        (paused, asked): (bool, bool),
     ) -> Option<Notice> {
         match order {
             Order::FeedHold => {
@@ -185,6 +192,7 @@ impl Operator {
                 (self.held, self.retract, self.said) = (false, false, false);
                 nothing.then_some(Notice::NothingHeld)
             }
+            Order::Confirm => (!asked).then_some(Notice::NothingToConfirm),
             Order::Abort => {
                 self.aborting = true;
                 None
@@ -312,19 +320,19 @@ mod tests {
     #[test]
     fn overrides_are_kept_within_their_range_and_said_when_locked() {
         let mut operator = Operator::new(Overrides::USUAL);
-        assert_eq!(operator.take(Order::FeedOverride(0.5), false, false), None);
+        assert_eq!(operator.take(Order::FeedOverride(0.5), false, (false, false)), None);
         assert_eq!(operator.share(false), 0.5);
-        let notice = operator.take(Order::FeedOverride(9.0), false, false);
+        let notice = operator.take(Order::FeedOverride(9.0), false, (false, false));
         let out_of = |least, most| Some(Notice::OverrideOutOfRange { least, most });
         assert_eq!((notice, operator.share(false)), (out_of(0, 200), 2.0));
-        let notice = operator.take(Order::RapidOverride(f64::NAN), false, false);
+        let notice = operator.take(Order::RapidOverride(f64::NAN), false, (false, false));
         assert_eq!((notice, operator.share(true)), (out_of(0, 100), 1.0));
-        let notice = operator.take(Order::RapidOverride(0.25), true, false);
+        let notice = operator.take(Order::RapidOverride(0.25), true, (false, false));
         assert_eq!((notice, operator.share(true)), (Some(Notice::OverrideLocked), 0.25));
-        let notice = operator.take(Order::SpindleOverride(0.1), false, false);
+        let notice = operator.take(Order::SpindleOverride(0.1), false, (false, false));
         assert_eq!((notice, operator.spindle_share()), (out_of(50, 120), 0.5));
         let mut weak = Operator::new(Overrides { feed_most: 1.5, spindle: (0.8, 1.0) });
-        let notice = weak.take(Order::FeedOverride(2.0), false, false);
+        let notice = weak.take(Order::FeedOverride(2.0), false, (false, false));
         assert_eq!((notice, weak.share(false)), (out_of(0, 150), 1.5));
         let said = notice.map(|n| std::string::ToString::to_string(&n)).unwrap_or_default();
         assert!(said.contains("from 0 to 150 %"), "{said}");
@@ -333,23 +341,32 @@ mod tests {
     #[test]
     fn a_hold_ends_with_resume_and_an_abort_does_not() {
         let mut operator = Operator::new(Overrides::USUAL);
-        assert_eq!(operator.take(Order::Resume, false, false), Some(Notice::NothingHeld));
-        operator.take(Order::FeedHold, false, false);
+        assert_eq!(operator.take(Order::Resume, false, (false, false)), Some(Notice::NothingHeld));
+        operator.take(Order::FeedHold, false, (false, false));
         assert!(operator.wants_rest() && !operator.wants_abort());
-        assert_eq!(operator.take(Order::Resume, false, false), None);
+        assert_eq!(operator.take(Order::Resume, false, (false, false)), None);
         assert!(!operator.wants_rest());
-        operator.take(Order::Abort, false, false);
-        assert_eq!(operator.take(Order::Resume, false, false), Some(Notice::NothingToResume));
+        operator.take(Order::Abort, false, (false, false));
+        assert_eq!(
+            operator.take(Order::Resume, false, (false, false)),
+            Some(Notice::NothingToResume)
+        );
         assert!(operator.wants_rest() && operator.wants_abort());
     }
 
     #[test]
     fn only_a_tap_that_is_held_can_be_retracted() {
         let mut operator = Operator::new(Overrides::USUAL);
-        assert_eq!(operator.take(Order::Retract, true, false), Some(Notice::NothingToRetract));
-        operator.take(Order::FeedHold, true, false);
-        assert_eq!(operator.take(Order::Retract, false, false), Some(Notice::NothingToRetract));
-        assert_eq!(operator.take(Order::Retract, true, false), None);
+        assert_eq!(
+            operator.take(Order::Retract, true, (false, false)),
+            Some(Notice::NothingToRetract)
+        );
+        operator.take(Order::FeedHold, true, (false, false));
+        assert_eq!(
+            operator.take(Order::Retract, false, (false, false)),
+            Some(Notice::NothingToRetract)
+        );
+        assert_eq!(operator.take(Order::Retract, true, (false, false)), None);
         assert!(operator.wants_out());
     }
 
@@ -357,10 +374,10 @@ mod tests {
     fn single_block_holds_each_line_once() {
         let mut operator = Operator::new(Overrides::USUAL);
         assert!(!operator.holds_line(2, 1));
-        operator.take(Order::SingleBlock(true), false, false);
+        operator.take(Order::SingleBlock(true), false, (false, false));
         assert!(!operator.holds_line(1, 1));
         assert!(operator.holds_line(2, 1) && operator.wants_rest());
-        operator.take(Order::Resume, false, false);
+        operator.take(Order::Resume, false, (false, false));
         assert!(!operator.holds_line(2, 1) && operator.holds_line(3, 2));
     }
 }

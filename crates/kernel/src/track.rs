@@ -45,7 +45,7 @@ impl<'a> Track<'a> {
     /// Of a step that moves along a path.
     pub(crate) const fn of(kind: &StepKind<'a>) -> Option<Self> {
         match kind {
-            StepKind::Move(order) => Some(Self::Move(order)),
+            StepKind::Move(order) | StepKind::Probe { order, .. } => Some(Self::Move(order)),
             StepKind::Follow(order) => Some(Self::Follow(order)),
             _ => None,
         }

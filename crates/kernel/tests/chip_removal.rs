@@ -62,6 +62,7 @@ fn limits(accel: f64) -> MachineLimits {
         settling: Time::s(5e-3),
         tapping: Tapping::along_z(SPINDLE_LIMITS.margin),
         joining: plan::Joining::EXACT,
+        signals: None,
     }
 }
 

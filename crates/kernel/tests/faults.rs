@@ -196,7 +196,7 @@ fn an_axis_that_the_machine_lacks_is_named() {
 fn a_tool_that_does_not_come_is_an_alarm_after_its_wait() {
     let mut config = control(&machine(0));
     config.waits.tool_change = Time::s(0.5);
-    let seen = run(&machine(0), &config, &[StepKind::ChangeTool(9)]);
+    let seen = run(&machine(0), &config, &[StepKind::ChangeTool { tool: 9, by_hand: false }]);
     check(&seen, FaultKind::ToolNotChanged, Subject::Machine);
     assert!((seen.seconds - 0.5).abs() < 0.01, "{} s", seen.seconds);
 }

@@ -116,6 +116,7 @@ fn limits() -> MachineLimits {
         settling: Time::ZERO,
         tapping: Tapping::along_z(0.85),
         joining: plan::Joining::EXACT,
+        signals: None,
     }
 }
 

@@ -44,6 +44,7 @@ fn limits() -> MachineLimits {
         settling: Time::s(5e-3),
         tapping: Tapping::along_z(SPINDLE_LIMITS.margin),
         joining: plan::Joining::EXACT,
+        signals: None,
     }
 }
 

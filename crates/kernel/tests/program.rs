@@ -161,7 +161,7 @@ fn the_tool_change_waits_for_the_changer() {
     let mut machine = machine(0);
     let kind = ToolKind::Drill { diameter: Length::mm(5.0), point_angle: Angle::deg(118.0) };
     machine.magazine.push(Tool { number: 7, length: Length::mm(120.0), kind });
-    let steps = [StepKind::ChangeTool(7), StepKind::End];
+    let steps = [StepKind::ChangeTool { tool: 7, by_hand: false }, StepKind::End];
     let seen = run(&machine, &control(&machine), &steps);
     assert!(seen.events.iter().any(|e| e.kind == EventKind::ToolChanged { tool: 7 }));
     let took = lasted(&seen, State::ToolChange);

@@ -16,7 +16,7 @@ use control::script::{self, Told};
 use control::services::learning::Memory;
 use control::stops::{AfterStop, Stops};
 use control::{Loaded, Outcome, ProgramRun, Refused, TickTimes, Timings, config};
-use kernel::Kernel;
+use kernel::{Kernel, Order, Pause};
 use std::path::{Path, PathBuf};
 use store::certificate::Certificate;
 use store::machine::{Follows, Material};
@@ -216,7 +216,11 @@ impl Run {
         // a spindle that makes its own ramps shows in the first hole how it stops: what it shows is used, and kept
         // if there is a file for it
         let learns = memory.is_some() || config::plain_drive(&session.machine).is_some();
-        let mut kernel = Kernel::new(config::control(&session.machine, mode, learns));
+        let mut control = config::control(&session.machine, mode, learns);
+        if told.orders.iter().any(|item| item.what == Order::Confirm) {
+            control.pause = Pause::Wait;
+        }
+        let mut kernel = Kernel::new(control);
         kernel.recall(memory.as_ref().map_or_else(Vec::new, |m| m.records.clone()));
         let judge = verify::Config {
             synchronised: session.taps.method == plan::TapMethod::Synchronised,
@@ -353,8 +357,8 @@ impl Finished {
 
     /// What the program leaves behind: parameters and tools.
     pub fn left(&self) -> Option<&control::job::Left> {
-        let proved = self.job.proved.as_ref().filter(|_| self.outcome.ended);
-        proved.map(|proved| proved.operations.left())
+        let proved = self.job.proved.as_ref().filter(|_| self.outcome.ended)?;
+        Some(self.outcome.left.as_ref().unwrap_or_else(|| proved.operations.left()))
     }
 
     /// Into the folder of the run: each polygon as a solid and as a cross-section.

@@ -44,7 +44,7 @@ pub use curve::{
 pub use online::{Goal, OnlineLimits, OnlineState};
 pub use path::{Motion, Path, coordinate, radius};
 pub use profile::{Instant, MAX_PHASES, Phase, Profile};
-pub use signal::{Await, InputWait, Output, Signal};
+pub use signal::{Await, InputWait, Output, ProbeEnd, Signal};
 pub use step::{
     ChipThrow, Follow, HandedBack, Move, PHASES, Pace, Programmed, STEP_BYTES, SpindleStep, Step,
     StepKind,

@@ -25,6 +25,15 @@ pub enum Signal {
     },
 }
 
+/// What ends a probing move before its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ProbeEnd {
+    /// Contact; else the end of contact.
+    pub contact: bool,
+    /// It is an alarm if that has not come at the end of the move.
+    pub required: bool,
+}
+
 /// An input, and what is waited for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InputWait {

@@ -1,6 +1,6 @@
 //! What the kernel executes, one after the other.
 use crate::{
-    Borrowed, GearStep, InputWait, Instant, Output, Path, Phase, Piece, Profile, Storage,
+    Borrowed, GearStep, InputWait, Instant, Output, Path, Phase, Piece, ProbeEnd, Profile, Storage,
     Superpose, SurfaceSpeed, TapPlan, ThreadStretch, WayOut,
 };
 use units::{Angle, Axis, Length, Spin, Time};
@@ -66,7 +66,12 @@ pub enum StepKind<S: Storage> {
     /// stands for, and answers.
     Consult(u16),
     /// Change the tool; the planner has brought the axes to the change position before.
-    ChangeTool(u32),
+    ChangeTool {
+        /// Its number; 0 empties the spindle.
+        tool: u32,
+        /// No changer reaches it: wait until the operator has confirmed that it is in the spindle.
+        by_hand: bool,
+    },
     /// Switch coolant.
     Coolant {
         /// M7.
@@ -83,6 +88,13 @@ pub enum StepKind<S: Storage> {
     Output(Output),
     /// Read an input or wait for it.
     Input(InputWait),
+    /// Move from rest to rest, or to where the probe changes.
+    Probe {
+        /// The move to its end.
+        order: S::Of<Move>,
+        /// When it ends before.
+        until: ProbeEnd,
+    },
     /// A code of the machine's own, by its number after M.
     UserCode(u16),
     /// Stop until told to go on.

@@ -125,12 +125,17 @@ impl<From: Storage> StepKind<From> {
                 StepKind::Revolve { spindle: *spindle, turns: *turns }
             }
             Self::Consult(what) => StepKind::Consult(*what),
-            Self::ChangeTool(tool) => StepKind::ChangeTool(*tool),
+            Self::ChangeTool { tool, by_hand } => {
+                StepKind::ChangeTool { tool: *tool, by_hand: *by_hand }
+            }
             Self::Coolant { mist, flood } => StepKind::Coolant { mist: *mist, flood: *flood },
             Self::FeedOverride(acts) => StepKind::FeedOverride(*acts),
             Self::SpindleOverride(acts) => StepKind::SpindleOverride(*acts),
             Self::Output(output) => StepKind::Output(*output),
             Self::Input(wait) => StepKind::Input(*wait),
+            Self::Probe { order, until } => {
+                StepKind::Probe { order: by.path_move(order)?, until: *until }
+            }
             Self::UserCode(number) => StepKind::UserCode(*number),
             Self::Pause { optional } => StepKind::Pause { optional: *optional },
             Self::End => StepKind::End,

@@ -45,6 +45,9 @@ impl Clock {
                 self.follows_surface(follow);
                 self.motion(follow.duration(), follow.per_revolution, follow.exact_stop, limits);
             }
+            StepKind::Probe { order, .. } => {
+                self.motion(order.profile.duration(), false, true, limits);
+            }
             StepKind::Dwell(time) => self.elapsed += time.value(),
             StepKind::Spindle { spindle, order } => match order {
                 SpindleStep::Turn { spin, ramp } => {
@@ -92,7 +95,7 @@ impl Clock {
                     self.ready_at.max(self.elapsed + order.over.abs().value() / self.speed);
             }
             StepKind::AwaitFades => self.elapsed = self.elapsed.max(self.ready_at),
-            StepKind::ChangeTool(_) => self.elapsed += limits.tool_change.time.value(),
+            StepKind::ChangeTool { .. } => self.elapsed += limits.tool_change.time.value(),
             StepKind::Engage(_)
             | StepKind::WayOut(_)
             | StepKind::Release { .. }

@@ -88,8 +88,9 @@ impl Heat {
                 };
                 self.passes(time);
             }
+            StepKind::Probe { order, .. } => self.passes(order.profile.duration()),
             StepKind::Dwell(time) => self.passes(time.value()),
-            StepKind::ChangeTool(_) => self.passes(limits.tool_change.time.value()),
+            StepKind::ChangeTool { .. } => self.passes(limits.tool_change.time.value()),
             StepKind::Thread(stretch) if spin > 0.0 => {
                 self.passes((stretch.is_over_at() - stretch.begins()) / spin);
             }

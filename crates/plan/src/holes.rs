@@ -58,6 +58,7 @@ impl Holes {
             ToolKind::SpotDrill { .. }
             | ToolKind::Tap(_)
             | ToolKind::PolygonCutter(_)
+            | ToolKind::Probe(_)
             | ToolKind::Insert(_) => return,
         };
         if hole.axis != Axis::Z || !point.is_finite() {

@@ -2,7 +2,7 @@
 //!
 //! Rotary axes (A, B, C) use the same [`AxisLimits`]: read degrees where they say millimetres, as
 //! RS-274/NGC does for the feed of a rotary axis.
-use alloc::vec::Vec;
+use alloc::{string::String, vec::Vec};
 use canon::{Axis, PathMode};
 use motion::{AXES, Bounds, Limits};
 use units::{
@@ -268,6 +268,19 @@ pub struct MachineLimits {
     pub tapping: Tapping,
     /// How moves go on into one another.
     pub joining: Joining,
+    /// What signals it has; `None`: they are not checked.
+    pub signals: Option<SignalNames>,
+}
+
+/// The signals of a machine, each with its name.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SignalNames {
+    /// Digital and analogue inputs.
+    pub inputs: [Vec<(u8, String)>; 2],
+    /// Digital and analogue outputs.
+    pub outputs: [Vec<(u8, String)>; 2],
+    /// A probe can be plugged in.
+    pub probe: bool,
 }
 
 impl MachineLimits {

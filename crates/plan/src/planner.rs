@@ -39,7 +39,9 @@ mod chips;
 mod contact;
 mod coupled;
 mod moves;
+mod probe;
 mod refuse;
+mod signal_check;
 mod spindle;
 mod spindle_override;
 mod surface;
@@ -153,6 +155,7 @@ const fn leaves_cam(kind: &OpKind) -> bool {
         | OpKind::Line { .. }
         | OpKind::Arc { .. }
         | OpKind::Spline { .. }
+        | OpKind::Probe(_)
         | OpKind::Tap(_)
         | OpKind::Threading(_)
         | OpKind::Hole(_)
@@ -331,13 +334,16 @@ impl Planner {
                 self.after_spindle(&mut job, step);
             }
             OpKind::Output(output) => {
+                self.check_output(&job, output);
                 let step = job.step(StepKind::Output(signals::output(output)));
                 self.after_spindle(&mut job, step);
             }
             OpKind::Input(wait) => {
+                self.check_input(&job, wait);
                 self.tell_spindles(&mut job);
                 self.hand_on(&mut job, StepKind::Input(signals::input(wait)));
             }
+            OpKind::Probe(order) => self.probe(&mut job, order),
             OpKind::UserCode(code) => {
                 self.tell_spindles(&mut job);
                 self.hand_on(&mut job, StepKind::UserCode(code.number));

@@ -159,7 +159,7 @@ fn assert_hangs_together(steps: &[Step]) {
                 assert!(awaited, "a ramp begins before the last one is over");
                 (spin, awaited) = (throw.then, false);
             }
-            StepKind::ChangeTool(_) => {
+            StepKind::ChangeTool { .. } => {
                 assert_eq!((spin, awaited, at.linear[2]), (Spin::ZERO, true, mm(0.0)));
             }
             StepKind::Engage(gear) => {
@@ -171,6 +171,7 @@ fn assert_hangs_together(steps: &[Step]) {
             | StepKind::AwaitFades
             | StepKind::Revolve { .. }
             | StepKind::Consult(_)
+            | StepKind::Probe { .. }
             | StepKind::Dwell(_)
             | StepKind::Coolant { .. }
             | StepKind::FeedOverride(_)

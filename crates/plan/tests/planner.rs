@@ -49,7 +49,8 @@ fn words(steps: &[Step]) -> String {
             format!("thread{sign}({},{},{})", stretch.to[0], stretch.to[1], stretch.to[2])
         }
         StepKind::Tap(t) => format!("tap({})", t.bottom.value()),
-        StepKind::ChangeTool(n) => format!("tool({n})"),
+        StepKind::ChangeTool { tool, .. } => format!("tool({tool})"),
+        StepKind::Probe { .. } => "probe".into(),
         StepKind::Coolant { .. } => "coolant".into(),
         StepKind::FeedOverride(acts) => format!("override({acts})"),
         StepKind::SpindleOverride(acts) => format!("spindle override({acts})"),

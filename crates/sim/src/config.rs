@@ -302,6 +302,19 @@ fn check_tool(tool: &Tool, found: &mut Vec<String>) {
             need.not_negative("nose radius", insert.nose.value(), "mm");
             need.not_negative("flat", insert.flat.value(), "mm");
         }
+        ToolKind::Probe(probe) => {
+            need.positive("ball", probe.diameter.value(), "mm");
+            need.not_negative("pretravel", probe.pretravel.value(), "mm");
+            let most = probe.pretravel.value();
+            let lobing = probe.lobing.value();
+            need.hold(
+                (0.0..=most).contains(&lobing),
+                "lobing",
+                lobing,
+                "mm",
+                "from 0 to the pretravel",
+            );
+        }
         ToolKind::Other => {}
     }
 }

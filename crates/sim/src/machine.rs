@@ -14,8 +14,10 @@ use crate::changer::Changer;
 use crate::cutting::Cutting;
 use crate::grinding::Grinder;
 use crate::rng::Rng;
+use crate::signals::{Input, Inputs};
 use crate::spindle::Spindle;
 use crate::tapping::Load;
+use crate::touch::{Boss, ToolSetter, Touch};
 use crate::turning::{Turning, TurningLoad};
 use crate::wear::TapWear;
 use crate::{Bar, Config, Grinding, Hole, PlainDrive};
@@ -37,6 +39,8 @@ pub struct SimulatedMachine {
     changer: Changer,
     cutting: Option<Cutting>,
     grinder: Option<Grinder>,
+    inputs: Inputs,
+    touch: Touch,
     /// The bar, where one turns in the first spindle.
     turning: Option<Turning>,
     /// Where X, Y and Z are among `axes`.
@@ -78,6 +82,8 @@ impl SimulatedMachine {
             changer: Changer::Holds(config.tool),
             cutting,
             grinder: None,
+            inputs: Inputs::default(),
+            touch: Touch::default(),
             turning: None,
             x_y_z: [place(0), place(1), place(2)],
             feedback: Feedback::default(),
@@ -127,6 +133,21 @@ impl SimulatedMachine {
         self
     }
 
+    /// The same machine with these inputs.
+    #[must_use]
+    pub fn with_inputs(mut self, inputs: Vec<Input>) -> Self {
+        self.inputs = Inputs::new(inputs);
+        self.feedback.inputs = self.inputs.shown();
+        self
+    }
+
+    /// The same machine with more to be touched than the work's faces and holes.
+    #[must_use]
+    pub fn with_touched(mut self, bosses: Vec<Boss>, setter: Option<ToolSetter>) -> Self {
+        self.touch = Touch::new(bosses, setter);
+        self
+    }
+
     /// How much of the grinding wheel's radius is worn off.
     pub fn wheel_wear(&self) -> Length {
         Length::mm(self.grinder.as_ref().map_or(0.0, Grinder::worn_mm))
@@ -170,6 +191,8 @@ impl SimulatedMachine {
         }
         let magazine = &self.config.magazine;
         let has = |number| number == 0 || magazine.iter().any(|tool| tool.number == number);
+        let now = self.config.period * (self.periods + 1) as f64;
+        self.inputs.step(&command.outputs, now, self.config.period);
         let (takes, period) = (self.config.tool_change_time, self.config.period);
         self.changer = self.changer.next(command.tool, takes, period, has);
     }
@@ -178,6 +201,27 @@ impl SimulatedMachine {
     fn advance(&mut self) {
         self.cut();
         self.grind();
+    }
+
+    /// What the tool in the spindle touches without cutting it.
+    fn touch(&mut self) {
+        let [Some(x), Some(y), Some(z)] = self.x_y_z else { return };
+        let number = self.changer.tool();
+        let tool = self.config.magazine.iter().find(|tool| Some(tool.number) == number);
+        if number.is_none() {
+            self.touch.forget();
+        }
+        let length = tool.map_or(0.0, |tool| tool.length.value());
+        let probe = tool.and_then(|tool| match &tool.kind {
+            crate::ToolKind::Probe(probe) => Some(probe),
+            _ => None,
+        });
+        let at = [x, y, z].map(|axis| self.axes[axis].position().value());
+        let work = self.config.stock.as_ref().zip(self.cutting.as_ref().map(Cutting::holes));
+        let touched = self.touch.step(probe, [at[0], at[1], at[2] - length], work);
+        self.feedback.probe = touched.touches;
+        self.feedback.probe_age = touched.since.map(|share| self.config.period * share);
+        self.truth.tool_broken |= touched.broken;
     }
 
     /// Wheel and work, once a period: the contact changes little within one.
@@ -253,6 +297,7 @@ impl SimulatedMachine {
     fn observe(&mut self) {
         self.feedback.time = self.config.period * self.periods as f64;
         self.feedback.tool = self.changer.tool();
+        self.feedback.inputs = self.inputs.shown();
         for ((index, _), axis) in self.config.axes.iter().zip(&self.axes) {
             self.feedback.axes[*index] = axis.feedback();
             self.truth.axes[*index] = axis.position();
@@ -296,6 +341,7 @@ impl bus::Machine for SimulatedMachine {
             self.obey(&arrived);
         }
         self.advance();
+        self.touch();
         self.periods += 1;
         self.observe();
         self.feedback

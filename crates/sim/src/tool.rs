@@ -21,7 +21,7 @@ impl Tool {
         match &self.kind {
             ToolKind::Drill { diameter, .. } => *diameter,
             ToolKind::Tap(tap) => tap.diameter,
-            ToolKind::Insert(_) | ToolKind::Other => Length::ZERO,
+            ToolKind::Insert(_) | ToolKind::Probe(_) | ToolKind::Other => Length::ZERO,
         }
     }
 }
@@ -40,7 +40,9 @@ pub enum ToolKind {
     Tap(Tap),
     /// Turns a bar with a single point.
     Insert(crate::Insert),
-    /// Does nothing that is simulated: a probe, an end mill.
+    /// Switches when it touches the work.
+    Probe(crate::TouchProbe),
+    /// Does nothing that is simulated: an end mill.
     Other,
 }
 

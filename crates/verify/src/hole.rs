@@ -68,7 +68,13 @@ impl HoleTrack {
                 findings.push("a tap was used as a drill".into());
                 (d, 0.0)
             }
-            Some((ToolKind::PolygonCutter(_) | ToolKind::Insert(_) | ToolKind::Other, _)) => {
+            Some((
+                ToolKind::PolygonCutter(_)
+                | ToolKind::Insert(_)
+                | ToolKind::Probe(_)
+                | ToolKind::Other,
+                _,
+            )) => {
                 return None;
             }
             None => {

@@ -385,7 +385,10 @@ fn write_observed(w: &mut Writer<'_>, observed: &Observed) {
     w.u8(feedback.tool.is_some().into());
     w.u32(feedback.tool.unwrap_or(0));
     w.u8(feedback.emergency_stop.into());
-    w.u8(feedback.probe.into());
+    w.u8(mask(&[feedback.probe, feedback.probe_age.is_some()]) as u8);
+    if let Some(age) = feedback.probe_age {
+        w.f64(age.value());
+    }
     write_signals(w, &feedback.inputs);
     w.u8(observed.truth.is_some().into());
     if let Some(truth) = &observed.truth {
@@ -424,7 +427,12 @@ fn read_observed(r: &mut Reader<'_>) -> Option<Observed> {
     let (has_tool, tool) = (r.flag()?, r.u32()?);
     feedback.tool = has_tool.then_some(tool);
     feedback.emergency_stop = r.flag()?;
-    feedback.probe = r.flag()?;
+    let probe = r.u8()?;
+    if probe > 3 {
+        return None;
+    }
+    feedback.probe = probe & 1 != 0;
+    feedback.probe_age = if probe & 2 == 0 { None } else { Some(Time::s(r.f64()?)) };
     feedback.inputs = read_signals(r)?;
     let truth = if r.flag()? { Some(read_truth(r)?) } else { None };
     Some(Observed { feedback, truth })

@@ -17,6 +17,10 @@ pub(crate) struct ProgramArgs {
     /// Parameter file (.var) with work offsets [default: the machine's set-up]
     #[arg(long, value_name = "FILE")]
     pub(crate) parameters: Option<PathBuf>,
+    /// What stands on the inputs of a simulated machine, besides what the machine's file says: lines such as
+    /// `digital_3 = on at 2 s, off at 5 s` or `digital_1 = follows output 1 after 0.3 s`
+    #[arg(long, value_name = "FILE")]
+    pub(crate) inputs: Option<PathBuf>,
     /// What to do with tools that the table lacks
     #[arg(long, value_enum, default_value_t = MissingTools::Refuse)]
     pub(crate) missing_tools: MissingTools,

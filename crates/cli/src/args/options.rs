@@ -17,6 +17,7 @@ impl ProgramArgs {
                 ToolUnit::Inch => TableUnit::Inch,
             },
             parameters: self.parameters.clone(),
+            inputs: self.inputs.clone(),
             missing_tools: match self.missing_tools {
                 MissingTools::Refuse => interp::MissingTools::Refuse,
                 MissingTools::StandIn => interp::MissingTools::StandIn,

@@ -42,6 +42,7 @@ pub fn control(machine: &MachineFile, mode: Option<SyncMode>, learns: bool) -> C
             spindle: (control.overrides.spindle_least_share, control.overrides.spindle_most_share),
         },
         pause: Pause::GoOn,
+        probe_guard: true,
         learning: learns.then(|| crate::services::learning::how(machine)),
     }
 }

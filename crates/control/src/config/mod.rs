@@ -15,4 +15,4 @@ mod simulator;
 pub use control::{control, encoder};
 pub use judge::{judge, tolerances};
 pub use planner::{path_limits, planner};
-pub use simulator::{bar, left_alone, plain_drive, simulator, start};
+pub use simulator::{bar, inputs, left_alone, plain_drive, simulator, start, touched};

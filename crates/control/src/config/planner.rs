@@ -27,6 +27,17 @@ pub fn planner(machine: &MachineFile) -> MachineLimits {
         settling: windows.fold(Time::ZERO, Time::max),
         tapping: tapping(machine),
         joining: joining(machine),
+        signals: Some(signals(machine)),
+    }
+}
+
+/// The signals that the machine's file names.
+fn signals(machine: &MachineFile) -> plan::SignalNames {
+    let names = |names: &store::machine::Names| [names.digital.clone(), names.analogue.clone()];
+    plan::SignalNames {
+        inputs: names(&machine.inputs),
+        outputs: names(&machine.outputs),
+        probe: machine.probe.is_some(),
     }
 }
 

@@ -1,8 +1,8 @@
 //! The simulated machine: axes, spindles, magazine and workpiece for the simulator.
 use canon::{Flute, Holder, Position, Tool, ToolKind, ToolLibrary};
 use store::machine::{
-    Axis, MachineFile, Material, Motor, PlantScatter, PositionFrom, Reaction, Spindle, TapSeat,
-    eccentric,
+    Axis, InputModel, InputSource, MachineFile, Material, Motor, PlantScatter, PositionFrom,
+    Reaction, Round, Spindle, TapSeat, eccentric,
 };
 use units::{Angle, Inertia, Lead, Length};
 
@@ -21,6 +21,8 @@ pub fn simulator(
     let axes = machine.axes.iter().enumerate();
     let spindles = machine.spindles.iter().map(|file| spindle(file, &machine.simulation.plant));
     let stock = machine.setup.stock;
+    let shift = machine.simulation.work_shift;
+    let stands = [0, 1, 2].map(|i| zero.linear[i] + shift[i]);
     sim::Config {
         period: machine.control.period,
         substep: machine.simulation.substep,
@@ -40,16 +42,16 @@ pub fn simulator(
         tool: 0,
         tool_change_time: machine.tool_change.time,
         stock: Some(sim::Stock {
-            top: zero.linear[2] + stock.to[2],
+            top: stands[2] + stock.to[2],
             thickness: Some(stock.to[2] - stock.from[2]),
             sides: Some(sim::Sides {
-                x_from: zero.linear[0] + stock.from[0],
-                x_to: zero.linear[0] + stock.to[0],
-                y_from: zero.linear[1] + stock.from[1],
-                y_to: zero.linear[1] + stock.to[1],
+                x_from: stands[0] + stock.from[0],
+                x_to: stands[0] + stock.to[0],
+                y_from: stands[1] + stock.from[1],
+                y_to: stands[1] + stock.to[1],
             }),
             material: sim::Material { cutting_n_per_mm2: material.cutting_force_n_per_mm2 },
-            holes: Vec::new(),
+            holes: machine.setup.holes.iter().map(|hole| hole_of(hole, stands)).collect(),
             assume_predrilled: true,
         }),
         scatter: machine.simulation.scatter_share,
@@ -228,9 +230,61 @@ fn tool(tool: &Tool, seat: &TapSeat, material: Material) -> sim::Tool {
             clutch: clutch(tap.holder),
         }),
         ToolKind::Insert(form) => sim::ToolKind::Insert(insert(form)),
+        ToolKind::Probe(probe) => sim::ToolKind::Probe(sim::TouchProbe {
+            diameter: tool.diameter,
+            pretravel: probe.pretravel,
+            lobing: probe.lobing,
+        }),
         ToolKind::EndMill | ToolKind::PolygonCutter(_) | ToolKind::Other => sim::ToolKind::Other,
     };
     sim::Tool { number: tool.number, length: tool.length, kind }
+}
+
+/// A hole that the work has when it is clamped.
+fn hole_of(hole: &Round, stands: [Length; 3]) -> sim::Hole {
+    let bore = sim::Bore { diameter: hole.diameter, tip_depth: hole.height, cone: Length::ZERO };
+    let at = [0, 1].map(|i| stands[i] + hole.at[i]);
+    sim::Hole { bores: vec![bore], ..sim::Hole::at(at[0], at[1]) }
+}
+
+/// What can be touched besides: what stands on the work, wherever that is clamped, and a tool setter.
+pub fn touched(
+    machine: &MachineFile,
+    config: &sim::Config,
+) -> (Vec<sim::Boss>, Option<sim::ToolSetter>) {
+    let sides = config.stock.as_ref().and_then(|stock| stock.sides);
+    let from = machine.setup.stock.from;
+    let zero = sides.map(|sides| [sides.x_from - from[0], sides.y_from - from[1]]);
+    let bosses = zero.into_iter().flat_map(|zero| {
+        machine.setup.bosses.iter().map(move |boss| sim::Boss {
+            x: zero[0] + boss.at[0],
+            y: zero[1] + boss.at[1],
+            diameter: boss.diameter,
+            height: boss.height,
+        })
+    });
+    let setter = machine.probe.and_then(|probe| probe.setter).map(|setter| sim::ToolSetter {
+        at: setter.at,
+        diameter: setter.diameter,
+        pretravel: setter.pretravel,
+    });
+    (bosses.collect(), setter)
+}
+
+/// What stands on the inputs.
+pub fn inputs(models: &[InputModel]) -> Vec<sim::Input> {
+    let source = |source: &InputSource| match source.clone() {
+        InputSource::Timed { first, changes } => sim::InputSource::Timed { first, changes },
+        InputSource::Follows { output, values, after, within } => {
+            sim::InputSource::Follows { output, values, after, within }
+        }
+    };
+    let input = |model: &InputModel| sim::Input {
+        number: model.number,
+        digital: model.digital,
+        source: source(&model.source),
+    };
+    models.iter().map(input).collect()
 }
 
 /// The bar in the first spindle, if the stock of that machine is one about its axis.

@@ -7,6 +7,7 @@
 //! ```
 pub mod cams;
 pub mod dialect;
+mod live;
 mod operations;
 pub mod options;
 pub mod preflight;
@@ -14,6 +15,7 @@ pub mod restart;
 mod session;
 pub mod subprograms;
 
+pub use live::Live;
 pub use operations::{Cursor, Left, Operations, Reading, Source};
 pub use options::ProgramOptions;
 pub use session::{Session, read_program, tools};

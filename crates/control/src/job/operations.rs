@@ -5,10 +5,11 @@
 //!                   └─► Operations   all of them, interpreted once: preflight, restart and run share them
 //!                            └─► Cursor  from the beginning, or from where a program is begun in its middle
 //! ```
+use super::live::Live;
 use super::restart::Restart;
 use crate::polygon::cuts;
 use crate::polygon::oscillation::Auto;
-use canon::{Op, OpKind, ProgramFrame, Tool};
+use canon::{Answer, Op, OpKind, ProgramFrame, Tool};
 use diag::Diagnostic;
 use interp::{Parameters, ToolEntry};
 use std::collections::VecDeque;
@@ -23,6 +24,17 @@ pub trait Source: Iterator<Item = (u32, Op)> {
     fn frame(&self) -> ProgramFrame;
     /// What the interpreter has found so far.
     fn findings(&self) -> Vec<Diagnostic>;
+    /// It is interpreted while the machine executes: when it ends, it may wait for an answer, and what it orders has not been
+    /// checked as it is.
+    fn is_live(&self) -> bool {
+        false
+    }
+    /// What the machine says to an operation that has asked.
+    fn answer(&mut self, _op: u32, _answer: &Answer) {}
+    /// What the program has left behind so far, where that is known only when it runs.
+    fn left(&self) -> Option<Left> {
+        None
+    }
 }
 
 /// A program that is interpreted as it is read.
@@ -93,6 +105,8 @@ pub struct Operations {
     stand_ins: Vec<Tool>,
     /// What the program leaves behind.
     left: Left,
+    /// The program asks the machine something: its text, and what it is read with.
+    live: Option<Box<(Vec<u8>, interp::Setup)>>,
 }
 
 /// What a program leaves in the control when it has ended.
@@ -126,7 +140,9 @@ impl Operations {
             tools: known.into_iter().map(entry).collect(),
             parameters: read.parameters().clone(),
         };
-        Self { ops, frames, findings: read.diagnostics(), stand_ins, left }
+        let asks = ops.iter().any(|op| interp::asks(&op.kind));
+        let live = asks.then(|| Box::new((source.to_vec(), setup.clone())));
+        Self { ops, frames, findings: read.diagnostics(), stand_ins, left, live }
     }
 
     /// Fill in what G51.2 leaves to the control.
@@ -140,6 +156,18 @@ impl Operations {
             }
         }
         self.findings.extend_from_slice(auto.findings());
+    }
+
+    /// For a run, from the program's beginning or from its middle: what asks the machine something is interpreted again while
+    /// the machine executes.
+    pub fn for_run(self: &Arc<Self>, restart: Option<&Restart>) -> Box<dyn Source + Send> {
+        match self.live.as_deref() {
+            None => Box::new(Cursor::new(Arc::clone(self), restart)),
+            Some((text, setup)) => {
+                let read = interp::Live::new(text.clone(), setup.clone(), None);
+                Box::new(Live::of(read, Arc::clone(self), restart))
+            }
+        }
     }
 
     /// All of them.

@@ -15,6 +15,8 @@ pub struct ProgramOptions {
     pub tool_unit: TableUnit,
     /// Parameter file with work offsets; `None` is the machine's set-up.
     pub parameters: Option<PathBuf>,
+    /// File with what stands on the inputs of a simulated machine, besides what the machine's file says.
+    pub inputs: Option<PathBuf>,
     /// What to do with tools that the table lacks.
     pub missing_tools: interp::MissingTools,
     /// How taps are driven that no clutch holder holds; `None` is as the machine's file says.
@@ -53,6 +55,7 @@ impl ProgramOptions {
             tools: None,
             tool_unit: TableUnit::Millimetre,
             parameters: None,
+            inputs: None,
             missing_tools: interp::MissingTools::Refuse,
             tapping: None,
             clutch_dwell: plan::DwellCheck::Refuse,

@@ -81,6 +81,9 @@ impl Session {
         if let Some(asked) = options.tapping_preset {
             machine.tapping.preset = asked;
         }
+        if let Some(path) = &options.inputs {
+            load_inputs(path, &mut machine)?;
+        }
         let (tools, tools_from, table, bytes) =
             tools(options.tools.as_deref(), options.tool_unit, program)?;
         let machine_text = crate::config::machine_file::text(&options.machine)?;
@@ -318,6 +321,21 @@ pub fn tools(
 fn is_subprogram(path: &Path, text: &[u8]) -> bool {
     let name = path.file_stem().map(|stem| stem.to_string_lossy().to_lowercase());
     name.is_some_and(|name| interp::defined_subprograms(text).contains(&name))
+}
+
+/// What a file says of inputs counts for more than what the machine's file says of them.
+fn load_inputs(path: &Path, machine: &mut MachineFile) -> Result<(), Refused> {
+    let text = store::read_text(path, "a file of inputs", store::SMALL_FILE_LIMIT)?;
+    let models = store::machine::parse_inputs(&text).map_err(|wrong| {
+        let of_file = |why: &String| format!("{}: {why}", path.display());
+        Refused::because(wrong.iter().map(of_file).collect::<Vec<_>>().join("\nerror: "))
+    })?;
+    let inputs = &mut machine.simulation.inputs;
+    inputs.retain(|own| {
+        models.iter().all(|model| (model.digital, model.number) != (own.digital, own.number))
+    });
+    inputs.extend(models);
+    Ok(())
 }
 
 /// From a `.var` file, or from the machine's set-up.

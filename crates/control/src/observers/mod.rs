@@ -7,13 +7,22 @@ use crate::Timings;
 use crate::job::Session;
 use bus::Sample;
 use canon::{Op, ProgramFrame};
-use kernel::{Event, EventKind};
+use kernel::{Event, EventKind, WaitFor};
 use report::Recorder;
 use std::collections::BTreeMap;
 use verify::{IdleTurns, Judge, Watch};
 
 /// More warnings than a person reads.
 const MOST_WARNINGS: usize = 100;
+
+/// What is said of a person's confirmation where nobody is there.
+pub fn confirmed(what: WaitFor, line: u32) -> String {
+    let what = match what {
+        WaitFor::Operator { optional } => format!("M{}", u8::from(optional)),
+        other => other.to_string(),
+    };
+    format!("operator: confirmed automatically ({what} at line {line})")
+}
 
 /// Looks at everything that happens, and changes nothing.
 pub trait Observer {
@@ -43,6 +52,8 @@ pub struct Observers {
     pub(super) saturated: BTreeMap<u32, u32>,
     /// Warnings at run time.
     pub(super) warnings: Vec<Event>,
+    /// What a person would have confirmed.
+    pub(super) confirmed: Vec<String>,
 }
 
 impl Observers {
@@ -58,6 +69,7 @@ impl Observers {
             timings: Timings::new(false),
             saturated: BTreeMap::new(),
             warnings: Vec::new(),
+            confirmed: Vec::new(),
         }
     }
 
@@ -96,6 +108,11 @@ impl Observers {
     pub(super) fn event(&mut self, event: &Event) {
         for other in &mut self.others {
             other.event(event);
+        }
+        if let EventKind::ConfirmedAutomatically(what) = event.kind
+            && self.confirmed.len() < MOST_WARNINGS
+        {
+            self.confirmed.push(confirmed(what, event.line));
         }
         let warns = matches!(
             event.kind,

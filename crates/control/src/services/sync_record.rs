@@ -387,6 +387,7 @@ fn stiffness(kind: &ToolKind) -> Stiffness {
         | ToolKind::EndMill
         | ToolKind::PolygonCutter(_)
         | ToolKind::Insert(_)
+        | ToolKind::Probe(_)
         | ToolKind::Other => Stiffness::ZERO,
     }
 }
@@ -413,6 +414,7 @@ const fn thread_length(kind: &ToolKind) -> Length {
         | ToolKind::EndMill
         | ToolKind::PolygonCutter(_)
         | ToolKind::Insert(_)
+        | ToolKind::Probe(_)
         | ToolKind::Other => Length::ZERO,
     }
 }

@@ -291,6 +291,7 @@ fn name(order: Order) -> String {
     match order {
         Order::FeedHold => "hold".into(),
         Order::Resume => "resume".into(),
+        Order::Confirm => "confirm".into(),
         Order::Abort => "abort".into(),
         Order::Retract => "retract".into(),
         Order::FeedOverride(share) => format!("override {:.0} %", share * 100.0),

@@ -219,7 +219,14 @@ pub enum Call<'a> {
         points: &'a [ControlPoint],
     },
     /// G38.2 … G38.5: to here, or to where the probe touches.
-    Probe(Point),
+    Probe {
+        /// Where to.
+        to: Point,
+        /// Contact ends it; else the end of contact.
+        until_contact: bool,
+        /// It is an alarm if the probe has not changed at its end.
+        required: bool,
+    },
     /// A cycle is about to make a hole; its moves follow, up to the end of the cycle's block or the next hole.
     Hole(CycleHole),
     /// Chip removal: from R on, on the rapid out of this hole that follows. For a tap its hole says it.

@@ -53,13 +53,13 @@ pub(super) const ROWS: &[Finding] = &[
     ),
     row(
         "I0713",
-        "No probe is simulated: contact comes at the programmed end.",
+        "Before the program runs, contact is taken to come at the programmed end.",
         "F100\nG38.2 Z-10",
         "F100\nG1 Z-10",
     ),
     row(
         "I0714",
-        "No inputs are simulated: what is waited for comes at once.",
+        "Before the program runs, what is waited for is taken to come at once.",
         "M66 P0 L3 Q5",
         "G4 P5",
     ),

@@ -38,6 +38,11 @@ impl Kernel {
                 if let Some(of) = self.reported {
                     return Err((FaultKind::DriveAlarm, of, 0.0, 0.0));
                 }
+                let moves = matches!(self.activity, Activity::Moving(..));
+                let touches = feedback.probe && !self.probe_before;
+                if touches && self.config.probe_guard && (moves || self.manual.is_active()) {
+                    return Err((FaultKind::ProbeContact, Subject::Machine, 0.0, 0.0));
+                }
                 self.drives.check_ready(feedback)?;
                 let waits = &self.config.waits;
                 let lost = self.config.phase_loss.map(|loss| loss.window);

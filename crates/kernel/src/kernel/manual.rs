@@ -44,6 +44,7 @@ impl Kernel {
         (self.chained, self.drives.chain) = (0, None);
         (self.activity, self.begun, self.aborted) = (Activity::Idle, false, false);
         self.operator = self.operator.without_orders();
+        (self.answer, self.drives.outputs) = (None, bus::Signals::default());
         true
     }
 

@@ -17,6 +17,10 @@ impl Kernel {
         let synchronised =
             matches!(&self.activity, Activity::Tapping(run) if run.coupling().is_some());
         let paused = matches!(self.activity, Activity::Pausing);
+        let by_hand = match self.activity {
+            Activity::ChangingByHand { tool } => Some(tool),
+            _ => None,
+        };
         let alarm = matches!(self.mode, Mode::Halted | Mode::Disabled);
         if alarm && matches!(order, Order::Resume | Order::FeedHold) {
             return self.note(EventKind::Operator(Notice::NothingToResume));
@@ -28,10 +32,18 @@ impl Kernel {
             Order::SpindleOverride(_) => synchronised || !self.drives.spindle_overridden,
             _ => synchronised,
         };
-        if let Some(notice) = self.operator.take(order, locked, paused) {
+        let asked = paused || by_hand.is_some();
+        if let Some(notice) = self.operator.take(order, locked, (paused, asked)) {
             self.note(EventKind::Operator(notice));
         }
-        if order == Order::Resume && paused && !self.operator.wants_rest() {
+        if let (Order::Confirm, Some(tool)) = (order, by_hand) {
+            self.drives.tool = tool;
+            self.activity = Activity::Changing { tool, waited_s: 0.0 };
+            self.note(EventKind::Resumed);
+        }
+        let goes_on =
+            order == Order::Confirm || order == Order::Resume && !self.operator.wants_rest();
+        if goes_on && paused {
             self.activity = Activity::AtOnce;
             self.note(EventKind::Resumed);
         }

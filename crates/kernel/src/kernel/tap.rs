@@ -27,6 +27,7 @@ impl Kernel {
         self.queue.clear();
         self.manual.forget();
         self.faults.clear();
+        (self.answer, self.drives.outputs) = (None, bus::Signals::default());
         (self.activity, self.begun, self.mode) = (Activity::Idle, false, Mode::New);
         (self.operator, self.aborted, self.reported) =
             (Operator::new(self.config.overrides), false, None);

@@ -226,6 +226,7 @@ pub fn control(machine: &sim::Config) -> Config {
         phase_loss: None,
         overrides: kernel::Overrides::USUAL,
         pause: Pause::GoOn,
+        probe_guard: true,
         learning: None,
     }
 }

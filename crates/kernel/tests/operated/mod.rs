@@ -39,6 +39,7 @@ fn limits(jerk: f64) -> MachineLimits {
         settling: Time::ZERO,
         tapping: Tapping::along_z(0.9),
         joining: Joining { period: Time::s(PERIOD), ..Joining::EXACT },
+        signals: None,
     }
 }
 

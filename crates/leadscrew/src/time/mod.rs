@@ -50,7 +50,7 @@ impl Times {
     /// One more step.
     pub fn step(&mut self, step: &Step) {
         let time = self.all.step(step);
-        if let StepKind::ChangeTool(number) = step.kind {
+        if let StepKind::ChangeTool { tool: number, .. } = step.kind {
             self.tool = number;
         }
         self.by_tool.entry(self.tool).or_default().add(&step.kind, time);

@@ -33,12 +33,12 @@ impl Shares {
         let share = match step {
             StepKind::Move(order) if order.rapid => &mut self.rapid,
             StepKind::Follow(order) if order.piece.rapid => &mut self.rapid,
-            StepKind::Move(_) | StepKind::Follow(_) => &mut self.feed,
+            StepKind::Move(_) | StepKind::Follow(_) | StepKind::Probe { .. } => &mut self.feed,
             StepKind::Tap(_) => &mut self.tap,
             StepKind::Thread(_) => &mut self.thread,
             StepKind::Revolve { .. } => &mut self.turn,
             StepKind::Dwell(_) => &mut self.dwell,
-            StepKind::ChangeTool(_) => &mut self.tool_change,
+            StepKind::ChangeTool { .. } => &mut self.tool_change,
             _ => &mut self.wait,
         };
         *share += time;

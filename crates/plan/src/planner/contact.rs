@@ -271,7 +271,9 @@ fn form(tool: &Tool, pressure: f64) -> Option<Form> {
         }
         ToolKind::Tap(_) => Some(Form::Tap { diameter }),
         ToolKind::EndMill => Some(Form::Mill { radius: diameter / 2.0 }),
-        ToolKind::Insert(_) | ToolKind::PolygonCutter(_) | ToolKind::Other => None,
+        ToolKind::Insert(_) | ToolKind::Probe(_) | ToolKind::PolygonCutter(_) | ToolKind::Other => {
+            None
+        }
     }
 }
 

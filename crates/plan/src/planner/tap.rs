@@ -451,6 +451,7 @@ pub(super) fn kind_name(tool: &Tool) -> &'static str {
         ToolKind::Tap(_) => "a tap",
         ToolKind::PolygonCutter(_) => "a polygon cutter",
         ToolKind::Insert(_) => "an insert of a lathe",
+        ToolKind::Probe(_) => "a touch probe",
         ToolKind::Other if tool.stand_in => "a stand-in that the table does not describe",
         ToolKind::Other => "another tool",
     }

@@ -48,7 +48,7 @@ impl Planner {
                 finding.with_help("add it to the table, or let missing tools be stood in for"),
             );
         }
-        self.pocket_is_reached(job, number);
+        let by_hand = !self.pocket_is_reached(job, number);
         for state in &mut self.spindles {
             state.order(Spin::ZERO);
         }
@@ -65,13 +65,13 @@ impl Planner {
         }
         self.outbox.release([], &self.limits, job.emit);
         self.await_spindles(job);
-        self.hand_on(job, StepKind::ChangeTool(number));
+        self.hand_on(job, StepKind::ChangeTool { tool: number, by_hand });
         self.tool = number;
         self.tool_mounted();
     }
 
-    /// A tool that stands in a pocket that the magazine does not have.
-    fn pocket_is_reached(&mut self, job: &Job, number: u32) {
+    /// Whether the changer has the tool: one that stands in a pocket that the magazine does not have is changed by hand.
+    fn pocket_is_reached(&mut self, job: &Job, number: u32) -> bool {
         let most = self.limits.tool_change.pockets;
         let pocket = self.tools.get(number).filter(|tool| !tool.stand_in);
         let pocket = pocket.filter(|_| number != 0).map_or(0, |tool| tool.pocket);
@@ -82,7 +82,9 @@ impl Planner {
             let help =
                 format!("give it a pocket from 1 to {most} in the tool table, or 0, which is none");
             self.findings.add(Diagnostic::warning("M0317", job.span, text).with_help(help));
+            return false;
         }
+        true
     }
 
     /// In a straight line to where tools are changed, or back.

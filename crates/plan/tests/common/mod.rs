@@ -59,6 +59,7 @@ pub fn machine() -> MachineLimits {
         settling: Time::ZERO,
         tapping: Tapping::along_z(SPINDLE.margin),
         joining: plan::Joining::EXACT,
+        signals: None,
     }
 }
 

@@ -207,9 +207,11 @@ impl Cutting {
                     ))
                 }
             }
-            ToolKind::Drill { .. } | ToolKind::Tap(_) | ToolKind::Insert(_) | ToolKind::Other => {
-                Engagement::Clear
-            }
+            ToolKind::Drill { .. }
+            | ToolKind::Tap(_)
+            | ToolKind::Insert(_)
+            | ToolKind::Probe(_)
+            | ToolKind::Other => Engagement::Clear,
         };
     }
 
@@ -299,7 +301,9 @@ impl Cutting {
         let tool = self.mounted?;
         match tool.kind {
             ToolKind::Insert(insert) => Some((tool.number, insert, tool.length)),
-            ToolKind::Drill { .. } | ToolKind::Tap(_) | ToolKind::Other => None,
+            ToolKind::Drill { .. } | ToolKind::Tap(_) | ToolKind::Probe(_) | ToolKind::Other => {
+                None
+            }
         }
     }
 

@@ -9,6 +9,7 @@
 //!   [drives]       what the drives do when the control or the mains fail          ─► sim, app
 //!   [grinding]     a cam grinder's wheel, its wear, what it costs to cut           ─► sim, forms
 //!   [setup]        work offset G54, stock                                        ─► interp, verify
+//!   [inputs]       which it has, by number and name; [outputs], [probe]         ─► plan
 //!   [user_codes]   M100 to M199: what each does                                 ─► interp
 //!   [simulation]   substep, seed, scatter, what differs from all this             ─► sim
 //! ```
@@ -37,6 +38,7 @@ mod grinding;
 mod plant;
 pub(crate) mod rotary;
 mod setup;
+mod signals;
 mod spindle;
 mod tapping;
 
@@ -51,7 +53,8 @@ pub use control::{
 pub use drives::{DcBus, Drives, Reaction};
 pub use grinding::{Grinding, Wheel};
 pub use plant::{AxisErrors, PlantScatter, SpindleErrors, eccentric};
-pub use setup::{Material, Setup, Simulation, SpindleDrive, Stock, TapSeat, TapWear};
+pub use setup::{Material, Round, Setup, Simulation, SpindleDrive, Stock, TapSeat, TapWear};
+pub use signals::{InputModel, InputSource, Names, ProbeInput, Setter, parse_inputs};
 pub use spindle::{OwnRamps, Spindle, SpindleFriction, SpindleWindows};
 pub use tapping::{Effort, Peck, Preset, Ramp, Tapping};
 
@@ -84,6 +87,12 @@ pub struct MachineFile {
     pub setup: Setup,
     /// The simulation.
     pub simulation: Simulation,
+    /// The inputs that it has, beside the probe.
+    pub inputs: Names,
+    /// The outputs that it has.
+    pub outputs: Names,
+    /// Its probe input; `None`: it has none.
+    pub probe: Option<ProbeInput>,
     /// The machine's own M codes by number, and what they do.
     pub user_codes: Vec<(u16, String)>,
 }
@@ -185,6 +194,9 @@ impl MachineFile {
             grinding: keys.optional_section("grinding", Grinding::read),
             setup: keys.section("setup", Setup::read),
             simulation: keys.section("simulation", Simulation::read),
+            inputs: keys.optional_section("inputs", Names::read).unwrap_or_default(),
+            outputs: keys.optional_section("outputs", Names::read).unwrap_or_default(),
+            probe: keys.optional_section("probe", ProbeInput::read),
             user_codes: keys
                 .optional_section("user_codes", |k| k.texts(user_code))
                 .unwrap_or_default(),

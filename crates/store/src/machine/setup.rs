@@ -1,6 +1,7 @@
 //! What is clamped, and how the machine is simulated.
 use super::axis::{FARTHEST_MM, n_per_um};
 use super::plant::PlantScatter;
+use super::signals::InputModel;
 use crate::keys::Keys;
 use canon::Position;
 use std::ops::RangeInclusive;
@@ -18,6 +19,33 @@ pub struct Setup {
     pub g54: Position,
     /// The workpiece.
     pub stock: Stock,
+    /// Holes that it has already, from its surface.
+    pub holes: Vec<Round>,
+    /// Cylinders that stand on its surface.
+    pub bosses: Vec<Round>,
+}
+
+/// Something round about an axis along Z, in coordinates of G54.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Round {
+    /// Its axis.
+    pub at: [Length; 2],
+    /// Its diameter.
+    pub diameter: Length,
+    /// How deep it is, or how high, from the surface.
+    pub height: Length,
+}
+
+impl Round {
+    /// The most of each that a set-up may state.
+    const MOST: usize = 64;
+
+    fn read(keys: &mut Keys<'_>, height: &'static str) -> Self {
+        let mut at = |key| Length::mm(keys.number(key, -FARTHEST_MM..=FARTHEST_MM));
+        let at = [at("x_mm"), at("y_mm")];
+        let mut size = |key| Length::mm(keys.number(key, 0.001..=FARTHEST_MM));
+        Self { at, diameter: size("diameter_mm"), height: size(height) }
+    }
 }
 
 /// A block of material, in coordinates of G54.
@@ -43,7 +71,7 @@ pub struct Material {
 }
 
 /// The simulation.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Simulation {
     /// Integration step.
     pub substep: Time,
@@ -57,6 +85,10 @@ pub struct Simulation {
     pub tap_seat: TapSeat,
     /// How taps wear; `None`: they do not.
     pub tap_wear: Option<TapWear>,
+    /// How far the work really is from where the set-up has it, in X, Y and Z: what probing is there to find.
+    pub work_shift: [Length; 3],
+    /// What stands on the inputs.
+    pub inputs: Vec<InputModel>,
     /// What the spindle's own drive really does, where that differs from what `[spindles.drive]` says.
     pub spindle_drive: SpindleDrive,
 }
@@ -160,8 +192,18 @@ impl Setup {
                 Position::xyz(at("x_mm"), at("y_mm"), at("z_mm"))
             }),
             stock: keys.section("stock", Stock::read),
+            holes: rounds(keys, "holes", "depth_mm"),
+            bosses: rounds(keys, "bosses", "height_mm"),
         }
     }
+}
+
+/// `[[setup.holes]]` and `[[setup.bosses]]`, if there are any.
+fn rounds(keys: &mut Keys<'_>, key: &'static str, height: &'static str) -> Vec<Round> {
+    if !keys.has(key) {
+        return Vec::new();
+    }
+    keys.sections(key, Round::MOST, |k| Round::read(k, height))
 }
 
 impl Stock {
@@ -210,6 +252,16 @@ impl Simulation {
                 flank_stiffness: n_per_um(k.number("flank_stiffness_n_per_um", 0.1..=1e5)),
             }),
             tap_wear: keys.optional_section("tap_wear", TapWear::read),
+            work_shift: keys
+                .optional_section("work_shift", |k| {
+                    ["x_mm", "y_mm", "z_mm"].map(|key| {
+                        Length::mm(k.optional(key, -FARTHEST_MM..=FARTHEST_MM).unwrap_or(0.0))
+                    })
+                })
+                .unwrap_or_default(),
+            inputs: keys
+                .optional_section("inputs", super::signals::read_models)
+                .unwrap_or_default(),
             spindle_drive: keys
                 .optional_section("spindle_drive", SpindleDrive::read)
                 .unwrap_or(SpindleDrive::EXACT),

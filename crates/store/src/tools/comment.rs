@@ -173,6 +173,7 @@ mod tests {
             ToolKind::Tap(tap) => format!("tap {} {}", tap.designation, tap.lead.value()),
             ToolKind::PolygonCutter(_) => "polygon cutter".into(),
             ToolKind::Insert(insert) => format!("insert {}", insert.angle.in_deg().round()),
+            ToolKind::Probe(_) => "probe".into(),
             ToolKind::Other => "other".into(),
         }
     }

@@ -6,7 +6,7 @@ use crate::{
 };
 use canon::{
     Flute, Hand, Holder, Insert, InsertPoint, PolygonCutter, TapTool, ThreadSize, Tool, ToolKind,
-    ToolLibrary,
+    ToolLibrary, TouchProbe,
 };
 use diag::{Diagnostic, Span};
 use std::ops::RangeInclusive;
@@ -21,6 +21,7 @@ enum Kind {
     PolygonCutter,
     ThreadingInsert,
     TurningInsert,
+    Probe,
     Other,
 }
 
@@ -39,6 +40,7 @@ fn read_tool(keys: &mut Keys<'_>) -> (Tool, Span) {
         ("polygon-cutter", Kind::PolygonCutter),
         ("threading-insert", Kind::ThreadingInsert),
         ("turning-insert", Kind::TurningInsert),
+        ("probe", Kind::Probe),
         ("other", Kind::Other),
     ];
     let (kind, nominal) = match keys.choice("kind", &kinds) {
@@ -56,6 +58,7 @@ fn read_tool(keys: &mut Keys<'_>) -> (Tool, Span) {
         }
         Kind::ThreadingInsert => (ToolKind::Insert(read_threading_insert(keys)), None),
         Kind::TurningInsert => (ToolKind::Insert(read_turning_insert(keys)), None),
+        Kind::Probe => (ToolKind::Probe(read_probe(keys)), None),
         Kind::Other => (ToolKind::Other, None),
     };
     let tool = Tool {
@@ -71,6 +74,16 @@ fn read_tool(keys: &mut Keys<'_>) -> (Tool, Span) {
         stand_in: false,
     };
     (tool, keys.span_of("number"))
+}
+
+fn read_probe(keys: &mut Keys<'_>) -> TouchProbe {
+    let pretravel = Length::um(keys.optional("pretravel_um", 0.0..=1000.0).unwrap_or(0.0));
+    let lobing = Length::um(keys.optional("lobing_um", 0.0..=1000.0).unwrap_or(0.0));
+    if lobing > pretravel {
+        let most = pretravel.in_um();
+        keys.conflict("lobing_um", format!("`lobing_um` is more than the pretravel of {most} µm"));
+    }
+    TouchProbe { pretravel, lobing }
 }
 
 /// A length that is stated in millimetres, or in inches.

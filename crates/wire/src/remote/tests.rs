@@ -51,6 +51,7 @@ fn observed(time: f64) -> Observed {
         index: Some(Length::mm(-152.0)),
     };
     observed.feedback.probe = true;
+    observed.feedback.probe_age = Some(Time::s(0.000_1));
     observed.feedback.inputs.switch(63, true);
     observed.feedback.inputs.analogue[15] = -2.5;
     observed.feedback.spindles[0] = bus::SpindleFeedback {

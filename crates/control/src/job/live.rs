@@ -1,0 +1,150 @@
+//! A program whose text is interpreted while the machine executes it, because it asks the machine something.
+//!
+//! ```text
+//!   text ─► interp::Live ─► Live ─► planner ─► kernel
+//!                 ▲                              │
+//!                 └───────────── answer ◄────────┘
+//! ```
+//!
+//! Before it runs, the whole program is interpreted with what is assumed of the machine's answers, as every program is: so it
+//! is checked, timed and begun in its middle like any other.
+use super::operations::{Left, Operations, Source};
+use super::restart::Restart;
+use canon::{Answer, Await, Op, OpKind, ProgramFrame};
+use diag::Diagnostic;
+use interp::{Modal, Setup};
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+/// See the module's header.
+pub struct Live {
+    read: interp::Live,
+    /// The same program as it was checked.
+    checked: Arc<Operations>,
+    prelude: VecDeque<Op>,
+    /// Operations that are left out yet.
+    skip: usize,
+    /// Place among the checked operations.
+    at: usize,
+    frame: ProgramFrame,
+    next: u32,
+    /// Indices of the operations that wait for an answer.
+    asked: VecDeque<u32>,
+}
+
+impl Live {
+    /// A program, with what was in force before, if that is to stay.
+    pub fn new(text: &[u8], setup: Setup, from: Option<Modal>) -> Self {
+        Self::of(interp::Live::new(text, setup, from), Arc::default(), None)
+    }
+
+    /// A few blocks that are typed, with what was in force before.
+    pub fn of_blocks(text: &[u8], setup: Setup, from: Option<Modal>) -> Self {
+        Self::of(interp::Live::of_blocks(text, setup, from), Arc::default(), None)
+    }
+
+    /// A program that has been checked, from its beginning or from its middle.
+    pub fn of(read: interp::Live, checked: Arc<Operations>, restart: Option<&Restart>) -> Self {
+        Self {
+            read,
+            checked,
+            prelude: restart.map_or_else(VecDeque::new, |r| r.prelude.iter().cloned().collect()),
+            skip: restart.map_or(0, |restart| restart.skip),
+            at: 0,
+            frame: ProgramFrame::default(),
+            next: 0,
+            asked: VecDeque::new(),
+        }
+    }
+
+    /// What is in force, for a text that comes after this one.
+    pub fn modal(&self) -> Option<Modal> {
+        self.read.modal()
+    }
+
+    /// The next operation of the text, whatever is left out.
+    fn read_next(&mut self) -> Option<Op> {
+        let (mut op, frame) = self.read.next_op()?;
+        self.frame = frame;
+        if let OpKind::Polygon(_) = op.kind {
+            // what it leaves to the control has been filled in
+            let checked = self.checked.all().get(self.at).filter(|known| known.span == op.span);
+            op = checked.cloned().unwrap_or(op);
+        }
+        self.at += 1;
+        Some(op)
+    }
+
+    /// What is left out is taken to have been answered as the check has assumed.
+    fn leave_out(&mut self) {
+        while self.skip > 0 {
+            self.skip -= 1;
+            let mut asked = Vec::new();
+            let Some(op) = self.read_next() else { return };
+            asked.extend(assumed(&op.kind));
+            for answer in asked {
+                self.read.answer(&answer);
+            }
+        }
+    }
+}
+
+/// What the check assumes that the machine answers.
+fn assumed(kind: &OpKind) -> Option<Answer> {
+    match kind {
+        OpKind::Input(wait) => {
+            let on = matches!(wait.until, Await::Rise | Await::On);
+            Some(Answer::Input(Some(f64::from(u8::from(on)))))
+        }
+        OpKind::Probe(probe) => {
+            Some(Answer::Probe { contact: probe.to, stands: probe.to, changed: true })
+        }
+        _ => None,
+    }
+}
+
+impl Source for Live {
+    fn frame(&self) -> ProgramFrame {
+        self.frame
+    }
+
+    fn findings(&self) -> Vec<Diagnostic> {
+        self.read.findings()
+    }
+
+    fn is_live(&self) -> bool {
+        true
+    }
+
+    fn answer(&mut self, op: u32, answer: &Answer) {
+        if self.asked.front() == Some(&op) {
+            self.asked.pop_front();
+            self.read.answer(answer);
+        }
+    }
+
+    fn left(&self) -> Option<Left> {
+        let known = self.read.tools().into_iter().filter(|(tool, _)| !tool.stand_in);
+        Some(Left { parameters: self.read.parameters()?.clone(), tools: known.collect() })
+    }
+}
+
+impl Iterator for Live {
+    type Item = (u32, Op);
+
+    fn next(&mut self) -> Option<(u32, Op)> {
+        let op = match self.prelude.pop_front() {
+            Some(op) => op,
+            None => {
+                self.leave_out();
+                self.read_next()?
+            }
+        };
+        let index = self.next;
+        self.next += 1;
+        if interp::asks(&op.kind) {
+            self.asked.push_back(index);
+        }
+        Some((index, op))
+    }
+}

@@ -1,0 +1,63 @@
+//! What the kernel waits for, and what it has found out for the program.
+use super::{Kernel, Mode};
+use crate::execute::Activity;
+use crate::queue::StepKind;
+use crate::record_requests::RECORD_WAIT;
+use crate::signals::Answered;
+use crate::waiting::{WaitFor, Waiting};
+use sync::Phase;
+use units::Time;
+
+impl Kernel {
+    /// What the kernel waits for at present, if it does.
+    pub fn waiting(&self) -> Option<Waiting> {
+        let waits = &self.config.waits;
+        let of = |what, waited_s: f64, limit| {
+            let age = Time::s(waited_s);
+            Some(Waiting { what, since: self.now - age, age, limit })
+        };
+        let since_begun = |what, limit| of(what, (self.now - self.begun_at).value(), limit);
+        match self.mode {
+            Mode::Starting(waited) => return of(WaitFor::Drives, waited, Some(waits.ready)),
+            Mode::Running if self.recovering.is_none() && self.withdrawing.is_none() => {}
+            Mode::New | Mode::Running | Mode::Halted | Mode::Disabled => return None,
+        }
+        match (&self.activity, self.queue.get(self.chained).map(|step| step.kind)) {
+            (Activity::Settling { waited_s, .. }, _) => {
+                of(WaitFor::InPosition, *waited_s, Some(waits.in_position))
+            }
+            (Activity::AwaitingSpeed { spindle, waited_s }, _) => {
+                of(WaitFor::SpindleSpeed(*spindle), *waited_s, Some(waits.at_speed))
+            }
+            (Activity::AwaitingAngle { spindle, waited_s, .. }, _) => {
+                of(WaitFor::SpindleAngle(*spindle), *waited_s, Some(waits.oriented))
+            }
+            (Activity::Changing { tool, waited_s }, _) => {
+                of(WaitFor::Tool(*tool), *waited_s, Some(waits.tool_change))
+            }
+            (Activity::ChangingByHand { tool }, _) => since_begun(WaitFor::ToolByHand(*tool), None),
+            (Activity::AwaitingInput { waited_s, .. }, Some(StepKind::Input(wait))) => {
+                of(WaitFor::Input(wait), *waited_s, Some(wait.longest))
+            }
+            (Activity::Pausing, Some(StepKind::Pause { optional })) => {
+                since_begun(WaitFor::Operator { optional }, None)
+            }
+            (Activity::Recording { waited_s }, _) => {
+                of(WaitFor::SyncRecord, *waited_s, Some(RECORD_WAIT))
+            }
+            (Activity::Engaging(follower), _) => since_begun(WaitFor::Gear(*follower), None),
+            (Activity::Consulting, _) => since_begun(WaitFor::Measurement, None),
+            (Activity::Tapping(run), Some(StepKind::Tap(plan)))
+                if run.phase() == Phase::Prepare =>
+            {
+                since_begun(WaitFor::SpindleForTap(plan.spindle), None)
+            }
+            _ => None,
+        }
+    }
+
+    /// What came of the last wait or probing move, once.
+    pub const fn take_answer(&mut self) -> Option<Answered> {
+        self.answer.take()
+    }
+}
