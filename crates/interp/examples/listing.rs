@@ -20,7 +20,7 @@ fn main() -> std::process::ExitCode {
     };
     let tools = arguments.next().unwrap_or_default();
     let tools = ToolLibrary::new(tools.split(',').filter_map(tool));
-    let setup = Setup { tools, ..Setup::default() };
+    let setup = Setup { tools, stand_alone: true, ..Setup::default() };
     let mut interpreter = Interpreter::new(&source, &setup);
     let mut listing = Listing::new(std::io::stdout().lock());
     // Stop at the first error, as rs274 does.

@@ -23,7 +23,7 @@ fn positive_zeros(line: &str) -> String {
 
 /// The listing up to the first error, and whether there was one.
 fn list(source: &[u8]) -> (Vec<String>, bool) {
-    let setup = Setup::default();
+    let setup = Setup { stand_alone: true, ..Setup::default() };
     let mut interpreter = Interpreter::new(source, &setup);
     let mut listing = Listing::new(Vec::new());
     while interpreter.step(&mut listing) == Progress::More && !interpreter.has_errors() {}

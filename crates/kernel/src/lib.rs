@@ -47,6 +47,7 @@ mod threading;
 mod time_scaling;
 mod track;
 mod waiting;
+mod waits;
 mod withdrawing;
 
 pub use config::{

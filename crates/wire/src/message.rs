@@ -386,9 +386,7 @@ fn write_observed(w: &mut Writer<'_>, observed: &Observed) {
     w.u32(feedback.tool.unwrap_or(0));
     w.u8(feedback.emergency_stop.into());
     w.u8(mask(&[feedback.probe, feedback.probe_age.is_some()]) as u8);
-    if let Some(age) = feedback.probe_age {
-        w.f64(age.value());
-    }
+    feedback.probe_age.into_iter().for_each(|age| w.f64(age.value()));
     write_signals(w, &feedback.inputs);
     w.u8(observed.truth.is_some().into());
     if let Some(truth) = &observed.truth {

@@ -1,0 +1,145 @@
+//! Waits, each with what ends it and how long it may last: spindles, axes in position, tools, records, the operator.
+use crate::config::{Pause, Subject};
+use crate::drives::{Drives, Finding};
+use crate::event::EventKind;
+use crate::execute::{Activity, Context, Progress};
+use crate::fault::FaultKind;
+use crate::queue::StepKind;
+use crate::record_requests::{Permission, RECORD_WAIT, WorkRecord};
+use crate::waiting::WaitFor;
+use units::Time;
+
+/// A tool goes into the work only when its way out is written down, where somebody does.
+pub(crate) fn record(
+    step: &StepKind,
+    dt: f64,
+    waited_s: f64,
+    drives: &mut Drives,
+    context: &Context,
+) -> Result<Progress, Finding> {
+    let StepKind::WayOut(Some(way_out)) = step else { return Ok(Progress::Done(dt)) };
+    let record = WorkRecord::of_way_out(way_out, context.op, context.line, drives.tool);
+    match drives.record_requests.ask(&record) {
+        Permission::Granted => Ok(Progress::Done(dt)),
+        Permission::Waiting if waited_s <= RECORD_WAIT.value() => Ok(Progress::Busy),
+        Permission::Waiting | Permission::Refused => {
+            Err((FaultKind::RecordNotWritten, Subject::Machine, 0.0, 0.0))
+        }
+    }
+}
+
+pub(crate) fn begin_pause(optional: bool, context: &mut Context) -> Activity {
+    match context.config.pause {
+        _ if optional && !context.operator.optional_stop() => Activity::AtOnce,
+        Pause::GoOn => {
+            context.note(EventKind::ConfirmedAutomatically(WaitFor::Operator { optional }));
+            Activity::AtOnce
+        }
+        Pause::Wait => {
+            context.note(EventKind::Paused);
+            Activity::Pausing
+        }
+    }
+}
+
+/// A tool is called: the changer brings it, or somebody puts it in.
+pub(crate) fn begin_change(
+    tool: u32,
+    by_hand: bool,
+    drives: &mut Drives,
+    context: &mut Context,
+) -> Activity {
+    if by_hand && context.config.pause == Pause::Wait {
+        context.note(EventKind::Paused);
+        return Activity::ChangingByHand { tool };
+    }
+    if by_hand {
+        context.note(EventKind::ConfirmedAutomatically(WaitFor::ToolByHand(tool)));
+    }
+    drives.tool = tool;
+    Activity::Changing { tool, waited_s: 0.0 }
+}
+
+pub(crate) fn settle(
+    dt: f64,
+    waited_s: &mut f64,
+    inside_s: &mut f64,
+    drives: &Drives,
+    limit: Time,
+) -> Result<Progress, Finding> {
+    *waited_s += dt;
+    let outside = drives.in_position();
+    *inside_s = if outside.is_ok() { *inside_s + dt } else { 0.0 };
+    if *inside_s > drives.settle_s() {
+        return Ok(Progress::Done(0.0));
+    }
+    match outside {
+        Err(finding) if *waited_s > limit.value() => Err(finding),
+        _ => Ok(Progress::Busy),
+    }
+}
+
+/// A superposition begins when the one before has faded; all are awaited where a step says so.
+pub(crate) fn fade(step: &StepKind, dt: f64, drives: &mut Drives) -> Result<Progress, Finding> {
+    if let StepKind::Superpose(order) = step {
+        if drives.coupled.is_fading(order.on) {
+            return Ok(Progress::Busy);
+        }
+        drives.superpose(order)?;
+        return Ok(Progress::Done(dt));
+    }
+    Ok(if drives.coupled.has_faded() { Progress::Done(dt) } else { Progress::Busy })
+}
+
+pub(crate) fn await_speed(
+    spindle: u8,
+    waited_s: f64,
+    drives: &Drives,
+    context: &mut Context,
+) -> Result<Progress, Finding> {
+    let Some(control) = &drives.spindles[usize::from(spindle)] else {
+        return Ok(Progress::Done(0.0));
+    };
+    let throwing = drives.removals[usize::from(spindle)].is_some();
+    if let Some(spin) = control.at_speed().filter(|_| !throwing) {
+        context.note(EventKind::SpindleAtSpeed { spindle, spin });
+        return Ok(Progress::Done(0.0));
+    }
+    let (has, wanted) = (control.now().spin.value(), control.ordered().spin.value());
+    if waited_s > context.config.waits.at_speed.value() {
+        return Err((FaultKind::NotAtSpeed, Subject::Spindle(spindle), has, wanted));
+    }
+    Ok(Progress::Busy)
+}
+
+pub(crate) fn await_angle(
+    spindle: u8,
+    angle: units::Angle,
+    waited_s: f64,
+    drives: &mut Drives,
+    context: &mut Context,
+) -> Result<Progress, Finding> {
+    let Some(control) = &mut drives.spindles[usize::from(spindle)] else {
+        return Ok(Progress::Done(0.0));
+    };
+    control.hold(Some(angle));
+    if control.held().is_some() {
+        context.note(EventKind::SpindleOriented { spindle });
+        return Ok(Progress::Done(0.0));
+    }
+    let of = Subject::Spindle(spindle);
+    within(waited_s, context.config.waits.oriented, FaultKind::NotOriented, of)
+}
+
+pub(crate) fn within(
+    waited_s: f64,
+    limit: Time,
+    kind: FaultKind,
+    of: Subject,
+) -> Result<Progress, Finding> {
+    if waited_s > limit.value() {
+        Err((kind, of, waited_s, limit.value()))
+    } else {
+        Ok(Progress::Busy)
+    }
+}
