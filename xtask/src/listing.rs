@@ -69,6 +69,8 @@ pub(crate) fn tools() -> ToolLibrary {
         diameter: Length::mm(0.254 * f64::from(number)),
         kind: ToolKind::Other,
         description: String::new(),
+        wear: canon::ToolWear::default(),
+        life: canon::ToolLife::default(),
         stand_in: false,
     }))
 }

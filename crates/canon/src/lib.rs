@@ -26,6 +26,7 @@ mod op;
 mod series;
 mod thread;
 mod tool;
+mod tool_life;
 
 pub use cam::{CamLibrary, CamOrder, CamProfile};
 pub use coupling::{Actuator, Harmonic, Hob, Oscillating, Oscillation, Polygon};
@@ -41,4 +42,5 @@ pub use tool::{
     Flute, Holder, Insert, InsertPoint, PolygonCutter, TapTool, Tool, ToolKind, ToolLibrary,
     TouchProbe,
 };
+pub use tool_life::{AtLimit, ToolLife, ToolLimit, ToolUse, ToolWear, UseCount};
 pub use units::{Arc, Axis, Plane, Position, Ratio};

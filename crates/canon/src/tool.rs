@@ -1,4 +1,5 @@
 //! The tools a program calls by number.
+use crate::{ToolLife, ToolWear};
 use alloc::{string::String, vec::Vec};
 use units::{Angle, Lead, Length, Stiffness};
 
@@ -9,10 +10,14 @@ pub struct Tool {
     pub number: u32,
     /// Pocket in the magazine.
     pub pocket: u32,
-    /// From the spindle's gauge line to the tip: the tool length offset of G43.
+    /// From the spindle's gauge line to the tip, as measured: its geometry, without wear.
     pub length: Length,
-    /// Cutting diameter.
+    /// Cutting diameter, without wear.
     pub diameter: Length,
+    /// What use has added to its geometry.
+    pub wear: ToolWear,
+    /// How much it was used, and how much it may be.
+    pub life: ToolLife,
     /// What it is.
     pub kind: ToolKind,
     /// For people.

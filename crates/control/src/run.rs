@@ -6,11 +6,13 @@ use crate::job::Session;
 use crate::job::preflight::planner;
 use crate::job::restart::Restart;
 use crate::job::{Left, Operations};
+use crate::observers::ToolUseCount;
 use crate::services::CamHost;
 use crate::services::RecordWriter;
 use crate::stall::StallGuard;
 use crate::{Executor, Feeder, Observers, Services, TickTimes, Timings};
 use bus::{Machine, Sample, State};
+use canon::ToolUse;
 use kernel::{Event, Fault, Kernel};
 use report::Recorder;
 use std::collections::BTreeMap;
@@ -231,6 +233,16 @@ impl Running {
     /// What was cut so far, and what the judge thinks of it.
     pub fn judged(&self) -> Vec<Feature> {
         self.observers.judge.clone().finish()
+    }
+
+    /// Count from now on what each tool cuts; this one is in the spindle.
+    pub fn count_tool_use(&mut self, tool: u32) {
+        self.observers.tool_use = Some(ToolUseCount::with(tool));
+    }
+
+    /// What each tool has cut since this was asked last.
+    pub fn take_tool_use(&mut self) -> BTreeMap<u32, ToolUse> {
+        self.observers.tool_use.as_mut().map(ToolUseCount::take).unwrap_or_default()
     }
 
     /// One servo period; it breaks off when the program is over.

@@ -43,6 +43,8 @@ fn tool(text: &str) -> Option<Tool> {
         diameter: Length::mm(3.0),
         kind: ToolKind::Other,
         description: String::new(),
+        wear: canon::ToolWear::default(),
+        life: canon::ToolLife::default(),
         stand_in: false,
     })
 }

@@ -47,8 +47,8 @@ impl Tools {
         }
         let mut entry = ToolEntry { number, ..ToolEntry::default() };
         if let Some(tool) = self.library.get(number) {
-            entry.offset[2] = tool.length.value();
-            entry.diameter = tool.diameter.value();
+            entry.offset[2] = tool.worn_length().value();
+            entry.diameter = tool.worn_diameter().value();
         }
         entry
     }
@@ -109,6 +109,8 @@ fn stand_in(number: u32) -> Tool {
         diameter: Length::ZERO,
         kind: ToolKind::Other,
         description: "stand-in".into(),
+        wear: canon::ToolWear::default(),
+        life: canon::ToolLife::default(),
         stand_in: true,
     }
 }

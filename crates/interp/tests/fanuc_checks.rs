@@ -12,6 +12,8 @@ fn setup() -> Setup {
         diameter: units::Length::mm(20.0),
         kind: ToolKind::EndMill,
         description: String::new(),
+        wear: canon::ToolWear::default(),
+        life: canon::ToolLife::default(),
         stand_in: false,
     };
     Setup { dialect: Dialect::Fanuc, tools: ToolLibrary::new([tool]), ..Setup::default() }

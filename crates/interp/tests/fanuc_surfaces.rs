@@ -15,6 +15,8 @@ fn run(dialect: Dialect, program: &str) -> (Vec<Step>, Vec<String>) {
         diameter: units::Length::mm(8.0),
         kind: canon::ToolKind::EndMill,
         description: String::new(),
+        wear: canon::ToolWear::default(),
+        life: canon::ToolLife::default(),
         stand_in: false,
     };
     let tools = canon::ToolLibrary::new([tool]);

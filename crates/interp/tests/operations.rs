@@ -24,6 +24,32 @@ fn a_tool_length_offset_lifts_the_axis_by_the_tools_length() {
 }
 
 #[test]
+fn wear_is_part_of_the_tool_length_offset_and_of_the_radius_that_g41_keeps() {
+    let mut worn = tool(1, 80.0, ToolKind::EndMill);
+    worn.wear = canon::ToolWear { length: Length::mm(-0.25), radius: Length::mm(-0.5) };
+    let setup = Setup { tools: ToolLibrary::new([worn]), ..Setup::default() };
+    near(&ends(&ops_of(&setup, "T1 M6\nG43\nG0 Z5")), &[[0.0, 0.0, 84.75]]);
+    // 6 mm across, 0.5 mm of each side worn off: 2.5 mm to the left of Y0
+    let beside = "T1 M6\nF600\nG0 X0 Y-20\nG41\nG1 X10 Y0\nX50\nG40\nG1 Y20";
+    let ends = ends(&ops_of(&setup, beside));
+    assert!(ends.iter().any(|at| (at[1] - 2.5).abs() < 1e-9 && at[0] > 40.0), "{ends:?}");
+}
+
+#[test]
+fn fanucs_variables_show_the_tool_tables_wear_and_geometry_apart() {
+    let mut worn = tool(1, 80.0, ToolKind::EndMill);
+    worn.wear = canon::ToolWear { length: Length::mm(-0.25), radius: Length::mm(-0.5) };
+    let tools = ToolLibrary::new([worn]);
+    let setup = Setup { tools, dialect: interp::Dialect::Fanuc, ..Setup::default() };
+    let program =
+        "O1\nG21 G90\nG0 X#10001 Y#11001\nG0 X#12001 Y#13001\n#10001=-0.5\nG43 H1 Z0\nM30";
+    let mut ops = Ops::new(program.as_bytes(), &setup);
+    let all: Vec<Op> = ops.by_ref().collect();
+    assert!(!ops.has_errors(), "{:?}", ops.diagnostics());
+    near(&ends(&all), &[[-0.25, 80.0, 0.0], [-0.5, 3.0, 0.0], [-0.5, 3.0, 79.5]]);
+}
+
+#[test]
 fn g92_names_the_place_and_g92_1_forgets_it() {
     near(
         &ends(&ops_of(&shop(), "G0 X10\nG92 X3\nG0 X4\nG92.1 G0 X4")),

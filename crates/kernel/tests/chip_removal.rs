@@ -84,6 +84,8 @@ fn tools() -> ToolLibrary {
         diameter: Length::mm(6.0),
         kind,
         description: String::new(),
+        wear: canon::ToolWear::default(),
+        life: canon::ToolLife::default(),
         stand_in: false,
     }])
 }

@@ -56,6 +56,8 @@ fn tools() -> ToolLibrary {
         diameter: mm(diameter),
         kind,
         description: String::new(),
+        wear: canon::ToolWear::default(),
+        life: canon::ToolLife::default(),
         stand_in: false,
     };
     let m6 = ToolKind::Tap(TapTool {

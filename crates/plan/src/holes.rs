@@ -70,7 +70,7 @@ impl Holes {
             x,
             y,
             diameter: tool.diameter,
-            full_bottom: hole.bottom - tool.length + point,
+            full_bottom: hole.bottom - tool.worn_length() + point,
             point,
             span,
         };

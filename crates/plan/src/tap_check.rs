@@ -188,7 +188,7 @@ impl TapCheck<'_> {
     }
 
     fn hole_depth(&self, hole: &Drilled) -> Option<Diagnostic> {
-        let tip = self.tap.bottom - self.tool.length;
+        let tip = self.tap.bottom - self.tool.worn_length();
         let too_deep = (hole.full_bottom - tip).value();
         (too_deep > ROUNDING).then(|| {
             let depth = self.depth().value();
@@ -228,7 +228,7 @@ impl TapCheck<'_> {
         let stroke = (self.tap.bottom - self.tap.start.along(self.tap.axis)).abs();
         let miss = |spin: Spin| own.miss(spin, stroke / lead, lead).value();
         let needed = ceil_um(miss(self.tap.spin));
-        let margin = (self.tap.bottom - self.tool.length - hole.full_bottom).value();
+        let margin = (self.tap.bottom - self.tool.worn_length() - hole.full_bottom).value();
         if margin < -ROUNDING || margin >= needed - ROUNDING {
             return None; // hole_depth() has refused it, or there is room
         }
@@ -263,7 +263,8 @@ impl TapCheck<'_> {
         let (lead, spin) = (self.tap.lead, self.tap.spin);
         let deeper = overrun(self.spindle, cut, lead, spin).value();
         let flutes = (self.tap_tool.thread_length - self.depth()).value();
-        let below = self.hole.map(|h| (self.tap.bottom - self.tool.length - h.full_bottom).value());
+        let below =
+            self.hole.map(|h| (self.tap.bottom - self.tool.worn_length() - h.full_bottom).value());
         let (room, what) = match below {
             Some(below) if below < flutes => (below, "the hole has"),
             _ => (flutes, "its flutes reach"),

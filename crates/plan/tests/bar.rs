@@ -28,6 +28,8 @@ fn tools() -> ToolLibrary {
         diameter: mm(diameter),
         kind,
         description: String::new(),
+        wear: canon::ToolWear::default(),
+        life: canon::ToolLife::default(),
         stand_in: false,
     };
     tools.insert(tool(1, 0.0, ToolKind::Insert(insert)));

@@ -32,6 +32,8 @@ fn all_tools() -> ToolLibrary {
         diameter: mm(diameter),
         kind,
         description: String::new(),
+        wear: canon::ToolWear::default(),
+        life: canon::ToolLife::default(),
         stand_in: false,
     };
     tools.insert(tool(8, 10.0, ToolKind::EndMill));

@@ -3,6 +3,7 @@
 //! ```text
 //!   machine.toml ──► machine     tools.toml, tool.tbl ──► tools     parameters.var ◄─► parameters
 //!                                        run
+//!   parameters, tools, homing, program, alarms, settings ◄─► state::StateFolder   (a control that stays on)
 //!   bus::Sample  ──► trace ──┐
 //!   features     ──► certificate ──┴─► output::Folder ══ rename ══► out/   (complete, or not there)
 //! ```
@@ -17,6 +18,7 @@ pub mod output;
 pub mod parameters;
 pub mod phases;
 pub mod solid;
+pub mod state;
 pub mod sync_record;
 pub mod tools;
 pub mod trace;

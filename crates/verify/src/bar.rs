@@ -197,7 +197,7 @@ impl TurnedBar {
     /// The sections that the tool's point has passed since the last sample.
     pub(crate) fn follow(&mut self, sample: &Sample, tool: Option<&Tool>) -> Vec<Crossing> {
         let (x, y) = (sample.axis(0).value() - self.axis[0], sample.axis(1).value() - self.axis[1]);
-        let length = tool.map_or(0.0, |tool| tool.length.value());
+        let length = tool.map_or(0.0, |tool| tool.worn_length().value());
         let number = tool.map(|tool| tool.number);
         let now = Pose {
             radius: x.hypot(y),
@@ -355,6 +355,8 @@ mod tests {
             diameter: Length::mm(diameter),
             kind,
             description: String::new(),
+            wear: canon::ToolWear::default(),
+            life: canon::ToolLife::default(),
             stand_in: false,
         }
     }

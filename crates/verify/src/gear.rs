@@ -126,7 +126,7 @@ impl GearTrack {
     pub(crate) fn new(ordered: &Ordered, tool: Option<&Tool>) -> Self {
         Self {
             hob: ordered.hob,
-            tool_length: tool.map_or(0.0, |t| t.length.value()),
+            tool_length: tool.map_or(0.0, |t| t.worn_length().value()),
             radius: tool.map_or(0.0, |t| t.diameter.value() / 2.0),
             before: None,
             passes: Vec::new(),

@@ -102,7 +102,7 @@ impl HoleTrack {
         let full_mm = (depth_mm - point_mm).max(0.0);
         let is_there = |hole: &Drilled| {
             let near = (hole.at[0] - x).abs() < SAME_HOLE && (hole.at[1] - y).abs() < SAME_HOLE;
-            let length_mm = tool.1.map_or(0.0, |t| t.length.value());
+            let length_mm = tool.1.map_or(0.0, |t| t.worn_length().value());
             let bottom_mm = self.stroke.coordinate_mm(full_mm) - length_mm;
             near && self.stroke.sense * (bottom_mm - hole.bottom_mm) <= allowed.value()
         };
@@ -127,7 +127,7 @@ impl HoleTrack {
             at: [x, y],
             diameter: hole.diameter,
             bottom_mm: self.stroke.coordinate_mm(hole.full_diameter_depth.value())
-                - tool.length.value(),
+                - tool.worn_length().value(),
         });
         let [time, duration] = times(&self.visit, now);
         let verdict = Verdict::unless(&findings, self.stroke.not_judged());

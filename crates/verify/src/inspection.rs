@@ -296,6 +296,6 @@ fn hole_below(track: &ThreadTrack, holes: &[Drilled], tip_mm: f64) -> Option<Dri
 
 /// How far the tap's tip at this depth stands below a hole's full diameter.
 fn deeper_than(track: &ThreadTrack, hole: &Drilled, tip_mm: f64) -> f64 {
-    let length = track.tool.as_ref().map_or(0.0, |t| t.length.value());
+    let length = track.tool.as_ref().map_or(0.0, |t| t.worn_length().value());
     track.stroke.sense * (track.stroke.coordinate_mm(tip_mm) - length - hole.bottom_mm)
 }

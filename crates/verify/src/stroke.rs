@@ -115,7 +115,7 @@ impl Stroke {
             return self;
         };
         let [length_mm, radius_mm] =
-            tool.map_or([0.0; 2], |t| [t.length.value(), t.diameter.value() / 2.0]);
+            tool.map_or([0.0; 2], |t| [t.worn_length().value(), t.diameter.value() / 2.0]);
         let zero = self.zero_in(stock);
         let above_zero_mm = (stock.top() - zero).value();
         let zero_off_mm = self.zero_mm - length_mm - zero.value();
@@ -225,14 +225,15 @@ impl Stroke {
 /// tool to have, if its work offset was right.
 fn cause(in_force_mm: f64, tool: Option<&Tool>, tools: &ToolLibrary) -> Option<String> {
     let tool = tool?;
-    let (number, length_mm) = (tool.number, tool.length.value());
+    let (number, length_mm) = (tool.number, tool.worn_length().value());
     let near = |mm: f64| (mm - in_force_mm).abs() < SAME_MM;
     if near(0.0) {
         return Some(format!(
             "no tool length offset was in force (G43), and T{number} is {length_mm:.3} mm long"
         ));
     }
-    let other = tools.iter().find(|other| other.number != number && near(other.length.value()));
+    let other =
+        tools.iter().find(|other| other.number != number && near(other.worn_length().value()));
     Some(other.map_or_else(
         || "look at the work offset (G54 to G59, G52, G92) and at the length offset (G43 H)".to_owned(),
         |other| {

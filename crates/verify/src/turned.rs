@@ -346,7 +346,7 @@ impl TurnedTrack {
         let slope = law.map_or(0.0, |law| law.main().lead());
         let tool = self.tool.and_then(|number| config.tools.get(number));
         let tip = |at: Length, axis: Axis| match tool {
-            Some(tool) if axis == Axis::Z => at - tool.length,
+            Some(tool) if axis == Axis::Z => at - tool.worn_length(),
             _ => at,
         };
         let errors = || self.passes.iter().flat_map(|pass| pass.at.iter().map(|[_, e, _]| *e));

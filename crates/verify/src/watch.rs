@@ -397,6 +397,8 @@ mod tests {
             diameter: Length::mm(6.0),
             kind: ToolKind::Tap(tap),
             description: String::new(),
+            wear: canon::ToolWear::default(),
+            life: canon::ToolLife::default(),
             stand_in: false,
         };
         let mut watch = Watch::new(Config::new(canon::ToolLibrary::new([tool])));

@@ -26,6 +26,8 @@ fn hob_tool() -> Tool {
         diameter: Length::mm(70.0),
         kind: ToolKind::Other,
         description: String::new(),
+        wear: canon::ToolWear::default(),
+        life: canon::ToolLife::default(),
         stand_in: false,
     }
 }

@@ -83,6 +83,8 @@ impl Cut {
                 nose_radius: Length::mm(self.nose),
             }),
             description: String::new(),
+            wear: canon::ToolWear::default(),
+            life: canon::ToolLife::default(),
             stand_in: false,
         };
         let mut judge = Judge::new(Config {

@@ -107,6 +107,8 @@ impl Case {
             diameter: Length::ZERO,
             kind: ToolKind::Insert(self.insert),
             description: String::new(),
+            wear: canon::ToolWear::default(),
+            life: canon::ToolLife::default(),
             stand_in: false,
         };
         let config = Config { bar: Some(bar), ..Config::new(ToolLibrary::new([tool])) };

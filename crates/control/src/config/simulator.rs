@@ -237,7 +237,7 @@ fn tool(tool: &Tool, seat: &TapSeat, material: Material) -> sim::Tool {
         }),
         ToolKind::EndMill | ToolKind::PolygonCutter(_) | ToolKind::Other => sim::ToolKind::Other,
     };
-    sim::Tool { number: tool.number, length: tool.length, kind }
+    sim::Tool { number: tool.number, length: tool.worn_length(), kind }
 }
 
 /// A hole that the work has when it is clamped.

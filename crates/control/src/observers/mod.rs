@@ -1,6 +1,8 @@
 //! What looks on and changes nothing: the judge, the safety checks, the recorder of the report, the trace, the log.
+mod tool_use;
 mod trace;
 
+pub use tool_use::{ToolUseCount, use_up};
 pub use trace::TraceThread;
 
 use crate::Timings;
@@ -46,6 +48,8 @@ pub struct Observers {
     pub trace: Option<TraceThread>,
     /// Whatever else looks on: a log, a screen.
     pub others: Vec<Box<dyn Observer>>,
+    /// Counts what each tool cuts.
+    pub tool_use: Option<ToolUseCount>,
     /// Measures how long the run and its judge take.
     pub timings: Timings,
     /// Periods in which drills and taps were at the spindle drive's limit, by the index of their operation.
@@ -66,6 +70,7 @@ impl Observers {
             recorder: Recorder::new(&session.tools),
             trace: None,
             others: Vec::new(),
+            tool_use: None,
             timings: Timings::new(false),
             saturated: BTreeMap::new(),
             warnings: Vec::new(),
@@ -80,6 +85,9 @@ impl Observers {
             idle.op(index, op);
         }
         self.watch.op(index, op);
+        if let Some(count) = &mut self.tool_use {
+            count.op(index, op);
+        }
         self.recorder.op(index, op);
         self.recorder.frame(index, frame);
     }
@@ -95,6 +103,9 @@ impl Observers {
         self.recorder.sample(sample);
         if let Some(trace) = &mut self.trace {
             trace.push(sample);
+        }
+        if let Some(count) = &mut self.tool_use {
+            count.sample(sample);
         }
         for other in &mut self.others {
             other.sample(sample);

@@ -87,7 +87,7 @@ impl Stops {
             faults: Script::new(told.faults, seed, planned),
             orders: Script::new(told.orders, seed ^ 1, planned),
             recover,
-            lengths: session.tools.iter().map(|tool| (tool.number, tool.length)).collect(),
+            lengths: session.tools.iter().map(|tool| (tool.number, tool.worn_length())).collect(),
             zero: session.work_zero().linear[2],
             play: session.machine.simulation.tap_seat.flank_clearance,
             taps: taps.collect(),

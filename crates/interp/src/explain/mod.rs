@@ -53,6 +53,8 @@ pub fn example_setup(dialect: Dialect) -> Setup {
         diameter: Length::mm(diameter),
         kind,
         description: String::new(),
+        wear: canon::ToolWear::default(),
+        life: canon::ToolLife::default(),
         stand_in: false,
     };
     let tap = TapTool {

@@ -12,6 +12,8 @@ pub fn tool(number: u32, length: f64, kind: ToolKind) -> Tool {
         diameter: Length::mm(6.0),
         kind,
         description: String::new(),
+        wear: canon::ToolWear::default(),
+        life: canon::ToolLife::default(),
         stand_in: false,
     }
 }

@@ -58,6 +58,8 @@ pub(super) fn tool(work: &Work) -> Tool {
             holder: canon::Holder::Rigid { stiffness: Stiffness::n_per_mm(20_000.0) },
         }),
         description: String::new(),
+        wear: canon::ToolWear::default(),
+        life: canon::ToolLife::default(),
         stand_in: false,
     }
 }

@@ -333,6 +333,8 @@ fn tap_of(size: &str, args: &CompareOptions, drive: &sim::PlainDrive) -> Result<
         diameter: thread.nominal,
         kind: ToolKind::Tap(tap),
         description: format!("{size} for the comparison"),
+        wear: canon::ToolWear::default(),
+        life: canon::ToolLife::default(),
         stand_in: false,
     })
 }

@@ -168,6 +168,8 @@ fn cutter(design: &Design) -> Tool {
             nose_radius: Length::mm(NOSE_MM),
         }),
         description: "the design's cutter".into(),
+        wear: canon::ToolWear::default(),
+        life: canon::ToolLife::default(),
         stand_in: false,
     }
 }

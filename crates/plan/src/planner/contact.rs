@@ -336,7 +336,7 @@ impl Planner {
         }
         let per_turn = self.per_turn(path, run);
         let Some(contact) = &mut self.contact else { return };
-        let length = tool.length.value();
+        let length = tool.worn_length().value();
         let lowest = path.from().linear[2].min(path.to().linear[2]).value() - length;
         let is_flat = !matches!(path, Path::Arc { arc, .. } if arc.plane != canon::Plane::XY);
         if is_flat && lowest >= contact.stock.top() {
@@ -429,7 +429,7 @@ impl Planner {
         let contact = self.contact.as_ref()?;
         let tool = self.tools.get(self.tool)?;
         form(tool, 1.0)?;
-        let depth = contact.stock.top() - (z - tool.length).value();
+        let depth = contact.stock.top() - (z - tool.worn_length()).value();
         (self.limits.tapping.axis == Axis::Z).then_some((depth, tool, contact))
     }
 
@@ -461,7 +461,7 @@ impl Planner {
     /// Depth against what the tool reaches: its length to the spindle's nose, and a tap's flutes.
     fn judge_reach(&mut self, span: diag::Span, bottom: Length, flutes: Option<Length>) {
         let Some((depth, tool, _)) = self.depth_at(bottom) else { return };
-        let whole = tool.length.value();
+        let whole = tool.worn_length().value();
         if let Some(flutes) = flutes.filter(|flutes| depth > flutes.value() + ROUNDING) {
             self.say_reach(span, depth, flutes.value(), "its flutes end");
         } else if depth > whole {

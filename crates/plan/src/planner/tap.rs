@@ -241,7 +241,7 @@ impl Planner {
 
     fn drilled_hole(&self, tap: &Tap, tool: &Tool) -> Option<Drilled> {
         let along_z = tap.axis == Axis::Z;
-        along_z.then(|| self.holes.at(&tap.start, tap.bottom - tool.length)).flatten()
+        along_z.then(|| self.holes.at(&tap.start, tap.bottom - tool.worn_length())).flatten()
     }
 
     /// Numbers that make no tap.

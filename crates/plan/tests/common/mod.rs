@@ -100,6 +100,8 @@ pub fn tool(number: u32, diameter: f64, length: f64, kind: ToolKind) -> Tool {
         diameter,
         kind,
         description: String::new(),
+        wear: canon::ToolWear::default(),
+        life: canon::ToolLife::default(),
         stand_in: false,
     }
 }

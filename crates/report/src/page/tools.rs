@@ -35,8 +35,32 @@ fn row(run: &Run, measure: Measure, number: u32, time: Time) -> String {
         if tool.is_some_and(|t| t.stand_in) { " (assumed: the table lacks it)" } else { "" };
     let size =
         |of: fn(&canon::Tool) -> Length| tool.map_or("–".into(), |t| measure.length(of(t)));
-    let name = Tag::new("td").class("l wide").text(&(run.tool(number) + assumed));
-    let cells = [size(|t| t.length), size(|t| t.diameter), fixed(time.value(), 2)];
+    let condition = tool.map_or(String::new(), |tool| condition(tool, measure));
+    let name = Tag::new("td").class("l wide").text(&(run.tool(number) + assumed + &condition));
+    let cells = [size(|t| t.worn_length()), size(|t| t.diameter), fixed(time.value(), 2)];
     let cells: String = cells.iter().map(|cell| Tag::new("td").text(cell)).collect();
     Tag::new("tr").around(&(name + &cells))
+}
+
+/// Wear and life, where the tool table states them.
+fn condition(tool: &canon::Tool, measure: Measure) -> String {
+    let mut said = String::new();
+    for (name, worn) in [("length", tool.wear.length), ("radius", tool.wear.radius)] {
+        if worn != Length::ZERO {
+            said += &format!(", wear of {name} {} {}", measure.length(worn), measure.symbol());
+        }
+    }
+    if let Some(most) = tool.life.limit.uses {
+        said += &format!(", {} of {most} uses before", tool.life.used.uses);
+    }
+    if let Some(most) = tool.life.limit.time {
+        let used = tool.life.used.time.value();
+        said += &format!(", {used:.0} of {:.0} s of cutting before", most.value());
+    }
+    if let Some(most) = tool.life.limit.length {
+        let used = measure.length(tool.life.used.length);
+        let symbol = measure.symbol();
+        said += &format!(", {used} of {} {symbol} cut before", measure.length(most));
+    }
+    said
 }

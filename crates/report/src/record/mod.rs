@@ -88,7 +88,7 @@ pub struct Recorder {
 impl Recorder {
     /// A recorder for a run with these tools: their lengths turn axis positions into those of the tip.
     pub fn new(tools: &ToolLibrary) -> Self {
-        let lengths = tools.iter().map(|tool| (tool.number, tool.length)).collect();
+        let lengths = tools.iter().map(|tool| (tool.number, tool.worn_length())).collect();
         Self { lengths, rapid: true, ..Self::default() }
     }
 

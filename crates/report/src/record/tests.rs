@@ -185,6 +185,8 @@ fn the_tip_is_where_the_axis_is_less_the_tools_length() {
         diameter: Length::mm(6.0),
         kind: canon::ToolKind::Other,
         description: String::new(),
+        wear: canon::ToolWear::default(),
+        life: canon::ToolLife::default(),
         stand_in: false,
     };
     let mut recorder = Recorder::new(&ToolLibrary::new([tool]));

@@ -52,6 +52,8 @@ pub fn tools() -> ToolLibrary {
         diameter: Length::mm(diameter),
         kind,
         description: description.into(),
+        wear: canon::ToolWear::default(),
+        life: canon::ToolLife::default(),
         stand_in: false,
     };
     ToolLibrary::new([

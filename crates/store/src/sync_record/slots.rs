@@ -13,14 +13,13 @@
 //! can then only be older, or say the same, or say that the tap is out, which the encoders show. Where it says that nothing is in
 //! the work, the damaged one may be newer and say the contrary: that is refused.
 use super::{Identity, LONGEST, Stage, SyncRecord, Untrusted};
+use crate::state::lock::FolderLock;
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 /// Where a generation is written before it counts.
 const NEW: &str = "sync-record.new";
-/// The file that a control locks as long as it lives.
-const LOCK: &str = "lock";
 
 /// What is asked of a disk, in the order in which it is asked: so a crash can be tried at every point.
 pub trait Disk {
@@ -51,7 +50,7 @@ pub trait Disk {
 pub struct StateFolder {
     path: PathBuf,
     /// Locked until the control ends, however it ends.
-    _lock: File,
+    _lock: FolderLock,
 }
 
 impl StateFolder {
@@ -73,27 +72,13 @@ impl StateFolder {
     /// # Errors
     /// When there is none, or another control has it open.
     pub fn open_existing(path: &Path) -> Result<Self, crate::Error> {
-        let failed = |action| {
-            let path = path.to_owned();
-            move |cause| crate::Error::File { action, path, cause }
-        };
-        // not truncated: the name may be a link to something else
-        let lock = File::options()
-            .create(true)
-            .truncate(false)
-            .write(true)
-            .open(path.join(LOCK))
-            .map_err(failed("write to the state folder"))?;
-        lock.try_lock().map_err(|cause| {
-            let cause = match cause {
-                fs::TryLockError::WouldBlock => {
-                    io::Error::other("another Leadscrew is controlling this machine")
-                }
-                fs::TryLockError::Error(cause) => cause,
-            };
-            failed("lock the state folder")(cause)
-        })?;
+        let lock = FolderLock::take(path)?;
         Ok(Self { path: path.to_owned(), _lock: lock })
+    }
+
+    /// The folder of a control that has its state open: one lock for both.
+    pub fn of(state: &crate::state::StateFolder) -> Self {
+        Self { path: state.path().to_owned(), _lock: state.lock() }
     }
 
     /// Where it is.

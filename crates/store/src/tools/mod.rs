@@ -17,6 +17,8 @@
 //! | `diameter_mm` | all | taps: else the thread's nominal diameter |
 //! | `kind` | all | drill, spot-drill, end-mill, tap, polygon-cutter, other |
 //! | `description` | all | else empty |
+//! | `wear_length_mm`, `wear_radius_mm` | all | what use has added, else 0: G43 and G41 take geometry and wear together |
+//! | `life` | all | `{ uses = 12, limit_uses = 500, time_s = 80, limit_time_s = 3600, cut_mm = 900, limit_cut_mm = 1e6, at_limit = "refuse" }`; each may be left out, and `at_limit` is else "remark" |
 //! | `tip_radius_mm` | polygon-cutter | from the spindle's axis to an insert's tip |
 //! | `inserts`, or `insert_angles_deg` | polygon-cutter | how many, equally spaced; or where, `[0, 90]` |
 //! | `nose_radius_mm` | polygon-cutter | else 0.8 |
@@ -30,8 +32,10 @@
 mod comment;
 mod table;
 mod tbl;
+mod write;
 
 pub use tbl::{TableLine, TableUnit, to_tbl};
+pub use write::to_toml;
 
 use crate::{Error, SMALL_FILE_LIMIT, read_text};
 use canon::{Flute, Holder, TapTool, ThreadSize, Tool, ToolLibrary};
@@ -66,8 +70,20 @@ impl ToolTable {
 /// # Errors
 /// Everything that is wrong with the text, in its order.
 pub fn parse_toml(text: &str, file: u16) -> Result<ToolTable, Vec<Diagnostic>> {
-    let library = table::parse(text, file)?;
+    let library = table::parse(text, file, table::Origin::Shop)?;
     Ok(ToolTable { library, ..ToolTable::default() })
+}
+
+/// Read a table that [`to_toml`] has written, of a control that has perhaps changed lengths and diameters to what no
+/// shop's table would say.
+///
+/// # Errors
+/// Everything that is wrong with the text, in its order.
+pub fn parse_controls_toml(text: &str) -> Result<ToolLibrary, Vec<Diagnostic>> {
+    if text.trim().is_empty() {
+        return Ok(ToolLibrary::default());
+    }
+    table::parse(text, 0, table::Origin::Control)
 }
 
 /// Read a table in LinuxCNC's notation, whose lengths are in the machine's unit.

@@ -5,12 +5,12 @@ use crate::{
     machine::n_per_um,
 };
 use canon::{
-    Flute, Hand, Holder, Insert, InsertPoint, PolygonCutter, TapTool, ThreadSize, Tool, ToolKind,
-    ToolLibrary, TouchProbe,
+    AtLimit, Flute, Hand, Holder, Insert, InsertPoint, PolygonCutter, TapTool, ThreadSize, Tool,
+    ToolKind, ToolLibrary, ToolLife, ToolLimit, ToolUse, ToolWear, TouchProbe,
 };
 use diag::{Diagnostic, Span};
 use std::ops::RangeInclusive;
-use units::{Angle, Length, MM_PER_INCH, Stiffness};
+use units::{Angle, Length, MM_PER_INCH, Stiffness, Time};
 
 #[derive(Clone, Copy)]
 enum Kind {
@@ -25,12 +25,22 @@ enum Kind {
     Other,
 }
 
-pub(super) fn parse(text: &str, file: u16) -> Result<ToolLibrary, Vec<Diagnostic>> {
-    let tools = keys::read(text, file, |k| k.sections("tool", MOST_TOOLS, read_tool))?;
+/// What a table may say.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Origin {
+    /// A shop's: real tools have a length and a diameter.
+    Shop,
+    /// A control's: what it was told counts, such as the negative lengths of tools that are touched off on the work.
+    Control,
+}
+
+pub(super) fn parse(text: &str, file: u16, origin: Origin) -> Result<ToolLibrary, Vec<Diagnostic>> {
+    let read = |k: &mut Keys<'_>| k.sections("tool", MOST_TOOLS, |k| read_tool(k, origin));
+    let tools = keys::read(text, file, read)?;
     without_doubles(tools, "S0406")
 }
 
-fn read_tool(keys: &mut Keys<'_>) -> (Tool, Span) {
+fn read_tool(keys: &mut Keys<'_>, origin: Origin) -> (Tool, Span) {
     let number = keys.whole("number", 1..=u32::MAX);
     let kinds = [
         ("drill", Kind::Drill),
@@ -64,11 +74,16 @@ fn read_tool(keys: &mut Keys<'_>) -> (Tool, Span) {
     let tool = Tool {
         number,
         pocket: keys.optional_whole("pocket", 0..=u32::MAX).unwrap_or(number),
-        length: length(keys, ["length_mm", "length_in"], 0.0..=LONGEST.value()),
+        length: length(keys, ["length_mm", "length_in"], {
+            let shortest = if origin == Origin::Shop { 0.0 } else { -LONGEST.value() };
+            shortest..=LONGEST.value()
+        }),
         diameter: match &kind {
-            ToolKind::Insert(insert) => insert.nose_diameter(),
-            _ => read_diameter(nominal, keys),
+            ToolKind::Insert(insert) if origin == Origin::Shop => insert.nose_diameter(),
+            _ => read_diameter(nominal, keys, origin),
         },
+        wear: read_wear(keys),
+        life: keys.optional_section("life", read_life).unwrap_or_default(),
         kind,
         description: keys.optional_text("description").unwrap_or_default(),
         stand_in: false,
@@ -84,6 +99,35 @@ fn read_probe(keys: &mut Keys<'_>) -> TouchProbe {
         keys.conflict("lobing_um", format!("`lobing_um` is more than the pretravel of {most} µm"));
     }
     TouchProbe { pretravel, lobing }
+}
+
+/// What use has added to the geometry; nothing unless stated.
+fn read_wear(keys: &mut Keys<'_>) -> ToolWear {
+    const MOST: f64 = 100.0;
+    let mut wear = |names| optional_length(keys, names, -MOST..=MOST).unwrap_or(Length::ZERO);
+    ToolWear {
+        length: wear(["wear_length_mm", "wear_length_in"]),
+        radius: wear(["wear_radius_mm", "wear_radius_in"]),
+    }
+}
+
+/// How much it was used, how much it may be, what happens then.
+fn read_life(keys: &mut Keys<'_>) -> ToolLife {
+    const LONGEST_S: f64 = 1e9;
+    const LONGEST_MM: f64 = 1e12;
+    let used = ToolUse {
+        uses: keys.optional_whole("uses", 0..=u32::MAX).unwrap_or(0),
+        time: Time::s(keys.optional("time_s", 0.0..=LONGEST_S).unwrap_or(0.0)),
+        length: Length::mm(keys.optional("cut_mm", 0.0..=LONGEST_MM).unwrap_or(0.0)),
+    };
+    let limit = ToolLimit {
+        uses: keys.optional_whole("limit_uses", 1..=u32::MAX),
+        time: keys.optional("limit_time_s", 0.001..=LONGEST_S).map(Time::s),
+        length: keys.optional("limit_cut_mm", 0.001..=LONGEST_MM).map(Length::mm),
+    };
+    let names = [("remark", AtLimit::Remark), ("refuse", AtLimit::Refuse)];
+    let at_limit = keys.optional_choice("at_limit", &names).unwrap_or_default();
+    ToolLife { used, limit, at_limit }
 }
 
 /// A length that is stated in millimetres, or in inches.
@@ -166,9 +210,12 @@ fn read_polygon_cutter(keys: &mut Keys<'_>) -> PolygonCutter {
 }
 
 /// A tap's diameter may be left out; stated, it must be its thread's.
-fn read_diameter(nominal: Option<Length>, keys: &mut Keys<'_>) -> Length {
+fn read_diameter(nominal: Option<Length>, keys: &mut Keys<'_>, origin: Origin) -> Length {
     const ALIKE: f64 = 0.05;
     const KEYS: [&str; 2] = ["diameter_mm", "diameter_in"];
+    if origin == Origin::Control {
+        return length(keys, KEYS, 0.0..=LONGEST.value());
+    }
     let bounds = 0.001..=LONGEST.value();
     let Some(nominal) = nominal else { return length(keys, KEYS, bounds) };
     let Some(stated) = optional_length(keys, KEYS, bounds) else { return nominal };

@@ -224,6 +224,8 @@ impl Reader {
             diameter: stated.or(understood.diameter).unwrap_or(Length::ZERO),
             kind,
             description: remark.to_owned(),
+            wear: canon::ToolWear::default(),
+            life: canon::ToolLife::default(),
             stand_in: false,
         })
     }

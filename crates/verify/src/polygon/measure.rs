@@ -68,10 +68,13 @@ impl PolygonTrack {
             stock_top: config.stock.map_or(f64::INFINITY, |stock| stock.top().value()),
             stock_bottom: config.stock.map_or(f64::NEG_INFINITY, |stock| stock.from[2].value()),
             zero: config.stock.map_or_else(
-                || ordered.polygon.zero.linear[2].value() - tool.map_or(0.0, |t| t.length.value()),
+                || {
+                    ordered.polygon.zero.linear[2].value()
+                        - tool.map_or(0.0, |t| t.worn_length().value())
+                },
                 |stock| ordered.polygon.own_zero.map_or(stock.zero[2], |own| own.linear[2]).value(),
             ),
-            tool_length: tool.map_or(0.0, |t| t.length.value()),
+            tool_length: tool.map_or(0.0, |t| t.worn_length().value()),
             spindles: [usize::from(ordered.polygon.work), usize::from(ordered.polygon.tool)],
         };
         let cutter = tool.and_then(|tool| match &tool.kind {

@@ -67,7 +67,7 @@ fn why(by: ToolBreak) -> String {
 /// Where the tip was, in G54 if the stock, and with it the zero of G54, is known.
 fn place(sample: &Sample, tool: Option<&Tool>, config: &Config) -> String {
     let zero = config.stock.map_or([Length::ZERO; 3], |stock| stock.zero);
-    let length = tool.map_or(Length::ZERO, |tool| tool.length);
+    let length = tool.map_or(Length::ZERO, |tool| tool.worn_length());
     let [x, y, z] = [0, 1, 2].map(|i| (sample.axis(i) - zero[i]).value());
     let frame = if config.stock.is_some() { "of G54" } else { "of the machine" };
     let number = |value: f64| {
@@ -95,6 +95,8 @@ mod tests {
             diameter: Length::mm(5.0),
             kind: ToolKind::Drill { point_angle: Angle::deg(118.0) },
             description: String::new(),
+            wear: canon::ToolWear::default(),
+            life: canon::ToolLife::default(),
             stand_in: false,
         };
         let mut config = Config::new(ToolLibrary::new([drill]));

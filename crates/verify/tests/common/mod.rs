@@ -36,6 +36,8 @@ pub fn tap_tool(number: u32, designation: &str, lead_mm: f64) -> Tool {
             holder: Holder::Rigid { stiffness: Stiffness::n_per_mm(20_000.0) },
         }),
         description: String::new(),
+        wear: canon::ToolWear::default(),
+        life: canon::ToolLife::default(),
         stand_in: false,
     }
 }

@@ -100,10 +100,19 @@ impl Fanuc {
     pub(super) fn tool_value(&self, ex: &Executor, which: ToolVariable) -> f64 {
         let entry = ex.tools.entry(which.tool);
         let Some(at) = place(which.part) else { return f64::from(entry.orientation) };
-        let wear = self.wear.get(&which.tool).map_or(0.0, |wear| wear[at]);
+        let wear = self.wear_of(ex, which.tool)[at];
         let sum = if at == 3 { entry.diameter / 2.0 } else { entry.offset[at] };
         let mm = if which.wear { wear } else { sum - wear };
         self.shown(at, mm) / ex.modes.units.in_mm()
+    }
+
+    /// Wear of X, Y, Z and radius, mm: as the program has set it, else as the tool table has it.
+    fn wear_of(&self, ex: &Executor, tool: u32) -> [f64; 4] {
+        let of_table = || {
+            let wear = ex.tools.library.get(tool).map(|tool| tool.wear).unwrap_or_default();
+            [0.0, 0.0, wear.length.value(), wear.radius.value()]
+        };
+        self.wear.get(&tool).copied().unwrap_or_else(of_table)
     }
 
     /// Set it, in program units.
@@ -113,7 +122,8 @@ impl Fanuc {
             None => entry.orientation = value.clamp(0.0, 9.0) as u32,
             Some(at) => {
                 let mm = self.radius(at, value * ex.modes.units.in_mm());
-                let wear = self.wear.entry(which.tool).or_default();
+                let known = self.wear_of(ex, which.tool);
+                let wear = self.wear.entry(which.tool).or_insert(known);
                 let sum = if at == 3 { entry.diameter / 2.0 } else { entry.offset[at] };
                 let geometry = if which.wear { sum - wear[at] } else { mm };
                 if which.wear {

@@ -26,7 +26,7 @@ impl Planner {
     pub(in crate::planner) fn sweep_bar(&mut self, job: &Job, path: &Path, run: Run) -> bool {
         let Some(tool) = self.tools.get(self.tool) else { return false };
         let is_known = !tool.stand_in && tool.number != 0;
-        let (tool_length, radius) = (tool.length.value(), tool.diameter.value() / 2.0);
+        let (tool_length, radius) = (tool.worn_length().value(), tool.diameter.value() / 2.0);
         let kind = &tool.kind;
         let Some(contact) = &mut self.contact else { return false };
         let Some(outline) = &mut contact.outline else { return false };
@@ -94,7 +94,7 @@ impl Planner {
         let at_radius = |r: f64| word(frame, Axis::X, centre + across + outward * r);
         let here: Vec<String> = [
             place(frame, Axis::X, met.at[0] + across),
-            place(frame, Axis::Z, met.at[2] + tool.length.value()),
+            place(frame, Axis::Z, met.at[2] + tool.worn_length().value()),
         ]
         .into();
         let more = if outward < 0.0 { "or less" } else { "or more" };

@@ -109,7 +109,7 @@ impl Planner {
     fn rapid_in(&self, tool: &Tool, contact: &Contact, at: Point, by: [f64; 2]) -> [String; 2] {
         let [over, open] = by;
         let frame = &self.frame;
-        let axis = |tip: f64| tip + tool.length.value();
+        let axis = |tip: f64| tip + tool.worn_length().value();
         let here = place(frame, Axis::Z, axis(at[2]));
         let top = contact.stock.top();
         if open > 0.0 {
@@ -139,7 +139,7 @@ impl Planner {
     fn clear_of(&self, tool: &Tool, contact: &Contact) -> String {
         let unit = self.frame.unit.in_mm();
         let clear = if unit == 1.0 { CLEAR } else { 0.1 * unit };
-        word(&self.frame, Axis::Z, contact.stock.top() + clear + tool.length.value())
+        word(&self.frame, Axis::Z, contact.stock.top() + clear + tool.worn_length().value())
     }
 
     fn too_fast(&self, tool: &Tool, per_turn: f64, load: f64) -> [String; 2] {
@@ -169,7 +169,7 @@ impl Planner {
         if frame.work_offset == 0 {
             return None; // what the program says is not known
         }
-        let (real, applied) = (tool.length.value(), frame.tool.linear[2].value());
+        let (real, applied) = (tool.worn_length().value(), frame.tool.linear[2].value());
         let off = applied - real;
         // a work offset that carries the tool's length puts the tip right without G43
         let zero = frame.origin.linear[2].value() - contact.stock.top();
@@ -185,7 +185,7 @@ impl Planner {
                 "{is} and no length offset is in force, so {so}: G43 H{n} before this move works"
             )
         } else {
-            let same = |t: &&Tool| (t.length.value() - applied).abs() < 1e-6;
+            let same = |t: &&Tool| (t.worn_length().value() - applied).abs() < 1e-6;
             let whose = match self.tools.iter().find(same) {
                 Some(other) => format!("H{} applies {}", other.number, length(frame, applied)),
                 None => format!("the length offset in force is {}", length(frame, applied)),
@@ -207,7 +207,7 @@ impl Planner {
         };
         let (frame, stock) = (&self.frame, &contact.stock);
         let which = [contact.mounted, u32::from(is_over), 0];
-        let top = stock.top() + tool.length.value();
+        let top = stock.top() + tool.worn_length().value();
         let by = if is_over { (bottom.value() - top).max(0.0) } else { 0.0 };
         let offset = self.offset_cause().filter(|_| is_over);
         let said = if is_over {
@@ -314,7 +314,7 @@ impl Planner {
             return;
         };
         let frame = &self.frame;
-        let deepest = contact.stock.top() - most + tool.length.value();
+        let deepest = contact.stock.top() - most + tool.worn_length().value();
         let said = [
             format!(
                 "{} goes {} deep into the stock, and {why} {} above its tip",

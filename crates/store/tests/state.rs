@@ -1,0 +1,450 @@
+//! A control's state outlives it: whole, or not at all; and nothing that was not written by a control is believed.
+#![allow(clippy::unwrap_used)] // helpers of tests fail as tests do
+
+use canon::{ToolLibrary, ToolUse};
+use proptest::prelude::*;
+use std::fs;
+use std::path::Path;
+use store::parameters::Parameters;
+use store::state::{
+    Alarm, Finding, HomedAxis, Homing, LastProgram, LengthDisplay, MOST_ALARMS, Settings, State,
+    StateFolder, Weight,
+};
+use units::{Length, Time};
+
+fn parameters(x: f64) -> Parameters {
+    let mut parameters = Parameters::default();
+    for (number, value) in [(5220, 1.0), (5221, x), (5222, 0.1 + 0.2)] {
+        assert!(parameters.set(number, value));
+    }
+    parameters
+}
+
+fn tools(wear_um: f64) -> ToolLibrary {
+    let text = include_str!("../../../programs/tools.toml");
+    let library = store::tools::parse_toml(text, 0).unwrap().library;
+    let mut tool = library.get(3).unwrap().clone();
+    tool.wear.length = Length::um(wear_um);
+    tool.life.used = ToolUse { uses: 12, time: Time::s(3.25), length: Length::mm(480.0) };
+    tool.life.limit.uses = Some(500);
+    let mut library = library;
+    library.insert(tool);
+    library
+}
+
+fn alarm(number: u32) -> Alarm {
+    let text = "the axis X does not follow".to_owned();
+    Alarm { number, text, unix_ms: 1_790_000_000_000, line: Some(12), ..Alarm::default() }
+}
+
+fn program() -> LastProgram {
+    LastProgram {
+        path: "plate \"12\" x M6.ngc".into(),
+        sha256: "ab".repeat(32),
+        line: 7,
+        operation: 31,
+        feature: 4,
+        is_completed: false,
+    }
+}
+
+fn settings() -> Settings {
+    Settings {
+        feed_override: 0.8,
+        block_skip: vec![1, 3],
+        units: LengthDisplay::Inch,
+        ..Settings::default()
+    }
+}
+
+fn homing() -> Homing {
+    Homing { axis: vec![HomedAxis { axis: 'Z', zero: -12.345_678_9, epoch: u64::MAX >> 1 }] }
+}
+
+/// A folder in which each datum was saved twice.
+fn kept(path: &Path) {
+    let (mut folder, _, _) = StateFolder::open(path).unwrap();
+    for (x, wear) in [(-250.0, 0.0), (-251.5, -12.0)] {
+        folder.save_parameters(&parameters(x)).unwrap();
+        folder.save_tools(&tools(wear)).unwrap();
+        folder.save_last_program(&LastProgram { line: x.abs() as u32, ..program() }).unwrap();
+    }
+    folder.save_homed(&Homing::default()).unwrap();
+    folder.save_homed(&homing()).unwrap();
+    folder.save_settings(&Settings::default()).unwrap();
+    folder.save_settings(&settings()).unwrap();
+    folder.save_alarm(alarm(2101)).unwrap();
+    folder.save_alarm(alarm(2102)).unwrap();
+}
+
+fn opened(path: &Path) -> (State, Vec<Finding>) {
+    let (_, state, found) = StateFolder::open(path).unwrap();
+    (state, found)
+}
+
+fn in_a_folder(test: impl FnOnce(&Path)) {
+    let home = tempfile::tempdir().unwrap();
+    test(&home.path().join("state"));
+}
+
+#[test]
+fn a_new_folder_says_nothing_and_is_remarked_upon_by_nothing() {
+    in_a_folder(|path| assert_eq!(opened(path), (State::default(), Vec::new())));
+}
+
+#[test]
+fn what_was_saved_last_is_there_after_the_control_is_switched_on_again() {
+    in_a_folder(|path| {
+        kept(path);
+        let (state, found) = opened(path);
+        assert_eq!(found, []);
+        let wanted = State {
+            parameters: Some(parameters(-251.5)),
+            tools: Some(tools(-12.0)),
+            homed: homing(),
+            last_program: Some(LastProgram { line: 251, ..program() }),
+            alarms: vec![alarm(2101), alarm(2102)],
+            settings: Some(settings()),
+        };
+        assert_eq!(state, wanted);
+    });
+}
+
+#[test]
+fn a_second_control_is_refused_with_the_process_of_the_first() {
+    in_a_folder(|path| {
+        let first = StateFolder::open(path).unwrap();
+        let refused = StateFolder::open(path).unwrap_err().to_string();
+        let id = std::process::id();
+        let end = format!("another Leadscrew, process {id}, is controlling this machine");
+        assert!(refused.ends_with(&end), "{refused}");
+        drop(first);
+        assert!(StateFolder::open(path).is_ok());
+    });
+}
+
+#[test]
+fn the_sync_record_lies_in_the_same_folder_under_the_same_lock() {
+    in_a_folder(|path| {
+        use store::sync_record::slots::StateFolder as Records;
+        let (folder, _, _) = StateFolder::open(path).unwrap();
+        assert!(Records::open(path).is_err());
+        let records = Records::of(&folder);
+        drop(folder);
+        assert!(StateFolder::open(path).is_err(), "the record's writer still has it");
+        drop(records);
+        assert!(StateFolder::open(path).is_ok());
+    });
+}
+
+#[test]
+fn a_folder_of_another_machine_is_not_used() {
+    in_a_folder(|path| {
+        let (mut folder, _, _) = StateFolder::open(path).unwrap();
+        assert_eq!(folder.claim("tapping-center").unwrap(), []);
+        assert_eq!(folder.claim("tapping-center").unwrap(), []);
+        let refused = folder.claim("vfd-mill").unwrap_err().to_string();
+        assert!(refused.contains("`tapping-center`, and this one is `vfd-mill`"), "{refused}");
+    });
+}
+
+#[test]
+fn a_file_that_was_edited_is_used_if_it_says_so_and_not_if_it_does_not() {
+    in_a_folder(|path| {
+        kept(path);
+        let file = path.join("parameters.var");
+        let text = fs::read_to_string(&file).unwrap();
+        let edited = text.replace("-251.500000", "-260.000000");
+        assert_ne!(edited, text);
+        fs::write(&file, &edited).unwrap();
+        let (state, found) = opened(path);
+        assert_eq!(state.parameters, Some(parameters(-250.0)));
+        assert_eq!(found[0].weight, Weight::PreviousUsed);
+        assert!(found[0].sentence.contains("writes `edited` in place of the checksum"));
+        let (_, body) = edited.split_once('\n').unwrap();
+        fs::write(&file, format!("# leadscrew parameters 1, edited\r\n{body}")).unwrap();
+        let (state, found) = opened(path);
+        assert_eq!(state.parameters, Some(parameters(-260.0)));
+        let said = "parameters.var was edited by hand: it is used as it stands";
+        assert_eq!((found[0].weight, found[0].to_string().as_str()), (Weight::Note, said));
+    });
+}
+
+#[test]
+fn what_is_not_believed_is_set_aside_and_never_written_over() {
+    in_a_folder(|path| {
+        kept(path);
+        for (n, garbage) in ["shop's own words", "others"].iter().enumerate() {
+            fs::write(path.join("tools.toml"), garbage).unwrap();
+            let (mut folder, state, _) = StateFolder::open(path).unwrap();
+            assert!(state.tools.is_some());
+            folder.save_tools(&tools(n as f64)).unwrap();
+            let aside = path.join(format!("tools.toml.rejected-{}", n + 1));
+            assert_eq!(fs::read_to_string(aside).unwrap(), *garbage);
+        }
+        assert_eq!(opened(path).0.tools, Some(tools(1.0)));
+    });
+}
+
+#[test]
+fn a_control_that_was_killed_between_its_two_renames_has_lost_nothing() {
+    in_a_folder(|path| {
+        kept(path);
+        // on a file system without links the name is free for a moment
+        fs::rename(path.join("tools.toml"), path.join("tools.toml.previous")).unwrap();
+        let (state, found) = opened(path);
+        assert_eq!(state.tools, Some(tools(-12.0)));
+        let said = "tools.toml is missing: the version before it is used";
+        assert_eq!((found.len(), found[0].sentence.as_str()), (1, said));
+    });
+}
+
+#[test]
+fn what_a_killed_control_was_writing_is_removed_by_the_next() {
+    in_a_folder(|path| {
+        kept(path);
+        fs::write(path.join(".state-new-Xy12"), "half a tab").unwrap();
+        opened(path);
+        assert!(!path.join(".state-new-Xy12").exists());
+    });
+}
+
+/// Put something hostile in the place of a file; the sentence, with the folder left out.
+#[cfg(unix)]
+fn hostile(name: &str, put: impl FnOnce(&Path)) -> String {
+    let home = tempfile::tempdir().unwrap();
+    let path = home.path().join("state");
+    kept(&path);
+    let file = path.join(name);
+    fs::remove_file(&file).unwrap();
+    put(&file);
+    match StateFolder::open(&path) {
+        Ok((mut folder, _, found)) => {
+            assert_eq!(found.len(), 1, "{found:?}");
+            folder.save_tools(&tools(77.0)).unwrap();
+            folder.save_alarm(alarm(1)).unwrap();
+            drop(folder);
+            let (state, _) = opened(&path);
+            assert_eq!(state.tools, Some(tools(77.0)));
+            assert_eq!(state.alarms.last(), Some(&alarm(1)));
+            found[0].to_string()
+        }
+        Err(refused) => refused.to_string().replace(&path.display().to_string(), "FOLDER"),
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn everything_hostile_in_a_files_place_is_one_sentence_and_does_no_harm() {
+    use std::os::unix::fs::symlink;
+    use std::process::Command;
+    let elsewhere = tempfile::tempdir().unwrap();
+    let target = elsewhere.path().join("target");
+    fs::write(&target, "of somebody else").unwrap();
+    let link = |file: &Path| symlink(&target, file).unwrap();
+    let used = "the version before it is used";
+    let not_plain = "and a state folder holds plain files";
+    assert_eq!(
+        hostile("tools.toml", link),
+        format!("tools.toml is a symbolic link, {not_plain}: {used}")
+    );
+    assert_eq!(
+        hostile("tools.toml", |file| fs::create_dir(file).unwrap()),
+        format!("tools.toml is a folder, {not_plain}: {used}")
+    );
+    let pipe = |file: &Path| assert!(Command::new("mkfifo").arg(file).status().unwrap().success());
+    assert_eq!(
+        hostile("tools.toml", pipe),
+        format!("tools.toml is no plain file, {not_plain}: {used}")
+    );
+    let huge = |file: &Path| fs::File::create(file).unwrap().set_len(1 << 40).unwrap();
+    assert_eq!(
+        hostile("tools.toml", huge),
+        format!("tools.toml has 1099511627776 bytes, where 16777216 are the most: {used}")
+    );
+    let garbage = |file: &Path| fs::write(file, [0xff, 0x00, 0x9f]).unwrap();
+    assert_eq!(
+        hostile("tools.toml", garbage),
+        format!(
+            "tools.toml does not begin with the line `# leadscrew tools 1, checksum …`: {used}"
+        )
+    );
+    let future = |file: &Path| fs::write(file, "# leadscrew tools 2, checksum 00000000\n").unwrap();
+    assert_eq!(
+        hostile("tools.toml", future),
+        format!("tools.toml has layout 2, and this version of Leadscrew reads layout 1: {used}")
+    );
+    let nan = |file: &Path| {
+        let body = "[[tool]]\nnumber = 1\nkind = \"other\"\nlength_mm = nan\ndiameter_mm = 1\n";
+        fs::write(file, format!("# leadscrew tools 1, edited\n{body}")).unwrap();
+    };
+    assert_eq!(
+        hostile("tools.toml", nan),
+        format!(
+            "tools.toml says what cannot be (line 5: `length_mm` is NaN: expected a number from -10000 to 10000): {used}"
+        )
+    );
+    assert_eq!(
+        hostile("alarms.jsonl", link),
+        format!("alarms.jsonl is a symbolic link, {not_plain}: nothing of it is used")
+    );
+    assert_eq!(
+        hostile("alarms.jsonl", garbage),
+        "alarms.jsonl has 1 line cut short or changed: the others are used"
+    );
+    assert!(hostile("lock", link).starts_with("cannot write to the state folder FOLDER: "));
+    assert!(
+        hostile("lock", |file| fs::hard_link(&target, file).unwrap())
+            .ends_with("its file `lock` is no plain file of its own: remove it")
+    );
+    assert_eq!(fs::read_to_string(&target).unwrap(), "of somebody else");
+}
+
+#[test]
+#[cfg(unix)]
+fn a_lock_that_is_a_folder_and_a_folder_that_is_a_file_are_refused_in_a_sentence() {
+    let home = tempfile::tempdir().unwrap();
+    let path = home.path().join("state");
+    fs::create_dir_all(path.join("lock")).unwrap();
+    let refused = StateFolder::open(&path).unwrap_err().to_string();
+    assert!(refused.ends_with("it is a folder"), "{refused}");
+    let file = home.path().join("file");
+    fs::write(&file, "").unwrap();
+    assert!(StateFolder::open(&file).is_err());
+}
+
+#[test]
+fn of_very_many_alarms_the_newest_are_kept() {
+    in_a_folder(|path| {
+        // a full file, as a control would have written it
+        let (mut folder, _, _) = StateFolder::open(path).unwrap();
+        folder.save_alarm(alarm(0)).unwrap();
+        let line = fs::read_to_string(path.join("alarms.jsonl")).unwrap();
+        drop(folder);
+        fs::write(path.join("alarms.jsonl"), line.repeat(MOST_ALARMS)).unwrap();
+        let (mut folder, state, found) = StateFolder::open(path).unwrap();
+        assert_eq!((state.alarms.len(), found.len()), (MOST_ALARMS, 0));
+        folder.save_alarm(alarm(1)).unwrap();
+        folder.save_alarm(alarm(2)).unwrap();
+        drop(folder);
+        let (state, found) = opened(path);
+        assert_eq!((state.alarms.len(), found.len()), (MOST_ALARMS / 2 + 1, 0));
+        assert_eq!(state.alarms[MOST_ALARMS / 2 - 1..], [alarm(1), alarm(2)]);
+    });
+}
+
+#[test]
+fn an_alarm_that_was_cut_short_by_a_power_cut_costs_no_other() {
+    in_a_folder(|path| {
+        kept(path);
+        let file = path.join("alarms.jsonl");
+        let whole = fs::read(&file).unwrap();
+        fs::write(&file, &whole[..whole.len() - 9]).unwrap();
+        let (mut folder, state, found) = StateFolder::open(path).unwrap();
+        assert_eq!((state.alarms, found.len()), (vec![alarm(2101)], 1));
+        folder.save_alarm(alarm(2103)).unwrap();
+        drop(folder);
+        let (state, found) = opened(path);
+        assert_eq!((state.alarms, found.len()), (vec![alarm(2101), alarm(2103)], 0));
+    });
+}
+
+#[test]
+fn a_reference_counts_only_as_long_as_its_encoder_has_kept_its_own() {
+    assert_eq!(homing().of('Z', u64::MAX >> 1).map(|h| h.zero), Some(-12.345_678_9));
+    assert_eq!(homing().of('Z', 3), None);
+    assert_eq!(homing().of('X', u64::MAX >> 1), None);
+}
+
+#[test]
+fn a_library_written_as_toml_reads_back_bit_for_bit() {
+    let text = include_str!("../../../programs/tools.toml");
+    let mut library = store::tools::parse_toml(text, 0).unwrap().library;
+    let lathe = "[[tool]]\nnumber = 90\nkind = \"turning-insert\"\nlength_mm = 80\npoint_angle_deg = 55.1\nnose_radius_mm = 0.8\n\
+        [[tool]]\nnumber = 91\nkind = \"threading-insert\"\nlength_mm = 80\nflat_mm = 0.1\ncrest_height_mm = 0.9\n\
+        [[tool]]\nnumber = 92\nkind = \"polygon-cutter\"\nlength_mm = 80\ntip_radius_mm = 33.3\ninsert_angles_deg = [0, 91.7, 180.3]\n\
+        [[tool]]\nnumber = 93\nkind = \"tap\"\nlength_mm = 80\nthread = \"1/4-20 UNC-LH\"\nchamfer_pitches = 2.5\nthread_length_in = 0.9\nflute = \"straight\"\nholder = { kind = \"clutch\", stiffness_n_per_mm = 3.7, spline_length_mm = 5, pawl_backlash_rev = 0.3 }\n\
+        wear_length_in = -0.0003\nlife = { uses = 3, limit_time_s = 60, at_limit = \"refuse\" }\n";
+    for tool in store::tools::parse_toml(lathe, 0).unwrap().library.iter() {
+        library.insert(tool.clone());
+    }
+    let written = store::tools::to_toml(&library);
+    assert_eq!(store::tools::parse_controls_toml(&written).unwrap(), library);
+    let none = ToolLibrary::default();
+    assert_eq!(store::tools::parse_controls_toml(&store::tools::to_toml(&none)).unwrap(), none);
+}
+
+const FILES: [&str; 6] = [
+    "parameters.var",
+    "tools.toml",
+    "homing.toml",
+    "program.toml",
+    "settings.toml",
+    "alarms.jsonl",
+];
+
+/// A folder whose file was damaged: what it says is what was saved last or before, and if not the last, a sentence
+/// says so.
+fn damaged(name: &str, damage: impl FnOnce(&mut Vec<u8>)) -> Result<(), TestCaseError> {
+    let home = tempfile::tempdir().unwrap();
+    let path = home.path().join("state");
+    kept(&path);
+    let (last, _) = opened(&path);
+    let file = path.join(name);
+    let mut bytes = fs::read(&file).unwrap();
+    let whole = bytes.clone();
+    damage(&mut bytes);
+    fs::write(&file, &bytes).unwrap();
+    let (state, found) = opened(&path);
+    if found.is_empty() {
+        prop_assert!(state == last, "{name} is believed, and it was damaged");
+        // nothing that counts was damaged, or an alarm's whole line is gone
+        prop_assert!(bytes == whole || name == "alarms.jsonl", "{name}");
+        return Ok(());
+    }
+    prop_assert_eq!(found.len(), 1);
+    prop_assert!(found[0].sentence.starts_with(name));
+    if name == "alarms.jsonl" {
+        prop_assert!(state.alarms.iter().all(|a| *a == alarm(2101) || *a == alarm(2102)));
+        return Ok(());
+    }
+    prop_assert_eq!(found[0].weight, Weight::PreviousUsed);
+    let before = State {
+        parameters: Some(parameters(-250.0)),
+        tools: Some(tools(0.0)),
+        homed: Homing::default(),
+        last_program: Some(LastProgram { line: 250, ..program() }),
+        settings: Some(Settings::default()),
+        alarms: last.alarms.clone(),
+    };
+    let expected = match name {
+        "parameters.var" => State { parameters: before.parameters, ..last },
+        "tools.toml" => State { tools: before.tools, ..last },
+        "homing.toml" => State { homed: before.homed, ..last },
+        "program.toml" => State { last_program: before.last_program, ..last },
+        _ => State { settings: before.settings, ..last },
+    };
+    prop_assert_eq!(state, expected);
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+
+    #[test]
+    fn a_byte_changed_anywhere_is_noticed_and_the_version_before_is_used(
+        file in 0..FILES.len(), at in any::<prop::sample::Index>(), change in 1..=255_u8
+    ) {
+        damaged(FILES[file], |bytes| {
+            let at = at.index(bytes.len());
+            bytes[at] ^= change;
+        })?;
+    }
+
+    #[test]
+    fn a_file_cut_short_anywhere_is_noticed_and_the_version_before_is_used(
+        file in 0..FILES.len() - 1, at in any::<prop::sample::Index>()
+    ) {
+        damaged(FILES[file], |bytes| bytes.truncate(at.index(bytes.len())))?;
+    }
+}
