@@ -67,6 +67,10 @@ impl Observer for Log {
         ));
     }
 
+    fn message(&mut self, at: u32, text: &str) {
+        line(&format!("{:8} {at:5}  says: {}", "", text.trim()));
+    }
+
     /// Something that is no change of state.
     fn event(&mut self, event: &Event) {
         let text = match &event.kind {

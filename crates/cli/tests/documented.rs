@@ -11,12 +11,16 @@ use common::{complained, root, said};
 use std::{collections::BTreeSet, fs, os::unix::fs::symlink, path::Path, process::Command};
 
 /// What each shipped program has to be run with.
-const PROGRAMS: [(&str, &[&str]); 18] = [
+const PROGRAMS: [(&str, &[&str]); 22] = [
     ("plate-12xM6.ngc", &[]),
     ("mill-8xM8.ngc", &[]),
     ("learning-12xM6.ngc", &[]),
     ("bolt-circle.ngc", &[]),
     ("inch-unc.ngc", &[]),
+    ("probe-face.ngc", &[]),
+    ("probe-bore.ngc", &[]),
+    ("probe-boss.ngc", &[]),
+    ("probe-calibrate.ngc", &[]),
     ("left-hand.ngc", &[]),
     ("m3-and-m10.ngc", &[]),
     ("plate-macro.nc", &["--dialect", "fanuc"]),

@@ -23,13 +23,13 @@ use crate::fault::FaultKind;
 use crate::moving::Moving;
 use crate::operator::Operator;
 use crate::queue::{Queue, SpindleStep, StepKind};
-use crate::signals::{self, Answer, Answered, Probing};
+use crate::signals::{self, Answered, Probing};
 use crate::spindle::SpindleLoop;
 use crate::tapping::{Outcome, TapRun};
 use crate::threading::{self, Chain, Leave, Pass};
 use crate::track::Track;
 use crate::waits::{
-    await_angle, await_speed, begin_change, begin_pause, fade, record, settle, within,
+    await_angle, await_speed, await_tool, begin_change, begin_pause, fade, record, revolve, settle,
 };
 use bus::{Feedback, State};
 use motion::WayOut;
@@ -226,14 +226,7 @@ impl Activity {
                 Ok(Progress::Done(0.0))
             }
             Self::Fading => fade(step, dt, drives),
-            Self::Revolving(from) => {
-                let StepKind::Revolve { spindle, turns } = step else {
-                    return Ok(Progress::Done(dt));
-                };
-                let now = drives.spindles[usize::from(*spindle)].as_ref().map(SpindleLoop::now);
-                let turned = now.map_or(*turns, |now| now.angle - *from);
-                Ok(if turned.abs() < turns.abs() { Progress::Busy } else { Progress::Done(0.0) })
-            }
+            Self::Revolving(from) => Ok(revolve(step, *from, dt, drives)),
             Self::AtOnce => Ok(Progress::Done(dt)),
             Self::Moving(moving, _) => {
                 let (track, exact_stop) = match step {
@@ -277,28 +270,19 @@ impl Activity {
             Self::Settling { waited_s, inside_s } => {
                 settle(dt, waited_s, inside_s, drives, waits.in_position)
             }
-            Self::AwaitingInput { .. } if context.operator.wants_rest() => Ok(Progress::Busy),
-            Self::AwaitingInput { armed, waited_s } => {
-                let StepKind::Input(wait) = step else { return Ok(Progress::Done(dt)) };
-                let ended = signals::await_input(wait, dt, (armed, waited_s), context.feedback);
-                let Some(value) = ended else { return Ok(Progress::Busy) };
-                context.note(EventKind::InputRead { wait: *wait, value });
-                Ok(signals::answered(Answer::Input(value), context, dt))
-            }
-            Self::Probing(probing) => {
-                let StepKind::Probe { until, .. } = step else { return Ok(Progress::Done(dt)) };
-                let Some(answer) = probing.advance(*until, dt, drives, context)? else {
-                    return Ok(Progress::Busy);
-                };
-                if let Answer::Probe { contact, changed, .. } = answer {
-                    context.note(EventKind::Probed { contact, changed });
-                }
-                // the answer is there, and the axes settle
-                signals::answered(answer, context, 0.0);
-                *self = Self::Settling { waited_s: 0.0, inside_s: 0.0 };
+            Self::AwaitingInput { .. } | Self::Dwelling { .. } if context.operator.wants_rest() => {
                 Ok(Progress::Busy)
             }
-            Self::Dwelling { .. } if context.operator.wants_rest() => Ok(Progress::Busy),
+            Self::AwaitingInput { armed, waited_s } => {
+                Ok(signals::wait_on(step, dt, (armed, waited_s), context))
+            }
+            Self::Probing(probing) => {
+                let progress = signals::probe_on(probing, step, dt, drives, context)?;
+                if let Progress::Done(_) = progress {
+                    *self = Self::Settling { waited_s: 0.0, inside_s: 0.0 };
+                }
+                Ok(Progress::Busy)
+            }
             Self::Dwelling { left_s } => {
                 *left_s -= dt;
                 Ok(if *left_s > 0.0 { Progress::Busy } else { Progress::Done(-*left_s) })
@@ -313,11 +297,7 @@ impl Activity {
             }
             Self::Changing { tool, waited_s } => {
                 *waited_s += dt;
-                if context.feedback.tool == Some(*tool) {
-                    context.note(EventKind::ToolChanged { tool: *tool });
-                    return Ok(Progress::Done(0.0));
-                }
-                within(*waited_s, waits.tool_change, FaultKind::ToolNotChanged, Subject::Machine)
+                await_tool(*tool, *waited_s, context)
             }
             Self::Tapping(run) => {
                 let StepKind::Tap(plan) = step else { return Ok(Progress::Done(dt)) };
@@ -361,17 +341,15 @@ impl Activity {
         match self {
             Self::Idle | Self::AtOnce => State::Idle,
             Self::Moving(_, state) => *state,
-            Self::Threading => State::Feed,
+            Self::Threading | Self::Probing(_) => State::Feed,
             Self::Settling { .. } => State::Settle,
-            Self::Dwelling { .. } | Self::Revolving(_) => State::Dwell,
+            Self::Dwelling { .. } | Self::AwaitingInput { .. } | Self::Revolving(_) => State::Dwell,
             Self::Engaging(_) | Self::Fading => State::Couple,
             Self::Consulting => State::Measure,
             Self::AwaitingSpeed { .. } | Self::AwaitingAngle { .. } | Self::Recording { .. } => {
                 State::SpindleWait
             }
             Self::Changing { .. } | Self::ChangingByHand { .. } => State::ToolChange,
-            Self::AwaitingInput { .. } => State::Dwell,
-            Self::Probing(_) => State::Feed,
             Self::Tapping(run) => match run.phase() {
                 Phase::Prepare => State::SpindleWait,
                 Phase::In => State::TapIn,

@@ -56,7 +56,7 @@ impl LearningRecords {
         match self.list.iter().position(|record| record.key.is_like(&key)) {
             Some(index) => self.list[index..].rotate_left(1),
             None if self.list.len() < LEARNING_RECORDS => {
-                self.list.push(LearningRecord::new(key, learning.gain))
+                self.list.push(LearningRecord::new(key, learning.gain));
             }
             None => {
                 self.list.rotate_left(1);

@@ -11,9 +11,11 @@
 //! middle: at 5 mm/s and a period of 250 µs that is 0.6 µm.
 use crate::config::Subject;
 use crate::drives::{Drives, Finding};
+use crate::event::EventKind;
 use crate::execute::{Context, Progress};
 use crate::fault::FaultKind;
 use crate::moving::Moving;
+use crate::queue::StepKind;
 use crate::track::Track;
 use bus::{AXES, Feedback};
 use motion::{Await, InputWait, Move, ProbeEnd};
@@ -45,7 +47,7 @@ pub enum Answer {
 }
 
 /// The value of an input: 1 and 0 of a digital one.
-pub(crate) fn value_of(wait: &InputWait, feedback: &Feedback) -> f64 {
+fn value_of(wait: &InputWait, feedback: &Feedback) -> f64 {
     if wait.digital {
         return f64::from(u8::from(feedback.inputs.is_on(wait.number)));
     }
@@ -67,19 +69,19 @@ fn has_come(wait: &InputWait, value: f64, armed: &mut bool) -> bool {
     }
 }
 
-/// One period of a wait for an input; what it was when it ended.
-pub(crate) fn await_input(
+/// One period of a wait for an input; what came of it when it has ended.
+fn await_input(
     wait: &InputWait,
     dt: f64,
     (armed, waited_s): (&mut bool, &mut f64),
     feedback: &Feedback,
-) -> Option<Option<f64>> {
+) -> Option<Answer> {
     let value = value_of(wait, feedback);
     if has_come(wait, value, armed) {
-        return Some(Some(value));
+        return Some(Answer::Input(Some(value)));
     }
     *waited_s += dt;
-    (*waited_s > wait.longest.value()).then_some(None)
+    (*waited_s > wait.longest.value()).then_some(Answer::Input(None))
 }
 
 /// A probing move under way.
@@ -143,8 +145,40 @@ impl Probing {
     }
 }
 
+/// Go on waiting for an input.
+pub(crate) fn wait_on(
+    step: &StepKind,
+    dt: f64,
+    state: (&mut bool, &mut f64),
+    context: &mut Context,
+) -> Progress {
+    let StepKind::Input(wait) = step else { return Progress::Done(dt) };
+    let ended = await_input(wait, dt, state, context.feedback);
+    let Some(answer @ Answer::Input(value)) = ended else { return Progress::Busy };
+    context.note(EventKind::InputRead { wait: *wait, value });
+    answered(answer, context, dt)
+}
+
+/// Go on probing; done when the axes are told to stand, with the answer kept for the program.
+pub(crate) fn probe_on(
+    probing: &mut Probing,
+    step: &StepKind,
+    dt: f64,
+    drives: &mut Drives,
+    context: &mut Context,
+) -> Result<Progress, Finding> {
+    let StepKind::Probe { until, .. } = step else { return Ok(Progress::Done(dt)) };
+    let Some(answer) = probing.advance(*until, dt, drives, context)? else {
+        return Ok(Progress::Busy);
+    };
+    if let Answer::Probe { contact, changed, .. } = answer {
+        context.note(EventKind::Probed { contact, changed });
+    }
+    Ok(answered(answer, context, 0.0))
+}
+
 /// What a step that asks has come to: it is kept for the program, and the step is done.
-pub(crate) fn answered(answer: Answer, context: &mut Context, left: f64) -> Progress {
+fn answered(answer: Answer, context: &mut Context, left: f64) -> Progress {
     *context.answer = Some(Answered { op: context.op, answer });
     Progress::Done(left)
 }
@@ -203,7 +237,8 @@ mod tests {
         for (index, on) in states.iter().enumerate() {
             let mut feedback = Feedback::default();
             feedback.inputs.switch(wait.number, *on);
-            if let Some(value) = await_input(&wait, 0.25, (&mut armed, &mut waited), &feedback) {
+            let ended = await_input(&wait, 0.25, (&mut armed, &mut waited), &feedback);
+            if let Some(Answer::Input(value)) = ended {
                 return Some((index, value));
             }
         }

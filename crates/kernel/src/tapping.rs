@@ -239,7 +239,7 @@ impl TapRun {
             .map(|theta0| WorkRecord::of(plan, context.op, context.line, drives.tool, theta0));
         match record.map_or(Permission::Granted, |record| drives.record_requests.ask(&record)) {
             Permission::Granted => {
-                self.cycle = self.turn_back(&tap, &tick, &mut drives.record_requests)
+                self.cycle = self.turn_back(&tap, &tick, &mut drives.record_requests);
             }
             Permission::Waiting => {
                 self.waited_s = 0.0; // the spindle is where it should be

@@ -6,8 +6,9 @@ use crate::execute::{Activity, Context, Progress};
 use crate::fault::FaultKind;
 use crate::queue::StepKind;
 use crate::record_requests::{Permission, RECORD_WAIT, WorkRecord};
+use crate::spindle::SpindleLoop;
 use crate::waiting::WaitFor;
-use units::Time;
+use units::{Angle, Time};
 
 /// A tool goes into the work only when its way out is written down, where somebody does.
 pub(crate) fn record(
@@ -131,15 +132,32 @@ pub(crate) fn await_angle(
     within(waited_s, context.config.waits.oriented, FaultKind::NotOriented, of)
 }
 
-pub(crate) fn within(
-    waited_s: f64,
-    limit: Time,
-    kind: FaultKind,
-    of: Subject,
-) -> Result<Progress, Finding> {
+fn within(waited_s: f64, limit: Time, kind: FaultKind, of: Subject) -> Result<Progress, Finding> {
     if waited_s > limit.value() {
         Err((kind, of, waited_s, limit.value()))
     } else {
         Ok(Progress::Busy)
     }
+}
+
+/// The changer puts a tool in.
+pub(crate) fn await_tool(
+    tool: u32,
+    waited_s: f64,
+    context: &mut Context,
+) -> Result<Progress, Finding> {
+    if context.feedback.tool == Some(tool) {
+        context.note(EventKind::ToolChanged { tool });
+        return Ok(Progress::Done(0.0));
+    }
+    let limit = context.config.waits.tool_change;
+    within(waited_s, limit, FaultKind::ToolNotChanged, Subject::Machine)
+}
+
+/// A spindle turns so often from where it was.
+pub(crate) fn revolve(step: &StepKind, from: Angle, dt: f64, drives: &Drives) -> Progress {
+    let StepKind::Revolve { spindle, turns } = step else { return Progress::Done(dt) };
+    let now = drives.spindles[usize::from(*spindle)].as_ref().map(SpindleLoop::now);
+    let turned = now.map_or(*turns, |now| now.angle - from);
+    if turned.abs() < turns.abs() { Progress::Busy } else { Progress::Done(0.0) }
 }

@@ -8,7 +8,7 @@ pub use trace::TraceThread;
 use crate::Timings;
 use crate::job::Session;
 use bus::Sample;
-use canon::{Op, ProgramFrame};
+use canon::{Op, OpKind, ProgramFrame};
 use kernel::{Event, EventKind, WaitFor};
 use report::Recorder;
 use std::collections::BTreeMap;
@@ -32,6 +32,8 @@ pub trait Observer {
     fn sample(&mut self, sample: &Sample);
     /// What the kernel has said.
     fn event(&mut self, event: &Event);
+    /// What the program says in this line ((MSG,…), (PRINT,…)): when it is planned, a little before it is executed.
+    fn message(&mut self, _line: u32, _text: &str) {}
 }
 
 /// The observers of a run.
@@ -80,6 +82,11 @@ impl Observers {
 
     /// An operation is planned.
     pub(super) fn op(&mut self, index: u32, op: &Op, frame: ProgramFrame) {
+        if let OpKind::Message(text) = &op.kind {
+            for other in &mut self.others {
+                other.message(op.span.line, text);
+            }
+        }
         self.judge.op(index, op);
         if let Some(idle) = &mut self.idle {
             idle.op(index, op);
