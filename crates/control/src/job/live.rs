@@ -79,10 +79,8 @@ impl Live {
     fn leave_out(&mut self) {
         while self.skip > 0 {
             self.skip -= 1;
-            let mut asked = Vec::new();
             let Some(op) = self.read_next() else { return };
-            asked.extend(assumed(&op.kind));
-            for answer in asked {
+            if let Some(answer) = assumed(&op.kind) {
                 self.read.answer(&answer);
             }
         }
@@ -133,12 +131,11 @@ impl Iterator for Live {
     type Item = (u32, Op);
 
     fn next(&mut self) -> Option<(u32, Op)> {
-        let op = match self.prelude.pop_front() {
-            Some(op) => op,
-            None => {
-                self.leave_out();
-                self.read_next()?
-            }
+        let op = if let Some(op) = self.prelude.pop_front() {
+            op
+        } else {
+            self.leave_out();
+            self.read_next()?
         };
         let index = self.next;
         self.next += 1;
