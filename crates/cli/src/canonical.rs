@@ -112,6 +112,16 @@ fn object(op: &Op) -> Value {
     value
 }
 
+fn probe(probe: &canon::Probe) -> Value {
+    json!({
+        "op": "probe",
+        "to_mm": position(&probe.to),
+        "feed_mm_per_min": probe.feed.in_mm_per_min(),
+        "until": if probe.until_contact { "contact" } else { "end of contact" },
+        "required": probe.required,
+    })
+}
+
 fn body(kind: &OpKind) -> Value {
     match kind {
         OpKind::Rapid { to } => json!({ "op": "rapid", "to_mm": position(to) }),
@@ -185,13 +195,7 @@ fn body(kind: &OpKind) -> Value {
         }
         OpKind::Pause { optional } => json!({ "op": "pause", "optional": optional }),
         OpKind::Output(output) => output_object(output),
-        OpKind::Probe(probe) => json!({
-            "op": "probe",
-            "to": position(&probe.to),
-            "feed_mm_per_min": probe.feed.in_mm_per_min(),
-            "until": if probe.until_contact { "contact" } else { "end of contact" },
-            "required": probe.required,
-        }),
+        OpKind::Probe(order) => probe(order),
         OpKind::Input(wait) => json!({
             "op": "input",
             "kind": if wait.digital { "digital" } else { "analogue" },
