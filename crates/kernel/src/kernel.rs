@@ -280,10 +280,10 @@ impl Kernel {
         if let Some(withdrawn) = self.withdraw_on(dt) {
             return withdrawn.map(|()| Progress::Busy);
         }
-        let Some(step) = self.queue.get(self.chained).filter(|_| !self.manual.is_active()) else {
+        let Some(line) = self.queue.line(self.chained).filter(|_| !self.manual.is_active()) else {
             return Ok(Progress::Busy);
         };
-        if !self.begun && self.holds_before(step.line) {
+        if !self.begun && self.holds_before(line) {
             return Ok(Progress::Busy);
         }
         let Some(step) = self.queue.get(self.chained) else {

@@ -154,6 +154,11 @@ impl Queue {
         self.steps.get(index)?.transfer(&mut Read(&self.tables)).ok()
     }
 
+    /// The program line of the step at a place: without its plan, which is not looked up.
+    pub(crate) fn line(&self, index: usize) -> Option<u32> {
+        Some(self.steps.get(index)?.line)
+    }
+
     pub(crate) fn front(&self) -> Option<Step<'_>> {
         self.get(0)
     }

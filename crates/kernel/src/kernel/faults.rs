@@ -133,14 +133,10 @@ impl Kernel {
 
     /// The plan of the tap that is coupled.
     fn tap_in_work(&self) -> Option<motion::TapPlan> {
-        match (&self.activity, self.queue.front()) {
-            (Activity::Tapping(run), Some(Step { kind: StepKind::Tap(plan), .. }))
-                if run.coupling().is_some() =>
-            {
-                Some(*plan)
-            }
-            _ => None,
-        }
+        let Activity::Tapping(run) = &self.activity else { return None };
+        run.coupling()?;
+        let StepKind::Tap(plan) = self.queue.front()?.kind else { return None };
+        Some(*plan)
     }
 
     /// Whose encoders are watched: those of a tap, or of a thread that is turned, and of the axis that takes a tool off the work.

@@ -106,9 +106,10 @@ impl Kernel {
 
     /// What leads the tool off a thread at a hold: nothing where the chain is not kept from its beginning.
     pub(super) fn off_thread(&self) -> Option<WayOut> {
+        let way_out = self.way_out?;
         let first = self.queue.front()?;
         let whole = matches!(first.kind, StepKind::Thread(stretch) if stretch.start.is_some());
-        self.way_out.filter(|_| whole)
+        whole.then_some(way_out)
     }
 
     /// The way off the work for an alarm, where what has failed is not what leads it.
@@ -174,10 +175,8 @@ impl Kernel {
 
     /// A thread that is being turned keeps its coupling until the spindle stands, or the chain is over.
     pub(super) fn stay_on_thread(&mut self) -> bool {
-        let (Activity::Threading, Some(step)) = (&self.activity, self.queue.get(self.chained))
-        else {
-            return false;
-        };
+        let Activity::Threading = &self.activity else { return false };
+        let Some(step) = self.queue.get(self.chained) else { return false };
         let StepKind::Thread(stretch) = step.kind else { return false };
         let Some(over) = threading::stay(&stretch, self.config.period, &mut self.drives) else {
             return false;
