@@ -161,6 +161,19 @@ pub struct Coupled {
     pub lead: Lead,
 }
 
+/// What drives do by themselves when they are left alone: the control has fallen silent, or the mains have failed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DriveReaction {
+    /// Outputs off: brakes clamp, spindles coast.
+    Off,
+    /// Spindles coast; an axis that is tied to one goes with it.
+    Coast,
+    /// Each brakes by itself.
+    QuickStop,
+    /// Coupled ones brake together.
+    CoupledStop,
+}
+
 /// What the kernel is doing; one row of `state` in the trace.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[repr(u8)]

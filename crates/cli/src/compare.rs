@@ -4,7 +4,7 @@ use crate::progress::Progress;
 use crate::{say, tables};
 use control::Refused;
 use leadscrew::compare::{CompareOptions, Compared, WAYS, compare};
-use report::Way;
+use report::TappingMethod;
 
 /// Do it; whether every hole was cut.
 pub(crate) fn command(args: &CompareArgs, quiet: bool) -> Result<bool, Refused> {
@@ -46,7 +46,7 @@ fn options(args: &CompareArgs) -> CompareOptions {
 }
 
 /// How many holes a cycle did not cut, and why the first of them.
-fn not_cut(way: &Way) -> String {
+fn not_cut(way: &TappingMethod) -> String {
     let Some(why) = way.why_not.as_ref().filter(|_| way.not_cut > 0) else { return String::new() };
     let all = way.not_cut + way.depth_errors_mm.len();
     format!(
@@ -55,7 +55,7 @@ fn not_cut(way: &Way) -> String {
     )
 }
 
-fn summary(ways: &[Way]) -> String {
+fn summary(ways: &[TappingMethod]) -> String {
     let heads = [
         "cycle",
         "holes\ncut",
@@ -66,7 +66,7 @@ fn summary(ways: &[Way]) -> String {
         "out of\ntolerance",
         "not\ncut",
     ];
-    let row = |way: &Way| {
+    let row = |way: &TappingMethod| {
         let of = |f: fn(f64, f64) -> f64, from| way.depth_errors_mm.iter().copied().fold(from, f);
         let known =
             |text: String| if way.depth_errors_mm.is_empty() { "–".to_owned() } else { text };

@@ -2,9 +2,10 @@
 use crate::args::MachineCommand;
 use crate::say;
 use crate::tables::table;
+use bus::DriveReaction;
 use control::Refused;
 use control::config::machine_file::{load, text};
-use store::machine::{self, MachineFile, Reaction};
+use store::machine::{self, MachineFile};
 
 /// Do it.
 pub(crate) fn command(order: &MachineCommand) -> Result<(), Refused> {
@@ -36,7 +37,7 @@ fn warnings(file: &MachineFile) -> impl Iterator<Item = String> {
         ("on_link_loss", drives.on_link_loss, "the control dies"),
         ("on_power_loss", drives.on_power_loss, "the mains fail"),
     ];
-    keys.into_iter().filter(|(_, reaction, _)| *reaction == Reaction::Off).map(|(key, _, when)| {
+    keys.into_iter().filter(|(_, reaction, _)| *reaction == DriveReaction::Off).map(|(key, _, when)| {
         format!(
             "[drives] {key} is \"off\": if {when} in a synchronised cut, spindle and axes run down apart, and nothing is guaranteed of the \
              tool: \"coupled-stop\", \"quick-stop\" or \"coast\" works where the drives can{}",

@@ -8,7 +8,7 @@ use units::{Length, Spin};
 use verify::{Feature, FeatureKind, Gear, GroundCam, Polygon, Thread, TurnedThread};
 
 /// Heads of a table and what stands in it.
-struct Kind {
+struct MeasureTable {
     heads: &'static [&'static str],
     rows: Vec<Vec<String>>,
 }
@@ -16,7 +16,7 @@ struct Kind {
 /// Every table; nothing if nothing was cut.
 pub(crate) fn tables(outcome: &Outcome) -> String {
     let measure = outcome.recorder.measure();
-    let mut kinds: Vec<Kind> = Vec::new();
+    let mut kinds: Vec<MeasureTable> = Vec::new();
     let mut limits = String::new();
     for group in groups(&outcome.features, measure) {
         let heads = heads(&group[0].kind);
@@ -24,7 +24,7 @@ pub(crate) fn tables(outcome: &Outcome) -> String {
         limits += &limited(&group, measure, outcome);
         match kinds.iter_mut().find(|kind| kind.heads == heads) {
             Some(kind) => kind.rows.push(row),
-            None => kinds.push(Kind { heads, rows: vec![row] }),
+            None => kinds.push(MeasureTable { heads, rows: vec![row] }),
         }
     }
     let tables = kinds.iter().map(|kind| {

@@ -6,7 +6,9 @@ use comfy_table::Cell;
 use control::Refused;
 use control::polygon::CANDIDATES;
 use forms::polygon::{Actuator, Detail, Facet, Swings};
-use leadscrew::polygon::{Aim, Design, Designed, PolygonOptions, Progress, Proof, Way, design};
+use leadscrew::polygon::{
+    Aim, Design, Designed, PolygonOptions, Progress, Proof, SolvedMotion, design,
+};
 use report::{PolygonPlan, Side};
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
@@ -82,7 +84,7 @@ fn options(args: &PolygonArgs) -> PolygonOptions {
 struct Told<'d> {
     all: &'d Designed,
     design: &'d Design,
-    best: &'d Way,
+    best: &'d SolvedMotion,
 }
 
 impl Told<'_> {

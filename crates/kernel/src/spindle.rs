@@ -35,7 +35,7 @@ const RAMP_FITS: f64 = 1e-3;
 
 /// What a spindle is doing.
 #[derive(Clone, Copy, Debug)]
-enum Order {
+enum Task {
     /// Speed control towards a speed, rev/s, on its own ramp.
     Slew(f64),
     /// Speed control along a planned ramp, since a while, s, to a speed, rev/s.
@@ -61,7 +61,7 @@ pub(crate) struct SpindleLoop {
     period_s: f64,
     lookahead_s: f64,
     inertia: f64,
-    order: Order,
+    order: Task,
     ramp: Profile,
     /// It leads a gear: position-controlled also while it only turns, and changes its speed no faster than this,
     /// rev/s².
@@ -108,7 +108,7 @@ impl SpindleLoop {
             period_s,
             lookahead_s: (config.command_delay + control.torque_lag).value() + period_s / 2.0,
             inertia,
-            order: Order::Slew(0.0),
+            order: Task::Slew(0.0),
             ramp: Profile::EMPTY,
             pace: None,
             ordered: still,
@@ -135,7 +135,7 @@ impl SpindleLoop {
         self.observer = observer(&self.control, period, feedback.angle);
         let still = Rotation { angle: feedback.angle, ..Rotation::default() };
         (self.ordered, self.before, self.ahead) = (still, still, still);
-        self.order = Order::Slew(0.0);
+        self.order = Task::Slew(0.0);
         self.release();
         self.pace = None;
         self.swing = (Swing::default(), Swing::default());
@@ -166,7 +166,7 @@ impl SpindleLoop {
     /// Turn at a speed that may change each period.
     pub(crate) fn slew_to(&mut self, spin: Spin) {
         self.release();
-        self.order = Order::Slew(spin.value());
+        self.order = Task::Slew(spin.value());
     }
 
     /// Take a reading.
@@ -228,16 +228,15 @@ impl SpindleLoop {
     /// The angle at which it is held, once it is.
     pub(crate) fn held(&self) -> Option<Angle> {
         let within = self.error.abs() <= self.control.windows.oriented.value();
-        (matches!(self.order, Order::Held) && within && self.at_rest())
-            .then_some(self.ordered.angle)
+        (matches!(self.order, Task::Held) && within && self.at_rest()).then_some(self.ordered.angle)
     }
 
     /// The ordered speed, once the spindle has it.
     pub(crate) fn at_speed(&self) -> Option<Spin> {
         let to = match self.order {
-            Order::Slew(to) if self.ordered.spin.value() == to => to,
-            Order::Ramp(..) | Order::Slew(_) => return None,
-            Order::Turn(..) | Order::Held | Order::Brake | Order::LedAngle | Order::LedSpeed => 0.0,
+            Task::Slew(to) if self.ordered.spin.value() == to => to,
+            Task::Ramp(..) | Task::Slew(_) => return None,
+            Task::Turn(..) | Task::Held | Task::Brake | Task::LedAngle | Task::LedSpeed => 0.0,
         };
         let windows = &self.control.windows;
         let window = (to.abs() * windows.at_speed).max(windows.at_rest.value());
@@ -256,9 +255,9 @@ impl SpindleLoop {
         let fits = as_planned && (begins - self.ordered.spin.value()).abs() <= RAMP_FITS;
         if fits && ramp.duration() > 0.0 && self.pace.is_none() {
             self.ramp = *ramp;
-            self.order = Order::Ramp(0.0, to);
+            self.order = Task::Ramp(0.0, to);
         } else {
-            self.order = Order::Slew(to);
+            self.order = Task::Slew(to);
         }
     }
 
@@ -283,9 +282,9 @@ impl SpindleLoop {
             return;
         }
         self.share = share;
-        let turns = matches!(self.order, Order::Slew(_) | Order::Ramp(..));
+        let turns = matches!(self.order, Task::Slew(_) | Task::Ramp(..));
         if let Some(spin) = self.programmed.filter(|_| turns && self.surface.is_none()) {
-            self.order = Order::Slew(self.overridden(spin));
+            self.order = Task::Slew(self.overridden(spin));
             self.changing_s = within_s;
         }
     }
@@ -303,32 +302,32 @@ impl SpindleLoop {
     /// Come to rest under speed control.
     pub(crate) fn stop(&mut self) {
         self.release();
-        if !matches!(self.order, Order::Slew(0.0)) {
-            self.order = Order::Slew(0.0);
+        if !matches!(self.order, Task::Slew(0.0)) {
+            self.order = Task::Slew(0.0);
         }
     }
 
     /// Come to rest in the kind of control that it is in: the stop of a fault.
     pub(crate) fn brake(&mut self) {
         self.release();
-        self.order = if self.position_controlled() { Order::Brake } else { Order::Slew(0.0) };
+        self.order = if self.position_controlled() { Task::Brake } else { Task::Slew(0.0) };
     }
 
     /// Hold it, at an angle within a turn or where it stands. It should stand; if it does not, it is
     /// stopped first and the call repeated.
     pub(crate) fn hold(&mut self, angle: Option<Angle>) {
         match self.order {
-            Order::Turn(..) => return,
-            Order::Held => {}
-            Order::LedAngle => self.order = Order::Held,
-            Order::Slew(_) | Order::Ramp(..) | Order::LedSpeed | Order::Brake => {
+            Task::Turn(..) => return,
+            Task::Held => {}
+            Task::LedAngle => self.order = Task::Held,
+            Task::Slew(_) | Task::Ramp(..) | Task::LedSpeed | Task::Brake => {
                 if !self.at_rest() {
                     return self.stop();
                 }
                 self.ordered = Rotation { angle: self.now().angle, ..Rotation::default() };
                 self.before = self.ordered;
                 self.release();
-                self.order = Order::Held;
+                self.order = Task::Held;
             }
         }
         let Some(angle) = angle else { return };
@@ -337,14 +336,14 @@ impl SpindleLoop {
         let to = from + turns - libm::round(turns);
         if (to - from).abs() > 1e-9 {
             let (spin, accel) = self.control.orient;
-            self.order = Order::Turn(Blend::new(from, to, spin.value(), accel.value()), 0.0);
+            self.order = Task::Turn(Blend::new(from, to, spin.value(), accel.value()), 0.0);
         }
     }
 
     /// A tap leads: the setpoint now, and when the torque acts.
     pub(crate) fn lead(&mut self, now: Rotation, ahead: Rotation, by_angle: bool) {
         self.release();
-        self.order = if by_angle { Order::LedAngle } else { Order::LedSpeed };
+        self.order = if by_angle { Task::LedAngle } else { Task::LedSpeed };
         self.ordered = now;
         self.ahead = ahead;
     }
@@ -353,36 +352,36 @@ impl SpindleLoop {
     pub(crate) fn advance(&mut self) {
         let h = self.period_s;
         match self.order {
-            Order::Slew(to) if self.pace.is_none() => self.slew(to),
-            Order::Slew(to) => self.slew_by_angle(to),
-            Order::Brake => self.slew_by_angle(0.0),
-            Order::Ramp(at, to) => {
+            Task::Slew(to) if self.pace.is_none() => self.slew(to),
+            Task::Slew(to) => self.slew_by_angle(to),
+            Task::Brake => self.slew_by_angle(0.0),
+            Task::Ramp(at, to) => {
                 let at = at + h;
                 if at >= self.ramp.duration() {
-                    self.order = Order::Slew(to);
+                    self.order = Task::Slew(to);
                     self.slew(to);
                 } else {
                     let (now, ahead) = (self.ramp.at(at), self.ramp.at(at + self.lookahead_s));
                     let told = self.control.own_ramps.is_some();
                     self.set_speed(now.v, if told { 0.0 } else { now.a });
                     self.ahead = rotation(0.0, ahead.v, ahead.a);
-                    self.order = Order::Ramp(at, to);
+                    self.order = Task::Ramp(at, to);
                 }
             }
-            Order::Turn(blend, at) => {
+            Task::Turn(blend, at) => {
                 let at = at + h;
                 let (now, ahead) = (blend.at(at), blend.at(at + self.lookahead_s));
                 self.ordered = rotation(now.s, now.v, now.a);
                 self.ahead = rotation(ahead.s, ahead.v, ahead.a);
                 let over = at >= blend.duration_s();
-                self.order = if over { Order::Held } else { Order::Turn(blend, at) };
+                self.order = if over { Task::Held } else { Task::Turn(blend, at) };
             }
-            Order::Held => {
+            Task::Held => {
                 self.ordered.spin = Spin::ZERO;
                 self.ordered.accel = SpinAccel::ZERO;
                 self.ahead = self.ordered;
             }
-            Order::LedAngle | Order::LedSpeed => {}
+            Task::LedAngle | Task::LedSpeed => {}
         }
     }
 
@@ -422,9 +421,9 @@ impl SpindleLoop {
     /// Its angle is controlled, not only its speed.
     pub(crate) const fn position_controlled(&self) -> bool {
         match self.order {
-            Order::Turn(..) | Order::Held | Order::LedAngle | Order::Brake => true,
-            Order::Slew(_) => self.pace.is_some(),
-            Order::Ramp(..) | Order::LedSpeed => false,
+            Task::Turn(..) | Task::Held | Task::LedAngle | Task::Brake => true,
+            Task::Slew(_) => self.pace.is_some(),
+            Task::Ramp(..) | Task::LedSpeed => false,
         }
     }
 

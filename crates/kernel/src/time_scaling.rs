@@ -32,7 +32,7 @@ use motion::{AXES, Bounds, Limits};
 
 /// A place on planned motion.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Place {
+pub(crate) struct PlannedPoint {
     /// Where.
     pub(crate) q: [f64; AXES],
     /// How fast at rate 1, per second.
@@ -46,7 +46,7 @@ pub(crate) trait Motion: Clone {
     /// Planned time passes; `false`: how motion goes on there is not known yet.
     fn pass(&mut self, time: f64) -> bool;
     /// Where it is now.
-    fn place(&self) -> Place;
+    fn place(&self) -> PlannedPoint;
 }
 
 /// A period: how long it is, s, and how much planned time passes in it at rate 1.

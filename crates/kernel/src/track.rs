@@ -5,7 +5,7 @@
 //!              ▲ now ──────────────► ▲ known
 //! ```
 use crate::queue::{Queue, StepKind};
-use crate::time_scaling::{Motion, Place};
+use crate::time_scaling::{Motion, PlannedPoint};
 use motion::{AXES, Shape};
 use motion::{Follow, Move, coordinate};
 use units::Position;
@@ -181,7 +181,7 @@ impl Motion for Ahead<'_> {
         }
     }
 
-    fn place(&self) -> Place {
+    fn place(&self) -> PlannedPoint {
         let rapid = self.track.rapid();
         match self.track {
             Track::Move(order) => {
@@ -189,12 +189,12 @@ impl Motion for Ahead<'_> {
                 at.v *= self.pace;
                 let motion = order.path.motion(at);
                 let (q, v) = (motion.position.map(Length::value), motion.speed.map(Speed::value));
-                Place { q, v, rapid }
+                PlannedPoint { q, v, rapid }
             }
             Track::Follow(order) => {
                 let (s, speed, ..) = order.at(self.at);
                 let at = order.piece.at(s);
-                Place { q: at.q, v: at.q1.map(|slope| slope * speed * self.pace), rapid }
+                PlannedPoint { q: at.q, v: at.q1.map(|slope| slope * speed * self.pace), rapid }
             }
         }
     }

@@ -2,15 +2,16 @@
 #[allow(unreachable_pub)] // as in every module that tests share
 mod campaign;
 mod common;
-use bus::Machine as _;
+use bus::{DriveReaction, Machine as _};
 use campaign::*;
 use common::TapOrder;
-use sim::{Fault, Reaction};
+use sim::Fault;
 use sync::recovery::Way;
 use units::{Angle, Length, Time};
 
 const LEFT: Work = Work { order: TapOrder { left: true, ..M8.order }, ..M8 };
-const REACTIONS: [Reaction; 3] = [Reaction::CoupledStop, Reaction::QuickStop, Reaction::Coast];
+const REACTIONS: [DriveReaction; 3] =
+    [DriveReaction::CoupledStop, DriveReaction::QuickStop, DriveReaction::Coast];
 
 #[test]
 fn a_tap_comes_out_along_its_helix_after_a_power_cut_or_a_kill() {
@@ -38,7 +39,7 @@ fn drives_and_encoders_that_fail_in_a_tap_leave_it_near_its_helix() {
     ];
     for work in [M8, LEFT] {
         for (fault, most_um) in faults {
-            let tally = whole(sweep(&work, fault, Reaction::CoupledStop, 3511, unload(&work)));
+            let tally = whole(sweep(&work, fault, DriveReaction::CoupledStop, 3511, unload(&work)));
             assert!(tally.is_good(), "{}", tally.remarks());
             assert!(tally.off_um < most_um, "{fault:?}: {} µm", tally.off_um);
         }
@@ -54,7 +55,7 @@ fn whatever_fails_in_a_tap_it_comes_out_whole() {
 
 #[test]
 fn a_stop_with_the_drives_alive_stays_on_the_coupling() {
-    let mut bench = Bench::new(&M8, Reaction::CoupledStop, 1);
+    let mut bench = Bench::new(&M8, DriveReaction::CoupledStop, 1);
     bench.go_into_tap();
     let mut how = [Stop::Hold, Stop::Abort, Stop::Alarm].into_iter().cycle();
     while bench.is_tapping() {
@@ -83,7 +84,7 @@ fn every_millisecond_left_hand() {
 
 fn every_millisecond(work: &Work, hand: &str) {
     let every = asked("STOPS_EVERY_MS", 1) as usize;
-    let mut ways = vec![(Fault::PowerCut, Reaction::QuickStop, Way::Direct)];
+    let mut ways = vec![(Fault::PowerCut, DriveReaction::QuickStop, Way::Direct)];
     for fault in [Fault::PowerCut, Fault::Kill] {
         ways.extend(REACTIONS.map(|reaction| (fault, reaction, unload(work))));
     }
@@ -137,7 +138,7 @@ fn two_thousand_stops_with_the_drives_alive() {
     for number in 0..machines {
         let mut dice = Dice(7 ^ (number << 32));
         let work = dice.work();
-        let mut bench = Bench::new(&work, Reaction::CoupledStop, number);
+        let mut bench = Bench::new(&work, DriveReaction::CoupledStop, number);
         bench.go_into_tap();
         let plan = work.order.plan();
         let whole = plan.inward.duration() + plan.outward.duration();

@@ -16,7 +16,7 @@ use crate::ends::Ends;
 use crate::heat::Heat;
 use crate::limits::MachineLimits;
 use crate::repace::{OperatorSettings, Row};
-use crate::run::{Order, Run};
+use crate::run::{OrderedMove, Run};
 use alloc::vec::Vec;
 use motion::Shape;
 use path::geometry::Segment;
@@ -96,7 +96,7 @@ impl Outbox {
     /// Go on with a move, without a stop if there can be none.
     pub(crate) fn run_on(
         &mut self,
-        order: Order,
+        order: OrderedMove,
         settings: OperatorSettings,
         limits: &MachineLimits,
         emit: &mut dyn FnMut(Step),

@@ -29,14 +29,14 @@ pub(crate) enum Alone {
 
 /// A move, both ways: as part of a run, and alone.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Order {
+pub(crate) struct OrderedMove {
     pub(crate) segment: Segment,
     pub(crate) path: Path,
     pub(crate) bound: Along,
     pub(crate) alone: Alone,
 }
 
-impl Order {
+impl OrderedMove {
     /// Revolutions per second if its feed is per revolution.
     fn spin(&self) -> Option<f64> {
         match self.alone {
@@ -77,7 +77,7 @@ impl Order {
 /// See the module's header.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Run {
-    first: Option<Order>,
+    first: Option<OrderedMove>,
     joiner: Option<Joiner>,
     pub(crate) timing: Option<Timing>,
     /// Where every line ends at rest: what cuts pieces there.
@@ -96,12 +96,12 @@ impl Run {
 
     /// The one move there is, if no second one has come.
     pub(crate) fn alone(&self) -> Option<Step> {
-        self.first.as_ref().map(Order::step)
+        self.first.as_ref().map(OrderedMove::step)
     }
 
     /// Whether a move can go on from the ones before without a stop.
-    pub(crate) fn takes(&self, order: &Order) -> bool {
-        let spin = self.first.as_ref().map_or(self.spin, Order::spin);
+    pub(crate) fn takes(&self, order: &OrderedMove) -> bool {
+        let spin = self.first.as_ref().map_or(self.spin, OrderedMove::spin);
         self.is_empty() || spin == order.spin()
     }
 
@@ -113,7 +113,7 @@ impl Run {
     /// Go on with a move; a run that begins with it is as the operator has set it.
     pub(crate) fn push(
         &mut self,
-        order: Order,
+        order: OrderedMove,
         settings: OperatorSettings,
         (limits, ends): (&MachineLimits, &Ends),
         emit: &mut dyn FnMut(Step),

@@ -25,9 +25,9 @@ mod thin;
 
 pub use measure::Measure;
 pub use page::{
-    CamPage, Comparison, CompensationPage, CompensationRow, Named, PolygonPlan, Side, Way,
-    WayOfCompensation, cam_html, comparison_html, compensation_html, feature_name, html,
-    polygon_html, um_figure,
+    CamPage, Comparison, CompensationPage, CompensationRow, Named, PolygonPlan, Side,
+    TappingMethod, WayOfCompensation, cam_html, comparison_html, compensation_html, feature_name,
+    html, polygon_html, um_figure,
 };
 pub use record::{AxisLimits, Recorder, WORST_KEPT};
 pub use recovery::{Recovery, recovery_svg};

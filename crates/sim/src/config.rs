@@ -125,7 +125,7 @@ impl Config {
         let Some(stock) = &self.stock else { return };
         let mut need = Needs { of: "stock", found };
         need.finite("top", stock.top.value(), "mm");
-        need.positive("specific cutting force", stock.material.cutting_n_per_mm2, "N/mm²");
+        need.positive("specific cutting force", stock.cutting_n_per_mm2, "N/mm²");
         if let Some(thickness) = stock.thickness {
             need.positive("thickness", thickness.value(), "mm");
         }

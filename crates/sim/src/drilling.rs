@@ -77,7 +77,7 @@ impl Drilling {
             diameter: diameter.value(),
             cone,
             sine: half_point.sin(),
-            kc: stock.material.cutting_n_per_mm2 * scale,
+            kc: stock.cutting_n_per_mm2 * scale,
             top: stock.top.value(),
             thickness: stock.thickness.map_or(f64::INFINITY, Length::value),
             feed: 0.0,

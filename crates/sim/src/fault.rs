@@ -27,8 +27,8 @@
 //! | late, missed | a command arrives one period late from then on; a single one is lost |
 //! | torque loss | the spindle gives only a share of what is ordered |
 use crate::rng::Rng;
-use crate::{Bus, Config, Reaction, RunDown};
-use bus::{Command, Feedback, Machine, Truth};
+use crate::{Bus, Config, RunDown};
+use bus::{Command, DriveReaction, Feedback, Machine, Truth};
 use units::{Angle, Length, Time, Torque};
 
 /// What the drives do by themselves.
@@ -39,9 +39,9 @@ pub struct LeftAlone {
     /// After so long without a command they take the control for dead.
     pub watchdog: Time,
     /// What they do then.
-    pub on_silence: Reaction,
+    pub on_silence: DriveReaction,
     /// What they do when the mains fail.
-    pub on_power_loss: Reaction,
+    pub on_power_loss: DriveReaction,
     /// What they live on meanwhile; without, outputs are off at once.
     pub bus: Option<Bus>,
 }
@@ -226,7 +226,7 @@ impl<M: Machine> Faulty<M> {
             (Some(run_down), _) => run_down.command(&now),
             (None, Some(alone)) if no_power || self.silent >= alone.watchdog => {
                 let reaction = match (no_power, alone.bus) {
-                    (true, None) => Reaction::Off,
+                    (true, None) => DriveReaction::Off,
                     (true, Some(_)) => alone.on_power_loss,
                     (false, _) => alone.on_silence,
                 };

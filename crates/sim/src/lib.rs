@@ -51,14 +51,14 @@ pub use grinding::{Blank, Grinding, NODES, Wheel};
 pub use machine::SimulatedMachine;
 pub use plain_drive::PlainDrive;
 pub use plant::{AxisErrors, AxisScatter, SpindleScatter};
-pub use run_down::{Bus, Reaction, RunDown};
+pub use run_down::{Bus, RunDown};
 pub use signals::{Input, InputSource};
 pub use spindle::SpindleModel;
 pub use tool::{CLUTCH_RUN_OUT, Clutch, HOLDER_STOP, Holder, Tap, Tool, ToolKind};
 pub use touch::{Boss, ToolSetter, TouchProbe};
 pub use turning::{Bar, Insert, KIENZLE, Kienzle};
 pub use wear::TapWear;
-pub use work::{Bore, Hole, MATERIALS, Material, SAME_HOLE, Sides, Stock, Thread};
+pub use work::{Bore, Hole, SAME_HOLE, Sides, Stock, Thread};
 
 #[cfg(test)]
 extern crate self as sim;

@@ -23,7 +23,7 @@
 //! | η | share of the braking power that reaches the bus | 1 |
 //! | M, J | moved mass, inertia | kg, kg·m² |
 use crate::{AxisModel, Config, SpindleModel};
-use bus::{AxisCommand, Command, Coupled, Feedback, SpindleCommand};
+use bus::{AxisCommand, Command, Coupled, DriveReaction, Feedback, SpindleCommand};
 use core::f64::consts::TAU;
 use units::{Force, Length, SpinAccel, Time, Torque};
 
@@ -46,19 +46,6 @@ const RETURNED: f64 = 0.8;
 /// Standard gravity, m/s² (CGPM 1901).
 const GRAVITY: f64 = 9.806_65;
 
-/// What drives do by themselves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reaction {
-    /// Outputs off.
-    Off,
-    /// Spindles coast, what is tied to one goes with it.
-    Coast,
-    /// Each brakes by itself.
-    QuickStop,
-    /// Coupled ones brake together.
-    CoupledStop,
-}
-
 /// The DC bus of drives whose mains have failed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bus {
@@ -73,7 +60,7 @@ pub struct Bus {
 /// Drives left alone.
 #[derive(Clone, Debug)]
 pub struct RunDown {
-    reaction: Reaction,
+    reaction: DriveReaction,
     coupled: Option<Coupled>,
     axes: Vec<(usize, AxisDrive)>,
     spindles: Vec<SpindleDrive>,
@@ -120,7 +107,7 @@ impl RunDown {
     /// Begin, after this command and this feedback. `bus`: the mains have failed.
     pub fn new(
         config: &Config,
-        reaction: Reaction,
+        reaction: DriveReaction,
         bus: Option<Bus>,
         last: &Command,
         feedback: &Feedback,
@@ -148,7 +135,7 @@ impl RunDown {
             still_s: 0.0,
             energy: bus.map(energy),
             reserve: bus.map_or(0.0, |bus| 0.5 * energy(bus)),
-            off: reaction == Reaction::Off || !powered,
+            off: reaction == DriveReaction::Off || !powered,
         }
     }
 
@@ -181,15 +168,15 @@ impl RunDown {
         let mut command = Command { tool: self.tool, ..Command::default() };
         for (drive, order) in self.spindles.iter_mut().zip(&mut command.spindles) {
             *order = match self.reaction {
-                Reaction::QuickStop | Reaction::CoupledStop => drive.brake(self.period_s),
-                Reaction::Off | Reaction::Coast => drive.coast(),
+                DriveReaction::QuickStop | DriveReaction::CoupledStop => drive.brake(self.period_s),
+                DriveReaction::Off | DriveReaction::Coast => drive.coast(),
             };
         }
         for (index, drive) in &mut self.axes {
             let leader = self.coupled.filter(|c| usize::from(c.axis) == *index);
             let leader = leader.and_then(|c| Some((c, self.spindles.get(usize::from(c.spindle))?)));
             command.axes[*index] = match (leader, self.reaction) {
-                (Some((coupled, spindle)), Reaction::QuickStop) => {
+                (Some((coupled, spindle)), DriveReaction::QuickStop) => {
                     drive.ramp(&coupled, spindle, self.period_s)
                 }
                 (Some((coupled, spindle)), _) => drive.follow(&coupled, spindle, self.period_s),
@@ -197,8 +184,10 @@ impl RunDown {
             };
         }
         self.draw();
-        if self.reaction == Reaction::Coast && self.energy.is_some_and(|left| left < self.reserve) {
-            self.reaction = Reaction::CoupledStop;
+        if self.reaction == DriveReaction::Coast
+            && self.energy.is_some_and(|left| left < self.reserve)
+        {
+            self.reaction = DriveReaction::CoupledStop;
         }
         self.off = self.still_s > STILL_S || self.energy.is_some_and(|left| left < 0.0);
         command

@@ -179,7 +179,7 @@ impl Tapping {
         let made = &stock.holes[hole];
         let (bored, bored_to) = pilot(made, diameter, pitch);
         let thickness = stock.thickness.map_or(f64::INFINITY, Length::value);
-        let kc = stock.material.cutting_n_per_mm2 * scale;
+        let kc = stock.cutting_n_per_mm2 * scale;
         let ground = if bored_to >= thickness { f64::INFINITY } else { bored_to };
         // a thread shorter than one pitch guides nothing
         let guide = made.thread.filter(|t| t.lead == tap.lead && t.tip_depth.value() > pitch);

@@ -190,7 +190,7 @@ fn to_plate(setter: &ToolSetter, tip: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::work::{Material, Sides};
+    use crate::work::Sides;
     use core::f64::consts::PI;
 
     const PROBE: TouchProbe = TouchProbe {
@@ -209,7 +209,7 @@ mod tests {
                 y_from: Length::mm(0.0),
                 y_to: Length::mm(40.0),
             }),
-            material: Material { cutting_n_per_mm2: 1000.0 },
+            cutting_n_per_mm2: 1000.0,
             holes: Vec::new(),
             assume_predrilled: true,
         }

@@ -14,33 +14,6 @@
 //! and perhaps a thread. Depths count from the surface, positive downwards.
 use units::{Angle, Lead, Length};
 
-/// What the work is made of.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Material {
-    /// Specific cutting force kc, N/mm².
-    pub cutting_n_per_mm2: f64,
-}
-
-/// Materials with published cutting forces, N/mm² (tap makers' tables).
-pub const MATERIALS: [(&str, Material); 6] = [
-    ("C45", Material { cutting_n_per_mm2: 3900.0 }),
-    ("42CrMo4", Material { cutting_n_per_mm2: 3600.0 }),
-    ("stainless", Material { cutting_n_per_mm2: 4200.0 }),
-    ("GG25", Material { cutting_n_per_mm2: 2900.0 }),
-    ("AlSi", Material { cutting_n_per_mm2: 1300.0 }),
-    ("brass", Material { cutting_n_per_mm2: 2300.0 }),
-];
-
-impl Material {
-    /// By name, in any case.
-    pub fn named(name: &str) -> Option<Self> {
-        MATERIALS
-            .into_iter()
-            .find(|(n, _)| n.eq_ignore_ascii_case(name))
-            .map(|(_, material)| material)
-    }
-}
-
 /// The workpiece before the run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stock {
@@ -50,8 +23,8 @@ pub struct Stock {
     pub thickness: Option<Length>,
     /// How far it reaches in X and Y; `None` is farther than any axis.
     pub sides: Option<Sides>,
-    /// What it is made of.
-    pub material: Material,
+    /// Specific cutting force kc of its material in tapping, N/mm².
+    pub cutting_n_per_mm2: f64,
     /// Holes that are there already.
     pub holes: Vec<Hole>,
     /// A tap that finds no hole is taken to find one of diameter D − P, deep enough. Otherwise it finds

@@ -182,7 +182,7 @@ fn no_number_of_a_config_may_be_missing() {
         |c, x| c.magazine[0].length = Length::mm(x),
         |c, x| c.stock.as_mut().unwrap().top = Length::mm(x),
         |c, x| c.stock.as_mut().unwrap().thickness = Some(Length::mm(x)),
-        |c, x| c.stock.as_mut().unwrap().material.cutting_n_per_mm2 = x,
+        |c, x| c.stock.as_mut().unwrap().cutting_n_per_mm2 = x,
     ];
     for (at, put) in poison.iter().enumerate() {
         let mut config = tapping_center();

@@ -1,9 +1,9 @@
 //! Drives that are left alone come to rest, together where they can.
 mod fixtures;
-use bus::{Command, Coupled, Feedback, Machine};
+use bus::{Command, Coupled, DriveReaction, Feedback, Machine};
 use core::f64::consts::TAU;
 use fixtures::tapping_center;
-use sim::{Bus, Reaction, RunDown, SimulatedMachine};
+use sim::{Bus, RunDown, SimulatedMachine};
 use units::{Force, Lead, Speed, Spin, Time, Torque};
 
 /// Spindle at 1000 rpm and Z at 1.25 mm per turn, driven there by hand; in the air.
@@ -38,7 +38,7 @@ fn moving() -> (SimulatedMachine, Command, Feedback) {
 }
 
 /// Distance from the line at rest and at the worst, mm; turns run down; time taken.
-fn run_down(reaction: Reaction, bus: Option<Bus>) -> (f64, f64, f64, Time) {
+fn run_down(reaction: DriveReaction, bus: Option<Bus>) -> (f64, f64, f64, Time) {
     let (mut machine, command, begin) = moving();
     let mut drives = RunDown::new(&tapping_center(), reaction, bus, &command, &begin);
     let mut worst = 0.0_f64;
@@ -61,14 +61,14 @@ fn coasting_takes_the_turns_that_friction_allows() {
     // J·ω·dω/dθ = −(c₀ + c₁ω), integrated from ω₀ to 0
     let (c0, c1, j, w0): (f64, f64, f64, f64) = (0.3, 0.0012, 0.010, 1000.0 / 60.0 * TAU);
     let exact = j / c1 * (w0 - c0 / c1 * (1.0 + c1 * w0 / c0).ln()) / TAU;
-    let (_, _, turned, _) = run_down(Reaction::Off, None);
+    let (_, _, turned, _) = run_down(DriveReaction::Off, None);
     assert!((turned - exact).abs() < 0.03 * exact, "{turned} turns, exact {exact}");
 }
 
 #[test]
 fn a_quick_stop_takes_the_turns_of_the_drives_torque() {
     let exact = 0.010 * (1000.0 / 60.0 * TAU).powi(2) / 2.0 / (0.95 * 42.0) / TAU;
-    let (off, _, turned, time) = run_down(Reaction::QuickStop, None);
+    let (off, _, turned, time) = run_down(DriveReaction::QuickStop, None);
     assert!((turned - exact).abs() < 0.25 * exact, "{turned} turns, exact {exact}");
     // each on its own ramp of the same length: what is left is the drives' lag and the speed loops' error
     assert!(off.abs() < 0.1, "spindle and feed stop {off} mm apart");
@@ -77,14 +77,14 @@ fn a_quick_stop_takes_the_turns_of_the_drives_torque() {
 
 #[test]
 fn an_axis_tied_to_a_coasting_spindle_goes_with_it() {
-    let (_, worst, turned, _) = run_down(Reaction::Coast, None);
+    let (_, worst, turned, _) = run_down(DriveReaction::Coast, None);
     assert!(worst < 0.020, "{worst} mm");
     assert!(turned > 5.0, "it coasted: {turned} turns");
 }
 
 #[test]
 fn a_coupled_stop_stays_on_the_line() {
-    let (off, worst, turned, _) = run_down(Reaction::CoupledStop, None);
+    let (off, worst, turned, _) = run_down(DriveReaction::CoupledStop, None);
     assert!(worst < 0.020, "{worst} mm at the worst, {off} mm at rest");
     assert!(turned > 0.1, "it stopped at once: {turned}");
 }
@@ -92,14 +92,14 @@ fn a_coupled_stop_stays_on_the_line() {
 #[test]
 fn the_braking_spindle_pays_for_a_coupled_stop_without_mains() {
     let bus = Bus { farad: 820e-6, volt: 565.0, trip_volt: 250.0 };
-    let (_, worst, ..) = run_down(Reaction::CoupledStop, Some(bus));
+    let (_, worst, ..) = run_down(DriveReaction::CoupledStop, Some(bus));
     assert!(worst < 0.020, "{worst} mm");
 }
 
 #[test]
 fn an_empty_bus_ends_in_coasting() {
     let bus = Bus { farad: 1e-9, volt: 565.0, trip_volt: 564.0 };
-    let (_, worst, turned, _) = run_down(Reaction::CoupledStop, Some(bus));
+    let (_, worst, turned, _) = run_down(DriveReaction::CoupledStop, Some(bus));
     assert!(turned > 0.1 && worst > 0.0, "{turned} {worst}");
 }
 
@@ -109,6 +109,6 @@ fn drives_that_are_off_already_stay_off() {
     let machine = SimulatedMachine::new(config.clone()).expect("the fixture is a machine");
     let nothing = Command::default();
     let mut drives =
-        RunDown::new(&config, Reaction::QuickStop, None, &nothing, &machine.feedback());
+        RunDown::new(&config, DriveReaction::QuickStop, None, &nothing, &machine.feedback());
     assert_eq!(drives.command(&machine.feedback()), nothing);
 }

@@ -30,7 +30,7 @@ use units::Time;
 pub struct Judge {
     config: Config,
     /// Ordered and not yet judged, in order; the front is being cut once `track` is there.
-    orders: VecDeque<Order>,
+    orders: VecDeque<OrderedFeature>,
     track: Option<Track>,
     /// The tool that the ops so far have put into the spindle.
     tool_ordered: Option<u32>,
@@ -53,7 +53,7 @@ pub struct Judge {
 
 /// One feature that the program orders.
 #[derive(Clone, Debug)]
-struct Order {
+struct OrderedFeature {
     first: u32,
     /// First op that is no longer part of it; `None` while that is not known.
     end: Option<u32>,
@@ -191,7 +191,7 @@ impl Judge {
             _ => return,
         };
         self.last_ordered = Some(index);
-        self.orders.push_back(Order {
+        self.orders.push_back(OrderedFeature {
             first: index,
             end,
             span: op.span,
@@ -312,7 +312,7 @@ impl Judge {
 }
 
 impl Track {
-    fn new(order: &Order, number: Option<u32>, config: &Config) -> Self {
+    fn new(order: &OrderedFeature, number: Option<u32>, config: &Config) -> Self {
         let tool: Option<&Tool> = number.and_then(|number| config.tools.get(number));
         let stroke = match &order.what {
             What::Hole(hole) => Stroke::of_hole(hole),

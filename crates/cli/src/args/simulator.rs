@@ -1,5 +1,7 @@
 //! The arguments of `leadscrew simulator` and `leadscrew recover`.
 use super::{Format, ProgramArgs};
+use bus::DriveReaction;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -34,10 +36,10 @@ pub(crate) struct SimulatorArgs {
     #[arg(long, value_name = "SECONDS", value_delimiter = ',')]
     pub(crate) power_cut_at: Vec<f64>,
     /// What the drives do when the control falls silent [default: the machine's]
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = drive_reaction())]
     pub(crate) on_link_loss: Option<DriveReaction>,
     /// What they do when the mains fail [default: the machine's]
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = drive_reaction())]
     pub(crate) on_power_loss: Option<DriveReaction>,
     /// The spindle's encoder does not count turns without power [default: the machine's]
     #[arg(long)]
@@ -50,29 +52,21 @@ pub(crate) struct SimulatorArgs {
     pub(crate) epoch: Option<u64>,
 }
 
-/// What drives do that are left alone.
-#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum DriveReaction {
-    /// Outputs off: brakes clamp, spindles coast
-    Off,
-    /// Spindles coast; an axis that is tied to one goes with it
-    Coast,
-    /// Each brakes by itself
-    QuickStop,
-    /// Coupled ones brake together
-    CoupledStop,
+/// What drives do that are left alone, by its name in machine files.
+fn drive_reaction() -> impl TypedValueParser<Value = DriveReaction> {
+    let values = DRIVE_REACTIONS.map(|(name, help, _)| PossibleValue::new(name).help(help));
+    PossibleValuesParser::new(values).try_map(|name| {
+        let named = DRIVE_REACTIONS.into_iter().find(|(known, ..)| *known == name);
+        named.map(|(.., reaction)| reaction).ok_or("no such reaction")
+    })
 }
 
-impl From<DriveReaction> for store::machine::Reaction {
-    fn from(reaction: DriveReaction) -> Self {
-        match reaction {
-            DriveReaction::Off => Self::Off,
-            DriveReaction::Coast => Self::Coast,
-            DriveReaction::QuickStop => Self::QuickStop,
-            DriveReaction::CoupledStop => Self::CoupledStop,
-        }
-    }
-}
+const DRIVE_REACTIONS: [(&str, &str, DriveReaction); 4] = [
+    ("off", "Outputs off: brakes clamp, spindles coast", DriveReaction::Off),
+    ("coast", "Spindles coast; an axis that is tied to one goes with it", DriveReaction::Coast),
+    ("quick-stop", "Each brakes by itself", DriveReaction::QuickStop),
+    ("coupled-stop", "Coupled ones brake together", DriveReaction::CoupledStop),
+];
 
 /// `leadscrew recover`.
 #[derive(Args, Debug, Clone)]

@@ -73,9 +73,9 @@ fn tapping(machine: &MachineFile) -> Tapping {
 
 /// When a spindle is left to coast. A DC bus pays for braking where there is one, unless the outputs are off.
 pub(super) fn coasts(drives: &store::machine::Drives) -> plan::Coasts {
-    use store::machine::Reaction;
-    let coasts = |reaction| matches!(reaction, Reaction::Coast | Reaction::Off);
-    let unpaid = drives.on_power_loss == Reaction::Off || drives.bus.is_none();
+    use bus::DriveReaction;
+    let coasts = |reaction| matches!(reaction, DriveReaction::Coast | DriveReaction::Off);
+    let unpaid = drives.on_power_loss == DriveReaction::Off || drives.bus.is_none();
     plan::Coasts {
         on_link_loss: coasts(drives.on_link_loss),
         on_power_loss: coasts(drives.on_power_loss) && unpaid,

@@ -1,8 +1,8 @@
 //! The simulated machine: axes, spindles, magazine and workpiece for the simulator.
 use canon::{Flute, Holder, Position, Tool, ToolKind, ToolLibrary};
 use store::machine::{
-    Axis, InputModel, InputSource, MachineFile, Material, Motor, PlantScatter, PositionFrom,
-    Reaction, Round, Spindle, TapSeat, eccentric,
+    Axis, InputModel, InputSource, MachineFile, Material, Motor, PlantScatter, PositionFrom, Round,
+    Spindle, TapSeat, eccentric,
 };
 use units::{Angle, Inertia, Lead, Length};
 
@@ -50,7 +50,7 @@ pub fn simulator(
                 y_from: stands[1] + stock.from[1],
                 y_to: stands[1] + stock.to[1],
             }),
-            material: sim::Material { cutting_n_per_mm2: material.cutting_force_n_per_mm2 },
+            cutting_n_per_mm2: material.cutting_force_n_per_mm2,
             holes: machine.setup.holes.iter().map(|hole| hole_of(hole, stands)).collect(),
             assume_predrilled: true,
         }),
@@ -65,22 +65,13 @@ pub fn left_alone(machine: &MachineFile, config: &sim::Config) -> sim::LeftAlone
     sim::LeftAlone {
         config: config.clone(),
         watchdog: drives.watchdog,
-        on_silence: reaction(drives.on_link_loss),
-        on_power_loss: reaction(drives.on_power_loss),
+        on_silence: drives.on_link_loss,
+        on_power_loss: drives.on_power_loss,
         bus: drives.bus.map(|bus| sim::Bus {
             farad: bus.capacitance_f,
             volt: bus.voltage_v,
             trip_volt: bus.trip_v,
         }),
-    }
-}
-
-const fn reaction(file: Reaction) -> sim::Reaction {
-    match file {
-        Reaction::Off => sim::Reaction::Off,
-        Reaction::Coast => sim::Reaction::Coast,
-        Reaction::QuickStop => sim::Reaction::QuickStop,
-        Reaction::CoupledStop => sim::Reaction::CoupledStop,
     }
 }
 
@@ -298,7 +289,7 @@ pub fn bar(machine: &MachineFile, config: &sim::Config) -> Option<sim::Bar> {
         bore: machine.setup.stock.bore / 2.0,
         face: stock.top,
         rear: stock.top - thickness,
-        force: turning_force(machine, stock.material.cutting_n_per_mm2),
+        force: turning_force(machine, stock.cutting_n_per_mm2),
     })
 }
 

@@ -39,7 +39,7 @@ const FLOOR_COUNTS: f64 = 0.05;
 const BISECTIONS: u32 = 20;
 
 /// What the program orders.
-enum Order {
+enum PolygonOrder {
     Work(Spin),
     Gear(Box<Polygon>),
     Measure(u32),
@@ -67,7 +67,7 @@ struct Follower {
 /// The host of polygon turning.
 pub struct PolygonHost {
     machine: MachineFile,
-    orders: VecDeque<(u32, Order)>,
+    orders: VecDeque<(u32, PolygonOrder)>,
     work: Spin,
     polygon: Option<Box<Polygon>>,
     followers: Vec<Follower>,
@@ -100,10 +100,12 @@ impl PolygonHost {
     /// What the program orders.
     pub fn op(&mut self, index: u32, op: &Op) {
         let order = match &op.kind {
-            OpKind::Spindle { spindle: 0, order: SpindleOrder::Turn(spin) } => Order::Work(*spin),
-            OpKind::Polygon(polygon) => Order::Gear(Box::new(polygon.clone())),
-            OpKind::PolygonMeasure { looks } => Order::Measure(*looks),
-            OpKind::PolygonEnd => Order::End,
+            OpKind::Spindle { spindle: 0, order: SpindleOrder::Turn(spin) } => {
+                PolygonOrder::Work(*spin)
+            }
+            OpKind::Polygon(polygon) => PolygonOrder::Gear(Box::new(polygon.clone())),
+            OpKind::PolygonMeasure { looks } => PolygonOrder::Measure(*looks),
+            OpKind::PolygonEnd => PolygonOrder::End,
             _ => return,
         };
         self.orders.push_back((index, order));
@@ -114,10 +116,10 @@ impl PolygonHost {
         while self.orders.front().is_some_and(|(index, _)| *index <= sample.report.op) {
             let Some((_, order)) = self.orders.pop_front() else { return };
             match order {
-                Order::Work(spin) => self.work = spin,
-                Order::Gear(polygon) => self.polygon = Some(polygon),
-                Order::Measure(looks) => self.begin(looks),
-                Order::End => (self.polygon, self.looks_left) = (None, 0),
+                PolygonOrder::Work(spin) => self.work = spin,
+                PolygonOrder::Gear(polygon) => self.polygon = Some(polygon),
+                PolygonOrder::Measure(looks) => self.begin(looks),
+                PolygonOrder::End => (self.polygon, self.looks_left) = (None, 0),
             }
         }
         let Some(polygon) = self.polygon.as_ref().filter(|_| self.looks_left > 0) else { return };

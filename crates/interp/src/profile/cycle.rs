@@ -18,7 +18,7 @@ use crate::{
     out::Out,
     profile::parallel::parallel,
     profile::record,
-    profile::recording::{Order, Recording},
+    profile::recording::{ProfileOrder, Recording},
     profile::roughing::{Manner, Part, Roughing, rough},
     profile::shape::{Facing, Profile, Stroke, Unfit},
     target,
@@ -54,16 +54,16 @@ pub(crate) fn turning<S: Sink>(ex: &mut Executor, tenths: u16, out: &mut Out<'_,
     Ok(())
 }
 
-fn finishing(words: &Words) -> Outcome<Order> {
+fn finishing(words: &Words) -> Outcome<ProfileOrder> {
     let passes = words.whole(b'P', 1_000)?.unwrap_or(1);
     if passes == 0 {
         return refuse("I0583", words.span(b'P'), "P counts passes: 1 or more");
     }
     let [first, last] = [b'D', b'E'].map(|letter| words.get(letter).unwrap_or(0.0));
-    Ok(Order::Finish { first, last, passes })
+    Ok(ProfileOrder::Finish { first, last, passes })
 }
 
-fn roughing(words: &Words, tenths: u16) -> Outcome<Order> {
+fn roughing(words: &Words, tenths: u16) -> Outcome<ProfileOrder> {
     let [step, retract] =
         [(b'I', 1.0), (b'R', 0.5)].map(|(letter, usual)| words.get(letter).unwrap_or(usual));
     if step <= 0.0 {
@@ -81,7 +81,7 @@ fn roughing(words: &Words, tenths: u16) -> Outcome<Order> {
     };
     let how = Roughing { part, step, retract, manner: Manner::LinuxCnc };
     let leave = words.get(b'D').unwrap_or(0.0);
-    Ok(Order::Rough { across: tenths >= 720, leave, how })
+    Ok(ProfileOrder::Rough { across: tenths >= 720, leave, how })
 }
 
 /// The profile is known: cut it.
@@ -102,16 +102,18 @@ pub(crate) fn cut_profile<S: Sink>(
     };
     let start = [recording.start[2], recording.start[0]];
     let strokes = profile.and_then(|profile| match recording.order {
-        Order::Finish { first, last, passes } => finish(start, &profile, first, last, passes),
-        Order::Rough { across, leave, how } => roughed(start, &profile, across, leave, how),
-        Order::Along => Ok(recording.with_feeds(start)),
-        Order::Shifted { across, shift, how } => {
+        ProfileOrder::Finish { first, last, passes } => {
+            finish(start, &profile, first, last, passes)
+        }
+        ProfileOrder::Rough { across, leave, how } => roughed(start, &profile, across, leave, how),
+        ProfileOrder::Along => Ok(recording.with_feeds(start)),
+        ProfileOrder::Shifted { across, shift, how } => {
             let from = plus(start, shift);
             let strokes = roughed(from, &profile.shifted(shift), across, 0.0, how)?;
             let back = (!strokes.is_empty()).then_some(Stroke::Rapid(start));
             Ok(strokes.into_iter().chain(back).collect())
         }
-        Order::Repeat { relief, shift, times } => {
+        ProfileOrder::Repeat { relief, shift, times } => {
             Ok(repeated(start, &profile, relief, shift, times))
         }
     });

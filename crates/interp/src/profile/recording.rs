@@ -14,7 +14,7 @@ use crate::{
 #[derive(Clone)]
 pub(crate) struct Recording {
     /// What to do with it.
-    pub(crate) order: Order,
+    pub(crate) order: ProfileOrder,
     /// The cycle's block.
     pub(crate) place: Place,
     /// Where the cycle begins: while a profile is taken down, the state's position is the profile's.
@@ -35,7 +35,7 @@ pub(crate) struct Recording {
 pub(crate) const MAX_MOVES: usize = 10_000;
 
 impl Recording {
-    pub(crate) fn new(order: Order, place: Place, start: Point) -> Self {
+    pub(crate) fn new(order: ProfileOrder, place: Place, start: Point) -> Self {
         Self {
             order,
             place,
@@ -97,7 +97,7 @@ impl Recording {
 
 /// What is to be done with a profile.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Order {
+pub(crate) enum ProfileOrder {
     /// Along it, at distances that shrink from `first` towards `last`.
     Finish { first: f64, last: f64, passes: u32 },
     /// Clear what lies over it.

@@ -16,7 +16,7 @@ use crate::encoder_plausibility::Tied;
 use crate::event::EventKind;
 use crate::execute::Activity;
 use crate::fault::{Fault, FaultKind, Reaction};
-use crate::queue::{Step, StepKind};
+use crate::queue::StepKind;
 use crate::spindle::SpindleLoop;
 use bus::Feedback;
 

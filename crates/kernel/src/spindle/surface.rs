@@ -1,5 +1,5 @@
 //! Constant surface speed (G96): the speed by the place of X, n = v/(2π·r), period by period.
-use super::{Order, SpindleLoop};
+use super::{SpindleLoop, Task};
 use motion::SurfaceSpeed;
 use units::{Length, Spin};
 
@@ -17,7 +17,7 @@ impl SpindleLoop {
         let spin = surface.at(x).value();
         let limit = surface.limit.abs().value();
         self.programmed = Some(spin);
-        self.order = Order::Slew(self.overridden(spin).clamp(-limit, limit));
+        self.order = Task::Slew(self.overridden(spin).clamp(-limit, limit));
     }
 
     /// The speed that a cut needs where it turns by the place of X: the one that its ramps have reached.

@@ -34,9 +34,9 @@ impl Motion for Along<'_> {
         true
     }
 
-    fn place(&self) -> Place {
+    fn place(&self) -> PlannedPoint {
         self.looks.set(self.looks.get() + 1);
-        let mut place = Place::default();
+        let mut place = PlannedPoint::default();
         match self.plan {
             Plan::Line { speed } => (place.q[0], place.v[0]) = (speed * self.at, speed),
             Plan::Circle { radius, speed } => {

@@ -3,10 +3,10 @@ use super::draw::Part;
 use super::fate::{End, Fate};
 use super::work::{Work, op, tool};
 use crate::common::*;
-use bus::{Machine, Sample, Truth};
+use bus::{DriveReaction, Machine, Sample, Truth};
 use canon::ToolLibrary;
 use kernel::{EventKind, Kernel, Notice, Order, RecoveryPlan};
-use sim::{Bus, Fault, Faulty, LeftAlone, Reaction, SimulatedMachine};
+use sim::{Bus, Fault, Faulty, LeftAlone, SimulatedMachine};
 use sync::leaving::{Leaving, Setting};
 use sync::recovery::{Point, Stored, Way};
 use units::{Accel, Angle, Length, Speed, Spin, SpinAccel, Time};
@@ -34,7 +34,7 @@ pub struct Bench {
 
 impl Bench {
     /// At the R plane, the tap in the spindle.
-    pub fn new(work: &Work, reaction: Reaction, seed: u64) -> Self {
+    pub fn new(work: &Work, reaction: DriveReaction, seed: u64) -> Self {
         let mut model = machine_with_work(1, &work.order, work.diameter_mm);
         model.axes.retain(|(index, _)| *index == 2);
         model.axes[0].1.start = Length::mm(work.order.from_mm);
@@ -52,7 +52,7 @@ impl Bench {
             watchdog: Time::s(5e-3),
             on_silence: reaction,
             on_power_loss: reaction,
-            bus: (reaction != Reaction::Off).then_some(bus),
+            bus: (reaction != DriveReaction::Off).then_some(bus),
         };
         let mut kernel = Kernel::new(control(&model));
         for kind in tapping(&work.order).into_iter().skip(1) {

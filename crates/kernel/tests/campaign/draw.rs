@@ -3,9 +3,9 @@ use super::bench::{Bench, Case};
 use super::fate::Tally;
 use super::work::{M8, RIGID, Work, unload};
 use crate::common::{PERIOD, TapOrder};
-use bus::Machine as _;
+use bus::{DriveReaction, Machine as _};
 use core::f64::consts::PI;
-use sim::{Fault, Reaction};
+use sim::Fault;
 use std::collections::BTreeMap;
 use sync::recovery::Way;
 use units::{Angle, Length, Stiffness, Time};
@@ -32,7 +32,7 @@ impl Part {
 pub fn sweep(
     work: &Work,
     fault: Fault,
-    reaction: Reaction,
+    reaction: DriveReaction,
     every: usize,
     way: Way,
 ) -> BTreeMap<Part, Tally> {
@@ -146,12 +146,12 @@ fn cut_n_m(diameter: f64, pitch: f64) -> f64 {
 }
 
 /// What the drives do when they are alone, for people.
-pub const fn name(reaction: Reaction) -> &'static str {
+pub const fn name(reaction: DriveReaction) -> &'static str {
     match reaction {
-        Reaction::Off => "outputs off",
-        Reaction::Coast => "coasting",
-        Reaction::QuickStop => "quick stop",
-        Reaction::CoupledStop => "coupled stop",
+        DriveReaction::Off => "outputs off",
+        DriveReaction::Coast => "coasting",
+        DriveReaction::QuickStop => "quick stop",
+        DriveReaction::CoupledStop => "coupled stop",
     }
 }
 
@@ -161,7 +161,11 @@ pub fn random(count: u32, seed: u64, mut told: impl FnMut(u32)) -> BTreeMap<Stri
     for number in 0..count {
         let mut dice = Dice(seed ^ (u64::from(number) << 32));
         let (work, fault) = (dice.work(), dice.fault());
-        let reaction = dice.one_of(&[Reaction::CoupledStop, Reaction::QuickStop, Reaction::Coast]);
+        let reaction = dice.one_of(&[
+            DriveReaction::CoupledStop,
+            DriveReaction::QuickStop,
+            DriveReaction::Coast,
+        ]);
         let way = if dice.unit() < 0.5 { Way::Direct } else { unload(&work) };
         let mut bench = Bench::new(&work, reaction, u64::from(number));
         bench.go_into_tap();

@@ -16,7 +16,7 @@ use control::config;
 use control::job::ProgramOptions;
 use control::plant::Plant;
 use plan::{PlainDrive, TapMethod, Unsynchronised};
-use report::{Comparison, Way};
+use report::{Comparison, TappingMethod};
 use std::path::PathBuf;
 use units::{Angle, Length, Spin, Stiffness, Time};
 use verify::{Feature, FeatureKind};
@@ -220,8 +220,8 @@ fn way(
     program: &Program,
     drive: sim::PlainDrive,
     progress: &mut dyn FnMut(),
-) -> Result<Way, Refused> {
-    let mut way = Way {
+) -> Result<TappingMethod, Refused> {
+    let mut way = TappingMethod {
         name: case.name.to_owned(),
         depth_errors_mm: Vec::new(),
         failed: 0,

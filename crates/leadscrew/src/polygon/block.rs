@@ -1,5 +1,5 @@
 //! The block that cuts a design, and what stands around it.
-use super::{CANDIDATES, Design, Way, refuse};
+use super::{CANDIDATES, Design, SolvedMotion, refuse};
 use control::polygon::oscillation::NOT_WORTH_MM;
 use forms::polygon::{Actuator, Solution, Term};
 use std::collections::BTreeSet;
@@ -13,7 +13,7 @@ const READABLE: usize = 16;
 
 impl Design {
     /// The block to use, and what stands around it; what would be a page of harmonics is left to the control.
-    pub fn gcode(&self, way: &Way) -> String {
+    pub fn gcode(&self, way: &SolvedMotion) -> String {
         let written = self.program(&way.solution, self.work, self.length, None);
         let count = written.lines().filter(|line| line.starts_with("G51.3")).count();
         if count <= READABLE || self.harmonics.is_some() {

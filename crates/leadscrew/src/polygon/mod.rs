@@ -61,7 +61,7 @@ pub struct Aim {
 }
 
 /// One way, solved.
-pub struct Way {
+pub struct SolvedMotion {
     /// Who swings.
     pub name: &'static str,
     /// What comes of it.
@@ -116,7 +116,7 @@ pub struct Designed {
     /// What was asked.
     pub design: Design,
     /// Every way that this machine has.
-    pub ways: Vec<Way>,
+    pub ways: Vec<SolvedMotion>,
     /// Which of them is taken.
     pub best: usize,
     /// A flatness that is aimed at, and the fastest speed with it, if there is one.
@@ -146,7 +146,7 @@ pub fn design(
 ) -> Result<Designed, Refused> {
     let design = Design::of(options)?;
     let way = |(name, who)| design.solve(name, who, design.work, &design.phases, Detail::Full);
-    let ways: Vec<Way> = design.candidates().filter_map(way).collect();
+    let ways: Vec<SolvedMotion> = design.candidates().filter_map(way).collect();
     let Some(best) = best(&ways) else {
         return Err(Refused::because(format!(
             "{} has none of the actuators asked: --actuator auto takes what is there",
@@ -170,7 +170,7 @@ pub fn design(
 }
 
 /// The first that is as flat as the flattest, by its place.
-fn best(ways: &[Way]) -> Option<usize> {
+fn best(ways: &[SolvedMotion]) -> Option<usize> {
     let flattest = ways.iter().map(|w| w.solution.flatness.value()).fold(f64::INFINITY, f64::min);
     ways.iter().position(|w| w.solution.flatness.value() <= flattest + AS_FLAT.value())
 }
@@ -277,14 +277,14 @@ impl Design {
         work: Spin,
         phases: &Phases,
         detail: Detail,
-    ) -> Option<Way> {
+    ) -> Option<SolvedMotion> {
         let problem = self.problem(who, work, phases)?;
         // as many harmonics as asked, else as many as it takes
         let solution = match self.harmonics {
             Some(_) => problem.solve()?,
             None => problem.solve_well(detail)?,
         };
-        Some(Way { name, solution })
+        Some(SolvedMotion { name, solution })
     }
 
     fn problem(&self, who: &[Actuator], work: Spin, phases: &Phases) -> Option<Problem<'_>> {
@@ -305,7 +305,7 @@ impl Design {
     }
 
     /// The fastest work spindle at which it is as flat as wanted, if any is.
-    fn fastest(&self, way: &Way, wanted: Length) -> Option<Spin> {
+    fn fastest(&self, way: &SolvedMotion, wanted: Length) -> Option<Spin> {
         let who = CANDIDATES.iter().find(|c| c.0 == way.name)?.1;
         let flat = |rpm: f64, detail| {
             let way = self.solve(way.name, who, Spin::rpm(rpm), &self.phases, detail);

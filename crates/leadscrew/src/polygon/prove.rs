@@ -6,7 +6,7 @@
 //!                                       └─ answers of the loops ─► computed again ─► run: cut ─► compensated
 //! ```
 use super::claim::Claim;
-use super::{CANDIDATES, Design, Progress, Way, best, flattest};
+use super::{CANDIDATES, Design, Progress, SolvedMotion, best, flattest};
 use crate::{Job, Program};
 use canon::{PolygonCutter, Tool, ToolKind};
 use control::Refused;
@@ -84,7 +84,7 @@ fn proof(design: &Design, machine: &str, spin: Spin) -> Result<Proof, Refused> {
     Ok(Proof { spin, name: way.name, claim, sent, compensated, binding: way.solution.binding })
 }
 
-impl Way {
+impl SolvedMotion {
     /// The actuators that swing.
     pub fn who(&self) -> &'static [forms::polygon::Actuator] {
         CANDIDATES.iter().find(|c| c.0 == self.name).map_or(&[], |c| c.1)
@@ -93,9 +93,9 @@ impl Way {
 
 impl Design {
     /// The first of the candidates that is as flat as the flattest.
-    fn flattest(&self, spin: Spin, phases: &Phases) -> Option<Way> {
+    fn flattest(&self, spin: Spin, phases: &Phases) -> Option<SolvedMotion> {
         if self.harmonics.is_some() {
-            let ways: Vec<Way> = self
+            let ways: Vec<SolvedMotion> = self
                 .candidates()
                 .filter_map(|(n, who)| self.solve(n, who, spin, phases, Detail::Full))
                 .collect();
@@ -105,7 +105,7 @@ impl Design {
         let problems = self
             .candidates()
             .filter_map(|(name, who)| Some((name, self.problem(who, spin, phases)?)));
-        flattest(problems).map(|(name, solution)| Way { name, solution })
+        flattest(problems).map(|(name, solution)| SolvedMotion { name, solution })
     }
 }
 
@@ -114,7 +114,7 @@ fn run(
     design: &Design,
     machine: &str,
     spin: Spin,
-    way: &Way,
+    way: &SolvedMotion,
     looks: Option<u32>,
 ) -> Result<(Cut, Phases), Refused> {
     let text = design.program(&way.solution, spin, Length::mm(LENGTH_MM), looks) + "M2\n";

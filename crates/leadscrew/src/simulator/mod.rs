@@ -15,11 +15,11 @@ mod process;
 mod retained;
 mod serve;
 
+use bus::DriveReaction;
 use control::Refused;
 use control::job::ProgramOptions;
 use control::plant::{connect, gone};
 use std::path::Path;
-use store::machine::Reaction;
 use units::Time;
 use wire::Order;
 
@@ -40,9 +40,9 @@ pub struct SimulatorOptions {
     /// Machine times at which the mains fail; they come back for the next control.
     pub power_cuts: Vec<Time>,
     /// What the drives do when the control falls silent; as in the machine's file if `None`.
-    pub on_link_loss: Option<Reaction>,
+    pub on_link_loss: Option<DriveReaction>,
     /// What they do when the mains fail; as in the machine's file if `None`.
-    pub on_power_loss: Option<Reaction>,
+    pub on_power_loss: Option<DriveReaction>,
     /// No spindle's encoder counts turns without power, whatever the machine's file says.
     pub single_turn: bool,
     /// Number of this very machine.

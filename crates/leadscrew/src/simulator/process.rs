@@ -1,14 +1,13 @@
 //! The machine simulator itself: the simulated machine, what its encoders keep, and its drives when they are alone.
 use super::SimulatorOptions;
 use super::retained::{Retained, least_certain};
-use bus::{Command, Feedback, Machine, SPINDLES, Truth};
+use bus::{Command, DriveReaction, Feedback, Machine, SPINDLES, Truth};
 use control::Refused;
 use control::config;
 use control::job::Session;
 use sim::{Bus, RunDown, SimulatedMachine};
 use std::hash::{BuildHasher, Hasher, RandomState};
 use std::path::Path;
-use store::machine::Reaction;
 use units::{Angle, Length, SpinAccel, Time};
 use wire::{Engagement, Observed, Stop, Welcome};
 
@@ -19,7 +18,7 @@ pub struct SimulatorProcess {
     name: String,
     serial: u64,
     epoch: u64,
-    reactions: [Reaction; 2],
+    reactions: [DriveReaction; 2],
     bus: Option<Bus>,
     /// Delay and deceleration of a spindle's drive that makes its own ramps, as set in it.
     own_ramps: Option<(Time, SpinAccel)>,
@@ -204,12 +203,7 @@ impl SimulatorProcess {
 
     fn run_down(&mut self, why: Alone) {
         let bus = self.bus.filter(|_| why == Alone::Power);
-        let reaction = match self.reactions[usize::from(why == Alone::Power)] {
-            Reaction::Off => sim::Reaction::Off,
-            Reaction::Coast => sim::Reaction::Coast,
-            Reaction::QuickStop => sim::Reaction::QuickStop,
-            Reaction::CoupledStop => sim::Reaction::CoupledStop,
-        };
+        let reaction = self.reactions[usize::from(why == Alone::Power)];
         let began = self.observed().feedback;
         let mut drives = RunDown::new(&self.config, reaction, bus, &self.last, &began);
         if let Some((delay, decel)) = self.own_ramps {
@@ -226,12 +220,12 @@ impl SimulatorProcess {
         }
         let stop = match reaction {
             _ if drives.has_tripped() => Stop::Coasted,
-            sim::Reaction::Off => Stop::Coasted,
-            sim::Reaction::Coast if self.last.coupled.is_none() => Stop::Coasted,
-            sim::Reaction::QuickStop => Stop::QuickStop,
+            DriveReaction::Off => Stop::Coasted,
+            DriveReaction::Coast if self.last.coupled.is_none() => Stop::Coasted,
+            DriveReaction::QuickStop => Stop::QuickStop,
             // tied to nothing, they have stopped apart
-            sim::Reaction::CoupledStop if self.last.coupled.is_none() => Stop::QuickStop,
-            sim::Reaction::Coast | sim::Reaction::CoupledStop => Stop::Coupled,
+            DriveReaction::CoupledStop if self.last.coupled.is_none() => Stop::QuickStop,
+            DriveReaction::Coast | DriveReaction::CoupledStop => Stop::Coupled,
         };
         self.stop = if self.retained.evidence().in_work.is_some() {
             least_certain(self.stop, stop)

@@ -23,7 +23,7 @@
 //! derivatives, no farther than the goal falls. The speeds found serve to find the shape alone; `law` plans the time along it.
 use super::fit::Sample;
 use super::gathered::Gathered;
-use super::load::{At, Loads, Place, SAY, SAY_B, mix};
+use super::load::{At, LimitPoint, Loads, SAY, SAY_B, mix};
 use super::spline::{Halved, Knots};
 use super::{Limits, Point};
 use crate::banded::Banded;
@@ -125,7 +125,7 @@ impl<const N: usize, const B: usize> Fastest<N, B> {
     pub(crate) fn is_at_feed(
         &mut self,
         control: &[Point],
-        places: &[Place],
+        places: &[LimitPoint],
         limits: &Limits,
     ) -> bool {
         self.take(control);
@@ -144,7 +144,7 @@ impl<const N: usize, const B: usize> Fastest<N, B> {
     pub(crate) fn find(
         &mut self,
         control: &mut [Point],
-        places: &[Place],
+        places: &[LimitPoint],
         samples: &[Sample],
         (limits, rests): (&Limits, Rests),
         (stage, halved): (Stage, Option<(Knots, &Halved)>),
@@ -221,7 +221,7 @@ impl<const N: usize, const B: usize> Fastest<N, B> {
     }
 
     /// Speeds to begin with: below what shape and limits allow.
-    fn start(&mut self, places: &[Place], loads: &Loads<N>, rests: Rests) {
+    fn start(&mut self, places: &[LimitPoint], loads: &Loads<N>, rests: Rests) {
         let spans = self.control.len() - GIVEN;
         let (mut most, mut ways) = (alloc::vec![f64::INFINITY; spans], alloc::vec![0.0; spans]);
         for place in places {
@@ -256,7 +256,7 @@ impl<const N: usize, const B: usize> Fastest<N, B> {
     }
 
     /// Lower the speeds until all limits are kept; `false`: that did not help.
-    fn lower(&mut self, places: &[Place], loads: &Loads<N>, mu: f64) -> bool {
+    fn lower(&mut self, places: &[LimitPoint], loads: &Loads<N>, mu: f64) -> bool {
         (0..LOWERED).any(|_| {
             self.weigh(places);
             let good = self.goal::<false>(places, loads, mu).is_finite();
@@ -268,10 +268,10 @@ impl<const N: usize, const B: usize> Fastest<N, B> {
     }
 
     /// Time that each span takes, and all of them.
-    fn weigh(&mut self, places: &[Place]) -> f64 {
+    fn weigh(&mut self, places: &[LimitPoint]) -> f64 {
         let mut total = 0.0;
         for (span, places) in self.spans.iter_mut().zip(places.chunks_exact(PLACES)) {
-            let time = |place: &Place| place.weight / libm::sqrt(place.square(&self.beta));
+            let time = |place: &LimitPoint| place.weight / libm::sqrt(place.square(&self.beta));
             span.0 = places.iter().map(time).sum();
             total += span.0;
         }
@@ -279,7 +279,12 @@ impl<const N: usize, const B: usize> Fastest<N, B> {
     }
 
     /// What is minimised, infinity where a limit is not kept; with `SLOPES` its gradient and matrix, too.
-    fn goal<const SLOPES: bool>(&mut self, places: &[Place], loads: &Loads<N>, mu: f64) -> f64 {
+    fn goal<const SLOPES: bool>(
+        &mut self,
+        places: &[LimitPoint],
+        loads: &Loads<N>,
+        mu: f64,
+    ) -> f64 {
         let Self { held, spans, control, beta, matrix, gradient, .. } = self;
         if SLOPES {
             matrix.clear(control.len());
@@ -332,7 +337,7 @@ impl<const N: usize, const B: usize> Fastest<N, B> {
     /// Go along the step as far as the goal falls; `false`: not at all.
     fn go(
         &mut self,
-        places: &[Place],
+        places: &[LimitPoint],
         loads: &Loads<N>,
         (now, slope, mu): (f64, f64, f64),
     ) -> bool {
@@ -361,7 +366,7 @@ impl<const N: usize, const B: usize> Fastest<N, B> {
 
 /// A place's part of the goal.
 fn moving<const N: usize, const SLOPES: bool>(
-    place: &Place,
+    place: &LimitPoint,
     at: &At<N>,
     loads: &Loads<N>,
     weight: f64,

@@ -22,7 +22,7 @@ use super::fastest::{Fastest, Rests, Stage};
 use super::fillet::allowed;
 use super::join::{Segment, Waiting, distance};
 use super::knots::{self, Way};
-use super::load::Place;
+use super::load::LimitPoint;
 use super::spline::{Halved, Knots};
 use super::tube::Tube;
 use super::{AXES, Curve, Derivatives, Limits, Point, Polynomial};
@@ -79,7 +79,7 @@ pub(crate) struct Fitter {
     /// See `twist`.
     bends: Vec<([f64; 3], f64)>,
     total: f64,
-    places: Vec<Place>,
+    places: Vec<LimitPoint>,
     fastest_linear: Fastest<3, 4>,
     fastest_of_all: Fastest<AXES, { AXES + 1 }>,
     /// The curve that bends least, in case that the fastest one is not good.
@@ -197,7 +197,7 @@ impl Fitter {
             for (share, weight) in [(0.0, 1.0), (0.5, 4.0), (1.0, 1.0)] {
                 let (rows, weight) = (knots.rows(span, from + share * h), weight * h / 6.0);
                 let (again, middle) = (share == 1.0 && !last, share == 0.5);
-                self.places.push(Place { span, rows, weight, feed, rapid, again, middle });
+                self.places.push(LimitPoint { span, rows, weight, feed, rapid, again, middle });
             }
         }
     }

@@ -5,7 +5,7 @@
 //!   P₀ … P₃ of an axis         own                   across           mixed
 //!   β₀ … β₂                                                           speed
 //! ```
-use super::load::{At, Load, Place, SAY, SAY_B};
+use super::load::{At, LimitPoint, Load, SAY, SAY_B};
 use super::spline::Rows;
 use crate::banded::Banded;
 
@@ -63,7 +63,13 @@ impl<const N: usize> Gathered<N> {
     }
 
     /// The feed's part: b·`slow` is bounded, with |q′|² in `slow`.
-    pub(crate) fn pace(&mut self, place: &Place, at: &At<N>, slow: f64, (slope, bend): Slopes) {
+    pub(crate) fn pace(
+        &mut self,
+        place: &LimitPoint,
+        at: &At<N>,
+        slow: f64,
+        (slope, bend): Slopes,
+    ) {
         let (slopes, shares) = (&place.rows.cubic[0], &place.rows.square[0]);
         let shares = shares.map(|share| slow * share);
         self.speed(&shares, (slope, bend));

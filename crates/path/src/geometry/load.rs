@@ -12,7 +12,7 @@ pub(crate) const SAY_B: usize = 3;
 
 /// A place where the limits are kept.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Place {
+pub(crate) struct LimitPoint {
     pub(crate) span: usize,
     pub(crate) rows: Rows,
     /// Length of the parameter it stands for.
@@ -25,7 +25,7 @@ pub(crate) struct Place {
     pub(crate) middle: bool,
 }
 
-impl Place {
+impl LimitPoint {
     /// b there.
     pub(crate) fn square(&self, beta: &[f64]) -> f64 {
         mix(&self.rows.square[0], &beta[self.span..])
@@ -56,13 +56,13 @@ pub(crate) struct At<const N: usize> {
 
 impl<const N: usize> At<N> {
     /// With control points and coefficients of b.
-    pub(crate) fn of(place: &Place, control: &[[f64; N]], beta: &[f64]) -> Self {
+    pub(crate) fn of(place: &LimitPoint, control: &[[f64; N]], beta: &[f64]) -> Self {
         let b = |row: &[f64; SAY_B]| mix(row, &beta[place.span..]);
         Self { b: place.rows.square.each_ref().map(b), ..Self::resting(place, control, 0.0) }
     }
 
     /// With b the same all along.
-    pub(crate) fn resting(place: &Place, control: &[[f64; N]], b: f64) -> Self {
+    pub(crate) fn resting(place: &LimitPoint, control: &[[f64; N]], b: f64) -> Self {
         let mut q = [[0.0; N]; 3];
         for (k, p) in control[place.span..place.span + SAY].iter().enumerate() {
             for (q, row) in q.iter_mut().zip(&place.rows.cubic) {
@@ -80,7 +80,7 @@ impl<const N: usize> At<N> {
     }
 
     /// Square of what the feed counts, over its limit and b.
-    pub(crate) fn feed(&self, place: &Place) -> f64 {
+    pub(crate) fn feed(&self, place: &LimitPoint) -> f64 {
         let way = self.q[0].iter().map(|slope| slope * slope).sum();
         (if self.counts_way() { way } else { 1.0 }) / (place.feed * place.feed)
     }
@@ -123,7 +123,7 @@ impl<const N: usize> Loads<N> {
         Self { feed: Over::of(&limits.feed), rapid: Over::of(&limits.rapid), jerky }
     }
 
-    fn over(&self, place: &Place) -> &Over<N> {
+    fn over(&self, place: &LimitPoint) -> &Over<N> {
         if place.rapid { &self.rapid } else { &self.feed }
     }
 
@@ -133,14 +133,14 @@ impl<const N: usize> Loads<N> {
     }
 
     /// An axis' speed.
-    pub(crate) fn speed(&self, place: &Place, at: &At<N>, i: usize) -> Load {
+    pub(crate) fn speed(&self, place: &LimitPoint, at: &At<N>, i: usize) -> Load {
         let over = self.over(place).speed[i] * libm::sqrt(at.b[0]);
         let value = over * at.q[0][i];
         Load { value, of_q: [over, 0.0, 0.0], of_b: [0.5 * value / at.b[0], 0.0, 0.0] }
     }
 
     /// An axis' acceleration.
-    pub(crate) fn accel(&self, place: &Place, at: &At<N>, i: usize) -> Load {
+    pub(crate) fn accel(&self, place: &LimitPoint, at: &At<N>, i: usize) -> Load {
         let At { q: [q1, q2, _], b: [b, b1, _] } = at;
         let over = self.over(place).accel[i];
         let (of_q, of_b) =
@@ -149,7 +149,7 @@ impl<const N: usize> Loads<N> {
     }
 
     /// An axis' jerk.
-    pub(crate) fn jerk(&self, place: &Place, at: &At<N>, i: usize) -> Load {
+    pub(crate) fn jerk(&self, place: &LimitPoint, at: &At<N>, i: usize) -> Load {
         let At { q: [q1, q2, q3], b: [b, b1, b2] } = at;
         let over = self.over(place).jerk[i] * libm::sqrt(*b);
         let value = over * (q3[i] * b + 1.5 * q2[i] * b1 + 0.5 * q1[i] * b2);
@@ -159,7 +159,7 @@ impl<const N: usize> Loads<N> {
     }
 
     /// All accelerations that are new there, all jerks, and speeds where the feed may be above them, with their axes.
-    pub(crate) fn each(&self, place: &Place, at: &At<N>, mut give: impl FnMut(usize, &Load)) {
+    pub(crate) fn each(&self, place: &LimitPoint, at: &At<N>, mut give: impl FnMut(usize, &Load)) {
         if !place.again {
             for i in 0..N {
                 give(i, &self.accel(place, at, i));

@@ -31,15 +31,15 @@ const STIFF: f64 = 0.3;
 const GIVEN: usize = 3;
 
 /// Position of the axes that take part.
-type Place<const N: usize> = [f64; N];
+type Coordinates<const N: usize> = [f64; N];
 
 /// Memory of the method, for N axes; kept from one curve to the next.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tube<const N: usize> {
     matrix: Banded<1, 4>,
-    control: Vec<Place<N>>,
+    control: Vec<Coordinates<N>>,
     /// What the given control points put on the right-hand side.
-    base: Vec<Place<N>>,
+    base: Vec<Coordinates<N>>,
     held: Vec<Held<N>>,
 }
 
@@ -48,15 +48,15 @@ pub(crate) struct Tube<const N: usize> {
 struct Held<const N: usize> {
     first: usize,
     basis: [f64; 4],
-    p: Place<N>,
+    p: Coordinates<N>,
     tolerance: f64,
     rho: f64,
-    z: Place<N>,
-    u: Place<N>,
+    z: Coordinates<N>,
+    u: Coordinates<N>,
 }
 
 impl<const N: usize> Held<N> {
-    fn at(&self, control: &[Place<N>]) -> Place<N> {
+    fn at(&self, control: &[Coordinates<N>]) -> Coordinates<N> {
         let mut q = [0.0; N];
         for (control, n) in control[self.first..self.first + 4].iter().zip(self.basis) {
             subtract(&mut q, -n, control);
@@ -65,7 +65,7 @@ impl<const N: usize> Held<N> {
     }
 
     /// How far off, over the tolerance: along X Y Z, U V W, or in degrees, whichever is most.
-    fn off(&self, q: &Place<N>) -> f64 {
+    fn off(&self, q: &Coordinates<N>) -> f64 {
         let mut most = 0.0_f64;
         for (q, p) in q.chunks(3).zip(self.p.chunks(3)) {
             most = most.max(q.iter().zip(p).map(|(q, p)| (q - p) * (q - p)).sum());
@@ -74,7 +74,7 @@ impl<const N: usize> Held<N> {
     }
 
     /// The nearest place within the tolerance.
-    fn within(&self, q: &Place<N>) -> Place<N> {
+    fn within(&self, q: &Coordinates<N>) -> Coordinates<N> {
         let share = RADIUS / self.off(q);
         if share >= 1.0 {
             return *q;
@@ -167,7 +167,8 @@ impl<const N: usize> Tube<N> {
         let free = GIVEN..self.control.len() - GIVEN;
         self.control.clone_from(&self.base);
         for held in &self.held {
-            let wanted: Place<N> = core::array::from_fn(|i| held.rho * (held.z[i] - held.u[i]));
+            let wanted: Coordinates<N> =
+                core::array::from_fn(|i| held.rho * (held.z[i] - held.u[i]));
             let met = held.first..held.first + 4;
             for (i, n) in met.zip(held.basis).filter(|(i, _)| free.contains(i)) {
                 subtract(&mut self.control[i], -n, &wanted);
@@ -182,7 +183,7 @@ impl<const N: usize> Tube<N> {
         for held in &mut self.held {
             let q = held.at(&self.control);
             most = most.max(held.off(&q));
-            let wanted: Place<N> =
+            let wanted: Coordinates<N> =
                 core::array::from_fn(|i| RELAXED * q[i] + (1.0 - RELAXED) * held.z[i] + held.u[i]);
             held.z = held.within(&wanted);
             held.u = core::array::from_fn(|i| wanted[i] - held.z[i]);
@@ -192,7 +193,7 @@ impl<const N: usize> Tube<N> {
 }
 
 /// a −= f·b.
-fn subtract<const N: usize>(a: &mut Place<N>, f: f64, b: &Place<N>) {
+fn subtract<const N: usize>(a: &mut Coordinates<N>, f: f64, b: &Coordinates<N>) {
     for (a, b) in a.iter_mut().zip(b) {
         *a -= f * b;
     }

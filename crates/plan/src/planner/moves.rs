@@ -3,7 +3,7 @@ use super::contact::Run;
 use super::refuse::clipped;
 use super::{Job, NOTHING, Planner};
 use crate::along::{Along, along};
-use crate::run::{Alone, Order};
+use crate::run::{Alone, OrderedMove};
 use crate::{Step, StepKind};
 use alloc::format;
 use alloc::vec::Vec;
@@ -204,7 +204,7 @@ impl Planner {
         let (tolerance, merge) = self.joined_within();
         let (op, line) = (job.index, job.span.line);
         let segment = Segment { curve: path.curve(), feed, rapid, tolerance, merge, op, line };
-        let order = Order { segment, path, bound, alone };
+        let order = OrderedMove { segment, path, bound, alone };
         self.outbox.run_on(order, self.wanted, &self.limits, job.emit);
         if let Some((line, why)) = self.outbox.take_refusal() {
             let text = format!("line {line}: {why}");

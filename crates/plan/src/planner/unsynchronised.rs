@@ -30,7 +30,7 @@ use units::{Angle, Length, Spin, Time};
 const TOLD_WITHIN: f64 = 1e-3;
 
 /// One way of the feed.
-struct Way {
+struct FeedStroke {
     path: Path,
     profile: Profile,
     /// How far it lags behind a feed that starts at once.
@@ -149,7 +149,7 @@ impl Planner {
     }
 
     /// Down to a coordinate at S·H and back; `None` if the axis cannot.
-    fn ways(&mut self, job: &Job, tap: &Tap, to: Length) -> Option<(Way, Way)> {
+    fn ways(&mut self, job: &Job, tap: &Tap, to: Length) -> Option<(FeedStroke, FeedStroke)> {
         let (from, to) = (tap.start, tap.start.with(tap.axis, to));
         let feed = (tap.lead.abs() * tap.spin).value();
         let mut way = |from, to| {
@@ -159,7 +159,7 @@ impl Planner {
                 return None;
             }
             let lag = Length::mm((feed * profile.duration() - path.length()) / 2.0);
-            Some(Way { path, profile, lag })
+            Some(FeedStroke { path, profile, lag })
         };
         Some((way(from, to)?, way(to, from)?))
     }
@@ -302,8 +302,8 @@ impl Planner {
         self.outbox.release(steps, &self.limits, job.emit);
     }
 
-    fn feed(&mut self, job: &mut Job, way: &Way, exact_stop: bool) {
-        let Way { path, profile, .. } = *way;
+    fn feed(&mut self, job: &mut Job, way: &FeedStroke, exact_stop: bool) {
+        let FeedStroke { path, profile, .. } = *way;
         let cut = Move {
             path,
             profile,

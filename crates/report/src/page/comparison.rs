@@ -5,7 +5,7 @@ use crate::svg::{Chart, Range, Stroke, Tag, escape, fixed};
 
 /// One way of tapping, over many holes.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Way {
+pub struct TappingMethod {
     /// What it is called.
     pub name: String,
     /// Depth error of each hole, mm; plus is too deep.
@@ -26,10 +26,10 @@ pub struct Comparison {
     /// What scattered, in a sentence.
     pub scatter: String,
     /// The ways.
-    pub ways: Vec<Way>,
+    pub ways: Vec<TappingMethod>,
 }
 
-impl Way {
+impl TappingMethod {
     /// Mean of the depth errors, mm.
     pub fn mean_mm(&self) -> f64 {
         self.depth_errors_mm.iter().sum::<f64>() / self.depth_errors_mm.len().max(1) as f64
@@ -60,14 +60,14 @@ pub fn comparison_html(comparison: &Comparison) -> String {
     )
 }
 
-fn table(ways: &[Way]) -> String {
+fn table(ways: &[TappingMethod]) -> String {
     let head = "<thead><tr><th class=\"l\">cycle</th><th>holes</th><th>depth error, mean<small>mm</small></th><th>scatter, 1σ<small>µm</small></th><th>least<small>mm</small></th><th>largest<small>mm</small></th><th>not cut</th></tr></thead>";
     let rows: String = ways.iter().map(row).collect();
     let table = Tag::new("table").around(&(head.to_owned() + &Tag::new("tbody").around(&rows)));
     Tag::new("div").class("scroll").with("tabindex", "0").around(&table)
 }
 
-fn row(way: &Way) -> String {
+fn row(way: &TappingMethod) -> String {
     let (least, largest) = way
         .depth_errors_mm
         .iter()
@@ -87,7 +87,7 @@ fn row(way: &Way) -> String {
 }
 
 /// Each hole's depth off the mean, in units that show the scatter.
-fn picture(index: usize, way: &Way) -> String {
+fn picture(index: usize, way: &TappingMethod) -> String {
     let (mean, sigma_um) = (way.mean_mm(), way.sigma_mm() * 1e3);
     let off: Vec<_> = (1..)
         .zip(&way.depth_errors_mm)

@@ -57,10 +57,10 @@ fn rate(run: &Run, recorder: &Recorder) -> String {
 }
 
 /// A kind that is counted, and whether a feature is of it.
-type Kind = (&'static str, fn(&Feature) -> bool);
+type CountedKind = (&'static str, fn(&Feature) -> bool);
 
 /// Kinds that are counted.
-const KINDS: [Kind; 5] = [
+const KINDS: [CountedKind; 5] = [
     ("Holes", |f| matches!(f.kind, FeatureKind::Hole(_))),
     ("Threads", |f| matches!(f.kind, FeatureKind::Thread(_) | FeatureKind::Turned(_))),
     ("Polygons", |f| matches!(f.kind, FeatureKind::Polygon(_))),

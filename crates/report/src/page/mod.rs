@@ -27,7 +27,7 @@ mod turned;
 mod verdict;
 
 pub use cams::{CamPage, cam_html};
-pub use comparison::{Comparison, Way, comparison_html};
+pub use comparison::{Comparison, TappingMethod, comparison_html};
 pub use compensation::{
     CompensationPage, CompensationRow, WayOfCompensation, compensation_html, um_figure,
 };

@@ -21,7 +21,7 @@ const ALL_NUMBERED: usize = 40;
 const MOST_NUMBERS: usize = 60;
 
 /// One place on the work.
-struct Place {
+struct HoleMark {
     at: (f64, f64),
     /// Its coordinates in the work offset in which it was programmed, in words.
     named: String,
@@ -77,9 +77,9 @@ fn named(run: &Run, recorder: &Recorder, feature: &Feature, at: [Length; 2]) -> 
     format!("{frame}: X{} Y{}", measure.length(x), measure.length(y))
 }
 
-fn places(run: &Run, recorder: &Recorder, features: &[Feature], frame: &Frame) -> Vec<Place> {
+fn places(run: &Run, recorder: &Recorder, features: &[Feature], frame: &Frame) -> Vec<HoleMark> {
     let mut by_cell: BTreeMap<(i64, i64), usize> = BTreeMap::new();
-    let mut places: Vec<Place> = Vec::new();
+    let mut places: Vec<HoleMark> = Vec::new();
     for (index, feature) in features.iter().enumerate() {
         let Some(machine) = feature.position() else { continue };
         let [x, y] = machine.map(Length::value);
@@ -91,7 +91,7 @@ fn places(run: &Run, recorder: &Recorder, features: &[Feature], frame: &Frame) -
         if at == places.len() {
             let [x, y] =
                 [0, 1].map(|i| frame.measure.number(machine[i] - Length::mm(frame.zero[i])));
-            places.push(Place {
+            places.push(HoleMark {
                 at: (x, y),
                 named: named(run, recorder, feature, machine),
                 diameter: 0.0,
@@ -133,7 +133,7 @@ pub(crate) fn hole_map(run: &Run, recorder: &Recorder, features: &[Feature]) -> 
     if places.is_empty() {
         return String::new();
     }
-    let is_good = |place: &&Place| place.standing == Standing::Good;
+    let is_good = |place: &&HoleMark| place.standing == Standing::Good;
     let bad = places.iter().filter(|p| !is_good(p)).count();
     let x = Range::of(&frame.title('X'), places.iter().map(|p| p.at.0));
     let y = Range::of(&frame.title('Y'), places.iter().map(|p| p.at.1));
@@ -171,7 +171,7 @@ const fn sign(standing: Standing) -> (&'static str, &'static str) {
     }
 }
 
-fn draw(chart: &mut Chart, place: &Place) {
+fn draw(chart: &mut Chart, place: &HoleMark) {
     let to_scale = place.diameter / 2.0 * chart.units_per_x();
     let (class, _) = sign(place.standing);
     let least = if place.standing == Standing::Good { 3.0 } else { 5.0 };
@@ -181,7 +181,7 @@ fn draw(chart: &mut Chart, place: &Place) {
     chart.mark(&Mark { at: place.at, radius, class, title: &title, crossed });
 }
 
-fn number(chart: &mut Chart, good: &[&Place], bad: &[&Place], all: bool) {
+fn number(chart: &mut Chart, good: &[&HoleMark], bad: &[&HoleMark], all: bool) {
     let first = good.iter().take(if all { good.len() } else { 1 });
     for place in bad.iter().chain(first).take(MOST_NUMBERS) {
         let radius = (place.diameter / 2.0 * chart.units_per_x()).clamp(5.0, 30.0);

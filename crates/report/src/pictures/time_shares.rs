@@ -7,9 +7,9 @@ use bus::State;
 use units::Time;
 
 /// What a stretch of a bar means, the states it sums up, turns of the work that are waited for, its class.
-type Kind = (&'static str, &'static [State], Option<Turning>, &'static str);
+type TimeShare = (&'static str, &'static [State], Option<Turning>, &'static str);
 
-const KINDS: [Kind; 10] = [
+const KINDS: [TimeShare; 10] = [
     ("rapid", &[State::Rapid], None, "s0"),
     ("cutting feed", &[State::Feed], None, "s1"),
     ("tapping", &[State::TapIn, State::TapBottom, State::TapOut], None, "s2"),

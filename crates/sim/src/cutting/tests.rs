@@ -1,9 +1,9 @@
 //! What comes of a tool that is led by hand: no axis, no drive, only the work.
 use super::*;
+use crate::Holder;
 use crate::fixtures::{m6, stock, tapping_center};
 use crate::oracle::thread::force_at_offset;
 use crate::tapping::plateau_torque;
-use crate::{Holder, Material};
 use core::f64::consts::TAU;
 use units::{Angle, Lead, Stiffness};
 
@@ -294,8 +294,7 @@ fn too_narrow_a_hole_breaks_the_tap_at_the_stated_torque() {
     // 4.4 mm instead of 5: what the formula asks exceeds what an M6 can bear
     let bore = Bore { diameter: Length::mm(4.4), tip_depth: Length::mm(50.0), cone: Length::ZERO };
     let hole = Hole { bores: vec![bore], ..Hole::at(Length::ZERO, Length::ZERO) };
-    let hard = Material { cutting_n_per_mm2: 9000.0 };
-    let stock = Stock { holes: vec![hole], material: hard, ..stock() };
+    let stock = Stock { holes: vec![hole], cutting_n_per_mm2: 9000.0, ..stock() };
     let asked = plateau_torque(9000.0, 1.15, 6.0, 4.4);
     let mut hand = Hand::new(stock, tapping_center().magazine);
     hand.take(TAP, 0.0).lead(0.0, 0.0);

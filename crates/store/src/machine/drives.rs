@@ -1,5 +1,6 @@
 //! What the drives do by themselves when the control falls silent or the mains fail.
 use crate::keys::Keys;
+use bus::DriveReaction;
 use units::Time;
 
 /// `[drives]`.
@@ -8,24 +9,11 @@ pub struct Drives {
     /// After so long without a command they take the control for dead.
     pub watchdog: Time,
     /// What they do then.
-    pub on_link_loss: Reaction,
+    pub on_link_loss: DriveReaction,
     /// What they do when the mains fail.
-    pub on_power_loss: Reaction,
+    pub on_power_loss: DriveReaction,
     /// Their DC bus, without which a stop needs mains.
     pub bus: Option<DcBus>,
-}
-
-/// What drives do by themselves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reaction {
-    /// Outputs off: brakes clamp, spindles coast.
-    Off,
-    /// Spindles coast; an axis that is tied to one goes with it.
-    Coast,
-    /// Each brakes by itself.
-    QuickStop,
-    /// Coupled ones brake together.
-    CoupledStop,
 }
 
 /// The bus that all drives are fed from.
@@ -39,11 +27,11 @@ pub struct DcBus {
     pub trip_v: f64,
 }
 
-const REACTIONS: [(&str, Reaction); 4] = [
-    ("off", Reaction::Off),
-    ("coast", Reaction::Coast),
-    ("quick-stop", Reaction::QuickStop),
-    ("coupled-stop", Reaction::CoupledStop),
+const REACTIONS: [(&str, DriveReaction); 4] = [
+    ("off", DriveReaction::Off),
+    ("coast", DriveReaction::Coast),
+    ("quick-stop", DriveReaction::QuickStop),
+    ("coupled-stop", DriveReaction::CoupledStop),
 ];
 
 impl Default for Drives {
@@ -51,8 +39,8 @@ impl Default for Drives {
     fn default() -> Self {
         Self {
             watchdog: Time::s(5e-3),
-            on_link_loss: Reaction::QuickStop,
-            on_power_loss: Reaction::Off,
+            on_link_loss: DriveReaction::QuickStop,
+            on_power_loss: DriveReaction::Off,
             bus: None,
         }
     }
@@ -73,7 +61,7 @@ impl Drives {
         if drives.bus.is_some_and(|bus| bus.trip_v >= bus.voltage_v) {
             keys.conflict("bus", "`trip_v` must be below `voltage_v`");
         }
-        if drives.bus.is_none() && drives.on_power_loss != Reaction::Off {
+        if drives.bus.is_none() && drives.on_power_loss != DriveReaction::Off {
             let message = "a stop without mains lives on the DC bus: expected [drives.bus], or `on_power_loss = \"off\"`";
             keys.conflict("on_power_loss", message);
         }

@@ -50,7 +50,7 @@ pub use control::{
     BoringAside, ChipRemoval, Control, CycleDepth, Dialect, Fanuc, Follows, Increments, Learning,
     Overrides, PathControl, PhaseLoss, Prediction, Synchronisation, ToolChange, Waits,
 };
-pub use drives::{DcBus, Drives, Reaction};
+pub use drives::{DcBus, Drives};
 pub use grinding::{Grinding, Wheel};
 pub use plant::{AxisErrors, PlantScatter, SpindleErrors, eccentric};
 pub use setup::{Material, Round, Setup, Simulation, SpindleDrive, Stock, TapSeat, TapWear};

@@ -1,6 +1,6 @@
 //! From passes to a judged polygon.
 use super::ordered::{Normals, Ordered, can_be_judged, rad};
-use super::passes::{Pass, Passes, Place};
+use super::passes::{Pass, PassSetUp, Passes};
 use super::section::{Cutters, measure, nose_height, surface};
 use super::{Along, Facet, Polygon, Section};
 use crate::Config;
@@ -52,7 +52,7 @@ pub(crate) struct PolygonTrack {
     /// Turns of the work one record ago.
     before: f64,
     gear: (f64, f64),
-    place: Place,
+    place: PassSetUp,
 }
 
 impl PolygonTrack {
@@ -62,7 +62,7 @@ impl PolygonTrack {
         tool: Option<&Tool>,
         config: &Config,
     ) -> Self {
-        let place = Place {
+        let place = PassSetUp {
             axis: config.work_axis.map(Length::value),
             stock_radius: config.stock_radius.map_or(f64::INFINITY, Length::value),
             stock_top: config.stock.map_or(f64::INFINITY, |stock| stock.top().value()),
@@ -190,7 +190,7 @@ fn empty(spin: Spin, broken_off: bool) -> Polygon {
 struct Part<'o> {
     cutter: PolygonCutter,
     passes: Vec<Pass>,
-    place: Place,
+    place: PassSetUp,
     ordered: &'o Ordered,
 }
 

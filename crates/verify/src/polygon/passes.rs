@@ -61,7 +61,7 @@ pub(super) struct Passes {
 
 /// What is to know of the set-up. mm.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct PassSetUp {
     pub(super) axis: [f64; 2],
     pub(super) stock_radius: f64,
     pub(super) stock_top: f64,
@@ -74,7 +74,7 @@ pub(super) struct Place {
 }
 
 impl Passes {
-    pub(super) fn new(cutter: &PolygonCutter, place: Place) -> Self {
+    pub(super) fn new(cutter: &PolygonCutter, place: PassSetUp) -> Self {
         Self {
             radius_mm: cutter.radius.value(),
             inserts: cutter

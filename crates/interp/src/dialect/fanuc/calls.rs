@@ -14,7 +14,7 @@ use crate::{
     call::Sink,
     dialect::fanuc::loops::Mark,
     dialect::fanuc::state::{Callee, Fanuc, Level, Locals, Macro},
-    dialect::fanuc::tape::{Place, Tape},
+    dialect::fanuc::tape::{Tape, TapePosition},
     execute,
     fault::{Outcome, error, refuse},
     number::near_whole,
@@ -102,7 +102,7 @@ impl Fanuc {
     }
 
     /// The block N of the program at hand.
-    pub(super) fn block_at(&mut self, it: &mut Program<'_>, number: u32) -> Option<Place> {
+    pub(super) fn block_at(&mut self, it: &mut Program<'_>, number: u32) -> Option<TapePosition> {
         let (file, from) = (it.file, it.block.span.start);
         self.tape(it).ok().and_then(|tape| tape.block(number, file, from))
     }
@@ -113,7 +113,7 @@ impl Fanuc {
         let begin = match program {
             Some(number) if in_file => self.begin_of_file(it, number)?,
             Some(number) => self.begin_of(it, number)?,
-            None => Place { file: it.file, at: (it.block.span.start, 0) }, // of the program at hand
+            None => TapePosition { file: it.file, at: (it.block.span.start, 0) }, // of the program at hand
         };
         let Some(number) = start else { return self.enter(it, program, begin, times, None) };
         match self.tape(it)?.block(number, begin.file, begin.at.0) {
@@ -135,7 +135,7 @@ impl Fanuc {
         self.enter(it, Some(called.number), begin, called.times, Some(called.locals))
     }
 
-    fn begin_of(&mut self, it: &mut Program<'_>, number: u32) -> Outcome<Place> {
+    fn begin_of(&mut self, it: &mut Program<'_>, number: u32) -> Outcome<TapePosition> {
         if let Some(place) = self.tape(it)?.program(number) {
             return Ok(place);
         }
@@ -144,7 +144,7 @@ impl Fanuc {
     }
 
     /// M198: a file of the search path is what a memory card is to a control.
-    fn begin_of_file(&mut self, it: &mut Program<'_>, number: u32) -> Outcome<Place> {
+    fn begin_of_file(&mut self, it: &mut Program<'_>, number: u32) -> Outcome<TapePosition> {
         let span = it.block.span;
         let tape = self.tape(it)?;
         if let Some(place) = tape.file(number) {
@@ -164,7 +164,7 @@ impl Fanuc {
         &mut self,
         it: &mut Program<'_>,
         program: Option<u32>,
-        start: Place,
+        start: TapePosition,
         times: u32,
         locals: Option<Locals>,
     ) -> Outcome {
@@ -180,7 +180,7 @@ impl Fanuc {
         }
         let locals = locals.map(|new| Box::new(core::mem::replace(&mut self.variables.local, new)));
         self.levels.push(Level {
-            back: Place { file: it.file, at: it.parsers[it.file].position() },
+            back: TapePosition { file: it.file, at: it.parsers[it.file].position() },
             caller: span.start,
             program: core::mem::replace(&mut self.program, program),
             start,
@@ -309,7 +309,7 @@ impl Fanuc {
     }
 }
 
-fn jump(it: &mut Program<'_>, to: Place) {
+fn jump(it: &mut Program<'_>, to: TapePosition) {
     it.file = to.file;
     it.jump(to.at);
 }

@@ -7,7 +7,7 @@
 use crate::executor::Executor;
 
 /// X, Y, Z.
-pub(super) type Place = [f64; 3];
+pub(super) type Coordinates = [f64; 3];
 
 /// Letters of the axes, and of what belongs to them.
 pub(super) const AXIS: [u8; 3] = *b"XYZ";
@@ -33,8 +33,8 @@ pub(super) struct Polar {
 /// G51.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scale {
-    pub(super) centre: Place,
-    pub(super) factor: Place,
+    pub(super) centre: Coordinates,
+    pub(super) factor: Coordinates,
 }
 
 /// G68.
@@ -59,7 +59,7 @@ impl Mapping {
         self.scale.is_some() || self.rotation.is_some() || self.mirror.iter().any(Option::is_some)
     }
 
-    pub(super) fn scaled(&self, at: &Place) -> Place {
+    pub(super) fn scaled(&self, at: &Coordinates) -> Coordinates {
         let mut to = *at;
         if let Some(Scale { centre, factor }) = &self.scale {
             for i in 0..3 {
@@ -70,7 +70,7 @@ impl Mapping {
     }
 
     /// From a block's coordinates to the work's.
-    pub(super) fn forward(&self, at: &Place) -> Place {
+    pub(super) fn forward(&self, at: &Coordinates) -> Coordinates {
         let mut to = self.scaled(at);
         if let Some(Rotation { axes: [a, b], centre, sin, cos, .. }) = self.rotation {
             let (x, y) = (to[a] - centre[0], to[b] - centre[1]);
@@ -83,7 +83,7 @@ impl Mapping {
     }
 
     /// And back.
-    pub(super) fn backward(&self, at: &Place) -> Place {
+    pub(super) fn backward(&self, at: &Coordinates) -> Coordinates {
         let mut to = *at;
         for (value, mirror) in to.iter_mut().zip(self.mirror) {
             *value = mirror.map_or(*value, |at| 2.0 * at - *value);
@@ -101,7 +101,7 @@ impl Mapping {
     }
 
     /// What becomes of a distance.
-    pub(super) fn distance(&self, along: &Place) -> Place {
+    pub(super) fn distance(&self, along: &Coordinates) -> Coordinates {
         let zero = self.forward(&[0.0; 3]);
         let mut to = self.forward(along);
         for i in 0..3 {

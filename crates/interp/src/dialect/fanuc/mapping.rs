@@ -23,7 +23,7 @@
 //! "Coordinate system rotation", "Programmable mirror image".
 use crate::{
     codes::GGroup,
-    dialect::fanuc::figure::{AXIS, CENTRE, Place, Polar, Rotation, Scale},
+    dialect::fanuc::figure::{AXIS, CENTRE, Coordinates, Polar, Rotation, Scale},
     dialect::fanuc::state::{Fanuc, Said},
     executor::Executor,
     fault::{Outcome, error, refuse},
@@ -64,14 +64,14 @@ impl Fanuc {
         Ok(())
     }
 
-    fn polar(&mut self, ex: &Executor, here: Place, [a, b]: [usize; 2]) {
+    fn polar(&mut self, ex: &Executor, here: Coordinates, [a, b]: [usize; 2]) {
         let at = self.mapping.backward(&here);
         let about_here = incremental(ex);
         let origin = if about_here { [at[a], at[b]] } else { [0.0; 2] };
         self.mapping.polar = Some(Polar { origin, last: None });
     }
 
-    fn scale(&mut self, ex: &mut Executor, said: &[Said], here: Place) -> Outcome {
+    fn scale(&mut self, ex: &mut Executor, said: &[Said], here: Coordinates) -> Outcome {
         let span = ex.words.place.span;
         if self.mapping.rotation.is_some() {
             let text = "G51 comes before G68: scaling cannot begin while a rotation is in force";
@@ -133,7 +133,7 @@ impl Fanuc {
         &mut self,
         ex: &mut Executor,
         said: &[Said],
-        here: Place,
+        here: Coordinates,
         [a, b]: [usize; 2],
     ) -> Outcome {
         let span = ex.words.place.span;
@@ -281,7 +281,7 @@ impl Fanuc {
         ex: &mut Executor,
         axes: [usize; 2],
         words: &[Option<f64>; 3],
-        from: &Place,
+        from: &Coordinates,
         by: bool,
     ) {
         let Some(rotation) = &mut self.mapping.rotation else { return };

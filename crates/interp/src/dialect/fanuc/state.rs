@@ -1,7 +1,7 @@
 //! What the front end keeps between two blocks, and of the block at hand.
 use crate::{
     dialect::fanuc::kind::Kind,
-    dialect::fanuc::tape::{Place, Tape},
+    dialect::fanuc::tape::{Tape, TapePosition},
     frame::Point,
     modes::Motion,
     offset_curve::Flat,
@@ -131,11 +131,11 @@ pub(super) enum Then {
 /// A call that has not returned yet.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Level {
-    pub(super) back: Place,
+    pub(super) back: TapePosition,
     /// The calling block: where GOTO of the caller searches from.
     pub(super) caller: u32,
     pub(super) program: Option<u32>,
-    pub(super) start: Place,
+    pub(super) start: TapePosition,
     /// Executions still to come after this one.
     pub(super) left: u32,
     /// The caller's #1 to #33, if the callee has its own.

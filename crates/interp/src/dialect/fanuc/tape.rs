@@ -30,7 +30,7 @@ struct Program {
 
 /// A block of some file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Place {
+pub(super) struct TapePosition {
     pub(super) file: usize,
     pub(super) at: At,
 }
@@ -44,7 +44,7 @@ pub(crate) struct Tape {
     /// In the order of the text; the first may have no number.
     programs: Vec<Program>,
     /// N words in the order of the text.
-    numbers: Vec<(u32, Place)>,
+    numbers: Vec<(u32, TapePosition)>,
     /// The same by number, and then in the order of the text.
     sorted: Vec<u32>,
     loops: Loops,
@@ -86,7 +86,7 @@ impl Tape {
                 self.programs[own].begin.after = after;
             }
             if let Some(number) = block.number {
-                self.numbers.push((number as u32, Place { file, at: mark.at }));
+                self.numbers.push((number as u32, TapePosition { file, at: mark.at }));
             }
             let number = match block.o.map(|o| o.label) {
                 Some(Label::Number(number)) => Some(number),
@@ -133,27 +133,27 @@ impl Tape {
     }
 
     /// The first block of O1234; its own O-word is looked for before a file's name.
-    pub(super) fn program(&self, number: u32) -> Option<Place> {
+    pub(super) fn program(&self, number: u32) -> Option<TapePosition> {
         let with = |own: bool| {
             let is =
                 |p: &&Program| p.number == Some(number) && (p.begin.at != p.begin.after) == own;
             self.programs.iter().find(is)
         };
         let found = with(true).or_else(|| with(false))?;
-        Some(Place { file: found.file, at: found.begin.after })
+        Some(TapePosition { file: found.file, at: found.begin.after })
     }
 
     /// The first block of a program in a file of its own.
-    pub(super) fn file(&self, number: u32) -> Option<Place> {
+    pub(super) fn file(&self, number: u32) -> Option<TapePosition> {
         let found = self.programs.iter().find(|p| p.file > 0 && p.number == Some(number))?;
-        Some(Place { file: found.file, at: found.begin.after })
+        Some(TapePosition { file: found.file, at: found.begin.after })
     }
 
     /// Where the main program begins.
-    pub(super) fn main(&self, number: Option<u32>) -> Place {
+    pub(super) fn main(&self, number: Option<u32>) -> TapePosition {
         let own = number.and_then(|number| self.program(number)).filter(|place| place.file == 0);
         let first = self.programs.first().map_or((0, 1), |p| p.begin.after);
-        own.unwrap_or(Place { file: 0, at: first })
+        own.unwrap_or(TapePosition { file: 0, at: first })
     }
 
     /// Numbers of the programs.
@@ -162,7 +162,7 @@ impl Tape {
     }
 
     /// The block N of the program in which byte `from` of a file lies: behind it, else from the program's begin.
-    pub(super) fn block(&self, number: u32, file: usize, from: u32) -> Option<Place> {
+    pub(super) fn block(&self, number: u32, file: usize, from: u32) -> Option<TapePosition> {
         let here = self.programs.iter().rposition(|p| p.file == file && p.begin.at.0 <= from)?;
         let begin = self.programs[here].begin.at.0;
         let next = self.programs.get(here + 1).filter(|next| next.file == file);

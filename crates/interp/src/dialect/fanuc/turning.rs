@@ -25,7 +25,7 @@ use crate::{
     number::{near_whole, tenths},
     out::Out,
     profile::cycle,
-    profile::recording::{Order, Recording},
+    profile::recording::{ProfileOrder, Recording},
     profile::roughing::{Manner, Part, Roughing},
     program::Program,
     refused,
@@ -210,7 +210,7 @@ impl Fanuc {
         Ok(())
     }
 
-    fn order(&self, it: &Program<'_>, code: u16, said: &[Said]) -> Outcome<Order> {
+    fn order(&self, it: &Program<'_>, code: u16, said: &[Said]) -> Outcome<ProfileOrder> {
         let left =
             [self.long(it, said, b'W').unwrap_or(0.0), self.across(it, said, b'U').unwrap_or(0.0)];
         let missing = |what: &str| {
@@ -224,7 +224,7 @@ impl Fanuc {
             fault.with_help(format!("write a line G{own} {words} before it: {are}"))
         };
         if code == 70 {
-            return Ok(Order::Along);
+            return Ok(ProfileOrder::Along);
         }
         if code == 73 {
             let times = match word(said, b'D') {
@@ -237,7 +237,7 @@ impl Fanuc {
             let [z, x] = self.first_lines.relief;
             let one_line = [b'K', b'I'].map(|letter| self.long(it, said, letter));
             let relief = [one_line[0].unwrap_or(z), one_line[1].unwrap_or(x)];
-            return Ok(Order::Repeat { relief, shift: left, times });
+            return Ok(ProfileOrder::Repeat { relief, shift: left, times });
         }
         let depth = self.long(it, said, b'D');
         let Some(step) = depth.filter(|d| *d > 0.0).or(self.first_lines.depth) else {
@@ -247,7 +247,7 @@ impl Fanuc {
         let unset = depth.is_some() && self.first_lines.depth.is_none();
         let retract = if unset { away } else { self.first_lines.retract };
         let how = Roughing { part: Part::All, step, retract, manner: Manner::Fanuc };
-        Ok(Order::Shifted { across: code == 72, shift: left, how })
+        Ok(ProfileOrder::Shifted { across: code == 72, shift: left, how })
     }
 
     /// After each block: was it the profile's last?
