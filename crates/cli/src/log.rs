@@ -103,6 +103,13 @@ impl Observer for Log {
                 figures.helix_error_max.in_um()
             ),
             EventKind::Withdrawn { .. } => "recovery: the tool is off the work".to_owned(),
+            EventKind::Homed { axis, deviation: None } => format!("{} is homed", axis.letter()),
+            EventKind::Homed { axis, deviation: Some(by) } => {
+                format!("{} is homed, {} from where it was before", axis.letter(), small(*axis, *by))
+            }
+            EventKind::HomingStopped { axis } => {
+                format!("homing of {} was stopped: it is not homed", axis.letter())
+            }
             EventKind::Operator(notice) => notice.to_string(),
             EventKind::OutputSet(Output { number, signal: Signal::Digital { on }, .. }) => {
                 format!("digital output {number} {}", if *on { "on" } else { "off" })

@@ -183,6 +183,9 @@ pub(crate) struct AxisLoop {
     reading: f64,
     stretch: f64,
     error: f64,
+    /// Less than the drive could give, where it shall push with little force; else infinite.
+    pub(crate) force_limit: f64,
+    force: f64,
     /// Its reading is implausible: see [`crate::encoder_plausibility`].
     pub(crate) blind: bool,
     pub(crate) warned: bool,
@@ -222,6 +225,8 @@ impl AxisLoop {
             reading: 0.0,
             stretch: 0.0,
             error: 0.0,
+            force_limit: f64::INFINITY,
+            force: 0.0,
             blind: false,
             warned: false,
             control,
@@ -291,6 +296,28 @@ impl AxisLoop {
         self.positions = (self.positions.0 - jump, self.positions.1 - jump);
     }
 
+    /// All places have other names from now on, by so much; nothing moves.
+    pub(crate) fn shift(&mut self, by: f64) {
+        self.target.position += by;
+        self.positions = (self.positions.0 + by, self.positions.1 + by);
+        self.reading += by;
+        if let Some(motor) = &mut self.motor {
+            motor.offset += by;
+        }
+    }
+
+    /// Its drive pushes that way as hard as it may.
+    pub(crate) fn is_at_force_limit(&self, sense: f64) -> bool {
+        const NEARLY: f64 = 0.99;
+        self.force * sense >= NEARLY * self.force_limit.min(self.control.peak_force.value())
+    }
+
+    /// What the encoder would read if nothing stretched the screw but the weight: the tool side is held, and the drive pushes.
+    pub(crate) fn pressed(&self) -> f64 {
+        let weight = self.control.weight.value();
+        self.reading - self.screw.stretch(self.force) + self.screw.stretch(-weight)
+    }
+
     /// Stand still from now on.
     pub(crate) const fn rest(&mut self) {
         self.target.speed = 0.0;
@@ -344,7 +371,7 @@ impl AxisLoop {
             + shares.friction * (friction_ahead + stretching)
             + cut * self.control.stiffness.value()
             - weight;
-        let limit = self.control.peak_force.value();
+        let limit = self.control.peak_force.value().min(self.force_limit);
         let force = if self.blind {
             self.servo.blind(feed_forward, limit, now.speed != 0.0)
         } else {
@@ -356,6 +383,7 @@ impl AxisLoop {
                 position: true,
             })
         };
+        self.force = force;
         AxisCommand {
             enable: true,
             position: Length::mm(now.position),

@@ -133,6 +133,23 @@ pub enum EventKind {
         /// From the start to being out.
         duration: Time,
     },
+    /// An axis begins to look for its reference.
+    HomingBegun {
+        /// Which.
+        axis: Axis,
+    },
+    /// An axis knows where it is.
+    Homed {
+        /// Which.
+        axis: Axis,
+        /// By how much the reference was off where the axis had it before; `None`: it had none, or none was looked for.
+        deviation: Option<Length>,
+    },
+    /// Homing was given up for the operator; the axis stands and does not know where it is.
+    HomingStopped {
+        /// Which.
+        axis: Axis,
+    },
     /// What the operator should know of an order.
     Operator(Notice),
     /// Waiting for the operator.

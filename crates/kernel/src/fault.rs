@@ -5,6 +5,7 @@
 //!   2xx  following        axis, spindle, sync error
 //!   3xx  waits            speed, angle, position, tool
 //!   4xx  orders           a step that this machine cannot execute
+//!   5xx  homing           switches, marks and stops that are not where they should be
 //! ```
 //!
 //! The alarm list of the manual is made from [`FaultKind::ALL`].
@@ -64,6 +65,22 @@ pub enum FaultKind {
     NotConfigured,
     /// A step begins where the axes are not.
     SetpointJump,
+    /// A step moves an axis that does not know where it is.
+    NotHomed,
+    /// The home switch is not where it is searched.
+    HomeSwitchNotFound,
+    /// The home switch stays actuated.
+    HomeSwitchNotReleased,
+    /// The encoder's index mark does not come.
+    IndexNotFound,
+    /// The index mark lies so near to the switch's edge that its neighbour may be taken for it.
+    IndexAtSwitch,
+    /// Nothing holds the axis.
+    HardStopNotFound,
+    /// The limit switch of the other end is actuated.
+    WrongLimitSwitch,
+    /// The axis moves against its setpoint.
+    MovesAgainstOrder,
 }
 
 /// What the machine does at once.
@@ -87,7 +104,7 @@ struct Text {
 
 impl FaultKind {
     /// All of them, by rising number.
-    pub const ALL: [Self; 24] = [
+    pub const ALL: [Self; 32] = [
         Self::EmergencyStop,
         Self::DriveNotReady,
         Self::FeedbackInvalid,
@@ -112,6 +129,14 @@ impl FaultKind {
         Self::SetpointJump,
         Self::TableMissing,
         Self::ProbeNotReady,
+        Self::NotHomed,
+        Self::HomeSwitchNotFound,
+        Self::HomeSwitchNotReleased,
+        Self::IndexNotFound,
+        Self::IndexAtSwitch,
+        Self::HardStopNotFound,
+        Self::WrongLimitSwitch,
+        Self::MovesAgainstOrder,
     ];
 
     /// Its number in the alarm list.
@@ -338,6 +363,70 @@ impl FaultKind {
                 reaction: Reaction::Halt,
                 cause: "The table of a cam or an oscillation was not loaded before the step.",
                 remedy: "Start the program again; report it if it comes back.",
+            },
+            Self::NotHomed => Text {
+                number: 404,
+                sentence: "a step moves an axis that is not homed",
+                unit: "",
+                reaction: Reaction::Halt,
+                cause: "The program was started before the axis had found its reference.",
+                remedy: "Home the axis, then start the program again.",
+            },
+            Self::HomeSwitchNotFound => Text {
+                number: 501,
+                sentence: "the home switch was not found over the whole way",
+                unit: "mm",
+                reaction: Reaction::Halt,
+                cause: "The switch or its cable is broken, its cam is gone, or homing goes the wrong way.",
+                remedy: "Actuate the switch by hand and look at the input; check homing.direction and the travel in the machine file.",
+            },
+            Self::HomeSwitchNotReleased => Text {
+                number: 502,
+                sentence: "the home switch stays actuated while the axis backs off",
+                unit: "mm",
+                reaction: Reaction::Halt,
+                cause: "The switch sticks, its cable is broken, it is connected the other way round, or it is another axis' switch.",
+                remedy: "Actuate the switch by hand and look at the input; check the wiring.",
+            },
+            Self::IndexNotFound => Text {
+                number: 503,
+                sentence: "the encoder's index mark did not come",
+                unit: "mm",
+                reaction: Reaction::Halt,
+                cause: "A broken line of the encoder, a dirty scale, or a wrong distance between marks in the machine file.",
+                remedy: "Check encoder and cable; compare the screw's lead, or homing.index_every_mm, with the machine.",
+            },
+            Self::IndexAtSwitch => Text {
+                number: 504,
+                sentence: "the index mark lies too near to the edge of the home switch: the next homing may take its neighbour",
+                unit: "mm",
+                reaction: Reaction::Halt,
+                cause: "The cam of the switch has been moved, or motor and screw have been coupled anew.",
+                remedy: "Move the cam by half the distance between two marks, then set homing.reference anew.",
+            },
+            Self::HardStopNotFound => Text {
+                number: 505,
+                sentence: "no hard stop holds the axis over the whole way",
+                unit: "mm",
+                reaction: Reaction::Halt,
+                cause: "The stop is gone, or homing goes the wrong way.",
+                remedy: "Check the stop; check homing.direction and the travel in the machine file.",
+            },
+            Self::WrongLimitSwitch => Text {
+                number: 506,
+                sentence: "the limit switch of the other end is actuated",
+                unit: "",
+                reaction: Reaction::Halt,
+                cause: "The two limit switches are connected the wrong way round, or motor and encoder both are.",
+                remedy: "Actuate each limit switch by hand and look at the inputs.",
+            },
+            Self::MovesAgainstOrder => Text {
+                number: 507,
+                sentence: "the axis moves against its setpoint: its encoder counts the wrong way, or its motor turns the wrong way",
+                unit: "mm",
+                reaction: Reaction::Disable,
+                cause: "The encoder's lines or the motor's phases are connected the wrong way round, or the drive's data are another motor's.",
+                remedy: "Change the encoder's sense in the drive, then home again.",
             },
         }
     }

@@ -10,6 +10,7 @@
 //! on the kernel only holds it.
 mod exchange;
 mod faults;
+mod homing;
 mod manual;
 mod orders;
 mod tap;
@@ -22,6 +23,7 @@ use crate::encoder_plausibility::EncoderPlausibility;
 use crate::event::{Event, EventKind, Ring};
 use crate::execute::{Activity, Context, Progress};
 use crate::fault::Fault;
+use crate::homing::Homing;
 use crate::manual::Manual;
 use crate::operator::{Notice, Operator};
 use crate::queue::{Full, QUEUE, Queue, StepKind};
@@ -78,6 +80,8 @@ pub struct Kernel {
     drive_lost: Option<u32>,
     /// Axes that are moved by hand.
     manual: Manual,
+    /// Where encoders count from; axes that look for that.
+    homing: Homing,
     /// A tool is being taken out; nothing else is done.
     recovering: Option<Recovering>,
     /// The tool leaves the work before the spindles stop.
@@ -117,6 +121,7 @@ impl Kernel {
             plausibility: EncoderPlausibility::default(),
             drive_lost: None,
             manual: Manual::default(),
+            homing: Homing::default(),
             recovering: None,
             retreating: None,
             way_out: None,
@@ -184,7 +189,8 @@ impl Kernel {
     /// One servo period: from what the machine says to what it shall do.
     pub fn tick(&mut self, feedback: &Feedback) -> Command {
         self.now = feedback.time;
-        let feedback = &self.bridge(feedback);
+        let positions = self.homing.is_shifted().then(|| self.positions(feedback));
+        let feedback = &self.bridge(positions.as_ref().unwrap_or(feedback));
         if let Err(finding) = self.check(feedback) {
             self.raise(finding, feedback);
         }
@@ -199,6 +205,9 @@ impl Kernel {
         };
         command.coupled = self.kept_together();
         self.probe_before = feedback.probe;
+        if self.homing.is_shifted() {
+            self.homing.readings(&mut command);
+        }
         self.summarise();
         command
     }
@@ -247,6 +256,12 @@ impl Kernel {
             return self.halt(feedback);
         }
         self.advance_manual();
+        self.advance_homing(feedback);
+        match self.mode {
+            Mode::Halted => return self.halt(feedback),
+            Mode::Disabled => return Command { tool: self.drives.tool, ..Command::default() },
+            Mode::New | Mode::Starting(_) | Mode::Running => {}
+        }
         self.hold();
         self.warn();
         self.drives.advance_spindles();
@@ -280,7 +295,7 @@ impl Kernel {
         if let Some(withdrawn) = self.withdraw_on(dt) {
             return withdrawn.map(|()| Progress::Busy);
         }
-        let Some(line) = self.queue.line(self.chained).filter(|_| !self.manual.is_active()) else {
+        let Some(line) = self.queue.line(self.chained).filter(|_| !self.is_moved_by_hand()) else {
             return Ok(Progress::Busy);
         };
         if !self.begun && self.holds_before(line) {
@@ -289,6 +304,9 @@ impl Kernel {
         let Some(step) = self.queue.get(self.chained) else {
             return Ok(Progress::Busy);
         };
+        if !self.begun {
+            self.check_homed(&step.kind)?;
+        }
         let off_thread = self.off_thread();
         let mut context = Context {
             config: &self.config,
@@ -387,7 +405,7 @@ impl Kernel {
             (Mode::Running, Some(_)) => State::Recovering,
             (Mode::Running, None) if self.withdrawing.is_some() => State::Recovering,
             (Mode::Running, None) if self.aborted => State::Idle,
-            (Mode::Running, None) if self.manual.is_active() => State::Manual,
+            (Mode::Running, None) if self.is_moved_by_hand() => State::Manual,
             (Mode::Running, None) if held => State::Held,
             (Mode::Running, None) if self.is_off_thread() => State::Rapid,
             (Mode::Running, None) => self.activity.state(),

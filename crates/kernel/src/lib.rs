@@ -26,6 +26,7 @@ mod event;
 mod execute;
 mod fault;
 mod friction;
+mod homing;
 mod kernel;
 mod learning_records;
 mod manual;
@@ -57,6 +58,7 @@ pub use config::{
 pub use coupled::TABLES;
 pub use event::{EVENTS, Event, EventKind, RecoveryFigures, TapFigures};
 pub use fault::{AlarmList, Fault, FaultKind, Reaction};
+pub use homing::{HomingMethod, HomingOrder};
 pub use kernel::{FAULTS, Kernel};
 pub use learning_records::LEARNING_RECORDS;
 pub use manual::{ManualOrder, ManualRefusal};

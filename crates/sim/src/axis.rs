@@ -33,6 +33,7 @@
 use crate::friction::{Guideway, between};
 use crate::lag::Lag;
 use crate::plant::Transmission;
+use crate::travel::{Surroundings, Travel};
 use crate::{AxisEncoder, AxisErrors, AxisScatter, Lugre};
 use core::f64::consts::TAU;
 use units::{Force, Inertia, Length, Mass, Stiffness, Time, Torque};
@@ -80,6 +81,8 @@ pub struct AxisModel {
     pub encoder: AxisEncoder,
     /// Where it stands at the start, by its encoder.
     pub start: Length,
+    /// What stands along it.
+    pub travel: Travel,
     /// How far the axis as it was built may be from all this.
     pub scatter: AxisScatter,
     /// What is wrong with its screw and its encoders, as far as it is stated.
@@ -112,6 +115,7 @@ pub(crate) struct Axis {
     peak_force: f64,
     brake: bool,
     screw: Transmission,
+    surroundings: Surroundings,
     lag: Lag,
     guideway: Guideway,
     process: f64,
@@ -138,14 +142,17 @@ struct Body {
 impl Axis {
     /// At rest, its table at the start, its screw stretched by the weight that hangs on it.
     /// `model` is the axis as it was built, `believed` as its maker states it.
-    pub(crate) fn new(model: &AxisModel, believed: &AxisModel, h: f64) -> Self {
+    /// `unknown`: an encoder that is not absolute counts from where it is switched on.
+    pub(crate) fn new(model: &AxisModel, believed: &AxisModel, h: f64, unknown: bool) -> Self {
         let (motor_mass, table_mass) = (model.motor_mass().value(), model.table.value());
         let reduced = motor_mass * table_mass / (motor_mass + table_mass);
         let stiffness = model.stiffness.value() * 1e3;
         let screw = Transmission::new(model, believed);
         // a table that hangs on its screw stretches it; one that does not stands amid the play
         let (motor, table) = screw.at(model.start.value() * 1e-3, model.hang_mm() * 1e-3);
-        Self {
+        let (seen, count) = screw.seen(motor, table);
+        let surroundings = Surroundings::new(&model.travel, table_mass, seen, count, unknown);
+        let mut axis = Self {
             half_step: h / 2.0,
             motor_rate: h / motor_mass,
             table_rate: h / table_mass,
@@ -156,6 +163,7 @@ impl Axis {
             peak_force: model.peak_force().value(),
             brake: model.brake,
             screw,
+            surroundings,
             lag: Lag::new(model.force_lag.value(), h),
             guideway: Guideway::new(&model.friction, h),
             process: 0.0,
@@ -168,7 +176,9 @@ impl Axis {
             motor: Body { x: motor, v: 0.0 },
             table: Body { x: table, v: 0.0 },
             bristles: 0.0,
-        }
+        };
+        axis.observe();
+        axis
     }
 
     /// What the drive shall do for the coming period.
@@ -205,7 +215,11 @@ impl Axis {
         let friction = self.guideway.step(&mut self.bristles, self.table.v);
         self.motor.v += self.motor_rate * (drive - ratio * spring);
         // friction comes last: it takes longest to compute
-        self.table.v += self.table_rate * (spring + self.process + self.weight);
+        let mut pushed = spring + self.process + self.weight;
+        if self.surroundings.is_beyond(self.table.x) {
+            pushed += self.surroundings.push(self.table.x, self.table.v);
+        }
+        self.table.v += self.table_rate * pushed;
         self.table.v -= self.table_rate * friction;
         if self.brake && !self.on {
             self.clamp();
@@ -233,7 +247,16 @@ impl Axis {
     /// What the machine says of it.
     pub(crate) fn feedback(&self) -> bus::AxisFeedback {
         let (position, motor) = self.screw.read(self.motor.x, self.table.x);
-        bus::AxisFeedback { position, motor, ready: self.on, ..bus::AxisFeedback::default() }
+        let position = self.surroundings.reading(position);
+        let mut said = bus::AxisFeedback { position, motor, ready: self.on, ..Default::default() };
+        self.surroundings.fill(self.table_mm(), &mut said);
+        said
+    }
+
+    /// A period is over: switches and index marks.
+    pub(crate) fn observe(&mut self) {
+        let (seen, count) = self.screw.seen(self.motor.x, self.table.x);
+        self.surroundings.observe(self.table.x * 1e3, seen, count);
     }
 
     /// Where the table really is.
@@ -263,7 +286,7 @@ mod tests {
     const H: f64 = 25e-6;
 
     fn axis(model: &AxisModel) -> Axis {
-        Axis::new(model, model, H)
+        Axis::new(model, model, H, false)
     }
 
     fn on(force: f64) -> AxisCommand {
@@ -335,6 +358,30 @@ mod tests {
         let centre = (mm * axis.motor.x + mt * axis.table.x) / (mm + mt);
         let exact = ramp_up(10_000.0 / (mm + mt), 0.1);
         assert!((centre - exact).abs() < 1e-9 * exact, "{centre} m, exact {exact} m");
+    }
+
+    #[test]
+    fn a_hard_stop_holds_an_axis_that_is_driven_into_it_with_all_its_force() {
+        let mut model = AxisModel { backlash: Length::ZERO, ..without_friction(z_axis()) };
+        let stop = Stiffness::n_per_mm(80_000.0);
+        model.travel.stops = Some((Length::mm(-400.0), Length::mm(10.0), stop));
+        let mut axis = axis(&model);
+        let force = model.peak_force().value();
+        let (mut fastest, mut farthest) = (0.0_f64, 0.0_f64);
+        for _ in 0..40_000 {
+            axis.obey(&on(force));
+            axis.step();
+            fastest = fastest.max(axis.motor.v);
+            farthest = farthest.max(axis.table_mm());
+        }
+        // undamped, the whole mass m at speed v and under force F goes F/k + √((F/k)² + m·v²/k) deep into a spring k; the screw
+        // is another spring behind it, so that half the mass's way is its own
+        let (mass, k) = (model.table.value() + model.motor_mass().value(), 8e7);
+        let static_mm = force / k * 1e3;
+        let deepest = static_mm + (force / k).hypot(fastest * (mass / k).sqrt()) * 1e3;
+        assert!(farthest - 10.0 < deepest, "{farthest} mm, stop at 10, {deepest} mm at most");
+        let rests = axis.table_mm() - 10.0;
+        assert!((rests - static_mm).abs() < 0.01 * static_mm, "{rests} mm, exact {static_mm} mm");
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! position Verlet h·ω = 0.5 errs by 1 % in frequency, and h·ω = 2 explodes. [`Config::problems`] refuses
 //! what is coarser than 0.5 and says which step would do.
 use crate::oracle::free_mode;
-use crate::{AxisEncoder, AxisModel, SpindleModel, Stock, Tool, ToolKind};
+use crate::{AxisEncoder, AxisModel, PowerOn, SpindleModel, Stock, Tool, ToolKind};
 use core::f64::consts::TAU;
 use units::{Length, Time};
 
@@ -42,6 +42,8 @@ pub struct Config {
     pub scatter: f64,
     /// Seed of all chance.
     pub seed: u64,
+    /// What is so when it is switched on.
+    pub power_on: PowerOn,
 }
 
 impl Config {
@@ -207,6 +209,7 @@ fn check_axis(index: usize, axis: &AxisModel, step: Time, found: &mut Vec<String
             }
         }
     }
+    axis.travel.problems(&of, found);
     found.extend(axis.scatter.problem().map(|needed| format!("{of}: scatter: {needed}")));
     if found.len() == before {
         let stiffest = axis.stiffness * (1.0 + axis.scatter.stiffness);
@@ -222,7 +225,8 @@ fn check_stability(index: usize, axis: &AxisModel, step: Time, found: &mut Vec<S
     let dashpots = (axis.friction.bristle_damping_n_s_per_m + axis.friction.viscous_n_s_per_m)
         / table
         + 2.0 * axis.damping_ratio * mode;
-    let fastest = mode.max(bristles).max(dashpots);
+    let stops = axis.travel.stops.map_or(0.0, |(.., k)| (k.value() * 1e3 / table).sqrt());
+    let fastest = mode.max(bristles).max(dashpots).max(stops);
     if step.value() * fastest > COARSEST_STEP_RAD {
         let works = Time::s(COARSEST_STEP_RAD / fastest);
         let hz = fastest / TAU;

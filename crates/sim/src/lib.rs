@@ -3,7 +3,7 @@
 //! ```text
 //!              Command                          Feedback, Truth
 //!   control ────────────► SimulatedMachine ─────────────────────► control, judge
-//!                          │ axes      two masses, play, LuGre friction, encoder
+//!                          │ axes      two masses, play, LuGre friction, encoder, switches, hard stops
 //!                          │ spindles  inertia, lag, torque and power limit, encoder
 //!                          │ changer   tools from a magazine
 //!                          ├ bar       a single point in it: groove, force, torque
@@ -38,6 +38,7 @@ mod spindle;
 mod tapping;
 mod tool;
 mod touch;
+mod travel;
 mod turning;
 mod wear;
 mod work;
@@ -56,6 +57,7 @@ pub use signals::{Input, InputSource};
 pub use spindle::SpindleModel;
 pub use tool::{CLUTCH_RUN_OUT, Clutch, HOLDER_STOP, Holder, Tap, Tool, ToolKind};
 pub use touch::{Boss, ToolSetter, TouchProbe};
+pub use travel::{HomeSwitch, IndexMarks, PowerOn, Travel};
 pub use turning::{Bar, Insert, KIENZLE, Kienzle};
 pub use wear::TapWear;
 pub use work::{Bore, Hole, SAME_HOLE, Sides, Stock, Thread};

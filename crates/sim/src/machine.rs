@@ -20,7 +20,7 @@ use crate::tapping::Load;
 use crate::touch::{Boss, ToolSetter, Touch};
 use crate::turning::{Turning, TurningLoad};
 use crate::wear::TapWear;
-use crate::{Bar, Config, Grinding, Hole, PlainDrive};
+use crate::{Bar, Config, Grinding, Hole, PlainDrive, PowerOn};
 use bus::{Command, Feedback, Truth};
 use core::f64::consts::TAU;
 use units::{Angle, Force, Length, Spin, Time, Torque};
@@ -61,9 +61,14 @@ impl SimulatedMachine {
         }
         let mut rng = Rng::new(config.seed);
         let h = config.period.value() / config.substeps() as f64;
-        let (axes, spindles) = config.plant();
+        let (mut axes, spindles) = config.plant();
+        let unknown = config.power_on == PowerOn::Unknown;
+        for (index, model) in axes.iter_mut().filter(|_| unknown) {
+            model.start = model.travel.draw(*index, config.seed);
+        }
         let believed = config.axes.iter().map(|(_, model)| model);
-        let axes = axes.iter().zip(believed).map(|((_, m), b)| Axis::new(m, b, h)).collect();
+        let axes = axes.iter().zip(believed);
+        let axes = axes.map(|((_, m), b)| Axis::new(m, b, h, unknown)).collect();
         let spindles = spindles.iter().map(|m| Spindle::new(m, &mut rng, h)).collect();
         let place = |bus_index| config.axes.iter().position(|(index, _)| *index == bus_index);
         let cutting = config.stock.clone().map(|stock| {
@@ -298,7 +303,8 @@ impl SimulatedMachine {
         self.feedback.time = self.config.period * self.periods as f64;
         self.feedback.tool = self.changer.tool();
         self.feedback.inputs = self.inputs.shown();
-        for ((index, _), axis) in self.config.axes.iter().zip(&self.axes) {
+        for ((index, _), axis) in self.config.axes.iter().zip(&mut self.axes) {
+            axis.observe();
             self.feedback.axes[*index] = axis.feedback();
             self.truth.axes[*index] = axis.position();
             self.truth.axis_forces[*index] = axis.drive_force();

@@ -254,6 +254,20 @@ impl Transmission {
         self.offset = self.nut(motor) - self.ratio * motor;
     }
 
+    /// Where the encoder that the position is taken from stands, between its counts, and one count, mm.
+    pub(crate) fn seen(&self, motor: f64, table: f64) -> (f64, f64) {
+        match self.encoder {
+            AxisEncoder::Motor { counts_per_rev } => {
+                let disk = motor - self.touched_off + self.wave(self.eccentricity, motor);
+                (disk * 1e3, self.lead_mm / f64::from(counts_per_rev))
+            }
+            AxisEncoder::Scale { resolution, .. } => {
+                let read = table - self.scale * (table - self.zero);
+                (read * 1e3, resolution.value())
+            }
+        }
+    }
+
     /// What the encoders say of a motor and a table: the one that the position is taken from, and the other one.
     pub(crate) fn read(&self, motor: f64, table: f64) -> (Length, Option<Length>) {
         let by_motor = |counts_per_rev: u32| {

@@ -22,7 +22,14 @@ const STAND_BY: [(&str, &str); 4] = [
 ];
 
 /// Values of keys that are names.
-const NAMES: [&str; 40] = [
+const NAMES: [&str; 47] = [
+    "+",
+    "-",
+    "switch-and-index",
+    "switch",
+    "hard-stop",
+    "absolute",
+    "given",
     "motor",
     "scale",
     "table",
@@ -120,6 +127,7 @@ fn wired(machine: &MachineFile) -> u64 {
     let (tools, seed) = (canon::ToolLibrary::default(), u64::from(machine.simulation.seed));
     let (material, zero) = (machine.setup.stock.material, machine.setup.g54);
     let config = config::simulator(machine, &tools, material, seed, &zero);
+    note(format!("{:?}", config::homing(machine)));
     note(format!("{:?}", config::left_alone(machine, &config)));
     note(format!("{:?}", config::plain_drive(machine)));
     note(format!("{:?}", config::judge(machine, &tools, material, &zero)));

@@ -2,17 +2,20 @@
 //!
 //! ```text
 //!                      ┌─► simulator   sim::Config          the simulated machine
+//!                      ├─► homing      kernel::HomingOrder  how its axes find out where they are
 //!   store::MachineFile ┼─► control     kernel::Config       the loops
 //!   canon::ToolLibrary ┼─► planner     plan::MachineLimits  what may be asked of the machine
 //!                      └─► judge       verify::Config       what was asked of the work
 //! ```
 mod control;
+mod homing;
 mod judge;
 pub mod machine_file;
 mod planner;
 mod simulator;
 
 pub use control::{control, encoder};
+pub use homing::{AxisHoming, homing};
 pub use judge::{judge, tolerances};
 pub use planner::{path_limits, planner};
 pub use simulator::{bar, inputs, left_alone, plain_drive, simulator, start, touched};

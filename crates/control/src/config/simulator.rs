@@ -56,6 +56,8 @@ pub fn simulator(
         }),
         scatter: machine.simulation.scatter_share,
         seed,
+        // a program that is simulated begins on a machine that has been homed
+        power_on: sim::PowerOn::Known,
     }
 }
 
@@ -150,6 +152,7 @@ fn axis(file: &Axis, plant: &PlantScatter, zero: Length) -> sim::AxisModel {
             },
         },
         start: start(file),
+        travel: super::homing::along(file),
         scatter: scatter(file, plant),
         errors: errors(file, plant, zero),
     }

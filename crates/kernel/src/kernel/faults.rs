@@ -69,6 +69,7 @@ impl Kernel {
         }
         self.note(EventKind::FaultRaised(fault));
         self.manual.forget(); // what moves brakes from where it is
+        self.homing.abandon(&mut self.drives.axes);
         let in_tap = self.tap_in_work();
         let gone = matches!(
             kind,

@@ -8,7 +8,7 @@ use units::Axis;
 impl Kernel {
     /// Outputs off: everything stands and nothing is executed. Whether that is so.
     pub fn switch_off(&mut self) -> bool {
-        let may = self.is_standing() && !self.manual.is_active() && self.queue.is_empty();
+        let may = self.is_standing() && !self.is_moved_by_hand() && self.queue.is_empty();
         if may || matches!(self.mode, Mode::New | Mode::Starting(_)) {
             let operator = self.operator.without_orders();
             self.begin_anew();
@@ -63,7 +63,7 @@ impl Kernel {
         if !ready || self.withdrawing.is_some() {
             return Err(ManualRefusal::NotReady);
         }
-        if !self.queue.is_empty() || self.drives.flowing {
+        if !self.queue.is_empty() || self.drives.flowing || self.homing.is_active() {
             return Err(ManualRefusal::Busy);
         }
         self.manual.take(axis.index(), order, moved.target.position);
@@ -73,6 +73,11 @@ impl Kernel {
     /// An axis is moved by hand.
     pub fn is_moving_manually(&self) -> bool {
         self.manual.is_active()
+    }
+
+    /// An axis is moved by hand, or homed.
+    pub(super) fn is_moved_by_hand(&self) -> bool {
+        self.manual.is_active() || self.homing.is_active()
     }
 
     /// Where an axis is told to be, mm or degrees.

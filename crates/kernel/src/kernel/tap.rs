@@ -26,6 +26,7 @@ impl Kernel {
     pub(super) fn begin_anew(&mut self) {
         self.queue.clear();
         self.manual.forget();
+        self.homing.abandon(&mut self.drives.axes);
         self.faults.clear();
         (self.answer, self.drives.outputs) = (None, bus::Signals::default());
         (self.activity, self.begun, self.mode) = (Activity::Idle, false, Mode::New);

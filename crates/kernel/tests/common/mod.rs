@@ -43,6 +43,7 @@ fn axis(table_kg: f64, weight_share: f64) -> AxisModel {
         brake: weight_share > 0.0,
         encoder: AxisEncoder::Motor { counts_per_rev: 1 << 20 },
         start: Length::ZERO,
+        travel: sim::Travel::FREE,
         scatter: sim::AxisScatter::NONE,
         errors: sim::AxisErrors::DRAWN,
     }
@@ -78,6 +79,7 @@ pub fn machine(command_delay: usize) -> sim::Config {
         stock: None,
         scatter: 0.0,
         seed: 1,
+        power_on: sim::PowerOn::Known,
     }
 }
 

@@ -10,11 +10,14 @@
 //!
 //! LuGre friction: dz/dt = v − σ0·|v|·z/g(v), F = σ0·z + σ1·ż + σ2·v, g = Fc + (Fs − Fc)·exp(−(v/vs)²);
 //! Canudas de Wit, Olsson, Åström, Lischinsky, IEEE Trans. Automatic Control 40 (1995) 419–425.
+use super::homing::{Ends, Homing, Of};
 use super::plant::AxisErrors;
 use super::setup::percent;
 use crate::keys::Keys;
 use units::{Accel, Force, Inertia, Jerk, Lead, Length, Mass, Speed, Stiffness, Time, Torque};
 
+/// Standard gravity (CGPM 1901).
+const GRAVITY_M_PER_S2: f64 = 9.806_65;
 /// Farthest from zero that any coordinate may be, mm.
 pub(super) const FARTHEST_MM: f64 = 100_000.0;
 
@@ -53,6 +56,10 @@ pub struct Axis {
     pub loops: Loops,
     /// What it is watched for.
     pub windows: AxisWindows,
+    /// How it finds out where it is.
+    pub homing: Homing,
+    /// What stands at the ends of its travel.
+    pub ends: Option<Ends>,
     /// What is wrong with it that its control is not told.
     pub errors: AxisErrors,
 }
@@ -209,9 +216,20 @@ impl Axis {
     pub(super) fn read(letter: canon::Axis, keys: &mut Keys<'_>) -> Self {
         const MM_PER_M: f64 = 1e3;
         let drive = keys.section("drive", Drive::read);
-        Self {
+        let travel = Travel::read(keys);
+        let approach = Approach {
+            speed: Speed::mm_per_min(keys.renamed(
+                "approach_mm_per_min",
+                "gentle_mm_per_min",
+                1.0..=1e6,
+            )),
+            acceleration: Accel::mm_per_s2(
+                keys.renamed("approach_m_per_s2", "gentle_m_per_s2", 1e-3..=500.0) * MM_PER_M,
+            ),
+        };
+        let axis = Self {
             letter,
-            travel: Travel::read(keys),
+            travel,
             rapid: Speed::mm_per_min(keys.number("rapid_mm_per_min", 1.0..=1e6)),
             feed_most: Speed::mm_per_min(keys.number("feed_most_mm_per_min", 1.0..=1e6)),
             acceleration: Accel::mm_per_s2(
@@ -219,16 +237,7 @@ impl Axis {
             ),
             jerk_feed: Jerk::mm_per_s3(keys.limit("jerk_feed_m_per_s3", 0.01..=1e6) * MM_PER_M),
             jerk_rapid: Jerk::mm_per_s3(keys.limit("jerk_rapid_m_per_s3", 0.01..=1e6) * MM_PER_M),
-            approach: Approach {
-                speed: Speed::mm_per_min(keys.renamed(
-                    "approach_mm_per_min",
-                    "gentle_mm_per_min",
-                    1.0..=1e6,
-                )),
-                acceleration: Accel::mm_per_s2(
-                    keys.renamed("approach_m_per_s2", "gentle_m_per_s2", 1e-3..=500.0) * MM_PER_M,
-                ),
-            },
+            approach,
             moving_mass: Mass::kg(keys.number("moving_mass_kg", 0.01..=100_000.0)),
             weight_share: percent(keys, "weight_percent", 0.0..=100.0),
             structure: keys.section("structure", Structure::read),
@@ -237,8 +246,33 @@ impl Axis {
             drive,
             loops: keys.section("loops", Loops::read),
             windows: keys.section("windows", AxisWindows::read),
+            homing: Homing::UNREAD,
+            ends: Ends::read(letter, &travel, keys),
             errors: keys.optional_section("errors", AxisErrors::read).unwrap_or_default(),
-        }
+        };
+        axis.with_homing(keys)
+    }
+
+    /// The axis with what its file says of homing, which has to do with all the rest of it.
+    pub(super) fn with_homing(self, keys: &mut Keys<'_>) -> Self {
+        let lead = match self.drive.motor {
+            Motor::BallScrew { lead, .. } => Some(Length::mm(lead.value())),
+            Motor::Linear { .. } => None,
+        };
+        let weight = self.weight_share * self.moving_mass.value() * GRAVITY_M_PER_S2;
+        let of = Of {
+            letter: self.letter,
+            travel: &self.travel,
+            approach: &self.approach,
+            position_from: &self.position_from,
+            lead,
+            ends: self.ends.as_ref(),
+            peak: self.drive.peak_force(),
+            weight: Force::n(weight),
+            friction: &self.friction,
+        };
+        let homing = Homing::read(&of, keys);
+        Self { homing, ..self }
     }
 }
 

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //!   [control]      servo period, synchronisation, waits, overrides, dialect      ─► kernel, interp
-//!   [axes.x] …     travel, speeds, drive, structure, friction, encoder, loops    ─► plan, kernel, sim
+//!   [axes.x] …     travel, speeds, drive, structure, friction, encoder, loops,
+//!                  homing, ends                                                 ─► plan, kernel, sim
 //!   [[spindles]]   inertia, torque and power curve, friction, encoder, loops     ─► plan, kernel, sim
 //!   [tool_change]  where and how long                                            ─► plan, sim
 //!   [tapping]      windows of the sync error, ramp, presets, pecks                  ─► plan, kernel
@@ -35,6 +36,7 @@ mod axis;
 mod control;
 mod drives;
 mod grinding;
+mod homing;
 mod plant;
 pub(crate) mod rotary;
 mod setup;
@@ -52,6 +54,7 @@ pub use control::{
 };
 pub use drives::{DcBus, Drives};
 pub use grinding::{Grinding, Wheel};
+pub use homing::{Ends, Homing, HomingMethod};
 pub use plant::{AxisErrors, PlantScatter, SpindleErrors, eccentric};
 pub use setup::{Material, Round, Setup, Simulation, SpindleDrive, Stock, TapSeat, TapWear};
 pub use signals::{InputModel, InputSource, Names, ProbeInput, Setter, parse_inputs};

@@ -15,6 +15,7 @@ use super::axis::{
     Approach, Axis, AxisWindows, Drive, Friction, Loops, Motor, PositionFrom, Structure, Travel,
     at_least,
 };
+use super::homing::{Ends, Homing};
 use super::plant::AxisErrors;
 use crate::keys::Keys;
 use units::{Accel, Force, Inertia, Jerk, Lead, Length, Mass, Speed, Stiffness, Time, Torque};
@@ -30,9 +31,10 @@ const ARCSEC: f64 = 3600.0;
 pub(super) fn read(letter: canon::Axis, keys: &mut Keys<'_>) -> Axis {
     let drive = keys.section("drive", drive);
     let inertia = keys.number("moving_inertia_kg_m2", 1e-6..=1e6);
-    Axis {
+    let travel = travel(keys);
+    let axis = Axis {
         letter,
-        travel: travel(keys),
+        travel,
         rapid: Speed::mm_per_min(keys.number("rapid_deg_per_min", 1.0..=1e7)),
         feed_most: Speed::mm_per_min(keys.number("feed_most_deg_per_min", 1.0..=1e7)),
         acceleration: Accel::mm_per_s2(keys.limit("acceleration_deg_per_s2", 0.1..=1e7)),
@@ -58,8 +60,11 @@ pub(super) fn read(letter: canon::Axis, keys: &mut Keys<'_>) -> Axis {
         drive,
         loops: keys.section("loops", Loops::read),
         windows: keys.section("windows", windows),
+        homing: Homing::UNREAD,
+        ends: Ends::read(letter, &travel, keys),
         errors: keys.optional_section("errors", AxisErrors::read).unwrap_or_default(),
-    }
+    };
+    axis.with_homing(keys)
 }
 
 /// It stands at zero when the machine is switched on, so zero lies within.
