@@ -105,7 +105,11 @@ impl Observer for Log {
             EventKind::Withdrawn { .. } => "recovery: the tool is off the work".to_owned(),
             EventKind::Homed { axis, deviation: None } => format!("{} is homed", axis.letter()),
             EventKind::Homed { axis, deviation: Some(by) } => {
-                format!("{} is homed, {} from where it was before", axis.letter(), small(*axis, *by))
+                format!(
+                    "{} is homed, {} from where it was before",
+                    axis.letter(),
+                    small(*axis, *by)
+                )
             }
             EventKind::HomingStopped { axis } => {
                 format!("homing of {} was stopped: it is not homed", axis.letter())

@@ -63,12 +63,15 @@ fn timed<B>(
     if is_abandoned {
         sample.report.state = State::Faulted;
     }
+    // observers see positions, the machine is told what its encoders count
+    let command = sample.command;
+    kernel.in_positions(&mut sample);
     observe(kernel, machine, &sample)?;
     if is_abandoned {
         machine.wait();
         return ControlFlow::Continue(());
     }
-    let heard = machine.exchange(&sample.command);
+    let heard = machine.exchange(&command);
     for between in missed(&feedback, &heard, machine.period()) {
         kernel.tick(&between);
     }

@@ -365,7 +365,7 @@ impl FaultKind {
                 remedy: "Start the program again; report it if it comes back.",
             },
             Self::NotHomed => Text {
-                number: 404,
+                number: 405,
                 sentence: "a step moves an axis that is not homed",
                 unit: "",
                 reaction: Reaction::Halt,

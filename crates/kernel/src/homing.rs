@@ -250,7 +250,12 @@ impl Homing {
     }
 
     /// Begin; an axis whose place is told is homed at once.
-    pub(crate) fn begin(&mut self, index: usize, axis: &mut AxisLoop, order: &HomingOrder) -> Outcome {
+    pub(crate) fn begin(
+        &mut self,
+        index: usize,
+        axis: &mut AxisLoop,
+        order: &HomingOrder,
+    ) -> Outcome {
         let at = axis.target.position;
         match order.method {
             HomingMethod::Absolute => {
@@ -434,7 +439,6 @@ impl Run {
         let order = self.order;
         let setpoint = self.state.position;
         self.check_limits(said, setpoint)?;
-        let (ahead, _) = self.on_limits(said);
         let reading = said.position.value();
         let far = |from: f64, most: f64, kind| {
             let way = (setpoint - from).abs();
@@ -444,17 +448,21 @@ impl Run {
             Phase::Search { .. } if said.home_switch => {
                 Ok(self.turn_to(Phase::BackOff { from: setpoint }, said))
             }
-            Phase::Search { .. } if ahead => {
+            Phase::Search { .. } if said.limit_switches[usize::from(order.positive)] => {
                 Ok(self.turn_to(Phase::Return { from: setpoint, seen: false }, said))
             }
             Phase::Search { from } => far(from, order.search, FaultKind::HomeSwitchNotFound),
             Phase::Return { from, seen } if said.home_switch => {
                 self.phase = Phase::Return { from, seen: true };
-                far(from, order.search, if seen {
-                    FaultKind::HomeSwitchNotReleased
-                } else {
-                    FaultKind::HomeSwitchNotFound
-                })
+                far(
+                    from,
+                    order.search,
+                    if seen {
+                        FaultKind::HomeSwitchNotReleased
+                    } else {
+                        FaultKind::HomeSwitchNotFound
+                    },
+                )
             }
             Phase::Return { seen: true, .. } | Phase::BackOff { .. } if !said.home_switch => {
                 Ok(self.turn_to(Phase::Approach { from: setpoint }, said))
@@ -520,7 +528,10 @@ impl Run {
             Phase::BackOff { from } if behind => {
                 Err((FaultKind::HomeSwitchNotReleased, (setpoint - from).abs(), self.order.search))
             }
-            Phase::Search { .. } | Phase::Approach { .. } | Phase::Index { .. } | Phase::Press { .. }
+            Phase::Search { .. }
+            | Phase::Approach { .. }
+            | Phase::Index { .. }
+            | Phase::Press { .. }
                 if behind && self.state.speed * self.order.sense() > 0.0 =>
             {
                 Err((FaultKind::WrongLimitSwitch, setpoint, setpoint))

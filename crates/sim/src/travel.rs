@@ -74,20 +74,14 @@ pub enum PowerOn {
 
 impl Travel {
     /// Nothing stands along it.
-    pub const FREE: Self = Self {
-        stops: None,
-        limit_switches: None,
-        home_switch: None,
-        index: None,
-        absolute: false,
-    };
+    pub const FREE: Self =
+        Self { stops: None, limit_switches: None, home_switch: None, index: None, absolute: false };
 
     /// Where the axis stands when it is switched on, if nobody knows.
     pub(crate) fn draw(&self, axis: usize, seed: u64) -> Length {
         let mut rng = Rng::new(seed ^ OF_POWER_ON ^ (axis as u64) << 32);
-        let (from, to) = self
-            .stops
-            .map_or((-HALF_TURN, HALF_TURN), |(from, to, _)| (from.value(), to.value()));
+        let (from, to) =
+            self.stops.map_or((-HALF_TURN, HALF_TURN), |(from, to, _)| (from.value(), to.value()));
         Length::mm(from + (to - from) * rng.branch().unit())
     }
 
@@ -104,7 +98,10 @@ impl Travel {
             refuse(fine, "the stiffness of the hard stops must be a number above 0");
         }
         if let Some((from, to)) = self.limit_switches {
-            refuse(from < to, "the limit switch at the negative end must stand below the other one");
+            refuse(
+                from < to,
+                "the limit switch at the negative end must stand below the other one",
+            );
         }
         if let Some(cam) = self.home_switch {
             let hysteresis = cam.hysteresis.value();
@@ -204,9 +201,10 @@ impl Surroundings {
     /// What switches and marks say of an axis.
     pub(crate) fn fill(&self, table: f64, feedback: &mut bus::AxisFeedback) {
         feedback.home_switch = self.home;
-        feedback.limit_switches = self.travel.limit_switches.map_or([false; 2], |(from, to)| {
-            [table <= from.value(), table >= to.value()]
-        });
+        feedback.limit_switches = self
+            .travel
+            .limit_switches
+            .map_or([false; 2], |(from, to)| [table <= from.value(), table >= to.value()]);
         feedback.index = self.index.map(|at| self.reading(Length::mm(at)));
     }
 }
@@ -235,7 +233,8 @@ mod tests {
             every: Some(Length::mm(360.0)),
             hysteresis: Length::ZERO,
         };
-        for (at, on) in [(0.0, true), (180.0, false), (357.0, true), (-718.0, true), (366.0, false)] {
+        for (at, on) in [(0.0, true), (180.0, false), (357.0, true), (-718.0, true), (366.0, false)]
+        {
             assert_eq!(cam.next(false, at), on, "{at}°");
         }
     }

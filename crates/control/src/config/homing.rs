@@ -65,8 +65,7 @@ pub(super) fn along(file: &Axis) -> sim::Travel {
     );
     sim::Travel {
         // as stiff as the screw that pushes against them
-        stops: ends(|ends| ends.hard_stops)
-            .map(|(from, to)| (from, to, file.structure.stiffness)),
+        stops: ends(|ends| ends.hard_stops).map(|(from, to)| (from, to, file.structure.stiffness)),
         limit_switches: ends(|ends| ends.limit_switches),
         home_switch: switched.then_some(sim::HomeSwitch {
             from,

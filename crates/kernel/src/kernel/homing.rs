@@ -111,7 +111,11 @@ impl Kernel {
     pub(super) fn check_homed(&self, kind: &StepKind<'_>) -> Result<(), Finding> {
         let moves = matches!(
             kind,
-            StepKind::Move(_) | StepKind::Follow(_) | StepKind::Tap(_) | StepKind::Thread(_)
+            StepKind::Move(_)
+                | StepKind::Probe { .. }
+                | StepKind::Follow(_)
+                | StepKind::Tap(_)
+                | StepKind::Thread(_)
         );
         let mut axes = self.drives.axes.iter().enumerate();
         let lost = axes.find(|(index, axis)| axis.is_some() && !self.homing.is_homed(*index));

@@ -10,7 +10,7 @@
 //! A file that does not say how an axis is homed means what builders do most: a home switch at the end of travel that is
 //! nearer to machine zero, the next index mark of the encoder behind it, the approach speed to the switch and a tenth of it to the
 //! mark; vertical axes first, then the other linear ones, then rotary ones.
-use super::axis::{Axis, FARTHEST_MM, Friction, Approach, PositionFrom, Travel};
+use super::axis::{Approach, Axis, FARTHEST_MM, Friction, PositionFrom, Travel};
 use super::setup::percent;
 use crate::keys::Keys;
 use canon::Axis as Letter;
@@ -235,8 +235,7 @@ impl Homing {
         let end = if positive { of.travel.to } else { of.travel.from };
         let endless = is_endless(of.letter, of.travel);
         let beyond = if endless { 0.0 } else { REFERENCE };
-        let reference =
-            Length::mm(if endless { 0.0 } else { end.value() } + sense * beyond);
+        let reference = Length::mm(if endless { 0.0 } else { end.value() } + sense * beyond);
         let index_every = of.marks().unwrap_or(Length::mm(SCALE_MARKS));
         Self {
             method: HomingMethod::SwitchAndIndex,
@@ -321,7 +320,11 @@ impl Homing {
         let (from, to) = (of.travel.from.value(), of.travel.to.value());
         let ends_at = self.reference - self.pull_off * self.sense();
         if keys.has(names.pull_off) && from < to && !of.travel.contains(ends_at) {
-            let least = if self.positive { self.reference.value() - to } else { from - self.reference.value() };
+            let least = if self.positive {
+                self.reference.value() - to
+            } else {
+                from - self.reference.value()
+            };
             let (key, least) = (names.pull_off, least.max(0.0));
             let at = ends_at.value();
             keys.conflict(
@@ -369,7 +372,10 @@ impl Homing {
         const TO_SPARE: f64 = 2.0;
         let unit = names.unit;
         let Some(ends) = of.ends else {
-            return keys.conflict("method", "the axis turns on and on, it has no hard stop: expected \"switch-and-index\"");
+            return keys.conflict(
+                "method",
+                "the axis turns on and on, it has no hard stop: expected \"switch-and-index\"",
+            );
         };
         let stop = if self.positive {
             of.travel.to + ends.hard_stops
@@ -378,7 +384,10 @@ impl Homing {
         };
         if keys.has(names.reference) && (stop - self.reference).abs() > Length::um(1.0) {
             let (key, stop) = (names.reference, stop.value());
-            keys.conflict(key, format!("the hard stop stands at {stop} {unit}: expected `{key}` = {stop}"));
+            keys.conflict(
+                key,
+                format!("the hard stop stands at {stop} {unit}: expected `{key}` = {stop}"),
+            );
         }
         let least = of.weight.value().abs() + TO_SPARE * of.friction.static_force.value();
         let share = least / of.peak.value();
