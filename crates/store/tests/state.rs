@@ -200,6 +200,20 @@ fn a_control_that_was_killed_between_its_two_renames_has_lost_nothing() {
 }
 
 #[test]
+fn a_save_after_a_kill_between_link_and_rename_leaves_no_link_behind() {
+    in_a_folder(|path| {
+        kept(path);
+        // killed there, both names are links of one file
+        fs::remove_file(path.join("tools.toml.previous")).unwrap();
+        fs::hard_link(path.join("tools.toml"), path.join("tools.toml.previous")).unwrap();
+        let (mut folder, _, found) = StateFolder::open(path).unwrap();
+        assert_eq!(found, []);
+        folder.save_tools(&tools(5.0)).unwrap();
+        assert!(!path.join(".state-new-tools.toml").exists());
+    });
+}
+
+#[test]
 fn what_a_killed_control_was_writing_is_removed_by_the_next() {
     in_a_folder(|path| {
         kept(path);

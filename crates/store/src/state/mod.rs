@@ -239,8 +239,13 @@ impl StateFolder {
         let (path, before) = (self.path.join(name), self.path.join(previous(name)));
         // a link first: at every instant both names are there, and hold whole files
         let link = self.path.join(format!("{NEW}{name}"));
+        remove(&link)?;
         match fs::hard_link(&path, &link) {
-            Ok(()) => fs::rename(&link, &before)?,
+            Ok(()) => {
+                fs::rename(&link, &before)?;
+                // renaming one link of a file over another one leaves both
+                remove(&link)?;
+            }
             Err(e) if e.kind() == io::ErrorKind::NotFound => {}
             // a file system without links
             Err(_) => fs::rename(&path, &before)?,
@@ -345,6 +350,14 @@ impl StateFolder {
             }
         }
         Ok(())
+    }
+}
+
+/// Remove a name that may not be there.
+fn remove(path: &Path) -> io::Result<()> {
+    match fs::remove_file(path) {
+        Err(e) if e.kind() != io::ErrorKind::NotFound => Err(e),
+        _ => Ok(()),
     }
 }
 
