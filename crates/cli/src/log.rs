@@ -42,7 +42,7 @@ impl Observer for Log {
     /// A servo period.
     fn sample(&mut self, sample: &Sample) {
         if let Some(number) = sample.feedback.tool {
-            self.length = self.tools.get(number).map_or(Length::ZERO, |tool| tool.worn_length());
+            self.length = self.tools.get(number).map_or(Length::ZERO, canon::Tool::worn_length);
         }
         let now = (sample.report.state, sample.report.line);
         if self.last == Some(now) {

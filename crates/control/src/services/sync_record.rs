@@ -397,7 +397,7 @@ fn stiffness(kind: &ToolKind) -> Stiffness {
 fn is_inside(record: &SyncRecord, tools: &ToolLibrary, top: Length, feedback: &Feedback) -> bool {
     const CERTAIN: Length = Length::mm(0.1);
     let stroke = &record.stroke;
-    let length = tools.get(stroke.tool).map_or(Length::ZERO, |tool| tool.worn_length());
+    let length = tools.get(stroke.tool).map_or(Length::ZERO, canon::Tool::worn_length);
     let place = feedback.axes[usize::from(stroke.axis)].position;
     if usize::from(stroke.axis) != canon::Axis::Z.index() || stroke.bottom > stroke.start {
         return stroke.inside(place) > stroke.inside(stroke.surface) + CERTAIN;

@@ -37,7 +37,7 @@ fn row(run: &Run, measure: Measure, number: u32, time: Time) -> String {
         |of: fn(&canon::Tool) -> Length| tool.map_or("–".into(), |t| measure.length(of(t)));
     let condition = tool.map_or(String::new(), |tool| condition(tool, measure));
     let name = Tag::new("td").class("l wide").text(&(run.tool(number) + assumed + &condition));
-    let cells = [size(|t| t.worn_length()), size(|t| t.diameter), fixed(time.value(), 2)];
+    let cells = [size(canon::Tool::worn_length), size(|t| t.diameter), fixed(time.value(), 2)];
     let cells: String = cells.iter().map(|cell| Tag::new("td").text(cell)).collect();
     Tag::new("tr").around(&(name + &cells))
 }

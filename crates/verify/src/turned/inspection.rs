@@ -82,7 +82,7 @@ impl Ordered<'_> {
     /// Machine Z of the tip where the thread begins, and to where it is to be whole.
     fn expected(&self) -> [f64; 2] {
         let law = &self.law;
-        let length = self.tool.map_or(Length::ZERO, |tool| tool.worn_length());
+        let length = self.tool.map_or(Length::ZERO, canon::Tool::worn_length);
         let [begins, ends] = law.span().map(|at| (at - length).value());
         let comes_to_rest = self.whole - super::RUN_OUT;
         if law.turns() <= comes_to_rest {
