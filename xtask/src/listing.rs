@@ -71,6 +71,7 @@ pub(crate) fn tools() -> ToolLibrary {
         description: String::new(),
         wear: canon::ToolWear::default(),
         life: canon::ToolLife::default(),
+        body: canon::Body::default(),
         stand_in: false,
     }))
 }

@@ -39,6 +39,18 @@ impl LengthUnit {
     }
 }
 
+/// From where the axis words of a block count.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Counting {
+    /// From zero.
+    #[default]
+    Absolute,
+    /// From where each axis stood (G91).
+    Incremental,
+    /// From where each axis stood, by letters of their own: U, V, W of Fanuc's lathes.
+    IncrementalLetters,
+}
+
 /// The program's frame and units when an operation was written. The default is the machine's own: millimetres, no offsets.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ProgramFrame {
@@ -56,6 +68,8 @@ pub struct ProgramFrame {
     pub tool: Position,
     /// X words are diameters.
     pub x_is_diameter: bool,
+    /// From where its words count.
+    pub counting: Counting,
 }
 
 impl ProgramFrame {
@@ -83,6 +97,27 @@ impl ProgramFrame {
         let radius = value - of(&self.origin) - of(&self.tool) - of(&self.added);
         let factor = if axis == Axis::X && self.x_is_diameter { 2.0 } else { 1.0 };
         Some(radius * factor / self.unit.in_mm())
+    }
+
+    /// A way along an axis as the program would write it in an incremental word, from its length in mm (degrees for a rotary
+    /// axis), with the letter; `None`: the block does not count so, or X and Y mix.
+    pub fn increment(&self, axis: Axis, way: f64) -> Option<(char, f64)> {
+        let letter = match (self.counting, axis) {
+            (Counting::Absolute, _) => return None,
+            (Counting::IncrementalLetters, Axis::X) => 'U',
+            (Counting::IncrementalLetters, Axis::Y) => 'V',
+            (Counting::IncrementalLetters, Axis::Z) => 'W',
+            (Counting::IncrementalLetters, Axis::C) => 'H',
+            _ => axis.letter(),
+        };
+        if self.rotation != Angle::ZERO && matches!(axis, Axis::X | Axis::Y) {
+            return None;
+        }
+        if matches!(axis, Axis::A | Axis::B | Axis::C) {
+            return Some((letter, way));
+        }
+        let factor = if axis == Axis::X && self.x_is_diameter { 2.0 } else { 1.0 };
+        Some((letter, way * factor / self.unit.in_mm()))
     }
 
     /// A length in the program's unit.
@@ -115,6 +150,24 @@ mod tests {
         let frame = ProgramFrame { work_offset: 1, x_is_diameter: true, ..ProgramFrame::default() };
         assert_eq!(frame.written(Axis::X, 12.5), Some(25.0));
         assert_eq!(frame.written(Axis::Z, 12.5), Some(12.5));
+    }
+
+    #[test]
+    fn an_increment_is_a_way_in_the_letters_and_unit_of_its_block() {
+        let frame = ProgramFrame {
+            counting: Counting::Incremental,
+            unit: LengthUnit::Inch,
+            ..ProgramFrame::default()
+        };
+        assert_eq!(frame.increment(Axis::Z, -50.8), Some(('Z', -2.0)));
+        let lathe = ProgramFrame {
+            counting: Counting::IncrementalLetters,
+            x_is_diameter: true,
+            ..ProgramFrame::default()
+        };
+        assert_eq!(lathe.increment(Axis::X, 1.5), Some(('U', 3.0)));
+        assert_eq!(lathe.increment(Axis::Z, 1.5), Some(('W', 1.5)));
+        assert_eq!(ProgramFrame::default().increment(Axis::Z, 1.0), None);
     }
 
     #[test]

@@ -31,7 +31,7 @@ mod tool_life;
 pub use cam::{CamLibrary, CamOrder, CamProfile};
 pub use coupling::{Actuator, Harmonic, Hob, Oscillating, Oscillation, Polygon};
 pub use diag::Span;
-pub use frame::{LengthUnit, ProgramFrame};
+pub use frame::{Counting, LengthUnit, ProgramFrame};
 pub use op::{
     Answer, Await, ChipRemoval, Feed, Hole, InputWait, Op, OpKind, Output, PathMode, Probe,
     ReturnAcceleration, Signal, SpindleOrder, Spline, Tap, Threading, UserCode,
@@ -39,7 +39,7 @@ pub use op::{
 pub use series::standard_sizes;
 pub use thread::{Family, Hand, ThreadSize, UnknownSize};
 pub use tool::{
-    Flute, Holder, Insert, InsertPoint, PolygonCutter, TapTool, Tool, ToolKind, ToolLibrary,
+    Body, Flute, Holder, Insert, InsertPoint, PolygonCutter, TapTool, Tool, ToolKind, ToolLibrary,
     TouchProbe,
 };
 pub use tool_life::{AtLimit, ToolLife, ToolLimit, ToolUse, ToolWear, UseCount};

@@ -22,8 +22,32 @@ pub struct Tool {
     pub kind: ToolKind,
     /// For people.
     pub description: String,
+    /// What stands behind its edges.
+    pub body: Body,
     /// True for a tool that the table lacks and the user let us assume.
     pub stand_in: bool,
+}
+
+/// What stands behind the edges of a tool, as far as the table says: what it does not say is not judged.
+///
+/// ```text
+///        ┌──────┐ holder            drill, tap, mill: from the tip upwards
+///        │      │                   boring bar: the shank lies along Z behind the insert,
+///        └┬────┬┘ ─ stick_out                   as thick as `shank`
+///         │    │  shank             turning tool: the shank lies across Z over the insert, from its
+///         └┐  ┌┘ ─ flutes                       point towards the free end, as wide as `shank`
+///          ╲╱
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Body {
+    /// From the tip to where the flutes end; a tap states its own as [`TapTool::thread_length`].
+    pub flutes: Option<Length>,
+    /// Diameter of the shank, or width of a turning tool's.
+    pub shank: Option<Length>,
+    /// From the tip to the holder; of a turning tool, from the point to its shank.
+    pub stick_out: Option<Length>,
+    /// Diameter of the holder.
+    pub holder: Option<Length>,
 }
 
 /// What a tool is.

@@ -65,7 +65,8 @@ fn begins(restart: &Restart) -> String {
     let Restart { line, tool, spin, holes, .. } = restart;
     let rpm = spin.in_rpm();
     format!(
-        "begins at line {line} with tool {tool} and the spindle at {rpm:.0} rpm; {holes} of the program's holes are left out\n"
+        "begins at line {line} with tool {tool} and the spindle at {rpm:.0} rpm; {holes} of the program's holes are left out; \
+         the work is as the part before leaves it, simulated\n"
     )
 }
 

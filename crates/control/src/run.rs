@@ -230,6 +230,16 @@ impl Running {
         (self.planned, self.begun)
     }
 
+    /// How long the machine has been at it.
+    pub const fn now(&self) -> Time {
+        self.now
+    }
+
+    /// What is left of the work so far, as the judge has seen it.
+    pub fn work(&self) -> verify::Work {
+        self.observers.judge.clone().into_work()
+    }
+
     /// What was cut so far, and what the judge thinks of it.
     pub fn judged(&self) -> Vec<Feature> {
         self.observers.judge.clone().finish()

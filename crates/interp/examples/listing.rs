@@ -45,6 +45,7 @@ fn tool(text: &str) -> Option<Tool> {
         description: String::new(),
         wear: canon::ToolWear::default(),
         life: canon::ToolLife::default(),
+        body: canon::Body::default(),
         stand_in: false,
     })
 }

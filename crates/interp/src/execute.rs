@@ -66,6 +66,7 @@ pub(crate) fn new(setup: &Setup) -> Executor {
         settings: Settings {
             rules: setup.dialect.rules(),
             stand_alone: setup.stand_alone,
+            fastest_rpm: setup.fastest_spindle.map_or(f64::INFINITY, units::Spin::in_rpm),
             user_codes: setup.user_codes.clone(),
             cycles: setup.cycles,
         },
@@ -137,7 +138,7 @@ fn obey<S: Sink>(
             ex.words.stage = Stage::Feed;
             switch::feed_mode(&ex.words, &mut ex.modes, out)?;
             ex.words.stage = Stage::Speed;
-            switch::spindle_speed(&ex.words, &mut ex.modes, out)?;
+            switch::spindle_speed(&ex.words, &mut ex.modes, &ex.settings, out)?;
             ex.words.stage = Stage::Tools;
             auxiliary::tools_and_switches(ex, out)?;
         }

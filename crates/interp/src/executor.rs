@@ -60,6 +60,8 @@ pub(crate) struct Settings {
     pub(crate) user_codes: Vec<UserCode>,
     /// The machine's settings for cycles.
     pub(crate) cycles: Cycles,
+    /// What the spindle turns at most, rev/min; infinite: it is not known.
+    pub(crate) fastest_rpm: f64,
 }
 
 /// The modes kept at one level.

@@ -1,10 +1,11 @@
 //! A program as a stream of operations, and a program's diagnostics alone.
 use crate::{
+    dialect::DepthFrom,
     interpreter::{Interpreter, Progress},
     resolve::Resolver,
     setup::{Parameters, Setup},
 };
-use canon::{Op, ProgramFrame, ToolLibrary};
+use canon::{Counting, Op, ProgramFrame, ToolLibrary};
 use diag::{Diagnostic, Span};
 use gcode::{Block, Grammar, Keyword, Label, Parser};
 use std::collections::HashSet;
@@ -64,8 +65,18 @@ impl<'s> Ops<'s> {
 
     /// Frame and units in which the operation that came last was written. What one block orders is written in one frame.
     pub fn frame(&self) -> ProgramFrame {
-        let modes = &self.interpreter.program.executor.modes;
-        self.resolver.program_frame(modes.system, modes.diameter)
+        let executor = &self.interpreter.program.executor;
+        let modes = &executor.modes;
+        let from_the_level = modes.sticky.is_some()
+            && executor.settings.cycles.depth_from == DepthFrom::InitialLevel;
+        let counting = match () {
+            () if executor.words.by_increments => Counting::IncrementalLetters,
+            // a cycle's depth counts from another place than its other words there
+            () if modes.incremental && !from_the_level => Counting::Incremental,
+            () => Counting::Absolute,
+        };
+        let frame = self.resolver.program_frame(modes.system, modes.diameter);
+        ProgramFrame { counting, ..frame }
     }
 
     /// The numbered parameters as the program has set them.

@@ -147,7 +147,7 @@ pub(crate) fn follow<S: Sink>(ex: &mut Executor, out: &mut Out<'_, S>) {
         _ = switch::feed_mode(&ex.words, &mut ex.modes, out);
     }
     if failed <= Stage::Feed {
-        _ = switch::spindle_speed(&ex.words, &mut ex.modes, out);
+        _ = switch::spindle_speed(&ex.words, &mut ex.modes, &ex.settings, out);
     }
     if failed <= Stage::Speed {
         _ = auxiliary::tools_and_switches(ex, out);

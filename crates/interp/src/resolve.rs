@@ -146,6 +146,7 @@ impl Resolver {
             rotation: Angle::deg(self.frame.rotation()),
             tool: position(&self.frame.tool),
             x_is_diameter,
+            ..ProgramFrame::default()
         }
     }
 

@@ -79,6 +79,8 @@ pub struct Setup {
     pub stroke_check_outside: bool,
     /// Fanuc's lathes: the machine has no C axis, and C of a G1 is a chamfer.
     pub c_is_a_chamfer: bool,
+    /// What the first spindle turns at most; `None`: it is not known.
+    pub fastest_spindle: Option<units::Spin>,
     /// What stops a program that does not stop by itself.
     pub limits: Limits,
 }

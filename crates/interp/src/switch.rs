@@ -2,6 +2,7 @@
 use crate::{
     call::{Call, Corners, Sense, Sink, Units},
     codes::{GGroup, MGroup},
+    executor::Settings,
     fault::{Outcome, refuse},
     frame,
     modes::{FeedMode, Modes},
@@ -69,12 +70,21 @@ pub(crate) fn set_feed_mode<S: Sink>(modes: &mut Modes, mode: FeedMode, out: &mu
 pub(crate) fn spindle_speed<S: Sink>(
     words: &Words,
     modes: &mut Modes,
+    settings: &Settings,
     out: &mut Out<'_, S>,
 ) -> Outcome {
     spindle_number(words)?;
-    let speed = words.get(b'S');
+    let mut speed = words.get(b'S');
+    let was_surface = modes.spindle.constant_surface_speed;
+    if was_surface {
+        modes.spindle.surface_speed = modes.spindle.speed;
+    }
+    let keeps = settings.rules.keeps_speed;
     match words.g(GGroup::SpindleMode) {
         Some(960) => {
+            if keeps && modes.spindle.surface_speed > 0.0 {
+                speed = speed.or(Some(modes.spindle.surface_speed));
+            }
             if speed.is_none() {
                 return refuse("I0601", words.place.span, "G96 needs S, the surface speed");
             }
@@ -86,6 +96,9 @@ pub(crate) fn spindle_speed<S: Sink>(
         Some(_) => {
             out.say(&Call::SpindleMode(0.0));
             modes.spindle.constant_surface_speed = false;
+            if keeps && was_surface {
+                speed = speed.or_else(|| Some(turned_speed(modes, settings.fastest_rpm)));
+            }
         }
         None => {}
     }
@@ -97,6 +110,16 @@ pub(crate) fn spindle_speed<S: Sink>(
     modes.spindle.speed = speed;
     out.say(&Call::SpindleSpeed(speed));
     Ok(())
+}
+
+/// The revolutions per minute that constant surface speed orders where X stands: at most its limit, and what the spindle can.
+fn turned_speed(modes: &Modes, fastest: f64) -> f64 {
+    const MM_PER_M: f64 = 1000.0;
+    const INCHES_PER_FOOT: f64 = 12.0;
+    let unit = if modes.units == Units::Inch { INCHES_PER_FOOT } else { MM_PER_M };
+    let round = core::f64::consts::TAU * modes.at[0].abs();
+    let speed = if round > 0.0 { modes.spindle.speed * unit / round } else { f64::INFINITY };
+    speed.min(modes.spindle.limit).min(fastest)
 }
 
 /// `$`: the only spindle is 0, and −1 means all.

@@ -111,6 +111,7 @@ fn stand_in(number: u32) -> Tool {
         description: "stand-in".into(),
         wear: canon::ToolWear::default(),
         life: canon::ToolLife::default(),
+        body: canon::Body::default(),
         stand_in: true,
     }
 }

@@ -33,6 +33,8 @@ pub(crate) struct Words {
     rules: &'static Rules,
     /// Letters of words that could not be understood.
     pub(crate) unread: Letters,
+    /// Its ways are written by letters of their own: Fanuc's U, V and W.
+    pub(crate) by_increments: bool,
     /// How far the block was executed.
     pub(crate) stage: Stage,
 }
@@ -52,6 +54,7 @@ impl Words {
             letters: 0,
             rules,
             unread: 0,
+            by_increments: false,
             stage: Stage::Words,
         }
     }
@@ -61,7 +64,7 @@ impl Words {
     pub(crate) fn begin(&mut self, block: &gcode::Block) {
         self.place = Place { span: block.span, number: block.number.map(|n| n as u32) };
         (self.present, self.unread, self.stage) = (0, 0, Stage::Words);
-        self.cycle_off = false;
+        (self.cycle_off, self.by_increments) = (false, false);
         if self.any_code {
             self.g = [NONE; G_GROUPS];
             self.m = [NONE; M_GROUPS];

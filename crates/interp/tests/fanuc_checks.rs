@@ -14,6 +14,7 @@ fn setup() -> Setup {
         description: String::new(),
         wear: canon::ToolWear::default(),
         life: canon::ToolLife::default(),
+        body: canon::Body::default(),
         stand_in: false,
     };
     Setup { dialect: Dialect::Fanuc, tools: ToolLibrary::new([tool]), ..Setup::default() }

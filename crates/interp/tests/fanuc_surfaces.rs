@@ -17,6 +17,7 @@ fn run(dialect: Dialect, program: &str) -> (Vec<Step>, Vec<String>) {
         description: String::new(),
         wear: canon::ToolWear::default(),
         life: canon::ToolLife::default(),
+        body: canon::Body::default(),
         stand_in: false,
     };
     let tools = canon::ToolLibrary::new([tool]);

@@ -86,6 +86,7 @@ fn tools() -> ToolLibrary {
         description: String::new(),
         wear: canon::ToolWear::default(),
         life: canon::ToolLife::default(),
+        body: canon::Body::default(),
         stand_in: false,
     }])
 }

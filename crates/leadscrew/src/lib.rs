@@ -27,6 +27,7 @@ pub mod compensation;
 mod link;
 pub mod polygon;
 mod program;
+mod replay;
 mod run;
 mod run_outputs;
 pub mod simulator;

@@ -1,6 +1,7 @@
 //! The machine that a run controls, in this process or in another one, and the sync record that is kept of it.
 use crate::RunOptions;
 use crate::program::Job;
+use crate::replay::Replay;
 use bus::Machine as _;
 use control::job::Session;
 use control::job::restart::Restart;
@@ -8,7 +9,7 @@ use control::plant::{self, Plant};
 use control::recovery::in_work::{self, InWork};
 use control::services::{RecordWriter, sync_record};
 use control::{Refused, config};
-use sim::Faulty;
+use sim::{Faulty, SimulatedMachine};
 use std::os::unix::net::UnixStream;
 use store::sync_record::slots::{Slots, StateFolder};
 use store::sync_record::{Identity, Stage, SyncRecord, Untrusted};
@@ -110,7 +111,7 @@ impl Link {
     pub(crate) fn join(
         self,
         job: &Job,
-        restart: Option<&Restart>,
+        (restart, replay): (Option<&Restart>, Option<&Replay>),
         command: &[String],
         seed: u64,
     ) -> Result<(Plant, Option<RecordWriter>), Refused> {
@@ -132,20 +133,27 @@ impl Link {
         let plant = if let Some(remote) = self.remote {
             Plant::Outside(Box::new(remote))
         } else {
-            let zero = job.session.work_zero();
-            let config = job.simulator(seed);
-            let alone = config::left_alone(machine, &config);
-            let machine = plant::simulated(machine, config)?;
-            let machine = match job.session.cams.grinding(&zero) {
+            let alone = config::left_alone(machine, &job.simulator(seed));
+            let machine = simulated(job, seed)?;
+            let machine = match replay {
+                Some(replay) => machine.with_work_of(&replay.machine),
                 None => machine,
-                Some(grinding) => machine.with_grinding(grinding).map_err(|problems| {
-                    let problems = problems.join("; ");
-                    Refused::because(format!("cams cannot be ground here: {problems}"))
-                })?,
             };
             Plant::Inside(Box::new(Faulty::new(machine, &[], seed).left_alone(alone)))
         };
         Ok((plant, record_writer.transpose()?))
+    }
+}
+
+/// The machine of a job, simulated within this process, with its wheel and blanks where it grinds.
+pub(crate) fn simulated(job: &Job, seed: u64) -> Result<SimulatedMachine, Refused> {
+    let machine = job.machine(seed)?;
+    match job.session.cams.grinding(&job.session.work_zero()) {
+        None => Ok(machine),
+        Some(grinding) => machine.with_grinding(grinding).map_err(|problems| {
+            let problems = problems.join("; ");
+            Refused::because(format!("cams cannot be ground here: {problems}"))
+        }),
     }
 }
 

@@ -7,6 +7,7 @@
 //! ```
 use crate::link::{Link, NotReady};
 use crate::program::Job;
+use crate::replay::{Replay, With};
 use crate::run_outputs;
 use crate::time::{Added, WithoutJerk};
 use control::job::preflight::{Proved, wrong_from};
@@ -212,11 +213,11 @@ impl Run {
             return Err(Refused::because("the program was not proved"));
         };
         let (session, planned) = (&job.session, known.planned);
-        let (plant, record_writer) = link.join(&job, restart.as_ref(), &options.command, seed)?;
         // a spindle that makes its own ramps shows in the first hole how it stops: what it shows is used, and kept
         // if there is a file for it
         let learns = memory.is_some() || config::plain_drive(&session.machine).is_some();
         let mut control = config::control(&session.machine, mode, learns);
+        let replaying = control.clone();
         if told.orders.iter().any(|item| item.what == Order::Confirm) {
             control.pause = Pause::Wait;
         }
@@ -229,13 +230,31 @@ impl Run {
             ..job.judge()
         };
         let restart = restart.as_ref();
+        let replay = restart.filter(|restart| restart.skip > 0).map(|restart| {
+            let with = With {
+                judge: &judge,
+                kernel: Kernel::new(replaying),
+                seed,
+                is_interrupted: self.is_interrupted,
+            };
+            Replay::of(&job, restart.skip, with, progress)
+        });
+        let replay = replay.transpose()?;
+        let (plant, record_writer) =
+            link.join(&job, (restart, replay.as_ref()), &options.command, seed)?;
         let loaded = Loaded { session, operations, restart, options: job.plan, planned };
-        let mut run = ProgramRun::new(&loaded, plant, judge);
+        let mut run = ProgramRun::new(&loaded, plant, judge.clone());
         run.executor.kernel = kernel;
         run.executor.ticks = TickTimes::new(options.timings);
         run.is_interrupted = self.is_interrupted;
         run.services.record_writer = record_writer;
         run.services.stops = Stops::new(options.recover, told, session, seed, planned);
+        if let Some(Replay { work, alarm, .. }) = replay {
+            run.observers.judge = verify::Judge::new(judge).on(work);
+            run.services.stops.happened.extend(alarm.map(|alarm| {
+                format!("what comes before the beginning, simulated: {alarm}; the work is as it was then")
+            }));
+        }
         run.observers.recorder = report::Recorder::new(&session.tools)
             .limited(config::path_limits(&session.machine))
             .shown_in(options.units);

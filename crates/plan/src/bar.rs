@@ -44,6 +44,26 @@ pub(crate) struct Met {
     pub(crate) clear: f64,
 }
 
+/// What of a tool meets the bar behind its point, mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Behind {
+    /// A boring bar that is thicker than the bore; by so much.
+    Bore { by: f64, bar: f64, bore: f64 },
+    /// The holder of a boring bar, so deep in the bar's face.
+    Face { by: f64, out: f64 },
+    /// A turning tool's shank, so deep in a surface of this radius.
+    Shoulder { by: f64, out: f64, surface: f64 },
+}
+
+impl Behind {
+    /// How deep it is in the bar.
+    pub(crate) const fn by(&self) -> f64 {
+        match self {
+            Self::Bore { by, .. } | Self::Face { by, .. } | Self::Shoulder { by, .. } => *by,
+        }
+    }
+}
+
 /// What is left of a bar.
 #[derive(Clone, Debug)]
 pub(crate) struct Outline {
@@ -87,8 +107,50 @@ impl Outline {
         Some((index(low), index(high).min(self.outer.len() - 1)))
     }
 
+    /// Z of the free end of what a round tool of this radius meets about the axis.
+    pub(crate) fn front(&self, radius: f64) -> f64 {
+        let meets = |i: &usize| self.outer[*i] > self.inner[*i] && self.inner[*i] < radius;
+        let last = (0..self.outer.len()).rev().find(meets);
+        last.map_or(self.rear, |i| (self.rear + (i + 1) as f64 * self.cell).min(self.face))
+    }
+
+    /// What stands behind an insert's point: a boring bar where the point is nearer to the bore than to the outside, else the
+    /// shank of a turning tool. `shank` is how thick it is, `out` how far the point stands over it, or out of the holder.
+    pub(crate) fn behind(
+        &self,
+        at: [f64; 3],
+        shank: Option<f64>,
+        out: Option<f64>,
+    ) -> Option<Behind> {
+        let r = self.off_axis(at);
+        let (tip, last) = self.cells(at[2], self.face)?;
+        let (inner, outer) = (self.inner[tip], self.outer[tip]);
+        if inner > 0.0 && r - inner < outer - r {
+            let is_there = |i: &usize| self.outer[*i] > self.inner[*i];
+            let bores = (tip..=last).filter(is_there).map(|i| self.inner[i]);
+            let narrowest = bores.filter(|bore| *bore > 0.0).reduce(f64::min);
+            let fits = shank.zip(narrowest).and_then(|(bar, bore)| {
+                let by = bar - r - bore;
+                (by > 0.0).then_some(Behind::Bore { by, bar, bore: 2.0 * bore })
+            });
+            let front = (tip..=last).rev().find(is_there);
+            let front = front
+                .map_or(self.face, |i| (self.rear + (i + 1) as f64 * self.cell).min(self.face));
+            let in_face = out.and_then(|out| {
+                let by = front - at[2] - out;
+                (by > 0.0).then_some(Behind::Face { by, out })
+            });
+            return fits.or(in_face);
+        }
+        let (width, out) = (shank?, out?);
+        let (first, last) = self.cells(at[2], at[2] + width)?;
+        let surface = self.outer[first..=last].iter().copied().fold(0.0, f64::max);
+        let by = surface - r - out;
+        (by > 0.0).then_some(Behind::Shoulder { by, out, surface })
+    }
+
     /// Places along the part of a line that lies between the bar's ends, no farther from one another than a cell.
-    fn along(&self, [a, b]: [[f64; 3]; 2], beyond: f64, mut each: impl FnMut([f64; 3])) {
+    pub(crate) fn along(&self, [a, b]: [[f64; 3]; 2], beyond: f64, mut each: impl FnMut([f64; 3])) {
         let sides = [a[0] - self.axis[0], b[0] - self.axis[0]];
         let nearest = sides[0].abs().min(sides[1].abs());
         if sides[0] * sides[1] > 0.0 && nearest >= self.radius {
@@ -227,6 +289,23 @@ mod tests {
         // a groove leaves what is before it
         bar.cut(line([12.0, -30.0], [6.0, -30.0]), 0.4);
         assert!(bar.met(line([12.0, -20.0], [8.0, -20.0]), 0.2).is_some());
+    }
+
+    #[test]
+    fn a_boring_bar_needs_a_bore_and_a_turning_tool_room_over_its_point() {
+        let mut bar = bar(6.0);
+        // a bar of 16 mm whose point cuts at 6.5 mm from the axis: its back would be at 9.5 mm, in a bore of 6
+        let met = bar.behind([11.5, 0.0, -20.0], Some(16.0), None).unwrap();
+        assert_eq!(met, Behind::Bore { by: 3.5, bar: 16.0, bore: 12.0 });
+        assert_eq!(bar.behind([11.5, 0.0, -20.0], Some(12.0), Some(30.0)), None);
+        let met = bar.behind([11.5, 0.0, -20.0], Some(12.0), Some(15.0)).unwrap();
+        assert!((met.by() - 5.0).abs() < 1e-9, "{met:?}");
+        // a groove of 3 mm with a point that stands 2 mm over a shank 12 mm wide
+        bar.cut(line([7.0, -30.0], [7.0, -31.0]), 0.4);
+        let at = [5.0 + 7.0, 0.0, -30.5];
+        let met = bar.behind(at, Some(12.0), Some(2.0)).unwrap();
+        assert!((met.by() - 1.0).abs() < 1e-9, "{met:?}");
+        assert_eq!(bar.behind(at, Some(12.0), Some(4.0)), None);
     }
 
     #[test]

@@ -27,6 +27,7 @@ use crate::repace::OperatorSettings;
 use crate::signals;
 use crate::stroke::{Stroke, StrokeRequest};
 use crate::way_out::CameFrom;
+use crate::words::Frame;
 use crate::{Step, StepKind};
 use alloc::{format, vec::Vec};
 use canon::{Axis, Op, OpKind, PathMode, Position, ProgramFrame, ToolLibrary};
@@ -106,7 +107,7 @@ pub struct Planner {
     /// The first spindle turns the work, and the tool stands.
     turns_work: bool,
     /// How the program writes places now: findings are said in its words.
-    frame: ProgramFrame,
+    frame: Frame,
     /// Where the program has the axes.
     programmed: Position,
     /// Where X, Y and Z really are, if a tool change has taken them there.
@@ -235,7 +236,7 @@ impl Planner {
             only_judges: false,
             tools,
             turns_work: false,
-            frame: ProgramFrame::default(),
+            frame: Frame::default(),
             programmed: start.position,
             away: tool_change::Away::default(),
             tool: start.tool,
@@ -278,7 +279,7 @@ impl Planner {
 
     /// The frame and units in which the ops that follow are written: findings are said in them.
     pub const fn written_in(&mut self, frame: ProgramFrame) {
-        self.frame = frame;
+        self.frame.written = frame;
     }
 
     /// Plan one op. Steps of it, and of ops before it that had to wait for it, go to `emit`, in order.
@@ -293,6 +294,7 @@ impl Planner {
         self.aim_surface(&job, &op.kind);
         self.lock_spindle_override(&mut job, &op.kind);
         let before = self.programmed.linear;
+        self.frame.from = self.programmed;
         match &op.kind {
             OpKind::Rapid { to } => self.rapid(&mut job, to),
             OpKind::Line { to, feed } => {

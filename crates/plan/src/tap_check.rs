@@ -18,9 +18,9 @@ use crate::holes::Drilled;
 use crate::left_alone::{overrun, survives};
 use crate::limits::{AxisLimits, Coasts, OwnRamps, SpindleLimits};
 use crate::stroke::tapping_torque;
-use crate::words::{WHICH_UNIT, bare_length, feed, is_other_unit, length};
+use crate::words::{Frame, Rounding, WHICH_UNIT, advice, bare_length, feed, is_other_unit, length};
 use alloc::{format, string::String, vec::Vec};
-use canon::{ProgramFrame, Tap, TapTool, Tool};
+use canon::{Tap, TapTool, Tool};
 use diag::{Diagnostic, Span};
 use units::{Lead, Length, Spin, Torque};
 
@@ -42,7 +42,7 @@ pub(crate) struct TapCheck<'a> {
     pub(crate) hole: Option<Drilled>,
     pub(crate) own_ramps: Option<OwnRamps>,
     /// How the program writes it.
-    pub(crate) frame: &'a ProgramFrame,
+    pub(crate) frame: &'a Frame,
     pub(crate) coasts: Coasts,
 }
 
@@ -75,6 +75,12 @@ impl TapCheck<'_> {
             format!("{} below the start of the tap", self.length(depth))
         } else {
             let sign = if self.tap.bottom < self.tap.surface { -1.0 } else { 1.0 };
+            let way = self.tap.surface.value() + sign * depth - start.value();
+            if self.frame.increment(self.tap.axis, way).is_some() {
+                // a cycle's depth counts from its R plane there
+                let frame = Frame { from: self.tap.start, ..*self.frame };
+                return advice(&frame, self.tap.axis, start.value() + way, Rounding::Nearest);
+            }
             format!("{letter}{}", bare_length(self.frame, sign * depth))
         }
     }
@@ -278,11 +284,11 @@ impl TapCheck<'_> {
             _ => "no speed survives that".into(),
         };
         let text = format!(
-            "if the {when} in this tap its spindle coasts: from S{} it goes up to {} mm deeper than programmed, {what} {} mm more, and the \
+            "if the {when} in this tap its spindle coasts: from S{} it goes up to {} deeper than programmed, {what} {} more, and the \
              tap breaks; {works}",
             number(spin.in_rpm()),
-            number(libm::ceil(deeper * 10.0) / 10.0),
-            number(floor_um(room)),
+            self.length(libm::ceil(deeper * 10.0) / 10.0),
+            self.length(floor_um(room)),
         );
         // how long a drive's own ramp is is not known well enough to ramp the axis by it
         let brakes = if self.own_ramps.is_some() {

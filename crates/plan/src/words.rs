@@ -6,10 +6,53 @@
 //! | length | 62.4 mm | 2.4567 in | 62.4 mm |
 //! | feed | 600 mm/min | 23.62 in/min | 600 mm/min |
 //!
+//! A place is where something is or would be. Advice is what to write instead: under G91, and in U, V and W of a Fanuc lathe,
+//! that is a way from where the block begins.
+//!
 //! Under a rotation of the work offset X and Y have no words of their own: machine coordinates are said.
 use crate::findings::number;
 use alloc::{format, string::String};
-use canon::{Axis, LengthUnit, ProgramFrame};
+use canon::{Axis, LengthUnit, Position, ProgramFrame};
+use core::ops::Deref;
+
+/// How a block is written, and from where its incremental words count.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Frame {
+    pub(crate) written: ProgramFrame,
+    /// Where the axes stand before the block, machine coordinates.
+    pub(crate) from: Position,
+}
+
+impl Deref for Frame {
+    type Target = ProgramFrame;
+
+    fn deref(&self) -> &ProgramFrame {
+        &self.written
+    }
+}
+
+/// Which way a number may be rounded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Rounding {
+    /// To the nearest.
+    Nearest,
+    /// Towards higher machine coordinates.
+    Up,
+    /// Towards lower ones.
+    Down,
+}
+
+impl Rounding {
+    /// `value` in steps of the unit that is printed.
+    fn of(self, value: f64, steps: f64) -> f64 {
+        // a thousandth of a step is the noise of converting there and back
+        match self {
+            Self::Nearest => value,
+            Self::Up => libm::ceil(value * steps - 1e-3) / steps,
+            Self::Down => libm::floor(value * steps + 1e-3) / steps,
+        }
+    }
+}
 
 /// One inch over one millimetre: what F, K or Z is off by where G20 and G21 are mixed up.
 const INCH: f64 = units::MM_PER_INCH;
@@ -50,20 +93,26 @@ pub(crate) fn word(frame: &ProgramFrame, axis: Axis, machine: f64) -> String {
     format!("{}{value}", axis.letter())
 }
 
-/// A coordinate that works as the program writes it, rounded to the side of `inward`: that of a positive or a negative
-/// number.
-pub(crate) fn word_within(frame: &ProgramFrame, axis: Axis, machine: f64, inward: f64) -> String {
-    let Some(value) = frame.written(axis, machine).filter(|_| frame.work_offset != 0) else {
-        return format!("{}{}", axis.letter(), number(machine));
+/// A coordinate that works, in the word that the program would write: rounded into what works.
+pub(crate) fn advice(frame: &Frame, axis: Axis, machine: f64, rounding: Rounding) -> String {
+    let inches = frame.unit == LengthUnit::Inch && !is_rotary(axis) && frame.work_offset != 0;
+    let steps = if inches { 1e4 } else { 1e3 };
+    let said = |letter: char, value: f64| {
+        let value = rounding.of(value, steps);
+        let value = if inches { in_unit(frame, value) } else { number(value) };
+        format!("{letter}{value}")
     };
-    let steps = if frame.unit == LengthUnit::Inch && !is_rotary(axis) { 1e4 } else { 1e3 };
-    let value = if inward > 0.0 {
-        libm::ceil(value * steps - 1e-3) / steps
-    } else {
-        libm::floor(value * steps + 1e-3) / steps
+    if frame.work_offset == 0 {
+        return said(axis.letter(), machine);
+    }
+    let from = match axis {
+        Axis::A | Axis::B | Axis::C => frame.from.rotary[axis.index() - 3].in_deg(),
+        _ => frame.from.along(axis).value(),
     };
-    let value = if is_rotary(axis) { number(value) } else { in_unit(frame, value) };
-    format!("{}{value}", axis.letter())
+    if let Some((letter, way)) = frame.increment(axis, machine - from) {
+        return format!("{} (incremental)", said(letter, way));
+    }
+    said(axis.letter(), frame.written(axis, machine).unwrap_or(machine))
 }
 
 /// A coordinate with the work offset in which it is written.
@@ -84,6 +133,13 @@ pub(crate) fn place(frame: &ProgramFrame, axis: Axis, machine: f64) -> String {
 /// A length and its unit.
 pub(crate) fn length(frame: &ProgramFrame, mm: f64) -> String {
     format!("{} {}", bare_length(frame, mm), frame.unit.symbol())
+}
+
+/// A length and its unit, rounded up: no less works.
+pub(crate) fn length_at_least(frame: &ProgramFrame, mm: f64) -> String {
+    let steps = if frame.unit == LengthUnit::Inch { 1e4 } else { 1e3 };
+    let value = Rounding::Up.of(mm / frame.unit.in_mm(), steps);
+    format!("{} {}", in_unit(frame, value), frame.unit.symbol())
 }
 
 /// A length in the program's unit, as after a letter.
@@ -114,7 +170,7 @@ pub(crate) const fn is_rotary(axis: Axis) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use canon::Position;
+    use canon::Counting;
 
     #[test]
     fn a_place_is_said_in_the_frame_and_unit_of_the_block() {
@@ -136,11 +192,33 @@ mod tests {
             ProgramFrame { work_offset: 1, unit: LengthUnit::Inch, ..ProgramFrame::default() };
         for limit in [250.0, 199.9, 123.456, -250.0, -199.9] {
             let inward = if limit > 0.0 { -1.0 } else { 1.0 };
-            let text = word_within(&frame, Axis::X, limit, inward);
+            let rounding = if inward > 0.0 { Rounding::Up } else { Rounding::Down };
+            let frame = Frame { written: frame, ..Frame::default() };
+            let text = advice(&frame, Axis::X, limit, rounding);
             let inches: f64 = text[1..].parse().unwrap_or(f64::NAN);
             let beyond = (inches * units::MM_PER_INCH - limit) * -inward;
             assert!((-0.003..=1e-6).contains(&beyond), "{text} for {limit}");
         }
+    }
+
+    #[test]
+    fn advice_to_an_incremental_block_is_a_way_from_where_it_begins() {
+        let written = ProgramFrame {
+            work_offset: 1,
+            counting: Counting::Incremental,
+            ..ProgramFrame::default()
+        };
+        let mut frame = Frame { written, from: Position::xyz(0.0, 0.0, 50.0) };
+        assert_eq!(advice(&frame, Axis::Z, 2.0, Rounding::Up), "Z-48 (incremental)");
+        frame.written.unit = LengthUnit::Inch;
+        assert_eq!(advice(&frame, Axis::Z, 2.0, Rounding::Up), "Z-1.8897 (incremental)");
+        frame.written = ProgramFrame {
+            work_offset: 1,
+            counting: Counting::IncrementalLetters,
+            x_is_diameter: true,
+            ..ProgramFrame::default()
+        };
+        assert_eq!(advice(&frame, Axis::X, 12.0, Rounding::Up), "U24 (incremental)");
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! Inserts against the bar of a lathe, before motion: a rapid goes only where the program has turned the bar away.
 mod common;
 use canon::{
-    Feed, Insert, InsertPoint, OpKind, Position, ProgramFrame, Threading, Tool, ToolKind,
-    ToolLibrary,
+    Body, Feed, Insert, InsertPoint, LengthUnit, OpKind, Position, ProgramFrame, Threading, Tool,
+    ToolKind, ToolLibrary,
 };
 use common::{change, line, machine, mm, program, rapid, turn};
 use plan::{Bar, Planner, Start, Stock};
@@ -30,15 +30,27 @@ fn tools() -> ToolLibrary {
         description: String::new(),
         wear: canon::ToolWear::default(),
         life: canon::ToolLife::default(),
+        body: canon::Body::default(),
         stand_in: false,
     };
     tools.insert(tool(1, 0.0, ToolKind::Insert(insert)));
+    // a boring bar of 7 mm that stands 25 mm out, and a grooving tool that stands 2 mm over a shank of 12 mm
+    let bar = Body { shank: Some(mm(7.0)), stick_out: Some(mm(25.0)), ..Body::default() };
+    tools.insert(Tool { body: bar, ..tool(3, 0.0, ToolKind::Insert(insert)) });
+    let thick = Body { shank: Some(mm(10.0)), ..bar };
+    tools.insert(Tool { body: thick, ..tool(4, 0.0, ToolKind::Insert(insert)) });
+    let groove = Body { shank: Some(mm(12.0)), stick_out: Some(mm(2.0)), ..Body::default() };
+    tools.insert(Tool { body: groove, ..tool(5, 0.0, ToolKind::Insert(insert)) });
     tools.insert(tool(2, 8.0, ToolKind::Drill { point_angle: Angle::deg(118.0) }));
     tools
 }
 
 /// Findings of a program in diameters, on a bar of 20 mm.
 fn said(kinds: impl IntoIterator<Item = OpKind>) -> String {
+    said_in(LengthUnit::Millimetre, "M0360", kinds)
+}
+
+fn said_in(unit: LengthUnit, code: &str, kinds: impl IntoIterator<Item = OpKind>) -> String {
     let start = Start { position: Position::xyz(100.0, 0.0, -10.0), tool: 0 };
     let planner = Planner::new(machine(), tools(), common::OPTIONS, start);
     let mut planner = planner.turning_work().with_stock(STOCK).only_judging();
@@ -47,6 +59,7 @@ fn said(kinds: impl IntoIterator<Item = OpKind>) -> String {
         origin: Position::xyz(0.0, 0.0, FACE),
         tool: Position::xyz(0.0, 0.0, 60.0),
         x_is_diameter: true,
+        unit,
         ..ProgramFrame::default()
     });
     for (index, op) in (0..).zip(&program(kinds)) {
@@ -54,7 +67,7 @@ fn said(kinds: impl IntoIterator<Item = OpKind>) -> String {
     }
     planner.finish(&mut |_| ());
     let found = planner.take_findings();
-    found.iter().filter(|d| d.code == "M0360").fold(String::new(), |all, d| {
+    found.iter().filter(|d| d.code == code).fold(String::new(), |all, d| {
         format!("{all}{:?} line {}: {}\n", d.severity, d.span.line, d.message)
     })
 }
@@ -123,4 +136,58 @@ fn a_feed_is_never_said() {
     let feed = Feed::PerRevolution(Lead::mm_per_rev(0.2));
     let deep = OpKind::Line { to: Position::xyz(2.0, 0.0, FACE + 30.0), feed };
     assert_eq!(with_insert([to(30.0, 2.0), deep]), "");
+}
+
+/// 0.7874 in are 20 mm: 0.2 in more on the diameter is clear, rounded outward.
+#[test]
+fn in_inches_the_diameter_that_is_clear_is_rounded_outward() {
+    let inside = [to(24.0, 2.0), to(16.0, 2.0), to(16.0, -45.0)];
+    let text =
+        said_in(LengthUnit::Inch, "M0360", [change(1), turn(800.0)].into_iter().chain(inside));
+    assert!(text.contains("0.0787 in deep into the bar"), "{text}");
+    assert!(text.contains("up to X0.7874: X0.9875 or more is clear of it"), "{text}");
+    let works = text.split(": X").nth(1).and_then(|rest| rest.split(' ').next());
+    let works: f64 = works.and_then(|word| word.parse().ok()).expect("a diameter");
+    let again = [to(24.0, 2.0), to(works * 25.4, 2.0), to(works * 25.4, -45.0)];
+    assert_eq!(with_insert(again), "");
+    assert!(works * 25.4 >= 20.0 + 2.0 * 2.54, "{works}");
+}
+
+#[test]
+fn a_boring_bar_fits_into_its_bore_and_its_holder_stays_before_the_face() {
+    let drilled = [change(2), turn(800.0), to(0.0, 2.0), cut(0.0, -40.0), to(0.0, 50.0)];
+    let bored = |tool, z| {
+        let bore =
+            [change(tool), turn(800.0), to(8.4, 2.0), cut(8.4, z), to(7.0, z), to(7.0, 50.0)];
+        said_in(LengthUnit::Millimetre, "M0367", drilled.clone().into_iter().chain(bore))
+    };
+    assert_eq!(bored(3, -20.0), "");
+    let deep = bored(3, -30.0);
+    assert!(
+        deep.contains("stands 25 mm out of its holder")
+            && deep.contains(": Z-25 is the deepest that works"),
+        "{deep}"
+    );
+    let thick = bored(4, -20.0);
+    assert!(
+        thick.contains(
+            "the bar of T4 (an insert of a lathe), 10 mm thick, does not fit into the bore of 8 mm"
+        ),
+        "{thick}"
+    );
+}
+
+#[test]
+fn a_groove_deeper_than_its_tool_stands_over_the_shank_is_refused() {
+    let groove = |x: f64| {
+        let moves = [change(5), turn(800.0), to(24.0, -30.0), cut(x, -30.0), to(24.0, -30.0)];
+        said_in(LengthUnit::Millimetre, "M0367", moves)
+    };
+    assert_eq!(groove(17.0), "");
+    let deep = groove(14.0);
+    assert!(
+        deep.contains("the point of T5 (an insert of a lathe) stands 2 mm over its shank"),
+        "{deep}"
+    );
+    assert!(deep.contains("the shank is 1 mm in the bar"), "{deep}");
 }

@@ -2,7 +2,7 @@
 //!
 //! Expected values are worked out by hand from the closed forms of spec/G84-clutch.md.
 mod common;
-use canon::{Axis, Holder, OpKind, ToolKind, ToolLibrary};
+use canon::{Axis, Holder, LengthUnit, OpKind, ProgramFrame, ToolKind, ToolLibrary};
 use common::{OPTIONS, TOP, findings_of, machine, rapid, steps_of, tap, tap_tool, tools, turn};
 use motion::TiedCut;
 use plan::{DwellCheck, Effort, Options, PlainDrive, Planner, Start, TapMethod, Unsynchronised};
@@ -219,4 +219,28 @@ fn pecks_and_a_faster_return_are_refused_where_nothing_ties_the_tap_to_the_spind
     let ops = [turn(3000.0), OpKind::Tap(pecked)];
     let found = findings_of(planner(CLUTCH, Unsynchronised::default()), ops);
     assert!(found.contains("pecks (Q)") && found.contains("a return speed (J)"), "{found}");
+}
+
+/// 5 mm are 0.1969 in, 4 mm 0.1575: a program in inches is answered in inches.
+#[test]
+fn what_is_said_of_holders_is_in_the_programs_unit() {
+    let inches = ProgramFrame { unit: LengthUnit::Inch, work_offset: 1, ..ProgramFrame::default() };
+    let said = |holder, kinds: [OpKind; 3]| {
+        let mut planner = planner(holder, Unsynchronised::default());
+        planner.written_in(inches);
+        findings_of(planner, kinds)
+    };
+    let mut short = tap(10.0, 10.0, 5.0, 1.0, 1.0, 3000.0);
+    short.surface = Length::mm(TOP + 103.0);
+    let text = said(CLUTCH, [turn(3000.0), OpKind::Tap(short), rapid(10.0, 10.0, TOP + 130.0)]);
+    assert!(
+        text.contains("pulls the tap in by 0.1969 in") && text.contains("the stroke is 0.1575 in"),
+        "{text}"
+    );
+    for dwell in [0.11, 0.5] {
+        let text = said(CLUTCH, order(dwell));
+        assert!(text.contains("M0340") && text.contains(" in ") && !text.contains(" mm"), "{text}");
+    }
+    let text = said(FLOATING, order(0.0));
+    assert!(!text.contains(" mm"), "{text}");
 }

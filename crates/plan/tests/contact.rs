@@ -34,11 +34,26 @@ fn all_tools() -> ToolLibrary {
         description: String::new(),
         wear: canon::ToolWear::default(),
         life: canon::ToolLife::default(),
+        body: canon::Body::default(),
         stand_in: false,
     };
     tools.insert(tool(8, 10.0, ToolKind::EndMill));
+    // 18 mm out of a holder of 30 mm, flutes of 12 mm
+    let body = canon::Body {
+        flutes: Some(mm(12.0)),
+        shank: None,
+        stick_out: Some(mm(18.0)),
+        holder: Some(mm(30.0)),
+    };
+    let point_angle = Angle::deg(118.0);
+    tools.insert(Tool { body, ..tool(11, 5.0, ToolKind::Drill { point_angle }) });
+    tools.insert(Tool { body, ..tool(12, 10.0, ToolKind::EndMill) });
     tools.insert(tool(9, 10.0, ToolKind::SpotDrill { point_angle: Angle::deg(90.0) }));
-    tools.insert(Tool { stand_in: true, ..tool(10, 5.0, ToolKind::Other) });
+    tools.insert(Tool {
+        body: canon::Body::default(),
+        stand_in: true,
+        ..tool(10, 5.0, ToolKind::Other)
+    });
     tools
 }
 
@@ -296,4 +311,55 @@ fn a_zero_that_is_not_the_workpieces_is_named_with_what_comes_of_it() {
     assert_eq!(shifted(0.0), "");
     assert!(shifted(3.0).contains("M0369 Warning line 4: the program's zero stands 3 mm above that of the workpiece: what is cut is 3 mm too shallow"), "{}", shifted(3.0));
     assert!(shifted(-5.0).contains("5 mm below"));
+}
+
+#[test]
+fn a_drill_deeper_than_its_flutes_or_its_holder_is_refused_with_the_depth_that_works() {
+    let text = said(11, [to(5.0, 2.0), hole(5.0, 0.0, -15.0)]);
+    assert!(
+        text.contains("M0367 Error line 4: T11 (a drill) goes 15 mm deep into the stock, and its flutes end 12 mm above its tip: Z-12 is the deepest that works"),
+        "{text}"
+    );
+    let text = said(11, [to(5.0, 2.0), fed(5.0, -20.0)]);
+    assert!(
+        text.contains("its holder of 30 mm, which begins 18 mm above its tip, meets the stock: Z-18 is the deepest that works"),
+        "{text}"
+    );
+    assert!(!said(11, [to(5.0, 2.0), fed(5.0, -11.5)]).contains("M0367"));
+}
+
+/// A pocket of 60 by 60 mm, 20 mm deep: the holder of 30 mm fits where its middle stays 15 mm off the walls.
+#[test]
+fn a_holder_fits_into_a_pocket_that_is_wide_enough_and_not_into_a_slot() {
+    let level = |depth: f64| {
+        let rows = (-5..=5).flat_map(move |row| {
+            let y = f64::from(row) * 5.0;
+            let at = |x: f64| line(x, y, TOP + 120.0 - depth, 1000.0);
+            [at(-25.0), at(25.0)]
+        });
+        rows.collect::<Vec<_>>()
+    };
+    let wide = [to(-25.0, 2.0)].into_iter().chain(level(10.0));
+    let inside = [line(0.0, 0.0, TOP + 120.0 - 20.0, 500.0), line(8.0, 0.0, TOP + 100.0, 500.0)];
+    let text = said(8, wide.clone().chain(inside.clone()));
+    assert_eq!(text, "", "a tool of which nothing is stated is not judged");
+    let text = said(12, wide.chain(inside));
+    assert!(!text.contains("M0367"), "{text}");
+    let slot = [to(-20.0, 2.0), fed(-20.0, -20.0), fed(20.0, -20.0)];
+    let text = said(12, slot);
+    assert!(text.contains("M0367 Error") && text.contains("its holder of 30 mm"), "{text}");
+    // along a side of the stock the holder reaches over it, though the mill does not
+    let side = [rapid(56.0, -40.0, TOP + 122.0), line(56.0, -40.0, TOP + 95.0, 500.0)];
+    let side = said(12, side.into_iter().chain([line(56.0, 40.0, TOP + 95.0, 500.0)]));
+    assert!(side.contains("M0367 Error"), "{side}");
+}
+
+#[test]
+fn advice_to_incremental_blocks_is_incremental() {
+    let g91 = ProgramFrame { counting: canon::Counting::Incremental, ..g54(120.0) };
+    let text = said_in(g91, 1, [to(5.0, 10.0), to(5.0, -5.0)]);
+    assert!(text.contains("the rapid to Z-5 of G54"), "{text}");
+    assert!(text.contains(": Z-8 (incremental) or higher works"), "{text}");
+    let text = said_in(g91, 1, [to(5.0, 10.0), to(700.0, 10.0)]);
+    assert!(text.contains("X245 (incremental) is the nearest that works"), "{text}");
 }

@@ -183,6 +183,11 @@ impl<M: Machine> Faulty<M> {
         self
     }
 
+    /// The machine inside, without its faults.
+    pub fn into_machine(self) -> M {
+        self.machine
+    }
+
     /// The machine inside.
     pub const fn machine(&self) -> &M {
         &self.machine

@@ -136,6 +136,13 @@ impl Grinder {
         Self { model, surfaces, worn_mm: 0.0, before: None, contact: Contact::default(), energy }
     }
 
+    /// The blanks as they were ground elsewhere; the wheel is another one.
+    pub(crate) fn take_surfaces_of(&mut self, other: &Self) {
+        if self.surfaces.len() == other.surfaces.len() {
+            self.surfaces.clone_from(&other.surfaces);
+        }
+    }
+
     pub(crate) const fn contact(&self) -> Contact {
         self.contact
     }

@@ -153,6 +153,21 @@ impl SimulatedMachine {
         self
     }
 
+    /// The same machine with the work as another one has left it: holes, threads, the turned bar, ground blanks.
+    #[must_use]
+    pub fn with_work_of(mut self, other: &Self) -> Self {
+        if let (Some(own), Some(cut)) = (&mut self.cutting, &other.cutting) {
+            own.take_holes_of(cut);
+        }
+        if let (Some(own), Some(turned)) = (&mut self.turning, &other.turning) {
+            own.take_surfaces_of(turned);
+        }
+        if let (Some(own), Some(ground)) = (&mut self.grinder, &other.grinder) {
+            own.take_surfaces_of(ground);
+        }
+        self
+    }
+
     /// How much of the grinding wheel's radius is worn off.
     pub fn wheel_wear(&self) -> Length {
         Length::mm(self.grinder.as_ref().map_or(0.0, Grinder::worn_mm))

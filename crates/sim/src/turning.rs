@@ -206,6 +206,14 @@ impl Turning {
         }
     }
 
+    /// The bar as it was turned elsewhere.
+    pub(crate) fn take_surfaces_of(&mut self, other: &Self) {
+        if (self.places, self.bar) == (other.places, other.bar) {
+            self.outer.clone_from(&other.outer);
+            self.inner.clone_from(&other.inner);
+        }
+    }
+
     /// Another tool: what others have bored on the axis is there for it.
     fn mount(&mut self, tool: u32, top: Length, holes: &[Hole]) {
         (self.tool, self.last) = (Some(tool), None);

@@ -111,6 +111,11 @@ impl TurnedBar {
         }
     }
 
+    /// The same bar, before another tool comes near.
+    pub(crate) fn at_rest(self) -> Self {
+        Self { last: None, side: Side::External, feed: -1.0, ..self }
+    }
+
     pub(crate) const fn stock(&self) -> &Bar {
         &self.bar
     }
@@ -357,6 +362,7 @@ mod tests {
             description: String::new(),
             wear: canon::ToolWear::default(),
             life: canon::ToolLife::default(),
+            body: canon::Body::default(),
             stand_in: false,
         }
     }

@@ -51,6 +51,13 @@ pub struct Judge {
     now: Time,
 }
 
+/// What has been cut of the work, as far as a judge knows: what comes later is judged against it.
+#[derive(Clone, Debug, Default)]
+pub struct Work {
+    drilled: Vec<Drilled>,
+    bar: Option<TurnedBar>,
+}
+
 /// One feature that the program orders.
 #[derive(Clone, Debug)]
 struct OrderedFeature {
@@ -101,6 +108,24 @@ impl Judge {
             last_ordered: None,
             now: Time::ZERO,
         }
+    }
+
+    /// The same judge, who knows what was cut before.
+    #[must_use]
+    pub fn on(mut self, work: Work) -> Self {
+        self.drilled = work.drilled;
+        if let (Some(bar), Some(own)) = (work.bar, &mut self.bar) {
+            *own = bar.at_rest();
+        }
+        self
+    }
+
+    /// What is left of the work.
+    pub fn into_work(mut self) -> Work {
+        while !self.orders.is_empty() {
+            self.close();
+        }
+        Work { drilled: self.drilled, bar: self.bar }
     }
 
     /// What the program orders: each op once, in order, before its samples arrive.

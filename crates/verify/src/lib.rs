@@ -44,7 +44,7 @@ pub use feature::{Feature, FeatureKind, Gauge, Hole, ProfilePoint, Thread, Verdi
 pub use gauge::{CutThread, Gauged};
 pub use gear::Gear;
 pub use idle::IdleTurns;
-pub use judge::Judge;
+pub use judge::{Judge, Work};
 pub use polygon::{Along, Facet, Polygon, Section};
 pub use summary::{Count, Criterion, Headroom, Summary};
 pub use tolerance::Limits;

@@ -399,6 +399,7 @@ mod tests {
             description: String::new(),
             wear: canon::ToolWear::default(),
             life: canon::ToolLife::default(),
+            body: canon::Body::default(),
             stand_in: false,
         };
         let mut watch = Watch::new(Config::new(canon::ToolLibrary::new([tool])));

@@ -28,6 +28,7 @@ fn hob_tool() -> Tool {
         description: String::new(),
         wear: canon::ToolWear::default(),
         life: canon::ToolLife::default(),
+        body: canon::Body::default(),
         stand_in: false,
     }
 }

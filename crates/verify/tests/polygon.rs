@@ -85,6 +85,7 @@ impl Cut {
             description: String::new(),
             wear: canon::ToolWear::default(),
             life: canon::ToolLife::default(),
+            body: canon::Body::default(),
             stand_in: false,
         };
         let mut judge = Judge::new(Config {

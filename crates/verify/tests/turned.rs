@@ -109,6 +109,7 @@ impl Case {
             description: String::new(),
             wear: canon::ToolWear::default(),
             life: canon::ToolLife::default(),
+            body: canon::Body::default(),
             stand_in: false,
         };
         let config = Config { bar: Some(bar), ..Config::new(ToolLibrary::new([tool])) };

@@ -25,9 +25,9 @@ pub fn judge(
     }
 }
 
-/// The stock, if it is a bar about the spindle's axis: X and Y from −r to r.
+/// The stock, if the machine's first spindle turns it.
 fn bar(machine: &MachineFile, zero: &Position) -> Option<Bar> {
-    let radius = machine.setup.stock.bar_radius()?;
+    let radius = machine.turned_bar()?;
     let stock = &machine.setup.stock;
     Some(Bar {
         radius,

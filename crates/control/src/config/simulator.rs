@@ -281,9 +281,9 @@ pub fn inputs(models: &[InputModel]) -> Vec<sim::Input> {
     models.iter().map(input).collect()
 }
 
-/// The bar in the first spindle, if the stock of that machine is one about its axis.
+/// The bar in the first spindle, if that turns the work.
 pub fn bar(machine: &MachineFile, config: &sim::Config) -> Option<sim::Bar> {
-    let radius = machine.setup.stock.bar_radius()?;
+    let radius = machine.turned_bar()?;
     let stock = config.stock.as_ref()?;
     let (sides, thickness) = (stock.sides?, stock.thickness?);
     Some(sim::Bar {

@@ -9,7 +9,7 @@ use super::live::Live;
 use super::restart::Restart;
 use crate::polygon::cuts;
 use crate::polygon::oscillation::Auto;
-use canon::{Answer, Op, OpKind, ProgramFrame, Tool};
+use canon::{Answer, Op, OpKind, ProgramFrame, Tool, ToolKind, ToolLibrary};
 use diag::Diagnostic;
 use interp::{Parameters, ToolEntry};
 use std::collections::VecDeque;
@@ -168,6 +168,45 @@ impl Operations {
                 Box::new(Live::of(read, Arc::clone(self), restart))
             }
         }
+    }
+
+    /// The first `count` of them, less what cannot have left anything in the work: what mills cut is neither simulated nor
+    /// judged, and nothing waits for an operator.
+    #[must_use]
+    pub fn that_cut_before(&self, count: usize, tools: &ToolLibrary) -> Self {
+        let mut before = Self::default();
+        let (mut mounted, mut hole) = (0, None);
+        for (at, op) in self.ops.iter().enumerate().take(count) {
+            match op.kind {
+                OpKind::ChangeTool { number } => mounted = number,
+                OpKind::Hole(_) => hole = Some(op.span),
+                _ => hole = hole.filter(|span| *span == op.span),
+            }
+            let mills = hole.is_none()
+                && tools.get(mounted).is_some_and(|tool| tool.kind == ToolKind::EndMill);
+            let leaves = match op.kind {
+                OpKind::Line { .. } | OpKind::Arc { .. } | OpKind::Spline { .. } => !mills,
+                OpKind::Dwell { .. }
+                | OpKind::Pause { .. }
+                | OpKind::Message(_)
+                | OpKind::Input(_)
+                | OpKind::Probe(_)
+                | OpKind::Output(_)
+                | OpKind::UserCode(_)
+                | OpKind::Coolant { .. } => false,
+                _ => true,
+            };
+            if leaves {
+                let frame = self.frame_of(at);
+                if before.frames.last().is_none_or(|(_, last)| *last != frame) {
+                    before.frames.push((before.ops.len(), frame));
+                }
+                before.ops.push(op.clone());
+            }
+        }
+        let span = self.ops.get(count).map_or_else(Default::default, |op| op.span);
+        before.ops.push(Op { span, kind: OpKind::End });
+        before
     }
 
     /// All of them.

@@ -399,6 +399,7 @@ fn no_tool() -> Tool {
         description: "stand-in".into(),
         wear: canon::ToolWear::default(),
         life: canon::ToolLife::default(),
+        body: canon::Body::default(),
         stand_in: true,
     }
 }

@@ -8,10 +8,10 @@
 //!
 //! The program is interpreted from its beginning, so every modal state is what it would be; only what it
 //! orders is left out. It begins at a rapid, never within a cut or a synchronised cycle: where the line or hole
-//! asked for lies within one, at the rapids that lead to it.
-use canon::{Axis, CamOrder, Op, OpKind, Position, SpindleOrder};
+//! asked for lies within one, at the rapids that lead to it. A turned thread is begun at its first pass, as it is judged whole.
+use canon::{Axis, CamOrder, Op, OpKind, Position, SpindleOrder, Threading};
 use diag::Span;
-use units::{Length, Spin};
+use units::{Angle, Lead, Length, Spin};
 
 /// Where to begin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,6 +94,43 @@ impl InForce {
     }
 }
 
+/// A turned thread whose passes come one after the other.
+struct Passes {
+    /// Where its first one is begun.
+    begin: (usize, Op, InForce),
+    /// Where that goes from and to.
+    ends: [Position; 2],
+    lead: Lead,
+    /// The operation before belongs to it.
+    goes_on: bool,
+}
+
+impl Passes {
+    /// Whether a pass is one of this thread: of its lead, and along the same way, less than a turn beside it.
+    fn has(&self, from: &Position, order: &Threading) -> bool {
+        let near = |a: &Position, b: &Position| {
+            (a.along(order.axis) - b.along(order.axis)).abs() < order.lead.abs() * Angle::rev(1.0)
+        };
+        let same = (self.lead - order.lead).abs() < Lead::mm_per_rev(1e-6);
+        same && near(&self.ends[0], from) && near(&self.ends[1], &order.to)
+    }
+}
+
+/// What may stand between the passes of a thread.
+const fn is_between_passes(kind: &OpKind) -> bool {
+    matches!(
+        kind,
+        OpKind::Rapid { .. }
+            | OpKind::Dwell { .. }
+            | OpKind::Spindle { .. }
+            | OpKind::Coolant { .. }
+            | OpKind::Overrides { .. }
+            | OpKind::PathMode(_)
+            | OpKind::Output(_)
+            | OpKind::Message(_)
+    )
+}
+
 /// Where a program's operations are begun for this wish, with Z lifted to `top` first and the machine standing at `at`.
 ///
 /// # Errors
@@ -107,6 +144,7 @@ pub fn find(ops: &[Op], from: From, at: &Position, top: Length) -> Result<Restar
     // moves of a drilled hole, and of a polygon, belong to it
     let mut hole = None;
     let mut in_polygon = false;
+    let (mut here, mut passes) = (*at, None::<Passes>);
     for (index, op) in ops.iter().enumerate() {
         lines = lines.max(op.span.line);
         let is_drilled = matches!(op.kind, OpKind::Hole(_));
@@ -132,12 +170,30 @@ pub fn find(ops: &[Op], from: From, at: &Position, top: Length) -> Result<Restar
             From::Hole(number) => is_feature && in_force.holes + 1 == number,
             From::Line(line) => moves && op.span.line >= line,
         };
+        if let OpKind::Threading(order) = &op.kind {
+            // the stretches of a chain go on where the last one ended
+            let is_next = passes.as_ref().is_some_and(|all| all.goes_on || all.has(&here, order));
+            passes = passes.filter(|_| is_next).or_else(|| {
+                let (begin, ends) = (begin.clone()?, [here, order.to]);
+                Some(Passes { begin, ends, lead: order.lead, goes_on: true })
+            });
+            begin = passes.as_ref().map(|all| all.begin.clone()).or(begin);
+        }
+        if let Some(all) = &mut passes {
+            all.goes_on = matches!(op.kind, OpKind::Threading(_));
+        }
+        passes = passes.filter(|all| all.goes_on || is_between_passes(&op.kind));
+        here = end_of(&op.kind).unwrap_or(here);
+        let leads_to_a_pass = passes.as_ref().is_some_and(|all| leads_to(all, here, &ops[index..]));
         if is_rapid
             && found
+            && !leads_to_a_pass
             && let From::Line(_) = from
         {
             // the line begins here, whatever rapid led to the place before
             begin = Some((index, op.clone(), in_force.clone()));
+        } else if leads_to_a_pass && found {
+            begin = passes.as_ref().map(|all| all.begin.clone()).or(begin);
         }
         if found {
             let (skip, op, in_force) = begin.ok_or_else(|| {
@@ -158,6 +214,31 @@ pub fn find(ops: &[Op], from: From, at: &Position, top: Length) -> Result<Restar
             format!("nothing moves at line {line} or after it: the last line is {lines}")
         }
     })
+}
+
+/// Where a move ends.
+const fn end_of(kind: &OpKind) -> Option<Position> {
+    match kind {
+        OpKind::Rapid { to }
+        | OpKind::Line { to, .. }
+        | OpKind::Arc { to, .. }
+        | OpKind::Spline { to, .. } => Some(*to),
+        OpKind::Threading(order) => Some(order.to),
+        _ => None,
+    }
+}
+
+/// Whether the next pass after these operations is one of a thread.
+fn leads_to(passes: &Passes, here: Position, ops: &[Op]) -> bool {
+    let mut at = here;
+    for op in ops {
+        match &op.kind {
+            OpKind::Threading(order) => return passes.has(&at, order),
+            kind if is_between_passes(kind) => at = end_of(kind).unwrap_or(at),
+            _ => return false,
+        }
+    }
+    false
 }
 
 fn restart(skip: usize, first: &Op, in_force: &InForce, at: &Position, top: Length) -> Restart {
@@ -287,6 +368,34 @@ M2
         let first = find(&ops, From::Line(4), &Position::default(), top).unwrap();
         assert_eq!((first.line, first.skip), (1, 0));
         assert!(!first.prelude.iter().any(|op| matches!(op.kind, OpKind::Cam(_))));
+    }
+
+    #[test]
+    fn a_turned_thread_is_begun_at_its_first_pass_and_the_next_thread_at_its_own() {
+        let rapid = |x, z| OpKind::Rapid { to: Position::xyz(x, 0.0, z) };
+        let pass = |x, z| {
+            OpKind::Threading(Threading {
+                to: Position::xyz(x, 0.0, z),
+                lead: Lead::mm_per_rev(1.5),
+                growth: units::LeadGrowth::ZERO,
+                start_angle: Angle::ZERO,
+                axis: Axis::Z,
+                surface: Length::ZERO,
+            })
+        };
+        let thread = |z: f64| {
+            let one = move |x: f64| [rapid(x, z + 6.0), pass(x, z - 20.0), rapid(12.0, z - 20.0)];
+            [9.8, 9.5, 9.2].into_iter().flat_map(one)
+        };
+        let kinds = thread(0.0).chain(thread(-40.0));
+        let op = |(line, kind)| Op { span: Span { line, ..Span::default() }, kind };
+        let ops: Vec<Op> = (1..).zip(kinds).map(op).collect();
+        let begun = |line| {
+            let top = Length::mm(50.0);
+            find(&ops, From::Line(line), &Position::default(), top).unwrap().line
+        };
+        assert_eq!([1, 2, 5, 7, 8].map(begun), [1; 5]);
+        assert_eq!([11, 14, 17].map(begun), [9; 3]);
     }
 
     #[test]

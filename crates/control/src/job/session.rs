@@ -192,6 +192,7 @@ impl Session {
                 .control
                 .fanuc
                 .is_some_and(|f| f.stroke_check_outside),
+            fastest_spindle: self.machine.spindles.first().map(|spindle| spindle.max),
             increments: dialect::increments(&self.machine.control),
             c_is_a_chamfer: self.machine.axis(canon::Axis::C).is_none(),
             cycles: dialect::cycles(self.dialect, &self.machine.control),

@@ -49,6 +49,8 @@ pub(crate) struct Rules {
     pub(crate) external_offset: bool,
     /// The lead of a straight thread is that of the axis that goes farthest, not that of the path.
     pub(crate) lead_along_axis: bool,
+    /// G97 without S keeps the speed that the spindle has under G96 there, and G96 without S the surface speed of before.
+    pub(crate) keeps_speed: bool,
     /// In cam mode G1 X grinds, and G4 sparks out.
     pub(crate) grinds_by_feed: bool,
     /// Reading a block stops at the first word that is not understood.

@@ -55,6 +55,7 @@ pub fn example_setup(dialect: Dialect) -> Setup {
         description: String::new(),
         wear: canon::ToolWear::default(),
         life: canon::ToolLife::default(),
+        body: canon::Body::default(),
         stand_in: false,
     };
     let tap = TapTool {

@@ -224,6 +224,8 @@ pub(crate) struct Spindle {
     pub(crate) constant_surface_speed: bool,
     /// D of G96, rev/min.
     pub(crate) limit: f64,
+    /// S of the last G96, once another mode is in force; 0: there was none.
+    pub(crate) surface_speed: f64,
 }
 
 /// What a cycle keeps for the blocks that repeat it: the words as written, so that G91 reads them anew.
@@ -339,6 +341,7 @@ impl Modes {
                 turning: None,
                 constant_surface_speed: false,
                 limit: 0.0,
+                surface_speed: 0.0,
             },
             rigid: Rigid::Off,
             sticky: None,

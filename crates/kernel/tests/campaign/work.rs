@@ -60,6 +60,7 @@ pub(super) fn tool(work: &Work) -> Tool {
         description: String::new(),
         wear: canon::ToolWear::default(),
         life: canon::ToolLife::default(),
+        body: canon::Body::default(),
         stand_in: false,
     }
 }

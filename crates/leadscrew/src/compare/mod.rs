@@ -335,6 +335,7 @@ fn tap_of(size: &str, args: &CompareOptions, drive: &sim::PlainDrive) -> Result<
         description: format!("{size} for the comparison"),
         wear: canon::ToolWear::default(),
         life: canon::ToolLife::default(),
+        body: canon::Body::default(),
         stand_in: false,
     })
 }

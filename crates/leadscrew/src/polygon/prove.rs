@@ -170,6 +170,7 @@ fn cutter(design: &Design) -> Tool {
         description: "the design's cutter".into(),
         wear: canon::ToolWear::default(),
         life: canon::ToolLife::default(),
+        body: canon::Body::default(),
         stand_in: false,
     }
 }

@@ -22,6 +22,7 @@ use motion::{Instant, Path};
 use units::{Angle, Length, Spin};
 
 mod bar;
+mod body;
 mod say;
 
 /// A rapid may be so much deeper than what is open, mm: scraping, rounding.
@@ -329,6 +330,7 @@ impl Planner {
         if self.sweep_bar(job, path, run) {
             return;
         }
+        self.sweep_body(job, path);
         let Some(tool) = self.tools.get(self.tool) else { return };
         let Some(form) = form(tool, self.options.cutting_pressure_n_per_mm2) else { return };
         if self.limits.tapping.axis != Axis::Z {
@@ -395,7 +397,8 @@ impl Planner {
             return;
         }
         self.judge_zero(job.span, hole.zero, hole.own_zero);
-        self.judge_reach(job.span, hole.bottom, None);
+        let flutes = self.tools.get(self.tool).and_then(|tool| tool.body.flutes);
+        self.judge_reach(job.span, hole.bottom, flutes);
     }
 
     /// A tap in its cycle.
@@ -422,6 +425,9 @@ impl Planner {
         // what the flutes cut by the program's own numbers is judged with the tap
         let programmed = (tap.surface - tap.bottom).abs();
         self.judge_reach(job.span, tap.bottom, flutes.filter(|flutes| programmed <= *flutes));
+        let long = self.tools.get(self.tool).map_or(Length::ZERO, canon::Tool::worn_length);
+        let [x, y, _] = at.map(Length::value);
+        self.judge_body(job.span, [x, y, (tap.bottom - long).value()]);
     }
 
     /// Mounted tool of a form that is known, its tip's depth when the axis stands there, and the stock.

@@ -6,7 +6,8 @@ use crate::along::{Along, change};
 use crate::findings::{Cause, number};
 use crate::travel::{Beyond, beyond};
 use crate::words::{
-    WHICH_UNIT, feed, feed_that_works, is_rotary, length, place, word, word_within,
+    Rounding, WHICH_UNIT, advice, bare_length, feed, feed_that_works, is_rotary, length, place,
+    word,
 };
 use alloc::{format, vec::Vec};
 use canon::{Arc, Axis, Feed, LengthUnit, Position, ProgramFrame};
@@ -69,8 +70,8 @@ impl Planner {
                 axis.letter(),
                 place(&frame, axis, out.reaches),
             );
-            let nearest =
-                word_within(&frame, axis, out.nearest(), if is_high { -1.0 } else { 1.0 });
+            let rounding = if is_high { Rounding::Down } else { Rounding::Up };
+            let nearest = advice(&frame, axis, out.nearest(), rounding);
             let works = format!(": {nearest} is the nearest that works");
             let help = match axis {
                 _ if unit_help => WHICH_UNIT,
@@ -159,9 +160,9 @@ impl Planner {
         let sound = arc.sweep.is_finite() && r > 0.0 && (end - r).abs() <= 0.5_f64.max(0.01 * r);
         if !sound {
             let text = format!(
-                "expected an arc whose start and end are equally far from its centre, found radii of {} and {} mm",
-                number(r),
-                number(end),
+                "expected an arc whose start and end are equally far from its centre, found radii of {} and {}",
+                bare_length(&self.frame, r),
+                length(&self.frame, end),
             );
             self.findings.add(Diagnostic::error("M0311", job.span, text));
         }

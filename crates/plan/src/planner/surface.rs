@@ -33,7 +33,8 @@ impl Planner {
     ) {
         if !self.turns_work || index != SPINDLE {
             let text = "constant surface speed (G96) is for a spindle that turns the work, and this one turns the tool: give rpm with G97 S";
-            self.findings.add(Diagnostic::error("M0310", job.span, text));
+            let help = "on a lathe, lathe = true in the machine's file says that its first spindle turns the work";
+            self.findings.add(Diagnostic::error("M0310", job.span, text).with_help(help));
             // what follows is judged as though it turned
             if let Some(state) = self.spindles.get_mut(index) {
                 let highest = self.limits.spindles[index].reachable(Torque::ZERO);

@@ -24,7 +24,7 @@ use crate::holes::Drilled;
 use crate::limits::{AxisLimits, Retract, SpindleLimits, TapMethod};
 use crate::stroke::{Stroke, StrokeRequest};
 use crate::tap_check::{TapCheck, cutting_torque, whole_rpm};
-use crate::words::length;
+use crate::words::{is_rotary, length};
 use alloc::{format, string::String};
 use canon::{Axis, Holder, ProgramFrame, ReturnAcceleration, Tap, TapTool, Tool, ToolKind};
 use diag::{Diagnostic, Span};
@@ -260,9 +260,9 @@ impl Planner {
         let sound = numbers.into_iter().all(positive) && others && wild(&tap.start).is_none();
         if !sound {
             let text = format!(
-                "a tap needs a depth, a lead and a speed above zero, found a stroke of {} mm, {} mm per revolution, S{}",
-                number(stroke.value()),
-                number(tap.lead.value()),
+                "a tap needs a depth, a lead and a speed above zero, found a stroke of {}, {} per revolution, S{}",
+                length(&self.frame, stroke.value()),
+                length(&self.frame, tap.lead.value()),
                 number(tap.spin.in_rpm()),
             );
             self.findings.add(Diagnostic::error("M0333", job.span, text));
@@ -277,11 +277,15 @@ impl Planner {
             let off = change(&self.programmed, &tap.start, axis);
             if off.abs() > AT_START {
                 refused = true;
+                let off = if is_rotary(axis) {
+                    format!("{}°", number(off))
+                } else {
+                    length(&self.frame, off)
+                };
                 let text = format!(
-                    "expected only {} to move in a tap, found {} moving by {} mm: move there in a block before",
+                    "expected only {} to move in a tap, found {} moving by {off}: move there in a block before",
                     tap.axis.letter(),
                     axis.letter(),
-                    number(off),
                 );
                 self.findings.add(Diagnostic::error("M0330", job.span, text));
             }

@@ -12,6 +12,7 @@ use crate::findings::number;
 use crate::limits::AxisLimits;
 use crate::tap_check::whole_rpm;
 use crate::thread::Change;
+use crate::words::{bare_length, feed, length, length_at_least};
 use crate::{Step, StepKind};
 use alloc::{format, vec::Vec};
 use canon::{Axis, Position, Threading};
@@ -82,14 +83,16 @@ impl Planner {
             self.findings.add(Diagnostic::error("M0421", job.span, text));
         }
         if !(order.lead.value() > 0.0 && order.lead.is_finite()) {
-            let text =
-                format!("expected a lead above zero, found {} mm", number(order.lead.value()));
+            let text = format!(
+                "expected a lead above zero, found {}",
+                length(&self.frame, order.lead.value())
+            );
             self.findings.add(Diagnostic::error("M0424", job.span, text));
         } else if last_lead(order, far(&linear(from), &linear(&order.to))).is_none() {
             let text = format!(
-                "a lead of {} mm that grows by {} mm in each turn is used up before the thread ends",
-                number(order.lead.value()),
-                number(order.growth.value()),
+                "a lead of {} that grows by {} in each turn is used up before the thread ends",
+                length(&self.frame, order.lead.value()),
+                length(&self.frame, order.growth.value()),
             );
             self.findings.add(Diagnostic::error("M0424", job.span, text));
         }
@@ -195,13 +198,13 @@ impl Planner {
                     let grown =
                         if at.last[i].abs() > at.first[i].abs() { " at the end" } else { "" };
                     let text = format!(
-                        "{} mm of {} per revolution{grown} at S{} are {} mm/min, and the axis feeds at {} with the spindle's \
+                        "{} of {} per revolution{grown} at S{} are {}, and the axis feeds at {} with the spindle's \
                          tolerance: S{} works",
-                        number(slope),
+                        length(&self.frame, slope),
                         Axis::ALL[i].letter(),
                         number(spin.in_rpm()),
-                        number(speed * 60.0),
-                        number(most * 60.0),
+                        feed(&self.frame, speed * 60.0),
+                        bare_length(&self.frame, most * 60.0),
                         number(whole_rpm(works)),
                     );
                     self.findings.add(Diagnostic::error("M0423", waiting.span, text));
@@ -254,15 +257,15 @@ impl Planner {
             let letter = first.order.axis.letter();
             let starts = Length::mm((half - room) * slope);
             let text = format!(
-                "at S{} the {letter} axis needs {} mm from its start to be on the thread, and the material begins after {}: \
-                 its first {} mm will be wrong",
+                "at S{} the {letter} axis needs {} from its start to be on the thread, and the material begins after {}: \
+                 its first {} will be wrong",
                 number(spin.in_rpm()),
-                number(half * slope),
-                number(room * slope),
-                number(starts.value()),
+                length(&self.frame, half * slope),
+                bare_length(&self.frame, room * slope),
+                length(&self.frame, starts.value()),
             );
             let help =
-                format!("start {} mm farther away", number(libm::ceil(starts.in_um()) / 1e3));
+                format!("start {} farther away", length_at_least(&self.frame, starts.value()));
             self.findings.add(Diagnostic::warning("M0426", first.span, text).with_help(help));
         }
     }

@@ -20,6 +20,7 @@ use crate::findings::number;
 use crate::limits::{DwellCheck, PlainDrive, SpindleLimits};
 use crate::tap_check::whole_rpm;
 use crate::way_out;
+use crate::words::length;
 use alloc::format;
 use canon::{Holder, Tap};
 use diag::Diagnostic;
@@ -54,11 +55,14 @@ impl Planner {
         let stroke = tap.bottom - start;
         if stroke.abs() <= clutch.spline_length {
             let text = format!(
-                "the clutch holder pulls the tap in by {} mm after the feed has stopped, but the stroke is {} mm: \
-                 start {} mm or more above the bottom",
-                number(clutch.spline_length.value()),
-                number(stroke.abs().value()),
-                number(clutch.spline_length.value() + 1.0),
+                "the clutch holder pulls the tap in by {} after the feed has stopped, but the stroke is {}: \
+                 start {} or more above the bottom",
+                length(&self.frame, clutch.spline_length.value()),
+                length(&self.frame, stroke.abs().value()),
+                length(
+                    &self.frame,
+                    clutch.spline_length.value() + self.frame.unit.in_mm().clamp(1.0, 2.54)
+                ),
             );
             self.findings.add(Diagnostic::error("M0341", job.span, text));
             return;
@@ -177,11 +181,12 @@ impl Planner {
         }
         let left = cycle.slide_left(dwell);
         let because = if left < Length::ZERO {
-            format!("the holder would be driven {} mm beyond its home", number(-left.value()))
+            let beyond = length(&self.frame, -left.value());
+            format!("the holder would be driven {beyond} beyond its home")
         } else if left > cycle.clearance {
             format!(
-                "the tap would still be {} mm in its thread at the R plane, and the rapid back pulls it out",
-                number((left - cycle.clearance).value())
+                "the tap would still be {} in its thread at the R plane, and the rapid back pulls it out",
+                length(&self.frame, (left - cycle.clearance).value())
             )
         } else {
             "the splines would not have parted, and the spindle's coasting would go into the depth"
@@ -246,10 +251,10 @@ impl Planner {
             "a tension/compression holder with that travel is needed".into()
         };
         let text = format!(
-            "a tap that is not synchronised pulls its holder out by {} mm at S{}, and this one gives {} mm: {remedy}",
-            number(needed.value()),
+            "a tap that is not synchronised pulls its holder out by {} at S{}, and this one gives {}: {remedy}",
+            length(&self.frame, needed.value()),
             number(tap.spin.in_rpm()),
-            number(travel.value()),
+            length(&self.frame, travel.value()),
         );
         self.findings.add(Diagnostic::error("M0342", job.span, text));
         true

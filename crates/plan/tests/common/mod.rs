@@ -102,6 +102,7 @@ pub fn tool(number: u32, diameter: f64, length: f64, kind: ToolKind) -> Tool {
         description: String::new(),
         wear: canon::ToolWear::default(),
         life: canon::ToolLife::default(),
+        body: canon::Body::default(),
         stand_in: false,
     }
 }

@@ -187,6 +187,7 @@ fn the_tip_is_where_the_axis_is_less_the_tools_length() {
         description: String::new(),
         wear: canon::ToolWear::default(),
         life: canon::ToolLife::default(),
+        body: canon::Body::default(),
         stand_in: false,
     };
     let mut recorder = Recorder::new(&ToolLibrary::new([tool]));

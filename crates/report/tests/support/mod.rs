@@ -54,6 +54,7 @@ pub fn tools() -> ToolLibrary {
         description: description.into(),
         wear: canon::ToolWear::default(),
         life: canon::ToolLife::default(),
+        body: canon::Body::default(),
         stand_in: false,
     };
     ToolLibrary::new([

@@ -96,6 +96,11 @@ impl Cutting {
         &self.stock.holes
     }
 
+    /// The work as it was left elsewhere.
+    pub(crate) fn take_holes_of(&mut self, other: &Self) {
+        self.stock.holes.clone_from(&other.stock.holes);
+    }
+
     /// At the start of a period: the tool in the spindle and where it is over the work.
     pub(crate) fn begin_period(&mut self, tool: Option<u32>, at: [Length; 2]) {
         self.at = at;

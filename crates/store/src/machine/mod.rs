@@ -72,6 +72,8 @@ pub struct MachineFile {
     pub name: String,
     /// What it is, in one sentence.
     pub description: String,
+    /// Its first spindle turns the work, a bar.
+    pub is_lathe: bool,
     /// The control.
     pub control: Control,
     /// The axes, by `canon::Axis` index: X Y Z A B C U V W.
@@ -177,17 +179,17 @@ impl MachineFile {
         self.axes[letter.index()].as_ref()
     }
 
-    /// Radius of the bar that the machine's first spindle turns; `None`: the machine is no lathe. That it is one is said by
-    /// the name of that spindle, "work", and by its stock: a hob, a mill's spindle and a cam's axis turn no bar.
+    /// Radius of the bar that the machine's first spindle turns; `None`: the machine is no lathe. That it is one is stated by
+    /// its key `lathe`: the form of a stock does not tell a bar from a square plate.
     pub fn turned_bar(&self) -> Option<units::Length> {
-        let is_work = self.spindles.first().is_some_and(|spindle| spindle.name == "work");
-        self.setup.stock.bar_radius().filter(|_| is_work)
+        self.setup.stock.bar_radius().filter(|_| self.is_lathe)
     }
 
     fn read(keys: &mut Keys<'_>) -> Self {
         let file = Self {
             name: keys.text("name"),
             description: keys.text("description"),
+            is_lathe: keys.has("lathe") && keys.flag("lathe"),
             control: keys.section("control", Control::read),
             axes: keys.section("axes", read_axes),
             spindles: keys.sections("spindles", bus::SPINDLES, Spindle::read),
@@ -231,6 +233,16 @@ impl MachineFile {
                 );
                 keys.conflict("setup", message);
             }
+        }
+        let stock = &self.setup.stock;
+        if self.is_lathe && stock.bar_radius().is_none() {
+            keys.conflict(
+                "lathe",
+                "the stock of a lathe is a bar: expected x and y of [setup.stock] from −r to r",
+            );
+        }
+        if stock.bore > units::Length::ZERO && !self.is_lathe {
+            keys.conflict("setup", "`bore_mm` is for the bar of a lathe: expected `lathe = true`");
         }
         let change = &self.tool_change;
         let at = [

@@ -19,6 +19,10 @@
 //! | `description` | all | else empty |
 //! | `wear_length_mm`, `wear_radius_mm` | all | what use has added, else 0: G43 and G41 take geometry and wear together |
 //! | `life` | all | `{ uses = 12, limit_uses = 500, time_s = 80, limit_time_s = 3600, cut_mm = 900, limit_cut_mm = 1e6, at_limit = "refuse" }`; each may be left out, and `at_limit` is else "remark" |
+//! | `stick_out_mm` | all | from the tip to the holder; of a turning tool, from the point to its shank: else not judged |
+//! | `holder_diameter_mm` | all | else only what is as thick as the tool is judged |
+//! | `shank_diameter_mm` | all | of a boring bar its diameter, of a turning tool the width of its shank: else not judged |
+//! | `flute_length_mm` | drill, spot-drill, end-mill | where the flutes end; else not judged |
 //! | `tip_radius_mm` | polygon-cutter | from the spindle's axis to an insert's tip |
 //! | `inserts`, or `insert_angles_deg` | polygon-cutter | how many, equally spaced; or where, `[0, 90]` |
 //! | `nose_radius_mm` | polygon-cutter | else 0.8 |

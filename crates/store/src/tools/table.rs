@@ -5,8 +5,8 @@ use crate::{
     machine::n_per_um,
 };
 use canon::{
-    AtLimit, Flute, Hand, Holder, Insert, InsertPoint, PolygonCutter, TapTool, ThreadSize, Tool,
-    ToolKind, ToolLibrary, ToolLife, ToolLimit, ToolUse, ToolWear, TouchProbe,
+    AtLimit, Body, Flute, Hand, Holder, Insert, InsertPoint, PolygonCutter, TapTool, ThreadSize,
+    Tool, ToolKind, ToolLibrary, ToolLife, ToolLimit, ToolUse, ToolWear, TouchProbe,
 };
 use diag::{Diagnostic, Span};
 use std::ops::RangeInclusive;
@@ -84,6 +84,7 @@ fn read_tool(keys: &mut Keys<'_>, origin: Origin) -> (Tool, Span) {
         },
         wear: read_wear(keys),
         life: keys.optional_section("life", read_life).unwrap_or_default(),
+        body: read_body(keys, &kind),
         kind,
         description: keys.optional_text("description").unwrap_or_default(),
         stand_in: false,
@@ -128,6 +129,25 @@ fn read_life(keys: &mut Keys<'_>) -> ToolLife {
     let names = [("remark", AtLimit::Remark), ("refuse", AtLimit::Refuse)];
     let at_limit = keys.optional_choice("at_limit", &names).unwrap_or_default();
     ToolLife { used, limit, at_limit }
+}
+
+/// Whatever is stated of what stands behind the edges.
+fn read_body(keys: &mut Keys<'_>, kind: &ToolKind) -> Body {
+    let mut stated = |names| optional_length(keys, names, 0.1..=LONGEST.value());
+    let shank = stated(["shank_diameter_mm", "shank_diameter_in"]);
+    let stick_out = stated(["stick_out_mm", "stick_out_in"]);
+    let holder = stated(["holder_diameter_mm", "holder_diameter_in"]);
+    let has_flutes =
+        matches!(kind, ToolKind::Drill { .. } | ToolKind::SpotDrill { .. } | ToolKind::EndMill);
+    let flutes = if has_flutes { stated(["flute_length_mm", "flute_length_in"]) } else { None };
+    if let (Some(flutes), Some(out)) = (flutes, stick_out)
+        && flutes > out
+    {
+        let most = out.value();
+        let message = format!("the flutes end within the holder: expected {most} mm at most");
+        keys.conflict("flute_length_mm", message);
+    }
+    Body { flutes, shank, stick_out, holder }
 }
 
 /// A length that is stated in millimetres, or in inches.

@@ -226,6 +226,7 @@ impl Reader {
             description: remark.to_owned(),
             wear: canon::ToolWear::default(),
             life: canon::ToolLife::default(),
+            body: canon::Body::default(),
             stand_in: false,
         })
     }

@@ -97,6 +97,7 @@ mod tests {
             description: String::new(),
             wear: canon::ToolWear::default(),
             life: canon::ToolLife::default(),
+            body: canon::Body::default(),
             stand_in: false,
         };
         let mut config = Config::new(ToolLibrary::new([drill]));

@@ -38,6 +38,7 @@ pub fn tap_tool(number: u32, designation: &str, lead_mm: f64) -> Tool {
         description: String::new(),
         wear: canon::ToolWear::default(),
         life: canon::ToolLife::default(),
+        body: canon::Body::default(),
         stand_in: false,
     }
 }

@@ -20,6 +20,7 @@ pub(crate) const MILL: Rules = Rules {
     start_up: StartUp::BesideNext,
     external_offset: true,
     lead_along_axis: true,
+    keeps_speed: true,
     reads_up_to_fault: true,
     ..linuxcnc::RULES
 };

@@ -177,6 +177,7 @@ impl Fanuc {
                     let from = if ex.modes.incremental { 0.0 } else { self.stands(ex, axis) };
                     let from = if axis == 0 && ex.modes.diameter { 2.0 * from } else { from };
                     self.once.by_w |= axis == 2;
+                    ex.words.by_increments = true;
                     ex.words.put(letter, from + value, word.span)?;
                 }
                 b'I' | b'J' if sense.tap => ex.words.put(word.letter, word.value, word.span)?,

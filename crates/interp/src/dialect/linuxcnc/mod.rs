@@ -26,6 +26,7 @@ pub(crate) const RULES: Rules = Rules {
     start_up: StartUp::BesideEnd,
     external_offset: false,
     lead_along_axis: false,
+    keeps_speed: false,
     grinds_by_feed: false,
     reads_up_to_fault: false,
 };

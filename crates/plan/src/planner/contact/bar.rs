@@ -10,7 +10,7 @@
 use super::{Job, Planner, Run, SCRAPES, places};
 use crate::bar::Met;
 use crate::findings::Cause;
-use crate::words::{length, place, word};
+use crate::words::{Rounding, advice, length, place, word};
 use alloc::{format, string::String, vec::Vec};
 use canon::{Axis, InsertPoint, ToolKind};
 use diag::{Diagnostic, Span};
@@ -24,6 +24,9 @@ const CLEAR: f64 = 2.0;
 impl Planner {
     /// A tool along a path, on a lathe; whether that is all there is to judge.
     pub(in crate::planner) fn sweep_bar(&mut self, job: &Job, path: &Path, run: Run) -> bool {
+        if self.tools.get(self.tool).is_some_and(|tool| matches!(tool.kind, ToolKind::Insert(_))) {
+            self.sweep_shank(job, path);
+        }
         let Some(tool) = self.tools.get(self.tool) else { return false };
         let is_known = !tool.stand_in && tool.number != 0;
         let (tool_length, radius) = (tool.worn_length().value(), tool.diameter.value() / 2.0);
@@ -97,7 +100,11 @@ impl Planner {
             place(frame, Axis::Z, met.at[2] + tool.worn_length().value()),
         ]
         .into();
-        let more = if outward < 0.0 { "or less" } else { "or more" };
+        let (more, rounding) =
+            if outward < 0.0 { ("or less", Rounding::Down) } else { ("or more", Rounding::Up) };
+        let clear = CLEAR.max(0.1 * frame.unit.in_mm());
+        let clear = centre + across + outward * (met.clear + clear);
+        let works = advice(frame, Axis::X, clear, rounding);
         let said = [
             format!(
                 "the rapid takes T{} ({}) {} deep into the bar, which it enters at {}: the bar is there up to {}",
@@ -108,8 +115,7 @@ impl Planner {
                 at_radius(met.surface),
             ),
             format!(
-                ": {} {more} is clear of it on this way, or a feed (G1) where the rapid goes in",
-                at_radius(met.clear + CLEAR),
+                ": {works} {more} is clear of it on this way, or a feed (G1) where the rapid goes in",
             ),
         ];
         let severity = Self::sure(contact.doubtful);

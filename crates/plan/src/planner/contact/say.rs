@@ -2,7 +2,7 @@
 use super::{ADVISED, BREAKS, Contact, Planner, Point, SLIDES, WEAR, Wrong};
 use crate::findings::{Cause, number};
 use crate::planner::tap::kind_name;
-use crate::words::{bare_length, feed, feed_that_works, length, place, word};
+use crate::words::{Rounding, advice, bare_length, feed, feed_that_works, length, place, word};
 use alloc::{format, string::String};
 use canon::{Axis, Holder, Tool, ToolKind};
 use diag::{Diagnostic, Severity, Span};
@@ -12,7 +12,7 @@ use units::Length;
 const CLEAR: f64 = 2.0;
 
 /// A tool for people: "T3 (a tap)".
-fn name(tool: &Tool) -> String {
+pub(super) fn name(tool: &Tool) -> String {
     format!("T{} ({})", tool.number, kind_name(tool))
 }
 
@@ -121,7 +121,7 @@ impl Planner {
                 ),
                 format!(
                     ": {} is the deepest that works, or a feed (G1)",
-                    word(frame, Axis::Z, axis(top - open))
+                    advice(frame, Axis::Z, axis(top - open), Rounding::Up)
                 ),
             ];
         }
@@ -139,7 +139,8 @@ impl Planner {
     fn clear_of(&self, tool: &Tool, contact: &Contact) -> String {
         let unit = self.frame.unit.in_mm();
         let clear = if unit == 1.0 { CLEAR } else { 0.1 * unit };
-        word(&self.frame, Axis::Z, contact.stock.top() + clear + tool.worn_length().value())
+        let clear = contact.stock.top() + clear + tool.worn_length().value();
+        advice(&self.frame, Axis::Z, clear, Rounding::Up)
     }
 
     fn too_fast(&self, tool: &Tool, per_turn: f64, load: f64) -> [String; 2] {
@@ -322,7 +323,10 @@ impl Planner {
                 length(frame, depth),
                 length(frame, most),
             ),
-            format!(": {} is the deepest that works", word(frame, Axis::Z, deepest)),
+            format!(
+                ": {} is the deepest that works",
+                advice(frame, Axis::Z, deepest, Rounding::Up)
+            ),
         ];
         let cause = Cause { code: "M0367", which: [contact.mounted, 0, 0] };
         let is_doubtful = contact.doubtful;
