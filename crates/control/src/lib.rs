@@ -34,6 +34,7 @@ mod timings;
 pub use executor::{Executor, period};
 pub use feeder::Feeder;
 pub use observers::Observers;
+pub use operation::{Control, ControlOptions};
 pub use plant::Plant;
 pub use refused::Refused;
 pub use run::{Loaded, Outcome, ProgramRun, Running};

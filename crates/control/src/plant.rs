@@ -47,6 +47,13 @@ impl Plant {
         }
     }
 
+    /// A fault of the machine is over.
+    pub fn repair(&mut self, fault: Fault) {
+        if let Self::Inside(machine) = self {
+            machine.repair(fault);
+        }
+    }
+
     /// The control is gone: the kernel must not tick.
     pub fn is_abandoned(&self) -> bool {
         matches!(self, Self::Inside(machine) if machine.is_abandoned())

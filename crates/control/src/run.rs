@@ -6,7 +6,7 @@ use crate::job::Session;
 use crate::job::preflight::planner;
 use crate::job::restart::Restart;
 use crate::job::{Left, Operations};
-use crate::observers::ToolUseCount;
+use crate::observers::{Observer, ToolUseCount, Workpiece};
 use crate::services::CamHost;
 use crate::services::RecordWriter;
 use crate::stall::StallGuard;
@@ -119,7 +119,7 @@ impl ProgramRun {
             executor: Executor { kernel, machine, ticks: TickTimes::new(false) },
             feeder: Feeder::new(ops, planner(session, options)),
             services: Services::new(session),
-            observers: Observers::new(session, judge),
+            observers: Observers::new(session, Workpiece::new(judge)),
             is_interrupted: || false,
             planned,
         }
@@ -176,16 +176,47 @@ pub struct Running {
     periods: u64,
     faults: Vec<Fault>,
     broke_off: Vec<String>,
+    /// What the kernel has said, for an operator who has not looked yet.
+    heard: Vec<Event>,
 }
 
 impl Running {
     /// A program begins on a machine whose kernel is at work, before an operator who resumes what is held, confirms stops and
     /// takes tools out.
-    pub fn attended(loaded: &Loaded<'_>, judge: verify::Config, executor: &mut Executor) -> Self {
+    ///
+    /// Its operations are numbered from `first` on: those of what was done to the workpiece before come first.
+    pub fn attended(
+        loaded: &Loaded<'_>,
+        workpiece: Workpiece,
+        first: u32,
+        executor: &mut Executor,
+    ) -> Self {
         let Loaded { session, operations, restart, options, planned } = *loaded;
-        let feeder = Feeder::new(operations.for_run(restart), planner(session, options));
-        let parts = (feeder, Services::new(session), Observers::new(session, judge));
+        let ops = operations.for_run(restart, first);
+        let feeder = Feeder::new(ops, planner(session, options));
+        let parts = (feeder, Services::new(session), Observers::new(session, workpiece));
         Self::with(parts, planned, None, executor)
+    }
+
+    /// The workpiece as it has become.
+    pub fn workpiece(&self) -> Workpiece {
+        let Observers { judge, watch, .. } = &self.observers;
+        Workpiece { judge: judge.clone(), watch: watch.clone() }
+    }
+
+    /// The number of the operation that will be read next.
+    pub const fn next_operation(&self) -> u32 {
+        self.feeder.ops.next_number()
+    }
+
+    /// What the kernel has said since the last time; without an operator nothing is kept.
+    pub fn take_events(&mut self) -> Vec<Event> {
+        std::mem::take(&mut self.heard)
+    }
+
+    /// Look on as well.
+    pub fn observe(&mut self, observer: Box<dyn Observer>) {
+        self.observers.others.push(observer);
     }
 
     fn with(
@@ -210,6 +241,7 @@ impl Running {
             periods: 0,
             faults: Vec::new(),
             broke_off: Vec::new(),
+            heard: Vec::new(),
         };
         running.observers.timings.start();
         running.orders_from_the_beginning(executor);
@@ -240,9 +272,9 @@ impl Running {
         self.observers.judge.clone().into_work()
     }
 
-    /// What was cut so far, and what the judge thinks of it.
-    pub fn judged(&self) -> Vec<Feature> {
-        self.observers.judge.clone().finish()
+    /// What was cut and judged so far.
+    pub fn judged_so_far(&self) -> &[Feature] {
+        self.observers.judge.features()
     }
 
     /// Count from now on what each tool cuts; this one is in the spindle.
@@ -270,7 +302,7 @@ impl Running {
                 }
             }
         }
-        let Self { feeder, services, observers, .. } = self;
+        let Self { feeder, services, observers, is_attended, heard, .. } = self;
         feeder.fill(&mut executor.kernel, services, observers);
         let sample = executor.period(|kernel, machine, sample| {
             services.sample(sample, kernel);
@@ -284,6 +316,9 @@ impl Running {
             }
             while let Some(event) = kernel.next_event() {
                 observers.event(&event);
+                if *is_attended {
+                    heard.push(event);
+                }
             }
         });
         if executor.kernel.is_idle() && !self.feeder.refused().is_empty() {

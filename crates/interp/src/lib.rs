@@ -56,6 +56,7 @@ mod live;
 mod modes;
 mod motion;
 mod names;
+mod next_text;
 mod non_modal;
 mod number;
 mod offset_curve;

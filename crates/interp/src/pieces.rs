@@ -21,9 +21,10 @@ pub fn can_be_read_in_pieces(piece: &[u8], setup: &Setup) -> bool {
 }
 
 /// What an interpreter knows at the end of a piece.
+#[derive(Clone)]
 pub struct Rest {
-    snapshot: Snapshot,
-    line: u32,
+    pub(crate) snapshot: Snapshot,
+    pub(crate) line: u32,
 }
 
 impl<'s> Interpreter<'s> {
@@ -54,9 +55,10 @@ impl<'s> Interpreter<'s> {
 }
 
 /// The state of [`Ops`] at the end of a piece.
+#[derive(Clone)]
 pub struct OpsRest {
-    rest: Rest,
-    resolver: Resolver,
+    pub(crate) rest: Rest,
+    pub(crate) resolver: Resolver,
 }
 
 impl<'s> Ops<'s> {

@@ -118,6 +118,12 @@ impl Resolver {
         self.unknown.explain(code) || self.missed.explain(code)
     }
 
+    /// All is known: another text begins.
+    pub(crate) fn forget_doubts(&mut self) {
+        self.diagnostics.clear();
+        (self.doubts, self.missed) = (Doubts::default(), Doubts::default());
+    }
+
     /// The next operation, if one is ready.
     pub fn pop(&mut self) -> Option<Op> {
         self.ops.pop_front()

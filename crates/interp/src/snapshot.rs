@@ -34,7 +34,7 @@ pub struct Snapshot {
     pub(crate) seen: HashSet<(&'static str, Span)>,
     errors: usize,
     faults: u64,
-    front_end: FrontEnd,
+    pub(crate) front_end: FrontEnd,
 }
 
 impl Snapshot {
@@ -63,6 +63,14 @@ impl Snapshot {
         self.diagnostics.clear();
         self.seen.clear();
         self
+    }
+
+    /// Nothing was found, nothing was executed.
+    pub(crate) fn forget_findings(&mut self, setup: &Setup) {
+        (self.errors, self.faults, self.last) = (0, 0, setup.limits.blocks);
+        self.has_o_words = false;
+        self.diagnostics.clear();
+        self.seen.clear();
     }
 
     /// File and byte where the next block begins.
@@ -172,7 +180,7 @@ pub struct Standing {
 }
 
 impl Standing {
-    fn of(executor: &Executor) -> Self {
+    pub(crate) fn of(executor: &Executor) -> Self {
         let modes = &executor.modes;
         let mut machine = modes.frame.to_machine(&modes.at);
         crate::frame::scale(&mut machine, modes.units.in_mm());

@@ -1,4 +1,4 @@
-//! Axes that are moved by hand: jog, handwheel, homing.
+//! Axes and spindles that are moved by hand: jog, handwheel, homing.
 //!
 //! ```text
 //!   ManualOrder: goal, limits, ends of travel, lease ─► OnlineState::next, every period ─► the axis' target
@@ -10,9 +10,9 @@
 //! control that hangs, leaves no axis moving.
 use crate::axis::Target;
 use crate::drives::Drives;
-use bus::AXES;
+use bus::{AXES, SPINDLES};
 use motion::{Goal, OnlineLimits, OnlineState};
-use units::Time;
+use units::{Angle, Spin, Time};
 
 /// How one axis is moved by hand. Of A, B and C read degrees for millimetres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +30,7 @@ pub struct ManualOrder {
 /// Why an axis cannot be moved by hand now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ManualRefusal {
-    /// The machine has no such axis.
+    /// The machine has no such axis or spindle.
     NoAxis,
     /// The drives are off, or an alarm has stopped the machine.
     NotReady,
@@ -44,12 +44,27 @@ pub enum ManualRefusal {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Manual {
     moving: [Option<(ManualOrder, OnlineState)>; AXES],
+    turning: [Option<Turning>; SPINDLES],
+}
+
+/// How a spindle is turned by hand.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Turning {
+    /// Until its lease is over.
+    Until(Time),
+    /// To an angle within its turn, once it stands.
+    To(Angle),
 }
 
 impl Manual {
     /// An axis is moving, or about to.
     pub(crate) fn is_active(&self) -> bool {
-        self.moving.iter().any(Option::is_some)
+        self.moving.iter().any(Option::is_some) || self.turning.iter().any(Option::is_some)
+    }
+
+    /// How a spindle is turned; `None`: it is not.
+    pub(crate) const fn turn(&mut self, index: usize, turning: Option<Turning>) {
+        self.turning[index] = turning;
     }
 
     pub(crate) fn take(&mut self, index: usize, order: ManualOrder, position: f64) {
@@ -60,12 +75,40 @@ impl Manual {
         self.moving[index] = Some((order, state));
     }
 
+    /// All shall come to rest.
+    pub(crate) fn rest(&mut self) {
+        for (order, _) in self.moving.iter_mut().flatten() {
+            (order.goal, order.lease) = (Goal::Speed(0.0), None);
+        }
+        for turning in &mut self.turning {
+            *turning = turning.map(|_| Turning::Until(Time::ZERO));
+        }
+    }
+
     pub(crate) fn forget(&mut self) {
         self.moving = [None; AXES];
+        self.turning = [None; SPINDLES];
     }
 
     /// One period; `rests`: all shall come to rest.
     pub(crate) fn advance(&mut self, now: Time, rests: bool, period_s: f64, drives: &mut Drives) {
+        for (turning, spindle) in self.turning.iter_mut().zip(&mut drives.spindles) {
+            let Some(spindle) = spindle.as_mut() else { continue };
+            match *turning {
+                Some(Turning::To(angle)) if !rests => {
+                    spindle.hold(Some(angle));
+                    if spindle.held().is_some() {
+                        *turning = None;
+                    }
+                }
+                Some(Turning::Until(end)) if !rests && now < end => {}
+                Some(_) => {
+                    spindle.slew_to(Spin::ZERO);
+                    *turning = None;
+                }
+                None => {}
+            }
+        }
         for (moving, axis) in self.moving.iter_mut().zip(&mut drives.axes) {
             let (Some((order, state)), Some(axis)) = (moving.as_mut(), axis.as_mut()) else {
                 continue;

@@ -6,7 +6,7 @@ use common::*;
 use kernel::{Kernel, ManualOrder, ManualRefusal};
 use motion::{Goal, OnlineLimits, Step, StepKind};
 use sim::SimulatedMachine;
-use units::Time;
+use units::{Angle, Spin, Time};
 
 const LIMITS: OnlineLimits = OnlineLimits { speed: 100.0, accel: 2000.0, jerk: 50_000.0 };
 /// With these limits 100 mm/s are gone after v/a + a/j = 90 ms, 45 periods of jerk among them: 4.5 mm.
@@ -142,4 +142,26 @@ fn what_no_axis_can_obey_is_refused() {
         let refused = bench.kernel.move_manually(Axis::X, unsound);
         assert_eq!(refused, Err(ManualRefusal::NotANumber), "{unsound:?}");
     }
+}
+
+#[test]
+fn a_spindle_turns_by_hand_until_its_lease_is_over_and_is_oriented() {
+    let mut bench = Bench::new();
+    let spin = |bench: &Bench| bench.machine.truth().expect("simulated").spins[0];
+    let until = bench.now() + Time::s(2.0);
+    bench.kernel.turn_manually(0, Spin::rpm(300.0), until).unwrap();
+    bench.run(1.8);
+    assert!((spin(&bench) - Spin::rpm(300.0)).abs() < Spin::rpm(3.0), "{}", spin(&bench));
+    assert!(bench.kernel.is_moving_manually());
+    bench.run(2.0);
+    assert!(spin(&bench).abs() < Spin::rpm(0.5) && bench.kernel.is_standing());
+    bench.kernel.orient_manually(0, Angle::deg(90.0)).unwrap();
+    bench.run(2.0);
+    let turns = bench.machine.feedback().spindles[0].angle.value();
+    assert!((turns - turns.floor() - 0.25).abs() < 1e-3, "{turns} rev");
+    let soon = bench.now() + Time::s(1.0);
+    let refused = bench.kernel.turn_manually(0, Spin::rpm(1e6), soon);
+    assert_eq!(refused, Err(ManualRefusal::NotANumber));
+    assert_eq!(bench.kernel.turn_manually(1, Spin::rpm(10.0), soon), Err(ManualRefusal::NoAxis));
+    assert_eq!(bench.kernel.faults(), []);
 }

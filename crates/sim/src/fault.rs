@@ -222,6 +222,14 @@ impl<M: Machine> Faulty<M> {
         self.said = self.machine.feedback();
     }
 
+    /// A fault of this kind is over: a button is released, a drive is repaired.
+    pub fn repair(&mut self, fault: Fault) {
+        self.pending.retain(|pending| pending.came.is_none() || pending.planned.fault != fault);
+        if !(self.is_abandoned() || self.has(|fault| matches!(fault, Fault::EmergencyStop))) {
+            (self.run_down, self.silent) = (None, Time::ZERO);
+        }
+    }
+
     /// A period without a controller.
     pub fn wait(&mut self) -> Feedback {
         let now = self.machine.feedback();

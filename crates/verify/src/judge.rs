@@ -271,6 +271,14 @@ impl Judge {
         }
     }
 
+    /// The program was given up at this op: what was ordered after it will not be cut, and is no feature.
+    pub fn give_up(&mut self, op: u32) {
+        self.orders.retain(|order| order.first <= op);
+        if let Some(open) = self.orders.back_mut() {
+            open.end.get_or_insert(op + 1);
+        }
+    }
+
     /// The features judged so far, for a progress display.
     pub fn features(&self) -> &[Feature] {
         &self.features

@@ -101,7 +101,7 @@ impl Ordered {
 }
 
 /// Looks on.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Watch {
     config: Config,
     works: BTreeMap<u32, Work>,

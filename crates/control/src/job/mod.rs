@@ -16,7 +16,7 @@ mod session;
 pub mod subprograms;
 
 pub use live::Live;
-pub use operations::{Cursor, Left, Operations, Reading, Source};
+pub use operations::{Before, Cursor, Left, Operations, Reading, Source};
 pub use options::ProgramOptions;
 pub use session::{Session, read_program, tools};
 

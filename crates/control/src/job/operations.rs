@@ -11,7 +11,7 @@ use crate::polygon::cuts;
 use crate::polygon::oscillation::Auto;
 use canon::{Answer, Op, OpKind, ProgramFrame, Tool, ToolKind, ToolLibrary};
 use diag::Diagnostic;
-use interp::{Parameters, ToolEntry};
+use interp::{OpsRest, Parameters, ToolEntry};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -109,19 +109,36 @@ pub struct Operations {
     live: Option<Box<(Vec<u8>, interp::Setup)>>,
 }
 
+/// What a text finds in the control when it begins.
+#[derive(Clone, Default)]
+pub struct Before {
+    /// What a text before it has left in force; `None`: the control was switched on just now.
+    pub rest: Option<OpsRest>,
+    /// It is typed: it ends without M2, and its modes stay in force.
+    pub is_typed: bool,
+}
+
 /// What a program leaves in the control when it has ended.
-#[derive(Debug, Clone, Default)]
+#[derive(Clone, Default)]
 pub struct Left {
     /// The numbered parameters.
     pub parameters: Parameters,
     /// The tools that are in the table, each with what the control believes of it.
     pub tools: Vec<(Tool, ToolEntry)>,
+    /// What is in force.
+    pub rest: Option<OpsRest>,
 }
 
 impl Operations {
     /// Interpret a program.
     pub fn of(source: &[u8], setup: &interp::Setup) -> Self {
-        let mut read = interp::Ops::new(source, setup);
+        Self::after(Before::default(), source, setup)
+    }
+
+    /// Interpret a text on a control that is on.
+    pub fn after(before: Before, source: &[u8], setup: &interp::Setup) -> Self {
+        let Before { rest, is_typed } = before;
+        let mut read = interp::Ops::of_piece(source, setup, rest, is_typed);
         let (mut ops, mut frames) = (Vec::new(), Vec::<(usize, ProgramFrame)>::new());
         while let Some(op) = read.next() {
             let frame = read.frame();
@@ -130,19 +147,34 @@ impl Operations {
             }
             ops.push(op);
         }
+        if is_typed {
+            let span = ops.last().map(|op| op.span).unwrap_or_default();
+            ops.push(Op { span, kind: OpKind::End }); // what is typed ends without a word of its own
+        }
         let (stand_ins, known): (Vec<Tool>, Vec<Tool>) =
             read.tools().iter().cloned().partition(|tool| tool.stand_in);
         let entry = |tool: Tool| {
             let entry = read.tool_entry(tool.number);
             (tool, entry)
         };
-        let left = Left {
+        let mut left = Left {
             tools: known.into_iter().map(entry).collect(),
             parameters: read.parameters().clone(),
+            rest: None,
         };
         let asks = ops.iter().any(|op| interp::asks(&op.kind));
         let live = asks.then(|| Box::new((source.to_vec(), setup.clone())));
-        Self { ops, frames, findings: read.diagnostics(), stand_ins, left, live }
+        let findings = read.diagnostics();
+        left.rest = Some(read.rest());
+        Self { ops, frames, findings, stand_ins, left, live }
+    }
+
+    /// What a text leaves in the control when it is given up at the operation with this number, counted from 0.
+    pub fn left_at(before: Before, source: &[u8], setup: &interp::Setup, op: usize) -> Left {
+        let mut read = interp::Ops::of_piece(source, setup, before.rest, before.is_typed);
+        for _ in read.by_ref().take(op + 1) {}
+        let parameters = read.parameters().clone();
+        Left { parameters, tools: Vec::new(), rest: Some(read.rest()) }
     }
 
     /// Fill in what G51.2 leaves to the control.
@@ -245,6 +277,18 @@ impl Cursor {
         let at = restart.map_or(0, |restart| restart.skip);
         let prelude = restart.map_or_else(VecDeque::new, |r| r.prelude.iter().cloned().collect());
         Self { operations, prelude, at, frame: ProgramFrame::default(), next: 0 }
+    }
+
+    /// The same, its operations numbered from this one on: those of what was executed on the machine before come first.
+    #[must_use]
+    pub const fn numbered_from(mut self, first: u32) -> Self {
+        self.next = first;
+        self
+    }
+
+    /// The number of the operation that comes next.
+    pub const fn next_number(&self) -> u32 {
+        self.next
     }
 }
 

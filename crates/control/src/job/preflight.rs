@@ -49,7 +49,7 @@ pub struct Proved {
 /// tools. Also what is to be said of them.
 pub fn interpret(session: &mut Session, source: &[u8]) -> (Arc<Operations>, Vec<Diagnostic>) {
     let setup = session.interp_setup();
-    let mut operations = Operations::of(source, &setup);
+    let mut operations = Operations::after(session.before.clone(), source, &setup);
     if session.depends_on_program() {
         session.prepare(operations.all());
     }
@@ -243,7 +243,7 @@ fn read(
     findings.extend(planner.take_findings());
     findings.extend(table.take());
     add(&mut findings, interp::lint(source, &session.interp_setup()));
-    if session.is_subprogram {
+    if session.is_subprogram || session.before.is_typed {
         findings.retain(|finding| finding.code != NO_END);
     }
     Preflight { findings, planned: planner.duration() }

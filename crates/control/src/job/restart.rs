@@ -20,6 +20,8 @@ pub enum From {
     Line(u32),
     /// At this hole or thread, counted from 1 in the order in which they are cut.
     Hole(u32),
+    /// Where this tool is used first.
+    Tool(u32),
 }
 
 impl std::str::FromStr for From {
@@ -27,13 +29,13 @@ impl std::str::FromStr for From {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let text = text.trim();
-        let (number, of): (&str, fn(u32) -> Self) = match text.strip_prefix("hole") {
-            Some(rest) => (rest, Self::Hole),
-            None => (text.strip_prefix("line").unwrap_or(text), Self::Line),
-        };
+        let kinds: [(&str, fn(u32) -> Self); 3] =
+            [("hole", Self::Hole), ("tool", Self::Tool), ("line", Self::Line)];
+        let kind = kinds.iter().find_map(|(name, of)| Some((text.strip_prefix(name)?, *of)));
+        let (number, of) = kind.unwrap_or((text, Self::Line));
         match number.trim().parse() {
             Ok(number) if number > 0 => Ok(of(number)),
-            _ => Err("expected a line, as in --from 27, or a hole, as in --from \"hole 5\"".into()),
+            _ => Err("expected a line, as in \"27\", a hole, as in \"hole 5\", or a tool, as in \"tool 3\"".into()),
         }
     }
 }
@@ -169,6 +171,7 @@ pub fn find(ops: &[Op], from: From, at: &Position, top: Length) -> Result<Restar
         let found = match from {
             From::Hole(number) => is_feature && in_force.holes + 1 == number,
             From::Line(line) => moves && op.span.line >= line,
+            From::Tool(number) => moves && in_force.tool == number,
         };
         if let OpKind::Threading(order) = &op.kind {
             // the stretches of a chain go on where the last one ended
@@ -210,6 +213,7 @@ pub fn find(ops: &[Op], from: From, at: &Position, top: Length) -> Result<Restar
         From::Hole(number) => {
             format!("there is no hole {number}: the program makes {}", in_force.holes)
         }
+        From::Tool(number) => format!("the program does not use tool {number}"),
         From::Line(line) => {
             format!("nothing moves at line {line} or after it: the last line is {lines}")
         }
@@ -320,6 +324,12 @@ M2
     }
 
     #[test]
+    fn a_tool_is_begun_where_it_is_used_first() {
+        assert_eq!(tool_and_line(From::Tool(3)), (3, 12, 2));
+        assert_eq!(at(From::Tool(9)).unwrap_err(), "the program does not use tool 9");
+    }
+
+    #[test]
     fn a_line_within_a_cycle_is_begun_at_the_cycle() {
         assert_eq!(tool_and_line(From::Line(15)), (3, 15, 3));
         assert_eq!(tool_and_line(From::Line(7)), (2, 7, 1));
@@ -410,6 +420,7 @@ M2
         assert_eq!("27".parse(), Ok(From::Line(27)));
         assert_eq!("hole 5".parse(), Ok(From::Hole(5)));
         assert_eq!("line 3".parse(), Ok(From::Line(3)));
+        assert_eq!("tool 3".parse(), Ok(From::Tool(3)));
         assert!("0".parse::<From>().is_err() && "hole".parse::<From>().is_err());
     }
 }

@@ -2,6 +2,7 @@
 use crate::Refused;
 use crate::job::cams::CamSetup;
 use crate::job::dialect;
+use crate::job::operations::Before;
 use crate::job::options::{DecimalPoint, ProgramOptions};
 use crate::job::subprograms::Drawn;
 use canon::ToolLibrary;
@@ -57,6 +58,8 @@ pub struct Session {
     standing: Option<(canon::Position, u32)>,
     /// Files that the program draws in, in the order of their file numbers.
     pub drawn: Vec<Drawn>,
+    /// What the program finds in force.
+    pub before: Before,
 }
 
 impl Session {
@@ -112,6 +115,7 @@ impl Session {
             hashes,
             missing_tools,
             standing: None,
+            before: Before::default(),
             dialect,
             decimal_point: options.decimal_point,
             block_skip: options.block_skip.clone(),
@@ -163,6 +167,23 @@ impl Session {
             place = place.with(axis.letter, stands);
         }
         self.standing = Some((place, feedback.tool.unwrap_or(0)));
+    }
+
+    /// On a control that is on: where the axes are told to be and the tool in the spindle, offsets and tools as they are by now,
+    /// and what is in force.
+    pub fn on_control(
+        &mut self,
+        (place, tool): (canon::Position, u32),
+        parameters: interp::Parameters,
+        tools: ToolLibrary,
+        before: Before,
+    ) {
+        self.standing = Some((place, tool));
+        (self.parameters, self.tools) = (parameters, tools);
+        let Before { rest, is_typed } = before;
+        let setup = self.interp_setup();
+        let rest = rest.map(|rest| rest.for_next_text(&setup, tool));
+        self.before = Before { rest, is_typed };
     }
 
     /// The tool in the spindle when a program begins.

@@ -36,6 +36,28 @@ pub trait Observer {
     fn message(&mut self, _line: u32, _text: &str) {}
 }
 
+/// What judges a workpiece, through all that is done to it.
+#[derive(Clone)]
+pub struct Workpiece {
+    /// Judges what is cut.
+    pub judge: Judge,
+    /// Looks for what may never happen.
+    pub watch: Watch,
+}
+
+impl Workpiece {
+    /// Nothing has been done to it.
+    pub fn new(judge: verify::Config) -> Self {
+        Self { watch: Watch::new(judge.clone()), judge: Judge::new(judge) }
+    }
+
+    /// What was heard and commanded in a period.
+    pub fn sample(&mut self, sample: &Sample) {
+        self.judge.sample(sample);
+        self.watch.sample(sample);
+    }
+}
+
 /// The observers of a run.
 pub struct Observers {
     /// Judges what is cut.
@@ -63,11 +85,11 @@ pub struct Observers {
 }
 
 impl Observers {
-    /// Judge by this; keep no trace, print nothing.
-    pub fn new(session: &Session, judge: verify::Config) -> Self {
+    /// Judge this workpiece; keep no trace, print nothing.
+    pub fn new(session: &Session, Workpiece { judge, watch }: Workpiece) -> Self {
         Self {
-            watch: Watch::new(judge.clone()),
-            judge: Judge::new(judge),
+            watch,
+            judge,
             idle: None,
             recorder: Recorder::new(&session.tools),
             trace: None,

@@ -1,11 +1,35 @@
-//! The state model of a control that stays on: what it is, what can be asked of it, and what each request needs.
+//! A control that stays on: what it is, what can be asked of it, and what becomes of that.
+//!
+//! ```text
+//!   Request ──► Control::request ──► accepted, with what is to be known of it │ refused: why, and what would make it possible
+//!                    │
+//!   time    ──► Control::period ──► Executor::period, Running::period ──► Event: what has happened
+//!                    │
+//!                    └► Status: all that a panel shows
+//! ```
 //!
 //! | file | is |
 //! |---|---|
 //! | `request` | everything that can be asked for, and what it needs |
 //! | `state` | execution, mode, power, emergency stop; the transitions |
+//! | `control` | the control: which request leads where, and the period |
+//! | `drives` | power, emergency stop, reset, what takes a tool out of the work |
+//! | `manual` | jog, handwheel, spindle by hand |
+//! | `programs` | load, search, start, blocks that are typed, the end |
+//! | `offsets` | work offsets, touch off, tools |
+//! | `event`, `status` | what happened; how things are |
+mod control;
+mod drives;
+mod event;
+mod manual;
+mod offsets;
+mod programs;
 mod request;
 mod state;
+mod status;
 
-pub use request::{Jog, Refusal, Request};
+pub use control::{Control, ControlOptions};
+pub use event::{Alarm, Event};
+pub use request::{Accepted, Jog, Refusal, Request, ToolField};
 pub use state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
+pub use status::{AxisStatus, FeatureCount, Overrides, ProgramStatus, SpindleStatus, Status};

@@ -1,10 +1,11 @@
 //! Everything that an operator, a program or a network client can ask of the control.
 use super::state::Need;
+use crate::Refused;
 use crate::job::restart;
 use canon::Axis;
 use core::fmt;
 use std::path::PathBuf;
-use units::Time;
+use units::{Angle, Spin, Time};
 
 /// How an axis is jogged. Of A, B and C read degrees for millimetres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,6 +14,8 @@ pub enum Jog {
     Continuous(f64),
     /// By this much from where the axis is told to be, mm.
     Increment(f64),
+    /// By this much from where the handwheel has sent it so far, mm.
+    Handwheel(f64),
     /// To this machine coordinate, mm.
     To(f64),
 }
@@ -33,12 +36,19 @@ pub enum Request {
     Home(Option<Axis>),
     /// Jog an axis.
     Jog(Axis, Jog),
-    /// Bring every axis that is moved by hand to rest.
+    /// Bring every axis and spindle that is moved by hand to rest.
     JogStop,
+    /// Turn a spindle by hand at this speed, as long as it is asked for again within [`Jog::LEASE`].
+    TurnSpindle(usize, Spin),
+    /// Bring a spindle to this angle within its turn, and hold it there.
+    OrientSpindle(usize, Angle),
     /// Load a program.
     Load(PathBuf),
-    /// Start the program that is loaded, from its beginning or from a line or a hole.
-    Start(Option<restart::From>),
+    /// Find where the program would be begun at a line, a hole or a tool, and say all that is restored before; the next start
+    /// begins there.
+    Search(restart::From),
+    /// Start the program that is loaded, from its beginning or from where the last search has led.
+    Start,
     /// Execute blocks that are typed.
     ManualDataInput(String),
     /// Hold the feed.
@@ -51,6 +61,10 @@ pub enum Request {
     Stop,
     /// Back a tap out of the thread in which it was stopped.
     Retract,
+    /// Take a tap out of its thread after drives, power or an encoder were gone.
+    Recover,
+    /// The operator has looked: no tool is in the work.
+    ToolIsFree,
     /// Clear alarms; make ready for the next program.
     Reset,
     /// Hold after each block.
@@ -67,22 +81,55 @@ pub enum Request {
     SpindleOverride(f64),
     /// Set the work offset in force so that the tool's tip is at this coordinate of the axis, mm.
     TouchOff(Axis, f64),
+    /// Set a work offset, 1 for G54: its zero is at this machine coordinate of the axis, mm.
+    SetWorkOffset(u8, Axis, f64),
+    /// Set what the control believes of a tool, mm.
+    EditTool(u32, ToolField, f64),
 }
 
-/// Why a request was refused: the first of its needs that is not met, or a sentence.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// What of a tool is edited.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ToolField {
+    /// From the gauge line to the tip.
+    Length,
+    /// Cutting diameter.
+    Diameter,
+}
+
+/// What is to be known of a request that was accepted.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Accepted {
+    /// In sentences; none as a rule.
+    pub notes: Vec<String>,
+}
+
+/// Why a request was refused: the first of its needs that is not met, or what is wrong with the request.
+#[derive(Debug)]
 pub enum Refusal {
     /// The control's state.
     State(Need),
     /// The request itself.
-    Request(String),
+    Request(Refused),
+}
+
+impl Refusal {
+    /// The request is wrong, and why.
+    pub(super) fn because(sentence: impl Into<String>) -> Self {
+        Self::Request(Refused::because(sentence))
+    }
+}
+
+impl From<Refused> for Refusal {
+    fn from(refused: Refused) -> Self {
+        Self::Request(refused)
+    }
 }
 
 impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::State(need) => need.fmt(f),
-            Self::Request(sentence) => f.write_str(sentence),
+            Self::Request(refused) => refused.fmt(f),
         }
     }
 }
@@ -106,14 +153,20 @@ impl Request {
             | Self::RapidOverride(_)
             | Self::SpindleOverride(_) => &[],
             Self::EmergencyStop(false) => &[EmergencyStopTriggered],
-            Self::Home(_) => {
-                &[EmergencyStopArmed, NoAlarm, PowerOn, NoProgramUnderWay, NoManualMotion]
-            }
-            Self::Jog(..) => {
+            Self::Home(_) => &[
+                EmergencyStopArmed,
+                NoAlarm,
+                PowerOn,
+                NoProgramUnderWay,
+                NoManualMotion,
+                NoTapInThread,
+            ],
+            Self::Jog(..) | Self::TurnSpindle(..) | Self::OrientSpindle(..) => {
                 &[EmergencyStopArmed, NoAlarm, PowerOn, NoProgramUnderWay, NoTapInThread]
             }
             Self::Load(_) | Self::BlockSkip(..) => &[NoProgramUnderWay],
-            Self::Start(_) => &[
+            Self::Search(_) => &[ProgramLoaded, NoProgramUnderWay],
+            Self::Start => &[
                 ProgramLoaded,
                 EmergencyStopArmed,
                 NoAlarm,
@@ -136,9 +189,10 @@ impl Request {
             Self::Resume => &[ProgramUnderWay, NoAlarm, ProgramHeld],
             Self::Confirm => &[ProgramUnderWay, NoAlarm, ProgramWaitsForConfirmation],
             Self::Stop => &[ProgramUnderWay],
-            Self::Retract => &[TapInThread],
+            Self::Retract | Self::Recover | Self::ToolIsFree => &[TapInThread],
             Self::Reset => &[EmergencyStopArmed, NoProgramUnderWay, NoTapInThread, NoManualMotion],
             Self::TouchOff(..) => &[NoProgramUnderWay, NoManualMotion, Homed(None)],
+            Self::SetWorkOffset(..) | Self::EditTool(..) => &[NoProgramUnderWay],
         }
     }
 }

@@ -235,7 +235,7 @@ impl fmt::Display for Need {
             Self::EmergencyStopArmed => "the emergency stop is triggered: release it, then reset",
             Self::EmergencyStopTriggered => "the emergency stop is not triggered",
             Self::NoAlarm => "an alarm has stopped the machine: mend its cause, then reset",
-            Self::PowerOn => "the drives are off: power on first",
+            Self::PowerOn => "the drives are not on: power on, and wait until they are ready",
             Self::Homed(Some(axis)) => return write!(f, "{axis} is not homed: home it first"),
             Self::Homed(None) => "not every axis is homed: home first",
             Self::NoProgramUnderWay => "a program is under way: wait for its end, or stop it",
@@ -245,8 +245,8 @@ impl fmt::Display for Need {
             Self::ProgramLoaded => "no program is loaded: load one first",
             Self::Standstill => "an axis moves or a spindle turns: stop it first",
             Self::NoManualMotion => "an axis is moved by hand: wait until it stands, or stop it",
-            Self::TapInThread => "no tap is held in a thread",
-            Self::NoTapInThread => "a tap stands in its thread: retract it first",
+            Self::TapInThread => "no tap stands in a thread",
+            Self::NoTapInThread => "a tap stands in its thread: retract it, or recover it, first",
         })
     }
 }

@@ -8,7 +8,10 @@
 //!                              └─ a copy of the machine takes the other way, for the report
 //! ```
 mod off;
+mod settings;
+
 pub use off::Withdrawn;
+pub use settings::RecoverySettings;
 
 use crate::Plant;
 use crate::executor::period;
@@ -16,13 +19,12 @@ use crate::job::Session;
 use crate::recovery;
 use crate::script::{Script, Told};
 use bus::{Machine, Sample};
-use canon::{Holder, ToolKind};
+use canon::Holder;
 use kernel::{EventKind, Kernel, Notice, Order, RecoveryFigures, RecoveryPlan};
 use report::{PlanePoint, ThreadStop, WayBack};
 use sim::Fault;
 use std::ops::ControlFlow;
-use sync::leaving::{Leaving, Setting};
-use sync::recovery::{Mover, Point, Seat, Way};
+use sync::recovery::{Mover, Point, Way};
 use units::{Angle, Length, Spin, Stiffness, Time};
 use verify::{FeatureKind, Judge};
 
@@ -45,9 +47,7 @@ pub struct Stops {
     recover: Option<AfterStop>,
     lengths: Vec<(u32, Length)>,
     zero: Length,
-    play: Length,
-    taps: Vec<(u32, Setting)>,
-    feed: (units::Speed, units::Accel),
+    settings: RecoverySettings,
     /// What has come, for people.
     pub happened: Vec<String>,
     /// Stops in a thread.
@@ -70,30 +70,13 @@ impl Stops {
         seed: u64,
         planned: Time,
     ) -> Self {
-        let taps = session.tools.iter().filter_map(|tool| match &tool.kind {
-            ToolKind::Tap(tap) => Some((
-                tool.number,
-                Setting {
-                    surface: Length::ZERO, // known when it is in the work
-                    holder: stiffness(tap.holder),
-                    diameter: tool.diameter,
-                },
-            )),
-            _ => None,
-        });
-        let approach = session.machine.axis(canon::Axis::Z).map(|z| z.approach);
-        let slow = units::Speed::mm_per_s(2.0);
         Self {
             faults: Script::new(told.faults, seed, planned),
             orders: Script::new(told.orders, seed ^ 1, planned),
             recover,
             lengths: session.tools.iter().map(|tool| (tool.number, tool.worn_length())).collect(),
             zero: session.work_zero().linear[2],
-            play: session.machine.simulation.tap_seat.flank_clearance,
-            taps: taps.collect(),
-            feed: approach.map_or((slow, units::Accel::mm_per_s2(100.0)), |g| {
-                (g.speed.min(slow), g.acceleration * 0.1)
-            }),
+            settings: RecoverySettings::new(session),
             happened: Vec::new(),
             threads: Vec::new(),
             withdrawn: Vec::new(),
@@ -109,9 +92,7 @@ impl Stops {
             recover: None,
             lengths: Vec::new(),
             zero: Length::ZERO,
-            play: Length::ZERO,
-            taps: Vec::new(),
-            feed: (units::Speed::ZERO, units::Accel::ZERO),
+            settings: RecoverySettings::none(),
             happened: Vec::new(),
             threads: Vec::new(),
             withdrawn: Vec::new(),
@@ -181,7 +162,7 @@ impl Stops {
             return Ok(false);
         }
         let Some(stored) = kernel.engaged() else {
-            let recovers = self.recover.map(|_| self.feed);
+            let recovers = self.recover.map(|_| self.settings.feed);
             let said = off::deal_with(kernel, plant, recovers, &mut |sample| {
                 judge.sample(sample);
                 hear(sample);
@@ -208,32 +189,9 @@ impl Stops {
             self.happened.extend(left_in(line, plant, surface, "--recover"));
             return Ok(false);
         };
-        let tool = plant.feedback().tool.unwrap_or(0);
-        let setting = self.taps.iter().find(|(number, _)| *number == tool);
-        let setting = setting.map(|(_, setting)| Setting { surface, ..*setting });
         plant.mend();
-        let preferred = match setting {
-            None => Way::Direct,
-            Some(setting) => {
-                let now = plant.feedback();
-                let at = Point { angle: now.spindles[0].angle, place: now.axes[2].position };
-                match stored.leaving(at, &setting).map_err(|why| why.to_string())? {
-                    Leaving::Straight => Way::Straight,
-                    Leaving::Along => {
-                        Way::UnloadFirst(Seat { play: self.play, is_stiff: setting.is_stiff() })
-                    }
-                }
-            }
-        };
-        let plan = RecoveryPlan {
-            axis: canon::Axis::Z,
-            spindle: 0,
-            stored,
-            turn: Angle::ZERO,
-            way: preferred,
-            spin: recovery::OUT,
-            feed: self.feed,
-        };
+        let plan = self.settings.plan(stored, surface, &plant.feedback())?;
+        let preferred = plan.way;
         let mut ways = Vec::new();
         if let Some(mut copy) = plant.copy() {
             let (mut kernel, mut judge) = (kernel.clone(), judge.clone());

@@ -1,9 +1,9 @@
 //! What is done without a program: drives on and off, axes moved by hand, all forgotten after an alarm.
 use super::{Kernel, Mode};
 use crate::execute::Activity;
-use crate::manual::{ManualOrder, ManualRefusal};
+use crate::manual::{ManualOrder, ManualRefusal, Turning};
 use crate::spindle::SpindleLoop;
-use units::Axis;
+use units::{Angle, Axis, Spin, Time};
 
 impl Kernel {
     /// Outputs off: everything stands and nothing is executed. Whether that is so.
@@ -59,6 +59,59 @@ impl Kernel {
         if !order.is_sound() {
             return Err(ManualRefusal::NotANumber);
         }
+        self.may_move_manually()?;
+        self.manual.take(axis.index(), order, moved.target.position);
+        Ok(())
+    }
+
+    /// Turn a spindle by hand at this speed until its lease is over, or otherwise than until now; at no speed: stop it.
+    ///
+    /// # Errors
+    /// There is no such spindle, it cannot be turned by hand now, or it cannot turn so fast.
+    pub fn turn_manually(
+        &mut self,
+        spindle: usize,
+        spin: Spin,
+        until: Time,
+    ) -> Result<(), ManualRefusal> {
+        self.may_move_manually()?;
+        let Some(turned) = self.drives.spindles.get_mut(spindle).and_then(Option::as_mut) else {
+            return Err(ManualRefusal::NoAxis);
+        };
+        if !(spin.abs() <= turned.control.highest && until.is_finite()) {
+            return Err(ManualRefusal::NotANumber);
+        }
+        turned.slew_to(spin);
+        self.drives.in_force[spindle] = Spin::ZERO; // no program has ordered it
+        self.manual.turn(spindle, (spin != Spin::ZERO).then_some(Turning::Until(until)));
+        Ok(())
+    }
+
+    /// Bring a spindle to this angle within its turn and hold it there.
+    ///
+    /// # Errors
+    /// There is no such spindle, or it cannot be moved by hand now.
+    pub fn orient_manually(&mut self, spindle: usize, angle: Angle) -> Result<(), ManualRefusal> {
+        self.may_move_manually()?;
+        if !angle.is_finite() {
+            return Err(ManualRefusal::NotANumber);
+        }
+        let Some(turned) = self.drives.spindles.get_mut(spindle).and_then(Option::as_mut) else {
+            return Err(ManualRefusal::NoAxis);
+        };
+        turned.stop();
+        self.drives.in_force[spindle] = Spin::ZERO;
+        self.manual.turn(spindle, Some(Turning::To(angle)));
+        Ok(())
+    }
+
+    /// All that is moved by hand comes to rest, each axis as hard as it may brake.
+    pub fn rest_manually(&mut self) {
+        self.manual.rest();
+    }
+
+    /// Drives are up and no step of a program waits.
+    fn may_move_manually(&self) -> Result<(), ManualRefusal> {
         let ready = matches!(self.mode, Mode::Running) && self.recovering.is_none();
         if !ready || self.withdrawing.is_some() {
             return Err(ManualRefusal::NotReady);
@@ -66,11 +119,10 @@ impl Kernel {
         if !self.queue.is_empty() || self.drives.flowing || self.homing.is_active() {
             return Err(ManualRefusal::Busy);
         }
-        self.manual.take(axis.index(), order, moved.target.position);
         Ok(())
     }
 
-    /// An axis is moved by hand.
+    /// An axis or a spindle is moved by hand.
     pub fn is_moving_manually(&self) -> bool {
         self.manual.is_active()
     }
@@ -83,6 +135,12 @@ impl Kernel {
     /// Where an axis is told to be, mm or degrees.
     pub fn setpoint(&self, axis: Axis) -> Option<f64> {
         Some(self.drives.axes.get(axis.index())?.as_ref()?.target.position)
+    }
+
+    /// How fast a spindle is told to turn; one that there is not, not at all.
+    pub fn ordered_spin(&self, spindle: usize) -> Spin {
+        let spindle = self.drives.spindles.get(spindle).and_then(Option::as_ref);
+        spindle.map_or(Spin::ZERO, |spindle| spindle.ordered().spin)
     }
 
     /// No spindle is told to turn.

@@ -1,0 +1,399 @@
+//! The control: one machine, what is loaded and set on it, and what it does now.
+//!
+//! Whoever owns the time calls [`Control::period`] once per servo period, a simulation as fast as it can, a machine by its
+//! clock. A [`Request`] acts from the next period on. Nothing moves while no period is called.
+use super::event::{Alarm, Event, Events};
+use super::programs::{Loaded, UnderWay};
+use super::request::{Accepted, Refusal, Request};
+use super::state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
+use crate::job::{Before, Operations, ProgramOptions, Session};
+use crate::observers::Workpiece;
+use crate::plant::{self, Plant};
+use crate::{Executor, Refused, TickTimes, config};
+use bus::{AXES, Machine as _, State};
+use canon::{Axis, Position, ToolLibrary};
+use interp::OpsRest;
+use kernel::{Kernel, Pause};
+use sim::Faulty;
+use std::path::Path;
+use units::Time;
+
+/// Alarms that are remembered.
+const MOST_ALARMS: usize = 200;
+
+/// What a control is switched on with.
+#[derive(Clone, Debug)]
+pub struct ControlOptions {
+    /// Machine, tools, parameters, and how programs are read.
+    pub program: ProgramOptions,
+    /// Seed of what the control does not know of its machine; `None` is the machine file's.
+    pub seed: Option<u64>,
+    /// How far from where the machine's file says the simulated stock is clamped.
+    pub clamped: Position,
+}
+
+/// A control that stays on.
+pub struct Control {
+    pub(super) options: ControlOptions,
+    /// Machine and tools as the files have them.
+    pub(super) base: Session,
+    pub(super) executor: Executor,
+    pub(super) workpiece: Workpiece,
+    /// Number of the next operation that is done to the workpiece.
+    pub(super) next_op: u32,
+    pub(super) data: Data,
+    pub(super) power: Power,
+    pub(super) mode: Mode,
+    pub(super) execution: Execution,
+    pub(super) loaded: Option<Loaded>,
+    pub(super) under_way: Option<UnderWay>,
+    /// Levels of `/` whose blocks are left out.
+    pub(super) alarms: Vec<Alarm>,
+    pub(super) events: Events,
+    /// Faults of the kernel that have become alarms.
+    pub(super) told_faults: usize,
+    /// A feed hold was asked for, and not a resume since.
+    pub(super) is_hold_asked: bool,
+    /// Everything comes to rest before the kernel forgets what it did.
+    pub(super) is_resetting: bool,
+    /// A recovery is on its way.
+    pub(super) is_recovering: bool,
+    /// Where the handwheel has sent each axis.
+    pub(super) handwheel: [Option<f64>; AXES],
+    drives_were_ready: bool,
+    told_features: usize,
+}
+
+/// What is set on the control, and in force.
+pub(super) struct Data {
+    pub(super) parameters: interp::Parameters,
+    pub(super) tools: ToolLibrary,
+    pub(super) rest: Option<OpsRest>,
+}
+
+impl Control {
+    /// Switch a control on, of a machine that is simulated: drives off, nothing loaded.
+    ///
+    /// # Errors
+    /// Machine, tools or parameters cannot be read or are wrong.
+    pub fn new(options: ControlOptions) -> Result<Self, Refused> {
+        let base = Session::load(&options.program, Path::new("-"), b"")?;
+        let machine = &base.machine;
+        let seed = options.seed.unwrap_or(u64::from(machine.simulation.seed));
+        let material = machine.setup.stock.material;
+        let mut zero = machine.setup.g54;
+        for axis in [Axis::X, Axis::Y, Axis::Z] {
+            zero = zero.with(axis, zero.along(axis) + options.clamped.along(axis));
+        }
+        let simulated = config::simulator(machine, &base.tools, material, seed, &zero);
+        let alone = config::left_alone(machine, &simulated);
+        let plant = plant::simulated(machine, simulated)?;
+        let plant = Plant::Inside(Box::new(Faulty::new(plant, &[], seed).left_alone(alone)));
+        let mut kernel = Kernel::new(kernel::Config {
+            pause: Pause::Wait,
+            ..config::control(machine, None, config::plain_drive(machine).is_some())
+        });
+        kernel.switch_off();
+        let judge = config::judge(machine, &base.tools, material, &zero);
+        let data =
+            Data { parameters: base.parameters.clone(), tools: base.tools.clone(), rest: None };
+        let mut control = Self {
+            options,
+            executor: Executor { kernel, machine: plant, ticks: TickTimes::new(false) },
+            workpiece: Workpiece::new(judge),
+            next_op: 0,
+            data,
+            power: Power::Off,
+            mode: Mode::Manual,
+            execution: Execution::Ready,
+            loaded: None,
+            under_way: None,
+            alarms: Vec::new(),
+            events: Events::default(),
+            told_faults: 0,
+            is_hold_asked: false,
+            is_resetting: false,
+            is_recovering: false,
+            handwheel: [None; AXES],
+            drives_were_ready: false,
+            told_features: 0,
+            base,
+        };
+        control.forget_modes();
+        Ok(control)
+    }
+
+    /// Modes are those of a control that was switched on just now.
+    pub(super) fn forget_modes(&mut self) {
+        let before = Before { rest: None, is_typed: true };
+        let setup = interp::Setup {
+            parameters: self.data.parameters.clone(),
+            tools: self.data.tools.clone(),
+            ..self.base.interp_setup()
+        };
+        self.data.rest = Operations::after(before, b"", &setup).left().rest.clone();
+    }
+
+    /// Ask for something. Whether it is done now or in the periods to come, it is answered at once: accepted or refused.
+    ///
+    /// # Errors
+    /// What the request needs and is not so, or what is wrong with it: nothing is changed, nothing moves.
+    pub fn request(&mut self, request: &Request) -> Result<Accepted, Refusal> {
+        for need in request.needs() {
+            self.meets(need).map_err(Refusal::State)?;
+        }
+        match request {
+            Request::Power(on) => self.switch_power(*on),
+            Request::EmergencyStop(pressed) => self.press_emergency_stop(*pressed),
+            Request::Home(axis) => self.home(*axis),
+            Request::Jog(axis, jog) => self.jog(*axis, *jog),
+            Request::JogStop => self.stop_jog(),
+            Request::TurnSpindle(spindle, spin) => self.turn_spindle(*spindle, *spin),
+            Request::OrientSpindle(spindle, angle) => self.orient_spindle(*spindle, *angle),
+            Request::Load(path) => self.load(path),
+            Request::Search(from) => self.search(*from),
+            Request::Start => self.start(),
+            Request::ManualDataInput(text) => self.execute_typed(text),
+            Request::FeedHold => self.hold(),
+            Request::Resume => self.resume(),
+            Request::Confirm => self.confirm(),
+            Request::Stop => self.give_up(),
+            Request::Retract => self.retract(),
+            Request::Recover => self.recover(),
+            Request::ToolIsFree => self.tool_is_free(),
+            Request::Reset => self.reset(),
+            Request::SingleBlock(on) => self.order(kernel::Order::SingleBlock(*on)),
+            Request::OptionalStop(on) => self.order(kernel::Order::OptionalStop(*on)),
+            Request::BlockSkip(level, on) => self.skip_blocks(*level, *on),
+            Request::FeedOverride(share) => self.order(kernel::Order::FeedOverride(*share)),
+            Request::RapidOverride(share) => self.order(kernel::Order::RapidOverride(*share)),
+            Request::SpindleOverride(share) => self.order(kernel::Order::SpindleOverride(*share)),
+            Request::TouchOff(axis, at) => self.touch_off(*axis, *at),
+            Request::SetWorkOffset(system, axis, at) => self.set_work_offset(*system, *axis, *at),
+            Request::EditTool(number, field, value) => self.edit_tool(*number, *field, *value),
+        }
+    }
+
+    pub(super) fn order(&mut self, order: kernel::Order) -> Result<Accepted, Refusal> {
+        self.executor.kernel.order(order);
+        let mut notes = Vec::new();
+        if self.under_way.is_none() {
+            // what the kernel says of it would come only with the next program
+            while let Some(event) = self.executor.kernel.next_event() {
+                if let kernel::EventKind::Operator(notice) = event.kind {
+                    notes.push(notice.to_string());
+                }
+            }
+        }
+        Ok(Accepted { notes })
+    }
+
+    /// Whether something that a request needs is so; if not, in particular what is not.
+    fn meets(&self, need: &Need) -> Result<(), Need> {
+        let kernel = &self.executor.kernel;
+        let is_met = match need {
+            Need::EmergencyStopArmed => self.emergency_stop() == EmergencyStop::Armed,
+            Need::EmergencyStopTriggered => self.emergency_stop() == EmergencyStop::Triggered,
+            Need::NoAlarm => kernel.faults().is_empty(),
+            Need::PowerOn => self.power == Power::On && kernel.is_ready() && !self.is_resetting,
+            Need::Homed(_) => match self.first_not_homed() {
+                Some(axis) => return Err(Need::Homed(Some(axis.letter()))),
+                None => true,
+            },
+            Need::NoProgramUnderWay => self.under_way.is_none() && !self.is_recovering,
+            Need::ProgramUnderWay => self.under_way.is_some(),
+            Need::ProgramHeld => {
+                self.is_hold_asked
+                    || matches!(
+                        self.execution,
+                        Execution::FeedHold
+                            | Execution::Interrupted
+                            | Execution::ProgramStopped
+                            | Execution::OptionalStop
+                    )
+            }
+            Need::ProgramWaitsForConfirmation => {
+                matches!(self.execution, Execution::ProgramStopped | Execution::OptionalStop)
+            }
+            Need::ProgramLoaded => self.loaded.is_some(),
+            Need::Standstill => kernel.is_off() || kernel.is_standing(),
+            Need::NoManualMotion => !kernel.is_moving_manually(),
+            Need::TapInThread => self.is_tap_in_thread(),
+            Need::NoTapInThread => !self.is_tap_in_thread(),
+        };
+        if is_met { Ok(()) } else { Err(need.clone()) }
+    }
+
+    /// The emergency stop chain, as the machine says it is.
+    pub fn emergency_stop(&self) -> EmergencyStop {
+        let is_open = self.executor.machine.feedback().emergency_stop;
+        if is_open { EmergencyStop::Triggered } else { EmergencyStop::Armed }
+    }
+
+    /// The next thing that has happened.
+    pub fn next_event(&mut self) -> Option<Event> {
+        self.events.pop()
+    }
+
+    /// Events that were not asked for in time.
+    pub const fn lost_events(&self) -> u64 {
+        self.events.lost()
+    }
+
+    /// Alarms, oldest first: those that a reset has cleared too.
+    pub fn alarms(&self) -> &[Alarm] {
+        &self.alarms
+    }
+
+    /// What the program does.
+    pub const fn execution(&self) -> Execution {
+        self.execution
+    }
+
+    /// Machine time.
+    pub fn now(&self) -> Time {
+        self.executor.machine.feedback().time
+    }
+
+    /// Length of the servo period.
+    pub fn period_time(&self) -> Time {
+        self.executor.machine.period()
+    }
+
+    /// The machine's file.
+    pub const fn machine(&self) -> &store::machine::MachineFile {
+        &self.base.machine
+    }
+
+    /// Where the axes are told to be.
+    pub(super) fn position(&self) -> Position {
+        let mut place = self.base.interp_setup().start;
+        for axis in self.base.machine.axes.iter().flatten() {
+            if let Some(at) = self.executor.kernel.setpoint(axis.letter) {
+                place = place.with(axis.letter, units::Length::mm(at));
+            }
+        }
+        place
+    }
+
+    /// The tool in the spindle; 0 is none.
+    pub(super) fn mounted(&self) -> u32 {
+        self.executor.machine.feedback().tool.unwrap_or(0)
+    }
+
+    pub(super) fn enter(&mut self, mode: Mode) {
+        if self.mode != mode {
+            self.mode = mode;
+            self.events.push(Event::Mode(mode));
+        }
+    }
+
+    /// What the program does changes, if the table of transitions has it.
+    pub(super) fn execution_after(&mut self, event: ExecutionEvent) {
+        if let Some(next) = self.execution.after(event).filter(|next| *next != self.execution) {
+            self.execution = next;
+            self.events.push(Event::Execution(next));
+        }
+    }
+
+    /// One servo period.
+    pub fn period(&mut self) {
+        if let Some(under_way) = &mut self.under_way {
+            let goes_on = under_way.running.period(&mut self.executor);
+            let heard = under_way.running.take_events();
+            self.hear(&heard);
+            if goes_on.is_break() {
+                self.end_program();
+            } else {
+                self.follow_execution();
+            }
+        } else {
+            let Self { executor, workpiece, .. } = self;
+            executor.period(|_, _, sample| workpiece.sample(sample));
+            let mut heard = Vec::new();
+            while let Some(event) = self.executor.kernel.next_event() {
+                heard.push(event);
+            }
+            self.hear(&heard);
+            self.go_on_without_program();
+        }
+        self.take_alarms();
+        let is_ready = self.executor.kernel.is_ready();
+        if is_ready && !self.drives_were_ready {
+            self.events.push(Event::DrivesReady);
+        }
+        self.drives_were_ready = is_ready;
+    }
+
+    /// What the kernel says becomes what the operator hears.
+    fn hear(&mut self, heard: &[kernel::Event]) {
+        use kernel::EventKind;
+        for event in heard {
+            match &event.kind {
+                EventKind::Operator(notice) => self.events.notice(notice.to_string()),
+                EventKind::FollowingWarning { axis, error } => {
+                    self.events.notice(format!("{}: following error {error}", axis.letter()));
+                }
+                EventKind::SyncWarning { error } => {
+                    self.events.notice(format!("line {}: sync error {error}", event.line));
+                }
+                EventKind::ToolChanged { tool } => {
+                    self.events.notice(format!("tool {tool} is in the spindle"));
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Faults of the kernel become alarms, each once.
+    fn take_alarms(&mut self) {
+        let faults = self.executor.kernel.faults();
+        self.told_faults = self.told_faults.min(faults.len());
+        let new: Vec<_> = faults[self.told_faults..].to_vec();
+        self.told_faults = faults.len();
+        for fault in new {
+            let program = self.under_way.as_ref().map(|under_way| under_way.name.clone());
+            let alarm = Alarm::of(&fault, program);
+            if self.alarms.len() == MOST_ALARMS {
+                self.alarms.remove(0);
+            }
+            self.alarms.push(alarm.clone());
+            self.events.push(Event::Alarm(alarm));
+        }
+    }
+
+    /// What a program that is under way does, by what the kernel does.
+    fn follow_execution(&mut self) {
+        let kernel = &self.executor.kernel;
+        let state = kernel.report().state;
+        let event = match (state, kernel.paused()) {
+            (State::Paused, Some(true)) => ExecutionEvent::OptionalStop,
+            (State::Paused, _) => ExecutionEvent::Stop,
+            (State::Held, _) if self.is_hold_asked => ExecutionEvent::Hold,
+            (State::Held, _) => ExecutionEvent::BlockDone,
+            _ => ExecutionEvent::GoOn,
+        };
+        self.execution_after(event);
+        let judged = self.under_way.as_ref().map_or(0, |u| u.running.judged_so_far().len());
+        if judged > self.told_features
+            && let Some(under_way) = &self.under_way
+        {
+            for feature in &under_way.running.judged_so_far()[self.told_features..] {
+                self.events.push(Event::Feature(super::status::said_of(feature)));
+            }
+            self.told_features = judged;
+        }
+    }
+
+    /// What goes on without a program: a reset that waits for standstill, a recovery.
+    fn go_on_without_program(&mut self) {
+        if self.is_resetting && self.executor.kernel.clear() {
+            self.is_resetting = false;
+        }
+        if self.is_recovering && self.executor.kernel.is_over() {
+            self.is_recovering = false;
+            self.after_recovery();
+        }
+        self.told_features = self.workpiece.judge.features().len();
+    }
+}

@@ -1,0 +1,174 @@
+//! Power, emergency stop, reset, homing; and what takes a tool out of the work.
+use super::control::Control;
+use super::event::Event;
+use super::request::{Accepted, Refusal};
+use super::state::{EmergencyStop, ExecutionEvent, Power};
+use crate::stops::RecoverySettings;
+use bus::Machine as _;
+use canon::Axis;
+use kernel::{Order, WithdrawalPlan};
+use sim::Fault;
+
+impl Control {
+    pub(super) fn switch_power(&mut self, on: bool) -> Result<Accepted, Refusal> {
+        if on != (self.power == Power::On) {
+            if on {
+                self.executor.kernel.switch_on();
+                self.power = Power::On;
+            } else {
+                self.switch_off()?;
+            }
+        }
+        Ok(Accepted::default())
+    }
+
+    fn switch_off(&mut self) -> Result<(), Refusal> {
+        if !self.executor.kernel.switch_off() {
+            return Err(Refusal::because("an axis moves or a spindle turns: stop it first"));
+        }
+        self.power = Power::Off;
+        self.everything_was_stopped();
+        Ok(())
+    }
+
+    /// Spindle and coolant are off without a word of a program.
+    pub(super) fn everything_was_stopped(&mut self) {
+        self.data.rest = self.data.rest.take().map(interp::OpsRest::stopped);
+        self.handwheel = [None; bus::AXES];
+    }
+
+    /// Of the simulated machine's chain: a test of it. The real one is hardware.
+    pub(super) fn press_emergency_stop(&mut self, pressed: bool) -> Result<Accepted, Refusal> {
+        let already = self.emergency_stop() == EmergencyStop::Triggered;
+        if pressed && !already {
+            self.executor.machine.strike(Fault::EmergencyStop);
+        } else if !pressed {
+            self.executor.machine.repair(Fault::EmergencyStop);
+        }
+        Ok(Accepted::default())
+    }
+
+    /// The first axis that is not homed.
+    pub(super) fn first_not_homed(&self) -> Option<Axis> {
+        let axes = self.base.machine.axes.iter().flatten().map(|axis| axis.letter);
+        axes.into_iter().find(|axis| !self.is_homed(*axis))
+    }
+
+    /// An axis knows where it is.
+    pub(super) const fn is_homed(&self, _axis: Axis) -> bool {
+        true
+    }
+
+    pub(super) fn home(&mut self, axis: Option<Axis>) -> Result<Accepted, Refusal> {
+        if let Some(axis) = axis {
+            self.axis_file(axis)?;
+        }
+        Ok(Accepted { notes: vec!["every axis of this machine is homed".into()] })
+    }
+
+    /// Alarms are cleared; what was executed is forgotten; spindles and coolant come to rest.
+    pub(super) fn reset(&mut self) -> Result<Accepted, Refusal> {
+        let was_disabled = self.executor.kernel.is_off() && self.power == Power::On;
+        if !self.executor.kernel.faults().is_empty() || was_disabled {
+            self.executor.kernel.switch_on();
+            if self.power == Power::Off || was_disabled {
+                self.power = Power::Off;
+                self.executor.kernel.switch_off();
+            }
+            self.told_faults = 0;
+            for alarm in &mut self.alarms {
+                alarm.is_cleared = true;
+            }
+        } else if self.power == Power::On && !self.executor.kernel.clear() {
+            self.executor.kernel.order(Order::Abort); // what turns comes to rest first
+            self.is_resetting = true;
+        }
+        self.everything_was_stopped();
+        self.is_hold_asked = false;
+        self.execution_after(ExecutionEvent::Reset);
+        Ok(Accepted::default())
+    }
+
+    /// A tap, or another tool that is tied to a spindle, is in the work.
+    pub(super) fn is_tap_in_thread(&self) -> bool {
+        let kernel = &self.executor.kernel;
+        kernel.engaged().is_some() || self.under_way.is_none() && kernel.way_out().is_some()
+    }
+
+    /// The control that stopped it, with all of its drives, backs it out along its thread.
+    pub(super) fn retract(&mut self) -> Result<Accepted, Refusal> {
+        if !self.executor.kernel.can_back_out() {
+            let why = "the tap cannot be backed out: it moves, or a drive or an encoder is gone; hold, or recover";
+            return Err(Refusal::because(why));
+        }
+        self.order(Order::Retract)
+    }
+
+    /// Drives, power or an encoder were gone: the tool is taken out from where the encoders show it.
+    pub(super) fn recover(&mut self) -> Result<Accepted, Refusal> {
+        if self.under_way.is_some() {
+            return Err(Refusal::because("a program is under way: retract, or stop it first"));
+        }
+        if self.is_recovering {
+            return Err(Refusal::because("a recovery is on its way already"));
+        }
+        if self.emergency_stop() == EmergencyStop::Triggered {
+            return Err(Refusal::because("the emergency stop is triggered: release it first"));
+        }
+        let kernel = &mut self.executor.kernel;
+        if kernel.can_back_out() {
+            return Err(Refusal::because("the control can back the tap out itself: retract"));
+        }
+        let settings = RecoverySettings::new(&self.base);
+        if let Some(stored) = kernel.engaged() {
+            let surface = kernel.surface().unwrap_or(stored.start().place);
+            self.executor.machine.mend();
+            let now = self.executor.machine.feedback();
+            let plan = settings.plan(stored, surface, &now).map_err(Refusal::because)?;
+            kernel.recover(plan);
+        } else if let Some(way_out) = kernel.way_out().copied() {
+            if !way_out.is_straight() {
+                let why = "nothing ties this tool to an axis: turn the spindle backwards by hand until it is out, then state that the tool is free";
+                return Err(Refusal::because(why));
+            }
+            self.executor.machine.mend();
+            let legs = [Some((way_out.infeed, way_out.clear)), None];
+            kernel.withdraw(WithdrawalPlan { legs });
+        }
+        self.is_recovering = true;
+        self.power = Power::On;
+        self.told_faults = 0;
+        Ok(Accepted::default())
+    }
+
+    /// A recovery is over: by its end, or by an alarm.
+    pub(super) fn after_recovery(&mut self) {
+        if !self.executor.kernel.faults().is_empty() {
+            return self.events.notice("the recovery was stopped by an alarm");
+        }
+        self.executor.kernel.go_on();
+        self.executor.kernel.clear();
+        for alarm in &mut self.alarms {
+            alarm.is_cleared = true;
+        }
+        self.events.push(Event::Notice("the tool is out of the work".into()));
+    }
+
+    /// Kernel and control forget the tool that was in the work.
+    pub(super) fn tool_is_free(&mut self) -> Result<Accepted, Refusal> {
+        if self.under_way.is_some() || self.is_recovering {
+            return Err(Refusal::because("stop what moves first"));
+        }
+        if !self.executor.kernel.is_standing() {
+            return Err(Refusal::because("wait until everything stands"));
+        }
+        self.executor.kernel.switch_on();
+        self.executor.kernel.switch_off();
+        (self.power, self.told_faults) = (Power::Off, 0);
+        for alarm in &mut self.alarms {
+            alarm.is_cleared = true;
+        }
+        self.everything_was_stopped();
+        Ok(Accepted::default())
+    }
+}

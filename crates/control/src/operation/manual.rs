@@ -1,0 +1,152 @@
+//! Axes and spindles by hand: jog, handwheel, spindle.
+use super::control::Control;
+use super::request::{Accepted, Jog, Refusal};
+use super::state::Mode;
+use canon::Axis;
+use kernel::{ManualOrder, ManualRefusal};
+use motion::{Goal, OnlineLimits};
+use store::machine::Axis as AxisFile;
+use units::{Angle, Spin};
+
+impl Control {
+    /// The axis in the machine's file.
+    pub(super) fn axis_file(&self, axis: Axis) -> Result<&AxisFile, Refusal> {
+        let machine = &self.base.machine;
+        machine.axis(axis).ok_or_else(|| {
+            let has: String =
+                machine.axes.iter().flatten().map(|axis| axis.letter.letter()).collect();
+            Refusal::because(format!("{} has no axis {}, only {has}", machine.name, axis.letter()))
+        })
+    }
+
+    pub(super) fn jog(&mut self, axis: Axis, jog: Jog) -> Result<Accepted, Refusal> {
+        let file = self.axis_file(axis)?;
+        let at = self.executor.kernel.setpoint(axis).unwrap_or(0.0);
+        let is_homed = self.is_homed(axis);
+        let ends = if is_homed {
+            (file.travel.from.value(), file.travel.to.value())
+        } else {
+            (f64::NEG_INFINITY, f64::INFINITY)
+        };
+        let (approach, fastest) = (file.gentle.speed.value(), file.rapid.value());
+        // an axis that does not know where it is goes no faster than it may run into its end
+        let most = if is_homed { fastest } else { approach };
+        let (goal, speed, lease) = match jog {
+            Jog::Continuous(speed) => (Goal::Speed(speed), speed.abs(), Some(Jog::LEASE)),
+            Jog::Increment(by) => (Goal::Position(at + by), approach, None),
+            Jog::To(to) => (Goal::Position(to), approach, None),
+            Jog::Handwheel(by) => {
+                let sent = self.handwheel[axis.index()]
+                    .filter(|_| self.executor.kernel.is_moving_manually())
+                    .unwrap_or(at);
+                (Goal::Position((sent + by).clamp(ends.0, ends.1)), approach, None)
+            }
+        };
+        let (Goal::Speed(value) | Goal::Position(value)) = goal;
+        if !value.is_finite() {
+            return Err(Refusal::because("a jog needs a number"));
+        }
+        if let (Goal::Position(to), Jog::Increment(_) | Jog::To(_)) = (goal, jog)
+            && (to < ends.0 || to > ends.1)
+        {
+            let (end, left) =
+                if to < ends.0 { (ends.0, at - ends.0) } else { (ends.1, ends.1 - at) };
+            let (letter, unit) = (axis.letter(), unit(axis));
+            return Err(Refusal::because(format!(
+                "{letter} would go to {to:.3} {unit}: its travel ends at {end:.3} {unit}, {:.3} {unit} from here",
+                left.max(0.0)
+            )));
+        }
+        if speed > most {
+            let (letter, unit) = (axis.letter(), unit(axis));
+            let why = if is_homed { "its rapid" } else { "its approach speed until it is homed" };
+            return Err(Refusal::because(format!(
+                "{letter} is jogged at {:.0} {unit}/min at most, {why}",
+                most * 60.0
+            )));
+        }
+        let limits = OnlineLimits {
+            speed: if speed > 0.0 { speed } else { approach },
+            accel: file.acceleration.value(),
+            jerk: file.jerk_feed.value(),
+        };
+        let lease = lease.map(|lasts| self.now() + lasts);
+        let order = ManualOrder { goal, limits, ends, lease };
+        self.executor.kernel.move_manually(axis, order).map_err(|why| said(why, axis))?;
+        self.handwheel[axis.index()] = match (jog, goal) {
+            (Jog::Handwheel(_), Goal::Position(to)) => Some(to),
+            _ => None,
+        };
+        self.enter(Mode::Manual);
+        Ok(Accepted::default())
+    }
+
+    /// All that is moved by hand comes to rest, each axis as hard as it may brake.
+    pub(super) fn stop_jog(&mut self) -> Result<Accepted, Refusal> {
+        if !self.executor.kernel.is_moving_manually() {
+            return Ok(Accepted::default());
+        }
+        self.executor.kernel.rest_manually();
+        Ok(Accepted::default())
+    }
+
+    pub(super) fn turn_spindle(&mut self, spindle: usize, spin: Spin) -> Result<Accepted, Refusal> {
+        let file = self.spindle_file(spindle)?;
+        if !(spin.abs() <= file.max) {
+            let most = file.max.in_rpm();
+            return Err(Refusal::because(format!(
+                "spindle {spindle} turns at {most:.0} rev/min at most"
+            )));
+        }
+        let until = self.now() + Jog::LEASE;
+        let turned = self.executor.kernel.turn_manually(spindle, spin, until);
+        self.after_spindle(turned)
+    }
+
+    pub(super) fn orient_spindle(
+        &mut self,
+        spindle: usize,
+        angle: Angle,
+    ) -> Result<Accepted, Refusal> {
+        self.spindle_file(spindle)?;
+        let oriented = self.executor.kernel.orient_manually(spindle, angle);
+        self.after_spindle(oriented)
+    }
+
+    fn after_spindle(&mut self, done: Result<(), ManualRefusal>) -> Result<Accepted, Refusal> {
+        done.map_err(|why| said(why, Axis::Z))?;
+        self.data.rest = self.data.rest.take().map(interp::OpsRest::stopped);
+        self.enter(Mode::Manual);
+        Ok(Accepted::default())
+    }
+
+    fn spindle_file(&self, spindle: usize) -> Result<&store::machine::Spindle, Refusal> {
+        let machine = &self.base.machine;
+        machine.spindles.get(spindle).ok_or_else(|| {
+            let count = machine.spindles.len();
+            Refusal::because(format!(
+                "{} has no spindle {spindle}: it has {count}, counted from 0",
+                machine.name
+            ))
+        })
+    }
+}
+
+/// Unit of an axis' coordinates.
+pub(super) const fn unit(axis: Axis) -> &'static str {
+    match axis {
+        Axis::A | Axis::B | Axis::C => "deg",
+        _ => "mm",
+    }
+}
+
+/// Of what the kernel refuses, for people.
+fn said(why: ManualRefusal, axis: Axis) -> Refusal {
+    let letter = axis.letter();
+    Refusal::because(match why {
+        ManualRefusal::NoAxis => format!("there is no axis {letter}"),
+        ManualRefusal::NotReady => "the drives are not ready: power on, and wait".into(),
+        ManualRefusal::Busy => "a program is executed: wait for its end, or stop it".into(),
+        ManualRefusal::NotANumber => "a jog needs a number".into(),
+    })
+}

@@ -1,0 +1,111 @@
+//! Work offsets, touch off, and what the control believes of its tools.
+use super::control::Control;
+use super::manual::unit;
+use super::request::{Accepted, Refusal, ToolField};
+use canon::{Axis, Tool};
+use units::Length;
+
+/// Number of the parameter that holds X of the work offset G54; those of G55 follow 20 later.
+const G54: usize = 5221;
+/// Work offsets that there are: G54 to G59.3.
+const SYSTEMS: u8 = 9;
+/// What a tool may measure, mm: more is no tool.
+const LONGEST: f64 = 2000.0;
+
+impl Control {
+    /// The number of the work offset in force, 1 for G54.
+    pub(super) fn work_offset(&self) -> u8 {
+        self.data.rest.as_ref().map_or(1, interp::OpsRest::work_offset)
+    }
+
+    /// Where a work offset has its zero along an axis, machine coordinates in mm or degrees.
+    pub fn zero_of(&self, system: u8, axis: Axis) -> f64 {
+        self.data.parameters.get(parameter(system, axis)).unwrap_or(0.0)
+    }
+
+    /// How far the tool's tip stands from where the axis is.
+    pub(super) fn tip(&self, axis: Axis) -> f64 {
+        let tool = self.data.tools.get(self.mounted()).filter(|_| axis == Axis::Z);
+        tool.map_or(0.0, |tool| tool.length.value())
+    }
+
+    pub(super) fn touch_off(&mut self, axis: Axis, at: f64) -> Result<Accepted, Refusal> {
+        self.axis_file(axis)?;
+        let system = self.work_offset();
+        let turned = self.data.parameters.get(parameter(system, Axis::X) + 9).unwrap_or(0.0);
+        if turned != 0.0 && matches!(axis, Axis::X | Axis::Y) {
+            return Err(Refusal::because(format!(
+                "{} is turned by {turned} deg: touch off with its rotation at 0",
+                name(system)
+            )));
+        }
+        let Some(setpoint) = self.executor.kernel.setpoint(axis) else {
+            return Err(Refusal::because("the axis has no position yet: power on first"));
+        };
+        self.set_work_offset(system, axis, setpoint - self.tip(axis) - at)
+    }
+
+    pub(super) fn set_work_offset(
+        &mut self,
+        system: u8,
+        axis: Axis,
+        at: f64,
+    ) -> Result<Accepted, Refusal> {
+        self.axis_file(axis)?;
+        if !(1..=SYSTEMS).contains(&system) {
+            return Err(Refusal::because("work offsets are G54 to G59.3, numbered 1 to 9"));
+        }
+        if !self.data.parameters.set(parameter(system, axis), at) {
+            return Err(Refusal::because("a work offset needs a number"));
+        }
+        let (letter, unit) = (axis.letter(), unit(axis));
+        Ok(Accepted {
+            notes: vec![format!("{}: {letter} is at {at:.4} {unit} of the machine", name(system))],
+        })
+    }
+
+    pub(super) fn edit_tool(
+        &mut self,
+        number: u32,
+        field: ToolField,
+        value: f64,
+    ) -> Result<Accepted, Refusal> {
+        let Some(tool) = self.data.tools.get(number) else {
+            let known: Vec<_> =
+                self.data.tools.iter().map(|tool| tool.number.to_string()).collect();
+            return Err(Refusal::because(format!(
+                "there is no tool {number}: the table has {}",
+                known.join(", ")
+            )));
+        };
+        if !(0.0..=LONGEST).contains(&value) {
+            return Err(Refusal::because(format!(
+                "a tool measures from 0 to {LONGEST:.0} mm, found {value}"
+            )));
+        }
+        let mut edited: Tool = tool.clone();
+        match field {
+            ToolField::Length => edited.length = Length::mm(value),
+            ToolField::Diameter => edited.diameter = Length::mm(value),
+        }
+        self.data.tools.insert(edited);
+        Ok(Accepted::default())
+    }
+
+    /// The tools, as the control believes them to be.
+    pub fn tools(&self) -> impl Iterator<Item = &Tool> {
+        self.data.tools.iter()
+    }
+}
+
+const fn parameter(system: u8, axis: Axis) -> usize {
+    G54 + 20 * (system as usize - 1) + axis.index()
+}
+
+/// As a program writes it.
+pub(super) fn name(system: u8) -> String {
+    match system {
+        1..=6 => format!("G{}", 53 + system),
+        _ => format!("G59.{}", system - 6),
+    }
+}

@@ -1,0 +1,314 @@
+//! Programs and blocks that are typed: loaded, searched, started, held, ended.
+//!
+//! ```text
+//!   load ─► Loaded ─(search)─► restart ─► start ─► UnderWay ─► end: what it leaves stays in force
+//!                                                     │
+//!   typed blocks ─────────────────────────────────────┘
+//! ```
+use super::control::Control;
+use super::event::Event;
+use super::manual::unit;
+use super::request::{Accepted, Refusal};
+use super::state::{ExecutionEvent, Mode};
+use crate::job::preflight::{self, Proved, wrong_from};
+use crate::job::restart::{self, Restart};
+use crate::job::{Before, Operations, Session, read_program};
+use crate::{Loaded as Ready, Refused, Running};
+use bus::State;
+use canon::{Op, OpKind, Position, SpindleOrder};
+use diag::{Diagnostic, Severity};
+use kernel::Order;
+use std::path::{Path, PathBuf};
+use units::Time;
+
+/// Findings of a program that is accepted which are said.
+const MOST_NOTES: usize = 20;
+
+/// A program that is loaded.
+pub(super) struct Loaded {
+    pub(super) path: PathBuf,
+    pub(super) name: String,
+    text: Vec<u8>,
+    /// Where the next start begins, if not at the beginning.
+    pub(super) from: Option<restart::From>,
+    /// Planned time from start to end.
+    pub(super) planned: Time,
+}
+
+/// A program, or blocks that were typed, from the start to the end.
+pub(super) struct UnderWay {
+    pub(super) running: Running,
+    pub(super) name: String,
+    session: Session,
+    text: Vec<u8>,
+    proved: Proved,
+    /// Number of its first operation, and how many of its own were left out before it.
+    first: u32,
+    restart: Option<Restart>,
+}
+
+impl Control {
+    pub(super) fn load(&mut self, path: &Path) -> Result<Accepted, Refusal> {
+        let text = read_program(path)?;
+        let name = path.display().to_string();
+        let (_, proved) = self.prove(path, &name, &text, false)?;
+        let planned = proved.known.planned;
+        let mut notes = vec![format!(
+            "{name}: {} operations, planned {:.1} s",
+            proved.operations.all().len(),
+            planned.value()
+        )];
+        notes.extend(notes_of(&proved.known.findings));
+        self.loaded = Some(Loaded { path: path.to_owned(), name, text, from: None, planned });
+        self.execution_after(ExecutionEvent::Reset);
+        Ok(Accepted { notes })
+    }
+
+    /// A text as it would be executed now; what is wrong with it is a refusal.
+    fn prove(
+        &self,
+        path: &Path,
+        name: &str,
+        text: &[u8],
+        is_typed: bool,
+    ) -> Result<(Session, Proved), Refusal> {
+        let mut session = Session::load(&self.options.program, path, text)?;
+        let before = Before { rest: self.data.rest.clone(), is_typed };
+        let stands = (self.position(), self.mounted());
+        session.on_control(stands, self.data.parameters.clone(), self.data.tools.clone(), before);
+        let options = session.plan_options(session.machine.setup.stock.material);
+        let proved = preflight::prove(&mut session, text, options, &mut |_| ());
+        if proved.known.is_refused() {
+            let drawn = session.drawn.clone();
+            let findings = proved.known.findings;
+            return Err(Refused::program(name.to_owned(), text.to_vec(), drawn, findings).into());
+        }
+        Ok((session, proved))
+    }
+
+    /// Where the program would be begun, and what is restored before its first move.
+    pub(super) fn search(&mut self, from: restart::From) -> Result<Accepted, Refusal> {
+        let Some(loaded) = &self.loaded else { return Ok(Accepted::default()) };
+        let (session, proved) = self.prove(&loaded.path, &loaded.name, &loaded.text, false)?;
+        let restart = find(&session, &proved, from, &loaded.name, &loaded.text)?;
+        let notes = restored(&session, &restart);
+        if let Some(loaded) = &mut self.loaded {
+            loaded.from = Some(from);
+        }
+        Ok(Accepted { notes })
+    }
+
+    pub(super) fn start(&mut self) -> Result<Accepted, Refusal> {
+        let Some(loaded) = &mut self.loaded else { return Ok(Accepted::default()) };
+        let from = loaded.from.take();
+        let (path, name, text) = (loaded.path.clone(), loaded.name.clone(), loaded.text.clone());
+        let (session, proved) = self.prove(&path, &name, &text, false)?;
+        let restart = from.map(|from| find(&session, &proved, from, &name, &text)).transpose()?;
+        let notes = restart.as_ref().map_or_else(Vec::new, |restart| restored(&session, restart));
+        self.enter(Mode::Automatic);
+        self.begin(session, proved, name, text, restart)?;
+        Ok(Accepted { notes })
+    }
+
+    pub(super) fn execute_typed(&mut self, text: &str) -> Result<Accepted, Refusal> {
+        let name = "MDI".to_owned();
+        let (session, proved) = self.prove(Path::new("-"), &name, text.as_bytes(), true)?;
+        let notes = notes_of(&proved.known.findings);
+        self.enter(Mode::ManualDataInput);
+        self.begin(session, proved, name, text.as_bytes().to_vec(), None)?;
+        Ok(Accepted { notes })
+    }
+
+    fn begin(
+        &mut self,
+        session: Session,
+        proved: Proved,
+        name: String,
+        text: Vec<u8>,
+        restart: Option<Restart>,
+    ) -> Result<(), Refusal> {
+        if !self.executor.kernel.clear() {
+            return Err(Refusal::because(
+                "a spindle that was turned by hand still turns: wait, or reset",
+            ));
+        }
+        let options = session.plan_options(session.machine.setup.stock.material);
+        let loaded = Ready {
+            session: &session,
+            operations: &proved.operations,
+            restart: restart.as_ref(),
+            options,
+            planned: proved.known.planned,
+        };
+        let first = self.next_op;
+        let workpiece = self.workpiece.clone();
+        let running = Running::attended(&loaded, workpiece, first, &mut self.executor);
+        self.under_way = Some(UnderWay { running, name, session, text, proved, first, restart });
+        self.is_hold_asked = false;
+        self.execution_after(ExecutionEvent::Start);
+        Ok(())
+    }
+
+    pub(super) fn hold(&mut self) -> Result<Accepted, Refusal> {
+        self.is_hold_asked = true;
+        self.order(Order::FeedHold)
+    }
+
+    pub(super) fn resume(&mut self) -> Result<Accepted, Refusal> {
+        self.is_hold_asked = false;
+        self.order(Order::Resume)
+    }
+
+    pub(super) fn confirm(&mut self) -> Result<Accepted, Refusal> {
+        self.order(Order::Resume)
+    }
+
+    pub(super) fn give_up(&mut self) -> Result<Accepted, Refusal> {
+        self.is_hold_asked = true;
+        self.order(Order::Abort)
+    }
+
+    pub(super) fn skip_blocks(&mut self, level: u8, on: bool) -> Result<Accepted, Refusal> {
+        if !(1..=9).contains(&level) {
+            return Err(Refusal::because(format!(
+                "there is no block skip {level}: its levels are 1 to 9"
+            )));
+        }
+        self.options.program.block_skip.retain(|skipped| *skipped != level);
+        if on {
+            self.options.program.block_skip.push(level);
+        }
+        Ok(Accepted::default())
+    }
+
+    /// A program is over: it has ended, was given up, or an alarm has stopped it. What it leaves stays in force.
+    pub(super) fn end_program(&mut self) {
+        let Some(under_way) = self.under_way.take() else { return };
+        let report = self.executor.kernel.report();
+        let has_ended = report.state == State::Ended;
+        self.workpiece = under_way.running.workpiece();
+        self.next_op = under_way.running.next_operation();
+        let left = if has_ended {
+            under_way.proved.operations.left().clone()
+        } else {
+            self.workpiece.judge.give_up(report.op);
+            under_way.left_at(report.op)
+        };
+        self.data.parameters = left.parameters;
+        self.data.rest = left.rest;
+        for (mut tool, entry) in left.tools {
+            tool.length = units::Length::mm(entry.offset[2]);
+            tool.diameter = units::Length::mm(entry.diameter);
+            self.data.tools.insert(tool);
+        }
+        if !has_ended {
+            self.everything_was_stopped();
+        }
+        if let Err(why) = under_way.running.finish(&mut self.executor) {
+            self.events.notice(why.to_string());
+        }
+        let is_stopped_by_alarm = !self.executor.kernel.faults().is_empty();
+        if !is_stopped_by_alarm {
+            self.executor.kernel.clear();
+        }
+        self.is_hold_asked = false;
+        let event = if has_ended { ExecutionEvent::End } else { ExecutionEvent::GiveUp };
+        self.execution_after(event);
+        if !has_ended && !is_stopped_by_alarm {
+            self.events.push(Event::Notice(format!("{} was given up", under_way.name)));
+        }
+    }
+}
+
+impl UnderWay {
+    /// Its own operation, counted from 0, that the machine's number stands for.
+    fn own(&self, op: u32) -> usize {
+        let from_start = op.saturating_sub(self.first) as usize;
+        match &self.restart {
+            None => from_start,
+            Some(restart) => restart.skip + from_start.saturating_sub(restart.prelude.len()),
+        }
+    }
+
+    /// What it leaves where it was given up.
+    fn left_at(&self, op: u32) -> crate::job::Left {
+        let setup = self.session.interp_setup();
+        Operations::left_at(self.session.before.clone(), &self.text, &setup, self.own(op))
+    }
+}
+
+fn find(
+    session: &Session,
+    proved: &Proved,
+    from: restart::From,
+    name: &str,
+    text: &[u8],
+) -> Result<Restart, Refusal> {
+    let (start, top) = (session.interp_setup().start, session.machine.tool_change.z);
+    let restart =
+        restart::find(proved.operations.all(), from, &start, top).map_err(Refusal::because)?;
+    let options = session.plan_options(session.machine.setup.stock.material);
+    let wrong = wrong_from(session, &proved.operations, options, &restart);
+    if !wrong.is_empty() {
+        let drawn = session.drawn.clone();
+        return Err(Refused::program(name.to_owned(), text.to_vec(), drawn, wrong).into());
+    }
+    Ok(restart)
+}
+
+/// What is restored before a program that is begun in its middle makes its first move, a sentence each.
+fn restored(session: &Session, restart: &Restart) -> Vec<String> {
+    let mut said =
+        vec![format!("begins at line {}, {} features are left out", restart.line, restart.holes)];
+    said.extend(restart.prelude.iter().filter_map(|op| sentence(session, op)));
+    said
+}
+
+fn sentence(session: &Session, op: &Op) -> Option<String> {
+    Some(match &op.kind {
+        OpKind::ChangeTool { number: 0 } => "no tool".into(),
+        OpKind::ChangeTool { number } => {
+            let tool = session.tools.get(*number)?;
+            let length = tool.length.value();
+            format!("T{number} {}, length {length:.3} mm", tool.description)
+        }
+        OpKind::Spindle { spindle, order } => match order {
+            SpindleOrder::Turn(spin) => {
+                let code = if spin.in_rpm() < 0.0 { "M4" } else { "M3" };
+                format!("spindle {spindle}: {code} S{:.0}", spin.in_rpm().abs())
+            }
+            SpindleOrder::Stop => format!("spindle {spindle}: M5"),
+            SpindleOrder::ConstantSurfaceSpeed { speed, .. } => {
+                format!("spindle {spindle}: G96, {:.0} m/min", speed.value().abs() * 0.06)
+            }
+            SpindleOrder::Orient(_) | SpindleOrder::ThrowChips(_) => return None,
+        },
+        OpKind::Coolant { mist, flood } => match (mist, flood) {
+            (false, false) => "coolant off".into(),
+            (true, false) => "coolant: mist".into(),
+            (false, true) => "coolant: flood".into(),
+            (true, true) => "coolant: mist and flood".into(),
+        },
+        OpKind::Rapid { to } => format!("rapid to {}", place(session, to)),
+        _ => return None,
+    })
+}
+
+/// A place in machine coordinates.
+fn place(session: &Session, to: &Position) -> String {
+    let axes = session.machine.axes.iter().flatten();
+    let words = axes.map(|axis| {
+        let at = to.along(axis.letter).value();
+        format!("{}{at:.3} {}", axis.letter.letter(), unit(axis.letter))
+    });
+    format!("{} of the machine", words.collect::<Vec<_>>().join(" "))
+}
+
+/// What was found in a text that is accepted.
+fn notes_of(findings: &[Diagnostic]) -> Vec<String> {
+    let warnings = findings.iter().filter(|finding| finding.severity != Severity::Error);
+    warnings
+        .take(MOST_NOTES)
+        .map(|finding| format!("line {}: {}", finding.span.line, finding.message))
+        .collect()
+}

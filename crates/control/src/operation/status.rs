@@ -1,0 +1,241 @@
+//! How a control is: all that a panel shows, as plain values with their units in their names.
+use super::control::Control;
+use super::manual::unit;
+use super::offsets;
+use super::state::{EmergencyStop, Execution, Mode, Power};
+use bus::Machine as _;
+use units::Length;
+use verify::{Feature, Verdict};
+
+/// An axis.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct AxisStatus {
+    /// Its letter.
+    pub letter: char,
+    /// What its coordinates are measured in: `mm` or `deg`.
+    pub unit: &'static str,
+    /// Setpoint in machine coordinates.
+    pub machine: f64,
+    /// The tool's tip in the work offset in force.
+    pub work: f64,
+    /// It is homed.
+    pub is_homed: bool,
+    /// Setpoint less position by its encoder.
+    pub following_error: f64,
+}
+
+/// A spindle.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct SpindleStatus {
+    /// Speed that it is ordered to have, rev/min; positive is M3.
+    pub ordered_rpm: f64,
+    /// Angle within its turn, degrees.
+    pub angle_deg: f64,
+}
+
+/// What the operator has turned.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Overrides {
+    /// Percent of the programmed feed.
+    pub feed_percent: f64,
+    /// Percent of the rapids.
+    pub rapid_percent: f64,
+    /// Percent of the programmed spindle speed.
+    pub spindle_percent: f64,
+    /// A synchronised cut locks them now.
+    pub is_locked: bool,
+}
+
+/// The program that is loaded or under way.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct ProgramStatus {
+    /// Its name; `MDI` of what was typed.
+    pub name: String,
+    /// The line that is executed; 0 is none.
+    pub line: u32,
+    /// How long it is planned to take, s.
+    pub planned_s: f64,
+    /// For how long it has been under way, s.
+    pub elapsed_s: f64,
+}
+
+/// What was cut from the workpiece, by verdict.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct FeatureCount {
+    /// Within tolerance.
+    pub good: usize,
+    /// Out of it.
+    pub failed: usize,
+    /// Not judged.
+    pub not_judged: usize,
+}
+
+/// The control.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Status {
+    /// Machine time, s.
+    pub time_s: f64,
+    /// The emergency stop chain: `ARMED`, `TRIGGERED`.
+    pub emergency_stop: &'static str,
+    /// The drives: `OFF`, `ON`.
+    pub power: &'static str,
+    /// The drives are up, and nothing has stopped the machine.
+    pub is_ready: bool,
+    /// `AUTOMATIC`, `MANUAL_DATA_INPUT`, `MANUAL`.
+    pub mode: &'static str,
+    /// What the program does.
+    pub execution: &'static str,
+    /// What the axes do.
+    pub activity: &'static str,
+    /// The axes, X first.
+    pub axes: Vec<AxisStatus>,
+    /// The spindles.
+    pub spindles: Vec<SpindleStatus>,
+    /// Tool in the spindle; `None` while it is changed, 0 is none.
+    pub tool: Option<u32>,
+    /// The work offset in force.
+    pub work_offset: String,
+    /// Codes in force.
+    pub codes: Vec<String>,
+    /// Overrides.
+    pub overrides: Overrides,
+    /// The program.
+    pub program: Option<ProgramStatus>,
+    /// Distance of the follower from its coupling, while one is engaged in the material, µm.
+    pub sync_error_um: Option<f64>,
+    /// A tool that is tied to a spindle is in the work.
+    pub is_tool_in_work: bool,
+    /// Features of the workpiece.
+    pub features: FeatureCount,
+    /// Alarms that no reset has cleared.
+    pub alarms: Vec<String>,
+}
+
+impl Control {
+    /// How it is.
+    pub fn status(&self) -> Status {
+        let kernel = &self.executor.kernel;
+        let (feedback, report) = (self.executor.machine.feedback(), kernel.report());
+        let operator = kernel.operator();
+        let percent = |share: f64| share * 100.0;
+        let standing = self.data.rest.as_ref().map(interp::OpsRest::standing);
+        Status {
+            time_s: feedback.time.value(),
+            emergency_stop: self.emergency_stop().name(),
+            power: self.power.name(),
+            is_ready: self.power == Power::On && kernel.is_ready(),
+            mode: self.mode.name(),
+            execution: self.execution.name(),
+            activity: report.state.name(),
+            axes: self.axes(&feedback),
+            spindles: self.spindles(&feedback),
+            tool: feedback.tool,
+            work_offset: offsets::name(self.work_offset()),
+            codes: standing.map(|standing| standing.codes).unwrap_or_default(),
+            overrides: Overrides {
+                feed_percent: percent(operator.share(false)),
+                rapid_percent: percent(operator.share(true)),
+                spindle_percent: percent(operator.spindle_share()),
+                is_locked: kernel.engaged().is_some(),
+            },
+            program: self.program_status(report.line),
+            sync_error_um: report.sync_error.map(Length::in_um),
+            is_tool_in_work: self.is_tap_in_thread(),
+            features: count(&self.judged()),
+            alarms: self.uncleared(),
+        }
+    }
+
+    /// Execution, mode, power and emergency stop.
+    pub fn states(&self) -> (Execution, Mode, Power, EmergencyStop) {
+        (self.execution, self.mode, self.power, self.emergency_stop())
+    }
+
+    fn uncleared(&self) -> Vec<String> {
+        let uncleared = self.alarms.iter().filter(|alarm| !alarm.is_cleared);
+        uncleared.map(|alarm| alarm.text.clone()).collect()
+    }
+
+    fn axes(&self, feedback: &bus::Feedback) -> Vec<AxisStatus> {
+        let system = self.work_offset();
+        let status = |axis: &store::machine::Axis| {
+            let letter = axis.letter;
+            let read = feedback.axes[letter.index()].position.value();
+            let machine = self.executor.kernel.setpoint(letter).unwrap_or(read);
+            AxisStatus {
+                letter: letter.letter(),
+                unit: unit(letter),
+                machine,
+                work: machine - self.tip(letter) - self.zero_of(system, letter),
+                is_homed: self.is_homed(letter),
+                following_error: machine - read,
+            }
+        };
+        self.base.machine.axes.iter().flatten().map(status).collect()
+    }
+
+    fn spindles(&self, feedback: &bus::Feedback) -> Vec<SpindleStatus> {
+        let spindles = self.base.machine.spindles.iter().zip(&feedback.spindles).enumerate();
+        let status = |(index, (_, feedback)): (usize, (_, &bus::SpindleFeedback))| SpindleStatus {
+            ordered_rpm: self.executor.kernel.ordered_spin(index).in_rpm(),
+            angle_deg: feedback.angle.value().rem_euclid(1.0) * 360.0,
+        };
+        spindles.map(status).collect()
+    }
+
+    fn program_status(&self, line: u32) -> Option<ProgramStatus> {
+        if let Some(under_way) = &self.under_way {
+            let (planned, begun) = under_way.running.planned();
+            return Some(ProgramStatus {
+                name: under_way.name.clone(),
+                line,
+                planned_s: planned.value(),
+                elapsed_s: (self.now() - begun).value(),
+            });
+        }
+        let loaded = self.loaded.as_ref()?;
+        let planned_s = loaded.planned.value();
+        Some(ProgramStatus { name: loaded.name.clone(), line: 0, planned_s, elapsed_s: 0.0 })
+    }
+
+    /// What was cut from the workpiece so far, with its verdicts.
+    pub fn features(&self) -> Vec<Feature> {
+        self.judged()
+    }
+
+    /// What may never happen and did.
+    pub fn breaches(&self) -> Vec<String> {
+        self.workpiece.watch.breaches().iter().map(ToString::to_string).collect()
+    }
+
+    fn judged(&self) -> Vec<Feature> {
+        match &self.under_way {
+            Some(under_way) => under_way.running.judged_so_far().to_vec(),
+            None => self.workpiece.judge.clone().finish(),
+        }
+    }
+}
+
+fn count(features: &[Feature]) -> FeatureCount {
+    let mut count = FeatureCount::default();
+    for feature in features {
+        match feature.verdict {
+            Verdict::Pass => count.good += 1,
+            Verdict::Fail { .. } => count.failed += 1,
+            Verdict::NotJudged { .. } => count.not_judged += 1,
+        }
+    }
+    count
+}
+
+/// A feature and its verdict, in one line.
+pub(super) fn said_of(feature: &Feature) -> String {
+    let (line, kind) = (feature.line, feature.kind_name());
+    match feature.verdict.reason() {
+        None => format!("line {line}: {kind}: good"),
+        Some(reason) if matches!(feature.verdict, Verdict::NotJudged { .. }) => {
+            format!("line {line}: {kind}: not judged: {reason}")
+        }
+        Some(reason) => format!("line {line}: {kind}: out of tolerance: {reason}"),
+    }
+}
