@@ -8,6 +8,7 @@
 //!        ├► compensation  leadscrew::compensation   cams, in every way
 //!        ├► polygon       leadscrew::polygon        from a form to the block that cuts it
 //!        ├► recover       control::recovery         what is known of a tool in the work, and the way out
+//!        ├► control       control::Control         a control that stays on, by script or from the terminal
 //!        ├► simulator     leadscrew::simulator      the simulated machine as a process of its own
 //!        ├► cam           forms::cam, printed and drawn
 //!        ├► canon, codes, fmt, lsp    interp, gcode, lsp
@@ -24,6 +25,7 @@ mod coasting;
 mod codes;
 mod compare;
 mod compensation;
+mod console;
 mod format;
 mod interrupt;
 mod left;
@@ -100,6 +102,11 @@ fn execute(cli: &Cli) -> Result<ExitCode, Refused> {
             Ending::Good => ExitCode::SUCCESS,
             Ending::OutOfTolerance => ExitCode::from(OUT_OF_TOLERANCE),
             Ending::Alarm => ExitCode::from(ALARM),
+        }),
+        Command::Control(args) => Ok(match console::command(args, cli.quiet)? {
+            console::Ending::Good => ExitCode::SUCCESS,
+            console::Ending::NotMet => ExitCode::from(OUT_OF_TOLERANCE),
+            console::Ending::Refused => ExitCode::from(REFUSED),
         }),
         Command::Simulator(args) => simulator::command(args).map(|()| ExitCode::SUCCESS),
         Command::Recover(args) => Ok(accepted(recover::command(args)?)),

@@ -19,6 +19,18 @@ pub(crate) fn findings_as_json(refused: &Refused) -> Vec<serde_json::Value> {
     }
 }
 
+/// For people, without colours: a sentence, or findings with carets.
+pub(crate) fn plain(refused: &Refused) -> String {
+    match refused {
+        Refused::Sentence(sentence) => format!("refused: {sentence}"),
+        Refused::Findings { name, text, drawn, findings } => {
+            let errors: Vec<_> = findings.iter().filter(|f| f.is_error()).cloned().collect();
+            let shown = render::text(&errors, &Source { name, text, drawn });
+            format!("refused: {}\n{shown}", refused.sentence())
+        }
+    }
+}
+
 /// Tell the user.
 pub(crate) fn say(refused: &Refused) {
     match refused {

@@ -34,6 +34,11 @@ impl Axis {
         self as usize
     }
 
+    /// By its letter, in upper or lower case.
+    pub fn from_letter(letter: char) -> Option<Self> {
+        Self::ALL.into_iter().find(|axis| axis.letter() == letter.to_ascii_uppercase())
+    }
+
     /// Its letter.
     pub const fn letter(self) -> char {
         ['X', 'Y', 'Z', 'A', 'B', 'C', 'U', 'V', 'W'][self as usize]

@@ -3,6 +3,7 @@ mod cam;
 mod common;
 mod compare;
 mod compensation;
+mod control;
 #[cfg(test)]
 #[allow(clippy::unwrap_used)] // a test may panic
 mod documented;
@@ -19,6 +20,7 @@ use clap::{Parser, Subcommand};
 pub(crate) use common::{Dialect, Format, ProgramArgs, Switch, WorkSpeedChoice};
 pub(crate) use compare::CompareArgs;
 pub(crate) use compensation::{CompensationArgs, CompensationOutput};
+pub(crate) use control::ControlArgs;
 pub(crate) use lists::{CodesFormat, MachineCommand};
 pub(crate) use polygon::PolygonArgs;
 pub(crate) use run::RunArgs;
@@ -91,6 +93,20 @@ Examples:
   leadscrew time part.ngc
   leadscrew time part.ngc --machine bench-xyz --format json     key motion_time_s: from first to last motion")]
     Time(TimeArgs),
+    /// Switch a control on and lead it: home, jog, touch off, load, start, hold, by a script or from the terminal
+    #[command(
+        after_help = "A request a line; `help` lists them. In a script machine time runs only while a line waits, so it
+is the same each time; from the terminal it runs as on the wall. The machine is simulated.
+
+Exit code: 0 every request was accepted and every wait was met; 1 a wait was not met, or the script left something
+moving; 2 a request was refused, or a line is none. The first line that fails ends the script, and all comes to rest.
+
+Examples:
+  leadscrew control                                    from the terminal
+  leadscrew control --machine lathe --script morning.txt
+  printf 'power on\nwait ready\nmdi G0 X-10\nwait completed\nstatus\n' | leadscrew control"
+    )]
+    Control(ControlArgs),
     /// Run the simulated machine, its drives and encoders as a process of its own
     #[command(
         alias = "iron",
@@ -213,6 +229,7 @@ impl Command {
             Self::Compensation(args) => args.format == CompensationOutput::Json,
             Self::Codes { format } => *format == CodesFormat::Json,
             Self::Simulator(_)
+            | Self::Control(_)
             | Self::Compare(_)
             | Self::Fmt(_)
             | Self::Lsp(_)

@@ -250,6 +250,48 @@ impl Control {
         self.execution
     }
 
+    /// The drives are up, and nothing has stopped the machine.
+    pub fn is_ready(&self) -> bool {
+        self.meets(&Need::PowerOn).is_ok()
+    }
+
+    /// No program is under way, nothing moves, and no spindle is told to turn.
+    pub fn is_at_standstill(&self) -> bool {
+        let kernel = &self.executor.kernel;
+        let still = !kernel.is_moving_manually() && !self.is_resetting && !self.is_recovering;
+        self.under_way.is_none() && still && (kernel.is_off() || kernel.is_standing())
+    }
+
+    /// What the axes do.
+    pub const fn activity(&self) -> State {
+        self.executor.kernel.report().state
+    }
+
+    /// The program's line that is executed.
+    pub const fn line(&self) -> u32 {
+        self.executor.kernel.report().line
+    }
+
+    /// A tool that is tied to a spindle is in the work.
+    pub fn is_tool_in_work(&self) -> bool {
+        self.is_tap_in_thread()
+    }
+
+    /// An alarm has stopped the machine, and no reset has cleared it.
+    pub fn has_alarm(&self) -> bool {
+        !self.executor.kernel.faults().is_empty()
+    }
+
+    /// Every axis is homed.
+    pub fn is_homed_all(&self) -> bool {
+        self.first_not_homed().is_none()
+    }
+
+    /// An axis or a spindle is moved by hand.
+    pub fn is_moving_manually(&self) -> bool {
+        self.executor.kernel.is_moving_manually()
+    }
+
     /// Machine time.
     pub fn now(&self) -> Time {
         self.executor.machine.feedback().time

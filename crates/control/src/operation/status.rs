@@ -203,6 +203,16 @@ impl Control {
         self.judged()
     }
 
+    /// The same, a line each.
+    pub fn features_said(&self) -> Vec<String> {
+        self.judged().iter().map(said_of).collect()
+    }
+
+    /// A work offset as a program writes it.
+    pub fn work_offset_name(&self, system: u8) -> String {
+        offsets::name(system)
+    }
+
     /// What may never happen and did.
     pub fn breaches(&self) -> Vec<String> {
         self.workpiece.watch.breaches().iter().map(ToString::to_string).collect()

@@ -1,0 +1,20 @@
+//! The arguments of `leadscrew control`.
+use super::ProgramArgs;
+use clap::Args;
+use std::path::PathBuf;
+
+/// `leadscrew control`.
+#[derive(Args, Debug, Clone)]
+pub(crate) struct ControlArgs {
+    #[command(flatten)]
+    pub(crate) source: ProgramArgs,
+    /// Take requests from a file, a line each; `-` is standard input [default: the terminal]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) script: Option<PathBuf>,
+    /// Seed of the machine that is simulated: what its control does not know (`machine show NAME --seed N`)
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+    /// Clamp the simulated stock this far from where the machine's file says, millimetres, as in X0.4,Y-0.3,Z1.2
+    #[arg(long, value_name = "AXES")]
+    pub(crate) clamped: Option<String>,
+}

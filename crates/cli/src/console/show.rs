@@ -1,0 +1,153 @@
+//! Status, features, alarms, offsets and tools as text.
+use super::command::WORDS;
+use canon::Axis;
+use control::operation::{Control, Status};
+use std::fmt::Write as _;
+
+/// The status line.
+pub(super) fn line(status: &Status) -> String {
+    let Status { mode, execution, activity, axes, program, .. } = status;
+    let mut text = format!("{mode} {execution}, {activity}");
+    if let Some(line) = program.as_ref().map(|program| program.line).filter(|line| *line > 0) {
+        let _ = write!(text, ", line {line}");
+    }
+    text.push_str(" |");
+    for axis in axes {
+        let _ = write!(text, " {}{:.3}", axis.letter, tidy(axis.work));
+    }
+    let _ = write!(text, " | {}", status.work_offset);
+    match status.tool {
+        None => text.push_str(" T-"),
+        Some(tool) => {
+            let _ = write!(text, " T{tool}");
+        }
+    }
+    if let Some(spindle) = status.spindles.first() {
+        let _ = write!(text, " S{:.0}", tidy(spindle.ordered_rpm));
+    }
+    text
+}
+
+/// Without a sign where there is nothing.
+fn tidy(value: f64) -> f64 {
+    if value.abs() < 5e-4 { 0.0 } else { value }
+}
+
+/// All of it.
+pub(super) fn status(status: &Status, as_json: bool) -> String {
+    if as_json {
+        // its values are numbers and names
+        let text = serde_json::to_string_pretty(status).unwrap_or_default();
+        return text + "\n";
+    }
+    let mut text = format!("  {}\n", line(status));
+    let _ = writeln!(
+        text,
+        "  emergency stop {}, power {}, feed {:.0} %, rapid {:.0} %, spindle {:.0} %{}",
+        status.emergency_stop,
+        status.power,
+        status.overrides.feed_percent,
+        status.overrides.rapid_percent,
+        status.overrides.spindle_percent,
+        if status.overrides.is_locked { ", locked by a synchronised cut" } else { "" },
+    );
+    for axis in &status.axes {
+        let homed = if axis.is_homed { "" } else { "  not homed" };
+        let _ = writeln!(
+            text,
+            "  {} {:10.4} {}  machine {:10.4}{homed}",
+            axis.letter,
+            tidy(axis.work),
+            axis.unit,
+            tidy(axis.machine)
+        );
+    }
+    let _ = writeln!(text, "  {}", status.codes.join(" "));
+    if let Some(program) = &status.program {
+        let _ = writeln!(
+            text,
+            "  {}: {:.1} s of {:.1} s planned",
+            program.name, program.elapsed_s, program.planned_s
+        );
+    }
+    let features = status.features;
+    let _ = writeln!(
+        text,
+        "  features: {} good, {} out of tolerance, {} not judged",
+        features.good, features.failed, features.not_judged
+    );
+    for alarm in &status.alarms {
+        let _ = writeln!(text, "  {alarm}");
+    }
+    text
+}
+
+/// What was cut.
+pub(super) fn features(control: &Control) -> String {
+    let mut text = String::new();
+    for said in control.features_said() {
+        let _ = writeln!(text, "  {said}");
+    }
+    for breach in control.breaches() {
+        let _ = writeln!(text, "  safety check violated: {breach}");
+    }
+    let count = control.status().features;
+    let _ = writeln!(
+        text,
+        "  {} good, {} out of tolerance, {} not judged",
+        count.good, count.failed, count.not_judged
+    );
+    text
+}
+
+/// Alarms, oldest first.
+pub(super) fn alarms(control: &Control) -> String {
+    let mut text = String::new();
+    for alarm in control.alarms() {
+        let cleared = if alarm.is_cleared { " (cleared)" } else { "" };
+        let program = alarm.program.as_deref().unwrap_or("no program");
+        let _ = writeln!(text, "  {}{cleared}\n    in {program}; {}", alarm.text, alarm.remedy);
+    }
+    if text.is_empty() { "  none\n".into() } else { text }
+}
+
+/// Work offsets that are set.
+pub(super) fn offsets(control: &Control) -> String {
+    let mut text = String::new();
+    for system in 1..=9 {
+        let axes = control.machine().axes.iter().flatten().map(|axis| axis.letter);
+        let zeros: Vec<(Axis, f64)> =
+            axes.map(|axis| (axis, control.zero_of(system, axis))).collect();
+        if system == 1 || zeros.iter().any(|(_, at)| *at != 0.0) {
+            let words = zeros.iter().map(|(axis, at)| format!("{}{at:.4}", axis.letter()));
+            let name = control.work_offset_name(system);
+            let _ = writeln!(text, "  {name} {}", words.collect::<Vec<_>>().join(" "));
+        }
+    }
+    text
+}
+
+/// The tool table.
+pub(super) fn tools(control: &Control) -> String {
+    let mut text = String::new();
+    for tool in control.tools() {
+        let _ = writeln!(
+            text,
+            "  T{} {}: length {:.3} mm, diameter {:.3} mm",
+            tool.number,
+            tool.description,
+            tool.length.value(),
+            tool.diameter.value()
+        );
+    }
+    text
+}
+
+/// What can be typed.
+pub(super) fn help() -> String {
+    let mut text = String::new();
+    for (words, what) in WORDS {
+        let _ = writeln!(text, "  {words:<30} {what}");
+    }
+    text
+}
