@@ -62,7 +62,9 @@ pub(super) fn status(status: &Status, as_json: bool) -> String {
             tidy(axis.machine)
         );
     }
-    let _ = writeln!(text, "  {}", status.codes.join(" "));
+    if !status.codes.is_empty() {
+        let _ = writeln!(text, "  {}", status.codes.join(" "));
+    }
     if let Some(program) = &status.program {
         let _ = writeln!(
             text,

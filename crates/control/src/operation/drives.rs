@@ -92,7 +92,8 @@ impl Control {
     /// A tap, or another tool that is tied to a spindle, is in the work.
     pub(super) fn is_tap_in_thread(&self) -> bool {
         let kernel = &self.executor.kernel;
-        kernel.engaged().is_some() || self.under_way.is_none() && kernel.way_out().is_some()
+        let is_tap = kernel.engaged().is_some() && (kernel.is_off() || kernel.is_in_thread());
+        is_tap || self.under_way.is_none() && kernel.way_out().is_some()
     }
 
     /// The control that stopped it, with all of its drives, backs it out along its thread.

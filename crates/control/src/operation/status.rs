@@ -95,7 +95,7 @@ pub struct Status {
     pub tool: Option<u32>,
     /// The work offset in force.
     pub work_offset: String,
-    /// Codes in force.
+    /// Codes in force; while a program is under way none are known: it is interpreted ahead.
     pub codes: Vec<String>,
     /// Overrides.
     pub overrides: Overrides,
@@ -118,7 +118,8 @@ impl Control {
         let (feedback, report) = (self.executor.machine.feedback(), kernel.report());
         let operator = kernel.operator();
         let percent = |share: f64| share * 100.0;
-        let standing = self.data.rest.as_ref().map(interp::OpsRest::standing);
+        let rest = self.data.rest.as_ref().filter(|_| self.under_way.is_none());
+        let standing = rest.map(interp::OpsRest::standing);
         Status {
             time_s: feedback.time.value(),
             emergency_stop: self.emergency_stop().name(),

@@ -3,6 +3,7 @@ use super::{Kernel, Mode};
 use crate::execute::Activity;
 use crate::manual::{ManualOrder, ManualRefusal, Turning};
 use crate::spindle::SpindleLoop;
+use bus::State;
 use units::{Angle, Axis, Spin, Time};
 
 impl Kernel {
@@ -44,8 +45,14 @@ impl Kernel {
         (self.chained, self.drives.chain) = (0, None);
         (self.activity, self.begun, self.aborted) = (Activity::Idle, false, false);
         self.operator = self.operator.without_orders();
-        (self.answer, self.drives.outputs) = (None, bus::Signals::default());
+        self.answer = None;
+        self.report.state = State::Idle;
         true
+    }
+
+    /// All outputs to the machine's surroundings are off, as after a reset.
+    pub fn clear_outputs(&mut self) {
+        self.drives.outputs = bus::Signals::default();
     }
 
     /// Move an axis by hand from the next tick on, or otherwise than until now.

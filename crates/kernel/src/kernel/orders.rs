@@ -158,8 +158,8 @@ impl Kernel {
         self.activity.is_held(&self.operator, self.drives.chain.as_ref())
     }
 
-    /// A tap stands in its thread.
-    pub(super) fn is_in_thread(&self) -> bool {
+    /// A tap is in its thread.
+    pub fn is_in_thread(&self) -> bool {
         match (&self.activity, self.queue.front()) {
             (Activity::Tapping(run), Some(Step { kind: StepKind::Tap(plan), .. })) => {
                 run.is_in_thread(plan, &self.drives)
