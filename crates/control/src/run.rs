@@ -272,6 +272,11 @@ impl Running {
         self.observers.judge.clone().into_work()
     }
 
+    /// How often what may never happen did.
+    pub fn breach_count(&self) -> usize {
+        self.observers.watch.breaches().len()
+    }
+
     /// What was cut and judged so far.
     pub fn judged_so_far(&self) -> &[Feature] {
         self.observers.judge.features()

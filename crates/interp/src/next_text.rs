@@ -8,7 +8,6 @@
 //!
 //! Modes stay in force. What a planner must know of them before its first move is ordered anew: path mode, spindle, coolant.
 use crate::{
-    doubts::Doubts,
     executor::Executor,
     frame::machine_point,
     front_end::FrontEnd,
@@ -17,6 +16,7 @@ use crate::{
     resolve::Resolver,
     setup::Setup,
     snapshot::{Snapshot, Standing},
+    unknown::Unknown,
 };
 use canon::{Op, OpKind};
 use diag::Span;
@@ -80,7 +80,7 @@ impl Executor {
         self.tools.missing = setup.missing_tools;
         self.remarks.clear();
         let modes = &mut self.modes;
-        modes.doubts = Doubts::default();
+        modes.unknown = Unknown::default();
         modes.current_tool = tool;
         modes.line = 0;
         offsets::load_offsets(modes, &mut self.store, &self.settings);
@@ -95,7 +95,7 @@ impl Resolver {
         self.tool = tool;
         self.at = machine_point(&setup.start);
         self.with_motion.clear();
-        self.forget_doubts();
+        self.forget_findings();
         self.path_said = None;
         let in_force = [
             self.spindle.said.map(|order| OpKind::Spindle { spindle: 0, order }),

@@ -119,9 +119,9 @@ impl Resolver {
     }
 
     /// All is known: another text begins.
-    pub(crate) fn forget_doubts(&mut self) {
+    pub(crate) fn forget_findings(&mut self) {
         self.diagnostics.clear();
-        (self.doubts, self.missed) = (Doubts::default(), Doubts::default());
+        (self.unknown, self.missed) = (Unknown::default(), Unknown::default());
     }
 
     /// The next operation, if one is ready.

@@ -62,6 +62,11 @@ impl Manual {
         self.moving.iter().any(Option::is_some) || self.turning.iter().any(Option::is_some)
     }
 
+    /// An axis is moving as long as its lease lasts.
+    pub(crate) fn is_leased(&self) -> bool {
+        self.moving.iter().flatten().any(|(order, _)| order.lease.is_some())
+    }
+
     /// How a spindle is turned; `None`: it is not.
     pub(crate) const fn turn(&mut self, index: usize, turning: Option<Turning>) {
         self.turning[index] = turning;

@@ -292,6 +292,35 @@ impl Control {
         self.executor.kernel.is_moving_manually()
     }
 
+    /// The drives are up, whether or not an alarm has stopped the machine.
+    pub fn is_up(&self) -> bool {
+        let kernel = &self.executor.kernel;
+        kernel.is_ready() || !kernel.is_off() && self.has_alarm()
+    }
+
+    /// An axis finds its reference.
+    pub const fn is_referencing(&self) -> bool {
+        false
+    }
+
+    /// An axis is moved by hand as long as its lease lasts.
+    pub fn is_jogging_on_lease(&self) -> bool {
+        self.executor.kernel.is_moving_on_lease()
+    }
+
+    /// The simulated tap in the spindle is broken.
+    pub fn is_tap_broken(&self) -> bool {
+        let tool = self.base.tools.get(self.mounted());
+        let is_tap = tool.is_some_and(|tool| matches!(tool.kind, canon::ToolKind::Tap(_)));
+        is_tap && self.executor.machine.truth().is_some_and(|truth| truth.tool_broken)
+    }
+
+    /// Where each axis of the machine is told to be, mm or degrees.
+    pub fn setpoints(&self) -> impl Iterator<Item = (Axis, f64)> {
+        let axes = self.base.machine.axes.iter().flatten().map(|axis| axis.letter);
+        axes.map(|axis| (axis, self.executor.kernel.setpoint(axis).unwrap_or(0.0)))
+    }
+
     /// Machine time.
     pub fn now(&self) -> Time {
         self.executor.machine.feedback().time

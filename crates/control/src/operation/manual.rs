@@ -28,7 +28,7 @@ impl Control {
         } else {
             (f64::NEG_INFINITY, f64::INFINITY)
         };
-        let (approach, fastest) = (file.gentle.speed.value(), file.rapid.value());
+        let (approach, fastest) = (file.approach.speed.value(), file.rapid.value());
         // an axis that does not know where it is goes no faster than it may run into its end
         let most = if is_homed { fastest } else { approach };
         let (goal, speed, lease) = match jog {

@@ -65,6 +65,22 @@ pub enum ExecutionEvent {
     Reset,
 }
 
+impl ExecutionEvent {
+    /// All of them.
+    pub const ALL: [Self; 10] = [
+        Self::Start,
+        Self::Hold,
+        Self::BlockDone,
+        Self::Stop,
+        Self::OptionalStop,
+        Self::Wait,
+        Self::GoOn,
+        Self::End,
+        Self::GiveUp,
+        Self::Reset,
+    ];
+}
+
 impl Execution {
     /// All of them.
     pub const ALL: [Self; 9] = [
@@ -255,19 +271,6 @@ impl fmt::Display for Need {
 mod tests {
     use super::*;
 
-    const EVENTS: [ExecutionEvent; 10] = [
-        ExecutionEvent::Start,
-        ExecutionEvent::Hold,
-        ExecutionEvent::BlockDone,
-        ExecutionEvent::Stop,
-        ExecutionEvent::OptionalStop,
-        ExecutionEvent::Wait,
-        ExecutionEvent::GoOn,
-        ExecutionEvent::End,
-        ExecutionEvent::GiveUp,
-        ExecutionEvent::Reset,
-    ];
-
     #[test]
     fn a_program_begins_only_where_none_is_under_way_and_every_one_can_be_given_up() {
         for state in Execution::ALL {
@@ -285,7 +288,7 @@ mod tests {
             let mut at = 0;
             while let Some(state) = reached.get(at).copied() {
                 at += 1;
-                for next in EVENTS.iter().filter_map(|event| state.after(*event)) {
+                for next in ExecutionEvent::ALL.iter().filter_map(|event| state.after(*event)) {
                     if !reached.contains(&next) {
                         reached.push(next);
                     }

@@ -219,6 +219,14 @@ impl Control {
         self.workpiece.watch.breaches().iter().map(ToString::to_string).collect()
     }
 
+    /// How many of them.
+    pub fn breach_count(&self) -> usize {
+        match &self.under_way {
+            Some(under_way) => under_way.running.breach_count(),
+            None => self.workpiece.watch.breaches().len(),
+        }
+    }
+
     fn judged(&self) -> Vec<Feature> {
         match &self.under_way {
             Some(under_way) => under_way.running.judged_so_far().to_vec(),

@@ -32,7 +32,7 @@ impl RecoverySettings {
             )),
             _ => None,
         });
-        let approach = session.machine.axis(Axis::Z).map(|z| z.gentle);
+        let approach = session.machine.axis(Axis::Z).map(|z| z.approach);
         let slow = Speed::mm_per_s(2.0);
         Self {
             play: session.machine.simulation.tap_seat.flank_clearance,

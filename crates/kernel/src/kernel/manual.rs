@@ -139,6 +139,11 @@ impl Kernel {
         self.manual.is_active() || self.homing.is_active()
     }
 
+    /// An axis is moved by hand as long as its lease lasts.
+    pub fn is_moving_on_lease(&self) -> bool {
+        self.manual.is_leased()
+    }
+
     /// Where an axis is told to be, mm or degrees.
     pub fn setpoint(&self, axis: Axis) -> Option<f64> {
         Some(self.drives.axes.get(axis.index())?.as_ref()?.target.position)

@@ -1,0 +1,19 @@
+//! Random sequences of requests: no forbidden transition, every limit kept, no jog beyond its lease, no broken tap.
+//! `cargo xtask requests` runs ten thousand of them.
+use test_support::requests::{PROGRAM, Tally, sequence};
+
+#[test]
+fn whatever_is_asked_for_in_whatever_order_the_machine_keeps_its_limits_and_the_tap_stays_whole() {
+    let folder = tempfile::tempdir().expect("a folder for the program");
+    let program = folder.path().join("part.ngc");
+    std::fs::write(&program, PROGRAM).expect("the program can be written");
+    let mut tally = Tally::default();
+    for seed in 0..60 {
+        if let Err(why) = sequence(seed, &program, &mut tally) {
+            panic!("{why}");
+        }
+    }
+    // the sequences have met something
+    assert!(tally.accepted > 300 && tally.refused > 100, "{tally:?}");
+    assert!(tally.alarms > 0 && tally.features > 0, "{tally:?}");
+}
