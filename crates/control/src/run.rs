@@ -114,7 +114,7 @@ impl ProgramRun {
     pub fn new(loaded: &Loaded<'_>, machine: Plant, judge: verify::Config) -> Self {
         let Loaded { session, operations, restart, options, planned } = *loaded;
         let kernel = Kernel::new(config::control(&session.machine, None, false));
-        let ops = operations.for_run(restart);
+        let ops = operations.for_run(restart, 0);
         Self {
             executor: Executor { kernel, machine, ticks: TickTimes::new(false) },
             feeder: Feeder::new(ops, planner(session, options)),
@@ -205,13 +205,18 @@ impl Running {
     }
 
     /// The number of the operation that will be read next.
-    pub const fn next_operation(&self) -> u32 {
+    pub fn next_operation(&self) -> u32 {
         self.feeder.ops.next_number()
     }
 
     /// What the kernel has said since the last time; without an operator nothing is kept.
     pub fn take_events(&mut self) -> Vec<Event> {
         std::mem::take(&mut self.heard)
+    }
+
+    /// What the program leaves behind, where that is known only while it runs.
+    pub fn left(&self) -> Option<Left> {
+        self.feeder.ops.left()
     }
 
     /// Look on as well.

@@ -106,7 +106,7 @@ pub use frame::{Frame, Point};
 pub use interpreter::{Interpreter, Progress};
 pub use lint::{Lint, lint};
 pub use listing::Listing;
-pub use live::{Live, Modal, asks};
+pub use live::{Live, asks};
 pub use ops::{Ops, called_files, check, defined_subprograms, with_dialect};
 pub use other_dialect::{looks_like, other_dialect};
 pub use pieces::{Linter, OpsRest, Rest, can_be_read_in_pieces};

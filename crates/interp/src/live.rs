@@ -7,34 +7,28 @@
 //!        operations ◄─────────────┘      ┊ └── answer: #5399, or #5061 to #5070 and where the axes stand
 //! ```
 //!
-//! It owns its text. What is in force can be handed on from one text to the next ([`Modal`]): so blocks that are typed one
-//! after another are one program.
+//! It owns its text. What is in force can be handed on from one text to the next ([`OpsRest`]): so blocks that are typed
+//! one after another are one program.
 //!
 //! Source: LinuxCNC 2.9 manual, "M66 Wait on Input", "G38.n Straight Probe": its interpreter stops reading ahead there.
 use crate::{
     contents::Contents,
-    executor::Executor,
     frame::{machine_point, scale},
     interpreter::{Interpreter, Progress},
-    out::Held,
-    outputs, probe,
-    resolve::{Resolver, position},
+    ops::Ops,
+    outputs,
+    pieces::{OpsRest, Rest},
+    probe,
+    resolve::Resolver,
     setup::{Parameters, Setup},
     snapshot::Snapshot,
 };
 use canon::{Answer, Op, OpKind, Position, ProgramFrame, Tool};
-use diag::{Diagnostic, Span};
+use diag::Diagnostic;
 use std::collections::VecDeque;
 
 /// Operations that are read ahead at a time.
 const AHEAD: usize = 256;
-
-/// What is in force between two texts: modes, offsets, parameters, tools.
-#[derive(Clone)]
-pub struct Modal {
-    executor: Executor,
-    resolver: Resolver,
-}
 
 /// See the module's header.
 pub struct Live {
@@ -42,7 +36,7 @@ pub struct Live {
     setup: Setup,
     /// The text is a few blocks and needs no end.
     is_open: bool,
-    from: Option<Modal>,
+    from: Option<OpsRest>,
     state: Option<State>,
     ops: VecDeque<(Op, ProgramFrame)>,
     /// Operations that have been read and not been answered.
@@ -59,7 +53,7 @@ struct State {
 
 impl Live {
     /// Of a program; with what was in force before, if that is to stay.
-    pub fn new(text: impl Into<Vec<u8>>, setup: Setup, from: Option<Modal>) -> Self {
+    pub fn new(text: impl Into<Vec<u8>>, setup: Setup, from: Option<OpsRest>) -> Self {
         Self {
             text: text.into(),
             setup,
@@ -73,7 +67,7 @@ impl Live {
     }
 
     /// Of a few blocks that are no whole program: they need no M2.
-    pub fn of_blocks(text: impl Into<Vec<u8>>, setup: Setup, from: Option<Modal>) -> Self {
+    pub fn of_blocks(text: impl Into<Vec<u8>>, setup: Setup, from: Option<OpsRest>) -> Self {
         Self { is_open: true, ..Self::new(text, setup, from) }
     }
 
@@ -89,6 +83,11 @@ impl Live {
             self.read();
         }
         self.ops.pop_front()
+    }
+
+    /// Nothing more is read: the text has ended, and nothing waits for an answer.
+    pub fn is_over(&self) -> bool {
+        self.ended && self.ops.is_empty() && self.asked == 0
     }
 
     /// What the machine says to the first operation that has asked.
@@ -114,18 +113,14 @@ impl Live {
 
     /// Take the next blocks, up to one that asks the machine something.
     fn read(&mut self) {
-        let begins = self.state.is_none();
         let (mut interpreter, mut resolver) = match self.state.take() {
             Some(State { snapshot, resolver, contents }) => {
                 let on = Interpreter::resume(&self.text, &self.setup, &snapshot);
                 (on.with_contents(contents), resolver)
             }
-            None => begin(&self.text, &self.setup, self.from.take()),
+            None => Ops::of_piece(&self.text, &self.setup, self.from.take(), self.is_open).parts(),
         };
         interpreter.program.more_follows = self.is_open;
-        if begins {
-            resolver.say_what_stays();
-        }
         while !self.ended && self.asked == 0 && self.ops.len() < AHEAD {
             self.ended = interpreter.step(&mut resolver) == Progress::Ended;
             let modes = &interpreter.program.executor.modes;
@@ -146,9 +141,10 @@ impl Live {
     }
 
     /// What is in force now, for a text that comes after this one.
-    pub fn modal(&self) -> Option<Modal> {
+    pub fn rest(&self) -> Option<OpsRest> {
         let State { snapshot, resolver, .. } = self.state.as_ref()?;
-        Some(Modal { executor: snapshot.executor.clone(), resolver: resolver.clone() })
+        let snapshot = snapshot.clone().without_findings();
+        Some(OpsRest { rest: Rest { snapshot, line: 1 }, resolver: resolver.clone() })
     }
 
     /// The numbered parameters as they are now.
@@ -164,57 +160,9 @@ impl Live {
     }
 }
 
-impl Modal {
-    /// Where the program stands by what is in force, in machine coordinates.
-    pub fn position(&self) -> Position {
-        position(&self.resolver.at)
-    }
-}
-
 /// Whether what is written behind an operation may depend on what the machine says to it.
 pub const fn asks(kind: &OpKind) -> bool {
     matches!(kind, OpKind::Input(_) | OpKind::Probe(_))
-}
-
-/// At the beginning of a text, with what is in force already; the axes stand where the set-up says.
-fn begin<'s>(text: &'s [u8], setup: &'s Setup, from: Option<Modal>) -> (Interpreter<'s>, Resolver) {
-    let mut interpreter = Interpreter::new(text, setup);
-    let Some(Modal { executor, resolver }) = from else {
-        return (interpreter, Resolver::new(setup));
-    };
-    let fresh = core::mem::replace(&mut interpreter.program.executor, executor);
-    let executor = &mut interpreter.program.executor;
-    executor.settings = fresh.settings;
-    (executor.held, executor.recording) = (Held::default(), None);
-    let machine = machine_point(&setup.start);
-    let mut own = machine;
-    scale(&mut own, 1.0 / executor.modes.units.in_mm());
-    executor.modes.at = executor.modes.frame.to_program(&own);
-    (interpreter, resolver.at_rest(machine))
-}
-
-impl Resolver {
-    /// The same between two texts: nothing waits, and nothing was found.
-    fn at_rest(mut self, at: crate::Point) -> Self {
-        self.at = at;
-        self.ops.clear();
-        self.diagnostics.clear();
-        self.with_motion.clear();
-        self.path_said = None;
-        self
-    }
-
-    /// Orders that are in force when a text begins, for a planner that does not know of them.
-    fn say_what_stays(&mut self) {
-        let span = Span::default();
-        if let Some(order) = self.spindle.said.filter(|_| self.spindle.sense.is_some()) {
-            self.push(span, OpKind::Spindle { spindle: 0, order });
-        }
-        if self.overrides != (true, true) {
-            let (feed, spindle) = self.overrides;
-            self.push(span, OpKind::Overrides { feed, spindle });
-        }
-    }
 }
 
 #[cfg(test)]
@@ -272,7 +220,8 @@ mod tests {
         assert_eq!(errors(&first), Vec::<String>::new());
         let start = Position::xyz(50.8, 0.0, 0.0);
         let setup = Setup { start, ..Setup::default() };
-        let mut second = Live::of_blocks("G0 X#<_kept>", setup, first.modal());
+        let rest = first.rest().map(|rest| rest.for_next_text(&setup, 0));
+        let mut second = Live::of_blocks("G0 X#<_kept>", setup, rest);
         let [[x, ..]] = lines(&mut second)[..] else { panic!("one move") };
         assert!((x - (50.8 + 7.0 * 25.4)).abs() < 1e-9, "{x}");
         assert_eq!(errors(&second), Vec::<String>::new());

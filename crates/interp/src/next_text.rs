@@ -9,7 +9,7 @@
 //! Modes stay in force. What a planner must know of them before its first move is ordered anew: path mode, spindle, coolant.
 use crate::{
     executor::Executor,
-    frame::machine_point,
+    frame::{machine_point, scale},
     front_end::FrontEnd,
     offsets,
     pieces::OpsRest,
@@ -79,12 +79,15 @@ impl Executor {
         self.tools.library = setup.tools.clone();
         self.tools.missing = setup.missing_tools;
         self.remarks.clear();
+        (self.held, self.recording) = (crate::out::Held::default(), None);
         let modes = &mut self.modes;
         modes.unknown = Unknown::default();
         modes.current_tool = tool;
         modes.line = 0;
         offsets::load_offsets(modes, &mut self.store, &self.settings);
-        modes.at = modes.frame.to_program(&machine_point(&setup.start));
+        let mut own = machine_point(&setup.start);
+        scale(&mut own, 1.0 / modes.units.in_mm());
+        modes.at = modes.frame.to_program(&own);
     }
 }
 
@@ -98,7 +101,10 @@ impl Resolver {
         self.forget_findings();
         self.path_said = None;
         let in_force = [
-            self.spindle.said.map(|order| OpKind::Spindle { spindle: 0, order }),
+            self.spindle
+                .said
+                .filter(|_| self.spindle.sense.is_some())
+                .map(|order| OpKind::Spindle { spindle: 0, order }),
             (self.coolant != (false, false))
                 .then_some(OpKind::Coolant { mist: self.coolant.0, flood: self.coolant.1 }),
             (self.overrides != (true, true))
@@ -144,6 +150,14 @@ mod tests {
         let (second, rest) = typed(b"X10", &setup, Some(rest.for_next_text(&setup, 0)));
         assert!(goes_to(&second, 35.0), "{second:?}");
         assert!(rest.standing().codes.contains(&"G91".to_owned()));
+    }
+
+    #[test]
+    fn incremental_words_in_inches_count_from_where_the_axes_stand() {
+        let (_, rest) = typed(b"G20 G91", &standing_at(0.0), None);
+        let setup = standing_at(25.4);
+        let (moves, _) = typed(b"G0 X1", &setup, Some(rest.for_next_text(&setup, 0)));
+        assert!(goes_to(&moves, 50.8), "{moves:?}");
     }
 
     #[test]

@@ -11,6 +11,9 @@ pub(super) fn line(status: &Status) -> String {
     if let Some(line) = program.as_ref().map(|program| program.line).filter(|line| *line > 0) {
         let _ = write!(text, ", line {line}");
     }
+    if let Some(waiting) = &status.waiting_for {
+        let _ = write!(text, ", waits for {} since {:.1} s", waiting.what, waiting.age_s);
+    }
     text.push_str(" |");
     for axis in axes {
         let _ = write!(text, " {}{:.3}", axis.letter, tidy(axis.work));

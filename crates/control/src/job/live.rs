@@ -12,7 +12,6 @@ use super::operations::{Left, Operations, Source};
 use super::restart::Restart;
 use canon::{Answer, Await, Op, OpKind, ProgramFrame};
 use diag::Diagnostic;
-use interp::{Modal, Setup};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -30,21 +29,18 @@ pub struct Live {
     next: u32,
     /// Indices of the operations that wait for an answer.
     asked: VecDeque<u32>,
+    /// The end of typed blocks has been said.
+    has_ended: bool,
 }
 
 impl Live {
-    /// A program, with what was in force before, if that is to stay.
-    pub fn new(text: &[u8], setup: Setup, from: Option<Modal>) -> Self {
-        Self::of(interp::Live::new(text, setup, from), Arc::default(), None)
-    }
-
-    /// A few blocks that are typed, with what was in force before.
-    pub fn of_blocks(text: &[u8], setup: Setup, from: Option<Modal>) -> Self {
-        Self::of(interp::Live::of_blocks(text, setup, from), Arc::default(), None)
-    }
-
     /// A program that has been checked, from its beginning or from its middle.
-    pub fn of(read: interp::Live, checked: Arc<Operations>, restart: Option<&Restart>) -> Self {
+    pub fn of(
+        read: interp::Live,
+        checked: Arc<Operations>,
+        restart: Option<&Restart>,
+        first: u32,
+    ) -> Self {
         Self {
             read,
             checked,
@@ -52,19 +48,15 @@ impl Live {
             skip: restart.map_or(0, |restart| restart.skip),
             at: 0,
             frame: ProgramFrame::default(),
-            next: 0,
+            next: first,
             asked: VecDeque::new(),
+            has_ended: false,
         }
-    }
-
-    /// What is in force, for a text that comes after this one.
-    pub fn modal(&self) -> Option<Modal> {
-        self.read.modal()
     }
 
     /// The next operation of the text, whatever is left out.
     fn read_next(&mut self) -> Option<Op> {
-        let (mut op, frame) = self.read.next_op()?;
+        let Some((mut op, frame)) = self.read.next_op() else { return self.end_of_typed() };
         self.frame = frame;
         if let OpKind::Polygon(_) = op.kind {
             // what it leaves to the control has been filled in
@@ -73,6 +65,13 @@ impl Live {
         }
         self.at += 1;
         Some(op)
+    }
+
+    /// Blocks that are typed end without a word of their own.
+    fn end_of_typed(&mut self) -> Option<Op> {
+        let ends = self.checked.is_typed() && self.read.is_over() && !self.has_ended;
+        self.has_ended |= ends;
+        ends.then_some(Op { span: diag::Span::default(), kind: OpKind::End })
     }
 
     /// What is left out is taken to have been answered as the check has assumed.
@@ -114,6 +113,10 @@ impl Source for Live {
         true
     }
 
+    fn next_number(&self) -> u32 {
+        self.next
+    }
+
     fn answer(&mut self, op: u32, answer: &Answer) {
         if self.asked.front() == Some(&op) {
             self.asked.pop_front();
@@ -123,7 +126,8 @@ impl Source for Live {
 
     fn left(&self) -> Option<Left> {
         let known = self.read.tools().into_iter().filter(|(tool, _)| !tool.stand_in);
-        Some(Left { parameters: self.read.parameters()?.clone(), tools: known.collect() })
+        let parameters = self.read.parameters()?.clone();
+        Some(Left { parameters, tools: known.collect(), rest: self.read.rest() })
     }
 }
 

@@ -31,6 +31,10 @@ pub trait Source: Iterator<Item = (u32, Op)> {
     }
     /// What the machine says to an operation that has asked.
     fn answer(&mut self, _op: u32, _answer: &Answer) {}
+    /// The number of the operation that comes next.
+    fn next_number(&self) -> u32 {
+        0
+    }
     /// What the program has left behind so far, where that is known only when it runs.
     fn left(&self) -> Option<Left> {
         None
@@ -106,7 +110,8 @@ pub struct Operations {
     /// What the program leaves behind.
     left: Left,
     /// The program asks the machine something: its text, and what it is read with.
-    live: Option<Box<(Vec<u8>, interp::Setup)>>,
+    live: Option<Box<(Vec<u8>, interp::Setup, Option<OpsRest>)>>,
+    is_typed: bool,
 }
 
 /// What a text finds in the control when it begins.
@@ -138,6 +143,7 @@ impl Operations {
     /// Interpret a text on a control that is on.
     pub fn after(before: Before, source: &[u8], setup: &interp::Setup) -> Self {
         let Before { rest, is_typed } = before;
+        let again = rest.clone();
         let mut read = interp::Ops::of_piece(source, setup, rest, is_typed);
         let (mut ops, mut frames) = (Vec::new(), Vec::<(usize, ProgramFrame)>::new());
         while let Some(op) = read.next() {
@@ -163,10 +169,10 @@ impl Operations {
             rest: None,
         };
         let asks = ops.iter().any(|op| interp::asks(&op.kind));
-        let live = asks.then(|| Box::new((source.to_vec(), setup.clone())));
+        let live = asks.then(|| Box::new((source.to_vec(), setup.clone(), again)));
         let findings = read.diagnostics();
         left.rest = Some(read.rest());
-        Self { ops, frames, findings, stand_ins, left, live }
+        Self { ops, frames, findings, stand_ins, left, live, is_typed }
     }
 
     /// What a text leaves in the control when it is given up at the operation with this number, counted from 0.
@@ -192,12 +198,23 @@ impl Operations {
 
     /// For a run, from the program's beginning or from its middle: what asks the machine something is interpreted again while
     /// the machine executes.
-    pub fn for_run(self: &Arc<Self>, restart: Option<&Restart>) -> Box<dyn Source + Send> {
+    ///
+    /// They are numbered from `first` on: those of what was done on the machine before come first.
+    pub fn for_run(
+        self: &Arc<Self>,
+        restart: Option<&Restart>,
+        first: u32,
+    ) -> Box<dyn Source + Send> {
         match self.live.as_deref() {
-            None => Box::new(Cursor::new(Arc::clone(self), restart)),
-            Some((text, setup)) => {
-                let read = interp::Live::new(text.clone(), setup.clone(), None);
-                Box::new(Live::of(read, Arc::clone(self), restart))
+            None => Box::new(Cursor::new(Arc::clone(self), restart).numbered_from(first)),
+            Some((text, setup, rest)) => {
+                let (text, setup, rest) = (text.clone(), setup.clone(), rest.clone());
+                let read = if self.is_typed {
+                    interp::Live::of_blocks(text, setup, rest)
+                } else {
+                    interp::Live::new(text, setup, rest)
+                };
+                Box::new(Live::of(read, Arc::clone(self), restart, first))
             }
         }
     }
@@ -239,6 +256,11 @@ impl Operations {
         let span = self.ops.get(count).map_or_else(Default::default, |op| op.span);
         before.ops.push(Op { span, kind: OpKind::End });
         before
+    }
+
+    /// They are of blocks that were typed.
+    pub const fn is_typed(&self) -> bool {
+        self.is_typed
     }
 
     /// All of them.
@@ -285,11 +307,6 @@ impl Cursor {
         self.next = first;
         self
     }
-
-    /// The number of the operation that comes next.
-    pub const fn next_number(&self) -> u32 {
-        self.next
-    }
 }
 
 impl Source for Cursor {
@@ -299,6 +316,10 @@ impl Source for Cursor {
 
     fn findings(&self) -> Vec<Diagnostic> {
         self.operations.findings.clone()
+    }
+
+    fn next_number(&self) -> u32 {
+        self.next
     }
 }
 

@@ -13,7 +13,7 @@ use crate::{Executor, Refused, TickTimes, config};
 use bus::{AXES, Machine as _, State};
 use canon::{Axis, Position, ToolLibrary};
 use interp::OpsRest;
-use kernel::{Kernel, Pause};
+use kernel::{Kernel, Pause, WaitFor, Waiting};
 use sim::Faulty;
 use std::path::Path;
 use units::Time;
@@ -267,6 +267,11 @@ impl Control {
         self.executor.kernel.report().state
     }
 
+    /// What it waits for, since when, and for how long at most.
+    pub fn waiting(&self) -> Option<Waiting> {
+        self.executor.kernel.waiting()
+    }
+
     /// The program's line that is executed.
     pub const fn line(&self) -> u32 {
         self.executor.kernel.report().line
@@ -436,12 +441,13 @@ impl Control {
     /// What a program that is under way does, by what the kernel does.
     fn follow_execution(&mut self) {
         let kernel = &self.executor.kernel;
-        let state = kernel.report().state;
-        let event = match (state, kernel.paused()) {
-            (State::Paused, Some(true)) => ExecutionEvent::OptionalStop,
-            (State::Paused, _) => ExecutionEvent::Stop,
+        let waits_for = kernel.waiting().map(|waiting| waiting.what);
+        let event = match (kernel.report().state, waits_for) {
             (State::Held, _) if self.is_hold_asked => ExecutionEvent::Hold,
             (State::Held, _) => ExecutionEvent::BlockDone,
+            (_, Some(WaitFor::Operator { optional: true })) => ExecutionEvent::OptionalStop,
+            (_, Some(WaitFor::Operator { optional: false })) => ExecutionEvent::Stop,
+            (_, Some(WaitFor::ToolByHand(_) | WaitFor::Input(_))) => ExecutionEvent::Wait,
             _ => ExecutionEvent::GoOn,
         };
         self.execution_after(event);

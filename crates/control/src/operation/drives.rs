@@ -84,6 +84,7 @@ impl Control {
             self.is_resetting = true;
         }
         self.everything_was_stopped();
+        self.executor.kernel.clear_outputs();
         self.is_hold_asked = false;
         self.execution_after(ExecutionEvent::Reset);
         Ok(Accepted::default())

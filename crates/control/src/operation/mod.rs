@@ -32,4 +32,6 @@ pub use control::{Control, ControlOptions};
 pub use event::{Alarm, Event};
 pub use request::{Accepted, Jog, Refusal, Request, ToolField};
 pub use state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
-pub use status::{AxisStatus, FeatureCount, Overrides, ProgramStatus, SpindleStatus, Status};
+pub use status::{
+    AxisStatus, FeatureCount, Overrides, ProgramStatus, SpindleStatus, Status, WaitingStatus,
+};

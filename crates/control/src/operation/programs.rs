@@ -160,7 +160,7 @@ impl Control {
     }
 
     pub(super) fn confirm(&mut self) -> Result<Accepted, Refusal> {
-        self.order(Order::Resume)
+        self.order(Order::Confirm)
     }
 
     pub(super) fn give_up(&mut self) -> Result<Accepted, Refusal> {
@@ -188,11 +188,13 @@ impl Control {
         let has_ended = report.state == State::Ended;
         self.workpiece = under_way.running.workpiece();
         self.next_op = under_way.running.next_operation();
-        let left = if has_ended {
-            under_way.proved.operations.left().clone()
-        } else {
+        if !has_ended {
             self.workpiece.judge.give_up(report.op);
-            under_way.left_at(report.op)
+        }
+        let left = match under_way.running.left() {
+            Some(left) => left,
+            None if has_ended => under_way.proved.operations.left().clone(),
+            None => under_way.left_at(report.op),
         };
         self.data.parameters = left.parameters;
         self.data.rest = left.rest;
@@ -204,8 +206,9 @@ impl Control {
         if !has_ended {
             self.everything_was_stopped();
         }
-        if let Err(why) = under_way.running.finish(&mut self.executor) {
-            self.events.notice(why.to_string());
+        match under_way.running.finish(&mut self.executor) {
+            Ok(outcome) => outcome.broke_off.into_iter().for_each(|why| self.events.notice(why)),
+            Err(why) => self.events.notice(why.to_string()),
         }
         let is_stopped_by_alarm = !self.executor.kernel.faults().is_empty();
         if !is_stopped_by_alarm {

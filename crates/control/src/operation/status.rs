@@ -46,6 +46,17 @@ pub struct Overrides {
     pub is_locked: bool,
 }
 
+/// A wait.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct WaitingStatus {
+    /// For what.
+    pub what: String,
+    /// For how long it has lasted, s.
+    pub age_s: f64,
+    /// How long it may last, s; `None`: as long as it takes.
+    pub limit_s: Option<f64>,
+}
+
 /// The program that is loaded or under way.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct ProgramStatus {
@@ -87,6 +98,8 @@ pub struct Status {
     pub execution: &'static str,
     /// What the axes do.
     pub activity: &'static str,
+    /// What it waits for, since when, and for how long at most.
+    pub waiting_for: Option<WaitingStatus>,
     /// The axes, X first.
     pub axes: Vec<AxisStatus>,
     /// The spindles.
@@ -128,6 +141,11 @@ impl Control {
             mode: self.mode.name(),
             execution: self.execution.name(),
             activity: report.state.name(),
+            waiting_for: kernel.waiting().map(|waiting| WaitingStatus {
+                what: waiting.what.to_string(),
+                age_s: waiting.age.value(),
+                limit_s: waiting.limit.map(units::Time::value),
+            }),
             axes: self.axes(&feedback),
             spindles: self.spindles(&feedback),
             tool: feedback.tool,

@@ -72,15 +72,6 @@ impl Kernel {
         Some(HandedBack { steps, done })
     }
 
-    /// The program has stopped by a word of its own, M1 (true) or M0 (false), until the operator goes on.
-    pub fn paused(&self) -> Option<bool> {
-        let step = self.queue.get(self.chained)?;
-        match (&self.activity, &step.kind) {
-            (Activity::Pausing, StepKind::Pause { optional }) => Some(*optional),
-            _ => None,
-        }
-    }
-
     /// Go on after a program's stop.
     pub fn resume(&mut self) {
         self.order(Order::Resume);

@@ -8,7 +8,7 @@ use crate::{
     outline::At,
     setup::Increments,
 };
-use core::cell::Cell;
+use core::sync::atomic::{AtomicU64, Ordering};
 use diag::Span;
 use std::collections::BTreeMap;
 
@@ -197,11 +197,37 @@ pub(super) struct Surface {
     pub(super) in_mm: f64,
 }
 
+/// A variable that goes on while it is read: so it is set behind a shared reference, from whatever thread.
+#[derive(Debug, Default)]
+pub(super) struct Timer(AtomicU64);
+
+impl Timer {
+    pub(super) fn get(&self) -> f64 {
+        f64::from_bits(self.0.load(Ordering::Relaxed))
+    }
+
+    pub(super) fn set(&self, value: f64) {
+        self.0.store(value.to_bits(), Ordering::Relaxed);
+    }
+}
+
+impl Clone for Timer {
+    fn clone(&self) -> Self {
+        Self(AtomicU64::new(self.0.load(Ordering::Relaxed)))
+    }
+}
+
+impl PartialEq for Timer {
+    fn eq(&self, other: &Self) -> bool {
+        self.get() == other.get()
+    }
+}
+
 /// What system variables keep.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Kept {
     /// #3001, #3002, in milliseconds.
-    pub(super) timers: [Cell<f64>; 2],
+    pub(super) timers: [Timer; 2],
     /// #3003 to #3005, #3901, #3902.
     pub(super) set: [f64; 5],
     /// #4102 …: the last B, D, E, H, M, N.
