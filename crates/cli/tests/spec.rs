@@ -66,6 +66,13 @@ fn rewritten(page: &str) -> (String, usize) {
                 checked += 1;
                 continue;
             }
+            console if console == "console" || console.starts_with("console ") => {
+                let options: Vec<_> = console.split(' ').skip(1).collect();
+                out.push_str(&led(&options, &body));
+                out.push_str("```\n");
+                checked += 1;
+                continue;
+            }
             "diagnostics" => {
                 out.push_str(&run(&[&["check", "-"], &options[..]].concat(), &program, 2));
                 out.push_str("```\n");
@@ -81,6 +88,13 @@ fn rewritten(page: &str) -> (String, usize) {
         out.push_str("```\n");
     }
     (out, checked)
+}
+
+/// What a control prints that is led by the lines behind `> `; each must be accepted, each wait met.
+fn led(options: &[&str], body: &[&str]) -> String {
+    let typed = body.iter().filter_map(|line| line.strip_prefix("> "));
+    let script: String = typed.map(|line| line.to_owned() + "\n").collect();
+    run(&[&["control", "--script", "-"], options].concat(), &script, 0)
 }
 
 /// Without the lines that name program and tools: the page has told of both.

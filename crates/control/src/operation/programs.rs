@@ -105,8 +105,7 @@ impl Control {
         let (session, proved) = self.prove(&path, &name, &text, false)?;
         let restart = from.map(|from| find(&session, &proved, from, &name, &text)).transpose()?;
         let notes = restart.as_ref().map_or_else(Vec::new, |restart| restored(&session, restart));
-        self.enter(Mode::Automatic);
-        self.begin(session, proved, name, text, restart)?;
+        self.begin(Mode::Automatic, (session, proved), (name, text), restart)?;
         Ok(Accepted { notes })
     }
 
@@ -114,17 +113,16 @@ impl Control {
         let name = "MDI".to_owned();
         let (session, proved) = self.prove(Path::new("-"), &name, text.as_bytes(), true)?;
         let notes = notes_of(&proved.known.findings);
-        self.enter(Mode::ManualDataInput);
-        self.begin(session, proved, name, text.as_bytes().to_vec(), None)?;
+        let text = text.as_bytes().to_vec();
+        self.begin(Mode::ManualDataInput, (session, proved), (name, text), None)?;
         Ok(Accepted { notes })
     }
 
     fn begin(
         &mut self,
-        session: Session,
-        proved: Proved,
-        name: String,
-        text: Vec<u8>,
+        mode: Mode,
+        (session, proved): (Session, Proved),
+        (name, text): (String, Vec<u8>),
         restart: Option<Restart>,
     ) -> Result<(), Refusal> {
         if !self.executor.kernel.clear() {
@@ -145,6 +143,7 @@ impl Control {
         let running = Running::attended(&loaded, workpiece, first, &mut self.executor);
         self.under_way = Some(UnderWay { running, name, session, text, proved, first, restart });
         self.is_hold_asked = false;
+        self.enter(mode);
         self.execution_after(ExecutionEvent::Start);
         Ok(())
     }
