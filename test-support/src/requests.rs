@@ -74,6 +74,7 @@ pub fn sequence(seed: u64, program: &Path, tally: &mut Tally) -> Result<(), Stri
     let options = ControlOptions {
         program: ProgramOptions::on("tapping-center"),
         seed: Some(seed),
+        state: None,
         clamped: Position::default(),
     };
     let control = Control::new(options).map_err(|why| why.to_string())?;
@@ -293,13 +294,11 @@ impl Bench {
             return Ok(());
         }
         self.lease = None;
-        match self.control.is_jogging_on_lease() {
-            true => Err(format!(
-                "an axis still jogs at {}, its lease ended at {end}",
-                self.control.now()
-            )),
-            false => Ok(()),
+        if self.control.is_jogging_on_lease() {
+            let now = self.control.now();
+            return Err(format!("an axis still jogs at {now}, its lease ended at {end}"));
         }
+        Ok(())
     }
 }
 

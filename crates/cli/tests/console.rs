@@ -113,8 +113,9 @@ fn a_script_that_ends_while_a_program_runs_gives_it_up_and_says_so() {
 
 #[test]
 fn a_search_shows_what_is_restored_and_never_begins_within_a_tap() {
-    let script =
-        format!("{MORNING}load programs/plate-12xM6.ngc\nsearch hole 26\nsearch tool 2\nsearch line 9999\n");
+    let script = format!(
+        "{MORNING}load programs/plate-12xM6.ngc\nsearch hole 26\nsearch tool 2\nsearch line 9999\n"
+    );
     let (out, errors, code) = said(&led(&[], &script));
     assert!(out.contains("T3 ") && out.contains("25 features are left out"), "{out}");
     assert!(out.contains("T2 "), "{out}");

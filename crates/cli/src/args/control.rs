@@ -14,6 +14,9 @@ pub(crate) struct ControlArgs {
     /// Seed of the machine that is simulated: what its control does not know (`machine show NAME --seed N`)
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<u64>,
+    /// Keep offsets, tools, alarms and the last program in this folder [default: nothing is kept]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) state: Option<PathBuf>,
     /// Clamp the simulated stock this far from where the machine's file says, millimetres, as in X0.4,Y-0.3,Z1.2
     #[arg(long, value_name = "AXES")]
     pub(crate) clamped: Option<String>,

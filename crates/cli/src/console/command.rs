@@ -39,7 +39,7 @@ const WAITS: Time = Time::s(600.0);
 const JOGS: Time = Time::s(1.0);
 
 /// What can be typed: words, and what they do.
-pub(crate) const WORDS: [(&str, &str); 40] = [
+pub(crate) const WORDS: [(&str, &str); 41] = [
     ("power on|off", "drives on or off"),
     ("emergency stop|release", "press or release the emergency stop of the simulated machine"),
     ("home [AXIS]", "home an axis, or all in the machine's order"),
@@ -71,6 +71,7 @@ pub(crate) const WORDS: [(&str, &str); 40] = [
     ("spindle override 110", "percent of the programmed spindle speed"),
     ("touch off AXIS 0", "the tool's tip is at this coordinate of the work offset in force"),
     ("offset G54 AXIS -250", "set a work offset, machine coordinates"),
+    ("tool 3 wear length|radius -0.02", "its wear, mm, which is added"),
     ("tool 3 length|diameter 120.5", "what the control believes of a tool, mm"),
     ("wait STATE [within 60 s]", "until the control is so; see below"),
     ("wait 2 s", "let machine time pass"),
@@ -142,6 +143,15 @@ impl Command {
                 work_offset(system)?,
                 axis(letter)?,
                 number(at)?,
+            )),
+            ["tool", tool, "wear", field, value] => Self::Request(Request::EditTool(
+                tool.parse().map_err(|_| format!("expected a tool's number, found \"{tool}\""))?,
+                match *field {
+                    "length" => ToolField::WearLength,
+                    "radius" => ToolField::WearRadius,
+                    _ => return Err(format!("expected length or radius, found \"{field}\"")),
+                },
+                number(value)?,
             )),
             ["tool", tool, field, value] => Self::Request(Request::EditTool(
                 tool.parse().map_err(|_| format!("expected a tool's number, found \"{tool}\""))?,

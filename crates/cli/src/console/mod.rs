@@ -41,14 +41,14 @@ pub(crate) fn command(args: &ControlArgs, quiet: bool) -> Result<Ending, Refused
     let options = ControlOptions {
         program: args.source.options(),
         seed: args.seed,
+        state: args.state.clone(),
         clamped: args.clamped.as_deref().map(clamped).transpose()?.unwrap_or_default(),
     };
-    let script = match &args.script {
-        Some(path) if path != Path::new("-") => {
-            Some(store::read_bytes(path, "a script", LONGEST_SCRIPT)?)
-        }
-        Some(_) => Some(from_standard_input()?),
-        None if std::io::stdin().is_terminal() => None,
+    let file = args.script.as_deref().filter(|path| *path != Path::new("-"));
+    let is_typed = args.script.is_none() && std::io::stdin().is_terminal();
+    let script = match file {
+        Some(path) => Some(store::read_bytes(path, "a script", LONGEST_SCRIPT)?),
+        None if is_typed => None,
         None => Some(from_standard_input()?),
     };
     let Some(script) = script else { return interactive::run(options) };

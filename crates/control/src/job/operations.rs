@@ -110,9 +110,12 @@ pub struct Operations {
     /// What the program leaves behind.
     left: Left,
     /// The program asks the machine something: its text, and what it is read with.
-    live: Option<Box<(Vec<u8>, interp::Setup, Option<OpsRest>)>>,
+    live: Option<Box<Asking>>,
     is_typed: bool,
 }
+
+/// A program that asks the machine something: its text, what it is read with, and what it finds in force.
+type Asking = (Vec<u8>, interp::Setup, Option<OpsRest>);
 
 /// What a text finds in the control when it begins.
 #[derive(Clone, Default)]

@@ -29,8 +29,8 @@ impl std::str::FromStr for From {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let text = text.trim();
-        let kinds: [(&str, fn(u32) -> Self); 3] =
-            [("hole", Self::Hole), ("tool", Self::Tool), ("line", Self::Line)];
+        let kinds =
+            [("hole", Self::Hole as fn(u32) -> Self), ("tool", Self::Tool), ("line", Self::Line)];
         let kind = kinds.iter().find_map(|(name, of)| Some((text.strip_prefix(name)?, *of)));
         let (number, of) = kind.unwrap_or((text, Self::Line));
         match number.trim().parse() {

@@ -3,6 +3,7 @@
 //! Whoever owns the time calls [`Control::period`] once per servo period, a simulation as fast as it can, a machine by its
 //! clock. A [`Request`] acts from the next period on. Nothing moves while no period is called.
 use super::event::{Alarm, Event, Events};
+use super::kept::Kept;
 use super::programs::{Loaded, UnderWay};
 use super::request::{Accepted, Refusal, Request};
 use super::state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
@@ -15,7 +16,8 @@ use canon::{Axis, Position, ToolLibrary};
 use interp::OpsRest;
 use kernel::{Kernel, Pause, WaitFor, Waiting};
 use sim::Faulty;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use store::state::LastProgram;
 use units::Time;
 
 /// Alarms that are remembered.
@@ -28,11 +30,14 @@ pub struct ControlOptions {
     pub program: ProgramOptions,
     /// Seed of what the control does not know of its machine; `None` is the machine file's.
     pub seed: Option<u64>,
+    /// Folder in which offsets, tools, alarms and the last program are kept; `None`: nothing is.
+    pub state: Option<PathBuf>,
     /// How far from where the machine's file says the simulated stock is clamped.
     pub clamped: Position,
 }
 
 /// A control that stays on.
+#[allow(clippy::struct_excessive_bools)] // independent facts, each asked for by itself
 pub struct Control {
     pub(super) options: ControlOptions,
     /// Machine and tools as the files have them.
@@ -47,7 +52,7 @@ pub struct Control {
     pub(super) execution: Execution,
     pub(super) loaded: Option<Loaded>,
     pub(super) under_way: Option<UnderWay>,
-    /// Levels of `/` whose blocks are left out.
+    /// Oldest first.
     pub(super) alarms: Vec<Alarm>,
     pub(super) events: Events,
     /// Faults of the kernel that have become alarms.
@@ -60,6 +65,9 @@ pub struct Control {
     pub(super) is_recovering: bool,
     /// Where the handwheel has sent each axis.
     pub(super) handwheel: [Option<f64>; AXES],
+    /// The program that was loaded last, and how far it came.
+    pub(super) last_program: Option<LastProgram>,
+    pub(super) kept: Kept,
     drives_were_ready: bool,
     told_features: usize,
 }
@@ -79,6 +87,7 @@ impl Control {
     pub fn new(options: ControlOptions) -> Result<Self, Refused> {
         let base = Session::load(&options.program, Path::new("-"), b"")?;
         let machine = &base.machine;
+        let (kept, state, found) = Kept::open(options.state.as_deref(), &machine.name)?;
         let seed = options.seed.unwrap_or(u64::from(machine.simulation.seed));
         let material = machine.setup.stock.material;
         let mut zero = machine.setup.g54;
@@ -115,10 +124,16 @@ impl Control {
             is_resetting: false,
             is_recovering: false,
             handwheel: [None; AXES],
+            last_program: None,
+            kept,
             drives_were_ready: false,
             told_features: 0,
             base,
         };
+        control.take_kept(state);
+        for finding in found {
+            control.events.notice(finding);
+        }
         control.forget_modes();
         Ok(control)
     }
@@ -131,7 +146,8 @@ impl Control {
             tools: self.data.tools.clone(),
             ..self.base.interp_setup()
         };
-        self.data.rest = Operations::after(before, b"", &setup).left().rest.clone();
+        let operations = Operations::after(before, b"", &setup);
+        self.data.rest.clone_from(&operations.left().rest);
     }
 
     /// Ask for something. Whether it is done now or in the periods to come, it is answered at once: accepted or refused.
@@ -162,16 +178,23 @@ impl Control {
             Request::Recover => self.recover(),
             Request::ToolIsFree => self.tool_is_free(),
             Request::Reset => self.reset(),
-            Request::SingleBlock(on) => self.order(kernel::Order::SingleBlock(*on)),
-            Request::OptionalStop(on) => self.order(kernel::Order::OptionalStop(*on)),
+            Request::SingleBlock(on) => self.set(kernel::Order::SingleBlock(*on)),
+            Request::OptionalStop(on) => self.set(kernel::Order::OptionalStop(*on)),
             Request::BlockSkip(level, on) => self.skip_blocks(*level, *on),
-            Request::FeedOverride(share) => self.order(kernel::Order::FeedOverride(*share)),
-            Request::RapidOverride(share) => self.order(kernel::Order::RapidOverride(*share)),
-            Request::SpindleOverride(share) => self.order(kernel::Order::SpindleOverride(*share)),
+            Request::FeedOverride(share) => self.set(kernel::Order::FeedOverride(*share)),
+            Request::RapidOverride(share) => self.set(kernel::Order::RapidOverride(*share)),
+            Request::SpindleOverride(share) => self.set(kernel::Order::SpindleOverride(*share)),
             Request::TouchOff(axis, at) => self.touch_off(*axis, *at),
             Request::SetWorkOffset(system, axis, at) => self.set_work_offset(*system, *axis, *at),
             Request::EditTool(number, field, value) => self.edit_tool(*number, *field, *value),
         }
+    }
+
+    /// An order that changes a setting, which is kept.
+    fn set(&mut self, order: kernel::Order) -> Result<Accepted, Refusal> {
+        let accepted = self.order(order)?;
+        self.keep_settings()?;
+        Ok(accepted)
     }
 
     pub(super) fn order(&mut self, order: kernel::Order) -> Result<Accepted, Refusal> {
@@ -433,6 +456,7 @@ impl Control {
             if self.alarms.len() == MOST_ALARMS {
                 self.alarms.remove(0);
             }
+            self.keep_alarm(&alarm);
             self.alarms.push(alarm.clone());
             self.events.push(Event::Alarm(alarm));
         }
@@ -459,6 +483,10 @@ impl Control {
                 self.events.push(Event::Feature(super::status::said_of(feature)));
             }
             self.told_features = judged;
+            self.note_progress(judged as u32, false);
+            if let Err(why) = self.keep_program() {
+                self.events.notice(why.to_string());
+            }
         }
     }
 

@@ -92,7 +92,7 @@ impl Control {
 
     pub(super) fn turn_spindle(&mut self, spindle: usize, spin: Spin) -> Result<Accepted, Refusal> {
         let file = self.spindle_file(spindle)?;
-        if !(spin.abs() <= file.max) {
+        if !spin.is_finite() || spin.abs() > file.max {
             let most = file.max.in_rpm();
             return Err(Refusal::because(format!(
                 "spindle {spindle} turns at {most:.0} rev/min at most"

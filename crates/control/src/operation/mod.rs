@@ -17,10 +17,14 @@
 //! | `manual` | jog, handwheel, spindle by hand |
 //! | `programs` | load, search, start, blocks that are typed, the end |
 //! | `offsets` | work offsets, touch off, tools |
+//! | `kept` | what outlives the control, in its state folder |
 //! | `event`, `status` | what happened; how things are |
+#![allow(clippy::unnecessary_wraps)] // every request is answered alike: accepted, or refused
+
 mod control;
 mod drives;
 mod event;
+mod kept;
 mod manual;
 mod offsets;
 mod programs;
@@ -30,6 +34,7 @@ mod status;
 
 pub use control::{Control, ControlOptions};
 pub use event::{Alarm, Event};
+pub use kept::kept_parameters;
 pub use request::{Accepted, Jog, Refusal, Request, ToolField};
 pub use state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
 pub use status::{

@@ -12,6 +12,9 @@ const SYSTEMS: u8 = 9;
 /// What a tool may measure, mm: more is no tool.
 const LONGEST: f64 = 2000.0;
 
+/// What a tool may wear, mm: what is more is a slip of the pen.
+const MOST_WEAR: f64 = 10.0;
+
 impl Control {
     /// The number of the work offset in force, 1 for G54.
     pub(super) fn work_offset(&self) -> u8 {
@@ -26,7 +29,7 @@ impl Control {
     /// How far the tool's tip stands from where the axis is.
     pub(super) fn tip(&self, axis: Axis) -> f64 {
         let tool = self.data.tools.get(self.mounted()).filter(|_| axis == Axis::Z);
-        tool.map_or(0.0, |tool| tool.length.value())
+        tool.map_or(0.0, |tool| (tool.length + tool.wear.length).value())
     }
 
     pub(super) fn touch_off(&mut self, axis: Axis, at: f64) -> Result<Accepted, Refusal> {
@@ -55,8 +58,13 @@ impl Control {
         if !(1..=SYSTEMS).contains(&system) {
             return Err(Refusal::because("work offsets are G54 to G59.3, numbered 1 to 9"));
         }
+        let before = self.zero_of(system, axis);
         if !self.data.parameters.set(parameter(system, axis), at) {
             return Err(Refusal::because("a work offset needs a number"));
+        }
+        if let Err(why) = self.keep_parameters() {
+            self.data.parameters.set(parameter(system, axis), before);
+            return Err(why);
         }
         let (letter, unit) = (axis.letter(), unit(axis));
         Ok(Accepted {
@@ -78,17 +86,30 @@ impl Control {
                 known.join(", ")
             )));
         };
-        if !(0.0..=LONGEST).contains(&value) {
+        let is_wear = matches!(field, ToolField::WearLength | ToolField::WearRadius);
+        if is_wear && !(value.abs() <= MOST_WEAR) {
+            return Err(Refusal::because(format!(
+                "wear is {MOST_WEAR:.0} mm at most, found {value}"
+            )));
+        }
+        if !is_wear && !(0.0..=LONGEST).contains(&value) {
             return Err(Refusal::because(format!(
                 "a tool measures from 0 to {LONGEST:.0} mm, found {value}"
             )));
         }
+        let before = tool.clone();
         let mut edited: Tool = tool.clone();
         match field {
             ToolField::Length => edited.length = Length::mm(value),
             ToolField::Diameter => edited.diameter = Length::mm(value),
+            ToolField::WearLength => edited.wear.length = Length::mm(value),
+            ToolField::WearRadius => edited.wear.radius = Length::mm(value),
         }
         self.data.tools.insert(edited);
+        if let Err(why) = self.keep_tools() {
+            self.data.tools.insert(before);
+            return Err(why);
+        }
         Ok(Accepted::default())
     }
 

@@ -7,18 +7,21 @@
 //! ```
 use super::control::Control;
 use super::event::Event;
+use super::kept::take_left;
 use super::manual::unit;
 use super::request::{Accepted, Refusal};
 use super::state::{ExecutionEvent, Mode};
 use crate::job::preflight::{self, Proved, wrong_from};
 use crate::job::restart::{self, Restart};
 use crate::job::{Before, Operations, Session, read_program};
+use crate::observers::use_up;
 use crate::{Loaded as Ready, Refused, Running};
 use bus::State;
 use canon::{Op, OpKind, Position, SpindleOrder};
 use diag::{Diagnostic, Severity};
 use kernel::Order;
 use std::path::{Path, PathBuf};
+use store::state::LastProgram;
 use units::Time;
 
 /// Findings of a program that is accepted which are said.
@@ -59,6 +62,12 @@ impl Control {
             planned.value()
         )];
         notes.extend(notes_of(&proved.known.findings));
+        self.last_program = Some(LastProgram {
+            path: name.clone(),
+            sha256: store::certificate::sha256(&text),
+            ..LastProgram::default()
+        });
+        self.keep_program()?;
         self.loaded = Some(Loaded { path: path.to_owned(), name, text, from: None, planned });
         self.execution_after(ExecutionEvent::Reset);
         Ok(Accepted { notes })
@@ -140,12 +149,22 @@ impl Control {
         };
         let first = self.next_op;
         let workpiece = self.workpiece.clone();
-        let running = Running::attended(&loaded, workpiece, first, &mut self.executor);
+        let mut running = Running::attended(&loaded, workpiece, first, &mut self.executor);
+        running.count_tool_use(self.mounted());
         self.under_way = Some(UnderWay { running, name, session, text, proved, first, restart });
         self.is_hold_asked = false;
         self.enter(mode);
         self.execution_after(ExecutionEvent::Start);
         Ok(())
+    }
+
+    /// How far the program that is loaded has come.
+    pub(super) fn note_progress(&mut self, features: u32, is_completed: bool) {
+        let report = self.executor.kernel.report();
+        if let Some(last) = &mut self.last_program {
+            (last.line, last.operation) = (report.line, report.op);
+            (last.feature, last.is_completed) = (features, is_completed);
+        }
     }
 
     pub(super) fn hold(&mut self) -> Result<Accepted, Refusal> {
@@ -177,12 +196,15 @@ impl Control {
         if on {
             self.options.program.block_skip.push(level);
         }
+        self.keep_settings()?;
         Ok(Accepted::default())
     }
 
     /// A program is over: it has ended, was given up, or an alarm has stopped it. What it leaves stays in force.
     pub(super) fn end_program(&mut self) {
         let Some(under_way) = self.under_way.take() else { return };
+        let is_typed = under_way.proved.operations.is_typed();
+        let name = under_way.name.clone();
         let report = self.executor.kernel.report();
         let has_ended = report.state == State::Ended;
         self.workpiece = under_way.running.workpiece();
@@ -195,17 +217,18 @@ impl Control {
             None if has_ended => under_way.proved.operations.left().clone(),
             None => under_way.left_at(report.op),
         };
-        self.data.parameters = left.parameters;
-        self.data.rest = left.rest;
-        for (mut tool, entry) in left.tools {
-            tool.length = units::Length::mm(entry.offset[2]);
-            tool.diameter = units::Length::mm(entry.diameter);
-            self.data.tools.insert(tool);
+        take_left(self, left);
+        let mut running = under_way.running;
+        use_up(&mut self.data.tools, &running.take_tool_use());
+        if !is_typed {
+            let features = self.workpiece.judge.features().len();
+            self.note_progress(features as u32, has_ended);
         }
+        self.keep_all();
         if !has_ended {
             self.everything_was_stopped();
         }
-        match under_way.running.finish(&mut self.executor) {
+        match running.finish(&mut self.executor) {
             Ok(outcome) => outcome.broke_off.into_iter().for_each(|why| self.events.notice(why)),
             Err(why) => self.events.notice(why.to_string()),
         }
@@ -217,7 +240,7 @@ impl Control {
         let event = if has_ended { ExecutionEvent::End } else { ExecutionEvent::GiveUp };
         self.execution_after(event);
         if !has_ended && !is_stopped_by_alarm {
-            self.events.push(Event::Notice(format!("{} was given up", under_way.name)));
+            self.events.push(Event::Notice(format!("{name} was given up")));
         }
     }
 }

@@ -94,6 +94,10 @@ pub enum ToolField {
     Length,
     /// Cutting diameter.
     Diameter,
+    /// Wear of the length, which is added to it.
+    WearLength,
+    /// Wear of the radius, which is added to it.
+    WearRadius,
 }
 
 /// What is to be known of a request that was accepted.
@@ -164,7 +168,9 @@ impl Request {
             Self::Jog(..) | Self::TurnSpindle(..) | Self::OrientSpindle(..) => {
                 &[EmergencyStopArmed, NoAlarm, PowerOn, NoProgramUnderWay, NoTapInThread]
             }
-            Self::Load(_) | Self::BlockSkip(..) => &[NoProgramUnderWay],
+            Self::Load(_) | Self::BlockSkip(..) | Self::SetWorkOffset(..) | Self::EditTool(..) => {
+                &[NoProgramUnderWay]
+            }
             Self::Search(_) => &[ProgramLoaded, NoProgramUnderWay],
             Self::Start => &[
                 ProgramLoaded,
@@ -192,7 +198,6 @@ impl Request {
             Self::Retract | Self::Recover | Self::ToolIsFree => &[TapInThread],
             Self::Reset => &[EmergencyStopArmed, NoProgramUnderWay, NoTapInThread, NoManualMotion],
             Self::TouchOff(..) => &[NoProgramUnderWay, NoManualMotion, Homed(None)],
-            Self::SetWorkOffset(..) | Self::EditTool(..) => &[NoProgramUnderWay],
         }
     }
 }

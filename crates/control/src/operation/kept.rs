@@ -1,0 +1,197 @@
+//! What outlives the control: offsets, tools, the last program and how far it came, alarms, settings; in a state folder.
+//!
+//! A request that changes something is accepted when it is on the disk, not before.
+use super::control::Control;
+use super::event::Alarm;
+use super::request::Refusal;
+use crate::Refused;
+use crate::clock::unix_ms;
+use crate::job::Left;
+use std::path::Path;
+use store::parameters::Parameters;
+use store::state::{Alarm as KeptAlarm, LastProgram, Settings, State, StateFolder};
+use units::Time;
+
+/// A state folder, and what was found in it; without one nothing is kept.
+#[derive(Default)]
+pub(super) struct Kept {
+    folder: Option<StateFolder>,
+}
+
+impl Kept {
+    /// Open the folder of this machine; what it says, and what the operator should know of it.
+    pub(super) fn open(
+        path: Option<&Path>,
+        machine: &str,
+    ) -> Result<(Self, State, Vec<String>), Refused> {
+        let Some(path) = path else { return Ok((Self::default(), State::default(), Vec::new())) };
+        let (mut folder, state, mut found) = StateFolder::open(path)?;
+        found.extend(folder.claim(machine)?);
+        let said = found.into_iter().map(|finding| finding.to_string()).collect();
+        Ok((Self { folder: Some(folder) }, state, said))
+    }
+
+    /// Save something, if there is a folder.
+    fn save(
+        &mut self,
+        save: impl FnOnce(&mut StateFolder) -> Result<(), store::Error>,
+    ) -> Result<(), Refusal> {
+        match &mut self.folder {
+            None => Ok(()),
+            Some(folder) => save(folder).map_err(|why| {
+                Refusal::because(format!("it cannot be kept, and stays as it was: {why}"))
+            }),
+        }
+    }
+}
+
+impl Control {
+    /// What was kept is in force again.
+    pub(super) fn take_kept(&mut self, state: State) {
+        if let Some(parameters) = state.parameters {
+            for (number, value) in parameters.iter() {
+                self.data.parameters.set(number as usize, value);
+            }
+        }
+        if let Some(tools) = state.tools {
+            self.data.tools = tools;
+        }
+        self.alarms = state.alarms.into_iter().map(remembered).collect();
+        if let Some(Settings {
+            feed_override,
+            rapid_override,
+            spindle_override,
+            single_block,
+            optional_stop,
+            block_skip,
+            ..
+        }) = state.settings
+        {
+            let kernel = &mut self.executor.kernel;
+            kernel.order(kernel::Order::FeedOverride(feed_override));
+            kernel.order(kernel::Order::RapidOverride(rapid_override));
+            kernel.order(kernel::Order::SpindleOverride(spindle_override));
+            kernel.order(kernel::Order::SingleBlock(single_block));
+            kernel.order(kernel::Order::OptionalStop(optional_stop));
+            while kernel.next_event().is_some() {} // of orders from before the control was on
+            self.options.program.block_skip = block_skip;
+        }
+        if let Some(last) = state.last_program {
+            self.events.notice(said_of(&last));
+            self.last_program = Some(last);
+        }
+    }
+
+    /// Parameters, work offsets among them, are on the disk.
+    pub(super) fn keep_parameters(&mut self) -> Result<(), Refusal> {
+        let parameters = kept_parameters(&self.data.parameters);
+        self.kept.save(|folder| folder.save_parameters(&parameters))
+    }
+
+    /// The tools are on the disk.
+    pub(super) fn keep_tools(&mut self) -> Result<(), Refusal> {
+        let tools = &self.data.tools;
+        self.kept.save(|folder| folder.save_tools(tools))
+    }
+
+    /// Overrides and switches are on the disk.
+    pub(super) fn keep_settings(&mut self) -> Result<(), Refusal> {
+        let operator = self.executor.kernel.operator();
+        let settings = Settings {
+            feed_override: operator.share(false),
+            rapid_override: operator.share(true),
+            spindle_override: operator.spindle_share(),
+            single_block: operator.single_block(),
+            optional_stop: operator.optional_stop(),
+            block_skip: self.options.program.block_skip.clone(),
+            ..Settings::default()
+        };
+        self.kept.save(|folder| folder.save_settings(&settings))
+    }
+
+    /// Which program it is, and how far it has come, is on the disk.
+    pub(super) fn keep_program(&mut self) -> Result<(), Refusal> {
+        let Some(last) = self.last_program.clone() else { return Ok(()) };
+        self.kept.save(|folder| folder.save_last_program(&last))
+    }
+
+    /// What a program has changed; that it could not be kept is said, for nothing waits for an answer.
+    pub(super) fn keep_all(&mut self) {
+        let kept = [self.keep_parameters(), self.keep_tools(), self.keep_program()];
+        for why in kept.into_iter().filter_map(Result::err) {
+            self.events.notice(why.to_string());
+        }
+    }
+
+    pub(super) fn keep_alarm(&mut self, alarm: &Alarm) {
+        let kept = KeptAlarm {
+            number: u32::from(alarm.number),
+            text: alarm.text.clone(),
+            remedy: alarm.remedy.clone(),
+            unix_ms: unix_ms(),
+            program: alarm.program.clone(),
+            line: (alarm.line > 0).then_some(alarm.line),
+        };
+        if let Err(why) = self.kept.save(|folder| folder.save_alarm(kept)) {
+            self.events.notice(why.to_string());
+        }
+    }
+}
+
+/// An alarm from before the control was switched on.
+fn remembered(alarm: KeptAlarm) -> Alarm {
+    Alarm {
+        number: u16::try_from(alarm.number).unwrap_or(u16::MAX),
+        text: alarm.text,
+        remedy: alarm.remedy,
+        program: alarm.program,
+        line: alarm.line.unwrap_or(0),
+        time: Time::ZERO,
+        is_cleared: true,
+    }
+}
+
+/// How far the last program came.
+fn said_of(last: &LastProgram) -> String {
+    let LastProgram { path, line, feature, is_completed, .. } = last;
+    if *is_completed || *line == 0 {
+        format!("the last program was {path}")
+    } else {
+        format!("the last program was {path}: it was left at line {line}, in feature {feature}")
+    }
+}
+
+/// Those that are not zero, and those that LinuxCNC wants to find in its file.
+pub fn kept_parameters(left: &interp::Parameters) -> Parameters {
+    /// The first parameter that outlives a subprogram's call.
+    const FIRST_KEPT: u32 = 31;
+    let mut kept = Parameters::default();
+    let systems = (5221..=5381).step_by(20).flat_map(|first| first..first + 10);
+    let wanted = (5161..=5169).chain(5181..=5189).chain(5210..=5220).chain(systems);
+    let set = left.iter().map(|(number, _)| number as u32).filter(|number| *number >= FIRST_KEPT);
+    for number in wanted.chain(set) {
+        let value = left.get(number as usize).unwrap_or(0.0);
+        let _ = kept.set(number, value); // its numbers are in order
+    }
+    kept
+}
+
+/// What a program leaves behind, as the control takes it.
+pub(super) fn take_left(control: &mut Control, left: Left) {
+    control.data.parameters = left.parameters;
+    control.data.rest = left.rest;
+    for (mut tool, entry) in left.tools {
+        let (length, diameter) =
+            (units::Length::mm(entry.offset[2]), units::Length::mm(entry.diameter));
+        // an entry that the program has not changed is the table's: geometry and wear together
+        if (length - tool.length - tool.wear.length).abs() > units::Length::mm(1e-9) {
+            tool.length = length - tool.wear.length;
+        }
+        if (diameter - tool.diameter).abs() > units::Length::mm(1e-9)
+            && tool.wear.radius == units::Length::ZERO
+        {
+            tool.diameter = diameter;
+        }
+        control.data.tools.insert(tool);
+    }
+}
