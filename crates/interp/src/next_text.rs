@@ -78,6 +78,7 @@ impl Executor {
         self.store.numbered = setup.parameters.clone();
         self.tools.library = setup.tools.clone();
         self.tools.missing = setup.missing_tools;
+        self.tools.follow_library();
         self.remarks.clear();
         (self.held, self.recording) = (crate::out::Held::default(), None);
         let modes = &mut self.modes;

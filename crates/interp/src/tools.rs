@@ -53,6 +53,16 @@ impl Tools {
         entry
     }
 
+    /// What programs have written of lengths and diameters is in the library by now, or was edited there.
+    pub(crate) fn follow_library(&mut self) {
+        for (number, entry) in &mut self.written.entries {
+            if let Some(tool) = self.library.get(*number) {
+                entry.offset[2] = tool.worn_length().value();
+                entry.diameter = tool.worn_diameter().value();
+            }
+        }
+    }
+
     /// Where a tool is kept; that of no tool, and of one that the table lacks, is 0.
     pub(crate) fn pocket(&self, number: u32) -> u32 {
         self.library.get(number).map_or(0, |tool| tool.pocket)

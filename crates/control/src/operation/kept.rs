@@ -10,7 +10,7 @@ use crate::job::Left;
 use std::path::Path;
 use store::parameters::Parameters;
 use store::state::{Alarm as KeptAlarm, LastProgram, Settings, State, StateFolder};
-use units::Time;
+use units::{Length, Time};
 
 /// A state folder, and what was found in it; without one nothing is kept.
 #[derive(Default)]
@@ -181,16 +181,13 @@ pub(super) fn take_left(control: &mut Control, left: Left) {
     control.data.parameters = left.parameters;
     control.data.rest = left.rest;
     for (mut tool, entry) in left.tools {
-        let (length, diameter) =
-            (units::Length::mm(entry.offset[2]), units::Length::mm(entry.diameter));
         // an entry that the program has not changed is the table's: geometry and wear together
-        if (length - tool.length - tool.wear.length).abs() > units::Length::mm(1e-9) {
-            tool.length = length - tool.wear.length;
+        let changed = |is: f64, was: f64| (is - was).abs() > 1e-9;
+        if changed(entry.offset[2], tool.worn_length().value()) {
+            tool.length = Length::mm(entry.offset[2]) - tool.wear.length;
         }
-        if (diameter - tool.diameter).abs() > units::Length::mm(1e-9)
-            && tool.wear.radius == units::Length::ZERO
-        {
-            tool.diameter = diameter;
+        if changed(entry.diameter, tool.worn_diameter().value()) {
+            tool.diameter = Length::mm(entry.diameter) - tool.wear.radius * 2.0;
         }
         control.data.tools.insert(tool);
     }
