@@ -63,6 +63,8 @@ pub struct Control {
     pub(super) is_resetting: bool,
     /// A recovery is on its way.
     pub(super) is_recovering: bool,
+    /// Axes that are homed after those that are homed now.
+    pub(super) to_home: Vec<config::AxisHoming>,
     /// Where the handwheel has sent each axis.
     pub(super) handwheel: [Option<f64>; AXES],
     /// The program that was loaded last, and how far it came.
@@ -94,7 +96,8 @@ impl Control {
         for axis in [Axis::X, Axis::Y, Axis::Z] {
             zero = zero.with(axis, zero.along(axis) + options.clamped.along(axis));
         }
-        let simulated = config::simulator(machine, &base.tools, material, seed, &zero);
+        let mut simulated = config::simulator(machine, &base.tools, material, seed, &zero);
+        simulated.power_on = sim::PowerOn::Unknown;
         let alone = config::left_alone(machine, &simulated);
         let plant = plant::simulated(machine, simulated)?;
         let plant = Plant::Inside(Box::new(Faulty::new(plant, &[], seed).left_alone(alone)));
@@ -103,6 +106,9 @@ impl Control {
             ..config::control(machine, None, config::plain_drive(machine).is_some())
         });
         kernel.switch_off();
+        for axis in machine.axes.iter().flatten() {
+            kernel.forget_home(axis.letter);
+        }
         let judge = config::judge(machine, &base.tools, material, &zero);
         let data =
             Data { parameters: base.parameters.clone(), tools: base.tools.clone(), rest: None };
@@ -123,6 +129,7 @@ impl Control {
             is_hold_asked: false,
             is_resetting: false,
             is_recovering: false,
+            to_home: Vec::new(),
             handwheel: [None; AXES],
             last_program: None,
             kept,
@@ -240,7 +247,7 @@ impl Control {
             }
             Need::ProgramLoaded => self.loaded.is_some(),
             Need::Standstill => kernel.is_off() || kernel.is_standing(),
-            Need::NoManualMotion => !kernel.is_moving_manually(),
+            Need::NoManualMotion => !kernel.is_moving_manually() && !self.is_referencing(),
             Need::TapInThread => self.is_tap_in_thread(),
             Need::NoTapInThread => !self.is_tap_in_thread(),
         };
@@ -281,7 +288,8 @@ impl Control {
     /// No program is under way, nothing moves, and no spindle is told to turn.
     pub fn is_at_standstill(&self) -> bool {
         let kernel = &self.executor.kernel;
-        let still = !kernel.is_moving_manually() && !self.is_resetting && !self.is_recovering;
+        let by_hand = kernel.is_moving_manually() || self.is_referencing();
+        let still = !by_hand && !self.is_resetting && !self.is_recovering;
         self.under_way.is_none() && still && (kernel.is_off() || kernel.is_standing())
     }
 
@@ -327,8 +335,8 @@ impl Control {
     }
 
     /// An axis finds its reference.
-    pub const fn is_referencing(&self) -> bool {
-        false
+    pub fn is_referencing(&self) -> bool {
+        !self.to_home.is_empty() || self.executor.kernel.homing().next().is_some()
     }
 
     /// An axis is moved by hand as long as its lease lasts.
@@ -436,6 +444,17 @@ impl Control {
                 EventKind::SyncWarning { error } => {
                     self.events.notice(format!("line {}: sync error {error}", event.line));
                 }
+                EventKind::Homed { axis, deviation } => {
+                    let axis = axis.letter();
+                    self.events.notice(match deviation {
+                        None => format!("{axis} is homed"),
+                        Some(by) => format!("{axis} is homed, {:+.4} mm from before", by.value()),
+                    });
+                }
+                EventKind::HomingStopped { axis } => {
+                    self.events
+                        .notice(format!("{} was stopped before it was homed", axis.letter()));
+                }
                 EventKind::ToolChanged { tool } => {
                     self.events.notice(format!("tool {tool} is in the spindle"));
                 }
@@ -472,6 +491,10 @@ impl Control {
             (_, Some(WaitFor::Operator { optional: true })) => ExecutionEvent::OptionalStop,
             (_, Some(WaitFor::Operator { optional: false })) => ExecutionEvent::Stop,
             (_, Some(WaitFor::ToolByHand(_) | WaitFor::Input(_))) => ExecutionEvent::Wait,
+            // a held tap that backs out is held all the same
+            _ if self.is_hold_asked && self.execution == Execution::FeedHold => {
+                ExecutionEvent::Hold
+            }
             _ => ExecutionEvent::GoOn,
         };
         self.execution_after(event);
@@ -495,6 +518,7 @@ impl Control {
         if self.is_resetting && self.executor.kernel.clear() {
             self.is_resetting = false;
         }
+        self.go_on_homing();
         if self.is_recovering && self.executor.kernel.is_over() {
             self.is_recovering = false;
             self.after_recovery();

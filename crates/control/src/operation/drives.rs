@@ -1,8 +1,10 @@
 //! Power, emergency stop, reset, homing; and what takes a tool out of the work.
 use super::control::Control;
 use super::event::Event;
+use super::manual::refused_by_kernel;
 use super::request::{Accepted, Refusal};
-use super::state::{EmergencyStop, ExecutionEvent, Power};
+use super::state::{EmergencyStop, ExecutionEvent, Mode, Power};
+use crate::config;
 use crate::stops::RecoverySettings;
 use bus::Machine as _;
 use canon::Axis;
@@ -55,15 +57,52 @@ impl Control {
     }
 
     /// An axis knows where it is.
-    pub(super) const fn is_homed(&self, _axis: Axis) -> bool {
-        true
+    pub(super) const fn is_homed(&self, axis: Axis) -> bool {
+        self.executor.kernel.is_homed(axis)
     }
 
+    /// One axis, or all in the machine's order: those of equal numbers together.
     pub(super) fn home(&mut self, axis: Option<Axis>) -> Result<Accepted, Refusal> {
         if let Some(axis) = axis {
             self.axis_file(axis)?;
         }
-        Ok(Accepted { notes: vec!["every axis of this machine is homed".into()] })
+        if self.is_referencing() {
+            return Err(Refusal::because("homing is under way: wait, or stop the jog"));
+        }
+        self.executor.kernel.clear();
+        self.to_home = config::homing(&self.base.machine)
+            .into_iter()
+            .filter(|homing| axis.is_none_or(|axis| homing.axis == axis))
+            .collect();
+        self.enter(Mode::Manual);
+        self.home_next()
+    }
+
+    /// The axes whose turn it is begin.
+    fn home_next(&mut self) -> Result<Accepted, Refusal> {
+        let Some(order) = self.to_home.first().map(|homing| homing.order) else {
+            return Ok(Accepted::default());
+        };
+        let (now, later) = self.to_home.drain(..).partition(|homing| homing.order == order);
+        self.to_home = later;
+        for homing in now {
+            let begun = self.executor.kernel.home(homing.axis, &homing.how);
+            begun.map_err(|why| refused_by_kernel(why, homing.axis))?;
+        }
+        Ok(Accepted::default())
+    }
+
+    /// The next axes are homed when those before are.
+    pub(super) fn go_on_homing(&mut self) {
+        if self.to_home.is_empty() || self.executor.kernel.homing().next().is_some() {
+            return;
+        }
+        if !self.executor.kernel.is_ready() || self.is_resetting {
+            self.to_home.clear();
+        } else if let Err(why) = self.home_next() {
+            self.to_home.clear();
+            self.events.notice(why.to_string());
+        }
     }
 
     /// Alarms are cleared; what was executed is forgotten; spindles and coolant come to rest.

@@ -72,7 +72,10 @@ impl Control {
         };
         let lease = lease.map(|lasts| self.now() + lasts);
         let order = ManualOrder { goal, limits, ends, lease };
-        self.executor.kernel.move_manually(axis, order).map_err(|why| said(why, axis))?;
+        self.executor
+            .kernel
+            .move_manually(axis, order)
+            .map_err(|why| refused_by_kernel(why, axis))?;
         self.handwheel[axis.index()] = match (jog, goal) {
             (Jog::Handwheel(_), Goal::Position(to)) => Some(to),
             _ => None,
@@ -83,8 +86,11 @@ impl Control {
 
     /// All that is moved by hand comes to rest, each axis as hard as it may brake.
     pub(super) fn stop_jog(&mut self) -> Result<Accepted, Refusal> {
-        if !self.executor.kernel.is_moving_manually() {
-            return Ok(Accepted::default());
+        if self.is_referencing() {
+            // homing ends where the axes come to rest
+            self.to_home.clear();
+            self.executor.kernel.order(kernel::Order::FeedHold);
+            self.is_resetting = true;
         }
         self.executor.kernel.rest_manually();
         Ok(Accepted::default())
@@ -114,7 +120,7 @@ impl Control {
     }
 
     fn after_spindle(&mut self, done: Result<(), ManualRefusal>) -> Result<Accepted, Refusal> {
-        done.map_err(|why| said(why, Axis::Z))?;
+        done.map_err(|why| refused_by_kernel(why, Axis::Z))?;
         self.data.rest = self.data.rest.take().map(interp::OpsRest::stopped);
         self.enter(Mode::Manual);
         Ok(Accepted::default())
@@ -141,7 +147,7 @@ pub(super) const fn unit(axis: Axis) -> &'static str {
 }
 
 /// Of what the kernel refuses, for people.
-fn said(why: ManualRefusal, axis: Axis) -> Refusal {
+pub(super) fn refused_by_kernel(why: ManualRefusal, axis: Axis) -> Refusal {
     let letter = axis.letter();
     Refusal::because(match why {
         ManualRefusal::NoAxis => format!("there is no axis {letter}"),

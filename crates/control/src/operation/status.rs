@@ -179,7 +179,8 @@ impl Control {
         let system = self.work_offset();
         let status = |axis: &store::machine::Axis| {
             let letter = axis.letter;
-            let read = feedback.axes[letter.index()].position.value();
+            let counted = feedback.axes[letter.index()].position;
+            let read = (counted + self.executor.kernel.zero(letter)).value();
             let machine = self.executor.kernel.setpoint(letter).unwrap_or(read);
             AxisStatus {
                 letter: letter.letter(),
