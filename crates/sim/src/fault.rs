@@ -227,6 +227,7 @@ impl<M: Machine> Faulty<M> {
         self.pending.retain(|pending| pending.came.is_none() || pending.planned.fault != fault);
         if !(self.is_abandoned() || self.has(|fault| matches!(fault, Fault::EmergencyStop))) {
             (self.run_down, self.silent) = (None, Time::ZERO);
+            self.said.emergency_stop = self.machine.feedback().emergency_stop;
         }
     }
 

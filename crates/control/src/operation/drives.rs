@@ -57,7 +57,7 @@ impl Control {
     }
 
     /// An axis knows where it is.
-    pub(super) const fn is_homed(&self, axis: Axis) -> bool {
+    pub const fn is_homed(&self, axis: Axis) -> bool {
         self.executor.kernel.is_homed(axis)
     }
 
