@@ -1,6 +1,7 @@
 //! A program, and what it meets on a machine.
 use crate::time::{Times, WithoutJerk};
 use crate::{Finished, RunOptions};
+use canon::Axis;
 use control::job::preflight::{self, Proved};
 use control::job::{Cursor, Operations, ProgramOptions, Session, read_program};
 use control::plant::{self, Plant};
@@ -143,7 +144,15 @@ impl Job {
     /// The numbers of that machine.
     pub(crate) fn simulator(&self, seed: u64) -> sim::Config {
         let Session { machine, tools, .. } = &self.session;
-        config::simulator(machine, tools, self.material, seed, &self.session.work_zero())
+        let zero = self.session.work_zero();
+        let mut simulated = config::simulator(machine, tools, self.material, seed, &zero);
+        // as the machine that is controlled stands, if it was not switched on just now
+        let start = self.session.interp_setup().start;
+        for (index, axis) in &mut simulated.axes {
+            axis.start = start.along(Axis::ALL[*index]);
+        }
+        simulated.tool = self.session.tool();
+        simulated
     }
 
     /// What the workpiece is judged by.
