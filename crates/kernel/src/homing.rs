@@ -21,7 +21,7 @@
 //! wrong way round runs away by a factor e within 1/(2π·bandwidth), milliseconds: what moves against its setpoint by a few
 //! in-position windows, before it ever moved with it, is switched off.
 //!
-//! Sources: IEC 61800-7-201 (CiA 402), homing methods 1 to 37; LinuxCNC, "Homing configuration". Two motors that share one
+//! Sources: IEC 61800-7-201 (`CiA` 402), homing methods 1 to 37; LinuxCNC, "Homing configuration". Two motors that share one
 //! axis (a gantry) are not homed here. Units: mm (of A, B and C degrees) and s.
 mod run;
 
@@ -34,6 +34,8 @@ use motion::{Goal, OnlineLimits, OnlineState};
 use run::{Next, Phase, Run};
 use units::{Axis, Length};
 
+/// Travel of an axis that does not know where it is.
+const EVERYWHERE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 /// What moves against its setpoint by so many in-position windows, or counts, is connected the wrong way round.
 const AGAINST_WINDOWS: f64 = 4.0;
 const AGAINST_COUNTS: f64 = 8.0;
@@ -283,8 +285,7 @@ impl Homing {
         let goal = if rests { Goal::Speed(0.0) } else { run.goal() };
         let speed = run.speed();
         let limits = OnlineLimits { speed, accel: run.order.accel, jerk: run.order.jerk };
-        const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
-        run.state = run.state.next(goal, &limits, FREE, period_s);
+        run.state = run.state.next(goal, &limits, EVERYWHERE, period_s);
         let OnlineState { position, speed, accel, jerk } = run.state;
         axis.target = Target { position, speed, accel, jerk };
         let is_over = if rests {

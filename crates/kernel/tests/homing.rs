@@ -115,7 +115,8 @@ impl Bench {
         let command = self.kernel.tick(&self.feedback());
         self.machine.exchange(&command);
         // by the encoder's zero at the start, so that a new name of the place is no step
-        let at = self.kernel.setpoint(Axis::X).unwrap() - self.kernel.zero(Axis::X).value();
+        let at = self.kernel.setpoint(Axis::X).expect("the machine has X")
+            - self.kernel.zero(Axis::X).value();
         let h = PERIOD.value();
         let (last, speed, accel) = self.last;
         let now = (at - last) / h;

@@ -5,6 +5,7 @@
 //! says how often: `cargo xtask state-kills` 500 times.
 #![allow(clippy::unwrap_used)] // a test may panic
 use control::job::{ProgramOptions, Session, preflight};
+use control::observers::Workpiece;
 use control::{Executor, Loaded, Plant, Running, TickTimes, config, plant};
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -72,7 +73,7 @@ fn control_that_is_killed() {
             options: plan,
             planned: proved.known.planned,
         };
-        let mut running = Running::attended(&loaded, judge, &mut executor);
+        let mut running = Running::attended(&loaded, Workpiece::new(judge), 0, &mut executor);
         while running.period(&mut executor).is_continue() {
             save(&mut folder, &mut tools, &mut last);
         }

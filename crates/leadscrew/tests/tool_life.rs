@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)] // a test may panic
 use control::job::preflight;
 use control::job::{ProgramOptions, Session};
-use control::observers::use_up;
+use control::observers::{Workpiece, use_up};
 use control::{Executor, Loaded, Plant, Running, TickTimes, config, plant};
 use diag::Severity;
 use leadscrew::Program;
@@ -85,7 +85,7 @@ fn what_is_executed_is_counted_in_holes_time_and_length() {
         options: plan,
         planned: proved.known.planned,
     };
-    let mut running = Running::attended(&loaded, judge, &mut executor);
+    let mut running = Running::attended(&loaded, Workpiece::new(judge), 0, &mut executor);
     running.count_tool_use(0);
     while running.period(&mut executor).is_continue() {}
     assert!(executor.kernel.faults().is_empty(), "{:?}", executor.kernel.faults());

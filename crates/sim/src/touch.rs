@@ -246,7 +246,7 @@ mod tests {
         let hole = Hole { bores: vec![bore], ..Hole::at(Length::mm(25.0), Length::mm(20.0)) };
         let touch = Touch::default();
         for (towards, angle) in [([1.0, 0.0, 0.0], PI), ([0.0, 1.0, 0.0], -PI / 2.0)] {
-            let way = switches(&touch, [25.0, 20.0, -110.0], towards, &[hole.clone()]);
+            let way = switches(&touch, [25.0, 20.0, -110.0], towards, std::slice::from_ref(&hole));
             let exact = 12.0 + 0.012 + 0.003 * (3.0 * angle).cos();
             assert!((way - exact).abs() < 0.0015, "{way}, {exact}");
         }

@@ -87,7 +87,7 @@ impl Control {
             )));
         };
         let is_wear = matches!(field, ToolField::WearLength | ToolField::WearRadius);
-        if is_wear && !(value.abs() <= MOST_WEAR) {
+        if is_wear && (!value.is_finite() || value.abs() > MOST_WEAR) {
             return Err(Refusal::because(format!(
                 "wear is {MOST_WEAR:.0} mm at most, found {value}"
             )));

@@ -110,7 +110,6 @@ impl Run {
             Phase::Search { .. } if said.limit_switches[usize::from(order.positive)] => {
                 Ok(self.turn_to(Phase::Return { from: setpoint, seen: false }, said))
             }
-            Phase::Search { from } => far(from, order.search, FaultKind::HomeSwitchNotFound),
             Phase::Return { from, seen } if said.home_switch => {
                 self.phase = Phase::Return { from, seen: true };
                 far(
@@ -126,7 +125,6 @@ impl Run {
             Phase::Return { seen: true, .. } | Phase::BackOff { .. } if !said.home_switch => {
                 Ok(self.turn_to(Phase::Approach { from: setpoint }, said))
             }
-            Phase::Return { from, .. } => far(from, order.search, FaultKind::HomeSwitchNotFound),
             Phase::BackOff { from } => far(from, order.search, FaultKind::HomeSwitchNotReleased),
             Phase::Approach { .. } if said.home_switch => {
                 if order.method == HomingMethod::Switch {
@@ -134,7 +132,9 @@ impl Run {
                 }
                 Ok(self.turn_to(Phase::Index { from: setpoint, edge: Some(reading) }, said))
             }
-            Phase::Approach { from } => far(from, order.search, FaultKind::HomeSwitchNotFound),
+            Phase::Search { from } | Phase::Return { from, .. } | Phase::Approach { from } => {
+                far(from, order.search, FaultKind::HomeSwitchNotFound)
+            }
             Phase::Index { from, edge } => {
                 let Some(at) = said.index.map(Length::value) else {
                     return far(from, BEYOND_MARK * order.index_spacing, FaultKind::IndexNotFound);

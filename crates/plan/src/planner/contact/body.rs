@@ -83,7 +83,7 @@ impl Planner {
         let Some(lowest) = parts(tool).map(|part| part.from).reduce(f64::min) else { return };
         let end = |at: &canon::Position| at.linear[2].value() - long;
         let bends = !matches!(path, Path::Line { .. });
-        if !bends && end(&path.from()).min(end(&path.to())) + lowest >= contact.stock.top() {
+        if !bends && end(path.from()).min(end(path.to())) + lowest >= contact.stock.top() {
             return;
         }
         let mut worst: Option<(f64, Part, Point, f64)> = None;
@@ -123,7 +123,7 @@ impl Planner {
             })
             .filter(|(depth, _, open)| depth - open > ROUNDING.max(SCRAPES))
             .max_by(|a, b| (a.0 - a.2).total_cmp(&(b.0 - b.2)));
-        if let Some((_, part, open)) = worst.map(|(depth, part, open)| (depth, part, open)) {
+        if let Some((_, part, open)) = worst {
             self.say_body(span, part, at, open);
         }
     }
