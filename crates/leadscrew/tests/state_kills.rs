@@ -113,7 +113,8 @@ fn killed_after(life: Duration, folder: &Path, before: Saved) -> Saved {
         .spawn()
         .unwrap();
     let said = BufReader::new(control.stdout.take().unwrap());
-    let reader = std::thread::spawn(move || said.lines().map_while(Result::ok).collect::<Vec<_>>());
+    let read = move || said.lines().map_while(Result::ok).collect::<Vec<_>>();
+    let reader = std::thread::Builder::new().spawn(read).unwrap();
     std::thread::sleep(life);
     control.kill().unwrap();
     control.wait().unwrap();
