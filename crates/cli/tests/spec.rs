@@ -41,6 +41,7 @@ fn rewritten(page: &str) -> (String, usize) {
     let mut out = String::new();
     let mut program = String::new();
     let mut options = Vec::new();
+    let mut folder = None;
     let mut checked = 0;
     let mut lines = page.lines();
     while let Some(line) = lines.next() {
@@ -68,7 +69,7 @@ fn rewritten(page: &str) -> (String, usize) {
             }
             console if console == "console" || console.starts_with("console ") => {
                 let options: Vec<_> = console.split(' ').skip(1).collect();
-                out.push_str(&led(&options, &body));
+                out.push_str(&led(desk(&mut folder, &program), &options, &body));
                 out.push_str("```\n");
                 checked += 1;
                 continue;
@@ -90,11 +91,25 @@ fn rewritten(page: &str) -> (String, usize) {
     (out, checked)
 }
 
+/// The folder in which a page's control is led: with its program as `part.ngc`, and the shipped programs.
+fn desk<'a>(folder: &'a mut Option<tempfile::TempDir>, program: &str) -> &'a Path {
+    let folder = folder.get_or_insert_with(|| {
+        let folder = tempfile::tempdir().unwrap();
+        std::os::unix::fs::symlink(root().join("programs"), folder.path().join("programs"))
+            .unwrap();
+        folder
+    });
+    fs::write(folder.path().join("part.ngc"), program).unwrap();
+    folder.path()
+}
+
 /// What a control prints that is led by the lines behind `> `; each must be accepted, each wait met.
-fn led(options: &[&str], body: &[&str]) -> String {
+fn led(folder: &Path, options: &[&str], body: &[&str]) -> String {
     let typed = body.iter().filter_map(|line| line.strip_prefix("> "));
     let script: String = typed.map(|line| line.to_owned() + "\n").collect();
-    run(&[&["control", "--script", "-"], options].concat(), &script, 0)
+    let tools = ["--tools", "programs/tools.toml", "--subprograms", "programs"];
+    let arguments = [&["control", "--script", "-"], &tools[..], options].concat();
+    run_in(folder, &arguments, &script, 0)
 }
 
 /// Without the lines that name program and tools: the page has told of both.
@@ -125,11 +140,14 @@ fn picture_of(page: &Path, text: &str) -> Option<String> {
 
 /// What the program prints for a G-code program on its standard input.
 fn run(arguments: &[&str], program: &str, exit_code: i32) -> String {
+    let arguments = [arguments, &["--tools", "programs/tools.toml"]].concat();
+    run_in(&root(), &arguments, program, exit_code)
+}
+
+fn run_in(folder: &Path, arguments: &[&str], program: &str, exit_code: i32) -> String {
     let mut child = Command::new(env!("CARGO_BIN_EXE_leadscrew"))
         .args(arguments)
-        .arg("--tools")
-        .arg("programs/tools.toml")
-        .current_dir(root())
+        .current_dir(folder)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())

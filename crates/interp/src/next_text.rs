@@ -69,27 +69,25 @@ impl Snapshot {
         (self.ended, self.begun, self.percent) = (false, false, false);
         self.executed = 0;
         self.forget_findings(setup);
-        self.executor.begin_next_text(setup, tool);
+        begin_anew(&mut self.executor, setup, tool);
     }
 }
 
-impl Executor {
-    fn begin_next_text(&mut self, setup: &Setup, tool: u32) {
-        self.store.numbered = setup.parameters.clone();
-        self.tools.library = setup.tools.clone();
-        self.tools.missing = setup.missing_tools;
-        self.tools.follow_library();
-        self.remarks.clear();
-        (self.held, self.recording) = (crate::out::Held::default(), None);
-        let modes = &mut self.modes;
-        modes.unknown = Unknown::default();
-        modes.current_tool = tool;
-        modes.line = 0;
-        offsets::load_offsets(modes, &mut self.store, &self.settings);
-        let mut own = machine_point(&setup.start);
-        scale(&mut own, 1.0 / modes.units.in_mm());
-        modes.at = modes.frame.to_program(&own);
-    }
+fn begin_anew(executor: &mut Executor, setup: &Setup, tool: u32) {
+    executor.store.numbered = setup.parameters.clone();
+    executor.tools.library = setup.tools.clone();
+    executor.tools.missing = setup.missing_tools;
+    executor.tools.follow_library();
+    executor.remarks.clear();
+    (executor.held, executor.recording) = (crate::out::Held::default(), None);
+    let modes = &mut executor.modes;
+    modes.unknown = Unknown::default();
+    modes.current_tool = tool;
+    modes.line = 0;
+    offsets::load_offsets(modes, &mut executor.store, &executor.settings);
+    let mut own = machine_point(&setup.start);
+    scale(&mut own, 1.0 / modes.units.in_mm());
+    modes.at = modes.frame.to_program(&own);
 }
 
 impl Resolver {

@@ -31,7 +31,7 @@ use crate::drives::Finding;
 use crate::fault::FaultKind;
 use bus::{AXES, AxisFeedback, Feedback};
 use motion::{Goal, OnlineLimits, OnlineState};
-use run::{Next, Phase, Run};
+use run::{HomingRun, Next, Phase};
 use units::{Axis, Length};
 
 /// Travel of an axis that does not know where it is.
@@ -89,14 +89,14 @@ pub struct HomingOrder {
 
 /// Whether an axis moves the way it is told to.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Sense {
+struct EncoderSense {
     setpoint: f64,
     reading: f64,
 }
 
 /// What one period of homing has come to.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Outcome {
+pub(crate) enum HomingOutcome {
     UnderWay,
     /// It is homed; the reference was off by so much where it was known before.
     Homed(Option<f64>),
@@ -111,9 +111,9 @@ pub(crate) struct Homing {
     /// What a reading is short of the position.
     zeros: [f64; AXES],
     shifted: bool,
-    runs: [Option<Run>; AXES],
+    runs: [Option<HomingRun>; AXES],
     /// Axes that have not yet been seen to move the way they are told to, while they do.
-    senses: [Option<Sense>; AXES],
+    senses: [Option<EncoderSense>; AXES],
     proven: [bool; AXES],
 }
 
@@ -214,20 +214,20 @@ impl Homing {
         index: usize,
         axis: &mut AxisLoop,
         order: &HomingOrder,
-    ) -> Outcome {
+    ) -> HomingOutcome {
         let at = axis.target.position;
         match order.method {
             HomingMethod::Absolute => {
                 let zero = self.zeros[index];
                 self.rename(index, axis, zero, order.reference);
                 self.homed[index] = true;
-                return Outcome::Homed(None);
+                return HomingOutcome::Homed(None);
             }
             HomingMethod::Given => {
                 let from = axis.position();
                 self.rename(index, axis, from, order.reference);
                 self.homed[index] = true;
-                return Outcome::Homed(None);
+                return HomingOutcome::Homed(None);
             }
             HomingMethod::SwitchAndIndex
             | HomingMethod::Switch
@@ -245,7 +245,7 @@ impl Homing {
             _ => Phase::Search { from: at },
         };
         let was_homed = core::mem::replace(&mut self.homed[index], false);
-        self.runs[index] = Some(Run {
+        self.runs[index] = Some(HomingRun {
             order,
             phase,
             state: OnlineState::at_rest(at),
@@ -253,7 +253,7 @@ impl Homing {
             deviation: None,
             was_homed,
         });
-        Outcome::UnderWay
+        HomingOutcome::UnderWay
     }
 
     /// One period of one axis; `rests`: it comes to rest and is not homed.
@@ -264,7 +264,7 @@ impl Homing {
         said: &AxisFeedback,
         rests: bool,
         period_s: f64,
-    ) -> Result<Option<Outcome>, Finding> {
+    ) -> Result<Option<HomingOutcome>, Finding> {
         let Some(mut run) = self.runs[index] else { return Ok(None) };
         let of = Subject::Axis(Axis::ALL[index]);
         if !rests {
@@ -295,15 +295,15 @@ impl Homing {
         };
         if !is_over {
             self.runs[index] = Some(run);
-            return Ok(Some(Outcome::UnderWay));
+            return Ok(Some(HomingOutcome::UnderWay));
         }
         axis.force_limit = f64::INFINITY;
         self.runs[index] = None;
         if rests {
-            return Ok(Some(Outcome::Stopped));
+            return Ok(Some(HomingOutcome::Stopped));
         }
         self.homed[index] = true;
-        Ok(Some(Outcome::Homed(run.deviation)))
+        Ok(Some(HomingOutcome::Homed(run.deviation)))
     }
 
     /// Whether an axis that has not been homed moves the way it is told to.
@@ -313,7 +313,7 @@ impl Homing {
         }
         let (setpoint, reading) = (axis.target.position, axis.position());
         let Some(start) = self.senses[index].filter(|_| axis.target.speed != 0.0) else {
-            self.senses[index] = Some(Sense { setpoint, reading });
+            self.senses[index] = Some(EncoderSense { setpoint, reading });
             return Ok(());
         };
         let told = setpoint - start.setpoint;

@@ -44,12 +44,12 @@ pub enum ManualRefusal {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Manual {
     moving: [Option<(ManualOrder, OnlineState)>; AXES],
-    turning: [Option<Turning>; SPINDLES],
+    turning: [Option<SpindleByHand>; SPINDLES],
 }
 
 /// How a spindle is turned by hand.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Turning {
+pub(crate) enum SpindleByHand {
     /// Until its lease is over.
     Until(Time),
     /// To an angle within its turn, once it stands.
@@ -68,7 +68,7 @@ impl Manual {
     }
 
     /// How a spindle is turned; `None`: it is not.
-    pub(crate) const fn turn(&mut self, index: usize, turning: Option<Turning>) {
+    pub(crate) const fn turn(&mut self, index: usize, turning: Option<SpindleByHand>) {
         self.turning[index] = turning;
     }
 
@@ -86,7 +86,7 @@ impl Manual {
             (order.goal, order.lease) = (Goal::Speed(0.0), None);
         }
         for turning in &mut self.turning {
-            *turning = turning.map(|_| Turning::Until(Time::ZERO));
+            *turning = turning.map(|_| SpindleByHand::Until(Time::ZERO));
         }
     }
 
@@ -100,13 +100,13 @@ impl Manual {
         for (turning, spindle) in self.turning.iter_mut().zip(&mut drives.spindles) {
             let Some(spindle) = spindle.as_mut() else { continue };
             match *turning {
-                Some(Turning::To(angle)) if !rests => {
+                Some(SpindleByHand::To(angle)) if !rests => {
                     spindle.hold(Some(angle));
                     if spindle.held().is_some() {
                         *turning = None;
                     }
                 }
-                Some(Turning::Until(end)) if !rests && now < end => {}
+                Some(SpindleByHand::Until(end)) if !rests && now < end => {}
                 Some(_) => {
                     spindle.slew_to(Spin::ZERO);
                     *turning = None;

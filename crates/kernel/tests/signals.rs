@@ -131,6 +131,8 @@ fn a_reset_switches_outputs_off() {
     let mut bench = Bench::of(Pause::Wait, vec![digital(5, true), StepKind::End]);
     assert!(bench.run(0.1, |_| ()).outputs.is_on(5));
     assert!(bench.kernel.clear());
+    assert!(bench.run(0.01, |_| ()).outputs.is_on(5), "a program that follows finds it on");
+    bench.kernel.clear_outputs();
     assert!(!bench.run(0.01, |_| ()).outputs.is_on(5));
 }
 

@@ -12,7 +12,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 use store::parameters::Parameters;
-use store::state::{Alarm, LastProgram, State, StateFolder, Weight};
+use store::state::{AlarmRecord, LastProgram, State, StateFolder, Weight};
 use units::Length;
 
 const FOLDER: &str = "STATE_KILLS_FOLDER";
@@ -99,7 +99,7 @@ fn save(folder: &mut StateFolder, tools: &mut canon::ToolLibrary, last: &mut Sav
     folder.save_last_program(&LastProgram { line, operation, ..LastProgram::default() }).unwrap();
     println!("position {}", last.position);
     last.alarms += 1;
-    folder.save_alarm(Alarm { number: last.alarms, ..Alarm::default() }).unwrap();
+    folder.save_alarm(AlarmRecord { number: last.alarms, ..AlarmRecord::default() }).unwrap();
     println!("alarms {}", last.alarms);
 }
 

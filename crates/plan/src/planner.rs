@@ -27,7 +27,7 @@ use crate::repace::OperatorSettings;
 use crate::signals;
 use crate::stroke::{Stroke, StrokeRequest};
 use crate::way_out::CameFrom;
-use crate::words::Frame;
+use crate::words::WrittenFrame;
 use crate::{Step, StepKind};
 use alloc::{format, vec::Vec};
 use canon::{Axis, Op, OpKind, PathMode, Position, ProgramFrame, ToolLibrary};
@@ -107,7 +107,7 @@ pub struct Planner {
     /// The first spindle turns the work, and the tool stands.
     turns_work: bool,
     /// How the program writes places now: findings are said in its words.
-    frame: Frame,
+    frame: WrittenFrame,
     /// Where the program has the axes.
     programmed: Position,
     /// Where X, Y and Z really are, if a tool change has taken them there.
@@ -236,7 +236,7 @@ impl Planner {
             only_judges: false,
             tools,
             turns_work: false,
-            frame: Frame::default(),
+            frame: WrittenFrame::default(),
             programmed: start.position,
             away: tool_change::Away::default(),
             tool: start.tool,

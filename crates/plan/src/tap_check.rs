@@ -18,7 +18,9 @@ use crate::holes::Drilled;
 use crate::left_alone::{overrun, survives};
 use crate::limits::{AxisLimits, Coasts, OwnRamps, SpindleLimits};
 use crate::stroke::tapping_torque;
-use crate::words::{Frame, Rounding, WHICH_UNIT, advice, bare_length, feed, is_other_unit, length};
+use crate::words::{
+    Rounding, WHICH_UNIT, WrittenFrame, advice, bare_length, feed, is_other_unit, length,
+};
 use alloc::{format, string::String, vec::Vec};
 use canon::{Tap, TapTool, Tool};
 use diag::{Diagnostic, Span};
@@ -42,7 +44,7 @@ pub(crate) struct TapCheck<'a> {
     pub(crate) hole: Option<Drilled>,
     pub(crate) own_ramps: Option<OwnRamps>,
     /// How the program writes it.
-    pub(crate) frame: &'a Frame,
+    pub(crate) frame: &'a WrittenFrame,
     pub(crate) coasts: Coasts,
 }
 
@@ -78,7 +80,7 @@ impl TapCheck<'_> {
             let way = self.tap.surface.value() + sign * depth - start.value();
             if self.frame.increment(self.tap.axis, way).is_some() {
                 // a cycle's depth counts from its R plane there
-                let frame = Frame { from: self.tap.start, ..*self.frame };
+                let frame = WrittenFrame { from: self.tap.start, ..*self.frame };
                 return advice(&frame, self.tap.axis, start.value() + way, Rounding::Nearest);
             }
             format!("{letter}{}", bare_length(self.frame, sign * depth))

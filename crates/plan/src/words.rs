@@ -17,13 +17,13 @@ use core::ops::Deref;
 
 /// How a block is written, and from where its incremental words count.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Frame {
+pub(crate) struct WrittenFrame {
     pub(crate) written: ProgramFrame,
     /// Where the axes stand before the block, machine coordinates.
     pub(crate) from: Position,
 }
 
-impl Deref for Frame {
+impl Deref for WrittenFrame {
     type Target = ProgramFrame;
 
     fn deref(&self) -> &ProgramFrame {
@@ -94,7 +94,7 @@ pub(crate) fn word(frame: &ProgramFrame, axis: Axis, machine: f64) -> String {
 }
 
 /// A coordinate that works, in the word that the program would write: rounded into what works.
-pub(crate) fn advice(frame: &Frame, axis: Axis, machine: f64, rounding: Rounding) -> String {
+pub(crate) fn advice(frame: &WrittenFrame, axis: Axis, machine: f64, rounding: Rounding) -> String {
     let inches = frame.unit == LengthUnit::Inch && !is_rotary(axis) && frame.work_offset != 0;
     let steps = if inches { 1e4 } else { 1e3 };
     let said = |letter: char, value: f64| {
@@ -193,7 +193,7 @@ mod tests {
         for limit in [250.0, 199.9, 123.456, -250.0, -199.9] {
             let inward = if limit > 0.0 { -1.0 } else { 1.0 };
             let rounding = if inward > 0.0 { Rounding::Up } else { Rounding::Down };
-            let frame = Frame { written: frame, ..Frame::default() };
+            let frame = WrittenFrame { written: frame, ..WrittenFrame::default() };
             let text = advice(&frame, Axis::X, limit, rounding);
             let inches: f64 = text[1..].parse().unwrap_or(f64::NAN);
             let beyond = (inches * units::MM_PER_INCH - limit) * -inward;
@@ -208,7 +208,7 @@ mod tests {
             counting: Counting::Incremental,
             ..ProgramFrame::default()
         };
-        let mut frame = Frame { written, from: Position::xyz(0.0, 0.0, 50.0) };
+        let mut frame = WrittenFrame { written, from: Position::xyz(0.0, 0.0, 50.0) };
         assert_eq!(advice(&frame, Axis::Z, 2.0, Rounding::Up), "Z-48 (incremental)");
         frame.written.unit = LengthUnit::Inch;
         assert_eq!(advice(&frame, Axis::Z, 2.0, Rounding::Up), "Z-1.8897 (incremental)");

@@ -122,6 +122,7 @@ fn a_spindle_order_it_cannot_obey() {
     assert_snapshot!(findings(ops), @r"
     M0308 Error line 1: S12000 is above the spindle's highest speed: S10000 works
     M0310 Error line 2: constant surface speed (G96) is for a spindle that turns the work, and this one turns the tool: give rpm with G97 S
+        help: on a lathe, lathe = true in the machine's file says that its first spindle turns the work
     M0313 Error line 3: the machine has 1 spindle(s), found an order for spindle 3, counted from 0
     ");
 }

@@ -7,8 +7,8 @@ use std::fs;
 use std::path::Path;
 use store::parameters::Parameters;
 use store::state::{
-    Alarm, Finding, HomedAxis, Homing, LastProgram, LengthDisplay, MOST_ALARMS, Settings, State,
-    StateFolder, Weight,
+    AlarmRecord, Finding, HomedAxis, Homing, LastProgram, LengthDisplay, MOST_ALARMS, Settings,
+    State, StateFolder, Weight,
 };
 use units::{Length, Time};
 
@@ -32,9 +32,15 @@ fn tools(wear_um: f64) -> ToolLibrary {
     library
 }
 
-fn alarm(number: u32) -> Alarm {
+fn alarm(number: u32) -> AlarmRecord {
     let text = "the axis X does not follow".to_owned();
-    Alarm { number, text, unix_ms: 1_790_000_000_000, line: Some(12), ..Alarm::default() }
+    AlarmRecord {
+        number,
+        text,
+        unix_ms: 1_790_000_000_000,
+        line: Some(12),
+        ..AlarmRecord::default()
+    }
 }
 
 fn program() -> LastProgram {

@@ -95,8 +95,9 @@ Examples:
     Time(TimeArgs),
     /// Switch a control on and lead it: home, jog, touch off, load, start, hold, by a script or from the terminal
     #[command(
-        after_help = "A request a line; `help` lists them. In a script machine time runs only while a line waits, so it
-is the same each time; from the terminal it runs as on the wall. The machine is simulated.
+        after_help = "A request a line; `help` lists them; a line that begins with # is a remark. In a script machine
+time runs only while a line waits, so it is the same each time; from the terminal it runs as on the wall. The machine
+is simulated.
 
 Exit code: 0 every request was accepted and every wait was met; 1 a wait was not met, or the script left something
 moving; 2 a request was refused, or a line is none. The first line that fails ends the script, and all comes to rest.

@@ -40,7 +40,7 @@ impl Clock {
 }
 
 /// What the control's thread answers to a line.
-enum Answer {
+enum LineResult {
     /// It is done; the status line.
     Done(String),
     /// It has failed; the status line.
@@ -53,7 +53,7 @@ enum Answer {
 pub(super) fn run(options: ControlOptions) -> Result<Ending, Refused> {
     let printer = ExternalPrinter::<String>::default();
     let (lines, typed) = channel::<String>();
-    let (answers, answered) = channel::<Answer>();
+    let (answers, answered) = channel::<LineResult>();
     let (up, is_up) = channel::<Result<(), Refused>>();
     let out = printer.sender();
     let thread = std::thread::Builder::new().name("control".into());
@@ -83,12 +83,12 @@ pub(super) fn run(options: ControlOptions) -> Result<Ending, Refused> {
             break;
         }
         match answered.recv() {
-            Ok(Answer::Done(now)) => state = now,
-            Ok(Answer::Failed(why, now)) => {
+            Ok(LineResult::Done(now)) => state = now,
+            Ok(LineResult::Failed(why, now)) => {
                 say::err(&format!("{why}\n"));
                 state = now;
             }
-            Ok(Answer::Over) | Err(_) => break,
+            Ok(LineResult::Over) | Err(_) => break,
         }
     }
     drop(lines);
@@ -101,7 +101,7 @@ fn lead(
     options: ControlOptions,
     up: &Sender<Result<(), Refused>>,
     typed: &Receiver<String>,
-    answers: &Sender<Answer>,
+    answers: &Sender<LineResult>,
     out: &SyncSender<String>,
 ) {
     let control = match Control::new(options) {
@@ -124,11 +124,13 @@ fn lead(
                 clock = Clock::start(session.control.now());
                 let now = show::line(&session.control.status());
                 let answer = match done {
-                    Ok(true) => Answer::Done(now),
-                    Ok(false) => Answer::Over,
-                    Err(Failure::NotMet(why) | Failure::Refused(why)) => Answer::Failed(why, now),
+                    Ok(true) => LineResult::Done(now),
+                    Ok(false) => LineResult::Over,
+                    Err(Failure::NotMet(why) | Failure::Refused(why)) => {
+                        LineResult::Failed(why, now)
+                    }
                 };
-                let is_over = matches!(answer, Answer::Over);
+                let is_over = matches!(answer, LineResult::Over);
                 if answers.send(answer).is_err() || is_over {
                     break;
                 }

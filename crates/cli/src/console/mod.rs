@@ -69,8 +69,8 @@ fn from_standard_input() -> Result<Vec<u8>, Refused> {
 fn run_script(control: Control, name: &str, script: &str, quiet: bool) -> Result<Ending, Refused> {
     let mut session = Session::new(control);
     for (number, line) in (1..).zip(script.lines()) {
-        let line = line.split('#').next().unwrap_or_default().trim();
-        if line.is_empty() {
+        let line = line.trim();
+        if line.is_empty() || line.starts_with('#') {
             continue;
         }
         if !quiet {

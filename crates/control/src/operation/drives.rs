@@ -118,7 +118,7 @@ impl Control {
             for alarm in &mut self.alarms {
                 alarm.is_cleared = true;
             }
-        } else if self.power == Power::On && !self.executor.kernel.clear() {
+        } else if self.power == Power::On {
             self.executor.kernel.order(Order::Abort); // what turns comes to rest first
             self.is_resetting = true;
         }

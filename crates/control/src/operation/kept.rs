@@ -9,7 +9,7 @@ use crate::clock::unix_ms;
 use crate::job::Left;
 use std::path::Path;
 use store::parameters::Parameters;
-use store::state::{Alarm as KeptAlarm, LastProgram, Settings, State, StateFolder};
+use store::state::{AlarmRecord, LastProgram, Settings, State, StateFolder};
 use units::{Length, Time};
 
 /// A state folder, and what was found in it; without one nothing is kept.
@@ -124,7 +124,7 @@ impl Control {
     }
 
     pub(super) fn keep_alarm(&mut self, alarm: &Alarm) {
-        let kept = KeptAlarm {
+        let kept = AlarmRecord {
             number: u32::from(alarm.number),
             text: alarm.text.clone(),
             remedy: alarm.remedy.clone(),
@@ -139,7 +139,7 @@ impl Control {
 }
 
 /// An alarm from before the control was switched on.
-fn remembered(alarm: KeptAlarm) -> Alarm {
+fn remembered(alarm: AlarmRecord) -> Alarm {
     Alarm {
         number: u16::try_from(alarm.number).unwrap_or(u16::MAX),
         text: alarm.text,

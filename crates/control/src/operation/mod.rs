@@ -18,7 +18,7 @@
 //! | `programs` | load, search, start, blocks that are typed, the end |
 //! | `offsets` | work offsets, touch off, tools |
 //! | `kept` | what outlives the control, in its state folder |
-//! | `event`, `status` | what happened; how things are |
+//! | `event`, `questions`, `status` | what happened; what a front end asks; how things are |
 #![allow(clippy::unnecessary_wraps)] // every request is answered alike: accepted, or refused
 
 mod control;
@@ -28,6 +28,7 @@ mod kept;
 mod manual;
 mod offsets;
 mod programs;
+mod questions;
 mod request;
 mod state;
 mod status;

@@ -135,9 +135,7 @@ impl Control {
         restart: Option<Restart>,
     ) -> Result<(), Refusal> {
         if !self.executor.kernel.clear() {
-            return Err(Refusal::because(
-                "a spindle that was turned by hand still turns: wait, or reset",
-            ));
+            return Err(Refusal::because("an axis still moves: wait until it stands"));
         }
         let options = session.plan_options(session.machine.setup.stock.material);
         let loaded = Ready {

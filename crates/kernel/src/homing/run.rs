@@ -41,7 +41,7 @@ impl Phase {
 
 /// One axis on its way.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Run {
+pub(super) struct HomingRun {
     pub(super) order: HomingOrder,
     pub(super) phase: Phase,
     pub(super) state: OnlineState,
@@ -62,7 +62,7 @@ pub(super) enum Next {
 /// An alarm, what was found, and the limit.
 pub(super) type Failure = (FaultKind, f64, f64);
 
-impl Run {
+impl HomingRun {
     /// Where the phase wants the axis.
     pub(super) fn goal(&self) -> Goal {
         let HomingOrder { fast, slow, .. } = self.order;

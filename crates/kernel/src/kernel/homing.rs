@@ -4,7 +4,7 @@ use crate::config::Subject;
 use crate::drives::Finding;
 use crate::event::EventKind;
 use crate::fault::FaultKind;
-use crate::homing::{HomingOrder, Outcome};
+use crate::homing::{HomingOrder, HomingOutcome};
 use crate::manual::ManualRefusal;
 use crate::queue::StepKind;
 use bus::{AXES, Feedback, Sample};
@@ -34,8 +34,10 @@ impl Kernel {
         }
         let Some(moved) = &mut self.drives.axes[index] else { return Err(ManualRefusal::NoAxis) };
         match self.homing.begin(index, moved, order) {
-            Outcome::Homed(deviation) => self.note_homed(axis, deviation),
-            Outcome::UnderWay | Outcome::Stopped => self.note(EventKind::HomingBegun { axis }),
+            HomingOutcome::Homed(deviation) => self.note_homed(axis, deviation),
+            HomingOutcome::UnderWay | HomingOutcome::Stopped => {
+                self.note(EventKind::HomingBegun { axis })
+            }
         }
         Ok(())
     }
@@ -95,9 +97,9 @@ impl Kernel {
             });
             let axis = Axis::ALL[index];
             match outcome {
-                Ok(Some(Outcome::Homed(deviation))) => self.note_homed(axis, deviation),
-                Ok(Some(Outcome::Stopped)) => self.note(EventKind::HomingStopped { axis }),
-                Ok(Some(Outcome::UnderWay) | None) => {}
+                Ok(Some(HomingOutcome::Homed(deviation))) => self.note_homed(axis, deviation),
+                Ok(Some(HomingOutcome::Stopped)) => self.note(EventKind::HomingStopped { axis }),
+                Ok(Some(HomingOutcome::UnderWay) | None) => {}
                 Err(finding) => self.raise(finding, feedback),
             }
         }

@@ -1,7 +1,7 @@
 //! What is done without a program: drives on and off, axes moved by hand, all forgotten after an alarm.
 use super::{Kernel, Mode};
 use crate::execute::Activity;
-use crate::manual::{ManualOrder, ManualRefusal, Turning};
+use crate::manual::{ManualOrder, ManualRefusal, SpindleByHand};
 use crate::spindle::SpindleLoop;
 use bus::State;
 use units::{Angle, Axis, Spin, Time};
@@ -35,9 +35,12 @@ impl Kernel {
         self.operator = operator;
     }
 
-    /// A program has ended or was given up, and everything stands: another one may come. Whether that is so.
+    /// A program has ended or was given up, and the axes stand: another one may come, with the spindles turning on as they
+    /// are told to. Whether that is so.
     pub fn clear(&mut self) -> bool {
-        let stands = matches!(self.mode, Mode::Running) && self.is_standing();
+        let mut axes = self.drives.axes.iter().flatten();
+        let stand = axes.all(|axis| axis.target.speed == 0.0) && !self.operator.wants_out();
+        let stands = matches!(self.mode, Mode::Running) && stand;
         if !stands || self.engaged().is_some() || self.way_out.is_some() {
             return false;
         }
@@ -90,7 +93,7 @@ impl Kernel {
         }
         turned.slew_to(spin);
         self.drives.in_force[spindle] = Spin::ZERO; // no program has ordered it
-        self.manual.turn(spindle, (spin != Spin::ZERO).then_some(Turning::Until(until)));
+        self.manual.turn(spindle, (spin != Spin::ZERO).then_some(SpindleByHand::Until(until)));
         Ok(())
     }
 
@@ -108,7 +111,7 @@ impl Kernel {
         };
         turned.stop();
         self.drives.in_force[spindle] = Spin::ZERO;
-        self.manual.turn(spindle, Some(Turning::To(angle)));
+        self.manual.turn(spindle, Some(SpindleByHand::To(angle)));
         Ok(())
     }
 

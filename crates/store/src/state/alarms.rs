@@ -20,7 +20,7 @@ const LONGEST_TEXT: usize = 1000;
 /// An alarm that was raised.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Alarm {
+pub struct AlarmRecord {
     /// Its number, as docs/alarms.md lists it.
     pub number: u32,
     /// Its sentence.
@@ -38,14 +38,14 @@ pub struct Alarm {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Line {
-    alarm: Alarm,
+    alarm: AlarmRecord,
     checksum: u32,
 }
 
 /// What is kept in the file.
 #[derive(Debug, Default)]
 pub(super) struct AlarmFile {
-    alarms: Vec<Alarm>,
+    alarms: Vec<AlarmRecord>,
     /// The file has lines that do not count: it is replaced at the next alarm.
     is_dirty: bool,
 }
@@ -68,7 +68,7 @@ impl AlarmFile {
         (Self { alarms, is_dirty: bad > 0 || more > 0 }, bad)
     }
 
-    pub(super) fn alarms(&self) -> &[Alarm] {
+    pub(super) fn alarms(&self) -> &[AlarmRecord] {
         &self.alarms
     }
 
@@ -77,7 +77,7 @@ impl AlarmFile {
     }
 
     /// One more, on the disk when this returns.
-    pub(super) fn add(&mut self, folder: &Path, mut alarm: Alarm) -> Result<(), Error> {
+    pub(super) fn add(&mut self, folder: &Path, mut alarm: AlarmRecord) -> Result<(), Error> {
         cut(&mut alarm.text);
         cut(&mut alarm.remedy);
         alarm.program.as_mut().map(cut);
@@ -112,7 +112,7 @@ fn append(folder: &Path, path: &Path, text: &str) -> io::Result<()> {
 }
 
 /// An alarm as its line. It has names, numbers and text alone: that cannot fail.
-fn line(alarm: &Alarm) -> String {
+fn line(alarm: &AlarmRecord) -> String {
     let checksum = checksum(alarm);
     let mut text =
         serde_json::to_string(&Line { alarm: alarm.clone(), checksum }).unwrap_or_default();
@@ -120,11 +120,11 @@ fn line(alarm: &Alarm) -> String {
     text
 }
 
-fn checksum(alarm: &Alarm) -> u32 {
+fn checksum(alarm: &AlarmRecord) -> u32 {
     crc32fast::hash(&serde_json::to_vec(alarm).unwrap_or_default())
 }
 
-fn read_line(line: &[u8]) -> Option<Alarm> {
+fn read_line(line: &[u8]) -> Option<AlarmRecord> {
     let read: Line = serde_json::from_slice(line.strip_suffix(b"\n")?).ok()?;
     (checksum(&read.alarm) == read.checksum).then_some(read.alarm)
 }

@@ -18,7 +18,7 @@ pub mod lock;
 mod plain;
 pub mod seal;
 
-pub use alarms::{Alarm, MOST_ALARMS};
+pub use alarms::{AlarmRecord, MOST_ALARMS};
 pub use data::{HomedAxis, Homing, LastProgram, LengthDisplay, Machine, Settings};
 pub use seal::{Datum, Untrusted};
 
@@ -51,7 +51,7 @@ pub struct State {
     /// The program that was loaded last, and how far it came.
     pub last_program: Option<LastProgram>,
     /// Alarms, the oldest first.
-    pub alarms: Vec<Alarm>,
+    pub alarms: Vec<AlarmRecord>,
     /// What the operator had set; `None`: nothing was kept.
     pub settings: Option<Settings>,
 }
@@ -204,7 +204,7 @@ impl StateFolder {
     ///
     /// # Errors
     /// As [`StateFolder::save_parameters`].
-    pub fn save_alarm(&mut self, alarm: Alarm) -> Result<(), Error> {
+    pub fn save_alarm(&mut self, alarm: AlarmRecord) -> Result<(), Error> {
         let name = AlarmFile::NAME;
         if self.rejected.contains(name) {
             self.set_aside(name)?;
@@ -294,7 +294,7 @@ impl StateFolder {
         value
     }
 
-    fn read_alarms(&mut self, found: &mut Vec<Finding>) -> Vec<Alarm> {
+    fn read_alarms(&mut self, found: &mut Vec<Finding>) -> Vec<AlarmRecord> {
         let name = AlarmFile::NAME;
         match plain::read(&self.path.join(name), AlarmFile::LARGEST) {
             Ok(None) => Vec::new(),

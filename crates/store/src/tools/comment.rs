@@ -9,9 +9,10 @@
 //! | "polygon" and "… inserts" | polygon cutter whose diameter is that of its tips, nose radius 0.8 |
 //! | "threading" or "thread" with "insert", "tool" or "bar" | threading insert, 60° unless "… deg" is stated, with the point of the thread's standard unless D says it (twice the nose radius); "full profile 0.92 mm" cuts the crest so far above its point |
 //! | "turning" with "insert" or "tool" | turning insert, 80° unless stated, nose radius half of D or 0.4 |
+//! | "probe" | touch probe, as good as ideal: its pretravel is calibrated |
 //! | none of these, or several, or "chuck" | other |
 use super::usual_tap;
-use canon::{Flute, Hand, Insert, InsertPoint, PolygonCutter, ThreadSize, ToolKind};
+use canon::{Flute, Hand, Insert, InsertPoint, PolygonCutter, ThreadSize, ToolKind, TouchProbe};
 use units::{Angle, Length};
 
 /// What a comment says.
@@ -36,6 +37,11 @@ pub(super) fn understand(comment: &str) -> Understood {
     let mut understood =
         Understood { kind: ToolKind::Other, diameter: millimetres(&words), thread_missing: false };
     if has(&["chuck", "mill-drill", "drill-mill"]) {
+        return understood;
+    }
+    if has(&["probe"]) {
+        let ideal = TouchProbe { pretravel: Length::ZERO, lobing: Length::ZERO };
+        understood.kind = ToolKind::Probe(ideal);
         return understood;
     }
     if has(&["polygon"])

@@ -24,7 +24,7 @@ const AROUND: u32 = 8;
 
 /// A part of a round tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Part {
+struct BodyPart {
     name: &'static str,
     /// Above the tip, mm.
     from: f64,
@@ -32,7 +32,7 @@ struct Part {
 }
 
 /// The parts of a tool that are thicker than what it cuts, or never cut.
-fn parts(tool: &Tool) -> impl Iterator<Item = Part> + use<> {
+fn parts(tool: &Tool) -> impl Iterator<Item = BodyPart> + use<> {
     let (body, cuts) = (tool.body, tool.diameter.value());
     let flutes = match &tool.kind {
         ToolKind::Tap(tap) => Some(tap.thread_length),
@@ -40,8 +40,8 @@ fn parts(tool: &Tool) -> impl Iterator<Item = Part> + use<> {
     };
     let mm = units::Length::value;
     let shank = flutes.map(mm).zip(body.shank.map(mm)).filter(|(_, wide)| *wide > cuts);
-    let shank = shank.map(|(from, diameter)| Part { name: "shank", from, diameter });
-    let holder = body.stick_out.map(mm).map(|from| Part {
+    let shank = shank.map(|(from, diameter)| BodyPart { name: "shank", from, diameter });
+    let holder = body.stick_out.map(mm).map(|from| BodyPart {
         name: "holder",
         from,
         diameter: body.holder.map_or(cuts, mm).max(cuts),
@@ -86,7 +86,7 @@ impl Planner {
         if !bends && end(path.from()).min(end(path.to())) + lowest >= contact.stock.top() {
             return;
         }
-        let mut worst: Option<(f64, Part, Point, f64)> = None;
+        let mut worst: Option<(f64, BodyPart, Point, f64)> = None;
         let mut look = |at: Point| {
             for part in parts(tool) {
                 let depth = contact.stock.top() - at[2] - part.from;
@@ -128,7 +128,7 @@ impl Planner {
         }
     }
 
-    fn say_body(&mut self, span: Span, part: Part, at: Point, open: f64) {
+    fn say_body(&mut self, span: Span, part: BodyPart, at: Point, open: f64) {
         let Some((tool, contact)) = self.tools.get(self.tool).zip(self.contact.as_ref()) else {
             return;
         };
