@@ -36,7 +36,7 @@ impl Kernel {
         match self.homing.begin(index, moved, order) {
             HomingOutcome::Homed(deviation) => self.note_homed(axis, deviation),
             HomingOutcome::UnderWay | HomingOutcome::Stopped => {
-                self.note(EventKind::HomingBegun { axis })
+                self.note(EventKind::HomingBegun { axis });
             }
         }
         Ok(())
