@@ -9,35 +9,18 @@ use super::session::{Failure, Session};
 use super::{Ending, show};
 use crate::say;
 use control::Refused;
-use control::clock::now;
 use control::operation::{Control, ControlOptions};
 use reedline::{
     DefaultCompleter, DefaultPrompt, DefaultPromptSegment, ExternalPrinter, Reedline, Signal,
 };
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use units::Time;
 
 /// The control is looked after so often.
 const TURN: Duration = Duration::from_millis(2);
 /// A machine that is further behind the clock than this gives up the rest.
 const MOST_BEHIND: Time = Time::s(0.1);
-
-/// Machine time as on the wall.
-struct Clock {
-    began: Instant,
-    at: Time,
-}
-
-impl Clock {
-    fn start(at: Time) -> Self {
-        Self { began: now(), at }
-    }
-
-    fn now(&self) -> Time {
-        self.at + Time::s((now() - self.began).as_secs_f64())
-    }
-}
 
 /// What the control's thread answers to a line.
 enum LineResult {
@@ -115,13 +98,12 @@ fn lead(
         return;
     }
     let mut session = Session::new(control);
-    let mut clock = Clock::start(session.control.now());
+    session.keep_time();
     loop {
         match typed.recv_timeout(TURN) {
             Ok(line) => {
                 let done = session.execute(&line);
                 say_all(&mut session, out);
-                clock = Clock::start(session.control.now());
                 let now = show::line(&session.control.status());
                 let answer = match done {
                     Ok(true) => LineResult::Done(now),
@@ -138,9 +120,9 @@ fn lead(
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => break,
         }
-        let behind = clock.now() - session.control.now();
+        let behind = -session.ahead();
         if behind > MOST_BEHIND {
-            clock = Clock::start(session.control.now() + MOST_BEHIND);
+            session.keep_time(); // the machine has stood still meanwhile
         }
         session.pass(behind.min(MOST_BEHIND).max(Time::ZERO));
         say_all(&mut session, out);

@@ -2,7 +2,9 @@
 use super::command::Command;
 use super::show;
 use crate::refusal;
+use control::clock::now;
 use control::operation::{Control, Event, Jog, Refusal, Request};
+use std::time::{Duration, Instant};
 use units::Time;
 
 /// Why a line has failed.
@@ -16,6 +18,8 @@ pub(crate) enum Failure {
 
 /// A continuous jog is asked for again after this share of its lease.
 const RENEWED: f64 = 0.5;
+/// Machine time may be so far ahead of the wall's: no shorter sleep is worth it.
+const AHEAD: Time = Time::s(0.002);
 /// How long moving things may take to come to rest at the end.
 const COMES_TO_REST: Time = Time::s(120.0);
 
@@ -23,12 +27,25 @@ const COMES_TO_REST: Time = Time::s(120.0);
 pub(crate) struct Session {
     pub(crate) control: Control,
     said: String,
+    /// Machine time passes as on the wall: from this moment, at which it was this.
+    clock: Option<(Instant, Time)>,
 }
 
 impl Session {
     /// With a control that was switched on just now.
     pub(crate) const fn new(control: Control) -> Self {
-        Self { control, said: String::new() }
+        Self { control, said: String::new(), clock: None }
+    }
+
+    /// From now on machine time passes as on the wall.
+    pub(crate) fn keep_time(&mut self) {
+        self.clock = Some((now(), self.control.now()));
+    }
+
+    /// How far machine time is ahead of the wall's.
+    pub(crate) fn ahead(&self) -> Time {
+        let Some((began, at)) = self.clock else { return Time::ZERO };
+        self.control.now() - at - Time::s((now() - began).as_secs_f64())
     }
 
     /// What is to be printed since the last time.
@@ -118,6 +135,10 @@ impl Session {
     pub(crate) fn period(&mut self) {
         self.control.period();
         self.happened();
+        let ahead = self.ahead();
+        if ahead > AHEAD {
+            std::thread::sleep(Duration::from_secs_f64(ahead.value()));
+        }
     }
 
     fn happened(&mut self) {

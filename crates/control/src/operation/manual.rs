@@ -20,6 +20,9 @@ impl Control {
     }
 
     pub(super) fn jog(&mut self, axis: Axis, jog: Jog) -> Result<Accepted, Refusal> {
+        if self.is_referencing() {
+            return Err(Refusal::because("axes are being homed: wait, or stop the jog"));
+        }
         let file = self.axis_file(axis)?;
         let at = self.executor.kernel.setpoint(axis).unwrap_or(0.0);
         let is_homed = self.is_homed(axis);
