@@ -1,6 +1,6 @@
 //! The control: one machine, what is loaded and set on it, and what it does now.
 //!
-//! Whoever owns the time calls [`Control::period`] once per servo period, a simulation as fast as it can, a machine by its
+//! What paces the time calls [`Control::period`] once per servo period, a simulation as fast as it can, a machine by its
 //! clock. A [`Request`] acts from the next period on. Nothing moves while no period is called.
 use super::event::{Alarm, Event, Events};
 use super::kept::Kept;

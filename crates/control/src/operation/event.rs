@@ -82,7 +82,7 @@ impl Events {
         self.waiting.pop_front()
     }
 
-    /// How many nobody has asked for in time.
+    /// How many were not asked for in time.
     pub(super) const fn lost(&self) -> u64 {
         self.lost
     }
