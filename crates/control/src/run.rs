@@ -360,7 +360,7 @@ impl Running {
         kernel.is_over() || machine.is_abandoned() || held && self.services.stops.no_orders_left()
     }
 
-    /// Something waits to be confirmed, and nobody is left who does.
+    /// Something waits to be confirmed, and no order to confirm is left.
     fn nobody_confirms(&self, kernel: &Kernel) -> Option<String> {
         if self.is_attended || !self.services.stops.no_orders_left() {
             return None;

@@ -77,7 +77,7 @@ pub(crate) enum Activity {
     AwaitingSpeed { spindle: u8, waited_s: f64 },
     /// Waiting for a spindle's angle.
     AwaitingAngle { spindle: u8, angle: units::Angle, waited_s: f64 },
-    /// Waiting until somebody has put a tool in and confirms it.
+    /// Waiting until a tool is put in by hand and confirmed.
     ChangingByHand { tool: u32 },
     /// Waiting for an input; whether it has been the other way, for how long.
     AwaitingInput { armed: bool, waited_s: f64 },

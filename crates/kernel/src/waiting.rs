@@ -35,7 +35,7 @@ pub enum WaitFor {
     SyncRecord,
     /// The changer puts a tool in.
     Tool(u32),
-    /// Somebody puts a tool in, and confirms it.
+    /// A tool is put in by hand, and confirmed.
     ToolByHand(u32),
     /// An input.
     Input(InputWait),

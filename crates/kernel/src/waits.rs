@@ -43,7 +43,7 @@ pub(crate) fn begin_pause(optional: bool, context: &mut Context) -> Activity {
     }
 }
 
-/// A tool is called: the changer brings it, or somebody puts it in.
+/// A tool is called: the changer brings it, or it is put in by hand.
 pub(crate) fn begin_change(
     tool: u32,
     by_hand: bool,

@@ -77,7 +77,7 @@ impl Travel {
     pub const FREE: Self =
         Self { stops: None, limit_switches: None, home_switch: None, index: None, absolute: false };
 
-    /// Where the axis stands when it is switched on, if nobody knows.
+    /// Where the axis stands when it is switched on, if that is not known.
     pub(crate) fn draw(&self, axis: usize, seed: u64) -> Length {
         let mut rng = Rng::new(seed ^ OF_POWER_ON ^ (axis as u64) << 32);
         let (from, to) =
