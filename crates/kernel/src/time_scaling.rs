@@ -18,7 +18,9 @@
 //!                   on this side of the wanted rate. If it cannot, a smaller change; at last, the easing known from before
 //! ```
 //!
-//! The known way is one along the plan: while the rate changes, the plan must stay (it may get longer).
+//! The known way is one along the plan: while the rate changes, the plan must stay (it may get longer). A change that would
+//! still be under way where the known plan ends is no known way: what comes later may leave no room for it. Only where the
+//! plan is known for so few periods that not even an even rate can be looked at is it taken nevertheless.
 //!
 //! What is looked at is what is told to the axes: second and third differences of their setpoints at the servo period. With
 //! the one period that is under way, the differences know two periods of the past.
@@ -65,6 +67,8 @@ pub(crate) struct TimeScaling {
     bend: f64,
     /// The rate that easing would come to.
     settles: f64,
+    /// That easing ends within what is known of the plan.
+    known: bool,
     /// Periods since a change was asked for that has not come.
     waited: u32,
     told: Told,
@@ -107,6 +111,7 @@ impl TimeScaling {
         change: 0.0,
         bend: 0.0,
         settles: 1.0,
+        known: false,
         waited: 0,
         told: Told { q: [0.0; AXES], first: [0.0; AXES], second: [0.0; AXES], rapid: 0 },
         foreseen: false,
@@ -162,13 +167,14 @@ impl TimeScaling {
         let patience = libm::exp2(f64::from(self.waited) * period.length / PATIENCE_S);
         let Self { rate, change, told, .. } = *self;
         let walk = Walk { motion, rate, change, told, limits, period, patience };
-        let (next, settles) = walk.choose(wanted, self.settles);
+        let now = Easing { rate: self.settles, known: self.known && change != 0.0 };
+        let (next, Easing { rate: settles, known }) = walk.choose(wanted, now);
         if next.change == 0.0 && (settles - wanted).abs() > SAME {
             self.waited = self.waited.saturating_add(1);
         }
         self.bend = next.change - change;
         (self.rate, self.change, self.told) = (next.rate, next.change, next.told);
-        (self.settles, self.foreseen) = (settles, true);
+        (self.settles, self.known, self.foreseen) = (settles, known, true);
         if self.change == 0.0 && (self.rate - wanted).abs() <= SAME {
             self.rate = wanted; // an easing ends there but for rounding
         }
@@ -198,6 +204,15 @@ impl Told {
     }
 }
 
+/// How easing ends.
+#[derive(Clone, Copy, Debug)]
+struct Easing {
+    /// The rate that it comes to.
+    rate: f64,
+    /// It ends within what is known of the plan.
+    known: bool,
+}
+
 /// The next periods, as they would be.
 #[derive(Clone)]
 struct Walk<'a, M> {
@@ -211,26 +226,28 @@ struct Walk<'a, M> {
 }
 
 impl<M: Motion> Walk<'_, M> {
-    /// This period at the rate that gets nearest to the wanted one, and the rate at which easing ends from there; it ends at
-    /// `settles` from here.
-    fn choose(&self, wanted: f64, settles: f64) -> (Self, f64) {
+    /// This period at the rate that gets nearest to the wanted one, and how easing ends from there; `now`: how from here.
+    fn choose(&self, wanted: f64, mut now: Easing) -> (Self, Easing) {
         let mut safe = self.clone();
         safe.ease();
+        let settles = now.rate;
         if (settles - wanted).abs() <= SAME {
-            return (safe, settles);
+            return (safe, now);
         }
+        let mut sight = SIGHT;
+        now.known = now.known || safe.clone().settle(&mut sight).is_some_and(|easing| easing.known);
         let room = self.room(safe.rate);
         let slower = wanted < settles;
         let farthest = if slower { room.0.max(wanted) } else { room.1.min(wanted) };
         if (farthest < safe.rate) != slower || farthest == safe.rate {
-            return (safe, settles);
+            return (safe, now);
         }
         let (mut near, mut far) = (safe.rate, farthest);
-        let mut sight = SIGHT;
-        let mut best = (safe, settles);
+        let mut best = (safe, now);
         for n in 0..TRIES {
             let rate = if n == 0 { farthest } else { f64::midpoint(near, far) };
-            match self.tried(rate, wanted, slower, &mut sight) {
+            let found = self.tried(rate, wanted, slower, &mut sight);
+            match found.filter(|(_, easing)| easing.known || !now.known) {
                 Some(found) if n == 0 => return found,
                 Some(found) => (near, best) = (rate, found),
                 None => far = rate,
@@ -246,31 +263,31 @@ impl<M: Motion> Walk<'_, M> {
         wanted: f64,
         slower: bool,
         sight: &mut usize,
-    ) -> Option<(Self, f64)> {
+    ) -> Option<(Self, Easing)> {
         let mut next = self.clone();
         if next.go(rate)? > 1.0 {
             return None;
         }
         let ends = next.clone().settle(sight)?;
-        let passes = if slower { ends < wanted - SAME } else { ends > wanted + SAME };
+        let passes = if slower { ends.rate < wanted - SAME } else { ends.rate > wanted + SAME };
         (!passes).then_some((next, ends))
     }
 
-    /// Ease the change to none; the rate then. `None`: not within all limits.
-    fn settle(&mut self, sight: &mut usize) -> Option<f64> {
+    /// Ease the change to none, as far as the plan is known. `None`: not within all limits.
+    fn settle(&mut self, sight: &mut usize) -> Option<Easing> {
         let mut even = 0;
         for _ in 0..EASING.min(*sight) {
             *sight -= 1;
             if self.change == 0.0 {
                 even += 1;
                 if even > 2 {
-                    return Some(self.rate);
+                    return Some(Easing { rate: self.rate, known: true });
                 }
             }
             match self.ease() {
                 Some(load) if load > 1.0 => return None,
                 Some(_) => {}
-                None => return Some(self.rate), // more is not known
+                None => return Some(Easing { rate: self.rate, known: false }),
             }
         }
         None

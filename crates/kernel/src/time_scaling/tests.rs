@@ -25,13 +25,15 @@ enum Plan {
 struct Along<'a> {
     plan: Plan,
     at: f64,
+    /// Planned time up to which it is known.
+    known: f64,
     looks: &'a Cell<usize>,
 }
 
 impl Motion for Along<'_> {
     fn pass(&mut self, time: f64) -> bool {
         self.at += time;
-        true
+        self.at < self.known
     }
 
     fn place(&self) -> PlannedPoint {
@@ -51,14 +53,26 @@ impl Motion for Along<'_> {
 
 /// Setpoints and rates of each period, with the rates that are wanted from some periods on.
 fn run(plan: Plan, jerk: f64, wanted: &[(usize, f64)], periods: usize) -> Vec<([f64; AXES], f64)> {
+    run_known(plan, jerk, wanted, periods, f64::INFINITY)
+}
+
+/// The same where the plan is known for so many seconds of its time.
+fn run_known(
+    plan: Plan,
+    jerk: f64,
+    wanted: &[(usize, f64)],
+    periods: usize,
+    ahead: f64,
+) -> Vec<([f64; AXES], f64)> {
     let looks = Cell::new(0);
-    let mut along = Along { plan, at: 0.0, looks: &looks };
+    let mut along = Along { plan, at: 0.0, known: f64::INFINITY, looks: &looks };
     let mut time_scaling = TimeScaling::FULL;
     let limits = limits(jerk);
     let mut seen = Vec::new();
     for n in 0..periods {
         let wanted = wanted.iter().rev().find(|(at, _)| *at <= n).map_or(1.0, |(_, rate)| *rate);
         looks.set(0);
+        along.known = along.at + ahead;
         time_scaling.advance(wanted, along, &limits, Period { length: DT, planned: DT });
         assert!(looks.get() <= MOST_LOOKS, "{} looks in a period", looks.get());
         along.pass(DT * time_scaling.rate());
@@ -149,6 +163,19 @@ proptest! {
     }
 }
 
+/// What comes behind the last step that is known may leave no room for a change that is still under way there.
+#[test]
+fn a_change_ends_within_what_is_known_of_the_plan() {
+    for ahead in [0.01, 0.02, 0.04] {
+        let plan = Plan::Circle { radius: 4.0, speed: 60.0 };
+        let wanted = [(200, 0.0), (900, 1.0)];
+        let seen = run_known(plan, 20e3, &wanted, 3000, ahead);
+        let (accel, third) = loads(&seen[3..], 20e3);
+        assert!(accel < 1.004 && third < 1.021, "{ahead} s: {accel} {third}");
+        assert_eq!((seen[899].1, seen[2999].1), (0.0, 1.0));
+    }
+}
+
 /// Where a plan asks for more than it may, an order is obeyed all the same.
 #[test]
 fn a_plan_beyond_its_limits_can_be_held() {
@@ -161,7 +188,8 @@ fn a_plan_beyond_its_limits_can_be_held() {
 fn a_rate_that_is_wanted_but_for_rounding_is_reached() {
     let looks = Cell::new(0);
     for wanted in [0.0, 0.37] {
-        let along = Along { plan: Plan::Line { speed: 50.0 }, at: 0.0, looks: &looks };
+        let plan = Plan::Line { speed: 50.0 };
+        let along = Along { plan, at: 0.0, known: f64::INFINITY, looks: &looks };
         let mut time_scaling =
             TimeScaling { rate: wanted + 1e-13, settles: wanted + 1e-13, ..TimeScaling::FULL };
         let period = Period { length: DT, planned: DT };
