@@ -76,6 +76,7 @@ pub fn sequence(seed: u64, program: &Path, tally: &mut Tally) -> Result<(), Stri
         seed: Some(seed),
         state: None,
         clamped: Position::default(),
+        real_time: None,
     };
     let control = Control::new(options).map_err(|why| why.to_string())?;
     let mut bench = Bench::new(control);

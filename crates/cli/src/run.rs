@@ -5,8 +5,8 @@ use crate::progress::Progress;
 use crate::recover::advice;
 use crate::render::{self, Source};
 use crate::{interrupt, left, say, summary, typed};
-use control::Refused;
 use control::job::restart::Restart;
+use control::{RealTimeOptions, Refused};
 use leadscrew::{Ending, Finished, NotReady, Program, Run, RunOptions};
 use std::path::Path;
 use store::output::{CERTIFICATE, Folder};
@@ -104,8 +104,20 @@ fn told(args: &RunArgs, quiet: bool, finished: &Finished) -> Result<(), Refused>
     for missing in &outcome.not_triggered {
         say::err(&format!("error: {missing}\n"));
     }
+    for refused in &outcome.not_granted {
+        say::err(&format!("note: {refused}\n"));
+    }
     if args.timings {
         say::err(&format!("{}\n", outcome.timings.text(&outcome.ticks)));
+        if let Some(least) = outcome.least_ahead {
+            let ms = least.value() * 1e3;
+            say::err(&format!(
+                "planned ahead: at least {ms:.0} ms of motion while more was to come\n"
+            ));
+        }
+        if let Some(figures) = &outcome.real_time {
+            say::err(&format!("{figures}\n"));
+        }
     }
     Ok(())
 }
@@ -126,6 +138,7 @@ fn options(args: &RunArgs) -> RunOptions {
         state: args.state.clone(),
         command: typed::of_this_run(),
         timings: args.timings,
+        real_time: args.real_time.then(RealTimeOptions::default),
     }
 }
 

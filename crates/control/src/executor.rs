@@ -5,54 +5,176 @@
 //!                    ▲                                    │
 //!                    └── readings of periods that were missed
 //! ```
-use crate::Plant;
+//!
+//! In lock-step all of it happens in [`Executor::period`]; in real time the servo thread does it by the clock, and
+//! [`Executor::period`] looks at what it has done, period by period.
+use crate::handles::{KernelHandle, MachineHandle};
 use crate::missed::missed;
+use crate::real_time::{self, RealTimeOptions, ServoThread};
 use crate::timings::TickTimes;
-use bus::{Machine, Sample, State};
+use crate::{Plant, RealTimeFigures};
+use bus::{Command, Feedback, Machine as _, Sample, State};
 use kernel::Kernel;
 use std::ops::ControlFlow;
+
+/// What is said of a servo thread that has ended by itself.
+const BROKEN_DOWN: &str = "the servo thread has broken down";
 
 /// A kernel, and the machine that it controls.
 pub struct Executor {
     /// The kernel.
-    pub kernel: Kernel,
+    pub kernel: KernelHandle,
     /// The machine.
-    pub machine: Plant,
+    pub machine: MachineHandle,
     /// How long its ticks take.
     pub ticks: TickTimes,
+    /// What the operating system has refused of what real time needs, in sentences.
+    pub refused: Vec<String>,
+    time: TimeKeeping,
+}
+
+/// What gives the time.
+enum TimeKeeping {
+    /// Whoever calls for periods.
+    LockStep,
+    /// The clock, from the next period on.
+    Asked(RealTimeOptions),
+    /// The clock.
+    RealTime(Box<ServoThread>),
+    /// The clock, until the servo thread has ended by itself.
+    Ended,
 }
 
 impl Executor {
-    /// One servo period; see [`period`].
-    pub fn period(&mut self, observe: impl FnOnce(&mut Kernel, &mut Plant, &Sample)) -> Sample {
-        let Self { kernel, machine, ticks } = self;
-        let mut seen = Sample::default();
-        // an observer that only looks breaks nothing off
-        let _ = timed(kernel, machine, ticks, |kernel, machine, sample| {
-            observe(kernel, machine, sample);
-            seen = *sample;
-            ControlFlow::<()>::Continue(())
-        });
-        seen
+    /// In lock-step.
+    pub fn new(kernel: Kernel, machine: Plant) -> Self {
+        Self {
+            kernel: kernel.into(),
+            machine: machine.into(),
+            ticks: TickTimes::new(false),
+            refused: Vec::new(),
+            time: TimeKeeping::LockStep,
+        }
+    }
+
+    /// The machine, if it is in this thread.
+    pub fn into_machine(self) -> Option<Plant> {
+        match self.machine {
+            MachineHandle::Here(machine) => Some(*machine),
+            MachineHandle::There(_) => None,
+        }
+    }
+
+    /// From the next period on in real time.
+    pub fn keep_time(&mut self, options: RealTimeOptions) {
+        if matches!(self.time, TimeKeeping::LockStep) {
+            self.ticks = TickTimes::new(true);
+            self.time = TimeKeeping::Asked(options);
+        }
+    }
+
+    /// Begin real time now, if it was asked for.
+    pub fn begin_real_time(&mut self) {
+        let TimeKeeping::Asked(options) = self.time else { return };
+        let (Some(kernel), Some(machine)) = (self.kernel.here(), self.machine.here()) else {
+            return;
+        };
+        let (kernel_link, machine_link, seat) = real_time::prepare(kernel, machine);
+        let kernel = std::mem::replace(&mut self.kernel, KernelHandle::There(kernel_link));
+        let machine = std::mem::replace(&mut self.machine, MachineHandle::There(machine_link));
+        let (KernelHandle::Here(kernel), MachineHandle::Here(machine)) = (kernel, machine) else {
+            return;
+        };
+        match seat.start(kernel, machine, self.ticks.clone(), options) {
+            Ok((thread, refused)) => {
+                self.time = TimeKeeping::RealTime(Box::new(thread));
+                self.refused = refused;
+            }
+            Err(why) => {
+                self.time = TimeKeeping::Ended;
+                self.machine.lose(&why);
+            }
+        }
+    }
+
+    /// Back to lock-step; kernel and machine are here again. Why not, if they are not.
+    pub fn end_real_time(&mut self) -> Option<String> {
+        let TimeKeeping::RealTime(thread) =
+            std::mem::replace(&mut self.time, TimeKeeping::LockStep)
+        else {
+            return None;
+        };
+        if let Some((kernel, machine)) = thread.end() {
+            self.kernel = KernelHandle::Here(kernel);
+            self.machine = MachineHandle::Here(machine);
+            return None;
+        }
+        self.time = TimeKeeping::Ended;
+        self.machine.lose(BROKEN_DOWN);
+        Some(BROKEN_DOWN.into())
+    }
+
+    /// How the servo thread keeps its time; `None` in lock-step.
+    pub fn real_time(&self) -> Option<RealTimeFigures> {
+        match &self.time {
+            TimeKeeping::RealTime(thread) => Some(thread.metrics().figures(&self.ticks)),
+            TimeKeeping::LockStep | TimeKeeping::Asked(_) | TimeKeeping::Ended => None,
+        }
+    }
+
+    /// Periods that are over and were not looked at yet; in lock-step there are none.
+    pub fn periods_waiting(&self) -> usize {
+        match &self.time {
+            TimeKeeping::RealTime(thread) => thread.waiting(),
+            TimeKeeping::LockStep | TimeKeeping::Asked(_) | TimeKeeping::Ended => 0,
+        }
+    }
+
+    /// One servo period. In real time: the next one that is over; it is waited for.
+    pub fn period(
+        &mut self,
+        observe: impl FnOnce(&mut KernelHandle, &mut MachineHandle, &Sample),
+    ) -> Sample {
+        self.begin_real_time();
+        let Self { kernel, machine, ticks, time, .. } = self;
+        if let TimeKeeping::RealTime(thread) = time {
+            match thread.next() {
+                Some(record) => {
+                    kernel.see(&record);
+                    machine.see(&record);
+                    observe(kernel, machine, &record.sample);
+                    return record.sample;
+                }
+                None => machine.lose(BROKEN_DOWN),
+            }
+        }
+        let (Some(ticked), Some(moved)) = (kernel.here(), machine.here()) else {
+            let report = bus::Report { state: State::Faulted, ..kernel.report() };
+            return Sample { feedback: machine.feedback(), report, ..Sample::default() };
+        };
+        let answer = answer(ticked, moved, ticks);
+        observe(kernel, machine, &answer.sample);
+        let sample = answer.sample;
+        if let (Some(kernel), Some(machine)) = (kernel.here(), machine.here()) {
+            obey(kernel, machine, &answer);
+        }
+        sample
     }
 }
 
-/// One servo period. `observe` sees what was heard and what is commanded before the command is sent; if it breaks off,
-/// nothing is sent. A machine whose control is gone (a simulated failure) goes on without a tick.
-pub fn period<B>(
-    kernel: &mut Kernel,
-    machine: &mut Plant,
-    observe: impl FnOnce(&mut Kernel, &mut Plant, &Sample) -> ControlFlow<B>,
-) -> ControlFlow<B> {
-    timed(kernel, machine, &mut TickTimes::new(false), observe)
+/// What the kernel has answered in a period.
+pub(crate) struct Ticked {
+    /// What observers see: positions.
+    pub(crate) sample: Sample,
+    /// What the machine is told: what its encoders count.
+    command: Command,
+    feedback: Feedback,
+    /// A machine whose control is gone (a simulated failure) goes on without a tick.
+    is_abandoned: bool,
 }
 
-fn timed<B>(
-    kernel: &mut Kernel,
-    machine: &mut Plant,
-    ticks: &mut TickTimes,
-    observe: impl FnOnce(&mut Kernel, &mut Plant, &Sample) -> ControlFlow<B>,
-) -> ControlFlow<B> {
+/// The first half of a period: what the machine has said, and what the kernel commands.
+pub(crate) fn answer(kernel: &mut Kernel, machine: &Plant, ticks: &TickTimes) -> Ticked {
     let feedback = machine.feedback();
     let mut sample = Sample { feedback, truth: machine.truth(), ..Sample::default() };
     let is_abandoned = machine.is_abandoned();
@@ -63,17 +185,31 @@ fn timed<B>(
     if is_abandoned {
         sample.report.state = State::Faulted;
     }
-    // observers see positions, the machine is told what its encoders count
     let command = sample.command;
     kernel.in_positions(&mut sample);
-    observe(kernel, machine, &sample)?;
-    if is_abandoned {
-        machine.wait();
-        return ControlFlow::Continue(());
+    Ticked { sample, command, feedback, is_abandoned }
+}
+
+/// The second half: the machine obeys, and the kernel lives through the periods that were missed meanwhile.
+pub(crate) fn obey(kernel: &mut Kernel, machine: &mut Plant, answer: &Ticked) {
+    if answer.is_abandoned {
+        return machine.wait();
     }
-    let heard = machine.exchange(&command);
-    for between in missed(&feedback, &heard, machine.period()) {
+    let heard = machine.exchange(&answer.command);
+    for between in missed(&answer.feedback, &heard, machine.period()) {
         kernel.tick(&between);
     }
+}
+
+/// One servo period of a kernel and a machine that are here. `observe` sees what was heard and what is commanded before the command
+/// is sent; if it breaks off, nothing is sent.
+pub fn period<B>(
+    kernel: &mut Kernel,
+    machine: &mut Plant,
+    observe: impl FnOnce(&mut Kernel, &mut Plant, &Sample) -> ControlFlow<B>,
+) -> ControlFlow<B> {
+    let answer = answer(kernel, machine, &TickTimes::new(false));
+    observe(kernel, machine, &answer.sample)?;
+    obey(kernel, machine, &answer);
     ControlFlow::Continue(())
 }

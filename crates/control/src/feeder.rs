@@ -1,10 +1,12 @@
 //! Keeps the kernel supplied: operations are planned ahead, steps wait in a queue, and the kernel's is kept full.
+use crate::KernelHandle;
+use crate::ahead::MotionAhead;
 use crate::job::Source;
 use crate::override_pace::Pace;
 use crate::{Observers, Services};
 use canon::{Op, OpKind};
 use diag::Diagnostic;
-use kernel::{Answered, Kernel};
+use kernel::Answered;
 use plan::Planner;
 use plan::{Step, StepKind};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -23,6 +25,10 @@ pub struct Feeder {
     waiting: Option<(u32, Op)>,
     /// What the waiting steps were planned for.
     pace: Pace,
+    /// How far planning is ahead.
+    pub(super) ahead: MotionAhead,
+    /// The program has no further operation.
+    is_at_end: bool,
     /// What kept each tap from being faster, by the index of its operation.
     pub(super) limiting: BTreeMap<u32, String>,
     /// Indices of the operations that tap.
@@ -41,6 +47,8 @@ impl Feeder {
             sent: VecDeque::new(),
             waiting: None,
             pace: Pace::default(),
+            ahead: MotionAhead::default(),
+            is_at_end: false,
             limiting: BTreeMap::new(),
             taps: BTreeSet::new(),
             refused: Vec::new(),
@@ -48,8 +56,9 @@ impl Feeder {
     }
 
     /// Plan anew what has not been done, if the operator's overrides want it.
-    pub(super) fn follow_overrides(&mut self, kernel: &mut Kernel) {
-        self.pace.keep(kernel, &mut self.planner, &mut self.queue, &mut self.sent);
+    pub(super) fn follow_overrides(&mut self, kernel: &mut KernelHandle) {
+        let back = self.pace.keep(kernel, &mut self.planner, &mut self.queue, &mut self.sent);
+        self.ahead.forget_last(back);
     }
 
     /// The kernel has lost its steps after a stop in `stopped`: what follows that operation is sent again.
@@ -63,7 +72,7 @@ impl Feeder {
     /// Keep the kernel's queue full, as far as the program goes.
     pub(super) fn fill(
         &mut self,
-        kernel: &mut Kernel,
+        kernel: &mut KernelHandle,
         services: &mut Services,
         observers: &mut Observers,
     ) {
@@ -73,6 +82,7 @@ impl Feeder {
                     // no room for a plan of its kind: again after the next tick
                     return self.queue.push_front(step);
                 }
+                self.ahead.push(&step);
                 self.limits_of(&step);
                 let done = kernel.report().op;
                 self.sent.retain(|step| step.op >= done);
@@ -83,6 +93,7 @@ impl Feeder {
                 Some(waiting) => Some(waiting),
                 None => self.ops.next().inspect(|(index, op)| services.announced(*index, op)),
             };
+            self.is_at_end = next.is_none();
             let Some((index, op)) = next else {
                 self.planner.finish(&mut |step| self.queue.push_back(step));
                 self.check();
@@ -110,6 +121,11 @@ impl Feeder {
                 }
             }
         }
+    }
+
+    /// The kernel has done a period.
+    pub(super) fn done(&mut self, kernel: &KernelHandle) {
+        self.ahead.keep(kernel.steps(), self.is_at_end && self.queue.is_empty());
     }
 
     /// What a program orders after an answer of the machine is seen here for the first time.

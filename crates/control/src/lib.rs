@@ -8,20 +8,25 @@
 //!                                                 observers: judge, watch, recorder, trace, log
 //! ```
 //!
-//! One thread does all of it, period by period: two runs of the same inputs are the same to the last bit.
+//! In lock-step one thread does all of it, period by period: two runs of the same inputs are the same to the last bit. In real
+//! time kernel and machine have a thread of their own (`real_time`), and everything else is as it was.
 #![forbid(unsafe_code)]
 
+mod ahead;
 pub mod clock;
 pub mod config;
 mod executor;
 mod feeder;
+mod handles;
 pub mod job;
 mod missed;
 pub mod observers;
 pub mod operation;
+mod outcome;
 mod override_pace;
 pub mod plant;
 pub mod polygon;
+mod real_time;
 pub mod recovery;
 mod refused;
 mod run;
@@ -33,10 +38,13 @@ mod timings;
 
 pub use executor::{Executor, period};
 pub use feeder::Feeder;
+pub use handles::{KernelHandle, MachineHandle};
 pub use observers::Observers;
 pub use operation::{Control, ControlOptions};
+pub use outcome::Outcome;
 pub use plant::Plant;
+pub use real_time::{RealTimeFigures, RealTimeOptions};
 pub use refused::Refused;
-pub use run::{Loaded, Outcome, ProgramRun, Running};
+pub use run::{Loaded, ProgramRun, Running};
 pub use services::Services;
 pub use timings::{TickTimes, Timings};

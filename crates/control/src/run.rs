@@ -7,19 +7,18 @@ use crate::job::preflight::planner;
 use crate::job::restart::Restart;
 use crate::job::{Left, Operations};
 use crate::observers::{Observer, ToolUseCount, Workpiece};
-use crate::services::CamHost;
+use crate::outcome::{Outcome, told_of_recovery, unobserved};
 use crate::services::RecordWriter;
 use crate::stall::StallGuard;
-use crate::{Executor, Feeder, Observers, Services, TickTimes, Timings};
-use bus::{Machine, Sample, State};
+use crate::{Executor, Feeder, KernelHandle, Observers, RealTimeFigures, Services, TickTimes};
+use bus::{Sample, State};
 use canon::ToolUse;
 use kernel::{Event, Fault, Kernel};
-use report::Recorder;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use units::Time;
-use verify::{Feature, IdleTurns, Watch};
+use verify::{Feature, IdleTurns};
 
 /// Servo periods between two looks of the progress bar.
 const PROGRESS_EVERY: u64 = 4096;
@@ -53,62 +52,6 @@ pub struct Loaded<'a> {
     pub planned: Time,
 }
 
-/// What came of a run.
-pub struct Outcome {
-    /// What was cut.
-    pub features: Vec<Feature>,
-    /// What pictures need.
-    pub recorder: Recorder,
-    /// What may never happen, and whether it did.
-    pub watch: Watch,
-    /// How long the machine took.
-    pub cycle_time: Time,
-    /// The program came to its end.
-    pub ended: bool,
-    /// Alarms.
-    pub faults: Vec<Fault>,
-    /// Warnings at run time.
-    pub warnings: Vec<Event>,
-    /// What kept each tap from being faster, by the index of its op.
-    pub limiting: BTreeMap<u32, String>,
-    /// Drills and taps that were at the spindle drive's limit, by the index of their op.
-    pub saturated: BTreeMap<u32, u32>,
-    /// Holes that the program tapped but did not drill.
-    pub assumed_holes: usize,
-    /// What repeated taps have learnt.
-    pub learning_records: Vec<sync::LearningRecord>,
-    /// What was measured and taught of cams.
-    pub cams: CamHost,
-    /// What a wheel's idle turns would have ground.
-    pub idle: Vec<verify::GroundCam>,
-    /// How long it took here.
-    pub timings: Timings,
-    /// How long its ticks took here.
-    pub ticks: TickTimes,
-    /// What stopped it from outside, and what became of that.
-    pub happened: Vec<String>,
-    /// Faults that were told to happen and have not, in sentences.
-    pub not_triggered: Vec<String>,
-    /// Stops in a thread, and the ways out.
-    pub stops: Vec<report::ThreadStop>,
-    /// Tools taken off work that they were not screwed to.
-    pub withdrawn: Vec<crate::stops::Withdrawn>,
-    /// What the program has left behind, where that was known only when it ran.
-    pub left: Option<Left>,
-    /// Why the machine simulator is gone, if it is; why the record is not on the disk, if it is not.
-    pub broke_off: Vec<String>,
-}
-
-/// A thread that is cut again after its tap was taken out was recovered, though the judge has not seen it.
-fn told_of_recovery(mut features: Vec<Feature>, op: Option<u32>) -> Vec<Feature> {
-    for feature in features.iter_mut().filter(|feature| Some(feature.op) == op) {
-        if let verify::FeatureKind::Thread(thread) = &mut feature.kind {
-            thread.recovered = true;
-        }
-    }
-    features
-}
-
 impl ProgramRun {
     /// Of this program, on this machine, judged by this: nothing stops it, nothing is kept, nothing is learnt.
     pub fn new(loaded: &Loaded<'_>, machine: Plant, judge: verify::Config) -> Self {
@@ -116,7 +59,7 @@ impl ProgramRun {
         let kernel = Kernel::new(config::control(&session.machine, None, false));
         let ops = operations.for_run(restart, 0);
         Self {
-            executor: Executor { kernel, machine, ticks: TickTimes::new(false) },
+            executor: Executor::new(kernel, machine),
             feeder: Feeder::new(ops, planner(session, options)),
             services: Services::new(session),
             observers: Observers::new(session, Workpiece::new(judge)),
@@ -150,6 +93,7 @@ impl ProgramRun {
                 progress(running.now);
             }
         }
+        running.end_real_time(&mut executor);
         running.finish(&mut executor)
     }
 
@@ -174,6 +118,7 @@ pub struct Running {
     now: Time,
     stall: Option<StallGuard>,
     periods: u64,
+    real_time: Option<RealTimeFigures>,
     faults: Vec<Fault>,
     broke_off: Vec<String>,
     /// What the kernel has said, for an operator who has not looked yet.
@@ -244,6 +189,7 @@ impl Running {
             now: begun,
             stall,
             periods: 0,
+            real_time: None,
             faults: Vec::new(),
             broke_off: Vec::new(),
             heard: Vec::new(),
@@ -265,6 +211,11 @@ impl Running {
     /// How long it is planned to take, and since when it runs.
     pub const fn planned(&self) -> (Time, Time) {
         (self.planned, self.begun)
+    }
+
+    /// How long what is planned and waits will take.
+    pub fn ahead(&self) -> Time {
+        self.feeder.ahead.time()
     }
 
     /// How long the machine has been at it.
@@ -336,6 +287,7 @@ impl Running {
             self.broke_off.extend(said.map(|d| format!("line {}: {}", d.span.line, d.message)));
             return ControlFlow::Break(());
         }
+        self.feeder.done(&executor.kernel);
         self.periods += 1;
         self.now = executor.machine.feedback().time;
         let (times, kernel) = ((self.begun, self.now), &executor.kernel);
@@ -361,7 +313,7 @@ impl Running {
     }
 
     /// Something waits to be confirmed, and no order to confirm is left.
-    fn nobody_confirms(&self, kernel: &Kernel) -> Option<String> {
+    fn nobody_confirms(&self, kernel: &KernelHandle) -> Option<String> {
         if self.is_attended || !self.services.stops.no_orders_left() {
             return None;
         }
@@ -377,6 +329,10 @@ impl Running {
     fn deal_with_stop(&mut self, executor: &mut Executor) -> Result<bool, String> {
         let Self { feeder, services, observers, faults, .. } = self;
         let Executor { kernel, machine, .. } = executor;
+        let (Some(kernel), Some(machine)) = (kernel.here(), machine.here()) else {
+            faults.extend_from_slice(executor.kernel.faults());
+            return Ok(false); // in real time nothing is tried that needs a machine to be stopped and copied
+        };
         let known = kernel.faults().len();
         faults.extend_from_slice(kernel.faults());
         if matches!(kernel.report().state, State::Ended) {
@@ -402,6 +358,13 @@ impl Running {
         Ok(true)
     }
 
+    /// Kernel and machine come back from the servo thread.
+    fn end_real_time(&mut self, executor: &mut Executor) {
+        self.real_time = executor.real_time();
+        self.broke_off.extend(executor.end_real_time());
+        self.broke_off.extend(self.real_time.as_ref().and_then(unobserved));
+    }
+
     /// All is over: what came of it.
     ///
     /// # Errors
@@ -416,12 +379,14 @@ impl Running {
             mut faults,
             mut broke_off,
             periods,
+            real_time,
             ..
         } = self;
         // a way out of a thread after the last stop is no part of the cycle
         let took = now - begun;
+        let not_granted = std::mem::take(&mut executor.refused);
         let ticks = std::mem::replace(&mut executor.ticks, TickTimes::new(false));
-        let Executor { kernel, machine, .. } = &*executor;
+        let Executor { kernel, machine, .. } = executor;
         let Services { record_writer, mut cams, polygons, mut stops } = services;
         let Observers { judge, mut timings, trace, .. } = observers;
         let features = timings.judging(|| judge.finish());
@@ -450,11 +415,14 @@ impl Running {
             limiting: feeder.limiting,
             saturated: observers.saturated,
             assumed_holes: machine.assumed_holes(),
-            learning_records: kernel.learning_records().to_vec(),
+            learning_records: kernel.here().map_or(Vec::new(), |k| k.learning_records().to_vec()),
             cams,
             idle: observers.idle.map(IdleTurns::finish).unwrap_or_default(),
             timings,
             ticks,
+            real_time,
+            not_granted,
+            least_ahead: feeder.ahead.least(),
             not_triggered: stops.not_triggered(took),
             happened: observers.confirmed.into_iter().chain(stops.happened).collect(),
             stops: stops.threads,

@@ -1,6 +1,6 @@
 //! How long a run may stand still before it is given up: every wait of the control has its own limit, but an operator's has none.
+use crate::KernelHandle;
 use bus::{AXES, Command};
-use kernel::Kernel;
 use units::{Length, Time};
 
 /// A run may stand for this much longer than all of it was planned to take: waits differ from their estimates.
@@ -30,7 +30,7 @@ impl StallGuard {
         &mut self,
         command: &Command,
         (begun, now): (Time, Time),
-        kernel: &Kernel,
+        kernel: &KernelHandle,
     ) -> Option<String> {
         let operator = kernel.operator();
         let waiting = kernel.waiting();

@@ -153,6 +153,11 @@ impl Kernel {
         self.queue.is_empty()
     }
 
+    /// Steps that wait or run.
+    pub fn steps(&self) -> usize {
+        self.queue.len()
+    }
+
     /// The program has ended, or a fault or the operator has ended it: nothing more will happen.
     pub fn is_over(&self) -> bool {
         let recovered = self.recovering.as_ref().is_some_and(Recovering::is_done)

@@ -32,11 +32,13 @@ mod learning_records;
 mod manual;
 mod moving;
 mod operator;
+mod picture;
 mod plans;
 mod problems;
 mod queue;
 mod record_requests;
 mod recovering;
+mod requests;
 mod retreating;
 mod servo;
 mod signals;
@@ -63,10 +65,12 @@ pub use kernel::{FAULTS, Kernel};
 pub use learning_records::LEARNING_RECORDS;
 pub use manual::{ManualOrder, ManualRefusal};
 pub use operator::{Notice, Operator, Order, Overrides};
+pub use picture::Picture;
 pub use problems::Problem;
 pub use queue::{CHIP_REMOVALS, Full, MOVES, QUEUE, RAMPS, STRETCHES, TAPS};
 pub use record_requests::{RECORD_WAIT, RecordRequest, WorkRecord};
 pub use recovering::RecoveryPlan;
+pub use requests::{Reply, Request};
 pub use signals::{Answer, Answered};
 pub use sync::{
     CELLS, Correction, Figures, Learning, LearningRecord, MAX_TRANSPORT, Periodic, Prediction,

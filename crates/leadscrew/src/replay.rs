@@ -60,7 +60,7 @@ impl Replay {
         let loaded =
             Loaded { session, operations: &operations, restart: None, options: job.plan, planned };
         let mut run = ProgramRun::new(&loaded, machine, with.judge.clone());
-        run.executor.kernel = with.kernel;
+        run.executor.kernel = with.kernel.into();
         let (mut running, mut executor) = run.begin();
         let mut periods = 0_u64;
         while !(with.is_interrupted)() && running.period(&mut executor).is_continue() {
@@ -73,9 +73,11 @@ impl Replay {
         let outcome = running.finish(&mut executor)?;
         let alarm = outcome.faults.first().map(ToString::to_string);
         let alarm = alarm.or_else(|| outcome.broke_off.into_iter().next());
-        match executor.machine {
-            Plant::Inside(machine) => Ok(Self { machine: machine.into_machine(), work, alarm }),
-            Plant::Outside(_) => Err(Refused::because("a replay runs within this process")),
+        match executor.into_machine() {
+            Some(Plant::Inside(machine)) => {
+                Ok(Self { machine: machine.into_machine(), work, alarm })
+            }
+            _ => Err(Refused::because("a replay runs within this process")),
         }
     }
 }

@@ -16,7 +16,7 @@ use control::observers::{Observer, TraceThread};
 use control::script::{self, Told};
 use control::services::learning::Memory;
 use control::stops::{AfterStop, Stops};
-use control::{Loaded, Outcome, ProgramRun, Refused, TickTimes, Timings, config};
+use control::{Loaded, Outcome, ProgramRun, RealTimeOptions, Refused, TickTimes, Timings, config};
 use kernel::{Kernel, Order, Pause};
 use std::path::{Path, PathBuf};
 use store::certificate::Certificate;
@@ -56,6 +56,8 @@ pub struct RunOptions {
     pub command: Vec<String>,
     /// Measure how long the kernel's ticks take.
     pub timings: bool,
+    /// By the clock, with kernel and machine in a servo thread; `None` is as fast as it goes.
+    pub real_time: Option<RealTimeOptions>,
 }
 
 /// How the feed is tied to the spindle.
@@ -105,6 +107,12 @@ impl Run {
         if options.socket.is_some() && !told.faults.is_empty() {
             return Err(Refused::because(
                 "--operator: emergency-stop is for a machine simulated within the run; a machine simulator has its own chain (abort works)",
+            )
+            .into());
+        }
+        if options.real_time.is_some() && !(told.faults.is_empty() && options.recover.is_none()) {
+            return Err(Refused::because(
+                "faults and what follows them are simulated in lock-step only: leave --real-time out, or --fault and --recover",
             )
             .into());
         }
@@ -244,8 +252,11 @@ impl Run {
             link.join(&job, (restart, replay.as_ref()), &options.command, seed)?;
         let loaded = Loaded { session, operations, restart, options: job.plan, planned };
         let mut run = ProgramRun::new(&loaded, plant, judge.clone());
-        run.executor.kernel = kernel;
+        run.executor.kernel = kernel.into();
         run.executor.ticks = TickTimes::new(options.timings);
+        if let Some(real_time) = options.real_time {
+            run.executor.keep_time(real_time);
+        }
         run.is_interrupted = self.is_interrupted;
         run.services.record_writer = record_writer;
         run.services.stops = Stops::new(options.recover, told, session, seed, planned);
@@ -321,11 +332,12 @@ pub enum Ending {
 impl Finished {
     /// How it ended.
     pub fn ending(&self) -> Ending {
-        let Outcome { ended, not_triggered, features, watch, .. } = &self.outcome;
+        let Outcome { ended, not_triggered, features, watch, real_time, .. } = &self.outcome;
         let is_good = |feature: &verify::Feature| feature.verdict.is_pass();
         if !ended {
             Ending::Alarm
         } else if !not_triggered.is_empty()
+            || real_time.is_some_and(|figures| figures.unobserved > 0)
             || !features.iter().all(is_good)
             || !watch.breaches().is_empty()
         {

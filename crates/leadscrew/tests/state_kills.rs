@@ -6,7 +6,7 @@
 #![allow(clippy::unwrap_used)] // a test may panic
 use control::job::{ProgramOptions, Session, preflight};
 use control::observers::Workpiece;
-use control::{Executor, Loaded, Plant, Running, TickTimes, config, plant};
+use control::{Executor, Loaded, Plant, Running, config, plant};
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -64,7 +64,7 @@ fn control_that_is_killed() {
         let simulator = config::simulator(&session.machine, &session.tools, material, 1, &zero);
         let machine = Plant::simulated(plant::simulated(&session.machine, simulator).unwrap());
         let kernel = kernel::Kernel::new(config::control(&session.machine, None, false));
-        let mut executor = Executor { kernel, machine, ticks: TickTimes::new(false) };
+        let mut executor = Executor::new(kernel, machine);
         let judge = config::judge(&session.machine, &session.tools, material, &zero);
         let loaded = Loaded {
             session: &session,

@@ -3,7 +3,7 @@
 use control::job::preflight;
 use control::job::{ProgramOptions, Session};
 use control::observers::{Workpiece, use_up};
-use control::{Executor, Loaded, Plant, Running, TickTimes, config, plant};
+use control::{Executor, Loaded, Plant, Running, config, plant};
 use diag::Severity;
 use leadscrew::Program;
 use std::path::PathBuf;
@@ -76,7 +76,7 @@ fn what_is_executed_is_counted_in_holes_time_and_length() {
     let simulator = config::simulator(&session.machine, &session.tools, material, 1, &zero);
     let machine = Plant::simulated(plant::simulated(&session.machine, simulator).unwrap());
     let kernel = kernel::Kernel::new(config::control(&session.machine, None, false));
-    let mut executor = Executor { kernel, machine, ticks: TickTimes::new(false) };
+    let mut executor = Executor::new(kernel, machine);
     let judge = config::judge(&session.machine, &session.tools, material, &zero);
     let loaded = Loaded {
         session: &session,

@@ -31,6 +31,9 @@ pub(crate) struct RunArgs {
     /// Also say how fast the simulation and the kernel's tick were
     #[arg(long)]
     pub(crate) timings: bool,
+    /// By the clock: kernel and machine in a servo thread of their own, which says with --timings how well it kept its time
+    #[arg(long, conflicts_with_all = ["fault", "recover"])]
+    pub(crate) real_time: bool,
     /// Also print what happened, a line an event
     #[arg(long)]
     pub(crate) log: bool,

@@ -1,7 +1,8 @@
 //! The control: one machine, what is loaded and set on it, and what it does now.
 //!
-//! What paces the time calls [`Control::period`] once per servo period, a simulation as fast as it can, a machine by its
-//! clock. A [`Request`] acts from the next period on. Nothing moves while no period is called.
+//! In lock-step what paces the time calls [`Control::period`] once per servo period, and nothing moves while none is called.
+//! In real time the servo thread keeps the time, and [`Control::period`] looks at what it has done. A [`Request`] acts
+//! from the next period on.
 use super::event::{Alarm, Event, Events};
 use super::kept::Kept;
 use super::programs::{Loaded, UnderWay};
@@ -10,8 +11,8 @@ use super::state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
 use crate::job::{Before, Operations, ProgramOptions, Session};
 use crate::observers::Workpiece;
 use crate::plant::{self, Plant};
-use crate::{Executor, Refused, TickTimes, config};
-use bus::{AXES, Machine as _, State};
+use crate::{Executor, RealTimeFigures, RealTimeOptions, Refused, config};
+use bus::{AXES, State};
 use canon::{Axis, Position, ToolLibrary};
 use interp::OpsRest;
 use kernel::{Kernel, Pause, WaitFor};
@@ -33,6 +34,8 @@ pub struct ControlOptions {
     pub state: Option<PathBuf>,
     /// How far from where the machine's file says the simulated stock is clamped.
     pub clamped: Position,
+    /// By the clock, with kernel and machine in a servo thread; `None`: as periods are called for.
+    pub real_time: Option<RealTimeOptions>,
 }
 
 /// A control that stays on.
@@ -113,7 +116,7 @@ impl Control {
             Data { parameters: base.parameters.clone(), tools: base.tools.clone(), rest: None };
         let mut control = Self {
             options,
-            executor: Executor { kernel, machine: plant, ticks: TickTimes::new(false) },
+            executor: Executor::new(kernel, plant),
             workpiece: Workpiece::new(judge),
             next_op: 0,
             data,
@@ -141,6 +144,13 @@ impl Control {
             control.events.notice(finding);
         }
         control.forget_modes();
+        if let Some(real_time) = control.options.real_time {
+            control.executor.keep_time(real_time);
+            control.executor.begin_real_time();
+            for refused in &control.executor.refused {
+                control.events.notice(refused.clone());
+            }
+        }
         Ok(control)
     }
 
@@ -251,6 +261,16 @@ impl Control {
             Need::NoTapInThread => !self.is_tap_in_thread(),
         };
         if is_met { Ok(()) } else { Err(need.clone()) }
+    }
+
+    /// Periods that are over and were not looked at yet: so often [`Control::period`] answers at once. In lock-step there are none.
+    pub fn periods_waiting(&self) -> usize {
+        self.executor.periods_waiting()
+    }
+
+    /// How the servo thread keeps its time; `None` in lock-step.
+    pub fn real_time(&self) -> Option<RealTimeFigures> {
+        self.executor.real_time()
     }
 
     /// Where the axes are told to be.

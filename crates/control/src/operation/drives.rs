@@ -6,7 +6,6 @@ use super::request::{Accepted, Refusal};
 use super::state::{EmergencyStop, ExecutionEvent, Mode, Power};
 use crate::config;
 use crate::stops::RecoverySettings;
-use bus::Machine as _;
 use canon::Axis;
 use kernel::{Order, WithdrawalPlan};
 use sim::Fault;
@@ -57,7 +56,7 @@ impl Control {
     }
 
     /// An axis knows where it is.
-    pub const fn is_homed(&self, axis: Axis) -> bool {
+    pub fn is_homed(&self, axis: Axis) -> bool {
         self.executor.kernel.is_homed(axis)
     }
 
@@ -94,7 +93,7 @@ impl Control {
 
     /// The next axes are homed when those before are.
     pub(super) fn go_on_homing(&mut self) {
-        if self.to_home.is_empty() || self.executor.kernel.homing().next().is_some() {
+        if self.to_home.is_empty() || self.executor.kernel.is_homing() {
             return;
         }
         if !self.executor.kernel.is_ready() || self.is_resetting {

@@ -3,7 +3,7 @@
 use super::control::Control;
 use super::event::{Alarm, Event};
 use super::state::{EmergencyStop, Execution, Need};
-use bus::{Machine as _, State};
+use bus::State;
 use canon::Axis;
 use kernel::Waiting;
 use units::Time;
@@ -49,7 +49,7 @@ impl Control {
     }
 
     /// What the axes do.
-    pub const fn activity(&self) -> State {
+    pub fn activity(&self) -> State {
         self.executor.kernel.report().state
     }
 
@@ -59,7 +59,7 @@ impl Control {
     }
 
     /// The program's line that is executed.
-    pub const fn line(&self) -> u32 {
+    pub fn line(&self) -> u32 {
         self.executor.kernel.report().line
     }
 
@@ -91,7 +91,7 @@ impl Control {
 
     /// An axis finds its reference.
     pub fn is_referencing(&self) -> bool {
-        !self.to_home.is_empty() || self.executor.kernel.homing().next().is_some()
+        !self.to_home.is_empty() || self.executor.kernel.is_homing()
     }
 
     /// An axis is moved by hand as long as its lease lasts.

@@ -3,7 +3,6 @@ use super::control::Control;
 use super::manual::unit;
 use super::offsets;
 use super::state::{EmergencyStop, Execution, Mode, Power};
-use bus::Machine as _;
 use units::Length;
 use verify::{Feature, Verdict};
 
@@ -68,6 +67,8 @@ pub struct ProgramStatus {
     pub planned_s: f64,
     /// For how long it has been under way, s.
     pub elapsed_s: f64,
+    /// How long what is planned, and waits to be executed, will take, s; what has no planned time counts nothing.
+    pub ahead_s: f64,
 }
 
 /// What was cut from the workpiece, by verdict.
@@ -122,6 +123,9 @@ pub struct Status {
     pub features: FeatureCount,
     /// Alarms that no reset has cleared.
     pub alarms: Vec<String>,
+    /// How the servo thread keeps its time, in real time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub real_time: Option<crate::RealTimeFigures>,
 }
 
 impl Control {
@@ -162,6 +166,7 @@ impl Control {
             is_tool_in_work: self.is_tap_in_thread(),
             features: count(&self.judged()),
             alarms: self.uncleared(),
+            real_time: self.real_time(),
         }
     }
 
@@ -211,11 +216,18 @@ impl Control {
                 line,
                 planned_s: planned.value(),
                 elapsed_s: (self.now() - begun).value(),
+                ahead_s: under_way.running.ahead().value(),
             });
         }
         let loaded = self.loaded.as_ref()?;
         let planned_s = loaded.planned.value();
-        Some(ProgramStatus { name: loaded.name.clone(), line: 0, planned_s, elapsed_s: 0.0 })
+        Some(ProgramStatus {
+            name: loaded.name.clone(),
+            line: 0,
+            planned_s,
+            elapsed_s: 0.0,
+            ahead_s: 0.0,
+        })
     }
 
     /// What was cut from the workpiece so far, with its verdicts.

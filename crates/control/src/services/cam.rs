@@ -6,12 +6,12 @@
 //! ```
 //!
 //! The kernel waits at the end of a turn with everything coupled and turning, so nothing here hurries.
+use crate::KernelHandle;
 use crate::clock::now;
 use crate::job::cams::CamSetup;
 use crate::job::options::Compensation;
 use bus::Sample;
 use canon::{Axis, CamOrder, Op, OpKind};
-use kernel::Kernel;
 use motion::{Superpose, Superposed, TableId};
 use plan::{Planner, TURN_ENDED, turned};
 use std::collections::VecDeque;
@@ -146,7 +146,7 @@ impl CamHost {
     }
 
     /// The kernel asks: look at the turn that has ended, and let it go on when nothing is to be waited for.
-    pub fn consult(&mut self, kernel: &mut Kernel, planner: &mut Planner) {
+    pub fn consult(&mut self, kernel: &mut KernelHandle, planner: &mut Planner) {
         if kernel.consulted() != Some(TURN_ENDED) {
             return;
         }
@@ -179,7 +179,7 @@ impl CamHost {
     }
 
     /// Fold the last turn; whether the machine must settle on another table first.
-    fn turn_ended(&mut self, spin: Spin, kernel: &mut Kernel) -> bool {
+    fn turn_ended(&mut self, spin: Spin, kernel: &mut KernelHandle) -> bool {
         let Some((number, phase)) = self.now.profile else { return false };
         let Some(profile) = self.setup.library.get(number).cloned() else { return false };
         let Some(ideal) = self.ideal(number, spin) else { return false };
@@ -211,7 +211,7 @@ impl CamHost {
         };
         let id = TableId(self.next_table);
         self.next_table = self.next_table.checked_add(1).unwrap_or(FIRST_TABLE);
-        if kernel.put_table(id, table).is_err() {
+        if !kernel.put_table(id, table) {
             return false;
         }
         let order = Superpose {

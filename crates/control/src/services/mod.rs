@@ -9,12 +9,12 @@ pub use cam::CamHost;
 pub use polygon::PolygonHost;
 pub use sync_record::RecordWriter;
 
-use crate::Plant;
+use crate::KernelHandle;
+use crate::MachineHandle;
 use crate::job::Session;
 use crate::stops::Stops;
 use bus::Sample;
 use canon::Op;
-use kernel::Kernel;
 use plan::Planner;
 
 /// The services of a run.
@@ -54,7 +54,7 @@ impl Services {
     }
 
     /// What was heard and commanded in a period.
-    pub(super) fn sample(&mut self, sample: &Sample, kernel: &Kernel) {
+    pub(super) fn sample(&mut self, sample: &Sample, kernel: &KernelHandle) {
         self.cams.sample(sample);
         self.polygons.sample(sample, kernel);
     }
@@ -62,8 +62,8 @@ impl Services {
     /// Answer what the kernel has asked.
     pub(super) fn serve(
         &mut self,
-        kernel: &mut Kernel,
-        machine: &mut Plant,
+        kernel: &mut KernelHandle,
+        machine: &mut MachineHandle,
         planner: &mut Planner,
         sample: &Sample,
     ) {

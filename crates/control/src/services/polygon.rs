@@ -12,11 +12,12 @@
 //! its motor goes farther on purpose), with the work's own angle as it really is: gain and phase of each harmonic, and of
 //! the tool spindle also the constant lag behind its gear, which would turn all facets a little.
 //! The last look measures what will cut. No correction may ask more of an actuator than its limits, or than was ordered.
+use crate::KernelHandle;
 use crate::polygon::drives::{self, Reversing};
 use crate::polygon::{Slide, kept};
 use bus::Sample;
 use canon::{Harmonic, Op, OpKind, Oscillating, Polygon, SpindleOrder};
-use kernel::{Kernel, Periodic};
+use kernel::Periodic;
 use motion::{Superpose, Superposed, TableId};
 use plan::{OSCILLATION_SEEN, sampled};
 use std::collections::VecDeque;
@@ -112,7 +113,7 @@ impl PolygonHost {
     }
 
     /// One servo period.
-    pub fn sample(&mut self, sample: &Sample, kernel: &Kernel) {
+    pub fn sample(&mut self, sample: &Sample, kernel: &KernelHandle) {
         while self.orders.front().is_some_and(|(index, _)| *index <= sample.report.op) {
             let Some((_, order)) = self.orders.pop_front() else { return };
             match order {
@@ -169,7 +170,7 @@ impl PolygonHost {
     }
 
     /// The kernel asks: look, correct, and let it go on when nothing is to be waited for.
-    pub fn consult(&mut self, kernel: &mut Kernel) {
+    pub fn consult(&mut self, kernel: &mut KernelHandle) {
         if kernel.consulted() != Some(OSCILLATION_SEEN) {
             return;
         }
@@ -210,7 +211,12 @@ impl PolygonHost {
     }
 
     /// Compare and correct one follower; whether another table was sent.
-    fn look(&mut self, follower: &mut Follower, polygon: &Polygon, kernel: &mut Kernel) -> bool {
+    fn look(
+        &mut self,
+        follower: &mut Follower,
+        polygon: &Polygon,
+        kernel: &mut KernelHandle,
+    ) -> bool {
         let measured = match follower.measured(self.repeats(polygon)) {
             Ok(measured) => measured,
             Err(why) => {
@@ -249,7 +255,7 @@ impl PolygonHost {
         };
         let turns = polygon.period();
         let order = Superpose { on, master: polygon.work, table: Some(id), turns, over: EXCHANGE };
-        let sent = kernel.put_table(id, table).is_ok() && kernel.superpose(&order).is_ok();
+        let sent = kernel.put_table(id, table) && kernel.superpose(&order).is_ok();
         if sent {
             follower.active = next;
         }

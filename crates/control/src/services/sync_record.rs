@@ -8,10 +8,11 @@
 //! In lock-step simulated time stands while the disk works, so a fast disk and a slow one would differ: there an
 //! acknowledgement comes [`ALLOWANCE`] after the request, by the machine's time, whenever the disk is done before. In real
 //! time it comes when it comes.
+use crate::KernelHandle;
 use crate::Refused;
 use bus::{Feedback, State};
 use canon::{Holder, Op, OpKind, ToolKind, ToolLibrary};
-use kernel::{Kernel, RecordRequest, WorkRecord};
+use kernel::{RecordRequest, WorkRecord};
 use motion::TiedCut;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
@@ -189,7 +190,7 @@ impl RecordWriter {
 
     /// Take the kernel's requests, hand it its acknowledgements. The tool that is in the work from now on, as the machine is told
     /// with each command: from when the record is on the disk until the tool is out.
-    pub fn serve(&mut self, kernel: &mut Kernel, feedback: &Feedback) -> Option<Engagement> {
+    pub fn serve(&mut self, kernel: &mut KernelHandle, feedback: &Feedback) -> Option<Engagement> {
         let now = feedback.time;
         while let Some(request) = kernel.next_record_request() {
             let (record, number) = match (request, &self.last) {
@@ -223,7 +224,7 @@ impl RecordWriter {
         self.engagement
     }
 
-    fn acknowledge(&mut self, kernel: &mut Kernel, now: Time) {
+    fn acknowledge(&mut self, kernel: &mut KernelHandle, now: Time) {
         while let Some((number, due, _)) = self.underway.front() {
             let (number, due) = (*number, *due);
             let answer = if self.real_time {
@@ -263,7 +264,7 @@ impl RecordWriter {
         }
     }
 
-    fn fail(&mut self, kernel: &mut Kernel, why: &str) {
+    fn fail(&mut self, kernel: &mut KernelHandle, why: &str) {
         self.underway.clear();
         self.problem.get_or_insert_with(|| why.to_owned());
         kernel.not_written();

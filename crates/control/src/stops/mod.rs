@@ -13,11 +13,11 @@ mod settings;
 pub use off::Withdrawn;
 pub use settings::RecoverySettings;
 
-use crate::Plant;
 use crate::executor::period;
 use crate::job::Session;
 use crate::recovery;
 use crate::script::{Script, Told};
+use crate::{KernelHandle, MachineHandle, Plant};
 use bus::{Machine, Sample};
 use canon::Holder;
 use kernel::{EventKind, Kernel, Notice, Order, RecoveryFigures, RecoveryPlan};
@@ -111,7 +111,7 @@ impl Stops {
     }
 
     /// Let come what comes in this period.
-    pub fn act(&mut self, sample: &Sample, kernel: &mut Kernel, plant: &mut Plant) {
+    pub fn act(&mut self, sample: &Sample, kernel: &mut KernelHandle, plant: &mut MachineHandle) {
         if self.is_quiet() {
             return;
         }

@@ -1,0 +1,467 @@
+//! Kernel and machine as the control holds them: here, or in the servo thread; what is asked of them is the same.
+use crate::Plant;
+use crate::real_time::{KernelLink, MachineLink, Record};
+use bus::{Feedback, Machine as _, Report, Truth};
+use kernel::{
+    Answered, Event, Fault, FaultKind, Full, HomingOrder, Kernel, ManualOrder, ManualRefusal,
+    Operator, Order, Periodic, RecordRequest, RecoveryPlan, Reply, Request, Waiting,
+    WithdrawalPlan,
+};
+use motion::{HandedBack, Superpose, TableId, WayOut};
+use plan::Step;
+use sim::Fault as MachineFault;
+use units::{Angle, Axis, Length, Spin, Time};
+use wire::Engagement;
+
+/// A kernel.
+pub enum KernelHandle {
+    /// In this thread.
+    Here(Box<Kernel>),
+    /// In the servo thread.
+    There(Box<KernelLink>),
+}
+
+/// A machine.
+pub enum MachineHandle {
+    /// In this thread.
+    Here(Box<Plant>),
+    /// In the servo thread.
+    There(Box<MachineLink>),
+}
+
+impl From<Kernel> for KernelHandle {
+    fn from(kernel: Kernel) -> Self {
+        Self::Here(Box::new(kernel))
+    }
+}
+
+impl From<Plant> for MachineHandle {
+    fn from(machine: Plant) -> Self {
+        Self::Here(Box::new(machine))
+    }
+}
+
+/// What the kernel answers, or its picture has.
+macro_rules! seen {
+    ($($name:ident: $type:ty),* $(,)?) => {
+        impl KernelHandle {
+            $(
+                #[doc = concat!("[`Kernel::", stringify!($name), "`].")]
+                pub fn $name(&self) -> $type {
+                    match self {
+                        Self::Here(kernel) => kernel.$name(),
+                        Self::There(link) => link.picture().$name,
+                    }
+                }
+            )*
+        }
+    };
+}
+
+seen! {
+    report: Report,
+    is_over: bool,
+    is_off: bool,
+    is_ready: bool,
+    is_standing: bool,
+    is_retreating: bool,
+    can_back_out: bool,
+    is_in_thread: bool,
+    is_moving_manually: bool,
+    is_moving_on_lease: bool,
+    has_faded: bool,
+    consulted: Option<u16>,
+    engaged: Option<sync::recovery::Stored>,
+    surface: Option<Length>,
+    waiting: Option<Waiting>,
+}
+
+/// The same by axis.
+macro_rules! seen_of_axis {
+    ($($name:ident, $names:ident: $type:ty),* $(,)?) => {
+        impl KernelHandle {
+            $(
+                #[doc = concat!("[`Kernel::", stringify!($name), "`].")]
+                pub fn $name(&self, axis: Axis) -> $type {
+                    match self {
+                        Self::Here(kernel) => kernel.$name(axis),
+                        Self::There(link) => link.picture().$names[axis.index()],
+                    }
+                }
+            )*
+        }
+    };
+}
+
+seen_of_axis! {
+    setpoint, setpoints: Option<f64>,
+    tool_side, tool_sides: Option<Length>,
+    is_homed, is_homed: bool,
+    zero, zeros: Length,
+}
+
+/// What is done at once, or asked for: a thread that has ended does nothing any more.
+macro_rules! done {
+    ($($name:ident($($argument:ident: $type:ty),*) as $request:expr),* $(,)?) => {
+        impl KernelHandle {
+            $(
+                #[doc = concat!("[`Kernel::", stringify!($name), "`].")]
+                pub fn $name(&mut self $(, $argument: $type)*) {
+                    match self {
+                        Self::Here(kernel) => kernel.$name($($argument),*),
+                        Self::There(link) => {
+                            let _ = link.ask($request);
+                        }
+                    }
+                }
+            )*
+        }
+    };
+}
+
+done! {
+    order(order: Order) as Request::Order(order),
+    switch_on() as Request::SwitchOn,
+    clear_outputs() as Request::ClearOutputs,
+    rest_manually() as Request::RestManually,
+    forget_home(axis: Axis) as Request::ForgetHome(axis),
+    recover(plan: RecoveryPlan) as Request::Recover(plan),
+    withdraw(plan: WithdrawalPlan) as Request::Withdraw(plan),
+    go_on() as Request::GoOn,
+    answer() as Request::Answer,
+    keep_records() as Request::KeepRecords,
+    acknowledge(number: u32) as Request::Acknowledge(number),
+    not_written() as Request::NotWritten,
+}
+
+impl KernelHandle {
+    /// The kernel, if it is in this thread.
+    pub fn here(&mut self) -> Option<&mut Kernel> {
+        match self {
+            Self::Here(kernel) => Some(kernel),
+            Self::There(_) => None,
+        }
+    }
+
+    /// A period of the servo thread is looked at.
+    pub(crate) fn see(&mut self, record: &Record) {
+        if let Self::There(link) = self {
+            link.see(record);
+        }
+    }
+
+    /// [`Kernel::push`].
+    ///
+    /// # Errors
+    /// There is no room for it now.
+    pub fn push(&mut self, step: &Step) -> Result<(), Full> {
+        match self {
+            Self::Here(kernel) => kernel.push(step),
+            Self::There(link) => link.push(step),
+        }
+    }
+
+    /// No step can be pushed now.
+    pub fn is_full(&self) -> bool {
+        match self {
+            Self::Here(kernel) => kernel.is_full(),
+            Self::There(link) => link.is_full(),
+        }
+    }
+
+    /// Steps that wait or run, those on their way to the kernel among them.
+    pub fn steps(&self) -> usize {
+        match self {
+            Self::Here(kernel) => kernel.steps(),
+            Self::There(link) => link.steps(),
+        }
+    }
+
+    /// Nothing left to do.
+    pub fn is_idle(&self) -> bool {
+        self.steps() == 0
+    }
+
+    /// [`Kernel::operator`].
+    pub fn operator(&self) -> &Operator {
+        match self {
+            Self::Here(kernel) => kernel.operator(),
+            Self::There(link) => &link.picture().operator,
+        }
+    }
+
+    /// [`Kernel::faults`].
+    pub fn faults(&self) -> &[Fault] {
+        match self {
+            Self::Here(kernel) => kernel.faults(),
+            Self::There(link) => link.faults(),
+        }
+    }
+
+    /// [`Kernel::way_out`].
+    pub fn way_out(&self) -> Option<&WayOut> {
+        match self {
+            Self::Here(kernel) => kernel.way_out(),
+            Self::There(link) => link.picture().way_out.as_ref(),
+        }
+    }
+
+    /// [`Kernel::ordered_spin`].
+    pub fn ordered_spin(&self, spindle: usize) -> Spin {
+        match self {
+            Self::Here(kernel) => kernel.ordered_spin(spindle),
+            Self::There(link) => {
+                link.picture().ordered_spins.get(spindle).copied().unwrap_or_default()
+            }
+        }
+    }
+
+    /// An axis is being homed.
+    pub fn is_homing(&self) -> bool {
+        match self {
+            Self::Here(kernel) => kernel.homing().next().is_some(),
+            Self::There(link) => link.picture().homing.iter().any(Option::is_some),
+        }
+    }
+
+    /// [`Kernel::next_event`].
+    pub fn next_event(&mut self) -> Option<Event> {
+        match self {
+            Self::Here(kernel) => kernel.next_event(),
+            Self::There(link) => link.next_event(),
+        }
+    }
+
+    /// [`Kernel::take_answer`].
+    pub fn take_answer(&mut self) -> Option<Answered> {
+        match self {
+            Self::Here(kernel) => kernel.take_answer(),
+            Self::There(link) => link.take_answer(),
+        }
+    }
+
+    /// [`Kernel::next_record_request`].
+    pub fn next_record_request(&mut self) -> Option<RecordRequest> {
+        match self {
+            Self::Here(kernel) => kernel.next_record_request(),
+            Self::There(link) => link.next_record_request(),
+        }
+    }
+
+    /// [`Kernel::switch_off`].
+    pub fn switch_off(&mut self) -> bool {
+        match self {
+            Self::Here(kernel) => kernel.switch_off(),
+            Self::There(link) => matches!(link.ask(Request::SwitchOff), Some(Reply::Is(true))),
+        }
+    }
+
+    /// [`Kernel::clear`].
+    pub fn clear(&mut self) -> bool {
+        match self {
+            Self::Here(kernel) => kernel.clear(),
+            Self::There(link) => matches!(link.ask(Request::Clear), Some(Reply::Is(true))),
+        }
+    }
+
+    /// [`Kernel::hand_back`].
+    pub fn hand_back(&mut self) -> Option<HandedBack> {
+        match self {
+            Self::Here(kernel) => kernel.hand_back(),
+            Self::There(link) => match link.ask(Request::HandBack) {
+                Some(Reply::HandedBack(back)) => back,
+                _ => None,
+            },
+        }
+    }
+
+    /// [`Kernel::put_table`]; whether there was a place for it.
+    pub fn put_table(&mut self, id: TableId, table: Periodic) -> bool {
+        match self {
+            Self::Here(kernel) => kernel.put_table(id, table).is_ok(),
+            Self::There(link) => {
+                matches!(link.ask(Request::PutTable(id, table)), Some(Reply::Table(Ok(_))))
+            }
+        }
+    }
+
+    /// [`Kernel::superpose`].
+    ///
+    /// # Errors
+    /// The spindle, the axis or the table is missing, or the servo thread has ended.
+    pub fn superpose(&mut self, order: &Superpose) -> Result<(), FaultKind> {
+        match self {
+            Self::Here(kernel) => kernel.superpose(order),
+            Self::There(link) => match link.ask(Request::Superpose(*order)) {
+                Some(Reply::Superposed(done)) => done,
+                _ => Err(FaultKind::TableMissing),
+            },
+        }
+    }
+
+    fn manual(reply: Option<&Reply>) -> Result<(), ManualRefusal> {
+        match reply {
+            Some(Reply::Manual(done)) => *done,
+            _ => Err(ManualRefusal::NotReady),
+        }
+    }
+
+    /// [`Kernel::move_manually`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn move_manually(&mut self, axis: Axis, order: ManualOrder) -> Result<(), ManualRefusal> {
+        match self {
+            Self::Here(kernel) => kernel.move_manually(axis, order),
+            Self::There(link) => {
+                Self::manual(link.ask(Request::MoveManually(axis, order)).as_ref())
+            }
+        }
+    }
+
+    /// [`Kernel::turn_manually`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn turn_manually(
+        &mut self,
+        spindle: usize,
+        spin: Spin,
+        until: Time,
+    ) -> Result<(), ManualRefusal> {
+        match self {
+            Self::Here(kernel) => kernel.turn_manually(spindle, spin, until),
+            Self::There(link) => {
+                Self::manual(link.ask(Request::TurnManually(spindle, spin, until)).as_ref())
+            }
+        }
+    }
+
+    /// [`Kernel::orient_manually`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn orient_manually(&mut self, spindle: usize, angle: Angle) -> Result<(), ManualRefusal> {
+        match self {
+            Self::Here(kernel) => kernel.orient_manually(spindle, angle),
+            Self::There(link) => {
+                Self::manual(link.ask(Request::OrientManually(spindle, angle)).as_ref())
+            }
+        }
+    }
+
+    /// [`Kernel::home`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn home(&mut self, axis: Axis, order: &HomingOrder) -> Result<(), ManualRefusal> {
+        match self {
+            Self::Here(kernel) => kernel.home(axis, order),
+            Self::There(link) => Self::manual(link.ask(Request::Home(axis, *order)).as_ref()),
+        }
+    }
+}
+
+impl MachineHandle {
+    /// The machine, if it is in this thread.
+    pub fn here(&mut self) -> Option<&mut Plant> {
+        match self {
+            Self::Here(machine) => Some(machine),
+            Self::There(_) => None,
+        }
+    }
+
+    /// A period of the servo thread is looked at.
+    pub(crate) fn see(&mut self, record: &Record) {
+        if let Self::There(link) = self {
+            link.see(record);
+        }
+    }
+
+    /// The servo thread is gone, and why.
+    pub(crate) fn lose(&mut self, why: &str) {
+        if let Self::There(link) = self {
+            link.lose(why);
+        }
+    }
+
+    /// What it has said last.
+    pub fn feedback(&self) -> Feedback {
+        match self {
+            Self::Here(machine) => machine.feedback(),
+            Self::There(link) => link.feedback(),
+        }
+    }
+
+    /// What only a simulated one knows.
+    pub fn truth(&self) -> Option<Truth> {
+        match self {
+            Self::Here(machine) => machine.truth(),
+            Self::There(link) => link.truth(),
+        }
+    }
+
+    /// Its servo period.
+    pub fn period(&self) -> Time {
+        match self {
+            Self::Here(machine) => machine.period(),
+            Self::There(link) => link.period(),
+        }
+    }
+
+    /// [`Plant::strike`].
+    pub fn strike(&mut self, fault: MachineFault) {
+        match self {
+            Self::Here(machine) => machine.strike(fault),
+            Self::There(link) => link.strike(fault),
+        }
+    }
+
+    /// [`Plant::repair`].
+    pub fn repair(&mut self, fault: MachineFault) {
+        match self {
+            Self::Here(machine) => machine.repair(fault),
+            Self::There(link) => link.repair(fault),
+        }
+    }
+
+    /// [`Plant::mend`].
+    pub fn mend(&mut self) {
+        match self {
+            Self::Here(machine) => machine.mend(),
+            Self::There(link) => link.mend(),
+        }
+    }
+
+    /// [`Plant::engage`].
+    pub fn engage(&mut self, engagement: Option<Engagement>) {
+        match self {
+            Self::Here(machine) => machine.engage(engagement),
+            Self::There(link) => link.engage(engagement),
+        }
+    }
+
+    /// [`Plant::is_abandoned`], or the servo thread has ended.
+    pub fn is_abandoned(&self) -> bool {
+        match self {
+            Self::Here(machine) => machine.is_abandoned(),
+            Self::There(link) => link.lost().is_some(),
+        }
+    }
+
+    /// [`Plant::lost`].
+    pub fn lost(&self) -> Option<String> {
+        match self {
+            Self::Here(machine) => machine.lost(),
+            Self::There(link) => link.lost(),
+        }
+    }
+
+    /// [`Plant::assumed_holes`]; known when the machine is here again.
+    pub fn assumed_holes(&self) -> usize {
+        match self {
+            Self::Here(machine) => machine.assumed_holes(),
+            Self::There(_) => 0,
+        }
+    }
+}

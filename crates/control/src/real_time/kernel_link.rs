@@ -1,0 +1,155 @@
+//! A kernel that is in the servo thread, seen from the control's: its picture, and rings to and from it.
+use super::{Record, Said};
+use crate::clock::now;
+use kernel::{Answered, Event, Fault, Full, Picture, RecordRequest, Reply, Request};
+use plan::Step;
+use rtrb::{Consumer, Producer};
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Acquire};
+use std::time::Duration;
+use units::Time;
+
+/// The other thread answers a request within a period; one that has not after so long is gone.
+const ANSWER: Duration = Duration::from_secs(2);
+/// Between two looks whether it has.
+const LOOK: Duration = Duration::from_micros(20);
+
+/// A reply, and the kernel after it.
+pub(super) struct Replied {
+    pub(super) reply: Reply,
+    /// Periods that were over by then.
+    pub(super) number: u64,
+    pub(super) picture: Picture,
+    pub(super) taken: u64,
+}
+
+/// The rings' ends on this side.
+pub(super) struct KernelRings {
+    pub(super) requests: Producer<Request>,
+    pub(super) replies: Consumer<Replied>,
+    pub(super) steps: Producer<Step>,
+    pub(super) spent: Consumer<Step>,
+    pub(super) said: Consumer<Said>,
+}
+
+/// See the module's header.
+pub struct KernelLink {
+    rings: KernelRings,
+    is_over: Arc<AtomicBool>,
+    picture: Picture,
+    /// Periods that were over when the picture was taken.
+    number: u64,
+    faults: Vec<Fault>,
+    events: VecDeque<Event>,
+    answered: Option<Answered>,
+    record_requests: VecDeque<RecordRequest>,
+    /// Steps that were sent, and of these, those that the kernel's queue has taken.
+    sent: u64,
+    taken: u64,
+    /// Up to when records were looked at.
+    seen: Time,
+}
+
+impl KernelLink {
+    pub(super) fn new(rings: KernelRings, is_over: Arc<AtomicBool>, picture: &Picture) -> Self {
+        let mut link = Self {
+            rings,
+            is_over,
+            picture: *picture,
+            number: 0,
+            faults: Vec::new(),
+            events: VecDeque::new(),
+            answered: None,
+            record_requests: VecDeque::new(),
+            sent: 0,
+            taken: 0,
+            seen: Time::ZERO,
+        };
+        link.keep_faults();
+        link
+    }
+
+    pub(crate) fn picture(&self) -> &Picture {
+        &self.picture
+    }
+
+    pub(crate) fn faults(&self) -> &[Fault] {
+        &self.faults
+    }
+
+    /// Steps that wait or run, those on their way among them.
+    pub(crate) fn steps(&self) -> usize {
+        self.picture.steps + (self.sent - self.taken) as usize
+    }
+
+    pub(crate) fn is_full(&self) -> bool {
+        self.rings.steps.is_full()
+    }
+
+    pub(crate) fn push(&mut self, step: &Step) -> Result<(), Full> {
+        while self.rings.spent.pop().is_ok() {}
+        self.rings.steps.push(step.clone()).map_err(|_| Full::Steps)?;
+        self.sent += 1;
+        Ok(())
+    }
+
+    /// A record is looked at.
+    pub(crate) fn see(&mut self, record: &Record) {
+        self.seen = record.sample.feedback.time;
+        if record.number > self.number {
+            (self.picture, self.number, self.taken) = (record.picture, record.number, record.taken);
+            self.keep_faults();
+        }
+    }
+
+    fn keep_faults(&mut self) {
+        self.faults.clear();
+        self.faults.extend(self.picture.faults.iter().flatten());
+    }
+
+    /// Ask, and wait for the reply: less than a period.
+    pub(crate) fn ask(&mut self, request: Request) -> Option<Reply> {
+        self.rings.requests.push(request).ok()?;
+        let end = now() + ANSWER;
+        let replied = loop {
+            if let Ok(replied) = self.rings.replies.pop() {
+                break replied;
+            }
+            if self.is_over.load(Acquire) || now() > end {
+                return None;
+            }
+            std::thread::sleep(LOOK);
+        };
+        let Replied { reply, number, picture, taken } = replied;
+        (self.picture, self.number, self.taken) = (picture, number, taken);
+        self.keep_faults();
+        Some(reply)
+    }
+
+    /// What the kernel has said up to the record that is looked at.
+    fn hear(&mut self) {
+        while let Ok(said) = self.rings.said.pop() {
+            match said {
+                Said::Event(event) => self.events.push_back(event),
+                Said::Answered(answered) => self.answered = Some(answered),
+                Said::Record(request) => self.record_requests.push_back(request),
+            }
+        }
+    }
+
+    pub(crate) fn next_event(&mut self) -> Option<Event> {
+        self.hear();
+        self.events.pop_front_if(|event| event.time <= self.seen)
+    }
+
+    pub(crate) fn take_answer(&mut self) -> Option<Answered> {
+        self.hear();
+        self.answered.take()
+    }
+
+    pub(crate) fn next_record_request(&mut self) -> Option<RecordRequest> {
+        self.hear();
+        self.record_requests.pop_front()
+    }
+}

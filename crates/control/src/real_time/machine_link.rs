@@ -1,0 +1,73 @@
+//! A machine that is in the servo thread, seen from the control's.
+use super::Record;
+use bus::{Feedback, Truth};
+use rtrb::Producer;
+use sim::Fault;
+use units::Time;
+use wire::Engagement;
+
+/// What is asked of the machine beside its commands.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum MachineRequest {
+    Strike(Fault),
+    Repair(Fault),
+    Mend,
+    Engage(Option<Engagement>),
+}
+
+/// See the module's header.
+pub struct MachineLink {
+    pub(super) requests: Producer<MachineRequest>,
+    pub(super) feedback: Feedback,
+    pub(super) truth: Option<Truth>,
+    pub(super) period: Time,
+    pub(super) lost: Option<String>,
+}
+
+impl MachineLink {
+    pub(crate) fn see(&mut self, record: &Record) {
+        (self.feedback, self.truth) = (record.heard, record.sample.truth);
+    }
+
+    fn ask(&mut self, request: MachineRequest) {
+        if self.requests.push(request).is_err() {
+            self.lose("the servo thread does not take requests any more");
+        }
+    }
+
+    pub(crate) fn lose(&mut self, why: &str) {
+        self.lost.get_or_insert_with(|| why.into());
+    }
+
+    pub(crate) fn feedback(&self) -> Feedback {
+        self.feedback
+    }
+
+    pub(crate) fn truth(&self) -> Option<Truth> {
+        self.truth
+    }
+
+    pub(crate) fn period(&self) -> Time {
+        self.period
+    }
+
+    pub(crate) fn strike(&mut self, fault: Fault) {
+        self.ask(MachineRequest::Strike(fault));
+    }
+
+    pub(crate) fn repair(&mut self, fault: Fault) {
+        self.ask(MachineRequest::Repair(fault));
+    }
+
+    pub(crate) fn mend(&mut self) {
+        self.ask(MachineRequest::Mend);
+    }
+
+    pub(crate) fn engage(&mut self, engagement: Option<Engagement>) {
+        self.ask(MachineRequest::Engage(engagement));
+    }
+
+    pub(crate) fn lost(&self) -> Option<String> {
+        self.lost.clone()
+    }
+}

@@ -1,0 +1,47 @@
+//! What the operating system is asked for the servo thread: to be run first, and to have its memory at hand.
+use rustix::mm::{MlockAllFlags, mlockall};
+use std::hint::black_box;
+use thread_priority::{
+    RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue, ThreadSchedulePolicy,
+    set_thread_priority_and_policy, thread_native_id,
+};
+
+/// Stack that is touched before the first period, bytes.
+const STACK: usize = 256 * 1024;
+
+/// Ask for it, for the calling thread; what was not granted, in sentences.
+pub(super) fn ask(priority: u8) -> Vec<String> {
+    let mut refused = Vec::new();
+    if let Err(e) = run_first(priority) {
+        refused.push(format!(
+            "the servo thread runs as any other: real-time scheduling (SCHED_FIFO, priority {priority}) is refused: {e}; \
+             a limit of rtprio {priority} for this user would allow it"
+        ));
+    }
+    // what is not used yet is locked when it is touched
+    let flags = MlockAllFlags::CURRENT | MlockAllFlags::FUTURE | MlockAllFlags::ONFAULT;
+    if let Err(e) = mlockall(flags) {
+        refused.push(format!(
+            "memory may be swapped out: it cannot be locked: {e}; a limit of memlock unlimited for this user would allow it"
+        ));
+    }
+    touch_stack();
+    refused
+}
+
+fn run_first(priority: u8) -> Result<(), String> {
+    let value = ThreadPriorityValue::try_from(priority)?;
+    let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
+    set_thread_priority_and_policy(thread_native_id(), ThreadPriority::Crossplatform(value), policy)
+        .map_err(|e| e.to_string())
+}
+
+#[inline(never)]
+#[allow(clippy::large_stack_arrays)] // this is what it is for
+fn touch_stack() {
+    let mut stack = [0_u8; STACK];
+    for page in stack.chunks_mut(4096) {
+        page[0] = 1;
+    }
+    black_box(&stack);
+}

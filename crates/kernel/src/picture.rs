@@ -1,0 +1,105 @@
+//! How a kernel is, as one plain value: what looks at it may be another thread, or another process.
+use crate::fault::Fault;
+use crate::kernel::{FAULTS, Kernel};
+use crate::operator::Operator;
+use crate::waiting::Waiting;
+use bus::{AXES, Report, SPINDLES};
+use motion::WayOut;
+use units::{Axis, Length, Spin};
+
+/// What the methods of these names answer after the last tick.
+#[derive(Clone, Copy, Debug)]
+#[allow(clippy::struct_excessive_bools)] // independent facts, each asked for by itself
+pub struct Picture {
+    /// [`Kernel::report`].
+    pub report: Report,
+    /// [`Kernel::operator`].
+    pub operator: Operator,
+    /// [`Kernel::steps`].
+    pub steps: usize,
+    /// [`Kernel::is_over`].
+    pub is_over: bool,
+    /// [`Kernel::is_off`].
+    pub is_off: bool,
+    /// [`Kernel::is_ready`].
+    pub is_ready: bool,
+    /// [`Kernel::is_standing`].
+    pub is_standing: bool,
+    /// [`Kernel::is_retreating`].
+    pub is_retreating: bool,
+    /// [`Kernel::can_back_out`].
+    pub can_back_out: bool,
+    /// [`Kernel::is_in_thread`].
+    pub is_in_thread: bool,
+    /// [`Kernel::is_moving_manually`].
+    pub is_moving_manually: bool,
+    /// [`Kernel::is_moving_on_lease`].
+    pub is_moving_on_lease: bool,
+    /// [`Kernel::has_faded`].
+    pub has_faded: bool,
+    /// [`Kernel::consulted`].
+    pub consulted: Option<u16>,
+    /// [`Kernel::engaged`].
+    pub engaged: Option<sync::recovery::Stored>,
+    /// [`Kernel::surface`].
+    pub surface: Option<Length>,
+    /// [`Kernel::way_out`].
+    pub way_out: Option<WayOut>,
+    /// [`Kernel::waiting`].
+    pub waiting: Option<Waiting>,
+    /// [`Kernel::setpoint`], by axis.
+    pub setpoints: [Option<f64>; AXES],
+    /// [`Kernel::tool_side`], by axis.
+    pub tool_sides: [Option<Length>; AXES],
+    /// [`Kernel::is_homed`], by axis.
+    pub is_homed: [bool; AXES],
+    /// [`Kernel::zero`], by axis.
+    pub zeros: [Length; AXES],
+    /// [`Kernel::homing`], by axis.
+    pub homing: [Option<&'static str>; AXES],
+    /// [`Kernel::ordered_spin`], by spindle.
+    pub ordered_spins: [Spin; SPINDLES],
+    /// [`Kernel::faults`], oldest first.
+    pub faults: [Option<Fault>; FAULTS],
+}
+
+impl Kernel {
+    /// How it is.
+    pub fn picture(&self) -> Picture {
+        let mut homing = [None; AXES];
+        for (axis, what) in self.homing() {
+            homing[axis.index()] = Some(what);
+        }
+        let mut faults = [None; FAULTS];
+        for (kept, fault) in faults.iter_mut().zip(self.faults()) {
+            *kept = Some(*fault);
+        }
+        Picture {
+            report: self.report(),
+            operator: *self.operator(),
+            steps: self.steps(),
+            is_over: self.is_over(),
+            is_off: self.is_off(),
+            is_ready: self.is_ready(),
+            is_standing: self.is_standing(),
+            is_retreating: self.is_retreating(),
+            can_back_out: self.can_back_out(),
+            is_in_thread: self.is_in_thread(),
+            is_moving_manually: self.is_moving_manually(),
+            is_moving_on_lease: self.is_moving_on_lease(),
+            has_faded: self.has_faded(),
+            consulted: self.consulted(),
+            engaged: self.engaged(),
+            surface: self.surface(),
+            way_out: self.way_out().copied(),
+            waiting: self.waiting(),
+            setpoints: Axis::ALL.map(|axis| self.setpoint(axis)),
+            tool_sides: Axis::ALL.map(|axis| self.tool_side(axis)),
+            is_homed: Axis::ALL.map(|axis| self.is_homed(axis)),
+            zeros: Axis::ALL.map(|axis| self.zero(axis)),
+            homing,
+            ordered_spins: core::array::from_fn(|spindle| self.ordered_spin(spindle)),
+            faults,
+        }
+    }
+}
