@@ -1,0 +1,46 @@
+// The addresses of the control. The page uses nothing else of it.
+const base = '/api/v1';
+
+/** An answer that is no success: the control's own sentence. */
+export class Refused extends Error {
+  constructor(message: string, readonly remedy: string | null = null, readonly status = 0) {
+    super(message);
+  }
+}
+
+async function sentence(response: Response): Promise<Refused> {
+  const text = await response.text();
+  try {
+    const body = JSON.parse(text) as { reason?: string; remedy?: string | null };
+    return new Refused(body.reason ?? text, body.remedy ?? null, response.status);
+  } catch {
+    return new Refused(text || `${response.status} ${response.statusText}`, null, response.status);
+  }
+}
+
+async function ask(path: string, init: RequestInit = {}): Promise<Response> {
+  const response = await fetch(base + path, { credentials: 'same-origin', ...init });
+  if (!response.ok) throw await sentence(response);
+  return response;
+}
+
+export async function get<T>(path: string): Promise<T> {
+  return (await (await ask(path)).json()) as T;
+}
+
+export async function getText(path: string): Promise<string> {
+  return (await ask(path)).text();
+}
+
+export async function send<T>(path: string, body: unknown, signal?: AbortSignal): Promise<T> {
+  const init = { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify(body) };
+  return (await (await ask(path, signal ? { ...init, signal } : init)).json()) as T;
+}
+
+export async function put(path: string, text: string): Promise<Response> {
+  return ask(path, { method: 'PUT', headers: { 'content-type': 'text/plain' }, body: text });
+}
+
+export function socketAddress(): string {
+  return `${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}${base}/ws`;
+}

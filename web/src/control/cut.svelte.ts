@@ -1,0 +1,33 @@
+// What the workpiece has so far, feature by feature, and the largest sync error since a tool went into the work.
+import { get } from './api';
+import type { Feature } from './model';
+import { control, type ServerMessage } from './control.svelte';
+
+class Cut {
+  features = $state.raw<Feature[]>([]);
+  worst_um = $state<number | null>(null);
+  last = $state<string | null>(null);
+  #wasCoupled = false;
+
+  async load(): Promise<void> {
+    try {
+      const answer = await get<Feature[] | { features: Feature[] }>('/features');
+      this.features = Array.isArray(answer) ? answer : answer.features;
+    } catch {
+      // The bar says that there is no connection.
+    }
+  }
+
+  take(message: ServerMessage): void {
+    const error = control.status?.sync_error_um ?? null;
+    if (error !== null) {
+      if (!this.#wasCoupled) this.worst_um = null;
+      if (this.worst_um === null || Math.abs(error) > Math.abs(this.worst_um)) this.worst_um = error;
+    }
+    this.#wasCoupled = error !== null;
+    if (message.type === 'feature') this.features = [...this.features, message.feature as Feature];
+    if (message.type === 'event' && typeof message.feature === 'string') this.last = message.feature;
+  }
+}
+
+export const cut = new Cut();

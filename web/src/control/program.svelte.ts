@@ -1,0 +1,36 @@
+// The program that the control has: its text, its path and its holes. Asked for when its name changes.
+import { get } from './api';
+import type { Program } from './model';
+
+class LoadedProgram {
+  program = $state.raw<Program | null>(null);
+  lines = $derived(this.program?.text.split('\n') ?? []);
+  /** The line that the operator looks at, chosen in the view or in the text. */
+  chosen = $state<number | null>(null);
+  tools = $state.raw<{ number: number; diameter_mm: number | null }[]>([]);
+  #name: string | null = null;
+
+  show(program: Program): void {
+    this.#name = program.name;
+    this.program = program;
+  }
+
+  /** Of the tool in the spindle, mm, as the tool table has it. */
+  toolDiameter(tool: number): number {
+    return this.tools.find((entry) => entry.number === tool)?.diameter_mm ?? 6;
+  }
+
+  async load(name: string | null, isForced = false): Promise<void> {
+    if (name === this.#name && !isForced) return;
+    this.#name = name;
+    this.chosen = null;
+    if (name === null) {
+      this.program = null;
+      return;
+    }
+    const answer = await get<Program | null>('/program').catch(() => null);
+    if (name === this.#name) this.program = answer;
+  }
+}
+
+export const loaded = new LoadedProgram();

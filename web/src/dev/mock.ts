@@ -1,0 +1,47 @@
+// A moving picture without a control, for work on the page only: `npm run dev`, then /?mock. It is not in the bundle.
+import type { Status, Feature, Hole, Segment } from '../control/model';
+import { control } from '../control/control.svelte';
+import { cut } from '../control/cut.svelte';
+import { loaded } from '../control/program.svelte';
+import { machine } from '../control/machine.svelte';
+
+const xs = [12, 44, 76, 108, 108, 76, 44, 12, 12, 44, 76, 108];
+const ys = [12, 12, 12, 12, 40, 40, 40, 40, 68, 68, 68, 68];
+
+export function mock(): void {
+  const holes: Hole[] = xs.map((x, i) => ({ line: 10 + i, kind: 'tap', at: [x, ys[i] ?? 0, 0], bottom: -20 }));
+  const segments: Segment[] = holes.flatMap((hole, i) => {
+    const [x = 0, y = 0] = hole.at;
+    const from = holes[i - 1]?.at ?? [0, 0];
+    return [
+      { line: hole.line, kind: 'rapid', points: [[from[0] ?? 0, from[1] ?? 0, 5], [x, y, 5]] },
+      { line: hole.line, kind: 'tap', points: [[x, y, 5], [x, y, -20], [x, y, 5]] },
+    ];
+  });
+  machine.facts = {
+    name: 'tapping-center', description: '', stock: { least: [0, 0, -25], most: [120, 80, 0] },
+    axes: ['X', 'Y', 'Z'].map((letter) => ({ letter, unit: 'mm', travel_from: letter === 'Z' ? -400 : -500, travel_to: 0, rapid_per_min: 50000 })),
+    overrides: { feed: { least_percent: 0, most_percent: 200 }, rapid: { least_percent: 0, most_percent: 100 }, spindle: { least_percent: 50, most_percent: 120 } },
+  };
+  const text = ['(Plate: 12 x M6)', 'G21 G17 G40 G49 G80 G90', 'T3 M6', 'G43 H3', 'S6000 M3', 'G0 X12 Y12 Z30', 'G99 G84 X12 Y12 Z-20 R5 F6000', ...xs.map((x, i) => `X${x} Y${ys[i]}`), 'G80', 'M30'].join('\n');
+  loaded.show({ name: 'plate-12xM6.ngc', text, segments, holes });
+  cut.features = xs.slice(0, 7).map((x, i): Feature => ({ line: 10 + i, kind: 'thread', verdict: i === 5 ? 'not_judged' : 'good', reason: null, tool: 3, time_s: i, position: [x, ys[i] ?? 0, 0] }));
+  cut.last = 'line 16: thread: good';
+  const begun = performance.now();
+  setInterval(() => {
+    const s = (performance.now() - begun) / 1000;
+    const z = -4.25 - 8 * Math.sin(s * 3);
+    const axis = (letter: string, work: number) => ({ letter, unit: 'mm' as const, machine: work - 250, work, is_homed: true, following_error: 0 });
+    const status: Status = {
+      time_s: s, emergency_stop: 'ARMED', power: 'ON', is_ready: true, mode: 'AUTOMATIC', execution: 'ACTIVE', activity: 'tapping',
+      waiting_for: null, axes: [axis('X', 76), axis('Y', 40), axis('Z', z)], spindles: [{ ordered_rpm: 6000, angle_deg: (s * 1000) % 360 }],
+      tool: 3, work_offset: 'G54', codes: ['G0', 'G17', 'G21', 'G90', 'G94', 'G54', 'G43', 'G80', 'M3', 'M8'],
+      overrides: { feed_percent: 100, rapid_percent: 50, spindle_percent: 100, is_locked: true },
+      program: { name: 'plate-12xM6.ngc', line: 14, planned_s: 62, elapsed_s: s }, sync_error_um: -0.4 + Math.sin(s * 9), is_tool_in_work: true,
+      features: { good: 6, failed: 0, not_judged: 1 }, alarms: [],
+    };
+    control.link = 'open';
+    control.take({ type: 'status', status });
+    cut.take({ type: 'status' });
+  }, 20);
+}
