@@ -72,6 +72,8 @@ pub struct Control {
     /// The program that was loaded last, and how far it came.
     pub(super) last_program: Option<LastProgram>,
     pub(super) kept: Kept,
+    /// Which of the machines of this file it is: what is simulated scatters by it.
+    pub(super) seed: u64,
     drives_were_ready: bool,
     told_features: usize,
 }
@@ -135,6 +137,7 @@ impl Control {
             handwheel: [None; AXES],
             last_program: None,
             kept,
+            seed,
             drives_were_ready: false,
             told_features: 0,
             base,
@@ -328,6 +331,7 @@ impl Control {
         self.take_alarms();
         let is_ready = self.executor.kernel.is_ready();
         if is_ready && !self.drives_were_ready {
+            self.take_homed();
             self.events.push(Event::DrivesReady);
         }
         self.drives_were_ready = is_ready;
@@ -346,6 +350,7 @@ impl Control {
                     self.events.notice(format!("line {}: sync error {error}", event.line));
                 }
                 EventKind::Homed { axis, deviation } => {
+                    self.keep_homed(*axis);
                     let axis = axis.letter();
                     self.events.notice(match deviation {
                         None => format!("{axis} is homed"),

@@ -4,18 +4,24 @@
 use super::control::Control;
 use super::event::Alarm;
 use super::request::Refusal;
-use crate::Refused;
 use crate::clock::unix_ms;
 use crate::job::Left;
+use crate::{Refused, config};
+use canon::Axis;
 use std::path::Path;
 use store::parameters::Parameters;
-use store::state::{AlarmRecord, LastProgram, Settings, State, StateFolder};
+use store::state::{AlarmRecord, HomedAxis, Homing, LastProgram, Settings, State, StateFolder};
 use units::{Length, Time};
+
+/// References that differ by no more are the same, mm or degrees.
+const SAME_REFERENCE: f64 = 1e-6;
 
 /// A state folder, and what was found in it; without one nothing is kept.
 #[derive(Default)]
 pub(super) struct Kept {
     folder: Option<StateFolder>,
+    /// References of absolute encoders.
+    homed: Homing,
 }
 
 impl Kept {
@@ -28,7 +34,8 @@ impl Kept {
         let (mut folder, state, mut found) = StateFolder::open(path)?;
         found.extend(folder.claim(machine)?);
         let said = found.into_iter().map(|finding| finding.to_string()).collect();
-        Ok((Self { folder: Some(folder) }, state, said))
+        let homed = state.homed.clone();
+        Ok((Self { folder: Some(folder), homed }, state, said))
     }
 
     /// Save something, if there is a folder.
@@ -121,6 +128,55 @@ impl Control {
         for why in kept.into_iter().filter_map(Result::err) {
             self.events.notice(why.to_string());
         }
+    }
+
+    /// The reference of an axis whose encoder is absolute is on the disk: it holds as long as this machine's encoder does.
+    pub(super) fn keep_homed(&mut self, axis: Axis) {
+        if !self.has_absolute_encoder(axis) || self.kept.folder.is_none() {
+            return;
+        }
+        let (letter, epoch) = (axis.letter(), self.seed);
+        let zero = self.executor.kernel.zero(axis).value();
+        let mut homed = self.kept.homed.clone();
+        homed.axis.retain(|kept| kept.axis != letter);
+        homed.axis.push(HomedAxis { axis: letter, zero, epoch });
+        match self.kept.save(|folder| folder.save_homed(&homed)) {
+            Ok(()) => self.kept.homed = homed,
+            Err(why) => self.events.notice(why.to_string()),
+        }
+    }
+
+    /// The drives have come up: axes whose absolute encoders were referenced on this machine know where they are.
+    pub(super) fn take_homed(&mut self) {
+        for homing in config::homing(&self.base.machine) {
+            let axis = homing.axis;
+            let Some(kept) = self.kept.homed.of(axis.letter(), self.seed).cloned() else {
+                continue;
+            };
+            if !self.has_absolute_encoder(axis) || self.executor.kernel.is_homed(axis) {
+                continue;
+            }
+            if self.executor.kernel.home(axis, &homing.how).is_err() {
+                continue; // it is homed when it is asked for
+            }
+            let zero = self.executor.kernel.zero(axis).value();
+            if (zero - kept.zero).abs() > SAME_REFERENCE {
+                self.executor.kernel.forget_home(axis);
+                let letter = axis.letter();
+                self.events.notice(format!(
+                    "{letter} is not homed: the machine file's reference of {letter} has changed by {:+.4} since it was; home {letter}",
+                    zero - kept.zero
+                ));
+            }
+        }
+    }
+
+    fn has_absolute_encoder(&self, axis: Axis) -> bool {
+        let homing = config::homing(&self.base.machine);
+        let absolute = |homing: &config::AxisHoming| {
+            homing.axis == axis && homing.how.method == kernel::HomingMethod::Absolute
+        };
+        homing.iter().any(absolute)
     }
 
     pub(super) fn keep_alarm(&mut self, alarm: &Alarm) {
