@@ -73,6 +73,11 @@ impl Executor {
         }
     }
 
+    /// It is, or will be from the next period on, in real time.
+    pub const fn keeps_time(&self) -> bool {
+        !matches!(self.time, TimeKeeping::LockStep)
+    }
+
     /// Begin real time now, if it was asked for.
     pub fn begin_real_time(&mut self) {
         let TimeKeeping::Asked(options) = self.time else { return };

@@ -1,9 +1,10 @@
 //! Keeps the kernel supplied: operations are planned ahead, steps wait in a queue, and the kernel's is kept full.
 use crate::KernelHandle;
+use crate::Services;
 use crate::ahead::MotionAhead;
 use crate::job::Source;
+use crate::observers::Observing;
 use crate::override_pace::Pace;
-use crate::{Observers, Services};
 use canon::{Op, OpKind};
 use diag::Diagnostic;
 use kernel::Answered;
@@ -74,7 +75,7 @@ impl Feeder {
         &mut self,
         kernel: &mut KernelHandle,
         services: &mut Services,
-        observers: &mut Observers,
+        observers: &mut Observing,
     ) {
         while !kernel.is_full() && (self.refused.is_empty() || !self.queue.is_empty()) {
             if let Some(step) = self.queue.pop_front() {

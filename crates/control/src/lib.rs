@@ -41,7 +41,7 @@ pub use feeder::Feeder;
 pub use handles::{KernelHandle, MachineHandle};
 pub use observers::Observers;
 pub use operation::{Control, ControlOptions};
-pub use outcome::Outcome;
+pub use outcome::{EndedRun, Outcome};
 pub use plant::Plant;
 pub use real_time::{RealTimeFigures, RealTimeOptions};
 pub use refused::Refused;

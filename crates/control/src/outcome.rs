@@ -1,12 +1,15 @@
 //! What is known of a run when it is over.
 use crate::job::Left;
-use crate::services::CamHost;
-use crate::{RealTimeFigures, TickTimes, Timings};
+use crate::observers::{ToolUseCount, Workpiece};
+use crate::services::{CamHost, RecordWriter};
+use crate::{Executor, Feeder, Observers, RealTimeFigures, Services, TickTimes, Timings};
+use bus::State;
+use canon::ToolUse;
 use kernel::{Event, Fault};
 use report::Recorder;
 use std::collections::BTreeMap;
 use units::Time;
-use verify::{Feature, Watch};
+use verify::{Feature, IdleTurns, Watch};
 
 /// What came of a run.
 pub struct Outcome {
@@ -78,4 +81,102 @@ pub(crate) fn unobserved(figures: &RealTimeFigures) -> Option<String> {
             "{count} servo periods were not observed, as this computer had no time for it: what was cut in them is not judged"
         )
     })
+}
+
+/// A run of which nothing more is executed.
+pub struct EndedRun {
+    pub(crate) feeder: Feeder,
+    pub(crate) services: Services,
+    pub(crate) observers: Observers,
+    pub(crate) begun: Time,
+    pub(crate) now: Time,
+    pub(crate) faults: Vec<Fault>,
+    pub(crate) broke_off: Vec<String>,
+    pub(crate) periods: u64,
+    pub(crate) real_time: Option<RealTimeFigures>,
+}
+
+impl EndedRun {
+    /// The workpiece as it has become.
+    pub fn workpiece(&self) -> Workpiece {
+        let Observers { judge, watch, .. } = &self.observers;
+        Workpiece { judge: judge.clone(), watch: watch.clone() }
+    }
+
+    /// What is left of the work, as the judge has seen it.
+    pub fn work(&self) -> verify::Work {
+        self.observers.judge.clone().into_work()
+    }
+
+    /// The number of the operation that would be read next.
+    pub fn next_operation(&self) -> u32 {
+        self.feeder.ops.next_number()
+    }
+
+    /// What the program leaves behind, where that is known only when it has run.
+    pub fn left(&self) -> Option<Left> {
+        self.feeder.ops.left()
+    }
+
+    /// What each tool has cut.
+    pub fn take_tool_use(&mut self) -> BTreeMap<u32, ToolUse> {
+        self.observers.tool_use.as_mut().map(ToolUseCount::take).unwrap_or_default()
+    }
+
+    /// All is over: what came of it.
+    ///
+    /// # Errors
+    /// The trace cannot be written.
+    pub fn finish(self, executor: &mut Executor) -> Result<Outcome, store::Error> {
+        let Self { feeder, services, observers, begun, now, periods, real_time, .. } = self;
+        let (mut faults, mut broke_off) = (self.faults, self.broke_off);
+        // a way out of a thread after the last stop is no part of the cycle
+        let took = now - begun;
+        let not_granted = std::mem::take(&mut executor.refused);
+        let ticks = std::mem::replace(&mut executor.ticks, TickTimes::new(false));
+        let Executor { kernel, machine, .. } = executor;
+        let Services { record_writer, mut cams, polygons, mut stops } = services;
+        let Observers { judge, mut timings, trace, .. } = observers;
+        let features = timings.judging(|| judge.finish());
+        timings.stop(periods, took);
+        let lost = machine.lost().map(|why| format!("the machine simulator is gone: {why}"));
+        let recovered = record_writer.as_ref().and_then(RecordWriter::recovered);
+        let unwritten = record_writer.and_then(RecordWriter::finish);
+        let unwritten = unwritten.map(|why| format!("the sync record cannot be written: {why}"));
+        if let Some(trace) = trace {
+            trace.finish()?;
+        }
+        broke_off.extend(lost.into_iter().chain(unwritten));
+        if faults.is_empty() {
+            faults.extend_from_slice(kernel.faults());
+        }
+        cams.end(feeder.planner.worn());
+        cams.keep(polygons.said, polygons.kept);
+        Ok(Outcome {
+            features: told_of_recovery(features, recovered),
+            recorder: observers.recorder,
+            watch: observers.watch,
+            cycle_time: took,
+            ended: kernel.report().state == State::Ended,
+            faults,
+            warnings: observers.warnings,
+            limiting: feeder.limiting,
+            saturated: observers.saturated,
+            assumed_holes: machine.assumed_holes(),
+            learning_records: kernel.here().map_or(Vec::new(), |k| k.learning_records().to_vec()),
+            cams,
+            idle: observers.idle.map(IdleTurns::finish).unwrap_or_default(),
+            timings,
+            ticks,
+            real_time,
+            not_granted,
+            least_ahead: feeder.ahead.least(),
+            not_triggered: stops.not_triggered(took),
+            happened: observers.confirmed.into_iter().chain(stops.happened).collect(),
+            stops: stops.threads,
+            withdrawn: stops.withdrawn,
+            left: feeder.ops.left(),
+            broke_off,
+        })
+    }
 }

@@ -2,23 +2,20 @@
 use crate::Plant;
 use crate::Refused;
 use crate::config;
+use crate::job::Operations;
 use crate::job::Session;
 use crate::job::preflight::planner;
 use crate::job::restart::Restart;
-use crate::job::{Left, Operations};
-use crate::observers::{Observer, ToolUseCount, Workpiece};
-use crate::outcome::{Outcome, told_of_recovery, unobserved};
-use crate::services::RecordWriter;
+use crate::observers::{Observing, ToolUseCount, Workpiece};
+use crate::outcome::{EndedRun, Outcome, unobserved};
 use crate::stall::StallGuard;
-use crate::{Executor, Feeder, KernelHandle, Observers, RealTimeFigures, Services, TickTimes};
+use crate::{Executor, Feeder, KernelHandle, Observers, RealTimeFigures, Services};
 use bus::{Sample, State};
-use canon::ToolUse;
 use kernel::{Event, Fault, Kernel};
-use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use units::Time;
-use verify::{Feature, IdleTurns};
+use verify::Feature;
 
 /// Servo periods between two looks of the progress bar.
 const PROGRESS_EVERY: u64 = 4096;
@@ -94,7 +91,7 @@ impl ProgramRun {
             }
         }
         running.end_real_time(&mut executor);
-        running.finish(&mut executor)
+        running.end().finish(&mut executor)
     }
 
     /// The first period is about to come, of this kernel and machine.
@@ -111,7 +108,7 @@ impl ProgramRun {
 pub struct Running {
     feeder: Feeder,
     services: Services,
-    observers: Observers,
+    observers: Observing,
     is_attended: bool,
     planned: Time,
     begun: Time,
@@ -143,30 +140,9 @@ impl Running {
         Self::with(parts, planned, None, executor)
     }
 
-    /// The workpiece as it has become.
-    pub fn workpiece(&self) -> Workpiece {
-        let Observers { judge, watch, .. } = &self.observers;
-        Workpiece { judge: judge.clone(), watch: watch.clone() }
-    }
-
-    /// The number of the operation that will be read next.
-    pub fn next_operation(&self) -> u32 {
-        self.feeder.ops.next_number()
-    }
-
     /// What the kernel has said since the last time; without an operator nothing is kept.
     pub fn take_events(&mut self) -> Vec<Event> {
         std::mem::take(&mut self.heard)
-    }
-
-    /// What the program leaves behind, where that is known only while it runs.
-    pub fn left(&self) -> Option<Left> {
-        self.feeder.ops.left()
-    }
-
-    /// Look on as well.
-    pub fn observe(&mut self, observer: Box<dyn Observer>) {
-        self.observers.others.push(observer);
     }
 
     fn with(
@@ -179,10 +155,12 @@ impl Running {
             executor.kernel.keep_records();
         }
         let begun = executor.machine.feedback().time;
+        let mut observers = Box::new(observers);
+        observers.timings.start();
         let mut running = Self {
             feeder,
             services,
-            observers,
+            observers: Observing::Here(observers),
             is_attended: stall.is_none(),
             planned,
             begun,
@@ -194,7 +172,6 @@ impl Running {
             broke_off: Vec::new(),
             heard: Vec::new(),
         };
-        running.observers.timings.start();
         running.orders_from_the_beginning(executor);
         running
     }
@@ -223,29 +200,21 @@ impl Running {
         self.now
     }
 
-    /// What is left of the work so far, as the judge has seen it.
-    pub fn work(&self) -> verify::Work {
-        self.observers.judge.clone().into_work()
-    }
-
     /// How often what may never happen did.
     pub fn breach_count(&self) -> usize {
-        self.observers.watch.breaches().len()
+        self.observers.breach_count()
     }
 
     /// What was cut and judged so far.
     pub fn judged_so_far(&self) -> &[Feature] {
-        self.observers.judge.features()
+        self.observers.features()
     }
 
-    /// Count from now on what each tool cuts; this one is in the spindle.
+    /// Before the first period: count what each tool cuts; this one is in the spindle.
     pub fn count_tool_use(&mut self, tool: u32) {
-        self.observers.tool_use = Some(ToolUseCount::with(tool));
-    }
-
-    /// What each tool has cut since this was asked last.
-    pub fn take_tool_use(&mut self) -> BTreeMap<u32, ToolUse> {
-        self.observers.tool_use.as_mut().map(ToolUseCount::take).unwrap_or_default()
+        if let Some(observers) = self.observers.here() {
+            observers.tool_use = Some(ToolUseCount::with(tool));
+        }
     }
 
     /// One servo period; it breaks off when the program is over.
@@ -263,13 +232,16 @@ impl Running {
                 }
             }
         }
+        if executor.keeps_time() {
+            self.broke_off.extend(self.observers.begin_beside().err());
+        }
         let Self { feeder, services, observers, is_attended, heard, .. } = self;
         feeder.fill(&mut executor.kernel, services, observers);
         let sample = executor.period(|kernel, machine, sample| {
             services.sample(sample, kernel);
             observers.sample(sample);
             services.stops.act(sample, kernel, machine);
-            observers.watch.spindle_override(kernel.operator().spindle_share());
+            observers.spindle_override(kernel.operator().spindle_share());
             feeder.follow_overrides(kernel);
             services.serve(kernel, machine, &mut feeder.planner, sample);
             if let Some(answered) = kernel.take_answer() {
@@ -329,7 +301,8 @@ impl Running {
     fn deal_with_stop(&mut self, executor: &mut Executor) -> Result<bool, String> {
         let Self { feeder, services, observers, faults, .. } = self;
         let Executor { kernel, machine, .. } = executor;
-        let (Some(kernel), Some(machine)) = (kernel.here(), machine.here()) else {
+        let here = (kernel.here(), machine.here(), observers.here());
+        let (Some(kernel), Some(machine), Some(observers)) = here else {
             faults.extend_from_slice(executor.kernel.faults());
             return Ok(false); // in real time nothing is tried that needs a machine to be stopped and copied
         };
@@ -365,70 +338,21 @@ impl Running {
         self.broke_off.extend(self.real_time.as_ref().and_then(unobserved));
     }
 
-    /// All is over: what came of it.
-    ///
-    /// # Errors
-    /// The trace cannot be written.
-    pub fn finish(self, executor: &mut Executor) -> Result<Outcome, store::Error> {
+    /// Nothing more is executed: the observers have looked at all there was.
+    pub fn end(self) -> EndedRun {
         let Self {
             feeder,
             services,
             observers,
             begun,
             now,
-            mut faults,
-            mut broke_off,
+            faults,
+            broke_off,
             periods,
             real_time,
             ..
         } = self;
-        // a way out of a thread after the last stop is no part of the cycle
-        let took = now - begun;
-        let not_granted = std::mem::take(&mut executor.refused);
-        let ticks = std::mem::replace(&mut executor.ticks, TickTimes::new(false));
-        let Executor { kernel, machine, .. } = executor;
-        let Services { record_writer, mut cams, polygons, mut stops } = services;
-        let Observers { judge, mut timings, trace, .. } = observers;
-        let features = timings.judging(|| judge.finish());
-        timings.stop(periods, took);
-        let lost = machine.lost().map(|why| format!("the machine simulator is gone: {why}"));
-        let recovered = record_writer.as_ref().and_then(RecordWriter::recovered);
-        let unwritten = record_writer.and_then(RecordWriter::finish);
-        let unwritten = unwritten.map(|why| format!("the sync record cannot be written: {why}"));
-        if let Some(trace) = trace {
-            trace.finish()?;
-        }
-        broke_off.extend(lost.into_iter().chain(unwritten));
-        if faults.is_empty() {
-            faults.extend_from_slice(kernel.faults());
-        }
-        cams.end(feeder.planner.worn());
-        cams.keep(polygons.said, polygons.kept);
-        Ok(Outcome {
-            features: told_of_recovery(features, recovered),
-            recorder: observers.recorder,
-            watch: observers.watch,
-            cycle_time: took,
-            ended: kernel.report().state == State::Ended,
-            faults,
-            warnings: observers.warnings,
-            limiting: feeder.limiting,
-            saturated: observers.saturated,
-            assumed_holes: machine.assumed_holes(),
-            learning_records: kernel.here().map_or(Vec::new(), |k| k.learning_records().to_vec()),
-            cams,
-            idle: observers.idle.map(IdleTurns::finish).unwrap_or_default(),
-            timings,
-            ticks,
-            real_time,
-            not_granted,
-            least_ahead: feeder.ahead.least(),
-            not_triggered: stops.not_triggered(took),
-            happened: observers.confirmed.into_iter().chain(stops.happened).collect(),
-            stops: stops.threads,
-            withdrawn: stops.withdrawn,
-            left: feeder.ops.left(),
-            broke_off,
-        })
+        let observers = *observers.end();
+        EndedRun { feeder, services, observers, begun, now, faults, broke_off, periods, real_time }
     }
 }

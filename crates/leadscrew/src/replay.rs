@@ -69,8 +69,9 @@ impl Replay {
                 progress(running.now());
             }
         }
-        let work = running.work();
-        let outcome = running.finish(&mut executor)?;
+        let ended = running.end();
+        let work = ended.work();
+        let outcome = ended.finish(&mut executor)?;
         let alarm = outcome.faults.first().map(ToString::to_string);
         let alarm = alarm.or_else(|| outcome.broke_off.into_iter().next());
         match executor.into_machine() {

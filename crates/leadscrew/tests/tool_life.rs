@@ -89,7 +89,8 @@ fn what_is_executed_is_counted_in_holes_time_and_length() {
     running.count_tool_use(0);
     while running.period(&mut executor).is_continue() {}
     assert!(executor.kernel.faults().is_empty(), "{:?}", executor.kernel.faults());
-    let used = running.take_tool_use();
+    let mut ended = running.end();
+    let used = ended.take_tool_use();
     assert_eq!((used[&2].uses, used[&3].uses), (2, 2));
     // each tap goes 20 mm in and out: from R5 to Z-15; each drill 25 mm in, at 5 mm/s, and out in a rapid
     let close = |found: f64, wanted: f64| (found - wanted).abs() < 0.02 * wanted;
@@ -98,6 +99,6 @@ fn what_is_executed_is_counted_in_holes_time_and_length() {
     assert!(close(used[&2].time.value(), 10.0), "{used:?}");
     let mut tools = session.tools.clone();
     use_up(&mut tools, &used);
-    use_up(&mut tools, &running.take_tool_use());
+    use_up(&mut tools, &ended.take_tool_use());
     assert_eq!(tools.get(3).unwrap().life.used, used[&3]);
 }

@@ -1,7 +1,9 @@
 //! What looks on and changes nothing: the judge, the safety checks, the recorder of the report, the trace, the log.
+mod beside;
 mod tool_use;
 mod trace;
 
+pub(crate) use beside::Observing;
 pub use tool_use::{ToolUseCount, use_up};
 pub use trace::TraceThread;
 
@@ -27,7 +29,7 @@ pub fn confirmed(what: WaitFor, line: u32) -> String {
 }
 
 /// Looks at everything that happens, and changes nothing.
-pub trait Observer {
+pub trait Observer: Send {
     /// What was heard and commanded in a period.
     fn sample(&mut self, sample: &Sample);
     /// What the kernel has said.

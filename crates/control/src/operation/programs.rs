@@ -205,19 +205,16 @@ impl Control {
         let name = under_way.name.clone();
         let report = self.executor.kernel.report();
         let has_ended = report.state == State::Ended;
-        self.workpiece = under_way.running.workpiece();
-        self.next_op = under_way.running.next_operation();
+        let given_up = (!has_ended).then(|| under_way.left_at(report.op));
+        let mut ended = under_way.running.end();
+        self.workpiece = ended.workpiece();
+        self.next_op = ended.next_operation();
         if !has_ended {
             self.workpiece.judge.give_up(report.op);
         }
-        let left = match under_way.running.left() {
-            Some(left) => left,
-            None if has_ended => under_way.proved.operations.left().clone(),
-            None => under_way.left_at(report.op),
-        };
-        take_left(self, left);
-        let mut running = under_way.running;
-        use_up(&mut self.data.tools, &running.take_tool_use());
+        let left = ended.left().or(given_up);
+        take_left(self, left.unwrap_or_else(|| under_way.proved.operations.left().clone()));
+        use_up(&mut self.data.tools, &ended.take_tool_use());
         if !is_typed {
             let features = self.workpiece.judge.features().len();
             self.note_progress(features as u32, has_ended);
@@ -226,7 +223,7 @@ impl Control {
         if !has_ended {
             self.everything_was_stopped();
         }
-        match running.finish(&mut self.executor) {
+        match ended.finish(&mut self.executor) {
             Ok(outcome) => outcome.broke_off.into_iter().for_each(|why| self.events.notice(why)),
             Err(why) => self.events.notice(why.to_string()),
         }
