@@ -185,10 +185,13 @@ impl Control {
             Request::JogStop => self.stop_jog(),
             Request::TurnSpindle(spindle, spin) => self.turn_spindle(*spindle, *spin),
             Request::OrientSpindle(spindle, angle) => self.orient_spindle(*spindle, *angle),
-            Request::Load(path) => self.load(path),
-            Request::Search(from) => self.search(*from),
-            Request::Start => self.start(),
-            Request::ManualDataInput(text) => self.execute_typed(text),
+            Request::Load(_)
+            | Request::Search(_)
+            | Request::Start
+            | Request::ManualDataInput(_) => match self.proving(request)? {
+                Some(proving) => self.complete(proving.prove()),
+                None => Ok(Accepted::default()),
+            },
             Request::FeedHold => self.hold(),
             Request::Resume => self.resume(),
             Request::Confirm => self.confirm(),

@@ -17,6 +17,7 @@
 //! | `manual` | jog, handwheel, spindle by hand |
 //! | `programs` | load, search, start, blocks that are typed, the end |
 //! | `offsets` | work offsets, touch off, tools |
+//! | `proving` | texts interpreted and planned apart from the control, which goes on meanwhile |
 //! | `kept` | what outlives the control, in its state folder |
 //! | `event`, `questions`, `status` | what happened; what a front end asks; how things are |
 #![allow(clippy::unnecessary_wraps)] // every request is answered alike: accepted, or refused
@@ -28,6 +29,7 @@ mod kept;
 mod manual;
 mod offsets;
 mod programs;
+mod proving;
 mod questions;
 mod request;
 mod state;
@@ -36,6 +38,7 @@ mod status;
 pub use control::{Control, ControlOptions};
 pub use event::{Alarm, Event};
 pub use kept::kept_parameters;
+pub use proving::{Begun, Proven, Proving};
 pub use request::{Accepted, Jog, Refusal, Request, ToolField};
 pub use state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
 pub use status::{

@@ -9,18 +9,19 @@ use super::control::Control;
 use super::event::Event;
 use super::kept::take_left;
 use super::manual::unit;
-use super::request::{Accepted, Refusal};
+use super::proving::Fit;
+use super::request::{Accepted, Refusal, Request};
 use super::state::{ExecutionEvent, Mode};
-use crate::job::preflight::{self, Proved, wrong_from};
+use crate::job::preflight::{Proved, wrong_from};
 use crate::job::restart::{self, Restart};
-use crate::job::{Before, Operations, Session, read_program};
+use crate::job::{Operations, Session};
 use crate::observers::use_up;
 use crate::{Loaded as Ready, Refused, Running};
 use bus::State;
 use canon::{Op, OpKind, Position, SpindleOrder};
 use diag::{Diagnostic, Severity};
 use kernel::Order;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use store::state::LastProgram;
 use units::Time;
 
@@ -31,7 +32,7 @@ const MOST_NOTES: usize = 20;
 pub(super) struct Loaded {
     pub(super) path: PathBuf,
     pub(super) name: String,
-    text: Vec<u8>,
+    pub(super) text: Vec<u8>,
     /// Where the next start begins, if not at the beginning.
     pub(super) from: Option<restart::From>,
     /// Planned time from start to end.
@@ -51,10 +52,18 @@ pub(super) struct UnderWay {
 }
 
 impl Control {
-    pub(super) fn load(&mut self, path: &Path) -> Result<Accepted, Refusal> {
-        let text = read_program(path)?;
-        let name = path.display().to_string();
-        let (_, proved) = self.prove(path, &name, &text, false)?;
+    /// A request whose text is fit to be executed.
+    pub(super) fn execute_fit(&mut self, request: &Request, fit: Fit) -> Result<Accepted, Refusal> {
+        match request {
+            Request::Load(_) => self.load(fit),
+            Request::Search(from) => self.search(*from, &fit),
+            Request::Start => self.start(fit),
+            _ => self.execute_typed(fit),
+        }
+    }
+
+    fn load(&mut self, fit: Fit) -> Result<Accepted, Refusal> {
+        let Fit { path, name, text, proved, .. } = fit;
         let planned = proved.known.planned;
         let mut notes = vec![format!(
             "{name}: {} operations, planned {:.1} s",
@@ -68,72 +77,43 @@ impl Control {
             ..LastProgram::default()
         });
         self.keep_program()?;
-        self.loaded = Some(Loaded { path: path.to_owned(), name, text, from: None, planned });
+        self.loaded = Some(Loaded { path, name, text, from: None, planned });
         self.execution_after(ExecutionEvent::Reset);
         Ok(Accepted { notes })
     }
 
-    /// A text as it would be executed now; what is wrong with it is a refusal.
-    fn prove(
-        &self,
-        path: &Path,
-        name: &str,
-        text: &[u8],
-        is_typed: bool,
-    ) -> Result<(Session, Proved), Refusal> {
-        let mut session = Session::load(&self.options.program, path, text)?;
-        let before = Before { rest: self.data.rest.clone(), is_typed };
-        let stands = (self.position(), self.mounted());
-        session.on_control(stands, self.data.parameters.clone(), self.data.tools.clone(), before);
-        let options = session.plan_options(session.machine.setup.stock.material);
-        let proved = preflight::prove(&mut session, text, options, &mut |_| ());
-        if proved.known.is_refused() {
-            let drawn = session.drawn.clone();
-            let findings = proved.known.findings;
-            return Err(Refused::program(name.to_owned(), text.to_vec(), drawn, findings).into());
-        }
-        Ok((session, proved))
-    }
-
     /// Where the program would be begun, and what is restored before its first move.
-    pub(super) fn search(&mut self, from: restart::From) -> Result<Accepted, Refusal> {
-        let Some(loaded) = &self.loaded else { return Ok(Accepted::default()) };
-        let (session, proved) = self.prove(&loaded.path, &loaded.name, &loaded.text, false)?;
-        let restart = find(&session, &proved, from, &loaded.name, &loaded.text)?;
-        let notes = restored(&session, &restart);
+    fn search(&mut self, from: restart::From, fit: &Fit) -> Result<Accepted, Refusal> {
+        let restart = find(fit, from)?;
+        let notes = restored(&fit.session, &restart);
         if let Some(loaded) = &mut self.loaded {
             loaded.from = Some(from);
         }
         Ok(Accepted { notes })
     }
 
-    pub(super) fn start(&mut self) -> Result<Accepted, Refusal> {
-        let Some(loaded) = &mut self.loaded else { return Ok(Accepted::default()) };
-        let from = loaded.from.take();
-        let (path, name, text) = (loaded.path.clone(), loaded.name.clone(), loaded.text.clone());
-        let (session, proved) = self.prove(&path, &name, &text, false)?;
-        let restart = from.map(|from| find(&session, &proved, from, &name, &text)).transpose()?;
-        let notes = restart.as_ref().map_or_else(Vec::new, |restart| restored(&session, restart));
-        self.begin(Mode::Automatic, (session, proved), (name, text), restart)?;
+    fn start(&mut self, fit: Fit) -> Result<Accepted, Refusal> {
+        let from = self.loaded.as_mut().and_then(|loaded| loaded.from.take());
+        let restart = from.map(|from| find(&fit, from)).transpose()?;
+        let session = &fit.session;
+        let notes = restart.as_ref().map_or_else(Vec::new, |restart| restored(session, restart));
+        self.begin_text(Mode::Automatic, fit, restart)?;
         Ok(Accepted { notes })
     }
 
-    pub(super) fn execute_typed(&mut self, text: &str) -> Result<Accepted, Refusal> {
-        let name = "MDI".to_owned();
-        let (session, proved) = self.prove(Path::new("-"), &name, text.as_bytes(), true)?;
-        let notes = notes_of(&proved.known.findings);
-        let text = text.as_bytes().to_vec();
-        self.begin(Mode::ManualDataInput, (session, proved), (name, text), None)?;
+    fn execute_typed(&mut self, fit: Fit) -> Result<Accepted, Refusal> {
+        let notes = notes_of(&fit.proved.known.findings);
+        self.begin_text(Mode::ManualDataInput, fit, None)?;
         Ok(Accepted { notes })
     }
 
-    fn begin(
+    fn begin_text(
         &mut self,
         mode: Mode,
-        (session, proved): (Session, Proved),
-        (name, text): (String, Vec<u8>),
+        fit: Fit,
         restart: Option<Restart>,
     ) -> Result<(), Refusal> {
+        let Fit { name, text, session, proved, .. } = fit;
         if !self.executor.kernel.clear() {
             return Err(Refusal::because("an axis still moves: wait until it stands"));
         }
@@ -257,13 +237,8 @@ impl UnderWay {
     }
 }
 
-fn find(
-    session: &Session,
-    proved: &Proved,
-    from: restart::From,
-    name: &str,
-    text: &[u8],
-) -> Result<Restart, Refusal> {
+fn find(fit: &Fit, from: restart::From) -> Result<Restart, Refusal> {
+    let Fit { name, text, session, proved, .. } = fit;
     let (start, top) = (session.interp_setup().start, session.machine.tool_change.z);
     let restart =
         restart::find(proved.operations.all(), from, &start, top).map_err(Refusal::because)?;
@@ -271,7 +246,7 @@ fn find(
     let wrong = wrong_from(session, &proved.operations, options, &restart);
     if !wrong.is_empty() {
         let drawn = session.drawn.clone();
-        return Err(Refused::program(name.to_owned(), text.to_vec(), drawn, wrong).into());
+        return Err(Refused::program(name.clone(), text.clone(), drawn, wrong).into());
     }
     Ok(restart)
 }
