@@ -11,6 +11,7 @@ use control::job::{ProgramOptions, restart};
 use control::operation::{
     Control, ControlOptions, Event, Execution, ExecutionEvent, Jog, Power, Request, ToolField,
 };
+use std::collections::VecDeque;
 use std::path::Path;
 use units::{Angle, Spin, Time};
 
@@ -58,6 +59,8 @@ pub struct Tally {
     pub features: u64,
 }
 
+/// Requests and events that are shown of a sequence that broke a rule.
+const STORY: usize = 30;
 /// Requests in a sequence.
 const LONGEST: u64 = 40;
 /// What a numeric derivative of a setpoint may be beyond its limit: the kernel's own margin for unplanned motion.
@@ -80,7 +83,22 @@ pub fn sequence(seed: u64, program: &Path, tally: &mut Tally) -> Result<(), Stri
     };
     let control = Control::new(options).map_err(|why| why.to_string())?;
     let mut bench = Bench::new(control);
-    let failed = |why: String| format!("seed {seed}: {why}");
+    let done = sequence_of(program, &mut chance, (&mut bench, tally));
+    done.map_err(|why| {
+        format!("seed {seed}: {why}\n{}", Vec::from(bench.story.clone()).join("\n"))
+    })?;
+    tally.sequences += 1;
+    tally.machine_s += bench.control.now().value();
+    tally.alarms += bench.control.alarms().len() as u64;
+    tally.features += bench.control.features().len() as u64;
+    Ok(())
+}
+
+fn sequence_of(
+    program: &Path,
+    chance: &mut Chance,
+    (bench, tally): (&mut Bench, &mut Tally),
+) -> Result<(), String> {
     let count = 10 + chance.below(LONGEST - 10);
     // most sequences begin as a shop's morning does: else nothing but refusals would be seen
     let mut morning = chance.below(8) > 0;
@@ -90,22 +108,17 @@ pub fn sequence(seed: u64, program: &Path, tally: &mut Tally) -> Result<(), Stri
             (true, 1) => Request::Home(None),
             (true, 2) => Request::Load(program.to_owned()),
             (true, 3) => Request::Start,
-            _ => any(&mut chance, program),
+            _ => any(chance, program),
         };
         if morning && at == 2 {
-            bench.until(Time::s(60.0), Control::is_homed_all).map_err(failed)?;
+            bench.until(Time::s(60.0), Control::is_homed_all)?;
         }
         morning &= at < 3;
-        bench.ask(&request, tally).map_err(failed)?;
+        bench.ask(&request, tally)?;
         let waits = if at < 2 { 0.1 } else { chance.share() * chance.share() * 1.2 };
-        bench.pass(Time::s(waits)).map_err(failed)?;
+        bench.pass(Time::s(waits))?;
     }
-    bench.pass(Time::s(1.0)).map_err(failed)?;
-    tally.sequences += 1;
-    tally.machine_s += bench.control.now().value();
-    tally.alarms += bench.control.alarms().len() as u64;
-    tally.features += bench.control.features().len() as u64;
-    Ok(())
+    bench.pass(Time::s(1.0))
 }
 
 /// Any request.
@@ -160,17 +173,30 @@ struct Bench {
     execution: Execution,
     lease: Option<Time>,
     said_breaches: usize,
+    /// What was asked and what happened, the last of it.
+    story: VecDeque<String>,
 }
 
 impl Bench {
     fn new(control: Control) -> Self {
         let execution = control.execution();
-        Self { control, before: Vec::new(), settling: 3, execution, lease: None, said_breaches: 0 }
+        Self {
+            control,
+            before: Vec::new(),
+            settling: 3,
+            execution,
+            lease: None,
+            said_breaches: 0,
+            story: VecDeque::new(),
+        }
     }
 
     fn ask(&mut self, request: &Request, tally: &mut Tally) -> Result<(), String> {
         let before = self.control.states();
-        match self.control.request(request) {
+        let asked = self.control.request(request);
+        let answer = asked.as_ref().map_or_else(ToString::to_string, |_| "accepted".into());
+        self.tell(format!("{request:?}: {answer}"));
+        match asked {
             Ok(_) => {
                 tally.accepted += 1;
                 if let Request::Jog(_, Jog::Continuous(_)) = request {
@@ -188,6 +214,13 @@ impl Bench {
             }
         }
         self.transitions()
+    }
+
+    fn tell(&mut self, what: String) {
+        if self.story.len() == STORY {
+            self.story.pop_front();
+        }
+        self.story.push_back(format!("  {:9.4} s  {what}", self.control.now().value()));
     }
 
     fn pass(&mut self, time: Time) -> Result<(), String> {
@@ -229,7 +262,11 @@ impl Bench {
     /// The program's state moved along the table.
     fn transitions(&mut self) -> Result<(), String> {
         while let Some(event) = self.control.next_event() {
-            let Event::Execution(now) = event else { continue };
+            let Event::Execution(now) = event else {
+                self.tell(format!("{event:?}"));
+                continue;
+            };
+            self.tell(format!("{now:?}"));
             let from = self.execution;
             let is_in_table =
                 ExecutionEvent::ALL.iter().any(|event| from.after(*event) == Some(now));

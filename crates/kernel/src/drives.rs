@@ -113,6 +113,7 @@ impl Drives {
     pub(crate) fn adopt(&mut self, feedback: &Feedback, config: &Config) {
         self.coupled.reset();
         self.chain = None;
+        (self.flowing, self.owed) = (false, None); // a path on which everything was switched off is not gone on along
         for (axis, reading) in self.axes.iter_mut().zip(&feedback.axes) {
             if let Some(axis) = axis {
                 axis.adopt(reading);

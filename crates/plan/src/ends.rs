@@ -26,6 +26,8 @@ struct End {
     op: u32,
     line: u32,
     at: [f64; AXES],
+    /// The path ends here as well: what follows is on another one.
+    ends_path: bool,
 }
 
 /// The ends of the last moves, in their order.
@@ -41,7 +43,14 @@ impl Ends {
         if self.0.len() == KEPT {
             self.0.pop_front();
         }
-        self.0.push_back(End { op, line, at });
+        self.0.push_back(End { op, line, at, ends_path: false });
+    }
+
+    /// The path ends with the last move.
+    pub(crate) fn end_path(&mut self) {
+        if let Some(last) = self.0.back_mut() {
+            last.ends_path = true;
+        }
     }
 
     /// The first move from this one on.
@@ -89,9 +98,12 @@ impl Cutter {
 fn cut(piece: &Piece, done: f64, next: u32, ends: &Ends, emit: &mut impl FnMut(Piece)) {
     let (mut rest, mut begun, mut done) = (*piece, 0.0, done);
     let mut index = ends.first(piece.op);
+    if ends.0.get(index).is_none_or(|end| end.op != piece.op) {
+        return emit(rest); // a move by itself, of which no joined path knows
+    }
     while let (Some(end), Some(after)) = (ends.0.get(index), ends.0.get(index + 1)) {
         index += 1;
-        if end.op >= next {
+        if end.op >= next || end.ends_path {
             break;
         }
         if end.line == after.line {

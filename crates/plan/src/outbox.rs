@@ -91,6 +91,7 @@ impl Outbox {
             clock.count(&step, limits);
             emit(step);
         });
+        ends.end_path();
     }
 
     /// Go on with a move, without a stop if there can be none.

@@ -73,8 +73,12 @@ impl Control {
             .into_iter()
             .filter(|homing| axis.is_none_or(|axis| homing.axis == axis))
             .collect();
-        self.enter(Mode::Manual);
-        self.home_next()
+        let begun = self.home_next();
+        match begun {
+            Ok(_) => self.enter(Mode::Manual),
+            Err(_) => self.to_home.clear(),
+        }
+        begun
     }
 
     /// The axes whose turn it is begin.
