@@ -196,7 +196,24 @@ pub(crate) fn notes(finished: &Finished) -> Vec<Note> {
         ),
         line: 0,
     });
-    findings.chain(assumed).collect()
+    findings.chain(assumed).chain(by_the_clock(outcome)).collect()
+}
+
+/// How well a run in real time kept its time.
+fn by_the_clock(outcome: &Outcome) -> Option<Note> {
+    let figures = outcome.real_time?;
+    let ahead = outcome.least_ahead.map_or_else(String::new, |least| {
+        format!(
+            "; at least {:.0} ms of motion were planned ahead while more was to come",
+            least.value() * 1e3
+        )
+    });
+    let ticks = format!(
+        "tick {:.1} µs in the median, p99.9 {:.1} µs, worst {:.0} µs",
+        figures.tick_median_us, figures.tick_p999_us, figures.tick_worst_us
+    );
+    let warning = figures.unobserved > 0;
+    Some(Note { warning, text: format!("{figures}; {ticks}{ahead}"), line: 0 })
 }
 
 /// A count and its noun.
