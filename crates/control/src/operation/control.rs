@@ -5,6 +5,7 @@
 //! from the next period on.
 use super::event::{Alarm, Event, Events};
 use super::kept::Kept;
+use super::manual::unit;
 use super::programs::{Loaded, UnderWay};
 use super::request::{Accepted, Refusal, Request};
 use super::state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
@@ -347,17 +348,21 @@ impl Control {
             match &event.kind {
                 EventKind::Operator(notice) => self.events.notice(notice.to_string()),
                 EventKind::FollowingWarning { axis, error } => {
-                    self.events.notice(format!("{}: following error {error}", axis.letter()));
+                    let (letter, by) = (axis.letter(), error.value());
+                    let unit = unit(*axis);
+                    self.events.notice(format!("{letter}: following error {by:.4} {unit}"));
                 }
                 EventKind::SyncWarning { error } => {
                     self.events.notice(format!("line {}: sync error {error}", event.line));
                 }
                 EventKind::Homed { axis, deviation } => {
                     self.keep_homed(*axis);
-                    let axis = axis.letter();
+                    let (axis, unit) = (axis.letter(), unit(*axis));
                     self.events.notice(match deviation {
                         None => format!("{axis} is homed"),
-                        Some(by) => format!("{axis} is homed, {:+.4} mm from before", by.value()),
+                        Some(by) => {
+                            format!("{axis} is homed, {:+.4} {unit} from before", by.value())
+                        }
                     });
                 }
                 EventKind::HomingStopped { axis } => {
