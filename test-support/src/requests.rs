@@ -195,7 +195,7 @@ impl Bench {
         let before = self.control.states();
         let asked = self.control.request(request);
         let answer = asked.as_ref().map_or_else(ToString::to_string, |_| "accepted".into());
-        self.tell(format!("{request:?}: {answer}"));
+        self.tell(&format!("{request:?}: {answer}"));
         match asked {
             Ok(_) => {
                 tally.accepted += 1;
@@ -216,7 +216,7 @@ impl Bench {
         self.transitions()
     }
 
-    fn tell(&mut self, what: String) {
+    fn tell(&mut self, what: &str) {
         if self.story.len() == STORY {
             self.story.pop_front();
         }
@@ -263,10 +263,10 @@ impl Bench {
     fn transitions(&mut self) -> Result<(), String> {
         while let Some(event) = self.control.next_event() {
             let Event::Execution(now) = event else {
-                self.tell(format!("{event:?}"));
+                self.tell(&format!("{event:?}"));
                 continue;
             };
-            self.tell(format!("{now:?}"));
+            self.tell(&format!("{now:?}"));
             let from = self.execution;
             let is_in_table =
                 ExecutionEvent::ALL.iter().any(|event| from.after(*event) == Some(now));
