@@ -54,6 +54,11 @@ pub(crate) struct Target {
 }
 
 impl Target {
+    /// All of it are numbers.
+    pub(crate) fn is_finite(&self) -> bool {
+        [self.position, self.speed, self.accel, self.jerk].iter().all(|x| x.is_finite())
+    }
+
     /// Both motions at once.
     fn with(&self, other: &Self) -> Self {
         Self {
@@ -179,6 +184,11 @@ pub(crate) struct AxisLoop {
     pub(crate) target: Target,
     /// What couplings put on top of it.
     pub(crate) superposed: Target,
+    /// By how much its places have got other names, in all, without any motion; and its readings.
+    pub(crate) renamed: f64,
+    pub(crate) shifted: f64,
+    /// The deceleration with which it brakes, mm/s².
+    pub(crate) brakes_at: f64,
     gap: f64,
     reading: f64,
     stretch: f64,
@@ -221,6 +231,9 @@ impl AxisLoop {
             table: control.table_mass.value() * 1e-3,
             target: Target::default(),
             superposed: Target::default(),
+            renamed: 0.0,
+            shifted: 0.0,
+            brakes_at: control.approach.1.value(),
             gap: 0.0,
             reading: 0.0,
             stretch: 0.0,
@@ -255,6 +268,7 @@ impl AxisLoop {
         let position = self.position();
         self.target = Target { position, ..Target::default() };
         self.superposed = Target::default();
+        self.brakes_at = self.control.approach.1.value();
         self.positions = (position, position);
         self.gap = 0.0;
         self.error = 0.0;
@@ -292,6 +306,7 @@ impl AxisLoop {
     pub(crate) fn rebase(&mut self, position: f64) {
         let jump = self.target.position - position;
         self.gap += jump;
+        self.renamed -= jump;
         self.target.position = position;
         self.positions = (self.positions.0 - jump, self.positions.1 - jump);
     }
@@ -299,6 +314,7 @@ impl AxisLoop {
     /// All places have other names from now on, by so much; nothing moves.
     pub(crate) fn shift(&mut self, by: f64) {
         self.target.position += by;
+        (self.renamed, self.shifted) = (self.renamed + by, self.shifted + by);
         self.positions = (self.positions.0 + by, self.positions.1 + by);
         self.reading += by;
         if let Some(motor) = &mut self.motor {
@@ -325,10 +341,10 @@ impl AxisLoop {
         self.target.jerk = 0.0;
     }
 
-    /// Brake towards rest within the approach acceleration.
+    /// Brake towards rest: within the approach acceleration, unless more is needed to stay in its travel.
     pub(crate) fn brake(&mut self) {
         let before = self.target.speed;
-        let most = self.control.approach.1.value() * self.period_s;
+        let most = self.brakes_at * self.period_s;
         let speed = before - before.clamp(-most, most);
         self.target.position += self.period_s * (before + speed) / 2.0;
         self.target.accel = (speed - before) / self.period_s;

@@ -176,6 +176,8 @@ pub struct AxisControl {
     pub force_lag: Time,
     /// Limits of small moves and of stops that nobody planned.
     pub approach: (Speed, Accel),
+    /// The ends of its travel, once it is homed; `None`: it has none.
+    pub travel: Option<(Length, Length)>,
     /// What is watched.
     pub windows: AxisWindows,
 }

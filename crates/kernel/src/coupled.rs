@@ -131,6 +131,11 @@ impl Coupled {
         self.slots[slot_index(on)].is_some_and(|slot| !slot.fade.is_over())
     }
 
+    /// Something is superposed on an axis, or fading.
+    pub(crate) const fn is_superposed(&self, axis: usize) -> bool {
+        self.slots[axis].is_some()
+    }
+
     /// Nothing is coupled any more.
     pub(crate) fn reset(&mut self) {
         self.gears = [None; SPINDLES];

@@ -154,6 +154,12 @@ impl Drives {
         self.follower = None;
     }
 
+    /// No reading is to be used any more: what is left of the stop goes by the setpoints alone.
+    pub(crate) fn go_blind(&mut self) {
+        self.axes.iter_mut().flatten().for_each(|axis| axis.blind = true);
+        self.spindles.iter_mut().flatten().for_each(|spindle| spindle.blind = true);
+    }
+
     /// All axes stand.
     pub(crate) fn rest_axes(&mut self) {
         for axis in self.axes.iter_mut().flatten() {

@@ -1,5 +1,5 @@
-//! Readings that cannot be, while a tap is in its thread or a thread is turned: noticed within a period, and bridged until
-//! everything stands.
+//! Readings that cannot be: noticed within a period, and bridged until everything stands; in a tap and a turned thread, where
+//! feed and spindle are tied, and in all else ([`untied`]).
 //!
 //! ```text
 //!   place │        ╱ reading jumps by more than the drive can do in a period: slipped, or a lost line
@@ -23,12 +23,16 @@
 //! Refused: |Δ − Δ before| > 3·a·h² + 8·q, and for an axis no step at all while the setpoint goes on by 2 µm or 16·q
 //! (and by what a loop needs to break away, where friction is not fed forward).
 //! A spindle that does not turn may as well be stalled; its following error says so.
+mod untied;
+
 use crate::axis::AxisLoop;
 use crate::config::{EncoderPlace, FeedForward, Subject};
 use crate::drives::{Drives, Finding};
 use crate::fault::FaultKind;
+use crate::spindle::SpindleLoop;
 use bus::Feedback;
 use units::Axis;
+use untied::Untied;
 
 /// Steps may differ by what the drive's most acceleration does in a period, times this: cut and springs add to it.
 const BEYOND_DRIVE: f64 = 3.0;
@@ -44,7 +48,8 @@ const INFEED_STUCK_MM: f64 = 0.05;
 #[derive(Clone, Copy, Debug)]
 struct Watched {
     last: f64,
-    step: f64,
+    /// `None`: only one reading is known.
+    step: Option<f64>,
     /// How far the setpoint has gone since the reading last changed.
     unmoved: f64,
     plausible: bool,
@@ -57,20 +62,33 @@ struct Bounds {
     jump: f64,
     /// Most way of the setpoint without a step.
     stuck: f64,
+    /// The reading is not new.
+    frame_lost: bool,
 }
 
 impl Watched {
     const fn new(reading: f64, step: f64) -> Self {
-        Self { last: reading, step, unmoved: 0.0, plausible: true }
+        Self { last: reading, step: Some(step), unmoved: 0.0, plausible: true }
+    }
+
+    /// Nothing is known of how it moves.
+    const fn first(reading: f64) -> Self {
+        Self { last: reading, step: None, unmoved: 0.0, plausible: true }
     }
 
     /// What is to be taken for a reading; whether it has just become implausible.
     fn judge(&mut self, reading: f64, expected: f64, bounds: Bounds) -> (f64, bool) {
+        if bounds.frame_lost {
+            // it is as old as the one before: as if it had gone on
+            self.last += expected;
+            return (self.last, false);
+        }
         let step = reading - self.last;
         self.unmoved = if step == 0.0 { self.unmoved + expected.abs() } else { 0.0 };
-        let can_be = (step - self.step).abs() <= bounds.jump && self.unmoved <= bounds.stuck;
+        let jump = self.step.map_or(0.0, |before| step - before);
+        let can_be = jump.abs() <= bounds.jump && self.unmoved <= bounds.stuck;
         if self.plausible && can_be {
-            (self.last, self.step) = (reading, step);
+            (self.last, self.step) = (reading, Some(step));
             return (reading, false);
         }
         self.last += expected;
@@ -85,6 +103,9 @@ pub(crate) struct EncoderPlausibility {
     axis: Option<Watched>,
     spindle: Option<Watched>,
     infeed: Option<(usize, Watched)>,
+    untied: Untied,
+    /// This period has brought no new readings.
+    pub(crate) frame_lost: bool,
 }
 
 /// Whose encoders are watched.
@@ -110,10 +131,10 @@ impl EncoderPlausibility {
         drives: &mut Drives,
         period_s: f64,
     ) -> (Feedback, Option<Finding>) {
-        let mut taken = *feedback;
+        let (mut taken, frame_lost) = (*feedback, self.frame_lost);
         let of_infeed = self.bridge_infeed(tied.infeed, &mut taken, drives, period_s);
         if self.of != tied.pair && !(self.any() && tied.pair.is_none()) {
-            *self = Self { of: tied.pair, infeed: self.infeed, ..Self::default() };
+            (self.of, self.axis, self.spindle) = (tied.pair, None, None);
         }
         let Some((axis, spindle)) = self.of else { return (taken, of_infeed) };
         let mut finding = of_infeed;
@@ -122,8 +143,8 @@ impl EncoderPlausibility {
             let expected = period_s * (loop_.target.speed + period_s * loop_.target.accel / 2.0);
             let reading = feedback.axes[axis].position.value();
             let watched = self.axis.get_or_insert(Watched::new(reading - expected, expected));
-            let (place, lost) =
-                watched.judge(reading, expected, axis_bounds(loop_, shares, period_s));
+            let bounds = Bounds { frame_lost, ..axis_bounds(loop_, shares, period_s) };
+            let (place, lost) = watched.judge(reading, expected, bounds);
             taken.axes[axis].position = units::Length::mm(place);
             loop_.blind |= lost;
             // a drive that is gone says so itself
@@ -137,9 +158,7 @@ impl EncoderPlausibility {
             let expected = period_s * loop_.now().spin.value();
             let reading = feedback.spindles[spindle].angle.value();
             let watched = self.spindle.get_or_insert(Watched::new(reading - expected, expected));
-            let jump = BEYOND_DRIVE * loop_.accel_at_rest() * period_s * period_s
-                + NOISE_COUNTS * loop_.control.encoder_count.value();
-            let bounds = Bounds { jump, stuck: f64::INFINITY };
+            let bounds = spindle_bounds(loop_, period_s, frame_lost);
             let (angle, lost) = watched.judge(reading, expected, bounds);
             taken.spindles[spindle].angle = units::Angle::rev(angle);
             loop_.blind |= lost;
@@ -177,7 +196,8 @@ impl EncoderPlausibility {
         // a loop that speed is not fed to begins to move when its error asks for it
         let lags = loop_.control.feed_forward.speed < 1.0;
         let late = if lags { loop_.control.windows.following_stop.value() } else { 0.0 };
-        let bounds = Bounds { stuck: bounds.stuck.max(INFEED_STUCK_MM).max(late), ..bounds };
+        let stuck = bounds.stuck.max(INFEED_STUCK_MM).max(late);
+        let bounds = Bounds { stuck, frame_lost: self.frame_lost, ..bounds };
         let (place, lost) = watched.judge(reading, expected, bounds);
         taken.axes[axis].position = units::Length::mm(place);
         loop_.blind |= lost;
@@ -188,6 +208,13 @@ impl EncoderPlausibility {
             0.0,
         ))
     }
+}
+
+/// What the encoder of a spindle can show.
+fn spindle_bounds(spindle: &SpindleLoop, period_s: f64, frame_lost: bool) -> Bounds {
+    let jump = BEYOND_DRIVE * spindle.accel_at_rest() * period_s * period_s
+        + NOISE_COUNTS * spindle.control.encoder_count.value();
+    Bounds { jump, stuck: f64::INFINITY, frame_lost }
 }
 
 fn axis_bounds(axis: &AxisLoop, shares: Option<FeedForward>, period_s: f64) -> Bounds {
@@ -210,6 +237,7 @@ fn axis_bounds(axis: &AxisLoop, shares: Option<FeedForward>, period_s: f64) -> B
     Bounds {
         jump: BEYOND_DRIVE * accel * period_s * period_s + NOISE_COUNTS * count,
         stuck: STUCK_MM.max(STUCK_COUNTS * count) + sticks,
+        frame_lost: false,
     }
 }
 
@@ -218,7 +246,7 @@ mod tests {
     use super::*;
     use std::vec::Vec;
 
-    const BOUNDS: Bounds = Bounds { jump: 0.006, stuck: 0.005 };
+    const BOUNDS: Bounds = Bounds { jump: 0.006, stuck: 0.005, frame_lost: false };
 
     /// Readings of an axis that goes 4 µm a period, spoilt; what is taken, and in which period it became implausible.
     fn taken(spoil: impl Fn(usize, f64) -> f64) -> (Vec<f64>, Option<usize>) {

@@ -9,6 +9,8 @@
 //! ```
 //!
 //! The alarm list of the manual is made from [`FaultKind::ALL`].
+mod text;
+
 use crate::config::Subject;
 use core::fmt;
 use units::Axis;
@@ -25,8 +27,10 @@ pub enum FaultKind {
     FeedbackInvalid,
     /// A drive reports an alarm, and can still brake.
     DriveAlarm,
-    /// An encoder in a tap says what cannot be.
+    /// An encoder says what cannot be.
     ReadingImplausible,
+    /// The time of the feedback stands still, goes back or jumps.
+    FeedbackStale,
     /// An axis is too far from its setpoint.
     FollowingError,
     /// A spindle under position control is too far from its setpoint.
@@ -37,6 +41,12 @@ pub enum FaultKind {
     WrongSpinInCut,
     /// A geared spindle is too far from its gear.
     CouplingLost,
+    /// A spindle turns faster than ordered, or the other way.
+    SpindleRunsAway,
+    /// A spindle has lost its speed.
+    SpindleStalls,
+    /// An axis has followed a coasting spindle as deep as it may.
+    FollowsTooDeep,
     /// A spindle did not reach its speed in time.
     NotAtSpeed,
     /// A spindle did not come to the ordered angle in time.
@@ -67,6 +77,18 @@ pub enum FaultKind {
     SetpointJump,
     /// A step moves an axis that does not know where it is.
     NotHomed,
+    /// A setpoint is no number.
+    SetpointInvalid,
+    /// A setpoint is too far from the last one.
+    SetpointSpeed,
+    /// Setpoints ask for too much acceleration.
+    SetpointAccel,
+    /// Setpoints ask for too much jerk.
+    SetpointJerk,
+    /// A setpoint leaves the travel, or cannot stop before its end.
+    SoftLimit,
+    /// No step goes on with what is in motion.
+    StepsRanOut,
     /// The home switch is not where it is searched.
     HomeSwitchNotFound,
     /// The home switch stays actuated.
@@ -92,30 +114,24 @@ pub enum Reaction {
     Halt,
 }
 
-/// Number, sentence, unit of the value, reaction, cause, remedy.
-struct Text {
-    number: u16,
-    sentence: &'static str,
-    unit: &'static str,
-    reaction: Reaction,
-    cause: &'static str,
-    remedy: &'static str,
-}
-
 impl FaultKind {
     /// All of them, by rising number.
-    pub const ALL: [Self; 32] = [
+    pub const ALL: [Self; 42] = [
         Self::EmergencyStop,
         Self::DriveNotReady,
         Self::FeedbackInvalid,
         Self::DriveAlarm,
         Self::ReadingImplausible,
+        Self::FeedbackStale,
         Self::FollowingError,
         Self::SpindleFollowingError,
         Self::SyncError,
         Self::WrongSpinInCut,
         Self::CouplingLost,
         Self::ProbeContact,
+        Self::SpindleRunsAway,
+        Self::SpindleStalls,
+        Self::FollowsTooDeep,
         Self::NotAtSpeed,
         Self::NotOriented,
         Self::NotInPosition,
@@ -130,6 +146,12 @@ impl FaultKind {
         Self::TableMissing,
         Self::ProbeNotReady,
         Self::NotHomed,
+        Self::SetpointInvalid,
+        Self::SetpointSpeed,
+        Self::SetpointAccel,
+        Self::SetpointJerk,
+        Self::SoftLimit,
+        Self::StepsRanOut,
         Self::HomeSwitchNotFound,
         Self::HomeSwitchNotReleased,
         Self::IndexNotFound,
@@ -168,268 +190,6 @@ impl FaultKind {
     pub const fn remedy(self) -> &'static str {
         self.text().remedy
     }
-
-    #[allow(clippy::too_many_lines)] // a table: an entry for each alarm
-    const fn text(self) -> Text {
-        match self {
-            Self::EmergencyStop => Text {
-                number: 101,
-                sentence: "the emergency stop chain is open",
-                unit: "",
-                reaction: Reaction::Disable,
-                cause: "An emergency stop button, a door switch or an over-travel switch.",
-                remedy: "Remove the danger, release the button, start the control again.",
-            },
-            Self::DriveNotReady => Text {
-                number: 102,
-                sentence: "the drive is not ready",
-                unit: "",
-                reaction: Reaction::Disable,
-                cause: "The drive has no power, or a fault of its own.",
-                remedy: "Read the drive's own alarm; restore its power.",
-            },
-            Self::FeedbackInvalid => Text {
-                number: 103,
-                sentence: "the encoder gives no usable reading",
-                unit: "",
-                reaction: Reaction::Disable,
-                cause: "A broken encoder line, or a fault of the field bus.",
-                remedy: "Check encoder, cable and bus.",
-            },
-            Self::DriveAlarm => Text {
-                number: 104,
-                sentence: "a drive reports an alarm and asks for a stop",
-                unit: "",
-                reaction: Reaction::Halt,
-                cause: "The drive is too hot, its bus is low, or it has another complaint with which it can still brake.",
-                remedy: "A tap in its hole comes out with a retract. Then read the drive's own alarm.",
-            },
-            Self::ReadingImplausible => Text {
-                number: 105,
-                sentence: "the encoder's reading jumps, stands still or is missing in a synchronised cut",
-                unit: "",
-                reaction: Reaction::Halt,
-                cause: "A slipped or stuck encoder, a broken encoder line, or a fault of the field bus.",
-                remedy: "Check encoder, cable and bus, start the control again so that the encoders are read anew, then recover the tool.",
-            },
-            Self::FollowingError => Text {
-                number: 201,
-                sentence: "following error too large",
-                unit: "mm",
-                reaction: Reaction::Halt,
-                cause: "Collision, a jammed guideway, a drive at its force limit, or wrong loop data.",
-                remedy: "Look for an obstacle; compare force and acceleration with the machine file.",
-            },
-            Self::SpindleFollowingError => Text {
-                number: 202,
-                sentence: "following error of the spindle's angle too large",
-                unit: "rev",
-                reaction: Reaction::Halt,
-                cause: "The drive is at its torque or power limit, or the tool is stuck.",
-                remedy: "Use a longer ramp or a lower speed; check tool and bore.",
-            },
-            Self::SyncError => Text {
-                number: 203,
-                sentence: "the feed axis left the thread's helix in the material",
-                unit: "mm",
-                reaction: Reaction::Halt,
-                cause: "The spindle or the axis could not follow: drive limit, friction, a stuck tap.",
-                remedy: "Do not move the axis alone: the tap is in its thread. Drive it out synchronised.",
-            },
-            Self::WrongSpinInCut => Text {
-                number: 204,
-                sentence: "the spindle cuts at the wrong speed or in the wrong sense",
-                unit: "rev/s",
-                reaction: Reaction::Halt,
-                cause: "The load has pulled the spindle away from its speed, or it was reversed during the cut.",
-                remedy: "Withdraw the tool; check its edges, feed and depth of cut against the drive's torque.",
-            },
-            Self::CouplingLost => Text {
-                number: 205,
-                sentence: "the geared spindle has lost its phase",
-                unit: "rev",
-                reaction: Reaction::Halt,
-                cause: "Too much torque of the cut, a spindle drive at its limit, or a slipping encoder.",
-                remedy: "The tool has left the work, if the machine file has control.phase_loss; else retreat from it. Reduce infeed or speed; check the encoders of both spindles.",
-            },
-            Self::ProbeContact => Text {
-                number: 206,
-                sentence: "the probe touches something in a move that is no probing",
-                unit: "",
-                reaction: Reaction::Halt,
-                cause: "The work or a clamp stands where the program has nothing, or the program rapids to where it should probe.",
-                remedy: "Jog the probe off the way it came; check the work offset and the way of the probe.",
-            },
-            Self::ProbeNotReached => Text {
-                number: 309,
-                sentence: "the probe has not changed on the whole way of a probing move",
-                unit: "",
-                reaction: Reaction::Halt,
-                cause: "The work is not where the program looks for it, or the probe gives no signal.",
-                remedy: "Check work offset, length of the probe and its battery; probe further, or with G38.3 or G38.5, which go on without contact.",
-            },
-            Self::ProbeNotReady => Text {
-                number: 404,
-                sentence: "a probing move begins with the probe as it shall end",
-                unit: "",
-                reaction: Reaction::Halt,
-                cause: "G38.2 or G38.3 with the probe in contact already, or G38.4 or G38.5 without contact.",
-                remedy: "Move off the work first, by G38.4 or G0; check the probe's signal.",
-            },
-            Self::NotAtSpeed => Text {
-                number: 301,
-                sentence: "the spindle did not reach its speed in time",
-                unit: "rev/s",
-                reaction: Reaction::Halt,
-                cause: "Too high a load, a slipping belt, or a speed that the drive cannot reach.",
-                remedy: "Check the load; lower S or lengthen control.waits.at_speed_s.",
-            },
-            Self::NotOriented => Text {
-                number: 302,
-                sentence: "the spindle did not come to its angle in time",
-                unit: "rev",
-                reaction: Reaction::Halt,
-                cause: "The spindle is held fast, or its position loop is not stable.",
-                remedy: "Turn the spindle by hand; check its loop data; lengthen control.waits.oriented_s.",
-            },
-            Self::NotInPosition => Text {
-                number: 303,
-                sentence: "the axis did not come into position in time",
-                unit: "mm",
-                reaction: Reaction::Halt,
-                cause: "A constant force, friction, or too narrow a window.",
-                remedy: "Check for contact; widen the axis' in_position_um.",
-            },
-            Self::ToolNotChanged => Text {
-                number: 304,
-                sentence: "the tool was not changed in time",
-                unit: "",
-                reaction: Reaction::Halt,
-                cause: "The changer is jammed, or the tool is not in the magazine.",
-                remedy: "Free the changer; load the tool; lengthen control.waits.tool_change_s.",
-            },
-            Self::RatioNotHeld => Text {
-                number: 305,
-                sentence: "the geared spindle does not reach the speed of its gear: the ratio cannot be held",
-                unit: "rev/s",
-                reaction: Reaction::Halt,
-                cause: "The ratio asks for more speed than the spindle has, or the drive is too weak.",
-                remedy: "Reduce the master's speed; compare the spindle with the machine file.",
-            },
-            Self::StillClamped => Text {
-                number: 306,
-                sentence: "the geared spindle does not turn: it is still clamped",
-                unit: "rev/s",
-                reaction: Reaction::Halt,
-                cause: "A clamp, a brake or a lock pin holds the spindle.",
-                remedy: "Release the clamp before the gear is engaged.",
-            },
-            Self::PhaseNotReached => Text {
-                number: 307,
-                sentence: "the geared spindle has not reached its phase in time",
-                unit: "rev",
-                reaction: Reaction::Halt,
-                cause: "A load on the spindle, loops that differ too much, or a window that is too narrow.",
-                remedy: "Engage outside the work; compare window and loop data with the machine file.",
-            },
-            Self::RecordNotWritten => Text {
-                number: 308,
-                sentence: "the sync record is not on the disk, so the tool does not go in",
-                unit: "",
-                reaction: Reaction::Halt,
-                cause: "The disk with the state folder is full, read-only or too slow.",
-                remedy: "Free the disk or name another folder with --state; then start again, from this hole.",
-            },
-            Self::NotConfigured => Text {
-                number: 401,
-                sentence: "ordered, but not configured on this machine",
-                unit: "",
-                reaction: Reaction::Halt,
-                cause: "The program was planned for another machine.",
-                remedy: "Plan the program with the machine file that the control runs.",
-            },
-            Self::SetpointJump => Text {
-                number: 402,
-                sentence: "a step begins away from where the axis stands",
-                unit: "mm",
-                reaction: Reaction::Halt,
-                cause: "The program was planned from another position.",
-                remedy: "Plan the program again from where the axes stand.",
-            },
-            Self::TableMissing => Text {
-                number: 403,
-                sentence: "a step superposes a function that the control has not been given",
-                unit: "",
-                reaction: Reaction::Halt,
-                cause: "The table of a cam or an oscillation was not loaded before the step.",
-                remedy: "Start the program again; report it if it comes back.",
-            },
-            Self::NotHomed => Text {
-                number: 405,
-                sentence: "a step moves an axis that is not homed",
-                unit: "",
-                reaction: Reaction::Halt,
-                cause: "The program was started before the axis had found its reference.",
-                remedy: "Home the axis, then start the program again.",
-            },
-            Self::HomeSwitchNotFound => Text {
-                number: 501,
-                sentence: "the home switch was not found over the whole way",
-                unit: "mm",
-                reaction: Reaction::Halt,
-                cause: "The switch or its cable is broken, its cam is gone, or homing goes the wrong way.",
-                remedy: "Actuate the switch by hand and look at the input; check homing.direction and the travel in the machine file.",
-            },
-            Self::HomeSwitchNotReleased => Text {
-                number: 502,
-                sentence: "the home switch stays actuated while the axis backs off",
-                unit: "mm",
-                reaction: Reaction::Halt,
-                cause: "The switch sticks, its cable is broken, it is connected the other way round, or it is another axis' switch.",
-                remedy: "Actuate the switch by hand and look at the input; check the wiring.",
-            },
-            Self::IndexNotFound => Text {
-                number: 503,
-                sentence: "the encoder's index mark did not come",
-                unit: "mm",
-                reaction: Reaction::Halt,
-                cause: "A broken line of the encoder, a dirty scale, or a wrong distance between marks in the machine file.",
-                remedy: "Check encoder and cable; compare the screw's lead, or homing.index_every_mm, with the machine.",
-            },
-            Self::IndexAtSwitch => Text {
-                number: 504,
-                sentence: "the index mark lies too near to the edge of the home switch: the next homing may take its neighbour",
-                unit: "mm",
-                reaction: Reaction::Halt,
-                cause: "The cam of the switch has been moved, or motor and screw have been coupled anew.",
-                remedy: "Move the cam by half the distance between two marks, then set homing.reference anew.",
-            },
-            Self::HardStopNotFound => Text {
-                number: 505,
-                sentence: "no hard stop holds the axis over the whole way",
-                unit: "mm",
-                reaction: Reaction::Halt,
-                cause: "The stop is gone, or homing goes the wrong way.",
-                remedy: "Check the stop; check homing.direction and the travel in the machine file.",
-            },
-            Self::WrongLimitSwitch => Text {
-                number: 506,
-                sentence: "the limit switch of the other end is actuated",
-                unit: "",
-                reaction: Reaction::Halt,
-                cause: "The two limit switches are connected the wrong way round, or motor and encoder both are.",
-                remedy: "Actuate each limit switch by hand and look at the inputs.",
-            },
-            Self::MovesAgainstOrder => Text {
-                number: 507,
-                sentence: "the axis moves against its setpoint: its encoder counts the wrong way, or its motor turns the wrong way",
-                unit: "mm",
-                reaction: Reaction::Disable,
-                cause: "The encoder's lines or the motor's phases are connected the wrong way round, or the drive's data are another motor's.",
-                remedy: "Change the encoder's sense in the drive, then home again.",
-            },
-        }
-    }
 }
 
 /// An alarm that has happened.
@@ -455,7 +215,13 @@ impl Fault {
     /// Unit of its value and limit: a rotary axis is off by degrees.
     pub fn unit(&self) -> &'static str {
         match (self.subject, self.kind.unit()) {
-            (Subject::Axis(Axis::A | Axis::B | Axis::C), "mm") => "°",
+            (Subject::Axis(Axis::A | Axis::B | Axis::C), unit) => match unit {
+                "mm" => "°",
+                "mm/s" => "°/s",
+                "mm/s²" => "°/s²",
+                "mm/s³" => "°/s³",
+                unit => unit,
+            },
             (Subject::Machine | Subject::Axis(_) | Subject::Spindle(_), unit) => unit,
         }
     }

@@ -10,6 +10,7 @@
 //! on the kernel only holds it.
 mod exchange;
 mod faults;
+mod guards;
 mod homing;
 mod manual;
 mod orders;
@@ -22,14 +23,18 @@ use crate::drives::{Drives, Finding};
 use crate::encoder_plausibility::EncoderPlausibility;
 use crate::event::{Event, EventKind, Ring};
 use crate::execute::{Activity, Context, Progress};
-use crate::fault::Fault;
+use crate::fault::{Fault, FaultKind};
+use crate::feedback_age::FeedbackAge;
 use crate::homing::Homing;
 use crate::manual::Manual;
 use crate::operator::{Notice, Operator};
 use crate::queue::{Full, QUEUE, Queue, StepKind};
 use crate::recovering::Recovering;
 use crate::retreating::Retreating;
+use crate::setpoint_monitor::SetpointMonitor;
 use crate::signals::Answered;
+use crate::spindle_monitor::SpindleMonitor;
+use crate::tapping::Outcome;
 use crate::withdrawing::Withdrawing;
 use alloc::vec::Vec;
 use bus::{Command, Feedback, Report, State};
@@ -76,6 +81,10 @@ pub struct Kernel {
     reported: Option<Subject>,
     /// Which encoders give plausible readings.
     plausibility: EncoderPlausibility,
+    /// The last look at what is sent, and at what spindles and the time of the feedback do.
+    setpoints: SetpointMonitor,
+    spindle_monitor: SpindleMonitor,
+    feedback_age: FeedbackAge,
     /// A drive or an encoder is gone: once everything stands, outputs go off; the periods for which it has stood.
     drive_lost: Option<u32>,
     /// Axes that are moved by hand.
@@ -119,6 +128,9 @@ impl Kernel {
             operator: Operator::new(config.overrides),
             reported: None,
             plausibility: EncoderPlausibility::default(),
+            setpoints: SetpointMonitor::default(),
+            spindle_monitor: SpindleMonitor::default(),
+            feedback_age: FeedbackAge::default(),
             drive_lost: None,
             manual: Manual::default(),
             homing: Homing::default(),
@@ -194,13 +206,17 @@ impl Kernel {
     /// One servo period: from what the machine says to what it shall do.
     pub fn tick(&mut self, feedback: &Feedback) -> Command {
         self.now = feedback.time;
+        let age = self.check_age(feedback);
         let positions = self.homing.is_shifted().then(|| self.positions(feedback));
         let feedback = &self.bridge(positions.as_ref().unwrap_or(feedback));
-        if let Err(finding) = self.check(feedback) {
+        if let Err(finding) = age.and_then(|()| self.check(feedback)) {
             self.raise(finding, feedback);
         }
         if !matches!(self.mode, Mode::Disabled) {
             self.drives.read(feedback);
+        }
+        if let Err(finding) = self.check_spindles() {
+            self.raise(finding, feedback);
         }
         let mut command = match self.mode {
             Mode::Disabled => Command { tool: self.drives.tool, ..Command::default() },
@@ -227,6 +243,8 @@ impl Kernel {
             self.begin_rescue();
         }
         self.drives.adopt(feedback, &self.config);
+        self.setpoints.reset();
+        self.spindle_monitor = SpindleMonitor::default();
         self.mode = Mode::Starting(waited);
         match self.drives.check_ready(feedback) {
             Ok(()) => {
@@ -276,7 +294,7 @@ impl Kernel {
                 self.note(event);
             }
         }
-        self.drives.command()
+        self.close_loops(feedback)
     }
 
     /// Go on with the recovery, if there is one, else with the step at the queue's front.
@@ -299,6 +317,9 @@ impl Kernel {
         }
         if let Some(withdrawn) = self.withdraw_on(dt) {
             return withdrawn.map(|()| Progress::Busy);
+        }
+        if self.has_run_out() {
+            return Err((FaultKind::StepsRanOut, Subject::Machine, 0.0, 0.0));
         }
         let Some(line) = self.queue.line(self.chained).filter(|_| !self.is_moved_by_hand()) else {
             return Ok(Progress::Busy);
@@ -345,6 +366,7 @@ impl Kernel {
     /// when it is told to.
     fn halt(&mut self, feedback: &Feedback) -> Command {
         self.drives.rest_follower();
+        let mut too_deep = None;
         let tapping = match (&mut self.activity, self.queue.front()) {
             (Activity::Tapping(run), Some(step)) if run.coupling().is_some() => {
                 let mut context = Context {
@@ -361,13 +383,14 @@ impl Kernel {
                 };
                 match &step.kind {
                     StepKind::Tap(plan) => {
-                        // what it failed of has been said
-                        let _ = run.advance(
-                            plan,
-                            self.config.period.value(),
-                            &mut self.drives,
-                            &mut context,
-                        );
+                        let dt = self.config.period.value();
+                        let outcome = run.advance(plan, dt, &mut self.drives, &mut context);
+                        // what else it failed of has been said
+                        too_deep = match outcome {
+                            Outcome::Failed(finding) => Some(finding)
+                                .filter(|(kind, ..)| *kind == FaultKind::FollowsTooDeep),
+                            Outcome::Busy | Outcome::Done => None,
+                        };
                         Some(plan.axis.index())
                     }
                     _ => None,
@@ -375,6 +398,9 @@ impl Kernel {
             }
             _ => None,
         };
+        if let Some(finding) = too_deep {
+            self.raise(finding, feedback);
+        }
         let threading = self.stay_on_thread();
         if self.operator.wants_out() && self.is_held() && !self.is_in_thread() {
             self.operator.is_out();
@@ -390,7 +416,7 @@ impl Kernel {
             }
         }
         self.drives.couple(self.config.period);
-        let command = self.drives.command();
+        let command = self.close_loops(feedback);
         self.let_go();
         command
     }

@@ -140,6 +140,8 @@ impl AxisControl {
         ] {
             check(field, value, not_negative(value), NOT_NEGATIVE);
         }
+        let (from, to) = self.travel.unwrap_or((units::Length::ZERO, units::Length::mm(1.0)));
+        check("travel", from.value(), from < to, "its first end below its second one");
         let weight = self.weight.value();
         check("weight", weight, weight.is_finite(), "a finite number");
     }

@@ -7,6 +7,8 @@
 //!                  └──────────── spindle                    │
 //!                                       monitor ◄── readings of both
 //! ```
+mod depth;
+
 use crate::axis::AxisLoop;
 use crate::config::{Config, Subject};
 use crate::drives::{Drives, Finding};
@@ -71,6 +73,8 @@ pub(crate) struct TapRun {
     taught: Option<Angle>,
     /// Whether the axis goes by where the spindle is, not by where it shall be.
     trailing: Trailing,
+    /// It has come as deep as it may: the axis brakes.
+    too_deep: bool,
 }
 
 /// Whether the axis goes by where the spindle is.
@@ -130,6 +134,7 @@ impl TapRun {
             error: None,
             taught: None,
             trailing: Trailing::No,
+            too_deep: false,
         })
     }
 
@@ -200,6 +205,9 @@ impl TapRun {
         else {
             return Outcome::Done; // begin() has seen to it that both are there
         };
+        if self.too_deep {
+            return depth::stay(axis);
+        }
         let seen = self.watch(plan, Length::mm(axis.position()), spindle, context);
         if let (Err(finding), false) = (seen, context.halted) {
             return Outcome::Failed(finding);
@@ -273,6 +281,7 @@ impl TapRun {
             learning_records.note(at, feed, planned.1 - spindle.reading());
         }
         axis.target = target(&now, &ahead, axis.lookahead_s());
+        let deep = self.check_depth(plan, axis);
         if self.trailing != Trailing::No && self.cycle.is_standing() && spindle.at_rest() {
             self.stand(spindle, axis);
         }
@@ -280,20 +289,23 @@ impl TapRun {
         let engaged = self.cycle.coupling().is_some();
         drives.follower = engaged.then_some((plan.axis.index(), feed_forwards(mode)));
         self.note(was, context, dt);
-        match self.limits(plan, context) {
+        match deep.and_then(|()| self.limits(plan, context)) {
             Err(finding) => Outcome::Failed(finding),
-            Ok(()) if self.cycle == Cycle::Done => {
-                let figures = self.figures();
-                if following {
-                    drives.learning_records.finish_following(&figures, self.taught);
-                } else {
-                    drives.learning_records.finish(&figures);
-                }
-                context.note(EventKind::TapEnded(figures));
-                Outcome::Done
-            }
+            Ok(()) if self.cycle == Cycle::Done => self.finish(following, drives, context),
             Ok(()) => Outcome::Busy,
         }
+    }
+
+    /// It is over: what was learnt is kept.
+    fn finish(&self, following: bool, drives: &mut Drives, context: &mut Context) -> Outcome {
+        let figures = self.figures();
+        if following {
+            drives.learning_records.finish_following(&figures, self.taught);
+        } else {
+            drives.learning_records.finish(&figures);
+        }
+        context.note(EventKind::TapEnded(figures));
+        Outcome::Done
     }
 
     /// The cycle after this period: it turns back at the bottom when that is on the disk. A spindle on the ramps of its own drive

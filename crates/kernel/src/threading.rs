@@ -42,7 +42,8 @@ pub(crate) struct Chain {
 enum Course {
     Cutting,
     Leaving(Retreating),
-    Braking,
+    /// From these speeds: what is not led in a period rests.
+    Braking([f64; THREADING_AXES]),
     Standing,
     /// This axis goes back now, then those after it, and the infeed axis last.
     Back(usize, Option<Retreating>),
@@ -116,7 +117,7 @@ pub(crate) fn advance(
             if let Some(way) = leave.way.filter(|_| leave.rests) {
                 chain.course = match Retreating::to_clear(way, drives, leave.config) {
                     Some(retreat) if begun => Course::Leaving(retreat),
-                    Some(_) | None => Course::Braking,
+                    Some(_) | None => Course::Braking(speeds(drives)),
                 };
                 Pass::Busy
             } else if over && stretch.ends {
@@ -132,18 +133,19 @@ pub(crate) fn advance(
             let (_, over) = couple(stretch, &chain, period, drives);
             retreat.advance(period.value(), true, drives);
             let out = retreat.is_out();
-            chain.course = if out { Course::Braking } else { Course::Leaving(retreat) };
+            chain.course =
+                if out { Course::Braking(speeds(drives)) } else { Course::Leaving(retreat) };
             if over && !stretch.ends && !out { Pass::Over } else { Pass::Busy }
         }
-        Course::Braking => {
-            let mut stand = true;
-            for axis in drives.axes[..THREADING_AXES].iter_mut().flatten() {
+        Course::Braking(mut speeds) => {
+            for (axis, speed) in drives.axes[..THREADING_AXES].iter_mut().zip(&mut speeds) {
+                let Some(axis) = axis else { continue };
+                axis.target.speed = *speed;
                 axis.brake();
-                stand &= axis.target.speed == 0.0;
+                *speed = axis.target.speed;
             }
-            if stand {
-                chain.course = Course::Standing;
-            }
+            let stand = speeds == [0.0; THREADING_AXES];
+            chain.course = if stand { Course::Standing } else { Course::Braking(speeds) };
             drives.flowing = false;
             Pass::Busy
         }
@@ -176,12 +178,17 @@ pub(crate) fn stay(stretch: &ThreadStretch, period: Time, drives: &mut Drives) -
     let chain = drives.chain?;
     let over = match chain.course {
         Course::Cutting | Course::Leaving(_) => couple(stretch, &chain, period, drives).1,
-        Course::Braking | Course::Standing | Course::Back(..) => return None,
+        Course::Braking(_) | Course::Standing | Course::Back(..) => return None,
     };
     if over && stretch.ends {
         end(stretch, drives);
     }
     Some(over)
+}
+
+/// How fast the axes are told to move.
+fn speeds(drives: &Drives) -> [f64; THREADING_AXES] {
+    core::array::from_fn(|i| drives.axes[i].as_ref().map_or(0.0, |axis| axis.target.speed))
 }
 
 fn end(stretch: &ThreadStretch, drives: &mut Drives) {
@@ -247,7 +254,7 @@ impl Chain {
     /// The tool is off the thread.
     pub(crate) const fn is_off(&self) -> bool {
         match self.course {
-            Course::Braking | Course::Standing | Course::Back(..) => true,
+            Course::Braking(_) | Course::Standing | Course::Back(..) => true,
             Course::Cutting | Course::Leaving(_) => false,
         }
     }
@@ -256,7 +263,7 @@ impl Chain {
     pub(crate) const fn leaving(&self) -> Option<Retreating> {
         match self.course {
             Course::Leaving(retreat) => Some(retreat),
-            Course::Cutting | Course::Braking | Course::Standing | Course::Back(..) => None,
+            Course::Cutting | Course::Braking(_) | Course::Standing | Course::Back(..) => None,
         }
     }
 

@@ -87,7 +87,7 @@ fn drives_that_do_not_come_up_are_waited_for_and_then_an_alarm() {
 }
 
 #[test]
-fn an_axis_that_is_stuck_is_a_following_error_and_the_others_brake_under_control() {
+fn an_encoder_that_is_stuck_is_noticed_and_the_others_brake_under_control() {
     let config = control(&machine(0));
     let steps = [line(Position::default(), Position::xyz(100.0, 0.0, -100.0), 200.0, true)];
     let mut stuck = None;
@@ -96,10 +96,10 @@ fn an_axis_that_is_stuck_is_a_following_error_and_the_others_brake_under_control
             said.axes[0].position = *stuck.get_or_insert(said.axes[0].position);
         }
     });
-    check(&seen, FaultKind::FollowingError, Subject::Axis(Axis::X));
+    check(&seen, FaultKind::ReadingImplausible, Subject::Axis(Axis::X));
     let speed = |s: &bus::Sample| s.command.axes[2].speed.value();
     assert!(speed(seen.samples.last().expect("there are samples")).abs() > 100.0);
-    // go on holding: Z comes to rest within the approach acceleration, and stays enabled
+    // Z comes to rest within the approach acceleration; outputs go off once everything stands, as at any lost encoder
     let after = halted(&config, &steps, |said| {
         if said.time > Time::s(0.2) {
             said.axes[0].position = *stuck.get_or_insert(said.axes[0].position);
@@ -113,7 +113,13 @@ fn an_axis_that_is_stuck_is_a_following_error_and_the_others_brake_under_control
         steps.iter().copied().fold(0.0, f64::max)
     );
     assert!(speed(after.last().expect("there are samples")) == 0.0);
-    assert!(after.last().expect("there are samples").command.axes[2].enable);
+    let moves = |s: &&bus::Sample| speed(s) != 0.0;
+    assert!(after.iter().filter(moves).all(|s| s.command.axes[2].enable));
+    assert!(!after.last().expect("there are samples").command.axes[2].enable);
+    // X has braked without its encoder, from 141 mm/s: v²/2a, and what it went before that was noticed
+    let x = |s: &bus::Sample| s.truth.expect("simulated").axes[0].value();
+    let way = x(after.last().expect("there are samples")) - x(&after[0]);
+    assert!(way > 0.0 && way < 141.4 * 141.4 / 4000.0 + 0.5, "{way} mm");
 }
 
 /// The samples from the tick of the fault on, half a second of them.

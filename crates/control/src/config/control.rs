@@ -103,6 +103,7 @@ fn axis(file: &Axis) -> AxisControl {
         peak_force: file.drive.peak_force(),
         force_lag: file.drive.force_lag,
         approach: (file.approach.speed, file.approach.acceleration),
+        travel: Some((file.travel.from, file.travel.to)),
         windows: AxisWindows {
             in_position: file.windows.in_position,
             settle: file.windows.settle,

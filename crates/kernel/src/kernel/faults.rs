@@ -73,17 +73,21 @@ impl Kernel {
         let in_tap = self.tap_in_work();
         let gone = matches!(
             kind,
-            FaultKind::DriveNotReady | FaultKind::FeedbackInvalid | FaultKind::ReadingImplausible
+            FaultKind::DriveNotReady
+                | FaultKind::FeedbackInvalid
+                | FaultKind::FeedbackStale
+                | FaultKind::ReadingImplausible
         );
         let tied = match kind {
             FaultKind::DriveNotReady => self.thread_pair().is_some(),
-            FaultKind::ReadingImplausible => {
-                self.way_out.is_some_and(|way_out| way_out.pass.is_some())
-            }
-            _ => false, // nobody bridges the reading
+            FaultKind::ReadingImplausible => true, // the setpoint's own steps bridge the reading
+            _ => false,                            // nobody bridges the reading
         };
         if gone && (in_tap.is_some() || tied) {
             self.drive_lost = self.drive_lost.or(Some(0));
+        }
+        if kind == FaultKind::FeedbackStale && self.drive_lost.is_some() {
+            self.drives.go_blind();
         }
         let lost = kind == FaultKind::DriveNotReady && matches!(subject, Subject::Spindle(_));
         let disobeys =
@@ -155,7 +159,14 @@ impl Kernel {
             Mode::New | Mode::Starting(_) | Mode::Disabled => Tied::default(),
         };
         let period_s = self.config.period.value();
-        let (taken, finding) = self.plausibility.bridge(tied, feedback, &mut self.drives, period_s);
+        self.plausibility.frame_lost = self.feedback_age.is_lost();
+        let watches = matches!(self.mode, Mode::Running | Mode::Halted);
+        let (mut taken, tied_finding) =
+            self.plausibility.bridge(tied, feedback, &mut self.drives, period_s);
+        let finding = tied_finding.or_else(|| {
+            let of = &mut self.plausibility;
+            watches.then(|| of.bridge_untied(tied, &mut taken, &mut self.drives, period_s))?
+        });
         if let Some(finding) = finding {
             self.raise(finding, &taken);
         }

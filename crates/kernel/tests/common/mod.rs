@@ -159,6 +159,7 @@ fn axis_control(model: &AxisModel) -> AxisControl {
         peak_force: model.peak_force(),
         force_lag: model.force_lag,
         approach: (Speed::mm_per_s(50.0), Accel::mm_per_s2(2000.0)),
+        travel: None,
         windows: AxisWindows {
             in_position: Length::um(5.0),
             settle: Time::s(5e-3),
