@@ -1,14 +1,15 @@
 //! What the kernel looks at itself in each period, each provoked: a plan with a defect, a machine that lies, a spindle that
 //! does not obey. The alarm comes within a period, the refused setpoint is never sent, and everything comes to rest.
 mod common;
+mod operated;
 use bus::{Command, Feedback, Machine, State, Truth};
-use canon::{Axis, Position};
+use canon::{Axis, Feed, Op, OpKind, PathMode, Position, Span};
 use common::*;
 use kernel::{Config, FaultKind, Kernel, Subject};
 use motion::{Bounds, Limits, Move, Path, Phase, Profile};
 use plan::{Step, StepKind};
 use sim::SimulatedMachine;
-use units::{Angle, Length, Spin, Time, Torque};
+use units::{Angle, Length, Speed, Spin, Time, Torque};
 
 const H: f64 = PERIOD.value();
 /// Limits of each axis: mm/s, mm/s², mm/s³.
@@ -247,6 +248,32 @@ fn an_axis_that_is_not_homed_has_no_travel_and_one_outside_may_come_back() {
     let seen = run_on(&mut machine, &config, &steps, 20_000);
     assert_eq!(seen.kernel.faults(), []);
     assert!((seen.deepest_mm() + 50.0).abs() < 0.01);
+}
+
+#[test]
+fn steps_that_run_out_in_motion_are_an_alarm_and_everything_brakes() {
+    let place = Span { file: 0, line: 1, start: 0, end: 0 };
+    let op = |kind| Op { span: place, kind };
+    let tolerance = Some(Length::mm(0.05));
+    let mut ops = vec![op(OpKind::PathMode(PathMode::Blend { tolerance, merge: None }))];
+    // a quarter of a circle of 50 mm in chords, at 100 mm/s
+    for n in 1..=40 {
+        let angle = f64::from(n) / 40.0 * core::f64::consts::FRAC_PI_2;
+        let to = Position::xyz(50.0 * angle.sin(), 50.0 - 50.0 * angle.cos(), 0.0);
+        ops.push(op(OpKind::Line { to, feed: Feed::PerTime(Speed::mm_per_s(100.0)) }));
+    }
+    let all: Vec<StepKind> = operated::planned(&ops, 20e3).into_iter().map(|s| s.kind).collect();
+    let moves = all.iter().filter(|kind| matches!(kind, StepKind::Follow(_))).count();
+    assert!(moves > 10, "{moves}");
+    // the second half never comes
+    let seen = run(&config(), &all[..all.len() / 2], obeys, says);
+    seen.check(FaultKind::StepsRanOut, Subject::Machine);
+    seen.is_calm(0, 100.5, 2500.0).is_calm(1, 100.5, 2500.0);
+    // from 100 mm/s at 2000 mm/s² for each axis
+    let at = |n: usize| [seen.samples[n].axis(0).value(), seen.samples[n].axis(1).value()];
+    let (from, to) = (at(seen.alarm), at(seen.samples.len() - 1));
+    let way = (to[0] - from[0]).hypot(to[1] - from[1]);
+    assert!(way > 1.0 && way < 100.0 * 100.0 / 4000.0 + 0.1, "{way} mm");
 }
 
 #[test]

@@ -53,6 +53,18 @@ const OPTIONS: Options = Options {
     },
 };
 
+/// What these ops are planned as, from zero.
+pub fn planned(ops: &[Op], jerk: f64) -> Vec<Step> {
+    let start = Start { position: Position::default(), tool: 0 };
+    let mut planner = Planner::new(limits(jerk), ToolLibrary::new([]), OPTIONS, start);
+    let mut steps = Vec::new();
+    for (index, op) in (0..).zip(ops) {
+        planner.push(index, op, &mut |step| steps.push(step));
+    }
+    planner.finish(&mut |step| steps.push(step));
+    steps
+}
+
 /// Setpoints, a period apart, and the line that each serves. The axes are where they were told to be.
 pub struct Seen {
     pub at: Vec<([f64; AXES], u32)>,
