@@ -47,7 +47,8 @@ pub enum Request {
     Withdraw(WithdrawalPlan),
     /// [`Kernel::go_on`].
     GoOn,
-    /// [`Kernel::hand_back`].
+    /// [`Kernel::hand_back`]; `None` in motion: steps that are planned anew elsewhere come some periods later, and there must be
+    /// none in which an axis that moves has no step.
     HandBack,
     /// [`Kernel::put_table`].
     PutTable(TableId, Periodic),
@@ -96,7 +97,10 @@ impl Kernel {
                 return Reply::Manual(self.orient_manually(spindle, angle));
             }
             Request::Home(axis, order) => return Reply::Manual(self.home(axis, &order)),
-            Request::HandBack => return Reply::HandedBack(self.hand_back()),
+            Request::HandBack => {
+                let stands = !self.is_flowing();
+                return Reply::HandedBack(stands.then(|| self.hand_back()).flatten());
+            }
             Request::PutTable(id, table) => return Reply::Table(self.put_table(id, table)),
             Request::Superpose(order) => return Reply::Superposed(self.superpose(&order)),
             Request::Order(order) => self.order(order),

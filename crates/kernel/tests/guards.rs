@@ -265,6 +265,19 @@ fn steps_that_run_out_in_motion_are_an_alarm_and_everything_brakes() {
     let all: Vec<StepKind> = operated::planned(&ops, 20e3).into_iter().map(|s| s.kind).collect();
     let moves = all.iter().filter(|kind| matches!(kind, StepKind::Follow(_))).count();
     assert!(moves > 10, "{moves}");
+    // steps that are asked for in motion, to come back some periods later, are not given
+    let mut kernel = Kernel::new(config());
+    let mut machine = SimulatedMachine::new(machine(0)).expect("the test's machine can be built");
+    let steps = all.iter().map(|kind| Step { op: 0, line: 1, kind: kind.clone() });
+    let taken = steps.take_while(|step| kernel.push(step).is_ok()).count();
+    assert!(taken > all.len() / 2, "{taken}");
+    let mut feedback = machine.feedback();
+    for _ in 0..1500 {
+        feedback = machine.exchange(&kernel.tick(&feedback));
+    }
+    assert!(feedback.axes[0].position.value() > 5.0 && kernel.faults().is_empty());
+    let reply = kernel.serve(kernel::Request::HandBack);
+    assert!(matches!(reply, kernel::Reply::HandedBack(None)), "{reply:?}");
     // the second half never comes
     let seen = run(&config(), &all[..all.len() / 2], obeys, says);
     seen.check(FaultKind::StepsRanOut, Subject::Machine);

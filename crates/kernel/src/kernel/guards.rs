@@ -43,6 +43,11 @@ impl Kernel {
         Ok(())
     }
 
+    /// A motion is under way that goes on into the next step, or within one.
+    pub(crate) const fn is_flowing(&self) -> bool {
+        self.drives.flowing
+    }
+
     /// The steps have run out, and the last one went on into another: everything goes on from where it was a period ago.
     pub(super) fn has_run_out(&mut self) -> bool {
         let dry = self.drives.flowing && self.queue.get(self.chained).is_none();
