@@ -9,6 +9,7 @@
 //!        ├► polygon       leadscrew::polygon        from a form to the block that cuts it
 //!        ├► recover       control::recovery         what is known of a tool in the work, and the way out
 //!        ├► control       control::Control         a control that stays on, by script or from the terminal
+//!        ├► serve         server::Server           the same over the network, with its page
 //!        ├► simulator     leadscrew::simulator      the simulated machine as a process of its own
 //!        ├► cam           forms::cam, printed and drawn
 //!        ├► canon, codes, fmt, lsp    interp, gcode, lsp
@@ -43,6 +44,7 @@ mod refusal;
 mod render;
 mod run;
 mod say;
+mod serve;
 mod simulator;
 mod summary;
 mod tables;
@@ -108,6 +110,7 @@ fn execute(cli: &Cli) -> Result<ExitCode, Refused> {
             console::Ending::NotMet => ExitCode::from(OUT_OF_TOLERANCE),
             console::Ending::Refused => ExitCode::from(REFUSED),
         }),
+        Command::Serve(args) => serve::command(args).map(|()| ExitCode::SUCCESS),
         Command::Simulator(args) => simulator::command(args).map(|()| ExitCode::SUCCESS),
         Command::Recover(args) => Ok(accepted(recover::command(args)?)),
         Command::Compare(args) => Ok(if compare::command(args, cli.quiet)? {

@@ -284,6 +284,11 @@ impl Judge {
         &self.features
     }
 
+    /// Nothing is ordered that was not judged yet: what is there is all that [`Self::finish`] would say.
+    pub fn is_settled(&self) -> bool {
+        self.orders.is_empty()
+    }
+
     /// The features, in the order cut. What was ordered and never cut is there too, failed.
     #[must_use]
     pub fn finish(mut self) -> Vec<Feature> {

@@ -11,6 +11,7 @@ mod lists;
 mod options;
 mod polygon;
 mod run;
+mod serve;
 mod simulator;
 mod text;
 
@@ -24,6 +25,7 @@ pub(crate) use control::ControlArgs;
 pub(crate) use lists::{CodesFormat, MachineCommand};
 pub(crate) use polygon::PolygonArgs;
 pub(crate) use run::RunArgs;
+pub(crate) use serve::{ServeArgs, TokenRole};
 pub(crate) use simulator::{RecoverArgs, SimulatorArgs};
 pub(crate) use text::{
     CanonArgs, CanonFormat, CheckArgs, FindingsFormat, FormatArgs, LeftArgs, TimeArgs,
@@ -108,6 +110,18 @@ Examples:
   printf 'power on\nwait ready\nmdi G0 X-10\nwait completed\nstatus\n' | leadscrew control"
     )]
     Control(ControlArgs),
+    /// Serve a control that stays on over HTTP and WebSocket, with its page
+    #[command(
+        after_help = "It says its address, and runs until Ctrl-C; the machine is simulated, and its time runs as on the wall.
+docs/api.md says what can be asked. Only this computer is answered; others take tokens and a certificate.
+
+Examples:
+  leadscrew serve --programs programs                  then open the address that it says
+  leadscrew serve --machine lathe --port 0 --state out/lathe
+  leadscrew serve --new-token out/tokens.toml --token-name wall --token-role viewer
+  leadscrew serve --listen 0.0.0.0 --host-name shop-1 --token-file out/tokens.toml --self-signed"
+    )]
+    Serve(ServeArgs),
     /// Run the simulated machine, its drives and encoders as a process of its own
     #[command(
         alias = "iron",
@@ -231,6 +245,7 @@ impl Command {
             Self::Codes { format } => *format == CodesFormat::Json,
             Self::Simulator(_)
             | Self::Control(_)
+            | Self::Serve(_)
             | Self::Compare(_)
             | Self::Fmt(_)
             | Self::Lsp(_)

@@ -1,57 +1,61 @@
 //! A terminal before a control: machine time passes as on the wall, lines are edited, completed and remembered.
 //!
 //! ```text
-//!   this thread    reedline: a line ──► channel ──► control's thread: request, periods by the clock
-//!                  printer ◄── what happened ◄────────┘
+//!   this thread    reedline: a line ──► command ──► control::operation::hosted, which paces the control
+//!   printer        what happened ◄── events of the hosted control
 //! ```
-use super::command::WORDS;
-use super::session::{Failure, Session};
+use super::command::{Command, WORDS};
+use super::session::{Failure, happened, request};
 use super::{Ending, show};
 use crate::say;
 use control::Refused;
-use control::operation::{Control, ControlOptions};
+use control::operation::hosted::{Client, HostOptions, Hosted};
+use control::operation::{Control, ControlOptions, Jog, Request};
 use reedline::{
     DefaultCompleter, DefaultPrompt, DefaultPromptSegment, ExternalPrinter, Reedline, Signal,
 };
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use units::Time;
 
-/// The control is looked after so often.
-const TURN: Duration = Duration::from_millis(2);
-/// A machine that is further behind the clock than this gives up the rest.
-const MOST_BEHIND: Time = Time::s(0.1);
-
-/// What the control's thread answers to a line.
-enum LineResult {
-    /// It is done; the status line.
-    Done(String),
-    /// It has failed; the status line.
-    Failed(String, String),
-    /// It was the last one.
-    Over,
-}
+/// A wait looks so often.
+const LOOK: Duration = Duration::from_millis(5);
+/// A continuous jog is asked for again so often: half its lease.
+const RENEWED: Duration = Duration::from_millis(100);
 
 /// Until the operator quits.
 pub(super) fn run(options: ControlOptions) -> Result<Ending, Refused> {
+    let hosted = Hosted::start(options, HostOptions::default())?;
+    let client = hosted.client();
     let printer = ExternalPrinter::<String>::default();
-    let (lines, typed) = channel::<String>();
-    let (answers, answered) = channel::<LineResult>();
-    let (up, is_up) = channel::<Result<(), Refused>>();
-    let out = printer.sender();
-    let thread = std::thread::Builder::new().name("control".into());
-    let thread = thread.spawn(move || lead(options, &up, &typed, &answers, &out));
+    let is_over = Arc::new(AtomicBool::new(false));
+    let thread = {
+        let (client, out, is_over) = (client.clone(), printer.sender(), Arc::clone(&is_over));
+        let thread = std::thread::Builder::new().name("printer".into());
+        thread.spawn(move || {
+            let mut last = 0;
+            while !is_over.load(Ordering::Relaxed) {
+                let (events, _, newest) = client.events_after(last);
+                last = newest;
+                for event in events {
+                    let line =
+                        format!("  {:8.3} s  {}", event.time.value(), happened(&event.event));
+                    let _ = out.try_send(line); // a terminal that is gone, or does not keep up
+                }
+                std::thread::sleep(LOOK);
+            }
+        })
+    };
     let thread = thread.map_err(|e| Refused::because(format!("cannot start a thread: {e}")))?;
-    is_up.recv().map_err(|_| Refused::because("the control has ended"))??;
     say::out("the control is on, its drives are off; help lists what can be typed\n")?;
     let words = WORDS.iter().map(|(words, _)| (*words).to_owned()).collect();
     let mut editor = Reedline::create()
         .with_completer(Box::new(DefaultCompleter::new_with_wordlen(words, 2)))
         .with_external_printer(printer);
-    let mut state = String::from("READY");
     loop {
         let prompt = DefaultPrompt::new(
-            DefaultPromptSegment::Basic(state.clone()),
+            DefaultPromptSegment::Basic(show::line(&client.latest().status)),
             DefaultPromptSegment::Empty,
         );
         let line = match editor.read_line(&prompt) {
@@ -62,76 +66,85 @@ pub(super) fn run(options: ControlOptions) -> Result<Ending, Refused> {
         if line.trim().is_empty() {
             continue;
         }
-        if lines.send(line).is_err() {
-            break;
-        }
-        match answered.recv() {
-            Ok(LineResult::Done(now)) => state = now,
-            Ok(LineResult::Failed(why, now)) => {
-                say::err(&format!("{why}\n"));
-                state = now;
-            }
-            Ok(LineResult::Over) | Err(_) => break,
+        match execute(&client, &line) {
+            Ok(Some(said)) => say::out(&said)?,
+            Ok(None) => break,
+            Err(Failure::NotMet(why) | Failure::Refused(why)) => say::err(&format!("{why}\n")),
         }
     }
-    drop(lines);
+    is_over.store(true, Ordering::Relaxed);
     let _ = thread.join(); // it has nothing more to say
     Ok(Ending::Good)
 }
 
-/// The control's thread.
-fn lead(
-    options: ControlOptions,
-    up: &Sender<Result<(), Refused>>,
-    typed: &Receiver<String>,
-    answers: &Sender<LineResult>,
-    out: &SyncSender<String>,
-) {
-    let control = match Control::new(options) {
-        Ok(control) => control,
-        Err(refused) => {
-            let _ = up.send(Err(refused));
-            return;
+/// A line, and what is printed; `None`: the last one.
+fn execute(client: &Client, line: &str) -> Result<Option<String>, Failure> {
+    let show = |shown: fn(&Control) -> String| on(client, move |control| shown(control));
+    Ok(Some(match Command::read(line).map_err(Failure::Refused)? {
+        Command::Request(asked) => notes(&ask(client, asked)?),
+        Command::Leased(asked, lasts) => {
+            let end = now(client) + lasts;
+            while now(client) < end {
+                ask(client, asked.clone())?;
+                let left = Duration::from_secs_f64((end - now(client)).value().max(0.0));
+                std::thread::sleep(RENEWED.min(left));
+            }
+            notes(&ask(client, Request::JogStop)?)
         }
-    };
-    if up.send(Ok(())).is_err() {
-        return;
-    }
-    let mut session = Session::new(control);
-    session.keep_time();
-    loop {
-        match typed.recv_timeout(TURN) {
-            Ok(line) => {
-                let done = session.execute(&line);
-                say_all(&mut session, out);
-                let now = show::line(&session.control.status());
-                let answer = match done {
-                    Ok(true) => LineResult::Done(now),
-                    Ok(false) => LineResult::Over,
-                    Err(Failure::NotMet(why) | Failure::Refused(why)) => {
-                        LineResult::Failed(why, now)
-                    }
-                };
-                let is_over = matches!(answer, LineResult::Over);
-                if answers.send(answer).is_err() || is_over {
+        Command::Wait(condition, within) => {
+            let end = now(client) + within;
+            loop {
+                let wanted = condition.clone();
+                if on(client, move |control| wanted.holds(control))? {
                     break;
                 }
+                let status = &client.latest().status;
+                if now(client) >= end || condition.is_answered_at_once() {
+                    return Err(Failure::not_met(line, within, status));
+                }
+                std::thread::sleep(LOOK);
             }
-            Err(RecvTimeoutError::Timeout) => {}
-            Err(RecvTimeoutError::Disconnected) => break,
+            format!("  {}\n", show::line(&client.latest().status))
         }
-        let behind = -session.ahead();
-        if behind > MOST_BEHIND {
-            session.keep_time(); // the machine has stood still meanwhile
+        Command::Pass(time) => {
+            let end = now(client) + time;
+            while now(client) < end {
+                std::thread::sleep(LOOK);
+            }
+            String::new()
         }
-        session.pass(behind.min(MOST_BEHIND).max(Time::ZERO));
-        say_all(&mut session, out);
-    }
-    session.come_to_rest();
+        Command::Status(as_json) => {
+            on(client, move |control| show::status(&control.status(), as_json))?
+        }
+        Command::Features => show(show::features)?,
+        Command::Alarms => show(show::alarms)?,
+        Command::Offsets => show(show::offsets)?,
+        Command::Tools => show(show::tools)?,
+        Command::Help => show::help(),
+        Command::Quit => return Ok(None),
+    }))
 }
 
-fn say_all(session: &mut Session, out: &SyncSender<String>) {
-    for line in session.take_said().lines() {
-        let _ = out.try_send(line.to_owned()); // a terminal that is gone, or does not keep up
-    }
+/// Machine time.
+fn now(client: &Client) -> Time {
+    Time::s(client.latest().status.time_s)
 }
+
+fn ask(client: &Client, asked: Request) -> Result<Vec<String>, Failure> {
+    on(client, move |control| request(control, &asked))?
+}
+
+fn notes(notes: &[String]) -> String {
+    notes.iter().map(|note| format!("  {note}\n")).collect()
+}
+
+/// In the control's thread.
+fn on<T: Send + 'static>(
+    client: &Client,
+    work: impl FnOnce(&mut Control) -> T + Send + 'static,
+) -> Result<T, Failure> {
+    client.with(work).ok_or_else(|| Failure::Refused("the control has ended".to_owned()))
+}
+
+/// A continuous jog is renewed in time.
+const _: () = assert!(RENEWED.as_millis() as f64 / 1e3 <= Jog::LEASE.value() / 2.0);

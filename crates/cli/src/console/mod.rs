@@ -4,7 +4,7 @@
 //!   line ─► command: a request, a wait, a question ─► session ─► control::Control
 //!                                                       │  └─ periods, as long as a wait lasts
 //!   script: machine time runs only while a line waits   └► what happened, how it is
-//!   terminal: machine time runs as on the wall, and the script's words are typed
+//!   terminal: the control is hosted in a thread of its own, paced by the clock; the script's words are typed
 //! ```
 mod command;
 mod interactive;
@@ -109,7 +109,7 @@ fn run_script(control: Control, name: &str, script: &str, quiet: bool) -> Result
 }
 
 /// `X0.4,Y-0.3,Z1.2`, millimetres.
-fn clamped(text: &str) -> Result<Position, Refused> {
+pub(crate) fn clamped(text: &str) -> Result<Position, Refused> {
     let mut shift = Position::default();
     for word in text.split(',').map(str::trim) {
         let axis = word.chars().next().and_then(Axis::from_letter);

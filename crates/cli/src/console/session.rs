@@ -2,9 +2,7 @@
 use super::command::Command;
 use super::show;
 use crate::refusal;
-use control::clock::now;
-use control::operation::{Control, Event, Jog, Refusal, Request};
-use std::time::{Duration, Instant};
+use control::operation::{Control, Event, Jog, Refusal, Request, Status};
 use units::Time;
 
 /// Why a line has failed.
@@ -16,10 +14,36 @@ pub(crate) enum Failure {
     Refused(String),
 }
 
+impl Failure {
+    /// What a line waited for did not come within this time.
+    pub(super) fn not_met(line: &str, within: Time, status: &Status) -> Self {
+        let (within, status) = (within.value(), show::line(status));
+        Self::NotMet(format!("\"{line}\" was not met within {within:.3} s; it is: {status}"))
+    }
+}
+
+/// Ask the control; what is to be known of it.
+pub(super) fn request(control: &mut Control, request: &Request) -> Result<Vec<String>, Failure> {
+    match control.request(request) {
+        Ok(accepted) => Ok(accepted.notes),
+        Err(Refusal::Request(refused)) => Err(Failure::Refused(refusal::plain(&refused))),
+        Err(refusal @ Refusal::State(_)) => Err(Failure::Refused(format!("refused: {refusal}"))),
+    }
+}
+
+/// What has happened, for people.
+pub(super) fn happened(event: &Event) -> String {
+    match event {
+        Event::Execution(execution) => execution.name().to_owned(),
+        Event::Mode(mode) => mode.name().to_owned(),
+        Event::DrivesReady => "the drives are ready".to_owned(),
+        Event::Alarm(alarm) => format!("{}\n            {}", alarm.text, alarm.remedy),
+        Event::Notice(text) | Event::Feature(text) => text.clone(),
+    }
+}
+
 /// A continuous jog is asked for again after this share of its lease.
 const RENEWED: f64 = 0.5;
-/// Machine time may be so far ahead of the wall's: no shorter sleep is worth it.
-const AHEAD: Time = Time::s(0.002);
 /// How long moving things may take to come to rest at the end.
 const COMES_TO_REST: Time = Time::s(120.0);
 
@@ -27,25 +51,12 @@ const COMES_TO_REST: Time = Time::s(120.0);
 pub(crate) struct Session {
     pub(crate) control: Control,
     said: String,
-    /// Machine time passes as on the wall: from this moment, at which it was this.
-    clock: Option<(Instant, Time)>,
 }
 
 impl Session {
     /// With a control that was switched on just now.
     pub(crate) const fn new(control: Control) -> Self {
-        Self { control, said: String::new(), clock: None }
-    }
-
-    /// From now on machine time passes as on the wall.
-    pub(crate) fn keep_time(&mut self) {
-        self.clock = Some((now(), self.control.now()));
-    }
-
-    /// How far machine time is ahead of the wall's.
-    pub(crate) fn ahead(&self) -> Time {
-        let Some((began, at)) = self.clock else { return Time::ZERO };
-        self.control.now() - at - Time::s((now() - began).as_secs_f64())
+        Self { control, said: String::new() }
     }
 
     /// What is to be printed since the last time.
@@ -68,11 +79,8 @@ impl Session {
                 let end = self.control.now() + within;
                 while !condition.holds(&self.control) {
                     if self.control.now() >= end || condition.is_answered_at_once() {
-                        let status = show::line(&self.control.status());
-                        return Err(Failure::NotMet(format!(
-                            "\"{line}\" was not met within {:.3} s; it is: {status}",
-                            within.value()
-                        )));
+                        let status = self.control.status();
+                        return Err(Failure::not_met(line, within, &status));
                     }
                     self.period();
                 }
@@ -95,19 +103,11 @@ impl Session {
     }
 
     fn request(&mut self, request: &Request) -> Result<(), Failure> {
-        match self.control.request(request) {
-            Ok(accepted) => {
-                for note in accepted.notes {
-                    self.say(&note);
-                }
-                self.happened();
-                Ok(())
-            }
-            Err(Refusal::Request(refused)) => Err(Failure::Refused(refusal::plain(&refused))),
-            Err(refusal @ Refusal::State(_)) => {
-                Err(Failure::Refused(format!("refused: {refusal}")))
-            }
+        for note in self::request(&mut self.control, request)? {
+            self.say(&note);
         }
+        self.happened();
+        Ok(())
     }
 
     /// Ask again and again, as a panel does while a key is pressed.
@@ -135,21 +135,11 @@ impl Session {
     pub(crate) fn period(&mut self) {
         self.control.period();
         self.happened();
-        let ahead = self.ahead();
-        if ahead > AHEAD {
-            std::thread::sleep(Duration::from_secs_f64(ahead.value()));
-        }
     }
 
     fn happened(&mut self) {
         while let Some(event) = self.control.next_event() {
-            let text = match event {
-                Event::Execution(execution) => execution.name().to_owned(),
-                Event::Mode(mode) => mode.name().to_owned(),
-                Event::DrivesReady => "the drives are ready".to_owned(),
-                Event::Alarm(alarm) => format!("{}\n            {}", alarm.text, alarm.remedy),
-                Event::Notice(text) | Event::Feature(text) => text,
-            };
+            let text = self::happened(&event);
             let now = self.control.now().value();
             self.say(&format!("{now:8.3} s  {text}"));
         }

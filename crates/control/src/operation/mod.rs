@@ -20,11 +20,14 @@
 //! | `proving` | texts interpreted and planned apart from the control, which goes on meanwhile |
 //! | `kept` | what outlives the control, in its state folder |
 //! | `event`, `questions`, `status` | what happened; what a front end asks; how things are |
+//! | `signals`, `tool_path` | what a scope shows; what a picture of the program is drawn from |
+//! | `hosted` | a control in a thread of its own, paced by the clock, for any number of clients |
 #![allow(clippy::unnecessary_wraps)] // every request is answered alike: accepted, or refused
 
 mod control;
 mod drives;
 mod event;
+pub mod hosted;
 mod kept;
 mod manual;
 mod offsets;
@@ -32,15 +35,20 @@ mod programs;
 mod proving;
 mod questions;
 mod request;
+mod signals;
 mod state;
 mod status;
+mod tool_path;
 
 pub use control::{Control, ControlOptions};
 pub use event::{Alarm, Event};
 pub use kept::kept_parameters;
+pub use programs::LoadedProgram;
 pub use proving::{Begun, Proven, Proving};
 pub use request::{Accepted, Jog, Refusal, Request, ToolField};
+pub use signals::Signals;
 pub use state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
 pub use status::{
     AxisStatus, FeatureCount, Overrides, ProgramStatus, SpindleStatus, Status, WaitingStatus,
 };
+pub use tool_path::{PathHole, PathKind, Segment, ToolPath};

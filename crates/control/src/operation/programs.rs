@@ -12,16 +12,18 @@ use super::manual::unit;
 use super::proving::Fit;
 use super::request::{Accepted, Refusal, Request};
 use super::state::{ExecutionEvent, Mode};
+use super::tool_path::ToolPath;
 use crate::job::preflight::{Proved, wrong_from};
 use crate::job::restart::{self, Restart};
 use crate::job::{Operations, Session};
 use crate::observers::use_up;
 use crate::{Loaded as Ready, Refused, Running};
 use bus::State;
-use canon::{Op, OpKind, Position, SpindleOrder};
+use canon::{Axis, Op, OpKind, Position, SpindleOrder};
 use diag::{Diagnostic, Severity};
 use kernel::Order;
 use std::path::PathBuf;
+use std::sync::Arc;
 use store::state::LastProgram;
 use units::Time;
 
@@ -37,6 +39,19 @@ pub(super) struct Loaded {
     pub(super) from: Option<restart::From>,
     /// Planned time from start to end.
     pub(super) planned: Time,
+    /// What a picture of it shows.
+    shown: Arc<LoadedProgram>,
+}
+
+/// A program that is loaded, for a client that shows it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadedProgram {
+    /// Its name.
+    pub name: String,
+    /// Its text.
+    pub text: Vec<u8>,
+    /// The way of the tool, as it was when the program was loaded.
+    pub path: ToolPath,
 }
 
 /// A program, or blocks that were typed, from the start to the end.
@@ -77,9 +92,26 @@ impl Control {
             ..LastProgram::default()
         });
         self.keep_program()?;
-        self.loaded = Some(Loaded { path, name, text, from: None, planned });
+        let way = self.path_through(proved.operations.all());
+        let shown = Arc::new(LoadedProgram { name: name.clone(), text: text.clone(), path: way });
+        self.loaded = Some(Loaded { path, name, text, from: None, planned, shown });
         self.execution_after(ExecutionEvent::Reset);
         Ok(Accepted { notes })
+    }
+
+    /// The program that is loaded, as a picture shows it.
+    pub fn loaded_program(&self) -> Option<Arc<LoadedProgram>> {
+        self.loaded.as_ref().map(|loaded| Arc::clone(&loaded.shown))
+    }
+
+    /// The way of the tool through operations that begin here, in the work offset in force.
+    fn path_through(&self, ops: &[Op]) -> ToolPath {
+        let system = self.work_offset();
+        let zero = [Axis::X, Axis::Y, Axis::Z].map(|axis| self.zero_of(system, axis));
+        let length_of = |number: u32| {
+            self.data.tools.get(number).map_or(0.0, |tool| (tool.length + tool.wear.length).value())
+        };
+        ToolPath::of(ops, self.position(), zero, length_of(self.mounted()), &length_of)
     }
 
     /// Where the program would be begun, and what is restored before its first move.

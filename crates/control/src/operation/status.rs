@@ -8,6 +8,7 @@ use verify::{Feature, Verdict};
 
 /// An axis.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(ts_rs::TS, utoipa::ToSchema))]
 pub struct AxisStatus {
     /// Its letter.
     pub letter: char,
@@ -25,6 +26,7 @@ pub struct AxisStatus {
 
 /// A spindle.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(ts_rs::TS, utoipa::ToSchema))]
 pub struct SpindleStatus {
     /// Speed that it is ordered to have, rev/min; positive is M3.
     pub ordered_rpm: f64,
@@ -34,6 +36,7 @@ pub struct SpindleStatus {
 
 /// What the operator has turned.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(ts_rs::TS, utoipa::ToSchema))]
 pub struct Overrides {
     /// Percent of the programmed feed.
     pub feed_percent: f64,
@@ -47,6 +50,7 @@ pub struct Overrides {
 
 /// A wait.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(ts_rs::TS, utoipa::ToSchema))]
 pub struct WaitingStatus {
     /// For what.
     pub what: String,
@@ -58,6 +62,7 @@ pub struct WaitingStatus {
 
 /// The program that is loaded or under way.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(ts_rs::TS, utoipa::ToSchema))]
 pub struct ProgramStatus {
     /// Its name; `MDI` of what was typed.
     pub name: String,
@@ -73,6 +78,7 @@ pub struct ProgramStatus {
 
 /// What was cut from the workpiece, by verdict.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(ts_rs::TS, utoipa::ToSchema))]
 pub struct FeatureCount {
     /// Within tolerance.
     pub good: usize,
@@ -84,6 +90,7 @@ pub struct FeatureCount {
 
 /// The control.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(ts_rs::TS, utoipa::ToSchema))]
 pub struct Status {
     /// Machine time, s.
     pub time_s: f64,
@@ -164,7 +171,7 @@ impl Control {
             program: self.program_status(report.line),
             sync_error_um: report.sync_error.map(Length::in_um),
             is_tool_in_work: self.is_tap_in_thread(),
-            features: count(&self.judged()),
+            features: self.counted(),
             alarms: self.uncleared(),
             real_time: self.real_time(),
         }
@@ -255,6 +262,21 @@ impl Control {
         match &self.under_way {
             Some(under_way) => under_way.running.breach_count(),
             None => self.workpiece.watch.breaches().len(),
+        }
+    }
+
+    /// How many features were judged: another number means that there are others.
+    pub fn feature_count(&self) -> usize {
+        let FeatureCount { good, failed, not_judged } = self.counted();
+        good + failed + not_judged
+    }
+
+    /// Without a copy of them, as long as nothing is half cut.
+    fn counted(&self) -> FeatureCount {
+        match &self.under_way {
+            Some(under_way) => count(under_way.running.judged_so_far()),
+            None if self.workpiece.judge.is_settled() => count(self.workpiece.judge.features()),
+            None => count(&self.judged()),
         }
     }
 

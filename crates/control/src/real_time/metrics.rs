@@ -16,6 +16,7 @@ pub(crate) struct ServoMetrics {
 
 /// How well the servo thread has kept its time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(ts_rs::TS, utoipa::ToSchema))]
 pub struct RealTimeFigures {
     /// Servo periods so far.
     pub periods: u64,

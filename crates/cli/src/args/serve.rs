@@ -1,0 +1,66 @@
+//! The arguments of `leadscrew serve`.
+use super::ProgramArgs;
+use clap::{Args, ValueEnum};
+use std::net::IpAddr;
+use std::path::PathBuf;
+
+/// `leadscrew serve`.
+#[derive(Args, Debug, Clone)]
+pub(crate) struct ServeArgs {
+    #[command(flatten)]
+    pub(crate) source: ProgramArgs,
+    /// Address at which clients call; one that other computers reach takes --token-file and a certificate
+    #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1")]
+    pub(crate) listen: IpAddr,
+    /// Port at which clients call; 0 takes one that is free
+    #[arg(long, value_name = "N", default_value_t = 8383)]
+    pub(crate) port: u16,
+    /// Folder of programs: clients list, read, write and load what lies in it, and nothing else
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    pub(crate) programs: PathBuf,
+    /// Seed of the machine that is simulated: what its control does not know (`machine show NAME --seed N`)
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+    /// Keep offsets, tools, alarms and the last program in this folder [default: nothing is kept]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) state: Option<PathBuf>,
+    /// Clamp the simulated stock this far from where the machine's file says, millimetres, as in X0.4,Y-0.3,Z1.2
+    #[arg(long, value_name = "AXES")]
+    pub(crate) clamped: Option<String>,
+    /// Kernel and machine in a servo thread of their own, by the clock
+    #[arg(long)]
+    pub(crate) real_time: bool,
+    /// Answer only who has a token of this file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) token_file: Option<PathBuf>,
+    /// Certificate (PEM) with those that vouch for it
+    #[arg(long, value_name = "FILE", requires = "key")]
+    pub(crate) certificate: Option<PathBuf>,
+    /// Its key (PEM)
+    #[arg(long, value_name = "FILE", requires = "certificate")]
+    pub(crate) key: Option<PathBuf>,
+    /// Make a certificate that nobody vouches for, and say its fingerprint
+    #[arg(long, conflicts_with = "certificate")]
+    pub(crate) self_signed: bool,
+    /// Name by which clients call this computer; may be given more than once
+    #[arg(long, value_name = "NAME")]
+    pub(crate) host_name: Vec<String>,
+    /// Make a token, add its hash to this file, say it once and end
+    #[arg(long, value_name = "FILE", conflicts_with = "token_file")]
+    pub(crate) new_token: Option<PathBuf>,
+    /// Name of the token that is made
+    #[arg(long, value_name = "NAME", requires = "new_token", default_value = "operator")]
+    pub(crate) token_name: String,
+    /// What the token that is made allows
+    #[arg(long, value_enum, requires = "new_token", default_value_t = TokenRole::Operator)]
+    pub(crate) token_role: TokenRole,
+}
+
+/// What a token allows.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum TokenRole {
+    /// To see
+    Viewer,
+    /// To see and to command
+    Operator,
+}

@@ -1,0 +1,55 @@
+//! `leadscrew serve`: a control that stays on, over the network, until Ctrl-C.
+use crate::args::{ServeArgs, TokenRole};
+use crate::{console, interrupt, say};
+use control::operation::ControlOptions;
+use control::{RealTimeOptions, Refused};
+use server::{Certificate, Role, Server, ServerOptions, Tokens};
+use std::net::SocketAddr;
+use std::time::Duration;
+
+/// Ctrl-C is looked for so often.
+const LOOK: Duration = Duration::from_millis(100);
+
+/// Serve a control, or make a token.
+pub(crate) fn command(args: &ServeArgs) -> Result<(), Refused> {
+    if let Some(file) = &args.new_token {
+        let role = match args.token_role {
+            TokenRole::Viewer => Role::Viewer,
+            TokenRole::Operator => Role::Operator,
+        };
+        let made = Tokens::add(file, &args.token_name, role).map_err(Refused::because)?;
+        return say::out(&format!("{}\n", made.token)).map_err(Into::into);
+    }
+    let control = ControlOptions {
+        program: args.source.options(),
+        seed: args.seed,
+        state: args.state.clone(),
+        clamped: args.clamped.as_deref().map(console::clamped).transpose()?.unwrap_or_default(),
+        real_time: args.real_time.then(RealTimeOptions::default),
+    };
+    interrupt::watch()?;
+    let server = Server::start(ServerOptions {
+        control,
+        pace: 1.0,
+        address: SocketAddr::new(args.listen, args.port),
+        programs: args.programs.clone(),
+        token_file: args.token_file.clone(),
+        certificate: match (&args.certificate, &args.key) {
+            (Some(certificate), Some(key)) => {
+                Some(Certificate::Files(certificate.clone(), key.clone()))
+            }
+            _ => args.self_signed.then_some(Certificate::SelfSigned),
+        },
+        names: args.host_name.clone(),
+    })
+    .map_err(|refused| Refused::because(refused.0))?;
+    say::out(&format!("{}\n", server.url()))?;
+    if let Some(fingerprint) = server.fingerprint() {
+        say::out(&format!("certificate SHA-256 {fingerprint}\n"))?;
+    }
+    while !interrupt::came() {
+        std::thread::sleep(LOOK);
+    }
+    drop(server); // what moves comes to rest
+    Ok(())
+}

@@ -1,0 +1,259 @@
+//! The control's thread: what is asked for, periods by the clock, a picture 50 times a second.
+use super::journal::Journal;
+use super::picture::Picture;
+use super::recording::{Recording, SignalRows};
+use super::refusal::RefusalData;
+use super::{HostOptions, RequestAnswer, Shared, held};
+use crate::Refused;
+use crate::clock::now;
+use crate::operation::{
+    Accepted, Begun, Control, ControlOptions, Proven, Proving, Refusal, Request, Signals,
+};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, TrySendError, sync_channel};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+use units::Time;
+
+/// The control is looked after so often.
+const TURN: Duration = Duration::from_millis(2);
+/// A picture is made so often.
+const PICTURE: Duration = Duration::from_millis(20);
+/// A machine that is further behind the clock than this gives up the rest.
+const MOST_BEHIND: Duration = Duration::from_millis(100);
+/// What was asked for meanwhile is looked at after so much time on the wall at the latest.
+const LONGEST_TURN: Duration = Duration::from_millis(10);
+/// How long moving things may take to come to rest at the end, machine time.
+const COMES_TO_REST: Time = Time::s(120.0);
+
+/// Where an answer goes.
+pub(super) type Answered = Box<dyn FnOnce(RequestAnswer) + Send>;
+
+/// Texts that wait to be proved; one more is refused.
+const MOST_TEXTS: usize = 4;
+
+/// What the control's thread is told.
+pub(super) enum Job {
+    /// A request, and where its answer goes.
+    Request(Request, Answered),
+    /// A text is proved that a request needs.
+    Proven(Box<Proven>, Answered),
+    /// Something of a front end in the same process.
+    Work(Box<dyn FnOnce(&mut Control) + Send>),
+    /// The last one.
+    End,
+}
+
+/// A text that is to be proved, and where the answer goes.
+type Text = (Box<Proving>, Answered);
+
+/// The thread that proves texts, one after another, until the control's thread has ended.
+fn prove(texts: &Receiver<Text>, jobs: &SyncSender<Job>) {
+    while let Ok((text, answer)) = texts.recv() {
+        if jobs.send(Job::Proven(Box::new(text.prove()), answer)).is_err() {
+            return;
+        }
+    }
+}
+
+/// The thread, from its start to its end.
+pub(super) fn run(
+    options: ControlOptions,
+    host: HostOptions,
+    up: &Sender<Result<Arc<Shared>, Refused>>,
+    jobs: SyncSender<Job>,
+    asked: &Receiver<Job>,
+) {
+    let (texts, unproved) = sync_channel(MOST_TEXTS);
+    let prover = std::thread::Builder::new().name("proving".into());
+    if let Err(e) = prover.spawn(move || prove(&unproved, &jobs)) {
+        // who started it is gone
+        let _ = up.send(Err(Refused::because(format!("cannot start a thread: {e}"))));
+        return;
+    }
+    let control = match Control::new(options) {
+        Ok(control) => control,
+        Err(refused) => {
+            let _ = up.send(Err(refused)); // who started it is gone
+            return;
+        }
+    };
+    let signals = Signals::of(&control);
+    let shared = Arc::new(Shared {
+        picture: Mutex::new(Arc::new(Picture::first(&control))),
+        journal: Mutex::new(Journal::default()),
+        recording: Recording::default(),
+        machine: control.machine().clone(),
+        signals,
+    });
+    if up.send(Ok(Arc::clone(&shared))).is_ok() {
+        let mut lead = Lead::new(control, texts, shared, host);
+        lead.until_end(asked);
+        lead.come_to_rest();
+    }
+}
+
+struct Lead {
+    control: Control,
+    /// To the thread that proves texts.
+    texts: SyncSender<Text>,
+    shared: Arc<Shared>,
+    host: HostOptions,
+    /// The servo thread gives the time: periods are only looked at.
+    is_real_time: bool,
+    /// In lock-step machine time passes as on the wall: from this moment, at which it was this.
+    clock: (Instant, Time),
+    /// When the next picture is due.
+    due: Instant,
+    /// Something was asked for or has happened since the last one.
+    has_changed: bool,
+    /// Number of the next row, and the rows since the last picture.
+    row: u64,
+    rows: SignalRows,
+}
+
+impl Lead {
+    fn new(
+        control: Control,
+        texts: SyncSender<Text>,
+        shared: Arc<Shared>,
+        host: HostOptions,
+    ) -> Self {
+        let (start, rows) = (now(), SignalRows::default());
+        let clock = (start, control.now());
+        let is_real_time = control.real_time().is_some();
+        Self {
+            control,
+            texts,
+            shared,
+            host,
+            is_real_time,
+            clock,
+            due: start,
+            has_changed: true,
+            row: 0,
+            rows,
+        }
+    }
+
+    fn until_end(&mut self, asked: &Receiver<Job>) {
+        loop {
+            match asked.recv_timeout(TURN) {
+                Ok(job) => {
+                    if !self.answer(job) || asked.try_iter().any(|job| !self.answer(job)) {
+                        return;
+                    }
+                }
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => return,
+            }
+            self.keep_up();
+            if now() >= self.due {
+                self.publish();
+            }
+        }
+    }
+
+    /// False: it was the last one.
+    fn answer(&mut self, job: Job) -> bool {
+        match job {
+            Job::Request(request, answer) => {
+                match self.control.begin(&request) {
+                    Begun::Answered(answered) => self.tell(answered, answer),
+                    Begun::Proving(text) => {
+                        if let Err(
+                            TrySendError::Full((_, answer))
+                            | TrySendError::Disconnected((_, answer)),
+                        ) = self.texts.try_send((text, answer))
+                        {
+                            answer(Err(RefusalData::busy(MOST_TEXTS)));
+                        }
+                    }
+                }
+                true
+            }
+            Job::Proven(proven, answer) => {
+                let answered = self.control.complete(*proven);
+                self.tell(answered, answer);
+                true
+            }
+            Job::Work(work) => {
+                work(&mut self.control);
+                self.take_events();
+                self.has_changed = true;
+                true
+            }
+            Job::End => false,
+        }
+    }
+
+    fn tell(&mut self, answered: Result<Accepted, Refusal>, answer: Answered) {
+        self.take_events();
+        self.has_changed = true;
+        answer(answered.map_err(|refusal| RefusalData::from(&refusal)));
+    }
+
+    /// Machine time comes up with the wall's, or as far as a turn allows.
+    fn keep_up(&mut self) {
+        if self.is_real_time {
+            let turn = now();
+            while self.control.periods_waiting() > 0 && now() - turn < LONGEST_TURN {
+                self.period();
+            }
+            return;
+        }
+        let (began, at) = self.clock;
+        let turn = now();
+        let due = at + Time::s((turn - began).as_secs_f64() * self.host.pace);
+        while self.control.now() < due && now() - turn < LONGEST_TURN {
+            self.period();
+        }
+        let behind = (due - self.control.now()).value();
+        if behind > MOST_BEHIND.as_secs_f64() * self.host.pace {
+            self.clock = (now(), self.control.now()); // the machine has stood still meanwhile
+        }
+    }
+
+    fn period(&mut self) {
+        self.control.period();
+        self.row += 1;
+        if self.shared.recording.is_wanted() {
+            if self.rows.values.is_empty() {
+                let width = self.shared.signals.names().len();
+                let start_s = self.control.now().value();
+                self.rows = SignalRows { first: self.row, start_s, values: Vec::new(), width };
+            }
+            self.shared.signals.read(&self.control, &mut self.rows.values);
+        }
+        self.take_events();
+    }
+
+    fn take_events(&mut self) {
+        while let Some(event) = self.control.next_event() {
+            self.has_changed = true;
+            held(&self.shared.journal).push(self.control.now(), event);
+        }
+    }
+
+    fn publish(&mut self) {
+        self.due = now() + PICTURE;
+        if !self.rows.values.is_empty() {
+            self.shared.recording.push(std::mem::take(&mut self.rows));
+        }
+        let before = Arc::clone(&held(&self.shared.picture));
+        let next = Arc::new(before.next(&self.control, self.has_changed));
+        self.has_changed = false;
+        *held(&self.shared.picture) = next;
+        (self.host.published)();
+    }
+
+    /// Nothing goes on moving that nobody leads.
+    fn come_to_rest(&mut self) {
+        // what there is to stop is stopped; where there is nothing the refusal says so
+        let _ = self.control.request(&Request::Stop);
+        let _ = self.control.request(&Request::JogStop);
+        let end = self.control.now() + COMES_TO_REST;
+        while !self.control.is_at_standstill() && self.control.now() < end {
+            self.control.period();
+        }
+    }
+}

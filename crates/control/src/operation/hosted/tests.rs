@@ -1,0 +1,93 @@
+//! What clients of a hosted control may rely on.
+use super::*;
+use crate::job::ProgramOptions;
+use crate::operation::{Event, Jog};
+use canon::Axis;
+use std::time::Duration;
+
+/// Machine time passes so much faster than on the wall.
+const PACE: f64 = 8.0;
+
+fn hosted() -> Hosted {
+    let options = ControlOptions {
+        program: ProgramOptions::on("tapping-center"),
+        seed: None,
+        state: None,
+        clamped: canon::Position::default(),
+        real_time: None,
+    };
+    Hosted::start(options, HostOptions { pace: PACE, ..HostOptions::default() })
+        .expect("the built-in machine is good")
+}
+
+/// Until it is so; machine time passes meanwhile.
+fn until(client: &Client, what: &str, is_so: impl Fn(&Picture) -> bool) {
+    let patience = Duration::from_secs(120);
+    let start = crate::clock::now();
+    while !is_so(&client.latest()) {
+        assert!(crate::clock::now() - start < patience, "{what}: {:?}", client.latest().status);
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+fn x(picture: &Picture) -> f64 {
+    picture.status.axes[0].machine
+}
+
+fn ready(client: &Client) {
+    client.request(Request::Power(true)).expect("nothing stands in the way");
+    until(client, "the drives come up", |picture| picture.status.is_ready);
+}
+
+#[test]
+fn a_client_leads_the_control_and_another_one_sees_what_has_happened() {
+    let hosted = hosted();
+    let (leads, watches) = (hosted.client(), hosted.client());
+    let refused = leads.request(Request::Start).expect_err("nothing is loaded");
+    assert_eq!(refused.kind, RefusalKind::State);
+    assert_eq!(refused.reason, "no program is loaded");
+    assert_eq!(refused.remedy.as_deref(), Some("load one first"));
+    ready(&leads);
+    let (events, lost, last) = watches.events_after(0);
+    assert!(events.iter().any(|event| *event.event == Event::DrivesReady), "{events:?}");
+    assert_eq!((lost, last), (0, events.len() as u64));
+}
+
+#[test]
+fn a_jog_whose_client_is_gone_ends_with_its_lease() {
+    let hosted = hosted();
+    let client = hosted.client();
+    ready(&client);
+    client.request(Request::Jog(Axis::X, Jog::Continuous(5.0))).expect("the drives are on");
+    drop(client);
+    let watches = hosted.client();
+    let start = x(&watches.latest());
+    until(&watches, "the axis moves", |picture| (x(picture) - start).abs() > 0.2);
+    let mut before = f64::NAN;
+    let mut at = x(&watches.latest());
+    while before != at {
+        std::thread::sleep(Duration::from_millis(60));
+        before = at;
+        at = x(&watches.latest());
+    }
+    // 0.2 s at 5 mm/s, and what it brakes
+    assert!((at - start).abs() < 1.3, "it went {} mm", at - start);
+}
+
+#[test]
+fn every_period_of_the_signals_is_recorded_while_a_client_takes_them() {
+    let hosted = hosted();
+    let client = hosted.client();
+    let taken = client.record();
+    let mut next = 0;
+    let mut seen = 0;
+    while seen < 4000 {
+        for rows in taken.rows_from(next) {
+            assert_eq!(rows.width, client.signals().names().len());
+            assert!(next == 0 || rows.first == next, "{} follows {next}", rows.first);
+            next = rows.first + rows.count() as u64;
+            seen += rows.count();
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}

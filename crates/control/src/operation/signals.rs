@@ -1,0 +1,72 @@
+//! Signals of a control: what a scope shows, a value each servo period.
+use super::control::Control;
+use super::manual::unit;
+use canon::Axis;
+
+/// Where a value comes from.
+#[derive(Clone, Copy, Debug)]
+enum Source {
+    Setpoint(Axis),
+    Position(Axis),
+    FollowingError(Axis),
+    OrderedSpeed(usize),
+    SpindleAngle(usize),
+    SyncError,
+}
+
+/// The signals that a control has; their names end in their units.
+#[derive(Clone, Debug)]
+pub struct Signals {
+    names: Vec<String>,
+    sources: Vec<Source>,
+}
+
+impl Signals {
+    /// Of a control.
+    pub fn of(control: &Control) -> Self {
+        let mut all = Vec::new();
+        for axis in control.machine().axes.iter().flatten().map(|axis| axis.letter) {
+            let (letter, unit) = (axis.letter(), unit(axis));
+            let error = if unit == "mm" { "um" } else { "mdeg" };
+            all.push((format!("{letter}.setpoint_{unit}"), Source::Setpoint(axis)));
+            all.push((format!("{letter}.position_{unit}"), Source::Position(axis)));
+            all.push((format!("{letter}.following_error_{error}"), Source::FollowingError(axis)));
+        }
+        for spindle in 0..control.machine().spindles.len() {
+            all.push((format!("spindle{spindle}.ordered_rpm"), Source::OrderedSpeed(spindle)));
+            all.push((format!("spindle{spindle}.angle_deg"), Source::SpindleAngle(spindle)));
+        }
+        all.push(("sync_error_um".to_owned(), Source::SyncError));
+        let (names, sources) = all.into_iter().unzip();
+        Self { names, sources }
+    }
+
+    /// Their names, in the order of their values.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// The values as they are now, at the end of a row; a signal that has none is NaN.
+    pub(super) fn read(&self, control: &Control, row: &mut Vec<f32>) {
+        let kernel = &control.executor.kernel;
+        let feedback = control.executor.machine.feedback();
+        let position =
+            |axis: Axis| (feedback.axes[axis.index()].position + kernel.zero(axis)).value();
+        let setpoint = |axis: Axis| kernel.setpoint(axis).unwrap_or(f64::NAN);
+        row.extend(self.sources.iter().map(|source| {
+            match *source {
+                Source::Setpoint(axis) => setpoint(axis) as f32,
+                Source::Position(axis) => position(axis) as f32,
+                Source::FollowingError(axis) => ((setpoint(axis) - position(axis)) * 1e3) as f32,
+                Source::OrderedSpeed(spindle) => kernel.ordered_spin(spindle).in_rpm() as f32,
+                Source::SpindleAngle(spindle) => feedback
+                    .spindles
+                    .get(spindle)
+                    .map_or(f32::NAN, |s| (s.angle.value().rem_euclid(1.0) * 360.0) as f32),
+                Source::SyncError => {
+                    kernel.report().sync_error.map_or(f32::NAN, |e| e.in_um() as f32)
+                }
+            }
+        }));
+    }
+}

@@ -1,0 +1,126 @@
+//! Answers: JSON, or a refusal in the one form that all have.
+use crate::folder::FolderError;
+use crate::rights::Denied;
+use crate::wire::RefusalBody;
+use axum::body::{Body, to_bytes};
+use axum::http::{StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use control::operation::hosted::{RefusalData, RefusalKind};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::time::Duration;
+
+/// A body that has not come after so long does not come.
+const BODY_COMES: Duration = Duration::from_secs(10);
+/// Largest body that is JSON.
+pub(crate) const LARGEST_JSON: usize = 64 << 10;
+
+/// What is wrong, with its status.
+#[derive(Debug)]
+pub(crate) struct ApiError {
+    status: StatusCode,
+    body: RefusalBody,
+}
+
+impl ApiError {
+    /// A sentence.
+    pub(crate) fn new(status: StatusCode, reason: impl Into<String>) -> Self {
+        Self { status, body: RefusalBody { reason: reason.into(), ..RefusalBody::default() } }
+    }
+
+    /// With what would make it possible.
+    pub(crate) fn with_remedy(mut self, remedy: impl Into<String>) -> Self {
+        self.body.remedy = Some(remedy.into());
+        self
+    }
+
+    /// What is answered.
+    pub(crate) const fn body(&self) -> &RefusalBody {
+        &self.body
+    }
+
+    /// With the text as clients see it.
+    pub(crate) fn shown(mut self, shown: impl Fn(&str) -> String) -> Self {
+        self.body.reason = shown(&self.body.reason);
+        self
+    }
+}
+
+impl From<RefusalData> for ApiError {
+    fn from(refusal: RefusalData) -> Self {
+        let status = match refusal.kind {
+            RefusalKind::State => StatusCode::CONFLICT,
+            RefusalKind::Request => StatusCode::UNPROCESSABLE_ENTITY,
+            RefusalKind::Busy => StatusCode::SERVICE_UNAVAILABLE,
+        };
+        let RefusalData { reason, remedy, findings, .. } = refusal;
+        Self { status, body: RefusalBody { accepted: false, reason, remedy, findings } }
+    }
+}
+
+impl From<Denied> for ApiError {
+    fn from(denied: Denied) -> Self {
+        let status = match denied {
+            Denied::Unknown => StatusCode::UNAUTHORIZED,
+            Denied::Viewer => StatusCode::FORBIDDEN,
+            Denied::Held(_) | Denied::NotHolder => StatusCode::CONFLICT,
+            Denied::Full => StatusCode::SERVICE_UNAVAILABLE,
+            Denied::Name => StatusCode::UNPROCESSABLE_ENTITY,
+        };
+        let error = Self::new(status, denied.to_string());
+        match denied.remedy() {
+            Some(remedy) => error.with_remedy(remedy),
+            None => error,
+        }
+    }
+}
+
+impl From<FolderError> for ApiError {
+    fn from(error: FolderError) -> Self {
+        let status = match error {
+            FolderError::NotAPath(_) => StatusCode::UNPROCESSABLE_ENTITY,
+            FolderError::Missing(_) => StatusCode::NOT_FOUND,
+            FolderError::Exists(_) => StatusCode::CONFLICT,
+            FolderError::Disk(_) => StatusCode::INTERNAL_SERVER_ERROR,
+        };
+        Self::new(status, error.to_string())
+    }
+}
+
+impl IntoResponse for ApiError {
+    fn into_response(self) -> Response {
+        let mut response = json(&self.body);
+        *response.status_mut() = self.status;
+        response
+    }
+}
+
+/// A value as JSON.
+pub(crate) fn json(value: &impl Serialize) -> Response {
+    match serde_json::to_vec(value) {
+        Ok(bytes) => ([(header::CONTENT_TYPE, "application/json")], bytes).into_response(),
+        Err(e) => (StatusCode::INTERNAL_SERVER_ERROR, e.to_string()).into_response(),
+    }
+}
+
+/// A body, no larger and no later than it may be.
+pub(crate) async fn bytes(body: Body, most: usize) -> Result<axum::body::Bytes, ApiError> {
+    match tokio::time::timeout(BODY_COMES, to_bytes(body, most)).await {
+        Ok(Ok(bytes)) => Ok(bytes),
+        Ok(Err(_)) => Err(ApiError::new(
+            StatusCode::PAYLOAD_TOO_LARGE,
+            format!("the body is too large or was broken off: {most} bytes at most"),
+        )),
+        Err(_) => Err(ApiError::new(
+            StatusCode::REQUEST_TIMEOUT,
+            format!("the body has not come within {} s", BODY_COMES.as_secs()),
+        )),
+    }
+}
+
+/// A body as the object that is expected.
+pub(crate) async fn object<T: DeserializeOwned>(body: Body) -> Result<T, ApiError> {
+    let bytes = bytes(body, LARGEST_JSON).await?;
+    serde_json::from_slice(&bytes)
+        .map_err(|e| ApiError::new(StatusCode::BAD_REQUEST, format!("not what is expected: {e}")))
+}

@@ -1,0 +1,95 @@
+//! What all handlers share.
+use crate::answer::ApiError;
+use crate::folder::Folder;
+use crate::rights::Rights;
+use crate::tokens::Tokens;
+use crate::wire::RequestBody;
+use control::operation::Accepted;
+use control::operation::hosted::{Client, Picture};
+use serde_json::{Map, Value};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use tokio::sync::{Semaphore, oneshot, watch};
+
+/// Sockets that are open at once.
+const MOST_SOCKETS: usize = 64;
+
+/// The fields of a status by their names.
+pub(crate) type Fields = Map<String, Value>;
+
+/// What all handlers share.
+pub(crate) struct App {
+    pub(crate) client: Client,
+    pub(crate) folder: Folder,
+    pub(crate) tokens: Option<Tokens>,
+    /// Told of each picture.
+    pub(crate) pictures: watch::Receiver<u64>,
+    pub(crate) sockets: Arc<Semaphore>,
+    /// Names by which clients may call this server, with its port.
+    pub(crate) hosts: Vec<String>,
+    rights: Mutex<Rights>,
+    /// The fields of the latest picture, made once for all clients.
+    fields: Mutex<(u64, Arc<Fields>)>,
+}
+
+impl App {
+    /// Of a control and a folder.
+    pub(crate) fn new(
+        client: Client,
+        folder: Folder,
+        tokens: Option<Tokens>,
+        pictures: watch::Receiver<u64>,
+        hosts: Vec<String>,
+    ) -> Self {
+        Self {
+            client,
+            folder,
+            tokens,
+            pictures,
+            sockets: Arc::new(Semaphore::new(MOST_SOCKETS)),
+            hosts,
+            rights: Mutex::default(),
+            fields: Mutex::default(),
+        }
+    }
+
+    /// Sessions, for a moment: never across an await.
+    pub(crate) fn rights(&self) -> MutexGuard<'_, Rights> {
+        self.rights.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The fields of a picture's status.
+    pub(crate) fn fields(&self, picture: &Picture) -> Arc<Fields> {
+        let mut kept = self.fields.lock().unwrap_or_else(PoisonError::into_inner);
+        if kept.0 != picture.number {
+            let mut status = picture.status.clone();
+            if let Some(program) = &mut status.program {
+                program.name = self.folder.shown(&program.name);
+            }
+            // numbers, strings and names alone
+            let fields = match serde_json::to_value(&status) {
+                Ok(Value::Object(fields)) => fields,
+                _ => Fields::new(),
+            };
+            *kept = (picture.number, Arc::new(fields));
+        }
+        Arc::clone(&kept.1)
+    }
+
+    /// Ask the control for something, for a session that may.
+    pub(crate) async fn request(
+        &self,
+        session: &str,
+        body: RequestBody,
+    ) -> Result<Accepted, ApiError> {
+        self.rights().may_command(session, body.is_stop(), control::clock::now())?;
+        let request = body.read(self.client.machine(), &self.folder)?;
+        let (sender, receiver) = oneshot::channel();
+        self.client.ask(request, move |answer| {
+            let _ = sender.send(answer); // who asked is gone
+        })?;
+        let answer = receiver.await.map_err(|_| {
+            ApiError::new(axum::http::StatusCode::SERVICE_UNAVAILABLE, "the control has ended")
+        })?;
+        answer.map_err(|refusal| ApiError::from(refusal).shown(|text| self.folder.shown(text)))
+    }
+}

@@ -1,0 +1,120 @@
+//! What is looked at before any handler: by which name the server is called, from which page, by whom; and what every answer
+//! says to a browser.
+//!
+//! A page of another site can make a browser send requests to 127.0.0.1, and a name of that site can be made to lead there
+//! (DNS rebinding). So the `Host` must be a name of this server, and an `Origin`, which every browser sends with what changes
+//! something, must be the same.
+use crate::answer::ApiError;
+use crate::app::App;
+use crate::rights::Role;
+use axum::extract::{Request, State};
+use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, header};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+use std::sync::Arc;
+
+/// Header with the session's id.
+pub(crate) const SESSION: &str = "x-leadscrew-session";
+/// The session of clients on this computer that do not say who they are.
+const LOCAL: &str = "local";
+
+/// What a browser may load for the page: nothing from elsewhere, no script that is not a file of ours.
+const POLICY: &str = "default-src 'self'; script-src 'self'; style-src 'self' 'unsafe-inline'; \
+    img-src 'self' data: blob:; connect-src 'self'; worker-src 'self' blob:; object-src 'none'; \
+    base-uri 'none'; form-action 'self'; frame-ancestors 'none'";
+
+/// Who asks.
+#[derive(Clone, Debug)]
+pub(crate) struct Who {
+    pub(crate) session: String,
+}
+
+/// Before and after every handler.
+pub(crate) async fn guard(
+    State(app): State<Arc<App>>,
+    mut request: Request,
+    next: Next,
+) -> Response {
+    let is_api = request.uri().path().starts_with("/api/");
+    let mut response = match look(&app, &mut request) {
+        Ok(()) => next.run(request).await,
+        Err(error) => error.into_response(),
+    };
+    let headers = response.headers_mut();
+    headers.insert(header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
+    headers.insert(header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(POLICY));
+    headers.insert(header::X_FRAME_OPTIONS, HeaderValue::from_static("DENY"));
+    headers.insert(header::REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
+    if is_api {
+        headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
+    }
+    response
+}
+
+fn look(app: &App, request: &mut Request) -> Result<(), ApiError> {
+    let headers = request.headers();
+    let host = text(headers, header::HOST.as_str()).unwrap_or_default().to_ascii_lowercase();
+    if !app.hosts.contains(&host) {
+        return Err(ApiError::new(
+            StatusCode::FORBIDDEN,
+            format!("this server is not called \"{}\"", host.chars().take(80).collect::<String>()),
+        )
+        .with_remedy(format!("call it {}", app.hosts.join(" or "))));
+    }
+    let path = request.uri().path();
+    let is_socket = path == "/api/v1/ws";
+    if (is_socket || !matches!(*request.method(), Method::GET | Method::HEAD))
+        && let Some(origin) = text(headers, header::ORIGIN.as_str())
+    {
+        let from = origin.split_once("://").map(|(_, host)| host.to_ascii_lowercase());
+        if from.as_deref() != Some(host.as_str()) {
+            let reason = "a page from elsewhere may not lead this machine";
+            return Err(ApiError::new(StatusCode::FORBIDDEN, reason));
+        }
+    }
+    let is_open =
+        !path.starts_with("/api/") || matches!(path, "/api/v1/session" | "/api/v1/openapi.json");
+    if !is_open {
+        let asked_in_address = request.uri().query().filter(|_| is_socket).and_then(session_of);
+        let who = identify(app, headers, asked_in_address)?;
+        request.extensions_mut().insert(who);
+    }
+    Ok(())
+}
+
+/// `session=…` of a query.
+fn session_of(query: &str) -> Option<&str> {
+    query.split('&').find_map(|pair| pair.strip_prefix("session="))
+}
+
+fn text<'a>(headers: &'a HeaderMap, name: &str) -> Option<&'a str> {
+    headers.get(name).and_then(|value| value.to_str().ok())
+}
+
+/// Who asks: by session, by token, or from this computer.
+fn identify(app: &App, headers: &HeaderMap, address: Option<&str>) -> Result<Who, ApiError> {
+    let now = control::clock::now();
+    if let Some(session) = text(headers, SESSION).or(address).filter(|id| !id.is_empty()) {
+        app.rights().seen(session, now)?;
+        return Ok(Who { session: session.to_owned() });
+    }
+    let (name, role) = match &app.tokens {
+        None => (LOCAL.to_owned(), Role::Operator),
+        Some(tokens) => {
+            let bearer = text(headers, header::AUTHORIZATION.as_str());
+            let token = bearer.and_then(|value| value.strip_prefix("Bearer "));
+            tokens.find(token.unwrap_or_default()).ok_or_else(no_token)?
+        }
+    };
+    // its id cannot be one that was drawn: those have no blank
+    let session = format!("of {name}");
+    app.rights().open(&session, &name, role, now)?;
+    app.rights().seen(&session, now)?;
+    Ok(Who { session })
+}
+
+/// Without a token nothing is told.
+pub(crate) fn no_token() -> ApiError {
+    ApiError::new(StatusCode::UNAUTHORIZED, "a token is needed, and this is none")
+        .with_remedy("send it as Authorization: Bearer, or open a session with it")
+}

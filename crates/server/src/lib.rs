@@ -1,0 +1,43 @@
+//! A control over the network: HTTP and WebSocket under `/api/v1`, and the page.
+//!
+//! ```text
+//!   listener ─► connection (limits, timeouts) ─► guard (Host, Origin, session) ─► routes ─┬─► control::operation::hosted::Client
+//!                                                                                         ├─► folder of programs
+//!                                                                                         └─► page
+//! ```
+//!
+//! | file | is |
+//! |---|---|
+//! | `listen` | addresses, connections, their limits |
+//! | `guard` | who may ask at all: Host, Origin, session, token; headers of every answer |
+//! | `rights` | sessions, and which of them commands |
+//! | `tokens`, `tls` | the file of tokens; the certificate |
+//! | `routes` | the table of addresses, from which router and OpenAPI document are made; a file per concern |
+//! | `socket` | WebSocket: status, events, features, requests; `scope` its binary frames |
+//! | `wire` | what goes over the wire, as types |
+//! | `folder` | the folder of programs |
+//! | `page` | the page that is embedded |
+//!
+//! Nothing here waits for a client while the control waits, and every queue has an end.
+#![forbid(unsafe_code)]
+
+mod answer;
+mod app;
+mod folder;
+mod guard;
+mod listen;
+mod page;
+mod rights;
+mod routes;
+mod scope;
+mod socket;
+mod tls;
+mod tokens;
+pub mod types;
+mod wire;
+
+pub use listen::{Refused, Server, ServerOptions};
+pub use rights::Role;
+pub use routes::openapi;
+pub use tls::Certificate;
+pub use tokens::{NewToken, Tokens};

@@ -1,0 +1,281 @@
+//! Addresses, connections and their limits.
+//!
+//! A connection has to send its header in time, or it is closed; there are so many at once, and one more is answered 503.
+use crate::app::App;
+use crate::folder::Folder;
+use crate::page::Page;
+use crate::tls::{Certificate, Tls};
+use crate::tokens::Tokens;
+use crate::{guard, routes};
+use axum::Router;
+use axum::extract::Request;
+use axum::http::StatusCode;
+use axum::response::IntoResponse;
+use control::operation::ControlOptions;
+use control::operation::hosted::{HostOptions, Hosted};
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
+use std::net::{IpAddr, SocketAddr};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::io::{AsyncRead, AsyncWrite, AsyncWriteExt as _};
+use tokio::net::{TcpListener, TcpStream};
+use tokio::runtime::Runtime;
+use tokio::sync::{Semaphore, watch};
+use tokio_rustls::TlsAcceptor;
+
+/// Connections at once.
+const MOST_CONNECTIONS: usize = 256;
+/// A header comes within so long; so long may a connection be silent between two requests.
+const HEADER_COMES: Duration = Duration::from_secs(10);
+/// Largest header.
+const LARGEST_HEADER: usize = 16 << 10;
+/// Threads that answer: they only wait and copy.
+const THREADS: usize = 2;
+/// Nothing else can be done about a full queue of connections.
+const REFUSED_CONNECTION: &[u8] =
+    b"HTTP/1.1 503 Service Unavailable\r\ncontent-type: application/json\r\n\
+    content-length: 71\r\nconnection: close\r\n\r\n\
+    {\"accepted\":false,\"reason\":\"too many connections are open\",\"remedy\":null}";
+
+/// Why nothing is served, in a sentence.
+#[derive(Debug)]
+pub struct Refused(pub String);
+
+/// How a control is served.
+pub struct ServerOptions {
+    /// The control.
+    pub control: ControlOptions,
+    /// Machine time that passes in a second on the wall: 1, but in tests.
+    pub pace: f64,
+    /// Where clients call.
+    pub address: SocketAddr,
+    /// The folder of programs.
+    pub programs: PathBuf,
+    /// File of tokens.
+    pub token_file: Option<PathBuf>,
+    /// What the server shows of itself; `None`: what is sent is not encrypted.
+    pub certificate: Option<Certificate>,
+    /// Names by which clients call it, besides this computer's own and the address.
+    pub names: Vec<String>,
+}
+
+/// A control that is served, until it is dropped.
+pub struct Server {
+    address: SocketAddr,
+    fingerprint: Option<String>,
+    runtime: Option<Runtime>,
+    // after the runtime: the last answers come from it
+    _hosted: Hosted,
+}
+
+impl Server {
+    /// Switch a control on and serve it.
+    ///
+    /// # Errors
+    /// A clear sentence: what is missing, or what the system has refused.
+    pub fn start(options: ServerOptions) -> Result<Self, Refused> {
+        let ServerOptions { control, pace, address, programs, token_file, certificate, names } =
+            options;
+        may_listen(address.ip(), token_file.is_some(), certificate.is_some())?;
+        let names = own_names(address.ip(), names);
+        let tls = certificate.map(|certificate| Tls::of(&certificate, &names)).transpose();
+        let tls = tls.map_err(Refused)?;
+        let folder = Folder::open(&programs).map_err(Refused)?;
+        let tokens = token_file.map(|path| Tokens::read(&path)).transpose().map_err(Refused)?;
+        let (told, pictures) = watch::channel(0);
+        let published = Box::new(move || told.send_modify(|count| *count += 1));
+        let hosted = Hosted::start(control, HostOptions { pace, published })
+            .map_err(|refused| Refused(refused.sentence()))?;
+        let runtime = tokio::runtime::Builder::new_multi_thread()
+            .worker_threads(THREADS)
+            .max_blocking_threads(THREADS)
+            .thread_name("server")
+            .enable_all()
+            .build()
+            .map_err(|e| Refused(format!("cannot start threads: {e}")))?;
+        let listener = runtime
+            .block_on(TcpListener::bind(address))
+            .map_err(|e| Refused(format!("cannot listen on {address}: {e}")))?;
+        let address = listener.local_addr().map_err(|e| Refused(e.to_string()))?;
+        let hosts = hosts(&names, address.port());
+        let app = App::new(hosted.client(), folder, tokens, pictures, hosts);
+        let fingerprint = tls.as_ref().map(|tls| tls.fingerprint.clone());
+        let acceptor = tls.map(|tls| tls.acceptor);
+        runtime.spawn(accept(listener, acceptor, router(Arc::new(app))));
+        Ok(Self { address, fingerprint, runtime: Some(runtime), _hosted: hosted })
+    }
+
+    /// Where it is called.
+    pub const fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// The same, for a browser.
+    pub fn url(&self) -> String {
+        let scheme = if self.fingerprint.is_some() { "https" } else { "http" };
+        format!("{scheme}://{}/", self.address)
+    }
+
+    /// SHA-256 of its certificate, if it has one.
+    pub fn fingerprint(&self) -> Option<&str> {
+        self.fingerprint.as_deref()
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        if let Some(runtime) = self.runtime.take() {
+            runtime.shutdown_background();
+        }
+    }
+}
+
+/// From other computers only who is known is answered, over a line that nobody else reads.
+fn may_listen(ip: IpAddr, has_tokens: bool, has_certificate: bool) -> Result<(), Refused> {
+    let missing = match (has_tokens, has_certificate) {
+        _ if ip.is_loopback() => return Ok(()),
+        (true, true) => return Ok(()),
+        (false, true) => "--token-file FILE (made with --new-token FILE)",
+        (true, false) => "--self-signed, or --certificate FILE with --key FILE",
+        (false, false) => {
+            "--token-file FILE (made with --new-token FILE), and --self-signed or --certificate FILE with --key FILE"
+        }
+    };
+    Err(Refused(format!(
+        "{ip} can be reached from other computers: that takes {missing}; 127.0.0.1 takes neither"
+    )))
+}
+
+/// Names and addresses by which it is called.
+fn own_names(ip: IpAddr, names: Vec<String>) -> Vec<String> {
+    let own = Some(ip).filter(|ip| !ip.is_unspecified()).map(|ip| ip.to_string());
+    let local = ["localhost", "127.0.0.1", "::1"].map(str::to_owned);
+    let mut all: Vec<String> = Vec::new();
+    for name in local.into_iter().chain(own).chain(names) {
+        let name = name.to_ascii_lowercase();
+        if !all.contains(&name) {
+            all.push(name);
+        }
+    }
+    all
+}
+
+/// The same as a browser says them: with the port, and without where it is the scheme's own.
+fn hosts(names: &[String], port: u16) -> Vec<String> {
+    let is_ip6 = |name: &str| name.parse::<std::net::Ipv6Addr>().is_ok();
+    let names =
+        names.iter().map(|name| if is_ip6(name) { format!("[{name}]") } else { name.clone() });
+    let names: Vec<String> = names.collect();
+    let mut hosts: Vec<String> = names.iter().map(|name| format!("{name}:{port}")).collect();
+    if matches!(port, 80 | 443) {
+        hosts.extend(names);
+    }
+    hosts
+}
+
+fn router(app: Arc<App>) -> Router {
+    let page = Arc::new(Page::default());
+    let rest = move |request: Request| {
+        let page = Arc::clone(&page);
+        async move {
+            if request.uri().path().starts_with("/api/") {
+                let reason = "there is no such address";
+                return crate::answer::ApiError::new(StatusCode::NOT_FOUND, reason)
+                    .with_remedy("/api/v1/openapi.json lists them")
+                    .into_response();
+            }
+            page.answer(&request)
+        }
+    };
+    routes::router()
+        .fallback(rest)
+        .layer(axum::middleware::from_fn_with_state(Arc::clone(&app), guard::guard))
+        .with_state(app)
+}
+
+/// Connection after connection.
+async fn accept(listener: TcpListener, tls: Option<TlsAcceptor>, router: Router) {
+    let connections = Arc::new(Semaphore::new(MOST_CONNECTIONS));
+    loop {
+        let Ok((stream, _)) = listener.accept().await else {
+            // as a rule too many files are open: some are closed meanwhile
+            tokio::time::sleep(Duration::from_millis(50)).await;
+            continue;
+        };
+        match Arc::clone(&connections).try_acquire_owned() {
+            Ok(permit) => {
+                let (router, tls) = (router.clone(), tls.clone());
+                tokio::spawn(async move {
+                    let _ = stream.set_nodelay(true); // it is only slower without
+                    match tls {
+                        None => talk(stream, router).await,
+                        Some(tls) => {
+                            let agreed = tls.accept(stream);
+                            if let Ok(Ok(stream)) = tokio::time::timeout(HEADER_COMES, agreed).await
+                            {
+                                talk(stream, router).await;
+                            }
+                        }
+                    }
+                    drop(permit);
+                });
+            }
+            Err(_) => {
+                tokio::spawn(refuse(stream));
+            }
+        }
+    }
+}
+
+async fn refuse(mut stream: TcpStream) {
+    let said = stream.write_all(REFUSED_CONNECTION);
+    // the client may be gone already
+    let _ = tokio::time::timeout(Duration::from_secs(1), said).await;
+}
+
+async fn talk(stream: impl AsyncRead + AsyncWrite + Unpin + Send + 'static, router: Router) {
+    let connection = hyper::server::conn::http1::Builder::new()
+        .timer(TokioTimer::new())
+        .header_read_timeout(HEADER_COMES)
+        .max_buf_size(LARGEST_HEADER)
+        .serve_connection(TokioIo::new(stream), TowerToHyperService::new(router))
+        .with_upgrades();
+    let _ = connection.await; // a client that has broken off needs no answer
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_refused_connection_is_answered_with_a_body_of_the_length_it_says() {
+        let text = std::str::from_utf8(REFUSED_CONNECTION).expect("text");
+        let (head, body) = text.split_once("\r\n\r\n").expect("an empty line");
+        assert!(head.contains(&format!("content-length: {}", body.len())), "{}", body.len());
+    }
+
+    #[test]
+    fn what_other_computers_reach_takes_tokens_and_a_certificate() {
+        for open in ["0.0.0.0", "192.168.0.7", "::"] {
+            let ip = open.parse().expect("an address");
+            let said = |tokens, certificate| may_listen(ip, tokens, certificate).map_err(|e| e.0);
+            assert!(said(false, true).expect_err("no tokens").contains("--new-token"));
+            assert!(said(true, false).expect_err("no certificate").contains("--self-signed"));
+            assert!(said(false, false).is_err());
+            assert_eq!(said(true, true), Ok(()));
+        }
+        for own in ["127.0.0.1", "::1"] {
+            assert!(may_listen(own.parse().expect("an address"), false, false).is_ok());
+        }
+    }
+
+    #[test]
+    fn it_is_called_by_its_own_names_with_its_port() {
+        let names = own_names("0.0.0.0".parse().expect("an address"), vec!["Shop-1".into()]);
+        assert_eq!(names, ["localhost", "127.0.0.1", "::1", "shop-1"]);
+        let hosts = hosts(&names, 8383);
+        assert_eq!(hosts, ["localhost:8383", "127.0.0.1:8383", "[::1]:8383", "shop-1:8383"]);
+    }
+}

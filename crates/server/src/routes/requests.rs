@@ -1,0 +1,19 @@
+//! What the control is asked for.
+use crate::answer::{ApiError, json, object};
+use crate::app::App;
+use crate::guard::Who;
+use crate::wire::AcceptedBody;
+use axum::Extension;
+use axum::body::Body;
+use axum::extract::State;
+use axum::response::Response;
+use std::sync::Arc;
+
+pub(super) async fn request(
+    State(app): State<Arc<App>>,
+    Extension(who): Extension<Who>,
+    body: Body,
+) -> Result<Response, ApiError> {
+    let accepted = app.request(&who.session, object(body).await?).await?;
+    Ok(json(&AcceptedBody::of(&accepted, &|text| app.folder.shown(text))))
+}

@@ -1,0 +1,44 @@
+//! Sessions, and the right to command.
+use crate::answer::{ApiError, json, object};
+use crate::app::App;
+use crate::guard::{Who, no_token};
+use crate::rights::Role;
+use crate::tokens::random;
+use crate::wire::{SessionBody, SessionOrder};
+use axum::Extension;
+use axum::body::Body;
+use axum::extract::State;
+use axum::http::StatusCode;
+use axum::response::Response;
+use control::clock::now;
+use std::sync::Arc;
+
+pub(super) async fn open(State(app): State<Arc<App>>, body: Body) -> Result<Response, ApiError> {
+    let SessionOrder { name, token } = object(body).await?;
+    let role = match &app.tokens {
+        None => Role::Operator,
+        Some(tokens) => tokens.find(token.as_deref().unwrap_or_default()).ok_or_else(no_token)?.1,
+    };
+    let session =
+        random::<16>().map_err(|why| ApiError::new(StatusCode::INTERNAL_SERVER_ERROR, why))?;
+    let mut rights = app.rights();
+    rights.open(&session, &name, role, now())?;
+    let commands = rights.commands(&session, now());
+    let name = name.trim().to_owned();
+    Ok(json(&SessionBody { session, name, role: role.name(), commands }))
+}
+
+pub(super) async fn operator(State(app): State<Arc<App>>) -> Response {
+    json(&app.rights().shown(now()))
+}
+
+pub(super) async fn order(
+    State(app): State<Arc<App>>,
+    Extension(who): Extension<Who>,
+    body: Body,
+) -> Result<Response, ApiError> {
+    let order = object(body).await?;
+    let mut rights = app.rights();
+    rights.order(&who.session, order, now())?;
+    Ok(json(&rights.shown(now())))
+}

@@ -1,0 +1,227 @@
+//! WebSocket: a whole status, then what changes; events and features; requests and their answers.
+//!
+//! A client that does not read is not waited for: while a frame of it is on its way no other one is made, the next delta is
+//! against what it had last, and after [`SENT`] it is gone.
+use crate::answer::ApiError;
+use crate::app::{App, Fields};
+use crate::guard::Who;
+use crate::scope::Scope;
+use crate::wire::{EventBody, FeatureBody, OperatorBody, RequestBody};
+use axum::Extension;
+use axum::extract::State;
+use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
+use axum::http::StatusCode;
+use axum::response::{IntoResponse, Response};
+use control::clock::now;
+use control::operation::hosted::Picture;
+use serde::Deserialize;
+use serde_json::{Value, json};
+use std::sync::Arc;
+use std::time::Duration;
+
+/// A frame is sent within so long, or the client is gone.
+const SENT: Duration = Duration::from_secs(2);
+/// Largest message of a client.
+const LARGEST_MESSAGE: usize = crate::answer::LARGEST_JSON;
+
+/// What a client says.
+#[derive(Deserialize)]
+#[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
+enum Said {
+    Request {
+        #[serde(default)]
+        id: u64,
+        request: RequestBody,
+    },
+    Scope {
+        signals: Vec<String>,
+    },
+}
+
+/// The client is gone.
+struct Gone;
+
+pub(crate) async fn open(
+    State(app): State<Arc<App>>,
+    Extension(who): Extension<Who>,
+    upgrade: Result<WebSocketUpgrade, axum::extract::ws::rejection::WebSocketUpgradeRejection>,
+) -> Response {
+    let upgrade = match upgrade {
+        Ok(upgrade) => upgrade,
+        Err(_) => {
+            let reason = "this address takes a WebSocket";
+            return ApiError::new(StatusCode::UPGRADE_REQUIRED, reason).into_response();
+        }
+    };
+    let Ok(permit) = Arc::clone(&app.sockets).try_acquire_owned() else {
+        let reason = "too many clients have a socket open";
+        return ApiError::new(StatusCode::SERVICE_UNAVAILABLE, reason).into_response();
+    };
+    let upgrade = upgrade.max_message_size(LARGEST_MESSAGE).max_frame_size(LARGEST_MESSAGE);
+    upgrade.on_upgrade(move |socket| async move {
+        app.rights().socket(&who.session, true, now());
+        let session = who.session.clone();
+        let mut talk = Talk::new(Arc::clone(&app), who, socket);
+        let _: Result<(), Gone> = talk.until_gone().await;
+        app.rights().socket(&session, false, now());
+        drop(permit);
+    })
+}
+
+/// A socket, and what its client has.
+struct Talk {
+    app: Arc<App>,
+    who: Who,
+    socket: WebSocket,
+    seq: u64,
+    status: Option<Arc<Fields>>,
+    /// The last event that was sent.
+    event: u64,
+    features: usize,
+    operator: Option<OperatorBody>,
+    scope: Option<Scope>,
+}
+
+impl Talk {
+    fn new(app: Arc<App>, who: Who, socket: WebSocket) -> Self {
+        let (_, _, event) = app.client.events_after(u64::MAX);
+        let features = app.client.latest().features.len();
+        Self {
+            app,
+            who,
+            socket,
+            seq: 0,
+            status: None,
+            event,
+            features,
+            operator: None,
+            scope: None,
+        }
+    }
+
+    async fn until_gone(&mut self) -> Result<(), Gone> {
+        let mut pictures = self.app.pictures.clone();
+        self.tell_all().await?;
+        loop {
+            tokio::select! {
+                said = self.socket.recv() => match said {
+                    Some(Ok(Message::Text(text))) => self.hear(text.as_str()).await?,
+                    Some(Ok(Message::Close(_)) | Err(_)) | None => return Err(Gone),
+                    Some(Ok(_)) => {} // a ping is answered by the library
+                },
+                changed = pictures.changed() => {
+                    changed.map_err(|_| Gone)?; // the control has ended
+                    self.tell_all().await?;
+                }
+            }
+        }
+    }
+
+    /// Everything that is new.
+    async fn tell_all(&mut self) -> Result<(), Gone> {
+        let picture = self.app.client.latest();
+        self.tell_status(&picture).await?;
+        self.tell_events().await?;
+        self.tell_features(&picture).await?;
+        let operator = self.app.rights().shown(now());
+        let is_known = self.operator.as_ref().is_some_and(|known| {
+            (&known.holder, &known.asked_by) == (&operator.holder, &operator.asked_by)
+        });
+        if !is_known {
+            self.tell("operator", &operator).await?;
+            self.operator = Some(operator);
+        }
+        if let Some(frame) = self.scope.as_mut().and_then(Scope::frame) {
+            self.send(Message::Binary(frame.into())).await?;
+        }
+        Ok(())
+    }
+
+    async fn tell_status(&mut self, picture: &Picture) -> Result<(), Gone> {
+        let fields = self.app.fields(picture);
+        self.seq += 1;
+        let message = match &self.status {
+            None => json!({ "type": "status", "seq": self.seq, "status": &*fields }),
+            Some(before) => {
+                let changed =
+                    fields.iter().filter(|(name, value)| before.get(*name) != Some(*value));
+                let changed: Fields =
+                    changed.map(|(name, value)| (name.clone(), value.clone())).collect();
+                json!({ "type": "delta", "seq": self.seq, "status": changed })
+            }
+        };
+        self.status = Some(fields);
+        self.send(Message::Text(message.to_string().into())).await
+    }
+
+    async fn tell_events(&mut self) -> Result<(), Gone> {
+        let (events, lost, last) = self.app.client.events_after(self.event);
+        self.event = last;
+        if lost > 0 {
+            self.tell("lost", &json!({ "what": "events", "count": lost })).await?;
+        }
+        for event in events {
+            let body = EventBody::of(&event, &|text| self.app.folder.shown(text));
+            self.tell("event", &body).await?;
+        }
+        Ok(())
+    }
+
+    async fn tell_features(&mut self, picture: &Picture) -> Result<(), Gone> {
+        let from = self.features.min(picture.features.len());
+        self.features = picture.features.len();
+        for feature in &picture.features[from..] {
+            let body = FeatureBody::of(feature);
+            self.tell("feature", &json!({ "feature": body })).await?;
+        }
+        Ok(())
+    }
+
+    /// What a client has said.
+    async fn hear(&mut self, text: &str) -> Result<(), Gone> {
+        match serde_json::from_str(text) {
+            Ok(Said::Request { id, request }) => {
+                let answer = self.app.request(&self.who.session, request).await;
+                let shown = |text: &str| self.app.folder.shown(text);
+                let mut body = match answer {
+                    Ok(accepted) => {
+                        serde_json::to_value(crate::wire::AcceptedBody::of(&accepted, &shown))
+                    }
+                    Err(error) => serde_json::to_value(error.body()),
+                }
+                .unwrap_or_default(); // strings and numbers alone
+                body["id"] = id.into();
+                self.tell("answer", &body).await
+            }
+            Ok(Said::Scope { signals }) => match Scope::of(&self.app.client, signals) {
+                Ok(scope) => {
+                    self.scope = scope;
+                    Ok(())
+                }
+                Err(reason) => self.refuse(&reason).await,
+            },
+            Err(e) => self.refuse(&format!("not what is expected: {e}")).await,
+        }
+    }
+
+    async fn refuse(&mut self, reason: &str) -> Result<(), Gone> {
+        let error = ApiError::new(StatusCode::BAD_REQUEST, reason);
+        let mut body = serde_json::to_value(error.body()).unwrap_or_default(); // strings alone
+        body["id"] = Value::Null;
+        self.tell("answer", &body).await
+    }
+
+    /// An object, with its type.
+    async fn tell(&mut self, kind: &str, body: &impl serde::Serialize) -> Result<(), Gone> {
+        let mut message = serde_json::to_value(body).unwrap_or_default(); // an object of ours
+        message["type"] = kind.into();
+        self.send(Message::Text(message.to_string().into())).await
+    }
+
+    async fn send(&mut self, message: Message) -> Result<(), Gone> {
+        match tokio::time::timeout(SENT, self.socket.send(message)).await {
+            Ok(Ok(())) => Ok(()),
+            Ok(Err(_)) | Err(_) => Err(Gone),
+        }
+    }
+}

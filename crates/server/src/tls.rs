@@ -1,0 +1,62 @@
+//! TLS: a certificate of files, or one that is made at the start and whose fingerprint is said.
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use tokio_rustls::TlsAcceptor;
+use tokio_rustls::rustls::ServerConfig;
+use tokio_rustls::rustls::crypto::ring;
+use tokio_rustls::rustls::pki_types::pem::PemObject as _;
+use tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer, PrivatePkcs8KeyDer};
+
+/// What the server shows of itself.
+#[derive(Clone, Debug)]
+pub enum Certificate {
+    /// PEM files: the certificate with those that vouch for it, and its key.
+    Files(PathBuf, PathBuf),
+    /// One that nobody vouches for: who calls compares its fingerprint once.
+    SelfSigned,
+}
+
+/// TLS that is set up.
+pub(crate) struct Tls {
+    pub(crate) acceptor: TlsAcceptor,
+    /// SHA-256 of the certificate, as browsers show it.
+    pub(crate) fingerprint: String,
+}
+
+impl Tls {
+    /// Of a certificate; a self-signed one is made for these names.
+    pub(crate) fn of(certificate: &Certificate, names: &[String]) -> Result<Self, String> {
+        let (chain, key) = match certificate {
+            Certificate::Files(chain, key) => (chain_of(chain)?, key_of(key)?),
+            Certificate::SelfSigned => self_signed(names)?,
+        };
+        let first = chain.first().ok_or("there is no certificate in the file")?;
+        let digest = Sha256::digest(first.as_ref());
+        let digits: Vec<_> = digest.iter().map(|byte| format!("{byte:02X}")).collect();
+        let config = ServerConfig::builder_with_provider(Arc::new(ring::default_provider()))
+            .with_safe_default_protocol_versions()
+            .and_then(|builder| builder.with_no_client_auth().with_single_cert(chain, key))
+            .map_err(|e| format!("the certificate cannot be used: {e}"))?;
+        Ok(Self { acceptor: TlsAcceptor::from(Arc::new(config)), fingerprint: digits.join(":") })
+    }
+}
+
+type Pair = (Vec<CertificateDer<'static>>, PrivateKeyDer<'static>);
+
+fn chain_of(path: &Path) -> Result<Vec<CertificateDer<'static>>, String> {
+    let wrong = |e| format!("cannot read the certificate {}: {e}", path.display());
+    CertificateDer::pem_file_iter(path).map_err(wrong)?.collect::<Result<_, _>>().map_err(wrong)
+}
+
+fn key_of(path: &Path) -> Result<PrivateKeyDer<'static>, String> {
+    PrivateKeyDer::from_pem_file(path)
+        .map_err(|e| format!("cannot read the key {}: {e}", path.display()))
+}
+
+fn self_signed(names: &[String]) -> Result<Pair, String> {
+    let made = rcgen::generate_simple_self_signed(names.to_vec())
+        .map_err(|e| format!("cannot make a certificate: {e}"))?;
+    let key = PrivatePkcs8KeyDer::from(made.signing_key.serialize_der());
+    Ok((vec![made.cert.der().clone()], key.into()))
+}

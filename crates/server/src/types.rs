@@ -1,0 +1,70 @@
+//! The types of the API as TypeScript, for the page.
+use crate::wire::{
+    AcceptedBody, AlarmBody, EventBody, EventsBody, FeatureBody, FileBody, FolderBody, HoleBody,
+    MachineAxis, MachineBody, MachineSpindle, OffsetBody, OperatorBody, OperatorOrder,
+    OverrideRange, OverrideRanges, ProgramBody, RefusalBody, RequestBody, SavedBody, SegmentBody,
+    SessionBody, SessionOrder, StockBody, ToolBody, ToolFieldName,
+};
+use control::RealTimeFigures;
+use control::operation::hosted::FindingData;
+use control::operation::{
+    AxisStatus, FeatureCount, Overrides, ProgramStatus, SpindleStatus, Status, WaitingStatus,
+};
+use ts_rs::{Config, TS};
+
+/// A file with all of them.
+pub fn typescript() -> String {
+    // numbers that JSON.parse reads
+    let config = Config::default().with_large_int("number");
+    let mut text = String::from(
+        "// Types of the API, written by a test of `crates/server` from the Rust types. Do not edit:\n\
+         // UPDATE_API=1 cargo test -p server --test types\n",
+    );
+    macro_rules! declare {
+        ($($name:ty),* $(,)?) => {
+            $(
+                text.push_str("\nexport ");
+                text.push_str(&<$name as TS>::decl(&config));
+                text.push('\n');
+            )*
+        };
+    }
+    declare!(
+        Status,
+        RealTimeFigures,
+        AxisStatus,
+        SpindleStatus,
+        Overrides,
+        WaitingStatus,
+        ProgramStatus,
+        FeatureCount,
+        RequestBody,
+        ToolFieldName,
+        AcceptedBody,
+        RefusalBody,
+        FindingData,
+        EventBody,
+        EventsBody,
+        MachineBody,
+        MachineAxis,
+        MachineSpindle,
+        OverrideRanges,
+        OverrideRange,
+        StockBody,
+        ProgramBody,
+        SegmentBody,
+        HoleBody,
+        FolderBody,
+        FileBody,
+        SavedBody,
+        OffsetBody,
+        ToolBody,
+        FeatureBody,
+        AlarmBody,
+        SessionOrder,
+        SessionBody,
+        OperatorOrder,
+        OperatorBody,
+    );
+    text
+}

@@ -1,0 +1,23 @@
+//! What goes over the wire: plain values with their units in their names. From these types come the TypeScript of the page
+//! and the schemas of the OpenAPI document.
+mod answers;
+mod feature;
+mod lists;
+mod machine;
+mod request;
+
+pub(crate) use answers::{
+    AcceptedBody, EventBody, EventsBody, OperatorBody, RefusalBody, SessionBody,
+};
+pub(crate) use feature::FeatureBody;
+pub(crate) use lists::{
+    AlarmBody, FileBody, FolderBody, HoleBody, OffsetBody, ProgramBody, SavedBody, SegmentBody,
+    ToolBody,
+};
+pub(crate) use machine::{
+    MachineAxis, MachineBody, MachineSpindle, OverrideRange, OverrideRanges, StockBody,
+};
+pub(crate) use request::{OperatorOrder, RequestBody, SessionOrder, ToolFieldName};
+
+/// A line of the control's text as clients see it: paths without the folder of programs.
+pub(crate) type Shown<'a> = &'a dyn Fn(&str) -> String;

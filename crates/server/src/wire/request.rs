@@ -1,0 +1,295 @@
+//! Requests as a client writes them, and what the control is asked for.
+use crate::folder::Folder;
+use canon::Axis;
+use control::job::restart::From as Begin;
+use control::operation::hosted::{RefusalData, RefusalKind};
+use control::operation::{Jog, Request, ToolField};
+use serde::Deserialize;
+use store::machine::MachineFile;
+use units::{Angle, Spin};
+
+/// Longest text of blocks that are typed.
+const LONGEST_BLOCKS: usize = 16 * 1024;
+
+/// A request: `{"request":"jog_increment","axis":"X","by_mm":10}`. Of A, B and C degrees stand for millimetres.
+#[derive(Clone, Debug, PartialEq, Deserialize, ts_rs::TS, utoipa::ToSchema)]
+#[serde(tag = "request", rename_all = "snake_case", deny_unknown_fields)]
+pub(crate) enum RequestBody {
+    /// Drives on or off.
+    Power { on: bool },
+    /// Press the emergency stop (true) or release it.
+    EmergencyStop { on: bool },
+    /// Home an axis, or all in the machine's order.
+    Home {
+        #[serde(default)]
+        #[ts(optional)]
+        axis: Option<String>,
+    },
+    /// Jog on and on: a lease of 200 ms, to be renewed every 100 ms or sooner.
+    JogContinuous { axis: String, mm_per_min: f64 },
+    /// Jog by so much.
+    JogIncrement { axis: String, by_mm: f64 },
+    /// Jog to a machine coordinate.
+    JogTo { axis: String, to_mm: f64 },
+    /// Turn the handwheel: from where it has sent the axis so far.
+    Handwheel { axis: String, by_mm: f64 },
+    /// Bring to rest what is moved by hand.
+    JogStop {},
+    /// Turn a spindle by hand: a lease like a jog.
+    TurnSpindle { spindle: u32, rpm: f64 },
+    /// Bring a spindle to an angle within its turn.
+    OrientSpindle { spindle: u32, angle_deg: f64 },
+    /// Load a program of the folder.
+    Load { program: String },
+    /// Find where the next start begins: at one of the three.
+    Search {
+        #[serde(default)]
+        #[ts(optional)]
+        line: Option<u32>,
+        #[serde(default)]
+        #[ts(optional)]
+        hole: Option<u32>,
+        #[serde(default)]
+        #[ts(optional)]
+        tool: Option<u32>,
+    },
+    /// Start the program that is loaded.
+    Start {},
+    /// Execute blocks.
+    ManualDataInput { blocks: String },
+    /// Hold the feed.
+    FeedHold {},
+    /// Go on after a hold or a block.
+    Resume {},
+    /// Go on after M0 or M1.
+    Confirm {},
+    /// Give the program up.
+    Stop {},
+    /// Back a tap out of its thread.
+    Retract {},
+    /// Take a tool out after drives, power or an encoder were gone.
+    Recover {},
+    /// State that no tool is in the work.
+    ToolIsFree {},
+    /// Clear alarms.
+    Reset {},
+    /// Hold after each block.
+    SingleBlock { on: bool },
+    /// Stop at M1.
+    OptionalStop { on: bool },
+    /// Leave out blocks of a level of `/`, 1 to 9.
+    BlockSkip { level: u8, on: bool },
+    /// Percent of the programmed feed.
+    FeedOverride { percent: f64 },
+    /// Percent of the rapids.
+    RapidOverride { percent: f64 },
+    /// Percent of the programmed spindle speed.
+    SpindleOverride { percent: f64 },
+    /// The tool's tip is at this coordinate of the work offset in force.
+    TouchOff { axis: String, at_mm: f64 },
+    /// Set the zero of a work offset, `G54` to `G59.3`, in machine coordinates.
+    SetWorkOffset { work_offset: String, axis: String, at_mm: f64 },
+    /// Set what the control believes of a tool.
+    EditTool { tool: u32, field: ToolFieldName, value_mm: f64 },
+}
+
+/// What of a tool is edited.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, ts_rs::TS, utoipa::ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum ToolFieldName {
+    /// From the gauge line to the tip.
+    Length,
+    /// Cutting diameter.
+    Diameter,
+    /// Wear of the length.
+    WearLength,
+    /// Wear of the radius.
+    WearRadius,
+}
+
+/// Who a client is.
+#[derive(Clone, Debug, Deserialize, ts_rs::TS, utoipa::ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SessionOrder {
+    /// As the others see it.
+    pub name: String,
+    /// Its token, where the server asks for one.
+    #[serde(default)]
+    #[ts(optional)]
+    pub token: Option<String>,
+}
+
+/// What a client does about the right to command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, ts_rs::TS, utoipa::ToSchema)]
+#[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
+pub(crate) enum OperatorOrder {
+    /// It asks for it.
+    Ask {},
+    /// Its holder hands it over.
+    Grant {},
+    /// Its holder keeps it.
+    Keep {},
+    /// Its holder gives it back.
+    Release {},
+}
+
+/// The request cannot be what was meant.
+fn wrong(reason: String) -> RefusalData {
+    RefusalData { kind: RefusalKind::Request, reason, remedy: None, findings: Vec::new() }
+}
+
+impl RequestBody {
+    /// It stops or holds something: allowed to every operator, whoever commands.
+    pub(crate) const fn is_stop(&self) -> bool {
+        matches!(
+            self,
+            Self::EmergencyStop { on: true } | Self::FeedHold {} | Self::Stop {} | Self::JogStop {}
+        )
+    }
+
+    /// What the control is asked for.
+    ///
+    /// # Errors
+    /// A value is out of its range: the sentence says which range works.
+    pub(crate) fn read(
+        self,
+        machine: &MachineFile,
+        folder: &Folder,
+    ) -> Result<Request, RefusalData> {
+        let overrides = &machine.control.overrides;
+        Ok(match self {
+            Self::Power { on } => Request::Power(on),
+            Self::EmergencyStop { on } => Request::EmergencyStop(on),
+            Self::Home { axis } => {
+                Request::Home(axis.map(|letter| self::axis(&letter, machine)).transpose()?)
+            }
+            Self::JogContinuous { axis, mm_per_min } => {
+                Request::Jog(self::axis(&axis, machine)?, Jog::Continuous(mm_per_min / 60.0))
+            }
+            Self::JogIncrement { axis, by_mm } => {
+                Request::Jog(self::axis(&axis, machine)?, Jog::Increment(by_mm))
+            }
+            Self::JogTo { axis, to_mm } => {
+                Request::Jog(self::axis(&axis, machine)?, Jog::To(to_mm))
+            }
+            Self::Handwheel { axis, by_mm } => {
+                Request::Jog(self::axis(&axis, machine)?, Jog::Handwheel(by_mm))
+            }
+            Self::JogStop {} => Request::JogStop,
+            Self::TurnSpindle { spindle, rpm } => {
+                Request::TurnSpindle(spindle as usize, Spin::rpm(rpm))
+            }
+            Self::OrientSpindle { spindle, angle_deg } => {
+                Request::OrientSpindle(spindle as usize, Angle::deg(angle_deg))
+            }
+            Self::Load { program } => Request::Load(folder.existing(&program)?),
+            Self::Search { line, hole, tool } => Request::Search(match (line, hole, tool) {
+                (Some(line), None, None) => Begin::Line(line),
+                (None, Some(hole), None) => Begin::Hole(hole),
+                (None, None, Some(tool)) => Begin::Tool(tool),
+                _ => return Err(wrong("a search names one of line, hole and tool".into())),
+            }),
+            Self::Start {} => Request::Start,
+            Self::ManualDataInput { blocks } if blocks.len() > LONGEST_BLOCKS => {
+                return Err(wrong(format!(
+                    "blocks are {LONGEST_BLOCKS} bytes at most, found {}: load a program instead",
+                    blocks.len()
+                )));
+            }
+            Self::ManualDataInput { blocks } => Request::ManualDataInput(blocks),
+            Self::FeedHold {} => Request::FeedHold,
+            Self::Resume {} => Request::Resume,
+            Self::Confirm {} => Request::Confirm,
+            Self::Stop {} => Request::Stop,
+            Self::Retract {} => Request::Retract,
+            Self::Recover {} => Request::Recover,
+            Self::ToolIsFree {} => Request::ToolIsFree,
+            Self::Reset {} => Request::Reset,
+            Self::SingleBlock { on } => Request::SingleBlock(on),
+            Self::OptionalStop { on } => Request::OptionalStop(on),
+            Self::BlockSkip { level, on } => Request::BlockSkip(level, on),
+            Self::FeedOverride { percent } => Request::FeedOverride(share(
+                "feed override",
+                percent,
+                0.0,
+                overrides.feed_most_share,
+            )?),
+            Self::RapidOverride { percent } => {
+                Request::RapidOverride(share("rapid override", percent, 0.0, 1.0)?)
+            }
+            Self::SpindleOverride { percent } => Request::SpindleOverride(share(
+                "spindle override",
+                percent,
+                overrides.spindle_least_share,
+                overrides.spindle_most_share,
+            )?),
+            Self::TouchOff { axis, at_mm } => Request::TouchOff(self::axis(&axis, machine)?, at_mm),
+            Self::SetWorkOffset { work_offset, axis, at_mm } => {
+                Request::SetWorkOffset(system(&work_offset)?, self::axis(&axis, machine)?, at_mm)
+            }
+            Self::EditTool { tool, field, value_mm } => {
+                let field = match field {
+                    ToolFieldName::Length => ToolField::Length,
+                    ToolFieldName::Diameter => ToolField::Diameter,
+                    ToolFieldName::WearLength => ToolField::WearLength,
+                    ToolFieldName::WearRadius => ToolField::WearRadius,
+                };
+                Request::EditTool(tool, field, value_mm)
+            }
+        })
+    }
+}
+
+fn axis(text: &str, machine: &MachineFile) -> Result<Axis, RefusalData> {
+    let mut letters = text.chars();
+    let found = match (letters.next(), letters.next()) {
+        (Some(letter), None) => Axis::from_letter(letter.to_ascii_uppercase()),
+        _ => None,
+    };
+    found.filter(|axis| machine.axis(*axis).is_some()).ok_or_else(|| {
+        let has: Vec<String> =
+            machine.axes.iter().flatten().map(|axis| axis.letter.letter().to_string()).collect();
+        wrong(format!(
+            "there is no axis \"{}\": {} has {}",
+            short(text),
+            machine.name,
+            has.join(", ")
+        ))
+    })
+}
+
+/// Of what a client has sent, no more than is read.
+fn short(text: &str) -> String {
+    text.chars().take(40).collect()
+}
+
+fn share(what: &str, percent: f64, least: f64, most: f64) -> Result<f64, RefusalData> {
+    let share = percent / 100.0;
+    if (least..=most).contains(&share) {
+        return Ok(share);
+    }
+    let (least, most) = (least * 100.0, most * 100.0);
+    Err(wrong(format!("the {what} goes from {least:.0} to {most:.0} percent, found {percent}")))
+}
+
+/// `G54` to `G59`, `G59.1` to `G59.3`: 1 to 9.
+fn system(name: &str) -> Result<u8, RefusalData> {
+    let number = match name.to_ascii_uppercase().as_str() {
+        "G54" => 1,
+        "G55" => 2,
+        "G56" => 3,
+        "G57" => 4,
+        "G58" => 5,
+        "G59" => 6,
+        "G59.1" => 7,
+        "G59.2" => 8,
+        "G59.3" => 9,
+        _ => {
+            return Err(wrong(format!(
+                "work offsets are G54 to G59 and G59.1 to G59.3, found \"{}\"",
+                short(name)
+            )));
+        }
+    };
+    Ok(number)
+}

@@ -1,0 +1,204 @@
+//! A control that is served on a free port, and a client of it.
+#![allow(dead_code, clippy::unwrap_used, clippy::missing_panics_doc)] // each test takes what it needs
+
+use control::job::ProgramOptions;
+use control::operation::ControlOptions;
+use serde_json::{Value, json};
+use server::{Certificate, Server, ServerOptions};
+use std::net::TcpStream;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+use tempfile::TempDir;
+use tungstenite::stream::MaybeTlsStream;
+use tungstenite::{Message, WebSocket};
+
+/// What is waited for comes within so long on the wall, or not at all.
+const COMES: Duration = Duration::from_secs(240);
+
+pub struct Served {
+    pub server: Server,
+    pub folder: TempDir,
+    agent: ureq::Agent,
+}
+
+/// The programs of the shop.
+pub fn shop(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../programs").join(name)
+}
+
+impl Served {
+    /// Machine time passes so much faster than on the wall.
+    pub fn at_pace(pace: f64) -> Self {
+        Self::with(pace, None)
+    }
+
+    pub fn with(pace: f64, token_file: Option<PathBuf>) -> Self {
+        Self::of(pace, token_file, None)
+    }
+
+    pub fn secured(certificate: Certificate) -> Self {
+        Self::of(1.0, None, Some(certificate))
+    }
+
+    fn of(pace: f64, token_file: Option<PathBuf>, certificate: Option<Certificate>) -> Self {
+        let folder = TempDir::new().unwrap();
+        std::fs::copy(shop("plate-12xM6.ngc"), folder.path().join("plate.ngc")).unwrap();
+        let control = ControlOptions {
+            program: ProgramOptions::on("tapping-center"),
+            seed: None,
+            state: None,
+            clamped: canon::Position::default(),
+            real_time: None,
+        };
+        let server = Server::start(ServerOptions {
+            control,
+            pace,
+            address: "127.0.0.1:0".parse().unwrap(),
+            programs: folder.path().to_owned(),
+            token_file,
+            certificate,
+            names: Vec::new(),
+        });
+        let server = server.unwrap_or_else(|refused| panic!("{}", refused.0));
+        let config = ureq::Agent::config_builder()
+            .http_status_as_error(false)
+            .timeout_global(Some(Duration::from_secs(60)))
+            .build();
+        Self { server, folder, agent: config.into() }
+    }
+
+    pub fn url(&self, path: &str) -> String {
+        format!("http://{}/api/v1{path}", self.server.address())
+    }
+
+    fn read(answer: Result<ureq::http::Response<ureq::Body>, ureq::Error>) -> (u16, Value) {
+        let mut answer = answer.unwrap();
+        let status = answer.status().as_u16();
+        let text = answer.body_mut().with_config().limit(64 << 20).read_to_string().unwrap();
+        (status, serde_json::from_str(&text).unwrap_or(Value::String(text)))
+    }
+
+    pub fn get(&self, path: &str) -> (u16, Value) {
+        Self::read(self.agent.get(self.url(path)).call())
+    }
+
+    /// With more headers.
+    pub fn get_with(&self, path: &str, headers: &[(&str, &str)]) -> (u16, Value) {
+        let mut request = self.agent.get(self.url(path));
+        for (name, value) in headers {
+            request = request.header(*name, *value);
+        }
+        Self::read(request.call())
+    }
+
+    pub fn post_with(&self, path: &str, body: &[u8], headers: &[(&str, &str)]) -> (u16, Value) {
+        let mut request = self.agent.post(self.url(path));
+        for (name, value) in headers {
+            request = request.header(*name, *value);
+        }
+        Self::read(request.send(body))
+    }
+
+    pub fn put(&self, path: &str, body: &[u8]) -> (u16, Value) {
+        Self::read(self.agent.put(self.url(path)).send(body))
+    }
+
+    pub fn post(&self, path: &str, body: &Value) -> (u16, Value) {
+        self.post_with(path, body.to_string().as_bytes(), &[])
+    }
+
+    /// A request as any client sends it.
+    pub fn request(&self, body: &Value) -> (u16, Value) {
+        self.post("/request", body)
+    }
+
+    /// One that has to be accepted.
+    pub fn accepted(&self, body: Value) -> Value {
+        let (status, answer) = self.request(&body);
+        assert_eq!((status, &answer["accepted"]), (200, &json!(true)), "{body}: {answer}");
+        answer
+    }
+
+    pub fn status(&self) -> Value {
+        self.get("/status").1
+    }
+
+    /// Until the status is so.
+    pub fn until(&self, what: &str, is_so: impl Fn(&Value) -> bool) -> Value {
+        let start = control::clock::now();
+        loop {
+            let status = self.status();
+            if is_so(&status) {
+                return status;
+            }
+            assert!(control::clock::now() - start < COMES, "{what} does not come: {status}");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    pub fn power_on(&self) {
+        self.accepted(json!({ "request": "power", "on": true }));
+        self.until("ready", |status| status["is_ready"] == true);
+    }
+
+    pub fn home(&self) {
+        self.accepted(json!({ "request": "home" }));
+        self.until("homed", |status| {
+            let axes = status["axes"].as_array().unwrap();
+            axes.iter().all(|axis| axis["is_homed"] == true)
+        });
+    }
+
+    pub fn socket(&self, query: &str) -> Socket {
+        let url = format!("ws://{}/api/v1/ws{query}", self.server.address());
+        let stream = TcpStream::connect(self.server.address()).unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+        let (socket, _) = tungstenite::client(url, MaybeTlsStream::Plain(stream)).unwrap();
+        Socket { socket }
+    }
+}
+
+pub struct Socket {
+    pub socket: WebSocket<MaybeTlsStream<TcpStream>>,
+}
+
+impl Socket {
+    pub fn send(&mut self, message: &Value) {
+        self.socket.send(Message::text(message.to_string())).unwrap();
+    }
+
+    /// The next message of a type; others are passed over.
+    pub fn next(&mut self, kind: &str) -> Value {
+        loop {
+            if let Message::Text(text) = self.socket.read().unwrap() {
+                let message: Value = serde_json::from_str(&text).unwrap();
+                if message["type"] == kind {
+                    return message;
+                }
+            }
+        }
+    }
+
+    /// The next binary frame: its header, and its columns.
+    pub fn next_frame(&mut self) -> (Value, Vec<Vec<f32>>) {
+        loop {
+            if let Message::Binary(bytes) = self.socket.read().unwrap() {
+                let n = u32::from_le_bytes(bytes[..4].try_into().unwrap()) as usize;
+                let header: Value = serde_json::from_slice(&bytes[4..4 + n]).unwrap();
+                let rows = header["rows"].as_u64().unwrap() as usize;
+                let values: Vec<f32> = bytes[4 + n..]
+                    .chunks_exact(4)
+                    .map(|four| f32::from_le_bytes(four.try_into().unwrap()))
+                    .collect();
+                return (header, values.chunks(rows).map(<[f32]>::to_vec).collect());
+            }
+        }
+    }
+}
+
+/// Machine coordinate of an axis.
+pub fn machine(status: &Value, letter: &str) -> f64 {
+    let axes = status["axes"].as_array().unwrap();
+    let axis = axes.iter().find(|axis| axis["letter"] == letter).unwrap();
+    axis["machine"].as_f64().unwrap()
+}

@@ -1,0 +1,145 @@
+//! What a client sends that means harm, or is broken: refused or harmless; nothing moves, and others are served on.
+#![allow(clippy::unwrap_used)] // a test may panic
+mod common;
+
+use common::{Served, machine};
+use serde_json::json;
+use std::io::{Read as _, Write as _};
+use std::net::TcpStream;
+use std::time::Duration;
+
+/// Numbers that look random, the same in each run.
+struct Numbers(u64);
+
+impl Numbers {
+    fn below(&mut self, most: usize) -> usize {
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 33) as usize) % most
+    }
+}
+
+const REQUESTS: [&str; 12] = [
+    r#"{"request":"jog_increment","axis":"X","by_mm":10}"#,
+    r#"{"request":"jog_continuous","axis":"Z","mm_per_min":-300}"#,
+    r#"{"request":"home","axis":"Z"}"#,
+    r#"{"request":"turn_spindle","spindle":0,"rpm":500}"#,
+    r#"{"request":"load","program":"plate.ngc"}"#,
+    r#"{"request":"search","line":12}"#,
+    r#"{"request":"start"}"#,
+    r#"{"request":"manual_data_input","blocks":"G0 X10\nG1 Z-5 F100"}"#,
+    r#"{"request":"edit_tool","tool":3,"field":"length","value_mm":100.5}"#,
+    r#"{"request":"set_work_offset","work_offset":"G54","axis":"X","at_mm":-250}"#,
+    r#"{"request":"feed_override","percent":80}"#,
+    r#"{"request":"touch_off","axis":"Y","at_mm":0}"#,
+];
+
+#[test]
+fn two_thousand_mutated_requests_move_nothing() {
+    let served = Served::at_pace(1.0);
+    let before = served.status();
+    let mut numbers = Numbers(22);
+    let mut refused = 0;
+    for _ in 0..2000 {
+        let mut body = REQUESTS[numbers.below(REQUESTS.len())].as_bytes().to_vec();
+        for _ in 0..=numbers.below(4) {
+            let at = numbers.below(body.len().max(1)).min(body.len().saturating_sub(1));
+            match numbers.below(5) {
+                0 => body[at] = numbers.below(256) as u8,
+                1 => drop(body.remove(at)),
+                2 => body.insert(at, b"0\"{}[],:e-"[numbers.below(10)]),
+                3 => body.truncate(at.max(1)),
+                _ => body.extend_from_within(at..),
+            }
+        }
+        let (status, answer) = served.post_with("/request", &body, &[]);
+        let shown = String::from_utf8_lossy(&body);
+        assert!(matches!(status, 200 | 400 | 409 | 422), "{shown}: {status} {answer}");
+        assert_eq!(answer["accepted"], status == 200, "{shown}: {answer}");
+        refused += usize::from(status != 200);
+        if status != 200 {
+            assert!(!answer["reason"].as_str().unwrap().is_empty(), "{shown}");
+        }
+    }
+    assert!(refused > 1000, "{refused} of 2000 were refused");
+    let after = served.status();
+    for axis in ["X", "Y", "Z"] {
+        assert_eq!(machine(&after, axis), machine(&before, axis), "{axis} has moved");
+    }
+    assert_eq!((&after["power"], &after["execution"]), (&before["power"], &before["execution"]));
+    // and it is led as before
+    served.power_on();
+}
+
+#[test]
+fn a_body_that_is_too_large_is_refused_before_it_is_read() {
+    let served = Served::at_pace(1.0);
+    let (status, answer) = served.post_with("/request", &vec![b' '; 65 << 10], &[]);
+    assert_eq!(status, 413, "{answer}");
+    assert!(answer["reason"].as_str().unwrap().contains("65536"), "{answer}");
+}
+
+#[test]
+fn clients_that_send_nothing_keep_nobody_out() {
+    let served = Served::at_pace(1.0);
+    let mut silent: Vec<TcpStream> = (0..200)
+        .map(|_| {
+            let mut stream = TcpStream::connect(served.server.address()).unwrap();
+            stream.write_all(b"GET /api/v1/status HTTP/1.1\r\nHost: ").unwrap();
+            stream
+        })
+        .collect();
+    assert_eq!(served.get("/status").0, 200);
+    // they are closed when their header has not come in time
+    let last = silent.last_mut().unwrap();
+    last.set_read_timeout(Some(Duration::from_secs(30))).unwrap();
+    let mut answer = Vec::new();
+    last.read_to_end(&mut answer).unwrap();
+    assert!(!answer.starts_with(b"HTTP/1.1 200"), "{}", String::from_utf8_lossy(&answer));
+}
+
+#[test]
+fn more_connections_than_there_may_be_are_told_so() {
+    let served = Served::at_pace(1.0);
+    let mut open: Vec<TcpStream> =
+        (0..300).map(|_| TcpStream::connect(served.server.address()).unwrap()).collect();
+    let last = open.last_mut().unwrap();
+    last.set_read_timeout(Some(Duration::from_secs(30))).unwrap();
+    let mut answer = Vec::new();
+    last.read_to_end(&mut answer).unwrap();
+    let answer = String::from_utf8_lossy(&answer);
+    assert!(answer.starts_with("HTTP/1.1 503") && answer.contains("too many"), "{answer}");
+    drop(open);
+    let start = control::clock::now();
+    while TcpStream::connect(served.server.address()).is_err() {
+        assert!(control::clock::now() - start < Duration::from_secs(30));
+    }
+}
+
+#[test]
+fn a_socket_that_talks_nonsense_is_told_so_or_closed() {
+    let served = Served::at_pace(1.0);
+    let mut socket = served.socket("");
+    socket.send(&json!({ "type": "request", "request": { "request": "power" } }));
+    assert_eq!(socket.next("answer")["accepted"], false);
+    socket.send(&json!([1, 2, 3]));
+    assert_eq!(socket.next("answer")["accepted"], false);
+    let large = tungstenite::Message::text(" ".repeat(1 << 20));
+    let _ = socket.socket.send(large); // it may be closed while this is sent
+    while socket.socket.read().is_ok() {}
+    assert_eq!(served.get("/status").0, 200);
+}
+
+#[test]
+fn a_client_that_does_not_read_holds_up_nobody() {
+    let served = Served::at_pace(1.0);
+    let mut deaf = served.socket("");
+    let names: Vec<_> = served.get("/machine").1["signals"].as_array().unwrap().clone();
+    deaf.send(&json!({ "type": "scope", "signals": names[..12] }));
+    std::thread::sleep(Duration::from_millis(500));
+    let mut other = served.socket("");
+    other.next("status");
+    for _ in 0..50 {
+        other.next("delta");
+    }
+}
