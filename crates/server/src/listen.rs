@@ -36,7 +36,7 @@ const THREADS: usize = 2;
 /// Nothing else can be done about a full queue of connections.
 const REFUSED_CONNECTION: &[u8] =
     b"HTTP/1.1 503 Service Unavailable\r\ncontent-type: application/json\r\n\
-    content-length: 71\r\nconnection: close\r\n\r\n\
+    content-length: 73\r\nconnection: close\r\n\r\n\
     {\"accepted\":false,\"reason\":\"too many connections are open\",\"remedy\":null}";
 
 /// Why nothing is served, in a sentence.

@@ -69,7 +69,6 @@ fn what_is_out_of_range_is_refused_with_the_range_that_works() {
         json!({ "request": "set_work_offset", "work_offset": "G60", "axis": "X", "at_mm": 0 }),
         "G59.3",
     );
-    range(json!({ "request": "jog_stop_not", "axis": "X" }), "");
 }
 
 #[test]

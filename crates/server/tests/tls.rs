@@ -48,7 +48,8 @@ fn over_tls_the_same_is_answered_as_without() {
 
     let mut plain = TcpStream::connect(served.server.address()).unwrap();
     plain.set_read_timeout(Some(Duration::from_secs(30))).unwrap();
-    write!(plain, "GET /api/v1/status HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n").unwrap();
+    // it may be closed before all of it is sent
+    let _ = write!(plain, "GET /api/v1/status HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n");
     let mut answer = Vec::new();
     let _ = plain.read_to_end(&mut answer); // it is closed
     assert!(!answer.starts_with(b"HTTP/1.1 200"));

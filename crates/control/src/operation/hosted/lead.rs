@@ -189,6 +189,7 @@ impl Lead {
     fn tell(&mut self, answered: Result<Accepted, Refusal>, answer: Answered) {
         self.take_events();
         self.has_changed = true;
+        self.show(); // who is answered sees what has come of it
         answer(answered.map_err(|refusal| RefusalData::from(&refusal)));
     }
 
@@ -239,6 +240,10 @@ impl Lead {
         if !self.rows.values.is_empty() {
             self.shared.recording.push(std::mem::take(&mut self.rows));
         }
+        self.show();
+    }
+
+    fn show(&mut self) {
         let before = Arc::clone(&held(&self.shared.picture));
         let next = Arc::new(before.next(&self.control, self.has_changed));
         self.has_changed = false;

@@ -1,0 +1,756 @@
+// Types of the API, written by a test of `crates/server` from the Rust types. Do not edit:
+// UPDATE_API=1 cargo test -p server --test types
+
+export type Status = { 
+/**
+ * Machine time, s.
+ */
+time_s: number, 
+/**
+ * The emergency stop chain: `ARMED`, `TRIGGERED`.
+ */
+emergency_stop: string, 
+/**
+ * The drives: `OFF`, `ON`.
+ */
+power: string, 
+/**
+ * The drives are up, and nothing has stopped the machine.
+ */
+is_ready: boolean, 
+/**
+ * `AUTOMATIC`, `MANUAL_DATA_INPUT`, `MANUAL`.
+ */
+mode: string, 
+/**
+ * What the program does.
+ */
+execution: string, 
+/**
+ * What the axes do.
+ */
+activity: string, 
+/**
+ * What it waits for, since when, and for how long at most.
+ */
+waiting_for: WaitingStatus | null, 
+/**
+ * The axes, X first.
+ */
+axes: Array<AxisStatus>, 
+/**
+ * The spindles.
+ */
+spindles: Array<SpindleStatus>, 
+/**
+ * Tool in the spindle; `None` while it is changed, 0 is none.
+ */
+tool: number | null, 
+/**
+ * The work offset in force.
+ */
+work_offset: string, 
+/**
+ * Codes in force; while a program is under way none are known: it is interpreted ahead.
+ */
+codes: Array<string>, 
+/**
+ * Overrides.
+ */
+overrides: Overrides, 
+/**
+ * The program.
+ */
+program: ProgramStatus | null, 
+/**
+ * Distance of the follower from its coupling, while one is engaged in the material, µm.
+ */
+sync_error_um: number | null, 
+/**
+ * A tool that is tied to a spindle is in the work.
+ */
+is_tool_in_work: boolean, 
+/**
+ * Features of the workpiece.
+ */
+features: FeatureCount, 
+/**
+ * Alarms that no reset has cleared.
+ */
+alarms: Array<string>, 
+/**
+ * How the servo thread keeps its time, in real time.
+ */
+real_time: RealTimeFigures | null, };
+
+export type RealTimeFigures = { 
+/**
+ * Servo periods so far.
+ */
+periods: number, 
+/**
+ * Of these, begun later than a whole period after they were due.
+ */
+late: number, 
+/**
+ * The latest, µs after it was due.
+ */
+worst_late_us: number, 
+/**
+ * So late that the clock was set anew.
+ */
+set_anew: number, 
+/**
+ * Periods that no observer has seen, because the observers did not keep up.
+ */
+unobserved: number, 
+/**
+ * Median of the kernel's tick, µs.
+ */
+tick_median_us: number, 
+/**
+ * 99.9 of 100 ticks are shorter, µs.
+ */
+tick_p999_us: number, 
+/**
+ * The longest tick, µs.
+ */
+tick_worst_us: number, };
+
+export type AxisStatus = { 
+/**
+ * Its letter.
+ */
+letter: string, 
+/**
+ * What its coordinates are measured in: `mm` or `deg`.
+ */
+unit: string, 
+/**
+ * Setpoint in machine coordinates.
+ */
+machine: number, 
+/**
+ * The tool's tip in the work offset in force.
+ */
+work: number, 
+/**
+ * It is homed.
+ */
+is_homed: boolean, 
+/**
+ * Setpoint less position by its encoder.
+ */
+following_error: number, };
+
+export type SpindleStatus = { 
+/**
+ * Speed that it is ordered to have, rev/min; positive is M3.
+ */
+ordered_rpm: number, 
+/**
+ * Angle within its turn, degrees.
+ */
+angle_deg: number, };
+
+export type Overrides = { 
+/**
+ * Percent of the programmed feed.
+ */
+feed_percent: number, 
+/**
+ * Percent of the rapids.
+ */
+rapid_percent: number, 
+/**
+ * Percent of the programmed spindle speed.
+ */
+spindle_percent: number, 
+/**
+ * A synchronised cut locks them now.
+ */
+is_locked: boolean, };
+
+export type WaitingStatus = { 
+/**
+ * For what.
+ */
+what: string, 
+/**
+ * For how long it has lasted, s.
+ */
+age_s: number, 
+/**
+ * How long it may last, s; `None`: as long as it takes.
+ */
+limit_s: number | null, };
+
+export type ProgramStatus = { 
+/**
+ * Its name; `MDI` of what was typed.
+ */
+name: string, 
+/**
+ * The line that is executed; 0 is none.
+ */
+line: number, 
+/**
+ * How long it is planned to take, s.
+ */
+planned_s: number, 
+/**
+ * For how long it has been under way, s.
+ */
+elapsed_s: number, 
+/**
+ * How long what is planned, and waits to be executed, will take, s; what has no planned time counts nothing.
+ */
+ahead_s: number, };
+
+export type FeatureCount = { 
+/**
+ * Within tolerance.
+ */
+good: number, 
+/**
+ * Out of it.
+ */
+failed: number, 
+/**
+ * Not judged.
+ */
+not_judged: number, };
+
+export type RequestBody = { "request": "power", on: boolean, } | { "request": "emergency_stop", on: boolean, } | { "request": "home", axis?: string, } | { "request": "jog_continuous", axis: string, mm_per_min: number, } | { "request": "jog_increment", axis: string, by_mm: number, } | { "request": "jog_to", axis: string, to_mm: number, } | { "request": "handwheel", axis: string, by_mm: number, } | { "request": "jog_stop", } | { "request": "turn_spindle", spindle: number, rpm: number, } | { "request": "orient_spindle", spindle: number, angle_deg: number, } | { "request": "load", program: string, } | { "request": "search", line?: number, hole?: number, tool?: number, } | { "request": "start", } | { "request": "manual_data_input", blocks: string, } | { "request": "feed_hold", } | { "request": "resume", } | { "request": "confirm", } | { "request": "stop", } | { "request": "retract", } | { "request": "recover", } | { "request": "tool_is_free", } | { "request": "reset", } | { "request": "single_block", on: boolean, } | { "request": "optional_stop", on: boolean, } | { "request": "block_skip", level: number, on: boolean, } | { "request": "feed_override", percent: number, } | { "request": "rapid_override", percent: number, } | { "request": "spindle_override", percent: number, } | { "request": "touch_off", axis: string, at_mm: number, } | { "request": "set_work_offset", work_offset: string, axis: string, at_mm: number, } | { "request": "edit_tool", tool: number, field: ToolFieldName, value_mm: number, };
+
+export type ToolFieldName = "length" | "diameter" | "wear_length" | "wear_radius";
+
+export type AcceptedBody = { 
+/**
+ * True.
+ */
+accepted: boolean, 
+/**
+ * What is to be known of it, in sentences.
+ */
+notes: Array<string>, };
+
+export type RefusalBody = { 
+/**
+ * False.
+ */
+accepted: boolean, 
+/**
+ * Why, in a sentence.
+ */
+reason: string, 
+/**
+ * What would make it possible, where the reason does not say it.
+ */
+remedy: string | null, 
+/**
+ * Of a program that is refused: what is wrong with it.
+ */
+findings?: Array<FindingData>, };
+
+export type FindingData = { 
+/**
+ * Line, from 1; 0: none.
+ */
+line: number, 
+/**
+ * Column in bytes, from 1; 0 in a file that the program draws in.
+ */
+column: number, 
+/**
+ * Its code in the list of diagnostics.
+ */
+code: string, 
+/**
+ * `error`, `warning`, `note`.
+ */
+severity: string, 
+/**
+ * The sentence.
+ */
+message: string, 
+/**
+ * What to do, if that is known.
+ */
+help: string | null, };
+
+export type EventBody = { 
+/**
+ * Its number.
+ */
+id: number, 
+/**
+ * Machine time.
+ */
+time_s: number, 
+/**
+ * `execution`, `mode`, `drives_ready`, `alarm`, `notice`, `feature`.
+ */
+event: string, 
+/**
+ * What the program does now.
+ */
+execution?: string, 
+/**
+ * What leads the axes now.
+ */
+mode?: string, 
+/**
+ * What has stopped the machine.
+ */
+alarm?: AlarmBody, 
+/**
+ * A sentence: of a notice, or of a feature and its verdict.
+ */
+text?: string, };
+
+export type EventsBody = { 
+/**
+ * Oldest first.
+ */
+events: Array<EventBody>, 
+/**
+ * Number of the last event that there is.
+ */
+last: number, 
+/**
+ * How many are no longer kept.
+ */
+lost: number, };
+
+export type MachineBody = { 
+/**
+ * Its name.
+ */
+name: string, 
+/**
+ * What it is.
+ */
+description: string, 
+/**
+ * Its first spindle turns the work, a bar.
+ */
+is_lathe: boolean, 
+/**
+ * Servo period.
+ */
+period_s: number, 
+/**
+ * Its axes, X first.
+ */
+axes: Array<MachineAxis>, 
+/**
+ * Its spindles, the main one first.
+ */
+spindles: Array<MachineSpindle>, 
+/**
+ * What its overrides may be turned to.
+ */
+overrides: OverrideRanges, 
+/**
+ * The workpiece as it is clamped.
+ */
+stock: StockBody | null, 
+/**
+ * Names of the signals that a scope shows.
+ */
+signals: Array<string>, };
+
+export type MachineAxis = { 
+/**
+ * Its letter.
+ */
+letter: string, 
+/**
+ * `linear`, `rotary`.
+ */
+kind: string, 
+/**
+ * `mm`, `deg`.
+ */
+unit: string, 
+/**
+ * Machine coordinate of one end of its travel.
+ */
+travel_from: number, 
+/**
+ * Machine coordinate of the other.
+ */
+travel_to: number, 
+/**
+ * Fastest: units per minute.
+ */
+rapid_per_min: number, 
+/**
+ * Speed of increments, and the fastest as long as it is not homed: units per minute.
+ */
+approach_per_min: number, };
+
+export type MachineSpindle = { 
+/**
+ * Its name.
+ */
+name: string, 
+/**
+ * Fastest.
+ */
+max_rpm: number, };
+
+export type OverrideRanges = { 
+/**
+ * Of the feed.
+ */
+feed: OverrideRange, 
+/**
+ * Of rapids.
+ */
+rapid: OverrideRange, 
+/**
+ * Of the spindle's speed.
+ */
+spindle: OverrideRange, };
+
+export type OverrideRange = { 
+/**
+ * Least.
+ */
+least_percent: number, 
+/**
+ * Most.
+ */
+most_percent: number, };
+
+export type StockBody = { 
+/**
+ * What it is made of.
+ */
+material: string, 
+/**
+ * Corner at the negative ends, mm.
+ */
+from: [number, number, number], 
+/**
+ * Corner at the positive ends, mm; its Z is the surface.
+ */
+to: [number, number, number], 
+/**
+ * Diameter of a bore along Z through its middle, mm; 0: it is solid.
+ */
+bore_mm: number, };
+
+export type ProgramBody = { 
+/**
+ * Its path below the folder of programs.
+ */
+name: string, 
+/**
+ * Its text.
+ */
+text: string, 
+/**
+ * The way of the tool's tip, in the work offset in force when it was loaded.
+ */
+segments: Array<SegmentBody>, 
+/**
+ * What is drilled and tapped.
+ */
+holes: Array<HoleBody>, 
+/**
+ * The way goes on after these segments.
+ */
+is_shortened: boolean, };
+
+export type SegmentBody = { 
+/**
+ * The program's line.
+ */
+line: number, 
+/**
+ * `rapid`, `feed`, `tap`, `thread`, `probe`.
+ */
+kind: string, 
+/**
+ * Places of the tip: X, Y, Z, mm.
+ */
+points: Array<[number, number, number]>, };
+
+export type HoleBody = { 
+/**
+ * The program's line.
+ */
+line: number, 
+/**
+ * `hole`, `tap`.
+ */
+kind: string, 
+/**
+ * Over it, at the R plane, mm.
+ */
+at: [number, number, number], 
+/**
+ * Its programmed depth along Z, mm.
+ */
+bottom: number, };
+
+export type FolderBody = { 
+/**
+ * In the order of their paths.
+ */
+programs: Array<FileBody>, 
+/**
+ * There are more than are listed.
+ */
+is_shortened: boolean, };
+
+export type FileBody = { 
+/**
+ * Below the folder, with `/`.
+ */
+path: string, 
+/**
+ * Its size.
+ */
+bytes: number, 
+/**
+ * When it was changed, seconds since 1970.
+ */
+modified_s: number, };
+
+export type SavedBody = { 
+/**
+ * Below the folder, with `/`.
+ */
+path: string, 
+/**
+ * Its size.
+ */
+bytes: number, };
+
+export type OffsetBody = { 
+/**
+ * As a program writes it.
+ */
+work_offset: string, 
+/**
+ * It is in force.
+ */
+is_active: boolean, 
+/**
+ * Its zero in machine coordinates by axis, mm or degrees.
+ */
+axes: { [key in string]: number }, };
+
+export type ToolBody = { 
+/**
+ * T number.
+ */
+number: number, 
+/**
+ * For people.
+ */
+description: string, 
+/**
+ * `drill`, `spot drill`, `end mill`, `tap`, `polygon cutter`, `insert`, `probe`, `other`.
+ */
+kind: string, 
+/**
+ * From the gauge line to the tip, without wear.
+ */
+length_mm: number, 
+/**
+ * Cutting diameter, without wear.
+ */
+diameter_mm: number, 
+/**
+ * Wear of the length, which is added.
+ */
+wear_length_mm: number, 
+/**
+ * Wear of the radius, which is added.
+ */
+wear_radius_mm: number, };
+
+export type FeatureBody = { 
+/**
+ * Number of its operation.
+ */
+op: number, 
+/**
+ * The program's line.
+ */
+line: number, 
+/**
+ * `hole`, `thread`, `polygon`, `cam`, `turned thread`, `gear`.
+ */
+kind: string, 
+/**
+ * The tool that cut it.
+ */
+tool: number | null, 
+/**
+ * When it was begun, machine time.
+ */
+time_s: number, 
+/**
+ * How long it took.
+ */
+duration_s: number, 
+/**
+ * `good`, `failed`, `not_judged`.
+ */
+verdict: string, 
+/**
+ * Why it is not good.
+ */
+reason: string | null, 
+/**
+ * X and Y of the machine, mm; what is turned about the work's own axis has no place.
+ */
+position: [number, number] | null, 
+/**
+ * Depth of a hole; length of full thread.
+ */
+depth_mm?: number, 
+/**
+ * Depth less the programmed one.
+ */
+depth_error_um?: number, 
+/**
+ * Distance from the programmed place.
+ */
+position_error_um?: number, 
+/**
+ * Diameter of a hole.
+ */
+diameter_mm?: number, 
+/**
+ * Size of a thread.
+ */
+size?: string, 
+/**
+ * Lead of a thread.
+ */
+lead_mm_per_rev?: number, 
+/**
+ * Largest sync error in the material.
+ */
+sync_error_max_um?: number, 
+/**
+ * Depth of the tip at which that was.
+ */
+sync_error_depth_mm?: number, 
+/**
+ * Root of the mean square of it.
+ */
+sync_error_rms_um?: number, 
+/**
+ * Finest class whose gauges agree, `none` if not even the coarsest.
+ */
+class?: string, 
+/**
+ * Class asked.
+ */
+class_asked?: string, 
+/**
+ * Distance of the gauge that limits from its limit; negative is out of tolerance.
+ */
+margin_um?: number, 
+/**
+ * Which gauge that is.
+ */
+limiting_gauge?: string, 
+/**
+ * Pitch diameter of a thread.
+ */
+pitch_diameter_mm?: number, 
+/**
+ * Fastest spindle speed in the material.
+ */
+spin_max_rpm?: number, 
+/**
+ * Largest torque of the cut.
+ */
+torque_max_n_m?: number, 
+/**
+ * The tool was taken out after a stop in the thread.
+ */
+is_recovered?: boolean, };
+
+export type AlarmBody = { 
+/**
+ * Number in the alarm list.
+ */
+number: number, 
+/**
+ * What has happened.
+ */
+text: string, 
+/**
+ * What to do.
+ */
+remedy: string, 
+/**
+ * The program that was under way.
+ */
+program: string | null, 
+/**
+ * Its line; 0 is none.
+ */
+line: number, 
+/**
+ * Machine time.
+ */
+time_s: number, 
+/**
+ * A reset has cleared it.
+ */
+is_cleared: boolean, };
+
+export type SessionOrder = { 
+/**
+ * As the others see it.
+ */
+name: string, 
+/**
+ * Its token, where the server asks for one.
+ */
+token?: string, };
+
+export type SessionBody = { 
+/**
+ * Its id, a secret: sent as `x-leadscrew-session`.
+ */
+session: string, 
+/**
+ * Its name.
+ */
+name: string, 
+/**
+ * `operator`, `viewer`.
+ */
+role: string, 
+/**
+ * It has the right to command now.
+ */
+commands: boolean, };
+
+export type OperatorOrder = { "do": "ask", } | { "do": "grant", } | { "do": "keep", } | { "do": "release", };
+
+export type OperatorBody = { 
+/**
+ * Name of the session that does.
+ */
+holder: string | null, 
+/**
+ * Name of the session that asks for it.
+ */
+asked_by: string | null, 
+/**
+ * When it is handed over without an answer.
+ */
+hands_over_in_s: number | null, };
