@@ -101,6 +101,7 @@ impl Talk {
 
     async fn until_gone(&mut self) -> Result<(), Gone> {
         let mut pictures = self.app.pictures.clone();
+        pictures.mark_unchanged(); // what there is now is told at once
         self.tell_all().await?;
         loop {
             tokio::select! {
