@@ -1,5 +1,5 @@
 //! A control that is served on a free port, and a client of it.
-#![allow(dead_code, clippy::unwrap_used, clippy::missing_panics_doc)] // each test takes what it needs
+#![allow(dead_code, unreachable_pub, clippy::unwrap_used, clippy::missing_panics_doc)] // each test takes what it needs
 
 use control::job::ProgramOptions;
 use control::operation::ControlOptions;
