@@ -1,9 +1,12 @@
 // The addresses of the control. The page uses nothing else of it.
+import type { Finding } from './findings.svelte';
+
 const base = '/api/v1';
 
 /** An answer that is no success: the control's own sentence. */
 export class Refused extends Error {
-  constructor(message: string, readonly remedy: string | null = null, readonly status = 0) {
+  constructor(message: string, readonly remedy: string | null = null, readonly status = 0,
+    readonly findings: Finding[] = []) {
     super(message);
   }
 }
@@ -11,15 +14,24 @@ export class Refused extends Error {
 async function sentence(response: Response): Promise<Refused> {
   const text = await response.text();
   try {
-    const body = JSON.parse(text) as { reason?: string; remedy?: string | null };
-    return new Refused(body.reason ?? text, body.remedy ?? null, response.status);
+    const body = JSON.parse(text) as { reason?: string; remedy?: string | null; findings?: Finding[] };
+    return new Refused(body.reason ?? text, body.remedy ?? null, response.status, body.findings);
   } catch {
     return new Refused(text || `${response.status} ${response.statusText}`, null, response.status);
   }
 }
 
+let session: string | null = null;
+
+/** All that is asked from now on is asked by this session. */
+export function asSession(id: string | null): void {
+  session = id;
+}
+
 async function ask(path: string, init: RequestInit = {}): Promise<Response> {
-  const response = await fetch(base + path, { credentials: 'same-origin', ...init });
+  const headers = new Headers(init.headers);
+  if (session) headers.set('x-leadscrew-session', session);
+  const response = await fetch(base + path, { credentials: 'same-origin', ...init, headers });
   if (!response.ok) throw await sentence(response);
   return response;
 }
@@ -42,5 +54,5 @@ export async function put(path: string, text: string): Promise<Response> {
 }
 
 export function socketAddress(): string {
-  return `${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}${base}/ws`;
+  return `${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}${base}/ws${session ? `?session=${encodeURIComponent(session)}` : ''}`;
 }

@@ -2,11 +2,16 @@
 import { alarms } from './alarms.svelte';
 import { control } from './control.svelte';
 import { cut } from './cut.svelte';
+import { loaded } from './program.svelte';
+import { session } from './session.svelte';
+import { switches } from './switches.svelte';
 import { machine } from './machine.svelte';
 
 export async function begin(): Promise<void> {
   control.watch();
   control.on((message) => cut.take(message));
+  control.on((message) => session.take(message));
+  control.on((message) => switches.take(message));
   if (import.meta.env.DEV && new URLSearchParams(location.search).has('mock')) {
     const { mock } = await import('../dev/mock');
     return mock();
@@ -14,6 +19,8 @@ export async function begin(): Promise<void> {
   control.onOpen(() => {
     void machine.load();
     void alarms.load();
+    void loaded.refresh();
+    void cut.load();
   });
-  control.connect();
+  void control.connect(() => session.open());
 }

@@ -20,7 +20,13 @@ class Control {
   #opened = new Set<() => void>();
   #scope = new Set<(data: ArrayBuffer) => void>();
 
-  connect(): void {
+  /** Connects, and again whenever the connection is gone; `before` opens the session. */
+  async connect(before: () => Promise<boolean>): Promise<void> {
+    if (!(await before())) {
+      this.link = 'lost';
+      setTimeout(() => void this.connect(before), again_ms);
+      return;
+    }
     const socket = new WebSocket(socketAddress());
     socket.binaryType = 'arraybuffer';
     this.#socket = socket;
@@ -34,7 +40,7 @@ class Control {
     };
     socket.onclose = () => {
       this.link = 'lost';
-      setTimeout(() => this.connect(), again_ms);
+      setTimeout(() => void this.connect(before), again_ms);
     };
   }
 
@@ -47,7 +53,7 @@ class Control {
 
   /** A message of the server. */
   take(message: ServerMessage): void {
-    this.#last_ms = performance.now();
+    if (message.type === 'status' || message.type === 'delta') this.#last_ms = performance.now();
     if (message.type === 'status') this.status = message.status as Status;
     else if (message.type === 'delta' && this.status) this.status = { ...this.status, ...(message.status as Partial<Status>) };
     for (const listener of this.#listeners) listener(message);

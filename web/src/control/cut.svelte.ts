@@ -25,8 +25,7 @@ class Cut {
       if (this.worst_um === null || Math.abs(error) > Math.abs(this.worst_um)) this.worst_um = error;
     }
     this.#wasCoupled = error !== null;
-    if (message.type === 'feature') this.features = [...this.features, message.feature as Feature];
-    if (message.type === 'event' && typeof message.feature === 'string') this.last = message.feature;
+    if (message.type === 'event' && message.event === 'feature') this.last = String(message.text);
   }
 }
 

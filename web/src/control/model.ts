@@ -48,12 +48,14 @@ export interface Status {
   alarms: string[];
 }
 
-export interface MachineAxis { letter: string; unit: 'mm' | 'deg'; travel_from: number; travel_to: number; rapid_per_min?: number }
+export interface MachineAxis { letter: string; unit: 'mm' | 'deg'; travel_from: number; travel_to: number; rapid_per_min?: number; approach_per_min?: number }
 export interface Range { least_percent: number; most_percent: number }
 export interface Machine {
   name: string;
   description: string;
   axes: MachineAxis[];
+  period_s?: number;
+  signals?: string[];
   stock: { least: number[]; most: number[] } | null;
   overrides: { feed: Range; rapid: Range; spindle: Range };
 }
@@ -72,3 +74,14 @@ export interface Feature {
 export interface Segment { line: number; kind: string; points: number[][] }
 export interface Hole { line: number; kind: string; at: number[]; bottom?: number }
 export interface Program { name: string; text: string; segments: Segment[]; holes: Hole[] }
+
+export interface Tool {
+  number: number;
+  description: string;
+  kind: string;
+  length_mm: number;
+  diameter_mm: number | null;
+  wear_length_mm: number;
+  wear_radius_mm: number;
+}
+export interface WorkOffset { work_offset: string; is_active: boolean; axes: Record<string, number> }

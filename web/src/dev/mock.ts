@@ -8,7 +8,29 @@ import { machine } from '../control/machine.svelte';
 const xs = [12, 44, 76, 108, 108, 76, 44, 12, 12, 44, 76, 108];
 const ys = [12, 12, 12, 12, 40, 40, 40, 40, 68, 68, 68, 68];
 
+const answers: Record<string, unknown> = {
+  '/api/v1/offsets': [{ work_offset: 'G54', is_active: true, axes: { X: -250, Y: -200.4, Z: -299.981 } }, { work_offset: 'G55', is_active: false, axes: { X: 0, Y: 0, Z: 0 } }],
+  '/api/v1/tools': [1, 2, 3].map((number) => ({ number, description: ['Centre drill', 'Drill 5 mm', 'Tap M6 6H'][number - 1], kind: ['drill', 'drill', 'tap'][number - 1], length_mm: 100 + number, diameter_mm: number * 2, wear_length_mm: 0, wear_radius_mm: -0.01 })),
+  '/api/v1/alarms': [
+    { number: 201, text: 'Y: following error of 2.4 mm, 2.0 mm are allowed', remedy: 'See what holds the axis, then reset.', program: 'plate-12xM6.ngc', line: 17, time_s: 12.3, is_cleared: true },
+    { number: 105, text: 'the encoder of spindle 0 says nothing', remedy: 'Look at its cable, then reset.', program: 'plate-12xM6.ngc', line: 27, time_s: 81.9, is_cleared: false },
+  ],
+  '/api/v1/programs': { programs: [{ path: 'plate-12xM6.ngc', bytes: 800, modified_s: 1 }, { path: 'flange/bolt-circle.ngc', bytes: 15000, modified_s: 1 }], is_shortened: false },
+};
+
+function answer(): void {
+  const real = window.fetch.bind(window);
+  window.fetch = (input, init) => {
+    const path = String(input);
+    if (path in answers) return Promise.resolve(Response.json(answers[path]));
+    if (path.startsWith('/api/v1/programs/')) return Promise.resolve(new Response(loaded.program?.text ?? ''));
+    return path.startsWith('/api/v1/') ? Promise.resolve(Response.json({ accepted: false, reason: 'this is a mock', remedy: null }, { status: 409 })) : real(input, init);
+  };
+}
+
 export function mock(): void {
+  answer();
+  const how = new URLSearchParams(location.search).get('mock');
   const holes: Hole[] = xs.map((x, i) => ({ line: 10 + i, kind: 'tap', at: [x, ys[i] ?? 0, 0], bottom: -20 }));
   const segments: Segment[] = holes.flatMap((hole, i) => {
     const [x = 0, y = 0] = hole.at;
@@ -21,11 +43,12 @@ export function mock(): void {
   machine.facts = {
     name: 'tapping-center', description: '', stock: { least: [0, 0, -25], most: [120, 80, 0] },
     axes: ['X', 'Y', 'Z'].map((letter) => ({ letter, unit: 'mm', travel_from: letter === 'Z' ? -400 : -500, travel_to: 0, rapid_per_min: 50000 })),
+    signals: ['X.setpoint_mm', 'X.position_mm', 'Z.setpoint_mm', 'Z.position_mm', 'spindle0.ordered_rpm', 'spindle0.angle_deg', 'sync_error_um'],
     overrides: { feed: { least_percent: 0, most_percent: 200 }, rapid: { least_percent: 0, most_percent: 100 }, spindle: { least_percent: 50, most_percent: 120 } },
   };
   const text = ['(Plate: 12 x M6)', 'G21 G17 G40 G49 G80 G90', 'T3 M6', 'G43 H3', 'S6000 M3', 'G0 X12 Y12 Z30', 'G99 G84 X12 Y12 Z-20 R5 F6000', ...xs.map((x, i) => `X${x} Y${ys[i]}`), 'G80', 'M30'].join('\n');
   loaded.show({ name: 'plate-12xM6.ngc', text, segments, holes });
-  cut.features = xs.slice(0, 7).map((x, i): Feature => ({ line: 10 + i, kind: 'thread', verdict: i === 5 ? 'not_judged' : 'good', reason: null, tool: 3, time_s: i, position: [x, ys[i] ?? 0, 0] }));
+  cut.features = xs.slice(0, 7).map((x, i): Feature => ({ line: 10 + i, kind: 'thread', verdict: i === 5 ? 'not_judged' : 'good', reason: null, tool: 3, time_s: i, position: [x, ys[i] ?? 0], depth_mm: 20.013, depth_error_um: 13, sync_error_max_um: 1.4 + i / 10, class: '6H', margin_um: 41 }));
   cut.last = 'line 16: thread: good';
   const begun = performance.now();
   setInterval(() => {
@@ -40,6 +63,8 @@ export function mock(): void {
       program: { name: 'plate-12xM6.ngc', line: 14, planned_s: 62, elapsed_s: s }, sync_error_um: -0.4 + Math.sin(s * 9), is_tool_in_work: true,
       features: { good: 6, failed: 0, not_judged: 1 }, alarms: [],
     };
+    if (how === 'stuck') Object.assign(status, { execution: 'STOPPED', activity: 'idle', sync_error_um: -3.2, alarms: ['the encoder of spindle 0 says nothing'] });
+    if (how === 'manual') Object.assign(status, { execution: 'READY', mode: 'MANUAL', activity: 'idle', sync_error_um: null, is_tool_in_work: false });
     control.link = 'open';
     control.take({ type: 'status', status });
     cut.take({ type: 'status' });

@@ -1,0 +1,16 @@
+// What the control found wrong with a program, by its name.
+export interface Finding { line: number; column: number; code: string; severity: string; message: string; help: string | null }
+
+class Findings {
+  #of = $state.raw<Record<string, Finding[]>>({});
+
+  set(name: string, findings: Finding[]): void {
+    this.#of = { ...this.#of, [name]: findings };
+  }
+
+  of(name: string): Finding[] {
+    return this.#of[name] ?? [];
+  }
+}
+
+export const findings = new Findings();

@@ -1,0 +1,35 @@
+// What is drawn of a record: no more points than the picture can show, with the least and the largest of each group kept.
+import type { SampleRecord } from './record';
+
+export interface Drawn { times: number[]; traces: (number | null)[][] }
+
+export function drawn(record: SampleRecord, from_s: number, to_s: number, zero_s: number, most_points: number): Drawn {
+  const first = Math.max(0, record.rowAt(from_s));
+  const end = Math.min(record.rows, record.rowAt(to_s) + 1);
+  const group = Math.max(1, Math.ceil((end - first) / most_points) * 2);
+  const times: number[] = [];
+  const columns = record.signals.map((_, index) => record.column(index));
+  const traces = columns.map((): (number | null)[] => []);
+  for (let row = first; row < end; row += group) {
+    const to = Math.min(end, row + group);
+    const half = group > 1 ? 2 : 1;
+    for (let k = 0; k < half; k++) times.push(record.start_s - zero_s + (row + (k * group) / 2) * record.period_s);
+    columns.forEach((column, index) => {
+      const [least, most, isLeastFirst] = extremes(column, row, to);
+      const trace = traces[index];
+      if (half === 1) trace?.push(least);
+      else trace?.push(isLeastFirst ? least : most, isLeastFirst ? most : least);
+    });
+  }
+  return { times, traces };
+}
+
+function extremes(column: Float32Array, from: number, to: number): [number | null, number | null, boolean] {
+  let [least, most, leastAt, mostAt] = [Infinity, -Infinity, 0, 0];
+  for (let row = from; row < to; row++) {
+    const value = column[row] ?? NaN;
+    if (value < least) [least, leastAt] = [value, row];
+    if (value > most) [most, mostAt] = [value, row];
+  }
+  return Number.isFinite(least) ? [least, most, leastAt <= mostAt] : [null, null, true];
+}
