@@ -3,7 +3,7 @@ import { svelte } from '@sveltejs/vite-plugin-svelte';
 import { defineConfig } from 'vite';
 
 // `npm run dev` shows the page against a server that runs already.
-const server = process.env.LEADSCREW_URL ?? 'http://127.0.0.1:8080';
+const server = process.env.LEADSCREW_URL ?? 'http://127.0.0.1:8383';
 
 export default defineConfig({
   plugins: [svelte()],

@@ -1,9 +1,14 @@
 // What the workpiece has so far, feature by feature, and the largest sync error since a tool went into the work.
 import { get } from './api';
+import { mapOf, shiftOf } from './holes';
+import { loaded } from './program.svelte';
 import type { Feature } from './model';
 import { control, type ServerMessage } from './control.svelte';
 
 class Cut {
+  /** The shift from machine to work coordinates; equal pairs are one, so that the map is made anew only when it moves. */
+  #shiftText = $derived(shiftOf(control.status?.axes ?? []).join(' '));
+  map = $derived(mapOf(loaded.program?.holes ?? [], this.features, this.#shiftText.split(' ').map(Number) as [number, number]));
   features = $state.raw<Feature[]>([]);
   worst_um = $state<number | null>(null);
   last = $state<string | null>(null);

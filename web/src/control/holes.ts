@@ -1,12 +1,16 @@
 // The map of holes: each place of the program with the worst verdict of what was cut there.
-import type { Feature, Hole, Verdict } from './model';
+import type { AxisStatus, Feature, Hole, Verdict } from './model';
 
 export type MapVerdict = Verdict | 'none';
 export interface MapHole { key: string; line: number; x: number; y: number; verdict: MapVerdict; done: number; of: number }
 const rank: Record<MapVerdict, number> = { none: 0, good: 1, not_judged: 2, failed: 3 };
 const keyOf = (at: readonly number[]) => `${(at[0] ?? 0).toFixed(2)} ${(at[1] ?? 0).toFixed(2)}`;
 
-export function mapOf(holes: Hole[], features: Feature[]) {
+/** A feature lies where it was measured: this far from its place at most, mm. */
+const nearby_mm = 0.5;
+
+/** `shift`: from the machine coordinates of the features to those of the holes, x and y. */
+export function mapOf(holes: Hole[], features: Feature[], shift: readonly [number, number] = [0, 0]) {
   const places = new Map<string, MapHole>();
   for (const hole of holes) {
     const key = keyOf(hole.at);
@@ -15,7 +19,7 @@ export function mapOf(holes: Hole[], features: Feature[]) {
     else places.set(key, { key, line: hole.line, x: hole.at[0] ?? 0, y: hole.at[1] ?? 0, verdict: 'none', done: 0, of: 1 });
   }
   for (const feature of features) {
-    const place = feature.position ? places.get(keyOf(feature.position)) : undefined;
+    const place = feature.position ? placeOf(places, (feature.position[0] ?? 0) + shift[0], (feature.position[1] ?? 0) + shift[1]) : null;
     if (!place) continue;
     place.done += 1;
     if (rank[feature.verdict] > rank[place.verdict]) place.verdict = feature.verdict;
@@ -32,6 +36,13 @@ export function mapOf(holes: Hole[], features: Feature[]) {
   return { holes: all, r, said, box: `${x0 - pad} ${y0 - pad} ${x1 - x0 + 2 * pad} ${y1 - y0 + 2 * pad}` };
 }
 
+function placeOf(places: Map<string, MapHole>, x: number, y: number): MapHole | null {
+  const there = places.get(keyOf([x, y]));
+  if (there) return there;
+  for (const place of places.values()) if (Math.hypot(place.x - x, place.y - y) < nearby_mm) return place;
+  return null;
+}
+
 function nearest(holes: MapHole[]): number {
   let least = Infinity;
   for (let i = 0; i < Math.min(holes.length, 400); i++) {
@@ -41,4 +52,13 @@ function nearest(holes: MapHole[]): number {
     }
   }
   return Number.isFinite(least) ? least : 30;
+}
+
+/** From machine coordinates to those of the work offset in force, of x and y. */
+export function shiftOf(axes: readonly AxisStatus[]): [number, number] {
+  const of = (letter: string) => {
+    const axis = axes.find((axis) => axis.letter === letter);
+    return axis ? Math.round((axis.work - axis.machine) * 1000) / 1000 : 0;
+  };
+  return [of('X'), of('Y')];
 }

@@ -56,7 +56,8 @@ export interface Machine {
   axes: MachineAxis[];
   period_s?: number;
   signals?: string[];
-  stock: { least: number[]; most: number[] } | null;
+  stock: { from: number[]; to: number[] } | null;
+  is_lathe?: boolean;
   overrides: { feed: Range; rapid: Range; spindle: Range };
 }
 

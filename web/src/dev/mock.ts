@@ -41,14 +41,14 @@ export function mock(): void {
     ];
   });
   machine.facts = {
-    name: 'tapping-center', description: '', stock: { least: [0, 0, -25], most: [120, 80, 0] },
+    name: 'tapping-center', description: '', stock: { from: [0, 0, -25], to: [120, 80, 0] },
     axes: ['X', 'Y', 'Z'].map((letter) => ({ letter, unit: 'mm', travel_from: letter === 'Z' ? -400 : -500, travel_to: 0, rapid_per_min: 50000 })),
     signals: ['X.setpoint_mm', 'X.position_mm', 'Z.setpoint_mm', 'Z.position_mm', 'spindle0.ordered_rpm', 'spindle0.angle_deg', 'sync_error_um'],
     overrides: { feed: { least_percent: 0, most_percent: 200 }, rapid: { least_percent: 0, most_percent: 100 }, spindle: { least_percent: 50, most_percent: 120 } },
   };
   const text = ['(Plate: 12 x M6)', 'G21 G17 G40 G49 G80 G90', 'T3 M6', 'G43 H3', 'S6000 M3', 'G0 X12 Y12 Z30', 'G99 G84 X12 Y12 Z-20 R5 F6000', ...xs.map((x, i) => `X${x} Y${ys[i]}`), 'G80', 'M30'].join('\n');
   loaded.show({ name: 'plate-12xM6.ngc', text, segments, holes });
-  cut.features = xs.slice(0, 7).map((x, i): Feature => ({ line: 10 + i, kind: 'thread', verdict: i === 5 ? 'not_judged' : 'good', reason: null, tool: 3, time_s: i, position: [x, ys[i] ?? 0], depth_mm: 20.013, depth_error_um: 13, sync_error_max_um: 1.4 + i / 10, class: '6H', margin_um: 41 }));
+  cut.features = xs.slice(0, 7).map((x, i): Feature => ({ line: 10 + i, kind: 'thread', verdict: i === 5 ? 'not_judged' : 'good', reason: null, tool: 3, time_s: i, position: [x - 250, (ys[i] ?? 0) - 250], depth_mm: 20.013, depth_error_um: 13, sync_error_max_um: 1.4 + i / 10, class: '6H', margin_um: 41 }));
   cut.last = 'line 16: thread: good';
   const begun = performance.now();
   setInterval(() => {

@@ -1,0 +1,105 @@
+// Every page at three widths, light and dark: no serious finding of axe, nothing beyond the edge, the weight as promised.
+import assert from 'node:assert/strict';
+import { mkdirSync, readdirSync, readFileSync } from 'node:fs';
+import { after, before, test } from 'node:test';
+import { fileURLToPath } from 'node:url';
+import { gzipSync } from 'node:zlib';
+import axe from 'axe-core';
+import { browser, key, open, press, Server, until } from './helpers.mjs';
+
+const pages = ['machine', 'program', 'offsets', 'results', 'scope', 'alarms'];
+const heights = { 360: 780, 1280: 800, 2560: 1440 };
+const shots = process.env.SHOTS;
+let server; let on;
+before(async () => {
+  server = await Server.start();
+  on = await browser();
+  await fetch(`${server.url}/api/v1/request`, { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify({ request: 'load', program: 'plate-12xM6.ngc' }) });
+  if (shots) mkdirSync(shots, { recursive: true });
+});
+after(async () => {
+  await on?.close();
+  await server?.stop();
+});
+
+for (const width of [360, 1280, 2560]) {
+  for (const colorScheme of ['light', 'dark']) {
+    test(`pages at ${width} px, ${colorScheme}`, { timeout: 60_000 }, async () => {
+      const page = await open(on, server, { viewport: { width, height: heights[width] }, colorScheme });
+      for (const name of pages) {
+        await page.goto(`${server.url}/#${name}`);
+        await page.waitForTimeout(350);
+        if (shots) await page.screenshot({ path: `${shots}/${name}-${width}-${colorScheme}.png` });
+        assert.equal(await page.evaluate(() => document.documentElement.scrollWidth > innerWidth), false, `${name} is wider than the screen`);
+        if (width === 2560) continue;
+        await page.evaluate(axe.source);
+        const { violations } = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ['violations'] }));
+        const serious = violations.filter(({ impact }) => impact === 'serious' || impact === 'critical');
+        assert.deepEqual(serious.map(({ id, nodes }) => `${name}: ${id}: ${nodes.map((node) => node.target).join(' ')}`), []);
+      }
+      assert.deepEqual(page.faults, []);
+      await page.context().close();
+    });
+  }
+}
+
+test('every key that is shown is 44 px high at least', async () => {
+  const page = await open(on, server, { viewport: { width: 360, height: 780 }, hasTouch: true });
+  const small = await page.evaluate(() => [...document.querySelectorAll('.key, nav a')].filter((node) => node.offsetParent && node.getBoundingClientRect().height < 43.9).map((node) => node.textContent));
+  assert.deepEqual(small, []);
+});
+
+test('the keyboard leads it: pages, keys, the list of keys', async () => {
+  const page = await open(on, server);
+  await page.keyboard.press('F2');
+  await until('power is on', async () => (await server.status()).power === 'ON');
+  await page.keyboard.press('?');
+  await page.getByRole('dialog').getByText('Stop request').waitFor();
+  await page.keyboard.press('Escape');
+  await page.keyboard.press('4');
+  await page.getByText('The first hole appears here').waitFor();
+});
+
+test('a tool is edited in place, in inches too', async () => {
+  const page = await open(on, server, { hash: '#offsets' });
+  await page.getByRole('button', { name: /^T1 Wear of length/ }).click();
+  await page.getByRole('textbox', { name: 'T1 Wear of length' }).fill('-0.25');
+  await page.keyboard.press('Enter');
+  await until('it is set', async () => Math.abs((await server.get('tools')).find((tool) => tool.number === 1).wear_length_mm + 0.25) < 1e-9);
+  await page.keyboard.press('?');
+  await page.getByLabel('Unit').selectOption('inch');
+  await page.keyboard.press('Escape');
+  await page.getByRole('button', { name: 'T1 Wear of length −0.0098' }).waitFor();
+});
+
+test('the scope shows samples of the servo loop', async () => {
+  const page = await open(on, server, { hash: '#scope' });
+  await press(page, 'Run');
+  await page.locator('.trace canvas').first().waitFor();
+  await press(page, 'Stop');
+  await page.getByText('Taken.').waitFor();
+  assert.deepEqual(page.faults, []);
+});
+
+test('a program that cannot be cut is refused with its findings, and mended', async () => {
+  const page = await open(on, server, { hash: '#program' });
+  await page.getByLabel('Name of the program').fill('wrong.ngc');
+  await page.locator('.editor .cm-content').click();
+  await page.keyboard.type('G21 G90\nG0 X9999\nM30\n');
+  await press(page, 'Load');
+  await page.getByTestId('message').waitFor();
+  await page.locator('.findings').getByText('Line 2').first().waitFor();
+  await key(page, 'Save').waitFor();
+});
+
+test('the page without the editor weighs 450 kB at most, compressed', (t) => {
+  const folder = fileURLToPath(new URL('../../crates/server/page/assets/', import.meta.url));
+  const sizes = readdirSync(folder).filter((name) => !name.startsWith('editor') && !name.endsWith('.woff')).map((name) => {
+    const bytes = readFileSync(folder + name);
+    return name.endsWith('.woff2') ? bytes.length : gzipSync(bytes, { level: 9 }).length;
+  });
+  const kilobytes = sizes.reduce((all, size) => all + size, 0) / 1000;
+  t.diagnostic(`${kilobytes.toFixed(1)} kB`);
+  console.log(`page without the editor: ${kilobytes.toFixed(1)} kB compressed`);
+  assert.ok(kilobytes <= 450);
+});
