@@ -16,5 +16,18 @@ export default defineConfig({
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 800,
   },
-  server: { proxy: { '/api': { target: server, ws: true, changeOrigin: true } } },
+  server: {
+    proxy: {
+      '/api': {
+        target: server,
+        ws: true,
+        changeOrigin: true,
+        // The server answers pages of its own origin only; this page is served by Vite while one works on it.
+        configure: (proxy) => {
+          proxy.on('proxyReq', (request) => request.setHeader('origin', server));
+          proxy.on('proxyReqWs', (request) => request.setHeader('origin', server));
+        },
+      },
+    },
+  },
 });

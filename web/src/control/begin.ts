@@ -2,6 +2,7 @@
 import { alarms } from './alarms.svelte';
 import { control } from './control.svelte';
 import { cut } from './cut.svelte';
+import { messages } from './messages.svelte';
 import { loaded } from './program.svelte';
 import { session } from './session.svelte';
 import { switches } from './switches.svelte';
@@ -11,6 +12,11 @@ export async function begin(): Promise<void> {
   control.watch();
   control.on((message) => cut.take(message));
   control.on((message) => session.take(message));
+  control.on((message) => {
+    if (message.type !== 'event') return;
+    if (message.event === 'notice') messages.say('note', String(message.text));
+    if (message.event === 'alarm') void alarms.load();
+  });
   control.on((message) => switches.take(message));
   if (import.meta.env.DEV && new URLSearchParams(location.search).has('mock')) {
     const { mock } = await import('../dev/mock');

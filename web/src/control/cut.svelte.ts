@@ -6,10 +6,10 @@ import type { Feature } from './model';
 import { control, type ServerMessage } from './control.svelte';
 
 class Cut {
+  features = $state.raw<Feature[]>([]);
   /** The shift from machine to work coordinates; equal pairs are one, so that the map is made anew only when it moves. */
   #shiftText = $derived(shiftOf(control.status?.axes ?? []).join(' '));
   map = $derived(mapOf(loaded.program?.holes ?? [], this.features, this.#shiftText.split(' ').map(Number) as [number, number]));
-  features = $state.raw<Feature[]>([]);
   worst_um = $state<number | null>(null);
   last = $state<string | null>(null);
   #wasCoupled = false;

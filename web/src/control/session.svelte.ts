@@ -18,7 +18,6 @@ class Session {
   role = $state<'operator' | 'viewer'>('operator');
   holder = $state<string | null>(null);
   askedBy = $state<string | null>(null);
-  handsOverIn_s = $state<number | null>(null);
 
   /** Opens a session; again after the server was gone. False: it does not answer. */
   async open(): Promise<boolean> {
@@ -38,7 +37,6 @@ class Session {
     if (message.type !== 'operator') return;
     this.holder = (message.holder as string | null) ?? null;
     this.askedBy = (message.asked_by as string | null) ?? null;
-    this.handsOverIn_s = (message.hands_over_in_s as number | null) ?? null;
   }
 
   get isHolder(): boolean {

@@ -50,7 +50,7 @@ export const t = {
   operator: 'operator',
   asks: (name: string) => `${name} asks for the machine`,
   grant: 'Give', keep: 'Keep', ask: 'Take over',
-  asked: (seconds: number | null) => (seconds === null ? 'Asked' : `Asked: ${Math.ceil(seconds)} s`),
+  asked: 'Asked',
   viewer: 'viewer',
   stopRequest: 'Stop request',
   stopRequestWhy: 'A request to stop at once. The emergency stop is the red button on the machine.',
@@ -75,7 +75,7 @@ export const t = {
   locked: 'locked by cycle',
   less: (what: string) => `${what} less`,
   more: (what: string) => `${what} more`,
-  normal: '100 %',
+  normal: 'set 100 %',
 
   cut: 'Cut',
   ordered: 'ordered',
@@ -94,6 +94,7 @@ export const t = {
   last: 'Last',
 
   program: 'Program',
+  programLines: 'Lines of the program',
   noProgram: 'No program. Drop one here, or open one on the page Program.',
   timeLeft: 'left',
   of: 'of',
@@ -120,8 +121,7 @@ export const t = {
   step: 'Step',
   handwheel: 'Handwheel',
   handwheelOf: (axis: string) => `Handwheel ${axis}: turn by wheel, drag or arrow keys`,
-  jogKey: (axis: string, sign: string) => `Jog ${axis} ${sign === '+' ? 'plus' : 'minus'}`,
-  toLimit: (distance: string) => `${distance} to limit`,
+  toLimit: 'to limit',
   speed: 'Speed',
   mdiHint: 'A block, or several separated by ;',
   execute: 'Execute',
@@ -142,6 +142,7 @@ export const t = {
 
   keys: 'Keys',
   keysHint: 'Single keys act on the page Machine while no field is edited.',
+  pages: 'Pages',
   runKeys: 'Run',
   holeMap: 'Map of holes',
   setKeys: 'Set up',
