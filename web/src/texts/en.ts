@@ -137,6 +137,8 @@ export const t = {
   noPath: 'The tool path of the program appears here.',
   noWebgl: 'This browser draws no 3-D picture (WebGL is off).',
   line: (n: number) => `Line ${n}`,
+  scrub: 'Go along the path',
+  whole: 'whole path',
   done: 'done', toCome: 'to come',
   kinds: { rapid: 'rapid', feed: 'feed', tap: 'tap', thread: 'thread' } as Record<string, string>,
 

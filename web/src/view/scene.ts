@@ -1,16 +1,15 @@
 // The picture: path, holes, stock and tool in 3-D. It draws when something has changed and never else.
 import {
-  AmbientLight, BoxGeometry, BufferAttribute, BufferGeometry, CircleGeometry, Color, CylinderGeometry, DirectionalLight,
-  DoubleSide, EdgesGeometry, GridHelper, Group, InstancedMesh, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial,
-  MeshLambertMaterial, OrthographicCamera, Scene, Vector3, WebGLRenderer,
+  AmbientLight, BufferAttribute, BufferGeometry, Color, CylinderGeometry, DirectionalLight, Group, LineBasicMaterial, LineSegments,
+  Mesh, MeshLambertMaterial, OrthographicCamera, Scene, Vector3, WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { color } from '../theme/colors';
 import type { MapHole } from '../control/holes';
+import { discsOf, gridUnder, nearestPair, pairsOf, stockParts, type Stock } from './parts';
 import type { PathArrays } from './path';
 
 export type ViewName = 'top' | 'front' | 'side' | 'iso';
-export interface Stock { least: number[]; most: number[] }
 
 /** Pictures follow one another by so much at least, and take a fifth of the time at most: the digits come first. */
 const least_ms = 33;
@@ -66,44 +65,18 @@ export class PathScene {
       new LineSegments(this.#done, new LineBasicMaterial({ color: color('path-done') })),
       new LineSegments(this.#toCome, new LineBasicMaterial({ vertexColors: true })),
     );
-    if (stock) this.#addStock(stock);
+    if (stock) this.#drawn.add(...stockParts(stock));
     this.#scene.background = new Color(color('scene'));
     (this.#tool.material as MeshLambertMaterial).color.set(color('tool'));
-    this.#addGrid(path);
+    if (!this.isLathe && Number.isFinite(path.least[0])) this.#drawn.add(gridUnder(this.#least, this.#most));
     this.progress(0);
-  }
-
-  #addStock({ least, most }: Stock): void {
-    const size = [0, 1, 2].map((axis) => Math.max(0.01, (most[axis] ?? 0) - (least[axis] ?? 0)));
-    const box = new BoxGeometry(size[0], size[1], size[2]);
-    const at = new Vector3(...[0, 1, 2].map((axis) => ((most[axis] ?? 0) + (least[axis] ?? 0)) / 2));
-    const solid = new Mesh(box, new MeshLambertMaterial({ color: color('stock'), transparent: true, opacity: 0.28, depthWrite: false }));
-    const edges = new LineSegments(new EdgesGeometry(box), new LineBasicMaterial({ color: color('stock') }));
-    for (const part of [solid, edges]) { part.position.copy(at); this.#drawn.add(part); }
-  }
-
-  #addGrid(path: PathArrays): void {
-    if (this.isLathe || !Number.isFinite(path.least[0])) return;
-    const size = Math.ceil(Math.max(path.most[0] - path.least[0], path.most[1] - path.least[1], 20) / 50 + 1) * 50;
-    const grid = new GridHelper(size, size / 10, color('scene-grid'), color('scene-grid'));
-    grid.rotateX(Math.PI / 2);
-    const middle = (axis: 0 | 1) => Math.round((path.least[axis] + path.most[axis]) / 20) * 10;
-    grid.position.set(middle(0), middle(1), (this.#least[2] ?? 0) - 0.2);
-    this.#drawn.add(grid);
   }
 
   /** Holes in the colour of their verdict. */
   holes(holes: MapHole[], radius: number): void {
     const old = this.#scene.getObjectByName('holes');
     if (old) this.#scene.remove(old);
-    const discs = new InstancedMesh(new CircleGeometry(1, 24), new MeshBasicMaterial({ side: DoubleSide }), Math.max(1, holes.length));
-    discs.name = 'holes';
-    discs.count = holes.length;
-    const names = { good: 'good', failed: 'failed', not_judged: 'not-judged', none: 'path-done' };
-    holes.forEach((hole, index) => {
-      discs.setMatrixAt(index, new Matrix4().makeScale(radius, radius, 1).setPosition(hole.x, hole.y, 0.1));
-      discs.setColorAt(index, new Color(color(names[hole.verdict])));
-    });
+    const discs = discsOf(holes, radius);
     this.#scene.add(discs);
     this.draw();
   }
@@ -172,21 +145,7 @@ export class PathScene {
   pick(x: number, y: number): number | null {
     const path = this.#path;
     if (!path) return null;
-    const { clientWidth: width, clientHeight: height } = this.canvas;
-    const seen = (index: number) => {
-      const at = new Vector3().fromArray(path.points, index).project(this.#camera);
-      return [((at.x + 1) / 2) * width, ((1 - at.y) / 2) * height] as const;
-    };
-    let best: number | null = null;
-    let nearest = 14;
-    for (let pair = 0; pair < path.lines.length; pair++) {
-      const [a, b] = [seen(pair * 6), seen(pair * 6 + 3)];
-      const length = (b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2;
-      const along = length > 0 ? Math.min(1, Math.max(0, ((x - a[0]) * (b[0] - a[0]) + (y - a[1]) * (b[1] - a[1])) / length)) : 0;
-      const distance = Math.hypot(x - a[0] - along * (b[0] - a[0]), y - a[1] - along * (b[1] - a[1]));
-      if (distance < nearest) [nearest, best] = [distance, pair];
-    }
-    return best;
+    return nearestPair(path, this.#camera, this.canvas, x, y);
   }
 
   /** Marks the pairs of a line. */
@@ -195,12 +154,7 @@ export class PathScene {
     if (old) this.#scene.remove(old);
     const path = this.#path;
     if (path && line !== null) {
-      const chosen: number[] = [];
-      path.lines.forEach((of, pair) => { if (of === line) chosen.push(...path.points.subarray(pair * 6, pair * 6 + 6)); });
-      const geometry = new BufferGeometry().setAttribute('position', new BufferAttribute(new Float32Array(chosen), 3));
-      const marked = new LineSegments(geometry, new LineBasicMaterial({ color: color('text'), depthTest: false }));
-      marked.name = 'marked';
-      marked.renderOrder = 2;
+      const marked = pairsOf(path, line);
       this.#scene.add(marked);
     }
     this.draw();
