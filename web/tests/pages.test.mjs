@@ -10,11 +10,15 @@ import { browser, key, open, press, Server, until } from './helpers.mjs';
 const pages = ['machine', 'program', 'offsets', 'results', 'scope', 'alarms'];
 const heights = { 360: 780, 1280: 800, 2560: 1440 };
 const shots = process.env.SHOTS;
-let server; let on;
+let server; let on; let operator;
 before(async () => {
   server = await Server.start();
   on = await browser();
-  await fetch(`${server.url}/api/v1/request`, { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify({ request: 'load', program: 'plate-12xM6.ngc' }) });
+  // One tab commands; the others look.
+  operator = await open(on, server, { hash: '#program' });
+  await operator.getByRole('button', { name: /^plate-12xM6\.ngc/ }).click();
+  await press(operator, 'Load');
+  await until('it is loaded', async () => (await server.status()).program !== null);
   if (shots) mkdirSync(shots, { recursive: true });
 });
 after(async () => {
@@ -50,7 +54,8 @@ test('every key that is shown is 44 px high at least', async () => {
 });
 
 test('the keyboard leads it: pages, keys, the list of keys', async () => {
-  const page = await open(on, server);
+  const page = operator;
+  await page.goto(`${server.url}/#machine`);
   await page.keyboard.press('F2');
   await until('power is on', async () => (await server.status()).power === 'ON');
   await page.keyboard.press('?');
@@ -61,7 +66,8 @@ test('the keyboard leads it: pages, keys, the list of keys', async () => {
 });
 
 test('a tool is edited in place, in inches too', async () => {
-  const page = await open(on, server, { hash: '#offsets' });
+  const page = operator;
+  await page.goto(`${server.url}/#offsets`);
   await page.getByRole('button', { name: /^T1 Wear of length/ }).click();
   await page.getByRole('textbox', { name: 'T1 Wear of length' }).fill('-0.25');
   await page.keyboard.press('Enter');
@@ -73,7 +79,8 @@ test('a tool is edited in place, in inches too', async () => {
 });
 
 test('the scope shows samples of the servo loop', async () => {
-  const page = await open(on, server, { hash: '#scope' });
+  const page = operator;
+  await page.goto(`${server.url}/#scope`);
   await press(page, 'Run');
   await page.locator('.trace canvas').first().waitFor();
   await press(page, 'Stop');
@@ -82,7 +89,8 @@ test('the scope shows samples of the servo loop', async () => {
 });
 
 test('a program that cannot be cut is refused with its findings, and mended', async () => {
-  const page = await open(on, server, { hash: '#program' });
+  const page = operator;
+  await page.goto(`${server.url}/#program`);
   await page.getByLabel('Name of the program').fill('wrong.ngc');
   await page.locator('.editor .cm-content').click();
   await page.keyboard.type('G21 G90\nG0 X9999\nM30\n');

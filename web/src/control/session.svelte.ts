@@ -1,16 +1,18 @@
 // Who this page is to the control, and who commands the machine.
-import { asSession, Refused, send } from './api';
+import { asSession, get, Refused, send } from './api';
 import type { ServerMessage } from './control.svelte';
 import { messages } from './messages.svelte';
 import { sentenceOf } from './requests';
 
-interface Opened { session: string; name: string; role: 'operator' | 'viewer'; commands: boolean }
-const kept = 'leadscrew.name';
+interface Opened { session: string; name: string; role: 'operator' | 'viewer' }
+const keptAs = 'leadscrew.session';
 
-function ownName(): string {
-  const name = sessionStorage.getItem(kept) ?? `page-${Math.floor(100 + Math.random() * 900)}`;
-  sessionStorage.setItem(kept, name);
-  return name;
+function kept(): Opened | null {
+  try {
+    return JSON.parse(sessionStorage.getItem(keptAs) ?? 'null') as Opened | null;
+  } catch {
+    return null;
+  }
 }
 
 class Session {
@@ -18,19 +20,45 @@ class Session {
   role = $state<'operator' | 'viewer'>('operator');
   holder = $state<string | null>(null);
   askedBy = $state<string | null>(null);
+  /** The server asks for a token: it listens beyond this computer. */
+  needsToken = $state(false);
+  #token: string | null = null;
 
-  /** Opens a session; again after the server was gone. False: it does not answer. */
+  /** Goes on with the session of this tab, which has outlived a reload, or opens one. False: there is none. */
   async open(): Promise<boolean> {
+    const old = kept();
     try {
-      const opened = await send<Opened>('/session', { name: ownName() });
+      const opened = (await this.#goOn(old)) ?? (await send<Opened>('/session', { name: old?.name ?? `page-${Math.floor(100 + Math.random() * 900)}`, ...(this.#token ? { token: this.#token } : {}) }));
       asSession(opened.session);
+      sessionStorage.setItem(keptAs, JSON.stringify(opened));
       this.name = opened.name;
       this.role = opened.role;
+      this.needsToken = false;
       return true;
     } catch (error) {
-      asSession(null);
-      return error instanceof Refused && error.status === 404;
+      this.needsToken = error instanceof Refused && error.status === 401;
+      if (this.needsToken && this.#token) messages.say('refused', sentenceOf(error));
+      return false;
     }
+  }
+
+  async #goOn(old: Opened | null): Promise<Opened | null> {
+    if (!old) return null;
+    asSession(old.session);
+    try {
+      await get('/operator');
+      return old;
+    } catch (error) {
+      if (!(error instanceof Refused)) throw error;
+      asSession(null);
+      return null;
+    }
+  }
+
+  /** With this token from now on. */
+  use(token: string): void {
+    this.#token = token;
+    this.needsToken = false;
   }
 
   take(message: ServerMessage): void {

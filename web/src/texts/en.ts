@@ -144,6 +144,9 @@ export const t = {
 
   keys: 'Keys',
   keysHint: 'Single keys act on the page Machine while no field is edited.',
+  token: 'Token',
+  tokenHint: 'This control asks for a token. It was shown once when it was made.',
+  enter: 'Enter',
   pages: 'Pages',
   runKeys: 'Run',
   holeMap: 'Map of holes',
