@@ -88,7 +88,7 @@ export async function open(on, server, { hash = '', ...options } = {}) {
   });
   page.on('console', (message) => { if (/Content Security Policy/i.test(message.text())) page.faults.push(message.text()); });
   await page.goto(`${server.url}/${hash}`);
-  await page.getByTestId('tool').waitFor();
+  await page.locator('[data-execution]').waitFor();
   return page;
 }
 
@@ -100,6 +100,9 @@ export async function press(page, name) {
   await until(`the key ${name} can be used`, async () => (await on.getAttribute('aria-disabled')) === null);
   await on.click();
 }
+
+/** Touches a key whether it can be used or not. */
+export const touch = (page, name) => key(page, name).first().click({ force: true });
 
 /** Power on and home, by clicks. */
 export async function ready(page, server) {

@@ -1,7 +1,7 @@
 // A shop's morning by clicks: power on, home, jog, load, start, hold, resume; 36 features, each of them good.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { browser, key, open, press, ready, Server, until } from './helpers.mjs';
+import { browser, key, open, press, ready, Server, touch, until } from './helpers.mjs';
 
 let server; let on; let page;
 before(async () => {
@@ -15,9 +15,9 @@ after(async () => {
 });
 
 test('a key that cannot be used says why when it is touched', async () => {
-  await key(page, 'Home all').first().click();
+  await touch(page, 'Home all');
   await page.getByTestId('message').getByText('The drives are not on').waitFor();
-  await key(page, 'Start').click();
+  await touch(page, 'Start');
   await page.getByTestId('message').getByText('No program is loaded: load one first').waitFor();
 });
 
@@ -46,12 +46,12 @@ test('an axis moves as long as its key is held, and by a step when a step is cho
 
 test('a typed block is executed and kept', async () => {
   await page.getByRole('tab', { name: 'MDI' }).click();
-  await page.getByLabel('MDI', { exact: true }).fill('G91 G0 X-5');
+  await page.locator('#mdi').fill('G91 G0 X-5');
   const from = (await server.axis('X')).machine;
   await press(page, 'Execute');
   await until('X has moved by 5 mm', async () => Math.abs((await server.axis('X')).machine - (from - 5)) < 0.002);
   await key(page, 'G91 G0 X-5').waitFor();
-  await page.getByLabel('MDI', { exact: true }).fill('G90');
+  await page.locator('#mdi').fill('G90');
   await press(page, 'Execute');
 });
 

@@ -62,7 +62,9 @@ function isEdited(target: EventTarget | null): boolean {
 /** Listens; `openKeys` shows the list of keys. */
 export function listen(openKeys: () => void): void {
   addEventListener('keydown', (event) => {
-    const isFunction = event.key === 'F1' || event.key === 'F2' || (event.key === 'Escape' && !document.querySelector('dialog[open]'));
+    const isFunction = event.key === 'F1' || event.key === 'F2' || event.key === 'Escape';
+    // A dialogue has its own keys; only the stop is above it.
+    if (event.key !== 'F1' && document.querySelector('dialog[open]')) return;
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (!isFunction && (isEdited(event.target) || !settings.hasKeys)) return;
     if (event.key === '?') return openKeys();

@@ -43,13 +43,23 @@ export class PathScene {
     const light = new DirectionalLight(0xffffff, 2);
     light.position.set(-1, -2, 4);
     this.#scene.add(new AmbientLight(0xffffff, 1.4), light, this.#drawn, this.#tool);
+    this.recolor();
+  }
+
+  recolor(): void {
+    this.#scene.background = new Color(color('scene'));
+    (this.#tool.material as MeshLambertMaterial).color.set(color('tool'));
+    this.#tool.visible = this.#path !== null;
+    this.draw();
   }
 
   /** A new program; also after the colours have changed. */
   show(path: PathArrays, stock: Stock | null): void {
     this.#path = path;
-    this.#least = path.least.map((value, axis) => Math.min(value, stock?.least[axis] ?? value));
-    this.#most = path.most.map((value, axis) => Math.max(value, stock?.most[axis] ?? value));
+    // What is cut fills the picture; a stock that is much larger goes beyond its edges.
+    const room = 0.08 * Math.max(...path.most.map((value, axis) => value - (path.least[axis] ?? 0)), 1);
+    this.#least = path.least.map((value, axis) => Math.min(value, Math.max(value - room, stock?.least[axis] ?? value)));
+    this.#most = path.most.map((value, axis) => Math.max(value, Math.min(value + room, stock?.most[axis] ?? value)));
     this.#drawn.clear();
     const colors = new Float32Array(path.points.length);
     const palette = new Map<string, Color>();
@@ -66,8 +76,7 @@ export class PathScene {
       new LineSegments(this.#toCome, new LineBasicMaterial({ vertexColors: true })),
     );
     if (stock) this.#drawn.add(...stockParts(stock));
-    this.#scene.background = new Color(color('scene'));
-    (this.#tool.material as MeshLambertMaterial).color.set(color('tool'));
+    this.recolor();
     if (!this.isLathe && Number.isFinite(path.least[0])) this.#drawn.add(gridUnder(this.#least, this.#most));
     this.progress(0);
   }
@@ -127,7 +136,7 @@ export class PathScene {
       wide = Math.max(wide, Math.abs(point.x));
       high = Math.max(high, Math.abs(point.y));
     }
-    const half = Math.max(high, (wide * height) / width) * 1.12;
+    const half = Math.max(high, (wide * height) / width) * 1.06;
     const aspect = width / height;
     Object.assign(this.#camera, { left: -half * aspect, right: half * aspect, top: half, bottom: -half });
     this.#camera.updateProjectionMatrix();
