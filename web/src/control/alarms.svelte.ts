@@ -1,24 +1,14 @@
 // Alarms, present and past, as the control keeps them.
 import { get } from './api';
 import { control } from './control.svelte';
-
-export interface Alarm {
-  number: number;
-  text: string;
-  remedy: string;
-  program: string | null;
-  line: number;
-  time_s: number;
-  is_cleared: boolean;
-}
+import type { Alarm } from './model';
 
 class Alarms {
   all = $state.raw<Alarm[]>([]);
 
   async load(): Promise<void> {
     try {
-      const answer = await get<Alarm[] | { alarms: Alarm[] }>('/alarms');
-      this.all = Array.isArray(answer) ? answer : answer.alarms;
+      this.all = await get<Alarm[]>('/alarms');
     } catch {
       // The bar says that there is no connection.
     }

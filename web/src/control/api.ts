@@ -1,5 +1,5 @@
 // The addresses of the control. The page uses nothing else of it.
-import type { Finding } from './findings.svelte';
+import type { Finding } from './model';
 
 const base = '/api/v1';
 

@@ -16,8 +16,7 @@ class Cut {
 
   async load(): Promise<void> {
     try {
-      const answer = await get<Feature[] | { features: Feature[] }>('/features');
-      this.features = Array.isArray(answer) ? answer : answer.features;
+      this.features = await get<Feature[]>('/features');
     } catch {
       // The bar says that there is no connection.
     }

@@ -1,5 +1,5 @@
 // What the control found wrong with a program, by its name.
-export interface Finding { line: number; column: number; code: string; severity: string; message: string; help: string | null }
+import type { Finding } from './model';
 
 class Findings {
   #of = $state.raw<Record<string, Finding[]>>({});

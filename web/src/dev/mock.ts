@@ -41,14 +41,14 @@ export function mock(): void {
     ];
   });
   machine.facts = {
-    name: 'tapping-center', description: '', stock: { from: [0, 0, -25], to: [120, 80, 0] },
-    axes: ['X', 'Y', 'Z'].map((letter) => ({ letter, unit: 'mm', travel_from: letter === 'Z' ? -400 : -500, travel_to: 0, rapid_per_min: 50000 })),
+    name: 'tapping-center', description: '', stock: { material: 'C45', bore_mm: 0, from: [0, 0, -25], to: [120, 80, 0] }, is_lathe: false, period_s: 0.00025, spindles: [],
+    axes: ['X', 'Y', 'Z'].map((letter) => ({ letter, kind: 'linear', approach_per_min: 3000, unit: 'mm' as const, travel_from: letter === 'Z' ? -400 : -500, travel_to: 0, rapid_per_min: 50000 })),
     signals: ['X.setpoint_mm', 'X.position_mm', 'Z.setpoint_mm', 'Z.position_mm', 'spindle0.ordered_rpm', 'spindle0.angle_deg', 'sync_error_um'],
     overrides: { feed: { least_percent: 0, most_percent: 200 }, rapid: { least_percent: 0, most_percent: 100 }, spindle: { least_percent: 50, most_percent: 120 } },
   };
   const text = ['(Plate: 12 x M6)', 'G21 G17 G40 G49 G80 G90', 'T3 M6', 'G43 H3', 'S6000 M3', 'G0 X12 Y12 Z30', 'G99 G84 X12 Y12 Z-20 R5 F6000', ...xs.map((x, i) => `X${x} Y${ys[i]}`), 'G80', 'M30'].join('\n');
-  loaded.show({ name: 'plate-12xM6.ngc', text, segments, holes });
-  cut.features = xs.slice(0, 7).map((x, i): Feature => ({ line: 10 + i, kind: 'thread', verdict: i === 5 ? 'not_judged' : 'good', reason: null, tool: 3, time_s: i, position: [x - 250, (ys[i] ?? 0) - 250], depth_mm: 20.013, depth_error_um: 13, sync_error_max_um: 1.4 + i / 10, class: '6H', margin_um: 41 }));
+  loaded.show({ name: 'plate-12xM6.ngc', text, segments, holes, is_shortened: false });
+  cut.features = xs.slice(0, 7).map((x, i): Feature => ({ op: i, duration_s: 1, line: 10 + i, kind: 'thread', verdict: i === 5 ? 'not_judged' : 'good', reason: null, tool: 3, time_s: i, position: [x - 250, (ys[i] ?? 0) - 250], depth_mm: 20.013, depth_error_um: 13, sync_error_max_um: 1.4 + i / 10, class: '6H', margin_um: 41 }));
   cut.last = 'line 16: thread: good';
   const begun = performance.now();
   setInterval(() => {
@@ -60,8 +60,8 @@ export function mock(): void {
       waiting_for: null, axes: [axis('X', 76), axis('Y', 40), axis('Z', z)], spindles: [{ ordered_rpm: 6000, angle_deg: (s * 1000) % 360 }],
       tool: 3, work_offset: 'G54', codes: ['G0', 'G17', 'G21', 'G90', 'G94', 'G54', 'G43', 'G80', 'M3', 'M8'],
       overrides: { feed_percent: 100, rapid_percent: 50, spindle_percent: 100, is_locked: true },
-      program: { name: 'plate-12xM6.ngc', line: 14, planned_s: 62, elapsed_s: s }, sync_error_um: -0.4 + Math.sin(s * 9), is_tool_in_work: true,
-      features: { good: 6, failed: 0, not_judged: 1 }, alarms: [],
+      program: { name: 'plate-12xM6.ngc', line: 14, planned_s: 62, elapsed_s: s, ahead_s: 0.5 }, sync_error_um: -0.4 + Math.sin(s * 9), is_tool_in_work: true,
+      features: { good: 6, failed: 0, not_judged: 1 }, alarms: [], real_time: null,
     };
     if (how === 'stuck') Object.assign(status, { execution: 'STOPPED', activity: 'idle', sync_error_um: -3.2, alarms: ['the encoder of spindle 0 says nothing'] });
     if (how === 'manual') Object.assign(status, { execution: 'READY', mode: 'MANUAL', activity: 'idle', sync_error_um: null, is_tool_in_work: false });
