@@ -55,7 +55,9 @@ export const jogKeys: Record<string, string> = {
   ArrowLeft: 'X-', ArrowRight: 'X+', ArrowUp: 'Y+', ArrowDown: 'Y-', PageUp: 'Z+', PageDown: 'Z-',
 };
 
-function isEdited(target: EventTarget | null): boolean {
+/** The editor lives in a shadow root: what is edited there is only seen on the event's path. */
+function isEdited(event: KeyboardEvent): boolean {
+  const target = event.composedPath()[0] ?? null;
   return target instanceof HTMLElement && (target.closest('input, textarea, select, [role=slider], [role=radiogroup], .cm-editor') !== null);
 }
 
@@ -66,7 +68,7 @@ export function listen(openKeys: () => void): void {
     // A dialogue has its own keys; only the stop is above it.
     if (event.key !== 'F1' && document.querySelector('dialog[open]')) return;
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    if (!isFunction && (isEdited(event.target) || !settings.hasKeys)) return;
+    if (!isFunction && (isEdited(event) || !settings.hasKeys)) return;
     if (event.key === '?') return openKeys();
     const jogged = jogKeys[event.key];
     if (jogged && route.page === 'machine' && manual.pane === 'jog' && !(event.target as HTMLElement).closest?.('.scroll, .lines, canvas')) {
