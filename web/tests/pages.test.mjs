@@ -93,6 +93,7 @@ test('a program that cannot be cut is refused with its findings, and mended', as
   await page.goto(`${server.url}/#program`);
   await page.getByLabel('Name of the program').fill('wrong.ngc');
   await page.locator('.editor .cm-content').click();
+  await page.keyboard.press('ControlOrMeta+a');
   await page.keyboard.type('G21 G90\nG0 X9999\nM30\n');
   await press(page, 'Load');
   await page.getByTestId('message').waitFor();
