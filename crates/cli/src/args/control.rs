@@ -20,4 +20,7 @@ pub(crate) struct ControlArgs {
     /// Clamp the simulated stock this far from where the machine's file says, millimetres, as in X0.4,Y-0.3,Z1.2
     #[arg(long, value_name = "AXES")]
     pub(crate) clamped: Option<String>,
+    /// By the clock, with kernel and machine in a servo thread of their own; in a script as well
+    #[arg(long)]
+    pub(crate) real_time: bool,
 }
