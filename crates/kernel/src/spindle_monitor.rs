@@ -8,13 +8,13 @@
 //! ```
 //!
 //! On the way to another speed a spindle may turn as fast as it did, or as it shall, and anything slower; what it has come
-//! through is behind it. So a drive that makes its own ramps needs no model, and one that speeds up while it should slow down
-//! is seen. Beyond the band by [`SpindleControl`](crate::SpindleControl)'s window for cuts, which is by how much a load may drive it, and
-//! by [`OVERSHOOT`] of its highest speed, it does not obey. A spindle that has had its speed stalls when it is below it by more
-//! than that window.
+//! through is behind it. So one that speeds up while it should slow down is seen. Beyond the band by its window for cuts
+//! ([`SpindleWindows`](crate::SpindleWindows)), which is by how much a load may drive it, and by [`OVERSHOOT`] of its highest
+//! speed, it does not obey. A spindle that has had its speed stalls when it is below it by more than that window.
 //!
 //! Where its angle is controlled, or a tap or a thread goes by it, the following error and the sync error say more; only the
-//! highest speed is watched there.
+//! highest speed is watched there. So it is of a drive that makes its own ramps and obeys late: a reversal that is taken back
+//! within its delay goes on towards an order that holds no more.
 use crate::config::Subject;
 use crate::drives::Finding;
 use crate::fault::FaultKind;
@@ -58,7 +58,8 @@ impl SpindleMonitor {
         if turns.abs() > most {
             return Err((FaultKind::SpindleRunsAway, of, turns, most));
         }
-        if tied || spindle.position_controlled() || spindle.blind {
+        let late = spindle.control.own_ramps.is_some();
+        if tied || late || spindle.position_controlled() || spindle.blind {
             *band = Band { low: ordered.min(turns), high: ordered.max(turns), had: None };
             return Ok(());
         }
