@@ -1,4 +1,5 @@
 //! The page, which is embedded in the program: nothing of it is asked for elsewhere.
+use crate::tokens::hex;
 use axum::body::Body;
 use axum::extract::Request;
 use axum::http::{HeaderMap, HeaderValue, Method, Response, StatusCode, header};
@@ -45,8 +46,7 @@ impl Page {
     }
 
     fn file(&self, name: &str, file: &EmbeddedFile, asked: &HeaderMap) -> Response<Body> {
-        let hash: String =
-            file.metadata.sha256_hash()[..16].iter().map(|byte| format!("{byte:02x}")).collect();
+        let hash = hex(&file.metadata.sha256_hash()[..16]);
         let tag = format!("\"{hash}\"");
         let mut response = Response::new(Body::empty());
         let headers = response.headers_mut();

@@ -17,7 +17,7 @@ const MOST_SESSIONS: usize = 64;
 /// holder has been gone for so long.
 pub(crate) const HANDS_OVER: Duration = Duration::from_secs(10);
 /// A session that has been gone for so long is forgotten.
-const FORGOTTEN: Duration = Duration::from_secs(3600);
+const FORGOTTEN: Duration = Duration::from_hours(1);
 /// Longest name of a session.
 const LONGEST_NAME: usize = 40;
 

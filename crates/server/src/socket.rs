@@ -46,12 +46,9 @@ pub(crate) async fn open(
     Extension(who): Extension<Who>,
     upgrade: Result<WebSocketUpgrade, axum::extract::ws::rejection::WebSocketUpgradeRejection>,
 ) -> Response {
-    let upgrade = match upgrade {
-        Ok(upgrade) => upgrade,
-        Err(_) => {
-            let reason = "this address takes a WebSocket";
-            return ApiError::new(StatusCode::UPGRADE_REQUIRED, reason).into_response();
-        }
+    let Ok(upgrade) = upgrade else {
+        let reason = "this address takes a WebSocket";
+        return ApiError::new(StatusCode::UPGRADE_REQUIRED, reason).into_response();
     };
     let Ok(permit) = Arc::clone(&app.sockets).try_acquire_owned() else {
         let reason = "too many clients have a socket open";

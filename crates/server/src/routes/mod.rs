@@ -45,6 +45,12 @@ fn row(
 
 /// All of them.
 fn table() -> Vec<Route> {
+    let parts = [of_the_control(), of_programs(), of_lists(), of_clients()];
+    parts.into_iter().flatten().collect()
+}
+
+/// How the control is, and what it is asked for.
+fn of_the_control() -> Vec<Route> {
     let no = Shape::Nothing;
     vec![
         row(
@@ -82,6 +88,13 @@ fn table() -> Vec<Route> {
             [no, Shape::of::<ProgramBody>()],
             get(shows::program),
         ),
+    ]
+}
+
+/// The folder of programs.
+fn of_programs() -> Vec<Route> {
+    let no = Shape::Nothing;
+    vec![
         row(
             "get",
             "/programs",
@@ -104,6 +117,13 @@ fn table() -> Vec<Route> {
             [Shape::Text, Shape::of::<SavedBody>()],
             post(programs::upload),
         ),
+    ]
+}
+
+/// What is listed.
+fn of_lists() -> Vec<Route> {
+    let no = Shape::Nothing;
+    vec![
         row(
             "get",
             "/offsets",
@@ -126,6 +146,13 @@ fn table() -> Vec<Route> {
             [no, Shape::list_of::<AlarmBody>()],
             get(shows::alarms),
         ),
+    ]
+}
+
+/// Clients, and this document.
+fn of_clients() -> Vec<Route> {
+    let no = Shape::Nothing;
+    vec![
         row(
             "post",
             "/session",

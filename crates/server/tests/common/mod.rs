@@ -1,5 +1,5 @@
 //! A control that is served on a free port, and a client of it.
-#![allow(dead_code, unreachable_pub, clippy::unwrap_used, clippy::missing_panics_doc)] // each test takes what it needs
+#![allow(dead_code, unreachable_pub, clippy::needless_pass_by_value, clippy::unwrap_used)] // each test takes what it needs
 
 use control::job::ProgramOptions;
 use control::operation::ControlOptions;
@@ -13,7 +13,7 @@ use tungstenite::stream::MaybeTlsStream;
 use tungstenite::{Message, WebSocket};
 
 /// What is waited for comes within so long on the wall, or not at all.
-const COMES: Duration = Duration::from_secs(240);
+const COMES: Duration = Duration::from_mins(4);
 
 pub struct Served {
     pub server: Server,
@@ -62,7 +62,7 @@ impl Served {
         let server = server.unwrap_or_else(|refused| panic!("{}", refused.0));
         let config = ureq::Agent::config_builder()
             .http_status_as_error(false)
-            .timeout_global(Some(Duration::from_secs(60)))
+            .timeout_global(Some(Duration::from_mins(1)))
             .build();
         Self { server, folder, agent: config.into() }
     }
@@ -152,7 +152,7 @@ impl Served {
     pub fn socket(&self, query: &str) -> Socket {
         let url = format!("ws://{}/api/v1/ws{query}", self.server.address());
         let stream = TcpStream::connect(self.server.address()).unwrap();
-        stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+        stream.set_read_timeout(Some(Duration::from_mins(1))).unwrap();
         let (socket, _) = tungstenite::client(url, MaybeTlsStream::Plain(stream)).unwrap();
         Socket { socket }
     }
