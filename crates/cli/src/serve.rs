@@ -18,7 +18,7 @@ pub(crate) fn command(args: &ServeArgs) -> Result<(), Refused> {
             TokenRole::Operator => Role::Operator,
         };
         let made = Tokens::add(file, &args.token_name, role).map_err(Refused::because)?;
-        return say::out(&format!("{}\n", made.token)).map_err(Into::into);
+        return say::out(&format!("{}\n", made.token));
     }
     let control = ControlOptions {
         program: args.source.options(),

@@ -135,7 +135,7 @@ fn ask(client: &Client, asked: Request) -> Result<Vec<String>, Failure> {
 }
 
 fn notes(notes: &[String]) -> String {
-    notes.iter().map(|note| format!("  {note}\n")).collect()
+    notes.iter().flat_map(|note| ["  ", note, "\n"]).collect()
 }
 
 /// In the control's thread.
