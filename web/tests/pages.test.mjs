@@ -85,6 +85,9 @@ test('the scope shows samples of the servo loop', async () => {
   await page.locator('.trace canvas').first().waitFor();
   await press(page, 'Stop');
   await page.getByText('Taken.').waitFor();
+  const saved = page.waitForEvent('download');
+  await press(page, 'Save');
+  assert.match((await saved).suggestedFilename(), /\.csv$/);
   assert.deepEqual(page.faults, []);
 });
 

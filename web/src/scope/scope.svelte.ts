@@ -23,7 +23,7 @@ class Scope {
   lost = $state(0);
   /** Machine time of the trigger; null: none. */
   trigger_s = $state<number | null>(null);
-  record: SampleRecord | null = null;
+  record = $state.raw<SampleRecord | null>(null);
   #searched_s = 0;
   #drawn_ms = 0;
   #stop: (() => void) | null = null;
