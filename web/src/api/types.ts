@@ -81,7 +81,7 @@ alarms: Array<string>,
 /**
  * How the servo thread keeps its time, in real time.
  */
-real_time: RealTimeFigures | null, };
+real_time?: RealTimeFigures, };
 
 export type RealTimeFigures = { 
 /**

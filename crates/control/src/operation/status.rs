@@ -132,6 +132,7 @@ pub struct Status {
     pub alarms: Vec<String>,
     /// How the servo thread keeps its time, in real time.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", ts(optional))]
     pub real_time: Option<crate::RealTimeFigures>,
 }
 
