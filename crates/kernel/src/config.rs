@@ -252,6 +252,8 @@ pub struct SpindleControl {
     pub orient: (Spin, SpinAccel),
     /// The drive is only told a speed and makes its own ramps; `None`: it is told a torque.
     pub own_ramps: Option<OwnRamps>,
+    /// Its drive follows the speed that is ordered: what turns otherwise is an alarm.
+    pub follows_orders: bool,
     /// What is watched.
     pub windows: SpindleWindows,
 }

@@ -142,7 +142,7 @@ impl SetpointMonitor {
         index: usize,
         axis: &AxisLoop,
         (limits, period_s): (&Limits, f64),
-        (led, homed): (Led, bool),
+        (led, homed, is_coupled_stop): (Led, bool, bool),
     ) -> Result<(), Finding> {
         let next = self.axes[index].next(axis, led);
         let found = |kind, value, most| Err((kind, Subject::Axis(Axis::ALL[index]), value, most));
@@ -151,21 +151,23 @@ impl SetpointMonitor {
             return found(FaultKind::SetpointInvalid, 0.0, 0.0);
         }
         let sent = &self.axes[index];
+        // an alarm has let go of the plan: from then on the axis goes by the angle that is measured, wherever that is
+        let known = if is_coupled_stop { 0 } else { sent.known };
         let led = if next.since_angle < FORGOTTEN { Led::Angle } else { led };
         let most = Most::of(index, axis, limits, led);
-        if sent.known > 0 {
+        if known > 0 {
             let speed = next.first / period_s;
             if speed.abs() > most.speed {
                 return found(FaultKind::SetpointSpeed, speed, most.speed);
             }
         }
-        if sent.known > 1 {
+        if known > 1 {
             let accel = next.second / (period_s * period_s);
             if accel.abs() > most.accel {
                 return found(FaultKind::SetpointAccel, accel, most.accel);
             }
         }
-        if sent.known > 2 && next.on_path >= FORGOTTEN {
+        if known > 2 && next.on_path >= FORGOTTEN {
             let jerk = (next.second - sent.second) / (period_s * period_s * period_s);
             if jerk.abs() > most.jerk {
                 return found(FaultKind::SetpointJerk, jerk, most.jerk);

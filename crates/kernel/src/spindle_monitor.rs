@@ -58,7 +58,7 @@ impl SpindleMonitor {
         if turns.abs() > most {
             return Err((FaultKind::SpindleRunsAway, of, turns, most));
         }
-        let late = spindle.control.own_ramps.is_some();
+        let late = spindle.control.own_ramps.is_some() || !spindle.control.follows_orders;
         if tied || late || spindle.position_controlled() || spindle.blind {
             *band = Band { low: ordered.min(turns), high: ordered.max(turns), had: None };
             return Ok(());

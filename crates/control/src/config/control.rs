@@ -138,6 +138,7 @@ fn spindle(file: &Spindle, observer_bandwidth_hz: f64) -> SpindleControl {
             repeats: (own.repeats_delay, own.repeats_share),
             creep: own.creep_share,
         }),
+        follows_orders: true,
         windows: SpindleWindows {
             at_speed: file.windows.at_speed_share,
             in_cut: file.windows.in_cut_share,

@@ -75,9 +75,12 @@ impl Kernel {
             let homed = self.homing.is_homed(index)
                 && !self.homing.is_homing(index)
                 && (!stopped || led == Led::Angle);
+            let coupled_stop = stopped && led == Led::Angle;
             let Some(axis) = &self.drives.axes[index] else { continue };
             let limits = (&self.config.motion, period_s);
-            let Err(finding) = self.setpoints.check(index, axis, limits, (led, homed)) else {
+            let Err(finding) =
+                self.setpoints.check(index, axis, limits, (led, homed, coupled_stop))
+            else {
                 continue;
             };
             self.raise(finding, feedback);

@@ -202,6 +202,7 @@ pub fn control(machine: &sim::Config) -> Config {
             observer_bandwidth_hz: 200.0,
             orient: (Spin::rpm(300.0), SpinAccel::rev_per_s2(100.0)),
             own_ramps: None,
+            follows_orders: true,
             windows: SpindleWindows {
                 at_speed: 0.02,
                 in_cut: 0.25,

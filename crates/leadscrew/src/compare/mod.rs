@@ -15,6 +15,7 @@ use control::Refused;
 use control::config;
 use control::job::ProgramOptions;
 use control::plant::Plant;
+use kernel::Kernel;
 use plan::{PlainDrive, TapMethod, Unsynchronised};
 use report::{Comparison, TappingMethod};
 use std::path::PathBuf;
@@ -297,7 +298,14 @@ fn run_once(
         })?
         .with_plain_drive(drive);
     let judge = verify::Config { synchronised: false, ..job.judge() };
-    let outcome = job.start(Plant::simulated(machine), judge)?.run(&mut |_| {})?;
+    // the drive of the conventional cycle stops as it may, and nothing in this cycle asks it to do otherwise
+    let mut control = config::control(&job.session.machine, None, false);
+    for spindle in control.spindles.iter_mut().flatten() {
+        spindle.follows_orders = false;
+    }
+    let mut run = job.start(Plant::simulated(machine), judge)?;
+    run.executor.kernel = Kernel::new(control).into();
+    let outcome = run.run(&mut |_| {})?;
     let alarm = outcome.faults.first().map(ToString::to_string);
     let is_thread = |f: &Feature| matches!(f.kind, FeatureKind::Thread(_));
     Ok((outcome.features.into_iter().filter(is_thread).collect(), alarm))
