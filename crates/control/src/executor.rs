@@ -35,7 +35,7 @@ pub struct Executor {
 
 /// What gives the time.
 enum TimeKeeping {
-    /// Whoever calls for periods.
+    /// The calls of [`Executor::period`].
     LockStep,
     /// The clock, from the next period on.
     Asked(RealTimeOptions),

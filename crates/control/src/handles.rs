@@ -268,6 +268,8 @@ impl KernelHandle {
     pub fn hand_back(&mut self) -> Option<HandedBack> {
         match self {
             Self::Here(kernel) => kernel.hand_back(),
+            // it would be refused, and the feeder asks in each period
+            Self::There(link) if link.picture().is_flowing => None,
             Self::There(link) => match link.ask(Request::HandBack) {
                 Some(Reply::HandedBack(back)) => back,
                 _ => None,

@@ -25,6 +25,8 @@ pub struct Picture {
     pub is_ready: bool,
     /// [`Kernel::is_standing`].
     pub is_standing: bool,
+    /// A motion is under way: nothing is handed back meanwhile.
+    pub is_flowing: bool,
     /// [`Kernel::is_retreating`].
     pub is_retreating: bool,
     /// [`Kernel::can_back_out`].
@@ -82,6 +84,7 @@ impl Kernel {
             is_off: self.is_off(),
             is_ready: self.is_ready(),
             is_standing: self.is_standing(),
+            is_flowing: self.is_flowing(),
             is_retreating: self.is_retreating(),
             can_back_out: self.can_back_out(),
             is_in_thread: self.is_in_thread(),

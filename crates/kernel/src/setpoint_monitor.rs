@@ -15,8 +15,8 @@
 //! | itself: jog, homing, stops, retreats | 1.02·V | 1.15·A | — |
 //! | an angle: taps, threads, cams, G95 | 1.15·V | 1.5·max(A, peak force over mass) | — |
 //!
-//! V and A are the largest that anything may ask of the axis: of feeds, rapids, small moves, and for A of stops that nobody
-//! planned. Why the shares:
+//! V and A are the largest that anything may ask of the axis: of feeds, rapids, small moves, and for A of unplanned
+//! stops. Why the shares:
 //!
 //! - *Path.* Differences at the period of a motion within its limits are within them (mean value theorem), but for rounding:
 //!   10⁻¹³ of a metre over h³ is below a millionth of any J. Time scaling takes up to 0.3 % of A and 2 % of J, and twice that

@@ -132,7 +132,7 @@ impl Drop for Server {
     }
 }
 
-/// From other computers only who is known is answered, over a line that nobody else reads.
+/// Other computers are answered over TLS only, and only with a token.
 fn may_listen(ip: IpAddr, has_tokens: bool, has_certificate: bool) -> Result<(), Refused> {
     let missing = match (has_tokens, has_certificate) {
         _ if ip.is_loopback() => return Ok(()),

@@ -6,7 +6,7 @@
 //!    └── release, or A is gone ┘  └────────keep──────────┘
 //! ```
 //!
-//! What stops the machine is allowed to every operator, whoever commands.
+//! What stops the machine is allowed to every session of the role operator.
 use crate::wire::{OperatorBody, OperatorOrder};
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
@@ -43,7 +43,7 @@ impl Role {
 /// Why something is not allowed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Denied {
-    /// Nobody with this session or token is known.
+    /// The session or the token is not known.
     Unknown,
     /// The role does not allow it.
     Viewer,

@@ -13,7 +13,7 @@ use tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer, PrivatePkcs
 pub enum Certificate {
     /// PEM files: the certificate with those that vouch for it, and its key.
     Files(PathBuf, PathBuf),
-    /// One that nobody vouches for: who calls compares its fingerprint once.
+    /// A self-signed one: a client compares its fingerprint once.
     SelfSigned,
 }
 

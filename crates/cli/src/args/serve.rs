@@ -39,7 +39,7 @@ pub(crate) struct ServeArgs {
     /// Its key (PEM)
     #[arg(long, value_name = "FILE", requires = "certificate")]
     pub(crate) key: Option<PathBuf>,
-    /// Make a certificate that nobody vouches for, and say its fingerprint
+    /// Make a self-signed certificate, and say its fingerprint
     #[arg(long, conflicts_with = "certificate")]
     pub(crate) self_signed: bool,
     /// Name by which clients call this computer; may be given more than once

@@ -139,7 +139,7 @@ fn wrong(reason: String) -> RefusalData {
 }
 
 impl RequestBody {
-    /// It stops or holds something: allowed to every operator, whoever commands.
+    /// It stops or holds something: allowed to every session of the role operator.
     pub(crate) const fn is_stop(&self) -> bool {
         matches!(
             self,

@@ -251,7 +251,7 @@ impl Lead {
         (self.host.published)();
     }
 
-    /// Nothing goes on moving that nobody leads.
+    /// Programs and jogs are stopped before the control is switched off.
     fn come_to_rest(&mut self) {
         // what there is to stop is stopped; where there is nothing the refusal says so
         let _ = self.control.request(&Request::Stop);

@@ -47,7 +47,7 @@ impl Recording {
         self.takers.fetch_sub(1, Ordering::Relaxed);
     }
 
-    /// Somebody takes rows.
+    /// A client takes rows.
     pub(super) fn is_wanted(&self) -> bool {
         self.takers.load(Ordering::Relaxed) > 0
     }
