@@ -168,6 +168,8 @@ fn any(chance: &mut Chance, program: &Path) -> Request {
 struct Bench {
     control: Control,
     before: Vec<[f64; 2]>,
+    /// Where the axes stood when their drives were last off.
+    stood: Vec<f64>,
     /// Periods for which setpoints are not compared: drives come up where the axes stand.
     settling: u32,
     execution: Execution,
@@ -183,6 +185,7 @@ impl Bench {
         Self {
             control,
             before: Vec::new(),
+            stood: Vec::new(),
             settling: 3,
             execution,
             lease: None,
@@ -294,17 +297,21 @@ impl Bench {
         let before = std::mem::replace(&mut self.before, next);
         if self.settling > 0 {
             self.settling -= 1;
+            self.stood.clone_from(&now);
             return Ok(());
         }
         let period = self.control.period_time().value();
         let axes = self.control.machine().axes.iter().flatten();
-        for ((axis, at), was) in axes.zip(now).zip(before) {
+        let stood = self.stood.clone();
+        for (((axis, at), was), stood) in axes.zip(now).zip(before).zip(stood) {
             let (speed, accel) =
                 ((at - was[0]) / period, (at - 2.0 * was[0] + was[1]) / (period * period));
             let (from, to) = (axis.travel.from.value(), axis.travel.to.value());
             let letter = axis.letter.letter();
             let is_homed = self.control.is_homed(axis.letter);
-            if is_homed && (at < from - AT_END_MM || at > to + AT_END_MM) {
+            // one that has been left beyond its end without power is held where it stands, and goes no further
+            let (least, most) = (from.min(stood) - AT_END_MM, to.max(stood) + AT_END_MM);
+            if is_homed && (at < least || at > most) {
                 return Err(format!(
                     "{letter} is told to be at {at} mm, its travel is {from} to {to}"
                 ));

@@ -44,6 +44,15 @@ impl MotionAhead {
         }
     }
 
+    /// The last one is shorter than it was.
+    pub(crate) fn shorten_last(&mut self, by: Time) {
+        if let Some(last) = self.waiting.back_mut() {
+            let by_s = by.value().min(last.takes_s);
+            last.takes_s -= by_s;
+            self.total_s -= by_s;
+        }
+    }
+
     /// The kernel has so many steps that are not done; `is_all`: none follow them.
     pub(crate) fn keep(&mut self, steps: usize, is_all: bool) {
         while self.waiting.len() > steps {

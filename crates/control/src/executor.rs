@@ -16,6 +16,7 @@ use crate::{Plant, RealTimeFigures};
 use bus::{Command, Feedback, Machine as _, Sample, State};
 use kernel::Kernel;
 use std::ops::ControlFlow;
+use std::time::Duration;
 
 /// What is said of a servo thread that has ended by itself.
 const BROKEN_DOWN: &str = "the servo thread has broken down";
@@ -97,6 +98,7 @@ impl Executor {
             }
             Err(why) => {
                 self.time = TimeKeeping::Ended;
+                self.kernel.lose();
                 self.machine.lose(&why);
             }
         }
@@ -115,6 +117,7 @@ impl Executor {
             return None;
         }
         self.time = TimeKeeping::Ended;
+        self.kernel.lose();
         self.machine.lose(BROKEN_DOWN);
         Some(BROKEN_DOWN.into())
     }
@@ -143,17 +146,19 @@ impl Executor {
         self.begin_real_time();
         let Self { kernel, machine, ticks, time, .. } = self;
         if let TimeKeeping::RealTime(thread) = time {
-            match thread.next() {
-                Some(record) => {
-                    kernel.see(&record);
-                    machine.see(&record);
-                    observe(kernel, machine, &record.sample);
-                    return record.sample;
-                }
-                None => machine.lose(BROKEN_DOWN),
+            if let Some(record) = thread.next() {
+                kernel.see(&record);
+                machine.see(&record);
+                observe(kernel, machine, &record.sample);
+                return record.sample;
             }
+            kernel.lose();
+            machine.lose(BROKEN_DOWN);
         }
         let (Some(ticked), Some(moved)) = (kernel.here(), machine.here()) else {
+            // time passes all the same: what waits with a limit does not wait for ever
+            std::thread::sleep(Duration::from_secs_f64(machine.period().value()));
+            machine.pass();
             let report = bus::Report { state: State::Faulted, ..kernel.report() };
             return Sample { feedback: machine.feedback(), report, ..Sample::default() };
         };

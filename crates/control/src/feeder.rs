@@ -59,7 +59,8 @@ impl Feeder {
     /// Plan anew what has not been done, if the operator's overrides want it.
     pub(super) fn follow_overrides(&mut self, kernel: &mut KernelHandle) {
         let back = self.pace.keep(kernel, &mut self.planner, &mut self.queue, &mut self.sent);
-        self.ahead.forget_last(back);
+        self.ahead.forget_last(back.steps);
+        self.ahead.shorten_last(back.shorter);
     }
 
     /// The kernel has lost its steps after a stop in `stopped`: what follows that operation is sent again.

@@ -7,7 +7,7 @@ use kernel::{
     Operator, Order, Periodic, RecordRequest, RecoveryPlan, Reply, Request, Waiting,
     WithdrawalPlan,
 };
-use motion::{HandedBack, Superpose, TableId, WayOut};
+use motion::{HandedBack, Superpose, TableId, UnderWay, WayOut};
 use plan::Step;
 use sim::Fault as MachineFault;
 use units::{Angle, Axis, Length, Spin, Time};
@@ -277,6 +277,38 @@ impl KernelHandle {
         }
     }
 
+    /// The servo thread has ended by itself.
+    pub(crate) fn lose(&mut self) {
+        if let Self::There(link) = self {
+            link.lose();
+        }
+    }
+
+    /// Steps go another way than by [`KernelHandle::hand_back`], which would come too late for motion that is under way.
+    pub(crate) fn moves_elsewhere(&self) -> bool {
+        matches!(self, Self::There(link) if link.picture().is_flowing)
+    }
+
+    /// [`Kernel::under_way`], and how many steps there are at that moment.
+    pub fn under_way(&mut self) -> (Option<UnderWay>, usize) {
+        let under_way = match self {
+            Self::Here(kernel) => kernel.under_way(),
+            Self::There(link) => match link.ask(Request::UnderWay) {
+                Some(Reply::UnderWay(under_way)) => under_way,
+                _ => None,
+            },
+        };
+        (under_way, self.steps())
+    }
+
+    /// [`Kernel::give_up`].
+    pub fn give_up(&mut self, steps: usize, at: Option<f64>) -> bool {
+        match self {
+            Self::Here(kernel) => kernel.give_up(steps, at),
+            Self::There(link) => link.give_up(steps, at),
+        }
+    }
+
     /// [`Kernel::put_table`]; whether there was a place for it.
     pub fn put_table(&mut self, id: TableId, table: Periodic) -> bool {
         match self {
@@ -384,6 +416,13 @@ impl MachineHandle {
     pub(crate) fn lose(&mut self, why: &str) {
         if let Self::There(link) = self {
             link.lose(why);
+        }
+    }
+
+    /// A period has passed of which nothing is heard.
+    pub(crate) fn pass(&mut self) {
+        if let Self::There(link) = self {
+            link.pass();
         }
     }
 

@@ -4,18 +4,23 @@ use canon::{Axis, Position};
 use control::job::ProgramOptions;
 use control::operation::{Execution, Jog, Refusal, Request};
 use control::{Control, ControlOptions, RealTimeOptions};
+use std::sync::atomic::{AtomicU32, Ordering};
 use units::Time;
 
 /// Longer than anything here takes on a computer that has something else to do.
 const AT_MOST: Time = Time::s(60.0);
 
 fn switched_on(machine: &str) -> Control {
+    switched_on_by(machine, RealTimeOptions::default())
+}
+
+fn switched_on_by(machine: &str, real_time: RealTimeOptions) -> Control {
     let options = ControlOptions {
         program: ProgramOptions::on(machine),
         seed: Some(1),
         state: None,
         clamped: Position::default(),
-        real_time: Some(RealTimeOptions::default()),
+        real_time: Some(real_time),
     };
     let mut control = Control::new(options).unwrap();
     asked(&mut control, &Request::Power(true));
@@ -90,4 +95,72 @@ fn an_emergency_stop_is_an_alarm_and_a_reset_makes_ready_again() {
     until(&mut control, |control| control.status().emergency_stop == "ARMED");
     asked(&mut control, &Request::Reset);
     until(&mut control, |control| control.status().alarms.is_empty());
+}
+
+/// Homed, and on the way along what was typed.
+fn under_way(typed: &str) -> (Control, f64) {
+    let mut control = switched_on("bench-xyz");
+    asked(&mut control, &Request::Home(None));
+    until(&mut control, Control::is_homed_all);
+    let begins = x(&control);
+    asked(&mut control, &Request::ManualDataInput(typed.into()));
+    until(&mut control, |control| x(control) > begins + 2.0);
+    (control, begins)
+}
+
+/// Largest speed of X until the end, over 50 ms, mm/s.
+fn fastest(control: &mut Control) -> f64 {
+    let mut seen = Vec::new();
+    until(control, |control| {
+        seen.push((control.now(), x(control)));
+        !control.execution().is_under_way()
+    });
+    let pairs = seen.iter().zip(seen.iter().skip(50));
+    pairs.map(|(a, b)| (b.1 - a.1) / (b.0 - a.0).value()).fold(0.0, f64::max)
+}
+
+/// One move of 40 mm at 10 mm/s.
+#[test]
+fn more_feed_than_programmed_acts_within_a_move_that_is_under_way() {
+    let (mut control, begins) = under_way("G21 G91 G1 F600 X40");
+    asked(&mut control, &Request::FeedOverride(1.5));
+    let most = fastest(&mut control);
+    assert!((most - 15.0).abs() < 0.2, "{most} mm/s");
+    assert!((x(&control) - begins - 40.0).abs() < 1e-2);
+    assert!(control.status().alarms.is_empty(), "{:?}", control.status().alarms);
+}
+
+#[test]
+fn single_block_stops_at_the_end_of_a_line_of_a_joined_path_that_is_under_way() {
+    let typed = "G21 G91 G64 P0.05 G1 F600 X5\nX5 Y0.5\nX5 Y-0.5\nX5 Y0.5\nX5 Y-0.5\nX5 Y0.5";
+    let (mut control, begins) = under_way(typed);
+    asked(&mut control, &Request::SingleBlock(true));
+    until(&mut control, |control| control.execution() == Execution::Interrupted);
+    let went = x(&control) - begins;
+    assert!(went < 21.0 && (went - 5.0 * (went / 5.0).round()).abs() < 0.01, "{went} mm");
+    asked(&mut control, &Request::SingleBlock(false));
+    asked(&mut control, &Request::Resume);
+    until(&mut control, |control| !control.execution().is_under_way());
+    assert!((x(&control) - begins - 30.0).abs() < 1e-2);
+    assert!(control.status().alarms.is_empty(), "{:?}", control.status().alarms);
+}
+
+#[test]
+fn a_servo_thread_that_breaks_down_is_an_alarm_and_whatever_waits_goes_on() {
+    static PERIOD: AtomicU32 = AtomicU32::new(0);
+    let around: fn(&mut dyn FnMut()) = |part| {
+        assert!(PERIOD.fetch_add(1, Ordering::Relaxed) != 3000, "a defect, made for this test");
+        part();
+    };
+    let real_time = RealTimeOptions { around, ..RealTimeOptions::default() };
+    let mut control = switched_on_by("tapping-center", real_time);
+    asked(&mut control, &Request::Jog(Axis::X, Jog::Continuous(-10.0)));
+    until(&mut control, |control| !control.status().alarms.is_empty());
+    let status = control.status();
+    assert_eq!(control.alarms()[0].number, 412, "{status:#?}");
+    assert!(!status.is_ready && control.is_at_standstill());
+    let refused = control.request(&Request::Jog(Axis::X, Jog::Increment(1.0)));
+    assert!(matches!(refused, Err(Refusal::State(_))), "{refused:?}");
+    let before = control.now();
+    until(&mut control, |control| control.now() > before + Time::s(0.01));
 }

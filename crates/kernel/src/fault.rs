@@ -89,6 +89,8 @@ pub enum FaultKind {
     SoftLimit,
     /// No step goes on with what is in motion.
     StepsRanOut,
+    /// The thread in which the kernel ran has ended by itself.
+    ServoThreadEnded,
     /// The home switch is not where it is searched.
     HomeSwitchNotFound,
     /// The home switch stays actuated.
@@ -116,7 +118,7 @@ pub enum Reaction {
 
 impl FaultKind {
     /// All of them, by rising number.
-    pub const ALL: [Self; 42] = [
+    pub const ALL: [Self; 43] = [
         Self::EmergencyStop,
         Self::DriveNotReady,
         Self::FeedbackInvalid,
@@ -152,6 +154,7 @@ impl FaultKind {
         Self::SetpointJerk,
         Self::SoftLimit,
         Self::StepsRanOut,
+        Self::ServoThreadEnded,
         Self::HomeSwitchNotFound,
         Self::HomeSwitchNotReleased,
         Self::IndexNotFound,

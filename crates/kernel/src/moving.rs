@@ -16,7 +16,7 @@ use crate::queue::Queue;
 use crate::spindle::SpindleLoop;
 use crate::time_scaling::Period;
 use crate::track::{Ahead, Rates, Track};
-use motion::AXES;
+use motion::{AXES, UnderWay};
 
 /// A step may begin this far from where the axis stands, mm; the difference is smoothed away.
 pub(crate) const JUMP_MM: f64 = 0.050;
@@ -102,7 +102,7 @@ impl Moving {
         self.at += passes;
         let over = self.at - track.duration();
         if over >= 0.0 {
-            drives.flowing = !track.exact_stop() && !matches!(track, Track::Move(_));
+            drives.flowing = !track.rests();
             set(&track.rates(track.duration(), pace, drives.lookahead_s()), length, drives);
             drives.rest_axes();
             drives.owed = drives.flowing.then_some(over);
@@ -123,6 +123,13 @@ impl Moving {
             Track::Move(order) => order.programmed.map(|_| self.at),
             Track::Follow(_) => Some(self.at),
         }
+    }
+
+    /// The same, and how fast planned time passes at the full rate.
+    pub(crate) fn under_way(&self, track: Track, drives: &Drives) -> Option<UnderWay> {
+        let spin = drives.spindles[0].as_ref().map(|spindle| spindle.master().spin.value().abs());
+        let pace = if track.per_revolution() { spin? } else { 1.0 };
+        Some(UnderWay { done: self.done(track)?, pace })
     }
 
     /// Nothing cuts in a rapid; with a floating holder nothing is wrong.

@@ -61,6 +61,12 @@ impl<T: Copy, const N: usize> Plans<T, N> {
         slot.plan.as_ref().filter(|_| slot.generation == handle.generation)
     }
 
+    /// The plan, to be changed, unless it was released.
+    pub(crate) fn get_mut(&mut self, handle: Handle<T>) -> Option<&mut T> {
+        let slot = self.slots.get_mut(usize::from(handle.slot))?;
+        slot.plan.as_mut().filter(|_| slot.generation == handle.generation)
+    }
+
     /// Free the slot of a plan; whether it was still in use.
     pub(crate) fn release(&mut self, handle: Handle<T>) -> bool {
         let Some(slot) = self.slots.get_mut(usize::from(handle.slot)) else { return false };

@@ -183,6 +183,20 @@ impl Queue {
         }
     }
 
+    /// The step at a place ends at this planned time of it, in motion; whether it is one that moves, and long enough.
+    pub(crate) fn cut(&mut self, index: usize, time: f64) -> bool {
+        let Tables { moves, stretches, .. } = &mut self.tables;
+        match self.steps.get(index).map(|step| &step.kind) {
+            Some(motion::StepKind::Move(plan)) => {
+                moves.get_mut(*plan).is_some_and(|plan| plan.cut(time))
+            }
+            Some(motion::StepKind::Follow(plan)) => {
+                stretches.get_mut(*plan).is_some_and(|plan| plan.cut(time))
+            }
+            _ => false,
+        }
+    }
+
     /// Nothing is to be done any more.
     pub(crate) fn clear(&mut self) {
         self.truncate(0);

@@ -12,7 +12,7 @@ use crate::manual::{ManualOrder, ManualRefusal};
 use crate::operator::Order;
 use crate::recovering::RecoveryPlan;
 use crate::withdrawing::WithdrawalPlan;
-use motion::{HandedBack, Superpose, TableId};
+use motion::{HandedBack, Superpose, TableId, UnderWay};
 use sync::Periodic;
 use units::{Angle, Axis, Spin, Time};
 
@@ -48,8 +48,17 @@ pub enum Request {
     /// [`Kernel::go_on`].
     GoOn,
     /// [`Kernel::hand_back`]; `None` in motion: steps that are planned anew elsewhere come some periods later, and there must be
-    /// none in which an axis that moves has no step.
+    /// none in which an axis that moves has no step. In motion there is [`Request::GiveUp`].
     HandBack,
+    /// [`Kernel::under_way`].
+    UnderWay,
+    /// [`Kernel::give_up`].
+    GiveUp {
+        /// How many steps.
+        steps: usize,
+        /// Where the one under way ends.
+        at: Option<f64>,
+    },
     /// [`Kernel::put_table`].
     PutTable(TableId, Periodic),
     /// [`Kernel::superpose`].
@@ -75,6 +84,8 @@ pub enum Reply {
     Manual(Result<(), ManualRefusal>),
     /// What is given back.
     HandedBack(Option<HandedBack>),
+    /// What is under way.
+    UnderWay(Option<UnderWay>),
     /// What the table has replaced, or the table itself where no place was free.
     Table(Result<Option<Periodic>, Periodic>),
     /// It is superposed, or why not.
@@ -101,6 +112,8 @@ impl Kernel {
                 let stands = !self.is_flowing();
                 return Reply::HandedBack(stands.then(|| self.hand_back()).flatten());
             }
+            Request::UnderWay => return Reply::UnderWay(self.under_way()),
+            Request::GiveUp { steps, at } => return Reply::Is(self.give_up(steps, at)),
             Request::PutTable(id, table) => return Reply::Table(self.put_table(id, table)),
             Request::Superpose(order) => return Reply::Superposed(self.superpose(&order)),
             Request::Order(order) => self.order(order),

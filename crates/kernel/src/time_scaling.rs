@@ -89,7 +89,7 @@ struct Told {
 /// Most periods in which a change must be eased to none.
 const EASING: usize = 128;
 /// Most periods that are looked at in one, whatever is tried.
-const SIGHT: usize = 160;
+pub(crate) const SIGHT: usize = 160;
 /// How many changes are tried in a period, beside that of easing.
 const TRIES: usize = 4;
 /// By how much of their limits differences of planned motion may be above them.

@@ -87,13 +87,6 @@ impl<'a> Track<'a> {
         }
     }
 
-    pub(crate) fn exact_stop(self) -> bool {
-        match self {
-            Self::Move(order) => order.exact_stop,
-            Self::Follow(order) => order.exact_stop,
-        }
-    }
-
     /// At planned time `t`; `n`: planned time per second.
     pub(crate) fn rates(self, t: f64, n: f64, ahead: f64) -> Rates {
         match self {
@@ -114,9 +107,9 @@ impl<'a> Track<'a> {
     }
 
     /// It ends at rest.
-    const fn rests(self) -> bool {
+    pub(crate) const fn rests(self) -> bool {
         match self {
-            Self::Move(_) => true,
+            Self::Move(order) => order.rests(),
             Self::Follow(order) => order.exact_stop,
         }
     }

@@ -10,7 +10,7 @@ mod common;
 mod operated;
 use bus::AXES;
 use canon::{Arc, Axis, Feed, Op, OpKind, PathMode, Plane, Position, Span, Spline};
-use operated::{C, loads, order, run};
+use operated::{C, loads, order, run, run_replanning};
 use proptest::prelude::*;
 use units::{Angle, Length, Speed, Time};
 
@@ -286,9 +286,10 @@ proptest! {
         (mode, tolerance) in mode(),
         orders in prop::collection::vec((0..3000_usize, order()), 0..7),
         jerk in prop::sample::select(vec![f64::INFINITY, 50e3, 20e3]),
+        ahead in any::<bool>(),
     ) {
         let curves = curves(&parts);
-        let seen = run(&ops(&curves, &paces, mode), jerk, &orders);
+        let seen = run_replanning(&ops(&curves, &paces, mode), jerk, &orders, ahead);
         prop_assert_eq!(&seen.faults, &vec![]);
         prop_assert!(seen.ended);
         let [speed, accel, third] = loads(&seen, jerk);

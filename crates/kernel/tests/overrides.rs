@@ -5,7 +5,7 @@ mod common;
 mod operated;
 use canon::{Feed, Op, OpKind, PathMode, Position, Span};
 use kernel::Order;
-use operated::{ACCEL, PERIOD, Seen, distance, loads, order, run, xyz};
+use operated::{ACCEL, PERIOD, Seen, distance, loads, order, run, run_replanning, xyz};
 use proptest::prelude::*;
 use units::{Length, Speed};
 
@@ -64,10 +64,11 @@ proptest! {
         orders in prop::collection::vec((0..4000_usize, order()), 0..8),
         abort in prop::option::weighted(0.2, 0..4000_usize),
         jerk in prop::sample::select(vec![f64::INFINITY, 50e3, 20e3]),
+        ahead in any::<bool>(),
     ) {
         let mut orders = orders;
         orders.extend(abort.map(|at| (at, Order::Abort)));
-        let seen = run(&program(&points, &feeds), jerk, &orders);
+        let seen = run_replanning(&program(&points, &feeds), jerk, &orders, ahead);
         prop_assert_eq!(&seen.faults, &vec![]);
         prop_assert!(seen.ended || abort.is_some());
         let [speed, accel, third] = loads(&seen, jerk);
@@ -92,6 +93,20 @@ fn twice_the_feed_from_one_second_on_takes_half_of_what_is_left() {
         let moving = seen.at.windows(2).filter(|w| w[1].0 != w[0].0).count() as f64 * PERIOD;
         let ramps = 20.0 / ACCEL + if jerk.is_finite() { ACCEL / jerk } else { 0.0 };
         assert!((moving - 3.5).abs() < ramps + 2.0 * PERIOD, "{moving} s");
+    }
+}
+
+/// The same, planned anew from a quarter of a second ahead: 12.5 mm, then 47.5 mm at 20 mm/s. The move is longer than
+/// that, and is cut.
+#[test]
+fn a_long_move_is_planned_anew_from_a_moment_ahead_where_planning_takes_time() {
+    for jerk in [f64::INFINITY, 20e3] {
+        let orders = [(1000, Order::FeedOverride(2.0))];
+        let seen = run_replanning(&program(&[[60.0, 0.0, 0.0]], &[10.0]), jerk, &orders, true);
+        assert_eq!(seen.faults, vec![]);
+        let moving = seen.at.windows(2).filter(|w| w[1].0 != w[0].0).count() as f64 * PERIOD;
+        let ramps = 20.0 / ACCEL + if jerk.is_finite() { ACCEL / jerk } else { 0.0 };
+        assert!((moving - 3.625).abs() < ramps + 2.0 * PERIOD, "{moving} s");
     }
 }
 

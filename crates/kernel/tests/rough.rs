@@ -5,7 +5,7 @@ mod common;
 mod operated;
 use canon::{Feed, Op, OpKind, PathMode, Position, Span};
 use kernel::Order;
-use operated::{Seen, distance, loads, order, run, xyz};
+use operated::{Seen, distance, loads, order, run, run_replanning, xyz};
 use proptest::prelude::*;
 use units::{Length, Speed};
 
@@ -86,12 +86,13 @@ proptest! {
         other in prop::option::of((0..250_usize, prop::option::of(-4.0..1.0_f64))),
         orders in prop::collection::vec((0..2000_usize, order()), 0..4),
         jerk in prop::sample::select(vec![f64::INFINITY, 50e3, 20e3]),
+        ahead in any::<bool>(),
     ) {
         let p = 10.0_f64.powf(tolerance);
         let mut modes = vec![(0, Some(p))];
         modes.extend(other.map(|(at, p)| (at, p.map(|p| 10.0_f64.powf(p)))));
         let orders: Vec<(usize, Order)> = orders;
-        let seen = run(&program(&points, feed, &modes), jerk, &orders);
+        let seen = run_replanning(&program(&points, feed, &modes), jerk, &orders, ahead);
         prop_assert_eq!(&seen.faults, &vec![]);
         prop_assert!(seen.ended);
         let [speed, accel, third] = loads(&seen, jerk);

@@ -47,7 +47,7 @@ pub use profile::{Instant, MAX_PHASES, Phase, Profile};
 pub use signal::{Await, InputWait, Output, ProbeEnd, Signal};
 pub use step::{
     ChipThrow, Follow, HandedBack, Move, PHASES, Pace, Programmed, STEP_BYTES, SpindleStep, Step,
-    StepKind,
+    StepKind, UnderWay,
 };
 pub use storage::{Borrowed, Plan, Readable, Storage, Transfer};
 pub use surface::SurfaceSpeed;

@@ -65,6 +65,7 @@ pub struct Profile {
     count: usize,
     duration: f64,
     end: Instant,
+    is_cut: bool,
 }
 
 impl Profile {
@@ -74,6 +75,7 @@ impl Profile {
         count: 0,
         duration: 0.0,
         end: Instant { s: 0.0, v: 0.0, a: 0.0 },
+        is_cut: false,
     };
 
     /// Append a piece; `false`, and nothing appended, when the profile is full.
@@ -124,6 +126,30 @@ impl Profile {
     /// State at the end.
     pub const fn end(&self) -> Instant {
         self.end
+    }
+
+    /// It ends at this time, in the motion that it has there; whether that is within it.
+    #[must_use]
+    pub fn cut(&mut self, time: f64) -> bool {
+        if !(time > 0.0 && time < self.duration) {
+            return false;
+        }
+        let mut left = time;
+        for (index, piece) in self.pieces[..self.count].iter_mut().enumerate() {
+            if left <= piece.duration {
+                piece.duration = left;
+                (self.count, self.duration, self.end) = (index + 1, time, piece.end());
+                self.is_cut = true;
+                return true;
+            }
+            left -= piece.duration;
+        }
+        false // its pieces are as long as it
+    }
+
+    /// It was cut, and ends in motion.
+    pub const fn is_cut(&self) -> bool {
+        self.is_cut
     }
 
     /// Largest speed in it.

@@ -150,6 +150,25 @@ impl Follow {
         self.phases[..usize::from(self.count)].iter().map(|phase| phase.duration).sum()
     }
 
+    /// It ends at this time from its start, in the motion that it has there, and goes on into the next step; whether that is
+    /// within it.
+    #[must_use]
+    pub fn cut(&mut self, time: f64) -> bool {
+        if !(time > 0.0 && time < self.duration()) {
+            return false;
+        }
+        let mut left = time;
+        for (count, phase) in (1..=self.count).zip(&mut self.phases) {
+            if left <= phase.duration {
+                phase.duration = left;
+                (self.count, self.exact_stop) = (count, false);
+                return true;
+            }
+            left -= phase.duration;
+        }
+        false // its phases are as long as it
+    }
+
     /// Parameter of the piece and its rates (speed, acceleration, jerk) at a time from its start.
     pub fn at(&self, time: f64) -> (f64, f64, f64, f64) {
         let phases = &self.phases[..usize::from(self.count)];
@@ -185,6 +204,22 @@ pub struct Move {
     pub floats: bool,
     /// Its feed, if it may be planned anew for another one.
     pub programmed: Option<Programmed>,
+}
+
+impl Move {
+    /// It ends at rest. One that was cut ends in motion, and goes on into the next step.
+    pub const fn rests(&self) -> bool {
+        !self.profile.is_cut()
+    }
+
+    /// It ends at this time from its start, in the motion that it has there, and goes on into the next step; whether that is
+    /// within it.
+    #[must_use]
+    pub fn cut(&mut self, time: f64) -> bool {
+        let is_cut = self.profile.cut(time);
+        self.exact_stop &= !is_cut;
+        is_cut
+    }
 }
 
 /// What a spindle is told.
@@ -231,6 +266,15 @@ pub struct ChipThrow {
     pub level: Length,
     /// The axis passes it upwards.
     pub upwards: bool,
+}
+
+/// The step that a kernel is executing, and the planned time of it that is done, while what follows is planned anew.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UnderWay {
+    /// Planned time that is done, s or revolutions.
+    pub done: f64,
+    /// Planned time per second at the full rate: 1, or revolutions.
+    pub pace: f64,
 }
 
 /// What a kernel gives back of the steps that it was given, so that they can be planned anew. Whoever gave them keeps them.

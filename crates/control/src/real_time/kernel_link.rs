@@ -1,7 +1,10 @@
 //! A kernel that is in the servo thread, seen from the control's: its picture, and rings to and from it.
 use super::{Record, Said};
 use crate::clock::now;
-use kernel::{Answered, Event, Fault, Full, Picture, RecordRequest, Reply, Request};
+use bus::{Report, State};
+use kernel::{
+    Answered, Event, Fault, FaultKind, Full, Picture, RecordRequest, Reply, Request, Subject,
+};
 use plan::Step;
 use rtrb::{Consumer, Producer};
 use std::collections::VecDeque;
@@ -47,6 +50,8 @@ pub struct KernelLink {
     /// Steps that were sent, and of these, those that the kernel's queue has taken.
     sent: u64,
     taken: u64,
+    /// Of the steps on their way, those after this one up to that one were given up.
+    given_up: (u64, u64),
     /// Up to when records were looked at.
     seen: Time,
 }
@@ -64,6 +69,7 @@ impl KernelLink {
             record_requests: VecDeque::new(),
             sent: 0,
             taken: 0,
+            given_up: (0, 0),
             seen: Time::ZERO,
         };
         link.keep_faults();
@@ -80,7 +86,23 @@ impl KernelLink {
 
     /// Steps that wait or run, those on their way among them.
     pub(crate) fn steps(&self) -> usize {
-        self.picture.steps + (self.sent - self.taken) as usize
+        let (after, last) = self.given_up;
+        let given_up = last - after.max(self.taken).min(last);
+        self.picture.steps + (self.sent - self.taken - given_up) as usize
+    }
+
+    /// [`Kernel::give_up`](kernel::Kernel::give_up), of all that were sent.
+    pub(crate) fn give_up(&mut self, steps: usize, at: Option<f64>) -> bool {
+        if self.taken < self.given_up.1 {
+            return false; // one after the other
+        }
+        let given_up = (self.sent - (steps as u64).min(self.sent), self.sent);
+        let is_done =
+            matches!(self.ask(Request::GiveUp { steps, at }), Some(Reply::Is(done)) if done);
+        if is_done {
+            self.given_up = given_up;
+        }
+        is_done
     }
 
     pub(crate) fn is_full(&self) -> bool {
@@ -125,6 +147,29 @@ impl KernelLink {
         (self.picture, self.number, self.taken) = (picture, number, taken);
         self.keep_faults();
         Some(reply)
+    }
+
+    /// The servo thread has ended by itself: nothing is commanded any more.
+    pub(crate) fn lose(&mut self) {
+        if self.faults.iter().any(|fault| fault.kind == FaultKind::ServoThreadEnded) {
+            return;
+        }
+        let Report { op, line, .. } = self.picture.report;
+        let (kind, subject) = (FaultKind::ServoThreadEnded, Subject::Machine);
+        let time = self.seen;
+        self.faults.push(Fault { kind, subject, value: 0.0, limit: 0.0, time, op, line });
+        self.picture = Picture {
+            report: Report { state: State::Faulted, ..self.picture.report },
+            is_over: true,
+            is_ready: false,
+            is_standing: true,
+            is_flowing: false,
+            is_moving_manually: false,
+            is_moving_on_lease: false,
+            homing: [None; bus::AXES],
+            waiting: None,
+            ..self.picture
+        };
     }
 
     /// What the kernel has said up to the record that is looked at.

@@ -39,6 +39,11 @@ impl MachineLink {
         self.lost.get_or_insert_with(|| why.into());
     }
 
+    /// A period has passed of which nothing is heard.
+    pub(crate) fn pass(&mut self) {
+        self.feedback.time += self.period;
+    }
+
     pub(crate) fn feedback(&self) -> Feedback {
         self.feedback
     }

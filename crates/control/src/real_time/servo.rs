@@ -45,6 +45,8 @@ struct Servo {
     /// A step that the kernel had no room for.
     waiting: Option<Step>,
     taken: u64,
+    /// Of the steps on their way, those after this one up to that one were given up.
+    given_up: (u64, u64),
     number: u64,
     metrics: Arc<ServoMetrics>,
 }
@@ -113,6 +115,7 @@ impl Seat {
             rings,
             waiting: None,
             taken: 0,
+            given_up: (0, 0),
             number: 0,
             metrics: Arc::clone(&metrics),
         };
@@ -190,7 +193,10 @@ impl Servo {
         while !self.rings.replies.is_full()
             && let Ok(request) = self.rings.requests.pop()
         {
-            let mut reply = self.kernel.serve(request);
+            let mut reply = match request {
+                Request::GiveUp { steps, at } => Reply::Is(self.give_up(steps, at)),
+                request => self.kernel.serve(request),
+            };
             if let Reply::HandedBack(Some(back)) = &mut reply {
                 back.steps += self.hand_back_waiting();
             }
@@ -200,12 +206,29 @@ impl Servo {
         }
     }
 
+    /// The last ones of all steps that were sent are not wanted any more, if the kernel agrees.
+    fn give_up(&mut self, steps: usize, at: Option<f64>) -> bool {
+        let on_their_way = self.rings.steps.slots() + usize::from(self.waiting.is_some());
+        let last = self.taken + on_their_way as u64;
+        let of_kernel = steps.saturating_sub(on_their_way);
+        if self.taken < self.given_up.1 || (steps < on_their_way && at.is_some()) {
+            return false;
+        }
+        if (of_kernel > 0 || at.is_some() || steps == on_their_way)
+            && !self.kernel.give_up(of_kernel, at)
+        {
+            return false;
+        }
+        self.given_up = (last - (steps - of_kernel) as u64, last);
+        true
+    }
+
     /// Steps on their way go back; how many.
     fn hand_back_waiting(&mut self) -> usize {
         let mut count = 0;
         while let Some(step) = self.waiting.take().or_else(|| self.rings.steps.pop().ok()) {
+            count += usize::from(!self.is_given_up());
             self.release(step);
-            count += 1;
         }
         count
     }
@@ -216,12 +239,21 @@ impl Servo {
             let Some(step) = self.waiting.take().or_else(|| self.rings.steps.pop().ok()) else {
                 return;
             };
+            if self.is_given_up() {
+                self.release(step);
+                continue;
+            }
             if self.kernel.push(&step).is_err() {
                 self.waiting = Some(step); // no room for a plan of its kind: again after the next tick
                 return;
             }
             self.release(step);
         }
+    }
+
+    /// The next step on its way was given up.
+    fn is_given_up(&self) -> bool {
+        (self.given_up.0..self.given_up.1).contains(&self.taken)
     }
 
     /// The memory of a step is released by the thread that took it. Its ring has room for all steps that there are at a time.

@@ -295,6 +295,14 @@ impl FaultKind {
                 cause: "The computer has planned too slowly, or has been busy with something else.",
                 remedy: "A tool that is tied to a spindle leaves the work as at any alarm. Stop what else the computer does; blend short blocks with G64 P.",
             },
+            Self::ServoThreadEnded => Text {
+                number: 412,
+                sentence: "the servo thread of the control has ended by itself",
+                unit: "",
+                reaction: Reaction::Disable,
+                cause: "A defect of the control. The drives do by themselves what drives.on_link_loss says.",
+                remedy: "Keep the program and the trace, and report it. Switch the control off and on; a tool that stands in its thread is taken out by recovery.",
+            },
             Self::HomeSwitchNotFound => Text {
                 number: 501,
                 sentence: "the home switch was not found over the whole way",

@@ -8,8 +8,9 @@ use crate::execute::Activity;
 use crate::operator::{Notice, Operator, Order};
 use crate::queue::{Step, StepKind};
 use crate::spindle::SpindleLoop;
+use crate::time_scaling::SIGHT;
 use crate::track::Track;
-use motion::HandedBack;
+use motion::{HandedBack, UnderWay};
 
 impl Kernel {
     /// Take an order of the operator; it acts from the next tick on.
@@ -70,6 +71,49 @@ impl Kernel {
         let steps = self.queue.len().saturating_sub(stays);
         self.queue.truncate(stays);
         Some(HandedBack { steps, done })
+    }
+
+    /// What is done of the step under way, if it moves and can be planned anew.
+    pub fn under_way(&self) -> Option<UnderWay> {
+        let step = self.queue.front().filter(|_| self.begun && self.chained == 0)?;
+        match (&self.activity, Track::of(&step.kind)) {
+            (Activity::Moving(moving, _), Some(track)) => moving.under_way(track, &self.drives),
+            _ => None,
+        }
+    }
+
+    /// Give up the last `steps` of those that wait: what is planned instead comes in time. `at`: the step that is then the last,
+    /// and under way, ends at that planned time of it in motion, and goes on into what comes. `false`, and nothing is
+    /// changed: none would be left, or what is left goes on into what comes so soon that the way in which an override or a
+    /// hold changes the rate now may lead beyond it.
+    pub fn give_up(&mut self, steps: usize, at: Option<f64>) -> bool {
+        let stays = self.queue.len().saturating_sub(steps);
+        if stays <= self.chained || at.is_some() && stays != 1 {
+            return false;
+        }
+        let goes_on = at.is_some() || self.track_at(stays - 1).is_some_and(|track| !track.rests());
+        if goes_on && !self.goes_on_long(stays, at) || at.is_some_and(|at| !self.queue.cut(0, at)) {
+            return false;
+        }
+        self.queue.truncate(stays);
+        true
+    }
+
+    fn track_at(&self, index: usize) -> Option<Track<'_>> {
+        self.queue.get(index).and_then(|step| Track::of(&step.kind))
+    }
+
+    /// The first steps, which move, last longer than what is looked at for a change of the rate. `at`: where the last one ends.
+    fn goes_on_long(&self, steps: usize, at: Option<f64>) -> bool {
+        let Some(UnderWay { done, pace }) = self.under_way() else { return false };
+        let sees = SIGHT as f64 * self.config.period.value() * pace;
+        let takes = |index| match at {
+            Some(at) => Some(at),
+            None => self.track_at(index).map(Track::duration),
+        };
+        // what does not move begins at rest: no motion is waiting to go on
+        let lasts = (0..steps).map_while(takes).sum::<f64>();
+        lasts - done >= sees
     }
 
     /// Go on after a program's stop.

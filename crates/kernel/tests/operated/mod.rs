@@ -6,9 +6,12 @@ use bus::{AXES, AxisFeedback, Feedback, SpindleFeedback};
 use canon::{Op, Position, ToolLibrary};
 use kernel::{Kernel, Order};
 use plan::Step;
+/// How long after now a new plan takes over.
+const LEAD: Time = Time::s(0.25);
+
 use plan::{
-    AxisLimits, Joining, MachineLimits, OperatorSettings, Options, Planner, Start, Tapping,
-    ToolChange,
+    AxisLimits, Joining, MachineLimits, OperatorSettings, Options, Planner, Start, TakeOver,
+    Tapping, ToolChange,
 };
 use proptest::prelude::*;
 use std::collections::VecDeque;
@@ -74,6 +77,11 @@ pub struct Seen {
 
 /// Orders by the period in which they come; at the end everything is let go, so that the program ends.
 pub fn run(ops: &[Op], jerk: f64, orders: &[(usize, Order)]) -> Seen {
+    run_replanning(ops, jerk, orders, false)
+}
+
+/// The same; `ahead`: a new plan takes over from a moment ahead, as it has to where planning takes time.
+pub fn run_replanning(ops: &[Op], jerk: f64, orders: &[(usize, Order)], ahead: bool) -> Seen {
     let limits = limits(jerk);
     let mut config = control(&machine(0));
     config.period = Time::s(PERIOD);
@@ -115,7 +123,24 @@ pub fn run(ops: &[Op], jerk: f64, orders: &[(usize, Order)]) -> Seen {
             stops: operator.single_block(),
         };
         if now.share > settings.share || (now.stops && !settings.stops) {
-            if let Some(back) = kernel.hand_back() {
+            if ahead {
+                let (under_way, steps) = (kernel.under_way(), kernel.steps());
+                let first = sent.len() - steps;
+                if let Some(TakeOver { stays, at }) =
+                    plan::take_over(sent[first..].iter(), under_way, LEAD)
+                    && kernel.give_up(steps - stays, at)
+                {
+                    let anew = if at.is_some() { first } else { first + stays };
+                    let mut again = sent[anew..].to_vec();
+                    again.extend(queue.drain(..));
+                    sent.truncate(first + stays);
+                    if let (Some(at), Some(last)) = (at, sent.last_mut()) {
+                        plan::cut(last, at);
+                    }
+                    planner.repace(now, again, at, &mut |step| queue.push_back(step));
+                    settings = now;
+                }
+            } else if let Some(back) = kernel.hand_back() {
                 let mut steps = sent.split_off(sent.len() - back.steps);
                 steps.extend(queue.drain(..));
                 planner.repace(now, steps, back.done, &mut |step| queue.push_back(step));
