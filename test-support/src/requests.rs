@@ -6,7 +6,7 @@
 //!   every period ─► setpoints within travel, speed and acceleration · a jog ends with its lease · no tap breaks
 //!   every answer ─► a refused request changes nothing; the state moves along the table of transitions
 //! ```
-use canon::{Axis, Position};
+use canon::{Axis, Position, ToolKind};
 use control::job::{ProgramOptions, restart};
 use control::operation::{
     Control, ControlOptions, Event, Execution, ExecutionEvent, Jog, Power, Request, ToolField,
@@ -60,11 +60,13 @@ pub struct Tally {
 }
 
 /// Requests and events that are shown of a sequence that broke a rule.
-const STORY: usize = 30;
+const STORY: usize = 60;
 /// Requests in a sequence.
 const LONGEST: u64 = 40;
 /// What a numeric derivative of a setpoint may be beyond its limit: the kernel's own margin for unplanned motion.
 const ROUNDED: f64 = 1.02;
+/// The drill of the program bears its feed per turn so many times.
+const DRILL_BEARS: f64 = 1.5;
 /// Nearer than this to the end of its travel an axis may be beyond it, mm.
 const AT_END_MM: f64 = 1e-3;
 
@@ -168,6 +170,12 @@ fn any(chance: &mut Chance, program: &Path) -> Request {
 struct Bench {
     control: Control,
     before: Vec<[f64; 2]>,
+    /// Feed override and spindle override.
+    overrides: [f64; 2],
+    /// The operator has wanted more feed per turn than the drill bears.
+    overloads: bool,
+    /// The drill has broken of that.
+    drill_broke: bool,
     /// Where the axes stood when their drives were last off.
     stood: Vec<f64>,
     /// Periods for which setpoints are not compared: drives come up where the axes stand.
@@ -185,6 +193,9 @@ impl Bench {
         Self {
             control,
             before: Vec::new(),
+            overrides: [1.0; 2],
+            overloads: false,
+            drill_broke: false,
             stood: Vec::new(),
             settling: 3,
             execution,
@@ -202,9 +213,15 @@ impl Bench {
         match asked {
             Ok(_) => {
                 tally.accepted += 1;
-                if let Request::Jog(_, Jog::Continuous(_)) = request {
-                    self.lease = Some(self.control.now() + Jog::LEASE);
+                match request {
+                    Request::Jog(_, Jog::Continuous(_)) => {
+                        self.lease = Some(self.control.now() + Jog::LEASE);
+                    }
+                    Request::FeedOverride(share) => self.overrides[0] = share.clamp(0.0, 2.0),
+                    Request::SpindleOverride(share) => self.overrides[1] = share.clamp(0.5, 1.2),
+                    _ => {}
                 }
+                self.overloads |= self.overrides[0] / self.overrides[1] > DRILL_BEARS;
             }
             Err(refusal) => {
                 tally.refused += 1;
@@ -248,7 +265,10 @@ impl Bench {
         self.transitions()?;
         self.setpoints()?;
         self.leases()?;
-        if self.control.is_tap_broken() {
+        // no control forbids an overload of the drill; the taps after it find no holes
+        let broken = self.control.broken_tool().map(|tool| &tool.kind);
+        self.drill_broke |= self.overloads && matches!(broken, Some(ToolKind::Drill { .. }));
+        if matches!(broken, Some(ToolKind::Tap(_))) && !self.drill_broke {
             return Err(format!("the tap broke at {}", self.control.now()));
         }
         // an operator may drive a drill against the hole in which it was left: a tap's control does not let him
@@ -257,6 +277,9 @@ impl Bench {
             && let Some(breach) = self.control.breaches().last()
             && !breach.contains("sideways")
         {
+            if self.drill_broke {
+                return Ok(());
+            }
             return Err(format!("safety check violated: {breach}"));
         }
         Ok(())

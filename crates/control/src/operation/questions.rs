@@ -99,11 +99,10 @@ impl Control {
         self.executor.kernel.is_moving_on_lease()
     }
 
-    /// The simulated tap in the spindle is broken.
-    pub fn is_tap_broken(&self) -> bool {
-        let tool = self.base.tools.get(self.mounted());
-        let is_tap = tool.is_some_and(|tool| matches!(tool.kind, canon::ToolKind::Tap(_)));
-        is_tap && self.executor.machine.truth().is_some_and(|truth| truth.tool_broken)
+    /// The simulated tool in the spindle, if it is broken.
+    pub fn broken_tool(&self) -> Option<&canon::Tool> {
+        let is_broken = self.executor.machine.truth().is_some_and(|truth| truth.tool_broken);
+        self.base.tools.get(self.mounted()).filter(|_| is_broken)
     }
 
     /// Where each axis of the machine is told to be, mm or degrees.
