@@ -68,7 +68,7 @@ fn features(outcome: &Outcome) -> String {
 
 fn went_wrong(outcome: &Outcome) -> String {
     let breaches = outcome.watch.breaches().iter().take(MOST_FAILURES);
-    breaches.fold(String::new(), |said, b| said + &format!("INVARIANT BROKEN: {b}\n"))
+    breaches.fold(String::new(), |said, b| said + &format!("safety check violated: {b}\n"))
 }
 
 fn alarms(outcome: &Outcome) -> String {

@@ -262,7 +262,7 @@ fn a_program_that_check_calls_clean_breaks_no_tool_when_it_is_run() {
         assert_eq!(printed(&told), codes, "run and check differ of\n{text}");
         // a hole that is not drilled here is a note, and no cause of anything
         let is_clean = codes.iter().all(|code| code == "M0324");
-        let breaks = out.contains("INVARIANT BROKEN");
+        let breaks = out.contains("safety check violated");
         match output.status.code() {
             Some(2) => refused += 1,
             Some(0) if is_clean => clean += 1,

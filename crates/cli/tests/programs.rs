@@ -256,7 +256,7 @@ fn a_run_that_breaks_its_tool_is_not_called_good() {
         "G21 G90 G54\nT1 M6\nS3000 M3\nG43 H1\nG0 X0 Y0 Z2\nG1 Z-0.045 F300\nX5\nG0 Z20\nM30\n";
     std::fs::write(&program, text).unwrap();
     let output = leadscrew(&["run", program.to_str().unwrap()]);
-    assert!(said(&output).contains("INVARIANT BROKEN: ") && said(&output).contains("FAIL: "));
+    assert!(said(&output).contains("safety check violated: ") && said(&output).contains("FAIL: "));
     let why = "the tool is broken: T1 spot drill 10 mm, moved 2.50 mm sideways in the work of 2.50 mm it withstands, at X2.5 Y0 Z-0.0";
     assert!(said(&output).contains(why), "{}", said(&output));
     assert!(complained(&output).contains("warning[M0361]"), "{}", complained(&output));

@@ -94,7 +94,7 @@ impl Outline {
     }
 
     /// Distance from the axis.
-    fn off_axis(&self, at: [f64; 3]) -> f64 {
+    pub(crate) fn off_axis(&self, at: [f64; 3]) -> f64 {
         libm::hypot(at[0] - self.axis[0], at[1] - self.axis[1])
     }
 

@@ -131,6 +131,30 @@ fn a_drilled_hole_is_open_for_a_boring_tool() {
     assert!(said(bore).starts_with("Error line 4"));
 }
 
+/// As Fanuc's G76 with a tool table in which T2 is a drill.
+#[test]
+fn a_drill_beside_the_axis_of_a_turning_bar_is_refused_and_at_rest_it_is_not() {
+    let thread = |x: f64| {
+        OpKind::Threading(Threading {
+            to: Position::xyz(x / 2.0, 0.0, FACE + 60.0 - 20.0),
+            lead: Lead::mm_per_rev(1.5),
+            growth: LeadGrowth::ZERO,
+            start_angle: Angle::ZERO,
+            axis: canon::Axis::Z,
+            surface: Length::mm(FACE + 60.0),
+        })
+    };
+    let turned = |kinds: Vec<OpKind>| said_in(LengthUnit::Millimetre, "M0361", kinds);
+    let text = turned(vec![change(2), turn(800.0), to(18.2, 6.0), thread(18.2)]);
+    assert!(text.starts_with("Error line 4: T2 (a drill) goes 0.9 mm deep into the turning bar, 9.1 mm beside the bar's axis, and cuts on that axis only: X0 works"), "{text}");
+    let text = turned(vec![change(2), turn(800.0), to(12.0, 6.0), cut(12.0, -10.0)]);
+    assert!(text.starts_with("Error line 4"), "{text}");
+    // on its axis, in the air, and a driven tool in a bar that stands
+    assert_eq!(turned(vec![change(2), turn(800.0), to(0.0, 6.0), cut(0.0, -10.0)]), "");
+    assert_eq!(turned(vec![change(2), turn(800.0), to(24.0, 6.0), cut(24.0, -10.0)]), "");
+    assert_eq!(turned(vec![change(2), to(12.0, 6.0), cut(12.0, -10.0)]), "");
+}
+
 #[test]
 fn a_feed_is_never_said() {
     let feed = Feed::PerRevolution(Lead::mm_per_rev(0.2));

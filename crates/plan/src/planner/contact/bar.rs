@@ -7,7 +7,7 @@
 //!
 //! The tip lies where the program has it across the axis, with the tool's offset in X; along Z the real length of the tool
 //! counts, as with every tool. Tools of which it is not known what they leave end what is known of the bar.
-use super::{Job, Planner, Run, SCRAPES, places};
+use super::{DRILL_SIDEWAYS, Job, Planner, Run, SCRAPES, SLIDES, places};
 use crate::bar::Met;
 use crate::findings::Cause;
 use crate::words::{Rounding, advice, length, place, word};
@@ -15,6 +15,7 @@ use alloc::{format, string::String, vec::Vec};
 use canon::{Axis, InsertPoint, ToolKind};
 use diag::{Diagnostic, Span};
 use motion::Path;
+use units::Spin;
 
 /// How far an insert of an unknown point cuts to either side, mm.
 const UNKNOWN_POINT: f64 = 3.0;
@@ -51,9 +52,15 @@ impl Planner {
             {
                 let tip = |at: &canon::Position| {
                     let [x, y, z] = at.linear.map(units::Length::value);
-                    [x, y, z - tool_length]
+                    [x - across, y, z - tool_length]
                 };
-                outline.bored(ends.map(tip), radius);
+                let ends = ends.map(tip);
+                let off = outline.off_axis(ends[1]);
+                let met = outline.met(ends, SLIDES).filter(|_| off > DRILL_SIDEWAYS * 2.0 * radius);
+                outline.bored(ends, radius);
+                if let Some(met) = met.filter(|_| self.turns_now()) {
+                    self.say_beside_axis(job.span, &met, off);
+                }
                 return false;
             }
             _ => {
@@ -84,6 +91,36 @@ impl Planner {
         if let Some(contact) = &mut self.contact {
             contact.outline = None;
         }
+    }
+
+    /// The bar turns.
+    fn turns_now(&self) -> bool {
+        self.turns_work
+            && self.spindles.first().is_some_and(|spindle| spindle.ordered != Spin::ZERO)
+    }
+
+    /// A tool that cuts on its axis goes into a turning bar beside the bar's.
+    fn say_beside_axis(&mut self, span: Span, met: &Met, off: f64) {
+        let Some((tool, contact)) = self.tools.get(self.tool).zip(self.contact.as_ref()) else {
+            return;
+        };
+        let frame = &self.frame;
+        let said = [
+            format!(
+                "{} goes {} deep into the turning bar, {} beside the bar's axis, and cuts on that axis only",
+                super::say::name(tool),
+                length(frame, met.depth),
+                length(frame, off),
+            ),
+            ": X0 works for it; a turned surface or thread needs an insert".into(),
+        ];
+        let severity = Self::sure(contact.doubtful);
+        let cause = Cause { code: "M0361", which: [contact.mounted, severity as u32, 1] };
+        self.findings.merge(cause, met.depth, || {
+            let mut finding = Diagnostic::error("M0361", span, "").with_help(INSERTS);
+            finding.severity = severity;
+            (finding, said)
+        });
     }
 
     fn say_bar(&mut self, span: Span, met: &Met, across: f64) {
@@ -129,5 +166,8 @@ impl Planner {
     }
 }
 
+/// Of a tool that cannot turn.
+const INSERTS: &str =
+    "--tools FILE names the shop's own tools; their table says which one is an insert";
 /// Of a rapid into the bar.
 const SMALLER_BAR: &str = "[setup.stock] in the machine's file says how large the bar is: if the real one is smaller or turned before, write its size there";
