@@ -1,7 +1,10 @@
 //! Kernel and machine as the control holds them: here, or in the servo thread; what is asked of them is the same.
-use crate::Plant;
-use crate::real_time::{KernelLink, MachineLink, Record};
-use bus::{Feedback, Machine as _, Report, Truth};
+mod machine;
+
+pub use machine::MachineHandle;
+
+use crate::real_time::{KernelLink, Record};
+use bus::Report;
 use kernel::{
     Answered, Event, Fault, FaultKind, Full, HomingOrder, Kernel, ManualOrder, ManualRefusal,
     Operator, Order, Periodic, RecordRequest, RecoveryPlan, Reply, Request, Waiting,
@@ -9,9 +12,7 @@ use kernel::{
 };
 use motion::{HandedBack, Superpose, TableId, UnderWay, WayOut};
 use plan::Step;
-use sim::Fault as MachineFault;
 use units::{Angle, Axis, Length, Spin, Time};
-use wire::Engagement;
 
 /// A kernel.
 pub enum KernelHandle {
@@ -21,23 +22,9 @@ pub enum KernelHandle {
     There(Box<KernelLink>),
 }
 
-/// A machine.
-pub enum MachineHandle {
-    /// In this thread.
-    Here(Box<Plant>),
-    /// In the servo thread.
-    There(Box<MachineLink>),
-}
-
 impl From<Kernel> for KernelHandle {
     fn from(kernel: Kernel) -> Self {
         Self::Here(Box::new(kernel))
-    }
-}
-
-impl From<Plant> for MachineHandle {
-    fn from(machine: Plant) -> Self {
-        Self::Here(Box::new(machine))
     }
 }
 
@@ -392,117 +379,6 @@ impl KernelHandle {
         match self {
             Self::Here(kernel) => kernel.home(axis, order),
             Self::There(link) => Self::manual(link.ask(Request::Home(axis, *order)).as_ref()),
-        }
-    }
-}
-
-impl MachineHandle {
-    /// The machine, if it is in this thread.
-    pub fn here(&mut self) -> Option<&mut Plant> {
-        match self {
-            Self::Here(machine) => Some(machine),
-            Self::There(_) => None,
-        }
-    }
-
-    /// A period of the servo thread is looked at.
-    pub(crate) fn see(&mut self, record: &Record) {
-        if let Self::There(link) = self {
-            link.see(record);
-        }
-    }
-
-    /// The servo thread is gone, and why.
-    pub(crate) fn lose(&mut self, why: &str) {
-        if let Self::There(link) = self {
-            link.lose(why);
-        }
-    }
-
-    /// A period has passed of which nothing is heard.
-    pub(crate) fn pass(&mut self) {
-        if let Self::There(link) = self {
-            link.pass();
-        }
-    }
-
-    /// What it has said last.
-    pub fn feedback(&self) -> Feedback {
-        match self {
-            Self::Here(machine) => machine.feedback(),
-            Self::There(link) => link.feedback(),
-        }
-    }
-
-    /// What only a simulated one knows.
-    pub fn truth(&self) -> Option<Truth> {
-        match self {
-            Self::Here(machine) => machine.truth(),
-            Self::There(link) => link.truth(),
-        }
-    }
-
-    /// Its servo period.
-    pub fn period(&self) -> Time {
-        match self {
-            Self::Here(machine) => machine.period(),
-            Self::There(link) => link.period(),
-        }
-    }
-
-    /// [`Plant::strike`].
-    pub fn strike(&mut self, fault: MachineFault) {
-        match self {
-            Self::Here(machine) => machine.strike(fault),
-            Self::There(link) => link.strike(fault),
-        }
-    }
-
-    /// [`Plant::repair`].
-    pub fn repair(&mut self, fault: MachineFault) {
-        match self {
-            Self::Here(machine) => machine.repair(fault),
-            Self::There(link) => link.repair(fault),
-        }
-    }
-
-    /// [`Plant::mend`].
-    pub fn mend(&mut self) {
-        match self {
-            Self::Here(machine) => machine.mend(),
-            Self::There(link) => link.mend(),
-        }
-    }
-
-    /// [`Plant::engage`].
-    pub fn engage(&mut self, engagement: Option<Engagement>) {
-        match self {
-            Self::Here(machine) => machine.engage(engagement),
-            Self::There(link) => link.engage(engagement),
-        }
-    }
-
-    /// [`Plant::is_abandoned`], or the servo thread has ended.
-    pub fn is_abandoned(&self) -> bool {
-        match self {
-            Self::Here(machine) => machine.is_abandoned(),
-            Self::There(link) => link.lost().is_some(),
-        }
-    }
-
-    /// [`Plant::lost`].
-    pub fn lost(&self) -> Option<String> {
-        match self {
-            Self::Here(machine) => machine.lost(),
-            Self::There(link) => link.lost(),
-        }
-    }
-
-    /// [`Plant::assumed_holes`]; known when the machine is here again.
-    pub fn assumed_holes(&self) -> usize {
-        match self {
-            Self::Here(machine) => machine.assumed_holes(),
-            Self::There(_) => 0,
         }
     }
 }
