@@ -3,7 +3,7 @@ use crate::args::{ServeArgs, TokenRole};
 use crate::{console, interrupt, say};
 use control::operation::ControlOptions;
 use control::{RealTimeOptions, Refused};
-use server::{Certificate, Role, Server, ServerOptions, Tokens};
+use server::{Certificate, KeptRuns, Role, Server, ServerOptions, Tokens};
 use std::net::SocketAddr;
 use std::time::Duration;
 
@@ -41,6 +41,7 @@ pub(crate) fn command(args: &ServeArgs) -> Result<(), Refused> {
             _ => args.self_signed.then_some(Certificate::SelfSigned),
         },
         names: args.host_name.clone(),
+        kept_runs: KeptRuns { most: args.runs.max(1), most_bytes: args.runs_mb << 20 },
     })
     .map_err(|refused| Refused::because(refused.0))?;
     say::out(&format!("{}\n", server.url()))?;

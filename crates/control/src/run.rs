@@ -6,7 +6,7 @@ use crate::job::Operations;
 use crate::job::Session;
 use crate::job::preflight::planner;
 use crate::job::restart::Restart;
-use crate::observers::{Observing, ToolUseCount, Workpiece};
+use crate::observers::{Observing, ToolUseCount, TraceThread, Workpiece};
 use crate::outcome::{EndedRun, Outcome, unobserved};
 use crate::stall::StallGuard;
 use crate::{Executor, Feeder, KernelHandle, Observers, RealTimeFigures, Services};
@@ -115,6 +115,8 @@ pub struct Running {
     now: Time,
     stall: Option<StallGuard>,
     periods: u64,
+    /// The last period.
+    sample: Sample,
     real_time: Option<RealTimeFigures>,
     faults: Vec<Fault>,
     broke_off: Vec<String>,
@@ -167,6 +169,7 @@ impl Running {
             now: begun,
             stall,
             periods: 0,
+            sample: Sample::default(),
             real_time: None,
             faults: Vec::new(),
             broke_off: Vec::new(),
@@ -200,6 +203,16 @@ impl Running {
         self.now
     }
 
+    /// It is interpreted while the machine executes.
+    pub fn is_live(&self) -> bool {
+        self.feeder.ops.is_live()
+    }
+
+    /// The last period, as it was observed.
+    pub const fn sample(&self) -> &Sample {
+        &self.sample
+    }
+
     /// How often what may never happen did.
     pub fn breach_count(&self) -> usize {
         self.observers.breach_count()
@@ -208,6 +221,13 @@ impl Running {
     /// What was cut and judged so far.
     pub fn judged_so_far(&self) -> &[Feature] {
         self.observers.features()
+    }
+
+    /// Before the first period: keep what pictures need, and every period.
+    pub fn record(&mut self, recorder: report::Recorder, trace: TraceThread) {
+        if let Some(observers) = self.observers.here() {
+            (observers.recorder, observers.trace) = (recorder, Some(trace));
+        }
     }
 
     /// Before the first period: count what each tool cuts; this one is in the spindle.
@@ -254,6 +274,7 @@ impl Running {
                 }
             }
         });
+        self.sample = sample;
         if executor.kernel.is_idle() && !self.feeder.refused().is_empty() {
             let said = self.feeder.refused().iter();
             self.broke_off.extend(said.map(|d| format!("line {}: {}", d.span.line, d.message)));

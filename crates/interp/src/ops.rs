@@ -79,6 +79,11 @@ impl<'s> Ops<'s> {
         ProgramFrame { counting, ..frame }
     }
 
+    /// The codes in force after the block that the operation that came last stands in, one of each group.
+    pub fn codes(&self) -> Vec<String> {
+        crate::snapshot::Standing::of(&self.interpreter.program.executor).codes
+    }
+
     /// The numbered parameters as the program has set them.
     pub const fn parameters(&self) -> &Parameters {
         self.interpreter.parameters()

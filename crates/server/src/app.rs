@@ -2,6 +2,7 @@
 use crate::answer::ApiError;
 use crate::folder::Folder;
 use crate::rights::Rights;
+use crate::runs::Runs;
 use crate::tokens::Tokens;
 use crate::wire::RequestBody;
 use control::operation::Accepted;
@@ -20,6 +21,7 @@ pub(crate) type Fields = Map<String, Value>;
 pub(crate) struct App {
     pub(crate) client: Client,
     pub(crate) folder: Folder,
+    pub(crate) runs: Runs,
     pub(crate) tokens: Option<Tokens>,
     /// Told of each picture.
     pub(crate) pictures: watch::Receiver<u64>,
@@ -35,7 +37,7 @@ impl App {
     /// Of a control and a folder.
     pub(crate) fn new(
         client: Client,
-        folder: Folder,
+        (folder, runs): (Folder, Runs),
         tokens: Option<Tokens>,
         pictures: watch::Receiver<u64>,
         hosts: Vec<String>,
@@ -43,6 +45,7 @@ impl App {
         Self {
             client,
             folder,
+            runs,
             tokens,
             pictures,
             sockets: Arc::new(Semaphore::new(MOST_SOCKETS)),

@@ -15,6 +15,7 @@
 //! | `routes` | the table of addresses, from which router and OpenAPI document are made; a file per concern |
 //! | `socket` | WebSocket: status, events, features, requests; `scope` its binary frames |
 //! | `wire` | what goes over the wire, as types |
+//! | `runs` | the history of runs: folders, what is kept, columns of traces |
 //! | `folder` | the folder of programs |
 //! | `page` | the page that is embedded |
 //!
@@ -29,6 +30,7 @@ mod listen;
 mod page;
 mod rights;
 mod routes;
+mod runs;
 mod scope;
 mod socket;
 mod tls;
@@ -39,5 +41,6 @@ mod wire;
 pub use listen::{Refused, Server, ServerOptions};
 pub use rights::Role;
 pub use routes::openapi;
+pub use runs::KeptRuns;
 pub use tls::Certificate;
 pub use tokens::{NewToken, Tokens};

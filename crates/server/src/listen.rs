@@ -4,6 +4,7 @@
 use crate::app::App;
 use crate::folder::Folder;
 use crate::page::Page;
+use crate::runs::{KeptRuns, Runs};
 use crate::tls::{Certificate, Tls};
 use crate::tokens::Tokens;
 use crate::{guard, routes};
@@ -59,6 +60,8 @@ pub struct ServerOptions {
     pub certificate: Option<Certificate>,
     /// Names by which clients call it, besides this computer's own and the address.
     pub names: Vec<String>,
+    /// How many runs are kept in the state folder.
+    pub kept_runs: KeptRuns,
 }
 
 /// A control that is served, until it is dropped.
@@ -76,17 +79,18 @@ impl Server {
     /// # Errors
     /// A clear sentence: what is missing, or what the system has refused.
     pub fn start(options: ServerOptions) -> Result<Self, Refused> {
-        let ServerOptions { control, pace, address, programs, token_file, certificate, names } =
+        let ServerOptions { control, pace, address, programs, token_file, certificate, .. } =
             options;
         may_listen(address.ip(), token_file.is_some(), certificate.is_some())?;
-        let names = own_names(address.ip(), names);
+        let names = own_names(address.ip(), options.names);
         let tls = certificate.map(|certificate| Tls::of(&certificate, &names)).transpose();
         let tls = tls.map_err(Refused)?;
         let folder = Folder::open(&programs).map_err(Refused)?;
         let tokens = token_file.map(|path| Tokens::read(&path)).transpose().map_err(Refused)?;
+        let runs = Runs::open(control.state.as_deref(), options.kept_runs).map_err(Refused)?;
         let (told, pictures) = watch::channel(0);
         let published = Box::new(move || told.send_modify(|count| *count += 1));
-        let hosted = Hosted::start(control, HostOptions { pace, published })
+        let hosted = Hosted::start(control, HostOptions { pace, published, recording: None })
             .map_err(|refused| Refused(refused.sentence()))?;
         let runtime = tokio::runtime::Builder::new_multi_thread()
             .worker_threads(THREADS)
@@ -100,7 +104,7 @@ impl Server {
             .map_err(|e| Refused(format!("cannot listen on {address}: {e}")))?;
         let address = listener.local_addr().map_err(|e| Refused(e.to_string()))?;
         let hosts = hosts(&names, address.port());
-        let app = App::new(hosted.client(), folder, tokens, pictures, hosts);
+        let app = App::new(hosted.client(), (folder, runs), tokens, pictures, hosts);
         let fingerprint = tls.as_ref().map(|tls| tls.fingerprint.clone());
         let acceptor = tls.map(|tls| tls.acceptor);
         runtime.spawn(accept(listener, acceptor, router(Arc::new(app))));

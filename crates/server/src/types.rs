@@ -2,13 +2,15 @@
 use crate::wire::{
     AcceptedBody, AlarmBody, EventBody, EventsBody, FeatureBody, FileBody, FolderBody, HoleBody,
     MachineAxis, MachineBody, MachineSpindle, OffsetBody, OperatorBody, OperatorOrder,
-    OverrideRange, OverrideRanges, ProgramBody, RefusalBody, RequestBody, SavedBody, SegmentBody,
-    SessionBody, SessionOrder, StockBody, ToolBody, ToolFieldName,
+    OverrideRange, OverrideRanges, ProgramBody, RefusalBody, RequestBody, RequestNeeds, RunBody,
+    RunDetailBody, RunTraceBody, RunTraceSignal, RunsBody, SavedBody, SegmentBody, SessionBody,
+    SessionOrder, StockBody, ToolBody, ToolFieldName,
 };
 use control::RealTimeFigures;
 use control::operation::hosted::FindingData;
 use control::operation::{
-    AxisStatus, FeatureCount, Overrides, ProgramStatus, SpindleStatus, Status, WaitingStatus,
+    AxisStatus, FeatureCount, NeedStatus, Overrides, ProgramStatus, SpindleStatus, Status,
+    Switches, WaitingStatus,
 };
 use ts_rs::{Config, TS};
 
@@ -35,6 +37,8 @@ pub fn typescript() -> String {
         AxisStatus,
         SpindleStatus,
         Overrides,
+        Switches,
+        NeedStatus,
         WaitingStatus,
         ProgramStatus,
         FeatureCount,
@@ -51,6 +55,7 @@ pub fn typescript() -> String {
         OverrideRanges,
         OverrideRange,
         StockBody,
+        RequestNeeds,
         ProgramBody,
         SegmentBody,
         HoleBody,
@@ -61,6 +66,11 @@ pub fn typescript() -> String {
         ToolBody,
         FeatureBody,
         AlarmBody,
+        RunsBody,
+        RunBody,
+        RunDetailBody,
+        RunTraceBody,
+        RunTraceSignal,
         SessionOrder,
         SessionBody,
         OperatorOrder,

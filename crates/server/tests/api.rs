@@ -32,9 +32,24 @@ fn a_morning_in_the_shop_is_led_by_requests() {
 
     served.accepted(json!({ "request": "start" }));
     served.until("a line", |status| status["program"]["line"].as_u64() > Some(10));
+    let turns = served.until("it turns", |status| {
+        let spindle = &status["spindles"][0];
+        let (ordered, measured) = (&spindle["ordered_rpm"], &spindle["measured_rpm"]);
+        let (ordered, measured) = (ordered.as_f64().unwrap(), measured.as_f64().unwrap());
+        ordered > 1000.0 && (measured / ordered - 1.0).abs() < 0.02
+    });
+    assert!(turns["spindles"][0]["load_percent"].as_f64().unwrap() > 0.0, "{turns}");
+    assert!(turns["axes"][0]["to_go"].is_number() || turns["axes"][0]["to_go"].is_null());
     served.accepted(json!({ "request": "feed_hold" }));
     let held = served.until("a hold", |status| status["execution"] == "FEED_HOLD");
     assert_eq!(held["program"]["name"], "plate.ngc");
+    assert!(held["codes"].as_array().unwrap().contains(&json!("G21")), "{held}");
+    let left = held["program"]["left_s"].as_f64().unwrap();
+    assert!(left > 1.0 && left < held["program"]["planned_s"].as_f64().unwrap(), "{held}");
+    // what stands in the way of a second start is what a client is told
+    let unmet = held["unmet"].as_array().unwrap();
+    let under_way = unmet.iter().find(|unmet| unmet["need"] == "no_program_under_way").unwrap();
+    assert_eq!(served.request(&json!({ "request": "start" })).1["reason"], under_way["reason"]);
     served.accepted(json!({ "request": "resume" }));
     served.until("the end", |status| status["execution"] == "PROGRAM_COMPLETED");
 

@@ -51,13 +51,21 @@ tool: number | null,
  */
 work_offset: string, 
 /**
- * Codes in force; while a program is under way none are known: it is interpreted ahead.
+ * Codes in force at the block that is executed; none are known of a program that asks the machine something.
  */
 codes: Array<string>, 
+/**
+ * Speed of the path of X, Y and Z as it is ordered, mm/min, over 20 ms.
+ */
+path_mm_per_min: number, 
 /**
  * Overrides.
  */
 overrides: Overrides, 
+/**
+ * Single block, optional stop, block skip.
+ */
+switches: Switches, 
 /**
  * The program.
  */
@@ -78,6 +86,10 @@ features: FeatureCount,
  * Alarms that no reset has cleared.
  */
 alarms: Array<string>, 
+/**
+ * What requests may need and is not so now.
+ */
+unmet: Array<NeedStatus>, 
 /**
  * How the servo thread keeps its time, in real time.
  */
@@ -135,6 +147,10 @@ machine: number,
  */
 work: number, 
 /**
+ * Way to where the operation that is executed leads it, of a tap to its bottom; `None`: no program moves it.
+ */
+to_go: number | null, 
+/**
  * It is homed.
  */
 is_homed: boolean, 
@@ -148,6 +164,15 @@ export type SpindleStatus = {
  * Speed that it is ordered to have, rev/min; positive is M3.
  */
 ordered_rpm: number, 
+/**
+ * Speed by its encoder, rev/min, over 20 ms; positive is M3.
+ */
+measured_rpm: number, 
+/**
+ * Torque that its drive is ordered to make, in percent of what it can hold for ever at this speed, over 20 ms; `None`: its
+ * drive is told a speed, and does not say its torque.
+ */
+load_percent: number | null, 
 /**
  * Angle within its turn, degrees.
  */
@@ -170,6 +195,34 @@ spindle_percent: number,
  * A synchronised cut locks them now.
  */
 is_locked: boolean, };
+
+export type Switches = { 
+/**
+ * Hold after each block.
+ */
+single_block: boolean, 
+/**
+ * Stop at M1.
+ */
+optional_stop: boolean, 
+/**
+ * Levels of `/`, 1 to 9, whose blocks the next start leaves out.
+ */
+block_skip: Array<number>, };
+
+export type NeedStatus = { 
+/**
+ * Its name, as `GET machine` has it with the requests that need it.
+ */
+need: string, 
+/**
+ * Why such a request is refused now.
+ */
+reason: string, 
+/**
+ * What would make it possible, where the reason does not say it.
+ */
+remedy: string | null, };
 
 export type WaitingStatus = { 
 /**
@@ -202,6 +255,10 @@ planned_s: number,
  * For how long it has been under way, s.
  */
 elapsed_s: number, 
+/**
+ * Planned time, at overrides of 100 %, of what is still to be done, s.
+ */
+left_s: number, 
 /**
  * How long what is planned, and waits to be executed, will take, s; what has no planned time counts nothing.
  */
@@ -359,7 +416,11 @@ stock: StockBody | null,
 /**
  * Names of the signals that a scope shows.
  */
-signals: Array<string>, };
+signals: Array<string>, 
+/**
+ * What each request needs.
+ */
+requests: Array<RequestNeeds>, };
 
 export type MachineAxis = { 
 /**
@@ -442,6 +503,20 @@ to: [number, number, number],
  * Diameter of a bore along Z through its middle, mm; 0: it is solid.
  */
 bore_mm: number, };
+
+export type RequestNeeds = { 
+/**
+ * Its name, as in `POST request`.
+ */
+request: string, 
+/**
+ * Of one that switches something whose needs differ: which way.
+ */
+on?: boolean, 
+/**
+ * Names of what has to be so, in the order in which it is looked at; `unmet` of the status says which is not so now.
+ */
+needs: Array<string>, };
 
 export type ProgramBody = { 
 /**
@@ -710,6 +785,120 @@ time_s: number,
  * A reset has cleared it.
  */
 is_cleared: boolean, };
+
+export type RunsBody = { 
+/**
+ * The latest first.
+ */
+runs: Array<RunBody>, 
+/**
+ * There are more.
+ */
+is_shortened: boolean, };
+
+export type RunBody = { 
+/**
+ * Its id; a later run has a greater one.
+ */
+id: string, 
+/**
+ * The program.
+ */
+program: string, 
+/**
+ * SHA-256 of its text: runs of the same text have the same.
+ */
+program_sha256: string, 
+/**
+ * When it ended, ms since 1970.
+ */
+ended_unix_ms: number, 
+/**
+ * How long the machine took, s.
+ */
+cycle_time_s: number, 
+/**
+ * The program came to its end.
+ */
+has_ended: boolean, 
+/**
+ * `good`, `failed`, `not_judged`: of the whole run.
+ */
+verdict: string, 
+/**
+ * Features that are within tolerance.
+ */
+good: number, 
+/**
+ * Features that are out of it.
+ */
+failed: number, 
+/**
+ * Features that were not judged.
+ */
+not_judged: number, 
+/**
+ * Alarms.
+ */
+alarms: number, 
+/**
+ * Its trace is kept.
+ */
+has_trace: boolean, 
+/**
+ * Bytes on the disk.
+ */
+bytes: number, };
+
+export type RunDetailBody = { 
+/**
+ * What the list says of it.
+ */
+run: RunBody, 
+/**
+ * What was cut, as it was judged.
+ */
+features: Array<FeatureBody>, 
+/**
+ * What stopped it.
+ */
+alarms: Array<AlarmBody>, };
+
+export type RunTraceBody = { 
+/**
+ * Names of all signals of the trace.
+ */
+available: Array<string>, 
+/**
+ * Time of the first row, from the run's beginning, s.
+ */
+from_s: number, 
+/**
+ * Time of the last row, s.
+ */
+to_s: number, 
+/**
+ * Time of each column's first row, s.
+ */
+time_s: Array<number>, 
+/**
+ * The signals that were asked for.
+ */
+signals: Array<RunTraceSignal>, };
+
+export type RunTraceSignal = { 
+/**
+ * Its name.
+ */
+name: string, 
+/**
+ * Least value of each column; null where there is none.
+ */
+least: Array<number | null>, 
+/**
+ * Greatest value of each column.
+ */
+most: Array<number | null>, };
 
 export type SessionOrder = { 
 /**

@@ -24,6 +24,12 @@ pub(crate) struct ServeArgs {
     /// Keep offsets, tools, alarms and the last program in this folder [default: nothing is kept]
     #[arg(long, value_name = "DIR")]
     pub(crate) state: Option<PathBuf>,
+    /// Runs that are kept in the state folder, with report, certificate and trace; the oldest give way
+    #[arg(long, value_name = "N", default_value_t = 200, requires = "state")]
+    pub(crate) runs: usize,
+    /// Mebibytes that they take on the disk together at most
+    #[arg(long, value_name = "N", default_value_t = 2048, requires = "state", value_parser = clap::value_parser!(u64).range(1..=1 << 20))]
+    pub(crate) runs_mb: u64,
     /// Clamp the simulated stock this far from where the machine's file says, millimetres, as in X0.4,Y-0.3,Z1.2
     #[arg(long, value_name = "AXES")]
     pub(crate) clamped: Option<String>,

@@ -104,6 +104,8 @@ pub struct Operations {
     ops: Vec<Op>,
     /// Each frame, with the operation from which on it holds.
     frames: Vec<(usize, ProgramFrame)>,
+    /// Codes in force, with the operation from which on they are; only on a control that is on.
+    codes: Vec<(usize, Vec<String>)>,
     findings: Vec<Diagnostic>,
     /// Tools that the program calls and the table lacks.
     stand_ins: Vec<Tool>,
@@ -149,10 +151,17 @@ impl Operations {
         let again = rest.clone();
         let mut read = interp::Ops::of_piece(source, setup, rest, is_typed);
         let (mut ops, mut frames) = (Vec::new(), Vec::<(usize, ProgramFrame)>::new());
+        let mut codes: Vec<(usize, Vec<String>)> = Vec::new();
         while let Some(op) = read.next() {
             let frame = read.frame();
             if frames.last().is_none_or(|(_, last)| *last != frame) {
                 frames.push((ops.len(), frame));
+            }
+            if again.is_some() {
+                let in_force = read.codes();
+                if codes.last().is_none_or(|(_, last)| *last != in_force) {
+                    codes.push((ops.len(), in_force));
+                }
             }
             ops.push(op);
         }
@@ -175,7 +184,15 @@ impl Operations {
         let live = asks.then(|| Box::new((source.to_vec(), setup.clone(), again)));
         let findings = read.diagnostics();
         left.rest = Some(read.rest());
-        Self { ops, frames, findings, stand_ins, left, live, is_typed }
+        Self { ops, frames, codes, findings, stand_ins, left, live, is_typed }
+    }
+
+    /// The codes in force at the operation with this number, counted from 0. None are known of a program that asks the machine
+    /// something: what it executes shows only then.
+    pub fn codes_at(&self, op: usize) -> &[String] {
+        let next = self.codes.partition_point(|(from, _)| *from <= op);
+        let known = next.checked_sub(1).filter(|_| self.live.is_none());
+        known.map_or(&[], |at| &self.codes[at].1)
     }
 
     /// What a text leaves in the control when it is given up at the operation with this number, counted from 0.

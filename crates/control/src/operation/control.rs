@@ -3,9 +3,11 @@
 //! In lock-step what paces the time calls [`Control::period`] once per servo period, and nothing moves while none is called.
 //! In real time the servo thread keeps the time, and [`Control::period`] looks at what it has done. A [`Request`] acts
 //! from the next period on.
+use super::ended::EndedProgram;
 use super::event::{Alarm, Event, Events};
 use super::kept::Kept;
 use super::manual::unit;
+use super::meters::Meters;
 use super::programs::{Loaded, UnderWay};
 use super::request::{Accepted, Refusal, Request};
 use super::state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
@@ -73,6 +75,10 @@ pub struct Control {
     /// The program that was loaded last, and how far it came.
     pub(super) last_program: Option<LastProgram>,
     pub(super) kept: Kept,
+    pub(super) meters: Meters,
+    /// Folder in which programs are recorded.
+    pub(super) runs: Option<PathBuf>,
+    pub(super) ended: Option<EndedProgram>,
     /// Which of the machines of this file it is: what is simulated scatters by it.
     pub(super) seed: u64,
     drives_were_ready: bool,
@@ -138,6 +144,9 @@ impl Control {
             handwheel: [None; AXES],
             last_program: None,
             kept,
+            meters: Meters::default(),
+            runs: None,
+            ended: None,
             seed,
             drives_were_ready: false,
             told_features: 0,
@@ -316,6 +325,8 @@ impl Control {
         if let Some(under_way) = &mut self.under_way {
             let goes_on = under_way.running.period(&mut self.executor);
             let heard = under_way.running.take_events();
+            self.meters.sample(under_way.running.sample());
+            under_way.follow(&self.executor);
             self.hear(&heard);
             if goes_on.is_break() {
                 self.end_program();
@@ -323,8 +334,9 @@ impl Control {
                 self.follow_execution();
             }
         } else {
-            let Self { executor, workpiece, .. } = self;
-            executor.period(|_, _, sample| workpiece.sample(sample));
+            let Self { executor, workpiece, meters, .. } = self;
+            let sample = executor.period(|_, _, sample| workpiece.sample(sample));
+            meters.sample(&sample);
             let mut heard = Vec::new();
             while let Some(event) = self.executor.kernel.next_event() {
                 heard.push(event);

@@ -20,16 +20,20 @@
 //! | `proving` | texts interpreted and planned apart from the control, which goes on meanwhile |
 //! | `kept` | what outlives the control, in its state folder |
 //! | `event`, `questions`, `status` | what happened; what a front end asks; how things are |
+//! | `ended` | a program that has ended, for report, certificate and history |
+//! | `meters`, `timeline` | measured speed and load; planned ends of operations, for the time left |
 //! | `signals`, `tool_path` | what a scope shows; what a picture of the program is drawn from |
 //! | `hosted` | a control in a thread of its own, paced by the clock, for any number of clients |
 #![allow(clippy::unnecessary_wraps)] // every request is answered alike: accepted, or refused
 
 mod control;
 mod drives;
+mod ended;
 mod event;
 pub mod hosted;
 mod kept;
 mod manual;
+mod meters;
 mod offsets;
 mod programs;
 mod proving;
@@ -38,9 +42,11 @@ mod request;
 mod signals;
 mod state;
 mod status;
+mod timeline;
 mod tool_path;
 
 pub use control::{Control, ControlOptions};
+pub use ended::EndedProgram;
 pub use event::{Alarm, Event};
 pub use kept::kept_parameters;
 pub use programs::LoadedProgram;
@@ -49,6 +55,7 @@ pub use request::{Accepted, Jog, Refusal, Request, ToolField};
 pub use signals::Signals;
 pub use state::{EmergencyStop, Execution, ExecutionEvent, Mode, Need, Power};
 pub use status::{
-    AxisStatus, FeatureCount, Overrides, ProgramStatus, SpindleStatus, Status, WaitingStatus,
+    AxisStatus, FeatureCount, NeedStatus, Overrides, ProgramStatus, SpindleStatus, Status,
+    Switches, WaitingStatus,
 };
 pub use tool_path::{PathHole, PathKind, Segment, ToolPath};

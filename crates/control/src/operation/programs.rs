@@ -6,24 +6,27 @@
 //!   typed blocks ─────────────────────────────────────┘
 //! ```
 use super::control::Control;
+use super::ended::EndedProgram;
 use super::event::Event;
 use super::kept::take_left;
 use super::manual::unit;
 use super::proving::Fit;
 use super::request::{Accepted, Refusal, Request};
 use super::state::{ExecutionEvent, Mode};
+use super::timeline::Timeline;
 use super::tool_path::ToolPath;
 use crate::job::preflight::{Proved, wrong_from};
 use crate::job::restart::{self, Restart};
 use crate::job::{Operations, Session};
 use crate::observers::use_up;
-use crate::{Loaded as Ready, Refused, Running};
+use crate::{Executor, Loaded as Ready, Refused, Running};
 use bus::State;
 use canon::{Axis, Op, OpKind, Position, SpindleOrder};
 use diag::{Diagnostic, Severity};
 use kernel::Order;
 use std::path::PathBuf;
 use std::sync::Arc;
+use store::output::Folder;
 use store::state::LastProgram;
 use units::Time;
 
@@ -58,11 +61,17 @@ pub struct LoadedProgram {
 pub(super) struct UnderWay {
     pub(super) running: Running,
     pub(super) name: String,
-    session: Session,
-    text: Vec<u8>,
-    proved: Proved,
+    pub(super) path: PathBuf,
+    pub(super) session: Session,
+    pub(super) text: Vec<u8>,
+    pub(super) proved: Proved,
+    /// What is recorded of it.
+    pub(super) folder: Option<Folder>,
+    timeline: Timeline,
+    /// The operation that is executed, and since when.
+    executed: (u32, Time),
     /// Number of its first operation, and how many of its own were left out before it.
-    first: u32,
+    pub(super) first: u32,
     restart: Option<Restart>,
 }
 
@@ -145,7 +154,7 @@ impl Control {
         fit: Fit,
         restart: Option<Restart>,
     ) -> Result<(), Refusal> {
-        let Fit { name, text, session, proved, .. } = fit;
+        let Fit { path, name, text, session, proved, timeline } = fit;
         if !self.executor.kernel.clear() {
             return Err(Refusal::because("an axis still moves: wait until it stands"));
         }
@@ -161,7 +170,24 @@ impl Control {
         let workpiece = self.workpiece.clone();
         let mut running = Running::attended(&loaded, workpiece, first, &mut self.executor);
         running.count_tool_use(self.mounted());
-        self.under_way = Some(UnderWay { running, name, session, text, proved, first, restart });
+        let folder = match mode {
+            Mode::Automatic => self.begin_record(&session, &name, &mut running),
+            Mode::ManualDataInput | Mode::Manual => None,
+        };
+        let executed = (first, self.now());
+        self.under_way = Some(UnderWay {
+            running,
+            name,
+            path,
+            folder,
+            session,
+            text,
+            proved,
+            timeline,
+            executed,
+            first,
+            restart,
+        });
         self.is_hold_asked = false;
         self.enter(mode);
         self.execution_after(ExecutionEvent::Start);
@@ -236,7 +262,27 @@ impl Control {
             self.everything_was_stopped();
         }
         match ended.finish(&mut self.executor) {
-            Ok(outcome) => outcome.broke_off.into_iter().for_each(|why| self.events.notice(why)),
+            Ok(outcome) => {
+                for why in &outcome.broke_off {
+                    self.events.notice(why.clone());
+                }
+                let UnderWay { name, path, text, session, proved, first, folder, .. } = under_way;
+                if let Some(folder) = folder {
+                    let (alarms, seed) = (Vec::new(), self.seed);
+                    let ended = EndedProgram {
+                        folder,
+                        name,
+                        path,
+                        text,
+                        session,
+                        proved,
+                        outcome,
+                        alarms,
+                        seed,
+                    };
+                    self.ended = Some(ended.alone(first));
+                }
+            }
             Err(why) => self.events.notice(why.to_string()),
         }
         let is_stopped_by_alarm = !self.executor.kernel.faults().is_empty();
@@ -259,6 +305,43 @@ impl UnderWay {
         match &self.restart {
             None => from_start,
             Some(restart) => restart.skip + from_start.saturating_sub(restart.prelude.len()),
+        }
+    }
+
+    /// A period is over.
+    pub(super) fn follow(&mut self, executor: &Executor) {
+        let op = executor.kernel.report().op;
+        if self.executed.0 != op {
+            self.executed = (op, executor.machine.feedback().time);
+        }
+    }
+
+    /// Planned time of what is left of it.
+    pub(super) fn left(&self, now: Time) -> Time {
+        let (op, since) = self.executed;
+        let own = u32::try_from(self.own(op)).unwrap_or(u32::MAX);
+        self.timeline.left(own, now - since)
+    }
+
+    /// Codes in force.
+    pub(super) fn codes(&self) -> &[String] {
+        self.proved.operations.codes_at(self.own(self.executed.0))
+    }
+
+    /// Where the operation that is executed leads the axes; of a tap, its bottom. `None`: it moves nothing, or that shows only when
+    /// the machine has answered.
+    pub(super) fn goal(&self) -> Option<Position> {
+        if self.running.is_live() {
+            return None;
+        }
+        match &self.proved.operations.all().get(self.own(self.executed.0))?.kind {
+            OpKind::Rapid { to }
+            | OpKind::Line { to, .. }
+            | OpKind::Arc { to, .. }
+            | OpKind::Spline { to, .. } => Some(*to),
+            OpKind::Threading(thread) => Some(thread.to),
+            OpKind::Tap(tap) => Some(tap.start.with(tap.axis, tap.bottom)),
+            _ => None,
         }
     }
 

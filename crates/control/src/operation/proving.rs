@@ -9,9 +9,10 @@
 //! A request that is completed is asked for its needs again, and what it was proved for must still be so.
 use super::control::Control;
 use super::request::{Accepted, Refusal, Request};
-use crate::Refused;
+use super::timeline::Timeline;
 use crate::job::preflight::{self, Proved};
 use crate::job::{Before, ProgramOptions, Session, read_program};
+use crate::{Refused, config};
 use canon::{Position, ToolLibrary};
 use interp::Parameters;
 use std::path::{Path, PathBuf};
@@ -58,6 +59,7 @@ pub(super) struct Fit {
     pub(super) text: Vec<u8>,
     pub(super) session: Session,
     pub(super) proved: Proved,
+    pub(super) timeline: Timeline,
 }
 
 impl Proving {
@@ -69,14 +71,26 @@ impl Proving {
             let Basis { position, mounted, parameters, tools } = basis.clone();
             session.on_control((position, mounted), parameters, tools, before);
             let plan = session.plan_options(session.machine.setup.stock.material);
-            let proved = preflight::prove(&mut session, &text, plan, &mut |_| ());
+            let limits = config::planner(&session.machine);
+            let (mut clock, mut timeline) = (plan::Clock::default(), Timeline::default());
+            let proved = preflight::prove(&mut session, &text, plan, &mut |step| {
+                clock.count(&step, &limits);
+                timeline.note(step.op, clock.elapsed());
+            });
             if proved.known.is_refused() {
                 let (drawn, findings) = (session.drawn.clone(), proved.known.findings);
                 return Err(Refused::program(name.clone(), text.clone(), drawn, findings).into());
             }
-            Ok((session, proved))
+            Ok((session, proved, timeline))
         })();
-        let result = proved.map(|(session, proved)| Fit { path, name, text, session, proved });
+        let result = proved.map(|(session, proved, timeline)| Fit {
+            path,
+            name,
+            text,
+            session,
+            proved,
+            timeline,
+        });
         Proven { request, basis, result }
     }
 }

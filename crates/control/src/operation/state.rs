@@ -245,6 +245,55 @@ pub enum Need {
     NoTapInThread,
 }
 
+impl Need {
+    /// All of them.
+    pub const ALL: [Self; 14] = [
+        Self::EmergencyStopArmed,
+        Self::EmergencyStopTriggered,
+        Self::NoAlarm,
+        Self::PowerOn,
+        Self::Homed(None),
+        Self::NoProgramUnderWay,
+        Self::ProgramUnderWay,
+        Self::ProgramHeld,
+        Self::ProgramWaitsForConfirmation,
+        Self::ProgramLoaded,
+        Self::Standstill,
+        Self::NoManualMotion,
+        Self::TapInThread,
+        Self::NoTapInThread,
+    ];
+
+    /// Its name, for programs.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::EmergencyStopArmed => "emergency_stop_armed",
+            Self::EmergencyStopTriggered => "emergency_stop_triggered",
+            Self::NoAlarm => "no_alarm",
+            Self::PowerOn => "power_on",
+            Self::Homed(_) => "homed",
+            Self::NoProgramUnderWay => "no_program_under_way",
+            Self::ProgramUnderWay => "program_under_way",
+            Self::ProgramHeld => "program_held",
+            Self::ProgramWaitsForConfirmation => "program_waits_for_confirmation",
+            Self::ProgramLoaded => "program_loaded",
+            Self::Standstill => "standstill",
+            Self::NoManualMotion => "no_manual_motion",
+            Self::TapInThread => "tap_in_thread",
+            Self::NoTapInThread => "no_tap_in_thread",
+        }
+    }
+
+    /// Why what needs it is refused without, and what would make it possible, where the reason does not say it.
+    pub fn reason(&self) -> (String, Option<String>) {
+        let sentence = self.to_string();
+        match sentence.split_once(": ") {
+            Some((reason, remedy)) => (reason.to_owned(), Some(remedy.to_owned())),
+            None => (sentence, None),
+        }
+    }
+}
+
 impl fmt::Display for Need {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {

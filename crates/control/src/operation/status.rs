@@ -2,7 +2,7 @@
 use super::control::Control;
 use super::manual::unit;
 use super::offsets;
-use super::state::{EmergencyStop, Execution, Mode, Power};
+use super::state::{EmergencyStop, Execution, Mode, Need, Power};
 use units::Length;
 use verify::{Feature, Verdict};
 
@@ -18,6 +18,8 @@ pub struct AxisStatus {
     pub machine: f64,
     /// The tool's tip in the work offset in force.
     pub work: f64,
+    /// Way to where the operation that is executed leads it, of a tap to its bottom; `None`: no program moves it.
+    pub to_go: Option<f64>,
     /// It is homed.
     pub is_homed: bool,
     /// Setpoint less position by its encoder.
@@ -30,8 +32,37 @@ pub struct AxisStatus {
 pub struct SpindleStatus {
     /// Speed that it is ordered to have, rev/min; positive is M3.
     pub ordered_rpm: f64,
+    /// Speed by its encoder, rev/min, over 20 ms; positive is M3.
+    pub measured_rpm: f64,
+    /// Torque that its drive is ordered to make, in percent of what it can hold for ever at this speed, over 20 ms; `None`: its
+    /// drive is told a speed, and does not say its torque.
+    pub load_percent: Option<f64>,
     /// Angle within its turn, degrees.
     pub angle_deg: f64,
+}
+
+/// What the operator has switched.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(ts_rs::TS, utoipa::ToSchema))]
+pub struct Switches {
+    /// Hold after each block.
+    pub single_block: bool,
+    /// Stop at M1.
+    pub optional_stop: bool,
+    /// Levels of `/`, 1 to 9, whose blocks the next start leaves out.
+    pub block_skip: Vec<u8>,
+}
+
+/// Something that a request may need, and that is not so now.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(ts_rs::TS, utoipa::ToSchema))]
+pub struct NeedStatus {
+    /// Its name, as `GET machine` has it with the requests that need it.
+    pub need: &'static str,
+    /// Why such a request is refused now.
+    pub reason: String,
+    /// What would make it possible, where the reason does not say it.
+    pub remedy: Option<String>,
 }
 
 /// What the operator has turned.
@@ -72,6 +103,8 @@ pub struct ProgramStatus {
     pub planned_s: f64,
     /// For how long it has been under way, s.
     pub elapsed_s: f64,
+    /// Planned time, at overrides of 100 %, of what is still to be done, s.
+    pub left_s: f64,
     /// How long what is planned, and waits to be executed, will take, s; what has no planned time counts nothing.
     pub ahead_s: f64,
 }
@@ -116,10 +149,14 @@ pub struct Status {
     pub tool: Option<u32>,
     /// The work offset in force.
     pub work_offset: String,
-    /// Codes in force; while a program is under way none are known: it is interpreted ahead.
+    /// Codes in force at the block that is executed; none are known of a program that asks the machine something.
     pub codes: Vec<String>,
+    /// Speed of the path of X, Y and Z as it is ordered, mm/min, over 20 ms.
+    pub path_mm_per_min: f64,
     /// Overrides.
     pub overrides: Overrides,
+    /// Single block, optional stop, block skip.
+    pub switches: Switches,
     /// The program.
     pub program: Option<ProgramStatus>,
     /// Distance of the follower from its coupling, while one is engaged in the material, µm.
@@ -130,6 +167,8 @@ pub struct Status {
     pub features: FeatureCount,
     /// Alarms that no reset has cleared.
     pub alarms: Vec<String>,
+    /// What requests may need and is not so now.
+    pub unmet: Vec<NeedStatus>,
     /// How the servo thread keeps its time, in real time.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
@@ -142,9 +181,6 @@ impl Control {
         let kernel = &self.executor.kernel;
         let (feedback, report) = (self.executor.machine.feedback(), kernel.report());
         let operator = kernel.operator();
-        let percent = |share: f64| share * 100.0;
-        let rest = self.data.rest.as_ref().filter(|_| self.under_way.is_none());
-        let standing = rest.map(interp::OpsRest::standing);
         Status {
             time_s: feedback.time.value(),
             emergency_stop: self.emergency_stop().name(),
@@ -162,18 +198,25 @@ impl Control {
             spindles: self.spindles(&feedback),
             tool: feedback.tool,
             work_offset: offsets::name(self.work_offset()),
-            codes: standing.map(|standing| standing.codes).unwrap_or_default(),
+            codes: self.codes(),
+            path_mm_per_min: self.meters.path_speed() * 60.0,
             overrides: Overrides {
                 feed_percent: percent(operator.share(false)),
                 rapid_percent: percent(operator.share(true)),
                 spindle_percent: percent(operator.spindle_share()),
                 is_locked: kernel.engaged().is_some(),
             },
+            switches: Switches {
+                single_block: operator.single_block(),
+                optional_stop: operator.optional_stop(),
+                block_skip: self.options.program.block_skip.clone(),
+            },
             program: self.program_status(report.line),
             sync_error_um: report.sync_error.map(Length::in_um),
             is_tool_in_work: self.is_tap_in_thread(),
             features: self.counted(),
             alarms: self.uncleared(),
+            unmet: self.unmet(),
             real_time: self.real_time(),
         }
     }
@@ -183,6 +226,24 @@ impl Control {
         (self.execution, self.mode, self.power, self.emergency_stop())
     }
 
+    fn codes(&self) -> Vec<String> {
+        match (&self.under_way, &self.data.rest) {
+            (Some(under_way), _) => under_way.codes().to_vec(),
+            (None, Some(rest)) => rest.standing().codes,
+            (None, None) => Vec::new(),
+        }
+    }
+
+    fn unmet(&self) -> Vec<NeedStatus> {
+        let unmet = Need::ALL.iter().filter_map(|need| self.meets(need).err());
+        unmet
+            .map(|need| {
+                let (reason, remedy) = need.reason();
+                NeedStatus { need: need.name(), reason, remedy }
+            })
+            .collect()
+    }
+
     fn uncleared(&self) -> Vec<String> {
         let uncleared = self.alarms.iter().filter(|alarm| !alarm.is_cleared);
         uncleared.map(|alarm| alarm.text.clone()).collect()
@@ -190,6 +251,7 @@ impl Control {
 
     fn axes(&self, feedback: &bus::Feedback) -> Vec<AxisStatus> {
         let system = self.work_offset();
+        let goal = self.under_way.as_ref().and_then(super::programs::UnderWay::goal);
         let status = |axis: &store::machine::Axis| {
             let letter = axis.letter;
             let counted = feedback.axes[letter.index()].position;
@@ -200,6 +262,7 @@ impl Control {
                 unit: unit(letter),
                 machine,
                 work: machine - self.tip(letter) - self.zero_of(system, letter),
+                to_go: goal.map(|goal| goal.along(letter).value() - machine),
                 is_homed: self.is_homed(letter),
                 following_error: machine - read,
             }
@@ -211,6 +274,8 @@ impl Control {
         let spindles = self.base.machine.spindles.iter().zip(&feedback.spindles).enumerate();
         let status = |(index, (_, feedback)): (usize, (_, &bus::SpindleFeedback))| SpindleStatus {
             ordered_rpm: self.executor.kernel.ordered_spin(index).in_rpm(),
+            measured_rpm: self.meters.speed(index).in_rpm(),
+            load_percent: self.meters.load(&self.base.machine, index).map(percent),
             angle_deg: feedback.angle.value().rem_euclid(1.0) * 360.0,
         };
         spindles.map(status).collect()
@@ -224,6 +289,7 @@ impl Control {
                 line,
                 planned_s: planned.value(),
                 elapsed_s: (self.now() - begun).value(),
+                left_s: under_way.left(self.now()).value(),
                 ahead_s: under_way.running.ahead().value(),
             });
         }
@@ -234,6 +300,7 @@ impl Control {
             line: 0,
             planned_s,
             elapsed_s: 0.0,
+            left_s: planned_s,
             ahead_s: 0.0,
         })
     }
@@ -287,6 +354,10 @@ impl Control {
             None => self.workpiece.judge.clone().finish(),
         }
     }
+}
+
+fn percent(share: f64) -> f64 {
+    share * 100.0
 }
 
 fn count(features: &[Feature]) -> FeatureCount {

@@ -2,18 +2,21 @@
 mod openapi;
 mod programs;
 mod requests;
+mod runs;
 mod sessions;
 mod shows;
 
 pub use openapi::openapi;
 
+use crate::answer::ApiError;
 use crate::app::App;
 use crate::wire::{
     AcceptedBody, AlarmBody, EventsBody, FeatureBody, FolderBody, MachineBody, OffsetBody,
-    OperatorBody, OperatorOrder, ProgramBody, RequestBody, SavedBody, SessionBody, SessionOrder,
-    ToolBody,
+    OperatorBody, OperatorOrder, ProgramBody, RequestBody, RunDetailBody, RunTraceBody, RunsBody,
+    SavedBody, SessionBody, SessionOrder, ToolBody,
 };
 use axum::Router;
+use axum::http::StatusCode;
 use axum::routing::{MethodRouter, get, post, put};
 use control::operation::Status;
 use openapi::Shape;
@@ -45,7 +48,7 @@ fn row(
 
 /// All of them.
 fn table() -> Vec<Route> {
-    let parts = [of_the_control(), of_programs(), of_lists(), of_clients()];
+    let parts = [of_the_control(), of_programs(), of_lists(), of_runs(), of_clients()];
     parts.into_iter().flatten().collect()
 }
 
@@ -149,6 +152,42 @@ fn of_lists() -> Vec<Route> {
     ]
 }
 
+/// The history of runs.
+fn of_runs() -> Vec<Route> {
+    let no = Shape::Nothing;
+    vec![
+        row(
+            "get",
+            "/runs",
+            "Programs that were executed, the latest first",
+            [no, Shape::of::<RunsBody>()],
+            get(runs::list),
+        ),
+        row(
+            "get",
+            "/runs/{id}",
+            "A run: features and alarms",
+            [no, Shape::of::<RunDetailBody>()],
+            get(runs::detail),
+        ),
+        row("get", "/runs/{id}/report", "Its report, a page", [no, Shape::Text], get(runs::report)),
+        row(
+            "get",
+            "/runs/{id}/certificate",
+            "Its certificate",
+            [no, Shape::Any],
+            get(runs::certificate),
+        ),
+        row(
+            "get",
+            "/runs/{id}/trace",
+            "Signals of its trace, least and greatest value by column",
+            [no, Shape::of::<RunTraceBody>()],
+            get(runs::trace),
+        ),
+    ]
+}
+
 /// Clients, and this document.
 fn of_clients() -> Vec<Route> {
     let no = Shape::Nothing;
@@ -183,6 +222,16 @@ fn of_clients() -> Vec<Route> {
         ),
         row("get", "/openapi.json", "This document", [no, Shape::Any], get(shows::document)),
     ]
+}
+
+/// The disk may be slow: not in a thread that answers others.
+async fn on_disk<T: Send + 'static>(
+    app: &Arc<App>,
+    work: impl FnOnce(&App) -> T + Send + 'static,
+) -> Result<T, ApiError> {
+    let app = Arc::clone(app);
+    let done = tokio::task::spawn_blocking(move || work(&app)).await;
+    done.map_err(|e| ApiError::new(StatusCode::INTERNAL_SERVER_ERROR, e.to_string()))
 }
 
 /// The router of the API.

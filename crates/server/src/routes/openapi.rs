@@ -118,6 +118,15 @@ fn operation(row: &Route) -> Value {
     let parameters = match row.path {
         "/events" => vec![parameter("after", "query", "integer")],
         "/ws" => vec![parameter("session", "query", "string")],
+        "/runs" => ["program", "verdict", "from_unix_ms", "to_unix_ms"]
+            .map(|name| parameter(name, "query", "string"))
+            .into(),
+        path if path.ends_with("/trace") => {
+            let asked = ["signals", "from_s", "to_s", "columns"];
+            let asked = asked.map(|name| parameter(name, "query", "string"));
+            [parameter("id", "path", "string")].into_iter().chain(asked).collect()
+        }
+        path if path.contains("{id}") => vec![parameter("id", "path", "string")],
         path if path.contains("{*path}") => vec![parameter("path", "path", "string")],
         _ => Vec::new(),
     };

@@ -1,4 +1,5 @@
 //! The folder of programs. Writing is for who commands: a program under a running machine is not another client's to change.
+use super::on_disk;
 use crate::answer::{ApiError, bytes, json};
 use crate::app::App;
 use crate::folder::{FolderError, LARGEST_PROGRAM};
@@ -7,20 +8,10 @@ use crate::wire::SavedBody;
 use axum::Extension;
 use axum::body::Body;
 use axum::extract::{Path, State};
-use axum::http::{StatusCode, header};
+use axum::http::header;
 use axum::response::{IntoResponse, Response};
 use control::clock::now;
 use std::sync::Arc;
-
-/// The disk may be slow: not in a thread that answers others.
-async fn on_disk<T: Send + 'static>(
-    app: &Arc<App>,
-    work: impl FnOnce(&App) -> T + Send + 'static,
-) -> Result<T, ApiError> {
-    let app = Arc::clone(app);
-    let done = tokio::task::spawn_blocking(move || work(&app)).await;
-    done.map_err(|e| ApiError::new(StatusCode::INTERNAL_SERVER_ERROR, e.to_string()))
-}
 
 pub(super) async fn list(State(app): State<Arc<App>>) -> Result<Response, ApiError> {
     Ok(json(&on_disk(&app, |app| app.folder.list()).await?))

@@ -1,4 +1,5 @@
 //! The machine: what a page must know of it.
+use super::RequestNeeds;
 use serde::Serialize;
 use store::machine::MachineFile;
 
@@ -84,6 +85,8 @@ pub(crate) struct MachineBody {
     pub stock: Option<StockBody>,
     /// Names of the signals that a scope shows.
     pub signals: Vec<String>,
+    /// What each request needs.
+    pub requests: Vec<RequestNeeds>,
 }
 
 impl MachineBody {
@@ -132,6 +135,7 @@ impl MachineBody {
                 bore_mm: stock.bore.value(),
             }),
             signals: signals.to_vec(),
+            requests: RequestNeeds::all(),
         }
     }
 }

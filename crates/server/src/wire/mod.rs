@@ -4,7 +4,9 @@ mod answers;
 mod feature;
 mod lists;
 mod machine;
+mod needs;
 mod request;
+mod runs;
 
 pub(crate) use answers::{
     AcceptedBody, EventBody, EventsBody, OperatorBody, RefusalBody, SessionBody,
@@ -17,7 +19,9 @@ pub(crate) use lists::{
 pub(crate) use machine::{
     MachineAxis, MachineBody, MachineSpindle, OverrideRange, OverrideRanges, StockBody,
 };
+pub(crate) use needs::RequestNeeds;
 pub(crate) use request::{OperatorOrder, RequestBody, SessionOrder, ToolFieldName};
+pub(crate) use runs::{RunBody, RunDetailBody, RunTraceBody, RunTraceSignal, RunsBody};
 
 /// A line of the control's text as clients see it: paths without the folder of programs.
 pub(crate) type Shown<'a> = &'a dyn Fn(&str) -> String;

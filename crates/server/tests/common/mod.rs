@@ -4,7 +4,7 @@
 use control::job::ProgramOptions;
 use control::operation::ControlOptions;
 use serde_json::{Value, json};
-use server::{Certificate, Server, ServerOptions};
+use server::{Certificate, KeptRuns, Server, ServerOptions};
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -58,6 +58,7 @@ impl Served {
             token_file,
             certificate,
             names: Vec::new(),
+            kept_runs: KeptRuns::default(),
         });
         let server = server.unwrap_or_else(|refused| panic!("{}", refused.0));
         let config = ureq::Agent::config_builder()

@@ -7,7 +7,8 @@ use super::{HostOptions, RequestAnswer, Shared, held};
 use crate::Refused;
 use crate::clock::now;
 use crate::operation::{
-    Accepted, Begun, Control, ControlOptions, Proven, Proving, Refusal, Request, Signals,
+    Accepted, Begun, Control, ControlOptions, EndedProgram, Event, Proven, Proving, Refusal,
+    Request, Signals,
 };
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex};
@@ -70,13 +71,16 @@ pub(super) fn run(
         let _ = up.send(Err(Refused::because(format!("cannot start a thread: {e}"))));
         return;
     }
-    let control = match Control::new(options) {
+    let mut control = match Control::new(options) {
         Ok(control) => control,
         Err(refused) => {
             let _ = up.send(Err(refused)); // who started it is gone
             return;
         }
     };
+    if let Some(recording) = &host.recording {
+        control.record_programs(recording.folder.clone());
+    }
     let signals = Signals::of(&control);
     let shared = Arc::new(Shared {
         picture: Mutex::new(Arc::new(Picture::first(&control))),
@@ -225,7 +229,18 @@ impl Lead {
             }
             self.shared.signals.read(&self.control, &mut self.rows.values);
         }
+        if let Some(ended) = self.control.take_ended() {
+            self.recorded(ended);
+        }
         self.take_events();
+    }
+
+    fn recorded(&mut self, ended: EndedProgram) {
+        let Some(recording) = &mut self.host.recording else { return };
+        if let Err(why) = (recording.ended)(ended) {
+            let notice = Event::Notice(format!("this run is not kept: {why}"));
+            held(&self.shared.journal).push(self.control.now(), notice);
+        }
     }
 
     fn take_events(&mut self) {
@@ -259,6 +274,9 @@ impl Lead {
         let end = self.control.now() + COMES_TO_REST;
         while !self.control.is_at_standstill() && self.control.now() < end {
             self.control.period();
+        }
+        if let Some(ended) = self.control.take_ended() {
+            self.recorded(ended);
         }
     }
 }

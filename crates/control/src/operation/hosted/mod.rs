@@ -25,10 +25,12 @@ pub use recording::SignalRows;
 pub use refusal::{FindingData, RefusalData, RefusalKind};
 
 use super::control::{Control, ControlOptions};
+use super::ended::EndedProgram;
 use super::request::{Accepted, Request};
 use super::signals::Signals;
 use crate::Refused;
 use lead::Job;
+use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, channel, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
@@ -46,11 +48,24 @@ pub struct HostOptions {
     pub pace: f64,
     /// Called in the control's thread after each picture; it must not wait.
     pub published: Box<dyn FnMut() + Send>,
+    /// Each program is recorded.
+    pub recording: Option<ProgramRecording>,
 }
+
+/// Programs are recorded in folders below one.
+pub struct ProgramRecording {
+    /// That one.
+    pub folder: PathBuf,
+    /// Called in the control's thread when a program is over; it must not wait. An error is said to the operator.
+    pub ended: EndedTaken,
+}
+
+/// Takes programs that are over.
+pub type EndedTaken = Box<dyn FnMut(EndedProgram) -> Result<(), String> + Send>;
 
 impl Default for HostOptions {
     fn default() -> Self {
-        Self { pace: 1.0, published: Box::new(|| ()) }
+        Self { pace: 1.0, published: Box::new(|| ()), recording: None }
     }
 }
 

@@ -68,13 +68,8 @@ impl From<&Refusal> for RefusalData {
     fn from(refusal: &Refusal) -> Self {
         match refusal {
             Refusal::State(need) => {
-                let sentence = need.to_string();
-                match sentence.split_once(": ") {
-                    Some((reason, remedy)) => {
-                        Self::of_kind(RefusalKind::State, reason, Some(remedy))
-                    }
-                    None => Self::of_kind(RefusalKind::State, sentence, None),
-                }
+                let (reason, remedy) = need.reason();
+                Self { remedy, ..Self::of_kind(RefusalKind::State, reason, None) }
             }
             Refusal::Request(refused) => Self {
                 findings: findings(refused),

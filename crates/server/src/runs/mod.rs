@@ -1,0 +1,191 @@
+//! The history of runs: a folder for each, with what `leadscrew run` would leave behind.
+//!
+//! ```text
+//!   STATE/runs/.ID-…/           while it is written; what a killed server has left is removed
+//!         └─ rename ─► ID/      whole: run.json, report.html, certificate.json, trace.parquet
+//! ```
+//!
+//! The oldest give way when there are more than may be, or when they are larger together.
+mod columns;
+
+use crate::wire::{RunBody, RunTraceBody, RunsBody};
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+
+/// Runs in one answer.
+const MOST_LISTED: usize = 200;
+/// Names of folders that are being written begin with it.
+const HIDDEN: char = '.';
+/// What the list says of a run, and all that it made.
+const RUN: &str = "run.json";
+/// The page for people.
+pub(crate) const REPORT: &str = "report.html";
+/// What programs rely on.
+pub(crate) const CERTIFICATE: &str = "certificate.json";
+/// Every period.
+pub(crate) const TRACE: &str = "trace.parquet";
+
+/// How much is kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct KeptRuns {
+    /// Runs at most.
+    pub most: usize,
+    /// All of them together, bytes.
+    pub most_bytes: u64,
+}
+
+impl Default for KeptRuns {
+    /// Two hundred runs, 2 GiB.
+    fn default() -> Self {
+        Self { most: 200, most_bytes: 2 << 30 }
+    }
+}
+
+/// What is looked for.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Search {
+    /// The program's name contains it.
+    program: Option<String>,
+    verdict: Option<String>,
+    /// It ended at this moment or later.
+    from_unix_ms: Option<u64>,
+    /// It ended before this moment.
+    to_unix_ms: Option<u64>,
+}
+
+impl Search {
+    fn finds(&self, run: &RunBody) -> bool {
+        let program = self.program.as_ref().map(|part| part.to_lowercase());
+        program.is_none_or(|part| run.program.to_lowercase().contains(&part))
+            && self.verdict.as_ref().is_none_or(|verdict| run.verdict == *verdict)
+            && self.from_unix_ms.is_none_or(|from| run.ended_unix_ms >= from)
+            && self.to_unix_ms.is_none_or(|to| run.ended_unix_ms < to)
+    }
+}
+
+/// The folder; without one nothing is kept, and nothing found.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Runs {
+    folder: Option<PathBuf>,
+    kept: KeptRuns,
+}
+
+impl Runs {
+    /// In a state folder; what was not finished is removed.
+    ///
+    /// # Errors
+    /// The folder cannot be made.
+    pub(crate) fn open(state: Option<&Path>, kept: KeptRuns) -> Result<Self, String> {
+        let Some(folder) = state.map(|state| state.join("runs")) else {
+            return Ok(Self::default());
+        };
+        fs::create_dir_all(&folder)
+            .map_err(|e| format!("cannot make {}: {e}", folder.display()))?;
+        let runs = Self { folder: Some(folder), kept };
+        for unfinished in runs.names().into_iter().filter(|name| name.starts_with(HIDDEN)) {
+            let _ = fs::remove_dir_all(runs.path(&unfinished)); // it is tried again at the next start
+        }
+        Ok(runs)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.as_deref().unwrap_or(Path::new("")).join(name)
+    }
+
+    /// What lies in the folder.
+    fn names(&self) -> Vec<String> {
+        let Some(folder) = &self.folder else { return Vec::new() };
+        let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+        entries.filter_map(|entry| entry.file_name().into_string().ok()).collect()
+    }
+
+    /// Ids, the latest first.
+    fn ids(&self) -> Vec<String> {
+        let mut ids: Vec<_> = self.names().into_iter().filter(|name| is_id(name)).collect();
+        ids.sort_unstable_by(|a, b| b.cmp(a));
+        ids
+    }
+
+    fn run(&self, id: &str) -> Option<RunBody> {
+        #[derive(Deserialize)]
+        struct Stored {
+            run: RunBody,
+        }
+        let text = fs::read(self.path(id).join(RUN)).ok()?;
+        serde_json::from_slice::<Stored>(&text).ok().map(|stored| stored.run)
+    }
+
+    /// The runs that a search finds.
+    pub(crate) fn list(&self, search: &Search) -> RunsBody {
+        let found = self.ids().into_iter().filter_map(|id| self.run(&id));
+        let mut runs: Vec<_> =
+            found.filter(|run| search.finds(run)).take(MOST_LISTED + 1).collect();
+        let is_shortened = runs.len() > MOST_LISTED;
+        runs.truncate(MOST_LISTED);
+        RunsBody { runs, is_shortened }
+    }
+
+    /// A file of a run.
+    pub(crate) fn file(&self, id: &str, name: &str) -> Option<PathBuf> {
+        (self.folder.is_some() && is_id(id)).then(|| self.path(id).join(name))
+    }
+
+    /// All that is known of a run, as JSON.
+    pub(crate) fn detail(&self, id: &str) -> Option<Vec<u8>> {
+        fs::read(self.file(id, RUN)?).ok()
+    }
+
+    /// Columns of a run's trace; `None`: there is none.
+    pub(crate) fn trace(
+        &self,
+        id: &str,
+        asked: &TraceQuery,
+    ) -> Option<Result<RunTraceBody, String>> {
+        let path = self.file(id, TRACE).filter(|path| path.exists())?;
+        Some(columns::read(&path, asked))
+    }
+
+    /// Where runs are recorded, if anywhere.
+    pub(crate) fn folder(&self) -> Option<&Path> {
+        self.folder.as_deref()
+    }
+
+    /// The oldest give way.
+    pub(crate) fn make_room(&self) {
+        let (mut count, mut bytes) = (0, 0_u64);
+        for id in self.ids() {
+            count += 1;
+            bytes += size_of(&self.path(&id));
+            // the latest stays, however large it is
+            if count > 1 && (count > self.kept.most || bytes > self.kept.most_bytes) {
+                let _ = fs::remove_dir_all(self.path(&id)); // it is tried again after the next run
+            }
+        }
+    }
+}
+
+/// `?signals=a,b&from_s=…&to_s=…&columns=…`.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct TraceQuery {
+    #[serde(default)]
+    signals: String,
+    from_s: Option<f64>,
+    to_s: Option<f64>,
+    columns: Option<usize>,
+}
+
+/// Bytes of the files of a folder.
+pub(crate) fn size_of(folder: &Path) -> u64 {
+    let files = fs::read_dir(folder).into_iter().flatten().flatten();
+    files.filter_map(|file| file.metadata().ok()).map(|about| about.len()).sum()
+}
+
+/// Milliseconds since 1970, with a number of those within the same one: digits and `-` alone, so that no path hides in it.
+fn is_id(name: &str) -> bool {
+    name.len() <= 24
+        && name.starts_with(|c: char| c.is_ascii_digit())
+        && name.bytes().all(|byte| byte.is_ascii_digit() || byte == b'-')
+}
