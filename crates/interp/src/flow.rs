@@ -27,7 +27,7 @@ pub(crate) struct Frame {
 }
 
 /// Where O-words have led.
-#[derive(Clone, Default)]
+#[derive(Clone, Default, PartialEq)]
 pub(crate) struct Flow {
     /// Of each file, if it was needed.
     pub(crate) outlines: Vec<Option<Outline>>,

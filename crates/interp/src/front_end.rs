@@ -6,7 +6,7 @@ use crate::{
 };
 
 /// What decides which block comes next, and what its words mean.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 pub(crate) enum FrontEnd {
     /// O-words, and the words of the shared language.
     Rs274(Rs274),

@@ -6,6 +6,7 @@ use crate::{
     out::Out,
     program::Program,
     refused,
+    rounds::Rounds,
     setup::{Parameters, Setup},
     unknown::Unknown,
 };
@@ -27,6 +28,7 @@ pub enum Progress {
 pub struct Interpreter<'s> {
     pub(crate) program: Program<'s>,
     pub(crate) front_end: FrontEnd,
+    pub(crate) rounds: Rounds,
 }
 
 impl<'s> Interpreter<'s> {
@@ -34,7 +36,7 @@ impl<'s> Interpreter<'s> {
     pub fn new(source: &'s [u8], setup: &'s Setup) -> Self {
         let program = Program::new(source, setup);
         let front_end = FrontEnd::new(setup, program.sources.len());
-        Self { program, front_end }
+        Self { program, front_end, rounds: Rounds::default() }
     }
 
     /// Execute one block.
@@ -82,6 +84,9 @@ impl<'s> Interpreter<'s> {
                 refused::settle_unknown(&ex.words, &mut ex.modes, &it.block, out);
             }
             Ok(()) => {}
+        }
+        if core::mem::take(&mut it.jumped_back) && self.rounds.repeats(it, &self.front_end) {
+            it.never_ends();
         }
     }
 

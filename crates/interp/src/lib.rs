@@ -76,6 +76,7 @@ mod refused;
 mod reread;
 mod resolve;
 mod rigid;
+mod rounds;
 mod rs274;
 mod setup;
 mod snapshot;

@@ -21,7 +21,7 @@ const MOST_NESTED: usize = 1000;
 pub(crate) type At = (u32, u32);
 
 /// One O-word.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Mark {
     /// `100` or `<name>`; empty if it is computed.
     pub(crate) key: Box<str>,
@@ -41,7 +41,7 @@ pub(crate) struct Mark {
 }
 
 /// All O-words of a file, in order.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Outline {
     pub(crate) marks: Vec<Mark>,
     /// The subprograms by key.

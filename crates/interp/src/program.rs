@@ -50,6 +50,8 @@ pub(crate) struct Program<'s> {
     pub(crate) more_follows: bool,
     /// The piece is over.
     pub(crate) piece_over: bool,
+    /// The block at hand has led back in its file.
+    pub(crate) jumped_back: bool,
 }
 
 impl<'s> Program<'s> {
@@ -87,6 +89,7 @@ impl<'s> Program<'s> {
             reread: Reread::default(),
             more_follows: false,
             piece_over: false,
+            jumped_back: false,
         }
     }
 
@@ -116,7 +119,24 @@ impl<'s> Program<'s> {
         Ok(true)
     }
 
+    /// Where it goes on.
+    pub(crate) fn place(&self) -> (usize, At) {
+        (self.file, self.parsers[self.file].position())
+    }
+
+    /// It has come back to where it was, as it was.
+    #[cold]
+    pub(crate) fn never_ends(&mut self) {
+        self.ended = true;
+        if self.errors > 0 {
+            return; // its counting has failed, which was said
+        }
+        let text = "this loop never ends: nothing that it asks or counts changes in its rounds";
+        self.report(error("I0803", self.block.span, text));
+    }
+
     pub(crate) fn jump(&mut self, at: At) {
+        self.jumped_back |= at.0 <= self.parsers[self.file].position().0;
         self.parsers[self.file].seek(at.0, at.1);
     }
 

@@ -13,7 +13,7 @@ use crate::{
 use gcode::Parameter;
 
 /// What it knows between two blocks.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 pub(crate) struct Rs274 {
     pub(crate) flow: Flow,
     /// Blocks that begin with `/` are left out.

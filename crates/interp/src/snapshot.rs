@@ -10,7 +10,7 @@
 //! been executed ([`Snapshot::has_o_words`]), whose O-words are the same and in the same order.
 use crate::{
     executor::Executor, front_end::FrontEnd, interpreter::Interpreter, names, outline::At,
-    program::Program, setup::Setup,
+    program::Program, rounds::Rounds, setup::Setup,
 };
 use canon::Position;
 use diag::{Diagnostic, Span};
@@ -132,7 +132,8 @@ impl<'s> Interpreter<'s> {
         program.seen.clone_from(&from.seen);
         program.errors = from.errors;
         program.faults = from.faults;
-        Self { program, front_end: from.front_end.clone() }
+        let front_end = from.front_end.clone();
+        Self { program, front_end, rounds: Rounds::default() }
     }
 
     /// Blocks executed so far.

@@ -29,7 +29,7 @@ impl ToolTable {
 }
 
 /// The tools of a program.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Tools {
     /// Those of the library, and stand-ins for the ones that it lacks.
     pub(crate) library: ToolLibrary,

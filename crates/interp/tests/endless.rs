@@ -1,0 +1,64 @@
+//! Loops that never end are refused as soon as nothing in them changes; loops that end are not.
+use interp::{Dialect, MissingTools, Ops, Setup};
+
+fn found(dialect: Dialect, program: &str) -> Vec<String> {
+    let missing_tools = MissingTools::StandIn;
+    let setup = Setup { dialect, missing_tools, ..Setup::default() };
+    let mut ops = Ops::new(program.as_bytes(), &setup);
+    let mut count = 0_u32;
+    ops.by_ref().for_each(|_| count += 1);
+    assert!(count < 100_000, "it was stopped by something else");
+    let told = ops.diagnostics().into_iter().filter(diag::Diagnostic::is_error);
+    told.map(|d| format!("{}@{}", d.code, d.span.line)).collect()
+}
+
+/// The last one names its line among the first kind of language, the others among the second.
+#[test]
+fn a_loop_in_which_nothing_changes_is_refused_at_once() {
+    let fanuc = [
+        (
+            "O1\nG90 G54 G21 G17\nT2 M6\nM3 S1000\nG81 X0 Y0 Z-5. R2. F100\n#1=0\nWHILE [#1 LT 10] DO1\nX#1\nEND1\nM30\n",
+            9,
+        ),
+        ("O1\nG0 X0\nN10 G0 X1.\nG0 X2.\nGOTO 10\nM30\n", 5),
+        ("O1\nDO1\n#1=0\nWHILE [#1 LT 3] DO2\n#1=#1+1\nEND2\nEND1\nM30\n", 6),
+    ];
+    for (program, line) in fanuc {
+        let found = found(Dialect::Fanuc, program);
+        assert!(found.len() == 1 && found[0].starts_with("I0803@"), "{found:?} {line} {program}");
+    }
+    let o_words = [
+        "o1 while [1]\nG0 X1\nG0 X0\no1 endwhile\nM2\n",
+        "o1 do\nG91 G0 X0\no1 while [#1 EQ 0]\nM2\n",
+    ];
+    for program in o_words {
+        let found = found(Dialect::LinuxCnc, program);
+        assert!(found.len() == 1 && found[0].starts_with("I0803@"), "{found:?} {program}");
+    }
+}
+
+#[test]
+fn a_loop_that_ends_is_not_refused_however_little_changes_in_it() {
+    let fanuc = [
+        "O1\n#1=0\nWHILE [#1 LT 5000] DO1\n#1=#1+1\nEND1\nM30\n",
+        // the inner loop is the same in each round of the outer one
+        "O1\n#2=0\nWHILE [#2 LT 3000] DO1\n#1=0\nWHILE [#1 LT 2] DO2\n#1=#1+1\nEND2\n#2=#2+1\nEND1\nM30\n",
+        "O1\nM98 P2 L5000\nM30\nO2\n#1=1\nWHILE [#1 GT 0] DO1\n#1=0\nEND1\nM99\n",
+        // it ends by where the axis stands
+        "O1\nG90 G0 X0\nWHILE [#5001 LT 30.] DO1\nG91 X0.01\nEND1\nM30\n",
+        // and by what a tool's offset comes to
+        "O1\nG90 G10 L11 P1 R0\nWHILE [#2001 LT 30.] DO1\nG91 G10 L11 P1 R0.01\nEND1\nM30\n",
+    ];
+    for program in fanuc {
+        assert_eq!(found(Dialect::Fanuc, program), [""; 0], "{program}");
+    }
+    let o_words = [
+        "o1 repeat [5000]\nG0 X0\no1 endrepeat\nM2\n",
+        "o2 repeat [3000]\n#1=0\no1 while [#1 LT 2]\n#1=[#1+1]\no1 endwhile\no2 endrepeat\nM2\n",
+        "o9 sub\n#<_n>=[#<_n>+1]\no9 endsub\n#<_n>=0\no1 while [#<_n> LT 4000]\no9 call\no1 endwhile\nM2\n",
+        "o1 while [#5420 LT 30]\nG91 G0 X0.01\no1 endwhile\nM2\n",
+    ];
+    for program in o_words {
+        assert_eq!(found(Dialect::LinuxCnc, program), [""; 0], "{program}");
+    }
+}
