@@ -24,6 +24,7 @@
 mod certificate;
 pub mod compare;
 pub mod compensation;
+pub mod editor;
 mod link;
 pub mod polygon;
 mod program;

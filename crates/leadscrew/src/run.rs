@@ -6,13 +6,14 @@
 //!                            └► NotReady: a tool is, or may be, in the work
 //! ```
 use crate::link::{Link, NotReady};
-use crate::program::Job;
+use crate::program::{Job, Program};
 use crate::replay::{Replay, With};
 use crate::run_outputs;
 use crate::time::{Added, WithoutJerk};
-use control::job::preflight::{Proved, wrong_from};
+use control::job::preflight::{self, Proved, wrong_from};
 use control::job::restart::{self, Restart};
 use control::observers::{Observer, TraceThread};
+use control::operation::EndedProgram;
 use control::script::{self, Told};
 use control::services::learning::Memory;
 use control::stops::{AfterStop, Stops};
@@ -21,6 +22,7 @@ use kernel::{Kernel, Order, Pause};
 use std::path::{Path, PathBuf};
 use store::certificate::Certificate;
 use store::machine::{Follows, Material};
+use store::output::Folder;
 use store::trace::{Columns, Writer};
 use sync::{Prediction, SyncMode};
 use units::Time;
@@ -330,6 +332,24 @@ pub enum Ending {
 }
 
 impl Finished {
+    /// A program that a control has executed, with the folder in which it is recorded.
+    pub fn of_control(ended: EndedProgram) -> (Self, Folder) {
+        let EndedProgram { folder, name, path, text, session, proved, outcome, seed, .. } = ended;
+        let follows = session.machine.control.synchronisation.follows == Follows::Encoder;
+        let material = session.machine.setup.stock.material;
+        let plan = session.plan_options(material);
+        let program = Program { name, path, text };
+        let job = Job { program, session, material, plan, proved: Some(proved) };
+        let mut added = Added::new(config::planner(&job.session.machine));
+        let mut planner = preflight::planner(&job.session, plan);
+        preflight::plan(&mut job.cursor(), &mut planner, &mut |step| {
+            added.step(&step);
+        });
+        let tolerances = config::tolerances(follows);
+        let motion = added.motion();
+        (Self { job, outcome, seed, tolerances, memory: None, motion }, folder)
+    }
+
     /// How it ended.
     pub fn ending(&self) -> Ending {
         let Outcome { ended, not_triggered, features, watch, real_time, .. } = &self.outcome;

@@ -5,6 +5,7 @@ use crate::rights::Rights;
 use crate::runs::Runs;
 use crate::tokens::Tokens;
 use crate::wire::RequestBody;
+use control::job::ProgramOptions;
 use control::operation::Accepted;
 use control::operation::hosted::{Client, Picture};
 use serde_json::{Map, Value};
@@ -14,6 +15,9 @@ use tokio::sync::{Semaphore, oneshot, watch};
 /// Sockets that are open at once.
 const MOST_SOCKETS: usize = 64;
 
+/// Editors at once: each has a thread that interprets.
+const MOST_EDITORS: usize = 4;
+
 /// The fields of a status by their names.
 pub(crate) type Fields = Map<String, Value>;
 
@@ -22,6 +26,10 @@ pub(crate) struct App {
     pub(crate) client: Client,
     pub(crate) folder: Folder,
     pub(crate) runs: Runs,
+    /// How programs are read.
+    pub(crate) program: ProgramOptions,
+    /// Editors with a language server.
+    pub(crate) editors: Arc<Semaphore>,
     pub(crate) tokens: Option<Tokens>,
     /// Told of each picture.
     pub(crate) pictures: watch::Receiver<u64>,
@@ -37,7 +45,7 @@ impl App {
     /// Of a control and a folder.
     pub(crate) fn new(
         client: Client,
-        (folder, runs): (Folder, Runs),
+        (folder, runs, program): (Folder, Runs, ProgramOptions),
         tokens: Option<Tokens>,
         pictures: watch::Receiver<u64>,
         hosts: Vec<String>,
@@ -46,6 +54,8 @@ impl App {
             client,
             folder,
             runs,
+            program,
+            editors: Arc::new(Semaphore::new(MOST_EDITORS)),
             tokens,
             pictures,
             sockets: Arc::new(Semaphore::new(MOST_SOCKETS)),

@@ -58,6 +58,11 @@ impl Folder {
         Err(format!("{} is no folder: --programs takes one", path.display()))
     }
 
+    /// The folder itself.
+    pub(crate) fn root(&self) -> &Path {
+        &self.root
+    }
+
     /// A text without this folder in its paths.
     pub(crate) fn shown(&self, text: &str) -> String {
         text.replace(&format!("{}/", self.root.display()), "")
@@ -77,6 +82,21 @@ impl Folder {
     }
 
     /// Where a path leads to that is there.
+    /// A path within it, whether or not there is a file: what an editor writes may not be saved yet.
+    pub(crate) fn place(&self, path: &str) -> Option<PathBuf> {
+        self.find(path).ok().or_else(|| {
+            let full = self.root.join(plain(path).ok()?);
+            let folder = full.parent()?.canonicalize().ok()?;
+            let is_inside = folder.starts_with(&self.root) && !full.exists();
+            is_inside.then_some(full)
+        })
+    }
+
+    /// What stands within it of a path.
+    pub(crate) fn within(&self, path: &Path) -> Option<PathBuf> {
+        path.canonicalize().ok()?.strip_prefix(&self.root).ok().map(Path::to_owned)
+    }
+
     fn find(&self, path: &str) -> Result<PathBuf, FolderError> {
         let full = self.root.join(plain(path)?);
         let missing = || FolderError::Missing(format!("there is no program \"{}\"", short(path)));

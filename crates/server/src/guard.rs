@@ -62,7 +62,7 @@ fn look(app: &App, request: &mut Request) -> Result<(), ApiError> {
         .with_remedy(format!("call it {}", app.hosts.join(" or "))));
     }
     let path = request.uri().path();
-    let is_socket = path == "/api/v1/ws";
+    let is_socket = matches!(path, "/api/v1/ws" | "/api/v1/lsp");
     if (is_socket || !matches!(*request.method(), Method::GET | Method::HEAD))
         && let Some(origin) = text(headers, header::ORIGIN.as_str())
     {

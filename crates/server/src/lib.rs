@@ -14,6 +14,7 @@
 //! | `tokens`, `tls` | the file of tokens; the certificate |
 //! | `routes` | the table of addresses, from which router and OpenAPI document are made; a file per concern |
 //! | `socket` | WebSocket: status, events, features, requests; `scope` its binary frames |
+//! | `language` | the language server for an editor of the page |
 //! | `wire` | what goes over the wire, as types |
 //! | `runs` | the history of runs: folders, what is kept, columns of traces |
 //! | `folder` | the folder of programs |
@@ -26,6 +27,7 @@ mod answer;
 mod app;
 mod folder;
 mod guard;
+mod language;
 mod listen;
 mod page;
 mod rights;

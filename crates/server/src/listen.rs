@@ -4,7 +4,7 @@
 use crate::app::App;
 use crate::folder::Folder;
 use crate::page::Page;
-use crate::runs::{KeptRuns, Runs};
+use crate::runs::{KeptRuns, Recorder, Runs};
 use crate::tls::{Certificate, Tls};
 use crate::tokens::Tokens;
 use crate::{guard, routes};
@@ -71,6 +71,8 @@ pub struct Server {
     runtime: Option<Runtime>,
     // after the runtime: the last answers come from it
     _hosted: Hosted,
+    // after the control: it writes what that has given it
+    _recorder: Recorder,
 }
 
 impl Server {
@@ -88,9 +90,13 @@ impl Server {
         let folder = Folder::open(&programs).map_err(Refused)?;
         let tokens = token_file.map(|path| Tokens::read(&path)).transpose().map_err(Refused)?;
         let runs = Runs::open(control.state.as_deref(), options.kept_runs).map_err(Refused)?;
+        let shows = folder.clone();
+        let shown = move |text: &str| shows.shown(text);
+        let (recorder, recording) = Recorder::start(&runs, shown).map_err(Refused)?;
+        let program = control.program.clone();
         let (told, pictures) = watch::channel(0);
         let published = Box::new(move || told.send_modify(|count| *count += 1));
-        let hosted = Hosted::start(control, HostOptions { pace, published, recording: None })
+        let hosted = Hosted::start(control, HostOptions { pace, published, recording })
             .map_err(|refused| Refused(refused.sentence()))?;
         let runtime = tokio::runtime::Builder::new_multi_thread()
             .worker_threads(THREADS)
@@ -104,11 +110,17 @@ impl Server {
             .map_err(|e| Refused(format!("cannot listen on {address}: {e}")))?;
         let address = listener.local_addr().map_err(|e| Refused(e.to_string()))?;
         let hosts = hosts(&names, address.port());
-        let app = App::new(hosted.client(), (folder, runs), tokens, pictures, hosts);
+        let app = App::new(hosted.client(), (folder, runs, program), tokens, pictures, hosts);
         let fingerprint = tls.as_ref().map(|tls| tls.fingerprint.clone());
         let acceptor = tls.map(|tls| tls.acceptor);
         runtime.spawn(accept(listener, acceptor, router(Arc::new(app))));
-        Ok(Self { address, fingerprint, runtime: Some(runtime), _hosted: hosted })
+        Ok(Self {
+            address,
+            fingerprint,
+            runtime: Some(runtime),
+            _hosted: hosted,
+            _recorder: recorder,
+        })
     }
 
     /// Where it is called.

@@ -56,6 +56,11 @@ impl Folder {
         Ok(Self { destination: destination.to_owned(), exists, making: making.map_err(failed)? })
     }
 
+    /// Where it will be.
+    pub fn destination(&self) -> &Path {
+        &self.destination
+    }
+
     /// Where a file of this run is written until it is finished.
     pub fn path(&self, name: &str) -> PathBuf {
         self.making.path().join(name)

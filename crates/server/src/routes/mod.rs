@@ -220,6 +220,13 @@ fn of_clients() -> Vec<Route> {
             [no, Shape::Nothing],
             get(crate::socket::open),
         ),
+        row(
+            "get",
+            "/lsp",
+            "WebSocket: the language server",
+            [no, Shape::Nothing],
+            get(crate::language::open),
+        ),
         row("get", "/openapi.json", "This document", [no, Shape::Any], get(shows::document)),
     ]
 }

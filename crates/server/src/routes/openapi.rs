@@ -105,7 +105,7 @@ fn operation(row: &Route) -> Value {
     if let Some(content) = row.answer.content() {
         done["content"] = content;
     }
-    let status = if row.path == "/ws" { "101" } else { "200" };
+    let status = if matches!(row.path, "/ws" | "/lsp") { "101" } else { "200" };
     let mut operation = json!({
         "operationId": id,
         "summary": row.summary,
@@ -117,7 +117,7 @@ fn operation(row: &Route) -> Value {
     let parameter = |name: &str, place: &str, kind: &str| json!({ "name": name, "in": place, "required": place == "path", "schema": { "type": kind } });
     let parameters = match row.path {
         "/events" => vec![parameter("after", "query", "integer")],
-        "/ws" => vec![parameter("session", "query", "string")],
+        "/ws" | "/lsp" => vec![parameter("session", "query", "string")],
         "/runs" => ["program", "verdict", "from_unix_ms", "to_unix_ms"]
             .map(|name| parameter(name, "query", "string"))
             .into(),

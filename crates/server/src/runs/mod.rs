@@ -7,11 +7,14 @@
 //!
 //! The oldest give way when there are more than may be, or when they are larger together.
 mod columns;
+mod record;
+
+pub(crate) use record::Recorder;
 
 use crate::wire::{RunBody, RunTraceBody, RunsBody};
 use serde::Deserialize;
+use std::fs;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
 /// Runs in one answer.
 const MOST_LISTED: usize = 200;

@@ -33,20 +33,32 @@ impl Served {
     }
 
     pub fn with(pace: f64, token_file: Option<PathBuf>) -> Self {
-        Self::of(pace, token_file, None)
+        Self::of(pace, token_file, None, None)
+    }
+
+    /// With a state folder, in which so many runs are kept.
+    pub fn keeping(pace: f64, state: &Path, most: usize) -> Self {
+        let kept = KeptRuns { most, ..KeptRuns::default() };
+        Self::of(pace, None, None, Some((state.to_owned(), kept)))
     }
 
     pub fn secured(certificate: Certificate) -> Self {
-        Self::of(1.0, None, Some(certificate))
+        Self::of(1.0, None, Some(certificate), None)
     }
 
-    fn of(pace: f64, token_file: Option<PathBuf>, certificate: Option<Certificate>) -> Self {
+    fn of(
+        pace: f64,
+        token_file: Option<PathBuf>,
+        certificate: Option<Certificate>,
+        keeping: Option<(PathBuf, KeptRuns)>,
+    ) -> Self {
+        let (state, kept_runs) = keeping.unzip();
         let folder = TempDir::new().unwrap();
         std::fs::copy(shop("plate-12xM6.ngc"), folder.path().join("plate.ngc")).unwrap();
         let control = ControlOptions {
             program: ProgramOptions::on("tapping-center"),
             seed: None,
-            state: None,
+            state,
             clamped: canon::Position::default(),
             real_time: None,
         };
@@ -58,7 +70,7 @@ impl Served {
             token_file,
             certificate,
             names: Vec::new(),
-            kept_runs: KeptRuns::default(),
+            kept_runs: kept_runs.unwrap_or_default(),
         });
         let server = server.unwrap_or_else(|refused| panic!("{}", refused.0));
         let config = ureq::Agent::config_builder()
@@ -137,6 +149,13 @@ impl Served {
         }
     }
 
+    /// A program of the folder, from the start to the end.
+    pub fn execute(&self, program: &str) {
+        self.accepted(json!({ "request": "load", "program": program }));
+        self.accepted(json!({ "request": "start" }));
+        self.until("the end", |status| status["execution"] == "PROGRAM_COMPLETED");
+    }
+
     pub fn power_on(&self) {
         self.accepted(json!({ "request": "power", "on": true }));
         self.until("ready", |status| status["is_ready"] == true);
@@ -151,7 +170,11 @@ impl Served {
     }
 
     pub fn socket(&self, query: &str) -> Socket {
-        let url = format!("ws://{}/api/v1/ws{query}", self.server.address());
+        self.socket_at("/ws", query)
+    }
+
+    pub fn socket_at(&self, path: &str, query: &str) -> Socket {
+        let url = format!("ws://{}/api/v1{path}{query}", self.server.address());
         let stream = TcpStream::connect(self.server.address()).unwrap();
         stream.set_read_timeout(Some(Duration::from_mins(1))).unwrap();
         let (socket, _) = tungstenite::client(url, MaybeTlsStream::Plain(stream)).unwrap();

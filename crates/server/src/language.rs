@@ -1,0 +1,152 @@
+//! The language server for an editor of the page: LSP over a WebSocket, a JSON-RPC message in each text frame.
+//!
+//! ```text
+//!   socket ──► bounded queue ──► thread "lsp": lsp::serve ──► bounded queue ──► thread "lsp-out" ──► socket
+//! ```
+//!
+//! Programs are named `program:/folder/name.ngc`, by their path in the folder of programs; nothing outside it is read. A message
+//! that does not find room in time ends the conversation: the editor begins a new one.
+use crate::answer::ApiError;
+use crate::app::App;
+use crate::folder::LARGEST_PROGRAM;
+use axum::extract::State;
+use axum::extract::ws::rejection::WebSocketUpgradeRejection;
+use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
+use axum::http::StatusCode;
+use axum::response::{IntoResponse, Response};
+use canon::ToolLibrary;
+use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
+use leadscrew::editor::{Machines, Surroundings, escaped, unescaped};
+use lsp_server::Connection;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::sync::mpsc;
+
+/// Largest message: a program, with the escapes of JSON.
+const LARGEST_MESSAGE: usize = 2 * LARGEST_PROGRAM;
+/// Messages that wait, either way.
+const MOST_WAITING: usize = 64;
+/// A frame is sent within so long, or the editor is gone.
+const SENT: Duration = Duration::from_secs(10);
+/// The language server takes a message within so long: it reads on between two slices of a program.
+const TAKEN: Duration = Duration::from_secs(30);
+/// Room in the queue is looked for so often.
+const LOOK: Duration = Duration::from_millis(5);
+/// How programs are named.
+const SCHEME: &str = "program:/";
+
+pub(crate) async fn open(
+    State(app): State<Arc<App>>,
+    upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
+) -> Response {
+    let Ok(upgrade) = upgrade else {
+        let reason = "this address takes a WebSocket";
+        return ApiError::new(StatusCode::UPGRADE_REQUIRED, reason).into_response();
+    };
+    let Ok(permit) = Arc::clone(&app.editors).try_acquire_owned() else {
+        let reason = "too many editors have a language server";
+        return ApiError::new(StatusCode::SERVICE_UNAVAILABLE, reason).into_response();
+    };
+    let upgrade = upgrade.max_message_size(LARGEST_MESSAGE).max_frame_size(LARGEST_MESSAGE);
+    upgrade.on_upgrade(move |socket| async move {
+        if let Some((to_server, from_server)) = start(app) {
+            talk(socket, &to_server, from_server).await;
+        }
+        drop(permit);
+    })
+}
+
+/// The language server in a thread of its own, and one that waits for what it says; `None`: there are no threads.
+fn start(app: Arc<App>) -> Option<(Sender<lsp_server::Message>, mpsc::Receiver<String>)> {
+    let (to_server, heard) = bounded(MOST_WAITING);
+    let (said, from_server) = bounded(MOST_WAITING);
+    let (frames, texts) = mpsc::channel(MOST_WAITING);
+    let out = std::thread::Builder::new().name("lsp-out".into());
+    out.spawn(move || write(&from_server, &frames)).ok()?;
+    let host = Machines { source: app.program.clone(), around: Shop(app) };
+    let serve = move || {
+        let connection = Connection { sender: said, receiver: heard };
+        // an editor that breaks the protocol has ended the conversation
+        let _ = lsp::serve(&connection, &host);
+    };
+    std::thread::Builder::new().name("lsp".into()).spawn(serve).ok()?;
+    Some((to_server, texts))
+}
+
+/// What the language server says becomes text, until either of the two is gone.
+fn write(from_server: &Receiver<lsp_server::Message>, frames: &mpsc::Sender<String>) {
+    for message in from_server {
+        let mut value = serde_json::to_value(&message).unwrap_or_default(); // names, numbers and strings
+        value["jsonrpc"] = "2.0".into();
+        if frames.blocking_send(value.to_string()).is_err() {
+            return;
+        }
+    }
+}
+
+async fn talk(
+    mut socket: WebSocket,
+    to_server: &Sender<lsp_server::Message>,
+    mut from_server: mpsc::Receiver<String>,
+) {
+    loop {
+        tokio::select! {
+            heard = socket.recv() => match heard {
+                Some(Ok(Message::Text(text))) => {
+                    let Ok(message) = serde_json::from_str(text.as_str()) else { return };
+                    if !give(to_server, message).await {
+                        return;
+                    }
+                }
+                Some(Ok(Message::Close(_)) | Err(_)) | None => return,
+                Some(Ok(_)) => {} // a ping is answered by the library
+            },
+            text = from_server.recv() => {
+                let Some(text) = text else { return };
+                let sent = tokio::time::timeout(SENT, socket.send(Message::Text(text.into())));
+                if !matches!(sent.await, Ok(Ok(()))) {
+                    return;
+                }
+            }
+        }
+    }
+}
+
+/// False: the language server has ended, or does not take it in time.
+async fn give(to_server: &Sender<lsp_server::Message>, message: lsp_server::Message) -> bool {
+    let mut message = message;
+    let end = control::clock::now() + TAKEN;
+    loop {
+        match to_server.try_send(message) {
+            Ok(()) => return true,
+            Err(TrySendError::Full(back)) if control::clock::now() < end => message = back,
+            Err(_) => return false,
+        }
+        tokio::time::sleep(LOOK).await;
+    }
+}
+
+/// The folder of programs, and the tools of the control as they are by now.
+struct Shop(Arc<App>);
+
+impl Surroundings for Shop {
+    fn path(&self, uri: &str) -> PathBuf {
+        let named = uri.strip_prefix(SCHEME).and_then(unescaped);
+        let place = named.and_then(|path| self.0.folder.place(path.trim_start_matches('/')));
+        place.unwrap_or_else(|| self.0.folder.root().join("unsaved.ngc"))
+    }
+
+    fn uri(&self, path: &Path) -> Option<String> {
+        let within = self.0.folder.within(path)?;
+        Some(format!("{SCHEME}{}", escaped(&within)))
+    }
+
+    fn tools(&self) -> Option<ToolLibrary> {
+        let mut tools = ToolLibrary::default();
+        for tool in self.0.client.latest().tools.iter() {
+            tools.insert(tool.clone());
+        }
+        Some(tools)
+    }
+}

@@ -1,0 +1,97 @@
+//! The history of runs: what is kept of a program that was executed, and how it is found again.
+#![allow(clippy::unwrap_used)] // a test may panic
+mod common;
+
+use common::Served;
+use serde_json::{Value, json};
+use std::time::Duration;
+
+/// A spot of 3 mm: short, and judged.
+const SPOT: &str = "G21 G90 G54\nT1 M6\nG43 H1\nS5000 M3\nG0 X12 Y12 Z30\nG99 G81 Z-3.3 R2 F600\nG80\nG0 Z50\nM5\nM30\n";
+
+/// The list, when it has so many runs: they are written beside the control.
+fn runs(served: &Served, query: &str, count: usize) -> Vec<Value> {
+    for _ in 0..2000 {
+        let (status, list) = served.get(&format!("/runs{query}"));
+        assert_eq!(status, 200, "{list}");
+        let runs = list["runs"].as_array().unwrap();
+        if runs.len() == count {
+            return runs.clone();
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    panic!("there are not {count} runs: {}", served.get("/runs").1);
+}
+
+#[test]
+fn a_program_that_was_executed_is_found_with_report_certificate_and_trace() {
+    let state = tempfile::tempdir().unwrap();
+    let served = Served::keeping(40.0, state.path(), 9);
+    served.power_on();
+    served.home();
+    served.execute("plate.ngc");
+    let run = runs(&served, "", 1).remove(0);
+    assert_eq!((&run["program"], &run["verdict"]), (&json!("plate.ngc"), &json!("good")), "{run}");
+    assert_eq!((&run["good"], &run["has_ended"]), (&json!(36), &json!(true)), "{run}");
+    let id = run["id"].as_str().unwrap();
+    let (_, detail) = served.get(&format!("/runs/{id}"));
+    assert_eq!(detail["run"], run);
+    assert_eq!(detail["features"], served.get("/features").1);
+    let (_, certificate) = served.get(&format!("/runs/{id}/certificate"));
+    assert_eq!(certificate["count"]["passed"], 36, "{certificate}");
+    assert_eq!(certificate["inputs"]["program_sha256"], run["program_sha256"]);
+    let (_, report) = served.get(&format!("/runs/{id}/report"));
+    let report = report.as_str().unwrap();
+    assert!(report.starts_with("<!") && report.contains("plate.ngc"));
+
+    let signals = "z_control_setpoint_mm,spindle_rpm";
+    let (status, trace) = served.get(&format!("/runs/{id}/trace?signals={signals}&columns=50"));
+    assert_eq!(status, 200, "{trace}");
+    let lasts = trace["to_s"].as_f64().unwrap();
+    assert!((lasts - run["cycle_time_s"].as_f64().unwrap()).abs() < 0.1, "{run}");
+    let [least, most] = ["least", "most"].map(|end| {
+        let values = trace["signals"][1][end].as_array().unwrap();
+        assert_eq!(values.len(), 50);
+        let values = values.iter().filter_map(Value::as_f64);
+        values.fold(0.0, |peak: f64, value| if value.abs() > peak.abs() { value } else { peak })
+    });
+    // S6000 is the fastest of the program, and a tap turns back
+    assert!((5900.0..6300.0).contains(&most), "{most}");
+    assert!(least < most, "{least}");
+    let (status, answer) = served.get(&format!("/runs/{id}/trace?signals=nothing"));
+    assert_eq!(status, 422);
+    assert!(answer["reason"].as_str().unwrap().contains("z_control_setpoint_mm"), "{answer}");
+}
+
+#[test]
+fn runs_are_chosen_by_program_verdict_and_time_and_the_oldest_give_way() {
+    let state = tempfile::tempdir().unwrap();
+    {
+        let served = Served::keeping(40.0, state.path(), 2);
+        served.power_on();
+        served.home();
+        for name in ["a.ngc", "b.ngc", "c.ngc"] {
+            assert_eq!(served.put(&format!("/programs/{name}"), SPOT.as_bytes()).0, 200);
+            served.execute(name);
+        }
+    }
+    // what was recorded is whole when the server has ended, and is there when it begins again
+    let served = Served::keeping(1.0, state.path(), 2);
+    let names = |runs: &[Value]| -> Vec<String> {
+        runs.iter().map(|run| run["program"].as_str().unwrap().to_owned()).collect()
+    };
+    let all = runs(&served, "", 2);
+    assert_eq!(names(&all), ["c.ngc", "b.ngc"], "the latest first");
+    assert_eq!(all[0]["program_sha256"], all[1]["program_sha256"]);
+    assert_eq!(names(&runs(&served, "?program=B.", 1)), ["b.ngc"]);
+    assert_eq!(runs(&served, &format!("?verdict={}", all[0]["verdict"].as_str().unwrap()), 2), all);
+    runs(&served, "?verdict=failed", 0);
+    let ended = all[0]["ended_unix_ms"].as_u64().unwrap();
+    assert_eq!(names(&runs(&served, &format!("?from_unix_ms={ended}"), 1)), ["c.ngc"]);
+    assert_eq!(names(&runs(&served, &format!("?to_unix_ms={ended}"), 1)), ["b.ngc"]);
+    for wrong in ["..", "%2e%2e", "..%2f..%2fetc", "1", "123456789012345678901234567890"] {
+        let (status, _) = served.get(&format!("/runs/{wrong}/report"));
+        assert_eq!(status, 404, "{wrong}");
+    }
+    assert_eq!(served.get("/runs?colour=red").0, 400);
+}
