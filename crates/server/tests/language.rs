@@ -52,7 +52,7 @@ fn an_editor_is_told_what_this_machine_makes_of_a_program() {
     // a travel of this machine, in a text that is not saved
     open(&mut socket, "program:/new.ngc", "G21 G90\nG53 G0 X9000\nM2\n");
     found(&mut socket, "program:/new.ngc", 1, "9000");
-    // what lies outside the folder is nobody's business: it is taken as a text of its own
+    // a place outside the folder is none: the text stands for itself
     open(&mut socket, "program:/../../etc/passwd", "G21 G90\nG53 G0 Y8000\nM2\n");
     found(&mut socket, "program:/../../etc/passwd", 1, "8000");
 }
