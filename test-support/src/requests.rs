@@ -174,8 +174,8 @@ struct Bench {
     overrides: [f64; 2],
     /// The operator has wanted more feed per turn than the drill bears.
     overloads: bool,
-    /// The drill has broken of that.
-    drill_broke: bool,
+    /// The drill has broken of that, or the operator has left a hole half drilled: a tap finds no hole.
+    no_hole: bool,
     /// Where the axes stood when their drives were last off.
     stood: Vec<f64>,
     /// Periods for which setpoints are not compared: drives come up where the axes stand.
@@ -195,7 +195,7 @@ impl Bench {
             before: Vec::new(),
             overrides: [1.0; 2],
             overloads: false,
-            drill_broke: false,
+            no_hole: false,
             stood: Vec::new(),
             settling: 3,
             execution,
@@ -217,6 +217,8 @@ impl Bench {
                     Request::Jog(_, Jog::Continuous(_)) => {
                         self.lease = Some(self.control.now() + Jog::LEASE);
                     }
+                    // after an alarm the axes are told to be where they are
+                    Request::Reset => self.settling = self.settling.max(4),
                     Request::FeedOverride(share) => self.overrides[0] = share.clamp(0.0, 2.0),
                     Request::SpindleOverride(share) => self.overrides[1] = share.clamp(0.5, 1.2),
                     _ => {}
@@ -265,10 +267,10 @@ impl Bench {
         self.transitions()?;
         self.setpoints()?;
         self.leases()?;
-        // no control forbids an overload of the drill; the taps after it find no holes
+        // no control forbids an overload of the drill
         let broken = self.control.broken_tool().map(|tool| &tool.kind);
-        self.drill_broke |= self.overloads && matches!(broken, Some(ToolKind::Drill { .. }));
-        if matches!(broken, Some(ToolKind::Tap(_))) && !self.drill_broke {
+        self.no_hole |= self.overloads && matches!(broken, Some(ToolKind::Drill { .. }));
+        if matches!(broken, Some(ToolKind::Tap(_))) && !self.no_hole {
             return Err(format!("the tap broke at {}", self.control.now()));
         }
         // an operator may drive a drill against the hole in which it was left: a tap's control does not let him
@@ -277,7 +279,7 @@ impl Bench {
             && let Some(breach) = self.control.breaches().last()
             && !breach.contains("sideways")
         {
-            if self.drill_broke {
+            if self.no_hole {
                 return Ok(());
             }
             return Err(format!("safety check violated: {breach}"));
@@ -289,7 +291,9 @@ impl Bench {
     fn transitions(&mut self) -> Result<(), String> {
         while let Some(event) = self.control.next_event() {
             let Event::Execution(now) = event else {
-                self.tell(&format!("{event:?}"));
+                let text = format!("{event:?}");
+                self.no_hole |= text.contains("hole: ") && !text.contains("hole: good");
+                self.tell(&text);
                 continue;
             };
             self.tell(&format!("{now:?}"));
