@@ -18,8 +18,9 @@ pub(crate) const SESSION: &str = "x-leadscrew-session";
 /// The session of clients on this computer that do not say who they are.
 const LOCAL: &str = "local";
 
-/// What a browser may load for the page: nothing from elsewhere, no script that is not a file of ours.
-const POLICY: &str = "default-src 'self'; script-src 'self'; style-src 'self' 'unsafe-inline'; \
+/// What a browser may load for the page: nothing from elsewhere, no script and no style that is not a file of ours.
+/// What the page sets of styles by script goes through the CSSOM, which the policy does not concern.
+const POLICY: &str = "default-src 'self'; script-src 'self'; style-src 'self'; \
     img-src 'self' data: blob:; connect-src 'self'; worker-src 'self' blob:; object-src 'none'; \
     base-uri 'none'; form-action 'self'; frame-ancestors 'none'";
 

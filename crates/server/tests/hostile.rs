@@ -83,6 +83,26 @@ fn a_body_that_is_too_large_is_refused_before_it_is_read() {
 }
 
 #[test]
+fn a_browser_is_told_to_take_no_script_and_no_style_that_is_not_a_file_of_ours() {
+    let served = Served::at_pace(1.0);
+    let mut stream = TcpStream::connect(served.server.address()).unwrap();
+    let host = served.server.address();
+    write!(stream, "GET / HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n").unwrap();
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).unwrap();
+    let (headers, page) = answer.split_once("\r\n\r\n").unwrap();
+    let policy = headers
+        .lines()
+        .find_map(|line| line.strip_prefix("content-security-policy: "))
+        .unwrap_or_else(|| panic!("{headers}"));
+    for rule in ["default-src 'self'", "script-src 'self'", "style-src 'self'"] {
+        assert!(policy.split("; ").any(|has| has == rule), "{rule}: {policy}");
+    }
+    assert!(!policy.contains("unsafe"), "{policy}");
+    assert!(!page.contains("<style") && !page.contains("style=\""), "{page}");
+}
+
+#[test]
 fn clients_that_send_nothing_keep_nobody_out() {
     let served = Served::at_pace(1.0);
     let mut silent: Vec<TcpStream> = (0..200)
