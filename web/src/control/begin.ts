@@ -7,11 +7,13 @@ import { loaded } from './program.svelte';
 import { session } from './session.svelte';
 import { switches } from './switches.svelte';
 import { machine } from './machine.svelte';
+import { follow } from './trace.svelte';
 
 export async function begin(): Promise<void> {
   control.watch();
   control.on((message) => cut.take(message));
   control.on((message) => session.take(message));
+  control.on(follow);
   control.on((message) => {
     if (message.type !== 'event') return;
     if (message.event === 'notice') messages.say('note', String(message.text));

@@ -54,6 +54,7 @@ class Control {
   /** A message of the server. */
   take(message: ServerMessage): void {
     if (message.type === 'status' || message.type === 'delta') this.#last_ms = performance.now();
+    if (!this.status) performance.mark('digits');
     if (message.type === 'status') this.status = message.status as Status;
     else if (message.type === 'delta' && this.status) this.status = { ...this.status, ...(message.status as Partial<Status>) };
     for (const listener of this.#listeners) listener(message);

@@ -1,4 +1,5 @@
-// The switches of the panel: single block, optional stop, block skip. The status leads where it has them.
+// The switches of the panel: single block, optional stop, block skip. The status says how they are.
+import type { Status } from './model';
 import type { ServerMessage } from './control.svelte';
 import { request } from './requests';
 
@@ -9,16 +10,18 @@ class Switches {
   optional = $state(false);
   skip = $state(false);
 
-  /** A control that was started anew has them off; where its status says how they are, that counts. */
+  /** They are as the control says, in whichever tab they were set. */
   take(message: ServerMessage): void {
-    const said = message.status as { is_single_block?: boolean; is_optional_stop?: boolean } | undefined;
-    if (said?.is_single_block !== undefined) this.single = said.is_single_block;
-    if (said?.is_optional_stop !== undefined) this.optional = said.is_optional_stop;
+    const said = (message.status as Partial<Status> | undefined)?.switches;
+    if (!said) return;
+    this.single = said.single_block;
+    this.optional = said.optional_stop;
+    this.skip = said.block_skip.includes(1);
   }
 
   async set(which: keyof typeof requestOf, on: boolean): Promise<void> {
     const fields = which === 'skip' ? { level: 1, on } : { on };
-    if (await request(requestOf[which], fields)) this[which] = on;
+    await request(requestOf[which], fields);
   }
 }
 

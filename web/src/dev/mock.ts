@@ -41,7 +41,7 @@ export function mock(): void {
     ];
   });
   machine.facts = {
-    name: 'tapping-center', description: '', stock: { material: 'C45', bore_mm: 0, from: [0, 0, -25], to: [120, 80, 0] }, is_lathe: false, period_s: 0.00025, spindles: [],
+    name: 'tapping-center', description: '', stock: { material: 'C45', bore_mm: 0, from: [0, 0, -25], to: [120, 80, 0] }, is_lathe: false, period_s: 0.00025, spindles: [], requests: [],
     axes: ['X', 'Y', 'Z'].map((letter) => ({ letter, kind: 'linear', approach_per_min: 3000, unit: 'mm' as const, travel_from: letter === 'Z' ? -400 : -500, travel_to: 0, rapid_per_min: 50000 })),
     signals: ['X.setpoint_mm', 'X.position_mm', 'Z.setpoint_mm', 'Z.position_mm', 'spindle0.ordered_rpm', 'spindle0.angle_deg', 'sync_error_um'],
     overrides: { feed: { least_percent: 0, most_percent: 200 }, rapid: { least_percent: 0, most_percent: 100 }, spindle: { least_percent: 50, most_percent: 120 } },
@@ -54,14 +54,14 @@ export function mock(): void {
   setInterval(() => {
     const s = (performance.now() - begun) / 1000;
     const z = -4.25 - 8 * Math.sin(s * 3);
-    const axis = (letter: string, work: number) => ({ letter, unit: 'mm' as const, machine: work - 250, work, is_homed: true, following_error: 0 });
+    const axis = (letter: string, work: number) => ({ letter, unit: 'mm' as const, machine: work - 250, work, is_homed: true, following_error: 0, to_go: letter === 'Z' ? -20 - z : 0 });
     const status: Status = {
       time_s: s, emergency_stop: 'ARMED', power: 'ON', is_ready: true, mode: 'AUTOMATIC', execution: 'ACTIVE', activity: 'tapping',
-      waiting_for: null, axes: [axis('X', 76), axis('Y', 40), axis('Z', z)], spindles: [{ ordered_rpm: 6000, angle_deg: (s * 1000) % 360 }],
+      waiting_for: null, axes: [axis('X', 76), axis('Y', 40), axis('Z', z)], spindles: [{ ordered_rpm: 6000, angle_deg: (s * 1000) % 360, measured_rpm: 5998, load_percent: 23 }],
       tool: 3, work_offset: 'G54', codes: ['G0', 'G17', 'G21', 'G90', 'G94', 'G54', 'G43', 'G80', 'M3', 'M8'],
       overrides: { feed_percent: 100, rapid_percent: 50, spindle_percent: 100, is_locked: true },
-      program: { name: 'plate-12xM6.ngc', line: 14, planned_s: 62, elapsed_s: s, ahead_s: 0.5 }, sync_error_um: -0.4 + Math.sin(s * 9), is_tool_in_work: true,
-      features: { good: 6, failed: 0, not_judged: 1 }, alarms: [],
+      program: { name: 'plate-12xM6.ngc', line: 14, planned_s: 62, elapsed_s: s, left_s: Math.max(0, 62 - s), ahead_s: 0.5 }, sync_error_um: -0.4 + Math.sin(s * 9), is_tool_in_work: true,
+      features: { good: 6, failed: 0, not_judged: 1 }, alarms: [], path_mm_per_min: 0, switches: { single_block: false, optional_stop: false, block_skip: [] }, unmet: [],
     };
     if (how === 'stuck') Object.assign(status, { execution: 'STOPPED', activity: 'idle', sync_error_um: -3.2, alarms: ['the encoder of spindle 0 says nothing'] });
     if (how === 'manual') Object.assign(status, { execution: 'READY', mode: 'MANUAL', activity: 'idle', sync_error_um: null, is_tool_in_work: false });

@@ -81,6 +81,7 @@ export const t = {
   ordered: 'ordered',
   angle: 'angle',
   load: 'Load',
+  notKnown: 'not known',
   syncError: 'Sync error',
   now: 'now',
   lastSeconds: (seconds: number) => `last ${seconds} s`,
@@ -158,6 +159,18 @@ export const t = {
   unit: 'Unit',
 };
 
+export const viewTexts = {
+  coloring: 'Colours of the path',
+  colorings: { kind: 'Kind', feed: 'Feed', sync: 'Sync error', verdict: 'Verdict' },
+  notMeasured: 'not measured',
+  noneYet: 'nothing measured yet',
+  byStatus: 'as the status had it, 50 times a second; of what is judged, at the rate of the servo loop',
+  before: 'Step back',
+  after: 'Step on',
+  run: 'Go through the run',
+  whole: 'end of the run',
+};
+
 export const keyTexts = {
   stopRequest: 'Stop request',
   power: 'Power on or off',
@@ -223,6 +236,23 @@ export const scopeTexts = {
   nothing: 'nothing was taken yet',
   empty: 'Choose signals, then Run, or Single to wait for the trigger: the samples of the servo loop appear here.',
   cursorHint: 'Touch a trace: cursor A, then B.',
+};
+
+export const spectrumTexts = {
+  title: 'Spectrum', of: 'Signal', peak: 'largest', here: 'at the cursor',
+  how: (step: string) => `Hann window, mean taken away, ${step} Hz a step`,
+  tooShort: 'Less than 64 samples without a gap: let it run longer, or choose another signal.',
+};
+
+export const storedTexts = {
+  lay: 'Lay a saved trace under it',
+  off: 'Take it away',
+  laid: (name: string) => `${name} is laid under it (dashed).`,
+  none: (name: string) => `${name} has none of these signals`,
+  noHead: 'this is no saved trace: its first line has to be time_s,SIGNAL,… such as "Save" writes',
+  wrongFields: (line: number, has: number, needs: number) => `line ${line} has ${has} fields: ${needs} are named`,
+  noNumber: (line: number, field: string) => `line ${line}: "${field}" is no number`,
+  noRows: 'this trace has not two rows whose time grows: save it anew',
 };
 
 export const resultTexts = {

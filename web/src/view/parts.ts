@@ -1,6 +1,6 @@
 // What stands in the picture: stock, grid, holes, what is chosen; and which part of the path a touch means.
 import {
-  BoxGeometry, BufferAttribute, BufferGeometry, CircleGeometry, Color, DoubleSide, EdgesGeometry, GridHelper, InstancedMesh,
+  BoxGeometry, BufferAttribute, BufferGeometry, CircleGeometry, Color, CylinderGeometry, DoubleSide, EdgesGeometry, GridHelper, InstancedMesh,
   LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, Vector3, type Camera, type Object3D,
 } from 'three';
 import { color } from '../theme/colors';
@@ -20,6 +20,31 @@ export function stockParts({ least, most }: Stock): Object3D[] {
   const edges = new LineSegments(new EdgesGeometry(box), new LineBasicMaterial({ color: color('stock') }));
   for (const part of [solid, edges]) part.position.copy(at);
   return [solid, edges];
+}
+
+/** A bar that is turned about Z: X is its radius. */
+export function barParts({ least, most }: Stock): Object3D[] {
+  const radius = Math.max(0.01, Math.abs(most[0] ?? 0), Math.abs(least[0] ?? 0));
+  const [from, to] = [least[2] ?? 0, most[2] ?? 0];
+  const bar = new CylinderGeometry(radius, radius, Math.max(0.01, to - from), 48).rotateX(Math.PI / 2);
+  const solid = new Mesh(bar, new MeshLambertMaterial({ color: color('stock'), transparent: true, opacity: 0.28, depthWrite: false }));
+  const edges = new LineSegments(new EdgesGeometry(bar, 30), new LineBasicMaterial({ color: color('stock') }));
+  for (const part of [solid, edges]) part.position.set(0, 0, (from + to) / 2);
+  return [solid, edges];
+}
+
+export const colorOfKind = (kind: string): Color => new Color(color(`path-${kind}`) || color('path-feed'));
+
+export const colorOfName = (name: string): Color => new Color(color(name));
+
+/** The colour at a share, 0 to 1, of the scale from --scale-1 to --scale-5. */
+export function colorsOfScale(): (share: number) => Color {
+  const stops = [1, 2, 3, 4, 5].map((step) => new Color(color(`scale-${step}`)));
+  return (share) => {
+    const at = Math.min(1, Math.max(0, share)) * (stops.length - 1);
+    const low = Math.min(stops.length - 2, Math.floor(at));
+    return new Color().lerpColors(stops[low] as Color, stops[low + 1] as Color, at - low);
+  };
 }
 
 /** A grid of 10 mm under the work. */

@@ -6,9 +6,10 @@ import {
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { color } from '../theme/colors';
 import type { MapHole } from '../control/holes';
-import { discsOf, gridUnder, nearestPair, pairsOf, stockParts, type Stock } from './parts';
+import { barParts, colorOfKind, discsOf, gridUnder, nearestPair, pairsOf, stockParts, type Stock } from './parts';
 import type { PathArrays } from './path';
 
+export { colorOfKind, colorOfName, colorsOfScale } from './parts';
 export type ViewName = 'top' | 'front' | 'side' | 'iso';
 
 /** Pictures follow one another by so much at least, and take a fifth of the time at most: the digits come first. */
@@ -28,8 +29,12 @@ export class PathScene {
   #most: number[] = [];
   #isAsked = false;
   #next_ms = 0;
+  #at = 0;
+  #isMeasured = false;
   #name: ViewName = 'iso';
   readonly isLathe: boolean;
+  /** Called once, when the first picture is drawn. */
+  onFirst: (() => void) | null = null;
 
   constructor(readonly canvas: HTMLCanvasElement, isLathe: boolean) {
     this.isLathe = isLathe;
@@ -61,21 +66,16 @@ export class PathScene {
     this.#least = path.least.map((value, axis) => Math.min(value, Math.max(value - room, stock?.least[axis] ?? value)));
     this.#most = path.most.map((value, axis) => Math.max(value, Math.min(value + room, stock?.most[axis] ?? value)));
     this.#drawn.clear();
-    const colors = new Float32Array(path.points.length);
-    const palette = new Map<string, Color>();
-    path.kinds.forEach((kind, pair) => {
-      const of = palette.get(kind) ?? new Color(color(`path-${kind}`) || color('path-feed'));
-      palette.set(kind, of);
-      for (let end = 0; end < 2; end++) of.toArray(colors, pair * 6 + end * 3);
-    });
     const position = new BufferAttribute(path.points, 3);
-    this.#toCome = new BufferGeometry().setAttribute('position', position).setAttribute('color', new BufferAttribute(colors, 3));
+    const colors = new BufferAttribute(new Float32Array(path.points.length), 3);
+    this.#toCome = new BufferGeometry().setAttribute('position', position).setAttribute('color', colors);
     this.#done = new BufferGeometry().setAttribute('position', position);
     this.#drawn.add(
       new LineSegments(this.#done, new LineBasicMaterial({ color: color('path-done') })),
       new LineSegments(this.#toCome, new LineBasicMaterial({ vertexColors: true })),
     );
-    if (stock) this.#drawn.add(...stockParts(stock));
+    if (stock) this.#drawn.add(...(this.isLathe ? barParts(stock) : stockParts(stock)));
+    this.paint(false, (pair) => colorOfKind(path.kinds[pair] ?? ''));
     this.recolor();
     if (!this.isLathe && Number.isFinite(path.least[0])) this.#drawn.add(gridUnder(this.#least, this.#most));
     this.progress(0);
@@ -90,10 +90,25 @@ export class PathScene {
     this.draw();
   }
 
+  /** Colours each pair of the path; where they say what was measured, what is done is not grey. */
+  paint(isMeasured: boolean, of: (pair: number) => Color): void {
+    const colors = this.#toCome.getAttribute('color') as BufferAttribute | undefined;
+    if (!colors || !this.#path) return;
+    this.#isMeasured = isMeasured;
+    for (let pair = 0; pair < this.#path.lines.length; pair++) {
+      const { r, g, b } = of(pair);
+      colors.setXYZ(pair * 2, r, g, b).setXYZ(pair * 2 + 1, r, g, b);
+    }
+    colors.needsUpdate = true;
+    this.progress(this.#at);
+  }
+
   progress(pair: number): void {
+    this.#at = pair;
     const all = this.#path?.lines.length ?? 0;
-    this.#done.setDrawRange(0, pair * 2);
-    this.#toCome.setDrawRange(pair * 2, (all - pair) * 2);
+    const done = this.#isMeasured ? 0 : pair;
+    this.#done.setDrawRange(0, done * 2);
+    this.#toCome.setDrawRange(done * 2, (all - done) * 2);
     this.draw();
   }
 
@@ -176,6 +191,8 @@ export class PathScene {
       this.#isAsked = false;
       const begun = performance.now();
       this.#renderer.render(this.#scene, this.#camera);
+      this.onFirst?.();
+      this.onFirst = null;
       this.#next_ms = begun + Math.max(least_ms, 4 * (performance.now() - begun));
     });
     setTimeout(render, Math.max(0, this.#next_ms - performance.now()));
